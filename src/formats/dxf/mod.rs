@@ -1,0 +1,1 @@
+//! DXF: bytes to a drawing, and edits to bytes.

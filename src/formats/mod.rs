@@ -1,0 +1,2 @@
+//! Exchange formats: one deep module a format, read and patch together.
+pub mod dxf;

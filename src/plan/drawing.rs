@@ -1,0 +1,238 @@
+//! What a format reader hands over: drawn entities in drawing units, each with its source.
+//!
+//! Read [`Drawing`] as follows: blocks are expanded, curves are as drawn, coordinates are finite and
+//! in drawing units of the world coordinate system, entities stand in file order, layers off or
+//! frozen are marked but their entities are present. Nothing about walls has been decided yet.
+
+use glam::DVec2;
+
+/// A file format a drawing can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Drawing exchange format, ASCII.
+    Dxf,
+}
+
+impl Format {
+    /// Name as in result.json and as file extension.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Dxf => "dxf",
+        }
+    }
+}
+
+/// The bytes an entity came from: the join between the plan and the file.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct SourceRef {
+    /// Which group-0 record of the file it is, from 0 (for an entity of a block: the INSERT in model
+    /// space that shows it).
+    pub record: usize,
+    /// The entity's handle as written (upper case), if it has one.
+    pub handle: Option<String>,
+    /// Line of the file where the record starts, from 1.
+    pub line: usize,
+    /// Record name: `LINE`, `LWPOLYLINE`, `INSERT`.
+    pub kind: String,
+    /// CAD layer, decoded.
+    pub layer: String,
+}
+
+/// One vertex of a polyline; `bulge` = tan(included angle / 4) of the arc to the next vertex, positive
+/// anticlockwise, 0 for a straight piece (DXF group 42).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// Position.
+    pub at: DVec2,
+    /// Bulge towards the next vertex.
+    pub bulge: f64,
+}
+
+/// A drawn shape. Lengths in the unit of whoever holds it (drawing units in a [`Drawing`], metres of
+/// the plan frame in a plan); angles in radians, anticlockwise from +x.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A straight piece.
+    Line {
+        /// Start.
+        a: DVec2,
+        /// End.
+        b: DVec2,
+    },
+    /// Straight and bulged pieces; `closed` joins the last vertex with the first.
+    Polyline {
+        /// Vertices in order, at least one.
+        vertices: Vec<Vertex>,
+        /// Whether the last vertex is joined with the first.
+        closed: bool,
+    },
+    /// A circular arc, anticlockwise from `start_rad` to `end_rad` (taken modulo a full turn).
+    Arc {
+        /// Centre.
+        centre: DVec2,
+        /// Radius, > 0.
+        radius: f64,
+        /// Start angle.
+        start_rad: f64,
+        /// End angle.
+        end_rad: f64,
+    },
+    /// A full circle.
+    Circle {
+        /// Centre.
+        centre: DVec2,
+        /// Radius, > 0.
+        radius: f64,
+    },
+}
+
+/// How an entity may be written back.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Editable {
+    /// Its own coordinates can be spliced, vertex by vertex.
+    Free,
+    /// It is shown through one INSERT: it moves rigidly with everything that INSERT shows.
+    /// `turnable` is false where the file has no rotation value to splice.
+    WithInsert {
+        /// Whether the INSERT's rotation can be spliced.
+        turnable: bool,
+    },
+    /// It cannot be written back; the reason in plain words.
+    No(String),
+}
+
+/// One drawn entity of model space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entity {
+    /// Where it stands in the file.
+    pub source: SourceRef,
+    /// Effective layer (an entity on layer 0 of a block has the INSERT's layer).
+    pub layer: String,
+    /// What was drawn.
+    pub shape: Shape,
+    /// How it can be written back.
+    pub editable: Editable,
+    /// Names of the blocks it was expanded from, outermost first; empty for a direct entity.
+    pub blocks: Vec<String>,
+}
+
+/// A TEXT or MTEXT of model space, formatting codes removed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Text {
+    /// Where it stands in the file.
+    pub source: SourceRef,
+    /// Layer.
+    pub layer: String,
+    /// Insertion point, drawing units.
+    pub at: DVec2,
+    /// The text itself, lines joined by `\n`.
+    pub text: String,
+}
+
+/// A layer as the file's table states it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// Decoded name.
+    pub name: String,
+    /// Switched off (negative colour).
+    pub is_off: bool,
+    /// Frozen (flag 1).
+    pub is_frozen: bool,
+    /// Locked (flag 4).
+    pub is_locked: bool,
+}
+
+/// A length unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// `mm`, `cm`, `m`, `in`, `ft` or the format's own name for a rare one.
+    pub name: &'static str,
+    /// Metres in one unit.
+    pub metres: f64,
+}
+
+/// A drawing as read, before anything is understood. See the module page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing {
+    /// File name to show in places.
+    pub file: String,
+    /// Format it came from.
+    pub format: Format,
+    /// Version in the format's words: `AC1009 (R12)`.
+    pub version: String,
+    /// Unit the file declares, if it declares one that is known.
+    pub declared_unit: Option<Unit>,
+    /// What the header said about units, in words: `$INSUNITS 4`, `no $INSUNITS`.
+    pub declared_unit_words: String,
+    /// Layer table, file order; layers used but not defined are appended.
+    pub layers: Vec<Layer>,
+    /// Drawn shapes of model space in file order.
+    pub entities: Vec<Entity>,
+    /// Texts of model space in file order.
+    pub texts: Vec<Text>,
+}
+
+/// A turn about the origin followed by a shift: `p' = R(turn_rad)·p + shift`, drawing units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidMotion {
+    /// Anticlockwise turn.
+    pub turn_rad: f64,
+    /// Shift after the turn.
+    pub shift: DVec2,
+}
+
+/// A change of one drawn entity, in drawing units; only values that differ from the file are spliced.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Edit {
+    /// New geometry of the entity at `record`; same variant and same vertex count as read.
+    Shape {
+        /// [`SourceRef::record`].
+        record: usize,
+        /// The new geometry.
+        shape: Shape,
+    },
+    /// Moves the INSERT at `record` rigidly.
+    Insert {
+        /// [`SourceRef::record`].
+        record: usize,
+        /// The motion.
+        motion: RigidMotion,
+    },
+}
+
+/// Something of ours to add to a drawing, in drawing units, on a layer of ours.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Addition {
+    /// `EF-…` layer; made if the file lacks it.
+    pub layer: String,
+    /// Colour, sRGB; formats without true colour take the nearest index.
+    pub rgb: [u8; 3],
+    /// What to draw.
+    pub mark: Mark,
+}
+
+/// The kinds of things we draw.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mark {
+    /// Straight pieces through the points.
+    Path {
+        /// Corners, at least two.
+        points: Vec<DVec2>,
+        /// Whether the last is joined with the first.
+        closed: bool,
+    },
+    /// A filled quadrilateral, corners in ring order.
+    Fill {
+        /// Corners.
+        corners: [DVec2; 4],
+    },
+    /// Text, lines separated by `\n`, starting at its lower left corner (first line).
+    Text {
+        /// Lower left corner of the first line.
+        at: DVec2,
+        /// Letter height, > 0.
+        height: f64,
+        /// Plain text.
+        text: String,
+    },
+}

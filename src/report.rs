@@ -1,0 +1,214 @@
+//! What went wrong or was assumed, and where.
+//!
+//! Odd input never stops the program: it becomes a [`Problem`] with a [`Place`], the best reading
+//! goes on, and the [`Report`] is shown beside the result. Only a job that cannot go on at all
+//! returns an [`Error`]. These are the only error types of the house.
+
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use serde::{Serialize, Serializer};
+
+/// Where in which file something was found: `plan.dxf:1842 LWPOLYLINE 2F3 layer A-WALL`.
+///
+/// Every part may be missing; the file is a name to show, not a path to open.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Place {
+    /// File name as shown to the user; empty when the whole run is meant.
+    pub file: String,
+    /// Line of the file, counted from 1.
+    pub line: Option<usize>,
+    /// The entity in the words of its format: `LWPOLYLINE 2F3 layer A-WALL`.
+    pub entity: String,
+}
+
+impl Place {
+    /// The whole file.
+    pub fn file(file: impl Into<String>) -> Self {
+        Self { file: file.into(), ..Self::default() }
+    }
+
+    /// One line of a file.
+    pub fn line(file: impl Into<String>, line: usize) -> Self {
+        Self { file: file.into(), line: Some(line), entity: String::new() }
+    }
+
+    /// The same place, naming an entity.
+    pub fn entity(mut self, entity: impl Into<String>) -> Self {
+        self.entity = entity.into();
+        self
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.file)?;
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+        }
+        if !self.entity.is_empty() {
+            let gap = if self.file.is_empty() { "" } else { " " };
+            write!(f, "{gap}{}", self.entity)?;
+        }
+        Ok(())
+    }
+}
+
+/// How much a [`Problem`] matters to the user.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// An assumption or a decision worth stating; nothing was left out.
+    Info,
+    /// Something was left out or read differently than drawn; exit code 1.
+    Warning,
+    /// The job could not go on.
+    Error,
+}
+
+/// One finding: what was found, what was expected, what was done about it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// Stable identifier, kebab-case: `unit-assumed`, `dxf-bad-number`.
+    pub code: &'static str,
+    /// How much it matters.
+    pub severity: Severity,
+    /// Where it was found.
+    pub place: Place,
+    /// `…, found …, expected …; what we did`.
+    pub text: String,
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let place = self.place.to_string();
+        if place.is_empty() { f.write_str(&self.text) } else { write!(f, "{place}: {}", self.text) }
+    }
+}
+
+impl Serialize for Problem {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        use serde::ser::SerializeStruct;
+        let mut out = serializer.serialize_struct("Problem", 4)?;
+        out.serialize_field("code", self.code)?;
+        out.serialize_field("severity", &self.severity)?;
+        out.serialize_field("place", &self.place.to_string())?;
+        out.serialize_field("text", &self.text)?;
+        out.end()
+    }
+}
+
+/// The findings of one job, in the order they were made.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// All findings so far.
+    pub problems: Vec<Problem>,
+}
+
+impl Report {
+    /// Adds one finding. The same code at the same place with the same text is kept once.
+    pub fn add(&mut self, code: &'static str, severity: Severity, place: Place, text: impl Into<String>) {
+        let problem = Problem { code, severity, place, text: text.into() };
+        if !self.problems.contains(&problem) {
+            self.problems.push(problem);
+        }
+    }
+
+    /// An assumption or decision.
+    pub fn info(&mut self, code: &'static str, place: Place, text: impl Into<String>) {
+        self.add(code, Severity::Info, place, text);
+    }
+
+    /// Something left out.
+    pub fn warn(&mut self, code: &'static str, place: Place, text: impl Into<String>) {
+        self.add(code, Severity::Warning, place, text);
+    }
+
+    /// Appends all findings of another report.
+    pub fn extend(&mut self, other: Report) {
+        for p in other.problems {
+            self.add(p.code, p.severity, p.place, p.text);
+        }
+    }
+
+    /// Whether something was left out: the job ends with exit code 1.
+    pub fn is_degraded(&self) -> bool {
+        self.problems.iter().any(|p| p.severity >= Severity::Warning)
+    }
+}
+
+/// Why a job cannot go on. The variant decides the exit code.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum Error {
+    /// The drawing cannot be used (exit code 2).
+    #[error("{0}")]
+    Input(Problem),
+    /// Wrong options or configuration (exit code 3).
+    #[error("{0}")]
+    Usage(Problem),
+    /// Disk, permission or device failed (exit code 4).
+    #[error("{0}")]
+    Environment(Problem),
+    /// The user, or a newer save, stopped the job (exit code 130).
+    #[error("stopped")]
+    Stopped,
+}
+
+impl Error {
+    /// A drawing that cannot be used.
+    pub fn input(code: &'static str, place: Place, text: impl Into<String>) -> Self {
+        Self::Input(Problem { code, severity: Severity::Error, place, text: text.into() })
+    }
+
+    /// Wrong options or configuration.
+    pub fn usage(code: &'static str, place: Place, text: impl Into<String>) -> Self {
+        Self::Usage(Problem { code, severity: Severity::Error, place, text: text.into() })
+    }
+
+    /// A failing environment.
+    pub fn environment(code: &'static str, place: Place, text: impl Into<String>) -> Self {
+        Self::Environment(Problem { code, severity: Severity::Error, place, text: text.into() })
+    }
+
+    /// The problem carried, if any.
+    pub fn problem(&self) -> Option<&Problem> {
+        match self {
+            Self::Input(p) | Self::Usage(p) | Self::Environment(p) => Some(p),
+            Self::Stopped => None,
+        }
+    }
+
+    /// Process exit code (`0` and `1` belong to finished jobs).
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Input(_) => 2,
+            Self::Usage(_) => 3,
+            Self::Environment(_) => 4,
+            Self::Stopped => 130,
+        }
+    }
+}
+
+/// A request to stop, shared between the one who asks and the one who works.
+///
+/// Long loops look at it at least every 50 ms.
+#[derive(Clone, Debug, Default)]
+pub struct Cancel(Arc<AtomicBool>);
+
+impl Cancel {
+    /// Asks to stop; cannot be taken back.
+    pub fn stop(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether somebody asked to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// [`Error::Stopped`] when somebody asked to stop.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.is_stopped() { Err(Error::Stopped) } else { Ok(()) }
+    }
+}
