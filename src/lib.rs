@@ -4,7 +4,9 @@
 
 pub mod analysis;
 pub mod formats;
+pub mod moves;
 pub mod overlay;
 pub mod plan;
+pub mod config;
 pub mod report;
 pub mod search;

@@ -2,6 +2,9 @@
 //!
 //! Works on whole micrometres and cell numbers only; knows no walls, files or optimisers.
 
+pub mod interior;
+pub mod lattice;
+
 use crate::plan::geometry::{PointUm, Segment};
 
 /// The cells of a study: a square lattice, the vertices `V = V_q ∪ V_r` on it, and both regions.
