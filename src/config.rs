@@ -113,7 +113,9 @@ impl Measure {
     }
 
     fn by_name(name: &str) -> Option<Self> {
-        [Self::Degree, Self::Depth, Self::Entropy, Self::Score, Self::Penalty].into_iter().find(|m| m.name() == name)
+        [Self::Degree, Self::Depth, Self::Entropy, Self::Score, Self::Penalty]
+            .into_iter()
+            .find(|m| m.name() == name)
     }
 }
 
@@ -268,8 +270,14 @@ impl Partial {
     pub fn from_toml(name: &str, text: &str) -> Result<Self, Error> {
         toml::from_str(text).map_err(|e| {
             let line = e.span().map(|s| text[..s.start.min(text.len())].matches('\n').count() + 1);
-            let column = e.span().map(|s| text[..s.start.min(text.len())].chars().rev().take_while(|c| *c != '\n').count() + 1);
-            let place = Place { file: name.into(), line, entity: column.map(|c| format!("column {c}")).unwrap_or_default() };
+            let column = e.span().map(|s| {
+                text[..s.start.min(text.len())].chars().rev().take_while(|c| *c != '\n').count() + 1
+            });
+            let place = Place {
+                file: name.into(),
+                line,
+                entity: column.map(|c| format!("column {c}")).unwrap_or_default(),
+            };
             Error::usage("settings", place, format!("{}; nothing of this file was used", e.message()))
         })
     }
@@ -377,14 +385,19 @@ impl Settings {
     /// [`Error::Usage`] naming the key, what was found and what is expected.
     pub fn new(p: Partial) -> Result<Self, Error> {
         let score = score_terms(p.score.as_deref().unwrap_or("degree +1, depth -1, entropy +1"))?;
-        let objectives = objectives(p.objective.as_deref().unwrap_or("degree max 0.7, depth min 0.7, entropy max 0.7"))?;
+        let objectives =
+            objectives(p.objective.as_deref().unwrap_or("degree max 0.7, depth min 0.7, entropy max 0.7"))?;
         let penalties = penalties(p.penalty.as_deref().unwrap_or("clearance 1, wall-length 1"))?;
         let in_range = |key: &str, v: Option<f64>, lo: f64, hi: f64| match v {
-            Some(v) if !(lo..=hi).contains(&v) => Err(bad(key, &v.to_string(), &format!("a number from {lo} to {hi}"))),
+            Some(v) if !(lo..=hi).contains(&v) => {
+                Err(bad(key, &v.to_string(), &format!("a number from {lo} to {hi}")))
+            }
             _ => Ok(v),
         };
         let count = |key: &str, v: usize, lo: usize, hi: usize| match v {
-            v if !(lo..=hi).contains(&v) => Err(bad(key, &v.to_string(), &format!("a number from {lo} to {hi}"))),
+            v if !(lo..=hi).contains(&v) => {
+                Err(bad(key, &v.to_string(), &format!("a number from {lo} to {hi}")))
+            }
             v => Ok(v),
         };
         if let Some(v) = p.evaluations.filter(|v| !(1..=EVALUATIONS_MAX).contains(v)) {
@@ -414,7 +427,8 @@ impl Settings {
             objectives,
             score,
             penalties,
-            distance: in_range("distance", Some(p.distance.unwrap_or(D_MIN_DEFAULT)), 0.0, 1.0)?.unwrap_or(D_MIN_DEFAULT),
+            distance: in_range("distance", Some(p.distance.unwrap_or(D_MIN_DEFAULT)), 0.0, 1.0)?
+                .unwrap_or(D_MIN_DEFAULT),
             colours: p.colours.unwrap_or_default(),
             accept_missing_eof: p.accept_missing_eof.unwrap_or(false),
             ignore_move_markers: p.ignore_move_markers.unwrap_or(false),
@@ -472,7 +486,13 @@ fn score_terms(text: &str) -> Result<Vec<(Measure, f64)>, Error> {
         });
         match term {
             Some((m, w)) if out.iter().all(|(o, _)| *o != m) => out.push((m, w)),
-            _ => return Err(bad("score", &format!("{clause:?}"), "`degree +1, depth -1, entropy +1`, each once")),
+            _ => {
+                return Err(bad(
+                    "score",
+                    &format!("{clause:?}"),
+                    "`degree +1, depth -1, entropy +1`, each once",
+                ));
+            }
         }
     }
     Ok(out)
@@ -489,7 +509,8 @@ fn penalties(text: &str) -> Result<Vec<(Penalty, f64)>, Error> {
         match term {
             Some((p, w)) if out.iter().all(|(o, _)| *o != p) => out.push((p, w)),
             _ => {
-                let expected = format!("`NAME WEIGHT` with a weight of 0 or more, each once; names: {names}; or `none`");
+                let expected =
+                    format!("`NAME WEIGHT` with a weight of 0 or more, each once; names: {names}; or `none`");
                 return Err(bad("penalty", &format!("{clause:?}"), &expected));
             }
         }

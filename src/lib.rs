@@ -3,10 +3,10 @@
 //! The modules stand in the order of the flow; see `ARCHITECTURE.md`.
 
 pub mod analysis;
+pub mod config;
 pub mod formats;
 pub mod moves;
 pub mod overlay;
 pub mod plan;
-pub mod config;
 pub mod report;
 pub mod search;

@@ -6,11 +6,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
+use crate::plan::Plan;
 use crate::plan::curve::{self, Trace};
 use crate::plan::drawing::{Editable, RigidMotion, Shape, Vertex};
 use crate::plan::graph::{Graph, Handle};
 use crate::plan::markers::{Clause, Group, Kind, place_in};
-use crate::plan::Plan;
 use crate::report::Report;
 
 /// One parameter `p_i` with its transformation and bounds.
@@ -104,7 +104,11 @@ impl Moves {
             let group = out.groups.len();
             for clause in &marker.clauses {
                 let several = marker.clauses.len() > 1;
-                let name = if several { format!("{} {}", marker.name, clause.kind.name()) } else { marker.name.clone() };
+                let name = if several {
+                    format!("{} {}", marker.name, clause.kind.name())
+                } else {
+                    marker.name.clone()
+                };
                 out.parameters.push(Parameter { name, group, clause: clause.clone() });
             }
             out.groups.push(NodeGroup { nodes, handles });
@@ -148,7 +152,8 @@ impl Moves {
                     points[*c as usize] = step.apply(points[*c as usize]);
                 }
             }
-            let whole: BTreeSet<u32> = group.handles.iter().map(|h| h.0).filter(|w| self.rigid.contains(w)).collect();
+            let whole: BTreeSet<u32> =
+                group.handles.iter().map(|h| h.0).filter(|w| self.rigid.contains(w)).collect();
             for w in whole {
                 if let Some(m) = motions.get_mut(&w) {
                     *m = step.after(m);
@@ -210,13 +215,24 @@ fn moves_whole(plan: &Plan, wall: u32) -> bool {
 }
 
 /// Control points of the group's nodes that can be written back; the others are reported.
-fn writable_handles(plan: &Plan, graph: &Graph, group: &Group, nodes: &[u32], report: &mut Report) -> Vec<Handle> {
-    let mut handles: BTreeSet<Handle> = nodes.iter().flat_map(|n| graph.handles[*n as usize].iter().copied()).collect();
+fn writable_handles(
+    plan: &Plan,
+    graph: &Graph,
+    group: &Group,
+    nodes: &[u32],
+    report: &mut Report,
+) -> Vec<Handle> {
+    let mut handles: BTreeSet<Handle> =
+        nodes.iter().flat_map(|n| graph.handles[*n as usize].iter().copied()).collect();
     let walls: BTreeSet<u32> = handles.iter().map(|h| h.0).collect();
     for w in walls {
         if let Some(why) = refusal(plan, graph, group, w, &handles) {
             let place = place_in(&plan.file, &plan.walls[w as usize].source);
-            report.warn("wall-stays", place, format!("group {:?} would move it, but {why}; it stays as drawn", group.name));
+            report.warn(
+                "wall-stays",
+                place,
+                format!("group {:?} would move it, but {why}; it stays as drawn", group.name),
+            );
             handles.retain(|h| h.0 != w);
         }
     }
@@ -225,7 +241,8 @@ fn writable_handles(plan: &Plan, graph: &Graph, group: &Group, nodes: &[u32], re
 
 fn refusal(plan: &Plan, graph: &Graph, group: &Group, w: u32, handles: &BTreeSet<Handle>) -> Option<String> {
     let wall = &plan.walls[w as usize];
-    let all_in = |w: u32| (0..graph.control_nodes[w as usize].len() as u32).all(|c| handles.contains(&(w, c)));
+    let all_in =
+        |w: u32| (0..graph.control_nodes[w as usize].len() as u32).all(|c| handles.contains(&(w, c)));
     let turns = group.clauses.iter().any(|c| matches!(c.kind, Kind::Rotate(_)));
     let scales = group.clauses.iter().any(|c| matches!(c.kind, Kind::Scale(_)));
     match &wall.editable {
@@ -300,11 +317,11 @@ fn with_points(shape: &Shape, points: &[DVec2]) -> Shape {
     match shape {
         Shape::Line { .. } => Shape::Line { a: points[0], b: points[1] },
         Shape::Polyline { vertices, closed } => {
-            let vertices = vertices.iter().zip(points).map(|(v, at)| Vertex { at: *at, bulge: v.bulge }).collect();
+            let vertices =
+                vertices.iter().zip(points).map(|(v, at)| Vertex { at: *at, bulge: v.bulge }).collect();
             Shape::Polyline { vertices, closed: *closed }
         }
         Shape::Circle { radius, .. } => Shape::Circle { centre: points[0], radius: *radius },
         Shape::Arc { .. } => shape.clone(),
     }
 }
-

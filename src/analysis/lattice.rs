@@ -4,9 +4,9 @@
 //! drawn the region is the interior of the building, or what a flood from seed points reaches.
 
 use super::Lattice;
-use super::interior::Interior;
 use crate::plan::Region;
 use crate::plan::geometry::{PointUm, Segment, Side, segments_touch, side_of_ring};
+use crate::plan::interior::Interior;
 use crate::report::{Error, Place, Report};
 
 /// Most cells of the lattice's box; more means a spacing far too small for the drawing.
@@ -86,11 +86,21 @@ fn check(lattice: &Lattice, ground: &Ground<'_>) -> Result<(), Error> {
     let fail = |code, text: String| Err(Error::input(code, Place::file(ground.file), text));
     if lattice.cells.len() > VERTICES_MAX {
         let n = lattice.cells.len();
-        return fail("vertices-max", format!("spacing {spacing_m} m gives {n} vertices, expected at most {VERTICES_MAX}; choose a larger --spacing"));
+        return fail(
+            "vertices-max",
+            format!(
+                "spacing {spacing_m} m gives {n} vertices, expected at most {VERTICES_MAX}; choose a larger --spacing"
+            ),
+        );
     }
     if lattice.query.is_empty() || !lattice.is_reference.contains(&true) {
         let which = if lattice.query.is_empty() { "query" } else { "reference" };
-        return fail("no-cells", format!("no cell centre lies in the region of {which} at spacing {spacing_m} m; nothing was measured; choose a smaller --spacing or draw EF-QUERY and EF-REFERENCE"));
+        return fail(
+            "no-cells",
+            format!(
+                "no cell centre lies in the region of {which} at spacing {spacing_m} m; nothing was measured; choose a smaller --spacing or draw EF-QUERY and EF-REFERENCE"
+            ),
+        );
     }
     Ok(())
 }
@@ -127,7 +137,9 @@ impl Field {
         if size[0].saturating_mul(size[1]) > CELLS_MAX as i64 {
             let text = format!(
                 "spacing {} m lays {} × {} cells over the drawing, expected at most {CELLS_MAX} in all; choose a larger --spacing",
-                s as f64 / 1e6, size[0], size[1]
+                s as f64 / 1e6,
+                size[0],
+                size[1]
             );
             return Err(Error::input("cells-max", Place::file(ground.file), text));
         }
@@ -219,7 +231,8 @@ impl Field {
     /// What an 8-neighbour flood reaches from the given cells (those on walls excepted).
     fn flood(&self, seeds: impl Iterator<Item = (usize, usize)>) -> Vec<bool> {
         let mut reached = vec![false; self.flags.len()];
-        let mut stack: Vec<(usize, usize)> = seeds.filter(|s| self.flags[self.index(s.0, s.1)] & ON_WALL == 0).collect();
+        let mut stack: Vec<(usize, usize)> =
+            seeds.filter(|s| self.flags[self.index(s.0, s.1)] & ON_WALL == 0).collect();
         stack.iter().for_each(|s| reached[self.index(s.0, s.1)] = true);
         while let Some((col, row)) = stack.pop() {
             self.for_each_linked(col, row, |c, r| {
@@ -328,7 +341,8 @@ pub struct CellIndex {
 impl CellIndex {
     /// Indexes all vertices.
     pub fn new(lattice: &Lattice) -> Self {
-        let fold = |k: usize, f: fn(i32, i32) -> i32| lattice.cells.iter().map(|c| c[k]).reduce(f).unwrap_or(0);
+        let fold =
+            |k: usize, f: fn(i32, i32) -> i32| lattice.cells.iter().map(|c| c[k]).reduce(f).unwrap_or(0);
         let first = [fold(0, i32::min), fold(1, i32::min)];
         let size = [(fold(0, i32::max) - first[0] + 1) as usize, (fold(1, i32::max) - first[1] + 1) as usize];
         let at = |k: usize| lattice.origin_um[k] + i64::from(first[k]) * lattice.spacing_um;

@@ -2,7 +2,6 @@
 //!
 //! Works on whole micrometres and cell numbers only; knows no walls, files or optimisers.
 
-pub mod interior;
 pub mod lattice;
 
 use crate::plan::geometry::{PointUm, Segment};

@@ -35,7 +35,13 @@ impl Trace {
     /// The pieces in order; a single point gives one piece of no length.
     pub fn segments(&self) -> impl Iterator<Item = (usize, usize, Segment)> + '_ {
         let n = self.points.len();
-        let count = if n == 1 { 1 } else if self.is_closed { n } else { n - 1 };
+        let count = if n == 1 {
+            1
+        } else if self.is_closed {
+            n
+        } else {
+            n - 1
+        };
         (0..count).map(move |i| {
             let j = (i + 1) % n;
             (i, j, Segment { a: self.points[i], b: self.points[j] })
@@ -76,7 +82,13 @@ pub fn trace(shape: &Shape, frame: &Frame) -> Trace {
             let sweep = sweep_rad(*start_rad, *end_rad);
             let n = chords(*radius, sweep, frame);
             for i in 0..=n {
-                let control = if i == 0 { Some(0) } else if i == n { Some(1) } else { None };
+                let control = if i == 0 {
+                    Some(0)
+                } else if i == n {
+                    Some(1)
+                } else {
+                    None
+                };
                 push(*centre + DVec2::from_angle(start_rad + sweep * i as f64 / n as f64) * *radius, control);
             }
         }
@@ -97,7 +109,12 @@ pub fn sweep_rad(start: f64, end: f64) -> f64 {
     if sweep == 0.0 { TAU } else { sweep }
 }
 
-fn trace_polyline(vertices: &[Vertex], closed: bool, frame: &Frame, push: &mut impl FnMut(DVec2, Option<u32>)) {
+fn trace_polyline(
+    vertices: &[Vertex],
+    closed: bool,
+    frame: &Frame,
+    push: &mut impl FnMut(DVec2, Option<u32>),
+) {
     for (i, v) in vertices.iter().enumerate() {
         push(v.at, Some(i as u32));
         let next = match vertices.get(i + 1) {

@@ -56,7 +56,8 @@ pub fn choose_unit(drawing: &Drawing, user: Option<Unit>, extent_units: f64) -> 
     let fits = |u: &Unit| (LIKELY_SIZE_M[0]..=LIKELY_SIZE_M[1]).contains(&(extent_units * u.metres));
     let unit = UNITS.into_iter().find(fits).unwrap_or(UNITS[0]);
     let size_m = extent_units * unit.metres;
-    let reason = format!("{} assumed ({said}): the walls are then {size_m:.1} m long; --unit overrides it", unit.name);
+    let reason =
+        format!("{} assumed ({said}): the walls are then {size_m:.1} m long; --unit overrides it", unit.name);
     UnitChoice { unit, reason, is_assumed: true }
 }
 
@@ -90,7 +91,10 @@ impl Frame {
 
     /// Drawing frame to drawing units: reads back as the same micrometres.
     pub fn file_from_um(&self, p: PointUm) -> DVec2 {
-        DVec2::new(p[0] as f64 / UM_PER_M / self.metres_per_unit, p[1] as f64 / UM_PER_M / self.metres_per_unit)
+        DVec2::new(
+            p[0] as f64 / UM_PER_M / self.metres_per_unit,
+            p[1] as f64 / UM_PER_M / self.metres_per_unit,
+        )
     }
 
     /// Drawing frame to plan frame, metres.

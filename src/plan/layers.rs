@@ -10,19 +10,89 @@ pub const OWN_PREFIX: &str = "EF-";
 /// Words that name walls and columns in the layer names of several languages, lower case; compared
 /// with the words of a layer's name (`A-WALL-FULL` has the words `a`, `wall`, `full`).
 const WALL_WORDS: &[&str] = &[
-    "wall", "walls", "partition", "partitions", "column", "columns", "col", "cols", "pillar", "pillars", // English, AIA
-    "wand", "wande", "wände", "waende", "mauer", "mauern", "mauerwerk", "stütze", "stützen", "stuetze", "stuetzen",
-    "pfeiler", "säule", "säulen", // German
-    "mur", "murs", "cloison", "cloisons", "poteau", "poteaux", // French
-    "muro", "muri", "muratura", "murature", "tramezzo", "tramezzi", "parete", "pareti", "pilastro", "pilastri", "pianta",
+    "wall",
+    "walls",
+    "partition",
+    "partitions",
+    "column",
+    "columns",
+    "col",
+    "cols",
+    "pillar",
+    "pillars", // English, AIA
+    "wand",
+    "wande",
+    "wände",
+    "waende",
+    "mauer",
+    "mauern",
+    "mauerwerk",
+    "stütze",
+    "stützen",
+    "stuetze",
+    "stuetzen",
+    "pfeiler",
+    "säule",
+    "säulen", // German
+    "mur",
+    "murs",
+    "cloison",
+    "cloisons",
+    "poteau",
+    "poteaux", // French
+    "muro",
+    "muri",
+    "muratura",
+    "murature",
+    "tramezzo",
+    "tramezzi",
+    "parete",
+    "pareti",
+    "pilastro",
+    "pilastri",
+    "pianta",
     // Italian
-    "muros", "tabique", "tabiques", "pared", "paredes", "pilar", "pilares", // Spanish
-    "parede", "alvenaria", "alvenarias", // Portuguese
-    "muur", "muren", "wanden", // Dutch
-    "vegg", "vegger", "vägg", "väggar", "væg", "seinä", "seinät", // Nordic
-    "ściana", "ściany", "sciana", "sciany", "stena", "steny", "zeď", "zdivo", "fal", "falak", "duvar", "duvarlar", // Central Europe, Turkish
-    "стена", "стены", "перегородка", "перегородки", // Russian
-    "壁", "柱", "墙", "墙体", "柱子", // Japanese, Chinese
+    "muros",
+    "tabique",
+    "tabiques",
+    "pared",
+    "paredes",
+    "pilar",
+    "pilares", // Spanish
+    "parede",
+    "alvenaria",
+    "alvenarias", // Portuguese
+    "muur",
+    "muren",
+    "wanden", // Dutch
+    "vegg",
+    "vegger",
+    "vägg",
+    "väggar",
+    "væg",
+    "seinä",
+    "seinät", // Nordic
+    "ściana",
+    "ściany",
+    "sciana",
+    "sciany",
+    "stena",
+    "steny",
+    "zeď",
+    "zdivo",
+    "fal",
+    "falak",
+    "duvar",
+    "duvarlar", // Central Europe, Turkish
+    "стена",
+    "стены",
+    "перегородка",
+    "перегородки", // Russian
+    "壁",
+    "柱",
+    "墙",
+    "墙体",
+    "柱子", // Japanese, Chinese
 ];
 
 /// Ends of compound words that name walls: `Außenwand`, `Innenwände`.
@@ -30,9 +100,41 @@ const WALL_ENDINGS: &[&str] = &["wand", "wände", "waende", "mauer", "mauern", "
 
 /// Words that keep a layer out although a wall word stands in its name.
 const NOT_WALL_WORDS: &[&str] = &[
-    "text", "txt", "anno", "iden", "dim", "dims", "dimension", "hatch", "patt", "pattern", "fill", "grid", "axis",
-    "door", "doors", "window", "windows", "glaz", "glazing", "clng", "ceiling", "roof", "foundation", "fndn", "demo",
-    "note", "notes", "tag", "tags", "schraffur", "text", "cotes", "hachures", "quote", "furniture",
+    "text",
+    "txt",
+    "anno",
+    "iden",
+    "dim",
+    "dims",
+    "dimension",
+    "hatch",
+    "patt",
+    "pattern",
+    "fill",
+    "grid",
+    "axis",
+    "door",
+    "doors",
+    "window",
+    "windows",
+    "glaz",
+    "glazing",
+    "clng",
+    "ceiling",
+    "roof",
+    "foundation",
+    "fndn",
+    "demo",
+    "note",
+    "notes",
+    "tag",
+    "tags",
+    "schraffur",
+    "text",
+    "cotes",
+    "hachures",
+    "quote",
+    "furniture",
 ];
 
 /// Decides by name which layers carry walls.
@@ -50,7 +152,8 @@ impl WallLayers {
         let compile = |glob: &String| {
             let built = GlobBuilder::new(glob).case_insensitive(true).backslash_escape(true).build();
             built.map(|g| (glob.clone(), g.compile_matcher())).map_err(|e| {
-                let text = format!("--wall-layer {glob:?}: {e}; expected a layer name in which * and ? may stand");
+                let text =
+                    format!("--wall-layer {glob:?}: {e}; expected a layer name in which * and ? may stand");
                 Error::usage("wall-layer-pattern", Place::default(), text)
             })
         };
@@ -122,7 +225,16 @@ mod tests {
 
     #[test]
     fn layers_of_many_offices() {
-        let walls = ["WALLS", "A-WALL", "A-WALL-FULL-DIMS2", "xref-Bishop$0$A-WALL", "plan|Wand", "Wand (neu)", "MURS", "wall high"];
+        let walls = [
+            "WALLS",
+            "A-WALL",
+            "A-WALL-FULL-DIMS2",
+            "xref-Bishop$0$A-WALL",
+            "plan|Wand",
+            "Wand (neu)",
+            "MURS",
+            "wall high",
+        ];
         let more = ["Wall_2", "innenWand", "Pillars", "S-COLS", "PIANTA", "_0-9_壁__窓", "Außenwände"];
         let default = WallLayers::new(&[]).unwrap();
         for layer in walls {
@@ -131,7 +243,16 @@ mod tests {
         for (layer, expected) in more.into_iter().zip([true; 7]) {
             assert_eq!(default.reason(layer).is_some(), expected, "{layer}");
         }
-        for layer in ["0", "Doors", "A-WALL-PATT", "A-DOOR", "EF-MOVE", "Wallpaper", "A-GLAZ-WALL-TEXT", "dimension walls"] {
+        for layer in [
+            "0",
+            "Doors",
+            "A-WALL-PATT",
+            "A-DOOR",
+            "EF-MOVE",
+            "Wallpaper",
+            "A-GLAZ-WALL-TEXT",
+            "dimension walls",
+        ] {
             assert!(default.reason(layer).is_none(), "{layer}");
         }
     }

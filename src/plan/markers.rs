@@ -157,7 +157,12 @@ fn region_of(entity: &Entity, frame: &Frame) -> Option<Region> {
     (trace.is_closed && trace.points.len() >= 3).then_some(Region::Ring(trace.points))
 }
 
-fn groups(drawing: &Drawing, outlines: &[(Region, &Entity)], frame: &Frame, report: &mut Report) -> Vec<Group> {
+fn groups(
+    drawing: &Drawing,
+    outlines: &[(Region, &Entity)],
+    frame: &Frame,
+    report: &mut Report,
+) -> Vec<Group> {
     let mut texts: Vec<Vec<&Text>> = vec![Vec::new(); outlines.len()];
     for text in drawing.texts.iter().filter(|t| t.layer.eq_ignore_ascii_case(MOVE)) {
         let at = frame.um_from_file(text.at);
@@ -234,12 +239,20 @@ fn read_clause(clause: &str, frame: &Frame, drawing: &Drawing, group: &mut Group
     }
 }
 
-fn shift(kind: Kind, low: &str, high: &str, frame: &Frame, drawing: &Drawing, group: &mut Group) -> Result<(), String> {
+fn shift(
+    kind: Kind,
+    low: &str,
+    high: &str,
+    frame: &Frame,
+    drawing: &Drawing,
+    group: &mut Group,
+) -> Result<(), String> {
     let own = drawing_unit(frame, drawing);
     let (low, low_unit) = length(low)?;
     let (high, high_unit) = length(high)?;
     let unit = high_unit.or(low_unit).unwrap_or(own);
-    let to_unit = |v: f64, u: Option<Unit>| u.map_or(v * own.metres / unit.metres, |u| v * u.metres / unit.metres);
+    let to_unit =
+        |v: f64, u: Option<Unit>| u.map_or(v * own.metres / unit.metres, |u| v * u.metres / unit.metres);
     let same = |u: Option<Unit>| u.unwrap_or(own).metres == unit.metres;
     let low = if same(low_unit) { low } else { to_unit(low, low_unit) };
     let high = if same(high_unit) { high } else { to_unit(high, high_unit) };
@@ -290,5 +303,6 @@ fn length(s: &str) -> Result<(f64, Option<Unit>), String> {
         return Ok((value, None));
     }
     let unit = unit_by_name(&suffix.to_lowercase());
-    unit.map(|u| (value, Some(u))).ok_or_else(|| format!("found the unit {suffix:?}, expected mm, cm, m, in or ft"))
+    unit.map(|u| (value, Some(u)))
+        .ok_or_else(|| format!("found the unit {suffix:?}, expected mm, cm, m, in or ft"))
 }

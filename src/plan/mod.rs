@@ -8,6 +8,7 @@ pub mod drawing;
 pub mod frame;
 pub mod geometry;
 pub mod graph;
+pub mod interior;
 pub mod layers;
 pub mod markers;
 pub mod outline;
@@ -71,7 +72,8 @@ impl Region {
             Self::Ring(ring) => ring.clone(),
             Self::Disc { centre, radius_um } => (0..64)
                 .map(|i| {
-                    let t = DVec2::from_angle(std::f64::consts::TAU * f64::from(i) / 64.0) * *radius_um as f64;
+                    let t =
+                        DVec2::from_angle(std::f64::consts::TAU * f64::from(i) / 64.0) * *radius_um as f64;
                     [centre[0] + t.x.round() as i64, centre[1] + t.y.round() as i64]
                 })
                 .collect(),
@@ -157,7 +159,11 @@ struct Chosen<'a> {
     layers: Vec<LayerUse>,
 }
 
-fn choose_walls<'a>(drawing: &'a Drawing, options: &PlanOptions, report: &mut Report) -> Result<Chosen<'a>, Error> {
+fn choose_walls<'a>(
+    drawing: &'a Drawing,
+    options: &PlanOptions,
+    report: &mut Report,
+) -> Result<Chosen<'a>, Error> {
     let by_name = WallLayers::new(&options.wall_layers)?;
     let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     for e in &drawing.entities {
@@ -171,7 +177,8 @@ fn choose_walls<'a>(drawing: &'a Drawing, options: &PlanOptions, report: &mut Re
     let mut layers = Vec::new();
     for (name, (shapes, texts)) in &counts {
         let wall = by_name.reason(name).or_else(|| {
-            (only_layer == Some(*name)).then(|| "no layer is named after walls and this is the only one with lines".into())
+            (only_layer == Some(*name))
+                .then(|| "no layer is named after walls and this is the only one with lines".into())
         });
         let (role, why) = if options.query_layer.as_deref() == Some(*name) {
             ("marker", "--query-layer".to_string())
@@ -193,7 +200,9 @@ fn choose_walls<'a>(drawing: &'a Drawing, options: &PlanOptions, report: &mut Re
     let is_wall = |name: &str| layers.iter().any(|l| l.role == "wall" && l.name == name);
     let walls: Vec<&Entity> = drawing.entities.iter().filter(|e| is_wall(&e.layer)).collect();
     if let Some(name) = only_layer {
-        let text = format!("no layer is named after walls; all lines of layer {name:?} taken as walls; --wall-layer overrides it");
+        let text = format!(
+            "no layer is named after walls; all lines of layer {name:?} taken as walls; --wall-layer overrides it"
+        );
         report.info("walls-assumed", Place::file(&drawing.file), text);
     }
     Ok(Chosen { walls, layers })
@@ -216,16 +225,19 @@ fn fallback_layer<'a>(
 }
 
 fn no_walls(drawing: &Drawing, layers: &[LayerUse]) -> Error {
-    let mut by_size: Vec<&LayerUse> = layers.iter().filter(|l| l.role != "own" && l.role != "marker").collect();
+    let mut by_size: Vec<&LayerUse> =
+        layers.iter().filter(|l| l.role != "own" && l.role != "marker").collect();
     by_size.sort_by_key(|l| std::cmp::Reverse(l.entities));
-    let shown: Vec<String> = by_size.iter().take(12).map(|l| format!("{} ({})", l.name, l.entities)).collect();
+    let shown: Vec<String> =
+        by_size.iter().take(12).map(|l| format!("{} ({})", l.name, l.entities)).collect();
     let more = by_size.len().saturating_sub(12);
     let mut list = if shown.is_empty() { "none".to_string() } else { shown.join(", ") };
     if more > 0 {
         list.push_str(&format!(" and {more} more"));
     }
     let hidden: Vec<&str> = layers.iter().filter(|l| l.role == "hidden").map(|l| l.name.as_str()).collect();
-    let hint = if hidden.is_empty() { String::new() } else { format!(" (off or frozen: {})", hidden.join(", ")) };
+    let hint =
+        if hidden.is_empty() { String::new() } else { format!(" (off or frozen: {})", hidden.join(", ")) };
     let text = format!(
         "no entity on a wall layer{hint}, layers present: {list}; nothing was measured; \
          name the layer of the walls with --wall-layer NAME"
@@ -245,7 +257,11 @@ fn wall_of(entity: &Entity, frame: &Frame) -> Wall {
 
 fn state_unit(drawing: &Drawing, unit: &UnitChoice, size_m: f64, report: &mut Report) {
     let place = Place::file(&drawing.file);
-    report.info(if unit.is_assumed { "unit-assumed" } else { "unit" }, place.clone(), format!("unit: {}", unit.reason));
+    report.info(
+        if unit.is_assumed { "unit-assumed" } else { "unit" },
+        place.clone(),
+        format!("unit: {}", unit.reason),
+    );
     if !(PLAUSIBLE_SIZE_M[0]..=PLAUSIBLE_SIZE_M[1]).contains(&size_m) {
         let [lo, hi] = PLAUSIBLE_SIZE_M;
         let text = format!(

@@ -28,13 +28,15 @@ pub fn mark_solids(walls: &mut [Wall], markers: &Markers) {
             continue;
         }
         let ring = &trace.points;
-        let holds_wall = probes.iter().enumerate().any(|(j, p)| j != i && side_of_ring(ring, *p) == Side::Inside);
+        let holds_wall =
+            probes.iter().enumerate().any(|(j, p)| j != i && side_of_ring(ring, *p) == Side::Inside);
         walls[i].is_solid = !holds_wall && !markers.lies_in(ring) && is_thin_or_small(ring);
     }
 }
 
 fn is_thin_or_small(ring: &[PointUm]) -> bool {
-    across_um(ring) <= SOLID_ACROSS_M * UM_PER_M || inner_radius_m(ring) <= SOLID_HALF_WIDTH_M + WIDTH_PRECISION_M
+    across_um(ring) <= SOLID_ACROSS_M * UM_PER_M
+        || inner_radius_m(ring) <= SOLID_HALF_WIDTH_M + WIDTH_PRECISION_M
 }
 
 fn across_um(ring: &[PointUm]) -> f64 {
@@ -76,8 +78,10 @@ impl Ord for Square {
 /// Branch and bound over squares (the "pole of inaccessibility").
 pub fn inner_radius_m(ring: &[PointUm]) -> f64 {
     let base = ring[0];
-    let local: Vec<[f64; 2]> =
-        ring.iter().map(|p| [(p[0] - base[0]) as f64 / UM_PER_M, (p[1] - base[1]) as f64 / UM_PER_M]).collect();
+    let local: Vec<[f64; 2]> = ring
+        .iter()
+        .map(|p| [(p[0] - base[0]) as f64 / UM_PER_M, (p[1] - base[1]) as f64 / UM_PER_M])
+        .collect();
     let (mut lo, mut hi) = ([f64::MAX; 2], [f64::MIN; 2]);
     for p in &local {
         for k in 0..2 {
@@ -86,8 +90,10 @@ pub fn inner_radius_m(ring: &[PointUm]) -> f64 {
         }
     }
     let half = ((hi[0] - lo[0]).max(hi[1] - lo[1]) / 2.0).max(WIDTH_PRECISION_M);
-    let square = |centre: [f64; 2], half: f64| {
-        Square { centre, half, reach: signed_distance(&local, centre) + half * std::f64::consts::SQRT_2 }
+    let square = |centre: [f64; 2], half: f64| Square {
+        centre,
+        half,
+        reach: signed_distance(&local, centre) + half * std::f64::consts::SQRT_2,
     };
     let mut heap = BinaryHeap::from([square([(lo[0] + hi[0]) / 2.0, (lo[1] + hi[1]) / 2.0], half)]);
     let mut best = 0.0_f64;
@@ -118,7 +124,8 @@ fn signed_distance(ring: &[[f64; 2]], p: [f64; 2]) -> f64 {
         }
         let d = [b[0] - a[0], b[1] - a[1]];
         let len2 = d[0] * d[0] + d[1] * d[1];
-        let t = if len2 > 0.0 { ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / len2 } else { 0.0 }.clamp(0.0, 1.0);
+        let t = if len2 > 0.0 { ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / len2 } else { 0.0 }
+            .clamp(0.0, 1.0);
         nearest = nearest.min((p[0] - a[0] - t * d[0]).hypot(p[1] - a[1] - t * d[1]));
     }
     if inside { nearest } else { -nearest }

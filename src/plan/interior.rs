@@ -41,8 +41,10 @@ impl Interior {
         let mut raster = Raster::new(walls)?;
         raster.draw(walls);
         let to_wall = distance_px(&raster.wall, raster.cols, raster.rows);
-        let enclosed: Vec<(f64, Vec<bool>)> = CLOSING_M.iter().map(|c| (*c, raster.enclosed(&to_wall, *c))).collect();
-        let count = |inside: &[bool]| inside.iter().zip(&to_wall).filter(|(i, d)| **i && **d > 0.0).count() as f64;
+        let enclosed: Vec<(f64, Vec<bool>)> =
+            CLOSING_M.iter().map(|c| (*c, raster.enclosed(&to_wall, *c))).collect();
+        let count =
+            |inside: &[bool]| inside.iter().zip(&to_wall).filter(|(i, d)| **i && **d > 0.0).count() as f64;
         let widest = enclosed.last().map_or(0.0, |e| count(&e.1));
         let (closing_m, inside) = enclosed.into_iter().find(|e| count(&e.1) >= ENOUGH * widest)?;
         let cavity = raster.cavities(&inside, &to_wall);
@@ -130,7 +132,9 @@ impl Raster {
             let steps = (d[0].abs().max(d[1].abs()) / self.pixel_um as f64 * 2.0).ceil().max(1.0) as i64;
             for i in 0..=steps {
                 let t = i as f64 / steps as f64;
-                let at = |k: usize| (w.a[k] + (d[k] * t) as i64 - self.origin_um[k]).div_euclid(self.pixel_um) as usize;
+                let at = |k: usize| {
+                    (w.a[k] + (d[k] * t) as i64 - self.origin_um[k]).div_euclid(self.pixel_um) as usize
+                };
                 let (c, r) = (at(0), at(1));
                 self.wall[c * self.rows + r] = true;
             }
@@ -189,7 +193,12 @@ impl Raster {
                 next += 1;
                 widest = widest.max(to_wall[i]);
                 let (c, r) = (i / self.rows, i % self.rows);
-                let around = [(c > 0, i.wrapping_sub(self.rows)), (c + 1 < self.cols, i + self.rows), (r > 0, i.wrapping_sub(1)), (r + 1 < self.rows, i + 1)];
+                let around = [
+                    (c > 0, i.wrapping_sub(self.rows)),
+                    (c + 1 < self.cols, i + self.rows),
+                    (r > 0, i.wrapping_sub(1)),
+                    (r + 1 < self.rows, i + 1),
+                ];
                 for (_, j) in around.into_iter().filter(|a| a.0) {
                     if !seen[j] && open(j) {
                         seen[j] = true;
