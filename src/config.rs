@@ -120,7 +120,7 @@ impl Measure {
 }
 
 /// One objective with its threshold (spec 7).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObjectiveSetting {
     /// What is measured.
     pub measure: Measure,
@@ -320,7 +320,7 @@ impl Partial {
 }
 
 /// Validated settings of one job. Everything that decides the outcome, seed included.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// Unit that overrides the file.
     pub unit: Option<String>,

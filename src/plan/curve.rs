@@ -103,6 +103,38 @@ pub fn trace(shape: &Shape, frame: &Frame) -> Trace {
     out
 }
 
+/// A shape as straight pieces, as many as `like` has: for measures that compare layouts piece by piece.
+///
+/// `shape` is a moved version of the shape that gave `like`.
+pub fn trace_like(shape: &Shape, like: &Trace, frame: &Frame) -> Trace {
+    let own = trace(shape, frame);
+    if own.points.len() == like.points.len() {
+        return own;
+    }
+    let Shape::Polyline { vertices, .. } = shape else { return own };
+    let mut out = Trace { points: Vec::new(), ..like.clone() };
+    let mut i = 0;
+    while i < like.control.len() {
+        let inner = like.control[i + 1..].iter().take_while(|c| c.is_none()).count();
+        let v = like.control[i].map_or(0, |c| c as usize);
+        let (from, to) = (vertices[v], vertices[(v + 1) % vertices.len()]);
+        out.points.push(frame.um_from_file(from.at));
+        let arc = bulge_arc(from.at, to.at, from.bulge);
+        for k in 1..=inner {
+            let t = k as f64 / (inner + 1) as f64;
+            let at = match arc {
+                Some((centre, radius, start, sweep)) => {
+                    centre + DVec2::from_angle(start + sweep * t) * radius
+                }
+                None => from.at.lerp(to.at, t),
+            };
+            out.points.push(frame.um_from_file(at));
+        }
+        i += inner + 1;
+    }
+    out
+}
+
 /// Anticlockwise sweep from `start` to `end`, in (0, 2π].
 pub fn sweep_rad(start: f64, end: f64) -> f64 {
     let sweep = (end - start).rem_euclid(TAU);

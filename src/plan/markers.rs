@@ -202,6 +202,46 @@ fn groups(
     out
 }
 
+/// Reads all clauses of a side-car's `moves`.
+///
+/// # Errors
+/// What is wrong with the first bad clause.
+pub fn read_clauses(text: &str, drawing: &Drawing, frame: &Frame) -> Result<Vec<Clause>, String> {
+    let source = SourceRef { record: 0, handle: None, line: 0, kind: String::new(), layer: String::new() };
+    let outline = Region::Ring(Vec::new());
+    let mut group = Group { name: String::new(), outline, clauses: Vec::new(), source };
+    for clause in text.split([';', '\n']).map(str::trim).filter(|c| !c.is_empty()) {
+        read_clause(clause, frame, drawing, &mut group).map_err(|why| format!("{clause:?}: {why}"))?;
+    }
+    if group.clauses.is_empty() { Err("`moves` is empty".into()) } else { Ok(group.clauses) }
+}
+
+/// Nodes of the graph at the given points (drawing units), ascending.
+///
+/// # Errors
+/// The first point that has no node within `within_m`.
+pub fn nodes_of(
+    points: impl Iterator<Item = DVec2>,
+    plan: &super::Plan,
+    graph: &super::graph::Graph,
+    within_m: f64,
+) -> Result<Vec<u32>, DVec2> {
+    let mut out = Vec::new();
+    for p in points {
+        let at = plan.frame.plan_from_file(p);
+        let nearest = (0..graph.nodes.len()).min_by(|a, b| {
+            graph.nodes[*a].distance_squared(at).total_cmp(&graph.nodes[*b].distance_squared(at))
+        });
+        match nearest.filter(|n| graph.nodes[*n].distance(at) <= within_m) {
+            Some(n) => out.push(n as u32),
+            None => return Err(p),
+        }
+    }
+    out.sort_unstable();
+    out.dedup();
+    Ok(out)
+}
+
 fn extent(entity: &Entity) -> f64 {
     let points = control_points(&entity.shape).into_iter();
     let radius = if let Shape::Circle { radius, .. } = entity.shape { radius * 2.0 } else { 0.0 };
