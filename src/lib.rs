@@ -5,6 +5,7 @@
 pub mod analysis;
 pub mod formats;
 pub mod overlay;
+pub mod penalties;
 pub mod plan;
 pub mod report;
 pub mod search;
