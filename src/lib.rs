@@ -7,6 +7,7 @@ pub mod config;
 pub mod formats;
 pub mod moves;
 pub mod overlay;
+pub mod penalties;
 pub mod plan;
 pub mod report;
 pub mod search;

@@ -1,0 +1,405 @@
+use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::path::PathBuf;
+
+use cavalier_contours::polyline::{BooleanOp, PlineSource, PlineSourceMut, Polyline};
+use glam::{DVec2, dvec2};
+use proptest::prelude::*;
+
+use super::capsule::overlap_m2;
+use super::clearance::RADIUS_M;
+use super::pairs::{Aabb, BoxGrid, GRID_CELLS_MAX, sweep};
+use super::*;
+
+/// Pieces from end points; ends at the same place (to 1 µm) are the same node.
+fn pieces(walls: &[([f64; 4], bool)]) -> Vec<WallPiece> {
+    let mut nodes = BTreeMap::new();
+    let mut node = |p: DVec2| {
+        let next = nodes.len() as u32;
+        *nodes.entry([(p.x * 1e6).round() as i64, (p.y * 1e6).round() as i64]).or_insert(next)
+    };
+    let piece = |&([x0, y0, x1, y1], is_moving): &([f64; 4], bool)| {
+        let (a, b) = (dvec2(x0, y0), dvec2(x1, y1));
+        WallPiece { a, b, nodes: [node(a), node(b)], is_moving }
+    };
+    walls.iter().map(piece).collect()
+}
+
+fn moving(walls: &[[f64; 4]]) -> Vec<WallPiece> {
+    pieces(&walls.iter().map(|&w| (w, true)).collect::<Vec<_>>())
+}
+
+fn clearance_m2(p: &[WallPiece]) -> f64 {
+    let layout = Layout { pieces: p };
+    Clearance::new(&layout, RADIUS_M).measure_m2(&layout)
+}
+
+/// Area common to two discs of radius r, centres d apart.
+fn lens_m2(d: f64, r: f64) -> f64 {
+    2.0 * r * r * (d / (2.0 * r)).acos() - 0.5 * d * (4.0 * r * r - d * d).sqrt()
+}
+
+#[track_caller]
+fn assert_near(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance, "found {found}, expected {expected}");
+}
+
+#[test]
+fn facing_walls_share_a_rectangle_and_a_lens() {
+    for (d, length) in [(0.3, 4.0), (0.9, 1.0), (0.999, 7.0), (1e-3, 2.0)] {
+        let expected = length * (1.0 - d) + lens_m2(d, 0.5);
+        for turn in [0.0, 0.3, FRAC_PI_4, FRAC_PI_2, 2.0, PI] {
+            let r = DVec2::from_angle(turn);
+            let at = |x, y| dvec2(100.0, -40.0) + r.rotate(dvec2(x, y));
+            let (p, q) = ([at(0.0, 0.0), at(length, 0.0)], [at(0.0, d), at(length, d)]);
+            assert_near(overlap_m2(p, q, 0.5), expected, 1e-12);
+            assert_near(overlap_m2(q, [p[1], p[0]], 0.5), expected, 1e-12);
+        }
+    }
+}
+
+#[test]
+fn capsules_that_coincide_or_touch() {
+    let (o, x, y) = (DVec2::ZERO, dvec2(3.0, 0.0), dvec2(0.0, 3.0));
+    let whole = 3.0 + FRAC_PI_4;
+    assert_near(overlap_m2([o, x], [o, x], 0.5), whole, 1e-12);
+    assert_near(overlap_m2([o, x], [x, o], 0.5), whole, 1e-12);
+    assert_near(overlap_m2([o, o], [o, o], 0.5), FRAC_PI_4, 1e-12);
+    assert_near(overlap_m2([o, o], [x, o], 0.5), FRAC_PI_4, 1e-12);
+    assert_near(overlap_m2([y, o], [o, o], 0.5), FRAC_PI_4, 1e-12);
+    let beside = |d: f64| overlap_m2([o, x], [dvec2(0.0, d), dvec2(3.0, d)], 0.5);
+    assert_eq!(beside(1.0), 0.0);
+    assert_eq!(beside(1.0 + 1e-9), 0.0);
+    assert_near(beside(1.0 - 1e-9), 3e-9, 1e-12);
+    let in_line = |gap: f64| overlap_m2([o, x], [dvec2(3.0 + gap, 0.0), dvec2(9.0, 0.0)], 0.5);
+    assert_near(in_line(0.4), lens_m2(0.4, 0.5), 1e-12);
+    assert_eq!(in_line(1.0), 0.0);
+    // A right-angled crossing: the square of side 2 r.
+    let cross = overlap_m2([dvec2(-2.0, 0.0), dvec2(2.0, 0.0)], [dvec2(0.0, -2.0), dvec2(0.0, 2.0)], 0.5);
+    assert_near(cross, 1.0, 1e-12);
+}
+
+fn capsule([a, b]: [DVec2; 2], r: f64) -> Polyline<f64> {
+    let side = (b - a).try_normalize().unwrap_or(DVec2::X).perp() * r;
+    let mut line = Polyline::new_closed();
+    line.add(a.x - side.x, a.y - side.y, 0.0);
+    line.add(b.x - side.x, b.y - side.y, 1.0);
+    line.add(b.x + side.x, b.y + side.y, 0.0);
+    line.add(a.x + side.x, a.y + side.y, 1.0);
+    line
+}
+
+/// The common area by an independent library that clips native arcs. It takes positions within 1e-5 for
+/// equal, so it gets enlarged walls.
+fn oracle_m2(p: [DVec2; 2], q: [DVec2; 2], r: f64) -> f64 {
+    const ENLARGED: f64 = 1000.0;
+    let large = |s: [DVec2; 2]| capsule(s.map(|x| x * ENLARGED), r * ENLARGED);
+    let common = large(p).boolean(&large(q), BooleanOp::And);
+    let area = common.pos_plines.iter().map(|p| p.pline.area()).sum::<f64>()
+        - common.neg_plines.iter().map(|p| p.pline.area().abs()).sum::<f64>();
+    area / (ENLARGED * ENLARGED)
+}
+
+/// Ends on a coarse raster half of the time, so that parallel, collinear, equal and touching happen.
+fn end() -> impl Strategy<Value = DVec2> {
+    prop_oneof![
+        (-4i32..=4, -4i32..=4).prop_map(|(x, y)| dvec2(f64::from(x), f64::from(y)) * 0.25),
+        (-1.5f64..1.5, -1.5f64..1.5).prop_map(|(x, y)| dvec2(x, y)),
+    ]
+}
+
+fn segment() -> impl Strategy<Value = [DVec2; 2]> {
+    (end(), end()).prop_map(|(a, b)| [a, b])
+}
+
+/// Shared area by counting lattice points, for the cases an independent library gets wrong.
+fn counted_m2(p: [DVec2; 2], q: [DVec2; 2], r: f64, step: f64) -> f64 {
+    let near = |s: [DVec2; 2], x: DVec2| distance_to_m(s, x) <= r;
+    let n = (2.5 / step) as i32;
+    let inside = (-n..n)
+        .flat_map(|i| (-n..n).map(move |j| dvec2(f64::from(i) + 0.5, f64::from(j) + 0.5) * step))
+        .filter(|&x| near(p, x) && near(q, x));
+    inside.count() as f64 * step * step
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 4000, max_global_rejects: 40_000, ..ProptestConfig::default() })]
+
+    /// Over the pairs that are summed; of capsules whose outlines coincide the library makes nothing.
+    #[test]
+    fn overlap_agrees_with_cavalier_contours(p in segment(), q in segment()) {
+        prop_assume!(matches!(meeting(p, q), Meeting::Apart(_)));
+        prop_assume!(p[0].distance(p[1]) > 1e-3 && q[0].distance(q[1]) > 1e-3);
+        let (found, expected) = (overlap_m2(p, q, 0.5), oracle_m2(p, q, 0.5));
+        prop_assert!((found - expected).abs() < 1e-6, "{p:?} {q:?}: found {found}, expected {expected}");
+    }
+
+    #[test]
+    fn overlap_does_not_depend_on_order_frame_or_direction(
+        p in segment(), q in segment(), turn in -4.0f64..4.0, shift in end(),
+    ) {
+        let found = overlap_m2(p, q, 0.5);
+        let r = DVec2::from_angle(turn);
+        let moved = |s: [DVec2; 2]| s.map(|x| r.rotate(x) + shift * 40.0);
+        for other in [
+            overlap_m2(q, p, 0.5),
+            overlap_m2([p[1], p[0]], q, 0.5),
+            overlap_m2(moved(p), moved(q), 0.5),
+            overlap_m2(moved(q), moved([p[1], p[0]]), 0.5),
+        ] {
+            prop_assert!((found - other).abs() < 1e-9, "{p:?} {q:?}: {found} and {other}");
+        }
+    }
+
+    #[test]
+    fn sweep_and_grid_find_exactly_the_boxes_that_meet(
+        segments in prop::collection::vec(segment(), 0..40), queries in prop::collection::vec(segment(), 1..5),
+    ) {
+        let boxes: Vec<Aabb> = segments.iter().map(|&s| Aabb::of_segment(s, 0.1)).collect();
+        let mut swept = vec![];
+        sweep(&boxes, |i, j| swept.push((i.min(j), i.max(j))));
+        swept.sort_unstable();
+        let all = (0..boxes.len()).flat_map(|i| (i + 1..boxes.len()).map(move |j| (i, j)));
+        prop_assert_eq!(swept, all.filter(|&(i, j)| boxes[i].meets(&boxes[j])).collect::<Vec<_>>());
+        let grid = BoxGrid::new(boxes.clone());
+        for q in queries {
+            let query = Aabb::of_segment(q, 0.2);
+            let mut found = vec![];
+            grid.visit(&query, |i| found.push(i));
+            found.sort_unstable();
+            prop_assert_eq!(found, (0..boxes.len()).filter(|&i| boxes[i].meets(&query)).collect::<Vec<_>>());
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    #[test]
+    fn overlap_agrees_with_counting_in_every_case(p in segment(), q in segment()) {
+        let counted = counted_m2(p, q, 0.5, 0.01);
+        let found = overlap_m2(p, q, 0.5);
+        prop_assert!((found - counted).abs() < 0.02, "{p:?} {q:?}: found {found}, counted {counted}");
+    }
+}
+
+#[test]
+fn grid_spreads_many_boxes_over_its_most_cells() {
+    let n = GRID_CELLS_MAX * GRID_CELLS_MAX * 4;
+    let at = |i: usize| dvec2((i * 37 % 1000) as f64, (i * 61 % 1000) as f64);
+    let grid = BoxGrid::new((0..n).map(|i| Aabb { min: at(i), max: at(i) }).collect());
+    let everything = Aabb { min: dvec2(-1.0, -1.0), max: dvec2(1e3, 1e3) };
+    let (mut seen, mut twice) = (vec![false; n], 0);
+    grid.visit(&everything, |i| twice += usize::from(std::mem::replace(&mut seen[i], true)));
+    assert_eq!((seen.iter().filter(|&&s| s).count(), twice), (n, 0));
+}
+
+#[test]
+fn walls_that_touch_are_adjoining() {
+    let (along, d) = ([0.0, 0.0, 4.0, 0.0], 0.4);
+    assert_eq!(clearance_m2(&moving(&[along, [4.0, 0.0, 4.0, 3.0]])), 0.0, "corner");
+    assert_eq!(clearance_m2(&moving(&[along, [2.0, 0.0, 2.0, 3.0]])), 0.0, "end on a wall");
+    assert_eq!(clearance_m2(&moving(&[along, [2.0, 1e-6, 2.0, 3.0]])), 0.0, "rounded to a micrometre");
+    assert_eq!(clearance_m2(&moving(&[along, [2.0, -1.0, 2.0, 3.0]])), 0.0, "crossing");
+    assert_eq!(clearance_m2(&moving(&[along, [1.0, 0.0, 6.0, 0.0]])), 0.0, "along each other");
+    assert_eq!(clearance_m2(&moving(&[along, [0.0, 1.0, 4.0, 1.0]])), 0.0, "just far enough");
+    assert!(clearance_m2(&moving(&[along, [2.0, d, 2.0, 3.0]])) > 0.3, "a passage");
+}
+
+#[test]
+fn pieces_in_line_are_one_wall_only_where_nothing_else_meets() {
+    let facing = |y: f64, from: f64, to: f64| [from, y, to, y];
+    let whole = clearance_m2(&moving(&[facing(0.0, 0.0, 4.0), facing(0.6, 0.0, 4.0)]));
+    assert_near(whole, 4.0 * 0.4 + lens_m2(0.6, 0.5), 1e-12);
+    let split = [facing(0.0, 0.0, 1.5), facing(0.0, 4.0, 1.5), facing(0.6, 0.0, 4.0)];
+    assert_near(clearance_m2(&moving(&split)), whole, 1e-12);
+    let mut with_stub = split.to_vec();
+    with_stub.push([1.5, 0.0, 1.5, -3.0]);
+    // Now two walls face the third, and the stub's end lies near it as well.
+    assert!(clearance_m2(&moving(&with_stub)) > whole + 0.3);
+}
+
+#[test]
+fn a_bent_chain_is_several_walls_and_a_ring_closes() {
+    let square = [[0.0, 0.0, 4.0, 0.0], [4.0, 0.0, 4.0, 4.0], [4.0, 4.0, 0.0, 4.0], [0.0, 4.0, 0.0, 0.0]];
+    // The same ring, beginning in the middle of a side.
+    let begun_in_a_side = [
+        [2.0, 0.0, 4.0, 0.0],
+        [4.0, 0.0, 4.0, 4.0],
+        [4.0, 4.0, 0.0, 4.0],
+        [0.0, 4.0, 0.0, 0.0],
+        [0.0, 0.0, 2.0, 0.0],
+    ];
+    let beside = [0.0, -0.6, 4.0, -0.6];
+    let with = |ring: &[[f64; 4]]| clearance_m2(&moving(&[ring, &[beside]].concat()));
+    assert_near(with(&begun_in_a_side), with(&square), 1e-12);
+    assert!(with(&square) > 1.6);
+}
+
+#[test]
+fn only_pairs_with_a_moving_wall_count() {
+    let row = |y: f64, is_moving| ([0.0, y, 4.0, y], is_moving);
+    assert_eq!(clearance_m2(&pieces(&[row(0.0, false), row(0.5, false)])), 0.0);
+    let one = clearance_m2(&pieces(&[row(0.0, false), row(0.5, true)]));
+    assert_near(one, 4.0 * 0.5 + lens_m2(0.5, 0.5), 1e-12);
+    let three = clearance_m2(&pieces(&[row(0.0, false), row(0.5, true), row(1.0, false), row(1.5, false)]));
+    assert_near(three, 2.0 * one, 1e-12);
+}
+
+#[test]
+fn touching_is_judged_in_the_layout_measured() {
+    let start = moving(&[[0.0, 0.0, 4.0, 0.0], [2.0, 0.0, 2.0, 3.0]]);
+    let clearance = Clearance::new(&Layout { pieces: &start }, RADIUS_M);
+    let mut now = start.clone();
+    now[1].a.y = 0.2;
+    assert_eq!(clearance.measure_m2(&Layout { pieces: &start }), 0.0);
+    assert_near(
+        clearance.measure_m2(&Layout { pieces: &now }),
+        overlap_m2(now[0].ends(), now[1].ends(), 0.5),
+        1e-12,
+    );
+}
+
+#[test]
+fn wall_length_is_the_change_either_way() {
+    let start = moving(&[[0.0, 0.0, 3.0, 4.0], [0.0, 0.0, 2.0, 0.0]]);
+    let penalty = WallLength::new(&Layout { pieces: &start });
+    for (x, expected) in [(2.0, 0.0), (3.5, 1.5), (0.5, 1.5), (-2.0, 0.0)] {
+        let mut now = start.clone();
+        now[1].b.x = x;
+        assert_near(penalty.measure_m(&Layout { pieces: &now }), expected, 1e-12);
+    }
+    assert_eq!(wall_length::total_m(&Layout { pieces: &start }), 7.0);
+}
+
+#[test]
+fn main_directions_are_those_most_wall_runs_along() {
+    let r = |deg: f64, length: f64| {
+        let v = DVec2::from_angle(deg.to_radians()) * length;
+        [0.0, 0.0, v.x, v.y]
+    };
+    let degrees = |walls: &[[f64; 4]]| -> Vec<f64> {
+        let p = moving(walls);
+        Alignment::new(&Layout { pieces: &p }).directions_rad().iter().map(|r| r.to_degrees()).collect()
+    };
+    let near = |found: &[f64], expected: &[f64]| {
+        found.len() == expected.len() && found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-9)
+    };
+    assert!(near(&degrees(&[r(0.0, 10.0), r(90.0, 8.0), r(45.0, 1.0)]), &[0.0, 90.0]));
+    assert!(near(&degrees(&[r(200.0, 10.0), r(65.0, 8.0), r(-115.0, 1.0)]), &[20.0, 65.0]));
+    // Across the seam at 0 = 180 degrees: one band, its mean weighted by length.
+    assert!(
+        near(&degrees(&[r(179.5, 10.0), r(0.5, 10.0)]), &[0.0])
+            || near(&degrees(&[r(179.5, 10.0), r(0.5, 10.0)]), &[180.0])
+    );
+    assert!(near(&degrees(&[r(30.0, 3.0), r(31.0, 1.0)]), &[30.25]));
+    let round: Vec<_> = (0..18).map(|i| r(f64::from(i) * 10.0, 1.0)).collect();
+    assert!(degrees(&round).is_empty(), "no direction holds the share");
+    assert!(degrees(&[]).is_empty());
+}
+
+#[test]
+fn alignment_weighs_the_squared_turn_by_length() {
+    let turned = |deg: f64, length: f64| {
+        let v = DVec2::from_angle(f64::to_radians(deg)) * length;
+        [0.0, 0.0, v.x, v.y]
+    };
+    let frame = [([0.0, 0.0, 50.0, 0.0], false), ([0.0, 0.0, 0.0, 50.0], false)];
+    let start = pieces(&[frame[0], frame[1], (turned(0.0, 2.0), true), (turned(90.0, 4.0), true)]);
+    let penalty = Alignment::new(&Layout { pieces: &start });
+    assert_eq!(penalty.measure_rad2(&Layout { pieces: &start }), 0.0);
+    let now = pieces(&[frame[0], frame[1], (turned(9.0, 2.0), true), (turned(60.0, 4.0), true)]);
+    let expected = (2.0 * 9f64.to_radians().powi(2) + 4.0 * 30f64.to_radians().powi(2)) / 6.0;
+    assert_near(penalty.measure_rad2(&Layout { pieces: &now }), expected, 1e-12);
+    // At 45 degrees both directions are equally far, and none is farther.
+    let now = pieces(&[frame[0], frame[1], (turned(135.0, 2.0), true), (turned(-45.0, 4.0), true)]);
+    assert_near(penalty.measure_rad2(&Layout { pieces: &now }), FRAC_PI_4.powi(2), 1e-12);
+    let standing = pieces(&frame);
+    assert_eq!(penalty.measure_rad2(&Layout { pieces: &standing }), 0.0);
+}
+
+#[test]
+fn overlap_counts_walls_that_newly_run_through_each_other() {
+    let wall = [0.0, 0.0, 10.0, 0.0];
+    let measure = |from: [f64; 4], to: [f64; 4]| {
+        let start = pieces(&[(wall, false), (from, true)]);
+        let now = pieces(&[(wall, false), (to, true)]);
+        Overlap::new(&Layout { pieces: &start }).measure_m(&Layout { pieces: &now })
+    };
+    let apart = [5.0, 1.0, 5.0, 3.0];
+    assert_eq!(measure(apart, [5.0, 0.0, 5.0, 2.0]), 0.0, "touching");
+    assert_near(measure(apart, [5.0, -0.3, 5.0, 1.7]), 0.3, 1e-12);
+    assert_near(measure(apart, [9.9, -1.0, 9.9, 1.0]), 0.1, 1e-12);
+    assert_near(measure(apart, [8.0, 0.0, 12.0, 0.0]), 2.0, 1e-12);
+    assert_eq!(measure([5.0, -1.0, 5.0, 1.0], [6.0, -1.0, 6.0, 1.0]), 0.0, "crossed from the start");
+}
+
+#[test]
+fn meetings_have_names() {
+    let s = |x0, y0, x1, y1| [dvec2(x0, y0), dvec2(x1, y1)];
+    let wall = s(0.0, 0.0, 4.0, 0.0);
+    assert_eq!(meeting(wall, s(0.0, 2.0, 4.0, 2.0)), Meeting::Apart(2.0));
+    assert_eq!(meeting(wall, s(4.0, 0.0, 4.0, 2.0)), Meeting::Touch);
+    assert_eq!(meeting(wall, s(2.0, 0.0, 2.0, 2.0)), Meeting::Touch);
+    assert_eq!(meeting(wall, s(4.0, 0.0, 9.0, 0.0)), Meeting::Touch);
+    assert_eq!(meeting(wall, s(2.0, -0.5, 2.0, 2.0)), Meeting::Cross { through_m: 0.5 });
+    assert_eq!(meeting(wall, s(3.0, 0.0, 9.0, 0.0)), Meeting::Overlap { common_m: 1.0 });
+    assert_eq!(meeting(s(1.0, 0.0, 1.0, 0.0), wall), Meeting::Touch);
+    assert_eq!(meeting(s(1.0, 1.0, 1.0, 1.0), s(1.0, 3.0, 1.0, 3.0)), Meeting::Apart(2.0));
+}
+
+#[test]
+fn disconnection_is_the_squared_share() {
+    assert_eq!(disconnection(0, 24, 416), 0.0);
+    assert_eq!(disconnection(24 * 416, 24, 416), 1.0);
+    assert_eq!(disconnection(24 * 104, 24, 416), 0.0625);
+    assert_eq!(disconnection(0, 0, 0), 0.0);
+}
+
+/// LINEs of layer WALLS and boxes of the EF-MOVE polylines; enough of DXF for the reference plans.
+fn reference_pieces(dxf: &str) -> Vec<WallPiece> {
+    let lines: Vec<&str> = dxf.lines().map(str::trim).collect();
+    let pairs: Vec<(&str, &str)> = lines.chunks_exact(2).map(|c| (c[0], c[1])).collect();
+    let (mut walls, mut boxes) = (vec![], vec![]);
+    for record in pairs.chunk_by(|_, next| next.0 != "0") {
+        let all = |code: &str| record.iter().filter(|p| p.0 == code).map(|p| p.1).collect::<Vec<_>>();
+        let number = |code: &str| all(code).iter().map(|v| v.parse().unwrap()).collect::<Vec<f64>>();
+        match (record[0].1, all("8").first()) {
+            ("LINE", Some(&"WALLS")) => {
+                walls.push([number("10")[0], number("20")[0], number("11")[0], number("21")[0]]);
+            }
+            ("LWPOLYLINE", Some(&"EF-MOVE")) => {
+                let (x, y) = (number("10"), number("20"));
+                let range = |v: &[f64]| v.iter().fold((f64::MAX, f64::MIN), |r, &x| (r.0.min(x), r.1.max(x)));
+                boxes.push((range(&x), range(&y)));
+            }
+            _ => {}
+        }
+    }
+    let inside = |x: f64, y: f64| boxes.iter().any(|&(h, v)| h.0 < x && x < h.1 && v.0 < y && y < v.1);
+    let with_moving = |&w: &[f64; 4]| (w, inside(w[0], w[1]) || inside(w[2], w[3]));
+    pieces(&walls.iter().map(with_moving).collect::<Vec<_>>())
+}
+
+#[test]
+fn reference_plans_have_the_reference_penalties() {
+    let shared = std::env::var_os("ENFILADE_SHARED")
+        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared")), PathBuf::from);
+    let folder = shared.join("reference");
+    if !folder.is_dir() {
+        println!("skipped: no reference plans at {}", folder.display());
+        return;
+    }
+    for name in ["maze_a", "simple_room", "large_room", "art_gallery"] {
+        let read = |ext: &str| std::fs::read_to_string(folder.join(format!("{name}.{ext}"))).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&read("expected.json")).unwrap();
+        let expected = &json.get("initial").map_or(&json, |i| &i[1])["penalty"];
+        let walls = reference_pieces(&read("dxf"));
+        let layout = Layout { pieces: &walls };
+        assert_near(clearance_m2(&walls), expected["clearance"].as_f64().unwrap(), 1e-9);
+        assert_near(wall_length::total_m(&layout), expected["wall_length"].as_f64().unwrap(), 1e-9);
+        assert_eq!(WallLength::new(&layout).measure_m(&layout), 0.0);
+        assert_eq!(Overlap::new(&layout).measure_m(&layout), 0.0);
+        assert_eq!(Alignment::new(&layout).measure_rad2(&layout), 0.0);
+    }
+}
