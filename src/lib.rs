@@ -8,6 +8,7 @@ pub mod formats;
 pub mod moves;
 pub mod overlay;
 pub mod penalties;
+pub mod pipeline;
 pub mod plan;
 pub mod report;
 pub mod search;

@@ -16,8 +16,8 @@ use crate::report::Report;
 /// One parameter `p_i` with its transformation and bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
-    /// Name of its group, with the kind where the group has several parameters.
-    pub name: String,
+    /// Name of its group.
+    pub group_name: String,
     /// Index into [`Moves::groups`].
     pub group: usize,
     /// Transformation and bounds, in the marker's own unit.
@@ -103,13 +103,7 @@ impl Moves {
             }
             let group = out.groups.len();
             for clause in &marker.clauses {
-                let several = marker.clauses.len() > 1;
-                let name = if several {
-                    format!("{} {}", marker.name, clause.kind.name())
-                } else {
-                    marker.name.clone()
-                };
-                out.parameters.push(Parameter { name, group, clause: clause.clone() });
+                out.parameters.push(Parameter { group_name: marker.name.clone(), group, clause: clause.clone() });
             }
             out.groups.push(NodeGroup { nodes, handles });
         }

@@ -65,7 +65,8 @@ fn area_m2(base: &Understood) -> f64 {
     if area > 0.0 { area } else { whole() }
 }
 
-fn region_m2(region: &Region) -> f64 {
+/// Area of a region.
+pub fn region_m2(region: &Region) -> f64 {
     let ring: Vec<PointUm> = region.outline();
     let m = |v: i64| v as f64 / UM_PER_M;
     let o = ring.first().copied().unwrap_or_default();

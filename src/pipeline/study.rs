@@ -6,8 +6,10 @@ use glam::DVec2;
 
 use super::spacing::{self, SpacingChoice};
 use crate::analysis::evaluator::{Evaluator, Scratch};
+use crate::analysis::forest::tally;
 use crate::analysis::lattice::{CellIndex, Ground, lattice};
 use crate::analysis::measures::{Means, means};
+use crate::analysis::visibility::visibility_graph;
 use crate::analysis::{Lattice, Obstacles, Tally};
 use crate::config::{Measure, Penalty, Settings};
 use crate::formats::dxf;
@@ -53,12 +55,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
         })?),
         None => None,
     };
-    let options = PlanOptions {
-        unit,
-        wall_layers: settings.wall_layers.clone(),
-        query_layer: settings.query_layer.clone(),
-        reference_layer: settings.reference_layer.clone(),
-    };
+    let options = PlanOptions { unit, ..plan_options(settings) };
     let mut plan = understand(&drawing, &options, report)?;
     add_regions(&mut plan, settings)?;
     let graph = Graph::new(&plan);
@@ -69,6 +66,15 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
     let interior = if needs_interior { Interior::new(&all) } else { None };
     let moves = moves(&drawing, &plan, &graph, interior.as_ref(), settings, report)?;
     Ok(Understood { plan, graph, moves, interior })
+}
+
+fn plan_options(settings: &Settings) -> PlanOptions {
+    PlanOptions {
+        unit: None,
+        wall_layers: settings.wall_layers.clone(),
+        query_layer: settings.query_layer.clone(),
+        reference_layer: settings.reference_layer.clone(),
+    }
 }
 
 fn add_regions(plan: &mut Plan, settings: &Settings) -> Result<(), Error> {
@@ -200,6 +206,9 @@ pub struct Study {
     pub spacing: SpacingChoice,
     /// The present layout.
     pub initial: Worth,
+    /// Edges of its visibility graph, each pair once.
+    pub edges: u64,
+    components: Vec<u32>,
     evaluator: Evaluator,
     cells: CellIndex,
     /// Moves with their control points: whether the piece that starts at a control point moves.
@@ -251,6 +260,9 @@ impl Study {
         let cells = CellIndex::new(&lattice);
         let moving = Obstacles { blind: blind(&base, &identity, &cells), segments: movable };
         let evaluator = Evaluator::new(Arc::clone(&lattice), &fixed, &moving);
+        let mut all = moving.clone();
+        all.segments.extend(&fixed);
+        let graph = visibility_graph(&lattice, &all);
         let (pieces, piece_ranges) = pieces(&base, &identity, &piece_moves);
         let layout = penalties::Layout { pieces: &pieces };
         let mut study = Self {
@@ -265,6 +277,8 @@ impl Study {
                 clearance_m2: 0.0,
                 disconnection: 0.0,
             },
+            edges: graph.edge_count(),
+            components: graph.components(),
             base,
             lattice,
             spacing,
@@ -300,12 +314,49 @@ impl Study {
         for (moved, range) in layout.walls.iter().zip(&self.piece_ranges) {
             let initial = &self.base.plan.walls[moved.wall as usize].trace;
             let trace = trace_like(&moved.shape, initial, &self.base.plan.frame);
-            for (piece, (_, _, s)) in bench.pieces[range.0..range.1].iter_mut().zip(trace.segments()) {
-                piece.a = self.base.plan.frame.plan_from_um(s.a);
-                piece.b = self.base.plan.frame.plan_from_um(s.b);
-            }
+            self.place(&mut bench.pieces[range.0..range.1], &trace);
         }
         self.worth(tally, &bench.pieces)
+    }
+
+    /// Measures a drawing that this study wrote, from its bytes and from scratch, on the study's lattice.
+    ///
+    /// # Errors
+    /// What reading returns: the written file must be readable.
+    pub fn measure_written(&self, bytes: &[u8], settings: &Settings) -> Result<Worth, Error> {
+        let plan = &self.base.plan;
+        let options = dxf::ReadOptions { accept_missing_eof: settings.accept_missing_eof, ..Default::default() };
+        let mut report = Report::default();
+        let drawing = dxf::read(&plan.file, bytes, &options, &mut report)?;
+        let options = PlanOptions { unit: Some(plan.unit.unit), ..plan_options(settings) };
+        let again = understand(&drawing, &options, &mut report)?;
+        if again.walls.len() != plan.walls.len() {
+            let text = format!("{} wall elements after writing, {} before; nothing was written", again.walls.len(), plan.walls.len());
+            return Err(Error::input("written-walls", Place::file(&plan.file), text));
+        }
+        let mut obstacles = Obstacles::default();
+        for (w, wall) in again.walls.iter().enumerate() {
+            obstacles.segments.extend(wall.trace.segments().map(|s| s.2));
+            if plan.walls[w].is_solid && self.base.moves.walls.binary_search(&(w as u32)).is_ok() {
+                self.cells.vertices_in(&wall.trace.points, &mut obstacles.blind);
+            }
+        }
+        obstacles.blind.sort_unstable();
+        obstacles.blind.dedup();
+        let graph = visibility_graph(&self.lattice, &obstacles);
+        let mut pieces = self.pieces.clone();
+        for (w, range) in self.base.moves.walls.iter().zip(&self.piece_ranges) {
+            let trace = trace_like(&again.walls[*w as usize].shape, &plan.walls[*w as usize].trace, &plan.frame);
+            self.place(&mut pieces[range.0..range.1], &trace);
+        }
+        Ok(self.worth(tally(&self.lattice, &graph, Some(&self.components)), &pieces))
+    }
+
+    fn place(&self, pieces: &mut [WallPiece], trace: &Trace) {
+        for (piece, (_, _, s)) in pieces.iter_mut().zip(trace.segments()) {
+            piece.a = self.base.plan.frame.plan_from_um(s.a);
+            piece.b = self.base.plan.frame.plan_from_um(s.b);
+        }
     }
 
     fn worth(&self, tally: Tally, pieces: &[WallPiece]) -> Worth {
@@ -333,6 +384,14 @@ impl Study {
             w * (worth.mean(*m) - zero) / divisor(zero)
         };
         settings.score.iter().map(gain).sum::<f64>() - self.penalty(worth, settings)
+    }
+
+    /// What blocks sight in the present layout.
+    pub fn initial_obstacles(&self) -> Obstacles {
+        let walls = &self.base.plan.walls;
+        let segments = walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
+        let identity = self.base.moves.apply(&self.base.plan, &self.base.graph, &self.base.moves.identity());
+        Obstacles { segments, blind: blind(&self.base, &identity, &self.cells) }
     }
 
     /// All pieces of the present layout that can move or not, as segments to show.
