@@ -438,6 +438,24 @@ impl Settings {
         })
     }
 
+    /// The objectives as `--objective` would say them.
+    pub fn objective_text(&self) -> String {
+        let sense = |is_max| if is_max { "max" } else { "min" };
+        let clause = |o: &ObjectiveSetting| format!("{} {} {}", o.measure.name(), sense(o.is_max), o.threshold);
+        self.objectives.iter().map(clause).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The weights as `--score` would say them.
+    pub fn score_text(&self) -> String {
+        self.score.iter().map(|(m, w)| format!("{} {w:+}", m.name())).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The weights as `--penalty` would say them.
+    pub fn penalty_text(&self) -> String {
+        let terms: Vec<String> = self.penalties.iter().map(|(p, v)| format!("{} {v}", p.name())).collect();
+        if terms.is_empty() { "none".into() } else { terms.join(", ") }
+    }
+
     /// Whether `score` takes the place of the objectives and the separate penalty.
     pub fn is_by_score(&self) -> bool {
         self.objectives.iter().any(|o| o.measure == Measure::Score)

@@ -5,6 +5,7 @@
 
 pub mod accept;
 pub mod cells;
+mod own;
 mod page;
 mod round;
 mod show;

@@ -5,7 +5,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::show::{self, SHOWN};
-use super::study::{self, Study, Worth};
+use super::study::{Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress, heat_map, rayon_map};
 use crate::analysis::Obstacles;
 use crate::analysis::forest::tally;
@@ -228,7 +228,7 @@ fn make(
     member: &search::Member,
 ) -> Result<Made, Error> {
     let layout = study.base.moves.apply(&study.base.plan, &study.base.graph, &member.parameters);
-    let edits = edits(study, &layout);
+    let edits = edits_of(&study.base, &layout);
     let bytes = dxf::patch(input.file(), input.bytes, &edits, &[])?;
     let worth = study.measure_written(&bytes, settings)?;
     let name = format!("candidate-{}", index + 1);
@@ -245,10 +245,10 @@ fn make(
 }
 
 /// The changes of the file that make a layout; blocks once for all that they show.
-pub(super) fn edits(study: &Study, layout: &Layout) -> Vec<Edit> {
+pub(super) fn edits_of(base: &Understood, layout: &Layout) -> Vec<Edit> {
     let mut out: Vec<Edit> = Vec::new();
     for moved in layout.walls.iter().filter(|w| w.is_changed) {
-        let wall = &study.base.plan.walls[moved.wall as usize];
+        let wall = &base.plan.walls[moved.wall as usize];
         let record = wall.source.record;
         match (&wall.editable, moved.motion) {
             (Editable::WithInsert { .. }, Some(motion)) => {
