@@ -165,6 +165,33 @@ pub fn encode_png(width_px: u32, height_px: u32, rgb: &[u8]) -> Result<Vec<u8>, 
     Ok(bytes)
 }
 
+/// The picture at half its size (each pixel the mean of four), or `None` if its longest side would fall
+/// below `least_px` or it is not an 8-bit RGB PNG.
+pub fn shrink_png(png: &[u8], least_px: u32) -> Option<Vec<u8>> {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().ok()?;
+    let info = reader.info();
+    let (width, height) = (info.width as usize, info.height as usize);
+    let is_rgb = info.color_type == png::ColorType::Rgb && info.bit_depth == png::BitDepth::Eight;
+    let (wide, high) = (width / 2, height / 2);
+    let fits = wide > 0 && high > 0 && wide.max(high) >= least_px as usize;
+    if !is_rgb || !fits || width.max(height) > MAX_SIDE_PX as usize {
+        return None;
+    }
+    let mut from = vec![0; width * height * 3];
+    reader.next_frame(&mut from).ok()?;
+    let at = |x: usize, y: usize, k: usize| u16::from(from[(y * width + x) * 3 + k]);
+    let mut to = Vec::with_capacity(wide * high * 3);
+    for y in (0..high).map(|y| 2 * y) {
+        for x in (0..wide).map(|x| 2 * x) {
+            for k in 0..3 {
+                let sum = at(x, y, k) + at(x + 1, y, k) + at(x, y + 1, k) + at(x + 1, y + 1, k);
+                to.push(((sum + 2) / 4) as u8);
+            }
+        }
+    }
+    encode_png(wide as u32, high as u32, &to).ok()
+}
+
 /// The error for a picture size out of range.
 pub fn size_error(side_px: u32) -> Error {
     let text = format!(

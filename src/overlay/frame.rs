@@ -184,12 +184,15 @@ impl Frame {
     }
 }
 
+/// Draws a sample into a box: left, top, right, bottom, px.
+pub type Sample<'a> = Box<dyn Fn(&mut Canvas, [f32; 4]) + 'a>;
+
 /// One entry of the keys.
 pub struct Key<'a> {
     /// What it means.
     pub word: String,
     /// Draws its sample.
-    pub draw: Box<dyn Fn(&mut Canvas, [f32; 4]) + 'a>,
+    pub draw: Sample<'a>,
 }
 
 impl<'a> Key<'a> {
