@@ -441,7 +441,8 @@ impl Settings {
     /// The objectives as `--objective` would say them.
     pub fn objective_text(&self) -> String {
         let sense = |is_max| if is_max { "max" } else { "min" };
-        let clause = |o: &ObjectiveSetting| format!("{} {} {}", o.measure.name(), sense(o.is_max), o.threshold);
+        let clause =
+            |o: &ObjectiveSetting| format!("{} {} {}", o.measure.name(), sense(o.is_max), o.threshold);
         self.objectives.iter().map(clause).collect::<Vec<_>>().join(", ")
     }
 

@@ -103,7 +103,11 @@ impl Moves {
             }
             let group = out.groups.len();
             for clause in &marker.clauses {
-                out.parameters.push(Parameter { group_name: marker.name.clone(), group, clause: clause.clone() });
+                out.parameters.push(Parameter {
+                    group_name: marker.name.clone(),
+                    group,
+                    clause: clause.clone(),
+                });
             }
             out.groups.push(NodeGroup { nodes, handles });
         }

@@ -128,6 +128,8 @@ pub enum ElementRef {
         /// JSON pointer.
         path: String,
     },
+    /// An element of several records (a DXF POLYLINE and its VERTEX records).
+    Several(Vec<ElementRef>),
 }
 
 /// Along what a move moves.

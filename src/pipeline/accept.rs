@@ -5,9 +5,9 @@
 
 use toml::{Table, Value};
 
+use super::Input;
 use super::round::edits_of;
 use super::study::{self, Understood};
-use super::{Input, own};
 use crate::config::{LineageTable, Method, Mode, Settings};
 use crate::formats::dxf;
 use crate::moves::Parameter;
@@ -36,23 +36,32 @@ pub fn accept(input: &Input<'_>, result: &RoundResult, round: u32, number: usize
         let text = format!("round {round} has {n} candidates, found number {number}; nothing was written");
         return Err(Error::usage("candidate", place(), text));
     };
-    if input.sha256() != result.input.sha256 {
+    if input.sha256 != result.input.sha256 {
         let text = format!(
             "the drawing has changed since round {round} was made; nothing was written; run it again and accept from the new round"
         );
         return Err(Error::input("drawing-changed", place(), text));
     }
     let settings: Settings = serde_json::from_value(serde_json::Value::Object(result.settings.clone()))
-        .map_err(|e| Error::input("result-settings", place(), format!("result.json of round {round}: {e}; nothing was written")))?;
-    let bytes = own::without(input)?;
+        .map_err(|e| {
+            Error::input(
+                "result-settings",
+                place(),
+                format!("result.json of round {round}: {e}; nothing was written"),
+            )
+        })?;
     let mut report = Report::default();
-    let base = study::read(input.file(), &bytes, &settings, &mut report)?;
+    let base = study::read(input.file(), &input.bytes, &settings, &mut report)?;
     if base.moves.parameters.len() != candidate.parameters.len() {
-        let text = format!("round {round} has {} parameters, the drawing {}; run it again", candidate.parameters.len(), base.moves.parameters.len());
+        let text = format!(
+            "round {round} has {} parameters, the drawing {}; run it again",
+            candidate.parameters.len(),
+            base.moves.parameters.len()
+        );
         return Err(Error::input("parameters", place(), text));
     }
     let layout = base.moves.apply(&base.plan, &base.graph, &candidate.parameters);
-    let drawing = dxf::patch(input.file(), &bytes, &edits_of(&base, &layout), &[])?;
+    let drawing = dxf::patch(input.file(), &input.bytes, &edits_of(&base, &layout), &[])?;
     let lineage = LineageTable {
         drawing: input.file().into(),
         round,
@@ -103,7 +112,10 @@ fn side_car(
         }
     }
     if !settings.wall_layers.is_empty() {
-        set("wall-layer", settings.wall_layers.iter().map(|l| Value::from(l.clone())).collect::<Vec<_>>().into());
+        set(
+            "wall-layer",
+            settings.wall_layers.iter().map(|l| Value::from(l.clone())).collect::<Vec<_>>().into(),
+        );
     }
     if !settings.seed_points.is_empty() {
         set("seed-point", points(&settings.seed_points).into());
@@ -126,7 +138,8 @@ fn side_car(
     let groups = base.moves.groups.iter().enumerate();
     let tables = groups.map(|(g, _)| group_table(base, g, parameters, &positions[g]));
     set("move", tables.map(Value::Table).collect::<Vec<_>>().into());
-    let regions = settings.regions.iter().map(Value::try_from).collect::<Result<Vec<_>, _>>().map_err(toml_failed)?;
+    let regions =
+        settings.regions.iter().map(Value::try_from).collect::<Result<Vec<_>, _>>().map_err(toml_failed)?;
     if !regions.is_empty() {
         set("region", regions.into());
     }

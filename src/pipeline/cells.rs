@@ -16,7 +16,11 @@ fn references(study: &Study) -> Vec<i64> {
         (lo - lattice.origin_um[k]).div_euclid(lattice.spacing_um)
     };
     let first = [corner(0), corner(1)];
-    lattice.cells.iter().map(|c| ((i64::from(c[0]) - first[0]) << 16) + (i64::from(c[1]) - first[1])).collect()
+    lattice
+        .cells
+        .iter()
+        .map(|c| ((i64::from(c[0]) - first[0]) << 16) + (i64::from(c[1]) - first[1]))
+        .collect()
 }
 
 /// One line a vertex: `Ref,x,y` (drawing units), depthmapX's columns, then Degree, Depth, Entropy (empty
@@ -72,4 +76,3 @@ pub fn edges_csv(study: &Study) -> String {
 fn graph(study: &Study) -> Graph {
     visibility_graph(&study.lattice, &study.initial_obstacles())
 }
-

@@ -5,19 +5,20 @@
 
 pub mod accept;
 pub mod cells;
-mod own;
 mod page;
 mod round;
 mod show;
 mod spacing;
 mod study;
 
+use std::borrow::Cow;
 use std::time::Instant;
 
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::config::{Measure, Settings};
+use crate::formats::dxf;
 use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::measure::wording;
 use crate::overlay::result::{self, AnalysisResult, CheckResult};
@@ -30,19 +31,29 @@ pub use study::Study;
 pub struct Input<'a> {
     /// Path as the user would name it; its last part is shown in places.
     pub path: &'a str,
-    /// The file.
-    pub bytes: &'a [u8],
+    /// The file without result layers of ours (a candidate used as the new plan has some).
+    pub bytes: Cow<'a, [u8]>,
+    /// Digest of the file as it lies on disk, lower-case hexadecimal.
+    pub sha256: String,
+    /// Number of the round that is made, from 1; shown only.
+    pub round: u64,
 }
 
-impl Input<'_> {
-    /// Name to show.
-    pub fn file(&self) -> &str {
-        self.path.rsplit(['/', '\\']).next().unwrap_or(self.path)
+impl<'a> Input<'a> {
+    /// Takes a file's bytes.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when our own layers in it cannot be told apart.
+    pub fn new(path: &'a str, bytes: &'a [u8], round: u64) -> Result<Self, Error> {
+        let sha256 = Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect();
+        let mut out = Self { path, bytes: Cow::Borrowed(bytes), sha256, round };
+        out.bytes = dxf::strip_own(out.file(), bytes)?;
+        Ok(out)
     }
 
-    /// Digest of the bytes, lower-case hexadecimal.
-    pub fn sha256(&self) -> String {
-        Sha256::digest(self.bytes).iter().map(|b| format!("{b:02x}")).collect()
+    /// Name to show.
+    pub fn file(&self) -> &'a str {
+        self.path.rsplit(['/', '\\']).next().unwrap_or(self.path)
     }
 }
 
@@ -87,10 +98,17 @@ pub struct Outcome<T> {
 ///
 /// # Errors
 /// [`Error::Environment`] when the threads cannot be started; what the job returns.
-pub fn on_threads<T: Send>(settings: &Settings, job: impl FnOnce() -> Result<T, Error> + Send) -> Result<T, Error> {
+pub fn on_threads<T: Send>(
+    settings: &Settings,
+    job: impl FnOnce() -> Result<T, Error> + Send,
+) -> Result<T, Error> {
     let threads = settings.threads.unwrap_or(0);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
-        Error::environment("threads", Default::default(), format!("{threads} threads could not be started: {e}"))
+        Error::environment(
+            "threads",
+            Default::default(),
+            format!("{threads} threads could not be started: {e}"),
+        )
     })?;
     pool.install(job)
 }
@@ -101,7 +119,7 @@ pub fn on_threads<T: Send>(settings: &Settings, job: impl FnOnce() -> Result<T, 
 /// [`Error::Input`] when the drawing cannot be read.
 pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResult>, Error> {
     let mut report = Report::default();
-    let base = study::read(input.file(), input.bytes, settings, &mut report)?;
+    let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
     let result = show::check(&base, &report);
     let png = check_picture(&base, &result)?;
     let files = vec![OutFile::new("check.png", png), OutFile::new("check.json", result::to_json(&result)?)];
@@ -129,7 +147,7 @@ pub fn analyse(
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
     let mut report = Report::default();
-    let base = study::read(input.file(), input.bytes, settings, &mut report)?;
+    let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
     cancel.check()?;
     let study = Study::new(base, settings, &mut report)?;
     cancel.check()?;
@@ -163,7 +181,7 @@ fn analysis_of(
 fn analysis_result(input: &Input<'_>, study: &Study, report: &Report) -> AnalysisResult {
     AnalysisResult {
         schema: result::ANALYSIS_SCHEMA.into(),
-        input: show::input(&study.base.plan, input.path, &input.sha256()),
+        input: show::input(&study.base.plan, input.path, &input.sha256),
         spacing_m: study.spacing.spacing_m,
         lattice_centre: lattice_centre(study),
         counts: show::counts(study, study.edges),

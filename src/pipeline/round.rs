@@ -14,7 +14,8 @@ use crate::config::{Measure, Method, Mode, Penalty, Settings};
 use crate::formats::dxf;
 use crate::moves::Layout;
 use crate::overlay::result::{
-    self, Candidate, Diversity, LineageEntry, MoveEntry, Numbers, Objective, RoundResult, Sense as ShownSense,
+    self, Candidate, Diversity, ElementRef, LineageEntry, MoveEntry, Numbers, Objective, RoundResult,
+    Sense as ShownSense,
 };
 use crate::overlay::words::{note_lines, words};
 use crate::overlay::{Scale, Series, convergence_png, diversity_png, heat_additions, moved_additions};
@@ -51,9 +52,16 @@ pub(super) fn run(
         Some(optimise(study, settings, started, show, cancel)?)
     };
     let members = found.as_ref().map_or(Vec::new(), |f| f.members.clone());
-    show(Event::Progress(Progress { stage: "write".into(), total: Some(members.len() as u64), ..Default::default() }));
-    let made: Vec<Made> =
-        members.par_iter().enumerate().map(|(i, m)| make(input, settings, study, i, m)).collect::<Result<_, _>>()?;
+    show(Event::Progress(Progress {
+        stage: "write".into(),
+        total: Some(members.len() as u64),
+        ..Default::default()
+    }));
+    let made: Vec<Made> = members
+        .par_iter()
+        .enumerate()
+        .map(|(i, m)| make(input, settings, study, i, m))
+        .collect::<Result<_, _>>()?;
     for m in &made {
         report.extend(m.report.clone());
     }
@@ -62,7 +70,9 @@ pub(super) fn run(
     files.extend(drawings(input, settings, study, &made, &result)?);
     files.push(OutFile::new("convergence.png", convergence(found.as_ref())?));
     files.push(OutFile::new("diversity.png", diversity(study, &made)?));
-    files.push(OutFile::new("report.html", super::page::page(input, settings, &result, &files, found.as_ref())));
+    let understood = super::check_picture(&study.base, &show::check(&study.base, &report))?;
+    let page = super::page::page(input, settings, &result, &files, &understood, found.as_ref());
+    files.push(OutFile::new("report.html", page));
     files.push(OutFile::new("result.json", result::to_json(&result)?));
     files.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(Outcome { result, files, report })
@@ -75,6 +85,8 @@ pub(super) struct Found {
     pub(super) evaluations: u64,
     pub(super) stopped_by: String,
     pub(super) series: Vec<Series>,
+    /// Objective values of every layout measured.
+    pub(super) archive: Vec<Vec<f64>>,
 }
 
 /// Asks, measures, tells until the search stops, the time is over or somebody asks.
@@ -94,7 +106,11 @@ fn optimise(
         d_min: settings.distance,
         seed: settings.seed,
         evaluations: Some(budget(study, settings)),
-        method: if settings.method == Method::Paper { search::Method::Paper } else { search::Method::Default },
+        method: if settings.method == Method::Paper {
+            search::Method::Paper
+        } else {
+            search::Method::Default
+        },
         mode: if settings.mode == Mode::Best { search::Mode::Best } else { search::Mode::Diverse },
         batch: BATCH,
     })?;
@@ -111,7 +127,10 @@ fn optimise(
         }
         let told: Vec<Evaluation> = asked
             .par_iter()
-            .map_init(|| study.bench(), |bench, p| evaluation(study, settings, &objectives, &study.measure(p, bench)))
+            .map_init(
+                || study.bench(),
+                |bench, p| evaluation(study, settings, &objectives, &study.measure(p, bench)),
+            )
             .collect();
         search.tell(&told);
         if said.elapsed().as_millis() >= PROGRESS_EVERY_MS {
@@ -136,6 +155,7 @@ fn optimise(
         evaluations: outcome.evaluations,
         stopped_by,
         series: series(&outcome),
+        archive: outcome.archive.iter().map(|p| p.values.clone()).collect(),
         members: outcome.members,
     })
 }
@@ -215,6 +235,8 @@ pub(super) struct Made {
     member: search::Member,
     worth: Worth,
     edits: Vec<Edit>,
+    /// For every edit the records it changes.
+    changed: Vec<Vec<dxf::ChangedRecord>>,
     report: Report,
     name: String,
 }
@@ -229,7 +251,8 @@ fn make(
 ) -> Result<Made, Error> {
     let layout = study.base.moves.apply(&study.base.plan, &study.base.graph, &member.parameters);
     let edits = edits_of(&study.base, &layout);
-    let bytes = dxf::patch(input.file(), input.bytes, &edits, &[])?;
+    let changed = dxf::changed_records(input.file(), &input.bytes, &edits)?;
+    let bytes = dxf::patch(input.file(), &input.bytes, &edits, &[])?;
     let worth = study.measure_written(&bytes, settings)?;
     let name = format!("candidate-{}", index + 1);
     let mut report = Report::default();
@@ -241,7 +264,7 @@ fn make(
         );
         report.warn("written-differs", Place::file(input.file()), text);
     }
-    Ok(Made { layout, member: member.clone(), worth, edits, report, name })
+    Ok(Made { layout, member: member.clone(), worth, edits, changed, report, name })
 }
 
 /// The changes of the file that make a layout; blocks once for all that they show.
@@ -263,7 +286,6 @@ pub(super) fn edits_of(base: &Understood, layout: &Layout) -> Vec<Edit> {
     out
 }
 
-
 fn round_result(
     input: &Input<'_>,
     settings: &Settings,
@@ -278,11 +300,14 @@ fn round_result(
         Ok(serde_json::Value::Object(map)) => map,
         _ => serde_json::Map::new(),
     };
-    let initial = result::Layout { mean: show::mean_numbers(&study.initial), penalty: show::penalty_numbers(&study.initial) };
+    let initial = result::Layout {
+        mean: show::mean_numbers(&study.initial),
+        penalty: show::penalty_numbers(&study.initial),
+    };
     let candidates = made.iter().map(|m| candidate(settings, study, &moves, &initial.mean, m)).collect();
     RoundResult {
         schema: result::RESULT_SCHEMA.into(),
-        input: show::input(&study.base.plan, input.path, &input.sha256()),
+        input: show::input(&study.base.plan, input.path, &input.sha256),
         settings: settings_map,
         counts: show::counts(study, study.edges),
         spacing_m: study.spacing.spacing_m,
@@ -294,13 +319,20 @@ fn round_result(
         diversity: distances(study, made),
         evaluations: found.map_or(0, |f| f.evaluations),
         seconds: started.elapsed().as_secs_f64(),
-        stopped_by: found.map_or("nothing may move: the present layout was measured".into(), |f| f.stopped_by.clone()),
+        stopped_by: found
+            .map_or("nothing may move: the present layout was measured".into(), |f| f.stopped_by.clone()),
         lineage: settings.lineage.iter().map(lineage).collect(),
         problems: report.problems.iter().map(Into::into).collect(),
     }
 }
 
-fn candidate(settings: &Settings, study: &Study, moves: &[MoveEntry], initial: &Numbers, made: &Made) -> Candidate {
+fn candidate(
+    settings: &Settings,
+    study: &Study,
+    moves: &[MoveEntry],
+    initial: &Numbers,
+    made: &Made,
+) -> Candidate {
     let mean = show::mean_numbers(&made.worth);
     Candidate {
         file: format!("{}.dxf", made.name),
@@ -310,13 +342,33 @@ fn candidate(settings: &Settings, study: &Study, moves: &[MoveEntry], initial: &
         penalty: show::penalty_numbers(&made.worth),
         score: Some(study.score(&made.worth, settings)),
         within_threshold: made.member.within_threshold,
-        changes: show::changes(&study.base, &made.layout),
+        changes: changes(study, made),
     }
+}
+
+/// `changes` of a candidate, each with the records of the file that differ.
+fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
+    let record_of = |e: &Edit| match e {
+        Edit::Shape { record, .. } | Edit::Insert { record, .. } => *record as u64,
+    };
+    let mut out = show::changes(&study.base, &made.layout);
+    for change in &mut out {
+        let ElementRef::Dxf { record, .. } = change.element else { continue };
+        let edit = made.edits.iter().position(|e| record_of(e) == record);
+        let Some(changed) = edit.and_then(|i| made.changed.get(i)).filter(|c| c.len() != 1) else { continue };
+        let each =
+            changed.iter().map(|c| ElementRef::Dxf { handle: c.handle.clone(), record: c.record as u64 });
+        let all: Vec<ElementRef> = std::iter::once(change.element.clone()).chain(each).collect();
+        change.element = ElementRef::Several(all);
+    }
+    out
 }
 
 /// The means that are told in words: the three of the paper.
 fn told(mean: &Numbers) -> Numbers {
-    Numbers(mean.0.iter().filter(|(name, _)| Measure::MEAN.iter().any(|m| m.name() == name)).cloned().collect())
+    Numbers(
+        mean.0.iter().filter(|(name, _)| Measure::MEAN.iter().any(|m| m.name() == name)).cloned().collect(),
+    )
 }
 
 fn lineage(entry: &crate::config::LineageTable) -> LineageEntry {
@@ -361,11 +413,17 @@ fn shown(settings: &Settings, study: &Study, made: &[Made]) -> Vec<Shown> {
     SHOWN.iter().map(of).collect()
 }
 
-fn pictures(input: &Input<'_>, settings: &Settings, study: &Study, made: &[Made]) -> Result<Vec<OutFile>, Error> {
+fn pictures(
+    input: &Input<'_>,
+    settings: &Settings,
+    study: &Study,
+    made: &[Made],
+) -> Result<Vec<OutFile>, Error> {
     let shown = shown(settings, study, made);
     let present = show::picture(&study.base);
     let moved: Vec<_> = made.iter().map(|m| show::moved_picture(&study.base, &m.layout)).collect();
-    let jobs: Vec<(usize, usize)> = (0..shown.len()).flat_map(|s| (0..=made.len()).map(move |m| (s, m))).collect();
+    let jobs: Vec<(usize, usize)> =
+        (0..shown.len()).flat_map(|s| (0..=made.len()).map(move |m| (s, m))).collect();
     let files = rayon_map(&jobs, |(s, m)| {
         let of = &shown[*s];
         let (name, picture, values, subtitle) = match m.checked_sub(1) {
@@ -396,7 +454,13 @@ fn drawings(
         let of = |s: &Shown| {
             let values = member.map_or(&s.initial, |i| &s.members[i]);
             let layer = heat_layer(s.measure.name());
-            heat_additions(&layer, &show::cells(study, values), study.spacing.spacing_m, s.scale, show::palette(settings))
+            heat_additions(
+                &layer,
+                &show::cells(study, values),
+                study.spacing.spacing_m,
+                s.scale,
+                show::palette(settings),
+            )
         };
         shown.iter().flat_map(of).collect()
     };
@@ -410,13 +474,18 @@ fn drawings(
                 let (now, before) = show::moved_strokes(&study.base, &m.layout);
                 let candidate = &result.candidates[*i];
                 let mut lines = vec![format!("Option {} of {}", i + 1, input.file())];
-                lines.extend(note_lines(&result.moves, &m.member.parameters, &told(&result.initial.mean), &told(&candidate.mean)));
+                lines.extend(note_lines(
+                    &result.moves,
+                    &m.member.parameters,
+                    &told(&result.initial.mean),
+                    &told(&candidate.mean),
+                ));
                 additions.extend(moved_additions(&now, &before, &lines, bounds));
                 (m.name.clone(), m.edits.clone())
             }
         };
         let additions = show::to_drawing_units(&study.base.plan, additions);
-        let bytes = dxf::patch(input.file(), input.bytes, &edits, &additions)?;
+        let bytes = dxf::patch(input.file(), &input.bytes, &edits, &additions)?;
         Ok(OutFile::new(format!("{name}.dxf"), bytes))
     });
     files.into_iter().collect()

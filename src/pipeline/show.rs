@@ -37,7 +37,8 @@ pub fn picture(base: &Understood) -> PlanPicture {
     };
     let strokes: Vec<Stroke> = base.plan.walls.iter().enumerate().map(stroke).collect();
     let regions = regions(&base.plan);
-    let points = strokes.iter().flat_map(|s| s.points.clone()).chain(regions.iter().flat_map(|r| r.points.clone()));
+    let points =
+        strokes.iter().flat_map(|s| s.points.clone()).chain(regions.iter().flat_map(|r| r.points.clone()));
     PlanPicture { bounds: bounds_of(points), strokes, regions }
 }
 
@@ -125,7 +126,8 @@ pub fn cells(study: &Study, values: &[f64]) -> Vec<Cell> {
 
 /// One scale for all layouts of a round, so that their colours compare.
 pub fn scale<'a>(all: impl Iterator<Item = &'a f64>) -> Scale {
-    let (lo, hi) = all.filter(|v| v.is_finite()).fold((f64::MAX, f64::MIN), |(lo, hi), v| (lo.min(*v), hi.max(*v)));
+    let (lo, hi) =
+        all.filter(|v| v.is_finite()).fold((f64::MAX, f64::MIN), |(lo, hi), v| (lo.min(*v), hi.max(*v)));
     if lo > hi { Scale { lo: 0.0, hi: 1.0 } } else { Scale { lo, hi } }
 }
 
@@ -133,7 +135,9 @@ pub fn scale<'a>(all: impl Iterator<Item = &'a f64>) -> Scale {
 pub fn to_drawing_units(plan: &Plan, additions: Vec<Addition>) -> Vec<Addition> {
     let point = |p: glam::DVec2| plan.frame.file_from_plan(p);
     let convert = |mark| match mark {
-        Mark::Path { points, closed } => Mark::Path { points: points.into_iter().map(point).collect(), closed },
+        Mark::Path { points, closed } => {
+            Mark::Path { points: points.into_iter().map(point).collect(), closed }
+        }
         Mark::Fill { corners } => Mark::Fill { corners: corners.map(point) },
         Mark::Text { at, height, text } => {
             Mark::Text { at: point(at), height: height / plan.frame.metres_per_unit, text }
@@ -191,7 +195,12 @@ pub fn changes(base: &Understood, layout: &Layout) -> Vec<Change> {
     changed
         .map(|m| {
             let wall = &base.plan.walls[m.wall as usize];
-            Change { element: element(&wall.source), host_id: None, from: metres(&wall.shape), to: metres(&m.shape) }
+            Change {
+                element: element(&wall.source),
+                host_id: None,
+                from: metres(&wall.shape),
+                to: metres(&m.shape),
+            }
         })
         .collect()
 }
@@ -254,7 +263,11 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
         regions.iter().flat_map(|(kind, list)| list.iter().map(|r| region(kind, r))).collect();
     for g in &marks.groups {
         let place = place_in(&plan.file, &g.source).to_string();
-        shown.push(RegionEntry { kind: "move".into(), area_m2: super::spacing::region_m2(&g.outline), place });
+        shown.push(RegionEntry {
+            kind: "move".into(),
+            area_m2: super::spacing::region_m2(&g.outline),
+            place,
+        });
     }
     result::CheckResult {
         schema: result::CHECK_SCHEMA.into(),

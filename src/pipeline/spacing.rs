@@ -36,14 +36,17 @@ pub fn choose(base: &Understood, settings: &Settings, report: &mut Report) -> Sp
     }
     let area_m2 = area_m2(base);
     let fits = |s: &&f64, vertices: f64| area_m2 / (**s * **s) <= vertices;
-    let by_budget = SERIES_M.iter().find(|s| fits(s, VERTEX_BUDGET)).copied().unwrap_or(SERIES_M[SERIES_M.len() - 1]);
+    let by_budget =
+        SERIES_M.iter().find(|s| fits(s, VERTEX_BUDGET)).copied().unwrap_or(SERIES_M[SERIES_M.len() - 1]);
     let by_doors = SERIES_M.iter().find(|s| fits(s, VERTICES_FOR_DOORS)).copied().unwrap_or(by_budget);
     let spacing_m = by_budget.min(by_doors.max(DOOR_SPACING_M));
     let reason = format!("about {:.0} vertices for {area_m2:.0} m²", area_m2 / (spacing_m * spacing_m));
     let text = format!("spacing {spacing_m} m: {reason}; --spacing overrides it");
     report.info("spacing", Place::file(&base.plan.file), text);
     if spacing_m > DOOR_SPACING_M {
-        let text = format!("a spacing of {spacing_m} m may miss doors narrower than that; a smaller --spacing takes longer");
+        let text = format!(
+            "a spacing of {spacing_m} m may miss doors narrower than that; a smaller --spacing takes longer"
+        );
         report.info("spacing-coarse", Place::file(&base.plan.file), text);
     }
     SpacingChoice { spacing_m, reason }

@@ -60,7 +60,8 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
     add_regions(&mut plan, settings)?;
     let graph = Graph::new(&plan);
     let all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
-    let has_moves = !settings.moves.is_empty() || (!plan.markers.groups.is_empty() && !settings.ignore_move_markers);
+    let has_moves =
+        !settings.moves.is_empty() || (!plan.markers.groups.is_empty() && !settings.ignore_move_markers);
     let needs_inside = plan.markers.query.is_empty() || plan.markers.reference.is_empty();
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
     let interior = if needs_interior { Interior::new(&all) } else { None };
@@ -79,18 +80,24 @@ fn plan_options(settings: &Settings) -> PlanOptions {
 
 fn add_regions(plan: &mut Plan, settings: &Settings) -> Result<(), Error> {
     for table in &settings.regions {
-        let ring: Vec<PointUm> = table.points.iter().map(|p| plan.frame.um_from_file(DVec2::from(*p))).collect();
+        let ring: Vec<PointUm> =
+            table.points.iter().map(|p| plan.frame.um_from_file(DVec2::from(*p))).collect();
         let list = match table.kind.as_str() {
             "query" => &mut plan.markers.query,
             "reference" => &mut plan.markers.reference,
             "keep" => &mut plan.markers.keep,
             other => {
-                let text = format!("[[region]] kind {other:?}: expected query, reference or keep; nothing was done");
+                let text =
+                    format!("[[region]] kind {other:?}: expected query, reference or keep; nothing was done");
                 return Err(Error::usage("region", Place::default(), text));
             }
         };
         if ring.len() < 3 {
-            let text = format!("[[region]] {}: found {} points, expected at least 3; nothing was done", table.kind, ring.len());
+            let text = format!(
+                "[[region]] {}: found {} points, expected at least 3; nothing was done",
+                table.kind,
+                ring.len()
+            );
             return Err(Error::usage("region", Place::default(), text));
         }
         list.push(Region::Ring(ring));
@@ -135,15 +142,25 @@ fn side_car_groups(
     let mut out = Vec::new();
     for (i, table) in settings.moves.iter().enumerate() {
         let name = table.name.clone().unwrap_or_else(|| format!("move-{}", i + 1));
-        let nodes = markers::nodes_of(table.nodes.iter().map(|p| DVec2::from(*p)), plan, graph, SIDE_CAR_NODE_M);
+        let nodes =
+            markers::nodes_of(table.nodes.iter().map(|p| DVec2::from(*p)), plan, graph, SIDE_CAR_NODE_M);
         let mut nodes = nodes.unwrap_or_else(|p| {
-            let text = format!("[[move]] {name:?}: no wall end within {} mm of {:?}, {:?}; that node is left out", SIDE_CAR_NODE_M * 1e3, p.x, p.y);
+            let text = format!(
+                "[[move]] {name:?}: no wall end within {} mm of {:?}, {:?}; that node is left out",
+                SIDE_CAR_NODE_M * 1e3,
+                p.x,
+                p.y
+            );
             report.warn("move-node", Place::file(&plan.file), text);
             Vec::new()
         });
         let layers = crate::plan::layers::WallLayers::new(&table.layers)?;
         for (w, wall) in plan.walls.iter().enumerate() {
-            let by_handle = wall.source.handle.as_ref().is_some_and(|h| table.handles.iter().any(|t| t.eq_ignore_ascii_case(h)));
+            let by_handle = wall
+                .source
+                .handle
+                .as_ref()
+                .is_some_and(|h| table.handles.iter().any(|t| t.eq_ignore_ascii_case(h)));
             if by_handle || (layers.is_by_user() && layers.reason(&wall.source.layer).is_some()) {
                 nodes.extend(&graph.control_nodes[w]);
             }
@@ -154,7 +171,11 @@ fn side_car_groups(
             Error::usage("move", Place::default(), format!("[[move]] {name:?}: {why}; nothing was done"))
         })?;
         let Some(first) = nodes.first() else {
-            report.warn("move-empty", Place::file(&plan.file), format!("[[move]] {name:?} names no wall of the drawing; nothing moves here"));
+            report.warn(
+                "move-empty",
+                Place::file(&plan.file),
+                format!("[[move]] {name:?} names no wall of the drawing; nothing moves here"),
+            );
             continue;
         };
         let wall = graph.handles[*first as usize][0].0;
@@ -325,13 +346,18 @@ impl Study {
     /// What reading returns: the written file must be readable.
     pub fn measure_written(&self, bytes: &[u8], settings: &Settings) -> Result<Worth, Error> {
         let plan = &self.base.plan;
-        let options = dxf::ReadOptions { accept_missing_eof: settings.accept_missing_eof, ..Default::default() };
+        let options =
+            dxf::ReadOptions { accept_missing_eof: settings.accept_missing_eof, ..Default::default() };
         let mut report = Report::default();
         let drawing = dxf::read(&plan.file, bytes, &options, &mut report)?;
         let options = PlanOptions { unit: Some(plan.unit.unit), ..plan_options(settings) };
         let again = understand(&drawing, &options, &mut report)?;
         if again.walls.len() != plan.walls.len() {
-            let text = format!("{} wall elements after writing, {} before; nothing was written", again.walls.len(), plan.walls.len());
+            let text = format!(
+                "{} wall elements after writing, {} before; nothing was written",
+                again.walls.len(),
+                plan.walls.len()
+            );
             return Err(Error::input("written-walls", Place::file(&plan.file), text));
         }
         let mut obstacles = Obstacles::default();
@@ -346,7 +372,8 @@ impl Study {
         let graph = visibility_graph(&self.lattice, &obstacles);
         let mut pieces = self.pieces.clone();
         for (w, range) in self.base.moves.walls.iter().zip(&self.piece_ranges) {
-            let trace = trace_like(&again.walls[*w as usize].shape, &plan.walls[*w as usize].trace, &plan.frame);
+            let trace =
+                trace_like(&again.walls[*w as usize].shape, &plan.walls[*w as usize].trace, &plan.frame);
             self.place(&mut pieces[range.0..range.1], &trace);
         }
         Ok(self.worth(tally(&self.lattice, &graph, Some(&self.components)), &pieces))
@@ -368,7 +395,8 @@ impl Study {
             self.alignment.measure_rad2(&layout),
             self.overlap.measure_m(&layout),
         ];
-        let disconnection = disconnection(tally.disconnected, self.lattice.query.len(), self.lattice.cells.len());
+        let disconnection =
+            disconnection(tally.disconnected, self.lattice.query.len(), self.lattice.cells.len());
         Worth { means: means(&tally), penalties, clearance_m2, disconnection, tally }
     }
 
@@ -457,7 +485,10 @@ fn fixed_parts(base: &Understood, piece_moves: &[Vec<bool>]) -> (Vec<Segment>, V
 }
 
 /// The pieces of a trace and whether each moves.
-fn pieces_of<'a>(trace: &'a Trace, moving: Option<&'a Vec<bool>>) -> impl Iterator<Item = (Segment, bool)> + 'a {
+fn pieces_of<'a>(
+    trace: &'a Trace,
+    moving: Option<&'a Vec<bool>>,
+) -> impl Iterator<Item = (Segment, bool)> + 'a {
     let mut control = 0usize;
     trace.segments().map(move |(i, _, s)| {
         if let Some(c) = trace.control[i] {
@@ -486,7 +517,11 @@ fn blind(base: &Understood, layout: &Layout, cells: &CellIndex) -> Vec<u32> {
     out
 }
 
-fn pieces(base: &Understood, identity: &Layout, piece_moves: &[Vec<bool>]) -> (Vec<WallPiece>, Vec<(usize, usize)>) {
+fn pieces(
+    base: &Understood,
+    identity: &Layout,
+    piece_moves: &[Vec<bool>],
+) -> (Vec<WallPiece>, Vec<(usize, usize)>) {
     let mut out = Vec::new();
     let mut ranges = vec![(0, 0); identity.walls.len()];
     for (w, wall) in base.plan.walls.iter().enumerate() {
