@@ -3,6 +3,7 @@
 //! The modules stand in the order of the flow; see `ARCHITECTURE.md`.
 
 pub mod analysis;
+pub mod cli;
 pub mod config;
 pub mod formats;
 pub mod moves;

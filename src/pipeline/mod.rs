@@ -41,14 +41,11 @@ pub struct Input<'a> {
 
 impl<'a> Input<'a> {
     /// Takes a file's bytes.
-    ///
-    /// # Errors
-    /// [`Error::Input`] when our own layers in it cannot be told apart.
-    pub fn new(path: &'a str, bytes: &'a [u8], round: u64) -> Result<Self, Error> {
+    pub fn new(path: &'a str, bytes: &'a [u8], round: u64) -> Self {
         let sha256 = Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect();
-        let mut out = Self { path, bytes: Cow::Borrowed(bytes), sha256, round };
-        out.bytes = dxf::strip_own(out.file(), bytes)?;
-        Ok(out)
+        let clean = dxf::strip_own(bytes);
+        let bytes = if clean.len() == bytes.len() { Cow::Borrowed(bytes) } else { Cow::Owned(clean) };
+        Self { path, bytes, sha256, round }
     }
 
     /// Name to show.
