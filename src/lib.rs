@@ -4,6 +4,7 @@
 
 pub mod analysis;
 pub mod cli;
+pub mod commands;
 pub mod config;
 pub mod formats;
 pub mod moves;
@@ -11,5 +12,7 @@ pub mod overlay;
 pub mod penalties;
 pub mod pipeline;
 pub mod plan;
+pub mod progress;
 pub mod report;
+pub mod sample_settings;
 pub mod search;
