@@ -6,6 +6,16 @@ pub mod lattice;
 
 use crate::plan::geometry::{PointUm, Segment};
 
+pub mod evaluator;
+#[cfg(test)]
+mod fixtures;
+pub mod forest;
+mod graph;
+pub mod measures;
+mod strips;
+mod tiles;
+pub mod visibility;
+
 /// The cells of a study: a square lattice, the vertices `V = V_q ∪ V_r` on it, and both regions.
 ///
 /// Cell `[col, row]` has its centre at `origin_um + [col, row] * spacing_um`. Vertices are sorted by
