@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 
 use super::canvas::shrink_png;
 use super::html::Html;
-use super::measure::{WORDINGS, fixed, number, plain_name, sentence_case};
+use super::measure::{WORDINGS, fixed, number, plain_name, sentence_case, short};
 use super::result::{RoundResult, Sense};
 
 /// Pictures of a page take at most this many bytes; above it all are halved in size until they fit,
@@ -132,11 +132,10 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
     let cells = format!(
         "{} cells of {} m, {} of them measured",
         fixed(counts.vertices as f64, 0),
-        number_short(result.spacing_m),
+        short(result.spacing_m),
         fixed(counts.query as f64, 0)
     );
-    let searched =
-        format!("{} layouts in {} s", fixed(result.evaluations as f64, 0), number_short(result.seconds));
+    let searched = format!("{} layouts in {} s", fixed(result.evaluations as f64, 0), short(result.seconds));
     let facts = [
         ("Drawing", result.input.path.clone()),
         ("Unit", format!("{} ({})", result.input.unit, result.input.unit_reason)),
@@ -149,12 +148,6 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
         html.raw("<div>").element("dt", &[], term).element("dd", &[], text).raw("</div>\n");
     }
     html.raw("</dl>\n</header>\n");
-}
-
-/// Two decimals at most, without trailing zeros.
-pub(super) fn number_short(value: f64) -> String {
-    let text = fixed(value, 2);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 /// The outcome in one or two sentences.

@@ -3,11 +3,11 @@
 use serde_json::{Map, Value};
 
 use super::super::html::Html;
-use super::super::measure::{number, sentence_case};
+use super::super::measure::{number, sentence_case, short};
 use super::super::result::{Candidate, MoveEntry, Objective, ProblemEntry, RoundResult, Sense};
 use super::super::words::parameter;
 use super::cards::delta;
-use super::{ReportInput, names, number_short, option_name, wanted};
+use super::{ReportInput, names, option_name, wanted};
 
 /// Moves shown at once; a longer table is folded.
 const MOVES_UNFOLDED: usize = 30;
@@ -47,7 +47,7 @@ pub fn numbers(html: &mut Html, result: &RoundResult) {
         html.raw("</tr>\n");
     }
     html.raw("</tbody>\n</table></div>\n");
-    html.raw("<p class=\"note\">Means over the region of query. In colour: better or worse than the present layout.</p>\n");
+    html.raw("<p class=\"note\">Means over the region of query. A filled arrow: better than the present layout; a hollow one: worse.</p>\n");
     html.raw("</section>\n");
 }
 
@@ -88,7 +88,7 @@ fn threshold_row(html: &mut Html, objective: &Objective, candidates: &[Candidate
     html.element("td", &[("class", "word")], wanted);
     html.element("td", &[], &number(objective.initial)).element("td", &[], &number(objective.best));
     html.raw("<td>").text(bound).raw(" ").text(&number(objective.limit)).raw(" <small>");
-    html.text(&number_short(objective.threshold * 100.0)).raw(" % of the gain</small></td>");
+    html.text(&short(objective.threshold * 100.0)).raw(" % of the gain</small></td>");
     for candidate in candidates {
         match is_met(objective, candidate) {
             Some(true) => html.raw("<td class=\"tick met\">✓<span class=\"sr\"> met</span></td>"),
