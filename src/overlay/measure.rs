@@ -51,7 +51,7 @@ pub const WORDINGS: &[Wording] = &[
         key: "score",
         plain: "Score",
         technical: "weighted sum",
-        unit: "score",
+        unit: "",
         meaning: "The weighted sum of the relative gains over the present layout, less the penalties. \
                   The present layout gains 0.",
         more_less: ["", ""],

@@ -11,6 +11,21 @@ pub fn shared() -> Option<PathBuf> {
     folder.is_dir().then_some(folder)
 }
 
+/// With `ENFILADE_LOOK=DIR` writes what a test drew there, to be looked at.
+pub fn look(name: &str, bytes: &[u8]) {
+    if let Some(folder) = std::env::var_os("ENFILADE_LOOK") {
+        std::fs::write(PathBuf::from(folder).join(name), bytes).unwrap();
+    }
+}
+
+/// Width, height and pixels of an RGB picture.
+pub fn pixels(png: &[u8]) -> (usize, usize, Vec<[u8; 3]>) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+    let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut rgb).unwrap();
+    (info.width as usize, info.height as usize, rgb.as_chunks::<3>().0.to_vec())
+}
+
 pub fn stroke(points: &[[f64; 2]], kind: StrokeKind) -> Stroke {
     Stroke { points: points.to_vec(), closed: false, filled: false, kind }
 }

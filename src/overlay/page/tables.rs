@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::super::html::Html;
-use super::super::measure::{number, sentence_case, short};
+use super::super::measure::{number, sentence_case, short, wording};
 use super::super::result::{Candidate, MoveEntry, Objective, ProblemEntry, RoundResult, Sense};
 use super::super::words::parameter;
 use super::cards::delta;
@@ -20,7 +20,8 @@ pub fn numbers(html: &mut Html, result: &RoundResult) {
     let has_score = result.candidates.iter().any(|c| c.score.is_some());
     for key in means.iter().chain(has_score.then_some(&"score")).chain(&penalties) {
         let (plain, technical) = names(key);
-        html.raw("<th scope=\"col\">").text(&plain).raw("<small>").text(&technical).raw("</small></th>");
+        html.raw("<th scope=\"col\">").text(&plain).raw("<small>").text(&technical).raw("</small><small>");
+        html.text(wording(key).map_or("", |w| w.unit)).raw("</small></th>");
     }
     html.raw("</tr></thead>\n<tbody>\n<tr><th scope=\"row\">Present layout</th>");
     for key in &means {
@@ -123,7 +124,7 @@ pub fn moves(html: &mut Html, result: &RoundResult) {
         html.raw("<details><summary>").text(&result.moves.len().to_string()).raw(" moves</summary>\n");
     }
     html.raw(
-        "<div class=\"scroll\"><table class=\"moves\">\n<thead><tr><th></th><th scope=\"col\">may go</th>",
+        "<div class=\"scroll\"><table class=\"moves\">\n<thead><tr><th></th><th scope=\"col\" class=\"range\">may go</th>",
     );
     for o in 0..result.candidates.len() {
         html.element("th", &[("scope", "col")], &option_name(o));

@@ -1,21 +1,10 @@
-//! The report page as it is sent to a reader.
-//!
-//! With `ENFILADE_LOOK=DIR` the page is also written there, to be looked at.
-
-#[path = "overlay/plans.rs"]
-#[allow(dead_code)]
-mod plans;
-#[path = "overlay/sample.rs"]
-mod sample;
+//! The report page and result.json.
 
 use enfilade::overlay::report_html;
 use enfilade::overlay::result::{RoundResult, to_json};
 
-fn look(name: &str, bytes: &[u8]) {
-    if let Some(folder) = std::env::var_os("ENFILADE_LOOK") {
-        std::fs::write(std::path::Path::new(&folder).join(name), bytes).unwrap();
-    }
-}
+use super::plans::look;
+use super::sample;
 
 #[test]
 fn the_page_carries_everything_and_loads_nothing() {
