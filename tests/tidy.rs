@@ -1,5 +1,7 @@
 //! The rules of the house, read from the source text (`ARCHITECTURE.md`).
 
+#![allow(clippy::expect_used)]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
