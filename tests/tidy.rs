@@ -86,10 +86,24 @@ impl Source {
     fn new(path: String, raw: String) -> Self {
         let code = without_comments_and_strings(&raw);
         let name = path.rsplit('/').next().unwrap_or_default();
-        let is_test = !path.starts_with("src/") || name == "tests.rs" || name.ends_with("_tests.rs");
-        let product =
-            if is_test || path.contains("/tests/") { String::new() } else { without_test_items(&code) };
+        let is_test = !path.starts_with("src/")
+            || path.contains("/tests/")
+            || name == "tests.rs"
+            || name.ends_with("_tests.rs");
+        let product = if is_test { String::new() } else { without_test_items(&code) };
         Self { path, raw, code, product }
+    }
+
+    /// Paths of the modules that this file declares for tests only.
+    fn test_modules(&self) -> Vec<String> {
+        let folder = self.path.trim_end_matches(".rs").trim_end_matches("/mod");
+        let folder = if folder == "src/lib" || folder == "src/main" { "src" } else { folder };
+        let declared = self.code.split("#[cfg(test)]").skip(1).filter_map(|after| {
+            let item = &after[..after.find([';', '{'])?];
+            let name = item.trim().strip_prefix("mod ").or(item.trim().split_once(" mod ").map(|p| p.1))?;
+            after[item.len()..].starts_with(';').then(|| name.trim().to_owned())
+        });
+        declared.flat_map(|n| [format!("{folder}/{n}.rs"), format!("{folder}/{n}/mod.rs")]).collect()
     }
 
     /// The path below `src`, if it lies there.
@@ -140,7 +154,11 @@ fn sources() -> Vec<Source> {
     for folder in ["src", "tests", "examples", "benches", "fuzz"] {
         files(&root().join(folder), &[".rs"], &mut found);
     }
-    found.iter().map(|p| Source::new(relative(p), fs::read_to_string(p).expect("source"))).collect()
+    let read = |p: &PathBuf| Source::new(relative(p), fs::read_to_string(p).expect("source"));
+    let mut sources: Vec<_> = found.iter().map(read).collect();
+    let for_tests: Vec<_> = sources.iter().flat_map(Source::test_modules).collect();
+    sources.iter_mut().filter(|s| for_tests.contains(&s.path)).for_each(|s| s.product.clear());
+    sources
 }
 
 /// Blanks comments and the contents of string and character literals.
@@ -489,6 +507,18 @@ mod the_rules_find_faults {
             1
         );
         assert_eq!(faults("const A: &str = r#\"todo! \" \"#; /* dbg! /* */ dbg! */"), 0);
+    }
+
+    #[test]
+    fn modules_for_tests() {
+        let modules = |path, raw| source(path, raw).test_modules();
+        let raw = "#[cfg(test)]\nmod a;\n#[cfg(test)]\npub(crate) mod b;\n#[cfg(test)]\nmod c { }\nmod d;";
+        let below = |folder: &str| ["a", "b"].map(|n| format!("{folder}/{n}.rs"));
+        let files =
+            |path| modules(path, raw).into_iter().filter(|p| !p.ends_with("mod.rs")).collect::<Vec<_>>();
+        assert_eq!(files("src/plan/mod.rs"), below("src/plan"));
+        assert_eq!(files("src/plan/x.rs"), below("src/plan/x"));
+        assert_eq!(files("src/lib.rs"), below("src"));
     }
 
     #[test]
