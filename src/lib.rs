@@ -3,9 +3,16 @@
 //! The modules stand in the order of the flow; see `ARCHITECTURE.md`.
 
 pub mod analysis;
+pub mod cli;
+pub mod commands;
+pub mod config;
 pub mod formats;
+pub mod moves;
 pub mod overlay;
 pub mod penalties;
+pub mod pipeline;
 pub mod plan;
+pub mod progress;
 pub mod report;
+pub mod sample_settings;
 pub mod search;

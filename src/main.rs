@@ -1,2 +1,41 @@
 //! Parses the command line, calls, and turns the outcome into an exit code.
-fn main() {}
+
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::Parser;
+use enfilade::cli::Cli;
+use enfilade::commands::execute;
+use enfilade::report::{Cancel, Error};
+
+/// A job that does not look at the stop request in this time is left behind: everything it stores
+/// appears whole or not at all.
+const STOP_GRACE: Duration = Duration::from_millis(150);
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(e) => {
+            let _ = e.print();
+            return ExitCode::from(if e.use_stderr() { 3 } else { 0 });
+        }
+    };
+    let cancel = Cancel::default();
+    let on_stop = cancel.clone();
+    let handler = ctrlc::set_handler(move || {
+        on_stop.stop();
+        std::thread::sleep(STOP_GRACE);
+        eprintln!("stopped; nothing half-written was left");
+        std::process::exit(i32::from(Error::Stopped.exit_code()));
+    });
+    if let Err(e) = handler {
+        eprintln!("note: Ctrl-C cannot be handled: {e}");
+    }
+    match execute(cli, &cancel) {
+        Ok(code) => ExitCode::from(code),
+        Err(e) => {
+            eprintln!("error: {e}");
+            ExitCode::from(e.exit_code())
+        }
+    }
+}

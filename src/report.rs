@@ -5,6 +5,7 @@
 //! returns an [`Error`]. These are the only error types of the house.
 
 use std::fmt;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -210,5 +211,21 @@ impl Cancel {
     /// [`Error::Stopped`] when somebody asked to stop.
     pub fn check(&self) -> Result<(), Error> {
         if self.is_stopped() { Err(Error::Stopped) } else { Ok(()) }
+    }
+}
+
+/// A file that a job hands out, to be written by whoever runs the job.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutFile {
+    /// Relative to the folder the job's results go to.
+    pub path: PathBuf,
+    /// Its whole content.
+    pub bytes: Vec<u8>,
+}
+
+impl OutFile {
+    /// A file of that name.
+    pub fn new(path: impl Into<PathBuf>, bytes: impl Into<Vec<u8>>) -> Self {
+        Self { path: path.into(), bytes: bytes.into() }
     }
 }

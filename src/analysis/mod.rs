@@ -2,7 +2,19 @@
 //!
 //! Works on whole micrometres and cell numbers only; knows no walls, files or optimisers.
 
+pub mod lattice;
+
 use crate::plan::geometry::{PointUm, Segment};
+
+pub mod evaluator;
+#[cfg(test)]
+mod fixtures;
+pub mod forest;
+mod graph;
+pub mod measures;
+mod strips;
+mod tiles;
+pub mod visibility;
 
 /// The cells of a study: a square lattice, the vertices `V = V_q ∪ V_r` on it, and both regions.
 ///

@@ -1,1 +1,30 @@
 //! What is shown: heat maps, diagrams, the report page, result.json, and what is added to a drawing.
+//!
+//! Pure functions, data in and bytes out. The types are plain: this module knows neither moves, nor
+//! file formats, nor the optimiser; the pipeline translates. Plan coordinates are metres of the plan
+//! frame, y up (drawn north up).
+
+pub mod additions;
+mod canvas;
+pub mod chart;
+pub mod check;
+pub mod diversity;
+mod font;
+mod frame;
+pub mod heat_map;
+mod html;
+pub mod measure;
+pub mod page;
+pub mod palette;
+pub mod picture;
+pub mod result;
+pub mod words;
+
+pub use additions::{heat_additions, moved_additions};
+pub use chart::{Series, convergence_png};
+pub use check::check_png;
+pub use diversity::diversity_png;
+pub use heat_map::{HeatMap, heat_map_png};
+pub use page::{ArchivePoint, ReportInput, View, report_html};
+pub use palette::{Palette, Scale};
+pub use picture::{Cell, PlanPicture, RegionKind, RegionOutline, Stroke, StrokeKind};

@@ -1,4 +1,282 @@
 //! The model: a plan in metres, and how it is understood from a drawing.
+//!
+//! Whoever holds a [`Plan`] need not think any more about: units, layers, blocks, codes of a format,
+//! coordinates far from zero, curves (they are traced to straight pieces), or shapes of no size.
 
+pub mod curve;
 pub mod drawing;
+pub mod frame;
 pub mod geometry;
+pub mod graph;
+pub mod interior;
+pub mod layers;
+pub mod markers;
+pub mod outline;
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use crate::report::{Error, Place, Report};
+use curve::Trace;
+use drawing::{Drawing, Editable, Entity, Shape, SourceRef, Unit};
+use frame::{Frame, PLAUSIBLE_SIZE_M, UnitChoice};
+use geometry::PointUm;
+use layers::WallLayers;
+use markers::Markers;
+
+/// One drawn wall element: a line, an outline, an arc, a column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wall {
+    /// Where it stands in the file.
+    pub source: SourceRef,
+    /// How it can be written back.
+    pub editable: Editable,
+    /// As drawn, drawing units.
+    pub shape: Shape,
+    /// As straight pieces, drawing frame, micrometres.
+    pub trace: Trace,
+    /// Whether its closed outline is filled: a column, or a wall drawn as an outline (spec 3).
+    pub is_solid: bool,
+}
+
+/// A region drawn by the user, drawing frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Region {
+    /// A closed polygon; its outline belongs to it.
+    Ring(Vec<PointUm>),
+    /// A disc; its outline belongs to it.
+    Disc {
+        /// Centre.
+        centre: PointUm,
+        /// Radius, micrometres.
+        radius_um: i64,
+    },
+}
+
+impl Region {
+    /// Whether `p` lies in the region or on its outline. Exact.
+    pub fn contains(&self, p: PointUm) -> bool {
+        match self {
+            Self::Ring(ring) => geometry::side_of_ring(ring, p) != geometry::Side::Outside,
+            Self::Disc { centre, radius_um } => {
+                let (dx, dy) = ((p[0] - centre[0]) as i128, (p[1] - centre[1]) as i128);
+                dx * dx + dy * dy <= i128::from(*radius_um) * i128::from(*radius_um)
+            }
+        }
+    }
+
+    /// The outline as points to draw, drawing frame.
+    pub fn outline(&self) -> Vec<PointUm> {
+        match self {
+            Self::Ring(ring) => ring.clone(),
+            Self::Disc { centre, radius_um } => (0..64)
+                .map(|i| {
+                    let t =
+                        DVec2::from_angle(std::f64::consts::TAU * f64::from(i) / 64.0) * *radius_um as f64;
+                    [centre[0] + t.x.round() as i64, centre[1] + t.y.round() as i64]
+                })
+                .collect(),
+        }
+    }
+}
+
+/// What became of one layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerUse {
+    /// Decoded name.
+    pub name: String,
+    /// Shapes and texts on it.
+    pub entities: usize,
+    /// `wall`, `marker`, `own`, `hidden` or `ignored`.
+    pub role: &'static str,
+    /// Why, in plain words.
+    pub why: String,
+}
+
+/// A plan as understood. See the module page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// File name to show in places.
+    pub file: String,
+    /// Version of the format in its own words.
+    pub version: String,
+    /// Unit and why.
+    pub unit: UnitChoice,
+    /// Drawing units ↔ drawing frame ↔ plan frame.
+    pub frame: Frame,
+    /// Wall elements in file order.
+    pub walls: Vec<Wall>,
+    /// The user's marks.
+    pub markers: Markers,
+    /// What became of every layer that holds something.
+    pub layers: Vec<LayerUse>,
+}
+
+/// The user's word on how to read a drawing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlanOptions {
+    /// `--unit`.
+    pub unit: Option<Unit>,
+    /// `--wall-layer`, globs.
+    pub wall_layers: Vec<String>,
+    /// `--query-layer` instead of `EF-QUERY`.
+    pub query_layer: Option<String>,
+    /// `--reference-layer` instead of `EF-REFERENCE`.
+    pub reference_layer: Option<String>,
+}
+
+/// Understands a drawing.
+///
+/// # Errors
+/// [`Error::Input`] when no layer carries walls (the message lists the layers there are);
+/// [`Error::Usage`] for a layer pattern that cannot be read.
+pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report) -> Result<Plan, Error> {
+    let chosen = choose_walls(drawing, options, report)?;
+    let extent = box_of(chosen.walls.iter().flat_map(|e| curve::control_points(&e.shape)));
+    let Some(extent) = extent else {
+        return Err(no_walls(drawing, &chosen.layers));
+    };
+    let unit = frame::choose_unit(drawing, options.unit, (extent[1] - extent[0]).max_element());
+    let frame = Frame::new(unit.unit.metres, extent);
+    state_unit(drawing, &unit, (extent[1] - extent[0]).max_element() * unit.unit.metres, report);
+    let markers = markers::read(drawing, options, &frame, report);
+    let mut walls: Vec<Wall> = chosen.walls.iter().map(|e| wall_of(e, &frame)).collect();
+    outline::mark_solids(&mut walls, &markers);
+    Ok(Plan {
+        file: drawing.file.clone(),
+        version: drawing.version.clone(),
+        unit,
+        frame,
+        walls,
+        markers,
+        layers: chosen.layers,
+    })
+}
+
+struct Chosen<'a> {
+    walls: Vec<&'a Entity>,
+    layers: Vec<LayerUse>,
+}
+
+fn choose_walls<'a>(
+    drawing: &'a Drawing,
+    options: &PlanOptions,
+    report: &mut Report,
+) -> Result<Chosen<'a>, Error> {
+    let by_name = WallLayers::new(&options.wall_layers)?;
+    let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+    for e in &drawing.entities {
+        counts.entry(&e.layer).or_default().0 += 1;
+    }
+    for t in &drawing.texts {
+        counts.entry(&t.layer).or_default().1 += 1;
+    }
+    let hidden = |name: &str| drawing.layers.iter().any(|l| l.name == name && (l.is_off || l.is_frozen));
+    let only_layer = fallback_layer(&counts, &by_name, &hidden);
+    let mut layers = Vec::new();
+    for (name, (shapes, texts)) in &counts {
+        let wall = by_name.reason(name).or_else(|| {
+            (only_layer == Some(*name))
+                .then(|| "no layer is named after walls and this is the only one with lines".into())
+        });
+        let (role, why) = if options.query_layer.as_deref() == Some(*name) {
+            ("marker", "--query-layer".to_string())
+        } else if options.reference_layer.as_deref() == Some(*name) {
+            ("marker", "--reference-layer".to_string())
+        } else if markers::is_marker(name) {
+            ("marker", "our marker layer".to_string())
+        } else if layers::is_own(name) {
+            ("own", "our result layer".to_string())
+        } else {
+            match wall {
+                Some(_) if hidden(name) => ("hidden", "named after walls, but off or frozen".to_string()),
+                Some(why) => ("wall", why),
+                None => ("ignored", "its name has no word for walls; --wall-layer takes it in".to_string()),
+            }
+        };
+        layers.push(LayerUse { name: (*name).to_string(), entities: shapes + texts, role, why });
+    }
+    let is_wall = |name: &str| layers.iter().any(|l| l.role == "wall" && l.name == name);
+    let walls: Vec<&Entity> = drawing.entities.iter().filter(|e| is_wall(&e.layer)).collect();
+    if let Some(name) = only_layer {
+        let text = format!(
+            "no layer is named after walls; all lines of layer {name:?} taken as walls; --wall-layer overrides it"
+        );
+        report.info("walls-assumed", Place::file(&drawing.file), text);
+    }
+    Ok(Chosen { walls, layers })
+}
+
+/// The only layer with lines, where no layer is named after walls and the user named none.
+fn fallback_layer<'a>(
+    counts: &BTreeMap<&'a str, (usize, usize)>,
+    by_name: &WallLayers,
+    hidden: &impl Fn(&str) -> bool,
+) -> Option<&'a str> {
+    if by_name.is_by_user() || counts.keys().any(|l| by_name.reason(l).is_some() && !hidden(l)) {
+        return None;
+    }
+    let mut drawn = counts.iter().filter(|(l, (shapes, _))| *shapes > 0 && !layers::is_own(l) && !hidden(l));
+    match (drawn.next(), drawn.next()) {
+        (Some((layer, _)), None) => Some(layer),
+        _ => None,
+    }
+}
+
+fn no_walls(drawing: &Drawing, layers: &[LayerUse]) -> Error {
+    let mut by_size: Vec<&LayerUse> =
+        layers.iter().filter(|l| l.role != "own" && l.role != "marker").collect();
+    by_size.sort_by_key(|l| std::cmp::Reverse(l.entities));
+    let shown: Vec<String> =
+        by_size.iter().take(12).map(|l| format!("{} ({})", l.name, l.entities)).collect();
+    let more = by_size.len().saturating_sub(12);
+    let mut list = if shown.is_empty() { "none".to_string() } else { shown.join(", ") };
+    if more > 0 {
+        list.push_str(&format!(" and {more} more"));
+    }
+    let hidden: Vec<&str> = layers.iter().filter(|l| l.role == "hidden").map(|l| l.name.as_str()).collect();
+    let hint =
+        if hidden.is_empty() { String::new() } else { format!(" (off or frozen: {})", hidden.join(", ")) };
+    let text = format!(
+        "no entity on a wall layer{hint}, layers present: {list}; nothing was measured; \
+         name the layer of the walls with --wall-layer NAME"
+    );
+    Error::input("no-walls", Place::file(&drawing.file), text)
+}
+
+fn wall_of(entity: &Entity, frame: &Frame) -> Wall {
+    Wall {
+        source: entity.source.clone(),
+        editable: entity.editable.clone(),
+        shape: entity.shape.clone(),
+        trace: curve::trace(&entity.shape, frame),
+        is_solid: false,
+    }
+}
+
+fn state_unit(drawing: &Drawing, unit: &UnitChoice, size_m: f64, report: &mut Report) {
+    let place = Place::file(&drawing.file);
+    report.info(
+        if unit.is_assumed { "unit-assumed" } else { "unit" },
+        place.clone(),
+        format!("unit: {}", unit.reason),
+    );
+    if !(PLAUSIBLE_SIZE_M[0]..=PLAUSIBLE_SIZE_M[1]).contains(&size_m) {
+        let [lo, hi] = PLAUSIBLE_SIZE_M;
+        let text = format!(
+            "walls are {size_m:.3} m long when read in {}, expected {lo} to {hi} m for a building; \
+             read as stated; --unit overrides it",
+            unit.unit.name
+        );
+        report.info("unit-implausible", place, text);
+    }
+}
+
+/// Box of some points, `None` for none.
+pub fn box_of(points: impl Iterator<Item = DVec2>) -> Option<[DVec2; 2]> {
+    points.fold(None, |acc, p| match acc {
+        None => Some([p, p]),
+        Some([lo, hi]) => Some([lo.min(p), hi.max(p)]),
+    })
+}

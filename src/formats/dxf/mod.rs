@@ -1,1 +1,48 @@
 //! DXF: bytes to a drawing, and edits to bytes.
+//!
+//! The file stays bytes. [`read`] groups them into code/value pairs and interprets what a plan needs;
+//! [`patch`] splices changed values and our own additions into the same bytes. Whatever is not understood
+//! – code pages, comments, XDATA, unknown objects, bytes after EOF – stays as it is because nobody writes
+//! it again. ASCII R10 to R2018 and binary DXF; blocks are unfolded, curves that no plan can hold become
+//! polylines within 5 mm.
+//!
+//! Records are counted as the group-0 pairs of the file from 0 ([`SourceRef::record`]); lines of a binary
+//! file are those it would have in ASCII.
+//!
+//! [`SourceRef::record`]: crate::plan::drawing::SourceRef::record
+
+mod additions;
+mod blocks;
+mod colour;
+mod complete;
+mod curves;
+mod entity;
+mod fields;
+mod header;
+mod limits;
+mod patch;
+mod read;
+mod reader;
+mod strip;
+mod text;
+mod tokens;
+
+pub use complete::{Completeness, is_complete};
+pub use header::unit_by_name;
+pub use limits::*;
+pub use patch::{ChangedRecord, changed_records, patch};
+pub use read::read;
+pub use strip::{is_result_layer, strip_own};
+
+use crate::plan::drawing::Unit;
+
+/// How to read a drawing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Takes files of programs that never write `0/EOF`; off, because a cut file looks the same.
+    pub accept_missing_eof: bool,
+    /// The unit the user stated, if any; only limits and tolerances use it, coordinates stay as drawn.
+    pub unit: Option<Unit>,
+    /// Limits, named one by one in [`Limits`].
+    pub limits: Limits,
+}

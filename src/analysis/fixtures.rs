@@ -1,0 +1,77 @@
+//! Plans and brute force for the tests of this module.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+use crate::plan::geometry::{Segment, segments_touch};
+
+use super::{Lattice, Obstacles};
+
+/// The folder of reference values, if it is there.
+pub fn reference() -> Option<PathBuf> {
+    let shared = std::env::var_os("ENFILADE_SHARED")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
+    let folder = shared.join("reference");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("skipped: no reference values at {}", folder.display());
+    None
+}
+
+/// LINEs of layer WALLS of an R12 drawing in metres.
+pub fn walls_of(dxf: &str) -> Vec<Segment> {
+    let lines: Vec<&str> = dxf.lines().map(str::trim).collect();
+    let mut walls = Vec::new();
+    let mut fields: HashMap<&str, &str> = HashMap::new();
+    let um = |text: &str| (text.parse::<f64>().unwrap() * 1e6).round() as i64;
+    for pair in lines.chunks_exact(2) {
+        if pair[0] == "0" {
+            if fields.get("0") == Some(&"LINE") && fields.get("8") == Some(&"WALLS") {
+                let at = |x, y| [um(fields[x]), um(fields[y])];
+                walls.push(Segment { a: at("10", "20"), b: at("11", "21") });
+            }
+            fields.clear();
+        }
+        fields.insert(pair[0], pair[1]);
+    }
+    walls
+}
+
+/// Header and rows of a table of numbers.
+pub fn csv(text: &str) -> (Vec<String>, Vec<Vec<f64>>) {
+    let mut lines = text.lines();
+    let header = lines.next().unwrap().split(',').map(String::from).collect();
+    (header, lines.map(|l| l.split(',').map(|v| v.parse().unwrap()).collect()).collect())
+}
+
+/// A lattice whose vertices are all query and reference, sorted by column, then row.
+pub fn lattice(spacing_um: i64, origin_um: [i64; 2], mut cells: Vec<[i32; 2]>) -> Lattice {
+    cells.sort_unstable();
+    cells.dedup();
+    Lattice {
+        spacing_um,
+        origin_um,
+        query: (0..cells.len() as u32).collect(),
+        is_reference: vec![true; cells.len()],
+        cells,
+    }
+}
+
+/// depthmapX's 900 cells, its walls, and its table.
+pub fn n900() -> Option<(Lattice, Obstacles, Vec<String>, Vec<Vec<f64>>)> {
+    let folder = reference()?.join("depthmapx-n900");
+    let read = |name| std::fs::read_to_string(folder.join(name)).unwrap();
+    let (header, rows) = csv(&read("cells.csv"));
+    let cells = rows.iter().map(|r| [(r[0] as i64 >> 16) as i32, (r[0] as i64 & 0xffff) as i32]).collect();
+    let obstacles = Obstacles { segments: walls_of(&read("plan.dxf")), blind: vec![] };
+    let lattice = lattice(1_333_300, [0, 0], cells);
+    Some((lattice, obstacles, header, rows))
+}
+
+/// Whether two cells see each other, by the definition.
+pub fn sees(lattice: &Lattice, obstacles: &Obstacles, u: usize, v: usize) -> bool {
+    let sight = Segment { a: lattice.centre_um(u), b: lattice.centre_um(v) };
+    let blind = |w: usize| obstacles.blind.contains(&(w as u32));
+    u != v && !blind(u) && !blind(v) && !obstacles.segments.iter().any(|s| segments_touch(sight, *s))
+}

@@ -1,0 +1,156 @@
+//! Who sees whom: one row a vertex, each row a sorted list of (tile, mask of 64 cells).
+
+use super::tiles::Tiles;
+
+/// A visibility graph. Undirected, no loops; memory grows with what is visible.
+#[derive(Clone, Debug, Default)]
+pub struct Graph {
+    pub(super) tiles: Tiles,
+    /// First entry of the row of each rank; one more entry than vertices.
+    pub(super) start: Vec<usize>,
+    /// Tile of each entry, ascending within a row.
+    pub(super) entry_tile: Vec<u32>,
+    /// Cells of that tile that are seen; never 0.
+    pub(super) entry_mask: Vec<u64>,
+    /// Neighbours of each rank.
+    pub(super) degree: Vec<u32>,
+}
+
+/// Rows of some consecutive ranks, as one worker makes them.
+#[derive(Default)]
+pub(super) struct RowChunk {
+    pub tile: Vec<u32>,
+    pub mask: Vec<u64>,
+    /// Entries and neighbours of each row.
+    pub rows: Vec<(u32, u32)>,
+}
+
+impl Graph {
+    pub(super) fn from_chunks(tiles: Tiles, chunks: Vec<RowChunk>) -> Self {
+        let entries = chunks.iter().map(|c| c.tile.len()).sum();
+        let n = tiles.vertex_of.len();
+        let mut graph = Self {
+            tiles,
+            start: Vec::with_capacity(n + 1),
+            entry_tile: Vec::with_capacity(entries),
+            entry_mask: Vec::with_capacity(entries),
+            degree: Vec::with_capacity(n),
+        };
+        let mut at = 0;
+        graph.start.push(0);
+        for chunk in chunks {
+            graph.entry_tile.extend_from_slice(&chunk.tile);
+            graph.entry_mask.extend_from_slice(&chunk.mask);
+            for (entries, degree) in chunk.rows {
+                at += entries as usize;
+                graph.start.push(at);
+                graph.degree.push(degree);
+            }
+        }
+        graph
+    }
+
+    /// Vertices.
+    pub fn len(&self) -> usize {
+        self.degree.len()
+    }
+
+    /// Whether there is no vertex at all.
+    pub fn is_empty(&self) -> bool {
+        self.degree.is_empty()
+    }
+
+    /// Pairs that see each other, each once.
+    pub fn edge_count(&self) -> u64 {
+        self.degree.iter().map(|&d| u64::from(d)).sum::<u64>() / 2
+    }
+
+    /// How many vertices `v` sees, itself not counted.
+    pub fn degree(&self, v: u32) -> u32 {
+        self.degree[self.tiles.rank_of[v as usize] as usize]
+    }
+
+    /// Calls `visit` with every vertex that `v` sees, in an order that depends on the lattice alone.
+    pub fn for_each_neighbour(&self, v: u32, mut visit: impl FnMut(u32)) {
+        let rank = self.tiles.rank_of[v as usize] as usize;
+        self.for_each_rank(rank, |r| visit(self.tiles.vertex_of[r]));
+    }
+
+    /// Whether `u` and `v` see each other; a vertex does not see itself.
+    pub fn sees(&self, u: u32, v: u32) -> bool {
+        let (tile, bit) = self.tiles.slot_of[self.tiles.rank_of[v as usize] as usize];
+        let (tiles, masks) = self.row(self.tiles.rank_of[u as usize] as usize);
+        tiles.binary_search(&tile).is_ok_and(|at| masks[at] >> bit & 1 == 1)
+    }
+
+    /// Component label of every vertex: the smallest vertex of its component.
+    pub fn components(&self) -> Vec<u32> {
+        let by_rank = self.rank_components();
+        let mut smallest = vec![u32::MAX; self.len()];
+        for v in 0..self.len() {
+            let root = by_rank[self.tiles.rank_of[v] as usize] as usize;
+            smallest[root] = smallest[root].min(v as u32);
+        }
+        (0..self.len()).map(|v| smallest[by_rank[self.tiles.rank_of[v] as usize] as usize]).collect()
+    }
+
+    /// Component label of every rank: the smallest rank of its component.
+    pub(super) fn rank_components(&self) -> Vec<u32> {
+        let mut label = vec![u32::MAX; self.len()];
+        let mut unseen = self.tiles.occupied.clone();
+        let mut stack = Vec::new();
+        for root in 0..self.len() {
+            if label[root] != u32::MAX {
+                continue;
+            }
+            label[root] = root as u32;
+            let (tile, bit) = self.tiles.slot_of[root];
+            unseen[tile as usize] &= !(1 << bit);
+            stack.push(root);
+            while let Some(at) = stack.pop() {
+                let (tiles, masks) = self.row(at);
+                for (&t, &mask) in tiles.iter().zip(masks) {
+                    let fresh = mask & unseen[t as usize];
+                    unseen[t as usize] &= !fresh;
+                    for_each_bit(fresh, |bit| {
+                        let rank = self.tiles.rank(t, bit);
+                        label[rank] = root as u32;
+                        stack.push(rank);
+                    });
+                }
+            }
+        }
+        label
+    }
+
+    /// Tiles and masks of the row of a rank.
+    pub(super) fn row(&self, rank: usize) -> (&[u32], &[u64]) {
+        let range = self.start[rank]..self.start[rank + 1];
+        (&self.entry_tile[range.clone()], &self.entry_mask[range])
+    }
+
+    pub(super) fn for_each_rank(&self, rank: usize, mut visit: impl FnMut(usize)) {
+        let (tiles, masks) = self.row(rank);
+        for (&t, &mask) in tiles.iter().zip(masks) {
+            for_each_bit(mask, |bit| visit(self.tiles.rank(t, bit)));
+        }
+    }
+
+    /// Packs a property of vertices into one mask a tile.
+    pub(super) fn tile_masks(&self, of_vertex: impl Fn(u32) -> bool) -> Vec<u64> {
+        let mut masks = vec![0u64; self.tiles.count()];
+        for (rank, &v) in self.tiles.vertex_of.iter().enumerate() {
+            let (tile, bit) = self.tiles.slot_of[rank];
+            masks[tile as usize] |= u64::from(of_vertex(v)) << bit;
+        }
+        masks
+    }
+}
+
+/// Calls `visit` with the number of every set bit, ascending.
+pub(super) fn for_each_bit(mut mask: u64, mut visit: impl FnMut(u32)) {
+    while mask != 0 {
+        visit(mask.trailing_zeros());
+        mask &= mask - 1;
+    }
+}

@@ -1,0 +1,370 @@
+//! Stage "lattice": which cells take part (spec 3).
+//!
+//! Cells that touch or lie inside something that cannot move are dropped once; where no region is
+//! drawn the region is the interior of the building, or what a flood from seed points reaches.
+
+use super::Lattice;
+use crate::plan::Region;
+use crate::plan::geometry::{PointUm, Segment, Side, segments_touch, side_of_ring};
+use crate::plan::interior::Interior;
+use crate::report::{Error, Place, Report};
+
+/// Most cells of the lattice's box; more means a spacing far too small for the drawing.
+pub const CELLS_MAX: usize = 40_000_000;
+
+/// Most vertices of one study.
+pub const VERTICES_MAX: usize = 4_000_000;
+
+/// What the lattice is made from. Coordinates: drawing frame, micrometres.
+#[derive(Clone, Debug)]
+pub struct Ground<'a> {
+    /// File name for places.
+    pub file: &'a str,
+    /// Distance of cell centres, > 0.
+    pub spacing_um: i64,
+    /// A cell centre.
+    pub centre_um: PointUm,
+    /// Region of query, empty if none is drawn.
+    pub query: &'a [Region],
+    /// Region of reference, empty if none is drawn.
+    pub reference: &'a [Region],
+    /// Where a flood starts instead of the interior.
+    pub seeds_um: &'a [PointUm],
+    /// Sight-blocking pieces that cannot move.
+    pub fixed: &'a [Segment],
+    /// Sight-blocking pieces that can move, where they stand now.
+    pub movable: &'a [Segment],
+    /// Solid outlines that cannot move.
+    pub fixed_solids: &'a [Vec<PointUm>],
+    /// The building's interior where no region is drawn and no seed given.
+    pub interior: Option<&'a Interior>,
+}
+
+/// Chooses the cells.
+///
+/// # Errors
+/// [`Error::Input`] when a limit is passed or no cell is left in either region.
+pub fn lattice(ground: &Ground<'_>, report: &mut Report) -> Result<Lattice, Error> {
+    let needs_inside = ground.query.is_empty() || ground.reference.is_empty();
+    let field = Field::new(ground)?;
+    let inside = if needs_inside { field.inside(ground, report) } else { Vec::new() };
+    let in_regions = |regions: &[Region], i: usize, p: PointUm| {
+        if regions.is_empty() { inside[i] } else { regions.iter().any(|r| r.contains(p)) }
+    };
+    let mut out = Lattice {
+        spacing_um: ground.spacing_um,
+        origin_um: ground.centre_um,
+        cells: Vec::new(),
+        query: Vec::new(),
+        is_reference: Vec::new(),
+    };
+    let dropped = field.dropped(ground);
+    for col in 0..field.cols {
+        for row in 0..field.rows {
+            let i = field.index(col, row);
+            let p = field.centre(col, row);
+            if dropped[i] {
+                continue;
+            }
+            let (q, r) = (in_regions(ground.query, i, p), in_regions(ground.reference, i, p));
+            if !(q || r) {
+                continue;
+            }
+            if q {
+                out.query.push(out.cells.len() as u32);
+            }
+            out.cells.push([field.first[0] + col as i32, field.first[1] + row as i32]);
+            out.is_reference.push(r);
+        }
+    }
+    check(&out, ground)?;
+    Ok(out)
+}
+
+fn check(lattice: &Lattice, ground: &Ground<'_>) -> Result<(), Error> {
+    let spacing_m = ground.spacing_um as f64 / 1e6;
+    let fail = |code, text: String| Err(Error::input(code, Place::file(ground.file), text));
+    if lattice.cells.len() > VERTICES_MAX {
+        let n = lattice.cells.len();
+        return fail(
+            "vertices-max",
+            format!(
+                "spacing {spacing_m} m gives {n} vertices, expected at most {VERTICES_MAX}; choose a larger --spacing"
+            ),
+        );
+    }
+    if lattice.query.is_empty() || !lattice.is_reference.contains(&true) {
+        let which = if lattice.query.is_empty() { "query" } else { "reference" };
+        return fail(
+            "no-cells",
+            format!(
+                "no cell centre lies in the region of {which} at spacing {spacing_m} m; nothing was measured; choose a smaller --spacing or draw EF-QUERY and EF-REFERENCE"
+            ),
+        );
+    }
+    Ok(())
+}
+
+const ON_WALL: u8 = 1;
+const LINKS: [([i32; 2], u8); 4] = [([1, 0], 2), ([0, 1], 4), ([1, 1], 8), ([-1, 1], 16)];
+
+/// Dense cells of the drawing's box, with links between neighbours.
+struct Field {
+    first: [i32; 2],
+    cols: usize,
+    rows: usize,
+    spacing_um: i64,
+    origin_um: PointUm,
+    flags: Vec<u8>,
+    on_fixed: Vec<bool>,
+}
+
+impl Field {
+    fn new(ground: &Ground<'_>) -> Result<Self, Error> {
+        let (s, o) = (ground.spacing_um, ground.centre_um);
+        let walls = ground.fixed.iter().chain(ground.movable).flat_map(|g| [g.a, g.b]);
+        let regions = ground.query.iter().chain(ground.reference).flat_map(Region::outline);
+        let (mut lo, mut hi) = ([i64::MAX; 2], [i64::MIN; 2]);
+        for p in walls.chain(regions).chain(ground.seeds_um.iter().copied()) {
+            for k in 0..2 {
+                lo[k] = lo[k].min(p[k]);
+                hi[k] = hi[k].max(p[k]);
+            }
+        }
+        let cell = |v: i64, k: usize| (v - o[k]).div_euclid(s);
+        let first = [cell(lo[0], 0) - 1, cell(lo[1], 1) - 1];
+        let size = [cell(hi[0], 0) + 2 - first[0] + 1, cell(hi[1], 1) + 2 - first[1] + 1];
+        if size[0].saturating_mul(size[1]) > CELLS_MAX as i64 {
+            let text = format!(
+                "spacing {} m lays {} × {} cells over the drawing, expected at most {CELLS_MAX} in all; choose a larger --spacing",
+                s as f64 / 1e6,
+                size[0],
+                size[1]
+            );
+            return Err(Error::input("cells-max", Place::file(ground.file), text));
+        }
+        let (cols, rows) = (size[0] as usize, size[1] as usize);
+        let origin_um = [o[0] + first[0] * s, o[1] + first[1] * s];
+        let mut field = Self {
+            first: [first[0] as i32, first[1] as i32],
+            cols,
+            rows,
+            spacing_um: s,
+            origin_um,
+            flags: vec![0; cols * rows],
+            on_fixed: vec![false; cols * rows],
+        };
+        ground.fixed.iter().for_each(|g| field.cut(*g, true));
+        ground.movable.iter().for_each(|g| field.cut(*g, false));
+        Ok(field)
+    }
+
+    fn index(&self, col: usize, row: usize) -> usize {
+        col * self.rows + row
+    }
+
+    fn centre(&self, col: usize, row: usize) -> PointUm {
+        [self.origin_um[0] + col as i64 * self.spacing_um, self.origin_um[1] + row as i64 * self.spacing_um]
+    }
+
+    /// Marks the cells a wall piece touches and the links it cuts.
+    fn cut(&mut self, wall: Segment, is_fixed: bool) {
+        let (s, o) = (self.spacing_um, self.origin_um);
+        let (left, right) = if wall.a[0] <= wall.b[0] { (wall.a, wall.b) } else { (wall.b, wall.a) };
+        let col_of = |x: i64| (x - o[0]).div_euclid(s);
+        let row_of = |y: i64| (y - o[1]).div_euclid(s);
+        let (n_cols, n_rows) = (self.cols, self.rows);
+        let clamp = |v: i64, n: usize| v.clamp(0, n as i64 - 1) as usize;
+        let cols = (clamp(col_of(left[0]) - 1, n_cols), clamp(col_of(right[0]) + 2, n_cols));
+        for col in cols.0..=cols.1 {
+            let x = o[0] + col as i64 * s;
+            let (y0, y1) = heights_between(left, right, x - s, x + s);
+            let rows = (clamp(row_of(y0) - 1, n_rows), clamp(row_of(y1) + 2, n_rows));
+            for row in rows.0..=rows.1 {
+                self.cut_at(col, row, wall, is_fixed);
+            }
+        }
+    }
+
+    fn cut_at(&mut self, col: usize, row: usize, wall: Segment, is_fixed: bool) {
+        let (i, a) = (self.index(col, row), self.centre(col, row));
+        if segments_touch(Segment { a, b: a }, wall) {
+            self.flags[i] |= ON_WALL;
+            self.on_fixed[i] |= is_fixed;
+        }
+        for ([dc, dr], bit) in LINKS {
+            let b = [a[0] + i64::from(dc) * self.spacing_um, a[1] + i64::from(dr) * self.spacing_um];
+            if segments_touch(Segment { a, b }, wall) {
+                self.flags[i] |= bit;
+            }
+        }
+    }
+
+    /// Cells that touch or lie inside something that cannot move.
+    fn dropped(&self, ground: &Ground<'_>) -> Vec<bool> {
+        let mut out = self.on_fixed.clone();
+        for ring in ground.fixed_solids {
+            for_each_cell_in(ring, self.spacing_um, self.origin_um, [self.cols, self.rows], |col, row| {
+                out[self.index(col, row)] = true;
+            });
+        }
+        out
+    }
+
+    /// Visits the cells joined with `i` by a free link.
+    fn for_each_linked(&self, col: usize, row: usize, mut visit: impl FnMut(usize, usize)) {
+        for ([dc, dr], bit) in LINKS {
+            for sign in [1, -1] {
+                let (c, r) = (col as i64 + i64::from(sign * dc), row as i64 + i64::from(sign * dr));
+                if c < 0 || r < 0 || c >= self.cols as i64 || r >= self.rows as i64 {
+                    continue;
+                }
+                let (c, r) = (c as usize, r as usize);
+                let holder = if sign == 1 { self.index(col, row) } else { self.index(c, r) };
+                if self.flags[holder] & bit == 0 {
+                    visit(c, r);
+                }
+            }
+        }
+    }
+
+    /// What an 8-neighbour flood reaches from the given cells (those on walls excepted).
+    fn flood(&self, seeds: impl Iterator<Item = (usize, usize)>) -> Vec<bool> {
+        let mut reached = vec![false; self.flags.len()];
+        let mut stack: Vec<(usize, usize)> =
+            seeds.filter(|s| self.flags[self.index(s.0, s.1)] & ON_WALL == 0).collect();
+        stack.iter().for_each(|s| reached[self.index(s.0, s.1)] = true);
+        while let Some((col, row)) = stack.pop() {
+            self.for_each_linked(col, row, |c, r| {
+                let i = self.index(c, r);
+                if !reached[i] {
+                    reached[i] = true;
+                    stack.push((c, r));
+                }
+            });
+        }
+        reached
+    }
+
+    fn inside(&self, ground: &Ground<'_>, report: &mut Report) -> Vec<bool> {
+        if !ground.seeds_um.is_empty() {
+            return self.flood_from_seeds(ground, report);
+        }
+        let is_border = |c: usize, r: usize| c == 0 || r == 0 || c + 1 == self.cols || r + 1 == self.rows;
+        let cells = (0..self.cols).flat_map(|c| (0..self.rows).map(move |r| (c, r)));
+        let outside = self.flood(cells.clone().filter(|(c, r)| is_border(*c, *r)));
+        let mut inside: Vec<bool> = outside.iter().map(|o| !o).collect();
+        if let Some(interior) = ground.interior {
+            for (c, r) in cells {
+                let (i, p) = (self.index(c, r), self.centre(c, r));
+                let enclosed = if interior.closing_m() > 0.0 { interior.contains(p) } else { inside[i] };
+                inside[i] = enclosed && !(self.flags[i] & ON_WALL == 0 && interior.is_cavity(p));
+            }
+        }
+        inside
+    }
+
+    fn flood_from_seeds(&self, ground: &Ground<'_>, report: &mut Report) -> Vec<bool> {
+        let mut seeds = Vec::new();
+        for p in ground.seeds_um {
+            let k = |v: i64, o: i64| (v - o + self.spacing_um / 2).div_euclid(self.spacing_um);
+            let (c, r) = (k(p[0], self.origin_um[0]), k(p[1], self.origin_um[1]));
+            if c >= 0 && r >= 0 && (c as usize) < self.cols && (r as usize) < self.rows {
+                seeds.push((c as usize, r as usize));
+            }
+        }
+        let reached = self.flood(seeds.into_iter());
+        if !reached.contains(&true) {
+            let text = "no seed point lies on a free cell inside the drawing's box; move --seed-point away from the walls";
+            report.warn("seed-on-wall", Place::file(ground.file), text);
+        }
+        let border = |c: usize, r: usize| c == 0 || r == 0 || c + 1 == self.cols || r + 1 == self.rows;
+        let leaks = (0..self.cols).any(|c| (0..self.rows).any(|r| border(c, r) && reached[self.index(c, r)]));
+        if leaks {
+            let text = "the flood from the seed point leaves the building through a gap and fills the drawing's box; \
+                        close the outline or draw EF-QUERY";
+            report.warn("seed-leaks", Place::file(ground.file), text);
+        }
+        reached
+    }
+}
+
+/// Lowest and highest y of the part of `left → right` between two x, a cell of slack not included.
+fn heights_between(left: PointUm, right: PointUm, x0: i64, x1: i64) -> (i64, i64) {
+    let width = (right[0] - left[0]) as f64;
+    if width == 0.0 {
+        return (left[1].min(right[1]), left[1].max(right[1]));
+    }
+    let at = |x: i64| {
+        let t = ((x - left[0]) as f64 / width).clamp(0.0, 1.0);
+        left[1] + (t * (right[1] - left[1]) as f64).round() as i64
+    };
+    let (a, b) = (at(x0), at(x1));
+    (a.min(b) - 1, a.max(b) + 1)
+}
+
+/// Calls `visit(col, row)` for the cells whose centre lies in the ring or on it. Exact.
+fn for_each_cell_in(
+    ring: &[PointUm],
+    spacing_um: i64,
+    origin_um: PointUm,
+    size: [usize; 2],
+    mut visit: impl FnMut(usize, usize),
+) {
+    let range = |k: usize| {
+        let lo = ring.iter().map(|p| p[k]).min().unwrap_or(0) - origin_um[k];
+        let hi = ring.iter().map(|p| p[k]).max().unwrap_or(0) - origin_um[k];
+        let first = lo.div_euclid(spacing_um).max(0) as usize;
+        let last = hi.div_euclid(spacing_um).min(size[k] as i64 - 1);
+        first..(last + 1).max(0) as usize
+    };
+    for col in range(0) {
+        for row in range(1) {
+            let p = [origin_um[0] + col as i64 * spacing_um, origin_um[1] + row as i64 * spacing_um];
+            if side_of_ring(ring, p) != Side::Outside {
+                visit(col, row);
+            }
+        }
+    }
+}
+
+/// Finds vertices by place, for solids that move.
+#[derive(Clone, Debug)]
+pub struct CellIndex {
+    spacing_um: i64,
+    origin_um: PointUm,
+    first: [i32; 2],
+    size: [usize; 2],
+    vertex: Vec<u32>,
+}
+
+impl CellIndex {
+    /// Indexes all vertices.
+    pub fn new(lattice: &Lattice) -> Self {
+        let fold =
+            |k: usize, f: fn(i32, i32) -> i32| lattice.cells.iter().map(|c| c[k]).reduce(f).unwrap_or(0);
+        let first = [fold(0, i32::min), fold(1, i32::min)];
+        let size = [(fold(0, i32::max) - first[0] + 1) as usize, (fold(1, i32::max) - first[1] + 1) as usize];
+        let at = |k: usize| lattice.origin_um[k] + i64::from(first[k]) * lattice.spacing_um;
+        let mut vertex = vec![u32::MAX; size[0] * size[1]];
+        for (v, c) in lattice.cells.iter().enumerate() {
+            vertex[(c[0] - first[0]) as usize * size[1] + (c[1] - first[1]) as usize] = v as u32;
+        }
+        Self { spacing_um: lattice.spacing_um, origin_um: [at(0), at(1)], first, size, vertex }
+    }
+
+    /// Appends the vertices that lie in the ring or on it.
+    pub fn vertices_in(&self, ring: &[PointUm], out: &mut Vec<u32>) {
+        for_each_cell_in(ring, self.spacing_um, self.origin_um, self.size, |col, row| {
+            let v = self.vertex[col * self.size[1] + row];
+            if v != u32::MAX {
+                out.push(v);
+            }
+        });
+    }
+
+    /// Column and row of the first indexed cell.
+    pub fn first(&self) -> [i32; 2] {
+        self.first
+    }
+}

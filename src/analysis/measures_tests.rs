@@ -1,0 +1,53 @@
+use super::super::{fixtures, forest, visibility};
+use super::*;
+
+#[test]
+fn entropy_of_known_distributions() {
+    assert_eq!(entropy_bits(&[]), 0.0);
+    assert_eq!(entropy_bits(&[7]), 0.0);
+    assert_eq!(entropy_bits(&[4, 4]), 1.0);
+    assert_eq!(entropy_bits(&[2, 1, 1]), 1.5);
+}
+
+#[test]
+fn an_isolated_vertex_counts_itself_and_has_no_depth() {
+    let row = global_row(&[]);
+    assert_eq!(row[5], 1.0);
+    assert_eq!(row[4], UNDEFINED);
+}
+
+/// Column by column against depthmapX 0.8.0, which stores float32.
+#[test]
+fn columns_equal_depthmapx() {
+    let Some((lattice, obstacles, header, rows)) = fixtures::n900() else { return };
+    let graph = visibility::visibility_graph(&lattice, &obstacles);
+    for column in columns(&lattice, &graph, None) {
+        let k = header.iter().position(|h| *h == column.name).unwrap();
+        for (v, row) in rows.iter().enumerate() {
+            let (ours, theirs) = (column.values[v], row[k]);
+            let error = (ours - theirs).abs() / theirs.abs().max(1e-30);
+            assert!(error <= 1e-6, "{} of {}: {ours} {theirs}", column.name, row[0]);
+        }
+    }
+}
+
+#[test]
+fn radius_cuts_the_levels() {
+    let Some((lattice, obstacles, ..)) = fixtures::n900() else { return };
+    let graph = visibility::visibility_graph(&lattice, &obstacles);
+    let near = global_columns(&graph, Some(1));
+    let count = near.iter().find(|c| c.name == "Visual Node Count R1").unwrap();
+    for v in 0..graph.len() {
+        assert_eq!(count.values[v], f64::from(graph.degree(v as u32)) + 1.0);
+    }
+}
+
+#[test]
+fn means_add_up() {
+    let Some((lattice, obstacles, ..)) = fixtures::n900() else { return };
+    let graph = visibility::visibility_graph(&lattice, &obstacles);
+    let tally = forest::tally(&lattice, &graph, None);
+    let means = means(&tally);
+    assert_eq!(means.degree_all * 900.0, 2.0 * graph.edge_count() as f64);
+    assert_eq!(tally.levels.len() as u32, tally.depth.iter().sum::<u32>());
+}

@@ -1,0 +1,428 @@
+//! Stage "visibility": which cells see each other, exactly (spec: visibility graph).
+//!
+//! Each viewer sweeps the lattice row by row, upwards and then downwards, with the list of slope
+//! intervals that nothing blocks yet. Slopes are f64; wherever two of them come nearer than the
+//! rounding error allows to tell apart, the decision is made in whole numbers, so the result equals
+//! the pairwise test of every sight line against every wall.
+
+use rayon::prelude::*;
+
+use crate::plan::geometry::{Segment, segments_touch};
+
+pub use super::graph::Graph;
+use super::graph::RowChunk;
+use super::strips::{EndId, Fraction, NEGATIVE_INFINITY, POSITIVE_INFINITY, Piece, Strips};
+use super::tiles::{NO_TILE, Tiles};
+use super::{Lattice, Obstacles};
+
+/// Ranks handed to one worker at a time.
+const CHUNK: usize = 64;
+
+/// Stands for an infinite slope and stays finite in arithmetic.
+const HUGE: f64 = 1e300;
+
+/// Two cells see each other iff the closed segment between their centres touches no obstacle and
+/// neither is blind. Exact; runs on the current rayon pool; the same bits on any number of threads.
+pub fn visibility_graph(lattice: &Lattice, obstacles: &Obstacles) -> Graph {
+    let (tiles, n) = (Tiles::new(lattice), lattice.cells.len());
+    let Some(strips) = Strips::new(lattice, &tiles, obstacles) else {
+        return pairwise_graph(lattice, obstacles);
+    };
+    let starts: Vec<usize> = (0..n).step_by(CHUNK).collect();
+    let chunks = starts
+        .par_iter()
+        .map_init(|| Sweep::new(&strips, &tiles), |sweep, &at| sweep.chunk(at..(at + CHUNK).min(n)))
+        .collect();
+    Graph::from_chunks(tiles, chunks)
+}
+
+/// [`visibility_graph`] on the calling thread alone.
+pub(super) fn visibility_graph_serial(lattice: &Lattice, obstacles: &Obstacles) -> Graph {
+    let tiles = Tiles::new(lattice);
+    let Some(strips) = Strips::new(lattice, &tiles, obstacles) else {
+        return pairwise_graph(lattice, obstacles);
+    };
+    let chunk = Sweep::new(&strips, &tiles).chunk(0..lattice.cells.len());
+    Graph::from_chunks(tiles, vec![chunk])
+}
+
+/// The same graph by testing every pair against every obstacle: for lattices beyond the sweep's limits.
+fn pairwise_graph(lattice: &Lattice, obstacles: &Obstacles) -> Graph {
+    let tiles = Tiles::new(lattice);
+    let n = lattice.cells.len();
+    let mut blind = vec![false; n];
+    obstacles.blind.iter().for_each(|&v| blind[v as usize] = true);
+    let row = |rank: usize| {
+        let u = tiles.vertex_of[rank] as usize;
+        let mut chunk = RowChunk::default();
+        let mut degree = 0;
+        for (other, &(tile, bit)) in tiles.slot_of.iter().enumerate() {
+            let v = tiles.vertex_of[other] as usize;
+            let sight = Segment { a: lattice.centre_um(u), b: lattice.centre_um(v) };
+            let touches = |s: &Segment| segments_touch(sight, *s);
+            if u == v || blind[u] || blind[v] || obstacles.segments.iter().any(touches) {
+                continue;
+            }
+            if chunk.tile.last() != Some(&tile) {
+                chunk.tile.push(tile);
+                chunk.mask.push(0);
+            }
+            if let Some(mask) = chunk.mask.last_mut() {
+                *mask |= 1 << bit;
+            }
+            degree += 1;
+        }
+        chunk.rows.push((chunk.tile.len() as u32, degree));
+        chunk
+    };
+    let chunks = (0..n).into_par_iter().map(row).collect();
+    Graph::from_chunks(tiles, chunks)
+}
+
+/// A slope with the identity of the point it passes through.
+#[derive(Clone, Copy)]
+struct End {
+    slope: f64,
+    id: EndId,
+}
+
+/// A closed blocked interval, or an open unblocked one.
+#[derive(Clone, Copy)]
+struct Interval {
+    lo: End,
+    hi: End,
+}
+
+/// One worker: buffers that live as long as it does.
+struct Sweep<'a> {
+    strips: &'a Strips,
+    tiles: &'a Tiles,
+    gaps: Vec<Interval>,
+    next_gaps: Vec<Interval>,
+    blocks: Vec<Interval>,
+    /// Cells seen, by tile, and a bitmap of the tiles that have any; the last tile is a dump.
+    seen: Vec<u64>,
+    touched: Vec<u64>,
+    viewer: Viewer,
+    slope_error: f64,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Viewer {
+    column: usize,
+    row: usize,
+    at: [i64; 2],
+    x: f64,
+    y: f64,
+}
+
+impl<'a> Sweep<'a> {
+    fn new(strips: &'a Strips, tiles: &'a Tiles) -> Self {
+        Self {
+            strips,
+            tiles,
+            gaps: Vec::new(),
+            next_gaps: Vec::new(),
+            blocks: Vec::new(),
+            seen: vec![0; tiles.count() + 1],
+            touched: vec![0; tiles.count() / 64 + 1],
+            viewer: Viewer::default(),
+            slope_error: strips.extent_cells * (-46f64).exp2(),
+        }
+    }
+
+    fn chunk(&mut self, ranks: std::ops::Range<usize>) -> RowChunk {
+        let mut chunk = RowChunk::default();
+        for rank in ranks {
+            let (tile, bit) = self.tiles.slot_of[rank];
+            if self.strips.open[tile as usize] >> bit & 1 == 0 {
+                chunk.rows.push((0, 0));
+                continue;
+            }
+            self.look(tile, bit);
+            self.collect(tile, bit, &mut chunk);
+        }
+        chunk
+    }
+
+    /// Fills `seen` for the viewer at a bit of a tile.
+    fn look(&mut self, tile: u32, bit: u8) {
+        let [tile_column, tile_row] = self.tiles.tile_at[tile as usize];
+        let column = tile_column as usize * 8 + usize::from(bit & 7);
+        let row = tile_row as usize * 8 + usize::from(bit >> 3);
+        let at = [column as i64 * self.strips.spacing_um, row as i64 * self.strips.spacing_um];
+        self.viewer = Viewer { column, row, at, x: at[0] as f64, y: at[1] as f64 };
+        self.own_row();
+        self.sweep::<true>();
+        self.sweep::<false>();
+    }
+
+    /// Moves what was seen into a row of the graph and clears the buffers.
+    fn collect(&mut self, tile: u32, bit: u8, chunk: &mut RowChunk) {
+        self.seen[tile as usize] &= !(1 << bit);
+        let mut entries = 0;
+        let mut degree = 0;
+        for word in 0..self.touched.len() {
+            let mut bits = std::mem::take(&mut self.touched[word]);
+            while bits != 0 {
+                let t = word * 64 + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                let mask = std::mem::take(&mut self.seen[t]) & self.strips.open.get(t).copied().unwrap_or(0);
+                if mask != 0 {
+                    chunk.tile.push(t as u32);
+                    chunk.mask.push(mask);
+                    entries += 1;
+                    degree += mask.count_ones();
+                }
+            }
+        }
+        chunk.rows.push((entries, degree));
+    }
+
+    /// Own row: up to the first broken link on either side.
+    fn own_row(&mut self) {
+        let words = self.strips.words_per_row;
+        let row = &self.strips.broken[self.viewer.row * words..][..words];
+        let c = self.viewer.column;
+        let mut right = self.strips.columns - 1;
+        for (w, &word) in row.iter().enumerate().skip(c / 64) {
+            let word = if w == c / 64 { word & (u64::MAX << (c % 64)) } else { word };
+            if word != 0 {
+                right = right.min(w * 64 + word.trailing_zeros() as usize);
+                break;
+            }
+        }
+        let mut left = 0;
+        for w in (0..=c / 64).rev() {
+            let word = if w == c / 64 { row[w] & ((1u64 << (c % 64)) - 1) } else { row[w] };
+            if word != 0 {
+                left = w * 64 + 64 - word.leading_zeros() as usize;
+                break;
+            }
+        }
+        self.mark(self.viewer.row, left, right);
+    }
+
+    /// One half plane: rows above (`UP`) or below the viewer.
+    fn sweep<const UP: bool>(&mut self) {
+        let rows = if UP { self.strips.rows - 1 - self.viewer.row } else { self.viewer.row };
+        if rows == 0 {
+            return;
+        }
+        self.first_strip::<UP>();
+        for distance in 1..=rows {
+            self.emit::<UP>(distance);
+            if self.gaps.is_empty() || distance == rows {
+                break;
+            }
+            self.advance::<UP>(distance);
+        }
+        self.gaps.clear();
+    }
+
+    fn strip<const UP: bool>(&self, distance: usize) -> usize {
+        if UP { self.viewer.row + distance } else { self.viewer.row - 1 - distance }
+    }
+
+    /// From the viewer's row to the next: looks right and left as far as nothing closes the view.
+    fn first_strip<const UP: bool>(&mut self) {
+        let strips = self.strips;
+        let base = self.strip::<UP>(0) * strips.bins;
+        let bin = self.viewer.column >> strips.bin_shift;
+        let width = (1u64 << strips.bin_shift) as f64;
+        self.blocks.clear();
+        let whole = Interval {
+            lo: End { slope: -HUGE, id: NEGATIVE_INFINITY },
+            hi: End { slope: HUGE, id: POSITIVE_INFINITY },
+        };
+        let carried = strips.carried_start[base + bin]..strips.carried_start[base + bin + 1];
+        let (mut left, mut right) = (-HUGE, HUGE);
+        for &p in &strips.carried[carried.start as usize..carried.end as usize] {
+            self.block::<UP>(&strips.pieces[p as usize], whole, &mut left, &mut right);
+        }
+        let column = self.viewer.column as f64;
+        let starts = strips.start[base + bin] as usize..strips.start[base + strips.bins] as usize;
+        for piece in &strips.pieces[starts] {
+            if f64::from(piece.first_bin) * width - column > right + 1.0 {
+                break;
+            }
+            self.block::<UP>(piece, whole, &mut left, &mut right);
+        }
+        let ends = strips.end_start[base] as usize..strips.end_start[base + bin] as usize;
+        for &p in strips.by_end[ends].iter().rev() {
+            let piece = &strips.pieces[p as usize];
+            if f64::from(piece.last_bin + 1) * width - column < left - 1.0 {
+                break;
+            }
+            self.block::<UP>(piece, whole, &mut left, &mut right);
+        }
+        self.next_gaps.clear();
+        self.subtract(whole);
+        std::mem::swap(&mut self.gaps, &mut self.next_gaps);
+    }
+
+    /// Subtracts the strip beyond row `distance` from all gaps.
+    fn advance<const UP: bool>(&mut self, distance: usize) {
+        let strips = self.strips;
+        let base = self.strip::<UP>(distance) * strips.bins;
+        let (near, far) = (distance as f64, (distance + 1) as f64);
+        let last = (strips.columns - 1) as f64;
+        let column = self.viewer.column as f64;
+        self.next_gaps.clear();
+        for g in 0..self.gaps.len() {
+            let gap = self.gaps[g];
+            let left = column + gap.lo.slope * if gap.lo.slope < 0.0 { far } else { near } - 1e-3;
+            let right = column + gap.hi.slope * if gap.hi.slope < 0.0 { near } else { far } + 1e-3;
+            if left > last || right < 0.0 {
+                continue;
+            }
+            let first_bin = left.max(0.0) as usize >> strips.bin_shift;
+            let last_bin = right.min(last) as usize >> strips.bin_shift;
+            self.blocks.clear();
+            let carried = strips.carried_start[base + first_bin]..strips.carried_start[base + first_bin + 1];
+            let (mut l, mut r) = (0.0, 0.0);
+            for &p in &strips.carried[carried.start as usize..carried.end as usize] {
+                self.block::<UP>(&strips.pieces[p as usize], gap, &mut l, &mut r);
+            }
+            let starts = strips.start[base + first_bin] as usize..strips.start[base + last_bin + 1] as usize;
+            for piece in &strips.pieces[starts] {
+                self.block::<UP>(piece, gap, &mut l, &mut r);
+            }
+            self.subtract(gap);
+        }
+        std::mem::swap(&mut self.gaps, &mut self.next_gaps);
+    }
+
+    /// Files the interval a piece blocks, if it may meet `gap`; keeps `blocks` sorted by lower end.
+    /// An interval that reaches to an infinite slope closes the view on that side: `left`, `right`.
+    fn block<const UP: bool>(&mut self, piece: &Piece, gap: Interval, left: &mut f64, right: &mut f64) {
+        let (near, far) = if UP { (0, 1) } else { (1, 0) };
+        let height =
+            |end: usize| if UP { piece.y[end] - self.viewer.y } else { self.viewer.y - piece.y[end] };
+        if height(far) <= 0.0 {
+            return;
+        }
+        let far = End { slope: (piece.x[far] - self.viewer.x) / height(far), id: piece.id[far] };
+        let reach = piece.x[near] - self.viewer.x;
+        let near = if height(near) > 0.0 {
+            End { slope: reach / height(near), id: piece.id[near] }
+        } else if reach > 0.0 {
+            *right = right.min(far.slope);
+            gap.hi
+        } else {
+            *left = left.max(far.slope);
+            gap.lo
+        };
+        let (lo, hi) = if self.less(far, near) { (far, near) } else { (near, far) };
+        if !self.less(gap.lo, hi) || !self.less(lo, gap.hi) {
+            return;
+        }
+        let mut at = self.blocks.len();
+        while at > 0 && self.less(lo, self.blocks[at - 1].lo) {
+            at -= 1;
+        }
+        self.blocks.insert(at, Interval { lo, hi });
+    }
+
+    /// Appends to `next_gaps` what `blocks` leave of `gap`.
+    fn subtract(&mut self, gap: Interval) {
+        let mut from = gap.lo;
+        for b in 0..self.blocks.len() {
+            let block = self.blocks[b];
+            if self.less(from, block.lo) {
+                self.next_gaps.push(Interval { lo: from, hi: block.lo });
+            }
+            if self.less(from, block.hi) {
+                from = block.hi;
+            }
+        }
+        if self.less(from, gap.hi) {
+            self.next_gaps.push(Interval { lo: from, hi: gap.hi });
+        }
+    }
+
+    /// Marks the cells of row `distance` that lie strictly inside a gap.
+    fn emit<const UP: bool>(&mut self, distance: usize) {
+        let row = if UP { self.viewer.row + distance } else { self.viewer.row - distance };
+        let (d, column) = (distance as f64, self.viewer.column as f64);
+        let last = self.strips.columns as f64 - 1.0;
+        for g in 0..self.gaps.len() {
+            let gap = self.gaps[g];
+            let lo = column + gap.lo.slope * d;
+            let hi = column + gap.hi.slope * d;
+            if lo > last + 0.5 || hi < -0.5 {
+                continue;
+            }
+            let first = if lo < -0.5 { 0 } else { self.column_beside::<UP>(gap.lo, lo, distance, true) };
+            let end = if hi > last + 0.5 {
+                last as i64
+            } else {
+                self.column_beside::<UP>(gap.hi, hi, distance, false)
+            };
+            if first <= end {
+                self.mark(row, first as usize, end as usize);
+            }
+        }
+    }
+
+    /// The first whole column strictly right of a slope (`right`), or the last strictly left of it, at
+    /// `position` on row `distance`; clamped to the lattice.
+    fn column_beside<const UP: bool>(&self, end: End, position: f64, distance: usize, right: bool) -> i64 {
+        let d = distance as f64;
+        let near = position.round();
+        let error = self.tolerance(end.slope.abs()) * d + 1e-9;
+        let column = if (position - near).abs() > error {
+            if right { position.ceil() as i64 } else { position.floor() as i64 }
+        } else {
+            let cell = Fraction {
+                num: i128::from((near as i64 - self.viewer.column as i64) * self.strips.spacing_um),
+                den: i128::from(distance as i64 * self.strips.spacing_um),
+            };
+            let order = cell.compare(self.strips.fraction(end.id, self.viewer.at));
+            match right {
+                true => near as i64 + i64::from(order.is_le()),
+                false => near as i64 - i64::from(order.is_ge()),
+            }
+        };
+        if right { column.max(0) } else { column.min(self.strips.columns as i64 - 1) }
+    }
+
+    /// Largest difference of two computed slopes, one of this size, that proves nothing.
+    fn tolerance(&self, slope: f64) -> f64 {
+        self.slope_error + slope * (1.0 / (1u64 << 46) as f64)
+    }
+
+    /// Whether slope `a` is smaller than slope `b`; exact.
+    #[inline]
+    fn less(&self, a: End, b: End) -> bool {
+        let difference = b.slope - a.slope;
+        if difference.abs() > self.tolerance(a.slope.abs().min(b.slope.abs())) {
+            return difference > 0.0;
+        }
+        a.id != b.id && self.less_exactly(a.id, b.id)
+    }
+
+    #[cold]
+    fn less_exactly(&self, a: EndId, b: EndId) -> bool {
+        let fraction = |id| self.strips.fraction(id, self.viewer.at);
+        fraction(a).compare(fraction(b)).is_lt()
+    }
+
+    /// Adds the cells `first..=last` of a row to what is seen.
+    fn mark(&mut self, row: usize, first: usize, last: usize) {
+        let tiles = &self.tiles.grid[(row >> 3) * self.tiles.size_tiles[0]..][..self.tiles.size_tiles[0]];
+        let shift = (row & 7) * 8;
+        for column in first >> 3..=last >> 3 {
+            let from = first.saturating_sub(column * 8);
+            let to = (last - column * 8).min(7);
+            let bits = (0xffu64 >> (7 - to)) & (0xff << from);
+            let tile = if tiles[column] == NO_TILE { self.seen.len() - 1 } else { tiles[column] as usize };
+            self.seen[tile] |= bits << shift;
+            self.touched[tile >> 6] |= 1 << (tile & 63);
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "visibility_tests.rs"]
+mod tests;

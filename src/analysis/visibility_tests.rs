@@ -1,0 +1,138 @@
+use proptest::prelude::*;
+
+use super::super::fixtures;
+use super::*;
+
+fn assert_equals_brute_force(lattice: &Lattice, obstacles: &Obstacles) {
+    let graph = visibility_graph(lattice, obstacles);
+    for u in 0..lattice.cells.len() {
+        let mut neighbours = Vec::new();
+        graph.for_each_neighbour(u as u32, |v| neighbours.push(v));
+        neighbours.sort_unstable();
+        let expected: Vec<u32> = (0..lattice.cells.len())
+            .filter(|&v| fixtures::sees(lattice, obstacles, u, v))
+            .map(|v| v as u32)
+            .collect();
+        let cell = lattice.cells[u];
+        assert_eq!(neighbours, expected, "viewer {cell:?} of {lattice:?} {:?}", obstacles.segments);
+        assert_eq!(graph.degree(u as u32) as usize, expected.len());
+    }
+}
+
+/// Wall ends on a grid of `1 / parts` cells and, now and then, a micrometre beside it.
+fn walls(spacing: i64, parts: i64, span: i64) -> impl Strategy<Value = Vec<Segment>> {
+    let part = (-2..=span * parts + 2, -1i64..=1, 0..12u8)
+        .prop_map(move |(k, off, odd)| k * spacing / parts + if odd == 0 { off } else { 0 });
+    let point = [part.clone(), part];
+    let wall = (point.clone(), point, 0..6u8).prop_map(|(a, b, kind)| match kind {
+        0 => Segment { a, b: [b[0], a[1]] },
+        1 => Segment { a, b: [a[0], b[1]] },
+        2 => Segment { a, b: [b[0], a[1] + (b[0] - a[0])] },
+        3 => Segment { a, b: [b[0], a[1] - (b[0] - a[0])] },
+        4 if (a[0] ^ b[1]) & 3 == 0 => Segment { a, b: a },
+        _ => Segment { a, b },
+    });
+    prop::collection::vec(wall, 0..14)
+}
+
+fn plans() -> impl Strategy<Value = (Lattice, Obstacles)> {
+    let shape = (1i64..4, 1i32..14, 1i32..14, any::<u64>(), 0..4u8, any::<bool>());
+    shape.prop_flat_map(|(parts, w, h, holes, blind, far)| {
+        let spacing = 12;
+        let origin = if far { [1_750_000_000_000, -44_000_000_000_017] } else { [0, 0] };
+        walls(spacing, parts, i64::from(w.max(h))).prop_map(move |segments| {
+            let keep = |c: i32, r: i32| holes.rotate_left((c * 7 + r * 13) as u32 & 63) & 5 != 0;
+            let cells: Vec<_> = (0..w).flat_map(|c| (0..h).map(move |r| [c - 3, r + 2])).collect();
+            let cells: Vec<_> = cells.into_iter().filter(|c| keep(c[0] + 3, c[1])).collect();
+            let blind = (0..u32::from(blind)).filter(|&v| (v as usize) < cells.len()).collect();
+            let lattice = fixtures::lattice(spacing, origin, cells);
+            let by = [origin[0] - 3 * spacing, origin[1] + 2 * spacing];
+            (lattice, Obstacles { segments: segments.into_iter().map(|s| s.shifted(by)).collect(), blind })
+        })
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3000, max_shrink_iters: 4000, ..ProptestConfig::default() })]
+
+    /// Walls on lattice lines, ends on centres, collinear, touching, 45°, points, a micrometre off.
+    #[test]
+    fn sweep_equals_pairwise_test((lattice, obstacles) in plans()) {
+        assert_equals_brute_force(&lattice, &obstacles);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    #[test]
+    fn fractions_compare_exactly(a in -1000i128..1000, b in 1i128..50, c in -1000i128..1000, d in 1i128..50) {
+        let (x, y) = (Fraction { num: a, den: b }, Fraction { num: c, den: d });
+        prop_assert_eq!(x.compare(y), (a * d).cmp(&(c * b)));
+        let big = 1i128 << 100;
+        let (x, y) = (Fraction { num: a * big, den: b * big }, Fraction { num: c * big, den: d * big });
+        prop_assert_eq!(x.compare(y), (a * d).cmp(&(c * b)));
+    }
+}
+
+#[test]
+fn lattices_beyond_the_limits_are_compared_pair_by_pair() {
+    let far = crate::analysis::strips::MAX_COORDINATE_UM * 2;
+    let wall = Segment { a: [-far, 15], b: [far, 15] };
+    let cells = (0..4).flat_map(|c| (0..4).map(move |r| [c, r])).collect();
+    assert_equals_brute_force(
+        &fixtures::lattice(10, [0, 0], cells),
+        &Obstacles { segments: vec![wall], blind: vec![] },
+    );
+    let sparse = fixtures::lattice(10, [0, 0], vec![[0, 0], [i32::MAX, 5], [i32::MIN, 9], [4, i32::MAX]]);
+    assert_equals_brute_force(&sparse, &Obstacles::default());
+    assert_eq!(visibility_graph(&sparse, &Obstacles::default()).edge_count(), 6);
+    let tall = fixtures::lattice(10, [0, 0], vec![[0, 0], [0, super::super::strips::MAX_ROWS as i32]]);
+    assert_equals_brute_force(&tall, &Obstacles::default());
+    let wide = fixtures::lattice(10, [0, 0], vec![[0, 0], [(1 << 23) + 1, 0]]);
+    assert_equals_brute_force(&wide, &Obstacles::default());
+}
+
+#[test]
+fn no_vertices_no_graph() {
+    let graph = visibility_graph(&fixtures::lattice(10, [0, 0], vec![]), &Obstacles::default());
+    assert!(graph.is_empty());
+    assert_eq!(graph.edge_count(), 0);
+    assert!(graph.components().is_empty());
+}
+
+#[test]
+fn edges_equal_depthmapx() {
+    let Some((lattice, obstacles, _, rows)) = fixtures::n900() else { return };
+    let graph = visibility_graph(&lattice, &obstacles);
+    assert_eq!(graph.edge_count(), 27_839);
+    let text =
+        std::fs::read_to_string(fixtures::reference().unwrap().join("depthmapx-n900/edges.csv")).unwrap();
+    let vertex = |reference: f64| rows.iter().position(|r| r[0] == reference).unwrap() as u32;
+    let (_, edges) = fixtures::csv(&text);
+    assert_eq!(edges.len(), 27_839);
+    for edge in edges {
+        assert!(graph.sees(vertex(edge[0]), vertex(edge[1])), "{edge:?}");
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let Some((lattice, obstacles, ..)) = fixtures::n900() else { return };
+    let serial = visibility_graph_serial(&lattice, &obstacles);
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let graph = pool.install(|| visibility_graph(&lattice, &obstacles));
+        assert_eq!((graph.start, graph.entry_mask), (serial.start.clone(), serial.entry_mask.clone()));
+        assert_eq!(graph.entry_tile, serial.entry_tile);
+    }
+}
+
+#[test]
+fn components_are_labelled_by_their_smallest_vertex() {
+    let cells = (0..6).map(|c| [c, 0]).collect();
+    let wall = Segment { a: [25, -5], b: [25, 5] };
+    let obstacles = Obstacles { segments: vec![wall], blind: vec![4] };
+    let graph = visibility_graph(&fixtures::lattice(10, [0, 0], cells), &obstacles);
+    assert_eq!(graph.components(), [0, 0, 0, 3, 4, 3]);
+}

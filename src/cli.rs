@@ -1,0 +1,349 @@
+//! The command line: the only file that says clap.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::config::{Backend, Colours, Level, Method, Mode, Partial};
+
+/// From an architect's drawing to a diverse set of better layouts, and back.
+#[derive(Debug, Parser)]
+#[command(name = "enfilade", version, about, max_term_width = 100, arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Say what the program understands of a drawing.
+    Check(CheckArgs),
+    /// Measure the present layout; heat maps go to plan.enfilade/analysis/.
+    Analyse(AnalyseArgs),
+    /// Do the whole job once: measure, optimise, write the next round.
+    Run(RunArgs),
+    /// Do the same job for every finished save in the folders, until stopped.
+    Watch(WatchArgs),
+    /// Make candidate N of the newest round a new drawing beside the old one.
+    Accept(AcceptArgs),
+    /// Say what the daemon does in the folders.
+    Status(StatusArgs),
+    /// Say what this machine offers.
+    Doctor,
+    /// Write a commented enfilade.toml.
+    Init(InitArgs),
+}
+
+/// Options of every command that reads a drawing.
+#[derive(Debug, Default, Args)]
+pub struct Common {
+    /// Unit of the drawing; overrides the file.
+    #[arg(long, value_name = "mm|cm|m|in|ft")]
+    pub unit: Option<String>,
+    /// Layer of the walls, * and ? may stand in it; repeatable.
+    #[arg(long, value_name = "GLOB")]
+    pub wall_layer: Vec<String>,
+    /// Layer of the region of query instead of EF-QUERY.
+    #[arg(long, value_name = "NAME")]
+    pub query_layer: Option<String>,
+    /// Layer of the region of reference instead of EF-REFERENCE.
+    #[arg(long, value_name = "NAME")]
+    pub reference_layer: Option<String>,
+    /// Height of the sight lines.
+    #[arg(long, value_enum)]
+    pub level: Option<LevelArg>,
+    /// Distance of the lattice's cell centres.
+    #[arg(long, value_name = "METRES")]
+    pub spacing: Option<f64>,
+    /// A cell centre, metres.
+    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    pub lattice_centre: Option<[f64; 2]>,
+    /// Where no region is drawn: the region is what a flood from here reaches, drawing units; repeatable.
+    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    pub seed_point: Vec<[f64; 2]>,
+    /// What computes.
+    #[arg(long, value_enum)]
+    pub backend: Option<BackendArg>,
+    /// Threads; all cores by default. Never changes the result.
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Results go to DIR/plan.enfilade/ instead of beside the drawing.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Colours of the heat maps.
+    #[arg(long, value_enum)]
+    pub colours: Option<ColoursArg>,
+    /// Read a DXF that ends without its end mark (0/EOF).
+    #[arg(long)]
+    pub accept_missing_eof: bool,
+    /// The result as JSON; - or nothing for standard output.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
+    pub json: Option<PathBuf>,
+    /// Say nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// How progress is said on standard error.
+    #[arg(long, value_enum)]
+    pub progress: Option<ProgressArg>,
+}
+
+/// `check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// The drawing.
+    pub file: PathBuf,
+    /// Draw a picture of what was understood.
+    #[arg(long, value_name = "OUT.png")]
+    pub preview: Option<PathBuf>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
+
+/// `analyse`.
+#[derive(Debug, Args)]
+pub struct AnalyseArgs {
+    /// The drawing.
+    pub file: PathBuf,
+    /// Levels up to this one count (columns of --cells).
+    #[arg(long, value_name = "R")]
+    pub radius: Option<u32>,
+    /// Every cell with all its measures as CSV.
+    #[arg(long, value_name = "OUT.csv")]
+    pub cells: Option<PathBuf>,
+    /// Every pair of cells that see each other as CSV.
+    #[arg(long, value_name = "OUT.csv")]
+    pub edges: Option<PathBuf>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
+
+/// What the search does.
+#[derive(Debug, Default, Args)]
+pub struct SearchArgs {
+    /// Seed: the same seed gives the same bytes.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Budget: layouts to measure.
+    #[arg(long, value_name = "N")]
+    pub evaluations: Option<u64>,
+    /// Budget: seconds (the result then depends on the machine).
+    #[arg(long, value_name = "S")]
+    pub seconds: Option<f64>,
+    /// Options wanted.
+    #[arg(long, value_name = "N")]
+    pub members: Option<usize>,
+    /// Several different options, or the single best.
+    #[arg(long, value_enum)]
+    pub mode: Option<ModeArg>,
+    /// Our search, or the paper's algorithms as published.
+    #[arg(long, value_enum)]
+    pub method: Option<MethodArg>,
+    /// Objectives in order with thresholds: "degree max 0.7, depth min 0.7, entropy max 0.7".
+    #[arg(long, value_name = "LIST")]
+    pub objective: Option<String>,
+    /// Weights of the composite measure: "degree +1, depth -1, entropy +1".
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub score: Option<String>,
+    /// Weights of the penalties: "clearance 1, wall-length 1", or "none".
+    #[arg(long, value_name = "LIST")]
+    pub penalty: Option<String>,
+    /// How far apart options should be, as a fraction of the largest distance.
+    #[arg(long, value_name = "0..1")]
+    pub distance: Option<f64>,
+}
+
+/// `run`.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// The drawing.
+    pub file: PathBuf,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub search: SearchArgs,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
+
+/// `watch`.
+#[derive(Debug, Args)]
+pub struct WatchArgs {
+    /// The folders.
+    #[arg(required = true, value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// Look at the folders regularly instead of waiting for events (network drives).
+    #[arg(long)]
+    pub poll: bool,
+    /// Also look into folders below, this many levels deep.
+    #[arg(long, value_name = "LEVELS")]
+    pub depth: Option<usize>,
+    /// Names to leave alone, * and ? may stand in them; repeatable.
+    #[arg(long, value_name = "GLOB")]
+    pub ignore: Vec<String>,
+    /// Watch even a root or home folder.
+    #[arg(long)]
+    pub force: bool,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub search: SearchArgs,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
+
+/// `accept`.
+#[derive(Debug, Args)]
+pub struct AcceptArgs {
+    /// The drawing the round was made from.
+    pub file: PathBuf,
+    /// Candidate, from 1.
+    pub number: usize,
+    /// Round to take it from; the newest by default.
+    #[arg(long, value_name = "N")]
+    pub round: Option<u32>,
+    /// Where the results of the drawing are, if not beside it.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// `status`.
+#[derive(Debug, Args)]
+pub struct StatusArgs {
+    /// The folders; the current one by default.
+    #[arg(value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// As JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `init`.
+#[derive(Debug, Args)]
+pub struct InitArgs {
+    /// The folder.
+    #[arg(default_value = ".")]
+    pub folder: PathBuf,
+}
+
+macro_rules! choice {
+    ($(#[$doc:meta])* $name:ident for $target:ident { $($variant:ident),+ }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, ValueEnum)]
+        #[allow(missing_docs)]
+        pub enum $name { $($variant),+ }
+        impl From<$name> for $target {
+            fn from(v: $name) -> Self {
+                match v { $($name::$variant => Self::$variant),+ }
+            }
+        }
+    };
+}
+
+choice!(
+    /// See [`Level`].
+    LevelArg for Level { Eye, Knee }
+);
+choice!(
+    /// See [`Backend`].
+    BackendArg for Backend { Auto, Cpu, Gpu }
+);
+choice!(
+    /// See [`Colours`].
+    ColoursArg for Colours { Safe, BlueToRed }
+);
+choice!(
+    /// See [`Mode`].
+    ModeArg for Mode { Diverse, Best }
+);
+choice!(
+    /// See [`Method`].
+    MethodArg for Method { Default, Paper }
+);
+
+/// How progress is said.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ProgressArg {
+    /// A bar on a terminal, nothing elsewhere.
+    Bar,
+    /// One JSON object a line.
+    Json,
+    /// Nothing.
+    None,
+}
+
+impl Common {
+    /// What the command line says of the settings.
+    pub fn partial(&self, search: Option<&SearchArgs>) -> Partial {
+        let list = |v: &Vec<String>| (!v.is_empty()).then(|| v.clone());
+        let none = SearchArgs::default();
+        let s = search.unwrap_or(&none);
+        Partial {
+            unit: self.unit.clone(),
+            wall_layer: list(&self.wall_layer),
+            query_layer: self.query_layer.clone(),
+            reference_layer: self.reference_layer.clone(),
+            level: self.level.map(Into::into),
+            spacing: self.spacing,
+            lattice_centre: self.lattice_centre,
+            seed_point: (!self.seed_point.is_empty()).then(|| self.seed_point.clone()),
+            backend: self.backend.map(Into::into),
+            threads: self.threads,
+            out: self.out.as_ref().map(|p| p.to_string_lossy().into_owned()),
+            colours: self.colours.map(Into::into),
+            accept_missing_eof: self.accept_missing_eof.then_some(true),
+            seed: s.seed,
+            evaluations: s.evaluations,
+            seconds: s.seconds,
+            members: s.members,
+            mode: s.mode.map(Into::into),
+            method: s.method.map(Into::into),
+            objective: s.objective.clone(),
+            score: s.score.clone(),
+            penalty: s.penalty.clone(),
+            distance: s.distance,
+            ..Partial::default()
+        }
+    }
+}
+
+fn point(text: &str) -> Result<[f64; 2], String> {
+    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    text.split_once(',')
+        .and_then(|(x, y)| Some([number(x)?, number(y)?]))
+        .ok_or_else(|| format!("found {text:?}, expected X,Y"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn negative_coordinates_and_scores_are_taken() {
+        let cli = Cli::try_parse_from([
+            "enfilade",
+            "run",
+            "a.dxf",
+            "--lattice-centre",
+            "-0.5,3",
+            "--score",
+            "degree +1, depth -1",
+            "--seed",
+            "7",
+        ])
+        .unwrap();
+        let Command::Run(args) = cli.command else { panic!("{cli:?}") };
+        let p = args.common.partial(Some(&args.search));
+        assert_eq!((p.lattice_centre, p.seed), (Some([-0.5, 3.0]), Some(7)));
+        assert_eq!(p.score.as_deref(), Some("degree +1, depth -1"));
+    }
+}

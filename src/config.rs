@@ -1,0 +1,593 @@
+//! Settings: plain validated data, every number with its unit, one table of defaults.
+//!
+//! The same keys stand on the command line, in `<drawing>.enfilade.toml` and in `enfilade.toml` of the
+//! folder; the first of them that names a key wins. Unknown keys are errors with line and column.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::report::{Error, Place};
+
+/// Members of the diverse set by default (paper: n = 5).
+pub const MEMBERS_DEFAULT: usize = 5;
+/// Most members of one set: the architect looks at every one.
+pub const MEMBERS_MAX: usize = 50;
+/// Threshold z of every default objective.
+pub const THRESHOLD_DEFAULT: f64 = 0.7;
+/// Smallest distance of two members as a fraction of √n_p (spec 6).
+pub const D_MIN_DEFAULT: f64 = 0.2;
+/// Spacings that can be asked for, metres.
+pub const SPACING_M: [f64; 2] = [0.001, 1000.0];
+/// Most evaluations of one study.
+pub const EVALUATIONS_MAX: u64 = 100_000_000;
+/// Most threads.
+pub const THREADS_MAX: usize = 1024;
+
+/// At which height sight lines run (spec 1, openings).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Level {
+    /// Windows are seen through.
+    #[default]
+    Eye,
+    /// Windows block.
+    Knee,
+}
+
+/// What computes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Backend {
+    /// The fastest there is.
+    #[default]
+    Auto,
+    /// All cores.
+    Cpu,
+    /// The graphics card.
+    Gpu,
+}
+
+/// A diverse set, or the one best layout.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// Several layouts, all good, really different.
+    #[default]
+    Diverse,
+    /// The single optimum.
+    Best,
+}
+
+/// How the search goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Ours.
+    #[default]
+    Default,
+    /// Algorithms 1 and 2 as published.
+    Paper,
+}
+
+/// Colours of heat maps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Colours {
+    /// Safe for colour-blind eyes.
+    #[default]
+    Safe,
+    /// The paper's blue to red.
+    BlueToRed,
+}
+
+/// What an objective measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Measure {
+    /// Neighbours within the region of reference.
+    Degree,
+    /// Tree depth.
+    Depth,
+    /// Entropy of the levels, bits.
+    Entropy,
+    /// The composite `score`.
+    Score,
+    /// Σ of the weighted penalties.
+    Penalty,
+}
+
+impl Measure {
+    /// The three measures of the paper.
+    pub const MEAN: [Self; 3] = [Self::Degree, Self::Depth, Self::Entropy];
+
+    /// Name as in settings and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Degree => "degree",
+            Self::Depth => "depth",
+            Self::Entropy => "entropy",
+            Self::Score => "score",
+            Self::Penalty => "penalty",
+        }
+    }
+
+    fn by_name(name: &str) -> Option<Self> {
+        [Self::Degree, Self::Depth, Self::Entropy, Self::Score, Self::Penalty]
+            .into_iter()
+            .find(|m| m.name() == name)
+    }
+}
+
+/// One objective with its threshold (spec 7).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ObjectiveSetting {
+    /// What is measured.
+    pub measure: Measure,
+    /// Whether more is better.
+    pub is_max: bool,
+    /// z in [0, 1].
+    pub threshold: f64,
+}
+
+/// A penalty of spec 5.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Penalty {
+    /// clr², m⁴.
+    Clearance,
+    /// |S(new) − S(initial)|, m.
+    WallLength,
+    /// Mean squared angle to the main directions, rad².
+    Alignment,
+    /// Walls that cross now and did not.
+    Overlap,
+}
+
+impl Penalty {
+    /// Every penalty.
+    pub const ALL: [Self; 4] = [Self::Clearance, Self::WallLength, Self::Alignment, Self::Overlap];
+
+    /// Name as in settings and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clearance => "clearance",
+            Self::WallLength => "wall-length",
+            Self::Alignment => "alignment",
+            Self::Overlap => "overlap",
+        }
+    }
+}
+
+/// A group of nodes named in a side-car.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct MoveTable {
+    /// Name shown in results.
+    #[serde(default)]
+    pub name: Option<String>,
+    /// `x -1 1; rotate -15 15`, as in a marker's text.
+    pub moves: String,
+    /// Wall ends, drawing units.
+    #[serde(default)]
+    pub nodes: Vec<[f64; 2]>,
+    /// Handles of whole entities.
+    #[serde(default)]
+    pub handles: Vec<String>,
+    /// Layers (globs) whose wall entities belong to the group.
+    #[serde(default)]
+    pub layers: Vec<String>,
+}
+
+/// A region named in a side-car.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct RegionTable {
+    /// `query`, `reference` or `keep`.
+    pub kind: String,
+    /// Corners of a closed polygon, drawing units.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Where an accepted drawing came from: one earlier round.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct LineageTable {
+    /// Name of the drawing measured in that round.
+    pub drawing: String,
+    /// Round number.
+    pub round: u32,
+    /// Candidate that was accepted, from 1.
+    pub candidate: u32,
+    /// Means of the present layout of that round.
+    pub initial: BTreeMap<String, f64>,
+    /// Means of the accepted candidate.
+    pub accepted: BTreeMap<String, f64>,
+}
+
+/// What one source of settings says; everything may be missing.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[allow(missing_docs)] // the keys are those of the command line, explained there and in `enfilade init`
+pub struct Partial {
+    pub unit: Option<String>,
+    pub wall_layer: Option<Vec<String>>,
+    pub query_layer: Option<String>,
+    pub reference_layer: Option<String>,
+    pub level: Option<Level>,
+    pub spacing: Option<f64>,
+    pub lattice_centre: Option<[f64; 2]>,
+    pub seed_point: Option<Vec<[f64; 2]>>,
+    pub backend: Option<Backend>,
+    pub threads: Option<usize>,
+    pub out: Option<String>,
+    pub seed: Option<u64>,
+    pub evaluations: Option<u64>,
+    pub seconds: Option<f64>,
+    pub members: Option<usize>,
+    pub mode: Option<Mode>,
+    pub method: Option<Method>,
+    pub objective: Option<String>,
+    pub score: Option<String>,
+    pub penalty: Option<String>,
+    pub distance: Option<f64>,
+    pub colours: Option<Colours>,
+    pub accept_missing_eof: Option<bool>,
+    pub ignore_move_markers: Option<bool>,
+    #[serde(rename = "move", default)]
+    pub moves: Vec<MoveTable>,
+    #[serde(rename = "region", default)]
+    pub regions: Vec<RegionTable>,
+    #[serde(default)]
+    pub lineage: Vec<LineageTable>,
+    #[serde(default)]
+    pub watch: Option<WatchTable>,
+    /// Belongs to the plugin that wrote it.
+    #[serde(default)]
+    pub host: Option<toml::Table>,
+}
+
+/// Settings of the daemon.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[allow(missing_docs)] // see `enfilade init`
+pub struct WatchTable {
+    pub quiet_secs: Option<f64>,
+    pub network_quiet_secs: Option<f64>,
+    pub grace_secs: Option<f64>,
+    pub max_wait_secs: Option<f64>,
+    pub rescan_secs: Option<f64>,
+    pub poll: Option<bool>,
+    pub depth: Option<usize>,
+    pub ignore: Option<Vec<String>>,
+}
+
+impl Partial {
+    /// Reads a settings file. `name` is shown in errors.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with line and column.
+    pub fn from_toml(name: &str, text: &str) -> Result<Self, Error> {
+        toml::from_str(text).map_err(|e| {
+            let line = e.span().map(|s| text[..s.start.min(text.len())].matches('\n').count() + 1);
+            let column = e.span().map(|s| {
+                text[..s.start.min(text.len())].chars().rev().take_while(|c| *c != '\n').count() + 1
+            });
+            let place = Place {
+                file: name.into(),
+                line,
+                entity: column.map(|c| format!("column {c}")).unwrap_or_default(),
+            };
+            Error::usage("settings", place, format!("{}; nothing of this file was used", e.message()))
+        })
+    }
+
+    /// This source, with `base` where it says nothing.
+    pub fn over(self, base: Self) -> Self {
+        let tables = |mine: Vec<_>, theirs| if mine.is_empty() { theirs } else { mine };
+        Self {
+            unit: self.unit.or(base.unit),
+            wall_layer: self.wall_layer.or(base.wall_layer),
+            query_layer: self.query_layer.or(base.query_layer),
+            reference_layer: self.reference_layer.or(base.reference_layer),
+            level: self.level.or(base.level),
+            spacing: self.spacing.or(base.spacing),
+            lattice_centre: self.lattice_centre.or(base.lattice_centre),
+            seed_point: self.seed_point.or(base.seed_point),
+            backend: self.backend.or(base.backend),
+            threads: self.threads.or(base.threads),
+            out: self.out.or(base.out),
+            seed: self.seed.or(base.seed),
+            evaluations: self.evaluations.or(base.evaluations),
+            seconds: self.seconds.or(base.seconds),
+            members: self.members.or(base.members),
+            mode: self.mode.or(base.mode),
+            method: self.method.or(base.method),
+            objective: self.objective.or(base.objective),
+            score: self.score.or(base.score),
+            penalty: self.penalty.or(base.penalty),
+            distance: self.distance.or(base.distance),
+            colours: self.colours.or(base.colours),
+            accept_missing_eof: self.accept_missing_eof.or(base.accept_missing_eof),
+            ignore_move_markers: self.ignore_move_markers.or(base.ignore_move_markers),
+            moves: tables(self.moves, base.moves),
+            regions: if self.regions.is_empty() { base.regions } else { self.regions },
+            lineage: if self.lineage.is_empty() { base.lineage } else { self.lineage },
+            watch: self.watch.or(base.watch),
+            host: self.host.or(base.host),
+        }
+    }
+}
+
+/// Validated settings of one job. Everything that decides the outcome, seed included.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Unit that overrides the file.
+    pub unit: Option<String>,
+    /// Layers that carry walls (globs); empty: by their names.
+    pub wall_layers: Vec<String>,
+    /// Layer of the region of query.
+    pub query_layer: Option<String>,
+    /// Layer of the region of reference.
+    pub reference_layer: Option<String>,
+    /// Height of the sight lines.
+    pub level: Level,
+    /// Spacing of the lattice; `None`: by the vertex budget.
+    pub spacing_m: Option<f64>,
+    /// A cell centre, drawing frame; `None`: the drawing's zero point.
+    pub lattice_centre_m: Option<[f64; 2]>,
+    /// Where a flood starts, drawing units.
+    pub seed_points: Vec<[f64; 2]>,
+    /// What computes. Never decides the outcome.
+    #[serde(skip)]
+    pub backend: Backend,
+    /// Threads; `None`: all cores. Never decides the outcome.
+    #[serde(skip)]
+    pub threads: Option<usize>,
+    /// Seed of the search.
+    pub seed: u64,
+    /// Budget in evaluations; `None`: by the size of the study.
+    pub evaluations: Option<u64>,
+    /// Budget in seconds; with it the outcome depends on the machine.
+    pub seconds: Option<f64>,
+    /// Members of the diverse set.
+    pub members: usize,
+    /// A set or one optimum.
+    pub mode: Mode,
+    /// How the search goes.
+    pub method: Method,
+    /// Objectives in order, without diversity.
+    pub objectives: Vec<ObjectiveSetting>,
+    /// Weights w_k of `score`.
+    pub score: Vec<(Measure, f64)>,
+    /// Weights v_j of the penalties.
+    pub penalties: Vec<(Penalty, f64)>,
+    /// d_min as a fraction of √n_p.
+    pub distance: f64,
+    /// Colours of heat maps.
+    pub colours: Colours,
+    /// Whether a DXF without its end mark is read.
+    pub accept_missing_eof: bool,
+    /// Whether `EF-MOVE` in the drawing is left unread (the side-car names the moves).
+    pub ignore_move_markers: bool,
+    /// Groups named in the side-car.
+    pub moves: Vec<MoveTable>,
+    /// Regions named in the side-car.
+    pub regions: Vec<RegionTable>,
+    /// Earlier rounds of an accepted drawing.
+    pub lineage: Vec<LineageTable>,
+}
+
+impl Settings {
+    /// Validates; fills in the defaults.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] naming the key, what was found and what is expected.
+    pub fn new(p: Partial) -> Result<Self, Error> {
+        let score = score_terms(p.score.as_deref().unwrap_or("degree +1, depth -1, entropy +1"))?;
+        let objectives =
+            objectives(p.objective.as_deref().unwrap_or("degree max 0.7, depth min 0.7, entropy max 0.7"))?;
+        let penalties = penalties(p.penalty.as_deref().unwrap_or("clearance 1, wall-length 1"))?;
+        let in_range = |key: &str, v: Option<f64>, lo: f64, hi: f64| match v {
+            Some(v) if !(lo..=hi).contains(&v) => {
+                Err(bad(key, &v.to_string(), &format!("a number from {lo} to {hi}")))
+            }
+            _ => Ok(v),
+        };
+        let count = |key: &str, v: usize, lo: usize, hi: usize| match v {
+            v if !(lo..=hi).contains(&v) => {
+                Err(bad(key, &v.to_string(), &format!("a number from {lo} to {hi}")))
+            }
+            v => Ok(v),
+        };
+        if let Some(v) = p.evaluations.filter(|v| !(1..=EVALUATIONS_MAX).contains(v)) {
+            return Err(bad("evaluations", &v.to_string(), &format!("a number from 1 to {EVALUATIONS_MAX}")));
+        }
+        let points = p.seed_point.iter().flatten().chain(&p.lattice_centre);
+        if let Some(v) = points.flatten().find(|v| !v.is_finite()) {
+            return Err(bad("seed-point, lattice-centre", &v.to_string(), "finite coordinates"));
+        }
+        Ok(Self {
+            unit: p.unit,
+            wall_layers: p.wall_layer.unwrap_or_default(),
+            query_layer: p.query_layer,
+            reference_layer: p.reference_layer,
+            level: p.level.unwrap_or_default(),
+            spacing_m: in_range("spacing", p.spacing, SPACING_M[0], SPACING_M[1])?,
+            lattice_centre_m: p.lattice_centre,
+            seed_points: p.seed_point.unwrap_or_default(),
+            backend: p.backend.unwrap_or_default(),
+            threads: p.threads.map(|t| count("threads", t, 1, THREADS_MAX)).transpose()?,
+            seed: p.seed.unwrap_or(1),
+            evaluations: p.evaluations,
+            seconds: in_range("seconds", p.seconds, 0.1, 1e6)?,
+            members: count("members", p.members.unwrap_or(MEMBERS_DEFAULT), 1, MEMBERS_MAX)?,
+            mode: p.mode.unwrap_or_default(),
+            method: p.method.unwrap_or_default(),
+            objectives,
+            score,
+            penalties,
+            distance: in_range("distance", Some(p.distance.unwrap_or(D_MIN_DEFAULT)), 0.0, 1.0)?
+                .unwrap_or(D_MIN_DEFAULT),
+            colours: p.colours.unwrap_or_default(),
+            accept_missing_eof: p.accept_missing_eof.unwrap_or(false),
+            ignore_move_markers: p.ignore_move_markers.unwrap_or(false),
+            moves: p.moves,
+            regions: p.regions,
+            lineage: p.lineage,
+        })
+    }
+
+    /// The objectives as `--objective` would say them.
+    pub fn objective_text(&self) -> String {
+        let sense = |is_max| if is_max { "max" } else { "min" };
+        let clause =
+            |o: &ObjectiveSetting| format!("{} {} {}", o.measure.name(), sense(o.is_max), o.threshold);
+        self.objectives.iter().map(clause).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The weights as `--score` would say them.
+    pub fn score_text(&self) -> String {
+        self.score.iter().map(|(m, w)| format!("{} {w:+}", m.name())).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The weights as `--penalty` would say them.
+    pub fn penalty_text(&self) -> String {
+        let terms: Vec<String> = self.penalties.iter().map(|(p, v)| format!("{} {v}", p.name())).collect();
+        if terms.is_empty() { "none".into() } else { terms.join(", ") }
+    }
+
+    /// Whether `score` takes the place of the objectives and the separate penalty.
+    pub fn is_by_score(&self) -> bool {
+        self.objectives.iter().any(|o| o.measure == Measure::Score)
+    }
+}
+
+fn bad(key: &str, found: &str, expected: &str) -> Error {
+    let text = format!("{key}: found {found}, expected {expected}; nothing was done");
+    Error::usage("settings", Place::default(), text)
+}
+
+fn objectives(text: &str) -> Result<Vec<ObjectiveSetting>, Error> {
+    let expected = "`MEASURE max|min THRESHOLD`, separated by commas; MEASURE is degree, depth, entropy, penalty or score, \
+                    THRESHOLD from 0 to 1";
+    let mut out: Vec<ObjectiveSetting> = Vec::new();
+    for clause in clauses(text) {
+        let words: Vec<&str> = clause.split_whitespace().collect();
+        let measure = words.first().and_then(|w| Measure::by_name(w));
+        let sense = words.get(1).map(|s| s.to_lowercase());
+        let threshold = words.get(2).map_or(Some(THRESHOLD_DEFAULT), |t| t.parse().ok());
+        match (measure, sense.as_deref(), threshold) {
+            (Some(measure), Some(sense @ ("max" | "min")), Some(threshold))
+                if words.len() <= 3 && (0.0..=1.0).contains(&threshold) =>
+            {
+                out.push(ObjectiveSetting { measure, is_max: sense == "max", threshold });
+            }
+            _ => return Err(bad("objective", &format!("{clause:?}"), expected)),
+        }
+    }
+    let twice = (0..out.len()).find(|i| out[..*i].iter().any(|o| o.measure == out[*i].measure));
+    if out.is_empty() || twice.is_some() {
+        return Err(bad("objective", &format!("{text:?}"), "at least one measure, each once"));
+    }
+    if out.iter().any(|o| o.measure == Measure::Score) && out.len() > 1 {
+        return Err(bad("objective", &format!("{text:?}"), "`score` alone: it holds the others"));
+    }
+    Ok(out)
+}
+
+fn score_terms(text: &str) -> Result<Vec<(Measure, f64)>, Error> {
+    let mut out = Vec::new();
+    for clause in clauses(text) {
+        let term = clause.split_once(char::is_whitespace).and_then(|(name, weight)| {
+            let measure = Measure::by_name(name).filter(|m| Measure::MEAN.contains(m))?;
+            Some((measure, weight.trim().parse::<f64>().ok().filter(|w| w.is_finite())?))
+        });
+        match term {
+            Some((m, w)) if out.iter().all(|(o, _)| *o != m) => out.push((m, w)),
+            _ => {
+                return Err(bad(
+                    "score",
+                    &format!("{clause:?}"),
+                    "`degree +1, depth -1, entropy +1`, each once",
+                ));
+            }
+        }
+    }
+    Ok(out)
+}
+
+fn penalties(text: &str) -> Result<Vec<(Penalty, f64)>, Error> {
+    let names = Penalty::ALL.map(Penalty::name).join(", ");
+    let mut out = Vec::new();
+    for clause in clauses(text).filter(|c| *c != "none") {
+        let term = clause.split_once(char::is_whitespace).and_then(|(name, weight)| {
+            let penalty = Penalty::ALL.into_iter().find(|p| p.name() == name)?;
+            Some((penalty, weight.trim().parse::<f64>().ok().filter(|w| w.is_finite() && *w >= 0.0)?))
+        });
+        match term {
+            Some((p, w)) if out.iter().all(|(o, _)| *o != p) => out.push((p, w)),
+            _ => {
+                let expected =
+                    format!("`NAME WEIGHT` with a weight of 0 or more, each once; names: {names}; or `none`");
+                return Err(bad("penalty", &format!("{clause:?}"), &expected));
+            }
+        }
+    }
+    Ok(out)
+}
+
+fn clauses(text: &str) -> impl Iterator<Item = &str> {
+    text.split(',').map(str::trim).filter(|c| !c.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_valid_and_stated() {
+        let s = Settings::new(Partial::default()).unwrap();
+        assert_eq!(s.objectives.len(), 3);
+        assert_eq!(s.score, [(Measure::Degree, 1.0), (Measure::Depth, -1.0), (Measure::Entropy, 1.0)]);
+        assert_eq!(s.penalties, [(Penalty::Clearance, 1.0), (Penalty::WallLength, 1.0)]);
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let with = |f: fn(&mut Partial)| {
+            let mut p = Partial::default();
+            f(&mut p);
+            Settings::new(p).unwrap_err().to_string()
+        };
+        for (message, part) in [
+            (with(|p| p.objective = Some("beauty max 1".into())), "beauty"),
+            (with(|p| p.objective = Some("degree max 1.5".into())), "from 0 to 1"),
+            (with(|p| p.objective = Some("score max, degree max".into())), "alone"),
+            (with(|p| p.score = Some("degree".into())), "\"degree\""),
+            (with(|p| p.penalty = Some("clearance -1".into())), "clearance -1"),
+            (with(|p| p.spacing = Some(0.0)), "spacing"),
+            (with(|p| p.spacing = Some(f64::NAN)), "spacing"),
+            (with(|p| p.members = Some(0)), "members"),
+            (with(|p| p.members = Some(MEMBERS_MAX + 1)), "members"),
+            (with(|p| p.threads = Some(THREADS_MAX + 1)), "threads"),
+            (with(|p| p.evaluations = Some(EVALUATIONS_MAX + 1)), "evaluations"),
+        ] {
+            assert!(message.contains(part), "{message}");
+        }
+    }
+
+    #[test]
+    fn unknown_keys_are_errors_with_line_and_column() {
+        let e = Partial::from_toml("enfilade.toml", "seed = 3\n  colour = 1\n").unwrap_err();
+        assert!(e.to_string().starts_with("enfilade.toml:2 column 3: unknown field `colour`"), "{e}");
+    }
+
+    #[test]
+    fn the_nearer_source_wins() {
+        let folder = Partial::from_toml("a", "seed = 3\nmembers = 2").unwrap();
+        let drawing = Partial::from_toml("b", "seed = 4").unwrap();
+        let s = Settings::new(drawing.over(folder)).unwrap();
+        assert_eq!((s.seed, s.members), (4, 2));
+    }
+}

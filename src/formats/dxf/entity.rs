@@ -1,0 +1,391 @@
+//! One record to one item: a shape seen from above, a text, or an INSERT.
+
+use glam::{DVec2, DVec3};
+
+use super::curves::{self, mapped, ocs_to_world};
+use super::fields::{Fields, lwpolyline_vertices, own_pairs, polyline_records};
+use super::reader::Reader;
+use super::text::{plain_mtext, plain_text};
+use crate::plan::drawing::{Editable, Shape, Vertex};
+use crate::report::{Error, Severity};
+
+/// What a record draws, in the coordinates of its block or of model space.
+#[derive(Clone, Debug)]
+pub(super) enum Body {
+    /// A drawn shape and how it can be written back when it stands in model space itself.
+    Shape(Shape, Editable),
+    /// A text at its insertion point.
+    Text(DVec2, String),
+    /// A block shown.
+    Insert(Insert),
+}
+
+/// A record that draws something.
+#[derive(Clone, Debug)]
+pub(super) struct Item {
+    /// The record.
+    pub record: usize,
+    /// Index of its layer.
+    pub layer: u32,
+    /// What it draws.
+    pub body: Body,
+}
+
+/// An INSERT, in its own object coordinates.
+#[derive(Clone, Debug)]
+pub(super) struct Insert {
+    /// Block name, decoded.
+    pub block: String,
+    /// Whether the extrusion is −z, so that x is mirrored.
+    pub is_mirrored: bool,
+    /// Insertion point.
+    pub at: DVec2,
+    /// Scale factors of x and y.
+    pub scale: DVec2,
+    /// Rotation.
+    pub rotation_rad: f64,
+    /// Columns and rows, at least 1.
+    pub count: [u64; 2],
+    /// Distance of columns and rows.
+    pub spacing: DVec2,
+    /// Whether the record has values for the insertion point (10, 20) and the rotation (50).
+    pub has_values: [bool; 2],
+}
+
+/// Kinds that draw nothing of a plan, or annotation: left out without a word when alone.
+const SILENT: [&[u8]; 8] =
+    [b"ATTRIB", b"ATTDEF", b"SEQEND", b"VIEWPORT", b"POINT", b"VERTEX", b"ENDSEC", b"ENDBLK"];
+
+/// Why an entity is left out: code and text.
+type Skip = (&'static str, String);
+
+fn skip<T>(code: &'static str, text: impl Into<String>) -> Result<Result<T, Skip>, Error> {
+    Ok(Err((code, text.into())))
+}
+
+impl<'a> Reader<'a, '_> {
+    /// Items of the records of one block or of the ENTITIES section.
+    pub fn items(&mut self, records: std::ops::Range<usize>) -> Result<Vec<Item>, Error> {
+        let mut out = Vec::new();
+        let mut record = records.start;
+        while record < records.end {
+            let mut next = record + 1;
+            let tokens = self.tokens;
+            let fields = Fields::of(tokens, record);
+            let name = tokens.name(record);
+            if name == b"POLYLINE" {
+                next = polyline_records(tokens, record).1;
+            }
+            let is_drawn = self.int(&fields, 67, 0)? == 0 && self.int(&fields, 60, 0)? == 0;
+            if is_drawn && let Some(body) = self.body(name, &fields)? {
+                let layer = self.layer(&fields);
+                match body {
+                    Ok(body) => out.push(Item { record, layer, body }),
+                    Err((code, text)) => self.warn(code, record, text),
+                }
+            }
+            record = next;
+        }
+        Ok(out)
+    }
+
+    fn body(&mut self, name: &[u8], fields: &Fields<'_, 'a>) -> Result<Option<Result<Body, Skip>>, Error> {
+        let body = match name {
+            b"LINE" => self.line(fields)?,
+            b"LWPOLYLINE" => self.lwpolyline(fields)?,
+            b"POLYLINE" => self.polyline(fields)?,
+            b"ARC" | b"CIRCLE" => self.arc(fields, name == b"ARC")?,
+            b"ELLIPSE" => self.ellipse(fields)?,
+            b"SPLINE" => self.spline(fields)?,
+            b"INSERT" => self.insert(fields)?,
+            b"TEXT" => self.text(fields)?,
+            b"MTEXT" => self.mtext(fields)?,
+            _ if SILENT.contains(&name) => return Ok(None),
+            _ => {
+                *self.left_out.entry(super::tokens::shown(name)).or_default() += 1;
+                return Ok(None);
+            }
+        };
+        Ok(Some(body.and_then(|body| self.checked(body))))
+    }
+
+    /// Leaves out shapes with NaN, infinite or absurd coordinates.
+    fn checked(&self, body: Body) -> Result<Body, Skip> {
+        let bad = match &body {
+            Body::Shape(shape, _) => self.insane_point(shape),
+            Body::Text(at, _) => Some(*at).filter(|&p| !self.is_sane(p)),
+            Body::Insert(i) => [i.at, i.scale, DVec2::new(i.rotation_rad, 0.0), i.spacing]
+                .into_iter()
+                .find(|&p| !self.is_sane(p)),
+        };
+        match bad {
+            None => Ok(body),
+            Some(p) => {
+                let limit = self.max_coordinate;
+                let text = format!(
+                    "its coordinates, found {} {}, expected finite numbers up to {limit:e} drawing units; left \
+                     out of the plan, kept in the file",
+                    p.x, p.y
+                );
+                Err(("dxf-bad-coordinate", text))
+            }
+        }
+    }
+
+    /// The first point of a shape that no plan can have.
+    pub fn insane_point(&self, shape: &Shape) -> Option<DVec2> {
+        let is_bad = |p: &DVec2| !self.is_sane(*p);
+        match shape {
+            Shape::Line { a, b } => [*a, *b].into_iter().find(is_bad),
+            Shape::Polyline { vertices, .. } => vertices.iter().map(|v| v.at).find(is_bad),
+            Shape::Circle { centre, radius } => {
+                [*centre, *centre + DVec2::splat(*radius), DVec2::splat(*radius)].into_iter().find(is_bad)
+            }
+            Shape::Arc { centre, radius, start_rad, end_rad } => {
+                let angles = DVec2::new(*start_rad, *end_rad);
+                [*centre, DVec2::splat(*radius), angles].into_iter().find(is_bad)
+            }
+        }
+    }
+
+    fn line(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
+        if [10, 20, 11, 21].iter().any(|&code| fields.pair(code).is_none()) {
+            return skip(
+                "dxf-missing-value",
+                "its points, found not all of the groups 10, 20, 11, 21; left out",
+            );
+        }
+        let (a, b) = (self.point(fields, 10)?.truncate(), self.point(fields, 11)?.truncate());
+        Ok(Ok(Body::Shape(Shape::Line { a, b }, Editable::Free)))
+    }
+
+    /// A planar shape from its object coordinates.
+    fn planar(&self, shape: Shape, extrusion: DVec3, elevation: f64) -> Body {
+        let map = ocs_to_world(extrusion, elevation);
+        let editable = if is_upright(extrusion) {
+            Editable::Free
+        } else {
+            Editable::No("it is drawn in a tilted plane".into())
+        };
+        Body::Shape(mapped(&shape, &map, self.five_mm), editable)
+    }
+
+    fn lwpolyline(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
+        let record = fields.record;
+        let slots = lwpolyline_vertices(self.tokens, record);
+        let number = |index: usize| self.number(&self.tokens.pairs[index], record);
+        let mut vertices = Vec::with_capacity(slots.len());
+        for slot in &slots {
+            let Some(y) = slot.y else {
+                return skip("dxf-missing-value", "a vertex, found group 10 without group 20; left out");
+            };
+            let bulge = slot.bulge.map_or(Ok(0.0), number)?;
+            vertices.push(Vertex { at: DVec2::new(number(slot.x)?, number(y)?), bulge });
+        }
+        if let Err(fault) = self.check_vertices(&vertices) {
+            return Ok(Err(fault));
+        }
+        let closed = self.int(fields, 70, 0)? & 1 != 0;
+        let elevation = self.float(fields, 38, 0.0)?;
+        let extrusion = self.extrusion(fields)?;
+        Ok(Ok(self.planar(Shape::Polyline { vertices, closed }, extrusion, elevation)))
+    }
+
+    fn check_vertices(&self, vertices: &[Vertex]) -> Result<(), Skip> {
+        let count = vertices.len();
+        if count == 0 || count > self.limits.max_vertices {
+            let limit = self.limits.max_vertices;
+            return Err((
+                "dxf-vertex-count",
+                format!("its vertices, found {count}, expected 1 to {limit}; left out of the plan"),
+            ));
+        }
+        match vertices.iter().find(|v| !v.bulge.is_finite() || v.bulge.abs() > self.limits.max_bulge) {
+            Some(v) => Err((
+                "dxf-bad-bulge",
+                format!(
+                    "group 42, found a bulge of {}, expected at most {:e}; left out of the plan, kept in the file",
+                    v.bulge, self.limits.max_bulge
+                ),
+            )),
+            None => Ok(()),
+        }
+    }
+
+    fn polyline(&mut self, fields: &Fields<'_, 'a>) -> Result<Result<Body, Skip>, Error> {
+        let flags = self.int(fields, 70, 0)?;
+        if flags & (16 | 64) != 0 {
+            return skip("dxf-mesh", "it is a mesh, expected a line; left out of the plan, kept in the file");
+        }
+        let (records, _, has_seqend) = polyline_records(self.tokens, fields.record);
+        let mut vertices = Vec::with_capacity(records.len());
+        let total = records.len();
+        for record in records {
+            let vertex = Fields::of(self.tokens, record);
+            if self.int(&vertex, 70, 0)? & 16 != 0 {
+                continue;
+            }
+            if vertex.pair(10).is_none() || vertex.pair(20).is_none() {
+                return skip("dxf-missing-value", "a VERTEX, found no group 10 or 20; left out");
+            }
+            let at = self.point(&vertex, 10)?.truncate();
+            vertices.push(Vertex { at, bulge: self.float(&vertex, 42, 0.0)? });
+        }
+        if let Err(fault) = self.check_vertices(&vertices) {
+            return Ok(Err(fault));
+        }
+        if !has_seqend {
+            let text = "its end, found no SEQEND, expected one after the last VERTEX; read up to there";
+            self.note("dxf-no-seqend", Severity::Info, fields.record, text);
+        }
+        let is_fitted = flags & 6 != 0 || vertices.len() != total;
+        let shape = Shape::Polyline { vertices, closed: flags & 1 != 0 };
+        let mut body = if flags & 8 != 0 {
+            Body::Shape(shape, Editable::Free)
+        } else {
+            let elevation = self.float(fields, 30, 0.0)?;
+            self.planar(shape, self.extrusion(fields)?, elevation)
+        };
+        if is_fitted && let Body::Shape(_, editable) = &mut body {
+            *editable = Editable::No("it is a fitted curve".into());
+        }
+        Ok(Ok(body))
+    }
+
+    fn arc(&self, fields: &Fields<'_, '_>, is_arc: bool) -> Result<Result<Body, Skip>, Error> {
+        if [10, 20, 40].iter().any(|&code| fields.pair(code).is_none()) {
+            return skip(
+                "dxf-missing-value",
+                "its centre and radius, found not all of the groups 10, 20, 40; left out",
+            );
+        }
+        let (at, radius) = (self.point(fields, 10)?, self.float(fields, 40, 0.0)?);
+        if radius <= 0.0 {
+            return skip(
+                "dxf-bad-radius",
+                format!("its radius, found {radius}, expected more than 0; left out"),
+            );
+        }
+        let (centre, elevation) = (at.truncate(), at.z);
+        let shape = if is_arc {
+            let start_rad = self.float(fields, 50, 0.0)?.to_radians();
+            Shape::Arc { centre, radius, start_rad, end_rad: self.float(fields, 51, 360.0)?.to_radians() }
+        } else {
+            Shape::Circle { centre, radius }
+        };
+        Ok(Ok(self.planar(shape, self.extrusion(fields)?, elevation)))
+    }
+
+    fn ellipse(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
+        let (centre, major) = (self.point(fields, 10)?, self.point(fields, 11)?);
+        let ratio = self.float(fields, 40, 1.0)?;
+        let params = [self.float(fields, 41, 0.0)?, self.float(fields, 42, std::f64::consts::TAU)?];
+        let values = [ratio, params[0], params[1], major.x, major.y];
+        if values.iter().any(|v| !v.is_finite()) || major.length() == 0.0 || ratio.abs() > 1e6 {
+            let text = format!("its axes, found {major} and ratio {ratio}, expected an ellipse; left out");
+            return skip("dxf-bad-ellipse", text);
+        }
+        let shape = curves::ellipse(centre, major, ratio, self.extrusion(fields)?, params, self.five_mm);
+        Ok(Ok(Body::Shape(shape, Editable::No("it is an ELLIPSE, read as a polyline".into()))))
+    }
+
+    fn spline(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
+        let (mut knots, mut weights) = (Vec::new(), Vec::new());
+        let (mut control, mut fit): (Vec<DVec2>, Vec<DVec2>) = (Vec::new(), Vec::new());
+        for (_, pair) in own_pairs(self.tokens, fields.record) {
+            if !matches!(pair.code, 10 | 20 | 11 | 21 | 40 | 41) {
+                continue;
+            }
+            let value = self.number(pair, fields.record)?;
+            match pair.code {
+                10 => control.push(DVec2::new(value, 0.0)),
+                11 => fit.push(DVec2::new(value, 0.0)),
+                20 => control.last_mut().map_or((), |p| p.y = value),
+                21 => fit.last_mut().map_or((), |p| p.y = value),
+                40 => knots.push(value),
+                _ => weights.push(value),
+            }
+        }
+        if let Some(&p) = control.iter().chain(&fit).find(|&&p| !self.is_sane(p)) {
+            return Ok(self.checked(Body::Text(p, String::new())));
+        }
+        let degree = usize::try_from(self.int(fields, 71, 3)?).unwrap_or(0);
+        let points = if control.is_empty() && fit.len() >= 2 {
+            let tangent = |code: i32| -> Result<Option<DVec2>, Error> {
+                Ok(fields.pair(code).is_some().then_some(self.point(fields, code)?.truncate()))
+            };
+            Ok(curves::fit_spline(&fit, [tangent(12)?, tangent(13)?], self.five_mm))
+        } else {
+            curves::spline(degree, &knots, &control, &weights, self.five_mm)
+        };
+        let points = match points {
+            Ok(points) => points,
+            Err(reason) => {
+                return skip("dxf-bad-spline", format!("{reason}; left out of the plan, kept in the file"));
+            }
+        };
+        let is_ring = points.len() > 2 && points[0].distance(points[points.len() - 1]) == 0.0;
+        let points = if is_ring { &points[1..] } else { &points[..] };
+        let shape = curves::polyline(points.iter().copied(), is_ring);
+        Ok(Ok(Body::Shape(shape, Editable::No("it is a SPLINE, read as a polyline".into()))))
+    }
+
+    fn insert(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
+        let Some(name) = fields.value(2) else {
+            return skip("dxf-missing-value", "its block, found no group 2; left out");
+        };
+        let extrusion = self.extrusion(fields)?;
+        if !is_upright(extrusion) {
+            return skip(
+                "dxf-tilted-insert",
+                format!("its extrusion, found {extrusion}, expected up or down; left out"),
+            );
+        }
+        let scale = DVec2::new(self.float(fields, 41, 1.0)?, self.float(fields, 42, 1.0)?);
+        if scale.x == 0.0 || scale.y == 0.0 {
+            return skip("dxf-zero-scale", "its scale, found 0, expected another factor; left out");
+        }
+        let count = [self.int(fields, 70, 1)?, self.int(fields, 71, 1)?];
+        if count.iter().any(|&n| n < 0) {
+            let text = format!(
+                "its columns and rows, found {} and {}, expected 1 or more; left out",
+                count[0], count[1]
+            );
+            return skip("dxf-bad-array", text);
+        }
+        Ok(Ok(Body::Insert(Insert {
+            block: self.page.decode(name),
+            is_mirrored: extrusion.z < 0.0,
+            at: self.point(fields, 10)?.truncate(),
+            scale,
+            rotation_rad: self.float(fields, 50, 0.0)?.to_radians(),
+            count: count.map(|n| n.max(1) as u64),
+            spacing: DVec2::new(self.float(fields, 44, 0.0)?, self.float(fields, 45, 0.0)?),
+            has_values: [fields.pair(10).is_some() && fields.pair(20).is_some(), fields.pair(50).is_some()],
+        })))
+    }
+
+    fn text(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
+        let is_aligned = self.int(fields, 72, 0)? != 0 || self.int(fields, 73, 0)? != 0;
+        let code = if is_aligned && fields.pair(11).is_some() { 11 } else { 10 };
+        let at = self.point(fields, code)?;
+        let map = ocs_to_world(self.extrusion(fields)?, at.z);
+        let raw = fields.pair(1).map_or(&b""[..], |p| self.tokens.raw(p));
+        let text = plain_text(&self.page.decode(raw)).trim().to_owned();
+        Ok(Ok(Body::Text(map.transform_point2(at.truncate()), text)))
+    }
+
+    fn mtext(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
+        let at = self.point(fields, 10)?.truncate();
+        let mut raw = Vec::new();
+        for (_, pair) in own_pairs(self.tokens, fields.record).filter(|(_, p)| matches!(p.code, 1 | 3)) {
+            raw.extend_from_slice(self.tokens.raw(pair));
+        }
+        Ok(Ok(Body::Text(at, plain_mtext(&self.page.decode(&raw)).trim().to_owned())))
+    }
+}
+
+/// Whether an extrusion is +z or −z.
+pub(super) fn is_upright(extrusion: DVec3) -> bool {
+    extrusion.is_finite() && extrusion.normalize_or(DVec3::Z).z.abs() > 1.0 - 1e-12
+}

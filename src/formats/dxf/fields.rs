@@ -1,0 +1,115 @@
+//! One record's own group codes: XDATA, application groups and embedded objects left aside.
+
+use super::tokens::{Pair, Tokens};
+
+/// Codes 0–79 have slots of their own; 210, 220, 230 follow.
+const SLOTS: usize = 83;
+const EMPTY: u32 = u32::MAX;
+
+fn slot_of(code: i32) -> Option<usize> {
+    match code {
+        0..=79 => Some(code as usize),
+        210 | 220 | 230 => Some(80 + (code as usize - 210) / 10),
+        _ => None,
+    }
+}
+
+/// The last value of each code of a record.
+pub(super) struct Fields<'t, 'a> {
+    tokens: &'t Tokens<'a>,
+    /// The record.
+    pub record: usize,
+    slots: [u32; SLOTS],
+}
+
+impl<'t, 'a> Fields<'t, 'a> {
+    /// Looks through a record once.
+    pub fn of(tokens: &'t Tokens<'a>, record: usize) -> Self {
+        let mut slots = [EMPTY; SLOTS];
+        for (index, pair) in own_pairs(tokens, record) {
+            if let Some(slot) = slot_of(pair.code) {
+                slots[slot] = index as u32;
+            }
+        }
+        Self { tokens, record, slots }
+    }
+
+    /// Index of the last pair with this code.
+    pub fn index(&self, code: i32) -> Option<usize> {
+        let index = self.slots[slot_of(code)?];
+        (index != EMPTY).then_some(index as usize)
+    }
+
+    /// The last pair with this code.
+    pub fn pair(&self, code: i32) -> Option<&'t Pair> {
+        self.tokens.pairs.get(self.index(code)?)
+    }
+
+    /// Its value as written, trimmed.
+    pub fn value(&self, code: i32) -> Option<&'a [u8]> {
+        self.pair(code).map(|p| self.tokens.value(p))
+    }
+}
+
+/// Pairs of a record that are the entity's own, with their indices.
+pub(super) fn own_pairs<'t>(
+    tokens: &'t Tokens<'_>,
+    record: usize,
+) -> impl Iterator<Item = (usize, &'t Pair)> {
+    let mut in_group = false;
+    tokens
+        .span(record)
+        .map(|i| (i, &tokens.pairs[i]))
+        .take_while(|(_, p)| p.code < 1000 && p.code != 101)
+        .filter(move |(_, p)| {
+            if p.code == 102 {
+                in_group = tokens.value(p).starts_with(b"{");
+                return false;
+            }
+            !in_group
+        })
+}
+
+/// Pair indices of one vertex of an LWPOLYLINE.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct VertexSlots {
+    /// Group 10.
+    pub x: usize,
+    /// Group 20.
+    pub y: Option<usize>,
+    /// Group 42.
+    pub bulge: Option<usize>,
+}
+
+/// Vertices of an LWPOLYLINE: each group 10 starts one. The count in group 90 is not believed.
+pub(super) fn lwpolyline_vertices(tokens: &Tokens<'_>, record: usize) -> Vec<VertexSlots> {
+    let mut out: Vec<VertexSlots> = Vec::new();
+    for (index, pair) in own_pairs(tokens, record) {
+        match (pair.code, out.last_mut()) {
+            (10, _) => out.push(VertexSlots { x: index, y: None, bulge: None }),
+            (20, Some(vertex)) => vertex.y = Some(index),
+            (42, Some(vertex)) => vertex.bulge = Some(index),
+            _ => {}
+        }
+    }
+    out
+}
+
+/// The VERTEX records of the POLYLINE at `record`, the first record after it and its SEQEND, and
+/// whether the SEQEND is there.
+pub(super) fn polyline_records(tokens: &Tokens<'_>, record: usize) -> (std::ops::Range<usize>, usize, bool) {
+    let mut end = record + 1;
+    while end < tokens.records.len() && tokens.name(end) == b"VERTEX" {
+        end += 1;
+    }
+    let has_seqend = end < tokens.records.len() && tokens.name(end) == b"SEQEND";
+    (record + 1..end, end + usize::from(has_seqend), has_seqend)
+}
+
+/// The record's handle as written, upper case (group 5, in a DIMSTYLE 105).
+pub(super) fn handle_of(tokens: &Tokens<'_>, record: usize) -> Option<String> {
+    let code = if tokens.name(record) == b"DIMSTYLE" { 105 } else { 5 };
+    let pair = tokens.record(record).iter().find(|p| p.code == code)?;
+    let text = String::from_utf8_lossy(tokens.value(pair)).to_ascii_uppercase();
+    (!text.is_empty()).then_some(text)
+}

@@ -1,0 +1,383 @@
+//! Edits and additions to bytes: only the values that differ are replaced.
+
+use std::f64::consts::PI;
+
+use glam::DVec2;
+
+use super::ReadOptions;
+use super::additions;
+use super::entity::is_upright;
+use super::fields::{Fields, handle_of, lwpolyline_vertices, own_pairs, polyline_records};
+use super::limits::Limits;
+use super::read::fault_error;
+use super::tokens::{Form, Kind, Tokens, kind_of, tokenize, trim};
+use crate::plan::drawing::{Addition, Edit, RigidMotion, Shape};
+use crate::report::{Error, Place};
+
+/// Differences below this many times the rounding step of an entity's largest coordinate are what
+/// changing frames leaves behind, no move.
+const NOISE_STEPS: f64 = 4.0;
+
+/// Differences of angles below this (degrees; 0.2 µm at 10 km) are rounding, no turn.
+const NOISE_DEG: f64 = 1e-9;
+
+/// Bytes to put in place of a range of the original.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Splice {
+    /// First byte replaced.
+    pub start: usize,
+    /// One past the last byte replaced.
+    pub end: usize,
+    /// What stands there instead.
+    pub with: Vec<u8>,
+}
+
+/// A record whose values an edit changes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChangedRecord {
+    /// Which group-0 record of the file, from 0.
+    pub record: usize,
+    /// Its handle, if it has one.
+    pub handle: Option<String>,
+}
+
+/// The drawing with the edits made and the additions put on their layers.
+///
+/// Only values that differ are replaced, line ends and everything else stay; no edits and no additions
+/// give the same bytes. Additions get fresh handles (`$HANDSEED` follows) and, where the file has a
+/// layer table, layers of their own. A file without a layer table (allowed in R12) gets none: CAD
+/// programs make a layer where an entity names one.
+///
+/// # Errors
+/// [`Error::Input`] where an edit does not fit the record it names, asks for a value the record does not
+/// have (a bulge, a rotation), or is not finite; and where the bytes are no DXF.
+pub fn patch(file: &str, bytes: &[u8], edits: &[Edit], additions: &[Addition]) -> Result<Vec<u8>, Error> {
+    if edits.is_empty() && additions.is_empty() {
+        return Ok(bytes.to_vec());
+    }
+    let tokens = tokens_of(file, bytes)?;
+    let mut splices: Vec<Splice> =
+        edit_splices(file, &tokens, edits)?.into_iter().flatten().map(|(_, s)| s).collect();
+    additions::splice_in(file, &tokens, additions, &mut splices)?;
+    apply(file, bytes, splices)
+}
+
+/// The records each edit changes, in file order: a POLYLINE's are its VERTEX records, an INSERT's also
+/// its attributes. An edit that changes nothing has none.
+///
+/// # Errors
+/// As [`patch`].
+pub fn changed_records(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<Vec<ChangedRecord>>, Error> {
+    let tokens = tokens_of(file, bytes)?;
+    let splices = edit_splices(file, &tokens, edits)?;
+    let named = |splices: Vec<(usize, Splice)>| {
+        let mut records: Vec<usize> = splices.into_iter().map(|(record, _)| record).collect();
+        records.dedup();
+        records
+            .into_iter()
+            .map(|record| ChangedRecord { record, handle: handle_of(&tokens, record) })
+            .collect()
+    };
+    Ok(splices.into_iter().map(named).collect())
+}
+
+fn tokens_of<'a>(file: &str, bytes: &'a [u8]) -> Result<Tokens<'a>, Error> {
+    let options = ReadOptions { limits: Limits::default(), ..ReadOptions::default() };
+    tokenize(bytes, &options.limits).map_err(|fault| fault_error(file, bytes, fault, &options))
+}
+
+/// Puts the splices into the bytes; two that overlap are two edits of one value.
+pub(super) fn apply(file: &str, bytes: &[u8], mut splices: Vec<Splice>) -> Result<Vec<u8>, Error> {
+    splices.sort_by_key(|s| s.start);
+    let added: usize = splices.iter().map(|s| s.with.len()).sum();
+    let mut out = Vec::with_capacity(bytes.len() + added);
+    let mut pos = 0;
+    for splice in &splices {
+        if splice.start < pos {
+            let text = "two edits of one value, expected one edit an entity; nothing was written";
+            return Err(Error::input("dxf-edit-twice", Place::file(file), text));
+        }
+        out.extend_from_slice(&bytes[pos..splice.start]);
+        out.extend_from_slice(&splice.with);
+        pos = splice.end;
+    }
+    out.extend_from_slice(&bytes[pos..]);
+    Ok(out)
+}
+
+type RecordSplices = Vec<(usize, Splice)>;
+
+fn edit_splices(file: &str, tokens: &Tokens<'_>, edits: &[Edit]) -> Result<Vec<RecordSplices>, Error> {
+    let section = tokens.section(b"ENTITIES").unwrap_or(0..0);
+    edits
+        .iter()
+        .map(|edit| {
+            let (Edit::Shape { record, .. } | Edit::Insert { record, .. }) = edit;
+            let mut editor = Editor { file, tokens, record: *record, noise: 0.0, out: Vec::new() };
+            if !section.contains(record) {
+                return Err(editor.fault("no entity of model space stands there"));
+            }
+            match edit {
+                Edit::Shape { shape, .. } => editor.shape(shape)?,
+                Edit::Insert { motion, .. } => editor.insert(motion)?,
+            }
+            Ok(editor.out)
+        })
+        .collect()
+}
+
+/// One edit of one entity.
+struct Editor<'t, 'a> {
+    file: &'t str,
+    tokens: &'t Tokens<'a>,
+    record: usize,
+    /// Differences up to this, drawing units, are none.
+    noise: f64,
+    out: RecordSplices,
+}
+
+impl Editor<'_, '_> {
+    fn fault(&self, reason: &str) -> Error {
+        let text = format!("the edit of record {}: {reason}; nothing was written", self.record);
+        let is_record = self.record < self.tokens.records.len();
+        let line = is_record.then(|| self.tokens.line(self.tokens.span(self.record).start));
+        let entity = if is_record {
+            let name = super::tokens::shown(self.tokens.name(self.record));
+            handle_of(self.tokens, self.record).map_or(name.clone(), |handle| format!("{name} {handle}"))
+        } else {
+            String::new()
+        };
+        Error::input("dxf-edit", Place { file: self.file.into(), line, entity }, text)
+    }
+
+    fn number(&self, index: usize) -> Result<f64, Error> {
+        let number = self.tokens.number(&self.tokens.pairs[index]);
+        number.ok_or_else(|| self.fault("a value to change is no number"))
+    }
+
+    /// Whether the record's plane is turned over, so that x and angles run the other way.
+    fn is_mirrored(&self, fields: &Fields<'_, '_>) -> Result<bool, Error> {
+        let value = |code| fields.index(code).map(|i| self.number(i)).transpose();
+        let (x, y, z) = (value(210)?, value(220)?, value(230)?);
+        if x.is_none() && y.is_none() && z.is_none() {
+            return Ok(false);
+        }
+        let extrusion = glam::DVec3::new(x.unwrap_or(0.0), y.unwrap_or(0.0), z.unwrap_or(1.0));
+        if !is_upright(extrusion) {
+            return Err(self.fault("it is drawn in a tilted plane"));
+        }
+        Ok(extrusion.z < 0.0)
+    }
+
+    /// Sets the noise level from the coordinates an edit deals with.
+    fn listen(&mut self, points: impl IntoIterator<Item = DVec2>) -> Result<(), Error> {
+        let mut largest: f64 = 0.0;
+        for p in points {
+            if !p.is_finite() {
+                return Err(self.fault("the new coordinates are not finite"));
+            }
+            largest = largest.max(p.abs().max_element());
+        }
+        self.noise = NOISE_STEPS * f64::EPSILON * largest;
+        Ok(())
+    }
+
+    /// Replaces the number of a pair.
+    fn write(&mut self, record: usize, index: usize, value: f64) {
+        let pair = &self.tokens.pairs[index];
+        let raw = self.tokens.raw(pair);
+        let (start, len) = match self.tokens.form {
+            Form::Binary { .. } => (pair.start as usize, raw.len()),
+            Form::Ascii => {
+                let value = trim(raw);
+                (pair.start as usize + (value.as_ptr() as usize - raw.as_ptr() as usize), value.len())
+            }
+        };
+        let with = match self.tokens.form {
+            Form::Binary { .. } if kind_of(pair.code) == Kind::Double => value.to_le_bytes().to_vec(),
+            _ => number_text(value).into_bytes(),
+        };
+        self.out.push((record, Splice { start, end: start + len, with }));
+    }
+
+    /// Writes a length where it differs from the one that stands there.
+    fn length(&mut self, record: usize, index: Option<usize>, new: f64) -> Result<(), Error> {
+        let index = index.ok_or_else(|| self.fault("it has no value where one must change"))?;
+        if (self.number(index)? - new).abs() > self.noise {
+            self.write(record, index, new);
+        }
+        Ok(())
+    }
+
+    /// Writes a world point at groups `code`, `code + 10`.
+    fn point(
+        &mut self,
+        fields: &Fields<'_, '_>,
+        code: i32,
+        new: DVec2,
+        is_mirrored: bool,
+    ) -> Result<(), Error> {
+        let x = if is_mirrored { -new.x } else { new.x };
+        self.length(fields.record, fields.index(code), x)?;
+        self.length(fields.record, fields.index(code + 10), new.y)
+    }
+
+    /// Writes an angle (degrees, the record's own direction) where it differs by more than full turns.
+    fn angle(
+        &mut self,
+        fields: &Fields<'_, '_>,
+        code: i32,
+        new_deg: f64,
+        default_deg: f64,
+    ) -> Result<(), Error> {
+        let index = fields.index(code);
+        let old = index.map_or(Ok(default_deg), |i| self.number(i))?;
+        let difference = (new_deg - old).rem_euclid(360.0);
+        if difference.min(360.0 - difference) <= NOISE_DEG {
+            return Ok(());
+        }
+        let index = index.ok_or_else(|| self.fault("it has no value for the angle that must change"))?;
+        if !new_deg.is_finite() {
+            return Err(self.fault("the new angle is not finite"));
+        }
+        self.write(fields.record, index, new_deg.rem_euclid(360.0));
+        Ok(())
+    }
+
+    fn bulge(&mut self, record: usize, index: Option<usize>, new: f64) -> Result<(), Error> {
+        let old = index.map_or(Ok(0.0), |i| self.number(i))?;
+        if (new - old).abs() <= NOISE_STEPS * f64::EPSILON * old.abs().max(1.0) {
+            return Ok(());
+        }
+        let index = index.ok_or_else(|| self.fault("a straight piece has no bulge to change"))?;
+        if !new.is_finite() {
+            return Err(self.fault("the new bulge is not finite"));
+        }
+        self.write(record, index, new);
+        Ok(())
+    }
+
+    fn shape(&mut self, shape: &Shape) -> Result<(), Error> {
+        let fields = Fields::of(self.tokens, self.record);
+        match (self.tokens.name(self.record), shape) {
+            (b"LINE", Shape::Line { a, b }) => {
+                self.listen([*a, *b])?;
+                self.point(&fields, 10, *a, false)?;
+                self.point(&fields, 11, *b, false)
+            }
+            (b"LWPOLYLINE", Shape::Polyline { vertices, .. }) => self.lwpolyline(&fields, vertices),
+            (b"POLYLINE", Shape::Polyline { vertices, .. }) => self.polyline(&fields, vertices),
+            (b"CIRCLE", Shape::Circle { centre, radius }) => {
+                let is_mirrored = self.is_mirrored(&fields)?;
+                self.listen([*centre, DVec2::splat(*radius)])?;
+                self.point(&fields, 10, *centre, is_mirrored)?;
+                self.length(self.record, fields.index(40), *radius)
+            }
+            (b"ARC", Shape::Arc { centre, radius, start_rad, end_rad }) => {
+                let is_mirrored = self.is_mirrored(&fields)?;
+                self.listen([*centre, DVec2::splat(*radius)])?;
+                self.point(&fields, 10, *centre, is_mirrored)?;
+                self.length(self.record, fields.index(40), *radius)?;
+                let (start, end) =
+                    if is_mirrored { (PI - end_rad, PI - start_rad) } else { (*start_rad, *end_rad) };
+                self.angle(&fields, 50, start.to_degrees(), 0.0)?;
+                self.angle(&fields, 51, end.to_degrees(), 360.0)
+            }
+            _ => Err(self.fault("its kind and the new shape differ")),
+        }
+    }
+
+    fn lwpolyline(
+        &mut self,
+        fields: &Fields<'_, '_>,
+        vertices: &[crate::plan::drawing::Vertex],
+    ) -> Result<(), Error> {
+        let slots = lwpolyline_vertices(self.tokens, self.record);
+        if slots.len() != vertices.len() {
+            return Err(self.fault("the number of vertices differs"));
+        }
+        let side = if self.is_mirrored(fields)? { -1.0 } else { 1.0 };
+        self.listen(vertices.iter().map(|v| v.at))?;
+        for (slot, v) in slots.iter().zip(vertices) {
+            self.length(self.record, Some(slot.x), v.at.x * side)?;
+            self.length(self.record, slot.y, v.at.y)?;
+            self.bulge(self.record, slot.bulge, v.bulge * side)?;
+        }
+        Ok(())
+    }
+
+    fn polyline(
+        &mut self,
+        fields: &Fields<'_, '_>,
+        vertices: &[crate::plan::drawing::Vertex],
+    ) -> Result<(), Error> {
+        let (records, _, _) = polyline_records(self.tokens, self.record);
+        if records.len() != vertices.len() {
+            return Err(self.fault("the number of vertices differs"));
+        }
+        let flags = fields.pair(70).and_then(|p| self.tokens.integer(p)).unwrap_or(0);
+        let is_mirrored = flags & 8 == 0 && self.is_mirrored(fields)?;
+        let side = if is_mirrored { -1.0 } else { 1.0 };
+        self.listen(vertices.iter().map(|v| v.at))?;
+        for (record, v) in records.zip(vertices) {
+            let vertex = Fields::of(self.tokens, record);
+            self.point(&vertex, 10, v.at, is_mirrored)?;
+            self.bulge(record, vertex.index(42), v.bulge * side)?;
+        }
+        Ok(())
+    }
+
+    fn insert(&mut self, motion: &RigidMotion) -> Result<(), Error> {
+        if self.tokens.name(self.record) != b"INSERT" {
+            return Err(self.fault("it is no INSERT"));
+        }
+        self.rigid(self.record, motion, &[10])?;
+        for record in attributes(self.tokens, self.record) {
+            if has_embedded_object(self.tokens, record) {
+                return Err(self.fault("it has an attribute of several lines, which would stay behind"));
+            }
+            self.rigid(record, motion, &[10, 11])?;
+        }
+        Ok(())
+    }
+
+    /// Moves the points at `codes` (where present) and the rotation of one record.
+    fn rigid(&mut self, record: usize, motion: &RigidMotion, codes: &[i32]) -> Result<(), Error> {
+        let fields = Fields::of(self.tokens, record);
+        let is_mirrored = self.is_mirrored(&fields)?;
+        let side = if is_mirrored { -1.0 } else { 1.0 };
+        let turn = DVec2::from_angle(motion.turn_rad);
+        for &code in codes.iter().filter(|&&code| code == 10 || fields.pair(code).is_some()) {
+            let (Some(x), Some(y)) = (fields.index(code), fields.index(code + 10)) else {
+                return Err(self.fault("it has no insertion point to change"));
+            };
+            let old = DVec2::new(self.number(x)? * side, self.number(y)?);
+            let new = turn.rotate(old) + motion.shift;
+            self.listen([old, new])?;
+            self.point(&fields, code, new, is_mirrored)?;
+        }
+        let old_deg = fields.index(50).map_or(Ok(0.0), |i| self.number(i))?;
+        self.angle(&fields, 50, old_deg + side * motion.turn_rad.to_degrees(), 0.0)
+    }
+}
+
+/// The ATTRIB records that follow an INSERT.
+pub(super) fn attributes(tokens: &Tokens<'_>, insert: usize) -> std::ops::Range<usize> {
+    let mut end = insert + 1;
+    while end < tokens.records.len() && tokens.name(end) == b"ATTRIB" {
+        end += 1;
+    }
+    insert + 1..end
+}
+
+/// Whether a record carries another object with coordinates of its own (group 101).
+pub(super) fn has_embedded_object(tokens: &Tokens<'_>, record: usize) -> bool {
+    let own = own_pairs(tokens, record).count();
+    tokens.record(record).iter().any(|p| p.code == 101) && own > 0
+}
+
+/// The shortest decimal that reads back as the same number, never with an exponent.
+pub(super) fn number_text(value: f64) -> String {
+    let text = format!("{value}");
+    if text.contains('.') { text } else { text + ".0" }
+}

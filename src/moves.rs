@@ -1,0 +1,325 @@
+//! The parametrisation (spec 2): which nodes move, how, within what bounds; parameters → layout.
+
+pub mod defaults;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::DVec2;
+
+use crate::plan::Plan;
+use crate::plan::curve::{self, Trace};
+use crate::plan::drawing::{Editable, RigidMotion, Shape, Vertex};
+use crate::plan::graph::{Graph, Handle};
+use crate::plan::markers::{Clause, Group, Kind, place_in};
+use crate::report::Report;
+
+/// One parameter `p_i` with its transformation and bounds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name of its group.
+    pub group_name: String,
+    /// Index into [`Moves::groups`].
+    pub group: usize,
+    /// Transformation and bounds, in the marker's own unit.
+    pub clause: Clause,
+}
+
+/// A set of nodes that moves together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodeGroup {
+    /// Nodes of the graph, ascending.
+    pub nodes: Vec<u32>,
+    /// Their control points that can be written back, ascending.
+    pub handles: Vec<Handle>,
+}
+
+/// All parameters of a study.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Moves {
+    /// Parameters in the order in which they apply.
+    pub parameters: Vec<Parameter>,
+    /// Groups, in the order of their outlines in the file.
+    pub groups: Vec<NodeGroup>,
+    /// Walls any of whose control points can move, ascending.
+    pub walls: Vec<u32>,
+    /// Walls that move as a whole or not at all: arcs, and all that one INSERT shows.
+    rigid: BTreeSet<u32>,
+    /// Control points of the moving walls as drawn, plan frame, metres.
+    start: BTreeMap<u32, Vec<DVec2>>,
+}
+
+/// A wall after its move.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MovedWall {
+    /// Index into [`Plan::walls`].
+    pub wall: u32,
+    /// Geometry as it will be written, drawing units.
+    pub shape: Shape,
+    /// The same as straight pieces, drawing frame, micrometres.
+    pub trace: Trace,
+    /// The rigid motion in drawing units, for walls that move as a whole.
+    pub motion: Option<RigidMotion>,
+    /// Whether anything differs from the drawing.
+    pub is_changed: bool,
+}
+
+/// The moving walls of one parameter vector; all other walls stand as drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
+    /// In the order of [`Moves::walls`].
+    pub walls: Vec<MovedWall>,
+}
+
+impl Moves {
+    /// Takes the groups that the user marked; what cannot move is reported.
+    pub fn from_markers(plan: &Plan, graph: &Graph, report: &mut Report) -> Self {
+        let mut groups = Vec::new();
+        for group in &plan.markers.groups {
+            let nodes: Vec<u32> = (0..graph.nodes.len() as u32)
+                .filter(|n| group.outline.contains(plan.frame.um_from_plan(graph.nodes[*n as usize])))
+                .collect();
+            if nodes.is_empty() {
+                let text = "encloses no wall end, junction or column; nothing moves here";
+                report.warn("move-empty", place_in(&plan.file, &group.source), text);
+            }
+            groups.push((group.clone(), nodes));
+        }
+        Self::new(plan, graph, &groups, report)
+    }
+
+    /// Builds the parametrisation from groups of nodes. Nodes inside `EF-KEEP` and walls that cannot be
+    /// written back stay, with a warning.
+    pub fn new(plan: &Plan, graph: &Graph, groups: &[(Group, Vec<u32>)], report: &mut Report) -> Self {
+        let mut out = Self::default();
+        let kept = |n: &u32| {
+            let at = plan.frame.um_from_plan(graph.nodes[*n as usize]);
+            plan.markers.keep.iter().any(|r| r.contains(at))
+        };
+        for (marker, nodes) in groups {
+            let nodes: Vec<u32> = nodes.iter().copied().filter(|n| !kept(n)).collect();
+            let handles = writable_handles(plan, graph, marker, &nodes, report);
+            if handles.is_empty() {
+                continue;
+            }
+            let group = out.groups.len();
+            for clause in &marker.clauses {
+                out.parameters.push(Parameter {
+                    group_name: marker.name.clone(),
+                    group,
+                    clause: clause.clone(),
+                });
+            }
+            out.groups.push(NodeGroup { nodes, handles });
+        }
+        let walls: BTreeSet<u32> = out.groups.iter().flat_map(|g| g.handles.iter().map(|h| h.0)).collect();
+        out.rigid = walls.iter().copied().filter(|w| moves_whole(plan, *w)).collect();
+        for w in &walls {
+            let points = curve::control_points(&plan.walls[*w as usize].shape);
+            out.start.insert(*w, points.into_iter().map(|p| plan.frame.plan_from_file(p)).collect());
+        }
+        out.walls = walls.into_iter().collect();
+        out
+    }
+
+    /// Bounds of every parameter, in the marker's own unit.
+    pub fn bounds(&self) -> Vec<[f64; 2]> {
+        self.parameters.iter().map(|p| [p.clause.lower, p.clause.upper]).collect()
+    }
+
+    /// `p_0`: the drawing as it is.
+    pub fn identity(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.clause.kind.identity()).collect()
+    }
+
+    /// `G_A(p)`: the layout of one parameter vector. At the identity nothing is changed, to the bit.
+    pub fn apply(&self, plan: &Plan, graph: &Graph, p: &[f64]) -> Layout {
+        let mut at = self.start.clone();
+        let mut motions: BTreeMap<u32, RigidMotion> = BTreeMap::new();
+        let still = RigidMotion { turn_rad: 0.0, shift: DVec2::ZERO };
+        for w in &self.rigid {
+            motions.insert(*w, still);
+        }
+        for (parameter, value) in self.parameters.iter().zip(p) {
+            let group = &self.groups[parameter.group];
+            if *value == parameter.clause.kind.identity() {
+                continue;
+            }
+            let step = step_of(parameter, *value, || self.centroid(graph, group, &at), plan);
+            for (w, c) in &group.handles {
+                if let Some(points) = at.get_mut(w) {
+                    points[*c as usize] = step.apply(points[*c as usize]);
+                }
+            }
+            let whole: BTreeSet<u32> =
+                group.handles.iter().map(|h| h.0).filter(|w| self.rigid.contains(w)).collect();
+            for w in whole {
+                if let Some(m) = motions.get_mut(&w) {
+                    *m = step.after(m);
+                }
+            }
+        }
+        Layout { walls: self.walls.iter().map(|w| moved_wall(plan, *w, &at[w], motions.get(w))).collect() }
+    }
+
+    /// Mean of the group's nodes where they stand now.
+    fn centroid(&self, graph: &Graph, group: &NodeGroup, at: &BTreeMap<u32, Vec<DVec2>>) -> DVec2 {
+        let position = |n: &u32| {
+            let handles = &graph.handles[*n as usize];
+            let moving = handles.iter().find(|h| group.handles.binary_search(h).is_ok());
+            moving.map_or(graph.nodes[*n as usize], |(w, c)| at[w][*c as usize])
+        };
+        group.nodes.iter().map(position).sum::<DVec2>() / group.nodes.len() as f64
+    }
+}
+
+/// One parameter's effect: `p' = centre + factor·R(turn)(p − centre) + shift`, plan frame.
+struct Step {
+    centre: DVec2,
+    turn_rad: f64,
+    factor: f64,
+    shift: DVec2,
+}
+
+impl Step {
+    fn apply(&self, p: DVec2) -> DVec2 {
+        if self.turn_rad == 0.0 && self.factor == 1.0 {
+            return p + self.shift;
+        }
+        self.centre + DVec2::from_angle(self.turn_rad).rotate(p - self.centre) * self.factor + self.shift
+    }
+
+    /// This step after a rigid motion (both in the plan frame).
+    fn after(&self, m: &RigidMotion) -> RigidMotion {
+        RigidMotion { turn_rad: m.turn_rad + self.turn_rad, shift: self.apply(m.shift) }
+    }
+}
+
+fn step_of(parameter: &Parameter, value: f64, centroid: impl Fn() -> DVec2, plan: &Plan) -> Step {
+    let si = value * parameter.clause.si_per_unit;
+    let shift = |shift: DVec2| Step { centre: DVec2::ZERO, turn_rad: 0.0, factor: 1.0, shift };
+    let centre = |about: Option<DVec2>| about.map_or_else(&centroid, |p| plan.frame.plan_from_file(p));
+    match parameter.clause.kind {
+        Kind::X => shift(DVec2::new(si, 0.0)),
+        Kind::Y => shift(DVec2::new(0.0, si)),
+        Kind::Along(angle) => shift(DVec2::from_angle(angle) * si),
+        Kind::Rotate(about) => Step { turn_rad: si, centre: centre(about), ..shift(DVec2::ZERO) },
+        Kind::Scale(about) => Step { factor: si, centre: centre(about), ..shift(DVec2::ZERO) },
+    }
+}
+
+fn moves_whole(plan: &Plan, wall: u32) -> bool {
+    let wall = &plan.walls[wall as usize];
+    matches!(wall.shape, Shape::Arc { .. }) || matches!(wall.editable, Editable::WithInsert { .. })
+}
+
+/// Control points of the group's nodes that can be written back; the others are reported.
+fn writable_handles(
+    plan: &Plan,
+    graph: &Graph,
+    group: &Group,
+    nodes: &[u32],
+    report: &mut Report,
+) -> Vec<Handle> {
+    let mut handles: BTreeSet<Handle> =
+        nodes.iter().flat_map(|n| graph.handles[*n as usize].iter().copied()).collect();
+    let walls: BTreeSet<u32> = handles.iter().map(|h| h.0).collect();
+    for w in walls {
+        if let Some(why) = refusal(plan, graph, group, w, &handles) {
+            let place = place_in(&plan.file, &plan.walls[w as usize].source);
+            report.warn(
+                "wall-stays",
+                place,
+                format!("group {:?} would move it, but {why}; it stays as drawn", group.name),
+            );
+            handles.retain(|h| h.0 != w);
+        }
+    }
+    handles.into_iter().collect()
+}
+
+fn refusal(plan: &Plan, graph: &Graph, group: &Group, w: u32, handles: &BTreeSet<Handle>) -> Option<String> {
+    let wall = &plan.walls[w as usize];
+    let all_in =
+        |w: u32| (0..graph.control_nodes[w as usize].len() as u32).all(|c| handles.contains(&(w, c)));
+    let turns = group.clauses.iter().any(|c| matches!(c.kind, Kind::Rotate(_)));
+    let scales = group.clauses.iter().any(|c| matches!(c.kind, Kind::Scale(_)));
+    match &wall.editable {
+        Editable::No(why) => return Some(why.clone()),
+        Editable::WithInsert { turnable } => {
+            let same = |v: &u32| plan.walls[*v as usize].source.record == wall.source.record;
+            if !(0..plan.walls.len() as u32).filter(same).all(all_in) {
+                return Some("its block moves only as a whole and the group encloses a part of it".into());
+            }
+            if scales {
+                return Some("a block is not scaled".into());
+            }
+            if turns && !turnable {
+                return Some("its INSERT has no rotation value to change".into());
+            }
+        }
+        Editable::Free => {}
+    }
+    if matches!(wall.shape, Shape::Arc { .. }) && (!all_in(w) || scales) {
+        return Some("an arc moves only as a whole, unscaled".into());
+    }
+    None
+}
+
+fn moved_wall(plan: &Plan, w: u32, at: &[DVec2], motion: Option<&RigidMotion>) -> MovedWall {
+    let wall = &plan.walls[w as usize];
+    let frame = &plan.frame;
+    let points: Vec<DVec2> = curve::control_points(&wall.shape)
+        .into_iter()
+        .zip(at)
+        .map(|(old, new)| {
+            let um = frame.um_from_plan(*new);
+            if um == frame.um_from_file(old) { old } else { frame.file_from_um(um) }
+        })
+        .collect();
+    let (shape, motion) = match motion {
+        Some(m) => rigid_shape(plan, wall, m),
+        None => (with_points(&wall.shape, &points), None),
+    };
+    let is_changed = shape != wall.shape;
+    let trace = if is_changed { curve::trace(&shape, frame) } else { wall.trace.clone() };
+    MovedWall { wall: w, shape, trace, motion, is_changed }
+}
+
+/// The shape after a rigid motion of the plan frame, and that motion in drawing units.
+fn rigid_shape(plan: &Plan, wall: &crate::plan::Wall, m: &RigidMotion) -> (Shape, Option<RigidMotion>) {
+    if m.turn_rad == 0.0 && m.shift == DVec2::ZERO {
+        return (wall.shape.clone(), None);
+    }
+    let frame = &plan.frame;
+    let zero = frame.file_from_plan(DVec2::ZERO);
+    let moved_zero = frame.file_from_plan(m.shift);
+    let motion =
+        RigidMotion { turn_rad: m.turn_rad, shift: moved_zero - DVec2::from_angle(m.turn_rad).rotate(zero) };
+    let go = |p: DVec2| DVec2::from_angle(m.turn_rad).rotate(p) + motion.shift;
+    let snap = |p: DVec2| frame.file_from_um(frame.um_from_file(go(p)));
+    let shape = match &wall.shape {
+        Shape::Arc { centre, radius, start_rad, end_rad } => Shape::Arc {
+            centre: snap(*centre),
+            radius: *radius,
+            start_rad: start_rad + m.turn_rad,
+            end_rad: end_rad + m.turn_rad,
+        },
+        Shape::Circle { centre, radius } => Shape::Circle { centre: go(*centre), radius: *radius },
+        other => with_points(other, &curve::control_points(other).into_iter().map(go).collect::<Vec<_>>()),
+    };
+    (shape, Some(motion))
+}
+
+/// The same shape through other control points; bulges and radii stay. Arcs are returned unchanged.
+fn with_points(shape: &Shape, points: &[DVec2]) -> Shape {
+    match shape {
+        Shape::Line { .. } => Shape::Line { a: points[0], b: points[1] },
+        Shape::Polyline { vertices, closed } => {
+            let vertices =
+                vertices.iter().zip(points).map(|(v, at)| Vertex { at: *at, bulge: v.bulge }).collect();
+            Shape::Polyline { vertices, closed: *closed }
+        }
+        Shape::Circle { radius, .. } => Shape::Circle { centre: points[0], radius: *radius },
+        Shape::Arc { .. } => shape.clone(),
+    }
+}

@@ -1,0 +1,405 @@
+//! What moves when the user marked nothing (spec 9): free-standing elements, and door gaps.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use crate::plan::drawing::SourceRef;
+use crate::plan::geometry::{PointUm, Segment, UM_PER_M, segments_touch};
+use crate::plan::graph::Graph;
+use crate::plan::interior::Interior;
+use crate::plan::markers::{Clause, Group, Kind};
+use crate::plan::{Plan, Region, box_of};
+use crate::report::{Place, Report};
+
+/// How far a free-standing element shifts in x and y.
+pub const SHIFT_M: f64 = 1.0;
+/// How far a free-standing element turns.
+pub const TURN_DEG: f64 = 15.0;
+/// How far a door gap slides along its wall.
+pub const SLIDE_M: f64 = 0.5;
+/// Widths of a gap that counts as a door.
+pub const DOOR_WIDTH_M: [f64; 2] = [0.6, 2.0];
+/// Wall pieces nearer than this are one element.
+pub const TOUCH_M: f64 = 0.05;
+/// Parallel faces nearer than this are the two sides of one wall.
+pub const WALL_THICKNESS_MAX_M: f64 = 0.6;
+/// How far an element must stay inside the building to count as free-standing.
+const INSIDE_MARGIN_M: f64 = 0.3;
+/// A free-standing element is at most this share of the building's longer side.
+const ELEMENT_SHARE_MAX: f64 = 0.5;
+/// What must remain of a wall beside a sliding door.
+const WALL_REST_M: f64 = 0.1;
+/// Most parameters made by default: more than that, and no small budget finds good layouts.
+pub const PARAMETERS_MAX: usize = 30;
+/// Most wall pieces looked at pairwise for doors and neighbours.
+pub const PIECES_MAX: usize = 20_000;
+
+/// A straight piece of a wall with its node ids.
+struct Piece {
+    wall: u32,
+    nodes: [u32; 2],
+    a: DVec2,
+    b: DVec2,
+}
+
+/// Groups for [`super::Moves::new`]: elements first, the largest first, then doors from left to right.
+pub fn groups(
+    plan: &Plan,
+    graph: &Graph,
+    interior: &Interior,
+    report: &mut Report,
+) -> Vec<(Group, Vec<u32>)> {
+    let pieces = pieces(plan, graph);
+    let place = Place::file(&plan.file);
+    if pieces.len() > PIECES_MAX {
+        let text = format!(
+            "{} wall pieces, expected at most {PIECES_MAX} for default moves; draw EF-MOVE to say what may move",
+            pieces.len()
+        );
+        report.info("default-moves", place, text);
+        return Vec::new();
+    }
+    let neighbours = Neighbours::new(&pieces);
+    let elements = elements(plan, graph, interior, &pieces, &neighbours);
+    let doors = doors(plan, graph, interior, &pieces, &neighbours);
+    let found = (elements.len(), doors.len());
+    let mut out: Vec<(Group, Vec<u32>)> = Vec::new();
+    let mut parameters = 0;
+    let mut taken = vec![false; graph.nodes.len()];
+    for (group, nodes) in elements.into_iter().chain(doors) {
+        let is_free = nodes.iter().all(|n| !taken[*n as usize]);
+        if is_free && parameters + group.clauses.len() <= PARAMETERS_MAX {
+            parameters += group.clauses.len();
+            nodes.iter().for_each(|n| taken[*n as usize] = true);
+            out.push((group, nodes));
+        }
+    }
+    let text = match found {
+        (0, 0) => "no EF-MOVE, and neither free-standing elements nor door gaps between interior walls were found: the present \
+                   layout is measured; to say what may move, draw a closed polyline on layer EF-MOVE round wall ends and a text \
+                   inside it such as `x -1 1; y -1 1`"
+            .to_string(),
+        (e, d) => format!(
+            "no EF-MOVE: {e} free-standing elements (±{SHIFT_M} m, ±{TURN_DEG}°) and {d} door gaps (±{SLIDE_M} m along their wall) \
+             were found, {} of them with {parameters} parameters may move (at most {PARAMETERS_MAX}); EF-MOVE says it better, \
+             EF-KEEP holds things still",
+            out.len()
+        ),
+    };
+    report.info("default-moves", place, text);
+    out
+}
+
+fn pieces(plan: &Plan, graph: &Graph) -> Vec<Piece> {
+    let mut out = Vec::new();
+    for (w, wall) in plan.walls.iter().enumerate() {
+        let nodes = &graph.trace_nodes[w];
+        for (i, j, s) in wall.trace.segments() {
+            let [a, b] = [s.a, s.b].map(|p| plan.frame.plan_from_um(p));
+            out.push(Piece { wall: w as u32, nodes: [nodes[i], nodes[j]], a, b });
+        }
+    }
+    out
+}
+
+/// Pieces by place: buckets as large as the largest distance asked for.
+struct Neighbours {
+    size: f64,
+    buckets: BTreeMap<[i64; 2], Vec<u32>>,
+}
+
+impl Neighbours {
+    fn new(pieces: &[Piece]) -> Self {
+        let size = DOOR_WIDTH_M[1].max(WALL_THICKNESS_MAX_M);
+        let mut buckets: BTreeMap<[i64; 2], Vec<u32>> = BTreeMap::new();
+        for (i, p) in pieces.iter().enumerate() {
+            let steps = ((p.b - p.a).length() / size).ceil().max(1.0) as usize;
+            for k in 0..=steps {
+                let at = p.a.lerp(p.b, k as f64 / steps as f64);
+                let bucket =
+                    buckets.entry([(at.x / size).floor() as i64, (at.y / size).floor() as i64]).or_default();
+                if bucket.last() != Some(&(i as u32)) {
+                    bucket.push(i as u32);
+                }
+            }
+        }
+        Self { size, buckets }
+    }
+
+    /// Pieces that may come nearer than the bucket size to the box, ascending.
+    fn near(&self, lo: DVec2, hi: DVec2) -> Vec<u32> {
+        let cell = |p: DVec2| [(p.x / self.size).floor() as i64, (p.y / self.size).floor() as i64];
+        let (lo, hi) = (cell(lo), cell(hi));
+        let mut out = Vec::new();
+        for x in lo[0] - 1..=hi[0] + 1 {
+            for y in lo[1] - 1..=hi[1] + 1 {
+                out.extend(self.buckets.get(&[x, y]).into_iter().flatten().copied());
+            }
+        }
+        out.sort_unstable();
+        out.dedup();
+        out
+    }
+}
+
+struct Union(Vec<u32>);
+
+impl Union {
+    fn root(&mut self, mut i: u32) -> u32 {
+        while self.0[i as usize] != i {
+            self.0[i as usize] = self.0[self.0[i as usize] as usize];
+            i = self.0[i as usize];
+        }
+        i
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+fn elements(
+    plan: &Plan,
+    graph: &Graph,
+    interior: &Interior,
+    pieces: &[Piece],
+    neighbours: &Neighbours,
+) -> Vec<(Group, Vec<u32>)> {
+    let mut union = Union((0..plan.walls.len() as u32).collect());
+    let mut by_node: BTreeMap<u32, u32> = BTreeMap::new();
+    for p in pieces {
+        for n in p.nodes {
+            let first = *by_node.entry(n).or_insert(p.wall);
+            union.join(first, p.wall);
+        }
+    }
+    for (i, p) in pieces.iter().enumerate() {
+        for j in neighbours.near(p.a.min(p.b), p.a.max(p.b)) {
+            let q = &pieces[j as usize];
+            if (j as usize) > i && p.wall != q.wall && (distance(p, q) <= TOUCH_M || are_faces(p, q)) {
+                union.join(p.wall, q.wall);
+            }
+        }
+    }
+    let mut clusters: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for w in 0..plan.walls.len() as u32 {
+        clusters.entry(union.root(w)).or_default().push(w);
+    }
+    let all = box_of(pieces.iter().flat_map(|p| [p.a, p.b])).unwrap_or_default();
+    let longest = (all[1] - all[0]).max_element();
+    let mut found: Vec<(f64, Group, Vec<u32>)> = Vec::new();
+    for walls in clusters.values() {
+        let points = || walls.iter().flat_map(|w| &plan.walls[*w as usize].trace.points);
+        let [lo, hi] = box_of(points().map(|p| plan.frame.plan_from_um(*p))).unwrap_or_default();
+        let encloses = walls.iter().any(|w| {
+            let wall = &plan.walls[*w as usize];
+            wall.trace.is_closed && !wall.is_solid
+        });
+        let is_inside = points().all(|p| interior.depth_m(*p) > INSIDE_MARGIN_M);
+        if encloses || !is_inside || (hi - lo).max_element() > ELEMENT_SHARE_MAX * longest {
+            continue;
+        }
+        let mut nodes: Vec<u32> =
+            walls.iter().flat_map(|w| graph.control_nodes[*w as usize].clone()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let is_round = nodes.len() == 1;
+        let group = group(&plan.walls[walls[0] as usize].source, [lo, hi], plan, element_clauses(is_round));
+        found.push(((hi - lo).length(), group, nodes));
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.2.cmp(&b.2)));
+    found
+        .into_iter()
+        .enumerate()
+        .map(|(i, (_, mut group, nodes))| {
+            group.name = format!("element-{}", i + 1);
+            (group, nodes)
+        })
+        .collect()
+}
+
+fn element_clauses(is_round: bool) -> Vec<Clause> {
+    let metres = |kind| Clause { kind, lower: -SHIFT_M, upper: SHIFT_M, unit: "m".into(), si_per_unit: 1.0 };
+    let turn = Clause {
+        kind: Kind::Rotate(None),
+        lower: -TURN_DEG,
+        upper: TURN_DEG,
+        unit: "deg".into(),
+        si_per_unit: 1f64.to_radians(),
+    };
+    let mut out = vec![metres(Kind::X), metres(Kind::Y)];
+    if !is_round {
+        out.push(turn);
+    }
+    out
+}
+
+fn group(source: &SourceRef, [lo, hi]: [DVec2; 2], plan: &Plan, clauses: Vec<Clause>) -> Group {
+    let corners = [lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)];
+    let ring = corners.map(|p| plan.frame.um_from_plan(p)).to_vec();
+    Group { name: String::new(), outline: Region::Ring(ring), clauses, source: source.clone() }
+}
+
+/// A wall end that looks into a gap.
+struct End {
+    /// One node (a line's end) or the two corners of an end face.
+    nodes: Vec<u32>,
+    at: DVec2,
+    /// Unit vector out of the wall, into the gap.
+    out: DVec2,
+    /// Length of the wall behind, up to the next node.
+    behind_m: f64,
+}
+
+fn doors(
+    plan: &Plan,
+    graph: &Graph,
+    interior: &Interior,
+    pieces: &[Piece],
+    neighbours: &Neighbours,
+) -> Vec<(Group, Vec<u32>)> {
+    let ends = ends(graph, pieces);
+    let mut found: Vec<(DVec2, Vec<u32>, DVec2, f64)> = Vec::new();
+    for (i, e) in ends.iter().enumerate() {
+        let facing = |f: &&End| {
+            let to = f.at - e.at;
+            let along = to.dot(e.out);
+            (DOOR_WIDTH_M[0]..=DOOR_WIDTH_M[1]).contains(&along)
+                && to.perp_dot(e.out).abs() < TOUCH_M
+                && e.out.dot(f.out) < -0.99
+        };
+        let Some(f) =
+            ends.iter().filter(facing).min_by(|a, b| a.at.distance(e.at).total_cmp(&b.at.distance(e.at)))
+        else {
+            continue;
+        };
+        let j = ends.iter().position(|x| std::ptr::eq(x, f)).unwrap_or(0);
+        let middle = e.at.midpoint(f.at);
+        let is_inside = [-1.0, 1.0].iter().all(|s| {
+            interior.depth_m(plan.frame.um_from_plan(middle + e.out.perp() * (*s * 0.8))) > INSIDE_MARGIN_M
+        });
+        if j <= i || !is_inside || !is_free(e, f, plan, pieces, neighbours) {
+            continue;
+        }
+        let slide = SLIDE_M.min(e.behind_m.min(f.behind_m) - WALL_REST_M);
+        if slide > 0.0 {
+            let nodes: Vec<u32> = e.nodes.iter().chain(&f.nodes).copied().collect();
+            let direction =
+                if e.out.x < -1e-9 || (e.out.x.abs() <= 1e-9 && e.out.y < 0.0) { -e.out } else { e.out };
+            found.push((middle, nodes, direction, slide));
+        }
+    }
+    found.sort_by(|a, b| a.0.x.total_cmp(&b.0.x).then(a.0.y.total_cmp(&b.0.y)));
+    let named = found.into_iter().enumerate().map(|(i, (_, mut nodes, direction, slide))| {
+        let kind = if direction.y.abs() < 1e-6 {
+            Kind::X
+        } else if direction.x.abs() < 1e-6 {
+            Kind::Y
+        } else {
+            Kind::Along(direction.to_angle())
+        };
+        let clause = Clause { kind, lower: -slide, upper: slide, unit: "m".into(), si_per_unit: 1.0 };
+        nodes.sort_unstable();
+        nodes.dedup();
+        let corners = box_of(nodes.iter().map(|n| graph.nodes[*n as usize])).unwrap_or_default();
+        let first = graph.handles[nodes[0] as usize][0].0;
+        let mut group = group(&plan.walls[first as usize].source, corners, plan, vec![clause]);
+        group.name = format!("door-{}", i + 1);
+        (group, nodes)
+    });
+    named.collect()
+}
+
+fn ends(graph: &Graph, pieces: &[Piece]) -> Vec<End> {
+    let mut at_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (i, p) in pieces.iter().enumerate() {
+        p.nodes.iter().for_each(|n| at_node.entry(*n).or_default().push(i));
+    }
+    let is_control = |n: u32| (n as usize) < graph.nodes.len();
+    let away = |i: usize, n: u32| {
+        let p = &pieces[i];
+        if p.nodes[0] == n { p.a - p.b } else { p.b - p.a }
+    };
+    let mut out = Vec::new();
+    for (n, around) in &at_node {
+        if let ([i], true) = (around.as_slice(), is_control(*n)) {
+            let d = away(*i, *n);
+            if d.length() > WALL_REST_M {
+                out.push(End {
+                    nodes: vec![*n],
+                    at: graph.nodes[*n as usize],
+                    out: d.normalize(),
+                    behind_m: d.length(),
+                });
+            }
+        }
+    }
+    for (i, p) in pieces.iter().enumerate() {
+        let width = p.a.distance(p.b);
+        if !(0.01..=WALL_THICKNESS_MAX_M).contains(&width) || !p.nodes.iter().all(|n| is_control(*n)) {
+            continue;
+        }
+        let side = |n: u32| match at_node[&n].as_slice() {
+            [x, y] => Some(away(if *x == i { *y } else { *x }, n)),
+            _ => None,
+        };
+        let (Some(u), Some(v)) = (side(p.nodes[0]), side(p.nodes[1])) else { continue };
+        let across = (p.b - p.a) / width;
+        let (ul, vl) = (u.length(), v.length());
+        let is_end =
+            ul > width && vl > width && u.dot(v) > 0.999 * ul * vl && u.dot(across).abs() < 0.02 * ul;
+        if is_end {
+            out.push(End {
+                nodes: p.nodes.to_vec(),
+                at: p.a.midpoint(p.b),
+                out: u / ul,
+                behind_m: ul.min(vl),
+            });
+        }
+    }
+    out
+}
+
+/// Whether no wall stands in the gap between two ends.
+fn is_free(e: &End, f: &End, plan: &Plan, pieces: &[Piece], neighbours: &Neighbours) -> bool {
+    let inset = e.out * 0.02;
+    let um = |p: DVec2| -> PointUm { plan.frame.um_from_plan(p) };
+    let gap = Segment { a: um(e.at + inset), b: um(f.at - inset) };
+    neighbours.near(e.at.min(f.at), e.at.max(f.at)).iter().all(|i| {
+        let p = &pieces[*i as usize];
+        !segments_touch(gap, Segment { a: um(p.a), b: um(p.b) })
+    })
+}
+
+fn distance(p: &Piece, q: &Piece) -> f64 {
+    let um = |v: DVec2| [(v.x * UM_PER_M).round() as i64, (v.y * UM_PER_M).round() as i64];
+    if segments_touch(Segment { a: um(p.a), b: um(p.b) }, Segment { a: um(q.a), b: um(q.b) }) {
+        return 0.0;
+    }
+    let to = |v: DVec2, s: &Piece| {
+        let d = s.b - s.a;
+        let t = if d.length_squared() > 0.0 {
+            ((v - s.a).dot(d) / d.length_squared()).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        v.distance(s.a + d * t)
+    };
+    to(p.a, q).min(to(p.b, q)).min(to(q.a, p)).min(to(q.b, p))
+}
+
+/// Whether two pieces are the two faces of one wall: parallel, near, side by side.
+fn are_faces(p: &Piece, q: &Piece) -> bool {
+    let (u, v) = (p.b - p.a, q.b - q.a);
+    let (ul, vl) = (u.length(), v.length());
+    if ul < 1e-6 || vl < 1e-6 || u.perp_dot(v).abs() > 0.01 * ul * vl {
+        return false;
+    }
+    let u = u / ul;
+    let offset = (q.a - p.a).perp_dot(u).abs();
+    let (s, t) = ((q.a - p.a).dot(u), (q.b - p.a).dot(u));
+    let overlap = s.max(t).min(ul) - s.min(t).max(0.0);
+    offset <= WALL_THICKNESS_MAX_M && overlap > 0.5 * ul.min(vl)
+}

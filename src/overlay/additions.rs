@@ -1,0 +1,276 @@
+//! What is added to the architect's drawing, on layers of ours: coloured cells, what moved, notes.
+//!
+//! Everything is in metres of the plan frame; the pipeline converts to drawing units.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use super::palette::{Palette, Rgb, Scale};
+use super::picture::{Cell, Stroke, bounds_of};
+use crate::plan::drawing::{Addition, Mark};
+
+/// Moved elements traced.
+pub const MOVED_LAYER: &str = "EF-MOVED";
+/// Where they stood.
+pub const BEFORE_LAYER: &str = "EF-BEFORE";
+/// What moved and what it gains, in plain words.
+pub const NOTE_LAYER: &str = "EF-NOTE";
+/// Start of the names of the layers with coloured cells.
+pub const HEAT_LAYER_PREFIX: &str = "EF-HEAT-";
+
+/// Colours a heat map is reduced to in a drawing: neighbouring cells of one colour become one
+/// rectangle, so that 10,000 cells stay a few thousand entities. More are hard to tell apart.
+pub const MAX_HEAT_COLOURS: usize = 24;
+
+const MOVED_RGB: Rgb = [0xd5, 0x00, 0x5f];
+const BEFORE_RGB: Rgb = [0x8c, 0x90, 0x98];
+const NOTE_RGB: Rgb = [0x00, 0x50, 0x82];
+
+/// Letter height of notes as a share of the plan's diagonal: about 4 mm on an A3 sheet.
+const NOTE_HEIGHT_SHARE: f64 = 0.011;
+/// Letter height bounds, metres.
+const NOTE_HEIGHT_M: [f64; 2] = [0.05, 5.0];
+/// Letters a line of a note holds.
+const NOTE_LINE_LETTERS: usize = 64;
+
+/// The layer of a measure: `EF-HEAT-DEGREE`.
+pub fn heat_layer(measure: &str) -> String {
+    let name: String = measure
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_uppercase() } else { '-' })
+        .collect();
+    format!("{HEAT_LAYER_PREFIX}{name}")
+}
+
+/// Coloured rectangles for the cells that have a value, on `layer`.
+///
+/// Values are reduced to [`MAX_HEAT_COLOURS`] steps of the scale; equal neighbours are merged, first
+/// along rows, then equal runs of neighbouring rows. The union of the rectangles is exactly the union
+/// of the cells.
+pub fn heat_additions(
+    layer: &str,
+    cells: &[Cell],
+    spacing_m: f64,
+    scale: Scale,
+    palette: Palette,
+) -> Vec<Addition> {
+    let Some(origin) = cells.first().map(|c| c.centre) else { return Vec::new() };
+    let rectangles = merged(&steps_of(cells, origin, spacing_m, scale));
+    let corner = |col: i64, row: i64| {
+        let at = |k: usize, i: i64| origin[k] + (i as f64 - 0.5) * spacing_m;
+        DVec2::new(at(0, col), at(1, row))
+    };
+    let fill = |r: Rectangle| Addition {
+        layer: layer.to_owned(),
+        rgb: palette.at((f64::from(r.step) + 0.5) / MAX_HEAT_COLOURS as f64),
+        mark: Mark::Fill {
+            corners: [
+                corner(r.cols[0], r.rows[0]),
+                corner(r.cols[1], r.rows[0]),
+                corner(r.cols[1], r.rows[1]),
+                corner(r.cols[0], r.rows[1]),
+            ],
+        },
+    };
+    rectangles.into_iter().map(fill).collect()
+}
+
+/// Colour step by row and column of the cells with a value.
+fn steps_of(cells: &[Cell], origin: [f64; 2], spacing_m: f64, scale: Scale) -> BTreeMap<(i64, i64), u8> {
+    let index = |c: &Cell, k: usize| ((c.centre[k] - origin[k]) / spacing_m).round() as i64;
+    let step = |v: f64| {
+        let steps = MAX_HEAT_COLOURS as f64;
+        (scale.fraction(v) * steps).min(steps - 1.0) as u8
+    };
+    let valued = cells.iter().filter_map(|c| Some((c, c.value.filter(|v| v.is_finite())?)));
+    valued.map(|(c, v)| ((index(c, 1), index(c, 0)), step(v))).collect()
+}
+
+/// Cells of one colour: columns and rows from the first up to, not including, the second.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Rectangle {
+    rows: [i64; 2],
+    cols: [i64; 2],
+    step: u8,
+}
+
+/// Runs along rows, then runs of the same columns and colour in consecutive rows joined.
+fn merged(steps: &BTreeMap<(i64, i64), u8>) -> Vec<Rectangle> {
+    let mut runs: Vec<Rectangle> = Vec::new();
+    for (&(row, col), &step) in steps {
+        match runs.last_mut() {
+            Some(r) if r.rows[0] == row && r.cols[1] == col && r.step == step => r.cols[1] += 1,
+            _ => runs.push(Rectangle { rows: [row, row + 1], cols: [col, col + 1], step }),
+        }
+    }
+    let mut done: Vec<Rectangle> = Vec::new();
+    let mut open: BTreeMap<([i64; 2], u8), usize> = BTreeMap::new();
+    for run in runs {
+        let above = open.get(&(run.cols, run.step)).copied().filter(|i| done[*i].rows[1] == run.rows[0]);
+        if let Some(i) = above {
+            done[i].rows[1] = run.rows[1];
+        } else {
+            open.insert((run.cols, run.step), done.len());
+            done.push(run);
+        }
+    }
+    done
+}
+
+/// Traces what moved and where it stood, and places the note beside the plan (right of it, its top
+/// line level with the plan's top). `bounds` is the box of the plan, metres.
+pub fn moved_additions(
+    moved: &[Stroke],
+    before: &[Stroke],
+    note_lines: &[String],
+    bounds: [[f64; 2]; 2],
+) -> Vec<Addition> {
+    let trace = |layer: &'static str, rgb: Rgb| {
+        move |s: &Stroke| {
+            let points: Vec<DVec2> = s.points.iter().map(|p| DVec2::from(*p)).collect();
+            let mark = Mark::Path { points, closed: s.closed };
+            Addition { layer: layer.to_owned(), rgb, mark }
+        }
+    };
+    let drawn = |s: &&Stroke| s.points.len() > 1;
+    let mut out: Vec<Addition> = before.iter().filter(drawn).map(trace(BEFORE_LAYER, BEFORE_RGB)).collect();
+    out.extend(moved.iter().filter(drawn).map(trace(MOVED_LAYER, MOVED_RGB)));
+    let everything = moved.iter().chain(before).flat_map(|s| s.points.iter().copied());
+    let whole = bounds_of(everything.chain(bounds));
+    out.extend(note(note_lines, bounds, whole));
+    out
+}
+
+fn note(lines: &[String], bounds: [[f64; 2]; 2], whole: [[f64; 2]; 2]) -> Option<Addition> {
+    let text = lines.iter().flat_map(|l| wrapped(l, NOTE_LINE_LETTERS)).collect::<Vec<_>>().join("\n");
+    if text.is_empty() {
+        return None;
+    }
+    let [lo, hi] = bounds;
+    let diagonal = (hi[0] - lo[0]).hypot(hi[1] - lo[1]);
+    let height = (diagonal * NOTE_HEIGHT_SHARE).clamp(NOTE_HEIGHT_M[0], NOTE_HEIGHT_M[1]);
+    let at = DVec2::new(whole[1][0] + 4.0 * height, hi[1] - height);
+    Some(Addition { layer: NOTE_LAYER.to_owned(), rgb: NOTE_RGB, mark: Mark::Text { at, height, text } })
+}
+
+/// Breaks a line at spaces so that no part is longer than `most` letters, unless one word is.
+fn wrapped(line: &str, most: usize) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    let mut letters = 0;
+    for word in line.split(' ') {
+        let wide = word.chars().count();
+        match out.last_mut() {
+            Some(last) if letters + 1 + wide <= most => {
+                last.push(' ');
+                last.push_str(word);
+                letters += 1 + wide;
+            }
+            _ => {
+                out.push(word.to_owned());
+                letters = wide;
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::picture::StrokeKind;
+    use super::*;
+
+    const SCALE: Scale = Scale { lo: 0.0, hi: 10.0 };
+
+    fn square(n: i32, value: impl Fn(i32, i32) -> Option<f64>) -> Vec<Cell> {
+        let cell = |c: i32, r: i32| Cell {
+            centre: [0.47 + f64::from(c) * 0.5, -3.1 + f64::from(r) * 0.5],
+            value: value(c, r),
+        };
+        (0..n).flat_map(|c| (0..n).map(move |r| (c, r))).map(|(c, r)| cell(c, r)).collect()
+    }
+
+    fn area(a: &Addition) -> f64 {
+        let Mark::Fill { corners } = &a.mark else { panic!("a fill") };
+        let diagonal = corners[2] - corners[0];
+        assert!(diagonal.x > 0.0 && diagonal.y > 0.0);
+        diagonal.x * diagonal.y
+    }
+
+    #[test]
+    fn equal_cells_become_one_rectangle() {
+        let fills =
+            heat_additions("EF-HEAT-DEGREE", &square(40, |_, _| Some(4.0)), 0.5, SCALE, Palette::Viridis);
+        assert_eq!(fills.len(), 1);
+        assert!((area(&fills[0]) - 400.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn ten_thousand_smooth_cells_stay_few() {
+        let smooth = |c: i32, r: i32| {
+            Some(5.0 + 3.0 * (f64::from(c) / 17.0).sin() + 2.0 * (f64::from(r) / 11.0).cos())
+        };
+        let fills = heat_additions("X", &square(100, smooth), 0.5, SCALE, Palette::Viridis);
+        assert!(fills.len() < 4000, "{}", fills.len());
+    }
+
+    #[test]
+    fn no_more_colours_than_the_limit() {
+        let fills = heat_additions(
+            "X",
+            &square(30, |c, r| Some(f64::from(c * 30 + r) / 90.0)),
+            0.5,
+            SCALE,
+            Palette::Viridis,
+        );
+        let colours: std::collections::BTreeSet<_> = fills.iter().map(|f| f.rgb).collect();
+        assert_eq!(colours.len(), MAX_HEAT_COLOURS);
+    }
+
+    proptest! {
+        #[test]
+        fn rectangles_cover_each_cell_once_in_its_colour(
+            values in proptest::collection::vec(proptest::option::of(0u8..4), 81)
+        ) {
+            let value = |c: i32, r: i32| values[(c * 9 + r) as usize].map(|v| f64::from(v) * 3.0);
+            let cells = square(9, value);
+            let fills = heat_additions("X", &cells, 0.5, SCALE, Palette::Viridis);
+            for cell in &cells {
+                let at = DVec2::from(cell.centre);
+                let hits: Vec<Rgb> = fills.iter().filter(|f| {
+                    let Mark::Fill { corners } = &f.mark else { return false };
+                    at.cmpgt(corners[0]).all() && at.cmplt(corners[2]).all()
+                }).map(|f| f.rgb).collect();
+                let expected = cell.value.map(|v| {
+                    let step = (SCALE.fraction(v) * MAX_HEAT_COLOURS as f64).min(MAX_HEAT_COLOURS as f64 - 1.0);
+                    Palette::Viridis.at((step.floor() + 0.5) / MAX_HEAT_COLOURS as f64)
+                });
+                prop_assert_eq!(hits, expected.into_iter().collect::<Vec<_>>());
+            }
+        }
+    }
+
+    #[test]
+    fn the_note_stands_beside_everything_drawn() {
+        let far = Stroke {
+            points: vec![[1.0, 1.0], [14.0, 2.0]],
+            closed: false,
+            filled: false,
+            kind: StrokeKind::Moved,
+        };
+        let lines = ["Door 3 slides 1.2 m east".to_owned(), "visibility +18 %".to_owned()];
+        let out = moved_additions(&[far], &[], &lines, [[0.0, 0.0], [12.0, 9.0]]);
+        let Mark::Text { at, height, text } = &out[1].mark else { panic!("a text") };
+        assert!(at.x > 14.0 && at.y < 9.0 && *height > 0.0);
+        assert_eq!(text.lines().count(), 2);
+        assert_eq!((out[0].layer.as_str(), out[1].layer.as_str()), (MOVED_LAYER, NOTE_LAYER));
+    }
+
+    #[test]
+    fn layers_of_measures_have_plain_names() {
+        assert_eq!(heat_layer("degree"), "EF-HEAT-DEGREE");
+        assert_eq!(heat_layer("max radial*"), "EF-HEAT-MAX-RADIAL-");
+    }
+}

@@ -1,0 +1,141 @@
+//! What was understood of a drawing, as a picture: walls, solids, openings, regions, moves, and what
+//! was left out.
+
+use super::canvas::{Canvas, Pen};
+use super::frame::{Frame, Key};
+use super::palette::Rgb;
+use super::picture::{
+    GREY, INK, Look, PlanPicture, RegionKind, Stroke, StrokeKind, draw_alike, draw_region, draw_strokes,
+};
+use crate::report::Error;
+
+const MOVABLE: Rgb = [0x00, 0x72, 0xb2];
+const OPENING: Rgb = [0x00, 0x9e, 0x73];
+const LEFT_OUT: Rgb = [0xb0, 0xb4, 0xba];
+const MOVE_BOX: Rgb = [0xd5, 0x5e, 0x00];
+const QUERY: Rgb = [0xe6, 0x9f, 0x00];
+const REFERENCE: Rgb = [0x56, 0xb4, 0xe9];
+const KEEP: Rgb = [0x88, 0x22, 0x55];
+
+/// Draws what was taken as what, with keys for the kinds that are present, as PNG.
+///
+/// # Errors
+/// As [`heat_map_png`](super::heat_map::heat_map_png).
+pub fn check_png(
+    picture: &PlanPicture,
+    title: &str,
+    subtitle: &str,
+    longest_px: u32,
+) -> Result<Vec<u8>, Error> {
+    let draft = Frame::fit(picture.bounds, longest_px, true, 110.0)?;
+    let samples = samples_of(picture);
+    let words: Vec<&str> = samples.iter().map(|s| s.word).collect();
+    let rows = Frame::key_rows(draft.size_px[0] as f32, draft.unit_px, &words);
+    let frame = Frame::fit(picture.bounds, longest_px, true, 80.0 + 36.0 * rows as f32)?;
+    let mut canvas = frame.sheet()?;
+    draw_plan(&mut canvas, &frame, picture);
+    frame.head(&mut canvas, title, subtitle);
+    draw_foot(&mut canvas, &frame, &samples);
+    canvas.into_png()
+}
+
+fn draw_plan(canvas: &mut Canvas, frame: &Frame, picture: &PlanPicture) {
+    use RegionKind::{Keep, Move, Query, Reference};
+    for kind in [Reference, Query, Keep, Move] {
+        for region in picture.regions.iter().filter(|r| r.kind == kind) {
+            let (look, tint) = region_look(kind);
+            draw_region(canvas, frame, region, look, tint);
+        }
+    }
+    draw_strokes(canvas, frame, &picture.strokes, |kind| match kind {
+        StrokeKind::Fixed | StrokeKind::Movable => None,
+        other => stroke_look(other),
+    });
+    for kind in [StrokeKind::Fixed, StrokeKind::Movable] {
+        let of_kind = |s: &&Stroke| s.kind == kind;
+        if let Some(look) = stroke_look(kind) {
+            draw_alike(canvas, frame, picture.strokes.iter().filter(of_kind), look);
+        }
+    }
+}
+
+fn stroke_look(kind: StrokeKind) -> Option<Look> {
+    match kind {
+        StrokeKind::Fixed => Some(Look::solid(INK, 1.2, 0.0)),
+        StrokeKind::Movable => Some(Look::solid(MOVABLE, 1.5, 0.4)),
+        StrokeKind::Opening => Some(Look::solid(OPENING, 1.0, 0.0).dashed(&[2.0, 2.0])),
+        StrokeKind::Ignored => Some(Look::solid(LEFT_OUT, 0.5, 0.0)),
+        StrokeKind::Before => Some(Look::solid(GREY, 0.6, 0.0).dashed(&[4.0, 3.0])),
+        StrokeKind::Moved => Some(Look::solid(MOVABLE, 1.5, 0.4)),
+    }
+}
+
+fn region_look(kind: RegionKind) -> (Look, Option<f32>) {
+    match kind {
+        RegionKind::Query => (Look::solid(QUERY, 2.0, 0.0), Some(0.22)),
+        RegionKind::Reference => (Look::solid(REFERENCE, 2.0, 0.0).dashed(&[5.0, 3.0]), Some(0.16)),
+        RegionKind::Keep => (Look::solid(KEEP, 2.0, 0.0).dashed(&[8.0, 3.0, 2.0, 3.0]), Some(0.10)),
+        RegionKind::Move => (Look::solid(MOVE_BOX, 2.0, 0.0).dashed(&[5.0, 4.0]), None),
+    }
+}
+
+/// A kind that is present, its word and its colour; `tint` for regions.
+struct Sample {
+    word: &'static str,
+    look: Look,
+    tint: Option<f32>,
+}
+
+fn samples_of(picture: &PlanPicture) -> Vec<Sample> {
+    let strokes = [
+        (StrokeKind::Fixed, "wall or solid, stays"),
+        (StrokeKind::Movable, "may move"),
+        (StrokeKind::Opening, "opening"),
+        (StrokeKind::Ignored, "left out"),
+    ];
+    let regions = [
+        (RegionKind::Query, "measured here (query)"),
+        (RegionKind::Reference, "to be seen (reference)"),
+        (RegionKind::Move, "moves together"),
+        (RegionKind::Keep, "stays as it is (keep)"),
+    ];
+    let strokes = strokes
+        .into_iter()
+        .filter(|(kind, _)| picture.has(*kind))
+        .filter_map(|(kind, word)| Some(Sample { word, look: stroke_look(kind)?, tint: None }));
+    let regions = regions.into_iter().filter(|(kind, _)| picture.regions.iter().any(|r| r.kind == *kind));
+    let regions = regions.map(|(kind, word)| {
+        let (look, tint) = region_look(kind);
+        Sample { word, look, tint }
+    });
+    strokes.chain(regions).collect()
+}
+
+fn draw_foot(canvas: &mut Canvas, frame: &Frame, samples: &[Sample]) {
+    let u = frame.unit_px;
+    let [top, _, right] = frame.foot();
+    let end = frame.north(canvas, right, top + 62.0 * u);
+    frame.scale_bar(canvas, end - 36.0 * u, top + 14.0 * u);
+    let keys: Vec<Key<'_>> = samples.iter().map(|s| key_of(s, u)).collect();
+    frame.keys(canvas, top + 74.0 * u, &keys);
+}
+
+fn key_of<'a>(sample: &Sample, u: f32) -> Key<'a> {
+    let (look, tint) = (sample.look, sample.tint);
+    let draw = move |canvas: &mut Canvas, [x0, y0, x1, y1]: [f32; 4]| {
+        let width_px = (look.width * 3.0 * u).clamp(2.0 * u, 5.0 * u);
+        let dash: Vec<f32> = look.dash.iter().map(|d| d * width_px.min(2.5 * u)).collect();
+        let pen = Pen { dash_px: &dash, ..Pen::solid(look.rgb, width_px) };
+        let middle = f32::midpoint(y0, y1);
+        if let Some(opacity) = tint {
+            let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
+            if let Some(path) = super::canvas::path_of([(&corners[..], true)]) {
+                canvas.fill(&path, look.rgb, opacity);
+                canvas.stroke(&path, Pen { width_px: 2.0 * u, ..pen });
+            }
+        } else {
+            canvas.line(&[[x0, middle], [x1, middle]], pen);
+        }
+    };
+    Key { word: sample.word.to_owned(), draw: Box::new(draw) }
+}

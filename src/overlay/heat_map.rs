@@ -1,0 +1,148 @@
+//! A measure as colours over the plan.
+
+use super::canvas::{Anchor, Canvas, Pen};
+use super::font::Weight;
+use super::frame::{Frame, Key};
+use super::measure::{tick_labels, ticks};
+use super::palette::{Palette, Rgb, Scale};
+use super::picture::{Cell, GREY, INK, Look, PlanPicture, RegionKind, StrokeKind, draw_region, draw_strokes};
+use crate::report::Error;
+
+/// Longest side of the pictures of a round, px.
+pub const DEFAULT_SIDE_PX: u32 = 1600;
+/// Nominal height of legend and keys.
+const FOOT_PX: f32 = 142.0;
+/// Smallest side of a cell on the sheet, px: a single cell of a large plan stays visible.
+const SMALLEST_CELL_PX: i32 = 2;
+
+/// What a heat map shows.
+#[derive(Clone, Debug)]
+pub struct HeatMap<'a> {
+    /// The plan on top of the cells.
+    pub picture: &'a PlanPicture,
+    /// The cells.
+    pub cells: &'a [Cell],
+    /// Side of a cell, metres.
+    pub spacing_m: f64,
+    /// Range of the colours, shared by all layouts that are compared.
+    pub scale: Scale,
+    /// Headline: `Visibility`.
+    pub title: &'a str,
+    /// Line below: drawing and layout.
+    pub subtitle: &'a str,
+    /// What the numbers of the legend count: `cells seen`, `steps`, `bits`, `score`.
+    pub unit: &'a str,
+    /// Colours.
+    pub palette: Palette,
+}
+
+/// Draws a heat map as PNG. Pictures with the same bounds have the same size and lie exactly over
+/// each other.
+///
+/// # Errors
+/// `picture-size`, `picture-bounds`: see the [frame](super::frame); `png` if the encoder fails.
+pub fn heat_map_png(map: &HeatMap<'_>, longest_px: u32) -> Result<Vec<u8>, Error> {
+    let titled = !(map.title.is_empty() && map.subtitle.is_empty());
+    let frame = Frame::fit(map.picture.bounds, longest_px, titled, FOOT_PX)?;
+    let mut canvas = frame.sheet()?;
+    draw_cells(&mut canvas, &frame, map);
+    for region in &map.picture.regions {
+        if let Some(look) = region_look(region.kind) {
+            draw_region(&mut canvas, &frame, region, look, None);
+        }
+    }
+    draw_strokes(&mut canvas, &frame, &map.picture.strokes, |kind| stroke_look(kind, map.palette));
+    frame.head(&mut canvas, map.title, map.subtitle);
+    draw_foot(&mut canvas, &frame, map);
+    canvas.into_png()
+}
+
+fn draw_cells(canvas: &mut Canvas, frame: &Frame, map: &HeatMap<'_>) {
+    let half = map.spacing_m / 2.0;
+    for cell in map.cells {
+        let lo = frame.to_px([cell.centre[0] - half, cell.centre[1] + half]);
+        let hi = frame.to_px([cell.centre[0] + half, cell.centre[1] - half]);
+        if !lo.iter().chain(&hi).all(|v| v.is_finite()) {
+            continue;
+        }
+        let [x0, y0] = lo.map(|v| v.round() as i32);
+        let [x1, y1] = [0, 1].map(|k| (hi[k].round() as i32).max([x0, y0][k] + SMALLEST_CELL_PX));
+        match cell.value.filter(|v| v.is_finite()) {
+            Some(value) => canvas.rect([x0, y0, x1, y1], map.palette.at(map.scale.fraction(value))),
+            None => canvas.block([x0, y0, x1, y1], unmeasured),
+        }
+    }
+}
+
+/// Light grey with a diagonal hatch: in the graph, but not measured.
+fn unmeasured(x: i32, y: i32) -> Rgb {
+    if (x + y).rem_euclid(10) < 2 { [0xd2, 0xd4, 0xd8] } else { [0xec, 0xed, 0xef] }
+}
+
+fn stroke_look(kind: StrokeKind, palette: Palette) -> Option<Look> {
+    Some(match kind {
+        StrokeKind::Ignored => Look { opacity: 0.45, ..Look::solid(GREY, 0.4, 0.0) },
+        StrokeKind::Opening => Look { opacity: 0.7, ..Look::solid(INK, 0.4, 0.0).dashed(&[3.0, 3.0]) },
+        StrokeKind::Fixed | StrokeKind::Movable => Look::solid(INK, 1.0, 0.35),
+        StrokeKind::Before => Look::solid(INK, 0.6, 0.6).dashed(&[4.0, 3.0]),
+        StrokeKind::Moved => Look::solid(palette.accent(), 1.5, 0.7),
+    })
+}
+
+fn region_look(kind: RegionKind) -> Option<Look> {
+    match kind {
+        RegionKind::Query => Some(Look::solid(INK, 1.6, 0.0).dashed(&[6.0, 4.0])),
+        RegionKind::Reference => Some(Look::solid(GREY, 1.4, 0.0).dashed(&[2.0, 4.0])),
+        RegionKind::Keep | RegionKind::Move => None,
+    }
+}
+
+fn draw_foot(canvas: &mut Canvas, frame: &Frame, map: &HeatMap<'_>) {
+    let u = frame.unit_px;
+    let [top, left, right] = frame.foot();
+    let wide = (430.0 * u).min((right - left) * 0.5);
+    draw_legend(canvas, frame, map, [left, top, left + wide, top + 24.0 * u]);
+    let end = frame.north(canvas, right, top + 62.0 * u);
+    frame.scale_bar(canvas, end - 36.0 * u, top + 14.0 * u);
+    frame.keys(canvas, top + 98.0 * u, &keys_of(frame, map));
+}
+
+/// The bar of colours with round numbers below and the unit beside it.
+fn draw_legend(canvas: &mut Canvas, frame: &Frame, map: &HeatMap<'_>, [x0, y0, x1, y1]: [f32; 4]) {
+    let u = frame.unit_px;
+    let span = (x1 - x0).max(1.0);
+    canvas.block([x0, y0, x1, y1].map(|v| v.round() as i32), |x, _| {
+        map.palette.at(f64::from((x as f32 + 0.5 - x0) / span))
+    });
+    let values =
+        if map.scale.hi > map.scale.lo { ticks(map.scale.lo, map.scale.hi, 5) } else { vec![map.scale.lo] };
+    let letters = (22.0 * u, Weight::Regular, INK);
+    let mut free_from = f32::NEG_INFINITY;
+    for (value, label) in values.iter().zip(tick_labels(&values)) {
+        let x = x0 + map.scale.fraction(*value) as f32 * span;
+        canvas.line(&[[x, y1], [x, y1 + 6.0 * u]], Pen::solid(INK, 1.5 * u));
+        let wide = super::font::width_px(&label, letters.0, letters.1);
+        let middle = x.max(x0 + wide / 2.0);
+        if middle - wide / 2.0 > free_from {
+            canvas.text(&label, [middle, y1 + 28.0 * u], Anchor::Middle, letters);
+            free_from = middle + wide / 2.0 + 10.0 * u;
+        }
+    }
+    canvas.text(map.unit, [x1 + 16.0 * u, y1 - 3.0 * u], Anchor::Left, (22.0 * u, Weight::Regular, GREY));
+}
+
+fn keys_of<'a>(frame: &Frame, map: &HeatMap<'_>) -> Vec<Key<'a>> {
+    let u = frame.unit_px;
+    let mut keys = Vec::new();
+    if map.picture.has(StrokeKind::Moved) {
+        keys.push(Key::line("moved", Pen::solid(map.palette.accent(), 5.0 * u)));
+    }
+    if map.picture.has(StrokeKind::Before) {
+        let dash: &'static [f32] = if u < 1.0 { &[5.0, 3.5] } else { &[9.0, 6.0] };
+        keys.push(Key::line("stood here before", Pen { dash_px: dash, ..Pen::solid(INK, 2.4 * u) }));
+    }
+    if map.cells.iter().any(|c| c.value.is_none()) {
+        keys.push(Key::patch("not measured", unmeasured));
+    }
+    keys
+}

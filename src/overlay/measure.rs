@@ -1,0 +1,291 @@
+//! The measures in plain words, and how numbers are written for people.
+
+/// How a measure is named to an architect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wording {
+    /// Name in result.json.
+    pub key: &'static str,
+    /// In plain words.
+    pub plain: &'static str,
+    /// The technical term.
+    pub technical: &'static str,
+    /// What one unit of it is.
+    pub unit: &'static str,
+    /// One sentence for the glossary.
+    pub meaning: &'static str,
+    /// What more of it means, and less, in two or three words; empty where nothing can be said.
+    pub more_less: [&'static str; 2],
+}
+
+/// Every measure that has plain words.
+pub const WORDINGS: &[Wording] = &[
+    Wording {
+        key: "degree",
+        plain: "Visibility",
+        technical: "degree",
+        unit: "cells seen",
+        meaning: "How much of the region of reference can be seen from a spot, counted in cells. High: \
+                  open, overlooked, easy to find. Low: secluded.",
+        more_less: ["more is seen", "less is seen"],
+    },
+    Wording {
+        key: "depth",
+        plain: "Accessibility",
+        technical: "tree depth",
+        unit: "steps",
+        meaning: "How many straight views one after the other it takes to reach the farthest corner \
+                  from a spot. Fewer steps: fewer turns, easier to reach.",
+        more_less: ["more turns", "fewer turns"],
+    },
+    Wording {
+        key: "entropy",
+        plain: "Organisation",
+        technical: "entropy",
+        unit: "bits",
+        meaning: "How evenly the space is spread over those steps. High: it opens up in even portions, \
+                  so that each decision on the way is alike. Low: almost everything lies at one \
+                  distance, with bottlenecks or too many choices at once.",
+        more_less: ["opens up more evenly", "less evenly spread"],
+    },
+    Wording {
+        key: "score",
+        plain: "Score",
+        technical: "weighted sum",
+        unit: "score",
+        meaning: "The weighted sum of the relative gains over the present layout, less the penalties. \
+                  The present layout gains 0.",
+        more_less: ["", ""],
+    },
+    Wording {
+        key: "clearance_m2",
+        plain: "Tight spots",
+        technical: "clearance",
+        unit: "m²",
+        meaning: "The area in which two walls that do not touch come closer than 1 m to each other, \
+                  counted for every such pair of which one can move.",
+        more_less: ["more tight spots", "fewer tight spots"],
+    },
+    Wording {
+        key: "wall_length_m",
+        plain: "Wall added or lost",
+        technical: "wall length",
+        unit: "m",
+        meaning: "By how much the total length of walls differs from the present layout.",
+        more_less: ["", ""],
+    },
+    Wording {
+        key: "alignment",
+        plain: "Out of line",
+        technical: "alignment",
+        unit: "rad²",
+        meaning: "How far the moved walls turn away from the main directions of the drawing.",
+        more_less: ["less aligned", "better aligned"],
+    },
+    Wording {
+        key: "disconnection",
+        plain: "Cut-off space",
+        technical: "disconnection",
+        unit: "",
+        meaning: "Space that can be reached today and could not be reached any more. Options with any \
+                  are turned down.",
+        more_less: ["space is cut off", ""],
+    },
+    Wording {
+        key: "overlap",
+        plain: "Walls crossing",
+        technical: "overlap",
+        unit: "",
+        meaning: "Walls that cross each other and did not before.",
+        more_less: ["walls cross", ""],
+    },
+    Wording {
+        key: "integration",
+        plain: "Integration",
+        technical: "integration HH",
+        unit: "HH",
+        meaning: "How close a spot is to all others, counted in views and made comparable between plans \
+                  of different size.",
+        more_less: ["better connected", "more remote"],
+    },
+    Wording {
+        key: "mean_depth",
+        plain: "Mean distance in views",
+        technical: "mean depth",
+        unit: "steps",
+        meaning: "The number of straight views it takes on average to reach the other spots.",
+        more_less: ["more turns", "fewer turns"],
+    },
+    Wording {
+        key: "clustering",
+        plain: "Enclosure",
+        technical: "clustering coefficient",
+        unit: "",
+        meaning: "The share of the spots seen from here that also see each other. High: a room of its \
+                  own. Low: a crossing where views part.",
+        more_less: ["more enclosed", "more open"],
+    },
+];
+
+/// The wording of a measure, by its name in result.json.
+pub fn wording(key: &str) -> Option<&'static Wording> {
+    WORDINGS.iter().find(|w| w.key == key)
+}
+
+/// A name fit to show: the plain one, else the key with spaces and a capital.
+pub fn plain_name(key: &str) -> String {
+    wording(key).map_or_else(|| sentence_case(key), |w| w.plain.to_owned())
+}
+
+/// `door-3` → `Door 3`. Names with spaces are left alone but for the capital.
+pub fn sentence_case(name: &str) -> String {
+    let spaced = name.trim().replace(['-', '_'], " ");
+    let mut letters = spaced.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// A number with about three significant digits, thin spaces between thousands and a true minus;
+/// `–` if it does not exist.
+pub fn number(value: f64) -> String {
+    let size = value.abs();
+    let decimals = match size {
+        s if !s.is_finite() => return "–".to_owned(),
+        s if s >= 99.95 || s == 0.0 => 0,
+        s if s >= 9.995 => 1,
+        s if s >= 0.0995 => 2,
+        s if s >= 0.000_995 => 4,
+        _ => return if size < 1e-12 { "0".to_owned() } else { format!("{value:.1e}").replace('-', "−") },
+    };
+    fixed(value, decimals)
+}
+
+/// A number with that many decimals, thin spaces between thousands and a true minus.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{:.decimals$}", value.abs());
+    let (whole, rest) = text.split_at(text.find('.').unwrap_or(text.len()));
+    let is_zero = text.chars().all(|c| c == '0' || c == '.');
+    let sign = if value < 0.0 && !is_zero { "−" } else { "" };
+    format!("{sign}{}{rest}", grouped(whole))
+}
+
+fn grouped(digits: &str) -> String {
+    if digits.len() < 5 {
+        return digits.to_owned();
+    }
+    let mut out = String::new();
+    for (i, c) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            out.push('\u{202f}');
+        }
+        out.push(c);
+    }
+    out
+}
+
+/// The change in per cent with its sign: `+18 %`, `−9 %`, `±0 %`; `None` if the base is 0 or a value
+/// does not exist.
+pub fn percent_change(from: f64, to: f64) -> Option<String> {
+    let change = (to - from) / from.abs() * 100.0;
+    if from == 0.0 || !change.is_finite() {
+        return None;
+    }
+    let decimals = usize::from(change.abs() < 9.95);
+    let text = fixed(change.abs(), decimals);
+    let is_zero = text.chars().all(|c| c == '0' || c == '.');
+    let sign = if is_zero {
+        "±"
+    } else if change < 0.0 {
+        "−"
+    } else {
+        "+"
+    };
+    let text = if is_zero { "0" } else { text.trim_end_matches(".0") };
+    Some(format!("{sign}{text} %"))
+}
+
+/// Round values that divide a range evenly (1-2-5 times a power of ten), at most `most` + 1.
+pub fn ticks(lo: f64, hi: f64, most: usize) -> Vec<f64> {
+    let span = hi - lo;
+    if !(span > 0.0 && span.is_finite()) || most == 0 {
+        return if lo.is_finite() { vec![lo] } else { Vec::new() };
+    }
+    let step = nice_at_least(span / most as f64);
+    let (first, last) = ((lo / step - 1e-9).ceil() as i64, (hi / step + 1e-9).floor() as i64);
+    (first..=last).map(|k| k as f64 * step).collect()
+}
+
+/// The smallest of 1, 2, 5 times a power of ten that is at least `size` (> 0).
+pub fn nice_at_least(size: f64) -> f64 {
+    let power = 10f64.powi(size.log10().floor() as i32);
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|m| m * power)
+        .find(|v| *v >= size * (1.0 - 1e-9))
+        .unwrap_or(power * 10.0)
+}
+
+/// The largest of 1, 2, 5 times a power of ten that is at most `size` (> 0).
+pub fn nice_at_most(size: f64) -> f64 {
+    let power = 10f64.powi(size.log10().floor() as i32);
+    [5.0, 2.0, 1.0].into_iter().map(|m| m * power).find(|v| *v <= size * (1.0 + 1e-9)).unwrap_or(power)
+}
+
+/// Writes ticks with the decimals their step needs.
+pub fn tick_labels(ticks: &[f64]) -> Vec<String> {
+    let step = ticks.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
+    if !step.is_finite() {
+        return ticks.iter().map(|t| number(*t)).collect();
+    }
+    let decimals = (-step.log10()).ceil().clamp(0.0, 9.0) as usize;
+    ticks.iter().map(|t| fixed(*t, decimals)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_as_people_write_them() {
+        let cases = [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1.0, "1.00"),
+            (16.8333, "16.8"),
+            (-2.308, "−2.31"),
+            (1234.4, "1234"),
+            (12_345.6, "12\u{202f}346"),
+            (1_234_567.0, "1\u{202f}234\u{202f}567"),
+            (0.05, "0.0500"),
+            (2e-7, "2.0e−7"),
+            (f64::NAN, "–"),
+        ];
+        for (value, expected) in cases {
+            assert_eq!(number(value), expected, "{value}");
+        }
+        assert_eq!(fixed(-0.001, 2), "0.00");
+    }
+
+    #[test]
+    fn changes_carry_their_sign() {
+        assert_eq!(percent_change(10.0, 11.8).as_deref(), Some("+18 %"));
+        assert_eq!(percent_change(10.0, 9.13).as_deref(), Some("−8.7 %"));
+        assert_eq!(percent_change(-2.0, -1.0).as_deref(), Some("+50 %"));
+        assert_eq!(percent_change(10.0, 10.0).as_deref(), Some("±0 %"));
+        assert_eq!(percent_change(0.0, 1.0), None);
+    }
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(ticks(0.0, 10.0, 5), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
+        assert_eq!(tick_labels(&ticks(0.1, 0.32, 5)), ["0.10", "0.15", "0.20", "0.25", "0.30"]);
+        assert_eq!(ticks(3.0, 3.0, 5), [3.0]);
+        assert_eq!((nice_at_most(37.0), nice_at_least(37.0)), (20.0, 50.0));
+        assert_eq!((nice_at_most(0.5), nice_at_least(0.5)), (0.5, 0.5));
+    }
+
+    #[test]
+    fn names_become_readable() {
+        assert_eq!(sentence_case("door-3"), "Door 3");
+        assert_eq!(plain_name("depth"), "Accessibility");
+        assert_eq!(plain_name("max_radial"), "Max radial");
+    }
+}

@@ -1,0 +1,180 @@
+//! The drawings: a stage with a before/after slider, and all layouts side by side.
+
+use super::super::html::Html;
+use super::super::measure::{number, percent_change, plain_name, wording};
+use super::super::result::{Candidate, RoundResult, Sense};
+use super::{Fitted, View, names, option_name, wanted};
+
+/// The switches of the page: which measure is shown, which option is compared. They stand before
+/// everything they switch, so that style rules alone can react; their labels stand where they are used.
+pub fn radios(html: &mut Html, input: &Fitted<'_>) {
+    for (m, view) in input.present.iter().enumerate() {
+        radio(html, "measure", m, &format!("Show {}", plain_name(view.measure)));
+    }
+    if has_stage(input) {
+        for o in 0..input.candidates.len() {
+            radio(html, "option", o, &format!("Compare option {}", o + 1));
+        }
+    }
+    html.raw("<style>\n");
+    for m in 0..input.present.len() {
+        let m = m.to_string();
+        html.raw("#measure").text(&m).raw(":checked~main .v:not(.v").text(&m).raw("){display:none}\n");
+    }
+    for group in ["measure", "option"] {
+        let count = if group == "measure" { input.present.len() } else { input.candidates.len() };
+        for i in 0..count {
+            let id = format!("{group}{i}");
+            html.raw("#").text(&id).raw(":checked~main .for-").text(&id);
+            html.raw("{color:var(--ink);border-color:var(--accent)}\n");
+            html.raw("#").text(&id).raw(":focus-visible~main .for-").text(&id);
+            html.raw("{outline:2px solid var(--accent);outline-offset:3px}\n");
+        }
+    }
+    html.raw("</style>\n");
+}
+
+fn radio(html: &mut Html, group: &'static str, i: usize, label: &str) {
+    let (id, value) = (format!("{group}{i}"), i.to_string());
+    let first = [("checked", "")];
+    let base = [
+        ("type", "radio"),
+        ("class", "switch"),
+        ("name", group),
+        ("id", &id),
+        ("value", &value),
+        ("aria-label", label),
+    ];
+    let mut attributes = base.to_vec();
+    if i == 0 {
+        attributes.extend(first);
+    }
+    html.open("input", &attributes).raw("\n");
+}
+
+fn tabs(html: &mut Html, input: &Fitted<'_>) {
+    html.raw("<div class=\"tabs\">\n");
+    for (m, view) in input.present.iter().enumerate() {
+        let (plain, technical) = names(view.measure);
+        let id = format!("measure{m}");
+        html.open("label", &[("for", &id), ("class", &format!("for-{id}"))]).text(&plain);
+        if !technical.is_empty() {
+            html.raw(" <small>").text(&technical).raw("</small>");
+        }
+        html.raw("</label>\n");
+    }
+    html.raw("</div>\n");
+}
+
+fn has_stage(input: &Fitted<'_>) -> bool {
+    !input.present.is_empty() && !input.candidates.is_empty()
+}
+
+/// The large comparison; the script fills it from the cards, without script it is not shown.
+pub fn stage(html: &mut Html, input: &Fitted<'_>) {
+    if !has_stage(input) {
+        return;
+    }
+    html.raw("<section class=\"compare\" aria-label=\"Before and after\">\n");
+    tabs(html, input);
+    html.raw(
+        "<div class=\"stage\"><img class=\"before\" alt=\"\"><img class=\"after\" alt=\"\">\
+         <span class=\"tag left\">Present</span><span class=\"tag right\">Option 1</span>\
+         <span class=\"cut\" aria-hidden=\"true\"></span>\
+         <input type=\"range\" min=\"0\" max=\"100\" value=\"50\" step=\"0.5\" \
+         aria-label=\"Before and after: left is the present layout, right the option\"></div>\n\
+         <div class=\"choices\">\n",
+    );
+    for o in 0..input.candidates.len() {
+        let id = format!("option{o}");
+        html.element("label", &[("for", &id), ("class", &format!("for-{id}"))], &option_name(o));
+    }
+    html.raw("</div>\n<p class=\"caption\" aria-live=\"polite\"></p>\n</section>\n");
+}
+
+/// All layouts side by side, the present one first.
+pub fn grid(html: &mut Html, input: &Fitted<'_>) {
+    html.raw("<section class=\"side-by-side\">\n<h2>Side by side</h2>\n");
+    tabs(html, input);
+    html.raw("<div class=\"grid\">\n");
+    let result = input.input.result;
+    card(html, "present", "Present layout", &input.present, |html| {
+        html.raw("<p class=\"words\">As drawn.</p>\n");
+        measures(html, result, None);
+    });
+    for (o, candidate) in result.candidates.iter().enumerate() {
+        let views = input.candidates.get(o).map_or(&[][..], |v| v);
+        card(html, &o.to_string(), &option_name(o), views, |html| {
+            html.element("p", &[("class", "words")], &candidate.words);
+            measures(html, result, Some(candidate));
+            badge(html, candidate);
+        });
+    }
+    html.raw("</div>\n</section>\n");
+}
+
+fn card(html: &mut Html, layout: &str, name: &str, views: &[View<'_>], body: impl FnOnce(&mut Html)) {
+    html.open("article", &[("class", "card"), ("data-layout", layout)]);
+    html.element("h3", &[], name).raw("<div class=\"views\">\n");
+    for (m, view) in views.iter().enumerate() {
+        let (plain, technical) = names(view.measure);
+        let alt = format!("{name}: heat map of {} ({technical}) over the plan", plain.to_lowercase());
+        html.picture(view.png, &format!("v v{m}"), &alt);
+    }
+    html.raw("</div>\n<div class=\"body\">\n");
+    body(html);
+    html.raw("</div>\n</article>\n");
+}
+
+/// The main measures with their change over the present layout.
+fn measures(html: &mut Html, result: &RoundResult, candidate: Option<&Candidate>) {
+    html.raw("<dl class=\"gains\">\n");
+    for (key, from) in result.initial.mean.0.iter().filter(|(key, _)| wording(key).is_some()).take(4) {
+        let now = candidate.map_or(Some(*from), |c| c.mean.get(key));
+        let Some(now) = now else { continue };
+        html.raw("<div>").element("dt", &[], &plain_name(key)).raw("<dd>").text(&number(now));
+        if candidate.is_some() {
+            html.raw(" ");
+            delta(html, *from, now, wanted(result, key));
+        }
+        html.raw("</dd></div>\n");
+    }
+    if let Some(score) = candidate.and_then(|c| c.score) {
+        html.raw("<div><dt>Score</dt><dd>").text(&number(score)).raw("</dd></div>\n");
+    }
+    html.raw("</dl>\n");
+}
+
+/// A change with its sign, told apart by colour, arrow and word whether it is wanted.
+pub fn delta(html: &mut Html, from: f64, to: f64, sense: Option<Sense>) {
+    let text = percent_change(from, to).unwrap_or_else(|| {
+        let sign = if to > from { "+" } else { "" };
+        if to == from { "±0".to_owned() } else { format!("{sign}{}", number(to - from)) }
+    });
+    let better = match sense {
+        _ if text.starts_with('±') => None,
+        Some(Sense::Max) => Some(to > from),
+        Some(Sense::Min) => Some(to < from),
+        None => None,
+    };
+    let class = match better {
+        Some(true) => "delta good",
+        Some(false) => "delta bad",
+        None => "delta",
+    };
+    html.open("span", &[("class", class)]).text(&text);
+    match better {
+        Some(true) => html.raw("<span class=\"sr\"> better</span>"),
+        Some(false) => html.raw("<span class=\"sr\"> worse</span>"),
+        None => html,
+    };
+    html.raw("</span>");
+}
+
+fn badge(html: &mut Html, candidate: &Candidate) {
+    if candidate.within_threshold {
+        html.raw("<p class=\"badge met\">✓ within the thresholds</p>\n");
+    } else {
+        html.raw("<p class=\"badge missed\">✗ misses a threshold</p>\n");
+    }
+}

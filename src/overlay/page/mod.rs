@@ -1,0 +1,321 @@
+//! `report.html`: one file that opens from disk, loads nothing and works without scripts.
+
+mod cards;
+mod plots;
+mod tables;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use sha2::{Digest, Sha256};
+
+use super::canvas::shrink_png;
+use super::html::Html;
+use super::measure::{WORDINGS, fixed, number, plain_name, sentence_case};
+use super::result::{RoundResult, Sense};
+
+/// Pictures of a page take at most this many bytes; above it all are halved in size until they fit,
+/// so that the page can still be sent by mail.
+pub const MAX_PICTURE_BYTES: usize = 18 << 20;
+/// Pictures are not reduced below this side, px.
+const SMALLEST_PICTURE_PX: u32 = 400;
+
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// One picture of a layout: a measure and its heat map.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// Name of the measure in result.json, or `score`.
+    pub measure: &'a str,
+    /// The heat map.
+    pub png: &'a [u8],
+}
+
+/// A layout that was measured on the way.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ArchivePoint {
+    /// What is plotted, in the order of [`ReportInput::archive_axes`].
+    pub values: Vec<f64>,
+    /// Which candidate it became, from 0.
+    pub candidate: Option<usize>,
+}
+
+/// Everything the page shows.
+#[derive(Clone, Debug)]
+pub struct ReportInput<'a> {
+    /// result.json.
+    pub result: &'a RoundResult,
+    /// Number of the round, from 1.
+    pub round: u64,
+    /// Pictures of the present layout; their measures are the tabs.
+    pub present: Vec<View<'a>>,
+    /// Pictures of the candidates, in the order of result.json.
+    pub candidates: Vec<Vec<View<'a>>>,
+    /// All options superimposed.
+    pub diversity: Option<&'a [u8]>,
+    /// How the search went on.
+    pub convergence: Option<&'a [u8]>,
+    /// What was understood of the drawing.
+    pub understood: Option<&'a [u8]>,
+    /// Names of the values of the archive: measures, `score`, penalties.
+    pub archive_axes: Vec<String>,
+    /// Layouts measured on the way; may be a sample.
+    pub archive: Vec<ArchivePoint>,
+    /// The command that makes the same again.
+    pub command: &'a str,
+    /// Name and version of the program.
+    pub program: &'a str,
+}
+
+/// Writes the report page.
+pub fn report_html(input: &ReportInput<'_>) -> String {
+    let shrunk = Shrunk::to_fit(input);
+    let fitted = shrunk.input(input);
+    let mut html = Html::default();
+    head(&mut html, &title(input));
+    html.raw("<body>\n");
+    cards::radios(&mut html, &fitted);
+    html.raw("<main>\n");
+    header(&mut html, input);
+    cards::stage(&mut html, &fitted);
+    cards::grid(&mut html, &fitted);
+    tables::numbers(&mut html, input.result);
+    tables::thresholds(&mut html, input.result);
+    tables::moves(&mut html, input.result);
+    pictures(&mut html, &fitted);
+    plots::archive(&mut html, input);
+    plots::lineage(&mut html, input.result);
+    tables::problems(&mut html, input);
+    tables::repeat(&mut html, input);
+    glossary(&mut html, input);
+    html.raw("</main>\n<footer><p>Made by ").text(input.program);
+    html.raw(". This page is one file: it loads nothing and sends nothing.</p></footer>\n<script>");
+    html.raw(SCRIPT).raw("</script>\n</body>\n</html>\n");
+    html.into_string()
+}
+
+/// The content security policy of our pages: nothing but what they carry.
+pub fn content_security_policy() -> String {
+    let hash = STANDARD.encode(Sha256::digest(SCRIPT.as_bytes()));
+    format!(
+        "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{hash}'; \
+         base-uri 'none'; form-action 'none'"
+    )
+}
+
+pub(super) fn head(html: &mut Html, title: &str) {
+    html.raw("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
+    html.open("meta", &[("http-equiv", "Content-Security-Policy"), ("content", &content_security_policy())]);
+    html.raw("\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
+    html.raw("<meta name=\"color-scheme\" content=\"light dark\">\n");
+    html.element("title", &[], title);
+    html.raw("<style>\n").raw(STYLE).raw("</style>\n</head>\n");
+}
+
+/// File name without folders and ending.
+fn drawing_name(path: &str) -> &str {
+    let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
+    file.rsplit_once('.').map_or(file, |(stem, _)| if stem.is_empty() { file } else { stem })
+}
+
+fn title(input: &ReportInput<'_>) -> String {
+    format!("{} · round {} · Enfilade", drawing_name(&input.result.input.path), input.round)
+}
+
+fn header(html: &mut Html, input: &ReportInput<'_>) {
+    let result = input.result;
+    html.raw("<header>\n<p class=\"eyebrow\">Enfilade <span>·</span> round ").text(&input.round.to_string());
+    html.raw("</p>\n").element("h1", &[], drawing_name(&result.input.path));
+    html.element("p", &[("class", "lead")], &lead(result));
+    html.raw("<dl class=\"facts\">\n");
+    let counts = &result.counts;
+    let cells = format!(
+        "{} cells of {} m, {} of them measured",
+        fixed(counts.vertices as f64, 0),
+        number_short(result.spacing_m),
+        fixed(counts.query as f64, 0)
+    );
+    let searched =
+        format!("{} layouts in {} s", fixed(result.evaluations as f64, 0), number_short(result.seconds));
+    let facts = [
+        ("Drawing", result.input.path.clone()),
+        ("Unit", format!("{} ({})", result.input.unit, result.input.unit_reason)),
+        ("Measured on", cells),
+        ("Walls", fixed(counts.walls as f64, 0)),
+        ("Searched", format!("{searched}; ended by {}", result.stopped_by)),
+    ];
+    let searched = usize::from(result.evaluations == 0);
+    for (term, text) in &facts[..facts.len() - searched] {
+        html.raw("<div>").element("dt", &[], term).element("dd", &[], text).raw("</div>\n");
+    }
+    html.raw("</dl>\n</header>\n");
+}
+
+/// Two decimals at most, without trailing zeros.
+pub(super) fn number_short(value: f64) -> String {
+    let text = fixed(value, 2);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// The outcome in one or two sentences.
+fn lead(result: &RoundResult) -> String {
+    let Some(best) = result.candidates.first() else {
+        return "The present layout was measured. Nothing in the drawing may move yet: draw a closed \
+                line on the layer EF-MOVE round the ends of a wall and put a text in it such as \
+                “x -1.5 2”, then save."
+            .to_owned();
+    };
+    let count = result.candidates.len();
+    let kept = result.candidates.iter().filter(|c| c.within_threshold).count();
+    let gains = super::words::gains(&result.initial.mean, &best.mean);
+    let all = match (kept, count) {
+        (_, 1) => String::new(),
+        (k, n) if k == n => " All of them keep within the thresholds you set.".to_owned(),
+        (k, n) => format!(" {k} of {n} keep within the thresholds you set."),
+    };
+    let options =
+        if count == 1 { "One other layout".to_owned() } else { format!("{} other layouts", spelled(count)) };
+    format!("{options} for this plan. Option 1 gains most: {gains}.{all}")
+}
+
+fn spelled(count: usize) -> String {
+    let words = ["No", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine", "Ten"];
+    words.get(count).map_or_else(|| count.to_string(), |w| (*w).to_owned())
+}
+
+/// Whether more of a measure is wanted: by its objective, else by habit; `None` if nobody can say.
+pub(super) fn wanted(result: &RoundResult, key: &str) -> Option<Sense> {
+    if let Some(objective) = result.objectives.iter().find(|o| o.name == key) {
+        return Some(objective.sense);
+    }
+    match key {
+        "degree" | "entropy" | "score" | "integration" => Some(Sense::Max),
+        "depth" | "mean_depth" | "disconnection" | "overlap" | "clearance_m2" | "alignment" => {
+            Some(Sense::Min)
+        }
+        _ => None,
+    }
+}
+
+fn pictures(html: &mut Html, input: &Fitted<'_>) {
+    let shown = [
+        (input.diversity, "How far the options lie apart", "All options drawn over the present layout"),
+        (input.convergence, "How the search went on", "Best values over the number of layouts measured"),
+        (input.understood, "What was understood of the drawing", "Walls, regions and moves as understood"),
+    ];
+    if shown.iter().all(|(png, ..)| png.is_none()) {
+        return;
+    }
+    html.raw("<section class=\"pair\">\n");
+    for (png, heading, alt) in shown {
+        let Some(png) = png else { continue };
+        html.raw("<figure>\n").element("h2", &[], heading).picture(png, "sheet", alt);
+        if heading.contains("apart") {
+            html.element("figcaption", &[], &distances(input.input.result));
+        }
+        html.raw("</figure>\n");
+    }
+    html.raw("</section>\n");
+}
+
+fn distances(result: &RoundResult) -> String {
+    let (Some(min), Some(mean)) = (result.diversity.min_distance, result.diversity.mean_distance) else {
+        return String::new();
+    };
+    let most = (result.moves.len() as f64).sqrt();
+    format!(
+        "The two most alike stand {} apart, on average {}; {} would be the most that {} moves allow.",
+        number(min),
+        number(mean),
+        number(most),
+        result.moves.len()
+    )
+}
+
+fn glossary(html: &mut Html, input: &ReportInput<'_>) {
+    let result = input.result;
+    let mean = result.initial.mean.0.iter().map(|(name, _)| name.as_str());
+    let penalty = result.initial.penalty.0.iter().map(|(name, _)| name.as_str());
+    let used: Vec<&str> = mean.chain(penalty).chain(input.present.iter().map(|v| v.measure)).collect();
+    html.raw("<section>\n<h2>What the words mean</h2>\n<dl class=\"glossary\">\n");
+    for w in WORDINGS.iter().filter(|w| used.contains(&w.key)) {
+        html.raw("<div><dt>").text(w.plain).raw(" <small>").text(w.technical).raw("</small></dt>");
+        html.element("dd", &[], w.meaning).raw("</div>\n");
+    }
+    html.raw("</dl>\n</section>\n");
+}
+
+/// Name of a candidate, from 0.
+pub(super) fn option_name(i: usize) -> String {
+    format!("Option {}", i + 1)
+}
+
+/// Name of a measure with its technical term: `Visibility`, `degree`.
+pub(super) fn names(key: &str) -> (String, String) {
+    let technical = super::measure::wording(key).map_or_else(|| key.to_owned(), |w| w.technical.to_owned());
+    let technical = if sentence_case(&technical) == plain_name(key) { String::new() } else { technical };
+    (plain_name(key), technical)
+}
+
+/// The pictures in the size in which they fit the page.
+struct Shrunk {
+    present: Vec<Vec<u8>>,
+    candidates: Vec<Vec<Vec<u8>>>,
+    others: [Option<Vec<u8>>; 3],
+}
+
+/// The page's input with the pictures to embed.
+struct Fitted<'a> {
+    input: &'a ReportInput<'a>,
+    present: Vec<View<'a>>,
+    candidates: Vec<Vec<View<'a>>>,
+    diversity: Option<&'a [u8]>,
+    convergence: Option<&'a [u8]>,
+    understood: Option<&'a [u8]>,
+}
+
+impl Shrunk {
+    /// Halves all pictures until they fit [`MAX_PICTURE_BYTES`]; a picture that cannot be decoded
+    /// stays as it is.
+    fn to_fit(input: &ReportInput<'_>) -> Self {
+        let own = |views: &[View<'_>]| views.iter().map(|v| v.png.to_vec()).collect::<Vec<_>>();
+        let mut all = Self {
+            present: own(&input.present),
+            candidates: input.candidates.iter().map(|c| own(c)).collect(),
+            others: [input.diversity, input.convergence, input.understood].map(|p| p.map(<[u8]>::to_vec)),
+        };
+        let mut may_shrink = true;
+        while may_shrink && all.pictures().map(|p| p.len()).sum::<usize>() > MAX_PICTURE_BYTES {
+            may_shrink = false;
+            for png in all.pictures() {
+                if let Some(smaller) = shrink_png(png, SMALLEST_PICTURE_PX) {
+                    *png = smaller;
+                    may_shrink = true;
+                }
+            }
+        }
+        all
+    }
+
+    fn pictures(&mut self) -> impl Iterator<Item = &mut Vec<u8>> {
+        self.present
+            .iter_mut()
+            .chain(self.candidates.iter_mut().flatten())
+            .chain(self.others.iter_mut().flatten())
+    }
+
+    fn input<'a>(&'a self, input: &'a ReportInput<'a>) -> Fitted<'a> {
+        let views = |views: &'a [View<'a>], pngs: &'a [Vec<u8>]| -> Vec<View<'a>> {
+            views.iter().zip(pngs).map(|(v, png)| View { measure: v.measure, png }).collect()
+        };
+        let [diversity, convergence, understood] = self.others.each_ref().map(|p| p.as_deref());
+        Fitted {
+            input,
+            present: views(&input.present, &self.present),
+            candidates: input.candidates.iter().zip(&self.candidates).map(|(v, p)| views(v, p)).collect(),
+            diversity,
+            convergence,
+            understood,
+        }
+    }
+}

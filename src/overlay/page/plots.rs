@@ -1,0 +1,292 @@
+//! Vector plots of the page: the layouts that were measured, and the course over the rounds.
+
+use super::super::html::Html;
+use super::super::measure::{number, plain_name, tick_labels, ticks};
+use super::super::palette::{hex, option_style};
+use super::super::result::{Numbers, RoundResult};
+use super::cards::delta;
+use super::{ArchivePoint, ReportInput, option_name, wanted};
+
+/// Layouts drawn at most; a larger archive is thinned evenly, candidates stay.
+pub const MAX_ARCHIVE_POINTS: usize = 500;
+/// Axes drawn at most.
+const MAX_AXES: usize = 8;
+/// Area of a plot in its own units: width, height, margins left, top, right, bottom.
+const WIDE: f64 = 720.0;
+const HIGH: f64 = 330.0;
+const LEFT: f64 = 56.0;
+const TOP: f64 = 30.0;
+const RIGHT: f64 = 20.0;
+const BOTTOM: f64 = 46.0;
+
+/// Values to places along one direction.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    lo: f64,
+    hi: f64,
+    /// Places of `lo` and `hi`.
+    at: [f64; 2],
+}
+
+impl Axis {
+    fn over(values: impl Iterator<Item = f64>, at: [f64; 2]) -> Self {
+        let finite = values.filter(|v| v.is_finite());
+        let (lo, hi) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        match hi - lo {
+            span if span > 0.0 => Self { lo: lo - span * 0.04, hi: hi + span * 0.04, at },
+            0.0 => Self { lo: lo - 0.5, hi: hi + 0.5, at },
+            _ => Self { lo: 0.0, hi: 1.0, at },
+        }
+    }
+
+    fn place(&self, value: f64) -> f64 {
+        self.at[0] + (value - self.lo) / (self.hi - self.lo) * (self.at[1] - self.at[0])
+    }
+}
+
+fn px(value: f64) -> String {
+    format!("{value:.1}")
+}
+
+fn open_svg(html: &mut Html, label: &str) {
+    let view = format!("0 0 {WIDE} {HIGH}");
+    html.open("svg", &[("viewBox", &view), ("role", "img"), ("aria-label", label), ("class", "plot")]);
+    html.raw("\n");
+}
+
+fn line(html: &mut Html, class: &str, [x1, y1, x2, y2]: [f64; 4]) {
+    let at = [x1, y1, x2, y2].map(px);
+    html.open("line", &[("class", class), ("x1", &at[0]), ("y1", &at[1]), ("x2", &at[2]), ("y2", &at[3])]);
+    html.raw("</line>\n");
+}
+
+fn label(html: &mut Html, class: &str, [x, y]: [f64; 2], text: &str) {
+    html.element("text", &[("class", class), ("x", &px(x)), ("y", &px(y))], text);
+}
+
+fn polyline(html: &mut Html, class: &str, style: &str, points: &[[f64; 2]]) {
+    let list: Vec<String> = points.iter().map(|p| format!("{},{}", px(p[0]), px(p[1]))).collect();
+    html.open("polyline", &[("class", class), ("style", style), ("points", &list.join(" "))]);
+    html.raw("</polyline>\n");
+}
+
+fn option_stroke(i: usize) -> String {
+    let (rgb, dash) = option_style(i);
+    let dash: Vec<String> = dash.iter().map(|d| px(f64::from(*d) * 2.0)).collect();
+    let dash = if dash.is_empty() { "none".to_owned() } else { dash.join(" ") };
+    format!("stroke:{};stroke-dasharray:{dash}", hex(rgb))
+}
+
+/// Every layout that was measured: two measures against each other, and all of them side by side.
+pub fn archive(html: &mut Html, input: &ReportInput<'_>) {
+    let axes = input.archive_axes.len().min(MAX_AXES);
+    if axes < 2 || input.archive.len() < 2 {
+        return;
+    }
+    let points = thinned(&input.archive);
+    html.raw("<section>\n<h2>All layouts that were measured</h2>\n<div class=\"pair\">\n<figure>\n");
+    scatter(html, &points, [&input.archive_axes[0], &input.archive_axes[1]]);
+    html.raw("<figcaption>One dot for each layout; the options in colour.</figcaption></figure>\n<figure>\n");
+    parallel(html, &points, &input.archive_axes[..axes]);
+    html.raw("<figcaption>One line for each layout, one upright for each number.</figcaption></figure>\n");
+    html.raw("</div>\n");
+    keys(html, input.result.candidates.len());
+    html.raw("</section>\n");
+}
+
+/// At most [`MAX_ARCHIVE_POINTS`] evenly spread points, candidates last (on top).
+fn thinned(archive: &[ArchivePoint]) -> Vec<&ArchivePoint> {
+    let others: Vec<&ArchivePoint> = archive.iter().filter(|p| p.candidate.is_none()).collect();
+    let kept = others.len().min(MAX_ARCHIVE_POINTS);
+    let mut out: Vec<&ArchivePoint> = (0..kept).map(|i| others[i * others.len() / kept]).collect();
+    out.extend(archive.iter().filter(|p| p.candidate.is_some()));
+    out
+}
+
+fn keys(html: &mut Html, options: usize) {
+    html.raw("<ul class=\"keys\">\n");
+    for o in 0..options {
+        html.raw("<li><svg viewBox=\"0 0 36 10\" aria-hidden=\"true\">");
+        polyline(html, "option", &option_stroke(o), &[[1.0, 5.0], [35.0, 5.0]]);
+        html.raw("</svg>").text(&option_name(o)).raw("</li>\n");
+    }
+    html.raw("</ul>\n");
+}
+
+fn scatter(html: &mut Html, points: &[&ArchivePoint], names: [&String; 2]) {
+    let value = |p: &ArchivePoint, k: usize| p.values.get(k).copied().unwrap_or(f64::NAN);
+    let x = Axis::over(points.iter().map(|p| value(p, 0)), [LEFT, WIDE - RIGHT]);
+    let y = Axis::over(points.iter().map(|p| value(p, 1)), [HIGH - BOTTOM, TOP]);
+    let [name_x, name_y] = names.map(|n| plain_name(n));
+    open_svg(html, &format!("{name_y} over {name_x} of all layouts measured"));
+    grid(html, x, y);
+    label(html, "end", [WIDE - RIGHT, HIGH - 8.0], &name_x);
+    label(html, "start", [LEFT, TOP - 12.0], &name_y);
+    for p in points.iter().filter(|p| value(p, 0).is_finite() && value(p, 1).is_finite()) {
+        let (cx, cy) = (px(x.place(value(p, 0))), px(y.place(value(p, 1))));
+        let (class, r, style) = match p.candidate {
+            Some(i) => ("chosen", "7", format!("fill:{}", hex(option_style(i).0))),
+            None => ("dot", "2.6", String::new()),
+        };
+        html.open("circle", &[("class", class), ("cx", &cx), ("cy", &cy), ("r", r), ("style", &style)]);
+        html.raw("</circle>\n");
+    }
+    html.raw("</svg>\n");
+}
+
+fn grid(html: &mut Html, x: Axis, y: Axis) {
+    let values = ticks(y.lo, y.hi, 5);
+    for (value, text) in values.iter().zip(tick_labels(&values)) {
+        let at = y.place(*value);
+        line(html, "rule", [x.at[0], at, x.at[1], at]);
+        label(html, "end", [x.at[0] - 8.0, at + 4.0], &text);
+    }
+    let values = ticks(x.lo, x.hi, 6);
+    for (value, text) in values.iter().zip(tick_labels(&values)) {
+        let at = x.place(*value);
+        line(html, "mark", [at, y.at[0], at, y.at[0] + 5.0]);
+        label(html, "middle", [at, y.at[0] + 19.0], &text);
+    }
+    line(html, "mark", [x.at[0], y.at[0], x.at[1], y.at[0]]);
+}
+
+fn parallel(html: &mut Html, points: &[&ArchivePoint], names: &[String]) {
+    let step = (WIDE - 2.0 * LEFT) / (names.len() - 1) as f64;
+    let at = |k: usize| LEFT + step * k as f64;
+    let axes: Vec<Axis> = (0..names.len())
+        .map(|k| Axis::over(points.iter().filter_map(|p| p.values.get(k).copied()), [HIGH - BOTTOM, TOP]))
+        .collect();
+    open_svg(html, "All numbers of all layouts measured, side by side");
+    for p in points {
+        let places: Vec<[f64; 2]> = axes
+            .iter()
+            .zip(&p.values)
+            .enumerate()
+            .filter(|(_, (_, v))| v.is_finite())
+            .map(|(k, (axis, v))| [at(k), axis.place(*v)])
+            .collect();
+        match p.candidate {
+            Some(i) => polyline(html, "option", &option_stroke(i), &places),
+            None => polyline(html, "thread", "", &places),
+        }
+    }
+    for (k, (axis, name)) in axes.iter().zip(names).enumerate() {
+        line(html, "mark", [at(k), TOP, at(k), HIGH - BOTTOM]);
+        label(html, "middle", [at(k), TOP - 12.0], &number(axis.hi));
+        label(html, "middle", [at(k), HIGH - BOTTOM + 16.0], &number(axis.lo));
+        label(html, "middle strong", [at(k), HIGH - 8.0], &plain_name(name));
+    }
+    html.raw("</svg>\n");
+}
+
+/// One layout on the way from the first drawing to now.
+struct Stop<'a> {
+    what: String,
+    mean: &'a Numbers,
+    score: Option<f64>,
+}
+
+/// The course of the measures over the rounds, against the first drawing; nothing in a first round.
+pub fn lineage(html: &mut Html, result: &RoundResult) {
+    if result.lineage.is_empty() {
+        return;
+    }
+    let mut stops: Vec<Stop<'_>> = result
+        .lineage
+        .iter()
+        .map(|l| Stop { what: from_words(&l.drawing, l.round, l.candidate), mean: &l.mean, score: l.score })
+        .collect();
+    stops.push(Stop { what: "This round’s drawing".to_owned(), mean: &result.initial.mean, score: None });
+    if let Some(best) = result.candidates.first() {
+        stops.push(Stop { what: "Option 1 of this round".to_owned(), mean: &best.mean, score: best.score });
+    }
+    html.raw("<section>\n<h2>The course over the rounds</h2>\n");
+    lineage_plot(html, &stops);
+    lineage_table(html, result, &stops);
+    html.raw("</section>\n");
+}
+
+fn from_words(drawing: &str, round: u64, candidate: Option<u64>) -> String {
+    match candidate {
+        Some(c) => format!("Round {round}: {drawing} (option {c} accepted)"),
+        None => format!("Round {round}: {drawing}"),
+    }
+}
+
+fn lineage_plot(html: &mut Html, stops: &[Stop<'_>]) {
+    let first = stops[0].mean;
+    let change = |stop: &Stop<'_>, key: &str, from: f64| {
+        stop.mean.get(key).map(|to| (to - from) / from.abs() * 100.0).filter(|v| v.is_finite())
+    };
+    let courses: Vec<(&str, Vec<(usize, f64)>)> = first
+        .0
+        .iter()
+        .filter(|(_, from)| *from != 0.0)
+        .take(4)
+        .map(|(key, from)| {
+            let along = stops.iter().enumerate().filter_map(|(i, s)| Some((i, change(s, key, *from)?)));
+            (key.as_str(), along.collect())
+        })
+        .collect();
+    let x = Axis { lo: 0.0, hi: (stops.len() - 1) as f64, at: [LEFT, WIDE - 150.0] };
+    let y = Axis::over(courses.iter().flat_map(|(_, c)| c).map(|p| p.1), [HIGH - BOTTOM, TOP]);
+    open_svg(html, "Change of the measures over the rounds, in per cent of the first drawing");
+    let values = ticks(y.lo, y.hi, 5);
+    for (value, text) in values.iter().zip(tick_labels(&values)) {
+        line(
+            html,
+            if *value == 0.0 { "mark" } else { "rule" },
+            [x.at[0], y.place(*value), x.at[1], y.place(*value)],
+        );
+        label(html, "end", [x.at[0] - 8.0, y.place(*value) + 4.0], &text);
+    }
+    label(html, "start", [LEFT, TOP - 12.0], "% against the first drawing");
+    for i in 0..stops.len() {
+        label(html, "middle", [x.place(i as f64), HIGH - BOTTOM + 20.0], &(i + 1).to_string());
+    }
+    let mut taken: Vec<f64> = Vec::new();
+    for (i, (key, course)) in courses.iter().enumerate() {
+        let places: Vec<[f64; 2]> = course.iter().map(|(i, v)| [x.place(*i as f64), y.place(*v)]).collect();
+        polyline(html, "option", &option_stroke(i), &places);
+        let Some(last) = places.last() else { continue };
+        let mut at = last[1] + 4.0;
+        while taken.iter().any(|t| (t - at).abs() < 15.0) {
+            at += 3.0;
+        }
+        taken.push(at);
+        html.open(
+            "text",
+            &[
+                ("x", &px(last[0] + 10.0)),
+                ("y", &px(at)),
+                ("style", &format!("fill:{}", hex(option_style(i).0))),
+            ],
+        );
+        html.text(&plain_name(key)).close("text");
+    }
+    html.raw("</svg>\n");
+}
+
+fn lineage_table(html: &mut Html, result: &RoundResult, stops: &[Stop<'_>]) {
+    html.raw("<div class=\"scroll\"><table class=\"numbers\">\n<thead><tr><th></th><th></th>");
+    let keys: Vec<&String> = stops[0].mean.0.iter().map(|(key, _)| key).collect();
+    for key in &keys {
+        html.element("th", &[("scope", "col")], &plain_name(key));
+    }
+    html.raw("<th scope=\"col\">Score</th></tr></thead>\n<tbody>\n");
+    for (i, stop) in stops.iter().enumerate() {
+        html.raw("<tr>").element("td", &[], &(i + 1).to_string());
+        html.element("th", &[("scope", "row")], &stop.what);
+        for key in &keys {
+            let (value, first) = (stop.mean.get(key), stops[0].mean.get(key));
+            html.raw("<td>").text(&value.map_or_else(|| "–".to_owned(), number));
+            if let (Some(value), Some(first), true) = (value, first, i > 0) {
+                html.raw(" ");
+                delta(html, first, value, wanted(result, key));
+            }
+            html.raw("</td>");
+        }
+        html.element("td", &[], &stop.score.map_or_else(|| "–".to_owned(), number)).raw("</tr>\n");
+    }
+    html.raw("</tbody>\n</table></div>\n");
+}

@@ -1,0 +1,237 @@
+//! The numbers: measures, thresholds, moves, problems, and how to repeat the round.
+
+use serde_json::{Map, Value};
+
+use super::super::html::Html;
+use super::super::measure::{number, sentence_case};
+use super::super::result::{Candidate, MoveEntry, Objective, ProblemEntry, RoundResult, Sense};
+use super::super::words::parameter;
+use super::cards::delta;
+use super::{ReportInput, names, number_short, option_name, wanted};
+
+/// Moves shown at once; a longer table is folded.
+const MOVES_UNFOLDED: usize = 30;
+
+/// Every measure and penalty of every layout.
+pub fn numbers(html: &mut Html, result: &RoundResult) {
+    html.raw("<section>\n<h2>The numbers</h2>\n<div class=\"scroll\"><table class=\"numbers\">\n<thead><tr><th></th>");
+    let means: Vec<&str> = result.initial.mean.0.iter().map(|(key, _)| key.as_str()).collect();
+    let penalties: Vec<&str> = result.initial.penalty.0.iter().map(|(key, _)| key.as_str()).collect();
+    let has_score = result.candidates.iter().any(|c| c.score.is_some());
+    for key in means.iter().chain(has_score.then_some(&"score")).chain(&penalties) {
+        let (plain, technical) = names(key);
+        html.raw("<th scope=\"col\">").text(&plain).raw("<small>").text(&technical).raw("</small></th>");
+    }
+    html.raw("</tr></thead>\n<tbody>\n<tr><th scope=\"row\">Present layout</th>");
+    for key in &means {
+        cell(html, result.initial.mean.get(key), None, None);
+    }
+    if has_score {
+        html.raw("<td>0 <small>by definition</small></td>");
+    }
+    for key in &penalties {
+        cell(html, result.initial.penalty.get(key), None, None);
+    }
+    html.raw("</tr>\n");
+    for (o, c) in result.candidates.iter().enumerate() {
+        html.raw("<tr>").element("th", &[("scope", "row")], &option_name(o));
+        for key in &means {
+            cell(html, c.mean.get(key), result.initial.mean.get(key), wanted(result, key));
+        }
+        if has_score {
+            cell(html, c.score, None, None);
+        }
+        for key in &penalties {
+            cell(html, c.penalty.get(key), result.initial.penalty.get(key), wanted(result, key));
+        }
+        html.raw("</tr>\n");
+    }
+    html.raw("</tbody>\n</table></div>\n");
+    html.raw("<p class=\"note\">Means over the region of query. In colour: better or worse than the present layout.</p>\n");
+    html.raw("</section>\n");
+}
+
+fn cell(html: &mut Html, value: Option<f64>, from: Option<f64>, sense: Option<Sense>) {
+    html.raw("<td>").text(&value.map_or_else(|| "–".to_owned(), number));
+    if let (Some(value), Some(from)) = (value, from) {
+        html.raw(" ");
+        delta(html, from, value, sense);
+    }
+    html.raw("</td>");
+}
+
+/// What was asked for and who keeps it.
+pub fn thresholds(html: &mut Html, result: &RoundResult) {
+    if result.objectives.is_empty() {
+        return;
+    }
+    html.raw("<section>\n<h2>What was asked for</h2>\n<div class=\"scroll\"><table>\n<thead><tr>");
+    html.raw("<th scope=\"col\">Objective</th><th scope=\"col\">Wanted</th><th scope=\"col\">Present</th>");
+    html.raw("<th scope=\"col\">Best found</th><th scope=\"col\">Threshold</th>");
+    for o in 0..result.candidates.len() {
+        html.element("th", &[("scope", "col"), ("class", "tick")], &option_name(o));
+    }
+    html.raw("</tr></thead>\n<tbody>\n");
+    for objective in &result.objectives {
+        threshold_row(html, objective, &result.candidates);
+    }
+    html.raw("</tbody>\n</table></div>\n<p class=\"note\">A threshold keeps a share of the way from the present layout to the best one found; options may differ freely as long as they stay on its good side.</p>\n</section>\n");
+}
+
+fn threshold_row(html: &mut Html, objective: &Objective, candidates: &[Candidate]) {
+    let (plain, technical) = names(&objective.name);
+    html.raw("<tr><th scope=\"row\">").text(&plain).raw(" <small>").text(&technical).raw("</small></th>");
+    let (wanted, bound) = match objective.sense {
+        Sense::Max => ("more", "at least"),
+        Sense::Min => ("less", "at most"),
+    };
+    html.element("td", &[("class", "word")], wanted);
+    html.element("td", &[], &number(objective.initial)).element("td", &[], &number(objective.best));
+    html.raw("<td>").text(bound).raw(" ").text(&number(objective.limit)).raw(" <small>");
+    html.text(&number_short(objective.threshold * 100.0)).raw(" % of the gain</small></td>");
+    for candidate in candidates {
+        match is_met(objective, candidate) {
+            Some(true) => html.raw("<td class=\"tick met\">✓<span class=\"sr\"> met</span></td>"),
+            Some(false) => html.raw("<td class=\"tick missed\">✗<span class=\"sr\"> missed</span></td>"),
+            None => html.raw("<td class=\"tick\">–</td>"),
+        };
+    }
+    html.raw("</tr>\n");
+}
+
+/// Whether a candidate keeps an objective's threshold; `None` if its value is not among its numbers.
+fn is_met(objective: &Objective, candidate: &Candidate) -> Option<bool> {
+    let value = match objective.name.as_str() {
+        "score" => candidate.score?,
+        name => candidate.mean.get(name).or_else(|| candidate.penalty.get(name))?,
+    };
+    let slack = 1e-9 * objective.limit.abs().max(1.0);
+    Some(match objective.sense {
+        Sense::Max => value >= objective.limit - slack,
+        Sense::Min => value <= objective.limit + slack,
+    })
+}
+
+/// How far each move goes in each option.
+pub fn moves(html: &mut Html, result: &RoundResult) {
+    if result.moves.is_empty() || result.candidates.is_empty() {
+        return;
+    }
+    html.raw("<section>\n<h2>What moves, and by how much</h2>\n");
+    let folded = result.moves.len() > MOVES_UNFOLDED;
+    if folded {
+        html.raw("<details><summary>").text(&result.moves.len().to_string()).raw(" moves</summary>\n");
+    }
+    html.raw(
+        "<div class=\"scroll\"><table class=\"moves\">\n<thead><tr><th></th><th scope=\"col\">may go</th>",
+    );
+    for o in 0..result.candidates.len() {
+        html.element("th", &[("scope", "col")], &option_name(o));
+    }
+    html.raw("</tr></thead>\n<tbody>\n");
+    for (i, entry) in result.moves.iter().enumerate() {
+        html.raw("<tr><th scope=\"row\">").text(&sentence_case(&entry.name)).raw(" <small>");
+        html.raw(way(entry)).raw("</small></th>");
+        let range = format!("{} to {}", parameter(entry, entry.lower), parameter(entry, entry.upper));
+        html.element("td", &[("class", "range")], &range);
+        for candidate in &result.candidates {
+            gauge(html, entry, candidate.parameters.get(i).copied());
+        }
+        html.raw("</tr>\n");
+    }
+    html.raw("</tbody>\n</table></div>\n").raw(if folded { "</details>\n" } else { "" }).raw("</section>\n");
+}
+
+fn way(entry: &MoveEntry) -> &'static str {
+    use super::super::result::MoveKind;
+    match entry.kind {
+        MoveKind::X => "east (+) or west (−)",
+        MoveKind::Y => "north (+) or south (−)",
+        MoveKind::Along => "along its line",
+        MoveKind::Rotate => "turns, anticlockwise (+)",
+        MoveKind::Scale => "grows or shrinks",
+    }
+}
+
+/// A value with a bar from the present place to the new one within the bounds.
+fn gauge(html: &mut Html, entry: &MoveEntry, value: Option<f64>) {
+    let Some(value) = value else {
+        html.raw("<td>–</td>");
+        return;
+    };
+    let span = entry.upper - entry.lower;
+    let place = |v: f64| if span > 0.0 { ((v - entry.lower) / span * 100.0).clamp(0.0, 100.0) } else { 50.0 };
+    let (zero, now) = (place(entry.kind.identity()), place(value));
+    let bar = format!("left:{:.1}%;width:{:.1}%", zero.min(now), (zero - now).abs());
+    let mark = format!("left:{zero:.1}%");
+    html.raw("<td><span class=\"value\">").text(&parameter(entry, value)).raw("</span>");
+    html.raw("<span class=\"gauge\" aria-hidden=\"true\">").open("i", &[("style", &bar)]).raw("</i>");
+    html.open("b", &[("style", &mark)]).raw("</b></span></td>");
+}
+
+/// What was left out or assumed.
+pub fn problems(html: &mut Html, input: &ReportInput<'_>) {
+    let result = input.result;
+    html.raw("<section>\n<h2>What was assumed or left out</h2>\n");
+    html.raw("<p>Lengths are read in <b>").text(&result.input.unit).raw("</b>: ");
+    html.text(&result.input.unit_reason).raw(".</p>\n");
+    if result.problems.is_empty() {
+        html.raw("<p>Nothing was left out.</p>\n</section>\n");
+        return;
+    }
+    html.raw("<div class=\"scroll\"><table class=\"problems\">\n<tbody>\n");
+    for severity in ["error", "warning", "info"] {
+        for p in result.problems.iter().filter(|p| kind_of(p) == severity) {
+            html.open("tr", &[("class", severity)]).element("th", &[("scope", "row")], word_of(severity));
+            html.raw("<td class=\"word\">").text(&p.text);
+            if !p.place.is_empty() {
+                html.raw("<code>").text(&p.place).raw("</code>");
+            }
+            html.raw("</td>").element("td", &[("class", "code")], &p.code).raw("</tr>\n");
+        }
+    }
+    html.raw("</tbody>\n</table></div>\n</section>\n");
+}
+
+fn kind_of(p: &ProblemEntry) -> &'static str {
+    match p.severity.as_str() {
+        "error" => "error",
+        "warning" => "warning",
+        _ => "info",
+    }
+}
+
+fn word_of(severity: &str) -> &'static str {
+    match severity {
+        "error" => "Failed",
+        "warning" => "Left out",
+        _ => "Assumed",
+    }
+}
+
+/// The command and the settings that make the same again.
+pub fn repeat(html: &mut Html, input: &ReportInput<'_>) {
+    html.raw("<section>\n<h2>To make the same again</h2>\n<pre class=\"command\"><code>");
+    html.text(input.command).raw("</code></pre>\n<details><summary>All settings</summary>\n");
+    html.raw("<div class=\"scroll\"><table class=\"settings\">\n<tbody>\n");
+    let mut rows = Vec::new();
+    flatten("", &input.result.settings, &mut rows);
+    rows.push(("sha256 of the drawing".to_owned(), input.result.input.sha256.clone()));
+    for (name, value) in &rows {
+        html.raw("<tr>").element("th", &[("scope", "row")], name).element("td", &[("class", "word")], value);
+        html.raw("</tr>\n");
+    }
+    html.raw("</tbody>\n</table></div>\n</details>\n</section>\n");
+}
+
+fn flatten(prefix: &str, map: &Map<String, Value>, rows: &mut Vec<(String, String)>) {
+    for (key, value) in map {
+        let name = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+        match value {
+            Value::Object(inner) => flatten(&name, inner, rows),
+            Value::String(text) => rows.push((name, text.clone())),
+            Value::Null => rows.push((name, "–".to_owned())),
+            other => rows.push((name, other.to_string())),
+        }
+    }
+}

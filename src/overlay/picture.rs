@@ -1,0 +1,204 @@
+//! A plan as it is shown: strokes and region outlines in metres, and how they are drawn.
+
+use super::canvas::{Canvas, Pen, path_of};
+use super::frame::Frame;
+use super::palette::Rgb;
+
+pub use super::check::check_png;
+pub use super::diversity::diversity_png;
+pub use super::heat_map::{HeatMap, heat_map_png};
+pub use super::palette::{Palette, Scale};
+
+/// Ink of walls.
+pub(super) const INK: Rgb = [0x16, 0x18, 0x1c];
+/// Ink of secondary text and thin lines.
+pub(super) const GREY: Rgb = [0x6a, 0x6f, 0x78];
+/// Paper.
+pub(super) const PAPER: Rgb = [0xff, 0xff, 0xff];
+
+/// What a stroke stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum StrokeKind {
+    /// Drawn, but not taken as anything.
+    Ignored,
+    /// A door or window opening.
+    Opening,
+    /// A wall, column or other solid that stays.
+    Fixed,
+    /// One that may move.
+    Movable,
+    /// Where something stood before it moved.
+    Before,
+    /// One that has moved.
+    Moved,
+}
+
+/// A drawn line or outline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stroke {
+    /// Corners, metres.
+    pub points: Vec<[f64; 2]>,
+    /// Whether the last is joined with the first.
+    pub closed: bool,
+    /// Whether the outline is filled: a solid.
+    pub filled: bool,
+    /// What it stands for.
+    pub kind: StrokeKind,
+}
+
+/// What a region is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RegionKind {
+    /// Where measures are taken.
+    Query,
+    /// What is to be seen.
+    Reference,
+    /// Nothing moves in it.
+    Keep,
+    /// What is in it moves together.
+    Move,
+}
+
+/// Outline of a region.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RegionOutline {
+    /// Corners of the closed outline, metres.
+    pub points: Vec<[f64; 2]>,
+    /// What it is for.
+    pub kind: RegionKind,
+}
+
+/// Everything of a plan that is shown.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlanPicture {
+    /// Walls and the rest.
+    pub strokes: Vec<Stroke>,
+    /// Regions.
+    pub regions: Vec<RegionOutline>,
+    /// Lower left and upper right corner of what is shown. Pictures that are laid over each other
+    /// share their bounds.
+    pub bounds: [[f64; 2]; 2],
+}
+
+/// A cell of the lattice with its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Centre, metres.
+    pub centre: [f64; 2],
+    /// Value of the measure; `None`: in the graph, but not measured (not in the region of query).
+    pub value: Option<f64>,
+}
+
+/// The smallest box round points; `[[0, 0], [0, 0]]` if there are none.
+pub fn bounds_of(points: impl IntoIterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
+    let mut found: Option<[[f64; 2]; 2]> = None;
+    for p in points.into_iter().filter(|p| p[0].is_finite() && p[1].is_finite()) {
+        let [lo, hi] = found.get_or_insert([p, p]);
+        *lo = [lo[0].min(p[0]), lo[1].min(p[1])];
+        *hi = [hi[0].max(p[0]), hi[1].max(p[1])];
+    }
+    found.unwrap_or_default()
+}
+
+/// How one kind of stroke looks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look {
+    pub rgb: Rgb,
+    pub opacity: f32,
+    /// Width in line widths of the frame.
+    pub width: f32,
+    /// White rim on each side, in the same unit; keeps dark lines readable on dark cells.
+    pub rim: f32,
+    /// Dash in line widths.
+    pub dash: &'static [f32],
+}
+
+impl Look {
+    pub(super) const fn solid(rgb: Rgb, width: f32, rim: f32) -> Self {
+        Self { rgb, opacity: 1.0, width, rim, dash: &[] }
+    }
+
+    pub(super) const fn dashed(self, dash: &'static [f32]) -> Self {
+        Self { dash, ..self }
+    }
+}
+
+/// Draws all strokes of the given lists, kinds in their order (later lie on top). `look` is asked
+/// once a kind; `None` leaves the kind out.
+pub(super) fn draw_strokes(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    strokes: &[Stroke],
+    look: impl Fn(StrokeKind) -> Option<Look>,
+) {
+    use StrokeKind::{Before, Fixed, Ignored, Movable, Moved, Opening};
+    for kind in [Ignored, Opening, Fixed, Movable, Before, Moved] {
+        if let Some(look) = look(kind) {
+            let of_kind = |s: &&Stroke| s.kind == kind;
+            draw_alike(canvas, frame, strokes.iter().filter(of_kind), look);
+        }
+    }
+}
+
+/// Draws strokes in one look: solids filled, the rim of all under the lines of all.
+pub(super) fn draw_alike<'a>(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    strokes: impl Iterator<Item = &'a Stroke>,
+    look: Look,
+) {
+    let mut solids = Vec::new();
+    let mut lines = Vec::new();
+    for s in strokes {
+        let px: Vec<[f32; 2]> = s.points.iter().map(|p| frame.to_px(*p)).collect();
+        if s.filled && look.dash.is_empty() { solids.push(px) } else { lines.push((px, s.closed)) }
+    }
+    let line = frame.line_px;
+    let all = solids.iter().map(|s| (&s[..], true)).chain(lines.iter().map(|(l, c)| (&l[..], *c)));
+    let Some(outlines) = path_of(all) else { return };
+    if look.rim > 0.0 {
+        let width_px = (look.width + 2.0 * look.rim) * line;
+        canvas.stroke(&outlines, Pen { opacity: 0.75 * look.opacity, ..Pen::solid(PAPER, width_px) });
+    }
+    for solid in &solids {
+        if let Some(path) = path_of([(&solid[..], true)]) {
+            canvas.fill(&path, look.rgb, look.opacity);
+        }
+    }
+    let dash: Vec<f32> = look.dash.iter().map(|d| d * look.width * line).collect();
+    canvas.stroke(
+        &outlines,
+        Pen { rgb: look.rgb, opacity: look.opacity, width_px: look.width * line, dash_px: &dash },
+    );
+}
+
+/// Outlines the regions; `tint` fills them lightly too.
+pub(super) fn draw_region(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    region: &RegionOutline,
+    look: Look,
+    tint: Option<f32>,
+) {
+    let px: Vec<[f32; 2]> = region.points.iter().map(|p| frame.to_px(*p)).collect();
+    let Some(path) = path_of([(&px[..], true)]) else { return };
+    if let Some(opacity) = tint {
+        canvas.fill(&path, look.rgb, opacity);
+    }
+    let width_px = look.width * frame.unit_px;
+    let dash: Vec<f32> = look.dash.iter().map(|d| d * width_px).collect();
+    canvas.stroke(&path, Pen { rgb: look.rgb, opacity: look.opacity, width_px, dash_px: &dash });
+}
+
+impl PlanPicture {
+    /// The box round everything in it.
+    pub fn extent(&self) -> [[f64; 2]; 2] {
+        let strokes = self.strokes.iter().flat_map(|s| &s.points);
+        bounds_of(strokes.chain(self.regions.iter().flat_map(|r| &r.points)).copied())
+    }
+
+    /// Whether any stroke is of that kind.
+    pub fn has(&self, kind: StrokeKind) -> bool {
+        self.strokes.iter().any(|s| s.kind == kind)
+    }
+}

@@ -1,0 +1,425 @@
+//! `result.json`, `analyse --json` and `check --json`: the shapes that plugins and scripts rely on.
+//!
+//! Fields are written in the order of declaration and numbers in their shortest form that reads back
+//! the same. A number that does not exist (not finite) is `null`. Lengths are metres, areas square
+//! metres, angles radians, entropy bits; parameters are in the unit named by their move.
+
+use std::fmt;
+
+use serde::de::{MapAccess, Visitor};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::{Map, Value};
+
+use crate::report;
+
+/// `schema` of a [`RoundResult`].
+pub const RESULT_SCHEMA: &str = "enfilade.result/1";
+/// `schema` of an [`AnalysisResult`].
+pub const ANALYSIS_SCHEMA: &str = "enfilade.analysis/1";
+/// `schema` of a [`CheckResult`].
+pub const CHECK_SCHEMA: &str = "enfilade.check/1";
+
+/// Named numbers in a fixed order, written as a JSON object: the means, the penalties.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Numbers(pub Vec<(String, f64)>);
+
+impl Numbers {
+    /// From pairs, keeping their order.
+    pub fn of<S: Into<String>>(pairs: impl IntoIterator<Item = (S, f64)>) -> Self {
+        Self(pairs.into_iter().map(|(name, value)| (name.into(), value)).collect())
+    }
+
+    /// The number of that name, if present.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.0.iter().find(|(n, _)| n == name).map(|(_, v)| *v)
+    }
+}
+
+impl Serialize for Numbers {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (name, value) in &self.0 {
+            map.serialize_entry(name, value)?;
+        }
+        map.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for Numbers {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Pairs;
+        impl<'de> Visitor<'de> for Pairs {
+            type Value = Numbers;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object of numbers")
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Numbers, A::Error> {
+                let mut pairs = Vec::new();
+                while let Some((name, value)) = map.next_entry::<String, Option<f64>>()? {
+                    pairs.push((name, value.unwrap_or(f64::NAN)));
+                }
+                Ok(Numbers(pairs))
+            }
+        }
+        deserializer.deserialize_map(Pairs)
+    }
+}
+
+/// What was read.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Input {
+    /// Path as the user would name it.
+    pub path: String,
+    /// Digest of the bytes, lower-case hexadecimal.
+    pub sha256: String,
+    /// `dxf`, `ifc`, `gltf`, `glb`.
+    pub format: String,
+    /// Name of the length unit used.
+    pub unit: String,
+    /// Why that unit.
+    pub unit_reason: String,
+}
+
+/// How much there is of what.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Vertices of the visibility graph.
+    pub vertices: u64,
+    /// Those in the region of query.
+    pub query: u64,
+    /// Those in the region of reference.
+    pub reference: u64,
+    /// Edges of the visibility graph, each pair once.
+    pub edges: u64,
+    /// Walls of the plan.
+    pub walls: u64,
+}
+
+/// What a layout is worth.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Layout {
+    /// Means over the query region by name: `degree`, `depth`, `entropy`, …
+    pub mean: Numbers,
+    /// Penalties by name: `clearance_m2`, `wall_length_m`, `disconnection`, …
+    pub penalty: Numbers,
+}
+
+/// Which element of the file is meant, in the terms of its format.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum ElementRef {
+    /// DXF.
+    Dxf {
+        /// Handle as written, upper case; `null` in files without handles.
+        handle: Option<String>,
+        /// Which group-0 record of the file, from 0.
+        record: u64,
+    },
+    /// IFC.
+    Ifc {
+        /// `GlobalId`.
+        global_id: String,
+        /// Line number `#id`.
+        id: u64,
+    },
+    /// glTF.
+    Gltf {
+        /// JSON pointer.
+        path: String,
+    },
+    /// An element of several records (a DXF POLYLINE and its VERTEX records).
+    Several(Vec<ElementRef>),
+}
+
+/// Along what a move moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MoveKind {
+    /// Shift to the east.
+    X,
+    /// Shift to the north.
+    Y,
+    /// Shift along a direction.
+    Along,
+    /// Turn, anticlockwise.
+    Rotate,
+    /// Scale about a point; 1 is the drawing as it is.
+    Scale,
+}
+
+impl MoveKind {
+    /// The value that leaves the drawing as it is.
+    pub fn identity(self) -> f64 {
+        if self == Self::Scale { 1.0 } else { 0.0 }
+    }
+}
+
+/// One clause of one group.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MoveEntry {
+    /// Name of the group, as the user gave it or as we counted it.
+    pub name: String,
+    /// What it does.
+    pub kind: MoveKind,
+    /// Lower bound, in `unit`.
+    pub lower: f64,
+    /// Upper bound, in `unit`.
+    pub upper: f64,
+    /// Unit of parameter and bounds: a length unit, `deg` or `rad` for a turn, empty for a scale.
+    pub unit: String,
+    /// Direction of an `along` move, degrees anticlockwise from east.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction_deg: Option<f64>,
+    /// What moves.
+    pub elements: Vec<ElementRef>,
+}
+
+/// How one element stands otherwise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Change {
+    /// Which element.
+    pub element: ElementRef,
+    /// The host program's own id, where a plugin gave one.
+    pub host_id: Option<String>,
+    /// Axis points before, metres, drawing frame.
+    pub from: Vec<[f64; 2]>,
+    /// Axis points after.
+    pub to: Vec<[f64; 2]>,
+}
+
+/// One member of the diverse set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    /// File, relative to the round.
+    pub file: String,
+    /// `parameters[i]` belongs to `moves[i]`.
+    pub parameters: Vec<f64>,
+    /// Means of the measures.
+    pub mean: Numbers,
+    /// Penalties.
+    pub penalty: Numbers,
+    /// The composite score, where one was asked for.
+    pub score: Option<f64>,
+    /// Whether every threshold is met.
+    pub within_threshold: bool,
+    /// What moved and what it gains, in plain words.
+    pub words: String,
+    /// Every element that stands otherwise.
+    pub changes: Vec<Change>,
+}
+
+/// How far apart the members stand (`dn` of the spec).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Diversity {
+    /// Smallest distance between two members.
+    pub min_distance: Option<f64>,
+    /// Mean distance over all pairs.
+    pub mean_distance: Option<f64>,
+}
+
+/// Whether more or less of an objective is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sense {
+    /// More is better.
+    Max,
+    /// Less is better.
+    Min,
+}
+
+/// One objective with its threshold.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Objective {
+    /// Name of a measure, or `score`, or `penalty`.
+    pub name: String,
+    /// What is wanted.
+    pub sense: Sense,
+    /// z: the share of the reachable gain that a member must keep.
+    pub threshold: f64,
+    /// Value of the present layout.
+    pub initial: f64,
+    /// Best value found.
+    pub best: f64,
+    /// The value members must not fall short of.
+    pub limit: f64,
+}
+
+/// An earlier round of the same drawing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LineageEntry {
+    /// File the round started from.
+    pub drawing: String,
+    /// Its number, from 1.
+    pub round: u64,
+    /// Which candidate the user accepted; `null` for the first drawing.
+    pub candidate: Option<u64>,
+    /// Means of the layout the round started from.
+    pub mean: Numbers,
+    /// Its score, where one was asked for.
+    pub score: Option<f64>,
+}
+
+/// A [`report::Problem`] that can be read back.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ProblemEntry {
+    /// Stable identifier.
+    pub code: String,
+    /// `info`, `warning` or `error`.
+    pub severity: String,
+    /// `plan.dxf:1842 LWPOLYLINE 2F3 layer A-WALL`.
+    pub place: String,
+    /// What was found, what was expected, what was done.
+    pub text: String,
+}
+
+impl From<&report::Problem> for ProblemEntry {
+    fn from(p: &report::Problem) -> Self {
+        let severity = match p.severity {
+            report::Severity::Info => "info",
+            report::Severity::Warning => "warning",
+            report::Severity::Error => "error",
+        };
+        Self {
+            code: p.code.to_owned(),
+            severity: severity.to_owned(),
+            place: p.place.to_string(),
+            text: p.text.clone(),
+        }
+    }
+}
+
+/// `result.json` of one round.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RoundResult {
+    /// [`RESULT_SCHEMA`].
+    pub schema: String,
+    /// What was read.
+    pub input: Input,
+    /// Everything that decides the outcome, seed included.
+    pub settings: Map<String, Value>,
+    /// How much there is of what.
+    pub counts: Counts,
+    /// Lattice spacing, metres.
+    pub spacing_m: f64,
+    /// Centre of some cell, metres, drawing frame.
+    pub lattice_centre: [f64; 2],
+    /// The present layout.
+    pub initial: Layout,
+    /// One entry a clause, groups in the order of their boxes in the file.
+    pub moves: Vec<MoveEntry>,
+    /// The objectives in order.
+    #[serde(default)]
+    pub objectives: Vec<Objective>,
+    /// The diverse set, best first.
+    pub candidates: Vec<Candidate>,
+    /// How far apart they stand.
+    pub diversity: Diversity,
+    /// Layouts measured.
+    pub evaluations: u64,
+    /// Time taken.
+    pub seconds: f64,
+    /// Why the search ended.
+    pub stopped_by: String,
+    /// Earlier rounds, oldest first.
+    #[serde(default)]
+    pub lineage: Vec<LineageEntry>,
+    /// What was left out or assumed.
+    pub problems: Vec<ProblemEntry>,
+}
+
+/// `analyse --json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AnalysisResult {
+    /// [`ANALYSIS_SCHEMA`].
+    pub schema: String,
+    /// What was read.
+    pub input: Input,
+    /// Lattice spacing, metres.
+    pub spacing_m: f64,
+    /// Centre of some cell, metres, drawing frame.
+    pub lattice_centre: [f64; 2],
+    /// How much there is of what.
+    pub counts: Counts,
+    /// Means over the query region.
+    pub mean: Numbers,
+    /// Penalties of the layout.
+    pub penalty: Numbers,
+    /// What was left out or assumed.
+    pub problems: Vec<ProblemEntry>,
+}
+
+/// A length unit and why it was taken.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct UnitEntry {
+    /// `mm`, `m`, `ft`, …
+    pub name: String,
+    /// Metres in one unit.
+    pub metres: f64,
+    /// Why.
+    pub reason: String,
+}
+
+/// How a CAD layer was taken.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LayerEntry {
+    /// Name.
+    pub name: String,
+    /// Entities on it.
+    pub entities: u64,
+    /// `wall`, `marker`, `ignored`, …
+    pub taken_as: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// A region as understood.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RegionEntry {
+    /// `query`, `reference`, `keep`.
+    pub kind: String,
+    /// Area, m².
+    pub area_m2: f64,
+    /// Where it was drawn; empty for the interior.
+    pub place: String,
+}
+
+/// `check --json`: what the program understood.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CheckResult {
+    /// [`CHECK_SCHEMA`].
+    pub schema: String,
+    /// Name of the file.
+    pub file: String,
+    /// Format.
+    pub format: String,
+    /// Version in the format's words.
+    pub version: String,
+    /// Unit and why.
+    pub unit: UnitEntry,
+    /// Walls found.
+    pub walls: u64,
+    /// Openings found.
+    pub openings: u64,
+    /// Columns and other solids found.
+    pub columns: u64,
+    /// Regions.
+    pub regions: Vec<RegionEntry>,
+    /// Moves.
+    pub moves: Vec<MoveEntry>,
+    /// Every layer.
+    pub layers: Vec<LayerEntry>,
+    /// What was left out or assumed.
+    pub problems: Vec<ProblemEntry>,
+}
+
+/// Pretty JSON with a final newline.
+///
+/// # Errors
+/// None for the types of this module; the signature is serde's.
+pub fn to_json<T: Serialize>(value: &T) -> Result<String, report::Error> {
+    let mut text = serde_json::to_string_pretty(value)
+        .map_err(|e| report::Error::environment("json", report::Place::default(), e.to_string()))?;
+    text.push('\n');
+    Ok(text)
+}

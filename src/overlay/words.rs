@@ -1,0 +1,206 @@
+//! What moved and what it gains, in plain words: EF-NOTE, the report and `words` in result.json.
+
+use super::measure::{fixed, percent_change, sentence_case, wording};
+use super::result::{MoveEntry, MoveKind, Numbers};
+
+/// Moves told one by one; the rest is counted.
+const MOVES_TOLD: usize = 4;
+/// A move smaller than this share of its range is not worth a word.
+const SMALLEST_SHARE: f64 = 0.005;
+const EIGHTHS: [&str; 8] =
+    ["east", "north-east", "north", "north-west", "west", "south-west", "south", "south-east"];
+
+/// One sentence: the largest moves, then what the measures gain.
+///
+/// `Door 3 slides 1.2 m east, Kiosk turns 12° anticlockwise; visibility +18 %, accessibility: depth
+/// −9 % (fewer turns), organisation +2 %.`
+pub fn words(moves: &[MoveEntry], parameters: &[f64], initial: &Numbers, now: &Numbers) -> String {
+    let lines = note_lines(moves, parameters, initial, now);
+    let mut out = lines.join("; ");
+    if !out.is_empty() {
+        out.push('.');
+    }
+    out
+}
+
+/// The same in lines: what moved, then what it gains.
+pub fn note_lines(moves: &[MoveEntry], parameters: &[f64], initial: &Numbers, now: &Numbers) -> Vec<String> {
+    [moved(moves, parameters), gains(initial, now)].into_iter().filter(|l| !l.is_empty()).collect()
+}
+
+/// What moved, the largest moves (as a share of their range) first.
+pub fn moved(moves: &[MoveEntry], parameters: &[f64]) -> String {
+    let mut groups = grouped(moves, parameters);
+    groups.sort_by(|a, b| b.share.total_cmp(&a.share));
+    let told = if groups.len() == MOVES_TOLD + 1 { MOVES_TOLD + 1 } else { MOVES_TOLD };
+    let mut parts: Vec<String> =
+        groups.iter().take(told).map(|g| format!("{} {}", g.name, g.clauses.join(" and "))).collect();
+    match groups.len().saturating_sub(told) {
+        0 => {}
+        more => parts.push(format!("and {more} smaller moves")),
+    }
+    if parts.is_empty() { "Nothing moves".to_owned() } else { parts.join(", ") }
+}
+
+/// What the measures gain: `visibility +18 %, depth −9 % (fewer turns), …`.
+pub fn gains(initial: &Numbers, now: &Numbers) -> String {
+    let gain = |(key, from): &(String, f64)| {
+        let to = now.get(key)?;
+        let change = percent_change(*from, to)?;
+        let known = wording(key)?;
+        let name = if key == "depth" { "depth".to_owned() } else { known.plain.to_lowercase() };
+        let why = if to > *from { known.more_less[0] } else { known.more_less[1] };
+        let why = if change.starts_with('±') || key == "degree" { "" } else { why };
+        let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
+        Some(format!("{name} {change}{why}"))
+    };
+    initial.0.iter().filter_map(gain).collect::<Vec<_>>().join(", ")
+}
+
+/// A group with what its clauses do.
+struct Group {
+    name: String,
+    clauses: Vec<String>,
+    share: f64,
+}
+
+/// Clauses that do something, joined by the names of their groups, in order of appearance.
+fn grouped(moves: &[MoveEntry], parameters: &[f64]) -> Vec<Group> {
+    let mut out: Vec<Group> = Vec::new();
+    for (entry, &value) in moves.iter().zip(parameters) {
+        let share = (value - entry.kind.identity()).abs() / (entry.upper - entry.lower).abs();
+        if !share.is_finite() || share < SMALLEST_SHARE {
+            continue;
+        }
+        let name = sentence_case(&entry.name);
+        let clause = clause(entry, value);
+        match out.iter_mut().find(|g| g.name == name) {
+            Some(group) => {
+                group.share = group.share.max(share);
+                group.clauses.push(clause);
+            }
+            None => out.push(Group { name, clauses: vec![clause], share }),
+        }
+    }
+    out
+}
+
+/// What one clause does: `slides 1.2 m east`.
+pub fn clause(entry: &MoveEntry, value: f64) -> String {
+    let far = length(value.abs(), &entry.unit);
+    match entry.kind {
+        MoveKind::X => format!("moves {far} {}", if value < 0.0 { "west" } else { "east" }),
+        MoveKind::Y => format!("moves {far} {}", if value < 0.0 { "south" } else { "north" }),
+        MoveKind::Along => match entry.direction_deg {
+            Some(deg) => format!("slides {far} {}", compass(if value < 0.0 { deg + 180.0 } else { deg })),
+            None => format!("slides {far} {}", if value < 0.0 { "back" } else { "forth" }),
+        },
+        MoveKind::Rotate => {
+            let deg = if entry.unit == "rad" { value.to_degrees() } else { value };
+            let way = if deg < 0.0 { "clockwise" } else { "anticlockwise" };
+            format!("turns {}° {way}", fixed(deg.abs(), usize::from(deg.abs() < 9.95)))
+        }
+        MoveKind::Scale => {
+            let percent = (value - 1.0) * 100.0;
+            let what = if percent < 0.0 { "shrinks" } else { "grows" };
+            format!("{what} by {} %", fixed(percent.abs(), usize::from(percent.abs() < 9.95)))
+        }
+    }
+}
+
+/// The value of one parameter for a table: `+1.2 m`, `−12°`, `× 1.08`, `–` where nothing moves.
+pub fn parameter(entry: &MoveEntry, value: f64) -> String {
+    if value == entry.kind.identity() {
+        return "–".to_owned();
+    }
+    let sign = if value < 0.0 { "−" } else { "+" };
+    match entry.kind {
+        MoveKind::X | MoveKind::Y | MoveKind::Along => format!("{sign}{}", length(value.abs(), &entry.unit)),
+        MoveKind::Rotate => {
+            let deg = if entry.unit == "rad" { value.to_degrees() } else { value };
+            format!("{sign}{}°", fixed(deg.abs(), 1))
+        }
+        MoveKind::Scale => format!("× {}", fixed(value, 2)),
+    }
+}
+
+/// A length for people: metric ones in metres or centimetres, others in their own unit.
+fn length(size: f64, unit: &str) -> String {
+    let metres = match unit {
+        "mm" => size / 1000.0,
+        "cm" => size / 100.0,
+        "m" => size,
+        "in" => return format!("{} in", fixed(size, usize::from(size < 9.95))),
+        other => return format!("{} {other}", fixed(size, usize::from(size < 99.5))).trim_end().to_owned(),
+    };
+    if metres >= 0.995 {
+        format!("{} m", fixed(metres, 2 - usize::from(metres >= 9.95)))
+    } else {
+        format!("{} cm", fixed(metres * 100.0, 0))
+    }
+}
+
+fn compass(deg: f64) -> &'static str {
+    EIGHTHS[((deg / 45.0).round() as i64).rem_euclid(8) as usize]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(name: &str, kind: MoveKind, bounds: [f64; 2], unit: &str) -> MoveEntry {
+        MoveEntry {
+            name: name.to_owned(),
+            kind,
+            lower: bounds[0],
+            upper: bounds[1],
+            unit: unit.to_owned(),
+            direction_deg: None,
+            elements: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_door_and_a_kiosk() {
+        let moves = [
+            entry("door-3", MoveKind::X, [-2.0, 2.0], "m"),
+            entry("kiosk", MoveKind::Rotate, [-15.0, 15.0], "deg"),
+            entry("kiosk", MoveKind::Y, [-1000.0, 1000.0], "mm"),
+        ];
+        let initial = Numbers::of([("degree", 100.0), ("depth", 8.0), ("entropy", 2.5)]);
+        let now = Numbers::of([("degree", 118.0), ("depth", 7.25), ("entropy", 2.5)]);
+        assert_eq!(
+            words(&moves, &[1.2, -12.0, 350.0], &initial, &now),
+            "Kiosk turns 12° clockwise and moves 35 cm north, Door 3 moves 1.20 m east; \
+             visibility +18 %, depth −9.4 % (fewer turns), organisation ±0 %."
+        );
+    }
+
+    #[test]
+    fn many_moves_are_counted_and_tiny_ones_left_out() {
+        let moves: Vec<MoveEntry> =
+            (1..=9).map(|i| entry(&format!("wall {i}"), MoveKind::X, [-1.0, 1.0], "m")).collect();
+        let values = [0.1, 0.9, 0.0, 0.2, 0.3, 1e-4, 0.4, 0.5, 0.6];
+        assert_eq!(
+            moved(&moves, &values),
+            "Wall 2 moves 90 cm east, Wall 9 moves 60 cm east, Wall 8 moves 50 cm east, \
+             Wall 7 moves 40 cm east, and 3 smaller moves"
+        );
+        assert_eq!(moved(&moves, &[0.0; 9]), "Nothing moves");
+    }
+
+    #[test]
+    fn clauses_name_direction_and_unit() {
+        let mut along = entry("a", MoveKind::Along, [-1.0, 1.0], "ft");
+        assert_eq!(clause(&along, -0.5), "slides 0.5 ft back");
+        along.direction_deg = Some(30.0);
+        assert_eq!(clause(&along, -0.5), "slides 0.5 ft south-west");
+        assert_eq!(clause(&entry("a", MoveKind::Scale, [0.8, 1.2], ""), 0.92), "shrinks by 8.0 %");
+        assert_eq!(
+            clause(&entry("a", MoveKind::Rotate, [-1.0, 1.0], "rad"), 0.1),
+            "turns 5.7° anticlockwise"
+        );
+        assert_eq!(parameter(&entry("a", MoveKind::Scale, [0.8, 1.2], ""), 1.0), "–");
+        assert_eq!(parameter(&entry("a", MoveKind::Y, [-1.0, 1.0], "m"), -0.25), "−25 cm");
+    }
+}

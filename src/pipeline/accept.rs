@@ -1,0 +1,194 @@
+//! `enfilade accept`: a candidate becomes a new clean drawing, the next round's present layout.
+//!
+//! The drawing gets the moves and nothing else; what the next round needs to know (moves with the
+//! bounds that are left, settings, where it came from) stands in its side-car.
+
+use toml::{Table, Value};
+
+use super::Input;
+use super::round::edits_of;
+use super::study::{self, Understood};
+use crate::config::{LineageTable, Method, Mode, Settings};
+use crate::formats::dxf;
+use crate::moves::Parameter;
+use crate::overlay::result::{Numbers, RoundResult};
+use crate::plan::markers::Kind;
+use crate::report::{Error, Place, Report};
+
+/// A new drawing with its side-car.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accepted {
+    /// Bytes of the drawing.
+    pub drawing: Vec<u8>,
+    /// Text of `<drawing>.enfilade.toml`.
+    pub side_car: String,
+}
+
+/// Makes the drawing of candidate `number` (from 1) of a round.
+///
+/// # Errors
+/// [`Error::Usage`] when there is no such candidate; [`Error::Input`] when the drawing is not the one the
+/// round was made from.
+pub fn accept(input: &Input<'_>, result: &RoundResult, round: u32, number: usize) -> Result<Accepted, Error> {
+    let place = || Place::file(input.file());
+    let Some(candidate) = number.checked_sub(1).and_then(|i| result.candidates.get(i)) else {
+        let n = result.candidates.len();
+        let text = format!("round {round} has {n} candidates, found number {number}; nothing was written");
+        return Err(Error::usage("candidate", place(), text));
+    };
+    if input.sha256 != result.input.sha256 {
+        let text = format!(
+            "the drawing has changed since round {round} was made; nothing was written; run it again and accept from the new round"
+        );
+        return Err(Error::input("drawing-changed", place(), text));
+    }
+    let settings: Settings = serde_json::from_value(serde_json::Value::Object(result.settings.clone()))
+        .map_err(|e| {
+            Error::input(
+                "result-settings",
+                place(),
+                format!("result.json of round {round}: {e}; nothing was written"),
+            )
+        })?;
+    let mut report = Report::default();
+    let base = study::read(input.file(), &input.bytes, &settings, &mut report)?;
+    if base.moves.parameters.len() != candidate.parameters.len() {
+        let text = format!(
+            "round {round} has {} parameters, the drawing {}; run it again",
+            candidate.parameters.len(),
+            base.moves.parameters.len()
+        );
+        return Err(Error::input("parameters", place(), text));
+    }
+    let layout = base.moves.apply(&base.plan, &base.graph, &candidate.parameters);
+    let drawing = dxf::patch(input.file(), &input.bytes, &edits_of(&base, &layout), &[])?;
+    let lineage = LineageTable {
+        drawing: input.file().into(),
+        round,
+        candidate: number as u32,
+        initial: pairs(&result.initial.mean),
+        accepted: pairs(&candidate.mean),
+    };
+    let positions = positions(&base, &layout);
+    let side_car = side_car(&base, &settings, result, &candidate.parameters, &positions, lineage)?;
+    Ok(Accepted { drawing, side_car })
+}
+
+fn pairs(numbers: &Numbers) -> std::collections::BTreeMap<String, f64> {
+    numbers.0.iter().cloned().collect()
+}
+
+/// Where every group's nodes stand after the move, drawing units.
+fn positions(base: &Understood, layout: &crate::moves::Layout) -> Vec<Vec<[f64; 2]>> {
+    let of_node = |group: &crate::moves::NodeGroup, n: &u32| {
+        let handles = &base.graph.handles[*n as usize];
+        let (w, c) = handles.iter().find(|h| group.handles.binary_search(h).is_ok()).or(handles.first())?;
+        let moved = base.moves.walls.binary_search(w).ok().map(|i| &layout.walls[i].shape);
+        let shape = moved.unwrap_or(&base.plan.walls[*w as usize].shape);
+        crate::plan::curve::control_points(shape).get(*c as usize).map(|p| p.to_array())
+    };
+    base.moves.groups.iter().map(|g| g.nodes.iter().filter_map(|n| of_node(g, n)).collect()).collect()
+}
+
+fn side_car(
+    base: &Understood,
+    settings: &Settings,
+    result: &RoundResult,
+    parameters: &[f64],
+    positions: &[Vec<[f64; 2]>],
+    last: LineageTable,
+) -> Result<String, Error> {
+    let mut out = Table::new();
+    let mut set = |key: &str, value: Value| out.insert(key.into(), value);
+    set("unit", base.plan.unit.unit.name.into());
+    set("spacing", result.spacing_m.into());
+    if let Some(c) = settings.lattice_centre_m {
+        set("lattice-centre", points(&[c])[0].clone());
+    }
+    let optional = [("query-layer", &settings.query_layer), ("reference-layer", &settings.reference_layer)];
+    for (key, value) in optional {
+        if let Some(v) = value {
+            set(key, v.clone().into());
+        }
+    }
+    if !settings.wall_layers.is_empty() {
+        set(
+            "wall-layer",
+            settings.wall_layers.iter().map(|l| Value::from(l.clone())).collect::<Vec<_>>().into(),
+        );
+    }
+    if !settings.seed_points.is_empty() {
+        set("seed-point", points(&settings.seed_points).into());
+    }
+    if let Some(n) = settings.evaluations {
+        set("evaluations", (n as i64).into());
+    }
+    if let Some(s) = settings.seconds {
+        set("seconds", s.into());
+    }
+    set("seed", (settings.seed as i64).into());
+    set("members", (settings.members as i64).into());
+    set("distance", settings.distance.into());
+    set("mode", if settings.mode == Mode::Best { "best" } else { "diverse" }.into());
+    set("method", if settings.method == Method::Paper { "paper" } else { "default" }.into());
+    set("objective", settings.objective_text().into());
+    set("score", settings.score_text().into());
+    set("penalty", settings.penalty_text().into());
+    set("ignore-move-markers", true.into());
+    let groups = base.moves.groups.iter().enumerate();
+    let tables = groups.map(|(g, _)| group_table(base, g, parameters, &positions[g]));
+    set("move", tables.map(Value::Table).collect::<Vec<_>>().into());
+    let regions =
+        settings.regions.iter().map(Value::try_from).collect::<Result<Vec<_>, _>>().map_err(toml_failed)?;
+    if !regions.is_empty() {
+        set("region", regions.into());
+    }
+    let rounds = settings.lineage.iter().chain(std::iter::once(&last)).map(Value::try_from);
+    set("lineage", rounds.collect::<Result<Vec<_>, _>>().map_err(toml_failed)?.into());
+    let text = toml::to_string(&out).map_err(toml_failed)?;
+    Ok(format!(
+        "# Written by `enfilade accept`: what the next round of this drawing needs to know.\n\
+         # Moves count from the drawing as it is now; EF-MOVE in the drawing is left unread. Delete this file to\n\
+         # start afresh from the markers.\n{text}"
+    ))
+}
+
+fn toml_failed(e: impl std::fmt::Display) -> Error {
+    Error::environment("side-car", Place::default(), format!("the side-car could not be written: {e}"))
+}
+
+fn points(list: &[[f64; 2]]) -> Vec<Value> {
+    list.iter().map(|p| Value::from(vec![Value::from(p[0]), Value::from(p[1])])).collect()
+}
+
+fn group_table(base: &Understood, group: usize, parameters: &[f64], nodes: &[[f64; 2]]) -> Table {
+    let of_group = base.moves.parameters.iter().zip(parameters).filter(|(p, _)| p.group == group);
+    let (mut name, mut clauses) = (String::new(), Vec::new());
+    for (p, value) in of_group {
+        name.clone_from(&p.group_name);
+        clauses.push(clause(p, *value));
+    }
+    let mut out = Table::new();
+    out.insert("name".into(), name.into());
+    out.insert("moves".into(), clauses.join("; ").into());
+    out.insert("nodes".into(), points(nodes).into());
+    out
+}
+
+/// The clause with the bounds that are left once `value` is the new zero.
+fn clause(p: &Parameter, value: f64) -> String {
+    let c = &p.clause;
+    let identity = c.kind.identity();
+    let left = |bound: f64| if matches!(c.kind, Kind::Scale(_)) { bound / value } else { bound - value };
+    let (low, high) = (left(c.lower).min(identity), left(c.upper).max(identity));
+    let about = |at: Option<glam::DVec2>| at.map_or(String::new(), |p| format!(" about {},{}", p.x, p.y));
+    let named = crate::plan::frame::unit_by_name(&c.unit).is_some();
+    let unit = if named { c.unit.as_str() } else { "" };
+    match c.kind {
+        Kind::X => format!("x {low}{unit} {high}{unit}"),
+        Kind::Y => format!("y {low}{unit} {high}{unit}"),
+        Kind::Along(rad) => format!("along {} {low}{unit} {high}{unit}", rad.to_degrees()),
+        Kind::Rotate(at) => format!("rotate {low} {high}{}", about(at)),
+        Kind::Scale(at) => format!("scale {low} {high}{}", about(at)),
+    }
+}

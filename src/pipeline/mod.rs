@@ -1,0 +1,245 @@
+//! One job from bytes to files: the only place where the siblings meet.
+//!
+//! Bytes and settings in; files to write, progress and problems out. Clock, seed and stop request are
+//! inputs; nothing here touches a disk.
+
+pub mod accept;
+pub mod cells;
+mod page;
+mod round;
+mod show;
+mod spacing;
+mod study;
+
+use std::borrow::Cow;
+use std::time::Instant;
+
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use crate::config::{Measure, Settings};
+use crate::formats::dxf;
+use crate::overlay::heat_map::DEFAULT_SIDE_PX;
+use crate::overlay::measure::wording;
+use crate::overlay::result::{self, AnalysisResult, CheckResult};
+use crate::overlay::{HeatMap, Scale, check_png, heat_map_png};
+use crate::report::{Cancel, Error, OutFile, Report};
+pub use study::Study;
+
+/// A drawing to work on.
+#[derive(Clone, Debug)]
+pub struct Input<'a> {
+    /// Path as the user would name it; its last part is shown in places.
+    pub path: &'a str,
+    /// The file without result layers of ours (a candidate used as the new plan has some).
+    pub bytes: Cow<'a, [u8]>,
+    /// Digest of the file as it lies on disk, lower-case hexadecimal.
+    pub sha256: String,
+    /// Number of the round that is made, from 1; shown only.
+    pub round: u64,
+}
+
+impl<'a> Input<'a> {
+    /// Takes a file's bytes.
+    pub fn new(path: &'a str, bytes: &'a [u8], round: u64) -> Self {
+        let sha256 = Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect();
+        let clean = dxf::strip_own(bytes);
+        let bytes = if clean.len() == bytes.len() { Cow::Borrowed(bytes) } else { Cow::Owned(clean) };
+        Self { path, bytes, sha256, round }
+    }
+
+    /// Name to show.
+    pub fn file(&self) -> &'a str {
+        self.path.rsplit(['/', '\\']).next().unwrap_or(self.path)
+    }
+}
+
+/// How far a job is: the line of `--progress json`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Progress {
+    /// `read`, `measure`, `optimise: degree`, `write` …
+    pub stage: String,
+    /// Steps done of this stage.
+    pub done: u64,
+    /// Steps of this stage, if known.
+    pub total: Option<u64>,
+    /// Layouts measured.
+    pub evaluations: u64,
+    /// Best value so far of what the stage optimises.
+    pub best: Option<f64>,
+    /// Seconds left, if known.
+    pub eta_secs: Option<f64>,
+}
+
+/// What a running job says.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// It got on.
+    Progress(Progress),
+    /// The heat maps of the present layout, to be shown before the search ends: files of `analysis/`.
+    Analysis(Vec<OutFile>),
+}
+
+/// A finished job.
+#[derive(Clone, Debug)]
+pub struct Outcome<T> {
+    /// What it found.
+    pub result: T,
+    /// Files of the folder it makes.
+    pub files: Vec<OutFile>,
+    /// What was left out or assumed.
+    pub report: Report,
+}
+
+/// Runs a job on as many threads as the settings say.
+///
+/// # Errors
+/// [`Error::Environment`] when the threads cannot be started; what the job returns.
+pub fn on_threads<T: Send>(
+    settings: &Settings,
+    job: impl FnOnce() -> Result<T, Error> + Send,
+) -> Result<T, Error> {
+    let threads = settings.threads.unwrap_or(0);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
+        Error::environment(
+            "threads",
+            Default::default(),
+            format!("{threads} threads could not be started: {e}"),
+        )
+    })?;
+    pool.install(job)
+}
+
+/// `enfilade check`: what the program understands, and a picture of it.
+///
+/// # Errors
+/// [`Error::Input`] when the drawing cannot be read.
+pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResult>, Error> {
+    let mut report = Report::default();
+    let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
+    let result = show::check(&base, &report);
+    let png = check_picture(&base, &result)?;
+    let files = vec![OutFile::new("check.png", png), OutFile::new("check.json", result::to_json(&result)?)];
+    Ok(Outcome { result, files, report })
+}
+
+fn check_picture(base: &study::Understood, result: &CheckResult) -> Result<Vec<u8>, Error> {
+    let subtitle = format!(
+        "{} wall elements, {} of them solid, {} moves; {}",
+        result.walls,
+        result.columns,
+        result.moves.len(),
+        result.unit.reason
+    );
+    check_png(&show::picture(base), &result.file, &subtitle, DEFAULT_SIDE_PX)
+}
+
+/// `enfilade analyse`: measures the present layout; the files of `analysis/`.
+///
+/// # Errors
+/// [`Error::Input`] when the drawing cannot be read or no cell is left; [`Error::Stopped`].
+pub fn analyse(
+    input: &Input<'_>,
+    settings: &Settings,
+    cancel: &Cancel,
+) -> Result<(Outcome<AnalysisResult>, Study), Error> {
+    let mut report = Report::default();
+    let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
+    cancel.check()?;
+    let study = Study::new(base, settings, &mut report)?;
+    cancel.check()?;
+    let outcome = analysis_of(input, settings, &study, report)?;
+    Ok((outcome, study))
+}
+
+fn analysis_of(
+    input: &Input<'_>,
+    settings: &Settings,
+    study: &Study,
+    report: Report,
+) -> Result<Outcome<AnalysisResult>, Error> {
+    let result = analysis_result(input, study, &report);
+    let picture = show::picture(&study.base);
+    let mut files = vec![OutFile::new("analysis.json", result::to_json(&result)?)];
+    let jobs: Vec<Measure> = Measure::MEAN.to_vec();
+    let pictures = rayon_map(&jobs, |m| {
+        let values = show::values(study, &study.initial.tally, *m, settings);
+        let scale = show::scale(values.iter());
+        heat_map(study, settings, &picture, &values, *m, scale, &format!("{}, as drawn", input.file()))
+    });
+    for (m, png) in jobs.iter().zip(pictures) {
+        files.push(OutFile::new(format!("{}.png", m.name()), png?));
+    }
+    let check = show::check(&study.base, &report);
+    files.push(OutFile::new("check.png", check_picture(&study.base, &check)?));
+    Ok(Outcome { result, files, report })
+}
+
+fn analysis_result(input: &Input<'_>, study: &Study, report: &Report) -> AnalysisResult {
+    AnalysisResult {
+        schema: result::ANALYSIS_SCHEMA.into(),
+        input: show::input(&study.base.plan, input.path, &input.sha256),
+        spacing_m: study.spacing.spacing_m,
+        lattice_centre: lattice_centre(study),
+        counts: show::counts(study, study.edges),
+        mean: show::mean_numbers(&study.initial),
+        penalty: show::penalty_numbers(&study.initial),
+        problems: report.problems.iter().map(Into::into).collect(),
+    }
+}
+
+fn lattice_centre(study: &Study) -> [f64; 2] {
+    study.lattice.origin_um.map(|v| v as f64 / 1e6)
+}
+
+/// One heat map of a layout's values.
+fn heat_map(
+    study: &Study,
+    settings: &Settings,
+    picture: &crate::overlay::PlanPicture,
+    values: &[f64],
+    measure: Measure,
+    scale: Scale,
+    subtitle: &str,
+) -> Result<Vec<u8>, Error> {
+    let words = wording(measure.name());
+    let title = words.map_or(measure.name().to_string(), |w| format!("{} ({})", w.plain, w.technical));
+    heat_map_png(
+        &HeatMap {
+            picture,
+            cells: &show::cells(study, values),
+            spacing_m: study.spacing.spacing_m,
+            scale,
+            title: &title,
+            subtitle,
+            unit: words.map_or("", |w| w.unit),
+            palette: show::palette(settings),
+        },
+        DEFAULT_SIDE_PX,
+    )
+}
+
+fn rayon_map<A: Sync, B: Send>(items: &[A], f: impl Fn(&A) -> B + Sync + Send) -> Vec<B> {
+    use rayon::prelude::*;
+    items.par_iter().map(f).collect()
+}
+
+/// `enfilade run`: the whole job; the files of one round.
+///
+/// A stop request after the present layout was measured ends the search and still hands out what was
+/// found, unless `is_discarded_on_stop` (a newer save of the drawing).
+///
+/// # Errors
+/// [`Error::Input`] when the drawing cannot be read or no cell is left; [`Error::Stopped`].
+pub fn run(
+    input: &Input<'_>,
+    settings: &Settings,
+    started: Instant,
+    show: &mut (dyn FnMut(Event) + Send),
+    cancel: &Cancel,
+) -> Result<Outcome<result::RoundResult>, Error> {
+    show(Event::Progress(Progress { stage: "read".into(), ..Default::default() }));
+    let (analysis, study) = analyse(input, settings, cancel)?;
+    show(Event::Analysis(analysis.files));
+    round::run(input, settings, &study, analysis.report, started, show, cancel)
+}

@@ -1,0 +1,502 @@
+//! One round: search, verify, write.
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::show::{self, SHOWN};
+use super::study::{Study, Understood, Worth};
+use super::{Event, Input, Outcome, Progress, heat_map, rayon_map};
+use crate::analysis::Obstacles;
+use crate::analysis::forest::tally;
+use crate::analysis::visibility::visibility_graph;
+use crate::config::{Measure, Method, Mode, Penalty, Settings};
+use crate::formats::dxf;
+use crate::moves::Layout;
+use crate::overlay::result::{
+    self, Candidate, Diversity, ElementRef, LineageEntry, MoveEntry, Numbers, Objective, RoundResult,
+    Sense as ShownSense,
+};
+use crate::overlay::words::{note_lines, words};
+use crate::overlay::{Scale, Series, convergence_png, diversity_png, heat_additions, moved_additions};
+use crate::overlay::{additions::heat_layer, heat_map::DEFAULT_SIDE_PX};
+use crate::plan::drawing::{Addition, Edit, Editable};
+use crate::report::{Cancel, Error, OutFile, Place, Report};
+use crate::search::{self, Evaluation, Search, normalised_distance};
+
+/// Layouts that are asked for at once. Part of the search's definition, not of the machine: the same
+/// on any number of threads.
+pub const BATCH: usize = 2;
+
+/// Evaluations of a study whose user names no budget: this many query–vertex pairs in all …
+const PAIRS_BUDGET: f64 = 3.0e9;
+/// … but within these bounds.
+const EVALUATIONS: [f64; 2] = [200.0, 1_000.0];
+
+/// How often progress is said at most.
+const PROGRESS_EVERY_MS: u128 = 50;
+
+/// Searches and makes the files of the round.
+pub(super) fn run(
+    input: &Input<'_>,
+    settings: &Settings,
+    study: &Study,
+    mut report: Report,
+    started: Instant,
+    show: &mut (dyn FnMut(Event) + Send),
+    cancel: &Cancel,
+) -> Result<Outcome<RoundResult>, Error> {
+    let found = if study.base.moves.parameters.is_empty() {
+        None
+    } else {
+        Some(optimise(study, settings, started, show, cancel)?)
+    };
+    let members = found.as_ref().map_or(Vec::new(), |f| f.members.clone());
+    show(Event::Progress(Progress {
+        stage: "write".into(),
+        total: Some(members.len() as u64),
+        ..Default::default()
+    }));
+    let made: Vec<Made> = members
+        .par_iter()
+        .enumerate()
+        .map(|(i, m)| make(input, settings, study, i, m))
+        .collect::<Result<_, _>>()?;
+    for m in &made {
+        report.extend(m.report.clone());
+    }
+    let result = round_result(input, settings, study, &report, found.as_ref(), &made, started);
+    let mut files = pictures(input, settings, study, &made)?;
+    files.extend(drawings(input, settings, study, &made, &result)?);
+    files.push(OutFile::new("convergence.png", convergence(found.as_ref())?));
+    files.push(OutFile::new("diversity.png", diversity(study, &made)?));
+    let understood = super::check_picture(&study.base, &show::check(&study.base, &report))?;
+    let page = super::page::page(input, settings, &result, &files, &understood, found.as_ref());
+    files.push(OutFile::new("report.html", page));
+    files.push(OutFile::new("result.json", result::to_json(&result)?));
+    files.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(Outcome { result, files, report })
+}
+
+/// What a search found, in our terms.
+pub(super) struct Found {
+    pub(super) members: Vec<search::Member>,
+    pub(super) objectives: Vec<Objective>,
+    pub(super) evaluations: u64,
+    pub(super) stopped_by: String,
+    pub(super) series: Vec<Series>,
+    /// Objective values of every layout measured.
+    pub(super) archive: Vec<Vec<f64>>,
+}
+
+/// Asks, measures, tells until the search stops, the time is over or somebody asks.
+fn optimise(
+    study: &Study,
+    settings: &Settings,
+    started: Instant,
+    show: &mut (dyn FnMut(Event) + Send),
+    cancel: &Cancel,
+) -> Result<Found, Error> {
+    let objectives = objectives(settings);
+    let mut search = Search::new(search::Study {
+        bounds: study.base.moves.bounds(),
+        start: study.base.moves.identity(),
+        objectives: objectives.iter().map(|o| o.1.clone()).collect(),
+        members: settings.members,
+        d_min: settings.distance,
+        seed: settings.seed,
+        evaluations: Some(budget(study, settings)),
+        method: if settings.method == Method::Paper {
+            search::Method::Paper
+        } else {
+            search::Method::Default
+        },
+        mode: if settings.mode == Mode::Best { search::Mode::Best } else { search::Mode::Diverse },
+        batch: BATCH,
+    })?;
+    let begun = Instant::now();
+    let mut said = Instant::now();
+    loop {
+        let over = settings.seconds.is_some_and(|s| started.elapsed().as_secs_f64() >= s);
+        if cancel.is_stopped() || over {
+            search.finish();
+        }
+        let asked = search.ask();
+        if asked.is_empty() {
+            break;
+        }
+        let told: Vec<Evaluation> = asked
+            .par_iter()
+            .map_init(
+                || study.bench(),
+                |bench, p| evaluation(study, settings, &objectives, &study.measure(p, bench)),
+            )
+            .collect();
+        search.tell(&told);
+        if said.elapsed().as_millis() >= PROGRESS_EVERY_MS {
+            said = Instant::now();
+            show(Event::Progress(progress(&search, begun)));
+        }
+    }
+    cancel.check()?;
+    let outcome = search.outcome();
+    let initial = evaluation(study, settings, &objectives, &study.initial);
+    let shown = objectives.iter().enumerate().map(|(i, (_, o))| Objective {
+        name: o.name.clone(),
+        sense: if o.sense == search::Sense::Maximise { ShownSense::Max } else { ShownSense::Min },
+        threshold: o.threshold,
+        initial: initial.values[i],
+        best: outcome.optima.get(i).copied().unwrap_or(f64::NAN),
+        limit: outcome.thresholds.get(i).copied().unwrap_or(f64::NAN),
+    });
+    let stopped_by = search.stop_reason().map_or_else(String::new, |s| s.to_string());
+    Ok(Found {
+        objectives: shown.collect(),
+        evaluations: outcome.evaluations,
+        stopped_by,
+        series: series(&outcome),
+        archive: outcome.archive.iter().map(|p| p.values.clone()).collect(),
+        members: outcome.members,
+    })
+}
+
+fn series(outcome: &search::Outcome<'_>) -> Vec<Series> {
+    let mut out: Vec<Series> = Vec::new();
+    for point in outcome.history {
+        let name = &point.stage;
+        match out.iter_mut().find(|s| s.name == *name) {
+            Some(s) => s.points.push((point.evaluations, point.best)),
+            None => out.push(Series { name: name.clone(), points: vec![(point.evaluations, point.best)] }),
+        }
+    }
+    out
+}
+
+fn progress(search: &Search, begun: Instant) -> Progress {
+    let p = search.progress();
+    let rate = p.evaluations as f64 / begun.elapsed().as_secs_f64().max(1e-3);
+    Progress {
+        stage: format!("optimise: {}", p.stage),
+        done: p.evaluations,
+        total: p.total,
+        evaluations: p.evaluations,
+        best: Some(p.best).filter(|b| b.is_finite()),
+        eta_secs: p.total.map(|t| t.saturating_sub(p.evaluations) as f64 / rate.max(1e-9)),
+    }
+}
+
+fn budget(study: &Study, settings: &Settings) -> u64 {
+    let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
+    settings.evaluations.unwrap_or((PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]) as u64)
+}
+
+/// Objectives in order: the penalty first unless `score` holds it.
+fn objectives(settings: &Settings) -> Vec<(Measure, search::Objective)> {
+    let objective = |measure: Measure, is_max: bool, threshold: f64| {
+        let o = search::Objective {
+            name: measure.name().into(),
+            sense: if is_max { search::Sense::Maximise } else { search::Sense::Minimise },
+            threshold,
+            is_score: measure == Measure::Score,
+            is_penalty: measure == Measure::Penalty,
+        };
+        (measure, o)
+    };
+    let mut out = Vec::new();
+    let named = settings.objectives.iter().any(|o| matches!(o.measure, Measure::Penalty | Measure::Score));
+    if !named && !settings.penalties.is_empty() {
+        out.push(objective(Measure::Penalty, false, crate::config::THRESHOLD_DEFAULT));
+    }
+    out.extend(settings.objectives.iter().map(|o| objective(o.measure, o.is_max, o.threshold)));
+    out
+}
+
+fn evaluation(
+    study: &Study,
+    settings: &Settings,
+    objectives: &[(Measure, search::Objective)],
+    worth: &Worth,
+) -> Evaluation {
+    let value = |m: Measure| match m {
+        Measure::Score => study.score(worth, settings),
+        Measure::Penalty => study.penalty(worth, settings),
+        mean => worth.mean(mean),
+    };
+    let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
+    Evaluation {
+        values: objectives.iter().map(|(m, _)| value(*m)).collect(),
+        violation: worth.tally.disconnected as f64 / pairs,
+    }
+}
+
+/// A member made real: its layout, its bytes without our layers, and what these are worth.
+pub(super) struct Made {
+    layout: Layout,
+    member: search::Member,
+    worth: Worth,
+    edits: Vec<Edit>,
+    /// For every edit the records it changes.
+    changed: Vec<Vec<dxf::ChangedRecord>>,
+    report: Report,
+    name: String,
+}
+
+/// Patches the drawing, reads it again and measures from scratch: what is reported is what is written.
+fn make(
+    input: &Input<'_>,
+    settings: &Settings,
+    study: &Study,
+    index: usize,
+    member: &search::Member,
+) -> Result<Made, Error> {
+    let layout = study.base.moves.apply(&study.base.plan, &study.base.graph, &member.parameters);
+    let edits = edits_of(&study.base, &layout);
+    let changed = dxf::changed_records(input.file(), &input.bytes, &edits)?;
+    let bytes = dxf::patch(input.file(), &input.bytes, &edits, &[])?;
+    let worth = study.measure_written(&bytes, settings)?;
+    let name = format!("candidate-{}", index + 1);
+    let mut report = Report::default();
+    let searched = study.measure(&member.parameters, &mut study.bench());
+    if worth != searched {
+        let text = format!(
+            "{name}.dxf read again measures degree {} and depth {}, the search had {} and {}; the values of the file are reported",
+            worth.means.degree, worth.means.depth, searched.means.degree, searched.means.depth
+        );
+        report.warn("written-differs", Place::file(input.file()), text);
+    }
+    Ok(Made { layout, member: member.clone(), worth, edits, changed, report, name })
+}
+
+/// The changes of the file that make a layout; blocks once for all that they show.
+pub(super) fn edits_of(base: &Understood, layout: &Layout) -> Vec<Edit> {
+    let mut out: Vec<Edit> = Vec::new();
+    for moved in layout.walls.iter().filter(|w| w.is_changed) {
+        let wall = &base.plan.walls[moved.wall as usize];
+        let record = wall.source.record;
+        match (&wall.editable, moved.motion) {
+            (Editable::WithInsert { .. }, Some(motion)) => {
+                let edit = Edit::Insert { record, motion };
+                if !out.contains(&edit) {
+                    out.push(edit);
+                }
+            }
+            _ => out.push(Edit::Shape { record, shape: moved.shape.clone() }),
+        }
+    }
+    out
+}
+
+fn round_result(
+    input: &Input<'_>,
+    settings: &Settings,
+    study: &Study,
+    report: &Report,
+    found: Option<&Found>,
+    made: &[Made],
+    started: Instant,
+) -> RoundResult {
+    let moves = show::move_entries(&study.base);
+    let settings_map = match serde_json::to_value(settings) {
+        Ok(serde_json::Value::Object(map)) => map,
+        _ => serde_json::Map::new(),
+    };
+    let initial = result::Layout {
+        mean: show::mean_numbers(&study.initial),
+        penalty: show::penalty_numbers(&study.initial),
+    };
+    let candidates = made.iter().map(|m| candidate(settings, study, &moves, &initial.mean, m)).collect();
+    RoundResult {
+        schema: result::RESULT_SCHEMA.into(),
+        input: show::input(&study.base.plan, input.path, &input.sha256),
+        settings: settings_map,
+        counts: show::counts(study, study.edges),
+        spacing_m: study.spacing.spacing_m,
+        lattice_centre: super::lattice_centre(study),
+        initial,
+        moves,
+        objectives: found.map_or(Vec::new(), |f| f.objectives.clone()),
+        candidates,
+        diversity: distances(study, made),
+        evaluations: found.map_or(0, |f| f.evaluations),
+        seconds: started.elapsed().as_secs_f64(),
+        stopped_by: found
+            .map_or("nothing may move: the present layout was measured".into(), |f| f.stopped_by.clone()),
+        lineage: settings.lineage.iter().map(lineage).collect(),
+        problems: report.problems.iter().map(Into::into).collect(),
+    }
+}
+
+fn candidate(
+    settings: &Settings,
+    study: &Study,
+    moves: &[MoveEntry],
+    initial: &Numbers,
+    made: &Made,
+) -> Candidate {
+    let mean = show::mean_numbers(&made.worth);
+    Candidate {
+        file: format!("{}.dxf", made.name),
+        parameters: made.member.parameters.clone(),
+        words: words(moves, &made.member.parameters, &told(initial), &told(&mean)),
+        mean,
+        penalty: show::penalty_numbers(&made.worth),
+        score: Some(study.score(&made.worth, settings)),
+        within_threshold: made.member.within_threshold,
+        changes: changes(study, made),
+    }
+}
+
+/// `changes` of a candidate, each with the records of the file that differ.
+fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
+    let record_of = |e: &Edit| match e {
+        Edit::Shape { record, .. } | Edit::Insert { record, .. } => *record as u64,
+    };
+    let mut out = show::changes(&study.base, &made.layout);
+    for change in &mut out {
+        let ElementRef::Dxf { record, .. } = change.element else { continue };
+        let edit = made.edits.iter().position(|e| record_of(e) == record);
+        let Some(changed) = edit.and_then(|i| made.changed.get(i)).filter(|c| c.len() != 1) else { continue };
+        let each =
+            changed.iter().map(|c| ElementRef::Dxf { handle: c.handle.clone(), record: c.record as u64 });
+        let all: Vec<ElementRef> = std::iter::once(change.element.clone()).chain(each).collect();
+        change.element = ElementRef::Several(all);
+    }
+    out
+}
+
+/// The means that are told in words: the three of the paper.
+fn told(mean: &Numbers) -> Numbers {
+    Numbers(
+        mean.0.iter().filter(|(name, _)| Measure::MEAN.iter().any(|m| m.name() == name)).cloned().collect(),
+    )
+}
+
+fn lineage(entry: &crate::config::LineageTable) -> LineageEntry {
+    LineageEntry {
+        drawing: entry.drawing.clone(),
+        round: u64::from(entry.round),
+        candidate: Some(u64::from(entry.candidate)),
+        mean: Numbers::of(entry.initial.iter().map(|(k, v)| (k.clone(), *v))),
+        score: None,
+    }
+}
+
+fn distances(study: &Study, made: &[Made]) -> Diversity {
+    let bounds = study.base.moves.bounds();
+    let mut all = Vec::new();
+    for (i, a) in made.iter().enumerate() {
+        for b in &made[i + 1..] {
+            all.push(normalised_distance(&bounds, &a.member.parameters, &b.member.parameters));
+        }
+    }
+    let min_distance = all.iter().copied().reduce(f64::min);
+    let mean_distance = (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
+    Diversity { min_distance, mean_distance }
+}
+
+/// Values of every shown measure for the present layout and every member, with one scale a measure.
+struct Shown {
+    measure: Measure,
+    scale: Scale,
+    initial: Vec<f64>,
+    members: Vec<Vec<f64>>,
+}
+
+fn shown(settings: &Settings, study: &Study, made: &[Made]) -> Vec<Shown> {
+    let of = |measure: &Measure| {
+        let initial = show::values(study, &study.initial.tally, *measure, settings);
+        let members: Vec<Vec<f64>> =
+            made.iter().map(|m| show::values(study, &m.worth.tally, *measure, settings)).collect();
+        let scale = show::scale(initial.iter().chain(members.iter().flatten()));
+        Shown { measure: *measure, scale, initial, members }
+    };
+    SHOWN.iter().map(of).collect()
+}
+
+fn pictures(
+    input: &Input<'_>,
+    settings: &Settings,
+    study: &Study,
+    made: &[Made],
+) -> Result<Vec<OutFile>, Error> {
+    let shown = shown(settings, study, made);
+    let present = show::picture(&study.base);
+    let moved: Vec<_> = made.iter().map(|m| show::moved_picture(&study.base, &m.layout)).collect();
+    let jobs: Vec<(usize, usize)> =
+        (0..shown.len()).flat_map(|s| (0..=made.len()).map(move |m| (s, m))).collect();
+    let files = rayon_map(&jobs, |(s, m)| {
+        let of = &shown[*s];
+        let (name, picture, values, subtitle) = match m.checked_sub(1) {
+            None => ("initial".to_string(), &present, &of.initial, format!("{}, as drawn", input.file())),
+            Some(i) => {
+                let name = made[i].name.clone();
+                let subtitle = format!("{}, option {m}", input.file());
+                (name, &moved[i], &of.members[i], subtitle)
+            }
+        };
+        let png = heat_map(study, settings, picture, values, of.measure, of.scale, &subtitle)?;
+        Ok(OutFile::new(format!("{name}-{}.png", of.measure.name()), png))
+    });
+    files.into_iter().collect()
+}
+
+/// `initial.dxf` and the candidates: the drawing's own bytes with the moves and our layers.
+fn drawings(
+    input: &Input<'_>,
+    settings: &Settings,
+    study: &Study,
+    made: &[Made],
+    result: &RoundResult,
+) -> Result<Vec<OutFile>, Error> {
+    let shown = shown(settings, study, made);
+    let bounds = show::picture(&study.base).bounds;
+    let heat = |member: Option<usize>| -> Vec<Addition> {
+        let of = |s: &Shown| {
+            let values = member.map_or(&s.initial, |i| &s.members[i]);
+            let layer = heat_layer(s.measure.name());
+            heat_additions(
+                &layer,
+                &show::cells(study, values),
+                study.spacing.spacing_m,
+                s.scale,
+                show::palette(settings),
+            )
+        };
+        shown.iter().flat_map(of).collect()
+    };
+    let jobs: Vec<Option<usize>> = std::iter::once(None).chain((0..made.len()).map(Some)).collect();
+    let files = rayon_map(&jobs, |job| {
+        let mut additions = heat(*job);
+        let (name, edits) = match job {
+            None => ("initial".to_string(), Vec::new()),
+            Some(i) => {
+                let m = &made[*i];
+                let (now, before) = show::moved_strokes(&study.base, &m.layout);
+                let candidate = &result.candidates[*i];
+                let mut lines = vec![format!("Option {} of {}", i + 1, input.file())];
+                lines.extend(note_lines(
+                    &result.moves,
+                    &m.member.parameters,
+                    &told(&result.initial.mean),
+                    &told(&candidate.mean),
+                ));
+                additions.extend(moved_additions(&now, &before, &lines, bounds));
+                (m.name.clone(), m.edits.clone())
+            }
+        };
+        let additions = show::to_drawing_units(&study.base.plan, additions);
+        let bytes = dxf::patch(input.file(), &input.bytes, &edits, &additions)?;
+        Ok(OutFile::new(format!("{name}.dxf"), bytes))
+    });
+    files.into_iter().collect()
+}
+
+fn convergence(found: Option<&Found>) -> Result<Vec<u8>, Error> {
+    convergence_png(found.map_or(&[], |f| &f.series), DEFAULT_SIDE_PX)
+}
+
+fn diversity(study: &Study, made: &[Made]) -> Result<Vec<u8>, Error> {
+    let strokes: Vec<_> = made.iter().map(|m| show::moved_strokes(&study.base, &m.layout).0).collect();
+    let labels: Vec<String> = (1..=made.len()).map(|i| format!("option {i}")).collect();
+    diversity_png(&show::picture(&study.base), &strokes, &labels, DEFAULT_SIDE_PX)
+}

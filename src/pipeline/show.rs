@@ -1,0 +1,299 @@
+//! From a study to what the overlay shows: strokes, cells, result entries.
+
+use super::study::{Study, Understood, Worth, divisor};
+use crate::analysis::Tally;
+use crate::analysis::measures::entropy_bits;
+use crate::config::{Colours, Measure, Settings};
+use crate::moves::Layout;
+use crate::overlay::picture::{Cell, PlanPicture, RegionKind, RegionOutline, Stroke, StrokeKind, bounds_of};
+use crate::overlay::result::{
+    self, Change, Counts, ElementRef, Input, LayerEntry, MoveEntry, MoveKind, Numbers, RegionEntry, UnitEntry,
+};
+use crate::overlay::{Palette, Scale};
+use crate::plan::curve::{Trace, control_points};
+use crate::plan::drawing::{Addition, Mark, SourceRef};
+use crate::plan::geometry::PointUm;
+use crate::plan::markers::{Kind, place_in};
+use crate::plan::{Plan, Region};
+use crate::report::Report;
+
+/// The measures of which heat maps are made, in the order in which they are shown.
+pub const SHOWN: [Measure; 4] = [Measure::Degree, Measure::Depth, Measure::Entropy, Measure::Score];
+
+/// Colours of the settings.
+pub fn palette(settings: &Settings) -> Palette {
+    match settings.colours {
+        Colours::Safe => Palette::Viridis,
+        Colours::BlueToRed => Palette::BlueToRed,
+    }
+}
+
+/// The plan as drawn; walls that may move are marked.
+pub fn picture(base: &Understood) -> PlanPicture {
+    let stroke = |(w, wall): (usize, &crate::plan::Wall)| {
+        let movable = base.moves.walls.binary_search(&(w as u32)).is_ok();
+        let kind = if movable { StrokeKind::Movable } else { StrokeKind::Fixed };
+        stroke_of(&base.plan, &wall.trace, wall.is_solid, kind)
+    };
+    let strokes: Vec<Stroke> = base.plan.walls.iter().enumerate().map(stroke).collect();
+    let regions = regions(&base.plan);
+    let points =
+        strokes.iter().flat_map(|s| s.points.clone()).chain(regions.iter().flat_map(|r| r.points.clone()));
+    PlanPicture { bounds: bounds_of(points), strokes, regions }
+}
+
+/// The plan with the moving walls where a layout has them, and where they stood.
+pub fn moved_picture(base: &Understood, layout: &Layout) -> PlanPicture {
+    let mut out = picture(base);
+    for moved in layout.walls.iter().filter(|w| w.is_changed) {
+        let wall = moved.wall as usize;
+        out.strokes[wall].kind = StrokeKind::Before;
+        let solid = base.plan.walls[wall].is_solid;
+        out.strokes.push(stroke_of(&base.plan, &moved.trace, solid, StrokeKind::Moved));
+    }
+    out
+}
+
+/// Strokes of the changed walls of a layout: where they stand now, and where they stood.
+pub fn moved_strokes(base: &Understood, layout: &Layout) -> (Vec<Stroke>, Vec<Stroke>) {
+    let changed = layout.walls.iter().filter(|w| w.is_changed);
+    changed
+        .map(|m| {
+            let wall = &base.plan.walls[m.wall as usize];
+            let now = stroke_of(&base.plan, &m.trace, wall.is_solid, StrokeKind::Moved);
+            (now, stroke_of(&base.plan, &wall.trace, wall.is_solid, StrokeKind::Before))
+        })
+        .unzip()
+}
+
+fn stroke_of(plan: &Plan, trace: &Trace, solid: bool, kind: StrokeKind) -> Stroke {
+    let points = trace.points.iter().map(|p| plan.frame.plan_from_um(*p).to_array()).collect();
+    Stroke { points, closed: trace.is_closed, filled: solid, kind }
+}
+
+fn regions(plan: &Plan) -> Vec<RegionOutline> {
+    let outline = |region: &Region, kind| {
+        let points = region.outline().iter().map(|p| plan.frame.plan_from_um(*p).to_array()).collect();
+        RegionOutline { points, kind }
+    };
+    let marks = &plan.markers;
+    let mut out: Vec<RegionOutline> = marks.query.iter().map(|r| outline(r, RegionKind::Query)).collect();
+    out.extend(marks.reference.iter().map(|r| outline(r, RegionKind::Reference)));
+    out.extend(marks.keep.iter().map(|r| outline(r, RegionKind::Keep)));
+    out.extend(marks.groups.iter().map(|g| outline(&g.outline, RegionKind::Move)));
+    out
+}
+
+/// Values of one measure per query vertex. `Score`: Σ w_k (f_k(i) − F_k⁰)/|F_k⁰|, F⁰ the present mean.
+pub fn values(study: &Study, tally: &Tally, measure: Measure, settings: &Settings) -> Vec<f64> {
+    let n = study.lattice.query.len();
+    match measure {
+        Measure::Degree => tally.degree.iter().map(|v| f64::from(*v)).collect(),
+        Measure::Depth => tally.depth.iter().map(|v| f64::from(*v)).collect(),
+        Measure::Entropy => {
+            let mut at = 0;
+            let mut levels = |d: u32| {
+                let own = &tally.levels[at..at + d as usize];
+                at += d as usize;
+                entropy_bits(own)
+            };
+            tally.depth.iter().map(|d| levels(*d)).collect()
+        }
+        Measure::Score | Measure::Penalty => {
+            let mut out = vec![0.0; n];
+            for (m, w) in &settings.score {
+                let zero = study.initial.mean(*m);
+                for (sum, v) in out.iter_mut().zip(values(study, tally, *m, settings)) {
+                    *sum += w * (v - zero) / divisor(zero);
+                }
+            }
+            out
+        }
+    }
+}
+
+/// All vertices as cells, those of the query region with their values; plan frame.
+pub fn cells(study: &Study, values: &[f64]) -> Vec<Cell> {
+    let lattice = &study.lattice;
+    let centre = |v: usize| study.base.plan.frame.plan_from_um(lattice.centre_um(v)).to_array();
+    let mut out: Vec<Cell> =
+        (0..lattice.cells.len()).map(|v| Cell { centre: centre(v), value: None }).collect();
+    for (v, value) in lattice.query.iter().zip(values) {
+        out[*v as usize].value = Some(*value);
+    }
+    out
+}
+
+/// One scale for all layouts of a round, so that their colours compare.
+pub fn scale<'a>(all: impl Iterator<Item = &'a f64>) -> Scale {
+    let (lo, hi) =
+        all.filter(|v| v.is_finite()).fold((f64::MAX, f64::MIN), |(lo, hi), v| (lo.min(*v), hi.max(*v)));
+    if lo > hi { Scale { lo: 0.0, hi: 1.0 } } else { Scale { lo, hi } }
+}
+
+/// Plan frame to drawing units for everything that is added to a file.
+pub fn to_drawing_units(plan: &Plan, additions: Vec<Addition>) -> Vec<Addition> {
+    let point = |p: glam::DVec2| plan.frame.file_from_plan(p);
+    let convert = |mark| match mark {
+        Mark::Path { points, closed } => {
+            Mark::Path { points: points.into_iter().map(point).collect(), closed }
+        }
+        Mark::Fill { corners } => Mark::Fill { corners: corners.map(point) },
+        Mark::Text { at, height, text } => {
+            Mark::Text { at: point(at), height: height / plan.frame.metres_per_unit, text }
+        }
+    };
+    additions.into_iter().map(|a| Addition { mark: convert(a.mark), ..a }).collect()
+}
+
+/// `element` of result.json.
+pub fn element(source: &SourceRef) -> ElementRef {
+    ElementRef::Dxf { handle: source.handle.clone(), record: source.record as u64 }
+}
+
+/// `moves` of result.json.
+pub fn move_entries(base: &Understood) -> Vec<MoveEntry> {
+    let entry = |p: &crate::moves::Parameter| {
+        let group = &base.moves.groups[p.group];
+        let mut walls: Vec<u32> = group.handles.iter().map(|h| h.0).collect();
+        walls.dedup();
+        let mut elements: Vec<ElementRef> = Vec::new();
+        for w in walls {
+            let e = element(&base.plan.walls[w as usize].source);
+            if !elements.contains(&e) {
+                elements.push(e);
+            }
+        }
+        let kind = match p.clause.kind {
+            Kind::X => MoveKind::X,
+            Kind::Y => MoveKind::Y,
+            Kind::Along(_) => MoveKind::Along,
+            Kind::Rotate(_) => MoveKind::Rotate,
+            Kind::Scale(_) => MoveKind::Scale,
+        };
+        let direction_deg = if let Kind::Along(rad) = p.clause.kind { Some(rad.to_degrees()) } else { None };
+        MoveEntry {
+            name: p.group_name.clone(),
+            kind,
+            lower: p.clause.lower,
+            upper: p.clause.upper,
+            unit: p.clause.unit.clone(),
+            direction_deg,
+            elements,
+        }
+    };
+    base.moves.parameters.iter().map(entry).collect()
+}
+
+/// `changes` of one candidate: axis points in metres of the drawing frame.
+pub fn changes(base: &Understood, layout: &Layout) -> Vec<Change> {
+    let metres = |shape| {
+        let um = |p: glam::DVec2| -> PointUm { base.plan.frame.um_from_file(p) };
+        control_points(shape).into_iter().map(|p| um(p).map(|v| v as f64 / 1e6)).collect()
+    };
+    let changed = layout.walls.iter().filter(|w| w.is_changed);
+    changed
+        .map(|m| {
+            let wall = &base.plan.walls[m.wall as usize];
+            Change {
+                element: element(&wall.source),
+                host_id: None,
+                from: metres(&wall.shape),
+                to: metres(&m.shape),
+            }
+        })
+        .collect()
+}
+
+/// `input` of result.json.
+pub fn input(plan: &Plan, path: &str, sha256: &str) -> Input {
+    Input {
+        path: path.into(),
+        sha256: sha256.into(),
+        format: "dxf".into(),
+        unit: plan.unit.unit.name.into(),
+        unit_reason: plan.unit.reason.clone(),
+    }
+}
+
+/// `counts` of result.json.
+pub fn counts(study: &Study, edges: u64) -> Counts {
+    let lattice = &study.lattice;
+    Counts {
+        vertices: lattice.cells.len() as u64,
+        query: lattice.query.len() as u64,
+        reference: lattice.is_reference.iter().filter(|r| **r).count() as u64,
+        edges,
+        walls: study.all_pieces().len() as u64,
+    }
+}
+
+/// Mean measures of a layout by name.
+pub fn mean_numbers(worth: &Worth) -> Numbers {
+    Numbers::of([
+        ("degree", worth.means.degree),
+        ("depth", worth.means.depth),
+        ("entropy", worth.means.entropy),
+        ("degree_all", worth.means.degree_all),
+    ])
+}
+
+/// Penalties of a layout by name.
+pub fn penalty_numbers(worth: &Worth) -> Numbers {
+    Numbers::of([
+        ("clearance_m2", worth.clearance_m2),
+        ("wall_length_m", worth.penalties[1]),
+        ("alignment", worth.penalties[2]),
+        ("overlap", worth.penalties[3]),
+        ("disconnection", worth.disconnection),
+    ])
+}
+
+/// `enfilade.check/1`.
+pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
+    let plan = &base.plan;
+    let marks = &plan.markers;
+    let regions = [("query", &marks.query), ("reference", &marks.reference), ("keep", &marks.keep)];
+    let region = |kind: &str, r: &Region| RegionEntry {
+        kind: kind.into(),
+        area_m2: super::spacing::region_m2(r),
+        place: String::new(),
+    };
+    let mut shown: Vec<RegionEntry> =
+        regions.iter().flat_map(|(kind, list)| list.iter().map(|r| region(kind, r))).collect();
+    for g in &marks.groups {
+        let place = place_in(&plan.file, &g.source).to_string();
+        shown.push(RegionEntry {
+            kind: "move".into(),
+            area_m2: super::spacing::region_m2(&g.outline),
+            place,
+        });
+    }
+    result::CheckResult {
+        schema: result::CHECK_SCHEMA.into(),
+        file: plan.file.clone(),
+        format: "dxf".into(),
+        version: plan.version.clone(),
+        unit: UnitEntry {
+            name: plan.unit.unit.name.into(),
+            metres: plan.unit.unit.metres,
+            reason: plan.unit.reason.clone(),
+        },
+        walls: plan.walls.len() as u64,
+        openings: 0,
+        columns: plan.walls.iter().filter(|w| w.is_solid).count() as u64,
+        regions: shown,
+        moves: move_entries(base),
+        layers: plan
+            .layers
+            .iter()
+            .map(|l| LayerEntry {
+                name: l.name.clone(),
+                entities: l.entities as u64,
+                taken_as: l.role.into(),
+                reason: l.why.clone(),
+            })
+            .collect(),
+        problems: report.problems.iter().map(Into::into).collect(),
+    }
+}

@@ -1,0 +1,541 @@
+//! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use super::spacing::{self, SpacingChoice};
+use crate::analysis::evaluator::{Evaluator, Scratch};
+use crate::analysis::forest::tally;
+use crate::analysis::lattice::{CellIndex, Ground, lattice};
+use crate::analysis::measures::{Means, means};
+use crate::analysis::visibility::visibility_graph;
+use crate::analysis::{Lattice, Obstacles, Tally};
+use crate::config::{Measure, Penalty, Settings};
+use crate::formats::dxf;
+use crate::moves::{Layout, Moves, defaults};
+use crate::penalties::{self, Alignment, Clearance, Overlap, WallLength, WallPiece, disconnection};
+use crate::plan::curve::{Trace, trace_like};
+use crate::plan::drawing::Drawing;
+use crate::plan::frame::unit_by_name;
+use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
+use crate::plan::graph::Graph;
+use crate::plan::interior::Interior;
+use crate::plan::markers::{self, Group};
+use crate::plan::{Plan, PlanOptions, Region, understand};
+use crate::report::{Error, Place, Report};
+
+/// Radius r of the clearance penalty (spec 5).
+pub const CLEARANCE_RADIUS_M: f64 = 0.5;
+
+/// A drawing as understood, with what may move; the part of a study that needs no lattice.
+#[derive(Clone, Debug)]
+pub struct Understood {
+    /// The plan.
+    pub plan: Plan,
+    /// Its architectural graph.
+    pub graph: Graph,
+    /// What may move.
+    pub moves: Moves,
+    /// The building's interior, where it was needed.
+    pub interior: Option<Interior>,
+}
+
+/// Reads and understands a drawing.
+///
+/// # Errors
+/// What [`dxf::read`] and [`understand`] return; [`Error::Usage`] for settings that do not fit the drawing.
+pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) -> Result<Understood, Error> {
+    let options = dxf::ReadOptions { accept_missing_eof: settings.accept_missing_eof, ..Default::default() };
+    let drawing = dxf::read(file, bytes, &options, report)?;
+    let unit = match &settings.unit {
+        Some(name) => Some(unit_by_name(name).ok_or_else(|| {
+            let text = format!("--unit {name:?}: expected mm, cm, m, in or ft; nothing was done");
+            Error::usage("unit", Place::default(), text)
+        })?),
+        None => None,
+    };
+    let options = PlanOptions { unit, ..plan_options(settings) };
+    let mut plan = understand(&drawing, &options, report)?;
+    add_regions(&mut plan, settings)?;
+    let graph = Graph::new(&plan);
+    let all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
+    let has_moves =
+        !settings.moves.is_empty() || (!plan.markers.groups.is_empty() && !settings.ignore_move_markers);
+    let needs_inside = plan.markers.query.is_empty() || plan.markers.reference.is_empty();
+    let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
+    let interior = if needs_interior { Interior::new(&all) } else { None };
+    let moves = moves(&drawing, &plan, &graph, interior.as_ref(), settings, report)?;
+    Ok(Understood { plan, graph, moves, interior })
+}
+
+fn plan_options(settings: &Settings) -> PlanOptions {
+    PlanOptions {
+        unit: None,
+        wall_layers: settings.wall_layers.clone(),
+        query_layer: settings.query_layer.clone(),
+        reference_layer: settings.reference_layer.clone(),
+    }
+}
+
+fn add_regions(plan: &mut Plan, settings: &Settings) -> Result<(), Error> {
+    for table in &settings.regions {
+        let ring: Vec<PointUm> =
+            table.points.iter().map(|p| plan.frame.um_from_file(DVec2::from(*p))).collect();
+        let list = match table.kind.as_str() {
+            "query" => &mut plan.markers.query,
+            "reference" => &mut plan.markers.reference,
+            "keep" => &mut plan.markers.keep,
+            other => {
+                let text =
+                    format!("[[region]] kind {other:?}: expected query, reference or keep; nothing was done");
+                return Err(Error::usage("region", Place::default(), text));
+            }
+        };
+        if ring.len() < 3 {
+            let text = format!(
+                "[[region]] {}: found {} points, expected at least 3; nothing was done",
+                table.kind,
+                ring.len()
+            );
+            return Err(Error::usage("region", Place::default(), text));
+        }
+        list.push(Region::Ring(ring));
+    }
+    Ok(())
+}
+
+fn moves(
+    drawing: &Drawing,
+    plan: &Plan,
+    graph: &Graph,
+    interior: Option<&Interior>,
+    settings: &Settings,
+    report: &mut Report,
+) -> Result<Moves, Error> {
+    if !settings.moves.is_empty() {
+        let groups = side_car_groups(drawing, plan, graph, settings, report)?;
+        return Ok(Moves::new(plan, graph, &groups, report));
+    }
+    if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
+        return Ok(Moves::from_markers(plan, graph, report));
+    }
+    match interior {
+        Some(interior) if !settings.ignore_move_markers => {
+            let groups = defaults::groups(plan, graph, interior, report);
+            Ok(Moves::new(plan, graph, &groups, report))
+        }
+        _ => Ok(Moves::default()),
+    }
+}
+
+/// Side-car nodes are found again within this distance.
+pub const SIDE_CAR_NODE_M: f64 = 0.005;
+
+fn side_car_groups(
+    drawing: &Drawing,
+    plan: &Plan,
+    graph: &Graph,
+    settings: &Settings,
+    report: &mut Report,
+) -> Result<Vec<(Group, Vec<u32>)>, Error> {
+    let mut out = Vec::new();
+    for (i, table) in settings.moves.iter().enumerate() {
+        let name = table.name.clone().unwrap_or_else(|| format!("move-{}", i + 1));
+        let nodes =
+            markers::nodes_of(table.nodes.iter().map(|p| DVec2::from(*p)), plan, graph, SIDE_CAR_NODE_M);
+        let mut nodes = nodes.unwrap_or_else(|p| {
+            let text = format!(
+                "[[move]] {name:?}: no wall end within {} mm of {:?}, {:?}; that node is left out",
+                SIDE_CAR_NODE_M * 1e3,
+                p.x,
+                p.y
+            );
+            report.warn("move-node", Place::file(&plan.file), text);
+            Vec::new()
+        });
+        let layers = crate::plan::layers::WallLayers::new(&table.layers)?;
+        for (w, wall) in plan.walls.iter().enumerate() {
+            let by_handle = wall
+                .source
+                .handle
+                .as_ref()
+                .is_some_and(|h| table.handles.iter().any(|t| t.eq_ignore_ascii_case(h)));
+            if by_handle || (layers.is_by_user() && layers.reason(&wall.source.layer).is_some()) {
+                nodes.extend(&graph.control_nodes[w]);
+            }
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
+        let clauses = markers::read_clauses(&table.moves, drawing, &plan.frame).map_err(|why| {
+            Error::usage("move", Place::default(), format!("[[move]] {name:?}: {why}; nothing was done"))
+        })?;
+        let Some(first) = nodes.first() else {
+            report.warn(
+                "move-empty",
+                Place::file(&plan.file),
+                format!("[[move]] {name:?} names no wall of the drawing; nothing moves here"),
+            );
+            continue;
+        };
+        let wall = graph.handles[*first as usize][0].0;
+        let source = plan.walls[wall as usize].source.clone();
+        out.push((Group { name, outline: Region::Ring(Vec::new()), clauses, source }, nodes));
+    }
+    Ok(out)
+}
+
+/// Everything that one layout is worth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Worth {
+    /// Integer results of the query region.
+    pub tally: Tally,
+    /// Means over the query region.
+    pub means: Means,
+    /// g_j in the order of [`Penalty::ALL`]: clr² (m⁴), |ΔS| (m), alignment (rad²), overlap (m).
+    pub penalties: [f64; 4],
+    /// clr, m².
+    pub clearance_m2: f64,
+    /// (Σ u_i / (|V_q||V|))².
+    pub disconnection: f64,
+}
+
+impl Worth {
+    /// Mean of one of the three measures.
+    pub fn mean(&self, measure: Measure) -> f64 {
+        match measure {
+            Measure::Degree => self.means.degree,
+            Measure::Depth => self.means.depth,
+            Measure::Entropy => self.means.entropy,
+            Measure::Score | Measure::Penalty => f64::NAN,
+        }
+    }
+
+    /// One penalty g_j.
+    pub fn penalty(&self, penalty: Penalty) -> f64 {
+        self.penalties[Penalty::ALL.iter().position(|p| *p == penalty).unwrap_or(0)]
+    }
+}
+
+/// A study: one drawing with its lattice, ready to measure any layout of its moves.
+pub struct Study {
+    /// What was understood.
+    pub base: Understood,
+    /// The cells.
+    pub lattice: Arc<Lattice>,
+    /// Spacing and why.
+    pub spacing: SpacingChoice,
+    /// The present layout.
+    pub initial: Worth,
+    /// Edges of its visibility graph, each pair once.
+    pub edges: u64,
+    components: Vec<u32>,
+    evaluator: Evaluator,
+    cells: CellIndex,
+    /// Moves with their control points: whether the piece that starts at a control point moves.
+    piece_moves: Vec<Vec<bool>>,
+    pieces: Vec<WallPiece>,
+    /// For every moving wall the range of its pieces in `pieces`.
+    piece_ranges: Vec<(usize, usize)>,
+    clearance: Clearance,
+    wall_length: WallLength,
+    alignment: Alignment,
+    overlap: Overlap,
+}
+
+/// Reusable memory of one thread that measures.
+pub struct Bench {
+    scratch: Scratch,
+    pieces: Vec<WallPiece>,
+}
+
+impl Study {
+    /// Lays the lattice and measures the present layout.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when no cell is left or a limit is passed.
+    pub fn new(base: Understood, settings: &Settings, report: &mut Report) -> Result<Self, Error> {
+        let piece_moves = piece_moves(&base);
+        let (fixed, fixed_solids) = fixed_parts(&base, &piece_moves);
+        let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
+        let movable = moving_segments(&identity, &piece_moves);
+        let spacing = spacing::choose(&base, settings, report);
+        let spacing_um = (spacing.spacing_m * UM_PER_M).round() as i64;
+        let centre_um = settings.lattice_centre_m.unwrap_or_default().map(|v| (v * UM_PER_M).round() as i64);
+        let seeds_um: Vec<PointUm> =
+            settings.seed_points.iter().map(|p| base.plan.frame.um_from_file(DVec2::from(*p))).collect();
+        let ground = Ground {
+            file: &base.plan.file,
+            spacing_um,
+            centre_um: near(centre_um, spacing_um, &base.plan),
+            query: &base.plan.markers.query,
+            reference: &base.plan.markers.reference,
+            seeds_um: &seeds_um,
+            fixed: &fixed,
+            movable: &movable,
+            fixed_solids: &fixed_solids,
+            interior: base.interior.as_ref(),
+        };
+        let lattice = Arc::new(lattice(&ground, report)?);
+        state_interior(&base, settings, report);
+        let cells = CellIndex::new(&lattice);
+        let moving = Obstacles { blind: blind(&base, &identity, &cells), segments: movable };
+        let evaluator = Evaluator::new(Arc::clone(&lattice), &fixed, &moving);
+        let mut all = moving.clone();
+        all.segments.extend(&fixed);
+        let graph = visibility_graph(&lattice, &all);
+        let (pieces, piece_ranges) = pieces(&base, &identity, &piece_moves);
+        let layout = penalties::Layout { pieces: &pieces };
+        let mut study = Self {
+            clearance: Clearance::new(&layout, CLEARANCE_RADIUS_M),
+            wall_length: WallLength::new(&layout),
+            alignment: Alignment::new(&layout),
+            overlap: Overlap::new(&layout),
+            initial: Worth {
+                tally: Tally::default(),
+                means: means(evaluator.initial()),
+                penalties: [0.0; 4],
+                clearance_m2: 0.0,
+                disconnection: 0.0,
+            },
+            edges: graph.edge_count(),
+            components: graph.components(),
+            base,
+            lattice,
+            spacing,
+            evaluator,
+            cells,
+            piece_moves,
+            pieces,
+            piece_ranges,
+        };
+        let tally = study.evaluator.initial().clone();
+        study.initial = study.worth(tally, &study.pieces);
+        Ok(study)
+    }
+
+    /// Memory for one thread.
+    pub fn bench(&self) -> Bench {
+        Bench { scratch: self.evaluator.scratch(), pieces: self.pieces.clone() }
+    }
+
+    /// Measures the layout of one parameter vector.
+    pub fn measure(&self, p: &[f64], bench: &mut Bench) -> Worth {
+        let layout = self.base.moves.apply(&self.base.plan, &self.base.graph, p);
+        self.measure_layout(&layout, bench)
+    }
+
+    /// Measures a layout of the moving walls.
+    pub fn measure_layout(&self, layout: &Layout, bench: &mut Bench) -> Worth {
+        let moving = Obstacles {
+            segments: moving_segments(layout, &self.piece_moves),
+            blind: blind(&self.base, layout, &self.cells),
+        };
+        let tally = self.evaluator.evaluate(&moving, &mut bench.scratch);
+        for (moved, range) in layout.walls.iter().zip(&self.piece_ranges) {
+            let initial = &self.base.plan.walls[moved.wall as usize].trace;
+            let trace = trace_like(&moved.shape, initial, &self.base.plan.frame);
+            self.place(&mut bench.pieces[range.0..range.1], &trace);
+        }
+        self.worth(tally, &bench.pieces)
+    }
+
+    /// Measures a drawing that this study wrote, from its bytes and from scratch, on the study's lattice.
+    ///
+    /// # Errors
+    /// What reading returns: the written file must be readable.
+    pub fn measure_written(&self, bytes: &[u8], settings: &Settings) -> Result<Worth, Error> {
+        let plan = &self.base.plan;
+        let options =
+            dxf::ReadOptions { accept_missing_eof: settings.accept_missing_eof, ..Default::default() };
+        let mut report = Report::default();
+        let drawing = dxf::read(&plan.file, bytes, &options, &mut report)?;
+        let options = PlanOptions { unit: Some(plan.unit.unit), ..plan_options(settings) };
+        let again = understand(&drawing, &options, &mut report)?;
+        if again.walls.len() != plan.walls.len() {
+            let text = format!(
+                "{} wall elements after writing, {} before; nothing was written",
+                again.walls.len(),
+                plan.walls.len()
+            );
+            return Err(Error::input("written-walls", Place::file(&plan.file), text));
+        }
+        let mut obstacles = Obstacles::default();
+        for (w, wall) in again.walls.iter().enumerate() {
+            obstacles.segments.extend(wall.trace.segments().map(|s| s.2));
+            if plan.walls[w].is_solid && self.base.moves.walls.binary_search(&(w as u32)).is_ok() {
+                self.cells.vertices_in(&wall.trace.points, &mut obstacles.blind);
+            }
+        }
+        obstacles.blind.sort_unstable();
+        obstacles.blind.dedup();
+        let graph = visibility_graph(&self.lattice, &obstacles);
+        let mut pieces = self.pieces.clone();
+        for (w, range) in self.base.moves.walls.iter().zip(&self.piece_ranges) {
+            let trace =
+                trace_like(&again.walls[*w as usize].shape, &plan.walls[*w as usize].trace, &plan.frame);
+            self.place(&mut pieces[range.0..range.1], &trace);
+        }
+        Ok(self.worth(tally(&self.lattice, &graph, Some(&self.components)), &pieces))
+    }
+
+    fn place(&self, pieces: &mut [WallPiece], trace: &Trace) {
+        for (piece, (_, _, s)) in pieces.iter_mut().zip(trace.segments()) {
+            piece.a = self.base.plan.frame.plan_from_um(s.a);
+            piece.b = self.base.plan.frame.plan_from_um(s.b);
+        }
+    }
+
+    fn worth(&self, tally: Tally, pieces: &[WallPiece]) -> Worth {
+        let layout = penalties::Layout { pieces };
+        let clearance_m2 = self.clearance.measure_m2(&layout);
+        let penalties = [
+            clearance_m2 * clearance_m2,
+            self.wall_length.measure_m(&layout),
+            self.alignment.measure_rad2(&layout),
+            self.overlap.measure_m(&layout),
+        ];
+        let disconnection =
+            disconnection(tally.disconnected, self.lattice.query.len(), self.lattice.cells.len());
+        Worth { means: means(&tally), penalties, clearance_m2, disconnection, tally }
+    }
+
+    /// Σ v_j g_j.
+    pub fn penalty(&self, worth: &Worth, settings: &Settings) -> f64 {
+        settings.penalties.iter().map(|(p, v)| v * worth.penalty(*p)).sum()
+    }
+
+    /// Σ w_k (f_k − f_k⁰)/|f_k⁰| − Σ v_j g_j (`interface.md`; divisor 1 where f_k⁰ = 0).
+    pub fn score(&self, worth: &Worth, settings: &Settings) -> f64 {
+        let gain = |(m, w): &(Measure, f64)| {
+            let zero = self.initial.mean(*m);
+            w * (worth.mean(*m) - zero) / divisor(zero)
+        };
+        settings.score.iter().map(gain).sum::<f64>() - self.penalty(worth, settings)
+    }
+
+    /// What blocks sight in the present layout.
+    pub fn initial_obstacles(&self) -> Obstacles {
+        let walls = &self.base.plan.walls;
+        let segments = walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
+        let identity = self.base.moves.apply(&self.base.plan, &self.base.graph, &self.base.moves.identity());
+        Obstacles { segments, blind: blind(&self.base, &identity, &self.cells) }
+    }
+
+    /// All pieces of the present layout that can move or not, as segments to show.
+    pub fn all_pieces(&self) -> &[WallPiece] {
+        &self.pieces
+    }
+}
+
+/// |f⁰|, or 1 where it is 0.
+pub fn divisor(initial: f64) -> f64 {
+    if initial == 0.0 { 1.0 } else { initial.abs() }
+}
+
+fn state_interior(base: &Understood, settings: &Settings, report: &mut Report) {
+    let Some(interior) = &base.interior else { return };
+    let needs = base.plan.markers.query.is_empty() || base.plan.markers.reference.is_empty();
+    if needs && settings.seed_points.is_empty() && interior.closing_m() > 0.0 {
+        let text = format!(
+            "no region drawn and the outline is open: openings up to {} m wide were taken as closed to find the interior; \
+             EF-QUERY or --seed-point says it exactly",
+            interior.closing_m() * 2.0
+        );
+        report.info("interior-closed", Place::file(&base.plan.file), text);
+    }
+}
+
+/// The lattice centre moved by whole cells near the drawing, so that cell numbers stay small.
+fn near(centre_um: PointUm, spacing_um: i64, plan: &Plan) -> PointUm {
+    let o = plan.frame.origin_um;
+    [0, 1].map(|k| centre_um[k] + (o[k] - centre_um[k]).div_euclid(spacing_um) * spacing_um)
+}
+
+/// For every moving wall and control point: whether the piece that starts there moves.
+fn piece_moves(base: &Understood) -> Vec<Vec<bool>> {
+    let mut moving = vec![std::collections::BTreeSet::new(); base.plan.walls.len()];
+    for group in &base.moves.groups {
+        for (w, c) in &group.handles {
+            moving[*w as usize].insert(*c);
+        }
+    }
+    let of_wall = |w: &u32| {
+        let (n, set) = (base.graph.control_nodes[*w as usize].len() as u32, &moving[*w as usize]);
+        (0..n).map(|c| set.contains(&c) || set.contains(&((c + 1) % n))).collect()
+    };
+    base.moves.walls.iter().map(of_wall).collect()
+}
+
+/// Sight-blocking pieces and solid outlines that cannot move.
+fn fixed_parts(base: &Understood, piece_moves: &[Vec<bool>]) -> (Vec<Segment>, Vec<Vec<PointUm>>) {
+    let (mut segments, mut solids) = (Vec::new(), Vec::new());
+    for (w, wall) in base.plan.walls.iter().enumerate() {
+        let moving = base.moves.walls.binary_search(&(w as u32)).ok().map(|i| &piece_moves[i]);
+        for (s, moves) in pieces_of(&wall.trace, moving) {
+            if !moves {
+                segments.push(s);
+            }
+        }
+        if wall.is_solid && moving.is_none() {
+            solids.push(wall.trace.points.clone());
+        }
+    }
+    (segments, solids)
+}
+
+/// The pieces of a trace and whether each moves.
+fn pieces_of<'a>(
+    trace: &'a Trace,
+    moving: Option<&'a Vec<bool>>,
+) -> impl Iterator<Item = (Segment, bool)> + 'a {
+    let mut control = 0usize;
+    trace.segments().map(move |(i, _, s)| {
+        if let Some(c) = trace.control[i] {
+            control = c as usize;
+        }
+        (s, moving.is_some_and(|m| m.get(control).copied().unwrap_or(true)))
+    })
+}
+
+fn moving_segments(layout: &Layout, piece_moves: &[Vec<bool>]) -> Vec<Segment> {
+    let mut out = Vec::new();
+    for (wall, moving) in layout.walls.iter().zip(piece_moves) {
+        out.extend(pieces_of(&wall.trace, Some(moving)).filter(|p| p.1).map(|p| p.0));
+    }
+    out
+}
+
+/// Vertices covered by solids that can move.
+fn blind(base: &Understood, layout: &Layout, cells: &CellIndex) -> Vec<u32> {
+    let mut out = Vec::new();
+    for wall in layout.walls.iter().filter(|w| base.plan.walls[w.wall as usize].is_solid) {
+        cells.vertices_in(&wall.trace.points, &mut out);
+    }
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
+fn pieces(
+    base: &Understood,
+    identity: &Layout,
+    piece_moves: &[Vec<bool>],
+) -> (Vec<WallPiece>, Vec<(usize, usize)>) {
+    let mut out = Vec::new();
+    let mut ranges = vec![(0, 0); identity.walls.len()];
+    for (w, wall) in base.plan.walls.iter().enumerate() {
+        let moving = base.moves.walls.binary_search(&(w as u32)).ok();
+        let start = out.len();
+        let nodes = &base.graph.trace_nodes[w];
+        let moves = pieces_of(&wall.trace, moving.map(|i| &piece_moves[i])).map(|p| p.1);
+        for ((i, j, s), is_moving) in wall.trace.segments().zip(moves) {
+            let [a, b] = [s.a, s.b].map(|p| base.plan.frame.plan_from_um(p));
+            out.push(WallPiece { a, b, nodes: [nodes[i], nodes[j]], is_moving });
+        }
+        if let Some(i) = moving {
+            ranges[i] = (start, out.len());
+        }
+    }
+    (out, ranges)
+}

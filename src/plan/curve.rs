@@ -1,0 +1,188 @@
+//! Drawn shapes to straight pieces: the one place where arcs become chords.
+//!
+//! Works on shapes in drawing units and returns points of the drawing frame on whole micrometres, so
+//! that a shape written to a file and read again gives the very same pieces.
+
+use std::f64::consts::TAU;
+
+use glam::DVec2;
+
+use super::drawing::{Shape, Vertex};
+use super::frame::Frame;
+use super::geometry::{PointUm, Segment};
+
+/// Largest distance between an arc and its chords.
+pub const CHORD_ERROR_M: f64 = 0.005;
+
+/// Most chords of one full circle; reached only by arcs of some hundred metres radius.
+pub const CHORDS_PER_TURN_MAX: usize = 720;
+
+/// Fewest chords of one full circle, for small columns.
+const CHORDS_PER_TURN_MIN: usize = 16;
+
+/// A shape as straight pieces, with the pieces' ends that are control points of the shape marked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// Points in order, drawing frame, whole micrometres; a closed trace does not repeat the first.
+    pub points: Vec<PointUm>,
+    /// For each point the control point it is ([`control_points`] order), if it is one.
+    pub control: Vec<Option<u32>>,
+    /// Whether the last point is joined with the first.
+    pub is_closed: bool,
+}
+
+impl Trace {
+    /// The pieces in order; a single point gives one piece of no length.
+    pub fn segments(&self) -> impl Iterator<Item = (usize, usize, Segment)> + '_ {
+        let n = self.points.len();
+        let count = if n == 1 {
+            1
+        } else if self.is_closed {
+            n
+        } else {
+            n - 1
+        };
+        (0..count).map(move |i| {
+            let j = (i + 1) % n;
+            (i, j, Segment { a: self.points[i], b: self.points[j] })
+        })
+    }
+}
+
+/// The points by which a shape is moved, drawing units: ends, polyline vertices, a circle's centre.
+/// An arc's are its two ends.
+pub fn control_points(shape: &Shape) -> Vec<DVec2> {
+    match shape {
+        Shape::Line { a, b } => vec![*a, *b],
+        Shape::Polyline { vertices, .. } => vertices.iter().map(|v| v.at).collect(),
+        Shape::Arc { centre, radius, start_rad, end_rad } => {
+            [start_rad, end_rad].map(|t| *centre + DVec2::from_angle(*t) * *radius).to_vec()
+        }
+        Shape::Circle { centre, .. } => vec![*centre],
+    }
+}
+
+/// A shape as straight pieces within [`CHORD_ERROR_M`].
+pub fn trace(shape: &Shape, frame: &Frame) -> Trace {
+    let mut out = Trace { points: Vec::new(), control: Vec::new(), is_closed: false };
+    let mut push = |p: DVec2, control: Option<u32>| {
+        out.points.push(frame.um_from_file(p));
+        out.control.push(control);
+    };
+    match shape {
+        Shape::Line { a, b } => {
+            push(*a, Some(0));
+            push(*b, Some(1));
+        }
+        Shape::Polyline { vertices, closed } => {
+            trace_polyline(vertices, *closed, frame, &mut push);
+            out.is_closed = *closed && vertices.len() > 1;
+        }
+        Shape::Arc { centre, radius, start_rad, end_rad } => {
+            let sweep = sweep_rad(*start_rad, *end_rad);
+            let n = chords(*radius, sweep, frame);
+            for i in 0..=n {
+                let control = if i == 0 {
+                    Some(0)
+                } else if i == n {
+                    Some(1)
+                } else {
+                    None
+                };
+                push(*centre + DVec2::from_angle(start_rad + sweep * i as f64 / n as f64) * *radius, control);
+            }
+        }
+        Shape::Circle { centre, radius } => {
+            let n = chords(*radius, TAU, frame);
+            for i in 0..n {
+                push(*centre + DVec2::from_angle(TAU * i as f64 / n as f64) * *radius, None);
+            }
+            out.is_closed = true;
+        }
+    }
+    out
+}
+
+/// A shape as straight pieces, as many as `like` has: for measures that compare layouts piece by piece.
+///
+/// `shape` is a moved version of the shape that gave `like`.
+pub fn trace_like(shape: &Shape, like: &Trace, frame: &Frame) -> Trace {
+    let own = trace(shape, frame);
+    if own.points.len() == like.points.len() {
+        return own;
+    }
+    let Shape::Polyline { vertices, .. } = shape else { return own };
+    let mut out = Trace { points: Vec::new(), ..like.clone() };
+    let mut i = 0;
+    while i < like.control.len() {
+        let inner = like.control[i + 1..].iter().take_while(|c| c.is_none()).count();
+        let v = like.control[i].map_or(0, |c| c as usize);
+        let (from, to) = (vertices[v], vertices[(v + 1) % vertices.len()]);
+        out.points.push(frame.um_from_file(from.at));
+        let arc = bulge_arc(from.at, to.at, from.bulge);
+        for k in 1..=inner {
+            let t = k as f64 / (inner + 1) as f64;
+            let at = match arc {
+                Some((centre, radius, start, sweep)) => {
+                    centre + DVec2::from_angle(start + sweep * t) * radius
+                }
+                None => from.at.lerp(to.at, t),
+            };
+            out.points.push(frame.um_from_file(at));
+        }
+        i += inner + 1;
+    }
+    out
+}
+
+/// Anticlockwise sweep from `start` to `end`, in (0, 2π].
+pub fn sweep_rad(start: f64, end: f64) -> f64 {
+    let sweep = (end - start).rem_euclid(TAU);
+    if sweep == 0.0 { TAU } else { sweep }
+}
+
+fn trace_polyline(
+    vertices: &[Vertex],
+    closed: bool,
+    frame: &Frame,
+    push: &mut impl FnMut(DVec2, Option<u32>),
+) {
+    for (i, v) in vertices.iter().enumerate() {
+        push(v.at, Some(i as u32));
+        let next = match vertices.get(i + 1) {
+            Some(next) => next,
+            None if closed => &vertices[0],
+            None => break,
+        };
+        if let Some((centre, radius, start, sweep)) = bulge_arc(v.at, next.at, v.bulge) {
+            let n = chords(radius, sweep.abs(), frame);
+            for k in 1..n {
+                push(centre + DVec2::from_angle(start + sweep * k as f64 / n as f64) * radius, None);
+            }
+        }
+    }
+}
+
+/// Centre, radius, start angle and signed sweep of a bulged piece; `None` for a straight one.
+pub fn bulge_arc(a: DVec2, b: DVec2, bulge: f64) -> Option<(DVec2, f64, f64, f64)> {
+    let chord = b - a;
+    let length = chord.length();
+    if bulge.abs() < 1e-9 || length == 0.0 || !bulge.is_finite() {
+        return None;
+    }
+    let sweep = 4.0 * bulge.atan();
+    let radius = length * (1.0 + bulge * bulge) / (4.0 * bulge.abs());
+    let centre = (a + b) / 2.0 + chord.perp() * ((1.0 - bulge * bulge) / (4.0 * bulge));
+    if !radius.is_finite() || !centre.is_finite() {
+        return None;
+    }
+    Some((centre, radius, (a - centre).to_angle(), sweep))
+}
+
+fn chords(radius: f64, sweep_rad: f64, frame: &Frame) -> usize {
+    let radius_m = radius * frame.metres_per_unit;
+    let half_angle = (1.0 - (CHORD_ERROR_M / radius_m).min(1.0)).acos();
+    let per_turn = (std::f64::consts::PI / half_angle).ceil() as usize;
+    let per_turn = per_turn.clamp(CHORDS_PER_TURN_MIN, CHORDS_PER_TURN_MAX);
+    ((per_turn as f64 * sweep_rad / TAU).ceil() as usize).max(1)
+}

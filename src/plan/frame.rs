@@ -1,0 +1,127 @@
+//! Units and frames: drawing units, the drawing frame in metres or micrometres, the plan frame.
+
+use glam::DVec2;
+
+use super::drawing::{Drawing, Unit};
+use super::geometry::{PointUm, UM_PER_M};
+
+/// Beyond this distance from the drawing's zero point the plan frame gets an origin of its own, so
+/// that products of coordinates keep their digits.
+pub const FAR_ORIGIN_M: f64 = 10_000.0;
+
+/// Building sizes (longer side of the walls' box) that are believed without a word.
+pub const PLAUSIBLE_SIZE_M: [f64; 2] = [3.0, 2_000.0];
+
+/// Sizes by which a missing unit is chosen: narrower than [`PLAUSIBLE_SIZE_M`], so that exactly one of
+/// neighbouring units fits most buildings.
+const LIKELY_SIZE_M: [f64; 2] = [5.0, 400.0];
+
+/// Units the user can name, and the order in which a missing one is tried.
+pub const UNITS: [Unit; 5] = [
+    Unit { name: "m", metres: 1.0 },
+    Unit { name: "mm", metres: 0.001 },
+    Unit { name: "cm", metres: 0.01 },
+    Unit { name: "in", metres: 0.0254 },
+    Unit { name: "ft", metres: 0.3048 },
+];
+
+/// A unit by the name used on the command line, in markers and side-cars.
+pub fn unit_by_name(name: &str) -> Option<Unit> {
+    UNITS.into_iter().find(|u| u.name == name)
+}
+
+/// Which unit the drawing is read in, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnitChoice {
+    /// The unit.
+    pub unit: Unit,
+    /// Why, in plain words.
+    pub reason: String,
+    /// Whether the file did not say it and nobody confirmed it.
+    pub is_assumed: bool,
+}
+
+/// Decides the unit: the user's word, else the file's, else the likeliest for a building of this size.
+///
+/// `extent_units` is the longer side of the drawn walls in drawing units.
+pub fn choose_unit(drawing: &Drawing, user: Option<Unit>, extent_units: f64) -> UnitChoice {
+    let said = &drawing.declared_unit_words;
+    if let Some(unit) = user {
+        let reason = format!("{} as you said (the file: {said})", unit.name);
+        return UnitChoice { unit, reason, is_assumed: false };
+    }
+    if let Some(unit) = drawing.declared_unit {
+        return UnitChoice { unit, reason: format!("{} by {said}", unit.name), is_assumed: false };
+    }
+    let fits = |u: &Unit| (LIKELY_SIZE_M[0]..=LIKELY_SIZE_M[1]).contains(&(extent_units * u.metres));
+    let unit = UNITS.into_iter().find(fits).unwrap_or(UNITS[0]);
+    let size_m = extent_units * unit.metres;
+    let reason =
+        format!("{} assumed ({said}): the walls are then {size_m:.1} m long; --unit overrides it", unit.name);
+    UnitChoice { unit, reason, is_assumed: true }
+}
+
+/// How drawing units, the drawing frame and the plan frame relate.
+///
+/// *Drawing frame*: the file's coordinates times the unit; exact on whole micrometres. *Plan frame*:
+/// the drawing frame minus [`Frame::origin_um`], in metres; the same as the drawing frame unless the
+/// drawing lies farther than [`FAR_ORIGIN_M`] from its zero point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Metres in one drawing unit.
+    pub metres_per_unit: f64,
+    /// Plan-frame zero in the drawing frame.
+    pub origin_um: PointUm,
+}
+
+impl Frame {
+    /// A frame whose origin lies near the box `[lo, hi]` (drawing units) if that is far away.
+    pub fn new(metres_per_unit: f64, box_units: [DVec2; 2]) -> Self {
+        let far = (box_units[0].abs().max(box_units[1].abs()) * metres_per_unit).max_element() > FAR_ORIGIN_M;
+        let metre = |v: f64| (v * metres_per_unit).floor() as i64 * UM_PER_M as i64;
+        let origin_um = if far { [metre(box_units[0].x), metre(box_units[0].y)] } else { [0, 0] };
+        Self { metres_per_unit, origin_um }
+    }
+
+    /// Drawing units to the drawing frame, snapped to whole micrometres.
+    pub fn um_from_file(&self, p: DVec2) -> PointUm {
+        let snap = |v: f64| (v * self.metres_per_unit * UM_PER_M).round() as i64;
+        [snap(p.x), snap(p.y)]
+    }
+
+    /// Drawing frame to drawing units: reads back as the same micrometres.
+    pub fn file_from_um(&self, p: PointUm) -> DVec2 {
+        DVec2::new(
+            p[0] as f64 / UM_PER_M / self.metres_per_unit,
+            p[1] as f64 / UM_PER_M / self.metres_per_unit,
+        )
+    }
+
+    /// Drawing frame to plan frame, metres.
+    pub fn plan_from_um(&self, p: PointUm) -> DVec2 {
+        let m = |k: usize| (p[k] - self.origin_um[k]) as f64 / UM_PER_M;
+        DVec2::new(m(0), m(1))
+    }
+
+    /// Plan frame to drawing frame, snapped to whole micrometres.
+    pub fn um_from_plan(&self, p: DVec2) -> PointUm {
+        let um = |v: f64, k: usize| (v * UM_PER_M).round() as i64 + self.origin_um[k];
+        [um(p.x, 0), um(p.y, 1)]
+    }
+
+    /// Drawing units to plan frame, metres, snapped.
+    pub fn plan_from_file(&self, p: DVec2) -> DVec2 {
+        self.plan_from_um(self.um_from_file(p))
+    }
+
+    /// Plan frame to drawing units.
+    pub fn file_from_plan(&self, p: DVec2) -> DVec2 {
+        self.file_from_um(self.um_from_plan(p))
+    }
+
+    /// Plan frame to the drawing frame in metres, as result.json states points.
+    pub fn drawing_m_from_plan(&self, p: DVec2) -> [f64; 2] {
+        let um = self.um_from_plan(p);
+        [um[0] as f64 / UM_PER_M, um[1] as f64 / UM_PER_M]
+    }
+}

@@ -1,0 +1,265 @@
+//! Where the building's interior is, when no region says so.
+//!
+//! The interior is what cannot be reached from outside. Real plans leave the entrance open, so the
+//! outline is closed for a disc that is too wide for doors: the smallest of [`CLOSING_M`] that encloses
+//! a building. Computed on a raster of its own, because a lattice may be far coarser than a door.
+
+use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
+
+/// Half widths of the openings that count as closed, metres, tried in order; 0 is the exact flood.
+pub const CLOSING_M: [f64; 4] = [0.0, 0.6, 1.25, 2.5];
+
+/// A closing is enough when it encloses this share of what the widest one encloses.
+const ENOUGH: f64 = 0.5;
+
+/// An enclosed part that is nowhere farther than this from a wall is a cavity inside a wall (the same
+/// measure by which an outline is solid).
+pub const CAVITY_HALF_WIDTH_M: f64 = 0.5;
+
+/// Finest pixel.
+const PIXEL_MIN_M: f64 = 0.05;
+
+/// Pixels along the longer side.
+const PIXELS_ALONG: f64 = 900.0;
+
+/// The interior of a plan on a raster.
+#[derive(Clone, Debug)]
+pub struct Interior {
+    origin_um: PointUm,
+    pixel_um: i64,
+    cols: usize,
+    rows: usize,
+    closing_m: f64,
+    inside: Vec<bool>,
+    cavity: Vec<bool>,
+    outside_far: Vec<f32>,
+}
+
+impl Interior {
+    /// Finds the interior of the walls as they stand. `None` without walls.
+    pub fn new(walls: &[Segment]) -> Option<Self> {
+        let mut raster = Raster::new(walls)?;
+        raster.draw(walls);
+        let to_wall = distance_px(&raster.wall, raster.cols, raster.rows);
+        let enclosed: Vec<(f64, Vec<bool>)> =
+            CLOSING_M.iter().map(|c| (*c, raster.enclosed(&to_wall, *c))).collect();
+        let count =
+            |inside: &[bool]| inside.iter().zip(&to_wall).filter(|(i, d)| **i && **d > 0.0).count() as f64;
+        let widest = enclosed.last().map_or(0.0, |e| count(&e.1));
+        let (closing_m, inside) = enclosed.into_iter().find(|e| count(&e.1) >= ENOUGH * widest)?;
+        let cavity = raster.cavities(&inside, &to_wall);
+        let outside: Vec<bool> = inside.iter().map(|i| !i).collect();
+        let outside_far = distance_px(&outside, raster.cols, raster.rows);
+        Some(Self {
+            origin_um: raster.origin_um,
+            pixel_um: raster.pixel_um,
+            cols: raster.cols,
+            rows: raster.rows,
+            closing_m,
+            inside,
+            cavity,
+            outside_far,
+        })
+    }
+
+    /// Half width of the openings that were taken as closed; 0 when the outline is closed as drawn.
+    pub fn closing_m(&self) -> f64 {
+        self.closing_m
+    }
+
+    /// Whether the point lies inside the building (walls included).
+    pub fn contains(&self, p: PointUm) -> bool {
+        self.pixel(p).is_some_and(|i| self.inside[i])
+    }
+
+    /// Whether the point lies in a cavity inside a wall.
+    pub fn is_cavity(&self, p: PointUm) -> bool {
+        self.pixel(p).is_some_and(|i| self.cavity[i])
+    }
+
+    /// Distance to the nearest point outside the building, metres; 0 outside.
+    pub fn depth_m(&self, p: PointUm) -> f64 {
+        self.pixel(p).map_or(0.0, |i| f64::from(self.outside_far[i]) * self.pixel_um as f64 / UM_PER_M)
+    }
+
+    /// Enclosed area without cavities, m².
+    pub fn area_m2(&self) -> f64 {
+        let pixels = self.inside.iter().zip(&self.cavity).filter(|(i, c)| **i && !**c).count();
+        pixels as f64 * (self.pixel_um as f64 / UM_PER_M).powi(2)
+    }
+
+    fn pixel(&self, p: PointUm) -> Option<usize> {
+        let k = |k: usize| (p[k] - self.origin_um[k]).div_euclid(self.pixel_um);
+        let (c, r) = (k(0), k(1));
+        let inside = c >= 0 && r >= 0 && c < self.cols as i64 && r < self.rows as i64;
+        inside.then(|| c as usize * self.rows + r as usize)
+    }
+}
+
+struct Raster {
+    origin_um: PointUm,
+    pixel_um: i64,
+    cols: usize,
+    rows: usize,
+    wall: Vec<bool>,
+}
+
+impl Raster {
+    fn new(walls: &[Segment]) -> Option<Self> {
+        let (mut lo, mut hi) = ([i64::MAX; 2], [i64::MIN; 2]);
+        for p in walls.iter().flat_map(|w| [w.a, w.b]) {
+            for k in 0..2 {
+                lo[k] = lo[k].min(p[k]);
+                hi[k] = hi[k].max(p[k]);
+            }
+        }
+        if walls.is_empty() {
+            return None;
+        }
+        let long = (hi[0] - lo[0]).max(hi[1] - lo[1]) as f64;
+        let pixel_um = (long / PIXELS_ALONG).max(PIXEL_MIN_M * UM_PER_M) as i64;
+        // Room for the widest disc all round.
+        let pad = (CLOSING_M[CLOSING_M.len() - 1] * UM_PER_M) as i64 / pixel_um + 3;
+        let size = |k: usize| ((hi[k] - lo[k]) / pixel_um + 2 * pad + 1) as usize;
+        let (cols, rows) = (size(0), size(1));
+        let origin_um = [lo[0] - pad * pixel_um, lo[1] - pad * pixel_um];
+        Some(Self { origin_um, pixel_um, cols, rows, wall: vec![false; cols * rows] })
+    }
+
+    fn draw(&mut self, walls: &[Segment]) {
+        for w in walls {
+            let d = [(w.b[0] - w.a[0]) as f64, (w.b[1] - w.a[1]) as f64];
+            let steps = (d[0].abs().max(d[1].abs()) / self.pixel_um as f64 * 2.0).ceil().max(1.0) as i64;
+            for i in 0..=steps {
+                let t = i as f64 / steps as f64;
+                let at = |k: usize| {
+                    (w.a[k] + (d[k] * t) as i64 - self.origin_um[k]).div_euclid(self.pixel_um) as usize
+                };
+                let (c, r) = (at(0), at(1));
+                self.wall[c * self.rows + r] = true;
+            }
+        }
+    }
+
+    /// Pixels that a disc of radius `closing_m` rolling in from the border never covers.
+    fn enclosed(&self, to_wall: &[f32], closing_m: f64) -> Vec<bool> {
+        let radius_px = (closing_m * UM_PER_M / self.pixel_um as f64) as f32;
+        let free = |i: usize| !self.wall[i] && to_wall[i] > radius_px;
+        let mut outside = vec![false; self.wall.len()];
+        let mut stack = vec![0usize];
+        outside[0] = true;
+        while let Some(i) = stack.pop() {
+            let (c, r) = (i / self.rows, i % self.rows);
+            let mut visit = |j: usize| {
+                if !outside[j] && free(j) {
+                    outside[j] = true;
+                    stack.push(j);
+                }
+            };
+            if c > 0 {
+                visit(i - self.rows);
+            }
+            if c + 1 < self.cols {
+                visit(i + self.rows);
+            }
+            if r > 0 {
+                visit(i - 1);
+            }
+            if r + 1 < self.rows {
+                visit(i + 1);
+            }
+        }
+        if closing_m == 0.0 {
+            return outside.iter().map(|o| !o).collect();
+        }
+        let to_outside = distance_px(&outside, self.cols, self.rows);
+        to_outside.iter().map(|d| *d > radius_px).collect()
+    }
+
+    /// Enclosed parts that are nowhere far from a wall.
+    fn cavities(&self, inside: &[bool], to_wall: &[f32]) -> Vec<bool> {
+        let reach = (CAVITY_HALF_WIDTH_M * UM_PER_M / self.pixel_um as f64) as f32;
+        let mut cavity = vec![false; inside.len()];
+        let mut seen = vec![false; inside.len()];
+        let open = |i: usize| inside[i] && !self.wall[i];
+        for start in 0..inside.len() {
+            if seen[start] || !open(start) {
+                continue;
+            }
+            let (mut part, mut next, mut widest) = (vec![start], 0, 0.0_f32);
+            seen[start] = true;
+            while next < part.len() {
+                let i = part[next];
+                next += 1;
+                widest = widest.max(to_wall[i]);
+                let (c, r) = (i / self.rows, i % self.rows);
+                let around = [
+                    (c > 0, i.wrapping_sub(self.rows)),
+                    (c + 1 < self.cols, i + self.rows),
+                    (r > 0, i.wrapping_sub(1)),
+                    (r + 1 < self.rows, i + 1),
+                ];
+                for (_, j) in around.into_iter().filter(|a| a.0) {
+                    if !seen[j] && open(j) {
+                        seen[j] = true;
+                        part.push(j);
+                    }
+                }
+            }
+            if widest <= reach {
+                part.iter().for_each(|i| cavity[*i] = true);
+            }
+        }
+        cavity
+    }
+}
+
+/// Distance of every pixel to the nearest marked one, in pixels (Felzenszwalb & Huttenlocher 2012).
+fn distance_px(marked: &[bool], cols: usize, rows: usize) -> Vec<f32> {
+    let far = ((cols + rows) * (cols + rows)) as f64;
+    let mut grid: Vec<f64> = marked.iter().map(|m| if *m { 0.0 } else { far }).collect();
+    for column in grid.chunks_mut(rows) {
+        let squared = lower_envelope(column);
+        column.copy_from_slice(&squared);
+    }
+    let mut line = vec![0.0; cols];
+    for r in 0..rows {
+        for c in 0..cols {
+            line[c] = grid[c * rows + r];
+        }
+        for (c, v) in lower_envelope(&line).into_iter().enumerate() {
+            grid[c * rows + r] = v;
+        }
+    }
+    grid.into_iter().map(|v| v.sqrt() as f32).collect()
+}
+
+fn lower_envelope(f: &[f64]) -> Vec<f64> {
+    let n = f.len();
+    let (mut v, mut z) = (vec![0usize; n], vec![0.0; n + 1]);
+    let mut k = 0;
+    (z[0], z[1]) = (f64::NEG_INFINITY, f64::INFINITY);
+    let crossing = |q: usize, p: usize| {
+        ((f[q] + (q * q) as f64) - (f[p] + (p * p) as f64)) / (2.0 * q as f64 - 2.0 * p as f64)
+    };
+    for q in 1..n {
+        let mut s = crossing(q, v[k]);
+        while s <= z[k] {
+            k -= 1;
+            s = crossing(q, v[k]);
+        }
+        k += 1;
+        v[k] = q;
+        z[k] = s;
+        z[k + 1] = f64::INFINITY;
+    }
+    k = 0;
+    (0..n)
+        .map(|q| {
+            while z[k + 1] < q as f64 {
+                k += 1;
+            }
+            (q as f64 - v[k] as f64).powi(2) + f[v[k]]
+        })
+        .collect()
+}

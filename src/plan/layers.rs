@@ -1,0 +1,267 @@
+//! Which layers carry walls, by name.
+
+use globset::{GlobBuilder, GlobMatcher};
+
+use crate::report::{Error, Place};
+
+/// Layers of ours start with this.
+pub const OWN_PREFIX: &str = "EF-";
+
+/// Words that name walls and columns in the layer names of several languages, lower case; compared
+/// with the words of a layer's name (`A-WALL-FULL` has the words `a`, `wall`, `full`).
+const WALL_WORDS: &[&str] = &[
+    "wall",
+    "walls",
+    "partition",
+    "partitions",
+    "column",
+    "columns",
+    "col",
+    "cols",
+    "pillar",
+    "pillars", // English, AIA
+    "wand",
+    "wande",
+    "wände",
+    "waende",
+    "mauer",
+    "mauern",
+    "mauerwerk",
+    "stütze",
+    "stützen",
+    "stuetze",
+    "stuetzen",
+    "pfeiler",
+    "säule",
+    "säulen", // German
+    "mur",
+    "murs",
+    "cloison",
+    "cloisons",
+    "poteau",
+    "poteaux", // French
+    "muro",
+    "muri",
+    "muratura",
+    "murature",
+    "tramezzo",
+    "tramezzi",
+    "parete",
+    "pareti",
+    "pilastro",
+    "pilastri",
+    "pianta",
+    // Italian
+    "muros",
+    "tabique",
+    "tabiques",
+    "pared",
+    "paredes",
+    "pilar",
+    "pilares", // Spanish
+    "parede",
+    "alvenaria",
+    "alvenarias", // Portuguese
+    "muur",
+    "muren",
+    "wanden", // Dutch
+    "vegg",
+    "vegger",
+    "vägg",
+    "väggar",
+    "væg",
+    "seinä",
+    "seinät", // Nordic
+    "ściana",
+    "ściany",
+    "sciana",
+    "sciany",
+    "stena",
+    "steny",
+    "zeď",
+    "zdivo",
+    "fal",
+    "falak",
+    "duvar",
+    "duvarlar", // Central Europe, Turkish
+    "стена",
+    "стены",
+    "перегородка",
+    "перегородки", // Russian
+    "壁",
+    "柱",
+    "墙",
+    "墙体",
+    "柱子", // Japanese, Chinese
+];
+
+/// Ends of compound words that name walls: `Außenwand`, `Innenwände`.
+const WALL_ENDINGS: &[&str] = &["wand", "wände", "waende", "mauer", "mauern", "muur", "vegg", "vägg"];
+
+/// Words that keep a layer out although a wall word stands in its name.
+const NOT_WALL_WORDS: &[&str] = &[
+    "text",
+    "txt",
+    "anno",
+    "iden",
+    "dim",
+    "dims",
+    "dimension",
+    "hatch",
+    "patt",
+    "pattern",
+    "fill",
+    "grid",
+    "axis",
+    "door",
+    "doors",
+    "window",
+    "windows",
+    "glaz",
+    "glazing",
+    "clng",
+    "ceiling",
+    "roof",
+    "foundation",
+    "fndn",
+    "demo",
+    "note",
+    "notes",
+    "tag",
+    "tags",
+    "schraffur",
+    "text",
+    "cotes",
+    "hachures",
+    "quote",
+    "furniture",
+];
+
+/// Decides by name which layers carry walls.
+#[derive(Clone, Debug)]
+pub struct WallLayers {
+    user: Vec<(String, GlobMatcher)>,
+}
+
+impl WallLayers {
+    /// `globs`: the user's patterns (case-insensitive, `*` and `?`); empty for the default words.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a pattern that cannot be read.
+    pub fn new(globs: &[String]) -> Result<Self, Error> {
+        let compile = |glob: &String| {
+            let built = GlobBuilder::new(glob).case_insensitive(true).backslash_escape(true).build();
+            built.map(|g| (glob.clone(), g.compile_matcher())).map_err(|e| {
+                let text =
+                    format!("--wall-layer {glob:?}: {e}; expected a layer name in which * and ? may stand");
+                Error::usage("wall-layer-pattern", Place::default(), text)
+            })
+        };
+        Ok(Self { user: globs.iter().map(compile).collect::<Result<_, _>>()? })
+    }
+
+    /// Whether the user chose the layers.
+    pub fn is_by_user(&self) -> bool {
+        !self.user.is_empty()
+    }
+
+    /// Why `layer` carries walls, or `None` if it does not.
+    pub fn reason(&self, layer: &str) -> Option<String> {
+        if is_own(layer) {
+            return None;
+        }
+        if self.is_by_user() {
+            let hit = self.user.iter().find(|(_, m)| m.is_match(layer) || m.is_match(base_name(layer)));
+            return hit.map(|(glob, _)| format!("matches --wall-layer {glob}"));
+        }
+        let words = words(base_name(layer));
+        if words.iter().any(|w| NOT_WALL_WORDS.contains(&w.as_str())) {
+            return None;
+        }
+        let is_wall = |w: &str| WALL_WORDS.contains(&w) || WALL_ENDINGS.iter().any(|end| w.ends_with(end));
+        let hit = words.iter().find(|w| is_wall(w))?;
+        Some(format!("its name has the word {hit:?}"))
+    }
+}
+
+/// Whether a layer is one of ours.
+pub fn is_own(layer: &str) -> bool {
+    layer.get(..OWN_PREFIX.len()).is_some_and(|p| p.eq_ignore_ascii_case(OWN_PREFIX))
+}
+
+/// The layer's name without the prefix of a bound (`xref$0$A-WALL`) or attached (`xref|A-WALL`)
+/// external reference.
+pub fn base_name(layer: &str) -> &str {
+    let after_bar = layer.rsplit('|').next().unwrap_or(layer);
+    match after_bar.rmatch_indices('$').next() {
+        Some((i, _)) if after_bar[..i].contains('$') => &after_bar[i + 1..],
+        _ => after_bar,
+    }
+}
+
+fn words(name: &str) -> Vec<String> {
+    let mut out = vec![String::new()];
+    let mut last_lower = false;
+    for c in name.chars() {
+        if !c.is_alphabetic() {
+            out.push(String::new());
+        } else {
+            if c.is_uppercase() && last_lower {
+                out.push(String::new());
+            }
+            if let Some(word) = out.last_mut() {
+                word.extend(c.to_lowercase());
+            }
+        }
+        last_lower = c.is_lowercase();
+    }
+    out.retain(|w| !w.is_empty());
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_of_many_offices() {
+        let walls = [
+            "WALLS",
+            "A-WALL",
+            "A-WALL-FULL-DIMS2",
+            "xref-Bishop$0$A-WALL",
+            "plan|Wand",
+            "Wand (neu)",
+            "MURS",
+            "wall high",
+        ];
+        let more = ["Wall_2", "innenWand", "Pillars", "S-COLS", "PIANTA", "_0-9_壁__窓", "Außenwände"];
+        let default = WallLayers::new(&[]).unwrap();
+        for layer in walls {
+            assert!(default.reason(layer).is_some(), "{layer}");
+        }
+        for (layer, expected) in more.into_iter().zip([true; 7]) {
+            assert_eq!(default.reason(layer).is_some(), expected, "{layer}");
+        }
+        for layer in [
+            "0",
+            "Doors",
+            "A-WALL-PATT",
+            "A-DOOR",
+            "EF-MOVE",
+            "Wallpaper",
+            "A-GLAZ-WALL-TEXT",
+            "dimension walls",
+        ] {
+            assert!(default.reason(layer).is_none(), "{layer}");
+        }
+    }
+
+    #[test]
+    fn the_users_pattern_replaces_the_words() {
+        let chosen = WallLayers::new(&["0".into(), "*open*".into()]).unwrap();
+        assert!(chosen.reason("0").is_some() && chosen.reason("x$0$A-OPENING").is_some());
+        assert!(chosen.reason("WALLS").is_none() && chosen.reason("EF-open").is_none());
+        assert!(WallLayers::new(&["[".into()]).is_err());
+    }
+}

@@ -1,0 +1,348 @@
+//! What the user drew on our layers: regions, moves, what to keep (spec 9).
+
+use glam::DVec2;
+
+use super::curve::{self, control_points};
+use super::drawing::{Drawing, Entity, Shape, SourceRef, Text, Unit};
+use super::frame::{Frame, unit_by_name};
+use super::geometry::{PointUm, Side, side_of_ring};
+use super::{PlanOptions, Region};
+use crate::report::{Place, Report};
+
+/// Region of query.
+pub const QUERY: &str = "EF-QUERY";
+/// Region of reference.
+pub const REFERENCE: &str = "EF-REFERENCE";
+/// Groups that may move.
+pub const MOVE: &str = "EF-MOVE";
+/// What must stay.
+pub const KEEP: &str = "EF-KEEP";
+
+/// Whether a layer holds marks of the user's.
+pub fn is_marker(layer: &str) -> bool {
+    [QUERY, REFERENCE, MOVE, KEEP].iter().any(|m| m.eq_ignore_ascii_case(layer))
+}
+
+/// A transformation `g_i` of the parametrisation (spec 2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// Shift along x.
+    X,
+    /// Shift along y.
+    Y,
+    /// Shift along a direction, radians anticlockwise from +x.
+    Along(f64),
+    /// Turn about a point (drawing units), or about the centroid of the group's nodes.
+    Rotate(Option<DVec2>),
+    /// Scale about a point (drawing units), or about the centroid of the group's nodes.
+    Scale(Option<DVec2>),
+}
+
+impl Kind {
+    /// Name in result.json.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Along(_) => "along",
+            Self::Rotate(_) => "rotate",
+            Self::Scale(_) => "scale",
+        }
+    }
+
+    /// The parameter value that changes nothing.
+    pub fn identity(self) -> f64 {
+        if matches!(self, Self::Scale(_)) { 1.0 } else { 0.0 }
+    }
+}
+
+/// One clause of a group's text: a parameter with its bounds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clause {
+    /// The transformation.
+    pub kind: Kind,
+    /// Lower bound, in `unit`.
+    pub lower: f64,
+    /// Upper bound, in `unit`.
+    pub upper: f64,
+    /// `mm`, `m` … for shifts, `deg` for turns, empty for scales.
+    pub unit: String,
+    /// Metres, radians or 1 in one `unit`.
+    pub si_per_unit: f64,
+}
+
+/// A group of nodes and how they may move.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Name given by the user, or `move-3`.
+    pub name: String,
+    /// The closed outline that encloses the nodes.
+    pub outline: Region,
+    /// Parameters in declared order.
+    pub clauses: Vec<Clause>,
+    /// The outline's entity.
+    pub source: SourceRef,
+}
+
+/// All marks of a drawing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Markers {
+    /// `EF-QUERY`.
+    pub query: Vec<Region>,
+    /// `EF-REFERENCE`.
+    pub reference: Vec<Region>,
+    /// `EF-KEEP`.
+    pub keep: Vec<Region>,
+    /// `EF-MOVE`, in the order of their outlines in the file.
+    pub groups: Vec<Group>,
+}
+
+impl Markers {
+    /// Whether a mark lies inside the ring: such a ring is walls round a space.
+    pub fn lies_in(&self, ring: &[PointUm]) -> bool {
+        let regions = self.query.iter().chain(&self.reference).chain(&self.keep);
+        let groups = self.groups.iter().map(|g| &g.outline);
+        regions.chain(groups).any(|r| r.outline().iter().all(|p| side_of_ring(ring, *p) == Side::Inside))
+    }
+}
+
+/// Reads all marks; what cannot be used is reported and left out.
+pub fn read(drawing: &Drawing, options: &PlanOptions, frame: &Frame, report: &mut Report) -> Markers {
+    let query = options.query_layer.as_deref().unwrap_or(QUERY);
+    let reference = options.reference_layer.as_deref().unwrap_or(REFERENCE);
+    let mut out = Markers::default();
+    let mut outlines: Vec<(Region, &Entity)> = Vec::new();
+    for e in &drawing.entities {
+        let on = |layer: &str| layer.eq_ignore_ascii_case(&e.layer);
+        if !(on(query) || on(reference) || on(KEEP) || on(MOVE)) {
+            continue;
+        }
+        let Some(region) = region_of(e, frame) else {
+            let text = "found an outline that is not closed, expected a closed polyline or a circle; ignored";
+            report.warn("marker-open", place(drawing, &e.source), text);
+            continue;
+        };
+        match () {
+            () if on(query) => out.query.push(region),
+            () if on(reference) => out.reference.push(region),
+            () if on(KEEP) => out.keep.push(region),
+            () => outlines.push((region, e)),
+        }
+    }
+    out.groups = groups(drawing, &outlines, frame, report);
+    out
+}
+
+/// `LWPOLYLINE 2F3 layer EF-MOVE` at its line.
+pub fn place(drawing: &Drawing, source: &SourceRef) -> Place {
+    place_in(&drawing.file, source)
+}
+
+/// The place of an entity in a file shown as `file`.
+pub fn place_in(file: &str, source: &SourceRef) -> Place {
+    let handle = source.handle.as_deref().map(|h| format!(" {h}")).unwrap_or_default();
+    Place::line(file, source.line).entity(format!("{}{handle} layer {}", source.kind, source.layer))
+}
+
+fn region_of(entity: &Entity, frame: &Frame) -> Option<Region> {
+    if let Shape::Circle { centre, radius } = &entity.shape {
+        let radius_um = frame.um_from_file(DVec2::new(*radius, 0.0))[0];
+        return Some(Region::Disc { centre: frame.um_from_file(*centre), radius_um });
+    }
+    let mut trace = curve::trace(&entity.shape, frame);
+    if !trace.is_closed && trace.points.len() > 3 && trace.points.first() == trace.points.last() {
+        trace.points.pop();
+        trace.is_closed = true;
+    }
+    (trace.is_closed && trace.points.len() >= 3).then_some(Region::Ring(trace.points))
+}
+
+fn groups(
+    drawing: &Drawing,
+    outlines: &[(Region, &Entity)],
+    frame: &Frame,
+    report: &mut Report,
+) -> Vec<Group> {
+    let mut texts: Vec<Vec<&Text>> = vec![Vec::new(); outlines.len()];
+    for text in drawing.texts.iter().filter(|t| t.layer.eq_ignore_ascii_case(MOVE)) {
+        let at = frame.um_from_file(text.at);
+        let holder = (0..outlines.len()).filter(|i| outlines[*i].0.contains(at));
+        match holder.min_by(|a, b| extent(outlines[*a].1).total_cmp(&extent(outlines[*b].1))) {
+            Some(i) => texts[i].push(text),
+            None => {
+                let words = format!("{:?} stands inside no closed outline of the layer; ignored", text.text);
+                report.warn("move-text-alone", place(drawing, &text.source), words);
+            }
+        }
+    }
+    let mut out = Vec::new();
+    for (i, (outline, entity)) in outlines.iter().enumerate() {
+        let mut group = Group {
+            name: format!("move-{}", i + 1),
+            outline: outline.clone(),
+            clauses: Vec::new(),
+            source: entity.source.clone(),
+        };
+        for text in &texts[i] {
+            for clause in text.text.split([';', '\n']).map(str::trim).filter(|c| !c.is_empty()) {
+                if let Err(why) = read_clause(clause, frame, drawing, &mut group) {
+                    let words = format!("{clause:?}: {why}; this clause is ignored");
+                    report.warn("move-clause", place(drawing, &text.source), words);
+                }
+            }
+        }
+        if group.clauses.is_empty() {
+            let words = "found no text inside that says how the group moves, expected for example `x -1 1; rotate -15 15`; \
+                         the group stays";
+            report.warn("move-without-text", place(drawing, &entity.source), words);
+        } else {
+            out.push(group);
+        }
+    }
+    out
+}
+
+/// Reads all clauses of a side-car's `moves`.
+///
+/// # Errors
+/// What is wrong with the first bad clause.
+pub fn read_clauses(text: &str, drawing: &Drawing, frame: &Frame) -> Result<Vec<Clause>, String> {
+    let source = SourceRef { record: 0, handle: None, line: 0, kind: String::new(), layer: String::new() };
+    let outline = Region::Ring(Vec::new());
+    let mut group = Group { name: String::new(), outline, clauses: Vec::new(), source };
+    for clause in text.split([';', '\n']).map(str::trim).filter(|c| !c.is_empty()) {
+        read_clause(clause, frame, drawing, &mut group).map_err(|why| format!("{clause:?}: {why}"))?;
+    }
+    if group.clauses.is_empty() { Err("`moves` is empty".into()) } else { Ok(group.clauses) }
+}
+
+/// Nodes of the graph at the given points (drawing units), ascending.
+///
+/// # Errors
+/// The first point that has no node within `within_m`.
+pub fn nodes_of(
+    points: impl Iterator<Item = DVec2>,
+    plan: &super::Plan,
+    graph: &super::graph::Graph,
+    within_m: f64,
+) -> Result<Vec<u32>, DVec2> {
+    let mut out = Vec::new();
+    for p in points {
+        let at = plan.frame.plan_from_file(p);
+        let nearest = (0..graph.nodes.len()).min_by(|a, b| {
+            graph.nodes[*a].distance_squared(at).total_cmp(&graph.nodes[*b].distance_squared(at))
+        });
+        match nearest.filter(|n| graph.nodes[*n].distance(at) <= within_m) {
+            Some(n) => out.push(n as u32),
+            None => return Err(p),
+        }
+    }
+    out.sort_unstable();
+    out.dedup();
+    Ok(out)
+}
+
+fn extent(entity: &Entity) -> f64 {
+    let points = control_points(&entity.shape).into_iter();
+    let radius = if let Shape::Circle { radius, .. } = entity.shape { radius * 2.0 } else { 0.0 };
+    super::box_of(points).map_or(0.0, |[lo, hi]| (hi - lo).length()).max(radius)
+}
+
+fn read_clause(clause: &str, frame: &Frame, drawing: &Drawing, group: &mut Group) -> Result<(), String> {
+    let words: Vec<&str> = clause.split_whitespace().collect();
+    let expected = "expected `x LOW HIGH`, `y LOW HIGH`, `along DEGREES LOW HIGH`, `rotate LOW HIGH [about X,Y]`, \
+                    `scale LOW HIGH [about X,Y]` or `name WORD`";
+    let Some((head, rest)) = words.split_first() else { return Ok(()) };
+    match (head.to_lowercase().as_str(), rest) {
+        ("name", name) if !name.is_empty() => {
+            group.name = name.join(" ");
+            Ok(())
+        }
+        ("x", [low, high]) => shift(Kind::X, low, high, frame, drawing, group),
+        ("y", [low, high]) => shift(Kind::Y, low, high, frame, drawing, group),
+        ("along", [angle, low, high]) => {
+            shift(Kind::Along(number(angle)?.to_radians()), low, high, frame, drawing, group)
+        }
+        ("rotate", [low, high, about @ ..]) => {
+            let unit = ("deg".to_string(), 1f64.to_radians());
+            let turn = |s: &str| number(s.trim_end_matches("deg").trim_end_matches('°'));
+            push(Kind::Rotate(centre(about)?), turn(low)?, turn(high)?, unit, group)
+        }
+        ("scale", [low, high, about @ ..]) => {
+            let (low, high) = (number(low)?, number(high)?);
+            if low <= 0.0 {
+                return Err(format!("found a factor of {low}, expected factors above 0"));
+            }
+            push(Kind::Scale(centre(about)?), low, high, (String::new(), 1.0), group)
+        }
+        _ => Err(expected.into()),
+    }
+}
+
+fn shift(
+    kind: Kind,
+    low: &str,
+    high: &str,
+    frame: &Frame,
+    drawing: &Drawing,
+    group: &mut Group,
+) -> Result<(), String> {
+    let own = drawing_unit(frame, drawing);
+    let (low, low_unit) = length(low)?;
+    let (high, high_unit) = length(high)?;
+    let unit = high_unit.or(low_unit).unwrap_or(own);
+    let to_unit =
+        |v: f64, u: Option<Unit>| u.map_or(v * own.metres / unit.metres, |u| v * u.metres / unit.metres);
+    let same = |u: Option<Unit>| u.unwrap_or(own).metres == unit.metres;
+    let low = if same(low_unit) { low } else { to_unit(low, low_unit) };
+    let high = if same(high_unit) { high } else { to_unit(high, high_unit) };
+    push(kind, low, high, (unit.name.to_string(), unit.metres), group)
+}
+
+fn drawing_unit(frame: &Frame, drawing: &Drawing) -> Unit {
+    let known = drawing.declared_unit.filter(|u| u.metres == frame.metres_per_unit);
+    let named = || super::frame::UNITS.into_iter().find(|u| u.metres == frame.metres_per_unit);
+    known.or_else(named).unwrap_or(Unit { name: "units", metres: frame.metres_per_unit })
+}
+
+fn push(kind: Kind, lower: f64, upper: f64, unit: (String, f64), group: &mut Group) -> Result<(), String> {
+    if lower > upper {
+        return Err(format!("found {lower} above {upper}, expected the lower bound first"));
+    }
+    let identity = kind.identity();
+    if !(lower..=upper).contains(&identity) {
+        return Err(format!("bounds {lower} … {upper} leave out {identity}, the drawing as it is"));
+    }
+    group.clauses.push(Clause { kind, lower, upper, unit: unit.0, si_per_unit: unit.1 });
+    Ok(())
+}
+
+fn centre(about: &[&str]) -> Result<Option<DVec2>, String> {
+    match about {
+        [] => Ok(None),
+        [word, rest @ ..] if word.eq_ignore_ascii_case("about") => {
+            let joined = rest.concat();
+            let Some((x, y)) = joined.split_once(',') else {
+                return Err(format!("found {joined:?}, expected `about X,Y` in drawing units"));
+            };
+            Ok(Some(DVec2::new(number(x)?, number(y)?)))
+        }
+        _ => Err(format!("found {:?}, expected `about X,Y`", about.join(" "))),
+    }
+}
+
+fn number(s: &str) -> Result<f64, String> {
+    s.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| format!("found {s:?}, expected a number"))
+}
+
+fn length(s: &str) -> Result<(f64, Option<Unit>), String> {
+    let split = s.find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E').unwrap_or(s.len());
+    let (digits, suffix) = s.split_at(split);
+    let value = number(digits)?;
+    if suffix.is_empty() {
+        return Ok((value, None));
+    }
+    let unit = unit_by_name(&suffix.to_lowercase());
+    unit.map(|u| (value, Some(u)))
+        .ok_or_else(|| format!("found the unit {suffix:?}, expected mm, cm, m, in or ft"))
+}

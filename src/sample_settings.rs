@@ -1,0 +1,79 @@
+//! The commented settings file that `enfilade init` writes.
+
+/// Every key with its default, as a comment.
+pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<drawing>.enfilade.toml` beside one drawing says it for
+# that drawing alone; the command line overrides both. Lines that begin with # are comments.
+
+# How a drawing is read
+# unit = "mm"                       # mm, cm, m, in, ft: overrides the file
+# wall-layer = ["A-WALL*"]          # layers of the walls, * and ? may stand in them
+# query-layer = "EF-QUERY"          # where people stand
+# reference-layer = "EF-REFERENCE"  # what they should see
+# accept-missing-eof = false        # read a DXF that ends without its end mark
+
+# How it is measured
+# spacing = 0.5                     # metres between cell centres; by default about 1500 cells
+# lattice-centre = [0.0, 0.0]       # a cell centre, metres
+# seed-point = [[2.0, 2.0]]         # the region is what a flood from here reaches, drawing units
+# level = "eye"                     # eye: windows are seen through; knee: they block
+# threads = 4                       # all cores by default
+
+# What is better, in order, each with the share of the reachable gain that every option must keep
+# objective = "degree max 0.7, depth min 0.7, entropy max 0.7"
+# score = "degree +1, depth -1, entropy +1"
+# penalty = "clearance 1, wall-length 1"   # or "none"; also alignment, overlap
+
+# The search
+# members = 5                       # options wanted
+# distance = 0.2                    # how far apart, as a share of the largest distance
+# mode = "diverse"                  # or "best": the single optimum
+# method = "default"                # or "paper": the algorithms as published
+# evaluations = 1000                # layouts to measure
+# seconds = 20.0                    # or a time: the result then depends on the machine
+# seed = 1
+
+# What is shown
+# colours = "safe"                  # for colour-blind eyes; or "blue-to-red"
+# out = "results"                   # results go to results/plan.enfilade/ instead of beside the drawing
+
+# Moves and regions that are not drawn (they stand in a drawing's own file)
+# ignore-move-markers = false
+# [[move]]
+# name = "door-1"
+# moves = "x -1 1; rotate -15 15"
+# nodes = [[12.5, 4.0], [13.4, 4.0]]   # wall ends, drawing units
+# handles = ["2F3"]                    # or whole entities
+# layers = ["A-WALL-MOVE"]             # or layers
+# [[region]]
+# kind = "query"                       # query, reference, keep
+# points = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]
+
+# The daemon
+# [watch]
+# quiet-secs = 0.7                  # a save has ended when the file rests that long
+# network-quiet-secs = 10.0
+# grace-secs = 5.0                  # how long a drawing may be gone in the middle of a save
+# max-wait-secs = 120.0             # then an unfinished file is reported
+# rescan-secs = 60.0
+# poll = false
+# depth = 0                         # folders below
+# ignore = ["*-backup.dxf"]
+"#;
+
+#[cfg(test)]
+mod tests {
+    use crate::config::{Partial, Settings};
+
+    #[test]
+    fn every_commented_key_is_a_key() {
+        let keys: String = super::TEXT
+            .lines()
+            .filter_map(|l| l.strip_prefix("# "))
+            .filter(|l| l.starts_with('[') || l.split_once(" = ").is_some_and(|(k, _)| !k.contains(' ')))
+            .map(|l| format!("{l}\n"))
+            .collect();
+        let partial = Partial::from_toml("enfilade.toml", &keys).unwrap();
+        assert_eq!(partial.moves.len(), 1);
+        Settings::new(partial).unwrap();
+    }
+}
