@@ -48,7 +48,11 @@ fn assert_values(study: &Study, expected: &Value) {
         assert!((found - expected).abs() < 1e-9, "{key}: {found}, expected {expected}");
     }
     let clearance = expected["penalty"]["clearance"].as_f64().unwrap();
-    assert!((study.initial.clearance_m2 - clearance).abs() < 1e-6, "{} {clearance}", study.initial.clearance_m2);
+    assert!(
+        (study.initial.clearance_m2 - clearance).abs() < 1e-6,
+        "{} {clearance}",
+        study.initial.clearance_m2
+    );
 }
 
 fn partial(expected: &Value) -> Partial {
@@ -99,8 +103,13 @@ fn the_maze_vertex_by_vertex() {
         let i = by_place[&um];
         assert_eq!(u64::from(tally.degree[i]), vertices["degree"][k].as_u64().unwrap());
         assert_eq!(u64::from(tally.degree_all[i]), vertices["degree_all"][k].as_u64().unwrap());
-        let expected: Vec<u64> =
-            vertices["level_counts"][k].as_array().unwrap().iter().skip(1).map(|v| v.as_u64().unwrap()).collect();
+        let expected: Vec<u64> = vertices["level_counts"][k]
+            .as_array()
+            .unwrap()
+            .iter()
+            .skip(1)
+            .map(|v| v.as_u64().unwrap())
+            .collect();
         let found: Vec<u64> = tally.levels[starts[i]..starts[i + 1]].iter().map(|v| u64::from(*v)).collect();
         assert_eq!(found, expected, "levels at {xy}");
     }
@@ -117,7 +126,9 @@ fn depthmapx_cell_by_cell() {
         ..Partial::default()
     };
     let Some(study) = study(file, partial) else { return };
-    let rows = |csv: &str| -> Vec<Vec<String>> { csv.lines().map(|l| l.split(',').map(str::to_string).collect()).collect() };
+    let rows = |csv: &str| -> Vec<Vec<String>> {
+        csv.lines().map(|l| l.split(',').map(str::to_string).collect()).collect()
+    };
     let theirs = rows(&std::fs::read_to_string(reference("depthmapx-n900/cells.csv").unwrap()).unwrap());
     let ours = rows(&pipeline::cells::cells_csv(&study, None));
     assert_eq!(ours.len(), theirs.len());

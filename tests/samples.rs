@@ -1,5 +1,7 @@
 //! The drawings in `samples/` are those that `cargo run --example make_samples` writes.
 
+#![allow(clippy::expect_used)]
+
 #[path = "../examples/make_samples/dxf.rs"]
 mod dxf;
 #[path = "../examples/make_samples/plans.rs"]

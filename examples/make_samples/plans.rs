@@ -127,6 +127,7 @@ fn office() -> String {
 fn museum_hall() -> String {
     let wall = "A-WALL";
     let mut s = sheet(Version::R2010, INCH, wall);
+    s.layer("A-COLS", 9);
     s.text(NOTE, (0.0, 990.0), 16.0, "Museum hall, 120 x 80 ft, in inches: six hanging walls, two ways in.");
     s.lines(wall, &[(504.0, 0.0), (0.0, 0.0), (0.0, 960.0), (1440.0, 960.0), (1440.0, 0.0), (936.0, 0.0)]);
     s.line(wall, (0.0, 240.0), (300.0, 240.0));
@@ -134,7 +135,7 @@ fn museum_hall() -> String {
     s.line(wall, (1140.0, 240.0), (1440.0, 240.0));
     for y in [420.0, 780.0] {
         for k in 0..5 {
-            s.circle(wall, (240.0 + 240.0 * f64::from(k), y), 12.0);
+            s.circle("A-COLS", (240.0 + 240.0 * f64::from(k), y), 12.0);
         }
     }
     let hanging = [
@@ -163,7 +164,7 @@ fn museum_hall() -> String {
 fn station() -> String {
     let wall = "WALLS";
     let mut s = sheet(Version::R2010, METRE, wall);
-    for (name, colour) in [("QUERY-ROUND-2", 4), ("QUERY-ROUND-3", 6)] {
+    for (name, colour) in [("COLUMNS", 9), ("QUERY-ROUND-2", 4), ("QUERY-ROUND-3", 6)] {
         s.layer(name, colour);
     }
     s.text(
@@ -192,7 +193,7 @@ fn station() -> String {
     for y in [16.5, 47.5] {
         for k in 0..11 {
             let x = 14.5 + 14.0 * f64::from(k);
-            s.rectangle(wall, (x - 0.6, y - 0.6), (x + 0.6, y + 0.6));
+            s.rectangle("COLUMNS", (x - 0.6, y - 0.6), (x + 0.6, y + 0.6));
         }
     }
     // Stairs down to the platforms: three sides, open to the gates.

@@ -1,0 +1,550 @@
+//! The rules of the house, read from the source text (`ARCHITECTURE.md`).
+
+#![allow(clippy::expect_used)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Which top-level module may name which others; `*` is all of them.
+const MAY_IMPORT: &[(&str, &[&str])] = &[
+    ("report", &[]),
+    ("config", &["report"]),
+    ("plan", &["report"]),
+    ("formats", &["report", "plan"]),
+    ("moves", &["report", "plan"]),
+    ("penalties", &["report", "plan"]),
+    ("analysis", &["report", "plan"]),
+    ("search", &["report"]),
+    ("overlay", &["report", "plan", "analysis"]),
+    ("watch", &["report", "config"]),
+    ("store", &["report", "config"]),
+    (
+        "pipeline",
+        &[
+            "report",
+            "config",
+            "plan",
+            "formats",
+            "moves",
+            "penalties",
+            "analysis",
+            "search",
+            "overlay",
+            "watch",
+            "store",
+        ],
+    ),
+    ("daemon", &["*"]),
+    ("server", &["*"]),
+    ("cli", &["*"]),
+    ("lib", &["*"]),
+    ("main", &["*"]),
+];
+
+/// Words that only one file may say: the word, the file, why.
+const ONLY_IN: &[(&str, &str, &str)] = &[
+    ("clap", "cli.rs", "the command line has one file"),
+    ("notify", "watch.rs", "file events have one file"),
+    ("wgpu", "analysis/gpu.rs", "the graphics card has one file"),
+    ("fs::write", "store.rs", WRITING),
+    ("fs::rename", "store.rs", WRITING),
+    ("fs::copy", "store.rs", WRITING),
+    ("fs::remove_file", "store.rs", WRITING),
+    ("fs::remove_dir", "store.rs", WRITING),
+    ("fs::remove_dir_all", "store.rs", WRITING),
+    ("fs::create_dir", "store.rs", WRITING),
+    ("fs::create_dir_all", "store.rs", WRITING),
+    ("File::create", "store.rs", WRITING),
+    ("File::create_new", "store.rs", WRITING),
+    ("OpenOptions", "store.rs", WRITING),
+    ("tempfile", "store.rs", WRITING),
+];
+const WRITING: &str = "only the store writes files";
+
+/// Module names that say nothing about what is inside.
+const EMPTY_NAMES: &[&str] =
+    &["util", "utils", "helper", "helpers", "common", "manager", "types", "misc", "stuff", "base"];
+
+/// What must not stand outside tests.
+const FORBIDDEN: &[&str] = &[".unwrap()", ".expect(\"", "todo!", "unimplemented!", "dbg!"];
+
+/// Lines at which a file has become two.
+const LINES_MAX: usize = 800;
+
+/// A source file: its path below the repository and what is in it.
+struct Source {
+    path: String,
+    /// As written.
+    raw: String,
+    /// Without comments and contents of strings; lines stay where they are.
+    code: String,
+    /// The same without test code; empty for a file of tests.
+    product: String,
+}
+
+impl Source {
+    fn new(path: String, raw: String) -> Self {
+        let code = without_comments_and_strings(&raw);
+        let name = path.rsplit('/').next().unwrap_or_default();
+        let is_test = !path.starts_with("src/")
+            || path.contains("/tests/")
+            || name == "tests.rs"
+            || name.ends_with("_tests.rs");
+        let product = if is_test { String::new() } else { without_test_items(&code) };
+        Self { path, raw, code, product }
+    }
+
+    /// Paths of the modules that this file declares for tests only.
+    fn test_modules(&self) -> Vec<String> {
+        let folder = self.path.trim_end_matches(".rs").trim_end_matches("/mod");
+        let folder = if folder == "src/lib" || folder == "src/main" { "src" } else { folder };
+        let declared = self.code.split("#[cfg(test)]").skip(1).filter_map(|after| {
+            let item = &after[..after.find([';', '{'])?];
+            let name = item.trim().strip_prefix("mod ").or(item.trim().split_once(" mod ").map(|p| p.1))?;
+            after[item.len()..].starts_with(';').then(|| name.trim().to_owned())
+        });
+        declared.flat_map(|n| [format!("{folder}/{n}.rs"), format!("{folder}/{n}/mod.rs")]).collect()
+    }
+
+    /// The path below `src`, if it lies there.
+    fn in_src(&self) -> Option<&str> {
+        self.path.strip_prefix("src/")
+    }
+
+    /// Top-level module the file belongs to.
+    fn module(&self) -> Option<&str> {
+        let below = self.in_src()?;
+        Some(below.split('/').next().unwrap_or(below).trim_end_matches(".rs"))
+    }
+
+    fn place(&self, offset: usize) -> String {
+        format!("{}:{}", self.path, 1 + self.code[..offset].matches('\n').count())
+    }
+}
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// All files below a folder with one of the extensions, in order of path.
+fn files(folder: &Path, extensions: &[&str], found: &mut Vec<PathBuf>) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    let mut paths: Vec<_> = entries.map(|e| e.expect("directory entry").path()).collect();
+    paths.sort();
+    for path in paths {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if path.is_dir() {
+            if !["target", ".git", ".venv", "corpus", "artifacts"].contains(&name.as_str())
+                && !name.ends_with(".enfilade")
+            {
+                files(&path, extensions, found);
+            }
+        } else if extensions.iter().any(|e| name.ends_with(e)) {
+            found.push(path);
+        }
+    }
+}
+
+fn relative(path: &Path) -> String {
+    path.strip_prefix(root()).unwrap_or(path).to_string_lossy().replace('\\', "/")
+}
+
+fn sources() -> Vec<Source> {
+    let mut found = vec![];
+    for folder in ["src", "tests", "examples", "benches", "fuzz"] {
+        files(&root().join(folder), &[".rs"], &mut found);
+    }
+    let read = |p: &PathBuf| Source::new(relative(p), fs::read_to_string(p).expect("source"));
+    let mut sources: Vec<_> = found.iter().map(read).collect();
+    let for_tests: Vec<_> = sources.iter().flat_map(Source::test_modules).collect();
+    sources.iter_mut().filter(|s| for_tests.contains(&s.path)).for_each(|s| s.product.clear());
+    sources
+}
+
+/// Blanks comments and the contents of string and character literals.
+fn without_comments_and_strings(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(c) = rest.chars().next() {
+        let (keep, blank) = literal_or_comment(rest, out.chars().last());
+        let taken = if keep + blank == 0 { c.len_utf8() } else { keep + blank };
+        if keep + blank == 0 {
+            out.push(c);
+        } else {
+            out.push_str(&rest[..keep]);
+            out.extend(rest[keep..taken].bytes().map(|b| if b == b'\n' { '\n' } else { ' ' }));
+        }
+        rest = &rest[taken..];
+    }
+    out
+}
+
+/// Bytes to keep and bytes to blank where a comment, string or character begins; (0, 0) elsewhere.
+fn literal_or_comment(text: &str, before: Option<char>) -> (usize, usize) {
+    let is_word = before.is_some_and(|c| c.is_alphanumeric() || c == '_');
+    if text.starts_with("//") {
+        return (0, text.find('\n').unwrap_or(text.len()));
+    }
+    if text.starts_with("/*") {
+        return (0, block_comment(text));
+    }
+    if let Some(inside) = text.strip_prefix('"') {
+        return (1, quoted(inside, '"'));
+    }
+    if let Some(raw) = text.strip_prefix('r').filter(|_| !is_word) {
+        let hashes = raw.bytes().take_while(|&b| b == b'#').count();
+        if raw[hashes..].starts_with('"') {
+            let end = format!("\"{}", "#".repeat(hashes));
+            let from = 2 + hashes;
+            return (from, text[from..].find(&end).map_or(text.len() - from, |i| i + end.len()));
+        }
+    }
+    if let Some(inside) = text.strip_prefix('\'') {
+        // A lifetime has no closing quote right after one character or escape.
+        let mut chars = inside.char_indices();
+        let first = chars.next().map(|(_, c)| c);
+        let second = chars.next();
+        if first == Some('\\') || second.is_some_and(|(_, c)| c == '\'') {
+            return (1, quoted(inside, '\''));
+        }
+    }
+    (0, 0)
+}
+
+/// Bytes up to and with the closing quote.
+fn quoted(text: &str, quote: char) -> usize {
+    let mut is_escaped = false;
+    for (i, c) in text.char_indices() {
+        match c {
+            _ if is_escaped => is_escaped = false,
+            '\\' => is_escaped = true,
+            c if c == quote => return i + 1,
+            _ => {}
+        }
+    }
+    text.len()
+}
+
+/// Bytes of a block comment, which may hold others.
+fn block_comment(text: &str) -> usize {
+    let (mut depth, mut i) = (0, 0);
+    while i < text.len() {
+        let step = match &text.as_bytes()[i..] {
+            [b'/', b'*', ..] => (2, 1),
+            [b'*', b'/', ..] => (2, -1),
+            _ => (1, 0),
+        };
+        i += step.0;
+        depth += step.1;
+        if depth == 0 {
+            break;
+        }
+    }
+    i
+}
+
+/// Blanks every item under `#[cfg(test)]`.
+fn without_test_items(code: &str) -> String {
+    const MARK: &str = "#[cfg(test)]";
+    let mut out = code.as_bytes().to_vec();
+    let mut from = 0;
+    while let Some(start) = code[from..].find(MARK).map(|i| i + from) {
+        let mut depth = 0;
+        let item = code[start + MARK.len()..].char_indices().find(|&(_, c)| {
+            depth += i32::from(c == '{') - i32::from(c == '}');
+            depth == 0 && (c == ';' || c == '}')
+        });
+        let end = item.map_or(code.len(), |(i, _)| start + MARK.len() + i + 1);
+        out[start..end].iter_mut().filter(|b| **b != b'\n').for_each(|b| *b = b' ');
+        from = end;
+    }
+    String::from_utf8_lossy(&out).into_owned()
+}
+
+/// Places where `word` stands as a word of its own.
+fn words<'a>(code: &'a str, word: &'a str) -> impl Iterator<Item = usize> + 'a {
+    let is_word = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+    code.match_indices(word).map(|(i, _)| i).filter(move |&i| {
+        let last = i + word.len();
+        !is_word(code[..i].chars().next_back()) && !is_word(code[last..].chars().next())
+    })
+}
+
+/// Modules named by `crate::x`, `crate::{x, y}`, with their places.
+fn crate_names(code: &str) -> Vec<(usize, String)> {
+    let mut found = vec![];
+    for at in words(code, "crate") {
+        let Some(rest) = code[at + "crate".len()..].trim_start().strip_prefix("::") else { continue };
+        let rest = rest.trim_start();
+        let name =
+            |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+        match rest.strip_prefix('{') {
+            None => found.push((at, name(rest))),
+            Some(group) => {
+                let mut depth = 0;
+                let mut is_start = true;
+                for (i, c) in group.char_indices() {
+                    match c {
+                        '{' => depth += 1,
+                        '}' if depth == 0 => break,
+                        '}' => depth -= 1,
+                        ',' if depth == 0 => is_start = true,
+                        c if is_start && !c.is_whitespace() => {
+                            found.push((at, name(&group[i..])));
+                            is_start = false;
+                        }
+                        _ => {}
+                    }
+                }
+            }
+        }
+    }
+    found
+}
+
+fn import_faults(source: &Source) -> Vec<String> {
+    let Some(module) = source.module() else { return vec![] };
+    let Some((_, allowed)) = MAY_IMPORT.iter().find(|row| row.0 == module) else {
+        return vec![format!("{}: module `{module}` has no row in the import table", source.path)];
+    };
+    crate_names(&source.product)
+        .into_iter()
+        .filter(|(_, name)| name != module && MAY_IMPORT.iter().any(|row| row.0 == name))
+        .filter(|(_, name)| !allowed.contains(&"*") && !allowed.contains(&name.as_str()))
+        .map(|(at, name)| format!("{}: `{module}` may not import `{name}`", source.place(at)))
+        .collect()
+}
+
+fn word_faults(source: &Source) -> Vec<String> {
+    let Some(file) = source.in_src() else { return vec![] };
+    let foreign = ONLY_IN.iter().filter(|row| row.1 != file);
+    foreign
+        .flat_map(|&(word, home, why)| {
+            words(&source.product, word)
+                .map(move |at| format!("{}: `{word}` belongs to {home}: {why}", source.place(at)))
+        })
+        .collect()
+}
+
+fn forbidden_faults(source: &Source) -> Vec<String> {
+    FORBIDDEN
+        .iter()
+        .flat_map(|word| source.product.match_indices(word).map(move |(at, _)| (at, word)))
+        .map(|(at, word)| format!("{}: `{word}` outside tests", source.place(at)))
+        .collect()
+}
+
+/// A test that does not run tells nothing: what is wrong today is asserted as such.
+fn ignored_faults(source: &Source) -> Vec<String> {
+    let ignored = source.code.match_indices("#[ignore").map(|(at, _)| at);
+    ignored.map(|at| format!("{}: a test that is ignored", source.place(at))).collect()
+}
+
+fn shape_faults(source: &Source) -> Vec<String> {
+    let mut faults = vec![];
+    let lines = source.raw.lines().count();
+    if lines > LINES_MAX {
+        faults.push(format!("{}: {lines} lines; a file of more than {LINES_MAX} is two", source.path));
+    }
+    for part in source.path.trim_end_matches(".rs").split('/') {
+        if EMPTY_NAMES.contains(&part) {
+            faults.push(format!("{}: `{part}` says nothing about what is inside", source.path));
+        }
+    }
+    if !source.product.is_empty() && !source.raw.starts_with("//!") {
+        faults.push(format!("{}: does not begin by saying what it is (`//!`)", source.path));
+    }
+    faults
+}
+
+fn unsafe_faults(source: &Source) -> Vec<String> {
+    words(&source.code, "unsafe")
+        .filter(|&at| {
+            let line = source.code[..at].matches('\n').count();
+            let from = line.saturating_sub(6);
+            !source
+                .raw
+                .lines()
+                .skip(from)
+                .take(line + 1 - from)
+                .any(|l| l.contains("SAFETY") || l.contains("# Safety"))
+        })
+        .map(|at| format!("{}: `unsafe` without its reason (SAFETY) just above", source.place(at)))
+        .collect()
+}
+
+/// Public limits: constants with `MAX` as a part of the name.
+fn limits(source: &Source) -> Vec<String> {
+    let code = &source.product;
+    words(code, "const")
+        .filter(|&at| code[..at].trim_end().ends_with("pub") || code[..at].trim_end().ends_with(')'))
+        .map(|at| code[at + 5..].trim_start().split(|c: char| !c.is_alphanumeric() && c != '_').next())
+        .filter_map(|name| name.map(str::to_owned))
+        .filter(|name| name.split('_').any(|part| part == "MAX"))
+        .collect()
+}
+
+#[track_caller]
+fn assert_none(faults: Vec<String>) {
+    assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+}
+
+#[test]
+fn modules_import_only_what_the_table_allows() {
+    assert_none(sources().iter().flat_map(import_faults).collect());
+}
+
+#[test]
+fn some_words_belong_to_one_file() {
+    assert_none(sources().iter().flat_map(word_faults).collect());
+}
+
+#[test]
+fn nothing_unfinished_or_aborting_outside_tests() {
+    assert_none(sources().iter().flat_map(forbidden_faults).collect());
+}
+
+#[test]
+fn no_test_is_ignored() {
+    assert_none(sources().iter().flat_map(ignored_faults).collect());
+}
+
+#[test]
+fn files_have_names_introductions_and_bounds() {
+    assert_none(sources().iter().flat_map(shape_faults).collect());
+}
+
+#[test]
+fn unsafe_code_gives_its_reason() {
+    assert_none(sources().iter().flat_map(unsafe_faults).collect());
+}
+
+#[test]
+fn every_public_limit_has_a_test() {
+    let sources = sources();
+    let tested: Vec<String> = sources
+        .iter()
+        .map(|s| if s.product.is_empty() { s.code.clone() } else { test_items(&s.code, &s.product) })
+        .collect();
+    let untested = sources.iter().flat_map(|s| limits(s).into_iter().map(|name| (s.path.clone(), name)));
+    assert_none(
+        untested
+            .filter(|(_, name)| !tested.iter().any(|t| words(t, name).next().is_some()))
+            .map(|(path, name)| format!("{path}: no test names the limit {name}"))
+            .collect(),
+    );
+}
+
+/// What of the code is test code: where code and product differ.
+fn test_items(code: &str, product: &str) -> String {
+    let both = code.bytes().zip(product.bytes());
+    both.map(|(c, p)| if c == p && c != b'\n' { ' ' } else { char::from(c) }).collect()
+}
+
+/// Places of the machine something was written on have no business in a project file.
+#[test]
+fn no_machine_path_anywhere() {
+    let mut found = vec![];
+    let texts = [
+        ".rs", ".md", ".toml", ".dxf", ".py", ".sh", ".html", ".wgsl", ".json", "run", "setup", "demo",
+        "test",
+    ];
+    files(&root(), &texts, &mut found);
+    let parts = ["work", "root", "home", "Users"].map(|part| format!("/{part}/"));
+    let mut faults = vec![];
+    for path in found {
+        let Ok(text) = fs::read_to_string(&path) else { continue };
+        for (number, line) in text.lines().enumerate() {
+            // `~/…`, `<home>/…` and addresses of the web name no machine.
+            let is_absolute =
+                |i: usize| !line[..i].ends_with(|c: char| c.is_alphanumeric() || "~.>}/-_".contains(c));
+            if parts.iter().any(|p| line.match_indices(p.as_str()).any(|(i, _)| is_absolute(i))) {
+                faults.push(format!("{}:{}: {}", relative(&path), number + 1, line.trim()));
+            }
+        }
+    }
+    assert_none(faults);
+}
+
+mod the_rules_find_faults {
+    use super::*;
+
+    fn source(path: &str, raw: &str) -> Source {
+        Source::new(path.into(), raw.into())
+    }
+
+    #[test]
+    fn imports() {
+        let faults = |path, raw| import_faults(&source(path, raw)).len();
+        assert_eq!(faults("src/plan/a.rs", "use crate::report::Place;\nuse crate::plan::b;"), 0);
+        assert_eq!(faults("src/plan/a.rs", "use crate::formats::dxf;"), 1);
+        assert_eq!(faults("src/search/a.rs", "use crate::{report::Place, plan::{x, y}, moves};"), 2);
+        assert_eq!(faults("src/search/a.rs", "fn f() { crate :: analysis::g() }"), 1);
+        assert_eq!(faults("src/search/a.rs", "// crate::plan\nconst A: &str = \"crate::plan\";"), 0);
+        assert_eq!(faults("src/search/a.rs", "#[cfg(test)]\nmod tests { use crate::plan; fn f() {} }"), 0);
+        assert_eq!(faults("src/search/tests.rs", "use crate::plan;"), 0);
+        assert_eq!(faults("src/surprise.rs", ""), 1);
+    }
+
+    #[test]
+    fn words_of_one_file() {
+        let faults = |path, raw| word_faults(&source(path, raw)).len();
+        assert_eq!(faults("src/cli.rs", "use clap::Parser;"), 0);
+        assert_eq!(faults("src/daemon.rs", "use clap::Parser;"), 1);
+        assert_eq!(faults("src/daemon.rs", "let clapped = 1; // clap"), 0);
+        assert_eq!(faults("src/overlay/page.rs", "std::fs::write(a, b)"), 1);
+        assert_eq!(faults("src/overlay/page.rs", "fs::write_all"), 0);
+        assert_eq!(faults("src/overlay/page.rs", "#[cfg(test)]\nfn f() { fs::write(a, b) }"), 0);
+    }
+
+    #[test]
+    fn forbidden_words() {
+        let faults = |raw| forbidden_faults(&source("src/plan/a.rs", raw)).len();
+        assert_eq!(faults("fn f() { a.unwrap(); b.expect(\"c\"); todo!() }"), 3);
+        assert_eq!(faults("fn f() { a.unwrap_or(1); self.expect(2) } // .unwrap()"), 0);
+        assert_eq!(
+            faults("fn f() -> &'static str { \".unwrap()\" }\nfn g(c: char) { c == '\"'; x.unwrap() }"),
+            1
+        );
+        assert_eq!(faults("const A: &str = r#\"todo! \" \"#; /* dbg! /* */ dbg! */"), 0);
+    }
+
+    #[test]
+    fn modules_for_tests() {
+        let modules = |path, raw| source(path, raw).test_modules();
+        let raw = "#[cfg(test)]\nmod a;\n#[cfg(test)]\npub(crate) mod b;\n#[cfg(test)]\nmod c { }\nmod d;";
+        let below = |folder: &str| ["a", "b"].map(|n| format!("{folder}/{n}.rs"));
+        let files =
+            |path| modules(path, raw).into_iter().filter(|p| !p.ends_with("mod.rs")).collect::<Vec<_>>();
+        assert_eq!(files("src/plan/mod.rs"), below("src/plan"));
+        assert_eq!(files("src/plan/x.rs"), below("src/plan/x"));
+        assert_eq!(files("src/lib.rs"), below("src"));
+    }
+
+    #[test]
+    fn ignored_tests() {
+        let raw = "#[test]\n#[ignore = \"slow\"]\nfn f() {} // #[ignore]";
+        assert_eq!(ignored_faults(&source("tests/a.rs", raw)), ["tests/a.rs:2: a test that is ignored"]);
+    }
+
+    #[test]
+    fn shapes() {
+        let faults = |path: &str, raw: &str| shape_faults(&source(path, raw)).len();
+        assert_eq!(faults("src/plan/a.rs", "//! About.\n"), 0);
+        assert_eq!(faults("src/plan/a.rs", "fn f() {}\n"), 1);
+        assert_eq!(faults("src/plan/utils.rs", "//! About.\n"), 1);
+        assert_eq!(faults("src/utils/a.rs", "//! About.\n"), 1);
+        assert_eq!(faults("tests/a.rs", &"\n".repeat(LINES_MAX)), 0);
+        assert_eq!(faults("tests/a.rs", &"\n".repeat(LINES_MAX + 1)), 1);
+    }
+
+    #[test]
+    fn unsafe_and_limits() {
+        let faults = |raw| unsafe_faults(&source("src/plan/a.rs", raw)).len();
+        assert_eq!(faults("fn f() {\n    // SAFETY: checked above.\n    unsafe { g() }\n}"), 0);
+        assert_eq!(faults("fn f() { unsafe { g() } }"), 1);
+        let raw =
+            "pub const SIZE_MAX: u8 = 1;\npub(crate) const MAX_DEPTH: u8 = 1;\nconst OWN_MAX: u8 = 1;\n";
+        assert_eq!(limits(&source("src/plan/a.rs", raw)), ["SIZE_MAX", "MAX_DEPTH"]);
+    }
+}
