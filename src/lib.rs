@@ -17,4 +17,3 @@ pub mod report;
 pub mod sample_settings;
 pub mod search;
 pub mod store;
-pub mod daemon;
