@@ -20,8 +20,8 @@ struct Door {
 
 /// A pair of cells and the doors their line of sight has to pass.
 struct Pair {
-    cells: [usize; 2],
-    passes: Vec<Pass>,
+    cells: [u16; 2],
+    passes: std::ops::Range<u32>,
 }
 
 struct Pass {
@@ -38,6 +38,8 @@ pub struct Maze {
     query: Vec<usize>,
     reference: Vec<bool>,
     pairs: Vec<Pair>,
+    passes: Vec<Pass>,
+    near: Vec<[usize; 2]>,
     merged: Vec<Merged>,
     reached: Vec<Bits>,
     initial: [f64; 3],
@@ -118,6 +120,8 @@ impl Maze {
             merged: merge(&walls, &moved),
             length: walls.iter().map(length).sum(),
             pairs: vec![],
+            passes: vec![],
+            near: vec![],
             walls,
             moved,
             doors,
@@ -126,28 +130,28 @@ impl Maze {
             reached: vec![],
             initial: [0.0; 3],
         };
-        maze.pairs = maze.find_pairs(&cells);
+        maze.find_pairs(&cells);
+        maze.near = near(&maze.merged);
         let (means, reached) = maze.measure(&vec![0.0; maze.doors.len()]);
         maze.initial = means;
         maze.reached = reached;
         maze
     }
 
-    fn find_pairs(&self, cells: &[[f64; 2]]) -> Vec<Pair> {
-        let fixed: Vec<&Wall> =
-            self.walls.iter().zip(&self.moved).filter(|(_, m)| **m == [None, None]).map(|(w, _)| w).collect();
-        let mut out = vec![];
+    fn find_pairs(&mut self, cells: &[[f64; 2]]) {
+        let both = self.walls.iter().zip(&self.moved);
+        let fixed: Vec<Wall> = both.filter(|(_, m)| **m == [None, None]).map(|(w, _)| *w).collect();
         for u in 0..cells.len() {
             for v in u + 1..cells.len() {
                 let (a, b) = (cells[u], cells[v]);
                 if fixed.iter().all(|w| !blocks(w, a, b)) {
-                    let passes =
-                        (0..self.doors.len()).filter_map(|d| self.pass(d, a, b)).collect();
-                    out.push(Pair { cells: [u, v], passes });
+                    let from = self.passes.len() as u32;
+                    let passes: Vec<Pass> = (0..self.doors.len()).filter_map(|d| self.pass(d, a, b)).collect();
+                    self.passes.extend(passes);
+                    self.pairs.push(Pair { cells: [u as u16, v as u16], passes: from..self.passes.len() as u32 });
                 }
             }
         }
-        out
     }
 
     /// The part of a line of sight within a door's band (its jambs' height, its half of the plan).
@@ -181,7 +185,8 @@ impl Maze {
     fn measure(&self, shift: &[f64]) -> ([f64; 3], Vec<Bits>) {
         let mut rows = vec![[0u64; WORDS]; self.reference.len()];
         for pair in &self.pairs {
-            let open = pair.passes.iter().all(|p| {
+            let passes = &self.passes[pair.passes.start as usize..pair.passes.end as usize];
+            let open = passes.iter().all(|p| {
                 let door = &self.doors[p.door];
                 let (left, right) = (door.left + shift[p.door], door.right + shift[p.door]);
                 if p.crosses {
@@ -192,7 +197,7 @@ impl Maze {
                 }
             });
             if open {
-                let [u, v] = pair.cells;
+                let [u, v] = pair.cells.map(usize::from);
                 rows[u][v / 64] |= 1 << (v % 64);
                 rows[v][u / 64] |= 1 << (u % 64);
             }
@@ -252,12 +257,11 @@ impl Maze {
         };
         let walls: Vec<Wall> = self.merged.iter().map(at).collect();
         let mut sum = 0.0;
-        for (i, (a, m)) in walls.iter().zip(&self.merged).enumerate() {
-            for (b, n) in walls.iter().zip(&self.merged).skip(i + 1) {
-                let moves = m.door != [None, None] || n.door != [None, None];
-                if moves && box_distance(a, b) < 1.0 && box_distance(a, b) > 0.0 {
-                    sum += shared_area(a, b);
-                }
+        for &[i, j] in &self.near {
+            let (a, b) = (&walls[i], &walls[j]);
+            let square = square_gap(a, b);
+            if square > 0.0 && square < 1.0 {
+                sum += shared_area(a, b);
             }
         }
         sum
@@ -407,10 +411,25 @@ fn sorted(w: &Wall) -> Wall {
     [w[0].min(w[2]), w[1].min(w[3]), w[0].max(w[2]), w[1].max(w[3])]
 }
 
-fn box_distance(a: &Wall, b: &Wall) -> f64 {
+/// Pairs of walls that a shift along x can bring near each other, one of which can move.
+fn near(merged: &[Merged]) -> Vec<[usize; 2]> {
+    let mut out = vec![];
+    for (i, a) in merged.iter().enumerate() {
+        for (j, b) in merged.iter().enumerate().skip(i + 1) {
+            let (s, t) = (sorted(&a.wall), sorted(&b.wall));
+            let moves = a.door != [None, None] || b.door != [None, None];
+            if moves && s[1] - t[3] < 1.0 && t[1] - s[3] < 1.0 {
+                out.push([i, j]);
+            }
+        }
+    }
+    out
+}
+
+fn square_gap(a: &Wall, b: &Wall) -> f64 {
     let (a, b) = (sorted(a), sorted(b));
     let gap = |lo: usize| (a[lo] - b[lo + 2]).max(b[lo] - a[lo + 2]).max(0.0);
-    gap(0).hypot(gap(1))
+    gap(0).powi(2) + gap(1).powi(2)
 }
 
 /// Area common to the 0.5 m surroundings of two axis-parallel walls.

@@ -131,11 +131,6 @@ impl Climb {
         self.failures = 0;
     }
 
-    /// Number of climbs that have converged.
-    pub(super) fn restarts(&self) -> usize {
-        self.restarts
-    }
-
     pub(super) fn propose(&mut self, view: &View<'_>, rng: &mut ChaCha8Rng) -> (Vec<f64>, Step) {
         let dims = view.archive.dims();
         let Some(centre) = self.centre else {
@@ -170,6 +165,7 @@ impl Climb {
     fn fit(&mut self, view: &View<'_>, at: &[f64]) {
         self.surrogate.sync(view.archive, at, view.tuning.neighbours);
         self.surrogate.fit(self.stage + 1, |i, j| view.lesson(i, j));
+        self.surrogate.aim(at);
     }
 
     /// Predicted merit and distance to the nearest point known or pending, per candidate.

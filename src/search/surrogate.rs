@@ -39,6 +39,10 @@ pub(super) struct Surrogate {
     /// Per fitted value: α (member order) and the linear function (constant, then slopes).
     weights: Vec<Vec<f64>>,
     linear: Vec<Vec<f64>>,
+    /// Where predictions are made from: the point, its squared distances and its differences.
+    aim: Vec<f64>,
+    aim_squares: Vec<f64>,
+    aim_columns: Vec<f64>,
 }
 
 impl Surrogate {
@@ -233,20 +237,67 @@ impl Surrogate {
         out
     }
 
-    /// Predicted values at `x` into `out`; returns the squared distance to the nearest member.
-    pub(super) fn predict(&self, x: &[f64], scratch: &mut Vec<f64>, out: &mut [f64]) -> f64 {
+    /// Makes ready to predict near `at`: see [`Surrogate::predict`].
+    pub(super) fn aim(&mut self, at: &[f64]) {
         let n = self.members.len();
+        self.aim = at.to_vec();
+        self.aim_squares.clear();
+        self.aim_squares.resize(n, 0.0);
+        self.aim_columns.resize(self.dims * self.capacity, 0.0);
+        for (d, &u) in at.iter().enumerate() {
+            let columns = &self.columns[d * self.capacity..][..n];
+            let away = &mut self.aim_columns[d * self.capacity..][..n];
+            for ((a, &c), square) in away.iter_mut().zip(columns).zip(&mut self.aim_squares) {
+                *a = u - c;
+                *square += *a * *a;
+            }
+        }
+    }
+
+    /// Predicted values at `x` into `out`; returns the squared distance to the nearest member. Only
+    /// coordinates in which `x` differs from where the surrogate is aimed cost anything.
+    pub(super) fn predict(&self, x: &[f64], scratch: &mut Vec<f64>, out: &mut [f64]) -> f64 {
         scratch.clear();
-        scratch.resize(n, 0.0);
-        self.squares(x, scratch);
-        let nearest = scratch.iter().copied().fold(f64::INFINITY, f64::min);
-        scratch.iter_mut().for_each(|v| *v *= v.sqrt());
+        scratch.extend_from_slice(&self.aim_squares);
+        let mut shift = 0.0;
+        for (d, (&u, &a)) in x.iter().zip(&self.aim).enumerate() {
+            let step = u - a;
+            if step != 0.0 {
+                shift += step * step;
+                let away = &self.aim_columns[d * self.capacity..][..scratch.len()];
+                add_multiple(scratch, 2.0 * step, away);
+            }
+        }
+        let nearest = to_cubes(scratch, shift);
         for ((o, weights), linear) in out.iter_mut().zip(&self.weights).zip(&self.linear) {
             let tail = linear[1..].iter().zip(x).zip(&self.centre).map(|((s, u), c)| s * (u - c)).sum::<f64>();
             *o = dot(weights, scratch) + tail + linear[0];
         }
         nearest
     }
+}
+
+fn add_multiple(to: &mut [f64], factor: f64, of: &[f64]) {
+    to.iter_mut().zip(of).for_each(|(t, &o)| *t += factor * o);
+}
+
+/// Turns squares less `shift` into cubes of the distance; returns the least square.
+fn to_cubes(values: &mut [f64], shift: f64) -> f64 {
+    let mut least = [f64::INFINITY; 4];
+    let (chunks, rest) = values.as_chunks_mut::<4>();
+    for chunk in chunks {
+        for l in 0..4 {
+            let square = (chunk[l] + shift).max(0.0);
+            least[l] = least[l].min(square);
+            chunk[l] = square * square.sqrt();
+        }
+    }
+    for value in rest {
+        let square = (*value + shift).max(0.0);
+        least[0] = least[0].min(square);
+        *value = square * square.sqrt();
+    }
+    least.into_iter().fold(f64::INFINITY, f64::min)
 }
 
 fn cube_distance(a: &[f64], b: &[f64]) -> f64 {
