@@ -39,6 +39,7 @@ pub struct Maze {
     reference: Vec<bool>,
     pairs: Vec<Pair>,
     passes: Vec<Pass>,
+    groups: Vec<std::ops::Range<usize>>,
     near: Vec<[usize; 2]>,
     merged: Vec<Merged>,
     reached: Vec<Bits>,
@@ -121,6 +122,7 @@ impl Maze {
             length: walls.iter().map(length).sum(),
             pairs: vec![],
             passes: vec![],
+            groups: vec![],
             near: vec![],
             walls,
             moved,
@@ -146,12 +148,25 @@ impl Maze {
                 let (a, b) = (cells[u], cells[v]);
                 if fixed.iter().all(|w| !blocks(w, a, b)) {
                     let from = self.passes.len() as u32;
-                    let passes: Vec<Pass> = (0..self.doors.len()).filter_map(|d| self.pass(d, a, b)).collect();
+                    let mut passes: Vec<Pass> = (0..self.doors.len()).filter_map(|d| self.pass(d, a, b)).collect();
+                    passes.sort_by_key(|p| !p.crosses);
                     self.passes.extend(passes);
                     self.pairs.push(Pair { cells: [u as u16, v as u16], passes: from..self.passes.len() as u32 });
                 }
             }
         }
+        self.sort_pairs();
+    }
+
+    /// Pairs by the first door whose wall they cross, then by where; the others last.
+    fn sort_pairs(&mut self) {
+        let passes = &self.passes;
+        let doors = self.doors.len();
+        let first = |p: &Pair| passes[p.passes.start as usize..p.passes.end as usize].first().filter(|p| p.crosses);
+        let key = |p: &Pair| first(p).map_or((doors, 0.0), |p| (p.door, p.span[0]));
+        self.pairs.sort_by(|a, b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
+        let at = |d: usize| self.pairs.partition_point(|p| key(p).0 < d);
+        self.groups = (0..=doors).map(|d| at(d)..at(d + 1)).collect();
     }
 
     /// The part of a line of sight within a door's band (its jambs' height, its half of the plan).
@@ -184,22 +199,31 @@ impl Maze {
     /// Means of degree, depth and entropy, and what each query cell reaches.
     fn measure(&self, shift: &[f64]) -> ([f64; 3], Vec<Bits>) {
         let mut rows = vec![[0u64; WORDS]; self.reference.len()];
-        for pair in &self.pairs {
-            let passes = &self.passes[pair.passes.start as usize..pair.passes.end as usize];
-            let open = passes.iter().all(|p| {
-                let door = &self.doors[p.door];
-                let (left, right) = (door.left + shift[p.door], door.right + shift[p.door]);
-                if p.crosses {
-                    left < p.span[0] && p.span[1] < right
-                } else {
-                    let misses = |x: f64| x < p.span[0] || x > p.span[1];
-                    misses(left) && misses(right)
+        let gaps: Vec<[f64; 2]> =
+            self.doors.iter().zip(shift).map(|(d, s)| [d.left + s, d.right + s]).collect();
+        let is_free = |p: &Pass| {
+            let [left, right] = gaps[p.door];
+            if p.crosses {
+                left < p.span[0] && p.span[1] < right
+            } else {
+                let misses = |x: f64| x < p.span[0] || x > p.span[1];
+                misses(left) && misses(right)
+            }
+        };
+        for (group, door) in self.groups.iter().zip(0..) {
+            let pairs = &self.pairs[group.clone()];
+            let (from, to) = if door < gaps.len() {
+                let first = |p: &Pair| self.passes[p.passes.start as usize].span[0];
+                (pairs.partition_point(|p| first(p) <= gaps[door][0]), pairs.partition_point(|p| first(p) < gaps[door][1]))
+            } else {
+                (0, pairs.len())
+            };
+            for pair in &pairs[from..to] {
+                if self.passes[pair.passes.start as usize..pair.passes.end as usize].iter().all(is_free) {
+                    let [u, v] = pair.cells.map(usize::from);
+                    rows[u][v / 64] |= 1 << (v % 64);
+                    rows[v][u / 64] |= 1 << (u % 64);
                 }
-            });
-            if open {
-                let [u, v] = pair.cells.map(usize::from);
-                rows[u][v / 64] |= 1 << (v % 64);
-                rows[v][u / 64] |= 1 << (u % 64);
             }
         }
         let mut means = [0.0; 3];

@@ -11,6 +11,7 @@ use super::archive::{Archive, Limits};
 use super::members::min_distance;
 use super::climb::{Climb, Step, View};
 use super::spread::Spread;
+use super::models::Models;
 use super::tuning::Tuning;
 use super::{Mode, Objective, Study};
 
@@ -31,6 +32,7 @@ pub(super) struct Guided {
     stage: usize,
     climb: Climb,
     spread: Spread,
+    models: Models,
     limits: Limits,
     asked: Vec<Kind>,
 }
@@ -45,6 +47,7 @@ impl Guided {
             stage: 0,
             climb: Climb::new(&tuning),
             spread: Spread::new(study.members),
+            models: Models::new(study.members + 1),
             limits: Limits::default(),
             asked: vec![],
             tuning,
@@ -82,7 +85,7 @@ impl Guided {
                 let members = self.spread.members().to_vec();
                 let view = View { archive, limits, tuning, members: &members, pending: &out };
                 self.spread.refresh(&view, tuning.margin);
-                proposal = self.spread.propose(&view, tuning.margin, &mut self.rng).map(|x| (x, Kind::Spread));
+                proposal = self.spread.propose(&view, &mut self.models, tuning.margin, &mut self.rng).map(|x| (x, Kind::Spread));
             }
             let (x, kind) = proposal.unwrap_or_else(|| {
                 let view = View {
@@ -92,7 +95,7 @@ impl Guided {
                     members: self.spread.members(),
                     pending: &out,
                 };
-                let (x, step) = self.climb.propose(&view, &mut self.rng);
+                let (x, step) = self.climb.propose(&view, &mut self.models, &mut self.rng);
                 (x, Kind::Climb(step))
             });
             out.push(x);

@@ -9,6 +9,7 @@ mod archive;
 mod climb;
 mod guided;
 mod members;
+mod models;
 mod space;
 mod spread;
 mod surrogate;

@@ -10,7 +10,7 @@ use super::climb::{View, crossover, reset, sparse_step};
 use super::archive::Limits;
 use super::members::{closest_pair, improve_by_swaps, key, key_above, select, soft_minimum};
 use super::space::square_distance;
-use super::surrogate::Surrogate;
+use super::models::Models;
 
 /// Steps of the Gaussian proposals, in widths of the unit cube.
 const STEPS: [f64; 3] = [0.03, 0.1, 0.2];
@@ -28,7 +28,6 @@ pub(super) struct Spread {
     count: usize,
     members: Vec<usize>,
     caution: f64,
-    surrogates: Vec<Surrogate>,
     /// Points inside the thresholds, of the first `pooled` of the archive, under `pool_limits`.
     pool: Vec<usize>,
     pooled: usize,
@@ -43,7 +42,6 @@ impl Spread {
             count,
             members: vec![],
             caution: 0.0,
-            surrogates: vec![Surrogate::default(); count],
             pool: vec![],
             pooled: 0,
             pool_limits: Limits::default(),
@@ -109,7 +107,7 @@ impl Spread {
     }
 
     /// The next point to evaluate; `None` while there are no two members to spread.
-    pub(super) fn propose(&mut self, view: &View<'_>, margin: f64, rng: &mut ChaCha8Rng) -> Option<Vec<f64>> {
+    pub(super) fn propose(&mut self, view: &View<'_>, models: &mut Models, margin: f64, rng: &mut ChaCha8Rng) -> Option<Vec<f64>> {
         let m = self.choose(view, rng)?;
         self.swap_from_archive(view, m);
         let at = view.archive.unit(self.members[m]).to_vec();
@@ -118,10 +116,7 @@ impl Spread {
             return Some(reset(&at, rng));
         }
         let objectives = view.archive.objectives();
-        let surrogate = &mut self.surrogates[m];
-        surrogate.sync(view.archive, &at, view.tuning.neighbours);
-        surrogate.fit(objectives, |i, j| view.lesson(i, j));
-        surrogate.aim(&at);
+        let surrogate = models.around(view, &at, objectives);
         let mut scratch = vec![];
         let mut gains = vec![0.0; objectives];
         let mut best: Option<(bool, f64, usize)> = None;

@@ -46,11 +46,20 @@ pub(super) struct Surrogate {
 }
 
 impl Surrogate {
+    /// Whether points around `at` are inside what this surrogate knows.
+    pub(super) fn serves(&self, archive: &Archive, at: &[f64]) -> bool {
+        self.dims == archive.dims() && self.distance(at) <= 0.25 * self.reach
+    }
+
+    /// Squared distance of `at` from the centre; infinite before the first use.
+    pub(super) fn distance(&self, at: &[f64]) -> f64 {
+        if self.centre.len() == at.len() { square_distance(&self.centre, at) } else { f64::INFINITY }
+    }
+
     /// Brings the factor up to date with the archive around `centre`: new points near it are added;
     /// it is rebuilt from the `size` nearest when it is full or the centre has gone elsewhere.
     pub(super) fn sync(&mut self, archive: &Archive, centre: &[f64], size: usize) {
-        let moved = if self.centre.len() == centre.len() { square_distance(&self.centre, centre) } else { f64::INFINITY };
-        if moved > 0.25 * self.reach || self.dims == 0 || !self.grow(archive) {
+        if !self.serves(archive, centre) || !self.grow(archive) {
             self.rebuild(archive, centre, size);
         }
     }
@@ -122,18 +131,17 @@ impl Surrogate {
         }
         let basis = self.anchor_coordinates(x);
         let anchored: Vec<f64> = (0..width).map(|j| cube_distance(x, &self.anchor(j))).collect();
-        let mut row = self.cubes(x, n + 1);
-        for (m, value) in row.iter_mut().enumerate() {
-            let (other, other_basis) = if m == n {
-                (&anchored[..], &basis[..])
-            } else {
-                (&self.to_anchors[m * width..][..width], &self.tail_basis[m * width..][..width])
-            };
-            *value -= dot(&basis, other) + dot(other_basis, &anchored);
-            for (a, &p) in basis.iter().enumerate() {
-                *value += p * dot(other_basis, &self.between_anchors[a * width..][..width]);
-            }
+        // K(x, y) = |x − y|³ − p(x)·c(y) − p(y)·(c(x) − B p(x)), c: cubes to the anchors, B: between them.
+        let mut turned = anchored.clone();
+        for (t, between) in turned.iter_mut().zip(self.between_anchors.chunks_exact(width)) {
+            *t -= dot(&basis, between);
         }
+        let mut row = self.cubes(x, n);
+        let others = self.to_anchors.chunks_exact(width).zip(self.tail_basis.chunks_exact(width));
+        for (value, (cubes, other)) in row.iter_mut().zip(others) {
+            *value -= dot(&basis, cubes) + dot(other, &turned);
+        }
+        row.push(-dot(&basis, &anchored) - dot(&basis, &turned));
         self.to_anchors.extend_from_slice(&anchored);
         self.tail_basis.extend_from_slice(&basis);
         for m in 0..n {
