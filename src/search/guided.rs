@@ -147,9 +147,8 @@ impl Guided {
 
     /// The diverse set as it stands, inside the bare thresholds.
     pub(super) fn members(&self, archive: &Archive) -> Vec<usize> {
-        let limits = Limits::of(archive, &self.objectives);
         let mut spread = self.spread.with_members();
-        let view = View { archive, limits: &limits, tuning: &self.tuning, members: &[], pending: &[] };
+        let view = View { archive, limits: &self.limits, tuning: &self.tuning, members: &[], pending: &[] };
         spread.settle(&view, self.tuning.margin);
         spread.members().to_vec()
     }

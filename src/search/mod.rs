@@ -7,8 +7,12 @@
 
 mod archive;
 mod climb;
+mod cma;
+mod diversity;
 mod guided;
+mod hierarchy;
 mod members;
+mod method;
 mod models;
 mod space;
 mod spread;
@@ -19,7 +23,8 @@ use std::fmt;
 
 use crate::report::{Error, Place};
 use archive::{Archive, Limits};
-use guided::Guided;
+pub use cma::{Cma, CmaStop, Domain};
+use method::Engine;
 pub use space::normalised_distance;
 use space::Space;
 pub use tuning::Tuning;
@@ -201,7 +206,7 @@ pub struct Search {
     study: Study,
     space: Space,
     archive: Archive,
-    engine: Guided,
+    engine: Engine,
     asked: Vec<(Vec<f64>, Vec<f64>)>,
     stop: Option<Stop>,
     history: Vec<Milestone>,
@@ -224,7 +229,7 @@ impl Search {
         let space = Space::new(&study.bounds)?;
         check(&study)?;
         let archive = Archive::new(space.dims(), study.objectives.len());
-        let engine = Guided::new(&study, tuning);
+        let engine = Engine::new(&study, &space, tuning);
         Ok(Self { study, space, archive, engine, asked: vec![], stop: None, history: vec![] })
     }
 
@@ -312,8 +317,9 @@ impl Search {
 
     /// What the search has found so far; usable at any moment.
     pub fn outcome(&self) -> Outcome<'_> {
-        let limits = Limits::of(&self.archive, &self.study.objectives);
-        let best = self.best(&limits);
+        let unknown_limits = Limits::of(&self.archive, &self.study.objectives);
+        let limits = if self.archive.len() == 0 { &unknown_limits } else { self.engine.limits() };
+        let best = self.best(limits);
         let members = match (self.study.mode, best) {
             (Mode::Diverse, _) => self.engine.members(&self.archive),
             (Mode::Best, Some(best)) => vec![best],
@@ -327,7 +333,7 @@ impl Search {
         let senses = self.study.objectives.iter().enumerate();
         Outcome {
             best: best.map_or_else(unknown, |i| self.archive.points()[i].clone()),
-            members: members.into_iter().map(|i| self.member(&limits, i)).collect(),
+            members: members.into_iter().map(|i| self.member(limits, i)).collect(),
             thresholds: senses.map(|(j, o)| o.sense.gain(limits.limit(j, 0.0))).collect(),
             evaluations: self.archive.len() as u64,
             archive: self.archive.points(),

@@ -350,3 +350,81 @@ fn solve(factor: &[f64], n: usize, b: &mut [f64]) {
         b[i] = (b[i] - sum) / factor[i * n + i];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::search::{Evaluation, Objective, Sense};
+
+    fn archive(count: usize, dims: usize, f: impl Fn(&[f64]) -> f64) -> Archive {
+        let objective = Objective {
+            name: "f".into(),
+            sense: Sense::Maximise,
+            threshold: 0.7,
+            is_score: true,
+            is_penalty: false,
+        };
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let mut archive = Archive::new(dims, 1);
+        for _ in 0..count {
+            let u: Vec<f64> = (0..dims).map(|_| rng.random::<f64>()).collect();
+            let told = Evaluation { values: vec![f(&u)], violation: 0.0 };
+            archive.push(&u, u.clone(), &told, std::slice::from_ref(&objective));
+        }
+        archive
+    }
+
+    fn predict(surrogate: &Surrogate, x: &[f64]) -> (f64, f64) {
+        let mut out = [0.0];
+        let nearest = surrogate.predict(x, &mut vec![], &mut out);
+        (out[0], nearest)
+    }
+
+    #[test]
+    fn a_linear_function_is_known_everywhere() {
+        let plane = |u: &[f64]| 2.0 + u.iter().enumerate().map(|(i, v)| (i as f64 - 1.5) * v).sum::<f64>();
+        let archive = archive(60, 4, plane);
+        let mut surrogate = Surrogate::default();
+        surrogate.sync(&archive, &[0.5; 4], 60);
+        surrogate.fit(1, |i, j| archive.gains(i)[j]);
+        surrogate.aim(&[0.5; 4]);
+        let far = [0.1, 0.95, 0.3, 0.7];
+        assert!((predict(&surrogate, &far).0 - plane(&far)).abs() < 1e-5);
+    }
+
+    #[test]
+    fn it_passes_through_its_points_however_it_was_grown() {
+        let bowl = |u: &[f64]| u.iter().map(|v| (7.0 * v).sin()).sum::<f64>();
+        let all = archive(90, 5, bowl);
+        let mut grown = Surrogate::default();
+        let mut part = Archive::new(5, 1);
+        for i in 0..all.len() {
+            let objective = [Objective {
+                name: "f".into(),
+                sense: Sense::Maximise,
+                threshold: 0.7,
+                is_score: true,
+                is_penalty: false,
+            }];
+            let told = Evaluation { values: all.gains(i).to_vec(), violation: 0.0 };
+            part.push(all.unit(i), vec![], &told, &objective);
+            grown.sync(&part, &[0.2; 5], 80);
+        }
+        let mut built = Surrogate::default();
+        built.sync(&all, &[0.6; 5], 90);
+        for surrogate in [&mut grown, &mut built] {
+            surrogate.fit(1, |i, j| all.gains(i)[j]);
+            surrogate.aim(all.unit(3));
+        }
+        for i in [0, 3, 40, 89] {
+            let (value, nearest) = predict(&grown, all.unit(i));
+            assert!((value - bowl(all.unit(i))).abs() < 1e-3, "{value}");
+            assert!(nearest < 1e-12);
+        }
+        let elsewhere = [0.3, 0.8, 0.5, 0.1, 0.6];
+        assert!((predict(&grown, &elsewhere).0 - predict(&built, &elsewhere).0).abs() < 1e-4);
+    }
+}
