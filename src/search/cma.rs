@@ -320,7 +320,7 @@ mod tests {
         for (f, at) in [(rosenbrock as fn(&[f64]) -> f64, [4600, 7200]), (ellipsoid, [4800, 7200])] {
             let [first, second] = medians(f, at);
             assert!(first < 1e-8, "{first:e}");
-            assert!(second < 9e-22 * 10.0, "{second:e}");
+            assert!(second < 3e-22, "{second:e}");
         }
     }
 

@@ -11,6 +11,7 @@ mod cma;
 mod diversity;
 mod guided;
 mod hierarchy;
+mod lanes;
 mod members;
 mod method;
 mod models;

@@ -7,12 +7,15 @@
 //! of it: O(k²) instead of O(k³). The interpolant does not depend on the anchors.
 
 use super::archive::Archive;
+use super::lanes::{LANES, add_multiple, cubes, dot};
 use super::space::square_distance;
 
 /// Distance of the anchors from the centre, in widths of the unit cube.
 const ANCHOR_STEP: f64 = 0.5;
 /// Added to the diagonal: duplicates and cliffs between close points stay bounded.
 const NUGGET: f64 = 1e-6;
+/// Squared distance that stands in where a slice is padded; its weight is 0.
+const FAR: f64 = 1e3;
 /// Ridge of the linear tail while there are fewer points than it has coefficients.
 const TAIL_RIDGE: f64 = 1e-8;
 
@@ -89,7 +92,7 @@ impl Surrogate {
             self.reach = near[size - 1].0;
         }
         near.sort_by_key(|&(_, i)| i);
-        self.reset(archive.dims(), centre, size + size / 3);
+        self.reset(archive.dims(), centre, (size + size / 3).next_multiple_of(LANES));
         for (_, i) in near {
             self.append(archive, i);
         }
@@ -224,7 +227,7 @@ impl Surrogate {
                 let row = &self.factor[m * self.capacity..][..=m];
                 rest[0] /= row[m];
                 let at = rest[0];
-                before.iter_mut().zip(row).for_each(|(b, &l)| *b -= at * l);
+                add_multiple(before, -at, row);
             }
             self.linear[j] = self.linear_function(&beta, &w, mean);
             self.weights[j] = w;
@@ -248,9 +251,11 @@ impl Surrogate {
     /// Makes ready to predict near `at`: see [`Surrogate::predict`].
     pub(super) fn aim(&mut self, at: &[f64]) {
         let n = self.members.len();
+        let padded = n.next_multiple_of(LANES);
         self.aim = at.to_vec();
         self.aim_squares.clear();
         self.aim_squares.resize(n, 0.0);
+        self.aim_columns.clear();
         self.aim_columns.resize(self.dims * self.capacity, 0.0);
         for (d, &u) in at.iter().enumerate() {
             let columns = &self.columns[d * self.capacity..][..n];
@@ -260,23 +265,24 @@ impl Surrogate {
                 *square += *a * *a;
             }
         }
+        self.aim_squares.resize(padded, FAR);
+        self.weights.iter_mut().for_each(|w| w.resize(padded, 0.0));
     }
 
     /// Predicted values at `x` into `out`; returns the squared distance to the nearest member. Only
     /// coordinates in which `x` differs from where the surrogate is aimed cost anything.
     pub(super) fn predict(&self, x: &[f64], scratch: &mut Vec<f64>, out: &mut [f64]) -> f64 {
-        scratch.clear();
-        scratch.extend_from_slice(&self.aim_squares);
+        scratch.resize(self.aim_squares.len(), 0.0);
         let mut shift = 0.0;
+        let mut moved: Vec<(f64, &[f64])> = Vec::with_capacity(self.dims);
         for (d, (&u, &a)) in x.iter().zip(&self.aim).enumerate() {
             let step = u - a;
             if step != 0.0 {
                 shift += step * step;
-                let away = &self.aim_columns[d * self.capacity..][..scratch.len()];
-                add_multiple(scratch, 2.0 * step, away);
+                moved.push((2.0 * step, &self.aim_columns[d * self.capacity..][..scratch.len()]));
             }
         }
-        let nearest = to_cubes(scratch, shift);
+        let nearest = cubes(&self.aim_squares, &moved, shift, scratch);
         for ((o, weights), linear) in out.iter_mut().zip(&self.weights).zip(&self.linear) {
             let tail = linear[1..].iter().zip(x).zip(&self.centre).map(|((s, u), c)| s * (u - c)).sum::<f64>();
             *o = dot(weights, scratch) + tail + linear[0];
@@ -285,48 +291,9 @@ impl Surrogate {
     }
 }
 
-fn add_multiple(to: &mut [f64], factor: f64, of: &[f64]) {
-    to.iter_mut().zip(of).for_each(|(t, &o)| *t += factor * o);
-}
-
-/// Turns squares less `shift` into cubes of the distance; returns the least square.
-fn to_cubes(values: &mut [f64], shift: f64) -> f64 {
-    let mut least = [f64::INFINITY; 4];
-    let (chunks, rest) = values.as_chunks_mut::<4>();
-    for chunk in chunks {
-        for l in 0..4 {
-            let square = (chunk[l] + shift).max(0.0);
-            least[l] = least[l].min(square);
-            chunk[l] = square * square.sqrt();
-        }
-    }
-    for value in rest {
-        let square = (*value + shift).max(0.0);
-        least[0] = least[0].min(square);
-        *value = square * square.sqrt();
-    }
-    least.into_iter().fold(f64::INFINITY, f64::min)
-}
-
 fn cube_distance(a: &[f64], b: &[f64]) -> f64 {
     let square = square_distance(a, b);
     square * square.sqrt()
-}
-
-/// Dot product in eight lanes: the same bits whatever the machine, and quick.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    const LANES: usize = 8;
-    let mut lanes = [0.0; LANES];
-    let (head_a, tail_a) = a.as_chunks::<LANES>();
-    let (head_b, tail_b) = b.as_chunks::<LANES>();
-    for (x, y) in head_a.iter().zip(head_b) {
-        for l in 0..LANES {
-            lanes[l] += x[l] * y[l];
-        }
-    }
-    let tail: f64 = tail_a.iter().zip(tail_b).map(|(x, y)| x * y).sum();
-    let halves = [lanes[0] + lanes[4], lanes[1] + lanes[5], lanes[2] + lanes[6], lanes[3] + lanes[7]];
-    (halves[0] + halves[2]) + (halves[1] + halves[3]) + tail
 }
 
 /// In-place lower Cholesky factor of a small matrix, row-major.
