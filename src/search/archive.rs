@@ -112,13 +112,24 @@ impl Limits {
             let within = |&i: &usize| archive.hard(i) == 0.0 && limits.admits(archive.gains(i), j, 0.0);
             let gain = |i: usize| archive.gains(i)[j];
             let best = (0..archive.len()).filter(within).reduce(|a, b| if gain(b) > gain(a) { b } else { a });
-            let top = best.map_or(0.0, gain);
-            limits.best.push(best);
-            limits.base.push(base(archive, objective, j, top));
-            limits.top.push(top);
-            limits.threshold.push(objective.threshold);
+            limits.add(archive, objective, best);
         }
         limits
+    }
+
+    /// `T ← T ∪ t(l, ∞, ·)`: the threshold of the next objective, whose best point is `best`.
+    pub(super) fn add(&mut self, archive: &Archive, objective: &Objective, best: Option<usize>) {
+        let j = self.top.len();
+        let top = best.map_or(0.0, |i| archive.gains(i)[j]);
+        self.best.push(best);
+        self.base.push(base(archive, objective, j, top));
+        self.top.push(top);
+        self.threshold.push(objective.threshold);
+    }
+
+    /// How far each threshold is missed, in ranges; 0 where it is kept.
+    pub(super) fn misses(&self, gains: &[f64]) -> impl Iterator<Item = f64> {
+        (0..self.top.len()).map(|j| ((self.limit(j, 0.0) - gains[j]) / self.range(j)).max(0.0))
     }
 
     /// Whether the newest point `i` can change these limits.
@@ -145,11 +156,6 @@ impl Limits {
     pub(super) fn range(&self, j: usize) -> f64 {
         let range = self.top[j] - self.base[j];
         if range > NO_RANGE { range } else { 1.0 }
-    }
-
-    /// Best gain of objective `j` (0 where no point is feasible).
-    pub(super) fn top(&self, j: usize) -> f64 {
-        self.top[j]
     }
 
     /// The level below which a gain is only "bad": the surrogate does not follow the cliffs there.
