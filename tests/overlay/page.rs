@@ -1,7 +1,7 @@
 //! The report page and result.json.
 
-use enfilade::overlay::report_html;
 use enfilade::overlay::result::{RoundResult, to_json};
+use enfilade::overlay::{RoundCard, overview_html, report_html};
 
 use super::plans::look;
 use super::sample;
@@ -49,4 +49,24 @@ fn a_plan_without_moves_still_has_a_page() {
     let page = report_html(&input);
     look("report-no-moves.html", page.as_bytes());
     assert!(page.contains("EF-MOVE") && !page.contains("class=\"stage\""));
+}
+
+#[test]
+fn the_overview_links_to_every_round() {
+    let sample = sample::Sample::new();
+    let input = sample.input();
+    let card = |round: u64, href, accepted| RoundCard {
+        round,
+        drawing: sample::HOSTILE,
+        href,
+        png: Some(input.present[0].png),
+        mean: if round == 1 { &sample.result.lineage[0].mean } else { &sample.result.initial.mean },
+        words: &sample.result.candidates[0].words,
+        accepted,
+    };
+    let rounds = [card(1, "round-01/report.html", Some(3)), card(2, "round-02/report.html", None)];
+    let page = overview_html("Büro/hôtel-particulier.dxf", &rounds, "Enfilade 0.1.0");
+    look("overview.html", page.as_bytes());
+    assert!(page.contains("href=\"round-01/report.html\"") && page.contains("option 3 was accepted"));
+    assert!(!page.contains("<img src=x"));
 }

@@ -1,7 +1,9 @@
 //! Heat maps and diagrams.
 
 use enfilade::overlay::picture::{Palette, PlanPicture, Scale, StrokeKind};
-use enfilade::overlay::{Cell, HeatMap, Series, check_png, convergence_png, diversity_png, heat_map_png};
+use enfilade::overlay::{
+    Cell, HeatMap, Panel, Series, check_png, convergence_png, diversity_png, heat_map_png, resolution_png,
+};
 
 use super::plans::{self, look, pixels};
 
@@ -122,4 +124,25 @@ fn reference_drawings_look_right() {
     let (_, entropy) = plans::building("Visual Entropy").unwrap();
     let map = HeatMap { title: "Organisation", unit: "bits", ..heat(&building, &entropy, 1.3333) };
     look("building-entropy.png", &heat_map_png(&map, 1600).unwrap());
+}
+
+#[test]
+fn the_resolution_study_is_drawn() {
+    let panel = |name: &str, top: f64| Panel {
+        name: name.to_owned(),
+        points: [0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8]
+            .map(|s: f64| [s, top * (1.0 - 0.05 * s * s), 0.02 * top * s])
+            .to_vec(),
+    };
+    let panels = [
+        panel("Visibility (degree)", 120.0),
+        panel("Accessibility (tree depth)", 4.0),
+        panel("Organisation (entropy)", 2.4),
+    ];
+    let png = resolution_png(&panels, Some(0.7), 1600).unwrap();
+    look("resolution.png", &png);
+    assert_ne!(png, resolution_png(&panels, None, 1600).unwrap());
+    let many = vec![panels[0].clone(); enfilade::overlay::chart::MAX_PANELS + 1];
+    assert!(resolution_png(&many, None, 1600).is_err());
+    assert!(resolution_png(&[], None, 1600).is_ok());
 }

@@ -1,12 +1,15 @@
 //! `report.html`: one file that opens from disk, loads nothing and works without scripts.
 
 mod cards;
+mod overview;
 mod plots;
 mod tables;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
+
+pub use overview::{RoundCard, overview_html};
 
 use super::canvas::shrink_png;
 use super::html::Html;
@@ -103,7 +106,7 @@ pub fn content_security_policy() -> String {
     )
 }
 
-pub(super) fn head(html: &mut Html, title: &str) {
+fn head(html: &mut Html, title: &str) {
     html.raw("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
     html.open("meta", &[("http-equiv", "Content-Security-Policy"), ("content", &content_security_policy())]);
     html.raw("\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
@@ -181,6 +184,11 @@ pub(super) fn wanted(result: &RoundResult, key: &str) -> Option<Sense> {
     if let Some(objective) = result.objectives.iter().find(|o| o.name == key) {
         return Some(objective.sense);
     }
+    usual_sense(key)
+}
+
+/// Whether more of a measure is wanted as a rule.
+fn usual_sense(key: &str) -> Option<Sense> {
     match key {
         "degree" | "entropy" | "score" | "integration" => Some(Sense::Max),
         "depth" | "mean_depth" | "disconnection" | "overlap" | "clearance_m2" | "alignment" => {
