@@ -42,7 +42,7 @@ pub fn convergence_png(series: &[Series], longest_px: u32) -> Result<Vec<u8>, Er
     let marks: Vec<(f64, String)> = values.iter().copied().zip(tick_labels(&values)).collect();
     axes.draw(&mut canvas, 6);
     axes.draw_foot(&mut canvas, &marks, "layouts measured");
-    heading(&mut canvas, "How the search went on");
+    heading(&mut canvas, "Best values over the search");
     for (i, line) in lines.iter().enumerate() {
         axes.draw_line(&mut canvas, line, option_style(i));
     }

@@ -20,6 +20,8 @@ fn the_page_carries_everything_and_loads_nothing() {
     assert_eq!(page.matches("<img class=\"v ").count(), 18);
     assert_eq!(page.matches("alt=\"\"").count(), 2, "only the stage waits for its pictures");
     assert!(page.contains(&sample.input().command.replace('"', "&quot;")));
+    let dots = page.matches("<circle class=\"dot\"").count();
+    assert_eq!(dots, 500, "a larger archive is thinned");
     assert_eq!(page, report_html(&sample.input()));
 }
 
@@ -69,4 +71,18 @@ fn the_overview_links_to_every_round() {
     look("overview.html", page.as_bytes());
     assert!(page.contains("href=\"round-01/report.html\"") && page.contains("option 3 was accepted"));
     assert!(!page.contains("<img src=x"));
+}
+
+#[test]
+fn a_long_table_of_moves_is_folded() {
+    let sample = sample::Sample::new();
+    let mut result = sample.result.clone();
+    let page = |result: &RoundResult| {
+        let mut input = sample.input();
+        input.result = result;
+        report_html(&input)
+    };
+    assert!(!page(&result).contains("<summary>7 moves"));
+    result.moves = result.moves.iter().cycle().take(31).cloned().collect();
+    assert!(page(&result).contains("<summary>31 moves"));
 }

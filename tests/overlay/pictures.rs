@@ -44,6 +44,40 @@ fn heat_maps_of_every_size_show_their_cells() {
     }
 }
 
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig { failure_persistence: None, ..proptest::prelude::ProptestConfig::with_cases(64) })]
+    #[test]
+    fn odd_plans_never_stop_the_program(
+        points in proptest::collection::vec(proptest::array::uniform2(odd_number()), 0..12),
+        bounds in proptest::array::uniform2(proptest::array::uniform2(odd_number())),
+        value in odd_number(),
+        spacing_m in odd_number(),
+        closed: bool,
+        filled: bool,
+    ) {
+        let kinds = [StrokeKind::Fixed, StrokeKind::Before, StrokeKind::Ignored];
+        let strokes =
+            kinds.map(|kind| enfilade::overlay::Stroke { points: points.clone(), closed, filled, kind });
+        let picture = PlanPicture { strokes: strokes.to_vec(), regions: Vec::new(), bounds };
+        let cells: Vec<Cell> = points.iter().map(|p| Cell { centre: *p, value: Some(value) }).collect();
+        let drawn = heat_map_png(&heat(&picture, &cells, spacing_m), 160);
+        let is_small = |v: &f64| v.abs() < 1e9;
+        if bounds.iter().flatten().all(is_small) && points.iter().flatten().all(is_small) && is_small(&spacing_m) {
+            proptest::prop_assert!(drawn.is_ok());
+        }
+        let _ = check_png(&picture, "odd", "", 160);
+        let _ = enfilade::overlay::heat_additions("X", &cells, spacing_m, Scale::of([value]), Palette::Viridis);
+    }
+}
+
+fn odd_number() -> impl proptest::strategy::Strategy<Value = f64> {
+    proptest::prop_oneof![
+        6 => -30.0..30.0f64,
+        1 => -1e7..1e7f64,
+        1 => proptest::sample::select(vec![f64::NAN, f64::INFINITY, -f64::INFINITY, 1e300, -1e-300, 0.0]),
+    ]
+}
+
 #[test]
 fn one_cell_in_a_large_plan_is_visible() {
     let picture = plans::hall(500.0, 500.0);

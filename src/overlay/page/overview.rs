@@ -3,7 +3,7 @@
 use super::super::html::Html;
 use super::super::measure::{number, plain_name};
 use super::super::result::Numbers;
-use super::cards::delta;
+use super::cards::{delta, prose};
 use super::{drawing_name, head, usual_sense};
 
 /// One round on the overview.
@@ -67,7 +67,7 @@ fn card(html: &mut Html, round: &RoundCard<'_>, first: &Numbers) {
         }
         html.raw("</dd></div>\n");
     }
-    html.raw("</dl>\n").element("p", &[("class", "words")], round.words);
+    html.raw("</dl>\n").element("p", &[("class", "words")], &prose(round.words));
     if let Some(n) = round.accepted {
         html.element("p", &[("class", "badge met")], &format!("✓ option {n} was accepted"));
     }
