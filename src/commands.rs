@@ -58,7 +58,7 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
             ));
         }
         for m in &result.moves {
-            let kind = m.kind_name();
+            let kind = format!("{:?}", m.kind).to_lowercase();
             say(&format!("move {}: {kind} {} … {} {}", m.name, m.lower, m.upper, m.unit));
         }
         for r in result.regions.iter().filter(|r| r.kind != "move") {

@@ -16,3 +16,5 @@ pub mod progress;
 pub mod report;
 pub mod sample_settings;
 pub mod search;
+pub mod store;
+pub mod daemon;

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
+use super::measure::number;
 use super::palette::{Palette, Rgb, Scale};
 use super::picture::{Cell, Stroke, bounds_of};
 use crate::plan::drawing::{Addition, Mark};
@@ -31,6 +32,8 @@ const NOTE_RGB: Rgb = [0x00, 0x50, 0x82];
 const NOTE_HEIGHT_SHARE: f64 = 0.011;
 /// Letter height bounds, metres.
 const NOTE_HEIGHT_M: [f64; 2] = [0.05, 5.0];
+/// Swatches of a legend.
+const LEGEND_SWATCHES: usize = 6;
 /// Letters a line of a note holds.
 const NOTE_LINE_LETTERS: usize = 64;
 
@@ -55,7 +58,7 @@ pub fn heat_additions(
     scale: Scale,
     palette: Palette,
 ) -> Vec<Addition> {
-    let Some(origin) = cells.first().map(|c| c.centre) else { return Vec::new() };
+    let Some(origin) = cells.first().map(|c| c.centre).filter(|_| spacing_m > 0.0) else { return Vec::new() };
     let rectangles = merged(&steps_of(cells, origin, spacing_m, scale));
     let corner = |col: i64, row: i64| {
         let at = |k: usize, i: i64| origin[k] + (i as f64 - 0.5) * spacing_m;
@@ -144,14 +147,50 @@ pub fn moved_additions(
 
 fn note(lines: &[String], bounds: [[f64; 2]; 2], whole: [[f64; 2]; 2]) -> Option<Addition> {
     let text = lines.iter().flat_map(|l| wrapped(l, NOTE_LINE_LETTERS)).collect::<Vec<_>>().join("\n");
+    let text = plain(&text);
     if text.is_empty() {
         return None;
     }
-    let [lo, hi] = bounds;
-    let diagonal = (hi[0] - lo[0]).hypot(hi[1] - lo[1]);
-    let height = (diagonal * NOTE_HEIGHT_SHARE).clamp(NOTE_HEIGHT_M[0], NOTE_HEIGHT_M[1]);
-    let at = DVec2::new(whole[1][0] + 4.0 * height, hi[1] - height);
+    let height = letter_height(bounds);
+    let at = DVec2::new(whole[1][0] + 4.0 * height, bounds[1][1] - height);
     Some(Addition { layer: NOTE_LAYER.to_owned(), rgb: NOTE_RGB, mark: Mark::Text { at, height, text } })
+}
+
+/// Height of letters in proportion to the plan, metres.
+fn letter_height([lo, hi]: [[f64; 2]; 2]) -> f64 {
+    let diagonal = (hi[0] - lo[0]).hypot(hi[1] - lo[1]);
+    (diagonal * NOTE_HEIGHT_SHARE).clamp(NOTE_HEIGHT_M[0], NOTE_HEIGHT_M[1])
+}
+
+/// Signs that old code pages and CAD fonts lack, written otherwise.
+fn plain(text: &str) -> String {
+    text.replace(['−', '–'], "-").replace('\u{202f}', " ").replace('…', "...")
+}
+
+/// A legend for coloured cells on their own layer: swatches below the plan with their values, and what
+/// they count (`Visibility (degree), cells seen`).
+pub fn heat_legend(
+    layer: &str,
+    scale: Scale,
+    palette: Palette,
+    caption: &str,
+    bounds: [[f64; 2]; 2],
+) -> Vec<Addition> {
+    let height = letter_height(bounds);
+    let (side, top) = (4.0 * height, bounds[0][1] - 4.0 * height);
+    let add = |rgb, mark| Addition { layer: layer.to_owned(), rgb, mark };
+    let text = |x: f64, y: f64, text: &str| {
+        add(NOTE_RGB, Mark::Text { at: DVec2::new(x, y), height, text: plain(text) })
+    };
+    let mut out = vec![text(bounds[0][0], top + 0.8 * height, caption)];
+    for i in 0..LEGEND_SWATCHES {
+        let part = (i as f64 + 0.5) / LEGEND_SWATCHES as f64;
+        let (x, y) = (bounds[0][0] + i as f64 * side, top - height);
+        let corners = [[x, y], [x + side, y], [x + side, top], [x, top]].map(DVec2::from);
+        out.push(add(palette.at(part), Mark::Fill { corners }));
+        out.push(text(x, y - 1.6 * height, &number(scale.lo + part * (scale.hi - scale.lo))));
+    }
+    out
 }
 
 /// Breaks a line at spaces so that no part is longer than `most` letters, unless one word is.
@@ -266,6 +305,21 @@ mod tests {
         assert!(at.x > 14.0 && at.y < 9.0 && *height > 0.0);
         assert_eq!(text.lines().count(), 2);
         assert_eq!((out[0].layer.as_str(), out[1].layer.as_str()), (MOVED_LAYER, NOTE_LAYER));
+    }
+
+    #[test]
+    fn a_legend_stands_below_the_plan_in_letters_every_program_has() {
+        let bounds = [[0.0, 0.0], [12.0, 9.0]];
+        let legend =
+            heat_legend("EF-HEAT-SCORE", Scale { lo: -2.0, hi: 4.0 }, Palette::Viridis, "Score", bounds);
+        assert_eq!(legend.len(), 1 + 2 * LEGEND_SWATCHES);
+        for a in &legend {
+            match &a.mark {
+                Mark::Text { at, text, .. } => assert!(at.y < 0.0 && text.is_ascii(), "{text}"),
+                Mark::Fill { corners } => assert!(corners.iter().all(|c| c.y < 0.0)),
+                Mark::Path { .. } => panic!("no path expected"),
+            }
+        }
     }
 
     #[test]

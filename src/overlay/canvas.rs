@@ -89,8 +89,8 @@ impl Canvas {
     pub fn stroke(&mut self, path: &Path, pen: Pen<'_>) {
         let stroke = Stroke {
             width: pen.width_px,
-            line_cap: if pen.dash_px.is_empty() { LineCap::Round } else { LineCap::Butt },
-            line_join: LineJoin::Round,
+            line_cap: if pen.dash_px.is_empty() { LineCap::Square } else { LineCap::Butt },
+            line_join: LineJoin::Miter,
             dash: StrokeDash::new(pen.dash_px.to_vec(), 0.0),
             ..Stroke::default()
         };
@@ -158,7 +158,7 @@ pub fn encode_png(width_px: u32, height_px: u32, rgb: &[u8]) -> Result<Vec<u8>, 
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fast);
-    encoder.set_filter(png::Filter::Up);
+    encoder.set_filter(png::Filter::Paeth);
     let mut writer = encoder.write_header().map_err(fail)?;
     writer.write_image_data(rgb).map_err(fail)?;
     writer.finish().map_err(fail)?;

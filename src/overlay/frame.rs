@@ -10,7 +10,7 @@ use crate::report::{Error, Place};
 /// Sheet size for which all sizes below are meant; other sizes scale with it.
 const NOMINAL_SIDE_PX: f32 = 1600.0;
 /// Letters and margins never get smaller than this share of their nominal size.
-const SMALLEST_SCALE: f32 = 0.5;
+const SMALLEST_SCALE: f32 = 0.38;
 /// Narrowest sheet at nominal size: legend, scale bar and north arrow stand side by side.
 const NARROWEST_PX: f32 = 820.0;
 const MARGIN_PX: f32 = 44.0;
@@ -60,7 +60,7 @@ impl Frame {
         let width = (plan[0] + 2.0 * margin).max((NARROWEST_PX * unit).min(side)).ceil();
         let height = (plan[1] + top + bottom).ceil().min(side);
         let left = ((width - plan[0]) / 2.0).floor();
-        let line_px = (0.09 * px_per_m as f32).clamp(1.5 * unit, 5.0 * unit);
+        let line_px = (0.09 * px_per_m as f32).clamp(2.0 * unit, 5.0 * unit);
         Ok(Self {
             size_px: [width as u32, height as u32],
             unit_px: unit,
@@ -117,7 +117,9 @@ impl Frame {
     /// Scale bar with its right end at `[right, top]`; returns its left end, px.
     pub fn scale_bar(&self, canvas: &mut Canvas, right: f32, top: f32) -> f32 {
         let u = self.unit_px;
-        let length_m = nice_at_most(f64::from(250.0 * u) / self.px_per_m);
+        let [_, from, to] = self.foot();
+        let most_px = f64::from((250.0 * u).min(0.26 * (to - from)));
+        let length_m = nice_at_most(most_px / self.px_per_m);
         let length = (length_m * self.px_per_m) as f32;
         let left = right - length;
         let [x0, xm, x1] = [left, left + length / 2.0, right].map(|x| x.round() as i32);

@@ -5,7 +5,9 @@ use super::font::Weight;
 use super::frame::{Frame, Key};
 use super::measure::{tick_labels, ticks};
 use super::palette::{Palette, Rgb, Scale};
-use super::picture::{Cell, GREY, INK, Look, PlanPicture, RegionKind, StrokeKind, draw_region, draw_strokes};
+use super::picture::{
+    Cell, GREY, INK, Look, PlanPicture, RegionKind, StrokeKind, bounds_of, draw_region, draw_strokes,
+};
 use crate::report::Error;
 
 /// Longest side of the pictures of a round, px.
@@ -36,14 +38,14 @@ pub struct HeatMap<'a> {
     pub palette: Palette,
 }
 
-/// Draws a heat map as PNG. Pictures with the same bounds have the same size and lie exactly over
-/// each other.
+/// Draws a heat map as PNG. Pictures with the same bounds and cells have the same size and lie exactly
+/// over each other.
 ///
 /// # Errors
 /// `picture-size`, `picture-bounds`: see the [frame](super::frame); `png` if the encoder fails.
 pub fn heat_map_png(map: &HeatMap<'_>, longest_px: u32) -> Result<Vec<u8>, Error> {
     let titled = !(map.title.is_empty() && map.subtitle.is_empty());
-    let frame = Frame::fit(map.picture.bounds, longest_px, titled, FOOT_PX)?;
+    let frame = Frame::fit(shown_box(map), longest_px, titled, FOOT_PX)?;
     let mut canvas = frame.sheet()?;
     draw_cells(&mut canvas, &frame, map);
     for region in &map.picture.regions {
@@ -55,6 +57,14 @@ pub fn heat_map_png(map: &HeatMap<'_>, longest_px: u32) -> Result<Vec<u8>, Error
     frame.head(&mut canvas, map.title, map.subtitle);
     draw_foot(&mut canvas, &frame, map);
     canvas.into_png()
+}
+
+/// The plan's box and every cell. The lattice is that of the present layout, so layouts of one drawing
+/// still share their frame.
+fn shown_box(map: &HeatMap<'_>) -> [[f64; 2]; 2] {
+    let half = map.spacing_m / 2.0;
+    let corners = map.cells.iter().flat_map(|c| [-half, half].map(|d| [c.centre[0] + d, c.centre[1] + d]));
+    bounds_of(corners.chain(map.picture.bounds))
 }
 
 fn draw_cells(canvas: &mut Canvas, frame: &Frame, map: &HeatMap<'_>) {
@@ -74,9 +84,10 @@ fn draw_cells(canvas: &mut Canvas, frame: &Frame, map: &HeatMap<'_>) {
     }
 }
 
-/// Light grey with a diagonal hatch: in the graph, but not measured.
+/// Light grey with dots: in the graph, but not measured. (A hatch would take six times the bytes.)
 fn unmeasured(x: i32, y: i32) -> Rgb {
-    if (x + y).rem_euclid(10) < 2 { [0xd2, 0xd4, 0xd8] } else { [0xec, 0xed, 0xef] }
+    let is_dot = x.rem_euclid(20) < 2 && y.rem_euclid(20) < 2;
+    if is_dot { [0xb4, 0xb8, 0xbf] } else { [0xee, 0xef, 0xf1] }
 }
 
 fn stroke_look(kind: StrokeKind, palette: Palette) -> Option<Look> {
@@ -100,7 +111,7 @@ fn region_look(kind: RegionKind) -> Option<Look> {
 fn draw_foot(canvas: &mut Canvas, frame: &Frame, map: &HeatMap<'_>) {
     let u = frame.unit_px;
     let [top, left, right] = frame.foot();
-    let wide = (430.0 * u).min((right - left) * 0.5);
+    let wide = (430.0 * u).min((right - left) * 0.42);
     draw_legend(canvas, frame, map, [left, top, left + wide, top + 24.0 * u]);
     let end = frame.north(canvas, right, top + 62.0 * u);
     frame.scale_bar(canvas, end - 36.0 * u, top + 14.0 * u);

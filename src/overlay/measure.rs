@@ -51,7 +51,7 @@ pub const WORDINGS: &[Wording] = &[
         key: "score",
         plain: "Score",
         technical: "weighted sum",
-        unit: "score",
+        unit: "",
         meaning: "The weighted sum of the relative gains over the present layout, less the penalties. \
                   The present layout gains 0.",
         more_less: ["", ""],
@@ -167,6 +167,13 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     format!("{sign}{}{rest}", grouped(whole))
 }
 
+/// A number without needless zeros: two decimals below 10, one below 100, none above.
+pub fn short(value: f64) -> String {
+    let size = value.abs();
+    let text = fixed(value, usize::from(size < 9.995) + usize::from(size < 99.95));
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 fn grouped(digits: &str) -> String {
     if digits.len() < 5 {
         return digits.to_owned();
@@ -262,6 +269,7 @@ mod tests {
             assert_eq!(number(value), expected, "{value}");
         }
         assert_eq!(fixed(-0.001, 2), "0.00");
+        assert_eq!([1.2, -10.0, 12.34, 100.4, 0.004].map(short), ["1.2", "−10", "12.3", "100", "0"]);
     }
 
     #[test]

@@ -20,7 +20,7 @@ pub mod picture;
 pub mod result;
 pub mod words;
 
-pub use additions::{heat_additions, moved_additions};
+pub use additions::{heat_additions, heat_legend, moved_additions};
 pub use chart::{Series, convergence_png};
 pub use check::check_png;
 pub use diversity::diversity_png;

@@ -100,6 +100,10 @@ pub fn bounds_of(points: impl IntoIterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
     found.unwrap_or_default()
 }
 
+/// Width of the outline of a filled solid, in widths of a wall that is only a line: thin, so that a solid
+/// has the size it was drawn with, but thick enough that a thin wall is seen in a large plan.
+const SOLID_EDGE: f32 = 0.3;
+
 /// How one kind of stroke looks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Look {
@@ -153,23 +157,24 @@ pub(super) fn draw_alike<'a>(
         let px: Vec<[f32; 2]> = s.points.iter().map(|p| frame.to_px(*p)).collect();
         if s.filled && look.dash.is_empty() { solids.push(px) } else { lines.push((px, s.closed)) }
     }
-    let line = frame.line_px;
-    let all = solids.iter().map(|s| (&s[..], true)).chain(lines.iter().map(|(l, c)| (&l[..], *c)));
-    let Some(outlines) = path_of(all) else { return };
+    let width_px = look.width * frame.line_px;
+    let edge_px = (SOLID_EDGE * width_px).max(1.6 * frame.unit_px);
+    let outlines = path_of(solids.iter().map(|s| (&s[..], true)));
+    let lines = path_of(lines.iter().map(|(l, c)| (&l[..], *c)));
     if look.rim > 0.0 {
-        let width_px = (look.width + 2.0 * look.rim) * line;
-        canvas.stroke(&outlines, Pen { opacity: 0.75 * look.opacity, ..Pen::solid(PAPER, width_px) });
-    }
-    for solid in &solids {
-        if let Some(path) = path_of([(&solid[..], true)]) {
-            canvas.fill(&path, look.rgb, look.opacity);
+        let rim_px = 2.0 * look.rim * frame.line_px;
+        for (path, core_px) in [(&outlines, edge_px), (&lines, width_px)] {
+            let pen = Pen { opacity: 0.75 * look.opacity, ..Pen::solid(PAPER, core_px + rim_px) };
+            path.iter().for_each(|path| canvas.stroke(path, pen));
         }
     }
-    let dash: Vec<f32> = look.dash.iter().map(|d| d * look.width * line).collect();
-    canvas.stroke(
-        &outlines,
-        Pen { rgb: look.rgb, opacity: look.opacity, width_px: look.width * line, dash_px: &dash },
-    );
+    for path in solids.iter().filter_map(|s| path_of([(&s[..], true)])) {
+        canvas.fill(&path, look.rgb, look.opacity);
+    }
+    let pen = Pen { opacity: look.opacity, ..Pen::solid(look.rgb, edge_px) };
+    outlines.iter().for_each(|path| canvas.stroke(path, pen));
+    let dash: Vec<f32> = look.dash.iter().map(|d| d * width_px).collect();
+    lines.iter().for_each(|path| canvas.stroke(path, Pen { width_px, dash_px: &dash, ..pen }));
 }
 
 /// Outlines the regions; `tint` fills them lightly too.

@@ -1,6 +1,6 @@
 //! What moved and what it gains, in plain words: EF-NOTE, the report and `words` in result.json.
 
-use super::measure::{fixed, percent_change, sentence_case, wording};
+use super::measure::{fixed, percent_change, sentence_case, short, wording};
 use super::result::{MoveEntry, MoveKind, Numbers};
 
 /// Moves told one by one; the rest is counted.
@@ -98,12 +98,12 @@ pub fn clause(entry: &MoveEntry, value: f64) -> String {
         MoveKind::Rotate => {
             let deg = if entry.unit == "rad" { value.to_degrees() } else { value };
             let way = if deg < 0.0 { "clockwise" } else { "anticlockwise" };
-            format!("turns {}° {way}", fixed(deg.abs(), usize::from(deg.abs() < 9.95)))
+            format!("turns {}° {way}", short((deg.abs() * 10.0).round() / 10.0))
         }
         MoveKind::Scale => {
             let percent = (value - 1.0) * 100.0;
             let what = if percent < 0.0 { "shrinks" } else { "grows" };
-            format!("{what} by {} %", fixed(percent.abs(), usize::from(percent.abs() < 9.95)))
+            format!("{what} by {} %", short((percent.abs() * 10.0).round() / 10.0))
         }
     }
 }
@@ -118,7 +118,7 @@ pub fn parameter(entry: &MoveEntry, value: f64) -> String {
         MoveKind::X | MoveKind::Y | MoveKind::Along => format!("{sign}{}", length(value.abs(), &entry.unit)),
         MoveKind::Rotate => {
             let deg = if entry.unit == "rad" { value.to_degrees() } else { value };
-            format!("{sign}{}°", fixed(deg.abs(), 1))
+            format!("{sign}{}°", short((deg.abs() * 10.0).round() / 10.0))
         }
         MoveKind::Scale => format!("× {}", fixed(value, 2)),
     }
@@ -130,14 +130,9 @@ fn length(size: f64, unit: &str) -> String {
         "mm" => size / 1000.0,
         "cm" => size / 100.0,
         "m" => size,
-        "in" => return format!("{} in", fixed(size, usize::from(size < 9.95))),
-        other => return format!("{} {other}", fixed(size, usize::from(size < 99.5))).trim_end().to_owned(),
+        other => return format!("{} {other}", short(size)).trim_end().to_owned(),
     };
-    if metres >= 0.995 {
-        format!("{} m", fixed(metres, 2 - usize::from(metres >= 9.95)))
-    } else {
-        format!("{} cm", fixed(metres * 100.0, 0))
-    }
+    if metres >= 0.995 { format!("{} m", short(metres)) } else { format!("{} cm", fixed(metres * 100.0, 0)) }
 }
 
 fn compass(deg: f64) -> &'static str {
@@ -171,7 +166,7 @@ mod tests {
         let now = Numbers::of([("degree", 118.0), ("depth", 7.25), ("entropy", 2.5)]);
         assert_eq!(
             words(&moves, &[1.2, -12.0, 350.0], &initial, &now),
-            "Kiosk turns 12° clockwise and moves 35 cm north, Door 3 moves 1.20 m east; \
+            "Kiosk turns 12° clockwise and moves 35 cm north, Door 3 moves 1.2 m east; \
              visibility +18 %, depth −9.4 % (fewer turns), organisation ±0 %."
         );
     }
@@ -195,7 +190,7 @@ mod tests {
         assert_eq!(clause(&along, -0.5), "slides 0.5 ft back");
         along.direction_deg = Some(30.0);
         assert_eq!(clause(&along, -0.5), "slides 0.5 ft south-west");
-        assert_eq!(clause(&entry("a", MoveKind::Scale, [0.8, 1.2], ""), 0.92), "shrinks by 8.0 %");
+        assert_eq!(clause(&entry("a", MoveKind::Scale, [0.8, 1.2], ""), 0.92), "shrinks by 8 %");
         assert_eq!(
             clause(&entry("a", MoveKind::Rotate, [-1.0, 1.0], "rad"), 0.1),
             "turns 5.7° anticlockwise"

@@ -58,16 +58,16 @@ pub fn edges_csv(study: &Study) -> String {
     let graph = graph(study);
     let references = references(study);
     let mut out = String::from("RefFrom,RefTo\n");
-    for v in 0..graph.len() {
+    for v in 0..graph.len() as u32 {
         let mut later = Vec::new();
         graph.for_each_neighbour(v, |u| {
-            if u as usize > v {
+            if u > v {
                 later.push(references[u as usize]);
             }
         });
         later.sort_unstable();
         for to in later {
-            let _ = writeln!(out, "{},{to}", references[v]);
+            let _ = writeln!(out, "{},{to}", references[v as usize]);
         }
     }
     out

@@ -146,7 +146,7 @@ fn optimise(
         sense: if o.sense == search::Sense::Maximise { ShownSense::Max } else { ShownSense::Min },
         threshold: o.threshold,
         initial: initial.values[i],
-        best: outcome.optima.get(i).copied().unwrap_or(f64::NAN),
+        best: best_of(&outcome, i, o.sense),
         limit: outcome.thresholds.get(i).copied().unwrap_or(f64::NAN),
     });
     let stopped_by = search.stop_reason().map_or_else(String::new, |s| s.to_string());
@@ -160,9 +160,16 @@ fn optimise(
     })
 }
 
+/// Best value of one objective among all layouts that keep the hard limits; NaN if none does.
+fn best_of(outcome: &search::Outcome<'_>, objective: usize, sense: search::Sense) -> f64 {
+    let values = outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values[objective]);
+    let better = |a: f64, b: f64| if sense == search::Sense::Maximise { a.max(b) } else { a.min(b) };
+    values.fold(f64::NAN, better)
+}
+
 fn series(outcome: &search::Outcome<'_>) -> Vec<Series> {
     let mut out: Vec<Series> = Vec::new();
-    for point in outcome.history {
+    for point in outcome.stages {
         let name = &point.stage;
         match out.iter_mut().find(|s| s.name == *name) {
             Some(s) => s.points.push((point.evaluations, point.best)),

@@ -1,1 +1,380 @@
 //! The optimiser: vectors, bounds and a seed in; asks and is told; knows no wall.
+//!
+//! [`Search::ask`] gives a batch of parameter vectors, [`Search::tell`] takes what they are worth, in
+//! the same order; the search never calls user code. The same study and the same evaluations give the
+//! same asks, bit for bit: randomness comes from the seed, and nothing here uses threads, clocks or
+//! hashed order.
+
+mod archive;
+mod climb;
+mod guided;
+mod members;
+mod space;
+mod spread;
+mod surrogate;
+mod tuning;
+
+use std::fmt;
+
+use crate::report::{Error, Place};
+use archive::{Archive, Limits};
+use guided::Guided;
+pub use space::normalised_distance;
+use space::Space;
+pub use tuning::Tuning;
+
+/// Whether more or less of an objective is better.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sense {
+    /// More is better.
+    Maximise,
+    /// Less is better.
+    Minimise,
+}
+
+/// One objective of the hierarchy (spec section 7).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Objective {
+    /// Name as shown to the user: `degree`.
+    pub name: String,
+    /// Which way is better.
+    pub sense: Sense,
+    /// Threshold z in `[0, 1]`: the share of the best improvement that every member must keep.
+    pub threshold: f64,
+    /// Whether this is the composite `score`, whose baseline is 0: `l = z · f(p_opt)`.
+    pub is_score: bool,
+    /// Whether this is the sum of penalties.
+    pub is_penalty: bool,
+}
+
+/// How to search.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// What reaches most: a surrogate-led climb, then feasible spreading.
+    #[default]
+    Default,
+    /// Algorithms 1 and 2 as published, for comparison.
+    Paper,
+}
+
+/// What is wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// A set of good points far from each other.
+    #[default]
+    Diverse,
+    /// The single best point.
+    Best,
+}
+
+/// Everything that decides a search.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Study {
+    /// Lower and upper bound of each parameter, in its own unit.
+    pub bounds: Vec<[f64; 2]>,
+    /// `p_0`, the present layout; inside the bounds.
+    pub start: Vec<f64>,
+    /// Objectives in order, without diversity, which is always last in [`Mode::Diverse`].
+    pub objectives: Vec<Objective>,
+    /// Wanted size of the diverse set, at least 1.
+    pub members: usize,
+    /// `d_min` of eq. div-mem-dist, as a fraction of √n, the largest distance with n parameters.
+    pub d_min: f64,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// Evaluations to spend; `None`: until converged.
+    pub evaluations: Option<u64>,
+    /// How to search.
+    pub method: Method,
+    /// What is wanted.
+    pub mode: Mode,
+    /// Points a batch, at least 1. Part of the study, so that the machine decides nothing.
+    pub batch: usize,
+}
+
+/// What one parameter vector is worth.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Evaluation {
+    /// One value an objective, in the order of the study, as measured (no sign turned).
+    pub values: Vec<f64>,
+    /// Sum of the hard constraint violations; 0: feasible.
+    pub violation: f64,
+}
+
+/// An evaluated parameter vector.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Parameters in the study's own units.
+    pub parameters: Vec<f64>,
+    /// Values as told.
+    pub values: Vec<f64>,
+    /// Sum of the hard constraint violations; infinite where a value was no finite number.
+    pub violation: f64,
+}
+
+/// One of the diverse set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Member {
+    /// Parameters in the study's own units.
+    pub parameters: Vec<f64>,
+    /// Values as told.
+    pub values: Vec<f64>,
+    /// Sum of the hard constraint violations.
+    pub violation: f64,
+    /// Whether it keeps all thresholds and hard limits.
+    pub within_threshold: bool,
+}
+
+/// Why a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The evaluations are spent.
+    Budget,
+    /// About 95 % of what it would converge to is reached.
+    Converged,
+    /// Somebody asked to stop.
+    Asked,
+    /// No parameter has room to move.
+    NothingToMove,
+}
+
+impl fmt::Display for Stop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Budget => "the evaluations allowed were used up",
+            Self::Converged => "about 95 % of what more evaluations would bring is reached",
+            Self::Asked => "it was asked to stop",
+            Self::NothingToMove => "nothing in the drawing has room to move",
+        })
+    }
+}
+
+/// One point of the convergence plot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Milestone {
+    /// Evaluations told so far.
+    pub evaluations: u64,
+    /// What was being done, as in [`Progress::stage`].
+    pub stage: String,
+    /// Best value of the stage's objective so far, as measured.
+    pub best: f64,
+    /// Smallest `dn` between members; 0 while there are none.
+    pub min_distance: f64,
+}
+
+/// How far the search is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// What is being done, in plain words.
+    pub stage: String,
+    /// Evaluations told so far.
+    pub evaluations: u64,
+    /// Evaluations allowed, where there is a limit.
+    pub total: Option<u64>,
+    /// Best value of the stage's objective so far, as measured; NaN before the first.
+    pub best: f64,
+}
+
+/// What a search has found so far.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome<'a> {
+    /// Best point of the last objective inside all thresholds; where no point is feasible, the one
+    /// that comes nearest (`violation > 0`); before the first evaluation the start, violation infinite.
+    pub best: Point,
+    /// The diverse set: at most as many as asked for, fewer where fewer feasible points are known.
+    /// In [`Mode::Best`] the best point alone.
+    pub members: Vec<Member>,
+    /// The limits l_i of the objectives, as measured.
+    pub thresholds: Vec<f64>,
+    /// Evaluations told.
+    pub evaluations: u64,
+    /// Everything evaluated, in order.
+    pub archive: &'a [Point],
+    /// The course of the search.
+    pub stages: &'a [Milestone],
+}
+
+/// A running search.
+#[derive(Clone, Debug)]
+pub struct Search {
+    study: Study,
+    space: Space,
+    archive: Archive,
+    engine: Guided,
+    asked: Vec<(Vec<f64>, Vec<f64>)>,
+    stop: Option<Stop>,
+    history: Vec<Milestone>,
+}
+
+impl Search {
+    /// Checks a study and makes ready to ask.
+    ///
+    /// # Errors
+    /// Usage error where bounds, start, thresholds or counts make no sense.
+    pub fn new(study: Study) -> Result<Self, Error> {
+        Self::with_tuning(study, Tuning::default())
+    }
+
+    /// As [`Search::new`], with other settings of the default method.
+    ///
+    /// # Errors
+    /// As [`Search::new`].
+    pub fn with_tuning(study: Study, tuning: Tuning) -> Result<Self, Error> {
+        let space = Space::new(&study.bounds)?;
+        check(&study)?;
+        let archive = Archive::new(space.dims(), study.objectives.len());
+        let engine = Guided::new(&study, tuning);
+        Ok(Self { study, space, archive, engine, asked: vec![], stop: None, history: vec![] })
+    }
+
+    /// The next batch of parameter vectors, always inside the bounds; empty when stopped. The first
+    /// vector of the first batch is the start. Asking again without telling gives the same batch.
+    pub fn ask(&mut self) -> Vec<Vec<f64>> {
+        if self.stop.is_some() {
+            return vec![];
+        }
+        if self.asked.is_empty() {
+            let left = self.study.evaluations.map_or(usize::MAX, |b| (b as usize).saturating_sub(self.archive.len()));
+            let count = self.study.batch.min(left);
+            self.asked = if self.archive.len() == 0 { self.first_batch() } else { self.next_batch(count) };
+        }
+        self.asked.iter().map(|(_, parameters)| parameters.clone()).collect()
+    }
+
+    /// The start alone: everything after it is drawn in its light.
+    fn first_batch(&self) -> Vec<(Vec<f64>, Vec<f64>)> {
+        vec![(self.space.unit(&self.study.start), self.study.start.clone())]
+    }
+
+    fn next_batch(&mut self, count: usize) -> Vec<(Vec<f64>, Vec<f64>)> {
+        let units = self.engine.ask(&self.archive, count);
+        units.into_iter().map(|u| (u.clone(), self.space.parameters(&u))).collect()
+    }
+
+    /// Takes what the last batch is worth, in the order asked. A value that is no finite number, or is
+    /// missing, makes its point infeasible.
+    pub fn tell(&mut self, evaluations: &[Evaluation]) {
+        let first = self.archive.len();
+        let missing = Evaluation { values: vec![], violation: f64::INFINITY };
+        for (k, (unit, parameters)) in std::mem::take(&mut self.asked).into_iter().enumerate() {
+            let told = evaluations.get(k).unwrap_or(&missing);
+            self.archive.push(&unit, parameters, told, &self.study.objectives);
+        }
+        if self.archive.len() == first {
+            return;
+        }
+        self.engine.tell(&self.archive, first);
+        self.record();
+        if self.space.dims() == 0 {
+            self.stop = Some(Stop::NothingToMove);
+        } else if self.study.evaluations.is_some_and(|b| self.archive.len() as u64 >= b) {
+            self.stop = Some(Stop::Budget);
+        } else if self.engine.is_converged() {
+            self.stop = Some(Stop::Converged);
+        }
+    }
+
+    fn record(&mut self) {
+        let Progress { stage, evaluations, best, .. } = self.progress();
+        let min_distance = self.engine.min_distance(&self.archive);
+        let news = self.history.last().is_none_or(|last| {
+            last.stage != stage || last.best.to_bits() != best.to_bits() || last.min_distance.to_bits() != min_distance.to_bits()
+        });
+        if news {
+            self.history.push(Milestone { evaluations, stage, best, min_distance });
+        }
+    }
+
+    /// Why the search ended; `None` while it goes on.
+    pub fn stop_reason(&self) -> Option<Stop> {
+        self.stop
+    }
+
+    /// Ends the search now (time is up, or cancelled); [`Search::outcome`] has the best so far.
+    pub fn finish(&mut self) {
+        self.stop.get_or_insert(Stop::Asked);
+        self.asked.clear();
+    }
+
+    /// How far the search is.
+    pub fn progress(&self) -> Progress {
+        let j = self.engine.stage();
+        let objective = &self.study.objectives[j];
+        let best = self.engine.limits().best[..].get(j).copied().flatten();
+        Progress {
+            stage: if self.engine.is_spreading() { "spreading".into() } else { format!("improving {}", objective.name) },
+            evaluations: self.archive.len() as u64,
+            total: self.study.evaluations,
+            best: best.map_or(f64::NAN, |i| self.archive.points()[i].values[j]),
+        }
+    }
+
+    /// What the search has found so far; usable at any moment.
+    pub fn outcome(&self) -> Outcome<'_> {
+        let limits = Limits::of(&self.archive, &self.study.objectives);
+        let best = self.best(&limits);
+        let members = match (self.study.mode, best) {
+            (Mode::Diverse, _) => self.engine.members(&self.archive),
+            (Mode::Best, Some(best)) => vec![best],
+            (Mode::Best, None) => vec![],
+        };
+        let unknown = || Point {
+            parameters: self.study.start.clone(),
+            values: vec![f64::NAN; self.study.objectives.len()],
+            violation: f64::INFINITY,
+        };
+        let senses = self.study.objectives.iter().enumerate();
+        Outcome {
+            best: best.map_or_else(unknown, |i| self.archive.points()[i].clone()),
+            members: members.into_iter().map(|i| self.member(&limits, i)).collect(),
+            thresholds: senses.map(|(j, o)| o.sense.gain(limits.limit(j, 0.0))).collect(),
+            evaluations: self.archive.len() as u64,
+            archive: self.archive.points(),
+            stages: &self.history,
+        }
+    }
+
+    fn best(&self, limits: &Limits) -> Option<usize> {
+        let nearest = || {
+            (0..self.archive.len()).reduce(|a, b| if self.archive.hard(b) < self.archive.hard(a) { b } else { a })
+        };
+        limits.best.last().copied().flatten().or_else(nearest)
+    }
+
+    fn member(&self, limits: &Limits, i: usize) -> Member {
+        let Point { parameters, values, violation } = self.archive.points()[i].clone();
+        let count = self.study.objectives.len();
+        let within_threshold = violation == 0.0 && limits.admits(self.archive.gains(i), count, 0.0);
+        Member { parameters, values, violation, within_threshold }
+    }
+}
+
+fn check(study: &Study) -> Result<(), Error> {
+    let bad = |text: String| Err(Error::usage("search-study", Place::default(), text));
+    if study.start.len() != study.bounds.len() {
+        return bad(format!("start, found {} parameters, expected {}", study.start.len(), study.bounds.len()));
+    }
+    for (i, (p, [lower, upper])) in study.start.iter().zip(&study.bounds).enumerate() {
+        if !(p >= lower && p <= upper) {
+            return bad(format!("start of parameter {i}, found {p}, expected {lower} .. {upper}"));
+        }
+    }
+    if study.objectives.is_empty() {
+        return bad("objectives, found none, expected at least one".into());
+    }
+    if let Some(o) = study.objectives.iter().find(|o| !(0.0..=1.0).contains(&o.threshold)) {
+        return bad(format!("threshold of {}, found {}, expected 0 .. 1", o.name, o.threshold));
+    }
+    if !(0.0..=1.0).contains(&study.d_min) {
+        return bad(format!("least distance between members, found {}, expected 0 .. 1 of √n", study.d_min));
+    }
+    for (what, count) in [("members", study.members), ("batch", study.batch)] {
+        if count == 0 {
+            return bad(format!("{what}, found 0, expected at least 1"));
+        }
+    }
+    if study.evaluations == Some(0) {
+        return bad("evaluations, found 0, expected at least 1".into());
+    }
+    Ok(())
+}

@@ -78,8 +78,8 @@ pub fn stage(html: &mut Html, input: &Fitted<'_>) {
     html.raw("<section class=\"compare\" aria-label=\"Before and after\">\n");
     tabs(html, input);
     html.raw(
-        "<div class=\"stage\"><img class=\"before\" alt=\"\"><img class=\"after\" alt=\"\">\
-         <span class=\"tag left\">Present</span><span class=\"tag right\">Option 1</span>\
+        "<p class=\"sides\"><span>Present layout</span><span class=\"right\">Option 1</span></p>\n\
+         <div class=\"stage\"><img class=\"before\" alt=\"\"><img class=\"after\" alt=\"\">\
          <span class=\"cut\" aria-hidden=\"true\"></span>\
          <input type=\"range\" min=\"0\" max=\"100\" value=\"50\" step=\"0.5\" \
          aria-label=\"Before and after: left is the present layout, right the option\"></div>\n\
@@ -145,7 +145,7 @@ fn measures(html: &mut Html, result: &RoundResult, candidate: Option<&Candidate>
     html.raw("</dl>\n");
 }
 
-/// A change with its sign, told apart by colour, arrow and word whether it is wanted.
+/// A change with its sign, told apart by colour, filled or hollow arrow, and word whether it is wanted.
 pub fn delta(html: &mut Html, from: f64, to: f64, sense: Option<Sense>) {
     let text = percent_change(from, to).unwrap_or_else(|| {
         let sign = if to > from { "+" } else { "" };
@@ -157,10 +157,12 @@ pub fn delta(html: &mut Html, from: f64, to: f64, sense: Option<Sense>) {
         Some(Sense::Min) => Some(to < from),
         None => None,
     };
-    let class = match better {
-        Some(true) => "delta good",
-        Some(false) => "delta bad",
-        None => "delta",
+    let class = match (better, to > from) {
+        (Some(true), true) => "delta good up",
+        (Some(true), false) => "delta good down",
+        (Some(false), true) => "delta bad up",
+        (Some(false), false) => "delta bad down",
+        (None, _) => "delta",
     };
     html.open("span", &[("class", class)]).text(&text);
     match better {

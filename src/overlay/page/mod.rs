@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 
 use super::canvas::shrink_png;
 use super::html::Html;
-use super::measure::{WORDINGS, fixed, number, plain_name, sentence_case};
+use super::measure::{WORDINGS, fixed, number, plain_name, sentence_case, short};
 use super::result::{RoundResult, Sense};
 
 /// Pictures of a page take at most this many bytes; above it all are halved in size until they fit,
@@ -83,7 +83,7 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
     tables::thresholds(&mut html, input.result);
     tables::moves(&mut html, input.result);
     pictures(&mut html, &fitted);
-    plots::archive(&mut html, input);
+    plots::search(&mut html, &fitted);
     plots::lineage(&mut html, input.result);
     tables::problems(&mut html, input);
     tables::repeat(&mut html, input);
@@ -132,11 +132,10 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
     let cells = format!(
         "{} cells of {} m, {} of them measured",
         fixed(counts.vertices as f64, 0),
-        number_short(result.spacing_m),
+        short(result.spacing_m),
         fixed(counts.query as f64, 0)
     );
-    let searched =
-        format!("{} layouts in {} s", fixed(result.evaluations as f64, 0), number_short(result.seconds));
+    let searched = format!("{} layouts in {} s", fixed(result.evaluations as f64, 0), short(result.seconds));
     let facts = [
         ("Drawing", result.input.path.clone()),
         ("Unit", format!("{} ({})", result.input.unit, result.input.unit_reason)),
@@ -149,12 +148,6 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
         html.raw("<div>").element("dt", &[], term).element("dd", &[], text).raw("</div>\n");
     }
     html.raw("</dl>\n</header>\n");
-}
-
-/// Two decimals at most, without trailing zeros.
-pub(super) fn number_short(value: f64) -> String {
-    let text = fixed(value, 2);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 /// The outcome in one or two sentences.
@@ -197,20 +190,20 @@ pub(super) fn wanted(result: &RoundResult, key: &str) -> Option<Sense> {
     }
 }
 
+/// Two plans side by side: all options superimposed, and what was understood.
 fn pictures(html: &mut Html, input: &Fitted<'_>) {
     let shown = [
         (input.diversity, "How far the options lie apart", "All options drawn over the present layout"),
-        (input.convergence, "How the search went on", "Best values over the number of layouts measured"),
         (input.understood, "What was understood of the drawing", "Walls, regions and moves as understood"),
     ];
     if shown.iter().all(|(png, ..)| png.is_none()) {
         return;
     }
     html.raw("<section class=\"pair\">\n");
-    for (png, heading, alt) in shown {
+    for (i, (png, heading, alt)) in shown.into_iter().enumerate() {
         let Some(png) = png else { continue };
         html.raw("<figure>\n").element("h2", &[], heading).picture(png, "sheet", alt);
-        if heading.contains("apart") {
+        if i == 0 {
             html.element("figcaption", &[], &distances(input.input.result));
         }
         html.raw("</figure>\n");
@@ -252,8 +245,9 @@ pub(super) fn option_name(i: usize) -> String {
 
 /// Name of a measure with its technical term: `Visibility`, `degree`.
 pub(super) fn names(key: &str) -> (String, String) {
-    let technical = super::measure::wording(key).map_or_else(|| key.to_owned(), |w| w.technical.to_owned());
-    let technical = if sentence_case(&technical) == plain_name(key) { String::new() } else { technical };
+    let technical = super::measure::wording(key).map_or(key, |w| w.technical);
+    let is_same = sentence_case(technical) == plain_name(key);
+    let technical = if is_same { String::new() } else { technical.to_owned() };
     (plain_name(key), technical)
 }
 

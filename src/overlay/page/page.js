@@ -19,7 +19,7 @@
       const option = chosen("option");
       put(one(".before", stage), one(`.v${measure}`, card("present")));
       put(one(".after", stage), one(`.v${measure}`, card(option)));
-      one(".tag.right", stage).textContent = one("h3", card(option)).textContent;
+      one(".sides .right").textContent = one("h3", card(option)).textContent;
       one(".caption").textContent = one(".words", card(option)).textContent;
     };
     const range = one("input", stage);

@@ -5,7 +5,7 @@ use super::super::measure::{number, plain_name, tick_labels, ticks};
 use super::super::palette::{hex, option_style};
 use super::super::result::{Numbers, RoundResult};
 use super::cards::delta;
-use super::{ArchivePoint, ReportInput, option_name, wanted};
+use super::{ArchivePoint, Fitted, names, option_name, wanted};
 
 /// Layouts drawn at most; a larger archive is thinned evenly, candidates stay.
 pub const MAX_ARCHIVE_POINTS: usize = 500;
@@ -77,21 +77,33 @@ fn option_stroke(i: usize) -> String {
     format!("stroke:{};stroke-dasharray:{dash}", hex(rgb))
 }
 
-/// Every layout that was measured: two measures against each other, and all of them side by side.
-pub fn archive(html: &mut Html, input: &ReportInput<'_>) {
+/// How the search went: its course, and every layout that was measured.
+pub fn search(html: &mut Html, fitted: &Fitted<'_>) {
+    let input = fitted.input;
     let axes = input.archive_axes.len().min(MAX_AXES);
-    if axes < 2 || input.archive.len() < 2 {
+    let has_archive = axes >= 2 && input.archive.len() >= 2;
+    if fitted.convergence.is_none() && !has_archive {
         return;
     }
-    let points = thinned(&input.archive);
-    html.raw("<section>\n<h2>All layouts that were measured</h2>\n<div class=\"pair\">\n<figure>\n");
-    scatter(html, &points, [&input.archive_axes[0], &input.archive_axes[1]]);
-    html.raw("<figcaption>One dot for each layout; the options in colour.</figcaption></figure>\n<figure>\n");
-    parallel(html, &points, &input.archive_axes[..axes]);
-    html.raw("<figcaption>One line for each layout, one upright for each number.</figcaption></figure>\n");
-    html.raw("</div>\n");
-    keys(html, input.result.candidates.len());
-    html.raw("</section>\n");
+    html.raw("<section>\n<h2>How the search went</h2>\n<div class=\"pair\">\n");
+    if let Some(png) = fitted.convergence {
+        html.raw("<figure>\n").picture(png, "sheet", "Best values over the number of layouts measured");
+        html.raw("</figure>\n");
+    }
+    if has_archive {
+        let points = thinned(&input.archive);
+        html.raw("<figure>\n");
+        scatter(html, &points, [&input.archive_axes[0], &input.archive_axes[1]]);
+        html.raw(
+            "<figcaption>One dot for each layout that was measured; the options in colour.</figcaption>",
+        );
+        html.raw("</figure>\n<figure>\n");
+        parallel(html, &points, &input.archive_axes[..axes]);
+        html.raw("<figcaption>One line for each layout, one upright for each number.</figcaption>\n");
+        keys(html, input.result.candidates.len());
+        html.raw("</figure>\n");
+    }
+    html.raw("</div>\n</section>\n");
 }
 
 /// At most [`MAX_ARCHIVE_POINTS`] evenly spread points, candidates last (on top).
@@ -228,7 +240,7 @@ fn lineage_plot(html: &mut Html, stops: &[Stop<'_>]) {
             (key.as_str(), along.collect())
         })
         .collect();
-    let x = Axis { lo: 0.0, hi: (stops.len() - 1) as f64, at: [LEFT, WIDE - 150.0] };
+    let x = Axis { lo: 0.0, hi: (stops.len() - 1) as f64, at: [LEFT, WIDE - 190.0] };
     let y = Axis::over(courses.iter().flat_map(|(_, c)| c).map(|p| p.1), [HIGH - BOTTOM, TOP]);
     open_svg(html, "Change of the measures over the rounds, in per cent of the first drawing");
     let values = ticks(y.lo, y.hi, 5);
@@ -262,7 +274,8 @@ fn lineage_plot(html: &mut Html, stops: &[Stop<'_>]) {
                 ("style", &format!("fill:{}", hex(option_style(i).0))),
             ],
         );
-        html.text(&plain_name(key)).close("text");
+        let (plain, technical) = names(key);
+        html.text(&plain).raw(" <tspan>").text(&technical).raw("</tspan>").close("text");
     }
     html.raw("</svg>\n");
 }

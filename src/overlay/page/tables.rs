@@ -3,11 +3,11 @@
 use serde_json::{Map, Value};
 
 use super::super::html::Html;
-use super::super::measure::{number, sentence_case};
+use super::super::measure::{number, sentence_case, short, wording};
 use super::super::result::{Candidate, MoveEntry, Objective, ProblemEntry, RoundResult, Sense};
 use super::super::words::parameter;
 use super::cards::delta;
-use super::{ReportInput, names, number_short, option_name, wanted};
+use super::{ReportInput, names, option_name, wanted};
 
 /// Moves shown at once; a longer table is folded.
 const MOVES_UNFOLDED: usize = 30;
@@ -20,7 +20,8 @@ pub fn numbers(html: &mut Html, result: &RoundResult) {
     let has_score = result.candidates.iter().any(|c| c.score.is_some());
     for key in means.iter().chain(has_score.then_some(&"score")).chain(&penalties) {
         let (plain, technical) = names(key);
-        html.raw("<th scope=\"col\">").text(&plain).raw("<small>").text(&technical).raw("</small></th>");
+        html.raw("<th scope=\"col\">").text(&plain).raw("<small>").text(&technical).raw("</small><small>");
+        html.text(wording(key).map_or("", |w| w.unit)).raw("</small></th>");
     }
     html.raw("</tr></thead>\n<tbody>\n<tr><th scope=\"row\">Present layout</th>");
     for key in &means {
@@ -47,7 +48,7 @@ pub fn numbers(html: &mut Html, result: &RoundResult) {
         html.raw("</tr>\n");
     }
     html.raw("</tbody>\n</table></div>\n");
-    html.raw("<p class=\"note\">Means over the region of query. In colour: better or worse than the present layout.</p>\n");
+    html.raw("<p class=\"note\">Means over the region of query. A filled arrow: better than the present layout; a hollow one: worse.</p>\n");
     html.raw("</section>\n");
 }
 
@@ -88,7 +89,7 @@ fn threshold_row(html: &mut Html, objective: &Objective, candidates: &[Candidate
     html.element("td", &[("class", "word")], wanted);
     html.element("td", &[], &number(objective.initial)).element("td", &[], &number(objective.best));
     html.raw("<td>").text(bound).raw(" ").text(&number(objective.limit)).raw(" <small>");
-    html.text(&number_short(objective.threshold * 100.0)).raw(" % of the gain</small></td>");
+    html.text(&short(objective.threshold * 100.0)).raw(" % of the gain</small></td>");
     for candidate in candidates {
         match is_met(objective, candidate) {
             Some(true) => html.raw("<td class=\"tick met\">✓<span class=\"sr\"> met</span></td>"),
@@ -123,7 +124,7 @@ pub fn moves(html: &mut Html, result: &RoundResult) {
         html.raw("<details><summary>").text(&result.moves.len().to_string()).raw(" moves</summary>\n");
     }
     html.raw(
-        "<div class=\"scroll\"><table class=\"moves\">\n<thead><tr><th></th><th scope=\"col\">may go</th>",
+        "<div class=\"scroll\"><table class=\"moves\">\n<thead><tr><th></th><th scope=\"col\" class=\"range\">may go</th>",
     );
     for o in 0..result.candidates.len() {
         html.element("th", &[("scope", "col")], &option_name(o));

@@ -1,0 +1,79 @@
+//! Test problems for the search: the maze, and synthetic ones, so that nothing is tuned to one plan.
+
+/// A score over a box, as the optimiser sees a plan.
+pub trait Problem: Sync {
+    fn name(&self) -> &'static str;
+    fn bounds(&self) -> Vec<[f64; 2]>;
+    fn start(&self) -> Vec<f64>;
+    /// The composite score (more is better) and the hard violation.
+    fn score(&self, p: &[f64]) -> (f64, f64);
+    /// Penalty, degree, depth, entropy or what stands for them, and the hard violation.
+    fn parts(&self, p: &[f64]) -> (Vec<f64>, f64) {
+        let (score, violation) = self.score(p);
+        (vec![score], violation)
+    }
+}
+
+/// Rooms in a row, each with a good and a better position, in steps; a wall of cliffs between them;
+/// neighbours must not come close: multi-modal, stepped, with cliffs.
+pub struct Steps {
+    pub dims: usize,
+}
+
+impl Problem for Steps {
+    fn name(&self) -> &'static str {
+        if self.dims == 9 { "steps9" } else { "steps17" }
+    }
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        (0..self.dims).map(|d| if d % 3 == 2 { [-15.0, 15.0] } else { [-1.5, 2.5] }).collect()
+    }
+    fn start(&self) -> Vec<f64> {
+        vec![0.0; self.dims]
+    }
+    fn score(&self, p: &[f64]) -> (f64, f64) {
+        let u: Vec<f64> = p.iter().zip(self.bounds()).map(|(x, b)| (x - b[0]) / (b[1] - b[0])).collect();
+        let n = self.dims;
+        let mut gain = 0.0;
+        let mut cliff: f64 = 0.0;
+        for d in 0..n {
+            let next = u[(d + 1) % n];
+            let wave = (7.0 * u[d] + 3.0 * next + d as f64).sin() + 0.5 * (13.0 * u[d] - 5.0 * next).cos();
+            gain += (wave * 8.0).round() / 8.0;
+            let gap = (u[d] + next - 1.1).abs();
+            cliff += (0.06 - gap).max(0.0) * 12.0;
+        }
+        let locked = if u[0] > 0.9 && u[n - 1] > 0.9 { 1e-4 } else { 0.0 };
+        (2.5 * gain / n as f64 - cliff * cliff, locked)
+    }
+}
+
+/// Smooth and multi-modal: a rotated sum of Gaussian hills of several heights in a box.
+pub struct Hills {
+    pub dims: usize,
+}
+
+impl Problem for Hills {
+    fn name(&self) -> &'static str {
+        if self.dims == 9 { "hills9" } else { "hills17" }
+    }
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        vec![[-1.0, 1.0]; self.dims]
+    }
+    fn start(&self) -> Vec<f64> {
+        vec![0.1; self.dims]
+    }
+    fn score(&self, p: &[f64]) -> (f64, f64) {
+        let mut best = f64::NEG_INFINITY;
+        for h in 0..12 {
+            let mut square = 0.0;
+            for (d, x) in p.iter().enumerate() {
+                let centre = ((h * 31 + d * 17) as f64 * 1.618).sin() * 0.8;
+                let stretch = 0.3 + ((h * 13 + d * 7) as f64).cos().abs();
+                square += ((x - centre) * stretch).powi(2);
+            }
+            let height = 3.0 - 0.12 * h as f64;
+            best = best.max(height - 2.0 * square.sqrt());
+        }
+        (best, 0.0)
+    }
+}

@@ -1,0 +1,189 @@
+//! Everything evaluated so far, and the thresholds that follow from it.
+
+use super::space::square_distance;
+use super::{Evaluation, Objective, Point, Sense};
+
+/// All evaluated points in the order they were told.
+///
+/// A *gain* is an objective turned so that more is better.
+#[derive(Clone, Debug)]
+pub(super) struct Archive {
+    dims: usize,
+    objectives: usize,
+    units: Vec<f64>,
+    gains: Vec<f64>,
+    hard: Vec<f64>,
+    points: Vec<Point>,
+}
+
+impl Archive {
+    pub(super) fn new(dims: usize, objectives: usize) -> Self {
+        Self { dims, objectives, units: vec![], gains: vec![], hard: vec![], points: vec![] }
+    }
+
+    /// Adds an evaluated point and returns its index. Values that are not finite make it infeasible.
+    pub(super) fn push(
+        &mut self,
+        unit: &[f64],
+        parameters: Vec<f64>,
+        told: &Evaluation,
+        objectives: &[Objective],
+    ) -> usize {
+        let usable = told.values.len() == self.objectives
+            && told.values.iter().all(|v| v.is_finite())
+            && told.violation.is_finite();
+        let violation = if usable { told.violation.max(0.0) } else { f64::INFINITY };
+        self.units.extend_from_slice(unit);
+        for (j, objective) in objectives.iter().enumerate() {
+            let value = told.values.get(j).copied().unwrap_or(f64::NAN);
+            self.gains.push(objective.sense.gain(value));
+        }
+        self.hard.push(violation);
+        self.points.push(Point { parameters, values: told.values.clone(), violation });
+        self.points.len() - 1
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    pub(super) fn dims(&self) -> usize {
+        self.dims
+    }
+
+    pub(super) fn objectives(&self) -> usize {
+        self.objectives
+    }
+
+    pub(super) fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    pub(super) fn unit(&self, i: usize) -> &[f64] {
+        &self.units[i * self.dims..(i + 1) * self.dims]
+    }
+
+    pub(super) fn gains(&self, i: usize) -> &[f64] {
+        &self.gains[i * self.objectives..(i + 1) * self.objectives]
+    }
+
+    /// Sum of hard violations; infinite for a point whose values are no numbers.
+    pub(super) fn hard(&self, i: usize) -> f64 {
+        self.hard[i]
+    }
+
+    pub(super) fn distance(&self, i: usize, j: usize) -> f64 {
+        square_distance(self.unit(i), self.unit(j)).sqrt()
+    }
+}
+
+impl Sense {
+    /// The value turned so that more is better (its own inverse).
+    pub(super) fn gain(self, value: f64) -> f64 {
+        match self {
+            Sense::Maximise => value,
+            Sense::Minimise => -value,
+        }
+    }
+}
+
+/// Smallest difference of gains that counts as a range.
+const NO_RANGE: f64 = 1e-12;
+
+/// The thresholds `T` of Algorithm 1, as they follow from an archive.
+///
+/// Objective by objective, in order: the best gain among the points that keep hard limits and all
+/// earlier thresholds, and from it `l = base + z (best − base)`. The base is the present layout; 0
+/// for a `score` (spec 7, Decision); and where the present layout is already the best, the median
+/// of all points, so that an objective nobody can improve still leaves room to move.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Limits {
+    /// Index of the best point of each objective; `None` from the first objective that has none.
+    pub(super) best: Vec<Option<usize>>,
+    base: Vec<f64>,
+    top: Vec<f64>,
+    threshold: Vec<f64>,
+}
+
+impl Limits {
+    pub(super) fn of(archive: &Archive, objectives: &[Objective]) -> Self {
+        let mut limits = Self::default();
+        for (j, objective) in objectives.iter().enumerate() {
+            let within = |&i: &usize| archive.hard(i) == 0.0 && limits.admits(archive.gains(i), j, 0.0);
+            let gain = |i: usize| archive.gains(i)[j];
+            let best = (0..archive.len()).filter(within).reduce(|a, b| if gain(b) > gain(a) { b } else { a });
+            let top = best.map_or(0.0, gain);
+            limits.best.push(best);
+            limits.base.push(base(archive, objective, j, top));
+            limits.top.push(top);
+            limits.threshold.push(objective.threshold);
+        }
+        limits
+    }
+
+    /// Whether the newest point `i` can change these limits.
+    pub(super) fn moved_by(&self, archive: &Archive, i: usize) -> bool {
+        if archive.hard(i) > 0.0 {
+            return false;
+        }
+        let gains = archive.gains(i);
+        (0..self.top.len()).any(|j| {
+            self.admits(gains, j, 0.0) && self.best[j].is_none_or(|b| gains[j] > archive.gains(b)[j])
+        })
+    }
+
+    /// The gain `l_j` a member needs. A margin of 0.05 asks for 5 % more than the threshold, so that
+    /// members stay inside while the best still rises; it never asks for more than half of what the
+    /// threshold leaves open.
+    pub(super) fn limit(&self, j: usize, margin: f64) -> f64 {
+        let z = self.threshold[j];
+        let asked = (z * (1.0 + margin)).min(f64::midpoint(z, 1.0));
+        self.base[j] + asked * (self.top[j] - self.base[j])
+    }
+
+    /// `best − base`, at least tiny.
+    pub(super) fn range(&self, j: usize) -> f64 {
+        let range = self.top[j] - self.base[j];
+        if range > NO_RANGE { range } else { 1.0 }
+    }
+
+    /// Best gain of objective `j` (0 where no point is feasible).
+    pub(super) fn top(&self, j: usize) -> f64 {
+        self.top[j]
+    }
+
+    /// The level below which a gain is only "bad": the surrogate does not follow the cliffs there.
+    pub(super) fn floor(&self, j: usize, share: f64) -> f64 {
+        self.top[j] - (1.0 - share) * self.range(j)
+    }
+
+    /// Whether a point of these gains keeps the thresholds of the first `count` objectives.
+    pub(super) fn admits(&self, gains: &[f64], count: usize, margin: f64) -> bool {
+        (0..count).all(|j| gains[j] >= self.limit(j, margin))
+    }
+
+    /// How far inside the thresholds of the first `count` objectives a point lies, in ranges:
+    /// the smallest `(f − l) / range`; negative outside.
+    pub(super) fn slack(&self, gains: &[f64], count: usize, margin: f64) -> f64 {
+        (0..count)
+            .map(|j| (gains[j] - self.limit(j, margin)) / self.range(j))
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+fn base(archive: &Archive, objective: &Objective, j: usize, top: f64) -> f64 {
+    if objective.is_score && top > 0.0 {
+        return 0.0;
+    }
+    let start = if archive.len() > 0 { archive.gains(0)[j] } else { f64::NAN };
+    if start.is_finite() && top - start > NO_RANGE {
+        return start;
+    }
+    let mut gains: Vec<f64> = (0..archive.len()).map(|i| archive.gains(i)[j]).filter(|g| g.is_finite()).collect();
+    if gains.is_empty() {
+        return top;
+    }
+    let middle = gains.len() / 2;
+    let (_, median, _) = gains.select_nth_unstable_by(middle, f64::total_cmp);
+    median.min(top)
+}

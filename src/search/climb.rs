@@ -1,0 +1,368 @@
+//! Climbing to the best point of one objective: DYCORS (Regis & Shoemaker 2013) with raw jumps.
+//!
+//! A surrogate screens sparse Gaussian steps from the best point of the present climb; a quarter of
+//! the proposals are jumps that no model screens, because the objective has cliffs no model sees.
+//! A climb whose step has become small has converged; its end is kept and the next one starts
+//! from a crossover of such ends, from the best point, or anywhere.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+use super::archive::{Archive, Limits};
+use super::space::{reflect, square_distance};
+use super::surrogate::Surrogate;
+use super::tuning::Tuning;
+
+/// Weights of the predicted gain against the distance to what is known, taken in turn.
+const WEIGHTS: [f64; 4] = [0.3, 0.5, 0.8, 0.95];
+/// Successes in a row that double the step.
+const SUCCESSES: u32 = 3;
+/// Gain, relative to the range, that counts as a success.
+const SUCCESS_GAIN: f64 = 1e-3;
+/// Ends of climbs that are remembered.
+const ENDS_KEPT: usize = 8;
+/// Least distance of a restart from the known ends.
+const RESTART_DISTANCE: f64 = 0.1;
+/// Crossovers among which the model chooses a restart.
+const RESTART_CANDIDATES: usize = 200;
+/// Distance from the centre beyond which a good point serves for a raw crossover.
+const CROSSOVER_DISTANCE: f64 = 0.3;
+
+/// How a proposal was made; decides what its result teaches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Step {
+    Screened,
+    Raw,
+    Restart,
+}
+
+/// One climb after another on the objective `stage`.
+#[derive(Clone, Debug)]
+pub(super) struct Climb {
+    stage: usize,
+    centre: Option<usize>,
+    restart_pending: bool,
+    step: f64,
+    successes: u32,
+    failures: u32,
+    ends: Vec<usize>,
+    restarts: usize,
+    weight: usize,
+    surrogate: Surrogate,
+}
+
+/// What a climb looks at: the archive and its thresholds.
+pub(super) struct View<'a> {
+    pub(super) archive: &'a Archive,
+    pub(super) limits: &'a Limits,
+    pub(super) tuning: &'a Tuning,
+    /// Members of the diverse set, once there is one.
+    pub(super) members: &'a [usize],
+    /// Points asked and not told yet.
+    pub(super) pending: &'a [Vec<f64>],
+}
+
+impl View<'_> {
+    /// What a climb on `stage` maximises: the gain, less what it misses of earlier thresholds.
+    fn merit(&self, gains: &[f64], stage: usize) -> f64 {
+        let missed: f64 = (0..stage)
+            .map(|j| (self.limits.limit(j, 0.0) - gains[j]).max(0.0) / self.limits.range(j))
+            .sum();
+        gains[stage] - 3.0 * missed * self.limits.range(stage)
+    }
+
+    fn is_within(&self, i: usize, stage: usize) -> bool {
+        self.archive.hard(i) == 0.0 && self.limits.admits(self.archive.gains(i), stage, 0.0)
+    }
+
+    /// Whether `a` is better than `b`: within hard limits and thresholds first, then by merit.
+    fn is_better(&self, a: usize, b: usize, stage: usize, least: f64) -> bool {
+        match (self.is_within(a, stage), self.is_within(b, stage)) {
+            (true, false) => true,
+            (false, true) => false,
+            (true, true) => self.archive.gains(a)[stage] > self.archive.gains(b)[stage] + least,
+            (false, false) => {
+                let (ha, hb) = (self.archive.hard(a), self.archive.hard(b));
+                if ha != hb { ha < hb } else { self.merit_of(a, stage) > self.merit_of(b, stage) + least }
+            }
+        }
+    }
+
+    fn merit_of(&self, i: usize, stage: usize) -> f64 {
+        if self.archive.hard(i).is_finite() { self.merit(self.archive.gains(i), stage) } else { f64::NEG_INFINITY }
+    }
+
+    /// What a surrogate learns of objective `j` at point `i`: the gain, levelled below the floor.
+    pub(super) fn lesson(&self, i: usize, j: usize) -> f64 {
+        let floor = self.limits.floor(j, self.tuning.floor_share);
+        if self.archive.hard(i) > 0.0 { floor } else { self.archive.gains(i)[j].max(floor) }
+    }
+}
+
+impl Climb {
+    pub(super) fn new(tuning: &Tuning) -> Self {
+        Self {
+            stage: 0,
+            centre: None,
+            restart_pending: false,
+            step: tuning.first_step,
+            successes: 0,
+            failures: 0,
+            ends: vec![],
+            restarts: 0,
+            weight: 0,
+            surrogate: Surrogate::default(),
+        }
+    }
+
+    /// Turns to another objective, from the best point known for it.
+    pub(super) fn set_stage(&mut self, view: &View<'_>, stage: usize) {
+        self.stage = stage;
+        self.ends.clear();
+        self.restart_pending = false;
+        self.begin(view.tuning, best_of(view, stage));
+    }
+
+    fn begin(&mut self, tuning: &Tuning, centre: Option<usize>) {
+        self.centre = centre;
+        self.step = tuning.first_step;
+        self.successes = 0;
+        self.failures = 0;
+    }
+
+    /// Number of climbs that have converged.
+    pub(super) fn restarts(&self) -> usize {
+        self.restarts
+    }
+
+    pub(super) fn propose(&mut self, view: &View<'_>, rng: &mut ChaCha8Rng) -> (Vec<f64>, Step) {
+        let dims = view.archive.dims();
+        let Some(centre) = self.centre else {
+            if self.restart_pending {
+                return (random_point(dims, rng), Step::Raw);
+            }
+            self.restart_pending = true;
+            return (self.restart(view, rng), Step::Restart);
+        };
+        if rng.random::<f64>() < view.tuning.raw_share {
+            return (self.raw_jump(view, centre, rng), Step::Raw);
+        }
+        (self.screened_step(view, centre, rng), Step::Screened)
+    }
+
+    fn screened_step(&mut self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
+        let at = view.archive.unit(centre);
+        let mut candidates = Vec::with_capacity(view.tuning.candidates);
+        for _ in 0..view.tuning.candidates {
+            candidates.push(sparse_step(at, view.tuning.coordinate_share, self.step, rng));
+        }
+        self.fit(view, at);
+        let (merit, distance) = self.judge(view, &candidates);
+        let weight = WEIGHTS[self.weight % WEIGHTS.len()];
+        self.weight += 1;
+        let (merit, distance) = (scaled(&merit), scaled(&distance));
+        let score = |i: usize| weight * merit[i] + (1.0 - weight) * distance[i];
+        let best = (0..candidates.len()).reduce(|a, b| if score(b) > score(a) { b } else { a });
+        best.map_or_else(|| random_point(at.len(), rng), |b| candidates.swap_remove(b))
+    }
+
+    fn fit(&mut self, view: &View<'_>, at: &[f64]) {
+        self.surrogate.sync(view.archive, at, view.tuning.neighbours);
+        self.surrogate.fit(self.stage + 1, |i, j| view.lesson(i, j));
+    }
+
+    /// Predicted merit and distance to the nearest point known or pending, per candidate.
+    fn judge(&self, view: &View<'_>, candidates: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+        let mut scratch = vec![];
+        let mut gains = vec![0.0; self.stage + 1];
+        let mut judged = (Vec::with_capacity(candidates.len()), Vec::with_capacity(candidates.len()));
+        for x in candidates {
+            let known = self.surrogate.predict(x, &mut scratch, &mut gains);
+            let nearest = view.pending.iter().map(|p| square_distance(p, x)).fold(known, f64::min);
+            judged.0.push(view.merit(&gains, self.stage));
+            judged.1.push(nearest.sqrt());
+        }
+        judged
+    }
+
+    /// Half resets of one to three coordinates, half crossovers with another good point.
+    fn raw_jump(&self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
+        let at = view.archive.unit(centre);
+        if rng.random::<bool>()
+            && let Some(other) = self.partner(view, centre, rng)
+        {
+            return crossover(at, view.archive.unit(other), rng);
+        }
+        reset(at, rng)
+    }
+
+    /// Another good point away from the centre: among the best tenth, or the end of a climb.
+    fn partner(&self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Option<usize> {
+        let archive = view.archive;
+        let mut good: Vec<usize> = (0..archive.len()).filter(|&i| archive.hard(i) == 0.0).collect();
+        let tenth = good.len().div_ceil(10);
+        if tenth < good.len() {
+            let best_first = |a: &usize, b: &usize| {
+                view.merit_of(*b, self.stage).total_cmp(&view.merit_of(*a, self.stage)).then(a.cmp(b))
+            };
+            good.select_nth_unstable_by(tenth, best_first);
+            good.truncate(tenth);
+            good.sort_unstable();
+        }
+        good.extend(&self.ends);
+        good.retain(|&i| archive.distance(i, centre) > CROSSOVER_DISTANCE);
+        (!good.is_empty()).then(|| good[rng.random_range(0..good.len())])
+    }
+
+    /// Where the next climb starts: in turn a crossover of two ends, the best point or a member,
+    /// and anywhere.
+    fn restart(&mut self, view: &View<'_>, rng: &mut ChaCha8Rng) -> Vec<f64> {
+        let dims = view.archive.dims();
+        let turn = self.restarts % 3;
+        self.restarts += 1;
+        match turn {
+            1 if self.ends.len() > 1 => self.restart_between_ends(view, rng),
+            2 if !view.members.is_empty() => {
+                let member = view.members[rng.random_range(0..view.members.len())];
+                reset(view.archive.unit(member), rng)
+            }
+            _ => random_point(dims, rng),
+        }
+    }
+
+    fn restart_between_ends(&mut self, view: &View<'_>, rng: &mut ChaCha8Rng) -> Vec<f64> {
+        let mut candidates = vec![];
+        for _ in 0..RESTART_CANDIDATES {
+            let a = self.ends[rng.random_range(0..self.ends.len())];
+            let b = self.ends[rng.random_range(0..self.ends.len())];
+            let child = crossover(view.archive.unit(a), view.archive.unit(b), rng);
+            let far = |&e: &usize| square_distance(&child, view.archive.unit(e)).sqrt() > RESTART_DISTANCE;
+            if self.ends.iter().all(far) {
+                candidates.push(child);
+            }
+        }
+        if candidates.is_empty() {
+            return random_point(view.archive.dims(), rng);
+        }
+        let at = view.archive.unit(self.ends[self.ends.len() - 1]);
+        self.fit(view, at);
+        let (merit, _) = self.judge(view, &candidates);
+        let best = (0..candidates.len()).reduce(|a, b| if merit[b] > merit[a] { b } else { a });
+        candidates.swap_remove(best.unwrap_or(0))
+    }
+
+    /// Learns from the evaluated point `i`.
+    pub(super) fn absorb(&mut self, view: &View<'_>, i: usize, step: Step) {
+        let Some(centre) = self.centre else {
+            if step == Step::Restart {
+                self.restart_pending = false;
+                self.begin(view.tuning, Some(i));
+            }
+            return;
+        };
+        if view.is_better(i, centre, self.stage, 0.0) {
+            let clear = SUCCESS_GAIN * view.limits.range(self.stage);
+            if step == Step::Screened && view.is_better(i, centre, self.stage, clear) {
+                self.successes += 1;
+                self.failures = 0;
+            }
+            self.centre = Some(i);
+        } else if step == Step::Screened {
+            self.successes = 0;
+            self.failures += 1;
+        }
+        self.adapt(view);
+    }
+
+    fn adapt(&mut self, view: &View<'_>) {
+        if self.successes >= SUCCESSES {
+            self.step = (2.0 * self.step).min(view.tuning.first_step);
+            self.successes = 0;
+        }
+        if self.failures as usize >= view.archive.dims().max(4) {
+            self.step /= 2.0;
+            self.failures = 0;
+        }
+        if self.step < view.tuning.last_step {
+            self.ends.extend(self.centre);
+            if self.ends.len() > ENDS_KEPT {
+                self.drop_worst_end(view);
+            }
+            self.begin(view.tuning, None);
+        }
+    }
+
+    fn drop_worst_end(&mut self, view: &View<'_>) {
+        let stage = self.stage;
+        let worst = (0..self.ends.len()).reduce(|a, b| {
+            if view.is_better(self.ends[a], self.ends[b], stage, 0.0) { b } else { a }
+        });
+        if let Some(worst) = worst {
+            self.ends.remove(worst);
+        }
+    }
+}
+
+/// The best point of a stage: within limits if there is one, else the one that comes nearest.
+pub(super) fn best_of(view: &View<'_>, stage: usize) -> Option<usize> {
+    (0..view.archive.len()).reduce(|a, b| if view.is_better(b, a, stage, 0.0) { b } else { a })
+}
+
+/// A Gaussian step of a few coordinates, at least one, folded back into the cube.
+pub(super) fn sparse_step(at: &[f64], share: f64, step: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut out = at.to_vec();
+    let mut changed = false;
+    for u in &mut out {
+        if rng.random::<f64>() < share {
+            *u = reflect(*u + step * rng.sample::<f64, _>(StandardNormal));
+            changed = true;
+        }
+    }
+    if !changed && !out.is_empty() {
+        let d = rng.random_range(0..out.len());
+        out[d] = reflect(out[d] + step * rng.sample::<f64, _>(StandardNormal));
+    }
+    out
+}
+
+/// One to three coordinates anywhere.
+pub(super) fn reset(at: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut out = at.to_vec();
+    for _ in 0..rng.random_range(1..=3usize) {
+        let d = rng.random_range(0..out.len());
+        out[d] = rng.random::<f64>();
+    }
+    out
+}
+
+/// A run of neighbouring coordinates (cyclic) or a random half of them from `other`.
+pub(super) fn crossover(at: &[f64], other: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut out = at.to_vec();
+    let dims = out.len();
+    if rng.random::<bool>() {
+        let (from, length) = (rng.random_range(0..dims), rng.random_range(1..=dims));
+        for d in (from..from + length).map(|d| d % dims) {
+            out[d] = other[d];
+        }
+    } else {
+        for (o, &u) in out.iter_mut().zip(other) {
+            if rng.random::<bool>() {
+                *o = u;
+            }
+        }
+    }
+    out
+}
+
+pub(super) fn random_point(dims: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    (0..dims).map(|_| rng.random::<f64>()).collect()
+}
+
+/// Scales values to `[0, 1]`; all equal gives all 1.
+fn scaled(values: &[f64]) -> Vec<f64> {
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let width = most - least;
+    values.iter().map(|v| if width > 0.0 { (v - least) / width } else { 1.0 }).collect()
+}

@@ -1,0 +1,82 @@
+//! The diverse set: how far apart its members stand, and the best set an archive can give.
+
+use super::archive::Archive;
+
+/// Sharpness of the soft minimum: with 30 the nearest neighbour decides, the others break ties.
+const SHARPNESS: i32 = 30;
+
+/// Soft minimum of distances, `(Σ d^-30)^(-1/30)`; 0 if one is 0.
+pub(super) fn soft_minimum(distances: impl Iterator<Item = f64> + Clone) -> f64 {
+    let least = distances.clone().fold(f64::INFINITY, f64::min);
+    if least <= 0.0 || !least.is_finite() {
+        return least.max(0.0);
+    }
+    let sum: f64 = distances.map(|d| (least / d).powi(SHARPNESS)).sum();
+    least * sum.powf(-1.0 / f64::from(SHARPNESS))
+}
+
+/// How far point `i` stands from all members but the `skip`-th.
+pub(super) fn key(archive: &Archive, members: &[usize], skip: usize, i: usize) -> f64 {
+    let others = members.iter().enumerate().filter(|&(m, _)| m != skip);
+    soft_minimum(others.map(|(_, &member)| archive.distance(i, member)))
+}
+
+/// The two members that stand closest, as positions, and their distance.
+pub(super) fn closest_pair(archive: &Archive, members: &[usize]) -> Option<(usize, usize, f64)> {
+    let mut found: Option<(usize, usize, f64)> = None;
+    for a in 0..members.len() {
+        for b in a + 1..members.len() {
+            let distance = archive.distance(members[a], members[b]);
+            if found.is_none_or(|(_, _, least)| distance < least) {
+                found = Some((a, b, distance));
+            }
+        }
+    }
+    found
+}
+
+/// Smallest distance between two members; 0 for fewer than two.
+pub(super) fn min_distance(archive: &Archive, members: &[usize]) -> f64 {
+    closest_pair(archive, members).map_or(0.0, |(_, _, d)| d)
+}
+
+/// Chooses up to `count` of `pool` that stand far apart: greedy max-min from `first`, which stays,
+/// then swaps as long as they help. Points at the same place as a member are never added.
+pub(super) fn select(archive: &Archive, pool: &[usize], first: usize, count: usize) -> Vec<usize> {
+    let mut members = vec![first];
+    let mut nearest: Vec<f64> = pool.iter().map(|&i| archive.distance(i, first)).collect();
+    while members.len() < count {
+        let far = (0..pool.len()).reduce(|a, b| if nearest[b] > nearest[a] { b } else { a });
+        let Some(far) = far.filter(|&f| nearest[f] > 0.0) else { break };
+        members.push(pool[far]);
+        for (near, &i) in nearest.iter_mut().zip(pool) {
+            *near = near.min(archive.distance(i, pool[far]));
+        }
+    }
+    improve_by_swaps(archive, pool, &mut members);
+    members
+}
+
+/// Most swaps one call makes: each lengthens the shortest distance, so few are ever needed.
+const MOST_SWAPS: usize = 40;
+
+/// Exchanges one of the closest pair for a pool point that stands farther off, until none does.
+/// The first member stays.
+pub(super) fn improve_by_swaps(archive: &Archive, pool: &[usize], members: &mut [usize]) {
+    for _ in 0..MOST_SWAPS {
+        let Some((a, b, _)) = closest_pair(archive, members) else { return };
+        let mut gain: Option<(usize, usize, f64)> = None;
+        for m in [a, b].into_iter().filter(|&m| m > 0) {
+            let now = key(archive, members, m, members[m]);
+            for &i in pool {
+                let than = gain.map_or(0.0, |g| g.2);
+                let lead = key(archive, members, m, i) - now;
+                if lead > than.max(1e-12) {
+                    gain = Some((m, i, lead));
+                }
+            }
+        }
+        let Some((m, i, _)) = gain else { return };
+        members[m] = i;
+    }
+}

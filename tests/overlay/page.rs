@@ -1,0 +1,52 @@
+//! The report page and result.json.
+
+use enfilade::overlay::report_html;
+use enfilade::overlay::result::{RoundResult, to_json};
+
+use super::plans::look;
+use super::sample;
+
+#[test]
+fn the_page_carries_everything_and_loads_nothing() {
+    let sample = sample::Sample::new();
+    let page = report_html(&sample.input());
+    look("report.html", page.as_bytes());
+    look("result.json", to_json(&sample.result).unwrap().as_bytes());
+    assert!(!page.contains("<img src=x"), "a layer name became markup");
+    assert!(page.contains("&lt;img src=x onerror=alert(1)&gt;"));
+    for loads in ["http://", "https://", "url(", "<link", "@import", "src=\"//"] {
+        assert!(!page.contains(loads), "the page loads something: {loads}");
+    }
+    assert_eq!(page.matches("<img class=\"v ").count(), 18);
+    assert_eq!(page.matches("alt=\"\"").count(), 2, "only the stage waits for its pictures");
+    assert!(page.contains(&sample.input().command.replace('"', "&quot;")));
+    assert_eq!(page, report_html(&sample.input()));
+}
+
+#[test]
+fn a_result_reads_back_as_it_was_written() {
+    let sample = sample::Sample::new();
+    let text = to_json(&sample.result).unwrap();
+    let back: RoundResult = serde_json::from_str(&text).unwrap();
+    assert_eq!(back, sample.result);
+    assert_eq!(to_json(&back).unwrap(), text);
+}
+
+#[test]
+fn a_plan_without_moves_still_has_a_page() {
+    let sample = sample::Sample::new();
+    let mut result = sample.result.clone();
+    result.moves.clear();
+    result.candidates.clear();
+    result.objectives.clear();
+    result.lineage.clear();
+    result.evaluations = 0;
+    let mut input = sample.input();
+    input.result = &result;
+    input.candidates.clear();
+    input.archive.clear();
+    (input.diversity, input.convergence) = (None, None);
+    let page = report_html(&input);
+    look("report-no-moves.html", page.as_bytes());
+    assert!(page.contains("EF-MOVE") && !page.contains("class=\"stage\""));
+}
