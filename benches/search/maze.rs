@@ -104,7 +104,8 @@ impl Maze {
     /// Reads `maze_a.dxf` from the folder of reference plans.
     pub fn read(folder: &Path) -> Self {
         let all = entities(&folder.join("maze_a.dxf"));
-        let boxes: Vec<&Entity> = all.iter().filter(|e| e.kind == "LWPOLYLINE" && e.layer == "EF-MOVE").collect();
+        let boxes: Vec<&Entity> =
+            all.iter().filter(|e| e.kind == "LWPOLYLINE" && e.layer == "EF-MOVE").collect();
         let walls: Vec<Wall> = all
             .iter()
             .filter(|e| e.kind == "LINE" && e.layer == "WALLS")
@@ -141,8 +142,7 @@ impl Maze {
             for v in u + 1..cells.len() {
                 let (a, b) = (cells[u], cells[v]);
                 if fixed.iter().all(|w| !blocks(w, a, b)) {
-                    let passes =
-                        (0..self.doors.len()).filter_map(|d| self.pass(d, a, b)).collect();
+                    let passes = (0..self.doors.len()).filter_map(|d| self.pass(d, a, b)).collect();
                     out.push(Pair { cells: [u, v], passes });
                 }
             }
@@ -361,9 +361,8 @@ fn length(w: &Wall) -> f64 {
 }
 
 fn blocks(w: &Wall, a: [f64; 2], b: [f64; 2]) -> bool {
-    let side = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
-        (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-    };
+    let side =
+        |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
     let (c, d) = ([w[0], w[1]], [w[2], w[3]]);
     side(a, b, c) * side(a, b, d) <= 0.0 && side(c, d, a) * side(c, d, b) <= 0.0
 }
@@ -376,8 +375,7 @@ fn merge(walls: &[Wall], moved: &[[Option<usize>; 2]]) -> Vec<Merged> {
         *degree.entry(key(w[0], w[1])).or_default() += 1;
         *degree.entry(key(w[2], w[3])).or_default() += 1;
     }
-    let mut out: Vec<Merged> =
-        walls.iter().zip(moved).map(|(w, m)| Merged { wall: *w, door: *m }).collect();
+    let mut out: Vec<Merged> = walls.iter().zip(moved).map(|(w, m)| Merged { wall: *w, door: *m }).collect();
     let mut i = 0;
     while i < out.len() {
         let ends = |m: &Merged| [(m.wall[0], m.wall[1], m.door[0]), (m.wall[2], m.wall[3], m.door[1])];

@@ -137,7 +137,13 @@ impl Spread {
     }
 
     /// Proposals for member `m` that would stand farther off than it does, with that distance.
-    fn candidates(&self, view: &View<'_>, m: usize, margin: f64, rng: &mut ChaCha8Rng) -> Vec<(f64, Vec<f64>)> {
+    fn candidates(
+        &self,
+        view: &View<'_>,
+        m: usize,
+        margin: f64,
+        rng: &mut ChaCha8Rng,
+    ) -> Vec<(f64, Vec<f64>)> {
         let archive = view.archive;
         let at = archive.unit(self.members[m]);
         let now = key(archive, &self.members, m, self.members[m]);
@@ -179,9 +185,14 @@ impl Spread {
             return;
         }
         let first = usize::from(view.tuning.keep_best);
-        let lead = |m: usize| key(view.archive, &self.members, m, i) - key(view.archive, &self.members, m, self.members[m]);
+        let lead = |m: usize| {
+            key(view.archive, &self.members, m, i) - key(view.archive, &self.members, m, self.members[m])
+        };
         let Some((a, b, _)) = closest_pair(view.archive, &self.members) else { return };
-        let taken = [a, b].into_iter().filter(|&m| m >= first && lead(m) > 0.0).reduce(|x, y| if lead(y) > lead(x) { y } else { x });
+        let taken = [a, b]
+            .into_iter()
+            .filter(|&m| m >= first && lead(m) > 0.0)
+            .reduce(|x, y| if lead(y) > lead(x) { y } else { x });
         if let Some(m) = taken {
             self.members[m] = i;
         }

@@ -45,7 +45,11 @@ impl Surrogate {
     /// Brings the factor up to date with the archive around `centre`: new points near it are added;
     /// it is rebuilt from the `size` nearest when it is full or the centre has gone elsewhere.
     pub(super) fn sync(&mut self, archive: &Archive, centre: &[f64], size: usize) {
-        let moved = if self.centre.len() == centre.len() { square_distance(&self.centre, centre) } else { f64::INFINITY };
+        let moved = if self.centre.len() == centre.len() {
+            square_distance(&self.centre, centre)
+        } else {
+            f64::INFINITY
+        };
         if moved > 0.25 * self.reach || self.dims == 0 || !self.grow(archive) {
             self.rebuild(archive, centre, size);
         }
@@ -242,7 +246,8 @@ impl Surrogate {
         let nearest = scratch.iter().copied().fold(f64::INFINITY, f64::min);
         scratch.iter_mut().for_each(|v| *v *= v.sqrt());
         for ((o, weights), linear) in out.iter_mut().zip(&self.weights).zip(&self.linear) {
-            let tail = linear[1..].iter().zip(x).zip(&self.centre).map(|((s, u), c)| s * (u - c)).sum::<f64>();
+            let tail =
+                linear[1..].iter().zip(x).zip(&self.centre).map(|((s, u), c)| s * (u - c)).sum::<f64>();
             *o = dot(weights, scratch) + tail + linear[0];
         }
         nearest
