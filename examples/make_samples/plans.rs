@@ -309,7 +309,7 @@ fn marker_template() -> String {
         (21.0, 10.0, "name about-a-point; rotate -15 15 about 21,12"),
         (3.0, 5.0, "name longer-shorter; scale 0.6 1.4"),
         (9.0, 5.0, "name scaled-from-a-point; scale 0.8 1.2 about 8,5"),
-        (15.0, 5.0, "name in-other-units; x -150mm 0.5m; y -20in 2ft"),
+        (15.0, 5.0, "name in-other-units; x -150mm 0.5m; y -2ft 1ft"),
     ];
     for (x, y, words) in screens {
         s.line(wall, (x - 1.0, y), (x + 1.0, y));

@@ -7,6 +7,10 @@
 
 use glam::DVec2;
 
+/// Relative to the squared radius: what computing a crossing may lose where outlines nearly touch. A
+/// point kept too much only splits a strip in two.
+const ROUNDING: f64 = 1e-6;
+
 /// Joints of both capsules (8) and crossings of their lines and circles (28).
 const BREAKS_MAX: usize = 36;
 
@@ -35,20 +39,25 @@ pub fn overlap_m2(p: [DVec2; 2], q: [DVec2; 2], radius_m: f64) -> f64 {
 /// Common area over `x0..x1`, where none of the bounds has a joint and no two of them cross.
 fn strip_m2(first: &Capsule, second: &Capsule, x0: f64, x1: f64) -> f64 {
     let mid = 0.5 * (x0 + x1);
-    let (u, v) = (first.bound(mid, 1.0), second.bound(mid, 1.0));
-    let upper = if u.value(mid) <= v.value(mid) { u } else { v };
-    let (u, v) = (first.bound(mid, -1.0), second.bound(mid, -1.0));
-    let lower = if u.value(mid) >= v.value(mid) { u } else { v };
-    if upper.value(mid) <= lower.value(mid) {
+    let at_mid = |capsule: &Capsule, sign| {
+        let bound = capsule.bound(mid, sign);
+        (bound, bound.value(mid))
+    };
+    let (u, v) = (at_mid(first, 1.0), at_mid(second, 1.0));
+    let upper = if u.1 <= v.1 { u } else { v };
+    let (u, v) = (at_mid(first, -1.0), at_mid(second, -1.0));
+    let lower = if u.1 >= v.1 { u } else { v };
+    if upper.1 <= lower.1 {
         return 0.0;
     }
-    (upper.integral(x0, x1) - lower.integral(x0, x1)).max(0.0)
+    (upper.0.integral(x0, x1) - lower.0.integral(x0, x1)).max(0.0)
 }
 
 /// A capsule with its left end first: `d` is the unit direction, `d.x ≥ 0`.
 struct Capsule {
     ends: [DVec2; 2],
     d: DVec2,
+    length_m: f64,
     r: f64,
 }
 
@@ -89,7 +98,8 @@ impl Bound {
 impl Capsule {
     fn new([a, b]: [DVec2; 2], r: f64) -> Self {
         let ends = if a.x <= b.x { [a, b] } else { [b, a] };
-        Self { ends, d: (ends[1] - ends[0]).try_normalize().unwrap_or(DVec2::X), r }
+        let along = ends[1] - ends[0];
+        Self { ends, d: along.try_normalize().unwrap_or(DVec2::X), length_m: along.length(), r }
     }
 
     fn left(&self) -> f64 {
@@ -124,50 +134,64 @@ impl Capsule {
         }
     }
 
+    /// Where an outline crosses the other one.
     fn crossings(&self, other: &Self, breaks: &mut Breaks) {
+        let mut add = |p: DVec2| {
+            if breaks.is_within(p.x) && self.is_outermost(p) && other.is_outermost(p) {
+                breaks.add(p.x);
+            }
+        };
         for sign in [1.0, -1.0] {
-            let (side, other_side) = (self.side(sign), other.side(sign));
+            let (line, other_line) = (self.ends[0] + self.side(sign), other.ends[0] + other.side(sign));
             for k in 0..2 {
-                line_circle(self.ends[0] + side, self.d, other.ends[k], self.r, breaks);
-                line_circle(other.ends[0] + other_side, other.d, self.ends[k], self.r, breaks);
+                line_circle(line, self.d, other.ends[k], self.r, &mut add);
+                line_circle(other_line, other.d, self.ends[k], self.r, &mut add);
             }
             for sign in [1.0, -1.0] {
-                line_line(self.ends[0] + side, self.d, other.ends[0] + other.side(sign), other.d, breaks);
+                line_line(line, self.d, other.ends[0] + other.side(sign), other.d, &mut add);
             }
         }
         for centre in self.ends {
             for other_centre in other.ends {
-                circle_circle(centre, other_centre, self.r, breaks);
+                circle_circle(centre, other_centre, self.r, &mut add);
             }
         }
     }
-}
 
-fn line_line(p: DVec2, d: DVec2, q: DVec2, e: DVec2, breaks: &mut Breaks) {
-    let turn = d.perp_dot(e);
-    if turn != 0.0 {
-        breaks.add(p.x + d.x * ((q - p).perp_dot(e) / turn));
+    /// Whether a point of one of the circles or side lines belongs to the outline: whether it is not
+    /// inside by more than rounding can make it.
+    fn is_outermost(&self, p: DVec2) -> bool {
+        let from_start = p - self.ends[0];
+        let along = self.d.dot(from_start).clamp(0.0, self.length_m);
+        (from_start - self.d * along).length_squared() > self.r * self.r * (1.0 - ROUNDING)
     }
 }
 
-fn line_circle(p: DVec2, d: DVec2, centre: DVec2, r: f64, breaks: &mut Breaks) {
+fn line_line(p: DVec2, d: DVec2, q: DVec2, e: DVec2, add: &mut impl FnMut(DVec2)) {
+    let turn = d.perp_dot(e);
+    if turn != 0.0 {
+        add(p + d * ((q - p).perp_dot(e) / turn));
+    }
+}
+
+fn line_circle(p: DVec2, d: DVec2, centre: DVec2, r: f64, add: &mut impl FnMut(DVec2)) {
     let off = d.perp_dot(p - centre);
     let half_square = (r - off) * (r + off);
     if half_square >= 0.0 {
         let foot = p + d * d.dot(centre - p);
-        let half = half_square.sqrt() * d.x;
-        breaks.add(foot.x - half);
-        breaks.add(foot.x + half);
+        let half = d * half_square.sqrt();
+        add(foot - half);
+        add(foot + half);
     }
 }
 
-fn circle_circle(p: DVec2, q: DVec2, r: f64, breaks: &mut Breaks) {
+fn circle_circle(p: DVec2, q: DVec2, r: f64, add: &mut impl FnMut(DVec2)) {
     let (mid, half) = (0.5 * (p + q), 0.5 * (q - p));
     let square = half.length_squared();
     if square > 0.0 && square <= r * r {
-        let across = ((r * r - square) / square).sqrt() * half.y;
-        breaks.add(mid.x - across);
-        breaks.add(mid.x + across);
+        let across = half.perp() * ((r * r - square) / square).sqrt();
+        add(mid - across);
+        add(mid + across);
     }
 }
 
@@ -185,8 +209,12 @@ impl Breaks {
         Self { x, len: 2 }
     }
 
+    fn is_within(&self, x: f64) -> bool {
+        x > self.x[0] && x < self.x[1]
+    }
+
     fn add(&mut self, x: f64) {
-        if x > self.x[0] && x < self.x[1] {
+        if self.is_within(x) {
             self.x[self.len] = x;
             self.len += 1;
         }

@@ -18,7 +18,7 @@ pub struct Clearance {
     radius_m: f64,
     /// Chains with at least one piece that may move, each piece with whether it runs backwards.
     chains: Vec<Chain>,
-    fixed: Vec<[DVec2; 2]>,
+    fixed: Vec<Wall>,
     fixed_grid: BoxGrid,
 }
 
@@ -41,6 +41,8 @@ struct Link {
 #[derive(Clone, Copy, Debug)]
 struct Wall {
     ends: [DVec2; 2],
+    /// Nodes at both ends.
+    nodes: [u32; 2],
     is_moving: bool,
 }
 
@@ -50,63 +52,82 @@ impl Clearance {
         let (chains, standing): (Vec<_>, Vec<_>) = chains(initial.pieces)
             .into_iter()
             .partition(|c| c.links.iter().any(|l| initial.pieces[l.piece].is_moving));
-        let fixed: Vec<_> = standing.iter().flat_map(|c| c.walls(initial.pieces)).map(|w| w.ends).collect();
-        let boxes = fixed.iter().map(|&ends| Aabb::of_segment(ends, radius_m)).collect();
+        let fixed = walls(&standing, initial.pieces);
+        let boxes = fixed.iter().map(|w| Aabb::of_segment(w.ends, radius_m)).collect();
         Self { radius_m, chains, fixed, fixed_grid: BoxGrid::new(boxes) }
     }
 
     /// clr of a layout, m², ≥ 0. `now` lists the pieces of the initial layout in the same order.
     pub fn measure_m2(&self, now: &Layout<'_>) -> f64 {
-        let walls: Vec<Wall> = self.chains.iter().flat_map(|c| c.walls(now.pieces)).collect();
+        let walls = walls(&self.chains, now.pieces);
         let boxes: Vec<Aabb> = walls.iter().map(|w| Aabb::of_segment(w.ends, self.radius_m)).collect();
         let mut clr_m2 = 0.0;
         for (wall, aabb) in walls.iter().zip(&boxes).filter(|(w, _)| w.is_moving) {
-            self.fixed_grid.visit(aabb, |i| clr_m2 += self.pair_m2(wall.ends, self.fixed[i]));
+            self.fixed_grid.visit(aabb, |i| clr_m2 += self.pair_m2(wall, &self.fixed[i]));
         }
         sweep(&boxes, |i, j| {
             if walls[i].is_moving || walls[j].is_moving {
-                clr_m2 += self.pair_m2(walls[i].ends, walls[j].ends);
+                clr_m2 += self.pair_m2(&walls[i], &walls[j]);
             }
         });
         clr_m2
     }
 
-    fn pair_m2(&self, p: [DVec2; 2], q: [DVec2; 2]) -> f64 {
-        match meeting(p, q) {
-            Meeting::Apart(gap_m) if gap_m < 2.0 * self.radius_m => overlap_m2(p, q, self.radius_m),
+    fn pair_m2(&self, p: &Wall, q: &Wall) -> f64 {
+        if p.nodes.iter().any(|n| q.nodes.contains(n)) {
+            return 0.0;
+        }
+        match meeting(p.ends, q.ends) {
+            Meeting::Apart(gap_m) if gap_m < 2.0 * self.radius_m => overlap_m2(p.ends, q.ends, self.radius_m),
             _ => 0.0,
         }
     }
 }
 
-impl Chain {
-    fn ends_of(link: Link, pieces: &[WallPiece]) -> [DVec2; 2] {
-        let WallPiece { a, b, .. } = pieces[link.piece];
-        if link.is_reversed { [b, a] } else { [a, b] }
+/// The straight walls that chains consist of now.
+fn walls(chains: &[Chain], pieces: &[WallPiece]) -> Vec<Wall> {
+    let mut walls = Vec::with_capacity(chains.len());
+    for chain in chains {
+        chain.add_walls(pieces, &mut walls);
     }
+    walls
+}
 
-    /// The straight walls the chain consists of now.
-    fn walls(&self, pieces: &[WallPiece]) -> Vec<Wall> {
-        let mut walls: Vec<Wall> = Vec::with_capacity(self.links.len());
-        for &link in &self.links {
-            let next = Wall { ends: Self::ends_of(link, pieces), is_moving: pieces[link.piece].is_moving };
-            match walls.last_mut() {
-                Some(last) if goes_straight_on(last.ends, next.ends) => {
-                    last.ends[1] = next.ends[1];
-                    last.is_moving |= next.is_moving;
-                }
+impl Link {
+    fn wall(self, pieces: &[WallPiece]) -> Wall {
+        let WallPiece { a, b, nodes: [m, n], is_moving } = pieces[self.piece];
+        let (ends, nodes) = if self.is_reversed { ([b, a], [n, m]) } else { ([a, b], [m, n]) };
+        Wall { ends, nodes, is_moving }
+    }
+}
+
+impl Wall {
+    /// Takes the next wall as its own continuation.
+    fn extend(&mut self, next: &Wall) {
+        self.ends[1] = next.ends[1];
+        self.nodes[1] = next.nodes[1];
+        self.is_moving |= next.is_moving;
+    }
+}
+
+impl Chain {
+    fn add_walls(&self, pieces: &[WallPiece], walls: &mut Vec<Wall>) {
+        let start = walls.len();
+        for link in &self.links {
+            let next = link.wall(pieces);
+            match walls[start..].last_mut() {
+                Some(last) if goes_straight_on(last.ends, next.ends) => last.extend(&next),
                 _ => walls.push(next),
             }
         }
         if self.is_ring
-            && let [first, .., last] = walls[..]
+            && let [first, .., last] = walls[start..]
             && goes_straight_on(last.ends, first.ends)
         {
-            walls[0].ends[0] = last.ends[0];
-            walls[0].is_moving |= last.is_moving;
+            walls[start] = last;
+            walls[start].extend(&first);
             walls.pop();
         }
-        walls
     }
 }
 

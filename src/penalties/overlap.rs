@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::pairs::{Aabb, BoxGrid, sweep};
-use super::{Layout, Meeting, WallPiece, meeting};
+use super::{Layout, TOUCH_M, WallPiece, common_length_m, through_m};
 
 /// Metres of walls run through each other, over the pairs that did not do so initially.
 ///
@@ -67,9 +67,11 @@ fn box_of(piece: &WallPiece) -> Aabb {
 }
 
 fn run_through_m(p: &WallPiece, q: &WallPiece) -> f64 {
-    match meeting(p.ends(), q.ends()) {
-        Meeting::Cross { through_m } => through_m,
-        Meeting::Overlap { common_m } => common_m,
-        Meeting::Apart(_) | Meeting::Touch => 0.0,
+    if let Some(common_m) = common_length_m(p.ends(), q.ends()) {
+        return common_m;
     }
+    // Walls that share a node meet there and nowhere else.
+    let is_joined = p.nodes.iter().any(|n| q.nodes.contains(n));
+    let through_m = if is_joined { None } else { through_m(p.ends(), q.ends()) };
+    through_m.filter(|&m| m > TOUCH_M).unwrap_or(0.0)
 }

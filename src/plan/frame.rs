@@ -21,7 +21,13 @@ const USUAL_PLAN_M: f64 = 40.0;
 
 /// Metres of the plan in one metre of a person: 1, but less in plans smaller than [`SMALL_PLAN_M`].
 pub fn human_scale(size_m: f64) -> f64 {
-    if size_m > 0.0 && size_m < SMALL_PLAN_M { size_m / USUAL_PLAN_M } else { 1.0 }
+    if size_m <= 0.0 || size_m >= SMALL_PLAN_M {
+        return 1.0;
+    }
+    // Two digits, so that what is derived from it reads well.
+    let exact = size_m / USUAL_PLAN_M;
+    let unit = 10f64.powf(exact.log10().floor() - 1.0);
+    (exact / unit).round() * unit
 }
 
 /// Sizes by which a missing unit is chosen: narrower than [`PLAUSIBLE_SIZE_M`], so that exactly one of

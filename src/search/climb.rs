@@ -66,8 +66,9 @@ pub(super) struct View<'a> {
 impl View<'_> {
     /// What a climb on `stage` maximises: the gain, less what it misses of earlier thresholds.
     fn merit(&self, gains: &[f64], stage: usize) -> f64 {
-        let missed: f64 =
-            (0..stage).map(|j| (self.limits.limit(j, 0.0) - gains[j]).max(0.0) / self.limits.range(j)).sum();
+        let missed: f64 = (0..stage)
+            .map(|j| (self.limits.limit(j, 0.0) - gains[j]).max(0.0) / self.limits.range(j))
+            .sum();
         gains[stage] - 3.0 * missed * self.limits.range(stage)
     }
 
@@ -89,11 +90,7 @@ impl View<'_> {
     }
 
     fn merit_of(&self, i: usize, stage: usize) -> f64 {
-        if self.archive.hard(i).is_finite() {
-            self.merit(self.archive.gains(i), stage)
-        } else {
-            f64::NEG_INFINITY
-        }
+        if self.archive.hard(i).is_finite() { self.merit(self.archive.gains(i), stage) } else { f64::NEG_INFINITY }
     }
 
     /// What a surrogate learns of objective `j` at point `i`: the gain, levelled below the floor.
@@ -287,8 +284,9 @@ impl Climb {
 
     fn drop_worst_end(&mut self, view: &View<'_>) {
         let stage = self.stage;
-        let worst = (0..self.ends.len())
-            .reduce(|a, b| if view.is_better(self.ends[a], self.ends[b], stage, 0.0) { b } else { a });
+        let worst = (0..self.ends.len()).reduce(|a, b| {
+            if view.is_better(self.ends[a], self.ends[b], stage, 0.0) { b } else { a }
+        });
         if let Some(worst) = worst {
             self.ends.remove(worst);
         }

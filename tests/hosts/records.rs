@@ -82,16 +82,11 @@ pub fn compare(before: &str, after: &str, named: &BTreeSet<usize>) -> (usize, Ve
         r.is_ours() || (r.is_our_table_entry() && !known.contains(r.first(2).unwrap_or_default()))
     };
     let kept: Vec<&Record> = after.iter().filter(|r| !is_added(r)).collect();
-    let mut faults = vec![];
     if kept.len() != before.len() {
-        faults.push(format!(
-            "{} records, of which {} are not ours; there were {}",
-            after.len(),
-            kept.len(),
-            before.len()
-        ));
+        let words = format!("{} records that are not ours; there were {}", kept.len(), before.len());
+        return (0, vec![words]);
     }
-    let mut moved = 0;
+    let (mut moved, mut faults) = (0, vec![]);
     for (old, new) in before.iter().zip(kept).filter(|(old, new)| old.raw != new.raw) {
         let name = format!("{} record {} layer {:?}", old.kind, old.index, old.layer());
         if old.section == "ENTITIES" && differs_in_geometry_only(old, new) {
@@ -151,5 +146,5 @@ fn the_judge_finds_what_should_not_be() {
         2,
         "something added on a layer of the user"
     );
-    assert_eq!(faults(&before.replace("0\nLINE\n8\nWALL\n10\n5.0\n", ""), &[1]), 2, "something vanished");
+    assert_eq!(faults(&before.replace("0\nLINE\n8\nWALL\n10\n5.0\n", ""), &[1]), 1, "something vanished");
 }
