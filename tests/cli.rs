@@ -1,0 +1,144 @@
+//! The program as a user runs it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn enfilade(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_enfilade")).args(args).output().unwrap()
+}
+
+fn sample(name: &str) -> String {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("samples").join(name).to_string_lossy().into_owned()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
+}
+
+/// All files below a folder with their bytes; result.json without the time it took.
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut out: Vec<(String, Vec<u8>)> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| {
+            let path = e.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            let mut bytes = std::fs::read(&path).unwrap();
+            if name == "result.json" {
+                let mut value = json(&path);
+                value["seconds"] = Value::Null;
+                bytes = value.to_string().into_bytes();
+            }
+            (name, bytes)
+        })
+        .collect();
+    out.sort();
+    out
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_on_one_and_two_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, threads: &str| {
+        let out = folder.path().join(name);
+        let out_text = out.to_string_lossy().into_owned();
+        let args = ["run", &sample("gallery.dxf"), "--evaluations", "60", "--seed", "3", "--threads", threads, "--out", &out_text, "-q"];
+        let output = enfilade(&args);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        files(&out.join("gallery.enfilade/round-01"))
+    };
+    let (a, b, c) = (run("a", "1"), run("b", "2"), run("c", "2"));
+    let names: Vec<&String> = a.iter().map(|f| &f.0).collect();
+    for expected in ["result.json", "report.html", "initial.dxf", "candidate-5.dxf", "candidate-1-score.png", "diversity.png", "convergence.png"] {
+        assert!(names.iter().any(|n| *n == expected), "{expected} is missing in {names:?}");
+    }
+    for ((x, y), z) in a.iter().zip(&b).zip(&c) {
+        assert!(x == y && y == z, "{} differs", x.0);
+    }
+}
+
+#[test]
+fn what_is_reported_is_what_the_written_drawing_measures() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_string_lossy().into_owned();
+    let output = enfilade(&["run", &sample("gallery.dxf"), "--spacing", "0.5", "--evaluations", "80", "--out", &out, "-q"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let round = folder.path().join("gallery.enfilade/round-01");
+    let result = json(&round.join("result.json"));
+    assert_eq!(result["schema"], "enfilade.result/1");
+    for candidate in result["candidates"].as_array().unwrap() {
+        let file = round.join(candidate["file"].as_str().unwrap());
+        let output = enfilade(&["analyse", &file.to_string_lossy(), "--spacing", "0.5", "--json", "-", "-q", "--out", &out]);
+        let again: Value = serde_json::from_slice(&output.stdout).unwrap();
+        for key in ["degree", "depth", "entropy", "degree_all"] {
+            assert_eq!(again["mean"][key], candidate["mean"][key], "{key}");
+        }
+        for (i, p) in candidate["parameters"].as_array().unwrap().iter().enumerate() {
+            let (lo, hi) = (result["moves"][i]["lower"].as_f64().unwrap(), result["moves"][i]["upper"].as_f64().unwrap());
+            assert!((lo..=hi).contains(&p.as_f64().unwrap()));
+        }
+    }
+}
+
+#[test]
+fn an_accepted_option_is_the_next_rounds_present_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = folder.path().join("plan.dxf");
+    std::fs::copy(sample("gallery.dxf"), &plan).unwrap();
+    let plan_text = plan.to_string_lossy().into_owned();
+    let output = enfilade(&["run", &plan_text, "--spacing", "0.5", "--evaluations", "60", "-q"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let result = json(&folder.path().join("plan.enfilade/round-01/result.json"));
+    let before = std::fs::read(&plan).unwrap();
+    let output = enfilade(&["accept", &plan_text, "2"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(std::fs::read(&plan).unwrap(), before, "the drawing was touched");
+    let next = folder.path().join("plan-r02.dxf").to_string_lossy().into_owned();
+    let output = enfilade(&["run", &next, "--evaluations", "30", "-q"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let again = json(&folder.path().join("plan-r02.enfilade/round-01/result.json"));
+    for key in ["degree", "depth", "entropy"] {
+        assert_eq!(again["initial"]["mean"][key], result["candidates"][1]["mean"][key], "{key}");
+    }
+    assert_eq!(again["lineage"][0]["drawing"], "plan.dxf");
+    for (i, p) in result["candidates"][1]["parameters"].as_array().unwrap().iter().enumerate() {
+        let width = |r: &Value| r["moves"][i]["upper"].as_f64().unwrap() - r["moves"][i]["lower"].as_f64().unwrap();
+        assert!((width(&result) - width(&again)).abs() < 1e-9);
+        let left = result["moves"][i]["upper"].as_f64().unwrap() - p.as_f64().unwrap();
+        assert!((again["moves"][i]["upper"].as_f64().unwrap() - left.max(0.0)).abs() < 1e-9);
+    }
+    let output = enfilade(&["accept", &plan_text, "9"]);
+    assert_eq!(output.status.code(), Some(3));
+}
+
+#[test]
+fn exit_codes_and_messages() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, content: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, content).unwrap();
+        path.to_string_lossy().into_owned()
+    };
+    let no_walls = "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\nROOF\n10\n0\n20\n0\n11\n5\n21\n0\n0\nLINE\n8\nEAVES\n10\n0\n20\n0\n11\n5\n21\n0\n0\nENDSEC\n0\nEOF\n";
+    let cut = "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\nWALL\n10\n0\n";
+    for (args, code, part) in [
+        (vec!["analyse", &write("none.dxf", no_walls)], 2, "EAVES (1)"),
+        (vec!["analyse", &write("cut.dxf", cut)], 2, "cut.dxf"),
+        (vec!["analyse", &write("empty.dxf", "")], 2, "empty"),
+        (vec!["run", "no-such-file.dxf"], 3, "no such file"),
+        (vec!["run", &sample("gallery.dxf"), "--objective", "beauty max 1"], 3, "beauty"),
+        (vec!["run", &sample("gallery.dxf"), "--nonsense"], 3, "--nonsense"),
+        (vec!["analyse", &sample("gallery.dxf"), "--unit", "yard"], 3, "yard"),
+        (vec!["--version"], 0, ""),
+    ] {
+        let output = enfilade(&args);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{args:?}: {said}");
+        assert!(said.contains(part), "{args:?}: {said}");
+    }
+}
