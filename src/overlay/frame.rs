@@ -97,6 +97,13 @@ impl Frame {
         [[x - rim, y - high - rim], [x + wide + rim, y + rim]]
     }
 
+    /// The same frame with everything drawn that many pixels to the right and down.
+    pub fn shifted(&self, [right, down]: [f32; 2]) -> Self {
+        let [x, y] = self.origin_m;
+        let by = [f64::from(right) / self.px_per_m, f64::from(down) / self.px_per_m];
+        Self { origin_m: [x - by[0], y + by[1]], ..self.clone() }
+    }
+
     /// A white sheet of that size.
     ///
     /// # Errors

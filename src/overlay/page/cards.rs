@@ -154,9 +154,10 @@ fn measures(html: &mut Html, result: &RoundResult, candidate: Option<&Candidate>
 
 /// A change with its sign, told apart by colour, filled or hollow arrow, and word whether it is wanted.
 pub fn delta(html: &mut Html, from: f64, to: f64, sense: Option<Sense>) {
-    let text = percent_change(from, to).unwrap_or_else(|| {
-        let sign = if to > from { "+" } else { "" };
-        if to == from { "±0".to_owned() } else { format!("{sign}{}", number(to - from)) }
+    let text = percent_change(from, to).unwrap_or_else(|| match number(to - from).as_str() {
+        "0" => "±0".to_owned(),
+        less if less.starts_with('−') => less.to_owned(),
+        more => format!("+{more}"),
     });
     let better = match sense {
         _ if text.starts_with('±') => None,
