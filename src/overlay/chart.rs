@@ -1,7 +1,7 @@
 //! Lines over axes: how the search went on, and what the spacing of the lattice changes.
 
 use super::canvas::{Anchor, Canvas, MIN_SIDE_PX, Pen, size_error};
-use super::font::{Weight, width_px};
+use super::font::{Weight, fitted, width_px};
 use super::frame::Key;
 use super::measure::{short, tick_labels, ticks};
 use super::palette::{Rgb, option_style};
@@ -70,7 +70,7 @@ pub fn resolution_png(panels: &[Panel], critical_m: Option<f64>, longest_px: u32
         return Err(size_error(u32::MAX));
     }
     let count = panels.len().max(1) as f32;
-    let (head, foot) = (0.085, 0.075);
+    let (head, foot) = (0.09, 0.075);
     let aspect = head + count * PANEL_ASPECT + foot;
     let wide = (longest_px as f32 / aspect.max(1.0)) as u32;
     let mut canvas = sheet(wide, aspect)?;
@@ -81,6 +81,7 @@ pub fn resolution_png(panels: &[Panel], critical_m: Option<f64>, longest_px: u32
         |s| format!("From {} m on, a finer lattice changes no measure by more than the tolerance.", short(s)),
     );
     heading(&mut canvas, "Critical resolution");
+    let subtitle = fitted(&subtitle, 22.0 * u, Weight::Regular, width - 88.0 * u);
     canvas.text(&subtitle, [44.0 * u, 96.0 * u], Anchor::Left, (22.0 * u, Weight::Regular, GREY));
     let x = log_range(panels);
     for (i, panel) in panels.iter().enumerate() {

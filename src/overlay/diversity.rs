@@ -6,6 +6,8 @@ use super::palette::{Rgb, option_style};
 use super::picture::{Look, PlanPicture, Stroke, StrokeKind, draw_alike, draw_strokes};
 use crate::report::Error;
 
+/// How far apart the options are drawn, in line widths, so that none hides another.
+const ASIDE: f32 = 0.8;
 const PRESENT: Rgb = [0x9a, 0x9e, 0xa6];
 
 /// Draws the present layout in grey and what each member moves in its own colour and dash, as PNG.
@@ -28,10 +30,16 @@ pub fn diversity_png(
     draw_strokes(&mut canvas, &frame, &present.strokes, present_look);
     for (i, member) in members.iter().enumerate() {
         let (rgb, dash) = option_style(i);
-        draw_alike(&mut canvas, &frame, member.iter(), Look::solid(rgb, 1.4, 0.3).dashed(dash));
+        let aside = (i as f32 - (members.len() - 1) as f32 / 2.0) * ASIDE * frame.line_px;
+        draw_alike(
+            &mut canvas,
+            &frame.shifted([aside, aside]),
+            member.iter(),
+            Look::solid(rgb, 1.0, 0.2).dashed(dash),
+        );
     }
     let title = format!("{} options over the present layout", members.len());
-    frame.head(&mut canvas, &title, "Only what moves is drawn in colour.");
+    frame.head(&mut canvas, &title, "What moves is in colour. Lines that coincide are drawn side by side.");
     draw_foot(&mut canvas, &frame, members.len(), labels);
     canvas.into_png()
 }

@@ -18,6 +18,10 @@ const HEADER_PX: f32 = 112.0;
 /// Smallest side of the box shown, metres: a plan without extent still has a scale.
 const SMALLEST_EXTENT_M: f64 = 0.1;
 
+/// Largest coordinate and extent drawn, metres: beyond it 32-bit pixels lose the plan, and no building is
+/// that far from its origin.
+pub const LARGEST_M: f64 = 1e9;
+
 /// How the plan lies on the sheet.
 #[derive(Clone, Debug)]
 pub struct Frame {
@@ -45,8 +49,11 @@ impl Frame {
             return Err(size_error(longest_px));
         }
         let extent = [0, 1].map(|k| (bounds[1][k] - bounds[0][k]).max(SMALLEST_EXTENT_M));
-        if !extent.iter().chain(&bounds[0]).all(|v| v.is_finite()) {
-            let text = format!("bounds {bounds:?} m, expected numbers; no picture is made");
+        if !extent.iter().chain(bounds.as_flattened()).all(|v| v.abs() <= LARGEST_M) {
+            let text = format!(
+                "a plan from {:?} to {:?} m, expected coordinates within {LARGEST_M:e} m; no picture is made",
+                bounds[0], bounds[1]
+            );
             return Err(Error::input("picture-bounds", Place::default(), text));
         }
         let side = longest_px as f32;
@@ -79,6 +86,22 @@ impl Frame {
         let x = f64::from(self.plan_px[0]) + (p[0] - self.origin_m[0]) * self.px_per_m;
         let y = f64::from(self.plan_px[1]) + (self.origin_m[1] - p[1]) * self.px_per_m;
         [x as f32, y as f32]
+    }
+
+    /// The box of the plan that is drawn, metres: what is shown and a rim wider than any line.
+    pub fn visible_m(&self) -> [[f64; 2]; 2] {
+        let [left, top, right, bottom] = self.plan_px.map(f64::from);
+        let rim = f64::from(64.0 * self.unit_px) / self.px_per_m;
+        let [wide, high] = [right - left, bottom - top].map(|v| v / self.px_per_m);
+        let [x, y] = self.origin_m;
+        [[x - rim, y - high - rim], [x + wide + rim, y + rim]]
+    }
+
+    /// The same frame with everything drawn that many pixels to the right and down.
+    pub fn shifted(&self, [right, down]: [f32; 2]) -> Self {
+        let [x, y] = self.origin_m;
+        let by = [f64::from(right) / self.px_per_m, f64::from(down) / self.px_per_m];
+        Self { origin_m: [x - by[0], y + by[1]], ..self.clone() }
     }
 
     /// A white sheet of that size.
@@ -247,8 +270,10 @@ mod tests {
 
     #[test]
     fn bounds_that_do_not_exist_are_an_error() {
-        let bad = Frame::fit([[f64::NAN, 0.0], [1.0, 1.0]], 400, true, 0.0);
-        assert!(matches!(bad, Err(Error::Input(p)) if p.code == "picture-bounds"));
+        for x in [f64::NAN, f64::INFINITY, -2.0 * LARGEST_M] {
+            let bad = Frame::fit([[0.0, 0.0], [1.0, x]], 400, true, 0.0);
+            assert!(matches!(bad, Err(Error::Input(p)) if p.code == "picture-bounds"), "{x}");
+        }
         let large = Frame::fit([[0.0, 0.0], [1.0, 1.0]], MAX_SIDE_PX + 1, true, 0.0);
         assert!(matches!(large, Err(Error::Usage(p)) if p.code == "picture-size"));
     }

@@ -29,6 +29,15 @@ pub const WORDINGS: &[Wording] = &[
         more_less: ["more is seen", "less is seen"],
     },
     Wording {
+        key: "degree_all",
+        plain: "Visibility of all",
+        technical: "degree, all cells",
+        unit: "cells seen",
+        meaning: "How much of the whole plan that is measured can be seen from a spot, not of the region of \
+                  reference alone.",
+        more_less: ["", ""],
+    },
+    Wording {
         key: "depth",
         plain: "Accessibility",
         technical: "tree depth",
@@ -53,7 +62,7 @@ pub const WORDINGS: &[Wording] = &[
         technical: "weighted sum",
         unit: "",
         meaning: "The weighted sum of the relative gains over the present layout, less the penalties. \
-                  The present layout gains 0.",
+                  The present layout gains nothing over itself, so its score is that of its penalties.",
         more_less: ["", ""],
     },
     Wording {

@@ -8,6 +8,7 @@ pub mod additions;
 mod canvas;
 pub mod chart;
 pub mod check;
+mod clip;
 pub mod diversity;
 mod font;
 mod frame;

@@ -1,6 +1,7 @@
 //! A plan as it is shown: strokes and region outlines in metres, and how they are drawn.
 
 use super::canvas::{Canvas, Pen, path_of};
+use super::clip;
 use super::frame::Frame;
 use super::palette::Rgb;
 
@@ -151,11 +152,15 @@ pub(super) fn draw_alike<'a>(
     strokes: impl Iterator<Item = &'a Stroke>,
     look: Look,
 ) {
-    let mut solids = Vec::new();
-    let mut lines = Vec::new();
+    let mut solids: Vec<Vec<[f32; 2]>> = Vec::new();
+    let mut lines: Vec<(Vec<[f32; 2]>, bool)> = Vec::new();
     for s in strokes {
-        let px: Vec<[f32; 2]> = s.points.iter().map(|p| frame.to_px(*p)).collect();
-        if s.filled && look.dash.is_empty() { solids.push(px) } else { lines.push((px, s.closed)) }
+        if s.filled && look.dash.is_empty() {
+            solids.push(to_px(frame, &clip::ring(&s.points, frame.visible_m())));
+        } else {
+            let parts = clip::lines(&s.points, s.closed, frame.visible_m());
+            lines.extend(parts.into_iter().map(|(part, closed)| (to_px(frame, &part), closed)));
+        }
     }
     let width_px = look.width * frame.line_px;
     let edge_px = (SOLID_EDGE * width_px).max(1.6 * frame.unit_px);
@@ -177,6 +182,10 @@ pub(super) fn draw_alike<'a>(
     lines.iter().for_each(|path| canvas.stroke(path, Pen { width_px, dash_px: &dash, ..pen }));
 }
 
+fn to_px(frame: &Frame, points: &[[f64; 2]]) -> Vec<[f32; 2]> {
+    points.iter().map(|p| frame.to_px(*p)).collect()
+}
+
 /// Outlines the regions; `tint` fills them lightly too.
 pub(super) fn draw_region(
     canvas: &mut Canvas,
@@ -185,7 +194,7 @@ pub(super) fn draw_region(
     look: Look,
     tint: Option<f32>,
 ) {
-    let px: Vec<[f32; 2]> = region.points.iter().map(|p| frame.to_px(*p)).collect();
+    let px = to_px(frame, &clip::ring(&region.points, frame.visible_m()));
     let Some(path) = path_of([(&px[..], true)]) else { return };
     if let Some(opacity) = tint {
         canvas.fill(&path, look.rgb, opacity);

@@ -413,13 +413,93 @@ pub struct CheckResult {
     pub problems: Vec<ProblemEntry>,
 }
 
-/// Pretty JSON with a final newline.
+/// Numbers and points in one line, everything else indented, and a final newline.
 ///
 /// # Errors
 /// None for the types of this module; the signature is serde's.
 pub fn to_json<T: Serialize>(value: &T) -> Result<String, report::Error> {
-    let mut text = serde_json::to_string_pretty(value)
-        .map_err(|e| report::Error::environment("json", report::Place::default(), e.to_string()))?;
+    let fail =
+        |e: serde_json::Error| report::Error::environment("json", report::Place::default(), e.to_string());
+    let mut text = String::new();
+    write_indented(&serde_json::to_value(value).map_err(fail)?, 0, &mut text);
     text.push('\n');
     Ok(text)
+}
+
+fn write_indented(value: &Value, depth: usize, out: &mut String) {
+    let new_line = |out: &mut String, depth: usize| {
+        out.push('\n');
+        out.extend(std::iter::repeat_n("  ", depth));
+    };
+    match value {
+        Value::Array(items) if !items.iter().all(is_point_like) => {
+            for (i, item) in items.iter().enumerate() {
+                out.push(if i == 0 { '[' } else { ',' });
+                new_line(out, depth + 1);
+                write_indented(item, depth + 1, out);
+            }
+            new_line(out, depth);
+            out.push(']');
+        }
+        Value::Object(map) if !map.is_empty() => {
+            for (i, (name, item)) in map.iter().enumerate() {
+                out.push(if i == 0 { '{' } else { ',' });
+                new_line(out, depth + 1);
+                out.push_str(&Value::from(name.as_str()).to_string());
+                out.push_str(": ");
+                write_indented(item, depth + 1, out);
+            }
+            new_line(out, depth);
+            out.push('}');
+        }
+        flat => out.push_str(&flat.to_string()),
+    }
+}
+
+/// A scalar, or an array of scalars: what is written in one line.
+fn is_point_like(value: &Value) -> bool {
+    match value {
+        Value::Array(items) => items.iter().all(|v| !v.is_array() && !v.is_object()),
+        Value::Object(_) => false,
+        _ => true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_stand_in_one_line_and_entries_below_each_other() {
+        let value = serde_json::json!({"a": [[1.5, -2.0], [0.1, 3.0]], "b": [{"c": null}, {}], "d \"": []});
+        let text = to_json(&value).unwrap();
+        assert_eq!(
+            text,
+            "{\n  \"a\": [[1.5,-2.0],[0.1,3.0]],\n  \"b\": [\n    {\n      \"c\": null\n    },\n    {}\n  ],\n  \"d \\\"\": []\n}\n"
+        );
+        assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
+    }
+
+    #[test]
+    fn numbers_keep_their_order_and_their_last_bit() {
+        let numbers = Numbers::of([("z", 0.1 + 0.2), ("a", f64::NAN), ("m", 1e-300)]);
+        let text = to_json(&numbers).unwrap();
+        assert_eq!(text, "{\n  \"z\": 0.30000000000000004,\n  \"a\": null,\n  \"m\": 1e-300\n}\n");
+        let back: Numbers = serde_json::from_str(&text).unwrap();
+        assert_eq!((back.get("z"), back.get("m")), (Some(0.1 + 0.2), Some(1e-300)));
+        assert!(back.get("a").unwrap().is_nan());
+    }
+
+    #[test]
+    fn elements_are_told_apart_by_their_fields() {
+        let elements = [
+            ElementRef::Dxf { handle: None, record: 7 },
+            ElementRef::Ifc { global_id: "2O2Fr".to_owned(), id: 4711 },
+            ElementRef::Gltf { path: "/nodes/3".to_owned() },
+        ];
+        for element in elements {
+            let text = to_json(&element).unwrap();
+            assert_eq!(serde_json::from_str::<ElementRef>(&text).unwrap(), element, "{text}");
+        }
+    }
 }

@@ -47,7 +47,7 @@ pub fn gains(initial: &Numbers, now: &Numbers) -> String {
     let gain = |(key, from): &(String, f64)| {
         let to = now.get(key)?;
         let change = percent_change(*from, to)?;
-        let known = wording(key)?;
+        let known = wording(key).filter(|w| w.more_less != ["", ""])?;
         let name = if key == "depth" { "depth".to_owned() } else { known.plain.to_lowercase() };
         let why = if to > *from { known.more_less[0] } else { known.more_less[1] };
         let why = if change.starts_with('±') || key == "degree" { "" } else { why };
@@ -89,8 +89,8 @@ fn grouped(moves: &[MoveEntry], parameters: &[f64]) -> Vec<Group> {
 pub fn clause(entry: &MoveEntry, value: f64) -> String {
     let far = length(value.abs(), &entry.unit);
     match entry.kind {
-        MoveKind::X => format!("moves {far} {}", if value < 0.0 { "west" } else { "east" }),
-        MoveKind::Y => format!("moves {far} {}", if value < 0.0 { "south" } else { "north" }),
+        MoveKind::X => format!("slides {far} {}", if value < 0.0 { "west" } else { "east" }),
+        MoveKind::Y => format!("slides {far} {}", if value < 0.0 { "south" } else { "north" }),
         MoveKind::Along => match entry.direction_deg {
             Some(deg) => format!("slides {far} {}", compass(if value < 0.0 { deg + 180.0 } else { deg })),
             None => format!("slides {far} {}", if value < 0.0 { "back" } else { "forth" }),
@@ -122,6 +122,16 @@ pub fn parameter(entry: &MoveEntry, value: f64) -> String {
         }
         MoveKind::Scale => format!("× {}", fixed(value, 2)),
     }
+}
+
+/// The bounds of a move: `−32 cm to +5.5 m`.
+pub fn range(entry: &MoveEntry) -> String {
+    let bound = |value: f64| match entry.kind {
+        MoveKind::Scale => format!("× {}", fixed(value, 2)),
+        _ if value == 0.0 => "0".to_owned(),
+        _ => parameter(entry, value),
+    };
+    format!("{} to {}", bound(entry.lower), bound(entry.upper))
 }
 
 /// A length for people: metric ones in metres or centimetres, others in their own unit.
@@ -166,7 +176,7 @@ mod tests {
         let now = Numbers::of([("degree", 118.0), ("depth", 7.25), ("entropy", 2.5)]);
         assert_eq!(
             words(&moves, &[1.2, -12.0, 350.0], &initial, &now),
-            "Kiosk turns 12° clockwise and moves 35 cm north, Door 3 moves 1.2 m east; \
+            "Kiosk turns 12° clockwise and slides 35 cm north, Door 3 slides 1.2 m east; \
              visibility +18 %, depth −9.4 % (fewer turns), organisation ±0 %."
         );
     }
@@ -178,8 +188,8 @@ mod tests {
         let values = [0.1, 0.9, 0.0, 0.2, 0.3, 1e-4, 0.4, 0.5, 0.6];
         assert_eq!(
             moved(&moves, &values),
-            "Wall 2 moves 90 cm east, Wall 9 moves 60 cm east, Wall 8 moves 50 cm east, \
-             Wall 7 moves 40 cm east, and 3 smaller moves"
+            "Wall 2 slides 90 cm east, Wall 9 slides 60 cm east, Wall 8 slides 50 cm east, \
+             Wall 7 slides 40 cm east, and 3 smaller moves"
         );
         assert_eq!(moved(&moves, &[0.0; 9]), "Nothing moves");
     }
@@ -197,5 +207,7 @@ mod tests {
         );
         assert_eq!(parameter(&entry("a", MoveKind::Scale, [0.8, 1.2], ""), 1.0), "–");
         assert_eq!(parameter(&entry("a", MoveKind::Y, [-1.0, 1.0], "m"), -0.25), "−25 cm");
+        assert_eq!(range(&entry("a", MoveKind::Y, [0.0, 1500.0], "mm")), "0 to +1.5 m");
+        assert_eq!(range(&entry("a", MoveKind::Scale, [0.8, 1.0], "")), "× 0.80 to × 1.00");
     }
 }

@@ -14,6 +14,7 @@ fn the_page_carries_everything_and_loads_nothing() {
     look("result.json", to_json(&sample.result).unwrap().as_bytes());
     assert!(!page.contains("<img src=x"), "a layer name became markup");
     assert!(page.contains("&lt;img src=x onerror=alert(1)&gt;"));
+    assert!(page.contains("Zero in every layout: cut-off space."));
     for loads in ["http://", "https://", "url(", "<link", "@import", "src=\"//"] {
         assert!(!page.contains(loads), "the page loads something: {loads}");
     }

@@ -37,6 +37,11 @@ fn plan(column: &str) -> (PlanPicture, Vec<Cell>, f64) {
     (plans::hall(20.0, 14.0), cells, spacing)
 }
 
+/// Pictures are drawn small unless somebody looks at them.
+fn side_px() -> u32 {
+    if std::env::var_os("ENFILADE_LOOK").is_some() { 1600 } else { 320 }
+}
+
 /// Which strokes an option moves, and by how much, metres.
 fn shift(option: usize, stroke: usize) -> Option<[f64; 2]> {
     let turn = (stroke * 7 + option * 5) % 23;
@@ -82,7 +87,7 @@ fn heat(
         unit,
         palette: Palette::Viridis,
     };
-    heat_map_png(&map, 1600).unwrap()
+    heat_map_png(&map, side_px()).unwrap()
 }
 
 impl Sample {
@@ -117,9 +122,9 @@ impl Sample {
             result: result(),
             present,
             candidates,
-            diversity: diversity_png(&picture, &members, &labels, 1600).unwrap(),
-            convergence: convergence_png(&series, 1600).unwrap(),
-            understood: check_png(&picture, "hôtel-particulier.dxf", "metres", 1600).unwrap(),
+            diversity: diversity_png(&picture, &members, &labels, side_px()).unwrap(),
+            convergence: convergence_png(&series, side_px()).unwrap(),
+            understood: check_png(&picture, "hôtel-particulier.dxf", "metres", side_px()).unwrap(),
             archive: archive(),
         }
     }

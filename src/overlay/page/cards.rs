@@ -1,8 +1,8 @@
 //! The drawings: a stage with a before/after slider, and all layouts side by side.
 
 use super::super::html::Html;
-use super::super::measure::{number, percent_change, plain_name, wording};
-use super::super::result::{Candidate, RoundResult, Sense};
+use super::super::measure::{number, percent_change, plain_name};
+use super::super::result::{Candidate, Sense};
 use super::{Fitted, View, names, option_name, wanted};
 
 /// The switches of the page: which measure is shown, which option is compared. They stand before
@@ -102,13 +102,13 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
     let result = input.input.result;
     card(html, "present", "Present layout", &input.present, |html| {
         html.raw("<p class=\"words\">As drawn.</p>\n");
-        measures(html, result, None);
+        measures(html, input, None);
     });
     for (o, candidate) in result.candidates.iter().enumerate() {
         let views = input.candidates.get(o).map_or(&[][..], |v| v);
         card(html, &o.to_string(), &option_name(o), views, |html| {
             html.element("p", &[("class", "words")], &prose(&candidate.words));
-            measures(html, result, Some(candidate));
+            measures(html, input, Some(candidate));
             badge(html, candidate);
         });
     }
@@ -133,16 +133,18 @@ pub fn prose(words: &str) -> String {
     words.replace(" %", "\u{a0}%")
 }
 
-/// The main measures with their change over the present layout.
-fn measures(html: &mut Html, result: &RoundResult, candidate: Option<&Candidate>) {
+/// The measures that have pictures, with their change over the present layout.
+fn measures(html: &mut Html, input: &Fitted<'_>, candidate: Option<&Candidate>) {
+    let result = input.input.result;
     html.raw("<dl class=\"gains\">\n");
-    for (key, from) in result.initial.mean.0.iter().filter(|(key, _)| wording(key).is_some()).take(4) {
-        let now = candidate.map_or(Some(*from), |c| c.mean.get(key));
-        let Some(now) = now else { continue };
+    for view in &input.present {
+        let key = view.measure;
+        let Some(from) = result.initial.mean.get(key) else { continue };
+        let Some(now) = candidate.map_or(Some(from), |c| c.mean.get(key)) else { continue };
         html.raw("<div>").element("dt", &[], &plain_name(key)).raw("<dd>").text(&number(now));
         if candidate.is_some() {
             html.raw(" ");
-            delta(html, *from, now, wanted(result, key));
+            delta(html, from, now, wanted(result, key));
         }
         html.raw("</dd></div>\n");
     }
@@ -154,9 +156,10 @@ fn measures(html: &mut Html, result: &RoundResult, candidate: Option<&Candidate>
 
 /// A change with its sign, told apart by colour, filled or hollow arrow, and word whether it is wanted.
 pub fn delta(html: &mut Html, from: f64, to: f64, sense: Option<Sense>) {
-    let text = percent_change(from, to).unwrap_or_else(|| {
-        let sign = if to > from { "+" } else { "" };
-        if to == from { "±0".to_owned() } else { format!("{sign}{}", number(to - from)) }
+    let text = percent_change(from, to).unwrap_or_else(|| match number(to - from).as_str() {
+        "0" => "±0".to_owned(),
+        less if less.starts_with('−') => less.to_owned(),
+        more => format!("+{more}"),
     });
     let better = match sense {
         _ if text.starts_with('±') => None,

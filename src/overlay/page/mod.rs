@@ -144,7 +144,7 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
         ("Unit", format!("{} ({})", result.input.unit, result.input.unit_reason)),
         ("Measured on", cells),
         ("Walls", fixed(counts.walls as f64, 0)),
-        ("Searched", format!("{searched}; ended by {}", result.stopped_by)),
+        ("Searched", format!("{searched}; {}", result.stopped_by)),
     ];
     let searched = usize::from(result.evaluations == 0);
     for (term, text) in &facts[..facts.len() - searched] {
@@ -179,12 +179,23 @@ fn spelled(count: usize) -> String {
     words.get(count).map_or_else(|| count.to_string(), |w| (*w).to_owned())
 }
 
-/// Whether more of a measure is wanted: by its objective, else by habit; `None` if nobody can say.
+/// Whether more of a measure is wanted: by its objective, else by its weight in the score, else by habit;
+/// `None` if nobody can say.
 pub(super) fn wanted(result: &RoundResult, key: &str) -> Option<Sense> {
     if let Some(objective) = result.objectives.iter().find(|o| o.name == key) {
         return Some(objective.sense);
     }
-    usual_sense(key)
+    match weight(result, key) {
+        Some(w) if w > 0.0 => Some(Sense::Max),
+        Some(w) if w < 0.0 => Some(Sense::Min),
+        _ => usual_sense(key),
+    }
+}
+
+/// Weight of a measure in the score, where the settings list one (`score: [[name, weight], …]`).
+fn weight(result: &RoundResult, key: &str) -> Option<f64> {
+    let weights = result.settings.get("score")?.as_array()?;
+    weights.iter().find(|pair| pair[0] == key)?[1].as_f64()
 }
 
 /// Whether more of a measure is wanted as a rule.

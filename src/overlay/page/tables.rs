@@ -3,9 +3,9 @@
 use serde_json::{Map, Value};
 
 use super::super::html::Html;
-use super::super::measure::{number, sentence_case, short, wording};
+use super::super::measure::{number, plain_name, sentence_case, short, wording};
 use super::super::result::{Candidate, MoveEntry, Objective, ProblemEntry, RoundResult, Sense};
-use super::super::words::parameter;
+use super::super::words::{parameter, range};
 use super::cards::delta;
 use super::{ReportInput, names, option_name, wanted};
 
@@ -16,7 +16,13 @@ const MOVES_UNFOLDED: usize = 30;
 pub fn numbers(html: &mut Html, result: &RoundResult) {
     html.raw("<section>\n<h2>The numbers</h2>\n<div class=\"scroll\"><table class=\"numbers\">\n<thead><tr><th></th>");
     let means: Vec<&str> = result.initial.mean.0.iter().map(|(key, _)| key.as_str()).collect();
-    let penalties: Vec<&str> = result.initial.penalty.0.iter().map(|(key, _)| key.as_str()).collect();
+    let (penalties, zeros): (Vec<&str>, Vec<&str>) = result
+        .initial
+        .penalty
+        .0
+        .iter()
+        .map(|(key, _)| key.as_str())
+        .partition(|key| is_ever_set(result, key));
     let has_score = result.candidates.iter().any(|c| c.score.is_some());
     for key in means.iter().chain(has_score.then_some(&"score")).chain(&penalties) {
         let (plain, technical) = names(key);
@@ -28,7 +34,7 @@ pub fn numbers(html: &mut Html, result: &RoundResult) {
         cell(html, result.initial.mean.get(key), None, None);
     }
     if has_score {
-        html.raw("<td>0 <small>by definition</small></td>");
+        cell(html, present_score(result), None, None);
     }
     for key in &penalties {
         cell(html, result.initial.penalty.get(key), None, None);
@@ -48,8 +54,24 @@ pub fn numbers(html: &mut Html, result: &RoundResult) {
         html.raw("</tr>\n");
     }
     html.raw("</tbody>\n</table></div>\n");
-    html.raw("<p class=\"note\">Means over the region of query. A filled arrow: better than the present layout; a hollow one: worse.</p>\n");
+    html.raw("<p class=\"note\">Means over the region of query. A filled arrow: better than the present layout; a hollow one: worse.");
+    if !zeros.is_empty() {
+        let names: Vec<String> = zeros.iter().map(|key| plain_name(key).to_lowercase()).collect();
+        html.raw(" Zero in every layout: ").text(&names.join(", ")).raw(".");
+    }
+    html.raw("</p>\n");
     html.raw("</section>\n");
+}
+
+/// Whether a penalty differs from zero in any layout.
+fn is_ever_set(result: &RoundResult, key: &str) -> bool {
+    let all = result.candidates.iter().map(|c| &c.penalty).chain([&result.initial.penalty]);
+    all.filter_map(|p| p.get(key)).any(|v| v.abs() > 1e-12)
+}
+
+/// The score of the present layout: its penalties, since it gains nothing over itself.
+fn present_score(result: &RoundResult) -> Option<f64> {
+    result.objectives.iter().find(|o| o.name == "score").map(|o| o.initial)
 }
 
 fn cell(html: &mut Html, value: Option<f64>, from: Option<f64>, sense: Option<Sense>) {
@@ -133,8 +155,7 @@ pub fn moves(html: &mut Html, result: &RoundResult) {
     for (i, entry) in result.moves.iter().enumerate() {
         html.raw("<tr><th scope=\"row\">").text(&sentence_case(&entry.name)).raw(" <small>");
         html.raw(way(entry)).raw("</small></th>");
-        let range = format!("{} to {}", parameter(entry, entry.lower), parameter(entry, entry.upper));
-        html.element("td", &[("class", "range")], &range);
+        html.element("td", &[("class", "range")], &range(entry));
         for candidate in &result.candidates {
             gauge(html, entry, candidate.parameters.get(i).copied());
         }
