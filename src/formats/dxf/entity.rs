@@ -76,6 +76,7 @@ impl<'a> Reader<'a, '_> {
             if name == b"POLYLINE" {
                 next = polyline_records(tokens, record).1;
             }
+            self.check_handle(&fields);
             let is_drawn = self.int(&fields, 67, 0)? == 0 && self.int(&fields, 60, 0)? == 0;
             if is_drawn && let Some(body) = self.body(name, &fields)? {
                 let layer = self.layer(&fields);
