@@ -162,6 +162,9 @@ impl<'a> Reader<'a, '_> {
 
     /// A planar shape from its object coordinates.
     fn planar(&self, shape: Shape, extrusion: DVec3, elevation: f64) -> Body {
+        if extrusion == DVec3::Z {
+            return Body::Shape(shape, Editable::Free);
+        }
         let map = ocs_to_world(extrusion, elevation);
         let editable = if is_upright(extrusion) {
             Editable::Free
