@@ -39,11 +39,15 @@ fuzz_target!(|bytes: &[u8]| {
     let moved = moved.unwrap_or_else(|error| panic!("a free entity cannot be moved: {error}"));
     if let Some(after) = drawing_of(&moved) {
         assert!(after.entities.len() <= drawing.entities.len());
-        for (a, b) in after.entities.iter().zip(&drawing.entities).filter(|(_, b)| b.editable != Editable::Free) {
+        for (a, b) in
+            after.entities.iter().zip(&drawing.entities).filter(|(_, b)| b.editable != Editable::Free)
+        {
             assert!(a.source.record != b.source.record || a == b, "{b:?} changed without an edit: {a:?}");
         }
     }
-    for insert in drawing.entities.iter().filter(|e| matches!(e.editable, Editable::WithInsert { .. })).take(3) {
+    for insert in
+        drawing.entities.iter().filter(|e| matches!(e.editable, Editable::WithInsert { .. })).take(3)
+    {
         let Editable::WithInsert { turnable } = insert.editable else { continue };
         let motion = RigidMotion { turn_rad: if turnable { 0.25 } else { 0.0 }, shift: DVec2::ONE };
         let edit = Edit::Insert { record: insert.source.record, motion };
@@ -60,6 +64,9 @@ fuzz_target!(|bytes: &[u8]| {
         let after = drawing_of(&added).unwrap_or_else(|| panic!("with additions it cannot be read"));
         assert!(after.texts.len() >= drawing.texts.len() + 2);
         let stripped = drawing_of(&strip_own(&added));
-        assert_eq!(stripped.map(|d| d.entities.len()), drawing_of(&strip_own(bytes)).map(|d| d.entities.len()));
+        assert_eq!(
+            stripped.map(|d| d.entities.len()),
+            drawing_of(&strip_own(bytes)).map(|d| d.entities.len())
+        );
     }
 });

@@ -21,7 +21,10 @@ fuzz_target!(|bytes: &[u8]| {
                     !vertices.is_empty() && vertices.iter().all(|v| v.at.is_finite() && v.bulge.is_finite())
                 }
                 Shape::Arc { centre, radius, start_rad, end_rad } => {
-                    centre.is_finite() && *radius > 0.0 && radius.is_finite() && (start_rad + end_rad).is_finite()
+                    centre.is_finite()
+                        && *radius > 0.0
+                        && radius.is_finite()
+                        && (start_rad + end_rad).is_finite()
                 }
                 Shape::Circle { centre, radius } => centre.is_finite() && *radius > 0.0 && radius.is_finite(),
             };
