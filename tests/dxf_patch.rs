@@ -7,7 +7,9 @@ mod support;
 
 use std::collections::HashSet;
 
-use enfilade::formats::dxf::{Completeness, changed_records, is_complete, is_result_layer, patch, strip_own};
+use enfilade::formats::dxf::{
+    Completeness, changed_records, dependents, host_ids, is_complete, is_result_layer, patch, strip_own,
+};
 use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Mark, RigidMotion, Shape, Vertex};
 use glam::DVec2;
 use proptest::prelude::*;
@@ -57,6 +59,10 @@ const ENTITIES: &str = "0|LINE|5|A0|8|WALL|10|1.5|20|-2.0|30|0.0|11|4.25|21|0.1|
     |0|CIRCLE|5|A9|8|COLUMN|10|12.0|20|3.0|40|0.2\
     |0|INSERT|5|AA|8|DOOR|66|1|2|B|10|3.0|20|4.0|41|-1.0|42|1.0|50|30.0\
     |0|ATTRIB|5|AB|8|DOOR|10|3.1|20|4.1|40|0.2|1|T1|2|NO|50|30.0|72|1|11|3.2|21|4.1|0|SEQEND|5|AC|8|DOOR\
+    |0|ELLIPSE|5|AE|8|WALL|10|1.0|20|9.0|30|0.0|11|2.0|21|0.5|31|0.0|40|0.5|41|0.0|42|6.283185307179586\
+    |0|SPLINE|5|AF|8|WALL|70|8|71|2|40|0.0|40|0.0|40|0.0|40|1.0|40|1.0|40|1.0|12|1.0|22|0.0|32|0.0|10|0.0|20|0.0|10|2.0|20|4.0|10|5.0|20|0.0\
+    |0|POLYLINE|5|B0|8|WALL|66|1|10|0.0|20|0.0|30|0.0|70|2|0|VERTEX|5|B1|8|WALL|10|5.0|20|5.0|42|0.3|70|2|50|45.0\
+    |0|VERTEX|5|B2|8|WALL|10|6.0|20|5.0|70|1|50|0.0|0|SEQEND|5|B3|8|WALL\
     |0|INSERT|5|AD|8|DOOR|2|B|10|5.0|20|4.0|50|0.0|210|0.0|220|0.0|230|-1.0";
 
 /// A drawing of this version, with or without handles and a layer table.
@@ -234,7 +240,7 @@ fn edits_that_do_not_fit_are_refused() {
         ),
         (
             vec![Edit::Insert { record: record("A0"), motion: turn }],
-            format!("LINE A0: the edit of record 13: it is no INSERT; {nothing}"),
+            format!("LINE A0: the edit of record 13: it is nothing that moves as a whole; {nothing}"),
         ),
         (
             vec![Edit::Shape { record: 3, shape: line.clone() }],
@@ -360,5 +366,44 @@ fn binary_reads_as_ascii_does() {
         assert_ne!(is_complete(&whole[..cut]), Completeness::Empty);
         let end = cut >= whole.len() - 1;
         assert_eq!(is_complete(&whole[..cut]) == Completeness::Whole, end, "cut at {cut} of {}", whole.len());
+    }
+}
+
+#[test]
+fn what_hangs_on_a_wall_is_named() {
+    let annotation = "0|DIMENSION|5|C0|8|DIM|10|9.0|20|9.0|13|1.5|23|-2.0|14|20.0|24|20.0\
+        |0|DIMENSION|5|C1|8|DIM|10|1.5|20|-2.0|13|1.6|23|-2.0|14|20.0|24|20.0\
+        |0|HATCH|5|C2|8|FILL|10|0.0|20|0.0|30|0.0|91|1|92|7|73|1|93|3|10|4.25|20|0.1|10|30.0|20|0.0|10|30.0|20|9.0|97|0|75|0|98|1|10|1.5|20|-2.0\
+        |0|HATCH|5|C3|8|FILL|10|1.5|20|-2.0|30|0.0|91|1|92|7|93|1|10|40.0|20|0.1|97|1|330|A0|75|0\
+        |0|HATCH|5|C4|8|FILL|10|1.5|20|-2.0|30|0.0|91|1|92|7|93|1|10|40.0|20|0.1|97|1|330|A1|75|0|98|1|10|1.5|20|-2.0\
+        |0|LEADER|5|C5|8|NOTE|10|2.875|20|-0.95|10|50.0|20|50.0|0|LEADER|5|C6|8|NOTE|10|50.0|20|50.0|10|1.5|20|-2.0\
+        |0|DIMENSION|5|C7|8|DIM|13|70.0|23|0.0|14|80.0|24|0.0";
+    let association = "0|SECTION|2|OBJECTS|0|DIMASSOC|5|D0|330|D1|100|AcDbDimAssoc|330|C7|331|A0|0|ENDSEC|";
+    let mut pairs_of = drawing("AC1015", true, true);
+    let end = pairs_of.len() - 2;
+    pairs_of.splice(end..end, pairs(annotation));
+    let end = pairs_of.len() - 1;
+    pairs_of.splice(end..end, pairs(association.trim_end_matches('|')));
+    let bytes = ascii(&pairs_of, "\n");
+    let (read, _) = read_whole("plan.dxf", &bytes);
+    let wall = read.entities[0].source.record;
+    let found = dependents("plan.dxf", &bytes, &read, &[wall]).unwrap();
+    let handles: Vec<&str> = found.iter().filter_map(|source| source.handle.as_deref()).collect();
+    assert_eq!(handles, ["C0", "C2", "C3", "C5", "C7"]);
+    assert_eq!((found[0].kind.as_str(), found[0].layer.as_str()), ("DIMENSION", "DIM"));
+    assert_eq!(dependents("plan.dxf", &bytes, &read, &[]).unwrap(), []);
+}
+
+#[test]
+fn host_ids_are_repeated() {
+    let mut pairs_of = drawing("AC1015", true, true);
+    let own = pairs("1001|OTHER|1000|no|1001|ENFILADE|1000|3f2a-wall-7");
+    let before_arc = pairs_of.iter().position(|(_, value)| value == "ARC").unwrap();
+    pairs_of.splice(before_arc..before_arc, own);
+    for bytes in [ascii(&pairs_of, "\r\n"), binary(&pairs_of, true)] {
+        let (read, _) = read_whole("plan.dxf", &bytes);
+        let records: Vec<usize> = read.entities.iter().map(|e| e.source.record).take(3).collect();
+        let ids = host_ids(&bytes, &[records[0], records[1], records[0] + 6, 9999]);
+        assert_eq!(ids, [Some("8".to_owned()), None, Some("3f2a-wall-7".to_owned()), None]);
     }
 }
