@@ -131,9 +131,12 @@ impl<'t, 'a> Writer<'t, 'a> {
             _ => b"\n",
         };
         let code_start = tokens.records.first().map_or(0, |_| tokens.record_start(0));
-        let has_handles = version >= "AC1012"
-            || header.has_handling
-            || section.clone().any(|record| handle_of(tokens, record).is_some());
+        let in_use = |mut records: std::ops::Range<usize>| records.any(|r| handle_of(tokens, r).is_some());
+        // A file without a single handle gets none of whatever version it says it is: readers number such
+        // entities themselves, and would give ours to another.
+        let has_handles = header.has_handling
+            || in_use(section.clone())
+            || version >= "AC1012" && in_use(tokens.section(b"TABLES").unwrap_or(0..0));
         Self {
             tokens,
             page: header.page(tokens),

@@ -76,6 +76,7 @@ impl<'a> Reader<'a, '_> {
             if name == b"POLYLINE" {
                 next = polyline_records(tokens, record).1;
             }
+            self.check_handle(&fields);
             let is_drawn = self.int(&fields, 67, 0)? == 0 && self.int(&fields, 60, 0)? == 0;
             if is_drawn && let Some(body) = self.body(name, &fields)? {
                 let layer = self.layer(&fields);
@@ -161,6 +162,9 @@ impl<'a> Reader<'a, '_> {
 
     /// A planar shape from its object coordinates.
     fn planar(&self, shape: Shape, extrusion: DVec3, elevation: f64) -> Body {
+        if extrusion == DVec3::Z {
+            return Body::Shape(shape, Editable::Free);
+        }
         let map = ocs_to_world(extrusion, elevation);
         let editable = if is_upright(extrusion) {
             Editable::Free
@@ -247,7 +251,12 @@ impl<'a> Reader<'a, '_> {
             self.planar(shape, self.extrusion(fields)?, elevation)
         };
         if is_fitted && let Body::Shape(_, editable) = &mut body {
-            *editable = Editable::No("it is a fitted curve".into());
+            let moves = *editable == Editable::Free && fields.pair(230).is_none();
+            *editable = if moves {
+                Editable::WithInsert { turnable: true }
+            } else {
+                Editable::No("it is a fitted curve that is not drawn in the plane of the plan".into())
+            };
         }
         Ok(Ok(body))
     }
@@ -278,6 +287,7 @@ impl<'a> Reader<'a, '_> {
 
     fn ellipse(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
         let (centre, major) = (self.point(fields, 10)?, self.point(fields, 11)?);
+        let extrusion = self.extrusion(fields)?;
         let ratio = self.float(fields, 40, 1.0)?;
         let params = [self.float(fields, 41, 0.0)?, self.float(fields, 42, std::f64::consts::TAU)?];
         let values = [ratio, params[0], params[1], major.x, major.y];
@@ -285,8 +295,8 @@ impl<'a> Reader<'a, '_> {
             let text = format!("its axes, found {major} and ratio {ratio}, expected an ellipse; left out");
             return skip("dxf-bad-ellipse", text);
         }
-        let shape = curves::ellipse(centre, major, ratio, self.extrusion(fields)?, params, self.five_mm);
-        Ok(Ok(Body::Shape(shape, Editable::No("it is an ELLIPSE, read as a polyline".into()))))
+        let shape = curves::ellipse(centre, major, ratio, extrusion, params, self.five_mm);
+        Ok(Ok(Body::Shape(shape, as_a_whole(extrusion))))
     }
 
     fn spline(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
@@ -327,7 +337,7 @@ impl<'a> Reader<'a, '_> {
         let is_ring = points.len() > 2 && points[0].distance(points[points.len() - 1]) == 0.0;
         let points = if is_ring { &points[1..] } else { &points[..] };
         let shape = curves::polyline(points.iter().copied(), is_ring);
-        Ok(Ok(Body::Shape(shape, Editable::No("it is a SPLINE, read as a polyline".into()))))
+        Ok(Ok(Body::Shape(shape, as_a_whole(self.extrusion(fields)?))))
     }
 
     fn insert(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
@@ -383,6 +393,11 @@ impl<'a> Reader<'a, '_> {
         }
         Ok(Ok(Body::Text(at, plain_mtext(&self.page.decode(&raw)).trim().to_owned())))
     }
+}
+
+/// A curve that was read as a polyline: it moves as a whole, and turns where its plane lies flat.
+fn as_a_whole(extrusion: DVec3) -> Editable {
+    Editable::WithInsert { turnable: is_upright(extrusion) }
 }
 
 /// Whether an extrusion is +z or −z.

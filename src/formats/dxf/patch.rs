@@ -81,7 +81,8 @@ pub fn changed_records(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<V
     Ok(splices.into_iter().map(named).collect())
 }
 
-fn tokens_of<'a>(file: &str, bytes: &'a [u8]) -> Result<Tokens<'a>, Error> {
+/// The pairs of a file that is to be written.
+pub(super) fn tokens_of<'a>(file: &str, bytes: &'a [u8]) -> Result<Tokens<'a>, Error> {
     let options = ReadOptions { limits: Limits::default(), ..ReadOptions::default() };
     tokenize(bytes, &options.limits).map_err(|fault| fault_error(file, bytes, fault, &options))
 }
@@ -328,37 +329,88 @@ impl Editor<'_, '_> {
     }
 
     fn insert(&mut self, motion: &RigidMotion) -> Result<(), Error> {
-        if self.tokens.name(self.record) != b"INSERT" {
-            return Err(self.fault("it is no INSERT"));
-        }
-        self.rigid(self.record, motion, &[10])?;
-        for record in attributes(self.tokens, self.record) {
-            if has_embedded_object(self.tokens, record) {
-                return Err(self.fault("it has an attribute of several lines, which would stay behind"));
+        let record = self.record;
+        match self.tokens.name(record) {
+            b"INSERT" => {
+                self.rigid(record, motion, &[10], &[])?;
+                for record in attributes(self.tokens, record) {
+                    if has_embedded_object(self.tokens, record) {
+                        return Err(
+                            self.fault("it has an attribute of several lines, which would stay behind")
+                        );
+                    }
+                    self.rigid(record, motion, &[10, 11], &[])?;
+                }
+                Ok(())
             }
-            self.rigid(record, motion, &[10, 11])?;
+            b"SPLINE" => self.rigid(record, motion, &[10, 11], &[12, 13]),
+            b"ELLIPSE" => self.rigid(record, motion, &[10], &[11]),
+            b"POLYLINE" => {
+                let fields = Fields::of(self.tokens, record);
+                if fields.index(210).is_some() && self.is_mirrored(&fields)? {
+                    return Err(self.fault("it is a fitted curve in a plane turned over"));
+                }
+                let (vertices, _, _) = polyline_records(self.tokens, record);
+                vertices.into_iter().try_for_each(|vertex| self.rigid(vertex, motion, &[10], &[]))
+            }
+            _ => Err(self.fault("it is nothing that moves as a whole")),
         }
-        Ok(())
     }
 
-    /// Moves the points at `codes` (where present) and the rotation of one record.
-    fn rigid(&mut self, record: usize, motion: &RigidMotion, codes: &[i32]) -> Result<(), Error> {
+    /// Moves all points at `codes` (where present), turns the directions at `directions`, and turns the
+    /// rotation of one record.
+    fn rigid(
+        &mut self,
+        record: usize,
+        motion: &RigidMotion,
+        codes: &[i32],
+        directions: &[i32],
+    ) -> Result<(), Error> {
         let fields = Fields::of(self.tokens, record);
-        let is_mirrored = self.is_mirrored(&fields)?;
+        let is_world = matches!(self.tokens.name(record), b"SPLINE" | b"ELLIPSE");
+        // Those have world coordinates whatever their plane; only to turn them it must lie flat.
+        let is_mirrored = if is_world && motion.turn_rad == 0.0 { false } else { self.is_mirrored(&fields)? };
+        let is_mirrored = is_mirrored && !is_world;
         let side = if is_mirrored { -1.0 } else { 1.0 };
         let turn = DVec2::from_angle(motion.turn_rad);
-        for &code in codes.iter().filter(|&&code| code == 10 || fields.pair(code).is_some()) {
-            let (Some(x), Some(y)) = (fields.index(code), fields.index(code + 10)) else {
+        for &code in codes.iter().chain(directions) {
+            let slots = point_slots(self.tokens, record, code);
+            if slots.is_empty() && code == 10 && !is_world {
                 return Err(self.fault("it has no insertion point to change"));
-            };
-            let old = DVec2::new(self.number(x)? * side, self.number(y)?);
-            let new = turn.rotate(old) + motion.shift;
-            self.listen([old, new])?;
-            self.point(&fields, code, new, is_mirrored)?;
+            }
+            let shift = if directions.contains(&code) { DVec2::ZERO } else { motion.shift };
+            for (x, y) in slots {
+                let y = y.ok_or_else(|| self.fault("it has a point without y"))?;
+                let old = DVec2::new(self.number(x)? * side, self.number(y)?);
+                let new = turn.rotate(old) + shift;
+                self.listen([old, new])?;
+                self.length(record, Some(x), new.x * side)?;
+                self.length(record, Some(y), new.y)?;
+            }
+        }
+        // A vertex has a direction only where the curve was fitted through it (flag 2).
+        let flags = fields.pair(70).and_then(|p| self.tokens.integer(p)).unwrap_or(0);
+        if is_world || self.tokens.name(record) == b"VERTEX" && flags & 2 == 0 {
+            return Ok(());
         }
         let old_deg = fields.index(50).map_or(Ok(0.0), |i| self.number(i))?;
         self.angle(&fields, 50, old_deg + side * motion.turn_rad.to_degrees(), 0.0)
     }
+}
+
+/// Pair indices of all points of a record at groups `code`, `code + 10`.
+fn point_slots(tokens: &Tokens<'_>, record: usize, code: i32) -> Vec<(usize, Option<usize>)> {
+    let mut out: Vec<(usize, Option<usize>)> = Vec::new();
+    for (index, pair) in own_pairs(tokens, record) {
+        if pair.code == code {
+            out.push((index, None));
+        } else if pair.code == code + 10
+            && let Some((_, y)) = out.last_mut()
+        {
+            *y = Some(index);
+        }
+    }
+    out
 }
 
 /// The ATTRIB records that follow an INSERT.

@@ -121,6 +121,10 @@ pub(super) fn fault_error(file: &str, bytes: &[u8], fault: Fault, options: &Read
         Place { file: file.into(), line: is_ascii.then_some(2 * pair + line), entity }
     };
     match fault {
+        // A value too few or too many shifts codes and values, which shows here at the latest.
+        Fault::GroupCode { pair, byte, text } if text == "EOF" => {
+            fault_error(file, bytes, Fault::OddLines { pair, byte }, options)
+        }
         Fault::GroupCode { pair, byte, text } => Error::input(
             "dxf-group-code",
             place(pair, byte, 1),
@@ -133,8 +137,8 @@ pub(super) fn fault_error(file: &str, bytes: &[u8], fault: Fault, options: &Read
         Fault::OddLines { pair, byte } => Error::input(
             "dxf-odd-lines",
             place(pair, byte, 1),
-            "the last group code has no value, found an odd number of lines, expected pairs of code and value; \
-             not read. Save or export the drawing again",
+            "the last line, found an odd number of lines, expected pairs of group code and value; not read. Save or \
+             export the drawing again",
         ),
         Fault::LongLine { pair, bytes } => Error::input(
             "dxf-line-too-long",

@@ -28,6 +28,8 @@ pub(super) struct Reader<'a, 'r> {
     pub max_coordinate: f64,
     /// The layers met so far.
     pub layers: Layers<'a>,
+    /// First record of each handle among the entities.
+    pub handles: HashMap<&'a [u8], usize>,
     /// Record kinds left out, with their numbers.
     pub left_out: BTreeMap<String, usize>,
     report: &'r mut Report,
@@ -83,6 +85,7 @@ impl<'a, 'r> Reader<'a, 'r> {
             five_mm: unit.map(|unit| super::curves::CURVE_TOLERANCE_M / unit.metres),
             max_coordinate: header.max_coordinate(options.unit, options.limits.max_coordinate_m),
             layers: Layers::default(),
+            handles: HashMap::new(),
             left_out: BTreeMap::new(),
             report,
             note_counts: BTreeMap::new(),
@@ -191,6 +194,19 @@ impl<'a, 'r> Reader<'a, 'r> {
     /// Layer of a record: group 8, `0` where it is missing.
     pub fn layer(&mut self, fields: &Fields<'_, 'a>) -> u32 {
         self.layers.index(fields.value(8).unwrap_or(b"0"), self.page)
+    }
+
+    /// Says so where a handle stands a second time.
+    pub fn check_handle(&mut self, fields: &Fields<'_, 'a>) {
+        let Some(handle) = fields.value(5) else { return };
+        let first = *self.handles.entry(handle).or_insert(fields.record);
+        if first != fields.record {
+            let line = self.tokens.line(self.tokens.span(first).start);
+            let text = format!(
+                "its handle, found also at line {line}, expected each once; both are kept, told apart by their lines"
+            );
+            self.note("dxf-duplicate-handle", Severity::Info, fields.record, text);
+        }
     }
 
     /// The join to the file for a record.

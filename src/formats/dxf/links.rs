@@ -1,0 +1,196 @@
+//! What hangs on an entity: annotation that does not follow it, and its id in the host program.
+
+use std::collections::HashSet;
+
+use glam::DVec2;
+
+use super::fields::{handle_of, own_pairs};
+use super::header::Header;
+use super::limits::Limits;
+use super::patch::tokens_of;
+use super::tokens::{Tokens, shown, tokenize};
+use crate::plan::drawing::{Drawing, Shape, SourceRef};
+use crate::report::Error;
+
+/// Distance, in parts of the moved entities' largest coordinate, at which a point still is "on" one.
+const ON_ENTITY: f64 = 1e-7;
+
+/// Kinds whose drawn picture does not follow what they refer to.
+const ANNOTATION: [&[u8]; 6] =
+    [b"DIMENSION", b"ARC_DIMENSION", b"LARGE_RADIAL_DIMENSION", b"LEADER", b"MULTILEADER", b"HATCH"];
+
+/// Dimensions, leaders and hatches of model space that refer to an entity of `records`, by handle
+/// (associative) or by a defining point on its shape in `drawing`; in file order. They keep their bytes
+/// when the entity moves and may be stale then.
+///
+/// # Errors
+/// [`Error::Input`] where the bytes are no DXF.
+pub fn dependents(
+    file: &str,
+    bytes: &[u8],
+    drawing: &Drawing,
+    records: &[usize],
+) -> Result<Vec<SourceRef>, Error> {
+    let tokens = tokens_of(file, bytes)?;
+    let page = Header::read(&tokens).page(&tokens);
+    let records: HashSet<usize> = records.iter().copied().collect();
+    let shapes = drawing.entities.iter().filter(|e| records.contains(&e.source.record)).map(|e| &e.shape);
+    let outline = Outline::of(shapes);
+    let handles: HashSet<String> = records
+        .iter()
+        .filter(|&&r| r < tokens.records.len())
+        .filter_map(|&r| handle_of(&tokens, r))
+        .collect();
+    let associated = associated_dimensions(&tokens, &handles);
+    let refers = |record: usize| {
+        handle_of(&tokens, record).is_some_and(|handle| associated.contains(&handle))
+            || own_pairs(&tokens, record)
+                .any(|(_, p)| matches!(p.code, 330..=349) && handles.contains(&upper(tokens.value(p))))
+            || defining_points(&tokens, record).into_iter().any(|p| outline.holds(p))
+    };
+    let section = tokens.section(b"ENTITIES").unwrap_or(0..0);
+    let found = section.filter(|&r| ANNOTATION.contains(&tokens.name(r)) && refers(r));
+    Ok(found
+        .map(|record| SourceRef {
+            record,
+            handle: handle_of(&tokens, record),
+            line: tokens.line(tokens.span(record).start),
+            kind: shown(tokens.name(record)),
+            layer: own_pairs(&tokens, record)
+                .find(|(_, p)| p.code == 8)
+                .map_or_else(|| "0".into(), |(_, p)| page.decode(tokens.value(p))),
+        })
+        .collect())
+}
+
+fn upper(value: &[u8]) -> String {
+    String::from_utf8_lossy(value).to_ascii_uppercase()
+}
+
+/// Handles that a DIMASSOC object ties to one of `handles`: its 330 are dimensions, its 331 geometry.
+fn associated_dimensions(tokens: &Tokens<'_>, handles: &HashSet<String>) -> HashSet<String> {
+    let mut out = HashSet::new();
+    for record in tokens.section(b"OBJECTS").unwrap_or(0..0) {
+        if tokens.name(record) != b"DIMASSOC" {
+            continue;
+        }
+        let values = |code: i32| {
+            own_pairs(tokens, record)
+                .filter(move |(_, p)| p.code == code)
+                .map(|(_, p)| upper(tokens.value(p)))
+        };
+        if values(331).any(|handle| handles.contains(&handle)) {
+            out.extend(values(330));
+        }
+    }
+    out
+}
+
+/// Points that tie a record to geometry: extension line origins of a dimension, the tip of a leader,
+/// corners of a hatch boundary.
+fn defining_points(tokens: &Tokens<'_>, record: usize) -> Vec<DVec2> {
+    let name = tokens.name(record);
+    let codes: &[i32] = match name {
+        b"LEADER" | b"MULTILEADER" => &[10],
+        b"HATCH" => &[10, 11],
+        _ => &[13, 14, 15, 16],
+    };
+    let mut out: Vec<DVec2> = Vec::new();
+    let mut is_boundary = name != b"HATCH";
+    let mut open = None;
+    for (_, pair) in own_pairs(tokens, record) {
+        match pair.code {
+            91 => is_boundary = true,
+            75 if name == b"HATCH" => is_boundary = false,
+            code if is_boundary && codes.contains(&code) => open = Some((code, tokens.number(pair))),
+            code => {
+                if let Some((x_code, Some(x))) = open
+                    && code == x_code + 10
+                    && let Some(y) = tokens.number(pair)
+                {
+                    out.push(DVec2::new(x, y));
+                    open = None;
+                }
+            }
+        }
+    }
+    if matches!(name, b"LEADER" | b"MULTILEADER") {
+        out.truncate(1);
+    }
+    out
+}
+
+/// The straight pieces and centres of shapes.
+struct Outline {
+    pieces: Vec<[DVec2; 2]>,
+    tolerance: f64,
+}
+
+impl Outline {
+    fn of<'s>(shapes: impl Iterator<Item = &'s Shape>) -> Self {
+        let mut pieces: Vec<[DVec2; 2]> = Vec::new();
+        for shape in shapes {
+            match shape {
+                Shape::Line { a, b } => pieces.push([*a, *b]),
+                Shape::Polyline { vertices, closed } => {
+                    pieces.extend(vertices.windows(2).map(|w| [w[0].at, w[1].at]));
+                    if let ([first, ..], [.., last], true) = (&vertices[..], &vertices[..], *closed) {
+                        pieces.push([last.at, first.at]);
+                    }
+                }
+                Shape::Circle { centre, .. } => pieces.push([*centre, *centre]),
+                Shape::Arc { centre, radius, start_rad, end_rad } => {
+                    let end = |angle: &f64| *centre + *radius * DVec2::from_angle(*angle);
+                    pieces.extend([end(start_rad), end(end_rad), *centre].map(|p| [p, p]));
+                }
+            }
+        }
+        let largest = pieces.iter().flatten().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        Self { pieces, tolerance: largest * ON_ENTITY }
+    }
+
+    fn holds(&self, p: DVec2) -> bool {
+        self.pieces.iter().any(|&[a, b]| {
+            let chord = b - a;
+            let along = (p - a).dot(chord) / chord.length_squared().max(f64::MIN_POSITIVE);
+            p.distance(a + chord * along.clamp(0.0, 1.0)) <= self.tolerance
+        })
+    }
+}
+
+/// The id that a host program wrote into the XDATA of each of `records`: the first string of
+/// application `ENFILADE` (our plugins), else the element id of `REVIT` (1070 = 1, then the id as 1071,
+/// 1000 or 1005). `None` for a record without one, and throughout for bytes that are no DXF.
+pub fn host_ids(bytes: &[u8], records: &[usize]) -> Vec<Option<String>> {
+    let Ok(tokens) = tokenize(bytes, &Limits::default()) else { return vec![None; records.len()] };
+    let id = |&record: &usize| {
+        (record < tokens.records.len())
+            .then(|| own_id(&tokens, record).or_else(|| revit_id(&tokens, record)))?
+    };
+    records.iter().map(id).collect()
+}
+
+/// XDATA values of one application as text.
+fn xdata<'t>(
+    tokens: &'t Tokens<'_>,
+    record: usize,
+    application: &'t [u8],
+) -> impl Iterator<Item = (i32, String)> + 't {
+    let pairs = tokens.record(record).iter();
+    let after = pairs.skip_while(move |p| !(p.code == 1001 && tokens.value(p) == application)).skip(1);
+    after.take_while(|p| p.code >= 1000 && p.code != 1001).map(|p| {
+        let text = tokens.integer(p).map(|i| i.to_string());
+        (p.code, text.unwrap_or_else(|| String::from_utf8_lossy(tokens.value(p)).into_owned()))
+    })
+}
+
+fn own_id(tokens: &Tokens<'_>, record: usize) -> Option<String> {
+    xdata(tokens, record, b"ENFILADE").find(|(code, _)| *code == 1000).map(|(_, id)| id)
+}
+
+fn revit_id(tokens: &Tokens<'_>, record: usize) -> Option<String> {
+    let mut values =
+        xdata(tokens, record, b"REVIT").skip_while(|(code, value)| !(*code == 1070 && value == "1"));
+    values.next()?;
+    values.find(|(code, _)| matches!(code, 1000 | 1005 | 1071)).map(|(_, id)| id)
+}

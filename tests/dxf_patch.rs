@@ -1,0 +1,414 @@
+//! Writing back: what an edit may touch, what an addition brings, in every version and in binary too.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
+
+#[path = "dxf_support/mod.rs"]
+mod support;
+
+use std::collections::HashSet;
+
+use enfilade::formats::dxf::{
+    Completeness, changed_records, dependents, host_ids, is_complete, is_result_layer, patch, strip_own,
+};
+use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Mark, RigidMotion, Shape, Vertex};
+use glam::DVec2;
+use proptest::prelude::*;
+use support::{additions_for, edits_of, moved_shape, read_whole};
+
+/// Pairs as ASCII lines: code, value.
+type Pairs = Vec<(i32, String)>;
+
+fn pairs(text: &str) -> Pairs {
+    let lines: Vec<&str> = text.split('|').collect();
+    lines.chunks(2).map(|pair| (pair[0].parse().unwrap(), pair[1].to_owned())).collect()
+}
+
+fn ascii(pairs: &Pairs, line_end: &str) -> Vec<u8> {
+    pairs
+        .iter()
+        .map(|(code, value)| format!("{code:>3}{line_end}{value}{line_end}"))
+        .collect::<String>()
+        .into_bytes()
+}
+
+fn binary(pairs: &Pairs, wide: bool) -> Vec<u8> {
+    let mut out = b"AutoCAD Binary DXF\r\n\x1a\0".to_vec();
+    for (code, value) in pairs {
+        match (wide, *code) {
+            (true, code) => out.extend((code as u16).to_le_bytes()),
+            (false, code) if code < 255 => out.push(code as u8),
+            (false, code) => out.extend([255, code as u8, (code >> 8) as u8]),
+        }
+        match code {
+            10..=59 | 210..=239 => out.extend(value.parse::<f64>().unwrap().to_le_bytes()),
+            60..=79 | 370..=389 | 1060..=1070 => out.extend(value.parse::<i16>().unwrap().to_le_bytes()),
+            90..=99 | 420..=429 | 1071 => out.extend(value.parse::<i32>().unwrap().to_le_bytes()),
+            _ => out.extend([value.as_bytes(), b"\0"].concat()),
+        }
+    }
+    out
+}
+
+const ENTITIES: &str = "0|LINE|5|A0|8|WALL|10|1.5|20|-2.0|30|0.0|11|4.25|21|0.1|31|0.0|1001|REVIT|1070|1|1071|8\
+    |0|LWPOLYLINE|5|A1|8|WALL|90|3|70|1|38|2.5|10|0.0|20|0.0|42|0.5|10|3.0|20|0.0|10|3.0|20|2.0|42|-1.0\
+    |0|LWPOLYLINE|5|A2|8|WALL|90|2|70|0|10|7.0|20|1.0|42|0.25|10|9.0|20|1.0|210|0.0|220|0.0|230|-1.0\
+    |0|POLYLINE|5|A3|8|WALL|66|1|10|0.0|20|0.0|30|0.0|70|0|0|VERTEX|5|A4|8|WALL|10|5.0|20|5.0|42|0.3\
+    |0|VERTEX|5|A5|8|WALL|10|6.0|20|5.0|0|SEQEND|5|A6|8|WALL\
+    |0|ARC|5|A7|8|DOOR|10|2.0|20|8.0|40|0.9|50|350.0|51|80.0\
+    |0|ARC|5|A8|8|DOOR|10|2.0|20|8.0|40|0.9|50|350.0|51|80.0|210|0.0|220|0.0|230|-1.0\
+    |0|CIRCLE|5|A9|8|COLUMN|10|12.0|20|3.0|40|0.2\
+    |0|INSERT|5|AA|8|DOOR|66|1|2|B|10|3.0|20|4.0|41|-1.0|42|1.0|50|30.0\
+    |0|ATTRIB|5|AB|8|DOOR|10|3.1|20|4.1|40|0.2|1|T1|2|NO|50|30.0|72|1|11|3.2|21|4.1|0|SEQEND|5|AC|8|DOOR\
+    |0|ELLIPSE|5|AE|8|WALL|10|1.0|20|9.0|30|0.0|11|2.0|21|0.5|31|0.0|40|0.5|41|0.0|42|6.283185307179586\
+    |0|SPLINE|5|AF|8|WALL|70|8|71|2|40|0.0|40|0.0|40|0.0|40|1.0|40|1.0|40|1.0|12|1.0|22|0.0|32|0.0|10|0.0|20|0.0|10|2.0|20|4.0|10|5.0|20|0.0\
+    |0|POLYLINE|5|B0|8|WALL|66|1|10|0.0|20|0.0|30|0.0|70|2|0|VERTEX|5|B1|8|WALL|10|5.0|20|5.0|42|0.3|70|2|50|45.0\
+    |0|VERTEX|5|B2|8|WALL|10|6.0|20|5.0|70|1|50|0.0|0|SEQEND|5|B3|8|WALL\
+    |0|INSERT|5|AD|8|DOOR|2|B|10|5.0|20|4.0|50|0.0|210|0.0|220|0.0|230|-1.0";
+
+/// A drawing of this version, with or without handles and a layer table.
+fn drawing(version: &str, has_handles: bool, has_layers: bool) -> Pairs {
+    let mut text = format!("0|SECTION|2|HEADER|9|$ACADVER|1|{version}|9|$INSUNITS|70|6");
+    if has_handles {
+        text += "|9|$HANDSEED|5|80";
+    }
+    text += "|0|ENDSEC";
+    if has_layers {
+        text += "|0|SECTION|2|TABLES|0|TABLE|2|LAYER|5|2|70|1|0|LAYER|5|10|2|0|70|0|62|7|6|Continuous|370|-3|390|F|0|ENDTAB|0|ENDSEC";
+    }
+    text += "|0|SECTION|2|BLOCKS|0|BLOCK|5|11|8|0|2|B|70|0|10|0.5|20|0.0|0|LINE|5|12|8|0|10|0.0|20|0.0|11|1.0|21|0.0|0|ENDBLK|5|13|8|0|0|ENDSEC";
+    let text = format!("{text}|0|SECTION|2|ENTITIES|{ENTITIES}|0|ENDSEC|0|EOF");
+    let is_handle = |(code, value): &(i32, String)| matches!(code, 5 | 390) && !value.starts_with('$');
+    pairs(&text).into_iter().filter(|pair| has_handles || !is_handle(pair)).collect()
+}
+
+fn rigid() -> impl Strategy<Value = RigidMotion> {
+    let values = (-3.0f64..3.0, -50.0f64..50.0, -50.0f64..50.0, 0..3);
+    values.prop_map(|(turn, x, y, kind)| RigidMotion {
+        turn_rad: if kind == 0 { 0.0 } else { turn },
+        shift: if kind == 1 { DVec2::ZERO } else { DVec2::new(x, y) },
+    })
+}
+
+/// The drawings every writing test goes through.
+fn variants() -> Vec<(String, Vec<u8>)> {
+    let mut out = Vec::new();
+    for version in ["AC1006", "AC1009", "AC1012", "AC1014", "AC1015", "AC1018", "AC1021", "AC1032"] {
+        for (has_handles, has_layers) in [(true, true), (true, false), (false, true), (false, false)] {
+            let pairs = drawing(version, has_handles, has_layers);
+            let name = format!("{version} handles {has_handles} layers {has_layers}");
+            out.push((format!("{name} LF"), ascii(&pairs, "\n")));
+            out.push((format!("{name} CRLF"), ascii(&pairs, "\r\n")));
+            out.push((format!("{name} binary"), binary(&pairs, version >= "AC1012")));
+        }
+    }
+    out
+}
+
+fn distance(a: &Shape, b: &Shape) -> f64 {
+    let angle = |x: f64, y: f64| ((x - y) / 2.0).sin().abs();
+    match (a, b) {
+        (Shape::Line { a, b }, Shape::Line { a: c, b: d }) => a.distance(*c).max(b.distance(*d)),
+        (Shape::Circle { centre: a, radius: r }, Shape::Circle { centre: b, radius: s }) => {
+            a.distance(*b).max((r - s).abs())
+        }
+        (
+            Shape::Arc { centre: a, radius: r, start_rad: f, end_rad: t },
+            Shape::Arc { centre: b, radius: s, start_rad: g, end_rad: u },
+        ) => a.distance(*b).max((r - s).abs()).max(angle(*f, *g)).max(angle(*t, *u)),
+        (Shape::Polyline { vertices: v, closed: c }, Shape::Polyline { vertices: w, closed: d }) => {
+            assert_eq!((c, v.len()), (d, w.len()));
+            let apart = |(v, w): (&Vertex, &Vertex)| v.at.distance(w.at).max((v.bulge - w.bulge).abs());
+            v.iter().zip(w).map(apart).fold(0.0, f64::max)
+        }
+        _ => f64::INFINITY,
+    }
+}
+
+/// What a drawing must look like after the edits of `chosen` records.
+fn assert_moved(
+    before: &Drawing,
+    after: &Drawing,
+    chosen: &HashSet<usize>,
+    motion: &RigidMotion,
+    name: &str,
+) {
+    assert_eq!(before.entities.len(), after.entities.len(), "{name}");
+    for (b, a) in before.entities.iter().zip(&after.entities) {
+        assert_eq!((&b.source, &b.layer, &b.editable), (&a.source, &a.layer, &a.editable), "{name}");
+        let (expected, allowed) = if chosen.contains(&b.source.record) {
+            (moved_shape(&b.shape, motion), 1e-9)
+        } else {
+            (b.shape.clone(), 0.0)
+        };
+        let off = distance(&expected, &a.shape);
+        assert!(off <= allowed, "{name}: {:?} {off} {expected:?} {:?}", b.source, a.shape);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Law 1: an edit changes its own geometry values and no other byte, and reads back as asked.
+    #[test]
+    fn edits_change_what_they_name(motion in rigid(), step in 1usize..4) {
+        for (name, bytes) in variants() {
+            let (before, _) = read_whole(&name, &bytes);
+            let edits = edits_of(&before, step, motion);
+            let patched = patch(&name, &bytes, &edits, &[]).unwrap();
+            let (after, _) = read_whole(&name, &patched);
+            let record = |edit: &Edit| match edit {
+                Edit::Shape { record, .. } | Edit::Insert { record, .. } => *record,
+            };
+            let chosen: HashSet<usize> = edits.iter().map(record).collect();
+            assert_moved(&before, &after, &chosen, &motion, &name);
+            let changed: HashSet<usize> =
+                changed_records(&name, &bytes, &edits).unwrap().into_iter().flatten().map(|c| c.record).collect();
+            if name.ends_with("binary") {
+                prop_assert_eq!(patched.len(), bytes.len());
+                continue;
+            }
+            let (old, new) = (String::from_utf8(bytes).unwrap(), String::from_utf8(patched).unwrap());
+            let (old, new): (Vec<&str>, Vec<&str>) = (old.split('\n').collect(), new.split('\n').collect());
+            prop_assert_eq!(old.len(), new.len());
+            let mut record = 0;
+            for (i, (o, n)) in old.iter().zip(&new).enumerate() {
+                let code: i32 = old[i - i % 2].trim().parse().unwrap_or(0);
+                record += usize::from(i % 2 == 0 && code == 0 && i > 0);
+                let may_change = i % 2 == 1 && matches!(code, 10..=18 | 20..=28 | 42 | 50 | 51) && changed.contains(&record);
+                prop_assert!(o == n || may_change, "{} line {}: {} became {}", name, i + 1, o, n);
+            }
+        }
+    }
+}
+
+/// The attribute of a block goes with its INSERT, and is named among the changed records.
+#[test]
+fn attributes_follow_their_insert() {
+    let bytes = ascii(&drawing("AC1015", true, true), "\n");
+    let (before, _) = read_whole("plan.dxf", &bytes);
+    let insert = before.entities.iter().find(|e| e.source.handle.as_deref() == Some("AA")).unwrap();
+    let motion = RigidMotion { turn_rad: 0.0, shift: DVec2::new(1.0, 0.0) };
+    let edit = Edit::Insert { record: insert.source.record, motion };
+    let handles: Vec<Vec<Option<String>>> = changed_records("plan.dxf", &bytes, std::slice::from_ref(&edit))
+        .unwrap()
+        .into_iter()
+        .map(|records| records.into_iter().map(|r| r.handle).collect())
+        .collect();
+    assert_eq!(handles, [[Some("AA".to_owned()), Some("AB".to_owned())]]);
+    let patched = String::from_utf8(patch("plan.dxf", &bytes, &[edit], &[]).unwrap()).unwrap();
+    let expected = String::from_utf8(bytes)
+        .unwrap()
+        .replace("\n3.0\n 20\n4.0", "\n4.0\n 20\n4.0")
+        .replace("\n3.1\n", "\n4.1\n")
+        .replace("\n3.2\n", "\n4.2\n");
+    assert_eq!(patched, expected);
+}
+
+#[test]
+fn edits_that_do_not_fit_are_refused() {
+    let bytes = ascii(&drawing("AC1015", true, true), "\n");
+    let (before, _) = read_whole("plan.dxf", &bytes);
+    let record = |handle: &str| {
+        before.entities.iter().find(|e| e.source.handle.as_deref() == Some(handle)).unwrap().source.record
+    };
+    let line = Shape::Line { a: DVec2::ZERO, b: DVec2::X };
+    let vertex = |x: f64, bulge: f64| Vertex { at: DVec2::new(x, 0.0), bulge };
+    let polyline = |vertices: Vec<Vertex>| Shape::Polyline { vertices, closed: true };
+    let turn = RigidMotion { turn_rad: 0.5, shift: DVec2::ZERO };
+    let nothing = "nothing was written";
+    let cases = vec![
+        (
+            vec![Edit::Shape { record: record("A9"), shape: line.clone() }],
+            format!("CIRCLE A9: the edit of record 22: its kind and the new shape differ; {nothing}"),
+        ),
+        (
+            vec![Edit::Shape { record: record("A1"), shape: polyline(vec![vertex(0.0, 0.0)]) }],
+            format!("LWPOLYLINE A1: the edit of record 14: the number of vertices differs; {nothing}"),
+        ),
+        (
+            vec![Edit::Shape {
+                record: record("A1"),
+                shape: polyline(vec![vertex(0.0, 0.5), vertex(1.0, 2.0), vertex(2.0, -1.0)]),
+            }],
+            format!(
+                "LWPOLYLINE A1: the edit of record 14: a straight piece has no bulge to change; {nothing}"
+            ),
+        ),
+        (
+            vec![Edit::Shape { record: record("A0"), shape: Shape::Line { a: DVec2::NAN, b: DVec2::X } }],
+            format!("LINE A0: the edit of record 13: the new coordinates are not finite; {nothing}"),
+        ),
+        (
+            vec![Edit::Insert { record: record("A0"), motion: turn }],
+            format!("LINE A0: the edit of record 13: it is nothing that moves as a whole; {nothing}"),
+        ),
+        (
+            vec![Edit::Shape { record: 3, shape: line.clone() }],
+            "no entity of model space stands there".into(),
+        ),
+        (
+            vec![Edit::Shape { record: 3000, shape: line.clone() }],
+            format!("plan.dxf: the edit of record 3000: no entity of model space stands there; {nothing}"),
+        ),
+        (
+            vec![Edit::Shape { record: record("A0"), shape: line.clone() }; 2],
+            format!("plan.dxf: two edits of one value, expected one edit an entity; {nothing}"),
+        ),
+    ];
+    for (edits, expected) in cases {
+        let error = patch("plan.dxf", &bytes, &edits, &[]).expect_err(&expected).to_string();
+        assert!(error.contains(&expected), "{error}\nexpected {expected}");
+    }
+}
+
+/// What was added is there, on its layer, with handles nobody has; taking it out leaves what was.
+#[test]
+fn additions_come_and_go() {
+    for (name, bytes) in variants() {
+        let (before, _) = read_whole(&name, &bytes);
+        let additions = additions_for(&before);
+        let patched = patch(&name, &bytes, &[], &additions).unwrap();
+        assert_eq!(is_complete(&patched), Completeness::Whole, "{name}");
+        let (after, report) = read_whole(&name, &patched);
+        let quiet = report.problems.iter().all(|p| p.text.starts_with("SOLID (1)"));
+        assert!(quiet, "{name}: {report:?}");
+        let (ours, theirs): (Vec<_>, Vec<_>) = after.entities.iter().partition(|e| is_result_layer(&e.layer));
+        assert_eq!(theirs.len(), before.entities.len(), "{name}");
+        let layers: Vec<&str> = ours.iter().map(|e| e.layer.as_str()).collect();
+        assert_eq!(layers, ["EF-MOVED", "EF-BEFORE"], "{name}");
+        let (Mark::Path { points, .. }, Shape::Polyline { vertices, closed }) =
+            (&additions[1].mark, &ours[1].shape)
+        else {
+            panic!()
+        };
+        assert_eq!(
+            (vertices.iter().map(|v| v.at).collect::<Vec<_>>(), *closed),
+            (points.clone(), true),
+            "{name}"
+        );
+        let texts: Vec<&str> = after.texts.iter().map(|t| t.text.as_str()).collect();
+        assert_eq!(texts, ["Tür 3: +0.50 m → 100 %", "壁 %%d ^ \\U+00FC"], "{name}");
+        let has_table = name.contains("layers true");
+        assert_eq!(after.layers.len() - before.layers.len(), 3 + usize::from(has_table), "{name}");
+
+        let stripped = strip_own(&patched);
+        let has_handles = name.contains("handles true");
+        if !has_handles {
+            assert_eq!(stripped, bytes, "{name}");
+            let is_ascii = !name.ends_with("binary");
+            assert!(
+                !is_ascii || !String::from_utf8_lossy(&patched).replace('\r', "").contains("\n  5\n"),
+                "{name}"
+            );
+        } else if name.ends_with("LF") && !name.ends_with("CRLF") {
+            let text = String::from_utf8_lossy(&patched).into_owned();
+            let handles: Vec<&str> =
+                text.split("\n  5\n").skip(2).map(|rest| rest.lines().next().unwrap()).collect();
+            let distinct: HashSet<&str> = handles.iter().copied().collect();
+            assert_eq!(distinct.len(), handles.len(), "{name}: {handles:?}");
+            let hex = |text: &str| u64::from_str_radix(text, 16).unwrap();
+            let next = text.split("$HANDSEED\n  5\n").nth(1).and_then(|rest| rest.lines().next()).unwrap();
+            assert!(distinct.iter().all(|h| hex(h) < hex(next)), "{name}: seed {next}");
+            let clean = String::from_utf8_lossy(&stripped).replace(&format!("\n{next}\n"), "\n80\n");
+            assert_eq!(clean.as_bytes(), bytes, "{name}");
+        }
+    }
+}
+
+/// Hazard 25: handles beyond 64 bit are stepped over, and a lying `$HANDSEED` is not followed.
+#[test]
+fn fresh_handles_are_fresh() {
+    let text = String::from_utf8(ascii(&drawing("AC1015", true, true), "\n")).unwrap();
+    let text = text
+        .replace("\nA9\n", "\n123456789ABCDEF01\n")
+        .replace("\nA8\n", "\nFFFFFFFFFFFFFFFF\n")
+        .replace("\n1071\n8\n", "\n1005\nC7\n");
+    let add = Addition {
+        layer: "EF-NOTE".into(),
+        rgb: [255, 0, 0],
+        mark: Mark::Text { at: DVec2::ZERO, height: 1.0, text: "a".into() },
+    };
+    let patched = String::from_utf8(patch("plan.dxf", text.as_bytes(), &[], &[add]).unwrap()).unwrap();
+    let last = patched.split("\n  0\nTEXT\n").nth(1).unwrap();
+    assert!(
+        last.starts_with("  5\nC9\n"),
+        "after C7, which XDATA names, comes the layer and then the text: {last}"
+    );
+    assert!(patched.contains("$HANDSEED\n  5\nCA\n"));
+}
+
+#[test]
+fn additions_that_cannot_be_drawn_are_refused() {
+    let bytes = ascii(&drawing("AC1015", true, true), "\n");
+    let marks = [
+        Mark::Path { points: vec![DVec2::ZERO], closed: false },
+        Mark::Fill { corners: [DVec2::NAN; 4] },
+        Mark::Text { at: DVec2::ZERO, height: 0.0, text: "a".into() },
+    ];
+    for mark in marks {
+        let error =
+            patch("plan.dxf", &bytes, &[], &[Addition { layer: "EF-NOTE".into(), rgb: [0; 3], mark }])
+                .expect_err("refused");
+        assert_eq!(
+            error.to_string(),
+            "plan.dxf: what is to be added on EF-NOTE has no finite coordinates or no size; nothing was written"
+        );
+    }
+}
+
+/// Binary drawings say the same as ASCII ones.
+#[test]
+fn binary_reads_as_ascii_does() {
+    for version in ["AC1009", "AC1015"] {
+        let pairs = drawing(version, true, true);
+        let (a, _) = read_whole("plan.dxf", &ascii(&pairs, "\n"));
+        let (b, _) = read_whole("plan.dxf", &binary(&pairs, version == "AC1015"));
+        assert_eq!(a, b);
+        assert!(a.entities.iter().any(|e| e.editable == Editable::WithInsert { turnable: true }));
+    }
+    let whole = binary(&drawing("AC1015", true, true), true);
+    for cut in 1..whole.len() {
+        assert_ne!(is_complete(&whole[..cut]), Completeness::Empty);
+        let end = cut >= whole.len() - 1;
+        assert_eq!(is_complete(&whole[..cut]) == Completeness::Whole, end, "cut at {cut} of {}", whole.len());
+    }
+}
+
+#[test]
+fn what_hangs_on_a_wall_is_named() {
+    let annotation = "0|DIMENSION|5|C0|8|DIM|10|9.0|20|9.0|13|1.5|23|-2.0|14|20.0|24|20.0\
+        |0|DIMENSION|5|C1|8|DIM|10|1.5|20|-2.0|13|1.6|23|-2.0|14|20.0|24|20.0\
+        |0|HATCH|5|C2|8|FILL|10|0.0|20|0.0|30|0.0|91|1|92|7|73|1|93|3|10|4.25|20|0.1|10|30.0|20|0.0|10|30.0|20|9.0|97|0|75|0|98|1|10|1.5|20|-2.0\
+        |0|HATCH|5|C3|8|FILL|10|1.5|20|-2.0|30|0.0|91|1|92|7|93|1|10|40.0|20|0.1|97|1|330|A0|75|0\
+        |0|HATCH|5|C4|8|FILL|10|1.5|20|-2.0|30|0.0|91|1|92|7|93|1|10|40.0|20|0.1|97|1|330|A1|75|0|98|1|10|1.5|20|-2.0\
+        |0|LEADER|5|C5|8|NOTE|10|2.875|20|-0.95|10|50.0|20|50.0|0|LEADER|5|C6|8|NOTE|10|50.0|20|50.0|10|1.5|20|-2.0\
+        |0|DIMENSION|5|C7|8|DIM|13|70.0|23|0.0|14|80.0|24|0.0";
+    let association = "0|SECTION|2|OBJECTS|0|DIMASSOC|5|D0|330|D1|100|AcDbDimAssoc|330|C7|331|A0|0|ENDSEC|";
+    let mut pairs_of = drawing("AC1015", true, true);
+    let end = pairs_of.len() - 2;
+    pairs_of.splice(end..end, pairs(annotation));
+    let end = pairs_of.len() - 1;
+    pairs_of.splice(end..end, pairs(association.trim_end_matches('|')));
+    let bytes = ascii(&pairs_of, "\n");
+    let (read, _) = read_whole("plan.dxf", &bytes);
+    let wall = read.entities[0].source.record;
+    let found = dependents("plan.dxf", &bytes, &read, &[wall]).unwrap();
+    let handles: Vec<&str> = found.iter().filter_map(|source| source.handle.as_deref()).collect();
+    assert_eq!(handles, ["C0", "C2", "C3", "C5", "C7"]);
+    assert_eq!((found[0].kind.as_str(), found[0].layer.as_str()), ("DIMENSION", "DIM"));
+    assert_eq!(dependents("plan.dxf", &bytes, &read, &[]).unwrap(), []);
+}
+
+#[test]
+fn host_ids_are_repeated() {
+    let mut pairs_of = drawing("AC1015", true, true);
+    let own = pairs("1001|OTHER|1000|no|1001|ENFILADE|1000|3f2a-wall-7");
+    let before_arc = pairs_of.iter().position(|(_, value)| value == "ARC").unwrap();
+    pairs_of.splice(before_arc..before_arc, own);
+    for bytes in [ascii(&pairs_of, "\r\n"), binary(&pairs_of, true)] {
+        let (read, _) = read_whole("plan.dxf", &bytes);
+        let records: Vec<usize> = read.entities.iter().map(|e| e.source.record).take(3).collect();
+        let ids = host_ids(&bytes, &[records[0], records[1], records[0] + 6, 9999]);
+        assert_eq!(ids, [Some("8".to_owned()), None, Some("3f2a-wall-7".to_owned()), None]);
+    }
+}
