@@ -6,7 +6,9 @@ use rayon::prelude::*;
 
 use super::graph::Graph;
 use super::lanes::Path;
-use super::wave::{BATCH, Relays, Wave};
+use super::lanes::LANES;
+use super::relays::Relays;
+use super::wave::Wave;
 use super::{Lattice, Tally};
 
 /// Vertices on level 1, 2, … of the breadth-first tree of each root, up to `max_level`.
@@ -31,7 +33,7 @@ fn level_counts_by(path: Path, graph: &Graph, roots: &[u32], max_level: u32) -> 
         }
         levels
     };
-    let walked: Vec<Vec<Vec<u32>>> = order.par_chunks(BATCH).map(walk).collect();
+    let walked: Vec<Vec<Vec<u32>>> = order.par_chunks(LANES).map(walk).collect();
     let mut levels = vec![Vec::new(); roots.len()];
     for ((_, i), counts) in order.into_iter().zip(walked.into_iter().flatten()) {
         levels[i as usize] = counts;

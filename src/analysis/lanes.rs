@@ -32,6 +32,34 @@ pub(super) trait Vector: Copy {
     /// `self & !other`.
     fn without(self, other: Self) -> Self;
     fn is_zero(self) -> bool;
+
+    fn zero() -> Self {
+        Self::load(&Lanes([0; 8]))
+    }
+
+    /// Adds three bits a lane: `(carry, sum)`.
+    #[inline(always)]
+    fn add(self, b: Self, c: Self) -> (Self, Self) {
+        let half = self.xor(b);
+        (self.and(b).or(half.and(c)), half.xor(c))
+    }
+}
+
+/// Rows become columns: bit `j` of word `i` changes places with bit `i` of word `j`.
+pub(super) fn transpose(m: &mut [u64; 64]) {
+    let mut width = 32;
+    let mut mask = 0x0000_0000_ffff_ffff_u64;
+    while width != 0 {
+        let mut k = 0;
+        while k < 64 {
+            let swap = ((m[k] >> width) ^ m[k + width]) & mask;
+            m[k] ^= swap << width;
+            m[k + width] ^= swap;
+            k = (k + width + 1) & !width;
+        }
+        width >>= 1;
+        mask ^= mask << width;
+    }
 }
 
 /// Plain words, for every machine.
@@ -124,6 +152,13 @@ pub(super) mod x86 {
         fn is_zero(self) -> bool {
             unsafe { _mm512_test_epi64_mask(self.0, self.0) == 0 }
         }
+        #[inline(always)]
+        fn add(self, b: Self, c: Self) -> (Self, Self) {
+            unsafe {
+                let carry = _mm512_ternarylogic_epi64::<0xe8>(self.0, b.0, c.0);
+                (Self(carry), Self(_mm512_ternarylogic_epi64::<0x96>(self.0, b.0, c.0)))
+            }
+        }
     }
 
     #[derive(Clone, Copy)]
@@ -202,5 +237,23 @@ impl Path {
     /// The widest.
     pub fn best() -> Self {
         Self::available()[0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transpose_swaps_rows_and_columns() {
+        let word = |i: u64| i.wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(i as u32 * 7);
+        let before: [u64; 64] = std::array::from_fn(|i| word(i as u64 + 1));
+        let mut after = before;
+        transpose(&mut after);
+        for i in 0..64 {
+            for j in 0..64 {
+                assert_eq!(before[i] >> j & 1, after[j] >> i & 1);
+            }
+        }
     }
 }

@@ -13,6 +13,7 @@ pub mod forest;
 mod graph;
 mod lanes;
 pub mod measures;
+mod relays;
 mod strips;
 mod tiles;
 pub mod visibility;

@@ -1,97 +1,20 @@
 //! Breadth-first waves from 512 roots at once: stages "frontier" and "levels".
 //!
-//! A vertex that some roots have not reached pulls the frontier words of its neighbours. Neighbours are
-//! listed per tile as aligned blocks of cells (cell, pair, four, row of eight, the whole tile), so
-//! that a tile's words are combined once a level and not once a neighbour; a tile whose whole frontier
-//! holds nothing a vertex still misses is passed over.
+//! A vertex that some roots have not reached pulls the frontier words of its neighbours, block by block
+//! (see [`Relays`]). The words of a tile are combined into blocks, and its new bits counted, as soon
+//! as the tile has been walked.
 
-use super::graph::{Graph, for_each_bit};
+use super::graph::for_each_bit;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::x86::{Avx2, Avx512};
-use super::lanes::{LANES, Lanes, Path, Portable, Vector};
-
-/// Words of a tile: 64 cells, 32 pairs, 16 fours, 8 rows, the tile; the rest is padding.
-const BLOCK: usize = 128;
-const PAIRS: usize = 64;
-const FOURS: usize = 96;
-const ROWS: usize = 112;
-const WHOLE: usize = 120;
+use super::lanes::{Lanes, Path, Portable, Vector, transpose};
+use super::relays::{BLOCK, FOURS, PAIRS, ROWS, Relays, WHOLE};
 
 /// Bits of a level counter: enough for every vertex number.
 const PLANES: usize = 32;
 
-/// The graph's rows as blocks of cells, made once for all waves.
-pub(super) struct Relays<'a> {
-    pub graph: &'a Graph,
-    /// Blocks of each entry of the graph.
-    count: Vec<u8>,
-    /// First block of each rank's row.
-    start: Vec<usize>,
-    blocks: Vec<u8>,
-    /// Component of each rank: its smallest rank.
-    component: Vec<u32>,
-}
-
-impl<'a> Relays<'a> {
-    pub fn new(graph: &'a Graph) -> Self {
-        let n = graph.len();
-        let mut new = Self {
-            graph,
-            count: Vec::with_capacity(graph.entry_tile.len()),
-            start: Vec::with_capacity(n + 1),
-            blocks: Vec::with_capacity(graph.entry_tile.len() * 6),
-            component: graph.rank_components(),
-        };
-        // Cells that see nothing are never on a frontier, so blocks may cover them.
-        let mut active = graph.tiles.occupied.clone();
-        for (rank, &(tile, bit)) in graph.tiles.slot_of.iter().enumerate() {
-            if graph.degree[rank] == 0 {
-                active[tile as usize] &= !(1 << bit);
-            }
-        }
-        for rank in 0..n {
-            new.start.push(new.blocks.len());
-            let (own_tile, own_bit) = graph.tiles.slot_of[rank];
-            let (tiles, masks) = graph.row(rank);
-            for (&t, &mask) in tiles.iter().zip(masks) {
-                // A vertex never misses what it is itself the frontier of: it may read itself.
-                let own = if t == own_tile { 1 << own_bit } else { 0 };
-                let before = new.blocks.len();
-                cover(mask | own | !active[t as usize], mask, &mut new.blocks);
-                new.count.push((new.blocks.len() - before) as u8);
-            }
-        }
-        new.start.push(new.blocks.len());
-        new
-    }
-}
-
-/// Fewest aligned blocks within `allowed` that cover `needed`.
-fn cover(allowed: u64, needed: u64, blocks: &mut Vec<u8>) {
-    if allowed == u64::MAX {
-        blocks.push(WHOLE as u8);
-        return;
-    }
-    // Bit k of each: block k of that size lies within `allowed`.
-    let pairs = allowed & (allowed >> 1) & 0x5555_5555_5555_5555;
-    let fours = pairs & (pairs >> 2) & 0x1111_1111_1111_1111;
-    let rows = fours & (fours >> 4) & 0x0101_0101_0101_0101;
-    let mut left = needed;
-    while left != 0 {
-        let bit = left.trailing_zeros();
-        let (block, covered) = if rows >> (bit & !7) & 1 == 1 {
-            (ROWS + bit as usize / 8, 0xffu64 << (bit & !7))
-        } else if fours >> (bit & !3) & 1 == 1 {
-            (FOURS + bit as usize / 4, 0xf << (bit & !3))
-        } else if pairs >> (bit & !1) & 1 == 1 {
-            (PAIRS + bit as usize / 2, 0x3 << (bit & !1))
-        } else {
-            (bit as usize, 1 << bit)
-        };
-        blocks.push(block as u8);
-        left &= !covered;
-    }
-}
+/// Bits that count the cells of one tile.
+const TILE_PLANES: usize = 7;
 
 /// Buffers of one worker; every array is by rank or by tile.
 pub(super) struct Wave<'a> {
@@ -99,12 +22,13 @@ pub(super) struct Wave<'a> {
     path: Path,
     /// Roots of its component that have not reached a rank yet.
     missing: Vec<Lanes>,
-    /// Roots that reached a rank on the newest level; valid where `changed`.
-    fresh: Vec<Lanes>,
-    /// The newest level by tile and block; a tile without frontier has only its `WHOLE` word at 0.
+    /// Roots that reached a block of cells on the newest level, by block number.
     front: Vec<Lanes>,
-    /// Cells with `fresh` words, by tile.
+    /// The level in the making.
+    next: Vec<Lanes>,
+    /// Cells with a word that is not 0 in `front`, by tile; a tile without any holds only zeros.
     changed: Vec<u64>,
+    next_changed: Vec<u64>,
     /// Cells that have been on a frontier.
     started: Vec<u64>,
     /// Cells beside one that has been, still incomplete.
@@ -113,6 +37,10 @@ pub(super) struct Wave<'a> {
     planes: [Lanes; PLANES],
     /// Roots of each component, by smallest rank; 0 outside a walk.
     roots_of: Vec<Lanes>,
+    /// Rows of 64 roots by tile, in the order the tiles were met.
+    rows: Vec<[u64; 64]>,
+    met: Vec<u32>,
+    met_at: Vec<u32>,
 }
 
 impl<'a> Wave<'a> {
@@ -122,42 +50,43 @@ impl<'a> Wave<'a> {
             relays,
             path,
             missing: vec![Lanes::default(); n],
-            fresh: vec![Lanes::default(); n],
             front: vec![Lanes::default(); tiles * BLOCK],
+            next: vec![Lanes::default(); tiles * BLOCK],
             changed: vec![0; tiles],
+            next_changed: vec![0; tiles],
             started: vec![0; tiles],
             within_reach: vec![0; tiles],
             planes: [Lanes::default(); PLANES],
             roots_of: vec![Lanes::default(); n],
+            rows: Vec::new(),
+            met: Vec::new(),
+            met_at: vec![u32::MAX; tiles],
         }
     }
 
-    /// Vertices on level 1, 2, … up to `max_level` of each root (ranks, at most [`LANES`]).
+    /// Vertices on level 1, 2, … up to `max_level` of each root (distinct ranks, at most
+    /// [`super::lanes::LANES`]).
     pub fn levels(&mut self, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
         let mut levels = vec![Vec::new(); roots.len()];
         self.begin(roots);
-        for (list, &root) in levels.iter_mut().zip(roots) {
-            let degree = self.relays.graph.degree[root as usize];
-            if degree > 0 && max_level > 0 {
-                list.push(degree);
-            }
-        }
-        for _ in 1..max_level {
-            self.grow_reach();
-            if !self.step() {
+        for level in 1..=max_level {
+            let any = if level == 1 { self.settle() } else { self.step() };
+            if !any {
                 break;
             }
+            let planes = self.planes.iter().rposition(|p| *p != Lanes::default()).map_or(0, |p| p + 1);
             for (lane, list) in levels.iter_mut().enumerate() {
-                let count = self.count(lane);
+                let count = (0..planes).map(|p| (self.planes[p].get(lane) as u32) << p).sum();
                 if count > 0 {
                     list.push(count);
                 }
             }
+            self.grow_reach();
         }
         levels
     }
 
-    /// Level 1, straight from the rows of the roots.
+    /// Level 1, straight from the rows of the roots, into the cells of `front`.
     fn begin(&mut self, roots: &[u32]) {
         let relays = self.relays;
         for (lane, &root) in roots.iter().enumerate() {
@@ -166,24 +95,54 @@ impl<'a> Wave<'a> {
         for (missing, &c) in self.missing.iter_mut().zip(&relays.component) {
             *missing = self.roots_of[c as usize];
         }
-        self.fresh.fill(Lanes::default());
-        self.changed.fill(0);
-        self.started.fill(0);
-        self.within_reach.fill(0);
-        self.front.chunks_exact_mut(BLOCK).for_each(|block| block[WHOLE] = Lanes::default());
         for (lane, &root) in roots.iter().enumerate() {
             self.roots_of[relays.component[root as usize] as usize] = Lanes::default();
             self.missing[root as usize].clear(lane);
-            let (tiles, masks) = relays.graph.row(root as usize);
-            for (&t, &mask) in tiles.iter().zip(masks) {
-                self.changed[t as usize] |= mask;
-                for_each_bit(mask, |bit| {
-                    let rank = relays.graph.tiles.rank(t, bit);
-                    self.fresh[rank].set(lane);
-                    self.missing[rank].clear(lane);
-                });
+        }
+        for t in 0..self.changed.len() {
+            for (front, changed) in
+                [(&mut self.front, &mut self.changed), (&mut self.next, &mut self.next_changed)]
+            {
+                if changed[t] != 0 {
+                    changed[t] = 0;
+                    front[t * BLOCK..][..BLOCK].fill(Lanes::default());
+                }
             }
         }
+        self.started.fill(0);
+        self.within_reach.fill(0);
+        for (word, roots) in roots.chunks(64).enumerate() {
+            self.begin_word(word, roots);
+        }
+    }
+
+    /// The rows of 64 roots, turned into words of what they see.
+    fn begin_word(&mut self, word: usize, roots: &[u32]) {
+        let graph = self.relays.graph;
+        for (lane, &root) in roots.iter().enumerate() {
+            let (tiles, masks) = graph.row(root as usize);
+            for (&t, &mask) in tiles.iter().zip(masks) {
+                let at = &mut self.met_at[t as usize];
+                if *at == u32::MAX {
+                    *at = self.met.len() as u32;
+                    self.met.push(t);
+                    if self.rows.len() < self.met.len() {
+                        self.rows.push([0; 64]);
+                    }
+                }
+                self.rows[*at as usize][lane] = mask;
+                self.changed[t as usize] |= mask;
+            }
+        }
+        for (at, &t) in self.met.iter().enumerate() {
+            self.met_at[t as usize] = u32::MAX;
+            transpose(&mut self.rows[at]);
+            for (cell, lanes) in self.front[t as usize * BLOCK..][..PAIRS].iter_mut().zip(self.rows[at]) {
+                cell.0[word] = lanes;
+            }
+            self.rows[at] = [0; 64];
+        }
+        self.met.clear();
     }
 
     /// Cells beside those that are on a frontier for the first time come within reach.
@@ -201,14 +160,24 @@ impl<'a> Wave<'a> {
         }
     }
 
-    fn count(&self, lane: usize) -> u32 {
-        self.planes.iter().enumerate().map(|(p, plane)| (plane.get(lane) as u32) << p).sum()
+    /// Completes level 1 from the cells of `front`; whether any vertex was reached.
+    fn settle(&mut self) -> bool {
+        match self.path {
+            // SAFETY: a path is only made for a processor that has its instructions.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            Path::Avx512 => unsafe { self.settle_avx512() },
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            Path::Avx2 => unsafe { self.settle_avx2() },
+            Path::Portable => self.settle_in::<Portable>(),
+        }
     }
 
     /// One level on; whether any vertex was reached.
     fn step(&mut self) -> bool {
-        match self.path {
-            // SAFETY: a path is only made for a processor that has its instructions.
+        let any = match self.path {
+            // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
             #[allow(unsafe_code)]
             Path::Avx512 => unsafe { self.step_avx512() },
@@ -216,7 +185,16 @@ impl<'a> Wave<'a> {
             #[allow(unsafe_code)]
             Path::Avx2 => unsafe { self.step_avx2() },
             Path::Portable => self.step_in::<Portable>(),
-        }
+        };
+        std::mem::swap(&mut self.front, &mut self.next);
+        std::mem::swap(&mut self.changed, &mut self.next_changed);
+        any
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,popcnt")]
+    fn settle_avx512(&mut self) -> bool {
+        self.settle_in::<Avx512>()
     }
 
     #[cfg(target_arch = "x86_64")]
@@ -227,110 +205,132 @@ impl<'a> Wave<'a> {
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,popcnt")]
+    fn settle_avx2(&mut self) -> bool {
+        self.settle_in::<Avx2>()
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,popcnt")]
     fn step_avx2(&mut self) -> bool {
         self.step_in::<Avx2>()
     }
 
     #[inline(always)]
-    fn step_in<V: Vector>(&mut self) -> bool {
-        self.publish::<V>();
+    fn settle_in<V: Vector>(&mut self) -> bool {
         self.planes.fill(Lanes::default());
+        let tiles = &self.relays.graph.tiles;
         let mut any = false;
-        for t in 0..self.within_reach.len() {
-            let mut bits = self.within_reach[t];
-            let mut rank = self.relays.graph.tiles.first_rank[t] as usize;
-            let occupied = self.relays.graph.tiles.occupied[t];
-            let mut changed = 0u64;
-            let first = rank;
-            while bits != 0 {
-                let bit = bits & bits.wrapping_neg();
-                bits ^= bit;
-                rank = first + (occupied & (bit - 1)).count_ones() as usize;
-                let missing = V::load(&self.missing[rank]);
-                let left = self.pull(rank, missing);
-                let new = missing.without(left);
-                if !new.is_zero() {
-                    left.store(&mut self.missing[rank]);
-                    new.store(&mut self.fresh[rank]);
-                    self.tally(new);
-                    changed |= bit;
-                }
-                if left.is_zero() {
-                    self.within_reach[t] &= !bit;
-                }
+        for t in 0..self.changed.len() {
+            let mut bits = self.changed[t];
+            if bits == 0 {
+                continue;
             }
-            self.changed[t] = changed;
-            any |= changed != 0;
+            any = true;
+            let block = &mut self.front[t * BLOCK..][..BLOCK];
+            while bits != 0 {
+                let bit = bits.trailing_zeros();
+                bits &= bits - 1;
+                let missing = &mut self.missing[tiles.rank(t as u32, bit)];
+                V::load(missing).without(V::load(&block[bit as usize])).store(missing);
+            }
+            count_cells::<V>(block, &mut self.planes);
+            combine_cells::<V>(block);
         }
         any
     }
 
-    /// What a rank still misses after reading all its neighbours.
     #[inline(always)]
-    fn pull<V: Vector>(&self, rank: usize, missing: V) -> V {
-        let graph = self.relays.graph;
-        let mut left = missing;
-        let mut at = self.relays.start[rank];
-        for entry in graph.start[rank]..graph.start[rank + 1] {
-            let count = self.relays.count[entry] as usize;
-            let block = &self.front[graph.entry_tile[entry] as usize * BLOCK..][..BLOCK];
-            if !V::load(&block[WHOLE]).and(left).is_zero() {
-                for &b in &self.relays.blocks[at..at + count] {
-                    left = left.without(V::load(&block[usize::from(b) & (BLOCK - 1)]));
+    fn step_in<V: Vector>(&mut self) -> bool {
+        self.planes.fill(Lanes::default());
+        let mut any = false;
+        for t in 0..self.within_reach.len() {
+            let changed = if self.within_reach[t] == 0 { 0 } else { self.walk_tile::<V>(t) };
+            let block = &mut self.next[t * BLOCK..][..BLOCK];
+            if changed != 0 {
+                let mut stale = self.next_changed[t] & !changed;
+                while stale != 0 {
+                    block[stale.trailing_zeros() as usize] = Lanes::default();
+                    stale &= stale - 1;
                 }
-                if left.is_zero() {
-                    break;
-                }
+                count_cells::<V>(block, &mut self.planes);
+                combine_cells::<V>(block);
+                any = true;
+            } else if self.next_changed[t] != 0 {
+                block.fill(Lanes::default());
             }
-            at += count;
+            self.next_changed[t] = changed;
         }
-        left
+        any
     }
 
-    /// Adds one to the counter of every lane in `new`.
+    /// Pulls for all cells of a tile that are within reach; the cells that were reached.
     #[inline(always)]
-    fn tally<V: Vector>(&mut self, new: V) {
-        let mut carry = new;
-        for plane in &mut self.planes {
-            let old = V::load(plane);
-            old.xor(carry).store(plane);
-            carry = carry.and(old);
-            if carry.is_zero() {
-                break;
-            }
-        }
-    }
-
-    /// Combines the fresh words into the blocks of their tiles.
-    #[inline(always)]
-    fn publish<V: Vector>(&mut self) {
-        for t in 0..self.changed.len() {
-            let block = &mut self.front[t * BLOCK..][..BLOCK];
-            let changed = self.changed[t];
-            if changed == 0 {
-                block[WHOLE] = Lanes::default();
+    fn walk_tile<V: Vector>(&mut self, t: usize) -> u64 {
+        let relays = self.relays;
+        let tiles = &relays.graph.tiles;
+        let (first, occupied) = (tiles.first_rank[t] as usize, tiles.occupied[t]);
+        let next = &mut self.next[t * BLOCK..][..BLOCK];
+        let groups = relays.first_group[t] as usize..relays.first_group[t + 1] as usize;
+        let mut at = if groups.start == 0 { 0 } else { relays.groups[groups.start - 1].end as usize };
+        let mut changed = 0;
+        let mut complete = 0;
+        for group in &relays.groups[groups] {
+            let shared = &relays.shared[at..group.end as usize];
+            at = group.end as usize;
+            let mut bits = group.members & self.within_reach[t];
+            if bits == 0 {
                 continue;
             }
-            let first = self.relays.graph.tiles.first_rank[t] as usize;
-            let occupied = self.relays.graph.tiles.occupied[t];
-            block[..PAIRS].fill(Lanes::default());
-            let mut bits = changed;
+            let reached = gather::<V>(&self.front, shared, V::zero());
             while bits != 0 {
-                let bit = bits.trailing_zeros();
-                bits &= bits - 1;
-                let rank = first + (occupied & ((1u64 << bit) - 1)).count_ones() as usize;
-                block[bit as usize] = self.fresh[rank];
+                let bit = bits & bits.wrapping_neg();
+                bits ^= bit;
+                let rank = first + (occupied & (bit - 1)).count_ones() as usize;
+                let own = &relays.own[relays.own_start[rank] as usize..relays.own_start[rank + 1] as usize];
+                let missing = V::load(&self.missing[rank]);
+                let new = gather::<V>(&self.front, own, reached).and(missing);
+                let left = missing.without(new);
+                if !new.is_zero() {
+                    left.store(&mut self.missing[rank]);
+                    new.store(&mut next[bit.trailing_zeros() as usize & 63]);
+                    changed |= bit;
+                }
+                if left.is_zero() {
+                    complete |= bit;
+                }
             }
-            combine::<V>(block, 0, PAIRS, 32);
-            combine::<V>(block, PAIRS, FOURS, 16);
-            combine::<V>(block, FOURS, ROWS, 8);
-            let mut whole = V::load(&block[ROWS]);
-            for row in 1..8 {
-                whole = whole.or(V::load(&block[ROWS + row]));
-            }
-            whole.store(&mut block[WHOLE]);
         }
+        self.within_reach[t] &= !complete;
+        changed
     }
+}
+
+/// The union of some blocks and `sum`.
+#[inline(always)]
+fn gather<V: Vector>(front: &[Lanes], blocks: &[u32], sum: V) -> V {
+    let (mut a, mut b) = (sum, V::zero());
+    let mut pairs = blocks.chunks_exact(2);
+    for pair in &mut pairs {
+        a = a.or(V::load(&front[pair[0] as usize]));
+        b = b.or(V::load(&front[pair[1] as usize]));
+    }
+    for &last in pairs.remainder() {
+        a = a.or(V::load(&front[last as usize]));
+    }
+    a.or(b)
+}
+
+/// Combines the words of a tile's cells into those of its larger blocks.
+#[inline(always)]
+fn combine_cells<V: Vector>(block: &mut [Lanes]) {
+    combine::<V>(block, 0, PAIRS, 32);
+    combine::<V>(block, PAIRS, FOURS, 16);
+    combine::<V>(block, FOURS, ROWS, 8);
+    let mut whole = V::load(&block[ROWS]);
+    for row in 1..8 {
+        whole = whole.or(V::load(&block[ROWS + row]));
+    }
+    whole.store(&mut block[WHOLE]);
 }
 
 /// `to[i] = from[2i] | from[2i + 1]`.
@@ -342,5 +342,34 @@ fn combine<V: Vector>(block: &mut [Lanes], from: usize, to: usize, count: usize)
     }
 }
 
-/// Roots walked at once.
-pub(super) const BATCH: usize = LANES;
+/// Adds, for every lane, the number of cells whose word has it to the counters.
+#[inline(always)]
+fn count_cells<V: Vector>(block: &[Lanes], planes: &mut [Lanes; PLANES]) {
+    let mut tile = [V::zero(); TILE_PLANES];
+    for row in block[..PAIRS].chunks_exact(8) {
+        let cell = |i: usize| V::load(&row[i]);
+        let (a, ones) = tile[0].add(cell(0), cell(1));
+        let (b, ones) = ones.add(cell(2), cell(3));
+        let (c, ones) = ones.add(cell(4), cell(5));
+        let (d, ones) = ones.add(cell(6), cell(7));
+        let (e, twos) = tile[1].add(a, b);
+        let (f, twos) = twos.add(c, d);
+        let (mut carry, fours) = tile[2].add(e, f);
+        tile[0] = ones;
+        tile[1] = twos;
+        tile[2] = fours;
+        for plane in &mut tile[3..] {
+            (carry, *plane) = (plane.and(carry), plane.xor(carry));
+        }
+    }
+    let mut carry = V::zero();
+    for (i, plane) in planes.iter_mut().enumerate() {
+        if i >= TILE_PLANES && carry.is_zero() {
+            break;
+        }
+        let digit = if i < TILE_PLANES { tile[i] } else { V::zero() };
+        let (over, sum) = V::load(plane).add(digit, carry);
+        sum.store(plane);
+        carry = over;
+    }
+}
