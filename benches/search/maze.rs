@@ -24,9 +24,10 @@ struct Pair {
     passes: std::ops::Range<u32>,
 }
 
+#[derive(Clone, Copy)]
 struct Pass {
-    door: usize,
-    span: [f64; 2],
+    door: u32,
+    span: [f32; 2],
     crosses: bool,
 }
 
@@ -163,10 +164,17 @@ impl Maze {
         let passes = &self.passes;
         let doors = self.doors.len();
         let first = |p: &Pair| passes[p.passes.start as usize..p.passes.end as usize].first().filter(|p| p.crosses);
-        let key = |p: &Pair| first(p).map_or((doors, 0.0), |p| (p.door, p.span[0]));
+        let key = |p: &Pair| first(p).map_or((doors, 0.0), |p| (p.door as usize, p.span[0]));
         self.pairs.sort_by(|a, b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
         let at = |d: usize| self.pairs.partition_point(|p| key(p).0 < d);
         self.groups = (0..=doors).map(|d| at(d)..at(d + 1)).collect();
+        let mut sorted = vec![];
+        for pair in &mut self.pairs {
+            let from = sorted.len() as u32;
+            sorted.extend_from_slice(&self.passes[pair.passes.start as usize..pair.passes.end as usize]);
+            pair.passes = from..sorted.len() as u32;
+        }
+        self.passes = sorted;
     }
 
     /// The part of a line of sight within a door's band (its jambs' height, its half of the plan).
@@ -193,20 +201,20 @@ impl Maze {
         let at = |t: f64, axis: usize| a[axis] + t * (b[axis] - a[axis]);
         let (x0, x1, y0, y1) = (at(t0, 0), at(t1, 0), at(t0, 1), at(t1, 1));
         let crosses = (y0.min(y1)..=y0.max(y1)).contains(&door.y);
-        Some(Pass { door: d, span: [x0.min(x1), x0.max(x1)], crosses })
+        Some(Pass { door: d as u32, span: [x0.min(x1) as f32, x0.max(x1) as f32], crosses })
     }
 
     /// Means of degree, depth and entropy, and what each query cell reaches.
     fn measure(&self, shift: &[f64]) -> ([f64; 3], Vec<Bits>) {
         let mut rows = vec![[0u64; WORDS]; self.reference.len()];
-        let gaps: Vec<[f64; 2]> =
-            self.doors.iter().zip(shift).map(|(d, s)| [d.left + s, d.right + s]).collect();
+        let gaps: Vec<[f32; 2]> =
+            self.doors.iter().zip(shift).map(|(d, s)| [(d.left + s) as f32, (d.right + s) as f32]).collect();
         let is_free = |p: &Pass| {
-            let [left, right] = gaps[p.door];
+            let [left, right] = gaps[p.door as usize];
             if p.crosses {
                 left < p.span[0] && p.span[1] < right
             } else {
-                let misses = |x: f64| x < p.span[0] || x > p.span[1];
+                let misses = |x: f32| x < p.span[0] || x > p.span[1];
                 misses(left) && misses(right)
             }
         };
