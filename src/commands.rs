@@ -2,19 +2,16 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Instant;
 
-use crate::cli::{
-    AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, RunArgs, StatusArgs, WatchArgs,
-};
+use crate::cli::{AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, RunArgs};
 use crate::config::{Partial, Settings};
 use crate::overlay::result::{RoundResult, to_json};
 use crate::pipeline::{self, Event, Input};
 use crate::progress::Display;
-use crate::report::{Cancel, Error, OutFile, Place, Report, Severity};
+use crate::report::{Cancel, Error, Place, Report, Severity};
+use crate::sample_settings;
 use crate::store::{self, Results};
-use crate::{daemon, sample_settings};
 
 /// Runs one command line. The number is the exit code of a finished command: 0, or 1 when something was
 /// left out.
@@ -26,9 +23,7 @@ pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
         Command::Check(args) => check(&args),
         Command::Analyse(args) => analyse(&args, cancel),
         Command::Run(args) => run(&args, cancel),
-        Command::Watch(args) => watch(&args, cancel),
         Command::Accept(args) => accept(&args),
-        Command::Status(args) => status(&args),
         Command::Doctor => doctor(),
         Command::Init(args) => init(&args),
     }
@@ -105,7 +100,6 @@ fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
     let (settings, out) = settings_for(&args.file, args.common.partial(Some(&args.search)))?;
     let results = Results::of(&args.file, out.as_deref())?;
-    let _only = results.lock()?;
     let input = Input::new(&path, &bytes, u64::from(results.next_round()?));
     let mut display = Display::new(args.common.progress, args.common.quiet);
     let mut early = Ok(());
@@ -143,13 +137,6 @@ fn summary(result: &RoundResult, folder: &Path) {
     say(&format!("compare them: {}", folder.join("report.html").display()));
 }
 
-fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
-    let partial = args.common.partial(Some(&args.search));
-    Settings::new(partial.clone())?;
-    daemon::watch_folders(args, partial, cancel)?;
-    Ok(0)
-}
-
 fn accept(args: &AcceptArgs) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
     let out = settings_partial(&args.file, Partial::default())?.out.map(PathBuf::from);
@@ -167,22 +154,11 @@ fn accept(args: &AcceptArgs) -> Result<u8, Error> {
     Ok(0)
 }
 
-fn status(args: &StatusArgs) -> Result<u8, Error> {
-    let here = [PathBuf::from(".")];
-    let folders = if args.folders.is_empty() { &here[..] } else { &args.folders };
-    let found = daemon::status(folders)?;
-    say(&if args.json { to_json(&found)? } else { daemon::status_text(&found) });
-    Ok(0)
-}
-
 fn doctor() -> Result<u8, Error> {
     say(&format!("enfilade {}", env!("CARGO_PKG_VERSION")));
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     say(&format!("cores: {cores}"));
     say("graphics card: not used by this version; all measures run on the cores");
-    for line in daemon::doctor_lines() {
-        say(&line);
-    }
     Ok(0)
 }
 

@@ -6,7 +6,6 @@ pub mod analysis;
 pub mod cli;
 pub mod commands;
 pub mod config;
-pub mod daemon;
 pub mod formats;
 pub mod moves;
 pub mod overlay;

@@ -2,6 +2,7 @@
 use crate::report::{Error, OutFile};
 use std::path::{Path, PathBuf};
 pub struct Results(PathBuf);
+
 impl Results {
     pub fn of(d: &Path, out: Option<&Path>) -> Result<Self, Error> {
         let s = d.with_extension("enfilade");

@@ -20,8 +20,8 @@ struct Door {
 
 /// A pair of cells and the doors their line of sight has to pass.
 struct Pair {
-    cells: [usize; 2],
-    passes: Vec<Pass>,
+    cells: [u16; 2],
+    passes: std::ops::Range<u32>,
 }
 
 struct Pass {
@@ -38,6 +38,9 @@ pub struct Maze {
     query: Vec<usize>,
     reference: Vec<bool>,
     pairs: Vec<Pair>,
+    passes: Vec<Pass>,
+    groups: Vec<std::ops::Range<usize>>,
+    near: Vec<[usize; 2]>,
     merged: Vec<Merged>,
     reached: Vec<Bits>,
     initial: [f64; 3],
@@ -104,8 +107,7 @@ impl Maze {
     /// Reads `maze_a.dxf` from the folder of reference plans.
     pub fn read(folder: &Path) -> Self {
         let all = entities(&folder.join("maze_a.dxf"));
-        let boxes: Vec<&Entity> =
-            all.iter().filter(|e| e.kind == "LWPOLYLINE" && e.layer == "EF-MOVE").collect();
+        let boxes: Vec<&Entity> = all.iter().filter(|e| e.kind == "LWPOLYLINE" && e.layer == "EF-MOVE").collect();
         let walls: Vec<Wall> = all
             .iter()
             .filter(|e| e.kind == "LINE" && e.layer == "WALLS")
@@ -119,6 +121,9 @@ impl Maze {
             merged: merge(&walls, &moved),
             length: walls.iter().map(length).sum(),
             pairs: vec![],
+            passes: vec![],
+            groups: vec![],
+            near: vec![],
             walls,
             moved,
             doors,
@@ -127,27 +132,41 @@ impl Maze {
             reached: vec![],
             initial: [0.0; 3],
         };
-        maze.pairs = maze.find_pairs(&cells);
+        maze.find_pairs(&cells);
+        maze.near = near(&maze.merged);
         let (means, reached) = maze.measure(&vec![0.0; maze.doors.len()]);
         maze.initial = means;
         maze.reached = reached;
         maze
     }
 
-    fn find_pairs(&self, cells: &[[f64; 2]]) -> Vec<Pair> {
-        let fixed: Vec<&Wall> =
-            self.walls.iter().zip(&self.moved).filter(|(_, m)| **m == [None, None]).map(|(w, _)| w).collect();
-        let mut out = vec![];
+    fn find_pairs(&mut self, cells: &[[f64; 2]]) {
+        let both = self.walls.iter().zip(&self.moved);
+        let fixed: Vec<Wall> = both.filter(|(_, m)| **m == [None, None]).map(|(w, _)| *w).collect();
         for u in 0..cells.len() {
             for v in u + 1..cells.len() {
                 let (a, b) = (cells[u], cells[v]);
                 if fixed.iter().all(|w| !blocks(w, a, b)) {
-                    let passes = (0..self.doors.len()).filter_map(|d| self.pass(d, a, b)).collect();
-                    out.push(Pair { cells: [u, v], passes });
+                    let from = self.passes.len() as u32;
+                    let mut passes: Vec<Pass> = (0..self.doors.len()).filter_map(|d| self.pass(d, a, b)).collect();
+                    passes.sort_by_key(|p| !p.crosses);
+                    self.passes.extend(passes);
+                    self.pairs.push(Pair { cells: [u as u16, v as u16], passes: from..self.passes.len() as u32 });
                 }
             }
         }
-        out
+        self.sort_pairs();
+    }
+
+    /// Pairs by the first door whose wall they cross, then by where; the others last.
+    fn sort_pairs(&mut self) {
+        let passes = &self.passes;
+        let doors = self.doors.len();
+        let first = |p: &Pair| passes[p.passes.start as usize..p.passes.end as usize].first().filter(|p| p.crosses);
+        let key = |p: &Pair| first(p).map_or((doors, 0.0), |p| (p.door, p.span[0]));
+        self.pairs.sort_by(|a, b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
+        let at = |d: usize| self.pairs.partition_point(|p| key(p).0 < d);
+        self.groups = (0..=doors).map(|d| at(d)..at(d + 1)).collect();
     }
 
     /// The part of a line of sight within a door's band (its jambs' height, its half of the plan).
@@ -180,21 +199,31 @@ impl Maze {
     /// Means of degree, depth and entropy, and what each query cell reaches.
     fn measure(&self, shift: &[f64]) -> ([f64; 3], Vec<Bits>) {
         let mut rows = vec![[0u64; WORDS]; self.reference.len()];
-        for pair in &self.pairs {
-            let open = pair.passes.iter().all(|p| {
-                let door = &self.doors[p.door];
-                let (left, right) = (door.left + shift[p.door], door.right + shift[p.door]);
-                if p.crosses {
-                    left < p.span[0] && p.span[1] < right
-                } else {
-                    let misses = |x: f64| x < p.span[0] || x > p.span[1];
-                    misses(left) && misses(right)
+        let gaps: Vec<[f64; 2]> =
+            self.doors.iter().zip(shift).map(|(d, s)| [d.left + s, d.right + s]).collect();
+        let is_free = |p: &Pass| {
+            let [left, right] = gaps[p.door];
+            if p.crosses {
+                left < p.span[0] && p.span[1] < right
+            } else {
+                let misses = |x: f64| x < p.span[0] || x > p.span[1];
+                misses(left) && misses(right)
+            }
+        };
+        for (group, door) in self.groups.iter().zip(0..) {
+            let pairs = &self.pairs[group.clone()];
+            let (from, to) = if door < gaps.len() {
+                let first = |p: &Pair| self.passes[p.passes.start as usize].span[0];
+                (pairs.partition_point(|p| first(p) <= gaps[door][0]), pairs.partition_point(|p| first(p) < gaps[door][1]))
+            } else {
+                (0, pairs.len())
+            };
+            for pair in &pairs[from..to] {
+                if self.passes[pair.passes.start as usize..pair.passes.end as usize].iter().all(is_free) {
+                    let [u, v] = pair.cells.map(usize::from);
+                    rows[u][v / 64] |= 1 << (v % 64);
+                    rows[v][u / 64] |= 1 << (u % 64);
                 }
-            });
-            if open {
-                let [u, v] = pair.cells;
-                rows[u][v / 64] |= 1 << (v % 64);
-                rows[v][u / 64] |= 1 << (u % 64);
             }
         }
         let mut means = [0.0; 3];
@@ -252,12 +281,11 @@ impl Maze {
         };
         let walls: Vec<Wall> = self.merged.iter().map(at).collect();
         let mut sum = 0.0;
-        for (i, (a, m)) in walls.iter().zip(&self.merged).enumerate() {
-            for (b, n) in walls.iter().zip(&self.merged).skip(i + 1) {
-                let moves = m.door != [None, None] || n.door != [None, None];
-                if moves && box_distance(a, b) < 1.0 && box_distance(a, b) > 0.0 {
-                    sum += shared_area(a, b);
-                }
+        for &[i, j] in &self.near {
+            let (a, b) = (&walls[i], &walls[j]);
+            let square = square_gap(a, b);
+            if square > 0.0 && square < 1.0 {
+                sum += shared_area(a, b);
             }
         }
         sum
@@ -361,8 +389,9 @@ fn length(w: &Wall) -> f64 {
 }
 
 fn blocks(w: &Wall, a: [f64; 2], b: [f64; 2]) -> bool {
-    let side =
-        |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    let side = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
+        (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+    };
     let (c, d) = ([w[0], w[1]], [w[2], w[3]]);
     side(a, b, c) * side(a, b, d) <= 0.0 && side(c, d, a) * side(c, d, b) <= 0.0
 }
@@ -375,7 +404,8 @@ fn merge(walls: &[Wall], moved: &[[Option<usize>; 2]]) -> Vec<Merged> {
         *degree.entry(key(w[0], w[1])).or_default() += 1;
         *degree.entry(key(w[2], w[3])).or_default() += 1;
     }
-    let mut out: Vec<Merged> = walls.iter().zip(moved).map(|(w, m)| Merged { wall: *w, door: *m }).collect();
+    let mut out: Vec<Merged> =
+        walls.iter().zip(moved).map(|(w, m)| Merged { wall: *w, door: *m }).collect();
     let mut i = 0;
     while i < out.len() {
         let ends = |m: &Merged| [(m.wall[0], m.wall[1], m.door[0]), (m.wall[2], m.wall[3], m.door[1])];
@@ -405,10 +435,25 @@ fn sorted(w: &Wall) -> Wall {
     [w[0].min(w[2]), w[1].min(w[3]), w[0].max(w[2]), w[1].max(w[3])]
 }
 
-fn box_distance(a: &Wall, b: &Wall) -> f64 {
+/// Pairs of walls that a shift along x can bring near each other, one of which can move.
+fn near(merged: &[Merged]) -> Vec<[usize; 2]> {
+    let mut out = vec![];
+    for (i, a) in merged.iter().enumerate() {
+        for (j, b) in merged.iter().enumerate().skip(i + 1) {
+            let (s, t) = (sorted(&a.wall), sorted(&b.wall));
+            let moves = a.door != [None, None] || b.door != [None, None];
+            if moves && s[1] - t[3] < 1.0 && t[1] - s[3] < 1.0 {
+                out.push([i, j]);
+            }
+        }
+    }
+    out
+}
+
+fn square_gap(a: &Wall, b: &Wall) -> f64 {
     let (a, b) = (sorted(a), sorted(b));
     let gap = |lo: usize| (a[lo] - b[lo + 2]).max(b[lo] - a[lo + 2]).max(0.0);
-    gap(0).hypot(gap(1))
+    gap(0).powi(2) + gap(1).powi(2)
 }
 
 /// Area common to the 0.5 m surroundings of two axis-parallel walls.

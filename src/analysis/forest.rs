@@ -1,64 +1,42 @@
 //! Stages "frontier" and "levels": the breadth-first forest of all query vertices, as level counts.
 
+use std::sync::Mutex;
+
 use rayon::prelude::*;
 
-use super::graph::{Graph, for_each_bit};
+use super::graph::Graph;
+use super::lanes::Path;
+use super::wave::{BATCH, Relays, Wave};
 use super::{Lattice, Tally};
-
-/// Roots handed to one worker at a time.
-const ROOTS: usize = 64;
-
-/// Level counts of one root, `levels[j]` vertices on level `j + 1`, and what a walk needs.
-struct Walk<'a> {
-    graph: &'a Graph,
-    unseen: Vec<u64>,
-    frontier: Vec<u32>,
-    next: Vec<u32>,
-}
-
-impl<'a> Walk<'a> {
-    fn new(graph: &'a Graph) -> Self {
-        Self { graph, unseen: graph.tiles.occupied.clone(), frontier: Vec::new(), next: Vec::new() }
-    }
-
-    fn levels(&mut self, root: usize, max_level: u32, levels: &mut Vec<u32>) {
-        let tiles = &self.graph.tiles;
-        self.unseen.copy_from_slice(&tiles.occupied);
-        let (tile, bit) = tiles.slot_of[root];
-        self.unseen[tile as usize] &= !(1 << bit);
-        self.frontier.clear();
-        self.frontier.push(root as u32);
-        for _ in 0..max_level {
-            self.next.clear();
-            for &at in &self.frontier {
-                let (row_tiles, masks) = self.graph.row(at as usize);
-                for (&t, &mask) in row_tiles.iter().zip(masks) {
-                    let fresh = mask & self.unseen[t as usize];
-                    self.unseen[t as usize] &= !fresh;
-                    for_each_bit(fresh, |bit| self.next.push(tiles.rank(t, bit) as u32));
-                }
-            }
-            if self.next.is_empty() {
-                break;
-            }
-            levels.push(self.next.len() as u32);
-            std::mem::swap(&mut self.frontier, &mut self.next);
-        }
-    }
-}
 
 /// Vertices on level 1, 2, … of the breadth-first tree of each root, up to `max_level`.
 pub(super) fn level_counts(graph: &Graph, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
-    let walk = |roots: &[u32]| {
-        let mut walk = Walk::new(graph);
-        let one = |&v: &u32| {
-            let mut levels = Vec::new();
-            walk.levels(graph.tiles.rank_of[v as usize] as usize, max_level, &mut levels);
-            levels
-        };
-        roots.iter().map(one).collect::<Vec<_>>()
+    level_counts_by(Path::best(), graph, roots, max_level)
+}
+
+fn level_counts_by(path: Path, graph: &Graph, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
+    let relays = Relays::new(graph);
+    let mut order: Vec<(u32, u32)> =
+        roots.iter().enumerate().map(|(i, &v)| (graph.tiles.rank_of[v as usize], i as u32)).collect();
+    order.sort_unstable();
+    // One wave a thread, whatever way the batches are handed out.
+    let idle = Mutex::new(Vec::new());
+    let walk = |batch: &[(u32, u32)]| {
+        let taken = idle.lock().ok().and_then(|mut waves| waves.pop());
+        let mut wave = taken.unwrap_or_else(|| Wave::new(&relays, path));
+        let ranks: Vec<u32> = batch.iter().map(|b| b.0).collect();
+        let levels = wave.levels(&ranks, max_level);
+        if let Ok(mut waves) = idle.lock() {
+            waves.push(wave);
+        }
+        levels
     };
-    roots.par_chunks(ROOTS).flat_map_iter(walk).collect()
+    let walked: Vec<Vec<Vec<u32>>> = order.par_chunks(BATCH).map(walk).collect();
+    let mut levels = vec![Vec::new(); roots.len()];
+    for ((_, i), counts) in order.into_iter().zip(walked.into_iter().flatten()) {
+        levels[i as usize] = counts;
+    }
+    levels
 }
 
 /// Levels, degrees and cut-off vertices of the query region. Breadth-first trees run over all of `V`.
@@ -103,7 +81,79 @@ pub(super) fn disconnected(query: &[u32], initial: &[u32], now: &[u32]) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
+    use super::super::{Obstacles, fixtures, visibility};
     use super::*;
+    use crate::plan::geometry::Segment;
+
+    /// One queue a root.
+    fn by_queue(graph: &Graph, root: u32) -> Vec<u32> {
+        let mut level = vec![u32::MAX; graph.len()];
+        let mut queue = std::collections::VecDeque::from([root]);
+        let mut counts = Vec::new();
+        level[root as usize] = 0;
+        while let Some(u) = queue.pop_front() {
+            let next = level[u as usize] + 1;
+            graph.for_each_neighbour(u, |v| {
+                if level[v as usize] == u32::MAX {
+                    level[v as usize] = next;
+                    counts.resize(next as usize, 0);
+                    counts[next as usize - 1] += 1;
+                    queue.push_back(v);
+                }
+            });
+        }
+        counts
+    }
+
+    fn mazes() -> impl Strategy<Value = Graph> {
+        let post = (0i64..30, 0i64..30, 0..2u8, 1i64..9);
+        prop::collection::vec(post, 0..60).prop_map(|posts| {
+            let wall = |(x, y, k, l): (i64, i64, u8, i64)| {
+                let (a, l) = ([x * 10 + 5, y * 10 + 5], l * 10);
+                Segment { a, b: if k == 0 { [a[0] + l, a[1]] } else { [a[0], a[1] + l] } }
+            };
+            let cells = (0..30).flat_map(|c| (0..29).map(move |r| [c, r])).filter(|c| c[0] * c[1] % 17 != 5);
+            let lattice = fixtures::lattice(10, [0, 0], cells.collect());
+            let obstacles = Obstacles { segments: posts.into_iter().map(wall).collect(), blind: vec![3] };
+            visibility::visibility_graph(&lattice, &obstacles)
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 8, ..ProptestConfig::default() })]
+
+        #[test]
+        fn every_path_walks_like_a_queue(graph in mazes(), cut in 1u32..5) {
+            let all: Vec<u32> = (0..graph.len() as u32).collect();
+            let expected: Vec<_> = all.iter().map(|&v| by_queue(&graph, v)).collect();
+            for path in Path::available() {
+                prop_assert_eq!(&level_counts_by(path, &graph, &all, u32::MAX), &expected);
+            }
+            let some: Vec<u32> = all.iter().copied().filter(|v| v % 3 == 1).rev().collect();
+            let near = level_counts(&graph, &some, cut);
+            for (levels, &v) in near.iter().zip(&some) {
+                let full = &expected[v as usize];
+                prop_assert_eq!(&levels[..], &full[..full.len().min(cut as usize)]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_corridor_has_as_many_levels_as_corners() {
+        // A zigzag of 40 cells' width: walls from alternate sides leave one cell of passage.
+        let cells: Vec<[i32; 2]> = (0..300).flat_map(|c| (0..4).map(move |r| [c, r])).collect();
+        let wall = |i: i64| {
+            let (lo, hi) = if i % 2 == 0 { (-1, 25) } else { (5, 31) };
+            Segment { a: [i * 10 + 5, lo], b: [i * 10 + 5, hi] }
+        };
+        let obstacles = Obstacles { segments: (0..299).map(wall).collect(), blind: vec![] };
+        let graph = visibility::visibility_graph(&fixtures::lattice(10, [0, 0], cells), &obstacles);
+        let levels = level_counts(&graph, &[0], u32::MAX);
+        assert_eq!(levels[0], by_queue(&graph, 0));
+        assert!(levels[0].len() > 64, "{}", levels[0].len());
+    }
 
     #[test]
     fn cut_off_vertices_are_counted_per_query_vertex() {

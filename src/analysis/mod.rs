@@ -11,10 +11,12 @@ pub mod evaluator;
 mod fixtures;
 pub mod forest;
 mod graph;
+mod lanes;
 pub mod measures;
 mod strips;
 mod tiles;
 pub mod visibility;
+mod wave;
 
 /// The cells of a study: a square lattice, the vertices `V = V_q ∪ V_r` on it, and both regions.
 ///

@@ -30,6 +30,8 @@ const INSIDE_MARGIN_M: f64 = 0.3;
 const ELEMENT_SHARE_MAX: f64 = 0.5;
 /// What must remain of a wall beside a sliding door.
 const WALL_REST_M: f64 = 0.1;
+/// A door that could slide less than this stays.
+const SLIDE_MIN_M: f64 = 0.1;
 /// Most parameters made by default: more than that, and no small budget finds good layouts.
 pub const PARAMETERS_MAX: usize = 30;
 /// Most wall pieces looked at pairwise for doors and neighbours.
@@ -81,9 +83,11 @@ pub fn groups(
                    inside it such as `x -1 1; y -1 1`"
             .to_string(),
         (e, d) => format!(
-            "no EF-MOVE: {e} free-standing elements (±{SHIFT_M} m, ±{TURN_DEG}°) and {d} door gaps (±{SLIDE_M} m along their wall) \
+            "no EF-MOVE: {e} free-standing elements (±{} m, ±{TURN_DEG}°) and {d} door gaps (±{} m along their wall) \
              were found, {} of them with {parameters} parameters may move (at most {PARAMETERS_MAX}); EF-MOVE says it better, \
              EF-KEEP holds things still",
+            SHIFT_M * plan.human_scale,
+            SLIDE_M * plan.human_scale,
             out.len()
         ),
     };
@@ -91,12 +95,13 @@ pub fn groups(
     out
 }
 
+/// Pieces in metres of a person, so that all sizes above mean what they say in a plan of unknown scale.
 fn pieces(plan: &Plan, graph: &Graph) -> Vec<Piece> {
     let mut out = Vec::new();
     for (w, wall) in plan.walls.iter().enumerate() {
         let nodes = &graph.trace_nodes[w];
         for (i, j, s) in wall.trace.segments() {
-            let [a, b] = [s.a, s.b].map(|p| plan.frame.plan_from_um(p));
+            let [a, b] = [s.a, s.b].map(|p| plan.frame.plan_from_um(p) / plan.human_scale);
             out.push(Piece { wall: w as u32, nodes: [nodes[i], nodes[j]], a, b });
         }
     }
@@ -197,8 +202,9 @@ fn elements(
             let wall = &plan.walls[*w as usize];
             wall.trace.is_closed && !wall.is_solid
         });
-        let is_inside = points().all(|p| interior.depth_m(*p) > INSIDE_MARGIN_M);
-        if encloses || !is_inside || (hi - lo).max_element() > ELEMENT_SHARE_MAX * longest {
+        let is_inside = points().all(|p| interior.depth_m(*p) > INSIDE_MARGIN_M * plan.human_scale);
+        if encloses || !is_inside || (hi - lo).max_element() > ELEMENT_SHARE_MAX * longest * plan.human_scale
+        {
             continue;
         }
         let mut nodes: Vec<u32> =
@@ -206,7 +212,12 @@ fn elements(
         nodes.sort_unstable();
         nodes.dedup();
         let is_round = nodes.len() == 1;
-        let group = group(&plan.walls[walls[0] as usize].source, [lo, hi], plan, element_clauses(is_round));
+        let group = group(
+            &plan.walls[walls[0] as usize].source,
+            [lo, hi],
+            plan,
+            element_clauses(is_round, plan.human_scale),
+        );
         found.push(((hi - lo).length(), group, nodes));
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.2.cmp(&b.2)));
@@ -220,8 +231,9 @@ fn elements(
         .collect()
 }
 
-fn element_clauses(is_round: bool) -> Vec<Clause> {
-    let metres = |kind| Clause { kind, lower: -SHIFT_M, upper: SHIFT_M, unit: "m".into(), si_per_unit: 1.0 };
+fn element_clauses(is_round: bool, scale: f64) -> Vec<Clause> {
+    let far = SHIFT_M * scale;
+    let metres = |kind| Clause { kind, lower: -far, upper: far, unit: "m".into(), si_per_unit: 1.0 };
     let turn = Clause {
         kind: Kind::Rotate(None),
         lower: -TURN_DEG,
@@ -260,7 +272,7 @@ fn doors(
     pieces: &[Piece],
     neighbours: &Neighbours,
 ) -> Vec<(Group, Vec<u32>)> {
-    let ends = ends(graph, pieces);
+    let ends = ends(plan, graph, pieces);
     let mut found: Vec<(DVec2, Vec<u32>, DVec2, f64)> = Vec::new();
     for (i, e) in ends.iter().enumerate() {
         let facing = |f: &&End| {
@@ -278,17 +290,19 @@ fn doors(
         let j = ends.iter().position(|x| std::ptr::eq(x, f)).unwrap_or(0);
         let middle = e.at.midpoint(f.at);
         let is_inside = [-1.0, 1.0].iter().all(|s| {
-            interior.depth_m(plan.frame.um_from_plan(middle + e.out.perp() * (*s * 0.8))) > INSIDE_MARGIN_M
+            let side = (middle + e.out.perp() * (*s * 0.8)) * plan.human_scale;
+            interior.depth_m(plan.frame.um_from_plan(side)) > INSIDE_MARGIN_M * plan.human_scale
         });
         if j <= i || !is_inside || !is_free(e, f, plan, pieces, neighbours) {
             continue;
         }
-        let slide = SLIDE_M.min(e.behind_m.min(f.behind_m) - WALL_REST_M);
-        if slide > 0.0 {
+        let room = e.behind_m.min(f.behind_m) - WALL_REST_M;
+        let slide = SLIDE_M.min((room * 1e3).floor() / 1e3);
+        if slide >= SLIDE_MIN_M {
             let nodes: Vec<u32> = e.nodes.iter().chain(&f.nodes).copied().collect();
             let direction =
                 if e.out.x < -1e-9 || (e.out.x.abs() <= 1e-9 && e.out.y < 0.0) { -e.out } else { e.out };
-            found.push((middle, nodes, direction, slide));
+            found.push((middle, nodes, direction, slide * plan.human_scale));
         }
     }
     found.sort_by(|a, b| a.0.x.total_cmp(&b.0.x).then(a.0.y.total_cmp(&b.0.y)));
@@ -312,7 +326,7 @@ fn doors(
     named.collect()
 }
 
-fn ends(graph: &Graph, pieces: &[Piece]) -> Vec<End> {
+fn ends(plan: &Plan, graph: &Graph, pieces: &[Piece]) -> Vec<End> {
     let mut at_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (i, p) in pieces.iter().enumerate() {
         p.nodes.iter().for_each(|n| at_node.entry(*n).or_default().push(i));
@@ -329,7 +343,7 @@ fn ends(graph: &Graph, pieces: &[Piece]) -> Vec<End> {
             if d.length() > WALL_REST_M {
                 out.push(End {
                     nodes: vec![*n],
-                    at: graph.nodes[*n as usize],
+                    at: graph.nodes[*n as usize] / plan.human_scale,
                     out: d.normalize(),
                     behind_m: d.length(),
                 });
@@ -365,7 +379,7 @@ fn ends(graph: &Graph, pieces: &[Piece]) -> Vec<End> {
 /// Whether no wall stands in the gap between two ends.
 fn is_free(e: &End, f: &End, plan: &Plan, pieces: &[Piece], neighbours: &Neighbours) -> bool {
     let inset = e.out * 0.02;
-    let um = |p: DVec2| -> PointUm { plan.frame.um_from_plan(p) };
+    let um = |p: DVec2| -> PointUm { plan.frame.um_from_plan(p * plan.human_scale) };
     let gap = Segment { a: um(e.at + inset), b: um(f.at - inset) };
     neighbours.near(e.at.min(f.at), e.at.max(f.at)).iter().all(|i| {
         let p = &pieces[*i as usize];

@@ -32,6 +32,9 @@ const NOTE_RGB: Rgb = [0x00, 0x50, 0x82];
 const NOTE_HEIGHT_SHARE: f64 = 0.011;
 /// Letter height bounds, metres.
 const NOTE_HEIGHT_M: [f64; 2] = [0.05, 5.0];
+/// Cells farther than this from the first are left out: no lattice of a drawing is that wide, and
+/// numbers stay whole.
+const MAX_LATTICE_INDEX: f64 = 1e9;
 /// Swatches of a legend.
 const LEGEND_SWATCHES: usize = 6;
 /// Letters a line of a note holds.
@@ -81,13 +84,16 @@ pub fn heat_additions(
 
 /// Colour step by row and column of the cells with a value.
 fn steps_of(cells: &[Cell], origin: [f64; 2], spacing_m: f64, scale: Scale) -> BTreeMap<(i64, i64), u8> {
-    let index = |c: &Cell, k: usize| ((c.centre[k] - origin[k]) / spacing_m).round() as i64;
+    let index = |c: &Cell, k: usize| {
+        let i = ((c.centre[k] - origin[k]) / spacing_m).round();
+        (i.abs() <= MAX_LATTICE_INDEX).then_some(i as i64)
+    };
     let step = |v: f64| {
         let steps = MAX_HEAT_COLOURS as f64;
         (scale.fraction(v) * steps).min(steps - 1.0) as u8
     };
     let valued = cells.iter().filter_map(|c| Some((c, c.value.filter(|v| v.is_finite())?)));
-    valued.map(|(c, v)| ((index(c, 1), index(c, 0)), step(v))).collect()
+    valued.filter_map(|(c, v)| Some(((index(c, 1)?, index(c, 0)?), step(v)))).collect()
 }
 
 /// Cells of one colour: columns and rows from the first up to, not including, the second.
@@ -320,6 +326,14 @@ mod tests {
                 Mark::Path { .. } => panic!("no path expected"),
             }
         }
+    }
+
+    #[test]
+    fn cells_that_are_nowhere_are_left_out() {
+        let at = |x: f64| Cell { centre: [x, 0.0], value: Some(1.0) };
+        let cells = [at(0.0), at(f64::NAN), at(1e300), at(0.5 * (MAX_LATTICE_INDEX + 1.0))];
+        assert_eq!(heat_additions("X", &cells, 0.5, SCALE, Palette::Viridis).len(), 1);
+        assert_eq!(heat_additions("X", &cells, 0.0, SCALE, Palette::Viridis), []);
     }
 
     #[test]

@@ -1,16 +1,21 @@
-//! Lines over axes: how the search went on.
+//! Lines over axes: how the search went on, and what the spacing of the lattice changes.
 
-use super::canvas::{Anchor, Canvas, Pen};
+use super::canvas::{Anchor, Canvas, MIN_SIDE_PX, Pen, size_error};
 use super::font::{Weight, width_px};
 use super::frame::Key;
-use super::measure::{tick_labels, ticks};
+use super::measure::{short, tick_labels, ticks};
 use super::palette::{Rgb, option_style};
 use super::picture::{GREY, INK, PAPER};
 use crate::report::Error;
 
 const GRID: Rgb = [0xe4, 0xe6, 0xea];
+const CRITICAL: Rgb = [0xd5, 0x5e, 0x00];
 /// Height of a chart over its width.
 const ASPECT: f32 = 0.56;
+/// Height of one panel of the resolution study over the width.
+const PANEL_ASPECT: f32 = 0.22;
+/// Panels of the resolution study at most: what fits a sheet.
+pub const MAX_PANELS: usize = 8;
 
 /// One line of a chart.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,50 +26,140 @@ pub struct Series {
     pub points: Vec<(u64, f64)>,
 }
 
-/// Words of a chart.
-#[derive(Clone, Copy, Debug)]
-pub struct Words<'a> {
-    /// Headline.
-    pub title: &'a str,
-    /// What x counts.
-    pub x: &'a str,
-    /// What y shows.
-    pub y: &'a str,
-}
-
 /// The best value found over the number of layouts measured, as PNG.
 ///
 /// # Errors
 /// `picture-size` for a size out of range, `png` if the encoder fails.
 pub fn convergence_png(series: &[Series], longest_px: u32) -> Result<Vec<u8>, Error> {
-    let words = Words { title: "How the search went on", x: "layouts measured", y: "" };
-    let lines: Vec<Line<'_>> = series
-        .iter()
-        .map(|s| Line { name: &s.name, points: s.points.iter().map(|(x, y)| (*x as f64, *y)).collect() })
-        .collect();
-    chart_png(&lines, words, longest_px)
-}
-
-/// A named line in real numbers.
-#[derive(Clone, Debug)]
-pub(super) struct Line<'a> {
-    pub name: &'a str,
-    pub points: Vec<(f64, f64)>,
-}
-
-/// Draws lines over axes.
-pub(super) fn chart_png(lines: &[Line<'_>], words: Words<'_>, longest_px: u32) -> Result<Vec<u8>, Error> {
-    if longest_px < super::canvas::MIN_SIDE_PX {
-        return Err(super::canvas::size_error(longest_px));
-    }
-    let mut canvas = Canvas::new(longest_px, (longest_px as f32 * ASPECT) as u32)?;
-    let axes = Axes::over(lines, &canvas);
-    axes.draw(&mut canvas, words);
+    let mut canvas = sheet(longest_px, ASPECT)?;
+    let lines: Vec<Vec<[f64; 2]>> =
+        series.iter().map(|s| s.points.iter().map(|(x, y)| [*x as f64, *y]).collect()).collect();
+    let [width, height] = canvas.size().map(|s| s as f32);
+    let u = unit_px(&canvas);
+    let area = [120.0 * u, 110.0 * u, width - 50.0 * u, height - 130.0 * u];
+    let axes = Axes::over(lines.iter().flatten(), area, u);
+    let values = ticks(axes.x[0], axes.x[1], 8);
+    let marks: Vec<(f64, String)> = values.iter().copied().zip(tick_labels(&values)).collect();
+    axes.draw(&mut canvas, 6);
+    axes.draw_foot(&mut canvas, &marks, "layouts measured");
+    heading(&mut canvas, "Best values over the search");
     for (i, line) in lines.iter().enumerate() {
-        axes.draw_line(&mut canvas, i, line);
+        axes.draw_line(&mut canvas, line, option_style(i));
     }
-    axes.draw_keys(&mut canvas, lines);
+    draw_keys(&mut canvas, series, [area[0], area[3] + 92.0 * u], u);
     canvas.into_png()
+}
+
+/// One measure of a resolution study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// Name: `Visibility (degree)`.
+    pub name: String,
+    /// Spacing (metres, > 0), mean, and deviation over the sampled layouts (0 for one layout).
+    pub points: Vec<[f64; 3]>,
+}
+
+/// The measures over the spacing of the lattice (logarithmic), one panel each, with deviations as
+/// bars, as PNG. `critical_m` is the coarsest spacing from which they no longer change, if any.
+///
+/// # Errors
+/// `picture-size` for a size out of range or more than [`MAX_PANELS`] panels, `png` if the encoder
+/// fails.
+pub fn resolution_png(panels: &[Panel], critical_m: Option<f64>, longest_px: u32) -> Result<Vec<u8>, Error> {
+    if panels.len() > MAX_PANELS {
+        return Err(size_error(u32::MAX));
+    }
+    let count = panels.len().max(1) as f32;
+    let (head, foot) = (0.085, 0.075);
+    let aspect = head + count * PANEL_ASPECT + foot;
+    let wide = (longest_px as f32 / aspect.max(1.0)) as u32;
+    let mut canvas = sheet(wide, aspect)?;
+    let [width, _] = canvas.size().map(|s| s as f32);
+    let u = unit_px(&canvas);
+    let subtitle = critical_m.map_or_else(
+        || "No spacing studied is fine enough: the measures still change.".to_owned(),
+        |s| format!("From {} m on, a finer lattice changes no measure by more than the tolerance.", short(s)),
+    );
+    heading(&mut canvas, "Critical resolution");
+    canvas.text(&subtitle, [44.0 * u, 96.0 * u], Anchor::Left, (22.0 * u, Weight::Regular, GREY));
+    let x = log_range(panels);
+    for (i, panel) in panels.iter().enumerate() {
+        let top = (head + i as f32 * PANEL_ASPECT) * width;
+        let area = [140.0 * u, top + 56.0 * u, width - 50.0 * u, top + PANEL_ASPECT * width - 14.0 * u];
+        let is_last = i + 1 == panels.len();
+        draw_panel(&mut canvas, panel, x, area, critical_m, is_last);
+    }
+    canvas.into_png()
+}
+
+fn log_range(panels: &[Panel]) -> [f64; 2] {
+    let spacings = panels.iter().flat_map(|p| &p.points).map(|p| p[0].log10()).filter(|v| v.is_finite());
+    let [lo, hi] = range(spacings);
+    let pad = (hi - lo) * 0.03;
+    [lo - pad, hi + pad]
+}
+
+fn draw_panel(
+    canvas: &mut Canvas,
+    panel: &Panel,
+    x: [f64; 2],
+    area: [f32; 4],
+    critical_m: Option<f64>,
+    is_last: bool,
+) {
+    let u = unit_px(canvas);
+    let ends = panel.points.iter().flat_map(|p| [[p[0].log10(), p[1] - p[2]], [p[0].log10(), p[1] + p[2]]]);
+    let ends: Vec<[f64; 2]> = ends.collect();
+    let axes = Axes { x, ..Axes::over(ends.iter(), area, u) };
+    axes.draw(canvas, 4);
+    canvas.text(&panel.name, [area[0], area[1] - 16.0 * u], Anchor::Left, (22.0 * u, Weight::Bold, INK));
+    let seldom = panel.points.len().div_ceil(10).max(1);
+    let marks: Vec<(f64, String)> =
+        panel.points.iter().step_by(seldom).map(|p| (p[0].log10(), short(p[0]))).collect();
+    if is_last {
+        axes.draw_foot(canvas, &marks, "spacing of the lattice, m (finer to the left)");
+    }
+    if let Some(at) = critical_m.map(|s| axes.to_px([s.log10(), axes.y[0]])[0]).filter(|x| x.is_finite()) {
+        let dash = [8.0 * u, 6.0 * u];
+        let pen = Pen { dash_px: &dash, ..Pen::solid(CRITICAL, 3.0 * u) };
+        canvas.line(&[[at, area[1]], [at, area[3]]], pen);
+    }
+    for bar in ends.chunks_exact(2) {
+        canvas.line(&[axes.to_px(bar[0]), axes.to_px(bar[1])], Pen::solid(GREY, 2.0 * u));
+    }
+    let line: Vec<[f64; 2]> = panel.points.iter().map(|p| [p[0].log10(), p[1]]).collect();
+    axes.draw_line(canvas, &line, option_style(0));
+    for p in &line {
+        let [px, py] = axes.to_px(*p);
+        canvas.line(&[[px - 2.0 * u, py], [px + 2.0 * u, py]], Pen::solid(option_style(0).0, 9.0 * u));
+    }
+}
+
+fn sheet(width: u32, aspect: f32) -> Result<Canvas, Error> {
+    if width < MIN_SIDE_PX {
+        return Err(size_error(width));
+    }
+    Canvas::new(width, (width as f32 * aspect) as u32)
+}
+
+fn unit_px(canvas: &Canvas) -> f32 {
+    (canvas.size()[0] as f32 / 1600.0).max(0.38)
+}
+
+fn heading(canvas: &mut Canvas, text: &str) {
+    let u = unit_px(canvas);
+    canvas.text(text, [44.0 * u, 60.0 * u], Anchor::Left, (34.0 * u, Weight::Bold, INK));
+}
+
+/// Smallest and largest finite value, apart from each other; `[0, 1]` if there are none.
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let finite = values.filter(|v| v.is_finite());
+    let (lo, hi) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    match hi - lo {
+        span if span > 0.0 => [lo, hi],
+        0.0 => [lo - 0.5, hi + 0.5],
+        _ => [0.0, 1.0],
+    }
 }
 
 struct Axes {
@@ -76,80 +171,73 @@ struct Axes {
 }
 
 impl Axes {
-    fn over(lines: &[Line<'_>], canvas: &Canvas) -> Self {
-        let points = || lines.iter().flat_map(|l| &l.points).filter(|p| p.0.is_finite() && p.1.is_finite());
-        let span = |values: &mut dyn Iterator<Item = f64>| {
-            let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-            if lo > hi {
-                [0.0, 1.0]
-            } else if lo == hi {
-                [lo - 0.5, lo + 0.5]
-            } else {
-                [lo, hi]
-            }
-        };
-        let x = span(&mut points().map(|p| p.0));
-        let [lo, hi] = span(&mut points().map(|p| p.1));
+    fn over<'a>(points: impl Iterator<Item = &'a [f64; 2]> + Clone, area: [f32; 4], unit: f32) -> Self {
+        let finite = points.filter(|p| p[0].is_finite() && p[1].is_finite());
+        let x = range(finite.clone().map(|p| p[0]));
+        let [lo, hi] = range(finite.map(|p| p[1]));
         let pad = (hi - lo) * 0.06;
-        let [width, height] = canvas.size().map(|s| s as f32);
-        let unit = (width / 1600.0).max(0.5);
-        let area = [120.0 * unit, 120.0 * unit, width - 50.0 * unit, height - 130.0 * unit];
         Self { unit, area, x, y: [lo - pad, hi + pad] }
     }
 
-    fn to_px(&self, (x, y): (f64, f64)) -> [f32; 2] {
+    fn to_px(&self, [x, y]: [f64; 2]) -> [f32; 2] {
         let [left, top, right, bottom] = self.area;
         let fx = ((x - self.x[0]) / (self.x[1] - self.x[0])) as f32;
         let fy = ((y - self.y[0]) / (self.y[1] - self.y[0])) as f32;
         [left + fx * (right - left), bottom - fy * (bottom - top)]
     }
 
-    fn draw(&self, canvas: &mut Canvas, words: Words<'_>) {
+    /// Horizontal rules with their values, and the line at the bottom.
+    fn draw(&self, canvas: &mut Canvas, rules: usize) {
         let u = self.unit;
-        let [left, top, right, bottom] = self.area;
-        let letters = (22.0 * u, Weight::Regular, GREY);
-        let values = ticks(self.y[0], self.y[1], 6);
+        let [left, _, right, bottom] = self.area;
+        let values = ticks(self.y[0], self.y[1], rules);
         for (value, label) in values.iter().zip(tick_labels(&values)) {
-            let y = self.to_px((self.x[0], *value))[1];
+            let y = self.to_px([self.x[0], *value])[1];
             canvas.line(&[[left, y], [right, y]], Pen::solid(GRID, 1.5 * u));
-            canvas.text(&label, [left - 14.0 * u, y + 8.0 * u], Anchor::Right, letters);
-        }
-        let values = ticks(self.x[0], self.x[1], 8);
-        for (value, label) in values.iter().zip(tick_labels(&values)) {
-            let x = self.to_px((*value, self.y[0]))[0];
-            canvas.line(&[[x, bottom], [x, bottom + 8.0 * u]], Pen::solid(GREY, 1.5 * u));
-            canvas.text(&label, [x, bottom + 34.0 * u], Anchor::Middle, letters);
+            let at = [left - 14.0 * u, y + 8.0 * u];
+            canvas.text(&label, at, Anchor::Right, (22.0 * u, Weight::Regular, GREY));
         }
         canvas.line(&[[left, bottom], [right, bottom]], Pen::solid(GREY, 2.0 * u));
-        let title = (34.0 * u, Weight::Bold, INK);
-        canvas.text(words.title, [44.0 * u, 60.0 * u], Anchor::Left, title);
-        canvas.text(words.y, [44.0 * u, top - 16.0 * u], Anchor::Left, letters);
-        canvas.text(words.x, [right, bottom + 66.0 * u], Anchor::Right, letters);
     }
 
-    fn draw_line(&self, canvas: &mut Canvas, i: usize, line: &Line<'_>) {
-        let (rgb, dash) = option_style(i);
+    /// Marks below the bottom line and what they count; a label that would touch the one before is
+    /// left out.
+    fn draw_foot(&self, canvas: &mut Canvas, marks: &[(f64, String)], name: &str) {
+        let u = self.unit;
+        let [_, _, right, bottom] = self.area;
+        let letters = (22.0 * u, Weight::Regular, GREY);
+        let mut free_from = f32::NEG_INFINITY;
+        for (value, label) in marks {
+            let x = self.to_px([*value, self.y[0]])[0];
+            canvas.line(&[[x, bottom], [x, bottom + 8.0 * u]], Pen::solid(GREY, 1.5 * u));
+            let half = width_px(label, letters.0, letters.1) / 2.0;
+            if x - half > free_from {
+                canvas.text(label, [x, bottom + 34.0 * u], Anchor::Middle, letters);
+                free_from = x + half + 8.0 * u;
+            }
+        }
+        canvas.text(name, [right, bottom + 66.0 * u], Anchor::Right, letters);
+    }
+
+    fn draw_line(&self, canvas: &mut Canvas, line: &[[f64; 2]], (rgb, dash): (Rgb, &[f32])) {
         let width_px = 4.0 * self.unit;
         let dash: Vec<f32> = dash.iter().map(|d| d * width_px * 0.7).collect();
         let pen = Pen { dash_px: &dash, ..Pen::solid(rgb, width_px) };
-        for run in line.points.split(|p| !p.1.is_finite()).filter(|run| !run.is_empty()) {
+        for run in line.split(|p| !p[1].is_finite()).filter(|run| !run.is_empty()) {
             let px: Vec<[f32; 2]> = run.iter().map(|p| self.to_px(*p)).collect();
             canvas.line(&px, Pen::solid(PAPER, width_px * 1.8));
             canvas.line(&px, pen);
         }
     }
+}
 
-    fn draw_keys(&self, canvas: &mut Canvas, lines: &[Line<'_>]) {
-        let u = self.unit;
-        let mut x = self.area[0];
-        let y = self.area[3] + 92.0 * u;
-        for (i, line) in lines.iter().enumerate() {
-            let (rgb, dash) = option_style(i);
-            let dash: Vec<f32> = dash.iter().map(|d| d * 2.2 * u).collect();
-            let key = Key::line(line.name, Pen { dash_px: &dash, ..Pen::solid(rgb, 4.0 * u) });
-            (key.draw)(canvas, [x, y - 18.0 * u, x + 36.0 * u, y + 2.0 * u]);
-            canvas.text(&key.word, [x + 46.0 * u, y], Anchor::Left, (22.0 * u, Weight::Regular, INK));
-            x += 80.0 * u + width_px(&key.word, 22.0 * u, Weight::Regular);
-        }
+fn draw_keys(canvas: &mut Canvas, series: &[Series], [mut x, y]: [f32; 2], u: f32) {
+    for (i, line) in series.iter().enumerate() {
+        let (rgb, dash) = option_style(i);
+        let dash: Vec<f32> = dash.iter().map(|d| d * 2.2 * u).collect();
+        let key = Key::line(line.name.as_str(), Pen { dash_px: &dash, ..Pen::solid(rgb, 4.0 * u) });
+        (key.draw)(canvas, [x, y - 18.0 * u, x + 36.0 * u, y + 2.0 * u]);
+        canvas.text(&key.word, [x + 46.0 * u, y], Anchor::Left, (22.0 * u, Weight::Regular, INK));
+        x += 80.0 * u + width_px(&key.word, 22.0 * u, Weight::Regular);
     }
 }

@@ -9,6 +9,7 @@ use super::picture::{
 };
 use crate::report::Error;
 
+const SOLID: Rgb = [0x8c, 0x91, 0x9a];
 const MOVABLE: Rgb = [0x00, 0x72, 0xb2];
 const OPENING: Rgb = [0x00, 0x9e, 0x73];
 const LEFT_OUT: Rgb = [0xb0, 0xb4, 0xba];
@@ -47,26 +48,35 @@ fn draw_plan(canvas: &mut Canvas, frame: &Frame, picture: &PlanPicture) {
             draw_region(canvas, frame, region, look, tint);
         }
     }
-    draw_strokes(canvas, frame, &picture.strokes, |kind| match kind {
-        StrokeKind::Fixed | StrokeKind::Movable => None,
-        other => stroke_look(other),
-    });
-    for kind in [StrokeKind::Fixed, StrokeKind::Movable] {
-        let of_kind = |s: &&Stroke| s.kind == kind;
-        if let Some(look) = stroke_look(kind) {
-            draw_alike(canvas, frame, picture.strokes.iter().filter(of_kind), look);
-        }
-    }
+    draw_strokes(canvas, frame, &picture.strokes, stroke_look);
+    draw_fixed(canvas, frame, picture);
+    let movable = picture.strokes.iter().filter(|s| s.kind == StrokeKind::Movable);
+    draw_alike(canvas, frame, movable, MOVABLE_LOOK);
 }
 
+/// Walls in ink; solids in grey with an outline, so that a column is told from a wall.
+fn draw_fixed(canvas: &mut Canvas, frame: &Frame, picture: &PlanPicture) {
+    let fixed = || picture.strokes.iter().filter(|s| s.kind == StrokeKind::Fixed);
+    draw_alike(canvas, frame, fixed().filter(|s| s.filled), Look::solid(SOLID, 1.0, 0.0));
+    let outlines: Vec<Stroke> =
+        fixed().filter(|s| s.filled).map(|s| Stroke { filled: false, ..s.clone() }).collect();
+    draw_alike(canvas, frame, outlines.iter(), Look::solid(INK, 0.5, 0.0));
+    draw_alike(canvas, frame, fixed().filter(|s| !s.filled), FIXED_LOOK);
+}
+
+const FIXED_LOOK: Look = Look::solid(INK, 1.2, 0.0);
+const MOVABLE_LOOK: Look = Look::solid(MOVABLE, 1.5, 0.4);
+const OPENING_LOOK: Look = Look::solid(OPENING, 1.0, 0.0).dashed(&[2.0, 2.0]);
+const IGNORED_LOOK: Look = Look::solid(LEFT_OUT, 0.5, 0.0);
+
+/// Looks of what is neither fixed nor movable.
 fn stroke_look(kind: StrokeKind) -> Option<Look> {
     match kind {
-        StrokeKind::Fixed => Some(Look::solid(INK, 1.2, 0.0)),
-        StrokeKind::Movable => Some(Look::solid(MOVABLE, 1.5, 0.4)),
-        StrokeKind::Opening => Some(Look::solid(OPENING, 1.0, 0.0).dashed(&[2.0, 2.0])),
-        StrokeKind::Ignored => Some(Look::solid(LEFT_OUT, 0.5, 0.0)),
+        StrokeKind::Fixed | StrokeKind::Movable => None,
+        StrokeKind::Opening => Some(OPENING_LOOK),
+        StrokeKind::Ignored => Some(IGNORED_LOOK),
         StrokeKind::Before => Some(Look::solid(GREY, 0.6, 0.0).dashed(&[4.0, 3.0])),
-        StrokeKind::Moved => Some(Look::solid(MOVABLE, 1.5, 0.4)),
+        StrokeKind::Moved => Some(MOVABLE_LOOK),
     }
 }
 
@@ -87,11 +97,14 @@ struct Sample {
 }
 
 fn samples_of(picture: &PlanPicture) -> Vec<Sample> {
+    let fixed =
+        |filled: bool| picture.strokes.iter().any(|s| s.kind == StrokeKind::Fixed && s.filled == filled);
     let strokes = [
-        (StrokeKind::Fixed, "wall or solid, stays"),
-        (StrokeKind::Movable, "may move"),
-        (StrokeKind::Opening, "opening"),
-        (StrokeKind::Ignored, "left out"),
+        (fixed(false), "wall, stays", FIXED_LOOK),
+        (fixed(true), "solid, stays", Look::solid(SOLID, 2.2, 0.0)),
+        (picture.has(StrokeKind::Movable), "may move", MOVABLE_LOOK),
+        (picture.has(StrokeKind::Opening), "opening", OPENING_LOOK),
+        (picture.has(StrokeKind::Ignored), "left out", IGNORED_LOOK),
     ];
     let regions = [
         (RegionKind::Query, "measured here (query)"),
@@ -99,10 +112,8 @@ fn samples_of(picture: &PlanPicture) -> Vec<Sample> {
         (RegionKind::Move, "moves together"),
         (RegionKind::Keep, "stays as it is (keep)"),
     ];
-    let strokes = strokes
-        .into_iter()
-        .filter(|(kind, _)| picture.has(*kind))
-        .filter_map(|(kind, word)| Some(Sample { word, look: stroke_look(kind)?, tint: None }));
+    let strokes = strokes.into_iter().filter(|(is_there, ..)| *is_there);
+    let strokes = strokes.map(|(_, word, look)| Sample { word, look, tint: None });
     let regions = regions.into_iter().filter(|(kind, _)| picture.regions.iter().any(|r| r.kind == *kind));
     let regions = regions.map(|(kind, word)| {
         let (look, tint) = region_look(kind);

@@ -76,7 +76,8 @@ fn draw_cells(canvas: &mut Canvas, frame: &Frame, map: &HeatMap<'_>) {
             continue;
         }
         let [x0, y0] = lo.map(|v| v.round() as i32);
-        let [x1, y1] = [0, 1].map(|k| (hi[k].round() as i32).max([x0, y0][k] + SMALLEST_CELL_PX));
+        let [x1, y1] =
+            [0, 1].map(|k| (hi[k].round() as i32).max([x0, y0][k].saturating_add(SMALLEST_CELL_PX)));
         match cell.value.filter(|v| v.is_finite()) {
             Some(value) => canvas.rect([x0, y0, x1, y1], map.palette.at(map.scale.fraction(value))),
             None => canvas.block([x0, y0, x1, y1], unmeasured),

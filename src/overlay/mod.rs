@@ -21,10 +21,10 @@ pub mod result;
 pub mod words;
 
 pub use additions::{heat_additions, heat_legend, moved_additions};
-pub use chart::{Series, convergence_png};
+pub use chart::{Panel, Series, convergence_png, resolution_png};
 pub use check::check_png;
 pub use diversity::diversity_png;
 pub use heat_map::{HeatMap, heat_map_png};
-pub use page::{ArchivePoint, ReportInput, View, report_html};
+pub use page::{ArchivePoint, ReportInput, RoundCard, View, overview_html, report_html};
 pub use palette::{Palette, Scale};
 pub use picture::{Cell, PlanPicture, RegionKind, RegionOutline, Stroke, StrokeKind};

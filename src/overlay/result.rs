@@ -290,7 +290,7 @@ impl From<&report::Problem> for ProblemEntry {
 }
 
 /// `result.json` of one round.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RoundResult {
     /// [`RESULT_SCHEMA`].
     pub schema: String,

@@ -7,10 +7,7 @@ use rayon::prelude::*;
 use super::show::{self, SHOWN};
 use super::study::{Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress, heat_map, rayon_map};
-use crate::analysis::Obstacles;
-use crate::analysis::forest::tally;
-use crate::analysis::visibility::visibility_graph;
-use crate::config::{Measure, Method, Mode, Penalty, Settings};
+use crate::config::{Measure, Method, Mode, Settings};
 use crate::formats::dxf;
 use crate::moves::Layout;
 use crate::overlay::result::{

@@ -17,8 +17,10 @@ pub const DOOR_SPACING_M: f64 = 0.75;
 pub const VERTICES_FOR_DOORS: f64 = 12_000.0;
 
 /// Spacings that are offered, finest first.
-const SERIES_M: [f64; 16] =
-    [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0];
+const SERIES_M: [f64; 20] = [
+    0.005, 0.01, 0.02, 0.03, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0,
+    10.0,
+];
 
 /// A spacing and where it comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +41,9 @@ pub fn choose(base: &Understood, settings: &Settings, report: &mut Report) -> Sp
     let by_budget =
         SERIES_M.iter().find(|s| fits(s, VERTEX_BUDGET)).copied().unwrap_or(SERIES_M[SERIES_M.len() - 1]);
     let by_doors = SERIES_M.iter().find(|s| fits(s, VERTICES_FOR_DOORS)).copied().unwrap_or(by_budget);
-    let spacing_m = by_budget.min(by_doors.max(DOOR_SPACING_M));
+    let door_m = DOOR_SPACING_M * base.plan.human_scale * 1.001;
+    let for_doors = SERIES_M.iter().rev().find(|s| **s <= door_m).copied().unwrap_or(SERIES_M[0]);
+    let spacing_m = by_budget.min(by_doors.max(for_doors));
     let reason = format!("about {:.0} vertices for {area_m2:.0} m²", area_m2 / (spacing_m * spacing_m));
     let text = format!("spacing {spacing_m} m: {reason}; --spacing overrides it");
     report.info("spacing", Place::file(&base.plan.file), text);

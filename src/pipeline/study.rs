@@ -64,7 +64,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
         !settings.moves.is_empty() || (!plan.markers.groups.is_empty() && !settings.ignore_move_markers);
     let needs_inside = plan.markers.query.is_empty() || plan.markers.reference.is_empty();
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
-    let interior = if needs_interior { Interior::new(&all) } else { None };
+    let interior = if needs_interior { Interior::new(&all, plan.human_scale) } else { None };
     let moves = moves(&drawing, &plan, &graph, interior.as_ref(), settings, report)?;
     Ok(Understood { plan, graph, moves, interior })
 }

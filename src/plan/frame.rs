@@ -10,11 +10,29 @@ use super::geometry::{PointUm, UM_PER_M};
 pub const FAR_ORIGIN_M: f64 = 10_000.0;
 
 /// Building sizes (longer side of the walls' box) that are believed without a word.
-pub const PLAUSIBLE_SIZE_M: [f64; 2] = [3.0, 2_000.0];
+pub const PLAUSIBLE_SIZE_M: [f64; 2] = [SMALL_PLAN_M, 2_000.0];
+
+/// Plans smaller than this (longer side) are taken as drawn at an unknown scale: what is measured in
+/// human sizes (doors, wall thickness, default moves) shrinks with them.
+pub const SMALL_PLAN_M: f64 = 8.0;
+
+/// The size that a plan of unknown scale is taken to stand for.
+const USUAL_PLAN_M: f64 = 40.0;
+
+/// Metres of the plan in one metre of a person: 1, but less in plans smaller than [`SMALL_PLAN_M`].
+pub fn human_scale(size_m: f64) -> f64 {
+    if size_m <= 0.0 || size_m >= SMALL_PLAN_M {
+        return 1.0;
+    }
+    // Two digits, so that what is derived from it reads well.
+    let exact = size_m / USUAL_PLAN_M;
+    let unit = 10f64.powf(exact.log10().floor() - 1.0);
+    (exact / unit).round() * unit
+}
 
 /// Sizes by which a missing unit is chosen: narrower than [`PLAUSIBLE_SIZE_M`], so that exactly one of
 /// neighbouring units fits most buildings.
-const LIKELY_SIZE_M: [f64; 2] = [5.0, 400.0];
+const LIKELY_SIZE_M: [f64; 2] = [8.0, 400.0];
 
 /// Units the user can name, and the order in which a missing one is tried.
 pub const UNITS: [Unit; 5] = [
@@ -26,8 +44,16 @@ pub const UNITS: [Unit; 5] = [
 ];
 
 /// A unit by the name used on the command line, in markers and side-cars.
+///
+/// A number before it makes a unit of its own: `25m` says that one drawing unit is 25 m.
 pub fn unit_by_name(name: &str) -> Option<Unit> {
-    UNITS.into_iter().find(|u| u.name == name)
+    let letters = name.find(|c: char| c.is_ascii_alphabetic())?;
+    let base = UNITS.into_iter().find(|u| u.name == &name[letters..])?;
+    if letters == 0 {
+        return Some(base);
+    }
+    let factor = name[..letters].trim().parse::<f64>().ok().filter(|f| f.is_finite() && *f > 0.0)?;
+    Some(Unit { name: "units", metres: factor * base.metres })
 }
 
 /// Which unit the drawing is read in, and why.
@@ -47,7 +73,12 @@ pub struct UnitChoice {
 pub fn choose_unit(drawing: &Drawing, user: Option<Unit>, extent_units: f64) -> UnitChoice {
     let said = &drawing.declared_unit_words;
     if let Some(unit) = user {
-        let reason = format!("{} as you said (the file: {said})", unit.name);
+        let what = if unit.name == "units" {
+            format!("one drawing unit is {} m", unit.metres)
+        } else {
+            unit.name.into()
+        };
+        let reason = format!("{what} as you said (the file: {said})");
         return UnitChoice { unit, reason, is_assumed: false };
     }
     if let Some(unit) = drawing.declared_unit {

@@ -7,16 +7,15 @@
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 
 /// Half widths of the openings that count as closed, metres, tried in order; 0 is the exact flood.
-pub const CLOSING_M: [f64; 4] = [0.0, 0.6, 1.25, 2.5];
+pub const CLOSING_M: [f64; 4] = [0.0, 0.6, 1.25, 2.0];
 
 /// A closing is enough when it encloses this share of what the widest one encloses.
-const ENOUGH: f64 = 0.5;
+const ENOUGH: f64 = 0.7;
 
-/// An enclosed part that is nowhere farther than this from a wall is a cavity inside a wall (the same
-/// measure by which an outline is solid).
-pub const CAVITY_HALF_WIDTH_M: f64 = 0.5;
+/// An enclosed part that is nowhere farther than this from a wall is a cavity inside a wall.
+pub const CAVITY_HALF_WIDTH_M: f64 = 0.3;
 
-/// Finest pixel.
+/// Finest pixel, metres of a person.
 const PIXEL_MIN_M: f64 = 0.05;
 
 /// Pixels along the longer side.
@@ -36,18 +35,19 @@ pub struct Interior {
 }
 
 impl Interior {
-    /// Finds the interior of the walls as they stand. `None` without walls.
-    pub fn new(walls: &[Segment]) -> Option<Self> {
-        let mut raster = Raster::new(walls)?;
+    /// Finds the interior of the walls as they stand. `None` without walls. All lengths that mean a
+    /// person's shrink with `human_scale`.
+    pub fn new(walls: &[Segment], human_scale: f64) -> Option<Self> {
+        let mut raster = Raster::new(walls, human_scale)?;
         raster.draw(walls);
         let to_wall = distance_px(&raster.wall, raster.cols, raster.rows);
         let enclosed: Vec<(f64, Vec<bool>)> =
-            CLOSING_M.iter().map(|c| (*c, raster.enclosed(&to_wall, *c))).collect();
+            CLOSING_M.iter().map(|c| c * human_scale).map(|c| (c, raster.enclosed(&to_wall, c))).collect();
         let count =
             |inside: &[bool]| inside.iter().zip(&to_wall).filter(|(i, d)| **i && **d > 0.0).count() as f64;
         let widest = enclosed.last().map_or(0.0, |e| count(&e.1));
         let (closing_m, inside) = enclosed.into_iter().find(|e| count(&e.1) >= ENOUGH * widest)?;
-        let cavity = raster.cavities(&inside, &to_wall);
+        let cavity = raster.cavities(&inside, &to_wall, CAVITY_HALF_WIDTH_M * human_scale);
         let outside: Vec<bool> = inside.iter().map(|i| !i).collect();
         let outside_far = distance_px(&outside, raster.cols, raster.rows);
         Some(Self {
@@ -105,7 +105,7 @@ struct Raster {
 }
 
 impl Raster {
-    fn new(walls: &[Segment]) -> Option<Self> {
+    fn new(walls: &[Segment], human_scale: f64) -> Option<Self> {
         let (mut lo, mut hi) = ([i64::MAX; 2], [i64::MIN; 2]);
         for p in walls.iter().flat_map(|w| [w.a, w.b]) {
             for k in 0..2 {
@@ -117,9 +117,9 @@ impl Raster {
             return None;
         }
         let long = (hi[0] - lo[0]).max(hi[1] - lo[1]) as f64;
-        let pixel_um = (long / PIXELS_ALONG).max(PIXEL_MIN_M * UM_PER_M) as i64;
+        let pixel_um = (long / PIXELS_ALONG).max(PIXEL_MIN_M * human_scale * UM_PER_M) as i64;
         // Room for the widest disc all round.
-        let pad = (CLOSING_M[CLOSING_M.len() - 1] * UM_PER_M) as i64 / pixel_um + 3;
+        let pad = (CLOSING_M[CLOSING_M.len() - 1] * human_scale * UM_PER_M) as i64 / pixel_um + 3;
         let size = |k: usize| ((hi[k] - lo[k]) / pixel_um + 2 * pad + 1) as usize;
         let (cols, rows) = (size(0), size(1));
         let origin_um = [lo[0] - pad * pixel_um, lo[1] - pad * pixel_um];
@@ -177,8 +177,8 @@ impl Raster {
     }
 
     /// Enclosed parts that are nowhere far from a wall.
-    fn cavities(&self, inside: &[bool], to_wall: &[f32]) -> Vec<bool> {
-        let reach = (CAVITY_HALF_WIDTH_M * UM_PER_M / self.pixel_um as f64) as f32;
+    fn cavities(&self, inside: &[bool], to_wall: &[f32], half_width_m: f64) -> Vec<bool> {
+        let reach = (half_width_m * UM_PER_M / self.pixel_um as f64) as f32;
         let mut cavity = vec![false; inside.len()];
         let mut seen = vec![false; inside.len()];
         let open = |i: usize| inside[i] && !self.wall[i];

@@ -111,6 +111,9 @@ pub struct Plan {
     pub markers: Markers,
     /// What became of every layer that holds something.
     pub layers: Vec<LayerUse>,
+    /// Metres of the plan in one metre of a person; 1 unless the plan is far too small
+    /// ([`frame::human_scale`]).
+    pub human_scale: f64,
 }
 
 /// The user's word on how to read a drawing.
@@ -139,7 +142,8 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     };
     let unit = frame::choose_unit(drawing, options.unit, (extent[1] - extent[0]).max_element());
     let frame = Frame::new(unit.unit.metres, extent);
-    state_unit(drawing, &unit, (extent[1] - extent[0]).max_element() * unit.unit.metres, report);
+    let size_m = (extent[1] - extent[0]).max_element() * unit.unit.metres;
+    state_unit(drawing, &unit, size_m, report);
     let markers = markers::read(drawing, options, &frame, report);
     let mut walls: Vec<Wall> = chosen.walls.iter().map(|e| wall_of(e, &frame)).collect();
     outline::mark_solids(&mut walls, &markers);
@@ -151,6 +155,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         walls,
         markers,
         layers: chosen.layers,
+        human_scale: frame::human_scale(size_m),
     })
 }
 
@@ -265,8 +270,8 @@ fn state_unit(drawing: &Drawing, unit: &UnitChoice, size_m: f64, report: &mut Re
     if !(PLAUSIBLE_SIZE_M[0]..=PLAUSIBLE_SIZE_M[1]).contains(&size_m) {
         let [lo, hi] = PLAUSIBLE_SIZE_M;
         let text = format!(
-            "walls are {size_m:.3} m long when read in {}, expected {lo} to {hi} m for a building; \
-             read as stated; --unit overrides it",
+            "the drawing is {size_m:.3} m long when read in {}, expected {lo} to {hi} m for a building; read as stated, \
+             doors and default moves taken in proportion; --unit overrides it (--unit 25m: one drawing unit is 25 m)",
             unit.unit.name
         );
         report.info("unit-implausible", place, text);

@@ -112,13 +112,24 @@ impl Limits {
             let within = |&i: &usize| archive.hard(i) == 0.0 && limits.admits(archive.gains(i), j, 0.0);
             let gain = |i: usize| archive.gains(i)[j];
             let best = (0..archive.len()).filter(within).reduce(|a, b| if gain(b) > gain(a) { b } else { a });
-            let top = best.map_or(0.0, gain);
-            limits.best.push(best);
-            limits.base.push(base(archive, objective, j, top));
-            limits.top.push(top);
-            limits.threshold.push(objective.threshold);
+            limits.add(archive, objective, best);
         }
         limits
+    }
+
+    /// `T ← T ∪ t(l, ∞, ·)`: the threshold of the next objective, whose best point is `best`.
+    pub(super) fn add(&mut self, archive: &Archive, objective: &Objective, best: Option<usize>) {
+        let j = self.top.len();
+        let top = best.map_or(0.0, |i| archive.gains(i)[j]);
+        self.best.push(best);
+        self.base.push(base(archive, objective, j, top));
+        self.top.push(top);
+        self.threshold.push(objective.threshold);
+    }
+
+    /// How far each threshold is missed, in ranges; 0 where it is kept.
+    pub(super) fn misses(&self, gains: &[f64]) -> impl Iterator<Item = f64> {
+        (0..self.top.len()).map(|j| ((self.limit(j, 0.0) - gains[j]) / self.range(j)).max(0.0))
     }
 
     /// Whether the newest point `i` can change these limits.
@@ -147,11 +158,6 @@ impl Limits {
         if range > NO_RANGE { range } else { 1.0 }
     }
 
-    /// Best gain of objective `j` (0 where no point is feasible).
-    pub(super) fn top(&self, j: usize) -> f64 {
-        self.top[j]
-    }
-
     /// The level below which a gain is only "bad": the surrogate does not follow the cliffs there.
     pub(super) fn floor(&self, j: usize, share: f64) -> f64 {
         self.top[j] - (1.0 - share) * self.range(j)
@@ -165,7 +171,9 @@ impl Limits {
     /// How far inside the thresholds of the first `count` objectives a point lies, in ranges:
     /// the smallest `(f − l) / range`; negative outside.
     pub(super) fn slack(&self, gains: &[f64], count: usize, margin: f64) -> f64 {
-        (0..count).map(|j| (gains[j] - self.limit(j, margin)) / self.range(j)).fold(f64::INFINITY, f64::min)
+        (0..count)
+            .map(|j| (gains[j] - self.limit(j, margin)) / self.range(j))
+            .fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -177,8 +185,7 @@ fn base(archive: &Archive, objective: &Objective, j: usize, top: f64) -> f64 {
     if start.is_finite() && top - start > NO_RANGE {
         return start;
     }
-    let mut gains: Vec<f64> =
-        (0..archive.len()).map(|i| archive.gains(i)[j]).filter(|g| g.is_finite()).collect();
+    let mut gains: Vec<f64> = (0..archive.len()).map(|i| archive.gains(i)[j]).filter(|g| g.is_finite()).collect();
     if gains.is_empty() {
         return top;
     }

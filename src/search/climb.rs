@@ -11,6 +11,7 @@ use rand_distr::StandardNormal;
 
 use super::archive::{Archive, Limits};
 use super::space::{reflect, square_distance};
+use super::models::Models;
 use super::surrogate::Surrogate;
 use super::tuning::Tuning;
 
@@ -49,7 +50,6 @@ pub(super) struct Climb {
     ends: Vec<usize>,
     restarts: usize,
     weight: usize,
-    surrogate: Surrogate,
 }
 
 /// What a climb looks at: the archive and its thresholds.
@@ -66,8 +66,9 @@ pub(super) struct View<'a> {
 impl View<'_> {
     /// What a climb on `stage` maximises: the gain, less what it misses of earlier thresholds.
     fn merit(&self, gains: &[f64], stage: usize) -> f64 {
-        let missed: f64 =
-            (0..stage).map(|j| (self.limits.limit(j, 0.0) - gains[j]).max(0.0) / self.limits.range(j)).sum();
+        let missed: f64 = (0..stage)
+            .map(|j| (self.limits.limit(j, 0.0) - gains[j]).max(0.0) / self.limits.range(j))
+            .sum();
         gains[stage] - 3.0 * missed * self.limits.range(stage)
     }
 
@@ -89,11 +90,7 @@ impl View<'_> {
     }
 
     fn merit_of(&self, i: usize, stage: usize) -> f64 {
-        if self.archive.hard(i).is_finite() {
-            self.merit(self.archive.gains(i), stage)
-        } else {
-            f64::NEG_INFINITY
-        }
+        if self.archive.hard(i).is_finite() { self.merit(self.archive.gains(i), stage) } else { f64::NEG_INFINITY }
     }
 
     /// What a surrogate learns of objective `j` at point `i`: the gain, levelled below the floor.
@@ -115,7 +112,6 @@ impl Climb {
             ends: vec![],
             restarts: 0,
             weight: 0,
-            surrogate: Surrogate::default(),
         }
     }
 
@@ -134,34 +130,29 @@ impl Climb {
         self.failures = 0;
     }
 
-    /// Number of climbs that have converged.
-    pub(super) fn restarts(&self) -> usize {
-        self.restarts
-    }
-
-    pub(super) fn propose(&mut self, view: &View<'_>, rng: &mut ChaCha8Rng) -> (Vec<f64>, Step) {
+    pub(super) fn propose(&mut self, view: &View<'_>, models: &mut Models, rng: &mut ChaCha8Rng) -> (Vec<f64>, Step) {
         let dims = view.archive.dims();
         let Some(centre) = self.centre else {
             if self.restart_pending {
                 return (random_point(dims, rng), Step::Raw);
             }
             self.restart_pending = true;
-            return (self.restart(view, rng), Step::Restart);
+            return (self.restart(view, models, rng), Step::Restart);
         };
         if rng.random::<f64>() < view.tuning.raw_share {
             return (self.raw_jump(view, centre, rng), Step::Raw);
         }
-        (self.screened_step(view, centre, rng), Step::Screened)
+        (self.screened_step(view, models, centre, rng), Step::Screened)
     }
 
-    fn screened_step(&mut self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    fn screened_step(&mut self, view: &View<'_>, models: &mut Models, centre: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
         let at = view.archive.unit(centre);
         let mut candidates = Vec::with_capacity(view.tuning.candidates);
         for _ in 0..view.tuning.candidates {
             candidates.push(sparse_step(at, view.tuning.coordinate_share, self.step, rng));
         }
-        self.fit(view, at);
-        let (merit, distance) = self.judge(view, &candidates);
+        let surrogate = models.around(view, at, self.stage + 1);
+        let (merit, distance) = self.judge(view, surrogate, &candidates);
         let weight = WEIGHTS[self.weight % WEIGHTS.len()];
         self.weight += 1;
         let (merit, distance) = (scaled(&merit), scaled(&distance));
@@ -170,18 +161,13 @@ impl Climb {
         best.map_or_else(|| random_point(at.len(), rng), |b| candidates.swap_remove(b))
     }
 
-    fn fit(&mut self, view: &View<'_>, at: &[f64]) {
-        self.surrogate.sync(view.archive, at, view.tuning.neighbours);
-        self.surrogate.fit(self.stage + 1, |i, j| view.lesson(i, j));
-    }
-
     /// Predicted merit and distance to the nearest point known or pending, per candidate.
-    fn judge(&self, view: &View<'_>, candidates: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+    fn judge(&self, view: &View<'_>, surrogate: &Surrogate, candidates: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
         let mut scratch = vec![];
         let mut gains = vec![0.0; self.stage + 1];
         let mut judged = (Vec::with_capacity(candidates.len()), Vec::with_capacity(candidates.len()));
         for x in candidates {
-            let known = self.surrogate.predict(x, &mut scratch, &mut gains);
+            let known = surrogate.predict(x, &mut scratch, &mut gains);
             let nearest = view.pending.iter().map(|p| square_distance(p, x)).fold(known, f64::min);
             judged.0.push(view.merit(&gains, self.stage));
             judged.1.push(nearest.sqrt());
@@ -220,12 +206,12 @@ impl Climb {
 
     /// Where the next climb starts: in turn a crossover of two ends, the best point or a member,
     /// and anywhere.
-    fn restart(&mut self, view: &View<'_>, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    fn restart(&mut self, view: &View<'_>, models: &mut Models, rng: &mut ChaCha8Rng) -> Vec<f64> {
         let dims = view.archive.dims();
         let turn = self.restarts % 3;
         self.restarts += 1;
         match turn {
-            1 if self.ends.len() > 1 => self.restart_between_ends(view, rng),
+            1 if self.ends.len() > 1 => self.restart_between_ends(view, models, rng),
             2 if !view.members.is_empty() => {
                 let member = view.members[rng.random_range(0..view.members.len())];
                 reset(view.archive.unit(member), rng)
@@ -234,7 +220,7 @@ impl Climb {
         }
     }
 
-    fn restart_between_ends(&mut self, view: &View<'_>, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    fn restart_between_ends(&mut self, view: &View<'_>, models: &mut Models, rng: &mut ChaCha8Rng) -> Vec<f64> {
         let mut candidates = vec![];
         for _ in 0..RESTART_CANDIDATES {
             let a = self.ends[rng.random_range(0..self.ends.len())];
@@ -249,8 +235,8 @@ impl Climb {
             return random_point(view.archive.dims(), rng);
         }
         let at = view.archive.unit(self.ends[self.ends.len() - 1]);
-        self.fit(view, at);
-        let (merit, _) = self.judge(view, &candidates);
+        let surrogate = models.around(view, at, self.stage + 1);
+        let (merit, _) = self.judge(view, surrogate, &candidates);
         let best = (0..candidates.len()).reduce(|a, b| if merit[b] > merit[a] { b } else { a });
         candidates.swap_remove(best.unwrap_or(0))
     }
@@ -298,8 +284,9 @@ impl Climb {
 
     fn drop_worst_end(&mut self, view: &View<'_>) {
         let stage = self.stage;
-        let worst = (0..self.ends.len())
-            .reduce(|a, b| if view.is_better(self.ends[a], self.ends[b], stage, 0.0) { b } else { a });
+        let worst = (0..self.ends.len()).reduce(|a, b| {
+            if view.is_better(self.ends[a], self.ends[b], stage, 0.0) { b } else { a }
+        });
         if let Some(worst) = worst {
             self.ends.remove(worst);
         }

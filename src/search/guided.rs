@@ -8,9 +8,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::archive::{Archive, Limits};
-use super::climb::{Climb, Step, View};
 use super::members::min_distance;
+use super::climb::{Climb, Step, View};
 use super::spread::Spread;
+use super::models::Models;
 use super::tuning::Tuning;
 use super::{Mode, Objective, Study};
 
@@ -31,6 +32,7 @@ pub(super) struct Guided {
     stage: usize,
     climb: Climb,
     spread: Spread,
+    models: Models,
     limits: Limits,
     asked: Vec<Kind>,
 }
@@ -45,6 +47,7 @@ impl Guided {
             stage: 0,
             climb: Climb::new(&tuning),
             spread: Spread::new(study.members),
+            models: Models::new(study.members + 1),
             limits: Limits::default(),
             asked: vec![],
             tuning,
@@ -82,8 +85,7 @@ impl Guided {
                 let members = self.spread.members().to_vec();
                 let view = View { archive, limits, tuning, members: &members, pending: &out };
                 self.spread.refresh(&view, tuning.margin);
-                proposal =
-                    self.spread.propose(&view, tuning.margin, &mut self.rng).map(|x| (x, Kind::Spread));
+                proposal = self.spread.propose(&view, &mut self.models, tuning.margin, &mut self.rng).map(|x| (x, Kind::Spread));
             }
             let (x, kind) = proposal.unwrap_or_else(|| {
                 let view = View {
@@ -93,7 +95,7 @@ impl Guided {
                     members: self.spread.members(),
                     pending: &out,
                 };
-                let (x, step) = self.climb.propose(&view, &mut self.rng);
+                let (x, step) = self.climb.propose(&view, &mut self.models, &mut self.rng);
                 (x, Kind::Climb(step))
             });
             out.push(x);
@@ -127,8 +129,13 @@ impl Guided {
             }
             let kind = self.asked.get(i - first).copied().unwrap_or(Kind::Climb(Step::Raw));
             let members = self.spread.members().to_vec();
-            let view =
-                View { archive, limits: &self.limits, tuning: &self.tuning, members: &members, pending: &[] };
+            let view = View {
+                archive,
+                limits: &self.limits,
+                tuning: &self.tuning,
+                members: &members,
+                pending: &[],
+            };
             if let Kind::Climb(step) = kind {
                 self.climb.absorb(&view, i, if i == 0 { Step::Restart } else { step });
             }
@@ -140,9 +147,8 @@ impl Guided {
 
     /// The diverse set as it stands, inside the bare thresholds.
     pub(super) fn members(&self, archive: &Archive) -> Vec<usize> {
-        let limits = Limits::of(archive, &self.objectives);
-        let mut spread = self.spread.clone();
-        let view = View { archive, limits: &limits, tuning: &self.tuning, members: &[], pending: &[] };
+        let mut spread = self.spread.with_members();
+        let view = View { archive, limits: &self.limits, tuning: &self.tuning, members: &[], pending: &[] };
         spread.settle(&view, self.tuning.margin);
         spread.members().to_vec()
     }

@@ -1,6 +1,7 @@
 //! The diverse set: how far apart its members stand, and the best set an archive can give.
 
 use super::archive::Archive;
+use super::space::square_distance;
 
 /// Sharpness of the soft minimum: with 30 the nearest neighbour decides, the others break ties.
 const SHARPNESS: i32 = 30;
@@ -19,6 +20,16 @@ pub(super) fn soft_minimum(distances: impl Iterator<Item = f64> + Clone) -> f64 
 pub(super) fn key(archive: &Archive, members: &[usize], skip: usize, i: usize) -> f64 {
     let others = members.iter().enumerate().filter(|&(m, _)| m != skip);
     soft_minimum(others.map(|(_, &member)| archive.distance(i, member)))
+}
+
+/// [`key`] of point `i` if it exceeds `least`: most points fail on one distance already.
+pub(super) fn key_above(archive: &Archive, members: &[usize], skip: usize, i: usize, least: f64) -> Option<f64> {
+    let others = members.iter().enumerate().filter(|&(m, _)| m != skip);
+    let near = |(_, &member): (usize, &usize)| square_distance(archive.unit(i), archive.unit(member)) > least * least;
+    if !others.into_iter().all(near) {
+        return None;
+    }
+    Some(key(archive, members, skip, i)).filter(|&k| k > least)
 }
 
 /// The two members that stand closest, as positions, and their distance.
@@ -69,10 +80,9 @@ pub(super) fn improve_by_swaps(archive: &Archive, pool: &[usize], members: &mut 
         for m in [a, b].into_iter().filter(|&m| m > 0) {
             let now = key(archive, members, m, members[m]);
             for &i in pool {
-                let than = gain.map_or(0.0, |g| g.2);
-                let lead = key(archive, members, m, i) - now;
-                if lead > than.max(1e-12) {
-                    gain = Some((m, i, lead));
+                let than = now + gain.map_or(0.0, |g| g.2).max(1e-12);
+                if let Some(key) = key_above(archive, members, m, i, than) {
+                    gain = Some((m, i, key - now));
                 }
             }
         }

@@ -7,8 +7,14 @@
 
 mod archive;
 mod climb;
+mod cma;
+mod diversity;
 mod guided;
+mod hierarchy;
+mod lanes;
 mod members;
+mod method;
+mod models;
 mod space;
 mod spread;
 mod surrogate;
@@ -18,9 +24,10 @@ use std::fmt;
 
 use crate::report::{Error, Place};
 use archive::{Archive, Limits};
-use guided::Guided;
-use space::Space;
+pub use cma::{Cma, CmaStop, Domain};
+use method::Engine;
 pub use space::normalised_distance;
+use space::Space;
 pub use tuning::Tuning;
 
 /// Whether more or less of an objective is better.
@@ -200,7 +207,7 @@ pub struct Search {
     study: Study,
     space: Space,
     archive: Archive,
-    engine: Guided,
+    engine: Engine,
     asked: Vec<(Vec<f64>, Vec<f64>)>,
     stop: Option<Stop>,
     history: Vec<Milestone>,
@@ -223,7 +230,7 @@ impl Search {
         let space = Space::new(&study.bounds)?;
         check(&study)?;
         let archive = Archive::new(space.dims(), study.objectives.len());
-        let engine = Guided::new(&study, tuning);
+        let engine = Engine::new(&study, &space, tuning);
         Ok(Self { study, space, archive, engine, asked: vec![], stop: None, history: vec![] })
     }
 
@@ -234,10 +241,7 @@ impl Search {
             return vec![];
         }
         if self.asked.is_empty() {
-            let left = self
-                .study
-                .evaluations
-                .map_or(usize::MAX, |b| (b as usize).saturating_sub(self.archive.len()));
+            let left = self.study.evaluations.map_or(usize::MAX, |b| (b as usize).saturating_sub(self.archive.len()));
             let count = self.study.batch.min(left);
             self.asked = if self.archive.len() == 0 { self.first_batch() } else { self.next_batch(count) };
         }
@@ -281,9 +285,7 @@ impl Search {
         let Progress { stage, evaluations, best, .. } = self.progress();
         let min_distance = self.engine.min_distance(&self.archive);
         let news = self.history.last().is_none_or(|last| {
-            last.stage != stage
-                || last.best.to_bits() != best.to_bits()
-                || last.min_distance.to_bits() != min_distance.to_bits()
+            last.stage != stage || last.best.to_bits() != best.to_bits() || last.min_distance.to_bits() != min_distance.to_bits()
         });
         if news {
             self.history.push(Milestone { evaluations, stage, best, min_distance });
@@ -307,11 +309,7 @@ impl Search {
         let objective = &self.study.objectives[j];
         let best = self.engine.limits().best[..].get(j).copied().flatten();
         Progress {
-            stage: if self.engine.is_spreading() {
-                "spreading".into()
-            } else {
-                format!("improving {}", objective.name)
-            },
+            stage: if self.engine.is_spreading() { "spreading".into() } else { format!("improving {}", objective.name) },
             evaluations: self.archive.len() as u64,
             total: self.study.evaluations,
             best: best.map_or(f64::NAN, |i| self.archive.points()[i].values[j]),
@@ -320,8 +318,9 @@ impl Search {
 
     /// What the search has found so far; usable at any moment.
     pub fn outcome(&self) -> Outcome<'_> {
-        let limits = Limits::of(&self.archive, &self.study.objectives);
-        let best = self.best(&limits);
+        let unknown_limits = Limits::of(&self.archive, &self.study.objectives);
+        let limits = if self.archive.len() == 0 { &unknown_limits } else { self.engine.limits() };
+        let best = self.best(limits);
         let members = match (self.study.mode, best) {
             (Mode::Diverse, _) => self.engine.members(&self.archive),
             (Mode::Best, Some(best)) => vec![best],
@@ -335,7 +334,7 @@ impl Search {
         let senses = self.study.objectives.iter().enumerate();
         Outcome {
             best: best.map_or_else(unknown, |i| self.archive.points()[i].clone()),
-            members: members.into_iter().map(|i| self.member(&limits, i)).collect(),
+            members: members.into_iter().map(|i| self.member(limits, i)).collect(),
             thresholds: senses.map(|(j, o)| o.sense.gain(limits.limit(j, 0.0))).collect(),
             evaluations: self.archive.len() as u64,
             archive: self.archive.points(),
@@ -345,8 +344,7 @@ impl Search {
 
     fn best(&self, limits: &Limits) -> Option<usize> {
         let nearest = || {
-            (0..self.archive.len())
-                .reduce(|a, b| if self.archive.hard(b) < self.archive.hard(a) { b } else { a })
+            (0..self.archive.len()).reduce(|a, b| if self.archive.hard(b) < self.archive.hard(a) { b } else { a })
         };
         limits.best.last().copied().flatten().or_else(nearest)
     }
@@ -362,11 +360,7 @@ impl Search {
 fn check(study: &Study) -> Result<(), Error> {
     let bad = |text: String| Err(Error::usage("search-study", Place::default(), text));
     if study.start.len() != study.bounds.len() {
-        return bad(format!(
-            "start, found {} parameters, expected {}",
-            study.start.len(),
-            study.bounds.len()
-        ));
+        return bad(format!("start, found {} parameters, expected {}", study.start.len(), study.bounds.len()));
     }
     for (i, (p, [lower, upper])) in study.start.iter().zip(&study.bounds).enumerate() {
         if !(p >= lower && p <= upper) {

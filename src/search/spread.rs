@@ -7,8 +7,10 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::climb::{View, crossover, reset, sparse_step};
-use super::members::{closest_pair, improve_by_swaps, key, select, soft_minimum};
-use super::surrogate::Surrogate;
+use super::archive::Limits;
+use super::members::{closest_pair, improve_by_swaps, key, key_above, select, soft_minimum};
+use super::space::square_distance;
+use super::models::Models;
 
 /// Steps of the Gaussian proposals, in widths of the unit cube.
 const STEPS: [f64; 3] = [0.03, 0.1, 0.2];
@@ -26,13 +28,30 @@ pub(super) struct Spread {
     count: usize,
     members: Vec<usize>,
     caution: f64,
-    surrogates: Vec<Surrogate>,
-    turn: usize,
+    /// Points inside the thresholds, of the first `pooled` of the archive, under `pool_limits`.
+    pool: Vec<usize>,
+    pooled: usize,
+    pool_limits: Limits,
+    /// The members as they were when the whole archive was last looked through for member `m`.
+    searched: Vec<Vec<usize>>,
 }
 
 impl Spread {
     pub(super) fn new(count: usize) -> Self {
-        Self { count, members: vec![], caution: 0.0, surrogates: vec![Surrogate::default(); count], turn: 0 }
+        Self {
+            count,
+            members: vec![],
+            caution: 0.0,
+            pool: vec![],
+            pooled: 0,
+            pool_limits: Limits::default(),
+            searched: vec![vec![]; count],
+        }
+    }
+
+    /// The same set without what it has learnt.
+    pub(super) fn with_members(&self) -> Self {
+        Self { members: self.members.clone(), ..Self::new(self.count) }
     }
 
     pub(super) fn members(&self) -> &[usize] {
@@ -44,56 +63,60 @@ impl Spread {
             && view.limits.admits(view.archive.gains(i), view.archive.objectives(), margin)
     }
 
-    fn pool(view: &View<'_>, margin: f64) -> Vec<usize> {
-        (0..view.archive.len()).filter(|&i| Self::is_inside(view, i, margin)).collect()
+    fn update_pool(&mut self, view: &View<'_>, margin: f64) {
+        if self.pool_limits != *view.limits {
+            self.pool_limits = view.limits.clone();
+            self.pool.clear();
+            self.pooled = 0;
+        }
+        let new = self.pooled..view.archive.len();
+        self.pool.extend(new.filter(|&i| Self::is_inside(view, i, margin)));
+        self.pooled = view.archive.len();
     }
 
     /// Chooses the set anew where a member has fallen outside or is missing.
     pub(super) fn refresh(&mut self, view: &View<'_>, margin: f64) {
+        self.update_pool(view, margin);
         let best = view.limits.best.last().copied().flatten();
         let pinned = !view.tuning.keep_best || self.members.first().copied() == best;
         let whole = self.members.len() == self.count;
         if whole && pinned && self.members.iter().all(|&m| Self::is_inside(view, m, margin)) {
             return;
         }
-        let pool = Self::pool(view, margin);
-        self.members = best.map_or_else(Vec::new, |b| select(view.archive, &pool, b, self.count));
+        self.members = best.map_or_else(Vec::new, |b| select(view.archive, &self.pool, b, self.count));
         if !view.tuning.keep_best {
-            self.loosen_first(view, &pool);
+            self.loosen_first(view);
         }
     }
 
     /// Without `keep_best` the first member may be exchanged like any other.
-    fn loosen_first(&mut self, view: &View<'_>, pool: &[usize]) {
+    fn loosen_first(&mut self, view: &View<'_>) {
         for _ in 0..2 * self.members.len() {
             self.members.rotate_left(1);
-            improve_by_swaps(view.archive, pool, &mut self.members);
+            improve_by_swaps(view.archive, &self.pool, &mut self.members);
         }
     }
 
     /// A last pass over everything evaluated, at the bare thresholds.
     pub(super) fn settle(&mut self, view: &View<'_>, margin: f64) {
         self.refresh(view, margin);
-        let pool = Self::pool(view, margin);
-        improve_by_swaps(view.archive, &pool, &mut self.members);
+        improve_by_swaps(view.archive, &self.pool, &mut self.members);
         if !view.tuning.keep_best {
-            self.loosen_first(view, &pool);
+            self.loosen_first(view);
         }
     }
 
     /// The next point to evaluate; `None` while there are no two members to spread.
-    pub(super) fn propose(&mut self, view: &View<'_>, margin: f64, rng: &mut ChaCha8Rng) -> Option<Vec<f64>> {
+    pub(super) fn propose(&mut self, view: &View<'_>, models: &mut Models, margin: f64, rng: &mut ChaCha8Rng) -> Option<Vec<f64>> {
         let m = self.choose(view, rng)?;
-        self.swap_from_archive(view, m, margin);
+        self.swap_from_archive(view, m);
         let at = view.archive.unit(self.members[m]).to_vec();
-        let candidates = self.candidates(view, m, margin, rng);
+        let candidates = self.candidates(view, m, rng);
         if candidates.is_empty() {
             return Some(reset(&at, rng));
         }
         let objectives = view.archive.objectives();
-        let surrogate = &mut self.surrogates[m];
-        surrogate.sync(view.archive, &at, view.tuning.neighbours);
-        surrogate.fit(objectives, |i, j| view.lesson(i, j));
+        let surrogate = models.around(view, &at, objectives);
         let mut scratch = vec![];
         let mut gains = vec![0.0; objectives];
         let mut best: Option<(bool, f64, usize)> = None;
@@ -112,7 +135,6 @@ impl Spread {
     /// Which member moves: one of the closest pair, now and then any. The kept best never does.
     fn choose(&mut self, view: &View<'_>, rng: &mut ChaCha8Rng) -> Option<usize> {
         let (a, b, _) = closest_pair(view.archive, &self.members)?;
-        self.turn += 1;
         let first = usize::from(view.tuning.keep_best);
         let any = rng.random::<f64>() < view.tuning.any_member;
         let m = if any {
@@ -125,29 +147,28 @@ impl Spread {
         Some(if m < first { b } else { m })
     }
 
-    fn swap_from_archive(&mut self, view: &View<'_>, m: usize, margin: f64) {
+    /// Member `m` goes to the archive point inside that stands farthest off. New points were compared
+    /// when they came, so this is due only after the others have moved.
+    fn swap_from_archive(&mut self, view: &View<'_>, m: usize) {
+        if self.searched[m] == self.members {
+            return;
+        }
         let mut best = (key(view.archive, &self.members, m, self.members[m]), self.members[m]);
-        for i in Self::pool(view, margin) {
-            let k = key(view.archive, &self.members, m, i);
-            if k > best.0 {
-                best = (k, i);
+        for &i in &self.pool {
+            if let Some(key) = key_above(view.archive, &self.members, m, i, best.0) {
+                best = (key, i);
             }
         }
         self.members[m] = best.1;
+        self.searched[m].clone_from(&self.members);
     }
 
     /// Proposals for member `m` that would stand farther off than it does, with that distance.
-    fn candidates(
-        &self,
-        view: &View<'_>,
-        m: usize,
-        margin: f64,
-        rng: &mut ChaCha8Rng,
-    ) -> Vec<(f64, Vec<f64>)> {
+    fn candidates(&self, view: &View<'_>, m: usize, rng: &mut ChaCha8Rng) -> Vec<(f64, Vec<f64>)> {
         let archive = view.archive;
         let at = archive.unit(self.members[m]);
         let now = key(archive, &self.members, m, self.members[m]);
-        let pool = Self::pool(view, margin);
+        let pool = &self.pool;
         let mut out = vec![];
         for _ in 0..view.tuning.spread_candidates {
             let kind = rng.random::<f64>();
@@ -158,18 +179,21 @@ impl Spread {
             } else {
                 crossover(at, archive.unit(pool[rng.random_range(0..pool.len())]), rng)
             };
-            let distance = self.stand_off(view, m, &x);
-            if distance > now {
+            if let Some(distance) = self.stand_off(view, m, &x, now) {
                 out.push((distance, x));
             }
         }
         out
     }
 
-    /// Distance of `x` from the other members and from what is asked already, as a soft minimum.
-    fn stand_off(&self, view: &View<'_>, m: usize, x: &[f64]) -> f64 {
+    /// Distance of `x` from the other members, as a soft minimum, if it exceeds `least`.
+    fn stand_off(&self, view: &View<'_>, m: usize, x: &[f64], least: f64) -> Option<f64> {
         let others = self.members.iter().enumerate().filter(|&(o, _)| o != m);
-        soft_minimum(others.map(|(_, &i)| super::space::square_distance(view.archive.unit(i), x).sqrt()))
+        let distances = others.map(|(_, &i)| square_distance(view.archive.unit(i), x));
+        if distances.clone().any(|square| square <= least * least) {
+            return None;
+        }
+        Some(soft_minimum(distances.map(f64::sqrt))).filter(|&d| d > least)
     }
 
     /// Learns from the evaluated point `i`, asked for member `m` or not: it is taken where it stands
@@ -185,14 +209,9 @@ impl Spread {
             return;
         }
         let first = usize::from(view.tuning.keep_best);
-        let lead = |m: usize| {
-            key(view.archive, &self.members, m, i) - key(view.archive, &self.members, m, self.members[m])
-        };
+        let lead = |m: usize| key(view.archive, &self.members, m, i) - key(view.archive, &self.members, m, self.members[m]);
         let Some((a, b, _)) = closest_pair(view.archive, &self.members) else { return };
-        let taken = [a, b]
-            .into_iter()
-            .filter(|&m| m >= first && lead(m) > 0.0)
-            .reduce(|x, y| if lead(y) > lead(x) { y } else { x });
+        let taken = [a, b].into_iter().filter(|&m| m >= first && lead(m) > 0.0).reduce(|x, y| if lead(y) > lead(x) { y } else { x });
         if let Some(m) = taken {
             self.members[m] = i;
         }

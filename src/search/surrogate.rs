@@ -7,12 +7,15 @@
 //! of it: O(k²) instead of O(k³). The interpolant does not depend on the anchors.
 
 use super::archive::Archive;
+use super::lanes::{LANES, add_multiple, cubes, dot};
 use super::space::square_distance;
 
 /// Distance of the anchors from the centre, in widths of the unit cube.
 const ANCHOR_STEP: f64 = 0.5;
 /// Added to the diagonal: duplicates and cliffs between close points stay bounded.
 const NUGGET: f64 = 1e-6;
+/// Squared distance that stands in where a slice is padded; its weight is 0.
+const FAR: f64 = 1e3;
 /// Ridge of the linear tail while there are fewer points than it has coefficients.
 const TAIL_RIDGE: f64 = 1e-8;
 
@@ -39,18 +42,27 @@ pub(super) struct Surrogate {
     /// Per fitted value: α (member order) and the linear function (constant, then slopes).
     weights: Vec<Vec<f64>>,
     linear: Vec<Vec<f64>>,
+    /// Where predictions are made from: the point, its squared distances and its differences.
+    aim: Vec<f64>,
+    aim_squares: Vec<f64>,
+    aim_columns: Vec<f64>,
 }
 
 impl Surrogate {
+    /// Whether points around `at` are inside what this surrogate knows.
+    pub(super) fn serves(&self, archive: &Archive, at: &[f64]) -> bool {
+        self.dims == archive.dims() && self.distance(at) <= 0.25 * self.reach
+    }
+
+    /// Squared distance of `at` from the centre; infinite before the first use.
+    pub(super) fn distance(&self, at: &[f64]) -> f64 {
+        if self.centre.len() == at.len() { square_distance(&self.centre, at) } else { f64::INFINITY }
+    }
+
     /// Brings the factor up to date with the archive around `centre`: new points near it are added;
     /// it is rebuilt from the `size` nearest when it is full or the centre has gone elsewhere.
     pub(super) fn sync(&mut self, archive: &Archive, centre: &[f64], size: usize) {
-        let moved = if self.centre.len() == centre.len() {
-            square_distance(&self.centre, centre)
-        } else {
-            f64::INFINITY
-        };
-        if moved > 0.25 * self.reach || self.dims == 0 || !self.grow(archive) {
+        if !self.serves(archive, centre) || !self.grow(archive) {
             self.rebuild(archive, centre, size);
         }
     }
@@ -80,7 +92,7 @@ impl Surrogate {
             self.reach = near[size - 1].0;
         }
         near.sort_by_key(|&(_, i)| i);
-        self.reset(archive.dims(), centre, size + size / 3);
+        self.reset(archive.dims(), centre, (size + size / 3).next_multiple_of(LANES));
         for (_, i) in near {
             self.append(archive, i);
         }
@@ -122,18 +134,17 @@ impl Surrogate {
         }
         let basis = self.anchor_coordinates(x);
         let anchored: Vec<f64> = (0..width).map(|j| cube_distance(x, &self.anchor(j))).collect();
-        let mut row = self.cubes(x, n + 1);
-        for (m, value) in row.iter_mut().enumerate() {
-            let (other, other_basis) = if m == n {
-                (&anchored[..], &basis[..])
-            } else {
-                (&self.to_anchors[m * width..][..width], &self.tail_basis[m * width..][..width])
-            };
-            *value -= dot(&basis, other) + dot(other_basis, &anchored);
-            for (a, &p) in basis.iter().enumerate() {
-                *value += p * dot(other_basis, &self.between_anchors[a * width..][..width]);
-            }
+        // K(x, y) = |x − y|³ − p(x)·c(y) − p(y)·(c(x) − B p(x)), c: cubes to the anchors, B: between them.
+        let mut turned = anchored.clone();
+        for (t, between) in turned.iter_mut().zip(self.between_anchors.chunks_exact(width)) {
+            *t -= dot(&basis, between);
         }
+        let mut row = self.cubes(x, n);
+        let others = self.to_anchors.chunks_exact(width).zip(self.tail_basis.chunks_exact(width));
+        for (value, (cubes, other)) in row.iter_mut().zip(others) {
+            *value -= dot(&basis, cubes) + dot(other, &turned);
+        }
+        row.push(-dot(&basis, &anchored) - dot(&basis, &turned));
         self.to_anchors.extend_from_slice(&anchored);
         self.tail_basis.extend_from_slice(&basis);
         for m in 0..n {
@@ -216,7 +227,7 @@ impl Surrogate {
                 let row = &self.factor[m * self.capacity..][..=m];
                 rest[0] /= row[m];
                 let at = rest[0];
-                before.iter_mut().zip(row).for_each(|(b, &l)| *b -= at * l);
+                add_multiple(before, -at, row);
             }
             self.linear[j] = self.linear_function(&beta, &w, mean);
             self.weights[j] = w;
@@ -237,17 +248,43 @@ impl Surrogate {
         out
     }
 
-    /// Predicted values at `x` into `out`; returns the squared distance to the nearest member.
-    pub(super) fn predict(&self, x: &[f64], scratch: &mut Vec<f64>, out: &mut [f64]) -> f64 {
+    /// Makes ready to predict near `at`: see [`Surrogate::predict`].
+    pub(super) fn aim(&mut self, at: &[f64]) {
         let n = self.members.len();
-        scratch.clear();
-        scratch.resize(n, 0.0);
-        self.squares(x, scratch);
-        let nearest = scratch.iter().copied().fold(f64::INFINITY, f64::min);
-        scratch.iter_mut().for_each(|v| *v *= v.sqrt());
+        let padded = n.next_multiple_of(LANES);
+        self.aim = at.to_vec();
+        self.aim_squares.clear();
+        self.aim_squares.resize(n, 0.0);
+        self.aim_columns.clear();
+        self.aim_columns.resize(self.dims * self.capacity, 0.0);
+        for (d, &u) in at.iter().enumerate() {
+            let columns = &self.columns[d * self.capacity..][..n];
+            let away = &mut self.aim_columns[d * self.capacity..][..n];
+            for ((a, &c), square) in away.iter_mut().zip(columns).zip(&mut self.aim_squares) {
+                *a = u - c;
+                *square += *a * *a;
+            }
+        }
+        self.aim_squares.resize(padded, FAR);
+        self.weights.iter_mut().for_each(|w| w.resize(padded, 0.0));
+    }
+
+    /// Predicted values at `x` into `out`; returns the squared distance to the nearest member. Only
+    /// coordinates in which `x` differs from where the surrogate is aimed cost anything.
+    pub(super) fn predict(&self, x: &[f64], scratch: &mut Vec<f64>, out: &mut [f64]) -> f64 {
+        scratch.resize(self.aim_squares.len(), 0.0);
+        let mut shift = 0.0;
+        let mut moved: Vec<(f64, &[f64])> = Vec::with_capacity(self.dims);
+        for (d, (&u, &a)) in x.iter().zip(&self.aim).enumerate() {
+            let step = u - a;
+            if step != 0.0 {
+                shift += step * step;
+                moved.push((2.0 * step, &self.aim_columns[d * self.capacity..][..scratch.len()]));
+            }
+        }
+        let nearest = cubes(&self.aim_squares, &moved, shift, scratch);
         for ((o, weights), linear) in out.iter_mut().zip(&self.weights).zip(&self.linear) {
-            let tail =
-                linear[1..].iter().zip(x).zip(&self.centre).map(|((s, u), c)| s * (u - c)).sum::<f64>();
+            let tail = linear[1..].iter().zip(x).zip(&self.centre).map(|((s, u), c)| s * (u - c)).sum::<f64>();
             *o = dot(weights, scratch) + tail + linear[0];
         }
         nearest
@@ -257,22 +294,6 @@ impl Surrogate {
 fn cube_distance(a: &[f64], b: &[f64]) -> f64 {
     let square = square_distance(a, b);
     square * square.sqrt()
-}
-
-/// Dot product in eight lanes: the same bits whatever the machine, and quick.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    const LANES: usize = 8;
-    let mut lanes = [0.0; LANES];
-    let (head_a, tail_a) = a.as_chunks::<LANES>();
-    let (head_b, tail_b) = b.as_chunks::<LANES>();
-    for (x, y) in head_a.iter().zip(head_b) {
-        for l in 0..LANES {
-            lanes[l] += x[l] * y[l];
-        }
-    }
-    let tail: f64 = tail_a.iter().zip(tail_b).map(|(x, y)| x * y).sum();
-    let halves = [lanes[0] + lanes[4], lanes[1] + lanes[5], lanes[2] + lanes[6], lanes[3] + lanes[7]];
-    (halves[0] + halves[2]) + (halves[1] + halves[3]) + tail
 }
 
 /// In-place lower Cholesky factor of a small matrix, row-major.
@@ -294,5 +315,83 @@ fn solve(factor: &[f64], n: usize, b: &mut [f64]) {
     for i in (0..n).rev() {
         let sum: f64 = (i + 1..n).map(|k| factor[k * n + i] * b[k]).sum();
         b[i] = (b[i] - sum) / factor[i * n + i];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::search::{Evaluation, Objective, Sense};
+
+    fn archive(count: usize, dims: usize, f: impl Fn(&[f64]) -> f64) -> Archive {
+        let objective = Objective {
+            name: "f".into(),
+            sense: Sense::Maximise,
+            threshold: 0.7,
+            is_score: true,
+            is_penalty: false,
+        };
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let mut archive = Archive::new(dims, 1);
+        for _ in 0..count {
+            let u: Vec<f64> = (0..dims).map(|_| rng.random::<f64>()).collect();
+            let told = Evaluation { values: vec![f(&u)], violation: 0.0 };
+            archive.push(&u, u.clone(), &told, std::slice::from_ref(&objective));
+        }
+        archive
+    }
+
+    fn predict(surrogate: &Surrogate, x: &[f64]) -> (f64, f64) {
+        let mut out = [0.0];
+        let nearest = surrogate.predict(x, &mut vec![], &mut out);
+        (out[0], nearest)
+    }
+
+    #[test]
+    fn a_linear_function_is_known_everywhere() {
+        let plane = |u: &[f64]| 2.0 + u.iter().enumerate().map(|(i, v)| (i as f64 - 1.5) * v).sum::<f64>();
+        let archive = archive(60, 4, plane);
+        let mut surrogate = Surrogate::default();
+        surrogate.sync(&archive, &[0.5; 4], 60);
+        surrogate.fit(1, |i, j| archive.gains(i)[j]);
+        surrogate.aim(&[0.5; 4]);
+        let far = [0.1, 0.95, 0.3, 0.7];
+        assert!((predict(&surrogate, &far).0 - plane(&far)).abs() < 1e-5);
+    }
+
+    #[test]
+    fn it_passes_through_its_points_however_it_was_grown() {
+        let bowl = |u: &[f64]| u.iter().map(|v| (7.0 * v).sin()).sum::<f64>();
+        let all = archive(90, 5, bowl);
+        let mut grown = Surrogate::default();
+        let mut part = Archive::new(5, 1);
+        for i in 0..all.len() {
+            let objective = [Objective {
+                name: "f".into(),
+                sense: Sense::Maximise,
+                threshold: 0.7,
+                is_score: true,
+                is_penalty: false,
+            }];
+            let told = Evaluation { values: all.gains(i).to_vec(), violation: 0.0 };
+            part.push(all.unit(i), vec![], &told, &objective);
+            grown.sync(&part, &[0.2; 5], 80);
+        }
+        let mut built = Surrogate::default();
+        built.sync(&all, &[0.6; 5], 90);
+        for surrogate in [&mut grown, &mut built] {
+            surrogate.fit(1, |i, j| all.gains(i)[j]);
+            surrogate.aim(all.unit(3));
+        }
+        for i in [0, 3, 40, 89] {
+            let (value, nearest) = predict(&grown, all.unit(i));
+            assert!((value - bowl(all.unit(i))).abs() < 1e-3, "{value}");
+            assert!(nearest < 1e-12);
+        }
+        let elsewhere = [0.3, 0.8, 0.5, 0.1, 0.6];
+        assert!((predict(&grown, &elsewhere).0 - predict(&built, &elsewhere).0).abs() < 1e-4);
     }
 }

@@ -1,7 +1,7 @@
 //! The report page and result.json.
 
-use enfilade::overlay::report_html;
 use enfilade::overlay::result::{RoundResult, to_json};
+use enfilade::overlay::{RoundCard, overview_html, report_html};
 
 use super::plans::look;
 use super::sample;
@@ -20,6 +20,8 @@ fn the_page_carries_everything_and_loads_nothing() {
     assert_eq!(page.matches("<img class=\"v ").count(), 18);
     assert_eq!(page.matches("alt=\"\"").count(), 2, "only the stage waits for its pictures");
     assert!(page.contains(&sample.input().command.replace('"', "&quot;")));
+    let dots = page.matches("<circle class=\"dot\"").count();
+    assert_eq!(dots, 500, "a larger archive is thinned");
     assert_eq!(page, report_html(&sample.input()));
 }
 
@@ -49,4 +51,38 @@ fn a_plan_without_moves_still_has_a_page() {
     let page = report_html(&input);
     look("report-no-moves.html", page.as_bytes());
     assert!(page.contains("EF-MOVE") && !page.contains("class=\"stage\""));
+}
+
+#[test]
+fn the_overview_links_to_every_round() {
+    let sample = sample::Sample::new();
+    let input = sample.input();
+    let card = |round: u64, href, accepted| RoundCard {
+        round,
+        drawing: sample::HOSTILE,
+        href,
+        png: Some(input.present[0].png),
+        mean: if round == 1 { &sample.result.lineage[0].mean } else { &sample.result.initial.mean },
+        words: &sample.result.candidates[0].words,
+        accepted,
+    };
+    let rounds = [card(1, "round-01/report.html", Some(3)), card(2, "round-02/report.html", None)];
+    let page = overview_html("Büro/hôtel-particulier.dxf", &rounds, "Enfilade 0.1.0");
+    look("overview.html", page.as_bytes());
+    assert!(page.contains("href=\"round-01/report.html\"") && page.contains("option 3 was accepted"));
+    assert!(!page.contains("<img src=x"));
+}
+
+#[test]
+fn a_long_table_of_moves_is_folded() {
+    let sample = sample::Sample::new();
+    let mut result = sample.result.clone();
+    let page = |result: &RoundResult| {
+        let mut input = sample.input();
+        input.result = result;
+        report_html(&input)
+    };
+    assert!(!page(&result).contains("<summary>7 moves"));
+    result.moves = result.moves.iter().cycle().take(31).cloned().collect();
+    assert!(page(&result).contains("<summary>31 moves"));
 }

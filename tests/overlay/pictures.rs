@@ -1,7 +1,9 @@
 //! Heat maps and diagrams.
 
 use enfilade::overlay::picture::{Palette, PlanPicture, Scale, StrokeKind};
-use enfilade::overlay::{Cell, HeatMap, Series, check_png, convergence_png, diversity_png, heat_map_png};
+use enfilade::overlay::{
+    Cell, HeatMap, Panel, Series, check_png, convergence_png, diversity_png, heat_map_png, resolution_png,
+};
 
 use super::plans::{self, look, pixels};
 
@@ -40,6 +42,40 @@ fn heat_maps_of_every_size_show_their_cells() {
         assert!(rgb.contains(&colour), "{name}: the highest cell is not visible");
         look(&format!("{name}.png"), &png);
     }
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig { failure_persistence: None, ..proptest::prelude::ProptestConfig::with_cases(64) })]
+    #[test]
+    fn odd_plans_never_stop_the_program(
+        points in proptest::collection::vec(proptest::array::uniform2(odd_number()), 0..12),
+        bounds in proptest::array::uniform2(proptest::array::uniform2(odd_number())),
+        value in odd_number(),
+        spacing_m in odd_number(),
+        closed: bool,
+        filled: bool,
+    ) {
+        let kinds = [StrokeKind::Fixed, StrokeKind::Before, StrokeKind::Ignored];
+        let strokes =
+            kinds.map(|kind| enfilade::overlay::Stroke { points: points.clone(), closed, filled, kind });
+        let picture = PlanPicture { strokes: strokes.to_vec(), regions: Vec::new(), bounds };
+        let cells: Vec<Cell> = points.iter().map(|p| Cell { centre: *p, value: Some(value) }).collect();
+        let drawn = heat_map_png(&heat(&picture, &cells, spacing_m), 160);
+        let is_small = |v: &f64| v.abs() < 1e9;
+        if bounds.iter().flatten().all(is_small) && points.iter().flatten().all(is_small) && is_small(&spacing_m) {
+            proptest::prop_assert!(drawn.is_ok());
+        }
+        let _ = check_png(&picture, "odd", "", 160);
+        let _ = enfilade::overlay::heat_additions("X", &cells, spacing_m, Scale::of([value]), Palette::Viridis);
+    }
+}
+
+fn odd_number() -> impl proptest::strategy::Strategy<Value = f64> {
+    proptest::prop_oneof![
+        6 => -30.0..30.0f64,
+        1 => -1e7..1e7f64,
+        1 => proptest::sample::select(vec![f64::NAN, f64::INFINITY, -f64::INFINITY, 1e300, -1e-300, 0.0]),
+    ]
 }
 
 #[test]
@@ -122,4 +158,25 @@ fn reference_drawings_look_right() {
     let (_, entropy) = plans::building("Visual Entropy").unwrap();
     let map = HeatMap { title: "Organisation", unit: "bits", ..heat(&building, &entropy, 1.3333) };
     look("building-entropy.png", &heat_map_png(&map, 1600).unwrap());
+}
+
+#[test]
+fn the_resolution_study_is_drawn() {
+    let panel = |name: &str, top: f64| Panel {
+        name: name.to_owned(),
+        points: [0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8]
+            .map(|s: f64| [s, top * (1.0 - 0.05 * s * s), 0.02 * top * s])
+            .to_vec(),
+    };
+    let panels = [
+        panel("Visibility (degree)", 120.0),
+        panel("Accessibility (tree depth)", 4.0),
+        panel("Organisation (entropy)", 2.4),
+    ];
+    let png = resolution_png(&panels, Some(0.7), 1600).unwrap();
+    look("resolution.png", &png);
+    assert_ne!(png, resolution_png(&panels, None, 1600).unwrap());
+    let many = vec![panels[0].clone(); enfilade::overlay::chart::MAX_PANELS + 1];
+    assert!(resolution_png(&many, None, 1600).is_err());
+    assert!(resolution_png(&[], None, 1600).is_ok());
 }

@@ -94,9 +94,11 @@ pub fn stage(html: &mut Html, input: &Fitted<'_>) {
 
 /// All layouts side by side, the present one first.
 pub fn grid(html: &mut Html, input: &Fitted<'_>) {
-    html.raw("<section class=\"side-by-side\">\n<h2>Side by side</h2>\n");
+    let is_alone = input.input.result.candidates.is_empty();
+    let heading = if is_alone { "The present layout" } else { "Side by side" };
+    html.raw("<section>\n").element("h2", &[], heading);
     tabs(html, input);
-    html.raw("<div class=\"grid\">\n");
+    html.open("div", &[("class", if is_alone { "grid alone" } else { "grid" })]).raw("\n");
     let result = input.input.result;
     card(html, "present", "Present layout", &input.present, |html| {
         html.raw("<p class=\"words\">As drawn.</p>\n");
@@ -105,7 +107,7 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
     for (o, candidate) in result.candidates.iter().enumerate() {
         let views = input.candidates.get(o).map_or(&[][..], |v| v);
         card(html, &o.to_string(), &option_name(o), views, |html| {
-            html.element("p", &[("class", "words")], &candidate.words);
+            html.element("p", &[("class", "words")], &prose(&candidate.words));
             measures(html, result, Some(candidate));
             badge(html, candidate);
         });
@@ -124,6 +126,11 @@ fn card(html: &mut Html, layout: &str, name: &str, views: &[View<'_>], body: imp
     html.raw("</div>\n<div class=\"body\">\n");
     body(html);
     html.raw("</div>\n</article>\n");
+}
+
+/// Words for a page: a number is not parted from its per cent sign at the end of a line.
+pub fn prose(words: &str) -> String {
+    words.replace(" %", "\u{a0}%")
 }
 
 /// The main measures with their change over the present layout.

@@ -1,12 +1,15 @@
 //! `report.html`: one file that opens from disk, loads nothing and works without scripts.
 
 mod cards;
+mod overview;
 mod plots;
 mod tables;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
+
+pub use overview::{RoundCard, overview_html};
 
 use super::canvas::shrink_png;
 use super::html::Html;
@@ -103,7 +106,7 @@ pub fn content_security_policy() -> String {
     )
 }
 
-pub(super) fn head(html: &mut Html, title: &str) {
+fn head(html: &mut Html, title: &str) {
     html.raw("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
     html.open("meta", &[("http-equiv", "Content-Security-Policy"), ("content", &content_security_policy())]);
     html.raw("\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
@@ -126,7 +129,7 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
     let result = input.result;
     html.raw("<header>\n<p class=\"eyebrow\">Enfilade <span>·</span> round ").text(&input.round.to_string());
     html.raw("</p>\n").element("h1", &[], drawing_name(&result.input.path));
-    html.element("p", &[("class", "lead")], &lead(result));
+    html.element("p", &[("class", "lead")], &cards::prose(&lead(result)));
     html.raw("<dl class=\"facts\">\n");
     let counts = &result.counts;
     let cells = format!(
@@ -181,6 +184,11 @@ pub(super) fn wanted(result: &RoundResult, key: &str) -> Option<Sense> {
     if let Some(objective) = result.objectives.iter().find(|o| o.name == key) {
         return Some(objective.sense);
     }
+    usual_sense(key)
+}
+
+/// Whether more of a measure is wanted as a rule.
+fn usual_sense(key: &str) -> Option<Sense> {
     match key {
         "degree" | "entropy" | "score" | "integration" => Some(Sense::Max),
         "depth" | "mean_depth" | "disconnection" | "overlap" | "clearance_m2" | "alignment" => {
@@ -310,6 +318,57 @@ impl Shrunk {
             diversity,
             convergence,
             understood,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::canvas::encode_png;
+    use super::super::html::png_size;
+    use super::*;
+
+    /// A picture that does not compress.
+    fn noise(side: u32) -> Vec<u8> {
+        let mut state = 1u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 24) as u8
+        };
+        let rgb: Vec<u8> = (0..side * side * 3).map(|_| next()).collect();
+        encode_png(side, side, &rgb).unwrap()
+    }
+
+    #[test]
+    fn pictures_too_large_for_a_page_are_halved() {
+        let (png, result) = (noise(1600), RoundResult::default());
+        let view = View { measure: "degree", png: &png };
+        let input = ReportInput {
+            result: &result,
+            round: 1,
+            present: vec![view],
+            candidates: vec![vec![view], vec![view]],
+            diversity: None,
+            convergence: None,
+            understood: None,
+            archive_axes: Vec::new(),
+            archive: Vec::new(),
+            command: "",
+            program: "",
+        };
+        assert!(3 * png.len() > MAX_PICTURE_BYTES);
+        let mut shrunk = Shrunk::to_fit(&input);
+        assert!(shrunk.pictures().all(|p| png_size(p) == Some([800, 800])));
+        assert!(shrunk.pictures().map(|p| p.len()).sum::<usize>() <= MAX_PICTURE_BYTES);
+        let one = ReportInput { candidates: Vec::new(), ..input };
+        assert!(Shrunk::to_fit(&one).pictures().all(|p| *p == png));
+    }
+
+    #[test]
+    fn a_drawing_is_called_by_its_name() {
+        let cases = [("a/b/plan.dxf", "plan"), (r"C:\x\plan.v2.ifc", "plan.v2"), (".dxf", ".dxf"), ("", "")];
+        for (path, name) in cases {
+            assert_eq!(drawing_name(path), name);
         }
     }
 }

@@ -97,7 +97,7 @@ pub fn search(html: &mut Html, fitted: &Fitted<'_>) {
         html.raw(
             "<figcaption>One dot for each layout that was measured; the options in colour.</figcaption>",
         );
-        html.raw("</figure>\n<figure>\n");
+        html.raw("</figure>\n<figure class=\"wide\">\n");
         parallel(html, &points, &input.archive_axes[..axes]);
         html.raw("<figcaption>One line for each layout, one upright for each number.</figcaption>\n");
         keys(html, input.result.candidates.len());

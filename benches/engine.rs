@@ -1,0 +1,371 @@
+//! Thread-CPU times of the spatial engine, beside a plain pairwise-and-queue baseline in the same run.
+//!
+//! `cargo bench --bench engine [-- FILTER]`. Plans come from `../shared/reference` (or the folder named
+//! by ENFILADE_SHARED) where it is there, otherwise from the generator below.
+
+use std::collections::{HashMap, HashSet, VecDeque};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use enfilade::analysis::evaluator::Evaluator;
+use enfilade::analysis::visibility::{Graph, visibility_graph};
+use enfilade::analysis::{Lattice, Obstacles, forest, measures};
+use enfilade::plan::geometry::{Segment, segments_touch};
+use rayon::prelude::*;
+use rustix::time::{ClockId, clock_gettime};
+
+/// Plans up to this size are also measured with the baseline.
+const BASELINE_LIMIT: usize = 1_000;
+
+fn main() {
+    let filter: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let wanted = |name: &str| filter.is_empty() || filter.iter().any(|f| name.contains(f.as_str()));
+    println!("one thread: thread-CPU seconds, median; wall: wall-clock seconds on 2 threads");
+    println!(
+        "{:<28}{:>8}{:>8} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+        "plan", "N", "degree", "graph", "global", "local", "sum", "wall", "peak MB"
+    );
+    for (name, metres, spacing_um) in [
+        ("b40", 40, 1_333_300),
+        ("b67", 67, 1_333_300),
+        ("b133", 133, 1_333_300),
+        ("b40 dense", 40, 400_000),
+        ("b40 local", 40, 800_000),
+        ("b267", 267, 1_333_300),
+        ("b421 generated", 421, 1_333_300),
+    ] {
+        if wanted(name) {
+            plan_row(name, metres, spacing_um);
+        }
+    }
+    if wanted("art_gallery") {
+        evaluation_row();
+    }
+}
+
+fn plan_row(name: &str, metres: i64, spacing_um: i64) {
+    let walls = shared_walls(&format!("bench/b{metres}_r12.dxf")).unwrap_or_else(|| building(metres));
+    let lattice = flood(&walls, spacing_um, [2_000_000, 2_000_000]);
+    let obstacles = Obstacles { segments: walls, blind: vec![] };
+    let n = lattice.cells.len();
+    let repeats = (200_000 / n.max(1)).clamp(1, 15);
+    let one = pool(1);
+    let (graph_secs, graph) = median(&one, repeats, || visibility_graph(&lattice, &obstacles));
+    let (global_secs, tally) = median(&one, repeats, || forest::tally(&lattice, &graph, None));
+    let (local_secs, _) = median(&one, repeats.min(5), || measures::local_columns(&lattice, &graph));
+    let two = pool(2);
+    let started = Instant::now();
+    two.install(|| {
+        let graph = visibility_graph(&lattice, &obstacles);
+        forest::tally(&lattice, &graph, None)
+    });
+    let wall_secs = started.elapsed().as_secs_f64();
+    let degree = 2.0 * graph.edge_count() as f64 / n as f64;
+    println!(
+        "{name:<28}{n:>8}{degree:>8.1} {graph_secs:>9.4} {global_secs:>9.4} {local_secs:>9.4} {:>9.4} {wall_secs:>9.4} {:>9}",
+        graph_secs + global_secs,
+        peak_mb()
+    );
+    if n <= BASELINE_LIMIT {
+        baseline_row(&lattice, &obstacles, &graph, &tally, graph_secs + global_secs);
+    }
+}
+
+fn baseline_row(lattice: &Lattice, obstacles: &Obstacles, graph: &Graph, tally: &enfilade::analysis::Tally, ours: f64) {
+    let (secs, (lists, levels)) = median(&pool(1), 1, || {
+        let lists = baseline_graph(lattice, obstacles);
+        let levels = baseline_levels(&lists);
+        (lists, levels)
+    });
+    assert_eq!(lists.iter().map(|l| l.len() as u64).sum::<u64>(), 2 * graph.edge_count());
+    assert_eq!(levels.concat(), tally.levels, "the baseline disagrees");
+    println!("{:<28}pairwise test and queue: {secs:.3} s, {:.0} times the sum above", "", secs / ours);
+}
+
+/// Every pair against every wall, bounding boxes first.
+fn baseline_graph(lattice: &Lattice, obstacles: &Obstacles) -> Vec<Vec<u32>> {
+    let n = lattice.cells.len();
+    let sees = |u: usize, v: usize| {
+        let (a, b) = (lattice.centre_um(u), lattice.centre_um(v));
+        let apart = |s: &Segment, k: usize| {
+            s.a[k].max(s.b[k]) < a[k].min(b[k]) || s.a[k].min(s.b[k]) > a[k].max(b[k])
+        };
+        let blocks = |s: &&Segment| !apart(s, 0) && !apart(s, 1) && segments_touch(Segment { a, b }, **s);
+        !obstacles.segments.iter().any(|s| blocks(&s))
+    };
+    let above: Vec<Vec<u32>> = (0..n)
+        .into_par_iter()
+        .map(|u| (u + 1..n).filter(|&v| sees(u, v)).map(|v| v as u32).collect())
+        .collect();
+    let mut lists = above.clone();
+    for (u, list) in above.iter().enumerate() {
+        list.iter().for_each(|&v| lists[v as usize].push(u as u32));
+    }
+    lists
+}
+
+/// One queue a root.
+fn baseline_levels(lists: &[Vec<u32>]) -> Vec<Vec<u32>> {
+    let from = |root: usize| {
+        let mut level = vec![u32::MAX; lists.len()];
+        let mut counts = Vec::new();
+        let mut queue = VecDeque::from([root as u32]);
+        level[root] = 0;
+        while let Some(u) = queue.pop_front() {
+            let next = level[u as usize] + 1;
+            for &v in &lists[u as usize] {
+                if level[v as usize] == u32::MAX {
+                    level[v as usize] = next;
+                    counts.resize(next as usize, 0);
+                    counts[next as usize - 1] += 1;
+                    queue.push_back(v);
+                }
+            }
+        }
+        counts
+    };
+    (0..lists.len()).into_par_iter().map(from).collect()
+}
+
+/// One evaluation of the gallery's objective, as the optimiser asks for it.
+fn evaluation_row() {
+    let Some(text) = shared_text("art_gallery.dxf") else {
+        println!("art_gallery: no reference values here, skipped");
+        return;
+    };
+    let gallery = Gallery::read(&text);
+    let lattice = Arc::new(gallery.lattice());
+    let evaluator = Evaluator::new(lattice.clone(), &gallery.fixed, &gallery.layout(0));
+    let mut scratch = evaluator.scratch();
+    let layouts: Vec<Obstacles> = (0..200).map(|seed| gallery.layout(seed)).collect();
+    let mut times: Vec<f64> = Vec::new();
+    let mut sum = 0;
+    for layout in &layouts {
+        let started = thread_secs();
+        let tally = evaluator.evaluate(layout, &mut scratch);
+        times.push(thread_secs() - started);
+        sum += tally.depth.iter().sum::<u32>();
+    }
+    times.sort_by(f64::total_cmp);
+    println!(
+        "art_gallery: {} vertices, {} roots, {} moving segments: {:.3} ms an evaluation (median of {}; depth sum {sum})",
+        lattice.cells.len(),
+        lattice.query.len(),
+        gallery.moving.len(),
+        times[times.len() / 2] * 1e3,
+        times.len()
+    );
+}
+
+type Ring = Vec<[i64; 2]>;
+
+/// The reference gallery: walls inside a move box shift together.
+struct Gallery {
+    fixed: Vec<Segment>,
+    moving: Vec<Segment>,
+    group: Vec<usize>,
+    query: Vec<Ring>,
+    reference: Vec<Ring>,
+}
+
+impl Gallery {
+    fn read(text: &str) -> Self {
+        let (lines, rings) = entities(text);
+        let of = |layer: &str| rings.iter().filter(|r| r.0 == layer).map(|r| r.1.clone()).collect::<Vec<_>>();
+        let boxes = of("EF-MOVE");
+        let mut new =
+            Self { fixed: vec![], moving: vec![], group: vec![], query: of("EF-QUERY"), reference: of("EF-REFERENCE") };
+        for (layer, wall) in lines {
+            let holder = boxes.iter().position(|b| inside(b, wall.a) && inside(b, wall.b));
+            match holder {
+                _ if layer != "WALLS" => {}
+                Some(g) => {
+                    new.moving.push(wall);
+                    new.group.push(g);
+                }
+                None => new.fixed.push(wall),
+            }
+        }
+        new
+    }
+
+    fn lattice(&self) -> Lattice {
+        let (spacing_um, origin_um) = (2_000_000, [1_000_000, 1_000_000]);
+        let (mut cells, mut query, mut is_reference) = (vec![], vec![], vec![]);
+        for cell in (-5..120).flat_map(|c| (-5..120).map(move |r| [c, r])) {
+            let at = [0, 1].map(|k| origin_um[k] + i64::from(cell[k]) * spacing_um);
+            let within = |rings: &[Ring]| rings.iter().any(|r| inside(r, at));
+            let (q, r) = (within(&self.query), within(&self.reference));
+            if q {
+                query.push(cells.len() as u32);
+            }
+            if q || r {
+                cells.push(cell);
+                is_reference.push(r);
+            }
+        }
+        Lattice { spacing_um, origin_um, cells, query, is_reference }
+    }
+
+    /// Moves every group by up to a metre each way; seed 0 is the drawing.
+    fn layout(&self, seed: u64) -> Obstacles {
+        let by = |g: usize, k: u64| {
+            if seed == 0 { 0 } else { (mix(seed * 1000 + g as u64 * 2 + k) % 2_000_001) as i64 - 1_000_000 }
+        };
+        let moved = |(s, &g): (&Segment, &usize)| s.shifted([by(g, 0), by(g, 1)]);
+        Obstacles { segments: self.moving.iter().zip(&self.group).map(moved).collect(), blind: vec![] }
+    }
+}
+
+fn inside(ring: &Ring, p: [i64; 2]) -> bool {
+    enfilade::plan::geometry::side_of_ring(ring, p) != enfilade::plan::geometry::Side::Outside
+}
+
+/// Runs on the pool's thread and takes the median of its CPU time.
+fn median<T: Send>(pool: &rayon::ThreadPool, repeats: usize, work: impl Fn() -> T + Sync) -> (f64, T) {
+    let once = || {
+        let started = thread_secs();
+        let value = work();
+        (thread_secs() - started, value)
+    };
+    let mut runs: Vec<(f64, T)> = pool.install(|| (0..repeats).map(|_| once()).collect());
+    runs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    runs.swap_remove(repeats / 2)
+}
+
+fn thread_secs() -> f64 {
+    let t = clock_gettime(ClockId::ThreadCPUTime);
+    t.tv_sec as f64 + t.tv_nsec as f64 * 1e-9
+}
+
+fn pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool")
+}
+
+fn peak_mb() -> String {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find(|l| l.starts_with("VmHWM")).unwrap_or("");
+    let kb = line.split_whitespace().nth(1).and_then(|v| v.parse::<u64>().ok());
+    kb.map_or("?".into(), |kb| (kb / 1024).to_string())
+}
+
+fn shared_text(path: &str) -> Option<String> {
+    let shared = std::env::var_os("ENFILADE_SHARED")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
+    std::fs::read_to_string(shared.join("reference").join(path)).ok()
+}
+
+fn shared_walls(path: &str) -> Option<Vec<Segment>> {
+    let (lines, _) = entities(&shared_text(path)?);
+    Some(lines.into_iter().filter(|l| l.0 == "WALLS").map(|l| l.1).collect())
+}
+
+/// LINEs and POLYLINEs with their layers, of an R12 drawing in metres.
+fn entities(text: &str) -> (Vec<(String, Segment)>, Vec<(String, Ring)>) {
+    let tags: Vec<&str> = text.lines().map(str::trim).collect();
+    let um = |v: &str| (v.parse::<f64>().expect("a number") * 1e6).round() as i64;
+    let (mut lines, mut rings) = (vec![], Vec::<(String, Ring)>::new());
+    let records = tags.chunks_exact(2).fold(Vec::<Vec<(&str, &str)>>::new(), |mut all, tag| {
+        if tag[0] == "0" {
+            all.push(vec![]);
+        }
+        if let Some(record) = all.last_mut() {
+            record.push((tag[0], tag[1]));
+        }
+        all
+    });
+    for record in records {
+        let get = |code: &str| record.iter().find(|t| t.0 == code).map(|t| t.1);
+        let at = |x, y| [um(get(x).expect("x")), um(get(y).expect("y"))];
+        let layer = get("8").unwrap_or("0").to_string();
+        match record[0].1 {
+            "LINE" => lines.push((layer, Segment { a: at("10", "20"), b: at("11", "21") })),
+            "POLYLINE" => rings.push((layer, vec![])),
+            "VERTEX" => rings.last_mut().expect("a polyline").1.push(at("10", "20")),
+            _ => {}
+        }
+    }
+    (lines, rings)
+}
+
+/// depthmapX's fill: eight neighbours, a step refused where the line between the centres touches a wall.
+fn flood(walls: &[Segment], spacing_um: i64, seed_um: [i64; 2]) -> Lattice {
+    let mut near: HashMap<[i64; 2], Vec<Segment>> = HashMap::new();
+    let index = |v: i64| v.div_euclid(spacing_um);
+    for wall in walls {
+        let lo = [0, 1].map(|k| index(wall.a[k].min(wall.b[k])) - 1);
+        let hi = [0, 1].map(|k| index(wall.a[k].max(wall.b[k])) + 1);
+        for at in (lo[0]..=hi[0]).flat_map(|c| (lo[1]..=hi[1]).map(move |r| [c, r])) {
+            near.entry(at).or_default().push(*wall);
+        }
+    }
+    let centre = |c: [i64; 2]| c.map(|v| v * spacing_um);
+    let free = |a: [i64; 2], b: [i64; 2]| {
+        let step = Segment { a: centre(a), b: centre(b) };
+        near.get(&a).is_none_or(|walls| walls.iter().all(|w| !segments_touch(step, *w)))
+    };
+    let seed = seed_um.map(|v| (v + spacing_um / 2).div_euclid(spacing_um));
+    let mut cells = HashSet::from([seed]);
+    let mut queue = VecDeque::from([seed]);
+    while let Some(at) = queue.pop_front() {
+        for next in (-1..=1).flat_map(|c| (-1..=1).map(move |r| [at[0] + c, at[1] + r])) {
+            if !cells.contains(&next) && free(at, next) {
+                cells.insert(next);
+                queue.push_back(next);
+            }
+        }
+    }
+    let mut cells: Vec<[i32; 2]> = cells.into_iter().map(|c| c.map(|v| v as i32)).collect();
+    cells.sort_unstable();
+    Lattice {
+        spacing_um,
+        origin_um: [0, 0],
+        query: (0..cells.len() as u32).collect(),
+        is_reference: vec![true; cells.len()],
+        cells,
+    }
+}
+
+/// A square building of rooms with doors: halves split across until the rooms are small.
+fn building(metres: i64) -> Vec<Segment> {
+    let m = 1_000_000;
+    let side = metres * m;
+    let corners = [[0, 0], [side, 0], [side, side], [0, side]];
+    let mut walls: Vec<Segment> =
+        (0..4).map(|i| Segment { a: corners[i], b: corners[(i + 1) % 4] }).collect();
+    split([0, 0], [side, side], 1, &mut walls);
+    walls
+}
+
+fn split(lo: [i64; 2], hi: [i64; 2], seed: u64, walls: &mut Vec<Segment>) {
+    let m = 1_000_000;
+    let k = usize::from(hi[1] - lo[1] > hi[0] - lo[0]);
+    let length = hi[k] - lo[k];
+    if length < 17 * m {
+        return;
+    }
+    let at = lo[k] + length / 2 + (mix(seed) % (length / 4) as u64) as i64 - length / 8;
+    let point = |along: i64| if k == 0 { [at, along] } else { [along, at] };
+    let mut from = lo[1 - k];
+    let mut door = from + 2 * m + (mix(seed + 7) % (4 * m as u64)) as i64;
+    while door + 2 * m < hi[1 - k] {
+        walls.push(Segment { a: point(from), b: point(door) });
+        from = door + 3 * m / 2;
+        door = from + 6 * m + (mix(door as u64) % (12 * m as u64)) as i64;
+    }
+    walls.push(Segment { a: point(from), b: point(hi[1 - k]) });
+    let (mut low_hi, mut high_lo) = (hi, lo);
+    low_hi[k] = at;
+    high_lo[k] = at;
+    split(lo, low_hi, seed * 2 + 1, walls);
+    split(high_lo, hi, seed * 2 + 2, walls);
+}
+
+/// splitmix64.
+fn mix(seed: u64) -> u64 {
+    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
