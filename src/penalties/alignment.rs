@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec2;
 
-use super::Layout;
+use super::{Layout, WallPiece};
 
 /// Walls whose directions differ by no more than this belong to one main direction (2°): draughting
 /// inaccuracy, far below any turn an architect intends.
@@ -13,6 +13,10 @@ pub const DIRECTION_BAND_RAD: f64 = 2.0 * PI / 180.0;
 /// A direction is a main one if at least this share of the total wall length runs along it.
 pub const MAIN_DIRECTION_SHARE: f64 = 0.1;
 
+/// A piece of a solid's outline counts if it is at least this share of the whole: so the sides of a slab
+/// or a square column do, and the many short pieces of a round column do not.
+pub const SOLID_SIDE_SHARE: f64 = 0.2;
+
 /// `Σ L δ² / Σ L` over the walls that may move, δ the angle to the nearest main direction.
 ///
 /// Walls that *may* move, not those that happen to stand elsewhere: so the value has no jump where a
@@ -20,12 +24,22 @@ pub const MAIN_DIRECTION_SHARE: f64 = 0.1;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alignment {
     directions_rad: Vec<f64>,
+    /// Pieces that may move and have a direction.
+    pieces: Vec<usize>,
 }
 
 impl Alignment {
     /// Finds the main directions of the initial layout.
     pub fn new(initial: &Layout<'_>) -> Self {
-        Self { directions_rad: main_directions_rad(initial) }
+        let mut pieces = vec![];
+        let mut start = 0;
+        for group in initial.pieces.chunk_by(|p, q| p.solid.is_some() && p.solid == q.solid) {
+            let outline_m: f64 = group.iter().map(WallPiece::length_m).sum();
+            let counts = |p: &WallPiece| p.solid.is_none() || p.length_m() >= SOLID_SIDE_SHARE * outline_m;
+            pieces.extend((start..).zip(group).filter(|(_, p)| p.is_moving && counts(p)).map(|(i, _)| i));
+            start += group.len();
+        }
+        Self { directions_rad: main_directions_rad(initial), pieces }
     }
 
     /// The main directions, radians in [0, π), the longest first; empty for a plan without any.
@@ -36,7 +50,7 @@ impl Alignment {
     /// The penalty, rad², in [0, (π/2)²]; 0 where nothing moves or the plan has no main direction.
     pub fn measure_rad2(&self, now: &Layout<'_>) -> f64 {
         let (mut sum, mut length_m) = (0.0, 0.0);
-        for piece in now.pieces.iter().filter(|p| p.is_moving) {
+        for piece in self.pieces.iter().map(|&i| &now.pieces[i]) {
             let l = piece.length_m();
             if l > 0.0 {
                 let delta = self.off_direction_rad(direction_rad(piece.b - piece.a));

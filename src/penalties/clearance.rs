@@ -1,9 +1,10 @@
 //! Clearance: room between walls to build and to pass (spec section 5; paper: Penalty Metrics).
 
-use super::capsule::overlap_m2;
-use super::pairs::{Aabb, BoxGrid, sweep};
-use super::{Layout, Meeting, TOUCH_M, WallPiece, meeting};
 use glam::DVec2;
+
+use super::pairs::{Aabb, BoxGrid, sweep};
+use super::rounded::{hull_overlap_m2, ring_overlap_m2};
+use super::{Layout, Meeting, TOUCH_M, WallPiece, is_inside, meeting};
 
 /// The paper's radius r of the disc that widens each wall, metres.
 pub const RADIUS_M: f64 = 0.5;
@@ -11,13 +12,13 @@ pub const RADIUS_M: f64 = 0.5;
 /// `clr = Σ_{i<j} A((w_i ⊕ D_r) ∩ (w_j ⊕ D_r))` over pairs of walls that do not touch and of which one
 /// may move. The penalty is `clr²`; this measures clr.
 ///
-/// A wall is one piece, or several that go straight on through nodes where nothing else meets; both
-/// that and touching are judged in the layout measured.
+/// A wall is one piece, or several that go straight on through nodes where nothing else meets, or a
+/// solid as a whole, with what is inside; both that and touching are judged in the layout measured.
 #[derive(Clone, Debug)]
 pub struct Clearance {
     radius_m: f64,
-    /// Chains with at least one piece that may move, each piece with whether it runs backwards.
-    chains: Vec<Chain>,
+    /// Chains and solids with at least one piece that may move.
+    moving: Moving,
     fixed: Vec<Wall>,
     fixed_grid: BoxGrid,
 }
@@ -37,30 +38,45 @@ struct Link {
     is_reversed: bool,
 }
 
-/// A straight wall of the layout measured.
-#[derive(Clone, Copy, Debug)]
+/// What may move, as numbers of pieces.
+#[derive(Clone, Debug)]
+struct Moving {
+    chains: Vec<Chain>,
+    solids: Vec<std::ops::Range<usize>>,
+}
+
+/// A wall of the layout measured.
+#[derive(Clone, Debug)]
 struct Wall {
-    ends: [DVec2; 2],
-    /// Nodes at both ends.
-    nodes: [u32; 2],
+    form: Form,
     is_moving: bool,
+}
+
+#[derive(Clone, Debug)]
+enum Form {
+    /// Both ends, and the nodes there.
+    Straight { ends: [DVec2; 2], nodes: [u32; 2] },
+    /// The corners.
+    Solid(Vec<DVec2>),
 }
 
 impl Clearance {
     /// Sorts the walls of the initial layout into those that may move and those that stand.
     pub fn new(initial: &Layout<'_>, radius_m: f64) -> Self {
-        let (chains, standing): (Vec<_>, Vec<_>) = chains(initial.pieces)
-            .into_iter()
-            .partition(|c| c.links.iter().any(|l| initial.pieces[l.piece].is_moving));
-        let fixed = walls(&standing, initial.pieces);
-        let boxes = fixed.iter().map(|w| Aabb::of_segment(w.ends, radius_m)).collect();
-        Self { radius_m, chains, fixed, fixed_grid: BoxGrid::new(boxes) }
+        let may_move = |piece: usize| initial.pieces[piece].is_moving;
+        let (chains, standing_chains) =
+            chains(initial.pieces).into_iter().partition(|c| c.links.iter().any(|l| may_move(l.piece)));
+        let (solids, standing_solids) =
+            solids(initial.pieces).into_iter().partition(|s| s.clone().any(may_move));
+        let fixed = Moving { chains: standing_chains, solids: standing_solids }.walls(initial.pieces);
+        let boxes = fixed.iter().map(|w| Aabb::of_points(w.points(), radius_m)).collect();
+        Self { radius_m, moving: Moving { chains, solids }, fixed, fixed_grid: BoxGrid::new(boxes) }
     }
 
     /// clr of a layout, m², ≥ 0. `now` lists the pieces of the initial layout in the same order.
     pub fn measure_m2(&self, now: &Layout<'_>) -> f64 {
-        let walls = walls(&self.chains, now.pieces);
-        let boxes: Vec<Aabb> = walls.iter().map(|w| Aabb::of_segment(w.ends, self.radius_m)).collect();
+        let walls = self.moving.walls(now.pieces);
+        let boxes: Vec<Aabb> = walls.iter().map(|w| Aabb::of_points(w.points(), self.radius_m)).collect();
         let mut clr_m2 = 0.0;
         for (wall, aabb) in walls.iter().zip(&boxes).filter(|(w, _)| w.is_moving) {
             self.fixed_grid.visit(aabb, |i| clr_m2 += self.pair_m2(wall, &self.fixed[i]));
@@ -74,61 +90,146 @@ impl Clearance {
     }
 
     fn pair_m2(&self, p: &Wall, q: &Wall) -> f64 {
-        if p.nodes.iter().any(|n| q.nodes.contains(n)) {
-            return 0.0;
-        }
-        match meeting(p.ends, q.ends) {
-            Meeting::Apart(gap_m) if gap_m < 2.0 * self.radius_m => overlap_m2(p.ends, q.ends, self.radius_m),
-            _ => 0.0,
+        if p.gap_m(q).is_none_or(|gap_m| gap_m >= 2.0 * self.radius_m) {
+            0.0
+        } else if p.is_convex() && q.is_convex() {
+            hull_overlap_m2(p.points(), q.points(), self.radius_m)
+        } else {
+            ring_overlap_m2(p.points(), q.points(), self.radius_m)
         }
     }
 }
 
-/// The straight walls that chains consist of now.
-fn walls(chains: &[Chain], pieces: &[WallPiece]) -> Vec<Wall> {
-    let mut walls = Vec::with_capacity(chains.len());
-    for chain in chains {
-        chain.add_walls(pieces, &mut walls);
+impl Moving {
+    fn walls(&self, pieces: &[WallPiece]) -> Vec<Wall> {
+        let mut walls = Vec::with_capacity(self.chains.len() + self.solids.len());
+        for chain in &self.chains {
+            chain.add_walls(pieces, &mut walls);
+        }
+        walls.extend(self.solids.iter().map(|solid| {
+            let outline = &pieces[solid.clone()];
+            let corners = outline.iter().map(|p| p.a).collect();
+            Wall { form: Form::Solid(corners), is_moving: outline.iter().any(|p| p.is_moving) }
+        }));
+        walls
     }
-    walls
 }
 
 impl Link {
-    fn wall(self, pieces: &[WallPiece]) -> Wall {
-        let WallPiece { a, b, nodes: [m, n], is_moving } = pieces[self.piece];
-        let (ends, nodes) = if self.is_reversed { ([b, a], [n, m]) } else { ([a, b], [m, n]) };
-        Wall { ends, nodes, is_moving }
+    fn ends(self, pieces: &[WallPiece]) -> ([DVec2; 2], [u32; 2]) {
+        let WallPiece { a, b, nodes: [m, n], .. } = pieces[self.piece];
+        if self.is_reversed { ([b, a], [n, m]) } else { ([a, b], [m, n]) }
     }
 }
 
 impl Wall {
-    /// Takes the next wall as its own continuation.
-    fn extend(&mut self, next: &Wall) {
+    fn points(&self) -> &[DVec2] {
+        match &self.form {
+            Form::Straight { ends, .. } => ends,
+            Form::Solid(corners) => corners,
+        }
+    }
+
+    fn edges(&self) -> impl Iterator<Item = [DVec2; 2]> {
+        let points = self.points();
+        let count = if let Form::Solid(corners) = &self.form { corners.len() } else { 1 };
+        (0..count).map(move |i| [points[i], points[(i + 1) % points.len()]])
+    }
+
+    /// Whether it is solid and another wall begins inside.
+    fn holds(&self, other: &Wall) -> bool {
+        matches!(&self.form, Form::Solid(corners) if is_inside(corners, other.points()[0]))
+    }
+
+    /// Distance to another wall; `None` where they touch or run into each other.
+    fn gap_m(&self, other: &Wall) -> Option<f64> {
+        if let (Form::Straight { nodes: p, .. }, Form::Straight { nodes: q, .. }) = (&self.form, &other.form)
+            && p.iter().any(|n| q.contains(n))
+        {
+            return None;
+        }
+        if self.holds(other) || other.holds(self) {
+            return None;
+        }
+        let mut least_m = f64::INFINITY;
+        for p in self.edges() {
+            for q in other.edges() {
+                let Meeting::Apart(gap_m) = meeting(p, q) else { return None };
+                least_m = least_m.min(gap_m);
+            }
+        }
+        Some(least_m)
+    }
+
+    /// Whether no corner turns inwards, but for rounding.
+    fn is_convex(&self) -> bool {
+        let Form::Solid(corners) = &self.form else { return true };
+        let at = |i: usize| corners[i % corners.len()];
+        let bends = (0..corners.len()).map(|i| {
+            let (from, to) = (at(i + 1) - at(i), at(i + 2) - at(i + 1));
+            from.perp_dot(to) / from.length().max(to.length()).max(TOUCH_M)
+        });
+        let (least, most) = bends.fold((0.0f64, 0.0f64), |(lo, hi), b| (lo.min(b), hi.max(b)));
+        least > -TOUCH_M || most < TOUCH_M
+    }
+}
+
+impl Chain {
+    /// Adds the straight walls that the chain consists of now.
+    fn add_walls(&self, pieces: &[WallPiece], walls: &mut Vec<Wall>) {
+        let mut runs: Vec<Run> = Vec::with_capacity(self.links.len());
+        for link in &self.links {
+            let (ends, nodes) = link.ends(pieces);
+            let next = Run { ends, nodes, is_moving: pieces[link.piece].is_moving };
+            match runs.last_mut() {
+                Some(last) if goes_straight_on(last.ends, next.ends) => last.extend(&next),
+                _ => runs.push(next),
+            }
+        }
+        if self.is_ring
+            && let [first, .., last] = &mut runs[..]
+            && goes_straight_on(last.ends, first.ends)
+        {
+            last.extend(first);
+            runs.swap_remove(0);
+        }
+        walls.extend(
+            runs.iter().map(|&Run { ends, nodes, is_moving }| Wall {
+                form: Form::Straight { ends, nodes },
+                is_moving,
+            }),
+        );
+    }
+}
+
+/// Pieces in line so far.
+struct Run {
+    ends: [DVec2; 2],
+    nodes: [u32; 2],
+    is_moving: bool,
+}
+
+impl Run {
+    /// Takes the next pieces as its own continuation.
+    fn extend(&mut self, next: &Run) {
         self.ends[1] = next.ends[1];
         self.nodes[1] = next.nodes[1];
         self.is_moving |= next.is_moving;
     }
 }
 
-impl Chain {
-    fn add_walls(&self, pieces: &[WallPiece], walls: &mut Vec<Wall>) {
-        let start = walls.len();
-        for link in &self.links {
-            let next = link.wall(pieces);
-            match walls[start..].last_mut() {
-                Some(last) if goes_straight_on(last.ends, next.ends) => last.extend(&next),
-                _ => walls.push(next),
-            }
+/// The pieces of each solid.
+fn solids(pieces: &[WallPiece]) -> Vec<std::ops::Range<usize>> {
+    let mut found = vec![];
+    let mut start = 0;
+    for group in pieces.chunk_by(|p, q| p.solid == q.solid) {
+        let end = start + group.len();
+        if group[0].solid.is_some() {
+            found.push(start..end);
         }
-        if self.is_ring
-            && let [first, .., last] = walls[start..]
-            && goes_straight_on(last.ends, first.ends)
-        {
-            walls[start] = last;
-            walls[start].extend(&first);
-            walls.pop();
-        }
+        start = end;
     }
+    found
 }
 
 /// Whether two pieces joined at `p[1] == q[0]` are one straight wall.
@@ -137,13 +238,13 @@ fn goes_straight_on(p: [DVec2; 2], q: [DVec2; 2]) -> bool {
     first.dot(second) >= 0.0 && whole.perp_dot(first).abs() <= TOUCH_M * whole.length()
 }
 
-/// All pieces as chains, in the order of their first pieces.
+/// All pieces but those of solids as chains, in the order of their first pieces.
 fn chains(pieces: &[WallPiece]) -> Vec<Chain> {
     let joints = Joints::new(pieces);
     let mut is_used = vec![false; pieces.len()];
     let mut chains = Vec::new();
     for start in 0..pieces.len() {
-        if is_used[start] {
+        if is_used[start] || pieces[start].solid.is_some() {
             continue;
         }
         let first = joints.chain_start(pieces, start);

@@ -5,11 +5,11 @@
 //! layout gives the same bits on any thread.
 
 pub mod alignment;
-pub mod capsule;
 pub mod clearance;
 pub mod disconnection;
 pub mod overlap;
 pub mod pairs;
+pub mod rounded;
 pub mod wall_length;
 
 use glam::DVec2;
@@ -36,6 +36,9 @@ pub struct WallPiece {
     pub nodes: [u32; 2],
     /// Whether a parameter moves at least one of its nodes.
     pub is_moving: bool,
+    /// Number of the solid (column, wall drawn as an outline) whose outline this is a piece of; the
+    /// pieces of a solid follow each other round the ring. `None`: a wall by itself.
+    pub solid: Option<u32>,
 }
 
 impl WallPiece {
@@ -90,6 +93,16 @@ pub fn meeting(p: [DVec2; 2], q: [DVec2; 2]) -> Meeting {
         .min(distance_to_m(p, q[0]))
         .min(distance_to_m(p, q[1]));
     if gap_m > TOUCH_M { Meeting::Apart(gap_m) } else { Meeting::Touch }
+}
+
+/// Whether a point lies inside a ring (even-odd); on the outline either.
+fn is_inside(ring: &[DVec2], p: DVec2) -> bool {
+    let edges = ring.iter().zip(ring.iter().cycle().skip(1));
+    let crossed = edges.filter(|&(a, b)| {
+        let is_between = (a.y <= p.y) != (b.y <= p.y);
+        is_between && ((*b - *a).perp_dot(p - *a) > 0.0) == (b.y > a.y)
+    });
+    crossed.count() % 2 == 1
 }
 
 /// Distance from a point to a segment, metres.

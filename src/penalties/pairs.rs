@@ -20,6 +20,14 @@ impl Aabb {
         Self { min: a.min(b) - margin_m, max: a.max(b) + margin_m }
     }
 
+    /// The box of some points, widened by `margin_m` on all sides; empty for no points.
+    pub fn of_points(points: &[DVec2], margin_m: f64) -> Self {
+        let (min, max) = points
+            .iter()
+            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(min, max), &p| (min.min(p), max.max(p)));
+        Self { min: min - margin_m, max: max + margin_m }
+    }
+
     /// Whether two closed boxes share a point.
     pub fn meets(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()

@@ -6,9 +6,9 @@ use cavalier_contours::polyline::{BooleanOp, PlineSource, PlineSourceMut, Polyli
 use glam::{DVec2, dvec2};
 use proptest::prelude::*;
 
-use super::capsule::overlap_m2;
 use super::clearance::RADIUS_M;
 use super::pairs::{Aabb, BoxGrid, GRID_CELLS_MAX, sweep};
+use super::rounded::{hull_overlap_m2, ring_overlap_m2};
 use super::*;
 
 /// Pieces from end points; ends at the same place (to 1 µm) are the same node.
@@ -20,13 +20,39 @@ fn pieces(walls: &[([f64; 4], bool)]) -> Vec<WallPiece> {
     };
     let piece = |&([x0, y0, x1, y1], is_moving): &([f64; 4], bool)| {
         let (a, b) = (dvec2(x0, y0), dvec2(x1, y1));
-        WallPiece { a, b, nodes: [node(a), node(b)], is_moving }
+        WallPiece { a, b, nodes: [node(a), node(b)], is_moving, solid: None }
     };
     walls.iter().map(piece).collect()
 }
 
 fn moving(walls: &[[f64; 4]]) -> Vec<WallPiece> {
     pieces(&walls.iter().map(|&w| (w, true)).collect::<Vec<_>>())
+}
+
+fn overlap_m2(p: [DVec2; 2], q: [DVec2; 2], r: f64) -> f64 {
+    hull_overlap_m2(&p, &q, r)
+}
+
+/// The outlines of solids that may move, as pieces.
+fn solids(rings: &[&[[f64; 2]]]) -> Vec<WallPiece> {
+    let mut all = vec![];
+    for (k, ring) in rings.iter().enumerate() {
+        let corner = |i: usize| DVec2::from(ring[i % ring.len()]);
+        let walls: Vec<_> = (0..ring.len()).map(|i| [corner(i), corner(i + 1)]).collect();
+        let first = all.len() as u32;
+        all.extend(walls.iter().zip(0..).map(|(&[a, b], i)| WallPiece {
+            a,
+            b,
+            nodes: [first + i, first + (i + 1) % ring.len() as u32],
+            is_moving: true,
+            solid: Some(k as u32),
+        }));
+    }
+    all
+}
+
+fn slab(x: f64, y: f64, dx: f64, dy: f64) -> [[f64; 2]; 4] {
+    [[x, y], [x + dx, y], [x + dx, y + dy], [x, y + dy]]
 }
 
 fn clearance_m2(p: &[WallPiece]) -> f64 {
@@ -112,6 +138,20 @@ fn segment() -> impl Strategy<Value = [DVec2; 2]> {
     (end(), end()).prop_map(|(a, b)| [a, b])
 }
 
+/// Corners of a convex outline: points of an ellipse in order.
+fn outline() -> impl Strategy<Value = Vec<DVec2>> {
+    (prop::collection::vec(0.2f64..1.0, 3..9), 0.1f64..2.0, 0.1f64..2.0, -3.0f64..3.0).prop_map(
+        |(steps, a, b, turn)| {
+            let whole: f64 = steps.iter().sum();
+            let angles = steps.iter().scan(0.0, |at, step| {
+                *at += step / whole * 2.0 * PI;
+                Some(*at)
+            });
+            angles.map(|t| DVec2::from_angle(turn).rotate(dvec2(a * t.cos(), b * t.sin()))).collect()
+        },
+    )
+}
+
 /// Shared area by counting lattice points, for the cases an independent library gets wrong.
 fn counted_m2(p: [DVec2; 2], q: [DVec2; 2], r: f64, step: f64) -> f64 {
     let near = |s: [DVec2; 2], x: DVec2| distance_to_m(s, x) <= r;
@@ -149,6 +189,15 @@ proptest! {
         ] {
             prop_assert!((found - other).abs() < 1e-9, "{p:?} {q:?}: {found} and {other}");
         }
+    }
+
+    /// Two independent ways to widen and clip convex outlines.
+    #[test]
+    fn convex_outlines_agree_with_cavalier_contours(p in outline(), q in outline(), gap in 0.01f64..1.2) {
+        let far = p.iter().map(|p| p.x).fold(f64::MIN, f64::max) - q.iter().map(|q| q.x).fold(f64::MAX, f64::min);
+        let q: Vec<DVec2> = q.iter().map(|&x| x + DVec2::X * (far + gap)).collect();
+        let (found, expected) = (hull_overlap_m2(&p, &q, 0.5), ring_overlap_m2(&p, &q, 0.5));
+        prop_assert!((found - expected).abs() < 1e-6, "{p:?} {q:?}: found {found}, expected {expected}");
     }
 
     #[test]
@@ -261,6 +310,52 @@ fn touching_is_judged_in_the_layout_measured() {
 }
 
 #[test]
+fn a_solid_is_one_wall_with_its_inside() {
+    let (low, high) = (slab(0.0, 0.0, 4.0, 0.12), slab(0.0, 0.52, 4.0, 0.12));
+    let facing = 4.0 * 0.6 + lens_m2(0.4, 0.5);
+    assert_eq!(clearance_m2(&solids(&[&low])), 0.0, "its own faces");
+    assert_near(clearance_m2(&solids(&[&low, &high])), facing, 1e-12);
+    let mut reversed = high;
+    reversed.reverse();
+    assert_near(clearance_m2(&solids(&[&low, &reversed])), facing, 1e-12);
+    let wall = moving(&[[0.0, 0.52, 4.0, 0.52]]);
+    let with =
+        |solid: &[[f64; 2]], walls: &[WallPiece]| clearance_m2(&[solids(&[solid]), walls.to_vec()].concat());
+    assert_near(with(&low, &wall), facing, 1e-12);
+    assert_eq!(with(&low, &moving(&[[1.0, 0.12, 1.0, 3.0]])), 0.0, "a wall that ends on it");
+    assert_eq!(with(&slab(0.0, 0.0, 2.0, 2.0), &moving(&[[0.5, 1.0, 1.5, 1.0]])), 0.0, "a wall inside");
+    // An angle, which is not convex, round the end of a wall.
+    let angle = [[0.0, 0.0], [3.0, 0.0], [3.0, 0.2], [0.2, 0.2], [0.2, 3.0], [0.0, 3.0]];
+    let wall = [dvec2(0.8, 0.9), dvec2(2.5, 2.5)];
+    let near = |x: DVec2| {
+        let corner = |i: usize| DVec2::from(angle[i % 6]);
+        let ring: Vec<DVec2> = (0..6).map(corner).collect();
+        is_inside(&ring, x) || (0..6).any(|i| distance_to_m([corner(i), corner(i + 1)], x) <= 0.5)
+    };
+    let step = 0.002;
+    let dots = (0..2000).flat_map(|i| (0..2000).map(move |j| dvec2(f64::from(i), f64::from(j)) * step));
+    let counted = dots.filter(|&x| distance_to_m(wall, x) <= 0.5 && near(x)).count() as f64 * step * step;
+    let found = with(&angle, &moving(&[[wall[0].x, wall[0].y, wall[1].x, wall[1].y]]));
+    assert!(counted > 0.3);
+    assert_near(found, counted, 0.005);
+}
+
+#[test]
+fn a_round_column_has_no_direction() {
+    let round: Vec<[f64; 2]> =
+        (0..24).map(|i| DVec2::from_angle(f64::from(i) * PI / 12.0).to_array()).collect();
+    let frame = pieces(&[([9.0, 0.0, 50.0, 0.0], false), ([0.0, 9.0, 0.0, 50.0], false)]);
+    let measure = |start: &[[f64; 2]], now: &[[f64; 2]]| {
+        let [start, now] = [start, now].map(|ring| [solids(&[ring]), frame.clone()].concat());
+        Alignment::new(&Layout { pieces: &start }).measure_rad2(&Layout { pieces: &now })
+    };
+    assert_eq!(measure(&round, &round), 0.0);
+    let (square, turn) = (slab(0.0, 0.0, 1.0, 1.0), DVec2::from_angle(0.2));
+    let turned = square.map(|c| turn.rotate(DVec2::from(c)).to_array());
+    assert_near(measure(&square, &turned), 0.04, 1e-12);
+}
+
+#[test]
 fn wall_length_is_the_change_either_way() {
     let start = moving(&[[0.0, 0.0, 3.0, 4.0], [0.0, 0.0, 2.0, 0.0]]);
     let penalty = WallLength::new(&Layout { pieces: &start });
@@ -315,7 +410,8 @@ fn alignment_weighs_the_squared_turn_by_length() {
     let now = pieces(&[frame[0], frame[1], (turned(135.0, 2.0), true), (turned(-45.0, 4.0), true)]);
     assert_near(penalty.measure_rad2(&Layout { pieces: &now }), FRAC_PI_4.powi(2), 1e-12);
     let standing = pieces(&frame);
-    assert_eq!(penalty.measure_rad2(&Layout { pieces: &standing }), 0.0);
+    let layout = Layout { pieces: &standing };
+    assert_eq!(Alignment::new(&layout).measure_rad2(&layout), 0.0);
 }
 
 #[test]

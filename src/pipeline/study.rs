@@ -531,7 +531,8 @@ fn pieces(
         let moves = pieces_of(&wall.trace, moving.map(|i| &piece_moves[i])).map(|p| p.1);
         for ((i, j, s), is_moving) in wall.trace.segments().zip(moves) {
             let [a, b] = [s.a, s.b].map(|p| base.plan.frame.plan_from_um(p));
-            out.push(WallPiece { a, b, nodes: [nodes[i], nodes[j]], is_moving });
+            let solid = base.plan.walls[w].is_solid.then_some(w as u32);
+            out.push(WallPiece { a, b, nodes: [nodes[i], nodes[j]], is_moving, solid });
         }
         if let Some(i) = moving {
             ranges[i] = (start, out.len());
