@@ -22,7 +22,7 @@ pub const HEAT_LAYER_PREFIX: &str = "EF-HEAT-";
 
 /// Colours a heat map is reduced to in a drawing: neighbouring cells of one colour become one
 /// rectangle, so that 10,000 cells stay a few thousand entities. More are hard to tell apart.
-pub const MAX_HEAT_COLOURS: usize = 24;
+pub const MAX_HEAT_COLOURS: usize = 16;
 
 const MOVED_RGB: Rgb = [0xd5, 0x00, 0x5f];
 const BEFORE_RGB: Rgb = [0x8c, 0x90, 0x98];
@@ -104,25 +104,24 @@ struct Rectangle {
     step: u8,
 }
 
-/// Runs along rows, then runs of the same columns and colour in consecutive rows joined.
+/// Rectangles of one colour, each as large as it gets from its lower left cell, grown along the row first
+/// or along the column first, whichever covers more.
 fn merged(steps: &BTreeMap<(i64, i64), u8>) -> Vec<Rectangle> {
-    let mut runs: Vec<Rectangle> = Vec::new();
-    for (&(row, col), &step) in steps {
-        match runs.last_mut() {
-            Some(r) if r.rows[0] == row && r.cols[1] == col && r.step == step => r.cols[1] += 1,
-            _ => runs.push(Rectangle { rows: [row, row + 1], cols: [col, col + 1], step }),
+    let mut free = steps.clone();
+    let mut done = Vec::new();
+    while let Some((&(row, col), &step)) = free.first_key_value() {
+        let is_alike = |row: i64, col: i64| free.get(&(row, col)) == Some(&step);
+        let wide = (1..).take_while(|i| is_alike(row, col + i)).count() as i64 + 1;
+        let high = (1..).take_while(|i| is_alike(row + i, col)).count() as i64 + 1;
+        let rows = (1..high).take_while(|r| (0..wide).all(|c| is_alike(row + r, col + c))).count() as i64 + 1;
+        let cols = (1..wide).take_while(|c| (0..high).all(|r| is_alike(row + r, col + c))).count() as i64 + 1;
+        let [rows, cols] = if rows * wide >= high * cols { [rows, wide] } else { [high, cols] };
+        for r in row..row + rows {
+            for c in col..col + cols {
+                free.remove(&(r, c));
+            }
         }
-    }
-    let mut done: Vec<Rectangle> = Vec::new();
-    let mut open: BTreeMap<([i64; 2], u8), usize> = BTreeMap::new();
-    for run in runs {
-        let above = open.get(&(run.cols, run.step)).copied().filter(|i| done[*i].rows[1] == run.rows[0]);
-        if let Some(i) = above {
-            done[i].rows[1] = run.rows[1];
-        } else {
-            open.insert((run.cols, run.step), done.len());
-            done.push(run);
-        }
+        done.push(Rectangle { rows: [row, row + rows], cols: [col, col + cols], step });
     }
     done
 }
@@ -258,7 +257,7 @@ mod tests {
             Some(5.0 + 3.0 * (f64::from(c) / 17.0).sin() + 2.0 * (f64::from(r) / 11.0).cos())
         };
         let fills = heat_additions("X", &square(100, smooth), 0.5, SCALE, Palette::Viridis);
-        assert!(fills.len() < 4000, "{}", fills.len());
+        assert!(fills.len() < 2000, "{}", fills.len());
     }
 
     #[test]

@@ -42,7 +42,7 @@ pub struct HeatMap<'a> {
 /// over each other.
 ///
 /// # Errors
-/// `picture-size`, `picture-bounds`: see the [frame](super::frame); `png` if the encoder fails.
+/// `picture-size`, `picture-bounds`: a size or coordinates out of range; `png` if the encoder fails.
 pub fn heat_map_png(map: &HeatMap<'_>, longest_px: u32) -> Result<Vec<u8>, Error> {
     let titled = !(map.title.is_empty() && map.subtitle.is_empty());
     let frame = Frame::fit(shown_box(map), longest_px, titled, FOOT_PX)?;

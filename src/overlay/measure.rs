@@ -140,6 +140,11 @@ pub fn wording(key: &str) -> Option<&'static Wording> {
     WORDINGS.iter().find(|w| w.key == key)
 }
 
+/// Whether a measure is told in sentences: it has words for more and less of it.
+pub fn is_told(key: &str) -> bool {
+    wording(key).is_some_and(|w| w.more_less != ["", ""])
+}
+
 /// A name fit to show: the plain one, else the key with spaces and a capital.
 pub fn plain_name(key: &str) -> String {
     wording(key).map_or_else(|| sentence_case(key), |w| w.plain.to_owned())

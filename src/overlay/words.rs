@@ -1,6 +1,6 @@
 //! What moved and what it gains, in plain words: EF-NOTE, the report and `words` in result.json.
 
-use super::measure::{fixed, percent_change, sentence_case, short, wording};
+use super::measure::{fixed, is_told, percent_change, sentence_case, short, wording};
 use super::result::{MoveEntry, MoveKind, Numbers};
 
 /// Moves told one by one; the rest is counted.
@@ -47,7 +47,7 @@ pub fn gains(initial: &Numbers, now: &Numbers) -> String {
     let gain = |(key, from): &(String, f64)| {
         let to = now.get(key)?;
         let change = percent_change(*from, to)?;
-        let known = wording(key).filter(|w| w.more_less != ["", ""])?;
+        let known = wording(key).filter(|_| is_told(key))?;
         let name = if key == "depth" { "depth".to_owned() } else { known.plain.to_lowercase() };
         let why = if to > *from { known.more_less[0] } else { known.more_less[1] };
         let why = if change.starts_with('±') || key == "degree" { "" } else { why };

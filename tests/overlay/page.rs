@@ -87,3 +87,16 @@ fn a_long_table_of_moves_is_folded() {
     result.moves = result.moves.iter().cycle().take(31).cloned().collect();
     assert!(page(&result).contains("<summary>31 moves"));
 }
+
+#[test]
+fn a_missing_picture_leaves_the_others_under_their_tabs() {
+    let sample = sample::Sample::new();
+    let mut input = sample.input();
+    let last = input.candidates[1].remove(0);
+    assert_eq!(last.measure, "degree");
+    let page = report_html(&input);
+    assert_eq!(page.matches("<p class=\"v v0 missing\">").count(), 1);
+    let second = page.split("data-layout=\"1\"").nth(1).unwrap();
+    let alt = "class=\"v v1\" alt=\"Option 2: heat map of accessibility";
+    assert!(second.split("</article>").next().unwrap().contains(alt));
+}

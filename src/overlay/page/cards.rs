@@ -100,32 +100,39 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
     tabs(html, input);
     html.open("div", &[("class", if is_alone { "grid alone" } else { "grid" })]).raw("\n");
     let result = input.input.result;
-    card(html, "present", "Present layout", &input.present, |html| {
-        html.raw("<p class=\"words\">As drawn.</p>\n");
-        measures(html, input, None);
-    });
+    open_card(html, "present", "Present layout", &input.present, &input.present);
+    html.raw("<p class=\"words\">As drawn.</p>\n");
+    measures(html, input, None);
+    html.raw("</article>\n");
     for (o, candidate) in result.candidates.iter().enumerate() {
         let views = input.candidates.get(o).map_or(&[][..], |v| v);
-        card(html, &o.to_string(), &option_name(o), views, |html| {
-            html.element("p", &[("class", "words")], &prose(&candidate.words));
-            measures(html, input, Some(candidate));
-            badge(html, candidate);
-        });
+        open_card(html, &o.to_string(), &option_name(o), &input.present, views);
+        html.element("p", &[("class", "words")], &prose(&candidate.words));
+        measures(html, input, Some(candidate));
+        badge(html, candidate);
+        html.raw("</article>\n");
     }
     html.raw("</div>\n</section>\n");
 }
 
-fn card(html: &mut Html, layout: &str, name: &str, views: &[View<'_>], body: impl FnOnce(&mut Html)) {
+/// Opens the card of a layout with one picture a tab; a measure without a picture has an empty one.
+fn open_card(html: &mut Html, layout: &str, name: &str, tabs: &[View<'_>], views: &[View<'_>]) {
     html.open("article", &[("class", "card"), ("data-layout", layout)]);
     html.element("h3", &[], name).raw("<div class=\"views\">\n");
-    for (m, view) in views.iter().enumerate() {
-        let (plain, technical) = names(view.measure);
-        let alt = format!("{name}: heat map of {} ({technical}) over the plan", plain.to_lowercase());
-        html.picture(view.png, &format!("v v{m}"), &alt);
+    for (m, tab) in tabs.iter().enumerate() {
+        let class = format!("v v{m}");
+        let (plain, technical) = names(tab.measure);
+        match views.iter().find(|v| v.measure == tab.measure) {
+            Some(view) => {
+                let alt = format!("{name}: heat map of {} ({technical}) over the plan", plain.to_lowercase());
+                html.picture(view.png, &class, &alt);
+            }
+            None => {
+                html.element("p", &[("class", &format!("{class} missing"))], "no picture of this measure");
+            }
+        }
     }
-    html.raw("</div>\n<div class=\"body\">\n");
-    body(html);
-    html.raw("</div>\n</article>\n");
+    html.raw("</div>\n");
 }
 
 /// Words for a page: a number is not parted from its per cent sign at the end of a line.

@@ -156,6 +156,12 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
 /// The outcome in one or two sentences.
 fn lead(result: &RoundResult) -> String {
     let Some(best) = result.candidates.first() else {
+        if !result.moves.is_empty() {
+            return format!(
+                "The present layout was measured; no other layout was found ({}).",
+                result.stopped_by
+            );
+        }
         return "The present layout was measured. Nothing in the drawing may move yet: draw a closed \
                 line on the layer EF-MOVE round the ends of a wall and put a text in it such as \
                 “x -1.5 2”, then save."

@@ -9,8 +9,8 @@
     const chosen = (group) => one(`input[name=${group}]:checked`).value;
     const card = (layout) => one(`.card[data-layout="${layout}"]`);
     const put = (image, from) => {
-      image.hidden = !from;
-      if (!from) return;
+      image.hidden = !from || !from.src;
+      if (image.hidden) return;
       image.src = from.src;
       image.alt = from.alt;
     };

@@ -1,7 +1,7 @@
 //! Vector plots of the page: the layouts that were measured, and the course over the rounds.
 
 use super::super::html::Html;
-use super::super::measure::{number, plain_name, tick_labels, ticks};
+use super::super::measure::{is_told, number, plain_name, tick_labels, ticks};
 use super::super::palette::{hex, option_style};
 use super::super::result::{Numbers, RoundResult};
 use super::cards::delta;
@@ -225,59 +225,61 @@ fn from_words(drawing: &str, round: u64, candidate: Option<u64>) -> String {
     }
 }
 
+/// A measure's change over the stops, in per cent of the first.
+struct Course<'a> {
+    key: &'a str,
+    points: Vec<[f64; 2]>,
+}
+
+fn courses<'a>(stops: &[Stop<'a>]) -> Vec<Course<'a>> {
+    let told = stops[0].mean.0.iter().filter(|(key, from)| is_told(key) && *from != 0.0);
+    told.map(|(key, from)| {
+        let change = |(i, stop): (usize, &Stop<'_>)| {
+            Some([i as f64, (stop.mean.get(key)? - from) / from.abs() * 100.0])
+        };
+        let points = stops.iter().enumerate().filter_map(change).filter(|p| p[1].is_finite()).collect();
+        Course { key, points }
+    })
+    .collect()
+}
+
 fn lineage_plot(html: &mut Html, stops: &[Stop<'_>]) {
-    let first = stops[0].mean;
-    let change = |stop: &Stop<'_>, key: &str, from: f64| {
-        stop.mean.get(key).map(|to| (to - from) / from.abs() * 100.0).filter(|v| v.is_finite())
-    };
-    let courses: Vec<(&str, Vec<(usize, f64)>)> = first
-        .0
-        .iter()
-        .filter(|(_, from)| *from != 0.0)
-        .take(4)
-        .map(|(key, from)| {
-            let along = stops.iter().enumerate().filter_map(|(i, s)| Some((i, change(s, key, *from)?)));
-            (key.as_str(), along.collect())
-        })
-        .collect();
+    let courses = courses(stops);
     let x = Axis { lo: 0.0, hi: (stops.len() - 1) as f64, at: [LEFT, WIDE - 190.0] };
-    let y = Axis::over(courses.iter().flat_map(|(_, c)| c).map(|p| p.1), [HIGH - BOTTOM, TOP]);
+    let y = Axis::over(courses.iter().flat_map(|c| &c.points).map(|p| p[1]), [HIGH - BOTTOM, TOP]);
     open_svg(html, "Change of the measures over the rounds, in per cent of the first drawing");
     let values = ticks(y.lo, y.hi, 5);
     for (value, text) in values.iter().zip(tick_labels(&values)) {
-        line(
-            html,
-            if *value == 0.0 { "mark" } else { "rule" },
-            [x.at[0], y.place(*value), x.at[1], y.place(*value)],
-        );
-        label(html, "end", [x.at[0] - 8.0, y.place(*value) + 4.0], &text);
+        let (at, class) = (y.place(*value), if *value == 0.0 { "mark" } else { "rule" });
+        line(html, class, [x.at[0], at, x.at[1], at]);
+        label(html, "end", [x.at[0] - 8.0, at + 4.0], &text);
     }
     label(html, "start", [LEFT, TOP - 12.0], "% against the first drawing");
     for i in 0..stops.len() {
         label(html, "middle", [x.place(i as f64), HIGH - BOTTOM + 20.0], &(i + 1).to_string());
     }
     let mut taken: Vec<f64> = Vec::new();
-    for (i, (key, course)) in courses.iter().enumerate() {
-        let places: Vec<[f64; 2]> = course.iter().map(|(i, v)| [x.place(*i as f64), y.place(*v)]).collect();
+    for (i, course) in courses.iter().enumerate() {
+        let places: Vec<[f64; 2]> = course.points.iter().map(|p| [x.place(p[0]), y.place(p[1])]).collect();
         polyline(html, "option", &option_stroke(i), &places);
-        let Some(last) = places.last() else { continue };
-        let mut at = last[1] + 4.0;
-        while taken.iter().any(|t| (t - at).abs() < 15.0) {
-            at += 3.0;
+        if let Some(last) = places.last() {
+            course_name(html, course.key, i, *last, &mut taken);
         }
-        taken.push(at);
-        html.open(
-            "text",
-            &[
-                ("x", &px(last[0] + 10.0)),
-                ("y", &px(at)),
-                ("style", &format!("fill:{}", hex(option_style(i).0))),
-            ],
-        );
-        let (plain, technical) = names(key);
-        html.text(&plain).raw(" <tspan>").text(&technical).raw("</tspan>").close("text");
     }
     html.raw("</svg>\n");
+}
+
+/// Writes a measure's name at the end of its line, below the names that are `taken` already.
+fn course_name(html: &mut Html, key: &str, i: usize, end: [f64; 2], taken: &mut Vec<f64>) {
+    let mut y = end[1] + 4.0;
+    while taken.iter().any(|t| (t - y).abs() < 15.0) {
+        y += 3.0;
+    }
+    taken.push(y);
+    let style = format!("fill:{}", hex(option_style(i).0));
+    let (plain, technical) = names(key);
+    html.open("text", &[("x", &px(end[0] + 10.0)), ("y", &px(y)), ("style", &style)]).text(&plain);
+    html.raw(" <tspan>").text(&technical).raw("</tspan>").close("text");
 }
 
 fn lineage_table(html: &mut Html, result: &RoundResult, stops: &[Stop<'_>]) {
