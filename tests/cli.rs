@@ -47,7 +47,7 @@ fn the_same_seed_gives_the_same_bytes_on_one_and_two_threads() {
     let run = |name: &str, threads: &str| {
         let out = folder.path().join(name);
         let out_text = out.to_string_lossy().into_owned();
-        let args = ["run", &sample("gallery.dxf"), "--evaluations", "60", "--seed", "3", "--threads", threads, "--out", &out_text, "-q"];
+        let args = ["run", &sample("gallery.dxf"), "--evaluations", "200", "--seed", "3", "--threads", threads, "--out", &out_text, "-q"];
         let output = enfilade(&args);
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
         files(&out.join("gallery.enfilade/round-01"))

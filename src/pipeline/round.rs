@@ -62,6 +62,14 @@ pub(super) fn run(
     for m in &made {
         report.extend(m.report.clone());
     }
+    if found.is_some() && settings.mode == Mode::Diverse && made.len() < settings.members {
+        let text = format!(
+            "{} options wanted, {} found inside all thresholds; more --evaluations, wider bounds or lower thresholds find more",
+            settings.members,
+            made.len()
+        );
+        report.warn("few-options", Place::file(input.file()), text);
+    }
     let result = round_result(input, settings, study, &report, found.as_ref(), &made, started);
     let mut files = pictures(input, settings, study, &made)?;
     files.extend(drawings(input, settings, study, &made, &result)?);
