@@ -34,6 +34,9 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "store",
         ],
     ),
+    ("sample_settings", &[]),
+    ("progress", &["*"]),
+    ("commands", &["*"]),
     ("daemon", &["*"]),
     ("server", &["*"]),
     ("cli", &["*"]),
@@ -357,17 +360,18 @@ fn shape_faults(source: &Source) -> Vec<String> {
     faults
 }
 
+/// A reason stands just above, or above the `#![allow(unsafe_code)]` of the module around it.
 fn unsafe_faults(source: &Source) -> Vec<String> {
+    let lines: Vec<&str> = source.raw.lines().collect();
+    let has_reason = |at: usize| {
+        let line = source.code[..at].matches('\n').count();
+        let mut above = lines[line.saturating_sub(6)..=line].iter();
+        above.any(|l| l.contains("SAFETY") || l.contains("# Safety"))
+    };
     words(&source.code, "unsafe")
         .filter(|&at| {
-            let line = source.code[..at].matches('\n').count();
-            let from = line.saturating_sub(6);
-            !source
-                .raw
-                .lines()
-                .skip(from)
-                .take(line + 1 - from)
-                .any(|l| l.contains("SAFETY") || l.contains("# Safety"))
+            let allowed = source.code[..at].rfind("#![allow(unsafe_code)]");
+            !has_reason(at) && !allowed.is_some_and(has_reason)
         })
         .map(|at| format!("{}: `unsafe` without its reason (SAFETY) just above", source.place(at)))
         .collect()
@@ -540,9 +544,17 @@ mod the_rules_find_faults {
 
     #[test]
     fn unsafe_and_limits() {
-        let faults = |raw| unsafe_faults(&source("src/plan/a.rs", raw)).len();
+        let faults = |raw: &str| unsafe_faults(&source("src/plan/a.rs", raw)).len();
         assert_eq!(faults("fn f() {\n    // SAFETY: checked above.\n    unsafe { g() }\n}"), 0);
         assert_eq!(faults("fn f() { unsafe { g() } }"), 1);
+        let module = |reason| {
+            format!(
+                "mod x {{\n    {reason}\n    #![allow(unsafe_code)]\n{}fn f() {{ unsafe {{ g() }} }}\n}}",
+                "\n".repeat(9)
+            )
+        };
+        assert_eq!(faults(&module("// SAFETY of every block here: checked.")), 0);
+        assert_eq!(faults(&module("// Fast.")), 1);
         let raw =
             "pub const SIZE_MAX: u8 = 1;\npub(crate) const MAX_DEPTH: u8 = 1;\nconst OWN_MAX: u8 = 1;\n";
         assert_eq!(limits(&source("src/plan/a.rs", raw)), ["SIZE_MAX", "MAX_DEPTH"]);
