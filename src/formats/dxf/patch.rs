@@ -13,7 +13,7 @@ use super::fields::{
 use super::limits::Limits;
 use super::read::fault_error;
 use super::tokens::{Form, Kind, Tokens, kind_of, tokenize, trim};
-use crate::plan::drawing::{Addition, Edit, RigidMotion, Shape};
+use crate::plan::drawing::{Addition, Edit, RigidMotion, Shape, Vertex};
 use crate::report::{Error, Place};
 
 /// Differences below this many times the rounding step of an entity's largest coordinate are what
@@ -290,11 +290,7 @@ impl Editor<'_, '_> {
         }
     }
 
-    fn lwpolyline(
-        &mut self,
-        fields: &Fields<'_, '_>,
-        vertices: &[crate::plan::drawing::Vertex],
-    ) -> Result<(), Error> {
+    fn lwpolyline(&mut self, fields: &Fields<'_, '_>, vertices: &[Vertex]) -> Result<(), Error> {
         let slots = lwpolyline_vertices(self.tokens, self.record);
         if slots.len() != vertices.len() {
             return Err(self.fault("the number of vertices differs"));
@@ -309,11 +305,7 @@ impl Editor<'_, '_> {
         Ok(())
     }
 
-    fn polyline(
-        &mut self,
-        fields: &Fields<'_, '_>,
-        vertices: &[crate::plan::drawing::Vertex],
-    ) -> Result<(), Error> {
+    fn polyline(&mut self, fields: &Fields<'_, '_>, vertices: &[Vertex]) -> Result<(), Error> {
         let (records, _, _) = polyline_records(self.tokens, self.record);
         if records.len() != vertices.len() {
             return Err(self.fault("the number of vertices differs"));
