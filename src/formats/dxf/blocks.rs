@@ -178,7 +178,7 @@ impl Blocks {
         let editable = if copies(insert) > 1 {
             Editable::No("it is shown by an INSERT with rows and columns".into())
         } else if !insert.has_values[0] {
-            Editable::No("its INSERT has no insertion point to write to".into())
+            Editable::No("its INSERT or an attribute of it has no place to write to".into())
         } else {
             Editable::WithInsert { turnable: insert.has_values[1] }
         };

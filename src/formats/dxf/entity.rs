@@ -3,7 +3,9 @@
 use glam::{DVec2, DVec3};
 
 use super::curves::{self, mapped, ocs_to_world};
-use super::fields::{Fields, lwpolyline_vertices, own_pairs, polyline_records};
+use super::fields::{
+    Fields, attributes, has_embedded_object, lwpolyline_vertices, own_pairs, point_slots, polyline_records,
+};
 use super::reader::Reader;
 use super::text::{plain_mtext, plain_text};
 use crate::plan::drawing::{Editable, Shape, Vertex};
@@ -48,7 +50,8 @@ pub(super) struct Insert {
     pub count: [u64; 2],
     /// Distance of columns and rows.
     pub spacing: DVec2,
-    /// Whether the record has values for the insertion point (10, 20) and the rotation (50).
+    /// Whether the record and its attributes have values to write for the place (10, 20) and for the
+    /// rotation (50).
     pub has_values: [bool; 2],
 }
 
@@ -282,10 +285,21 @@ impl<'a> Reader<'a, '_> {
         } else {
             Shape::Circle { centre, radius }
         };
-        Ok(Ok(self.planar(shape, self.extrusion(fields)?, elevation)))
+        let mut body = self.planar(shape, self.extrusion(fields)?, elevation);
+        let has_angles = !is_arc || (fields.pair(50).is_some() && fields.pair(51).is_some());
+        if !has_angles && let Body::Shape(_, editable) = &mut body {
+            *editable = Editable::No("it has no angles to write to".into());
+        }
+        Ok(Ok(body))
     }
 
     fn ellipse(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
+        if [10, 20, 11, 21].iter().any(|&code| fields.pair(code).is_none()) {
+            return skip(
+                "dxf-missing-value",
+                "its axes, found not all of the groups 10, 20, 11, 21; left out",
+            );
+        }
         let (centre, major) = (self.point(fields, 10)?, self.point(fields, 11)?);
         let extrusion = self.extrusion(fields)?;
         let ratio = self.float(fields, 40, 1.0)?;
@@ -301,30 +315,28 @@ impl<'a> Reader<'a, '_> {
 
     fn spline(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
         let (mut knots, mut weights) = (Vec::new(), Vec::new());
-        let (mut control, mut fit): (Vec<DVec2>, Vec<DVec2>) = (Vec::new(), Vec::new());
         for (_, pair) in own_pairs(self.tokens, fields.record) {
-            if !matches!(pair.code, 10 | 20 | 11 | 21 | 40 | 41) {
-                continue;
-            }
-            let value = self.number(pair, fields.record)?;
             match pair.code {
-                10 => control.push(DVec2::new(value, 0.0)),
-                11 => fit.push(DVec2::new(value, 0.0)),
-                20 => control.last_mut().map_or((), |p| p.y = value),
-                21 => fit.last_mut().map_or((), |p| p.y = value),
-                40 => knots.push(value),
-                _ => weights.push(value),
+                40 => knots.push(self.number(pair, fields.record)?),
+                41 => weights.push(self.number(pair, fields.record)?),
+                _ => {}
             }
         }
+        let (Some(control), Some(fit), Some(tangents)) =
+            (self.points(fields, &[10])?, self.points(fields, &[11])?, self.points(fields, &[12, 13])?)
+        else {
+            return skip("dxf-missing-value", "one of its points, found an x without a y; left out");
+        };
         if let Some(&p) = control.iter().chain(&fit).find(|&&p| !self.is_sane(p)) {
             return Ok(self.checked(Body::Text(p, String::new())));
         }
         let degree = usize::try_from(self.int(fields, 71, 3)?).unwrap_or(0);
         let points = if control.is_empty() && fit.len() >= 2 {
-            let tangent = |code: i32| -> Result<Option<DVec2>, Error> {
-                Ok(fields.pair(code).is_some().then_some(self.point(fields, code)?.truncate()))
+            let tangents = match tangents[..] {
+                [start, end] => [Some(start), Some(end)],
+                _ => [None, None],
             };
-            Ok(curves::fit_spline(&fit, [tangent(12)?, tangent(13)?], self.five_mm))
+            Ok(curves::fit_spline(&fit, tangents, self.five_mm))
         } else {
             curves::spline(degree, &knots, &control, &weights, self.five_mm)
         };
@@ -338,6 +350,29 @@ impl<'a> Reader<'a, '_> {
         let points = if is_ring { &points[1..] } else { &points[..] };
         let shape = curves::polyline(points.iter().copied(), is_ring);
         Ok(Ok(Body::Shape(shape, as_a_whole(self.extrusion(fields)?))))
+    }
+
+    /// All points of a record at the groups `codes` and `codes + 10`; `None` where one has no y.
+    fn points(&self, fields: &Fields<'_, '_>, codes: &[i32]) -> Result<Option<Vec<DVec2>>, Error> {
+        let mut out = Vec::new();
+        for (x, y) in codes.iter().flat_map(|&code| point_slots(self.tokens, fields.record, code)) {
+            let Some(y) = y else { return Ok(None) };
+            let number = |index: usize| self.number(&self.tokens.pairs[index], fields.record);
+            out.push(DVec2::new(number(x)?, number(y)?));
+        }
+        Ok(Some(out))
+    }
+
+    /// Whether an attribute of an INSERT can follow it, and whether it can turn with it.
+    fn attribute_follows(&self, record: usize) -> [bool; 2] {
+        let fields = Fields::of(self.tokens, record);
+        let has = |code: i32| fields.pair(code).is_some();
+        let is_number =
+            |code: i32| fields.pair(code).is_none_or(|p| self.tokens.number(p).is_some_and(f64::is_finite));
+        let is_plain = [10, 20, 11, 21, 50, 210, 220, 230].into_iter().all(is_number)
+            && self.extrusion(&fields).is_ok_and(is_upright)
+            && !has_embedded_object(self.tokens, record);
+        [is_plain && has(10) && has(20) && has(11) == has(21), has(50)]
     }
 
     fn insert(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
@@ -363,6 +398,10 @@ impl<'a> Reader<'a, '_> {
             );
             return skip("dxf-bad-array", text);
         }
+        let has = |code: i32| fields.pair(code).is_some();
+        let attributes = attributes(self.tokens, fields.record).map(|record| self.attribute_follows(record));
+        let has_values =
+            attributes.fold([has(10) && has(20), has(50)], |all, one| [all[0] && one[0], all[1] && one[1]]);
         Ok(Ok(Body::Insert(Insert {
             block: self.page.decode(name),
             is_mirrored: extrusion.z < 0.0,
@@ -371,7 +410,7 @@ impl<'a> Reader<'a, '_> {
             rotation_rad: self.float(fields, 50, 0.0)?.to_radians(),
             count: count.map(|n| n.max(1) as u64),
             spacing: DVec2::new(self.float(fields, 44, 0.0)?, self.float(fields, 45, 0.0)?),
-            has_values: [fields.pair(10).is_some() && fields.pair(20).is_some(), fields.pair(50).is_some()],
+            has_values,
         })))
     }
 

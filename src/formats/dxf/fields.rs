@@ -106,6 +106,36 @@ pub(super) fn polyline_records(tokens: &Tokens<'_>, record: usize) -> (std::ops:
     (record + 1..end, end + usize::from(has_seqend), has_seqend)
 }
 
+/// Pair indices of all points of a record at groups `code`, `code + 10`.
+pub(super) fn point_slots(tokens: &Tokens<'_>, record: usize, code: i32) -> Vec<(usize, Option<usize>)> {
+    let mut out: Vec<(usize, Option<usize>)> = Vec::new();
+    for (index, pair) in own_pairs(tokens, record) {
+        if pair.code == code {
+            out.push((index, None));
+        } else if pair.code == code + 10
+            && let Some((_, y)) = out.last_mut()
+        {
+            *y = Some(index);
+        }
+    }
+    out
+}
+
+/// The ATTRIB records that follow an INSERT.
+pub(super) fn attributes(tokens: &Tokens<'_>, insert: usize) -> std::ops::Range<usize> {
+    let mut end = insert + 1;
+    while end < tokens.records.len() && tokens.name(end) == b"ATTRIB" {
+        end += 1;
+    }
+    insert + 1..end
+}
+
+/// Whether a record carries another object with coordinates of its own (group 101).
+pub(super) fn has_embedded_object(tokens: &Tokens<'_>, record: usize) -> bool {
+    let own = own_pairs(tokens, record).count();
+    tokens.record(record).iter().any(|p| p.code == 101) && own > 0
+}
+
 /// The record's handle as written, upper case (group 5, in a DIMSTYLE 105).
 pub(super) fn handle_of(tokens: &Tokens<'_>, record: usize) -> Option<String> {
     let code = if tokens.name(record) == b"DIMSTYLE" { 105 } else { 5 };

@@ -7,11 +7,13 @@ use glam::DVec2;
 use super::ReadOptions;
 use super::additions;
 use super::entity::is_upright;
-use super::fields::{Fields, handle_of, lwpolyline_vertices, own_pairs, polyline_records};
+use super::fields::{
+    Fields, attributes, handle_of, has_embedded_object, lwpolyline_vertices, point_slots, polyline_records,
+};
 use super::limits::Limits;
 use super::read::fault_error;
 use super::tokens::{Form, Kind, Tokens, kind_of, tokenize, trim};
-use crate::plan::drawing::{Addition, Edit, RigidMotion, Shape};
+use crate::plan::drawing::{Addition, Edit, RigidMotion, Shape, Vertex};
 use crate::report::{Error, Place};
 
 /// Differences below this many times the rounding step of an entity's largest coordinate are what
@@ -288,11 +290,7 @@ impl Editor<'_, '_> {
         }
     }
 
-    fn lwpolyline(
-        &mut self,
-        fields: &Fields<'_, '_>,
-        vertices: &[crate::plan::drawing::Vertex],
-    ) -> Result<(), Error> {
+    fn lwpolyline(&mut self, fields: &Fields<'_, '_>, vertices: &[Vertex]) -> Result<(), Error> {
         let slots = lwpolyline_vertices(self.tokens, self.record);
         if slots.len() != vertices.len() {
             return Err(self.fault("the number of vertices differs"));
@@ -307,11 +305,7 @@ impl Editor<'_, '_> {
         Ok(())
     }
 
-    fn polyline(
-        &mut self,
-        fields: &Fields<'_, '_>,
-        vertices: &[crate::plan::drawing::Vertex],
-    ) -> Result<(), Error> {
+    fn polyline(&mut self, fields: &Fields<'_, '_>, vertices: &[Vertex]) -> Result<(), Error> {
         let (records, _, _) = polyline_records(self.tokens, self.record);
         if records.len() != vertices.len() {
             return Err(self.fault("the number of vertices differs"));
@@ -374,10 +368,12 @@ impl Editor<'_, '_> {
         let side = if is_mirrored { -1.0 } else { 1.0 };
         let turn = DVec2::from_angle(motion.turn_rad);
         for &code in codes.iter().chain(directions) {
-            let slots = point_slots(self.tokens, record, code);
-            if slots.is_empty() && code == 10 && !is_world {
-                return Err(self.fault("it has no insertion point to change"));
-            }
+            let slots = match fields.index(code) {
+                _ if self.tokens.name(record) == b"SPLINE" => point_slots(self.tokens, record, code),
+                Some(x) => vec![(x, fields.index(code + 10))],
+                None if code == 10 => return Err(self.fault("it has no insertion point to change")),
+                None => Vec::new(),
+            };
             let shift = if directions.contains(&code) { DVec2::ZERO } else { motion.shift };
             for (x, y) in slots {
                 let y = y.ok_or_else(|| self.fault("it has a point without y"))?;
@@ -396,36 +392,6 @@ impl Editor<'_, '_> {
         let old_deg = fields.index(50).map_or(Ok(0.0), |i| self.number(i))?;
         self.angle(&fields, 50, old_deg + side * motion.turn_rad.to_degrees(), 0.0)
     }
-}
-
-/// Pair indices of all points of a record at groups `code`, `code + 10`.
-fn point_slots(tokens: &Tokens<'_>, record: usize, code: i32) -> Vec<(usize, Option<usize>)> {
-    let mut out: Vec<(usize, Option<usize>)> = Vec::new();
-    for (index, pair) in own_pairs(tokens, record) {
-        if pair.code == code {
-            out.push((index, None));
-        } else if pair.code == code + 10
-            && let Some((_, y)) = out.last_mut()
-        {
-            *y = Some(index);
-        }
-    }
-    out
-}
-
-/// The ATTRIB records that follow an INSERT.
-pub(super) fn attributes(tokens: &Tokens<'_>, insert: usize) -> std::ops::Range<usize> {
-    let mut end = insert + 1;
-    while end < tokens.records.len() && tokens.name(end) == b"ATTRIB" {
-        end += 1;
-    }
-    insert + 1..end
-}
-
-/// Whether a record carries another object with coordinates of its own (group 101).
-pub(super) fn has_embedded_object(tokens: &Tokens<'_>, record: usize) -> bool {
-    let own = own_pairs(tokens, record).count();
-    tokens.record(record).iter().any(|p| p.code == 101) && own > 0
 }
 
 /// The shortest decimal that reads back as the same number, never with an exponent.

@@ -7,33 +7,36 @@ use encoding_rs::{Encoding, SHIFT_JIS, UTF_8, WINDOWS_1252};
 pub(super) struct CodePage {
     /// The encoding tried first.
     pub encoding: &'static Encoding,
+    /// What is tried for strings that the first one does not know.
+    pub fallback: &'static Encoding,
     /// Whether the file states it, by version or by `$DWGCODEPAGE`.
     pub is_stated: bool,
 }
 
 /// Code page of a file: UTF-8 from 2007 on, else `$DWGCODEPAGE`, else a guess over `samples` (the
-/// file's strings that hold non-ASCII bytes): UTF-8 if all are valid, Shift_JIS if all are valid and
-/// look Japanese, else Windows-1252.
+/// file's strings that hold non-ASCII bytes): UTF-8 if all are valid, Shift_JIS if the others are valid
+/// and look Japanese, else Windows-1252. A file of 2007 or later with other bytes in it is of a program
+/// that wrote its old code page on: that is the fallback.
 pub(super) fn code_page<'a>(
     version: &str,
     stated: Option<&str>,
     samples: impl Iterator<Item = &'a [u8]> + Clone,
 ) -> CodePage {
-    if version >= "AC1021" {
-        return CodePage { encoding: UTF_8, is_stated: true };
-    }
-    if let Some(encoding) = stated.and_then(encoding_by_name) {
-        return CodePage { encoding, is_stated: true };
-    }
-    let has_samples = samples.clone().next().is_some();
-    let encoding = if has_samples && samples.clone().all(|s| std::str::from_utf8(s).is_ok()) {
-        UTF_8
-    } else if has_samples && looks_like_shift_jis(samples) {
-        SHIFT_JIS
-    } else {
-        WINDOWS_1252
+    let stated = stated.and_then(encoding_by_name);
+    let guess = || {
+        let others = samples.clone().filter(|s| std::str::from_utf8(s).is_err());
+        match others.clone().next() {
+            None if samples.clone().next().is_some() => UTF_8,
+            Some(_) if looks_like_shift_jis(others) => SHIFT_JIS,
+            _ => WINDOWS_1252,
+        }
     };
-    CodePage { encoding, is_stated: false }
+    let own = stated.unwrap_or_else(guess);
+    if version >= "AC1021" {
+        let fallback = if own == UTF_8 { WINDOWS_1252 } else { own };
+        return CodePage { encoding: UTF_8, fallback, is_stated: true };
+    }
+    CodePage { encoding: own, fallback: WINDOWS_1252, is_stated: stated.is_some() }
 }
 
 /// Encoding of a `$DWGCODEPAGE` name such as `ANSI_1252`, `dos932`, `ISO8859-1`.
@@ -90,8 +93,11 @@ impl CodePage {
             let text = String::from_utf8_lossy(value).into_owned();
             return if text.contains('\\') { unescape_unicode(&text) } else { text };
         }
-        let strict = self.encoding.decode_without_bom_handling_and_without_replacement(value);
-        let text = strict.unwrap_or_else(|| WINDOWS_1252.decode_without_bom_handling(value).0);
+        let strict =
+            |encoding: &'static Encoding| encoding.decode_without_bom_handling_and_without_replacement(value);
+        let text = strict(self.encoding)
+            .or_else(|| strict(self.fallback))
+            .unwrap_or_else(|| WINDOWS_1252.decode_without_bom_handling(value).0);
         unescape_unicode(&text)
     }
 
@@ -275,7 +281,7 @@ mod tests {
         for (line, stated) in
             [("100 % of 5%% ^ \\U+00FC Wände 壁 😀", true), ("a%%%b", false), ("Größe", false)]
         {
-            let page = CodePage { encoding: WINDOWS_1252, is_stated: stated };
+            let page = CodePage { encoding: WINDOWS_1252, fallback: WINDOWS_1252, is_stated: stated };
             let bytes = page.encode(&text_value(line));
             assert_eq!(plain_text(&page.decode(&bytes)), line);
         }
@@ -292,5 +298,8 @@ mod tests {
         assert_eq!(code_page("AC1015", Some("dos932"), [].into_iter()).decode(b"\x95\xc7"), "壁");
         assert_eq!(code_page("AC1024", Some("ANSI_1252"), [].into_iter()).decode("壁".as_bytes()), "壁");
         assert_eq!(code_page("AC1024", None, [].into_iter()).decode(german), "Wände");
+        assert_eq!(code_page("AC1021", Some("ANSI_932"), [].into_iter()).decode(b"\x95\xc7"), "壁");
+        let mixed = ["Wände".as_bytes(), japanese];
+        assert_eq!(code_page("AC1021", None, mixed.into_iter()).decode(japanese), "_0-9_壁__窓");
     }
 }
