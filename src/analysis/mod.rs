@@ -4,6 +4,7 @@
 
 use crate::plan::geometry::{PointUm, Segment};
 
+mod dense;
 pub mod evaluator;
 #[cfg(test)]
 mod fixtures;
