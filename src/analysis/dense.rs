@@ -21,8 +21,14 @@ pub(super) const MAX_CELLS: usize = 4 * LANES;
 /// below 2⁻²⁵ under the coordinate limits of the sweep.
 const GRAZING_CELLS: f64 = 1e-6;
 
-/// A level is pulled by the unseen cells once they are fewer than the cells in so many table rows.
-const PULL_BELOW: u32 = 5;
+/// Reading this many tables costs as much as one cell's pull.
+const TABLES_PER_PULL: u32 = 3;
+
+/// Tables of 32 cells: 16 KiB at two cache lines a row.
+const HALF_WORD_TABLES: usize = 8;
+
+/// A slope beyond any cell.
+const STEEP: f64 = 1e12;
 
 /// See the module page.
 pub(super) struct Dense {
@@ -39,8 +45,8 @@ pub(super) struct Dense {
     cell_of: Vec<u32>,
     vertex_of: Vec<u32>,
     viewers: Vec<Viewer>,
-    /// Upper half plane of every viewer under the fixed walls.
-    fixed: Vec<Lanes>,
+    /// Upper half plane of every viewer under the fixed walls, see `view_words`.
+    fixed: Vec<u64>,
     reference: Vec<Lanes>,
     query: Vec<u32>,
     /// Component of every query vertex in the initial layout.
@@ -60,8 +66,15 @@ struct Viewer {
 /// Buffers of one thread.
 #[derive(Default)]
 pub(super) struct DenseScratch {
+    view: Vec<u64>,
     rows: Vec<Lanes>,
     tables: Vec<Lanes>,
+    /// Frontier, unseen cells and next frontier of every query vertex.
+    trees: Vec<Lanes>,
+    active: Vec<u32>,
+    pushed: Vec<u32>,
+    /// Cells per level and query vertex.
+    found: Vec<u32>,
     component_of: Vec<u32>,
     components: Vec<Lanes>,
 }
@@ -70,7 +83,70 @@ pub(super) struct DenseScratch {
 struct Moving {
     a: [f64; 2],
     b: [f64; 2],
+    left: f64,
+    right: f64,
     exact: Segment,
+}
+
+/// Lines of the half plane that are computed at a time.
+const STRIDE: usize = 8;
+
+/// The shadow of a segment in a viewer's upper half plane: between the slope of its lower end (or an
+/// infinite one) and that of its upper end, beyond the segment.
+struct Shadow {
+    near: f64,
+    far: f64,
+    /// Run of the segment over its rise.
+    lean: f64,
+    /// Lower end as seen from the viewer, and height of the upper one, micrometres.
+    a: [f64; 2],
+    top: f64,
+    column: f64,
+    spacing: f64,
+}
+
+impl Shadow {
+    /// Where the shadow begins and ends on some lines from `first` on, in columns (empty: `lo > hi`),
+    /// and whether any edge comes too near to a cell.
+    #[inline(always)]
+    fn lines(&self, first: usize) -> ([f64; STRIDE], [f64; STRIDE], bool) {
+        let (mut lo, mut hi) = ([0.0; STRIDE], [0.0; STRIDE]);
+        let mut grazing = false;
+        for i in 0..STRIDE {
+            let d = (first + i) as f64;
+            let height = d * self.spacing;
+            let one = self.near * d;
+            let cut = (self.a[0] + self.lean * (height - self.a[1])) / self.spacing;
+            let two = if self.top <= height { self.far * d } else { cut };
+            let reached = self.a[1] <= height;
+            lo[i] = if reached { one.min(two) + self.column } else { 1e9 };
+            hi[i] = if reached { one.max(two) + self.column } else { -1e9 };
+            let near_lo = ((lo[i] - nearest(lo[i])).abs() <= GRAZING_CELLS) & (lo[i].abs() < 1e8);
+            let near_hi = ((hi[i] - nearest(hi[i])).abs() <= GRAZING_CELLS) & (hi[i].abs() < 1e8);
+            grazing |= reached & (near_lo | near_hi);
+        }
+        (lo, hi, grazing)
+    }
+}
+
+/// Added to a number below 2⁵¹, leaves its nearest whole number in the low bits.
+const WHOLE_BITS: f64 = 6_755_399_441_055_744.0;
+
+#[inline(always)]
+fn nearest(x: f64) -> f64 {
+    (x + WHOLE_BITS) - WHOLE_BITS
+}
+
+/// The first whole number above `x`, which is not whole, clamped to `0..=64`.
+#[inline(always)]
+fn whole_above(x: f64) -> u64 {
+    (x.max(-0.4).min(63.5) + 0.5 + WHOLE_BITS).to_bits() & 127
+}
+
+/// All bits from `first` on; none for 64.
+#[inline(always)]
+fn ones_from(first: u64) -> u64 {
+    if first < 64 { u64::MAX << first } else { 0 }
 }
 
 impl Dense {
@@ -96,7 +172,7 @@ impl Dense {
             size,
             stride,
             viewers: Vec::with_capacity(graph.len()),
-            fixed: vec![Lanes::default(); graph.len() * stride],
+            fixed: Vec::new(),
             reference: vec![Lanes::default(); stride],
             query: lattice.query.clone(),
             initial: Vec::new(),
@@ -104,6 +180,7 @@ impl Dense {
             vertex_of: vec![0; stride * LANES],
             cell_of,
         };
+        new.fixed = vec![0; graph.len() * new.view_words()];
         for v in 0..graph.len() {
             new.vertex_of[new.cell_of[v] as usize] = v as u32;
             new.add_viewer(v, at(v), graph);
@@ -117,15 +194,16 @@ impl Dense {
     fn add_viewer(&mut self, v: usize, at: [usize; 2], graph: &Graph) {
         let own = self.cell_of[v];
         let mut viewer = Viewer { at, lo: at[0] as f64, hi: at[0] as f64, top: at[1] };
-        let row = &mut self.fixed[v * self.stride..][..self.stride];
+        let (words, line_stride) = (self.view_words(), self.line_stride());
+        let view = &mut self.fixed[v * words..][..words];
         graph.for_each_neighbour(v as u32, |u| {
             let cell = self.cell_of[u as usize];
             if cell > own {
-                set(row, cell as usize);
-                let along = (cell as usize % self.size[0]) as f64;
-                viewer.lo = viewer.lo.min(along);
-                viewer.hi = viewer.hi.max(along);
-                viewer.top = viewer.top.max(cell as usize / self.size[0]);
+                let (along, line) = (cell as usize % self.size[0], cell as usize / self.size[0]);
+                view[along / 64 * line_stride + line] |= 1 << (along % 64);
+                viewer.lo = viewer.lo.min(along as f64);
+                viewer.hi = viewer.hi.max(along as f64);
+                viewer.top = viewer.top.max(line);
             }
         });
         self.viewers.push(viewer);
@@ -181,81 +259,178 @@ impl Dense {
             if reach > MAX_COORDINATE_UM || reach / self.spacing_um >= MAX_COORDINATE_CELLS {
                 return None;
             }
-            taken.push(Moving { a: exact.a.map(|v| v as f64), b: exact.b.map(|v| v as f64), exact });
+            let [a, b] = [exact.a, exact.b].map(|p| p.map(|v| v as f64));
+            taken.push(Moving { a, b, left: a[0].min(b[0]), right: a[0].max(b[0]), exact });
         }
         Some(taken)
     }
 
     /// Fills `rows` by grid cell: who sees whom in this layout.
     fn look(&self, segments: &[Moving], blind: &[u32], scratch: &mut DenseScratch) {
-        let cells = self.stride * LANES;
         scratch.rows.clear();
-        scratch.rows.resize(cells * self.stride, Lanes::default());
-        let s = self.spacing_um as f64;
-        for (v, viewer) in self.viewers.iter().enumerate() {
-            let cell = self.cell_of[v] as usize;
-            let row = &mut scratch.rows[cell * self.stride..][..self.stride];
-            row.copy_from_slice(&self.fixed[v * self.stride..][..self.stride]);
-            let (low, top) = (viewer.at[1] as f64 * s, viewer.top as f64 * s);
-            let (left, right) = (viewer.lo * s, viewer.hi * s);
-            for m in segments {
-                let apart = m.b[1] < low
-                    || m.a[1] > top
-                    || m.a[0].max(m.b[0]) < left
-                    || m.a[0].min(m.b[0]) > right;
-                if !apart {
-                    self.cast(viewer, m, row);
-                }
-            }
+        scratch.rows.resize(self.stride * LANES * self.stride, Lanes::default());
+        match self.path {
+            // SAFETY: a path is only made for a processor that has its instructions.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            Path::Avx512 => unsafe { self.cast_all_avx512(segments, scratch) },
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            Path::Avx2 => unsafe { self.cast_all_avx2(segments, scratch) },
+            Path::Portable => self.cast_all(segments, scratch),
         }
         if !blind.is_empty() {
-            let mut seeing = vec![Lanes([u64::MAX; 8]); self.stride];
-            for &v in blind {
-                let cell = self.cell_of[v as usize] as usize;
-                scratch.rows[cell * self.stride..][..self.stride].fill(Lanes::default());
-                seeing[cell / LANES].clear(cell % LANES);
-            }
-            for row in scratch.rows.chunks_exact_mut(self.stride) {
-                row.iter_mut().zip(&seeing).for_each(|(r, s)| (0..8).for_each(|w| r.0[w] &= s.0[w]));
-            }
+            self.blindfold(blind, &mut scratch.rows);
         }
         mirror(&mut scratch.rows, self.stride, (self.size[0] * self.size[1]).div_ceil(64));
     }
 
-    /// Clears the shadow of one segment from a viewer's upper half plane.
-    fn cast(&self, viewer: &Viewer, m: &Moving, row: &mut [Lanes]) {
+    fn blindfold(&self, blind: &[u32], rows: &mut [Lanes]) {
+        let mut seeing = vec![Lanes([u64::MAX; 8]); self.stride];
+        for &v in blind {
+            let cell = self.cell_of[v as usize] as usize;
+            rows[cell * self.stride..][..self.stride].fill(Lanes::default());
+            seeing[cell / LANES].clear(cell % LANES);
+        }
+        for row in rows.chunks_exact_mut(self.stride) {
+            row.iter_mut().zip(&seeing).for_each(|(r, s)| (0..8).for_each(|w| r.0[w] &= s.0[w]));
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512dq,popcnt")]
+    fn cast_all_avx512(&self, segments: &[Moving], scratch: &mut DenseScratch) {
+        self.cast_all(segments, scratch);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,popcnt")]
+    fn cast_all_avx2(&self, segments: &[Moving], scratch: &mut DenseScratch) {
+        self.cast_all(segments, scratch);
+    }
+
+    /// The upper half plane of every viewer, as bits by grid cell.
+    #[inline(always)]
+    fn cast_all(&self, segments: &[Moving], scratch: &mut DenseScratch) {
+        let s = self.spacing_um as f64;
+        let view = &mut scratch.view;
+        for (v, viewer) in self.viewers.iter().enumerate() {
+            view.clear();
+            view.extend_from_slice(&self.fixed[v * self.view_words()..][..self.view_words()]);
+            let (low, top) = (viewer.at[1] as f64 * s, viewer.top as f64 * s);
+            let (left, right) = (viewer.lo * s, viewer.hi * s);
+            for m in segments {
+                let apart = (m.b[1] < low) | (m.a[1] > top) | (m.right < left) | (m.left > right);
+                if !apart {
+                    self.cast(viewer, m, view);
+                }
+            }
+            let row = &mut scratch.rows[self.cell_of[v] as usize * self.stride..][..self.stride];
+            self.pack(viewer, view, row);
+        }
+    }
+
+    /// Words of a half plane: by word of a line, then line, with room for a last stride of lines.
+    fn view_words(&self) -> usize {
+        self.size[0].div_ceil(64) * self.line_stride()
+    }
+
+    fn line_stride(&self) -> usize {
+        self.size[1] + STRIDE
+    }
+
+    /// Puts the lines of a view one behind the other.
+    #[inline(always)]
+    fn pack(&self, viewer: &Viewer, view: &[u64], row: &mut [Lanes]) {
+        for line in viewer.at[1]..=viewer.top {
+            for w in 0..self.size[0].div_ceil(64) {
+                let word = view[w * self.line_stride() + line];
+                let at = line * self.size[0] + w * 64;
+                row[at / LANES].0[at / 64 % 8] |= word << (at % 64);
+                let over = word.checked_shr(64 - (at % 64) as u32).unwrap_or(0);
+                if over != 0 {
+                    row[(at / 64 + 1) / 8].0[(at / 64 + 1) % 8] |= over;
+                }
+            }
+        }
+    }
+
+    /// Clears the shadow of one segment from a viewer's upper half plane, [`STRIDE`] lines at a time.
+    #[inline(always)]
+    fn cast(&self, viewer: &Viewer, m: &Moving, view: &mut [u64]) {
         let s = self.spacing_um as f64;
         let at = [viewer.at[0] as f64 * s, viewer.at[1] as f64 * s];
         let a = [m.a[0] - at[0], m.a[1] - at[1]];
         let b = [m.b[0] - at[0], m.b[1] - at[1]];
-        // Towards the viewer's own line: nothing, a slope, or one of the two ends of the line.
+        // Towards the viewer's own line: a slope, or one of the two ends of the line.
         let near = if a[1] > 0.0 {
             a[0] / a[1]
         } else {
-            let Some(side) = self.clear_own_line(viewer, m, row) else { return };
+            let Some(side) = self.clear_own_line(viewer, m, view) else { return };
             side
         };
-        let far = if b[1] > 0.0 { b[0] / b[1] } else { return };
-        let lean = if b[1] > a[1] { (b[0] - a[0]) / (b[1] - a[1]) } else { 0.0 };
-        let first = ((a[1] / s).max(0.0) as usize).max(1);
-        for distance in first..=viewer.top - viewer.at[1] {
-            let (d, height) = (distance as f64, distance as f64 * s);
-            if a[1] > height {
-                continue;
+        if b[1] <= 0.0 {
+            return;
+        }
+        let shadow = Shadow {
+            near,
+            far: b[0] / b[1],
+            lean: if b[1] > a[1] { (b[0] - a[0]) / (b[1] - a[1]) } else { 0.0 },
+            a,
+            top: b[1],
+            column: viewer.at[0] as f64,
+            spacing: s,
+        };
+        let mut first = ((a[1] / s).max(0.0) as usize).max(1);
+        let last = viewer.top - viewer.at[1];
+        while first <= last {
+            let (lo, hi, grazing) = shadow.lines(first);
+            if grazing {
+                self.cast_exactly(viewer, m, view, first..=last.min(first + STRIDE - 1), (&lo, &hi));
+            } else {
+                self.clear_lines(view, viewer.at[1] + first, &lo, &hi);
             }
-            let one = near * d;
-            let two = if b[1] <= height { far * d } else { (a[0] + lean * (height - a[1])) / s };
-            let column = viewer.at[0] as f64;
-            let (lo, hi) = (one.min(two) + column, one.max(two) + column);
-            if hi < -0.5 || lo > self.size[0] as f64 - 0.5 {
-                continue;
+            first += STRIDE;
+        }
+    }
+
+    /// Clears the cells between two positions on each of some lines.
+    #[inline(always)]
+    fn clear_lines(&self, view: &mut [u64], line: usize, lo: &[f64; STRIDE], hi: &[f64; STRIDE]) {
+        for w in 0..self.size[0].div_ceil(64) {
+            let base = (w * 64) as f64;
+            let words = &mut view[w * self.line_stride() + line..][..STRIDE];
+            for i in 0..STRIDE {
+                let (from, beyond) = (whole_above(lo[i] - base), whole_above(hi[i] - base));
+                words[i] &= !(ones_from(from) & !ones_from(beyond));
             }
+        }
+    }
+
+    /// The same where an edge grazes a cell: the cells at the edges are tested in whole numbers.
+    #[cold]
+    fn cast_exactly(
+        &self,
+        viewer: &Viewer,
+        m: &Moving,
+        view: &mut [u64],
+        distances: std::ops::RangeInclusive<usize>,
+        (lo, hi): (&[f64; STRIDE], &[f64; STRIDE]),
+    ) {
+        for (i, distance) in distances.enumerate() {
             let line = viewer.at[1] + distance;
-            let from = self.edge(viewer, m, line, lo, true);
-            let to = self.edge(viewer, m, line, hi, false);
-            if from <= to {
-                clear_range(row, line * self.size[0] + from as usize, line * self.size[0] + to as usize);
+            if lo[i] > hi[i] || hi[i] < -0.5 || lo[i] > self.size[0] as f64 - 0.5 {
+                continue;
             }
+            let from = self.edge(viewer, m, line, lo[i], true);
+            let to = self.edge(viewer, m, line, hi[i], false);
+            self.clear_cells(view, line, from, to);
+        }
+    }
+
+    fn clear_cells(&self, view: &mut [u64], line: usize, from: i64, to: i64) {
+        for cell in from..=to {
+            view[cell as usize / 64 * self.line_stride() + line] &= !(1 << (cell % 64));
         }
     }
 
@@ -276,7 +451,7 @@ impl Dense {
             self.blocks(m, viewer.at, [near as usize, line])
         };
         match (lower, inside) {
-            (true, true) | (false, true) => near,
+            (_, true) => near,
             (true, false) => near + 1,
             (false, false) => near - 1,
         }
@@ -289,10 +464,11 @@ impl Dense {
 
     /// A segment that reaches down to the viewer's own line or below: clears what it hides on the line.
     /// The side on which it meets the line as an infinite slope; `None` if it hides the whole half plane.
-    fn clear_own_line(&self, viewer: &Viewer, m: &Moving, row: &mut [Lanes]) -> Option<f64> {
+    #[inline(never)]
+    fn clear_own_line(&self, viewer: &Viewer, m: &Moving, view: &mut [u64]) -> Option<f64> {
         let centre = viewer.at.map(|v| v as i64 * self.spacing_um);
         if segments_touch(m.exact, Segment { a: centre, b: centre }) {
-            row.fill(Lanes::default());
+            view.fill(0);
             return None;
         }
         let (a, b) = (m.exact.a, m.exact.b);
@@ -300,7 +476,7 @@ impl Dense {
         let turn = crate::plan::geometry::cross_um(a, b, centre);
         let right = if a[1] == b[1] { a[0] > centre[0] } else { turn > 0 };
         if !right {
-            return Some(-1e300);
+            return Some(-STEEP);
         }
         // The first cell whose sight segment along the line touches.
         let line = viewer.at[1];
@@ -315,10 +491,8 @@ impl Dense {
         while first < self.size[0] && !self.blocks(m, viewer.at, [first, line]) {
             first += 1;
         }
-        if first < self.size[0] {
-            clear_range(row, line * self.size[0] + first, (line + 1) * self.size[0] - 1);
-        }
-        Some(1e300)
+        self.clear_cells(view, line, first as i64, self.size[0] as i64 - 1);
+        Some(STEEP)
     }
 
     /// Labels the components of the layout in `rows`.
@@ -374,50 +548,65 @@ impl Dense {
         }
     }
 
-    /// The breadth-first trees of the query vertices.
+    /// The breadth-first trees of the query vertices, all of them level by level.
     #[inline(always)]
     fn walk_rows<V: Vector, const K: usize>(&self, scratch: &mut DenseScratch) -> Tally {
         let mut tally = Tally::default();
         let rows: &[[Lanes; K]] = scratch.rows.as_chunks().0;
         let components: &[[Lanes; K]] = scratch.components.as_chunks().0;
-        fill_tables::<V, K>(rows, &mut scratch.tables);
+        let words = (self.size[0] * self.size[1]).div_ceil(64);
+        fill_tables::<V, K>(&rows[..words * 64], &mut scratch.tables);
         let tables: &[[Lanes; K]] = scratch.tables.as_chunks().0;
-        for (i, &v) in self.query.iter().enumerate() {
+        let trees = &mut scratch.trees;
+        trees.resize(self.query.len() * 3 * K, Lanes::default());
+        let trees: &mut [[[Lanes; K]; 3]] = trees.as_chunks_mut().0.as_chunks_mut().0;
+        let found = &mut scratch.found;
+        found.clear();
+        let (active, pushed) = (&mut scratch.active, &mut scratch.pushed);
+        active.clear();
+        for (i, (&v, [frontier, unseen, _])) in self.query.iter().zip(trees.iter_mut()).enumerate() {
             let cell = self.cell_of[v as usize] as usize;
-            let row = rows[cell];
-            let component = components[scratch.component_of[v as usize] as usize];
-            tally.degree.push(shared_bits(&row, &self.reference));
-            tally.degree_all.push(count_bits(&row));
+            *frontier = rows[cell];
+            *unseen = components[scratch.component_of[v as usize] as usize];
+            tally.degree.push(shared_bits(frontier, &self.reference));
+            tally.degree_all.push(count_bits(frontier));
             if let Some(initial) = self.initial_of.get(i) {
                 let was = &self.initial[*initial as usize];
-                tally.disconnected += u64::from(count_bits(was) - shared_bits(was, &component));
+                tally.disconnected += u64::from(count_bits(was) - shared_bits(was, unseen));
             }
-            let before = tally.levels.len();
-            let mut unseen = component;
             unseen[cell / LANES].clear(cell % LANES);
-            let mut frontier = row;
-            loop {
-                let found = count_bits(&frontier);
-                if found == 0 {
-                    break;
-                }
-                tally.levels.push(found);
-                let mut any = false;
+            active.push(i as u32);
+        }
+        let few = (words * 16) as u32 / TABLES_PER_PULL;
+        let mut level = 0;
+        while !active.is_empty() {
+            found.resize((level + 1) * self.query.len(), 0);
+            let counts = &mut found[level * self.query.len()..];
+            pushed.clear();
+            let mut kept = 0;
+            for at in 0..active.len() {
+                let [frontier, unseen, _] = &mut trees[active[at] as usize];
+                counts[active[at] as usize] = count_bits(frontier);
                 for k in 0..K {
-                    let left = V::load(&unseen[k]).without(V::load(&frontier[k]));
-                    any |= !left.is_zero();
-                    left.store(&mut unseen[k]);
+                    V::load(&unseen[k]).without(V::load(&frontier[k])).store(&mut unseen[k]);
                 }
-                if !any {
-                    break;
+                let missing = count_bits(unseen);
+                if missing > few {
+                    pushed.push(active[at]);
+                } else if missing > 0 {
+                    *frontier = pull::<V, K>(rows, frontier, unseen);
                 }
-                let few = count_bits(&unseen) < (rows.len() as u32 / 4) / PULL_BELOW * 2;
-                frontier = if few {
-                    pull::<V, K>(rows, &frontier, &unseen)
-                } else {
-                    push::<V, K>(tables, &frontier, &unseen)
-                };
+                active[kept] = active[at];
+                kept += usize::from(missing > 0);
             }
+            active.truncate(kept);
+            push::<V, K>(tables, trees, pushed);
+            level += 1;
+        }
+        for i in 0..self.query.len() {
+            let before = tally.levels.len();
+            let counts = (0..level).map(|l| found[l * self.query.len() + i]);
+            tally.levels.extend(counts.take_while(|n| *n > 0));
             tally.depth.push((tally.levels.len() - before) as u32);
         }
         tally
@@ -440,32 +629,43 @@ fn fill_tables<V: Vector, const K: usize>(rows: &[[Lanes; K]], tables: &mut Vec<
     }
 }
 
-/// Unseen cells beside the frontier, by the rows of the frontier.
+/// One level on for some trees: the rows of the frontier, through tables that stay in the nearest cache
+/// while all trees read them.
 #[inline(always)]
-fn push<V: Vector, const K: usize>(
-    tables: &[[Lanes; K]],
-    frontier: &[Lanes; K],
-    unseen: &[Lanes; K],
-) -> [Lanes; K] {
-    let mut sum = [V::zero(); K];
-    for (w, tables) in tables.chunks_exact(256).enumerate() {
-        let mut word = frontier[w / 8].0[w % 8];
-        if word == 0 {
-            continue;
-        }
-        for table in tables.as_chunks::<16>().0 {
-            let choice = &table[(word & 15) as usize];
-            for k in 0..K {
-                sum[k] = sum[k].or(V::load(&choice[k]));
+fn push<V: Vector, const K: usize>(tables: &[[Lanes; K]], trees: &mut [[[Lanes; K]; 3]], pushed: &[u32]) {
+    for &tree in pushed {
+        trees[tree as usize][2] = [Lanes::default(); K];
+    }
+    for (half, tables) in tables.chunks_exact(HALF_WORD_TABLES * 16).enumerate() {
+        let tables = tables.as_chunks::<16>().0;
+        for &tree in pushed {
+            let [frontier, _, next] = &mut trees[tree as usize];
+            let mut bits = (frontier[half / 16].0[half / 2 % 8] >> (32 * (half % 2))) as u32;
+            if bits == 0 {
+                continue;
             }
-            word >>= 4;
+            let mut sum = [V::zero(); K];
+            for k in 0..K {
+                sum[k] = V::load(&next[k]);
+            }
+            for table in tables {
+                let choice = &table[(bits & 15) as usize];
+                for k in 0..K {
+                    sum[k] = sum[k].or(V::load(&choice[k]));
+                }
+                bits >>= 4;
+            }
+            for k in 0..K {
+                sum[k].store(&mut next[k]);
+            }
         }
     }
-    let mut new = [Lanes::default(); K];
-    for k in 0..K {
-        sum[k].and(V::load(&unseen[k])).store(&mut new[k]);
+    for &tree in pushed {
+        let [frontier, unseen, next] = &mut trees[tree as usize];
+        for k in 0..K {
+            V::load(&next[k]).and(V::load(&unseen[k])).store(&mut frontier[k]);
+        }
     }
-    new
 }
 
 /// Unseen cells beside the frontier, by their own rows.
@@ -498,26 +698,27 @@ fn set(row: &mut [Lanes], cell: usize) {
     row[cell / LANES].set(cell % LANES);
 }
 
+// Plain loops: closures would not be compiled for the caller's instruction set.
 #[inline(always)]
 fn count_bits(row: &[Lanes]) -> u32 {
-    row.iter().flat_map(|l| l.0).map(u64::count_ones).sum()
+    let mut sum = 0;
+    for lanes in row {
+        for word in lanes.0 {
+            sum += word.count_ones();
+        }
+    }
+    sum
 }
 
 #[inline(always)]
 fn shared_bits(a: &[Lanes], b: &[Lanes]) -> u32 {
-    a.iter().zip(b).flat_map(|(a, b)| a.0.into_iter().zip(b.0)).map(|(a, b)| (a & b).count_ones()).sum()
-}
-
-/// Clears the bits `from..=to`.
-fn clear_range(row: &mut [Lanes], from: usize, to: usize) {
-    let mut word = from / 64;
-    let mut mask = u64::MAX << (from % 64);
-    while word < to / 64 {
-        row[word / 8].0[word % 8] &= !mask;
-        mask = u64::MAX;
-        word += 1;
+    let mut sum = 0;
+    for (a, b) in a.iter().zip(b) {
+        for w in 0..8 {
+            sum += (a.0[w] & b.0[w]).count_ones();
+        }
     }
-    row[word / 8].0[word % 8] &= !(mask & (u64::MAX >> (63 - to % 64)));
+    sum
 }
 
 /// Makes a matrix that holds bits only right of its diagonal symmetric; `words` of a row are in use.
