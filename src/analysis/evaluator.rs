@@ -4,15 +4,20 @@ use std::sync::Arc;
 
 use crate::plan::geometry::Segment;
 
+use super::dense::{Dense, DenseScratch};
 use super::forest::tally;
 use super::visibility::visibility_graph_serial;
 use super::{Lattice, Obstacles, Tally};
 
 /// Evaluates layouts that share a lattice and the walls that do not move; share it between threads
 /// and give each thread a [`Scratch`].
+///
+/// Lattices whose box holds up to 2,048 cells are evaluated on dense rows prepared for the fixed walls;
+/// larger ones, and coordinates beyond about 10⁹ m, from scratch.
 pub struct Evaluator {
     lattice: Arc<Lattice>,
     fixed: Vec<Segment>,
+    dense: Option<Dense>,
     initial: Tally,
     initial_components: Vec<u32>,
 }
@@ -20,19 +25,24 @@ pub struct Evaluator {
 /// Buffers of one thread.
 pub struct Scratch {
     obstacles: Obstacles,
+    dense: DenseScratch,
 }
 
 impl Evaluator {
     /// `fixed` blocks sight in every layout; `initial_moving` is the rest of the initial layout,
     /// against which cut-off vertices are counted.
     pub fn new(lattice: Arc<Lattice>, fixed: &[Segment], initial_moving: &Obstacles) -> Self {
+        let mut scratch = Scratch { obstacles: Obstacles::default(), dense: DenseScratch::default() };
+        let under_fixed = Obstacles { segments: fixed.to_vec(), blind: Vec::new() };
+        let dense = Dense::new(&lattice, &visibility_graph_serial(&lattice, &under_fixed));
+        let dense = dense.and_then(|mut d| d.set_initial(initial_moving, &mut scratch.dense).then_some(d));
         let mut new = Self {
             lattice,
             fixed: fixed.to_vec(),
+            dense,
             initial: Tally::default(),
             initial_components: Vec::new(),
         };
-        let mut scratch = new.scratch();
         new.fill(initial_moving, &mut scratch);
         let graph = visibility_graph_serial(&new.lattice, &scratch.obstacles);
         new.initial_components = graph.components();
@@ -42,7 +52,7 @@ impl Evaluator {
 
     /// Buffers for one thread.
     pub fn scratch(&self) -> Scratch {
-        Scratch { obstacles: Obstacles::default() }
+        Scratch { obstacles: Obstacles::default(), dense: DenseScratch::default() }
     }
 
     /// The initial layout.
@@ -52,6 +62,11 @@ impl Evaluator {
 
     /// The same bits as [`tally`] of the whole layout's visibility graph; single-threaded.
     pub fn evaluate(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
+        let dense = self.dense.as_ref().and_then(|d| d.evaluate(moving, &mut scratch.dense));
+        dense.unwrap_or_else(|| self.evaluate_whole(moving, scratch))
+    }
+
+    fn evaluate_whole(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
         self.fill(moving, scratch);
         let graph = visibility_graph_serial(&self.lattice, &scratch.obstacles);
         tally(&self.lattice, &graph, Some(&self.initial_components))
@@ -63,5 +78,73 @@ impl Evaluator {
         all.segments.extend_from_slice(&self.fixed);
         all.segments.extend_from_slice(&moving.segments);
         all.blind.clone_from(&moving.blind);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::fixtures;
+    use super::*;
+
+    /// Wall ends on halves of a cell of 12 µm, now and then a micrometre beside them.
+    fn segments(most: usize) -> impl Strategy<Value = Vec<Segment>> {
+        let ordinate = (-3i64..54, 0..8u8, -1i64..2).prop_map(|(k, odd, off)| k * 6 + if odd == 0 { off } else { 0 });
+        let point = [ordinate.clone(), ordinate];
+        let segment = (point.clone(), point, 0..4u8).prop_map(|(a, b, kind)| match kind {
+            0 => Segment { a, b: [b[0], a[1]] },
+            1 => Segment { a, b: [a[0], b[1]] },
+            2 => Segment { a, b: [a[0] + (b[1] - a[1]), b[1]] },
+            _ => Segment { a, b },
+        });
+        prop::collection::vec(segment, 0..most)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+        /// Dense rows against the sweep and the waves, on tall and wide grids of one to four lines.
+        #[test]
+        fn evaluates_as_from_scratch(
+            fixed in segments(8),
+            initial in segments(4),
+            layouts in prop::collection::vec((segments(6), prop::collection::vec(0u32..40, 0..3)), 3),
+            size in (6i32..28, 7i32..28),
+            holes in any::<u64>(),
+        ) {
+            let keep = |c: i32, r: i32| holes.rotate_left((c * 5 + r * 11) as u32 & 63) & 7 != 0;
+            let cells = (0..size.0).flat_map(|c| (0..size.1).map(move |r| [c, r]));
+            let mut lattice = fixtures::lattice(12, [0, 0], cells.filter(|c| keep(c[0], c[1]) || c[0] < 7).collect());
+            lattice.query.retain(|v| v % 3 != 1);
+            lattice.is_reference.iter_mut().enumerate().for_each(|(v, r)| *r = v % 5 != 2);
+            let lattice = Arc::new(lattice);
+            let initial = Obstacles { segments: initial, blind: vec![] };
+            let evaluator = Evaluator::new(lattice, &fixed, &initial);
+            prop_assert!(evaluator.dense.is_some());
+            let mut scratch = evaluator.scratch();
+            prop_assert_eq!(&evaluator.evaluate(&initial, &mut scratch), evaluator.initial());
+            for (segments, blind) in layouts {
+                let moving = Obstacles { segments, blind };
+                let whole = evaluator.evaluate_whole(&moving, &mut evaluator.scratch());
+                prop_assert_eq!(evaluator.evaluate(&moving, &mut scratch), whole);
+            }
+        }
+    }
+
+    #[test]
+    fn beyond_the_limits_it_evaluates_from_scratch() {
+        let cells: Vec<[i32; 2]> = (0..46).flat_map(|c| (0..46).map(move |r| [c, r])).collect();
+        let lattice = Arc::new(fixtures::lattice(10, [0, 0], cells));
+        let wall = |x: i64| Obstacles { segments: vec![Segment { a: [x, -5], b: [x, 155] }], blind: vec![] };
+        let evaluator = Evaluator::new(lattice.clone(), &[], &wall(55));
+        assert!(evaluator.dense.is_none());
+        let tally = evaluator.evaluate(&wall(66), &mut evaluator.scratch());
+        assert_eq!(tally.degree.len(), lattice.cells.len());
+        let small = Arc::new(fixtures::lattice(10, [0, 0], vec![[0, 0], [3, 0], [0, 4]]));
+        let evaluator = Evaluator::new(small, &[], &wall(55));
+        let far = Obstacles { segments: vec![Segment { a: [-(1 << 60), 5], b: [1 << 60, 5] }], blind: vec![] };
+        let tally = evaluator.evaluate(&far, &mut evaluator.scratch());
+        assert_eq!((tally.depth, tally.disconnected), (vec![1, 0, 1], 4));
     }
 }

@@ -6,6 +6,7 @@ pub mod lattice;
 
 use crate::plan::geometry::{PointUm, Segment};
 
+mod dense;
 pub mod evaluator;
 #[cfg(test)]
 mod fixtures;

@@ -104,7 +104,10 @@ struct Sweep<'a> {
     seen: Vec<u64>,
     touched: Vec<u64>,
     viewer: Viewer,
-    slope_error: f64,
+    /// Slopes beyond this lie outside every row of the lattice and count as infinite.
+    steep: f64,
+    /// Largest difference of two computed slopes, not steep, that proves nothing.
+    tolerance: f64,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -127,7 +130,8 @@ impl<'a> Sweep<'a> {
             seen: vec![0; tiles.count() + 1],
             touched: vec![0; tiles.count() / 64 + 1],
             viewer: Viewer::default(),
-            slope_error: strips.extent_cells * (-46f64).exp2(),
+            steep: strips.columns as f64,
+            tolerance: (strips.extent_cells + strips.columns as f64) * (-46f64).exp2(),
         }
     }
 
@@ -302,10 +306,10 @@ impl<'a> Sweep<'a> {
         if height(far) <= 0.0 {
             return;
         }
-        let far = End { slope: (piece.x[far] - self.viewer.x) / height(far), id: piece.id[far] };
+        let far = self.end((piece.x[far] - self.viewer.x) / height(far), piece.id[far]);
         let reach = piece.x[near] - self.viewer.x;
         let near = if height(near) > 0.0 {
-            End { slope: reach / height(near), id: piece.id[near] }
+            self.end(reach / height(near), piece.id[near])
         } else if reach > 0.0 {
             *right = right.min(far.slope);
             gap.hi
@@ -322,6 +326,17 @@ impl<'a> Sweep<'a> {
             at -= 1;
         }
         self.blocks.insert(at, Interval { lo, hi });
+    }
+
+    #[inline(always)]
+    fn end(&self, slope: f64, id: EndId) -> End {
+        if slope > self.steep {
+            End { slope: HUGE, id: POSITIVE_INFINITY }
+        } else if slope < -self.steep {
+            End { slope: -HUGE, id: NEGATIVE_INFINITY }
+        } else {
+            End { slope, id }
+        }
     }
 
     /// Appends to `next_gaps` what `blocks` leave of `gap`.
@@ -369,10 +384,10 @@ impl<'a> Sweep<'a> {
     /// `position` on row `distance`; clamped to the lattice.
     fn column_beside<const UP: bool>(&self, end: End, position: f64, distance: usize, right: bool) -> i64 {
         let d = distance as f64;
-        let near = position.round();
-        let error = self.tolerance(end.slope.abs()) * d + 1e-9;
+        let near = (position + 0.5) as i64 as f64;
+        let error = self.tolerance * d + 1e-9;
         let column = if (position - near).abs() > error {
-            if right { position.ceil() as i64 } else { position.floor() as i64 }
+            near as i64 + if right { i64::from(near < position) } else { -i64::from(near > position) }
         } else {
             let cell = Fraction {
                 num: i128::from((near as i64 - self.viewer.column as i64) * self.strips.spacing_um),
@@ -387,16 +402,11 @@ impl<'a> Sweep<'a> {
         if right { column.max(0) } else { column.min(self.strips.columns as i64 - 1) }
     }
 
-    /// Largest difference of two computed slopes, one of this size, that proves nothing.
-    fn tolerance(&self, slope: f64) -> f64 {
-        self.slope_error + slope * (1.0 / (1u64 << 46) as f64)
-    }
-
     /// Whether slope `a` is smaller than slope `b`; exact.
     #[inline]
     fn less(&self, a: End, b: End) -> bool {
         let difference = b.slope - a.slope;
-        if difference.abs() > self.tolerance(a.slope.abs().min(b.slope.abs())) {
+        if difference.abs() > self.tolerance {
             return difference > 0.0;
         }
         a.id != b.id && self.less_exactly(a.id, b.id)
