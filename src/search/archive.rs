@@ -103,7 +103,12 @@ pub(super) struct Limits {
     base: Vec<f64>,
     top: Vec<f64>,
     threshold: Vec<f64>,
+    /// Whether a base is the median of all points, which moves with each of them.
+    provisional: bool,
 }
+
+/// Provisional limits are taken anew whenever the archive has grown by this many points.
+const PROVISIONAL_POINTS: usize = 32;
 
 impl Limits {
     pub(super) fn of(archive: &Archive, objectives: &[Objective]) -> Self {
@@ -122,7 +127,9 @@ impl Limits {
         let j = self.top.len();
         let top = best.map_or(0.0, |i| archive.gains(i)[j]);
         self.best.push(best);
-        self.base.push(base(archive, objective, j, top));
+        let known = known_base(archive, objective, j, top);
+        self.provisional |= known.is_none();
+        self.base.push(known.unwrap_or_else(|| median(archive, j, top)));
         self.top.push(top);
         self.threshold.push(objective.threshold);
     }
@@ -134,6 +141,9 @@ impl Limits {
 
     /// Whether the newest point `i` can change these limits.
     pub(super) fn moved_by(&self, archive: &Archive, i: usize) -> bool {
+        if self.provisional && i.is_multiple_of(PROVISIONAL_POINTS) {
+            return true;
+        }
         if archive.hard(i) > 0.0 {
             return false;
         }
@@ -150,6 +160,11 @@ impl Limits {
         let z = self.threshold[j];
         let asked = (z * (1.0 + margin)).min(f64::midpoint(z, 1.0));
         self.base[j] + asked * (self.top[j] - self.base[j])
+    }
+
+    /// Best gain of objective `j` (0 where no point is feasible).
+    pub(super) fn top(&self, j: usize) -> f64 {
+        self.top[j]
     }
 
     /// `best − base`, at least tiny.
@@ -177,14 +192,17 @@ impl Limits {
     }
 }
 
-fn base(archive: &Archive, objective: &Objective, j: usize, top: f64) -> f64 {
+/// 0 for a score, else the present layout's gain, as long as the best is better.
+fn known_base(archive: &Archive, objective: &Objective, j: usize, top: f64) -> Option<f64> {
     if objective.is_score && top > 0.0 {
-        return 0.0;
+        return Some(0.0);
     }
     let start = if archive.len() > 0 { archive.gains(0)[j] } else { f64::NAN };
-    if start.is_finite() && top - start > NO_RANGE {
-        return start;
-    }
+    (start.is_finite() && top - start > NO_RANGE).then_some(start)
+}
+
+/// Median gain of all points, at most `top`.
+fn median(archive: &Archive, j: usize, top: f64) -> f64 {
     let mut gains: Vec<f64> = (0..archive.len()).map(|i| archive.gains(i)[j]).filter(|g| g.is_finite()).collect();
     if gains.is_empty() {
         return top;

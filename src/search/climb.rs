@@ -149,11 +149,14 @@ impl Climb {
         let at = view.archive.unit(centre);
         let mut candidates = Vec::with_capacity(view.tuning.candidates);
         for _ in 0..view.tuning.candidates {
-            candidates.push(sparse_step(at, view.tuning.coordinate_share, self.step, rng));
+            // x0: multi-scale width; x1: share decreasing
+            let x = view.tuning.x;
+            let scale = if x[0] > 0.0 { (x[0] * (2.0 * rng.random::<f64>() - 1.0)).exp() } else { 1.0 };
+            candidates.push(sparse_step(at, view.tuning.coordinate_share, (self.step * scale).min(0.4), rng));
         }
         let surrogate = models.around(view, at, self.stage + 1);
         let (merit, distance) = self.judge(view, surrogate, &candidates);
-        let weight = WEIGHTS[self.weight % WEIGHTS.len()];
+        let weight = if view.tuning.x[5] > 0.0 { [0.6, 0.8, 0.95, 1.0][self.weight % 4] } else { WEIGHTS[self.weight % WEIGHTS.len()] };
         self.weight += 1;
         let (merit, distance) = (scaled(&merit), scaled(&distance));
         let score = |i: usize| weight * merit[i] + (1.0 - weight) * distance[i];
@@ -178,7 +181,7 @@ impl Climb {
     /// Half resets of one to three coordinates, half crossovers with another good point.
     fn raw_jump(&self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
         let at = view.archive.unit(centre);
-        if rng.random::<bool>()
+        if rng.random::<f64>() < (if view.tuning.x[4] > 0.0 { view.tuning.x[4] - 1.0 } else { 0.5 })
             && let Some(other) = self.partner(view, centre, rng)
         {
             return crossover(at, view.archive.unit(other), rng);
@@ -210,6 +213,9 @@ impl Climb {
         let dims = view.archive.dims();
         let turn = self.restarts % 3;
         self.restarts += 1;
+        if view.tuning.x[3] > 0.0 && rng.random::<f64>() < view.tuning.x[3] && let Some(best) = best_of(view, self.stage) {
+            return reset(view.archive.unit(best), rng);
+        }
         match turn {
             1 if self.ends.len() > 1 => self.restart_between_ends(view, models, rng),
             2 if !view.members.is_empty() => {
@@ -269,7 +275,8 @@ impl Climb {
             self.step = (2.0 * self.step).min(view.tuning.first_step);
             self.successes = 0;
         }
-        if self.failures as usize >= view.archive.dims().max(4) {
+        let patience = if view.tuning.x[2] > 0.0 { view.tuning.x[2] } else { 1.0 } * view.archive.dims().max(4) as f64;
+        if f64::from(self.failures) >= patience {
             self.step /= 2.0;
             self.failures = 0;
         }

@@ -27,6 +27,7 @@ pub(super) struct Guided {
     rng: ChaCha8Rng,
     tuning: Tuning,
     objectives: Vec<Objective>,
+    members: usize,
     spreads: bool,
     budget: Option<u64>,
     stage: usize,
@@ -35,6 +36,37 @@ pub(super) struct Guided {
     models: Models,
     limits: Limits,
     asked: Vec<Kind>,
+    course: Course,
+    /// Evaluations after which a search without a budget ends: known once its climbs have converged.
+    enough: Option<u64>,
+}
+
+/// Evaluations of a stage before its convergence is judged, a parameter and at least.
+const COURSE_PER_DIMENSION: usize = 15;
+const COURSE_LEAST: usize = 120;
+/// What is reached of the converged value when a climb without a budget ends.
+const CONVERGED_SHARE: f64 = 0.95;
+
+/// How the best value of a stage has risen, evaluation by evaluation.
+#[derive(Clone, Debug, Default)]
+struct Course {
+    tops: Vec<f64>,
+}
+
+impl Course {
+    /// Whether about 95 % of the converged rise is reached. What is still to come is taken from the
+    /// last two doublings of the evaluations, as a geometric series.
+    fn is_converged(&self, dims: usize) -> bool {
+        let n = self.tops.len();
+        if n < COURSE_LEAST.max(COURSE_PER_DIMENSION * dims) {
+            return false;
+        }
+        let [first, quarter, half, last] = [0, n / 4, n / 2, n - 1].map(|i| self.tops[i]);
+        let (before, now) = (half - quarter, last - half);
+        let ratio = if before > 0.0 { (now / before).min(0.9) } else { 0.9 };
+        let to_come = now * ratio / (1.0 - ratio);
+        last - first >= CONVERGED_SHARE * (last - first + to_come)
+    }
 }
 
 impl Guided {
@@ -42,6 +74,7 @@ impl Guided {
         Self {
             rng: ChaCha8Rng::seed_from_u64(study.seed),
             objectives: study.objectives.clone(),
+            members: study.members,
             spreads: study.mode == Mode::Diverse && study.members > 1,
             budget: study.evaluations,
             stage: 0,
@@ -50,13 +83,15 @@ impl Guided {
             models: Models::new(study.members + 1),
             limits: Limits::default(),
             asked: vec![],
+            course: Course::default(),
+            enough: None,
             tuning,
         }
     }
 
-    /// Share of the budget used, 0 without one.
+    /// Share of the budget used, 0 while there is none.
     fn used(&self, evaluations: usize) -> f64 {
-        self.budget.map_or(0.0, |b| evaluations as f64 / b as f64)
+        self.budget.or(self.enough).map_or(0.0, |b| evaluations as f64 / b as f64)
     }
 
     fn climb_share(&self) -> f64 {
@@ -104,12 +139,24 @@ impl Guided {
         out
     }
 
-    /// Goes to the next objective when this one's share of the climbing budget is spent.
+    /// Goes to the next objective when this one's share of the climbing budget is spent, or, without
+    /// a budget, when it has converged.
     fn turn_stage(&mut self, archive: &Archive) {
+        let last = self.objectives.len() - 1;
         let share = self.climb_share() / self.objectives.len() as f64;
-        let due = ((self.used(archive.len()) / share) as usize).min(self.objectives.len() - 1);
+        let due = if self.budget.is_some() {
+            ((self.used(archive.len()) / share) as usize).min(last)
+        } else if self.enough.is_none() && self.course.is_converged(archive.dims()) {
+            if self.stage == last {
+                self.enough = Some((archive.len() as f64 / self.climb_share()) as u64);
+            }
+            (self.stage + 1).min(last)
+        } else {
+            self.stage
+        };
         if due != self.stage {
             self.stage = due;
+            self.course = Course::default();
             let view = View {
                 archive,
                 limits: &self.limits,
@@ -127,6 +174,7 @@ impl Guided {
             if i == 0 || self.limits.moved_by(archive, i) {
                 self.limits = Limits::of(archive, &self.objectives);
             }
+            self.course.tops.push(self.limits.top(self.stage));
             let kind = self.asked.get(i - first).copied().unwrap_or(Kind::Climb(Step::Raw));
             let members = self.spread.members().to_vec();
             let view = View {
@@ -150,6 +198,9 @@ impl Guided {
         let mut spread = self.spread.with_members();
         let view = View { archive, limits: &self.limits, tuning: &self.tuning, members: &[], pending: &[] };
         spread.settle(&view, self.tuning.margin);
+        if spread.members().len() < self.members {
+            spread.settle(&view, 0.0);
+        }
         spread.members().to_vec()
     }
 
@@ -169,7 +220,8 @@ impl Guided {
         min_distance(archive, self.spread.members())
     }
 
-    pub(super) fn is_converged(&self) -> bool {
-        false
+    /// Whether a search without a budget has found about what it would find.
+    pub(super) fn is_converged(&self, archive: &Archive) -> bool {
+        self.enough.is_some_and(|n| archive.len() as u64 >= n)
     }
 }

@@ -76,9 +76,9 @@ impl Engine {
         }
     }
 
-    pub(super) fn is_converged(&self) -> bool {
+    pub(super) fn is_converged(&self, archive: &Archive) -> bool {
         match self {
-            Self::Default(guided) => guided.is_converged(),
+            Self::Default(guided) => guided.is_converged(archive),
             Self::Paper(hierarchy) => hierarchy.is_converged(),
         }
     }

@@ -276,7 +276,7 @@ impl Search {
             self.stop = Some(Stop::NothingToMove);
         } else if self.study.evaluations.is_some_and(|b| self.archive.len() as u64 >= b) {
             self.stop = Some(Stop::Budget);
-        } else if self.engine.is_converged() {
+        } else if self.engine.is_converged(&self.archive) {
             self.stop = Some(Stop::Converged);
         }
     }
@@ -386,3 +386,6 @@ fn check(study: &Study) -> Result<(), Error> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

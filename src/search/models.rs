@@ -25,6 +25,7 @@ impl Models {
         self.clock += 1;
         self.used[slot] = self.clock;
         let surrogate = &mut self.surrogates[slot];
+        surrogate.nugget = if view.tuning.x[6] != 0.0 { 10f64.powf(view.tuning.x[6]) } else { 1e-6 };
         surrogate.sync(view.archive, at, view.tuning.neighbours);
         surrogate.fit(count, |i, j| view.lesson(i, j));
         surrogate.aim(at);

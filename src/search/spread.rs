@@ -32,6 +32,7 @@ pub(super) struct Spread {
     pool: Vec<usize>,
     pooled: usize,
     pool_limits: Limits,
+    pool_margin: f64,
     /// The members as they were when the whole archive was last looked through for member `m`.
     searched: Vec<Vec<usize>>,
 }
@@ -45,6 +46,7 @@ impl Spread {
             pool: vec![],
             pooled: 0,
             pool_limits: Limits::default(),
+            pool_margin: 0.0,
             searched: vec![vec![]; count],
         }
     }
@@ -64,8 +66,9 @@ impl Spread {
     }
 
     fn update_pool(&mut self, view: &View<'_>, margin: f64) {
-        if self.pool_limits != *view.limits {
+        if self.pool_limits != *view.limits || self.pool_margin != margin {
             self.pool_limits = view.limits.clone();
+            self.pool_margin = margin;
             self.pool.clear();
             self.pooled = 0;
         }

@@ -43,6 +43,7 @@ pub(super) struct Surrogate {
     weights: Vec<Vec<f64>>,
     linear: Vec<Vec<f64>>,
     /// Where predictions are made from: the point, its squared distances and its differences.
+    pub(super) nugget: f64,
     aim: Vec<f64>,
     aim_squares: Vec<f64>,
     aim_columns: Vec<f64>,
@@ -153,7 +154,7 @@ impl Surrogate {
             rest[0] = (rest[0] - dot(done, &factor[..m])) / factor[m];
         }
         let left = row[n] - dot(&row[..n], &row[..n]);
-        row[n] = (left.max(0.0) + NUGGET).sqrt();
+        row[n] = (left.max(0.0) + self.nugget).sqrt();
         self.factor[n * self.capacity..][..=n].copy_from_slice(&row);
         let mut tail = basis;
         for (m, &l) in row[..n].iter().enumerate() {

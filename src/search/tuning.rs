@@ -32,6 +32,8 @@ pub struct Tuning {
     pub any_member: f64,
     /// Whether the best point is always a member.
     pub keep_best: bool,
+    /// x
+    pub x: [f64; 8],
     /// Share of spread evaluations that should be accepted.
     pub acceptance: f64,
 }
@@ -54,6 +56,7 @@ impl Default for Tuning {
             any_member: 0.0,
             keep_best: false,
             acceptance: 0.3,
+            x: [0.0; 8],
         }
     }
 }
