@@ -8,3 +8,4 @@ pub mod overlay;
 pub mod plan;
 pub mod report;
 pub mod search;
+pub mod watch;
