@@ -8,4 +8,5 @@ pub mod overlay;
 pub mod plan;
 pub mod report;
 pub mod search;
+pub mod store;
 pub mod watch;

@@ -210,8 +210,7 @@ impl Staged<'_> {
     /// All bytes first, then all to the disk: the first wait takes the others along.
     fn fill(&self, files: &[OutFile]) -> Result<(), Error> {
         let disk = &*self.home.disk;
-        let fail = |path: &Path| move |e: io::Error| disk_error("writing", path, &e);
-        disk.create_folder(&self.temp).map_err(fail(&self.temp))?;
+        disk.create_folder(&self.temp).map_err(writing(&self.temp))?;
         let mut folders = vec![self.temp.clone()];
         for file in files {
             let path = self.temp.join(&file.path);
@@ -221,15 +220,15 @@ impl Staged<'_> {
                 }
             }
             if let Some(parent) = path.parent() {
-                disk.create_folders(parent).map_err(fail(parent))?;
+                disk.create_folders(parent).map_err(writing(parent))?;
             }
-            disk.write_new(&path, &file.bytes).map_err(fail(&path))?;
+            disk.write_new(&path, &file.bytes).map_err(writing(&path))?;
         }
         for file in files {
             let path = self.temp.join(&file.path);
-            disk.sync(&path).map_err(fail(&path))?;
+            disk.sync(&path).map_err(writing(&path))?;
         }
-        folders.iter().try_for_each(|f| disk.sync(f).map_err(fail(f)))
+        folders.iter().try_for_each(|f| disk.sync(f).map_err(writing(f)))
     }
 
     /// Makes the set visible as `round-NN`.
@@ -409,8 +408,7 @@ pub fn write_new(disk: &dyn Disk, path: &Path, bytes: &[u8]) -> Result<(), Error
     })
 }
 
-/// Writes an accepted candidate beside its drawing: `plan-r02.dxf`, `-r03`, … whichever is free, with
-/// the extension of `extension_from`.
+/// Writes an accepted candidate beside its drawing: `plan-r02.dxf`, `-r03`, … whichever is free.
 ///
 /// # Errors
 /// As [`write_new`].
@@ -529,6 +527,10 @@ fn refuse_link(path: &Path) -> Result<(), Error> {
 
 fn shown(path: &Path) -> Place {
     Place::file(path.display().to_string())
+}
+
+fn writing(path: &Path) -> impl FnOnce(io::Error) -> Error + '_ {
+    move |e| disk_error("writing", path, &e)
 }
 
 /// An error of the disk in the user's words, with the remedy.

@@ -397,8 +397,10 @@ impl Settle {
         let Some(p) = self.pending.get_mut(path) else { return };
         p.pause = (p.pause * 2).min(Duration::from_secs_f64(MAX_BACKOFF_SECS));
         p.next = now + p.pause;
-        let is_late = now >= p.first + Duration::from_secs_f64(self.settings.max_wait_secs);
-        if is_late && !std::mem::replace(&mut p.is_told, true) {
+        let late = p.first + Duration::from_secs_f64(self.settings.max_wait_secs);
+        if now < late {
+            p.next = p.next.min(late);
+        } else if !std::mem::replace(&mut p.is_told, true) {
             let text = format!("is still incomplete ({what}); save it again if the program has finished writing");
             self.tell(path, "still-incomplete", text);
         }
