@@ -3,6 +3,7 @@
 //! The modules stand in the order of the flow; see `ARCHITECTURE.md`.
 
 pub mod analysis;
+pub mod daemon;
 pub mod formats;
 pub mod overlay;
 pub mod plan;

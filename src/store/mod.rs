@@ -311,7 +311,7 @@ fn claim_folder(disk: &dyn Disk, drawing: &Path, base: &Path) -> Result<PathBuf,
     for name in folder_names(drawing) {
         let folder = base.join(name);
         refuse_link(&folder)?;
-        disk.create_folders(&folder).map_err(|e| disk_error("making", &folder, &e))?;
+        make_folder(disk, &folder, is_beside).map_err(|e| disk_error("making", &folder, &e))?;
         if is_claimed_by(disk, &folder, claim.as_encoded_bytes(), base)? {
             return Ok(folder);
         }
@@ -319,6 +319,17 @@ fn claim_folder(disk: &dyn Disk, drawing: &Path, base: &Path) -> Result<PathBuf,
     }
     let text = "is in use for other drawings, and so are its other names; rename the drawing";
     Err(Error::environment("no-result-folder", shown(&last), text))
+}
+
+/// Beside a drawing only one level is made: a root that went away is not brought back by us.
+fn make_folder(disk: &dyn Disk, folder: &Path, is_beside: bool) -> io::Result<()> {
+    if !is_beside {
+        return disk.create_folders(folder);
+    }
+    match disk.create_folder(folder) {
+        Err(e) if e.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => Ok(()),
+        other => other,
+    }
 }
 
 /// Names a result folder may bear, the plainest first.

@@ -174,9 +174,10 @@ impl Settle {
         self.roots.iter().any(|r| r.path == root && r.is_offline)
     }
 
-    /// The settled drawings of one folder.
-    pub fn settled_in<'a>(&'a self, folder: &'a Path) -> impl Iterator<Item = &'a PathBuf> {
-        self.settled.keys().filter(move |p| p.parent() == Some(folder))
+    /// The settled drawings in one folder and below.
+    pub fn settled_below(&self, folder: &Path) -> Vec<PathBuf> {
+        let is_drawing = |p: &&PathBuf| self.names_for(p).is_some_and(|n| n.verdict(p) == Verdict::Take);
+        self.settled.keys().filter(|p| p.starts_with(folder)).filter(is_drawing).cloned().collect()
     }
 
     /// The rules on names of the root that holds `path`.
