@@ -2,27 +2,22 @@
 //! thread runs the jobs; both answer by messages, so that a slow disk or job never delays a stop.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread;
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, SyncSender};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
-use super::job::{self, Told};
+use super::hands::{Message, Outcome, Task, Waiting, open_journal, reporter, start_looker, start_worker};
 use super::status::{SharedDisk, Standing, rfc3339, write_standing};
-use super::{Done, JobRequest, Notice, RunJob, WatchSettings};
+use super::{Notice, RunJob, WatchSettings};
 use crate::report::{Cancel, Error, Place, Problem};
 use crate::store::{
-    Journal, Lease, Ownership, Placing, STATE_FOLDER, Step, SystemDisk, state_folder, write_json,
+    Journal, Lease, Ownership, Placing, STATE_FOLDER, Step, SystemDisk, read_lease, state_folder, write_json,
 };
-use crate::watch::{
-    Action, Checked, Eyes, Identity, Now, Seen, Settle, Stat, builtin_ignores, identity_of, is_output_name,
-    network_reason, read_settled, read_whole, sha256_hex, stat_of,
-};
+use crate::watch::{Action, Event, Eyes, Now, Settle, builtin_ignores, is_output_name, network_reason};
 
 /// Reports of the system waiting to be read; more mean "look at everything" (hazards 8 and 15).
 const INBOX: usize = 65_536;
@@ -41,32 +36,6 @@ const MAX_RETRY_SECS: f64 = 600.0;
 /// Failures and left-alone files listed in the overview.
 const MAX_LISTED: usize = 200;
 
-enum Message {
-    Event(crate::watch::Event),
-    Seen(PathBuf, Seen),
-    Checked(PathBuf, Checked, String),
-    Scanned(PathBuf, Option<Vec<(PathBuf, Stat)>>),
-    Root(PathBuf, Option<Identity>),
-    Told(u64, Told),
-    Ended(u64, Outcome),
-}
-
-enum Outcome {
-    Ended(Result<Done, Error>),
-    /// The file no longer has the content that was queued.
-    Changed,
-}
-
-/// One drawing content to be worked on.
-#[derive(Clone, Debug)]
-struct Waiting {
-    drawing: PathBuf,
-    sha256: String,
-    config: String,
-    not_before: Option<Instant>,
-    failures: u32,
-}
-
 struct Running {
     id: u64,
     what: Waiting,
@@ -74,15 +43,6 @@ struct Running {
     since: Instant,
     stopped: Option<Instant>,
     is_too_long: bool,
-}
-
-struct Task {
-    id: u64,
-    what: Waiting,
-    below: PathBuf,
-    placing: Placing,
-    cancel: Cancel,
-    journal: Arc<Mutex<Journal>>,
 }
 
 struct State {
@@ -205,7 +165,7 @@ impl Heart {
     fn turn(&mut self, show: &mut dyn FnMut(Notice), stop: &Cancel) -> Result<(), Error> {
         let mono = self.start.elapsed();
         if self.is_flooded.swap(false, Ordering::Relaxed) {
-            self.settle.on_event(mono, crate::watch::Event::Lost("more events than can be held".into()));
+            self.settle.on_event(mono, Event::Lost("more events than can be held".into()));
         }
         let wall = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         for action in self.settle.on_tick(Now { mono, wall }) {
@@ -290,7 +250,9 @@ impl Heart {
     fn retake(&mut self, path: &Path, show: &mut dyn FnMut(Notice), stop: &Cancel) {
         let Some(i) = self.roots.iter().position(|r| r.path == path) else { return };
         let is_same = self.roots[i].state.as_mut().is_some_and(|s| {
-            s.folder.starts_with(path) && s.folder.join("lock").exists() && s.ownership.beat().unwrap_or(false)
+            s.folder.starts_with(path)
+                && s.folder.join("lock").exists()
+                && s.ownership.beat().unwrap_or(false)
         });
         if is_same {
             return;
@@ -333,17 +295,18 @@ impl Heart {
             let later = self.start.elapsed() + Duration::from_secs_f64(self.settings.heartbeat_secs);
             return self.settle.again(later, &drawing);
         };
-        if is_output_name(&drawing) && journal_of(&journal).is_output(&sha256) {
+        if is_output_name(&drawing) && open_journal(&journal).is_output(&sha256) {
             let why = "copy of a result of ours; give it another name to work on it".into();
             return show(Notice::Ignored { path: drawing, why });
         }
         self.queue.retain(|w| w.drawing != drawing);
         if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
-            if running.what.sha256 == sha256 && running.what.config == config && !running.cancel.is_stopped() {
+            if running.what.sha256 == sha256 && running.what.config == config && !running.cancel.is_stopped()
+            {
                 return;
             }
             running.stop();
-        } else if journal_of(&journal).is_done(&below, &sha256, &config) {
+        } else if open_journal(&journal).is_done(&below, &sha256, &config) {
             return;
         }
         self.enqueue(Waiting { drawing, sha256, config, not_before: None, failures: 0 }, show);
@@ -387,7 +350,8 @@ impl Heart {
             return;
         }
         let now = Instant::now();
-        let can_start = |w: &Waiting| w.not_before.is_none_or(|t| t <= now) && self.journal_of(&w.drawing).is_some();
+        let can_start =
+            |w: &Waiting| w.not_before.is_none_or(|t| t <= now) && self.journal_of(&w.drawing).is_some();
         let Some(index) = self.queue.iter().position(can_start) else { return };
         let Some(what) = self.queue.remove(index) else { return };
         let Some(journal) = self.journal_of(&what.drawing) else { return };
@@ -598,7 +562,7 @@ impl Heart {
         let Some(journal) = self.journal_of(&what.drawing) else { return };
         let time = rfc3339(SystemTime::now());
         let below = self.below(&what.drawing);
-        let outcome = journal_of(&journal).append(&below, &what.sha256, &what.config, &time, step);
+        let outcome = open_journal(&journal).append(&below, &what.sha256, &what.config, &time, step);
         if let Err(error) = outcome
             && let Some(problem) = error.problem()
         {
@@ -614,113 +578,6 @@ impl Running {
     }
 }
 
-/// Sends the system's reports on without ever blocking it; a full inbox means that all is looked at.
-fn reporter(
-    send: SyncSender<Message>,
-    is_flooded: Arc<AtomicBool>,
-) -> impl Fn(crate::watch::Event) + Send + Clone + 'static {
-    move |event| {
-        if let Err(TrySendError::Full(_)) = send.try_send(Message::Event(event)) {
-            is_flooded.store(true, Ordering::Relaxed);
-        }
-    }
-}
-
-/// The thread that touches the watched folders. It ends with its sender.
-fn start_looker(mut eyes: Eyes, settings: &WatchSettings, send: SyncSender<Message>) -> Sender<Action> {
-    let (to_looker, tasks) = mpsc::channel::<Action>();
-    let (end_mark, settings_key) = (settings.end_mark, settings.settings_key.clone());
-    thread::spawn(move || {
-        for task in tasks {
-            let answer = match task {
-                Action::Look(path) => Message::Seen(path.clone(), stat_of(&path)),
-                Action::Check(path) => {
-                    let checked = read_settled(&path, end_mark);
-                    let key = config_key(&path, &settings_key);
-                    Message::Checked(path, checked, key)
-                }
-                Action::Scan(root) => Message::Scanned(root.clone(), eyes.scan(&root)),
-                Action::LookRoot(root) => Message::Root(root.clone(), identity_of(&root)),
-                Action::Rearm(root) => {
-                    eyes.rearm(&root);
-                    continue;
-                }
-                _ => continue,
-            };
-            if send.send(answer).is_err() {
-                break;
-            }
-        }
-    });
-    to_looker
-}
-
-/// The thread that runs the jobs, one after the other. It ends with its sender.
-fn start_worker(disk: SharedDisk, run: Arc<RunJob>, send: SyncSender<Message>) -> Sender<Task> {
-    let (to_worker, tasks) = mpsc::channel::<Task>();
-    thread::spawn(move || {
-        for task in tasks {
-            let outcome = work(disk.clone(), &task, &*run, &send);
-            if send.send(Message::Ended(task.id, outcome)).is_err() {
-                break;
-            }
-        }
-    });
-    to_worker
-}
-
-fn work(disk: SharedDisk, task: &Task, run: &RunJob, send: &SyncSender<Message>) -> Outcome {
-    let Ok((bytes, _)) = read_whole(&task.what.drawing) else { return Outcome::Changed };
-    if sha256_hex(&bytes) != task.what.sha256 {
-        return Outcome::Changed;
-    }
-    let request = JobRequest {
-        drawing: task.what.drawing.clone(),
-        bytes: Arc::new(bytes),
-        sha256: task.what.sha256.clone(),
-    };
-    let note = |step: &Step| {
-        let time = rfc3339(SystemTime::now());
-        let (sha256, config) = (&task.what.sha256, &task.what.config);
-        journal_of(&task.journal).append(&task.below, sha256, config, &time, step)
-    };
-    let mut tell = |told| drop(send.send(Message::Told(task.id, told)));
-    let mut before = |folder: &Path, written: &[crate::store::Written]| {
-        let drawings = written.iter().filter(|w| is_output_name(&w.path));
-        let outputs = drawings.map(|w| w.sha256.clone()).collect();
-        note(&Step::Publishing { folder: folder.into(), outputs })
-    };
-    let outcome = job::perform(disk, &request, &task.placing, run, &task.cancel, &mut tell, &mut before);
-    let noted = match &outcome {
-        Ok(done) => note(&Step::Finished(done.summary.clone())),
-        Err(_) => Ok(()),
-    };
-    if let Err(error) = noted
-        && let Some(problem) = error.problem()
-    {
-        tell(Told::Problem(problem.clone()));
-    }
-    Outcome::Ended(outcome)
-}
-
-fn journal_of(journal: &Mutex<Journal>) -> MutexGuard<'_, Journal> {
-    journal.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// What besides its bytes decides a drawing's results: the program, the command line, and the settings
-/// files of the drawing, of its folder and of those above.
-fn config_key(drawing: &Path, settings_key: &str) -> String {
-    let mut text = format!("{}\n{settings_key}\n", env!("CARGO_PKG_VERSION"));
-    let own = drawing.with_extension("enfilade.toml");
-    let shared = drawing.ancestors().skip(1).map(|f| f.join("enfilade.toml"));
-    for path in std::iter::once(own).chain(shared) {
-        if let Ok(bytes) = fs::read(&path) {
-            text.push_str(&format!("{}\n", sha256_hex(&bytes)));
-        }
-    }
-    sha256_hex(text.as_bytes())
-}
-
 fn how_watched(settings: &WatchSettings, reason: Option<String>) -> String {
     match reason {
         Some(why) => format!("polled every {} s: {why}", settings.poll_secs),
@@ -734,7 +591,8 @@ fn shown(drawing: &Path) -> Place {
 }
 
 fn too_long(drawing: &Path, limit_secs: f64) -> Error {
-    let text = format!("the job ran longer than the limit of {limit_secs} s (job_limit_secs) and was stopped");
+    let text =
+        format!("the job ran longer than the limit of {limit_secs} s (job_limit_secs) and was stopped");
     Error::input("job-too-long", shown(drawing), text)
 }
 
@@ -745,7 +603,7 @@ fn hung(drawing: &Path) -> Error {
 
 fn taken(root: &Path) -> Error {
     let folder = root.join(STATE_FOLDER);
-    let who = crate::store::read_lease(&folder).map_or_else(String::new, |l| format!(" (process {} on {})", l.pid, l.host));
+    let who = read_lease(&folder).map_or_else(String::new, |l| format!(" (process {} on {})", l.pid, l.host));
     let text = format!("another daemon{who} has taken this folder; this one leaves it");
     Error::environment("folder-taken", Place::file(root.display().to_string()), text)
 }

@@ -48,7 +48,8 @@ pub(super) fn perform(
     before: &mut BeforePublish<'_>,
 ) -> Result<Done, Error> {
     let home = Home::open(disk, &request.drawing, placing)?;
-    let mut desk = Desk { home: &home, request, since: rfc3339(SystemTime::now()), written: None, tell, cancel };
+    let mut desk =
+        Desk { home: &home, request, since: rfc3339(SystemTime::now()), written: None, tell, cancel };
     desk.write("running", None, None, None)?;
     let output = catch_unwind(AssertUnwindSafe(|| run(request, &mut |event| desk.take(event), cancel)))
         .unwrap_or_else(|payload| Err(panicked(request, &*payload)))?;
@@ -82,6 +83,7 @@ struct Desk<'a> {
     home: &'a Home,
     request: &'a JobRequest,
     since: String,
+    /// When progress was last written.
     written: Option<Instant>,
     tell: &'a mut dyn FnMut(Told),
     cancel: &'a Cancel,
@@ -92,6 +94,7 @@ impl Desk<'_> {
         match event {
             JobEvent::Progress(value) => {
                 if self.written.is_none_or(|t| t.elapsed() >= STATUS_PAUSE) {
+                    self.written = Some(Instant::now());
                     let outcome = self.write("running", None, None, Some(&value));
                     self.complain(outcome);
                 }
@@ -115,13 +118,12 @@ impl Desk<'_> {
     }
 
     fn write(
-        &mut self,
+        &self,
         state: &str,
         round: Option<&str>,
         summary: Option<&str>,
         progress: Option<&Value>,
     ) -> Result<(), Error> {
-        self.written = Some(Instant::now());
         let standing = Standing { state, sha256: &self.request.sha256, round, summary, problems: &[] };
         let status = drawing_status(&self.request.drawing, &self.since, &standing, progress);
         self.home.write_status(&status)

@@ -4,6 +4,7 @@
 //! publishing and telling is here. [`watch`] runs until stopped, [`run_once`] does the same job for one
 //! drawing through the same code, [`status`] reads what a running daemon tells.
 
+mod hands;
 mod heart;
 mod job;
 mod status;
@@ -203,7 +204,8 @@ pub fn run_once(
     let request = JobRequest { drawing: path.clone(), bytes: Arc::new(bytes), sha256 };
     show(Notice::Started(path.clone()));
     let mut tell = |told: job::Told| show(told.notice(&path));
-    let outcome = job::perform(Arc::new(SystemDisk), &request, &placing, run, stop, &mut tell, &mut |_, _| Ok(()));
+    let outcome =
+        job::perform(Arc::new(SystemDisk), &request, &placing, run, stop, &mut tell, &mut |_, _| Ok(()));
     if let Err(error) = &outcome {
         status::write_end(&SystemDisk, &path, &placing, &request.sha256, error);
     }

@@ -20,7 +20,12 @@ pub(super) struct Standing<'a> {
 }
 
 /// `status.json` of one drawing, `enfilade.status/1`. Keys of `progress` are repeated as they are.
-pub(super) fn drawing_status(drawing: &Path, since: &str, standing: &Standing<'_>, progress: Option<&Value>) -> Value {
+pub(super) fn drawing_status(
+    drawing: &Path,
+    since: &str,
+    standing: &Standing<'_>,
+    progress: Option<&Value>,
+) -> Value {
     let name = drawing.file_name().unwrap_or_default().to_string_lossy();
     let mut out = json!({
         "schema": "enfilade.status/1",

@@ -40,7 +40,12 @@ pub enum LeaseVerdict {
 }
 
 /// Judges the lease of another machine: `first` as seen at the beginning, `now` after `waited`.
-pub fn judge_lease(first: Option<&Lease>, now: Option<&Lease>, waited: Duration, heartbeat: Duration) -> LeaseVerdict {
+pub fn judge_lease(
+    first: Option<&Lease>,
+    now: Option<&Lease>,
+    waited: Duration,
+    heartbeat: Duration,
+) -> LeaseVerdict {
     match (first, now) {
         (_, None) => LeaseVerdict::Free,
         (first, Some(_)) if first != now => LeaseVerdict::Owned,

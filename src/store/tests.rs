@@ -137,7 +137,11 @@ fn out(path: &str, bytes: &[u8]) -> OutFile {
 }
 
 fn set(tag: &str) -> Vec<OutFile> {
-    vec![out("result.json", tag.as_bytes()), out("a/b.png", b"pixels"), out("candidate-1.dxf", tag.as_bytes())]
+    vec![
+        out("result.json", tag.as_bytes()),
+        out("a/b.png", b"pixels"),
+        out("candidate-1.dxf", tag.as_bytes()),
+    ]
 }
 
 fn home(disk: Arc<dyn Disk>, drawing: &Path) -> Result<Home, Error> {
@@ -357,7 +361,8 @@ fn free_space_is_checked_before() {
             Ok(FREE_SPACE_FLOOR)
         }
     }
-    let disk = FaultyDisk { calls: Mutex::new(0), fail_at: NEVER, kind: io::ErrorKind::Other, is_dead_after: false };
+    let disk =
+        FaultyDisk { calls: Mutex::new(0), fail_at: NEVER, kind: io::ErrorKind::Other, is_dead_after: false };
     let home = home(Arc::new(Full(disk)), &dir.path().join("plan.dxf")).unwrap();
     assert_eq!(code(&home.stage(&set("a")).err().unwrap()), "disk-full");
 }
@@ -391,7 +396,8 @@ fn every_drawing_has_its_own_folder() {
     fs::remove_file(dir.path().join("plan.dxf")).unwrap();
     assert_eq!(find("plan.dwg", &beside), "plan.enfilade", "a folder whose drawing is gone is free");
     let together = Placing { out_dir: Some(dir.path().join("out")), fallback_dir: None };
-    let names: Vec<String> = ["x/plan.dxf", "y/plan.dxf", "z/plan.dxf"].iter().map(|n| find(n, &together)).collect();
+    let names: Vec<String> =
+        ["x/plan.dxf", "y/plan.dxf", "z/plan.dxf"].iter().map(|n| find(n, &together)).collect();
     assert_eq!(names[..2], ["plan.enfilade", "plan.dxf.enfilade"]);
     assert!(names[2].starts_with("plan-") && names[2].ends_with(".enfilade"), "{}", names[2]);
     assert_eq!(find("z/plan.dxf", &together), names[2]);
@@ -402,7 +408,17 @@ fn long_and_odd_names_work() {
     let dir = tempfile::tempdir().unwrap();
     let long = format!("{}.dxf", "ä".repeat(125));
     assert_eq!(long.len(), 254);
-    let names = [long.as_str(), "a\nb.dxf", "-x.dxf", "a;b.dxf", "CON.dxf", "plan .dxf", "平面図.dxf", "e\u{301}.dxf", "\u{e9}.dxf"];
+    let names = [
+        long.as_str(),
+        "a\nb.dxf",
+        "-x.dxf",
+        "a;b.dxf",
+        "CON.dxf",
+        "plan .dxf",
+        "平面図.dxf",
+        "e\u{301}.dxf",
+        "\u{e9}.dxf",
+    ];
     let mut folders = Vec::new();
     for name in names {
         let home = home(sound(), &dir.path().join(name)).unwrap();
@@ -504,7 +520,8 @@ fn the_journal_survives_a_restart() {
         assert!(!open().is_done(plan, sha, config));
     }
     assert!(open().is_output("0utput") && !open().is_output("a"));
-    let problem = Problem { code: "x", severity: Severity::Error, place: Place::default(), text: "bad".into() };
+    let problem =
+        Problem { code: "x", severity: Severity::Error, place: Place::default(), text: "bad".into() };
     journal.append(plan, "b", "c", TIME, &Step::Failed(problem)).unwrap();
     assert!(open().is_done(plan, "b", "c") && !open().is_done(plan, "a", "c"));
 }
@@ -571,7 +588,9 @@ fn a_long_journal_is_shortened_and_forgets_nothing() {
     let again = Journal::open(sound(), dir.path()).unwrap();
     assert!(fs::metadata(&path).unwrap().len() < 1000);
     for journal in [again, Journal::open(sound(), dir.path()).unwrap()] {
-        assert!(journal.is_done(Path::new("a.dxf"), "s", "c") && journal.is_done(Path::new("b.dxf"), "s", "c"));
+        assert!(
+            journal.is_done(Path::new("a.dxf"), "s", "c") && journal.is_done(Path::new("b.dxf"), "s", "c")
+        );
         assert!(journal.is_output("0utput"));
     }
 }
@@ -635,7 +654,13 @@ fn a_living_lease_of_another_machine_is_respected() {
 
 #[test]
 fn disk_errors_have_a_remedy() {
-    for (errno, want) in [(28, "disk-full"), (13, "no-permission"), (30, "no-permission"), (36, "name-too-long"), (5, "disk-error")] {
+    for (errno, want) in [
+        (28, "disk-full"),
+        (13, "no-permission"),
+        (30, "no-permission"),
+        (36, "name-too-long"),
+        (5, "disk-error"),
+    ] {
         let error = disk_error("writing", Path::new("/x"), &io::Error::from_raw_os_error(errno));
         assert!(matches!(error, Error::Environment(_)));
         assert_eq!(code(&error), want, "{errno}");

@@ -16,7 +16,8 @@ use notify::{Config, ErrorKind, RecommendedWatcher, RecursiveMode, Watcher};
 use sha2::{Digest, Sha256};
 
 use super::{
-    Checked, Completeness, EndMark, Event, Identity, Kind, MAX_SCANNED_FILES, Names, Seen, Stat, WatchSettings,
+    Checked, Completeness, EndMark, Event, Identity, Kind, MAX_SCANNED_FILES, Names, Seen, Stat,
+    WatchSettings,
 };
 use crate::report::Error;
 
@@ -100,7 +101,8 @@ impl Eyes {
         let Some(watcher) = self.watcher.as_mut().filter(|_| !root.is_polled) else { return false };
         let mut armed = self.armed.lock().unwrap_or_else(PoisonError::into_inner);
         let is_stale = |p: &PathBuf, id: &Identity| p.starts_with(&root.path) && folders.get(p) != Some(id);
-        let stale: Vec<PathBuf> = armed.iter().filter(|(p, id)| is_stale(p, id)).map(|(p, _)| p.clone()).collect();
+        let stale: Vec<PathBuf> =
+            armed.iter().filter(|(p, id)| is_stale(p, id)).map(|(p, _)| p.clone()).collect();
         for path in stale {
             armed.remove(&path);
             let _ = watcher.unwatch(&path);
@@ -108,7 +110,8 @@ impl Eyes {
         let wanted = folders.iter().filter(|(p, _)| WATCHES_SINGLE_FOLDERS || **p == root.path);
         let missing: Vec<_> = wanted.filter(|(p, _)| !armed.contains_key(*p)).collect();
         drop(armed);
-        let mode = if WATCHES_SINGLE_FOLDERS { RecursiveMode::NonRecursive } else { RecursiveMode::Recursive };
+        let mode =
+            if WATCHES_SINGLE_FOLDERS { RecursiveMode::NonRecursive } else { RecursiveMode::Recursive };
         let mut is_new = false;
         for (path, identity) in missing {
             match watcher.watch(path, mode) {

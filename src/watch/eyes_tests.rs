@@ -31,7 +31,9 @@ fn scan_lists_files_not_results_nor_links() {
     fs::write(root.join("plan.dxf"), b"").unwrap();
     fs::write(root.join("sub/s.dxf"), b"").unwrap();
     #[cfg(unix)]
-    for (target, link) in [(root.as_path(), "loop"), (Path::new("/etc/passwd"), "p.dxf"), (Path::new("none"), "d.dxf")] {
+    for (target, link) in
+        [(root.as_path(), "loop"), (Path::new("/etc/passwd"), "p.dxf"), (Path::new("none"), "d.dxf")]
+    {
         std::os::unix::fs::symlink(target, root.join(link)).unwrap();
     }
     let (mut eyes, _events) = eyes(&root, 1);
@@ -74,9 +76,11 @@ fn new_folders_are_armed_by_the_next_scan() {
 
 #[test]
 fn reading_is_no_event() {
-    let read = notify::Event::new(EventKind::Access(AccessKind::Close(AccessMode::Read))).add_path("/w/a.dxf".into());
+    let read = notify::Event::new(EventKind::Access(AccessKind::Close(AccessMode::Read)))
+        .add_path("/w/a.dxf".into());
     assert_eq!(events_of(read, &Armed::default()), []);
-    let written = notify::Event::new(EventKind::Access(AccessKind::Close(AccessMode::Write))).add_path("/w/a.dxf".into());
+    let written = notify::Event::new(EventKind::Access(AccessKind::Close(AccessMode::Write)))
+        .add_path("/w/a.dxf".into());
     assert_eq!(events_of(written, &Armed::default()), [Event::Touched("/w/a.dxf".into())]);
 }
 
@@ -103,7 +107,10 @@ fn a_read_is_whole_or_refused() {
     let Seen::There(stat) = stat_of(&path) else { panic!() };
     let sha256 = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad".to_owned();
     let completeness = Completeness::Complete;
-    assert_eq!(read_settled(&path, |_, _| Completeness::Complete), Checked::Read { stat, sha256, completeness });
+    assert_eq!(
+        read_settled(&path, |_, _| Completeness::Complete),
+        Checked::Read { stat, sha256, completeness }
+    );
 }
 
 /// The judge runs between open and answer: what it sees replaced must not be taken (hazard 25).
@@ -113,7 +120,10 @@ fn a_panicking_judge_means_incomplete() {
     let path = dir.path().join("a.dxf");
     fs::write(&path, b"abc").unwrap();
     let checked = read_settled(&path, |_, _| panic!("judge"));
-    assert!(matches!(checked, Checked::Read { completeness: Completeness::Incomplete(_), .. }), "{checked:?}");
+    assert!(
+        matches!(checked, Checked::Read { completeness: Completeness::Incomplete(_), .. }),
+        "{checked:?}"
+    );
 }
 
 /// Same size and restored modification time: only the change time tells (hazard 15).
@@ -137,7 +147,9 @@ fn network_drives_are_known() {
     for magic in [0x6969, 0xFF53_4D42, 0xFE53_4D42, 0x0102_1997, 0x6573_5546] {
         assert!(network_name(magic).is_some(), "{magic:x}");
     }
-    for (local, magic) in [("ext4", 0xEF53), ("btrfs", 0x9123_683E), ("tmpfs", 0x0102_1994), ("xfs", 0x5846_5342)] {
+    for (local, magic) in
+        [("ext4", 0xEF53), ("btrfs", 0x9123_683E), ("tmpfs", 0x0102_1994), ("xfs", 0x5846_5342)]
+    {
         assert_eq!(network_name(magic), None, "{local}");
     }
 }

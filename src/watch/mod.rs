@@ -208,10 +208,18 @@ pub fn canonical_roots(roots: &[PathBuf], force: bool) -> Result<Vec<PathBuf>, E
     for root in roots {
         let place = Place::file(root.display().to_string());
         let real = std::fs::canonicalize(root).map_err(|e| {
-            Error::usage("root-missing", place.clone(), format!("cannot be watched: {e}; give an existing folder"))
+            Error::usage(
+                "root-missing",
+                place.clone(),
+                format!("cannot be watched: {e}; give an existing folder"),
+            )
         })?;
         if !real.is_dir() {
-            return Err(Error::usage("root-no-folder", place, "is no folder; `enfilade run` takes a single drawing"));
+            return Err(Error::usage(
+                "root-no-folder",
+                place,
+                "is no folder; `enfilade run` takes a single drawing",
+            ));
         }
         if !force && is_too_wide(&real) {
             let text = "is too wide to watch; name the project folder, or insist with --force";

@@ -111,7 +111,8 @@ impl Names {
         let mut rules = builtin_ignores();
         let because = |glob: &String| IgnoreRule { glob: glob.clone(), why: format!("ignored by `{glob}`") };
         rules.extend(user_globs.iter().map(because));
-        let files = rules.iter().map(|r| Ok((matcher(&r.glob)?, r.why.clone()))).collect::<Result<_, Error>>()?;
+        let files =
+            rules.iter().map(|r| Ok((matcher(&r.glob)?, r.why.clone()))).collect::<Result<_, Error>>()?;
         let folders = IGNORED_FOLDERS
             .iter()
             .map(|(glob, why)| Ok((matcher(glob)?, (*why).to_owned())))

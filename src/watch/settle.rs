@@ -198,7 +198,11 @@ impl Settle {
         let Some(r) = self.roots.iter_mut().find(|r| r.path == root && !r.is_polled) else { return };
         r.is_polled = true;
         r.next_scan = now;
-        self.tell(root, "watch-refused", format!("{why}; polled every {} s instead", self.settings.poll_secs));
+        self.tell(
+            root,
+            "watch-refused",
+            format!("{why}; polled every {} s instead", self.settings.poll_secs),
+        );
     }
 
     /// Asks for the file to be judged anew although nothing happened to it.
@@ -296,9 +300,13 @@ impl Settle {
 
     fn quiet_enough(&mut self, path: &Path, stat: Stat) {
         let trouble = if stat.kind == Kind::Placeholder {
-            Some(("online-only", "is stored online only; pin it in the cloud client to have it here".to_owned()))
+            Some((
+                "online-only",
+                "is stored online only; pin it in the cloud client to have it here".to_owned(),
+            ))
         } else if stat.size > MAX_DRAWING_BYTES {
-            let text = format!("has {} bytes, over the limit MAX_DRAWING_BYTES of {MAX_DRAWING_BYTES}", stat.size);
+            let text =
+                format!("has {} bytes, over the limit MAX_DRAWING_BYTES of {MAX_DRAWING_BYTES}", stat.size);
             Some(("file-too-large", text))
         } else {
             None
@@ -376,8 +384,9 @@ impl Settle {
         let unmarked = Duration::from_secs_f64(QUIET_UNMARKED_SECS.min(self.settings.quiet_secs * 3.0));
         let Some(p) = self.pending.get_mut(path) else { return };
         match whole {
+            _ if is_settings => self.settled_settings(path, stat),
             Completeness::Incomplete(what) => self.incomplete(now, path, &what),
-            Completeness::NoEndMark if !is_settings && now < p.changed + unmarked => p.next = p.changed + unmarked,
+            Completeness::NoEndMark if now < p.changed + unmarked => p.next = p.changed + unmarked,
             _ => {
                 let was_told = p.is_told;
                 self.pending.remove(path);
@@ -385,13 +394,16 @@ impl Settle {
                 if was_told {
                     self.out.push(Action::Resolved(path.into()));
                 }
-                if is_settings {
-                    self.settings_touched(path);
-                } else {
-                    self.out.push(Action::Ready { path: path.into(), sha256 });
-                }
+                self.out.push(Action::Ready { path: path.into(), sha256 });
             }
         }
+    }
+
+    /// Settings have no end mark; a half-written one is an error of its drawing until the rest comes.
+    fn settled_settings(&mut self, path: &Path, stat: Stat) {
+        self.pending.remove(path);
+        self.settled.insert(path.into(), stat);
+        self.settings_touched(path);
     }
 
     fn incomplete(&mut self, now: Duration, path: &Path, what: &str) {
@@ -402,7 +414,8 @@ impl Settle {
         if now < late {
             p.next = p.next.min(late);
         } else if !std::mem::replace(&mut p.is_told, true) {
-            let text = format!("is still incomplete ({what}); save it again if the program has finished writing");
+            let text =
+                format!("is still incomplete ({what}); save it again if the program has finished writing");
             self.tell(path, "still-incomplete", text);
         }
     }
@@ -429,8 +442,12 @@ impl Settle {
                 Verdict::Other => {}
             }
         }
-        let missing: Vec<PathBuf> =
-            self.settled.keys().filter(|p| self.root_of(p) == Some(i) && !seen.contains(*p)).cloned().collect();
+        let missing: Vec<PathBuf> = self
+            .settled
+            .keys()
+            .filter(|p| self.root_of(p) == Some(i) && !seen.contains(*p))
+            .cloned()
+            .collect();
         // A scan that could not enter a folder must not look like deletions: each is looked at.
         missing.into_iter().for_each(|path| self.restart(now, path, i));
     }
@@ -474,7 +491,8 @@ impl Settle {
 
     /// A root went: what is known of its files is kept, what was awaited starts anew when it returns.
     fn suspend(&mut self, i: usize) {
-        let lost: Vec<PathBuf> = self.pending.keys().filter(|p| self.root_of(p) == Some(i)).cloned().collect();
+        let lost: Vec<PathBuf> =
+            self.pending.keys().filter(|p| self.root_of(p) == Some(i)).cloned().collect();
         for path in lost {
             self.pending.remove(&path);
         }
