@@ -1,5 +1,6 @@
 //! A daemon in a process of its own, killed at any instant: what it leaves is whole, and the next start
 //! finishes the work (contract P4, P6).
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -24,6 +25,7 @@ fn settings() -> WatchSettings {
     WatchSettings {
         quiet_secs: 0.02,
         heartbeat_secs: 0.1,
+        depth: 2,
         end_mark: |_, bytes| {
             if bytes.ends_with(b"EOF\n") {
                 Completeness::Complete
@@ -135,6 +137,7 @@ fn killed_at_any_instant_it_leaves_whole_results_and_finishes_later() {
         kills += 1;
     }
     assert!(kills > 3, "the job was done before it could be disturbed");
+    println!("killed {kills} times");
     let mut child = start_child(&root);
     let start = Instant::now();
     while !check(&root, kills) && start.elapsed() < PATIENCE {
@@ -173,4 +176,107 @@ fn the_lock_of_a_killed_daemon_is_free() {
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(matches!(try_watch(), Err(Error::Stopped)));
+}
+
+/// How long the soak lasts; longer by `ENFILADE_SOAK_SECS`.
+const SOAK_SECS: u64 = 6;
+
+/// A writer of all bad habits: plain, slow, in two passes, by renames, with pauses, and deletions.
+fn save(path: &Path, text: &str, rng: &mut rand_chacha::ChaCha8Rng) {
+    let whole = format!("{text} EOF\n").into_bytes();
+    let (temp, old) = (path.with_extension("tmp"), path.with_extension("bak"));
+    match rng.random_range(0..6) {
+        0 => fs::write(path, &whole).unwrap(),
+        1 => {
+            for end in [0, whole.len() / 2, whole.len() - 1, whole.len()] {
+                fs::write(path, &whole[..end]).unwrap();
+                thread::sleep(Duration::from_millis(rng.random_range(0..60)));
+            }
+        }
+        2 => {
+            fs::write(&temp, &whole).unwrap();
+            fs::rename(&temp, path).unwrap();
+        }
+        3 => {
+            let _ = fs::rename(path, &old);
+            thread::sleep(Duration::from_millis(rng.random_range(0..60)));
+            fs::write(&temp, &whole).unwrap();
+            fs::rename(&temp, path).unwrap();
+        }
+        4 => {
+            let _ = fs::remove_file(path);
+            fs::write(path, &whole).unwrap();
+        }
+        _ => {
+            fs::write(path, b"first EOF of a file that goes on").unwrap();
+            fs::write(path, &whole).unwrap();
+        }
+    }
+}
+
+/// Chaos by a fixed seed: saves, deletions, folders moved, daemons killed. In the end the newest round
+/// of every drawing is that of its last content, and all that is visible is whole.
+#[test]
+fn soak() {
+    let secs = std::env::var("ENFILADE_SOAK_SECS").ok().and_then(|s| s.parse().ok()).unwrap_or(SOAK_SECS);
+    let dir = tempfile::tempdir().unwrap();
+    let root = fs::canonicalize(dir.path()).unwrap();
+    fs::create_dir(root.join("sub")).unwrap();
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+    let mut child = start_child(&root);
+    let (start, mut steps) = (Instant::now(), 0);
+    while start.elapsed() < Duration::from_secs(secs) {
+        steps += 1;
+        let folder = root.join(["", "sub", "moved"][rng.random_range(0..3)]);
+        let path = folder.join(format!("p{}.dxf", rng.random_range(0..4)));
+        match rng.random_range(0..20) {
+            0 => drop(fs::remove_file(&path)),
+            1 => drop(fs::rename(root.join("sub"), root.join("moved"))),
+            2 => drop(fs::rename(root.join("moved"), root.join("sub"))),
+            3 => {
+                child.kill().unwrap();
+                child.wait().unwrap();
+                child = start_child(&root);
+            }
+            _ if folder.is_dir() => save(&path, &format!("step {steps}"), &mut rng),
+            _ => {}
+        }
+        thread::sleep(Duration::from_millis(rng.random_range(0..120)));
+    }
+    let drawings = final_drawings(&root);
+    assert!(steps > 20 && !drawings.is_empty(), "{steps} steps, {} drawings", drawings.len());
+    let start = Instant::now();
+    let is_behind = |d: &&PathBuf| !is_newest_of(d);
+    while drawings.iter().any(|d| is_behind(&d)) && start.elapsed() < PATIENCE {
+        thread::sleep(Duration::from_millis(50));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let behind: Vec<&PathBuf> = drawings.iter().filter(is_behind).collect();
+    assert!(behind.is_empty(), "after {steps} steps not up to date: {behind:?}");
+    drawings.iter().for_each(|d| assert_rounds_are_whole(d));
+}
+
+fn final_drawings(root: &Path) -> Vec<PathBuf> {
+    let folders = ["", "sub", "moved"].map(|f| root.join(f));
+    let files = folders.iter().filter_map(|f| fs::read_dir(f).ok()).flatten().map(|e| e.unwrap().path());
+    files.filter(|p| p.extension().is_some_and(|e| e == "dxf")).collect()
+}
+
+fn is_newest_of(drawing: &Path) -> bool {
+    let hash = sha256(&fs::read(drawing).unwrap());
+    let sets = sets(&drawing.with_extension("enfilade"));
+    let number = |name: &str| name.strip_prefix("round-").and_then(|n| n.parse::<u32>().ok());
+    let newest = sets.iter().filter_map(|(n, set)| Some((number(n)?, set))).max_by_key(|(n, _)| *n);
+    newest.is_some_and(|(_, set)| *set == as_set(files(&hash, "final", 8)))
+}
+
+/// Every set names one content throughout and has all its files.
+fn assert_rounds_are_whole(drawing: &Path) {
+    for (name, set) in sets(&drawing.with_extension("enfilade")) {
+        let first = String::from_utf8(set.values().next().unwrap().clone()).unwrap();
+        let words: Vec<&str> = first.lines().next().unwrap().split(' ').collect();
+        let want = as_set(files(words[2], words[0], if name == "analysis" { 3 } else { 8 }));
+        assert!(set == want, "{name} of {} is torn", drawing.display());
+    }
 }

@@ -169,6 +169,9 @@ impl Heart {
         }
         let wall = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         for action in self.settle.on_tick(Now { mono, wall }) {
+            if stop.is_stopped() {
+                return Ok(());
+            }
             self.carry_out(action, show, stop);
         }
         self.watch_running(show);

@@ -60,8 +60,9 @@ pub(super) fn write_end(disk: &dyn Disk, drawing: &Path, placing: &Placing, sha2
     write_standing(disk, drawing, placing, &standing);
 }
 
-/// What daemons tell about these roots: one object a root, `{root, is_running, status}`, `status` null
-/// where none ever ran. `state_dirs` are further folders that may hold the state of read-only roots.
+/// What daemons tell about these roots: one object a root, `{root, is_running, owner, status}`; `status`
+/// is the daemon's overview (`enfilade.daemon/1`), null where none ever ran. A root that cannot be
+/// written keeps its state elsewhere and shows as never watched here.
 pub fn status(roots: &[PathBuf]) -> Vec<Value> {
     let one = |root: &PathBuf| {
         let folder = std::fs::canonicalize(root).unwrap_or_else(|_| root.clone()).join(STATE_FOLDER);

@@ -408,11 +408,9 @@ fn stopped_jobs_are_finished_by_the_next_start() {
     daemon.await_said("Started", 1);
     daemon.stop.stop();
     daemon.await_true("stop", || daemon.count_said("Stopped") == 1);
-    daemon.thread.as_ref().map(|t| {
-        while !t.is_finished() {
-            thread::sleep(Duration::from_millis(5))
-        }
-    });
+    while daemon.thread.as_ref().is_some_and(|t| !t.is_finished()) {
+        thread::sleep(Duration::from_millis(5));
+    }
     assert_eq!(daemon.status("plan")["state"], "stopped");
     let jobs = Arc::new(AtomicUsize::new(0));
     let (count, stop) = (jobs.clone(), Cancel::default());

@@ -111,7 +111,7 @@ impl Journal {
     }
 
     /// Adds a step for `drawing` (relative to the root) with this content and this configuration, at
-    /// this time (RFC 3339). Steps that end a job are durable when this returns.
+    /// this time (RFC 3339). Steps that decide whether a job is done are durable when this returns.
     ///
     /// # Errors
     /// From the disk; the step then counts until the next start only.
@@ -140,7 +140,7 @@ impl Journal {
             line.extend(more);
         }
         self.replay(&line);
-        let is_durable = !matches!(step, Step::Queued | Step::Started);
+        let is_durable = !matches!(step, Step::Queued | Step::Started | Step::Stopped);
         let lead = if std::mem::take(&mut self.is_torn) { "\n" } else { "" };
         let written = self.disk.append(&self.path, format!("{lead}{line}\n").as_bytes(), is_durable);
         written.map_err(|e| {

@@ -481,22 +481,27 @@ impl Settle {
         let is_another = r.identity.replace(identity).is_some_and(|old| old != identity);
         let is_back = std::mem::replace(&mut r.is_offline, false);
         if is_back {
+            self.forget_pending(i);
             self.out.push(Action::Online(root.into()));
         }
         if is_another || is_back {
-            r.next_scan = now;
+            self.roots[i].next_scan = now;
             self.out.push(Action::Rearm(root.into()));
         }
     }
 
     /// A root went: what is known of its files is kept, what was awaited starts anew when it returns.
     fn suspend(&mut self, i: usize) {
+        self.forget_pending(i);
+        self.out.push(Action::Offline(self.roots[i].path.clone()));
+    }
+
+    fn forget_pending(&mut self, i: usize) {
         let lost: Vec<PathBuf> =
             self.pending.keys().filter(|p| self.root_of(p) == Some(i)).cloned().collect();
         for path in lost {
             self.pending.remove(&path);
         }
-        self.out.push(Action::Offline(self.roots[i].path.clone()));
     }
 
     /// What is to be done now. Call at least every 100 ms while something is pending.

@@ -142,6 +142,7 @@ impl Run {
                 touched.extend([path(0), path(1)]);
             }
             "root" => self.world.root = words[0].parse().unwrap(),
+            "again" => self.settle.again(self.now, &path(0)),
             "lost" => self.settle.on_event(self.now, Event::Lost("test".into())),
             "blind" => self.settle.on_event(self.now, Event::Blind(ROOT.into(), "limit".into())),
             "sleep" => self.world.sleep += seconds(words[0]),
