@@ -24,8 +24,12 @@ pub enum Command {
     Analyse(AnalyseArgs),
     /// Do the whole job once: measure, optimise, write the next round.
     Run(RunArgs),
+    /// Do the same job for every finished save in the folders, until stopped.
+    Watch(WatchArgs),
     /// Make candidate N of the newest round a new drawing beside the old one.
     Accept(AcceptArgs),
+    /// Say what the daemon does in the folders.
+    Status(StatusArgs),
     /// Say what this machine offers.
     Doctor,
     /// Write a commented enfilade.toml.

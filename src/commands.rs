@@ -2,16 +2,22 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Instant;
 
-use crate::cli::{AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, RunArgs};
-use crate::config::{Partial, Settings};
+use crate::cli::{
+    AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ProgressArg, RunArgs, StatusArgs, WatchArgs,
+};
+use crate::config::{Partial, Settings, WatchTable};
+use crate::daemon::{self, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
+use crate::formats::dxf;
 use crate::overlay::result::{RoundResult, to_json};
-use crate::pipeline::{self, Event, Input};
+use crate::pipeline::{self, Event, Input, Outcome};
 use crate::progress::Display;
 use crate::report::{Cancel, Error, Place, Report, Severity};
 use crate::sample_settings;
-use crate::store::{self, Results};
+use crate::store::{self, Home, Placing, SystemDisk, round_name};
+use crate::watch::Completeness;
 
 /// Runs one command line. The number is the exit code of a finished command: 0, or 1 when something was
 /// left out.
@@ -23,7 +29,9 @@ pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
         Command::Check(args) => check(&args),
         Command::Analyse(args) => analyse(&args, cancel),
         Command::Run(args) => run(&args, cancel),
+        Command::Watch(args) => watch(&args, cancel),
         Command::Accept(args) => accept(&args),
+        Command::Status(args) => status(&args),
         Command::Doctor => doctor(),
         Command::Init(args) => init(&args),
     }
@@ -37,7 +45,7 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
     if let (Some(to), Some(png)) =
         (&args.preview, outcome.files.iter().find(|f| f.path.as_os_str() == "check.png"))
     {
-        store::write_file(to, &png.bytes)?;
+        write(to, &png.bytes)?;
     }
     if hand_json(&args.common, result)? {
         return Ok(exit_code(&outcome.report));
@@ -67,17 +75,18 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
 fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
     let (settings, out) = settings_for(&args.file, args.common.partial(None))?;
-    let results = Results::of(&args.file, out.as_deref())?;
+    let placing = Placing { out_dir: out, fallback_dir: None };
+    let home = Home::open(Arc::new(SystemDisk), &absolute(&args.file), &placing)?;
     let input = Input::new(&path, &bytes, 1);
     let (outcome, study) = pipeline::on_threads(&settings, || pipeline::analyse(&input, &settings, cancel))?;
     if let Some(to) = &args.cells {
-        store::write_file(to, pipeline::cells::cells_csv(&study, args.radius).as_bytes())?;
+        write(to, pipeline::cells::cells_csv(&study, args.radius).as_bytes())?;
     }
     if let Some(to) = &args.edges {
-        store::write_file(to, pipeline::cells::edges_csv(&study).as_bytes())?;
+        write(to, pipeline::cells::edges_csv(&study).as_bytes())?;
     }
     cancel.check()?;
-    let folder = results.publish_analysis(&outcome.files)?;
+    let folder = home.publish_analysis(&outcome.files)?;
     if !hand_json(&args.common, &outcome.result)? && !args.common.quiet {
         let r = &outcome.result;
         let mean = |key| r.mean.get(key).unwrap_or(f64::NAN);
@@ -96,30 +105,77 @@ fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
 }
 
 fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
-    let started = Instant::now();
-    let (path, bytes) = open(&args.file)?;
     let (settings, out) = settings_for(&args.file, args.common.partial(Some(&args.search)))?;
-    let results = Results::of(&args.file, out.as_deref())?;
-    let input = Input::new(&path, &bytes, u64::from(results.next_round()?));
+    let watch = WatchSettings { out_dir: out, ..WatchSettings::default() };
     let mut display = Display::new(args.common.progress, args.common.quiet);
-    let mut early = Ok(());
-    let outcome = pipeline::on_threads(&settings, || {
-        let mut show = |event: Event| match event {
-            Event::Progress(p) => display.show(&p),
-            Event::Analysis(files) => early = results.publish_analysis(&files).map(|_| ()),
-        };
-        pipeline::run(&input, &settings, started, &mut show, cancel)
-    });
+    let finished: Arc<Mutex<Option<(RoundResult, Report)>>> = Arc::default();
+    let keep = Arc::clone(&finished);
+    let shown = args.file.to_string_lossy().into_owned();
+    let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+        let outcome = round(&shown, request, &settings, tell, cancel)?;
+        let output = output_of(&outcome);
+        *keep.lock().unwrap_or_else(PoisonError::into_inner) = Some((outcome.result, outcome.report));
+        Ok(output)
+    };
+    let mut show = |notice: Notice| match notice {
+        Notice::Progress { value, .. } => {
+            if let Ok(p) = serde_json::from_value(value) {
+                display.show(&p);
+            }
+        }
+        Notice::Problem { problem, .. } => eprintln!("warning: {problem}"),
+        _ => {}
+    };
+    let done = daemon::run_once(&args.file, &watch, &job, &mut show, cancel);
     display.finish();
-    let outcome = outcome?;
-    early?;
-    cancel.check()?;
-    let folder = results.publish_round(&outcome.files)?;
-    if !hand_json(&args.common, &outcome.result)? && !args.common.quiet {
-        summary(&outcome.result, &folder);
+    let done = done?;
+    let finished = finished.lock().unwrap_or_else(PoisonError::into_inner).take();
+    if let Some((result, report)) = finished {
+        if !hand_json(&args.common, &result)? && !args.common.quiet {
+            summary(&result, &done.folder);
+        }
+        tell(&args.common, &report);
     }
-    tell(&args.common, &outcome.report);
-    Ok(exit_code(&outcome.report))
+    Ok(u8::from(done.is_degraded))
+}
+
+/// One round of a drawing, on the threads of the settings; what it says goes to `tell` on this thread.
+fn round(
+    shown: &str,
+    request: &JobRequest,
+    settings: &Settings,
+    tell: &mut dyn FnMut(JobEvent),
+    cancel: &Cancel,
+) -> Result<Outcome<RoundResult>, Error> {
+    let started = Instant::now();
+    let (say, heard) = mpsc::channel();
+    std::thread::scope(|scope| {
+        let worker = scope.spawn(move || {
+            pipeline::on_threads(settings, || {
+                let input = Input::new(shown, &request.bytes, u64::from(request.round));
+                // Nobody hears any more once the job was given up.
+                let mut show = |event: Event| drop(say.send(event));
+                pipeline::run(&input, settings, started, &mut show, cancel)
+            })
+        });
+        for event in heard {
+            tell(match event {
+                Event::Progress(p) => JobEvent::Progress(serde_json::to_value(p).unwrap_or_default()),
+                Event::Analysis(files) => JobEvent::Analysis(files),
+            });
+        }
+        worker.join().unwrap_or_else(|payload| std::panic::resume_unwind(payload))
+    })
+}
+
+fn output_of(outcome: &Outcome<RoundResult>) -> JobOutput {
+    let n = outcome.result.candidates.len();
+    let options = if n == 1 { "1 option".to_string() } else { format!("{n} options") };
+    let summary = match outcome.result.candidates.first() {
+        Some(first) => format!("{options}; the first: {}", first.words),
+        None => format!("{options}; {}", outcome.result.stopped_by),
+    };
+    JobOutput { files: outcome.files.clone(), is_degraded: outcome.report.is_degraded(), summary }
 }
 
 fn summary(result: &RoundResult, folder: &Path) {
@@ -137,20 +193,101 @@ fn summary(result: &RoundResult, folder: &Path) {
     say(&format!("compare them: {}", folder.join("report.html").display()));
 }
 
+fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
+    let partial = args.common.partial(Some(&args.search));
+    Settings::new(partial.clone())?;
+    let folder = args.folders.first().map(|f| f.join("enfilade.toml"));
+    let table = folder.map_or(Ok(None), |f| read_settings(&f)).map(|p| p.and_then(|p| p.watch).unwrap_or_default())?;
+    let settings = watch_settings(args, &partial, table);
+    let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+        let (settings, _) = settings_for(&request.drawing, partial.clone())?;
+        let shown = request.drawing.to_string_lossy().into_owned();
+        Ok(output_of(&round(&shown, request, &settings, tell, cancel)?))
+    };
+    let (quiet, json) = (args.common.quiet, args.common.progress == Some(ProgressArg::Json));
+    let mut show = |notice: Notice| match &notice {
+        Notice::Progress { value, .. } if json => eprintln!("{value}"),
+        Notice::Progress { .. } => {}
+        Notice::Failed { .. } | Notice::Problem { .. } => eprintln!("warning: {notice}"),
+        _ if quiet => {}
+        _ => say(&notice.to_string()),
+    };
+    match daemon::watch(&args.folders, &settings, Arc::new(job), &mut show, cancel) {
+        Err(Error::Stopped) => Ok(Error::Stopped.exit_code()),
+        other => other.map(|()| 0),
+    }
+}
+
+/// What the command line and the folder's `[watch]` table say of the daemon.
+fn watch_settings(args: &WatchArgs, partial: &Partial, table: WatchTable) -> WatchSettings {
+    let base = WatchSettings::default();
+    let ignore = table.ignore.unwrap_or_default().into_iter().chain(args.ignore.iter().cloned());
+    WatchSettings {
+        quiet_secs: table.quiet_secs.unwrap_or(base.quiet_secs),
+        network_quiet_secs: table.network_quiet_secs.unwrap_or(base.network_quiet_secs),
+        grace_secs: table.grace_secs.unwrap_or(base.grace_secs),
+        max_wait_secs: table.max_wait_secs.unwrap_or(base.max_wait_secs),
+        rescan_secs: table.rescan_secs.unwrap_or(base.rescan_secs),
+        poll: args.poll || table.poll.unwrap_or(base.poll),
+        depth: args.depth.or(table.depth).unwrap_or(base.depth),
+        ignore: ignore.collect(),
+        out_dir: partial.out.clone().map(PathBuf::from),
+        force: args.force,
+        settings_key: format!("{partial:?}"),
+        end_mark,
+        ..base
+    }
+}
+
+/// The end mark of a drawing's format, for the watcher.
+fn end_mark(_: &Path, bytes: &[u8]) -> Completeness {
+    match dxf::is_complete(bytes) {
+        dxf::Completeness::Whole => Completeness::Complete,
+        dxf::Completeness::Incomplete(why) => Completeness::Incomplete(why),
+        dxf::Completeness::Empty => Completeness::Incomplete("it is empty".into()),
+    }
+}
+
 fn accept(args: &AcceptArgs) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
-    let out = settings_partial(&args.file, Partial::default())?.out.map(PathBuf::from);
-    let results = Results::of(&args.file, args.out.as_deref().or(out.as_deref()))?;
-    let (round, json) = results.read_round(args.round)?;
-    let result: RoundResult = serde_json::from_slice(&json).map_err(|e| {
-        let place = Place::file(format!("round-{round:02}/result.json"));
-        Error::input("result", place, format!("{e}; nothing was written"))
-    })?;
+    let configured = settings_partial(&args.file, Partial::default())?.out.map(PathBuf::from);
+    let placing = Placing { out_dir: args.out.clone().or(configured), fallback_dir: None };
+    let drawing = absolute(&args.file);
+    let home = Home::open(Arc::new(SystemDisk), &drawing, &placing)?;
+    let Some(round) = args.round.or_else(|| home.rounds().last().copied()) else {
+        let place = Place::file(home.folder().to_string_lossy());
+        return Err(Error::usage("no-round", place, "no round yet; `enfilade run` makes one"));
+    };
+    let at = home.folder().join(round_name(round)).join("result.json");
+    let place = || Place::file(at.to_string_lossy());
+    let json = std::fs::read(&at)
+        .map_err(|e| Error::usage("no-round", place(), format!("{e}; expected the result of round {round}; nothing was written")))?;
+    let result: RoundResult = serde_json::from_slice(&json)
+        .map_err(|e| Error::input("result", place(), format!("{e}; nothing was written")))?;
     let accepted = pipeline::accept::accept(&Input::new(&path, &bytes, 1), &result, round, args.number)?;
-    let (drawing, side_car) =
-        store::write_accepted(&args.file, &accepted.drawing, accepted.side_car.as_bytes())?;
-    say(&format!("option {} of round {round} is now {}", args.number, drawing.display()));
+    let next = store::write_revision(&SystemDisk, &drawing, &accepted.drawing)?;
+    let side_car = settings_files(&next)[0].clone();
+    store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
+    say(&format!("option {} of round {round} is now {}", args.number, next.display()));
     say(&format!("its moves, bounds and settings for the next round: {}", side_car.display()));
+    Ok(0)
+}
+
+fn status(args: &StatusArgs) -> Result<u8, Error> {
+    let here = [PathBuf::from(".")];
+    let folders = if args.folders.is_empty() { &here[..] } else { &args.folders };
+    let found = daemon::status(folders);
+    if args.json {
+        print(&to_json(&found)?);
+        return Ok(0);
+    }
+    for root in &found {
+        let runs = if root["is_running"] == true { "watched" } else { "not watched now" };
+        say(&format!("{}: {runs}", root["root"].as_str().unwrap_or("?")));
+        for (drawing, state) in root["status"]["drawings"].as_object().into_iter().flatten() {
+            say(&format!("  {drawing}: {}", state["state"].as_str().unwrap_or("?")));
+        }
+    }
     Ok(0)
 }
 
@@ -164,7 +301,7 @@ fn doctor() -> Result<u8, Error> {
 
 fn init(args: &InitArgs) -> Result<u8, Error> {
     let to = args.folder.join("enfilade.toml");
-    store::write_new(&to, sample_settings::TEXT.as_bytes())?;
+    store::write_new(&SystemDisk, &to, sample_settings::TEXT.as_bytes())?;
     say(&format!("{} written; every line in it is a comment until you change it", to.display()));
     Ok(0)
 }
@@ -198,25 +335,35 @@ pub fn settings_for(drawing: &Path, command_line: Partial) -> Result<(Settings, 
 fn settings_partial(drawing: &Path, command_line: Partial) -> Result<Partial, Error> {
     let mut out = command_line;
     for file in settings_files(drawing) {
-        match std::fs::read_to_string(&file) {
-            Ok(text) => out = out.over(Partial::from_toml(&file.to_string_lossy(), &text)?),
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}
-            Err(e) => {
-                let place = Place::file(file.to_string_lossy());
-                return Err(Error::environment(
-                    "settings-unreadable",
-                    place,
-                    format!("{e}; nothing was done"),
-                ));
-            }
+        if let Some(more) = read_settings(&file)? {
+            out = out.over(more);
         }
     }
     Ok(out)
 }
 
+fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
+    match std::fs::read_to_string(file) {
+        Ok(text) => Partial::from_toml(&file.to_string_lossy(), &text).map(Some),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(e) => {
+            let place = Place::file(file.to_string_lossy());
+            Err(Error::environment("settings-unreadable", place, format!("{e}; nothing was done")))
+        }
+    }
+}
+
 /// Files that may hold settings of a drawing, the nearest first.
 pub fn settings_files(drawing: &Path) -> [PathBuf; 2] {
     [drawing.with_extension("enfilade.toml"), drawing.with_file_name("enfilade.toml")]
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    store::replace_file(&SystemDisk, &absolute(path), bytes)
+}
+
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.into())
 }
 
 fn hand_json<T: serde::Serialize>(common: &Common, result: &T) -> Result<bool, Error> {
@@ -227,7 +374,7 @@ fn hand_json<T: serde::Serialize>(common: &Common, result: &T) -> Result<bool, E
             Ok(true)
         }
         Some(to) => {
-            store::write_file(to, to_json(result)?.as_bytes())?;
+            write(to, to_json(result)?.as_bytes())?;
             Ok(false)
         }
     }

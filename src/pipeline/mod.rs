@@ -14,7 +14,7 @@ mod study;
 use std::borrow::Cow;
 use std::time::Instant;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::config::{Measure, Settings};
@@ -55,7 +55,7 @@ impl<'a> Input<'a> {
 }
 
 /// How far a job is: the line of `--progress json`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     /// `read`, `measure`, `optimise: degree`, `write` …
     pub stage: String,

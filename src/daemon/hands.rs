@@ -1,0 +1,204 @@
+//! The threads that wait for disks and jobs, so that the loop need not, and what they tell it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Sender, SyncSender, TrySendError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Instant, SystemTime};
+
+use super::job::{self, Told};
+use super::status::{SharedDisk, rfc3339};
+use super::{Done, JobRequest, RunJob, WatchSettings};
+use crate::report::{Cancel, Error};
+use crate::store::{Journal, Placing, Step, Written};
+use crate::watch::{
+    Action, Checked, Event, Eyes, Identity, Seen, Stat, identity_of, is_output_name, read_settled,
+    read_whole, sha256_hex, stat_of,
+};
+
+pub(super) enum Message {
+    Event(Event),
+    Seen(PathBuf, Seen),
+    Checked(PathBuf, Checked, String),
+    Scanned(PathBuf, Option<Vec<(PathBuf, Stat)>>),
+    Root(PathBuf, Option<Identity>),
+    Told(u64, Told),
+    Ended(u64, Outcome),
+}
+
+pub(super) enum Outcome {
+    Ended(Result<Done, Error>),
+    /// The file no longer has the content that was queued.
+    Changed,
+}
+
+/// One drawing content to be worked on.
+#[derive(Clone, Debug)]
+pub(super) struct Waiting {
+    pub drawing: PathBuf,
+    pub sha256: String,
+    pub config: String,
+    pub not_before: Option<Instant>,
+    pub failures: u32,
+}
+
+pub(super) struct Task {
+    pub id: u64,
+    pub what: Waiting,
+    pub below: PathBuf,
+    pub placing: Placing,
+    pub cancel: Cancel,
+    pub journal: Arc<Mutex<Journal>>,
+}
+
+/// Sends the system's reports on without ever blocking it; a full inbox means that all is looked at.
+pub(super) fn reporter(
+    send: SyncSender<Message>,
+    is_flooded: Arc<AtomicBool>,
+) -> impl Fn(Event) + Send + Clone + 'static {
+    move |event| {
+        if let Err(TrySendError::Full(_)) = send.try_send(Message::Event(event)) {
+            is_flooded.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// The thread that touches the watched folders. It ends with its sender.
+pub(super) fn start_looker(
+    mut eyes: Eyes,
+    settings: &WatchSettings,
+    send: SyncSender<Message>,
+) -> Sender<Action> {
+    let (to_looker, tasks) = mpsc::channel::<Action>();
+    let (end_mark, settings_key) = (settings.end_mark, settings.settings_key.clone());
+    thread::spawn(move || {
+        for task in tasks {
+            let answer = match task {
+                Action::Look(path) => Message::Seen(path.clone(), stat_of(&path)),
+                Action::Check(path) => {
+                    let checked = read_settled(&path, end_mark);
+                    let key = config_key(&path, &settings_key);
+                    Message::Checked(path, checked, key)
+                }
+                Action::Scan(root) => Message::Scanned(root.clone(), eyes.scan(&root)),
+                Action::LookRoot(root) => Message::Root(root.clone(), identity_of(&root)),
+                Action::Rearm(root) => {
+                    eyes.rearm(&root);
+                    continue;
+                }
+                _ => continue,
+            };
+            if send.send(answer).is_err() {
+                break;
+            }
+        }
+    });
+    to_looker
+}
+
+/// The thread that runs the jobs, one after the other. It ends with its sender.
+pub(super) fn start_worker(disk: SharedDisk, run: Arc<RunJob>, send: SyncSender<Message>) -> Sender<Task> {
+    let (to_worker, tasks) = mpsc::channel::<Task>();
+    thread::spawn(move || {
+        for task in tasks {
+            let outcome = work(disk.clone(), &task, &*run, &send);
+            if send.send(Message::Ended(task.id, outcome)).is_err() {
+                break;
+            }
+        }
+    });
+    to_worker
+}
+
+fn work(disk: SharedDisk, task: &Task, run: &RunJob, send: &SyncSender<Message>) -> Outcome {
+    let Ok((bytes, _)) = read_whole(&task.what.drawing) else { return Outcome::Changed };
+    if sha256_hex(&bytes) != task.what.sha256 {
+        return Outcome::Changed;
+    }
+    let request = JobRequest {
+        drawing: task.what.drawing.clone(),
+        bytes: Arc::new(bytes),
+        sha256: task.what.sha256.clone(),
+            round: 0,
+        };
+    let note = |step: &Step| {
+        let time = rfc3339(SystemTime::now());
+        let (sha256, config) = (&task.what.sha256, &task.what.config);
+        open_journal(&task.journal).append(&task.below, sha256, config, &time, step)
+    };
+    let mut tell = |told| drop(send.send(Message::Told(task.id, told)));
+    let mut before = |folder: &Path, written: &[Written]| {
+        let drawings = written.iter().filter(|w| is_output_name(&w.path));
+        let outputs = drawings.map(|w| w.sha256.clone()).collect();
+        note(&Step::Publishing { folder: folder.into(), outputs })
+    };
+    let outcome = job::perform(disk, &request, &task.placing, run, &task.cancel, &mut tell, &mut before);
+    let noted = match &outcome {
+        Ok(done) => note(&Step::Finished(done.summary.clone())),
+        Err(_) => Ok(()),
+    };
+    if let Err(error) = noted
+        && let Some(problem) = error.problem()
+    {
+        tell(Told::Problem(problem.clone()));
+    }
+    Outcome::Ended(outcome)
+}
+
+pub(super) fn open_journal(journal: &Mutex<Journal>) -> MutexGuard<'_, Journal> {
+    journal.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What besides its bytes decides a drawing's results: the program, the command line, and the settings
+/// files of the drawing, of its folder and of those above.
+fn config_key(drawing: &Path, settings_key: &str) -> String {
+    let mut text = format!("{}\n{settings_key}\n", env!("CARGO_PKG_VERSION"));
+    let own = drawing.with_extension("enfilade.toml");
+    let shared = drawing.ancestors().skip(1).map(|f| f.join("enfilade.toml"));
+    for path in std::iter::once(own).chain(shared) {
+        if let Ok(bytes) = fs::read(&path) {
+            text.push_str(&format!("{}\n", sha256_hex(&bytes)));
+        }
+    }
+    sha256_hex(text.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A full inbox never blocks the system's thread; it means one look at everything (hazard 8).
+    #[test]
+    fn a_flood_of_events_is_one_flag() {
+        let (send, inbox) = mpsc::sync_channel(10);
+        let is_flooded = Arc::new(AtomicBool::new(false));
+        let report = reporter(send, is_flooded.clone());
+        for i in 0..50 {
+            assert_eq!(is_flooded.load(Ordering::Relaxed), i > 10, "{i}");
+            report(Event::Touched(format!("{i}.dxf").into()));
+        }
+        assert_eq!(inbox.try_iter().count(), 10);
+        drop(inbox);
+        report(Event::Lost(String::new()));
+    }
+
+    #[test]
+    fn the_key_of_a_job_holds_all_its_settings() {
+        let dir = tempfile::tempdir().unwrap();
+        let drawing = dir.path().join("sub/plan.dxf");
+        fs::create_dir(dir.path().join("sub")).unwrap();
+        let mut keys = vec![config_key(&drawing, ""), config_key(&drawing, "--seed 2")];
+        for file in ["enfilade.toml", "sub/enfilade.toml", "sub/plan.enfilade.toml"] {
+            fs::write(dir.path().join(file), b"seed = 1").unwrap();
+            keys.push(config_key(&drawing, ""));
+        }
+        let last = keys.last().cloned();
+        keys.sort();
+        keys.dedup();
+        assert_eq!(keys.len(), 5);
+        fs::write(dir.path().join("sub/other.enfilade.toml"), b"seed = 1").unwrap();
+        assert_eq!(Some(config_key(&drawing, "")), last);
+    }
+}

@@ -1,0 +1,622 @@
+//! The daemon's loop: it decides and never waits. A looker thread touches the watched folders, a worker
+//! thread runs the jobs; both answer by messages, so that a slow disk or job never delays a stop.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, SyncSender};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use serde_json::{Value, json};
+
+use super::hands::{Message, Outcome, Task, Waiting, open_journal, reporter, start_looker, start_worker};
+use super::status::{SharedDisk, Standing, rfc3339, write_standing};
+use super::{Notice, RunJob, WatchSettings};
+use crate::report::{Cancel, Error, Place, Problem};
+use crate::store::{
+    Journal, Lease, Ownership, Placing, STATE_FOLDER, Step, SystemDisk, read_lease, state_folder, write_json,
+};
+use crate::watch::{Action, Event, Eyes, Now, Settle, builtin_ignores, is_output_name, network_reason};
+
+/// Reports of the system waiting to be read; more mean "look at everything" (hazards 8 and 15).
+const INBOX: usize = 65_536;
+/// Drawings waiting for their turn; further ones are found again by the next scan (hazard 26).
+const MAX_QUEUE: usize = 10_000;
+/// The loop turns at least this often: settle times and stops are answered this fast.
+const TICK: Duration = Duration::from_millis(50);
+/// The running job gets this long to notice a stop before the daemon leaves without it.
+const STOP_PATIENCE: Duration = Duration::from_millis(120);
+/// A job that was told to stop and did not is left to itself after this long (hazard 23).
+const HANG_PATIENCE: Duration = Duration::from_secs(5);
+/// The overview is not rewritten more often.
+const OVERVIEW_PAUSE: Duration = Duration::from_secs(1);
+/// Longest pause before a job that failed for want of disk or permission is tried again.
+const MAX_RETRY_SECS: f64 = 600.0;
+/// Failures and left-alone files listed in the overview.
+const MAX_LISTED: usize = 200;
+
+struct Running {
+    id: u64,
+    what: Waiting,
+    cancel: Cancel,
+    since: Instant,
+    stopped: Option<Instant>,
+    is_too_long: bool,
+}
+
+struct State {
+    folder: PathBuf,
+    ownership: Ownership,
+    journal: Arc<Mutex<Journal>>,
+}
+
+struct Root {
+    path: PathBuf,
+    how: String,
+    is_offline: bool,
+    state: Option<State>,
+}
+
+pub(super) struct Heart {
+    settings: WatchSettings,
+    disk: SharedDisk,
+    run: Arc<RunJob>,
+    settle: Settle,
+    roots: Vec<Root>,
+    keys: BTreeMap<PathBuf, String>,
+    queue: VecDeque<Waiting>,
+    running: Option<Running>,
+    failed: BTreeMap<PathBuf, Problem>,
+    ignored: BTreeMap<PathBuf, String>,
+    done_count: u64,
+    next_id: u64,
+    send: SyncSender<Message>,
+    inbox: Receiver<Message>,
+    is_flooded: Arc<AtomicBool>,
+    to_looker: Sender<Action>,
+    to_worker: Sender<Task>,
+    start: Instant,
+    since: String,
+    last_beat: Instant,
+    last_overview: Option<Instant>,
+    is_overview_stale: bool,
+}
+
+impl Heart {
+    /// Takes the roots, replays their journals and starts the threads.
+    pub(super) fn start(
+        roots: &[PathBuf],
+        settings: &WatchSettings,
+        run: Arc<RunJob>,
+        stop: &Cancel,
+    ) -> Result<Self, Error> {
+        let reasons: Vec<Option<String>> = roots.iter().map(|r| network_reason(r)).collect();
+        let is_network: Vec<bool> = reasons.iter().map(Option::is_some).collect();
+        let (send, inbox) = mpsc::sync_channel(INBOX);
+        let is_flooded = Arc::new(AtomicBool::new(false));
+        let report = reporter(send.clone(), is_flooded.clone());
+        let eyes = Eyes::new(roots, &is_network, settings, report)?;
+        let to_looker = start_looker(eyes, settings, send.clone());
+        let disk: SharedDisk = Arc::new(SystemDisk);
+        let to_worker = start_worker(disk.clone(), run.clone(), send.clone());
+        let mut heart = Self {
+            settle: Settle::new(roots, &is_network, settings)?,
+            settings: settings.clone(),
+            disk,
+            run,
+            roots: Vec::new(),
+            keys: BTreeMap::new(),
+            queue: VecDeque::new(),
+            running: None,
+            failed: BTreeMap::new(),
+            ignored: BTreeMap::new(),
+            done_count: 0,
+            next_id: 0,
+            send,
+            inbox,
+            is_flooded,
+            to_looker,
+            to_worker,
+            start: Instant::now(),
+            since: rfc3339(SystemTime::now()),
+            last_beat: Instant::now(),
+            last_overview: None,
+            is_overview_stale: true,
+        };
+        for (path, reason) in roots.iter().zip(reasons) {
+            let state = Some(heart.take(path, stop)?);
+            let how = how_watched(settings, reason);
+            heart.roots.push(Root { path: path.clone(), how, is_offline: false, state });
+        }
+        Ok(heart)
+    }
+
+    fn take(&self, root: &Path, stop: &Cancel) -> Result<State, Error> {
+        let placing = self.placing(root, root);
+        let folder = state_folder(&*self.disk, root, &placing)?;
+        let me = Lease { host: host_name(), pid: std::process::id(), since: self.since.clone(), beat: 0 };
+        let heartbeat = Duration::from_secs_f64(self.settings.heartbeat_secs);
+        let ownership = Ownership::take(self.disk.clone(), &folder, me, heartbeat, stop)?;
+        let journal = Arc::new(Mutex::new(Journal::open(self.disk.clone(), &folder)?));
+        Ok(State { folder, ownership, journal })
+    }
+
+    /// The loop, until `stop` or until another daemon has taken a folder.
+    pub(super) fn beat_until(mut self, show: &mut dyn FnMut(Notice), stop: &Cancel) -> Result<(), Error> {
+        for root in &self.roots {
+            show(Notice::Watching { root: root.path.clone(), how: root.how.clone() });
+        }
+        while !stop.is_stopped() {
+            match self.inbox.recv_timeout(TICK) {
+                Ok(message) => self.take_in(message, show),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+            while let Ok(message) = self.inbox.try_recv() {
+                self.take_in(message, show);
+            }
+            self.turn(show, stop)?;
+        }
+        self.leave(show);
+        Err(Error::Stopped)
+    }
+
+    fn turn(&mut self, show: &mut dyn FnMut(Notice), stop: &Cancel) -> Result<(), Error> {
+        let mono = self.start.elapsed();
+        if self.is_flooded.swap(false, Ordering::Relaxed) {
+            self.settle.on_event(mono, Event::Lost("more events than can be held".into()));
+        }
+        let wall = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        for action in self.settle.on_tick(Now { mono, wall }) {
+            if stop.is_stopped() {
+                return Ok(());
+            }
+            self.carry_out(action, show, stop);
+        }
+        self.watch_running(show);
+        self.start_next(show);
+        self.give_sign_of_life(stop)?;
+        self.write_overview(false);
+        Ok(())
+    }
+
+    fn take_in(&mut self, message: Message, show: &mut dyn FnMut(Notice)) {
+        let now = self.start.elapsed();
+        match message {
+            Message::Event(event) => self.settle.on_event(now, event),
+            Message::Seen(path, seen) => self.settle.on_stat(now, &path, seen),
+            Message::Scanned(root, found) => self.settle.on_scan(now, &root, found),
+            Message::Root(root, identity) => self.settle.on_root(now, &root, identity),
+            Message::Checked(path, checked, key) => {
+                self.keys.insert(path.clone(), key);
+                self.settle.on_check(now, &path, checked);
+            }
+            Message::Told(id, told) => {
+                if let Some(running) = self.running.as_ref().filter(|r| r.id == id) {
+                    show(told.notice(&running.what.drawing));
+                }
+            }
+            Message::Ended(id, outcome) => {
+                if let Some(running) = self.running.take_if(|r| r.id == id) {
+                    self.ended(running, outcome, show);
+                }
+            }
+        }
+    }
+
+    fn carry_out(&mut self, action: Action, show: &mut dyn FnMut(Notice), stop: &Cancel) {
+        match action {
+            Action::Look(_) | Action::Check(_) | Action::Scan(_) | Action::LookRoot(_) => {
+                // Fails only when the looker is gone, with the whole process.
+                let _ = self.to_looker.send(action);
+            }
+            Action::Rearm(root) => {
+                self.retake(&root, show, stop);
+                let _ = self.to_looker.send(Action::Rearm(root));
+            }
+            Action::Ready { path, sha256 } => self.ready(path, sha256, show),
+            Action::SettingsChanged(path) => {
+                let now = self.start.elapsed();
+                let folder = path.parent().unwrap_or(&path);
+                let drawings = self.settle.settled_below(folder);
+                drawings.iter().for_each(|d| self.settle.again(now, d));
+            }
+            Action::Removed(path) => self.removed(&path),
+            Action::Ignored { path, why } => {
+                if self.ignored.len() < MAX_LISTED {
+                    self.ignored.insert(path.clone(), why.clone());
+                    self.is_overview_stale = true;
+                }
+                show(Notice::Ignored { path, why });
+            }
+            Action::Offline(root) => self.set_offline(root, true, show),
+            Action::Online(root) => self.set_offline(root, false, show),
+            Action::Problem { path, problem } => self.problem(path, problem, show),
+            Action::Resolved(path) => {
+                self.failed.remove(&path);
+                self.is_overview_stale = true;
+            }
+        }
+    }
+
+    fn set_offline(&mut self, path: PathBuf, is_offline: bool, show: &mut dyn FnMut(Notice)) {
+        if let Some(root) = self.roots.iter_mut().find(|r| r.path == path) {
+            root.is_offline = is_offline;
+            self.is_overview_stale = true;
+        }
+        show(if is_offline { Notice::Offline(path) } else { Notice::Online(path) });
+    }
+
+    /// The root may be another folder now: its lock and journal are those that lie there. While another
+    /// daemon has it, its drawings wait; every heartbeat tries again.
+    fn retake(&mut self, path: &Path, show: &mut dyn FnMut(Notice), stop: &Cancel) {
+        let Some(i) = self.roots.iter().position(|r| r.path == path) else { return };
+        let is_same = self.roots[i].state.as_mut().is_some_and(|s| {
+            s.folder.starts_with(path)
+                && s.folder.join("lock").exists()
+                && s.ownership.beat().unwrap_or(false)
+        });
+        if is_same {
+            return;
+        }
+        self.roots[i].state = None;
+        match self.take(path, stop) {
+            Ok(state) => self.roots[i].state = Some(state),
+            Err(error) => {
+                if let Some(problem) = error.problem() {
+                    show(Notice::Problem { path: path.into(), problem: problem.clone() });
+                }
+            }
+        }
+    }
+
+    fn problem(&mut self, path: PathBuf, problem: Problem, show: &mut dyn FnMut(Notice)) {
+        if self.roots.iter().all(|r| r.path != path) {
+            let problems = [problem.clone()];
+            let standing = Standing { state: "settling", problems: &problems, ..Standing::default() };
+            write_standing(&*self.disk, &path, &self.placing_of(&path), &standing);
+        }
+        self.fail(&path, &problem);
+        show(Notice::Problem { path, problem });
+    }
+
+    fn fail(&mut self, path: &Path, problem: &Problem) {
+        if self.failed.len() < MAX_LISTED {
+            self.failed.insert(path.into(), problem.clone());
+        }
+        self.is_overview_stale = true;
+    }
+
+    /// A complete content: a job, unless it is ours, done, or being done.
+    fn ready(&mut self, drawing: PathBuf, sha256: String, show: &mut dyn FnMut(Notice)) {
+        self.failed.remove(&drawing);
+        self.is_overview_stale = true;
+        let config = self.keys.remove(&drawing).unwrap_or_default();
+        let below = self.below(&drawing);
+        let Some(journal) = self.journal_of(&drawing) else {
+            let later = self.start.elapsed() + Duration::from_secs_f64(self.settings.heartbeat_secs);
+            return self.settle.again(later, &drawing);
+        };
+        if is_output_name(&drawing) && open_journal(&journal).is_output(&sha256) {
+            let why = "copy of a result of ours; give it another name to work on it".into();
+            return show(Notice::Ignored { path: drawing, why });
+        }
+        self.queue.retain(|w| w.drawing != drawing);
+        if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
+            if running.what.sha256 == sha256 && running.what.config == config && !running.cancel.is_stopped()
+            {
+                return;
+            }
+            running.stop();
+        } else if open_journal(&journal).is_done(&below, &sha256, &config) {
+            return;
+        }
+        self.enqueue(Waiting { drawing, sha256, config, not_before: None, failures: 0 }, show);
+    }
+
+    fn enqueue(&mut self, waiting: Waiting, show: &mut dyn FnMut(Notice)) {
+        let drawing = waiting.drawing.clone();
+        if self.queue.len() >= MAX_QUEUE {
+            let later = self.start.elapsed() + Duration::from_secs_f64(self.settings.rescan_secs);
+            return self.settle.again(later, &drawing);
+        }
+        self.note(&waiting, &Step::Queued, show);
+        if self.running.is_some() && !self.is_running(&drawing) {
+            let standing = Standing { state: "waiting", sha256: &waiting.sha256, ..Standing::default() };
+            write_standing(&*self.disk, &drawing, &self.placing_of(&drawing), &standing);
+        }
+        if self.settings.newest_first {
+            self.queue.push_front(waiting);
+        } else {
+            self.queue.push_back(waiting);
+        }
+        show(Notice::Queued { drawing, waiting: self.queue.len() });
+    }
+
+    fn is_running(&self, drawing: &Path) -> bool {
+        self.running.as_ref().is_some_and(|r| r.what.drawing == drawing)
+    }
+
+    fn removed(&mut self, drawing: &Path) {
+        self.queue.retain(|w| w.drawing != drawing);
+        self.failed.remove(drawing);
+        self.keys.remove(drawing);
+        self.is_overview_stale = true;
+        if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
+            running.stop();
+        }
+    }
+
+    fn start_next(&mut self, show: &mut dyn FnMut(Notice)) {
+        if self.running.is_some() {
+            return;
+        }
+        let now = Instant::now();
+        let can_start =
+            |w: &Waiting| w.not_before.is_none_or(|t| t <= now) && self.journal_of(&w.drawing).is_some();
+        let Some(index) = self.queue.iter().position(can_start) else { return };
+        let Some(what) = self.queue.remove(index) else { return };
+        let Some(journal) = self.journal_of(&what.drawing) else { return };
+        self.note(&what, &Step::Started, show);
+        self.next_id += 1;
+        let (id, cancel) = (self.next_id, Cancel::default());
+        let (below, placing) = (self.below(&what.drawing), self.placing_of(&what.drawing));
+        show(Notice::Started(what.drawing.clone()));
+        let task = Task { id, what: what.clone(), below, placing, cancel: cancel.clone(), journal };
+        let _ = self.to_worker.send(task);
+        self.running = Some(Running { id, what, cancel, since: now, stopped: None, is_too_long: false });
+        self.is_overview_stale = true;
+    }
+
+    fn ended(&mut self, running: Running, outcome: Outcome, show: &mut dyn FnMut(Notice)) {
+        self.is_overview_stale = true;
+        let what = running.what;
+        match outcome {
+            Outcome::Ended(Ok(done)) => {
+                self.done_count += 1;
+                show(Notice::Done { drawing: what.drawing, done });
+            }
+            Outcome::Changed => self.settle.again(self.start.elapsed(), &what.drawing),
+            Outcome::Ended(Err(Error::Stopped)) if running.is_too_long => {
+                let error = too_long(&what.drawing, self.settings.job_limit_secs);
+                self.failed_for_good(what, error, show);
+            }
+            Outcome::Ended(Err(Error::Stopped)) => self.stopped(&what, show),
+            Outcome::Ended(Err(Error::Environment(problem))) => self.retry(what, problem, show),
+            Outcome::Ended(Err(error)) => self.failed_for_good(what, error, show),
+        }
+    }
+
+    fn stopped(&mut self, what: &Waiting, show: &mut dyn FnMut(Notice)) {
+        self.note(what, &Step::Stopped, show);
+        let newer = self.queue.iter().find(|w| w.drawing == what.drawing);
+        let (state, sha256) = newer.map_or(("stopped", &what.sha256), |w| ("waiting", &w.sha256));
+        let standing = Standing { state, sha256, ..Standing::default() };
+        if what.drawing.exists() {
+            write_standing(&*self.disk, &what.drawing, &self.placing_of(&what.drawing), &standing);
+        }
+        show(Notice::Stopped(what.drawing.clone()));
+    }
+
+    fn failed_for_good(&mut self, what: Waiting, error: Error, show: &mut dyn FnMut(Notice)) {
+        let Some(problem) = error.problem().cloned() else { return };
+        self.note(&what, &Step::Failed(problem.clone()), show);
+        self.write_failure("failed", &what, &problem);
+        show(Notice::Failed { drawing: what.drawing, problem, retry_secs: None });
+    }
+
+    /// Disk and permission may come back: the job waits, ever longer, and is tried again.
+    fn retry(&mut self, mut what: Waiting, problem: Problem, show: &mut dyn FnMut(Notice)) {
+        let pause = (self.settings.retry_secs * f64::from(1u32 << what.failures.min(10))).min(MAX_RETRY_SECS);
+        self.write_failure("waiting", &what, &problem);
+        show(Notice::Failed { drawing: what.drawing.clone(), problem, retry_secs: Some(pause) });
+        if self.queue.iter().all(|w| w.drawing != what.drawing) {
+            what.failures += 1;
+            what.not_before = Some(Instant::now() + Duration::from_secs_f64(pause));
+            self.queue.push_back(what);
+        }
+    }
+
+    fn write_failure(&mut self, state: &str, what: &Waiting, problem: &Problem) {
+        self.fail(&what.drawing, problem);
+        let problems = [problem.clone()];
+        let standing = Standing { state, sha256: &what.sha256, problems: &problems, ..Standing::default() };
+        write_standing(&*self.disk, &what.drawing, &self.placing_of(&what.drawing), &standing);
+    }
+
+    /// A job that runs too long is stopped; one that does not even stop is left to itself, and a new
+    /// worker takes the next drawing.
+    fn watch_running(&mut self, show: &mut dyn FnMut(Notice)) {
+        let limit = Duration::from_secs_f64(self.settings.job_limit_secs);
+        let Some(running) = &mut self.running else { return };
+        if running.stopped.is_none() && running.since.elapsed() >= limit {
+            running.is_too_long = true;
+            running.stop();
+        }
+        if running.stopped.is_some_and(|t| t.elapsed() >= HANG_PATIENCE)
+            && let Some(running) = self.running.take()
+        {
+            self.to_worker = start_worker(self.disk.clone(), self.run.clone(), self.send.clone());
+            let error = hung(&running.what.drawing);
+            self.failed_for_good(running.what, error, show);
+        }
+    }
+
+    fn give_sign_of_life(&mut self, stop: &Cancel) -> Result<(), Error> {
+        if self.last_beat.elapsed().as_secs_f64() < self.settings.heartbeat_secs {
+            return Ok(());
+        }
+        self.last_beat = Instant::now();
+        for i in 0..self.roots.len() {
+            let root = &mut self.roots[i];
+            if root.is_offline {
+                continue;
+            }
+            match &mut root.state {
+                // A failing write is the disk's matter and shows elsewhere; a foreign lease is ours.
+                Some(state) => {
+                    if let Ok(false) = state.ownership.beat() {
+                        return Err(taken(&root.path));
+                    }
+                }
+                None => {
+                    let path = root.path.clone();
+                    self.roots[i].state = self.take(&path, stop).ok();
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends: the running job is stopped; nothing is published any more.
+    fn leave(&mut self, show: &mut dyn FnMut(Notice)) {
+        if let Some(running) = &mut self.running {
+            running.stop();
+        }
+        let until = Instant::now() + STOP_PATIENCE;
+        while self.running.is_some() {
+            match self.inbox.recv_timeout(until.saturating_duration_since(Instant::now())) {
+                Ok(message @ Message::Ended(..)) => self.take_in(message, show),
+                Ok(_) => {}
+                Err(_) => break,
+            }
+        }
+        if let Some(running) = self.running.take() {
+            self.stopped(&running.what, show);
+        }
+        self.write_overview(true);
+    }
+
+    fn write_overview(&mut self, is_leaving: bool) {
+        let is_soon = self.last_overview.is_some_and(|t| t.elapsed() < OVERVIEW_PAUSE);
+        if !is_leaving && (!self.is_overview_stale || is_soon) {
+            return;
+        }
+        self.is_overview_stale = false;
+        self.last_overview = Some(Instant::now());
+        let overview = self.overview(is_leaving);
+        for root in self.roots.iter().filter(|r| !r.is_offline) {
+            if let Some(state) = &root.state {
+                // Where this fails the jobs fail too, and say so.
+                let _ = write_json(&*self.disk, &state.folder.join("status.json"), &overview);
+            }
+        }
+    }
+
+    fn overview(&self, is_leaving: bool) -> Value {
+        let name = |p: &Path| p.display().to_string();
+        let roots: Vec<Value> = self
+            .roots
+            .iter()
+            .map(|r| json!({"root": name(&r.path), "watched": r.how, "is_offline": r.is_offline}))
+            .collect();
+        let failed: Vec<Value> =
+            self.failed.iter().map(|(p, problem)| json!({"drawing": name(p), "problem": problem})).collect();
+        let ignored: Vec<Value> =
+            self.ignored.iter().map(|(p, why)| json!({"file": name(p), "why": why})).collect();
+        let rules: Vec<Value> =
+            builtin_ignores().iter().map(|r| json!({"glob": r.glob, "why": r.why})).collect();
+        json!({
+            "schema": "enfilade.daemon/1",
+            "state": if is_leaving { "stopped" } else { "running" },
+            "host": host_name(),
+            "pid": std::process::id(),
+            "since": self.since,
+            "roots": roots,
+            "running": self.running.as_ref().map(|r| name(&r.what.drawing)),
+            "waiting": self.queue.iter().take(MAX_LISTED).map(|w| name(&w.drawing)).collect::<Vec<_>>(),
+            "waiting_count": self.queue.len(),
+            "settling_count": self.settle.pending_count(),
+            "done_count": self.done_count,
+            "failed": failed,
+            "ignored": ignored,
+            "ignore_rules": rules,
+        })
+    }
+
+    fn root_of(&self, path: &Path) -> Option<&Root> {
+        let holds = self.roots.iter().filter(|r| path.starts_with(&r.path));
+        holds.max_by_key(|r| r.path.as_os_str().len())
+    }
+
+    fn journal_of(&self, drawing: &Path) -> Option<Arc<Mutex<Journal>>> {
+        self.root_of(drawing).and_then(|r| r.state.as_ref()).map(|s| s.journal.clone())
+    }
+
+    fn below(&self, drawing: &Path) -> PathBuf {
+        let root = self.root_of(drawing).map(|r| r.path.as_path()).unwrap_or(Path::new(""));
+        drawing.strip_prefix(root).unwrap_or(drawing).to_path_buf()
+    }
+
+    fn placing_of(&self, drawing: &Path) -> Placing {
+        let root = self.root_of(drawing).map_or_else(PathBuf::new, |r| r.path.clone());
+        self.placing(&root, drawing)
+    }
+
+    /// Folders of a root are repeated below the folders given for results.
+    fn placing(&self, root: &Path, drawing: &Path) -> Placing {
+        let between = drawing.strip_prefix(root).ok().and_then(Path::parent).unwrap_or(Path::new(""));
+        let at = |dir: &Option<PathBuf>| dir.as_ref().map(|d| d.join(between));
+        Placing { out_dir: at(&self.settings.out_dir), fallback_dir: at(&self.settings.fallback_dir) }
+    }
+
+    fn note(&self, what: &Waiting, step: &Step, show: &mut dyn FnMut(Notice)) {
+        let Some(journal) = self.journal_of(&what.drawing) else { return };
+        let time = rfc3339(SystemTime::now());
+        let below = self.below(&what.drawing);
+        let outcome = open_journal(&journal).append(&below, &what.sha256, &what.config, &time, step);
+        if let Err(error) = outcome
+            && let Some(problem) = error.problem()
+        {
+            show(Notice::Problem { path: what.drawing.clone(), problem: problem.clone() });
+        }
+    }
+}
+
+impl Running {
+    fn stop(&mut self) {
+        self.cancel.stop();
+        self.stopped.get_or_insert_with(Instant::now);
+    }
+}
+
+fn how_watched(settings: &WatchSettings, reason: Option<String>) -> String {
+    match reason {
+        Some(why) => format!("polled every {} s: {why}", settings.poll_secs),
+        None if settings.poll => format!("polled every {} s: asked for", settings.poll_secs),
+        None => format!("by events, looked through every {} s", settings.rescan_secs),
+    }
+}
+
+fn shown(drawing: &Path) -> Place {
+    Place::file(drawing.file_name().unwrap_or_default().to_string_lossy())
+}
+
+fn too_long(drawing: &Path, limit_secs: f64) -> Error {
+    let text =
+        format!("the job ran longer than the limit of {limit_secs} s (job_limit_secs) and was stopped");
+    Error::input("job-too-long", shown(drawing), text)
+}
+
+fn hung(drawing: &Path) -> Error {
+    let text = "the job did not stop when asked to and was left behind; the next drawing is taken up";
+    Error::input("job-hung", shown(drawing), text)
+}
+
+fn taken(root: &Path) -> Error {
+    let folder = root.join(STATE_FOLDER);
+    let who = read_lease(&folder).map_or_else(String::new, |l| format!(" (process {} on {})", l.pid, l.host));
+    let text = format!("another daemon{who} has taken this folder; this one leaves it");
+    Error::environment("folder-taken", Place::file(root.display().to_string()), text)
+}
+
+#[cfg(unix)]
+fn host_name() -> String {
+    rustix::system::uname().nodename().to_string_lossy().into_owned()
+}
+
+#[cfg(not(unix))]
+fn host_name() -> String {
+    std::env::var("COMPUTERNAME").unwrap_or_else(|_| "this machine".into())
+}

@@ -1,0 +1,140 @@
+//! One job: lock the result folder, run, publish whole results.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime};
+
+use serde_json::Value;
+
+use super::status::{SharedDisk, Standing, drawing_status, rfc3339};
+use super::{Done, JobEvent, JobOutput, JobRequest, Notice, RunJob};
+use crate::report::{Cancel, Error, Place, Problem};
+use crate::store::{Home, Placing, Written, round_name};
+
+/// `status.json` is not rewritten more often while a job runs.
+const STATUS_PAUSE: Duration = Duration::from_millis(500);
+
+/// What a running job tells.
+pub(super) enum Told {
+    Progress(Value),
+    Analysis(PathBuf),
+    Problem(Problem),
+}
+
+impl Told {
+    pub(super) fn notice(self, drawing: &Path) -> Notice {
+        let drawing = drawing.to_path_buf();
+        match self {
+            Self::Progress(value) => Notice::Progress { drawing, value },
+            Self::Analysis(folder) => Notice::Analysis { drawing, folder },
+            Self::Problem(problem) => Notice::Problem { path: drawing, problem },
+        }
+    }
+}
+
+/// Called with the folder that is about to appear and what is in it, before it appears.
+pub(super) type BeforePublish<'a> = dyn FnMut(&Path, &[Written]) -> Result<(), Error> + 'a;
+
+/// Runs a job and publishes its results. A panic becomes a failed job. Nothing is published after
+/// `cancel`; results of earlier jobs stay as they are.
+pub(super) fn perform(
+    disk: SharedDisk,
+    request: &JobRequest,
+    placing: &Placing,
+    run: &RunJob,
+    cancel: &Cancel,
+    tell: &mut dyn FnMut(Told),
+    before: &mut BeforePublish<'_>,
+) -> Result<Done, Error> {
+    let home = Home::open(disk, &request.drawing, placing)?;
+    let mut desk =
+        Desk { home: &home, request, since: rfc3339(SystemTime::now()), written: None, tell, cancel };
+    desk.write("running", None, None, None)?;
+    let numbered = JobRequest { round: home.next_round(), ..request.clone() };
+    let output = catch_unwind(AssertUnwindSafe(|| run(&numbered, &mut |event| desk.take(event), cancel)))
+        .unwrap_or_else(|payload| Err(panicked(request, &*payload)))?;
+    cancel.check()?;
+    let done = publish(&home, output, cancel, before)?;
+    let round = done.round.map(round_name);
+    desk.write("done", round.as_deref(), Some(&done.summary), None)?;
+    Ok(done)
+}
+
+fn publish(
+    home: &Home,
+    output: JobOutput,
+    cancel: &Cancel,
+    before: &mut BeforePublish<'_>,
+) -> Result<Done, Error> {
+    let JobOutput { files, is_degraded, summary } = output;
+    if files.is_empty() {
+        return Ok(Done { folder: home.folder().into(), round: None, is_degraded, summary });
+    }
+    let staged = home.stage(&files)?;
+    let number = home.next_round();
+    before(&home.folder().join(round_name(number)), staged.written())?;
+    cancel.check()?;
+    let folder = staged.publish_round(number)?;
+    Ok(Done { folder, round: Some(number), is_degraded, summary })
+}
+
+/// Takes what the running job tells to the disk and to the user.
+struct Desk<'a> {
+    home: &'a Home,
+    request: &'a JobRequest,
+    since: String,
+    /// When progress was last written.
+    written: Option<Instant>,
+    tell: &'a mut dyn FnMut(Told),
+    cancel: &'a Cancel,
+}
+
+impl Desk<'_> {
+    fn take(&mut self, event: JobEvent) {
+        match event {
+            JobEvent::Progress(value) => {
+                if self.written.is_none_or(|t| t.elapsed() >= STATUS_PAUSE) {
+                    self.written = Some(Instant::now());
+                    let outcome = self.write("running", None, None, Some(&value));
+                    self.complain(outcome);
+                }
+                (self.tell)(Told::Progress(value));
+            }
+            JobEvent::Analysis(_) if self.cancel.is_stopped() => {}
+            JobEvent::Analysis(files) => match self.home.publish_analysis(&files) {
+                Ok(folder) => (self.tell)(Told::Analysis(folder)),
+                Err(error) => self.complain(Err(error)),
+            },
+        }
+    }
+
+    /// The job goes on: should the disk still refuse in the end, the job fails then.
+    fn complain(&mut self, outcome: Result<(), Error>) {
+        if let Err(error) = outcome
+            && let Some(problem) = error.problem()
+        {
+            (self.tell)(Told::Problem(problem.clone()));
+        }
+    }
+
+    fn write(
+        &self,
+        state: &str,
+        round: Option<&str>,
+        summary: Option<&str>,
+        progress: Option<&Value>,
+    ) -> Result<(), Error> {
+        let standing = Standing { state, sha256: &self.request.sha256, round, summary, problems: &[] };
+        let status = drawing_status(&self.request.drawing, &self.since, &standing, progress);
+        self.home.write_status(&status)
+    }
+}
+
+fn panicked(request: &JobRequest, payload: &(dyn Any + Send)) -> Error {
+    let words = payload.downcast_ref::<&str>().map(|s| (*s).to_owned());
+    let words = words.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
+    let name = request.drawing.file_name().unwrap_or_default().to_string_lossy();
+    let text = format!("this is an error of the program, please report it with the drawing: {words}");
+    Error::input("job-panicked", Place::file(name), text)
+}

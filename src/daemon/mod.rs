@@ -1,0 +1,233 @@
+//! The daemon: finished saves become jobs, one after the other, and jobs become whole result folders.
+//!
+//! The job itself is given by the caller ([`RunJob`]); everything about folders, order, cancelling,
+//! publishing and telling is here. [`watch`] runs until stopped, [`run_once`] does the same job for one
+//! drawing through the same code, [`status`] reads what a running daemon tells.
+
+mod hands;
+mod heart;
+mod job;
+mod status;
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde_json::Value;
+
+pub use crate::store::OutFile;
+pub use crate::watch::WatchSettings;
+pub use status::{rfc3339, status};
+
+use crate::report::{Cancel, Error, Place, Problem};
+use crate::store::{Placing, SystemDisk};
+use crate::watch::{self, Checked};
+
+/// One drawing to be worked on.
+#[derive(Clone, Debug)]
+pub struct JobRequest {
+    /// Where it lies.
+    pub drawing: PathBuf,
+    /// Its bytes, read once; the file may have changed since.
+    pub bytes: Arc<Vec<u8>>,
+    /// SHA-256 of the bytes, lower-case hexadecimal.
+    pub sha256: String,
+    /// Number of the round that the job makes; known once the job runs, 0 before.
+    pub round: u32,
+}
+
+/// What a job tells while it runs.
+#[derive(Clone, Debug)]
+pub enum JobEvent {
+    /// An object with `stage`, `done`, `total`, `evaluations`, `best`, `eta_secs`, as far as known.
+    Progress(Value),
+    /// Early results: published at once as the content of `analysis/`.
+    Analysis(Vec<OutFile>),
+}
+
+/// What a job leaves.
+#[derive(Clone, Debug, Default)]
+pub struct JobOutput {
+    /// The files of the round; empty: no round is made.
+    pub files: Vec<OutFile>,
+    /// Whether walls or requests were left out (exit code 1).
+    pub is_degraded: bool,
+    /// One line for the user.
+    pub summary: String,
+}
+
+/// A job: from a drawing's bytes to files. It looks at the [`Cancel`] at least every 50 ms.
+pub type RunJob =
+    dyn Fn(&JobRequest, &mut dyn FnMut(JobEvent), &Cancel) -> Result<JobOutput, Error> + Send + Sync;
+
+/// A finished job.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Done {
+    /// The round's folder, or the result folder where no round was made.
+    pub folder: PathBuf,
+    /// Number of the round, if one was made.
+    pub round: Option<u32>,
+    /// Whether walls or requests were left out.
+    pub is_degraded: bool,
+    /// One line for the user.
+    pub summary: String,
+}
+
+/// What the user is told.
+#[derive(Clone, Debug)]
+pub enum Notice {
+    /// A root is watched, in this manner.
+    Watching {
+        /// The root.
+        root: PathBuf,
+        /// By events, or by polling and why.
+        how: String,
+    },
+    /// A root is out of reach; it is looked for.
+    Offline(PathBuf),
+    /// A root is back.
+    Online(PathBuf),
+    /// A file that looks like a drawing is left alone.
+    Ignored {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
+    /// A finished save waits for its turn, with this many others.
+    Queued {
+        /// The drawing.
+        drawing: PathBuf,
+        /// Drawings waiting, this one included.
+        waiting: usize,
+    },
+    /// The job of a drawing began.
+    Started(PathBuf),
+    /// The job of a drawing goes on.
+    Progress {
+        /// The drawing.
+        drawing: PathBuf,
+        /// As in [`JobEvent::Progress`].
+        value: Value,
+    },
+    /// Early results are to be seen.
+    Analysis {
+        /// The drawing.
+        drawing: PathBuf,
+        /// Where.
+        folder: PathBuf,
+    },
+    /// The job of a drawing is done.
+    Done {
+        /// The drawing.
+        drawing: PathBuf,
+        /// What came of it.
+        done: Done,
+    },
+    /// The job of a drawing was given up: a newer save, the drawing removed, or the user.
+    Stopped(PathBuf),
+    /// The job of a drawing failed; the next one is taken up.
+    Failed {
+        /// The drawing.
+        drawing: PathBuf,
+        /// Why.
+        problem: Problem,
+        /// Seconds until it is tried again; `None`: at its next save.
+        retry_secs: Option<f64>,
+    },
+    /// Something worth knowing; the work goes on.
+    Problem {
+        /// The file or folder.
+        path: PathBuf,
+        /// What.
+        problem: Problem,
+    },
+}
+
+impl fmt::Display for Notice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Watching { root, how } => write!(f, "watching {} ({how})", root.display()),
+            Self::Offline(root) => write!(f, "{} is out of reach; waiting for it", root.display()),
+            Self::Online(root) => write!(f, "{} is back", root.display()),
+            Self::Ignored { path, why } => write!(f, "{} is left alone: {why}", path.display()),
+            Self::Queued { drawing, waiting } => write!(f, "{} waits ({waiting} waiting)", drawing.display()),
+            Self::Started(drawing) => write!(f, "{} started", drawing.display()),
+            Self::Progress { drawing, value } => write!(f, "{} {value}", drawing.display()),
+            Self::Analysis { folder, .. } => write!(f, "present layout measured: {}", folder.display()),
+            Self::Done { done, .. } => write!(f, "{}: {}", done.folder.display(), done.summary),
+            Self::Stopped(drawing) => write!(f, "{} stopped", drawing.display()),
+            Self::Failed { drawing, problem, retry_secs } => {
+                write!(f, "{} failed: {problem}", drawing.display())?;
+                retry_secs.map_or(Ok(()), |s| write!(f, "; tried again in {s:.0} s"))
+            }
+            Self::Problem { problem, .. } => write!(f, "{problem}"),
+        }
+    }
+}
+
+/// Watches folders until `stop`: every finished save of a drawing becomes a job, one at a time.
+///
+/// A newer save of the same drawing cancels its running job; its last results stay until the new ones
+/// are whole. A failing or panicking job is reported and the next one taken up.
+///
+/// # Errors
+/// [`Error::Usage`] for folders or patterns that cannot be watched, [`Error::Environment`]
+/// (`folder-owned`, `folder-taken`) where another daemon has a folder, [`Error::Stopped`] in the end.
+pub fn watch(
+    roots: &[PathBuf],
+    settings: &WatchSettings,
+    run: Arc<RunJob>,
+    show: &mut dyn FnMut(Notice),
+    stop: &Cancel,
+) -> Result<(), Error> {
+    let roots = watch::canonical_roots(roots, settings.force)?;
+    heart::Heart::start(&roots, settings, run, stop)?.beat_until(show, stop)
+}
+
+/// How often a file that changes while it is read is read again before giving up.
+const READ_ATTEMPTS: usize = 5;
+
+/// Does the job for one drawing now, whatever was done before.
+///
+/// # Errors
+/// Those of the job and of the disk; [`Error::Input`] for a file that cannot be read.
+pub fn run_once(
+    drawing: &Path,
+    settings: &WatchSettings,
+    run: &RunJob,
+    show: &mut dyn FnMut(Notice),
+    stop: &Cancel,
+) -> Result<Done, Error> {
+    let path = std::path::absolute(drawing).unwrap_or_else(|_| drawing.into());
+    let bytes = read_now(&path)?;
+    let sha256 = watch::sha256_hex(&bytes);
+    let placing = Placing { out_dir: settings.out_dir.clone(), fallback_dir: settings.fallback_dir.clone() };
+    let request = JobRequest { drawing: path.clone(), bytes: Arc::new(bytes), sha256, round: 0 };
+    show(Notice::Started(path.clone()));
+    let mut tell = |told: job::Told| show(told.notice(&path));
+    let outcome =
+        job::perform(Arc::new(SystemDisk), &request, &placing, run, stop, &mut tell, &mut |_, _| Ok(()));
+    if let Err(error) = &outcome {
+        status::write_end(&SystemDisk, &path, &placing, &request.sha256, error);
+    }
+    outcome
+}
+
+fn read_now(path: &Path) -> Result<Vec<u8>, Error> {
+    let place = Place::file(path.display().to_string());
+    for _ in 0..READ_ATTEMPTS {
+        match watch::read_whole(path) {
+            Ok((bytes, _)) => return Ok(bytes),
+            Err(Checked::Gone) => return Err(Error::input("no-such-file", place, "there is no such file")),
+            Err(Checked::Unreadable(why)) => {
+                return Err(Error::input("unreadable", place, format!("cannot be read: {why}")));
+            }
+            Err(_) => std::thread::sleep(std::time::Duration::from_millis(100)),
+        }
+    }
+    Err(Error::input("still-changing", place, "is being written; run again when that has finished"))
+}
+
+#[cfg(test)]
+mod tests;

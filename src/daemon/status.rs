@@ -1,0 +1,127 @@
+//! What is being done now, as JSON beside each drawing and in the state folder of each root.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde_json::{Value, json};
+
+use crate::report::{Error, Problem};
+use crate::store::{Disk, Placing, STATE_FOLDER, find_folder, read_lease, write_json};
+
+/// What the status of a drawing says besides its progress.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Standing<'a> {
+    pub state: &'a str,
+    pub sha256: &'a str,
+    pub round: Option<&'a str>,
+    pub summary: Option<&'a str>,
+    pub problems: &'a [Problem],
+}
+
+/// `status.json` of one drawing, `enfilade.status/1`. Keys of `progress` are repeated as they are.
+pub(super) fn drawing_status(
+    drawing: &Path,
+    since: &str,
+    standing: &Standing<'_>,
+    progress: Option<&Value>,
+) -> Value {
+    let name = drawing.file_name().unwrap_or_default().to_string_lossy();
+    let mut out = json!({
+        "schema": "enfilade.status/1",
+        "drawing": name,
+        "sha256": standing.sha256,
+        "state": standing.state,
+        "since": since,
+    });
+    for key in ["stage", "done", "total", "evaluations", "best", "eta_secs"] {
+        out[key] = progress.and_then(|p| p.get(key)).cloned().unwrap_or(Value::Null);
+    }
+    out["round"] = json!(standing.round);
+    out["summary"] = json!(standing.summary);
+    out["problems"] = json!(standing.problems);
+    out
+}
+
+/// Writes the status of a drawing that is not being worked on. What the disk refuses here it will
+/// refuse the job too, which reports it.
+pub(super) fn write_standing(disk: &dyn Disk, drawing: &Path, placing: &Placing, standing: &Standing<'_>) {
+    if let Ok(folder) = find_folder(disk, drawing, placing) {
+        let status = drawing_status(drawing, &rfc3339(SystemTime::now()), standing, None);
+        let _ = write_json(disk, &folder.join("status.json"), &status);
+    }
+}
+
+/// Writes how a job without results ended.
+pub(super) fn write_end(disk: &dyn Disk, drawing: &Path, placing: &Placing, sha256: &str, error: &Error) {
+    let problems: Vec<Problem> = error.problem().cloned().into_iter().collect();
+    let state = if matches!(error, Error::Stopped) { "stopped" } else { "failed" };
+    let standing = Standing { state, sha256, problems: &problems, ..Standing::default() };
+    write_standing(disk, drawing, placing, &standing);
+}
+
+/// What daemons tell about these roots: one object a root, `{root, is_running, owner, status}`; `status`
+/// is the daemon's overview (`enfilade.daemon/1`), null where none ever ran. A root that cannot be
+/// written keeps its state elsewhere and shows as never watched here.
+pub fn status(roots: &[PathBuf]) -> Vec<Value> {
+    let one = |root: &PathBuf| {
+        let folder = std::fs::canonicalize(root).unwrap_or_else(|_| root.clone()).join(STATE_FOLDER);
+        let text = std::fs::read(folder.join("status.json")).ok();
+        let status: Value = text.and_then(|t| serde_json::from_slice(&t).ok()).unwrap_or_default();
+        json!({
+            "root": root.display().to_string(),
+            "is_running": is_running(&folder),
+            "owner": read_lease(&folder).map(|l| json!(l)),
+            "status": status,
+        })
+    };
+    roots.iter().map(one).collect()
+}
+
+/// Whether a process holds the lock of a state folder (of this machine; on shares see the owner).
+fn is_running(folder: &Path) -> bool {
+    match std::fs::File::options().write(true).open(folder.join("lock")) {
+        Ok(lock) => matches!(lock.try_lock(), Err(std::fs::TryLockError::WouldBlock)),
+        Err(_) => false,
+    }
+}
+
+/// A time as RFC 3339 in UTC, to the second.
+pub fn rfc3339(time: SystemTime) -> String {
+    let secs = time.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    let (days, of_day) = (secs / 86_400, secs % 86_400);
+    let (year, month, day) = civil_from_days(days);
+    format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", of_day / 3600, of_day / 60 % 60, of_day % 60)
+}
+
+/// Year, month and day of the Gregorian calendar, counted from 1970-01-01. Source: H. Hinnant,
+/// "chrono-compatible low-level date algorithms".
+fn civil_from_days(days: u64) -> (u64, u64, u64) {
+    let shifted = days + 719_468;
+    let (era, of_era) = (shifted / 146_097, shifted % 146_097);
+    let year_of_era = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
+    (era * 400 + year_of_era + u64::from(month <= 2), month, day)
+}
+
+/// The disk as shared by the daemon's threads.
+pub(super) type SharedDisk = Arc<dyn Disk>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn dates_are_right() {
+        let at = |secs| rfc3339(UNIX_EPOCH + Duration::from_secs(secs));
+        assert_eq!(at(0), "1970-01-01T00:00:00Z");
+        assert_eq!(at(951_782_399), "2000-02-28T23:59:59Z");
+        assert_eq!(at(951_782_400), "2000-02-29T00:00:00Z");
+        assert_eq!(at(4_102_444_800), "2100-01-01T00:00:00Z");
+        assert_eq!(at(1_795_230_245), "2026-11-21T03:04:05Z");
+    }
+}

@@ -1,0 +1,155 @@
+use super::*;
+use std::sync::mpsc;
+use std::time::Duration;
+
+fn eyes(root: &Path, depth: usize) -> (Eyes, mpsc::Receiver<Event>) {
+    let (send, receive) = mpsc::channel();
+    let settings = WatchSettings { depth, ..WatchSettings::default() };
+    let report = move |event| drop(send.send(event));
+    (Eyes::new(&[root.into()], &[false], &settings, report).unwrap(), receive)
+}
+
+/// Waits for an event that names `path`.
+fn await_touch(events: &mpsc::Receiver<Event>, path: &Path) -> bool {
+    loop {
+        match events.recv_timeout(Duration::from_secs(20)) {
+            Ok(Event::Touched(p)) if p == path => return true,
+            Ok(_) => {}
+            Err(_) => return false,
+        }
+    }
+}
+
+#[test]
+fn scan_lists_files_not_results_nor_links() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = fs::canonicalize(dir.path()).unwrap();
+    for folder in ["plan.enfilade", "sub/deep/deeper", ".git"] {
+        fs::create_dir_all(root.join(folder)).unwrap();
+        fs::write(root.join(folder).join("x.dxf"), b"").unwrap();
+    }
+    fs::write(root.join("plan.dxf"), b"").unwrap();
+    fs::write(root.join("sub/s.dxf"), b"").unwrap();
+    #[cfg(unix)]
+    for (target, link) in
+        [(root.as_path(), "loop"), (Path::new("/etc/passwd"), "p.dxf"), (Path::new("none"), "d.dxf")]
+    {
+        std::os::unix::fs::symlink(target, root.join(link)).unwrap();
+    }
+    let (mut eyes, _events) = eyes(&root, 1);
+    let found: Vec<PathBuf> = eyes.scan(&root).unwrap().into_iter().map(|(p, _)| p).collect();
+    assert_eq!(found, [root.join("plan.dxf"), root.join("sub/s.dxf")]);
+    assert_eq!(eyes.scan(Path::new("/nowhere")), None);
+}
+
+#[test]
+fn a_folder_made_again_is_seen_after_rearming() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = fs::canonicalize(dir.path()).unwrap().join("w");
+    fs::create_dir(&root).unwrap();
+    let (mut eyes, events) = eyes(&root, 0);
+    eyes.scan(&root).unwrap();
+    fs::write(root.join("a.dxf"), b"a").unwrap();
+    assert!(await_touch(&events, &root.join("a.dxf")));
+    fs::remove_dir_all(&root).unwrap();
+    assert!(await_touch(&events, &root));
+    assert_eq!(eyes.scan(&root), None);
+    fs::create_dir(&root).unwrap();
+    eyes.rearm(&root);
+    eyes.scan(&root).unwrap();
+    fs::write(root.join("b.dxf"), b"b").unwrap();
+    assert!(await_touch(&events, &root.join("b.dxf")));
+}
+
+#[test]
+fn new_folders_are_armed_by_the_next_scan() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = fs::canonicalize(dir.path()).unwrap();
+    let (mut eyes, events) = eyes(&root, 2);
+    eyes.scan(&root).unwrap();
+    fs::create_dir_all(root.join("a/b")).unwrap();
+    assert!(await_touch(&events, &root.join("a")));
+    eyes.scan(&root).unwrap();
+    fs::write(root.join("a/b/c.dxf"), b"c").unwrap();
+    assert!(await_touch(&events, &root.join("a/b/c.dxf")));
+}
+
+#[test]
+fn reading_is_no_event() {
+    let read = notify::Event::new(EventKind::Access(AccessKind::Close(AccessMode::Read)))
+        .add_path("/w/a.dxf".into());
+    assert_eq!(events_of(read, &Armed::default()), []);
+    let written = notify::Event::new(EventKind::Access(AccessKind::Close(AccessMode::Write)))
+        .add_path("/w/a.dxf".into());
+    assert_eq!(events_of(written, &Armed::default()), [Event::Touched("/w/a.dxf".into())]);
+}
+
+#[test]
+fn overflow_means_lost() {
+    let event = notify::Event::new(EventKind::Other).set_flag(notify::event::Flag::Rescan);
+    assert!(matches!(events_of(event, &Armed::default()).as_slice(), [Event::Lost(_)]));
+}
+
+#[test]
+fn refusals_name_the_limit() {
+    let text = |kind| refusal(&notify::Error::new(kind));
+    assert!(text(ErrorKind::MaxFilesWatch).contains("max_user_watches"));
+    assert!(text(ErrorKind::Io(io::Error::from_raw_os_error(28))).contains("max_user_watches"));
+    assert!(text(ErrorKind::Io(io::Error::from_raw_os_error(24))).contains("max_user_instances"));
+}
+
+#[test]
+fn a_read_is_whole_or_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.dxf");
+    assert_eq!(read_settled(&path, |_, _| Completeness::Complete), Checked::Gone);
+    fs::write(&path, b"abc").unwrap();
+    let Seen::There(stat) = stat_of(&path) else { panic!() };
+    let sha256 = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad".to_owned();
+    let completeness = Completeness::Complete;
+    assert_eq!(
+        read_settled(&path, |_, _| Completeness::Complete),
+        Checked::Read { stat, sha256, completeness }
+    );
+}
+
+/// The judge runs between open and answer: what it sees replaced must not be taken (hazard 25).
+#[test]
+fn a_panicking_judge_means_incomplete() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.dxf");
+    fs::write(&path, b"abc").unwrap();
+    let checked = read_settled(&path, |_, _| panic!("judge"));
+    assert!(
+        matches!(checked, Checked::Read { completeness: Completeness::Incomplete(_), .. }),
+        "{checked:?}"
+    );
+}
+
+/// Same size and restored modification time: only the change time tells (hazard 15).
+#[cfg(unix)]
+#[test]
+fn a_restored_mtime_is_still_a_change() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.dxf");
+    fs::write(&path, b"abc").unwrap();
+    let before = stat_of(&path);
+    let mtime = fs::metadata(&path).unwrap().modified().unwrap();
+    std::thread::sleep(Duration::from_millis(30));
+    fs::write(&path, b"abd").unwrap();
+    fs::File::options().write(true).open(&path).unwrap().set_modified(mtime).unwrap();
+    assert_ne!(before, stat_of(&path));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn network_drives_are_known() {
+    for magic in [0x6969, 0xFF53_4D42, 0xFE53_4D42, 0x0102_1997, 0x6573_5546] {
+        assert!(network_name(magic).is_some(), "{magic:x}");
+    }
+    for (local, magic) in
+        [("ext4", 0xEF53), ("btrfs", 0x9123_683E), ("tmpfs", 0x0102_1994), ("xfs", 0x5846_5342)]
+    {
+        assert_eq!(network_name(magic), None, "{local}");
+    }
+}
