@@ -8,7 +8,9 @@ mod problem;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use enfilade::search::{Evaluation, Method, Mode, Objective, Search, Sense, Study, Tuning, normalised_distance};
+use enfilade::search::{
+    Evaluation, Method, Mode, Objective, Search, Sense, Study, Tuning, normalised_distance,
+};
 use problem::{Hills, Problem, Steps};
 
 struct Options {
@@ -162,7 +164,10 @@ fn print(name: &str, evaluations: u64, runs: &[Run], verbose: bool) {
     );
     if verbose {
         for r in runs {
-            println!("    best {:.3} inside {} min {:.3} mean {:.3} score {:.3}", r.best, r.inside, r.min, r.mean, r.score);
+            println!(
+                "    best {:.3} inside {} min {:.3} mean {:.3} score {:.3}",
+                r.best, r.inside, r.min, r.mean, r.score
+            );
         }
     }
 }

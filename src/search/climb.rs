@@ -10,8 +10,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::archive::{Archive, Limits};
-use super::space::{reflect, square_distance};
 use super::models::Models;
+use super::space::{reflect, square_distance};
 use super::surrogate::Surrogate;
 use super::tuning::Tuning;
 
@@ -66,9 +66,8 @@ pub(super) struct View<'a> {
 impl View<'_> {
     /// What a climb on `stage` maximises: the gain, less what it misses of earlier thresholds.
     fn merit(&self, gains: &[f64], stage: usize) -> f64 {
-        let missed: f64 = (0..stage)
-            .map(|j| (self.limits.limit(j, 0.0) - gains[j]).max(0.0) / self.limits.range(j))
-            .sum();
+        let missed: f64 =
+            (0..stage).map(|j| (self.limits.limit(j, 0.0) - gains[j]).max(0.0) / self.limits.range(j)).sum();
         gains[stage] - 3.0 * missed * self.limits.range(stage)
     }
 
@@ -90,7 +89,11 @@ impl View<'_> {
     }
 
     fn merit_of(&self, i: usize, stage: usize) -> f64 {
-        if self.archive.hard(i).is_finite() { self.merit(self.archive.gains(i), stage) } else { f64::NEG_INFINITY }
+        if self.archive.hard(i).is_finite() {
+            self.merit(self.archive.gains(i), stage)
+        } else {
+            f64::NEG_INFINITY
+        }
     }
 
     /// What a surrogate learns of objective `j` at point `i`: the gain, levelled below the floor.
@@ -130,7 +133,12 @@ impl Climb {
         self.failures = 0;
     }
 
-    pub(super) fn propose(&mut self, view: &View<'_>, models: &mut Models, rng: &mut ChaCha8Rng) -> (Vec<f64>, Step) {
+    pub(super) fn propose(
+        &mut self,
+        view: &View<'_>,
+        models: &mut Models,
+        rng: &mut ChaCha8Rng,
+    ) -> (Vec<f64>, Step) {
         let dims = view.archive.dims();
         let Some(centre) = self.centre else {
             if self.restart_pending {
@@ -145,7 +153,13 @@ impl Climb {
         (self.screened_step(view, models, centre, rng), Step::Screened)
     }
 
-    fn screened_step(&mut self, view: &View<'_>, models: &mut Models, centre: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    fn screened_step(
+        &mut self,
+        view: &View<'_>,
+        models: &mut Models,
+        centre: usize,
+        rng: &mut ChaCha8Rng,
+    ) -> Vec<f64> {
         let at = view.archive.unit(centre);
         let mut candidates = Vec::with_capacity(view.tuning.candidates);
         for _ in 0..view.tuning.candidates {
@@ -220,7 +234,12 @@ impl Climb {
         }
     }
 
-    fn restart_between_ends(&mut self, view: &View<'_>, models: &mut Models, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    fn restart_between_ends(
+        &mut self,
+        view: &View<'_>,
+        models: &mut Models,
+        rng: &mut ChaCha8Rng,
+    ) -> Vec<f64> {
         let mut candidates = vec![];
         for _ in 0..RESTART_CANDIDATES {
             let a = self.ends[rng.random_range(0..self.ends.len())];
@@ -284,9 +303,8 @@ impl Climb {
 
     fn drop_worst_end(&mut self, view: &View<'_>) {
         let stage = self.stage;
-        let worst = (0..self.ends.len()).reduce(|a, b| {
-            if view.is_better(self.ends[a], self.ends[b], stage, 0.0) { b } else { a }
-        });
+        let worst = (0..self.ends.len())
+            .reduce(|a, b| if view.is_better(self.ends[a], self.ends[b], stage, 0.0) { b } else { a });
         if let Some(worst) = worst {
             self.ends.remove(worst);
         }

@@ -8,10 +8,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::archive::{Archive, Limits};
-use super::members::min_distance;
 use super::climb::{Climb, Step, View};
-use super::spread::Spread;
+use super::members::min_distance;
 use super::models::Models;
+use super::spread::Spread;
 use super::tuning::Tuning;
 use super::{Mode, Objective, Study};
 
@@ -85,7 +85,10 @@ impl Guided {
                 let members = self.spread.members().to_vec();
                 let view = View { archive, limits, tuning, members: &members, pending: &out };
                 self.spread.refresh(&view, tuning.margin);
-                proposal = self.spread.propose(&view, &mut self.models, tuning.margin, &mut self.rng).map(|x| (x, Kind::Spread));
+                proposal = self
+                    .spread
+                    .propose(&view, &mut self.models, tuning.margin, &mut self.rng)
+                    .map(|x| (x, Kind::Spread));
             }
             let (x, kind) = proposal.unwrap_or_else(|| {
                 let view = View {
@@ -129,13 +132,8 @@ impl Guided {
             }
             let kind = self.asked.get(i - first).copied().unwrap_or(Kind::Climb(Step::Raw));
             let members = self.spread.members().to_vec();
-            let view = View {
-                archive,
-                limits: &self.limits,
-                tuning: &self.tuning,
-                members: &members,
-                pending: &[],
-            };
+            let view =
+                View { archive, limits: &self.limits, tuning: &self.tuning, members: &members, pending: &[] };
             if let Kind::Climb(step) = kind {
                 self.climb.absorb(&view, i, if i == 0 { Step::Restart } else { step });
             }

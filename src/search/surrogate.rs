@@ -284,7 +284,8 @@ impl Surrogate {
         }
         let nearest = cubes(&self.aim_squares, &moved, shift, scratch);
         for ((o, weights), linear) in out.iter_mut().zip(&self.weights).zip(&self.linear) {
-            let tail = linear[1..].iter().zip(x).zip(&self.centre).map(|((s, u), c)| s * (u - c)).sum::<f64>();
+            let tail =
+                linear[1..].iter().zip(x).zip(&self.centre).map(|((s, u), c)| s * (u - c)).sum::<f64>();
             *o = dot(weights, scratch) + tail + linear[0];
         }
         nearest
