@@ -72,7 +72,13 @@ fn plan_row(name: &str, metres: i64, spacing_um: i64) {
     }
 }
 
-fn baseline_row(lattice: &Lattice, obstacles: &Obstacles, graph: &Graph, tally: &enfilade::analysis::Tally, ours: f64) {
+fn baseline_row(
+    lattice: &Lattice,
+    obstacles: &Obstacles,
+    graph: &Graph,
+    tally: &enfilade::analysis::Tally,
+    ours: f64,
+) {
     let (secs, (lists, levels)) = median(&pool(1), 1, || {
         let lists = baseline_graph(lattice, obstacles);
         let levels = baseline_levels(&lists);
@@ -175,8 +181,13 @@ impl Gallery {
         let (lines, rings) = entities(text);
         let of = |layer: &str| rings.iter().filter(|r| r.0 == layer).map(|r| r.1.clone()).collect::<Vec<_>>();
         let boxes = of("EF-MOVE");
-        let mut new =
-            Self { fixed: vec![], moving: vec![], group: vec![], query: of("EF-QUERY"), reference: of("EF-REFERENCE") };
+        let mut new = Self {
+            fixed: vec![],
+            moving: vec![],
+            group: vec![],
+            query: of("EF-QUERY"),
+            reference: of("EF-REFERENCE"),
+        };
         for (layer, wall) in lines {
             let holder = boxes.iter().position(|b| inside(b, wall.a) && inside(b, wall.b));
             match holder {
