@@ -10,6 +10,7 @@ pub mod evaluator;
 mod fixtures;
 pub mod forest;
 mod graph;
+pub mod isovist;
 mod lanes;
 pub mod measures;
 mod relays;
