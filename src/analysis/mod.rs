@@ -13,6 +13,7 @@ mod graph;
 pub mod isovist;
 mod lanes;
 pub mod measures;
+pub mod paths;
 mod relays;
 mod strips;
 mod tiles;
