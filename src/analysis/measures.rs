@@ -172,7 +172,7 @@ fn relativised_entropy(levels: &[u32], depth: f64) -> f64 {
     sum
 }
 
-fn transpose<const K: usize>(names: [String; K], rows: &[[f64; K]]) -> Vec<Column> {
+pub(super) fn transpose<const K: usize>(names: [String; K], rows: &[[f64; K]]) -> Vec<Column> {
     let column = |(k, name)| Column { name, values: rows.iter().map(|row| row[k]).collect() };
     names.into_iter().enumerate().map(column).collect()
 }

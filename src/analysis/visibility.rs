@@ -79,6 +79,22 @@ fn pairwise_graph(lattice: &Lattice, obstacles: &Obstacles) -> Graph {
     Graph::from_chunks(tiles, chunks)
 }
 
+/// Which vertices can see at all: no obstacle touches their centre and no solid covers them.
+pub(super) fn seeing_cells(lattice: &Lattice, obstacles: &Obstacles) -> Vec<bool> {
+    let tiles = Tiles::new(lattice);
+    let Some(strips) = Strips::new(lattice, &tiles, obstacles) else {
+        let touched = |v: usize| {
+            let centre = lattice.centre_um(v);
+            obstacles.segments.iter().any(|s| segments_touch(Segment { a: centre, b: centre }, *s))
+        };
+        let mut sees: Vec<bool> = (0..lattice.cells.len()).map(|v| !touched(v)).collect();
+        obstacles.blind.iter().for_each(|&v| sees[v as usize] = false);
+        return sees;
+    };
+    let slots = tiles.rank_of.iter().map(|&rank| tiles.slot_of[rank as usize]);
+    slots.map(|(tile, bit)| strips.open[tile as usize] >> bit & 1 == 1).collect()
+}
+
 /// A slope with the identity of the point it passes through.
 #[derive(Clone, Copy)]
 struct End {

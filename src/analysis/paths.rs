@@ -1,0 +1,362 @@
+//! Shortest and straightest paths through the visibility graph, and step depth from chosen cells.
+//!
+//! Definitions, names and the order of relaxation are depthmapX's, single-precision sums included, so
+//! that values can be compared cell by cell. Angles count 1 for a right angle.
+
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashSet};
+
+use rayon::prelude::*;
+
+use crate::plan::geometry::UM_PER_M;
+
+use super::graph::Graph;
+use super::measures::{Column, UNDEFINED, transpose};
+use super::{Lattice, Obstacles};
+
+/// Where a path may turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Turning {
+    /// At every cell: the shortest paths of the visibility graph.
+    Everywhere,
+    /// depthmapX's rule: at cells whose own square, or one of the eight squares around it, a wall
+    /// touches.
+    #[default]
+    AtWalls,
+}
+
+/// Paths over one graph; share it between threads.
+pub struct Paths<'a> {
+    lattice: &'a Lattice,
+    graph: &'a Graph,
+    /// Whether paths may turn, by rank.
+    turns: Vec<bool>,
+}
+
+impl<'a> Paths<'a> {
+    /// `obstacles` are those of the graph; they say where the walls stand.
+    pub fn new(lattice: &'a Lattice, graph: &'a Graph, obstacles: &Obstacles, turning: Turning) -> Self {
+        let walls = match turning {
+            Turning::Everywhere => HashSet::new(),
+            Turning::AtWalls => wall_squares(lattice, obstacles),
+        };
+        let turns_at = |&v: &u32| {
+            let [c, r] = lattice.cells[v as usize];
+            let around = (-1..=1).flat_map(|x| (-1..=1).map(move |y| [c + x, r + y]));
+            turning == Turning::Everywhere || around.into_iter().any(|cell| walls.contains(&cell))
+        };
+        Self { lattice, graph, turns: graph.tiles.vertex_of.iter().map(turns_at).collect() }
+    }
+
+    /// `Metric Mean Shortest-Path Angle`, `… Distance`, `Metric Mean Straight-Line Distance` (metres),
+    /// `Metric Node Count`; means include the vertex itself. Paths longer than `radius_m` do not count.
+    pub fn metric_columns(&self, radius_m: Option<f64>) -> Vec<Column> {
+        let names = [
+            "Metric Mean Shortest-Path Angle",
+            "Metric Mean Shortest-Path Distance",
+            "Metric Mean Straight-Line Distance",
+            "Metric Node Count",
+        ];
+        let row = |walk: &mut Walk, v: usize| {
+            let root = self.graph.tiles.rank_of[v];
+            walk.metric(self, &[root], self.radius(radius_m));
+            let mut sums = [0.0; 3];
+            for &rank in &walk.done {
+                let i = rank as usize;
+                sums[0] += f64::from(walk.angle[i]);
+                sums[1] += f64::from(walk.cost[i]) * self.spacing_m();
+                sums[2] += self.cells_apart(root, rank) * self.spacing_m();
+            }
+            let n = walk.done.len() as f64;
+            [sums[0] / n, sums[1] / n, sums[2] / n, n]
+        };
+        self.all(names, radius_m, row)
+    }
+
+    /// `Angular Mean Depth`, `Angular Node Count`, `Angular Total Depth`. Paths of more than `radius`
+    /// right angles do not count.
+    pub fn angular_columns(&self, radius: Option<f64>) -> Vec<Column> {
+        let names = ["Angular Mean Depth", "Angular Node Count", "Angular Total Depth"];
+        let row = |walk: &mut Walk, v: usize| {
+            walk.angular(self, &[self.graph.tiles.rank_of[v]], radius.unwrap_or(f64::INFINITY));
+            let total: f64 = walk.done.iter().map(|&rank| f64::from(walk.cost[rank as usize])).sum();
+            let n = walk.done.len() as f64;
+            [total / n, n, total]
+        };
+        self.all(names, radius, row)
+    }
+
+    /// Visual, metric (metres) and angular depth of every vertex from the nearest of some vertices;
+    /// [`UNDEFINED`] where there is no way.
+    pub fn step_columns(&self, from: &[u32]) -> Vec<Column> {
+        let roots: Vec<u32> = from.iter().map(|&v| self.graph.tiles.rank_of[v as usize]).collect();
+        let mut walk = Walk::new(self.graph.len());
+        let column = |name: &str, by_rank: &dyn Fn(usize) -> f64| {
+            let value = |&rank: &u32| by_rank(rank as usize);
+            let values = self.graph.tiles.rank_of.iter().map(value).collect();
+            Column { name: name.to_string(), values }
+        };
+        let levels = self.levels(&roots);
+        let mut columns = vec![column("Visual Step Depth", &|rank| levels[rank])];
+        walk.metric(self, &roots, f64::INFINITY);
+        let defined = |walk: &Walk, rank: usize, value: f64| {
+            if walk.cost[rank].is_finite() { value } else { UNDEFINED }
+        };
+        columns.push(column("Metric Step Shortest-Path Angle", &|r| defined(&walk, r, walk.angle[r].into())));
+        let length = |r: usize| f64::from(walk.cost[r]) * self.spacing_m();
+        columns.push(column("Metric Step Shortest-Path Length", &|r| defined(&walk, r, length(r))));
+        walk.angular(self, &roots, f64::INFINITY);
+        columns.push(column("Angular Step Depth", &|r| defined(&walk, r, walk.cost[r].into())));
+        columns
+    }
+
+    fn levels(&self, roots: &[u32]) -> Vec<f64> {
+        let mut level = vec![UNDEFINED; self.graph.len()];
+        let mut queue: std::collections::VecDeque<u32> = roots.iter().copied().collect();
+        roots.iter().for_each(|&r| level[r as usize] = 0.0);
+        while let Some(at) = queue.pop_front() {
+            let next = level[at as usize] + 1.0;
+            self.graph.for_each_rank(at as usize, |to| {
+                if level[to] == UNDEFINED {
+                    level[to] = next;
+                    queue.push_back(to as u32);
+                }
+            });
+        }
+        level
+    }
+
+    fn all<const K: usize>(
+        &self,
+        names: [&str; K],
+        radius: Option<f64>,
+        row: impl Fn(&mut Walk, usize) -> [f64; K] + Sync + Send,
+    ) -> Vec<Column> {
+        let n = self.graph.len();
+        let rows: Vec<[f64; K]> = (0..n).into_par_iter().map_init(|| Walk::new(n), row).collect();
+        let suffix = radius.map(|r| format!(" R{r}")).unwrap_or_default();
+        transpose(names.map(|name| format!("{name}{suffix}")), &rows)
+    }
+
+    fn radius(&self, radius_m: Option<f64>) -> f64 {
+        radius_m.map_or(f64::INFINITY, |r| r / self.spacing_m())
+    }
+
+    fn spacing_m(&self) -> f64 {
+        self.lattice.spacing_um as f64 / UM_PER_M
+    }
+
+    fn offset(&self, from: u32, to: u32) -> [f64; 2] {
+        let cell = |rank: u32| self.lattice.cells[self.graph.tiles.vertex_of[rank as usize] as usize];
+        let (a, b) = (cell(from), cell(to));
+        [0, 1].map(|k| f64::from(b[k]) - f64::from(a[k]))
+    }
+
+    fn cells_apart(&self, a: u32, b: u32) -> f64 {
+        let [x, y] = self.offset(a, b);
+        (x * x + y * y).sqrt()
+    }
+
+    /// How far a path turns at `at` on the way from `before` to `to`, in right angles.
+    fn turn(&self, before: u32, at: u32, to: u32) -> f32 {
+        let (a, b) = (self.offset(before, at), self.offset(at, to));
+        let (dot, cross) = (a[0] * b[0] + a[1] * b[1], a[0] * b[1] - a[1] * b[0]);
+        (cross.abs().atan2(dot) / std::f64::consts::FRAC_PI_2) as f32
+    }
+}
+
+/// No predecessor.
+const START: u32 = u32::MAX;
+
+/// Cost in the bits of a non-negative f32, vertex, predecessor's vertex, and both ranks.
+type Step = Reverse<(u32, u32, u32, u32, u32)>;
+
+/// Buffers of one worker, by rank; what a walk touched is listed in `touched`.
+struct Walk {
+    cost: Vec<f32>,
+    /// Angle turned along the metric path.
+    angle: Vec<f32>,
+    is_done: Vec<bool>,
+    done: Vec<u32>,
+    touched: Vec<u32>,
+    heap: BinaryHeap<Step>,
+}
+
+impl Walk {
+    fn new(n: usize) -> Self {
+        Self {
+            cost: vec![f32::INFINITY; n],
+            angle: vec![0.0; n],
+            is_done: vec![false; n],
+            done: Vec::new(),
+            touched: Vec::new(),
+            heap: BinaryHeap::new(),
+        }
+    }
+
+    fn begin(&mut self, paths: &Paths<'_>, roots: &[u32]) {
+        for rank in self.touched.drain(..) {
+            self.cost[rank as usize] = f32::INFINITY;
+            self.is_done[rank as usize] = false;
+        }
+        self.done.clear();
+        self.heap.clear();
+        for &root in roots {
+            self.reach(paths, root, START, 0.0);
+            self.angle[root as usize] = 0.0;
+        }
+    }
+
+    fn reach(&mut self, paths: &Paths<'_>, rank: u32, from: u32, cost: f32) {
+        if self.cost[rank as usize] == f32::INFINITY {
+            self.touched.push(rank);
+        }
+        self.cost[rank as usize] = cost;
+        let vertex = |r: u32| if r == START { START } else { paths.graph.tiles.vertex_of[r as usize] };
+        self.heap.push(Reverse((cost.to_bits(), vertex(rank), vertex(from), rank, from)));
+    }
+
+    /// The next cell to leave, with its cost and predecessor.
+    fn next(&mut self, radius: f64) -> Option<(f32, u32, u32)> {
+        while let Some(Reverse((bits, _, _, rank, from))) = self.heap.pop() {
+            let cost = f32::from_bits(bits);
+            if f64::from(cost) > radius {
+                return None;
+            }
+            if !std::mem::replace(&mut self.is_done[rank as usize], true) {
+                self.done.push(rank);
+                return Some((cost, rank, from));
+            }
+        }
+        None
+    }
+
+    /// Shortest paths, cost in cells.
+    fn metric(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
+        self.begin(paths, roots);
+        while let Some((cost, at, from)) = self.next(radius) {
+            if cost != 0.0 && !paths.turns[at as usize] {
+                continue;
+            }
+            paths.graph.for_each_rank(at as usize, |to| {
+                let apart = paths.cells_apart(at, to as u32);
+                if self.is_done[to] || f64::from(cost) + apart >= f64::from(self.cost[to]) {
+                    return;
+                }
+                self.reach(paths, to as u32, at, cost + apart as f32);
+                let turn = if from == START { 0.0 } else { paths.turn(from, at, to as u32) };
+                self.angle[to] = self.angle[at as usize] + turn;
+            });
+        }
+    }
+
+    /// Straightest paths, cost in right angles.
+    fn angular(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
+        self.begin(paths, roots);
+        while let Some((cost, at, from)) = self.next(radius) {
+            if cost != 0.0 && !paths.turns[at as usize] {
+                continue;
+            }
+            paths.graph.for_each_rank(at as usize, |to| {
+                if self.is_done[to] || cost >= self.cost[to] {
+                    return;
+                }
+                let turn = if from == START { 0.0 } else { paths.turn(from, at, to as u32) };
+                if cost + turn < self.cost[to] {
+                    self.reach(paths, to as u32, at, cost + turn);
+                }
+            });
+        }
+    }
+}
+
+/// Cells whose closed square a wall touches, around the lattice.
+fn wall_squares(lattice: &Lattice, obstacles: &Obstacles) -> HashSet<[i32; 2]> {
+    let s = lattice.spacing_um as f64;
+    let extreme = |k: usize| {
+        let values = lattice.cells.iter().map(|c| c[k]);
+        (values.clone().min().unwrap_or(0) - 1, values.max().unwrap_or(0) + 1)
+    };
+    let (columns, rows) = (extreme(0), extreme(1));
+    let mut squares = HashSet::new();
+    for segment in &obstacles.segments {
+        let place = |p: [i64; 2]| [0, 1].map(|k| (p[k] - lattice.origin_um[k]) as f64 / s);
+        let (mut a, mut b) = (place(segment.a), place(segment.b));
+        if b[1] < a[1] {
+            (a, b) = (b, a);
+        }
+        let whole = |x: f64, limits: (i32, i32)| (x as i32).clamp(limits.0, limits.1);
+        if b[1] < f64::from(rows.0) - 0.5 || a[1] > f64::from(rows.1) + 0.5 {
+            continue;
+        }
+        for row in whole((a[1] - 0.5).ceil(), rows)..=whole((b[1] + 0.5).floor(), rows) {
+            let at = |y: f64| {
+                let t = if b[1] > a[1] { ((y - a[1]) / (b[1] - a[1])).clamp(0.0, 1.0) } else { 0.0 };
+                a[0] + (b[0] - a[0]) * t
+            };
+            let (mut x0, mut x1) = (at(f64::from(row) - 0.5), at(f64::from(row) + 0.5));
+            if a[1] == b[1] {
+                (x0, x1) = (a[0], b[0]);
+            }
+            let (lo, hi) = (x0.min(x1), x0.max(x1));
+            if hi < f64::from(columns.0) - 0.5 || lo > f64::from(columns.1) + 0.5 {
+                continue;
+            }
+            let cells = whole((lo - 0.5).ceil(), columns)..=whole((hi + 0.5).floor(), columns);
+            squares.extend(cells.map(|column| [column, row]));
+        }
+    }
+    squares
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{fixtures, visibility};
+    use super::*;
+    use crate::plan::geometry::Segment;
+
+    #[test]
+    fn compare_with_depthmapx() {
+        let Some((lattice, obstacles, header, rows)) = fixtures::n900() else { return };
+        let graph = visibility::visibility_graph(&lattice, &obstacles);
+        let paths = Paths::new(&lattice, &graph, &obstacles, Turning::AtWalls);
+        let seed = rows.iter().position(|r| r[0] == 131_074.0).unwrap() as u32;
+        let mut columns = paths.metric_columns(None);
+        columns.extend(paths.angular_columns(None));
+        columns.extend(paths.step_columns(&[seed]));
+        for column in columns {
+            let Some(k) = header.iter().position(|h| *h == column.name) else { continue };
+            let mut worst = (0.0, 0);
+            let mut off = 0;
+            for (v, row) in rows.iter().enumerate() {
+                let (ours, theirs) = (column.values[v], row[k]);
+                let error = (ours - theirs).abs() / theirs.abs().max(1e-3);
+                off += usize::from(error > 1e-5);
+                if error > worst.0 {
+                    worst = (error, v);
+                }
+            }
+            eprintln!("{} worst {} at {:?}: {} {} off {off}", column.name, worst.0, lattice.cells[worst.1], column.values[worst.1], rows[worst.1][k]);
+        }
+    }
+
+    #[test]
+    fn around_a_corner() {
+        // A screen over the middle column leaves the top row open: the way round turns twice at 45 degrees.
+        let cells = (0..3).flat_map(|c| (0..2).map(move |r| [c, r])).collect();
+        let lattice = fixtures::lattice(1_000_000, [0, 0], cells);
+        let wall = Segment { a: [1_000_000, -500_000], b: [1_000_000, 500_000] };
+        let obstacles = Obstacles { segments: vec![wall], blind: vec![] };
+        let graph = visibility::visibility_graph(&lattice, &obstacles);
+        let paths = Paths::new(&lattice, &graph, &obstacles, Turning::Everywhere);
+        let columns = paths.step_columns(&[0]);
+        let value = |name: &str, v: usize| columns.iter().find(|c| c.name == name).unwrap().values[v];
+        assert_eq!(value("Visual Step Depth", 4), 2.0);
+        assert!((value("Metric Step Shortest-Path Length", 4) - 2.0 * 2f64.sqrt()).abs() < 1e-6);
+        assert!((value("Metric Step Shortest-Path Angle", 4) - 1.0).abs() < 1e-6);
+        assert!((value("Angular Step Depth", 4) - 1.0).abs() < 1e-6);
+        assert_eq!(value("Visual Step Depth", 2), UNDEFINED);
+        let near = paths.metric_columns(Some(1.2));
+        assert_eq!(near.iter().find(|c| c.name == "Metric Node Count R1.2").unwrap().values[0], 2.0);
+    }
+}
