@@ -26,9 +26,14 @@ pub(super) fn tolerance(size: f64, five_mm: Option<f64>) -> f64 {
     five_mm.unwrap_or(coarse).clamp(size * CURVE_TOLERANCE_FINE, coarse)
 }
 
+/// The direction of an extrusion vector of any finite length, +z for a zero one.
+pub(super) fn unit_normal(extrusion: DVec3) -> DVec3 {
+    (extrusion / extrusion.abs().max_element()).normalize_or(DVec3::Z)
+}
+
 /// Axes of the object coordinate system of an extrusion vector (DXF reference, arbitrary axis algorithm).
 pub(super) fn ocs_axes(extrusion: DVec3) -> [DVec3; 3] {
-    let n = extrusion.normalize_or(DVec3::Z);
+    let n = unit_normal(extrusion);
     let near_z = n.x.abs() < 1.0 / 64.0 && n.y.abs() < 1.0 / 64.0;
     let x = if near_z { DVec3::Y.cross(n) } else { DVec3::Z.cross(n) }.normalize();
     [x, n.cross(x), n]
@@ -174,7 +179,7 @@ pub(super) fn ellipse(
     params: [f64; 2],
     five_mm: Option<f64>,
 ) -> Shape {
-    let minor = extrusion.normalize_or(DVec3::Z).cross(major) * ratio;
+    let minor = unit_normal(extrusion).cross(major) * ratio;
     let span = params[1] - params[0];
     let is_full = (span.abs() - TAU).abs() < 1e-9 || span == 0.0;
     let sweep = if is_full { TAU } else { span.rem_euclid(TAU) };

@@ -226,16 +226,19 @@ impl<'a> Reader<'a, '_> {
         }
         let (records, _, has_seqend) = polyline_records(self.tokens, fields.record);
         let mut vertices = Vec::with_capacity(records.len());
-        let total = records.len();
+        let (total, mut can_turn) = (records.len(), true);
         for record in records {
             let vertex = Fields::of(self.tokens, record);
-            if self.int(&vertex, 70, 0)? & 16 != 0 {
-                continue;
-            }
+            let vertex_flags = self.int(&vertex, 70, 0)?;
+            let direction = vertex.pair(50).and_then(|p| self.tokens.number(p));
+            can_turn &= vertex_flags & 2 == 0 || direction.is_some_and(f64::is_finite);
             if vertex.pair(10).is_none() || vertex.pair(20).is_none() {
                 return skip("dxf-missing-value", "a VERTEX, found no group 10 or 20; left out");
             }
             let at = self.point(&vertex, 10)?.truncate();
+            if vertex_flags & 16 != 0 && at.is_finite() {
+                continue;
+            }
             vertices.push(Vertex { at, bulge: self.float(&vertex, 42, 0.0)? });
         }
         if let Err(fault) = self.check_vertices(&vertices) {
@@ -256,7 +259,7 @@ impl<'a> Reader<'a, '_> {
         if is_fitted && let Body::Shape(_, editable) = &mut body {
             let moves = *editable == Editable::Free && fields.pair(230).is_none();
             *editable = if moves {
-                Editable::WithInsert { turnable: true }
+                Editable::WithInsert { turnable: can_turn }
             } else {
                 Editable::No("it is a fitted curve that is not drawn in the plane of the plan".into())
             };
@@ -327,7 +330,7 @@ impl<'a> Reader<'a, '_> {
         else {
             return skip("dxf-missing-value", "one of its points, found an x without a y; left out");
         };
-        if let Some(&p) = control.iter().chain(&fit).find(|&&p| !self.is_sane(p)) {
+        if let Some(&p) = control.iter().chain(&fit).chain(&tangents).find(|&&p| !self.is_sane(p)) {
             return Ok(self.checked(Body::Text(p, String::new())));
         }
         let degree = usize::try_from(self.int(fields, 71, 3)?).unwrap_or(0);
@@ -441,5 +444,5 @@ fn as_a_whole(extrusion: DVec3) -> Editable {
 
 /// Whether an extrusion is +z or −z.
 pub(super) fn is_upright(extrusion: DVec3) -> bool {
-    extrusion.is_finite() && extrusion.normalize_or(DVec3::Z).z.abs() > 1.0 - 1e-12
+    extrusion.is_finite() && curves::unit_normal(extrusion).z.abs() > 1.0 - 1e-12
 }
