@@ -555,3 +555,59 @@ fn run_once_publishes_the_same_way() {
         .collect();
     assert_eq!(rounds.into_keys().collect::<Vec<_>>(), ["round-01", "round-02", "status.json"]);
 }
+
+/// Hazard 17: whatever a name is, its drawing gets its results, and the journal knows it again.
+#[cfg(unix)]
+#[test]
+fn hostile_names() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let long = format!("{}.dxf", "\u{e4}".repeat(125));
+    let names: Vec<&[u8]> = vec![
+        b"a\nb.dxf",
+        b"-x.dxf",
+        b"a;b.dxf",
+        b"CON.dxf",
+        b"b.dxf",
+        b"B.dxf",
+        b"bad\xff\xfe.dxf",
+        long.as_bytes(),
+        "e\u{301}.dxf".as_bytes(),
+        "\u{e9}.dxf".as_bytes(),
+        "\u{202e}fxd.dxf".as_bytes(),
+        " .dxf".as_bytes(),
+        "$(touch x).dxf".as_bytes(),
+        "<img onerror>.dxf".as_bytes(),
+        "\u{1f3db}.dxf".as_bytes(),
+    ];
+    let daemon = Daemon::start(settings(), |_| {}, |request, _, _| Ok(echo(request)));
+    for name in &names {
+        fs::write(daemon.path("").join(OsStr::from_bytes(name)), b"one EOF\n").unwrap();
+    }
+    daemon.await_said("Done {", names.len());
+    let homes = fs::read_dir(&daemon.root).unwrap().map(|e| e.unwrap().path());
+    let homes: Vec<PathBuf> = homes.filter(|p| p.join("round-01/candidate-1.dxf").exists()).collect();
+    assert_eq!(homes.len(), names.len());
+    for home in homes {
+        let status: Value = serde_json::from_slice(&fs::read(home.join("status.json")).unwrap()).unwrap();
+        assert_eq!(status["state"], "done");
+    }
+    daemon.rest();
+    assert_eq!(daemon.jobs(), names.len());
+}
+
+/// Somebody planted a link where results would go: refused with words, the next drawing goes on.
+#[cfg(unix)]
+#[test]
+fn planted_links_are_refused() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let target = elsewhere.path().to_path_buf();
+    let settings = WatchSettings { retry_secs: 600.0, ..settings() };
+    let plant = move |root: &Path| std::os::unix::fs::symlink(&target, root.join("a.enfilade")).unwrap();
+    let daemon = Daemon::start(settings, plant, |request, _, _| Ok(echo(request)));
+    daemon.save("a.dxf", "one");
+    daemon.save("b.dxf", "two");
+    daemon.await_round("b", 1);
+    daemon.await_said("output-is-link", 1);
+    assert_eq!(fs::read_dir(elsewhere.path()).unwrap().count(), 0);
+}

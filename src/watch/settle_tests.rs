@@ -213,6 +213,24 @@ fn waiting_backs_off() {
     assert_eq!(run.settle.pending_count(), 1);
 }
 
+/// Our own process stood still (hazard 12): as after a sleep of the machine, all is looked at.
+#[test]
+fn a_gap_between_ticks_is_a_sleep() {
+    let mut settle = Settle::new(&[ROOT.into()], &[], &WatchSettings::default()).unwrap();
+    let tick = |settle: &mut Settle, s: u64| {
+        let t = Duration::from_secs(s);
+        settle.on_tick(Now { mono: t, wall: t })
+    };
+    tick(&mut settle, 0);
+    settle.on_scan(Duration::ZERO, Path::new(ROOT), Some(Vec::new()));
+    assert!(!tick(&mut settle, 20).contains(&Action::Rearm(ROOT.into())));
+    let after = tick(&mut settle, 55);
+    assert!(
+        after.contains(&Action::Rearm(ROOT.into())) && after.contains(&Action::Scan(ROOT.into())),
+        "{after:?}"
+    );
+}
+
 /// A storm of events costs one look a tick, not one an event.
 #[test]
 fn events_are_coalesced() {
