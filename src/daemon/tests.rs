@@ -131,6 +131,15 @@ impl Daemon {
         thread::sleep(Duration::from_millis(1200));
     }
 
+    /// Waits for a job that outlived its daemon, and a little longer for what it might still do.
+    fn await_dead_job(&self, is_over: impl Fn() -> bool) {
+        let start = Instant::now();
+        while !is_over() && start.elapsed() < PATIENCE {
+            thread::sleep(Duration::from_millis(5));
+        }
+        thread::sleep(Duration::from_millis(300));
+    }
+
     fn jobs(&self) -> usize {
         self.jobs.load(Ordering::SeqCst)
     }
@@ -444,6 +453,37 @@ fn stopped_jobs_are_finished_by_the_next_start() {
     }
     assert_eq!(jobs.load(Ordering::SeqCst), 1, "finished once by the second start, known to the third");
     assert!(daemon.path("plan.enfilade/round-01").exists());
+}
+
+/// A stop waits for no job that does not listen, and nothing of it is published afterwards.
+#[test]
+fn a_stop_does_not_wait_for_a_deaf_job() {
+    let go_on = Arc::new(AtomicUsize::new(0));
+    let gate = go_on.clone();
+    let daemon = Daemon::start(
+        settings(),
+        |_| {},
+        move |request, _, _| {
+            while gate.load(Ordering::SeqCst) == 0 {
+                thread::sleep(Duration::from_millis(5));
+            }
+            gate.fetch_add(1, Ordering::SeqCst);
+            Ok(echo(request))
+        },
+    );
+    daemon.save("plan.dxf", "deaf");
+    daemon.await_said("Started", 1);
+    let (root, start) = (daemon.root.clone(), Instant::now());
+    daemon.stop.stop();
+    while daemon.thread.as_ref().is_some_and(|t| !t.is_finished()) {
+        assert!(start.elapsed() < PATIENCE, "the daemon waits for a deaf job");
+        thread::sleep(Duration::from_millis(1));
+    }
+    println!("left after {:?}", start.elapsed());
+    go_on.store(1, Ordering::SeqCst);
+    daemon.await_dead_job(|| go_on.load(Ordering::SeqCst) > 1);
+    assert!(!root.join("plan.enfilade/round-01").exists());
+    assert_eq!(daemon.status("plan")["state"], "stopped");
 }
 
 /// Hazard 10: the same without any events.
