@@ -651,3 +651,67 @@ fn planted_links_are_refused() {
     daemon.await_said("output-is-link", 1);
     assert_eq!(fs::read_dir(elsewhere.path()).unwrap().count(), 0);
 }
+
+#[cfg(unix)]
+fn set_mode(path: &Path, mode: u32) {
+    use std::os::unix::fs::PermissionsExt;
+    fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
+}
+
+/// Whether permissions bind this user; they do not bind root.
+#[cfg(unix)]
+fn permissions_bind() -> bool {
+    let dir = tempfile::tempdir().unwrap();
+    set_mode(dir.path(), 0o555);
+    let binds = fs::write(dir.path().join("x"), b"").is_err();
+    set_mode(dir.path(), 0o755);
+    if !binds {
+        println!("skipped: permissions do not bind this user");
+    }
+    binds
+}
+
+/// Hazard 19: a drawing that may not be read is reported and taken up when it may.
+#[cfg(unix)]
+#[test]
+fn an_unreadable_drawing_is_taken_up_when_it_may_be_read() {
+    if !permissions_bind() {
+        return;
+    }
+    let locked = |root: &Path| {
+        fs::write(root.join("plan.dxf"), b"one EOF\n").unwrap();
+        set_mode(&root.join("plan.dxf"), 0o000);
+    };
+    let daemon = Daemon::start(settings(), locked, |request, _, _| Ok(echo(request)));
+    daemon.await_said("unreadable", 1);
+    assert_eq!(daemon.status("plan")["problems"][0]["code"], "unreadable");
+    set_mode(&daemon.path("plan.dxf"), 0o644);
+    daemon.await_round("plan", 1);
+}
+
+/// Hazard 19: a folder that may not be written is watched with results elsewhere, or refused with words.
+#[cfg(unix)]
+#[test]
+fn a_read_only_folder_needs_another_place_for_results() {
+    if !permissions_bind() {
+        return;
+    }
+    let read_only = |root: &Path| {
+        fs::write(root.join("plan.dxf"), b"one EOF\n").unwrap();
+        set_mode(root, 0o555);
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let fallback = dir.path().join("results");
+    let with_fallback = WatchSettings { fallback_dir: Some(fallback.clone()), ..settings() };
+    let daemon = Daemon::start(with_fallback, read_only, |request, _, _| Ok(echo(request)));
+    let round = fallback.join("plan.enfilade/round-01");
+    daemon.await_true("results in the fallback", || round.exists());
+    let root = daemon.root.clone();
+    let run: Arc<RunJob> =
+        Arc::new(|request: &JobRequest, _: &mut dyn FnMut(JobEvent), _: &Cancel| Ok(echo(request)));
+    let error =
+        watch(std::slice::from_ref(&root), &settings(), run, &mut |_| {}, &Cancel::default()).unwrap_err();
+    assert_eq!(error.problem().unwrap().code, "no-permission");
+    assert!(error.to_string().contains("--out"), "{error}");
+    set_mode(&root, 0o755);
+}
