@@ -24,7 +24,7 @@ const PATIENCE: Duration = Duration::from_secs(120);
 fn settings() -> WatchSettings {
     WatchSettings {
         quiet_secs: 0.02,
-        heartbeat_secs: 0.1,
+        heartbeat_secs: 1.0,
         depth: 2,
         end_mark: |_, bytes| {
             if bytes.ends_with(b"EOF\n") {

@@ -18,6 +18,14 @@ use crate::watch::{
     read_whole, sha256_hex, stat_of,
 };
 
+/// Settings of all drawings in a folder and below.
+pub(super) const FOLDER_SETTINGS: &str = "enfilade.toml";
+
+/// Settings of one drawing: `plan.enfilade.toml` of `plan.dxf`.
+pub(super) fn drawing_settings(drawing: &Path) -> PathBuf {
+    drawing.with_extension(FOLDER_SETTINGS)
+}
+
 pub(super) enum Message {
     Event(Event),
     Seen(PathBuf, Seen),
@@ -155,9 +163,8 @@ pub(super) fn open_journal(journal: &Mutex<Journal>) -> MutexGuard<'_, Journal> 
 /// files of the drawing, of its folder and of those above.
 fn config_key(drawing: &Path, settings_key: &str) -> String {
     let mut text = format!("{}\n{settings_key}\n", env!("CARGO_PKG_VERSION"));
-    let own = drawing.with_extension("enfilade.toml");
-    let shared = drawing.ancestors().skip(1).map(|f| f.join("enfilade.toml"));
-    for path in std::iter::once(own).chain(shared) {
+    let shared = drawing.ancestors().skip(1).map(|f| f.join(FOLDER_SETTINGS));
+    for path in std::iter::once(drawing_settings(drawing)).chain(shared) {
         if let Ok(bytes) = fs::read(&path) {
             text.push_str(&format!("{}\n", sha256_hex(&bytes)));
         }

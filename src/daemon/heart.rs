@@ -10,7 +10,10 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
-use super::hands::{Message, Outcome, Task, Waiting, open_journal, reporter, start_looker, start_worker};
+use super::hands::{
+    FOLDER_SETTINGS, Message, Outcome, Task, Waiting, drawing_settings, open_journal, reporter, start_looker,
+    start_worker,
+};
 use super::status::{SharedDisk, Standing, rfc3339, write_standing};
 use super::{Notice, RunJob, WatchSettings};
 use crate::report::{Cancel, Error, Place, Problem};
@@ -23,8 +26,11 @@ use crate::watch::{Action, Event, Eyes, Now, Settle, builtin_ignores, is_output_
 const INBOX: usize = 65_536;
 /// Drawings waiting for their turn; further ones are found again by the next scan (hazard 26).
 const MAX_QUEUE: usize = 10_000;
-/// The loop turns at least this often: settle times and stops are answered this fast.
-const TICK: Duration = Duration::from_millis(50);
+/// The loop turns at least this often while something is under way: settle times and stops are answered
+/// this fast.
+const BUSY_TICK: Duration = Duration::from_millis(50);
+/// The same while nothing is.
+const IDLE_TICK: Duration = Duration::from_millis(120);
 /// The running job gets this long to notice a stop before the daemon leaves without it.
 const STOP_PATIENCE: Duration = Duration::from_millis(120);
 /// A job that was told to stop and did not is left to itself after this long (hazard 23).
@@ -148,7 +154,8 @@ impl Heart {
             show(Notice::Watching { root: root.path.clone(), how: root.how.clone() });
         }
         while !stop.is_stopped() {
-            match self.inbox.recv_timeout(TICK) {
+            let is_busy = self.running.is_some() || self.settle.pending_count() > 0;
+            match self.inbox.recv_timeout(if is_busy { BUSY_TICK } else { IDLE_TICK }) {
                 Ok(message) => self.take_in(message, show),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
@@ -216,12 +223,7 @@ impl Heart {
                 let _ = self.to_looker.send(Action::Rearm(root));
             }
             Action::Ready { path, sha256 } => self.ready(path, sha256, show),
-            Action::SettingsChanged(path) => {
-                let now = self.start.elapsed();
-                let folder = path.parent().unwrap_or(&path);
-                let drawings = self.settle.settled_below(folder);
-                drawings.iter().for_each(|d| self.settle.again(now, d));
-            }
+            Action::SettingsChanged(path) => self.settings_changed(&path),
             Action::Removed(path) => self.removed(&path),
             Action::Ignored { path, why } => {
                 if self.ignored.len() < MAX_LISTED {
@@ -237,6 +239,16 @@ impl Heart {
                 self.failed.remove(&path);
                 self.is_overview_stale = true;
             }
+        }
+    }
+
+    /// A side-car concerns its drawing, a folder's settings all drawings below.
+    fn settings_changed(&mut self, path: &Path) {
+        let now = self.start.elapsed();
+        let drawings = self.settle.settled_below(path.parent().unwrap_or(path));
+        let is_shared = path.file_name().is_some_and(|n| n == FOLDER_SETTINGS);
+        for drawing in drawings.iter().filter(|d| is_shared || drawing_settings(d) == path) {
+            self.settle.again(now, drawing);
         }
     }
 

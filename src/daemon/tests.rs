@@ -131,6 +131,15 @@ impl Daemon {
         thread::sleep(Duration::from_millis(1200));
     }
 
+    /// Waits for a job that outlived its daemon, and a little longer for what it might still do.
+    fn await_dead_job(&self, is_over: impl Fn() -> bool) {
+        let start = Instant::now();
+        while !is_over() && start.elapsed() < PATIENCE {
+            thread::sleep(Duration::from_millis(5));
+        }
+        thread::sleep(Duration::from_millis(300));
+    }
+
     fn jobs(&self) -> usize {
         self.jobs.load(Ordering::SeqCst)
     }
@@ -446,6 +455,37 @@ fn stopped_jobs_are_finished_by_the_next_start() {
     assert!(daemon.path("plan.enfilade/round-01").exists());
 }
 
+/// A stop waits for no job that does not listen, and nothing of it is published afterwards.
+#[test]
+fn a_stop_does_not_wait_for_a_deaf_job() {
+    let go_on = Arc::new(AtomicUsize::new(0));
+    let gate = go_on.clone();
+    let daemon = Daemon::start(
+        settings(),
+        |_| {},
+        move |request, _, _| {
+            while gate.load(Ordering::SeqCst) == 0 {
+                thread::sleep(Duration::from_millis(5));
+            }
+            gate.fetch_add(1, Ordering::SeqCst);
+            Ok(echo(request))
+        },
+    );
+    daemon.save("plan.dxf", "deaf");
+    daemon.await_said("Started", 1);
+    let (root, start) = (daemon.root.clone(), Instant::now());
+    daemon.stop.stop();
+    while daemon.thread.as_ref().is_some_and(|t| !t.is_finished()) {
+        assert!(start.elapsed() < PATIENCE, "the daemon waits for a deaf job");
+        thread::sleep(Duration::from_millis(1));
+    }
+    println!("left after {:?}", start.elapsed());
+    go_on.store(1, Ordering::SeqCst);
+    daemon.await_dead_job(|| go_on.load(Ordering::SeqCst) > 1);
+    assert!(!root.join("plan.enfilade/round-01").exists());
+    assert_eq!(daemon.status("plan")["state"], "stopped");
+}
+
 /// Hazard 10: the same without any events.
 #[test]
 fn polling_does_the_same() {
@@ -554,4 +594,124 @@ fn run_once_publishes_the_same_way() {
         .filter(|(n, ())| !n.starts_with(".drawing") && !n.starts_with(".lock"))
         .collect();
     assert_eq!(rounds.into_keys().collect::<Vec<_>>(), ["round-01", "round-02", "status.json"]);
+}
+
+/// Hazard 17: whatever a name is, its drawing gets its results, and the journal knows it again.
+#[cfg(unix)]
+#[test]
+fn hostile_names() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let long = format!("{}.dxf", "\u{e4}".repeat(125));
+    let names: Vec<&[u8]> = vec![
+        b"a\nb.dxf",
+        b"-x.dxf",
+        b"a;b.dxf",
+        b"CON.dxf",
+        b"b.dxf",
+        b"B.dxf",
+        b"bad\xff\xfe.dxf",
+        long.as_bytes(),
+        "e\u{301}.dxf".as_bytes(),
+        "\u{e9}.dxf".as_bytes(),
+        "\u{202e}fxd.dxf".as_bytes(),
+        " .dxf".as_bytes(),
+        "$(touch x).dxf".as_bytes(),
+        "<img onerror>.dxf".as_bytes(),
+        "\u{1f3db}.dxf".as_bytes(),
+    ];
+    let daemon = Daemon::start(settings(), |_| {}, |request, _, _| Ok(echo(request)));
+    for name in &names {
+        fs::write(daemon.path("").join(OsStr::from_bytes(name)), b"one EOF\n").unwrap();
+    }
+    daemon.await_said("Done {", names.len());
+    let homes = fs::read_dir(&daemon.root).unwrap().map(|e| e.unwrap().path());
+    let homes: Vec<PathBuf> = homes.filter(|p| p.join("round-01/candidate-1.dxf").exists()).collect();
+    assert_eq!(homes.len(), names.len());
+    for home in homes {
+        let status: Value = serde_json::from_slice(&fs::read(home.join("status.json")).unwrap()).unwrap();
+        assert_eq!(status["state"], "done");
+    }
+    daemon.rest();
+    assert_eq!(daemon.jobs(), names.len());
+}
+
+/// Somebody planted a link where results would go: refused with words, the next drawing goes on.
+#[cfg(unix)]
+#[test]
+fn planted_links_are_refused() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let target = elsewhere.path().to_path_buf();
+    let settings = WatchSettings { retry_secs: 600.0, ..settings() };
+    let plant = move |root: &Path| std::os::unix::fs::symlink(&target, root.join("a.enfilade")).unwrap();
+    let daemon = Daemon::start(settings, plant, |request, _, _| Ok(echo(request)));
+    daemon.save("a.dxf", "one");
+    daemon.save("b.dxf", "two");
+    daemon.await_round("b", 1);
+    daemon.await_said("output-is-link", 1);
+    assert_eq!(fs::read_dir(elsewhere.path()).unwrap().count(), 0);
+}
+
+#[cfg(unix)]
+fn set_mode(path: &Path, mode: u32) {
+    use std::os::unix::fs::PermissionsExt;
+    fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
+}
+
+/// Whether permissions bind this user; they do not bind root.
+#[cfg(unix)]
+fn permissions_bind() -> bool {
+    let dir = tempfile::tempdir().unwrap();
+    set_mode(dir.path(), 0o555);
+    let binds = fs::write(dir.path().join("x"), b"").is_err();
+    set_mode(dir.path(), 0o755);
+    if !binds {
+        println!("skipped: permissions do not bind this user");
+    }
+    binds
+}
+
+/// Hazard 19: a drawing that may not be read is reported and taken up when it may.
+#[cfg(unix)]
+#[test]
+fn an_unreadable_drawing_is_taken_up_when_it_may_be_read() {
+    if !permissions_bind() {
+        return;
+    }
+    let locked = |root: &Path| {
+        fs::write(root.join("plan.dxf"), b"one EOF\n").unwrap();
+        set_mode(&root.join("plan.dxf"), 0o000);
+    };
+    let daemon = Daemon::start(settings(), locked, |request, _, _| Ok(echo(request)));
+    daemon.await_said("unreadable", 1);
+    assert_eq!(daemon.status("plan")["problems"][0]["code"], "unreadable");
+    set_mode(&daemon.path("plan.dxf"), 0o644);
+    daemon.await_round("plan", 1);
+}
+
+/// Hazard 19: a folder that may not be written is watched with results elsewhere, or refused with words.
+#[cfg(unix)]
+#[test]
+fn a_read_only_folder_needs_another_place_for_results() {
+    if !permissions_bind() {
+        return;
+    }
+    let read_only = |root: &Path| {
+        fs::write(root.join("plan.dxf"), b"one EOF\n").unwrap();
+        set_mode(root, 0o555);
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let fallback = dir.path().join("results");
+    let with_fallback = WatchSettings { fallback_dir: Some(fallback.clone()), ..settings() };
+    let daemon = Daemon::start(with_fallback, read_only, |request, _, _| Ok(echo(request)));
+    let round = fallback.join("plan.enfilade/round-01");
+    daemon.await_true("results in the fallback", || round.exists());
+    let root = daemon.root.clone();
+    let run: Arc<RunJob> =
+        Arc::new(|request: &JobRequest, _: &mut dyn FnMut(JobEvent), _: &Cancel| Ok(echo(request)));
+    let error =
+        watch(std::slice::from_ref(&root), &settings(), run, &mut |_| {}, &Cancel::default()).unwrap_err();
+    assert_eq!(error.problem().unwrap().code, "no-permission");
+    assert!(error.to_string().contains("--out"), "{error}");
+    set_mode(&root, 0o755);
 }

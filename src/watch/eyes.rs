@@ -313,6 +313,7 @@ fn device_of(_: &Metadata) -> u64 {
 pub fn read_whole(path: &Path) -> Result<(Vec<u8>, Stat), Checked> {
     let refuse = |e: io::Error| match e.kind() {
         io::ErrorKind::NotFound => Checked::Gone,
+        _ if is_held_by_writer(&e) => Checked::Changed,
         _ => Checked::Unreadable(e.to_string()),
     };
     let mut file = File::open(path).map_err(refuse)?;
@@ -322,6 +323,13 @@ pub fn read_whole(path: &Path) -> Result<(Vec<u8>, Stat), Checked> {
     let after = stat_from(&file.metadata().map_err(refuse)?);
     let is_same = before == after && bytes.len() as u64 == after.size && stat_of(path) == Seen::There(after);
     if is_same { Ok((bytes, after)) } else { Err(Checked::Changed) }
+}
+
+/// Windows lets a program keep others out while it writes: no matter of permission, only of time.
+fn is_held_by_writer(error: &io::Error) -> bool {
+    const ERROR_SHARING_VIOLATION: i32 = 32;
+    const ERROR_LOCK_VIOLATION: i32 = 33;
+    cfg!(windows) && matches!(error.raw_os_error(), Some(ERROR_SHARING_VIOLATION | ERROR_LOCK_VIOLATION))
 }
 
 /// Reads a quiet file and judges its completeness. A panic of the judge counts as incomplete.

@@ -113,7 +113,6 @@ fn a_read_is_whole_or_refused() {
     );
 }
 
-/// The judge runs between open and answer: what it sees replaced must not be taken (hazard 25).
 #[test]
 fn a_panicking_judge_means_incomplete() {
     let dir = tempfile::tempdir().unwrap();
@@ -139,6 +138,23 @@ fn a_restored_mtime_is_still_a_change() {
     fs::write(&path, b"abd").unwrap();
     fs::File::options().write(true).open(&path).unwrap().set_modified(mtime).unwrap();
     assert_ne!(before, stat_of(&path));
+}
+
+/// Dates of broken clocks are only labels (hazard 15).
+#[test]
+fn odd_dates_are_taken_as_they_are() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.dxf");
+    fs::write(&path, b"abc").unwrap();
+    let hour = Duration::from_secs(3600);
+    let dates =
+        [UNIX_EPOCH, UNIX_EPOCH + hour * 1_130_000, std::time::SystemTime::now() + hour, UNIX_EPOCH - hour];
+    for date in dates {
+        fs::File::options().write(true).open(&path).unwrap().set_modified(date).unwrap();
+        let Seen::There(stat) = stat_of(&path) else { panic!() };
+        assert_eq!(stat.mtime_ns, nanos_since_epoch(date));
+        assert!(matches!(read_settled(&path, |_, _| Completeness::Complete), Checked::Read { .. }));
+    }
 }
 
 #[cfg(target_os = "linux")]

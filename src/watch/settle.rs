@@ -123,6 +123,7 @@ pub struct Settle {
     pending: BTreeMap<PathBuf, Pending>,
     settled: BTreeMap<PathBuf, Stat>,
     ignored: BTreeSet<PathBuf>,
+    unknown: BTreeSet<PathBuf>,
     out: Vec<Action>,
     last_tick: Option<Now>,
     settings: WatchSettings,
@@ -158,6 +159,7 @@ impl Settle {
             pending: BTreeMap::new(),
             settled: BTreeMap::new(),
             ignored: BTreeSet::new(),
+            unknown: BTreeSet::new(),
             out: Vec::new(),
             last_tick: None,
             settings: settings.clone(),
@@ -221,16 +223,14 @@ impl Settle {
         match self.roots[i].names.verdict(&path) {
             Verdict::Take | Verdict::Settings => self.restart(now, path, i),
             Verdict::Ignore(why) => self.tell_ignored(path, why),
-            Verdict::Other => self.maybe_folder(now, &path, i),
+            Verdict::Other => self.maybe_folder(path, i),
         }
     }
 
     /// Something that is no drawing may be a folder whose files came without events of their own.
-    fn maybe_folder(&mut self, now: Duration, path: &Path, i: usize) {
-        let root = &mut self.roots[i];
-        if self.settings.depth > 0 && path.extension().is_none() && root.names.folder_reason(path).is_none() {
-            let soon = now + Duration::from_secs_f64(FOLDER_SCAN_SECS);
-            root.next_scan = root.next_scan.min(soon);
+    fn maybe_folder(&mut self, path: PathBuf, i: usize) {
+        if self.settings.depth > 0 && self.roots[i].names.folder_reason(&path).is_none() {
+            self.unknown.insert(path);
         }
     }
 
@@ -268,6 +268,9 @@ impl Settle {
                 self.roots[i].next_scan =
                     self.roots[i].next_scan.min(now + Duration::from_secs_f64(FOLDER_SCAN_SECS));
             }
+            return;
+        }
+        if !matches!(self.roots[i].names.verdict(path), Verdict::Take | Verdict::Settings) {
             return;
         }
         let is_settled = self.settled.get(path) == Some(&stat);
@@ -508,6 +511,7 @@ impl Settle {
     pub fn on_tick(&mut self, now: Now) -> Vec<Action> {
         self.notice_jump(now);
         self.tick_roots(now.mono);
+        self.out.extend(std::mem::take(&mut self.unknown).into_iter().map(Action::Look));
         for (path, p) in &mut self.pending {
             if p.next <= now.mono && !p.is_asked {
                 p.is_asked = true;

@@ -213,6 +213,45 @@ fn waiting_backs_off() {
     assert_eq!(run.settle.pending_count(), 1);
 }
 
+/// A folder that appears is scanned; other files that are no drawings cost one look a tick.
+#[test]
+fn a_new_folder_is_scanned_soon() {
+    let settings = WatchSettings { depth: 1, ..WatchSettings::default() };
+    let mut settle = Settle::new(&[ROOT.into()], &[], &settings).unwrap();
+    let at = |ms: u64| Duration::from_millis(ms);
+    let tick = |settle: &mut Settle, ms: u64| settle.on_tick(Now { mono: at(ms), wall: at(ms) });
+    tick(&mut settle, 0);
+    settle.on_scan(at(0), Path::new(ROOT), Some(Vec::new()));
+    for (name, kind, is_scanned) in [("/w/log.txt", Kind::File, false), ("/w/v1.2", Kind::Folder, true)] {
+        for _ in 0..100 {
+            settle.on_event(at(100), Event::Touched(name.into()));
+        }
+        assert_eq!(tick(&mut settle, 100), [Action::Look(name.into())]);
+        settle.on_stat(at(100), Path::new(name), Seen::There(Stat { kind, ..Stat::default() }));
+        let later = tick(&mut settle, 400);
+        assert_eq!(later.contains(&Action::Scan(ROOT.into())), is_scanned, "{name}: {later:?}");
+    }
+    assert_eq!(settle.pending_count(), 0);
+}
+
+/// Our own process stood still (hazard 12): as after a sleep of the machine, all is looked at.
+#[test]
+fn a_gap_between_ticks_is_a_sleep() {
+    let mut settle = Settle::new(&[ROOT.into()], &[], &WatchSettings::default()).unwrap();
+    let tick = |settle: &mut Settle, s: u64| {
+        let t = Duration::from_secs(s);
+        settle.on_tick(Now { mono: t, wall: t })
+    };
+    tick(&mut settle, 0);
+    settle.on_scan(Duration::ZERO, Path::new(ROOT), Some(Vec::new()));
+    assert!(!tick(&mut settle, 20).contains(&Action::Rearm(ROOT.into())));
+    let after = tick(&mut settle, 55);
+    assert!(
+        after.contains(&Action::Rearm(ROOT.into())) && after.contains(&Action::Scan(ROOT.into())),
+        "{after:?}"
+    );
+}
+
 /// A storm of events costs one look a tick, not one an event.
 #[test]
 fn events_are_coalesced() {
