@@ -15,6 +15,18 @@ pub struct Cli {
     pub command: Command,
 }
 
+/// Parses the command line of this process. Help and errors are printed here.
+///
+/// # Errors
+/// The exit code: 0 where help or the version was asked for, 3 for wrong usage.
+pub fn parse() -> Result<Cli, u8> {
+    Cli::try_parse().map_err(|e| {
+        // A closed pipe is no reason to fail.
+        let _ = e.print();
+        if e.use_stderr() { 3 } else { 0 }
+    })
+}
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {

@@ -3,8 +3,7 @@
 use std::process::ExitCode;
 use std::time::Duration;
 
-use clap::Parser;
-use enfilade::cli::Cli;
+use enfilade::cli;
 use enfilade::commands::execute;
 use enfilade::report::{Cancel, Error};
 
@@ -13,12 +12,9 @@ use enfilade::report::{Cancel, Error};
 const STOP_GRACE: Duration = Duration::from_millis(150);
 
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match cli::parse() {
         Ok(cli) => cli,
-        Err(e) => {
-            let _ = e.print();
-            return ExitCode::from(if e.use_stderr() { 3 } else { 0 });
-        }
+        Err(code) => return ExitCode::from(code),
     };
     let cancel = Cancel::default();
     let on_stop = cancel.clone();

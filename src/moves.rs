@@ -323,3 +323,6 @@ fn with_points(shape: &Shape, points: &[DVec2]) -> Shape {
         Shape::Arc { .. } => shape.clone(),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -368,3 +368,86 @@ impl CellIndex {
         self.first
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(points: &[[i64; 2]]) -> Vec<Segment> {
+        (0..points.len()).map(|i| Segment { a: points[i], b: points[(i + 1) % points.len()] }).collect()
+    }
+
+    fn ground(fixed: &[Segment]) -> Ground<'_> {
+        Ground {
+            file: "plan.dxf",
+            spacing_um: 1_000_000,
+            centre_um: [500_000, 500_000],
+            query: &[],
+            reference: &[],
+            seeds_um: &[],
+            fixed,
+            movable: &[],
+            fixed_solids: &[],
+            interior: None,
+        }
+    }
+
+    const M: i64 = 1_000_000;
+
+    #[test]
+    fn the_interior_is_what_the_outside_does_not_reach() {
+        let walls = ring(&[[0, 0], [4 * M, 0], [4 * M, 3 * M], [0, 3 * M]]);
+        let l = lattice(&ground(&walls), &mut Report::default()).unwrap();
+        assert_eq!((l.cells.len(), l.query.len()), (12, 12));
+        let mut open = walls.clone();
+        open[0].b[0] = 2 * M;
+        assert!(lattice(&ground(&open), &mut Report::default()).is_err(), "an open outline has no interior");
+        let seeded = Ground { seeds_um: &[[M, M]], ..ground(&walls) };
+        assert_eq!(lattice(&seeded, &mut Report::default()).unwrap().cells.len(), 12);
+    }
+
+    #[test]
+    fn cells_on_what_stays_are_dropped_and_on_what_moves_are_kept() {
+        let walls = ring(&[[0, 0], [4 * M, 0], [4 * M, 3 * M], [0, 3 * M]]);
+        let through = [Segment { a: [M / 2, M / 2], b: [M / 2, 2 * M + M / 2] }];
+        let fixed: Vec<Segment> = walls.iter().chain(&through).copied().collect();
+        assert_eq!(lattice(&ground(&fixed), &mut Report::default()).unwrap().cells.len(), 9);
+        let movable = Ground { movable: &through, ..ground(&walls) };
+        assert_eq!(lattice(&movable, &mut Report::default()).unwrap().cells.len(), 12);
+        let solids = [vec![[M, M], [3 * M, M], [3 * M, 2 * M], [M, 2 * M]]];
+        let solid = Ground { fixed_solids: &solids, ..ground(&walls) };
+        assert_eq!(lattice(&solid, &mut Report::default()).unwrap().cells.len(), 10);
+    }
+
+    #[test]
+    fn one_region_drawn_the_other_is_the_interior() {
+        let walls = ring(&[[0, 0], [4 * M, 0], [4 * M, 3 * M], [0, 3 * M]]);
+        let query = [Region::Ring(vec![[0, 0], [2 * M, 0], [2 * M, M], [0, M]])];
+        let l = lattice(&Ground { query: &query, ..ground(&walls) }, &mut Report::default()).unwrap();
+        assert_eq!((l.query.len(), l.is_reference.iter().filter(|r| **r).count()), (2, 12));
+        let disc = [Region::Disc { centre: [M, M], radius_um: 800_000 }];
+        let l = lattice(&Ground { query: &disc, ..ground(&walls) }, &mut Report::default()).unwrap();
+        assert_eq!(l.query.len(), 4);
+    }
+
+    #[test]
+    fn limits_are_errors_with_a_remedy() {
+        let walls = ring(&[[0, 0], [400 * M, 0], [400 * M, 400 * M], [0, 400 * M]]);
+        let fails = |spacing_um: i64| {
+            let g = Ground { spacing_um, ..ground(&walls) };
+            lattice(&g, &mut Report::default()).unwrap_err().to_string()
+        };
+        assert!(fails(10_000).contains(&CELLS_MAX.to_string()));
+        assert!(fails(150_000).contains(&VERTICES_MAX.to_string()));
+    }
+
+    #[test]
+    fn vertices_are_found_by_place() {
+        let walls = ring(&[[0, 0], [4 * M, 0], [4 * M, 3 * M], [0, 3 * M]]);
+        let l = lattice(&ground(&walls), &mut Report::default()).unwrap();
+        let mut found = Vec::new();
+        CellIndex::new(&l).vertices_in(&[[M, 0], [3 * M, 0], [3 * M, M], [M, M]], &mut found);
+        let cells: Vec<[i32; 2]> = found.iter().map(|v| l.cells[*v as usize]).collect();
+        assert_eq!(cells, [[1, 0], [2, 0]]);
+    }
+}

@@ -186,3 +186,50 @@ fn chords(radius: f64, sweep_rad: f64, frame: &Frame) -> usize {
     let per_turn = per_turn.clamp(CHORDS_PER_TURN_MIN, CHORDS_PER_TURN_MAX);
     ((per_turn as f64 * sweep_rad / TAU).ceil() as usize).max(1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    const METRES: Frame = Frame { metres_per_unit: 1.0, origin_um: [0, 0] };
+
+    /// Largest distance of an arc's chords from the arc, metres.
+    fn chord_error(trace: &Trace, centre: DVec2, radius: f64) -> f64 {
+        let middle = |s: Segment| {
+            DVec2::new((s.a[0] + s.b[0]) as f64 / 2e6, (s.a[1] + s.b[1]) as f64 / 2e6).distance(centre)
+        };
+        trace.segments().map(|(_, _, s)| (radius - middle(s)).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn chords_stay_near_their_arc() {
+        for radius in [0.1, 0.5, 3.0, 40.0] {
+            let centre = DVec2::new(12.0, -7.0);
+            let circle = trace(&Shape::Circle { centre, radius }, &METRES);
+            assert!(chord_error(&circle, centre, radius) <= CHORD_ERROR_M + 2e-6, "{radius}");
+            let arc = Shape::Arc { centre, radius, start_rad: 0.3, end_rad: 0.3 + PI };
+            assert!(chord_error(&trace(&arc, &METRES), centre, radius) <= CHORD_ERROR_M + 2e-6);
+        }
+        let huge = trace(&Shape::Circle { centre: DVec2::ZERO, radius: 1e6 }, &METRES);
+        assert_eq!(huge.points.len(), CHORDS_PER_TURN_MAX);
+    }
+
+    #[test]
+    fn a_bulge_of_one_is_half_a_circle() {
+        let (a, b) = (DVec2::new(1.0, 0.0), DVec2::new(3.0, 0.0));
+        let (centre, radius, _, sweep) = bulge_arc(a, b, 1.0).unwrap();
+        assert!(centre.distance(DVec2::new(2.0, 0.0)) < 1e-12 && (radius - 1.0).abs() < 1e-12);
+        assert!((sweep - PI).abs() < 1e-12);
+        assert!(bulge_arc(a, b, 0.0).is_none() && bulge_arc(a, a, 1.0).is_none() && bulge_arc(a, b, f64::NAN).is_none());
+        let shape = |b: DVec2| Shape::Polyline {
+            vertices: vec![Vertex { at: a, bulge: 1.0 }, Vertex { at: b, bulge: 0.0 }],
+            closed: false,
+        };
+        let trace_a = trace(&shape(b), &METRES);
+        assert!(trace_a.points.iter().any(|p| p[1] < -990_000), "a positive bulge runs anticlockwise: below the chord");
+        let longer = trace_like(&shape(DVec2::new(9.0, 0.0)), &trace_a, &METRES);
+        assert_eq!((longer.points.len(), longer.control.len()), (trace_a.points.len(), trace_a.points.len()));
+        assert!(chord_error(&longer, DVec2::new(5.0, 0.0), 4.0) < 0.1);
+    }
+}

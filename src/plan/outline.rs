@@ -22,15 +22,13 @@ const WIDTH_CELLS_MAX: usize = 20_000;
 /// Marks the walls whose closed outline is solid.
 pub fn mark_solids(walls: &mut [Wall], markers: &Markers) {
     let probes: Vec<PointUm> = walls.iter().map(|w| w.trace.points[0]).collect();
-    for i in 0..walls.len() {
-        let trace = &walls[i].trace;
-        if !trace.is_closed || trace.points.len() < 3 {
+    for (i, wall) in walls.iter_mut().enumerate() {
+        if !wall.trace.is_closed || wall.trace.points.len() < 3 {
             continue;
         }
-        let ring = &trace.points;
-        let holds_wall =
-            probes.iter().enumerate().any(|(j, p)| j != i && side_of_ring(ring, *p) == Side::Inside);
-        walls[i].is_solid = !holds_wall && !markers.lies_in(ring) && is_thin_or_small(ring);
+        let ring = &wall.trace.points;
+        let holds_wall = probes.iter().enumerate().any(|(j, p)| j != i && side_of_ring(ring, *p) == Side::Inside);
+        wall.is_solid = !holds_wall && !markers.lies_in(ring) && is_thin_or_small(ring);
     }
 }
 

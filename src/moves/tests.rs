@@ -1,0 +1,233 @@
+//! Parameters move what they say, where they say, and nothing else.
+
+use glam::DVec2;
+
+use super::defaults::{self, PARAMETERS_MAX, PIECES_MAX, SHIFT_M, SLIDE_M, WALL_THICKNESS_MAX_M};
+use super::{Layout, Moves};
+use crate::plan::drawing::{Drawing, Editable, Entity, Format, Shape, SourceRef, Text, Unit, Vertex};
+use crate::plan::graph::Graph;
+use crate::plan::interior::Interior;
+use crate::plan::{Plan, PlanOptions, understand};
+use crate::report::Report;
+
+fn source(record: usize, layer: &str) -> SourceRef {
+    SourceRef { record, handle: None, line: record + 1, kind: "LINE".into(), layer: layer.into() }
+}
+
+fn drawing(unit: &'static str, metres: f64) -> Drawing {
+    Drawing {
+        file: "plan.dxf".into(),
+        format: Format::Dxf,
+        version: "AC1027 (R2013)".into(),
+        declared_unit: Some(Unit { name: unit, metres }),
+        declared_unit_words: "$INSUNITS".into(),
+        layers: Vec::new(),
+        entities: Vec::new(),
+        texts: Vec::new(),
+    }
+}
+
+impl Drawing {
+    fn add(&mut self, layer: &str, shape: Shape) -> &mut Entity {
+        let source = source(self.entities.len(), layer);
+        let entity = Entity { source, layer: layer.into(), shape, editable: Editable::Free, blocks: Vec::new() };
+        self.entities.push(entity);
+        self.entities.last_mut().unwrap()
+    }
+
+    fn line(&mut self, ax: f64, ay: f64, bx: f64, by: f64) {
+        self.add("WALLS", Shape::Line { a: DVec2::new(ax, ay), b: DVec2::new(bx, by) });
+    }
+
+    fn ring(&mut self, layer: &str, corners: &[[f64; 2]]) {
+        let vertices = corners.iter().map(|p| Vertex { at: DVec2::from(*p), bulge: 0.0 }).collect();
+        self.add(layer, Shape::Polyline { vertices, closed: true });
+    }
+
+    fn room(&mut self, w: f64, h: f64) {
+        self.ring("WALLS", &[[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]]);
+    }
+
+    fn group(&mut self, lo: [f64; 2], hi: [f64; 2], text: &str) {
+        self.ring("EF-MOVE", &[lo, [hi[0], lo[1]], hi, [lo[0], hi[1]]]);
+        let at = DVec2::from(lo).midpoint(DVec2::from(hi));
+        self.texts.push(Text { source: source(900, "EF-MOVE"), layer: "EF-MOVE".into(), at, text: text.into() });
+    }
+}
+
+fn marked(drawing: &Drawing) -> (Plan, Graph, Moves, Report) {
+    let mut report = Report::default();
+    let plan = understand(drawing, &PlanOptions::default(), &mut report).unwrap();
+    let graph = Graph::new(&plan);
+    let moves = Moves::from_markers(&plan, &graph, &mut report);
+    (plan, graph, moves, report)
+}
+
+fn by_default(drawing: &Drawing) -> (Plan, Graph, Moves) {
+    let mut report = Report::default();
+    let plan = understand(drawing, &PlanOptions::default(), &mut report).unwrap();
+    let graph = Graph::new(&plan);
+    let walls: Vec<_> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
+    let interior = Interior::new(&walls, plan.human_scale).unwrap();
+    let groups = defaults::groups(&plan, &graph, &interior, &mut report);
+    let moves = Moves::new(&plan, &graph, &groups, &mut report);
+    (plan, graph, moves)
+}
+
+fn line_of(layout: &Layout, i: usize) -> [f64; 4] {
+    match layout.walls[i].shape {
+        Shape::Line { a, b } => [a.x, a.y, b.x, b.y],
+        ref other => panic!("{other:?}"),
+    }
+}
+
+fn assert_near(found: [f64; 4], expected: [f64; 4]) {
+    let near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 2e-6);
+    assert!(near, "{found:?}, expected {expected:?}");
+}
+
+#[test]
+fn clauses_apply_in_order_and_units_are_converted() {
+    let mut d = drawing("mm", 0.001);
+    d.room(20_000.0, 10_000.0);
+    d.line(4_000.0, 4_000.0, 6_000.0, 4_000.0);
+    d.group([3_000.0, 3_000.0], [7_000.0, 5_000.0], "x -1500 2m; y -1 1; rotate -90 90; name screen");
+    let (plan, graph, moves, report) = marked(&d);
+    assert_eq!(moves.bounds(), [[-1.5, 2.0], [-1.0, 1.0], [-90.0, 90.0]]);
+    let units: Vec<&str> = moves.parameters.iter().map(|p| p.clause.unit.as_str()).collect();
+    assert_eq!(units, ["m", "mm", "deg"]);
+    assert_eq!(moves.parameters[0].group_name, "screen");
+    let layout = moves.apply(&plan, &graph, &[1.0, 0.0, 90.0]);
+    assert_near(line_of(&layout, 0), [6_000.0, 3_000.0, 6_000.0, 5_000.0]);
+    assert!(!report.is_degraded());
+}
+
+#[test]
+fn the_identity_changes_nothing_to_the_bit() {
+    let mut d = drawing("in", 0.0254);
+    d.room(800.0, 400.0);
+    d.line(100.123456789, 100.0, 200.0, 133.3333333333);
+    d.group([90.0, 90.0], [210.0, 140.0], "x -10 10; rotate -15 15; scale 0.5 2");
+    let (plan, graph, moves, _) = marked(&d);
+    let layout = moves.apply(&plan, &graph, &moves.identity());
+    assert!(layout.walls.iter().all(|w| !w.is_changed));
+    assert_eq!(layout.walls[0].shape, plan.walls[1].shape);
+    let far = moves.apply(&plan, &graph, &[3.0, 0.0, 1.0]);
+    let traced = &far.walls[0].trace.points;
+    let again: Vec<_> = crate::plan::curve::trace(&far.walls[0].shape, &plan.frame).points;
+    assert_eq!(traced, &again, "what is searched is what is written");
+}
+
+#[test]
+fn an_end_moves_and_the_wall_stretches() {
+    let mut d = drawing("m", 1.0);
+    d.room(20.0, 10.0);
+    d.line(5.0, 0.0, 5.0, 6.0);
+    d.group([4.5, 5.5], [5.5, 6.5], "along 90 -1 2");
+    let (plan, graph, moves, _) = marked(&d);
+    assert_near(line_of(&moves.apply(&plan, &graph, &[2.0]), 0), [5.0, 0.0, 5.0, 8.0]);
+}
+
+#[test]
+fn nodes_that_meet_move_together_and_keep_holds() {
+    let mut d = drawing("m", 1.0);
+    d.room(20.0, 10.0);
+    d.line(5.0, 2.0, 8.0, 2.0);
+    d.line(8.0, 2.0000005, 8.0, 6.0);
+    d.line(12.0, 2.0, 12.0, 6.0);
+    d.ring("EF-KEEP", &[[11.0, 1.0], [13.0, 1.0], [13.0, 7.0], [11.0, 7.0]]);
+    d.group([7.0, 1.5], [12.5, 2.5], "x -1 1");
+    let (plan, graph, moves, _) = marked(&d);
+    let layout = moves.apply(&plan, &graph, &[1.0]);
+    assert_eq!(layout.walls.len(), 2, "the kept wall is no part of it");
+    assert_near(line_of(&layout, 0), [5.0, 2.0, 9.0, 2.0]);
+    assert_near(line_of(&layout, 1), [9.0, 2.0, 8.0, 6.0]);
+}
+
+#[test]
+fn what_cannot_be_written_back_stays_with_its_reason() {
+    let mut d = drawing("m", 1.0);
+    d.room(20.0, 10.0);
+    d.add("WALLS", Shape::Arc { centre: DVec2::new(10.0, 5.0), radius: 1.0, start_rad: 0.0, end_rad: 3.0 });
+    d.add("WALLS", Shape::Circle { centre: DVec2::new(15.0, 5.0), radius: 0.3 }).editable = Editable::No("it is a spline".into());
+    d.group([10.5, 4.5], [15.5, 5.5], "x -1 1");
+    let (_, _, moves, report) = marked(&d);
+    assert!(moves.parameters.is_empty());
+    let said: String = report.problems.iter().map(|p| format!("{p}\n")).collect();
+    assert!(said.contains("an arc moves only as a whole") && said.contains("it is a spline"), "{said}");
+}
+
+#[test]
+fn an_arc_moves_as_a_whole() {
+    let mut d = drawing("m", 1.0);
+    d.room(20.0, 10.0);
+    d.add("WALLS", Shape::Arc { centre: DVec2::new(10.0, 5.0), radius: 1.0, start_rad: 0.0, end_rad: 3.0 });
+    d.group([8.0, 3.0], [12.0, 7.0], "x -1 1; rotate -90 90 about 10,5");
+    let (plan, graph, moves, _) = marked(&d);
+    let layout = moves.apply(&plan, &graph, &[1.0, 90.0]);
+    let Shape::Arc { centre, radius, start_rad, .. } = layout.walls[0].shape else { panic!() };
+    assert!(centre.distance(DVec2::new(10.0, 6.0)) < 2e-6 && radius == 1.0);
+    assert!((start_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+}
+
+#[test]
+fn bad_clauses_are_named_and_the_rest_is_used() {
+    for (text, part) in [
+        ("x 1 2; y -1 1", "leave out 0"),
+        ("x 1 -1; y -1 1", "lower bound first"),
+        ("x -1cubits 1; y -1 1", "cubits"),
+        ("wobble; y -1 1", "expected `x LOW HIGH`"),
+        ("scale -1 2; y -1 1", "above 0"),
+        ("rotate -5 5 around 1,2; y -1 1", "about X,Y"),
+    ] {
+        let mut d = drawing("m", 1.0);
+        d.room(20.0, 10.0);
+        d.line(5.0, 5.0, 8.0, 5.0);
+        d.group([4.0, 4.0], [9.0, 6.0], text);
+        let (_, _, moves, report) = marked(&d);
+        assert_eq!(moves.parameters.len(), 1, "{text}");
+        let said: String = report.problems.iter().map(|p| format!("{p}\n")).collect();
+        assert!(said.contains(part) && said.contains("plan.dxf:901"), "{text}: {said}");
+    }
+}
+
+#[test]
+fn free_standing_walls_and_doors_move_by_default() {
+    let mut d = drawing("m", 1.0);
+    d.room(20.0, 10.0);
+    d.line(10.0, 0.0, 10.0, 4.0);
+    d.line(10.0, 5.0, 10.0, 10.0);
+    d.line(4.0, 4.0, 6.0, 4.0);
+    d.line(4.0, 4.0 + WALL_THICKNESS_MAX_M / 3.0, 6.0, 4.0 + WALL_THICKNESS_MAX_M / 3.0);
+    let (_, _, moves) = by_default(&d);
+    let names: Vec<String> =
+        moves.parameters.iter().map(|p| format!("{} {}", p.group_name, p.clause.kind.name())).collect();
+    assert_eq!(names, ["element-1 x", "element-1 y", "element-1 rotate", "door-1 y"]);
+    assert_eq!(moves.bounds()[0], [-SHIFT_M, SHIFT_M]);
+    assert_eq!(moves.bounds()[3], [-SLIDE_M, SLIDE_M]);
+    assert_eq!(moves.groups[0].handles.len(), 4, "both faces of the wall move together");
+}
+
+#[test]
+fn the_shell_and_rooms_stay_by_default() {
+    let mut d = drawing("m", 1.0);
+    d.room(20.0, 10.0);
+    d.ring("WALLS", &[[5.0, 3.0], [9.0, 3.0], [9.0, 7.0], [5.0, 7.0]]);
+    d.line(0.0, 8.0, 3.0, 8.0);
+    assert!(by_default(&d).2.parameters.is_empty());
+}
+
+#[test]
+fn default_moves_are_few() {
+    let mut d = drawing("m", 1.0);
+    d.room(100.0, 100.0);
+    for i in 0..20 {
+        let x = 5.0 + 4.5 * f64::from(i);
+        d.line(x, 40.0, x, 42.0);
+    }
+    assert_eq!(by_default(&d).2.parameters.len(), PARAMETERS_MAX);
+    for i in 0..=PIECES_MAX {
+        d.line(50.0, 50.0, 50.0 + i as f64 * 1e-4, 51.0);
+    }
+    assert!(by_default(&d).2.parameters.is_empty(), "too many pieces to look at pairwise");
+}
