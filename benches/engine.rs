@@ -3,6 +3,8 @@
 //! `cargo bench --bench engine [-- FILTER]`. Plans come from `../shared/reference` (or the folder named
 //! by ENFILADE_SHARED) where it is there, otherwise from the generator below.
 
+#![allow(clippy::expect_used)]
+
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,7 +18,7 @@ use rayon::prelude::*;
 use rustix::time::{ClockId, clock_gettime};
 
 /// Plans up to this size are also measured with the baseline.
-const BASELINE_LIMIT: usize = 1_000;
+const BASELINE_LIMIT: usize = 3_000;
 
 fn main() {
     let filter: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
@@ -72,7 +74,13 @@ fn plan_row(name: &str, metres: i64, spacing_um: i64) {
     }
 }
 
-fn baseline_row(lattice: &Lattice, obstacles: &Obstacles, graph: &Graph, tally: &enfilade::analysis::Tally, ours: f64) {
+fn baseline_row(
+    lattice: &Lattice,
+    obstacles: &Obstacles,
+    graph: &Graph,
+    tally: &enfilade::analysis::Tally,
+    ours: f64,
+) {
     let (secs, (lists, levels)) = median(&pool(1), 1, || {
         let lists = baseline_graph(lattice, obstacles);
         let levels = baseline_levels(&lists);
@@ -161,6 +169,9 @@ fn evaluation_row() {
 
 type Ring = Vec<[i64; 2]>;
 
+/// A layer's name and something drawn on it.
+type OnLayer<T> = (String, T);
+
 /// The reference gallery: walls inside a move box shift together.
 struct Gallery {
     fixed: Vec<Segment>,
@@ -175,8 +186,13 @@ impl Gallery {
         let (lines, rings) = entities(text);
         let of = |layer: &str| rings.iter().filter(|r| r.0 == layer).map(|r| r.1.clone()).collect::<Vec<_>>();
         let boxes = of("EF-MOVE");
-        let mut new =
-            Self { fixed: vec![], moving: vec![], group: vec![], query: of("EF-QUERY"), reference: of("EF-REFERENCE") };
+        let mut new = Self {
+            fixed: vec![],
+            moving: vec![],
+            group: vec![],
+            query: of("EF-QUERY"),
+            reference: of("EF-REFERENCE"),
+        };
         for (layer, wall) in lines {
             let holder = boxes.iter().position(|b| inside(b, wall.a) && inside(b, wall.b));
             match holder {
@@ -263,7 +279,7 @@ fn shared_walls(path: &str) -> Option<Vec<Segment>> {
 }
 
 /// LINEs and LWPOLYLINEs with their layers, of a drawing in metres.
-fn entities(text: &str) -> (Vec<(String, Segment)>, Vec<(String, Ring)>) {
+fn entities(text: &str) -> (Vec<OnLayer<Segment>>, Vec<OnLayer<Ring>>) {
     let tags: Vec<&str> = text.lines().map(str::trim).collect();
     let um = |v: &str| (v.parse::<f64>().expect("a number") * 1e6).round() as i64;
     let (mut lines, mut rings) = (vec![], Vec::<(String, Ring)>::new());
