@@ -3,6 +3,8 @@
 //! `cargo bench --bench engine [-- FILTER]`. Plans come from `../shared/reference` (or the folder named
 //! by ENFILADE_SHARED) where it is there, otherwise from the generator below.
 
+#![allow(clippy::expect_used)]
+
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,7 +18,7 @@ use rayon::prelude::*;
 use rustix::time::{ClockId, clock_gettime};
 
 /// Plans up to this size are also measured with the baseline.
-const BASELINE_LIMIT: usize = 1_000;
+const BASELINE_LIMIT: usize = 3_000;
 
 fn main() {
     let filter: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
@@ -167,6 +169,9 @@ fn evaluation_row() {
 
 type Ring = Vec<[i64; 2]>;
 
+/// A layer's name and something drawn on it.
+type OnLayer<T> = (String, T);
+
 /// The reference gallery: walls inside a move box shift together.
 struct Gallery {
     fixed: Vec<Segment>,
@@ -274,7 +279,7 @@ fn shared_walls(path: &str) -> Option<Vec<Segment>> {
 }
 
 /// LINEs and LWPOLYLINEs with their layers, of a drawing in metres.
-fn entities(text: &str) -> (Vec<(String, Segment)>, Vec<(String, Ring)>) {
+fn entities(text: &str) -> (Vec<OnLayer<Segment>>, Vec<OnLayer<Ring>>) {
     let tags: Vec<&str> = text.lines().map(str::trim).collect();
     let um = |v: &str| (v.parse::<f64>().expect("a number") * 1e6).round() as i64;
     let (mut lines, mut rings) = (vec![], Vec::<(String, Ring)>::new());

@@ -140,7 +140,7 @@ fn nearest(x: f64) -> f64 {
 /// The first whole number above `x`, which is not whole, clamped to `0..=64`.
 #[inline(always)]
 fn whole_above(x: f64) -> u64 {
-    (x.max(-0.4).min(63.5) + 0.5 + WHOLE_BITS).to_bits() & 127
+    (x.clamp(-0.4, 63.5) + 0.5 + WHOLE_BITS).to_bits() & 127
 }
 
 /// All bits from `first` on; none for 64.
@@ -161,8 +161,7 @@ impl Dense {
         let stride = (size[0] * size[1]).div_ceil(LANES);
         let local = |v: usize| graph.tiles.local(lattice.cells[v]);
         let at = |v: usize| axes.map(|k| local(v)[k]);
-        let cell_of: Vec<u32> =
-            (0..graph.len()).map(|v| (at(v)[1] * size[0] + at(v)[0]) as u32).collect();
+        let cell_of: Vec<u32> = (0..graph.len()).map(|v| (at(v)[1] * size[0] + at(v)[0]) as u32).collect();
         let low = [0, 1].map(|k| lattice.origin_um[k] + graph.tiles.min_cell[k] * lattice.spacing_um);
         let mut new = Self {
             path: Path::best(),

@@ -90,7 +90,8 @@ mod tests {
 
     /// Wall ends on halves of a cell of 12 µm, now and then a micrometre beside them.
     fn segments(most: usize) -> impl Strategy<Value = Vec<Segment>> {
-        let ordinate = (-3i64..54, 0..8u8, -1i64..2).prop_map(|(k, odd, off)| k * 6 + if odd == 0 { off } else { 0 });
+        let ordinate =
+            (-3i64..54, 0..8u8, -1i64..2).prop_map(|(k, odd, off)| k * 6 + if odd == 0 { off } else { 0 });
         let point = [ordinate.clone(), ordinate];
         let segment = (point.clone(), point, 0..4u8).prop_map(|(a, b, kind)| match kind {
             0 => Segment { a, b: [b[0], a[1]] },
@@ -143,7 +144,8 @@ mod tests {
         assert_eq!(tally.degree.len(), lattice.cells.len());
         let small = Arc::new(fixtures::lattice(10, [0, 0], vec![[0, 0], [3, 0], [0, 4]]));
         let evaluator = Evaluator::new(small, &[], &wall(55));
-        let far = Obstacles { segments: vec![Segment { a: [-(1 << 60), 5], b: [1 << 60, 5] }], blind: vec![] };
+        let far =
+            Obstacles { segments: vec![Segment { a: [-(1 << 60), 5], b: [1 << 60, 5] }], blind: vec![] };
         let tally = evaluator.evaluate(&far, &mut evaluator.scratch());
         assert_eq!((tally.depth, tally.disconnected), (vec![1, 0, 1], 4));
     }

@@ -58,8 +58,11 @@ pub fn lattice(spacing_um: i64, origin_um: [i64; 2], mut cells: Vec<[i32; 2]>) -
     }
 }
 
+/// Numbers of a table.
+type Rows = Vec<Vec<f64>>;
+
 /// depthmapX's 900 cells, its walls, and its table.
-pub fn n900() -> Option<(Lattice, Obstacles, Vec<String>, Vec<Vec<f64>>)> {
+pub fn n900() -> Option<(Lattice, Obstacles, Vec<String>, Rows)> {
     let folder = reference()?.join("depthmapx-n900");
     let read = |name| std::fs::read_to_string(folder.join(name)).unwrap();
     let (header, rows) = csv(&read("cells.csv"));

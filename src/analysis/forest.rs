@@ -1,12 +1,13 @@
 //! Stages "frontier" and "levels": the breadth-first forest of all query vertices, as level counts.
 
+use std::collections::VecDeque;
 use std::sync::Mutex;
 
 use rayon::prelude::*;
 
 use super::graph::Graph;
-use super::lanes::Path;
 use super::lanes::LANES;
+use super::lanes::Path;
 use super::relays::Relays;
 use super::wave::Wave;
 use super::{Lattice, Tally};
@@ -18,9 +19,7 @@ pub(super) fn level_counts(graph: &Graph, roots: &[u32], max_level: u32) -> Vec<
 
 fn level_counts_by(path: Path, graph: &Graph, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
     let relays = Relays::new(graph);
-    let mut order: Vec<(u32, u32)> =
-        roots.iter().enumerate().map(|(i, &v)| (graph.tiles.rank_of[v as usize], i as u32)).collect();
-    order.sort_unstable();
+    let order = walking_order(graph, roots);
     // One wave a thread, whatever way the batches are handed out.
     let idle = Mutex::new(Vec::new());
     let walk = |batch: &[(u32, u32)]| {
@@ -39,6 +38,71 @@ fn level_counts_by(path: Path, graph: &Graph, roots: &[u32], max_level: u32) -> 
         levels[i as usize] = counts;
     }
     levels
+}
+
+/// How many of the roots reach each rank on level 1, 2, …, level by level.
+pub(super) fn level_counts_by_rank(graph: &Graph, roots: &[u32]) -> Vec<Vec<u32>> {
+    let relays = Relays::new(graph);
+    let ranks: Vec<u32> = walking_order(graph, roots).into_iter().map(|r| r.0).collect();
+    let batches: Vec<&[u32]> = ranks.chunks(LANES).collect();
+    // One share of the batches a thread: each share holds counts for every rank.
+    let share = batches.len().div_ceil(rayon::current_num_threads()).max(1);
+    let count = |batches: &[&[u32]]| {
+        let mut wave = Wave::new(&relays, Path::best());
+        let mut levels = Vec::new();
+        batches.iter().for_each(|batch| wave.levels_by_rank(batch, &mut levels));
+        levels
+    };
+    let add = |mut a: Vec<Vec<u32>>, mut b: Vec<Vec<u32>>| {
+        if a.len() < b.len() {
+            std::mem::swap(&mut a, &mut b);
+        }
+        for (a, b) in a.iter_mut().zip(b) {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        }
+        a
+    };
+    batches.par_chunks(share).map(count).reduce(Vec::new, add)
+}
+
+/// Roots as (rank, place in `roots`), those within a short walk of each other next to each other: their
+/// waves arrive together, so that a vertex is visited on fewer levels.
+fn walking_order(graph: &Graph, roots: &[u32]) -> Vec<(u32, u32)> {
+    let mut place = vec![u32::MAX; graph.len()];
+    for (i, &v) in roots.iter().enumerate() {
+        place[graph.tiles.rank_of[v as usize] as usize] = i as u32;
+    }
+    let mut order = Vec::with_capacity(roots.len());
+    let mut is_met = vec![false; graph.len()];
+    let mut queue = VecDeque::new();
+    // Met when a batch was full, but not walked: the next batches start there.
+    let mut border = VecDeque::new();
+    let mut all = 0..graph.len() as u32;
+    while let Some(seed) = border.pop_front().or_else(|| all.next()) {
+        if std::mem::replace(&mut is_met[seed as usize], true) {
+            continue;
+        }
+        queue.push_back(seed);
+        let full = (order.len() / LANES + 1) * LANES;
+        while let Some(at) = queue.pop_front() {
+            if place[at as usize] != u32::MAX {
+                order.push((at, place[at as usize]));
+            }
+            graph.for_each_beside(at as usize, |to| {
+                if !std::mem::replace(&mut is_met[to], true) {
+                    queue.push_back(to as u32);
+                }
+            });
+            if order.len() == full {
+                break;
+            }
+        }
+        for rank in queue.drain(..) {
+            is_met[rank as usize] = false;
+            border.push_back(rank);
+        }
+    }
+    order
 }
 
 /// Levels, degrees and cut-off vertices of the query region. Breadth-first trees run over all of `V`.

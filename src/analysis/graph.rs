@@ -124,6 +124,7 @@ impl Graph {
     }
 
     /// Tiles and masks of the row of a rank.
+    #[inline(always)]
     pub(super) fn row(&self, rank: usize) -> (&[u32], &[u64]) {
         let range = self.start[rank]..self.start[rank + 1];
         (&self.entry_tile[range.clone()], &self.entry_mask[range])
@@ -133,6 +134,21 @@ impl Graph {
         let (tiles, masks) = self.row(rank);
         for (&t, &mask) in tiles.iter().zip(masks) {
             for_each_bit(mask, |bit| visit(self.tiles.rank(t, bit)));
+        }
+    }
+
+    /// Calls `visit` with those of the four cells beside a rank that it sees.
+    pub(super) fn for_each_beside(&self, rank: usize, mut visit: impl FnMut(usize)) {
+        let (tile, bit) = self.tiles.slot_of[rank];
+        let (tiles, masks) = self.row(rank);
+        let [column, row] = self.tiles.tile_at[tile as usize];
+        let (c, r) = (i64::from(column) * 8 + i64::from(bit & 7), i64::from(row) * 8 + i64::from(bit >> 3));
+        for (c, r) in [(c - 1, r), (c, r - 1), (c, r + 1), (c + 1, r)] {
+            let Some(tile) = self.tiles.tile_with([c, r]) else { continue };
+            let bit = ((r & 7) << 3 | (c & 7)) as u32;
+            if tiles.binary_search(&tile).is_ok_and(|at| masks[at] >> bit & 1 == 1) {
+                visit(self.tiles.rank(tile, bit));
+            }
         }
     }
 

@@ -50,8 +50,7 @@ pub fn isovist_columns(lattice: &Lattice, obstacles: &Obstacles) -> Vec<Column> 
     let row = |view: &mut View, v: usize| {
         if sees[v] { view.measures(&tree, centres[v]) } else { [UNDEFINED; 8] }
     };
-    let rows: Vec<[f64; 8]> =
-        (0..centres.len()).into_par_iter().map_init(View::default, row).collect();
+    let rows: Vec<[f64; 8]> = (0..centres.len()).into_par_iter().map_init(View::default, row).collect();
     transpose(names.map(String::from), &rows)
 }
 

@@ -51,3 +51,25 @@ fn means_add_up() {
     assert_eq!(means.degree_all * 900.0, 2.0 * graph.edge_count() as f64);
     assert_eq!(tally.levels.len() as u32, tally.depth.iter().sum::<u32>());
 }
+
+/// A sample of everything is the whole; a smaller one is near it, as often as its interval says.
+#[test]
+fn sampled_roots_estimate_the_whole() {
+    let Some((lattice, obstacles, ..)) = fixtures::n900() else { return };
+    let graph = visibility::visibility_graph(&lattice, &obstacles);
+    let exact = global_columns(&graph, None);
+    let whole = sampled_columns(&graph, 900, 1);
+    for (a, b) in exact.iter().zip(&whole) {
+        assert_eq!(a.name, b.name);
+        for (x, y) in a.values.iter().zip(&b.values) {
+            assert!((x - y).abs() <= 1e-12 * x.abs(), "{}: {x} {y}", a.name);
+        }
+    }
+    assert!(whole[7].values.iter().all(|w| *w == 0.0));
+    let part = sampled_columns(&graph, 150, 1);
+    assert_eq!(part, sampled_columns(&graph, 150, 1));
+    let depth = |c: &[Column]| c.iter().find(|c| c.name == "Visual Mean Depth").unwrap().values.clone();
+    let (true_depth, guess) = (depth(&exact), depth(&part));
+    let within = (0..900).filter(|&v| (true_depth[v] - guess[v]).abs() <= part[7].values[v]).count();
+    assert!(within >= 700, "{within} of 900");
+}

@@ -60,15 +60,16 @@ impl<'a> Paths<'a> {
         let row = |walk: &mut Walk, v: usize| {
             let root = self.graph.tiles.rank_of[v];
             walk.metric(self, &[root], self.radius(radius_m));
-            let mut sums = [0.0; 3];
+            let mut sums = [0f32; 3];
             for &rank in &walk.done {
                 let i = rank as usize;
-                sums[0] += f64::from(walk.angle[i]);
-                sums[1] += f64::from(walk.cost[i]) * self.spacing_m();
-                sums[2] += self.cells_apart(root, rank) * self.spacing_m();
+                sums[0] += walk.angle[i];
+                sums[1] += (f64::from(walk.cost[i]) * self.spacing_m()) as f32;
+                sums[2] += (self.cells_apart(root, rank) * self.spacing_m()) as f32;
             }
             let n = walk.done.len() as f64;
-            [sums[0] / n, sums[1] / n, sums[2] / n, n]
+            let [angle, length, straight] = sums.map(|sum| f64::from(sum) / n);
+            [angle, length, straight, n]
         };
         self.all(names, radius_m, row)
     }
@@ -79,7 +80,7 @@ impl<'a> Paths<'a> {
         let names = ["Angular Mean Depth", "Angular Node Count", "Angular Total Depth"];
         let row = |walk: &mut Walk, v: usize| {
             walk.angular(self, &[self.graph.tiles.rank_of[v]], radius.unwrap_or(f64::INFINITY));
-            let total: f64 = walk.done.iter().map(|&rank| f64::from(walk.cost[rank as usize])).sum();
+            let total = f64::from(walk.done.iter().map(|&rank| walk.cost[rank as usize]).sum::<f32>());
             let n = walk.done.len() as f64;
             [total / n, n, total]
         };
@@ -315,28 +316,32 @@ mod tests {
     use super::*;
     use crate::plan::geometry::Segment;
 
+    /// Lengths, counts and angular depth agree to the last digits of float32. The angle turned along
+    /// the metric path depends on which of several equally short paths is taken, which the
+    /// reference does not tell: those means agree to 3 %, and over all vertices to 0.1 %.
     #[test]
-    fn compare_with_depthmapx() {
+    fn paths_equal_depthmapx() {
         let Some((lattice, obstacles, header, rows)) = fixtures::n900() else { return };
         let graph = visibility::visibility_graph(&lattice, &obstacles);
         let paths = Paths::new(&lattice, &graph, &obstacles, Turning::AtWalls);
         let seed = rows.iter().position(|r| r[0] == 131_074.0).unwrap() as u32;
         let mut columns = paths.metric_columns(None);
         columns.extend(paths.angular_columns(None));
-        columns.extend(paths.step_columns(&[seed]));
+        columns.push(paths.step_columns(&[seed]).remove(0));
+        assert_eq!(columns.len(), 8);
         for column in columns {
-            let Some(k) = header.iter().position(|h| *h == column.name) else { continue };
-            let mut worst = (0.0, 0);
-            let mut off = 0;
+            let k = header.iter().position(|h| *h == column.name).unwrap();
+            let limit = if column.name.ends_with("Shortest-Path Angle") { 3e-2 } else { 1e-6 };
+            let (mut ours_sum, mut theirs_sum) = (0.0, 0.0);
             for (v, row) in rows.iter().enumerate() {
                 let (ours, theirs) = (column.values[v], row[k]);
                 let error = (ours - theirs).abs() / theirs.abs().max(1e-3);
-                off += usize::from(error > 1e-5);
-                if error > worst.0 {
-                    worst = (error, v);
-                }
+                assert!(error <= limit, "{} of {}: {ours} {theirs}", column.name, row[0]);
+                ours_sum += ours;
+                theirs_sum += theirs;
             }
-            eprintln!("{} worst {} at {:?}: {} {} off {off}", column.name, worst.0, lattice.cells[worst.1], column.values[worst.1], rows[worst.1][k]);
+            let error: f64 = ours_sum / theirs_sum - 1.0;
+            assert!(error.abs() < 1e-3, "{}: {error}", column.name);
         }
     }
 

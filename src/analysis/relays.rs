@@ -84,7 +84,14 @@ impl<'a> Relays<'a> {
         new
     }
 
-    fn add_group(&mut self, t: usize, group: u64, active: &[u64], common: &mut Common, lists: &mut [Vec<u32>]) {
+    fn add_group(
+        &mut self,
+        t: usize,
+        group: u64,
+        active: &[u64],
+        common: &mut Common,
+        lists: &mut [Vec<u32>],
+    ) {
         let graph = self.graph;
         let members = group.count_ones();
         let rank_of = |bit: u32| graph.tiles.rank(t as u32, bit);

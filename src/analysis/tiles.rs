@@ -68,9 +68,20 @@ impl Tiles {
     }
 
     /// Rank of the vertex at a bit of a tile, which must be occupied.
+    #[inline(always)]
     pub fn rank(&self, tile: u32, bit: u32) -> usize {
         let before = self.occupied[tile as usize] & ((1u64 << bit) - 1);
         self.first_rank[tile as usize] as usize + before.count_ones() as usize
+    }
+
+    /// The tile that holds a cell of the box, if any vertex lies in it and the box is tabulated.
+    pub fn tile_with(&self, [column, row]: [i64; 2]) -> Option<u32> {
+        let [tw, th] = self.size_tiles;
+        if column < 0 || row < 0 || column as usize >= tw * 8 || row as usize >= th * 8 {
+            return None;
+        }
+        let tile = *self.grid.get((row as usize >> 3) * tw + (column as usize >> 3))?;
+        (tile != NO_TILE).then_some(tile)
     }
 
     fn number(&mut self, cells: &[[i32; 2]]) {

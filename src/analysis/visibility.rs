@@ -152,6 +152,23 @@ impl<'a> Sweep<'a> {
     }
 
     fn chunk(&mut self, ranks: std::ops::Range<usize>) -> RowChunk {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("popcnt") && is_x86_feature_detected!("bmi1") {
+            // SAFETY: the processor has just been asked.
+            #[allow(unsafe_code)]
+            return unsafe { self.chunk_bits(ranks) };
+        }
+        self.chunk_in(ranks)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "popcnt,bmi1")]
+    fn chunk_bits(&mut self, ranks: std::ops::Range<usize>) -> RowChunk {
+        self.chunk_in(ranks)
+    }
+
+    #[inline(always)]
+    fn chunk_in(&mut self, ranks: std::ops::Range<usize>) -> RowChunk {
         let mut chunk = RowChunk::default();
         for rank in ranks {
             let (tile, bit) = self.tiles.slot_of[rank];
@@ -178,6 +195,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Moves what was seen into a row of the graph and clears the buffers.
+    #[inline(always)]
     fn collect(&mut self, tile: u32, bit: u8, chunk: &mut RowChunk) {
         self.seen[tile as usize] &= !(1 << bit);
         let mut entries = 0;
@@ -438,11 +456,11 @@ impl<'a> Sweep<'a> {
     fn mark(&mut self, row: usize, first: usize, last: usize) {
         let tiles = &self.tiles.grid[(row >> 3) * self.tiles.size_tiles[0]..][..self.tiles.size_tiles[0]];
         let shift = (row & 7) * 8;
-        for column in first >> 3..=last >> 3 {
+        for (column, &tile) in tiles.iter().enumerate().take((last >> 3) + 1).skip(first >> 3) {
             let from = first.saturating_sub(column * 8);
             let to = (last - column * 8).min(7);
             let bits = (0xffu64 >> (7 - to)) & (0xff << from);
-            let tile = if tiles[column] == NO_TILE { self.seen.len() - 1 } else { tiles[column] as usize };
+            let tile = if tile == NO_TILE { self.seen.len() - 1 } else { tile as usize };
             self.seen[tile] |= bits << shift;
             self.touched[tile >> 6] |= 1 << (tile & 63);
         }

@@ -86,6 +86,28 @@ impl<'a> Wave<'a> {
         levels
     }
 
+    /// For every rank, how many of the roots reach it on level 1, 2, …: added to `levels`, which grows.
+    pub fn levels_by_rank(&mut self, roots: &[u32], levels: &mut Vec<Vec<u32>>) {
+        self.begin(roots);
+        for level in 0.. {
+            let any = if level == 0 { self.settle() } else { self.step() };
+            if !any {
+                break;
+            }
+            if levels.len() == level {
+                levels.push(vec![0; self.relays.graph.len()]);
+            }
+            for (t, &changed) in self.changed.iter().enumerate() {
+                for_each_bit(changed, |bit| {
+                    let lanes = &self.front[t * BLOCK + bit as usize].0;
+                    let rank = self.relays.graph.tiles.rank(t as u32, bit);
+                    levels[level][rank] += lanes.iter().map(|w| w.count_ones()).sum::<u32>();
+                });
+            }
+            self.grow_reach();
+        }
+    }
+
     /// Level 1, straight from the rows of the roots, into the cells of `front`.
     fn begin(&mut self, roots: &[u32]) {
         let relays = self.relays;
