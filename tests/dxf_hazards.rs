@@ -95,6 +95,7 @@ fn entities_that_cannot_be_trusted_are_left_out_by_name() {
         ("8 NaN", "0|LINE|5|2F4|8|W|10|nan|20|0|11|1|21|1".into(), format!("dxf-bad-coordinate Warning plan.dxf:39 LINE 2F4 layer W: its coordinates, found NaN 0, {limit}; {kept}")),
         ("8 C NaN", "0|LINE|5|2F4|8|W|10|-1.#IND|20|0|11|1|21|1".into(), format!("dxf-bad-coordinate Warning plan.dxf:39 LINE 2F4 layer W: its coordinates, found NaN 0, {limit}; {kept}")),
         ("8 infinite", "0|CIRCLE|5|2F4|8|W|10|1e999|20|0|40|1".into(), format!("dxf-bad-coordinate Warning plan.dxf:39 CIRCLE 2F4 layer W: its coordinates, found inf 0, {limit}; {kept}")),
+        ("8 NaN in a curve", "0|ELLIPSE|5|2F4|8|W|10|nan|20|0|11|1|21|0|40|0.5".into(), format!("dxf-bad-coordinate Warning plan.dxf:39 ELLIPSE 2F4 layer W: its coordinates, found NaN 0, {limit}; {kept}")),
         ("9 huge", "0|LINE|5|2F4|8|W|10|0|20|0|11|2e12|21|1".into(), format!("dxf-bad-coordinate Warning plan.dxf:39 LINE 2F4 layer W: its coordinates, found 2000000000000 1, {limit}; {kept}")),
         ("13 negative array", "0|INSERT|5|2F4|8|W|2|B|10|0|20|0|70|-5".into(), "dxf-bad-array Warning plan.dxf:39 INSERT 2F4 layer W: its columns and rows, found -5 and 1, expected 1 or more; left out".into()),
         ("17 missing block", "0|INSERT|5|2F4|8|W|2|NONE|10|0|20|0".into(), "dxf-missing-block Warning plan.dxf:39 INSERT 2F4 layer W: block NONE, found no such block; the INSERT shows nothing, kept in the file".into()),

@@ -23,7 +23,8 @@ const CURVE_TOLERANCE_FINE: f64 = 1e-5;
 /// Allowed deviation, drawing units, of a curve of this size when 5 mm are `five_mm` drawing units.
 pub(super) fn tolerance(size: f64, five_mm: Option<f64>) -> f64 {
     let coarse = size * CURVE_TOLERANCE_COARSE;
-    five_mm.unwrap_or(coarse).clamp(size * CURVE_TOLERANCE_FINE, coarse)
+    // Not clamp, which panics where a size is NaN.
+    five_mm.unwrap_or(coarse).max(size * CURVE_TOLERANCE_FINE).min(coarse)
 }
 
 /// The direction of an extrusion vector of any finite length, +z for a zero one.

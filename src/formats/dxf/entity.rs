@@ -257,7 +257,8 @@ impl<'a> Reader<'a, '_> {
             self.planar(shape, self.extrusion(fields)?, elevation)
         };
         if is_fitted && let Body::Shape(_, editable) = &mut body {
-            let moves = *editable == Editable::Free && fields.pair(230).is_none();
+            let moves = *editable == Editable::Free
+                && [210, 220, 230].iter().all(|&code| fields.pair(code).is_none());
             *editable = if moves {
                 Editable::WithInsert { turnable: can_turn }
             } else {

@@ -236,7 +236,7 @@ impl Editor<'_, '_> {
         let index = fields.index(code);
         let old = index.map_or(Ok(default_deg), |i| self.number(i))?;
         let difference = (new_deg - old).rem_euclid(360.0);
-        if difference.min(360.0 - difference) <= NOISE_DEG {
+        if difference.min(360.0 - difference) <= NOISE_DEG.max(NOISE_STEPS * f64::EPSILON * old.abs()) {
             return Ok(());
         }
         let index = index.ok_or_else(|| self.fault("it has no value for the angle that must change"))?;
@@ -341,8 +341,8 @@ impl Editor<'_, '_> {
             b"ELLIPSE" => self.rigid(record, motion, &[10], &[11]),
             b"POLYLINE" => {
                 let fields = Fields::of(self.tokens, record);
-                if fields.index(210).is_some() && self.is_mirrored(&fields)? {
-                    return Err(self.fault("it is a fitted curve in a plane turned over"));
+                if [210, 220, 230].iter().any(|&code| fields.index(code).is_some()) {
+                    return Err(self.fault("it is a fitted curve in a plane of its own"));
                 }
                 let (vertices, _, _) = polyline_records(self.tokens, record);
                 vertices.into_iter().try_for_each(|vertex| self.rigid(vertex, motion, &[10], &[]))
@@ -362,9 +362,12 @@ impl Editor<'_, '_> {
     ) -> Result<(), Error> {
         let fields = Fields::of(self.tokens, record);
         let is_world = matches!(self.tokens.name(record), b"SPLINE" | b"ELLIPSE");
-        // Those have world coordinates whatever their plane; only to turn them it must lie flat.
-        let is_mirrored = if is_world && motion.turn_rad == 0.0 { false } else { self.is_mirrored(&fields)? };
-        let is_mirrored = is_mirrored && !is_world;
+        let is_mirrored = match self.tokens.name(record) {
+            b"VERTEX" => false,
+            // World coordinates whatever the plane; only to turn them it must lie flat.
+            b"SPLINE" | b"ELLIPSE" if motion.turn_rad == 0.0 => false,
+            _ => self.is_mirrored(&fields)? && !is_world,
+        };
         let side = if is_mirrored { -1.0 } else { 1.0 };
         let turn = DVec2::from_angle(motion.turn_rad);
         for &code in codes.iter().chain(directions) {
@@ -386,7 +389,8 @@ impl Editor<'_, '_> {
         }
         // A vertex has a direction only where the curve was fitted through it (flag 2).
         let flags = fields.pair(70).and_then(|p| self.tokens.integer(p)).unwrap_or(0);
-        if is_world || self.tokens.name(record) == b"VERTEX" && flags & 2 == 0 {
+        let has_direction = self.tokens.name(record) != b"VERTEX" || flags & 2 != 0;
+        if is_world || motion.turn_rad == 0.0 || !has_direction {
             return Ok(());
         }
         let old_deg = fields.index(50).map_or(Ok(0.0), |i| self.number(i))?;
