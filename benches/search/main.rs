@@ -8,7 +8,9 @@ mod problem;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use enfilade::search::{Evaluation, Method, Mode, Objective, Search, Sense, Study, Tuning, normalised_distance};
+use enfilade::search::{
+    Evaluation, Method, Mode, Objective, Search, Sense, Study, Tuning, normalised_distance,
+};
 use problem::{Hills, Problem, Steps};
 
 struct Options {
@@ -164,7 +166,10 @@ fn print(name: &str, evaluations: u64, runs: &[Run], verbose: bool) {
     );
     if verbose {
         for r in runs {
-            println!("    best {:.3} inside {} min {:.3} mean {:.3} score {:.3}", r.best, r.inside, r.min, r.mean, r.score);
+            println!(
+                "    best {:.3} inside {} min {:.3} mean {:.3} score {:.3}",
+                r.best, r.inside, r.min, r.mean, r.score
+            );
         }
     }
 }
@@ -207,6 +212,7 @@ fn set(tuning: &mut Tuning, assignment: &str) {
         "fade_from" => tuning.fade_from = number,
         "margin" => tuning.margin = number,
         "neighbours" => tuning.neighbours = number as usize,
+        "spread_neighbours" => tuning.spread_neighbours = number as usize,
         "candidates" => tuning.candidates = number as usize,
         "spread_candidates" => tuning.spread_candidates = number as usize,
         "raw_share" => tuning.raw_share = number,
@@ -217,7 +223,9 @@ fn set(tuning: &mut Tuning, assignment: &str) {
         "any_member" => tuning.any_member = number,
         "keep_best" => tuning.keep_best = number > 0.0,
         "acceptance" => tuning.acceptance = number,
-        x if x.starts_with('x') => tuning.x[x[1..].parse::<usize>().unwrap()] = number,
+        "polish" => tuning.polish = number,
+        "late_polish" => tuning.late_polish = number,
+        "nugget" => tuning.nugget = number,
         other => panic!("no setting {other}"),
     }
 }

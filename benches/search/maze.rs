@@ -108,7 +108,8 @@ impl Maze {
     /// Reads `maze_a.dxf` from the folder of reference plans.
     pub fn read(folder: &Path) -> Self {
         let all = entities(&folder.join("maze_a.dxf"));
-        let boxes: Vec<&Entity> = all.iter().filter(|e| e.kind == "LWPOLYLINE" && e.layer == "EF-MOVE").collect();
+        let boxes: Vec<&Entity> =
+            all.iter().filter(|e| e.kind == "LWPOLYLINE" && e.layer == "EF-MOVE").collect();
         let walls: Vec<Wall> = all
             .iter()
             .filter(|e| e.kind == "LINE" && e.layer == "WALLS")
@@ -149,10 +150,12 @@ impl Maze {
                 let (a, b) = (cells[u], cells[v]);
                 if fixed.iter().all(|w| !blocks(w, a, b)) {
                     let from = self.passes.len() as u32;
-                    let mut passes: Vec<Pass> = (0..self.doors.len()).filter_map(|d| self.pass(d, a, b)).collect();
+                    let mut passes: Vec<Pass> =
+                        (0..self.doors.len()).filter_map(|d| self.pass(d, a, b)).collect();
                     passes.sort_by_key(|p| !p.crosses);
                     self.passes.extend(passes);
-                    self.pairs.push(Pair { cells: [u as u16, v as u16], passes: from..self.passes.len() as u32 });
+                    self.pairs
+                        .push(Pair { cells: [u as u16, v as u16], passes: from..self.passes.len() as u32 });
                 }
             }
         }
@@ -163,7 +166,8 @@ impl Maze {
     fn sort_pairs(&mut self) {
         let passes = &self.passes;
         let doors = self.doors.len();
-        let first = |p: &Pair| passes[p.passes.start as usize..p.passes.end as usize].first().filter(|p| p.crosses);
+        let first =
+            |p: &Pair| passes[p.passes.start as usize..p.passes.end as usize].first().filter(|p| p.crosses);
         let key = |p: &Pair| first(p).map_or((doors, 0.0), |p| (p.door as usize, p.span[0]));
         self.pairs.sort_by(|a, b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
         let at = |d: usize| self.pairs.partition_point(|p| key(p).0 < d);
@@ -222,7 +226,10 @@ impl Maze {
             let pairs = &self.pairs[group.clone()];
             let (from, to) = if door < gaps.len() {
                 let first = |p: &Pair| self.passes[p.passes.start as usize].span[0];
-                (pairs.partition_point(|p| first(p) <= gaps[door][0]), pairs.partition_point(|p| first(p) < gaps[door][1]))
+                (
+                    pairs.partition_point(|p| first(p) <= gaps[door][0]),
+                    pairs.partition_point(|p| first(p) < gaps[door][1]),
+                )
             } else {
                 (0, pairs.len())
             };
@@ -397,9 +404,8 @@ fn length(w: &Wall) -> f64 {
 }
 
 fn blocks(w: &Wall, a: [f64; 2], b: [f64; 2]) -> bool {
-    let side = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
-        (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-    };
+    let side =
+        |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
     let (c, d) = ([w[0], w[1]], [w[2], w[3]]);
     side(a, b, c) * side(a, b, d) <= 0.0 && side(c, d, a) * side(c, d, b) <= 0.0
 }
@@ -412,8 +418,7 @@ fn merge(walls: &[Wall], moved: &[[Option<usize>; 2]]) -> Vec<Merged> {
         *degree.entry(key(w[0], w[1])).or_default() += 1;
         *degree.entry(key(w[2], w[3])).or_default() += 1;
     }
-    let mut out: Vec<Merged> =
-        walls.iter().zip(moved).map(|(w, m)| Merged { wall: *w, door: *m }).collect();
+    let mut out: Vec<Merged> = walls.iter().zip(moved).map(|(w, m)| Merged { wall: *w, door: *m }).collect();
     let mut i = 0;
     while i < out.len() {
         let ends = |m: &Merged| [(m.wall[0], m.wall[1], m.door[0]), (m.wall[2], m.wall[3], m.door[1])];

@@ -186,9 +186,7 @@ impl Limits {
     /// How far inside the thresholds of the first `count` objectives a point lies, in ranges:
     /// the smallest `(f − l) / range`; negative outside.
     pub(super) fn slack(&self, gains: &[f64], count: usize, margin: f64) -> f64 {
-        (0..count)
-            .map(|j| (gains[j] - self.limit(j, margin)) / self.range(j))
-            .fold(f64::INFINITY, f64::min)
+        (0..count).map(|j| (gains[j] - self.limit(j, margin)) / self.range(j)).fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -203,7 +201,8 @@ fn known_base(archive: &Archive, objective: &Objective, j: usize, top: f64) -> O
 
 /// Median gain of all points, at most `top`.
 fn median(archive: &Archive, j: usize, top: f64) -> f64 {
-    let mut gains: Vec<f64> = (0..archive.len()).map(|i| archive.gains(i)[j]).filter(|g| g.is_finite()).collect();
+    let mut gains: Vec<f64> =
+        (0..archive.len()).map(|i| archive.gains(i)[j]).filter(|g| g.is_finite()).collect();
     if gains.is_empty() {
         return top;
     }

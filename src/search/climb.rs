@@ -3,15 +3,16 @@
 //! A surrogate screens sparse Gaussian steps from the best point of the present climb; a quarter of
 //! the proposals are jumps that no model screens, because the objective has cliffs no model sees.
 //! A climb whose step has become small has converged; its end is kept and the next one starts
-//! from a crossover of such ends, from the best point, or anywhere.
+//! from a crossover of such ends, from a member, or anywhere. From then on some proposals polish the
+//! best point: one or two coordinates by steps of any size, since the objective is made of stairs.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::archive::{Archive, Limits};
-use super::space::{reflect, square_distance};
 use super::models::Models;
+use super::space::{reflect, square_distance};
 use super::surrogate::Surrogate;
 use super::tuning::Tuning;
 
@@ -19,6 +20,8 @@ use super::tuning::Tuning;
 const WEIGHTS: [f64; 4] = [0.3, 0.5, 0.8, 0.95];
 /// Successes in a row that double the step.
 const SUCCESSES: u32 = 3;
+/// Screened failures in a row that halve the step: one a dimension, at least these.
+const LEAST_PATIENCE: usize = 4;
 /// Gain, relative to the range, that counts as a success.
 const SUCCESS_GAIN: f64 = 1e-3;
 /// Ends of climbs that are remembered.
@@ -66,9 +69,8 @@ pub(super) struct View<'a> {
 impl View<'_> {
     /// What a climb on `stage` maximises: the gain, less what it misses of earlier thresholds.
     fn merit(&self, gains: &[f64], stage: usize) -> f64 {
-        let missed: f64 = (0..stage)
-            .map(|j| (self.limits.limit(j, 0.0) - gains[j]).max(0.0) / self.limits.range(j))
-            .sum();
+        let missed: f64 =
+            (0..stage).map(|j| (self.limits.limit(j, 0.0) - gains[j]).max(0.0) / self.limits.range(j)).sum();
         gains[stage] - 3.0 * missed * self.limits.range(stage)
     }
 
@@ -90,7 +92,11 @@ impl View<'_> {
     }
 
     fn merit_of(&self, i: usize, stage: usize) -> f64 {
-        if self.archive.hard(i).is_finite() { self.merit(self.archive.gains(i), stage) } else { f64::NEG_INFINITY }
+        if self.archive.hard(i).is_finite() {
+            self.merit(self.archive.gains(i), stage)
+        } else {
+            f64::NEG_INFINITY
+        }
     }
 
     /// What a surrogate learns of objective `j` at point `i`: the gain, levelled below the floor.
@@ -130,8 +136,18 @@ impl Climb {
         self.failures = 0;
     }
 
-    pub(super) fn propose(&mut self, view: &View<'_>, models: &mut Models, rng: &mut ChaCha8Rng) -> (Vec<f64>, Step) {
+    pub(super) fn propose(
+        &mut self,
+        view: &View<'_>,
+        models: &mut Models,
+        rng: &mut ChaCha8Rng,
+    ) -> (Vec<f64>, Step) {
         let dims = view.archive.dims();
+        if let Some(best) = view.limits.best.get(self.stage).copied().flatten()
+            && rng.random::<f64>() < self.polish_share(view)
+        {
+            return (polish(view.archive.unit(best), rng), Step::Raw);
+        }
         let Some(centre) = self.centre else {
             if self.restart_pending {
                 return (random_point(dims, rng), Step::Raw);
@@ -145,18 +161,32 @@ impl Climb {
         (self.screened_step(view, models, centre, rng), Step::Screened)
     }
 
-    fn screened_step(&mut self, view: &View<'_>, models: &mut Models, centre: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    /// The best point is worth polishing once a climb has ended there, and most when time runs out.
+    fn polish_share(&self, view: &View<'_>) -> f64 {
+        if !view.members.is_empty() {
+            view.tuning.late_polish
+        } else if self.ends.is_empty() {
+            0.0
+        } else {
+            view.tuning.polish
+        }
+    }
+
+    fn screened_step(
+        &mut self,
+        view: &View<'_>,
+        models: &mut Models,
+        centre: usize,
+        rng: &mut ChaCha8Rng,
+    ) -> Vec<f64> {
         let at = view.archive.unit(centre);
         let mut candidates = Vec::with_capacity(view.tuning.candidates);
         for _ in 0..view.tuning.candidates {
-            // x0: multi-scale width; x1: share decreasing
-            let x = view.tuning.x;
-            let scale = if x[0] > 0.0 { (x[0] * (2.0 * rng.random::<f64>() - 1.0)).exp() } else { 1.0 };
-            candidates.push(sparse_step(at, view.tuning.coordinate_share, (self.step * scale).min(0.4), rng));
+            candidates.push(sparse_step(at, view.tuning.coordinate_share, self.step, rng));
         }
         let surrogate = models.around(view, at, self.stage + 1);
         let (merit, distance) = self.judge(view, surrogate, &candidates);
-        let weight = if view.tuning.x[5] > 0.0 { [0.6, 0.8, 0.95, 1.0][self.weight % 4] } else { WEIGHTS[self.weight % WEIGHTS.len()] };
+        let weight = WEIGHTS[self.weight % WEIGHTS.len()];
         self.weight += 1;
         let (merit, distance) = (scaled(&merit), scaled(&distance));
         let score = |i: usize| weight * merit[i] + (1.0 - weight) * distance[i];
@@ -181,7 +211,7 @@ impl Climb {
     /// Half resets of one to three coordinates, half crossovers with another good point.
     fn raw_jump(&self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
         let at = view.archive.unit(centre);
-        if rng.random::<f64>() < (if view.tuning.x[4] > 0.0 { view.tuning.x[4] - 1.0 } else { 0.5 })
+        if rng.random::<bool>()
             && let Some(other) = self.partner(view, centre, rng)
         {
             return crossover(at, view.archive.unit(other), rng);
@@ -213,9 +243,6 @@ impl Climb {
         let dims = view.archive.dims();
         let turn = self.restarts % 3;
         self.restarts += 1;
-        if view.tuning.x[3] > 0.0 && rng.random::<f64>() < view.tuning.x[3] && let Some(best) = best_of(view, self.stage) {
-            return reset(view.archive.unit(best), rng);
-        }
         match turn {
             1 if self.ends.len() > 1 => self.restart_between_ends(view, models, rng),
             2 if !view.members.is_empty() => {
@@ -226,7 +253,12 @@ impl Climb {
         }
     }
 
-    fn restart_between_ends(&mut self, view: &View<'_>, models: &mut Models, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    fn restart_between_ends(
+        &mut self,
+        view: &View<'_>,
+        models: &mut Models,
+        rng: &mut ChaCha8Rng,
+    ) -> Vec<f64> {
         let mut candidates = vec![];
         for _ in 0..RESTART_CANDIDATES {
             let a = self.ends[rng.random_range(0..self.ends.len())];
@@ -275,8 +307,7 @@ impl Climb {
             self.step = (2.0 * self.step).min(view.tuning.first_step);
             self.successes = 0;
         }
-        let patience = if view.tuning.x[2] > 0.0 { view.tuning.x[2] } else { 1.0 } * view.archive.dims().max(4) as f64;
-        if f64::from(self.failures) >= patience {
+        if self.failures as usize >= view.archive.dims().max(LEAST_PATIENCE) {
             self.step /= 2.0;
             self.failures = 0;
         }
@@ -291,9 +322,8 @@ impl Climb {
 
     fn drop_worst_end(&mut self, view: &View<'_>) {
         let stage = self.stage;
-        let worst = (0..self.ends.len()).reduce(|a, b| {
-            if view.is_better(self.ends[a], self.ends[b], stage, 0.0) { b } else { a }
-        });
+        let worst = (0..self.ends.len())
+            .reduce(|a, b| if view.is_better(self.ends[a], self.ends[b], stage, 0.0) { b } else { a });
         if let Some(worst) = worst {
             self.ends.remove(worst);
         }
@@ -318,6 +348,21 @@ pub(super) fn sparse_step(at: &[f64], share: f64, step: f64, rng: &mut ChaCha8Rn
     if !changed && !out.is_empty() {
         let d = rng.random_range(0..out.len());
         out[d] = reflect(out[d] + step * rng.sample::<f64, _>(StandardNormal));
+    }
+    out
+}
+
+/// Widest and narrowest step of a polishing move, in widths of the unit cube.
+const POLISH_STEPS: [f64; 2] = [0.3, 0.002];
+
+/// One or two coordinates, by a step of any size: what no smooth model sees of a stepped objective.
+fn polish(at: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut out = at.to_vec();
+    let [widest, narrowest] = POLISH_STEPS;
+    for _ in 0..rng.random_range(1..=2usize) {
+        let d = rng.random_range(0..out.len());
+        let step = widest * (narrowest / widest).powf(rng.random::<f64>());
+        out[d] = (out[d] + step * (2.0 * rng.random::<f64>() - 1.0)).clamp(0.0, 1.0);
     }
     out
 }

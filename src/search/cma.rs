@@ -138,7 +138,8 @@ impl Cma {
         let n = self.mean.len();
         self.steps.clear();
         for _ in 0..self.strategy.lambda {
-            let z: Vec<f64> = (0..n).map(|k| self.scales[k] * self.rng.sample::<f64, _>(StandardNormal)).collect();
+            let z: Vec<f64> =
+                (0..n).map(|k| self.scales[k] * self.rng.sample::<f64, _>(StandardNormal)).collect();
             let step = (0..n).map(|i| (0..n).map(|k| self.basis[(i, k)] * z[k]).sum()).collect();
             self.steps.push(step);
         }

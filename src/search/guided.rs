@@ -8,10 +8,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::archive::{Archive, Limits};
-use super::members::min_distance;
 use super::climb::{Climb, Step, View};
-use super::spread::Spread;
+use super::members::min_distance;
 use super::models::Models;
+use super::spread::Spread;
 use super::tuning::Tuning;
 use super::{Mode, Objective, Study};
 
@@ -33,7 +33,8 @@ pub(super) struct Guided {
     stage: usize,
     climb: Climb,
     spread: Spread,
-    models: Models,
+    climb_models: Models,
+    spread_models: Models,
     limits: Limits,
     asked: Vec<Kind>,
     course: Course,
@@ -80,7 +81,8 @@ impl Guided {
             stage: 0,
             climb: Climb::new(&tuning),
             spread: Spread::new(study.members),
-            models: Models::new(study.members + 1),
+            climb_models: Models::new(1, tuning.neighbours),
+            spread_models: Models::new(study.members, tuning.spread_neighbours),
             limits: Limits::default(),
             asked: vec![],
             course: Course::default(),
@@ -120,7 +122,10 @@ impl Guided {
                 let members = self.spread.members().to_vec();
                 let view = View { archive, limits, tuning, members: &members, pending: &out };
                 self.spread.refresh(&view, tuning.margin);
-                proposal = self.spread.propose(&view, &mut self.models, tuning.margin, &mut self.rng).map(|x| (x, Kind::Spread));
+                proposal = self
+                    .spread
+                    .propose(&view, &mut self.spread_models, tuning.margin, &mut self.rng)
+                    .map(|x| (x, Kind::Spread));
             }
             let (x, kind) = proposal.unwrap_or_else(|| {
                 let view = View {
@@ -130,7 +135,7 @@ impl Guided {
                     members: self.spread.members(),
                     pending: &out,
                 };
-                let (x, step) = self.climb.propose(&view, &mut self.models, &mut self.rng);
+                let (x, step) = self.climb.propose(&view, &mut self.climb_models, &mut self.rng);
                 (x, Kind::Climb(step))
             });
             out.push(x);
@@ -177,13 +182,8 @@ impl Guided {
             self.course.tops.push(self.limits.top(self.stage));
             let kind = self.asked.get(i - first).copied().unwrap_or(Kind::Climb(Step::Raw));
             let members = self.spread.members().to_vec();
-            let view = View {
-                archive,
-                limits: &self.limits,
-                tuning: &self.tuning,
-                members: &members,
-                pending: &[],
-            };
+            let view =
+                View { archive, limits: &self.limits, tuning: &self.tuning, members: &members, pending: &[] };
             if let Kind::Climb(step) = kind {
                 self.climb.absorb(&view, i, if i == 0 { Step::Restart } else { step });
             }

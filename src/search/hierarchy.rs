@@ -41,7 +41,8 @@ impl Stage<'_> {
     /// `p_opt`: the best point of this stage, or the start.
     fn best(&self) -> Option<usize> {
         let own = std::iter::once(0).chain(self.from..self.archive.len());
-        own.filter(|&i| self.archive.hard(i) == 0.0).reduce(|a, b| if self.cost(b) < self.cost(a) { b } else { a })
+        own.filter(|&i| self.archive.hard(i) == 0.0)
+            .reduce(|a, b| if self.cost(b) < self.cost(a) { b } else { a })
     }
 }
 

@@ -23,9 +23,17 @@ pub(super) fn key(archive: &Archive, members: &[usize], skip: usize, i: usize) -
 }
 
 /// [`key`] of point `i` if it exceeds `least`: most points fail on one distance already.
-pub(super) fn key_above(archive: &Archive, members: &[usize], skip: usize, i: usize, least: f64) -> Option<f64> {
+pub(super) fn key_above(
+    archive: &Archive,
+    members: &[usize],
+    skip: usize,
+    i: usize,
+    least: f64,
+) -> Option<f64> {
     let others = members.iter().enumerate().filter(|&(m, _)| m != skip);
-    let near = |(_, &member): (usize, &usize)| square_distance(archive.unit(i), archive.unit(member)) > least * least;
+    let near = |(_, &member): (usize, &usize)| {
+        square_distance(archive.unit(i), archive.unit(member)) > least * least
+    };
     if !others.into_iter().all(near) {
         return None;
     }

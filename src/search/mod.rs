@@ -26,8 +26,8 @@ use crate::report::{Error, Place};
 use archive::{Archive, Limits};
 pub use cma::{Cma, CmaStop, Domain};
 use method::Engine;
-pub use space::normalised_distance;
 use space::Space;
+pub use space::normalised_distance;
 pub use tuning::Tuning;
 
 /// Whether more or less of an objective is better.
@@ -241,7 +241,10 @@ impl Search {
             return vec![];
         }
         if self.asked.is_empty() {
-            let left = self.study.evaluations.map_or(usize::MAX, |b| (b as usize).saturating_sub(self.archive.len()));
+            let left = self
+                .study
+                .evaluations
+                .map_or(usize::MAX, |b| (b as usize).saturating_sub(self.archive.len()));
             let count = self.study.batch.min(left);
             self.asked = if self.archive.len() == 0 { self.first_batch() } else { self.next_batch(count) };
         }
@@ -285,7 +288,9 @@ impl Search {
         let Progress { stage, evaluations, best, .. } = self.progress();
         let min_distance = self.engine.min_distance(&self.archive);
         let news = self.history.last().is_none_or(|last| {
-            last.stage != stage || last.best.to_bits() != best.to_bits() || last.min_distance.to_bits() != min_distance.to_bits()
+            last.stage != stage
+                || last.best.to_bits() != best.to_bits()
+                || last.min_distance.to_bits() != min_distance.to_bits()
         });
         if news {
             self.history.push(Milestone { evaluations, stage, best, min_distance });
@@ -309,7 +314,11 @@ impl Search {
         let objective = &self.study.objectives[j];
         let best = self.engine.limits().best[..].get(j).copied().flatten();
         Progress {
-            stage: if self.engine.is_spreading() { "spreading".into() } else { format!("improving {}", objective.name) },
+            stage: if self.engine.is_spreading() {
+                "spreading".into()
+            } else {
+                format!("improving {}", objective.name)
+            },
             evaluations: self.archive.len() as u64,
             total: self.study.evaluations,
             best: best.map_or(f64::NAN, |i| self.archive.points()[i].values[j]),
@@ -344,7 +353,8 @@ impl Search {
 
     fn best(&self, limits: &Limits) -> Option<usize> {
         let nearest = || {
-            (0..self.archive.len()).reduce(|a, b| if self.archive.hard(b) < self.archive.hard(a) { b } else { a })
+            (0..self.archive.len())
+                .reduce(|a, b| if self.archive.hard(b) < self.archive.hard(a) { b } else { a })
         };
         limits.best.last().copied().flatten().or_else(nearest)
     }
@@ -360,7 +370,11 @@ impl Search {
 fn check(study: &Study) -> Result<(), Error> {
     let bad = |text: String| Err(Error::usage("search-study", Place::default(), text));
     if study.start.len() != study.bounds.len() {
-        return bad(format!("start, found {} parameters, expected {}", study.start.len(), study.bounds.len()));
+        return bad(format!(
+            "start, found {} parameters, expected {}",
+            study.start.len(),
+            study.bounds.len()
+        ));
     }
     for (i, (p, [lower, upper])) in study.start.iter().zip(&study.bounds).enumerate() {
         if !(p >= lower && p <= upper) {

@@ -11,12 +11,14 @@ pub(super) struct Models {
     /// When each was used last.
     used: Vec<u64>,
     clock: u64,
+    /// Nearest points in each.
+    size: usize,
 }
 
 impl Models {
-    /// Room for `count` neighbourhoods.
-    pub(super) fn new(count: usize) -> Self {
-        Self { surrogates: vec![Surrogate::default(); count], used: vec![0; count], clock: 0 }
+    /// Room for `count` neighbourhoods of `size` points.
+    pub(super) fn new(count: usize, size: usize) -> Self {
+        Self { surrogates: vec![Surrogate::default(); count], used: vec![0; count], clock: 0, size }
     }
 
     /// A surrogate of the first `count` objectives around `at`, fitted to all that is known there.
@@ -25,8 +27,7 @@ impl Models {
         self.clock += 1;
         self.used[slot] = self.clock;
         let surrogate = &mut self.surrogates[slot];
-        surrogate.nugget = if view.tuning.x[6] != 0.0 { 10f64.powf(view.tuning.x[6]) } else { 1e-6 };
-        surrogate.sync(view.archive, at, view.tuning.neighbours);
+        surrogate.sync(view.archive, at, self.size, view.tuning.nugget);
         surrogate.fit(count, |i, j| view.lesson(i, j));
         surrogate.aim(at);
         surrogate

@@ -16,7 +16,8 @@ impl Space {
     pub(super) fn new(bounds: &[[f64; 2]]) -> Result<Self, Error> {
         for (i, [lower, upper]) in bounds.iter().enumerate() {
             if !(lower.is_finite() && upper.is_finite() && lower <= upper && (upper - lower).is_finite()) {
-                let text = format!("bounds of parameter {i}, found {lower} .. {upper}, expected lower ≤ upper");
+                let text =
+                    format!("bounds of parameter {i}, found {lower} .. {upper}, expected lower ≤ upper");
                 return Err(Error::usage("search-bounds", Place::default(), text));
             }
         }

@@ -6,11 +6,11 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::climb::{View, crossover, reset, sparse_step};
 use super::archive::Limits;
+use super::climb::{View, crossover, reset, sparse_step};
 use super::members::{closest_pair, improve_by_swaps, key, key_above, select, soft_minimum};
-use super::space::square_distance;
 use super::models::Models;
+use super::space::square_distance;
 
 /// Steps of the Gaussian proposals, in widths of the unit cube.
 const STEPS: [f64; 3] = [0.03, 0.1, 0.2];
@@ -110,7 +110,13 @@ impl Spread {
     }
 
     /// The next point to evaluate; `None` while there are no two members to spread.
-    pub(super) fn propose(&mut self, view: &View<'_>, models: &mut Models, margin: f64, rng: &mut ChaCha8Rng) -> Option<Vec<f64>> {
+    pub(super) fn propose(
+        &mut self,
+        view: &View<'_>,
+        models: &mut Models,
+        margin: f64,
+        rng: &mut ChaCha8Rng,
+    ) -> Option<Vec<f64>> {
         let m = self.choose(view, rng)?;
         self.swap_from_archive(view, m);
         let at = view.archive.unit(self.members[m]).to_vec();
@@ -212,9 +218,14 @@ impl Spread {
             return;
         }
         let first = usize::from(view.tuning.keep_best);
-        let lead = |m: usize| key(view.archive, &self.members, m, i) - key(view.archive, &self.members, m, self.members[m]);
+        let lead = |m: usize| {
+            key(view.archive, &self.members, m, i) - key(view.archive, &self.members, m, self.members[m])
+        };
         let Some((a, b, _)) = closest_pair(view.archive, &self.members) else { return };
-        let taken = [a, b].into_iter().filter(|&m| m >= first && lead(m) > 0.0).reduce(|x, y| if lead(y) > lead(x) { y } else { x });
+        let taken = [a, b]
+            .into_iter()
+            .filter(|&m| m >= first && lead(m) > 0.0)
+            .reduce(|x, y| if lead(y) > lead(x) { y } else { x });
         if let Some(m) = taken {
             self.members[m] = i;
         }

@@ -12,8 +12,8 @@ use super::space::square_distance;
 
 /// Distance of the anchors from the centre, in widths of the unit cube.
 const ANCHOR_STEP: f64 = 0.5;
-/// Added to the diagonal: duplicates and cliffs between close points stay bounded.
-const NUGGET: f64 = 1e-6;
+/// Least pivot of the factor, for a point evaluated twice without smoothing.
+const LEAST_PIVOT: f64 = 1e-12;
 /// Squared distance that stands in where a slice is padded; its weight is 0.
 const FAR: f64 = 1e3;
 /// Ridge of the linear tail while there are fewer points than it has coefficients.
@@ -27,6 +27,8 @@ pub(super) struct Surrogate {
     centre: Vec<f64>,
     /// Squared distance from the centre beyond which points do not matter.
     reach: f64,
+    /// Added to the diagonal: 0 interpolates, more smooths duplicates, stairs and cliffs.
+    nugget: f64,
     members: Vec<usize>,
     synced: usize,
     /// Coordinates of the members, one column of `capacity` values a dimension.
@@ -43,7 +45,6 @@ pub(super) struct Surrogate {
     weights: Vec<Vec<f64>>,
     linear: Vec<Vec<f64>>,
     /// Where predictions are made from: the point, its squared distances and its differences.
-    pub(super) nugget: f64,
     aim: Vec<f64>,
     aim_squares: Vec<f64>,
     aim_columns: Vec<f64>,
@@ -62,7 +63,8 @@ impl Surrogate {
 
     /// Brings the factor up to date with the archive around `centre`: new points near it are added;
     /// it is rebuilt from the `size` nearest when it is full or the centre has gone elsewhere.
-    pub(super) fn sync(&mut self, archive: &Archive, centre: &[f64], size: usize) {
+    pub(super) fn sync(&mut self, archive: &Archive, centre: &[f64], size: usize, nugget: f64) {
+        self.nugget = nugget;
         if !self.serves(archive, centre) || !self.grow(archive) {
             self.rebuild(archive, centre, size);
         }
@@ -154,7 +156,7 @@ impl Surrogate {
             rest[0] = (rest[0] - dot(done, &factor[..m])) / factor[m];
         }
         let left = row[n] - dot(&row[..n], &row[..n]);
-        row[n] = (left.max(0.0) + self.nugget).sqrt();
+        row[n] = (left.max(LEAST_PIVOT) + self.nugget).sqrt();
         self.factor[n * self.capacity..][..=n].copy_from_slice(&row);
         let mut tail = basis;
         for (m, &l) in row[..n].iter().enumerate() {
@@ -285,7 +287,8 @@ impl Surrogate {
         }
         let nearest = cubes(&self.aim_squares, &moved, shift, scratch);
         for ((o, weights), linear) in out.iter_mut().zip(&self.weights).zip(&self.linear) {
-            let tail = linear[1..].iter().zip(x).zip(&self.centre).map(|((s, u), c)| s * (u - c)).sum::<f64>();
+            let tail =
+                linear[1..].iter().zip(x).zip(&self.centre).map(|((s, u), c)| s * (u - c)).sum::<f64>();
             *o = dot(weights, scratch) + tail + linear[0];
         }
         nearest
@@ -356,7 +359,7 @@ mod tests {
         let plane = |u: &[f64]| 2.0 + u.iter().enumerate().map(|(i, v)| (i as f64 - 1.5) * v).sum::<f64>();
         let archive = archive(60, 4, plane);
         let mut surrogate = Surrogate::default();
-        surrogate.sync(&archive, &[0.5; 4], 60);
+        surrogate.sync(&archive, &[0.5; 4], 60, 1e-6);
         surrogate.fit(1, |i, j| archive.gains(i)[j]);
         surrogate.aim(&[0.5; 4]);
         let far = [0.1, 0.95, 0.3, 0.7];
@@ -379,10 +382,10 @@ mod tests {
             }];
             let told = Evaluation { values: all.gains(i).to_vec(), violation: 0.0 };
             part.push(all.unit(i), vec![], &told, &objective);
-            grown.sync(&part, &[0.2; 5], 80);
+            grown.sync(&part, &[0.2; 5], 80, 1e-6);
         }
         let mut built = Surrogate::default();
-        built.sync(&all, &[0.6; 5], 90);
+        built.sync(&all, &[0.6; 5], 90, 1e-6);
         for surrogate in [&mut grown, &mut built] {
             surrogate.fit(1, |i, j| all.gains(i)[j]);
             surrogate.aim(all.unit(3));

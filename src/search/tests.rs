@@ -61,7 +61,9 @@ fn assert_sound(search: &Search, study: &Study) {
 
 #[test]
 fn the_first_ask_is_the_start_and_the_budget_is_kept_exactly() {
-    for (method, batch) in [(Method::Default, 1), (Method::Default, 7), (Method::Paper, 1), (Method::Paper, 4)] {
+    for (method, batch) in
+        [(Method::Default, 1), (Method::Default, 7), (Method::Paper, 1), (Method::Paper, 4)]
+    {
         let study = Study { method, batch, ..study(4, 203) };
         let (search, all) = run(study.clone(), hill);
         assert_eq!(all[0], study.start);

@@ -12,14 +12,22 @@ pub struct Tuning {
     pub fade_from: f64,
     /// How much more than the threshold a member must have while the best still rises.
     pub margin: f64,
-    /// Nearest archive points in a surrogate.
+    /// Nearest archive points in a surrogate that climbs.
     pub neighbours: usize,
+    /// Nearest archive points in a surrogate that spreads.
+    pub spread_neighbours: usize,
     /// Candidates that the surrogate screens for one climb proposal.
     pub candidates: usize,
     /// Candidates of one spread proposal.
     pub spread_candidates: usize,
     /// Share of climb proposals that no model screens.
     pub raw_share: f64,
+    /// Share of climb proposals that polish the best point, once a climb has converged.
+    pub polish: f64,
+    /// The same for the late climbing, beside the spread.
+    pub late_polish: f64,
+    /// Added to the surrogate's diagonal: how much it smooths the stairs of the objective.
+    pub nugget: f64,
     /// Share of coordinates that a candidate changes.
     pub coordinate_share: f64,
     /// Widest standard deviation of a climb candidate, in widths of the unit cube.
@@ -32,8 +40,6 @@ pub struct Tuning {
     pub any_member: f64,
     /// Whether the best point is always a member.
     pub keep_best: bool,
-    /// x
-    pub x: [f64; 8],
     /// Share of spread evaluations that should be accepted.
     pub acceptance: f64,
 }
@@ -45,18 +51,21 @@ impl Default for Tuning {
             late_climb: 0.35,
             fade_from: 0.7,
             margin: 0.045,
-            neighbours: 300,
+            neighbours: 100,
+            spread_neighbours: 300,
             candidates: 500,
             spread_candidates: 400,
             raw_share: 0.25,
+            polish: 0.3,
+            late_polish: 0.6,
+            nugget: 1e-4,
             coordinate_share: 0.2,
             first_step: 0.2,
-            last_step: 0.005,
+            last_step: 0.015,
             floor_share: 0.2,
             any_member: 0.0,
             keep_best: false,
             acceptance: 0.3,
-            x: [0.0; 8],
         }
     }
 }
