@@ -160,10 +160,14 @@ impl Heart {
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
             }
-            while let Ok(message) = self.inbox.try_recv() {
+            for _ in 0..INBOX {
+                let Ok(message) = self.inbox.try_recv() else { break };
                 self.take_in(message, show);
             }
-            self.turn(show, stop)?;
+            if let Err(error) = self.turn(show, stop) {
+                self.leave(show);
+                return Err(error);
+            }
         }
         self.leave(show);
         Err(Error::Stopped)

@@ -715,3 +715,19 @@ fn a_read_only_folder_needs_another_place_for_results() {
     assert!(error.to_string().contains("--out"), "{error}");
     set_mode(&root, 0o755);
 }
+
+/// Hazard 21: another machine has taken the folder: this daemon leaves it, and its job with it.
+#[test]
+fn a_taken_folder_is_left() {
+    let mut daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
+    daemon.save("plan.dxf", "slow");
+    daemon.await_said("Started", 1);
+    let lease =
+        serde_json::json!({"host": "elsewhere", "pid": 1, "since": "2026-01-01T00:00:00Z", "beat": 1});
+    crate::store::write_json(&SystemDisk, &daemon.path(".enfilade/owner.json"), &lease).unwrap();
+    let error = daemon.thread.take().unwrap().join().unwrap().unwrap_err();
+    assert_eq!(error.problem().unwrap().code, "folder-taken");
+    assert!(error.to_string().contains("elsewhere"), "{error}");
+    assert_eq!(daemon.count_said("Stopped"), 1);
+    assert!(daemon.path(".enfilade/owner.json").exists(), "the other's lease stays");
+}

@@ -41,6 +41,7 @@ struct Seeing {
     path: PathBuf,
     names: Names,
     is_polled: bool,
+    is_cut_told: bool,
 }
 
 impl Eyes {
@@ -59,7 +60,7 @@ impl Eyes {
         let see = |(i, path): (usize, &PathBuf)| {
             let names = Names::new(path, settings.depth, &settings.extensions, &settings.ignore, roots)?;
             let is_polled = settings.poll || is_network.get(i).copied().unwrap_or(false);
-            Ok(Seeing { path: path.clone(), names, is_polled })
+            Ok(Seeing { path: path.clone(), names, is_polled, is_cut_told: false })
         };
         let roots = roots.iter().enumerate().map(see).collect::<Result<Vec<Seeing>, Error>>()?;
         let watcher = if roots.iter().all(|r| r.is_polled) {
@@ -87,12 +88,22 @@ impl Eyes {
     pub fn scan(&mut self, root: &Path) -> Option<Vec<(PathBuf, Stat)>> {
         let index = self.roots.iter().position(|r| r.path == root)?;
         for _ in 0..MAX_ARMING_ROUNDS {
-            let (folders, files) = list(&self.roots[index].path, &self.roots[index].names)?;
-            if !self.arm(index, &folders) {
-                return Some(files);
+            let listing = list(&self.roots[index].path, &self.roots[index].names, MAX_SCANNED_FILES)?;
+            if !self.arm(index, &listing.folders) {
+                return Some(self.told_if_cut(index, listing));
             }
         }
-        list(&self.roots[index].path, &self.roots[index].names).map(|(_, files)| files)
+        let listing = list(&self.roots[index].path, &self.roots[index].names, MAX_SCANNED_FILES)?;
+        Some(self.told_if_cut(index, listing))
+    }
+
+    /// Says once that a root holds more files than are looked at.
+    fn told_if_cut(&mut self, index: usize, listing: Listing) -> Vec<(PathBuf, Stat)> {
+        let root = &mut self.roots[index];
+        if listing.is_cut && !std::mem::replace(&mut root.is_cut_told, true) {
+            (self.report)(Event::Crowded(root.path.clone()));
+        }
+        listing.files
     }
 
     /// Brings the watches in line with the folders that are there; whether a new one was armed.
@@ -195,11 +206,18 @@ fn limit_text(setting: &str) -> String {
     format!("the system's limit on watched folders is reached; raise it with `sysctl {setting}`")
 }
 
-/// The folders that are looked into, and the files in them.
-type Listing = (BTreeMap<PathBuf, Identity>, Vec<(PathBuf, Stat)>);
+/// What a scan found.
+struct Listing {
+    /// The folders that are looked into.
+    folders: BTreeMap<PathBuf, Identity>,
+    /// The files in them, by name.
+    files: Vec<(PathBuf, Stat)>,
+    /// Whether there are more files than the limit.
+    is_cut: bool,
+}
 
-fn list(root: &Path, names: &Names) -> Option<Listing> {
-    let (mut folders, mut files) = (BTreeMap::new(), Vec::new());
+fn list(root: &Path, names: &Names, limit: usize) -> Option<Listing> {
+    let mut out = Listing { folders: BTreeMap::new(), files: Vec::new(), is_cut: false };
     let mut todo = vec![root.to_path_buf()];
     while let Some(folder) = todo.pop() {
         let (Some(identity), Ok(entries)) = (identity_of(&folder), fs::read_dir(&folder)) else {
@@ -208,22 +226,23 @@ fn list(root: &Path, names: &Names) -> Option<Listing> {
             }
             continue;
         };
-        folders.insert(folder, identity);
+        out.folders.insert(folder, identity);
         for entry in entries.flatten() {
             let path = entry.path();
             let Ok(kind) = entry.file_type() else { continue };
             if kind.is_dir() && names.folder_reason(&path).is_none() {
                 todo.push(path);
+            } else if kind.is_file() && out.files.len() >= limit {
+                out.is_cut = true;
             } else if kind.is_file()
-                && files.len() < MAX_SCANNED_FILES
                 && let Seen::There(stat) = stat_of(&path)
             {
-                files.push((path, stat));
+                out.files.push((path, stat));
             }
         }
     }
-    files.sort_by(|a: &(PathBuf, Stat), b| a.0.cmp(&b.0));
-    Some((folders, files))
+    out.files.sort_by(|a, b| a.0.cmp(&b.0));
+    Some(out)
 }
 
 /// What the system says about a path, links not followed.

@@ -43,6 +43,31 @@ fn scan_lists_files_not_results_nor_links() {
 }
 
 #[test]
+fn a_crowded_root_is_cut_and_told_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = fs::canonicalize(dir.path()).unwrap();
+    for i in 0..5 {
+        fs::write(root.join(format!("{i}.dxf")), b"").unwrap();
+    }
+    let names = Names::new(&root, 0, &["dxf".into()], &[], &[]).unwrap();
+    assert!(!list(&root, &names, 5).unwrap().is_cut);
+    let (mut eyes, events) = eyes(&root, 0);
+    for _ in 0..2 {
+        let cut = list(&root, &names, 4).unwrap();
+        assert!(cut.is_cut);
+        assert_eq!(eyes.told_if_cut(0, cut).len(), 4);
+    }
+    let told: Vec<Event> = events.try_iter().collect();
+    assert_eq!(told, [Event::Crowded(root.clone())]);
+    let mut settle = super::super::Settle::new(&[root], &[], &WatchSettings::default()).unwrap();
+    settle.on_event(Duration::ZERO, told.into_iter().next().unwrap());
+    let said = settle.on_tick(super::super::Now::default());
+    assert!(said.iter().any(
+        |a| matches!(a, super::super::Action::Problem { problem, .. } if problem.code == "too-many-files")
+    ));
+}
+
+#[test]
 fn a_folder_made_again_is_seen_after_rearming() {
     let dir = tempfile::tempdir().unwrap();
     let root = fs::canonicalize(dir.path()).unwrap().join("w");

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::{
-    CLOCK_JUMP_SECS, Checked, Completeness, Identity, Kind, MAX_BACKOFF_SECS, MAX_DRAWING_BYTES, Names,
-    QUIET_UNMARKED_SECS, ROOT_LOOK_SECS, Seen, Stat, Verdict, WatchSettings,
+    CLOCK_JUMP_SECS, Checked, Completeness, Identity, Kind, MAX_BACKOFF_SECS, MAX_DRAWING_BYTES,
+    MAX_SCANNED_FILES, Names, QUIET_UNMARKED_SECS, ROOT_LOOK_SECS, Seen, Stat, Verdict, WatchSettings,
 };
 use crate::report::{Error, Place, Problem, Severity};
 
@@ -32,6 +32,8 @@ pub enum Event {
     Lost(String),
     /// The system cannot watch this root (any more), for this reason: it is polled from now on.
     Blind(PathBuf, String),
+    /// The root holds more files than [`super::MAX_SCANNED_FILES`]; the rest is not looked at.
+    Crowded(PathBuf),
 }
 
 /// What the machine wants done; answers to the first four come back through `on_*`.
@@ -192,6 +194,12 @@ impl Settle {
         match event {
             Event::Lost(_) => self.roots.iter_mut().for_each(|r| r.next_scan = now),
             Event::Blind(root, why) => self.blind(now, &root, why),
+            Event::Crowded(root) => {
+                let text = format!(
+                    "holds more files than MAX_SCANNED_FILES ({MAX_SCANNED_FILES}); the rest is not looked at"
+                );
+                self.tell(&root, "too-many-files", text);
+            }
             Event::Touched(path) => self.touched(now, path),
         }
     }
