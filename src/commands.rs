@@ -6,7 +6,8 @@ use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Instant;
 
 use crate::cli::{
-    AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ProgressArg, RunArgs, StatusArgs, WatchArgs,
+    AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ProgressArg, RunArgs, StatusArgs,
+    WatchArgs,
 };
 use crate::config::{Partial, Settings, WatchTable};
 use crate::daemon::{self, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
@@ -197,7 +198,9 @@ fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
     let partial = args.common.partial(Some(&args.search));
     Settings::new(partial.clone())?;
     let folder = args.folders.first().map(|f| f.join("enfilade.toml"));
-    let table = folder.map_or(Ok(None), |f| read_settings(&f)).map(|p| p.and_then(|p| p.watch).unwrap_or_default())?;
+    let table = folder
+        .map_or(Ok(None), |f| read_settings(&f))
+        .map(|p| p.and_then(|p| p.watch).unwrap_or_default())?;
     let settings = watch_settings(args, &partial, table);
     let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
         let (settings, _) = settings_for(&request.drawing, partial.clone())?;
@@ -260,8 +263,13 @@ fn accept(args: &AcceptArgs) -> Result<u8, Error> {
     };
     let at = home.folder().join(round_name(round)).join("result.json");
     let place = || Place::file(at.to_string_lossy());
-    let json = std::fs::read(&at)
-        .map_err(|e| Error::usage("no-round", place(), format!("{e}; expected the result of round {round}; nothing was written")))?;
+    let json = std::fs::read(&at).map_err(|e| {
+        Error::usage(
+            "no-round",
+            place(),
+            format!("{e}; expected the result of round {round}; nothing was written"),
+        )
+    })?;
     let result: RoundResult = serde_json::from_slice(&json)
         .map_err(|e| Error::input("result", place(), format!("{e}; nothing was written")))?;
     let accepted = pipeline::accept::accept(&Input::new(&path, &bytes, 1), &result, round, args.number)?;

@@ -47,14 +47,34 @@ fn the_same_seed_gives_the_same_bytes_on_one_and_two_threads() {
     let run = |name: &str, threads: &str| {
         let out = folder.path().join(name);
         let out_text = out.to_string_lossy().into_owned();
-        let args = ["run", &sample("gallery.dxf"), "--evaluations", "200", "--seed", "3", "--threads", threads, "--out", &out_text, "-q"];
+        let args = [
+            "run",
+            &sample("gallery.dxf"),
+            "--evaluations",
+            "200",
+            "--seed",
+            "3",
+            "--threads",
+            threads,
+            "--out",
+            &out_text,
+            "-q",
+        ];
         let output = enfilade(&args);
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
         files(&out.join("gallery.enfilade/round-01"))
     };
     let (a, b, c) = (run("a", "1"), run("b", "2"), run("c", "2"));
     let names: Vec<&String> = a.iter().map(|f| &f.0).collect();
-    for expected in ["result.json", "report.html", "initial.dxf", "candidate-5.dxf", "candidate-1-score.png", "diversity.png", "convergence.png"] {
+    for expected in [
+        "result.json",
+        "report.html",
+        "initial.dxf",
+        "candidate-5.dxf",
+        "candidate-1-score.png",
+        "diversity.png",
+        "convergence.png",
+    ] {
         assert!(names.iter().any(|n| *n == expected), "{expected} is missing in {names:?}");
     }
     for ((x, y), z) in a.iter().zip(&b).zip(&c) {
@@ -66,20 +86,43 @@ fn the_same_seed_gives_the_same_bytes_on_one_and_two_threads() {
 fn what_is_reported_is_what_the_written_drawing_measures() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_string_lossy().into_owned();
-    let output = enfilade(&["run", &sample("gallery.dxf"), "--spacing", "0.5", "--evaluations", "80", "--out", &out, "-q"]);
+    let output = enfilade(&[
+        "run",
+        &sample("gallery.dxf"),
+        "--spacing",
+        "0.5",
+        "--evaluations",
+        "80",
+        "--out",
+        &out,
+        "-q",
+    ]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let round = folder.path().join("gallery.enfilade/round-01");
     let result = json(&round.join("result.json"));
     assert_eq!(result["schema"], "enfilade.result/1");
     for candidate in result["candidates"].as_array().unwrap() {
         let file = round.join(candidate["file"].as_str().unwrap());
-        let output = enfilade(&["analyse", &file.to_string_lossy(), "--spacing", "0.5", "--json", "-", "-q", "--out", &out]);
+        let output = enfilade(&[
+            "analyse",
+            &file.to_string_lossy(),
+            "--spacing",
+            "0.5",
+            "--json",
+            "-",
+            "-q",
+            "--out",
+            &out,
+        ]);
         let again: Value = serde_json::from_slice(&output.stdout).unwrap();
         for key in ["degree", "depth", "entropy", "degree_all"] {
             assert_eq!(again["mean"][key], candidate["mean"][key], "{key}");
         }
         for (i, p) in candidate["parameters"].as_array().unwrap().iter().enumerate() {
-            let (lo, hi) = (result["moves"][i]["lower"].as_f64().unwrap(), result["moves"][i]["upper"].as_f64().unwrap());
+            let (lo, hi) = (
+                result["moves"][i]["lower"].as_f64().unwrap(),
+                result["moves"][i]["upper"].as_f64().unwrap(),
+            );
             assert!((lo..=hi).contains(&p.as_f64().unwrap()));
         }
     }
@@ -107,7 +150,8 @@ fn an_accepted_option_is_the_next_rounds_present_layout() {
     }
     assert_eq!(again["lineage"][0]["drawing"], "plan.dxf");
     for (i, p) in result["candidates"][1]["parameters"].as_array().unwrap().iter().enumerate() {
-        let width = |r: &Value| r["moves"][i]["upper"].as_f64().unwrap() - r["moves"][i]["lower"].as_f64().unwrap();
+        let width =
+            |r: &Value| r["moves"][i]["upper"].as_f64().unwrap() - r["moves"][i]["lower"].as_f64().unwrap();
         assert!((width(&result) - width(&again)).abs() < 1e-9);
         let left = result["moves"][i]["upper"].as_f64().unwrap() - p.as_f64().unwrap();
         assert!((again["moves"][i]["upper"].as_f64().unwrap() - left.max(0.0)).abs() < 1e-9);

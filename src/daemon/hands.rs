@@ -129,8 +129,8 @@ fn work(disk: SharedDisk, task: &Task, run: &RunJob, send: &SyncSender<Message>)
         drawing: task.what.drawing.clone(),
         bytes: Arc::new(bytes),
         sha256: task.what.sha256.clone(),
-            round: 0,
-        };
+        round: 0,
+    };
     let note = |step: &Step| {
         let time = rfc3339(SystemTime::now());
         let (sha256, config) = (&task.what.sha256, &task.what.config);

@@ -30,7 +30,8 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
 impl Drawing {
     fn add(&mut self, layer: &str, shape: Shape) -> &mut Entity {
         let source = source(self.entities.len(), layer);
-        let entity = Entity { source, layer: layer.into(), shape, editable: Editable::Free, blocks: Vec::new() };
+        let entity =
+            Entity { source, layer: layer.into(), shape, editable: Editable::Free, blocks: Vec::new() };
         self.entities.push(entity);
         self.entities.last_mut().unwrap()
     }
@@ -51,7 +52,12 @@ impl Drawing {
     fn group(&mut self, lo: [f64; 2], hi: [f64; 2], text: &str) {
         self.ring("EF-MOVE", &[lo, [hi[0], lo[1]], hi, [lo[0], hi[1]]]);
         let at = DVec2::from(lo).midpoint(DVec2::from(hi));
-        self.texts.push(Text { source: source(900, "EF-MOVE"), layer: "EF-MOVE".into(), at, text: text.into() });
+        self.texts.push(Text {
+            source: source(900, "EF-MOVE"),
+            layer: "EF-MOVE".into(),
+            at,
+            text: text.into(),
+        });
     }
 }
 
@@ -149,7 +155,8 @@ fn what_cannot_be_written_back_stays_with_its_reason() {
     let mut d = drawing("m", 1.0);
     d.room(20.0, 10.0);
     d.add("WALLS", Shape::Arc { centre: DVec2::new(10.0, 5.0), radius: 1.0, start_rad: 0.0, end_rad: 3.0 });
-    d.add("WALLS", Shape::Circle { centre: DVec2::new(15.0, 5.0), radius: 0.3 }).editable = Editable::No("it is a spline".into());
+    d.add("WALLS", Shape::Circle { centre: DVec2::new(15.0, 5.0), radius: 0.3 }).editable =
+        Editable::No("it is a spline".into());
     d.group([10.5, 4.5], [15.5, 5.5], "x -1 1");
     let (_, _, moves, report) = marked(&d);
     assert!(moves.parameters.is_empty());

@@ -1,5 +1,6 @@
 //! One round: search, verify, write.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -18,6 +19,7 @@ use crate::overlay::words::{note_lines, words};
 use crate::overlay::{Scale, Series, convergence_png, diversity_png, heat_additions, moved_additions};
 use crate::overlay::{additions::heat_layer, heat_map::DEFAULT_SIDE_PX};
 use crate::plan::drawing::{Addition, Edit, Editable};
+use crate::plan::markers::place_in;
 use crate::report::{Cancel, Error, OutFile, Place, Report};
 use crate::search::{self, Evaluation, Search, normalised_distance};
 
@@ -249,6 +251,8 @@ pub(super) struct Made {
     edits: Vec<Edit>,
     /// For every edit the records it changes.
     changed: Vec<Vec<dxf::ChangedRecord>>,
+    /// Ids of the host program, by record.
+    host_ids: BTreeMap<u64, String>,
     report: Report,
     name: String,
 }
@@ -268,6 +272,10 @@ fn make(
     let worth = study.measure_written(&bytes, settings)?;
     let name = format!("candidate-{}", index + 1);
     let mut report = Report::default();
+    let records: Vec<usize> = edits.iter().map(record_of).collect();
+    let ids = dxf::host_ids(&input.bytes, &records);
+    let host_ids = records.iter().zip(ids).filter_map(|(r, id)| Some((*r as u64, id?))).collect();
+    state_stale(input, settings, &records, &mut report)?;
     let searched = study.measure(&member.parameters, &mut study.bench());
     if worth != searched {
         let text = format!(
@@ -276,7 +284,7 @@ fn make(
         );
         report.warn("written-differs", Place::file(input.file()), text);
     }
-    Ok(Made { layout, member: member.clone(), worth, edits, changed, report, name })
+    Ok(Made { layout, member: member.clone(), worth, edits, changed, host_ids, report, name })
 }
 
 /// The changes of the file that make a layout; blocks once for all that they show.
@@ -296,6 +304,28 @@ pub(super) fn edits_of(base: &Understood, layout: &Layout) -> Vec<Edit> {
         }
     }
     out
+}
+
+fn record_of(edit: &Edit) -> usize {
+    match edit {
+        Edit::Shape { record, .. } | Edit::Insert { record, .. } => *record,
+    }
+}
+
+/// Names the annotation that does not follow the moved walls.
+fn state_stale(
+    input: &Input<'_>,
+    settings: &Settings,
+    moved: &[usize],
+    report: &mut Report,
+) -> Result<(), Error> {
+    let options = dxf::ReadOptions { accept_missing_eof: settings.accept_missing_eof, ..Default::default() };
+    let drawing = dxf::read(input.file(), &input.bytes, &options, &mut Report::default())?;
+    for source in dxf::dependents(input.file(), &input.bytes, &drawing, moved)? {
+        let text = "is tied to a wall that moves in an option; its bytes are kept and may be stale there";
+        report.info("stale-annotation", place_in(input.file(), &source), text);
+    }
+    Ok(())
 }
 
 fn round_result(
@@ -360,13 +390,11 @@ fn candidate(
 
 /// `changes` of a candidate, each with the records of the file that differ.
 fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
-    let record_of = |e: &Edit| match e {
-        Edit::Shape { record, .. } | Edit::Insert { record, .. } => *record as u64,
-    };
     let mut out = show::changes(&study.base, &made.layout);
     for change in &mut out {
         let ElementRef::Dxf { record, .. } = change.element else { continue };
-        let edit = made.edits.iter().position(|e| record_of(e) == record);
+        change.host_id = made.host_ids.get(&record).cloned();
+        let edit = made.edits.iter().position(|e| record_of(e) as u64 == record);
         let Some(changed) = edit.and_then(|i| made.changed.get(i)).filter(|c| c.len() != 1) else { continue };
         let each =
             changed.iter().map(|c| ElementRef::Dxf { handle: c.handle.clone(), record: c.record as u64 });

@@ -221,13 +221,20 @@ mod tests {
         let (centre, radius, _, sweep) = bulge_arc(a, b, 1.0).unwrap();
         assert!(centre.distance(DVec2::new(2.0, 0.0)) < 1e-12 && (radius - 1.0).abs() < 1e-12);
         assert!((sweep - PI).abs() < 1e-12);
-        assert!(bulge_arc(a, b, 0.0).is_none() && bulge_arc(a, a, 1.0).is_none() && bulge_arc(a, b, f64::NAN).is_none());
+        assert!(
+            bulge_arc(a, b, 0.0).is_none()
+                && bulge_arc(a, a, 1.0).is_none()
+                && bulge_arc(a, b, f64::NAN).is_none()
+        );
         let shape = |b: DVec2| Shape::Polyline {
             vertices: vec![Vertex { at: a, bulge: 1.0 }, Vertex { at: b, bulge: 0.0 }],
             closed: false,
         };
         let trace_a = trace(&shape(b), &METRES);
-        assert!(trace_a.points.iter().any(|p| p[1] < -990_000), "a positive bulge runs anticlockwise: below the chord");
+        assert!(
+            trace_a.points.iter().any(|p| p[1] < -990_000),
+            "a positive bulge runs anticlockwise: below the chord"
+        );
         let longer = trace_like(&shape(DVec2::new(9.0, 0.0)), &trace_a, &METRES);
         assert_eq!((longer.points.len(), longer.control.len()), (trace_a.points.len(), trace_a.points.len()));
         assert!(chord_error(&longer, DVec2::new(5.0, 0.0), 4.0) < 0.1);

@@ -27,7 +27,8 @@ pub fn mark_solids(walls: &mut [Wall], markers: &Markers) {
             continue;
         }
         let ring = &wall.trace.points;
-        let holds_wall = probes.iter().enumerate().any(|(j, p)| j != i && side_of_ring(ring, *p) == Side::Inside);
+        let holds_wall =
+            probes.iter().enumerate().any(|(j, p)| j != i && side_of_ring(ring, *p) == Side::Inside);
         wall.is_solid = !holds_wall && !markers.lies_in(ring) && is_thin_or_small(ring);
     }
 }

@@ -64,7 +64,7 @@ impl Default for Tuning {
             last_step: 0.015,
             floor_share: 0.2,
             any_member: 0.0,
-            keep_best: false,
+            keep_best: true,
             acceptance: 0.3,
         }
     }
