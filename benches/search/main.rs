@@ -149,9 +149,7 @@ fn print(name: &str, evaluations: u64, runs: &[Run], verbose: bool) {
         let mut v: Vec<f64> = runs.iter().map(f).collect();
         v.sort_by(f64::total_cmp);
         let median = (v[(v.len() - 1) / 2] + v[v.len() / 2]) / 2.0;
-        let low = v[v.len() / 10];
-        let mean = v.iter().sum::<f64>() / v.len() as f64;
-        format!("{median:.3} [{:.3}, {low:.3}, {:.3}] {mean:.3}", v[0], v[v.len() - 1])
+        format!("{median:.3} [{:.3}, {:.3}]", v[0], v[v.len() - 1])
     };
     let inside = runs.iter().filter(|r| r.inside >= 5).count();
     println!(

@@ -356,11 +356,6 @@ impl Problem for Maze {
     fn score(&self, p: &[f64]) -> (f64, f64) {
         Maze::score(self, p)
     }
-    fn parts(&self, p: &[f64]) -> (Vec<f64>, f64) {
-        let (m, _) = self.measure(p);
-        let (_, disconnection) = Maze::score(self, p);
-        (vec![self.clearance(p).powi(2), m[0], m[1], m[2]], disconnection)
-    }
 }
 
 fn door(marker: &Entity, all: &[Entity], walls: &[Wall]) -> Door {

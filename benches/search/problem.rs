@@ -7,11 +7,6 @@ pub trait Problem: Sync {
     fn start(&self) -> Vec<f64>;
     /// The composite score (more is better) and the hard violation.
     fn score(&self, p: &[f64]) -> (f64, f64);
-    /// Penalty, degree, depth, entropy or what stands for them, and the hard violation.
-    fn parts(&self, p: &[f64]) -> (Vec<f64>, f64) {
-        let (score, violation) = self.score(p);
-        (vec![score], violation)
-    }
 }
 
 /// Rooms in a row, each with a good and a better position, in steps; a wall of cliffs between them;

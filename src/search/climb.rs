@@ -237,19 +237,20 @@ impl Climb {
         (!good.is_empty()).then(|| good[rng.random_range(0..good.len())])
     }
 
-    /// Where the next climb starts: in turn a crossover of two ends, the best point or a member,
-    /// and anywhere.
+    /// Where the next climb starts: in turn anywhere (later a member), a crossover of two ends, and
+    /// near the best point.
     fn restart(&mut self, view: &View<'_>, models: &mut Models, rng: &mut ChaCha8Rng) -> Vec<f64> {
-        let dims = view.archive.dims();
         let turn = self.restarts % 3;
         self.restarts += 1;
-        match turn {
-            1 if self.ends.len() > 1 => self.restart_between_ends(view, models, rng),
-            2 if !view.members.is_empty() => {
+        let best = view.limits.best.get(self.stage).copied().flatten();
+        match (turn, best) {
+            (1, _) if self.ends.len() > 1 => self.restart_between_ends(view, models, rng),
+            (1 | 2, Some(best)) => reset(view.archive.unit(best), rng),
+            _ if !view.members.is_empty() => {
                 let member = view.members[rng.random_range(0..view.members.len())];
                 reset(view.archive.unit(member), rng)
             }
-            _ => random_point(dims, rng),
+            _ => random_point(view.archive.dims(), rng),
         }
     }
 

@@ -50,7 +50,7 @@ impl Default for Tuning {
             climb_share: 0.5,
             late_climb: 0.35,
             fade_from: 0.7,
-            margin: 0.045,
+            margin: 0.05,
             neighbours: 100,
             spread_neighbours: 300,
             candidates: 500,
