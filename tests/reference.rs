@@ -1,5 +1,7 @@
 //! The published reference values, by an independent program (`../shared/reference`).
 
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
 use std::collections::HashMap;
 use std::path::PathBuf;
 
