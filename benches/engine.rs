@@ -11,8 +11,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use enfilade::analysis::evaluator::Evaluator;
+use enfilade::analysis::paths::{Paths, Turning};
 use enfilade::analysis::visibility::{Graph, visibility_graph};
-use enfilade::analysis::{Lattice, Obstacles, forest, measures};
+use enfilade::analysis::{Lattice, Obstacles, forest, isovist, measures};
 use enfilade::plan::geometry::{Segment, segments_touch};
 use rayon::prelude::*;
 use rustix::time::{ClockId, clock_gettime};
@@ -41,9 +42,57 @@ fn main() {
             plan_row(name, metres, spacing_um);
         }
     }
+    for (name, metres, spacing_um) in
+        [("b40", 40, 1_333_300), ("b67", 67, 1_333_300), ("b133", 133, 1_333_300)]
+    {
+        if wanted(name) {
+            polygon_and_path_row(name, metres, spacing_um);
+        }
+    }
+    if filter.iter().any(|f| f == "million") {
+        million_row();
+    }
     if wanted("art_gallery") {
         evaluation_row();
     }
+}
+
+/// Isovists; metric and angular paths where they do not take minutes.
+fn polygon_and_path_row(name: &str, metres: i64, spacing_um: i64) {
+    let walls = shared_walls(&format!("bench/b{metres}_r12.dxf")).unwrap_or_else(|| building(metres));
+    let lattice = flood(&walls, spacing_um, [2_000_000, 2_000_000]);
+    let obstacles = Obstacles { segments: walls, blind: vec![] };
+    let n = lattice.cells.len();
+    let one = pool(1);
+    let (isovist_secs, _) = median(&one, 3, || isovist::isovist_columns(&lattice, &obstacles));
+    print!("{name:<28}{n:>8} isovist {isovist_secs:.4}");
+    if n <= 3_000 {
+        let graph = visibility_graph(&lattice, &obstacles);
+        let paths = Paths::new(&lattice, &graph, &obstacles, Turning::AtWalls);
+        let (metric_secs, _) = median(&one, 1, || paths.metric_columns(None));
+        let (angular_secs, _) = median(&one, 1, || paths.angular_columns(None));
+        print!(" metric {metric_secs:.3} angular {angular_secs:.3}");
+    }
+    println!();
+}
+
+/// A million vertices: the graph, and global measures from 5,120 sampled roots; wall-clock seconds.
+fn million_row() {
+    let walls = building(1_330);
+    let lattice = flood(&walls, 1_333_300, [2_000_000, 2_000_000]);
+    let obstacles = Obstacles { segments: walls, blind: vec![] };
+    let started = Instant::now();
+    let graph = visibility_graph(&lattice, &obstacles);
+    let graph_secs = started.elapsed().as_secs_f64();
+    let columns = measures::sampled_columns(&graph, 5_120, 1);
+    println!(
+        "million{:>29} vertices, degree {:.1}: graph {graph_secs:.2} s wall, with sampled measures {:.2} s wall, peak {} MB, first interval {:.3}",
+        graph.len(),
+        2.0 * graph.edge_count() as f64 / graph.len() as f64,
+        started.elapsed().as_secs_f64(),
+        peak_mb(),
+        columns[7].values[0]
+    );
 }
 
 fn plan_row(name: &str, metres: i64, spacing_um: i64) {

@@ -137,6 +137,14 @@ impl Graph {
         }
     }
 
+    /// Rank of the vertex at a cell, if there is one.
+    pub(super) fn rank_at(&self, cell: [i32; 2]) -> Option<usize> {
+        let [c, r] = [0, 1].map(|k| i64::from(cell[k]) - self.tiles.min_cell[k]);
+        let tile = self.tiles.tile_with([c, r])?;
+        let bit = ((r & 7) << 3 | (c & 7)) as u32;
+        (self.tiles.occupied[tile as usize] >> bit & 1 == 1).then(|| self.tiles.rank(tile, bit))
+    }
+
     /// Calls `visit` with those of the four cells beside a rank that it sees.
     pub(super) fn for_each_beside(&self, rank: usize, mut visit: impl FnMut(usize)) {
         let (tile, bit) = self.tiles.slot_of[rank];

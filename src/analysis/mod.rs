@@ -18,6 +18,7 @@ pub mod measures;
 pub mod paths;
 mod relays;
 mod strips;
+pub mod through;
 mod tiles;
 pub mod visibility;
 mod wave;

@@ -31,6 +31,11 @@ pub struct Paths<'a> {
     graph: &'a Graph,
     /// Whether paths may turn, by rank.
     turns: Vec<bool>,
+    /// Column and row from the lower left vertex, by rank.
+    cells: Vec<[i32; 2]>,
+    /// Angle of every offset in the box, by row, then column; empty if there are too many.
+    angles: Vec<f64>,
+    size: [i32; 2],
 }
 
 impl<'a> Paths<'a> {
@@ -45,7 +50,22 @@ impl<'a> Paths<'a> {
             let around = (-1..=1).flat_map(|x| (-1..=1).map(move |y| [c + x, r + y]));
             turning == Turning::Everywhere || around.into_iter().any(|cell| walls.contains(&cell))
         };
-        Self { lattice, graph, turns: graph.tiles.vertex_of.iter().map(turns_at).collect() }
+        let local = |&v: &u32| graph.tiles.local(lattice.cells[v as usize]).map(|c| c as i32);
+        let size = graph.tiles.size_cells.map(|n| n as i32);
+        let mut new = Self {
+            lattice,
+            graph,
+            turns: graph.tiles.vertex_of.iter().map(turns_at).collect(),
+            cells: graph.tiles.vertex_of.iter().map(local).collect(),
+            angles: Vec::new(),
+            size,
+        };
+        let [w, h] = size.map(i64::from);
+        if (2 * w + 1).saturating_mul(2 * h + 1) <= MAX_ANGLES {
+            let offsets = (-size[1]..=size[1]).flat_map(|y| (-size[0]..=size[0]).map(move |x| [x, y]));
+            new.angles = offsets.map(angle_of).collect();
+        }
+        new
     }
 
     /// `Metric Mean Shortest-Path Angle`, `… Distance`, `Metric Mean Straight-Line Distance` (metres),
@@ -91,7 +111,7 @@ impl<'a> Paths<'a> {
     /// [`UNDEFINED`] where there is no way.
     pub fn step_columns(&self, from: &[u32]) -> Vec<Column> {
         let roots: Vec<u32> = from.iter().map(|&v| self.graph.tiles.rank_of[v as usize]).collect();
-        let mut walk = Walk::new(self.graph.len());
+        let mut walk = Walk::new(self.graph);
         let column = |name: &str, by_rank: &dyn Fn(usize) -> f64| {
             let value = |&rank: &u32| by_rank(rank as usize);
             let values = self.graph.tiles.rank_of.iter().map(value).collect();
@@ -134,7 +154,7 @@ impl<'a> Paths<'a> {
         row: impl Fn(&mut Walk, usize) -> [f64; K] + Sync + Send,
     ) -> Vec<Column> {
         let n = self.graph.len();
-        let rows: Vec<[f64; K]> = (0..n).into_par_iter().map_init(|| Walk::new(n), row).collect();
+        let rows: Vec<[f64; K]> = (0..n).into_par_iter().map_init(|| Walk::new(self.graph), row).collect();
         let suffix = radius.map(|r| format!(" R{r}")).unwrap_or_default();
         transpose(names.map(|name| format!("{name}{suffix}")), &rows)
     }
@@ -147,48 +167,70 @@ impl<'a> Paths<'a> {
         self.lattice.spacing_um as f64 / UM_PER_M
     }
 
-    fn offset(&self, from: u32, to: u32) -> [f64; 2] {
-        let cell = |rank: u32| self.lattice.cells[self.graph.tiles.vertex_of[rank as usize] as usize];
-        let (a, b) = (cell(from), cell(to));
-        [0, 1].map(|k| f64::from(b[k]) - f64::from(a[k]))
+    #[inline(always)]
+    fn offset(&self, from: u32, to: u32) -> [i32; 2] {
+        let (a, b) = (self.cells[from as usize], self.cells[to as usize]);
+        [b[0] - a[0], b[1] - a[1]]
     }
 
+    #[inline(always)]
     fn cells_apart(&self, a: u32, b: u32) -> f64 {
-        let [x, y] = self.offset(a, b);
+        let [x, y] = self.offset(a, b).map(f64::from);
         (x * x + y * y).sqrt()
     }
 
-    /// How far a path turns at `at` on the way from `before` to `to`, in right angles.
-    fn turn(&self, before: u32, at: u32, to: u32) -> f32 {
-        let (a, b) = (self.offset(before, at), self.offset(at, to));
-        let (dot, cross) = (a[0] * b[0] + a[1] * b[1], a[0] * b[1] - a[1] * b[0]);
-        (cross.abs().atan2(dot) / std::f64::consts::FRAC_PI_2) as f32
+    /// Direction from one cell to another, radians.
+    #[inline(always)]
+    fn direction(&self, from: u32, to: u32) -> f64 {
+        let [x, y] = self.offset(from, to);
+        let at = (y + self.size[1]) as usize * (2 * self.size[0] + 1) as usize + (x + self.size[0]) as usize;
+        self.angles.get(at).copied().unwrap_or_else(|| angle_of([x, y]))
     }
+}
+
+/// Offsets whose angles are tabulated, at most: 32 MB.
+const MAX_ANGLES: i64 = 1 << 22;
+
+fn angle_of([x, y]: [i32; 2]) -> f64 {
+    f64::from(y).atan2(f64::from(x))
+}
+
+/// How far a path turns from one direction to another, in right angles.
+#[inline(always)]
+fn turn(before: f64, after: f64) -> f32 {
+    let apart = (after - before).abs();
+    let apart = apart.min(std::f64::consts::TAU - apart);
+    (apart / std::f64::consts::FRAC_PI_2) as f32
 }
 
 /// No predecessor.
 const START: u32 = u32::MAX;
 
-/// Cost in the bits of a non-negative f32, vertex, predecessor's vertex, and both ranks.
-type Step = Reverse<(u32, u32, u32, u32, u32)>;
+/// Cost in the bits of a non-negative f32 above the vertex, and the predecessor's vertex.
+type Step = Reverse<(u64, u32)>;
 
 /// Buffers of one worker, by rank; what a walk touched is listed in `touched`.
 struct Walk {
     cost: Vec<f32>,
     /// Angle turned along the metric path.
     angle: Vec<f32>,
-    is_done: Vec<bool>,
+    /// Predecessor, where the walk has been.
+    before: Vec<u32>,
+    /// Cells not left yet, by tile.
+    open: Vec<u64>,
     done: Vec<u32>,
     touched: Vec<u32>,
     heap: BinaryHeap<Step>,
 }
 
 impl Walk {
-    fn new(n: usize) -> Self {
+    fn new(graph: &Graph) -> Self {
+        let n = graph.len();
         Self {
             cost: vec![f32::INFINITY; n],
             angle: vec![0.0; n],
-            is_done: vec![false; n],
+            before: vec![START; n],
+            open: graph.tiles.occupied.clone(),
             done: Vec::new(),
             touched: Vec::new(),
             heap: BinaryHeap::new(),
@@ -198,13 +240,12 @@ impl Walk {
     fn begin(&mut self, paths: &Paths<'_>, roots: &[u32]) {
         for rank in self.touched.drain(..) {
             self.cost[rank as usize] = f32::INFINITY;
-            self.is_done[rank as usize] = false;
         }
+        self.open.copy_from_slice(&paths.graph.tiles.occupied);
         self.done.clear();
         self.heap.clear();
         for &root in roots {
             self.reach(paths, root, START, 0.0);
-            self.angle[root as usize] = 0.0;
         }
     }
 
@@ -214,18 +255,24 @@ impl Walk {
         }
         self.cost[rank as usize] = cost;
         let vertex = |r: u32| if r == START { START } else { paths.graph.tiles.vertex_of[r as usize] };
-        self.heap.push(Reverse((cost.to_bits(), vertex(rank), vertex(from), rank, from)));
+        let key = u64::from(cost.to_bits()) << 32 | u64::from(vertex(rank));
+        self.heap.push(Reverse((key, vertex(from))));
     }
 
     /// The next cell to leave, with its cost and predecessor.
-    fn next(&mut self, radius: f64) -> Option<(f32, u32, u32)> {
-        while let Some(Reverse((bits, _, _, rank, from))) = self.heap.pop() {
-            let cost = f32::from_bits(bits);
+    fn next(&mut self, paths: &Paths<'_>, radius: f64) -> Option<(f32, u32, u32)> {
+        while let Some(Reverse((key, from))) = self.heap.pop() {
+            let cost = f32::from_bits((key >> 32) as u32);
+            let rank = paths.graph.tiles.rank_of[key as u32 as usize];
             if f64::from(cost) > radius {
                 return None;
             }
-            if !std::mem::replace(&mut self.is_done[rank as usize], true) {
+            let (tile, bit) = paths.graph.tiles.slot_of[rank as usize];
+            if self.open[tile as usize] >> bit & 1 == 1 {
+                self.open[tile as usize] &= !(1 << bit);
                 self.done.push(rank);
+                let from = if from == START { START } else { paths.graph.tiles.rank_of[from as usize] };
+                self.before[rank as usize] = from;
                 return Some((cost, rank, from));
             }
         }
@@ -234,39 +281,97 @@ impl Walk {
 
     /// Shortest paths, cost in cells.
     fn metric(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
-        self.begin(paths, roots);
-        while let Some((cost, at, from)) = self.next(radius) {
-            if cost != 0.0 && !paths.turns[at as usize] {
-                continue;
-            }
-            paths.graph.for_each_rank(at as usize, |to| {
-                let apart = paths.cells_apart(at, to as u32);
-                if self.is_done[to] || f64::from(cost) + apart >= f64::from(self.cost[to]) {
-                    return;
-                }
-                self.reach(paths, to as u32, at, cost + apart as f32);
-                let turn = if from == START { 0.0 } else { paths.turn(from, at, to as u32) };
-                self.angle[to] = self.angle[at as usize] + turn;
-            });
-        }
+        self.walk::<true>(paths, roots, radius);
     }
 
     /// Straightest paths, cost in right angles.
     fn angular(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
+        self.walk::<false>(paths, roots, radius);
+    }
+
+    fn walk<const METRIC: bool>(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("popcnt") {
+            // SAFETY: the processor has just been asked.
+            #[allow(unsafe_code)]
+            return unsafe { self.walk_popcnt::<METRIC>(paths, roots, radius) };
+        }
+        self.walk_in::<METRIC>(paths, roots, radius);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "popcnt")]
+    fn walk_popcnt<const METRIC: bool>(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
+        self.walk_in::<METRIC>(paths, roots, radius);
+    }
+
+    #[inline(always)]
+    fn walk_in<const METRIC: bool>(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
         self.begin(paths, roots);
-        while let Some((cost, at, from)) = self.next(radius) {
-            if cost != 0.0 && !paths.turns[at as usize] {
-                continue;
+        while let Some((cost, at, from)) = self.next(paths, radius) {
+            let heading = if from == START { None } else { Some(paths.direction(from, at)) };
+            if METRIC {
+                self.angle[at as usize] = heading.map_or(0.0, |h| {
+                    let first = self.before[from as usize];
+                    let turned = if first == START { 0.0 } else { turn(paths.direction(first, from), h) };
+                    self.angle[from as usize] + turned
+                });
             }
-            paths.graph.for_each_rank(at as usize, |to| {
-                if self.is_done[to] || cost >= self.cost[to] {
-                    return;
+            if cost == 0.0 || paths.turns[at as usize] {
+                self.relax::<METRIC>(paths, cost, (at, from), heading);
+            }
+        }
+    }
+
+    /// Offers a way through `at` to the cells it sees. Those its predecessor sees as well are passed
+    /// over: the way there without the detour is no longer and turns no more.
+    #[inline(always)]
+    fn relax<const METRIC: bool>(
+        &mut self,
+        paths: &Paths<'_>,
+        cost: f32,
+        (at, from): (u32, u32),
+        heading: Option<f64>,
+    ) {
+        let graph = paths.graph;
+        let (tiles, masks) = graph.row(at as usize);
+        let (before_tiles, before_masks) =
+            if from == START { (&[][..], &[][..]) } else { graph.row(from as usize) };
+        let mut before = 0;
+        for (&t, &mask) in tiles.iter().zip(masks) {
+            while before < before_tiles.len() && before_tiles[before] < t {
+                before += 1;
+            }
+            let known = if before_tiles.get(before) == Some(&t) { before_masks[before] } else { 0 };
+            let mut bits = mask & self.open[t as usize] & !known;
+            while bits != 0 {
+                let bit = bits.trailing_zeros();
+                bits &= bits - 1;
+                let to = graph.tiles.rank(t, bit);
+                if METRIC {
+                    self.offer_length(paths, cost, [at, to as u32]);
+                } else {
+                    self.offer_turn(paths, cost, [at, to as u32], heading);
                 }
-                let turn = if from == START { 0.0 } else { paths.turn(from, at, to as u32) };
-                if cost + turn < self.cost[to] {
-                    self.reach(paths, to as u32, at, cost + turn);
-                }
-            });
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn offer_length(&mut self, paths: &Paths<'_>, cost: f32, [at, to]: [u32; 2]) {
+        let apart = paths.cells_apart(at, to);
+        if f64::from(cost) + apart < f64::from(self.cost[to as usize]) {
+            self.reach(paths, to, at, cost + apart as f32);
+        }
+    }
+
+    #[inline(always)]
+    fn offer_turn(&mut self, paths: &Paths<'_>, cost: f32, [at, to]: [u32; 2], heading: Option<f64>) {
+        if cost < self.cost[to as usize] {
+            let turned = heading.map_or(0.0, |h| turn(h, paths.direction(at, to)));
+            if cost + turned < self.cost[to as usize] {
+                self.reach(paths, to, at, cost + turned);
+            }
         }
     }
 }

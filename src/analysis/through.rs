@@ -1,0 +1,80 @@
+//! Through vision: how many sight lines pass over a cell.
+
+use rayon::prelude::*;
+
+use super::Lattice;
+use super::graph::Graph;
+use super::measures::Column;
+
+/// `Through vision`: for every vertex the sight lines between two other vertices that pass over it,
+/// each pair counted once. A line passes over one cell in each column (each row, if it is steeper than
+/// 45°) between its ends: the nearest one, of two equally near ones the upper (right).
+pub fn through_vision_column(lattice: &Lattice, graph: &Graph) -> Column {
+    let n = graph.len();
+    let one = |mut counts: Vec<u64>, v: usize| {
+        graph.for_each_neighbour(v as u32, |u| {
+            if u as usize > v {
+                let cells = [lattice.cells[v], lattice.cells[u as usize]];
+                for_each_between(cells, |cell| {
+                    if let Some(w) = vertex_at(lattice, graph, cell) {
+                        counts[w] += 1;
+                    }
+                });
+            }
+        });
+        counts
+    };
+    let add = |mut a: Vec<u64>, b: Vec<u64>| {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        a
+    };
+    let share = n.div_ceil(rayon::current_num_threads()).max(1);
+    let starts: Vec<usize> = (0..n).step_by(share).collect();
+    let counts = starts
+        .into_par_iter()
+        .map(|start| (start..(start + share).min(n)).fold(vec![0; n], one))
+        .reduce(|| vec![0; n], add);
+    Column { name: "Through vision".into(), values: counts.into_iter().map(|c| c as f64).collect() }
+}
+
+fn vertex_at(lattice: &Lattice, graph: &Graph, cell: [i32; 2]) -> Option<usize> {
+    if graph.tiles.grid.is_empty() {
+        return lattice.cells.binary_search(&cell).ok();
+    }
+    graph.rank_at(cell).map(|rank| graph.tiles.vertex_of[rank] as usize)
+}
+
+/// Cells strictly between two, one a step along the longer side.
+fn for_each_between([a, b]: [[i32; 2]; 2], mut visit: impl FnMut([i32; 2])) {
+    let run = [0, 1].map(|k| i64::from(b[k]) - i64::from(a[k]));
+    let steps = run[0].abs().max(run[1].abs());
+    for i in 1..steps {
+        let along = |k: usize| a[k] + (2 * i * run[k] + steps).div_euclid(2 * steps) as i32;
+        visit([along(0), along(1)]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Obstacles, fixtures, visibility};
+    use super::*;
+
+    #[test]
+    fn a_row_of_five_is_seen_through_in_the_middle() {
+        let lattice = fixtures::lattice(10, [0, 0], (0..5).map(|c| [c - 9, 3]).collect());
+        let graph = visibility::visibility_graph(&lattice, &Obstacles::default());
+        assert_eq!(through_vision_column(&lattice, &graph).values, [0.0, 3.0, 4.0, 3.0, 0.0]);
+    }
+
+    #[test]
+    fn a_line_passes_over_one_cell_a_step_from_either_end() {
+        for b in [[5, 2], [-5, 2], [2, -7], [4, 4], [1, 0]] {
+            let (mut there, mut back) = (Vec::new(), Vec::new());
+            for_each_between([[0, 0], b], |c| there.push(c));
+            for_each_between([b, [0, 0]], |c| back.push(c));
+            back.reverse();
+            assert_eq!(there, back);
+            assert_eq!(there.len() as i32, b[0].abs().max(b[1].abs()) - 1);
+        }
+    }
+}
