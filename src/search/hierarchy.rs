@@ -49,7 +49,7 @@ impl Stage<'_> {
 /// What the generation in hand is for.
 #[derive(Clone, Debug)]
 enum Phase {
-    Climb(Cma),
+    Climb(Box<Cma>),
     Spread(RoundRobin),
     /// The members' means are being evaluated; then nothing is left to do.
     Last,
@@ -83,7 +83,7 @@ impl Hierarchy {
     pub(super) fn new(study: &Study, start: Vec<f64>) -> Self {
         Self {
             objectives: study.objectives.clone(),
-            phase: Phase::Climb(Cma::new(&start, FIRST_SIGMA, study.seed, Domain::UnitCube)),
+            phase: Phase::Climb(Box::new(Cma::new(&start, FIRST_SIGMA, study.seed, Domain::UnitCube))),
             start,
             members: study.members,
             d_min: study.d_min,
@@ -174,7 +174,7 @@ impl Hierarchy {
         if self.stage + 1 < self.objectives.len() {
             self.stage += 1;
             let seed = self.seed.wrapping_add(self.stage as u64);
-            self.phase = Phase::Climb(Cma::new(&self.start, FIRST_SIGMA, seed, Domain::UnitCube));
+            self.phase = Phase::Climb(Box::new(Cma::new(&self.start, FIRST_SIGMA, seed, Domain::UnitCube)));
         } else if self.diverse {
             self.phase = Phase::Spread(RoundRobin::new(&self.start, self.members, self.d_min, self.seed));
         } else {
