@@ -228,7 +228,7 @@ mod tests {
         let walls = [
             "WALLS",
             "A-WALL",
-            "A-WALL-FULL-DIMS2",
+            "A-WALL-FULL-2",
             "xref-Bishop$0$A-WALL",
             "plan|Wand",
             "Wand (neu)",
