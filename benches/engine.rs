@@ -194,6 +194,12 @@ fn evaluation_row() {
     let gallery = Gallery::read(&text);
     let lattice = Arc::new(gallery.lattice());
     let evaluator = Evaluator::new(lattice.clone(), &gallery.fixed, &gallery.layout(0));
+    let means = measures::means(evaluator.initial());
+    // The reference values of the drawing as it is.
+    assert!((means.degree - 5.397260273972603).abs() < 1e-12, "{means:?}");
+    assert!((means.degree_all - 291.4109589041096).abs() < 1e-10, "{means:?}");
+    assert!((means.depth - 3.7831050228310503).abs() < 1e-12, "{means:?}");
+    assert!((means.entropy - 1.8446879876435331).abs() < 1e-12, "{means:?}");
     let mut scratch = evaluator.scratch();
     let layouts: Vec<Obstacles> = (0..200).map(|seed| gallery.layout(seed)).collect();
     let mut times: Vec<f64> = Vec::new();
