@@ -320,7 +320,10 @@ fn import_faults(source: &Source) -> Vec<String> {
 
 fn word_faults(source: &Source) -> Vec<String> {
     let Some(file) = source.in_src() else { return vec![] };
-    let foreign = ONLY_IN.iter().filter(|row| row.1 != file);
+    // A file that has grown into a folder of the same name is still one place.
+    let is_home =
+        |home: &str| file == home || file.starts_with(&format!("{}/", home.trim_end_matches(".rs")));
+    let foreign = ONLY_IN.iter().filter(|row| !is_home(row.1));
     foreign
         .flat_map(|&(word, home, why)| {
             words(&source.product, word)
@@ -433,7 +436,11 @@ fn every_public_limit_has_a_test() {
     let untested = sources.iter().flat_map(|s| limits(s).into_iter().map(|name| (s.path.clone(), name)));
     assert_none(
         untested
-            .filter(|(_, name)| !tested.iter().any(|t| words(t, name).next().is_some()))
+            // A limit that is the default of a field is tripped through that field.
+            .filter(|(_, name)| {
+                let field = name.to_lowercase();
+                !tested.iter().any(|t| words(t, name).chain(words(t, &field)).next().is_some())
+            })
             .map(|(path, name)| format!("{path}: no test names the limit {name}"))
             .collect(),
     );

@@ -740,3 +740,40 @@ fn mirror(rows: &mut [Lanes], stride: usize, words: usize) {
         }
     }
 }
+
+#[cfg(test)]
+mod limits {
+    use super::*;
+    use crate::analysis::Obstacles;
+    use crate::analysis::visibility::visibility_graph;
+
+    fn two_cells(columns_apart: i32) -> Lattice {
+        Lattice {
+            spacing_um: 1,
+            origin_um: [0, 0],
+            cells: vec![[0, 0], [columns_apart, 0]],
+            query: vec![0, 1],
+            is_reference: vec![true; 2],
+        }
+    }
+
+    #[test]
+    fn a_large_box_is_left_to_the_general_way() {
+        let dense = |n: usize| {
+            let lattice = two_cells(n as i32);
+            let graph = visibility_graph(&lattice, &Obstacles::default());
+            Dense::new(&lattice, &graph).is_some()
+        };
+        assert!(dense(100) && !dense(MAX_CELLS));
+    }
+
+    #[test]
+    fn cells_farther_apart_than_the_sweep_can_count_see_each_other_all_the_same() {
+        let lattice = two_cells(MAX_COORDINATE_CELLS as i32 + 2);
+        let wall = Segment { a: [77, -1], b: [77, 1] };
+        for (segments, edges) in [(vec![], 1), (vec![wall], 0)] {
+            let obstacles = Obstacles { segments, blind: vec![] };
+            assert_eq!(visibility_graph(&lattice, &obstacles).edge_count(), edges);
+        }
+    }
+}

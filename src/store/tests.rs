@@ -666,3 +666,13 @@ fn disk_errors_have_a_remedy() {
         assert_eq!(code(&error), want, "{errno}");
     }
 }
+
+#[test]
+fn a_name_as_long_as_the_system_takes_gets_a_folder_it_takes_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let drawing = folder.path().join(format!("{}.dxf", "p".repeat(MAX_NAME_BYTES - 4)));
+    fs::write(&drawing, "x").unwrap();
+    let home = Home::open(Arc::new(SystemDisk), &drawing, &Placing::default()).unwrap();
+    let name = home.folder().file_name().unwrap().len();
+    assert!(name <= MAX_NAME_BYTES && home.folder().is_dir(), "{name} bytes");
+}

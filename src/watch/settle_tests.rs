@@ -210,6 +210,9 @@ fn waiting_backs_off() {
     run.run_to(seconds("4000"));
     assert!(run.looks < 25, "{} looks in 4000 s", run.looks);
     assert!(run.looks > 12, "{} looks in 4000 s", run.looks);
+    let before = run.looks;
+    run.run_to(seconds("4000") + Duration::from_secs_f64(3.0 * MAX_BACKOFF_SECS));
+    assert!((2..=6).contains(&(run.looks - before)), "the pause grows no longer than the limit");
     assert_eq!(run.settle.pending_count(), 1);
 }
 
@@ -347,4 +350,16 @@ proptest::proptest! {
         }
         proptest::prop_assert!(run.said.iter().all(|(_, s)| !s.contains("half")));
     }
+}
+
+#[test]
+fn a_crowded_folder_is_named_with_its_limit() {
+    let mut run = Run::new(&WatchSettings::default(), false);
+    run.settle.on_event(Duration::ZERO, Event::Crowded(ROOT.into()));
+    let actions = run.settle.on_tick(Now::default());
+    let says = |a: &Action| match a {
+        Action::Problem { problem, .. } => problem.text.contains(&MAX_SCANNED_FILES.to_string()),
+        _ => false,
+    };
+    assert!(actions.iter().any(says), "{actions:?}");
 }

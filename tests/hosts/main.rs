@@ -241,7 +241,18 @@ fn an_accepted_candidate_is_a_clean_drawing() {
             let (is_done, said) = finish(&mut command);
             assert!(is_done, "{words:?}: {said}");
         };
-        enfilade(&["run", "--quiet", "--evaluations", "60", "--seed", "1", "--spacing", "1"]);
+        enfilade(&[
+            "run",
+            "--quiet",
+            "--members",
+            "1",
+            "--evaluations",
+            "60",
+            "--seed",
+            "1",
+            "--spacing",
+            "1",
+        ]);
         enfilade(&["accept", "1"]);
         let before = fs::read_to_string(&sample).unwrap();
         let after = fs::read_to_string(folder.join(format!("{name}-r02.dxf"))).unwrap();

@@ -72,3 +72,8 @@ fn the_curve_through_fit_points_meets_them_and_its_tangents() {
     assert!(curve.iter().all(|p| (p.length() - 1.0).abs() < 2e-4));
     assert!(fit.iter().all(|p| curve.iter().any(|q| p.distance(*q) < 1e-12)));
 }
+
+#[test]
+fn no_curve_has_more_pieces_than_the_limit() {
+    assert_eq!(pieces_of(1e30, 1e6 * PI, Some(1e-9)), MAX_CURVE_PIECES);
+}

@@ -387,3 +387,15 @@ pub(super) fn shown(value: &[u8]) -> String {
     let clean: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     if clean.chars().count() <= 40 { clean } else { clean.chars().take(39).collect::<String>() + "…" }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn group_codes_beyond_the_last_are_no_dxf() {
+        let file = |code: i32| format!("{code}\n1\n0\nEOF\n");
+        assert!(tokenize(file(MAX_GROUP_CODE).as_bytes(), &Limits::default()).is_ok());
+        assert!(tokenize(file(MAX_GROUP_CODE + 1).as_bytes(), &Limits::default()).is_err());
+    }
+}

@@ -305,3 +305,17 @@ fn lineage_table(html: &mut Html, result: &RoundResult, stops: &[Stop<'_>]) {
     }
     html.raw("</tbody>\n</table></div>\n");
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_archive_is_thinned_but_keeps_the_options() {
+        let mut archive = vec![ArchivePoint::default(); MAX_ARCHIVE_POINTS + 70];
+        archive[3].candidate = Some(0);
+        let shown = thinned(&archive);
+        assert_eq!(shown.len(), MAX_ARCHIVE_POINTS + 1);
+        assert_eq!(shown.last().map(|p| p.candidate), Some(Some(0)));
+    }
+}
