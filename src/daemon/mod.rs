@@ -1,7 +1,7 @@
 //! The daemon: finished saves become jobs, one after the other, and jobs become whole result folders.
 //!
 //! The job itself is given by the caller ([`RunJob`]); everything about folders, order, cancelling,
-//! publishing and telling is here. [`watch`] runs until stopped, [`run_once`] does the same job for one
+//! publishing and telling is here. [`watch()`] runs until stopped, [`run_once`] does the same job for one
 //! drawing through the same code, [`status`] reads what a running daemon tells.
 
 mod hands;

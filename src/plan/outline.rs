@@ -71,7 +71,7 @@ impl Ord for Square {
     }
 }
 
-/// Radius of the largest circle inside the ring, metres, within [`WIDTH_PRECISION_M`]; stops early once
+/// Radius of the largest circle inside the ring, metres, within `WIDTH_PRECISION_M`; stops early once
 /// it is known to be larger than [`SOLID_HALF_WIDTH_M`].
 ///
 /// Branch and bound over squares (the "pole of inaccessibility").

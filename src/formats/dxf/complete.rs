@@ -16,7 +16,7 @@ pub enum Completeness {
 /// How far before the end the end mark is looked for: some programs leave NULs or junk behind it.
 pub const TAIL_BYTES: usize = 1 << 20;
 
-/// Looks for `0/EOF` in the tail of the file. Cheap: at most [`TAIL_BYTES`] are looked at, except for
+/// Looks for `0/EOF` in the tail of the file. Cheap: at most `TAIL_BYTES` are looked at, except for
 /// padding of NULs and blanks, which is skipped however long.
 pub fn is_complete(bytes: &[u8]) -> Completeness {
     if foreign(bytes).is_some() {
