@@ -32,6 +32,11 @@ const PAIRS_BUDGET: f64 = 3.0e9;
 /// … but within these bounds.
 const EVALUATIONS: [f64; 2] = [200.0, 1_000.0];
 
+/// A sum of penalties up to this counts as none when it is an objective of its own: written coordinates are
+/// rounded to 1 µm, so that a turned wall never keeps its length exactly, and a drawing without any penalty
+/// would otherwise allow no turn at all. Results report what was measured.
+pub const PENALTY_FREE: f64 = 0.05;
+
 /// How often progress is said at most.
 const PROGRESS_EVERY_MS: u128 = 50;
 
@@ -233,7 +238,7 @@ fn evaluation(
 ) -> Evaluation {
     let value = |m: Measure| match m {
         Measure::Score => study.score(worth, settings),
-        Measure::Penalty => study.penalty(worth, settings),
+        Measure::Penalty => (study.penalty(worth, settings) - PENALTY_FREE).max(0.0),
         mean => worth.mean(mean),
     };
     let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
