@@ -185,7 +185,7 @@ fn summary(result: &RoundResult, folder: &Path) {
         say(&format!("option {}{mark}: {}", i + 1, c.words));
     }
     say(&format!(
-        "{} layouts measured in {:.1} s, stopped by {}; {} options",
+        "{} layouts measured in {:.1} s: {}; {} options",
         result.evaluations,
         result.seconds,
         result.stopped_by,
