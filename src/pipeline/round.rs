@@ -77,6 +77,14 @@ pub(super) fn run(
         );
         report.warn("few-options", Place::file(input.file()), text);
     }
+    let wanted = settings.distance * (study.base.moves.parameters.len() as f64).sqrt();
+    if let Some(nearest) = distances(study, &made).min_distance.filter(|d| *d < wanted) {
+        let text = format!(
+            "the two options most alike stand {nearest:.3} apart, {wanted:.3} was wanted: the thresholds of the objectives leave \
+             little room together; lower thresholds, fewer objectives or --objective \"score max 0.7\" give more different options"
+        );
+        report.info("options-alike", Place::file(input.file()), text);
+    }
     let result = round_result(input, settings, study, &report, found.as_ref(), &made, started);
     let mut files = pictures(input, settings, study, &made)?;
     files.extend(drawings(input, settings, study, &made, &result)?);
