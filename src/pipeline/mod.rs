@@ -17,13 +17,13 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::config::{Measure, Settings};
+use crate::config::{Backend, Measure, Settings};
 use crate::formats::dxf;
 use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::measure::wording;
 use crate::overlay::result::{self, AnalysisResult, CheckResult};
 use crate::overlay::{HeatMap, Scale, check_png, heat_map_png};
-use crate::report::{Cancel, Error, OutFile, Report};
+use crate::report::{Cancel, Error, OutFile, Place, Report};
 pub use study::Study;
 
 /// A drawing to work on.
@@ -144,6 +144,10 @@ pub fn analyse(
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
     let mut report = Report::default();
+    if settings.backend == Backend::Gpu {
+        let text = "--backend gpu: this version measures on the cores; they were used, with the same result";
+        report.warn("backend-gpu", Place::file(input.file()), text);
+    }
     let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
     cancel.check()?;
     let study = Study::new(base, settings, &mut report)?;
