@@ -333,7 +333,6 @@ fn for_each_cell_in(
 pub struct CellIndex {
     spacing_um: i64,
     origin_um: PointUm,
-    first: [i32; 2],
     size: [usize; 2],
     vertex: Vec<u32>,
 }
@@ -350,7 +349,7 @@ impl CellIndex {
         for (v, c) in lattice.cells.iter().enumerate() {
             vertex[(c[0] - first[0]) as usize * size[1] + (c[1] - first[1]) as usize] = v as u32;
         }
-        Self { spacing_um: lattice.spacing_um, origin_um: [at(0), at(1)], first, size, vertex }
+        Self { spacing_um: lattice.spacing_um, origin_um: [at(0), at(1)], size, vertex }
     }
 
     /// Appends the vertices that lie in the ring or on it.
@@ -361,11 +360,6 @@ impl CellIndex {
                 out.push(v);
             }
         });
-    }
-
-    /// Column and row of the first indexed cell.
-    pub fn first(&self) -> [i32; 2] {
-        self.first
     }
 }
 

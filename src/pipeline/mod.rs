@@ -168,7 +168,7 @@ fn analysis_of(
     let jobs: Vec<Measure> = Measure::MEAN.to_vec();
     let pictures = rayon_map(&jobs, |m| {
         let values = show::values(study, &study.initial.tally, *m, settings);
-        let scale = show::scale(values.iter());
+        let scale = Scale::of(values.iter().copied());
         heat_map(study, settings, &picture, &values, *m, scale, &format!("{}, as drawn", input.file()))
     });
     for (m, png) in jobs.iter().zip(pictures) {
@@ -230,8 +230,7 @@ fn rayon_map<A: Sync, B: Send>(items: &[A], f: impl Fn(&A) -> B + Sync + Send) -
 
 /// `enfilade run`: the whole job; the files of one round.
 ///
-/// A stop request after the present layout was measured ends the search and still hands out what was
-/// found, unless `is_discarded_on_stop` (a newer save of the drawing).
+/// A stop request ends the job without a round; what was handed out as analysis stays.
 ///
 /// # Errors
 /// [`Error::Input`] when the drawing cannot be read or no cell is left; [`Error::Stopped`].

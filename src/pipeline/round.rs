@@ -460,7 +460,7 @@ fn shown(settings: &Settings, study: &Study, made: &[Made]) -> Vec<Shown> {
         let initial = show::values(study, &study.initial.tally, *measure, settings);
         let members: Vec<Vec<f64>> =
             made.iter().map(|m| show::values(study, &m.worth.tally, *measure, settings)).collect();
-        let scale = show::scale(initial.iter().chain(members.iter().flatten()));
+        let scale = Scale::of(initial.iter().chain(members.iter().flatten()).copied());
         Shown { measure: *measure, scale, initial, members }
     };
     SHOWN.iter().map(of).collect()

@@ -5,11 +5,11 @@ use crate::analysis::Tally;
 use crate::analysis::measures::entropy_bits;
 use crate::config::{Colours, Measure, Settings};
 use crate::moves::Layout;
+use crate::overlay::Palette;
 use crate::overlay::picture::{Cell, PlanPicture, RegionKind, RegionOutline, Stroke, StrokeKind, bounds_of};
 use crate::overlay::result::{
     self, Change, Counts, ElementRef, Input, LayerEntry, MoveEntry, MoveKind, Numbers, RegionEntry, UnitEntry,
 };
-use crate::overlay::{Palette, Scale};
 use crate::plan::curve::{Trace, control_points};
 use crate::plan::drawing::{Addition, Mark, SourceRef};
 use crate::plan::geometry::PointUm;
@@ -122,13 +122,6 @@ pub fn cells(study: &Study, values: &[f64]) -> Vec<Cell> {
         out[*v as usize].value = Some(*value);
     }
     out
-}
-
-/// One scale for all layouts of a round, so that their colours compare.
-pub fn scale<'a>(all: impl Iterator<Item = &'a f64>) -> Scale {
-    let (lo, hi) =
-        all.filter(|v| v.is_finite()).fold((f64::MAX, f64::MIN), |(lo, hi), v| (lo.min(*v), hi.max(*v)));
-    if lo > hi { Scale { lo: 0.0, hi: 1.0 } } else { Scale { lo, hi } }
 }
 
 /// Plan frame to drawing units for everything that is added to a file.
