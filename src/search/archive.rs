@@ -114,8 +114,24 @@ const PROVISIONAL_POINTS: usize = 32;
 
 impl Limits {
     pub(super) fn of(archive: &Archive, objectives: &[Objective]) -> Self {
-        let mut limits = Self::default();
-        for (j, objective) in objectives.iter().enumerate() {
+        Self::default().continued(archive, objectives)
+    }
+
+    /// These limits for all objectives but the last, whose limit follows the archive: once members
+    /// spread, an earlier threshold stands, as in Algorithm 2, or each late find would turn them out.
+    pub(super) fn with_last_anew(&self, archive: &Archive, objectives: &[Objective]) -> Self {
+        let mut limits = self.clone();
+        let kept = objectives.len() - 1;
+        limits.best.truncate(kept);
+        for list in [&mut limits.base, &mut limits.top, &mut limits.threshold] {
+            list.truncate(kept);
+        }
+        limits.continued(archive, objectives)
+    }
+
+    fn continued(self, archive: &Archive, objectives: &[Objective]) -> Self {
+        let mut limits = self;
+        for (j, objective) in objectives.iter().enumerate().skip(limits.top.len()) {
             let within = |&i: &usize| archive.hard(i) == 0.0 && limits.admits(archive.gains(i), j, 0.0);
             let gain = |i: usize| archive.gains(i)[j];
             let best = (0..archive.len()).filter(within).reduce(|a, b| if gain(b) > gain(a) { b } else { a });

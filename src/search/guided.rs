@@ -36,6 +36,8 @@ pub(super) struct Guided {
     climb_models: Models,
     spread_models: Models,
     limits: Limits,
+    /// The limits as the spreading found them.
+    standing: Option<Limits>,
     asked: Vec<Kind>,
     course: Course,
     /// Evaluations after which a search without a budget ends: known once its climbs have converged.
@@ -84,6 +86,7 @@ impl Guided {
             climb_models: Models::new(1, tuning.neighbours),
             spread_models: Models::new(study.members, tuning.spread_neighbours),
             limits: Limits::default(),
+            standing: None,
             asked: vec![],
             course: Course::default(),
             enough: None,
@@ -118,6 +121,7 @@ impl Guided {
             let climbs = self.climbs(archive.len() + b);
             let mut proposal = None;
             if !climbs {
+                self.standing.get_or_insert_with(|| self.limits.clone());
                 let (limits, tuning) = (&self.limits, &self.tuning);
                 let members = self.spread.members().to_vec();
                 let view = View { archive, limits, tuning, members: &members, pending: &out };
@@ -177,7 +181,10 @@ impl Guided {
     pub(super) fn tell(&mut self, archive: &Archive, first: usize) {
         for i in first..archive.len() {
             if i == 0 || self.limits.moved_by(archive, i) {
-                self.limits = Limits::of(archive, &self.objectives);
+                self.limits = match &self.standing {
+                    Some(standing) => standing.with_last_anew(archive, &self.objectives),
+                    None => Limits::of(archive, &self.objectives),
+                };
             }
             self.course.tops.push(self.limits.top(self.stage));
             let kind = self.asked.get(i - first).copied().unwrap_or(Kind::Climb(Step::Raw));
