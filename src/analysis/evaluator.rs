@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::plan::geometry::Segment;
 
 use super::dense::{Dense, DenseScratch};
-use super::forest::tally;
+use super::forest::{Initial, tally};
 use super::visibility::visibility_graph_serial;
 use super::{Lattice, Obstacles, Tally};
 
@@ -46,7 +46,8 @@ impl Evaluator {
         new.fill(initial_moving, &mut scratch);
         let graph = visibility_graph_serial(&new.lattice, &scratch.obstacles);
         new.initial_components = graph.components();
-        new.initial = tally(&new.lattice, &graph, Some(&new.initial_components));
+        let initial = Initial { components: &new.initial_components, covered: &initial_moving.blind };
+        new.initial = tally(&new.lattice, &graph, Some(initial));
         new
     }
 
@@ -69,7 +70,8 @@ impl Evaluator {
     fn evaluate_whole(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
         self.fill(moving, scratch);
         let graph = visibility_graph_serial(&self.lattice, &scratch.obstacles);
-        tally(&self.lattice, &graph, Some(&self.initial_components))
+        let initial = Initial { components: &self.initial_components, covered: &moving.blind };
+        tally(&self.lattice, &graph, Some(initial))
     }
 
     fn fill(&self, moving: &Obstacles, scratch: &mut Scratch) {
