@@ -14,8 +14,8 @@ use super::lanes::{LANES, Lanes, Path, Portable, Vector, transpose};
 use super::strips::{MAX_COORDINATE_CELLS, MAX_COORDINATE_UM};
 use super::{Lattice, Obstacles, Tally};
 
-/// Largest grid: a row of bits is at most four cache lines and the tables stay near the processor.
-pub(super) const MAX_CELLS: usize = 4 * LANES;
+/// Largest grid: a row of bits is at most eight cache lines and the tables stay near the processor.
+pub(super) const MAX_CELLS: usize = 8 * LANES;
 
 /// A shadow's edge nearer to a cell than this, in cells, is decided in whole numbers. Rounding stays
 /// below 2⁻²⁵ under the coordinate limits of the sweep.
@@ -546,7 +546,11 @@ impl Dense {
             1 => self.walk_rows::<V, 1>(scratch),
             2 => self.walk_rows::<V, 2>(scratch),
             3 => self.walk_rows::<V, 3>(scratch),
-            _ => self.walk_rows::<V, 4>(scratch),
+            4 => self.walk_rows::<V, 4>(scratch),
+            5 => self.walk_rows::<V, 5>(scratch),
+            6 => self.walk_rows::<V, 6>(scratch),
+            7 => self.walk_rows::<V, 7>(scratch),
+            _ => self.walk_rows::<V, 8>(scratch),
         }
     }
 

@@ -12,7 +12,7 @@ use super::{Lattice, Obstacles, Tally};
 /// Evaluates layouts that share a lattice and the walls that do not move; share it between threads
 /// and give each thread a [`Scratch`].
 ///
-/// Lattices whose box holds up to 2,048 cells are evaluated on dense rows prepared for the fixed walls;
+/// Lattices whose box holds up to 4,096 cells are evaluated on dense rows prepared for the fixed walls;
 /// larger ones, and coordinates beyond about 10⁹ m, from scratch.
 pub struct Evaluator {
     lattice: Arc<Lattice>,
@@ -137,9 +137,9 @@ mod tests {
 
     #[test]
     fn beyond_the_limits_it_evaluates_from_scratch() {
-        let cells: Vec<[i32; 2]> = (0..46).flat_map(|c| (0..46).map(move |r| [c, r])).collect();
+        let cells: Vec<[i32; 2]> = (0..65).flat_map(|c| (0..65).map(move |r| [c, r])).collect();
         let lattice = Arc::new(fixtures::lattice(10, [0, 0], cells));
-        let wall = |x: i64| Obstacles { segments: vec![Segment { a: [x, -5], b: [x, 155] }], blind: vec![] };
+        let wall = |x: i64| Obstacles { segments: vec![Segment { a: [x, -5], b: [x, 655] }], blind: vec![] };
         let evaluator = Evaluator::new(lattice.clone(), &[], &wall(55));
         assert!(evaluator.dense.is_none());
         let tally = evaluator.evaluate(&wall(66), &mut evaluator.scratch());
