@@ -94,6 +94,10 @@ impl Guided {
         }
     }
 
+    pub(super) fn set_budget(&mut self, evaluations: u64) {
+        self.budget = Some(evaluations);
+    }
+
     /// Share of the budget used, 0 while there is none.
     fn used(&self, evaluations: usize) -> f64 {
         self.budget.or(self.enough).map_or(0.0, |b| evaluations as f64 / b as f64)
@@ -154,7 +158,7 @@ impl Guided {
         let last = self.objectives.len() - 1;
         let share = self.climb_share() / self.objectives.len() as f64;
         let due = if self.budget.is_some() {
-            ((self.used(archive.len()) / share) as usize).min(last)
+            ((self.used(archive.len()) / share) as usize).clamp(self.stage, last)
         } else if self.enough.is_none() && self.course.is_converged(archive.dims()) {
             if self.stage == last {
                 self.enough = Some((archive.len() as f64 / self.climb_share()) as u64);
