@@ -87,6 +87,12 @@ pub struct Common {
     /// Colours of the heat maps.
     #[arg(long, value_enum)]
     pub colours: Option<ColoursArg>,
+    /// Storey of a building; by default the one with most walls.
+    #[arg(long, value_name = "NAME")]
+    pub storey: Option<String>,
+    /// Spaces of a building that are the region of query: space:NAME, * and ? may stand in NAME.
+    #[arg(long, value_name = "space:NAME")]
+    pub query: Option<String>,
     /// Read a DXF that ends without its end mark (0/EOF).
     #[arg(long)]
     pub accept_missing_eof: bool,
@@ -306,6 +312,8 @@ impl Common {
             threads: self.threads,
             out: self.out.as_ref().map(|p| p.to_string_lossy().into_owned()),
             colours: self.colours.map(Into::into),
+            storey: self.storey.clone(),
+            query: self.query.clone(),
             accept_missing_eof: self.accept_missing_eof.then_some(true),
             seed: s.seed,
             evaluations: s.evaluations,

@@ -11,7 +11,7 @@ use crate::cli::{
 };
 use crate::config::{Partial, Settings, WatchTable};
 use crate::daemon::{self, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
-use crate::formats::dxf;
+use crate::formats;
 use crate::overlay::result::{RoundResult, to_json};
 use crate::pipeline::{self, Event, Input, Outcome};
 use crate::progress::Display;
@@ -238,16 +238,17 @@ fn watch_settings(args: &WatchArgs, partial: &Partial, table: WatchTable) -> Wat
         force: args.force,
         settings_key: format!("{partial:?}"),
         end_mark,
+        extensions: formats::ENDINGS.map(String::from).to_vec(),
         ..base
     }
 }
 
 /// The end mark of a drawing's format, for the watcher.
-fn end_mark(_: &Path, bytes: &[u8]) -> Completeness {
-    match dxf::is_complete(bytes) {
-        dxf::Completeness::Whole => Completeness::Complete,
-        dxf::Completeness::Incomplete(why) => Completeness::Incomplete(why),
-        dxf::Completeness::Empty => Completeness::Incomplete("it is empty".into()),
+fn end_mark(path: &Path, bytes: &[u8]) -> Completeness {
+    match formats::is_complete(&path.to_string_lossy(), bytes) {
+        formats::Completeness::Whole => Completeness::Complete,
+        formats::Completeness::Incomplete(why) => Completeness::Incomplete(why),
+        formats::Completeness::Empty => Completeness::Incomplete("it is empty".into()),
     }
 }
 

@@ -232,6 +232,8 @@ pub struct Partial {
     pub penalty: Option<String>,
     pub distance: Option<f64>,
     pub colours: Option<Colours>,
+    pub storey: Option<String>,
+    pub query: Option<String>,
     pub accept_missing_eof: Option<bool>,
     pub ignore_move_markers: Option<bool>,
     #[serde(rename = "move", default)]
@@ -308,6 +310,8 @@ impl Partial {
             penalty: self.penalty.or(base.penalty),
             distance: self.distance.or(base.distance),
             colours: self.colours.or(base.colours),
+            storey: self.storey.or(base.storey),
+            query: self.query.or(base.query),
             accept_missing_eof: self.accept_missing_eof.or(base.accept_missing_eof),
             ignore_move_markers: self.ignore_move_markers.or(base.ignore_move_markers),
             moves: tables(self.moves, base.moves),
@@ -366,6 +370,12 @@ pub struct Settings {
     pub distance: f64,
     /// Colours of heat maps.
     pub colours: Colours,
+    /// Storey of a building; `None`: the one with most walls.
+    #[serde(default)]
+    pub storey: Option<String>,
+    /// Spaces that are the region of query: `space:NAME*`.
+    #[serde(default)]
+    pub query: Option<String>,
     /// Whether a DXF without its end mark is read.
     pub accept_missing_eof: bool,
     /// Whether `EF-MOVE` in the drawing is left unread (the side-car names the moves).
@@ -430,6 +440,8 @@ impl Settings {
             distance: in_range("distance", Some(p.distance.unwrap_or(D_MIN_DEFAULT)), 0.0, 1.0)?
                 .unwrap_or(D_MIN_DEFAULT),
             colours: p.colours.unwrap_or_default(),
+            storey: p.storey,
+            query: p.query,
             accept_missing_eof: p.accept_missing_eof.unwrap_or(false),
             ignore_move_markers: p.ignore_move_markers.unwrap_or(false),
             moves: p.moves,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use crate::plan::drawing::SourceRef;
+use crate::plan::drawing::{Editable, SourceRef};
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M, segments_touch};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
@@ -174,6 +174,12 @@ fn elements(
 ) -> Vec<(Group, Vec<u32>)> {
     let mut union = Union((0..plan.walls.len() as u32).collect());
     let mut by_node: BTreeMap<u32, u32> = BTreeMap::new();
+    let mut by_record: BTreeMap<usize, u32> = BTreeMap::new();
+    for (w, wall) in plan.walls.iter().enumerate() {
+        if matches!(wall.editable, Editable::WithInsert { .. }) {
+            union.join(*by_record.entry(wall.source.record).or_insert(w as u32), w as u32);
+        }
+    }
     for p in pieces {
         for n in p.nodes {
             let first = *by_node.entry(n).or_insert(p.wall);
@@ -272,7 +278,11 @@ fn doors(
     pieces: &[Piece],
     neighbours: &Neighbours,
 ) -> Vec<(Group, Vec<u32>)> {
-    let ends = ends(plan, graph, pieces);
+    let is_free_to_stretch = |e: &End| {
+        let walls = e.nodes.iter().flat_map(|n| &graph.handles[*n as usize]).map(|h| h.0);
+        walls.into_iter().all(|w| plan.walls[w as usize].editable == Editable::Free)
+    };
+    let ends: Vec<End> = ends(plan, graph, pieces).into_iter().filter(is_free_to_stretch).collect();
     let mut found: Vec<(DVec2, Vec<u32>, DVec2, f64)> = Vec::new();
     for (i, e) in ends.iter().enumerate() {
         let facing = |f: &&End| {

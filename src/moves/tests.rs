@@ -24,6 +24,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         layers: Vec::new(),
         entities: Vec::new(),
         texts: Vec::new(),
+        marked: Vec::new(),
     }
 }
 

@@ -9,7 +9,7 @@ use super::Input;
 use super::round::edits_of;
 use super::study::{self, Understood};
 use crate::config::{LineageTable, Method, Mode, Settings};
-use crate::formats::dxf;
+use crate::formats;
 use crate::moves::Parameter;
 use crate::overlay::result::{Numbers, RoundResult};
 use crate::plan::markers::Kind;
@@ -61,7 +61,8 @@ pub fn accept(input: &Input<'_>, result: &RoundResult, round: u32, number: usize
         return Err(Error::input("parameters", place(), text));
     }
     let layout = base.moves.apply(&base.plan, &base.graph, &candidate.parameters);
-    let drawing = dxf::patch(input.file(), &input.bytes, &edits_of(&base, &layout), &[])?;
+    let options = study::read_options(&settings);
+    let drawing = formats::patch(input.file(), &input.bytes, &options, &edits_of(&base, &layout), &[])?;
     let lineage = LineageTable {
         drawing: input.file().into(),
         round,
@@ -105,7 +106,12 @@ fn side_car(
     if let Some(c) = settings.lattice_centre_m {
         set("lattice-centre", points(&[c])[0].clone());
     }
-    let optional = [("query-layer", &settings.query_layer), ("reference-layer", &settings.reference_layer)];
+    let optional = [
+        ("query-layer", &settings.query_layer),
+        ("reference-layer", &settings.reference_layer),
+        ("storey", &settings.storey),
+        ("query", &settings.query),
+    ];
     for (key, value) in optional {
         if let Some(v) = value {
             set(key, v.clone().into());

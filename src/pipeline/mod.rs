@@ -4,6 +4,7 @@
 //! inputs; nothing here touches a disk.
 
 pub mod accept;
+mod building;
 pub mod cells;
 mod page;
 mod round;
@@ -18,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::config::{Backend, Measure, Settings};
-use crate::formats::dxf;
+use crate::formats;
 use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::measure::wording;
 use crate::overlay::result::{self, AnalysisResult, CheckResult};
@@ -43,8 +44,7 @@ impl<'a> Input<'a> {
     /// Takes a file's bytes.
     pub fn new(path: &'a str, bytes: &'a [u8], round: u64) -> Self {
         let sha256 = Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect();
-        let clean = dxf::strip_own(bytes);
-        let bytes = if clean.len() == bytes.len() { Cow::Borrowed(bytes) } else { Cow::Owned(clean) };
+        let bytes = formats::plain(path, bytes);
         Self { path, bytes, sha256, round }
     }
 

@@ -6,10 +6,10 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::show::{self, SHOWN};
-use super::study::{Study, Understood, Worth};
+use super::study::{self, Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress, heat_map, rayon_map};
 use crate::config::{Measure, Method, Mode, Settings};
-use crate::formats::dxf;
+use crate::formats;
 use crate::moves::Layout;
 use crate::overlay::result::{
     self, Candidate, Diversity, ElementRef, LineageEntry, MoveEntry, Numbers, Objective, RoundResult,
@@ -276,7 +276,7 @@ pub(super) struct Made {
     worth: Worth,
     edits: Vec<Edit>,
     /// For every edit the records it changes.
-    changed: Vec<Vec<dxf::ChangedRecord>>,
+    changed: Vec<Vec<formats::ChangedRecord>>,
     /// Ids of the host program, by record.
     host_ids: BTreeMap<u64, String>,
     report: Report,
@@ -293,19 +293,20 @@ fn make(
 ) -> Result<Made, Error> {
     let layout = study.base.moves.apply(&study.base.plan, &study.base.graph, &member.parameters);
     let edits = edits_of(&study.base, &layout);
-    let changed = dxf::changed_records(input.file(), &input.bytes, &edits)?;
-    let bytes = dxf::patch(input.file(), &input.bytes, &edits, &[])?;
+    let changed = formats::changed_records(input.file(), &input.bytes, &edits)?;
+    let options = study::read_options(settings);
+    let bytes = formats::patch(input.file(), &input.bytes, &options, &edits, &[])?;
     let worth = study.measure_written(&bytes, settings)?;
     let name = format!("candidate-{}", index + 1);
     let mut report = Report::default();
     let records: Vec<usize> = edits.iter().map(record_of).collect();
-    let ids = dxf::host_ids(&input.bytes, &records);
+    let ids = formats::host_ids(input.file(), &input.bytes, &records);
     let host_ids = records.iter().zip(ids).filter_map(|(r, id)| Some((*r as u64, id?))).collect();
     state_stale(input, settings, &records, &mut report)?;
     let searched = study.measure(&member.parameters, &mut study.bench());
     if worth != searched {
         let text = format!(
-            "{name}.dxf read again measures degree {} and depth {}, the search had {} and {}; the values of the file are reported",
+            "{name} read again measures degree {} and depth {}, the search had {} and {}; the values of the file are reported",
             worth.means.degree, worth.means.depth, searched.means.degree, searched.means.depth
         );
         report.warn("written-differs", Place::file(input.file()), text);
@@ -345,9 +346,8 @@ fn state_stale(
     moved: &[usize],
     report: &mut Report,
 ) -> Result<(), Error> {
-    let options = dxf::ReadOptions { accept_missing_eof: settings.accept_missing_eof, ..Default::default() };
-    let drawing = dxf::read(input.file(), &input.bytes, &options, &mut Report::default())?;
-    for source in dxf::dependents(input.file(), &input.bytes, &drawing, moved)? {
+    let options = study::read_options(settings);
+    for source in formats::dependents(input.file(), &input.bytes, &options, moved)? {
         let text = "is tied to a wall that moves in an option; its bytes are kept and may be stale there";
         report.info("stale-annotation", place_in(input.file(), &source), text);
     }
@@ -403,7 +403,7 @@ fn candidate(
 ) -> Candidate {
     let mean = show::mean_numbers(&made.worth);
     Candidate {
-        file: format!("{}.dxf", made.name),
+        file: format!("{}.{}", made.name, study.base.plan.format.name()),
         parameters: made.member.parameters.clone(),
         words: words(moves, &made.member.parameters, &told(initial), &told(&mean)),
         mean,
@@ -418,13 +418,17 @@ fn candidate(
 fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
     let mut out = show::changes(&study.base, &made.layout);
     for change in &mut out {
-        let ElementRef::Dxf { record, .. } = change.element else { continue };
+        let (ElementRef::Dxf { record, .. } | ElementRef::Ifc { id: record, .. }) = change.element else { continue };
         change.host_id = made.host_ids.get(&record).cloned();
         let edit = made.edits.iter().position(|e| record_of(e) as u64 == record);
         let Some(changed) = edit.and_then(|i| made.changed.get(i)).filter(|c| c.len() != 1) else { continue };
-        let each =
-            changed.iter().map(|c| ElementRef::Dxf { handle: c.handle.clone(), record: c.record as u64 });
-        let all: Vec<ElementRef> = std::iter::once(change.element.clone()).chain(each).collect();
+        let mut all = vec![change.element.clone()];
+        for c in changed {
+            let element = show::element_of(study.base.plan.format, c.handle.clone(), c.record);
+            if !all.contains(&element) {
+                all.push(element);
+            }
+        }
         change.element = ElementRef::Several(all);
     }
     out
@@ -551,8 +555,9 @@ fn drawings(
             }
         };
         let additions = show::to_drawing_units(&study.base.plan, additions);
-        let bytes = dxf::patch(input.file(), &input.bytes, &edits, &additions)?;
-        Ok(OutFile::new(format!("{name}.dxf"), bytes))
+        let options = study::read_options(settings);
+        let bytes = formats::patch(input.file(), &input.bytes, &options, &edits, &additions)?;
+        Ok(OutFile::new(format!("{name}.{}", study.base.plan.format.name()), bytes))
     });
     files.into_iter().collect()
 }

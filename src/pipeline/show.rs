@@ -11,7 +11,7 @@ use crate::overlay::result::{
     self, Change, Counts, ElementRef, Input, LayerEntry, MoveEntry, MoveKind, Numbers, RegionEntry, UnitEntry,
 };
 use crate::plan::curve::{Trace, control_points};
-use crate::plan::drawing::{Addition, Mark, SourceRef};
+use crate::plan::drawing::{Addition, Format, Mark, SourceRef};
 use crate::plan::geometry::PointUm;
 use crate::plan::markers::{Kind, place_in};
 use crate::plan::{Plan, Region};
@@ -140,8 +140,16 @@ pub fn to_drawing_units(plan: &Plan, additions: Vec<Addition>) -> Vec<Addition> 
 }
 
 /// `element` of result.json.
-pub fn element(source: &SourceRef) -> ElementRef {
-    ElementRef::Dxf { handle: source.handle.clone(), record: source.record as u64 }
+pub fn element(format: Format, source: &SourceRef) -> ElementRef {
+    element_of(format, source.handle.clone(), source.record)
+}
+
+/// `element` of result.json for a record and its handle.
+pub fn element_of(format: Format, handle: Option<String>, record: usize) -> ElementRef {
+    match format {
+        Format::Dxf => ElementRef::Dxf { handle, record: record as u64 },
+        Format::Ifc => ElementRef::Ifc { global_id: handle.unwrap_or_default(), id: record as u64 },
+    }
 }
 
 /// `moves` of result.json.
@@ -152,7 +160,7 @@ pub fn move_entries(base: &Understood) -> Vec<MoveEntry> {
         walls.dedup();
         let mut elements: Vec<ElementRef> = Vec::new();
         for w in walls {
-            let e = element(&base.plan.walls[w as usize].source);
+            let e = element(base.plan.format, &base.plan.walls[w as usize].source);
             if !elements.contains(&e) {
                 elements.push(e);
             }
@@ -189,7 +197,7 @@ pub fn changes(base: &Understood, layout: &Layout) -> Vec<Change> {
         .map(|m| {
             let wall = &base.plan.walls[m.wall as usize];
             Change {
-                element: element(&wall.source),
+                element: element(base.plan.format, &wall.source),
                 host_id: None,
                 from: metres(&wall.shape),
                 to: metres(&m.shape),
@@ -203,7 +211,7 @@ pub fn input(plan: &Plan, path: &str, sha256: &str) -> Input {
     Input {
         path: path.into(),
         sha256: sha256.into(),
-        format: "dxf".into(),
+        format: plan.format.name().into(),
         unit: plan.unit.unit.name.into(),
         unit_reason: plan.unit.reason.clone(),
     }
@@ -265,7 +273,7 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
     result::CheckResult {
         schema: result::CHECK_SCHEMA.into(),
         file: plan.file.clone(),
-        format: "dxf".into(),
+        format: plan.format.name().into(),
         version: plan.version.clone(),
         unit: UnitEntry {
             name: plan.unit.unit.name.into(),
@@ -273,7 +281,7 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
             reason: plan.unit.reason.clone(),
         },
         walls: plan.walls.len() as u64,
-        openings: 0,
+        openings: base.openings,
         columns: plan.walls.iter().filter(|w| w.is_solid).count() as u64,
         regions: shown,
         moves: move_entries(base),

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
+use super::building;
 use super::spacing::{self, SpacingChoice};
 use crate::analysis::evaluator::{Evaluator, Scratch};
 use crate::analysis::forest::{Initial, tally};
@@ -11,12 +12,12 @@ use crate::analysis::lattice::{CellIndex, Ground, lattice};
 use crate::analysis::measures::{Means, means};
 use crate::analysis::visibility::visibility_graph;
 use crate::analysis::{Lattice, Obstacles, Tally};
-use crate::config::{Measure, Penalty, Settings};
-use crate::formats::dxf;
+use crate::config::{Level, Measure, MoveTable, Penalty, Settings};
+use crate::formats::{self, ifc};
 use crate::moves::{Layout, Moves, defaults};
 use crate::penalties::{self, Alignment, Clearance, Overlap, WallLength, WallPiece, disconnection};
 use crate::plan::curve::{Trace, trace_like};
-use crate::plan::drawing::Drawing;
+use crate::plan::drawing::{Drawing, Format};
 use crate::plan::frame::unit_by_name;
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 use crate::plan::graph::Graph;
@@ -39,15 +40,22 @@ pub struct Understood {
     pub moves: Moves,
     /// The building's interior, where it was needed.
     pub interior: Option<Interior>,
+    /// Doors and windows, where the file knows them.
+    pub openings: u64,
+}
+
+/// How the settings want a file read.
+pub fn read_options(settings: &Settings) -> formats::ReadOptions {
+    let sight = if settings.level == Level::Knee { ifc::Sight::Knee } else { ifc::Sight::Eye };
+    formats::ReadOptions { accept_missing_eof: settings.accept_missing_eof, storey: settings.storey.clone(), sight }
 }
 
 /// Reads and understands a drawing.
 ///
 /// # Errors
-/// What [`dxf::read`] and [`understand`] return; [`Error::Usage`] for settings that do not fit the drawing.
+/// What [`formats::read`] and [`understand`] return; [`Error::Usage`] for settings that do not fit the drawing.
 pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) -> Result<Understood, Error> {
-    let options = dxf::ReadOptions { accept_missing_eof: settings.accept_missing_eof, ..Default::default() };
-    let drawing = dxf::read(file, bytes, &options, report)?;
+    let drawing = formats::read(file, bytes, &read_options(settings), report)?;
     let unit = match &settings.unit {
         Some(name) => Some(unit_by_name(name).ok_or_else(|| {
             let text = format!("--unit {name:?}: expected mm, cm, m, in or ft; nothing was done");
@@ -58,15 +66,19 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
     let options = PlanOptions { unit, ..plan_options(settings) };
     let mut plan = understand(&drawing, &options, report)?;
     add_regions(&mut plan, settings)?;
+    building::add_spaces(&drawing, &mut plan, settings)?;
     let graph = Graph::new(&plan);
-    let all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
+    let mut all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
+    all.extend(building::closings(&drawing, &plan));
     let has_moves =
-        !settings.moves.is_empty() || (!plan.markers.groups.is_empty() && !settings.ignore_move_markers);
+        !settings.moves.is_empty()
+            || (!(plan.markers.groups.is_empty() && drawing.marked.is_empty()) && !settings.ignore_move_markers);
     let needs_inside = plan.markers.query.is_empty() || plan.markers.reference.is_empty();
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
     let interior = if needs_interior { Interior::new(&all, plan.human_scale) } else { None };
     let moves = moves(&drawing, &plan, &graph, interior.as_ref(), settings, report)?;
-    Ok(Understood { plan, graph, moves, interior })
+    let openings = building::openings(&drawing);
+    Ok(Understood { plan, graph, moves, interior, openings })
 }
 
 fn plan_options(settings: &Settings) -> PlanOptions {
@@ -114,7 +126,11 @@ fn moves(
     report: &mut Report,
 ) -> Result<Moves, Error> {
     if !settings.moves.is_empty() {
-        let groups = side_car_groups(drawing, plan, graph, settings, report)?;
+        let groups = side_car_groups(drawing, plan, graph, &settings.moves, report)?;
+        return Ok(Moves::new(plan, graph, &groups, report));
+    }
+    if !drawing.marked.is_empty() && !settings.ignore_move_markers {
+        let groups = side_car_groups(drawing, plan, graph, &building::marked_moves(drawing), report)?;
         return Ok(Moves::new(plan, graph, &groups, report));
     }
     if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
@@ -136,11 +152,12 @@ fn side_car_groups(
     drawing: &Drawing,
     plan: &Plan,
     graph: &Graph,
-    settings: &Settings,
+    moves: &[MoveTable],
     report: &mut Report,
 ) -> Result<Vec<(Group, Vec<u32>)>, Error> {
     let mut out = Vec::new();
-    for (i, table) in settings.moves.iter().enumerate() {
+    let is_dxf = drawing.format == Format::Dxf;
+    for (i, table) in moves.iter().enumerate() {
         let name = table.name.clone().unwrap_or_else(|| format!("move-{}", i + 1));
         let nodes =
             markers::nodes_of(table.nodes.iter().map(|p| DVec2::from(*p)), plan, graph, SIDE_CAR_NODE_M);
@@ -160,7 +177,7 @@ fn side_car_groups(
                 .source
                 .handle
                 .as_ref()
-                .is_some_and(|h| table.handles.iter().any(|t| t.eq_ignore_ascii_case(h)));
+                .is_some_and(|h| table.handles.iter().any(|t| t == h || is_dxf && t.eq_ignore_ascii_case(h)));
             if by_handle || (layers.is_by_user() && layers.reason(&wall.source.layer).is_some()) {
                 nodes.extend(&graph.control_nodes[w]);
             }
@@ -346,10 +363,8 @@ impl Study {
     /// What reading returns: the written file must be readable.
     pub fn measure_written(&self, bytes: &[u8], settings: &Settings) -> Result<Worth, Error> {
         let plan = &self.base.plan;
-        let options =
-            dxf::ReadOptions { accept_missing_eof: settings.accept_missing_eof, ..Default::default() };
         let mut report = Report::default();
-        let drawing = dxf::read(&plan.file, bytes, &options, &mut report)?;
+        let drawing = formats::read(&plan.file, bytes, &read_options(settings), &mut report)?;
         let options = PlanOptions { unit: Some(plan.unit.unit), ..plan_options(settings) };
         let again = understand(&drawing, &options, &mut report)?;
         if again.walls.len() != plan.walls.len() {

@@ -9,8 +9,10 @@ use glam::DVec2;
 /// A file format a drawing can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Drawing exchange format, ASCII.
+    /// Drawing exchange format.
     Dxf,
+    /// Industry foundation classes, STEP.
+    Ifc,
 }
 
 impl Format {
@@ -18,6 +20,7 @@ impl Format {
     pub fn name(self) -> &'static str {
         match self {
             Self::Dxf => "dxf",
+            Self::Ifc => "ifc",
         }
     }
 }
@@ -170,6 +173,21 @@ pub struct Drawing {
     pub entities: Vec<Entity>,
     /// Texts of model space in file order.
     pub texts: Vec<Text>,
+    /// Moves that the file states of its own elements.
+    pub marked: Vec<MarkedMove>,
+}
+
+/// A move that the file states of one of its elements (`Pset_Enfilade` of a building).
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkedMove {
+    /// Name of the group; elements of one name move together.
+    pub name: String,
+    /// Clauses as on the `EF-MOVE` layer: `x -1 1; rotate -15 15`.
+    pub text: String,
+    /// [`SourceRef::record`] of the element.
+    pub record: usize,
+    /// Where it is stated.
+    pub source: SourceRef,
 }
 
 /// A turn about the origin followed by a shift: `p' = R(turn_rad)·p + shift`, drawing units.

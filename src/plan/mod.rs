@@ -99,6 +99,8 @@ pub struct LayerUse {
 pub struct Plan {
     /// File name to show in places.
     pub file: String,
+    /// Format the drawing came from.
+    pub format: drawing::Format,
     /// Version of the format in its own words.
     pub version: String,
     /// Unit and why.
@@ -149,6 +151,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     outline::mark_solids(&mut walls, &markers);
     Ok(Plan {
         file: drawing.file.clone(),
+        format: drawing.format,
         version: drawing.version.clone(),
         unit,
         frame,

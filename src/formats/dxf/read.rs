@@ -57,6 +57,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         layers: reader.layers.list,
         entities,
         texts,
+        marked: Vec::new(),
     })
 }
 

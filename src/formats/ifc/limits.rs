@@ -1,0 +1,25 @@
+//! What is too much for an IFC file, each with its reason.
+
+/// Parentheses inside one instance: the schemas nest four deep, a file of parentheses alone would fill the stack.
+pub const NESTING_MAX: usize = 48;
+
+/// Placements from a product to the world: buildings have five or six.
+pub const PLACEMENT_CHAIN_MAX: usize = 1_000;
+
+/// Mapped items and boolean operands inside each other.
+pub const BODY_DEPTH_MAX: usize = 200;
+
+/// Corners of one cut, so that a sculpture does not stand in for a wall.
+pub const OUTLINE_POINTS_MAX: usize = 20_000;
+
+/// Faces of one body looked at.
+pub const FACES_MAX: usize = 400_000;
+
+/// Bytes of an `.ifczip` when unpacked.
+pub const UNZIPPED_MAX: u64 = 2 << 30;
+
+/// Unpacked bytes per packed byte: STEP text packs to a tenth, a bomb to a thousandth.
+pub const ZIP_RATIO_MAX: u64 = 200;
+
+/// Bytes of an instance's text: face sets of large sites have megabytes, nothing has more.
+pub const INSTANCE_BYTES_MAX: usize = 256 << 20;

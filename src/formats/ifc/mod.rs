@@ -1,0 +1,205 @@
+//! IFC: a storey of a building to a drawing, and moves of its elements to bytes.
+//!
+//! The file stays bytes. [`read`] cuts every wall and column at the height of the eyes (or knees) above the
+//! floor of one storey: the cut is the outline that blocks sight, less the openings of doors and windows.
+//! [`patch`] gives moved elements, with all that hangs on them, other placements; a placement, point or
+//! direction that others use is copied first. Everything else stays as it is.
+//!
+//! [`SourceRef::record`] is the instance number, [`SourceRef::handle`] the `GlobalId`, the layer the class.
+//! Coordinates are the world's, in the file's unit of length. IFC2X3, IFC4 and IFC4X3; `.ifczip` too.
+//!
+//! [`SourceRef::record`]: crate::plan::drawing::SourceRef::record
+//! [`SourceRef::handle`]: crate::plan::drawing::SourceRef::handle
+
+mod additions;
+mod body;
+mod geo;
+mod limits;
+mod model;
+mod patch;
+mod profile;
+mod read;
+mod region;
+mod step;
+mod text;
+mod units;
+mod zip;
+
+use std::borrow::Cow;
+
+pub use limits::*;
+pub use read::{CLOSING_LAYERS, read};
+pub use zip::{is_zip, unzip};
+
+use crate::formats::splice::{self, Splice};
+use crate::plan::drawing::{Addition, Edit};
+use crate::report::{Error, Place};
+use read::Building;
+use step::{Fault, Step, line_of};
+
+/// Height of standing eyes above the floor.
+pub const CUT_EYE_M: f64 = 1.5;
+
+/// Height of the cut at which windows block.
+pub const CUT_KNEE_M: f64 = 0.5;
+
+/// Stands before everything that is ours in a file.
+const OWN_MARK: &[u8] = b"/* Enfilade: results from here on */";
+
+/// At which height is looked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sight {
+    /// Windows are seen through.
+    #[default]
+    Eye,
+    /// Windows block.
+    Knee,
+}
+
+/// How to read a building.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// Name of the storey; `None`: the one with most walls.
+    pub storey: Option<String>,
+    /// Height of the cut.
+    pub sight: Sight,
+}
+
+/// A product that an edit moves.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MovedProduct {
+    /// Instance number.
+    pub id: u64,
+    /// Its `GlobalId`.
+    pub global_id: String,
+}
+
+/// Schemas that are read.
+const SCHEMAS: [&str; 3] = ["IFC2X", "IFC4", "IFC4X"];
+
+fn open<'a>(file: &str, bytes: &'a [u8]) -> Result<Step<'a>, Error> {
+    let head: String = String::from_utf8_lossy(&bytes[..bytes.len().min(400)]).to_lowercase();
+    if head.contains("<ifcxml") || head.contains(":ifcxml") || (head.contains("<?xml") && head.contains("ifc")) {
+        let text = "found IFC as XML, expected a STEP file (.ifc); nothing was done; export as IFC instead of ifcXML";
+        return Err(Error::input("ifc-xml", Place::file(file), text));
+    }
+    let step = Step::read(bytes).map_err(|fault| fault_error(file, bytes, &fault))?;
+    if let Incomplete::Because(why) = completeness(bytes) {
+        let text = format!("{why}; it is not finished; nothing was done");
+        return Err(Error::input("ifc-incomplete", Place::file(file), text));
+    }
+    if !SCHEMAS.iter().any(|s| step.schema.starts_with(s)) {
+        let found = if step.schema.is_empty() { "no schema".into() } else { format!("schema {:?}", step.schema) };
+        let text = format!("found {found}, expected IFC2X3, IFC4 or IFC4X3; nothing was done");
+        return Err(Error::input("ifc-schema", Place::file(file), text));
+    }
+    Ok(step)
+}
+
+fn fault_error(file: &str, bytes: &[u8], fault: &Fault) -> Error {
+    let place = Place::line(file, line_of(bytes, fault.at));
+    Error::input("ifc-syntax", place, format!("byte {}: {}; nothing was done", fault.at, fault.text))
+}
+
+/// Whether a file is whole.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Incomplete {
+    /// It is.
+    No,
+    /// It is not.
+    Because(String),
+}
+
+/// Whether the end mark `END-ISO-10303-21;` closes the file.
+pub fn completeness(bytes: &[u8]) -> Incomplete {
+    if zip::is_zip(bytes) {
+        return zip::completeness(bytes);
+    }
+    let tail = &bytes[bytes.len().saturating_sub(4096)..];
+    let text: Vec<u8> = tail.iter().rev().skip_while(|b| b.is_ascii_whitespace() || **b == 0).copied().collect();
+    let text: Vec<u8> = text.into_iter().rev().filter(|b| !b.is_ascii_whitespace()).collect();
+    if bytes.is_empty() {
+        Incomplete::Because("it is empty".into())
+    } else if text.to_ascii_uppercase().ends_with(b"END-ISO-10303-21;") {
+        Incomplete::No
+    } else {
+        Incomplete::Because("found no END-ISO-10303-21; at its end, expected it as the last line".into())
+    }
+}
+
+/// The building with the moves made and the additions put in; no edits and no additions give the same bytes.
+///
+/// Moved elements take along their openings, what fills them, their parts and coverings. Additions stand
+/// after a comment of ours at the end of the data, see [`strip_own`].
+///
+/// # Errors
+/// [`Error::Input`] where an edit names nothing that can move, and where the bytes are no IFC.
+pub fn patch(
+    file: &str,
+    bytes: &[u8],
+    options: &ReadOptions,
+    edits: &[Edit],
+    own: &[Addition],
+) -> Result<Vec<u8>, Error> {
+    if edits.is_empty() && own.is_empty() {
+        return Ok(bytes.to_vec());
+    }
+    let step = open(file, bytes)?;
+    let building = Building::new(file, &step);
+    let mut mover = patch::Mover::new(&building);
+    for edit in edits {
+        mover.edit(edit)?;
+    }
+    let next = mover.next_id();
+    let (mut splices, mut added) = (mover.splices, mover.added);
+    if !own.is_empty() {
+        added.extend_from_slice(OWN_MARK);
+        added.extend_from_slice(line_end(bytes));
+        added.extend(additions::text(&building, options, next, edits, own)?);
+    }
+    splices.push(Splice::new(step.data_end..step.data_end, added));
+    splice::apply(file, "ifc-edit-twice", bytes, splices)
+}
+
+/// The products each edit moves, the edited one first.
+///
+/// # Errors
+/// As [`patch`].
+pub fn moved_products(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<Vec<MovedProduct>>, Error> {
+    let step = open(file, bytes)?;
+    let building = Building::new(file, &step);
+    let mut mover = patch::Mover::new(&building);
+    let named = |id: u64| {
+        let global_id = step.args(id).first().and_then(|a| step.text(a)).unwrap_or_default();
+        MovedProduct { id, global_id }
+    };
+    edits.iter().map(|e| Ok(mover.edit(e)?.products.into_iter().map(named).collect())).collect()
+}
+
+/// `Tag` of products: the element's id in the program that wrote the file.
+pub fn tags(bytes: &[u8], ids: &[usize]) -> Vec<Option<String>> {
+    let Ok(step) = Step::read(bytes) else { return vec![None; ids.len()] };
+    let tag = |id: &usize| {
+        let args = step.args(*id as u64);
+        args.get(7).and_then(|a| step.text(a)).filter(|t| !t.is_empty())
+    };
+    ids.iter().map(tag).collect()
+}
+
+/// The bytes without what [`patch`] added.
+pub fn strip_own(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let Some(at) = bytes.windows(OWN_MARK.len()).rposition(|w| w == OWN_MARK) else { return Cow::Borrowed(bytes) };
+    let Ok(step) = Step::read(bytes) else { return Cow::Borrowed(bytes) };
+    if step.data_end <= at {
+        return Cow::Borrowed(bytes);
+    }
+    Cow::Owned([&bytes[..at], &bytes[step.data_end..]].concat())
+}
+
+/// How lines end in a file.
+fn line_end(bytes: &[u8]) -> &'static [u8] {
+    match bytes.iter().position(|b| *b == b'\n') {
+        Some(at) if at > 0 && bytes[at - 1] == b'\r' => b"\r\n",
+        _ => b"\n",
+    }
+}

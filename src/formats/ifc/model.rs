@@ -1,0 +1,312 @@
+//! Products and how they hang together.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+use super::geo::{Geo, Why};
+use super::step::{Arg, Step};
+
+/// Classes that are read as shapes: keyword, name of their layer.
+const CLASSES: &[(&str, &str)] = &[
+    ("IFCWALL", "IfcWall"),
+    ("IFCWALLSTANDARDCASE", "IfcWallStandardCase"),
+    ("IFCWALLELEMENTEDCASE", "IfcWallElementedCase"),
+    ("IFCCURTAINWALL", "IfcCurtainWall"),
+    ("IFCCOLUMN", "IfcColumn"),
+    ("IFCCOLUMNSTANDARDCASE", "IfcColumnStandardCase"),
+    ("IFCRAILING", "IfcRailing"),
+    ("IFCFURNISHINGELEMENT", "IfcFurnishingElement"),
+    ("IFCFURNITURE", "IfcFurniture"),
+    ("IFCSYSTEMFURNITUREELEMENT", "IfcSystemFurnitureElement"),
+    ("IFCBUILDINGELEMENTPROXY", "IfcBuildingElementProxy"),
+    ("IFCCHIMNEY", "IfcChimney"),
+    ("IFCSTAIR", "IfcStair"),
+    ("IFCSTAIRFLIGHT", "IfcStairFlight"),
+    ("IFCMEMBER", "IfcMember"),
+    ("IFCPLATE", "IfcPlate"),
+    ("IFCSPACE", "IfcSpace"),
+];
+
+/// Classes that fill openings.
+const FILLERS: &[(&str, &str, bool)] = &[
+    ("IFCDOOR", "IfcDoor", true),
+    ("IFCDOORSTANDARDCASE", "IfcDoor", true),
+    ("IFCWINDOW", "IfcWindow", false),
+    ("IFCWINDOWSTANDARDCASE", "IfcWindow", false),
+];
+
+/// A product with what is needed of it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Product {
+    /// Instance.
+    pub id: u64,
+    /// Layer its shapes stand on: the class as written in the standard.
+    pub class: &'static str,
+    /// `GlobalId`.
+    pub global_id: String,
+    /// `Name`.
+    pub name: String,
+    /// `LongName` of a space.
+    pub long_name: String,
+    /// `Tag`: in files of Revit the element's id there.
+    pub tag: Option<String>,
+    /// `ObjectPlacement`.
+    pub placement: Option<u64>,
+    /// `Representation`.
+    pub shape: Option<u64>,
+}
+
+/// A storey.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Storey {
+    /// Instance.
+    pub id: u64,
+    /// `Name`, else `#id`.
+    pub name: String,
+    /// Height of its floor, file units.
+    pub floor: f64,
+    /// Walls that stand in it.
+    pub walls: usize,
+}
+
+/// Relations of one file.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Model {
+    /// Products that are read as shapes, file order.
+    pub products: Vec<Product>,
+    /// Doors and windows, file order.
+    pub fillers: Vec<Product>,
+    /// Element → its openings.
+    pub openings: HashMap<u64, Vec<u64>>,
+    /// Opening → what fills it.
+    pub fillings: HashMap<u64, Vec<u64>>,
+    /// Whole → parts.
+    pub parts: HashMap<u64, Vec<u64>>,
+    /// Part → whole.
+    pub whole: HashMap<u64, u64>,
+    /// Element → spatial structure.
+    pub inside: HashMap<u64, u64>,
+    /// Element → its coverings.
+    pub coverings: HashMap<u64, Vec<u64>>,
+    /// Element → property sets.
+    pub properties: HashMap<u64, Vec<u64>>,
+    /// Element → materials.
+    pub materials: HashMap<u64, u64>,
+    /// Storeys from the lowest.
+    pub storeys: Vec<Storey>,
+}
+
+impl Model {
+    /// Reads relations, products and storeys.
+    pub fn read(step: &Step<'_>, geo: &Geo<'_, '_>) -> Self {
+        let mut out = Self::default();
+        out.relations(step);
+        out.products = products(step, CLASSES.iter().copied());
+        out.fillers = products(step, FILLERS.iter().map(|f| (f.0, f.1)));
+        out.storeys = out.storeys(step, geo);
+        out
+    }
+
+    fn relations(&mut self, step: &Step<'_>) {
+        for (one, many) in pairs(step, "IFCRELVOIDSELEMENT", 4, 5) {
+            self.openings.entry(one).or_default().extend(many);
+        }
+        for (one, many) in pairs(step, "IFCRELFILLSELEMENT", 4, 5) {
+            self.fillings.entry(one).or_default().extend(many);
+        }
+        for (one, many) in pairs(step, "IFCRELAGGREGATES", 4, 5).into_iter().chain(pairs(step, "IFCRELNESTS", 4, 5)) {
+            many.iter().for_each(|m| drop(self.whole.insert(*m, one)));
+            self.parts.entry(one).or_default().extend(many);
+        }
+        for (one, many) in pairs(step, "IFCRELCONTAINEDINSPATIALSTRUCTURE", 5, 4) {
+            many.iter().for_each(|m| drop(self.inside.insert(*m, one)));
+        }
+        for (one, many) in pairs(step, "IFCRELCOVERSBLDGELEMENTS", 4, 5) {
+            self.coverings.entry(one).or_default().extend(many);
+        }
+        for (set, many) in pairs(step, "IFCRELDEFINESBYPROPERTIES", 5, 4) {
+            many.iter().for_each(|m| self.properties.entry(*m).or_default().push(set));
+        }
+        for (material, many) in pairs(step, "IFCRELASSOCIATESMATERIAL", 5, 4) {
+            many.iter().for_each(|m| drop(self.materials.insert(*m, material)));
+        }
+    }
+
+    /// The storey an element stands in.
+    pub fn storey_of(&self, id: u64) -> Option<u64> {
+        let mut at = id;
+        for _ in 0..32 {
+            if self.storeys.iter().any(|s| s.id == at) {
+                return Some(at);
+            }
+            at = *self.inside.get(&at).or_else(|| self.whole.get(&at))?;
+        }
+        None
+    }
+
+    fn storeys(&self, step: &Step<'_>, geo: &Geo<'_, '_>) -> Vec<Storey> {
+        let mut out: Vec<Storey> = step
+            .all("IFCBUILDINGSTOREY")
+            .map(|i| {
+                let args = step.args_of(i);
+                let name = args.get(2).and_then(|a| step.text(a)).filter(|n| !n.trim().is_empty());
+                let placed = args.get(5).and_then(Arg::id).and_then(|p| geo.placement(p).ok());
+                let stated = args.get(9).and_then(Arg::number);
+                let floor = placed.map(|m| m.translation.z).or(stated).unwrap_or(0.0);
+                Storey { id: i.id, name: name.unwrap_or_else(|| format!("#{}", i.id)), floor, walls: 0 }
+            })
+            .collect();
+        out.sort_by(|a, b| a.floor.total_cmp(&b.floor));
+        let index: HashMap<u64, usize> = out.iter().enumerate().map(|(i, s)| (s.id, i)).collect();
+        for p in self.products.iter().filter(|p| p.class.starts_with("IfcWall")) {
+            let mut at = p.id;
+            for _ in 0..32 {
+                if let Some(i) = index.get(&at) {
+                    out[*i].walls += 1;
+                    break;
+                }
+                match self.inside.get(&at).or_else(|| self.whole.get(&at)) {
+                    Some(next) => at = *next,
+                    None => break,
+                }
+            }
+        }
+        out
+    }
+
+    /// Everything that moves with an element: its openings, what fills them, its parts and coverings.
+    pub fn follows(&self, id: u64) -> Vec<u64> {
+        let mut out = vec![id];
+        let mut seen: HashSet<u64> = HashSet::from([id]);
+        let mut i = 0;
+        while i < out.len() {
+            let at = out[i];
+            for map in [&self.openings, &self.fillings, &self.parts, &self.coverings] {
+                for next in map.get(&at).into_iter().flatten() {
+                    if seen.insert(*next) {
+                        out.push(*next);
+                    }
+                }
+            }
+            i += 1;
+        }
+        out
+    }
+
+    /// Properties of `Pset_Enfilade` on an element, names in lower case.
+    pub fn marks(&self, step: &Step<'_>, id: u64) -> BTreeMap<String, String> {
+        let mut out = BTreeMap::new();
+        for set in self.properties.get(&id).into_iter().flatten() {
+            let args = step.args(*set);
+            let name = args.get(2).and_then(|a| step.text(a)).unwrap_or_default();
+            if !name.eq_ignore_ascii_case("Pset_Enfilade") {
+                continue;
+            }
+            for property in args.get(4).map(Arg::ids).unwrap_or_default() {
+                let of = step.args(property);
+                let name = of.first().and_then(|a| step.text(a)).unwrap_or_default().to_lowercase();
+                let value = of.get(2).map(|v| step.text(v).unwrap_or_else(|| enum_text(v))).unwrap_or_default();
+                out.insert(name, value);
+            }
+        }
+        out
+    }
+}
+
+fn enum_text(arg: &Arg) -> String {
+    match &arg.value {
+        super::step::Value::Enum(e) => e.clone(),
+        super::step::Value::Typed(_, inner) => inner.first().map(enum_text).unwrap_or_default(),
+        super::step::Value::Number(n) => n.to_string(),
+        _ => String::new(),
+    }
+}
+
+/// The one and the many of a relation.
+fn pairs(step: &Step<'_>, keyword: &str, one: usize, many: usize) -> Vec<(u64, Vec<u64>)> {
+    let of = |i| {
+        let args: Vec<Arg> = step.args_of(i);
+        let many = args.get(many)?;
+        let list = many.id().map_or_else(|| many.ids(), |id| vec![id]);
+        Some((args.get(one)?.id()?, list))
+    };
+    step.all(keyword).filter_map(of).collect()
+}
+
+fn products(step: &Step<'_>, classes: impl Iterator<Item = (&'static str, &'static str)>) -> Vec<Product> {
+    let mut out: Vec<(usize, Product)> = Vec::new();
+    for (keyword, class) in classes {
+        out.extend(step.all(keyword).map(|i| (i.span.start, product(step, i.id, class))));
+    }
+    out.sort_by_key(|(at, _)| *at);
+    out.into_iter().map(|(_, p)| p).collect()
+}
+
+/// Reads the attributes every product has.
+pub(super) fn product(step: &Step<'_>, id: u64, class: &'static str) -> Product {
+    let args = step.args(id);
+    let text = |i: usize| args.get(i).and_then(|a| step.text(a)).unwrap_or_default();
+    let is_space = class == "IfcSpace";
+    Product {
+        id,
+        class,
+        global_id: text(0),
+        name: text(2),
+        long_name: if is_space { text(7) } else { String::new() },
+        tag: if is_space { None } else { Some(text(7)).filter(|t| !t.is_empty()) },
+        placement: args.get(5).and_then(Arg::id),
+        shape: args.get(6).and_then(Arg::id),
+    }
+}
+
+/// Kinds of representation that are no body.
+const NO_BODY: &[&str] =
+    &["Curve2D", "GeometricCurveSet", "BoundingBox", "Annotation2D", "GeometricSet", "Curve3D", "Point", "PointCloud"];
+
+/// Items of a product's body, or why there is none.
+pub(super) fn body_items(step: &Step<'_>, shape: u64) -> Result<Vec<u64>, Why> {
+    let lists = representations(step, shape);
+    let body = lists.iter().find(|(name, kind, _)| name == "Body" && !NO_BODY.contains(&kind.as_str()));
+    let other = || {
+        let is_body = |(name, kind, _): &&(String, String, Vec<u64>)| {
+            !["Axis", "Box", "FootPrint", "Annotation", "Clearance", "Profile"].contains(&name.as_str()) && !NO_BODY.contains(&kind.as_str())
+        };
+        lists.iter().find(is_body)
+    };
+    let found = body.or_else(other).map(|(_, _, items)| items.clone());
+    found.filter(|i| !i.is_empty()).ok_or_else(|| format!("#{shape} has no body"))
+}
+
+/// The item of a product's axis.
+pub(super) fn axis_item(step: &Step<'_>, shape: u64) -> Option<u64> {
+    representations(step, shape).into_iter().find(|(name, _, _)| name == "Axis")?.2.first().copied()
+}
+
+/// Identifier, type and items of every representation.
+fn representations(step: &Step<'_>, shape: u64) -> Vec<(String, String, Vec<u64>)> {
+    let list = step.args(shape).get(2).map(Arg::ids).unwrap_or_default();
+    let of = |id: u64| {
+        let args = step.args(id);
+        let text = |i: usize| args.get(i).and_then(|a| step.text(a)).unwrap_or_default();
+        (text(1), text(2), args.get(3).map(Arg::ids).unwrap_or_default())
+    };
+    list.into_iter().map(of).collect()
+}
+
+/// Thickness and offset of a wall by its material layers: how far it reaches to the right and to the left
+/// of its axis, file units.
+pub(super) fn layer_reach(step: &Step<'_>, model: &Model, id: u64) -> Option<[f64; 2]> {
+    let usage = *model.materials.get(&id)?;
+    let args = step.args(usage);
+    let (set, offset, negative) = match step.keyword(usage).as_str() {
+        "IFCMATERIALLAYERSETUSAGE" => {
+            (args.first()?.id()?, args.get(3).and_then(Arg::number), args.get(2).is_some_and(|s| s.is("NEGATIVE")))
+        }
+        "IFCMATERIALLAYERSET" => (usage, None, false),
+        _ => return None,
+    };
+    let layers = step.args(set).first()?.ids();
+    let total: f64 = layers.iter().filter_map(|l| step.args(*l).get(1)?.number()).sum();
+    let offset = offset.unwrap_or(-total / 2.0);
+    let other = if negative { offset - total } else { offset + total };
+    (total > 0.0).then(|| [offset.min(other), offset.max(other)])
+}

@@ -1,0 +1,336 @@
+//! Moves to bytes: placements are spliced, and copied first where others use them.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::geo::Why;
+use super::read::Building;
+use super::step::{Arg, Step};
+use crate::formats::splice::Splice;
+use crate::plan::drawing::{Edit, RigidMotion};
+use crate::report::{Error, Place};
+
+/// Differences below this many rounding steps of the coordinates are what changing frames leaves behind.
+const NOISE_STEPS: f64 = 16.0;
+
+/// Ratios of a direction that differ less than this are the same.
+const NOISE_RATIO: f64 = 1e-14;
+
+/// Why a product cannot be moved, if so.
+pub(super) fn refusal(b: &Building<'_, '_>, id: u64) -> Option<String> {
+    for follower in b.model.follows(id) {
+        let Some(placement) = b.step.args(follower).get(5).and_then(Arg::id) else { continue };
+        if let Err(why) = b.geo.placement(placement) {
+            return Some(why);
+        }
+    }
+    None
+}
+
+/// What an edit changes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Moved {
+    /// Products that stand elsewhere afterwards, the moved one first.
+    pub products: Vec<u64>,
+}
+
+/// Splices of existing bytes, new instances, and what moved.
+pub(super) struct Mover<'b, 's, 'a> {
+    b: &'b Building<'s, 'a>,
+    users: HashMap<u64, Vec<u64>>,
+    next: u64,
+    done: HashSet<u64>,
+    /// Changes of existing bytes.
+    pub splices: Vec<Splice>,
+    /// New instances, each with its line end.
+    pub added: Vec<u8>,
+}
+
+impl<'b, 's, 'a> Mover<'b, 's, 'a> {
+    /// Starts without a change.
+    pub fn new(b: &'b Building<'s, 'a>) -> Self {
+        Self {
+            b,
+            users: users(b.step),
+            next: b.step.largest_id() + 1,
+            done: HashSet::new(),
+            splices: Vec::new(),
+            added: Vec::new(),
+        }
+    }
+
+    /// The next free instance number.
+    pub fn next_id(&self) -> u64 {
+        self.next
+    }
+
+    fn fault(&self, id: u64, why: &str) -> Error {
+        let place = self.b.step.get(id).map(|i| self.b.step.line(i.span.start));
+        let place = Place { file: self.b.file.into(), line: place, entity: self.b.geo.named(id) };
+        Error::input("ifc-edit", place, format!("cannot be moved: {why}; nothing was written"))
+    }
+
+    /// Makes one edit.
+    pub fn edit(&mut self, edit: &Edit) -> Result<Moved, Error> {
+        let Edit::Insert { record, motion } = edit else {
+            let (Edit::Shape { record, .. } | Edit::Insert { record, .. }) = edit;
+            return Err(self.fault(*record as u64, "an element of a building moves as a whole"));
+        };
+        let id = *record as u64;
+        if self.b.step.get(id).is_none() {
+            return Err(self.fault(id, "no such instance"));
+        }
+        if !self.b.step.duplicates.is_empty() {
+            return Err(self.fault(id, "the file gives one number to several instances"));
+        }
+        if !motion.turn_rad.is_finite() || !motion.shift.is_finite() {
+            return Err(self.fault(id, "the motion is not finite"));
+        }
+        let follows = self.b.model.follows(id);
+        let set: HashSet<u64> = follows.iter().copied().collect();
+        let mut here: HashSet<u64> = HashSet::new();
+        for follower in &follows {
+            if self.done.insert(*follower) {
+                self.product(*follower, motion, &set, &mut here).map_err(|why| self.fault(*follower, &why))?;
+            }
+        }
+        Ok(Moved { products: follows })
+    }
+
+    fn product(&mut self, id: u64, motion: &RigidMotion, set: &HashSet<u64>, here: &mut HashSet<u64>) -> Result<(), Why> {
+        let args = self.b.step.args(id);
+        let Some(slot) = args.get(5) else { return Ok(()) };
+        let Some(placement) = slot.id() else {
+            if args.get(6).and_then(Arg::id).is_some() {
+                let axes = self.new_axes(&moved_axes(&DAffine3::IDENTITY, &DAffine3::IDENTITY, motion));
+                let made = self.add(&format!("IFCLOCALPLACEMENT($,#{axes})"));
+                self.splices.push(Splice::new(slot.span.clone(), format!("#{made}")));
+            }
+            return Ok(());
+        };
+        if self.has_moved(placement, here)? {
+            return Ok(());
+        }
+        let parent = self.b.geo.parent(placement)?;
+        let base = parent.map_or(Ok(DAffine3::IDENTITY), |p| self.b.geo.placement(p))?;
+        let own = self.b.geo.own_placement(placement)?;
+        let new = moved_axes(&base, &own, motion);
+        if self.is_only_for(placement, set) {
+            here.insert(placement);
+            return self.in_place(placement, &own, &new);
+        }
+        let axes = self.new_axes(&new);
+        let parent = parent.map_or("$".to_string(), |p| format!("#{p}"));
+        let made = self.add(&format!("IFCLOCALPLACEMENT({parent},#{axes})"));
+        self.splices.push(Splice::new(slot.span.clone(), format!("#{made}")));
+        Ok(())
+    }
+
+    /// Whether a placement stands on one that was moved already.
+    fn has_moved(&self, placement: u64, here: &HashSet<u64>) -> Result<bool, Why> {
+        let mut at = Some(placement);
+        for _ in 0..super::limits::PLACEMENT_CHAIN_MAX {
+            match at {
+                Some(p) if here.contains(&p) => return Ok(true),
+                Some(p) => at = self.b.geo.parent(p)?,
+                None => break,
+            }
+        }
+        Ok(false)
+    }
+
+    /// Whether everything that stands on a placement moves with it.
+    fn is_only_for(&self, placement: u64, set: &HashSet<u64>) -> bool {
+        let mut open = vec![placement];
+        let mut seen = HashSet::new();
+        while let Some(at) = open.pop() {
+            if !seen.insert(at) {
+                continue;
+            }
+            for user in self.users.get(&at).into_iter().flatten() {
+                if self.b.step.keyword(*user) == "IFCLOCALPLACEMENT" {
+                    open.push(*user);
+                } else if !set.contains(user) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    fn is_used_once(&self, id: u64) -> bool {
+        self.users.get(&id).is_some_and(|u| u.len() == 1)
+    }
+
+    fn in_place(&mut self, placement: u64, old: &DAffine3, new: &DAffine3) -> Result<(), Why> {
+        let args = self.b.step.args(placement);
+        let slot = args.get(1).ok_or("it has no relative placement")?;
+        let axes = slot.id().ok_or("it has no relative placement")?;
+        if !self.is_used_once(axes) || self.b.step.keyword(axes) != "IFCAXIS2PLACEMENT3D" {
+            let made = self.new_axes(new);
+            self.splices.push(Splice::new(slot.span.clone(), format!("#{made}")));
+            return Ok(());
+        }
+        let of = self.b.step.args(axes);
+        let location = of.first().ok_or("it has no location")?;
+        self.location(location, old.translation, new.translation)?;
+        let turned = |a: DVec3, b: DVec3| (a - b).abs().max_element() > NOISE_RATIO;
+        let [x, z] = [(old.matrix3.x_axis, new.matrix3.x_axis), (old.matrix3.z_axis, new.matrix3.z_axis)];
+        if !turned(x.0, x.1) && !turned(z.0, z.1) {
+            return Ok(());
+        }
+        let (Some(axis), Some(reference)) = (of.get(1), of.get(2)) else { return Err("its axes are incomplete".into()) };
+        if axis.id().is_none() || turned(z.0, z.1) {
+            self.direction(axis, new.matrix3.z_axis)?;
+        }
+        self.direction(reference, new.matrix3.x_axis)
+    }
+
+    fn location(&mut self, slot: &Arg, old: DVec3, new: DVec3) -> Result<(), Why> {
+        let point = slot.id().ok_or("it has no location")?;
+        let noise = NOISE_STEPS * f64::EPSILON * old.abs().max_element().max(new.abs().max_element());
+        let differs = |i: usize| (old[i] - new[i]).abs() > noise;
+        if !(0..3).any(differs) {
+            return Ok(());
+        }
+        let args = self.b.step.args(point);
+        let slots = args.first().map(Arg::list).unwrap_or_default();
+        if self.is_used_once(point) && (slots.len() == 3 || !differs(2)) {
+            for (i, coordinate) in slots.iter().enumerate().filter(|(i, _)| differs(*i)) {
+                self.splices.push(Splice::new(coordinate.span.clone(), real(new[i])));
+            }
+            return Ok(());
+        }
+        let texts: Vec<String> = (0..3)
+            .map(|i| match slots.get(i) {
+                Some(c) if !differs(i) => String::from_utf8_lossy(&self.b.step.bytes[c.span.clone()]).into_owned(),
+                _ => real(new[i]),
+            })
+            .collect();
+        let made = self.add(&format!("IFCCARTESIANPOINT(({}))", texts.join(",")));
+        self.splices.push(Splice::new(slot.span.clone(), format!("#{made}")));
+        Ok(())
+    }
+
+    fn direction(&mut self, slot: &Arg, new: DVec3) -> Result<(), Why> {
+        if let Some(id) = slot.id().filter(|id| self.is_used_once(*id)) {
+            let args = self.b.step.args(id);
+            let list = args.first().map(Arg::list).unwrap_or_default();
+            if list.len() == 3 {
+                for (i, ratio) in list.iter().enumerate() {
+                    self.splices.push(Splice::new(ratio.span.clone(), real(new[i])));
+                }
+                return Ok(());
+            }
+        }
+        let made = self.new_direction(new);
+        self.splices.push(Splice::new(slot.span.clone(), format!("#{made}")));
+        Ok(())
+    }
+
+    fn new_direction(&mut self, v: DVec3) -> u64 {
+        self.add(&format!("IFCDIRECTION({})", triple(v)))
+    }
+
+    fn new_axes(&mut self, m: &DAffine3) -> u64 {
+        let at = self.add(&format!("IFCCARTESIANPOINT({})", triple(m.translation)));
+        let (z, x) = (m.matrix3.z_axis, m.matrix3.x_axis);
+        if z == DVec3::Z && x == DVec3::X {
+            return self.add(&format!("IFCAXIS2PLACEMENT3D(#{at},$,$)"));
+        }
+        let (z, x) = (self.new_direction(z), self.new_direction(x));
+        self.add(&format!("IFCAXIS2PLACEMENT3D(#{at},#{z},#{x})"))
+    }
+
+    fn add(&mut self, text: &str) -> u64 {
+        let id = self.next;
+        self.next += 1;
+        self.added.extend_from_slice(format!("#{id}={text};").as_bytes());
+        self.added.extend_from_slice(super::line_end(self.b.step.bytes));
+        id
+    }
+}
+
+/// A relative placement after a motion of the world.
+fn moved_axes(base: &DAffine3, own: &DAffine3, motion: &RigidMotion) -> DAffine3 {
+    let to_base = base.matrix3.inverse();
+    let shift = motion.shift.extend(0.0);
+    if motion.turn_rad == 0.0 {
+        return DAffine3::from_mat3_translation(own.matrix3, own.translation + to_base * shift);
+    }
+    let turn = DMat3::from_rotation_z(motion.turn_rad);
+    let world = *base * *own;
+    let at = turn * world.translation + shift;
+    let round = |v: DVec3| DVec3::from_array(v.to_array().map(|c| if c.abs() < NOISE_RATIO { 0.0 } else { c }));
+    let matrix = to_base * turn * base.matrix3 * own.matrix3;
+    let matrix = DMat3::from_cols(round(matrix.x_axis), round(matrix.y_axis), round(matrix.z_axis));
+    let mut at = to_base * (at - base.translation);
+    // A turn about the vertical keeps heights to the bit where the parent stands upright.
+    if super::geo::is_upright(base) {
+        at.z = own.translation.z;
+    }
+    DAffine3::from_mat3_translation(matrix, at)
+}
+
+/// Who refers to placements, their axes, points and directions.
+fn users(step: &Step<'_>) -> HashMap<u64, Vec<u64>> {
+    let mut wanted: HashMap<u64, Vec<u64>> = HashMap::new();
+    for i in step.all("IFCLOCALPLACEMENT") {
+        wanted.entry(i.id).or_default();
+        let axes = step.args_of(i).get(1).and_then(Arg::id);
+        for axes in axes {
+            wanted.entry(axes).or_default();
+            for part in step.args(axes).iter().filter_map(Arg::id) {
+                wanted.entry(part).or_default();
+            }
+        }
+    }
+    for i in &step.instances {
+        let text = &step.bytes[i.args.clone()];
+        let mut at = 0;
+        while let Some(hash) = text[at..].iter().position(|b| *b == b'#') {
+            at += hash + 1;
+            let digits = text[at..].iter().take_while(|b| b.is_ascii_digit()).count();
+            let id = std::str::from_utf8(&text[at..at + digits]).ok().and_then(|t| t.parse::<u64>().ok());
+            if let Some(list) = id.and_then(|id| wanted.get_mut(&id)) {
+                list.push(i.id);
+            }
+        }
+    }
+    wanted
+}
+
+fn triple(v: DVec3) -> String {
+    format!("({},{},{})", real(v.x), real(v.y), real(v.z))
+}
+
+/// A number as STEP writes it: always with a point, shortest text that reads back the same.
+pub(super) fn real(v: f64) -> String {
+    if v == 0.0 {
+        return "0.".into();
+    }
+    let text = format!("{v:?}");
+    let (mantissa, exponent) = text.split_once('e').map_or((text.as_str(), None), |(m, e)| (m, Some(e)));
+    let mantissa = match mantissa.strip_suffix(".0") {
+        Some(whole) => format!("{whole}."),
+        None if mantissa.contains('.') => mantissa.to_string(),
+        None => format!("{mantissa}."),
+    };
+    exponent.map_or(mantissa.clone(), |e| format!("{mantissa}E{e}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_a_point_and_read_back() {
+        for v in [0.0, 1.0, -2.5, 1e-7, 1e22, 0.1 + 0.2, 5774347.227, -1e-300] {
+            let text = real(v);
+            assert!(text.contains('.'), "{text}");
+            assert_eq!(text.parse::<f64>().unwrap(), v);
+        }
+        assert_eq!((real(1.0), real(1e-7)), ("1.".to_string(), "1.E-7".to_string()));
+    }
+}

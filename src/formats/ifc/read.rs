@@ -1,0 +1,446 @@
+//! One storey of a building as a plan: every element cut at the height of the eyes.
+
+use std::collections::HashMap;
+
+use glam::{DAffine3, DVec2};
+
+use super::geo::{Geo, Why, is_upright, plan_point};
+use super::limits::OUTLINE_POINTS_MAX;
+use super::model::{Model, Product, Storey, axis_item, body_items, layer_reach};
+use super::region::{Region, Rule};
+use super::step::Step;
+use super::units::{Units, units};
+use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, Sight};
+use crate::plan::drawing::{Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Vertex};
+use crate::report::{Error, Place, Report};
+
+/// Layer of everything that closes a gap without blocking sight: plugs of door and window openings.
+pub const CLOSING_LAYERS: [&str; 3] = ["IfcDoor", "IfcWindow", "IfcOpeningElement"];
+
+/// A file ready to be cut.
+pub(super) struct Building<'s, 'a> {
+    /// Name to show.
+    pub file: &'s str,
+    /// The file.
+    pub step: &'s Step<'a>,
+    /// Its geometry.
+    pub geo: Geo<'s, 'a>,
+    /// Its products.
+    pub model: Model,
+    /// Its units.
+    pub units: Units,
+}
+
+impl<'s, 'a> Building<'s, 'a> {
+    /// Reads units, products and relations.
+    pub fn new(file: &'s str, step: &'s Step<'a>) -> Self {
+        let units = units(step);
+        let geo = Geo::new(step, units.length.map_or(1.0, |u| u.metres), units.radians);
+        let model = Model::read(step, &geo);
+        Self { file, step, geo, model, units }
+    }
+
+    /// `house.ifc:12 #4711 IfcWall 2O2F…`.
+    pub fn place(&self, p: &Product) -> Place {
+        let line = self.step.get(p.id).map(|i| self.step.line(i.span.start));
+        Place { file: self.file.into(), line, entity: format!("#{} {} {}", p.id, p.class, p.global_id) }
+    }
+
+    /// The storey that is meant, and why. `None` in a building without storeys.
+    pub fn storey(&self, wanted: Option<&str>, report: &mut Report) -> Result<Option<&Storey>, Error> {
+        let list = &self.model.storeys;
+        let shown = |s: &Storey| format!("{:?} (floor {:.3} m, {} walls)", s.name, s.floor * self.geo.metres, s.walls);
+        let names = list.iter().map(shown).collect::<Vec<_>>().join(", ");
+        if let Some(name) = wanted {
+            let found = list.iter().find(|s| s.name == name).or_else(|| list.iter().find(|s| s.name.eq_ignore_ascii_case(name)));
+            return found.map(Some).ok_or_else(|| {
+                let names = if names.is_empty() { "none".into() } else { names };
+                let text = format!("--storey {name:?}: no such storey, storeys present: {names}; nothing was done");
+                Error::usage("storey", Place::file(self.file), text)
+            });
+        }
+        let most = list.iter().rev().max_by_key(|s| s.walls);
+        if let Some(chosen) = most
+            && list.len() > 1
+        {
+            let text = format!(
+                "storeys: {names}; {:?} has the most walls and was taken, --storey NAME takes another",
+                chosen.name
+            );
+            report.info("storey", Place::file(self.file), text);
+        }
+        Ok(most)
+    }
+}
+
+/// Reads one storey.
+///
+/// # Errors
+/// [`Error::Input`] where the bytes are no whole STEP file or the schema is none of IFC's;
+/// [`Error::Usage`] for a storey that is not there.
+pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
+    let step = super::open(file, bytes)?;
+    state_broken(file, &step, report);
+    let building = Building::new(file, &step);
+    let storey = building.storey(options.storey.as_deref(), report)?;
+    let mut reader = Reader::new(&building, storey, options);
+    reader.walls(report);
+    reader.spaces(report);
+    let height = reader.cut - reader.floor;
+    if let Some(storey) = storey {
+        let text = format!(
+            "storey {:?} cut {:.2} m above its floor at {:.3} m",
+            storey.name,
+            height * building.geo.metres,
+            storey.floor * building.geo.metres
+        );
+        report.info("storey-cut", Place::file(file), text);
+    }
+    reader.state_left_out(report);
+    Ok(reader.drawing())
+}
+
+fn state_broken(file: &str, step: &Step<'_>, report: &mut Report) {
+    for fault in step.broken.iter().take(20) {
+        let place = Place::line(file, step.line(fault.at));
+        report.warn("ifc-instance", place, format!("byte {}: {}; the instance is left out", fault.at, fault.text));
+    }
+    if step.broken.len() > 20 {
+        let text = format!("{} more instances cannot be read and are left out", step.broken.len() - 20);
+        report.warn("ifc-instance", Place::file(file), text);
+    }
+    if let Some(id) = step.duplicates.first() {
+        let text = format!(
+            "#{id} is given {} times, expected each number once; read with the last one, nothing can be moved in this file",
+            step.instances.iter().filter(|i| i.id == *id).count()
+        );
+        report.warn("ifc-duplicate-id", Place::file(file), text);
+    }
+}
+
+struct Reader<'b, 's, 'a> {
+    b: &'b Building<'s, 'a>,
+    options: &'b ReadOptions,
+    floor: f64,
+    cut: f64,
+    storey: Option<u64>,
+    entities: Vec<Entity>,
+    texts: Vec<Text>,
+    marked: Vec<MarkedMove>,
+    below: Vec<String>,
+    plugged: HashMap<u64, bool>,
+}
+
+/// A product's frame: how its own plane lies in the world, and at which height of it to cut.
+struct Frame {
+    /// The product's placement; the identity where it has none or leans.
+    world: DAffine3,
+    /// From the placement to the frame that is cut: the identity, or the placement itself where it leans.
+    to: DAffine3,
+    z: f64,
+}
+
+impl<'b, 's, 'a> Reader<'b, 's, 'a> {
+    fn new(b: &'b Building<'s, 'a>, storey: Option<&Storey>, options: &'b ReadOptions) -> Self {
+        let above = match options.sight {
+            Sight::Eye => CUT_EYE_M,
+            Sight::Knee => CUT_KNEE_M,
+        } / b.geo.metres;
+        let floor = storey.map_or_else(|| lowest(b), |s| s.floor);
+        Self {
+            b,
+            options,
+            floor,
+            cut: floor + above,
+            storey: storey.map(|s| s.id),
+            entities: Vec::new(),
+            texts: Vec::new(),
+            marked: Vec::new(),
+            below: Vec::new(),
+            plugged: HashMap::new(),
+        }
+    }
+
+    fn frame(&self, placement: Option<u64>) -> Result<Frame, Why> {
+        let world = placement.map_or(Ok(DAffine3::IDENTITY), |p| self.b.geo.placement(p))?;
+        if is_upright(&world) {
+            Ok(Frame { world, to: DAffine3::IDENTITY, z: self.cut - world.translation.z })
+        } else {
+            Ok(Frame { world: DAffine3::IDENTITY, to: world, z: self.cut })
+        }
+    }
+
+    fn walls(&mut self, report: &mut Report) {
+        for p in &self.b.model.products {
+            if p.class == "IfcSpace" || self.is_part_of_shown(p) {
+                continue;
+            }
+            match self.element(p) {
+                Ok((region, missing)) => {
+                    for why in missing {
+                        self.state_missing(p, &why, report);
+                    }
+                    if region.is_empty() {
+                        self.below.push(format!("#{} {}", p.id, p.class));
+                    } else if region.size() > OUTLINE_POINTS_MAX {
+                        let why = format!("its cut has {} corners, expected at most {OUTLINE_POINTS_MAX}", region.size());
+                        self.state_missing(p, &why, report);
+                    } else {
+                        self.emit(p, p.class, &region);
+                    }
+                }
+                Err(why) => self.state_missing(p, &why, report),
+            }
+        }
+        self.loose_fillers();
+    }
+
+    fn state_missing(&self, p: &Product, why: &str, report: &mut Report) {
+        let is_wall = ["IfcWall", "IfcColumn", "IfcCurtainWall"].iter().any(|c| p.class.starts_with(c));
+        let code = if is_wall { "ifc-element" } else { "ifc-other-element" };
+        let text = format!("{why}; this part of it is left out");
+        if is_wall && self.b.model.storey_of(p.id) == self.storey {
+            report.warn(code, self.b.place(p), text);
+        } else {
+            report.info(code, self.b.place(p), text);
+        }
+    }
+
+    /// Members and plates of a curtain wall are shown with it.
+    fn is_part_of_shown(&self, p: &Product) -> bool {
+        let whole = self.b.model.whole.get(&p.id);
+        whole.is_some_and(|w| self.b.model.products.iter().any(|q| q.id == *w && q.class != "IfcSpace"))
+    }
+
+    /// The outlines of an element in world coordinates.
+    fn element(&mut self, p: &Product) -> Result<(Region, Vec<Why>), Why> {
+        let frame = self.frame(p.placement)?;
+        let (mut region, mut missing) = (Region::default(), Vec::new());
+        match p.shape {
+            Some(shape) => match self.body(p, shape, &frame) {
+                Ok((body, whys)) => (region, missing) = (body, whys),
+                Err(why) => match self.from_axis(p, shape, &frame) {
+                    Some(strip) => region = strip,
+                    None => return Err(why),
+                },
+            },
+            None if self.b.model.parts.contains_key(&p.id) => {}
+            None => return Err("it has no shape".into()),
+        }
+        region = self.without_openings(p, region, &frame)?;
+        let mut region = region.map(|q| plan_point(&frame.world, q));
+        for part in self.b.model.parts.get(&p.id).into_iter().flatten() {
+            let class = self.b.model.products.iter().find(|q| q.id == *part).map(|q| q.class);
+            let is_glass = class == Some("IfcPlate") && self.options.sight == Sight::Eye;
+            let Ok(cut) = self.part(*part) else { continue };
+            if is_glass { self.emit(p, "IfcWindow", &cut) } else { region = region.combine(&cut, Rule::Union) }
+        }
+        Ok((region, missing))
+    }
+
+    fn part(&self, id: u64) -> Result<Region, Why> {
+        let p = super::model::product(self.b.step, id, "IfcMember");
+        let frame = self.frame(p.placement)?;
+        let shape = p.shape.ok_or("it has no shape")?;
+        let cut = self.b.geo.cut_items(&body_items(self.b.step, shape)?, &frame.to, frame.z);
+        Ok(cut.region.map(|q| plan_point(&frame.world, q)))
+    }
+
+    fn body(&self, p: &Product, shape: u64, frame: &Frame) -> Result<(Region, Vec<Why>), Why> {
+        let items = body_items(self.b.step, shape)?;
+        let cut = self.b.geo.cut_items(&items, &frame.to, frame.z);
+        if cut.region.is_empty() && !cut.missing.is_empty() {
+            return Err(format!("{} ({})", cut.missing[0], p.class));
+        }
+        Ok((cut.region, cut.missing))
+    }
+
+    /// A strip along the axis, as thick as the material layers.
+    fn from_axis(&self, p: &Product, shape: u64, frame: &Frame) -> Option<Region> {
+        let axis = self.b.geo.curve(axis_item(self.b.step, shape)?, 0).ok()?;
+        let [left, right] = layer_reach(self.b.step, &self.b.model, p.id)?;
+        let is_here = self.b.model.storey_of(p.id) == self.storey;
+        let region = super::body::strip(&axis, left, right);
+        is_here.then(|| region.map(|q| plan_point(&frame.to, q)))
+    }
+
+    /// Takes the openings out; what closes them is shown on the layer of its class.
+    fn without_openings(&mut self, p: &Product, mut region: Region, frame: &Frame) -> Result<Region, Why> {
+        for opening in self.b.model.openings.get(&p.id).into_iter().flatten() {
+            let Ok(hole) = self.opening(*opening, p, frame) else { continue };
+            let filler = self.filler(*opening);
+            let plug = region.clone().combine(&hole, Rule::Intersection);
+            if plug.is_empty() {
+                continue;
+            }
+            if let Some(id) = filler.map(|f| f.id) {
+                self.plugged.insert(id, true);
+            }
+            let class = filler.map_or("IfcOpeningElement", |f| f.class);
+            if class == "IfcWindow" && self.options.sight == Sight::Knee {
+                continue;
+            }
+            region = region.combine(&hole, Rule::Difference);
+            let world = plug.map(|q| plan_point(&frame.world, q));
+            self.emit(filler.unwrap_or(p), class, &world);
+        }
+        Ok(region)
+    }
+
+    fn filler(&self, opening: u64) -> Option<&'b Product> {
+        let ids = self.b.model.fillings.get(&opening)?;
+        self.b.model.fillers.iter().find(|f| ids.contains(&f.id))
+    }
+
+    /// An opening in the frame of its wall.
+    fn opening(&self, id: u64, wall: &Product, frame: &Frame) -> Result<Region, Why> {
+        let p = super::model::product(self.b.step, id, "IfcOpeningElement");
+        let shape = p.shape.ok_or("it has no shape")?;
+        let m = match (p.placement, wall.placement) {
+            (Some(inner), Some(outer)) => self.b.geo.relative(inner, outer)?,
+            (Some(inner), None) => self.b.geo.placement(inner)?,
+            (None, _) => frame.world.inverse(),
+        };
+        let cut = self.b.geo.cut_items(&body_items(self.b.step, shape)?, &(frame.to * m), frame.z);
+        Ok(cut.region)
+    }
+
+    /// Doors and windows that fill no opening: a box round their cut.
+    fn loose_fillers(&mut self) {
+        for p in &self.b.model.fillers {
+            if self.plugged.contains_key(&p.id) {
+                continue;
+            }
+            let Some(Ok(frame)) = p.shape.map(|_| self.frame(p.placement)) else { continue };
+            let Some(Ok((region, _))) = p.shape.map(|s| self.body(p, s, &frame)) else { continue };
+            if let Some([lo, hi]) = region.extent() {
+                let ring = vec![lo.to_array(), [hi.x, lo.y], hi.to_array(), [lo.x, hi.y]];
+                self.emit(p, p.class, &Region::ring(ring).map(|q| plan_point(&frame.world, q)));
+            }
+        }
+    }
+
+    fn spaces(&mut self, report: &mut Report) {
+        for p in self.b.model.products.iter().filter(|p| p.class == "IfcSpace") {
+            let is_here = self.b.model.storey_of(p.id) == self.storey;
+            let Some(shape) = p.shape.filter(|_| is_here) else { continue };
+            let cut = self.frame(p.placement).and_then(|frame| {
+                let (region, _) = self.body(p, shape, &frame)?;
+                Ok(region.map(|q| plan_point(&frame.world, q)))
+            });
+            match cut {
+                Ok(region) => self.space(p, &region),
+                Err(why) => report.info("ifc-space", self.b.place(p), format!("{why}; the space is left out")),
+            }
+        }
+    }
+
+    fn space(&mut self, p: &Product, region: &Region) {
+        let Some([lo, hi]) = region.extent() else { return };
+        self.emit(p, "IfcSpace", region);
+        let text = [p.name.trim(), p.long_name.trim()].iter().filter(|t| !t.is_empty()).copied().collect::<Vec<_>>().join("\n");
+        self.texts.push(Text { source: self.source(p, "IfcSpace"), layer: "IfcSpace".into(), at: lo.midpoint(hi), text });
+        let marks = self.b.model.marks(self.b.step, p.id);
+        let is_set = |key: &str| marks.get(key).is_some_and(|v| ["t", "true", "1", "yes"].contains(&v.to_lowercase().as_str()));
+        for (key, layer) in [("query", "EF-QUERY"), ("reference", "EF-REFERENCE"), ("keep", "EF-KEEP")] {
+            if is_set(key) {
+                self.emit(p, layer, region);
+            }
+        }
+    }
+
+    fn source(&self, p: &Product, layer: &str) -> SourceRef {
+        let line = self.b.step.get(p.id).map_or(0, |i| self.b.step.line(i.span.start));
+        SourceRef {
+            record: p.id as usize,
+            handle: Some(p.global_id.clone()).filter(|g| !g.is_empty()),
+            line,
+            kind: p.class.into(),
+            layer: layer.into(),
+        }
+    }
+
+    fn emit(&mut self, p: &Product, layer: &str, region: &Region) {
+        let source = self.source(p, layer);
+        let mut editable = self.editable(p);
+        if p.class.starts_with("IfcWall") || p.class.starts_with("IfcColumn") {
+            let marks = self.b.model.marks(self.b.step, p.id);
+            if let Some(text) = marks.get("move").filter(|t| !t.trim().is_empty())
+                && self.marked.iter().all(|m| m.record != source.record)
+            {
+                let name = marks.get("name").cloned().unwrap_or_else(|| p.name.clone());
+                self.marked.push(MarkedMove { name, text: text.clone(), record: source.record, source: source.clone() });
+            }
+            if marks.contains_key("keep") {
+                editable = Editable::No("Pset_Enfilade says Keep".into());
+            }
+        }
+        let closed = region.rings().filter(|r| r.len() > 2).map(|r| (r, true));
+        for (ring, closed) in closed.chain(region.lines.iter().filter(|l| l.len() > 1).map(|l| (l, false))) {
+            let vertices = ring.iter().map(|p| Vertex { at: DVec2::from(*p), bulge: 0.0 }).collect();
+            self.entities.push(Entity {
+                source: source.clone(),
+                layer: layer.into(),
+                shape: Shape::Polyline { vertices, closed },
+                editable: editable.clone(),
+                blocks: Vec::new(),
+            });
+        }
+    }
+
+    fn editable(&self, p: &Product) -> Editable {
+        if !self.b.step.duplicates.is_empty() {
+            return Editable::No("the file gives one number to several instances".into());
+        }
+        match super::patch::refusal(self.b, p.id) {
+            Some(why) => Editable::No(why),
+            None => Editable::WithInsert { turnable: true },
+        }
+    }
+
+    fn state_left_out(&self, report: &mut Report) {
+        let place = Place::file(self.b.file);
+        let here = |p: &&Product| self.b.model.storey_of(p.id) == self.storey;
+        let shown = |p: &&Product| self.entities.iter().any(|e| e.source.record == p.id as usize);
+        let walls = self.b.model.products.iter().filter(|p| p.class.contains("Wall") || p.class.starts_with("IfcColumn"));
+        let short: Vec<String> =
+            walls.filter(here).filter(|p| !shown(p)).filter(|p| self.below.iter().any(|b| *b == format!("#{} {}", p.id, p.class))).map(|p| format!("#{}", p.id)).collect();
+        if !short.is_empty() {
+            let text = format!("{} walls or columns of the storey do not reach the height of the cut and do not block sight: {}", short.len(), short.join(", "));
+            report.info("ifc-not-cut", place, text);
+        }
+    }
+
+    fn drawing(self) -> Drawing {
+        let mut layers: Vec<Layer> = Vec::new();
+        for e in &self.entities {
+            if layers.iter().all(|l| l.name != e.layer) {
+                layers.push(Layer { name: e.layer.clone(), is_off: false, is_frozen: false, is_locked: false });
+            }
+        }
+        Drawing {
+            file: self.b.file.into(),
+            format: Format::Ifc,
+            version: self.b.step.schema.clone(),
+            declared_unit: self.b.units.length,
+            declared_unit_words: self.b.units.length_words.clone(),
+            layers,
+            entities: self.entities,
+            texts: self.texts,
+            marked: self.marked,
+        }
+    }
+}
+
+/// Where the lowest wall stands in a building without storeys: its floor.
+fn lowest(b: &Building<'_, '_>) -> f64 {
+    let mut lowest = f64::INFINITY;
+    for p in b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")) {
+        let world = p.placement.map_or(Ok(DAffine3::IDENTITY), |m| b.geo.placement(m));
+        let items = p.shape.and_then(|s| body_items(b.step, s).ok());
+        if let (Ok(world), Some(items)) = (world, items) {
+            lowest = items.iter().filter_map(|i| b.geo.lowest(*i, &world, 0).ok()).fold(lowest, f64::min);
+        }
+    }
+    if lowest.is_finite() { lowest } else { 0.0 }
+}

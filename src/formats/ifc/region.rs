@@ -1,0 +1,319 @@
+//! Polygons with holes in the plane, and what clipping does to them.
+
+use glam::{DAffine3, DVec2, DVec3};
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::float::simplify::SimplifyShape;
+use i_overlay::float::single::SingleFloatOverlay;
+
+/// Outlines of one cut: every shape an outer ring and its holes, file units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Region {
+    /// Shapes; rings are not closed by a repeated point.
+    pub shapes: Vec<Vec<Vec<[f64; 2]>>>,
+    /// Open lines: cuts of surfaces that enclose nothing.
+    pub lines: Vec<Vec<[f64; 2]>>,
+}
+
+/// How two regions are combined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rule {
+    Union,
+    Difference,
+    Intersection,
+}
+
+/// Vertices that clipping moved by less than this share of the extent are put back where they were drawn.
+const SNAP_SHARE: f64 = 1e-8;
+
+impl Region {
+    /// One ring.
+    pub fn ring(points: Vec<[f64; 2]>) -> Self {
+        if points.len() < 3 { Self::default() } else { Self { shapes: vec![vec![points]], lines: Vec::new() } }
+    }
+
+    /// An outer ring with holes.
+    pub fn with_holes(rings: Vec<Vec<[f64; 2]>>) -> Self {
+        if rings.first().is_none_or(|r| r.len() < 3) { Self::default() } else { Self { shapes: vec![rings], lines: Vec::new() } }
+    }
+
+    /// Rings of which those inside others are holes.
+    pub fn even_odd(rings: Vec<Vec<[f64; 2]>>) -> Self {
+        match rings.len() {
+            0 => Self::default(),
+            1 => rings.into_iter().next().map(Self::ring).unwrap_or_default(),
+            _ => {
+                let shapes = snapped(rings.simplify_shape_as::<i64>(FillRule::EvenOdd), &[&rings]);
+                Self { shapes, lines: Vec::new() }
+            }
+        }
+    }
+
+    /// Whether nothing is in it.
+    pub fn is_empty(&self) -> bool {
+        self.shapes.is_empty() && self.lines.is_empty()
+    }
+
+    /// All rings.
+    pub fn rings(&self) -> impl Iterator<Item = &Vec<[f64; 2]>> {
+        self.shapes.iter().flatten()
+    }
+
+    /// All points.
+    pub fn points(&self) -> impl Iterator<Item = DVec2> {
+        self.rings().chain(&self.lines).flatten().map(|p| DVec2::from(*p))
+    }
+
+    /// How many points it has.
+    pub fn size(&self) -> usize {
+        self.rings().chain(&self.lines).map(Vec::len).sum()
+    }
+
+    /// Lowest and highest corner of the box round it.
+    pub fn extent(&self) -> Option<[DVec2; 2]> {
+        crate::plan::box_of(self.points())
+    }
+
+    /// The region through a map of the plane.
+    pub fn map(mut self, to: impl Fn(DVec2) -> DVec2) -> Self {
+        for ring in self.shapes.iter_mut().flatten().chain(&mut self.lines) {
+            for p in ring {
+                *p = to(DVec2::from(*p)).to_array();
+            }
+        }
+        self
+    }
+
+    /// This region combined with another; open lines of this one stay.
+    pub fn combine(self, other: &Self, rule: Rule) -> Self {
+        if !self.may_touch(other) {
+            return match rule {
+                Rule::Difference => self,
+                Rule::Intersection => Self::default(),
+                Rule::Union => {
+                    let mut out = self;
+                    out.shapes.extend(other.shapes.iter().cloned());
+                    out.lines.extend(other.lines.iter().cloned());
+                    out
+                }
+            };
+        }
+        let overlay = match rule {
+            Rule::Union => OverlayRule::Union,
+            Rule::Difference => OverlayRule::Difference,
+            Rule::Intersection => OverlayRule::Intersect,
+        };
+        let (a, b) = (oriented(&self.shapes), oriented(&other.shapes));
+        let made = a.overlay_as::<i64>(&b, overlay, FillRule::NonZero);
+        let mut lines = self.lines;
+        if rule == Rule::Union {
+            lines.extend(other.lines.iter().cloned());
+        }
+        let flat: Vec<Vec<[f64; 2]>> = a.into_iter().chain(b).flatten().collect();
+        Self { shapes: snapped(made, &[&flat]), lines }
+    }
+
+    fn may_touch(&self, other: &Self) -> bool {
+        let (Some(a), Some(b)) = (self.extent(), other.extent()) else { return false };
+        a[0].cmple(b[1]).all() && b[0].cmple(a[1]).all() && !self.shapes.is_empty() && !other.shapes.is_empty()
+    }
+
+    /// Takes away (or keeps) the half-plane `n·p ≤ d`.
+    pub fn half_plane(&self, n: DVec2, d: f64) -> Self {
+        let Some([lo, hi]) = self.extent() else { return Self::default() };
+        let pad = (hi - lo).max_element().max(1e-6);
+        let (lo, hi) = (lo - pad, hi + pad);
+        let corners = [lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)];
+        Self::ring(clip(&corners, n, d))
+    }
+}
+
+/// The part of a convex ring with `n·p ≤ d`.
+pub(super) fn clip(ring: &[DVec2], n: DVec2, d: f64) -> Vec<[f64; 2]> {
+    let mut out = Vec::new();
+    for (i, a) in ring.iter().enumerate() {
+        let b = ring[(i + 1) % ring.len()];
+        let (da, db) = (n.dot(*a) - d, n.dot(b) - d);
+        if da <= 0.0 {
+            out.push(a.to_array());
+        }
+        if (da < 0.0 && db > 0.0) || (da > 0.0 && db < 0.0) {
+            out.push(a.lerp(b, da / (da - db)).to_array());
+        }
+    }
+    out
+}
+
+/// Twice the signed area of a ring.
+pub(super) fn area2(ring: &[[f64; 2]]) -> f64 {
+    let Some(o) = ring.first() else { return 0.0 };
+    let local = |p: &[f64; 2]| DVec2::new(p[0] - o[0], p[1] - o[1]);
+    (0..ring.len()).map(|i| local(&ring[i]).perp_dot(local(&ring[(i + 1) % ring.len()]))).sum()
+}
+
+/// Outer rings anticlockwise, holes clockwise.
+fn oriented(shapes: &[Vec<Vec<[f64; 2]>>]) -> Vec<Vec<Vec<[f64; 2]>>> {
+    let turn = |(i, ring): (usize, &Vec<[f64; 2]>)| {
+        let mut ring = ring.clone();
+        if (area2(&ring) > 0.0) != (i == 0) {
+            ring.reverse();
+        }
+        ring
+    };
+    shapes.iter().map(|s| s.iter().enumerate().map(turn).collect()).collect()
+}
+
+/// Puts vertices back on those of the inputs; rings without an area vanish.
+fn snapped(mut shapes: Vec<Vec<Vec<[f64; 2]>>>, inputs: &[&Vec<Vec<[f64; 2]>>]) -> Vec<Vec<Vec<[f64; 2]>>> {
+    let drawn: Vec<DVec2> = inputs.iter().flat_map(|r| r.iter().flatten()).map(|p| DVec2::from(*p)).collect();
+    let Some([lo, hi]) = crate::plan::box_of(drawn.iter().copied()) else { return shapes };
+    let near = (hi - lo).max_element() * SNAP_SHARE;
+    for p in shapes.iter_mut().flatten().flatten() {
+        let at = DVec2::from(*p);
+        if let Some(q) = drawn.iter().find(|q| (at - **q).abs().max_element() <= near) {
+            *p = q.to_array();
+        }
+    }
+    shapes.retain(|s| s.first().is_some_and(|r| area2(r).abs() > near * near));
+    shapes
+}
+
+/// The region that plane faces enclose at height `z`: every face a list of rings.
+pub(super) fn slice(faces: &[Vec<Vec<DVec3>>], z: f64) -> Region {
+    let mut segments = Vec::new();
+    for face in faces {
+        let mut hits: Vec<DVec2> = Vec::new();
+        for ring in face {
+            for (i, a) in ring.iter().enumerate() {
+                let b = ring[(i + 1) % ring.len()];
+                if (a.z > z) != (b.z > z) {
+                    hits.push(crossing(*a, b, z));
+                }
+            }
+        }
+        let Some([lo, hi]) = crate::plan::box_of(hits.iter().copied()) else { continue };
+        let along = if (hi - lo).x > (hi - lo).y { |p: &DVec2| p.x } else { |p: &DVec2| p.y };
+        hits.sort_by(|p, q| along(p).total_cmp(&along(q)));
+        segments.extend(hits.chunks_exact(2).map(|c| [c[0], c[1]]).filter(|[a, b]| a != b));
+    }
+    chain(&segments)
+}
+
+/// Where an edge crosses a height; the same from either end.
+fn crossing(a: DVec3, b: DVec3, z: f64) -> DVec2 {
+    let (a, b) = if (a.z, a.x, a.y) < (b.z, b.x, b.y) { (a, b) } else { (b, a) };
+    let t = (z - a.z) / (b.z - a.z);
+    a.truncate().lerp(b.truncate(), t)
+}
+
+/// Joins segments to rings; what does not close stays a line.
+fn chain(segments: &[[DVec2; 2]]) -> Region {
+    use std::collections::BTreeMap;
+    let Some([lo, hi]) = crate::plan::box_of(segments.iter().flatten().copied()) else { return Region::default() };
+    let step = ((hi - lo).max_element() * 1e-6).max(1e-9);
+    let mut ids: BTreeMap<[i64; 2], usize> = BTreeMap::new();
+    let mut points: Vec<DVec2> = Vec::new();
+    let mut node = |p: DVec2| {
+        let c = ((p - lo) / step).round();
+        let (x, y) = (c.x as i64, c.y as i64);
+        for dx in -1..=1 {
+            for dy in -1..=1 {
+                if let Some(i) = ids.get(&[x + dx, y + dy]) {
+                    return *i;
+                }
+            }
+        }
+        points.push(p);
+        ids.insert([x, y], points.len() - 1);
+        points.len() - 1
+    };
+    let edges: Vec<[usize; 2]> = segments.iter().map(|s| s.map(&mut node)).filter(|e| e[0] != e[1]).collect();
+    let mut at: Vec<Vec<usize>> = vec![Vec::new(); points.len()];
+    for (i, e) in edges.iter().enumerate() {
+        at[e[0]].push(i);
+        at[e[1]].push(i);
+    }
+    let mut used = vec![false; edges.len()];
+    let (mut rings, mut lines) = (Vec::new(), Vec::new());
+    // Ends of open lines first, so that a line is walked from its end.
+    let mut starts: Vec<usize> = (0..points.len()).filter(|n| at[*n].len() % 2 == 1).collect();
+    starts.extend(0..points.len());
+    for start in starts {
+        loop {
+            let (mut path, mut here) = (vec![start], start);
+            while let Some(e) = at[here].iter().copied().find(|e| !used[*e]) {
+                used[e] = true;
+                here = edges[e][0] + edges[e][1] - here;
+                if here == start {
+                    break;
+                }
+                path.push(here);
+            }
+            if path.len() < 2 {
+                break;
+            }
+            let path_points: Vec<DVec2> = path.iter().map(|n| points[*n]).collect();
+            if here == start { rings.push(straight(path_points)) } else { lines.push(path_points) }
+        }
+    }
+    let arrays = |list: Vec<DVec2>| list.into_iter().map(|p| p.to_array()).collect::<Vec<_>>();
+    let rings = rings.into_iter().filter(|r| r.len() > 2).map(arrays).collect();
+    Region { lines: lines.into_iter().map(arrays).collect(), ..Region::even_odd(rings) }
+}
+
+/// Drops points on the straight line between their neighbours: cuts of triangles have many.
+fn straight(ring: Vec<DVec2>) -> Vec<DVec2> {
+    let mut out: Vec<DVec2> = Vec::new();
+    for (i, p) in ring.iter().enumerate() {
+        let next = ring[(i + 1) % ring.len()];
+        let before = out.last().copied().unwrap_or(ring[ring.len() - 1]);
+        let (u, v) = (*p - before, next - *p);
+        if u.perp_dot(v).abs() > 1e-9 * u.length() * v.length() || u.dot(v) < 0.0 {
+            out.push(*p);
+        }
+    }
+    out
+}
+
+/// Points of a plane through a placement, as seen from above.
+pub(super) fn flat(ring: &[[f64; 2]], m: &DAffine3) -> Vec<[f64; 2]> {
+    ring.iter().map(|p| m.transform_point3(DVec3::new(p[0], p[1], 0.0)).truncate().to_array()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(x: f64, y: f64, w: f64, h: f64) -> Vec<[f64; 2]> {
+        vec![[x, y], [x + w, y], [x + w, y + h], [x, y + h]]
+    }
+
+    #[test]
+    fn a_door_cuts_a_wall_in_two() {
+        let wall = Region::ring(square(0.0, 0.0, 5.0, 0.2));
+        let cut = wall.combine(&Region::ring(square(2.0, -0.1, 0.9, 0.4)), Rule::Difference);
+        assert_eq!(cut.shapes.len(), 2);
+        assert!((cut.rings().map(|r| area2(r).abs() / 2.0).sum::<f64>() - 0.82).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_box_of_faces_cut_at_a_height() {
+        let at = |z: f64| square(1.0, 1.0, 3.0, 0.25).into_iter().map(|p| DVec3::new(p[0], p[1], z)).collect::<Vec<_>>();
+        let (low, high) = (at(0.0), at(2.5));
+        let mut faces = vec![vec![low.clone()], vec![high.clone()]];
+        faces.extend((0..4).map(|i| vec![vec![low[i], low[(i + 1) % 4], high[(i + 1) % 4], high[i]]]));
+        let cut = slice(&faces, 1.5);
+        assert_eq!((cut.shapes.len(), cut.size(), cut.lines.len()), (1, 4, 0));
+        assert!(slice(&faces, 3.0).is_empty());
+        let open = slice(&faces[2..3], 1.5);
+        assert_eq!((open.shapes.len(), open.lines.len()), (0, 1));
+    }
+
+    #[test]
+    fn a_half_plane_clips() {
+        let wall = Region::ring(square(0.0, 0.0, 4.0, 1.0));
+        let half = wall.half_plane(DVec2::X, 1.0);
+        let rest = wall.combine(&half, Rule::Difference);
+        assert!((area2(&rest.shapes[0][0]).abs() / 2.0 - 3.0).abs() < 1e-9);
+    }
+}

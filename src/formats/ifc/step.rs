@@ -1,0 +1,494 @@
+//! STEP physical files (ISO 10303-21) as byte spans: instances, their arguments, nothing decoded twice.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use super::limits::{INSTANCE_BYTES_MAX, NESTING_MAX};
+
+/// One `#id=KEYWORD(…);` of a DATA section.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Instance {
+    /// The number after `#`.
+    pub id: u64,
+    /// From `#` to one past `;`.
+    pub span: Range<usize>,
+    /// The keyword as written; empty for a complex instance.
+    pub keyword: Range<usize>,
+    /// From one past the opening parenthesis to the closing one.
+    pub args: Range<usize>,
+}
+
+/// One argument with its bytes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Arg {
+    /// Where it stands, white space excluded.
+    pub span: Range<usize>,
+    /// What it is.
+    pub value: Value,
+}
+
+/// What an argument is.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value {
+    /// `$`, `*` or a binary literal.
+    Null,
+    /// `#12`.
+    Ref(u64),
+    /// A number.
+    Number(f64),
+    /// `'…'`; the content stands in the span.
+    Text,
+    /// `.NAME.`, dots excluded, as written.
+    Enum(String),
+    /// `(…)`.
+    List(Vec<Arg>),
+    /// `KEYWORD(…)`.
+    Typed(String, Vec<Arg>),
+}
+
+impl Arg {
+    /// The instance it refers to.
+    pub fn id(&self) -> Option<u64> {
+        if let Value::Ref(id) = self.value { Some(id) } else { None }
+    }
+
+    /// Its number, a typed one's too.
+    pub fn number(&self) -> Option<f64> {
+        match &self.value {
+            Value::Number(v) => Some(*v),
+            Value::Typed(_, args) => args.first()?.number(),
+            _ => None,
+        }
+    }
+
+    /// Its items; empty for anything but a list.
+    pub fn list(&self) -> &[Arg] {
+        if let Value::List(items) = &self.value { items } else { &[] }
+    }
+
+    /// The numbers of a list.
+    pub fn numbers(&self) -> Option<Vec<f64>> {
+        self.list().iter().map(Arg::number).collect()
+    }
+
+    /// The instances a list refers to.
+    pub fn ids(&self) -> Vec<u64> {
+        self.list().iter().filter_map(Arg::id).collect()
+    }
+
+    /// Whether it is `.name.`.
+    pub fn is(&self, name: &str) -> bool {
+        matches!(&self.value, Value::Enum(e) if e.eq_ignore_ascii_case(name))
+    }
+}
+
+/// What keeps a file from being read, at a byte.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Fault {
+    /// Where.
+    pub at: usize,
+    /// `found …, expected …`.
+    pub text: String,
+}
+
+/// A file split into instances.
+#[derive(Clone, Debug)]
+pub(super) struct Step<'a> {
+    /// The whole file.
+    pub bytes: &'a [u8],
+    /// In file order.
+    pub instances: Vec<Instance>,
+    /// Upper-case keyword → indices, file order.
+    pub by_keyword: HashMap<String, Vec<u32>>,
+    /// First schema name, upper case; empty if none is stated.
+    pub schema: String,
+    /// Where `ENDSEC` of the last DATA section starts.
+    pub data_end: usize,
+    /// Numbers given twice.
+    pub duplicates: Vec<u64>,
+    /// Instances that could not be split, with the reason.
+    pub broken: Vec<Fault>,
+    by_id: HashMap<u64, u32>,
+    /// Where lines end.
+    line_ends: Vec<usize>,
+}
+
+impl<'a> Step<'a> {
+    /// Splits a file.
+    pub fn read(bytes: &'a [u8]) -> Result<Self, Fault> {
+        let mut scan = Scan { bytes, at: 0 };
+        let schema = scan.header()?;
+        let mut out = Self {
+            bytes,
+            instances: Vec::with_capacity(bytes.len() / 64),
+            by_keyword: HashMap::new(),
+            schema,
+            data_end: bytes.len(),
+            duplicates: Vec::new(),
+            broken: Vec::new(),
+            by_id: HashMap::new(),
+            line_ends: bytes.iter().enumerate().filter(|(_, b)| **b == b'\n').map(|(i, _)| i).collect(),
+        };
+        out.sections(&mut scan)?;
+        out.index();
+        Ok(out)
+    }
+
+    fn sections(&mut self, scan: &mut Scan<'a>) -> Result<(), Fault> {
+        let mut in_data = true;
+        loop {
+            scan.skip_blank()?;
+            let at = scan.at;
+            match scan.peek() {
+                None => return Ok(()),
+                Some(b'#') if in_data => {
+                    let end = scan.statement()?;
+                    if end - at > INSTANCE_BYTES_MAX {
+                        self.broken.push(scan.fault(at, "an instance of more bytes than any building has"));
+                        continue;
+                    }
+                    match instance(scan.bytes, at..end) {
+                        Ok(i) => self.instances.push(i),
+                        Err(fault) => self.broken.push(fault),
+                    }
+                }
+                Some(_) => {
+                    let end = scan.statement()?;
+                    let word = upper_word(&scan.bytes[at..end]);
+                    match word.as_str() {
+                        "ENDSEC" => {
+                            if in_data {
+                                self.data_end = at;
+                            }
+                            in_data = false;
+                        }
+                        "DATA" => in_data = true,
+                        "END" if scan.bytes[at..end].to_ascii_uppercase().starts_with(b"END-ISO") => return Ok(()),
+                        _ if in_data => self.broken.push(scan.fault(at, "text that is no instance, expected `#id=`")),
+                        _ => {}
+                    }
+                }
+            }
+        }
+    }
+
+    fn index(&mut self) {
+        self.by_id.reserve(self.instances.len());
+        for (i, instance) in self.instances.iter().enumerate() {
+            if self.by_id.insert(instance.id, i as u32).is_some() {
+                self.duplicates.push(instance.id);
+            }
+            let keyword = &self.bytes[instance.keyword.clone()];
+            let keyword = String::from_utf8_lossy(keyword).to_ascii_uppercase();
+            match self.by_keyword.get_mut(&keyword) {
+                Some(list) => list.push(i as u32),
+                None => drop(self.by_keyword.insert(keyword, vec![i as u32])),
+            }
+        }
+    }
+
+    /// The instance with that number (the last one of several).
+    pub fn get(&self, id: u64) -> Option<&Instance> {
+        self.by_id.get(&id).map(|i| &self.instances[*i as usize])
+    }
+
+    /// Instances of a keyword, file order.
+    pub fn all(&self, keyword: &str) -> impl Iterator<Item = &Instance> {
+        self.by_keyword.get(keyword).into_iter().flatten().map(|i| &self.instances[*i as usize])
+    }
+
+    /// Keyword of an instance, upper case.
+    pub fn keyword(&self, id: u64) -> String {
+        self.get(id).map_or_else(String::new, |i| {
+            String::from_utf8_lossy(&self.bytes[i.keyword.clone()]).to_ascii_uppercase()
+        })
+    }
+
+    /// Arguments of an instance; none where it does not exist or its text is no list.
+    pub fn args(&self, id: u64) -> Vec<Arg> {
+        self.get(id).map_or_else(Vec::new, |i| self.args_of(i))
+    }
+
+    /// Arguments of an instance.
+    pub fn args_of(&self, instance: &Instance) -> Vec<Arg> {
+        let mut at = instance.args.start;
+        list(self.bytes, &mut at, instance.args.end, 0).unwrap_or_default()
+    }
+
+    /// Line of a byte, from 1.
+    pub fn line(&self, at: usize) -> usize {
+        self.line_ends.partition_point(|e| *e < at) + 1
+    }
+
+    /// A text argument, escapes decoded.
+    pub fn text(&self, arg: &Arg) -> Option<String> {
+        match &arg.value {
+            Value::Text => Some(super::text::decode(&self.bytes[arg.span.start + 1..arg.span.end - 1])),
+            Value::Typed(_, args) => self.text(args.first()?),
+            _ => None,
+        }
+    }
+
+    /// The largest number in use.
+    pub fn largest_id(&self) -> u64 {
+        self.instances.iter().map(|i| i.id).max().unwrap_or(0)
+    }
+}
+
+/// Line of a byte, from 1.
+pub(super) fn line_of(bytes: &[u8], at: usize) -> usize {
+    bytes[..at.min(bytes.len())].iter().filter(|b| **b == b'\n').count() + 1
+}
+
+struct Scan<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl Scan<'_> {
+    fn peek(&self) -> Option<u8> {
+        self.bytes.get(self.at).copied()
+    }
+
+    fn fault(&self, at: usize, text: &str) -> Fault {
+        Fault { at, text: format!("found {text}") }
+    }
+
+    /// Goes past white space and comments.
+    fn skip_blank(&mut self) -> Result<(), Fault> {
+        loop {
+            match self.peek() {
+                Some(b) if b.is_ascii_whitespace() || b == 0 => self.at += 1,
+                Some(b'/') if self.bytes.get(self.at + 1) == Some(&b'*') => self.comment()?,
+                _ => return Ok(()),
+            }
+        }
+    }
+
+    fn comment(&mut self) -> Result<(), Fault> {
+        let start = self.at;
+        let end = self.bytes[start + 2..].windows(2).position(|w| w == b"*/");
+        self.at = end.map(|e| start + 2 + e + 2).ok_or_else(|| self.fault(start, "a comment that does not end"))?;
+        Ok(())
+    }
+
+    /// Goes past the next `;` outside texts and comments; its end.
+    fn statement(&mut self) -> Result<usize, Fault> {
+        let start = self.at;
+        while let Some(b) = self.peek() {
+            match b {
+                b';' => {
+                    self.at += 1;
+                    return Ok(self.at);
+                }
+                b'\'' => self.string()?,
+                b'/' if self.bytes.get(self.at + 1) == Some(&b'*') => self.comment()?,
+                _ => self.at += 1,
+            }
+        }
+        Err(self.fault(start, "an instance without `;`, expected `;` before the end of the file"))
+    }
+
+    /// Goes past a text; `''` is a quote inside it.
+    fn string(&mut self) -> Result<(), Fault> {
+        let start = self.at;
+        self.at = string_end(self.bytes, start)
+            .ok_or_else(|| self.fault(start, "a text without its closing quote, expected `'`"))?;
+        Ok(())
+    }
+
+    /// Reads the header up to DATA; the schema's name.
+    fn header(&mut self) -> Result<String, Fault> {
+        let mut schema = String::new();
+        if self.bytes.starts_with(b"\xEF\xBB\xBF") {
+            self.at = 3;
+        }
+        self.skip_blank()?;
+        if !self.bytes[self.at..].to_ascii_uppercase().starts_with(b"ISO-10303-21") {
+            return Err(self.fault(self.at, "no `ISO-10303-21;`, expected a STEP physical file"));
+        }
+        loop {
+            self.skip_blank()?;
+            let at = self.at;
+            if self.peek().is_none() {
+                return Err(self.fault(at, "no DATA section"));
+            }
+            let end = self.statement()?;
+            match upper_word(&self.bytes[at..end]).as_str() {
+                "DATA" => return Ok(schema),
+                "FILE_SCHEMA" => {
+                    let text = &self.bytes[at..end];
+                    let mut parts = text.split(|b| *b == b'\'');
+                    schema = parts.nth(1).map_or_else(String::new, |s| {
+                        String::from_utf8_lossy(s).trim().to_ascii_uppercase()
+                    });
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+/// One past the closing quote of the text that starts at `start`.
+fn string_end(bytes: &[u8], start: usize) -> Option<usize> {
+    let mut at = start + 1;
+    loop {
+        match bytes.get(at)? {
+            b'\'' if bytes.get(at + 1) == Some(&b'\'') => at += 2,
+            b'\'' => return Some(at + 1),
+            // The byte after \S\ stands for another letter, a quote too (ISO 8859).
+            b'\\' if bytes.get(at + 1) == Some(&b'S') && bytes.get(at + 2) == Some(&b'\\') => at += 4,
+            _ => at += 1,
+        }
+    }
+}
+
+fn upper_word(text: &[u8]) -> String {
+    let end = text.iter().position(|b| !(b.is_ascii_alphanumeric() || *b == b'_')).unwrap_or(text.len());
+    String::from_utf8_lossy(&text[..end]).to_ascii_uppercase()
+}
+
+/// Splits `#id = KEYWORD ( … ) ;`.
+fn instance(bytes: &[u8], span: Range<usize>) -> Result<Instance, Fault> {
+    let fault = |at: usize, text: &str| Fault { at, text: format!("found {text}") };
+    let mut at = span.start + 1;
+    blank(bytes, &mut at, span.end);
+    if bytes[at..span.end].starts_with(b"+") {
+        at += 1;
+    }
+    let digits = bytes[at..span.end].iter().take_while(|b| b.is_ascii_digit()).count();
+    let id = std::str::from_utf8(&bytes[at..at + digits]).ok().and_then(|t| t.parse::<u64>().ok());
+    let id = id.filter(|id| *id < u64::MAX / 4);
+    let id = id.ok_or_else(|| fault(span.start, "no number after `#`, expected a positive whole number"))?;
+    at += digits;
+    blank(bytes, &mut at, span.end);
+    if bytes.get(at) != Some(&b'=') {
+        return Err(fault(at, "no `=` after the number of an instance"));
+    }
+    at += 1;
+    blank(bytes, &mut at, span.end);
+    let start = at;
+    while bytes[at..span.end].first().is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_') {
+        at += 1;
+    }
+    let keyword = start..at;
+    blank(bytes, &mut at, span.end);
+    if bytes.get(at) != Some(&b'(') {
+        return Err(fault(at, "no `(` after the keyword of an instance"));
+    }
+    let mut end = span.end - 1;
+    while end > at && (bytes[end].is_ascii_whitespace() || bytes[end] == b';') {
+        end -= 1;
+    }
+    if bytes[end] != b')' || end == at {
+        return Err(fault(at, "an instance that does not end with `);`"));
+    }
+    let mut check = at + 1;
+    list(bytes, &mut check, end, 0).map_err(|(at, text)| fault(at, text))?;
+    Ok(Instance { id, span, keyword, args: at + 1..end })
+}
+
+fn blank(bytes: &[u8], at: &mut usize, end: usize) {
+    while *at < end {
+        if bytes[*at].is_ascii_whitespace() || bytes[*at] == 0 {
+            *at += 1;
+        } else if bytes[*at..end].starts_with(b"/*") {
+            *at = bytes[*at..end].windows(2).position(|w| w == b"*/").map_or(end, |i| *at + i + 2);
+        } else {
+            return;
+        }
+    }
+}
+
+type Broken = (usize, &'static str);
+
+/// Arguments up to `end` or the closing parenthesis at this level.
+fn list(bytes: &[u8], at: &mut usize, end: usize, depth: usize) -> Result<Vec<Arg>, Broken> {
+    if depth > NESTING_MAX {
+        return Err((*at, "parentheses nested deeper than any schema has them"));
+    }
+    let mut out = Vec::new();
+    blank(bytes, at, end);
+    if *at >= end || bytes[*at] == b')' {
+        return Ok(out);
+    }
+    loop {
+        out.push(value(bytes, at, end, depth)?);
+        blank(bytes, at, end);
+        match bytes[*at..end].first() {
+            None | Some(b')') => return Ok(out),
+            Some(b',') => *at += 1,
+            Some(_) if depth == 0 && bytes[*at..end].first().is_some_and(u8::is_ascii_alphabetic) => {}
+            Some(_) => return Err((*at, "two values without a comma between them")),
+        }
+    }
+}
+
+fn value(bytes: &[u8], at: &mut usize, end: usize, depth: usize) -> Result<Arg, Broken> {
+    blank(bytes, at, end);
+    let start = *at;
+    let value = match bytes[start..end].first() {
+        None => return Err((start, "no value where one must stand")),
+        Some(b'$' | b'*') => {
+            *at += 1;
+            Value::Null
+        }
+        Some(b'#') => {
+            *at += 1;
+            let digits = bytes[*at..end].iter().take_while(|b| b.is_ascii_digit()).count();
+            let id = std::str::from_utf8(&bytes[*at..*at + digits]).ok().and_then(|t| t.parse().ok());
+            *at += digits;
+            Value::Ref(id.ok_or((start, "a `#` without a number"))?)
+        }
+        Some(b'\'') => {
+            *at = string_end(bytes, start).filter(|e| *e <= end).ok_or((start, "a text that does not end"))?;
+            Value::Text
+        }
+        Some(b'"') => {
+            let close = bytes[start + 1..end].iter().position(|b| *b == b'"');
+            *at = close.map(|c| start + c + 2).ok_or((start, "a binary that does not end"))?;
+            Value::Null
+        }
+        Some(b'.') if !bytes.get(start + 1).is_some_and(u8::is_ascii_digit) => {
+            let close = bytes[start + 1..end].iter().position(|b| *b == b'.');
+            let close = close.ok_or((start, "a name in dots that does not end"))?;
+            *at = start + close + 2;
+            Value::Enum(String::from_utf8_lossy(&bytes[start + 1..start + 1 + close]).into_owned())
+        }
+        Some(b'(') => {
+            *at += 1;
+            Value::List(inner(bytes, at, end, depth)?)
+        }
+        Some(b) if b.is_ascii_alphabetic() => {
+            while bytes[*at..end].first().is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_') {
+                *at += 1;
+            }
+            let word = String::from_utf8_lossy(&bytes[start..*at]).to_ascii_uppercase();
+            blank(bytes, at, end);
+            if bytes[*at..end].first() != Some(&b'(') {
+                return Err((start, "a word where a value must stand"));
+            }
+            *at += 1;
+            Value::Typed(word, inner(bytes, at, end, depth)?)
+        }
+        Some(_) => {
+            while bytes[*at..end].first().is_some_and(|b| b.is_ascii_alphanumeric() || b"+-.".contains(b)) {
+                *at += 1;
+            }
+            let text = std::str::from_utf8(&bytes[start..*at]).unwrap_or("");
+            let number = text.parse::<f64>().ok().filter(|v| v.is_finite());
+            Value::Number(number.ok_or((start, "a value that is no number"))?)
+        }
+    };
+    Ok(Arg { span: start..*at, value })
+}
+
+fn inner(bytes: &[u8], at: &mut usize, end: usize, depth: usize) -> Result<Vec<Arg>, Broken> {
+    let open = *at;
+    let items = list(bytes, at, end, depth + 1)?;
+    if bytes[*at..end].first() != Some(&b')') {
+        return Err((open, "a `(` without its `)`"));
+    }
+    *at += 1;
+    Ok(items)
+}
