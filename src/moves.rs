@@ -1,6 +1,7 @@
 //! The parametrisation (spec 2): which nodes move, how, within what bounds; parameters → layout.
 
 pub mod defaults;
+mod partitions;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,7 +9,7 @@ use glam::DVec2;
 
 use crate::plan::Plan;
 use crate::plan::curve::{self, Trace};
-use crate::plan::drawing::{Editable, RigidMotion, Shape, Vertex};
+use crate::plan::drawing::{Editable, Format, RigidMotion, Shape, Vertex};
 use crate::plan::graph::{Graph, Handle};
 use crate::plan::markers::{Clause, Group, Kind, place_in};
 use crate::report::Report;
@@ -225,18 +226,18 @@ fn writable_handles(
     let walls: BTreeSet<u32> = handles.iter().map(|h| h.0).collect();
     for w in walls {
         if let Some(why) = refusal(plan, graph, group, w, &handles) {
-            let place = place_in(&plan.file, &plan.walls[w as usize].source);
-            report.warn(
-                "wall-stays",
-                place,
-                format!("group {:?} would move it, but {why}; it stays as drawn", group.name),
-            );
+            if !why.is_empty() {
+                let place = place_in(&plan.file, &plan.walls[w as usize].source);
+                let text = format!("group {:?} would move it, but {why}; it stays as drawn", group.name);
+                report.warn("wall-stays", place, text);
+            }
             handles.retain(|h| h.0 != w);
         }
     }
     handles.into_iter().collect()
 }
 
+/// Why a wall cannot move with a group; an empty reason where nobody asked for it.
 fn refusal(plan: &Plan, graph: &Graph, group: &Group, w: u32, handles: &BTreeSet<Handle>) -> Option<String> {
     let wall = &plan.walls[w as usize];
     let all_in =
@@ -248,6 +249,10 @@ fn refusal(plan: &Plan, graph: &Graph, group: &Group, w: u32, handles: &BTreeSet
         Editable::WithInsert { turnable } => {
             let same = |v: &u32| plan.walls[*v as usize].source.record == wall.source.record;
             if !(0..plan.walls.len() as u32).filter(same).all(all_in) {
+                // A building's neighbours share corners; nobody drew a box round a part of them.
+                if plan.format != Format::Dxf {
+                    return Some(String::new());
+                }
                 return Some("its block moves only as a whole and the group encloses a part of it".into());
             }
             if scales {

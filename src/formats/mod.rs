@@ -1,7 +1,9 @@
 //! Exchange formats: one deep module a format, read and patch together, and the choice between them.
 
 pub mod dxf;
+pub mod gltf;
 pub mod ifc;
+mod region;
 mod splice;
 
 use std::borrow::Cow;
@@ -19,11 +21,17 @@ pub struct ReadOptions {
     pub storey: Option<String>,
     /// Height at which a building is cut.
     pub sight: ifc::Sight,
+    /// Whether the user names the layers that carry walls.
+    pub is_by_user: bool,
 }
 
 impl ReadOptions {
     fn dxf(&self) -> dxf::ReadOptions {
         dxf::ReadOptions { accept_missing_eof: self.accept_missing_eof, ..Default::default() }
+    }
+
+    fn gltf(&self) -> gltf::ReadOptions {
+        gltf::ReadOptions { is_knee: self.sight == ifc::Sight::Knee, is_by_user: self.is_by_user }
     }
 
     fn ifc(&self) -> ifc::ReadOptions {
@@ -32,7 +40,7 @@ impl ReadOptions {
 }
 
 /// File name endings that are read, lower case.
-pub const ENDINGS: [&str; 3] = ["dxf", "ifc", "ifczip"];
+pub const ENDINGS: [&str; 5] = ["dxf", "ifc", "ifczip", "gltf", "glb"];
 
 /// The format of a file: by its first bytes, else by its ending, else DXF.
 pub fn format_of(file: &str, bytes: &[u8]) -> Format {
@@ -40,7 +48,14 @@ pub fn format_of(file: &str, bytes: &[u8]) -> Format {
     let head = bytes[start..].get(..16).unwrap_or(&bytes[start..]).to_ascii_uppercase();
     let head = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head);
     let ending = file.rsplit('.').next().unwrap_or_default().to_lowercase();
-    if head.starts_with(b"ISO-10303-21") || ending.starts_with("ifc") { Format::Ifc } else { Format::Dxf }
+    match ending.as_str() {
+        _ if gltf::is_glb(bytes) => Format::Glb,
+        _ if head.starts_with(b"ISO-10303-21") => Format::Ifc,
+        "glb" => Format::Glb,
+        "gltf" => Format::Gltf,
+        e if e.starts_with("ifc") => Format::Ifc,
+        _ => Format::Dxf,
+    }
 }
 
 /// The bytes that are read and patched: unpacked, and without result layers of ours.
@@ -54,6 +69,7 @@ pub fn plain<'a>(file: &str, bytes: &'a [u8]) -> Cow<'a, [u8]> {
             Some(Ok(unpacked)) => Cow::Owned(ifc::strip_own(&unpacked).into_owned()),
             _ => ifc::strip_own(bytes),
         },
+        Format::Gltf | Format::Glb => Cow::Borrowed(bytes),
     }
 }
 
@@ -66,6 +82,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         Format::Dxf => dxf::read(file, bytes, &options.dxf(), report),
         Format::Ifc if ifc::is_zip(bytes) => ifc::read(file, &ifc::unzip(file, bytes)?, &options.ifc(), report),
         Format::Ifc => ifc::read(file, bytes, &options.ifc(), report),
+        Format::Gltf | Format::Glb => gltf::read(file, bytes, &options.gltf(), report),
     }
 }
 
@@ -83,6 +100,7 @@ pub fn patch(
     match format_of(file, bytes) {
         Format::Dxf => dxf::patch(file, bytes, edits, additions),
         Format::Ifc => ifc::patch(file, bytes, &options.ifc(), edits, additions),
+        Format::Gltf | Format::Glb => gltf::patch(file, bytes, &options.gltf(), edits, additions),
     }
 }
 
@@ -98,6 +116,13 @@ pub fn changed_records(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<V
             let moved = ifc::moved_products(file, bytes, edits)?;
             Ok(moved.into_iter().map(|list| list.into_iter().map(named).collect()).collect())
         }
+        Format::Gltf | Format::Glb => {
+            let of = |e: &Edit| {
+                let (Edit::Shape { record, .. } | Edit::Insert { record, .. }) = e;
+                vec![ChangedRecord { record: *record, handle: Some(format!("/nodes/{record}")) }]
+            };
+            Ok(edits.iter().map(of).collect())
+        }
     }
 }
 
@@ -106,6 +131,7 @@ pub fn host_ids(file: &str, bytes: &[u8], records: &[usize]) -> Vec<Option<Strin
     match format_of(file, bytes) {
         Format::Dxf => dxf::host_ids(bytes, records),
         Format::Ifc => ifc::tags(bytes, records),
+        Format::Gltf | Format::Glb => vec![None; records.len()],
     }
 }
 
@@ -124,7 +150,7 @@ pub fn dependents(
             let drawing = dxf::read(file, bytes, &options.dxf(), &mut Report::default())?;
             dxf::dependents(file, bytes, &drawing, moved)
         }
-        Format::Ifc => Ok(Vec::new()),
+        Format::Ifc | Format::Gltf | Format::Glb => Ok(Vec::new()),
     }
 }
 
@@ -139,5 +165,6 @@ pub fn is_complete(file: &str, bytes: &[u8]) -> Completeness {
             ifc::Incomplete::No => Completeness::Whole,
             ifc::Incomplete::Because(why) => Completeness::Incomplete(why),
         },
+        Format::Gltf | Format::Glb => gltf::incomplete(bytes).map_or(Completeness::Whole, Completeness::Incomplete),
     }
 }

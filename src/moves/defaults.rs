@@ -31,7 +31,7 @@ const ELEMENT_SHARE_MAX: f64 = 0.5;
 /// What must remain of a wall beside a sliding door.
 const WALL_REST_M: f64 = 0.1;
 /// A door that could slide less than this stays.
-const SLIDE_MIN_M: f64 = 0.1;
+pub(super) const SLIDE_MIN_M: f64 = 0.1;
 /// Most parameters made by default: more than that, and no small budget finds good layouts.
 pub const PARAMETERS_MAX: usize = 30;
 /// Most wall pieces looked at pairwise for doors and neighbours.
@@ -69,7 +69,9 @@ pub fn groups(
     let mut out: Vec<(Group, Vec<u32>)> = Vec::new();
     let mut parameters = 0;
     let mut taken = vec![false; graph.nodes.len()];
-    for (group, nodes) in elements.into_iter().chain(doors) {
+    let partitions = super::partitions::partitions(plan, graph, interior);
+    let sliding = partitions.len();
+    for (group, nodes) in elements.into_iter().chain(doors).chain(partitions) {
         let is_free = nodes.iter().all(|n| !taken[*n as usize]);
         if is_free && parameters + group.clauses.len() <= PARAMETERS_MAX {
             parameters += group.clauses.len();
@@ -78,16 +80,17 @@ pub fn groups(
         }
     }
     let text = match found {
-        (0, 0) => "no EF-MOVE, and neither free-standing elements nor door gaps between interior walls were found: the present \
+        (0, 0) if sliding == 0 => "no EF-MOVE, and neither free-standing elements nor door gaps between interior walls were found: the present \
                    layout is measured; to say what may move, draw a closed polyline on layer EF-MOVE round wall ends and a text \
                    inside it such as `x -1 1; y -1 1`"
             .to_string(),
         (e, d) => format!(
-            "no EF-MOVE: {e} free-standing elements (±{} m, ±{TURN_DEG}°) and {d} door gaps (±{} m along their wall) \
+            "no EF-MOVE: {e} free-standing elements (±{} m, ±{TURN_DEG}°) and {d} door gaps (±{} m along their wall){} \
              were found, {} of them with {parameters} parameters may move (at most {PARAMETERS_MAX}); EF-MOVE says it better, \
              EF-KEEP holds things still",
             SHIFT_M * plan.human_scale,
             SLIDE_M * plan.human_scale,
+            if sliding == 0 { String::new() } else { format!(" and {sliding} walls that can slide between others") },
             out.len()
         ),
     };

@@ -148,6 +148,7 @@ pub fn element(format: Format, source: &SourceRef) -> ElementRef {
 pub fn element_of(format: Format, handle: Option<String>, record: usize) -> ElementRef {
     match format {
         Format::Dxf => ElementRef::Dxf { handle, record: record as u64 },
+        Format::Gltf | Format::Glb => ElementRef::Gltf { path: handle.unwrap_or_else(|| format!("/nodes/{record}")) },
         Format::Ifc => ElementRef::Ifc { global_id: handle.unwrap_or_default(), id: record as u64 },
     }
 }

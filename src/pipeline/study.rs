@@ -47,7 +47,7 @@ pub struct Understood {
 /// How the settings want a file read.
 pub fn read_options(settings: &Settings) -> formats::ReadOptions {
     let sight = if settings.level == Level::Knee { ifc::Sight::Knee } else { ifc::Sight::Eye };
-    formats::ReadOptions { accept_missing_eof: settings.accept_missing_eof, storey: settings.storey.clone(), sight }
+    formats::ReadOptions { accept_missing_eof: settings.accept_missing_eof, storey: settings.storey.clone(), sight, is_by_user: !settings.wall_layers.is_empty() }
 }
 
 /// Reads and understands a drawing.

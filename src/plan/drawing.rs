@@ -13,6 +13,10 @@ pub enum Format {
     Dxf,
     /// Industry foundation classes, STEP.
     Ifc,
+    /// glTF 2.0 as JSON text.
+    Gltf,
+    /// glTF 2.0 in its binary container.
+    Glb,
 }
 
 impl Format {
@@ -21,6 +25,8 @@ impl Format {
         match self {
             Self::Dxf => "dxf",
             Self::Ifc => "ifc",
+            Self::Gltf => "gltf",
+            Self::Glb => "glb",
         }
     }
 }

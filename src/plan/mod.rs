@@ -149,6 +149,9 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let markers = markers::read(drawing, options, &frame, report);
     let mut walls: Vec<Wall> = chosen.walls.iter().map(|e| wall_of(e, &frame)).collect();
     outline::mark_solids(&mut walls, &markers);
+    if drawing.format != drawing::Format::Dxf {
+        outline::mark_bodies(&mut walls);
+    }
     Ok(Plan {
         file: drawing.file.clone(),
         format: drawing.format,

@@ -33,6 +33,18 @@ pub fn mark_solids(walls: &mut [Wall], markers: &Markers) {
     }
 }
 
+/// Marks every outline of an element as solid, holes of the same element excepted: a cut through a body
+/// says itself what is inside.
+pub fn mark_bodies(walls: &mut [Wall]) {
+    let probes: Vec<(usize, PointUm)> = walls.iter().map(|w| (w.source.record, w.trace.points[0])).collect();
+    for (i, wall) in walls.iter_mut().enumerate() {
+        let holds_hole = |(j, (record, p)): (usize, &(usize, PointUm))| {
+            j != i && *record == wall.source.record && side_of_ring(&wall.trace.points, *p) == Side::Inside
+        };
+        wall.is_solid = wall.trace.is_closed && wall.trace.points.len() > 2 && !probes.iter().enumerate().any(holds_hole);
+    }
+}
+
 fn is_thin_or_small(ring: &[PointUm]) -> bool {
     across_um(ring) <= SOLID_ACROSS_M * UM_PER_M
         || inner_radius_m(ring) <= SOLID_HALF_WIDTH_M + WIDTH_PRECISION_M

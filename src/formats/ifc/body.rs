@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec2, DVec3};
 
 use super::geo::{Geo, UPRIGHT, Why};
 use super::limits::{BODY_DEPTH_MAX, FACES_MAX};
-use super::region::{Region, Rule, clip, slice};
+use crate::formats::region::{Region, Rule, clip, slice};
 use super::step::Arg;
 
 /// A half-space without an outline is taken to reach this far, file units times this many metres.
@@ -255,35 +255,42 @@ pub(super) fn strip(axis: &[[f64; 2]], left: f64, right: f64) -> Region {
 }
 
 impl Geo<'_, '_> {
-    /// The lowest point of an item.
-    pub fn lowest(&self, id: u64, to: &DAffine3, depth: usize) -> Result<f64, Why> {
+    /// The lowest and the highest point of an item.
+    pub fn reach(&self, id: u64, to: &DAffine3, depth: usize) -> Result<[f64; 2], Why> {
         if depth > BODY_DEPTH_MAX {
             return Err(format!("{} holds itself", self.named(id)));
         }
         let args = self.args(id)?;
         let keyword = self.step.keyword(id);
+        let of = |z: &mut dyn Iterator<Item = f64>| {
+            z.fold([f64::INFINITY, f64::NEG_INFINITY], |s, z| [s[0].min(z), s[1].max(z)])
+        };
         match keyword.as_str() {
             "IFCEXTRUDEDAREASOLID" => {
                 let at = match args.get(1).and_then(Arg::id) {
                     Some(position) => *to * self.axis_placement(position)?,
                     None => *to,
                 };
-                let way = at.matrix3 * (self.direction(self.reference(&args, 2, id)?)? * args.get(3).and_then(Arg::number).unwrap_or(0.0));
+                let depth = args.get(3).and_then(Arg::number).unwrap_or(0.0);
+                let way = at.matrix3 * (self.direction(self.reference(&args, 2, id)?)? * depth);
                 let profile = self.profile(self.reference(&args, 0, id)?)?;
-                let z = profile.points().map(|p| at.transform_point3(p.extend(0.0)).z).fold(f64::INFINITY, f64::min);
-                Ok(z.min(z + way.z))
+                let low = profile.points().map(|p| at.transform_point3(p.extend(0.0)).z);
+                let [lo, hi] = of(&mut low.into_iter());
+                Ok([lo.min(lo + way.z), hi.max(hi + way.z)])
             }
-            "IFCBOOLEANCLIPPINGRESULT" | "IFCBOOLEANRESULT" => self.lowest(self.reference(&args, 1, id)?, to, depth + 1),
+            "IFCBOOLEANCLIPPINGRESULT" | "IFCBOOLEANRESULT" => self.reach(self.reference(&args, 1, id)?, to, depth + 1),
             "IFCMAPPEDITEM" => {
                 let source = self.reference(&args, 0, id)?;
                 let map = self.args(source)?;
-                let m = *to * self.operator(self.reference(&args, 1, id)?)? * self.axis_placement(self.reference(&map, 0, source)?)?;
+                let origin = self.axis_placement(self.reference(&map, 0, source)?)?;
+                let m = *to * self.operator(self.reference(&args, 1, id)?)? * origin;
                 let items = self.args(self.reference(&map, 1, source)?)?.get(3).map(Arg::ids).unwrap_or_default();
-                Ok(items.into_iter().filter_map(|i| self.lowest(i, &m, depth + 1).ok()).fold(f64::INFINITY, f64::min))
+                let parts: Vec<[f64; 2]> = items.into_iter().filter_map(|i| self.reach(i, &m, depth + 1).ok()).collect();
+                Ok(of(&mut parts.into_iter().flatten()))
             }
             _ => {
                 let faces = self.faces(id, &keyword, &args, to)?;
-                Ok(faces.iter().flatten().flatten().map(|p| p.z).fold(f64::INFINITY, f64::min))
+                Ok(of(&mut faces.iter().flatten().flatten().map(|p| p.z)))
             }
         }
     }

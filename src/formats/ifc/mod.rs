@@ -19,7 +19,6 @@ mod model;
 mod patch;
 mod profile;
 mod read;
-mod region;
 mod step;
 mod text;
 mod units;

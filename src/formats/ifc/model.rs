@@ -114,11 +114,11 @@ impl Model {
             self.fillings.entry(one).or_default().extend(many);
         }
         for (one, many) in pairs(step, "IFCRELAGGREGATES", 4, 5).into_iter().chain(pairs(step, "IFCRELNESTS", 4, 5)) {
-            many.iter().for_each(|m| drop(self.whole.insert(*m, one)));
+            self.whole.extend(many.iter().map(|m| (*m, one)));
             self.parts.entry(one).or_default().extend(many);
         }
         for (one, many) in pairs(step, "IFCRELCONTAINEDINSPATIALSTRUCTURE", 5, 4) {
-            many.iter().for_each(|m| drop(self.inside.insert(*m, one)));
+            self.inside.extend(many.iter().map(|m| (*m, one)));
         }
         for (one, many) in pairs(step, "IFCRELCOVERSBLDGELEMENTS", 4, 5) {
             self.coverings.entry(one).or_default().extend(many);
@@ -127,7 +127,7 @@ impl Model {
             many.iter().for_each(|m| self.properties.entry(*m).or_default().push(set));
         }
         for (material, many) in pairs(step, "IFCRELASSOCIATESMATERIAL", 5, 4) {
-            many.iter().for_each(|m| drop(self.materials.insert(*m, material)));
+            self.materials.extend(many.iter().map(|m| (*m, material)));
         }
     }
 

@@ -279,7 +279,7 @@ fn users(step: &Step<'_>) -> HashMap<u64, Vec<u64>> {
     for i in step.all("IFCLOCALPLACEMENT") {
         wanted.entry(i.id).or_default();
         let axes = step.args_of(i).get(1).and_then(Arg::id);
-        for axes in axes {
+        if let Some(axes) = axes {
             wanted.entry(axes).or_default();
             for part in step.args(axes).iter().filter_map(Arg::id) {
                 wanted.entry(part).or_default();

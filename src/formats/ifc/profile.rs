@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::geo::{Geo, Why};
-use super::region::{Region, Rule, flat};
+use crate::formats::region::{Region, Rule, flat};
 use super::step::{Arg, Value};
 
 /// How far a chord may leave its arc, metres.

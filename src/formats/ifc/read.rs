@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec2};
 use super::geo::{Geo, Why, is_upright, plan_point};
 use super::limits::OUTLINE_POINTS_MAX;
 use super::model::{Model, Product, Storey, axis_item, body_items, layer_reach};
-use super::region::{Region, Rule};
+use crate::formats::region::{Region, Rule};
 use super::step::Step;
 use super::units::{Units, units};
 use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, Sight};
@@ -16,6 +16,9 @@ use crate::report::{Error, Place, Report};
 
 /// Layer of everything that closes a gap without blocking sight: plugs of door and window openings.
 pub const CLOSING_LAYERS: [&str; 3] = ["IfcDoor", "IfcWindow", "IfcOpeningElement"];
+
+/// A wall this thin behind an opening is what rounding left, no wall.
+const SLIVER_M: f64 = 0.01;
 
 /// A file ready to be cut.
 pub(super) struct Building<'s, 'a> {
@@ -146,7 +149,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             Sight::Eye => CUT_EYE_M,
             Sight::Knee => CUT_KNEE_M,
         } / b.geo.metres;
-        let floor = storey.map_or_else(|| lowest(b), |s| s.floor);
+        let floor = storey.map_or_else(|| lowest(b, above), |s| s.floor);
         Self {
             b,
             options,
@@ -269,6 +272,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         for opening in self.b.model.openings.get(&p.id).into_iter().flatten() {
             let Ok(hole) = self.opening(*opening, p, frame) else { continue };
             let filler = self.filler(*opening);
+            let hole = hole.through(&region, SLIVER_M / self.b.geo.metres);
             let plug = region.clone().combine(&hole, Rule::Intersection);
             if plug.is_empty() {
                 continue;
@@ -432,15 +436,20 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     }
 }
 
-/// Where the lowest wall stands in a building without storeys: its floor.
-fn lowest(b: &Building<'_, '_>) -> f64 {
-    let mut lowest = f64::INFINITY;
+/// The floor of a building without storeys: of all heights at which walls start, the one above which most
+/// walls are cut.
+fn lowest(b: &Building<'_, '_>, above: f64) -> f64 {
+    let mut spans: Vec<[f64; 2]> = Vec::new();
     for p in b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")) {
         let world = p.placement.map_or(Ok(DAffine3::IDENTITY), |m| b.geo.placement(m));
         let items = p.shape.and_then(|s| body_items(b.step, s).ok());
         if let (Ok(world), Some(items)) = (world, items) {
-            lowest = items.iter().filter_map(|i| b.geo.lowest(*i, &world, 0).ok()).fold(lowest, f64::min);
+            let reach = items.iter().filter_map(|i| b.geo.reach(*i, &world, 0).ok());
+            let span = reach.fold([f64::INFINITY, f64::NEG_INFINITY], |s, r| [s[0].min(r[0]), s[1].max(r[1])]);
+            spans.extend(Some(span).filter(|s| s[0].is_finite()));
         }
     }
-    if lowest.is_finite() { lowest } else { 0.0 }
+    let cut = |floor: f64| spans.iter().filter(|s| s[0] < floor + above && s[1] > floor + above).count();
+    let floors = spans.iter().map(|s| s[0]);
+    floors.max_by(|a, b| cut(*a).cmp(&cut(*b)).then(b.total_cmp(a))).unwrap_or(0.0)
 }

@@ -113,6 +113,39 @@ impl Region {
         Self { shapes: snapped(made, &[&flat]), lines }
     }
 
+    /// A hole made to reach through a wall that it leaves a sliver of: every side beyond which the wall
+    /// ends within `depth` is moved out by that much.
+    pub fn through(&self, wall: &Self, depth: f64) -> Self {
+        let mut out = self.clone();
+        for ring in self.shapes.iter().filter_map(|s| s.first()) {
+            let turn = area2(ring).signum();
+            for (i, a) in ring.iter().enumerate() {
+                let (a, b) = (DVec2::from(*a), DVec2::from(ring[(i + 1) % ring.len()]));
+                let Some(u) = (b - a).try_normalize() else { continue };
+                let outward = -u.perp() * turn * depth;
+                let strip = |from: f64, to: f64| {
+                    let corners = [a + outward * from, b + outward * from, b + outward * to, a + outward * to];
+                    Self::ring(corners.map(|p| p.to_array()).to_vec())
+                };
+                let covered = |s: &Self| wall.clone().combine(s, Rule::Intersection).area();
+                let whole = a.distance(b) * depth;
+                if covered(&strip(1.0, 2.0)) < 0.05 * whole && covered(&strip(0.0, 1.0)) > 0.0 {
+                    out = out.combine(&strip(0.0, 1.0), Rule::Union);
+                }
+            }
+        }
+        out
+    }
+
+    /// Area inside the outlines.
+    pub fn area(&self) -> f64 {
+        let of = |s: &Vec<Vec<[f64; 2]>>| {
+            let mut rings = s.iter().map(|r| area2(r).abs() / 2.0);
+            rings.next().unwrap_or(0.0) - rings.sum::<f64>()
+        };
+        self.shapes.iter().map(of).sum()
+    }
+
     fn may_touch(&self, other: &Self) -> bool {
         let (Some(a), Some(b)) = (self.extent(), other.extent()) else { return false };
         a[0].cmple(b[1]).all() && b[0].cmple(a[1]).all() && !self.shapes.is_empty() && !other.shapes.is_empty()

@@ -1,0 +1,16 @@
+//! What is too much for a glTF file, each with its reason.
+
+/// Brackets inside each other: the format nests eight deep, extras a little more.
+pub const NESTING_MAX: usize = 128;
+
+/// Nodes from a scene's root to a mesh.
+pub const DEPTH_MAX: usize = 10_000;
+
+/// Nodes shown, instances of one mesh counted each time.
+pub const NODES_MAX: usize = 1_000_000;
+
+/// Triangles cut in one scene.
+pub const TRIANGLES_MAX: usize = 20_000_000;
+
+/// Bytes of all data URIs.
+pub const DATA_MAX: usize = 1 << 30;

@@ -1,0 +1,166 @@
+//! Triangles out of accessors: plain, quantised, interleaved and sparse ones.
+
+use glam::DVec3;
+
+use super::json::Json;
+use super::limits::TRIANGLES_MAX;
+use super::scene::File;
+
+/// What keeps a mesh from being read: JSON pointer and reason.
+pub(super) type Why = (String, String);
+
+impl File<'_> {
+    /// Triangles of a mesh in its own coordinates.
+    pub fn triangles(&self, mesh: usize) -> Result<Vec<[DVec3; 3]>, Why> {
+        let pointer = format!("/meshes/{mesh}");
+        let found = self.json.list("meshes").get(mesh).ok_or_else(|| (pointer.clone(), "does not exist".to_string()))?;
+        let mut out = Vec::new();
+        for (i, primitive) in found.list("primitives").iter().enumerate() {
+            let pointer = format!("{pointer}/primitives/{i}");
+            let packed = primitive.get("extensions").is_some_and(|e| e.get("KHR_draco_mesh_compression").is_some());
+            let position = primitive.get("attributes").and_then(|a| a.index("POSITION"));
+            let Some(position) = position.filter(|p| !packed || self.has_data(*p)) else {
+                let why = if packed { "is packed by KHR_draco_mesh_compression; export again without compression" } else { "has no POSITION" };
+                return Err((pointer, why.into()));
+            };
+            let points = self.points(position)?;
+            let indices = match primitive.index("indices") {
+                Some(accessor) => self.indices(accessor)?,
+                None => (0..points.len()).collect(),
+            };
+            let mode = primitive.index("mode").unwrap_or(4);
+            if out.len() + indices.len() / 3 > TRIANGLES_MAX {
+                return Err((pointer, format!("has more than {TRIANGLES_MAX} triangles")));
+            }
+            for corner in corners(mode, &indices) {
+                let triangle = corner.map(|c| points.get(c).copied());
+                let [Some(a), Some(b), Some(c)] = triangle else {
+                    return Err((pointer, "an index names a vertex that does not exist".into()));
+                };
+                out.push([a, b, c]);
+            }
+        }
+        Ok(out)
+    }
+
+    fn has_data(&self, accessor: usize) -> bool {
+        self.json.list("accessors").get(accessor).is_some_and(|a| a.index("bufferView").is_some())
+    }
+
+    fn points(&self, accessor: usize) -> Result<Vec<DVec3>, Why> {
+        let flat = self.numbers(accessor, 3)?;
+        if flat.iter().any(|v| !v.is_finite()) {
+            return Err((format!("/accessors/{accessor}"), "has coordinates that are no numbers".into()));
+        }
+        Ok(flat.chunks_exact(3).map(|c| DVec3::new(c[0], c[1], c[2])).collect())
+    }
+
+    fn indices(&self, accessor: usize) -> Result<Vec<usize>, Why> {
+        Ok(self.numbers(accessor, 1)?.into_iter().map(|v| v as usize).collect())
+    }
+
+    /// All components of an accessor, sparse values put in.
+    fn numbers(&self, accessor: usize, width: usize) -> Result<Vec<f64>, Why> {
+        let pointer = format!("/accessors/{accessor}");
+        let why = |text: &str| (pointer.clone(), text.to_string());
+        let found = self.json.list("accessors").get(accessor).ok_or_else(|| why("does not exist"))?;
+        let stated = match found.text("type") {
+            Some("SCALAR") => 1,
+            Some("VEC2") => 2,
+            Some("VEC3") => 3,
+            Some("VEC4") => 4,
+            _ => 0,
+        };
+        if stated != width {
+            return Err(why("is of another type than its use needs"));
+        }
+        let count = found.index("count").ok_or_else(|| why("has no count"))?;
+        let kind = found.index("componentType").unwrap_or(0);
+        let normalised = matches!(found.get("normalized").map(|n| &n.value), Some(super::json::Value::Bool(true)));
+        let mut out = match found.index("bufferView") {
+            Some(view) => self.view(view, found.index("byteOffset").unwrap_or(0), count, width, kind, normalised)?,
+            None if count > TRIANGLES_MAX => return Err(why("counts more than any scene has")),
+            None => vec![0.0; count * width],
+        };
+        if let Some(sparse) = found.get("sparse") {
+            self.sparse(sparse, &mut out, width, kind, normalised).map_err(|(_, text)| why(&format!("sparse: {text}")))?;
+        }
+        Ok(out)
+    }
+
+    fn sparse(&self, sparse: &Json, out: &mut [f64], width: usize, kind: usize, normalised: bool) -> Result<(), Why> {
+        let why = |text: &str| (String::new(), text.to_string());
+        let count = sparse.index("count").ok_or_else(|| why("has no count"))?;
+        let part = |key: &str, width: usize, kind: usize, normalised: bool| {
+            let of = sparse.get(key).ok_or_else(|| why("is incomplete"))?;
+            let view = of.index("bufferView").ok_or_else(|| why("is incomplete"))?;
+            let kind = of.index("componentType").unwrap_or(kind);
+            self.view(view, of.index("byteOffset").unwrap_or(0), count, width, kind, normalised)
+        };
+        let indices = part("indices", 1, 0, false)?;
+        let values = part("values", width, kind, normalised)?;
+        for (i, value) in indices.iter().zip(values.chunks_exact(width)) {
+            let at = *i as usize * width;
+            let slot = out.get_mut(at..at + width).ok_or_else(|| why("names an element that does not exist"))?;
+            slot.copy_from_slice(value);
+        }
+        Ok(())
+    }
+
+    fn view(&self, view: usize, offset: usize, count: usize, width: usize, kind: usize, normalised: bool) -> Result<Vec<f64>, Why> {
+        let pointer = format!("/bufferViews/{view}");
+        let why = |text: &str| (pointer.clone(), text.to_string());
+        let found = self.json.list("bufferViews").get(view).ok_or_else(|| why("does not exist"))?;
+        let buffer = found.index("buffer").ok_or_else(|| why("names no buffer"))?;
+        let data = match self.buffers.get(buffer) {
+            Some(Some(data)) => data,
+            Some(None) => return Err((format!("/buffers/{buffer}"), "lies in another file; export as .glb or with embedded data".into())),
+            None => return Err(why("names a buffer that does not exist")),
+        };
+        let size = match kind {
+            5120 | 5121 => 1,
+            5122 | 5123 => 2,
+            5125 | 5126 => 4,
+            _ => return Err(why("is read with an unknown component type")),
+        };
+        let start = found.index("byteOffset").unwrap_or(0);
+        let end = start.checked_add(found.index("byteLength").unwrap_or(0)).filter(|e| *e <= data.len());
+        let end = end.ok_or_else(|| why("reaches beyond its buffer"))?;
+        let stride = found.index("byteStride").filter(|s| *s > 0).unwrap_or(size * width);
+        let last = count.checked_sub(1).map_or(Some(0), |n| n.checked_mul(stride)?.checked_add(size * width)?.checked_add(offset));
+        if last.is_none_or(|l| start.checked_add(l).is_none_or(|l| l > end)) {
+            return Err(why("is shorter than what is read from it"));
+        }
+        let mut out = Vec::with_capacity(count * width);
+        for i in 0..count {
+            for k in 0..width {
+                let at = start + offset + i * stride + k * size;
+                out.push(component(&data[at..at + size], kind, normalised));
+            }
+        }
+        Ok(out)
+    }
+}
+
+fn component(bytes: &[u8], kind: usize, normalised: bool) -> f64 {
+    let (value, most) = match (kind, bytes) {
+        (5120, [a]) => (f64::from(*a as i8), 127.0),
+        (5121, [a]) => (f64::from(*a), 255.0),
+        (5122, [a, b]) => (f64::from(i16::from_le_bytes([*a, *b])), 32767.0),
+        (5123, [a, b]) => (f64::from(u16::from_le_bytes([*a, *b])), 65535.0),
+        (5125, [a, b, c, d]) => return f64::from(u32::from_le_bytes([*a, *b, *c, *d])),
+        (_, [a, b, c, d]) => return f64::from(f32::from_le_bytes([*a, *b, *c, *d])),
+        _ => return f64::NAN,
+    };
+    if normalised { (value / most).max(-1.0) } else { value }
+}
+
+/// Corners of every triangle.
+fn corners(mode: usize, indices: &[usize]) -> Vec<[usize; 3]> {
+    match mode {
+        4 => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+        5 => indices.windows(3).map(|c| [c[0], c[1], c[2]]).collect(),
+        6 => indices.windows(2).skip(1).map(|c| [indices[0], c[0], c[1]]).collect(),
+        _ => Vec::new(),
+    }
+}

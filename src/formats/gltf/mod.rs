@@ -1,0 +1,102 @@
+//! glTF 2.0 and GLB: meshes cut at the height of the eyes to a drawing, and moves of nodes to bytes.
+//!
+//! The file stays bytes. [`read`] cuts every mesh whose node, mesh or material is named after walls above the
+//! floor that most walls stand on; [`patch`] changes numbers of node transforms and appends nodes of ours.
+//! JSON members, extras, unknown extensions and chunks stay as they are, numbers as written.
+//!
+//! [`SourceRef::record`] is the node's index, [`SourceRef::handle`] its JSON pointer; plan x is glTF's x, plan
+//! y its −z, heights its y, all in metres as the standard says.
+//!
+//! [`SourceRef::record`]: crate::plan::drawing::SourceRef::record
+//! [`SourceRef::handle`]: crate::plan::drawing::SourceRef::handle
+
+mod additions;
+mod json;
+mod limits;
+mod meshes;
+mod patch;
+mod read;
+mod scene;
+
+pub use limits::*;
+pub use read::read;
+pub use scene::is_glb;
+
+use crate::formats::splice::{self, Splice};
+use crate::plan::drawing::{Addition, Edit};
+use crate::report::{Error, Report};
+use scene::File;
+
+/// Height of standing eyes above the floor.
+pub const CUT_EYE_M: f64 = 1.5;
+
+/// Height of the cut at which windows block.
+pub const CUT_KNEE_M: f64 = 0.5;
+
+/// How to read a scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// Cut at knee height.
+    pub is_knee: bool,
+    /// Whether the user names the walls: then layers keep their names.
+    pub is_by_user: bool,
+}
+
+/// What is missing of a file that is not finished.
+pub fn incomplete(bytes: &[u8]) -> Option<String> {
+    if is_glb(bytes) {
+        let stated = scene::stated_length(bytes).unwrap_or(0);
+        let found = bytes.len();
+        return (stated != found).then(|| format!("the header states {stated} bytes, found {found}"));
+    }
+    json::parse(bytes).err().map(|(at, text)| format!("byte {at}: found {text}"))
+}
+
+/// The scene with the moves made and the additions put in; no edits and no additions give the same bytes.
+///
+/// # Errors
+/// [`Error::Input`] where an edit names no node that can move, and where the bytes are no glTF.
+pub fn patch(
+    file: &str,
+    bytes: &[u8],
+    options: &ReadOptions,
+    edits: &[Edit],
+    own: &[Addition],
+) -> Result<Vec<u8>, Error> {
+    if edits.is_empty() && own.is_empty() {
+        return Ok(bytes.to_vec());
+    }
+    let scene = File::open(file, bytes)?;
+    let (shown, _) = scene.shown();
+    let mut splices: Vec<Splice> = Vec::new();
+    for edit in edits {
+        splices.extend(patch::edit(&scene, &shown, edit)?);
+    }
+    if !own.is_empty() {
+        let floor = read::floor_of(&scene, &shown, options, &mut Report::default());
+        splices.extend(additions::splices(&scene, floor, own));
+    }
+    let json = match scene.chunks.first() {
+        Some(chunk) => &bytes[chunk.span.clone()],
+        None => bytes,
+    };
+    let json = splice::apply(file, "gltf-edit-twice", json, splices)?;
+    Ok(if scene.chunks.is_empty() { json } else { assembled(&scene, json) })
+}
+
+/// A GLB with another JSON chunk.
+fn assembled(scene: &File<'_>, mut json: Vec<u8>) -> Vec<u8> {
+    while json.len() % 4 != 0 {
+        json.push(b' ');
+    }
+    let rest = scene.chunks.first().map_or(scene.bytes.len(), |c| c.span.end);
+    let total = 20 + json.len() + (scene.bytes.len() - rest);
+    let mut out = Vec::with_capacity(total);
+    out.extend_from_slice(&scene.bytes[..8]);
+    out.extend_from_slice(&(total as u32).to_le_bytes());
+    out.extend_from_slice(&(json.len() as u32).to_le_bytes());
+    out.extend_from_slice(b"JSON");
+    out.extend_from_slice(&json);
+    out.extend_from_slice(&scene.bytes[rest..]);
+    out
+}

@@ -1,0 +1,248 @@
+//! A scene as a plan: meshes cut at the height of the eyes.
+
+use std::collections::BTreeMap;
+
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+
+use super::scene::{File, Shown};
+use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions};
+use crate::formats::region::{Region, slice};
+use crate::plan::drawing::{Drawing, Editable, Entity, Format, Layer, Shape, SourceRef, Unit, Vertex};
+use crate::plan::layers::{self, WallLayers};
+use crate::report::{Error, Place, Report};
+
+/// Layer of everything where no name says what is a wall.
+const SCENE_LAYER: &str = "scene";
+
+/// Floors nearer than this are one.
+const FLOOR_M: f64 = 0.05;
+
+/// Glass and door leaves: they close a gap and do not block sight.
+const DOOR_WORDS: [&str; 6] = ["door", "doors", "tür", "porte", "porta", "puerta"];
+const WINDOW_WORDS: [&str; 7] = ["window", "windows", "fenster", "fenetre", "finestra", "ventana", "glass"];
+
+/// Y up to Z up, as seen from above.
+pub(super) fn z_up() -> DAffine3 {
+    DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Z, -DVec3::Y))
+}
+
+/// A mesh shown in the scene, Z up.
+struct Body<'f> {
+    shown: &'f Shown,
+    layer: String,
+    triangles: Vec<[DVec3; 3]>,
+    low: f64,
+    high: f64,
+}
+
+/// Reads a scene.
+///
+/// # Errors
+/// [`Error::Input`] where the bytes are no glTF 2.0, or nothing in it can be cut.
+pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
+    let scene = File::open(file, bytes)?;
+    let (shown, odd) = scene.shown();
+    for text in odd {
+        report.warn("gltf-nodes", Place::file(file), format!("{text}; left out"));
+    }
+    let bodies = named_bodies(&scene, &shown, options, report);
+    let above = above(options);
+    let floor = floor(&bodies, above);
+    let text = format!("no storeys in glTF; cut {above} m above the floor found at {floor:.3} m");
+    report.info("gltf-cut", Place::file(file), text);
+    let mut entities = Vec::new();
+    for body in &bodies {
+        show(&scene, body, floor + above, options, &mut entities);
+    }
+    let mut names: Vec<Layer> = Vec::new();
+    for e in &entities {
+        if names.iter().all(|l| l.name != e.layer) {
+            names.push(Layer { name: e.layer.clone(), is_off: false, is_frozen: false, is_locked: false });
+        }
+    }
+    Ok(Drawing {
+        file: file.into(),
+        format: if scene.chunks.is_empty() { Format::Gltf } else { Format::Glb },
+        version: "glTF 2.0".into(),
+        declared_unit: Some(Unit { name: "m", metres: 1.0 }),
+        declared_unit_words: "the standard (metres, Y up)".into(),
+        layers: names,
+        entities,
+        texts: Vec::new(),
+        marked: Vec::new(),
+    })
+}
+
+fn above(options: &ReadOptions) -> f64 {
+    if options.is_knee { CUT_KNEE_M } else { CUT_EYE_M }
+}
+
+fn named_bodies<'f>(scene: &File<'_>, shown: &'f [Shown], options: &ReadOptions, report: &mut Report) -> Vec<Body<'f>> {
+    let mut out = bodies(scene, shown, report);
+    choose_layers(scene, &mut out, options, report);
+    out
+}
+
+/// Height of the floor that the walls stand on.
+pub(super) fn floor_of(scene: &File<'_>, shown: &[Shown], options: &ReadOptions, report: &mut Report) -> f64 {
+    floor(&named_bodies(scene, shown, options, report), above(options))
+}
+
+fn bodies<'f>(scene: &File<'_>, shown: &'f [Shown], report: &mut Report) -> Vec<Body<'f>> {
+    let nodes = scene.json.list("nodes");
+    let mut meshes: BTreeMap<usize, Vec<[DVec3; 3]>> = BTreeMap::new();
+    let mut out = Vec::new();
+    for s in shown {
+        let Some(mesh) = nodes[s.node].index("mesh") else { continue };
+        if s.names.iter().any(|n| layers::is_own(n)) {
+            continue;
+        }
+        if let std::collections::btree_map::Entry::Vacant(slot) = meshes.entry(mesh) {
+            match scene.triangles(mesh) {
+                Ok(t) => drop(slot.insert(t)),
+                Err((pointer, why)) => {
+                    let place = Place::file(scene.name).entity(pointer);
+                    report.warn("gltf-mesh", place, format!("{why}; mesh {mesh} is left out"));
+                    slot.insert(Vec::new());
+                }
+            }
+        }
+        let m = z_up() * s.world;
+        let triangles: Vec<[DVec3; 3]> = meshes[&mesh].iter().map(|t| t.map(|p| m.transform_point3(p))).collect();
+        let heights = || triangles.iter().flatten().map(|p| p.z);
+        let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+        if low.is_finite() && high.is_finite() {
+            out.push(Body { shown: s, layer: layer(scene, s), triangles, low, high });
+        }
+    }
+    out
+}
+
+/// What a node's name, its mesh's, its material's or its extras say it is.
+fn layer(scene: &File<'_>, shown: &Shown) -> String {
+    let node = &scene.json.list("nodes")[shown.node];
+    let mesh = node.index("mesh").and_then(|m| scene.json.list("meshes").get(m));
+    let extras = ["ifcClass", "ifc_class", "IfcClass", "class", "type", "layer", "category"];
+    let told = extras.iter().find_map(|k| node.get("extras")?.text(k));
+    if let Some(told) = told {
+        return class_of(told);
+    }
+    let named = shown.names.iter().rev().filter(|n| !n.is_empty()).map(|n| class_of(n));
+    let mesh_name = mesh.and_then(|m| m.text("name")).map(class_of);
+    let materials = mesh.map(|m| m.list("primitives")).unwrap_or_default().iter().filter_map(|p| {
+        scene.json.list("materials").get(p.index("material")?)?.text("name").map(class_of)
+    });
+    let all: Vec<String> = named.chain(mesh_name).chain(materials).collect();
+    let by_name = WallLayers::new(&[]).ok();
+    let says = |n: &&String| opening(n).is_some() || n.starts_with("Ifc") || by_name.as_ref().is_some_and(|w| w.reason(n).is_some());
+    all.iter().find(says).or(all.first()).cloned().unwrap_or_else(|| "unnamed".into())
+}
+
+/// `IfcWall` of `IfcWall/Wall_12`, `Cube` of `Cube.003`.
+fn class_of(name: &str) -> String {
+    let base = if name.starts_with("Ifc") { name.split('/').next().unwrap_or(name) } else { name };
+    let short = base.trim_end_matches(|c: char| c.is_ascii_digit() || "._- ".contains(c));
+    let class = if short.is_empty() { base } else { short };
+    opening(class).map_or(class.to_string(), String::from)
+}
+
+fn opening(name: &str) -> Option<&'static str> {
+    let lower = name.to_lowercase();
+    let has = |words: &[&str]| lower.split(|c: char| !c.is_alphabetic()).any(|w| words.contains(&w));
+    if lower.starts_with("ifcdoor") || has(&DOOR_WORDS) {
+        Some("IfcDoor")
+    } else if lower.starts_with("ifcwindow") || has(&WINDOW_WORDS) {
+        Some("IfcWindow")
+    } else {
+        None
+    }
+}
+
+/// Where no name says what is a wall and the user did not, the whole scene is what blocks sight.
+fn choose_layers(scene: &File<'_>, bodies: &mut [Body<'_>], options: &ReadOptions, report: &mut Report) {
+    let by_name = WallLayers::new(&[]).ok();
+    let is_wall = |b: &Body<'_>| by_name.as_ref().is_some_and(|w| w.reason(&b.layer).is_some());
+    if options.is_by_user || bodies.iter().any(is_wall) {
+        return;
+    }
+    let text = "no node, mesh or material is named after walls; everything that is cut blocks sight; --wall-layer NAME picks by name";
+    report.info("walls-assumed", Place::file(scene.name), text);
+    bodies.iter_mut().for_each(|b| b.layer = SCENE_LAYER.into());
+}
+
+/// The height above which most walls are cut: where walls start most often.
+fn floor(bodies: &[Body<'_>], above: f64) -> f64 {
+    let by_name = WallLayers::new(&[]).ok();
+    let is_wall = |b: &&Body<'_>| b.layer == SCENE_LAYER || by_name.as_ref().is_some_and(|w| w.reason(&b.layer).is_some());
+    let walls: Vec<&Body<'_>> = bodies.iter().filter(is_wall).collect();
+    let walls: Vec<&Body<'_>> = if walls.is_empty() { bodies.iter().collect() } else { walls };
+    let cut = |floor: f64| walls.iter().filter(|b| b.low < floor + above && b.high > floor + above).count();
+    let near = |floor: f64| walls.iter().filter(|b| (b.low - floor).abs() < FLOOR_M).count();
+    let mut floors: Vec<f64> = walls.iter().map(|b| b.low).collect();
+    floors.sort_by(f64::total_cmp);
+    floors.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+    floors.into_iter().max_by(|a, b| (cut(*a), near(*a)).cmp(&(cut(*b), near(*b))).then(b.total_cmp(a))).unwrap_or(0.0)
+}
+
+fn show(scene: &File<'_>, body: &Body<'_>, z: f64, options: &ReadOptions, out: &mut Vec<Entity>) {
+    if body.low >= z || body.high <= z {
+        return;
+    }
+    let faces: Vec<Vec<Vec<DVec3>>> = body.triangles.iter().map(|t| vec![t.to_vec()]).collect();
+    let mut region = slice(&faces, z);
+    let is_opening = ["IfcDoor", "IfcWindow"].contains(&body.layer.as_str());
+    if is_opening && let Some([lo, hi]) = region.extent() {
+        region = Region::ring(vec![lo.to_array(), [hi.x, lo.y], hi.to_array(), [lo.x, hi.y]]);
+    }
+    let layer = if body.layer == "IfcWindow" && options.is_knee { "wall (window at knee height)" } else { &body.layer };
+    let source = SourceRef {
+        record: body.shown.node,
+        handle: Some(format!("/nodes/{}", body.shown.node)),
+        line: 0,
+        kind: body.shown.names.iter().rev().find(|n| !n.is_empty()).cloned().unwrap_or_default(),
+        layer: layer.into(),
+    };
+    let editable = editable(scene, body);
+    let rings = region.rings().filter(|r| r.len() > 2).map(|r| (r, true));
+    for (ring, closed) in rings.chain(region.lines.iter().filter(|l| l.len() > 1).map(|l| (l, false))) {
+        let vertices = ring.iter().map(|p| Vertex { at: DVec2::from(*p), bulge: 0.0 }).collect();
+        out.push(Entity {
+            source: source.clone(),
+            layer: layer.into(),
+            shape: Shape::Polyline { vertices, closed },
+            editable: editable.clone(),
+            blocks: Vec::new(),
+        });
+    }
+}
+
+fn editable(scene: &File<'_>, body: &Body<'_>) -> Editable {
+    let node = &scene.json.list("nodes")[body.shown.node];
+    let animated = scene.json.list("animations").iter().flat_map(|a| a.list("channels")).any(|c| {
+        c.get("target").and_then(|t| t.index("node")) == Some(body.shown.node)
+    });
+    if animated {
+        return Editable::No("it is animated".into());
+    }
+    if node.get("skin").is_some() {
+        return Editable::No("it follows a skeleton".into());
+    }
+    if node.get("extensions").is_some_and(|e| e.get("EXT_mesh_gpu_instancing").is_some()) {
+        return Editable::No("it is drawn many times by one node".into());
+    }
+    let m = body.shown.parent.matrix3;
+    let det = m.determinant();
+    if det == 0.0 || !det.is_finite() {
+        return Editable::No("its parent has no size".into());
+    }
+    Editable::WithInsert { turnable: node.get("matrix").is_some() || is_similar(&m) }
+}
+
+/// Whether a matrix turns and scales alike in all directions.
+fn is_similar(m: &DMat3) -> bool {
+    let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
+    let size = x.length();
+    let even = (y.length() - size).abs() < 1e-9 * size && (z.length() - size).abs() < 1e-9 * size;
+    let square = [x.dot(y), y.dot(z), z.dot(x)].iter().all(|d| d.abs() < 1e-9 * size * size);
+    even && square && m.determinant() > 0.0
+}

@@ -1,0 +1,231 @@
+//! A file taken apart: JSON, binary data, nodes with their place in the world.
+
+use std::borrow::Cow;
+
+use base64::Engine;
+use glam::{DAffine3, DMat4, DQuat, DVec3};
+
+use super::json::{Json, parse};
+use super::limits::{DATA_MAX, DEPTH_MAX, NODES_MAX};
+use crate::report::{Error, Place};
+
+/// A chunk of a GLB file: its kind and where its data stands.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Chunk {
+    /// `JSON`, `BIN\0` or another.
+    pub kind: [u8; 4],
+    /// Its data.
+    pub span: std::ops::Range<usize>,
+}
+
+/// A file as read.
+#[derive(Clone, Debug)]
+pub(super) struct File<'a> {
+    /// Name to show.
+    pub name: &'a str,
+    /// The whole file.
+    pub bytes: &'a [u8],
+    /// Chunks; empty for a `.gltf`.
+    pub chunks: Vec<Chunk>,
+    /// The JSON; spans count from the start of its text.
+    pub json: Json,
+    /// Data of every buffer, `None` where it lies in another file.
+    pub buffers: Vec<Option<Cow<'a, [u8]>>>,
+}
+
+/// A node shown in the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Shown {
+    /// Its index.
+    pub node: usize,
+    /// World transform of its parent, Y up.
+    pub parent: DAffine3,
+    /// Its own world transform, Y up.
+    pub world: DAffine3,
+    /// Names from the root, its own last.
+    pub names: Vec<String>,
+}
+
+/// Compressions that are not unpacked.
+const PACKED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+
+impl<'a> File<'a> {
+    /// Takes a file apart.
+    pub fn open(name: &'a str, bytes: &'a [u8]) -> Result<Self, Error> {
+        let chunks = chunks(name, bytes)?;
+        let span = match chunks.first() {
+            Some(c) if c.kind == *b"JSON" => c.span.clone(),
+            Some(_) => return Err(fault(name, "gltf-glb", "", "the first chunk is not JSON, expected it first")),
+            None => 0..bytes.len(),
+        };
+        let json = parse(&bytes[span.clone()]).map_err(|(at, text)| {
+            fault(name, "gltf-json", "", &format!("byte {}: found {text}", span.start + at))
+        })?;
+        let mut out = Self { name, bytes, chunks, json, buffers: Vec::new() };
+        out.check()?;
+        out.buffers = out.read_buffers()?;
+        Ok(out)
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        let version = self.json.get("asset").and_then(|a| a.text("version")).unwrap_or_default();
+        if !version.starts_with("2.") {
+            let text = format!("found version {version:?}, expected glTF 2.0");
+            return Err(fault(self.name, "gltf-version", "/asset/version", &text));
+        }
+        let required = self.json.list("extensionsRequired");
+        for (i, e) in required.iter().enumerate() {
+            if let super::json::Value::Text(name) = &e.value
+                && PACKED.contains(&name.as_str())
+            {
+                let text = format!("the meshes are packed by {name}; export again without compression");
+                return Err(fault(self.name, "gltf-packed", &format!("/extensionsRequired/{i}"), &text));
+            }
+        }
+        Ok(())
+    }
+
+    fn read_buffers(&self) -> Result<Vec<Option<Cow<'a, [u8]>>>, Error> {
+        let mut out = Vec::new();
+        let mut total = 0usize;
+        for (i, buffer) in self.json.list("buffers").iter().enumerate() {
+            let pointer = format!("/buffers/{i}");
+            let stated = buffer.index("byteLength").unwrap_or(0);
+            let data: Option<Cow<'a, [u8]>> = match buffer.text("uri") {
+                None => {
+                    let bin = self.chunks.iter().find(|c| c.kind == *b"BIN\0").filter(|_| i == 0);
+                    bin.map(|c| Cow::Borrowed(&self.bytes[c.span.clone()]))
+                }
+                Some(uri) => match uri.strip_prefix("data:").and_then(|u| u.split_once(";base64,")) {
+                    Some((_, text)) => {
+                        total = total.saturating_add(text.len());
+                        if total > DATA_MAX {
+                            let text = format!("data URIs of more than {DATA_MAX} bytes");
+                            return Err(fault(self.name, "gltf-data", &pointer, &text));
+                        }
+                        let data = base64::engine::general_purpose::STANDARD.decode(text);
+                        let data = data.map_err(|e| fault(self.name, "gltf-data", &pointer, &format!("its data URI is damaged: {e}")))?;
+                        Some(Cow::Owned(data))
+                    }
+                    None => None,
+                },
+            };
+            if let Some(data) = data.as_ref().filter(|d| d.len() < stated) {
+                let text = format!("found {} bytes, expected {stated}; the file is not finished", data.len());
+                return Err(fault(self.name, "gltf-incomplete", &pointer, &text));
+            }
+            out.push(data);
+        }
+        Ok(out)
+    }
+
+    /// Nodes of the shown scene in the order of the file; what hangs in a ring is left out and named.
+    pub fn shown(&self) -> (Vec<Shown>, Vec<String>) {
+        let nodes = self.json.list("nodes");
+        let scene = self.json.index("scene").unwrap_or(0);
+        let roots: Vec<usize> = match self.json.list("scenes").get(scene) {
+            Some(s) => s.list("nodes").iter().filter_map(index).collect(),
+            None => (0..nodes.len()).filter(|n| !nodes.iter().any(|p| p.list("children").iter().filter_map(index).any(|c| c == *n))).collect(),
+        };
+        let (mut out, mut odd) = (Vec::new(), Vec::new());
+        let mut open: Vec<(usize, DAffine3, Vec<String>, Vec<usize>)> =
+            roots.into_iter().rev().map(|n| (n, DAffine3::IDENTITY, Vec::new(), Vec::new())).collect();
+        while let Some((n, parent, mut names, mut path)) = open.pop() {
+            let Some(node) = nodes.get(n) else {
+                odd.push(format!("/nodes/{n} does not exist"));
+                continue;
+            };
+            if path.contains(&n) || path.len() > DEPTH_MAX {
+                let ring: Vec<String> = path.iter().skip_while(|p| **p != n).chain([&n]).map(ToString::to_string).collect();
+                odd.push(format!("nodes are children of each other in a ring: {}", ring.join(">")));
+                continue;
+            }
+            if out.len() >= NODES_MAX {
+                odd.push(format!("more than {NODES_MAX} nodes are shown"));
+                break;
+            }
+            let world = parent * local(node);
+            path.push(n);
+            names.push(node.text("name").unwrap_or_default().to_string());
+            for child in node.list("children").iter().filter_map(index).rev() {
+                open.push((child, world, names.clone(), path.clone()));
+            }
+            out.push(Shown { node: n, parent, world, names });
+        }
+        out.sort_by_key(|s| s.node);
+        (out, odd)
+    }
+}
+
+fn index(json: &Json) -> Option<usize> {
+    json.number().filter(|n| *n >= 0.0).map(|n| n as usize)
+}
+
+/// A node's own transform.
+pub(super) fn local(node: &Json) -> DAffine3 {
+    if let Some(m) = node.numbers("matrix").filter(|m| m.len() == 16) {
+        let mut columns = [0.0; 16];
+        columns.copy_from_slice(&m);
+        return DAffine3::from_mat4(DMat4::from_cols_array(&columns));
+    }
+    let (scale, rotation, translation) = parts(node);
+    DAffine3::from_scale_rotation_translation(scale, rotation, translation)
+}
+
+/// Scale, rotation and translation of a node without a matrix.
+pub(super) fn parts(node: &Json) -> (DVec3, DQuat, DVec3) {
+    let vector = |key: &str, default: DVec3| match node.numbers(key).as_deref() {
+        Some([x, y, z]) => DVec3::new(*x, *y, *z),
+        _ => default,
+    };
+    let rotation = match node.numbers("rotation").as_deref() {
+        Some([x, y, z, w]) => DQuat::from_xyzw(*x, *y, *z, *w),
+        _ => DQuat::IDENTITY,
+    };
+    let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
+    (vector("scale", DVec3::ONE), rotation, vector("translation", DVec3::ZERO))
+}
+
+/// A problem at a JSON pointer.
+pub(super) fn fault(file: &str, code: &'static str, pointer: &str, text: &str) -> Error {
+    Error::input(code, Place::file(file).entity(pointer), format!("{text}; nothing was done"))
+}
+
+/// Whether bytes are a GLB.
+pub fn is_glb(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"glTF")
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> Option<usize> {
+    let four: [u8; 4] = bytes.get(at..at + 4)?.try_into().ok()?;
+    Some(u32::from_le_bytes(four) as usize)
+}
+
+/// Length that a GLB states, if its header is there.
+pub(super) fn stated_length(bytes: &[u8]) -> Option<usize> {
+    u32_at(bytes, 8)
+}
+
+fn chunks(name: &str, bytes: &[u8]) -> Result<Vec<Chunk>, Error> {
+    if !is_glb(bytes) {
+        return Ok(Vec::new());
+    }
+    let stated = stated_length(bytes).unwrap_or(0);
+    if u32_at(bytes, 4) != Some(2) || stated != bytes.len() {
+        let text = format!("the header states {stated} bytes, found {}; the file is damaged or not finished", bytes.len());
+        return Err(fault(name, "gltf-incomplete", "", &text));
+    }
+    let (mut at, mut out) = (12, Vec::new());
+    while at < bytes.len() {
+        let cut = || fault(name, "gltf-glb", "", &format!("byte {at}: a chunk is cut off"));
+        let len = u32_at(bytes, at).ok_or_else(cut)?;
+        let kind: [u8; 4] = bytes.get(at + 4..at + 8).and_then(|k| k.try_into().ok()).ok_or_else(cut)?;
+        let end = (at + 8).checked_add(len).filter(|e| *e <= bytes.len()).ok_or_else(cut)?;
+        out.push(Chunk { kind, span: at + 8..end });
+        at = end;
+    }
+    if out.is_empty() {
+        return Err(fault(name, "gltf-glb", "", "no chunk, expected JSON"));
+    }
+    Ok(out)
+}

@@ -1,0 +1,148 @@
+//! Partitions of a building that may slide between the walls they abut.
+//!
+//! An element that moves as a whole can shift across its length without opening a joint if it touches other
+//! walls at its two ends only, and these go straight on beyond it.
+
+use glam::DVec2;
+
+use super::defaults::{SLIDE_MIN_M, TOUCH_M};
+use crate::plan::drawing::Editable;
+use crate::plan::geometry::{Segment, segments_touch};
+use crate::plan::graph::Graph;
+use crate::plan::interior::Interior;
+use crate::plan::markers::{Clause, Group, Kind};
+use crate::plan::{Plan, Region, box_of};
+
+/// How far a partition slides at most.
+pub const PARTITION_SLIDE_M: f64 = 0.6;
+
+/// Steps in which the way of a partition is tried.
+const STEP_M: f64 = 0.1;
+
+/// A partition is at least this many times as long as thick.
+const SLENDER: f64 = 3.0;
+
+/// Most partitions of one building.
+const PARTITIONS_MAX: usize = 24;
+
+/// One element: its walls, its longest direction, its box along and across.
+struct Element {
+    walls: Vec<u32>,
+    along: DVec2,
+    lo: DVec2,
+    hi: DVec2,
+}
+
+/// Groups of one clause each, the longest partition first.
+pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec<(Group, Vec<u32>)> {
+    let mut found: Vec<(f64, Group, Vec<u32>)> = Vec::new();
+    for element in elements(plan) {
+        let (from, to) = way(plan, interior, &element);
+        if to - from < SLIDE_MIN_M * plan.human_scale {
+            continue;
+        }
+        let mut nodes: Vec<u32> = element.walls.iter().flat_map(|w| graph.control_nodes[*w as usize].clone()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let across = element.along.perp();
+        let (across, from, to) = if across.x + across.y < 0.0 { (-across, -to, -from) } else { (across, from, to) };
+        let kind = if across.y.abs() < 1e-6 {
+            Kind::X
+        } else if across.x.abs() < 1e-6 {
+            Kind::Y
+        } else {
+            Kind::Along(across.to_angle())
+        };
+        let clause = Clause { kind, lower: from.min(0.0), upper: to.max(0.0), unit: "m".into(), si_per_unit: 1.0 };
+        let source = plan.walls[element.walls[0] as usize].source.clone();
+        let group = Group { name: String::new(), outline: Region::Ring(Vec::new()), clauses: vec![clause], source };
+        found.push((element.hi.x - element.lo.x, group, nodes));
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.2.cmp(&b.2)));
+    found.truncate(PARTITIONS_MAX);
+    let named = found.into_iter().enumerate().map(|(i, (_, mut group, nodes))| {
+        group.name = format!("wall-{}", i + 1);
+        (group, nodes)
+    });
+    named.collect()
+}
+
+/// Elements of several outlines or one that are long and thin.
+fn elements(plan: &Plan) -> Vec<Element> {
+    let mut by_record: std::collections::BTreeMap<usize, Vec<u32>> = std::collections::BTreeMap::new();
+    for (w, wall) in plan.walls.iter().enumerate() {
+        if matches!(wall.editable, Editable::WithInsert { .. }) {
+            by_record.entry(wall.source.record).or_default().push(w as u32);
+        }
+    }
+    by_record.into_values().filter_map(|walls| element(plan, walls)).collect()
+}
+
+fn element(plan: &Plan, walls: Vec<u32>) -> Option<Element> {
+    let segments = walls.iter().flat_map(|w| plan.walls[*w as usize].trace.segments().map(|s| s.2));
+    let longest = segments.map(|s| plan.frame.plan_from_um(s.b) - plan.frame.plan_from_um(s.a));
+    let longest = longest.max_by(|a, b| a.length().total_cmp(&b.length()))?;
+    let along = longest.try_normalize()?;
+    let local = |p: DVec2| DVec2::new(p.dot(along), p.dot(along.perp()));
+    let points = walls.iter().flat_map(|w| &plan.walls[*w as usize].trace.points);
+    let [lo, hi] = box_of(points.map(|p| local(plan.frame.plan_from_um(*p))))?;
+    let is_slender = (hi.x - lo.x) >= SLENDER * (hi.y - lo.y);
+    is_slender.then_some(Element { walls, along, lo, hi })
+}
+
+/// How far an element can slide backwards and forwards with its ends on the walls they abut.
+fn way(plan: &Plan, interior: &Interior, e: &Element) -> (f64, f64) {
+    let scale = plan.human_scale;
+    let world = |x: f64, y: f64| e.along * x + e.along.perp() * y;
+    let um = |p: DVec2| plan.frame.um_from_plan(p);
+    let others: Vec<Segment> = plan
+        .walls
+        .iter()
+        .enumerate()
+        .filter(|(w, _)| !e.walls.contains(&(*w as u32)))
+        .flat_map(|(_, wall)| wall.trace.segments().map(|s| s.2))
+        .collect();
+    let touches = |a: DVec2, b: DVec2| {
+        let probe = Segment { a: um(a), b: um(b) };
+        others.iter().any(|s| segments_touch(probe, *s))
+    };
+    let (reach, inset) = (TOUCH_M * scale, TOUCH_M * scale);
+    // An end that abuts: a feeler lengthwise from it meets a wall, at both edges of the element.
+    let abuts = |x: f64, out: f64, from: f64, to: f64| {
+        [from, to].iter().all(|y| touches(world(x - out * 0.01 * scale, *y), world(x + out * reach, *y)))
+    };
+    let (lo, hi) = (e.lo, e.hi);
+    let rim = 0.002 * scale;
+    let ends = [(lo.x, -1.0), (hi.x, 1.0)].map(|(x, out)| (x, out, abuts(x, out, lo.y + rim, hi.y - rim)));
+    let is_free = |from: f64, to: f64| !touches(world(lo.x + inset, from), world(hi.x - inset, to));
+    let is_inside = |y: f64| {
+        [0.25, 0.5, 0.75].iter().all(|t| interior.depth_m(um(world(lo.x + (hi.x - lo.x) * t, y))) > 0.3 * scale)
+    };
+    let is_bound = ends.iter().any(|e| e.2);
+    let sides_free = [lo.y - rim, hi.y + rim].iter().all(|y| is_free(*y, *y));
+    if !is_bound || !sides_free || !is_inside(lo.y - 0.35 * scale) || !is_inside(hi.y + 0.35 * scale) {
+        return (0.0, 0.0);
+    }
+    let go = |sign: f64| {
+        let (mut d, step) = (0.0, STEP_M * scale);
+        let near = if sign < 0.0 { lo.y - rim } else { hi.y + rim };
+        while d < PARTITION_SLIDE_M * scale {
+            let next = d + step;
+            // Half a metre stays free before the next wall.
+            let ahead = near + sign * (next + 0.5 * scale);
+            let mut joined = ends.iter().filter(|e| e.2);
+            let keeps = joined.all(|(x, out, _)| abuts(*x, *out, lo.y + rim + sign * next, hi.y - rim + sign * next));
+            let ends_free = ends.iter().filter(|e| !e.2).all(|(x, ..)| !touches(world(*x, near), world(*x, ahead)));
+            let open = [0.1, 0.3, 0.5, 0.7, 0.9].iter().all(|t| {
+                let x = lo.x + inset + (hi.x - lo.x - 2.0 * inset) * t;
+                !touches(world(x, near), world(x, ahead))
+            });
+            if !keeps || !open || !ends_free || !is_free(near + sign * next, near + sign * next) || !is_inside(ahead) {
+                break;
+            }
+            d = next;
+        }
+        (d * 10.0).round() / 10.0
+    };
+    (-go(-1.0), go(1.0))
+}
