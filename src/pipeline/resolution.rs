@@ -252,6 +252,7 @@ fn panels(rows: &[Row]) -> Vec<Panel> {
         name: name.into(),
         points: rows
             .iter()
+            .rev()
             .map(|r| (r.spacing_m, r.spreads()[k]))
             .map(|(s, v)| [s, v.mean, v.deviation])
             .collect(),
