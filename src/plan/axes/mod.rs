@@ -14,7 +14,7 @@
 mod carrier;
 mod columns;
 mod curves;
-mod evidence;
+mod assembly;
 mod joints;
 mod near;
 mod openings;
@@ -308,7 +308,7 @@ impl AxisGraph {
         let runs = runs::merge(drawn, rest, &mut out);
         let paired = strips::pair(runs);
         out.thicknesses.clone_from(&paired.thicknesses);
-        let axes = evidence::axes(drawn, paired, &mut out);
+        let axes = assembly::axes(drawn, paired, &mut out);
         let joined = joints::join(&axes, boxes, &mut out);
         openings::find(drawn, &axes, &joined, &mut out);
         out.state();
