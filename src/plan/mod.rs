@@ -3,6 +3,7 @@
 //! Whoever holds a [`Plan`] need not think any more about: units, layers, blocks, codes of a format,
 //! coordinates far from zero, curves (they are traced to straight pieces), or shapes of no size.
 
+pub mod axes;
 pub mod curve;
 pub mod drawing;
 pub mod frame;

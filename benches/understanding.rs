@@ -1,0 +1,49 @@
+//! How much of twenty plans is understood, drawn in the styles of many offices.
+//!
+//! `cargo bench --bench understanding`; `-- N STYLE` shows the misses of one plan.
+
+#![allow(clippy::unwrap_used, missing_docs)]
+
+#[path = "../tests/offices/mod.rs"]
+mod offices;
+
+use std::time::Instant;
+
+use enfilade::plan::axes::AxisGraph;
+use offices::score::{Score, score};
+use offices::styles::{LAYERS, Office, STYLES, Style, draw, drawn};
+
+fn main() {
+    println!("{:<14} {:<6} {:>7} {:>7} {:>9} {:>10} {:>9}", "style", "noise", "nodes", "edges", "openings", "thickness", "ms/plan");
+    for style in STYLES {
+        for noise in [false, true] {
+            let mut sum = Score::default();
+            let mut seconds = 0.0;
+            let mut bad = Vec::new();
+            for (n, plan) in offices::plans::all().iter().enumerate() {
+                let layers = n % LAYERS.len();
+                let office = Office { layers, blocks: n % 2 == 1, ..Office::new(style, noise) };
+                let input = drawn(&draw(plan, &office, n as u64), &office);
+                let start = Instant::now();
+                let graph = AxisGraph::new(&input);
+                seconds += start.elapsed().as_secs_f64();
+                let s = score(plan, &graph, style != Style::CentreLines);
+                if !s.holds() {
+                    bad.push(n);
+                }
+                sum.add(s);
+            }
+            println!(
+                "{:<14} {:<6} {:>7.3} {:>7.3} {:>9.3} {:>10.3} {:>9.2}  {:?}",
+                format!("{style:?}"),
+                noise,
+                sum.nodes.f1(),
+                sum.edges.f1(),
+                sum.openings.f1(),
+                sum.thickness.f1(),
+                50.0 * seconds,
+                bad
+            );
+        }
+    }
+}
