@@ -14,7 +14,10 @@ use offices::score::{Score, score};
 use offices::styles::{LAYERS, Office, STYLES, Style, draw, drawn};
 
 fn main() {
-    println!("{:<14} {:<6} {:>7} {:>7} {:>9} {:>10} {:>9}", "style", "noise", "nodes", "edges", "openings", "thickness", "ms/plan");
+    println!(
+        "{:<14} {:<6} {:>7} {:>7} {:>9} {:>10} {:>9}",
+        "style", "noise", "nodes", "edges", "openings", "thickness", "ms/plan"
+    );
     for style in STYLES {
         for noise in [false, true] {
             let mut sum = Score::default();

@@ -1,5 +1,6 @@
 //! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -15,13 +16,15 @@ use crate::config::{Measure, Penalty, Settings};
 use crate::formats::dxf;
 use crate::moves::{Layout, Moves, defaults};
 use crate::penalties::{self, Alignment, Clearance, Overlap, WallLength, WallPiece, disconnection};
-use crate::plan::curve::{Trace, trace_like};
-use crate::plan::drawing::Drawing;
+use crate::plan::axes::AxisGraph;
+use crate::plan::curve::{Trace, control_points, trace_like};
+use crate::plan::drawing::{Drawing, Shape};
 use crate::plan::frame::unit_by_name;
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{self, Group};
+use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, understand};
 use crate::report::{Error, Place, Report};
 
@@ -33,8 +36,12 @@ pub const CLEARANCE_RADIUS_M: f64 = 0.5;
 pub struct Understood {
     /// The plan.
     pub plan: Plan,
-    /// Its architectural graph.
+    /// Its drawn pieces and where they meet.
     pub graph: Graph,
+    /// Its walls as axes with thickness, openings, columns.
+    pub axes: AxisGraph,
+    /// Its thick walls, by the control points of their faces.
+    pub bodies: Vec<Body>,
     /// What may move.
     pub moves: Moves,
     /// The building's interior, where it was needed.
@@ -59,6 +66,8 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
     let mut plan = understand(&drawing, &options, report)?;
     add_regions(&mut plan, settings)?;
     let graph = Graph::new(&plan);
+    let axes = AxisGraph::new(&structure::drawn(&plan, &drawing));
+    let bodies = structure::bodies(&plan, &axes);
     let all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
     let has_moves =
         !settings.moves.is_empty() || (!plan.markers.groups.is_empty() && !settings.ignore_move_markers);
@@ -66,7 +75,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
     let interior = if needs_interior { Interior::new(&all, plan.human_scale) } else { None };
     let moves = moves(&drawing, &plan, &graph, interior.as_ref(), settings, report)?;
-    Ok(Understood { plan, graph, moves, interior })
+    Ok(Understood { plan, graph, axes, bodies, moves, interior })
 }
 
 fn plan_options(settings: &Settings) -> PlanOptions {
@@ -367,6 +376,12 @@ impl Study {
                 self.cells.vertices_in(&wall.trace.points, &mut obstacles.blind);
             }
         }
+        cover_bodies(
+            &self.base,
+            &|w| again.walls.get(w as usize).map(|w| &w.shape),
+            &self.cells,
+            &mut obstacles.blind,
+        );
         obstacles.blind.sort_unstable();
         obstacles.blind.dedup();
         let graph = visibility_graph(&self.lattice, &obstacles);
@@ -507,15 +522,34 @@ fn moving_segments(layout: &Layout, piece_moves: &[Vec<bool>]) -> Vec<Segment> {
     out
 }
 
-/// Vertices covered by solids that can move.
+/// Vertices covered by what can move and has a body: solids and thick walls.
 fn blind(base: &Understood, layout: &Layout, cells: &CellIndex) -> Vec<u32> {
+    let shapes: BTreeMap<u32, &Shape> = layout.walls.iter().map(|w| (w.wall, &w.shape)).collect();
     let mut out = Vec::new();
     for wall in layout.walls.iter().filter(|w| base.plan.walls[w.wall as usize].is_solid) {
         cells.vertices_in(&wall.trace.points, &mut out);
     }
+    cover_bodies(base, &|w| shapes.get(&w).copied(), cells, &mut out);
     out.sort_unstable();
     out.dedup();
     out
+}
+
+/// Adds the vertices that moving thick walls cover; `shape` says where a moving wall stands.
+fn cover_bodies<'a>(
+    base: &'a Understood,
+    shape: &impl Fn(u32) -> Option<&'a Shape>,
+    cells: &CellIndex,
+    out: &mut Vec<u32>,
+) {
+    let moves = |w: u32| base.moves.walls.binary_search(&w).is_ok();
+    for body in base.bodies.iter().filter(|b| b.0.iter().any(|h| moves(h.0))) {
+        let ring = body.ring(|(w, c)| {
+            let shape = shape(w).unwrap_or(&base.plan.walls[w as usize].shape);
+            base.plan.frame.um_from_file(control_points(shape)[c as usize])
+        });
+        cells.vertices_in(&ring, out);
+    }
 }
 
 fn pieces(

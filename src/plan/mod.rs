@@ -13,6 +13,7 @@ pub mod interior;
 pub mod layers;
 pub mod markers;
 pub mod outline;
+pub mod structure;
 
 use std::collections::BTreeMap;
 

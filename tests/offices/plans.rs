@@ -210,7 +210,8 @@ impl Draft {
     fn cut(&mut self, dice: &mut Dice) {
         for w in std::mem::take(&mut self.plan.walls) {
             let outer = w.thickness == self.outer_m;
-            let (a, length) = (Arc::new(self.plan.nodes[w.nodes[0]], self.plan.nodes[w.nodes[1]], w.bulge), 0.0);
+            let (a, length) =
+                (Arc::new(self.plan.nodes[w.nodes[0]], self.plan.nodes[w.nodes[1]], w.bulge), 0.0);
             let length = length + a.length();
             let kind = match (outer, dice.below(10)) {
                 (true, 0) => Kind::Door,
@@ -236,7 +237,11 @@ impl Draft {
             let jambs = [from, from + width].map(|s| a.at(s / length)).map(|p| self.node(p));
             let part = |s: f64| (w.bulge.atan() * s / length).tan();
             self.plan.walls.push(Wall { nodes: [w.nodes[0], jambs[0]], bulge: part(from), ..w });
-            self.plan.walls.push(Wall { nodes: [jambs[1], w.nodes[1]], bulge: part(length - from - width), ..w });
+            self.plan.walls.push(Wall {
+                nodes: [jambs[1], w.nodes[1]],
+                bulge: part(length - from - width),
+                ..w
+            });
             let gap = Gap { nodes: jambs, kind, thickness: w.thickness, bulge: part(width) };
             self.plan.gaps.push(gap);
         }
@@ -246,7 +251,8 @@ impl Draft {
     fn stand(&mut self, dice: &mut Dice, n: u64) {
         for i in 0..self.xs.len() - 1 {
             for j in 0..self.ys.len() - 1 {
-                let middle = (self.at(i, j) + self.at(i + 1, j) + self.at(i, j + 1) + self.at(i + 1, j + 1)) / 4.0;
+                let middle =
+                    (self.at(i, j) + self.at(i + 1, j) + self.at(i, j + 1) + self.at(i + 1, j + 1)) / 4.0;
                 match dice.below(6) {
                     0 if n % 2 == 0 => {
                         let side = dice.between(0.25, 0.5);
@@ -331,7 +337,8 @@ impl Arc {
         }
         let c = self.centre();
         let turn = (a - c).angle_to(b - c);
-        let turn = if turn * self.bulge < 0.0 { turn + std::f64::consts::TAU * self.bulge.signum() } else { turn };
+        let turn =
+            if turn * self.bulge < 0.0 { turn + std::f64::consts::TAU * self.bulge.signum() } else { turn };
         Self::new(a, b, (turn / 4.0).tan())
     }
 }

@@ -21,7 +21,11 @@ pub struct Count {
 impl Count {
     /// Harmonic mean of precision and recall; 1 where there is nothing to find and nothing was found.
     pub fn f1(&self) -> f64 {
-        if self.found + self.truth == 0 { 1.0 } else { 2.0 * self.right as f64 / (self.found + self.truth) as f64 }
+        if self.found + self.truth == 0 {
+            1.0
+        } else {
+            2.0 * self.right as f64 / (self.found + self.truth) as f64
+        }
     }
 
     pub fn add(&mut self, other: Self) {

@@ -1,9 +1,7 @@
 //! How offices draw: a plan to a drawing.
 
 use enfilade::plan::axes::{Drawn, Face, Mark, Role, paths_of};
-use enfilade::plan::drawing::{
-    Drawing, Editable, Entity, Format, Layer, Shape, SourceRef, Unit, Vertex,
-};
+use enfilade::plan::drawing::{Drawing, Editable, Entity, Format, Layer, Shape, SourceRef, Unit, Vertex};
 use glam::DVec2;
 
 use super::Dice;
@@ -250,7 +248,10 @@ impl Sheet {
             format: Format::Dxf,
             version: "AC1027 (2013)".into(),
             declared_unit: self.office.declared,
-            declared_unit_words: self.office.declared.map_or("no $INSUNITS".into(), |u| format!("$INSUNITS {}", u.name)),
+            declared_unit_words: self
+                .office
+                .declared
+                .map_or("no $INSUNITS".into(), |u| format!("$INSUNITS {}", u.name)),
             layers,
             entities,
             texts: Vec::new(),
@@ -269,7 +270,10 @@ fn kind_of(shape: &Shape, is_insert: bool) -> &'static str {
 }
 
 fn polyline(points: &[DVec2]) -> Shape {
-    Shape::Polyline { vertices: points.iter().map(|p| Vertex { at: *p, bulge: 0.0 }).collect(), closed: false }
+    Shape::Polyline {
+        vertices: points.iter().map(|p| Vertex { at: *p, bulge: 0.0 }).collect(),
+        closed: false,
+    }
 }
 
 fn shape_of(way: Arc) -> Shape {
@@ -278,7 +282,12 @@ fn shape_of(way: Arc) -> Shape {
     }
     let c = way.centre();
     let (from, to) = if way.bulge > 0.0 { (way.a, way.b) } else { (way.b, way.a) };
-    Shape::Arc { centre: c, radius: way.radius(), start_rad: (from - c).to_angle(), end_rad: (to - c).to_angle() }
+    Shape::Arc {
+        centre: c,
+        radius: way.radius(),
+        start_rad: (from - c).to_angle(),
+        end_rad: (to - c).to_angle(),
+    }
 }
 
 fn chords(shape: &Shape) -> Vec<DVec2> {

@@ -104,7 +104,9 @@ impl Carrier {
     pub fn points(&self, span: Span) -> Vec<DVec2> {
         let n = match self {
             Self::Line { .. } => 1,
-            Self::Circle { radius, .. } => ((span[1] - span[0]) / radius / 0.2).ceil().clamp(1.0, 64.0) as usize,
+            Self::Circle { radius, .. } => {
+                ((span[1] - span[0]) / radius / 0.2).ceil().clamp(1.0, 64.0) as usize
+            }
         };
         (0..=n).map(|k| self.at(span[0] + (span[1] - span[0]) * k as f64 / n as f64)).collect()
     }

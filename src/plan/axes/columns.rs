@@ -108,7 +108,8 @@ fn box_of(ring: &[DVec2]) -> Option<(f64, f64)> {
     for (i, p) in ring.iter().enumerate() {
         let u = (ring[(i + 1) % ring.len()] - *p).try_normalize()?;
         let along = |v: DVec2| {
-            let (lo, hi) = ring.iter().map(|q| q.dot(v)).fold((f64::MAX, f64::MIN), |b, x| (b.0.min(x), b.1.max(x)));
+            let (lo, hi) =
+                ring.iter().map(|q| q.dot(v)).fold((f64::MAX, f64::MIN), |b, x| (b.0.min(x), b.1.max(x)));
             hi - lo
         };
         let (a, b) = (along(u), along(u.perp()));

@@ -23,7 +23,9 @@ pub fn find(drawn: &Drawn, faces: Vec<u32>) -> Vec<Loose> {
     for f in faces {
         let path = &drawn.faces[f as usize].path;
         match path {
-            Path::Line { a, b } if (ZERO_M..CHORD_MAX_M).contains(&a.distance(*b)) => chords.push((f, [*a, *b])),
+            Path::Line { a, b } if (ZERO_M..CHORD_MAX_M).contains(&a.distance(*b)) => {
+                chords.push((f, [*a, *b]))
+            }
             _ if path.length_m() <= ZERO_M => {
                 let end = path.ends()[0];
                 let carrier = Carrier::Line { origin: end, dir: DVec2::X };
@@ -91,7 +93,8 @@ impl<'a> Ends<'a> {
                     if is_twin || turn > CHORD_TURN_MAX_RAD {
                         continue;
                     }
-                    let is_same = found.is_some_and(|s| point(self.chords, s, 1).distance(far) <= COLLINEAR_M);
+                    let is_same =
+                        found.is_some_and(|s| point(self.chords, s, 1).distance(far) <= COLLINEAR_M);
                     if is_same {
                         continue;
                     }

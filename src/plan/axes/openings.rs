@@ -154,9 +154,14 @@ impl<'a> Scene<'a> {
             let meets = sin > 0.5 && t > first.0 - reach && t < last.0 + reach;
             if meets && width > -b.thickness && best.as_ref().is_none_or(|x| width < x.width) {
                 let edges = &self.joined.edges[other as usize];
-                let k = stations.windows(2).position(|w| t <= w[1].0).unwrap_or(edges.len().saturating_sub(1));
+                let k =
+                    stations.windows(2).position(|w| t <= w[1].0).unwrap_or(edges.len().saturating_sub(1));
                 let at = a.carrier.at(a.span[f.end] + sign * width);
-                best = Some(Facing { width, jamb: Jamb { at, node: None, edge: edges.get(k).copied() }, other: None });
+                best = Some(Facing {
+                    width,
+                    jamb: Jamb { at, node: None, edge: edges.get(k).copied() },
+                    other: None,
+                });
             }
         }
         best
@@ -198,7 +203,10 @@ impl<'a> Scene<'a> {
             centre: a.carrier.at((s0 + s1) / 2.0),
             width_m: to.width,
             thickness_m: a.thickness,
-            jambs: [Jamb { at: self.graph.nodes[f.node as usize].at, node: Some(f.node), edge: None }, to.jamb],
+            jambs: [
+                Jamb { at: self.graph.nodes[f.node as usize].at, node: Some(f.node), edge: None },
+                to.jamb,
+            ],
             evidence,
             marks: seen.marks,
             faces: seen.faces,
@@ -276,7 +284,9 @@ impl Band {
     /// Whether a point lies in the gap or at most `more` beside it.
     fn has(&self, p: DVec2, more: f64) -> bool {
         let s = self.carrier.s_of(p);
-        s > self.gap[0] - more && s < self.gap[1] + more && self.carrier.offset_of(p).abs() <= self.half + more
+        s > self.gap[0] - more
+            && s < self.gap[1] + more
+            && self.carrier.offset_of(p).abs() <= self.half + more
     }
 
     /// Whether the middle of a piece lies in the gap.
@@ -296,7 +306,9 @@ impl Band {
         let s = ordered(self.carrier.s_of(ends[0]), self.carrier.s_of(ends[1]));
         let shared = spans::overlap(s, self.gap).map_or(0.0, spans::length);
         let is_straight = matches!(path, Path::Line { .. }) == self.carrier.is_line();
-        is_straight && shared >= PANE_COVER * spans::length(self.gap) && spans::length(s) < 1.6 * spans::length(self.gap)
+        is_straight
+            && shared >= PANE_COVER * spans::length(self.gap)
+            && spans::length(s) < 1.6 * spans::length(self.gap)
     }
 
     /// An arc about a hinge at a jamb that closes the gap, alone or with its twin.
@@ -344,9 +356,14 @@ impl Seen {
     }
 
     fn verdict(&self) -> (OpeningKind, String) {
-        let with = |what: &str, word: &str| if word.is_empty() { what.to_string() } else { format!("{what}: {word}") };
+        let with = |what: &str, word: &str| {
+            if word.is_empty() { what.to_string() } else { format!("{what}: {word}") }
+        };
         if let Some(word) = &self.door {
-            return (OpeningKind::Door, with(if self.swing { "door swing and layer or block" } else { "layer or block" }, word));
+            return (
+                OpeningKind::Door,
+                with(if self.swing { "door swing and layer or block" } else { "layer or block" }, word),
+            );
         }
         if self.swing {
             return (OpeningKind::Door, "door swing".into());
