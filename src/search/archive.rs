@@ -122,6 +122,9 @@ fn least_range(archive: &Archive, objective: &Objective, j: usize) -> f64 {
     if now.is_finite() { LEAST_RANGE * now } else { 0.0 }
 }
 
+/// How far below its limit a gain is still told apart, in ranges: a surrogate must see the limit.
+const FLOOR_BELOW_LIMIT: f64 = 0.5;
+
 /// Provisional limits are taken anew whenever the archive has grown by this many points.
 const PROVISIONAL_POINTS: usize = 32;
 
@@ -207,7 +210,8 @@ impl Limits {
 
     /// The level below which a gain is only "bad": the surrogate does not follow the cliffs there.
     pub(super) fn floor(&self, j: usize, share: f64) -> f64 {
-        self.top[j] - (1.0 - share) * self.range(j)
+        let by_share = self.top[j] - (1.0 - share) * self.range(j);
+        by_share.min(self.limit(j, 0.0) - FLOOR_BELOW_LIMIT * self.range(j))
     }
 
     /// Whether a point of these gains keeps the thresholds of the first `count` objectives.
