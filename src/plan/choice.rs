@@ -130,7 +130,6 @@ fn layer_use(
         (role, why) if role.is_low() => {
             ("low", format!("{why}: stops the way, not the look at eye level; --level knee takes it in"))
         }
-        (Role::Unknown, why) => ("ignored", format!("{why}; --wall-layer takes it in")),
         (_, why) => ("ignored", format!("{why}; --wall-layer takes it in")),
     }
 }
@@ -169,9 +168,9 @@ fn assumed_layers(
 
 fn state_assumed(drawing: &Drawing, assumed: &BTreeMap<String, String>, report: &mut Report) {
     let names: Vec<String> = assumed.keys().map(|n| format!("{n:?}")).collect();
-    let (layer, are) = if names.len() == 1 { ("layer", "lines") } else { ("layers", "lines") };
+    let layer = if names.len() == 1 { "layer" } else { "layers" };
     let text = format!(
-        "no layer is named after walls; all {are} of {layer} {} taken as walls; --wall-layer overrides it",
+        "no layer is named after walls; all lines of {layer} {} taken as walls; --wall-layer overrides it",
         names.join(", ")
     );
     report.info("walls-assumed", Place::file(&drawing.file), text);

@@ -108,3 +108,17 @@ fn line_of(e: &Entity) -> Option<(DVec2, DVec2)> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn treads_are_a_row_and_rooms_are_none() {
+        let rung = |index: usize, offset: f64, length: f64| Rung { index, offset, middle: 0.0, length };
+        let treads: Vec<Rung> = (0..9).map(|i| rung(i, 0.28 * i as f64, 1.2)).collect();
+        assert_eq!(ladders(treads).len(), 9);
+        let rooms: Vec<Rung> = (0..9).map(|i| rung(i, 3.0 * i as f64, 4.0)).collect();
+        assert!(ladders(rooms).is_empty());
+    }
+}

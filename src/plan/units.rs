@@ -37,6 +37,11 @@ const SWING_RAD: [f64; 2] = [1.0, 1.75];
 /// How near a leaf's length and foot are to radius and centre, as a share of the radius.
 const LEAF_SLACK: f64 = 0.12;
 
+/// What `$MEASUREMENT` counts (programs write it without asking: little), and what metric units count
+/// where nothing is said: programs of imperial countries do say it.
+const SYSTEM_SAID: f64 = 0.05;
+const METRIC_USUAL: f64 = 0.6;
+
 /// A witness speaks against a unit up to this support, and for it from this on.
 const AGAINST: f64 = 0.15;
 const FOR: f64 = 0.5;
@@ -173,7 +178,10 @@ fn best(seen: &Witnesses, said: &str) -> Unit {
         let usual = if is_in(seen.extent * unit.metres, USUAL_SIZE_M) { 1.0 } else { 0.0 };
         let doors = seen.doors(unit).unwrap_or(0.0);
         let walls = seen.walls(unit).unwrap_or(0.0);
-        let of_system = if system(unit, said) == Some(true) { 0.05 } else { 0.0 };
+        let of_system = match system(unit, said) {
+            Some(is_of_it) => f64::from(u8::from(is_of_it)) * SYSTEM_SAID,
+            None => f64::from(u8::from(!matches!(unit.name, "in" | "ft"))) * METRIC_USUAL,
+        };
         seen.size(unit) + usual + 2.0 * doors + 2.0 * walls + of_system
     };
     // The first of equals: the order of UNITS is by how usual they are.

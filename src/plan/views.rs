@@ -30,7 +30,7 @@ const PART_SHARE: f64 = 0.25;
 const NEAR_M: f64 = 8.0;
 
 /// A line this long against the sheet that is no wall is a frame or a construction line.
-const FRAME_SHARE: f64 = 0.5;
+const FRAME_SHARE: f64 = 0.3;
 
 /// Titles are looked for this far around a drawing, metres.
 const TITLE_M: f64 = 4.0;
