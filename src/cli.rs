@@ -66,6 +66,9 @@ pub struct Common {
     /// Layer of the region of reference instead of EF-REFERENCE.
     #[arg(long, value_name = "NAME")]
     pub reference_layer: Option<String>,
+    /// Which drawing of a sheet with several: its name or number as `check` lists them, or all.
+    #[arg(long, value_name = "NAME|N")]
+    pub view: Option<String>,
     /// Height of the sight lines.
     #[arg(long, value_enum)]
     pub level: Option<LevelArg>,
@@ -335,6 +338,7 @@ impl Common {
             wall_layer: list(&self.wall_layer),
             query_layer: self.query_layer.clone(),
             reference_layer: self.reference_layer.clone(),
+            view: self.view.clone(),
             level: self.level.map(Into::into),
             spacing: self.spacing,
             lattice_centre: self.lattice_centre,

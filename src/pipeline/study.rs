@@ -12,7 +12,7 @@ use crate::analysis::lattice::{CellIndex, Ground, lattice};
 use crate::analysis::measures::{Means, means};
 use crate::analysis::visibility::visibility_graph;
 use crate::analysis::{Lattice, Obstacles, Tally};
-use crate::config::{Measure, Penalty, Settings};
+use crate::config::{Level, Measure, Penalty, Settings};
 use crate::formats::dxf;
 use crate::moves::{Layout, Moves, defaults};
 use crate::penalties::{self, Alignment, Clearance, Overlap, WallLength, WallPiece, disconnection};
@@ -84,6 +84,9 @@ fn plan_options(settings: &Settings) -> PlanOptions {
         wall_layers: settings.wall_layers.clone(),
         query_layer: settings.query_layer.clone(),
         reference_layer: settings.reference_layer.clone(),
+        view: settings.view.clone(),
+        is_knee_level: settings.level == Level::Knee,
+        picked: None,
     }
 }
 
@@ -359,7 +362,8 @@ impl Study {
             dxf::ReadOptions { accept_missing_eof: settings.accept_missing_eof, ..Default::default() };
         let mut report = Report::default();
         let drawing = dxf::read(&plan.file, bytes, &options, &mut report)?;
-        let options = PlanOptions { unit: Some(plan.unit.unit), ..plan_options(settings) };
+        let picked = Some(plan.picked.clone());
+        let options = PlanOptions { unit: Some(plan.unit.unit), picked, ..plan_options(settings) };
         let again = understand(&drawing, &options, &mut report)?;
         if again.walls.len() != plan.walls.len() {
             let text = format!(
