@@ -10,11 +10,18 @@ mod offices;
 use std::time::Instant;
 
 use enfilade::plan::axes::AxisGraph;
-use offices::score::{Score, score};
+use offices::score::{Score, explain, score};
 use offices::styles::{LAYERS, Office, STYLES, Style, draw, drawn};
 
 fn main() {
-    println!("{:<14} {:<6} {:>7} {:>7} {:>9} {:>10} {:>9}", "style", "noise", "nodes", "edges", "openings", "thickness", "ms/plan");
+    let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    if let [n, style, rest @ ..] = words.as_slice() {
+        return show(n.parse().unwrap(), style, !rest.is_empty());
+    }
+    println!(
+        "{:<14} {:<6} {:>7} {:>7} {:>9} {:>10} {:>9}",
+        "style", "noise", "nodes", "edges", "openings", "thickness", "ms/plan"
+    );
     for style in STYLES {
         for noise in [false, true] {
             let mut sum = Score::default();
@@ -46,4 +53,14 @@ fn main() {
             );
         }
     }
+}
+
+/// What was missed in one plan.
+fn show(n: usize, style: &str, noise: bool) {
+    let style = STYLES.into_iter().find(|s| format!("{s:?}") == style).unwrap();
+    let plan = offices::plans::plan(n as u64);
+    let office = Office { layers: n % LAYERS.len(), blocks: n % 2 == 1, ..Office::new(style, noise) };
+    let input = drawn(&draw(&plan, &office, n as u64), &office);
+    let graph = AxisGraph::new(&input);
+    explain(&plan, &graph).iter().chain(&graph.statements).for_each(|l| println!("{l}"));
 }

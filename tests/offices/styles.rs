@@ -1,9 +1,7 @@
 //! How offices draw: a plan to a drawing.
 
 use enfilade::plan::axes::{Drawn, Face, Mark, Role, paths_of};
-use enfilade::plan::drawing::{
-    Drawing, Editable, Entity, Format, Layer, Shape, SourceRef, Unit, Vertex,
-};
+use enfilade::plan::drawing::{Drawing, Editable, Entity, Format, Layer, Shape, SourceRef, Unit, Vertex};
 use glam::DVec2;
 
 use super::Dice;
@@ -133,9 +131,12 @@ pub fn drawn(drawing: &Drawing, office: &Office) -> Drawn {
     out
 }
 
+/// Number of a block insert and the block's name.
+type Insert = (usize, &'static str);
+
 /// Entities being drawn, metres until they become a drawing.
 struct Sheet {
-    entities: Vec<(usize, Shape, Option<(usize, &'static str)>)>,
+    entities: Vec<(usize, Shape, Option<Insert>)>,
     office: Office,
 }
 
@@ -250,7 +251,10 @@ impl Sheet {
             format: Format::Dxf,
             version: "AC1027 (2013)".into(),
             declared_unit: self.office.declared,
-            declared_unit_words: self.office.declared.map_or("no $INSUNITS".into(), |u| format!("$INSUNITS {}", u.name)),
+            declared_unit_words: self
+                .office
+                .declared
+                .map_or("no $INSUNITS".into(), |u| format!("$INSUNITS {}", u.name)),
             layers,
             entities,
             texts: Vec::new(),
@@ -269,7 +273,10 @@ fn kind_of(shape: &Shape, is_insert: bool) -> &'static str {
 }
 
 fn polyline(points: &[DVec2]) -> Shape {
-    Shape::Polyline { vertices: points.iter().map(|p| Vertex { at: *p, bulge: 0.0 }).collect(), closed: false }
+    Shape::Polyline {
+        vertices: points.iter().map(|p| Vertex { at: *p, bulge: 0.0 }).collect(),
+        closed: false,
+    }
 }
 
 fn shape_of(way: Arc) -> Shape {
@@ -278,13 +285,20 @@ fn shape_of(way: Arc) -> Shape {
     }
     let c = way.centre();
     let (from, to) = if way.bulge > 0.0 { (way.a, way.b) } else { (way.b, way.a) };
-    Shape::Arc { centre: c, radius: way.radius(), start_rad: (from - c).to_angle(), end_rad: (to - c).to_angle() }
+    Shape::Arc {
+        centre: c,
+        radius: way.radius(),
+        start_rad: (from - c).to_angle(),
+        end_rad: (to - c).to_angle(),
+    }
 }
 
 fn chords(shape: &Shape) -> Vec<DVec2> {
     let Shape::Arc { centre, radius, start_rad, end_rad } = shape else { return Vec::new() };
     let sweep = (end_rad - start_rad).rem_euclid(std::f64::consts::TAU);
-    let n = (sweep / 0.12).ceil().max(4.0) as usize;
+    // Within 5 mm, as CAD programs trace.
+    let step = 2.0 * (1.0 - 0.005 / radius).acos();
+    let n = (sweep / step).ceil().max(1.0) as usize;
     (0..=n).map(|k| *centre + DVec2::from_angle(start_rad + sweep * k as f64 / n as f64) * *radius).collect()
 }
 

@@ -315,16 +315,16 @@ fn fit_ends_to_caps(axes: &mut [Axis], spares: &[Spare]) {
 }
 
 fn note_leftovers(drawn: &Drawn, axes: &[Axis], spares: &[Spare], out: &mut AxisGraph) {
-    let mut used: Vec<FaceRef> = axes.iter().flat_map(|a| a.sides.concat().into_iter().chain(a.inner.clone())).collect();
+    let mut used: Vec<FaceRef> =
+        axes.iter().flat_map(|a| a.sides.concat().into_iter().chain(a.inner.clone())).collect();
     used.sort_unstable();
     let mut spare: Vec<FaceRef> = spares.iter().flat_map(|s| s.faces.clone()).collect();
     spare.sort_unstable();
     for f in spares.iter().filter(|s| !s.is_cap).flat_map(|s| &s.faces) {
         if used.binary_search(f).is_err() {
-            out.leftovers.push(Leftover { face: *f, reason: "it is short and no second face runs beside it" });
+            out.leftovers
+                .push(Leftover { face: *f, reason: "it is short and no second face runs beside it" });
         }
     }
     debug_assert!(drawn.faces.len() >= spares.len().min(1));
 }
-
-

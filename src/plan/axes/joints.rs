@@ -70,7 +70,8 @@ pub fn join(all: &Axes, columns: Vec<Column>, out: &mut AxisGraph) -> Joined {
     for (sum, n) in sums {
         out.nodes.push(Node { at: sum / n, kind: NodeKind::End, faces: Vec::new() });
     }
-    let mut joined = Joined { free: Vec::new(), stations: Vec::new(), edges: Vec::new(), columns: Vec::new() };
+    let mut joined =
+        Joined { free: Vec::new(), stations: Vec::new(), edges: Vec::new(), columns: Vec::new() };
     let mut by_axis: Vec<Vec<(f64, u32, Option<usize>)>> = vec![Vec::new(); axes.len()];
     for (c, contact) in contacts.iter().enumerate() {
         for k in 0..2 {
@@ -104,7 +105,11 @@ fn add_axis(
     for end in 0..2 {
         if !met.iter().any(|m| m.2 == Some(end)) {
             let node = out.nodes.len() as u32;
-            out.nodes.push(Node { at: axis.carrier.at(axis.span[end]), kind: NodeKind::End, faces: Vec::new() });
+            out.nodes.push(Node {
+                at: axis.carrier.at(axis.span[end]),
+                kind: NodeKind::End,
+                faces: Vec::new(),
+            });
             joined.free.push(FreeEnd { axis: a as u32, end, node });
             stations.push((axis.span[end], node));
         }
@@ -174,7 +179,13 @@ fn contact_at(a: &Axis, b: &Axis, at: DVec2, ids: [u32; 2]) -> Option<Contact> {
     let slack = REACH_M / sin;
     let corner = |k: usize| ((half(1 - k) + half(k) * cos) / sin).abs() + slack;
     let tee = |k: usize| ((half(1 - k) + half(k) * cos.abs()) / sin) + slack;
-    let reach = |k: usize| if beyond(1 - k) > -tee(1 - k) { corner(k).max(tee(k).min(2.0 * half(1 - k) + slack)) } else { tee(k) };
+    let reach = |k: usize| {
+        if beyond(1 - k) > -tee(1 - k) {
+            corner(k).max(tee(k).min(2.0 * half(1 - k) + slack))
+        } else {
+            tee(k)
+        }
+    };
     if (0..2).any(|k| beyond(k) > reach(k).min(REACH_MAX_M)) {
         return None;
     }
@@ -199,8 +210,8 @@ fn end_contacts(axes: &[Axis], crossings: &[Contact]) -> Vec<Contact> {
     }
     let mut out = Vec::new();
     for (i, a) in axes.iter().enumerate() {
-        for e in 0..2 {
-            let end = a.carrier.at(a.span[e]);
+        for (e, s) in a.span.iter().enumerate() {
+            let end = a.carrier.at(*s);
             for j in buckets.near(end - 0.5, end + 0.5) {
                 let b = &axes[j as usize];
                 if j as usize <= i || (is_met[i][e] && a.carrier.is_line() && b.carrier.is_line()) {
@@ -226,7 +237,11 @@ fn end_contact(a: &Axis, e: usize, b: &Axis, f: usize, ids: [u32; 2]) -> Option<
     if along > REACH_M || across > step.max(REACH_M / 2.0) {
         return None;
     }
-    let near = a.carrier.crossings(&b.carrier).into_iter().find(|x| x.distance(p) < REACH_M && x.distance(q) < REACH_M);
+    let near = a
+        .carrier
+        .crossings(&b.carrier)
+        .into_iter()
+        .find(|x| x.distance(p) < REACH_M && x.distance(q) < REACH_M);
     let is_bend = a.carrier.is_line() && b.carrier.is_line();
     let at = near.filter(|_| is_bend).unwrap_or_else(|| p.midpoint(q));
     Some(Contact { at, axes: ids, s: [a.span[e], b.span[f]], ends: [Some(e), Some(f)] })

@@ -11,10 +11,10 @@
 //!
 //! There are no errors: what cannot be understood is a [`Leftover`] with its reason.
 
+mod assembly;
 mod carrier;
 mod columns;
 mod curves;
-mod assembly;
 mod joints;
 mod near;
 mod openings;
@@ -330,7 +330,8 @@ impl AxisGraph {
             count(OpeningKind::Window),
             count(OpeningKind::Passage),
         )];
-        let thick: Vec<String> = self.thicknesses.iter().map(|(t, l)| format!("{t:.2} m ({l:.0} m long)")).collect();
+        let thick: Vec<String> =
+            self.thicknesses.iter().map(|(t, l)| format!("{t:.2} m ({l:.0} m long)")).collect();
         if !thick.is_empty() {
             said.push(format!("wall thicknesses: {}", thick.join(", ")));
         }

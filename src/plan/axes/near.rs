@@ -66,8 +66,10 @@ impl Buckets {
         for w in points.windows(2) {
             let steps = ((w[1] - w[0]).length() / step).ceil().max(1.0) as usize;
             for k in 0..steps {
-                let (p, q) =
-                    (w[0].lerp(w[1], k as f64 / steps as f64), w[0].lerp(w[1], (k + 1) as f64 / steps as f64));
+                let (p, q) = (
+                    w[0].lerp(w[1], k as f64 / steps as f64),
+                    w[0].lerp(w[1], (k + 1) as f64 / steps as f64),
+                );
                 out.extend(self.near(p.min(q) - r, p.max(q) + r));
             }
         }

@@ -19,6 +19,12 @@ const HINGE_M: f64 = 0.15;
 /// Share of the gap that a window line runs along.
 const PANE_COVER: f64 = 0.6;
 
+/// Half the width in which things lie in the gap of a wall drawn as one line.
+const SINGLE_HALF_M: f64 = 0.21;
+
+/// A wall that ends in front of another's side leaves a passage only if it stands this square to it.
+const SQUARE_SIN: f64 = 0.97;
+
 /// What a gap ends at.
 struct Facing {
     /// Clear width.
@@ -26,6 +32,8 @@ struct Facing {
     jamb: Jamb,
     /// The free end at the other side, by its place in the list of free ends.
     other: Option<usize>,
+    /// Whether the wall stands square to what it ends at.
+    is_square: bool,
 }
 
 /// Finds the openings.
@@ -137,7 +145,12 @@ impl<'a> Scene<'a> {
             && width > 0.0
             && a.carrier.offset_of(at).abs() <= half.max(ERROR_GAP_M)
             && out.dot(ahead) < -CROSSING_MIN_RAD.cos();
-        faces.then_some(Facing { width, jamb: Jamb { at, node: Some(g.node), edge: None }, other: Some(o) })
+        faces.then_some(Facing {
+            width,
+            jamb: Jamb { at, node: Some(g.node), edge: None },
+            other: Some(o),
+            is_square: true,
+        })
     }
 
     fn side_ahead(&self, f: &FreeEnd, other: u32) -> Option<Facing> {
@@ -154,9 +167,11 @@ impl<'a> Scene<'a> {
             let meets = sin > 0.5 && t > first.0 - reach && t < last.0 + reach;
             if meets && width > -b.thickness && best.as_ref().is_none_or(|x| width < x.width) {
                 let edges = &self.joined.edges[other as usize];
-                let k = stations.windows(2).position(|w| t <= w[1].0).unwrap_or(edges.len().saturating_sub(1));
+                let k =
+                    stations.windows(2).position(|w| t <= w[1].0).unwrap_or(edges.len().saturating_sub(1));
                 let at = a.carrier.at(a.span[f.end] + sign * width);
-                best = Some(Facing { width, jamb: Jamb { at, node: None, edge: edges.get(k).copied() }, other: None });
+                let jamb = Jamb { at, node: None, edge: edges.get(k).copied() };
+                best = Some(Facing { width, jamb, other: None, is_square: sin > SQUARE_SIN });
             }
         }
         best
@@ -175,7 +190,7 @@ impl<'a> Scene<'a> {
             return None;
         }
         let at = a.carrier.at(a.span[f.end] + sign * width);
-        Some(Facing { width, jamb: Jamb { at, node: Some(*node), edge: None }, other: None })
+        Some(Facing { width, jamb: Jamb { at, node: Some(*node), edge: None }, other: None, is_square: true })
     }
 
     fn opening(&self, f: &FreeEnd, to: &Facing) -> Option<Opening> {
@@ -187,7 +202,8 @@ impl<'a> Scene<'a> {
         let (kind, evidence) = seen.verdict();
         let limit = match (kind, to.other) {
             (OpeningKind::Passage, Some(_)) => PASSAGE_MAX_M,
-            (OpeningKind::Passage, None) => SIDE_OPENING_MAX_M,
+            (OpeningKind::Passage, None) if to.is_square && self.is_held(f) => SIDE_OPENING_MAX_M,
+            (OpeningKind::Passage, None) => 0.0,
             _ => OPENING_MAX_M,
         };
         if to.width > limit {
@@ -198,16 +214,28 @@ impl<'a> Scene<'a> {
             centre: a.carrier.at((s0 + s1) / 2.0),
             width_m: to.width,
             thickness_m: a.thickness,
-            jambs: [Jamb { at: self.graph.nodes[f.node as usize].at, node: Some(f.node), edge: None }, to.jamb],
+            jambs: [
+                Jamb { at: self.graph.nodes[f.node as usize].at, node: Some(f.node), edge: None },
+                to.jamb,
+            ],
             evidence,
             marks: seen.marks,
             faces: seen.faces,
         })
     }
 
+    /// Whether the wall of a free end is joined to something at its other end.
+    fn is_held(&self, f: &FreeEnd) -> bool {
+        !self.joined.free.iter().any(|g| g.axis == f.axis && g.end != f.end)
+    }
+
     /// What is drawn in a gap.
     fn look(&self, a: &Axis, gap: Span) -> Seen {
-        let band = Band { carrier: a.carrier, gap, half: a.thickness / 2.0 };
+        let band = Band {
+            carrier: a.carrier,
+            gap,
+            half: if a.thickness > 0.0 { a.thickness / 2.0 } else { SINGLE_HALF_M },
+        };
         let around = a.carrier.points(gap);
         let mut seen = Seen::default();
         for m in self.marks_near.along(&around, band.half + LEAF_M[1]) {
@@ -276,7 +304,9 @@ impl Band {
     /// Whether a point lies in the gap or at most `more` beside it.
     fn has(&self, p: DVec2, more: f64) -> bool {
         let s = self.carrier.s_of(p);
-        s > self.gap[0] - more && s < self.gap[1] + more && self.carrier.offset_of(p).abs() <= self.half + more
+        s > self.gap[0] - more
+            && s < self.gap[1] + more
+            && self.carrier.offset_of(p).abs() <= self.half + more
     }
 
     /// Whether the middle of a piece lies in the gap.
@@ -296,7 +326,9 @@ impl Band {
         let s = ordered(self.carrier.s_of(ends[0]), self.carrier.s_of(ends[1]));
         let shared = spans::overlap(s, self.gap).map_or(0.0, spans::length);
         let is_straight = matches!(path, Path::Line { .. }) == self.carrier.is_line();
-        is_straight && shared >= PANE_COVER * spans::length(self.gap) && spans::length(s) < 1.6 * spans::length(self.gap)
+        is_straight
+            && shared >= PANE_COVER * spans::length(self.gap)
+            && spans::length(s) < 1.6 * spans::length(self.gap)
     }
 
     /// An arc about a hinge at a jamb that closes the gap, alone or with its twin.
@@ -344,9 +376,14 @@ impl Seen {
     }
 
     fn verdict(&self) -> (OpeningKind, String) {
-        let with = |what: &str, word: &str| if word.is_empty() { what.to_string() } else { format!("{what}: {word}") };
+        let with = |what: &str, word: &str| {
+            if word.is_empty() { what.to_string() } else { format!("{what}: {word}") }
+        };
         if let Some(word) = &self.door {
-            return (OpeningKind::Door, with(if self.swing { "door swing and layer or block" } else { "layer or block" }, word));
+            return (
+                OpeningKind::Door,
+                with(if self.swing { "door swing and layer or block" } else { "layer or block" }, word),
+            );
         }
         if self.swing {
             return (OpeningKind::Door, "door swing".into());

@@ -210,9 +210,8 @@ impl<'a> Choice<'a> {
 
     /// Cells that may be wall, the likeliest first.
     fn order(&self) -> Vec<usize> {
-        let may_be_wall = |c: &Cell| {
-            c.t >= THICKNESS_MIN_M && (c.t <= THICKNESS_USUAL_M || self.share(c.t) >= THICK_SHARE)
-        };
+        let may_be_wall =
+            |c: &Cell| c.t >= THICKNESS_MIN_M && (c.t <= THICKNESS_USUAL_M || self.share(c.t) >= THICK_SHARE);
         let mut out: Vec<usize> = (0..self.cells.len()).filter(|c| may_be_wall(&self.cells[*c])).collect();
         let key = |c: usize| {
             let cell = &self.cells[c];
@@ -275,8 +274,9 @@ impl<'a> Choice<'a> {
                 let beside = if me == 0 { cell.span } else { self.on(cell.runs[0], cell.span, edge) };
                 let shared = spans::overlap(beside, here).map_or(0.0, spans::length);
                 let far_span = self.on(made.base, made.span, far);
-                let far_is_free =
-                    self.wall[far as usize].iter().all(|w| w.iter().all(|s| spans::overlap(*s, far_span).is_none()));
+                let far_is_free = self.wall[far as usize]
+                    .iter()
+                    .all(|w| w.iter().all(|s| spans::overlap(*s, far_span).is_none()));
                 if cell.t > max_m
                     || made.t + cell.t > LAYERED_MAX_M
                     || shared < LAYER_COVER * spans::length(here)
@@ -310,7 +310,9 @@ impl<'a> Choice<'a> {
         for c in 0..self.cells.len() {
             let cell = self.cells[c].clone();
             let is_pane = (PANE_MIN_M..THICKNESS_MIN_M).contains(&cell.t);
-            if is_pane && cell.runs.iter().all(|r| !self.is_cap[*r as usize]) {
+            let is_free =
+                |r: &u32| !self.is_cap[*r as usize] && self.wall[*r as usize].iter().all(Vec::is_empty);
+            if is_pane && cell.runs.iter().all(is_free) {
                 for span in self.open(&cell) {
                     if spans::length(span) >= PANE_LENGTH_M {
                         self.make(&cell, span);
