@@ -148,7 +148,12 @@ impl Band {
         let width = spans::length(self.gap);
         let s = self.carrier.s_of(centre);
         let at_jamb = self.gap.iter().any(|g| (g - s).abs() <= HINGE_M);
+        let closes = |e: &DVec2| {
+            let to = self.carrier.s_of(*e);
+            self.has(*e, HINGE_M) && (to - s).abs() > 0.9 * radius
+        };
         at_jamb
+            && path.ends().iter().any(closes)
             && self.carrier.offset_of(centre).abs() <= self.half + HINGE_M
             && (0.3..3.2).contains(&sweep_rad)
             && radius > 0.35 * width
