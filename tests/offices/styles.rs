@@ -470,8 +470,8 @@ fn straight_on(ways: &[Arc]) -> Option<(usize, usize, Arc)> {
             if i != j && p.is_line() && q.is_line() && p.length() > 1e-9 && q.length() > 1e-9 {
                 for (a, b) in [(p.a, p.b), (p.b, p.a)] {
                     for (c, d) in [(q.a, q.b), (q.b, q.a)] {
-                        let on = b.distance(c) < 1e-7
-                            && (b - a).normalize().dot((d - c).normalize()) > 1.0 - 1e-9;
+                        let on =
+                            b.distance(c) < 1e-7 && (b - a).normalize().dot((d - c).normalize()) > 1.0 - 1e-9;
                         if on && p.bulge == q.bulge {
                             return Some((i, j, Arc::new(a, d, 0.0)));
                         }

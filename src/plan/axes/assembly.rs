@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::carrier::Carrier;
+use super::evidence::Evidence;
 use super::near::Buckets;
 use super::runs::{Groups, Run};
 use super::spans::{self, Span};
@@ -10,7 +11,6 @@ use super::strips::Paired;
 use super::tolerances::{
     CROSSING_MIN_RAD, ERROR_GAP_M, LEAF_M, ONE_SIDED_GAP_M, OPENING_MAX_M, PASSAGE_MAX_M, THICKNESS_MAX_M,
 };
-use super::evidence::Evidence;
 use super::{AxisGraph, Drawn, Leftover, Role, cuts};
 
 /// Axes whose lines lie this near, with like thickness, are in one row.
@@ -77,14 +77,18 @@ pub fn axes(drawn: &Drawn, paired: Paired, out: &mut AxisGraph) -> Axes {
         out.thicknesses.clear();
     }
     let mut axes = if is_single_lines { Vec::new() } else { strip_axes(&paired) };
-    let mut spares = Vec::new();
+    let (mut spares, mut stood_in_rows) = (Vec::new(), Vec::new());
     for r in 0..paired.runs.len() {
-        single_axes(&paired, r, is_single_lines, &mut axes, &mut spares);
+        single_axes(&paired, r, is_single_lines, &mut axes, &mut spares, &mut stood_in_rows);
     }
     let mut axes = rows(axes);
     take_panes(&mut axes, &mut spares);
     fit_ends_to_caps(&mut axes, &spares);
     let axes = cuts::cut(axes, &spares, &Evidence::new(drawn, &spares));
+    for f in stood_in_rows {
+        let reason = "it stands in a row of equal lines, such as treads of a stair";
+        out.leftovers.push(Leftover { face: drawn.face_ref(f), reason });
+    }
     note_leftovers(drawn, &axes, &spares, out);
     Axes { axes, spares }
 }
@@ -99,7 +103,10 @@ fn strip_axes(paired: &Paired) -> Vec<Axis> {
         span: s.span,
         thickness: s.thickness,
         role: paired.runs[s.sides[0] as usize].role,
-        sides: s.sides.map(|r| refs(r, &s.carrier, s.span)),
+        sides: [0, 1].map(|k: usize| {
+            let all = std::iter::once(s.sides[k]).chain(s.more[k].iter().copied());
+            all.flat_map(|r| refs(r, &s.carrier, s.span)).collect()
+        }),
         inner: s.inner.iter().flat_map(|r| refs(*r, &s.carrier, s.span)).collect(),
         runs: s.sides.to_vec(),
         row: 0,
@@ -123,6 +130,7 @@ fn single_axes(
     is_single_lines: bool,
     axes: &mut Vec<Axis>,
     spares: &mut Vec<Spare>,
+    stood_in_rows: &mut Vec<u32>,
 ) {
     let run = &paired.runs[r];
     let is_cap = paired.is_cap[r] && !is_single_lines;
@@ -137,6 +145,10 @@ fn single_axes(
             () => REMAINDER_MIN_M,
         };
         let faces = faces_of(run, span);
+        if paired.in_row[r] {
+            stood_in_rows.extend(faces);
+            continue;
+        }
         if is_cap || is_leaf_swing(run) || spans::length(span) < least {
             if is_whole || is_between || is_cap {
                 spares.push(Spare { carrier: run.carrier, span, faces, is_cap });

@@ -127,7 +127,9 @@ fn swing_gap(axis: &Axis, path: &Path) -> Option<Span> {
         return None;
     }
     let closed = path.ends().into_iter().filter(|e| band.has(*e, HINGE_BESIDE_M));
-    let far = closed.map(|e| axis.carrier.s_of(e)).find(|s| (s - axis.carrier.s_of(centre)).abs() > 0.9 * radius)?;
+    let far = closed
+        .map(|e| axis.carrier.s_of(e))
+        .find(|s| (s - axis.carrier.s_of(centre)).abs() > 0.9 * radius)?;
     Some(ordered(axis.carrier.s_of(centre), far))
 }
 

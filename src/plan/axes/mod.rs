@@ -20,7 +20,9 @@ mod evidence;
 mod joints;
 mod near;
 mod openings;
+mod rows;
 mod runs;
+mod solids;
 mod spans;
 mod strips;
 #[cfg(test)]
@@ -153,7 +155,8 @@ impl Drawn {
                 return false;
             }
             let (own, s) = carrier::Carrier::of(path);
-            spans::overlap(carrier.span_of(&own, s), span).is_some_and(|o| spans::length(o) > tolerances::ZERO_M)
+            spans::overlap(carrier.span_of(&own, s), span)
+                .is_some_and(|o| spans::length(o) > tolerances::ZERO_M)
         };
         faces.iter().filter(is_along).copied().collect()
     }
@@ -339,7 +342,7 @@ impl AxisGraph {
         let (boxes, rest) = columns::take(drawn, &mut out);
         let rest = curves::find(drawn, rest);
         let runs = runs::merge(drawn, rest, &mut out);
-        let paired = strips::pair(runs);
+        let paired = strips::pair(drawn, runs);
         out.thicknesses.clone_from(&paired.thicknesses);
         let axes = assembly::axes(drawn, paired, &mut out);
         let joined = joints::join(drawn, &axes, boxes, &mut out);

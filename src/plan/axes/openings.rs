@@ -1,5 +1,7 @@
 //! Openings: gaps between wall ends, and what the drawing shows in them.
 
+use std::collections::BTreeSet;
+
 use super::assembly::{Axes, Axis};
 use super::evidence::{BESIDE_M, Evidence, ordered};
 use super::joints::{FreeEnd, Joined};
@@ -8,8 +10,6 @@ use super::tolerances::{
     CROSSING_MIN_RAD, ERROR_GAP_M, OPENING_MAX_M, OPENING_MIN_M, PASSAGE_MAX_M, SIDE_OPENING_MAX_M,
 };
 use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind};
-
-
 
 /// A wall that ends in front of another's side leaves a passage only if it stands this square to it.
 const SQUARE_SIN: f64 = 0.97;
@@ -44,7 +44,7 @@ pub fn find(drawn: &Drawn, all: &Axes, joined: &Joined, out: &mut AxisGraph) {
             out.see_through.extend(&o.faces);
         }
     }
-    let in_opening: Vec<FaceRef> = found.iter().flat_map(|o| o.faces.clone()).collect();
+    let in_opening: BTreeSet<FaceRef> = found.iter().flat_map(|o| o.faces.clone()).collect();
     out.leftovers.retain(|l| !in_opening.contains(&l.face));
     out.openings = found;
 }
