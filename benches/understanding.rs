@@ -9,7 +9,7 @@ mod offices;
 
 use std::time::Instant;
 
-use enfilade::plan::axes::AxisGraph;
+use enfilade::plan::axes::{AxisGraph, Drawn, Face};
 use offices::score::{Score, explain, score};
 use offices::styles::{LAYERS, Office, STYLES, Style, draw, drawn};
 
@@ -53,6 +53,34 @@ fn main() {
             );
         }
     }
+    large();
+}
+
+/// Time for a large drawing: the plans side by side until there are fifty thousand pieces.
+fn large() {
+    let office = Office::new(Style::Exploded, true);
+    let mut all = Drawn::default();
+    let mut copies = 0;
+    while all.faces.len() < 50_000 {
+        let mut plan = offices::plans::plan(copies % 20);
+        let shift = glam::DVec2::new(60.0 * (copies % 15) as f64, 60.0 * (copies / 15) as f64);
+        plan.nodes.iter_mut().for_each(|p| *p += shift);
+        plan.columns.clear();
+        let more = drawn(&draw(&plan, &office, copies), &office);
+        let walls = all.faces.len() as u32;
+        all.faces.extend(more.faces.into_iter().map(|f| Face { wall: f.wall + walls, ..f }));
+        all.marks.extend(more.marks);
+        copies += 1;
+    }
+    let start = Instant::now();
+    let graph = AxisGraph::new(&all);
+    println!(
+        "{} pieces and {} marks: {:.0} ms, {} walls",
+        all.faces.len(),
+        all.marks.len(),
+        1e3 * start.elapsed().as_secs_f64(),
+        graph.edges.len()
+    );
 }
 
 /// What was missed in one plan.

@@ -107,7 +107,8 @@ pub struct Face {
     pub path: Path,
     /// `Wall`, `LowWall`, `Glazing` or `Column`.
     pub role: Role,
-    /// Whether it belongs to a closed shape (polyline or circle).
+    /// Whether it belongs to a closed shape: a circle, a closed polyline, also one that is closed only by
+    /// its last vertex lying on its first.
     pub is_closed: bool,
 }
 
