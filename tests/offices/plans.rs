@@ -146,11 +146,10 @@ impl Draft {
     fn rooms(&mut self, dice: &mut Dice) {
         let (nx, ny) = (self.xs.len() - 1, self.ys.len() - 1);
         let mut has: Vec<Vec<[bool; 2]>> = vec![vec![[false; 2]; ny + 1]; nx + 1];
-        for i in 0..=nx {
-            for j in 0..=ny {
-                let outer = [j == 0 || j == ny, i == 0 || i == nx];
-                has[i][j][0] = i < nx && (outer[0] || dice.chance(0.75));
-                has[i][j][1] = j < ny && (outer[1] || dice.chance(0.75));
+        for (i, column) in has.iter_mut().enumerate() {
+            for (j, ways) in column.iter_mut().enumerate() {
+                ways[0] = i < nx && (j == 0 || j == ny || dice.chance(0.75));
+                ways[1] = j < ny && (i == 0 || i == nx || dice.chance(0.75));
             }
         }
         for j in 0..=ny {
@@ -210,9 +209,8 @@ impl Draft {
     fn cut(&mut self, dice: &mut Dice) {
         for w in std::mem::take(&mut self.plan.walls) {
             let outer = w.thickness == self.outer_m;
-            let (a, length) =
-                (Arc::new(self.plan.nodes[w.nodes[0]], self.plan.nodes[w.nodes[1]], w.bulge), 0.0);
-            let length = length + a.length();
+            let a = Arc::new(self.plan.nodes[w.nodes[0]], self.plan.nodes[w.nodes[1]], w.bulge);
+            let length = a.length();
             let kind = match (outer, dice.below(10)) {
                 (true, 0) => Kind::Door,
                 (true, 1..=6) => Kind::Window,
@@ -254,7 +252,7 @@ impl Draft {
                 let middle =
                     (self.at(i, j) + self.at(i + 1, j) + self.at(i, j + 1) + self.at(i + 1, j + 1)) / 4.0;
                 match dice.below(6) {
-                    0 if n % 2 == 0 => {
+                    0 if n.is_multiple_of(2) => {
                         let side = dice.between(0.25, 0.5);
                         let turn = DVec2::from_angle(dice.between(0.0, 0.7));
                         let corner = |x: f64, y: f64| middle + turn.rotate(DVec2::new(x, y) * side / 2.0);
@@ -262,7 +260,7 @@ impl Draft {
                             vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
                         self.plan.columns.push(Column::Box { corners });
                     }
-                    1 if n % 2 == 0 => {
+                    1 if n.is_multiple_of(2) => {
                         let radius = dice.between(0.12, 0.3);
                         self.plan.columns.push(Column::Round { centre: middle, radius });
                     }

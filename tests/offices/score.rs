@@ -125,3 +125,31 @@ fn openings(plan: &Plan, found: &AxisGraph) -> Count {
     }
     Count { right, found: found.openings.len(), truth: plan.gaps.len() }
 }
+
+/// What was missed and what was made up, in words.
+pub fn explain(plan: &Plan, found: &AxisGraph) -> Vec<String> {
+    let mut out = Vec::new();
+    let used: Vec<usize> = plan.walls.iter().flat_map(|w| w.nodes).collect();
+    for (i, p) in plan.nodes.iter().enumerate().filter(|(i, _)| used.contains(i)) {
+        let nearest = found.nodes.iter().map(|n| n.at.distance(*p)).fold(f64::MAX, f64::min);
+        if nearest > NODE_M {
+            out.push(format!("node {i} {p:.3} missed, nearest {nearest:.3} m away"));
+        }
+    }
+    for n in &found.nodes {
+        let nearest = plan.nodes.iter().map(|p| n.at.distance(*p));
+        let nearest =
+            nearest.chain(plan.columns.iter().map(|c| c.centre().distance(n.at))).fold(f64::MAX, f64::min);
+        if nearest > NODE_M {
+            out.push(format!("node {:.3} {:?} made up", n.at, n.kind));
+        }
+    }
+    for g in &plan.gaps {
+        let [a, b] = g.nodes.map(|n| plan.nodes[n]);
+        out.push(format!("truth: {:?} at {:.3} width {:.3}", g.kind, a.midpoint(b), a.distance(b)));
+    }
+    for o in &found.openings {
+        out.push(format!("found: {:?} at {:.3} width {:.3}: {}", o.kind, o.centre, o.width_m, o.evidence));
+    }
+    out
+}

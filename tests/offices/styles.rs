@@ -26,10 +26,12 @@ pub enum Style {
     Splines,
     /// Faces with a line of plaster inside each.
     Finish,
+    /// Faces drawn through doors and windows, with lines across at the jambs.
+    Through,
 }
 
 /// All styles.
-pub const STYLES: [Style; 8] = [
+pub const STYLES: [Style; 9] = [
     Style::CentreLines,
     Style::FacePairs,
     Style::Uncleaned,
@@ -38,6 +40,7 @@ pub const STYLES: [Style; 8] = [
     Style::Exploded,
     Style::Splines,
     Style::Finish,
+    Style::Through,
 ];
 
 /// Layer names of walls, columns, doors, windows.
@@ -85,6 +88,7 @@ pub fn draw(plan: &Plan, office: &Office, seed: u64) -> Drawing {
         Style::Outlines => outlines(plan, &corners, &mut sheet),
         Style::Merged => merged(plan, &corners, &mut sheet),
         Style::Exploded | Style::Splines => faces(plan, &corners, true, &mut sheet),
+        Style::Through => through(plan, &corners, &mut sheet),
         Style::Finish => {
             faces(plan, &corners, true, &mut sheet);
             faces(plan, &Corners::new(plan, 0.015), false, &mut sheet);
@@ -131,9 +135,12 @@ pub fn drawn(drawing: &Drawing, office: &Office) -> Drawn {
     out
 }
 
+/// Number of a block insert and the block's name.
+type Insert = (usize, &'static str);
+
 /// Entities being drawn, metres until they become a drawing.
 struct Sheet {
-    entities: Vec<(usize, Shape, Option<(usize, &'static str)>)>,
+    entities: Vec<(usize, Shape, Option<Insert>)>,
     office: Office,
 }
 
@@ -293,7 +300,9 @@ fn shape_of(way: Arc) -> Shape {
 fn chords(shape: &Shape) -> Vec<DVec2> {
     let Shape::Arc { centre, radius, start_rad, end_rad } = shape else { return Vec::new() };
     let sweep = (end_rad - start_rad).rem_euclid(std::f64::consts::TAU);
-    let n = (sweep / 0.12).ceil().max(4.0) as usize;
+    // Within 5 mm, as CAD programs trace.
+    let step = 2.0 * (1.0 - 0.005 / radius).acos();
+    let n = (sweep / step).ceil().max(1.0) as usize;
     (0..=n).map(|k| *centre + DVec2::from_angle(start_rad + sweep * k as f64 / n as f64) * *radius).collect()
 }
 
@@ -434,15 +443,36 @@ fn faces(plan: &Plan, corners: &Corners, caps: bool, sheet: &mut Sheet) {
     }
 }
 
+/// Faces over the gaps, but for passages.
+fn through(plan: &Plan, corners: &Corners, sheet: &mut Sheet) {
+    let mut ways = sides(plan, corners);
+    for g in plan.gaps.iter().filter(|g| g.kind != Kind::Passage) {
+        let way = Arc::new(plan.nodes[g.nodes[0]], plan.nodes[g.nodes[1]], g.bulge);
+        for side in [-0.5, 0.5] {
+            let at = |s: f64| way.at(s) + way.ahead(s).perp() * g.thickness * side;
+            ways.push(way.beside(at(0.0), at(1.0)));
+        }
+    }
+    while let Some((i, j, joined)) = straight_on(&ways) {
+        ways[i] = joined;
+        ways.remove(j);
+    }
+    ways.into_iter().for_each(|w| sheet.way(0, w));
+    for ends in corners.around.iter().filter(|e| e.len() == 1) {
+        let [l, r] = corners.at[ends[0].0][ends[0].1];
+        sheet.way(0, Arc::new(l, r, 0.0));
+    }
+}
+
 fn straight_on(ways: &[Arc]) -> Option<(usize, usize, Arc)> {
     for (i, p) in ways.iter().enumerate() {
         for (j, q) in ways.iter().enumerate() {
             if i != j && p.is_line() && q.is_line() && p.length() > 1e-9 && q.length() > 1e-9 {
                 for (a, b) in [(p.a, p.b), (p.b, p.a)] {
                     for (c, d) in [(q.a, q.b), (q.b, q.a)] {
-                        let on = b.distance(c) < 1e-9
-                            && (b - a).normalize().dot((d - c).normalize()) > 1.0 - 1e-12;
-                        if on {
+                        let on =
+                            b.distance(c) < 1e-7 && (b - a).normalize().dot((d - c).normalize()) > 1.0 - 1e-9;
+                        if on && p.bulge == q.bulge {
                             return Some((i, j, Arc::new(a, d, 0.0)));
                         }
                     }

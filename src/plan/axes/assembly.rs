@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::carrier::Carrier;
+use super::evidence::Evidence;
 use super::near::Buckets;
 use super::runs::{Groups, Run};
 use super::spans::{self, Span};
@@ -10,7 +11,7 @@ use super::strips::Paired;
 use super::tolerances::{
     CROSSING_MIN_RAD, ERROR_GAP_M, LEAF_M, ONE_SIDED_GAP_M, OPENING_MAX_M, PASSAGE_MAX_M, THICKNESS_MAX_M,
 };
-use super::{AxisGraph, Drawn, FaceRef, Leftover, Role};
+use super::{AxisGraph, Drawn, Leftover, Role, cuts};
 
 /// Axes whose lines lie this near, with like thickness, are in one row.
 const ROW_M: f64 = 0.015;
@@ -34,13 +35,20 @@ pub struct Axis {
     pub span: Span,
     pub thickness: f64,
     pub role: Role,
-    /// Pieces on the positive and on the negative side of the carrier.
-    pub sides: [Vec<FaceRef>; 2],
-    pub inner: Vec<FaceRef>,
+    /// Indices of [`Drawn::faces`] on the positive and on the negative side of the carrier.
+    pub sides: [Vec<u32>; 2],
+    pub inner: Vec<u32>,
     /// Runs of the sides: what tells that a face goes on where the other is interrupted.
-    runs: Vec<u32>,
+    pub runs: Vec<u32>,
     /// Axes on one line have one row.
     pub row: usize,
+}
+
+impl Axis {
+    /// Whether a drawn face is a side or a layer of it.
+    pub fn has_face(&self, face: u32) -> bool {
+        self.sides.iter().flatten().chain(&self.inner).any(|f| *f == face)
+    }
 }
 
 /// A drawn line on a wall layer that is no face: a pane, a sill, a leaf, a jamb.
@@ -48,7 +56,7 @@ pub struct Axis {
 pub struct Spare {
     pub carrier: Carrier,
     pub span: Span,
-    pub faces: Vec<FaceRef>,
+    pub faces: Vec<u32>,
     pub is_cap: bool,
 }
 
@@ -68,29 +76,37 @@ pub fn axes(drawn: &Drawn, paired: Paired, out: &mut AxisGraph) -> Axes {
         out.statements.push("walls are drawn as single lines".into());
         out.thicknesses.clear();
     }
-    let mut axes = if is_single_lines { Vec::new() } else { strip_axes(drawn, &paired) };
-    let mut spares = Vec::new();
+    let mut axes = if is_single_lines { Vec::new() } else { strip_axes(&paired) };
+    let (mut spares, mut stood_in_rows) = (Vec::new(), Vec::new());
     for r in 0..paired.runs.len() {
-        single_axes(drawn, &paired, r, is_single_lines, &mut axes, &mut spares);
+        single_axes(&paired, r, is_single_lines, &mut axes, &mut spares, &mut stood_in_rows);
     }
     let mut axes = rows(axes);
     take_panes(&mut axes, &mut spares);
     fit_ends_to_caps(&mut axes, &spares);
+    let axes = cuts::cut(axes, &spares, &Evidence::new(drawn, &spares));
+    for f in stood_in_rows {
+        let reason = "it stands in a row of equal lines, such as treads of a stair";
+        out.leftovers.push(Leftover { face: drawn.face_ref(f), reason });
+    }
     note_leftovers(drawn, &axes, &spares, out);
     Axes { axes, spares }
 }
 
-fn strip_axes(drawn: &Drawn, paired: &Paired) -> Vec<Axis> {
+fn strip_axes(paired: &Paired) -> Vec<Axis> {
     let refs = |r: u32, carrier: &Carrier, span: Span| {
         let run = &paired.runs[r as usize];
-        refs_of(drawn, run, run.carrier.span_of(carrier, span))
+        faces_of(run, run.carrier.span_of(carrier, span))
     };
     let axis = |s: &super::strips::Strip| Axis {
         carrier: s.carrier,
         span: s.span,
         thickness: s.thickness,
         role: paired.runs[s.sides[0] as usize].role,
-        sides: s.sides.map(|r| refs(r, &s.carrier, s.span)),
+        sides: [0, 1].map(|k: usize| {
+            let all = std::iter::once(s.sides[k]).chain(s.more[k].iter().copied());
+            all.flat_map(|r| refs(r, &s.carrier, s.span)).collect()
+        }),
         inner: s.inner.iter().flat_map(|r| refs(*r, &s.carrier, s.span)).collect(),
         runs: s.sides.to_vec(),
         row: 0,
@@ -99,10 +115,9 @@ fn strip_axes(drawn: &Drawn, paired: &Paired) -> Vec<Axis> {
 }
 
 /// Drawn pieces of a run within a span of it.
-fn refs_of(drawn: &Drawn, run: &Run, span: Span) -> Vec<FaceRef> {
+fn faces_of(run: &Run, span: Span) -> Vec<u32> {
     let inside = run.faces.iter().filter(|(_, s)| spans::overlap(*s, span).is_some());
-    let mut out: Vec<FaceRef> =
-        inside.map(|(f, _)| (drawn.faces[*f as usize].wall, drawn.faces[*f as usize].part)).collect();
+    let mut out: Vec<u32> = inside.map(|(f, _)| *f).collect();
     out.sort_unstable();
     out.dedup();
     out
@@ -110,12 +125,12 @@ fn refs_of(drawn: &Drawn, run: &Run, span: Span) -> Vec<FaceRef> {
 
 /// What of a run no strip uses becomes an axis of its own, or a spare line.
 fn single_axes(
-    drawn: &Drawn,
     paired: &Paired,
     r: usize,
     is_single_lines: bool,
     axes: &mut Vec<Axis>,
     spares: &mut Vec<Spare>,
+    stood_in_rows: &mut Vec<u32>,
 ) {
     let run = &paired.runs[r];
     let is_cap = paired.is_cap[r] && !is_single_lines;
@@ -129,7 +144,11 @@ fn single_axes(
             () if is_between => PASSAGE_MAX_M,
             () => REMAINDER_MIN_M,
         };
-        let faces = refs_of(drawn, run, span);
+        let faces = faces_of(run, span);
+        if paired.in_row[r] {
+            stood_in_rows.extend(faces);
+            continue;
+        }
         if is_cap || is_leaf_swing(run) || spans::length(span) < least {
             if is_whole || is_between || is_cap {
                 spares.push(Spare { carrier: run.carrier, span, faces, is_cap });
@@ -315,16 +334,14 @@ fn fit_ends_to_caps(axes: &mut [Axis], spares: &[Spare]) {
 }
 
 fn note_leftovers(drawn: &Drawn, axes: &[Axis], spares: &[Spare], out: &mut AxisGraph) {
-    let mut used: Vec<FaceRef> =
-        axes.iter().flat_map(|a| a.sides.concat().into_iter().chain(a.inner.clone())).collect();
-    used.sort_unstable();
-    let mut spare: Vec<FaceRef> = spares.iter().flat_map(|s| s.faces.clone()).collect();
-    spare.sort_unstable();
+    let mut is_used = vec![false; drawn.faces.len()];
+    for f in axes.iter().flat_map(|a| a.sides.iter().flatten().chain(&a.inner)) {
+        is_used[*f as usize] = true;
+    }
     for f in spares.iter().filter(|s| !s.is_cap).flat_map(|s| &s.faces) {
-        if used.binary_search(f).is_err() {
-            out.leftovers
-                .push(Leftover { face: *f, reason: "it is short and no second face runs beside it" });
+        if !is_used[*f as usize] {
+            let reason = "it is short and no second face runs beside it";
+            out.leftovers.push(Leftover { face: drawn.face_ref(*f), reason });
         }
     }
-    debug_assert!(drawn.faces.len() >= spares.len().min(1));
 }

@@ -55,11 +55,6 @@ impl Carrier {
         }
     }
 
-    /// Point at `s`, moved by `offset` to the positive side.
-    pub fn beside(&self, s: f64, offset: f64) -> DVec2 {
-        self.at(s) + self.normal(s) * offset
-    }
-
     /// Where the foot of `p` lies.
     pub fn s_of(&self, p: DVec2) -> f64 {
         match *self {
@@ -84,14 +79,6 @@ impl Carrier {
         match *self {
             Self::Line { dir, .. } => dir,
             Self::Circle { radius, base_rad, .. } => DVec2::from_angle(base_rad + s / radius).perp(),
-        }
-    }
-
-    /// Unit vector to the positive side.
-    pub fn normal(&self, s: f64) -> DVec2 {
-        match *self {
-            Self::Line { dir, .. } => dir.perp(),
-            Self::Circle { radius, base_rad, .. } => DVec2::from_angle(base_rad + s / radius),
         }
     }
 
@@ -169,8 +156,9 @@ mod tests {
         let (c, span) = Carrier::of(&arc);
         assert!((span[1] - span[0] - 3.0).abs() < 1e-12);
         for s in [-1.4, 0.0, 1.1] {
-            assert!((c.s_of(c.beside(s, 0.2)) - s).abs() < 1e-12);
-            assert!((c.offset_of(c.beside(s, -0.2)) + 0.2).abs() < 1e-12);
+            let outwards = -c.tangent(s).perp();
+            assert!((c.s_of(c.at(s) + outwards * 0.2) - s).abs() < 1e-12);
+            assert!((c.offset_of(c.at(s) - outwards * 0.2) + 0.2).abs() < 1e-12);
         }
         let line = Carrier::line(DVec2::new(-9.0, 2.0), DVec2::new(9.0, 2.0));
         assert_eq!(line.crossings(&c).len(), 2);

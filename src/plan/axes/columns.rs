@@ -38,9 +38,12 @@ pub fn take(drawn: &Drawn, _out: &mut AxisGraph) -> (Vec<Column>, Vec<u32>) {
         faces.iter().for_each(|f| is_taken[*f as usize] = true);
         add(&mut out, column);
     }
-    for faces in boxes_of_lines(drawn, &is_taken) {
-        let Some(column) = column_of(drawn, &faces) else { continue };
-        faces.iter().for_each(|f| is_taken[*f as usize] = true);
+    for (faces, twins) in boxes_of_lines(drawn, &is_taken) {
+        let Some(mut column) = column_of(drawn, &faces) else { continue };
+        column
+            .faces
+            .extend(twins.iter().map(|f| (drawn.faces[*f as usize].wall, drawn.faces[*f as usize].part)));
+        faces.iter().chain(&twins).for_each(|f| is_taken[*f as usize] = true);
         add(&mut out, column);
     }
     let rest = (0..drawn.faces.len() as u32).filter(|f| !is_taken[*f as usize]).collect();
@@ -120,8 +123,11 @@ fn box_of(ring: &[DVec2]) -> Option<(f64, f64)> {
     best
 }
 
-/// Sets of lines that close small rings and meet nothing else; twins are with them.
-fn boxes_of_lines(drawn: &Drawn, is_taken: &[bool]) -> Vec<Vec<u32>> {
+/// A ring of lines, and lines drawn twice over it.
+type Ring = (Vec<u32>, Vec<u32>);
+
+/// Sets of lines that close small rings and meet nothing else.
+fn boxes_of_lines(drawn: &Drawn, is_taken: &[bool]) -> Vec<Ring> {
     let is_short = |f: &u32| {
         let face = &drawn.faces[*f as usize];
         !is_taken[*f as usize]
@@ -139,9 +145,9 @@ fn boxes_of_lines(drawn: &Drawn, is_taken: &[bool]) -> Vec<Vec<u32>> {
     for f in short {
         if !seen[f as usize]
             && let Some(ring) = box_from(drawn, &buckets, f)
-            && ring.iter().all(|r| !seen[*r as usize] && !is_taken[*r as usize])
+            && ring.0.iter().all(|r| !seen[*r as usize] && !is_taken[*r as usize])
         {
-            ring.iter().for_each(|r| seen[*r as usize] = true);
+            ring.0.iter().chain(&ring.1).for_each(|r| seen[*r as usize] = true);
             out.push(ring);
         }
     }
@@ -149,7 +155,7 @@ fn boxes_of_lines(drawn: &Drawn, is_taken: &[bool]) -> Vec<Vec<u32>> {
 }
 
 /// Walks from line to line until the ring closes after three to eight of them.
-fn box_from(drawn: &Drawn, buckets: &Buckets, first: u32) -> Option<Vec<u32>> {
+fn box_from(drawn: &Drawn, buckets: &Buckets, first: u32) -> Option<Ring> {
     let ends = |f: u32| drawn.faces[f as usize].path.ends();
     let is_twin = |f: u32, g: u32| {
         let (p, q) = (ends(f), ends(g));
@@ -167,7 +173,7 @@ fn box_from(drawn: &Drawn, buckets: &Buckets, first: u32) -> Option<Vec<u32>> {
             if !ends(g).iter().any(|e| e.distance(at) < ERROR_GAP_M) || g == last {
                 continue;
             }
-            if is_twin(last, g) || next.is_some_and(|n| is_twin(n, g)) {
+            if is_twin(last, g) || (g != first && is_twin(first, g)) || next.is_some_and(|n| is_twin(n, g)) {
                 twins.push(g);
             } else if next.is_some() {
                 return None;
@@ -176,7 +182,7 @@ fn box_from(drawn: &Drawn, buckets: &Buckets, first: u32) -> Option<Vec<u32>> {
             }
         }
         let next = next?;
-        if next == first {
+        if next == first || (ring.len() > 2 && is_twin(next, first)) {
             break;
         }
         if ring.contains(&next) || ring.len() >= 8 || drawn.faces[next as usize].is_closed {
@@ -192,5 +198,5 @@ fn box_from(drawn: &Drawn, buckets: &Buckets, first: u32) -> Option<Vec<u32>> {
     twins.retain(|t| !ring.contains(t));
     twins.sort_unstable();
     twins.dedup();
-    (ring.len() >= 3 && twins.is_empty()).then_some(ring)
+    (ring.len() >= 3).then_some((ring, twins))
 }

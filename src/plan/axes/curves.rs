@@ -6,7 +6,10 @@ use glam::DVec2;
 
 use super::carrier::Carrier;
 use super::runs::Loose;
-use super::tolerances::{CHORD_MAX_M, CHORD_TURN_MAX_RAD, CIRCLE_FIT_M, COLLINEAR_M, ZERO_M};
+use super::spans::Span;
+use super::tolerances::{
+    CHORD_MAX_M, CHORD_TURN_MAX_RAD, CIRCLE_FIT_M, COLLINEAR_M, OPENING_MAX_M, SAGITTA_MAX_M, ZERO_M,
+};
 use super::{Drawn, Path};
 
 /// Fewest chords of a curve; three of equal turn may be a bay window.
@@ -41,10 +44,34 @@ pub fn find(drawn: &Drawn, faces: Vec<u32>) -> Vec<Loose> {
     for chain in chains(&chords) {
         fit_chain(&chords, &chain, &mut used, &mut out);
     }
+    adopt(&chords, &mut used, &mut out);
     for ((f, [a, b]), _) in chords.iter().zip(&used).filter(|(_, used)| !**used) {
         out.push(Loose { faces: vec![*f], carrier: Carrier::line(*a, *b), span: [0.0, a.distance(*b)] });
     }
     out
+}
+
+/// Chords too few for a circle of their own that lie on one that was found: the rest of a wall beyond a
+/// window.
+fn adopt(chords: &[(u32, [DVec2; 2])], used: &mut [bool], out: &mut Vec<Loose>) {
+    let circles: Vec<(Carrier, Span)> =
+        out.iter().filter(|l| l.faces.len() >= CHORDS_MIN).map(|l| (l.carrier, l.span)).collect();
+    for (carrier, span) in circles {
+        let Carrier::Circle { centre, radius, .. } = carrier else { continue };
+        let near = |s: f64| s > span[0] - OPENING_MAX_M && s < span[1] + OPENING_MAX_M;
+        for (c, (f, [a, b])) in chords.iter().enumerate() {
+            let sagitta = carrier.offset_of(a.midpoint(*b));
+            if used[c]
+                || !near(carrier.s_of(*a))
+                || [a, b].iter().any(|p| carrier.offset_of(**p).abs() > COLLINEAR_M)
+                || !(-SAGITTA_MAX_M..=0.0).contains(&sagitta)
+            {
+                continue;
+            }
+            used[c] = true;
+            out.push(arc_of([centre.x, centre.y, radius], &[(*a, 0), (*b, 1)], vec![*f]));
+        }
+    }
 }
 
 /// A step of a chain: which chord, and whether it is walked from its second end.
@@ -200,7 +227,7 @@ fn circle_of(corners: &[(DVec2, usize)]) -> Option<[f64; 3]> {
     let (centre, radius) = (a + w, w.length());
     let fits = |p: DVec2, tolerance: f64| (p.distance(centre) - radius).abs() <= tolerance;
     let near = corners.iter().all(|(p, _)| fits(*p, CIRCLE_FIT_M))
-        && corners.windows(2).all(|p| fits(p[0].0.midpoint(p[1].0), 2.0 * CIRCLE_FIT_M));
+        && corners.windows(2).all(|p| fits(p[0].0.midpoint(p[1].0), SAGITTA_MAX_M));
     let turn: f64 = corners.windows(3).map(|p| (p[1].0 - p[0].0).angle_to(p[2].0 - p[1].0)).sum();
     (near && radius < RADIUS_MAX_M && turn.abs() > 0.05).then_some([centre.x, centre.y, radius])
 }

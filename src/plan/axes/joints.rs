@@ -9,12 +9,12 @@ use super::near::Buckets;
 use super::runs::Groups;
 use super::spans;
 use super::tolerances::{CROSSING_MIN_RAD, ERROR_GAP_M, NODE_MERGE_M, REACH_M, ZERO_M};
-use super::{AxisGraph, Edge, Node, NodeKind};
+use super::{AxisGraph, Drawn, Edge, Node, NodeKind};
 
 /// Furthest an axis is extended, however acute the corner.
 const REACH_MAX_M: f64 = 2.5;
 /// Contacts nearer than this share of the wall's thickness are one node.
-const MERGE_SHARE: f64 = 0.3;
+const MERGE_SHARE: f64 = 0.1;
 /// How far two ends may lie apart across, in shares of their half thicknesses, and still be one wall.
 const STEP_SHARE: f64 = 0.9;
 
@@ -50,7 +50,7 @@ pub struct Joined {
 }
 
 /// Joins axes to nodes and edges.
-pub fn join(all: &Axes, columns: Vec<Column>, out: &mut AxisGraph) -> Joined {
+pub fn join(drawn: &Drawn, all: &Axes, columns: Vec<Column>, out: &mut AxisGraph) -> Joined {
     let axes = &all.axes;
     let mut contacts = contacts(axes);
     contacts.extend(end_contacts(axes, &contacts));
@@ -81,7 +81,7 @@ pub fn join(all: &Axes, columns: Vec<Column>, out: &mut AxisGraph) -> Joined {
         }
     }
     for (a, met) in by_axis.into_iter().enumerate() {
-        add_axis(a, &axes[a], met, out, &mut joined);
+        add_axis(drawn, a, &axes[a], met, out, &mut joined);
     }
     for column in columns {
         let kind = NodeKind::Column(column.ring.clone());
@@ -89,12 +89,13 @@ pub fn join(all: &Axes, columns: Vec<Column>, out: &mut AxisGraph) -> Joined {
         joined.columns.push((out.nodes.len() as u32 - 1, column));
     }
     name_nodes(out);
-    add_caps(all, out);
+    add_caps(drawn, all, out);
     joined
 }
 
 /// Stations and edges of one axis.
 fn add_axis(
+    drawn: &Drawn,
     a: usize,
     axis: &Axis,
     met: Vec<(f64, u32, Option<usize>)>,
@@ -119,7 +120,7 @@ fn add_axis(
     stations.dedup_by_key(|s| s.1);
     let mut edges = Vec::new();
     for w in stations.windows(2) {
-        let edge = edge_of(axis, w[0], w[1]);
+        let edge = edge_of(drawn, axis, w[0], w[1]);
         edges.push(out.edges.len() as u32);
         out.edges.push(edge);
     }
@@ -127,21 +128,23 @@ fn add_axis(
     joined.edges.push(edges);
 }
 
-fn edge_of(axis: &Axis, from: (f64, u32), to: (f64, u32)) -> Edge {
+fn edge_of(drawn: &Drawn, axis: &Axis, from: (f64, u32), to: (f64, u32)) -> Edge {
     let bulge = match axis.carrier {
         Carrier::Line { .. } => 0.0,
         Carrier::Circle { radius, .. } => ((to.0 - from.0) / radius / 4.0).tan(),
     };
     // The positive side of a line is its left, that of a circle walked anticlockwise its right.
     let [left, right] = if axis.carrier.is_line() { [0, 1] } else { [1, 0] };
+    let span = [from.0, to.0];
+    let refs = |faces: &[u32]| drawn.refs(&drawn.along(faces, &axis.carrier, span));
     Edge {
         nodes: [from.1, to.1],
         thickness_m: axis.thickness,
         bulge,
         role: axis.role,
-        left: axis.sides[left].clone(),
-        right: axis.sides[right].clone(),
-        inner: axis.inner.clone(),
+        left: refs(&axis.sides[left]),
+        right: refs(&axis.sides[right]),
+        inner: refs(&axis.inner),
     }
 }
 
@@ -210,8 +213,8 @@ fn end_contacts(axes: &[Axis], crossings: &[Contact]) -> Vec<Contact> {
     }
     let mut out = Vec::new();
     for (i, a) in axes.iter().enumerate() {
-        for e in 0..2 {
-            let end = a.carrier.at(a.span[e]);
+        for (e, s) in a.span.iter().enumerate() {
+            let end = a.carrier.at(*s);
             for j in buckets.near(end - 0.5, end + 0.5) {
                 let b = &axes[j as usize];
                 if j as usize <= i || (is_met[i][e] && a.carrier.is_line() && b.carrier.is_line()) {
@@ -287,7 +290,7 @@ fn name_nodes(out: &mut AxisGraph) {
 }
 
 /// Caps belong to the end they close.
-fn add_caps(all: &Axes, out: &mut AxisGraph) {
+fn add_caps(drawn: &Drawn, all: &Axes, out: &mut AxisGraph) {
     let mut buckets = Buckets::new(1.0);
     for (i, n) in out.nodes.iter().enumerate() {
         buckets.add(i as u32, &[n.at]);
@@ -299,7 +302,7 @@ fn add_caps(all: &Axes, out: &mut AxisGraph) {
         let distance = |n: &u32| out.nodes[*n as usize].at.distance(middle);
         let nearest = near.filter(|n| distance(n) < reach).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         if let Some(n) = nearest {
-            out.nodes[n as usize].faces.extend(&cap.faces);
+            out.nodes[n as usize].faces.extend(drawn.refs(&cap.faces));
         }
     }
 }

@@ -15,10 +15,14 @@ mod assembly;
 mod carrier;
 mod columns;
 mod curves;
+mod cuts;
+mod evidence;
 mod joints;
 mod near;
 mod openings;
+mod rows;
 mod runs;
+mod solids;
 mod spans;
 mod strips;
 #[cfg(test)]
@@ -103,7 +107,8 @@ pub struct Face {
     pub path: Path,
     /// `Wall`, `LowWall`, `Glazing` or `Column`.
     pub role: Role,
-    /// Whether it belongs to a closed shape (polyline or circle).
+    /// Whether it belongs to a closed shape: a circle, a closed polyline, also one that is closed only by
+    /// its last vertex lying on its first.
     pub is_closed: bool,
 }
 
@@ -127,6 +132,35 @@ pub struct Drawn {
     pub faces: Vec<Face>,
     /// Other entities worth looking at.
     pub marks: Vec<Mark>,
+}
+
+impl Drawn {
+    fn face_ref(&self, face: u32) -> FaceRef {
+        let f = &self.faces[face as usize];
+        (f.wall, f.part)
+    }
+
+    /// References of faces, ascending, each once.
+    fn refs(&self, faces: &[u32]) -> Vec<FaceRef> {
+        let mut out: Vec<FaceRef> = faces.iter().map(|f| self.face_ref(*f)).collect();
+        out.sort_unstable();
+        out.dedup();
+        out
+    }
+
+    /// Those faces that run along part of a span of a carrier.
+    fn along(&self, faces: &[u32], carrier: &carrier::Carrier, span: spans::Span) -> Vec<u32> {
+        let is_along = |f: &&u32| {
+            let path = &self.faces[**f as usize].path;
+            if path.length_m() <= tolerances::ZERO_M {
+                return false;
+            }
+            let (own, s) = carrier::Carrier::of(path);
+            spans::overlap(carrier.span_of(&own, s), span)
+                .is_some_and(|o| spans::length(o) > tolerances::ZERO_M)
+        };
+        faces.iter().filter(is_along).copied().collect()
+    }
 }
 
 /// The pieces of a shape; `place` turns the shape's points into metres of a person (a similarity).
@@ -247,6 +281,9 @@ pub struct Opening {
     pub marks: Vec<u32>,
     /// Drawn wall pieces that lie in it: sills and panes on the wall layer.
     pub faces: Vec<FaceRef>,
+    /// Drawn wall pieces that run through it, because the wall was drawn without a gap: between the
+    /// jambs they are no wall.
+    pub through: Vec<FaceRef>,
 }
 
 /// One side of an opening.
@@ -306,10 +343,10 @@ impl AxisGraph {
         let (boxes, rest) = columns::take(drawn, &mut out);
         let rest = curves::find(drawn, rest);
         let runs = runs::merge(drawn, rest, &mut out);
-        let paired = strips::pair(runs);
+        let paired = strips::pair(drawn, runs);
         out.thicknesses.clone_from(&paired.thicknesses);
         let axes = assembly::axes(drawn, paired, &mut out);
-        let joined = joints::join(&axes, boxes, &mut out);
+        let joined = joints::join(drawn, &axes, boxes, &mut out);
         openings::find(drawn, &axes, &joined, &mut out);
         out.state();
         out

@@ -1,23 +1,18 @@
 //! Openings: gaps between wall ends, and what the drawing shows in them.
 
-use glam::DVec2;
+use std::collections::BTreeSet;
 
-use super::assembly::{Axes, Axis, Spare};
-use super::carrier::Carrier;
+use super::assembly::{Axes, Axis};
+use super::evidence::{BESIDE_M, Evidence, ordered};
 use super::joints::{FreeEnd, Joined};
 use super::near::Buckets;
-use super::spans::{self, Span};
 use super::tolerances::{
-    CROSSING_MIN_RAD, ERROR_GAP_M, LEAF_M, OPENING_MAX_M, OPENING_MIN_M, PASSAGE_MAX_M, SIDE_OPENING_MAX_M,
+    CROSSING_MIN_RAD, ERROR_GAP_M, OPENING_MAX_M, OPENING_MIN_M, PASSAGE_MAX_M, SIDE_OPENING_MAX_M,
 };
-use super::{AxisGraph, Drawn, FaceRef, Jamb, Mark, Opening, OpeningKind, Path, Role};
+use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind};
 
-/// How far beside the wall's faces something still lies in an opening.
-const BESIDE_M: f64 = 0.06;
-/// How far from a jamb a door leaf may turn.
-const HINGE_M: f64 = 0.15;
-/// Share of the gap that a window line runs along.
-const PANE_COVER: f64 = 0.6;
+/// A wall that ends in front of another's side leaves a passage only if it stands this square to it.
+const SQUARE_SIN: f64 = 0.97;
 
 /// What a gap ends at.
 struct Facing {
@@ -26,6 +21,8 @@ struct Facing {
     jamb: Jamb,
     /// The free end at the other side, by its place in the list of free ends.
     other: Option<usize>,
+    /// Whether the wall stands square to what it ends at.
+    is_square: bool,
 }
 
 /// Finds the openings.
@@ -47,7 +44,7 @@ pub fn find(drawn: &Drawn, all: &Axes, joined: &Joined, out: &mut AxisGraph) {
             out.see_through.extend(&o.faces);
         }
     }
-    let in_opening: Vec<FaceRef> = found.iter().flat_map(|o| o.faces.clone()).collect();
+    let in_opening: BTreeSet<FaceRef> = found.iter().flat_map(|o| o.faces.clone()).collect();
     out.leftovers.retain(|l| !in_opening.contains(&l.face));
     out.openings = found;
 }
@@ -55,19 +52,17 @@ pub fn find(drawn: &Drawn, all: &Axes, joined: &Joined, out: &mut AxisGraph) {
 struct Scene<'a> {
     drawn: &'a Drawn,
     axes: &'a [Axis],
-    spares: &'a [Spare],
     joined: &'a Joined,
     graph: &'a AxisGraph,
     axes_near: Buckets,
     ends_near: Buckets,
     columns_near: Buckets,
-    marks_near: Buckets,
-    spares_near: Buckets,
+    evidence: Evidence<'a>,
 }
 
 impl<'a> Scene<'a> {
     fn new(drawn: &'a Drawn, all: &'a Axes, joined: &'a Joined, graph: &'a AxisGraph) -> Self {
-        let mut near: [Buckets; 5] = [1.0, 1.0, 1.0, 1.0, 1.0].map(Buckets::new);
+        let mut near: [Buckets; 3] = [1.0, 1.0, 1.0].map(Buckets::new);
         for (i, a) in all.axes.iter().enumerate() {
             near[0].add(i as u32, &a.carrier.points(a.span));
         }
@@ -77,24 +72,16 @@ impl<'a> Scene<'a> {
         for (i, (_, c)) in joined.columns.iter().enumerate() {
             near[2].add(i as u32, &c.ring);
         }
-        for (i, m) in drawn.marks.iter().enumerate() {
-            m.paths.iter().for_each(|p| near[3].add(i as u32, &trace(p)));
-        }
-        for (i, s) in all.spares.iter().enumerate() {
-            near[4].add(i as u32, &s.carrier.points(s.span));
-        }
-        let [axes_near, ends_near, columns_near, marks_near, spares_near] = near;
+        let [axes_near, ends_near, columns_near] = near;
         Self {
             drawn,
             axes: &all.axes,
-            spares: &all.spares,
             joined,
             graph,
             axes_near,
             ends_near,
             columns_near,
-            marks_near,
-            spares_near,
+            evidence: Evidence::new(drawn, &all.spares),
         }
     }
 
@@ -137,7 +124,12 @@ impl<'a> Scene<'a> {
             && width > 0.0
             && a.carrier.offset_of(at).abs() <= half.max(ERROR_GAP_M)
             && out.dot(ahead) < -CROSSING_MIN_RAD.cos();
-        faces.then_some(Facing { width, jamb: Jamb { at, node: Some(g.node), edge: None }, other: Some(o) })
+        faces.then_some(Facing {
+            width,
+            jamb: Jamb { at, node: Some(g.node), edge: None },
+            other: Some(o),
+            is_square: true,
+        })
     }
 
     fn side_ahead(&self, f: &FreeEnd, other: u32) -> Option<Facing> {
@@ -157,11 +149,8 @@ impl<'a> Scene<'a> {
                 let k =
                     stations.windows(2).position(|w| t <= w[1].0).unwrap_or(edges.len().saturating_sub(1));
                 let at = a.carrier.at(a.span[f.end] + sign * width);
-                best = Some(Facing {
-                    width,
-                    jamb: Jamb { at, node: None, edge: edges.get(k).copied() },
-                    other: None,
-                });
+                let jamb = Jamb { at, node: None, edge: edges.get(k).copied() };
+                best = Some(Facing { width, jamb, other: None, is_square: sin > SQUARE_SIN });
             }
         }
         best
@@ -180,7 +169,7 @@ impl<'a> Scene<'a> {
             return None;
         }
         let at = a.carrier.at(a.span[f.end] + sign * width);
-        Some(Facing { width, jamb: Jamb { at, node: Some(*node), edge: None }, other: None })
+        Some(Facing { width, jamb: Jamb { at, node: Some(*node), edge: None }, other: None, is_square: true })
     }
 
     fn opening(&self, f: &FreeEnd, to: &Facing) -> Option<Opening> {
@@ -188,16 +177,21 @@ impl<'a> Scene<'a> {
         let s0 = a.span[f.end];
         let s1 = s0 + if f.end == 1 { to.width } else { -to.width };
         let gap = ordered(s0, s1);
-        let seen = self.look(a, gap);
+        let seen = self.evidence.look(&a.carrier, a.thickness, gap);
         let (kind, evidence) = seen.verdict();
         let limit = match (kind, to.other) {
             (OpeningKind::Passage, Some(_)) => PASSAGE_MAX_M,
-            (OpeningKind::Passage, None) => SIDE_OPENING_MAX_M,
+            (OpeningKind::Passage, None) if to.is_square && self.is_held(f) => SIDE_OPENING_MAX_M,
+            (OpeningKind::Passage, None) => 0.0,
             _ => OPENING_MAX_M,
         };
         if to.width > limit {
             return None;
         }
+        let other = to.other.map(|o| &self.axes[self.joined.free[o].axis as usize]);
+        let sides = a.sides.iter().flatten().chain(&a.inner);
+        let both = sides.filter(|f| other.is_some_and(|b| b.has_face(**f))).copied().collect::<Vec<u32>>();
+        let through = self.drawn.along(&both, &a.carrier, gap);
         Some(Opening {
             kind,
             centre: a.carrier.at((s0 + s1) / 2.0),
@@ -209,171 +203,13 @@ impl<'a> Scene<'a> {
             ],
             evidence,
             marks: seen.marks,
-            faces: seen.faces,
+            faces: self.drawn.refs(&seen.faces),
+            through: self.drawn.refs(&through),
         })
     }
 
-    /// What is drawn in a gap.
-    fn look(&self, a: &Axis, gap: Span) -> Seen {
-        let band = Band { carrier: a.carrier, gap, half: a.thickness / 2.0 };
-        let around = a.carrier.points(gap);
-        let mut seen = Seen::default();
-        for m in self.marks_near.along(&around, band.half + LEAF_M[1]) {
-            let mark = &self.drawn.marks[m as usize];
-            if seen.look_at(mark, &band) {
-                seen.marks.push(m);
-            }
-        }
-        let groups: Vec<u32> = seen.marks.iter().map(|m| self.drawn.marks[*m as usize].group).collect();
-        for m in self.marks_near.along(&around, band.half + 2.0 * LEAF_M[1]) {
-            if groups.contains(&self.drawn.marks[m as usize].group) {
-                seen.marks.push(m);
-            }
-        }
-        seen.marks.sort_unstable();
-        seen.marks.dedup();
-        for s in self.spares_near.along(&around, band.half + LEAF_M[1]) {
-            let spare = &self.spares[s as usize];
-            let path = path_of(spare);
-            let is_swing = band.has_swing(&path);
-            seen.swing |= is_swing;
-            seen.panes |= band.has_pane(&path) && !spare.is_cap;
-            if is_swing || (!spare.is_cap && band.holds(&path)) {
-                seen.faces.extend(&spare.faces);
-            }
-        }
-        seen.faces.sort_unstable();
-        seen.faces.dedup();
-        seen
-    }
-}
-
-fn ordered(a: f64, b: f64) -> Span {
-    [a.min(b), a.max(b)]
-}
-
-fn trace(path: &Path) -> Vec<DVec2> {
-    let (carrier, span) = Carrier::of(path);
-    if span[1] - span[0] < 1e-9 || !carrier.at(span[0]).is_finite() {
-        return vec![path.ends()[0]];
-    }
-    carrier.points(span)
-}
-
-fn path_of(spare: &Spare) -> Path {
-    let [a, b] = spare.span.map(|s| spare.carrier.at(s));
-    match spare.carrier {
-        Carrier::Line { .. } => Path::Line { a, b },
-        Carrier::Circle { centre, radius, base_rad } => Path::Arc {
-            centre,
-            radius,
-            start_rad: base_rad + spare.span[0] / radius,
-            sweep_rad: spans::length(spare.span) / radius,
-        },
-    }
-}
-
-/// The place of a gap in its wall.
-struct Band {
-    carrier: Carrier,
-    gap: Span,
-    half: f64,
-}
-
-impl Band {
-    /// Whether a point lies in the gap or at most `more` beside it.
-    fn has(&self, p: DVec2, more: f64) -> bool {
-        let s = self.carrier.s_of(p);
-        s > self.gap[0] - more
-            && s < self.gap[1] + more
-            && self.carrier.offset_of(p).abs() <= self.half + more
-    }
-
-    /// Whether the middle of a piece lies in the gap.
-    fn holds(&self, path: &Path) -> bool {
-        let points = trace(path);
-        let n = points.len() / 2;
-        let middle = if points.len() == 2 { points[0].midpoint(points[1]) } else { points[n] };
-        self.has(middle, ERROR_GAP_M)
-    }
-
-    /// A line along the wall through most of the gap.
-    fn has_pane(&self, path: &Path) -> bool {
-        let ends = path.ends();
-        if ends.iter().any(|e| self.carrier.offset_of(*e).abs() > self.half + ERROR_GAP_M) {
-            return false;
-        }
-        let s = ordered(self.carrier.s_of(ends[0]), self.carrier.s_of(ends[1]));
-        let shared = spans::overlap(s, self.gap).map_or(0.0, spans::length);
-        let is_straight = matches!(path, Path::Line { .. }) == self.carrier.is_line();
-        is_straight
-            && shared >= PANE_COVER * spans::length(self.gap)
-            && spans::length(s) < 1.6 * spans::length(self.gap)
-    }
-
-    /// An arc about a hinge at a jamb that closes the gap, alone or with its twin.
-    fn has_swing(&self, path: &Path) -> bool {
-        let Path::Arc { centre, radius, sweep_rad, .. } = *path else { return false };
-        let width = spans::length(self.gap);
-        let s = self.carrier.s_of(centre);
-        let at_jamb = self.gap.iter().any(|g| (g - s).abs() <= HINGE_M);
-        at_jamb
-            && self.carrier.offset_of(centre).abs() <= self.half + HINGE_M
-            && (0.3..3.2).contains(&sweep_rad)
-            && radius > 0.35 * width
-            && radius < 1.15 * width + 0.05
-    }
-}
-
-/// What was found in a gap.
-#[derive(Debug, Default)]
-struct Seen {
-    swing: bool,
-    door: Option<String>,
-    window: Option<String>,
-    panes: bool,
-    marks: Vec<u32>,
-    faces: Vec<FaceRef>,
-}
-
-impl Seen {
-    /// Takes a mark as evidence; whether it belongs to the opening.
-    fn look_at(&mut self, mark: &Mark, band: &Band) -> bool {
-        let swing = mark.paths.iter().any(|p| band.has_swing(p));
-        let inside = mark.paths.iter().any(|p| band.holds(p));
-        let panes = mark.paths.iter().any(|p| band.has_pane(p));
-        self.swing |= swing;
-        match mark.role {
-            Role::Door if inside || swing => self.door.get_or_insert(mark.word.clone()),
-            Role::Window | Role::Glazing if inside => self.window.get_or_insert(mark.word.clone()),
-            Role::Unknown if panes => {
-                self.panes = true;
-                return true;
-            }
-            _ => return swing || inside,
-        };
-        true
-    }
-
-    fn verdict(&self) -> (OpeningKind, String) {
-        let with = |what: &str, word: &str| {
-            if word.is_empty() { what.to_string() } else { format!("{what}: {word}") }
-        };
-        if let Some(word) = &self.door {
-            return (
-                OpeningKind::Door,
-                with(if self.swing { "door swing and layer or block" } else { "layer or block" }, word),
-            );
-        }
-        if self.swing {
-            return (OpeningKind::Door, "door swing".into());
-        }
-        if let Some(word) = &self.window {
-            return (OpeningKind::Window, with("layer or block", word));
-        }
-        if self.panes {
-            return (OpeningKind::Window, "lines along the wall between its jambs".into());
-        }
-        (OpeningKind::Passage, "nothing is drawn in the gap".into())
+    /// Whether the wall of a free end is joined to something at its other end.
+    fn is_held(&self, f: &FreeEnd) -> bool {
+        !self.joined.free.iter().any(|g| g.axis == f.axis && g.end != f.end)
     }
 }

@@ -6,9 +6,12 @@
 
 use glam::DVec2;
 
+use super::Drawn;
 use super::carrier::Carrier;
 use super::near::Buckets;
+use super::rows;
 use super::runs::Run;
+use super::solids::{Known, Solids};
 use super::spans::{self, Span};
 use super::tolerances::{
     COLLINEAR_M, ERROR_GAP_M, FINISH_MAX_M, LAYER_MAX_M, LAYERED_MAX_M, SKEW_RAD, THICKNESS_MAX_M,
@@ -23,6 +26,8 @@ const COMMON_SHARE: f64 = 0.08;
 const THICK_SHARE: f64 = 0.04;
 /// A layer follows at least this share of the wall beside it.
 const LAYER_COVER: f64 = 0.6;
+/// A layer is this even.
+const LAYER_EVEN_M: f64 = 0.006;
 /// Circles whose centres are nearer than this are concentric.
 const CONCENTRIC_M: f64 = 0.06;
 /// A stub of wall is at least this long for its thickness.
@@ -40,6 +45,8 @@ pub struct Strip {
     pub thickness: f64,
     /// Runs on the positive and on the negative side of the carrier.
     pub sides: [u32; 2],
+    /// Further runs of the positive and of the negative side.
+    pub more: [Vec<u32>; 2],
     /// Runs between them.
     pub inner: Vec<u32>,
 }
@@ -53,24 +60,39 @@ pub struct Paired {
     pub used: Vec<Vec<Span>>,
     /// Runs that close a strip's end or lie across it.
     pub is_cap: Vec<bool>,
+    /// Runs that stand in rows of equal lines.
+    pub in_row: Vec<bool>,
     pub thicknesses: Vec<(f64, f64)>,
 }
 
 /// The space between two neighbouring runs, `i` with `j` on its side `side[0]` (0 positive, 1 negative).
 #[derive(Clone, Debug)]
-struct Cell {
-    runs: [u32; 2],
-    side: [usize; 2],
+pub struct Cell {
+    pub runs: [u32; 2],
+    pub side: [usize; 2],
     /// On the first run.
-    span: Span,
-    t: f64,
+    pub span: Span,
+    pub t: f64,
+    /// What closed outlines say of it.
+    known: Known,
 }
 
 /// Finds the strips of wall among runs.
-pub fn pair(runs: Vec<Run>) -> Paired {
-    let cells = cells(&runs);
+pub fn pair(drawn: &Drawn, runs: Vec<Run>) -> Paired {
+    let mut cells = cells(&runs);
+    let lengths: Vec<f64> = runs.iter().map(Run::length).collect();
+    let in_row = rows::find(&lengths, &cells);
+    cells.retain(|c| c.runs.iter().all(|r| !in_row[*r as usize]));
+    let solids = Solids::new(drawn);
+    for c in &mut cells {
+        c.known = known_of(&solids, drawn, &runs, c);
+    }
+    cells.retain(|c| c.known != Known::Air || c.t <= ERROR_GAP_M);
     let mut choice = Choice::new(&runs, &cells);
     let order = choice.order();
+    for c in order.iter().filter(|c| cells[**c].known == Known::Wall) {
+        choice.take(*c, STUB_ASPECT);
+    }
     for c in order.iter().filter(|c| spans::length(cells[**c].span) >= cells[**c].t) {
         choice.take(*c, 1.0);
     }
@@ -85,7 +107,7 @@ pub fn pair(runs: Vec<Run>) -> Paired {
     let strips: Vec<Strip> = made.iter().map(|m| strip_of(&runs, m)).collect();
     let used = used.into_iter().map(|[a, b]| a.into_iter().chain(b).collect()).collect();
     let thicknesses = thicknesses(&strips);
-    Paired { runs, strips, used, is_cap, thicknesses }
+    Paired { runs, strips, used, is_cap, in_row, thicknesses }
 }
 
 fn cells(runs: &[Run]) -> Vec<Cell> {
@@ -119,6 +141,14 @@ fn cells(runs: &[Run]) -> Vec<Cell> {
     out
 }
 
+fn known_of(solids: &Solids, drawn: &Drawn, runs: &[Run], c: &Cell) -> Known {
+    let [p, q] = c.runs.map(|r| &runs[r as usize]);
+    let s = (c.span[0] + c.span[1]) / 2.0;
+    let here = p.carrier.at(s);
+    let there = q.carrier.s_of(here);
+    solids.between(drawn, here.midpoint(q.carrier.at(there)), [(p, s), (q, there)])
+}
+
 fn facing_cell(i: u32, p: &Run, j: u32, q: &Run) -> Option<Cell> {
     if p.role != q.role {
         return None;
@@ -146,7 +176,7 @@ fn facing_cell(i: u32, p: &Run, j: u32, q: &Run) -> Option<Cell> {
     }
     let back = q.carrier.offset_of(p.carrier.at(middle));
     let side = [usize::from(offset < 0.0), usize::from(back < 0.0)];
-    Some(Cell { runs: [i, j], side, span, t: offset.abs() })
+    Some(Cell { runs: [i, j], side, span, t: offset.abs(), known: Known::Nothing })
 }
 
 /// A strip as chosen: outer runs with the side on which the strip lies.
@@ -158,6 +188,8 @@ struct Made {
     base: u32,
     span: Span,
     inner: Vec<u32>,
+    /// Further runs of each side, where layers are interrupted.
+    more: [Vec<u32>; 2],
     t: f64,
 }
 
@@ -254,7 +286,15 @@ impl<'a> Choice<'a> {
 
     fn make(&mut self, cell: &Cell, span: Span) {
         let [i, j] = cell.runs;
-        let mut made = Made { runs: cell.runs, side: cell.side, base: i, span, inner: Vec::new(), t: cell.t };
+        let mut made = Made {
+            runs: cell.runs,
+            side: cell.side,
+            base: i,
+            span,
+            inner: Vec::new(),
+            more: Default::default(),
+            t: cell.t,
+        };
         let there = self.on(i, span, j);
         self.wall[i as usize][cell.side[0]].push(span);
         self.wall[j as usize][cell.side[1]].push(there);
@@ -262,39 +302,61 @@ impl<'a> Choice<'a> {
         self.made.push(made);
     }
 
-    /// Takes in a layer beside the strip, up to `max_m` thick, with nothing of wall behind it.
+    /// Takes in a layer beside the strip, up to `max_m` thick, with nothing of wall behind it. The layer
+    /// may be interrupted, so that several runs bound it.
     fn grow(&mut self, made: &mut Made, max_m: f64) -> bool {
         for k in 0..2 {
-            let edge = made.runs[k];
-            let here = self.on(made.base, made.span, edge);
-            for c in self.beside[edge as usize][1 - made.side[k]].clone() {
-                let cell = &self.cells[c as usize];
-                let me = usize::from(cell.runs[1] == edge);
-                let far = cell.runs[1 - me];
-                let beside = if me == 0 { cell.span } else { self.on(cell.runs[0], cell.span, edge) };
-                let shared = spans::overlap(beside, here).map_or(0.0, spans::length);
-                let far_span = self.on(made.base, made.span, far);
-                let far_is_free = self.wall[far as usize]
-                    .iter()
-                    .all(|w| w.iter().all(|s| spans::overlap(*s, far_span).is_none()));
-                if cell.t > max_m
-                    || made.t + cell.t > LAYERED_MAX_M
-                    || shared < LAYER_COVER * spans::length(here)
-                    || !far_is_free
-                {
-                    continue;
-                }
-                let far_side = cell.side[1 - me];
-                let t = cell.t;
-                self.wall[far as usize][far_side].push(far_span);
-                made.inner.push(edge);
-                made.runs[k] = far;
-                made.side[k] = far_side;
-                made.t += t;
-                return true;
+            let edges: Vec<u32> = std::iter::once(made.runs[k]).chain(made.more[k].iter().copied()).collect();
+            let mut layer: Vec<(f64, f64, u32, usize)> = Vec::new();
+            for edge in &edges {
+                self.layers_at(made, *edge, made.side[k], max_m, &mut layer);
             }
+            layer.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
+            let Some(t) = layer.first().map(|l| l.0) else { continue };
+            layer.retain(|l| l.0 - t < LAYER_EVEN_M);
+            let shared: f64 = layer.iter().map(|l| l.1).sum();
+            if shared < LAYER_COVER * spans::length(made.span) {
+                continue;
+            }
+            layer.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.2.cmp(&b.2)));
+            for l in &layer {
+                let there = self.on(made.base, made.span, l.2);
+                self.wall[l.2 as usize][l.3].push(there);
+            }
+            made.inner.extend(edges);
+            (made.runs[k], made.side[k]) = (layer[0].2, layer[0].3);
+            made.more[k] = layer[1..].iter().map(|l| l.2).collect();
+            made.t += t;
+            return true;
         }
         false
+    }
+
+    /// Layers beyond one run of a strip: thickness, shared length, far run, its side.
+    fn layers_at(
+        &self,
+        made: &Made,
+        edge: u32,
+        side: usize,
+        max_m: f64,
+        out: &mut Vec<(f64, f64, u32, usize)>,
+    ) {
+        let here = self.on(made.base, made.span, edge);
+        for c in &self.beside[edge as usize][1 - side] {
+            let cell = &self.cells[*c as usize];
+            let me = usize::from(cell.runs[1] == edge);
+            let far = cell.runs[1 - me];
+            let beside = if me == 0 { cell.span } else { self.on(cell.runs[0], cell.span, edge) };
+            let Some(shared) = spans::overlap(beside, here) else { continue };
+            let there = self.on(edge, shared, far);
+            let is_free = |w: &Vec<Span>| w.iter().all(|s| spans::overlap(*s, there).is_none());
+            if cell.t <= max_m
+                && made.t + cell.t <= LAYERED_MAX_M
+                && self.wall[far as usize].iter().all(is_free)
+            {
+                out.push((cell.t, spans::length(shared), far, cell.side[1 - me]));
+            }
+        }
     }
 
     fn add_layers(&mut self) {
@@ -310,7 +372,9 @@ impl<'a> Choice<'a> {
         for c in 0..self.cells.len() {
             let cell = self.cells[c].clone();
             let is_pane = (PANE_MIN_M..THICKNESS_MIN_M).contains(&cell.t);
-            if is_pane && cell.runs.iter().all(|r| !self.is_cap[*r as usize]) {
+            let is_free =
+                |r: &u32| !self.is_cap[*r as usize] && self.wall[*r as usize].iter().all(Vec::is_empty);
+            if is_pane && cell.runs.iter().all(is_free) {
                 for span in self.open(&cell) {
                     if spans::length(span) >= PANE_LENGTH_M {
                         self.make(&cell, span);
@@ -367,7 +431,9 @@ fn strip_of(runs: &[Run], made: &Made) -> Strip {
     let upper = carrier.offset_of(foot(&p, middle)) > 0.0;
     let sides = if upper { made.runs } else { [made.runs[1], made.runs[0]] };
     let thickness = foot(&p, middle).distance(foot(&q, middle));
-    Strip { carrier, span, thickness, sides, inner: made.inner.clone() }
+    let [a, b] = made.more.clone();
+    let more = if upper { [a, b] } else { [b, a] };
+    Strip { carrier, span, thickness, sides, more, inner: made.inner.clone() }
 }
 
 /// Thicknesses with how much wall has them; what differs by less than a centimetre is one.

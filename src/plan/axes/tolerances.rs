@@ -54,7 +54,7 @@ pub const PASSAGE_MAX_M: f64 = 3.0;
 pub const OPENING_MAX_M: f64 = 8.0;
 
 /// Widest opening between a wall's end and another wall's side.
-pub const SIDE_OPENING_MAX_M: f64 = 1.6;
+pub const SIDE_OPENING_MAX_M: f64 = 1.3;
 
 /// Largest side of a column.
 pub const COLUMN_MAX_M: f64 = 1.5;
@@ -68,8 +68,11 @@ pub const CHORD_MAX_M: f64 = 1.6;
 /// Largest turn between two chords of a traced curve (a circle of twelve chords).
 pub const CHORD_TURN_MAX_RAD: f64 = 0.56;
 
-/// How far a traced curve may lie from the circle fitted to it.
+/// How far a traced curve's corners may lie from the circle fitted to them.
 pub const CIRCLE_FIT_M: f64 = 0.006;
+
+/// How far a traced curve's chords may lie from the circle: coarse tracing.
+pub const SAGITTA_MAX_M: f64 = 0.025;
 
 /// Radii of door leaves.
 pub const LEAF_M: [f64; 2] = [0.4, 1.4];
