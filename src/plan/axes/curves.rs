@@ -1,10 +1,9 @@
 //! Curves that were traced by chords: arcs fitted to chains of short pieces.
 
-use std::collections::HashMap;
-
 use glam::DVec2;
 
 use super::carrier::Carrier;
+use super::near::Squares;
 use super::runs::Loose;
 use super::spans::Span;
 use super::tolerances::{
@@ -84,7 +83,7 @@ fn point(chords: &[(u32, [DVec2; 2])], (c, turned): Step, end: usize) -> DVec2 {
 /// Ends of chords by place.
 struct Ends<'a> {
     chords: &'a [(u32, [DVec2; 2])],
-    squares: HashMap<[i64; 2], Vec<(usize, usize)>>,
+    squares: Squares<(usize, usize)>,
 }
 
 impl<'a> Ends<'a> {
@@ -93,7 +92,7 @@ impl<'a> Ends<'a> {
     }
 
     fn new(chords: &'a [(u32, [DVec2; 2])]) -> Self {
-        let mut squares: HashMap<[i64; 2], Vec<(usize, usize)>> = HashMap::new();
+        let mut squares: Squares<(usize, usize)> = Squares::default();
         for (i, (_, ends)) in chords.iter().enumerate() {
             for (e, p) in ends.iter().enumerate() {
                 squares.entry(Self::key(*p)).or_default().push((i, e));
