@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::carrier::Carrier;
-use super::near::Squares;
+use super::near::{Buckets, Squares};
 use super::runs::Loose;
 use super::spans::Span;
 use super::tolerances::{
@@ -55,13 +55,19 @@ pub fn find(drawn: &Drawn, faces: Vec<u32>) -> Vec<Loose> {
 fn adopt(chords: &[(u32, [DVec2; 2])], used: &mut [bool], out: &mut Vec<Loose>) {
     let circles: Vec<(Carrier, Span)> =
         out.iter().filter(|l| l.faces.len() >= CHORDS_MIN).map(|l| (l.carrier, l.span)).collect();
+    let mut places = Buckets::new(CHORD_MAX_M);
+    for (c, (_, [a, b])) in chords.iter().enumerate() {
+        places.add(c as u32, &[a.midpoint(*b)]);
+    }
     for (carrier, span) in circles {
         let Carrier::Circle { centre, radius, .. } = carrier else { continue };
-        let near = |s: f64| s > span[0] - OPENING_MAX_M && s < span[1] + OPENING_MAX_M;
-        for (c, (f, [a, b])) in chords.iter().enumerate() {
+        let half_turn = std::f64::consts::PI * radius;
+        let around = [(span[0] - OPENING_MAX_M).max(-half_turn), (span[1] + OPENING_MAX_M).min(half_turn)];
+        for c in places.along(&carrier.points(around), CHORD_MAX_M / 2.0) {
+            let c = c as usize;
+            let (f, [a, b]) = &chords[c];
             let sagitta = carrier.offset_of(a.midpoint(*b));
             if used[c]
-                || !near(carrier.s_of(*a))
                 || [a, b].iter().any(|p| carrier.offset_of(**p).abs() > COLLINEAR_M)
                 || !(-SAGITTA_MAX_M..=0.0).contains(&sagitta)
             {
