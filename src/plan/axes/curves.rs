@@ -1,10 +1,9 @@
 //! Curves that were traced by chords: arcs fitted to chains of short pieces.
 
-use std::collections::HashMap;
-
 use glam::DVec2;
 
 use super::carrier::Carrier;
+use super::near::{Buckets, Squares};
 use super::runs::Loose;
 use super::spans::Span;
 use super::tolerances::{
@@ -56,13 +55,19 @@ pub fn find(drawn: &Drawn, faces: Vec<u32>) -> Vec<Loose> {
 fn adopt(chords: &[(u32, [DVec2; 2])], used: &mut [bool], out: &mut Vec<Loose>) {
     let circles: Vec<(Carrier, Span)> =
         out.iter().filter(|l| l.faces.len() >= CHORDS_MIN).map(|l| (l.carrier, l.span)).collect();
+    let mut places = Buckets::new(CHORD_MAX_M);
+    for (c, (_, [a, b])) in chords.iter().enumerate() {
+        places.add(c as u32, &[a.midpoint(*b)]);
+    }
     for (carrier, span) in circles {
         let Carrier::Circle { centre, radius, .. } = carrier else { continue };
-        let near = |s: f64| s > span[0] - OPENING_MAX_M && s < span[1] + OPENING_MAX_M;
-        for (c, (f, [a, b])) in chords.iter().enumerate() {
+        let half_turn = std::f64::consts::PI * radius;
+        let around = [(span[0] - OPENING_MAX_M).max(-half_turn), (span[1] + OPENING_MAX_M).min(half_turn)];
+        for c in places.along(&carrier.points(around), CHORD_MAX_M / 2.0) {
+            let c = c as usize;
+            let (f, [a, b]) = &chords[c];
             let sagitta = carrier.offset_of(a.midpoint(*b));
             if used[c]
-                || !near(carrier.s_of(*a))
                 || [a, b].iter().any(|p| carrier.offset_of(**p).abs() > COLLINEAR_M)
                 || !(-SAGITTA_MAX_M..=0.0).contains(&sagitta)
             {
@@ -84,7 +89,7 @@ fn point(chords: &[(u32, [DVec2; 2])], (c, turned): Step, end: usize) -> DVec2 {
 /// Ends of chords by place.
 struct Ends<'a> {
     chords: &'a [(u32, [DVec2; 2])],
-    squares: HashMap<[i64; 2], Vec<(usize, usize)>>,
+    squares: Squares<(usize, usize)>,
 }
 
 impl<'a> Ends<'a> {
@@ -93,7 +98,7 @@ impl<'a> Ends<'a> {
     }
 
     fn new(chords: &'a [(u32, [DVec2; 2])]) -> Self {
-        let mut squares: HashMap<[i64; 2], Vec<(usize, usize)>> = HashMap::new();
+        let mut squares: Squares<(usize, usize)> = Squares::default();
         for (i, (_, ends)) in chords.iter().enumerate() {
             for (e, p) in ends.iter().enumerate() {
                 squares.entry(Self::key(*p)).or_default().push((i, e));

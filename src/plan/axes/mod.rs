@@ -18,6 +18,8 @@ mod curves;
 mod cuts;
 mod evidence;
 mod joints;
+#[cfg(test)]
+mod limits_tests;
 mod near;
 mod openings;
 mod rows;

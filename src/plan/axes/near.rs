@@ -1,14 +1,41 @@
 //! Things by place: a grid of square buckets.
 
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 use glam::DVec2;
+
+/// Squares of a grid to what lies in them. Looked up, never iterated.
+pub type Squares<T> = HashMap<[i64; 2], Vec<T>, BuildHasherDefault<Mix>>;
+
+/// A quick hash of square numbers, which nobody outside chooses with malice beyond slowness.
+#[derive(Debug, Default)]
+pub struct Mix(u64);
+
+impl Hasher for Mix {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for chunk in bytes.chunks(8) {
+            let mut word = [0; 8];
+            word[..chunk.len()].copy_from_slice(chunk);
+            self.write_u64(u64::from_le_bytes(word));
+        }
+    }
+
+    fn write_u64(&mut self, word: u64) {
+        let mixed = (self.0 ^ word).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        self.0 = mixed ^ (mixed >> 29);
+    }
+}
 
 /// Ids by the squares their paths pass through. Looked up, never iterated.
 #[derive(Debug, Default)]
 pub struct Buckets {
     size_m: f64,
-    squares: HashMap<[i64; 2], Vec<u32>>,
+    squares: Squares<u32>,
 }
 
 /// Most squares of one query; beyond it the query is not local and the caller looks at less.
@@ -17,7 +44,7 @@ const SQUARES_MAX: i64 = 1 << 16;
 impl Buckets {
     /// Empty, with squares of `size_m`.
     pub fn new(size_m: f64) -> Self {
-        Self { size_m, squares: HashMap::new() }
+        Self { size_m, squares: Squares::default() }
     }
 
     fn square(&self, p: DVec2) -> [i64; 2] {

@@ -69,7 +69,7 @@ impl Solids {
             return Known::Wall;
         }
         let all_solid = walls.iter().all(|w| !w.is_empty() && w.iter().all(|w| self.rings.contains_key(w)));
-        if all_solid && !walls.iter().flatten().any(|w| holds(w)) { Known::Air } else { Known::Nothing }
+        if all_solid && !walls.iter().flatten().any(holds) { Known::Air } else { Known::Nothing }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 
 /// Lines of a wall each.
-fn lines(all: &[[f64; 4]]) -> Drawn {
+pub fn lines(all: &[[f64; 4]]) -> Drawn {
     let face = |(i, l): (usize, &[f64; 4])| Face {
         wall: i as u32,
         part: 0,
@@ -78,7 +78,7 @@ fn through() -> Drawn {
     ])
 }
 
-fn mark(path: Path, role: Role) -> Mark {
+pub fn mark(path: Path, role: Role) -> Mark {
     Mark { paths: vec![path], role, group: 0, word: String::new() }
 }
 
