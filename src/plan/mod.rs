@@ -23,7 +23,6 @@ pub mod units;
 pub mod view_names;
 pub mod views;
 
-
 use glam::DVec2;
 
 use crate::report::{Error, Place, Report};
