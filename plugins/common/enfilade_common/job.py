@@ -116,7 +116,7 @@ def _study_file(job: Job) -> Dict[str, Any]:
 def _outline(data: Dict[str, Any]) -> Outline:
     stations = data["stations"] and tuple(Station(**s) for s in data["stations"])
     points = [(float(x), float(y)) for x, y in data["points"]]
-    return Outline(data["owner"], data["piece"], points, stations or None)
+    return Outline(data["owner"], data["piece"], points, stations or None, data["first"])
 
 
 def drawing_text(study: Study, plan: Plan) -> str:
@@ -127,7 +127,7 @@ def drawing_text(study: Study, plan: Plan) -> str:
     for outline in plan.outlines:
         layer = "A-COLS" if outline.owner in columns else "A-WALL"
         ids = (outline.host_id, labels[outline.owner])
-        out.polyline(layer, outline.points, outline.is_closed, ids)
+        out.polyline(layer, outline.written(), outline.is_closed, ids)
     for wall in study.walls:
         for o in () if wall.rings else wall.openings:
             layer = "A-GLAZ" if o.kind == "window" else "A-DOOR"

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Dict, List, Set, Tuple
 
 from .model import Clause, Column, Movable, Opening, Study, Wall, number
-from .outlines import Outline, keep_apart, study_outlines
+from .outlines import Outline, begin_outside, keep_apart, study_outlines
 from .plane import Point, centroid, cross, direction, distance, distance_to_segment, dot, plus, turn_about
 
 #: What a stretched piece of wall always keeps of its length, mm.
@@ -55,6 +55,7 @@ def plan_of(study: Study) -> Plan:
     tables = _door_tables(study, outlines) + _group_tables(study, outlines, notes)
     _clamp(study, tables, outlines, notes)
     keep_apart(outlines, _moves_of(tables, outlines))
+    begin_outside(outlines)
     return Plan(outlines, tables, notes)
 
 

@@ -9,13 +9,16 @@ from dataclasses import dataclass
 from typing import List, Optional, Tuple
 
 from .model import Study, Wall
-from .plane import Point, direction, distance, dot, left_of, plus
+from .plane import Point, direction, distance, dot, is_inside, left_of, plus
 
 #: Pieces shorter than this are left out, mm.
 PIECE_MIN_MM = 1.0
 
 #: The program takes drawn points nearer than 1 mm for one; ours keep this far apart where they move apart.
 APART_MM = 1.5
+
+#: Cell of the grid in which corners are looked up, mm.
+CELL_MM = 2000.0
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,18 @@ class Outline:
     piece: int
     points: List[Point]
     stations: Optional[Tuple[Station, Station]] = None
+    #: Which corner is written first.
+    first: int = 0
+
+    def written(self, points: Optional[List[Point]] = None) -> List[Point]:
+        """The corners (or ``points`` in their place) in the order of the file."""
+        points = self.points if points is None else points
+        return points[self.first :] + points[: self.first]
+
+    def unwritten(self, points: List[Point]) -> List[Point]:
+        """Points in the order of the file back in the order of :attr:`points`."""
+        back = len(points) - self.first
+        return points[back:] + points[:back]
 
     @property
     def host_id(self) -> str:
@@ -60,10 +75,17 @@ def study_outlines(study: Study) -> List[Outline]:
     """All outlines in the order in which they are written."""
     out: List[Outline] = []
     for wall in study.walls:
-        out.extend(wall_outlines(wall, study.wishes.level))
+        out.extend(wall_outlines(wall, windows_are_gaps(study)))
     for column in study.columns:
         out.append(Outline(column.id, 0, snapped(column.ring)))
     return out
+
+
+def windows_are_gaps(study: Study) -> bool:
+    """Whether windows are cut out: at eye level, where both regions are drawn. Without them the program
+    looks for the interior, and would take a room with a wide window for outdoors."""
+    kinds = {r.kind for r in study.regions}
+    return study.wishes.level == "eye" and {"query", "reference"} <= kinds
 
 
 def snapped(points: List[Point]) -> List[Point]:
@@ -71,8 +93,8 @@ def snapped(points: List[Point]) -> List[Point]:
     return [(round(x, 3) + 0.0, round(y, 3) + 0.0) for x, y in points]
 
 
-def wall_outlines(wall: Wall, level: str = "eye") -> List[Outline]:
-    """Quads of a wall, or its free outlines. At knee level windows are not cut out."""
+def wall_outlines(wall: Wall, with_windows: bool = True) -> List[Outline]:
+    """Quads of a wall, or its free outlines; ``with_windows`` cuts windows out as it does doors."""
     if wall.rings:
         return [Outline(wall.id, i, snapped(ring)) for i, ring in enumerate(wall.rings)]
     points = wall.corners()
@@ -82,7 +104,7 @@ def wall_outlines(wall: Wall, level: str = "eye") -> List[Outline]:
         length = distance(a, b)
         if length == 0.0:
             continue
-        for begin, end, stations in _pieces(wall, i, begun, length, level):
+        for begin, end, stations in _pieces(wall, i, begun, length, with_windows):
             if end - begin < PIECE_MIN_MM:
                 continue
             (left_begin, right_begin), (left_end, right_end) = (
@@ -94,9 +116,9 @@ def wall_outlines(wall: Wall, level: str = "eye") -> List[Outline]:
     return out
 
 
-def _pieces(wall: Wall, segment: int, begun: float, length: float, level: str):
+def _pieces(wall: Wall, segment: int, begun: float, length: float, with_windows: bool):
     """Solid pieces ``(begin, end, stations)`` of one axis segment, measured from the segment's start."""
-    cuts = sorted((o for o in wall.openings if o.kind != "window" or level == "eye"), key=lambda o: o.start)
+    cuts = sorted((o for o in wall.openings if o.kind != "window" or with_windows), key=lambda o: o.start)
     at, first = 0.0, Station("corner", segment)
     out = []
     for o in cuts:
@@ -157,6 +179,31 @@ def keep_apart(outlines: List[Outline], moves_of: List[List[frozenset]]) -> int:
             outline.points[c] = snapped([plus(outline.points[c], towards, APART_MM)])[0]
             shifted += 1
     return shifted
+
+
+def begin_outside(outlines: List[Outline]) -> None:
+    """Lets every ring begin at a corner that lies in no other ring. The program takes a ring in which
+    another begins for walls round a room; where walls overlap at a corner, both are solid."""
+    boxes = []
+    cells: dict = {}
+    for i, outline in enumerate(outlines):
+        xs, ys = [p[0] for p in outline.points], [p[1] for p in outline.points]
+        boxes.append((min(xs), min(ys), max(xs), max(ys)))
+        for c, p in enumerate(outline.points):
+            cells.setdefault((int(p[0] // CELL_MM), int(p[1] // CELL_MM)), []).append((i, c))
+    covered = set()
+    for j, (x0, y0, x1, y1) in enumerate(boxes):
+        if not outlines[j].is_closed:
+            continue
+        for kx in range(int(x0 // CELL_MM), int(x1 // CELL_MM) + 1):
+            for ky in range(int(y0 // CELL_MM), int(y1 // CELL_MM) + 1):
+                for i, c in cells.get((kx, ky), ()):
+                    if i != j and is_inside(outlines[j].points, outlines[i].points[c]):
+                        covered.add((i, c))
+    for i, outline in enumerate(outlines):
+        if outline.is_closed:
+            free = (c for c in range(len(outline.points)) if (i, c) not in covered)
+            outline.first = next(free, 0)
 
 
 def _outward(outline: Outline, corner: int) -> Point:

@@ -1,5 +1,6 @@
 """Reading a round: options with their numbers, and where every wall of the host stands in them."""
 
+import colorsys
 import json
 import math
 import os
@@ -166,7 +167,7 @@ def layout(job: Job, option: Option) -> List[Change]:
         outline = outlines.get(id)
         if outline is None:
             raise PluginError(f"Option {option.number} moves an element {id!r} that this study never wrote.")
-        before, to = _millimetres(change["from"]), _millimetres(change["to"])
+        before, to = (outline.unwritten(_millimetres(change[k])) for k in ("from", "to"))
         if len(before) != len(outline.points) or len(to) != len(before):
             raise PluginError(f"Option {option.number} gives {id} another shape; nothing was taken over.")
         if any(distance(a, b) > FIT_MM for a, b in zip(before, outline.points)):
@@ -296,3 +297,40 @@ def lineage_entry(found: Round, option: Option, drawing: str) -> Dict[str, Any]:
         "initial": finite(found.initial),
         "accepted": finite(option.mean),
     }
+
+
+def outlines_after(job: Job, option: Option) -> Dict[str, List[Point]]:
+    """Where the changed outlines stand in an option, by host id, mm: for a preview."""
+    outlines = {o.host_id: o for o in job.outlines}
+    rows = ((c["host_id"], c["to"]) for c in option.changes if c.get("host_id") in outlines)
+    return {id: outlines[id].unwritten(_millimetres(to)) for id, to in rows}
+
+
+def heat_cells(drawing: str, measure: str) -> List[Tuple[Tuple[float, float, float], List[Point]]]:
+    """Coloured areas of a measure in a written drawing: colour (0 to 1) and four corners, mm."""
+    layer = f"EF-HEAT-{measure.upper()}"
+    out = []
+    with open(drawing, encoding="utf-8", errors="replace") as f:
+        lines = [line.strip() for line in f]
+    entity: Dict[str, str] = {}
+    for code, value in zip(lines[0::2], lines[1::2]):
+        if code != "0":
+            entity[code] = value
+            continue
+        if entity.get("0") == "SOLID" and entity.get("8") == layer:
+            corners = [(float(entity[f"1{i}"]), float(entity[f"2{i}"])) for i in (0, 1, 3, 2)]
+            out.append((index_colour(int(entity["62"])), corners))
+        entity = {"0": value}
+    return out
+
+
+def index_colour(index: int) -> Tuple[float, float, float]:
+    """Red, green, blue of an AutoCAD colour index."""
+    basic = {1: (1, 0, 0), 2: (1, 1, 0), 3: (0, 1, 0), 4: (0, 1, 1), 5: (0, 0, 1), 6: (1, 0, 1), 7: (1, 1, 1)}
+    if index < 10:
+        return tuple(float(v) for v in basic.get(index, (0.5, 0.5, 0.5)))
+    if index >= 250:
+        return ((index - 250) / 5 * 0.8 + 0.2,) * 3
+    value = (1.0, 0.65, 0.5, 0.3, 0.15)[index % 10 // 2]
+    saturation = 0.5 if index % 2 else 1.0
+    return colorsys.hsv_to_rgb((index // 10 - 1) * 15 / 360, saturation, value)

@@ -20,7 +20,7 @@ def test_ids_stand_in_the_drawing_as_extended_data(house):
     text = job.drawing_text(house, job.plan_of(house))
     pairs = groups(text)
     ids = [v for i, (c, v) in enumerate(pairs) if c == 1000 and pairs[i - 1] == (1001, "ENFILADE")]
-    assert ids[:3] == ["S/0", "S/1", "S/2"] and "P1/1" in ids and "C/0" in ids
+    assert ids[0] == "S/0" and "P1/1" in ids and "C/0" in ids
     handles = [v for c, v in pairs if c == 5]
     assert len(handles) == len(set(handles)) > 40
     assert pairs[-1] == (0, "EOF")

@@ -16,10 +16,10 @@ def test_faces_lie_where_the_justification_puts_them():
     assert ring.points == [(0, 0), (0, 1000), (200, 1000), (200, 0)]
 
 
-def test_doors_are_gaps_and_windows_only_at_eye_level():
+def test_doors_are_gaps_and_windows_where_asked():
     w = wall("A", (0, 0), (5000, 0))
     w.openings = [Opening("w", "w", 3000, 4000, "window"), Opening("d", "d", 1000, 1900)]
-    spans = [[(o.points[0][0], o.points[1][0]) for o in wall_outlines(w, level)] for level in ("eye", "knee")]
+    spans = [[(o.points[0][0], o.points[1][0]) for o in wall_outlines(w, windows)] for windows in (True, False)]
     assert spans == [[(0, 1000), (1900, 3000), (4000, 5000)], [(0, 1000), (1900, 5000)]]
 
 
@@ -53,3 +53,29 @@ def test_a_slanted_wall_keeps_its_thickness():
     (ring,) = wall_outlines(wall("A", (0, 0), (3000, 4000), 300))
     a, b, c, _ = ring.points
     assert math.dist(b, c) == pytest.approx(300, abs=0.01) and math.dist(a, b) == pytest.approx(5000, abs=0.01)
+
+
+def test_rings_begin_where_no_other_wall_is(house):
+    from enfilade_common.outlines import begin_outside, study_outlines
+    from enfilade_common.plane import is_inside
+
+    rings = study_outlines(house)
+    begin_outside(rings)
+    for a in rings:
+        assert not any(is_inside(b.points, a.written()[0]) for b in rings if b is not a), a.host_id
+        assert a.unwritten(a.written()) == a.points
+
+
+def test_windows_are_gaps_only_with_both_regions(house):
+    from enfilade_common.model import Region
+    from enfilade_common.outlines import study_outlines
+
+    def pieces():
+        return sum(o.owner == "S" for o in study_outlines(house))
+
+    square = [(0, 0), (1, 0), (1, 1)]
+    assert pieces() == 2
+    house.regions = [Region("query", square), Region("reference", square)]
+    assert pieces() == 3
+    house.wishes.level = "knee"
+    assert pieces() == 2

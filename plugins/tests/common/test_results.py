@@ -22,7 +22,11 @@ def option_of(study, values, tmp_path):
     for outline, ring in zip(plan.outlines, applied(plan, values)):
         if ring != outline.points:
             metres = lambda points: [[x / 1000, y / 1000] for x, y in points]  # noqa: E731
-            changes.append({"host_id": outline.host_id, "from": metres(outline.points), "to": metres(ring)})
+            changes.append({
+                "host_id": outline.host_id,
+                "from": metres(outline.written()),
+                "to": metres(outline.written(ring)),
+            })
     return made, results.Option(1, "candidate-1.dxf", "", {}, {}, None, True, values, changes)
 
 
@@ -133,7 +137,7 @@ def test_the_program_gives_back_what_was_asked(house, tmp_path, real_program):
     plan = plan_of(house)
     for option in found.options:
         expected = applied(plan, option.parameters)
-        told = {c["host_id"]: [(x * 1000, y * 1000) for x, y in c["to"]] for c in option.changes}
+        told = results.outlines_after(made, option)
         for outline, ring in zip(plan.outlines, expected):
             assert near(told.get(outline.host_id, outline.points), ring, 0.1), outline.host_id
         assert results.layout(made, option)
@@ -146,3 +150,13 @@ def test_an_older_round_is_not_taken_for_a_newer_export(house, tmp_path, real_pr
     house.element("P2").axis[1] = (6800, 3000)
     with pytest.raises(PluginError, match="earlier export"):
         results.latest(job.write(house, str(tmp_path)))
+
+
+def test_heat_maps_are_read_from_an_option(house, tmp_path, real_program):
+    made = job.write(house, str(tmp_path))
+    assert program.Run(real_program, made.drawing, lambda p: None, lambda code, words: None).wait(120)
+    option = results.latest(made).options[0]
+    cells = results.heat_cells(option.file, "degree")
+    xs = [p[0] for _, corners in cells for p in corners]
+    assert len(cells) > 50 and -200 < min(xs) and max(xs) < 8200
+    assert results.index_colour(1) == (1.0, 0.0, 0.0) and results.index_colour(170) == (0.0, 0.0, 1.0)
