@@ -9,10 +9,10 @@ def _find_common():
     """Makes the shared package importable: bundled beside this one, or in a checkout of the project."""
     if importlib.util.find_spec("enfilade_common") is not None:
         return
-    here = os.path.dirname(os.path.abspath(__file__))
+    here = os.path.dirname(os.path.realpath(__file__))
     for folder in (here, os.path.join(here, "..", "..", "..", "common")):
         if os.path.isdir(os.path.join(folder, "enfilade_common")):
-            sys.path.append(os.path.abspath(folder))
+            sys.path.append(os.path.realpath(folder))
             return
     raise ImportError("the package enfilade_common lies neither beside the workbench nor in a checkout")
 

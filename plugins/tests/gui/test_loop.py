@@ -1,0 +1,193 @@
+"""The whole loop in FreeCAD's own window, with real clicks, in the order in which someone works."""
+
+import json
+import os
+
+import pytest
+
+
+def same(a, b, within=0.002):
+    return a.keys() == b.keys() and all(
+        abs(p - q) <= within for k in a for p, q in zip(a[k], b[k])
+    )
+
+
+def select(window, x, y, *modifiers):
+    window.click(window.ask("point", x, y), *modifiers)
+
+
+def check_walls(window, option):
+    """Walls stand where result.json says, to 0.1 mm: faces of axis-parallel walls show in their boxes."""
+    round_folder = window.ask("panel")["round"]
+    with open(os.path.join(round_folder, "result.json")) as f:
+        result = json.load(f)
+    with open(os.path.join(round_folder, "..", "..", "plan.study.json")) as f:
+        study = json.load(f)["study"]
+    labels = {e["id"]: e["label"] for e in study["walls"] + study["columns"]}
+    corners = {}
+    for change in result["candidates"][option - 1]["changes"]:
+        label = labels[change["host_id"].rsplit("/", 1)[0]]
+        corners.setdefault(label, []).extend((x * 1000, y * 1000) for x, y in change["to"])
+    now = window.ask("state")
+    assert corners
+    for label, points in corners.items():
+        xs, ys = [p[0] for p in points], [p[1] for p in points]
+        box = now[label]
+        inside = (box[0] - 0.1 <= min(xs), box[1] - 0.1 <= min(ys), max(xs) <= box[2] + 0.1, max(ys) <= box[3] + 0.1)
+        assert all(inside), (label, box, points)
+    return corners
+
+
+def run_study(window):
+    window.click(window.ask("tab", 1))
+    window.ask("set", "EnfiladeEvaluations", 600)
+    window.ask("set", "EnfiladeMembers", 3)
+    window.ask("heart", True)
+    window.press("EnfiladeRun")
+    started = window.wait_for("panel", lambda p: p["running"] or p["options"], 20)
+    ended = window.wait_for("panel", lambda p: not p["running"] and p["options"], 180)
+    assert started and ended["options"] == 3, ended
+    return window.ask("heart")
+
+
+def test_01_the_workbench_is_there(window):
+    assert window.ask("tool", "Mark what may move")
+    assert window.ask("panel")["page"] == 0
+    window.shot("01-empty")
+
+
+def test_02_walls_are_marked_with_clicks(window):
+    window.ask("save", os.path.join(window.folder, "Galerie Süd.FCStd"))
+    select(window, 5000, 5500)
+    assert window.ask("document")["selection"] == ["Partition"]
+    window.press("EnfiladeAllow_x")
+    window.shot("02-selected")
+    window.press("EnfiladeAllow")
+    assert "Partition" in window.ask("panel")["status"]
+    for x, y in ((2500, 4000), (9000, 2200)):
+        select(window, x, y)
+        for name in ("x", "y", "rotate"):
+            on = window.ask("find", "EnfiladeAllow_" + name)
+            if not (name == "x" and (x, y) == (2500, 4000)):
+                window.click(on)
+        window.press("EnfiladeAllow")
+    marked = window.ask("marks")
+    assert sorted(marked) == ["Partition", "Schirm Ö", "Screen A"], marked
+    window.wait_for("panel", lambda p: p["overlay"].get("marks"), 10)
+    window.shot("03-marked")
+    assert window.ask("document")["undo"] == 3
+
+
+def test_03_a_study_runs_without_blocking(window):
+    before = window.ask("state")
+    longest = run_study(window)
+    window.shot("04-options")
+    assert same(before, window.ask("state")), "nothing moves before accept"
+    panel = window.ask("panel")
+    assert panel["page"] == 2 and panel["overlay"]["heat"] and panel["overlay"]["ghost"]
+    print(f"longest pause of the window during the run: {longest * 1000:.0f} ms")
+
+
+def test_04_arrow_keys_switch_the_view(window):
+    objects, undo = (window.ask("document")[k] for k in ("objects", "undo"))
+    window.click(window.ask("item", 2))
+    words = window.ask("panel")["words"]
+    window.shot("05-option-2")
+    window.key("Right")
+    panel = window.ask("panel")
+    assert panel["row"] == 3 and panel["words"] != words
+    window.ask("isometric")
+    window.shot("06-option-3-isometric")
+    window.ask("top")
+    window.click(window.ask("item", 0))
+    panel = window.ask("panel")
+    assert panel["overlay"]["heat"] and not panel["overlay"]["ghost"], "the present layout has no ghosts"
+    window.shot("07-present")
+    document = window.ask("document")
+    assert (document["objects"], document["undo"]) == (objects, undo), "looking leaves no trace"
+
+
+def test_05_accept_undo_redo_accept_another(window):
+    before = window.ask("state")
+    undo = window.ask("document")["undo"]
+    window.click(window.ask("item", 1))
+    window.press("EnfiladeAccept")
+    window.wait_for("panel", lambda p: "Accepted option 1" in p["status"], 20)
+    check_walls(window, 1)
+    after = window.ask("state")
+    document = window.ask("document")
+    assert document["undo"] == undo + 1 and document["undo_names"][0] == "Enfilade: option 1"
+    window.shot("08-accepted")
+    window.click(window.ask("point", 200, 9500))
+    window.key("ctrl+z")
+    window.ask("recompute")
+    assert same(before, window.ask("state")), "undo takes all of it back"
+    assert window.ask("document")["undo"] == undo
+    window.key("ctrl+y")
+    window.ask("recompute")
+    assert same(after, window.ask("state")), "redo brings it again"
+    window.key("ctrl+z")
+    window.ask("recompute")
+    window.click(window.ask("item", 2))
+    window.press("EnfiladeAccept")
+    window.wait_for("panel", lambda p: "Accepted option 2" in p["status"], 20)
+    check_walls(window, 2)
+    window.shot("09-another")
+
+
+def test_06_a_second_round_starts_from_there(window):
+    run_study(window)
+    panel = window.ask("panel")
+    assert os.path.basename(panel["round"]) == "round-02"
+    window.click(window.ask("item", 3))
+    window.press("EnfiladeAccept")
+    window.wait_for("panel", lambda p: "Accepted option 3" in p["status"], 20)
+    check_walls(window, 3)
+    with open(os.path.join(panel["round"], "result.json")) as f:
+        lineage = json.load(f)["lineage"]
+    assert [entry["candidate"] for entry in lineage] == [2], "the round knows where it came from"
+    window.shot("10-second-round")
+
+
+def test_07_an_edited_wall_is_refused(window):
+    run_study(window)
+    window.ask("edit_wall", "Schirm Ö", 140)
+    before = window.ask("state")
+    window.press("EnfiladeAccept")
+    status = window.wait_for("panel", lambda p: "was changed since" in p["status"], 10)["status"]
+    assert "'Schirm Ö' was edited" in status
+    assert same(before, window.ask("state"))
+    window.shot("11-refused")
+
+
+def test_08_save_and_reload_keep_ids(window):
+    marks, walls = window.ask("marks"), window.ask("state")
+    window.ask("save_and_reload", os.path.join(window.folder, "Galerie Süd.FCStd"))
+    assert window.ask("marks") == marks and same(window.ask("state"), walls)
+
+
+def test_09_a_run_can_be_stopped(window):
+    window.click(window.ask("tab", 1))
+    window.ask("set", "EnfiladeEvaluations", 5_000_000)
+    window.press("EnfiladeRun")
+    window.wait_for("panel", lambda p: p["running"], 20)
+    window.shot("12-running")
+    window.press("EnfiladeStop")
+    panel = window.wait_for("panel", lambda p: not p["running"], 20)
+    assert panel["status"], panel
+
+
+def test_10_a_missing_program_is_said(window):
+    window.ask("set", "EnfiladeProgram", "no-such-program")
+    window.press("EnfiladeProgram")
+    window.key("End")
+    window.key("Return")
+    window.press("EnfiladeRun")
+    status = window.wait_for("panel", lambda p: "no-such-program" in p["status"], 10)["status"]
+    assert "Nothing was started" in status
+    window.shot("13-no-program")
+
+
+def test_11_five_hundred_walls(window):
+    marked, exported = window.ask("five_hundred", secs=300)
+    print(f"500 walls: marked in {marked:.2f} s, exported in {exported:.2f} s")
