@@ -129,6 +129,15 @@ class Listener:
         return " ".join([head, *(said if code not in (0, 1, 130) else [])]).strip()
 
 
+def give_way(pid: int) -> None:
+    """Lets everything else on the machine go first, so that the host's window stays quick."""
+    if hasattr(os, "setpriority"):
+        try:
+            os.setpriority(os.PRIO_PROCESS, pid, 10)
+        except OSError:
+            pass
+
+
 def interrupt(pid: int) -> None:
     """Asks a running program to stop and to put its things away."""
     if sys.platform == "win32":
@@ -162,6 +171,7 @@ class Run:
             )
         except OSError as e:
             raise PluginError(f"{path} does not start: {e.strerror or e}. Nothing was started.") from e
+        give_way(self._process.pid)
         self._listener = Listener()
         self._thread = threading.Thread(target=self._listen, args=(on_progress, on_end), daemon=True)
         self._thread.start()

@@ -100,7 +100,7 @@ def window(tmp_path_factory):
     read, write = os.pipe()
     size = f"{SCREEN[0]}x{SCREEN[1]}x24"
     screen = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(write), "-screen", "0", size, "-nolisten", "tcp"],
+        ["Xvfb", "-displayfd", str(write), "-screen", "0", size, "-dpi", "96", "-nolisten", "tcp"],
         pass_fds=[write],
         stderr=subprocess.DEVNULL,
     )

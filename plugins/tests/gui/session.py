@@ -25,23 +25,26 @@ V = App.Vector
 
 
 class Heart(QtCore.QObject):
-    """Beats every 10 ms and remembers the longest time it could not."""
+    """Beats every 10 ms; remembers the longest pause, and the most this thread worked between two beats.
+    A pause without work is the machine's, busy with other programs."""
 
     def __init__(self):
         super().__init__()
-        self.longest, self._last = 0.0, time.monotonic()
         self._timer = QtCore.QTimer(self)
         self._timer.setTimerType(QtCore.Qt.PreciseTimer)
         self._timer.timeout.connect(self.beat)
         self._timer.start(10)
+        self.begin()
 
     def beat(self):
-        now = time.monotonic()
+        now, worked = time.monotonic(), time.thread_time()
         self.longest = max(self.longest, now - self._last)
-        self._last = now
+        self.busiest = max(self.busiest, worked - self._worked)
+        self._last, self._worked = now, worked
 
     def begin(self):
-        self.longest, self._last = 0.0, time.monotonic()
+        self.longest = self.busiest = 0.0
+        self._last, self._worked = time.monotonic(), time.thread_time()
 
 
 def wall(a, b, width, label):
@@ -105,7 +108,10 @@ def panel():
 
 def where(widget):
     """Middle of a widget on the screen."""
-    at = widget.mapToGlobal(widget.rect().center())
+    middle = widget.rect().center()
+    if isinstance(widget, QtWidgets.QCheckBox):
+        middle.setX(10)
+    at = widget.mapToGlobal(middle)
     return [at.x(), at.y()]
 
 
@@ -123,6 +129,9 @@ class Answers:
                     Gui.updateGui()
                 return where(widget)
         return None
+
+    def checked(self, name):
+        return window().findChild(QtWidgets.QCheckBox, name).isChecked()
 
     def tool(self, command):
         for bar in window().findChildren(QtWidgets.QToolBar):
@@ -145,11 +154,11 @@ class Answers:
         """Where a point of the drawing is on the screen."""
         view = Gui.activeDocument().activeView()
         px, py = view.getPointOnScreen(V(x, y, z))[:2]
-        area = view.graphicsView() if hasattr(view, "graphicsView") else None
-        viewports = [w for w in window().findChildren(QtWidgets.QWidget) if w.metaObject().className() == "QOpenGLWidget" or "Quarter" in w.metaObject().className()]
-        visible = [w for w in viewports if w.isVisible() and w.width() > 200]
-        widget = max(visible, key=lambda w: w.width() * w.height())
-        at = widget.mapToGlobal(QtCore.QPoint(int(px), int(widget.height() - py)))
+        shown = [w for w in window().findChildren(QtWidgets.QWidget) if "Quarter" in w.metaObject().className()]
+        widget = max((w for w in shown if w.isVisible()), key=lambda w: w.width() * w.height())
+        widget = widget.viewport() if hasattr(widget, "viewport") else widget
+        height = view.getSize()[1]
+        at = widget.mapToGlobal(QtCore.QPoint(int(px), int(height - py)))
         return [at.x(), at.y()]
 
     def state(self):
@@ -185,7 +194,7 @@ class Answers:
     def heart(self, begin=False):
         if begin:
             HEART.begin()
-        return HEART.longest
+        return [HEART.longest, HEART.busiest]
 
     def fit(self):
         Gui.SendMsgToActiveView("ViewFit")
@@ -269,9 +278,31 @@ def listen():
     os.replace(os.path.join(FOLDER, "answer.part"), os.path.join(FOLDER, "answer.json"))
 
 
+def timed(cls, name):
+    """Prints how long a method of the panel takes, for the record of the run."""
+    original = getattr(cls, name)
+
+    def method(self, *values):
+        began = time.perf_counter()
+        try:
+            return original(self, *values)
+        finally:
+            sys.__stdout__.write(f"{name}: {1000 * (time.perf_counter() - began):.0f} ms\n")
+            sys.__stdout__.flush()
+
+    setattr(cls, name, method)
+
+
 def main():
     try:
+        from freecad.enfilade.panel import Panel
+
+        for name in ("_run", "_load", "preview", "_accept"):
+            timed(Panel, name)
         window().showMaximized()
+        for dock in window().findChildren(QtWidgets.QDockWidget):
+            if dock.objectName() in ("Python console", "Report view"):
+                dock.hide()
         build()
         Gui.activateWorkbench("EnfiladeWorkbench")
         Gui.SendMsgToActiveView("ViewFit")

@@ -122,10 +122,13 @@ class MarkPage(QtWidgets.QWidget):
         objects = self.chosen()
         if not objects:
             raise PluginError(say("Nothing selected. Select walls, columns, doors or windows in the view."))
+        ticked = {k: (low.value(), high.value()) for k, (tick, low, high) in self.rows.items() if tick.isChecked()}
+        if not any(any(pair) for pair in ticked.values()) and not self.group.text().strip() and not self.keep.isChecked():
+            raise PluginError(say("Tick how it may move, name its group, or tick that it must stay."))
         doc = objects[0].Document
         doc.openTransaction("Enfilade: mark")
         for obj in objects:
-            bounds = {k: (low.value(), high.value()) for k, (tick, low, high) in self.rows.items() if tick.isChecked()}
+            bounds = dict(ticked)
             if document.kind_of(obj) == "Window":
                 bounds = {k: v for k, v in bounds.items() if k == "along"}
             marks.mark(obj, bounds, self.group.text().strip(), self.keep.isChecked())

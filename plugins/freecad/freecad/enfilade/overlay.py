@@ -80,7 +80,7 @@ class Overlay:
             return
         material = coin.SoMaterial()
         material.diffuseColor.setValues(0, len(cells), [list(c) for c, _ in cells])
-        material.transparency.setValue(0.25)
+        material.transparency.setValue(0.1)
         binding = coin.SoMaterialBinding()
         binding.value = coin.SoMaterialBinding.PER_FACE
         coordinates = coin.SoCoordinate3()

@@ -27,7 +27,9 @@ class Runner(QtCore.QObject):
         self._process.errorOccurred.connect(self._failed)
         self._process.setStandardOutputFile(QtCore.QProcess.nullDevice())
         self._process.setStandardInputFile(QtCore.QProcess.nullDevice())
-        self._process.start(path, program.arguments(drawing))
+        process = self._process
+        process.started.connect(lambda: program.give_way(int(process.processId())))
+        process.start(path, program.arguments(drawing))
 
     def stop(self) -> None:
         """Asks the program to stop; kills it if it does not."""

@@ -72,6 +72,7 @@ GERMAN = {
     "Open or create a document first.": "Öffnen oder erstellen Sie zuerst ein Dokument.",
     "Stopping …": "Wird angehalten …",
     "Starting …": "Startet …",
+    "Tick how it may move, name its group, or tick that it must stay.": "Kreuzen Sie an, wie es sich bewegen darf, nennen Sie eine Gruppe, oder kreuzen Sie an, dass es bleiben muss.",
     "Marked: {}": "Markiert: {}",
     "Draw a closed line now; it becomes the region.": "Zeichnen Sie jetzt eine geschlossene Linie; sie wird zum Bereich.",
     "The region is not closed and was left as it is.": "Der Bereich ist nicht geschlossen und blieb, wie er ist.",
