@@ -9,12 +9,12 @@ import hashlib
 import json
 import os
 from dataclasses import asdict, dataclass
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Tuple
 
 from . import __version__
 from .dxf_r12 import Drawing
 from .model import Column, PluginError, Study, Wall, geometry_hash
-from .moves import Plan, plan_of
+from .moves import MoveTable, Plan, plan_of
 from .outlines import Outline, Station
 from .plane import centroid, widened
 from .toml_text import dumps
@@ -148,7 +148,7 @@ def _round_element(plan: Plan, element) -> List:
 
 def _draw_moves(out: Drawing, plan: Plan) -> None:
     """The groups as people draw them; the side-car names the exact corners and wins."""
-    drawn = {}
+    drawn: Dict[Tuple[str, Tuple[str, ...]], Tuple[MoveTable, List[str]]] = {}
     for table in plan.tables:
         members = tuple(table.members) if table.followers or len(table.corners) > 4 else (table.name,)
         words = drawn.setdefault((table.name, members), (table, []))[1]

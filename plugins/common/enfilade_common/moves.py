@@ -11,7 +11,7 @@ from typing import Dict, List, Set, Tuple
 
 from .model import Clause, Column, Movable, Opening, Study, Wall, number
 from .outlines import Outline, begin_outside, keep_apart, study_outlines
-from .plane import Point, centroid, cross, direction, distance, distance_to_segment, dot, plus, turn_about
+from .plane import Point, Rigid, centroid, cross, direction, distance, distance_to_segment, dot, plus, turn_about
 
 #: What a stretched piece of wall always keeps of its length, mm.
 PIECE_KEPT_MM = 50.0
@@ -275,11 +275,7 @@ def applied(plan: Plan, values: List[float]) -> List[List[Point]]:
             here = {plan.outlines[i].points[c]: at[i][c] for i, c in reversed(corners)}
             motion = turn_about(centroid([here[p] for p in places]), math.radians(value))
         else:
-            u = heading(table.clause)
-
-            def motion(p: Point, u=u, value=value) -> Point:
-                return plus(p, u, value)
-
+            motion = Rigid(0.0, *plus((0.0, 0.0), heading(table.clause), value))
         for i, c in corners:
             at[i][c] = motion(at[i][c])
     return at

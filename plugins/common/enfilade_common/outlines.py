@@ -6,7 +6,7 @@ that a station's two corners tell where the axis went when the program has moved
 """
 
 from dataclasses import dataclass
-from typing import List, Optional, Tuple
+from typing import Dict, List, Optional, Tuple
 
 from .model import Study, Wall
 from .plane import Point, direction, distance, dot, is_inside, left_of, plus
@@ -185,7 +185,7 @@ def begin_outside(outlines: List[Outline]) -> None:
     """Lets every ring begin at a corner that lies in no other ring. The program takes a ring in which
     another begins for walls round a room; where walls overlap at a corner, both are solid."""
     boxes = []
-    cells: dict = {}
+    cells: Dict[Tuple[int, int], List[Tuple[int, int]]] = {}
     for i, outline in enumerate(outlines):
         xs, ys = [p[0] for p in outline.points], [p[1] for p in outline.points]
         boxes.append((min(xs), min(ys), max(xs), max(ys)))
@@ -219,7 +219,7 @@ def _outward(outline: Outline, corner: int) -> Point:
 def _clashes(outlines: List[Outline], moves_of: List[List[frozenset]]) -> List[Tuple[int, int]]:
     """Corners within the program's joining distance of one that moves differently; of two the one with
     fewer moves, of equals the later one."""
-    cells = {}
+    cells: Dict[Tuple[int, int], List[Tuple[int, int]]] = {}
     for i, outline in enumerate(outlines):
         for c, p in enumerate(outline.points):
             cells.setdefault((round(p[0] / 2), round(p[1] / 2)), []).append((i, c))

@@ -177,7 +177,9 @@ class Run:
         self._thread.start()
 
     def _listen(self, on_progress, on_end) -> None:
-        with self._process.stderr as stream:
+        stream = self._process.stderr
+        assert stream is not None, "the process was started with a pipe"
+        with stream:
             for line in iter(stream.readline, b""):
                 for progress in self._listener.feed(line):
                     on_progress(progress)

@@ -163,7 +163,7 @@ def layout(job: Job, option: Option) -> List[Change]:
     outlines = {o.host_id: o for o in job.outlines}
     after: Dict[str, List[Point]] = {}
     for change in option.changes:
-        id = change.get("host_id")
+        id = str(change.get("host_id"))
         outline = outlines.get(id)
         if outline is None:
             raise PluginError(f"Option {option.number} moves an element {id!r} that this study never wrote.")
@@ -204,6 +204,7 @@ def _axis_change(wall: Wall, outlines: List[Outline], after: List[List[Point]]) 
     jambs: Dict[Tuple[str, int], Point] = {}
     for outline, ring in zip(outlines, after):
         for end in (0, 1):
+            assert outline.stations is not None, "a wall with an axis is made of quads"
             station = outline.stations[end]
             shift = _axis_shift(wall, outline, ring, end)
             if station.kind == "corner":
@@ -326,11 +327,13 @@ def heat_cells(drawing: str, measure: str) -> List[Tuple[Tuple[float, float, flo
 
 def index_colour(index: int) -> Tuple[float, float, float]:
     """Red, green, blue of an AutoCAD colour index."""
-    basic = {1: (1, 0, 0), 2: (1, 1, 0), 3: (0, 1, 0), 4: (0, 1, 1), 5: (0, 0, 1), 6: (1, 0, 1), 7: (1, 1, 1)}
     if index < 10:
-        return tuple(float(v) for v in basic.get(index, (0.5, 0.5, 0.5)))
+        # Red, yellow, green, cyan, blue, magenta, white: the bits of 1 to 7 in another order; then greys.
+        bits = {1: 0b100, 2: 0b110, 3: 0b010, 4: 0b011, 5: 0b001, 6: 0b101, 7: 0b111}.get(index)
+        return (0.5, 0.5, 0.5) if bits is None else (float(bits >> 2 & 1), float(bits >> 1 & 1), float(bits & 1))
     if index >= 250:
-        return ((index - 250) / 5 * 0.8 + 0.2,) * 3
+        grey = (index - 250) / 5 * 0.8 + 0.2
+        return (grey, grey, grey)
     value = (1.0, 0.65, 0.5, 0.3, 0.15)[index % 10 // 2]
     saturation = 0.5 if index % 2 else 1.0
     return colorsys.hsv_to_rgb((index // 10 - 1) * 15 / 360, saturation, value)

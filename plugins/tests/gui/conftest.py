@@ -52,7 +52,7 @@ class Window:
         for key in modifiers:
             self._xdotool("keydown", key)
         self._xdotool("mousemove", at[0], at[1])
-        time.sleep(0.15)
+        time.sleep(0.3)
         self._xdotool("click", 1)
         for key in modifiers:
             self._xdotool("keyup", key)

@@ -147,6 +147,7 @@ class Answers:
 
     def item(self, row):
         strip = panel().options.strip
+        strip.scrollToItem(strip.item(row))
         at = strip.viewport().mapToGlobal(strip.visualItemRect(strip.item(row)).center())
         return [at.x(), at.y()]
 

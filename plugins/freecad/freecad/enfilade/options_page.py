@@ -18,7 +18,7 @@ class OptionsPage(QtWidgets.QWidget):
     def __init__(self, panel):
         super().__init__()
         self._panel = panel
-        self._round = None
+        self._round, self._shown = None, -1
         layout = QtWidgets.QVBoxLayout(self)
         layout.addLayout(self._choices())
         self.strip = QtWidgets.QListWidget()
@@ -31,11 +31,16 @@ class OptionsPage(QtWidgets.QWidget):
         self.strip.setFixedHeight(THUMB_PX + 62)
         self.strip.setResizeMode(QtWidgets.QListWidget.Adjust)
         self.strip.setMouseTracking(True)
-        self.strip.currentRowChanged.connect(lambda _: self._show())
+        self.strip.currentRowChanged.connect(self._row_changed)
+        self.strip.itemEntered.connect(lambda item: self._show(self.strip.row(item)))
+        self.strip.viewport().installEventFilter(self)
         layout.addWidget(self.strip)
         self.words = QtWidgets.QLabel(say("Run the study to see options here."))
         self.words.setObjectName("EnfiladeWords")
         self.words.setWordWrap(True)
+        self.words.setAlignment(QtCore.Qt.AlignTop)
+        # As high as the longest words, so that nothing below jumps while the mouse passes the strip.
+        self.words.setMinimumHeight(5 * self.words.fontMetrics().lineSpacing())
         layout.addWidget(self.words)
         self.numbers = QtWidgets.QTableWidget(0, 4)
         self.numbers.setObjectName("EnfiladeNumbers")
@@ -58,7 +63,7 @@ class OptionsPage(QtWidgets.QWidget):
         self.ghosts = QtWidgets.QCheckBox(say("Ghost walls"))
         self.ghosts.setObjectName("EnfiladeGhosts")
         self.ghosts.setChecked(True)
-        self.ghosts.toggled.connect(lambda _: self._show())
+        self.ghosts.toggled.connect(lambda _: self._show_again())
         row.addWidget(self.measure)
         row.addWidget(self.ghosts)
         return row
@@ -80,7 +85,7 @@ class OptionsPage(QtWidgets.QWidget):
         return row
 
     def clear(self) -> None:
-        self._round = None
+        self._round, self._shown = None, -1
         self.strip.clear()
         self.numbers.setRowCount(0)
         self.words.setText(say("Run the study to see options here."))
@@ -94,7 +99,6 @@ class OptionsPage(QtWidgets.QWidget):
         names = [say("Present"), *(say("Option {}", o.number) for o in found.options)]
         for name, option in zip(names, [None, *found.options]):
             item = QtWidgets.QListWidgetItem(name if option is None or option.within_threshold else name + " *")
-            item.setToolTip(option.words if option else "")
             item.setSizeHint(QtCore.QSize(THUMB_PX + 12, THUMB_PX + 28))
             self.strip.addItem(item)
         for button in self.buttons:
@@ -123,10 +127,19 @@ class OptionsPage(QtWidgets.QWidget):
     def _measure(self) -> str:
         return self.measure.itemData(self.measure.currentIndex()) or ""
 
+    def _row_changed(self, _row) -> None:
+        for button in (self.buttons[0], self.buttons[2]):
+            button.setEnabled(self.chosen() is not None)
+        self._show()
+
+    def _show_again(self) -> None:
+        self._shown = -1
+        self._show()
+
     def _measure_changed(self) -> None:
         if self._round is not None:
             self._load_pictures(0, self._round)
-        self._show()
+        self._show_again()
 
     def _option(self, row: int):
         return self._round.options[row - 1] if self._round is not None and row >= 1 else None
@@ -134,13 +147,19 @@ class OptionsPage(QtWidgets.QWidget):
     def chosen(self):
         return self._option(self.strip.currentRow())
 
-    def _show(self) -> None:
-        """The chosen option in the view, in numbers and in words."""
-        if self._round is None or self.strip.currentRow() < 0:
+    def eventFilter(self, _watched, event):
+        """Back to the chosen option when the mouse leaves the strip."""
+        if event.type() == QtCore.QEvent.Leave:
+            self._show()
+        return False
+
+    def _show(self, hovered: int = -1) -> None:
+        """The chosen option, or the one under the mouse, in the view, in numbers and in words."""
+        row = hovered if hovered >= 0 else self.strip.currentRow()
+        if self._round is None or row < 0 or row == self._shown:
             return
-        option = self.chosen()
-        self.buttons[0].setEnabled(option is not None)
-        self.buttons[2].setEnabled(option is not None)
+        self._shown = row
+        option = self._option(row)
         self.words.setText(option.words if option else say("Present"))
         self._fill_numbers(option)
         self._panel.preview(option, self._measure(), self.ghosts.isChecked())
