@@ -9,7 +9,7 @@ import hashlib
 import json
 import os
 from dataclasses import asdict, dataclass
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 from . import __version__
 from .dxf_r12 import Drawing
@@ -37,6 +37,8 @@ class Job:
     hashes: Dict[str, str]
     sha256: str
     notes: List[str]
+    #: The moves as written; not kept when a job is read again.
+    plan: Optional[Plan] = None
 
     @property
     def drawing(self) -> str:
@@ -59,11 +61,12 @@ def write(study: Study, folder: str) -> Job:
         hashes={e.id: geometry_hash(e) for e in study.movables()},
         sha256=hashlib.sha256(drawing).hexdigest(),
         notes=plan.notes,
+        plan=plan,
     )
     try:
         os.makedirs(folder, exist_ok=True)
         _replace(os.path.join(folder, "plan.enfilade.toml"), dumps(side_car(study, plan, job)).encode("utf-8"))
-        _replace(os.path.join(folder, "plan.study.json"), json.dumps(_study_file(job), indent=1).encode("utf-8"))
+        _replace(os.path.join(folder, "plan.study.json"), json.dumps(_study_file(job)).encode("utf-8"))
         _replace(job.drawing, drawing)
     except OSError as e:
         raise PluginError(f"The job cannot be written to {folder}: {e.strerror or e}. Nothing was started.") from e

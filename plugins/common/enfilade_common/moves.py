@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Dict, List, Set, Tuple
 
 from .model import Clause, Column, Movable, Opening, Study, Wall, number
-from .outlines import Outline, begin_outside, keep_apart, study_outlines
+from .outlines import CELL_MM, Outline, begin_outside, keep_apart, study_outlines
 from .plane import Point, Rigid, centroid, cross, direction, distance, distance_to_segment, dot, plus, turn_about
 
 #: What a stretched piece of wall always keeps of its length, mm.
@@ -116,6 +116,7 @@ def _group_tables(study: Study, outlines: List[Outline], notes: List[str]) -> Li
     for i, outline in enumerate(outlines):
         by_owner.setdefault(outline.owner, []).append(i)
     out = []
+    near = Neighbours(study)
     for key, members in _groups(study, notes).items():
         clauses = next((m.clauses for m in members if m.clauses), [])
         name = members[0].label if key.startswith("\0") else key
@@ -128,7 +129,7 @@ def _group_tables(study: Study, outlines: List[Outline], notes: List[str]) -> Li
         body = {(i, c) for id in ids for i in by_owner.get(id, ()) for c in range(len(outlines[i].points))}
         for clause in clauses:
             table = MoveTable(name, clause, set(body), ids)
-            _take_followers(study, table, outlines, by_owner, notes)
+            _take_followers(near, table, members, outlines, by_owner, notes)
             out.append(table)
     return out
 
@@ -163,16 +164,44 @@ def touches(point: Point, wall: Movable) -> bool:
     return any(distance_to_segment(point, a, b) <= reach for a, b in zip(points, points[1:]))
 
 
-def _take_followers(study, table: MoveTable, outlines, by_owner, notes: List[str]) -> None:
+class Neighbours:
+    """Walls near an element, by the boxes of both."""
+
+    def __init__(self, study: Study):
+        self._walls = study.walls
+        self._boxes = [_box(w) for w in study.walls]
+        self._cells: Dict[Tuple[int, int], List[int]] = {}
+        for i, box in enumerate(self._boxes):
+            for cell in _cells(box):
+                self._cells.setdefault(cell, []).append(i)
+
+    def of(self, members: List[Movable]) -> List[Wall]:
+        """Walls whose box meets that of a member, the members left out, in drawing order."""
+        own = {m.id for m in members}
+        found = set()
+        for member in members:
+            box = _box(member)
+            for cell in _cells(box):
+                found.update(i for i in self._cells.get(cell, ()) if _meet(box, self._boxes[i]))
+        return [self._walls[i] for i in sorted(found) if self._walls[i].id not in own]
+
+
+def _cells(box) -> List[Tuple[int, int]]:
+    x0, y0, x1, y1 = (int(v // CELL_MM) for v in box)
+    return [(x, y) for x in range(x0, x1 + 1) for y in range(y0, y1 + 1)]
+
+
+def _meet(a, b) -> bool:
+    return a[0] <= b[2] and b[0] <= a[2] and a[1] <= b[3] and b[1] <= a[3]
+
+
+def _take_followers(near: Neighbours, table: MoveTable, members, outlines, by_owner, notes: List[str]) -> None:
     """Adds the ends of fixed walls that are joined to the moving ones and run along the shift; says which
     joints the clause opens."""
-    members = [e for e in (study.element(id) for id in table.members) if e is not None]
-    boxes = [_box(m) for m in members]
     u = None if table.clause.kind == "rotate" else heading(table.clause)
     loosened = []
-    for wall in study.walls:
-        if wall.id in table.members or not _near(_box(wall), boxes):
-            continue
+    neighbours = near.of(members)
+    for wall in neighbours:
         own_turns = any(c.kind == "rotate" for c in wall.clauses)
         for index, point, outward in wall_ends(wall):
             if not any(touches(point, m) for m in members):
@@ -182,22 +211,22 @@ def _take_followers(study, table: MoveTable, outlines, by_owner, notes: List[str
                 table.followers.append(wall.id)
             elif u is None or abs(dot(u, outward)) > 0.02:
                 loosened.append(wall.label)
-    loosened += _own_loose_ends(study, table, members, u)
+    loosened += _own_loose_ends(neighbours, table, members, u)
     if loosened:
         names = ", ".join(f"'{n}'" for n in dict.fromkeys(loosened))
         how = "turning" if u is None else f"moving {table.clause.text().split(' ')[0]}"
         notes.append(f"'{table.name}' comes apart from {names} by {how}: a gap or an overlap can stand there.")
 
 
-def _own_loose_ends(study: Study, table: MoveTable, members, u) -> List[str]:
+def _own_loose_ends(neighbours: List[Wall], table: MoveTable, members, u) -> List[str]:
     """Labels of fixed walls from which an end of a moving wall comes away."""
     out = []
     for member in members:
         if isinstance(member, Column):
             continue
         for _, point, _ in wall_ends(member):
-            for other in study.walls:
-                if other.id in table.members or other.rings or not touches(point, other):
+            for other in neighbours:
+                if other.rings or not touches(point, other):
                     continue
                 reached = [] if u is None else [plus(point, u, v) for v in (table.clause.lower, table.clause.upper)]
                 if u is None or not all(touches(p, other) for p in reached):
@@ -223,10 +252,6 @@ def _box(element: Movable):
     xs, ys = [p[0] for p in points], [p[1] for p in points]
     by += 2 * JOIN_MM
     return (min(xs) - by, min(ys) - by, max(xs) + by, max(ys) + by)
-
-
-def _near(box, boxes) -> bool:
-    return any(box[0] <= b[2] and b[0] <= box[2] and box[1] <= b[3] and b[1] <= box[3] for b in boxes)
 
 
 def _clamp(study: Study, tables: List[MoveTable], outlines: List[Outline], notes: List[str]) -> None:

@@ -75,8 +75,7 @@ def test_6_five_hundred_walls(doc, tmp_path):
     doc.recompute()
     began = time.perf_counter()
     doc.openTransaction("mark")
-    for wall in walls:
-        marks.mark(wall, {"x": (-300, 300), "y": (-300, 300)})
+    marks.mark_all(walls, {"x": (-300, 300), "y": (-300, 300)})
     doc.commitTransaction()
     marked = time.perf_counter()
     study, _ = document.study(doc, Wishes())

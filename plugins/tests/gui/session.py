@@ -249,15 +249,48 @@ class Answers:
         doc.recompute()
         began = time.perf_counter()
         doc.openTransaction("mark")
-        for o in doc.Objects:
-            if document.kind_of(o) == "Wall":
-                marks.mark(o, {"x": (-300, 300), "y": (-300, 300)})
+        walls = [o for o in doc.Objects if document.kind_of(o) == "Wall"]
+        marks.mark_all(walls, {"x": (-300, 300), "y": (-300, 300)})
         doc.commitTransaction()
         marked = time.perf_counter()
         job.write(document.study(doc, Wishes())[0], os.path.join(FOLDER, "many"))
         written = time.perf_counter()
         App.closeDocument(doc.Name)
         return [marked - began, written - marked]
+
+    def best(self, parameters):
+        """Plays the progress of a program that tells its best layout."""
+        from enfilade_common.program import Progress
+
+        p = panel()
+        p._on_progress(Progress("optimise", 1, 2, 3, 0.5, None, parameters))
+        return not p.overlay(App.ActiveDocument).is_empty("ghost")
+
+    def tables(self):
+        return len(panel().job.plan.tables)
+
+    def clear_preview(self):
+        panel().clear_preview()
+
+    def macro(self, path):
+        """Runs the macro as FreeCAD does, after the workbench's panel has gone; gives its panel's module."""
+        old = panel()
+        old.shut()
+        window().removeDockWidget(old)
+        old.setObjectName("")
+        old.hide()
+        with open(path, encoding="utf-8") as f:
+            exec(compile(f.read(), path, "exec"), {"__name__": "__main__", "__file__": path})
+        return type(panel()).__module__
+
+    def import_option(self):
+        p = panel()
+        names = set(App.listDocuments())
+        p.options._import()
+        (made,) = set(App.listDocuments()) - names
+        edges = {o.Label: len(o.Shape.Edges) for o in App.getDocument(made).Objects}
+        App.closeDocument(made)
+        return edges
 
     def quit(self):
         QtCore.QTimer.singleShot(100, lambda: os._exit(0))

@@ -4,6 +4,7 @@ import json
 import os
 
 import pytest
+from conftest import ROOT
 
 
 def same(a, b, within=0.002):
@@ -210,6 +211,33 @@ def test_10_a_missing_program_is_said(window):
     window.shot("13-no-program")
 
 
-def test_11_five_hundred_walls(window):
+def test_11_the_best_so_far_is_a_ghost(window):
+    window.ask("clear_preview")
+    assert window.ask("best", [300.0] * window.ask("tables"))
+    window.shot("14-best-so-far")
+    window.ask("clear_preview")
+
+
+def test_12_an_option_comes_back_as_a_document(window):
+    window.ask("set", "EnfiladeProgram", "")
+    window.press("EnfiladeProgram")
+    window.key("Return")
+    run_study(window)
+    edges = window.ask("import_option")
+    assert edges["A_WALL"] >= 8 * 4 and edges["EF_MOVED"] > 0, edges
+
+
+def test_13_the_macro_does_it_without_the_workbench(window):
+    objects = window.ask("document")["objects"]
+    assert window.ask("macro", os.path.join(ROOT, "plugins", "freecad", "Enfilade.FCMacro")) == "enfilade_macro.panel"
+    run_study(window)
+    window.click(window.ask("item", 1))
+    window.press("EnfiladeAccept")
+    window.wait_for("panel", lambda p: "Accepted option 1" in p["status"], 20)
+    assert window.ask("document")["objects"] == objects
+    window.shot("15-macro")
+
+
+def test_14_five_hundred_walls(window):
     marked, exported = window.ask("five_hundred", secs=300)
     print(f"500 walls: marked in {marked:.2f} s, exported in {exported:.2f} s")

@@ -127,11 +127,11 @@ class MarkPage(QtWidgets.QWidget):
             raise PluginError(say("Tick how it may move, name its group, or tick that it must stay."))
         doc = objects[0].Document
         doc.openTransaction("Enfilade: mark")
-        for obj in objects:
-            bounds = dict(ticked)
-            if document.kind_of(obj) == "Window":
-                bounds = {k: v for k, v in bounds.items() if k == "along"}
-            marks.mark(obj, bounds, self.group.text().strip(), self.keep.isChecked())
+        doors = [o for o in objects if document.kind_of(o) == "Window"]
+        rest = [o for o in objects if o not in doors]
+        along = {k: v for k, v in ticked.items() if k == "along"}
+        for some, bounds in ((rest, ticked), (doors, along)):
+            marks.mark_all(some, bounds, self.group.text().strip(), self.keep.isChecked())
         doc.commitTransaction()
         self._panel.refresh()
         self._panel.tell(say("Marked: {}", ", ".join(o.Label for o in objects)))

@@ -69,19 +69,29 @@ def _add(obj, type: str, name: str, words: str) -> None:
         obj.addProperty(type, name, GROUP, words)
 
 
-def give_id(obj, doc) -> str:
+def _give_id(obj, known: Dict[str, str]) -> str:
     """The object's own id; made where it has none or only that of its original."""
     _add(obj, "App::PropertyString", "EnfiladeId", "Identity in Enfilade's files")
-    if ids(doc).get(obj.Name) == obj.Name or not obj.EnfiladeId:
+    if known.get(obj.Name) == obj.Name or not obj.EnfiladeId:
         obj.setEditorMode("EnfiladeId", 0)
         obj.EnfiladeId = f"{obj.Name}~{uuid.uuid4().hex[:12]}"
     obj.setEditorMode("EnfiladeId", 1)
     return obj.EnfiladeId
 
 
-def mark(obj, bounds: Dict[str, tuple], group_name: str = "", is_kept: bool = False) -> None:
-    """Writes marks; ``bounds`` gives ``(lower, upper)`` by kind, mm or degrees. Inside a transaction."""
-    give_id(obj, obj.Document)
+def mark_all(objects, bounds: Dict[str, tuple], group_name: str = "", is_kept: bool = False) -> None:
+    """Marks objects of one document; see :func:`mark`."""
+    known = ids(objects[0].Document) if objects else {}
+    for obj in objects:
+        mark(obj, bounds, group_name, is_kept, known)
+
+
+def mark(obj, bounds: Dict[str, tuple], group_name: str = "", is_kept: bool = False, known=None) -> None:
+    """Writes marks; ``bounds`` gives ``(lower, upper)`` by kind, mm or degrees. Inside a transaction.
+
+    ``known`` is what :func:`ids` says of the document, where many objects are marked at once.
+    """
+    _give_id(obj, ids(obj.Document) if known is None else known)
     for kind, stem, type, words in MOVES:
         lower, upper = bounds.get(kind, (0.0, 0.0))
         for end, value in (("Min", lower), ("Max", upper)):

@@ -8,7 +8,7 @@ import FreeCADGui as Gui
 
 from enfilade_common import job, program, results
 from enfilade_common.model import PluginError
-from enfilade_common.moves import applied, plan_of
+from enfilade_common.moves import applied
 
 from . import accept, document, settings
 from .mark_page import MarkPage
@@ -35,7 +35,6 @@ class Panel(QtWidgets.QDockWidget):
         #: Name of the document that job and round belong to.
         self.doc_name = ""
         self._overlays = {}
-        self._plan = None
         self.pages = QtWidgets.QTabWidget()
         self.mark = MarkPage(self)
         self.study = StudyPage(self)
@@ -112,7 +111,7 @@ class Panel(QtWidgets.QDockWidget):
         if doc_name == self.doc_name:
             if self.runner.is_running():
                 self.runner.stop()
-            self.job = self.round = self._plan = None
+            self.job = self.round = None
             self.doc_name = ""
             self.options.clear()
             self.tell(say("The document was closed."))
@@ -135,7 +134,6 @@ class Panel(QtWidgets.QDockWidget):
         self.options.clear()
         self.job = job.write(study, settings.job_folder(doc))
         self.doc_name = doc.Name
-        self._plan = plan_of(study)
         settings.remember(doc, wishes, storey)
         self.pages.setCurrentIndex(STUDY)
         self.study.begin()
@@ -160,17 +158,16 @@ class Panel(QtWidgets.QDockWidget):
 
     def _on_progress(self, progress) -> None:
         self.study.progress(progress)
-        if progress.best_parameters and self._plan is not None:
-            self._show_best(progress.best_parameters)
+        if progress.best_parameters and self.job is not None and self.job.plan is not None:
+            self._show_best(self.job.plan, progress.best_parameters)
 
-    def _show_best(self, parameters) -> None:
+    def _show_best(self, plan, parameters) -> None:
+        """The best layout so far, as the program's progress tells it."""
         doc = App.listDocuments().get(self.doc_name)
         overlay = self.overlay(doc) if doc is not None else None
-        if overlay is None or len(parameters) != len(self._plan.tables):
+        if overlay is None or len(parameters) != len(plan.tables):
             return
-        after = [
-            ring for o, ring in zip(self._plan.outlines, applied(self._plan, parameters)) if ring != o.points
-        ]
+        after = [ring for o, ring in zip(plan.outlines, applied(plan, parameters)) if ring != o.points]
         overlay.show_ghosts([], after, self.top(doc), BEST)
 
     def _on_end(self, code: int, words: str) -> None:
