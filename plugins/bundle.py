@@ -3,11 +3,13 @@
 
 ``bundle.py macro`` writes ``plugins/freecad/Enfilade.FCMacro``; ``bundle.py dist FOLDER`` writes the FreeCAD
 workbench and the Revit extension with the shared package inside. ``bundle.py check`` fails if the macro is
-not what the sources make.
+not what the sources make. ``bundle.py pictures FOLDER`` takes the pictures of the manual from the screenshots
+of a test run.
 """
 
 import os
 import shutil
+import subprocess
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -108,6 +110,29 @@ def write_dist(folder):
     shutil.copy(os.path.join(HERE, "..", "LICENSE-MIT"), os.path.join(workbench, "LICENSE"))
 
 
+#: Picture of the manual, screenshot of the window test it is.
+PICTURES = {
+    "freecad-selected": "02-selected",
+    "freecad-marked": "03-marked",
+    "freecad-options": "04-options",
+    "freecad-isometric": "06-option-3-isometric",
+    "freecad-accepted": "09-another",
+    "freecad-refused": "11-refused",
+    "freecad-running": "12-running",
+    "librecad-template": "librecad-template",
+    "librecad-option": "librecad-option",
+}
+
+
+def take_pictures(folder):
+    """Copies screenshots into the manual, smaller and in fewer colours."""
+    target = os.path.join(HERE, "..", "docs", "hosts", "pictures")
+    os.makedirs(target, exist_ok=True)
+    for name, shot in PICTURES.items():
+        words = ["convert", os.path.join(folder, shot + ".png"), "-resize", "1200x", "-colors", "160"]
+        subprocess.run([*words, "-strip", os.path.join(target, name + ".png")], check=True)
+
+
 def main(words):
     if words == ["macro"]:
         with open(MACRO, "w", encoding="utf-8") as f:
@@ -116,6 +141,8 @@ def main(words):
         with open(MACRO, encoding="utf-8") as f:
             if f.read() != macro_text():
                 sys.exit("plugins/freecad/Enfilade.FCMacro is not current: run plugins/bundle.py macro")
+    elif len(words) == 2 and words[0] == "pictures":
+        take_pictures(words[1])
     elif len(words) == 2 and words[0] == "dist":
         write_dist(words[1])
     else:

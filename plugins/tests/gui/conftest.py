@@ -84,8 +84,32 @@ class Window:
         return path
 
 
+def shots_folder():
+    return os.environ.get("ENFILADE_SHOTS") or os.path.join(ROOT, "target", "plugin-screenshots")
+
+
 @pytest.fixture(scope="module")
-def window(tmp_path_factory):
+def screen():
+    """A virtual screen; gives its display."""
+    for tool in ("Xvfb", "xdotool", "import", "convert"):
+        assert shutil.which(tool), f"{tool} is missing; scripts/setup installs it"
+    read, write = os.pipe()
+    size = f"{SCREEN[0]}x{SCREEN[1]}x24"
+    process = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(write), "-screen", "0", size, "-dpi", "96", "-nolisten", "tcp"],
+        pass_fds=[write],
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(write)
+    with os.fdopen(read) as f:
+        display = ":" + f.readline().strip()
+    yield display
+    process.kill()
+    process.wait()
+
+
+@pytest.fixture(scope="module")
+def window(tmp_path_factory, screen):
     folder = str(tmp_path_factory.mktemp("gui"))
     home = os.path.join(folder, "home")
     mods = os.path.join(home, ".local", "share", "FreeCAD", "Mod")
@@ -94,23 +118,12 @@ def window(tmp_path_factory):
     with open(os.path.join(home, ".config", "FreeCAD", "user.cfg"), "w") as f:
         f.write(CONFIG)
     os.symlink(os.path.join(ROOT, "plugins", "freecad"), os.path.join(mods, "Enfilade"))
-    for tool in ("Xvfb", "freecad", "xdotool", "import"):
-        assert shutil.which(tool), f"{tool} is missing; scripts/setup installs it"
+    assert shutil.which("freecad"), "freecad is missing; scripts/setup installs it"
     assert os.path.exists(os.environ.get("ENFILADE", "")), "ENFILADE names no built program; run scripts/test-plugins"
-    read, write = os.pipe()
-    size = f"{SCREEN[0]}x{SCREEN[1]}x24"
-    screen = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(write), "-screen", "0", size, "-dpi", "96", "-nolisten", "tcp"],
-        pass_fds=[write],
-        stderr=subprocess.DEVNULL,
-    )
-    os.close(write)
-    with os.fdopen(read) as f:
-        display = ":" + f.readline().strip()
     env = {
         **os.environ,
         "HOME": home,
-        "DISPLAY": display,
+        "DISPLAY": screen,
         "LANG": "C.UTF-8",
         "LIBGL_ALWAYS_SOFTWARE": "1",
         "QT_QPA_PLATFORM": "xcb",
@@ -133,11 +146,9 @@ def window(tmp_path_factory):
             assert freecad.poll() is None, open(log.name).read()[-3000:]
             assert time.monotonic() < end, "FreeCAD does not start: " + open(log.name).read()[-3000:]
             time.sleep(0.1)
-        shots = os.environ.get("ENFILADE_SHOTS") or os.path.join(ROOT, "target", "plugin-screenshots")
         time.sleep(1.0)
-        yield Window(folder, display, shots)
+        yield Window(folder, screen, shots_folder())
     finally:
-        for process in (freecad, screen):
-            process.kill()
-            process.wait()
+        freecad.kill()
+        freecad.wait()
         log.close()
