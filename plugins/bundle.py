@@ -129,7 +129,7 @@ def take_pictures(folder):
     target = os.path.join(HERE, "..", "docs", "hosts", "pictures")
     os.makedirs(target, exist_ok=True)
     for name, shot in PICTURES.items():
-        words = ["convert", os.path.join(folder, shot + ".png"), "-resize", "1200x", "-colors", "160"]
+        words = ["convert", os.path.join(folder, shot + ".png"), "-resize", "1200x", "+dither", "-colors", "200"]
         subprocess.run([*words, "-strip", os.path.join(target, name + ".png")], check=True)
 
 

@@ -258,6 +258,22 @@ class Answers:
         App.closeDocument(doc.Name)
         return [marked - began, written - marked]
 
+    def draw_rectangle(self, x, y, width, height):
+        """A closed line, as Draft's tools leave it; gives its label."""
+        import Draft
+
+        made = Draft.make_rectangle(width, height, App.Placement(V(x, y, 0), App.Rotation()), False)
+        App.ActiveDocument.recompute()
+        return made.Label
+
+    def regions(self):
+        kinds = [getattr(o, "EnfiladeRegion", "") for o in App.ActiveDocument.Objects]
+        return sorted(k for k in kinds if k)
+
+    def remove(self, labels):
+        for label in labels:
+            App.ActiveDocument.removeObject(App.ActiveDocument.getObjectsByLabel(label)[0].Name)
+
     def best(self, parameters):
         """Plays the progress of a program that tells its best layout."""
         from enfilade_common.program import Progress

@@ -9,7 +9,7 @@ import pytest
 from conftest import ROOT, shots_folder
 
 #: The drawing area of a maximised window on the test's screen.
-AREA = "1180x680+60+120"
+AREA = "1200x690+46+105"
 
 
 @pytest.fixture
@@ -33,9 +33,9 @@ def librecad(screen, tmp_path):
             time.sleep(2)
             subprocess.run(words + ["windowmove", "0", "0", "windowsize", "1600", "1000"], env=env, check=True)
             time.sleep(1)
-            for keys in (["key", "Escape"], ["mousemove", "600", "400"], ["type", "za"], ["key", "Return"]):
+            for keys in (["key", "Escape"], ["mousemove", "600", "400"], *2 * [["type", "za"], ["key", "Return"]]):
                 subprocess.run(["xdotool", *keys], env=env, check=True)
-                time.sleep(0.3)
+                time.sleep(0.6)
             time.sleep(1.5)
             os.makedirs(shots_folder(), exist_ok=True)
             path = os.path.join(shots_folder(), name + ".png")

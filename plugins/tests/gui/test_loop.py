@@ -96,7 +96,23 @@ def test_02_walls_are_marked_with_clicks(window):
     assert sorted(marked) == ["Partition", "Schirm Ö", "Screen A"], marked
     window.wait_for("panel", lambda p: p["overlay"].get("marks"), 10)
     window.shot("03-marked")
-    assert window.ask("document")["undo"] == 3
+    assert window.ask("document")["undo"] == 3, "one entry for each time of marking"
+
+
+def test_02b_regions_are_picked_and_drawn(window):
+    label = window.ask("draw_rectangle", 200, 200, 4500, 7500)
+    window.ask("select", label)
+    window.press("EnfiladeRegion_query")
+    assert window.ask("regions") == ["query"]
+    window.click(window.ask("point", 200, 9500))
+    window.press("EnfiladeRegion_reference")
+    assert "Draw a closed line" in window.ask("panel")["status"]
+    window.key("Escape")
+    drawn = window.ask("draw_rectangle", 5300, 200, 6400, 7500)
+    window.wait_for("regions", lambda kinds: kinds == ["query", "reference"], 10)
+    window.shot("03b-regions")
+    window.ask("remove", [label, drawn])
+    assert window.ask("regions") == []
 
 
 def test_03_a_study_runs_without_blocking(window):
