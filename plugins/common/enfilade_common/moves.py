@@ -178,7 +178,7 @@ class Neighbours:
     def of(self, members: List[Movable]) -> List[Wall]:
         """Walls whose box meets that of a member, the members left out, in drawing order."""
         own = {m.id for m in members}
-        found = set()
+        found: Set[int] = set()
         for member in members:
             box = _box(member)
             for cell in _cells(box):
@@ -286,8 +286,8 @@ def _narrow(study, table: MoveTable, owner: str, growth: float, allowed: float, 
     table.clause = Clause(clause.kind, round(lower, 3), round(upper, 3), clause.direction_deg)
     element = study.element(owner)
     beside = element.label if element else owner
-    text = f"'{table.name}' moves only {number(lower)} to {number(upper)} mm: beyond, nothing is left of '{beside}' beside it."
-    notes.append(text)
+    reach = f"{number(lower)} to {number(upper)} mm"
+    notes.append(f"'{table.name}' moves only {reach}: beyond, nothing is left of '{beside}' beside it.")
 
 
 def applied(plan: Plan, values: List[float]) -> List[List[Point]]:

@@ -236,12 +236,14 @@ def _check_faces(wall: Wall, outline: Outline, ring: List[Point]) -> None:
     u = direction(ring[0], ring[1])
     thickness = [cross(u, minus(ring[0], ring[c])) * -1.0 for c in (2, 3)]
     if any(abs(abs(t) - wall.thickness) > FIT_MM for t in thickness):
-        raise PluginError(f"'{wall.label}' would be bent or change its thickness in this option; nothing was taken over.")
+        bent = f"'{wall.label}' would be bent or change its thickness in this option"
+        raise PluginError(bent + "; nothing was taken over.")
     for end in (0, 1):
         left, right = outline.corners_at(end)
         before = dot(minus(outline.points[left], outline.points[right]), direction(*outline.points[:2]))
         if abs(dot(minus(ring[left], ring[right]), u) - before) > FIT_MM:
-            raise PluginError(f"An end of '{wall.label}' would be cut askew in this option; nothing was taken over.")
+            askew = f"An end of '{wall.label}' would be cut askew in this option"
+            raise PluginError(askew + "; nothing was taken over.")
 
 
 def _opening_motion(

@@ -190,3 +190,52 @@ def test_a_failure_in_the_middle_leaves_nothing_half_done(doc, wishes, tmp_path,
     with pytest.raises(PluginError, match="nothing was changed"):
         accept.accept(doc, made, found, option)
     assert state(doc) == before and doc.UndoCount == 0
+
+
+def test_walls_that_freecad_joined_into_one_still_move_apart(doc, wishes, tmp_path):
+    """FreeCAD's wall tool fuses a wall that is snapped to another: the second becomes an addition of the first."""
+    import Arch
+    from conftest import door_in
+
+    long = wall_on(doc, "draft", (0, 0), (8000, 0), 200, label="long")
+    joined = wall_on(doc, "draft", (3000, 100), (3000, 3000), 100, label="joined")
+    doc.recompute()
+    Arch.addComponents(joined, long)
+    doc.recompute()
+    door = door_in(long, (3000, 1000), 90, label="door in the joined wall")
+    doc.recompute()
+    doc.recompute()
+    marks.mark(joined, {"x": (-500, 500)})
+    before = state(doc)
+    made, found, option = option_with(doc, wishes, tmp_path, {("joined", "x"): 300.0})
+    doc.clearUndos()
+    assert accept.accept(doc, made, found, option) == ["joined"]
+    walls = {e.label: e for e in document.read(doc).elements()}
+    assert walls["long"].axis == [(0, 0), (8000, 0)] and walls["joined"].axis == [(3300, 100), (3300, 3000)]
+    assert [o.label for o in walls["joined"].openings] == ["door in the joined wall"]
+    assert door.Shape.BoundBox.Center.x == pytest.approx(3300, abs=60)
+    doc.undo()
+    doc.recompute()
+    assert state(doc) == before
+
+
+def test_an_attached_sketch_moves_by_its_points(doc, wishes, tmp_path):
+    import Arch
+
+    plane = doc.addObject("Part::Plane", "Plane")
+    sketch = doc.addObject("Sketcher::SketchObject", "Sketch")
+    sketch.Support, sketch.MapMode = (plane, [""]), "ObjectXY"
+    sketch.addGeometry(Part.LineSegment(V(0, 0, 0), V(2000, 0, 0)), False)
+    doc.recompute()
+    wall = Arch.makeWall(sketch, width=100, height=3000)
+    wall.Label = "attached"
+    doc.recompute()
+    marks.mark(wall, {"y": (-500, 500), "rotate": (-45, 45)})
+    made, found, option = option_with(doc, wishes, tmp_path, {("attached", "y"): 250.0, ("attached", "rotate"): 30.0})
+    before = state(doc)
+    doc.clearUndos()
+    accept.accept(doc, made, found, option)
+    assert state(doc) != before and sketch.MapMode == "ObjectXY"
+    doc.undo()
+    doc.recompute()
+    assert state(doc) == before

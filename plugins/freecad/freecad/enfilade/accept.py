@@ -58,9 +58,8 @@ def _found(reading: Reading, changes: List[Change]) -> List[Found]:
 def _refuse_edited(job: Job, reading: Reading, changes: List[Change]) -> None:
     edited = results.edited_since(job, reading.elements(), changes)
     if edited:
-        raise PluginError(
-            "The document was changed since the study: " + ", ".join(edited) + ". Nothing was moved; run the study again."
-        )
+        words = "The document was changed since the study: " + ", ".join(edited)
+        raise PluginError(words + ". Nothing was moved; run the study again.")
 
 
 def placement(motion: Rigid) -> App.Placement:
@@ -97,6 +96,8 @@ def _move_base(obj, mover, changes: List[Change], reading: Reading) -> None:
     chains = [f for f in reading.found.values() if f.object.Name == obj.Name]
     motion = changes[0].motion if len(changes) == len(chains) else None
     if motion is not None and any(not _same(motion, c.motion) for c in changes):
+        motion = None
+    if document.is_attached(mover):
         motion = None
     if document.is_draft_wire(mover) and changes[0].axis_after:
         _move_wire(mover, changes[0], motion)
@@ -151,8 +152,8 @@ def _move_sketch(sketch, found: Found, change: Change) -> None:
                 try:
                     sketch.movePoint(segment.geometry, position, target, 0)
                 except Exception as e:
-                    text = f"The constraints of the sketch '{sketch.Label}' hold the wall where it is ({e}); nothing was changed."
-                    raise PluginError(text) from e
+                    held = f"The constraints of the sketch '{sketch.Label}' hold the wall where it is"
+                    raise PluginError(f"{held} ({e}); nothing was changed.") from e
 
 
 def _stretch_bare(wall, change: Change) -> None:
@@ -176,7 +177,8 @@ def _check(doc, job: Job, before: Dict[str, str], changes: List[Change]) -> None
                 raise PluginError(f"'{element.label}' would move along without being asked; nothing was changed.")
             continue
         if not _stands(element, job.study.element(id), moved[id]):
-            raise PluginError(f"'{element.label}' does not take its new place: something holds it; nothing was changed.")
+            held = f"'{element.label}' does not take its new place: something holds it"
+            raise PluginError(held + "; nothing was changed.")
 
 
 def _stands(element, exported, change: Change) -> bool:

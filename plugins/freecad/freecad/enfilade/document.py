@@ -23,6 +23,9 @@ CHORD_MM = 2.0
 #: Points nearer than this are one axis point, mm.
 SAME_MM = 0.01
 
+#: Properties that decide where an object stands.
+DECIDING = ("Placement", "Points", "Start", "End", "X1", "X2", "Y1", "Y2")
+
 Vector = App.Vector
 
 
@@ -55,6 +58,8 @@ class Reading:
     #: Sentences about what was left out.
     notes: List[str] = field(default_factory=list)
     storeys: List[str] = field(default_factory=list)
+    #: The storey that was read; empty where the document has none.
+    storey: str = ""
 
     def elements(self) -> List[Movable]:
         return [f.element for f in self.found.values()]
@@ -107,9 +112,9 @@ def read(doc, storey: Optional[str] = None) -> Reading:
     out = Reading(storeys=storeys(doc))
     if storey not in out.storeys:
         storey = _default_storey(doc, out.storeys)
+    out.storey = storey or ""
     ids = marks.ids(doc)
     many = len(out.storeys) > 1
-    doors = _hosted(doc)
     for obj in doc.Objects:
         region = marks.region_kind(obj)
         if region:
@@ -123,7 +128,8 @@ def read(doc, storey: Optional[str] = None) -> Reading:
                 out.notes.append(f"'{obj.Label}' has no shape and was left out; recompute the document.")
                 continue
             add = _add_wall if kind == "Wall" else _add_column
-            add(out, obj, ids[obj.Name], doors.get(obj.Name, []), ids)
+            add(out, obj, ids[obj.Name])
+    _add_openings(out, doc, ids)
     _share_bases(out)
     return out
 
@@ -139,7 +145,7 @@ def study(doc, wishes, storey: Optional[str] = None, lineage=()) -> Tuple[Study,
         columns=[e for e in elements if isinstance(e, Column)],
         regions=reading.regions,
         wishes=wishes,
-        storey=storey or "",
+        storey=reading.storey,
         lineage=list(lineage),
     )
     if not made.walls:
@@ -163,14 +169,31 @@ def _is_solid(obj) -> bool:
     return shape is not None and not shape.isNull() and bool(shape.Faces)
 
 
-def _hosted(doc) -> Dict[str, List[Any]]:
-    """Doors and windows by the name of their host."""
-    out: Dict[str, List[Any]] = {}
+def _add_openings(out: Reading, doc, ids: Dict[str, str]) -> None:
+    """Doors and windows in the walls of their hosts, and in the walls joined to these."""
+    by_object: Dict[str, List[Wall]] = {}
+    for found in out.found.values():
+        if isinstance(found.element, Wall):
+            by_object.setdefault(found.object.Name, []).append(found.element)
     for obj in doc.Objects:
-        if kind_of(obj) == "Window":
-            for host in getattr(obj, "Hosts", []) or []:
-                out.setdefault(host.Name, []).append(obj)
-    return out
+        if kind_of(obj) != "Window":
+            continue
+        hosts = _with_additions(getattr(obj, "Hosts", None) or [])
+        walls = [w for host in hosts for w in by_object.get(host.Name, ())]
+        if walls:
+            _add_opening(out, obj, walls, ids)
+
+
+def _with_additions(hosts) -> List[Any]:
+    """Hosts and what was joined to them, each once."""
+    out: Dict[str, Any] = {}
+    todo = list(hosts)
+    while todo:
+        host = todo.pop(0)
+        if host.Name not in out:
+            out[host.Name] = host
+            todo.extend(getattr(host, "Additions", None) or [])
+    return list(out.values())
 
 
 def _add_region(out: Reading, obj, kind: str, many: bool, storey) -> None:
@@ -195,7 +218,7 @@ def _ring(wire) -> List[Point]:
     return out[:-1] if len(out) > 1 and distance(out[0], out[-1]) < SAME_MM else out
 
 
-def _add_column(out: Reading, obj, id: str, _doors, _ids) -> None:
+def _add_column(out: Reading, obj, id: str) -> None:
     rings = _slice(obj)
     if not rings:
         out.notes.append(f"'{obj.Label}' is not cut at eye height and was left out.")
@@ -218,7 +241,7 @@ def _slice(obj) -> List[List[Point]]:
     return [_ring(w) for w in obj.Shape.slice(Vector(0, 0, 1), z) if w.isClosed()]
 
 
-def _add_wall(out: Reading, obj, id: str, doors: List[Any], ids: Dict[str, str]) -> None:
+def _add_wall(out: Reading, obj, id: str) -> None:
     chains = axes(obj)
     faces = _faces(obj)
     walls: List[Found] = []
@@ -243,8 +266,6 @@ def _add_wall(out: Reading, obj, id: str, doors: List[Any], ids: Dict[str, str])
             wall.group = obj.Label
             wall.clauses = walls[0].element.clauses
         out.found[wall.id] = found
-    for door in doors:
-        _add_opening(out, door, [f.element for f in walls], ids)
 
 
 def _heading_deg(wall: Wall) -> float:
@@ -268,8 +289,9 @@ def _fits(walls: List[Wall], obj) -> bool:
     """Whether the computed faces lie where FreeCAD's do."""
     bare = [Wall(w.id, "", w.axis, w.left, w.right, w.closed) for w in walls]
     corners = [p for w in bare for o in wall_outlines(w) for p in o.points]
-    if not corners:
-        return False
+    if not corners or getattr(obj, "Additions", None):
+        # Walls joined to this one stand in its shape too; they are read as walls of their own.
+        return bool(corners)
     box = obj.Shape.BoundBox
     mine = (min(p[0] for p in corners), min(p[1] for p in corners))
     mine += (max(p[0] for p in corners), max(p[1] for p in corners))
@@ -426,17 +448,22 @@ def lock(obj) -> str:
     for part in (obj, base):
         if part is None:
             continue
-        if any(path.startswith(("Placement", "Points", "Start", "End", "X1", "X2", "Y1", "Y2")) for path, _ in part.ExpressionEngine):
+        if any(path.startswith(DECIDING) for path, _ in part.ExpressionEngine):
             return f"an expression decides where '{part.Label}' stands"
         if "ReadOnly" in part.getPropertyStatus("Placement") or "Immutable" in part.getPropertyStatus("Placement"):
             return f"the position of '{part.Label}' is locked"
-        if getattr(part, "MapMode", "Deactivated") not in ("Deactivated", "") and part is base:
+        if part is base and is_attached(part) and not part.isDerivedFrom("Sketcher::SketchObject"):
             return f"'{part.Label}' is attached to another object"
     if getattr(obj, "CloneOf", None) is not None:
         return "it is a clone of another wall"
     if _in_moved_part(obj):
         return "it stands in a part with a position of its own"
     return ""
+
+
+def is_attached(base) -> bool:
+    """Whether another object decides the placement; the points of a sketch can still be moved."""
+    return getattr(base, "MapMode", "Deactivated") not in ("Deactivated", "")
 
 
 def _in_moved_part(obj) -> bool:

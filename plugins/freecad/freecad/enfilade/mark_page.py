@@ -123,7 +123,8 @@ class MarkPage(QtWidgets.QWidget):
         if not objects:
             raise PluginError(say("Nothing selected. Select walls, columns, doors or windows in the view."))
         ticked = {k: (low.value(), high.value()) for k, (tick, low, high) in self.rows.items() if tick.isChecked()}
-        if not any(any(pair) for pair in ticked.values()) and not self.group.text().strip() and not self.keep.isChecked():
+        has_moves = any(any(pair) for pair in ticked.values())
+        if not (has_moves or self.group.text().strip() or self.keep.isChecked()):
             raise PluginError(say("Tick how it may move, name its group, or tick that it must stay."))
         doc = objects[0].Document
         doc.openTransaction("Enfilade: mark")

@@ -2,8 +2,6 @@
 
 import os
 
-import FreeCAD as App
-
 from . import importing
 from .qt import QtCore, QtGui, QtWidgets
 from .wording import say

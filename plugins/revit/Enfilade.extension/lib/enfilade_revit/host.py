@@ -51,6 +51,9 @@ from .data import (
 
 FOOT_MM = 304.8
 
+#: Where a door or window keeps its width.
+WIDTHS = (BuiltInParameter.DOOR_WIDTH, BuiltInParameter.WINDOW_WIDTH, BuiltInParameter.FAMILY_WIDTH_PARAM)
+
 
 def element_number(id) -> int:
     """An element id as a number: ``Value`` since Revit 2024, ``IntegerValue`` before."""
@@ -101,9 +104,8 @@ class Host:
             left, right = self._faces(wall, axis)
             rings = [] if axis else self._outlines(wall)
             label = f"{wall.Name} {element_number(wall.Id)}"
-            out.append(
-                RevitWall(element_number(wall.Id), label, axis, left, right, rings, self._marks(wall), bool(wall.Pinned))
-            )
+            id, pinned = element_number(wall.Id), bool(wall.Pinned)
+            out.append(RevitWall(id, label, axis, left, right, rings, self._marks(wall), pinned))
         return out
 
     def _faces(self, wall, axis: Optional[List[Point]]) -> Tuple[float, float]:
@@ -146,7 +148,7 @@ class Host:
 
     def _width(self, insert) -> Optional[float]:
         for owner in (insert, insert.Symbol):
-            for name in (BuiltInParameter.DOOR_WIDTH, BuiltInParameter.WINDOW_WIDTH, BuiltInParameter.FAMILY_WIDTH_PARAM):
+            for name in WIDTHS:
                 parameter = owner.get_Parameter(name)
                 if parameter is not None and parameter.HasValue and parameter.AsDouble() > 0:
                     return parameter.AsDouble() * FOOT_MM
@@ -158,9 +160,9 @@ class Host:
             for column in self._visible(category):
                 rings = self._outlines(column)
                 if rings:
-                    label = f"{column.Name} {element_number(column.Id)}"
-                    ring = max(rings, key=len)
-                    out.append(RevitColumn(element_number(column.Id), label, ring, self._marks(column), bool(column.Pinned)))
+                    id, ring = element_number(column.Id), max(rings, key=len)
+                    label = f"{column.Name} {id}"
+                    out.append(RevitColumn(id, label, ring, self._marks(column), bool(column.Pinned)))
         return out
 
     def _outlines(self, element) -> List[List[Point]]:

@@ -142,7 +142,9 @@ def _chain(rest: List[Tuple[Point, Point]]) -> Optional[List[Point]]:
     """Takes one chain out of ``rest``; its corners if it closes."""
     points = list(rest.pop(0))
     while distance(points[0], points[-1]) > MEET_MM:
-        at = next((i for i, (a, b) in enumerate(rest) if min(distance(points[-1], a), distance(points[-1], b)) <= MEET_MM), None)
+        tip = points[-1]
+        meets = (i for i, (a, b) in enumerate(rest) if min(distance(tip, a), distance(tip, b)) <= MEET_MM)
+        at = next(meets, None)
         if at is None:
             return None
         a, b = rest.pop(at)

@@ -53,7 +53,9 @@ def describe_marks(host, window) -> None:
     marked = [e for e in study.movables() if e.clauses or e.group]
     doors = [o for w in study.walls for o in w.openings if o.clauses]
     lines = [f"{len(study.walls)} walls, {len(study.columns)} columns."]
-    lines += [f"{e.label}: " + "; ".join(c.text() for c in e.clauses) + (f" (group {e.group})" if e.group else "") for e in marked]
+    for e in marked:
+        group = f" (group {e.group})" if e.group else ""
+        lines.append(f"{e.label}: " + "; ".join(c.text() for c in e.clauses) + group)
     lines += [f"{o.label}: slides {o.clauses[0].lower:g} to {o.clauses[0].upper:g} mm" for o in doors]
     lines += [f"Region: {r.kind}, {len(r.points)} corners" for r in study.regions]
     if not marked and not doors:
