@@ -169,7 +169,8 @@ class MarkPage(QtWidgets.QWidget):
 
     def object_created(self, obj) -> None:
         """A line drawn after a region was asked for becomes it, once Draft has finished with it."""
-        if self._awaited_region and obj.TypeId.startswith("Part::"):
+        # While it is drawn, Draft shows a Part::Feature that never is the line itself.
+        if self._awaited_region and obj.isDerivedFrom("Part::Part2DObject"):
             kind, self._awaited_region = self._awaited_region, ""
             name, doc_name = obj.Name, obj.Document.Name
             QtCore.QTimer.singleShot(600, lambda: self._panel.attempt(self._drawn, doc_name, name, kind))
