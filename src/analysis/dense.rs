@@ -14,8 +14,8 @@ use super::lanes::{LANES, Lanes, Path, Portable, Vector, transpose};
 use super::strips::{MAX_COORDINATE_CELLS, MAX_COORDINATE_UM};
 use super::{Lattice, Obstacles, Tally};
 
-/// Largest grid: a row of bits is at most four cache lines and the tables stay near the processor.
-pub(super) const MAX_CELLS: usize = 4 * LANES;
+/// Largest grid: a row of bits is at most eight cache lines and the tables stay near the processor.
+pub(super) const MAX_CELLS: usize = 8 * LANES;
 
 /// A shadow's edge nearer to a cell than this, in cells, is decided in whole numbers. Rounding stays
 /// below 2⁻²⁵ under the coordinate limits of the sweep.
@@ -77,6 +77,8 @@ pub(super) struct DenseScratch {
     found: Vec<u32>,
     component_of: Vec<u32>,
     components: Vec<Lanes>,
+    /// Grid cells that no solid covers.
+    bare: Vec<Lanes>,
 }
 
 /// A moving segment in the local frame, lower end first, with its box.
@@ -278,21 +280,22 @@ impl Dense {
             Path::Avx2 => unsafe { self.cast_all_avx2(segments, scratch) },
             Path::Portable => self.cast_all(segments, scratch),
         }
+        scratch.bare.clear();
+        scratch.bare.resize(self.stride, Lanes([u64::MAX; 8]));
         if !blind.is_empty() {
-            self.blindfold(blind, &mut scratch.rows);
+            self.blindfold(blind, &mut scratch.rows, &mut scratch.bare);
         }
         mirror(&mut scratch.rows, self.stride, (self.size[0] * self.size[1]).div_ceil(64));
     }
 
-    fn blindfold(&self, blind: &[u32], rows: &mut [Lanes]) {
-        let mut seeing = vec![Lanes([u64::MAX; 8]); self.stride];
+    fn blindfold(&self, blind: &[u32], rows: &mut [Lanes], bare: &mut [Lanes]) {
         for &v in blind {
             let cell = self.cell_of[v as usize] as usize;
             rows[cell * self.stride..][..self.stride].fill(Lanes::default());
-            seeing[cell / LANES].clear(cell % LANES);
+            bare[cell / LANES].clear(cell % LANES);
         }
         for row in rows.chunks_exact_mut(self.stride) {
-            row.iter_mut().zip(&seeing).for_each(|(r, s)| (0..8).for_each(|w| r.0[w] &= s.0[w]));
+            row.iter_mut().zip(&*bare).for_each(|(r, s)| (0..8).for_each(|w| r.0[w] &= s.0[w]));
         }
     }
 
@@ -543,7 +546,11 @@ impl Dense {
             1 => self.walk_rows::<V, 1>(scratch),
             2 => self.walk_rows::<V, 2>(scratch),
             3 => self.walk_rows::<V, 3>(scratch),
-            _ => self.walk_rows::<V, 4>(scratch),
+            4 => self.walk_rows::<V, 4>(scratch),
+            5 => self.walk_rows::<V, 5>(scratch),
+            6 => self.walk_rows::<V, 6>(scratch),
+            7 => self.walk_rows::<V, 7>(scratch),
+            _ => self.walk_rows::<V, 8>(scratch),
         }
     }
 
@@ -569,9 +576,11 @@ impl Dense {
             *unseen = components[scratch.component_of[v as usize] as usize];
             tally.degree.push(shared_bits(frontier, &self.reference));
             tally.degree_all.push(count_bits(frontier));
-            if let Some(initial) = self.initial_of.get(i) {
+            if let Some(initial) = self.initial_of.get(i)
+                && scratch.bare[cell / LANES].get(cell % LANES) == 1
+            {
                 let was = &self.initial[*initial as usize];
-                tally.disconnected += u64::from(count_bits(was) - shared_bits(was, unseen));
+                tally.disconnected += u64::from(lost_bits(was, unseen, &scratch.bare));
             }
             unseen[cell / LANES].clear(cell % LANES);
             active.push(i as u32);
@@ -704,6 +713,18 @@ fn count_bits(row: &[Lanes]) -> u32 {
     for lanes in row {
         for word in lanes.0 {
             sum += word.count_ones();
+        }
+    }
+    sum
+}
+
+/// Bits of `was` that are bare and not in `now`.
+#[inline(always)]
+fn lost_bits(was: &[Lanes], now: &[Lanes], bare: &[Lanes]) -> u32 {
+    let mut sum = 0;
+    for ((was, now), bare) in was.iter().zip(now).zip(bare) {
+        for w in 0..8 {
+            sum += (was.0[w] & bare.0[w] & !now.0[w]).count_ones();
         }
     }
     sum

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use crate::plan::geometry::Segment;
 
 use super::dense::{Dense, DenseScratch};
-use super::forest::tally;
+use super::forest::{Initial, tally};
 use super::visibility::visibility_graph_serial;
 use super::{Lattice, Obstacles, Tally};
 
 /// Evaluates layouts that share a lattice and the walls that do not move; share it between threads
 /// and give each thread a [`Scratch`].
 ///
-/// Lattices whose box holds up to 2,048 cells are evaluated on dense rows prepared for the fixed walls;
+/// Lattices whose box holds up to 4,096 cells are evaluated on dense rows prepared for the fixed walls;
 /// larger ones, and coordinates beyond about 10⁹ m, from scratch.
 pub struct Evaluator {
     lattice: Arc<Lattice>,
@@ -46,7 +46,8 @@ impl Evaluator {
         new.fill(initial_moving, &mut scratch);
         let graph = visibility_graph_serial(&new.lattice, &scratch.obstacles);
         new.initial_components = graph.components();
-        new.initial = tally(&new.lattice, &graph, Some(&new.initial_components));
+        let initial = Initial { components: &new.initial_components, covered: &initial_moving.blind };
+        new.initial = tally(&new.lattice, &graph, Some(initial));
         new
     }
 
@@ -69,7 +70,8 @@ impl Evaluator {
     fn evaluate_whole(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
         self.fill(moving, scratch);
         let graph = visibility_graph_serial(&self.lattice, &scratch.obstacles);
-        tally(&self.lattice, &graph, Some(&self.initial_components))
+        let initial = Initial { components: &self.initial_components, covered: &moving.blind };
+        tally(&self.lattice, &graph, Some(initial))
     }
 
     fn fill(&self, moving: &Obstacles, scratch: &mut Scratch) {
@@ -135,9 +137,9 @@ mod tests {
 
     #[test]
     fn beyond_the_limits_it_evaluates_from_scratch() {
-        let cells: Vec<[i32; 2]> = (0..46).flat_map(|c| (0..46).map(move |r| [c, r])).collect();
+        let cells: Vec<[i32; 2]> = (0..65).flat_map(|c| (0..65).map(move |r| [c, r])).collect();
         let lattice = Arc::new(fixtures::lattice(10, [0, 0], cells));
-        let wall = |x: i64| Obstacles { segments: vec![Segment { a: [x, -5], b: [x, 155] }], blind: vec![] };
+        let wall = |x: i64| Obstacles { segments: vec![Segment { a: [x, -5], b: [x, 655] }], blind: vec![] };
         let evaluator = Evaluator::new(lattice.clone(), &[], &wall(55));
         assert!(evaluator.dense.is_none());
         let tally = evaluator.evaluate(&wall(66), &mut evaluator.scratch());

@@ -107,9 +107,8 @@ fn walking_order(graph: &Graph, roots: &[u32]) -> Vec<(u32, u32)> {
 
 /// Levels, degrees and cut-off vertices of the query region. Breadth-first trees run over all of `V`.
 ///
-/// `initial_components` are the [`Graph::components`] of the initial layout; without them
-/// `disconnected` is 0.
-pub fn tally(lattice: &Lattice, graph: &Graph, initial_components: Option<&[u32]>) -> Tally {
+/// `initial` is the layout against which cut-off vertices are counted; without it `disconnected` is 0.
+pub fn tally(lattice: &Lattice, graph: &Graph, initial: Option<Initial<'_>>) -> Tally {
     let reference = graph.tile_masks(|v| lattice.is_reference[v as usize]);
     let mut tally = Tally::default();
     for &v in &lattice.query {
@@ -122,27 +121,42 @@ pub fn tally(lattice: &Lattice, graph: &Graph, initial_components: Option<&[u32]
         tally.depth.push(levels.len() as u32);
         tally.levels.extend(levels);
     }
-    if let Some(initial) = initial_components {
-        tally.disconnected = disconnected(&lattice.query, initial, &graph.components());
+    if let Some(initial) = initial {
+        tally.disconnected = disconnected(&lattice.query, &initial, &graph.components());
     }
     tally
 }
 
-/// Σ over query vertices of the vertices that shared their component initially and do not now.
-pub(super) fn disconnected(query: &[u32], initial: &[u32], now: &[u32]) -> u64 {
-    if initial == now {
+/// What cut-off vertices are counted against.
+#[derive(Clone, Copy, Debug)]
+pub struct Initial<'a> {
+    /// The [`Graph::components`] of the initial layout.
+    pub components: &'a [u32],
+    /// Vertices that a solid covers in the layout measured: where a wall stands is no space that it cuts
+    /// off, or no solid could ever move.
+    pub covered: &'a [u32],
+}
+
+/// Σ over query vertices of the vertices that shared their component initially and do not now; covered
+/// vertices are left out on both sides.
+pub(super) fn disconnected(query: &[u32], initial: &Initial<'_>, now: &[u32]) -> u64 {
+    if initial.components == now {
         return 0;
     }
-    let mut pairs: Vec<(u32, u32)> = initial.iter().copied().zip(now.iter().copied()).collect();
+    let mut is_covered = vec![false; now.len()];
+    initial.covered.iter().for_each(|&v| is_covered[v as usize] = true);
+    let was = initial.components;
+    let mut pairs: Vec<(u32, u32)> =
+        (0..now.len()).filter(|&v| !is_covered[v]).map(|v| (was[v], now[v])).collect();
     pairs.sort_unstable();
     let count = |from: (u32, u32), to: (u32, u32)| {
         (pairs.partition_point(|p| *p <= to) - pairs.partition_point(|p| *p < from)) as u64
     };
     let lost = |&v: &u32| {
-        let (a, b) = (initial[v as usize], now[v as usize]);
+        let (a, b) = (was[v as usize], now[v as usize]);
         count((a, 0), (a, u32::MAX)) - count((a, b), (a, b))
     };
-    query.iter().map(lost).sum()
+    query.iter().filter(|&&v| !is_covered[v as usize]).map(lost).sum()
 }
 
 #[cfg(test)]
@@ -224,7 +238,10 @@ mod tests {
     #[test]
     fn cut_off_vertices_are_counted_per_query_vertex() {
         // Initially {0,1,2,3} and {4}; now {0,1}, {2}, {3,4}: 0 loses two, 2 loses three, 4 none.
-        assert_eq!(disconnected(&[0, 2, 4], &[0, 0, 0, 0, 4], &[0, 0, 2, 3, 3]), 5);
-        assert_eq!(disconnected(&[0, 2, 4], &[0, 0, 0, 0, 4], &[0, 0, 0, 0, 4]), 0);
+        let against = |covered| Initial { components: &[0, 0, 0, 0, 4], covered };
+        assert_eq!(disconnected(&[0, 2, 4], &against(&[]), &[0, 0, 2, 3, 3]), 5);
+        assert_eq!(disconnected(&[0, 2, 4], &against(&[2]), &[0, 0, 2, 3, 3]), 1);
+        assert_eq!(disconnected(&[0, 2, 4], &against(&[2, 3]), &[0, 0, 2, 3, 3]), 0);
+        assert_eq!(disconnected(&[0, 2, 4], &against(&[]), &[0, 0, 0, 0, 4]), 0);
     }
 }

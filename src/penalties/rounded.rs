@@ -244,10 +244,11 @@ impl Bound {
             | (Self::Arc { centre, r, .. }, Self::Line { through, d }) => {
                 let off = d.perp_dot(through - centre);
                 let half = (r - off) * (r + off);
-                if half >= 0.0 {
+                if half >= -TANGENT * r * r {
                     let foot = through.x + d.x * d.dot(centre - through);
-                    breaks.add(foot - d.x * half.sqrt());
-                    breaks.add(foot + d.x * half.sqrt());
+                    let half = half.max(0.0).sqrt();
+                    breaks.add(foot - d.x * half);
+                    breaks.add(foot + d.x * half);
                 }
             }
             (Self::Arc { centre: p, r, .. }, Self::Arc { centre: q, .. }) => {
@@ -262,6 +263,10 @@ impl Bound {
         }
     }
 }
+
+/// A line that misses a circle by this share of r² touches it. The touching point is a break too: if it
+/// fell on the middle of a strip, the bounds compared there would be equal and the wrong one taken.
+const TANGENT: f64 = 1e-12;
 
 /// Both ends of a strip and two crossings for each of four pairs of bounds.
 const BREAKS_MAX: usize = 10;

@@ -162,6 +162,17 @@ fn counted_m2(p: [DVec2; 2], q: [DVec2; 2], r: f64, step: f64) -> f64 {
     inside.count() as f64 * step * step
 }
 
+/// The end of one wall lies on the axis of the other: a line touches an arc where two bounds swap.
+#[test]
+fn overlap_of_walls_that_meet_at_a_right_angle() {
+    let (p, q) = ([dvec2(1.0, -1.0), dvec2(-0.5, 0.0)], [dvec2(0.25, -0.5), dvec2(0.75, 0.25)]);
+    let turned = |s: [DVec2; 2]| [s[1], s[0]];
+    for (p, q) in [(p, q), (q, p), (turned(p), q), (q, turned(p)), (p, turned(q))] {
+        let found = overlap_m2(p, q, 0.5);
+        assert!((found - counted_m2(p, q, 0.5, 1e-3)).abs() < 1e-3, "{p:?} {q:?}: {found}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 4000, max_global_rejects: 40_000, ..ProptestConfig::default() })]
 

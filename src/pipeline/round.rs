@@ -137,9 +137,14 @@ fn optimise(
     let begun = Instant::now();
     let mut said = Instant::now();
     loop {
-        let over = settings.seconds.is_some_and(|s| started.elapsed().as_secs_f64() >= s);
-        if cancel.is_stopped() || over {
-            search.finish();
+        if cancel.is_stopped() {
+            search.finish(search::Stop::Asked);
+        } else if let Some(seconds) = settings.seconds {
+            let left = seconds - started.elapsed().as_secs_f64();
+            if left <= 0.0 {
+                search.finish(search::Stop::Time);
+            }
+            pace(&mut search, settings, begun, left);
         }
         let asked = search.ask();
         if asked.is_empty() {
@@ -178,6 +183,14 @@ fn optimise(
         archive: outcome.archive.iter().map(|p| p.values.clone()).collect(),
         members: outcome.members,
     })
+}
+
+/// Tells the search how many evaluations will fit into the time left, at the pace so far.
+fn pace(search: &mut Search, settings: &Settings, begun: Instant, left_secs: f64) {
+    let done = search.progress().evaluations;
+    let rate = done as f64 / begun.elapsed().as_secs_f64().max(1e-6);
+    let fit = done + ((rate * left_secs.max(0.0)) as u64).max(2 * BATCH as u64);
+    search.set_evaluations(settings.evaluations.map_or(fit, |limit| limit.min(fit)));
 }
 
 /// Best value of one objective among all layouts that keep the hard limits; NaN if none does.

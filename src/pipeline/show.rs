@@ -2,7 +2,7 @@
 
 use super::study::{Study, Understood, Worth, divisor};
 use crate::analysis::Tally;
-use crate::analysis::measures::entropy_bits;
+use crate::analysis::measures::{Column, UNDEFINED, entropy_bits};
 use crate::config::{Colours, Measure, Settings};
 use crate::moves::Layout;
 use crate::overlay::Palette;
@@ -122,6 +122,20 @@ pub fn cells(study: &Study, values: &[f64]) -> Vec<Cell> {
         out[*v as usize].value = Some(*value);
     }
     out
+}
+
+/// All vertices as cells with the values of a column; none where it is undefined. Plan frame.
+pub fn column_cells(study: &Study, column: &Column) -> Vec<Cell> {
+    let lattice = &study.lattice;
+    let value = |v: f64| (v != UNDEFINED && v.is_finite()).then_some(v);
+    let centre = |v: usize| study.base.plan.frame.plan_from_um(lattice.centre_um(v)).to_array();
+    column.values.iter().enumerate().map(|(v, x)| Cell { centre: centre(v), value: value(*x) }).collect()
+}
+
+/// A column's name as a file name: `Visual Integration [HH]` is `visual-integration-hh`.
+pub fn slug(name: &str) -> String {
+    let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());
+    words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
 }
 
 /// Plan frame to drawing units for everything that is added to a file.

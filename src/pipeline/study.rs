@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::spacing::{self, SpacingChoice};
 use crate::analysis::evaluator::{Evaluator, Scratch};
-use crate::analysis::forest::tally;
+use crate::analysis::forest::{Initial, tally};
 use crate::analysis::lattice::{CellIndex, Ground, lattice};
 use crate::analysis::measures::{Means, means};
 use crate::analysis::visibility::visibility_graph;
@@ -287,7 +287,7 @@ impl Study {
         let (pieces, piece_ranges) = pieces(&base, &identity, &piece_moves);
         let layout = penalties::Layout { pieces: &pieces };
         let mut study = Self {
-            clearance: Clearance::new(&layout, CLEARANCE_RADIUS_M),
+            clearance: Clearance::new(&layout, CLEARANCE_RADIUS_M * base.plan.human_scale),
             wall_length: WallLength::new(&layout),
             alignment: Alignment::new(&layout),
             overlap: Overlap::new(&layout),
@@ -376,7 +376,8 @@ impl Study {
                 trace_like(&again.walls[*w as usize].shape, &plan.walls[*w as usize].trace, &plan.frame);
             self.place(&mut pieces[range.0..range.1], &trace);
         }
-        Ok(self.worth(tally(&self.lattice, &graph, Some(&self.components)), &pieces))
+        let initial = Initial { components: &self.components, covered: &obstacles.blind };
+        Ok(self.worth(tally(&self.lattice, &graph, Some(initial)), &pieces))
     }
 
     fn place(&self, pieces: &mut [WallPiece], trace: &Trace) {

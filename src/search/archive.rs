@@ -94,8 +94,10 @@ const NO_RANGE: f64 = 1e-12;
 ///
 /// Objective by objective, in order: the best gain among the points that keep hard limits and all
 /// earlier thresholds, and from it `l = base + z (best − base)`. The base is the present layout; 0
-/// for a `score` (spec 7, Decision); and where the present layout is already the best, the median
-/// of all points, so that an objective nobody can improve still leaves room to move.
+/// for a `score` (spec 7, Decision). Objectives conflict: where the best of an earlier one costs this
+/// one more than the present layout has, the base is what it has there (the payoff table's estimate of
+/// the nadir), or a range of almost nothing would leave no room for different members. Where even that
+/// gives no range, the base is the median of the points that were admitted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Limits {
     /// Index of the best point of each objective; `None` from the first objective that has none.
@@ -112,8 +114,24 @@ const PROVISIONAL_POINTS: usize = 32;
 
 impl Limits {
     pub(super) fn of(archive: &Archive, objectives: &[Objective]) -> Self {
-        let mut limits = Self::default();
-        for (j, objective) in objectives.iter().enumerate() {
+        Self::default().continued(archive, objectives)
+    }
+
+    /// These limits for all objectives but the last, whose limit follows the archive: once members
+    /// spread, an earlier threshold stands, as in Algorithm 2, or each late find would turn them out.
+    pub(super) fn with_last_anew(&self, archive: &Archive, objectives: &[Objective]) -> Self {
+        let mut limits = self.clone();
+        let kept = objectives.len() - 1;
+        limits.best.truncate(kept);
+        for list in [&mut limits.base, &mut limits.top, &mut limits.threshold] {
+            list.truncate(kept);
+        }
+        limits.continued(archive, objectives)
+    }
+
+    fn continued(self, archive: &Archive, objectives: &[Objective]) -> Self {
+        let mut limits = self;
+        for (j, objective) in objectives.iter().enumerate().skip(limits.top.len()) {
             let within = |&i: &usize| archive.hard(i) == 0.0 && limits.admits(archive.gains(i), j, 0.0);
             let gain = |i: usize| archive.gains(i)[j];
             let best = (0..archive.len()).filter(within).reduce(|a, b| if gain(b) > gain(a) { b } else { a });
@@ -127,9 +145,10 @@ impl Limits {
         let j = self.top.len();
         let top = best.map_or(0.0, |i| archive.gains(i)[j]);
         self.best.push(best);
-        let known = known_base(archive, objective, j, top);
+        let known = self.known_base(archive, objective, j, top);
         self.provisional |= known.is_none();
-        self.base.push(known.unwrap_or_else(|| median(archive, j, top)));
+        let base = known.unwrap_or_else(|| self.median_admitted(archive, j, top));
+        self.base.push(base);
         self.top.push(top);
         self.threshold.push(objective.threshold);
     }
@@ -188,25 +207,32 @@ impl Limits {
     pub(super) fn slack(&self, gains: &[f64], count: usize, margin: f64) -> f64 {
         (0..count).map(|j| (gains[j] - self.limit(j, margin)) / self.range(j)).fold(f64::INFINITY, f64::min)
     }
-}
 
-/// 0 for a score, else the present layout's gain, as long as the best is better.
-fn known_base(archive: &Archive, objective: &Objective, j: usize, top: f64) -> Option<f64> {
-    if objective.is_score && top > 0.0 {
-        return Some(0.0);
+    /// 0 for a score; else the least of what the present layout and the best points of the earlier
+    /// objectives have, as long as the best is better.
+    fn known_base(&self, archive: &Archive, objective: &Objective, j: usize, top: f64) -> Option<f64> {
+        if objective.is_score && top > 0.0 {
+            return Some(0.0);
+        }
+        let earlier = self.best[..j].iter().flatten().copied();
+        let known = (archive.len() > 0).then_some(0).into_iter().chain(earlier);
+        let base = known.map(|i| archive.gains(i)[j]).filter(|g| g.is_finite()).fold(f64::INFINITY, f64::min);
+        (base.is_finite() && top - base > NO_RANGE).then_some(base)
     }
-    let start = if archive.len() > 0 { archive.gains(0)[j] } else { f64::NAN };
-    (start.is_finite() && top - start > NO_RANGE).then_some(start)
-}
 
-/// Median gain of all points, at most `top`.
-fn median(archive: &Archive, j: usize, top: f64) -> f64 {
-    let mut gains: Vec<f64> =
-        (0..archive.len()).map(|i| archive.gains(i)[j]).filter(|g| g.is_finite()).collect();
-    if gains.is_empty() {
-        return top;
+    /// Median gain of the points that keep the earlier thresholds, at most `top`.
+    fn median_admitted(&self, archive: &Archive, j: usize, top: f64) -> f64 {
+        let admitted = |&i: &usize| archive.hard(i).is_finite() && self.admits(archive.gains(i), j, 0.0);
+        let mut gains: Vec<f64> = (0..archive.len())
+            .filter(admitted)
+            .map(|i| archive.gains(i)[j])
+            .filter(|g| g.is_finite())
+            .collect();
+        if gains.is_empty() {
+            return top;
+        }
+        let middle = gains.len() / 2;
+        let (_, median, _) = gains.select_nth_unstable_by(middle, f64::total_cmp);
+        median.min(top)
     }
-    let middle = gains.len() / 2;
-    let (_, median, _) = gains.select_nth_unstable_by(middle, f64::total_cmp);
-    median.min(top)
 }

@@ -36,6 +36,8 @@ pub(super) struct Guided {
     climb_models: Models,
     spread_models: Models,
     limits: Limits,
+    /// The limits as the spreading found them.
+    standing: Option<Limits>,
     asked: Vec<Kind>,
     course: Course,
     /// Evaluations after which a search without a budget ends: known once its climbs have converged.
@@ -84,11 +86,16 @@ impl Guided {
             climb_models: Models::new(1, tuning.neighbours),
             spread_models: Models::new(study.members, tuning.spread_neighbours),
             limits: Limits::default(),
+            standing: None,
             asked: vec![],
             course: Course::default(),
             enough: None,
             tuning,
         }
+    }
+
+    pub(super) fn set_budget(&mut self, evaluations: u64) {
+        self.budget = Some(evaluations);
     }
 
     /// Share of the budget used, 0 while there is none.
@@ -118,6 +125,7 @@ impl Guided {
             let climbs = self.climbs(archive.len() + b);
             let mut proposal = None;
             if !climbs {
+                self.standing.get_or_insert_with(|| self.limits.clone());
                 let (limits, tuning) = (&self.limits, &self.tuning);
                 let members = self.spread.members().to_vec();
                 let view = View { archive, limits, tuning, members: &members, pending: &out };
@@ -150,7 +158,7 @@ impl Guided {
         let last = self.objectives.len() - 1;
         let share = self.climb_share() / self.objectives.len() as f64;
         let due = if self.budget.is_some() {
-            ((self.used(archive.len()) / share) as usize).min(last)
+            ((self.used(archive.len()) / share) as usize).clamp(self.stage, last)
         } else if self.enough.is_none() && self.course.is_converged(archive.dims()) {
             if self.stage == last {
                 self.enough = Some((archive.len() as f64 / self.climb_share()) as u64);
@@ -177,7 +185,10 @@ impl Guided {
     pub(super) fn tell(&mut self, archive: &Archive, first: usize) {
         for i in first..archive.len() {
             if i == 0 || self.limits.moved_by(archive, i) {
-                self.limits = Limits::of(archive, &self.objectives);
+                self.limits = match &self.standing {
+                    Some(standing) => standing.with_last_anew(archive, &self.objectives),
+                    None => Limits::of(archive, &self.objectives),
+                };
             }
             self.course.tops.push(self.limits.top(self.stage));
             let kind = self.asked.get(i - first).copied().unwrap_or(Kind::Climb(Step::Raw));

@@ -145,6 +145,10 @@ impl Hierarchy {
         }
     }
 
+    pub(super) fn set_budget(&mut self, evaluations: u64) {
+        self.budget = Some(evaluations);
+    }
+
     /// Evaluations of one phase: the budget in equal parts, one an objective, diversity included.
     fn share(&self) -> usize {
         let parts = self.objectives.len() + usize::from(self.diverse);

@@ -30,6 +30,13 @@ impl Engine {
         }
     }
 
+    pub(super) fn set_budget(&mut self, evaluations: u64) {
+        match self {
+            Self::Default(guided) => guided.set_budget(evaluations),
+            Self::Paper(hierarchy) => hierarchy.set_budget(evaluations),
+        }
+    }
+
     /// Learns from the archive points from `first` on, in the order they were asked.
     pub(super) fn tell(&mut self, archive: &Archive, first: usize) {
         match self {

@@ -139,6 +139,8 @@ pub enum Stop {
     Budget,
     /// About 95 % of what it would converge to is reached.
     Converged,
+    /// The time is over.
+    Time,
     /// Somebody asked to stop.
     Asked,
     /// No parameter has room to move.
@@ -150,6 +152,7 @@ impl fmt::Display for Stop {
         f.write_str(match self {
             Self::Budget => "the evaluations allowed were used up",
             Self::Converged => "about 95 % of what more evaluations would bring is reached",
+            Self::Time => "the seconds allowed were used up",
             Self::Asked => "it was asked to stop",
             Self::NothingToMove => "nothing in the drawing has room to move",
         })
@@ -302,10 +305,17 @@ impl Search {
         self.stop
     }
 
-    /// Ends the search now (time is up, or cancelled); [`Search::outcome`] has the best so far.
-    pub fn finish(&mut self) {
-        self.stop.get_or_insert(Stop::Asked);
+    /// Ends the search now; [`Search::outcome`] has the best so far.
+    pub fn finish(&mut self, why: Stop) {
+        self.stop.get_or_insert(why);
         self.asked.clear();
+    }
+
+    /// Changes the evaluations to spend, for callers whose budget is time and who learn as they go how
+    /// many fit into it: what is climbed first and what is spread last follows the new number.
+    pub fn set_evaluations(&mut self, evaluations: u64) {
+        self.study.evaluations = Some(evaluations);
+        self.engine.set_budget(evaluations);
     }
 
     /// How far the search is.

@@ -243,7 +243,7 @@ fn finishing_early_gives_the_best_so_far() {
             let told: Vec<Evaluation> = search.ask().iter().map(|p| hill(p)).collect();
             search.tell(&told);
         }
-        search.finish();
+        search.finish(Stop::Asked);
         assert_eq!(search.stop_reason(), Some(Stop::Asked));
         assert!(search.ask().is_empty());
         let outcome = search.outcome();
