@@ -73,16 +73,16 @@ def test_6_five_hundred_walls(doc, tmp_path):
         a = (i % 25 * 3000, i // 25 * 3000)
         walls.append(wall_on(doc, "draft", a, (a[0] + 2000, a[1])))
     doc.recompute()
-    began = time.perf_counter()
+    began = time.thread_time()
     doc.openTransaction("mark")
     marks.mark_all(walls, {"x": (-300, 300), "y": (-300, 300)})
     doc.commitTransaction()
-    marked = time.perf_counter()
+    marked = time.thread_time()
     study, _ = document.study(doc, Wishes())
     made = job.write(study, str(tmp_path))
-    done = time.perf_counter()
-    print(f"500 walls: marked in {marked - began:.2f} s, exported in {done - marked:.2f} s")
-    assert len(made.outlines) == 500
+    done = time.thread_time()
+    print(f"500 walls: marked in {marked - began:.2f} s of work, exported in {done - marked:.2f} s of work")
+    assert len(made.outlines) == 500 and done - began < 2.0
 
 
 def test_7_a_locked_base(doc, wishes, tmp_path):

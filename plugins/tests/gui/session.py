@@ -235,7 +235,7 @@ class Answers:
         App.ActiveDocument.recompute()
 
     def five_hundred(self):
-        """How long marking and exporting 500 walls takes with a window."""
+        """What marking and exporting 500 walls takes with a window: seconds of this thread, and by the clock."""
         import Arch
         import Draft
         from enfilade_common import job
@@ -247,16 +247,17 @@ class Answers:
             a = V(i % 25 * 3000, i // 25 * 3000, 0)
             Arch.makeWall(Draft.make_line(a, a.add(V(2000, 0, 0))), width=100, height=3000)
         doc.recompute()
-        began = time.perf_counter()
+        clocks = lambda: (time.thread_time(), time.monotonic())  # noqa: E731
+        began = clocks()
         doc.openTransaction("mark")
         walls = [o for o in doc.Objects if document.kind_of(o) == "Wall"]
         marks.mark_all(walls, {"x": (-300, 300), "y": (-300, 300)})
         doc.commitTransaction()
-        marked = time.perf_counter()
+        marked = clocks()
         job.write(document.study(doc, Wishes())[0], os.path.join(FOLDER, "many"))
-        written = time.perf_counter()
+        written = clocks()
         App.closeDocument(doc.Name)
-        return [marked - began, written - marked]
+        return [[b - a for a, b in zip(*pair)] for pair in ((began, marked), (marked, written))]
 
     def draw_rectangle(self, x, y, width, height):
         """A closed line, as Draft's tools leave it; gives its label."""
