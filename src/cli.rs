@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::config::{Backend, Colours, Level, Method, Mode, Partial};
+use crate::pipeline::resolution;
 
 /// From an architect's drawing to a diverse set of better layouts, and back.
 #[derive(Debug, Parser)]
@@ -34,6 +35,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Measure the present layout; heat maps go to plan.enfilade/analysis/.
     Analyse(AnalyseArgs),
+    /// Measure over a series of lattice spacings: how fine the lattice must be.
+    Resolution(ResolutionArgs),
     /// Do the whole job once: measure, optimise, write the next round.
     Run(RunArgs),
     /// Do the same job for every finished save in the folders, until stopped.
@@ -63,6 +66,9 @@ pub struct Common {
     /// Layer of the region of reference instead of EF-REFERENCE.
     #[arg(long, value_name = "NAME")]
     pub reference_layer: Option<String>,
+    /// Which drawing of a sheet with several: its name or number as `check` lists them, or all.
+    #[arg(long, value_name = "NAME|N")]
+    pub view: Option<String>,
     /// Height of the sight lines.
     #[arg(long, value_enum)]
     pub level: Option<LevelArg>,
@@ -125,15 +131,49 @@ pub struct CheckArgs {
 pub struct AnalyseArgs {
     /// The drawing.
     pub file: PathBuf,
-    /// Levels up to this one count (columns of --cells).
+    /// Measures of every cell: graph, isovist, metric, angular, through, all, or depthmapX's names of
+    /// columns, separated by commas. They stand in --cells, and each gets a heat map. Default: graph,
+    /// in --cells only.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub measures: Vec<String>,
+    /// Nothing farther than this counts: steps of the graph measures, right angles of the angular,
+    /// metres of the metric ones.
     #[arg(long, value_name = "R")]
     pub radius: Option<u32>,
+    /// Estimate the measures of the whole graph from N cells, with a confidence interval.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..))]
+    pub roots: Option<u64>,
+    /// Step depth from this point of the drawing, drawing units; repeatable.
+    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    pub step_from: Vec<[f64; 2]>,
     /// Every cell with all its measures as CSV.
     #[arg(long, value_name = "OUT.csv")]
     pub cells: Option<PathBuf>,
     /// Every pair of cells that see each other as CSV.
     #[arg(long, value_name = "OUT.csv")]
     pub edges: Option<PathBuf>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
+
+/// `resolution`.
+#[derive(Debug, Args)]
+pub struct ResolutionArgs {
+    /// The drawing.
+    pub file: PathBuf,
+    /// Spacings to study, metres, separated by commas; a series that suits the plan by default.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub spacings: Vec<f64>,
+    /// Change, relative to the finest lattice, up to which a measure counts as unchanged.
+    #[arg(long, value_name = "0..1", default_value_t = resolution::TOLERANCE)]
+    pub tolerance: f64,
+    /// Layouts sampled within the bounds of the moves.
+    #[arg(long, value_name = "N", default_value_t = resolution::SAMPLES)]
+    pub samples: usize,
+    /// Seed of the samples.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,
@@ -304,6 +344,7 @@ impl Common {
             wall_layer: list(&self.wall_layer),
             query_layer: self.query_layer.clone(),
             reference_layer: self.reference_layer.clone(),
+            view: self.view.clone(),
             level: self.level.map(Into::into),
             spacing: self.spacing,
             lattice_centre: self.lattice_centre,

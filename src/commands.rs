@@ -6,14 +6,15 @@ use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Instant;
 
 use crate::cli::{
-    AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ProgressArg, RunArgs, StatusArgs,
-    WatchArgs,
+    AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ProgressArg, ResolutionArgs, RunArgs,
+    SearchArgs, StatusArgs, WatchArgs,
 };
 use crate::config::{Partial, Settings, WatchTable};
 use crate::daemon::{self, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
 use crate::formats;
 use crate::overlay::result::{RoundResult, to_json};
-use crate::pipeline::{self, Event, Input, Outcome};
+use crate::pipeline::cells::CellOptions;
+use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::progress::Display;
 use crate::report::{Cancel, Error, Place, Report, Severity};
 use crate::sample_settings;
@@ -29,6 +30,7 @@ pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
     match cli.command {
         Command::Check(args) => check(&args),
         Command::Analyse(args) => analyse(&args, cancel),
+        Command::Resolution(args) => resolution(&args, cancel),
         Command::Run(args) => run(&args, cancel),
         Command::Watch(args) => watch(&args, cancel),
         Command::Accept(args) => accept(&args),
@@ -79,9 +81,19 @@ fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
     let placing = Placing { out_dir: out, fallback_dir: None };
     let home = Home::open(Arc::new(SystemDisk), &absolute(&args.file), &placing)?;
     let input = Input::new(&path, &bytes, 1);
-    let (outcome, study) = pipeline::on_threads(&settings, || pipeline::analyse(&input, &settings, cancel))?;
-    if let Some(to) = &args.cells {
-        write(to, pipeline::cells::cells_csv(&study, args.radius).as_bytes())?;
+    let (mut outcome, study) =
+        pipeline::on_threads(&settings, || pipeline::analyse(&input, &settings, cancel))?;
+    let wants_pictures = !args.measures.is_empty() || !args.step_from.is_empty();
+    if args.cells.is_some() || wants_pictures {
+        let columns = pipeline::on_threads(&settings, || {
+            pipeline::cells::measure_cells(&study, &cell_options(args, &settings))
+        })?;
+        if wants_pictures {
+            outcome.files.extend(pipeline::column_pictures(&input, &settings, &study, &columns)?);
+        }
+        if let Some(to) = &args.cells {
+            write(to, pipeline::cells::cells_csv(&study, &columns).as_bytes())?;
+        }
     }
     if let Some(to) = &args.edges {
         write(to, pipeline::cells::edges_csv(&study).as_bytes())?;
@@ -103,6 +115,78 @@ fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
     }
     tell(&args.common, &outcome.report);
     Ok(exit_code(&outcome.report))
+}
+
+fn cell_options(args: &AnalyseArgs, settings: &Settings) -> CellOptions {
+    CellOptions {
+        measures: args.measures.iter().map(|m| m.trim().to_string()).filter(|m| !m.is_empty()).collect(),
+        radius: args.radius,
+        roots: args.roots.map(|n| usize::try_from(n).unwrap_or(usize::MAX)),
+        step_from: args.step_from.clone(),
+        seed: settings.seed,
+    }
+}
+
+fn resolution(args: &ResolutionArgs, cancel: &Cancel) -> Result<u8, Error> {
+    let out_of = |what: &'static str, found: String, expected: &str| {
+        let text = format!("--{what}: found {found}, expected {expected}; nothing was done");
+        Err(Error::usage(what, Place::default(), text))
+    };
+    if let Some(s) = args.spacings.iter().find(|s| !(s.is_finite() && **s > 0.0)) {
+        return out_of("spacings", s.to_string(), "metres above 0");
+    }
+    if !(args.tolerance > 0.0 && args.tolerance < 1.0) {
+        return out_of("tolerance", args.tolerance.to_string(), "a number between 0 and 1");
+    }
+    let (path, bytes) = open(&args.file)?;
+    let search = SearchArgs { seed: args.seed, ..SearchArgs::default() };
+    let (settings, out) = settings_for(&args.file, args.common.partial(Some(&search)))?;
+    let placing = Placing { out_dir: out, fallback_dir: None };
+    let home = Home::open(Arc::new(SystemDisk), &absolute(&args.file), &placing)?;
+    let input = Input::new(&path, &bytes, 1);
+    let options = resolution::Options {
+        spacings_m: args.spacings.clone(),
+        tolerance: args.tolerance,
+        samples: args.samples,
+    };
+    let mut display = Display::new(args.common.progress, args.common.quiet);
+    let mut show = |event: Event| {
+        if let Event::Progress(p) = event {
+            display.show(&p);
+        }
+    };
+    let outcome = pipeline::on_threads(&settings, || {
+        resolution::resolution(&input, &settings, &options, &mut show, cancel)
+    });
+    display.finish();
+    let outcome = outcome?;
+    let folder = home.publish_resolution(&outcome.files)?;
+    if !hand_json(&args.common, &outcome.result)? && !args.common.quiet {
+        tell_resolution(&outcome.result, &folder);
+    }
+    tell(&args.common, &outcome.report);
+    Ok(exit_code(&outcome.report))
+}
+
+fn tell_resolution(result: &resolution::ResolutionResult, folder: &Path) {
+    say("spacing m   vertices   visible m²      depth    entropy");
+    for r in &result.rows {
+        let means = [r.visible_m2.mean, r.depth.mean, r.entropy.mean];
+        let [visible, depth, entropy] = means;
+        say(&format!("{:>9}  {:>9}  {visible:>11.2}  {depth:>9.3}  {entropy:>9.4}", r.spacing_m, r.vertices));
+    }
+    result.jumps.iter().for_each(|j| say(j));
+    say(&match result.critical_m {
+        Some(s) => format!(
+            "from {s} m on, a finer lattice changes no measure by more than {} %",
+            100.0 * result.tolerance
+        ),
+        None => format!(
+            "no spacing studied is fine enough: measures still change by more than {} %",
+            100.0 * result.tolerance
+        ),
+    });
+    say(&format!("plot and table: {}", folder.display()));
 }
 
 fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {

@@ -214,6 +214,7 @@ pub struct Partial {
     pub wall_layer: Option<Vec<String>>,
     pub query_layer: Option<String>,
     pub reference_layer: Option<String>,
+    pub view: Option<String>,
     pub level: Option<Level>,
     pub spacing: Option<f64>,
     pub lattice_centre: Option<[f64; 2]>,
@@ -292,6 +293,7 @@ impl Partial {
             wall_layer: self.wall_layer.or(base.wall_layer),
             query_layer: self.query_layer.or(base.query_layer),
             reference_layer: self.reference_layer.or(base.reference_layer),
+            view: self.view.or(base.view),
             level: self.level.or(base.level),
             spacing: self.spacing.or(base.spacing),
             lattice_centre: self.lattice_centre.or(base.lattice_centre),
@@ -334,6 +336,9 @@ pub struct Settings {
     pub query_layer: Option<String>,
     /// Layer of the region of reference.
     pub reference_layer: Option<String>,
+    /// Name or number of the drawing on the sheet, or `all`; `None`: the best plan.
+    #[serde(default)]
+    pub view: Option<String>,
     /// Height of the sight lines.
     pub level: Level,
     /// Spacing of the lattice; `None`: by the vertex budget.
@@ -422,6 +427,7 @@ impl Settings {
             wall_layers: p.wall_layer.unwrap_or_default(),
             query_layer: p.query_layer,
             reference_layer: p.reference_layer,
+            view: p.view,
             level: p.level.unwrap_or_default(),
             spacing_m: in_range("spacing", p.spacing, SPACING_M[0], SPACING_M[1])?,
             lattice_centre_m: p.lattice_centre,

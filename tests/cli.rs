@@ -188,3 +188,68 @@ fn exit_codes_and_messages() {
         assert!(said.contains(part), "{args:?}: {said}");
     }
 }
+
+#[test]
+fn every_measure_has_a_column_and_a_heat_map() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, csv) = (folder.path().join("out"), folder.path().join("cells.csv"));
+    let (out, csv) = (out.to_string_lossy(), csv.to_string_lossy());
+    let gallery = sample("gallery.dxf");
+    let analyse = |more: &[&str]| {
+        enfilade(&[&["analyse", &gallery, "--spacing", "1", "--out", &out, "--quiet"], more].concat())
+    };
+    let done = analyse(&["--measures", "Isovist Area, through", "--step-from", "2,2", "--cells", &csv]);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    let table = std::fs::read_to_string(&*csv).unwrap();
+    let head = table.lines().next().unwrap();
+    assert_eq!(
+        head,
+        "Ref,x,y,Isovist Area,Through vision,Visual Step Depth,Metric Step Shortest-Path Angle,\
+         Metric Step Shortest-Path Length,Angular Step Depth,Degree,Depth,Entropy"
+    );
+    let here = table.lines().find(|l| l.contains(",2,2,")).unwrap();
+    assert_eq!(here.split(',').nth(5), Some("0"), "the step point is 0 steps from itself: {here}");
+    let made = PathBuf::from(&*out).join("gallery.enfilade/analysis");
+    for name in ["isovist-area", "through-vision", "visual-step-depth", "angular-step-depth"] {
+        assert!(made.join(format!("{name}.png")).is_file(), "{name}");
+    }
+    for (args, code, says) in [
+        (["--measures", "daylight"], 3, "expected all, graph"),
+        (["--step-from", "900,2"], 3, "no measured cell there"),
+    ] {
+        let refused = analyse(&args);
+        assert_eq!(refused.status.code(), Some(code));
+        assert!(text(&refused.stderr).contains(says), "{}", text(&refused.stderr));
+    }
+}
+
+#[test]
+fn the_resolution_study_makes_a_plot_and_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_string_lossy().into_owned();
+    let args = [
+        "resolution",
+        &sample("gallery.dxf"),
+        "--spacings",
+        "2,1,0.5",
+        "--samples",
+        "3",
+        "--out",
+        &out,
+        "--json",
+        "-",
+    ];
+    let done = enfilade(&args);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    let result: Value = serde_json::from_slice(&done.stdout).unwrap();
+    let spacings: Vec<f64> =
+        result["rows"].as_array().unwrap().iter().map(|r| r["spacing_m"].as_f64().unwrap()).collect();
+    assert_eq!(spacings, [2.0, 1.0, 0.5]);
+    assert!(result["rows"][0]["depth"]["deviation"].as_f64().unwrap() > 0.0, "moves are sampled");
+    let made = folder.path().join("gallery.enfilade/resolution");
+    for name in ["resolution.json", "resolution.csv", "resolution.png"] {
+        assert!(made.join(name).is_file(), "{name}");
+    }
+    let refused = enfilade(&["resolution", &sample("gallery.dxf"), "--spacings", "0", "--out", &out]);
+    assert_eq!(refused.status.code(), Some(3));
+}

@@ -80,7 +80,9 @@ pub fn plain<'a>(file: &str, bytes: &'a [u8]) -> Cow<'a, [u8]> {
 pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
     match format_of(file, bytes) {
         Format::Dxf => dxf::read(file, bytes, &options.dxf(), report),
-        Format::Ifc if ifc::is_zip(bytes) => ifc::read(file, &ifc::unzip(file, bytes)?, &options.ifc(), report),
+        Format::Ifc if ifc::is_zip(bytes) => {
+            ifc::read(file, &ifc::unzip(file, bytes)?, &options.ifc(), report)
+        }
         Format::Ifc => ifc::read(file, bytes, &options.ifc(), report),
         Format::Gltf | Format::Glb => gltf::read(file, bytes, &options.gltf(), report),
     }
@@ -112,7 +114,8 @@ pub fn changed_records(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<V
     match format_of(file, bytes) {
         Format::Dxf => dxf::changed_records(file, bytes, edits),
         Format::Ifc => {
-            let named = |p: ifc::MovedProduct| ChangedRecord { record: p.id as usize, handle: Some(p.global_id) };
+            let named =
+                |p: ifc::MovedProduct| ChangedRecord { record: p.id as usize, handle: Some(p.global_id) };
             let moved = ifc::moved_products(file, bytes, edits)?;
             Ok(moved.into_iter().map(|list| list.into_iter().map(named).collect()).collect())
         }
@@ -165,6 +168,8 @@ pub fn is_complete(file: &str, bytes: &[u8]) -> Completeness {
             ifc::Incomplete::No => Completeness::Whole,
             ifc::Incomplete::Because(why) => Completeness::Incomplete(why),
         },
-        Format::Gltf | Format::Glb => gltf::incomplete(bytes).map_or(Completeness::Whole, Completeness::Incomplete),
+        Format::Gltf | Format::Glb => {
+            gltf::incomplete(bytes).map_or(Completeness::Whole, Completeness::Incomplete)
+        }
     }
 }

@@ -29,12 +29,20 @@ const SNAP_SHARE: f64 = 1e-8;
 impl Region {
     /// One ring.
     pub fn ring(points: Vec<[f64; 2]>) -> Self {
-        if points.len() < 3 { Self::default() } else { Self { shapes: vec![vec![points]], lines: Vec::new() } }
+        if points.len() < 3 {
+            Self::default()
+        } else {
+            Self { shapes: vec![vec![points]], lines: Vec::new() }
+        }
     }
 
     /// An outer ring with holes.
     pub fn with_holes(rings: Vec<Vec<[f64; 2]>>) -> Self {
-        if rings.first().is_none_or(|r| r.len() < 3) { Self::default() } else { Self { shapes: vec![rings], lines: Vec::new() } }
+        if rings.first().is_none_or(|r| r.len() < 3) {
+            Self::default()
+        } else {
+            Self { shapes: vec![rings], lines: Vec::new() }
+        }
     }
 
     /// Rings of which those inside others are holes.
@@ -124,7 +132,8 @@ impl Region {
                 let Some(u) = (b - a).try_normalize() else { continue };
                 let outward = -u.perp() * turn * depth;
                 let strip = |from: f64, to: f64| {
-                    let corners = [a + outward * from, b + outward * from, b + outward * to, a + outward * to];
+                    let corners =
+                        [a + outward * from, b + outward * from, b + outward * to, a + outward * to];
                     Self::ring(corners.map(|p| p.to_array()).to_vec())
                 };
                 let covered = |s: &Self| wall.clone().combine(s, Rule::Intersection).area();
@@ -148,7 +157,10 @@ impl Region {
 
     fn may_touch(&self, other: &Self) -> bool {
         let (Some(a), Some(b)) = (self.extent(), other.extent()) else { return false };
-        a[0].cmple(b[1]).all() && b[0].cmple(a[1]).all() && !self.shapes.is_empty() && !other.shapes.is_empty()
+        a[0].cmple(b[1]).all()
+            && b[0].cmple(a[1]).all()
+            && !self.shapes.is_empty()
+            && !other.shapes.is_empty()
     }
 
     /// Takes away (or keeps) the half-plane `n·p ≤ d`.
@@ -242,7 +254,9 @@ fn crossing(a: DVec3, b: DVec3, z: f64) -> DVec2 {
 /// Joins segments to rings; what does not close stays a line.
 fn chain(segments: &[[DVec2; 2]]) -> Region {
     use std::collections::BTreeMap;
-    let Some([lo, hi]) = crate::plan::box_of(segments.iter().flatten().copied()) else { return Region::default() };
+    let Some([lo, hi]) = crate::plan::box_of(segments.iter().flatten().copied()) else {
+        return Region::default();
+    };
     let step = ((hi - lo).max_element() * 1e-6).max(1e-9);
     let mut ids: BTreeMap<[i64; 2], usize> = BTreeMap::new();
     let mut points: Vec<DVec2> = Vec::new();
@@ -331,7 +345,9 @@ mod tests {
 
     #[test]
     fn a_box_of_faces_cut_at_a_height() {
-        let at = |z: f64| square(1.0, 1.0, 3.0, 0.25).into_iter().map(|p| DVec3::new(p[0], p[1], z)).collect::<Vec<_>>();
+        let at = |z: f64| {
+            square(1.0, 1.0, 3.0, 0.25).into_iter().map(|p| DVec3::new(p[0], p[1], z)).collect::<Vec<_>>()
+        };
         let (low, high) = (at(0.0), at(2.5));
         let mut faces = vec![vec![low.clone()], vec![high.clone()]];
         faces.extend((0..4).map(|i| vec![vec![low[i], low[(i + 1) % 4], high[(i + 1) % 4], high[i]]]));

@@ -41,11 +41,13 @@ pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec
         if to - from < SLIDE_MIN_M * plan.human_scale {
             continue;
         }
-        let mut nodes: Vec<u32> = element.walls.iter().flat_map(|w| graph.control_nodes[*w as usize].clone()).collect();
+        let mut nodes: Vec<u32> =
+            element.walls.iter().flat_map(|w| graph.control_nodes[*w as usize].clone()).collect();
         nodes.sort_unstable();
         nodes.dedup();
         let across = element.along.perp();
-        let (across, from, to) = if across.x + across.y < 0.0 { (-across, -to, -from) } else { (across, from, to) };
+        let (across, from, to) =
+            if across.x + across.y < 0.0 { (-across, -to, -from) } else { (across, from, to) };
         let kind = if across.y.abs() < 1e-6 {
             Kind::X
         } else if across.x.abs() < 1e-6 {
@@ -53,9 +55,11 @@ pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec
         } else {
             Kind::Along(across.to_angle())
         };
-        let clause = Clause { kind, lower: from.min(0.0), upper: to.max(0.0), unit: "m".into(), si_per_unit: 1.0 };
+        let clause =
+            Clause { kind, lower: from.min(0.0), upper: to.max(0.0), unit: "m".into(), si_per_unit: 1.0 };
         let source = plan.walls[element.walls[0] as usize].source.clone();
-        let group = Group { name: String::new(), outline: Region::Ring(Vec::new()), clauses: vec![clause], source };
+        let group =
+            Group { name: String::new(), outline: Region::Ring(Vec::new()), clauses: vec![clause], source };
         found.push((element.hi.x - element.lo.x, group, nodes));
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.2.cmp(&b.2)));
@@ -116,7 +120,9 @@ fn way(plan: &Plan, interior: &Interior, e: &Element) -> (f64, f64) {
     let ends = [(lo.x, -1.0), (hi.x, 1.0)].map(|(x, out)| (x, out, abuts(x, out, lo.y + rim, hi.y - rim)));
     let is_free = |from: f64, to: f64| !touches(world(lo.x + inset, from), world(hi.x - inset, to));
     let is_inside = |y: f64| {
-        [0.25, 0.5, 0.75].iter().all(|t| interior.depth_m(um(world(lo.x + (hi.x - lo.x) * t, y))) > 0.3 * scale)
+        [0.25, 0.5, 0.75]
+            .iter()
+            .all(|t| interior.depth_m(um(world(lo.x + (hi.x - lo.x) * t, y))) > 0.3 * scale)
     };
     let is_bound = ends.iter().any(|e| e.2);
     let sides_free = [lo.y - rim, hi.y + rim].iter().all(|y| is_free(*y, *y));
@@ -131,13 +137,20 @@ fn way(plan: &Plan, interior: &Interior, e: &Element) -> (f64, f64) {
             // Half a metre stays free before the next wall.
             let ahead = near + sign * (next + 0.5 * scale);
             let mut joined = ends.iter().filter(|e| e.2);
-            let keeps = joined.all(|(x, out, _)| abuts(*x, *out, lo.y + rim + sign * next, hi.y - rim + sign * next));
-            let ends_free = ends.iter().filter(|e| !e.2).all(|(x, ..)| !touches(world(*x, near), world(*x, ahead)));
+            let keeps =
+                joined.all(|(x, out, _)| abuts(*x, *out, lo.y + rim + sign * next, hi.y - rim + sign * next));
+            let ends_free =
+                ends.iter().filter(|e| !e.2).all(|(x, ..)| !touches(world(*x, near), world(*x, ahead)));
             let open = [0.1, 0.3, 0.5, 0.7, 0.9].iter().all(|t| {
                 let x = lo.x + inset + (hi.x - lo.x - 2.0 * inset) * t;
                 !touches(world(x, near), world(x, ahead))
             });
-            if !keeps || !open || !ends_free || !is_free(near + sign * next, near + sign * next) || !is_inside(ahead) {
+            if !keeps
+                || !open
+                || !ends_free
+                || !is_free(near + sign * next, near + sign * next)
+                || !is_inside(ahead)
+            {
                 break;
             }
             d = next;

@@ -20,10 +20,13 @@ pub(super) fn add_spaces(drawing: &Drawing, plan: &mut Plan, settings: &Settings
     let Some(query) = &settings.query else { return Ok(()) };
     let usage = |text: String| Error::usage("query", Place::file(&drawing.file), text);
     let Some(pattern) = query.strip_prefix("space:") else {
-        return Err(usage(format!("--query {query:?}: expected space:NAME, * and ? may stand in NAME; nothing was done")));
+        return Err(usage(format!(
+            "--query {query:?}: expected space:NAME, * and ? may stand in NAME; nothing was done"
+        )));
     };
     let glob = GlobBuilder::new(pattern).case_insensitive(true).build();
-    let glob = glob.map_err(|e| usage(format!("--query {query:?}: {e}; nothing was done")))?.compile_matcher();
+    let glob =
+        glob.map_err(|e| usage(format!("--query {query:?}: {e}; nothing was done")))?.compile_matcher();
     let named = drawing.texts.iter().filter(|t| t.layer == SPACE_LAYER);
     let hits: Vec<usize> =
         named.clone().filter(|t| t.text.lines().any(|l| glob.is_match(l))).map(|t| t.source.record).collect();
@@ -32,7 +35,9 @@ pub(super) fn add_spaces(drawing: &Drawing, plan: &mut Plan, settings: &Settings
     if regions.is_empty() {
         let names: Vec<String> = named.map(|t| t.text.replace('\n', " / ")).collect();
         let names = if names.is_empty() { "none".into() } else { names.join(", ") };
-        return Err(usage(format!("--query {query:?}: no such space, spaces present: {names}; nothing was done")));
+        return Err(usage(format!(
+            "--query {query:?}: no such space, spaces present: {names}; nothing was done"
+        )));
     }
     plan.markers.query = regions;
     Ok(())
@@ -47,7 +52,9 @@ fn ring(entity: &Entity, plan: &Plan) -> Option<Region> {
 /// What closes doors and windows: for finding out what lies inside a building, not for sight.
 pub(super) fn closings(drawing: &Drawing, plan: &Plan) -> Vec<Segment> {
     let plugs = drawing.entities.iter().filter(|e| CLOSING_LAYERS.contains(&e.layer.as_str()));
-    plugs.flat_map(|e| curve::trace(&e.shape, &plan.frame).segments().map(|s| s.2).collect::<Vec<_>>()).collect()
+    plugs
+        .flat_map(|e| curve::trace(&e.shape, &plan.frame).segments().map(|s| s.2).collect::<Vec<_>>())
+        .collect()
 }
 
 /// How many doors and windows there are.
@@ -68,7 +75,9 @@ pub(super) fn marked_moves(drawing: &Drawing) -> Vec<MoveTable> {
     let mut out: Vec<MoveTable> = Vec::new();
     for marked in &drawing.marked {
         let handle = marked.source.handle.clone().unwrap_or_default();
-        let same = |t: &&mut MoveTable| t.name.as_deref() == Some(&marked.name) && !marked.name.is_empty() && t.moves == marked.text;
+        let same = |t: &&mut MoveTable| {
+            t.name.as_deref() == Some(&marked.name) && !marked.name.is_empty() && t.moves == marked.text
+        };
         match out.iter_mut().find(same) {
             Some(table) => table.handles.push(handle),
             None => out.push(MoveTable {

@@ -7,6 +7,7 @@ pub mod accept;
 mod building;
 pub mod cells;
 mod page;
+pub mod resolution;
 mod round;
 mod show;
 mod spacing;
@@ -18,12 +19,13 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::analysis::measures::Column;
 use crate::config::{Backend, Measure, Settings};
 use crate::formats;
 use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::measure::wording;
 use crate::overlay::result::{self, AnalysisResult, CheckResult};
-use crate::overlay::{HeatMap, Scale, check_png, heat_map_png};
+use crate::overlay::{HeatMap, PlanPicture, Scale, check_png, heat_map_png};
 use crate::report::{Cancel, Error, OutFile, Place, Report};
 pub use study::Study;
 
@@ -200,7 +202,7 @@ fn lattice_centre(study: &Study) -> [f64; 2] {
 fn heat_map(
     study: &Study,
     settings: &Settings,
-    picture: &crate::overlay::PlanPicture,
+    picture: &PlanPicture,
     values: &[f64],
     measure: Measure,
     scale: Scale,
@@ -208,19 +210,46 @@ fn heat_map(
 ) -> Result<Vec<u8>, Error> {
     let words = wording(measure.name());
     let title = words.map_or(measure.name().to_string(), |w| format!("{} ({})", w.plain, w.technical));
-    heat_map_png(
-        &HeatMap {
-            picture,
-            cells: &show::cells(study, values),
+    let map = HeatMap {
+        picture,
+        cells: &show::cells(study, values),
+        spacing_m: study.spacing.spacing_m,
+        scale,
+        title: &title,
+        subtitle,
+        unit: words.map_or("", |w| w.unit),
+        palette: show::palette(settings),
+    };
+    heat_map_png(&map, DEFAULT_SIDE_PX)
+}
+
+/// A heat map of each column over the present layout: files of `analysis/`, named after the columns.
+///
+/// # Errors
+/// When a picture cannot be made.
+pub fn column_pictures(
+    input: &Input<'_>,
+    settings: &Settings,
+    study: &Study,
+    columns: &[Column],
+) -> Result<Vec<OutFile>, Error> {
+    let picture = show::picture(&study.base);
+    let subtitle = format!("{}, as drawn", input.file());
+    let one = |column: &Column| {
+        let cells = show::column_cells(study, column);
+        let map = HeatMap {
+            picture: &picture,
+            scale: Scale::of(cells.iter().filter_map(|c| c.value)),
+            cells: &cells,
             spacing_m: study.spacing.spacing_m,
-            scale,
-            title: &title,
-            subtitle,
-            unit: words.map_or("", |w| w.unit),
+            title: &column.name,
+            subtitle: &subtitle,
+            unit: "",
             palette: show::palette(settings),
-        },
-        DEFAULT_SIDE_PX,
-    )
+        };
+        Ok(OutFile::new(format!("{}.png", show::slug(&column.name)), heat_map_png(&map, DEFAULT_SIDE_PX)?))
+    };
+    rayon_map(columns, one).into_iter().collect()
 }
 
 fn rayon_map<A: Sync, B: Send>(items: &[A], f: impl Fn(&A) -> B + Sync + Send) -> Vec<B> {

@@ -70,6 +70,7 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
         ("unit", &settings.unit),
         ("query-layer", &settings.query_layer),
         ("reference-layer", &settings.reference_layer),
+        ("view", &settings.view),
     ];
     for (key, value) in optional {
         if let Some(v) = value {

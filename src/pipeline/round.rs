@@ -230,6 +230,10 @@ fn budget(study: &Study, settings: &Settings) -> u64 {
     settings.evaluations.unwrap_or((PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]) as u64)
 }
 
+/// Threshold of the implied penalty objective: no option has more of it than the present layout. To ask
+/// for less would pin every option to the few places where the penalty is least.
+const PENALTY_THRESHOLD: f64 = 0.0;
+
 /// Objectives in order: the penalty first unless `score` holds it.
 fn objectives(settings: &Settings) -> Vec<(Measure, search::Objective)> {
     let objective = |measure: Measure, is_max: bool, threshold: f64| {
@@ -245,7 +249,7 @@ fn objectives(settings: &Settings) -> Vec<(Measure, search::Objective)> {
     let mut out = Vec::new();
     let named = settings.objectives.iter().any(|o| matches!(o.measure, Measure::Penalty | Measure::Score));
     if !named && !settings.penalties.is_empty() {
-        out.push(objective(Measure::Penalty, false, crate::config::THRESHOLD_DEFAULT));
+        out.push(objective(Measure::Penalty, false, PENALTY_THRESHOLD));
     }
     out.extend(settings.objectives.iter().map(|o| objective(o.measure, o.is_max, o.threshold)));
     out
@@ -418,7 +422,9 @@ fn candidate(
 fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
     let mut out = show::changes(&study.base, &made.layout);
     for change in &mut out {
-        let (ElementRef::Dxf { record, .. } | ElementRef::Ifc { id: record, .. }) = change.element else { continue };
+        let (ElementRef::Dxf { record, .. } | ElementRef::Ifc { id: record, .. }) = change.element else {
+            continue;
+        };
         change.host_id = made.host_ids.get(&record).cloned();
         let edit = made.edits.iter().position(|e| record_of(e) as u64 == record);
         let Some(changed) = edit.and_then(|i| made.changed.get(i)).filter(|c| c.len() != 1) else { continue };

@@ -2,7 +2,7 @@
 
 use super::study::{Study, Understood, Worth, divisor};
 use crate::analysis::Tally;
-use crate::analysis::measures::entropy_bits;
+use crate::analysis::measures::{Column, UNDEFINED, entropy_bits};
 use crate::config::{Colours, Measure, Settings};
 use crate::moves::Layout;
 use crate::overlay::Palette;
@@ -124,6 +124,20 @@ pub fn cells(study: &Study, values: &[f64]) -> Vec<Cell> {
     out
 }
 
+/// All vertices as cells with the values of a column; none where it is undefined. Plan frame.
+pub fn column_cells(study: &Study, column: &Column) -> Vec<Cell> {
+    let lattice = &study.lattice;
+    let value = |v: f64| (v != UNDEFINED && v.is_finite()).then_some(v);
+    let centre = |v: usize| study.base.plan.frame.plan_from_um(lattice.centre_um(v)).to_array();
+    column.values.iter().enumerate().map(|(v, x)| Cell { centre: centre(v), value: value(*x) }).collect()
+}
+
+/// A column's name as a file name: `Visual Integration [HH]` is `visual-integration-hh`.
+pub fn slug(name: &str) -> String {
+    let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());
+    words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
+}
+
 /// Plan frame to drawing units for everything that is added to a file.
 pub fn to_drawing_units(plan: &Plan, additions: Vec<Addition>) -> Vec<Addition> {
     let point = |p: glam::DVec2| plan.frame.file_from_plan(p);
@@ -148,7 +162,9 @@ pub fn element(format: Format, source: &SourceRef) -> ElementRef {
 pub fn element_of(format: Format, handle: Option<String>, record: usize) -> ElementRef {
     match format {
         Format::Dxf => ElementRef::Dxf { handle, record: record as u64 },
-        Format::Gltf | Format::Glb => ElementRef::Gltf { path: handle.unwrap_or_else(|| format!("/nodes/{record}")) },
+        Format::Gltf | Format::Glb => {
+            ElementRef::Gltf { path: handle.unwrap_or_else(|| format!("/nodes/{record}")) }
+        }
         Format::Ifc => ElementRef::Ifc { global_id: handle.unwrap_or_default(), id: record as u64 },
     }
 }

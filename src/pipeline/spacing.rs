@@ -17,7 +17,7 @@ pub const DOOR_SPACING_M: f64 = 0.75;
 pub const VERTICES_FOR_DOORS: f64 = 12_000.0;
 
 /// Spacings that are offered, finest first.
-const SERIES_M: [f64; 20] = [
+pub(super) const SERIES_M: [f64; 20] = [
     0.005, 0.01, 0.02, 0.03, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0,
     10.0,
 ];
@@ -56,7 +56,8 @@ pub fn choose(base: &Understood, settings: &Settings, report: &mut Report) -> Sp
     SpacingChoice { spacing_m, reason }
 }
 
-fn area_m2(base: &Understood) -> f64 {
+/// Area that will be measured, m²: the regions drawn, the interior, or the drawing's box.
+pub(super) fn area_m2(base: &Understood) -> f64 {
     let markers = &base.plan.markers;
     let drawn: f64 = markers.query.iter().chain(&markers.reference).map(region_m2).sum();
     let open = markers.query.is_empty() || markers.reference.is_empty();

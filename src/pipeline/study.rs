@@ -1,5 +1,6 @@
 //! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -16,13 +17,15 @@ use crate::config::{Level, Measure, MoveTable, Penalty, Settings};
 use crate::formats::{self, ifc};
 use crate::moves::{Layout, Moves, defaults};
 use crate::penalties::{self, Alignment, Clearance, Overlap, WallLength, WallPiece, disconnection};
-use crate::plan::curve::{Trace, trace_like};
-use crate::plan::drawing::{Drawing, Format};
+use crate::plan::axes::AxisGraph;
+use crate::plan::curve::{Trace, control_points, trace_like};
+use crate::plan::drawing::{Drawing, Format, Shape};
 use crate::plan::frame::unit_by_name;
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{self, Group};
+use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, understand};
 use crate::report::{Error, Place, Report};
 
@@ -34,8 +37,12 @@ pub const CLEARANCE_RADIUS_M: f64 = 0.5;
 pub struct Understood {
     /// The plan.
     pub plan: Plan,
-    /// Its architectural graph.
+    /// Its drawn pieces and where they meet.
     pub graph: Graph,
+    /// Its walls as axes with thickness, openings, columns.
+    pub axes: AxisGraph,
+    /// Its thick walls, by the control points of their faces.
+    pub bodies: Vec<Body>,
     /// What may move.
     pub moves: Moves,
     /// The building's interior, where it was needed.
@@ -47,7 +54,12 @@ pub struct Understood {
 /// How the settings want a file read.
 pub fn read_options(settings: &Settings) -> formats::ReadOptions {
     let sight = if settings.level == Level::Knee { ifc::Sight::Knee } else { ifc::Sight::Eye };
-    formats::ReadOptions { accept_missing_eof: settings.accept_missing_eof, storey: settings.storey.clone(), sight, is_by_user: !settings.wall_layers.is_empty() }
+    formats::ReadOptions {
+        accept_missing_eof: settings.accept_missing_eof,
+        storey: settings.storey.clone(),
+        sight,
+        is_by_user: !settings.wall_layers.is_empty(),
+    }
 }
 
 /// Reads and understands a drawing.
@@ -68,17 +80,18 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
     add_regions(&mut plan, settings)?;
     building::add_spaces(&drawing, &mut plan, settings)?;
     let graph = Graph::new(&plan);
+    let axes = AxisGraph::new(&structure::drawn(&plan, &drawing));
+    let bodies = structure::bodies(&plan, &axes);
     let mut all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
     all.extend(building::closings(&drawing, &plan));
-    let has_moves =
-        !settings.moves.is_empty()
-            || (!(plan.markers.groups.is_empty() && drawing.marked.is_empty()) && !settings.ignore_move_markers);
+    let has_moves = !settings.moves.is_empty()
+        || (!(plan.markers.groups.is_empty() && drawing.marked.is_empty()) && !settings.ignore_move_markers);
     let needs_inside = plan.markers.query.is_empty() || plan.markers.reference.is_empty();
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
     let interior = if needs_interior { Interior::new(&all, plan.human_scale) } else { None };
     let moves = moves(&drawing, &plan, &graph, interior.as_ref(), settings, report)?;
     let openings = building::openings(&drawing);
-    Ok(Understood { plan, graph, moves, interior, openings })
+    Ok(Understood { plan, graph, axes, bodies, moves, interior, openings })
 }
 
 fn plan_options(settings: &Settings) -> PlanOptions {
@@ -87,6 +100,9 @@ fn plan_options(settings: &Settings) -> PlanOptions {
         wall_layers: settings.wall_layers.clone(),
         query_layer: settings.query_layer.clone(),
         reference_layer: settings.reference_layer.clone(),
+        view: settings.view.clone(),
+        is_knee_level: settings.level == Level::Knee,
+        picked: None,
     }
 }
 
@@ -173,11 +189,10 @@ fn side_car_groups(
         });
         let layers = crate::plan::layers::WallLayers::new(&table.layers)?;
         for (w, wall) in plan.walls.iter().enumerate() {
-            let by_handle = wall
-                .source
-                .handle
-                .as_ref()
-                .is_some_and(|h| table.handles.iter().any(|t| t == h || is_dxf && t.eq_ignore_ascii_case(h)));
+            let by_handle =
+                wall.source.handle.as_ref().is_some_and(|h| {
+                    table.handles.iter().any(|t| t == h || is_dxf && t.eq_ignore_ascii_case(h))
+                });
             if by_handle || (layers.is_by_user() && layers.reason(&wall.source.layer).is_some()) {
                 nodes.extend(&graph.control_nodes[w]);
             }
@@ -365,7 +380,8 @@ impl Study {
         let plan = &self.base.plan;
         let mut report = Report::default();
         let drawing = formats::read(&plan.file, bytes, &read_options(settings), &mut report)?;
-        let options = PlanOptions { unit: Some(plan.unit.unit), ..plan_options(settings) };
+        let picked = Some(plan.picked.clone());
+        let options = PlanOptions { unit: Some(plan.unit.unit), picked, ..plan_options(settings) };
         let again = understand(&drawing, &options, &mut report)?;
         if again.walls.len() != plan.walls.len() {
             let text = format!(
@@ -382,6 +398,12 @@ impl Study {
                 self.cells.vertices_in(&wall.trace.points, &mut obstacles.blind);
             }
         }
+        cover_bodies(
+            &self.base,
+            &|w| again.walls.get(w as usize).map(|w| &w.shape),
+            &self.cells,
+            &mut obstacles.blind,
+        );
         obstacles.blind.sort_unstable();
         obstacles.blind.dedup();
         let graph = visibility_graph(&self.lattice, &obstacles);
@@ -522,15 +544,34 @@ fn moving_segments(layout: &Layout, piece_moves: &[Vec<bool>]) -> Vec<Segment> {
     out
 }
 
-/// Vertices covered by solids that can move.
+/// Vertices covered by what can move and has a body: solids and thick walls.
 fn blind(base: &Understood, layout: &Layout, cells: &CellIndex) -> Vec<u32> {
+    let shapes: BTreeMap<u32, &Shape> = layout.walls.iter().map(|w| (w.wall, &w.shape)).collect();
     let mut out = Vec::new();
     for wall in layout.walls.iter().filter(|w| base.plan.walls[w.wall as usize].is_solid) {
         cells.vertices_in(&wall.trace.points, &mut out);
     }
+    cover_bodies(base, &|w| shapes.get(&w).copied(), cells, &mut out);
     out.sort_unstable();
     out.dedup();
     out
+}
+
+/// Adds the vertices that moving thick walls cover; `shape` says where a moving wall stands.
+fn cover_bodies<'a>(
+    base: &'a Understood,
+    shape: &impl Fn(u32) -> Option<&'a Shape>,
+    cells: &CellIndex,
+    out: &mut Vec<u32>,
+) {
+    let moves = |w: u32| base.moves.walls.binary_search(&w).is_ok();
+    for body in base.bodies.iter().filter(|b| b.0.iter().any(|h| moves(h.0))) {
+        let ring = body.ring(|(w, c)| {
+            let shape = shape(w).unwrap_or(&base.plan.walls[w as usize].shape);
+            base.plan.frame.um_from_file(control_points(shape)[c as usize])
+        });
+        cells.vertices_in(&ring, out);
+    }
 }
 
 fn pieces(

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::drawing::{Drawing, Unit};
+use super::drawing::Unit;
 use super::geometry::{PointUm, UM_PER_M};
 
 /// Beyond this distance from the drawing's zero point the plan frame gets an origin of its own, so
@@ -29,10 +29,6 @@ pub fn human_scale(size_m: f64) -> f64 {
     let unit = 10f64.powf(exact.log10().floor() - 1.0);
     (exact / unit).round() * unit
 }
-
-/// Sizes by which a missing unit is chosen: narrower than [`PLAUSIBLE_SIZE_M`], so that exactly one of
-/// neighbouring units fits most buildings.
-const LIKELY_SIZE_M: [f64; 2] = [8.0, 400.0];
 
 /// Units the user can name, and the order in which a missing one is tried.
 pub const UNITS: [Unit; 5] = [
@@ -65,31 +61,6 @@ pub struct UnitChoice {
     pub reason: String,
     /// Whether the file did not say it and nobody confirmed it.
     pub is_assumed: bool,
-}
-
-/// Decides the unit: the user's word, else the file's, else the likeliest for a building of this size.
-///
-/// `extent_units` is the longer side of the drawn walls in drawing units.
-pub fn choose_unit(drawing: &Drawing, user: Option<Unit>, extent_units: f64) -> UnitChoice {
-    let said = &drawing.declared_unit_words;
-    if let Some(unit) = user {
-        let what = if unit.name == "units" {
-            format!("one drawing unit is {} m", unit.metres)
-        } else {
-            unit.name.into()
-        };
-        let reason = format!("{what} as you said (the file: {said})");
-        return UnitChoice { unit, reason, is_assumed: false };
-    }
-    if let Some(unit) = drawing.declared_unit {
-        return UnitChoice { unit, reason: format!("{} by {said}", unit.name), is_assumed: false };
-    }
-    let fits = |u: &Unit| (LIKELY_SIZE_M[0]..=LIKELY_SIZE_M[1]).contains(&(extent_units * u.metres));
-    let unit = UNITS.into_iter().find(fits).unwrap_or(UNITS[0]);
-    let size_m = extent_units * unit.metres;
-    let reason =
-        format!("{} assumed ({said}): the walls are then {size_m:.1} m long; --unit overrides it", unit.name);
-    UnitChoice { unit, reason, is_assumed: true }
 }
 
 /// How drawing units, the drawing frame and the plan frame relate.

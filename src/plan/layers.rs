@@ -2,140 +2,11 @@
 
 use globset::{GlobBuilder, GlobMatcher};
 
+use super::roles::{Role, role_by_name};
 use crate::report::{Error, Place};
 
 /// Layers of ours start with this.
 pub const OWN_PREFIX: &str = "EF-";
-
-/// Words that name walls and columns in the layer names of several languages, lower case; compared
-/// with the words of a layer's name (`A-WALL-FULL` has the words `a`, `wall`, `full`).
-const WALL_WORDS: &[&str] = &[
-    "wall",
-    "walls",
-    "partition",
-    "partitions",
-    "column",
-    "columns",
-    "col",
-    "cols",
-    "pillar",
-    "pillars", // English, AIA
-    "wand",
-    "wande",
-    "wände",
-    "waende",
-    "mauer",
-    "mauern",
-    "mauerwerk",
-    "stütze",
-    "stützen",
-    "stuetze",
-    "stuetzen",
-    "pfeiler",
-    "säule",
-    "säulen", // German
-    "mur",
-    "murs",
-    "cloison",
-    "cloisons",
-    "poteau",
-    "poteaux", // French
-    "muro",
-    "muri",
-    "muratura",
-    "murature",
-    "tramezzo",
-    "tramezzi",
-    "parete",
-    "pareti",
-    "pilastro",
-    "pilastri",
-    "pianta",
-    // Italian
-    "muros",
-    "tabique",
-    "tabiques",
-    "pared",
-    "paredes",
-    "pilar",
-    "pilares", // Spanish
-    "parede",
-    "alvenaria",
-    "alvenarias", // Portuguese
-    "muur",
-    "muren",
-    "wanden", // Dutch
-    "vegg",
-    "vegger",
-    "vägg",
-    "väggar",
-    "væg",
-    "seinä",
-    "seinät", // Nordic
-    "ściana",
-    "ściany",
-    "sciana",
-    "sciany",
-    "stena",
-    "steny",
-    "zeď",
-    "zdivo",
-    "fal",
-    "falak",
-    "duvar",
-    "duvarlar", // Central Europe, Turkish
-    "стена",
-    "стены",
-    "перегородка",
-    "перегородки", // Russian
-    "壁",
-    "柱",
-    "墙",
-    "墙体",
-    "柱子", // Japanese, Chinese
-];
-
-/// Ends of compound words that name walls: `Außenwand`, `Innenwände`.
-const WALL_ENDINGS: &[&str] = &["wand", "wände", "waende", "mauer", "mauern", "muur", "vegg", "vägg"];
-
-/// Words that keep a layer out although a wall word stands in its name.
-const NOT_WALL_WORDS: &[&str] = &[
-    "text",
-    "txt",
-    "anno",
-    "iden",
-    "dim",
-    "dims",
-    "dimension",
-    "hatch",
-    "patt",
-    "pattern",
-    "fill",
-    "grid",
-    "axis",
-    "door",
-    "doors",
-    "window",
-    "windows",
-    "glaz",
-    "glazing",
-    "clng",
-    "ceiling",
-    "roof",
-    "foundation",
-    "fndn",
-    "demo",
-    "note",
-    "notes",
-    "tag",
-    "tags",
-    "schraffur",
-    "text",
-    "cotes",
-    "hachures",
-    "quote",
-    "furniture",
-];
 
 /// Decides by name which layers carry walls.
 #[derive(Clone, Debug)]
@@ -174,13 +45,8 @@ impl WallLayers {
             let hit = self.user.iter().find(|(_, m)| m.is_match(layer) || m.is_match(base_name(layer)));
             return hit.map(|(glob, _)| format!("matches --wall-layer {glob}"));
         }
-        let words = words(base_name(layer));
-        if words.iter().any(|w| NOT_WALL_WORDS.contains(&w.as_str())) {
-            return None;
-        }
-        let is_wall = |w: &str| WALL_WORDS.contains(&w) || WALL_ENDINGS.iter().any(|end| w.ends_with(end));
-        let hit = words.iter().find(|w| is_wall(w))?;
-        Some(format!("its name has the word {hit:?}"))
+        let (role, why) = role_by_name(layer);
+        matches!(role, Role::Wall | Role::Column).then_some(why)
     }
 }
 
@@ -199,7 +65,8 @@ pub fn base_name(layer: &str) -> &str {
     }
 }
 
-fn words(name: &str) -> Vec<String> {
+/// The words of a layer's name, lower case: runs of letters, parted where capitals begin.
+pub(super) fn words(name: &str) -> Vec<String> {
     let mut out = vec![String::new()];
     let mut last_lower = false;
     for c in name.chars() {

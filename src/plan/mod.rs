@@ -3,6 +3,9 @@
 //! Whoever holds a [`Plan`] need not think any more about: units, layers, blocks, codes of a format,
 //! coordinates far from zero, curves (they are traced to straight pieces), or shapes of no size.
 
+pub mod axes;
+mod choice;
+mod clutter;
 pub mod curve;
 pub mod drawing;
 pub mod frame;
@@ -12,8 +15,13 @@ pub mod interior;
 pub mod layers;
 pub mod markers;
 pub mod outline;
-
-use std::collections::BTreeMap;
+pub mod parallels;
+pub mod roles;
+mod scores;
+pub mod structure;
+pub mod units;
+pub mod view_names;
+pub mod views;
 
 use glam::DVec2;
 
@@ -22,8 +30,8 @@ use curve::Trace;
 use drawing::{Drawing, Editable, Entity, Shape, SourceRef, Unit};
 use frame::{Frame, PLAUSIBLE_SIZE_M, UnitChoice};
 use geometry::PointUm;
-use layers::WallLayers;
 use markers::Markers;
+use views::View;
 
 /// One drawn wall element: a line, an outline, an arc, a column.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,7 +96,7 @@ pub struct LayerUse {
     pub name: String,
     /// Shapes and texts on it.
     pub entities: usize,
-    /// `wall`, `marker`, `own`, `hidden` or `ignored`.
+    /// `wall`, `low`, `marker`, `own`, `hidden` or `ignored`.
     pub role: &'static str,
     /// Why, in plain words.
     pub why: String,
@@ -109,10 +117,15 @@ pub struct Plan {
     pub frame: Frame,
     /// Wall elements in file order.
     pub walls: Vec<Wall>,
+    /// Which entities the walls are: ordinals among the drawing's entities that are not on layers of
+    /// ours. With them in [`PlanOptions::picked`] a changed copy gives the same walls.
+    pub picked: Vec<usize>,
     /// The user's marks.
     pub markers: Markers,
     /// What became of every layer that holds something.
     pub layers: Vec<LayerUse>,
+    /// The drawings of the sheet, at least one; one of them was read unless `--view all` was said.
+    pub views: Vec<View>,
     /// Metres of the plan in one metre of a person; 1 unless the plan is far too small
     /// ([`frame::human_scale`]).
     pub human_scale: f64,
@@ -129,25 +142,35 @@ pub struct PlanOptions {
     pub query_layer: Option<String>,
     /// `--reference-layer` instead of `EF-REFERENCE`.
     pub reference_layer: Option<String>,
+    /// `--view`: name or number of a drawing on the sheet, or `all`.
+    pub view: Option<String>,
+    /// `--level knee`: low walls and glazing block too.
+    pub is_knee_level: bool,
+    /// The walls by [`Plan::picked`] of an earlier reading; nothing is chosen then.
+    pub picked: Option<Vec<usize>>,
 }
 
 /// Understands a drawing.
 ///
 /// # Errors
 /// [`Error::Input`] when no layer carries walls (the message lists the layers there are);
-/// [`Error::Usage`] for a layer pattern that cannot be read.
+/// [`Error::Usage`] for a layer pattern that cannot be read, or a view that is not there.
 pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report) -> Result<Plan, Error> {
-    let chosen = choose_walls(drawing, options, report)?;
-    let extent = box_of(chosen.walls.iter().flat_map(|e| curve::control_points(&e.shape)));
-    let Some(extent) = extent else {
+    let chosen = choice::choose_walls(drawing, options, report)?;
+    let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
+    let Some(extent) = extent_of(&walls) else {
         return Err(no_walls(drawing, &chosen.layers));
     };
-    let unit = frame::choose_unit(drawing, options.unit, (extent[1] - extent[0]).max_element());
+    let unit = units::choose(drawing, options.unit, &walls, (extent[1] - extent[0]).max_element());
+    let (picked, views) = choice::choose_view(drawing, options, &chosen, unit.unit.metres, report)?;
+    let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
+    let extent = extent_of(&walls).unwrap_or(extent);
     let frame = Frame::new(unit.unit.metres, extent);
     let size_m = (extent[1] - extent[0]).max_element() * unit.unit.metres;
     state_unit(drawing, &unit, size_m, report);
     let markers = markers::read(drawing, options, &frame, report);
-    let mut walls: Vec<Wall> = chosen.walls.iter().map(|e| wall_of(e, &frame)).collect();
+    let is_locked = |e: &Entity| drawing.layers.iter().any(|l| l.is_locked && l.name == e.layer);
+    let mut walls: Vec<Wall> = walls.iter().map(|e| wall_of(e, &frame, is_locked(e))).collect();
     outline::mark_solids(&mut walls, &markers);
     if drawing.format != drawing::Format::Dxf {
         outline::mark_bodies(&mut walls);
@@ -159,80 +182,16 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         unit,
         frame,
         walls,
+        picked: choice::ordinals(drawing, &picked),
         markers,
         layers: chosen.layers,
+        views,
         human_scale: frame::human_scale(size_m),
     })
 }
 
-struct Chosen<'a> {
-    walls: Vec<&'a Entity>,
-    layers: Vec<LayerUse>,
-}
-
-fn choose_walls<'a>(
-    drawing: &'a Drawing,
-    options: &PlanOptions,
-    report: &mut Report,
-) -> Result<Chosen<'a>, Error> {
-    let by_name = WallLayers::new(&options.wall_layers)?;
-    let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
-    for e in &drawing.entities {
-        counts.entry(&e.layer).or_default().0 += 1;
-    }
-    for t in &drawing.texts {
-        counts.entry(&t.layer).or_default().1 += 1;
-    }
-    let hidden = |name: &str| drawing.layers.iter().any(|l| l.name == name && (l.is_off || l.is_frozen));
-    let only_layer = fallback_layer(&counts, &by_name, &hidden);
-    let mut layers = Vec::new();
-    for (name, (shapes, texts)) in &counts {
-        let wall = by_name.reason(name).or_else(|| {
-            (only_layer == Some(*name))
-                .then(|| "no layer is named after walls and this is the only one with lines".into())
-        });
-        let (role, why) = if options.query_layer.as_deref() == Some(*name) {
-            ("marker", "--query-layer".to_string())
-        } else if options.reference_layer.as_deref() == Some(*name) {
-            ("marker", "--reference-layer".to_string())
-        } else if markers::is_marker(name) {
-            ("marker", "our marker layer".to_string())
-        } else if layers::is_own(name) {
-            ("own", "our result layer".to_string())
-        } else {
-            match wall {
-                Some(_) if hidden(name) => ("hidden", "named after walls, but off or frozen".to_string()),
-                Some(why) => ("wall", why),
-                None => ("ignored", "its name has no word for walls; --wall-layer takes it in".to_string()),
-            }
-        };
-        layers.push(LayerUse { name: (*name).to_string(), entities: shapes + texts, role, why });
-    }
-    let is_wall = |name: &str| layers.iter().any(|l| l.role == "wall" && l.name == name);
-    let walls: Vec<&Entity> = drawing.entities.iter().filter(|e| is_wall(&e.layer)).collect();
-    if let Some(name) = only_layer {
-        let text = format!(
-            "no layer is named after walls; all lines of layer {name:?} taken as walls; --wall-layer overrides it"
-        );
-        report.info("walls-assumed", Place::file(&drawing.file), text);
-    }
-    Ok(Chosen { walls, layers })
-}
-
-/// The only layer with lines, where no layer is named after walls and the user named none.
-fn fallback_layer<'a>(
-    counts: &BTreeMap<&'a str, (usize, usize)>,
-    by_name: &WallLayers,
-    hidden: &impl Fn(&str) -> bool,
-) -> Option<&'a str> {
-    if by_name.is_by_user() || counts.keys().any(|l| by_name.reason(l).is_some() && !hidden(l)) {
-        return None;
-    }
-    let mut drawn = counts.iter().filter(|(l, (shapes, _))| *shapes > 0 && !layers::is_own(l) && !hidden(l));
-    match (drawn.next(), drawn.next()) {
-        (Some((layer, _)), None) => Some(layer),
-        _ => None,
-    }
+fn extent_of(walls: &[&Entity]) -> Option<[DVec2; 2]> {
+    box_of(walls.iter().flat_map(|e| curve::control_points(&e.shape)))
 }
 
 fn no_walls(drawing: &Drawing, layers: &[LayerUse]) -> Error {
@@ -256,10 +215,16 @@ fn no_walls(drawing: &Drawing, layers: &[LayerUse]) -> Error {
     Error::input("no-walls", Place::file(&drawing.file), text)
 }
 
-fn wall_of(entity: &Entity, frame: &Frame) -> Wall {
+/// A wall on a locked layer is measured and stays: the user locked it against changes.
+fn wall_of(entity: &Entity, frame: &Frame, is_locked: bool) -> Wall {
+    let editable = match &entity.editable {
+        Editable::No(why) => Editable::No(why.clone()),
+        _ if is_locked => Editable::No(format!("its layer {:?} is locked", entity.layer)),
+        other => other.clone(),
+    };
     Wall {
         source: entity.source.clone(),
-        editable: entity.editable.clone(),
+        editable,
         shape: entity.shape.clone(),
         trace: curve::trace(&entity.shape, frame),
         is_solid: false,

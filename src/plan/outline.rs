@@ -41,7 +41,8 @@ pub fn mark_bodies(walls: &mut [Wall]) {
         let holds_hole = |(j, (record, p)): (usize, &(usize, PointUm))| {
             j != i && *record == wall.source.record && side_of_ring(&wall.trace.points, *p) == Side::Inside
         };
-        wall.is_solid = wall.trace.is_closed && wall.trace.points.len() > 2 && !probes.iter().enumerate().any(holds_hole);
+        wall.is_solid =
+            wall.trace.is_closed && wall.trace.points.len() > 2 && !probes.iter().enumerate().any(holds_hole);
     }
 }
 

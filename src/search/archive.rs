@@ -97,7 +97,8 @@ const NO_RANGE: f64 = 1e-12;
 /// for a `score` (spec 7, Decision). Objectives conflict: where the best of an earlier one costs this
 /// one more than the present layout has, the base is what it has there (the payoff table's estimate of
 /// the nadir), or a range of almost nothing would leave no room for different members. Where even that
-/// gives no range, the base is the median of the points that were admitted.
+/// gives no range, the base is the median of the points that were admitted. A range is never less than
+/// [`LEAST_RANGE`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Limits {
     /// Index of the best point of each objective; `None` from the first objective that has none.
@@ -108,6 +109,21 @@ pub(super) struct Limits {
     /// Whether a base is the median of all points, which moves with each of them.
     provisional: bool,
 }
+
+/// Range of an objective, relative to its present value, that is nothing to anybody: where no layout
+/// changes it by more, its threshold must not decide which layouts are good.
+const LEAST_RANGE: f64 = 0.02;
+
+fn least_range(archive: &Archive, objective: &Objective, j: usize) -> f64 {
+    if objective.is_score || objective.is_penalty || archive.len() == 0 {
+        return 0.0;
+    }
+    let now = archive.gains(0)[j].abs();
+    if now.is_finite() { LEAST_RANGE * now } else { 0.0 }
+}
+
+/// How far below its limit a gain is still told apart, in ranges: a surrogate must see the limit.
+const FLOOR_BELOW_LIMIT: f64 = 0.5;
 
 /// Provisional limits are taken anew whenever the archive has grown by this many points.
 const PROVISIONAL_POINTS: usize = 32;
@@ -148,7 +164,7 @@ impl Limits {
         let known = self.known_base(archive, objective, j, top);
         self.provisional |= known.is_none();
         let base = known.unwrap_or_else(|| self.median_admitted(archive, j, top));
-        self.base.push(base);
+        self.base.push(base.min(top - least_range(archive, objective, j)));
         self.top.push(top);
         self.threshold.push(objective.threshold);
     }
@@ -194,7 +210,8 @@ impl Limits {
 
     /// The level below which a gain is only "bad": the surrogate does not follow the cliffs there.
     pub(super) fn floor(&self, j: usize, share: f64) -> f64 {
-        self.top[j] - (1.0 - share) * self.range(j)
+        let by_share = self.top[j] - (1.0 - share) * self.range(j);
+        by_share.min(self.limit(j, 0.0) - FLOOR_BELOW_LIMIT * self.range(j))
     }
 
     /// Whether a point of these gains keeps the thresholds of the first `count` objectives.
@@ -208,11 +225,14 @@ impl Limits {
         (0..count).map(|j| (gains[j] - self.limit(j, margin)) / self.range(j)).fold(f64::INFINITY, f64::min)
     }
 
-    /// 0 for a score; else the least of what the present layout and the best points of the earlier
+    /// 0 for a score; the present layout's for the penalty, which never makes room; else the least of what the present layout and the best points of the earlier
     /// objectives have, as long as the best is better.
     fn known_base(&self, archive: &Archive, objective: &Objective, j: usize, top: f64) -> Option<f64> {
         if objective.is_score && top > 0.0 {
             return Some(0.0);
+        }
+        if objective.is_penalty && archive.len() > 0 && archive.gains(0)[j].is_finite() {
+            return Some(archive.gains(0)[j]);
         }
         let earlier = self.best[..j].iter().flatten().copied();
         let known = (archive.len() > 0).then_some(0).into_iter().chain(earlier);

@@ -107,9 +107,9 @@ impl View<'_> {
 }
 
 impl Climb {
-    pub(super) fn new(tuning: &Tuning) -> Self {
+    pub(super) fn new(tuning: &Tuning, stage: usize) -> Self {
         Self {
-            stage: 0,
+            stage,
             centre: None,
             restart_pending: false,
             step: tuning.first_step,

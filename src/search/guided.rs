@@ -30,6 +30,8 @@ pub(super) struct Guided {
     members: usize,
     spreads: bool,
     budget: Option<u64>,
+    /// Objectives that are climbed, in order.
+    climbed: Vec<usize>,
     stage: usize,
     climb: Climb,
     spread: Spread,
@@ -72,16 +74,25 @@ impl Course {
     }
 }
 
+/// Which objectives are climbed: a penalty that need only not grow has its limit from the start.
+fn climbed(objectives: &[Objective]) -> Vec<usize> {
+    let needs = |&j: &usize| !(objectives[j].is_penalty && objectives[j].threshold == 0.0);
+    let found: Vec<usize> = (0..objectives.len()).filter(needs).collect();
+    if found.is_empty() { vec![0] } else { found }
+}
+
 impl Guided {
     pub(super) fn new(study: &Study, tuning: Tuning) -> Self {
+        let climbed = climbed(&study.objectives);
         Self {
             rng: ChaCha8Rng::seed_from_u64(study.seed),
             objectives: study.objectives.clone(),
             members: study.members,
             spreads: study.mode == Mode::Diverse && study.members > 1,
             budget: study.evaluations,
-            stage: 0,
-            climb: Climb::new(&tuning),
+            stage: climbed[0],
+            climb: Climb::new(&tuning, climbed[0]),
+            climbed,
             spread: Spread::new(study.members),
             climb_models: Models::new(1, tuning.neighbours),
             spread_models: Models::new(study.members, tuning.spread_neighbours),
@@ -155,18 +166,20 @@ impl Guided {
     /// Goes to the next objective when this one's share of the climbing budget is spent, or, without
     /// a budget, when it has converged.
     fn turn_stage(&mut self, archive: &Archive) {
-        let last = self.objectives.len() - 1;
-        let share = self.climb_share() / self.objectives.len() as f64;
-        let due = if self.budget.is_some() {
-            ((self.used(archive.len()) / share) as usize).clamp(self.stage, last)
+        let now = self.climbed.iter().position(|&j| j == self.stage).unwrap_or(0);
+        let last = self.climbed.len() - 1;
+        let share = self.climb_share() / self.climbed.len() as f64;
+        let next = if self.budget.is_some() {
+            ((self.used(archive.len()) / share) as usize).clamp(now, last)
         } else if self.enough.is_none() && self.course.is_converged(archive.dims()) {
-            if self.stage == last {
+            if now == last {
                 self.enough = Some((archive.len() as f64 / self.climb_share()) as u64);
             }
-            (self.stage + 1).min(last)
+            (now + 1).min(last)
         } else {
-            self.stage
+            now
         };
+        let due = self.climbed[next];
         if due != self.stage {
             self.stage = due;
             self.course = Course::default();

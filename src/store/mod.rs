@@ -39,6 +39,7 @@ pub const FREE_SPACE_FLOOR: u64 = 16 << 20;
 const TEMP_PREFIX: &str = ".tmp-";
 const OLD_ANALYSIS: &str = ".old-analysis";
 const ANALYSIS: &str = "analysis";
+const RESOLUTION: &str = "resolution";
 const CLAIM: &str = ".drawing";
 
 /// What was written: where, and the SHA-256 of its bytes.
@@ -176,7 +177,19 @@ impl Home {
     /// # Errors
     /// As [`Home::stage`].
     pub fn publish_analysis(&self, files: &[OutFile]) -> Result<PathBuf, Error> {
-        let target = self.folder.join(ANALYSIS);
+        self.publish_folder(ANALYSIS, files)
+    }
+
+    /// Replaces the folder of the resolution study, whole or not at all.
+    ///
+    /// # Errors
+    /// As [`Home::stage`].
+    pub fn publish_resolution(&self, files: &[OutFile]) -> Result<PathBuf, Error> {
+        self.publish_folder(RESOLUTION, files)
+    }
+
+    fn publish_folder(&self, name: &str, files: &[OutFile]) -> Result<PathBuf, Error> {
+        let target = self.folder.join(name);
         refuse_link(&target)?;
         if !holds_exactly(&target, files) {
             self.stage(files)?.replace(&target)?;

@@ -55,15 +55,28 @@ pub(super) fn splices(scene: &File<'_>, floor: f64, own: &[Addition]) -> Vec<Spl
         let unlit = r#"{"name":"EF-UNLIT","pbrMetallicRoughness":{"metallicFactor":0},"extensions":{"KHR_materials_unlit":{}},"doubleSided":true}"#;
         append.push(root, "materials", unlit.into());
         let name = r#""KHR_materials_unlit""#;
-        let used = root.list("extensionsUsed").iter().any(|e| e.value == Value::Text("KHR_materials_unlit".into()));
+        let used =
+            root.list("extensionsUsed").iter().any(|e| e.value == Value::Text("KHR_materials_unlit".into()));
         if !used {
             append.push(root, "extensionsUsed", name.into());
         }
     }
     for (layer, mesh) in &by_layer {
-        let at = if mesh.points.is_empty() { String::new() } else { format!(",\"mesh\":{}", add_mesh(root, &mut append, layer, mesh, material)) };
-        let told = if mesh.text.is_empty() { String::new() } else { format!(",\"note\":{}", quoted(&mesh.text.join("\n"))) };
-        let node = format!("{{\"name\":{}{at},\"extras\":{{\"enfilade\":{{\"layer\":{}{told}}}}}}}", quoted(layer), quoted(layer));
+        let at = if mesh.points.is_empty() {
+            String::new()
+        } else {
+            format!(",\"mesh\":{}", add_mesh(root, &mut append, layer, mesh, material))
+        };
+        let told = if mesh.text.is_empty() {
+            String::new()
+        } else {
+            format!(",\"note\":{}", quoted(&mesh.text.join("\n")))
+        };
+        let node = format!(
+            "{{\"name\":{}{at},\"extras\":{{\"enfilade\":{{\"layer\":{}{told}}}}}}}",
+            quoted(layer),
+            quoted(layer)
+        );
         nodes.push(append.push(root, "nodes", node).to_string());
     }
     let mut out: Vec<Splice> = append.0.iter().map(|(key, items)| into_array(root, key, items)).collect();
@@ -114,17 +127,27 @@ fn add_mesh(root: &Json, append: &mut Append, layer: &str, mesh: &Mesh, material
     let buffer = append.push(
         root,
         "buffers",
-        format!("{{\"name\":{},\"byteLength\":{},\"uri\":\"data:application/octet-stream;base64,{text}\"}}", quoted(layer), data.len()),
+        format!(
+            "{{\"name\":{},\"byteLength\":{},\"uri\":\"data:application/octet-stream;base64,{text}\"}}",
+            quoted(layer),
+            data.len()
+        ),
     );
     let n = mesh.points.len();
     let view = |append: &mut Append, from: usize, to: usize, target: u32| {
-        let text = format!("{{\"buffer\":{buffer},\"byteOffset\":{from},\"byteLength\":{},\"target\":{target}}}", to - from);
+        let text = format!(
+            "{{\"buffer\":{buffer},\"byteOffset\":{from},\"byteLength\":{},\"target\":{target}}}",
+            to - from
+        );
         append.push(root, "bufferViews", text)
     };
     let points = view(append, 0, colours_at, 34962);
     let colours = view(append, colours_at, triangles_at, 34962);
     let bound = |pick: fn(f32, f32) -> f32, start: f32| {
-        let fold = mesh.points.iter().fold([start; 3], |m, p| [pick(m[0], p[0]), pick(m[1], p[1]), pick(m[2], p[2])]);
+        let fold = mesh
+            .points
+            .iter()
+            .fold([start; 3], |m, p| [pick(m[0], p[0]), pick(m[1], p[1]), pick(m[2], p[2])]);
         fold.map(|v| format!("{v:?}")).join(",")
     };
     let (lo, hi) = (bound(f32::min, f32::INFINITY), bound(f32::max, f32::NEG_INFINITY));
@@ -147,13 +170,20 @@ fn add_mesh(root: &Json, append: &mut Append, layer: &str, mesh: &Mesh, material
         let indices = append.push(
             root,
             "accessors",
-            format!("{{\"bufferView\":{of},\"componentType\":5125,\"count\":{},\"type\":\"SCALAR\"}}", list.len()),
+            format!(
+                "{{\"bufferView\":{of},\"componentType\":5125,\"count\":{},\"type\":\"SCALAR\"}}",
+                list.len()
+            ),
         );
         primitives.push(format!(
             "{{\"attributes\":{{\"POSITION\":{position},\"COLOR_0\":{colour}}},\"indices\":{indices},\"material\":{material},\"mode\":{mode}}}"
         ));
     }
-    append.push(root, "meshes", format!("{{\"name\":{},\"primitives\":[{}]}}", quoted(layer), primitives.join(",")))
+    append.push(
+        root,
+        "meshes",
+        format!("{{\"name\":{},\"primitives\":[{}]}}", quoted(layer), primitives.join(",")),
+    )
 }
 
 fn quoted(text: &str) -> String {

@@ -166,7 +166,8 @@ fn string(text: &[u8], at: &mut usize) -> Result<String, Fault> {
         }
     }
     *at = end + 1;
-    serde_json::from_slice(text.get(start..=end).unwrap_or_default()).map_err(|_| (start, "a text with a wrong escape"))
+    serde_json::from_slice(text.get(start..=end).unwrap_or_default())
+        .map_err(|_| (start, "a text with a wrong escape"))
 }
 
 fn word(text: &[u8], at: &mut usize) -> Result<Value, Fault> {
@@ -181,7 +182,9 @@ fn word(text: &[u8], at: &mut usize) -> Result<Value, Fault> {
         number => {
             let n = std::str::from_utf8(number).ok().and_then(|t| t.parse::<f64>().ok());
             let starts_well = number.first().is_some_and(|b| b.is_ascii_digit() || *b == b'-');
-            n.filter(|n| n.is_finite() && starts_well).map(Value::Number).ok_or((start, "something that is no JSON value"))
+            n.filter(|n| n.is_finite() && starts_well)
+                .map(Value::Number)
+                .ok_or((start, "something that is no JSON value"))
         }
     }
 }

@@ -13,14 +13,23 @@ impl File<'_> {
     /// Triangles of a mesh in its own coordinates.
     pub fn triangles(&self, mesh: usize) -> Result<Vec<[DVec3; 3]>, Why> {
         let pointer = format!("/meshes/{mesh}");
-        let found = self.json.list("meshes").get(mesh).ok_or_else(|| (pointer.clone(), "does not exist".to_string()))?;
+        let found = self
+            .json
+            .list("meshes")
+            .get(mesh)
+            .ok_or_else(|| (pointer.clone(), "does not exist".to_string()))?;
         let mut out = Vec::new();
         for (i, primitive) in found.list("primitives").iter().enumerate() {
             let pointer = format!("{pointer}/primitives/{i}");
-            let packed = primitive.get("extensions").is_some_and(|e| e.get("KHR_draco_mesh_compression").is_some());
+            let packed =
+                primitive.get("extensions").is_some_and(|e| e.get("KHR_draco_mesh_compression").is_some());
             let position = primitive.get("attributes").and_then(|a| a.index("POSITION"));
             let Some(position) = position.filter(|p| !packed || self.has_data(*p)) else {
-                let why = if packed { "is packed by KHR_draco_mesh_compression; export again without compression" } else { "has no POSITION" };
+                let why = if packed {
+                    "is packed by KHR_draco_mesh_compression; export again without compression"
+                } else {
+                    "has no POSITION"
+                };
                 return Err((pointer, why.into()));
             };
             let points = self.points(position)?;
@@ -76,19 +85,30 @@ impl File<'_> {
         }
         let count = found.index("count").ok_or_else(|| why("has no count"))?;
         let kind = found.index("componentType").unwrap_or(0);
-        let normalised = matches!(found.get("normalized").map(|n| &n.value), Some(super::json::Value::Bool(true)));
+        let normalised =
+            matches!(found.get("normalized").map(|n| &n.value), Some(super::json::Value::Bool(true)));
         let mut out = match found.index("bufferView") {
-            Some(view) => self.view(view, found.index("byteOffset").unwrap_or(0), count, width, kind, normalised)?,
+            Some(view) => {
+                self.view(view, found.index("byteOffset").unwrap_or(0), count, width, kind, normalised)?
+            }
             None if count > TRIANGLES_MAX => return Err(why("counts more than any scene has")),
             None => vec![0.0; count * width],
         };
         if let Some(sparse) = found.get("sparse") {
-            self.sparse(sparse, &mut out, width, kind, normalised).map_err(|(_, text)| why(&format!("sparse: {text}")))?;
+            self.sparse(sparse, &mut out, width, kind, normalised)
+                .map_err(|(_, text)| why(&format!("sparse: {text}")))?;
         }
         Ok(out)
     }
 
-    fn sparse(&self, sparse: &Json, out: &mut [f64], width: usize, kind: usize, normalised: bool) -> Result<(), Why> {
+    fn sparse(
+        &self,
+        sparse: &Json,
+        out: &mut [f64],
+        width: usize,
+        kind: usize,
+        normalised: bool,
+    ) -> Result<(), Why> {
         let why = |text: &str| (String::new(), text.to_string());
         let count = sparse.index("count").ok_or_else(|| why("has no count"))?;
         let part = |key: &str, width: usize, kind: usize, normalised: bool| {
@@ -101,20 +121,34 @@ impl File<'_> {
         let values = part("values", width, kind, normalised)?;
         for (i, value) in indices.iter().zip(values.chunks_exact(width)) {
             let at = *i as usize * width;
-            let slot = out.get_mut(at..at + width).ok_or_else(|| why("names an element that does not exist"))?;
+            let slot =
+                out.get_mut(at..at + width).ok_or_else(|| why("names an element that does not exist"))?;
             slot.copy_from_slice(value);
         }
         Ok(())
     }
 
-    fn view(&self, view: usize, offset: usize, count: usize, width: usize, kind: usize, normalised: bool) -> Result<Vec<f64>, Why> {
+    fn view(
+        &self,
+        view: usize,
+        offset: usize,
+        count: usize,
+        width: usize,
+        kind: usize,
+        normalised: bool,
+    ) -> Result<Vec<f64>, Why> {
         let pointer = format!("/bufferViews/{view}");
         let why = |text: &str| (pointer.clone(), text.to_string());
         let found = self.json.list("bufferViews").get(view).ok_or_else(|| why("does not exist"))?;
         let buffer = found.index("buffer").ok_or_else(|| why("names no buffer"))?;
         let data = match self.buffers.get(buffer) {
             Some(Some(data)) => data,
-            Some(None) => return Err((format!("/buffers/{buffer}"), "lies in another file; export as .glb or with embedded data".into())),
+            Some(None) => {
+                return Err((
+                    format!("/buffers/{buffer}"),
+                    "lies in another file; export as .glb or with embedded data".into(),
+                ));
+            }
             None => return Err(why("names a buffer that does not exist")),
         };
         let size = match kind {
@@ -127,7 +161,9 @@ impl File<'_> {
         let end = start.checked_add(found.index("byteLength").unwrap_or(0)).filter(|e| *e <= data.len());
         let end = end.ok_or_else(|| why("reaches beyond its buffer"))?;
         let stride = found.index("byteStride").filter(|s| *s > 0).unwrap_or(size * width);
-        let last = count.checked_sub(1).map_or(Some(0), |n| n.checked_mul(stride)?.checked_add(size * width)?.checked_add(offset));
+        let last = count
+            .checked_sub(1)
+            .map_or(Some(0), |n| n.checked_mul(stride)?.checked_add(size * width)?.checked_add(offset));
         if last.is_none_or(|l| start.checked_add(l).is_none_or(|l| l > end)) {
             return Err(why("is shorter than what is read from it"));
         }

@@ -24,7 +24,9 @@ pub(super) fn edit(scene: &File<'_>, shown: &[Shown], edit: &Edit) -> Result<Vec
     let Edit::Insert { motion, .. } = edit else { return Err(why("a node moves as a whole")) };
     let node = scene.json.list("nodes").get(*record).ok_or_else(|| why("no such node"))?;
     let mut places = shown.iter().filter(|s| s.node == *record);
-    let (Some(place), None) = (places.next(), places.next()) else { return Err(why("it is not shown exactly once")) };
+    let (Some(place), None) = (places.next(), places.next()) else {
+        return Err(why("it is not shown exactly once"));
+    };
     if !motion.turn_rad.is_finite() || !motion.shift.is_finite() {
         return Err(why("the motion is not finite"));
     }

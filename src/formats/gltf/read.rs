@@ -77,7 +77,12 @@ fn above(options: &ReadOptions) -> f64 {
     if options.is_knee { CUT_KNEE_M } else { CUT_EYE_M }
 }
 
-fn named_bodies<'f>(scene: &File<'_>, shown: &'f [Shown], options: &ReadOptions, report: &mut Report) -> Vec<Body<'f>> {
+fn named_bodies<'f>(
+    scene: &File<'_>,
+    shown: &'f [Shown],
+    options: &ReadOptions,
+    report: &mut Report,
+) -> Vec<Body<'f>> {
     let mut out = bodies(scene, shown, report);
     choose_layers(scene, &mut out, options, report);
     out
@@ -108,9 +113,11 @@ fn bodies<'f>(scene: &File<'_>, shown: &'f [Shown], report: &mut Report) -> Vec<
             }
         }
         let m = z_up() * s.world;
-        let triangles: Vec<[DVec3; 3]> = meshes[&mesh].iter().map(|t| t.map(|p| m.transform_point3(p))).collect();
+        let triangles: Vec<[DVec3; 3]> =
+            meshes[&mesh].iter().map(|t| t.map(|p| m.transform_point3(p))).collect();
         let heights = || triangles.iter().flatten().map(|p| p.z);
-        let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+        let (low, high) =
+            (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
         if low.is_finite() && high.is_finite() {
             out.push(Body { shown: s, layer: layer(scene, s), triangles, low, high });
         }
@@ -129,12 +136,17 @@ fn layer(scene: &File<'_>, shown: &Shown) -> String {
     }
     let named = shown.names.iter().rev().filter(|n| !n.is_empty()).map(|n| class_of(n));
     let mesh_name = mesh.and_then(|m| m.text("name")).map(class_of);
-    let materials = mesh.map(|m| m.list("primitives")).unwrap_or_default().iter().filter_map(|p| {
-        scene.json.list("materials").get(p.index("material")?)?.text("name").map(class_of)
-    });
+    let materials =
+        mesh.map(|m| m.list("primitives")).unwrap_or_default().iter().filter_map(|p| {
+            scene.json.list("materials").get(p.index("material")?)?.text("name").map(class_of)
+        });
     let all: Vec<String> = named.chain(mesh_name).chain(materials).collect();
     let by_name = WallLayers::new(&[]).ok();
-    let says = |n: &&String| opening(n).is_some() || n.starts_with("Ifc") || by_name.as_ref().is_some_and(|w| w.reason(n).is_some());
+    let says = |n: &&String| {
+        opening(n).is_some()
+            || n.starts_with("Ifc")
+            || by_name.as_ref().is_some_and(|w| w.reason(n).is_some())
+    };
     all.iter().find(says).or(all.first()).cloned().unwrap_or_else(|| "unnamed".into())
 }
 
@@ -173,7 +185,9 @@ fn choose_layers(scene: &File<'_>, bodies: &mut [Body<'_>], options: &ReadOption
 /// The height above which most walls are cut: where walls start most often.
 fn floor(bodies: &[Body<'_>], above: f64) -> f64 {
     let by_name = WallLayers::new(&[]).ok();
-    let is_wall = |b: &&Body<'_>| b.layer == SCENE_LAYER || by_name.as_ref().is_some_and(|w| w.reason(&b.layer).is_some());
+    let is_wall = |b: &&Body<'_>| {
+        b.layer == SCENE_LAYER || by_name.as_ref().is_some_and(|w| w.reason(&b.layer).is_some())
+    };
     let walls: Vec<&Body<'_>> = bodies.iter().filter(is_wall).collect();
     let walls: Vec<&Body<'_>> = if walls.is_empty() { bodies.iter().collect() } else { walls };
     let cut = |floor: f64| walls.iter().filter(|b| b.low < floor + above && b.high > floor + above).count();
@@ -181,7 +195,10 @@ fn floor(bodies: &[Body<'_>], above: f64) -> f64 {
     let mut floors: Vec<f64> = walls.iter().map(|b| b.low).collect();
     floors.sort_by(f64::total_cmp);
     floors.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
-    floors.into_iter().max_by(|a, b| (cut(*a), near(*a)).cmp(&(cut(*b), near(*b))).then(b.total_cmp(a))).unwrap_or(0.0)
+    floors
+        .into_iter()
+        .max_by(|a, b| (cut(*a), near(*a)).cmp(&(cut(*b), near(*b))).then(b.total_cmp(a)))
+        .unwrap_or(0.0)
 }
 
 fn show(scene: &File<'_>, body: &Body<'_>, z: f64, options: &ReadOptions, out: &mut Vec<Entity>) {
@@ -194,7 +211,11 @@ fn show(scene: &File<'_>, body: &Body<'_>, z: f64, options: &ReadOptions, out: &
     if is_opening && let Some([lo, hi]) = region.extent() {
         region = Region::ring(vec![lo.to_array(), [hi.x, lo.y], hi.to_array(), [lo.x, hi.y]]);
     }
-    let layer = if body.layer == "IfcWindow" && options.is_knee { "wall (window at knee height)" } else { &body.layer };
+    let layer = if body.layer == "IfcWindow" && options.is_knee {
+        "wall (window at knee height)"
+    } else {
+        &body.layer
+    };
     let source = SourceRef {
         record: body.shown.node,
         handle: Some(format!("/nodes/{}", body.shown.node)),
@@ -218,9 +239,12 @@ fn show(scene: &File<'_>, body: &Body<'_>, z: f64, options: &ReadOptions, out: &
 
 fn editable(scene: &File<'_>, body: &Body<'_>) -> Editable {
     let node = &scene.json.list("nodes")[body.shown.node];
-    let animated = scene.json.list("animations").iter().flat_map(|a| a.list("channels")).any(|c| {
-        c.get("target").and_then(|t| t.index("node")) == Some(body.shown.node)
-    });
+    let animated = scene
+        .json
+        .list("animations")
+        .iter()
+        .flat_map(|a| a.list("channels"))
+        .any(|c| c.get("target").and_then(|t| t.index("node")) == Some(body.shown.node));
     if animated {
         return Editable::No("it is animated".into());
     }

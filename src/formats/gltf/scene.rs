@@ -55,7 +55,9 @@ impl<'a> File<'a> {
         let chunks = chunks(name, bytes)?;
         let span = match chunks.first() {
             Some(c) if c.kind == *b"JSON" => c.span.clone(),
-            Some(_) => return Err(fault(name, "gltf-glb", "", "the first chunk is not JSON, expected it first")),
+            Some(_) => {
+                return Err(fault(name, "gltf-glb", "", "the first chunk is not JSON, expected it first"));
+            }
             None => 0..bytes.len(),
         };
         let json = parse(&bytes[span.clone()]).map_err(|(at, text)| {
@@ -104,7 +106,9 @@ impl<'a> File<'a> {
                             return Err(fault(self.name, "gltf-data", &pointer, &text));
                         }
                         let data = base64::engine::general_purpose::STANDARD.decode(text);
-                        let data = data.map_err(|e| fault(self.name, "gltf-data", &pointer, &format!("its data URI is damaged: {e}")))?;
+                        let data = data.map_err(|e| {
+                            fault(self.name, "gltf-data", &pointer, &format!("its data URI is damaged: {e}"))
+                        })?;
                         Some(Cow::Owned(data))
                     }
                     None => None,
@@ -125,7 +129,11 @@ impl<'a> File<'a> {
         let scene = self.json.index("scene").unwrap_or(0);
         let roots: Vec<usize> = match self.json.list("scenes").get(scene) {
             Some(s) => s.list("nodes").iter().filter_map(index).collect(),
-            None => (0..nodes.len()).filter(|n| !nodes.iter().any(|p| p.list("children").iter().filter_map(index).any(|c| c == *n))).collect(),
+            None => (0..nodes.len())
+                .filter(|n| {
+                    !nodes.iter().any(|p| p.list("children").iter().filter_map(index).any(|c| c == *n))
+                })
+                .collect(),
         };
         let (mut out, mut odd) = (Vec::new(), Vec::new());
         let mut open: Vec<(usize, DAffine3, Vec<String>, Vec<usize>)> =
@@ -136,7 +144,8 @@ impl<'a> File<'a> {
                 continue;
             };
             if path.contains(&n) || path.len() > DEPTH_MAX {
-                let ring: Vec<String> = path.iter().skip_while(|p| **p != n).chain([&n]).map(ToString::to_string).collect();
+                let ring: Vec<String> =
+                    path.iter().skip_while(|p| **p != n).chain([&n]).map(ToString::to_string).collect();
                 odd.push(format!("nodes are children of each other in a ring: {}", ring.join(">")));
                 continue;
             }
@@ -212,7 +221,10 @@ fn chunks(name: &str, bytes: &[u8]) -> Result<Vec<Chunk>, Error> {
     }
     let stated = stated_length(bytes).unwrap_or(0);
     if u32_at(bytes, 4) != Some(2) || stated != bytes.len() {
-        let text = format!("the header states {stated} bytes, found {}; the file is damaged or not finished", bytes.len());
+        let text = format!(
+            "the header states {stated} bytes, found {}; the file is damaged or not finished",
+            bytes.len()
+        );
         return Err(fault(name, "gltf-incomplete", "", &text));
     }
     let (mut at, mut out) = (12, Vec::new());

@@ -103,7 +103,10 @@ impl Writer<'_, '_, '_> {
         let bits = digest.iter().take(16).fold(0u128, |sum, b| sum << 8 | u128::from(*b));
         let letters = b"0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_$";
         let letter = |i: u32| char::from(letters[(bits >> (6 * i)) as usize & 63]);
-        (0..22).rev().map(|i| if i == 21 { char::from(letters[(bits >> 126) as usize & 3]) } else { letter(i) }).collect()
+        (0..22)
+            .rev()
+            .map(|i| if i == 21 { char::from(letters[(bits >> 126) as usize & 3]) } else { letter(i) })
+            .collect()
     }
 
     fn point(&mut self, p: DVec2) -> u64 {
@@ -123,8 +126,11 @@ impl Writer<'_, '_, '_> {
             .collect();
         let mut representations = Vec::new();
         if !fills.is_empty() {
-            let (kind, items) =
-                if self.is_old() { ("SurfaceModel", self.old_faces(&fills)) } else { ("Tessellation", vec![self.faces(&fills)]) };
+            let (kind, items) = if self.is_old() {
+                ("SurfaceModel", self.old_faces(&fills))
+            } else {
+                ("Tessellation", vec![self.faces(&fills)])
+            };
             representations.push(self.representation(context, "Body", kind, &items));
         }
         let curves = self.curves(list);
@@ -139,7 +145,11 @@ impl Writer<'_, '_, '_> {
         if representations.is_empty() {
             return;
         }
-        self.add(&format!("IFCPRESENTATIONLAYERASSIGNMENT({},$,{},$)", encode(layer), refs(&representations)));
+        self.add(&format!(
+            "IFCPRESENTATIONLAYERASSIGNMENT({},$,{},$)",
+            encode(layer),
+            refs(&representations)
+        ));
         let shape = self.add(&format!("IFCPRODUCTDEFINITIONSHAPE($,$,{})", refs(&representations)));
         let origin = self.add("IFCCARTESIANPOINT((0.,0.,0.))");
         let axes = self.add(&format!("IFCAXIS2PLACEMENT3D(#{origin},$,$)"));
@@ -209,7 +219,8 @@ impl Writer<'_, '_, '_> {
         let old = self.is_old();
         let shading = self.add(&format!("IFCSURFACESTYLESHADING(#{colour}{})", if old { "" } else { ",$" }));
         let style = self.add(&format!("IFCSURFACESTYLE($,.BOTH.,(#{shading}))"));
-        let style = if old { self.add(&format!("IFCPRESENTATIONSTYLEASSIGNMENT((#{style}))")) } else { style };
+        let style =
+            if old { self.add(&format!("IFCPRESENTATIONSTYLEASSIGNMENT((#{style}))")) } else { style };
         self.add(&format!("IFCSTYLEDITEM(#{item},(#{style}),$)"));
     }
 
@@ -245,7 +256,9 @@ impl Writer<'_, '_, '_> {
         let (made, history) = (refs(&self.made), self.history.clone());
         if let Some(host) = host {
             let gid = self.global_id("contained");
-            self.add(&format!("IFCRELCONTAINEDINSPATIALSTRUCTURE('{gid}',{history},'Enfilade',$,{made},#{host})"));
+            self.add(&format!(
+                "IFCRELCONTAINEDINSPATIALSTRUCTURE('{gid}',{history},'Enfilade',$,{made},#{host})"
+            ));
         }
         let gid = self.global_id("group");
         let group = self.add(&format!("IFCGROUP('{gid}',{history},'Enfilade',$,'ENFILADE')"));
@@ -254,18 +267,23 @@ impl Writer<'_, '_, '_> {
     }
 
     fn properties(&mut self, host: u64, values: &[(&str, String)]) {
-        let ids: Vec<u64> =
-            values.iter().map(|(name, value)| self.add(&format!("IFCPROPERTYSINGLEVALUE('{name}',$,{value},$)"))).collect();
+        let ids: Vec<u64> = values
+            .iter()
+            .map(|(name, value)| self.add(&format!("IFCPROPERTYSINGLEVALUE('{name}',$,{value},$)")))
+            .collect();
         let history = self.history.clone();
         let gid = self.global_id("set");
-        let set = self.add(&format!("IFCPROPERTYSET('{gid}',{history},'Pset_Enfilade_Result',$,{})", refs(&ids)));
+        let set =
+            self.add(&format!("IFCPROPERTYSET('{gid}',{history},'Pset_Enfilade_Result',$,{})", refs(&ids)));
         let gid = self.global_id("defines");
         self.add(&format!("IFCRELDEFINESBYPROPERTIES('{gid}',{history},$,$,(#{host}),#{set})"));
     }
 
     fn note(&mut self, host: u64, own: &[Addition]) {
-        let lines: Vec<&str> =
-            own.iter().filter_map(|a| if let Mark::Text { text, .. } = &a.mark { Some(text.as_str()) } else { None }).collect();
+        let lines: Vec<&str> = own
+            .iter()
+            .filter_map(|a| if let Mark::Text { text, .. } = &a.mark { Some(text.as_str()) } else { None })
+            .collect();
         if !lines.is_empty() {
             let text = format!("IFCTEXT({})", encode(&lines.join("\n")));
             self.properties(host, &[("Note", text)]);
@@ -280,7 +298,10 @@ impl Writer<'_, '_, '_> {
         let shift = DVec2::from_angle(motion.turn_rad).rotate(at) + motion.shift - at;
         let length = |v: f64| format!("IFCLENGTHMEASURE({})", real(v));
         let turn = format!("IFCREAL({})", real(motion.turn_rad.to_degrees()));
-        self.properties(id, &[("ShiftX", length(shift.x)), ("ShiftY", length(shift.y)), ("TurnDegrees", turn)]);
+        self.properties(
+            id,
+            &[("ShiftX", length(shift.x)), ("ShiftY", length(shift.y)), ("TurnDegrees", turn)],
+        );
     }
 }
 

@@ -4,8 +4,8 @@ use glam::{DAffine3, DVec2, DVec3};
 
 use super::geo::{Geo, UPRIGHT, Why};
 use super::limits::{BODY_DEPTH_MAX, FACES_MAX};
-use crate::formats::region::{Region, Rule, clip, slice};
 use super::step::Arg;
+use crate::formats::region::{Region, Rule, clip, slice};
 
 /// A half-space without an outline is taken to reach this far, file units times this many metres.
 const FAR_M: f64 = 10_000.0;
@@ -35,7 +35,10 @@ impl Geo<'_, '_> {
     /// Cuts one representation item.
     pub fn cut(&self, id: u64, to: &DAffine3, z: f64, depth: usize) -> Result<Region, Why> {
         if depth > BODY_DEPTH_MAX {
-            return Err(format!("{} is nested deeper than {BODY_DEPTH_MAX} levels, or holds itself", self.named(id)));
+            return Err(format!(
+                "{} is nested deeper than {BODY_DEPTH_MAX} levels, or holds itself",
+                self.named(id)
+            ));
         }
         let args = self.args(id)?;
         let keyword = self.step.keyword(id);
@@ -127,14 +130,22 @@ impl Geo<'_, '_> {
     }
 
     /// Plane faces of a body with corners.
-    fn faces(&self, id: u64, keyword: &str, args: &[Arg], to: &DAffine3) -> Result<Vec<Vec<Vec<DVec3>>>, Why> {
+    fn faces(
+        &self,
+        id: u64,
+        keyword: &str,
+        args: &[Arg],
+        to: &DAffine3,
+    ) -> Result<Vec<Vec<Vec<DVec3>>>, Why> {
         let shells: Vec<u64> = match keyword {
             "IFCFACETEDBREP" => args.first().and_then(Arg::id).into_iter().collect(),
             "IFCFACETEDBREPWITHVOIDS" => {
                 let outer = args.first().and_then(Arg::id);
                 outer.into_iter().chain(args.get(1).map(Arg::ids).unwrap_or_default()).collect()
             }
-            "IFCSHELLBASEDSURFACEMODEL" | "IFCFACEBASEDSURFACEMODEL" => args.first().map(Arg::ids).unwrap_or_default(),
+            "IFCSHELLBASEDSURFACEMODEL" | "IFCFACEBASEDSURFACEMODEL" => {
+                args.first().map(Arg::ids).unwrap_or_default()
+            }
             "IFCTRIANGULATEDFACESET" => return self.triangles(id, args, to),
             "IFCPOLYGONALFACESET" => return self.polygons(id, args, to),
             _ => return Err(format!("{} is a kind of body that is not read", self.named(id))),
@@ -219,13 +230,16 @@ fn prism(profile: &Region, at: &DAffine3, along: DVec3, start: f64, z: f64) -> R
             return Region::default();
         }
         let t = (z - base.translation.z) / way.z;
-        let lean = if way.truncate().length() < UPRIGHT * way.length() { DVec2::ZERO } else { way.truncate() * t };
+        let lean =
+            if way.truncate().length() < UPRIGHT * way.length() { DVec2::ZERO } else { way.truncate() * t };
         return profile.clone().map(|p| base.transform_point3(p.extend(0.0)).truncate() + lean);
     }
     let mut out = Region::default();
     for shape in &profile.shapes {
         let lift = |by: DVec3| -> Vec<Vec<DVec3>> {
-            let of = |r: &Vec<[f64; 2]>| r.iter().map(|p| base.transform_point3(DVec3::new(p[0], p[1], 0.0)) + by).collect();
+            let of = |r: &Vec<[f64; 2]>| {
+                r.iter().map(|p| base.transform_point3(DVec3::new(p[0], p[1], 0.0)) + by).collect()
+            };
             shape.iter().map(of).collect()
         };
         let (bottom, top) = (lift(DVec3::ZERO), lift(way));
@@ -278,14 +292,18 @@ impl Geo<'_, '_> {
                 let [lo, hi] = of(&mut low.into_iter());
                 Ok([lo.min(lo + way.z), hi.max(hi + way.z)])
             }
-            "IFCBOOLEANCLIPPINGRESULT" | "IFCBOOLEANRESULT" => self.reach(self.reference(&args, 1, id)?, to, depth + 1),
+            "IFCBOOLEANCLIPPINGRESULT" | "IFCBOOLEANRESULT" => {
+                self.reach(self.reference(&args, 1, id)?, to, depth + 1)
+            }
             "IFCMAPPEDITEM" => {
                 let source = self.reference(&args, 0, id)?;
                 let map = self.args(source)?;
                 let origin = self.axis_placement(self.reference(&map, 0, source)?)?;
                 let m = *to * self.operator(self.reference(&args, 1, id)?)? * origin;
-                let items = self.args(self.reference(&map, 1, source)?)?.get(3).map(Arg::ids).unwrap_or_default();
-                let parts: Vec<[f64; 2]> = items.into_iter().filter_map(|i| self.reach(i, &m, depth + 1).ok()).collect();
+                let items =
+                    self.args(self.reference(&map, 1, source)?)?.get(3).map(Arg::ids).unwrap_or_default();
+                let parts: Vec<[f64; 2]> =
+                    items.into_iter().filter_map(|i| self.reach(i, &m, depth + 1).ok()).collect();
                 Ok(of(&mut parts.into_iter().flatten()))
             }
             _ => {

@@ -82,7 +82,8 @@ impl<'s, 'a> Geo<'s, 'a> {
     /// An IfcAxis2Placement2D or 3D.
     pub fn axis_placement(&self, id: u64) -> Result<DAffine3, Why> {
         let args = self.args(id)?;
-        let at = args.first().and_then(Arg::id).ok_or_else(|| format!("{} has no location", self.named(id)))?;
+        let at =
+            args.first().and_then(Arg::id).ok_or_else(|| format!("{} has no location", self.named(id)))?;
         let at = self.point(at)?;
         if self.step.keyword(id) == "IFCAXIS2PLACEMENT2D" {
             let x = self.optional(args.get(1), DVec3::X)?;

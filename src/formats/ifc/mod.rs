@@ -78,7 +78,10 @@ const SCHEMAS: [&str; 3] = ["IFC2X", "IFC4", "IFC4X"];
 
 fn open<'a>(file: &str, bytes: &'a [u8]) -> Result<Step<'a>, Error> {
     let head: String = String::from_utf8_lossy(&bytes[..bytes.len().min(400)]).to_lowercase();
-    if head.contains("<ifcxml") || head.contains(":ifcxml") || (head.contains("<?xml") && head.contains("ifc")) {
+    if head.contains("<ifcxml")
+        || head.contains(":ifcxml")
+        || (head.contains("<?xml") && head.contains("ifc"))
+    {
         let text = "found IFC as XML, expected a STEP file (.ifc); nothing was done; export as IFC instead of ifcXML";
         return Err(Error::input("ifc-xml", Place::file(file), text));
     }
@@ -88,7 +91,8 @@ fn open<'a>(file: &str, bytes: &'a [u8]) -> Result<Step<'a>, Error> {
         return Err(Error::input("ifc-incomplete", Place::file(file), text));
     }
     if !SCHEMAS.iter().any(|s| step.schema.starts_with(s)) {
-        let found = if step.schema.is_empty() { "no schema".into() } else { format!("schema {:?}", step.schema) };
+        let found =
+            if step.schema.is_empty() { "no schema".into() } else { format!("schema {:?}", step.schema) };
         let text = format!("found {found}, expected IFC2X3, IFC4 or IFC4X3; nothing was done");
         return Err(Error::input("ifc-schema", Place::file(file), text));
     }
@@ -115,7 +119,8 @@ pub fn completeness(bytes: &[u8]) -> Incomplete {
         return zip::completeness(bytes);
     }
     let tail = &bytes[bytes.len().saturating_sub(4096)..];
-    let text: Vec<u8> = tail.iter().rev().skip_while(|b| b.is_ascii_whitespace() || **b == 0).copied().collect();
+    let text: Vec<u8> =
+        tail.iter().rev().skip_while(|b| b.is_ascii_whitespace() || **b == 0).copied().collect();
     let text: Vec<u8> = text.into_iter().rev().filter(|b| !b.is_ascii_whitespace()).collect();
     if bytes.is_empty() {
         Incomplete::Because("it is empty".into())
@@ -187,7 +192,9 @@ pub fn tags(bytes: &[u8], ids: &[usize]) -> Vec<Option<String>> {
 
 /// The bytes without what [`patch`] added.
 pub fn strip_own(bytes: &[u8]) -> Cow<'_, [u8]> {
-    let Some(at) = bytes.windows(OWN_MARK.len()).rposition(|w| w == OWN_MARK) else { return Cow::Borrowed(bytes) };
+    let Some(at) = bytes.windows(OWN_MARK.len()).rposition(|w| w == OWN_MARK) else {
+        return Cow::Borrowed(bytes);
+    };
     let Ok(step) = Step::read(bytes) else { return Cow::Borrowed(bytes) };
     if step.data_end <= at {
         return Cow::Borrowed(bytes);

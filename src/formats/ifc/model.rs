@@ -113,7 +113,9 @@ impl Model {
         for (one, many) in pairs(step, "IFCRELFILLSELEMENT", 4, 5) {
             self.fillings.entry(one).or_default().extend(many);
         }
-        for (one, many) in pairs(step, "IFCRELAGGREGATES", 4, 5).into_iter().chain(pairs(step, "IFCRELNESTS", 4, 5)) {
+        for (one, many) in
+            pairs(step, "IFCRELAGGREGATES", 4, 5).into_iter().chain(pairs(step, "IFCRELNESTS", 4, 5))
+        {
             self.whole.extend(many.iter().map(|m| (*m, one)));
             self.parts.entry(one).or_default().extend(many);
         }
@@ -204,7 +206,8 @@ impl Model {
             for property in args.get(4).map(Arg::ids).unwrap_or_default() {
                 let of = step.args(property);
                 let name = of.first().and_then(|a| step.text(a)).unwrap_or_default().to_lowercase();
-                let value = of.get(2).map(|v| step.text(v).unwrap_or_else(|| enum_text(v))).unwrap_or_default();
+                let value =
+                    of.get(2).map(|v| step.text(v).unwrap_or_else(|| enum_text(v))).unwrap_or_default();
                 out.insert(name, value);
             }
         }
@@ -259,8 +262,16 @@ pub(super) fn product(step: &Step<'_>, id: u64, class: &'static str) -> Product 
 }
 
 /// Kinds of representation that are no body.
-const NO_BODY: &[&str] =
-    &["Curve2D", "GeometricCurveSet", "BoundingBox", "Annotation2D", "GeometricSet", "Curve3D", "Point", "PointCloud"];
+const NO_BODY: &[&str] = &[
+    "Curve2D",
+    "GeometricCurveSet",
+    "BoundingBox",
+    "Annotation2D",
+    "GeometricSet",
+    "Curve3D",
+    "Point",
+    "PointCloud",
+];
 
 /// Items of a product's body, or why there is none.
 pub(super) fn body_items(step: &Step<'_>, shape: u64) -> Result<Vec<u64>, Why> {
@@ -268,7 +279,8 @@ pub(super) fn body_items(step: &Step<'_>, shape: u64) -> Result<Vec<u64>, Why> {
     let body = lists.iter().find(|(name, kind, _)| name == "Body" && !NO_BODY.contains(&kind.as_str()));
     let other = || {
         let is_body = |(name, kind, _): &&(String, String, Vec<u64>)| {
-            !["Axis", "Box", "FootPrint", "Annotation", "Clearance", "Profile"].contains(&name.as_str()) && !NO_BODY.contains(&kind.as_str())
+            !["Axis", "Box", "FootPrint", "Annotation", "Clearance", "Profile"].contains(&name.as_str())
+                && !NO_BODY.contains(&kind.as_str())
         };
         lists.iter().find(is_body)
     };
@@ -298,9 +310,11 @@ pub(super) fn layer_reach(step: &Step<'_>, model: &Model, id: u64) -> Option<[f6
     let usage = *model.materials.get(&id)?;
     let args = step.args(usage);
     let (set, offset, negative) = match step.keyword(usage).as_str() {
-        "IFCMATERIALLAYERSETUSAGE" => {
-            (args.first()?.id()?, args.get(3).and_then(Arg::number), args.get(2).is_some_and(|s| s.is("NEGATIVE")))
-        }
+        "IFCMATERIALLAYERSETUSAGE" => (
+            args.first()?.id()?,
+            args.get(3).and_then(Arg::number),
+            args.get(2).is_some_and(|s| s.is("NEGATIVE")),
+        ),
         "IFCMATERIALLAYERSET" => (usage, None, false),
         _ => return None,
     };

@@ -92,13 +92,20 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         let mut here: HashSet<u64> = HashSet::new();
         for follower in &follows {
             if self.done.insert(*follower) {
-                self.product(*follower, motion, &set, &mut here).map_err(|why| self.fault(*follower, &why))?;
+                self.product(*follower, motion, &set, &mut here)
+                    .map_err(|why| self.fault(*follower, &why))?;
             }
         }
         Ok(Moved { products: follows })
     }
 
-    fn product(&mut self, id: u64, motion: &RigidMotion, set: &HashSet<u64>, here: &mut HashSet<u64>) -> Result<(), Why> {
+    fn product(
+        &mut self,
+        id: u64,
+        motion: &RigidMotion,
+        set: &HashSet<u64>,
+        here: &mut HashSet<u64>,
+    ) -> Result<(), Why> {
         let args = self.b.step.args(id);
         let Some(slot) = args.get(5) else { return Ok(()) };
         let Some(placement) = slot.id() else {
@@ -180,7 +187,9 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         if !turned(x.0, x.1) && !turned(z.0, z.1) {
             return Ok(());
         }
-        let (Some(axis), Some(reference)) = (of.get(1), of.get(2)) else { return Err("its axes are incomplete".into()) };
+        let (Some(axis), Some(reference)) = (of.get(1), of.get(2)) else {
+            return Err("its axes are incomplete".into());
+        };
         if axis.id().is_none() || turned(z.0, z.1) {
             self.direction(axis, new.matrix3.z_axis)?;
         }
@@ -204,7 +213,9 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         }
         let texts: Vec<String> = (0..3)
             .map(|i| match slots.get(i) {
-                Some(c) if !differs(i) => String::from_utf8_lossy(&self.b.step.bytes[c.span.clone()]).into_owned(),
+                Some(c) if !differs(i) => {
+                    String::from_utf8_lossy(&self.b.step.bytes[c.span.clone()]).into_owned()
+                }
                 _ => real(new[i]),
             })
             .collect();
@@ -262,7 +273,8 @@ fn moved_axes(base: &DAffine3, own: &DAffine3, motion: &RigidMotion) -> DAffine3
     let turn = DMat3::from_rotation_z(motion.turn_rad);
     let world = *base * *own;
     let at = turn * world.translation + shift;
-    let round = |v: DVec3| DVec3::from_array(v.to_array().map(|c| if c.abs() < NOISE_RATIO { 0.0 } else { c }));
+    let round =
+        |v: DVec3| DVec3::from_array(v.to_array().map(|c| if c.abs() < NOISE_RATIO { 0.0 } else { c }));
     let matrix = to_base * turn * base.matrix3 * own.matrix3;
     let matrix = DMat3::from_cols(round(matrix.x_axis), round(matrix.y_axis), round(matrix.z_axis));
     let mut at = to_base * (at - base.translation);

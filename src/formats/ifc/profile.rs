@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::geo::{Geo, Why};
-use crate::formats::region::{Region, Rule, flat};
 use super::step::{Arg, Value};
+use crate::formats::region::{Region, Rule, flat};
 
 /// How far a chord may leave its arc, metres.
 const CHORD_M: f64 = 0.000_5;
@@ -53,7 +53,9 @@ impl Geo<'_, '_> {
 
     /// The instance that an argument must refer to.
     pub fn reference(&self, args: &[Arg], i: usize, id: u64) -> Result<u64, Why> {
-        args.get(i).and_then(Arg::id).ok_or_else(|| format!("{} refers to nothing where it must", self.named(id)))
+        args.get(i)
+            .and_then(Arg::id)
+            .ok_or_else(|| format!("{} refers to nothing where it must", self.named(id)))
     }
 
     fn parameterised(&self, id: u64, keyword: &str, args: &[Arg]) -> Result<Region, Why> {
@@ -62,7 +64,9 @@ impl Geo<'_, '_> {
             v.ok_or_else(|| format!("{} has no size where one must stand", self.named(id)))
         };
         let rings = match keyword {
-            "IFCRECTANGLEPROFILEDEF" | "IFCROUNDEDRECTANGLEPROFILEDEF" => vec![rectangle(number(3)?, number(4)?)],
+            "IFCRECTANGLEPROFILEDEF" | "IFCROUNDEDRECTANGLEPROFILEDEF" => {
+                vec![rectangle(number(3)?, number(4)?)]
+            }
             "IFCRECTANGLEHOLLOWPROFILEDEF" => {
                 let (x, y, t) = (number(3)?, number(4)?, number(5)? * 2.0);
                 vec![rectangle(x, y), rectangle((x - t).max(0.0), (y - t).max(0.0))]
@@ -92,12 +96,30 @@ impl Geo<'_, '_> {
             "IFCTSHAPEPROFILEDEF" => {
                 let (d, w, web, flange) = (number(3)?, number(4)?, number(5)? / 2.0, number(6)?);
                 let (x, y) = (w / 2.0, d / 2.0);
-                vec![vec![[-x, y], [-x, y - flange], [-web, y - flange], [-web, -y], [web, -y], [web, y - flange], [x, y - flange], [x, y]]]
+                vec![vec![
+                    [-x, y],
+                    [-x, y - flange],
+                    [-web, y - flange],
+                    [-web, -y],
+                    [web, -y],
+                    [web, y - flange],
+                    [x, y - flange],
+                    [x, y],
+                ]]
             }
             "IFCUSHAPEPROFILEDEF" => {
                 let (d, w, web, flange) = (number(3)?, number(4)?, number(5)?, number(6)?);
                 let (x, y) = (w / 2.0, d / 2.0);
-                vec![vec![[-x, -y], [x, -y], [x, flange - y], [web - x, flange - y], [web - x, y - flange], [x, y - flange], [x, y], [-x, y]]]
+                vec![vec![
+                    [-x, -y],
+                    [x, -y],
+                    [x, flange - y],
+                    [web - x, flange - y],
+                    [web - x, y - flange],
+                    [x, y - flange],
+                    [x, y],
+                    [-x, y],
+                ]]
             }
             _ => return Err(format!("{} is a profile that is not read", self.named(id))),
         };
@@ -138,7 +160,9 @@ impl Geo<'_, '_> {
         }
         let args = self.args(id)?;
         match self.step.keyword(id).as_str() {
-            "IFCPOLYLINE" => args.first().map(Arg::ids).unwrap_or_default().into_iter().map(|p| self.point2(p)).collect(),
+            "IFCPOLYLINE" => {
+                args.first().map(Arg::ids).unwrap_or_default().into_iter().map(|p| self.point2(p)).collect()
+            }
             "IFCCOMPOSITECURVE" | "IFC2DCOMPOSITECURVE" | "IFCCOMPOSITECURVEONSURFACE" => {
                 self.composite(&args, depth)
             }
@@ -200,8 +224,10 @@ impl Geo<'_, '_> {
             [x, y, z] => Some(DVec3::new(*x, *y, *z)),
             _ => None,
         };
-        let list: Option<Vec<DVec3>> = args.first().map(Arg::list).unwrap_or_default().iter().map(of).collect();
-        list.filter(|l| l.iter().all(|p| p.is_finite())).ok_or_else(|| format!("{} has no coordinates", self.named(id)))
+        let list: Option<Vec<DVec3>> =
+            args.first().map(Arg::list).unwrap_or_default().iter().map(of).collect();
+        list.filter(|l| l.iter().all(|p| p.is_finite()))
+            .ok_or_else(|| format!("{} has no coordinates", self.named(id)))
     }
 
     fn arc_through(&self, a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Vec<[f64; 2]> {
@@ -211,14 +237,18 @@ impl Geo<'_, '_> {
         if d.abs() < 1e-12 * u.length() * v.length() {
             return vec![a, b, c];
         }
-        let centre = p + DVec2::new(v.y * u.length_squared() - u.y * v.length_squared(), u.x * v.length_squared() - v.x * u.length_squared()) / d;
+        let centre = p + DVec2::new(
+            v.y * u.length_squared() - u.y * v.length_squared(),
+            u.x * v.length_squared() - v.x * u.length_squared(),
+        ) / d;
         let start = (p - centre).to_angle();
         let sense = d.signum();
         let turn = ((r - centre).to_angle() - start) * sense;
         let turn = turn.rem_euclid(TAU) * sense;
         let (radius, n) = (p.distance(centre), self.chords(p.distance(centre), turn));
-        let mut out: Vec<[f64; 2]> =
-            (0..=n).map(|i| (centre + DVec2::from_angle(start + turn * i as f64 / n as f64) * radius).to_array()).collect();
+        let mut out: Vec<[f64; 2]> = (0..=n)
+            .map(|i| (centre + DVec2::from_angle(start + turn * i as f64 / n as f64) * radius).to_array())
+            .collect();
         out[0] = a;
         out[n] = c;
         out
@@ -228,7 +258,8 @@ impl Geo<'_, '_> {
         let m = self.axis_placement(self.reference(args, 0, id)?)?;
         let a = args.get(1).and_then(Arg::number).filter(|r| *r > 0.0);
         let a = a.ok_or_else(|| format!("{} has no radius", self.named(id)))?;
-        let b = if self.step.keyword(id) == "IFCELLIPSE" { args.get(2).and_then(Arg::number) } else { Some(a) };
+        let b =
+            if self.step.keyword(id) == "IFCELLIPSE" { args.get(2).and_then(Arg::number) } else { Some(a) };
         Ok((m, a, b.filter(|b| *b > 0.0).ok_or_else(|| format!("{} has no second radius", self.named(id)))?))
     }
 
@@ -264,12 +295,17 @@ impl Geo<'_, '_> {
                         (q.y / b).atan2(q.x / a)
                     });
                     let from_parameter = parameter.map(|t| t * self.radians);
-                    let chosen = if by_point { from_point.or(from_parameter) } else { from_parameter.or(from_point) };
+                    let chosen =
+                        if by_point { from_point.or(from_parameter) } else { from_parameter.or(from_point) };
                     chosen.ok_or_else(|| format!("{} is not trimmed", self.named(id)))
                 };
                 let (start, end) = (angle(1)?, angle(2)?);
                 let full = |turn: f64| if turn == 0.0 { TAU } else { turn };
-                let turn = if forward { full((end - start).rem_euclid(TAU)) } else { -full((start - end).rem_euclid(TAU)) };
+                let turn = if forward {
+                    full((end - start).rem_euclid(TAU))
+                } else {
+                    -full((start - end).rem_euclid(TAU))
+                };
                 Ok(flat(&arc(a, b, start, turn, self.chords(a.max(b), turn)), &m))
             }
             "IFCPOLYLINE" => self.curve(basis, 1),
@@ -308,5 +344,18 @@ fn rectangle(x: f64, y: f64) -> Vec<[f64; 2]> {
 
 fn i_shape(width: f64, depth: f64, web: f64, flange: f64) -> Vec<[f64; 2]> {
     let (x, y, w, f) = (width / 2.0, depth / 2.0, web / 2.0, depth / 2.0 - flange);
-    vec![[-x, -y], [x, -y], [x, -f], [w, -f], [w, f], [x, f], [x, y], [-x, y], [-x, f], [-w, f], [-w, -f], [-x, -f]]
+    vec![
+        [-x, -y],
+        [x, -y],
+        [x, -f],
+        [w, -f],
+        [w, f],
+        [x, f],
+        [x, y],
+        [-x, y],
+        [-x, f],
+        [-w, f],
+        [-w, -f],
+        [-x, -f],
+    ]
 }

@@ -7,11 +7,13 @@ use glam::{DAffine3, DVec2};
 use super::geo::{Geo, Why, is_upright, plan_point};
 use super::limits::OUTLINE_POINTS_MAX;
 use super::model::{Model, Product, Storey, axis_item, body_items, layer_reach};
-use crate::formats::region::{Region, Rule};
 use super::step::Step;
 use super::units::{Units, units};
 use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, Sight};
-use crate::plan::drawing::{Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Vertex};
+use crate::formats::region::{Region, Rule};
+use crate::plan::drawing::{
+    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Vertex,
+};
 use crate::report::{Error, Place, Report};
 
 /// Layer of everything that closes a gap without blocking sight: plugs of door and window openings.
@@ -52,13 +54,19 @@ impl<'s, 'a> Building<'s, 'a> {
     /// The storey that is meant, and why. `None` in a building without storeys.
     pub fn storey(&self, wanted: Option<&str>, report: &mut Report) -> Result<Option<&Storey>, Error> {
         let list = &self.model.storeys;
-        let shown = |s: &Storey| format!("{:?} (floor {:.3} m, {} walls)", s.name, s.floor * self.geo.metres, s.walls);
+        let shown = |s: &Storey| {
+            format!("{:?} (floor {:.3} m, {} walls)", s.name, s.floor * self.geo.metres, s.walls)
+        };
         let names = list.iter().map(shown).collect::<Vec<_>>().join(", ");
         if let Some(name) = wanted {
-            let found = list.iter().find(|s| s.name == name).or_else(|| list.iter().find(|s| s.name.eq_ignore_ascii_case(name)));
+            let found = list
+                .iter()
+                .find(|s| s.name == name)
+                .or_else(|| list.iter().find(|s| s.name.eq_ignore_ascii_case(name)));
             return found.map(Some).ok_or_else(|| {
                 let names = if names.is_empty() { "none".into() } else { names };
-                let text = format!("--storey {name:?}: no such storey, storeys present: {names}; nothing was done");
+                let text =
+                    format!("--storey {name:?}: no such storey, storeys present: {names}; nothing was done");
                 Error::usage("storey", Place::file(self.file), text)
             });
         }
@@ -106,7 +114,11 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
 fn state_broken(file: &str, step: &Step<'_>, report: &mut Report) {
     for fault in step.broken.iter().take(20) {
         let place = Place::line(file, step.line(fault.at));
-        report.warn("ifc-instance", place, format!("byte {}: {}; the instance is left out", fault.at, fault.text));
+        report.warn(
+            "ifc-instance",
+            place,
+            format!("byte {}: {}; the instance is left out", fault.at, fault.text),
+        );
     }
     if step.broken.len() > 20 {
         let text = format!("{} more instances cannot be read and are left out", step.broken.len() - 20);
@@ -186,7 +198,10 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                     if region.is_empty() {
                         self.below.push(format!("#{} {}", p.id, p.class));
                     } else if region.size() > OUTLINE_POINTS_MAX {
-                        let why = format!("its cut has {} corners, expected at most {OUTLINE_POINTS_MAX}", region.size());
+                        let why = format!(
+                            "its cut has {} corners, expected at most {OUTLINE_POINTS_MAX}",
+                            region.size()
+                        );
                         self.state_missing(p, &why, report);
                     } else {
                         self.emit(p, p.class, &region);
@@ -236,7 +251,11 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             let class = self.b.model.products.iter().find(|q| q.id == *part).map(|q| q.class);
             let is_glass = class == Some("IfcPlate") && self.options.sight == Sight::Eye;
             let Ok(cut) = self.part(*part) else { continue };
-            if is_glass { self.emit(p, "IfcWindow", &cut) } else { region = region.combine(&cut, Rule::Union) }
+            if is_glass {
+                self.emit(p, "IfcWindow", &cut)
+            } else {
+                region = region.combine(&cut, Rule::Union)
+            }
         }
         Ok((region, missing))
     }
@@ -334,7 +353,9 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             });
             match cut {
                 Ok(region) => self.space(p, &region),
-                Err(why) => report.info("ifc-space", self.b.place(p), format!("{why}; the space is left out")),
+                Err(why) => {
+                    report.info("ifc-space", self.b.place(p), format!("{why}; the space is left out"))
+                }
             }
         }
     }
@@ -342,10 +363,22 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     fn space(&mut self, p: &Product, region: &Region) {
         let Some([lo, hi]) = region.extent() else { return };
         self.emit(p, "IfcSpace", region);
-        let text = [p.name.trim(), p.long_name.trim()].iter().filter(|t| !t.is_empty()).copied().collect::<Vec<_>>().join("\n");
-        self.texts.push(Text { source: self.source(p, "IfcSpace"), layer: "IfcSpace".into(), at: lo.midpoint(hi), text });
+        let text = [p.name.trim(), p.long_name.trim()]
+            .iter()
+            .filter(|t| !t.is_empty())
+            .copied()
+            .collect::<Vec<_>>()
+            .join("\n");
+        self.texts.push(Text {
+            source: self.source(p, "IfcSpace"),
+            layer: "IfcSpace".into(),
+            at: lo.midpoint(hi),
+            text,
+        });
         let marks = self.b.model.marks(self.b.step, p.id);
-        let is_set = |key: &str| marks.get(key).is_some_and(|v| ["t", "true", "1", "yes"].contains(&v.to_lowercase().as_str()));
+        let is_set = |key: &str| {
+            marks.get(key).is_some_and(|v| ["t", "true", "1", "yes"].contains(&v.to_lowercase().as_str()))
+        };
         for (key, layer) in [("query", "EF-QUERY"), ("reference", "EF-REFERENCE"), ("keep", "EF-KEEP")] {
             if is_set(key) {
                 self.emit(p, layer, region);
@@ -373,7 +406,12 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 && self.marked.iter().all(|m| m.record != source.record)
             {
                 let name = marks.get("name").cloned().unwrap_or_else(|| p.name.clone());
-                self.marked.push(MarkedMove { name, text: text.clone(), record: source.record, source: source.clone() });
+                self.marked.push(MarkedMove {
+                    name,
+                    text: text.clone(),
+                    record: source.record,
+                    source: source.clone(),
+                });
             }
             if marks.contains_key("keep") {
                 editable = Editable::No("Pset_Enfilade says Keep".into());
@@ -406,11 +444,24 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         let place = Place::file(self.b.file);
         let here = |p: &&Product| self.b.model.storey_of(p.id) == self.storey;
         let shown = |p: &&Product| self.entities.iter().any(|e| e.source.record == p.id as usize);
-        let walls = self.b.model.products.iter().filter(|p| p.class.contains("Wall") || p.class.starts_with("IfcColumn"));
-        let short: Vec<String> =
-            walls.filter(here).filter(|p| !shown(p)).filter(|p| self.below.iter().any(|b| *b == format!("#{} {}", p.id, p.class))).map(|p| format!("#{}", p.id)).collect();
+        let walls = self
+            .b
+            .model
+            .products
+            .iter()
+            .filter(|p| p.class.contains("Wall") || p.class.starts_with("IfcColumn"));
+        let short: Vec<String> = walls
+            .filter(here)
+            .filter(|p| !shown(p))
+            .filter(|p| self.below.iter().any(|b| *b == format!("#{} {}", p.id, p.class)))
+            .map(|p| format!("#{}", p.id))
+            .collect();
         if !short.is_empty() {
-            let text = format!("{} walls or columns of the storey do not reach the height of the cut and do not block sight: {}", short.len(), short.join(", "));
+            let text = format!(
+                "{} walls or columns of the storey do not reach the height of the cut and do not block sight: {}",
+                short.len(),
+                short.join(", ")
+            );
             report.info("ifc-not-cut", place, text);
         }
     }
@@ -419,7 +470,12 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         let mut layers: Vec<Layer> = Vec::new();
         for e in &self.entities {
             if layers.iter().all(|l| l.name != e.layer) {
-                layers.push(Layer { name: e.layer.clone(), is_off: false, is_frozen: false, is_locked: false });
+                layers.push(Layer {
+                    name: e.layer.clone(),
+                    is_off: false,
+                    is_frozen: false,
+                    is_locked: false,
+                });
             }
         }
         Drawing {
@@ -445,7 +501,8 @@ fn lowest(b: &Building<'_, '_>, above: f64) -> f64 {
         let items = p.shape.and_then(|s| body_items(b.step, s).ok());
         if let (Ok(world), Some(items)) = (world, items) {
             let reach = items.iter().filter_map(|i| b.geo.reach(*i, &world, 0).ok());
-            let span = reach.fold([f64::INFINITY, f64::NEG_INFINITY], |s, r| [s[0].min(r[0]), s[1].max(r[1])]);
+            let span =
+                reach.fold([f64::INFINITY, f64::NEG_INFINITY], |s, r| [s[0].min(r[0]), s[1].max(r[1])]);
             spans.extend(Some(span).filter(|s| s[0].is_finite()));
         }
     }

@@ -163,8 +163,12 @@ impl<'a> Step<'a> {
                             in_data = false;
                         }
                         "DATA" => in_data = true,
-                        "END" if scan.bytes[at..end].to_ascii_uppercase().starts_with(b"END-ISO") => return Ok(()),
-                        _ if in_data => self.broken.push(scan.fault(at, "text that is no instance, expected `#id=`")),
+                        "END" if scan.bytes[at..end].to_ascii_uppercase().starts_with(b"END-ISO") => {
+                            return Ok(());
+                        }
+                        _ if in_data => {
+                            self.broken.push(scan.fault(at, "text that is no instance, expected `#id=`"))
+                        }
                         _ => {}
                     }
                 }
@@ -268,7 +272,8 @@ impl Scan<'_> {
     fn comment(&mut self) -> Result<(), Fault> {
         let start = self.at;
         let end = self.bytes[start + 2..].windows(2).position(|w| w == b"*/");
-        self.at = end.map(|e| start + 2 + e + 2).ok_or_else(|| self.fault(start, "a comment that does not end"))?;
+        self.at =
+            end.map(|e| start + 2 + e + 2).ok_or_else(|| self.fault(start, "a comment that does not end"))?;
         Ok(())
     }
 
@@ -319,9 +324,9 @@ impl Scan<'_> {
                 "FILE_SCHEMA" => {
                     let text = &self.bytes[at..end];
                     let mut parts = text.split(|b| *b == b'\'');
-                    schema = parts.nth(1).map_or_else(String::new, |s| {
-                        String::from_utf8_lossy(s).trim().to_ascii_uppercase()
-                    });
+                    schema = parts
+                        .nth(1)
+                        .map_or_else(String::new, |s| String::from_utf8_lossy(s).trim().to_ascii_uppercase());
                 }
                 _ => {}
             }
@@ -441,7 +446,8 @@ fn value(bytes: &[u8], at: &mut usize, end: usize, depth: usize) -> Result<Arg, 
             Value::Ref(id.ok_or((start, "a `#` without a number"))?)
         }
         Some(b'\'') => {
-            *at = string_end(bytes, start).filter(|e| *e <= end).ok_or((start, "a text that does not end"))?;
+            *at =
+                string_end(bytes, start).filter(|e| *e <= end).ok_or((start, "a text that does not end"))?;
             Value::Text
         }
         Some(b'"') => {

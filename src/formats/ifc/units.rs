@@ -4,8 +4,16 @@ use super::step::{Arg, Step};
 use crate::plan::drawing::Unit;
 
 /// Lengths by name, metres.
-const NAMED: &[(&str, f64)] =
-    &[("mm", 0.001), ("cm", 0.01), ("dm", 0.1), ("m", 1.0), ("km", 1000.0), ("in", 0.0254), ("ft", 0.3048), ("yd", 0.9144)];
+const NAMED: &[(&str, f64)] = &[
+    ("mm", 0.001),
+    ("cm", 0.01),
+    ("dm", 0.1),
+    ("m", 1.0),
+    ("km", 1000.0),
+    ("in", 0.0254),
+    ("ft", 0.3048),
+    ("yd", 0.9144),
+];
 
 /// What the project says about units.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +29,10 @@ pub(super) struct Units {
 /// Reads the units of the first project.
 pub(super) fn units(step: &Step<'_>) -> Units {
     let mut out = Units { length: None, length_words: "no unit of length".into(), radians: 1.0 };
-    let assignment = step.all("IFCPROJECT").chain(step.all("IFCPROJECTLIBRARY")).find_map(|p| step.args_of(p).get(8)?.id());
+    let assignment = step
+        .all("IFCPROJECT")
+        .chain(step.all("IFCPROJECTLIBRARY"))
+        .find_map(|p| step.args_of(p).get(8)?.id());
     let assignment = assignment.or_else(|| step.all("IFCUNITASSIGNMENT").next().map(|u| u.id));
     let list = assignment.map(|a| step.args(a)).and_then(|a| Some(a.first()?.ids())).unwrap_or_default();
     for id in list {

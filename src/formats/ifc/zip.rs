@@ -35,14 +35,17 @@ pub(super) fn completeness(bytes: &[u8]) -> Incomplete {
 /// [`UNZIPPED_MAX`] bytes or [`ZIP_RATIO_MAX`] times its size.
 pub fn unzip(file: &str, bytes: &[u8]) -> Result<Vec<u8>, Error> {
     let fault = |text: String| Error::input("ifczip", Place::file(file), format!("{text}; nothing was done"));
-    let entries = entries(bytes).ok_or_else(|| fault("found a damaged archive, expected a ZIP file".into()))?;
+    let entries =
+        entries(bytes).ok_or_else(|| fault("found a damaged archive, expected a ZIP file".into()))?;
     let is_ifc = |e: &&Entry| e.name.to_lowercase().ends_with(".ifc");
     let mut found = entries.iter().filter(is_ifc);
     let (Some(entry), None) = (found.next(), found.next()) else {
         let n = entries.iter().filter(is_ifc).count();
         return Err(fault(format!("found {n} .ifc files in the archive, expected one")));
     };
-    if entry.unpacked > UNZIPPED_MAX || entry.unpacked > entry.packed.saturating_mul(ZIP_RATIO_MAX).max(1 << 20) {
+    if entry.unpacked > UNZIPPED_MAX
+        || entry.unpacked > entry.packed.saturating_mul(ZIP_RATIO_MAX).max(1 << 20)
+    {
         let text = format!(
             "{} is {} bytes packed and {} unpacked, expected at most {UNZIPPED_MAX} bytes and {ZIP_RATIO_MAX} times the packed size",
             entry.name, entry.packed, entry.unpacked
@@ -55,7 +58,9 @@ pub fn unzip(file: &str, bytes: &[u8]) -> Result<Vec<u8>, Error> {
         0 => out.extend_from_slice(data),
         8 => {
             let mut reader = flate2::read::DeflateDecoder::new(data).take(entry.unpacked + 1);
-            reader.read_to_end(&mut out).map_err(|e| fault(format!("{} cannot be unpacked: {e}", entry.name)))?;
+            reader
+                .read_to_end(&mut out)
+                .map_err(|e| fault(format!("{} cannot be unpacked: {e}", entry.name)))?;
         }
         other => return Err(fault(format!("{} is packed by method {other}, expected 0 or 8", entry.name))),
     }

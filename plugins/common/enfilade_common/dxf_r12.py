@@ -1,0 +1,113 @@
+"""A DXF R12 writer: millimetres, handles, XDATA of ours, marker layers. Every CAD program reads it."""
+
+from typing import Iterable, List, Sequence, Tuple
+
+from . import APPLICATION
+from .model import number
+from .plane import Point
+
+#: Layers and their colours (AutoCAD colour index), as in the program's marker template.
+LAYERS = (
+    ("0", 7),
+    ("A-WALL", 7),
+    ("A-COLS", 7),
+    ("A-DOOR", 3),
+    ("A-GLAZ", 4),
+    ("EF-QUERY", 5),
+    ("EF-REFERENCE", 3),
+    ("EF-MOVE", 1),
+    ("EF-KEEP", 8),
+)
+
+
+class Drawing:
+    """Entities in the order in which they are added; ``text()`` gives the file."""
+
+    def __init__(self) -> None:
+        self._entities: List[str] = []
+        self._points: List[Point] = []
+        self._handle = 0x20
+
+    def _begin(self, kind: str, layer: str) -> List[str]:
+        self._handle += 1
+        return ["0", kind, "5", f"{self._handle:X}", "8", layer]
+
+    def polyline(self, layer: str, points: Sequence[Point], closed: bool = True, ids: Iterable[str] = ()) -> None:
+        """A polyline; ``ids`` become its XDATA strings."""
+        out = self._begin("POLYLINE", layer)
+        out += ["66", "1", "70", "1" if closed else "0", "10", "0.0", "20", "0.0", "30", "0.0", *_xdata(ids)]
+        for p in points:
+            out += self._begin("VERTEX", layer) + _point(p, 0)
+        out += self._begin("SEQEND", layer)
+        self._add(out, points)
+
+    def line(self, layer: str, a: Point, b: Point, ids: Iterable[str] = ()) -> None:
+        self._add(self._begin("LINE", layer) + _point(a, 0) + _point(b, 1) + _xdata(ids), (a, b))
+
+    def text(self, layer: str, at: Point, height: float, words: str) -> None:
+        """A line of text, anchored at its lower left."""
+        out = self._begin("TEXT", layer) + _point(at, 0) + ["40", number(height), "1", escaped(words)]
+        self._add(out, (at,))
+
+    def _add(self, groups: List[str], points: Iterable[Point]) -> None:
+        self._entities += groups
+        self._points += list(points)
+
+    def file_text(self) -> str:
+        """The whole file, line ends as on the drawing boards of R12: CR LF."""
+        groups = [*self._header(), *_tables(), "0", "SECTION", "2", "ENTITIES", *self._entities]
+        groups += ["0", "ENDSEC", "0", "EOF"]
+        return "\r\n".join(groups) + "\r\n"
+
+    def _header(self) -> List[str]:
+        xs, ys = [p[0] for p in self._points] or [0.0], [p[1] for p in self._points] or [0.0]
+        out = ["0", "SECTION", "2", "HEADER", "9", "$ACADVER", "1", "AC1009"]
+        out += ["9", "$INSUNITS", "70", "4", "9", "$MEASUREMENT", "70", "1", "9", "$HANDLING", "70", "1"]
+        out += ["9", "$HANDSEED", "5", f"{self._handle + 1:X}"]
+        for name, x, y in (("$EXTMIN", min(xs), min(ys)), ("$EXTMAX", max(xs), max(ys))):
+            out += ["9", name, *_point((x, y), 0)]
+        return [*out, "0", "ENDSEC"]
+
+
+def _tables() -> List[str]:
+    out = ["0", "SECTION", "2", "TABLES", "0", "TABLE", "2", "LTYPE", "70", "1"]
+    out += ["0", "LTYPE", "2", "CONTINUOUS", "70", "0", "3", "Solid line", "72", "65", "73", "0", "40", "0.0"]
+    out += ["0", "ENDTAB", "0", "TABLE", "2", "LAYER", "70", str(len(LAYERS))]
+    for name, colour in LAYERS:
+        out += ["0", "LAYER", "2", name, "70", "0", "62", str(colour), "6", "CONTINUOUS"]
+    out += ["0", "ENDTAB", "0", "TABLE", "2", "STYLE", "70", "1"]
+    out += ["0", "STYLE", "2", "STANDARD", "70", "0", "40", "0.0", "41", "1.0", "50", "0.0", "71", "0"]
+    out += ["42", "2.5", "3", "txt", "4", "", "0", "ENDTAB", "0", "TABLE", "2", "APPID", "70", "2"]
+    for name in ("ACAD", APPLICATION):
+        out += ["0", "APPID", "2", name, "70", "0"]
+    return [*out, "0", "ENDTAB", "0", "ENDSEC"]
+
+
+def _point(p: Point, index: int) -> List[str]:
+    """Group codes 10/20/30 (or 11/21/31) of a point, at least one decimal as R12 readers expect."""
+
+    def real(v: float) -> str:
+        text = number(v)
+        return text if "." in text else text + ".0"
+
+    return [f"1{index}", real(p[0]), f"2{index}", real(p[1]), f"3{index}", "0.0"]
+
+
+def _xdata(ids: Iterable[str]) -> List[str]:
+    values = [v for id in ids for v in ("1000", escaped(id)[:255])]
+    return ["1001", APPLICATION, *values] if values else []
+
+
+def escaped(words: str) -> str:
+    """Text for a file without an encoding: other than ASCII as ``\\U+00FC``, no line ends."""
+    flat = " ".join(words.split())
+    return "".join(c if " " <= c <= "~" else "".join(_unit(u) for u in _utf16(c)) for c in flat)
+
+
+def _utf16(c: str) -> Tuple[int, ...]:
+    data = c.encode("utf-16-be", "surrogatepass")
+    return tuple(data[i] << 8 | data[i + 1] for i in range(0, len(data), 2))
+
+
+def _unit(value: int) -> str:
+    return f"\\U+{value:04X}"

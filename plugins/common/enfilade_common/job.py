@@ -1,0 +1,223 @@
+"""The job folder: what a plugin writes for the program, and reads again when results come back.
+
+``plan.dxf`` is the drawing, ``plan.enfilade.toml`` the side-car with settings, moves and the host's table,
+``plan.study.json`` the study and every outline as written, so that results can be matched to the document
+after a restart of the host.
+"""
+
+import hashlib
+import json
+import os
+from dataclasses import asdict, dataclass
+from typing import Any, Dict, List, Optional, Tuple
+
+from . import __version__
+from .dxf_r12 import Drawing
+from .model import Column, PluginError, Study, Wall, geometry_hash
+from .moves import MoveTable, Plan, plan_of
+from .outlines import Outline, Station
+from .plane import centroid, widened
+from .toml_text import dumps
+
+STUDY_SCHEMA = "enfilade.study/1"
+HOST_SCHEMA = "enfilade.host/1"
+DRAWING_NAME = "plan.dxf"
+
+#: Height of the words beside a mark, mm.
+TEXT_MM = 200.0
+
+
+@dataclass
+class Job:
+    """A written job: where it lies, what was written."""
+
+    folder: str
+    study: Study
+    outlines: List[Outline]
+    hashes: Dict[str, str]
+    sha256: str
+    notes: List[str]
+    #: The moves as written; not kept when a job is read again.
+    plan: Optional[Plan] = None
+
+    @property
+    def drawing(self) -> str:
+        return os.path.join(self.folder, DRAWING_NAME)
+
+    @property
+    def results_folder(self) -> str:
+        return os.path.join(self.folder, "plan.enfilade")
+
+
+def write(study: Study, folder: str) -> Job:
+    """Writes a study as a job. The drawing comes last, so that a watching daemon sees all of it."""
+    check(study)
+    plan = plan_of(study)
+    drawing = drawing_text(study, plan).encode("ascii")
+    job = Job(
+        folder=folder,
+        study=study,
+        outlines=plan.outlines,
+        hashes={e.id: geometry_hash(e) for e in study.movables()},
+        sha256=hashlib.sha256(drawing).hexdigest(),
+        notes=plan.notes,
+        plan=plan,
+    )
+    try:
+        os.makedirs(folder, exist_ok=True)
+        _replace(os.path.join(folder, "plan.enfilade.toml"), dumps(side_car(study, plan, job)).encode("utf-8"))
+        _replace(os.path.join(folder, "plan.study.json"), json.dumps(_study_file(job)).encode("utf-8"))
+        _replace(job.drawing, drawing)
+    except OSError as e:
+        raise PluginError(f"The job cannot be written to {folder}: {e.strerror or e}. Nothing was started.") from e
+    return job
+
+
+def check(study: Study) -> None:
+    """Refuses a study that no program could measure."""
+    if not study.walls:
+        raise PluginError("There is no wall to measure: draw walls first, or choose the storey that has them.")
+    seen = set()
+    for element in study.movables():
+        if element.id in seen:
+            raise PluginError(f"Two elements have the id {element.id}; export again.")
+        seen.add(element.id)
+    if not any(o.is_on for o in study.wishes.objectives):
+        raise PluginError("No objective is chosen: say at least one thing that should get better.")
+
+
+def read(folder: str) -> Job:
+    """Reads a job again."""
+    path = os.path.join(folder, "plan.study.json")
+    try:
+        with open(path, encoding="utf-8") as f:
+            data = json.load(f)
+    except FileNotFoundError:
+        raise PluginError("There is no study of this document yet: run one first.") from None
+    except (OSError, ValueError) as e:
+        raise PluginError(f"{path} cannot be read ({e}); run the study again.") from e
+    if not isinstance(data, dict) or data.get("schema") != STUDY_SCHEMA:
+        found = data.get("schema") if isinstance(data, dict) else None
+        raise PluginError(f"{path} has the schema {found!r}, expected {STUDY_SCHEMA!r}; run the study again.")
+    outlines = [_outline(o) for o in data["outlines"]]
+    study = Study.from_dict(data["study"])
+    return Job(folder, study, outlines, data["hashes"], data["sha256"], data["notes"])
+
+
+def _study_file(job: Job) -> Dict[str, Any]:
+    return {
+        "schema": STUDY_SCHEMA,
+        "plugin": __version__,
+        "sha256": job.sha256,
+        "hashes": job.hashes,
+        "notes": job.notes,
+        "study": job.study.to_dict(),
+        "outlines": [asdict(o) for o in job.outlines],
+    }
+
+
+def _outline(data: Dict[str, Any]) -> Outline:
+    stations = data["stations"] and tuple(Station(**s) for s in data["stations"])
+    points = [(float(x), float(y)) for x, y in data["points"]]
+    return Outline(data["owner"], data["piece"], points, stations or None, data["first"])
+
+
+def drawing_text(study: Study, plan: Plan) -> str:
+    """The study as a DXF: faces on ``A-WALL`` and ``A-COLS`` with ids, openings, our marker layers."""
+    out = Drawing()
+    columns = {c.id for c in study.columns}
+    labels = {e.id: e.label for e in study.movables()}
+    for outline in plan.outlines:
+        layer = "A-COLS" if outline.owner in columns else "A-WALL"
+        ids = (outline.host_id, labels[outline.owner])
+        out.polyline(layer, outline.written(), outline.is_closed, ids)
+    for wall in study.walls:
+        for o in () if wall.rings else wall.openings:
+            layer = "A-GLAZ" if o.kind == "window" else "A-DOOR"
+            out.line(layer, wall.at(o.start), wall.at(o.end), (o.id, o.label))
+    for region in study.regions:
+        layer = {"query": "EF-QUERY", "reference": "EF-REFERENCE", "keep": "EF-KEEP"}[region.kind]
+        out.polyline(layer, region.points)
+    for element in study.movables():
+        if element.keep:
+            out.polyline("EF-KEEP", _round_element(plan, element))
+    _draw_moves(out, plan)
+    return out.file_text()
+
+
+def _round_element(plan: Plan, element) -> List:
+    return widened([p for o in plan.outlines if o.owner == element.id for p in o.points], 5.0)
+
+
+def _draw_moves(out: Drawing, plan: Plan) -> None:
+    """The groups as people draw them; the side-car names the exact corners and wins."""
+    drawn: Dict[Tuple[str, Tuple[str, ...]], Tuple[MoveTable, List[str]]] = {}
+    for table in plan.tables:
+        members = tuple(table.members) if table.followers or len(table.corners) > 4 else (table.name,)
+        words = drawn.setdefault((table.name, members), (table, []))[1]
+        words.append(table.clause.text())
+    for (name, _), (table, words) in drawn.items():
+        ring = widened([plan.outlines[i].points[c] for i, c in table.corners], 100.0)
+        out.polyline("EF-MOVE", ring)
+        out.text("EF-MOVE", centroid(ring), TEXT_MM, "; ".join([f"name {name}", *words]))
+
+
+def side_car(study: Study, plan: Plan, job: Job) -> Dict[str, Any]:
+    """Settings, moves by exact corners, and the ``[host]`` table."""
+    wishes = study.wishes
+    out: Dict[str, Any] = {
+        "unit": "mm",
+        "objective": wishes.objective_text(),
+        "penalty": wishes.penalty_text(),
+        "members": wishes.members,
+        "seed": wishes.seed,
+        "level": wishes.level,
+        "evaluations": wishes.evaluations,
+        "spacing": wishes.spacing_m,
+        "move": [
+            {"name": t.name, "moves": t.clause.text(), "nodes": t.nodes(plan.outlines)} for t in plan.tables
+        ],
+        "lineage": study.lineage,
+        "host": {
+            "schema": HOST_SCHEMA,
+            "program": study.host,
+            "plugin": __version__,
+            "document": study.document,
+            "storey": study.storey,
+            "drawing-sha256": job.sha256,
+            "wall": [_host_wall(w, job) for w in study.walls],
+            "column": [_host_column(c, job) for c in study.columns],
+            "region": [{"kind": r.kind, "points": r.points} for r in study.regions],
+        },
+    }
+    return {k: v for k, v in out.items() if v not in ([], None)}
+
+
+def _host_wall(wall: Wall, job: Job) -> Dict[str, Any]:
+    return {
+        "id": wall.id,
+        "name": wall.name,
+        "label": wall.label,
+        "axis": wall.axis,
+        "thickness": wall.thickness,
+        "left": wall.left,
+        "bounds": "; ".join(c.text() for c in wall.clauses),
+        "group": wall.group,
+        "hash": job.hashes[wall.id],
+    }
+
+
+def _host_column(column: Column, job: Job) -> Dict[str, Any]:
+    bounds = "; ".join(c.text() for c in column.clauses)
+    hash = job.hashes[column.id]
+    return {"id": column.id, "name": column.name, "label": column.label, "bounds": bounds, "hash": hash}
+
+
+def _replace(path: str, data: bytes) -> None:
+    """Writes a file whole or not at all."""
+    part = path + ".part"
+    with open(part, "wb") as f:
+        f.write(data)
+        f.flush()
+        os.fsync(f.fileno())
+    os.replace(part, path)

@@ -1,0 +1,233 @@
+"""A study as a host program describes it: walls, columns, openings, regions, moves, wishes."""
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass, field
+from typing import Any, Dict, Iterator, List, Optional, Union
+
+from .plane import Point, direction, distance
+
+#: Kinds of moves a mark may allow.
+KINDS = ("x", "y", "along", "rotate")
+
+#: What an objective can measure, in the order of the panel.
+MEASURES = ("degree", "depth", "entropy", "score")
+
+
+@dataclass
+class Clause:
+    """One allowed move: bounds in mm, or in degrees where ``kind`` is ``rotate``."""
+
+    kind: str
+    lower: float
+    upper: float
+    #: Direction of an ``along`` move, degrees anticlockwise from east.
+    direction_deg: float = 0.0
+
+    def text(self) -> str:
+        """As a marker's text says it: ``x -1000 1000``, ``along 30 -500 500``."""
+        head = f"along {number(self.direction_deg)}" if self.kind == "along" else self.kind
+        return f"{head} {number(self.lower)} {number(self.upper)}"
+
+
+@dataclass
+class Opening:
+    """A door or window in a wall, by where it begins and ends along the wall's axis, mm."""
+
+    id: str
+    label: str
+    start: float
+    end: float
+    kind: str = "door"
+    name: str = ""
+    #: Slides along its wall within these clauses (kind ``along``).
+    clauses: List[Clause] = field(default_factory=list)
+
+
+@dataclass
+class Wall:
+    """A wall: an axis with its two faces, or finished outlines where it has no such axis."""
+
+    id: str
+    label: str
+    axis: List[Point]
+    #: Distance of the left and right face from the axis, seen along it, mm.
+    left: float
+    right: float
+    closed: bool = False
+    name: str = ""
+    openings: List[Opening] = field(default_factory=list)
+    #: Closed outlines as drawn, for walls that only move as a whole (arcs, free solids).
+    rings: List[List[Point]] = field(default_factory=list)
+    clauses: List[Clause] = field(default_factory=list)
+    group: str = ""
+    keep: bool = False
+    #: Why the host cannot move it; empty where it can.
+    locked: str = ""
+
+    @property
+    def thickness(self) -> float:
+        return self.left + self.right
+
+    def corners(self) -> List[Point]:
+        """Axis points with the first repeated at the end of a closed axis."""
+        return self.axis + self.axis[:1] if self.closed else list(self.axis)
+
+    def length(self) -> float:
+        points = self.corners()
+        return sum(distance(a, b) for a, b in zip(points, points[1:]))
+
+    def at(self, along: float) -> Point:
+        """The axis point ``along`` mm from its start."""
+        points = self.corners()
+        for a, b in zip(points, points[1:]):
+            length = distance(a, b)
+            if along <= length or (a, b) == (points[-2], points[-1]):
+                u = direction(a, b)
+                return (a[0] + u[0] * along, a[1] + u[1] * along)
+            along -= length
+        return points[-1]
+
+
+@dataclass
+class Column:
+    """A column or another solid that moves as a whole, by its outline."""
+
+    id: str
+    label: str
+    ring: List[Point]
+    name: str = ""
+    clauses: List[Clause] = field(default_factory=list)
+    group: str = ""
+    keep: bool = False
+    locked: str = ""
+
+
+@dataclass
+class Region:
+    """A closed polygon: ``query`` (where people stand), ``reference`` (what they see) or ``keep``."""
+
+    kind: str
+    points: List[Point]
+    id: str = ""
+
+
+@dataclass
+class Objective:
+    """One wish: a measure, whether more is better, and how much of the gain every option keeps."""
+
+    measure: str
+    sense: str
+    threshold: float = 0.7
+    is_on: bool = True
+
+
+def default_objectives() -> List[Objective]:
+    return [Objective("degree", "max"), Objective("depth", "min"), Objective("entropy", "max")]
+
+
+@dataclass
+class Wishes:
+    """How to search: objectives in order of weight, number of options, budget."""
+
+    objectives: List[Objective] = field(default_factory=default_objectives)
+    members: int = 5
+    seed: int = 1
+    #: Layouts that may be measured; ``None``: by the size of the study.
+    evaluations: Optional[int] = None
+    #: Cell size in metres; ``None``: chosen by the program.
+    spacing_m: Optional[float] = None
+    #: ``eye``: windows are seen through; ``knee``: they block.
+    level: str = "eye"
+    clearance: float = 1.0
+    wall_length: float = 1.0
+
+    def objective_text(self) -> str:
+        """As the program's ``--objective`` has it."""
+        chosen = [o for o in self.objectives if o.is_on]
+        return ", ".join(f"{o.measure} {o.sense} {number(o.threshold)}" for o in chosen)
+
+    def penalty_text(self) -> str:
+        return f"clearance {number(self.clearance)}, wall-length {number(self.wall_length)}"
+
+
+Movable = Union[Wall, Column]
+
+
+@dataclass
+class Study:
+    """One storey of one document, ready to be written as a job."""
+
+    host: str
+    document: str
+    walls: List[Wall] = field(default_factory=list)
+    columns: List[Column] = field(default_factory=list)
+    regions: List[Region] = field(default_factory=list)
+    wishes: Wishes = field(default_factory=Wishes)
+    storey: str = ""
+    #: ``[[lineage]]`` tables of earlier rounds, oldest first.
+    lineage: List[Dict[str, Any]] = field(default_factory=list)
+
+    def movables(self) -> Iterator[Movable]:
+        yield from self.walls
+        yield from self.columns
+
+    def element(self, id: str) -> Optional[Movable]:
+        return next((e for e in self.movables() if e.id == id), None)
+
+    def to_dict(self) -> Dict[str, Any]:
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, data: Dict[str, Any]) -> "Study":
+        walls = [_wall(w) for w in data["walls"]]
+        columns = [Column(**dict(c, ring=_points(c["ring"]), clauses=_clauses(c))) for c in data["columns"]]
+        regions = [Region(**dict(r, points=_points(r["points"]))) for r in data["regions"]]
+        wishes = dict(data["wishes"])
+        wishes["objectives"] = [Objective(**o) for o in wishes["objectives"]]
+        rest = dict(data, walls=walls, columns=columns, regions=regions, wishes=Wishes(**wishes))
+        return cls(**rest)
+
+
+def _points(rows: Any) -> List[Point]:
+    return [(float(x), float(y)) for x, y in rows]
+
+
+def _clauses(data: Dict[str, Any]) -> List[Clause]:
+    return [Clause(**c) for c in data["clauses"]]
+
+
+def _wall(data: Dict[str, Any]) -> Wall:
+    openings = [Opening(**dict(o, clauses=_clauses(o))) for o in data["openings"]]
+    rings = [_points(r) for r in data["rings"]]
+    rest = dict(data, axis=_points(data["axis"]), rings=rings, openings=openings, clauses=_clauses(data))
+    return Wall(**rest)
+
+
+def number(value: float) -> str:
+    """Shortest text that reads back to a micrometre: ``250``, ``-0.5``, ``1234.567``."""
+    text = f"{value:.3f}".rstrip("0").rstrip(".")
+    return "0" if text in ("-0", "") else text
+
+
+def geometry_hash(element: Movable) -> str:
+    """Fingerprint of all that decides where an element stands in plan, to 0.01 mm.
+
+    It changes when axis, faces, openings or outline change, and with nothing else.
+    """
+
+    def rounded(points: List[Point]) -> List[List[float]]:
+        return [[round(x, 2) + 0.0, round(y, 2) + 0.0] for x, y in points]
+
+    if isinstance(element, Column):
+        data: Any = ["column", rounded(element.ring)]
+    else:
+        openings = sorted([o.id, round(o.start, 2) + 0.0, round(o.end, 2) + 0.0] for o in element.openings)
+        rings = [rounded(r) for r in element.rings]
+        faces = [round(element.left, 2), round(element.right, 2)]
+        data = ["wall", rounded(element.axis), element.closed, faces, openings, rings]
+    return hashlib.sha256(json.dumps(data).encode()).hexdigest()[:16]
+
+
+class PluginError(Exception):
+    """Something the user can do something about; its text is shown as it is."""

@@ -1,0 +1,211 @@
+"""The program: where it is, whether it fits, running it, listening to it, stopping it."""
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+from dataclasses import dataclass
+from typing import Callable, List, Optional
+
+from .model import PluginError
+
+NAME = "enfilade"
+#: Oldest version that writes and reads what this plugin does.
+VERSION_MIN = (0, 1, 0)
+#: How long a stopped program may take to put its things away before it is killed, seconds.
+STOP_SECS = 5.0
+
+MISSING = (
+    "The program 'enfilade' was not found. Install it, or say where it is: in the settings of this plugin, "
+    "or in the environment variable ENFILADE."
+)
+
+#: What the exit codes of the program mean to a user.
+EXITS = {
+    1: "Done, with something left out; the report says what.",
+    2: "The drawing could not be used.",
+    3: "The settings could not be used.",
+    4: "The disk, a permission or a device failed.",
+    130: "Stopped.",
+}
+
+
+def find(configured: str = "") -> str:
+    """Path of the program: as configured, else ``ENFILADE``, else on the search path."""
+    for where, path in (("The settings name", configured), ("ENFILADE names", os.environ.get("ENFILADE", ""))):
+        if not path:
+            continue
+        full = os.path.expanduser(path)
+        if os.path.isfile(full) and os.access(full, os.X_OK):
+            return full
+        raise PluginError(f"{where} {path}, which is no program that can be started. Nothing was started.")
+    found = shutil.which(NAME)
+    if not found:
+        raise PluginError(MISSING)
+    return found
+
+
+def version(path: str) -> str:
+    """The program's version, checked."""
+    try:
+        said = subprocess.run(
+            [path, "--version"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=10
+        )
+    except (OSError, subprocess.TimeoutExpired) as e:
+        raise PluginError(f"{path} does not start: {e}.") from e
+    text = said.stdout.decode("utf-8", "replace").strip()
+    parts = re.search(r"(\d+)\.(\d+)\.(\d+)", text)
+    if not text.startswith(NAME) or parts is None:
+        raise PluginError(f"{path} is not Enfilade: asked for its version it says {text[:80]!r}.")
+    if tuple(int(p) for p in parts.groups()) < VERSION_MIN:
+        needed = ".".join(str(v) for v in VERSION_MIN)
+        raise PluginError(f"{text} is too old for this plugin, which needs {needed} or newer.")
+    return parts.group(0)
+
+
+def arguments(drawing: str) -> List[str]:
+    """Arguments that run the job of a drawing; everything else stands in its side-car."""
+    return ["run", drawing, "--progress", "json"]
+
+
+@dataclass
+class Progress:
+    """How far a run is. ``best_parameters`` is the best layout so far where the program says it."""
+
+    stage: str
+    done: int
+    total: Optional[int]
+    evaluations: int
+    best: Optional[float]
+    eta_secs: Optional[float]
+    best_parameters: Optional[List[float]] = None
+
+    @property
+    def share(self) -> Optional[float]:
+        return self.done / self.total if self.total else None
+
+
+class Listener:
+    """Turns the program's standard error into progress; keeps what it says in words."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+        self.words: List[str] = []
+
+    def feed(self, data: bytes) -> List[Progress]:
+        """Progress in the lines that are complete."""
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        out = [self._line(line) for line in lines]
+        return [p for p in out if p is not None]
+
+    def _line(self, line: bytes) -> Optional[Progress]:
+        text = line.decode("utf-8", "replace").strip()
+        try:
+            data = json.loads(text) if text.startswith("{") else None
+        except ValueError:
+            data = None
+        if isinstance(data, dict) and "stage" in data:
+            return Progress(
+                stage=str(data["stage"]),
+                done=int(data.get("done") or 0),
+                total=data.get("total"),
+                evaluations=int(data.get("evaluations") or 0),
+                best=data.get("best"),
+                eta_secs=data.get("eta_secs"),
+                best_parameters=data.get("best_parameters"),
+            )
+        if text:
+            self.words = (self.words + [text])[-50:]
+        return None
+
+    def outcome(self, code: int) -> str:
+        """What to tell the user of a run that ended with ``code``."""
+        said = [w for w in self.words if w.startswith("error")] or self.words[-3:]
+        head = EXITS.get(code, "" if code == 0 else f"The program ended with code {code}.")
+        return " ".join([head, *(said if code not in (0, 1, 130) else [])]).strip()
+
+
+def give_way(pid: int) -> None:
+    """Lets everything else on the machine go first, so that the host's window stays quick."""
+    if hasattr(os, "setpriority"):
+        try:
+            os.setpriority(os.PRIO_PROCESS, pid, 10)
+        except OSError:
+            pass
+
+
+def interrupt(pid: int) -> None:
+    """Asks a running program to stop and to put its things away."""
+    if sys.platform == "win32":
+        os.kill(pid, signal.CTRL_BREAK_EVENT)
+    else:
+        os.kill(pid, signal.SIGINT)
+
+
+class Run:
+    """A run on a thread of its own, for hosts without an event loop that starts processes.
+
+    ``on_progress`` and ``on_end(code, words)`` are called on that thread.
+    """
+
+    def __init__(
+        self,
+        path: str,
+        drawing: str,
+        on_progress: Callable[[Progress], None],
+        on_end: Callable[[int, str], None],
+    ) -> None:
+        flags = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0) | getattr(subprocess, "CREATE_NO_WINDOW", 0)
+        try:
+            self._process = subprocess.Popen(
+                [path, *arguments(drawing)],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                cwd=os.path.dirname(drawing) or None,
+                creationflags=flags,
+            )
+        except OSError as e:
+            raise PluginError(f"{path} does not start: {e.strerror or e}. Nothing was started.") from e
+        give_way(self._process.pid)
+        self._listener = Listener()
+        self._thread = threading.Thread(target=self._listen, args=(on_progress, on_end), daemon=True)
+        self._thread.start()
+
+    def _listen(self, on_progress, on_end) -> None:
+        stream = self._process.stderr
+        assert stream is not None, "the process was started with a pipe"
+        with stream:
+            for line in iter(stream.readline, b""):
+                for progress in self._listener.feed(line):
+                    on_progress(progress)
+        code = self._process.wait()
+        on_end(code, self._listener.outcome(code))
+
+    def is_running(self) -> bool:
+        return self._process.poll() is None
+
+    def cancel(self) -> None:
+        """Stops the run; returns at once. What does not stop in time is killed."""
+        if not self.is_running():
+            return
+        try:
+            interrupt(self._process.pid)
+        except OSError:
+            pass
+        threading.Thread(target=self._kill_late, daemon=True).start()
+
+    def _kill_late(self) -> None:
+        try:
+            self._process.wait(STOP_SECS)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+
+    def wait(self, secs: float) -> bool:
+        """Whether the run and its last call have ended within ``secs``."""
+        self._thread.join(secs)
+        return not self._thread.is_alive()

@@ -1,0 +1,341 @@
+"""Reading a round: options with their numbers, and where every wall of the host stands in them."""
+
+import colorsys
+import json
+import math
+import os
+import re
+from dataclasses import dataclass
+from typing import Any, Dict, List, Optional, Tuple
+
+from .job import Job
+from .model import Column, Movable, Opening, PluginError, Wall, geometry_hash
+from .outlines import Outline
+from .plane import (
+    Point,
+    Rigid,
+    STILL,
+    cross,
+    direction,
+    distance,
+    dot,
+    fit_rigid,
+    minus,
+    plus,
+    turn_about,
+)
+
+RESULT_SCHEMA = "enfilade.result/1"
+
+#: What moved must fit a wall again to this, mm.
+FIT_MM = 0.1
+
+#: A picture of each of these lies beside every option.
+PICTURES = ("degree", "depth", "entropy", "score")
+
+
+@dataclass
+class Option:
+    """One option of a round. Numbers as in result.json."""
+
+    number: int
+    file: str
+    words: str
+    mean: Dict[str, float]
+    penalty: Dict[str, float]
+    score: Optional[float]
+    within_threshold: bool
+    parameters: List[float]
+    changes: List[Dict[str, Any]]
+
+    def picture(self, measure: str) -> str:
+        return os.path.splitext(self.file)[0] + f"-{measure}.png"
+
+
+@dataclass
+class Round:
+    """A finished round."""
+
+    folder: str
+    number: int
+    sha256: str
+    initial: Dict[str, float]
+    options: List[Option]
+    problems: List[str]
+    stopped_by: str
+    spacing_m: float
+    lattice_centre: Point
+
+    @property
+    def report(self) -> str:
+        return os.path.join(self.folder, "report.html")
+
+    def initial_picture(self, measure: str) -> str:
+        return os.path.join(self.folder, f"initial-{measure}.png")
+
+
+@dataclass
+class Change:
+    """How one element stands in an option. ``motion`` where it moves as a whole."""
+
+    id: str
+    motion: Optional[Rigid]
+    axis_before: List[Point]
+    axis_after: List[Point]
+    #: Motion of every opening of the wall.
+    openings: Dict[str, Rigid]
+
+
+def round_folders(results_folder: str) -> List[str]:
+    """Folders of finished rounds, oldest first."""
+    try:
+        names = os.listdir(results_folder)
+    except OSError:
+        return []
+    rounds = [(int(m.group(1)), n) for n in names for m in [re.fullmatch(r"round-(\d+)", n)] if m]
+    return [os.path.join(results_folder, n) for _, n in sorted(rounds)]
+
+
+def latest(job: Job) -> Round:
+    """The newest round of a job; refuses one of an earlier export."""
+    folders = round_folders(job.results_folder)
+    if not folders:
+        raise PluginError("There are no options yet: run the study first.")
+    found = read(folders[-1])
+    if found.sha256 != job.sha256:
+        raise PluginError("The options belong to an earlier export of this document; run the study again.")
+    return found
+
+
+def read(folder: str) -> Round:
+    """Reads ``result.json`` of a round."""
+    path = os.path.join(folder, "result.json")
+    try:
+        with open(path, encoding="utf-8") as f:
+            data = json.load(f)
+    except (OSError, ValueError) as e:
+        raise PluginError(f"{path} cannot be read: {e}.") from e
+    schema = data.get("schema") if isinstance(data, dict) else None
+    if schema != RESULT_SCHEMA:
+        raise PluginError(
+            f"{path} has the schema {schema!r}, this plugin reads {RESULT_SCHEMA!r}: "
+            "plugin and program are of different versions."
+        )
+    try:
+        return _round(folder, data)
+    except (KeyError, TypeError, IndexError, ValueError) as e:
+        raise PluginError(f"{path} is not complete ({type(e).__name__}: {e}).") from e
+
+
+def _round(folder: str, data: Dict[str, Any]) -> Round:
+    options = [_option(folder, i, c) for i, c in enumerate(data["candidates"])]
+    centre = data["lattice_centre"]
+    return Round(
+        folder=folder,
+        number=int(re.findall(r"\d+", os.path.basename(os.path.normpath(folder)))[-1]),
+        sha256=data["input"]["sha256"],
+        initial=dict(data["initial"]["mean"]),
+        options=options,
+        problems=[f"{p['place']}: {p['text']}" for p in data["problems"] if p["severity"] != "info"],
+        stopped_by=data["stopped_by"],
+        spacing_m=float(data["spacing_m"]),
+        lattice_centre=(float(centre[0]), float(centre[1])),
+    )
+
+
+def _option(folder: str, index: int, data: Dict[str, Any]) -> Option:
+    name = os.path.basename(data["file"])
+    return Option(
+        number=index + 1,
+        file=os.path.join(folder, name),
+        words=data["words"],
+        mean=dict(data["mean"]),
+        penalty=dict(data["penalty"]),
+        score=data["score"],
+        within_threshold=bool(data["within_threshold"]),
+        parameters=[float(p) for p in data["parameters"]],
+        changes=list(data["changes"]),
+    )
+
+
+def layout(job: Job, option: Option) -> List[Change]:
+    """Where every changed element of the host stands in an option, in drawing order."""
+    outlines = {o.host_id: o for o in job.outlines}
+    after: Dict[str, List[Point]] = {}
+    for change in option.changes:
+        id = str(change.get("host_id"))
+        outline = outlines.get(id)
+        if outline is None:
+            raise PluginError(f"Option {option.number} moves an element {id!r} that this study never wrote.")
+        before, to = (outline.unwritten(_millimetres(change[k])) for k in ("from", "to"))
+        if len(before) != len(outline.points) or len(to) != len(before):
+            raise PluginError(f"Option {option.number} gives {id} another shape; nothing was taken over.")
+        if any(distance(a, b) > FIT_MM for a, b in zip(before, outline.points)):
+            raise PluginError(f"Option {option.number} was made for {id} at another place; run the study again.")
+        after[id] = to
+    out = []
+    for element in job.study.movables():
+        mine = [o for o in job.outlines if o.owner == element.id]
+        if any(o.host_id in after for o in mine):
+            out.append(change_of(element, mine, [after.get(o.host_id, o.points) for o in mine]))
+    return out
+
+
+def _millimetres(points: Any) -> List[Point]:
+    return [(float(x) * 1000.0, float(y) * 1000.0) for x, y in points]
+
+
+def change_of(element: Movable, outlines: List[Outline], after: List[List[Point]]) -> Change:
+    """Takes moved outlines back to a motion of the element or of its axis."""
+    before_all = [p for o in outlines for p in o.points]
+    after_all = [p for ring in after for p in ring]
+    motion, residual = fit_rigid(before_all, after_all)
+    axis = [] if isinstance(element, Column) else list(element.axis)
+    if residual <= FIT_MM / 2:
+        openings = [] if isinstance(element, Column) else element.openings
+        return Change(element.id, motion, axis, [motion(p) for p in axis], {o.id: motion for o in openings})
+    if isinstance(element, Column) or element.rings:
+        raise PluginError(f"'{element.label}' does not keep its shape in this option; nothing was taken over.")
+    return _axis_change(element, outlines, after)
+
+
+def _axis_change(wall: Wall, outlines: List[Outline], after: List[List[Point]]) -> Change:
+    moved = list(wall.axis)
+    jambs: Dict[Tuple[str, int], Point] = {}
+    for outline, ring in zip(outlines, after):
+        for end in (0, 1):
+            assert outline.stations is not None, "a wall with an axis is made of quads"
+            station = outline.stations[end]
+            shift = _axis_shift(wall, outline, ring, end)
+            if station.kind == "corner":
+                moved[station.index] = plus(wall.axis[station.index], shift)
+            else:
+                opening = next(o for o in wall.openings if o.id == station.opening)
+                along = opening.start if station.index == 0 else opening.end
+                jambs[(opening.id, station.index)] = plus(wall.at(along), shift)
+        _check_faces(wall, outline, ring)
+    body, residual = fit_rigid(wall.axis, moved)
+    still = body if residual <= FIT_MM / 2 else STILL
+    openings = {o.id: _opening_motion(wall, o, jambs, moved, still) for o in wall.openings}
+    motion = body if residual <= FIT_MM / 2 else None
+    return Change(wall.id, motion, list(wall.axis), moved, openings)
+
+
+def _axis_shift(wall: Wall, outline: Outline, ring: List[Point], end: int) -> Point:
+    """Shift of the axis point between a station's two corners."""
+    left, right = outline.corners_at(end)
+    of_left, of_right = (minus(ring[c], outline.points[c]) for c in (left, right))
+    share = wall.left / wall.thickness if wall.thickness else 0.0
+    return plus(of_left, minus(of_right, of_left), share)
+
+
+def _check_faces(wall: Wall, outline: Outline, ring: List[Point]) -> None:
+    """A wall must stay a wall: its two faces parallel at the old distance."""
+    if not outline.is_closed:
+        return
+    u = direction(ring[0], ring[1])
+    thickness = [cross(u, minus(ring[0], ring[c])) * -1.0 for c in (2, 3)]
+    if any(abs(abs(t) - wall.thickness) > FIT_MM for t in thickness):
+        bent = f"'{wall.label}' would be bent or change its thickness in this option"
+        raise PluginError(bent + "; nothing was taken over.")
+    for end in (0, 1):
+        left, right = outline.corners_at(end)
+        before = dot(minus(outline.points[left], outline.points[right]), direction(*outline.points[:2]))
+        if abs(dot(minus(ring[left], ring[right]), u) - before) > FIT_MM:
+            askew = f"An end of '{wall.label}' would be cut askew in this option"
+            raise PluginError(askew + "; nothing was taken over.")
+
+
+def _opening_motion(
+    wall: Wall, opening: Opening, jambs: Dict[Tuple[str, int], Point], moved: List[Point], body: Rigid
+) -> Rigid:
+    known = [(side, jambs[(opening.id, side)]) for side in (0, 1) if (opening.id, side) in jambs]
+    if not known:
+        return body
+    begin, end = wall.at(opening.start), wall.at(opening.end)
+    segment = _segment_at(wall, (opening.start + opening.end) / 2)
+    last = (segment + 1) % len(wall.axis)
+    old, new = direction(wall.axis[segment], wall.axis[last]), direction(moved[segment], moved[last])
+    turn = math.atan2(cross(old, new), dot(old, new))
+    motions = [turn_about((begin, end)[side], turn, minus(at, (begin, end)[side])) for side, at in known]
+    if len(motions) == 2 and distance(motions[0](end), motions[1](end)) > FIT_MM:
+        raise PluginError(f"'{opening.label}' would change its width in this option; nothing was taken over.")
+    return motions[0]
+
+
+def _segment_at(wall: Wall, along: float) -> int:
+    points = wall.corners()
+    for i, (a, b) in enumerate(zip(points, points[1:])):
+        if along <= distance(a, b):
+            return i
+        along -= distance(a, b)
+    return len(points) - 2
+
+
+def edited_since(job: Job, present: List[Movable], changes: List[Change]) -> List[str]:
+    """Labels of the elements of ``changes`` that no longer stand as exported, deleted ones included."""
+    now = {e.id: e for e in present}
+    out = []
+    for change in changes:
+        element = now.get(change.id)
+        exported = job.study.element(change.id)
+        label = exported.label if exported else change.id
+        if element is None:
+            out.append(f"'{label}' was deleted")
+        elif geometry_hash(element) != job.hashes.get(change.id):
+            out.append(f"'{element.label}' was edited")
+    return out
+
+
+def lineage_entry(found: Round, option: Option, drawing: str) -> Dict[str, Any]:
+    """The ``[[lineage]]`` table that says which option a next round started from."""
+
+    def finite(means: Dict[str, Any]) -> Dict[str, float]:
+        return {k: float(v) for k, v in means.items() if v is not None}
+
+    return {
+        "drawing": drawing,
+        "round": found.number,
+        "candidate": option.number,
+        "initial": finite(found.initial),
+        "accepted": finite(option.mean),
+    }
+
+
+def outlines_after(job: Job, option: Option) -> Dict[str, List[Point]]:
+    """Where the changed outlines stand in an option, by host id, mm: for a preview."""
+    outlines = {o.host_id: o for o in job.outlines}
+    rows = ((c["host_id"], c["to"]) for c in option.changes if c.get("host_id") in outlines)
+    return {id: outlines[id].unwritten(_millimetres(to)) for id, to in rows}
+
+
+def heat_cells(drawing: str, measure: str) -> List[Tuple[Tuple[float, float, float], List[Point]]]:
+    """Coloured areas of a measure in a written drawing: colour (0 to 1) and four corners, mm."""
+    layer = f"EF-HEAT-{measure.upper()}"
+    out = []
+    with open(drawing, encoding="utf-8", errors="replace") as f:
+        lines = [line.strip() for line in f]
+    entity: Dict[str, str] = {}
+    for code, value in zip(lines[0::2], lines[1::2]):
+        if code != "0":
+            entity[code] = value
+            continue
+        if entity.get("0") == "SOLID" and entity.get("8") == layer:
+            corners = [(float(entity[f"1{i}"]), float(entity[f"2{i}"])) for i in (0, 1, 3, 2)]
+            out.append((index_colour(int(entity["62"])), corners))
+        entity = {"0": value}
+    return out
+
+
+def index_colour(index: int) -> Tuple[float, float, float]:
+    """Red, green, blue of an AutoCAD colour index."""
+    if index < 10:
+        # Red, yellow, green, cyan, blue, magenta, white: the bits of 1 to 7 in another order; then greys.
+        bits = {1: 0b100, 2: 0b110, 3: 0b010, 4: 0b011, 5: 0b001, 6: 0b101, 7: 0b111}.get(index)
+        return (0.5, 0.5, 0.5) if bits is None else (float(bits >> 2 & 1), float(bits >> 1 & 1), float(bits & 1))
+    if index >= 250:
+        grey = (index - 250) / 5 * 0.8 + 0.2
+        return (grey, grey, grey)
+    value = (1.0, 0.65, 0.5, 0.3, 0.15)[index % 10 // 2]
+    saturation = 0.5 if index % 2 else 1.0
+    return colorsys.hsv_to_rgb((index // 10 - 1) * 15 / 360, saturation, value)

@@ -1,0 +1,214 @@
+"""Accepting an option: the document's own walls, columns, doors and windows move, in one undo step."""
+
+from typing import Any, Dict, List
+
+import FreeCAD as App
+
+from enfilade_common import results
+from enfilade_common.job import Job
+from enfilade_common.model import Column, PluginError, Wall, geometry_hash
+from enfilade_common.plane import Rigid, distance
+from enfilade_common.results import Change
+
+from . import document
+from .document import Found, Reading, Vector
+
+#: Accepted walls stand where the option says to this, mm.
+STAND_MM = 0.1
+
+
+def accept(doc, job: Job, found: results.Round, option: results.Option, on_moved=None) -> List[str]:
+    """Moves the document to an option; gives the labels of what moved.
+
+    ``on_moved`` is called inside the transaction, before it is closed. Nothing is changed where anything
+    does not fit: an element edited or deleted meanwhile, a base that cannot take the new place.
+    """
+    if doc.HasPendingTransaction:
+        raise PluginError("Another command is still open in this document; finish it first.")
+    changes = results.layout(job, option)
+    if not changes:
+        raise PluginError("This option leaves everything as it is.")
+    reading = document.read(doc, job.study.storey or None)
+    _refuse_edited(job, reading, changes)
+    locked = [f"'{f.element.label}': {f.element.locked}" for f in _found(reading, changes) if f.element.locked]
+    if locked:
+        raise PluginError("The option moves what cannot be moved: " + "; ".join(locked) + ". Nothing was changed.")
+    before = {e.id: geometry_hash(e) for e in reading.elements()}
+    doc.openTransaction(f"Enfilade: option {option.number}")
+    try:
+        _move(doc, reading, changes)
+        doc.recompute()
+        _check(doc, job, before, changes)
+        if on_moved is not None:
+            on_moved()
+    except Exception as e:
+        doc.abortTransaction()
+        doc.recompute()
+        if isinstance(e, PluginError):
+            raise
+        raise PluginError(f"FreeCAD could not move the walls ({e}); nothing was changed.") from e
+    doc.commitTransaction()
+    return [f.element.label for f in _found(reading, changes)]
+
+
+def _found(reading: Reading, changes: List[Change]) -> List[Found]:
+    return [reading.found[c.id] for c in changes]
+
+
+def _refuse_edited(job: Job, reading: Reading, changes: List[Change]) -> None:
+    edited = results.edited_since(job, reading.elements(), changes)
+    if edited:
+        words = "The document was changed since the study: " + ", ".join(edited)
+        raise PluginError(words + ". Nothing was moved; run the study again.")
+
+
+def placement(motion: Rigid) -> App.Placement:
+    """A motion of the plan as FreeCAD's placement."""
+    turn = App.Rotation(Vector(0, 0, 1), motion.angle_rad * 180.0 / 3.141592653589793)
+    return App.Placement(Vector(motion.dx, motion.dy, 0), turn)
+
+
+def _move(doc, reading: Reading, changes: List[Change]) -> None:
+    doors: Dict[str, Any] = {}
+    for change in changes:
+        for id, motion in change.openings.items():
+            door = reading.openings.get(id)
+            if door is not None:
+                doors[door.Name] = (door, placement(motion).multiply(door.Placement))
+    done = set()
+    by_object: Dict[str, List[Change]] = {}
+    for change in changes:
+        by_object.setdefault(reading.found[change.id].object.Name, []).append(change)
+    for name, mine in by_object.items():
+        obj = doc.getObject(name)
+        base = getattr(obj, "Base", None)
+        mover = base if base is not None else obj
+        if mover.Name not in done:
+            _move_base(obj, mover, mine, reading)
+            done.add(mover.Name)
+    for door, target in doors.values():
+        door.Placement = target
+
+
+def _move_base(obj, mover, changes: List[Change], reading: Reading) -> None:
+    """Moves what decides where an object stands. Draft lines take their points, never a placement: their
+    undo would come back wrong."""
+    chains = [f for f in reading.found.values() if f.object.Name == obj.Name]
+    motion = changes[0].motion if len(changes) == len(chains) else None
+    if motion is not None and any(not _same(motion, c.motion) for c in changes):
+        motion = None
+    if document.is_attached(mover):
+        motion = None
+    if document.is_draft_wire(mover) and changes[0].axis_after:
+        _move_wire(mover, changes[0], motion)
+    elif motion is not None:
+        mover.Placement = placement(motion).multiply(mover.Placement)
+    elif mover.isDerivedFrom("Sketcher::SketchObject"):
+        for change in changes:
+            _move_sketch(mover, reading.found[change.id], change)
+    elif mover.TypeId == "Part::Line":
+        a, b = (mover.Placement.inverse().multVec(_at(p, mover)) for p in changes[0].axis_after)
+        mover.X1, mover.Y1, mover.X2, mover.Y2 = a.x, a.y, b.x, b.y
+    elif mover is obj and changes[0].axis_after:
+        _stretch_bare(obj, changes[0])
+    else:
+        raise PluginError(f"'{obj.Label}' can only move as a whole; nothing was changed.")
+
+
+def _same(a: Rigid, b) -> bool:
+    if b is None or abs(a.angle_rad - b.angle_rad) > 1e-7:
+        return False
+    return all(distance(a(p), b(p)) < STAND_MM / 10 for p in ((0.0, 0.0), (1e4, 1e4)))
+
+
+def _at(point, obj) -> Vector:
+    return Vector(point[0], point[1], obj.Placement.Base.z)
+
+
+def _move_wire(wire, change: Change, motion) -> None:
+    place, back = wire.Placement, wire.Placement.inverse()
+    if motion is not None:
+        whole = placement(motion)
+        wire.Points = [back.multVec(whole.multVec(place.multVec(p))) for p in wire.Points]
+        return
+    points = []
+    for p in wire.Points:
+        world = place.multVec(p)
+        i = min(range(len(change.axis_before)), key=lambda k: distance(change.axis_before[k], (world.x, world.y)))
+        x, y = change.axis_after[i]
+        points.append(back.multVec(Vector(x, y, world.z)))
+    wire.Points = points
+
+
+def _move_sketch(sketch, found: Found, change: Change) -> None:
+    back = sketch.Placement.inverse()
+    count = len(change.axis_after)
+    for i, segment in enumerate(found.segments):
+        ends = (change.axis_after[i], change.axis_after[(i + 1) % count])
+        for point, position in zip(ends, (2, 1) if segment.is_reversed else (1, 2)):
+            world = sketch.Placement.multVec(sketch.getPoint(segment.geometry, position))
+            if distance((world.x, world.y), point) > 1e-6:
+                target = back.multVec(Vector(point[0], point[1], world.z))
+                try:
+                    sketch.movePoint(segment.geometry, position, target, 0)
+                except Exception as e:
+                    held = f"The constraints of the sketch '{sketch.Label}' hold the wall where it is"
+                    raise PluginError(f"{held} ({e}); nothing was changed.") from e
+
+
+def _stretch_bare(wall, change: Change) -> None:
+    """A wall without base: its length and its middle."""
+    (ax, ay), (bx, by) = change.axis_after
+    wall.Length = distance((ax, ay), (bx, by))
+    place = wall.Placement
+    wall.Placement = App.Placement(Vector((ax + bx) / 2, (ay + by) / 2, place.Base.z), place.Rotation)
+
+
+def _check(doc, job: Job, before: Dict[str, str], changes: List[Change]) -> None:
+    """Everything stands where the option says, and nothing else moved; else the transaction is given up."""
+    now = {e.id: e for e in document.read(doc, job.study.storey or None).elements()}
+    moved = {c.id: c for c in changes}
+    for id, hash in before.items():
+        element = now.get(id)
+        if element is None:
+            raise PluginError("A wall was lost while moving; nothing was changed.")
+        if id not in moved:
+            if geometry_hash(element) != hash:
+                raise PluginError(f"'{element.label}' would move along without being asked; nothing was changed.")
+            continue
+        if not _stands(element, job.study.element(id), moved[id]):
+            held = f"'{element.label}' does not take its new place: something holds it"
+            raise PluginError(held + "; nothing was changed.")
+
+
+def _stands(element, exported, change: Change) -> bool:
+    def near(points, targets) -> bool:
+        return len(points) == len(targets) and all(distance(p, q) <= STAND_MM for p, q in zip(points, targets))
+
+    if isinstance(element, Column):
+        return near(element.ring, [change.motion(p) for p in exported.ring])
+    if element.rings:
+        rings = zip(element.rings, exported.rings)
+        return len(element.rings) == len(exported.rings) and all(_covers(a, b, change.motion) for a, b in rings)
+    return near(element.axis, change.axis_after) and _openings_stand(element, exported, change)
+
+
+def _covers(ring, exported, motion: Rigid) -> bool:
+    """Rings of curves are cut anew each time: their middles and sizes tell."""
+    from enfilade_common.plane import centroid
+
+    moved = [motion(p) for p in exported]
+    close = distance(centroid(ring), centroid(moved)) <= STAND_MM if len(ring) == len(moved) else True
+    return close and abs(document._area(ring) - document._area(moved)) <= 0.001 * document._area(moved)
+
+
+def _openings_stand(element: Wall, exported: Wall, change: Change) -> bool:
+    now = {o.id: o for o in element.openings}
+    for o in exported.openings:
+        there, motion = now.get(o.id), change.openings.get(o.id)
+        if there is None or motion is None:
+            return False
+        for along, target in ((there.start, o.start), (there.end, o.end)):
+            if distance(element.at(along), motion(exported.at(target))) > STAND_MM:
+                return False
+    return True

@@ -1,0 +1,473 @@
+"""From a FreeCAD document to a study: walls, columns, doors, regions, storeys, as they stand now.
+
+Lengths are FreeCAD's own millimetres; the drawing frame is the document's XY plane.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any, Dict, List, Optional, Tuple
+
+import FreeCAD as App
+
+from enfilade_common.model import Column, Movable, Opening, PluginError, Region, Study, Wall
+from enfilade_common.outlines import wall_outlines
+from enfilade_common.plane import Point, direction, distance, dot, minus
+
+from . import marks
+
+#: Height of the sight lines above the foot of a wall, mm.
+EYE_MM = 1500.0
+#: How far computed faces may lie from FreeCAD's own before its outline is taken instead, mm.
+FACES_MM = 1.0
+#: Chords of curved outlines stay this near to the curve, mm.
+CHORD_MM = 2.0
+#: Points nearer than this are one axis point, mm.
+SAME_MM = 0.01
+
+#: Properties that decide where an object stands.
+DECIDING = ("Placement", "Points", "Start", "End", "X1", "X2", "Y1", "Y2")
+
+Vector = App.Vector
+
+
+@dataclass
+class Segment:
+    """Where one straight piece of a base keeps its two points: geometry index of a sketch, and whether
+    the chain runs against it."""
+
+    geometry: int
+    is_reversed: bool
+
+
+@dataclass
+class Found:
+    """A wall or column of the model with the objects it came from."""
+
+    element: Movable
+    object: Any
+    #: Sketch geometry of the axis, for walls on sketches.
+    segments: List[Segment] = field(default_factory=list)
+
+
+@dataclass
+class Reading:
+    """All that was understood of a document."""
+
+    found: Dict[str, Found] = field(default_factory=dict)
+    openings: Dict[str, Any] = field(default_factory=dict)
+    regions: List[Region] = field(default_factory=list)
+    #: Sentences about what was left out.
+    notes: List[str] = field(default_factory=list)
+    storeys: List[str] = field(default_factory=list)
+    #: The storey that was read; empty where the document has none.
+    storey: str = ""
+
+    def elements(self) -> List[Movable]:
+        return [f.element for f in self.found.values()]
+
+
+def kind_of(obj) -> str:
+    """``Wall``, ``Structure``, ``Window`` … as FreeCAD's own tools name it."""
+    proxy = getattr(obj, "Proxy", None)
+    return str(getattr(proxy, "Type", "")) if proxy is not None and not isinstance(proxy, int) else ""
+
+
+def is_column(obj) -> bool:
+    if kind_of(obj) != "Structure":
+        return False
+    if getattr(obj, "IfcType", "") in ("Column", "Pile", "Footing"):
+        return True
+    box = obj.Shape.BoundBox
+    return getattr(obj, "IfcType", "") not in ("Slab", "Beam") and box.ZLength > max(box.XLength, box.YLength)
+
+
+def storey_of(obj) -> str:
+    """Label of the storey an object stands on, or nothing."""
+    seen, todo = set(), list(obj.InList)
+    while todo:
+        parent = todo.pop(0)
+        if parent.Name in seen:
+            continue
+        seen.add(parent.Name)
+        is_storey = getattr(parent, "IfcType", "") == "Building Storey" or kind_of(parent) == "Floor"
+        if is_storey and obj in parent.OutListRecursive:
+            return parent.Label
+        if hasattr(parent, "Group"):
+            todo.extend(parent.InList)
+    return ""
+
+
+def storeys(doc) -> List[str]:
+    """Labels of the storeys that hold walls, lowest first."""
+    heights: Dict[str, float] = {}
+    for obj in doc.Objects:
+        if kind_of(obj) == "Wall" and _is_solid(obj):
+            label = storey_of(obj)
+            foot = obj.Shape.BoundBox.ZMin
+            heights[label] = min(foot, heights.get(label, foot))
+    return sorted(heights, key=lambda s: heights[s])
+
+
+def read(doc, storey: Optional[str] = None) -> Reading:
+    """Reads one storey; without a name the one with marks, else the lowest."""
+    out = Reading(storeys=storeys(doc))
+    if storey not in out.storeys:
+        storey = _default_storey(doc, out.storeys)
+    out.storey = storey or ""
+    ids = marks.ids(doc)
+    many = len(out.storeys) > 1
+    for obj in doc.Objects:
+        region = marks.region_kind(obj)
+        if region:
+            _add_region(out, obj, region, many, storey)
+            continue
+        kind = kind_of(obj)
+        if kind == "Wall" or is_column(obj):
+            if many and storey_of(obj) != storey:
+                continue
+            if not _is_solid(obj):
+                out.notes.append(f"'{obj.Label}' has no shape and was left out; recompute the document.")
+                continue
+            add = _add_wall if kind == "Wall" else _add_column
+            add(out, obj, ids[obj.Name])
+    _add_openings(out, doc, ids)
+    _share_bases(out)
+    return out
+
+
+def study(doc, wishes, storey: Optional[str] = None, lineage=()) -> Tuple[Study, Reading]:
+    """The study of a document's storey as it stands now."""
+    reading = read(doc, storey)
+    elements = reading.elements()
+    made = Study(
+        host="freecad",
+        document=str(getattr(doc, "Uid", "") or doc.Name),
+        walls=[e for e in elements if isinstance(e, Wall)],
+        columns=[e for e in elements if isinstance(e, Column)],
+        regions=reading.regions,
+        wishes=wishes,
+        storey=reading.storey,
+        lineage=list(lineage),
+    )
+    if not made.walls:
+        raise PluginError(
+            "There is no wall to measure in this document: draw walls with the Arch (BIM) workbench first."
+        )
+    return made, reading
+
+
+def _default_storey(doc, labels: List[str]) -> Optional[str]:
+    for obj in doc.Objects:
+        if marks.clauses(obj, 0.0):
+            label = storey_of(obj)
+            if label in labels:
+                return label
+    return labels[0] if labels else None
+
+
+def _is_solid(obj) -> bool:
+    shape = getattr(obj, "Shape", None)
+    return shape is not None and not shape.isNull() and bool(shape.Faces)
+
+
+def _add_openings(out: Reading, doc, ids: Dict[str, str]) -> None:
+    """Doors and windows in the walls of their hosts, and in the walls joined to these."""
+    by_object: Dict[str, List[Wall]] = {}
+    for found in out.found.values():
+        if isinstance(found.element, Wall):
+            by_object.setdefault(found.object.Name, []).append(found.element)
+    for obj in doc.Objects:
+        if kind_of(obj) != "Window":
+            continue
+        hosts = _with_additions(getattr(obj, "Hosts", None) or [])
+        walls = [w for host in hosts for w in by_object.get(host.Name, ())]
+        if walls:
+            _add_opening(out, obj, walls, ids)
+
+
+def _with_additions(hosts) -> List[Any]:
+    """Hosts and what was joined to them, each once."""
+    out: Dict[str, Any] = {}
+    todo = list(hosts)
+    while todo:
+        host = todo.pop(0)
+        if host.Name not in out:
+            out[host.Name] = host
+            todo.extend(getattr(host, "Additions", None) or [])
+    return list(out.values())
+
+
+def _add_region(out: Reading, obj, kind: str, many: bool, storey) -> None:
+    if many and storey_of(obj) not in ("", storey):
+        return
+    shape = getattr(obj, "Shape", None)
+    wires = [w for w in shape.Wires if w.isClosed()] if shape is not None and not shape.isNull() else []
+    if not wires:
+        out.notes.append(f"The region '{obj.Label}' is not closed and was left out.")
+        return
+    for wire in wires[:1]:
+        out.regions.append(Region(kind, _ring(wire), obj.Name))
+
+
+def _ring(wire) -> List[Point]:
+    """Corners of a closed wire; curves as chords."""
+    if all(e.Curve.TypeId == "Part::GeomLine" for e in wire.Edges):
+        points = [v.Point for v in wire.OrderedVertexes]
+    else:
+        points = wire.discretize(Deflection=CHORD_MM)
+    out = [(p.x, p.y) for p in points]
+    return out[:-1] if len(out) > 1 and distance(out[0], out[-1]) < SAME_MM else out
+
+
+def _add_column(out: Reading, obj, id: str) -> None:
+    rings = _slice(obj)
+    if not rings:
+        out.notes.append(f"'{obj.Label}' is not cut at eye height and was left out.")
+        return
+    rings.sort(key=_area, reverse=True)
+    column = Column(id, obj.Label, rings[0], obj.Name)
+    column.clauses, column.group, column.keep = marks.clauses(obj, 0.0), marks.group(obj), marks.keep(obj)
+    column.locked = lock(obj)
+    out.found[id] = Found(column, obj)
+
+
+def _area(ring: List[Point]) -> float:
+    return abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(ring, ring[1:] + ring[:1]))) / 2
+
+
+def _slice(obj) -> List[List[Point]]:
+    """Outlines of an object at eye height, or at half its own if it is lower."""
+    box = obj.Shape.BoundBox
+    z = box.ZMin + min(EYE_MM, box.ZLength / 2)
+    return [_ring(w) for w in obj.Shape.slice(Vector(0, 0, 1), z) if w.isClosed()]
+
+
+def _add_wall(out: Reading, obj, id: str) -> None:
+    chains = axes(obj)
+    faces = _faces(obj)
+    walls: List[Found] = []
+    for i, (points, closed, segments) in enumerate(chains):
+        wall_id = id if len(chains) == 1 else f"{id}.{i}"
+        wall = Wall(wall_id, obj.Label, points, *faces, closed=closed, name=obj.Name)
+        walls.append(Found(wall, obj, segments))
+    if not walls or not _fits([w.element for w in walls], obj):
+        rings = _slice(obj)
+        if not rings:
+            out.notes.append(f"'{obj.Label}' is not cut at eye height and was left out.")
+            return
+        box = obj.Shape.BoundBox
+        axis = [(box.XMin, box.YMin), (box.XMax, box.YMax)]
+        walls = [Found(Wall(id, obj.Label, axis, 0.0, 0.0, name=obj.Name, rings=rings), obj)]
+    for found in walls:
+        wall = found.element
+        heading = 0.0 if wall.rings else _heading_deg(wall)
+        wall.clauses, wall.group, wall.keep = marks.clauses(obj, heading), marks.group(obj), marks.keep(obj)
+        wall.locked = lock(obj)
+        if len(walls) > 1 and not wall.group and wall.clauses:
+            wall.group = obj.Label
+            wall.clauses = walls[0].element.clauses
+        out.found[wall.id] = found
+
+
+def _heading_deg(wall: Wall) -> float:
+    import math
+
+    u = direction(wall.axis[0], wall.axis[1])
+    return math.degrees(math.atan2(u[1], u[0]))
+
+
+def _faces(obj) -> Tuple[float, float]:
+    """Distance of the left and the right face from the axis."""
+    width, offset = obj.Width.Value, obj.Offset.Value
+    if obj.Align == "Left":
+        return -offset, width + offset
+    if obj.Align == "Right":
+        return width + offset, -offset
+    return width / 2, width / 2
+
+
+def _fits(walls: List[Wall], obj) -> bool:
+    """Whether the computed faces lie where FreeCAD's do."""
+    bare = [Wall(w.id, "", w.axis, w.left, w.right, w.closed) for w in walls]
+    corners = [p for w in bare for o in wall_outlines(w) for p in o.points]
+    if not corners or getattr(obj, "Additions", None):
+        # Walls joined to this one stand in its shape too; they are read as walls of their own.
+        return bool(corners)
+    box = obj.Shape.BoundBox
+    mine = (min(p[0] for p in corners), min(p[1] for p in corners))
+    mine += (max(p[0] for p in corners), max(p[1] for p in corners))
+    theirs = (box.XMin, box.YMin, box.XMax, box.YMax)
+    return all(abs(a - b) <= FACES_MM for a, b in zip(mine, theirs))
+
+
+def axes(obj) -> List[Tuple[List[Point], bool, List[Segment]]]:
+    """Chains of straight axis pieces of a wall: points, whether closed, where a sketch keeps them.
+
+    Nothing for walls that have no such axis: arcs, splines, faces, solids.
+    """
+    base = obj.Base
+    if base is None:
+        if obj.Length.Value <= 0:
+            return []
+        half = obj.Length.Value / 2
+        ends = [obj.Placement.multVec(Vector(x, 0, 0)) for x in (-half, half)]
+        return [([(p.x, p.y) for p in ends], False, [])]
+    shape = getattr(base, "Shape", None)
+    if shape is None or shape.isNull() or shape.Solids or any(e.Curve.TypeId != "Part::GeomLine" for e in shape.Edges):
+        return []
+    if any(abs(v.Point.z - shape.Vertexes[0].Point.z) > SAME_MM for v in shape.Vertexes):
+        return []
+    if base.isDerivedFrom("Sketcher::SketchObject"):
+        return _sketch_chains(base)
+    if is_draft_wire(base):
+        plain = not _length(base, "FilletRadius") and not _length(base, "ChamferSize")
+        if not plain or getattr(base, "Subdivisions", 0):
+            return []
+        points = [base.Placement.multVec(p) for p in base.Points]
+        return [(_distinct([(p.x, p.y) for p in points]), bool(base.Closed) and len(points) > 2, [])]
+    if base.TypeId == "Part::Line":
+        return [([(v.Point.x, v.Point.y) for v in shape.Vertexes], False, [])]
+    return []
+
+
+def _length(obj, name: str) -> float:
+    value = getattr(obj, name, 0.0)
+    return float(getattr(value, "Value", value) or 0.0)
+
+
+def _distinct(points: List[Point]) -> List[Point]:
+    return [p for i, p in enumerate(points) if i == 0 or distance(p, points[i - 1]) > SAME_MM]
+
+
+def is_draft_wire(base) -> bool:
+    return hasattr(base, "Points") and hasattr(base, "Start") and hasattr(base, "Closed")
+
+
+def _sketch_chains(sketch):
+    """Chains of a sketch's drawn lines, each in the direction of its first line."""
+    lines = []
+    for index, geometry in enumerate(sketch.Geometry):
+        if geometry.TypeId != "Part::GeomLineSegment" or sketch.getConstruction(index):
+            continue
+        a, b = (sketch.Placement.multVec(p) for p in (geometry.StartPoint, geometry.EndPoint))
+        lines.append((index, (a.x, a.y), (b.x, b.y)))
+    chains = []
+    while lines:
+        index, a, b = lines.pop(0)
+        points, segments = [a, b], [Segment(index, False)]
+        while _grow(points, segments, lines):
+            pass
+        closed = len(points) > 3 and distance(points[0], points[-1]) < SAME_MM
+        chains.append((points[:-1] if closed else points, closed, segments))
+    return chains
+
+
+def _grow(points, segments, lines) -> bool:
+    """Lengthens a chain by one line at its end or its start; joints of three lines end it."""
+    for at_end in (True, False):
+        tip = points[-1] if at_end else points[0]
+        touching = [line for line in lines if min(distance(tip, line[1]), distance(tip, line[2])) < SAME_MM]
+        if len(touching) != 1 or distance(points[0], points[-1]) < SAME_MM:
+            continue
+        index, a, b = touching[0]
+        lines.remove(touching[0])
+        starts_here = distance(tip, a) < SAME_MM
+        if at_end:
+            points.append(b if starts_here else a)
+            segments.append(Segment(index, not starts_here))
+        else:
+            points.insert(0, b if starts_here else a)
+            segments.insert(0, Segment(index, starts_here))
+        return True
+    return False
+
+
+def _add_opening(out: Reading, door, walls: List[Wall], ids: Dict[str, str]) -> None:
+    """A door or window as a gap in that of its host's chains on which it lies."""
+    if not _is_solid(door):
+        out.notes.append(f"'{door.Label}' has no shape and is taken as closed.")
+        return
+    candidates = [w for w in walls if not w.rings]
+    best = min((_span(door, w) for w in candidates), key=lambda s: s[0], default=None)
+    if best is None:
+        return
+    away, wall, start, end = best
+    if away > wall.thickness + 200.0 or end - start < 1.0:
+        out.notes.append(f"'{door.Label}' does not stand in its wall '{wall.label}' and is taken as closed.")
+        return
+    box, foot = door.Shape.BoundBox, _foot(wall, out)
+    is_door = getattr(door, "IfcType", "") == "Door" or box.ZMin - foot < 100.0
+    if not box.ZMin - foot < EYE_MM < box.ZMax - foot:
+        return
+    opening = Opening(ids[door.Name], door.Label, start, end, "door" if is_door else "window", door.Name)
+    opening.clauses = [c for c in marks.clauses(door, 0.0) if c.kind == "along"]
+    wall.openings.append(opening)
+    out.openings[opening.id] = door
+
+
+def _foot(wall: Wall, out: Reading) -> float:
+    found = out.found.get(wall.id)
+    return found.object.Shape.BoundBox.ZMin if found else 0.0
+
+
+def _span(door, wall: Wall):
+    """How far a door lies from a wall's axis, and from where to where along it."""
+    points = [(v.Point.x, v.Point.y) for v in door.Shape.Vertexes]
+    middle = ((min(p[0] for p in points) + max(p[0] for p in points)) / 2,)
+    middle += ((min(p[1] for p in points) + max(p[1] for p in points)) / 2,)
+    best, begun, corners = None, 0.0, wall.corners()
+    for a, b in zip(corners, corners[1:]):
+        u, length = direction(a, b), distance(a, b)
+        along = [dot(minus(p, a), u) for p in points]
+        low, high = max(min(along), 0.0), min(max(along), length)
+        off = abs((middle[0] - a[0]) * u[1] - (middle[1] - a[1]) * u[0])
+        off += max(0.0, min(along) - length, -max(along))
+        if best is None or off < best[0]:
+            best = (off, wall, round(begun + low, 4), round(begun + high, 4))
+        begun += length
+    return best
+
+
+def _share_bases(out: Reading) -> None:
+    """Walls that stand on one base can only move together: they become one group."""
+    by_base: Dict[str, List[Found]] = {}
+    for found in out.found.values():
+        base = getattr(found.object, "Base", None)
+        if isinstance(found.element, Wall) and base is not None:
+            by_base.setdefault(base.Name, []).append(found)
+    for shared in by_base.values():
+        if len({f.object.Name for f in shared}) < 2 or not any(f.element.clauses for f in shared):
+            continue
+        first = next(f for f in shared if f.element.clauses)
+        for f in shared:
+            f.element.group, f.element.clauses = first.element.group or first.object.Label, first.element.clauses
+
+
+def lock(obj) -> str:
+    """Why an object cannot be moved by us; nothing where it can."""
+    base = getattr(obj, "Base", None)
+    for part in (obj, base):
+        if part is None:
+            continue
+        if any(path.startswith(DECIDING) for path, _ in part.ExpressionEngine):
+            return f"an expression decides where '{part.Label}' stands"
+        if "ReadOnly" in part.getPropertyStatus("Placement") or "Immutable" in part.getPropertyStatus("Placement"):
+            return f"the position of '{part.Label}' is locked"
+        if part is base and is_attached(part) and not part.isDerivedFrom("Sketcher::SketchObject"):
+            return f"'{part.Label}' is attached to another object"
+    if getattr(obj, "CloneOf", None) is not None:
+        return "it is a clone of another wall"
+    if _in_moved_part(obj):
+        return "it stands in a part with a position of its own"
+    return ""
+
+
+def is_attached(base) -> bool:
+    """Whether another object decides the placement; the points of a sketch can still be moved."""
+    return getattr(base, "MapMode", "Deactivated") not in ("Deactivated", "")
+
+
+def _in_moved_part(obj) -> bool:
+    return any(
+        p.isDerivedFrom("App::Part") and not p.Placement.isIdentity() and obj in p.OutListRecursive
+        for p in obj.InListRecursive
+    )

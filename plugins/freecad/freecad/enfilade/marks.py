@@ -1,0 +1,118 @@
+"""Marks of the user's on objects: properties in the group "Enfilade", shown in the property editor."""
+
+import uuid
+from typing import Dict, List
+
+from enfilade_common.model import Clause
+
+GROUP = "Enfilade"
+
+#: Kind of move, stem of its two properties, property type, what it does.
+MOVES = (
+    ("x", "EnfiladeX", "App::PropertyDistance", "east-west"),
+    ("y", "EnfiladeY", "App::PropertyDistance", "north-south"),
+    ("along", "EnfiladeAlong", "App::PropertyDistance", "along the wall"),
+    ("rotate", "EnfiladeTurn", "App::PropertyAngle", "turn, anticlockwise"),
+)
+REGIONS = ("query", "reference", "keep")
+
+
+def _value(obj, name: str) -> float:
+    value = getattr(obj, name, 0.0)
+    return float(getattr(value, "Value", value))
+
+
+def clauses(obj, heading_deg: float) -> List[Clause]:
+    """Allowed moves of an object, in the order of :data:`MOVES`. ``heading_deg`` is the axis' direction."""
+    out = []
+    for kind, stem, _, _ in MOVES:
+        lower, upper = _value(obj, stem + "Min"), _value(obj, stem + "Max")
+        if lower or upper:
+            lower, upper = min(lower, 0.0), max(upper, 0.0)
+            out.append(Clause(kind, lower, upper, heading_deg if kind == "along" else 0.0))
+    return out
+
+
+def group(obj) -> str:
+    return str(getattr(obj, "EnfiladeGroup", "") or "")
+
+
+def keep(obj) -> bool:
+    return bool(getattr(obj, "EnfiladeKeep", False))
+
+
+def region_kind(obj) -> str:
+    kind = str(getattr(obj, "EnfiladeRegion", "") or "")
+    return kind if kind in REGIONS else ""
+
+
+def is_marked(obj) -> bool:
+    return bool(clauses(obj, 0.0)) or keep(obj) or bool(group(obj))
+
+
+def ids(doc) -> Dict[str, str]:
+    """An id for every object, by its name.
+
+    A marked object keeps the id it was given. A copy brings the id of its original along; the one whose
+    name stands in the id keeps it, the copy goes by its own name.
+    """
+    given = {o.Name: str(getattr(o, "EnfiladeId", "") or "") for o in doc.Objects}
+    owners: Dict[str, str] = {}
+    for name, id in given.items():
+        if id and (id not in owners or id.startswith(name + "~")):
+            owners[id] = name
+    return {name: id if id and owners[id] == name else name for name, id in given.items()}
+
+
+def _add(obj, type: str, name: str, words: str) -> None:
+    if not hasattr(obj, name):
+        obj.addProperty(type, name, GROUP, words)
+
+
+def _give_id(obj, known: Dict[str, str]) -> str:
+    """The object's own id; made where it has none or only that of its original."""
+    _add(obj, "App::PropertyString", "EnfiladeId", "Identity in Enfilade's files")
+    if known.get(obj.Name) == obj.Name or not obj.EnfiladeId:
+        obj.setEditorMode("EnfiladeId", 0)
+        obj.EnfiladeId = f"{obj.Name}~{uuid.uuid4().hex[:12]}"
+    obj.setEditorMode("EnfiladeId", 1)
+    return obj.EnfiladeId
+
+
+def mark_all(objects, bounds: Dict[str, tuple], group_name: str = "", is_kept: bool = False) -> None:
+    """Marks objects of one document; see :func:`mark`."""
+    known = ids(objects[0].Document) if objects else {}
+    for obj in objects:
+        mark(obj, bounds, group_name, is_kept, known)
+
+
+def mark(obj, bounds: Dict[str, tuple], group_name: str = "", is_kept: bool = False, known=None) -> None:
+    """Writes marks; ``bounds`` gives ``(lower, upper)`` by kind, mm or degrees. Inside a transaction.
+
+    ``known`` is what :func:`ids` says of the document, where many objects are marked at once.
+    """
+    _give_id(obj, ids(obj.Document) if known is None else known)
+    for kind, stem, type, words in MOVES:
+        lower, upper = bounds.get(kind, (0.0, 0.0))
+        for end, value in (("Min", lower), ("Max", upper)):
+            _add(obj, type, stem + end, f"Enfilade: least and most {words}; 0 and 0 keep it from moving so")
+            setattr(obj, stem + end, float(value))
+    _add(obj, "App::PropertyString", "EnfiladeGroup", "Enfilade: objects with one group name move together")
+    obj.EnfiladeGroup = group_name
+    _add(obj, "App::PropertyBool", "EnfiladeKeep", "Enfilade: stays as it stands, whatever else may move")
+    obj.EnfiladeKeep = is_kept
+
+
+def unmark(obj) -> None:
+    """Takes moves, group and keep away; the id stays. Inside a transaction."""
+    for name in list(obj.PropertiesList):
+        if name.startswith("Enfilade") and name not in ("EnfiladeId", "EnfiladeRegion"):
+            obj.removeProperty(name)
+
+
+def mark_region(obj, kind: str) -> None:
+    """Makes a closed object a region. Inside a transaction."""
+    if not hasattr(obj, "EnfiladeRegion"):
+        obj.addProperty("App::PropertyEnumeration", "EnfiladeRegion", GROUP, "Enfilade: what this region is for")
+        obj.EnfiladeRegion = ["none", *REGIONS]
+    obj.EnfiladeRegion = kind

@@ -1,0 +1,210 @@
+"""Page 3: the options as a strip of pictures, their numbers and words; arrow keys switch."""
+
+import os
+
+from . import importing
+from .qt import QtCore, QtGui, QtWidgets
+from .wording import say
+
+MEASURES = (("degree", "visibility"), ("depth", "accessibility"), ("entropy", "organisation"), ("score", "score"))
+THUMB_PX = 150
+
+
+class OptionsPage(QtWidgets.QWidget):
+    """Strip, heat map choice, numbers, words, buttons."""
+
+    def __init__(self, panel):
+        super().__init__()
+        self._panel = panel
+        self._round, self._shown = None, -1
+        layout = QtWidgets.QVBoxLayout(self)
+        layout.addLayout(self._choices())
+        self.strip = QtWidgets.QListWidget()
+        self.strip.setObjectName("EnfiladeStrip")
+        self.strip.setViewMode(QtWidgets.QListWidget.IconMode)
+        self.strip.setFlow(QtWidgets.QListWidget.LeftToRight)
+        self.strip.setWrapping(False)
+        self.strip.setMovement(QtWidgets.QListWidget.Static)
+        self.strip.setIconSize(QtCore.QSize(THUMB_PX, THUMB_PX))
+        self.strip.setFixedHeight(THUMB_PX + 62)
+        self.strip.setResizeMode(QtWidgets.QListWidget.Adjust)
+        self.strip.setMouseTracking(True)
+        self.strip.currentRowChanged.connect(self._row_changed)
+        self.strip.itemEntered.connect(lambda item: self._show(self.strip.row(item)))
+        self.strip.viewport().installEventFilter(self)
+        layout.addWidget(self.strip)
+        self.words = QtWidgets.QLabel(say("Run the study to see options here."))
+        self.words.setObjectName("EnfiladeWords")
+        self.words.setWordWrap(True)
+        self.words.setAlignment(QtCore.Qt.AlignTop)
+        # As high as the longest words, so that nothing below jumps while the mouse passes the strip.
+        self.words.setMinimumHeight(5 * self.words.fontMetrics().lineSpacing())
+        layout.addWidget(self.words)
+        self.numbers = QtWidgets.QTableWidget(0, 4)
+        self.numbers.setObjectName("EnfiladeNumbers")
+        self.numbers.setEditTriggers(QtWidgets.QAbstractItemView.NoEditTriggers)
+        self.numbers.verticalHeader().setVisible(False)
+        self.numbers.setFixedHeight(150)
+        layout.addWidget(self.numbers)
+        layout.addWidget(_legend())
+        layout.addLayout(self._buttons())
+        layout.addStretch(1)
+
+    def _choices(self):
+        row = QtWidgets.QHBoxLayout()
+        self.measure = QtWidgets.QComboBox()
+        self.measure.setObjectName("EnfiladeMeasure")
+        for measure, words in MEASURES:
+            self.measure.addItem(say(words), measure)
+        self.measure.addItem(say("no heat map"), "")
+        self.measure.currentIndexChanged.connect(lambda _: self._measure_changed())
+        self.ghosts = QtWidgets.QCheckBox(say("Ghost walls"))
+        self.ghosts.setObjectName("EnfiladeGhosts")
+        self.ghosts.setChecked(True)
+        self.ghosts.toggled.connect(lambda _: self._show_again())
+        row.addWidget(self.measure)
+        row.addWidget(self.ghosts)
+        return row
+
+    def _buttons(self):
+        row = QtWidgets.QHBoxLayout()
+        self.buttons = []
+        for name, title, action in (
+            ("EnfiladeAccept", "Accept", self._panel.accept),
+            ("EnfiladeReport", "Open report", self._open_report),
+            ("EnfiladeImport", "Import as document", self._import),
+        ):
+            button = QtWidgets.QPushButton(say(title))
+            button.setObjectName(name)
+            button.setEnabled(False)
+            button.clicked.connect(lambda _=False, a=action: a())
+            row.addWidget(button)
+            self.buttons.append(button)
+        return row
+
+    def clear(self) -> None:
+        self._round, self._shown = None, -1
+        self.strip.clear()
+        self.numbers.setRowCount(0)
+        self.words.setText(say("Run the study to see options here."))
+        for button in self.buttons:
+            button.setEnabled(False)
+
+    def show_round(self, found) -> None:
+        """Fills the strip; pictures follow one at a time, so that the window stays awake."""
+        self.clear()
+        self._round = found
+        names = [say("Present"), *(say("Option {}", o.number) for o in found.options)]
+        for name, option in zip(names, [None, *found.options]):
+            item = QtWidgets.QListWidgetItem(name if option is None or option.within_threshold else name + " *")
+            item.setSizeHint(QtCore.QSize(THUMB_PX + 12, THUMB_PX + 28))
+            self.strip.addItem(item)
+        for button in self.buttons:
+            button.setEnabled(True)
+        self.strip.setCurrentRow(1 if found.options else 0)
+        self.strip.setFocus()
+        self._load_pictures(0, found)
+
+    def _load_pictures(self, row: int, found) -> None:
+        if found is not self._round or row >= self.strip.count():
+            return
+        path = self._picture(row)
+        if path and os.path.exists(path):
+            reader = QtGui.QImageReader(path)
+            size = reader.size()
+            size.scale(THUMB_PX, THUMB_PX, QtCore.Qt.KeepAspectRatio)
+            reader.setScaledSize(size)
+            self.strip.item(row).setIcon(QtGui.QIcon(QtGui.QPixmap.fromImage(reader.read())))
+        QtCore.QTimer.singleShot(0, lambda: self._load_pictures(row + 1, found))
+
+    def _picture(self, row: int) -> str:
+        measure = self._measure() or "degree"
+        option = self._option(row)
+        return option.picture(measure) if option else self._round.initial_picture(measure)
+
+    def _measure(self) -> str:
+        return self.measure.itemData(self.measure.currentIndex()) or ""
+
+    def _row_changed(self, _row) -> None:
+        for button in (self.buttons[0], self.buttons[2]):
+            button.setEnabled(self.chosen() is not None)
+        self._show()
+
+    def _show_again(self) -> None:
+        self._shown = -1
+        self._show()
+
+    def _measure_changed(self) -> None:
+        if self._round is not None:
+            self._load_pictures(0, self._round)
+        self._show_again()
+
+    def _option(self, row: int):
+        return self._round.options[row - 1] if self._round is not None and row >= 1 else None
+
+    def chosen(self):
+        return self._option(self.strip.currentRow())
+
+    def eventFilter(self, _watched, event):
+        """Back to the chosen option when the mouse leaves the strip."""
+        if event.type() == QtCore.QEvent.Leave:
+            self._show()
+        return False
+
+    def _show(self, hovered: int = -1) -> None:
+        """The chosen option, or the one under the mouse, in the view, in numbers and in words."""
+        row = hovered if hovered >= 0 else self.strip.currentRow()
+        if self._round is None or row < 0 or row == self._shown:
+            return
+        self._shown = row
+        option = self._option(row)
+        self.words.setText(option.words if option else say("Present"))
+        self._fill_numbers(option)
+        self._panel.preview(option, self._measure(), self.ghosts.isChecked())
+
+    def _fill_numbers(self, option) -> None:
+        heads = [say("Measure"), say("Now"), say("Option {}", option.number) if option else "", say("Change")]
+        self.numbers.setHorizontalHeaderLabels(heads)
+        shown = [(m, w) for m, w in MEASURES if m in self._round.initial]
+        self.numbers.setRowCount(len(shown))
+        for row, (measure, words) in enumerate(shown):
+            now = self._round.initial[measure]
+            then = option.mean.get(measure) if option else None
+            cells = [say(words), _number(now), _number(then), _change(now, then)]
+            for column, text in enumerate(cells):
+                self.numbers.setItem(row, column, QtWidgets.QTableWidgetItem(text))
+        self.numbers.resizeColumnsToContents()
+
+    def _open_report(self) -> None:
+        if self._round is not None:
+            QtGui.QDesktopServices.openUrl(QtCore.QUrl.fromLocalFile(self._round.report))
+
+    def _import(self) -> None:
+        option = self.chosen()
+        if option is not None:
+            self._panel.attempt(importing.as_document, option.file)
+
+
+def _number(value) -> str:
+    return "" if value is None else f"{value:.4g}"
+
+
+def _change(now, then) -> str:
+    return f"{100 * (then - now) / now:+.1f} %" if now and then is not None else ""
+
+
+def _legend():
+    """What the colours and lines of the view mean."""
+    ramp = "".join(f"<span style='background-color:{c}'>&nbsp;&nbsp;&nbsp;</span>" for c in RAMP)
+    text = (
+        f"<span style='color:#d90061'>━━</span> {say('new place')} &nbsp; ┅┅ {say('stands there now')} &nbsp; "
+        f"{say('little')} {ramp} {say('much')}"
+    )
+    label = QtWidgets.QLabel(text)
+    label.setObjectName("EnfiladeLegend")
+    label.setTextFormat(QtCore.Qt.RichText)
+    return label
+
+
+#: The program's colours from little to much.
+RAMP = ("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")

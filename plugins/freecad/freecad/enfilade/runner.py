@@ -1,0 +1,70 @@
+"""Running the program under Qt's event loop, so that FreeCAD's window never waits for it."""
+
+from enfilade_common import program
+
+from .qt import QtCore
+
+
+class Runner(QtCore.QObject):
+    """One run at a time. ``progressed(Progress)``, ``ended(code, words)``."""
+
+    progressed = QtCore.Signal(object)
+    ended = QtCore.Signal(int, str)
+
+    def __init__(self, parent=None):
+        super().__init__(parent)
+        self._process = None
+        self._listener = None
+
+    def is_running(self) -> bool:
+        return self._process is not None
+
+    def start(self, path: str, drawing: str) -> None:
+        self._listener = program.Listener()
+        self._process = QtCore.QProcess(self)
+        self._process.readyReadStandardError.connect(self._read)
+        self._process.finished.connect(self._finished)
+        self._process.errorOccurred.connect(self._failed)
+        self._process.setStandardOutputFile(QtCore.QProcess.nullDevice())
+        self._process.setStandardInputFile(QtCore.QProcess.nullDevice())
+        process = self._process
+        process.started.connect(lambda: program.give_way(int(process.processId())))
+        process.start(path, program.arguments(drawing))
+
+    def stop(self) -> None:
+        """Asks the program to stop; kills it if it does not."""
+        if self._process is None:
+            return
+        process = self._process
+        try:
+            program.interrupt(int(process.processId()))
+        except (OSError, ValueError):
+            process.kill()
+        QtCore.QTimer.singleShot(int(program.STOP_SECS * 1000), lambda: self._kill(process))
+
+    def _kill(self, process) -> None:
+        if self._process is process:
+            process.kill()
+
+    def _read(self) -> None:
+        if self._process is None:
+            return
+        for progress in self._listener.feed(bytes(self._process.readAllStandardError())):
+            self.progressed.emit(progress)
+
+    def _finished(self, code, status=None) -> None:
+        if self._process is None:
+            return
+        self._read()
+        crashed = self._process.exitStatus() == QtCore.QProcess.CrashExit
+        self._process.deleteLater()
+        self._process = None
+        code = 130 if crashed else int(code)
+        self.ended.emit(code, self._listener.outcome(code))
+
+    def _failed(self, error) -> None:
+        if self._process is not None and error == QtCore.QProcess.FailedToStart:
+            words = self._process.errorString()
+            self._process.deleteLater()
+            self._process = None
+            self.ended.emit(4, f"The program does not start: {words}.")

@@ -1,0 +1,198 @@
+"""Page 2: what should get better, how long to search, the run itself."""
+
+from enfilade_common.model import Objective, Wishes
+
+from . import document, settings
+from .qt import QtCore, QtWidgets
+from .wording import say
+
+#: Measure, and in words what more and what less of it means.
+WORDS = {
+    "degree": ("See more (visibility)", "See less (visibility)"),
+    "depth": ("More turns (accessibility)", "Fewer turns (accessibility)"),
+    "entropy": ("Opens up evenly (organisation)", "Opens up unevenly (organisation)"),
+}
+
+
+class Wish(QtWidgets.QWidget):
+    """One objective: a tick, its words, how much of the gain every option keeps."""
+
+    def __init__(self, objective: Objective):
+        super().__init__()
+        self.measure = objective.measure
+        row = QtWidgets.QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        self.tick = QtWidgets.QCheckBox()
+        self.tick.setObjectName("EnfiladeWish_" + objective.measure)
+        self.tick.setChecked(objective.is_on)
+        self.sense = QtWidgets.QComboBox()
+        for sense, words in zip(("max", "min"), WORDS[objective.measure]):
+            self.sense.addItem(say(words), sense)
+        self.sense.setCurrentIndex(0 if objective.sense == "max" else 1)
+        self.slider = QtWidgets.QSlider(QtCore.Qt.Horizontal)
+        self.slider.setRange(0, 100)
+        self.slider.setValue(round(objective.threshold * 100))
+        self.slider.setToolTip(say("share of the possible gain that every option keeps"))
+        self.share = QtWidgets.QLabel()
+        self.share.setMinimumWidth(38)
+        self.slider.valueChanged.connect(lambda v: self.share.setText(f"{v} %"))
+        self.share.setText(f"{self.slider.value()} %")
+        for widget in (self.tick, self.sense, self.slider, self.share):
+            row.addWidget(widget)
+
+    def objective(self) -> Objective:
+        sense = self.sense.itemData(self.sense.currentIndex())
+        return Objective(self.measure, sense, self.slider.value() / 100, self.tick.isChecked())
+
+
+class StudyPage(QtWidgets.QWidget):
+    """Wishes and the run."""
+
+    def __init__(self, panel):
+        super().__init__()
+        self._panel = panel
+        self._shown_for = None
+        layout = QtWidgets.QVBoxLayout(self)
+        title = QtWidgets.QLabel(say("What should get better, most important first"))
+        title.setWordWrap(True)
+        layout.addWidget(title)
+        self._list = QtWidgets.QVBoxLayout()
+        layout.addLayout(self._list)
+        layout.addLayout(self._form())
+        layout.addLayout(self._buttons())
+        self.bar = QtWidgets.QProgressBar()
+        self.bar.setObjectName("EnfiladeProgress")
+        self.bar.setVisible(False)
+        layout.addWidget(self.bar)
+        self.stage = QtWidgets.QLabel()
+        self.stage.setWordWrap(True)
+        layout.addWidget(self.stage)
+        layout.addStretch(1)
+        self._fill(Wishes())
+
+    def _form(self):
+        form = QtWidgets.QFormLayout()
+        self.members, self.seed, self.evaluations = (QtWidgets.QSpinBox() for _ in range(3))
+        self.members.setRange(1, 50)
+        self.seed.setRange(0, 2**31 - 1)
+        self.evaluations.setRange(0, 100_000_000)
+        self.evaluations.setSingleStep(500)
+        self.evaluations.setSpecialValueText(say("automatic"))
+        self.level = QtWidgets.QComboBox()
+        self.level.addItem(say("at eye level"), "eye")
+        self.level.addItem(say("at knee level"), "knee")
+        self.spacing = QtWidgets.QDoubleSpinBox()
+        self.spacing.setRange(0, 100)
+        self.spacing.setSingleStep(0.1)
+        self.spacing.setSuffix(" m")
+        self.spacing.setSpecialValueText(say("automatic"))
+        self.storeys = QtWidgets.QComboBox()
+        self.program = QtWidgets.QLineEdit(settings.program_path())
+        self.program.setObjectName("EnfiladeProgram")
+        self.program.setPlaceholderText(say("found by itself"))
+        self.program.editingFinished.connect(lambda: settings.remember_program_path(self.program.text().strip()))
+        for title, name, widget in (
+            ("Options", "EnfiladeMembers", self.members),
+            ("Seed", "EnfiladeSeed", self.seed),
+            ("Layouts to measure", "EnfiladeEvaluations", self.evaluations),
+            ("Sight lines", "EnfiladeLevel", self.level),
+            ("Cell size", "EnfiladeSpacing", self.spacing),
+            ("Storey", "EnfiladeStorey", self.storeys),
+            ("Program", "EnfiladeProgram", self.program),
+        ):
+            widget.setObjectName(name)
+            form.addRow(say(title), widget)
+        return form
+
+    def _buttons(self):
+        row = QtWidgets.QHBoxLayout()
+        self.run = QtWidgets.QPushButton(say("Run"))
+        self.run.setObjectName("EnfiladeRun")
+        self.run.clicked.connect(lambda _=False: self._panel.run())
+        self.stop = QtWidgets.QPushButton(say("Stop"))
+        self.stop.setObjectName("EnfiladeStop")
+        self.stop.setEnabled(False)
+        self.stop.clicked.connect(lambda _=False: self._panel.stop())
+        row.addWidget(self.run)
+        row.addWidget(self.stop)
+        return row
+
+    def _fill(self, wishes: Wishes) -> None:
+        while self._list.count():
+            self._list.takeAt(0).widget().deleteLater()
+        self._wishes = []
+        for objective in wishes.objectives:
+            if objective.measure in WORDS:
+                self._add(Wish(objective))
+        self.members.setValue(wishes.members)
+        self.seed.setValue(wishes.seed)
+        self.evaluations.setValue(wishes.evaluations or 0)
+        self.level.setCurrentIndex(0 if wishes.level == "eye" else 1)
+        self.spacing.setValue(wishes.spacing_m or 0.0)
+
+    def _add(self, wish: Wish) -> None:
+        row = QtWidgets.QWidget()
+        layout = QtWidgets.QHBoxLayout(row)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(wish)
+        for words, step in (("▲", -1), ("▼", 1)):
+            button = QtWidgets.QToolButton()
+            button.setText(words)
+            button.clicked.connect(lambda _=False, r=row, s=step: self._shift(r, s))
+            layout.addWidget(button)
+        row.wish = wish
+        self._list.addWidget(row)
+
+    def _shift(self, row, step: int) -> None:
+        to = self._list.indexOf(row) + step
+        if 0 <= to < self._list.count():
+            self._list.removeWidget(row)
+            self._list.insertWidget(to, row)
+
+    def wishes(self) -> Wishes:
+        rows = [self._list.itemAt(i).widget().wish for i in range(self._list.count())]
+        return Wishes(
+            objectives=[r.objective() for r in rows],
+            members=self.members.value(),
+            seed=self.seed.value(),
+            evaluations=self.evaluations.value() or None,
+            spacing_m=self.spacing.value() or None,
+            level=self.level.itemData(self.level.currentIndex()),
+        )
+
+    def storey(self) -> str:
+        return self.storeys.currentText() if self.storeys.count() > 1 else ""
+
+    def refresh(self, doc) -> None:
+        """Fills in what the active document remembers, once for each document."""
+        key = doc.Name if doc is not None else None
+        if key == self._shown_for:
+            return
+        self._shown_for = key
+        self.storeys.clear()
+        if doc is not None:
+            self._fill(settings.wishes(doc))
+            self.storeys.addItems(document.storeys(doc))
+            self.storeys.setCurrentIndex(max(0, self.storeys.findText(settings.storey(doc))))
+
+    def begin(self) -> None:
+        self.bar.setRange(0, 0)
+        self.bar.setVisible(True)
+        self.run.setEnabled(False)
+        self.stop.setEnabled(True)
+
+    def progress(self, progress) -> None:
+        self.bar.setRange(0, progress.total or 0)
+        self.bar.setValue(progress.done)
+        words = [progress.stage, say("{} layouts measured", progress.evaluations)]
+        if progress.best is not None:
+            words.append(say("best so far {}", f"{progress.best:.4g}"))
+        if progress.eta_secs is not None:
+            words.append(say("about {} s left", f"{progress.eta_secs:.0f}"))
+        self.stage.setText(" · ".join(words))
+
+    def end(self) -> None:
+        self.bar.setVisible(False)
+        self.run.setEnabled(True)
+        self.stop.setEnabled(False)
+        self.stage.setText("")

@@ -1,0 +1,152 @@
+"""From a Revit view to a study."""
+
+import math
+import re
+from typing import Dict, List, Optional, Tuple
+
+from enfilade_common.model import Clause, Column, Opening, PluginError, Region, Study, Wall, Wishes
+from enfilade_common.plane import distance, direction, dot, minus
+
+from .data import GROUP_PARAMETER, KEEP_PARAMETER, LINE_STYLES, MOVES_PARAMETER, DetailLine, Point, RevitInsert
+
+#: Ends of detail lines nearer than this meet, mm.
+MEET_MM = 2.0
+
+_UNITS = {"": 1.0, "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
+
+
+def study(host, wishes: Wishes) -> Tuple[Study, List[str]]:
+    """The study of the active view, and sentences about what was left out."""
+    notes: List[str] = []
+    walls: List[Wall] = []
+    inserts: Dict[int, List[RevitInsert]] = {}
+    for insert in host.inserts():
+        inserts.setdefault(insert.host_id, []).append(insert)
+    for found in host.walls():
+        wall = _wall(found, notes)
+        if wall is None:
+            continue
+        for insert in inserts.get(found.element_id, ()):
+            _add_opening(wall, insert, notes)
+        walls.append(wall)
+    columns = [_column(c, notes) for c in host.columns()]
+    if not walls:
+        raise PluginError("The active view shows no wall. Open a floor plan and try again.")
+    made = Study("revit", host.document_id(), walls, columns, regions(host.detail_lines(), notes), wishes)
+    made.storey = host.level_name()
+    return made, notes
+
+
+def _wall(found, notes: List[str]) -> Optional[Wall]:
+    id = str(found.element_id)
+    if found.axis is None and not found.rings:
+        notes.append(f"'{found.label}' has neither a straight location line nor an outline; it was left out.")
+        return None
+    if found.axis is None:
+        points = [p for ring in found.rings for p in ring]
+        axis = [(min(p[0] for p in points), min(p[1] for p in points))]
+        axis.append((max(p[0] for p in points), max(p[1] for p in points)))
+        wall = Wall(id, found.label, axis, 0.0, 0.0, rings=found.rings)
+    else:
+        wall = Wall(id, found.label, list(found.axis), found.left, found.right)
+    heading = direction(wall.axis[0], wall.axis[-1])
+    _take_marks(wall, found, math.degrees(math.atan2(heading[1], heading[0])), notes)
+    return wall
+
+
+def _column(found, notes: List[str]) -> Column:
+    column = Column(str(found.element_id), found.label, list(found.ring))
+    _take_marks(column, found, 0.0, notes)
+    return column
+
+
+def _take_marks(element, found, heading_deg: float, notes: List[str]) -> None:
+    element.group = found.parameters.get(GROUP_PARAMETER, "").strip()
+    element.keep = found.parameters.get(KEEP_PARAMETER, "") in ("1", "Yes", "true")
+    element.clauses = clauses(found.parameters.get(MOVES_PARAMETER, ""), heading_deg, found.label, notes)
+    if found.is_pinned and (element.clauses or element.group):
+        element.locked = "it is pinned in Revit"
+
+
+def _add_opening(wall: Wall, insert, notes: List[str]) -> None:
+    if wall.rings:
+        return
+    u = direction(wall.axis[0], wall.axis[-1])
+    along = dot(minus(insert.centre, wall.axis[0]), u)
+    start, end = along - insert.width / 2, along + insert.width / 2
+    if start < 0.0 or end > wall.length():
+        notes.append(f"'{insert.label}' reaches beyond '{wall.label}' and is taken as closed.")
+        return
+    kind = "window" if insert.is_window else "door"
+    opening = Opening(str(insert.element_id), insert.label, start, end, kind)
+    marks = clauses(insert.parameters.get(MOVES_PARAMETER, ""), 0.0, insert.label, notes)
+    opening.clauses = [c for c in marks if c.kind == "along"]
+    wall.openings.append(opening)
+
+
+def clauses(text: str, heading_deg: float, label: str, notes: List[str]) -> List[Clause]:
+    """Clauses of a parameter's text: ``x -500 500; rotate -15 15; along -1m 2ft``.
+
+    ``along`` without a direction is along the element's own axis. What cannot be read is told in ``notes``.
+    """
+    out = []
+    for part in (p.strip() for p in re.split(r"[;\n]", text)):
+        if not part or part.lower().startswith("name "):
+            continue
+        clause = _clause(part.split(), heading_deg)
+        if clause is None:
+            notes.append(f"'{label}': {part!r} is no move; expected for example 'x -500 500; rotate -15 15'.")
+        else:
+            out.append(clause)
+    return out
+
+
+def _clause(words: List[str], heading_deg: float) -> Optional[Clause]:
+    kind, values = words[0].lower(), words[1:]
+    try:
+        if kind == "along" and len(values) == 3:
+            heading_deg, values = float(values[0]), values[1:]
+        if kind not in ("x", "y", "along", "rotate") or len(values) != 2:
+            return None
+        lower, upper = (float(v.rstrip("°")) if kind == "rotate" else length_mm(v) for v in values)
+    except ValueError:
+        return None
+    if not lower <= 0.0 <= upper or lower == upper:
+        return None
+    return Clause(kind, lower, upper, heading_deg if kind == "along" else 0.0)
+
+
+def length_mm(text: str) -> float:
+    """``500``, ``-1.5m``, ``2ft`` in millimetres."""
+    match = re.fullmatch(r"([-+]?[0-9]*\.?[0-9]+)(mm|cm|m|in|ft)?", text.strip())
+    if match is None:
+        raise ValueError(text)
+    return float(match.group(1)) * _UNITS[match.group(2) or ""]
+
+
+def regions(lines: List[DetailLine], notes: List[str]) -> List[Region]:
+    """Closed chains of detail lines on our line styles."""
+    out = []
+    for style, kind in LINE_STYLES.items():
+        rest = [(line.a, line.b) for line in lines if line.style.upper() == style]
+        while rest:
+            ring = _chain(rest)
+            if ring is None:
+                notes.append(f"Detail lines on {style} do not close; they were left out.")
+            else:
+                out.append(Region(kind, ring))
+    return out
+
+
+def _chain(rest: List[Tuple[Point, Point]]) -> Optional[List[Point]]:
+    """Takes one chain out of ``rest``; its corners if it closes."""
+    points = list(rest.pop(0))
+    while distance(points[0], points[-1]) > MEET_MM:
+        tip = points[-1]
+        meets = (i for i, (a, b) in enumerate(rest) if min(distance(tip, a), distance(tip, b)) <= MEET_MM)
+        at = next(meets, None)
+        if at is None:
+            return None
+        a, b = rest.pop(at)
+        points.append(b if distance(points[-1], a) <= MEET_MM else a)
+    return points[:-1] if len(points) > 3 else None

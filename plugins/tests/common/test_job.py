@@ -1,0 +1,114 @@
+import json
+import os
+import subprocess
+
+import pytest
+from conftest import wall
+from enfilade_common import job
+from enfilade_common.dxf_r12 import Drawing, escaped
+from enfilade_common.model import Objective, PluginError, Region, Study
+from enfilade_common.toml_text import dumps, string
+
+
+def groups(text):
+    lines = text.split("\r\n")[:-1]
+    assert len(lines) % 2 == 0
+    return list(zip((int(c) for c in lines[0::2]), lines[1::2]))
+
+
+def test_ids_stand_in_the_drawing_as_extended_data(house):
+    text = job.drawing_text(house, job.plan_of(house))
+    pairs = groups(text)
+    ids = [v for i, (c, v) in enumerate(pairs) if c == 1000 and pairs[i - 1] == (1001, "ENFILADE")]
+    assert ids[0] == "S/0" and "P1/1" in ids and "C/0" in ids
+    handles = [v for c, v in pairs if c == 5]
+    assert len(handles) == len(set(handles)) > 40
+    assert pairs[-1] == (0, "EOF")
+
+
+def test_marks_stand_on_our_layers(house):
+    house.regions = [Region("query", [(0, 0), (1, 0), (1, 1)]), Region("reference", [(0, 0), (2, 0), (2, 2)])]
+    house.element("E").keep = True
+    layers = {v for c, v in groups(job.drawing_text(house, job.plan_of(house))) if c == 8}
+    assert {"EF-QUERY", "EF-REFERENCE", "EF-KEEP", "EF-MOVE", "A-WALL", "A-COLS", "A-DOOR", "A-GLAZ"} <= layers
+
+
+def test_text_without_an_encoding():
+    assert escaped("Tür\n壁 😀") == "T\\U+00FCr \\U+58C1 \\U+D83D\\U+DE00"
+
+
+def test_numbers_are_reals_to_a_micrometre():
+    d = Drawing()
+    d.line("0", (1.0, -0.00001), (1234567.8914, 2.5))
+    pairs = groups(d.file_text())
+    assert [v for c, v in pairs if c in (10, 20, 11, 21)][-4:] == ["1.0", "0.0", "1234567.891", "2.5"]
+
+
+def test_toml_text():
+    text = dumps({"a": 'q"\\\n\x01ü', "n": None, "b": True, "p": [[1, 2.5]], "t": {"x y": 1}, "l": [{"k": 1}, {"k": 2}]})
+    assert text == (
+        'a = "q\\"\\\\\\n\\u0001ü"\nb = true\np = [[1, 2.5]]\n\n[t]\n"x y" = 1\n\n[[l]]\nk = 1\n\n[[l]]\nk = 2\n'
+    )
+    assert string("\ud800") == '"\\uFFFD"'
+    with pytest.raises(ValueError):
+        dumps({"a": float("nan")})
+
+
+def test_a_job_reads_back_the_same(house, tmp_path):
+    written = job.write(house, str(tmp_path / "new" / "folder"))
+    again = job.read(written.folder)
+    assert again.study == written.study
+    assert (again.outlines, again.hashes, again.sha256) == (written.outlines, written.hashes, written.sha256)
+    assert not [n for n in os.listdir(written.folder) if n.endswith(".part")]
+
+
+def test_the_same_study_gives_the_same_bytes(house, tmp_path):
+    names = ("plan.dxf", "plan.enfilade.toml", "plan.study.json")
+    a, b = (job.write(house, str(tmp_path / n)).folder for n in "ab")
+    for name in names:
+        assert open(os.path.join(a, name), "rb").read() == open(os.path.join(b, name), "rb").read()
+
+
+def test_what_cannot_be_measured_is_refused_before_anything_is_written(house, tmp_path):
+    house.wishes.objectives = [Objective("degree", "max", is_on=False)]
+    for study, words in (
+        (Study("t", "d"), "no wall to measure"),
+        (Study("t", "d", [wall("A", (0, 0), (1, 0)), wall("A", (0, 1), (1, 1))]), "the id A"),
+        (house, "No objective"),
+    ):
+        with pytest.raises(PluginError, match=words):
+            job.write(study, str(tmp_path / "x"))
+    assert not (tmp_path / "x").exists()
+
+
+def test_a_folder_that_cannot_be_written_is_said(house, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(PluginError, match="cannot be written"):
+        job.write(house, str(tmp_path / "file" / "below"))
+
+
+def test_no_study_or_a_strange_one(tmp_path):
+    with pytest.raises(PluginError, match="run one first"):
+        job.read(str(tmp_path))
+    for text in ("{", json.dumps({"schema": "enfilade.study/9"}), "[1]"):
+        (tmp_path / "plan.study.json").write_text(text)
+        with pytest.raises(PluginError, match="run the study again"):
+            job.read(str(tmp_path))
+
+
+def test_the_program_understands_every_wall_and_move(house, tmp_path, real_program):
+    written = job.write(house, str(tmp_path))
+    said = subprocess.run([real_program, "check", written.drawing, "--json"], stdout=subprocess.PIPE, check=True)
+    understood = json.loads(said.stdout)
+    assert understood["walls"] == len(written.outlines)
+    assert [(m["name"], m["kind"]) for m in understood["moves"]] == [
+        ("Tür 1", "along"), ("P1", "x"), ("P3", "y"), ("P3", "rotate"), ("Säule", "x")
+    ]
+    assert understood["unit"]["name"] == "mm"
+    assert [p for p in understood["problems"] if p["severity"] != "info"] == []
+
+
+def test_five_hundred_walls_are_written_once_each(tmp_path):
+    walls = [wall(f"w{i}", (i % 25 * 3000, i // 25 * 3000), (i % 25 * 3000 + 2000, i // 25 * 3000)) for i in range(500)]
+    written = job.write(Study("t", "d", walls), str(tmp_path))
+    assert len({o.host_id for o in job.read(written.folder).outlines}) == 500

@@ -1,0 +1,100 @@
+import os
+import signal
+import time
+
+import pytest
+from enfilade_common import program
+from enfilade_common.model import PluginError
+
+
+def run_to_end(path, secs=30):
+    said, ended = [], []
+    run = program.Run(path, os.path.join(os.path.dirname(path), "plan.dxf"), said.append, lambda *a: ended.append(a))
+    return run, said, ended
+
+
+def test_it_is_found_by_setting_then_environment_then_path(program_that, monkeypatch, tmp_path):
+    one = program_that("", "one")
+    two = program_that("", "enfilade")
+    monkeypatch.setenv("ENFILADE", one)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert program.find(two) == two
+    assert program.find() == one
+    monkeypatch.delenv("ENFILADE")
+    assert program.find() == two
+
+
+def test_a_missing_program_says_what_helps(monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("ENFILADE", raising=False)
+    with pytest.raises(PluginError, match="Install it"):
+        program.find()
+    with pytest.raises(PluginError, match="The settings name"):
+        program.find(str(tmp_path / "nothing"))
+
+
+def test_its_version_is_checked(program_that):
+    assert program.version(program_that("print('enfilade 0.1.7')")) == "0.1.7"
+    with pytest.raises(PluginError, match="too old"):
+        program.version(program_that("print('enfilade 0.0.9')"))
+    with pytest.raises(PluginError, match="is not Enfilade"):
+        program.version(program_that("print('something else 3.1.2')"))
+
+
+def test_progress_and_words_are_told_apart(program_that):
+    path = program_that(
+        """
+        assert sys.argv[1] == "run" and sys.argv[-2:] == ["--progress", "json"]
+        sys.stderr.write('{"stage":"optimise: degree","done":3,"total":10,"evaluations":7,"best":1.5,"eta_secs":2}\\n')
+        sys.stderr.write('note: something\\n{"stage":"write","done":0,"total":null}\\n{"broken\\n')
+        sys.exit(1)
+        """
+    )
+    run, said, ended = run_to_end(path)
+    assert run.wait(30)
+    assert [(p.stage, p.share, p.best) for p in said] == [("optimise: degree", 0.3, 1.5), ("write", None, None)]
+    assert ended == [(1, "Done, with something left out; the report says what.")]
+
+
+def test_an_error_is_told_in_the_programs_words(program_that):
+    run, _, ended = run_to_end(program_that("sys.stderr.write('error: plan.dxf:3: no walls\\n'); sys.exit(2)"))
+    assert run.wait(30)
+    assert ended == [(2, "The drawing could not be used. error: plan.dxf:3: no walls")]
+
+
+def test_lines_that_come_in_pieces():
+    listener = program.Listener()
+    assert listener.feed(b'{"stage":"re') == []
+    (progress,) = listener.feed(b'ad","done":0}\nno')
+    assert progress.stage == "read" and listener.words == []
+
+
+def test_cancel_asks_first_and_kills_what_does_not_listen(program_that, monkeypatch):
+    polite = program_that(
+        """
+        def stop(*a):
+            sys.exit(130)
+        signal.signal(signal.SIGINT, stop)
+        sys.stderr.write('{"stage":"read"}\\n'); sys.stderr.flush()
+        time.sleep(60)
+        """
+    )
+    deaf = program_that(
+        "signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
+        "sys.stderr.write('{\"stage\":\"read\"}\\n'); sys.stderr.flush()\ntime.sleep(60)", "deaf"
+    )
+    monkeypatch.setattr(program, "STOP_SECS", 0.5)
+    for path, code in ((polite, 130), (deaf, -signal.SIGKILL)):
+        run, said, ended = run_to_end(path)
+        while not said:
+            time.sleep(0.01)
+        before = time.monotonic()
+        run.cancel()
+        assert time.monotonic() - before < 0.1, "cancel does not wait"
+        assert run.wait(20) and ended[0][0] == code
+        run.cancel()
+
+
+def test_what_does_not_start_is_said(tmp_path):
+    with pytest.raises(PluginError, match="does not start"):
+        program.Run(str(tmp_path), str(tmp_path / "plan.dxf"), print, print)

@@ -1,0 +1,162 @@
+import json
+import math
+import os
+
+import pytest
+from conftest import wall
+from enfilade_common import job, program, results
+from enfilade_common.model import Clause, PluginError, Study, Wall, geometry_hash
+from enfilade_common.moves import applied, plan_of
+from enfilade_common.plane import distance
+
+
+def near(a, b, within=0.1):
+    return all(distance(p, q) < within for p, q in zip(a, b)) and len(a) == len(b)
+
+
+def option_of(study, values, tmp_path):
+    """A job and the option that the program would write for a parameter vector."""
+    made = job.write(study, str(tmp_path))
+    plan = plan_of(study)
+    changes = []
+    for outline, ring in zip(plan.outlines, applied(plan, values)):
+        if ring != outline.points:
+            metres = lambda points: [[x / 1000, y / 1000] for x, y in points]  # noqa: E731
+            changes.append({
+                "host_id": outline.host_id,
+                "from": metres(outline.written()),
+                "to": metres(outline.written(ring)),
+            })
+    return made, results.Option(1, "candidate-1.dxf", "", {}, {}, None, True, values, changes)
+
+
+def test_a_shift_and_its_follower(house, tmp_path):
+    made, option = option_of(house, [0, 300, 0, 0, 0], tmp_path)
+    changes = {c.id: c for c in results.layout(made, option)}
+    assert sorted(changes) == ["P1", "P2"]
+    assert near(changes["P1"].axis_after, [(4300, 125), (4300, 5875)])
+    assert near([changes["P1"].openings["D1"]((4000, 1000))], [(4300, 1000)])
+    assert changes["P2"].motion is None and near(changes["P2"].axis_after, [(4350, 3000), (7000, 3000)])
+
+
+def test_a_door_slides_while_its_wall_moves(house, tmp_path):
+    made, option = option_of(house, [700, -250, 0, 0, 0], tmp_path)
+    changes = {c.id: c for c in results.layout(made, option)}
+    assert near(changes["P1"].axis_after, [(3750, 125), (3750, 5875)])
+    assert near([changes["P1"].openings["D1"]((4000, 1075))], [(3750, 1775)])
+
+
+def test_a_shift_then_a_turn(house, tmp_path):
+    made, option = option_of(house, [0, 0, 200, 25, -120], tmp_path)
+    changes = {c.id: c for c in results.layout(made, option)}
+    c, s = 450 * math.cos(math.radians(25)), 450 * math.sin(math.radians(25))
+    assert near(changes["P3"].axis_after, [(6450 - c, 4700 - s), (6450 + c, 4700 + s)])
+    assert near([changes["C"].motion((2000, 3000))], [(1880, 3000)])
+
+
+def test_a_mitred_wall_moves_as_a_whole(tmp_path):
+    w = Wall("A", "A", [(0, 0), (2000, 0), (2000, 1000)], 100, 0, clauses=[Clause("rotate", -90, 90)])
+    made, option = option_of(Study("t", "d", [w]), [30.0], tmp_path)
+    (change,) = results.layout(made, option)
+    assert change.motion.angle_rad == pytest.approx(math.radians(30))
+    assert distance(*change.axis_after[:2]) == pytest.approx(2000)
+
+
+def test_the_far_end_of_a_bent_wall_follows(tmp_path):
+    bent = Wall("B", "B", [(0, 0), (0, 2000), (3000, 2000)], 50, 50)
+    moving = wall("A", (3050, 1000), (3050, 3000), 100, clauses=[Clause("x", -500, 500)])
+    made, option = option_of(Study("t", "d", [bent, moving]), [400.0], tmp_path)
+    change = next(c for c in results.layout(made, option) if c.id == "B")
+    assert near(change.axis_after, [(0, 0), (0, 2000), (3400, 2000)])
+
+
+def test_a_bent_wall_is_refused(house, tmp_path):
+    made, option = option_of(house, [0, 300, 0, 0, 0], tmp_path)
+    change = next(c for c in option.changes if c["host_id"] == "P1/0")
+    change["to"][0][0] += 0.05
+    with pytest.raises(PluginError, match="'P1' would be bent"):
+        results.layout(made, option)
+
+
+def test_a_stranger_and_an_older_place_are_refused(house, tmp_path):
+    made, option = option_of(house, [0, 300, 0, 0, 0], tmp_path)
+    strange = dict(option.changes[0], host_id="nobody/0")
+    with pytest.raises(PluginError, match="never wrote"):
+        results.layout(made, results.Option(**{**option.__dict__, "changes": [strange]}))
+    made.outlines[[o.host_id for o in made.outlines].index("P1/0")].points[0] = (1.0, 2.0)
+    with pytest.raises(PluginError, match="at another place"):
+        results.layout(made, option)
+
+
+def test_what_was_edited_meanwhile_is_named(house, tmp_path):
+    made, option = option_of(house, [0, 300, 0, 0, 0], tmp_path)
+    changes = results.layout(made, option)
+    assert results.edited_since(made, list(house.movables()), changes) == []
+    house.element("P1").openings[0].start += 1
+    house.walls = [w for w in house.walls if w.id != "P2"]
+    assert results.edited_since(made, list(house.movables()), changes) == ["'P1' was edited", "'P2' was deleted"]
+
+
+def test_the_hash_sees_geometry_and_nothing_else(house):
+    w = house.element("P1")
+    before = geometry_hash(w)
+    w.label, w.clauses, w.group, w.axis = "other", [], "g", [(4000.001, 125), (4000, 5875)]
+    assert geometry_hash(w) == before
+    w.right += 1
+    assert geometry_hash(w) != before
+
+
+def test_another_schema_and_half_a_file_are_refused(tmp_path):
+    folder = tmp_path / "round-01"
+    folder.mkdir()
+    for text, words in (
+        (json.dumps({"schema": "enfilade.result/2"}), "different versions"),
+        (json.dumps({"schema": "enfilade.result/1", "candidates": []}), "not complete"),
+        ('{"schema": "enf', "cannot be read"),
+        ("[]", "different versions"),
+    ):
+        (folder / "result.json").write_text(text)
+        with pytest.raises(PluginError, match=words):
+            results.read(str(folder))
+
+
+def test_rounds_are_ordered_by_number(tmp_path):
+    for name in ("round-10", "round-9", "round-02", "analysis", "round-x"):
+        (tmp_path / name).mkdir()
+    assert [os.path.basename(p) for p in results.round_folders(str(tmp_path))] == ["round-02", "round-9", "round-10"]
+
+
+def test_the_program_gives_back_what_was_asked(house, tmp_path, real_program):
+    """The real program: its options match by id, to a tenth of a millimetre of its own parameters."""
+    made = job.write(house, str(tmp_path))
+    ended = []
+    run = program.Run(real_program, made.drawing, lambda p: None, lambda code, words: ended.append((code, words)))
+    assert run.wait(120) and ended[0][0] in (0, 1), ended
+    found = results.latest(job.read(str(tmp_path)))
+    assert len(found.options) == 2
+    plan = plan_of(house)
+    for option in found.options:
+        expected = applied(plan, option.parameters)
+        told = results.outlines_after(made, option)
+        for outline, ring in zip(plan.outlines, expected):
+            assert near(told.get(outline.host_id, outline.points), ring, 0.1), outline.host_id
+        assert results.layout(made, option)
+
+
+def test_an_older_round_is_not_taken_for_a_newer_export(house, tmp_path, real_program):
+    made = job.write(house, str(tmp_path))
+    run = program.Run(real_program, made.drawing, lambda p: None, lambda code, words: None)
+    assert run.wait(120)
+    house.element("P2").axis[1] = (6800, 3000)
+    with pytest.raises(PluginError, match="earlier export"):
+        results.latest(job.write(house, str(tmp_path)))
+
+
+def test_heat_maps_are_read_from_an_option(house, tmp_path, real_program):
+    made = job.write(house, str(tmp_path))
+    assert program.Run(real_program, made.drawing, lambda p: None, lambda code, words: None).wait(120)
+    option = results.latest(made).options[0]
+    cells = results.heat_cells(option.file, "degree")
+    xs = [p[0] for _, corners in cells for p in corners]
+    assert len(cells) > 50 and -200 < min(xs) and max(xs) < 8200
+    assert results.index_colour(1) == (1.0, 0.0, 0.0) and results.index_colour(170) == (0.0, 0.0, 1.0)

@@ -1,0 +1,372 @@
+"""What FreeCAD runs in its real window: builds the gallery, then answers the test's questions.
+
+The test clicks with the real mouse; this side only says where a widget is, what the document holds, and
+makes pictures. Questions and answers are files in the folder ENFILADE_GUI_TEST names, so that nothing is
+called from outside FreeCAD's own event loop.
+"""
+
+import json
+import os
+import sys
+import time
+import traceback
+
+import FreeCAD as App
+import FreeCADGui as Gui
+from PySide import QtCore, QtGui
+
+try:
+    from PySide import QtWidgets
+except ImportError:
+    QtWidgets = QtGui
+
+FOLDER = os.environ["ENFILADE_GUI_TEST"]
+V = App.Vector
+
+
+class Heart(QtCore.QObject):
+    """Beats every 10 ms; remembers the longest pause, and the most this thread worked between two beats.
+    A pause without work is the machine's, busy with other programs."""
+
+    def __init__(self):
+        super().__init__()
+        self._timer = QtCore.QTimer(self)
+        self._timer.setTimerType(QtCore.Qt.PreciseTimer)
+        self._timer.timeout.connect(self.beat)
+        self._timer.start(10)
+        self.begin()
+
+    def beat(self):
+        now, worked = time.monotonic(), time.thread_time()
+        self.longest = max(self.longest, now - self._last)
+        self.busiest = max(self.busiest, worked - self._worked)
+        self._last, self._worked = now, worked
+
+    def begin(self):
+        self.longest = self.busiest = 0.0
+        self._last, self._worked = time.monotonic(), time.thread_time()
+
+
+def wall(a, b, width, label):
+    import Arch
+    import Draft
+
+    made = Arch.makeWall(Draft.make_line(V(*a, 0), V(*b, 0)), width=width, height=3000)
+    made.Label = label
+    return made
+
+
+def build():
+    """A gallery of 12 × 8 m: a partition with a door, a wall that ends on it, two screens, a column."""
+    import Arch
+
+    doc = App.newDocument("Gallery")
+    corners = [(0, 0), (12000, 0), (12000, 8000), (0, 8000)]
+    for name, a, b in zip(("South", "East", "North", "West"), corners, corners[1:] + corners[:1]):
+        wall(a, b, 250, name)
+    partition = wall((5000, 125), (5000, 7875), 120, "Partition")
+    wall((5060, 4500), (9000, 4500), 120, "Spur")
+    wall((1500, 4000), (3500, 4000), 100, "Screen A")
+    wall((8000, 2200), (10000, 2200), 100, "Schirm Ö")
+    column = Arch.makeStructure(length=350, width=350, height=3000)
+    column.Placement.Base = V(7000, 6500, 0)
+    column.Label = "Column"
+    doc.recompute()
+    place = App.Placement(V(5000, 1000, 0), App.Rotation(V(0, 0, 1), 90).multiply(App.Rotation(V(1, 0, 0), 90)))
+    door = Arch.makeWindowPreset(
+        "Simple door", width=900, height=2100, h1=50, h2=50, h3=0, w1=100, w2=50, o1=0, o2=50, placement=place
+    )
+    door.Hosts = [partition]
+    door.Label = "Door"
+    doc.recompute()
+    doc.recompute()
+    doc.clearUndos()
+    view = Gui.activeDocument().activeView()
+    view.viewTop()
+    Gui.SendMsgToActiveView("ViewFit")
+    return doc
+
+
+def state():
+    out = {}
+    for o in App.ActiveDocument.Objects:
+        shape = getattr(o, "Shape", None)
+        if shape is not None and not shape.isNull() and shape.Vertexes:
+            box = shape.BoundBox
+            numbers = (box.XMin, box.YMin, box.XMax, box.YMax, shape.Volume / 1e6)
+            out[o.Label] = [round(v, 3) + 0.0 for v in numbers]
+    return out
+
+
+def window():
+    return Gui.getMainWindow()
+
+
+def panel():
+    return window().findChild(QtWidgets.QDockWidget, "EnfiladePanel")
+
+
+def where(widget):
+    """Middle of a widget on the screen."""
+    middle = widget.rect().center()
+    if isinstance(widget, QtWidgets.QCheckBox):
+        middle.setX(10)
+    at = widget.mapToGlobal(middle)
+    return [at.x(), at.y()]
+
+
+class Answers:
+    """One method for each question."""
+
+    def find(self, name):
+        for widget in window().findChildren(QtWidgets.QWidget, name):
+            if widget.isVisible():
+                area = widget.parent()
+                while area is not None and not isinstance(area, QtWidgets.QScrollArea):
+                    area = area.parent()
+                if area is not None:
+                    area.ensureWidgetVisible(widget)
+                    Gui.updateGui()
+                return where(widget)
+        return None
+
+    def checked(self, name):
+        return window().findChild(QtWidgets.QCheckBox, name).isChecked()
+
+    def tool(self, command):
+        for bar in window().findChildren(QtWidgets.QToolBar):
+            for action in bar.actions():
+                if action.text().replace("&", "") == command and bar.widgetForAction(action) is not None:
+                    return where(bar.widgetForAction(action))
+        return None
+
+    def tab(self, index):
+        bar = panel().pages.tabBar()
+        at = bar.mapToGlobal(bar.tabRect(index).center())
+        return [at.x(), at.y()]
+
+    def item(self, row):
+        strip = panel().options.strip
+        strip.scrollToItem(strip.item(row))
+        at = strip.viewport().mapToGlobal(strip.visualItemRect(strip.item(row)).center())
+        return [at.x(), at.y()]
+
+    def point(self, x, y, z=3000):
+        """Where a point of the drawing is on the screen."""
+        view = Gui.activeDocument().activeView()
+        px, py = view.getPointOnScreen(V(x, y, z))[:2]
+        shown = [w for w in window().findChildren(QtWidgets.QWidget) if "Quarter" in w.metaObject().className()]
+        widget = max((w for w in shown if w.isVisible()), key=lambda w: w.width() * w.height())
+        widget = widget.viewport() if hasattr(widget, "viewport") else widget
+        height = view.getSize()[1]
+        at = widget.mapToGlobal(QtCore.QPoint(int(px), int(height - py)))
+        return [at.x(), at.y()]
+
+    def state(self):
+        return state()
+
+    def document(self):
+        doc = App.ActiveDocument
+        return {
+            "undo": doc.UndoCount,
+            "undo_names": list(doc.UndoNames),
+            "objects": len(doc.Objects),
+            "selection": [o.Label for o in Gui.Selection.getSelection()],
+        }
+
+    def panel(self):
+        p = panel()
+        overlay = p._overlays.get(App.ActiveDocument.Name)
+        return {
+            "status": p.status.text(),
+            "page": p.pages.currentIndex(),
+            "running": p.runner.is_running(),
+            "options": max(0, p.options.strip.count() - 1),
+            "row": p.options.strip.currentRow(),
+            "words": p.options.words.text(),
+            "round": p.round.folder if p.round else "",
+            "overlay": {n: not overlay[1].is_empty(n) for n in ("marks", "heat", "ghost")} if overlay else {},
+        }
+
+    def set(self, name, value):
+        widget = window().findChild(QtWidgets.QWidget, name)
+        getattr(widget, "setValue" if hasattr(widget, "setValue") else "setText")(value)
+
+    def heart(self, begin=False):
+        if begin:
+            HEART.begin()
+        return [HEART.longest, HEART.busiest]
+
+    def fit(self):
+        Gui.SendMsgToActiveView("ViewFit")
+
+    def isometric(self):
+        Gui.activeDocument().activeView().viewIsometric()
+        Gui.SendMsgToActiveView("ViewFit")
+
+    def top(self):
+        Gui.activeDocument().activeView().viewTop()
+        Gui.SendMsgToActiveView("ViewFit")
+
+    def marks(self):
+        return {o.Label: o.EnfiladeId for o in App.ActiveDocument.Objects if getattr(o, "EnfiladeId", "")}
+
+    def save_and_reload(self, path):
+        App.ActiveDocument.saveAs(path)
+        App.closeDocument(App.ActiveDocument.Name)
+        App.openDocument(path)
+        return len(App.ActiveDocument.Objects)
+
+    def save(self, path):
+        App.ActiveDocument.saveAs(path)
+
+    def select(self, label):
+        Gui.Selection.clearSelection()
+        Gui.Selection.addSelection(App.ActiveDocument.getObjectsByLabel(label)[0])
+
+    def edit_wall(self, label, width):
+        doc = App.ActiveDocument
+        doc.openTransaction("edit")
+        doc.getObjectsByLabel(label)[0].Width = width
+        doc.recompute()
+        doc.commitTransaction()
+
+    def recompute(self):
+        App.ActiveDocument.recompute()
+
+    def five_hundred(self):
+        """What marking and exporting 500 walls takes with a window: seconds of this thread, and by the clock."""
+        import Arch
+        import Draft
+        from enfilade_common import job
+        from enfilade_common.model import Wishes
+        from freecad.enfilade import document, marks
+
+        doc = App.newDocument("Many")
+        for i in range(500):
+            a = V(i % 25 * 3000, i // 25 * 3000, 0)
+            Arch.makeWall(Draft.make_line(a, a.add(V(2000, 0, 0))), width=100, height=3000)
+        doc.recompute()
+        clocks = lambda: (time.thread_time(), time.monotonic())  # noqa: E731
+        began = clocks()
+        doc.openTransaction("mark")
+        walls = [o for o in doc.Objects if document.kind_of(o) == "Wall"]
+        marks.mark_all(walls, {"x": (-300, 300), "y": (-300, 300)})
+        doc.commitTransaction()
+        marked = clocks()
+        job.write(document.study(doc, Wishes())[0], os.path.join(FOLDER, "many"))
+        written = clocks()
+        App.closeDocument(doc.Name)
+        return [[b - a for a, b in zip(*pair)] for pair in ((began, marked), (marked, written))]
+
+    def draw_rectangle(self, x, y, width, height):
+        """A closed line, as Draft's tools leave it; gives its label."""
+        import Draft
+
+        made = Draft.make_rectangle(width, height, App.Placement(V(x, y, 0), App.Rotation()), False)
+        App.ActiveDocument.recompute()
+        return made.Label
+
+    def regions(self):
+        kinds = [getattr(o, "EnfiladeRegion", "") for o in App.ActiveDocument.Objects]
+        return sorted(k for k in kinds if k)
+
+    def remove(self, labels):
+        for label in labels:
+            App.ActiveDocument.removeObject(App.ActiveDocument.getObjectsByLabel(label)[0].Name)
+
+    def best(self, parameters):
+        """Plays the progress of a program that tells its best layout."""
+        from enfilade_common.program import Progress
+
+        p = panel()
+        p._on_progress(Progress("optimise", 1, 2, 3, 0.5, None, parameters))
+        return not p.overlay(App.ActiveDocument).is_empty("ghost")
+
+    def tables(self):
+        return len(panel().job.plan.tables)
+
+    def clear_preview(self):
+        panel().clear_preview()
+
+    def macro(self, path):
+        """Runs the macro as FreeCAD does, after the workbench's panel has gone; gives its panel's module."""
+        old = panel()
+        old.shut()
+        window().removeDockWidget(old)
+        old.setObjectName("")
+        old.hide()
+        with open(path, encoding="utf-8") as f:
+            exec(compile(f.read(), path, "exec"), {"__name__": "__main__", "__file__": path})
+        return type(panel()).__module__
+
+    def import_option(self):
+        p = panel()
+        names = set(App.listDocuments())
+        p.options._import()
+        (made,) = set(App.listDocuments()) - names
+        edges = {o.Label: len(o.Shape.Edges) for o in App.getDocument(made).Objects}
+        App.closeDocument(made)
+        return edges
+
+    def quit(self):
+        QtCore.QTimer.singleShot(100, lambda: os._exit(0))
+
+
+def listen():
+    question = os.path.join(FOLDER, "question.json")
+    if not os.path.exists(question):
+        return
+    with open(question) as f:
+        asked = json.load(f)
+    os.remove(question)
+    try:
+        answer = {"value": getattr(ANSWERS, asked["name"])(*asked["values"])}
+    except Exception:
+        answer = {"error": traceback.format_exc()}
+    with open(os.path.join(FOLDER, "answer.part"), "w") as f:
+        json.dump(answer, f)
+    os.replace(os.path.join(FOLDER, "answer.part"), os.path.join(FOLDER, "answer.json"))
+
+
+def timed(cls, name):
+    """Prints how long a method of the panel takes, for the record of the run."""
+    original = getattr(cls, name)
+
+    def method(self, *values):
+        began = time.perf_counter()
+        try:
+            return original(self, *values)
+        finally:
+            sys.__stdout__.write(f"{name}: {1000 * (time.perf_counter() - began):.0f} ms\n")
+            sys.__stdout__.flush()
+
+    setattr(cls, name, method)
+
+
+def main():
+    try:
+        from freecad.enfilade.panel import Panel
+
+        for name in ("_run", "_load", "preview", "_accept"):
+            timed(Panel, name)
+        window().showMaximized()
+        for dock in window().findChildren(QtWidgets.QDockWidget):
+            if dock.objectName() in ("Python console", "Report view"):
+                dock.hide()
+        build()
+        Gui.activateWorkbench("EnfiladeWorkbench")
+        Gui.SendMsgToActiveView("ViewFit")
+        open(os.path.join(FOLDER, "ready"), "w").close()
+    except Exception:
+        with open(os.path.join(FOLDER, "failed"), "w") as f:
+            f.write(traceback.format_exc())
+        os._exit(1)
+    TIMER.start(30)
+
+
+HEART = Heart()
+ANSWERS = Answers()
+TIMER = QtCore.QTimer()
+TIMER.timeout.connect(listen)
+QtCore.QTimer.singleShot(800, main)

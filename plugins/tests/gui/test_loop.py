@@ -1,0 +1,261 @@
+"""The whole loop in FreeCAD's own window, with real clicks, in the order in which someone works."""
+
+import json
+import os
+
+import pytest
+from conftest import ROOT
+
+
+def same(a, b, within=0.002):
+    return a.keys() == b.keys() and all(
+        abs(p - q) <= within for k in a for p, q in zip(a[k], b[k])
+    )
+
+
+def select(window, x, y, *modifiers):
+    window.click(window.ask("point", x, y), *modifiers)
+
+
+def moved(window, option):
+    """Corners of what an option moves, by label, mm; and the study as written."""
+    round_folder = window.ask("panel")["round"]
+    with open(os.path.join(round_folder, "result.json")) as f:
+        result = json.load(f)
+    with open(os.path.join(round_folder, "..", "..", "plan.study.json")) as f:
+        study = json.load(f)
+    labels = {e["id"]: e["label"] for e in study["study"]["walls"] + study["study"]["columns"]}
+    study["labels"] = labels
+    corners = {}
+    for change in result["candidates"][option - 1]["changes"]:
+        label = labels[change["host_id"].rsplit("/", 1)[0]]
+        corners.setdefault(label, []).extend((x * 1000, y * 1000) for x, y in change["to"])
+    return corners, study
+
+
+def check_walls(window, option):
+    """Walls stand where result.json says, to 0.1 mm; the door stands in its wall."""
+    corners, study = moved(window, option)
+    now = window.ask("state")
+    assert corners
+    for label, points in corners.items():
+        xs, ys = [p[0] for p in points], [p[1] for p in points]
+        box = now[label]
+        if len(points) == sum(len(p) for p in written(study, label)):
+            reached = [min(xs), min(ys), max(xs), max(ys)]
+            assert box[:4] == pytest.approx(reached, abs=0.1), label
+    door, partition = now["Door"], now["Partition"]
+    assert partition[0] - 51 <= door[0] and door[2] <= partition[2] + 51, (door, partition)
+    assert partition[4] == pytest.approx((7750 * 3000 - 900 * 2100) * 120 / 1e6, rel=0.001), "the hole is in the wall"
+
+
+def written(study, label):
+    """Outlines of an element as exported: a wall whose every outline is named has all of its corners there."""
+    return [o["points"] for o in study["outlines"] if study["labels"][o["owner"]] == label]
+
+
+def run_study(window):
+    window.click(window.ask("tab", 1))
+    window.ask("set", "EnfiladeEvaluations", 1500)
+    window.ask("set", "EnfiladeMembers", 3)
+    window.press("EnfiladeRun")
+    window.wait_for("panel", lambda p: p["running"], 20)
+    window.ask("heart", True)
+    longest = []
+    while True:
+        panel, pause = window.ask("panel"), window.ask("heart")
+        if not panel["running"]:
+            break
+        longest.append(pause)
+    ended = window.wait_for("panel", lambda p: p["options"], 20)
+    assert ended["options"] == 3 and len(longest) > 5, ended
+    return [max(of_all) for of_all in zip(*longest)]
+
+
+def test_01_the_workbench_is_there(window):
+    assert window.ask("tool", "Mark what may move")
+    assert window.ask("panel")["page"] == 0
+    window.shot("01-empty")
+
+
+def test_02_walls_are_marked_with_clicks(window):
+    window.ask("save", os.path.join(window.folder, "Galerie Süd.FCStd"))
+    select(window, 5000, 5500)
+    assert window.ask("document")["selection"] == ["Partition"]
+    window.press("EnfiladeAllow_x")
+    window.shot("02-selected")
+    window.press("EnfiladeAllow")
+    assert "Partition" in window.ask("panel")["status"]
+    for x, y in ((2500, 4000), (9000, 2200)):
+        select(window, x, y)
+        for kind in ("x", "y", "rotate"):
+            if not window.ask("checked", "EnfiladeAllow_" + kind):
+                window.press("EnfiladeAllow_" + kind)
+        window.press("EnfiladeAllow")
+    marked = window.ask("marks")
+    assert sorted(marked) == ["Partition", "Schirm Ö", "Screen A"], marked
+    window.wait_for("panel", lambda p: p["overlay"].get("marks"), 10)
+    window.shot("03-marked")
+    assert window.ask("document")["undo"] == 3, "one entry for each time of marking"
+
+
+def test_02b_regions_are_picked_and_drawn(window):
+    label = window.ask("draw_rectangle", 200, 200, 4500, 7500)
+    window.ask("select", label)
+    window.press("EnfiladeRegion_query")
+    assert window.ask("regions") == ["query"]
+    window.click(window.ask("point", 200, 9500))
+    window.press("EnfiladeRegion_reference")
+    assert "Draw a closed line" in window.ask("panel")["status"]
+    window.key("Escape")
+    drawn = window.ask("draw_rectangle", 5300, 200, 6400, 7500)
+    window.wait_for("regions", lambda kinds: kinds == ["query", "reference"], 10)
+    window.shot("03b-regions")
+    window.ask("remove", [label, drawn])
+    assert window.ask("regions") == []
+
+
+def test_03_a_study_runs_without_blocking(window):
+    before = window.ask("state")
+    longest, busiest = run_study(window)
+    assert busiest < 0.1, f"the window's thread was busy for {busiest * 1000:.0f} ms at a time"
+    window.shot("04-options")
+    assert same(before, window.ask("state")), "nothing moves before accept"
+    panel = window.ask("panel")
+    assert panel["page"] == 2 and panel["overlay"]["heat"] and panel["overlay"]["ghost"]
+    print(f"during the run: longest pause {longest * 1000:.0f} ms, of which busy {busiest * 1000:.0f} ms")
+
+
+def test_04_arrow_keys_switch_the_view(window):
+    objects, undo = (window.ask("document")[k] for k in ("objects", "undo"))
+    window.click(window.ask("item", 2))
+    words = window.ask("panel")["words"]
+    window.shot("05-option-2")
+    window.key("Right")
+    panel = window.ask("panel")
+    assert panel["row"] == 3 and panel["words"] != words
+    window.ask("isometric")
+    window.shot("06-option-3-isometric")
+    window.ask("top")
+    window.click(window.ask("item", 0))
+    panel = window.ask("panel")
+    assert panel["overlay"]["heat"] and not panel["overlay"]["ghost"], "the present layout has no ghosts"
+    window.shot("07-present")
+    document = window.ask("document")
+    assert (document["objects"], document["undo"]) == (objects, undo), "looking leaves no trace"
+
+
+def test_05_accept_undo_redo_accept_another(window):
+    before = window.ask("state")
+    undo = window.ask("document")["undo"]
+    window.click(window.ask("item", 1))
+    window.press("EnfiladeAccept")
+    window.wait_for("panel", lambda p: "Accepted option 1" in p["status"], 20)
+    check_walls(window, 1)
+    after = window.ask("state")
+    document = window.ask("document")
+    assert document["undo"] == undo + 1 and document["undo_names"][0] == "Enfilade: option 1"
+    window.shot("08-accepted")
+    window.click(window.ask("point", 200, 9500))
+    window.key("ctrl+z")
+    window.ask("recompute")
+    assert same(before, window.ask("state")), "undo takes all of it back"
+    assert window.ask("document")["undo"] == undo
+    window.key("ctrl+shift+z")
+    window.ask("recompute")
+    assert same(after, window.ask("state")), "redo brings it again"
+    window.key("ctrl+z")
+    window.ask("recompute")
+    window.click(window.ask("item", 2))
+    window.press("EnfiladeAccept")
+    window.wait_for("panel", lambda p: "Accepted option 2" in p["status"], 20)
+    check_walls(window, 2)
+    window.shot("09-another")
+
+
+def test_06_a_second_round_starts_from_there(window):
+    run_study(window)
+    panel = window.ask("panel")
+    assert os.path.basename(panel["round"]) == "round-02"
+    window.click(window.ask("item", 3))
+    window.press("EnfiladeAccept")
+    window.wait_for("panel", lambda p: "Accepted option 3" in p["status"], 20)
+    check_walls(window, 3)
+    with open(os.path.join(panel["round"], "result.json")) as f:
+        lineage = json.load(f)["lineage"]
+    assert [entry["candidate"] for entry in lineage] == [2], "the round knows where it came from"
+    window.shot("10-second-round")
+
+
+def test_07_an_edited_wall_is_refused(window):
+    run_study(window)
+    edited = next(label for label in moved(window, 1)[0] if label != "Column")
+    window.ask("edit_wall", edited, 140)
+    before = window.ask("state")
+    window.press("EnfiladeAccept")
+    status = window.wait_for("panel", lambda p: "was changed since" in p["status"], 10)["status"]
+    assert f"'{edited}' was edited" in status
+    assert same(before, window.ask("state"))
+    window.shot("11-refused")
+
+
+def test_08_save_and_reload_keep_ids(window):
+    marks, walls = window.ask("marks"), window.ask("state")
+    window.ask("save_and_reload", os.path.join(window.folder, "Galerie Süd.FCStd"))
+    assert window.ask("marks") == marks and same(window.ask("state"), walls)
+
+
+def test_09_a_run_can_be_stopped(window):
+    window.click(window.ask("tab", 1))
+    window.ask("set", "EnfiladeEvaluations", 5_000_000)
+    window.press("EnfiladeRun")
+    window.wait_for("panel", lambda p: p["running"], 20)
+    window.shot("12-running")
+    window.press("EnfiladeStop")
+    panel = window.wait_for("panel", lambda p: not p["running"], 20)
+    assert panel["status"], panel
+
+
+def test_10_a_missing_program_is_said(window):
+    window.ask("set", "EnfiladeProgram", "no-such-program")
+    window.press("EnfiladeProgram")
+    window.key("End")
+    window.key("Return")
+    window.press("EnfiladeRun")
+    status = window.wait_for("panel", lambda p: "no-such-program" in p["status"], 10)["status"]
+    assert "Nothing was started" in status
+    window.shot("13-no-program")
+
+
+def test_11_the_best_so_far_is_a_ghost(window):
+    window.ask("clear_preview")
+    assert window.ask("best", [300.0] * window.ask("tables"))
+    window.shot("14-best-so-far")
+    window.ask("clear_preview")
+
+
+def test_12_an_option_comes_back_as_a_document(window):
+    window.ask("set", "EnfiladeProgram", "")
+    window.press("EnfiladeProgram")
+    window.key("Return")
+    run_study(window)
+    edges = window.ask("import_option")
+    assert edges["A_WALL"] >= 8 * 4 and edges["EF_MOVED"] > 0, edges
+
+
+def test_13_the_macro_does_it_without_the_workbench(window):
+    objects = window.ask("document")["objects"]
+    assert window.ask("macro", os.path.join(ROOT, "plugins", "freecad", "Enfilade.FCMacro")) == "enfilade_macro.panel"
+    run_study(window)
+    window.click(window.ask("item", 1))
+    window.press("EnfiladeAccept")
+    window.wait_for("panel", lambda p: "Accepted option 1" in p["status"], 20)
+    assert window.ask("document")["objects"] == objects
+    window.shot("15-macro")
+
+
+def test_14_five_hundred_walls(window):
+    (marked, marked_clock), (exported, exported_clock) = window.ask("five_hundred", secs=300)
+    print(f"500 walls: marked in {marked:.2f} s of work ({marked_clock:.2f} s by the clock), ", end="")
+    print(f"exported in {exported:.2f} s of work ({exported_clock:.2f} s by the clock)")
+    assert marked + exported < 2.0

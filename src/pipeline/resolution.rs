@@ -1,0 +1,307 @@
+//! The resolution study (spec 8; paper: Critical Resolution): the measures over a series of spacings, and
+//! the coarsest spacing from which they no longer change.
+
+use std::fmt::Write;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+
+use super::study::{self, Study};
+use super::{Event, Input, Outcome, Progress, show, spacing};
+use crate::config::Settings;
+use crate::overlay::chart::{Panel, resolution_png};
+use crate::overlay::heat_map::DEFAULT_SIDE_PX;
+use crate::overlay::result::{self, ProblemEntry};
+use crate::report::{Cancel, Error, OutFile, Place, Report};
+
+/// Value of the `schema` key.
+pub const SCHEMA: &str = "enfilade.resolution/1";
+/// Change, relative to the finest lattice, up to which a measure counts as unchanged.
+pub const TOLERANCE: f64 = 0.03;
+/// Layouts sampled where moves are given, as the paper has it.
+pub const SAMPLES: usize = 10;
+/// A lattice of fewer vertices than this says nothing.
+const VERTICES_MIN: f64 = 30.0;
+/// The finest lattice of the default series.
+const VERTICES_MAX: f64 = 16_000.0;
+/// Change of a measure between neighbouring spacings, relative, that is called a jump.
+const JUMP: f64 = 0.15;
+
+/// What is studied.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Spacings, metres; empty: a series that suits the plan.
+    pub spacings_m: Vec<f64>,
+    /// See [`TOLERANCE`].
+    pub tolerance: f64,
+    /// See [`SAMPLES`].
+    pub samples: usize,
+}
+
+/// One measure at one spacing over the sampled layouts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// Of the present layout.
+    pub initial: f64,
+    /// Mean over the sampled layouts (the present one where nothing moves).
+    pub mean: f64,
+    /// Standard deviation over the sampled layouts.
+    pub deviation: f64,
+}
+
+/// One spacing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Metres.
+    pub spacing_m: f64,
+    /// Vertices of the lattice.
+    pub vertices: usize,
+    /// Area seen from a vertex, m²: degree × spacing².
+    pub visible_m2: Spread,
+    /// Depth, steps.
+    pub depth: Spread,
+    /// Entropy, bits.
+    pub entropy: Spread,
+}
+
+/// `resolution.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ResolutionResult {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// The drawing.
+    pub input: result::Input,
+    /// Coarsest spacing first.
+    pub rows: Vec<Row>,
+    /// The tolerance used.
+    pub tolerance: f64,
+    /// Coarsest spacing from which no measure changes by more than the tolerance; none where only the
+    /// finest is left.
+    pub critical_m: Option<f64>,
+    /// What narrow passages do: jumps between neighbouring spacings, in words.
+    pub jumps: Vec<String>,
+    /// What was left out or assumed.
+    pub problems: Vec<ProblemEntry>,
+}
+
+/// Measures the present layout and samples of the moves over a series of spacings.
+///
+/// # Errors
+/// What reading returns; [`Error::Usage`] for fewer than two usable spacings; [`Error::Stopped`].
+pub fn resolution(
+    input: &Input<'_>,
+    settings: &Settings,
+    options: &Options,
+    show: &mut (dyn FnMut(Event) + Send),
+    cancel: &Cancel,
+) -> Result<Outcome<ResolutionResult>, Error> {
+    let mut report = Report::default();
+    let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
+    let series = series(&base, options, input.file())?;
+    let samples = sampled(&base.moves.bounds(), options.samples, settings.seed);
+    let plan = base.plan.clone();
+    let mut rows = Vec::new();
+    for (i, spacing_m) in series.iter().enumerate() {
+        cancel.check()?;
+        let progress = Progress {
+            stage: format!("spacing {spacing_m} m"),
+            done: i as u64,
+            total: Some(series.len() as u64),
+            ..Default::default()
+        };
+        show(Event::Progress(progress));
+        let one = Settings { spacing_m: Some(*spacing_m), ..settings.clone() };
+        match Study::new(base.clone(), &one, &mut Report::default()) {
+            Ok(study) => rows.push(row(&study, &samples, cancel)?),
+            Err(Error::Stopped) => return Err(Error::Stopped),
+            Err(e) => report.warn(
+                "spacing-skipped",
+                Place::file(input.file()),
+                format!("spacing {spacing_m} m: {e}"),
+            ),
+        }
+    }
+    let critical_m = critical(&rows, options.tolerance);
+    let result = ResolutionResult {
+        schema: SCHEMA.into(),
+        input: show::input(&plan, input.path, &input.sha256),
+        tolerance: options.tolerance,
+        critical_m,
+        jumps: jumps(&rows),
+        problems: report.problems.iter().map(Into::into).collect(),
+        rows,
+    };
+    let files = vec![
+        OutFile::new("resolution.json", result::to_json(&result)?),
+        OutFile::new("resolution.csv", csv(&result.rows)),
+        OutFile::new("resolution.png", resolution_png(&panels(&result.rows), critical_m, DEFAULT_SIDE_PX)?),
+    ];
+    Ok(Outcome { result, files, report })
+}
+
+/// The spacings studied, coarsest first.
+fn series(base: &study::Understood, options: &Options, file: &str) -> Result<Vec<f64>, Error> {
+    let area_m2 = spacing::area_m2(base);
+    let usable = |s: f64| {
+        let vertices = area_m2 / (s * s);
+        (VERTICES_MIN..=VERTICES_MAX).contains(&vertices)
+    };
+    let mut out: Vec<f64> = if options.spacings_m.is_empty() {
+        spacing::SERIES_M.iter().copied().filter(|s| usable(*s)).collect()
+    } else {
+        options.spacings_m.clone()
+    };
+    out.sort_by(|a, b| b.total_cmp(a));
+    out.dedup();
+    if out.len() < 2 {
+        let text = format!(
+            "resolution study: found {} usable spacings for {area_m2:.0} m², expected at least 2; nothing was done; \
+             name them with --spacings",
+            out.len()
+        );
+        return Err(Error::usage("spacings", Place::file(file), text));
+    }
+    Ok(out)
+}
+
+/// Parameter vectors drawn evenly within the bounds; the same seed draws the same ones.
+fn sampled(bounds: &[[f64; 2]], samples: usize, seed: u64) -> Vec<Vec<f64>> {
+    if bounds.is_empty() {
+        return Vec::new();
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut one = || bounds.iter().map(|[lo, hi]| lo + (hi - lo) * rng.random::<f64>()).collect();
+    (0..samples).map(|_| one()).collect()
+}
+
+fn row(study: &Study, samples: &[Vec<f64>], cancel: &Cancel) -> Result<Row, Error> {
+    let cell_m2 = study.spacing.spacing_m * study.spacing.spacing_m;
+    let numbers =
+        |means: &crate::analysis::measures::Means| [means.degree * cell_m2, means.depth, means.entropy];
+    let initial = numbers(&study.initial.means);
+    let mut bench = study.bench();
+    let mut found = Vec::new();
+    for p in samples {
+        cancel.check()?;
+        found.push(numbers(&study.measure(p, &mut bench).means));
+    }
+    if found.is_empty() {
+        found.push(initial);
+    }
+    let spread = |k: usize| {
+        let n = found.len() as f64;
+        let mean = found.iter().map(|f| f[k]).sum::<f64>() / n;
+        let deviation = (found.iter().map(|f| (f[k] - mean).powi(2)).sum::<f64>() / n).sqrt();
+        Spread { initial: initial[k], mean, deviation }
+    };
+    Ok(Row {
+        spacing_m: study.spacing.spacing_m,
+        vertices: study.lattice.cells.len(),
+        visible_m2: spread(0),
+        depth: spread(1),
+        entropy: spread(2),
+    })
+}
+
+const NAMES: [&str; 3] = ["visible area", "depth", "entropy"];
+
+impl Row {
+    fn spreads(&self) -> [Spread; 3] {
+        [self.visible_m2, self.depth, self.entropy]
+    }
+}
+
+fn change(from: f64, to: f64) -> f64 {
+    if from == to { 0.0 } else { (to - from).abs() / from.abs().max(to.abs()) }
+}
+
+/// The coarsest spacing all whose finer ones agree with the finest within the tolerance; at least one
+/// finer spacing must have confirmed it.
+fn critical(rows: &[Row], tolerance: f64) -> Option<f64> {
+    let finest = rows.last()?.spreads();
+    let agrees = |r: &&Row| {
+        r.spreads()
+            .iter()
+            .zip(&finest)
+            .all(|(a, b)| change(a.mean, b.mean) <= tolerance && change(a.initial, b.initial) <= tolerance)
+    };
+    let steady: Vec<&Row> = rows.iter().rev().take_while(agrees).collect();
+    (steady.len() > 1).then(|| steady.last().map(|r| r.spacing_m)).flatten()
+}
+
+fn jumps(rows: &[Row]) -> Vec<String> {
+    let mut out = Vec::new();
+    for pair in rows.windows(2) {
+        for (k, name) in NAMES.iter().enumerate() {
+            let (a, b) = (pair[0].spreads()[k].initial, pair[1].spreads()[k].initial);
+            if change(a, b) > JUMP {
+                out.push(format!(
+                    "{name} jumps from {a:.3} at {} m to {b:.3} at {} m: a passage that the coarser lattice misses opens or closes",
+                    pair[0].spacing_m, pair[1].spacing_m
+                ));
+            }
+        }
+    }
+    out
+}
+
+fn panels(rows: &[Row]) -> Vec<Panel> {
+    let names = ["Visible area (m²)", "Accessibility (depth, steps)", "Organisation (entropy, bits)"];
+    let panel = |(k, name): (usize, &str)| Panel {
+        name: name.into(),
+        points: rows
+            .iter()
+            .rev()
+            .map(|r| (r.spacing_m, r.spreads()[k]))
+            .map(|(s, v)| [s, v.mean, v.deviation])
+            .collect(),
+    };
+    names.into_iter().enumerate().map(panel).collect()
+}
+
+fn csv(rows: &[Row]) -> String {
+    let mut out = String::from("spacing_m,vertices");
+    for name in ["visible_m2", "depth", "entropy"] {
+        let _ = write!(out, ",{name}_initial,{name}_mean,{name}_deviation");
+    }
+    out.push('\n');
+    for r in rows {
+        let _ = write!(out, "{},{}", r.spacing_m, r.vertices);
+        for s in r.spreads() {
+            let _ = write!(out, ",{},{},{}", s.initial, s.mean, s.deviation);
+        }
+        out.push('\n');
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(spacing_m: f64, depth: f64) -> Row {
+        let spread = |v: f64| Spread { initial: v, mean: v, deviation: 0.0 };
+        Row { spacing_m, vertices: 1, visible_m2: spread(10.0), depth: spread(depth), entropy: spread(1.0) }
+    }
+
+    #[test]
+    fn the_critical_spacing_is_the_coarsest_from_which_nothing_changes() {
+        let rows = [at(2.0, 3.0), at(1.0, 2.03), at(0.5, 2.01), at(0.25, 2.0)];
+        assert_eq!(critical(&rows, 0.02), Some(1.0));
+        assert_eq!(critical(&rows, 0.001), None);
+        assert_eq!(jumps(&rows).len(), 1);
+        // An agreement that a finer spacing breaks again is none.
+        let rows = [at(2.0, 2.0), at(1.0, 3.0), at(0.5, 2.0), at(0.25, 2.0)];
+        assert_eq!(critical(&rows, 0.02), Some(0.5));
+    }
+
+    #[test]
+    fn the_same_seed_draws_the_same_layouts_within_bounds() {
+        let bounds = [[-1.0, 2.0], [0.0, 0.5]];
+        let drawn = sampled(&bounds, 10, 4);
+        assert_eq!(drawn, sampled(&bounds, 10, 4));
+        assert!(drawn.iter().all(|p| p.iter().zip(bounds).all(|(v, [lo, hi])| (lo..=hi).contains(v))));
+        assert!(sampled(&[], 10, 4).is_empty());
+    }
+}

@@ -1,0 +1,147 @@
+//! Cuts: openings in walls that were drawn without a gap, where lines across the wall, a door swing or a
+//! door or window by layer or block show them.
+
+use super::assembly::{Axis, Spare};
+use super::carrier::Carrier;
+use super::evidence::{Band, Evidence, ordered, trace};
+use super::near::Buckets;
+use super::spans::{self, Span};
+use super::tolerances::{COLLINEAR_M, ERROR_GAP_M, LEAF_M, OPENING_MIN_M};
+use super::{Mark, OpeningKind, Path, Role};
+
+/// Widest opening between two lines across a wall.
+const CUT_MAX_M: f64 = 5.0;
+/// Narrowest opening that a mark alone makes.
+const MARK_MIN_M: f64 = 0.4;
+/// How far beside a wall's faces the hinge of a door in it may lie.
+const HINGE_BESIDE_M: f64 = 0.12;
+/// What must be left of a wall beside a cut; less goes to the cut.
+const REST_M: f64 = 0.02;
+
+/// Cuts axes where openings show; pieces of one axis keep its row.
+pub fn cut(axes: Vec<Axis>, spares: &[Spare], evidence: &Evidence<'_>) -> Vec<Axis> {
+    let mut gaps: Vec<Vec<Span>> = vec![Vec::new(); axes.len()];
+    let mut near = Buckets::new(1.0);
+    for (i, a) in axes.iter().enumerate() {
+        near.add(i as u32, &a.carrier.points(a.span));
+    }
+    between_jambs(&axes, spares, evidence, &near, &mut gaps);
+    at_marks(&axes, evidence, &near, &mut gaps);
+    let mut out = Vec::new();
+    for (a, gaps) in axes.into_iter().zip(gaps) {
+        let gaps = spans::joined(gaps, ERROR_GAP_M);
+        if gaps.is_empty() {
+            out.push(a);
+            continue;
+        }
+        for span in spans::without(a.span, &gaps).into_iter().filter(|s| spans::length(*s) > REST_M) {
+            out.push(Axis { span, ..a.clone() });
+        }
+    }
+    out
+}
+
+/// Between two lines across a wall with something of a door or window between them.
+fn between_jambs(
+    axes: &[Axis],
+    spares: &[Spare],
+    evidence: &Evidence<'_>,
+    near: &Buckets,
+    gaps: &mut [Vec<Span>],
+) {
+    let mut jambs: Vec<Vec<f64>> = vec![Vec::new(); axes.len()];
+    for spare in spares.iter().filter(|s| s.is_cap) {
+        let middle = spare.carrier.at((spare.span[0] + spare.span[1]) / 2.0);
+        for a in near.near(middle, middle) {
+            let axis = &axes[a as usize];
+            let s = axis.carrier.s_of(middle);
+            let is_on = axis.carrier.offset_of(middle).abs() < axis.thickness / 4.0 + COLLINEAR_M;
+            let is_across = (spans::length(spare.span) - axis.thickness).abs() < 2.0 * ERROR_GAP_M;
+            if is_on && is_across && s > axis.span[0] - REST_M && s < axis.span[1] + REST_M {
+                jambs[a as usize].push(s);
+            }
+        }
+    }
+    for (a, mut at) in jambs.into_iter().enumerate() {
+        at.sort_by(f64::total_cmp);
+        for w in at.windows(2) {
+            let gap = [w[0], w[1]];
+            let is_wide = (OPENING_MIN_M..=CUT_MAX_M).contains(&spans::length(gap));
+            let axis = &axes[a];
+            if is_wide
+                && evidence.look(&axis.carrier, axis.thickness, gap).verdict().0 != OpeningKind::Passage
+            {
+                gaps[a].push(gap);
+            }
+        }
+    }
+}
+
+/// Where a swing closes onto a wall, or a window lies in one.
+fn at_marks(axes: &[Axis], evidence: &Evidence<'_>, near: &Buckets, gaps: &mut [Vec<Span>]) {
+    for mark in &evidence.drawn.marks {
+        for path in &mark.paths {
+            let around = near.along(&trace(path), LEAF_M[0]);
+            let swings = around.iter().filter_map(|a| Some((*a, swing_gap(&axes[*a as usize], path)?)));
+            let swings: Vec<(u32, Span)> = swings.collect();
+            // A leaf that opens against another wall touches two walls: which one it is in, is not said.
+            if let [(a, gap)] = swings.as_slice()
+                && !around.iter().any(|b| ends_at_hinge(&axes[*b as usize], path))
+                && is_within(*gap, axes[*a as usize].span)
+            {
+                gaps[*a as usize].push(*gap);
+            }
+            for a in &around {
+                let axis = &axes[*a as usize];
+                if let Some(gap) = pane_gap(axis, mark, path).filter(|g| is_within(*g, axis.span)) {
+                    gaps[*a as usize].push(gap);
+                }
+            }
+        }
+    }
+}
+
+/// Whether a wall ends at a swing's hinge and looks to where its leaf closes or opens: there is a gap.
+fn ends_at_hinge(axis: &Axis, path: &Path) -> bool {
+    let Path::Arc { centre, radius, .. } = *path else { return false };
+    (0..2).any(|e| {
+        let out = axis.carrier.tangent(axis.span[e]) * if e == 1 { 1.0 } else { -1.0 };
+        let looks = |p: glam::DVec2| (p - centre).dot(out) > 0.9 * radius;
+        axis.carrier.at(axis.span[e]).distance(centre) < axis.thickness / 2.0 + 2.0 * HINGE_BESIDE_M
+            && path.ends().into_iter().any(looks)
+    })
+}
+
+fn is_within(gap: Span, span: Span) -> bool {
+    gap[0] > span[0] - REST_M && gap[1] < span[1] + REST_M && spans::length(gap) >= MARK_MIN_M
+}
+
+/// From a swing's hinge to where its leaf closes.
+fn swing_gap(axis: &Axis, path: &Path) -> Option<Span> {
+    let Path::Arc { centre, radius, sweep_rad, .. } = *path else { return None };
+    let band = Band { carrier: axis.carrier, gap: axis.span, half: axis.thickness / 2.0 };
+    if !(LEAF_M[0]..=LEAF_M[1]).contains(&radius)
+        || !(0.5..2.2).contains(&sweep_rad)
+        || !band.has(centre, HINGE_BESIDE_M)
+    {
+        return None;
+    }
+    let closed = path.ends().into_iter().filter(|e| band.has(*e, HINGE_BESIDE_M));
+    let far = closed
+        .map(|e| axis.carrier.s_of(e))
+        .find(|s| (s - axis.carrier.s_of(centre)).abs() > 0.9 * radius)?;
+    Some(ordered(axis.carrier.s_of(centre), far))
+}
+
+/// Along a line of a window that lies between the faces.
+fn pane_gap(axis: &Axis, mark: &Mark, path: &Path) -> Option<Span> {
+    if !matches!(mark.role, Role::Window) || matches!(path, Path::Line { .. }) != axis.carrier.is_line() {
+        return None;
+    }
+    let (carrier, span) = Carrier::of(path);
+    if !path.ends().iter().all(|e| axis.carrier.offset_of(*e).abs() <= axis.thickness / 2.0 + ERROR_GAP_M) {
+        return None;
+    }
+    let gap = axis.carrier.span_of(&carrier, span);
+    (spans::length(gap) > 0.95 * path.length_m()).then_some(gap)
+}

@@ -1,0 +1,218 @@
+//! Evidence: what the drawing shows in a gap of a wall, and what that makes of it.
+
+use glam::DVec2;
+
+use super::assembly::Spare;
+use super::carrier::Carrier;
+use super::near::Buckets;
+use super::spans::{self, Span};
+use super::tolerances::{ERROR_GAP_M, LEAF_M};
+use super::{Drawn, Mark, OpeningKind, Path, Role};
+
+/// How far beside the wall's faces something still lies in an opening.
+pub const BESIDE_M: f64 = 0.06;
+/// How far from a jamb a door leaf may turn.
+const HINGE_M: f64 = 0.15;
+/// Share of the gap that a window line runs along.
+const PANE_COVER: f64 = 0.6;
+/// Half the width in which things lie in the gap of a wall drawn as one line.
+const SINGLE_HALF_M: f64 = 0.21;
+
+/// All that may be evidence, by place.
+pub struct Evidence<'a> {
+    pub drawn: &'a Drawn,
+    spares: &'a [Spare],
+    marks_near: Buckets,
+    spares_near: Buckets,
+}
+
+impl<'a> Evidence<'a> {
+    pub fn new(drawn: &'a Drawn, spares: &'a [Spare]) -> Self {
+        let (mut marks_near, mut spares_near) = (Buckets::new(1.0), Buckets::new(1.0));
+        for (i, m) in drawn.marks.iter().enumerate() {
+            m.paths.iter().for_each(|p| marks_near.add(i as u32, &trace(p)));
+        }
+        for (i, s) in spares.iter().enumerate() {
+            spares_near.add(i as u32, &s.carrier.points(s.span));
+        }
+        Self { drawn, spares, marks_near, spares_near }
+    }
+
+    /// What is drawn in a gap.
+    pub fn look(&self, carrier: &Carrier, thickness: f64, gap: Span) -> Seen {
+        let band = Band {
+            carrier: *carrier,
+            gap,
+            half: if thickness > 0.0 { thickness / 2.0 } else { SINGLE_HALF_M },
+        };
+        let around = carrier.points(gap);
+        let mut seen = Seen::default();
+        for m in self.marks_near.along(&around, band.half + LEAF_M[1]) {
+            let mark = &self.drawn.marks[m as usize];
+            if seen.look_at(mark, &band) {
+                seen.marks.push(m);
+            }
+        }
+        let groups: Vec<u32> = seen.marks.iter().map(|m| self.drawn.marks[*m as usize].group).collect();
+        for m in self.marks_near.along(&around, band.half + 2.0 * LEAF_M[1]) {
+            if groups.contains(&self.drawn.marks[m as usize].group) {
+                seen.marks.push(m);
+            }
+        }
+        seen.marks.sort_unstable();
+        seen.marks.dedup();
+        for s in self.spares_near.along(&around, band.half + LEAF_M[1]) {
+            let spare = &self.spares[s as usize];
+            let path = path_of(spare);
+            let is_swing = band.has_swing(&path);
+            seen.swing |= is_swing;
+            seen.panes |= band.has_pane(&path) && !spare.is_cap;
+            if is_swing || (!spare.is_cap && band.holds(&path)) {
+                seen.faces.extend(&spare.faces);
+            }
+        }
+        seen.faces.sort_unstable();
+        seen.faces.dedup();
+        seen
+    }
+}
+
+/// A span from two values in any order.
+pub fn ordered(a: f64, b: f64) -> Span {
+    [a.min(b), a.max(b)]
+}
+
+/// Points along a path.
+pub fn trace(path: &Path) -> Vec<DVec2> {
+    let (carrier, span) = Carrier::of(path);
+    if span[1] - span[0] < 1e-9 || !carrier.at(span[0]).is_finite() {
+        return vec![path.ends()[0]];
+    }
+    carrier.points(span)
+}
+
+fn path_of(spare: &Spare) -> Path {
+    let [a, b] = spare.span.map(|s| spare.carrier.at(s));
+    match spare.carrier {
+        Carrier::Line { .. } => Path::Line { a, b },
+        Carrier::Circle { centre, radius, base_rad } => Path::Arc {
+            centre,
+            radius,
+            start_rad: base_rad + spare.span[0] / radius,
+            sweep_rad: spans::length(spare.span) / radius,
+        },
+    }
+}
+
+/// The place of a gap in its wall.
+pub struct Band {
+    pub carrier: Carrier,
+    pub gap: Span,
+    pub half: f64,
+}
+
+impl Band {
+    /// Whether a point lies in the gap or at most `more` beside it.
+    pub fn has(&self, p: DVec2, more: f64) -> bool {
+        let s = self.carrier.s_of(p);
+        s > self.gap[0] - more
+            && s < self.gap[1] + more
+            && self.carrier.offset_of(p).abs() <= self.half + more
+    }
+
+    /// Whether the middle of a piece lies in the gap.
+    fn holds(&self, path: &Path) -> bool {
+        let points = trace(path);
+        let n = points.len() / 2;
+        let middle = if points.len() == 2 { points[0].midpoint(points[1]) } else { points[n] };
+        self.has(middle, ERROR_GAP_M)
+    }
+
+    /// A line along the wall through most of the gap.
+    fn has_pane(&self, path: &Path) -> bool {
+        let ends = path.ends();
+        if ends.iter().any(|e| self.carrier.offset_of(*e).abs() > self.half + ERROR_GAP_M) {
+            return false;
+        }
+        let s = ordered(self.carrier.s_of(ends[0]), self.carrier.s_of(ends[1]));
+        let shared = spans::overlap(s, self.gap).map_or(0.0, spans::length);
+        let is_straight = matches!(path, Path::Line { .. }) == self.carrier.is_line();
+        is_straight
+            && shared >= PANE_COVER * spans::length(self.gap)
+            && spans::length(s) < 1.6 * spans::length(self.gap)
+    }
+
+    /// An arc about a hinge at a jamb that closes the gap, alone or with its twin.
+    fn has_swing(&self, path: &Path) -> bool {
+        let Path::Arc { centre, radius, sweep_rad, .. } = *path else { return false };
+        let width = spans::length(self.gap);
+        let s = self.carrier.s_of(centre);
+        let at_jamb = self.gap.iter().any(|g| (g - s).abs() <= HINGE_M);
+        let closes = |e: &DVec2| {
+            let to = self.carrier.s_of(*e);
+            self.has(*e, HINGE_M) && (to - s).abs() > 0.9 * radius
+        };
+        at_jamb
+            && path.ends().iter().any(closes)
+            && self.carrier.offset_of(centre).abs() <= self.half + HINGE_M
+            && (0.3..3.2).contains(&sweep_rad)
+            && radius > 0.35 * width
+            && radius < 1.15 * width + 0.05
+    }
+}
+
+/// What was found in a gap.
+#[derive(Debug, Default)]
+pub struct Seen {
+    pub swing: bool,
+    door: Option<String>,
+    window: Option<String>,
+    panes: bool,
+    /// Indices of [`Drawn::marks`] that belong to the opening.
+    pub marks: Vec<u32>,
+    /// Indices of [`Drawn::faces`] that lie in it.
+    pub faces: Vec<u32>,
+}
+
+impl Seen {
+    /// Takes a mark as evidence; whether it belongs to the opening.
+    fn look_at(&mut self, mark: &Mark, band: &Band) -> bool {
+        let swing = mark.paths.iter().any(|p| band.has_swing(p));
+        let inside = mark.paths.iter().any(|p| band.holds(p));
+        let panes = mark.paths.iter().any(|p| band.has_pane(p));
+        self.swing |= swing;
+        match mark.role {
+            Role::Door if inside || swing => self.door.get_or_insert(mark.word.clone()),
+            Role::Window | Role::Glazing if inside => self.window.get_or_insert(mark.word.clone()),
+            Role::Unknown if panes => {
+                self.panes = true;
+                return true;
+            }
+            _ => return swing || inside,
+        };
+        true
+    }
+
+    /// What the opening is, and why.
+    pub fn verdict(&self) -> (OpeningKind, String) {
+        let with = |what: &str, word: &str| {
+            if word.is_empty() { what.to_string() } else { format!("{what}: {word}") }
+        };
+        if let Some(word) = &self.door {
+            return (
+                OpeningKind::Door,
+                with(if self.swing { "door swing and layer or block" } else { "layer or block" }, word),
+            );
+        }
+        if self.swing {
+            return (OpeningKind::Door, "door swing".into());
+        }
+        if let Some(word) = &self.window {
+            return (OpeningKind::Window, with("layer or block", word));
+        }
+        if self.panes {
+            return (OpeningKind::Window, "lines along the wall between its jambs".into());
+        }
+        (OpeningKind::Passage, "nothing is drawn in the gap".into())
+    }
+}

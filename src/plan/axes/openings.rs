@@ -1,0 +1,215 @@
+//! Openings: gaps between wall ends, and what the drawing shows in them.
+
+use std::collections::BTreeSet;
+
+use super::assembly::{Axes, Axis};
+use super::evidence::{BESIDE_M, Evidence, ordered};
+use super::joints::{FreeEnd, Joined};
+use super::near::Buckets;
+use super::tolerances::{
+    CROSSING_MIN_RAD, ERROR_GAP_M, OPENING_MAX_M, OPENING_MIN_M, PASSAGE_MAX_M, SIDE_OPENING_MAX_M,
+};
+use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind};
+
+/// A wall that ends in front of another's side leaves a passage only if it stands this square to it.
+const SQUARE_SIN: f64 = 0.97;
+
+/// What a gap ends at.
+struct Facing {
+    /// Clear width.
+    width: f64,
+    jamb: Jamb,
+    /// The free end at the other side, by its place in the list of free ends.
+    other: Option<usize>,
+    /// Whether the wall stands square to what it ends at.
+    is_square: bool,
+}
+
+/// Finds the openings.
+pub fn find(drawn: &Drawn, all: &Axes, joined: &Joined, out: &mut AxisGraph) {
+    let scene = Scene::new(drawn, all, joined, out);
+    let mut found: Vec<Opening> = Vec::new();
+    let facing: Vec<Option<Facing>> = joined.free.iter().map(|f| scene.facing(f)).collect();
+    for (i, f) in joined.free.iter().enumerate() {
+        let Some(to) = &facing[i] else { continue };
+        let is_mutual = |o: usize| facing[o].as_ref().is_some_and(|b| b.other == Some(i));
+        if to.other.is_some_and(|o| o < i && is_mutual(o)) {
+            continue;
+        }
+        found.extend(scene.opening(f, to));
+    }
+    found.sort_by(|a, b| a.centre.x.total_cmp(&b.centre.x).then(a.centre.y.total_cmp(&b.centre.y)));
+    for o in &found {
+        if o.kind == OpeningKind::Window {
+            out.see_through.extend(&o.faces);
+        }
+    }
+    let in_opening: BTreeSet<FaceRef> = found.iter().flat_map(|o| o.faces.clone()).collect();
+    out.leftovers.retain(|l| !in_opening.contains(&l.face));
+    out.openings = found;
+}
+
+struct Scene<'a> {
+    drawn: &'a Drawn,
+    axes: &'a [Axis],
+    joined: &'a Joined,
+    graph: &'a AxisGraph,
+    axes_near: Buckets,
+    ends_near: Buckets,
+    columns_near: Buckets,
+    evidence: Evidence<'a>,
+}
+
+impl<'a> Scene<'a> {
+    fn new(drawn: &'a Drawn, all: &'a Axes, joined: &'a Joined, graph: &'a AxisGraph) -> Self {
+        let mut near: [Buckets; 3] = [1.0, 1.0, 1.0].map(Buckets::new);
+        for (i, a) in all.axes.iter().enumerate() {
+            near[0].add(i as u32, &a.carrier.points(a.span));
+        }
+        for (i, f) in joined.free.iter().enumerate() {
+            near[1].add(i as u32, &[graph.nodes[f.node as usize].at]);
+        }
+        for (i, (_, c)) in joined.columns.iter().enumerate() {
+            near[2].add(i as u32, &c.ring);
+        }
+        let [axes_near, ends_near, columns_near] = near;
+        Self {
+            drawn,
+            axes: &all.axes,
+            joined,
+            graph,
+            axes_near,
+            ends_near,
+            columns_near,
+            evidence: Evidence::new(drawn, &all.spares),
+        }
+    }
+
+    /// What a free end looks at along its axis, the nearest first thing.
+    fn facing(&self, f: &FreeEnd) -> Option<Facing> {
+        let axis = &self.axes[f.axis as usize];
+        let sign = if f.end == 1 { 1.0 } else { -1.0 };
+        let from = axis.span[f.end];
+        let ray = axis.carrier.points(ordered(from, from + sign * OPENING_MAX_M));
+        let mut best: Option<Facing> = None;
+        let mut offer = |found: Facing| {
+            if best.as_ref().is_none_or(|b| found.width < b.width - 1e-9) {
+                best = Some(found);
+            }
+        };
+        for o in self.ends_near.along(&ray, axis.thickness / 2.0 + BESIDE_M) {
+            self.end_ahead(f, o as usize).into_iter().for_each(&mut offer);
+        }
+        for a in self.axes_near.along(&ray, BESIDE_M) {
+            if a != f.axis {
+                self.side_ahead(f, a).into_iter().for_each(&mut offer);
+            }
+        }
+        for c in self.columns_near.along(&ray, 1.0) {
+            self.column_ahead(f, c as usize).into_iter().for_each(&mut offer);
+        }
+        best.filter(|b| b.width >= OPENING_MIN_M)
+    }
+
+    fn end_ahead(&self, f: &FreeEnd, o: usize) -> Option<Facing> {
+        let g = &self.joined.free[o];
+        let (a, b) = (&self.axes[f.axis as usize], &self.axes[g.axis as usize]);
+        let at = b.carrier.at(b.span[g.end]);
+        let (s, sign) = (a.carrier.s_of(at), if f.end == 1 { 1.0 } else { -1.0 });
+        let out = b.carrier.tangent(b.span[g.end]) * if g.end == 1 { 1.0 } else { -1.0 };
+        let ahead = a.carrier.tangent(s) * sign;
+        let half = a.thickness.max(b.thickness) / 2.0;
+        let width = (s - a.span[f.end]) * sign;
+        let faces = (g.axis, g.end) != (f.axis, f.end)
+            && width > 0.0
+            && a.carrier.offset_of(at).abs() <= half.max(ERROR_GAP_M)
+            && out.dot(ahead) < -CROSSING_MIN_RAD.cos();
+        faces.then_some(Facing {
+            width,
+            jamb: Jamb { at, node: Some(g.node), edge: None },
+            other: Some(o),
+            is_square: true,
+        })
+    }
+
+    fn side_ahead(&self, f: &FreeEnd, other: u32) -> Option<Facing> {
+        let (a, b) = (&self.axes[f.axis as usize], &self.axes[other as usize]);
+        let sign = if f.end == 1 { 1.0 } else { -1.0 };
+        let stations = &self.joined.stations[other as usize];
+        let (first, last) = (stations.first()?, stations.last()?);
+        let mut best: Option<Facing> = None;
+        for p in a.carrier.crossings(&b.carrier) {
+            let (s, t) = (a.carrier.s_of(p), b.carrier.s_of(p));
+            let sin = a.carrier.tangent(s).perp_dot(b.carrier.tangent(t)).abs();
+            let reach = a.thickness / 2.0 + ERROR_GAP_M;
+            let width = (s - a.span[f.end]) * sign - b.thickness / 2.0 / sin.max(0.1);
+            let meets = sin > 0.5 && t > first.0 - reach && t < last.0 + reach;
+            if meets && width > -b.thickness && best.as_ref().is_none_or(|x| width < x.width) {
+                let edges = &self.joined.edges[other as usize];
+                let k =
+                    stations.windows(2).position(|w| t <= w[1].0).unwrap_or(edges.len().saturating_sub(1));
+                let at = a.carrier.at(a.span[f.end] + sign * width);
+                let jamb = Jamb { at, node: None, edge: edges.get(k).copied() };
+                best = Some(Facing { width, jamb, other: None, is_square: sin > SQUARE_SIN });
+            }
+        }
+        best
+    }
+
+    fn column_ahead(&self, f: &FreeEnd, c: usize) -> Option<Facing> {
+        let a = &self.axes[f.axis as usize];
+        let sign = if f.end == 1 { 1.0 } else { -1.0 };
+        let (node, column) = &self.joined.columns[c];
+        let half = a.thickness / 2.0;
+        let offsets = column.ring.iter().map(|p| a.carrier.offset_of(*p));
+        let (lo, hi) = offsets.fold((f64::MAX, f64::MIN), |b, o| (b.0.min(o), b.1.max(o)));
+        let ahead = column.ring.iter().map(|p| (a.carrier.s_of(*p) - a.span[f.end]) * sign);
+        let width = ahead.fold(f64::MAX, f64::min);
+        if lo > half || hi < -half || width < -ERROR_GAP_M {
+            return None;
+        }
+        let at = a.carrier.at(a.span[f.end] + sign * width);
+        Some(Facing { width, jamb: Jamb { at, node: Some(*node), edge: None }, other: None, is_square: true })
+    }
+
+    fn opening(&self, f: &FreeEnd, to: &Facing) -> Option<Opening> {
+        let a = &self.axes[f.axis as usize];
+        let s0 = a.span[f.end];
+        let s1 = s0 + if f.end == 1 { to.width } else { -to.width };
+        let gap = ordered(s0, s1);
+        let seen = self.evidence.look(&a.carrier, a.thickness, gap);
+        let (kind, evidence) = seen.verdict();
+        let limit = match (kind, to.other) {
+            (OpeningKind::Passage, Some(_)) => PASSAGE_MAX_M,
+            (OpeningKind::Passage, None) if to.is_square && self.is_held(f) => SIDE_OPENING_MAX_M,
+            (OpeningKind::Passage, None) => 0.0,
+            _ => OPENING_MAX_M,
+        };
+        if to.width > limit {
+            return None;
+        }
+        let other = to.other.map(|o| &self.axes[self.joined.free[o].axis as usize]);
+        let sides = a.sides.iter().flatten().chain(&a.inner);
+        let both = sides.filter(|f| other.is_some_and(|b| b.has_face(**f))).copied().collect::<Vec<u32>>();
+        let through = self.drawn.along(&both, &a.carrier, gap);
+        Some(Opening {
+            kind,
+            centre: a.carrier.at((s0 + s1) / 2.0),
+            width_m: to.width,
+            thickness_m: a.thickness,
+            jambs: [
+                Jamb { at: self.graph.nodes[f.node as usize].at, node: Some(f.node), edge: None },
+                to.jamb,
+            ],
+            evidence,
+            marks: seen.marks,
+            faces: self.drawn.refs(&seen.faces),
+            through: self.drawn.refs(&through),
+        })
+    }
+
+    /// Whether the wall of a free end is joined to something at its other end.
+    fn is_held(&self, f: &FreeEnd) -> bool {
+        !self.joined.free.iter().any(|g| g.axis == f.axis && g.end != f.end)
+    }
+}

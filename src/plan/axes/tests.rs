@@ -1,0 +1,158 @@
+//! What is understood of small plans. Whole plans in the styles of offices: `tests/understanding.rs`.
+
+use super::*;
+
+/// Lines of a wall each.
+pub fn lines(all: &[[f64; 4]]) -> Drawn {
+    let face = |(i, l): (usize, &[f64; 4])| Face {
+        wall: i as u32,
+        part: 0,
+        path: Path::Line { a: DVec2::new(l[0], l[1]), b: DVec2::new(l[2], l[3]) },
+        role: Role::Wall,
+        is_closed: false,
+    };
+    Drawn { faces: all.iter().enumerate().map(face).collect(), marks: Vec::new() }
+}
+
+fn at(graph: &AxisGraph, x: f64, y: f64) -> &Node {
+    let p = DVec2::new(x, y);
+    graph
+        .nodes
+        .iter()
+        .find(|n| n.at.distance(p) < 1e-6)
+        .unwrap_or_else(|| panic!("no node at {p}: {graph:#?}"))
+}
+
+#[test]
+fn a_corner_of_two_faces() {
+    let graph = AxisGraph::new(&lines(&[
+        [0.0, 0.0, 5.0, 0.0],
+        [0.2, 0.2, 5.0, 0.2],
+        [0.0, 0.0, 0.0, 4.0],
+        [0.2, 0.2, 0.2, 4.0],
+        [5.0, 0.0, 5.0, 0.2],
+        [0.0, 4.0, 0.2, 4.0],
+    ]));
+    assert_eq!(at(&graph, 0.1, 0.1).kind, NodeKind::Corner);
+    assert_eq!(at(&graph, 5.0, 0.1).faces, [(4, 0)]);
+    assert_eq!((graph.nodes.len(), graph.edges.len(), graph.openings.len()), (3, 2, 0));
+    assert!(graph.edges.iter().all(|e| (e.thickness_m - 0.2).abs() < 1e-9));
+    assert_eq!(graph.leftovers, []);
+}
+
+#[test]
+fn a_tee_whose_stem_interrupts_one_face() {
+    let graph = AxisGraph::new(&lines(&[
+        [0.0, 0.0, 6.0, 0.0],
+        [0.0, 0.3, 2.0, 0.3],
+        [2.1, 0.3, 6.0, 0.3],
+        [2.0, 0.3, 2.0, 3.0],
+        [2.1, 0.3, 2.1, 3.0],
+    ]));
+    assert_eq!(at(&graph, 2.05, 0.15).kind, NodeKind::Tee);
+    assert_eq!((graph.nodes.len(), graph.edges.len()), (4, 3));
+}
+
+#[test]
+fn a_gap_of_a_hand_is_closed_and_a_passage_stays() {
+    let faces = |gap: f64| {
+        [[0.0, 0.0, 3.0, 0.0], [0.0, 0.1, 3.0, 0.1], [3.0 + gap, 0.0, 6.0, 0.0], [3.0 + gap, 0.1, 6.0, 0.1]]
+    };
+    let slip = AxisGraph::new(&lines(&faces(0.015)));
+    assert_eq!((slip.edges.len(), slip.openings.len(), slip.closures.len()), (1, 0, 2));
+    let passage = AxisGraph::new(&lines(&faces(0.9)));
+    assert_eq!((passage.edges.len(), passage.openings.len()), (2, 1));
+    assert_eq!(passage.openings[0].kind, OpeningKind::Passage);
+    assert!((passage.openings[0].width_m - 0.9).abs() < 1e-9);
+}
+
+/// A wall 6 m long drawn through, with two lines across it 1.2 m apart.
+fn through() -> Drawn {
+    lines(&[
+        [0.0, 0.0, 6.0, 0.0],
+        [0.0, 0.2, 6.0, 0.2],
+        [2.0, 0.0, 2.0, 0.2],
+        [3.2, 0.0, 3.2, 0.2],
+        [0.0, 0.0, 0.0, 0.2],
+        [6.0, 0.0, 6.0, 0.2],
+    ])
+}
+
+pub fn mark(path: Path, role: Role) -> Mark {
+    Mark { paths: vec![path], role, group: 0, word: String::new() }
+}
+
+#[test]
+fn lines_across_a_wall_are_jambs_only_with_a_window_between_them() {
+    assert_eq!(AxisGraph::new(&through()).openings, []);
+    let mut drawn = through();
+    let pane = Path::Line { a: DVec2::new(2.0, 0.1), b: DVec2::new(3.2, 0.1) };
+    drawn.marks.push(mark(pane, Role::Unknown));
+    let graph = AxisGraph::new(&drawn);
+    assert_eq!((graph.edges.len(), graph.openings.len()), (2, 1));
+    let opening = &graph.openings[0];
+    assert_eq!((opening.kind, &opening.marks), (OpeningKind::Window, &vec![0]));
+    assert_eq!(opening.through, [(0, 0), (1, 0)]);
+    assert!(opening.centre.distance(DVec2::new(2.6, 0.1)) < 1e-6);
+}
+
+#[test]
+fn a_swing_makes_a_door_of_a_gap_and_of_a_wall_drawn_through() {
+    let swing = Path::Arc {
+        centre: DVec2::new(2.0, 0.2),
+        radius: 0.9,
+        start_rad: 0.0,
+        sweep_rad: std::f64::consts::FRAC_PI_2,
+    };
+    let faces = [[0.0, 0.0, 6.0, 0.0], [0.0, 0.2, 6.0, 0.2]];
+    let gap = [[0.0, 0.0, 2.0, 0.0], [0.0, 0.2, 2.0, 0.2], [2.9, 0.0, 6.0, 0.0], [2.9, 0.2, 6.0, 0.2]];
+    for mut drawn in [lines(&faces), lines(&gap)] {
+        drawn.marks.push(mark(swing, Role::Unknown));
+        let graph = AxisGraph::new(&drawn);
+        assert_eq!((graph.edges.len(), graph.openings.len()), (2, 1));
+        assert_eq!(graph.openings[0].kind, OpeningKind::Door);
+        assert!((graph.openings[0].width_m - 0.9).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn treads_are_no_walls() {
+    let treads: Vec<[f64; 4]> =
+        (0..9).map(|k| [0.0, 0.28 * f64::from(k), 1.2, 0.28 * f64::from(k)]).collect();
+    let mut all = vec![[-3.0, -1.0, 5.0, -1.0], [-3.0, -1.2, 5.0, -1.2]];
+    all.extend(treads);
+    let graph = AxisGraph::new(&lines(&all));
+    assert_eq!((graph.edges.len(), graph.leftovers.len()), (1, 9));
+}
+
+#[test]
+fn the_order_of_the_lines_does_not_matter() {
+    let mut all = vec![
+        [0.0, 0.0, 6.0, 0.0],
+        [0.0, 0.3, 2.0, 0.3],
+        [2.1, 0.3, 6.0, 0.3],
+        [2.0, 0.3, 2.0, 3.0],
+        [2.1, 0.3, 2.1, 3.0],
+    ];
+    let sorted = |lines_of: &[[f64; 4]]| {
+        let mut at: Vec<[i64; 2]> = AxisGraph::new(&lines(lines_of))
+            .nodes
+            .iter()
+            .map(|n| [(n.at.x * 1e6).round() as i64, (n.at.y * 1e6).round() as i64])
+            .collect();
+        at.sort_unstable();
+        at
+    };
+    let first = sorted(&all);
+    all.reverse();
+    for l in &mut all {
+        *l = [l[2], l[3], l[0], l[1]];
+    }
+    assert_eq!(sorted(&all), first);
+}
+
+#[test]
+fn nothing_drawn_gives_nothing() {
+    let graph = AxisGraph::new(&Drawn::default());
+    assert_eq!((graph.nodes.len(), graph.edges.len()), (0, 0));
+}

@@ -1,0 +1,288 @@
+//! Which entities are the walls: layers by name and geometry, the user's word, one view of the sheet.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::DVec2;
+
+use super::curve::control_points;
+use super::drawing::{Drawing, Entity, Format};
+use super::layers::{self, WallLayers};
+use super::roles::{Role, role_by_name};
+use super::scores::{Score, wall_scores};
+use super::views::{Sheet, View, split};
+use super::{LayerUse, PlanOptions, clutter, markers};
+use crate::report::{Error, Place, Report};
+
+/// The walls of all views, and what became of the layers.
+pub(super) struct Chosen {
+    /// Indices of [`Drawing::entities`], ascending.
+    pub walls: Vec<usize>,
+    /// What became of every layer.
+    pub layers: Vec<LayerUse>,
+}
+
+/// Layers that are off or frozen.
+struct Hidden<'a> {
+    frozen: BTreeSet<&'a str>,
+    off: BTreeSet<&'a str>,
+}
+
+impl<'a> Hidden<'a> {
+    fn new(drawing: &'a Drawing) -> Self {
+        let names = |pick: fn(&super::drawing::Layer) -> bool| {
+            drawing.layers.iter().filter(|l| pick(l)).map(|l| l.name.as_str()).collect()
+        };
+        Self { frozen: names(|l| l.is_frozen), off: names(|l| l.is_off) }
+    }
+
+    fn layer(&self, name: &str) -> bool {
+        self.frozen.contains(name) || self.off.contains(name)
+    }
+
+    /// As a CAD program shows it: off hides the entity's own layer; a frozen layer hides what is on it
+    /// and every block inserted on it.
+    fn entity(&self, e: &Entity) -> bool {
+        self.layer(&e.layer) || self.frozen.contains(e.source.layer.as_str())
+    }
+}
+
+/// Chooses the walls.
+///
+/// # Errors
+/// [`Error::Usage`] for a layer pattern that cannot be read.
+pub(super) fn choose_walls(
+    drawing: &Drawing,
+    options: &PlanOptions,
+    report: &mut Report,
+) -> Result<Chosen, Error> {
+    let by_name = WallLayers::new(&options.wall_layers)?;
+    let hidden = Hidden::new(drawing);
+    let counts = counts(drawing);
+    let assumed = assumed_layers(drawing, &counts, &by_name, &hidden);
+    let layers: Vec<LayerUse> = counts
+        .iter()
+        .map(|(name, (shapes, texts))| {
+            let (role, why) = layer_use(name, options, &by_name, &hidden, &assumed);
+            LayerUse { name: (*name).to_string(), entities: shapes + texts, role, why }
+        })
+        .collect();
+    if let Some(picked) = &options.picked {
+        let all: Vec<usize> =
+            (0..drawing.entities.len()).filter(|i| !layers::is_own(&drawing.entities[*i].layer)).collect();
+        let walls = picked.iter().filter_map(|k| all.get(*k).copied()).collect();
+        return Ok(Chosen { walls, layers });
+    }
+    let is_taken = |l: &&LayerUse| l.role == "wall" || l.role == "low" && options.is_knee_level;
+    let taken: BTreeSet<&str> = layers.iter().filter(is_taken).map(|l| l.name.as_str()).collect();
+    let mut walls: Vec<usize> = (0..drawing.entities.len())
+        .filter(|i| {
+            let e = &drawing.entities[*i];
+            taken.contains(e.layer.as_str()) && !hidden.entity(e)
+        })
+        .collect();
+    if !assumed.is_empty() {
+        state_assumed(drawing, &assumed, report);
+        clutter::leave_out(drawing, &mut walls, report);
+    }
+    Ok(Chosen { walls, layers })
+}
+
+fn counts(drawing: &Drawing) -> BTreeMap<&str, (usize, usize)> {
+    let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+    for e in &drawing.entities {
+        counts.entry(&e.layer).or_default().0 += 1;
+    }
+    for t in &drawing.texts {
+        counts.entry(&t.layer).or_default().1 += 1;
+    }
+    counts
+}
+
+fn layer_use(
+    name: &str,
+    options: &PlanOptions,
+    by_name: &WallLayers,
+    hidden: &Hidden<'_>,
+    assumed: &BTreeMap<String, String>,
+) -> (&'static str, String) {
+    if options.query_layer.as_deref() == Some(name) {
+        return ("marker", "--query-layer".into());
+    }
+    if options.reference_layer.as_deref() == Some(name) {
+        return ("marker", "--reference-layer".into());
+    }
+    if markers::is_marker(name) {
+        return ("marker", "our marker layer".into());
+    }
+    if layers::is_own(name) {
+        return ("own", "our result layer".into());
+    }
+    if let Some(why) = by_name.reason(name).or_else(|| assumed.get(name).cloned()) {
+        return match hidden.layer(name) {
+            true => ("hidden", "named after walls, but off or frozen".into()),
+            false => ("wall", why),
+        };
+    }
+    if by_name.is_by_user() {
+        return ("ignored", "--wall-layer does not name it".into());
+    }
+    match role_by_name(name) {
+        (role, why) if role.is_low() => {
+            ("low", format!("{why}: stops the way, not the look at eye level; --level knee takes it in"))
+        }
+        (_, why) => ("ignored", format!("{why}; --wall-layer takes it in")),
+    }
+}
+
+/// Layers taken as walls without a name that says so, with the reason: the only one with lines, else
+/// those whose lines look like walls.
+fn assumed_layers(
+    drawing: &Drawing,
+    counts: &BTreeMap<&str, (usize, usize)>,
+    by_name: &WallLayers,
+    hidden: &Hidden<'_>,
+) -> BTreeMap<String, String> {
+    let mut out = BTreeMap::new();
+    if by_name.is_by_user() || counts.keys().any(|l| by_name.reason(l).is_some() && !hidden.layer(l)) {
+        return out;
+    }
+    let drawn: Vec<&str> = counts
+        .iter()
+        .filter(|(l, (shapes, _))| *shapes > 0 && !layers::is_own(l) && !hidden.layer(l))
+        .map(|(l, _)| *l)
+        .collect();
+    if let [only] = drawn[..] {
+        let why = "no layer is named after walls and this is the only one with lines";
+        out.insert(only.to_string(), why.into());
+        return out;
+    }
+    let open: Vec<&str> = drawn.into_iter().filter(|l| role_by_name(l).0 == Role::Unknown).collect();
+    let scores = wall_scores(drawing, &open);
+    let best = scores.values().map(Score::total).fold(0.0, f64::max);
+    for (layer, score) in scores.iter().filter(|(_, s)| s.is_taken(best)) {
+        let why = format!("no layer is named after walls; its lines look like walls: {}", score.words());
+        out.insert((*layer).to_string(), why);
+    }
+    out
+}
+
+fn state_assumed(drawing: &Drawing, assumed: &BTreeMap<String, String>, report: &mut Report) {
+    let names: Vec<String> = assumed.keys().map(|n| format!("{n:?}")).collect();
+    let layer = if names.len() == 1 { "layer" } else { "layers" };
+    let text = format!(
+        "no layer is named after walls; all lines of {layer} {} taken as walls; --wall-layer overrides it",
+        names.join(", ")
+    );
+    report.info("walls-assumed", Place::file(&drawing.file), text);
+}
+
+/// The walls of the view to read, and all views.
+///
+/// # Errors
+/// [`Error::Usage`] for a view that is not there.
+pub(super) fn choose_view(
+    drawing: &Drawing,
+    options: &PlanOptions,
+    chosen: &Chosen,
+    metres_per_unit: f64,
+    report: &mut Report,
+) -> Result<(Vec<usize>, Vec<View>), Error> {
+    let hidden = Hidden::new(drawing);
+    let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
+    let passive: BTreeSet<&str> = chosen
+        .layers
+        .iter()
+        .filter(|l| {
+            let role = role_by_name(&l.name).0;
+            l.role != "wall" && matches!(role, Role::Text | Role::Dimension | Role::Site)
+                || layers::is_own(&l.name)
+        })
+        .map(|l| l.name.as_str())
+        .collect();
+    let is_seen = |e: &Entity| !hidden.entity(e) && !passive.contains(e.layer.as_str());
+    let Sheet { mut views, of_wall } = split(drawing, &walls, &is_seen, &marks(drawing), metres_per_unit);
+    if drawing.format != Format::Dxf {
+        // A storey is one plan, however many buildings stand on it.
+        views.truncate(1);
+    }
+    if options.picked.is_some() || views.len() < 2 {
+        return Ok((chosen.walls.clone(), views));
+    }
+    match options.view.as_deref().map(str::trim) {
+        None => {}
+        Some(all) if all.eq_ignore_ascii_case("all") => {
+            views.iter_mut().for_each(|v| v.is_chosen = true);
+        }
+        Some(word) => {
+            let Some(found) = find(&views, word) else { return Err(no_view(drawing, &views, word)) };
+            views.iter_mut().for_each(|v| v.is_chosen = v.number == found);
+        }
+    }
+    state_views(drawing, &views, metres_per_unit, report);
+    let walls = chosen.walls.iter().zip(&of_wall);
+    let picked = walls.filter(|(_, v)| views.get(**v).is_some_and(|v| v.is_chosen)).map(|w| *w.0).collect();
+    Ok((picked, views))
+}
+
+/// Points of the user's marks: they lie in the drawing that is meant.
+fn marks(drawing: &Drawing) -> Vec<DVec2> {
+    let marked = drawing.entities.iter().filter(|e| markers::is_marker(&e.layer));
+    marked.flat_map(|e| control_points(&e.shape)).collect()
+}
+
+/// Number of the view of this number or name: the whole name, else a part of it.
+fn find(views: &[View], word: &str) -> Option<usize> {
+    if let Ok(number) = word.parse::<usize>() {
+        return views.iter().find(|v| v.number == number).map(|v| v.number);
+    }
+    let word = word.to_lowercase();
+    let whole = views.iter().find(|v| v.name.to_lowercase() == word);
+    whole.or_else(|| views.iter().find(|v| v.name.to_lowercase().contains(&word))).map(|v| v.number)
+}
+
+fn list(views: &[View], metres_per_unit: f64) -> String {
+    let one = |v: &View| {
+        let size = (v.extent[1] - v.extent[0]) * metres_per_unit;
+        format!(
+            "{} {:?} {:.0} x {:.0} m, {} wall pieces, {}",
+            v.number,
+            v.name,
+            size.x,
+            size.y,
+            v.wall_pieces,
+            v.kind.words()
+        )
+    };
+    views.iter().map(one).collect::<Vec<_>>().join("; ")
+}
+
+fn no_view(drawing: &Drawing, views: &[View], word: &str) -> Error {
+    let names: Vec<String> = views.iter().map(|v| format!("{} {:?}", v.number, v.name)).collect();
+    let text = format!("--view {word:?}: expected all or one of {}; nothing was done", names.join(", "));
+    Error::usage("view", Place::file(&drawing.file), text)
+}
+
+fn state_views(drawing: &Drawing, views: &[View], metres_per_unit: f64, report: &mut Report) {
+    let taken: Vec<String> =
+        views.iter().filter(|v| v.is_chosen).map(|v| format!("{} {:?}", v.number, v.name)).collect();
+    let text = format!(
+        "{} drawings on the sheet, read: {}; --view chooses another. They are: {}",
+        views.len(),
+        taken.join(", "),
+        list(views, metres_per_unit)
+    );
+    report.info("views", Place::file(&drawing.file), text);
+}
+
+/// [`super::Plan::picked`] of some entities.
+pub(super) fn ordinals(drawing: &Drawing, picked: &[usize]) -> Vec<usize> {
+    let mut next = picked.iter().copied().peekable();
+    let mut out = Vec::with_capacity(picked.len());
+    let foreign = drawing.entities.iter().enumerate().filter(|(_, e)| !layers::is_own(&e.layer));
+    for (ordinal, (i, _)) in foreign.enumerate() {
+        if next.next_if_eq(&i).is_some() {
+            out.push(ordinal);
+        }
+    }
+    out
+}

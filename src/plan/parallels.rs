@@ -1,0 +1,131 @@
+//! Straight pieces and their nearest parallel neighbours: the evidence of walls drawn as two faces.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use super::drawing::{Entity, Shape};
+
+/// Directions nearer than this are parallel: drawn walls are off by less, furniture by more.
+const DIRECTION_STEP_RAD: f64 = std::f64::consts::PI / 180.0;
+
+/// Neighbours looked at before a piece counts as alone; keeps hatches near-linear.
+const LOOK_MAX: usize = 48;
+
+/// Two faces of one wall run along each other for at least this share of the shorter one.
+const OVERLAP_SHARE: f64 = 0.5;
+
+/// A straight piece, drawing units, with the entity it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Start.
+    pub a: DVec2,
+    /// End.
+    pub b: DVec2,
+    /// Index of its entity in the list they were taken from.
+    pub entity: usize,
+}
+
+impl Piece {
+    /// Length, drawing units.
+    pub fn length(&self) -> f64 {
+        self.a.distance(self.b)
+    }
+}
+
+/// The straight pieces of some entities; arcs and bulged pieces give none.
+pub fn pieces<'a>(entities: impl Iterator<Item = &'a Entity>) -> Vec<Piece> {
+    let mut out = Vec::new();
+    for (entity, e) in entities.enumerate() {
+        match &e.shape {
+            Shape::Line { a, b } => out.push(Piece { a: *a, b: *b, entity }),
+            Shape::Polyline { vertices, closed } => {
+                let n = vertices.len();
+                let last = if *closed && n > 2 { n } else { n.saturating_sub(1) };
+                let straight = (0..last).filter(|i| vertices[*i].bulge.abs() < 1e-9);
+                out.extend(straight.map(|i| Piece {
+                    a: vertices[i].at,
+                    b: vertices[(i + 1) % n].at,
+                    entity,
+                }));
+            }
+            Shape::Arc { .. } | Shape::Circle { .. } => {}
+        }
+    }
+    out
+}
+
+/// For each piece the distance to the nearest parallel piece beside it, drawing units.
+///
+/// `least`: distances up to this are the same line drawn twice.
+pub fn nearest_parallels(pieces: &[Piece], least: f64) -> Vec<Option<f64>> {
+    let mut out = vec![None; pieces.len()];
+    let Some(origin) = pieces.first().map(|p| p.a) else { return out };
+    let mut bins: BTreeMap<i64, Vec<Strip>> = BTreeMap::new();
+    let turns = (std::f64::consts::PI / DIRECTION_STEP_RAD).round() as i64;
+    for (i, p) in pieces.iter().enumerate() {
+        let d = p.b - p.a;
+        if d.length() <= least {
+            continue;
+        }
+        let bin = (d.to_angle() / DIRECTION_STEP_RAD).round() as i64;
+        let bin = bin.rem_euclid(turns);
+        let along = DVec2::from_angle(bin as f64 * DIRECTION_STEP_RAD);
+        let (s, e) = (along.dot(p.a - origin), along.dot(p.b - origin));
+        let offset = along.perp().dot((p.a + p.b) / 2.0 - origin);
+        bins.entry(bin).or_default().push(Strip { index: i, offset, from: s.min(e), to: s.max(e) });
+    }
+    for strips in bins.values_mut() {
+        strips.sort_by(|x, y| x.offset.total_cmp(&y.offset).then(x.index.cmp(&y.index)));
+        for (k, strip) in strips.iter().enumerate() {
+            let is_beside = |other: &&Strip| strip.is_beside(other, least);
+            let after = strips[k + 1..].iter().take(LOOK_MAX).find(is_beside);
+            let before = strips[..k].iter().rev().take(LOOK_MAX).find(is_beside);
+            let distances = [after, before].into_iter().flatten().map(|o| (o.offset - strip.offset).abs());
+            out[strip.index] = distances.reduce(f64::min);
+        }
+    }
+    out
+}
+
+struct Strip {
+    index: usize,
+    offset: f64,
+    from: f64,
+    to: f64,
+}
+
+impl Strip {
+    fn is_beside(&self, other: &Self, least: f64) -> bool {
+        let distance = (other.offset - self.offset).abs();
+        let overlap = self.to.min(other.to) - self.from.max(other.from);
+        let shorter = (self.to - self.from).min(other.to - other.from);
+        distance > least && overlap >= OVERLAP_SHARE * shorter
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_faces_find_each_other_and_not_the_next_wall() {
+        let line = |x0: f64, y0: f64, x1: f64, y1: f64| Piece {
+            a: DVec2::new(x0, y0),
+            b: DVec2::new(x1, y1),
+            entity: 0,
+        };
+        let pieces = [
+            line(0.0, 0.0, 5.0, 0.0),
+            line(4.9, 0.2, 0.1, 0.2),
+            line(0.0, 0.2, 5.0, 0.2),
+            line(0.0, 3.0, 5.0, 3.0),
+            line(9.0, 0.1, 12.0, 0.1),
+        ];
+        let found = nearest_parallels(&pieces, 0.001);
+        for i in 0..3 {
+            assert!((found[i].unwrap() - 0.2).abs() < 1e-9, "{i}");
+        }
+        assert!(found[3].unwrap() > 2.7 && found[4].is_none());
+    }
+}

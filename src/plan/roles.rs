@@ -1,0 +1,270 @@
+//! What a layer is for, by its name: words of many languages, office standards' codes.
+
+use super::layers::{base_name, words};
+
+/// What the entities of a layer stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Role {
+    /// Walls of full height: block sight and way.
+    Wall,
+    /// Parapets, half walls: block the way, and sight at knee level.
+    LowWall,
+    /// Fixed glass: blocks the way, and sight at knee level.
+    Glazing,
+    /// Columns.
+    Column,
+    /// Doors and other ways through.
+    Door,
+    /// Windows.
+    Window,
+    /// Stairs and ramps.
+    Stair,
+    /// Furniture, fixtures, equipment.
+    Furniture,
+    /// Texts and tags.
+    Text,
+    /// Dimensions.
+    Dimension,
+    /// Hatches and fills.
+    Hatch,
+    /// Axes, grids, construction lines.
+    Grid,
+    /// Terrain, plants, roads.
+    Site,
+    /// Roofs, ceilings, beams, what is projected from above.
+    Roof,
+    /// Footings and what lies below the floor.
+    Foundation,
+    /// Room areas.
+    Room,
+    /// The name says nothing.
+    Unknown,
+}
+
+impl Role {
+    /// The role in plain words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Wall => "walls",
+            Self::LowWall => "low walls",
+            Self::Glazing => "glazing",
+            Self::Column => "columns",
+            Self::Door => "doors",
+            Self::Window => "windows",
+            Self::Stair => "stairs",
+            Self::Furniture => "furniture",
+            Self::Text => "text",
+            Self::Dimension => "dimensions",
+            Self::Hatch => "hatches",
+            Self::Grid => "axes and construction lines",
+            Self::Site => "the site",
+            Self::Roof => "what lies above",
+            Self::Foundation => "foundations",
+            Self::Room => "rooms",
+            Self::Unknown => "nothing known",
+        }
+    }
+
+    /// Whether it stops a person but not a look at eye level.
+    pub fn is_low(self) -> bool {
+        matches!(self, Self::LowWall | Self::Glazing)
+    }
+}
+
+/// Words that decide, lower case, in the order of their say: the first role with a word in the name
+/// wins (`A-WALL-PATT` is a hatch). One word a token of the name; `*` at either end stands for any
+/// letters, because German, Dutch and the Nordic languages join words.
+const WORDS: &[(Role, &str)] = &[
+    (
+        Role::Text,
+        "text texts txt texte texto textos testo testi anno annotation iden note notes tag tags label labels \
+         beschriftung notiz tekst tekster teksty yazi текст тексты 文字 文本 ttlb titleblock titolo rahmen plankopf \
+         cartouche cajetin",
+    ),
+    (
+        Role::Dimension,
+        "dim dims dimension dimensions bemassung bemaßung vermassung vermaßung masse maße cotes cote cotation cota \
+         cotas quote quota quotatura maten maat maatvoering mått wymiary kóty koty ölçü olcu размер размеры 寸法 标注",
+    ),
+    (
+        Role::Hatch,
+        "hatch hatching patt pattern fill texture schraffur schraffuren hachure hachures sombreado rayado \
+         campitura campiture retino hachura arcering skravering kreskowanie tarama штриховка ハッチ 填充",
+    ),
+    (Role::Wall, "壁 外壁 内壁 間仕切 墙 墙体 牆 外墙 内墙 *壁"),
+    (Role::Column, "柱 柱子"),
+    (
+        Role::Grid,
+        "grid grids axis axes achse achsen raster axe ejes eje assi asse eixo eixos griglia trame stramien \
+         akser osie osi aks оси ось グリッド 通り芯 基準線 中心線 轴线 轴网 construction hilfslinie hilfslinien",
+    ),
+    (Role::Glazing, "glaz glazing curtain vitrage vetrata curtainwall glasfassade *glaswand vidrio 幕墙"),
+    (
+        Role::Door,
+        "door doors opening openings tür türen tuer tueren tuere porte portes puerta puertas porta portas \
+         infissi serramenti carpinteria deur deuren dör dörrar dør dører ovi ovet drzwi dveře dvere kapi kapı \
+         дверь двери ドア 扉 建具 门 門 header sliding *tür *türen *tuer",
+    ),
+    (
+        Role::Window,
+        "window windows fenster fenêtre fenêtres fenetre fenetres ventana ventanas finestra finestre janela \
+         janelas esquadrias raam ramen kozijn kozijnen fönster vindu vinduer vindue ikkuna okno okna pencere \
+         окно окна *fenster",
+    ),
+    (
+        Role::Roof,
+        "roof roofs clng ceiling ceilings projection dach dächer decke decken toiture toit plafond techo \
+         cubierta tetto copertura soffitto telhado forro dak tak tag dach střecha çatı крыша 屋根 天井 屋顶 beam \
+         beams träger unterzug querbalken stahlträger stahltraeger above overhead",
+    ),
+    (
+        Role::Foundation,
+        "foundation foundations fndn footing footings footer stem slab fundament fundamente cimentacion \
+         cimientos fondazioni fondation fondations fundação 基礎 基础",
+    ),
+    (
+        Role::Stair,
+        "stair stairs strs ramp treppe treppen escalier escaliers escalera escaleras scala scale escada \
+         escadas trap trappen trappa trapp schody schodiště merdiven лестница лестницы 階段 楼梯",
+    ),
+    (
+        Role::Furniture,
+        "furn furniture furnitures furnishing equipment eqpm fixture fixtures flor plumbing plfx casework case \
+         shelves shelf couch benches table tables möbel moebel moebel möblierung mobilier meubles mobiliario muebles \
+         mobili arredo arredi mobília mobilia meubilair inredning møbler kalusteet meble nábytek mobilya мебель 家具",
+    ),
+    (
+        Role::Site,
+        "site topography topo topographie terrain gelände gelaende plants plant garden landscape tree trees \
+         vegetation vegetacion verde terreno lageplan umgebung arbres jardin 外構 敷地 nivel",
+    ),
+    (
+        Role::Room,
+        "virtual room rooms raum räume area areas offices toilets piece pieces habitacion vano locali sala salas",
+    ),
+    (Role::Hatch, "demo demolition abbruch demolition demolizioni wallpaper"),
+    (
+        Role::Wall,
+        "wall walls partition partitions wand wände wande waende mauer mauern mauerwerk mur murs cloison \
+         cloisons maçonnerie muro muri muros muratura murature tramezzo tramezzi parete pareti pianta tabique \
+         tabiques tabiqueria pared paredes parede alvenaria alvenarias muur muren wanden binnenwand vegg vegger \
+         vägg väggar væg vægge seinä seinät ściana ściany sciana sciany stena stěna stěny steny zeď zdivo fal falak \
+         duvar duvarlar стена стены перегородка перегородки *wand *wände *waende *mauer *mauern *muur *vegg *vägg",
+    ),
+    (
+        Role::Column,
+        "column columns col cols pillar pillars stütze stützen stuetze stuetzen pfeiler säule säulen poteau \
+         poteaux pilastro pilastri pilar pilares kolom kolommen pelare søyle słup słupy sloup kolon колонна колонны",
+    ),
+];
+
+/// Words that make a wall a low one when they stand beside a wall word; alone where [`LOW_ALONE`].
+const LOW: &[&str] =
+    &["low", "half", "niedrig", "bas", "bajo", "basso", "baixo", "lav", "laag", "parapet", "腰"];
+
+/// Words that name low walls by themselves.
+const LOW_ALONE: &[&str] =
+    &["parapet", "parapets", "brüstung", "brüstungen", "muret", "murets", "murete", "muretto", "腰壁"];
+
+/// What a layer's name says it is for, and why. [`Role::Unknown`] where it says nothing.
+pub fn role_by_name(layer: &str) -> (Role, String) {
+    let name = base_name(layer);
+    let words = words(name);
+    let has = |list: &[&str]| words.iter().find(|w| list.contains(&w.as_str()));
+    if let Some(word) = has(LOW_ALONE) {
+        return (Role::LowWall, format!("its name has the word {word:?} (low walls)"));
+    }
+    for (role, list) in WORDS {
+        let hit = words.iter().find(|w| list.split_ascii_whitespace().any(|p| matches(p, w)));
+        let Some(word) = hit else { continue };
+        if *role == Role::Wall
+            && let Some(low) = has(LOW)
+        {
+            return (Role::LowWall, format!("its name has the words {word:?} and {low:?} (low walls)"));
+        }
+        return (*role, format!("its name has the word {word:?} ({})", role.words()));
+    }
+    match by_code(name) {
+        Some((role, code)) => (role, format!("its name has the element code {code} ({})", role.words())),
+        None => (Role::Unknown, "its name has no word for walls".into()),
+    }
+}
+
+fn matches(pattern: &str, word: &str) -> bool {
+    match pattern.strip_prefix('*') {
+        Some(end) => word.ends_with(end),
+        None => pattern == word,
+    }
+}
+
+/// CI/SfB element codes as BS 1192 and ISO 13567 layers carry them: `A-210-M`, `A22-…`, `A-G21---E`.
+fn by_code(name: &str) -> Option<(Role, &str)> {
+    let rest = name.strip_prefix(['A', 'S', 'a', 's'])?;
+    let rest = rest.trim_start_matches(['-', '_']);
+    let rest = rest.strip_prefix('G').unwrap_or(rest);
+    let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let code = rest.get(..digits).filter(|c| (2..=3).contains(&c.len()))?;
+    let role = match &code[..2] {
+        "21" | "22" => Role::Wall,
+        "23" | "27" | "35" | "37" => Role::Roof,
+        "24" => Role::Stair,
+        "28" => Role::Column,
+        "31" => Role::Window,
+        "32" => Role::Door,
+        _ => return None,
+    };
+    Some((role, code))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_many_offices_and_languages() {
+        use Role::*;
+        for (layer, role) in [
+            ("A-WALL-FULL", Wall),
+            ("xref-Bishop-Overland-08$0$A-WALL", Wall),
+            ("plan|WAND", Wall),
+            ("Innenwände 2", Wall),
+            ("trennwand", Wall),
+            ("MURS", Wall),
+            ("MURI", Wall),
+            ("tabiques_10", Wall),
+            ("PAREDES", Wall),
+            ("ALVENARIA", Wall),
+            ("binnenmuur", Wall),
+            ("yttervägg", Wall),
+            ("SCIANY", Wall),
+            ("Duvar", Wall),
+            ("Стены", Wall),
+            ("_0-9_壁__窓", Wall),
+            ("墙体", Wall),
+            ("A-210 G - Existing Structure 4", Wall),
+            ("A-320G - Permanent Solid Partitions 12", Wall),
+            ("I-321G - Virtual Partition 18", Room),
+            ("wall low", LowWall),
+            ("Brüstung", LowWall),
+            ("wall high", Wall),
+            ("A-GLAZ", Glazing),
+            ("A-WALL-PATT", Hatch),
+            ("A-325G - Internal Doors 6", Door),
+            ("xref$0$S-STEM-WALL", Foundation),
+            ("S-COLS", Column),
+            ("_0-3_柱", Column),
+            ("_0-1_基準線", Grid),
+            ("INFISSI", Door),
+            ("Fenster", Window),
+            ("A-FLOR-STRS", Stair),
+            ("Furniture 3", Furniture),
+            ("COTAS", Dimension),
+            ("TESTI", Text),
+            ("topography", Site),
+            ("0", Unknown),
+            ("Layer 1 11", Unknown),
+        ] {
+            assert_eq!(role_by_name(layer).0, role, "{layer}");
+        }
+    }
+}

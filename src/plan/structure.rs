@@ -1,0 +1,172 @@
+//! The walls of a plan as bodies: what the axis graph says of them, joined to what can be written back.
+
+use glam::DVec2;
+
+use super::Plan;
+use super::axes::{AxisGraph, Drawn, Edge, Face, FaceRef, Mark, Path, Role, paths_of};
+use super::curve::control_points;
+use super::drawing::{Drawing, Entity, Shape};
+use super::geometry::PointUm;
+use super::graph::Handle;
+use super::layers;
+
+/// Words of layers and blocks that hold doors, lower case.
+const DOOR_WORDS: &[&str] = &[
+    "door",
+    "doors",
+    "tür",
+    "tuer",
+    "türen",
+    "tueren",
+    "porte",
+    "portes",
+    "porta",
+    "porte",
+    "puerta",
+    "puertas",
+    "portas",
+    "deur",
+    "deuren",
+    "dør",
+    "dörr",
+    "ovi",
+    "drzwi",
+    "dveře",
+    "kapı",
+    "дверь",
+    "двери",
+    "ドア",
+    "门",
+];
+
+/// Words of layers and blocks that hold windows, lower case.
+const WINDOW_WORDS: &[&str] = &[
+    "window",
+    "windows",
+    "wind",
+    "fenster",
+    "fenêtre",
+    "fenetre",
+    "fenêtres",
+    "finestra",
+    "finestre",
+    "ventana",
+    "ventanas",
+    "janela",
+    "janelas",
+    "raam",
+    "ramen",
+    "vindu",
+    "fönster",
+    "ikkuna",
+    "okno",
+    "okna",
+    "pencere",
+    "окно",
+    "окна",
+    "窓",
+    "窗",
+    "glaz",
+    "glass",
+    "glazing",
+];
+
+/// Radii of arcs that may be door swings, metres of a person.
+pub const SWING_RADIUS_M: [f64; 2] = [0.5, 1.6];
+
+/// A thick straight wall: the two ends of its left face and of its right face, in ring order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Body(pub [Handle; 4]);
+
+impl Body {
+    /// The ring of its corners; `at` says where a control point stands.
+    pub fn ring(&self, at: impl FnMut(Handle) -> PointUm) -> Vec<PointUm> {
+        self.0.into_iter().map(at).collect()
+    }
+}
+
+/// What the axis graph is understood from: all pieces of the walls, and the entities that may be part of
+/// a door or a window.
+pub fn drawn(plan: &Plan, drawing: &Drawing) -> Drawn {
+    let place = |p: DVec2| plan.frame.plan_from_file(p) / plan.human_scale;
+    let mut out = Drawn::default();
+    for (w, wall) in plan.walls.iter().enumerate() {
+        let is_closed = matches!(wall.shape, Shape::Circle { .. } | Shape::Polyline { closed: true, .. });
+        for (part, path) in paths_of(&wall.shape, place).into_iter().enumerate() {
+            out.faces.push(Face { wall: w as u32, part: part as u32, path, role: Role::Wall, is_closed });
+        }
+    }
+    let is_wall: std::collections::BTreeSet<(usize, &str)> =
+        plan.walls.iter().map(|w| (w.source.record, w.source.layer.as_str())).collect();
+    for (i, entity) in drawing.entities.iter().enumerate() {
+        if is_wall.contains(&(entity.source.record, entity.source.layer.as_str()))
+            || layers::is_own(&entity.layer)
+        {
+            continue;
+        }
+        let paths = paths_of(&entity.shape, place);
+        if let Some((role, word)) = mark_role(entity, &paths) {
+            let group =
+                if entity.blocks.is_empty() { i } else { drawing.entities.len() + entity.source.record };
+            out.marks.push(Mark { paths, role, group: group as u32, word });
+        }
+    }
+    out
+}
+
+fn mark_role(entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
+    for name in entity.blocks.iter().map(String::as_str).chain([entity.layer.as_str()]) {
+        let lower = name.to_lowercase();
+        let words = || lower.split(|c: char| !c.is_alphabetic()).filter(|w| !w.is_empty());
+        if words().any(|w| DOOR_WORDS.contains(&w)) {
+            return Some((Role::Door, name.to_string()));
+        }
+        if words().any(|w| WINDOW_WORDS.contains(&w)) {
+            return Some((Role::Window, name.to_string()));
+        }
+    }
+    let swings = |p: &Path| match p {
+        Path::Arc { radius, sweep_rad, .. } => {
+            (SWING_RADIUS_M[0]..=SWING_RADIUS_M[1]).contains(radius) && (0.5..=3.3).contains(sweep_rad)
+        }
+        Path::Line { .. } => false,
+    };
+    paths.iter().any(swings).then(|| (Role::Unknown, String::new()))
+}
+
+/// The thick straight walls of an axis graph.
+pub fn bodies(plan: &Plan, axes: &AxisGraph) -> Vec<Body> {
+    axes.edges
+        .iter()
+        .filter(|e| e.thickness_m > 0.0 && e.bulge == 0.0)
+        .filter_map(|e| body(plan, axes, e))
+        .collect()
+}
+
+fn body(plan: &Plan, axes: &AxisGraph, edge: &Edge) -> Option<Body> {
+    let [a, b] = axes.ends(edge);
+    let along = |p: DVec2| (p - a).dot(b - a);
+    let side = |faces: &[FaceRef]| -> Option<[Handle; 2]> {
+        let ends = faces.iter().flat_map(|f| handles_of(plan, *f));
+        let at = |h: &Handle| {
+            let p = control_points(&plan.walls[h.0 as usize].shape)[h.1 as usize];
+            along(plan.frame.plan_from_file(p) / plan.human_scale)
+        };
+        let mut ends: Vec<(f64, Handle)> = ends.map(|h| (at(&h), h)).collect();
+        ends.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        Some([ends.first()?.1, ends.last()?.1])
+    };
+    let ([l0, l1], [r0, r1]) = (side(&edge.left)?, side(&edge.right)?);
+    Some(Body([l0, l1, r1, r0]))
+}
+
+/// The control points at the ends of a straight drawn piece.
+pub fn handles_of(plan: &Plan, (wall, part): FaceRef) -> Vec<Handle> {
+    match &plan.walls[wall as usize].shape {
+        Shape::Line { .. } => vec![(wall, 0), (wall, 1)],
+        Shape::Polyline { vertices, .. } => {
+            vec![(wall, part), (wall, (part + 1) % vertices.len() as u32)]
+        }
+        Shape::Arc { .. } | Shape::Circle { .. } => Vec::new(),
+    }
+}

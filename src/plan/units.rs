@@ -1,0 +1,302 @@
+//! Which unit a drawing is in, by what is drawn: door leaves, wall thicknesses, the building's size.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use super::curve::{bulge_arc, sweep_rad};
+use super::drawing::{Drawing, Entity, Shape, Unit};
+use super::frame::{UNITS, UnitChoice};
+use super::parallels::{Piece, nearest_parallels, pieces};
+
+/// Widths of door leaves, metres.
+const LEAF_M: [f64; 2] = [0.55, 1.25];
+
+/// Thicknesses of walls, metres: a board to old masonry.
+const THICK_M: [f64; 2] = [0.06, 0.65];
+
+/// Sizes of buildings that are believed, metres, and those that are likely.
+const SIZE_M: [f64; 2] = [2.5, 2_000.0];
+const LIKELY_SIZE_M: [f64; 2] = [4.0, 400.0];
+
+/// Sizes by which a missing unit is chosen where nothing else speaks: narrower, so that exactly one of
+/// neighbouring units fits most buildings.
+const USUAL_SIZE_M: [f64; 2] = [8.0, 400.0];
+
+/// Swings that make doors a witness, and those that decide against a declared unit.
+const SWINGS_MIN: usize = 2;
+const SWINGS_SURE: usize = 4;
+
+/// Paired pieces, and their share of all length, that make wall thickness a witness.
+const PAIRS_MIN: usize = 8;
+const PAIRS_SHARE: f64 = 0.25;
+
+/// A swing sweeps about a quarter turn.
+const SWING_RAD: [f64; 2] = [1.0, 1.75];
+
+/// How near a leaf's length and foot are to radius and centre, as a share of the radius.
+const LEAF_SLACK: f64 = 0.12;
+
+/// What `$MEASUREMENT` counts (programs write it without asking: little), and what metric units count
+/// where nothing is said: programs of imperial countries do say it.
+const SYSTEM_SAID: f64 = 0.05;
+const METRIC_USUAL: f64 = 0.6;
+
+/// A witness speaks against a unit up to this support, and for it from this on.
+const AGAINST: f64 = 0.15;
+const FOR: f64 = 0.5;
+
+/// What was measured, drawing units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Witnesses {
+    /// Radii of door swings that have a leaf.
+    pub leaves: Vec<f64>,
+    /// Distances of wall faces with the length they are seen along.
+    pub thicknesses: Vec<(f64, f64)>,
+    /// Share of the walls' length that has a second face.
+    pub paired_share: f64,
+    /// Longer side of the walls.
+    pub extent: f64,
+}
+
+impl Witnesses {
+    /// Looks at the walls, and at the whole drawing for door swings.
+    pub fn new(drawing: &Drawing, walls: &[&Entity], extent: f64) -> Self {
+        let found = pieces(walls.iter().copied());
+        let distances = nearest_parallels(&found, extent * 1e-6);
+        let total: f64 = found.iter().map(Piece::length).sum();
+        // A face is longer than its wall is thick.
+        let seen = found.iter().zip(distances).filter_map(|(p, d)| Some((d?, p.length())));
+        let thicknesses: Vec<(f64, f64)> = seen.filter(|(d, length)| length > d).collect();
+        let paired: f64 = thicknesses.iter().map(|t| t.1).sum();
+        let paired_share = if total > 0.0 { paired / total } else { 0.0 };
+        Self { leaves: swings(drawing), thicknesses, paired_share, extent }
+    }
+
+    fn doors(&self, unit: Unit) -> Option<f64> {
+        let fit = self.leaves.iter().filter(|r| is_in(**r * unit.metres, LEAF_M)).count();
+        (self.leaves.len() >= SWINGS_MIN).then(|| fit as f64 / self.leaves.len() as f64)
+    }
+
+    fn walls(&self, unit: Unit) -> Option<f64> {
+        let total: f64 = self.thicknesses.iter().map(|t| t.1).sum();
+        let fit: f64 =
+            self.thicknesses.iter().filter(|t| is_in(t.0 * unit.metres, THICK_M)).map(|t| t.1).sum();
+        let speaks = self.thicknesses.len() >= PAIRS_MIN && self.paired_share >= PAIRS_SHARE;
+        speaks.then(|| fit / total)
+    }
+
+    fn size(&self, unit: Unit) -> f64 {
+        let size = self.extent * unit.metres;
+        if is_in(size, LIKELY_SIZE_M) {
+            1.0
+        } else if is_in(size, SIZE_M) {
+            0.5
+        } else {
+            0.0
+        }
+    }
+
+    /// Support of each witness that speaks.
+    fn supports(&self, unit: Unit) -> Vec<f64> {
+        self.doors(unit).into_iter().chain(self.walls(unit)).chain([self.size(unit)]).collect()
+    }
+
+    /// The middle one of some lengths, metres, weighted.
+    fn words(&self, unit: Unit) -> String {
+        let size = self.extent * unit.metres;
+        let mut words = vec![format!("the walls are {size:.1} m long")];
+        if self.walls(unit).is_some() {
+            let mut by_length = self.thicknesses.clone();
+            by_length.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let half = by_length.iter().map(|t| t.1).sum::<f64>() / 2.0;
+            let mut sum = 0.0;
+            let middle = by_length.iter().find(|t| {
+                sum += t.1;
+                sum >= half
+            });
+            if let Some((d, _)) = middle {
+                words.push(format!("wall faces {:.2} m apart", d * unit.metres));
+            }
+        }
+        if self.doors(unit).is_some() {
+            let mut leaves = self.leaves.clone();
+            leaves.sort_by(f64::total_cmp);
+            let middle = leaves[leaves.len() / 2] * unit.metres;
+            words.push(format!("{} door leaves of about {middle:.2} m", leaves.len()));
+        }
+        words.join(", ")
+    }
+}
+
+fn is_in(value: f64, range: [f64; 2]) -> bool {
+    (range[0]..=range[1]).contains(&value)
+}
+
+/// Decides the unit: the user's word, else the file's unless what is drawn speaks strongly against it,
+/// else what fits the drawing best.
+///
+/// `extent_units` is the longer side of the drawn walls in drawing units.
+pub fn choose(drawing: &Drawing, user: Option<Unit>, walls: &[&Entity], extent_units: f64) -> UnitChoice {
+    let said = &drawing.declared_unit_words;
+    if let Some(unit) = user {
+        let what = match unit.name {
+            "units" => format!("one drawing unit is {} m", unit.metres),
+            name => name.into(),
+        };
+        let reason = format!("{what} as you said (the file: {said})");
+        return UnitChoice { unit, reason, is_assumed: false };
+    }
+    let seen = Witnesses::new(drawing, walls, extent_units);
+    let Some(declared) = drawing.declared_unit else {
+        let unit = best(&seen, said);
+        let words = seen.words(unit);
+        let reason = format!("{} assumed ({said}): then {words}; --unit overrides it", unit.name);
+        return UnitChoice { unit, reason, is_assumed: true };
+    };
+    match overruled(&seen, declared, said) {
+        Some(unit) => {
+            let (then, else_words) = (seen.words(unit), seen.words(declared));
+            let reason = format!(
+                "{} assumed although the file says {} ({said}): then {then}; in {} {else_words}; --unit overrides it",
+                unit.name, declared.name, declared.name
+            );
+            UnitChoice { unit, reason, is_assumed: true }
+        }
+        None => {
+            let agree = seen.supports(declared).iter().filter(|s| **s >= FOR).count();
+            let words = if agree >= 2 { format!("; {} fit", seen.words(declared)) } else { String::new() };
+            let reason = format!("{} by {said}{words}", declared.name);
+            UnitChoice { unit: declared, reason, is_assumed: false }
+        }
+    }
+}
+
+/// The likeliest unit of a drawing that declares none.
+fn best(seen: &Witnesses, said: &str) -> Unit {
+    let score = |unit: Unit| {
+        let usual = if is_in(seen.extent * unit.metres, USUAL_SIZE_M) { 1.0 } else { 0.0 };
+        let doors = seen.doors(unit).unwrap_or(0.0);
+        let walls = seen.walls(unit).unwrap_or(0.0);
+        let of_system = match system(unit, said) {
+            Some(is_of_it) => f64::from(u8::from(is_of_it)) * SYSTEM_SAID,
+            None => f64::from(u8::from(!matches!(unit.name, "in" | "ft"))) * METRIC_USUAL,
+        };
+        seen.size(unit) + usual + 2.0 * doors + 2.0 * walls + of_system
+    };
+    // The first of equals: the order of UNITS is by how usual they are.
+    UNITS.into_iter().rev().max_by(|a, b| score(*a).total_cmp(&score(*b))).unwrap_or(UNITS[0])
+}
+
+/// Whether the unit belongs to the system of measures the header names, if it names one.
+fn system(unit: Unit, said: &str) -> Option<bool> {
+    let is_imperial = matches!(unit.name, "in" | "ft");
+    if said.contains("no $MEASUREMENT") {
+        None
+    } else if said.contains("$MEASUREMENT 0") {
+        Some(is_imperial)
+    } else {
+        said.contains("$MEASUREMENT 1").then_some(!is_imperial)
+    }
+}
+
+/// The unit that what is drawn speaks for, where it speaks strongly against the declared one: two
+/// witnesses against it, or several door leaves of an impossible width; and nothing against the other.
+fn overruled(seen: &Witnesses, declared: Unit, said: &str) -> Option<Unit> {
+    let against = seen.supports(declared).iter().filter(|s| **s <= AGAINST).count();
+    let impossible_doors =
+        seen.leaves.len() >= SWINGS_SURE && seen.doors(declared).is_some_and(|s| s <= AGAINST);
+    if against < 2 && !impossible_doors {
+        return None;
+    }
+    let unit = best(seen, said);
+    let supports = seen.supports(unit);
+    let is_sure = supports.len() >= 2 && supports.iter().all(|s| *s >= FOR);
+    (is_sure && unit.metres != declared.metres).then_some(unit)
+}
+
+/// Radii of arcs that sweep about a quarter turn and have a leaf: a straight piece from the centre to
+/// the arc, as long as the radius.
+fn swings(drawing: &Drawing) -> Vec<f64> {
+    let arcs: Vec<(DVec2, f64)> = drawing.entities.iter().flat_map(arcs_of).collect();
+    if arcs.is_empty() {
+        return Vec::new();
+    }
+    // Pieces by their length in steps of 5 %, so that an arc looks only at those as long as it is wide.
+    let step = |length: f64| (length.ln() / 0.05).floor() as i64;
+    let mut by_length: BTreeMap<i64, Vec<Piece>> = BTreeMap::new();
+    let radii: std::collections::BTreeSet<i64> =
+        arcs.iter().flat_map(|a| (-3..=3).map(|k| step(a.1) + k)).collect();
+    for piece in pieces(drawing.entities.iter()) {
+        let length = piece.length();
+        if length > 0.0 && radii.contains(&step(length)) {
+            by_length.entry(step(length)).or_default().push(piece);
+        }
+    }
+    let has_leaf = |centre: DVec2, radius: f64| {
+        let slack = LEAF_SLACK * radius;
+        let near = (-3..=3).filter_map(|k| by_length.get(&(step(radius) + k))).flatten();
+        let mut leaves = near.filter(|p| (p.length() - radius).abs() <= slack);
+        leaves.any(|p| p.a.distance(centre) <= slack || p.b.distance(centre) <= slack)
+    };
+    arcs.into_iter().filter(|(centre, radius)| has_leaf(*centre, *radius)).map(|a| a.1).collect()
+}
+
+fn arcs_of(e: &Entity) -> Vec<(DVec2, f64)> {
+    let is_swing = |sweep: f64| is_in(sweep.abs(), SWING_RAD);
+    match &e.shape {
+        Shape::Arc { centre, radius, start_rad, end_rad } if is_swing(sweep_rad(*start_rad, *end_rad)) => {
+            vec![(*centre, *radius)]
+        }
+        Shape::Polyline { vertices, .. } => {
+            let arcs = vertices.windows(2).filter_map(|v| bulge_arc(v[0].at, v[1].at, v[0].bulge));
+            arcs.filter(|arc| is_swing(arc.3)).map(|arc| (arc.0, arc.1)).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unit(name: &str) -> Unit {
+        super::super::frame::unit_by_name(name).unwrap()
+    }
+
+    /// A house with walls 0.2 m thick and door leaves of 0.9 m, drawn in the unit.
+    fn house(u: Unit) -> Witnesses {
+        let scale = 1.0 / u.metres;
+        Witnesses {
+            leaves: vec![0.9 * scale; 5],
+            thicknesses: vec![(0.2 * scale, 4.0 * scale); 20],
+            paired_share: 0.9,
+            extent: 14.0 * scale,
+        }
+    }
+
+    #[test]
+    fn every_unit_is_found_and_defended() {
+        for drawn in UNITS {
+            let seen = house(drawn);
+            assert_eq!(best(&seen, "$INSUNITS 0").name, drawn.name);
+            for declared in UNITS {
+                let expected = (declared.name != drawn.name).then_some(drawn.name);
+                assert_eq!(overruled(&seen, declared, "").map(|u| u.name), expected, "{}", declared.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_single_witness_never_overrules() {
+        let maze = Witnesses {
+            thicknesses: vec![(2.0, 10.0); 30],
+            paired_share: 1.0,
+            extent: 20.0,
+            ..Witnesses::default()
+        };
+        assert_eq!(overruled(&maze, unit("m"), ""), None);
+        let tiny = Witnesses { extent: 0.9, ..Witnesses::default() };
+        assert_eq!(overruled(&tiny, unit("m"), ""), None);
+    }
+}

@@ -1,0 +1,284 @@
+//! Several drawings on one sheet: which there are, which are plans, which one is taken.
+//!
+//! Everything visible is drawn into coarse cells; what hangs together is one drawing. Small pieces
+//! belong to the drawing they lie in or beside, so that columns and furniture split nothing.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use super::box_of;
+use super::curve::control_points;
+use super::drawing::{Drawing, Entity, Shape};
+use super::parallels::pieces;
+use super::view_names::{Title, title_of};
+
+/// Side of a cell, metres: drawings on a sheet stand farther apart than one to two of these, the parts
+/// of one building that do are joined by [`NEAR_M`].
+const CELL_M: f64 = 1.5;
+
+/// Cells along the longer side at most; keeps the raster small where the drawing is huge.
+const CELLS_MAX: f64 = 4_000.0;
+
+/// A drawing of its own has walls of at least this many pieces and is this large both ways.
+const OWN_PIECES: usize = 8;
+const OWN_SIZE_M: f64 = 3.0;
+
+/// What is smaller than this share of the largest drawing and nearer than this to one is a part of it
+/// (a garage beside the house), unless a title of its own stands by it.
+const PART_SHARE: f64 = 0.25;
+const NEAR_M: f64 = 8.0;
+
+/// A line this long against the sheet that is no wall is a frame or a construction line.
+const FRAME_SHARE: f64 = 0.3;
+
+/// Titles are looked for this far around a drawing, metres.
+const TITLE_M: f64 = 4.0;
+
+/// One drawing of the sheet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// Number from 1, in reading order: left to right in rows from the top.
+    pub number: usize,
+    /// Its title, or `drawing N`.
+    pub name: String,
+    /// Box, drawing units.
+    pub extent: [DVec2; 2],
+    /// Straight pieces of walls in it.
+    pub wall_pieces: usize,
+    /// What it was judged to be.
+    pub kind: Title,
+    /// Whether the plan was read from it.
+    pub is_chosen: bool,
+    /// What it was judged by, in plain words.
+    pub why: String,
+}
+
+/// The drawings of a sheet and which wall lies in which.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sheet {
+    /// The drawings in reading order.
+    pub views: Vec<View>,
+    /// For each wall the index of its view.
+    pub of_wall: Vec<usize>,
+}
+
+/// Splits a sheet. `walls` are the entities taken as walls, `is_seen` says which others count,
+/// `keeps` are points (drawing units) that must not be parted: the user's marks.
+pub fn split(
+    drawing: &Drawing,
+    walls: &[&Entity],
+    is_seen: &dyn Fn(&Entity) -> bool,
+    keeps: &[DVec2],
+    metres_per_unit: f64,
+) -> Sheet {
+    let parts = parts(drawing, walls, is_seen, metres_per_unit);
+    let mut boxes = groups(drawing, parts, metres_per_unit);
+    if boxes.is_empty() {
+        boxes.extend(box_of(walls.iter().flat_map(|w| control_points(&w.shape))));
+    }
+    let mut of_wall: Vec<usize> = walls.iter().map(|w| nearest(&boxes, middle(&w.shape))).collect();
+    let marked: Vec<usize> = keeps.iter().map(|p| nearest(&boxes, *p)).collect();
+    if marked.windows(2).any(|m| m[0] != m[1]) {
+        of_wall = vec![0; walls.len()];
+        boxes = box_of(boxes.into_iter().flatten()).into_iter().collect();
+    }
+    let mut sheet = Sheet { views: views(drawing, &boxes, metres_per_unit), of_wall };
+    count_walls(&mut sheet, walls);
+    choose(&mut sheet, keeps.first());
+    sheet
+}
+
+/// What hangs together: box and number of wall pieces.
+struct Part {
+    extent: [DVec2; 2],
+    wall_pieces: usize,
+}
+
+fn parts(
+    drawing: &Drawing,
+    walls: &[&Entity],
+    is_seen: &dyn Fn(&Entity) -> bool,
+    metres_per_unit: f64,
+) -> Vec<Part> {
+    let seen: Vec<&Entity> = drawing.entities.iter().filter(|e| is_seen(e)).collect();
+    let all = walls.iter().chain(&seen).flat_map(|e| control_points(&e.shape));
+    let Some([lo, hi]) = box_of(all) else { return Vec::new() };
+    let extent = (hi - lo).max_element();
+    let cell = (CELL_M / metres_per_unit).max(extent / CELLS_MAX);
+    let mut raster = Raster { lo, cell, cells: BTreeMap::new() };
+    for piece in pieces(walls.iter().copied()) {
+        raster.draw(piece.a, piece.b, 1);
+    }
+    let frame = extent * FRAME_SHARE;
+    for piece in pieces(seen.iter().copied()).into_iter().filter(|p| p.length() < frame) {
+        raster.draw(piece.a, piece.b, 0);
+    }
+    raster.parts()
+}
+
+struct Raster {
+    lo: DVec2,
+    cell: f64,
+    /// Wall pieces that start in each touched cell.
+    cells: BTreeMap<[i64; 2], usize>,
+}
+
+impl Raster {
+    fn draw(&mut self, a: DVec2, b: DVec2, walls: usize) {
+        let steps = (a.distance(b) / self.cell * 2.0).ceil().max(1.0) as usize;
+        for i in 0..=steps {
+            let p = (a.lerp(b, i as f64 / steps as f64) - self.lo) / self.cell;
+            let count = self.cells.entry([p.x.floor() as i64, p.y.floor() as i64]).or_default();
+            *count += if i == 0 { walls } else { 0 };
+        }
+    }
+
+    /// Connected sets of touched cells, neighbours by side or corner.
+    fn parts(mut self) -> Vec<Part> {
+        let mut out = Vec::new();
+        while let Some((&start, _)) = self.cells.first_key_value() {
+            let mut wall_pieces = self.cells.remove(&start).unwrap_or(0);
+            let (mut stack, mut lo, mut hi) = (vec![start], start, start);
+            while let Some([x, y]) = stack.pop() {
+                (lo, hi) = ([lo[0].min(x), lo[1].min(y)], [hi[0].max(x), hi[1].max(y)]);
+                for next in (-1..=1).flat_map(|i| (-1..=1).map(move |j| [x + i, y + j])) {
+                    if let Some(n) = self.cells.remove(&next) {
+                        wall_pieces += n;
+                        stack.push(next);
+                    }
+                }
+            }
+            let at = |c: [i64; 2], add: f64| {
+                self.lo + DVec2::new(c[0] as f64 + add, c[1] as f64 + add) * self.cell
+            };
+            out.push(Part { extent: [at(lo, 0.0), at(hi, 1.0)], wall_pieces });
+        }
+        out
+    }
+}
+
+/// Joins parts to whole drawings; their boxes.
+fn groups(drawing: &Drawing, parts: Vec<Part>, metres_per_unit: f64) -> Vec<[DVec2; 2]> {
+    let is_own = |p: &Part| {
+        let size = (p.extent[1] - p.extent[0]) * metres_per_unit;
+        p.wall_pieces >= OWN_PIECES && size.min_element() >= OWN_SIZE_M
+    };
+    let mut boxes: Vec<[DVec2; 2]> = parts.iter().filter(|p| is_own(p)).map(|p| p.extent).collect();
+    if boxes.len() < 2 {
+        return box_of(parts.iter().flat_map(|p| p.extent)).into_iter().collect();
+    }
+    let area = |b: &[DVec2; 2]| (b[1] - b[0]).element_product();
+    let largest = boxes.iter().map(area).fold(0.0, f64::max);
+    let near = NEAR_M / metres_per_unit;
+    loop {
+        let joined = (0..boxes.len()).find_map(|i| {
+            let other = (0..boxes.len()).find(|&j| {
+                let gap = gap(&boxes[i], &boxes[j]);
+                let is_part = area(&boxes[i]) < PART_SHARE * largest
+                    && gap < near
+                    && title_near(drawing, &boxes[i], metres_per_unit).is_none();
+                i != j && (gap <= 0.0 || is_part)
+            })?;
+            Some((i, other))
+        });
+        let Some((i, j)) = joined else { return boxes };
+        boxes[j] = [boxes[i][0].min(boxes[j][0]), boxes[i][1].max(boxes[j][1])];
+        boxes.swap_remove(i);
+    }
+}
+
+/// Distance of two boxes, 0 where they overlap.
+fn gap(a: &[DVec2; 2], b: &[DVec2; 2]) -> f64 {
+    (a[0] - b[1]).max(b[0] - a[1]).max(DVec2::ZERO).length()
+}
+
+fn nearest(boxes: &[[DVec2; 2]], p: DVec2) -> usize {
+    let distance = |b: &[DVec2; 2]| gap(b, &[p, p]);
+    (0..boxes.len()).min_by(|i, j| distance(&boxes[*i]).total_cmp(&distance(&boxes[*j]))).unwrap_or(0)
+}
+
+fn middle(shape: &Shape) -> DVec2 {
+    box_of(control_points(shape).into_iter()).map_or(DVec2::ZERO, |b| (b[0] + b[1]) / 2.0)
+}
+
+/// The title nearest to a drawing's box, if one stands in it or beside it.
+fn title_near(drawing: &Drawing, extent: &[DVec2; 2], metres_per_unit: f64) -> Option<(Title, String)> {
+    let reach = TITLE_M / metres_per_unit;
+    let titled = drawing.texts.iter().filter_map(|t| {
+        let distance = gap(extent, &[t.at, t.at]);
+        (distance <= reach).then(|| title_of(&t.text).map(|kind| (distance, kind, t.text.trim())))?
+    });
+    let best = titled.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some((best.1, best.2.lines().next().unwrap_or_default().to_owned()))
+}
+
+fn views(drawing: &Drawing, boxes: &[[DVec2; 2]], metres_per_unit: f64) -> Vec<View> {
+    let title = |b: &[DVec2; 2]| (boxes.len() > 1).then(|| title_near(drawing, b, metres_per_unit)).flatten();
+    let mut out: Vec<View> = Vec::new();
+    for extent in boxes {
+        let (kind, name) = title(extent).unwrap_or((Title::Unknown, String::new()));
+        let why = if name.is_empty() { "no title by it".into() } else { format!("titled {name:?}") };
+        let (number, wall_pieces, is_chosen) = (0, 0, false);
+        out.push(View { number, name, extent: *extent, wall_pieces, kind, is_chosen, why });
+    }
+    out
+}
+
+/// Numbers the views in reading order and counts their walls.
+fn count_walls(sheet: &mut Sheet, walls: &[&Entity]) {
+    for piece in pieces(walls.iter().copied()) {
+        let view = sheet.of_wall[piece.entity];
+        sheet.views[view].wall_pieces += 1;
+    }
+    let mut order: Vec<usize> = (0..sheet.views.len()).collect();
+    let top = |i: usize| sheet.views[i].extent[1].y;
+    order.sort_by(|a, b| top(*b).total_cmp(&top(*a)));
+    // Rows: a view that begins below the middle of the row's first one starts the next row.
+    let mut rows: Vec<Vec<usize>> = Vec::new();
+    for i in order {
+        let same = rows.last().and_then(|r| r.first()).is_some_and(|first| {
+            let [lo, hi] = sheet.views[*first].extent;
+            top(i) > (lo.y + hi.y) / 2.0
+        });
+        match rows.last_mut() {
+            Some(row) if same => row.push(i),
+            _ => rows.push(vec![i]),
+        }
+    }
+    let left = |i: &usize| sheet.views[*i].extent[0].x;
+    for row in &mut rows {
+        row.sort_by(|a, b| left(a).total_cmp(&left(b)));
+    }
+    let order: Vec<usize> = rows.into_iter().flatten().collect();
+    let mut place = vec![0; order.len()];
+    for (new, old) in order.iter().enumerate() {
+        place[*old] = new;
+    }
+    sheet.of_wall.iter_mut().for_each(|v| *v = place[*v]);
+    sheet.views = order.iter().map(|old| sheet.views[*old].clone()).collect();
+    for (i, view) in sheet.views.iter_mut().enumerate() {
+        view.number = i + 1;
+        if view.name.is_empty() {
+            view.name = format!("drawing {}", i + 1);
+        }
+    }
+}
+
+/// Marks the view to take: the one with the user's marks, else the best plan.
+fn choose(sheet: &mut Sheet, mark: Option<&DVec2>) {
+    let most = sheet.views.iter().map(|v| v.wall_pieces).max().unwrap_or(0) as f64;
+    let score = |v: &View| v.wall_pieces as f64 / most.max(1.0) + v.kind.worth();
+    let boxes: Vec<[DVec2; 2]> = sheet.views.iter().map(|v| v.extent).collect();
+    let best = match mark {
+        Some(p) => nearest(&boxes, *p),
+        None => {
+            let order = (0..boxes.len()).rev();
+            let by_score = |a: &usize, b: &usize| score(&sheet.views[*a]).total_cmp(&score(&sheet.views[*b]));
+            order.max_by(by_score).unwrap_or(0)
+        }
+    };
+    if let Some(view) = sheet.views.get_mut(best) {
+        view.is_chosen = true;
+    }
+}

@@ -1,0 +1,33 @@
+//! Plans drawn in the styles of many offices give the same graph. All of them: `benches/understanding.rs`.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod offices;
+
+use enfilade::plan::axes::AxisGraph;
+use offices::score::{explain, score};
+use offices::styles::{LAYERS, Office, STYLES, Style, draw, drawn};
+
+fn check(numbers: &[u64], noise: bool) {
+    for n in numbers {
+        let plan = offices::plans::plan(*n);
+        for style in STYLES {
+            let layers = *n as usize % LAYERS.len();
+            let office = Office { layers, blocks: n % 2 == 1, ..Office::new(style, noise) };
+            let graph = AxisGraph::new(&drawn(&draw(&plan, &office, *n), &office));
+            let s = score(&plan, &graph, style != Style::CentreLines);
+            assert!(s.holds(), "{} {style:?}: {s:?}\n{}", plan.name, explain(&plan, &graph).join("\n"));
+            assert!(s.thickness.f1() > 0.97, "{} {style:?}: {s:?}", plan.name);
+        }
+    }
+}
+
+#[test]
+fn plans_as_meant() {
+    check(&[0, 2, 7, 11], false);
+}
+
+#[test]
+fn plans_with_slips_of_the_hand() {
+    check(&[1, 5, 8, 14], true);
+}
