@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::defaults::{DOOR_WIDTH_M, SLIDE_M, SLIDE_MIN_M};
+use super::defaults::{DOOR_WIDTH_M, Neighbours, Piece, SLIDE_M, SLIDE_MIN_M};
 use super::partitions::PARTITION_SLIDE_M;
 use crate::plan::axes::{AxisGraph, Edge, NodeKind, OpeningKind};
 use crate::plan::curve::control_points;
@@ -19,7 +19,7 @@ use crate::plan::graph::{Graph, Handle};
 use crate::plan::interior::Interior;
 use crate::plan::markers::{Clause, Group, Kind};
 use crate::plan::structure::{end_handles, face_handles, handle_at};
-use crate::plan::{Plan, Region};
+use crate::plan::{Plan, Region, box_of};
 
 /// Thickest wall that is a partition; thicker ones carry.
 const PARTITION_THICKNESS_MAX_M: f64 = 0.3;
@@ -77,10 +77,14 @@ impl Sliding {
 
 /// All that is needed to find what slides.
 pub(super) struct Axial<'a> {
-    pub plan: &'a Plan,
-    pub graph: &'a Graph,
-    pub axes: &'a AxisGraph,
-    pub interior: &'a Interior,
+    plan: &'a Plan,
+    graph: &'a Graph,
+    axes: &'a AxisGraph,
+    interior: &'a Interior,
+    pieces: &'a [Piece],
+    neighbours: &'a Neighbours,
+    /// Edges at every node of the axes.
+    at_node: Vec<Vec<u32>>,
 }
 
 /// Edges on one line, joined at nodes or by openings.
@@ -107,7 +111,27 @@ impl Chain {
     }
 }
 
-impl Axial<'_> {
+impl<'a> Axial<'a> {
+    /// Takes what is known.
+    pub fn new(
+        plan: &'a Plan,
+        graph: &'a Graph,
+        axes: &'a AxisGraph,
+        interior: &'a Interior,
+        (pieces, neighbours): (&'a [Piece], &'a Neighbours),
+    ) -> Self {
+        let mut at_node = vec![Vec::new(); axes.nodes.len()];
+        for (i, e) in axes.edges.iter().enumerate() {
+            e.nodes.iter().for_each(|n| at_node[*n as usize].push(i as u32));
+        }
+        Self { plan, graph, axes, interior, pieces, neighbours, at_node }
+    }
+
+    /// The edges at a node.
+    fn around(&self, node: u32) -> impl Iterator<Item = (u32, &'a Edge)> + '_ {
+        self.at_node[node as usize].iter().map(|i| (*i, &self.axes.edges[*i as usize]))
+    }
+
     /// Partitions that may slide across their length, the longest first.
     pub fn partitions(&self) -> Vec<Sliding> {
         let mut out: Vec<Sliding> = self.chains().iter().filter_map(|c| self.partition(c)).collect();
@@ -147,20 +171,18 @@ impl Axial<'_> {
 
     /// The straight thick wall that leaves a node in a direction.
     fn wall_at(&self, node: u32, out: DVec2) -> Option<&Edge> {
-        self.axes.edges.iter().find(|e| {
+        let mut around = self.around(node).map(|(_, e)| e);
+        around.find(|e| {
             let [a, b] = self.axes.ends(e);
             let d = if e.nodes[0] == node { b - a } else { a - b };
-            e.nodes.contains(&node)
-                && e.bulge == 0.0
-                && e.thickness_m > 0.0
-                && d.normalize_or_zero().dot(out) > 0.99
+            e.bulge == 0.0 && e.thickness_m > 0.0 && d.normalize_or_zero().dot(out) > 0.99
         })
     }
 
     /// Half the thickness of the thickest wall that joins an edge at either end.
     fn joint_half(&self, edge: &Edge) -> f64 {
-        let joins = |e: &&Edge| !std::ptr::eq(*e, edge) && e.nodes.iter().any(|n| edge.nodes.contains(n));
-        self.axes.edges.iter().filter(joins).map(|e| e.thickness_m / 2.0).fold(0.0, f64::max)
+        let joins = edge.nodes.iter().flat_map(|n| self.around(*n)).filter(|(_, e)| !std::ptr::eq(*e, edge));
+        joins.map(|(_, e)| e.thickness_m / 2.0).fold(0.0, f64::max)
     }
 
     fn length(&self, edge: &Edge) -> f64 {
@@ -217,41 +239,35 @@ impl Axial<'_> {
             }
             i
         };
-        let mut at_node: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        for (i, e) in edges.iter().enumerate().filter(|(_, e)| e.bulge == 0.0 && e.thickness_m > 0.0) {
-            e.nodes.iter().for_each(|n| at_node.entry(*n).or_default().push(i as u32));
+        let is_thick = |i: &u32| edges[*i as usize].bulge == 0.0 && edges[*i as usize].thickness_m > 0.0;
+        let thick: Vec<Vec<u32>> =
+            self.at_node.iter().map(|list| list.iter().copied().filter(is_thick).collect()).collect();
+        let mut pairs: Vec<(Option<u32>, [u32; 2])> = Vec::new();
+        for around in &thick {
+            let rest = |k: usize, i: u32| around[k + 1..].iter().map(move |j| (None, [i, *j]));
+            pairs.extend(around.iter().enumerate().flat_map(|(k, i)| rest(k, *i)));
         }
-        let mut pairs: Vec<[u32; 2]> = Vec::new();
-        for around in at_node.values() {
-            pairs.extend(
-                around.iter().enumerate().flat_map(|(k, i)| around[k + 1..].iter().map(|j| [*i, *j])),
-            );
-        }
-        let mut by_opening: Vec<(u32, [u32; 2])> = Vec::new();
         for (k, o) in self.axes.openings.iter().enumerate() {
             if let [Some(a), Some(b)] = o.jambs.map(|j| j.node) {
-                let near = |n: u32| at_node.get(&n).into_iter().flatten();
-                by_opening.extend(near(a).flat_map(|i| near(b).map(move |j| (k as u32, [*i, *j]))));
+                let others = |i: u32| thick[b as usize].iter().map(move |j| (Some(k as u32), [i, *j]));
+                pairs.extend(thick[a as usize].iter().flat_map(|i| others(*i)));
             }
         }
-        pairs.extend(by_opening.iter().map(|p| p.1));
-        for [i, j] in pairs {
-            if self.on_one_line(&edges[i as usize], &edges[j as usize]) {
-                let (a, b) = (find(&root, i), find(&root, j));
-                root[a.max(b) as usize] = a.min(b);
+        pairs.retain(|(_, [i, j])| self.on_one_line(&edges[*i as usize], &edges[*j as usize]));
+        for (_, [i, j]) in &pairs {
+            let (a, b) = (find(&root, *i), find(&root, *j));
+            root[a.max(b) as usize] = a.min(b);
+        }
+        let mut sets: BTreeMap<u32, (Vec<u32>, Vec<u32>)> = BTreeMap::new();
+        for i in (0..edges.len() as u32).filter(is_thick) {
+            sets.entry(find(&root, i)).or_default().1.push(i);
+        }
+        for (opening, [i, _]) in pairs {
+            if let (Some(o), Some(set)) = (opening, sets.get_mut(&find(&root, i))) {
+                set.0.push(o);
             }
         }
-        let mut sets: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        for i in at_node.values().flatten().collect::<BTreeSet<_>>() {
-            sets.entry(find(&root, *i)).or_default().push(*i);
-        }
-        let openings = |set: &[u32]| -> Vec<u32> {
-            let mut list: Vec<u32> =
-                by_opening.iter().filter(|(_, p)| p.iter().all(|e| set.contains(e))).map(|p| p.0).collect();
-            list.dedup();
-            list
-        };
-        sets.into_values().map(|set| self.chain(openings(&set), set)).collect()
+        sets.into_values().map(|(openings, set)| self.chain(openings, set)).collect()
     }
 
     fn chain(&self, openings: Vec<u32>, edges: Vec<u32>) -> Chain {
@@ -291,10 +307,7 @@ impl Axial<'_> {
             if matches!(self.axes.nodes[n as usize].kind, NodeKind::Column(_)) {
                 return None;
             }
-            for (i, e) in self.axes.edges.iter().enumerate() {
-                if !e.nodes.contains(&n) || chain.edges.contains(&(i as u32)) {
-                    continue;
-                }
+            for (_, e) in self.around(n).filter(|(i, _)| !chain.edges.contains(i)) {
                 let other = e.nodes[usize::from(e.nodes[0] == n)];
                 let y = chain.local(self.axes.nodes[other as usize].at).y;
                 let to = self.axes.nodes[other as usize].at - self.axes.nodes[n as usize].at;
@@ -404,23 +417,23 @@ impl Axial<'_> {
     /// How far a chain may slide until something stands too near. `None` where a piece that stays lies in
     /// the wall.
     fn free_way(&self, chain: &Chain, nodes: &[u32]) -> Option<[f64; 2]> {
-        let inset = chain.thickness / 2.0 + BESIDE_M;
+        let (own, inset) = (chain.thickness / 2.0, chain.thickness / 2.0 + BESIDE_M);
         let (from, to) = (chain.from + inset, chain.to - inset);
         let mut way = [f64::MIN, f64::MAX];
-        for w in 0..self.plan.walls.len() as u32 {
-            for (c, n) in self.pieces(w) {
-                if self.has(nodes, (w, c)) || self.has(nodes, (w, (c + 1) % n)) {
-                    continue;
-                }
-                let [p, q] = [c, (c + 1) % n].map(|c| chain.local(handle_at(self.plan, (w, c))));
-                let Some([lo, hi]) = clipped(p, q, from, to) else { continue };
-                let own = chain.thickness / 2.0;
-                if lo <= own && hi >= -own {
-                    return None;
-                }
-                let room = |gap: f64| (gap - own - PASSAGE_M).max(0.0);
-                if lo > 0.0 { way[1] = way[1].min(room(lo)) } else { way[0] = way[0].max(-room(-hi)) }
+        let reach = own + PARTITION_SLIDE_M + PASSAGE_M;
+        let corners = [(from, -reach), (to, -reach), (from, reach), (to, reach)];
+        let corners = corners.map(|(x, y)| chain.world(x, y));
+        let [lo, hi] = box_of(corners.into_iter())?;
+        for p in self.neighbours.near(lo, hi).into_iter().map(|i| &self.pieces[i as usize]) {
+            if p.nodes.iter().any(|n| nodes.binary_search(n).is_ok()) {
+                continue;
             }
+            let Some([lo, hi]) = clipped(chain.local(p.a), chain.local(p.b), from, to) else { continue };
+            if lo <= own && hi >= -own {
+                return None;
+            }
+            let room = |gap: f64| (gap - own - PASSAGE_M).max(0.0);
+            if lo > 0.0 { way[1] = way[1].min(room(lo)) } else { way[0] = way[0].max(-room(-hi)) }
         }
         Some(way)
     }

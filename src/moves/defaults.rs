@@ -42,11 +42,14 @@ pub const PARAMETERS_MAX: usize = 30;
 pub const PIECES_MAX: usize = 20_000;
 
 /// A straight piece of a wall with its node ids.
-struct Piece {
+pub(super) struct Piece {
     wall: u32,
-    nodes: [u32; 2],
-    a: DVec2,
-    b: DVec2,
+    /// Nodes of its ends.
+    pub nodes: [u32; 2],
+    /// One end, metres of a person.
+    pub a: DVec2,
+    /// The other end.
+    pub b: DVec2,
 }
 
 /// Groups for [`super::Moves::new`]: elements, the largest first, walls that slide between others, the
@@ -70,7 +73,7 @@ pub fn groups(
     }
     let neighbours = Neighbours::new(&pieces);
     let elements = elements(plan, graph, interior, &pieces, &neighbours);
-    let axial = Axial { plan, graph, axes, interior };
+    let axial = Axial::new(plan, graph, axes, interior, (&pieces, &neighbours));
     let mut doors = axial.doors();
     let taken: BTreeSet<u32> = doors.iter().flat_map(|d| d.nodes.clone()).collect();
     let simple = simple_doors(plan, graph, interior, &pieces, &neighbours);
@@ -154,7 +157,7 @@ fn pieces(plan: &Plan, graph: &Graph) -> Vec<Piece> {
 }
 
 /// Pieces by place: buckets as large as the largest distance asked for.
-struct Neighbours {
+pub(super) struct Neighbours {
     size: f64,
     buckets: BTreeMap<[i64; 2], Vec<u32>>,
 }
@@ -178,7 +181,7 @@ impl Neighbours {
     }
 
     /// Pieces that may come nearer than the bucket size to the box, ascending.
-    fn near(&self, lo: DVec2, hi: DVec2) -> Vec<u32> {
+    pub fn near(&self, lo: DVec2, hi: DVec2) -> Vec<u32> {
         let cell = |p: DVec2| [(p.x / self.size).floor() as i64, (p.y / self.size).floor() as i64];
         let (lo, hi) = (cell(lo), cell(hi));
         let mut out = Vec::new();

@@ -9,68 +9,12 @@ use super::drawing::{Drawing, Entity, Shape};
 use super::geometry::PointUm;
 use super::graph::Handle;
 use super::layers;
+use super::roles::{self, role_by_name};
 use super::rooms;
 
-/// Words of layers and blocks that hold doors, lower case.
-const DOOR_WORDS: &[&str] = &[
-    "door",
-    "doors",
-    "tür",
-    "tuer",
-    "türen",
-    "tueren",
-    "porte",
-    "portes",
-    "porta",
-    "porte",
-    "puerta",
-    "puertas",
-    "portas",
-    "deur",
-    "deuren",
-    "dør",
-    "dörr",
-    "ovi",
-    "drzwi",
-    "dveře",
-    "kapı",
-    "дверь",
-    "двери",
-    "ドア",
-    "门",
-];
-
-/// Words of layers and blocks that hold windows, lower case.
-const WINDOW_WORDS: &[&str] = &[
-    "window",
-    "windows",
-    "wind",
-    "fenster",
-    "fenêtre",
-    "fenetre",
-    "fenêtres",
-    "finestra",
-    "finestre",
-    "ventana",
-    "ventanas",
-    "janela",
-    "janelas",
-    "raam",
-    "ramen",
-    "vindu",
-    "fönster",
-    "ikkuna",
-    "okno",
-    "okna",
-    "pencere",
-    "окно",
-    "окна",
-    "窓",
-    "窗",
-    "glaz",
-    "glass",
-    "glazing",
-];
+/// Words of layers that hold doors and windows alike, lower case.
+const OPENING_WORDS: &[&str] =
+    &["opening", "openings", "header", "infissi", "serramenti", "carpinteria", "建具", "sliding"];
 
 /// Radii of arcs that may be door swings, metres of a person.
 pub const SWING_RADIUS_M: [f64; 2] = [0.5, 1.6];
@@ -133,24 +77,27 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     (out, marked)
 }
 
+/// What an entity says about an opening: by the name of its block or layer, else by its shape if the name
+/// says nothing.
 fn mark_role(entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
+    let mut is_open = false;
     for name in entity.blocks.iter().map(String::as_str).chain([entity.layer.as_str()]) {
-        let lower = name.to_lowercase();
-        let words = || lower.split(|c: char| !c.is_alphabetic()).filter(|w| !w.is_empty());
-        if words().any(|w| DOOR_WORDS.contains(&w)) {
-            return Some((Role::Door, name.to_string()));
-        }
-        if words().any(|w| WINDOW_WORDS.contains(&w)) {
-            return Some((Role::Window, name.to_string()));
+        let is_both = || layers::words(name).iter().any(|w| OPENING_WORDS.contains(&w.as_str()));
+        match role_by_name(name).0 {
+            roles::Role::Door if is_both() => return Some((Role::Unknown, name.to_string())),
+            roles::Role::Door => return Some((Role::Door, name.to_string())),
+            roles::Role::Window | roles::Role::Glazing => return Some((Role::Window, name.to_string())),
+            roles::Role::Unknown => is_open = true,
+            _ => {}
         }
     }
-    let swings = |p: &Path| match p {
+    let tells = |p: &Path| match p {
         Path::Arc { radius, sweep_rad, .. } => {
             (SWING_RADIUS_M[0]..=SWING_RADIUS_M[1]).contains(radius) && (0.5..=3.3).contains(sweep_rad)
         }
-        Path::Line { .. } => false,
+        Path::Line { .. } => is_open,
     };
-    paths.iter().any(swings).then(|| (Role::Unknown, String::new()))
+    paths.iter().any(tells).then(|| (Role::Unknown, String::new()))
 }
 
 /// The thick straight walls of an axis graph.
