@@ -92,14 +92,15 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
     let bodies = structure::bodies(&plan, &axes);
     let sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
     let fittings = fittings::fittings(&plan, &drawing, &axes, &marked);
-    let mut all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
-    all.extend(building::closings(&drawing, &plan));
-    all.extend(opening_lines(&plan, &axes));
+    let all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
+    let mut closings = building::closings(&drawing, &plan);
+    closings.extend(opening_lines(&plan, &axes));
     let has_moves = !settings.moves.is_empty()
         || (!(plan.markers.groups.is_empty() && drawing.marked.is_empty()) && !settings.ignore_move_markers);
     let needs_inside = plan.markers.query.is_empty() || plan.markers.reference.is_empty();
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
-    let interior = if needs_interior { Interior::new(&all, plan.human_scale) } else { None };
+    let interior = if needs_interior { Interior::new(&all, &closings, plan.human_scale) } else { None };
+    let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
     let known = Known { plan: &plan, graph: &graph, axes: &axes, interior: interior.as_ref() };
     let moves = moves(&drawing, &known, settings, report)?;
     let openings = building::openings(&drawing);
@@ -531,11 +532,14 @@ pub fn divisor(initial: f64) -> f64 {
 fn state_interior(base: &Understood, settings: &Settings, report: &mut Report) {
     let Some(interior) = &base.interior else { return };
     let needs = base.plan.markers.query.is_empty() || base.plan.markers.reference.is_empty();
-    if needs && settings.seed_points.is_empty() && interior.closing_m() > 0.0 {
+    if needs && settings.seed_points.is_empty() && !interior.is_as_drawn() {
+        let wide = match interior.closing_m() {
+            0.0 => "its doors and windows".to_string(),
+            half => format!("gaps up to {} m wide", half * 2.0),
+        };
         let text = format!(
-            "no region drawn and the outline is open: openings up to {} m wide were taken as closed to find the interior; \
-             EF-QUERY or --seed-point says it exactly",
-            interior.closing_m() * 2.0
+            "no region drawn and the outline is open: {wide} were taken as closed to find the interior; \
+             EF-QUERY or --seed-point says it exactly"
         );
         report.info("interior-closed", Place::file(&base.plan.file), text);
     }

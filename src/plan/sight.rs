@@ -56,6 +56,11 @@ impl Sight {
         out
     }
 
+    /// Whether any drawn piece is open.
+    pub fn has_open(&self) -> bool {
+        !self.open.is_empty()
+    }
+
     /// The parts of a drawn piece that stop sight. `s` is the piece, or one of its chords.
     pub fn blocking(&self, face: FaceRef, s: Segment) -> impl Iterator<Item = Segment> + '_ {
         let spans: &[[f64; 2]] = self.open.get(&face).map_or(&[], Vec::as_slice);
