@@ -67,6 +67,7 @@ pub(super) fn run(
         .enumerate()
         .map(|(i, m)| make(input, settings, study, i, m))
         .collect::<Result<_, _>>()?;
+    let made = apart(made);
     for m in &made {
         report.extend(m.report.clone());
     }
@@ -286,6 +287,18 @@ pub(super) struct Made {
     host_ids: BTreeMap<u64, String>,
     report: Report,
     name: String,
+}
+
+/// The options that differ in the drawing as it is written; what rounds to one layout is one option.
+fn apart(made: Vec<Made>) -> Vec<Made> {
+    let mut out: Vec<Made> = Vec::new();
+    for m in made {
+        if out.iter().all(|o| o.edits != m.edits) {
+            let name = format!("candidate-{}", out.len() + 1);
+            out.push(Made { name, ..m });
+        }
+    }
+    out
 }
 
 /// Patches the drawing, reads it again and measures from scratch: what is reported is what is written.

@@ -61,6 +61,7 @@ fn walls(text: &str) -> usize {
     read(text).unwrap().0.entities.iter().filter(|e| e.layer == "IfcWall").count()
 }
 
+#[track_caller]
 fn assert_says(said: &str, words: &[&str]) {
     for word in words {
         assert!(said.contains(word), "{word:?} is not in:\n{said}");
@@ -99,7 +100,10 @@ fn placements_in_a_ring_are_named_and_long_chains_end() {
 #[test]
 fn damaged_instances_have_their_line_and_the_rest_is_read() {
     assert_says(&said("#40=IFCDIRECTION((0.,0.,1.);"), &["w.ifc:27", "left out"]);
-    assert_says(&said("#40=IFCLABEL('no end);"), &["w.ifc:"]);
+    assert_says(
+        &refused(&file("#40=IFCLABEL('no end);")),
+        &["w.ifc:27", "closing quote", "nothing was done"],
+    );
     assert_says(&said("#20=IFCLOCALPLACEMENT(#7,#999);"), &["#999", "does not exist", "left out"]);
     assert_says(&said("#4=IFCAXIS2PLACEMENT3D(#3,#40,$);\n#40=IFCDIRECTION((0.,0.,0.));"), &["no length"]);
     assert_eq!(walls(&file("").replace("IFCWALL(", "ifcwall(")), 1, "keywords in small letters");
@@ -182,7 +186,8 @@ fn schemas_and_other_files_are_told_apart() {
     assert_says(&refused("<?xml version=\"1.0\"?><ifcXML/>"), &["XML", "export as IFC"]);
     let whole = file("");
     for cut in [whole.len() / 3, whole.len() / 2, whole.len() - 8] {
-        assert_says(&refused(&whole[..cut]), &["END-ISO-10303-21", "nothing was done"]);
+        assert_says(&refused(&whole[..cut]), &["w.ifc", "nothing was done"]);
+        assert_ne!(ifc::completeness(whole[..cut].as_bytes()), ifc::Incomplete::No);
     }
 }
 
@@ -315,4 +320,12 @@ fn a_storey_that_is_not_there_is_told_with_those_that_are() {
     let options = ReadOptions { storey: Some("Attic".into()), ..ReadOptions::default() };
     let fault = ifc::read("w.ifc", file("").as_bytes(), &options, &mut Report::default()).unwrap_err();
     assert_says(&fault.to_string(), &["Attic", "\"Ground\""]);
+}
+
+#[test]
+fn an_instance_longer_than_any_is_left_out() {
+    let text = format!("#40=IFCLABEL('{}');", "x".repeat(ifc::INSTANCE_BYTES_MAX));
+    let (drawing, said) = read(&file(&text)).unwrap();
+    assert_says(&said.join("\n"), &["w.ifc:27", "left out"]);
+    assert!(drawing.entities.iter().any(|e| e.layer == "IfcWall"));
 }
