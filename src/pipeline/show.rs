@@ -312,6 +312,7 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
                 reason: l.why.clone(),
             })
             .collect(),
+        storeys: Vec::new(),
         problems: report.problems.iter().map(Into::into).collect(),
     }
 }
