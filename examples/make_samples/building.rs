@@ -1,350 +1,182 @@
-//! A small exhibition house, written three times: as IFC, as binary glTF and as DXF.
+//! One small building of two storeys, as a model: `pavilion.dxf`, `pavilion.ifc` and `pavilion.glb` show it.
 
-use std::fmt::Write as _;
+use super::dxf::{Point, Sheet, Version};
 
-/// Height of every wall, metres.
-const HEIGHT: f64 = 3.0;
+/// Height of walls, metres.
+pub const HEIGHT: f64 = 3.0;
 
-/// What fills a hole in a wall.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Filling {
-    /// A door down to the floor.
-    Door,
-    /// A window above a sill.
-    Window,
-}
+/// Height of the eyes above the floor at which the drawing is cut, metres.
+const CUT: f64 = 1.5;
 
 /// A hole in a wall.
 #[derive(Clone, Copy)]
-pub struct Hole {
-    /// Where it begins along the wall, metres.
-    pub from: f64,
-    /// How wide it is.
+pub struct Opening {
+    /// From the wall's start to the near edge, along the wall.
+    pub at: f64,
     pub width: f64,
-    /// From which height to which.
-    pub heights: [f64; 2],
-    /// What fills it.
-    pub filling: Filling,
+    pub sill: f64,
+    pub height: f64,
+    pub is_door: bool,
 }
 
-/// A straight wall.
+/// A straight wall on its centre line, or (where as long as thick) a column.
+#[derive(Clone)]
 pub struct Wall {
-    /// Its name.
     pub name: &'static str,
-    /// Ends of its axis, metres.
-    pub ends: [[f64; 2]; 2],
-    /// Thickness.
+    pub from: Point,
+    pub to: Point,
     pub thickness: f64,
-    /// Holes, in order.
-    pub holes: Vec<Hole>,
-    /// What may move, as in `Pset_Enfilade`.
+    pub height: f64,
+    pub openings: Vec<Opening>,
+    /// What may move, in the words of `EF-MOVE`.
     pub moves: Option<&'static str>,
+    pub is_column: bool,
+}
+
+/// A room.
+pub struct Space {
+    pub name: &'static str,
+    pub low: Point,
+    pub high: Point,
+    pub is_query: bool,
+    pub is_reference: bool,
+}
+
+/// A storey.
+pub struct Storey {
+    pub name: &'static str,
+    pub floor: f64,
+    pub walls: Vec<Wall>,
+    pub spaces: Vec<Space>,
 }
 
 impl Wall {
-    fn length(&self) -> f64 {
-        let [a, b] = self.ends;
-        (b[0] - a[0]).hypot(b[1] - a[1])
+    /// Length of the centre line.
+    pub fn length(&self) -> f64 {
+        (self.to.0 - self.from.0).hypot(self.to.1 - self.from.1)
     }
 
-    fn direction(&self) -> [f64; 2] {
-        let ([a, b], l) = (self.ends, self.length());
-        [(b[0] - a[0]) / l, (b[1] - a[1]) / l]
+    /// Direction of the centre line.
+    pub fn direction(&self) -> Point {
+        ((self.to.0 - self.from.0) / self.length(), (self.to.1 - self.from.1) / self.length())
     }
 
-    /// A point by its place along and beside the axis.
-    fn at(&self, along: f64, beside: f64) -> [f64; 2] {
-        let (a, d) = (self.ends[0], self.direction());
-        [a[0] + d[0] * along - d[1] * beside, a[1] + d[1] * along + d[0] * beside]
-    }
-
-    /// Boxes that the wall is made of: along from, to; height from, to.
-    fn boxes(&self) -> Vec<[f64; 4]> {
+    /// What stands of it at a height: stretches along the centre line.
+    pub fn stretches(&self, height: f64) -> Vec<[f64; 2]> {
         let mut out = Vec::new();
-        let mut from = 0.0;
-        for h in &self.holes {
-            out.push([from, h.from, 0.0, HEIGHT]);
-            if h.heights[0] > 0.0 {
-                out.push([h.from, h.from + h.width, 0.0, h.heights[0]]);
-            }
-            out.push([h.from, h.from + h.width, h.heights[1], HEIGHT]);
-            from = h.from + h.width;
+        let mut at = 0.0;
+        for o in self.openings.iter().filter(|o| o.sill < height && o.sill + o.height > height) {
+            out.push([at, o.at]);
+            at = o.at + o.width;
         }
-        out.push([from, self.length(), 0.0, HEIGHT]);
+        out.push([at, self.length()]);
         out
     }
 }
 
-/// The house: a hall of 14 by 8 metres with a store, two screens and a column.
-pub fn house() -> Vec<Wall> {
-    let door = |from: f64| Hole { from, width: 1.0, heights: [0.0, 2.1], filling: Filling::Door };
-    let window = |from: f64| Hole { from, width: 1.5, heights: [0.9, 2.2], filling: Filling::Window };
-    let wall = |name, ends, thickness, holes| Wall { name, ends, thickness, holes, moves: None };
-    let screen =
-        |name, ends, moves| Wall { name, ends, thickness: 0.15, holes: Vec::new(), moves: Some(moves) };
+fn door(at: f64, width: f64) -> Opening {
+    Opening { at, width, sill: 0.0, height: 2.1, is_door: true }
+}
+
+fn window(at: f64, width: f64) -> Opening {
+    Opening { at, width, sill: 0.9, height: 1.3, is_door: false }
+}
+
+fn wall(name: &'static str, from: Point, to: Point, thickness: f64, openings: Vec<Opening>) -> Wall {
+    Wall { name, from, to, thickness, height: HEIGHT, openings, moves: None, is_column: false }
+}
+
+fn screen(name: &'static str, from: Point, to: Point, moves: &'static str) -> Wall {
+    Wall { height: 2.4, moves: Some(moves), ..wall(name, from, to, 0.16, vec![]) }
+}
+
+fn column(name: &'static str, (x, y): Point) -> Wall {
+    Wall { is_column: true, ..wall(name, (x - 0.2, y), (x + 0.2, y), 0.4, vec![]) }
+}
+
+/// 18 × 12 m, outer walls 300 mm, their joints butt.
+fn outer(front: Vec<Opening>) -> Vec<Wall> {
+    let windows = || vec![window(2.0, 1.6), window(8.0, 1.6), window(14.0, 1.6)];
     vec![
-        wall("South", [[0.0, 0.15], [14.0, 0.15]], 0.3, vec![door(6.0), window(10.0)]),
-        wall("East", [[13.85, 0.3], [13.85, 7.7]], 0.3, vec![window(2.0)]),
-        wall("North", [[14.0, 7.85], [0.0, 7.85]], 0.3, vec![window(3.0), window(9.0)]),
-        wall("West", [[0.15, 7.7], [0.15, 0.3]], 0.3, Vec::new()),
-        wall("Store", [[4.0, 0.3], [4.0, 7.7]], 0.2, vec![door(3.0)]),
-        screen("Screen A", [[6.0, 4.5], [9.0, 4.5]], "x -1 1; y -1 1; rotate -30 30"),
-        screen("Screen B", [[11.0, 2.5], [11.0, 5.0]], "x -1 1; y -1 1"),
+        wall("south", (0.0, 0.15), (18.0, 0.15), 0.3, front),
+        wall("north", (0.0, 11.85), (18.0, 11.85), 0.3, windows()),
+        wall("west", (0.15, 0.3), (0.15, 11.7), 0.3, vec![window(2.0, 1.2)]),
+        wall("east", (17.85, 0.3), (17.85, 11.7), 0.3, vec![window(7.0, 1.2)]),
     ]
 }
 
-/// Corners of the column.
-const COLUMN: [[f64; 2]; 4] = [[9.8, 6.3], [10.2, 6.3], [10.2, 6.7], [9.8, 6.7]];
-
-/// Corners of the hall, where is measured.
-pub const HALL: [[f64; 2]; 4] = [[4.1, 0.3], [13.7, 0.3], [13.7, 7.7], [4.1, 7.7]];
-
-/// File names and contents.
-pub fn all() -> Vec<(&'static str, Vec<u8>)> {
-    let walls = house();
-    vec![("house.ifc", ifc(&walls).into_bytes()), ("house.glb", glb(&walls))]
+/// The building from the ground up.
+pub fn storeys() -> [Storey; 2] {
+    let mut ground = outer(vec![window(2.0, 1.6), door(8.0, 1.8), window(14.0, 1.6)]);
+    ground.extend([
+        wall("hall", (7.0, 0.3), (7.0, 11.7), 0.2, vec![door(1.2, 1.4), door(9.0, 1.0)]),
+        Wall {
+            moves: Some("y -1m 1m"),
+            ..wall("cloakroom", (0.3, 7.5), (6.9, 7.5), 0.16, vec![door(2.6, 1.0)])
+        },
+        screen("screen-1", (2.0, 4.0), (5.0, 4.0), "x -1m 1m; y -1.2m 1.5m"),
+        screen("screen-2", (10.0, 3.2), (14.0, 3.2), "x -1.5m 1.5m; rotate -25 25"),
+        screen("screen-3", (15.2, 7.2), (15.2, 9.6), "x -1.5m 1.2m"),
+        screen("screen-4", (9.6, 8.2), (12.4, 8.2), "rotate -40 40"),
+        column("column-1", (12.5, 5.9)),
+        column("column-2", (9.5, 5.9)),
+    ]);
+    let mut upper = outer(vec![window(2.0, 1.6), window(8.0, 1.6), window(14.0, 1.6)]);
+    upper.extend([
+        wall("gallery", (0.3, 6.0), (17.7, 6.0), 0.2, vec![door(4.0, 1.4), door(12.0, 1.4)]),
+        screen("screen-5", (6.0, 3.0), (9.0, 3.0), "x -2m 2m; y -1m 1m"),
+    ]);
+    let inside = |name, low, high, is_query, is_reference| Space { name, low, high, is_query, is_reference };
+    [
+        Storey {
+            name: "Ground floor",
+            floor: 0.0,
+            walls: ground,
+            spaces: vec![
+                inside("Foyer", (0.3, 0.3), (6.9, 11.7), false, true),
+                inside("Gallery", (7.1, 0.3), (17.7, 11.7), true, true),
+            ],
+        },
+        Storey {
+            name: "Upper floor",
+            floor: 3.2,
+            walls: upper,
+            spaces: vec![inside("Upper gallery", (0.3, 0.3), (17.7, 11.7), false, false)],
+        },
+    ]
 }
 
-/// 22 characters as a GlobalId has, by number.
-fn global_id(n: usize) -> String {
-    format!("2EnfiladeHouse0000{n:04}")
-}
-
-/// The instances of an IFC file as they come.
-#[derive(Default)]
-struct Step {
-    text: String,
-    next: usize,
-    global: usize,
-}
-
-impl Step {
-    fn add(&mut self, instance: &str) -> usize {
-        self.next += 1;
-        let _ = writeln!(self.text, "#{}={instance};", self.next);
-        self.next
+/// The ground floor as a drawing, cut at the height of the eyes.
+pub fn drawing() -> String {
+    let mut s = Sheet::new(Version::R2010, Some(6));
+    for (name, colour) in [("A-WALL", 7), ("A-COLS", 8), ("EF-QUERY", 5), ("EF-REFERENCE", 3), ("EF-MOVE", 1)]
+    {
+        s.layer(name, colour);
     }
-
-    fn root(&mut self, class: &str, rest: &str) -> usize {
-        self.global += 1;
-        let id = global_id(self.global);
-        self.add(&format!("{class}('{id}',$,{rest})"))
-    }
-
-    fn point(&mut self, p: &[f64]) -> usize {
-        let list: Vec<String> = p.iter().map(|v| real(*v)).collect();
-        self.add(&format!("IFCCARTESIANPOINT(({}))", list.join(",")))
-    }
-
-    fn direction(&mut self, p: &[f64]) -> usize {
-        let list: Vec<String> = p.iter().map(|v| real(*v)).collect();
-        self.add(&format!("IFCDIRECTION(({}))", list.join(",")))
-    }
-
-    /// A placement in another, in millimetres, turned to a direction.
-    fn placed(&mut self, parent: Option<usize>, at: [f64; 3], x: [f64; 2]) -> usize {
-        let (p, z) = (self.point(&at.map(|v| v * 1e3)), self.direction(&[0.0, 0.0, 1.0]));
-        let x = self.direction(&[x[0], x[1], 0.0]);
-        let axes = self.add(&format!("IFCAXIS2PLACEMENT3D(#{p},#{z},#{x})"));
-        let parent = parent.map_or("$".into(), |n| format!("#{n}"));
-        self.add(&format!("IFCLOCALPLACEMENT({parent},#{axes})"))
-    }
-
-    /// A body: a rectangle from x = 0, or a ring of corners, extruded upwards.
-    fn body(&mut self, context: usize, ring: &[[f64; 2]], height: f64) -> usize {
-        let mut points: Vec<usize> = ring.iter().map(|p| self.point(&p.map(|v| v * 1e3))).collect();
-        points.push(points[0]);
-        let line = self.add(&format!("IFCPOLYLINE({})", refs(&points)));
-        let profile = self.add(&format!("IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#{line})"));
-        let (o, z) = (self.point(&[0.0, 0.0, 0.0]), self.direction(&[0.0, 0.0, 1.0]));
-        let axes = self.add(&format!("IFCAXIS2PLACEMENT3D(#{o},$,$)"));
-        let solid =
-            self.add(&format!("IFCEXTRUDEDAREASOLID(#{profile},#{axes},#{z},{})", real(height * 1e3)));
-        let shape = self.add(&format!("IFCSHAPEREPRESENTATION(#{context},'Body','SweptSolid',(#{solid}))"));
-        self.add(&format!("IFCPRODUCTDEFINITIONSHAPE($,$,(#{shape}))"))
-    }
-}
-
-fn real(v: f64) -> String {
-    let v = (v * 1e9).round() / 1e9 + 0.0;
-    let text = format!("{v}");
-    if text.contains('.') { text } else { format!("{text}.") }
-}
-
-fn refs(list: &[usize]) -> String {
-    let list: Vec<String> = list.iter().map(|n| format!("#{n}")).collect();
-    format!("({})", list.join(","))
-}
-
-/// The walls as IFC4, millimetres.
-pub fn ifc(walls: &[Wall]) -> String {
-    let mut s = Step::default();
-    let millimetre = s.add("IFCSIUNIT(*,.LENGTHUNIT.,.MILLI.,.METRE.)");
-    let radian = s.add("IFCSIUNIT(*,.PLANEANGLEUNIT.,$,.RADIAN.)");
-    let units = s.add(&format!("IFCUNITASSIGNMENT((#{millimetre},#{radian}))"));
-    let origin = s.point(&[0.0, 0.0, 0.0]);
-    let axes = s.add(&format!("IFCAXIS2PLACEMENT3D(#{origin},$,$)"));
-    let context = s.add(&format!("IFCGEOMETRICREPRESENTATIONCONTEXT($,'Model',3,1.E-5,#{axes},$)"));
-    let project = s.root("IFCPROJECT", &format!("'House',$,$,$,$,(#{context}),#{units}"));
-    let site_at = s.placed(None, [0.0; 3], [1.0, 0.0]);
-    let site = s.root("IFCSITE", &format!("'Site',$,$,#{site_at},$,$,.ELEMENT.,$,$,$,$,$"));
-    let house_at = s.placed(Some(site_at), [0.0; 3], [1.0, 0.0]);
-    let house = s.root("IFCBUILDING", &format!("'House',$,$,#{house_at},$,$,.ELEMENT.,$,$,$"));
-    let floor_at = s.placed(Some(house_at), [0.0; 3], [1.0, 0.0]);
-    let floor = s.root("IFCBUILDINGSTOREY", &format!("'Ground floor',$,$,#{floor_at},$,$,.ELEMENT.,0."));
-    s.root("IFCRELAGGREGATES", &format!("$,$,#{project},(#{site})"));
-    s.root("IFCRELAGGREGATES", &format!("$,$,#{site},(#{house})"));
-    s.root("IFCRELAGGREGATES", &format!("$,$,#{house},(#{floor})"));
-    let mut inside = Vec::new();
-    for wall in walls {
-        inside.extend(ifc_wall(&mut s, wall, context, floor_at));
-    }
-    let column_at = s.placed(Some(floor_at), [0.0; 3], [1.0, 0.0]);
-    let body = s.body(context, &COLUMN, HEIGHT);
-    inside.push(s.root("IFCCOLUMN", &format!("'Column',$,$,#{column_at},#{body},'900',.COLUMN.")));
-    s.root("IFCRELCONTAINEDINSPATIALSTRUCTURE", &format!("$,$,{},#{floor}", refs(&inside)));
-    let hall_at = s.placed(Some(floor_at), [0.0; 3], [1.0, 0.0]);
-    let body = s.body(context, &HALL, HEIGHT);
-    let hall =
-        s.root("IFCSPACE", &format!("'1',$,$,#{hall_at},#{body},'Gallery hall',.ELEMENT.,.INTERNAL.,$"));
-    s.root("IFCRELAGGREGATES", &format!("$,$,#{floor},(#{hall})"));
-    format!(
-        "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('ViewDefinition [ReferenceView]'),'2;1');\n\
-         FILE_NAME('house.ifc','2026-01-01T00:00:00',(''),(''),'','','');\nFILE_SCHEMA(('IFC4'));\nENDSEC;\n\
-         DATA;\n{}ENDSEC;\nEND-ISO-10303-21;\n",
-        s.text
-    )
-}
-
-/// One wall with its openings; what the storey contains.
-fn ifc_wall(s: &mut Step, wall: &Wall, context: usize, floor_at: usize) -> Vec<usize> {
-    let (a, d, t) = (wall.ends[0], wall.direction(), wall.thickness / 2.0);
-    let at = s.placed(Some(floor_at), [a[0], a[1], 0.0], d);
-    let l = wall.length();
-    let body = s.body(context, &[[0.0, -t], [l, -t], [l, t], [0.0, t]], HEIGHT);
-    let tag = 100 + s.global;
-    let id = s.root("IFCWALL", &format!("'{}',$,$,#{at},#{body},'{tag}',.SOLIDWALL.", wall.name));
-    let mut out = vec![id];
-    for hole in &wall.holes {
-        let height = hole.heights[1] - hole.heights[0];
-        let hole_at = s.placed(Some(at), [hole.from, 0.0, hole.heights[0]], [1.0, 0.0]);
-        let (w, depth) = (hole.width, t + 0.1);
-        let ring = [[0.0, -depth], [w, -depth], [w, depth], [0.0, depth]];
-        let body = s.body(context, &ring, height);
-        let opening = s.root("IFCOPENINGELEMENT", &format!("$,$,$,#{hole_at},#{body},$,.OPENING."));
-        s.root("IFCRELVOIDSELEMENT", &format!("$,$,#{id},#{opening}"));
-        let fill_at = s.placed(Some(hole_at), [0.0; 3], [1.0, 0.0]);
-        let body = s.body(context, &[[0.0, -0.03], [w, -0.03], [w, 0.03], [0.0, 0.03]], height);
-        let (class, kind) = match hole.filling {
-            Filling::Door => ("IFCDOOR", ".DOOR.,.SINGLE_SWING_LEFT.,$"),
-            Filling::Window => ("IFCWINDOW", ".WINDOW.,.SINGLE_PANEL.,$"),
+    let [ground, _] = storeys();
+    for w in &ground.walls {
+        let (d, half) = (w.direction(), w.thickness / 2.0);
+        let corner = |along: f64, across: f64| {
+            (w.from.0 + d.0 * along - d.1 * across, w.from.1 + d.1 * along + d.0 * across)
         };
-        let (h, w, tag) = (real(height * 1e3), real(w * 1e3), 500 + s.global);
-        let filler = s.root(class, &format!("$,$,$,#{fill_at},#{body},'{tag}',{h},{w},{kind}"));
-        s.root("IFCRELFILLSELEMENT", &format!("$,$,#{opening},#{filler}"));
-        out.push(filler);
+        let layer = if w.is_column { "A-COLS" } else { "A-WALL" };
+        for [a, b] in w.stretches(CUT) {
+            s.ring(layer, &[corner(a, -half), corner(b, -half), corner(b, half), corner(a, half)]);
+        }
+        if let Some(moves) = w.moves {
+            let (lo, hi) = (corner(-0.02, -half - 0.1), corner(w.length() + 0.02, half + 0.1));
+            let (x0, x1) = (lo.0.min(hi.0), lo.0.max(hi.0));
+            let (y0, y1) = (lo.1.min(hi.1), lo.1.max(hi.1));
+            s.rectangle("EF-MOVE", (x0, y0), (x1, y1));
+            s.text("EF-MOVE", (x0 + 0.03, y0 + 0.03), 0.05, &format!("name {}; {moves}", w.name));
+        }
     }
-    if let Some(moves) = wall.moves {
-        let p = s.add(&format!("IFCPROPERTYSINGLEVALUE('Move',$,IFCTEXT('{moves}'),$)"));
-        let set = s.root("IFCPROPERTYSET", &format!("'Pset_Enfilade',$,(#{p})"));
-        s.root("IFCRELDEFINESBYPROPERTIES", &format!("$,$,(#{id}),#{set}"));
-    }
-    out
-}
-
-/// The walls as glTF 2.0 in its binary container: a node a wall, metres, y up.
-pub fn glb(walls: &[Wall]) -> Vec<u8> {
-    let mut bin: Vec<u8> = Vec::new();
-    let (mut nodes, mut meshes, mut views, mut accessors) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut mesh = |name: String, boxes: Vec<[[f64; 2]; 4]>, heights: Vec<[f64; 2]>, extras: Option<&str>| {
-        let mut points: Vec<[f32; 3]> = Vec::new();
-        let mut triangles: Vec<u16> = Vec::new();
-        for (ring, [lo, hi]) in boxes.iter().zip(&heights) {
-            let base = points.len() as u16;
-            for z in [lo, hi] {
-                points.extend(ring.iter().map(|p| [p[0] as f32, *z as f32, -p[1] as f32]));
-            }
-            let quads = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
-            for [a, b, c, d] in quads {
-                triangles.extend([a, b, c, a, c, d].map(|i| base + i));
+    for space in &ground.spaces {
+        for (is, layer) in [(space.is_query, "EF-QUERY"), (space.is_reference, "EF-REFERENCE")] {
+            if is {
+                s.rectangle(layer, space.low, space.high);
             }
         }
-        let bound =
-            |k: usize, pick: fn(f32, f32) -> f32| points.iter().map(|p| p[k]).reduce(pick).unwrap_or(0.0);
-        let (lo, hi) = ([0, 1, 2].map(|k| bound(k, f32::min)), [0, 1, 2].map(|k| bound(k, f32::max)));
-        let start = bin.len();
-        bin.extend(points.iter().flatten().flat_map(|v| v.to_le_bytes()));
-        let middle = bin.len();
-        bin.extend(triangles.iter().flat_map(|v| v.to_le_bytes()));
-        let end = bin.len();
-        while bin.len() % 4 != 0 {
-            bin.push(0);
-        }
-        let n = views.len();
-        views.push(serde_json::json!({"buffer": 0, "byteOffset": start, "byteLength": middle - start, "target": 34962}));
-        views.push(serde_json::json!({"buffer": 0, "byteOffset": middle, "byteLength": end - middle, "target": 34963}));
-        accessors.push(serde_json::json!({"bufferView": n, "componentType": 5126, "count": points.len(), "type": "VEC3", "min": lo, "max": hi}));
-        accessors.push(serde_json::json!({"bufferView": n + 1, "componentType": 5123, "count": triangles.len(), "type": "SCALAR"}));
-        meshes.push(serde_json::json!({"primitives": [{"attributes": {"POSITION": n}, "indices": n + 1}]}));
-        let mut node = serde_json::json!({"name": name, "mesh": meshes.len() - 1});
-        if let Some(moves) = extras {
-            node["extras"] = serde_json::json!({"enfilade": {"move": moves}});
-        }
-        nodes.push(node);
-    };
-    for wall in walls {
-        let (boxes, t) = (wall.boxes(), wall.thickness / 2.0);
-        let ring = |b: &[f64; 4]| [wall.at(b[0], -t), wall.at(b[1], -t), wall.at(b[1], t), wall.at(b[0], t)];
-        let rings = boxes.iter().map(ring).collect();
-        mesh(
-            format!("IfcWall/{}", wall.name),
-            rings,
-            boxes.iter().map(|b| [b[2], b[3]]).collect(),
-            wall.moves,
-        );
     }
-    mesh("IfcColumn/Column".into(), vec![COLUMN], vec![[0.0, HEIGHT]], None);
-    let list: Vec<usize> = (0..nodes.len()).collect();
-    let json = serde_json::json!({
-        "asset": {"version": "2.0", "generator": "Enfilade samples"},
-        "scene": 0, "scenes": [{"nodes": list}], "nodes": nodes, "meshes": meshes,
-        "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": bin.len()}],
-    });
-    let mut text = json.to_string().into_bytes();
-    while text.len() % 4 != 0 {
-        text.push(b' ');
-    }
-    let total = 12 + 8 + text.len() + 8 + bin.len();
-    let mut out = b"glTF".to_vec();
-    for word in [2, total as u32, text.len() as u32, 0x4E4F_534A] {
-        out.extend(word.to_le_bytes());
-    }
-    out.extend(text);
-    for word in [bin.len() as u32, 0x004E_4942] {
-        out.extend(word.to_le_bytes());
-    }
-    out.extend(bin);
-    out
-}
-
-/// What of the walls stands at a height, as closed outlines on the layer WALL; drawing unit metre.
-pub fn dxf(walls: &[Wall], height: f64) -> String {
-    let mut rings: Vec<[[f64; 2]; 4]> = Vec::new();
-    for wall in walls {
-        let t = wall.thickness / 2.0;
-        let cut = wall.boxes().into_iter().filter(|b| b[2] <= height && height <= b[3]);
-        rings.extend(cut.map(|b| [wall.at(b[0], -t), wall.at(b[1], -t), wall.at(b[1], t), wall.at(b[0], t)]));
-    }
-    rings.push(COLUMN);
-    let mut out = String::from(
-        "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1015\n9\n$INSUNITS\n70\n6\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n",
-    );
-    for ring in rings {
-        out.push_str("0\nLWPOLYLINE\n8\nWALL\n90\n4\n70\n1\n");
-        for [x, y] in ring {
-            let _ = write!(out, "10\n{x}\n20\n{y}\n");
-        }
-    }
-    out.push_str("0\nENDSEC\n0\nEOF\n");
-    out
+    s.write()
 }

@@ -2,6 +2,8 @@
 
 mod building;
 mod dxf;
+mod gltf;
+mod ifc;
 mod plans;
 
 fn main() -> std::io::Result<()> {
@@ -9,10 +11,6 @@ fn main() -> std::io::Result<()> {
     std::fs::create_dir_all(&folder)?;
     for (name, text) in plans::all() {
         std::fs::write(folder.join(name), text)?;
-        println!("samples/{name}");
-    }
-    for (name, bytes) in building::all() {
-        std::fs::write(folder.join(name), bytes)?;
         println!("samples/{name}");
     }
     Ok(())

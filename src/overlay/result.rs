@@ -345,8 +345,34 @@ pub struct AnalysisResult {
     pub mean: Numbers,
     /// Penalties of the layout.
     pub penalty: Numbers,
+    /// Every storey of a building that has several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub storeys: Vec<StoreyEntry>,
     /// What was left out or assumed.
     pub problems: Vec<ProblemEntry>,
+}
+
+/// One storey of a building that has several.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StoreyEntry {
+    /// Its name, as `--storey` takes it.
+    pub name: String,
+    /// Height of its floor, metres.
+    pub floor_m: f64,
+    /// Folder of its files beside the result: `.` for the storey the result is about, none where nothing
+    /// could be measured.
+    pub folder: Option<String>,
+    /// Walls cut.
+    pub walls: u64,
+    /// Doors and windows cut.
+    pub openings: u64,
+    /// Solids cut.
+    pub columns: u64,
+    /// Means over its region of query; empty where it was not measured.
+    pub mean: Numbers,
+    /// Why nothing could be measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub problem: Option<String>,
 }
 
 /// A length unit and why it was taken.
@@ -415,6 +441,9 @@ pub struct CheckResult {
     pub layers: Vec<LayerEntry>,
     /// What the walls were understood as, in plain words.
     pub statements: Vec<String>,
+    /// Every storey of a building that has several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub storeys: Vec<StoreyEntry>,
     /// What was left out or assumed.
     pub problems: Vec<ProblemEntry>,
 }

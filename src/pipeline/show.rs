@@ -363,6 +363,7 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
             })
             .collect(),
         statements: base.axes.statements.clone(),
+        storeys: Vec::new(),
         problems: report.problems.iter().map(Into::into).collect(),
     }
 }

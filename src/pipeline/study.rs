@@ -67,6 +67,7 @@ pub fn read_options(settings: &Settings) -> formats::ReadOptions {
         storey: settings.storey.clone(),
         sight,
         is_by_user: !settings.wall_layers.is_empty(),
+        twin: settings.twin.clone(),
     }
 }
 

@@ -148,7 +148,7 @@ fn assumed_layers(
     }
     let drawn: Vec<&str> = counts
         .iter()
-        .filter(|(l, (shapes, _))| *shapes > 0 && !layers::is_own(l) && !hidden.layer(l))
+        .filter(|(l, (shapes, _))| *shapes > 0 && !layers::is_own(l) && !hidden.layer(l) && !is_class(l))
         .map(|(l, _)| *l)
         .collect();
     if let [only] = drawn[..] {
@@ -164,6 +164,11 @@ fn assumed_layers(
         out.insert((*layer).to_string(), why);
     }
     out
+}
+
+/// Classes of a building say outright what is a wall: none is taken for one by its looks.
+fn is_class(layer: &str) -> bool {
+    layer.starts_with("Ifc")
 }
 
 fn state_assumed(drawing: &Drawing, assumed: &BTreeMap<String, String>, report: &mut Report) {

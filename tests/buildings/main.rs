@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-#[path = "../../examples/make_samples/building.rs"]
-#[allow(dead_code)]
 mod building;
 mod gltf;
 mod ifc;
