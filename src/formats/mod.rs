@@ -88,6 +88,18 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     }
 }
 
+/// Names of a building's storeys that hold walls, the lowest first; empty for other drawings.
+///
+/// # Errors
+/// [`Error::Input`] when the bytes cannot be used.
+pub fn storeys(file: &str, bytes: &[u8]) -> Result<Vec<String>, Error> {
+    match format_of(file, bytes) {
+        Format::Ifc if ifc::is_zip(bytes) => ifc::storeys(file, &ifc::unzip(file, bytes)?),
+        Format::Ifc => ifc::storeys(file, bytes),
+        Format::Dxf | Format::Gltf | Format::Glb => Ok(Vec::new()),
+    }
+}
+
 /// The file's own bytes with the edits made and the additions put in.
 ///
 /// # Errors

@@ -165,6 +165,15 @@ pub fn patch(
     splice::apply(file, "ifc-edit-twice", bytes, splices)
 }
 
+/// Names of a building's storeys that hold walls, the lowest first.
+///
+/// # Errors
+/// [`Error::Input`] where the bytes are no IFC.
+pub fn storeys(file: &str, bytes: &[u8]) -> Result<Vec<String>, Error> {
+    let step = open(file, bytes)?;
+    Ok(Building::new(file, &step).model.storeys.into_iter().filter(|s| s.walls > 0).map(|s| s.name).collect())
+}
+
 /// The products each edit moves, the edited one first.
 ///
 /// # Errors
