@@ -31,6 +31,8 @@ export async function ask(path, body) {
 }
 
 const STATES = { waiting: "waits", running: "being worked on", done: "done", failed: "failed", stopped: "stopped" };
+/** The card of a running job is not made anew more often. */
+const PAUSE_MS = 500;
 const drawings = new Map();
 let shown = null;
 let detail = 0;
@@ -109,8 +111,11 @@ async function open(id) {
 }
 
 /** A running job changes only its own card, so that nobody loses the focus. */
+let refreshed = 0;
 async function refresh(d, before) {
   if (d.id !== shown) return;
+  if (d.state === before && Date.now() - refreshed < PAUSE_MS) return;
+  refreshed = Date.now();
   if (d.state === "running" && before === "running" && $("standing")) {
     const full = await ask(`drawings/${d.id}`);
     if (full.id !== shown || !$("standing") || $("standing").contains(document.activeElement)) return;
