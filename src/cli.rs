@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 
 use crate::config::{Backend, Colours, Level, Method, Mode, Partial};
 use crate::pipeline::resolution;
@@ -43,10 +43,29 @@ pub enum Command {
     Watch(WatchArgs),
     /// Make candidate N of the newest round a new drawing beside the old one.
     Accept(AcceptArgs),
+    /// List jobs for many machines, one a line: drawings, storeys and seeds.
+    Jobs(JobsArgs),
+    /// Do one such job, unless it is done. Exit code 2: bad input; 75: try again.
+    RunJob(RunJobArgs),
     /// Say what the daemon does in the folders.
     Status(StatusArgs),
-    /// Say what this machine offers.
-    Doctor,
+    /// Open the page of a running daemon in the browser.
+    Open(OpenArgs),
+    /// Install the daemon as a service of yours, ask for it, take it away.
+    Service(ServiceArgs),
+    /// Say what this machine offers, what is wrong and what helps. Exit code 1: something is.
+    Doctor {
+        /// Folders to look at as well.
+        #[arg(value_name = "DIR")]
+        folders: Vec<PathBuf>,
+    },
+    /// Write the completions of a shell to standard output.
+    Completions {
+        /// The shell.
+        shell: ShellArg,
+    },
+    /// Write the manual page to standard output.
+    Man,
     /// Write a commented enfilade.toml.
     Init(InitArgs),
 }
@@ -242,6 +261,12 @@ pub struct WatchArgs {
     /// Names to leave alone, * and ? may stand in them; repeatable.
     #[arg(long, value_name = "GLOB")]
     pub ignore: Vec<String>,
+    /// Open a page on this machine alone: what is done, options side by side. PORT 0: any free one.
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0", require_equals = true)]
+    pub page: Option<u16>,
+    /// Write what is said to this file as well; full ones are put aside.
+    #[arg(long, value_name = "FILE")]
+    pub log: Option<PathBuf>,
     /// Watch even a root or home folder.
     #[arg(long)]
     pub force: bool,
@@ -251,6 +276,80 @@ pub struct WatchArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,
+}
+
+/// `open`.
+#[derive(Debug, Args)]
+pub struct OpenArgs {
+    /// The watched folder.
+    #[arg(default_value = ".", value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Say the address instead of opening it.
+    #[arg(long)]
+    pub print: bool,
+}
+
+/// `service`.
+#[derive(Debug, Args)]
+pub struct ServiceArgs {
+    /// What to do.
+    #[command(subcommand)]
+    pub what: ServiceCommand,
+}
+
+/// What can be done with the service.
+#[derive(Debug, Subcommand)]
+pub enum ServiceCommand {
+    /// Watch these folders from now on, whenever you are logged in.
+    Install {
+        /// The folders.
+        #[arg(required = true, value_name = "DIR")]
+        folders: Vec<PathBuf>,
+    },
+    /// Whether it is installed and runs.
+    Status,
+    /// Stop it and take it away.
+    Uninstall,
+}
+
+/// Shells with completions.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+#[allow(missing_docs)]
+pub enum ShellArg {
+    Bash,
+    Elvish,
+    Fish,
+    PowerShell,
+    Zsh,
+}
+
+/// Completions of a shell.
+pub fn completions(shell: ShellArg) -> String {
+    let shell = match shell {
+        ShellArg::Bash => clap_complete::Shell::Bash,
+        ShellArg::Elvish => clap_complete::Shell::Elvish,
+        ShellArg::Fish => clap_complete::Shell::Fish,
+        ShellArg::PowerShell => clap_complete::Shell::PowerShell,
+        ShellArg::Zsh => clap_complete::Shell::Zsh,
+    };
+    let mut out = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "enfilade", &mut out);
+    String::from_utf8_lossy(&out).into_owned()
+}
+
+/// The manual page, and those of the commands after it.
+///
+/// # Errors
+/// Only where memory does not take them.
+pub fn man() -> std::io::Result<String> {
+    let mut command = Cli::command();
+    command.build();
+    let mut out = Vec::new();
+    clap_mangen::Man::new(command.clone()).render(&mut out)?;
+    for sub in command.get_subcommands().filter(|c| c.get_name() != "help") {
+        clap_mangen::Man::new(sub.clone()).render(&mut out)?;
+    }
+    Ok(String::from_utf8_lossy(&out).into_owned())
 }
 
 /// `accept`.
@@ -266,6 +365,49 @@ pub struct AcceptArgs {
     /// Where the results of the drawing are, if not beside it.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// `jobs`.
+#[derive(Debug, Args)]
+pub struct JobsArgs {
+    /// The drawings.
+    #[arg(required = true, value_name = "PLAN")]
+    pub files: Vec<PathBuf>,
+    /// Seeds, one job each: 1..20, or 1,5,9.
+    #[arg(long, value_name = "LIST")]
+    pub seeds: Option<String>,
+    /// Storeys, one job each: all, or names separated by commas.
+    #[arg(long, value_name = "all|LIST")]
+    pub storeys: Option<String>,
+    /// Put the drawings' bytes into the jobs, for machines that share no folder.
+    #[arg(long)]
+    pub embed: bool,
+    /// Where the list goes; - or nothing for standard output.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub search: SearchArgs,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
+
+/// `run-job`.
+#[derive(Debug, Args)]
+pub struct RunJobArgs {
+    /// The job as `jobs` wrote it; - for standard input.
+    #[arg(value_name = "JSON")]
+    pub job: String,
+    /// Results go below this folder instead of the one the job names.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Threads; all cores by default. Never changes the result.
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// How progress is said on standard error.
+    #[arg(long, value_enum)]
+    pub progress: Option<ProgressArg>,
 }
 
 /// `status`.
@@ -381,7 +523,6 @@ fn point(text: &str) -> Result<[f64; 2], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_sound() {

@@ -1,15 +1,18 @@
 //! What each command does: reads files, runs the job, stores what it hands out, says how it went.
 
+mod batching;
+mod installing;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 use crate::cli::{
     AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ProgressArg, ResolutionArgs, RunArgs,
     SearchArgs, StatusArgs, WatchArgs,
 };
-use crate::config::{Partial, Settings, WatchTable};
+use crate::config::{Partial, Settings, WatchTable, settings_files};
 use crate::daemon::{self, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
 use crate::formats;
 use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
@@ -18,7 +21,8 @@ use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::progress::Display;
 use crate::report::{Cancel, Error, Place, Report, Severity};
 use crate::sample_settings;
-use crate::store::{self, Home, Placing, SystemDisk, round_name};
+use crate::server::Page;
+use crate::store::{self, Home, Log, Placing, SystemDisk, round_name};
 use crate::watch::Completeness;
 
 /// Runs one command line. The number is the exit code of a finished command: 0, or 1 when something was
@@ -34,8 +38,14 @@ pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
         Command::Run(args) => run(&args, cancel),
         Command::Watch(args) => watch(&args, cancel),
         Command::Accept(args) => accept(&args),
+        Command::Jobs(args) => batching::jobs(&args),
+        Command::RunJob(args) => batching::run_job(&args, cancel),
         Command::Status(args) => status(&args),
-        Command::Doctor => doctor(),
+        Command::Open(args) => installing::open(&args),
+        Command::Service(args) => installing::service(&args),
+        Command::Doctor { folders } => installing::doctor(&folders),
+        Command::Completions { shell } => installing::completions(shell),
+        Command::Man => installing::man(),
         Command::Init(args) => init(&args),
     }
 }
@@ -307,21 +317,48 @@ fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
         .map(|p| p.and_then(|p| p.watch).unwrap_or_default())?;
     let settings = watch_settings(args, &partial, table);
     let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
-        let (settings, _) = settings_for(&request.drawing, partial.clone())?;
+        let asked = Partial { objective: request.objective.clone(), ..Partial::default() };
+        let (settings, _) = settings_for(&request.drawing, asked.over(partial.clone()))?;
         let shown = request.drawing.to_string_lossy().into_owned();
         Ok(output_of(&round(&shown, request, &settings, tell, cancel)?))
     };
     let (quiet, json) = (args.common.quiet, args.common.progress == Some(ProgressArg::Json));
-    let mut show = |notice: Notice| match &notice {
+    let (orders, ordered) = mpsc::channel();
+    let configured = settings.out_dir.clone();
+    let accepted = move |drawing: &Path, round: u32, number: usize| {
+        accept_option(drawing, configured.clone(), Some(round), number).map(|a| a.next)
+    };
+    let page = args.page.map(|port| Page::open(port, orders, Box::new(accepted))).transpose()?;
+    if let Some(page) = &page {
+        args.folders.iter().try_for_each(|root| page.door().write(root))?;
+        say(&format!("page: {}", page.link()));
+    }
+    let log = args.log.as_deref().map(Log::open).transpose()?;
+    let mut show = |notice: Notice| {
+        if let Some(page) = &page {
+            page.take(&notice);
+        }
+        if let Some(log) = &log
+            && !matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. })
+        {
+            // A full disk shows in the jobs; the log is no reason to end.
+            let _ = log.line(&format!("{} {notice}", daemon::rfc3339(SystemTime::now())));
+        }
+        show_notice(&notice, quiet, json);
+    };
+    match daemon::watch_with_orders(&args.folders, &settings, Arc::new(job), ordered, &mut show, cancel) {
+        Err(Error::Stopped) => Ok(Error::Stopped.exit_code()),
+        other => other.map(|()| 0),
+    }
+}
+
+fn show_notice(notice: &Notice, quiet: bool, json: bool) {
+    match notice {
         Notice::Progress { value, .. } if json => eprintln!("{value}"),
-        Notice::Progress { .. } => {}
+        Notice::Progress { .. } | Notice::UpToDate { .. } => {}
         Notice::Failed { .. } | Notice::Problem { .. } => eprintln!("warning: {notice}"),
         _ if quiet => {}
         _ => say(&notice.to_string()),
-    };
-    match daemon::watch(&args.folders, &settings, Arc::new(job), &mut show, cancel) {
-        Err(Error::Stopped) => Ok(Error::Stopped.exit_code()),
-        other => other.map(|()| 0),
     }
 }
 
@@ -357,12 +394,32 @@ fn end_mark(path: &Path, bytes: &[u8]) -> Completeness {
 }
 
 fn accept(args: &AcceptArgs) -> Result<u8, Error> {
-    let (path, bytes) = open(&args.file)?;
-    let configured = settings_partial(&args.file, Partial::default())?.out.map(PathBuf::from);
-    let placing = Placing { out_dir: args.out.clone().or(configured), fallback_dir: None };
-    let drawing = absolute(&args.file);
+    let Accepted { round, next, side_car } =
+        accept_option(&args.file, args.out.clone(), args.round, args.number)?;
+    say(&format!("option {} of round {round} is now {}", args.number, next.display()));
+    say(&format!("its moves, bounds and settings for the next round: {}", side_car.display()));
+    Ok(0)
+}
+
+/// An option that became a drawing.
+struct Accepted {
+    round: u32,
+    next: PathBuf,
+    side_car: PathBuf,
+}
+
+fn accept_option(
+    file: &Path,
+    out: Option<PathBuf>,
+    round: Option<u32>,
+    number: usize,
+) -> Result<Accepted, Error> {
+    let (path, bytes) = open(file)?;
+    let configured = settings_partial(file, Partial::default())?.out.map(PathBuf::from);
+    let placing = Placing { out_dir: out.or(configured), fallback_dir: None };
+    let drawing = absolute(file);
     let home = Home::open(Arc::new(SystemDisk), &drawing, &placing)?;
-    let Some(round) = args.round.or_else(|| home.rounds().last().copied()) else {
+    let Some(round) = round.or_else(|| home.rounds().last().copied()) else {
         let place = Place::file(home.folder().to_string_lossy());
         return Err(Error::usage("no-round", place, "no round yet; `enfilade run` makes one"));
     };
@@ -377,19 +434,12 @@ fn accept(args: &AcceptArgs) -> Result<u8, Error> {
     })?;
     let result: RoundResult = serde_json::from_slice(&json)
         .map_err(|e| Error::input("result", place(), format!("{e}; nothing was written")))?;
-    let accepted = pipeline::accept::accept(
-        &Input::new(&path, &bytes, 1),
-        twin(&args.file),
-        &result,
-        round,
-        args.number,
-    )?;
+    let accepted =
+        pipeline::accept::accept(&Input::new(&path, &bytes, 1), twin(file), &result, round, number)?;
     let next = store::write_revision(&SystemDisk, &drawing, &accepted.drawing)?;
     let side_car = settings_files(&next)[0].clone();
     store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
-    say(&format!("option {} of round {round} is now {}", args.number, next.display()));
-    say(&format!("its moves, bounds and settings for the next round: {}", side_car.display()));
-    Ok(0)
+    Ok(Accepted { round, next, side_car })
 }
 
 fn status(args: &StatusArgs) -> Result<u8, Error> {
@@ -407,14 +457,6 @@ fn status(args: &StatusArgs) -> Result<u8, Error> {
             say(&format!("  {drawing}: {}", state["state"].as_str().unwrap_or("?")));
         }
     }
-    Ok(0)
-}
-
-fn doctor() -> Result<u8, Error> {
-    say(&format!("enfilade {}", env!("CARGO_PKG_VERSION")));
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    say(&format!("cores: {cores}"));
-    say("graphics card: not used by this version; all measures run on the cores");
     Ok(0)
 }
 
@@ -478,11 +520,6 @@ fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
             Err(Error::environment("settings-unreadable", place, format!("{e}; nothing was done")))
         }
     }
-}
-
-/// Files that may hold settings of a drawing, the nearest first.
-pub fn settings_files(drawing: &Path) -> [PathBuf; 2] {
-    [drawing.with_extension("enfilade.toml"), drawing.with_file_name("enfilade.toml")]
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {

@@ -4,6 +4,7 @@
 //! folder; the first of them that names a key wins. Unknown keys are errors with line and column.
 
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -24,6 +25,12 @@ pub const SPACING_M: [f64; 2] = [0.001, 1000.0];
 pub const EVALUATIONS_MAX: u64 = 100_000_000;
 /// Most threads.
 pub const THREADS_MAX: usize = 1024;
+
+/// Files that may hold settings of a drawing, the nearest first: its side-car and its own folder's file.
+/// Commands and daemon both go by this.
+pub fn settings_files(drawing: &Path) -> [PathBuf; 2] {
+    [drawing.with_extension("enfilade.toml"), drawing.with_file_name("enfilade.toml")]
+}
 
 /// At which height sight lines run (spec 1, openings).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -207,7 +214,7 @@ pub struct LineageTable {
 }
 
 /// What one source of settings says; everything may be missing.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(missing_docs)] // the keys are those of the command line, explained there and in `enfilade init`
 pub struct Partial {
@@ -252,7 +259,7 @@ pub struct Partial {
 }
 
 /// Settings of the daemon.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(missing_docs)] // see `enfilade init`
 pub struct WatchTable {

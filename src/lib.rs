@@ -3,6 +3,7 @@
 //! The modules stand in the order of the flow; see `ARCHITECTURE.md`.
 
 pub mod analysis;
+pub mod batch;
 pub mod cli;
 pub mod commands;
 pub mod config;
@@ -17,5 +18,7 @@ pub mod progress;
 pub mod report;
 pub mod sample_settings;
 pub mod search;
+pub mod server;
+pub mod service;
 pub mod store;
 pub mod watch;

@@ -11,20 +11,13 @@ use std::time::{Instant, SystemTime};
 use super::job::{self, Told};
 use super::status::{SharedDisk, rfc3339};
 use super::{Done, JobRequest, RunJob, WatchSettings};
+use crate::config::settings_files;
 use crate::report::{Cancel, Error};
 use crate::store::{Journal, Placing, Step, Written};
 use crate::watch::{
     Action, Checked, Event, Eyes, Identity, Seen, Stat, identity_of, is_output_name, read_settled,
     read_whole, sha256_hex, stat_of,
 };
-
-/// Settings of all drawings in a folder and below.
-pub(super) const FOLDER_SETTINGS: &str = "enfilade.toml";
-
-/// Settings of one drawing: `plan.enfilade.toml` of `plan.dxf`.
-pub(super) fn drawing_settings(drawing: &Path) -> PathBuf {
-    drawing.with_extension(FOLDER_SETTINGS)
-}
 
 pub(super) enum Message {
     Event(Event),
@@ -48,6 +41,7 @@ pub(super) struct Waiting {
     pub drawing: PathBuf,
     pub sha256: String,
     pub config: String,
+    pub objective: Option<String>,
     pub not_before: Option<Instant>,
     pub failures: u32,
 }
@@ -130,6 +124,7 @@ fn work(disk: SharedDisk, task: &Task, run: &RunJob, send: &SyncSender<Message>)
         bytes: Arc::new(bytes),
         sha256: task.what.sha256.clone(),
         round: 0,
+        objective: task.what.objective.clone(),
     };
     let note = |step: &Step| {
         let time = rfc3339(SystemTime::now());
@@ -160,14 +155,12 @@ pub(super) fn open_journal(journal: &Mutex<Journal>) -> MutexGuard<'_, Journal> 
 }
 
 /// What besides its bytes decides a drawing's results: the program, the command line, and the settings
-/// files of the drawing, of its folder and of those above.
+/// files of the drawing and of its folder.
 fn config_key(drawing: &Path, settings_key: &str) -> String {
     let mut text = format!("{}\n{settings_key}\n", env!("CARGO_PKG_VERSION"));
-    let shared = drawing.ancestors().skip(1).map(|f| f.join(FOLDER_SETTINGS));
-    for path in std::iter::once(drawing_settings(drawing)).chain(shared) {
-        if let Ok(bytes) = fs::read(&path) {
-            text.push_str(&format!("{}\n", sha256_hex(&bytes)));
-        }
+    for path in settings_files(drawing) {
+        let digest = fs::read(&path).map_or_else(|_| "-".into(), |bytes| sha256_hex(&bytes));
+        text.push_str(&format!("{digest}\n"));
     }
     sha256_hex(text.as_bytes())
 }
@@ -197,15 +190,17 @@ mod tests {
         let drawing = dir.path().join("sub/plan.dxf");
         fs::create_dir(dir.path().join("sub")).unwrap();
         let mut keys = vec![config_key(&drawing, ""), config_key(&drawing, "--seed 2")];
-        for file in ["enfilade.toml", "sub/enfilade.toml", "sub/plan.enfilade.toml"] {
+        for file in ["sub/enfilade.toml", "sub/plan.enfilade.toml"] {
             fs::write(dir.path().join(file), b"seed = 1").unwrap();
             keys.push(config_key(&drawing, ""));
         }
         let last = keys.last().cloned();
         keys.sort();
         keys.dedup();
-        assert_eq!(keys.len(), 5);
+        assert_eq!(keys.len(), 4);
+        // Those of other drawings and of folders above are not read by any command, and do not count.
         fs::write(dir.path().join("sub/other.enfilade.toml"), b"seed = 1").unwrap();
+        fs::write(dir.path().join("enfilade.toml"), b"seed = 1").unwrap();
         assert_eq!(Some(config_key(&drawing, "")), last);
     }
 }

@@ -10,15 +10,14 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
-use super::hands::{
-    FOLDER_SETTINGS, Message, Outcome, Task, Waiting, drawing_settings, open_journal, reporter, start_looker,
-    start_worker,
-};
+use super::hands::{Message, Outcome, Task, Waiting, open_journal, reporter, start_looker, start_worker};
 use super::status::{SharedDisk, Standing, rfc3339, write_standing};
-use super::{Notice, RunJob, WatchSettings};
+use super::{Notice, Order, RunJob, WatchSettings};
+use crate::config::settings_files;
 use crate::report::{Cancel, Error, Place, Problem};
 use crate::store::{
-    Journal, Lease, Ownership, Placing, STATE_FOLDER, Step, SystemDisk, read_lease, state_folder, write_json,
+    Journal, Lease, Ownership, Placing, STATE_FOLDER, Step, SystemDisk, present_folder, read_lease,
+    state_folder, write_json,
 };
 use crate::watch::{Action, Event, Eyes, Now, Settle, builtin_ignores, is_output_name, network_reason};
 
@@ -71,6 +70,9 @@ pub(super) struct Heart {
     settle: Settle,
     roots: Vec<Root>,
     keys: BTreeMap<PathBuf, String>,
+    /// SHA-256 of the last complete content of each drawing, and the key of its settings.
+    contents: BTreeMap<PathBuf, (String, String)>,
+    orders: Receiver<Order>,
     queue: VecDeque<Waiting>,
     running: Option<Running>,
     failed: BTreeMap<PathBuf, Problem>,
@@ -95,6 +97,7 @@ impl Heart {
         roots: &[PathBuf],
         settings: &WatchSettings,
         run: Arc<RunJob>,
+        orders: Receiver<Order>,
         stop: &Cancel,
     ) -> Result<Self, Error> {
         let reasons: Vec<Option<String>> = roots.iter().map(|r| network_reason(r)).collect();
@@ -113,6 +116,8 @@ impl Heart {
             run,
             roots: Vec::new(),
             keys: BTreeMap::new(),
+            contents: BTreeMap::new(),
+            orders,
             queue: VecDeque::new(),
             running: None,
             failed: BTreeMap::new(),
@@ -185,6 +190,9 @@ impl Heart {
             }
             self.carry_out(action, show, stop);
         }
+        while let Ok(order) = self.orders.try_recv() {
+            self.obey(order, show);
+        }
         self.watch_running(show);
         self.start_next(show);
         self.give_sign_of_life(stop)?;
@@ -246,12 +254,11 @@ impl Heart {
         }
     }
 
-    /// A side-car concerns its drawing, a folder's settings all drawings below.
+    /// A side-car concerns its drawing, a folder's settings the drawings in it.
     fn settings_changed(&mut self, path: &Path) {
         let now = self.start.elapsed();
         let drawings = self.settle.settled_below(path.parent().unwrap_or(path));
-        let is_shared = path.file_name().is_some_and(|n| n == FOLDER_SETTINGS);
-        for drawing in drawings.iter().filter(|d| is_shared || drawing_settings(d) == path) {
+        for drawing in drawings.iter().filter(|d| settings_files(d).iter().any(|f| f == path)) {
             self.settle.again(now, drawing);
         }
     }
@@ -318,6 +325,7 @@ impl Heart {
             let why = "copy of a result of ours; give it another name to work on it".into();
             return show(Notice::Ignored { path: drawing, why });
         }
+        self.contents.insert(drawing.clone(), (sha256.clone(), config.clone()));
         self.queue.retain(|w| w.drawing != drawing);
         if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
             if running.what.sha256 == sha256 && running.what.config == config && !running.cancel.is_stopped()
@@ -326,9 +334,32 @@ impl Heart {
             }
             running.stop();
         } else if open_journal(&journal).is_done(&below, &sha256, &config) {
-            return;
+            let folder = present_folder(&drawing, &self.placing_of(&drawing));
+            return show(Notice::UpToDate { drawing, folder });
         }
-        self.enqueue(Waiting { drawing, sha256, config, not_before: None, failures: 0 }, show);
+        let waiting = Waiting { drawing, sha256, config, objective: None, not_before: None, failures: 0 };
+        self.enqueue(waiting, show);
+    }
+
+    fn obey(&mut self, order: Order, show: &mut dyn FnMut(Notice)) {
+        match order {
+            Order::Cancel(drawing) => {
+                let waited = self.queue.len();
+                self.queue.retain(|w| w.drawing != drawing);
+                match self.running.as_mut().filter(|r| r.what.drawing == drawing) {
+                    Some(running) => running.stop(),
+                    None if self.queue.len() < waited => show(Notice::Stopped(drawing)),
+                    None => {}
+                }
+                self.is_overview_stale = true;
+            }
+            Order::Again { drawing, objective } => {
+                let Some((sha256, config)) = self.contents.get(&drawing).cloned() else { return };
+                self.queue.retain(|w| w.drawing != drawing);
+                let waiting = Waiting { drawing, sha256, config, objective, not_before: None, failures: 0 };
+                self.enqueue(waiting, show);
+            }
+        }
     }
 
     fn enqueue(&mut self, waiting: Waiting, show: &mut dyn FnMut(Notice)) {
@@ -358,6 +389,7 @@ impl Heart {
         self.queue.retain(|w| w.drawing != drawing);
         self.failed.remove(drawing);
         self.keys.remove(drawing);
+        self.contents.remove(drawing);
         self.is_overview_stale = true;
         if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
             running.stop();

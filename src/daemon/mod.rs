@@ -11,7 +11,7 @@ mod status;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
 
 use serde_json::Value;
 
@@ -34,6 +34,22 @@ pub struct JobRequest {
     pub sha256: String,
     /// Number of the round that the job makes; known once the job runs, 0 before.
     pub round: u32,
+    /// Objectives and thresholds asked for this round alone, as in settings.
+    pub objective: Option<String>,
+}
+
+/// What a user asks of a running daemon.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Give up the job of this drawing, running or waiting; its next save is a new job.
+    Cancel(PathBuf),
+    /// Another round of the drawing as it lies there, whatever was done before.
+    Again {
+        /// The drawing.
+        drawing: PathBuf,
+        /// Objectives and thresholds for this round; `None`: those of its settings.
+        objective: Option<String>,
+    },
 }
 
 /// What a job tells while it runs.
@@ -101,6 +117,13 @@ pub enum Notice {
         /// Drawings waiting, this one included.
         waiting: usize,
     },
+    /// A drawing has its results already, from an earlier run.
+    UpToDate {
+        /// The drawing.
+        drawing: PathBuf,
+        /// Its result folder; `None` where the user removed it.
+        folder: Option<PathBuf>,
+    },
     /// The job of a drawing began.
     Started(PathBuf),
     /// The job of a drawing goes on.
@@ -152,6 +175,7 @@ impl fmt::Display for Notice {
             Self::Online(root) => write!(f, "{} is back", root.display()),
             Self::Ignored { path, why } => write!(f, "{} is left alone: {why}", path.display()),
             Self::Queued { drawing, waiting } => write!(f, "{} waits ({waiting} waiting)", drawing.display()),
+            Self::UpToDate { drawing, .. } => write!(f, "{} is up to date", drawing.display()),
             Self::Started(drawing) => write!(f, "{} started", drawing.display()),
             Self::Progress { drawing, value } => write!(f, "{} {value}", drawing.display()),
             Self::Analysis { folder, .. } => write!(f, "present layout measured: {}", folder.display()),
@@ -181,8 +205,24 @@ pub fn watch(
     show: &mut dyn FnMut(Notice),
     stop: &Cancel,
 ) -> Result<(), Error> {
+    // Nobody orders: the other end is gone from the start.
+    watch_with_orders(roots, settings, run, mpsc::channel().1, show, stop)
+}
+
+/// [`watch()`], and takes a user's orders meanwhile.
+///
+/// # Errors
+/// As [`watch()`].
+pub fn watch_with_orders(
+    roots: &[PathBuf],
+    settings: &WatchSettings,
+    run: Arc<RunJob>,
+    orders: mpsc::Receiver<Order>,
+    show: &mut dyn FnMut(Notice),
+    stop: &Cancel,
+) -> Result<(), Error> {
     let roots = watch::canonical_roots(roots, settings.force)?;
-    heart::Heart::start(&roots, settings, run, stop)?.beat_until(show, stop)
+    heart::Heart::start(&roots, settings, run, orders, stop)?.beat_until(show, stop)
 }
 
 /// How often a file that changes while it is read is read again before giving up.
@@ -203,7 +243,8 @@ pub fn run_once(
     let bytes = read_now(&path)?;
     let sha256 = watch::sha256_hex(&bytes);
     let placing = Placing { out_dir: settings.out_dir.clone(), fallback_dir: settings.fallback_dir.clone() };
-    let request = JobRequest { drawing: path.clone(), bytes: Arc::new(bytes), sha256, round: 0 };
+    let request =
+        JobRequest { drawing: path.clone(), bytes: Arc::new(bytes), sha256, round: 0, objective: None };
     show(Notice::Started(path.clone()));
     let mut tell = |told: job::Told| show(told.notice(&path));
     let outcome =

@@ -6,11 +6,12 @@
 
 mod disk;
 mod journal;
+mod log;
 mod owner;
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, TryLockError};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -20,6 +21,7 @@ use sha2::{Digest, Sha256};
 
 pub use disk::{Disk, SystemDisk};
 pub use journal::{Journal, Step};
+pub use log::{LOG_BYTES_MAX, Log};
 pub use owner::{Lease, LeaseVerdict, Ownership, judge_lease, read_lease};
 
 pub use crate::report::OutFile;
@@ -82,6 +84,10 @@ impl Home {
     /// Those of [`find_folder`]; `drawing-busy` when another process works on the same drawing.
     pub fn open(disk: Arc<dyn Disk>, drawing: &Path, placing: &Placing) -> Result<Self, Error> {
         let folder = find_folder(&*disk, drawing, placing)?;
+        Self::lock(disk, folder, drawing)
+    }
+
+    fn lock(disk: Arc<dyn Disk>, folder: PathBuf, meant: &Path) -> Result<Self, Error> {
         let path = folder.join(".lock");
         refuse_link(&path)?;
         let open = File::options().create(true).truncate(false).write(true).open(&path);
@@ -90,7 +96,7 @@ impl Home {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 let text = "another enfilade process is working on this drawing; wait for it or stop it";
-                return Err(Error::environment("drawing-busy", shown(drawing), text));
+                return Err(Error::environment("drawing-busy", shown(meant), text));
             }
             // A file system without locks: the lease of the watched root must do.
             Err(TryLockError::Error(e)) if e.kind() == io::ErrorKind::Unsupported => {}
@@ -99,6 +105,16 @@ impl Home {
         let home = Self { folder, disk, _lock: lock };
         home.sweep();
         Ok(home)
+    }
+
+    /// The same for a folder of results that belongs to no drawing's place: made, locked and swept.
+    ///
+    /// # Errors
+    /// `drawing-busy` when another process works there; else from the disk.
+    pub fn at(disk: Arc<dyn Disk>, folder: &Path) -> Result<Self, Error> {
+        refuse_link(folder)?;
+        disk.create_folders(folder).map_err(|e| disk_error("making", folder, &e))?;
+        Self::lock(disk, folder.into(), folder)
     }
 
     /// The result folder.
@@ -188,7 +204,11 @@ impl Home {
         self.publish_folder(RESOLUTION, files)
     }
 
-    fn publish_folder(&self, name: &str, files: &[OutFile]) -> Result<PathBuf, Error> {
+    /// Makes `files` the content of the folder `name`, whole or not at all. Equal content is left untouched.
+    ///
+    /// # Errors
+    /// As [`Home::stage`].
+    pub fn publish_folder(&self, name: &str, files: &[OutFile]) -> Result<PathBuf, Error> {
         let target = self.folder.join(name);
         refuse_link(&target)?;
         if !holds_exactly(&target, files) {
@@ -308,6 +328,23 @@ pub fn find_folder(disk: &dyn Disk, drawing: &Path, placing: &Placing) -> Result
     }
 }
 
+/// The result folder of `drawing` where there is one; nothing is made.
+pub fn present_folder(drawing: &Path, placing: &Placing) -> Option<PathBuf> {
+    let beside = drawing.parent().unwrap_or(Path::new("."));
+    let bases = [Some(placing.out_dir.as_deref().unwrap_or(beside)), placing.fallback_dir.as_deref()];
+    let name = drawing.file_name().unwrap_or(OsStr::new("drawing"));
+    let is_ours = |base: &Path, folder: &Path| {
+        let claim = if drawing.parent() == Some(base) { name } else { drawing.as_os_str() };
+        refuse_link(folder).is_ok()
+            && fs::read(folder.join(CLAIM)).is_ok_and(|c| c == claim.as_encoded_bytes())
+    };
+    let folders = bases
+        .into_iter()
+        .flatten()
+        .flat_map(|base| folder_names(drawing).into_iter().map(move |n| (base, base.join(n))));
+    folders.into_iter().find(|(base, folder)| is_ours(base, folder)).map(|(_, folder)| folder)
+}
+
 fn claim_folder(disk: &dyn Disk, drawing: &Path, base: &Path) -> Result<PathBuf, Error> {
     let is_beside = drawing.parent() == Some(base);
     let name = drawing.file_name().unwrap_or(OsStr::new("drawing"));
@@ -395,6 +432,27 @@ pub fn replace_file(disk: &dyn Disk, path: &Path, bytes: &[u8]) -> Result<(), Er
     let outcome = disk.write_new(&temp, bytes).and_then(|()| disk.rename(&temp, path));
     outcome.map_err(|e| {
         let _ = disk.remove_file(&temp);
+        disk_error("writing", path, &e)
+    })
+}
+
+/// Replaces a file that only this user may read (a token); elsewhere than on Unix, as [`replace_file`].
+///
+/// # Errors
+/// As [`replace_file`].
+pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    refuse_link(path)?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    fs::create_dir_all(folder).map_err(|e| disk_error("making", folder, &e))?;
+    let temp = path.with_file_name(format!("{TEMP_PREFIX}{}", unique()));
+    let mut options = File::options();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    let outcome =
+        options.open(&temp).and_then(|mut f| f.write_all(bytes)).and_then(|()| fs::rename(&temp, path));
+    outcome.map_err(|e| {
+        let _ = fs::remove_file(&temp);
         disk_error("writing", path, &e)
     })
 }

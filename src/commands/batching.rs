@@ -1,0 +1,129 @@
+//! `jobs` and `run-job`: batches for many machines.
+
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::batch::{self, Finished, Job};
+use crate::cli::{JobsArgs, RunJobArgs};
+use crate::config::{Partial, Settings};
+use crate::daemon::{JobEvent, JobRequest};
+use crate::formats;
+use crate::progress::Display;
+use crate::report::{Cancel, Error, Place};
+
+/// Try again later: the exit code of `sysexits.h` that batch systems know.
+const TRY_AGAIN: u8 = 75;
+/// Where results go if nothing is said.
+const OUT: &str = "enfilade-jobs";
+
+pub(super) fn jobs(args: &JobsArgs) -> Result<u8, Error> {
+    let seeds = match &args.seeds {
+        Some(list) => batch::seeds(list).map_err(|text| usage("seeds", &text))?,
+        None => vec![args.search.seed.unwrap_or_default()],
+    };
+    let out = args.common.out.clone().unwrap_or_else(|| OUT.into());
+    let mut lines = String::new();
+    for file in &args.files {
+        for job in jobs_of(args, file, &seeds, &out)? {
+            lines.push_str(&job.to_line()?);
+            lines.push('\n');
+        }
+    }
+    match args.output.as_deref().filter(|o| *o != Path::new("-")) {
+        None => super::print(&lines),
+        Some(to) => {
+            super::write(to, lines.as_bytes())?;
+            if !args.common.quiet {
+                super::say(&format!("{}: {} jobs", to.display(), lines.lines().count()));
+            }
+        }
+    }
+    Ok(0)
+}
+
+fn jobs_of(args: &JobsArgs, file: &Path, seeds: &[u64], out: &Path) -> Result<Vec<Job>, Error> {
+    let (shown, bytes) = super::open(file)?;
+    let settings = super::settings_partial(file, args.common.partial(Some(&args.search)))?;
+    let storeys: Vec<Option<String>> = match args.storeys.as_deref() {
+        None => vec![settings.storey.clone()],
+        Some("all") => {
+            let found = formats::storeys(&shown, &bytes, &formats::ReadOptions::default());
+            let found: Vec<String> = found.into_iter().filter(|s| s.walls > 0).map(|s| s.name).collect();
+            if found.is_empty() { vec![None] } else { found.into_iter().map(Some).collect() }
+        }
+        Some(list) => list.split(',').map(|s| Some(s.trim().to_string())).collect(),
+    };
+    // A drawing with a budget of seconds would differ from machine to machine; that is the user's choice.
+    let of = |storey: &Option<String>, seed: u64| {
+        let settings = Partial { storey: storey.clone(), seed: Some(seed), ..settings.clone() };
+        Job::new(&super::absolute(file), &bytes, settings, &super::absolute(out), args.embed)
+    };
+    storeys.iter().flat_map(|storey| seeds.iter().map(move |seed| of(storey, *seed))).collect()
+}
+
+pub(super) fn run_job(args: &RunJobArgs, cancel: &Cancel) -> Result<u8, Error> {
+    match done(args, cancel) {
+        Ok(finished) => {
+            let line = serde_json::to_string(&finished)
+                .map_err(|e| Error::environment("json", Place::default(), e.to_string()))?;
+            super::say(&line);
+            Ok(finished.exit_code)
+        }
+        // To a batch system wrong settings in a job are a bad job.
+        Err(Error::Usage(problem)) => Err(Error::Input(problem)),
+        Err(Error::Environment(problem)) => {
+            eprintln!("error: {problem}");
+            Ok(TRY_AGAIN)
+        }
+        Err(other) => Err(other),
+    }
+}
+
+fn done(args: &RunJobArgs, cancel: &Cancel) -> Result<Finished, Error> {
+    let mut job = Job::from_json(&text_of(&args.job)?)?;
+    if let Some(out) = &args.out {
+        job.out = super::absolute(out);
+    }
+    let partial = Partial { threads: args.threads, ..job.settings.clone() };
+    let settings = Settings::new(partial)?;
+    let home = job.home()?;
+    if let Some(finished) = job.finished(&home) {
+        return Ok(finished);
+    }
+    let request = JobRequest {
+        drawing: job.drawing.clone(),
+        bytes: Arc::new(job.bytes()?),
+        sha256: job.sha256.clone(),
+        round: 1,
+        objective: None,
+    };
+    let mut display = Display::new(args.progress, false);
+    let mut tell = |event: JobEvent| {
+        if let JobEvent::Progress(value) = event
+            && let Ok(p) = serde_json::from_value(value)
+        {
+            display.show(&p);
+        }
+    };
+    // Only the name is shown: paths differ from machine to machine.
+    let outcome = super::round(&job.name(), &request, &settings, &mut tell, cancel);
+    display.finish();
+    let outcome = outcome?;
+    cancel.check()?;
+    job.publish(&home, &outcome, settings.seed)
+}
+
+fn text_of(job: &str) -> Result<String, Error> {
+    if job != "-" {
+        return Ok(job.into());
+    }
+    let mut text = String::new();
+    let read = std::io::stdin().lock().read_to_string(&mut text);
+    read.map_err(|e| Error::input("job", Place::file("standard input"), e.to_string()))?;
+    Ok(text)
+}
+
+fn usage(what: &'static str, text: &str) -> Error {
+    Error::usage(what, Place::default(), format!("--{what}: {text}; nothing was done"))
+}

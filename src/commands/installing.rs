@@ -1,0 +1,153 @@
+//! `open`, `service`, `doctor`, `completions`, `man`: what surrounds the work.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use crate::cli::{self, OpenArgs, ServiceArgs, ServiceCommand, ShellArg};
+use crate::report::{Error, Place};
+use crate::server::Door;
+use crate::service::{self, Folders};
+use crate::watch::network_reason;
+
+/// What opens an address in the user's browser, and its first arguments.
+const BROWSER: (&str, &[&str]) = if cfg!(windows) {
+    ("rundll32", &["url.dll,FileProtocolHandler"])
+} else if cfg!(target_os = "macos") {
+    ("open", &[])
+} else {
+    ("xdg-open", &[])
+};
+/// Fewer watches than this and a tree of drawings may not fit.
+const WATCHES_MIN: u64 = 8192;
+
+pub(super) fn open(args: &OpenArgs) -> Result<u8, Error> {
+    let Some(door) = Door::find(&args.folder) else {
+        let text = "no page of a daemon here; `enfilade watch --page DIR` opens one";
+        return Err(Error::usage("no-page", Place::file(args.folder.display().to_string()), text));
+    };
+    if args.print {
+        super::say(&door.link());
+        return Ok(0);
+    }
+    let (program, first) = BROWSER;
+    let started = Command::new(program)
+        .args(first)
+        .arg(door.link())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
+    if !started.is_ok_and(|s| s.success()) {
+        let text = format!("no browser could be started by {program}; --print says the address");
+        return Err(Error::environment("browser", Place::default(), text));
+    }
+    super::say(&door.address);
+    Ok(0)
+}
+
+pub(super) fn service(args: &ServiceArgs) -> Result<u8, Error> {
+    let said = match &args.what {
+        ServiceCommand::Install { folders } => {
+            let folders: Vec<PathBuf> = folders.iter().map(|f| super::absolute(f)).collect();
+            if let Some(missing) = folders.iter().find(|f| !f.is_dir()) {
+                let place = Place::file(missing.display().to_string());
+                return Err(Error::usage("not-a-folder", place, "is no folder; nothing was installed"));
+            }
+            service::install(&folders)?
+        }
+        ServiceCommand::Status => service::status()?,
+        ServiceCommand::Uninstall => service::uninstall()?,
+    };
+    super::say(&said);
+    Ok(0)
+}
+
+pub(super) fn doctor(folders: &[PathBuf]) -> Result<u8, Error> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    super::say(&format!("enfilade {}", env!("CARGO_PKG_VERSION")));
+    super::say(&format!("cores: {cores}"));
+    super::say("graphics card: not used by this version; all measures run on the cores");
+    let mut is_well = true;
+    let mut judge = |what: &str, verdict: Result<String, String>| match verdict {
+        Ok(text) => super::say(&format!("{what}: {text}")),
+        Err(remedy) => {
+            is_well = false;
+            super::say(&format!("{what}: PROBLEM: {remedy}"));
+        }
+    };
+    judge("folders of the program", own_folders());
+    judge(
+        "file watches",
+        watches(std::fs::read_to_string("/proc/sys/fs/inotify/max_user_watches").ok().as_deref()),
+    );
+    judge("user", user());
+    let state = service::status().unwrap_or_else(|_| "no service manager here".into());
+    judge("service", Ok(state));
+    for folder in folders {
+        judge(&folder.display().to_string(), watched(folder));
+    }
+    Ok(u8::from(!is_well))
+}
+
+fn own_folders() -> Result<String, String> {
+    let f = Folders::of_user().map_err(|e| e.to_string())?;
+    let shown = [("settings", &f.config), ("cache", &f.cache), ("state and logs", &f.state)];
+    Ok(shown.map(|(what, path)| format!("{what} {}", path.display())).join(", "))
+}
+
+fn watches(limit: Option<&str>) -> Result<String, String> {
+    match limit.and_then(|t| t.trim().parse::<u64>().ok()) {
+        Some(n) if n < WATCHES_MIN => Err(format!(
+            "the system allows {n}; folders beyond that are polled; raise fs.inotify.max_user_watches to {WATCHES_MIN}"
+        )),
+        Some(n) => Ok(format!("{n} allowed")),
+        None => Ok("no limit known".into()),
+    }
+}
+
+#[cfg(unix)]
+fn user() -> Result<String, String> {
+    if rustix::process::geteuid().is_root() {
+        return Err("this is root; run the daemon as the user whose drawings it watches".into());
+    }
+    Ok("not root".into())
+}
+
+#[cfg(not(unix))]
+fn user() -> Result<String, String> {
+    Ok("the one logged in".into())
+}
+
+fn watched(folder: &Path) -> Result<String, String> {
+    let meta = std::fs::metadata(folder).map_err(|e| format!("{e}; it is watched once it is there"))?;
+    if !meta.is_dir() {
+        return Err("is no folder; name the folder of the drawings".into());
+    }
+    let found = crate::daemon::status(&[folder.to_path_buf()]);
+    let runs = if found[0]["is_running"] == true { "watched now" } else { "not watched now" };
+    let how = network_reason(folder).map_or("events".to_owned(), |why| format!("polling, as {why}"));
+    let page = if Door::find(folder).is_some() { "; its page is open" } else { "" };
+    Ok(format!("{runs}; watched by {how}{page}"))
+}
+
+pub(super) fn completions(shell: ShellArg) -> Result<u8, Error> {
+    super::print(&cli::completions(shell));
+    Ok(0)
+}
+
+pub(super) fn man() -> Result<u8, Error> {
+    let page = cli::man().map_err(|e| Error::environment("man", Place::default(), e.to_string()))?;
+    super::print(&page);
+    Ok(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_watches_are_a_problem_with_a_remedy() {
+        assert!(watches(Some("8192\n")).is_ok());
+        assert!(watches(None).is_ok());
+        assert!(watches(Some("100")).unwrap_err().contains("max_user_watches"));
+    }
+}

@@ -1,0 +1,140 @@
+//! The interface behind the page. `docs/api.md` says it in words.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use axum::extract::{Path, State};
+use axum::http::{StatusCode, header};
+use axum::response::sse::{Event, KeepAlive, Sse};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use tokio_stream::StreamExt as _;
+use tokio_stream::wrappers::BroadcastStream;
+
+use super::{Shared, files};
+use crate::config::{Partial, Settings};
+use crate::daemon::Order;
+use crate::report::Error;
+
+type Page = State<Arc<Shared>>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Again {
+    objective: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Accepted {
+    round: u32,
+    candidate: usize,
+}
+
+pub(super) async fn drawings(State(page): Page) -> Response {
+    answer(&page.board.overview())
+}
+
+pub(super) async fn drawing(State(page): Page, Path(id): Path<String>) -> Response {
+    let Some(mut found) = page.board.drawing(&id) else { return not_found() };
+    let home = page.board.paths(&id).and_then(|(_, folder)| folder);
+    found["sets"] = json!(home.map_or_else(Vec::new, |h| files::sets(&h)));
+    answer(&found)
+}
+
+pub(super) async fn file(
+    State(page): Page,
+    Path((id, set, name)): Path<(String, String, String)>,
+) -> Response {
+    let Some((_, Some(home))) = page.board.paths(&id) else { return not_found() };
+    let wanted = name.clone();
+    let read = tokio::task::spawn_blocking(move || files::read(&home, &set, &wanted)).await;
+    let Ok(Some(bytes)) = read else { return not_found() };
+    let (kind, is_download) = files::kind(&name);
+    let mut response = ([(header::CONTENT_TYPE, kind)], bytes).into_response();
+    if is_download && let Ok(value) = format!("attachment; filename*=UTF-8''{}", percent(&name)).parse() {
+        response.headers_mut().insert(header::CONTENT_DISPOSITION, value);
+    }
+    response
+}
+
+pub(super) async fn log(State(page): Page) -> Response {
+    answer(&page.board.log())
+}
+
+/// News as they come: `data:` lines of JSON; `{"kind": "reload"}` where some were missed.
+pub(super) async fn events(State(page): Page) -> Response {
+    let Some(news) = page.board.listen() else {
+        return (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open").into_response();
+    };
+    let stream = BroadcastStream::new(news).map(|news| {
+        let text = news.unwrap_or_else(|_| json!({"kind": "reload"}).to_string());
+        Ok::<Event, Infallible>(Event::default().data(text))
+    });
+    Sse::new(stream).keep_alive(KeepAlive::default()).into_response()
+}
+
+pub(super) async fn cancel(State(page): Page, Path(id): Path<String>) -> Response {
+    let Some((drawing, _)) = page.board.paths(&id) else { return not_found() };
+    order(&page, Order::Cancel(drawing))
+}
+
+pub(super) async fn again(State(page): Page, Path(id): Path<String>, body: String) -> Response {
+    let Some((drawing, _)) = page.board.paths(&id) else { return not_found() };
+    let Again { objective } = match serde_json::from_str(&body) {
+        Ok(asked) => asked,
+        Err(e) => return refused(&e.to_string()),
+    };
+    if let Err(e) = Settings::new(Partial { objective: objective.clone(), ..Partial::default() }) {
+        return refused(&e.to_string());
+    }
+    order(&page, Order::Again { drawing, objective })
+}
+
+pub(super) async fn accept(State(page): Page, Path(id): Path<String>, body: String) -> Response {
+    let Some((drawing, _)) = page.board.paths(&id) else { return not_found() };
+    let Accepted { round, candidate } = match serde_json::from_str(&body) {
+        Ok(asked) => asked,
+        Err(e) => return refused(&e.to_string()),
+    };
+    let accepting = page.clone();
+    let done = tokio::task::spawn_blocking(move || (accepting.accept)(&drawing, round, candidate)).await;
+    match done {
+        Ok(Ok(path)) => answer(&json!({"drawing": path.file_name().map(|n| n.to_string_lossy())})),
+        Ok(Err(e @ (Error::Usage(_) | Error::Input(_)))) => refused(&e.to_string()),
+        Ok(Err(e)) => (StatusCode::INTERNAL_SERVER_ERROR, e.to_string()).into_response(),
+        Err(_) => (StatusCode::INTERNAL_SERVER_ERROR, "accepting failed").into_response(),
+    }
+}
+
+fn order(page: &Shared, order: Order) -> Response {
+    match page.orders.send(order) {
+        Ok(()) => (StatusCode::ACCEPTED, [(header::CONTENT_TYPE, "application/json")], "{}").into_response(),
+        Err(_) => (StatusCode::SERVICE_UNAVAILABLE, "the daemon is ending").into_response(),
+    }
+}
+
+fn answer(value: &Value) -> Response {
+    ([(header::CONTENT_TYPE, "application/json")], value.to_string()).into_response()
+}
+
+fn refused(why: &str) -> Response {
+    (StatusCode::BAD_REQUEST, why.to_owned()).into_response()
+}
+
+fn not_found() -> Response {
+    (StatusCode::NOT_FOUND, "there is no such thing here").into_response()
+}
+
+/// A file name for a header (RFC 5987).
+fn percent(name: &str) -> String {
+    let one = |b: u8| {
+        if b.is_ascii_alphanumeric() || b"-._".contains(&b) {
+            char::from(b).to_string()
+        } else {
+            format!("%{b:02X}")
+        }
+    };
+    name.bytes().map(one).collect()
+}

@@ -1,0 +1,268 @@
+//! What the page shows: the daemon's notices, gathered by drawing, and pushed to whoever listens.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::SystemTime;
+
+use serde_json::{Value, json};
+use tokio::sync::broadcast;
+
+use crate::daemon::{Notice, rfc3339};
+
+/// Lines of the log that are kept.
+pub const LOG_LINES_MAX: usize = 500;
+/// Points of a convergence curve that are kept; of a longer one every other goes.
+pub const CURVE_POINTS_MAX: usize = 1_000;
+/// Pages listening at the same time.
+pub const LISTENERS_MAX: usize = 32;
+/// News a slow page may be behind before it has to load everything again.
+const BACKLOG: usize = 256;
+
+/// See the module.
+pub struct Board {
+    state: Mutex<State>,
+    push: broadcast::Sender<String>,
+}
+
+#[derive(Default)]
+struct State {
+    drawings: BTreeMap<String, Entry>,
+    roots: BTreeMap<PathBuf, String>,
+    log: VecDeque<Value>,
+}
+
+struct Entry {
+    path: PathBuf,
+    /// The result folder.
+    folder: Option<PathBuf>,
+    state: &'static str,
+    since: String,
+    summary: String,
+    problem: Value,
+    progress: Value,
+    /// Layouts measured and the best value, by stage.
+    curve: Vec<(String, u64, f64)>,
+}
+
+impl Default for Board {
+    fn default() -> Self {
+        Self { state: Mutex::default(), push: broadcast::channel(BACKLOG).0 }
+    }
+}
+
+impl Board {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes a notice in.
+    pub fn take(&self, notice: &Notice) {
+        let mut state = self.state();
+        let mut news = Vec::new();
+        if !matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. }) {
+            let line = json!({"time": rfc3339(SystemTime::now()), "text": notice.to_string()});
+            if state.log.len() >= LOG_LINES_MAX {
+                state.log.pop_front();
+            }
+            state.log.push_back(line.clone());
+            news.push(json!({"kind": "log", "line": line}));
+        }
+        if let Some(id) = state.note(notice) {
+            news.push(json!({"kind": "drawing", "drawing": state.drawings.get(&id).map(|e| e.brief(&id))}));
+        }
+        drop(state);
+        for n in news {
+            // Nobody may be listening.
+            let _ = self.push.send(n.to_string());
+        }
+    }
+
+    /// A listener's end of the news; `None` where too many listen.
+    pub(super) fn listen(&self) -> Option<broadcast::Receiver<String>> {
+        (self.push.receiver_count() < LISTENERS_MAX).then(|| self.push.subscribe())
+    }
+
+    /// All drawings in brief, and the watched folders.
+    pub(super) fn overview(&self) -> Value {
+        let state = self.state();
+        let drawings: Vec<Value> = state.drawings.iter().map(|(id, e)| e.brief(id)).collect();
+        let roots: Vec<Value> =
+            state.roots.iter().map(|(r, how)| json!({"root": r.display().to_string(), "how": how})).collect();
+        json!({"schema": "enfilade.page/1", "drawings": drawings, "roots": roots})
+    }
+
+    /// The log, oldest first.
+    pub(super) fn log(&self) -> Value {
+        json!(self.state().log)
+    }
+
+    /// One drawing with its curve.
+    pub(super) fn drawing(&self, id: &str) -> Option<Value> {
+        let state = self.state();
+        let entry = state.drawings.get(id)?;
+        let mut out = entry.brief(id);
+        out["curve"] = json!(entry.curve);
+        Some(out)
+    }
+
+    /// Where a drawing and its results lie.
+    pub(super) fn paths(&self, id: &str) -> Option<(PathBuf, Option<PathBuf>)> {
+        self.state().drawings.get(id).map(|e| (e.path.clone(), e.folder.clone()))
+    }
+}
+
+/// How requests name a drawing.
+pub(super) fn id_of(path: &Path) -> String {
+    crate::watch::sha256_hex(path.as_os_str().as_encoded_bytes())[..16].to_owned()
+}
+
+impl State {
+    /// The id of the drawing that a notice concerns, once it is noted.
+    fn note(&mut self, notice: &Notice) -> Option<String> {
+        match notice {
+            Notice::Watching { root, how } => {
+                self.roots.insert(root.clone(), how.clone());
+                None
+            }
+            Notice::Offline(root) | Notice::Online(root) => {
+                let how = if matches!(notice, Notice::Offline(_)) { "out of reach" } else { "back" };
+                self.roots.insert(root.clone(), how.into());
+                None
+            }
+            Notice::Ignored { .. } => None,
+            Notice::UpToDate { drawing, folder } => self.at(drawing, |e| {
+                e.set("done");
+                e.folder.clone_from(folder);
+            }),
+            Notice::Queued { drawing, .. } => self.at(drawing, |e| e.set("waiting")),
+            Notice::Started(drawing) => self.at(drawing, |e| {
+                e.set("running");
+                e.curve.clear();
+            }),
+            Notice::Progress { drawing, value } => self.at(drawing, |e| e.go_on(value)),
+            Notice::Analysis { drawing, folder } => {
+                self.at(drawing, |e| e.folder = folder.parent().map(Path::to_path_buf))
+            }
+            Notice::Done { drawing, done } => self.at(drawing, |e| {
+                e.set("done");
+                e.summary.clone_from(&done.summary);
+                let round = done.round.and_then(|_| done.folder.parent());
+                e.folder = Some(round.unwrap_or(&done.folder).to_path_buf());
+            }),
+            Notice::Stopped(drawing) => self.at(drawing, |e| e.set("stopped")),
+            Notice::Failed { drawing, problem, retry_secs } => self.at(drawing, |e| {
+                e.set(if retry_secs.is_some() { "waiting" } else { "failed" });
+                e.problem = json!(problem);
+            }),
+            Notice::Problem { path, problem } => {
+                let id = id_of(path);
+                let entry = self.drawings.get_mut(&id)?;
+                entry.problem = json!(problem);
+                Some(id)
+            }
+        }
+    }
+
+    fn at(&mut self, path: &Path, change: impl FnOnce(&mut Entry)) -> Option<String> {
+        let id = id_of(path);
+        change(self.drawings.entry(id.clone()).or_insert_with(|| Entry::new(path)));
+        Some(id)
+    }
+}
+
+impl Entry {
+    fn new(path: &Path) -> Self {
+        Self {
+            path: path.into(),
+            folder: None,
+            state: "waiting",
+            since: rfc3339(SystemTime::now()),
+            summary: String::new(),
+            problem: Value::Null,
+            progress: Value::Null,
+            curve: Vec::new(),
+        }
+    }
+
+    fn set(&mut self, state: &'static str) {
+        self.state = state;
+        self.since = rfc3339(SystemTime::now());
+        self.progress = Value::Null;
+        self.problem = Value::Null;
+    }
+
+    fn go_on(&mut self, value: &Value) {
+        self.progress = value.clone();
+        let stage = value["stage"].as_str().unwrap_or_default();
+        if let (Some(n), Some(best)) = (value["evaluations"].as_u64(), value["best"].as_f64()) {
+            if self.curve.len() >= CURVE_POINTS_MAX {
+                let mut nth = 0;
+                self.curve.retain(|_| {
+                    nth += 1;
+                    nth % 2 == 1
+                });
+            }
+            self.curve.push((stage.into(), n, best));
+        }
+    }
+
+    fn brief(&self, id: &str) -> Value {
+        json!({
+            "id": id,
+            "name": self.path.file_name().unwrap_or_default().to_string_lossy(),
+            "folder": self.path.parent().unwrap_or(Path::new("")).to_string_lossy(),
+            "state": self.state,
+            "since": self.since,
+            "summary": self.summary,
+            "problem": self.problem,
+            "progress": self.progress,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::daemon::Done;
+
+    #[test]
+    fn notices_become_states_and_news() {
+        let board = Board::default();
+        let mut news = board.listen().unwrap();
+        let drawing = PathBuf::from("/plans/<img onerror>.dxf");
+        let id = id_of(&drawing);
+        let state = |board: &Board| board.drawing(&id).unwrap()["state"].as_str().unwrap().to_owned();
+        board.take(&Notice::Queued { drawing: drawing.clone(), waiting: 1 });
+        assert_eq!(state(&board), "waiting");
+        board.take(&Notice::Started(drawing.clone()));
+        let value = json!({"stage": "optimise", "evaluations": 7, "best": 0.5});
+        board.take(&Notice::Progress { drawing: drawing.clone(), value });
+        assert_eq!(board.drawing(&id).unwrap()["curve"], json!([["optimise", 7, 0.5]]));
+        let folder = PathBuf::from("/plans/a.enfilade/round-01");
+        let done = Done { folder, round: Some(1), is_degraded: false, summary: "5 options".into() };
+        board.take(&Notice::Done { drawing: drawing.clone(), done });
+        assert_eq!(state(&board), "done");
+        assert_eq!(board.paths(&id), Some((drawing, Some("/plans/a.enfilade".into()))));
+        assert!(news.try_recv().unwrap().contains("\"kind\":\"log\""));
+        assert_eq!(board.paths("no such id"), None);
+    }
+
+    #[test]
+    fn log_curve_and_listeners_are_bounded() {
+        let board = Board::default();
+        let drawing = PathBuf::from("/p.dxf");
+        for n in 0..3 * CURVE_POINTS_MAX as u64 {
+            let value = json!({"stage": "s", "evaluations": n, "best": 1.0});
+            board.take(&Notice::Progress { drawing: drawing.clone(), value });
+            board.take(&Notice::Stopped(drawing.clone()));
+        }
+        let points = board.drawing(&id_of(&drawing)).unwrap()["curve"].as_array().unwrap().len();
+        assert!(points <= CURVE_POINTS_MAX && points > CURVE_POINTS_MAX / 2 - 1, "{points}");
+        assert_eq!(board.log().as_array().unwrap().len(), LOG_LINES_MAX);
+        let held: Vec<_> = (0..LISTENERS_MAX).map(|_| board.listen().unwrap()).collect();
+        assert!(board.listen().is_none());
+        drop(held);
+        assert!(board.listen().is_some());
+    }
+}

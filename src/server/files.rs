@@ -1,0 +1,98 @@
+//! Files of results, found by looking through their folder: a name from outside never becomes a path.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Sets of results there: `analysis`, `round-01` …, in the order of their names. Links are left out.
+pub(super) fn sets(home: &Path) -> Vec<String> {
+    let mut names: Vec<String> = entries(home, true).into_iter().map(|(name, _)| name).collect();
+    names.retain(|n| n == "analysis" || n.strip_prefix("round-").is_some_and(is_number));
+    names.sort();
+    names
+}
+
+fn is_number(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit())
+}
+
+/// Bytes of a file of a set; `None` for everything that is not a plain file lying there.
+pub(super) fn read(home: &Path, set: &str, name: &str) -> Option<Vec<u8>> {
+    if !sets(home).iter().any(|s| s == set) {
+        return None;
+    }
+    let folder = home.join(set);
+    let (_, path) = entries(&folder, false).into_iter().find(|(n, _)| n == name)?;
+    fs::read(path).ok()
+}
+
+/// Folders, or plain files, of a folder that is no link itself; links in it are left out.
+fn entries(folder: &Path, folders: bool) -> Vec<(String, PathBuf)> {
+    if !fs::symlink_metadata(folder).is_ok_and(|m| m.is_dir()) {
+        return Vec::new();
+    }
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let kept = entries.flatten().filter(|e| {
+        // The entry's own type: a link is neither.
+        e.file_type().is_ok_and(|t| if folders { t.is_dir() } else { t.is_file() })
+    });
+    let named = kept.filter_map(|e| Some((e.file_name().to_str()?.to_owned(), e.path())));
+    named.filter(|(name, _)| !name.starts_with('.')).collect()
+}
+
+/// The media type by the ending; what could run in a browser is handed out as a download.
+pub(super) fn kind(name: &str) -> (&'static str, bool) {
+    match name.rsplit('.').next().unwrap_or_default() {
+        "png" => ("image/png", false),
+        "json" => ("application/json", false),
+        _ => ("application/octet-stream", true),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_plain_files_of_a_set_are_read() {
+        let dir = tempfile::tempdir().unwrap();
+        let home = dir.path().join("plan.enfilade");
+        fs::create_dir_all(home.join("round-01/sub")).unwrap();
+        fs::create_dir(home.join("round-x")).unwrap();
+        fs::create_dir(home.join("other")).unwrap();
+        fs::write(home.join("round-01/result.json"), "1").unwrap();
+        fs::write(home.join("round-01/.hidden"), "1").unwrap();
+        fs::write(home.join("status.json"), "1").unwrap();
+        fs::write(dir.path().join("secret"), "1").unwrap();
+        assert_eq!(sets(&home), ["round-01"]);
+        assert_eq!(read(&home, "round-01", "result.json"), Some(b"1".to_vec()));
+        for (set, name) in [
+            ("round-01", "../status.json"),
+            ("round-01", "../../secret"),
+            ("round-01", "/etc/passwd"),
+            ("round-01", ".hidden"),
+            ("round-01", "sub"),
+            ("round-01", ""),
+            ("..", "secret"),
+            (".", "status.json"),
+            ("other", "x"),
+        ] {
+            assert_eq!(read(&home, set, name), None, "{set} {name}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_never_followed() {
+        use std::os::unix::fs::symlink;
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("secret"), "1").unwrap();
+        let home = dir.path().join("plan.enfilade");
+        fs::create_dir_all(home.join("round-01")).unwrap();
+        symlink(dir.path().join("secret"), home.join("round-01/a.png")).unwrap();
+        symlink(dir.path(), home.join("round-02")).unwrap();
+        assert_eq!(read(&home, "round-01", "a.png"), None);
+        assert_eq!(read(&home, "round-02", "secret"), None);
+        symlink(&home, dir.path().join("linked")).unwrap();
+        assert!(sets(&dir.path().join("linked")).is_empty());
+    }
+}

@@ -1,0 +1,171 @@
+//! Who may ask what: host, origin, token and header of every request.
+//!
+//! Loopback is no boundary: any page in the user's browser can send requests here. So the `Host` must be ours
+//! (against DNS rebinding), a foreign `Origin` is refused, everything needs the token of this start, and what
+//! changes something needs a header that no form can send.
+
+use std::sync::Arc;
+
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+
+use super::Shared;
+
+/// Header of every request that changes something.
+pub const ORDER_HEADER: &str = "x-enfilade";
+
+/// What this start of the page accepts.
+#[derive(Clone, Debug)]
+pub struct Access {
+    port: u16,
+    token: String,
+    /// Value of the cookie that the token is exchanged for.
+    session: String,
+}
+
+/// How a request is answered before anything else.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It goes on.
+    Pass,
+    /// 403, and why.
+    Refuse(&'static str),
+    /// The token in the address is exchanged for a cookie, and vanishes from the address.
+    Welcome,
+}
+
+impl Access {
+    /// `token` goes into the address once and into the `Authorization` of programs, `session` into the cookie.
+    pub fn new(port: u16, token: String, session: String) -> Self {
+        Self { port, token, session }
+    }
+
+    /// See [`Access::new`].
+    pub fn token(&self) -> &str {
+        &self.token
+    }
+
+    /// Browsers keep cookies by host, not by port: its name has the port.
+    fn cookie_name(&self) -> String {
+        format!("enfilade-{}", self.port)
+    }
+
+    fn is_own_host(&self, host: &str) -> bool {
+        ["127.0.0.1", "localhost", "[::1]"].iter().any(|name| host == format!("{name}:{}", self.port))
+    }
+
+    /// Judges a request by its head.
+    pub fn judge(&self, method: &Method, uri: &Uri, headers: &HeaderMap) -> Verdict {
+        let text = |name: &str| headers.get(name).map(|v| v.to_str().unwrap_or("?"));
+        if headers.get_all(header::HOST).iter().count() != 1
+            || !text("host").is_some_and(|h| self.is_own_host(h))
+        {
+            return Verdict::Refuse("unknown host");
+        }
+        let is_own_origin = |o: &str| o.strip_prefix("http://").is_some_and(|h| self.is_own_host(h));
+        if text("origin").is_some_and(|o| !is_own_origin(o)) {
+            return Verdict::Refuse("foreign origin");
+        }
+        let is_read = matches!(*method, Method::GET | Method::HEAD);
+        let offered = uri.query().unwrap_or_default().split('&').find_map(|p| p.strip_prefix("token="));
+        if is_read && uri.path() == "/" && offered.is_some_and(|t| is_equal(t, &self.token)) {
+            return Verdict::Welcome;
+        }
+        if !self.is_known(text("authorization"), headers) {
+            return Verdict::Refuse("no valid token: open the page with `enfilade open`");
+        }
+        if !is_read && text(ORDER_HEADER) != Some("1") {
+            return Verdict::Refuse("the header X-Enfilade: 1 is missing");
+        }
+        Verdict::Pass
+    }
+
+    fn is_known(&self, authorization: Option<&str>, headers: &HeaderMap) -> bool {
+        if let Some(token) = authorization.and_then(|a| a.strip_prefix("Bearer ")) {
+            return is_equal(token, &self.token);
+        }
+        let name = self.cookie_name();
+        let cookies = headers.get_all(header::COOKIE).iter().filter_map(|v| v.to_str().ok());
+        let pairs = cookies.flat_map(|c| c.split(';')).filter_map(|c| c.trim().split_once('='));
+        pairs.filter(|(n, _)| *n == name).any(|(_, value)| is_equal(value, &self.session))
+    }
+}
+
+/// Compares secrets in a time that does not tell where they differ.
+fn is_equal(a: &str, b: &str) -> bool {
+    a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |d, (x, y)| d | (x ^ y)) == 0
+}
+
+/// Judges, and puts the headers on every answer that keep foreign text from becoming code.
+pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
+    let access = &shared.access;
+    let mut response = match access.judge(request.method(), request.uri(), request.headers()) {
+        Verdict::Pass => next.run(request).await,
+        Verdict::Refuse(why) => (StatusCode::FORBIDDEN, why).into_response(),
+        Verdict::Welcome => {
+            let cookie =
+                format!("{}={}; Path=/; HttpOnly; SameSite=Strict", access.cookie_name(), access.session);
+            (StatusCode::SEE_OTHER, [(header::LOCATION, "/".to_owned()), (header::SET_COOKIE, cookie)])
+                .into_response()
+        }
+    };
+    let headers = response.headers_mut();
+    let policy = "default-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+    headers.insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(policy));
+    headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    headers.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
+    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    headers.insert("cross-origin-resource-policy", HeaderValue::from_static("same-origin"));
+    response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn judge(method: &str, uri: &str, heads: &[(&str, &str)]) -> Verdict {
+        let access = Access::new(4711, "t".repeat(64), "s".repeat(64));
+        let mut headers = HeaderMap::new();
+        for (name, value) in heads {
+            let name = header::HeaderName::from_bytes(name.as_bytes()).unwrap();
+            headers.append(name, value.parse().unwrap());
+        }
+        access.judge(&method.parse().unwrap(), &uri.parse().unwrap(), &headers)
+    }
+
+    /// Rules 1–4 of the page, one row a case.
+    #[test]
+    fn only_our_own_requests_pass() {
+        let (t, s) = ("t".repeat(64), "s".repeat(64));
+        let (bearer, cookie) = (format!("Bearer {t}"), format!("a=b; enfilade-4711={s}"));
+        let own = ("host", "127.0.0.1:4711");
+        let auth = ("authorization", bearer.as_str());
+        let order = (ORDER_HEADER, "1");
+        let pass = |m, u, h: &[(&str, &str)]| judge(m, u, h) == Verdict::Pass;
+        assert!(pass("GET", "/api/drawings", &[own, auth]));
+        assert!(pass("GET", "/api/drawings", &[("host", "localhost:4711"), ("cookie", &cookie)]));
+        assert!(pass("POST", "/api/x", &[own, auth, order, ("origin", "http://127.0.0.1:4711")]));
+        for host in
+            ["evil.test", "evil.test:4711", "127.0.0.1", "127.0.0.1:80", "localhost.evil.test:4711", ""]
+        {
+            assert!(!pass("GET", "/", &[("host", host), auth]), "{host}");
+        }
+        assert!(!pass("GET", "/", &[own, ("host", "evil.test"), auth]));
+        for origin in ["http://evil.test", "null", "https://127.0.0.1:4711", "http://127.0.0.1:4712"] {
+            assert!(!pass("POST", "/api/x", &[own, auth, order, ("origin", origin)]), "{origin}");
+        }
+        assert!(!pass("POST", "/api/x", &[own, auth]));
+        assert!(!pass("DELETE", "/api/x", &[own, auth]));
+        assert!(!pass("GET", "/api/drawings", &[own]));
+        assert!(!pass("GET", "/api/drawings", &[own, ("authorization", "Bearer ttt")]));
+        assert!(!pass("GET", "/api/drawings", &[own, ("cookie", "enfilade-4711=no; enfilade-4712=s")]));
+        // The cookie's value is no token and the token no cookie.
+        assert!(!pass("GET", "/api/drawings", &[own, ("cookie", &format!("enfilade-4711={t}"))]));
+        assert_eq!(judge("GET", &format!("/?token={t}"), &[own]), Verdict::Welcome);
+        assert_ne!(judge("GET", &format!("/?token={s}"), &[own]), Verdict::Welcome);
+        assert_ne!(judge("POST", &format!("/?token={t}"), &[own]), Verdict::Welcome);
+        assert_ne!(judge("GET", &format!("/?token={t}"), &[("host", "evil.test")]), Verdict::Welcome);
+    }
+}

@@ -1,0 +1,204 @@
+//! The daemon as a service of the user's own: installed, asked for, taken away; and the folders it uses.
+//!
+//! systemd and launchd through `service-manager`, at the level of the user, never of the system; on Windows a
+//! task at logon, as a Windows service would run as another user and not see the user's drives.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use directories::ProjectDirs;
+use service_manager::{
+    RestartPolicy, ServiceInstallCtx, ServiceLabel, ServiceLevel, ServiceManager, ServiceStartCtx,
+    ServiceStatus, ServiceStatusCtx, ServiceStopCtx, ServiceUninstallCtx, TypedServiceManager,
+};
+
+use crate::report::{Error, Place};
+
+/// Name of the service.
+const NAME: &str = "enfilade";
+/// Pause before a daemon that ended badly is started again.
+const RESTART_SECS: u32 = 10;
+
+/// Where the system expects a program's own files.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Folders {
+    /// Settings.
+    pub config: PathBuf,
+    /// What may be deleted at any time.
+    pub cache: PathBuf,
+    /// What outlives a start: where pages are found, logs.
+    pub state: PathBuf,
+}
+
+impl Folders {
+    /// Those of the user who runs this.
+    ///
+    /// # Errors
+    /// [`Error::Environment`] where the user has no home folder.
+    pub fn of_user() -> Result<Self, Error> {
+        let dirs = ProjectDirs::from("", "", NAME).ok_or_else(|| failed("no home folder; set HOME"))?;
+        Ok(Self {
+            config: dirs.config_dir().into(),
+            cache: dirs.cache_dir().into(),
+            state: dirs.state_dir().unwrap_or(dirs.data_local_dir()).into(),
+        })
+    }
+
+    /// The daemon's log, when it runs as a service.
+    pub fn log(&self) -> PathBuf {
+        self.state.join("watch.log")
+    }
+}
+
+/// Installs the daemon for these folders and starts it. Says what was done.
+///
+/// # Errors
+/// [`Error::Environment`] where the system has no service manager, or it refuses.
+pub fn install(folders: &[PathBuf]) -> Result<String, Error> {
+    let program = std::env::current_exe().map_err(|e| failed(&e.to_string()))?;
+    let args = arguments(folders, &Folders::of_user()?.log());
+    if cfg!(windows) {
+        return call("schtasks", &windows_task(&program, &args)).map(|()| "a task at logon was made".into());
+    }
+    let (manager, label) = manager()?;
+    let contents = cfg!(target_os = "linux").then(|| systemd_unit(&program, &args));
+    let restart_policy = RestartPolicy::OnFailure {
+        delay_secs: Some(RESTART_SECS),
+        max_retries: None,
+        reset_after_secs: None,
+    };
+    manager
+        .install(ServiceInstallCtx {
+            label: label.clone(),
+            program,
+            args,
+            contents,
+            username: None,
+            working_directory: None,
+            environment: None,
+            autostart: true,
+            restart_policy,
+        })
+        .and_then(|()| manager.start(ServiceStartCtx { label }))
+        .map_err(|e| failed(&e.to_string()))?;
+    Ok("the service is installed and started; it starts again with your session".into())
+}
+
+/// Whether it is installed and runs, in words.
+///
+/// # Errors
+/// As [`install`].
+pub fn status() -> Result<String, Error> {
+    if cfg!(windows) {
+        let is_there = call("schtasks", &["/Query", "/TN", NAME].map(OsString::from)).is_ok();
+        return Ok(if is_there { "installed" } else { "not installed" }.into());
+    }
+    let (manager, label) = manager()?;
+    let found = manager.status(ServiceStatusCtx { label }).map_err(|e| failed(&e.to_string()))?;
+    Ok(match found {
+        ServiceStatus::NotInstalled => "not installed".into(),
+        ServiceStatus::Running => "running".into(),
+        ServiceStatus::Stopped(why) => format!("stopped {}", why.unwrap_or_default()).trim().into(),
+    })
+}
+
+/// Stops it and takes it away. Results and settings stay.
+///
+/// # Errors
+/// As [`install`].
+pub fn uninstall() -> Result<String, Error> {
+    if cfg!(windows) {
+        call("schtasks", &["/Delete", "/TN", NAME, "/F"].map(OsString::from))?;
+    } else {
+        let (manager, label) = manager()?;
+        // It may not run just now.
+        let _ = manager.stop(ServiceStopCtx { label: label.clone() });
+        manager.uninstall(ServiceUninstallCtx { label }).map_err(|e| failed(&e.to_string()))?;
+    }
+    Ok("the service is removed; results and settings stay".into())
+}
+
+fn manager() -> Result<(TypedServiceManager, ServiceLabel), Error> {
+    let mut manager = TypedServiceManager::native().map_err(|e| failed(&e.to_string()))?;
+    manager.set_level(ServiceLevel::User).map_err(|e| failed(&e.to_string()))?;
+    let label: ServiceLabel = NAME.parse().map_err(|e: std::io::Error| failed(&e.to_string()))?;
+    Ok((manager, label))
+}
+
+fn arguments(folders: &[PathBuf], log: &Path) -> Vec<OsString> {
+    let mut args: Vec<OsString> =
+        vec!["watch".into(), "--page".into(), "--log".into(), log.into(), "--".into()];
+    args.extend(folders.iter().map(|f| f.clone().into_os_string()));
+    args
+}
+
+/// A unit of our own: the crate joins arguments by spaces, and folders may have spaces in their names.
+fn systemd_unit(program: &Path, args: &[OsString]) -> String {
+    let words = std::iter::once(program.as_os_str()).chain(args.iter().map(OsString::as_os_str));
+    let line: Vec<String> = words.map(|w| systemd_word(&w.to_string_lossy())).collect();
+    format!(
+        "[Unit]\nDescription=Enfilade watches folders of drawings\n\n[Service]\nExecStart={}\nRestart=on-failure\n\
+         RestartSec={RESTART_SECS}\nRestartPreventExitStatus=3\nNoNewPrivileges=true\nNice=10\n\n\
+         [Install]\nWantedBy=default.target\n",
+        line.join(" ")
+    )
+}
+
+/// Quoted as systemd.service(5) says, "Command lines": `%` and `$` stand for themselves only doubled.
+fn systemd_word(word: &str) -> String {
+    let mut out = String::from("\"");
+    for c in word.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            '%' | '$' => out.extend([c, c]),
+            '\n' => out.push_str("\\n"),
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
+/// Arguments of `schtasks` for a task at logon.
+fn windows_task(program: &Path, args: &[OsString]) -> Vec<OsString> {
+    let words = std::iter::once(program.as_os_str()).chain(args.iter().map(OsString::as_os_str));
+    let line: Vec<String> = words.map(|w| format!("\"{}\"", w.to_string_lossy())).collect();
+    let run = line.join(" ");
+    ["/Create", "/F", "/SC", "ONLOGON", "/RL", "LIMITED", "/TN", NAME, "/TR", &run].map(OsString::from).into()
+}
+
+fn call(program: &str, args: &[OsString]) -> Result<(), Error> {
+    let out = std::process::Command::new(program).args(args).output();
+    let out = out.map_err(|e| failed(&format!("{program}: {e}")))?;
+    let said = String::from_utf8_lossy(&out.stderr).trim().to_owned();
+    if out.status.success() { Ok(()) } else { Err(failed(&format!("{program}: {said}"))) }
+}
+
+fn failed(why: &str) -> Error {
+    let text = format!("{why}; `enfilade watch` does the same in a terminal");
+    Error::environment("service", Place::default(), text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_of_any_name_stay_one_word() {
+        let folders = [PathBuf::from("/plans/My \"best\" 100% $HOME"), PathBuf::from("-x")];
+        let args = arguments(&folders, Path::new("/log/watch.log"));
+        assert_eq!(args[..4], ["watch", "--page", "--log", "/log/watch.log"].map(OsString::from));
+        assert_eq!(args[4], "--");
+        let unit = systemd_unit(Path::new("/bin/enfilade"), &args);
+        let line = unit.lines().find(|l| l.starts_with("ExecStart=")).unwrap();
+        assert!(line.ends_with(r#""--" "/plans/My \"best\" 100%% $$HOME" "-x""#), "{line}");
+        assert_eq!(systemd_word("a\nb\\"), "\"a\\nb\\\\\"");
+    }
+
+    #[test]
+    fn the_task_of_windows_runs_as_the_user_at_logon() {
+        let args = windows_task(Path::new("C:/e.exe"), &["watch".into(), "D:/my plans".into()]);
+        assert!(args.windows(2).any(|w| w == ["/RL", "LIMITED"]));
+        assert_eq!(args.last().unwrap(), "\"C:/e.exe\" \"watch\" \"D:/my plans\"");
+    }
+}

@@ -1,0 +1,105 @@
+//! Batches: `jobs` lists, `run-job` does each once and the same everywhere.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+fn enfilade(args: &[&str], input: &str) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_enfilade"))
+        .args(args)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
+    child.wait_with_output().unwrap()
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+fn sample() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("samples/gallery.dxf")
+}
+
+/// Lines of `jobs` for these plans.
+fn list(plans: &[&Path], more: &[&str], out: &Path) -> Vec<String> {
+    let plans = plans.iter().map(|p| text(p));
+    let args: Vec<&str> =
+        ["jobs"].into_iter().chain(plans).chain(["--out", text(out), "--evaluations", "60"]).collect();
+    let output = enfilade(&[&args, more].concat(), "");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap().lines().map(str::to_owned).collect()
+}
+
+fn finished(output: &Output) -> Value {
+    let words = String::from_utf8_lossy(&output.stderr);
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {words}"))
+}
+
+#[test]
+fn a_job_is_done_once_and_the_same_wherever_it_is_done() {
+    let dir = tempfile::tempdir().unwrap();
+    let (out, other) = (dir.path().join("out"), dir.path().join("other"));
+    let jobs = list(&[&sample()], &["--seeds", "3..4", "--embed"], &out);
+    assert_eq!(jobs.len(), 2);
+    let first = finished(&enfilade(&["run-job", &jobs[0]], ""));
+    let result = out.join(first["id"].as_str().unwrap()).join("result");
+    let report = fs::metadata(result.join("report.html")).unwrap().modified().unwrap();
+    // Again: nothing is done, the same is said.
+    assert_eq!(finished(&enfilade(&["run-job", "-"], &jobs[0])), first);
+    assert_eq!(fs::metadata(result.join("report.html")).unwrap().modified().unwrap(), report);
+    // Another machine: other folders, other threads, no drawing.
+    let moved = jobs[0].replace(text(sample().parent().unwrap()), "/nowhere");
+    assert_ne!(moved, jobs[0]);
+    let there = finished(&enfilade(&["run-job", "-", "--out", text(&other), "--threads", "1"], &moved));
+    assert_eq!(there["digest"], first["digest"]);
+    let second = finished(&enfilade(&["run-job", &jobs[1], "--out", text(&other)], ""));
+    assert_ne!(second["digest"], first["digest"]);
+}
+
+#[test]
+fn bad_jobs_end_with_2_and_a_busy_one_asks_for_another_try() {
+    let dir = tempfile::tempdir().unwrap();
+    let (out, drawing) = (dir.path().join("out"), dir.path().join("plan.dxf"));
+    fs::copy(sample(), &drawing).unwrap();
+    let job = list(&[&drawing], &[], &out).remove(0);
+    let code = |job: &str| enfilade(&["run-job", job], "").status.code();
+    for bad in ["", "{}", "no json", &job.replace("\"seed\":0", "\"seed\":1")] {
+        assert_eq!(code(bad), Some(2), "{bad}");
+    }
+    let id = serde_json::from_str::<Value>(&job).unwrap()["id"].as_str().unwrap().to_owned();
+    fs::create_dir_all(out.join(&id)).unwrap();
+    let lock = fs::File::create(out.join(&id).join(".lock")).unwrap();
+    lock.lock().unwrap();
+    assert_eq!(code(&job), Some(75));
+    drop(lock);
+    fs::write(&drawing, b"changed meanwhile").unwrap();
+    assert_eq!(code(&job), Some(2));
+    fs::remove_file(&drawing).unwrap();
+    assert_eq!(code(&job), Some(2));
+}
+
+#[test]
+fn storeys_are_jobs_and_what_cannot_be_listed_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("out");
+    assert_eq!(list(&[&sample()], &["--storeys", "all", "--seeds", "1,5"], &out).len(), 2);
+    let named = list(&[&sample()], &["--storeys", "A,B"], &out);
+    let storeys: Vec<Value> = named
+        .iter()
+        .map(|j| serde_json::from_str::<Value>(j).unwrap()["settings"]["storey"].clone())
+        .collect();
+    assert_eq!(storeys, ["A", "B"]);
+    for bad in [["--seeds", "5..1"], ["--members", "999"]] {
+        let output = enfilade(&[&["jobs", text(&sample())], &bad[..]].concat(), "");
+        assert_eq!(output.status.code(), Some(3), "{bad:?}");
+    }
+}

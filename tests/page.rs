@@ -1,0 +1,269 @@
+//! The local page as browsers, programs and attackers meet it: a real daemon, real sockets.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use enfilade::server::BODY_BYTES_MAX;
+use serde_json::{Value, json};
+
+const PATIENCE: Duration = Duration::from_secs(300);
+
+struct Daemon {
+    child: Child,
+    folder: tempfile::TempDir,
+    port: u16,
+    token: String,
+}
+
+impl Drop for Daemon {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A folder with one drawing and its own home, watched.
+fn start() -> Daemon {
+    let folder = tempfile::tempdir().unwrap();
+    let plans = folder.path().join("plans");
+    fs::create_dir(&plans).unwrap();
+    let sample = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("samples/gallery.dxf");
+    fs::copy(sample, plans.join("gallery.dxf")).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_enfilade"))
+        .args(["watch", "--page", "--evaluations", "60", "--log"])
+        .arg(folder.path().join("watch.log"))
+        .arg(&plans)
+        .env("HOME", folder.path())
+        .env_remove("XDG_STATE_HOME")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    let link = lines.find_map(|l| l.unwrap().strip_prefix("page: ").map(str::to_owned)).unwrap();
+    // Nobody may be left to write to.
+    std::thread::spawn(move || lines.for_each(drop));
+    let (address, token) = link.split_once("/?token=").unwrap();
+    let port = address.strip_prefix("http://127.0.0.1:").unwrap().parse().unwrap();
+    Daemon { child, folder, port, token: token.to_owned() }
+}
+
+struct Answer {
+    status: u16,
+    head: String,
+    body: Vec<u8>,
+}
+
+impl Daemon {
+    fn plans(&self) -> PathBuf {
+        self.folder.path().join("plans")
+    }
+
+    /// One request as it stands, with the heads given.
+    fn raw(&self, method: &str, path: &str, heads: &[(&str, &str)], body: &str) -> Answer {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        let heads: String = heads.iter().map(|(n, v)| format!("{n}: {v}\r\n")).collect();
+        let length = body.len();
+        let text = format!(
+            "{method} {path} HTTP/1.1\r\n{heads}Connection: close\r\nContent-Length: {length}\r\n\r\n{body}"
+        );
+        stream.write_all(text.as_bytes()).unwrap();
+        let mut bytes = Vec::new();
+        stream.read_to_end(&mut bytes).unwrap();
+        let split = bytes.windows(4).position(|w| w == b"\r\n\r\n").unwrap();
+        let head = String::from_utf8(bytes[..split].to_vec()).unwrap().to_lowercase();
+        let status = head.split(' ').nth(1).unwrap().parse().unwrap();
+        Answer { status, head, body: bytes[split + 4..].to_vec() }
+    }
+
+    fn ask(&self, method: &str, path: &str, body: &str) -> Answer {
+        let host = format!("127.0.0.1:{}", self.port);
+        let auth = format!("Bearer {}", self.token);
+        self.raw(method, path, &[("Host", &host), ("Authorization", &auth), ("X-Enfilade", "1")], body)
+    }
+
+    fn json(&self, path: &str) -> Value {
+        let answer = self.ask("GET", path, "");
+        assert_eq!(answer.status, 200, "{path}: {}", answer.head);
+        serde_json::from_slice(&answer.body).unwrap()
+    }
+
+    fn until<T>(&self, what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+        let start = Instant::now();
+        loop {
+            if let Some(found) = look() {
+                return found;
+            }
+            assert!(start.elapsed() < PATIENCE, "{what} did not come: {}", self.json("/api/drawings"));
+            std::thread::sleep(Duration::from_millis(100));
+        }
+    }
+
+    fn drawing(&self, name: &str) -> Option<Value> {
+        let all = self.json("/api/drawings");
+        all["drawings"].as_array().unwrap().iter().find(|d| d["name"] == name).cloned()
+    }
+
+    fn until_done(&self, name: &str) -> String {
+        self.until(name, || {
+            self.drawing(name).filter(|d| d["state"] == "done").map(|d| d["id"].as_str().unwrap().to_owned())
+        })
+    }
+}
+
+/// Every order of the page by its interface, from the first round to the accepted option.
+#[test]
+fn the_interface_shows_and_obeys() {
+    let daemon = start();
+    let id = daemon.until_done("gallery.dxf");
+    let at = |rest: &str| format!("/api/drawings/{id}{rest}");
+    let found = daemon.json(&at(""));
+    assert_eq!(found["sets"], json!(["analysis", "round-01"]));
+    let result = daemon.json(&at("/round-01/result.json"));
+    let first = result["candidates"][0]["file"].as_str().unwrap();
+    let file = daemon.ask("GET", &at(&format!("/round-01/{first}")), "");
+    assert_eq!(file.body, fs::read(daemon.plans().join("gallery.enfilade/round-01").join(first)).unwrap());
+    assert!(file.head.contains("content-disposition: attachment"), "{}", file.head);
+    assert_eq!(daemon.ask("GET", &at("/round-01/initial-degree.png"), "").status, 200);
+
+    assert_eq!(daemon.ask("POST", &at("/again"), r#"{"objective": "degree up 7"}"#).status, 400);
+    assert_eq!(daemon.ask("POST", &at("/again"), "no json").status, 400);
+    assert_eq!(daemon.ask("POST", &at("/again"), &"x".repeat(BODY_BYTES_MAX + 1)).status, 413);
+    assert_eq!(daemon.ask("POST", &at("/again"), r#"{"objective": "entropy max 0.5"}"#).status, 202);
+    daemon.until("round 2", || {
+        daemon.json(&at(""))["sets"].as_array().unwrap().contains(&json!("round-02")).then_some(())
+    });
+    let second = daemon.json(&at("/round-02/result.json"));
+    assert_eq!(second["objectives"].as_array().unwrap().len(), 1);
+    assert_eq!(second["objectives"][0]["name"], "entropy");
+
+    daemon.until_done("gallery.dxf");
+    let accepted = daemon.ask("POST", &at("/accept"), r#"{"round": 1, "candidate": 1}"#);
+    assert_eq!(accepted.status, 200, "{}", String::from_utf8_lossy(&accepted.body));
+    assert!(daemon.plans().join("gallery-r02.dxf").is_file());
+    // The accepted drawing is the next save of a watched folder; it can be called off.
+    let next = daemon.until("the accepted drawing", || daemon.drawing("gallery-r02.dxf"));
+    let cancel = format!("/api/drawings/{}/cancel", next["id"].as_str().unwrap());
+    assert_eq!(daemon.ask("POST", &cancel, "").status, 202);
+    daemon.until("the end of it", || {
+        daemon.drawing("gallery-r02.dxf").filter(|d| d["state"] == "stopped" || d["state"] == "done")
+    });
+    let log = fs::read_to_string(daemon.folder.path().join("watch.log")).unwrap();
+    assert!(log.contains("gallery.dxf started"), "{log}");
+}
+
+/// The rules of a local page, from outside (tests of hosts, tokens and origins in detail: `server::guard`).
+#[test]
+fn strangers_get_nothing() {
+    let daemon = start();
+    let id = daemon.until_done("gallery.dxf");
+    let host = format!("127.0.0.1:{}", daemon.port);
+    let auth = format!("Bearer {}", daemon.token);
+    let (own, known) = (("Host", host.as_str()), ("Authorization", auth.as_str()));
+    let status =
+        |method: &str, path: &str, heads: &[(&str, &str)]| daemon.raw(method, path, heads, "").status;
+    assert_eq!(status("GET", "/", &[("Host", "evil.test"), known]), 403);
+    assert_eq!(status("GET", "/", &[own]), 403);
+    assert_eq!(status("GET", "/api/log", &[own, ("Authorization", "Bearer no")]), 403);
+    let order = format!("/api/drawings/{id}/cancel");
+    assert_eq!(status("POST", &order, &[own, known]), 403);
+    assert_eq!(
+        status("POST", &order, &[own, known, ("X-Enfilade", "1"), ("Origin", "http://evil.test")]),
+        403
+    );
+    assert_eq!(status("GET", &order, &[own, known]), 405);
+
+    let plans = daemon.plans();
+    fs::write(daemon.folder.path().join("secret"), "secret").unwrap();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(
+        daemon.folder.path().join("secret"),
+        plans.join("gallery.enfilade/round-01/planted.png"),
+    )
+    .unwrap();
+    for path in [
+        format!("/api/drawings/{id}/round-01/planted.png"),
+        format!("/api/drawings/{id}/round-01/..%2f..%2f..%2fsecret"),
+        format!("/api/drawings/{id}/..%2f..%2f/secret"),
+        format!("/api/drawings/{id}/round-01/../../../../secret"),
+        format!("/api/drawings/{id}/round-01/%2e%2e"),
+        "/api/drawings/../../etc/passwd".into(),
+        "/api/drawings/%2e%2e/x/y".into(),
+        "/etc/passwd".into(),
+    ] {
+        assert_eq!(status("GET", &path, &[own, known]), 404, "{path}");
+    }
+
+    let welcome = daemon.raw("GET", &format!("/?token={}", daemon.token), &[own], "");
+    assert_eq!(welcome.status, 303);
+    assert!(welcome.head.contains("httponly; samesite=strict"), "{}", welcome.head);
+    assert!(!welcome.head.contains(&daemon.token), "the cookie is the token");
+    assert!(welcome.head.contains("content-security-policy: default-src 'self'"), "{}", welcome.head);
+    assert!(!welcome.head.contains("access-control"), "{}", welcome.head);
+    assert_loopback_only(daemon.port);
+    assert_door_is_closed(daemon.folder.path());
+}
+
+/// The listening socket of that port has the address of this machine alone.
+fn assert_loopback_only(port: u16) {
+    let Ok(table) = fs::read_to_string("/proc/net/tcp") else { return };
+    let port = format!(":{port:04X}");
+    let listens = table.lines().filter_map(|l| {
+        let words: Vec<&str> = l.split_whitespace().collect();
+        (words.get(3) == Some(&"0A") && words[1].ends_with(&port)).then(|| words[1].to_owned())
+    });
+    assert_eq!(listens.collect::<Vec<_>>(), [format!("0100007F{port}")]);
+}
+
+/// The token lies in a file of the user's alone, outside the watched folder.
+fn assert_door_is_closed(home: &Path) {
+    #[cfg(target_os = "linux")]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let state = home.join(".local/state/enfilade");
+        let door = fs::read_dir(&state).unwrap().next().unwrap().unwrap();
+        assert_eq!(door.metadata().unwrap().permissions().mode() & 0o777, 0o600);
+    }
+    let open = Command::new(env!("CARGO_BIN_EXE_enfilade"))
+        .args(["open", "--print"])
+        .arg(home.join("plans"))
+        .env("HOME", home)
+        .env_remove("XDG_STATE_HOME")
+        .output()
+        .unwrap();
+    assert!(String::from_utf8_lossy(&open.stdout).starts_with("http://127.0.0.1:"), "{open:?}");
+}
+
+/// Chromium with every action of the page, and axe: needs node and the modules named in `tests/page/README.md`.
+#[test]
+fn a_browser_does_every_action() {
+    let Some(modules) = std::env::var_os("ENFILADE_NODE_MODULES") else {
+        println!("skipped: ENFILADE_NODE_MODULES names no folder with puppeteer-core and axe-core");
+        return;
+    };
+    let daemon = start();
+    fs::copy(daemon.plans().join("gallery.dxf"), daemon.plans().join("<img src=x onerror=alert(1)>.dxf"))
+        .unwrap();
+    daemon.until_done("gallery.dxf");
+    daemon.until_done("<img src=x onerror=alert(1)>.dxf");
+    let out = Command::new("node")
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page/drive.mjs"))
+        .arg(format!("http://127.0.0.1:{}/?token={}", daemon.port, daemon.token))
+        .env("NODE_PATH", modules)
+        .output()
+        .unwrap();
+    assert!(
+        out.status.success(),
+        "{}\n{}",
+        String::from_utf8_lossy(&out.stdout),
+        String::from_utf8_lossy(&out.stderr)
+    );
+    assert!(daemon.plans().join("gallery-r02.dxf").is_file(), "nothing was accepted");
+}
