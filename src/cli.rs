@@ -212,6 +212,19 @@ pub struct SearchArgs {
     /// How far apart options should be, as a fraction of the largest distance.
     #[arg(long, value_name = "0..1")]
     pub distance: Option<f64>,
+    /// Hard limits: "wall-length -5%, clearance 3, passage 0.9 m, degree-p10 >= 40".
+    #[arg(long, value_name = "LIST")]
+    pub limit: Option<String>,
+    /// Groups that move together: "same: door-1, door-2", "mirror-x: a, b", "mirror-y: a, b",
+    /// "equal: a, b, c"; repeatable.
+    #[arg(long, value_name = "LINK")]
+    pub link: Vec<String>,
+    /// Modules that moves keep to: "0.1 m, 5 deg".
+    #[arg(long, value_name = "LIST")]
+    pub snap: Option<String>,
+    /// Most groups that an option may move.
+    #[arg(long, value_name = "N")]
+    pub most_moves: Option<usize>,
 }
 
 /// `run`.
@@ -222,6 +235,12 @@ pub struct RunArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub search: SearchArgs,
+    /// Keep option N of the newest round and find others unlike it; repeatable.
+    #[arg(long, value_name = "N")]
+    pub pin: Vec<usize>,
+    /// Look near option N of the newest round.
+    #[arg(long, value_name = "N")]
+    pub like: Option<usize>,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,
@@ -366,6 +385,10 @@ impl Common {
             score: s.score.clone(),
             penalty: s.penalty.clone(),
             distance: s.distance,
+            limit: s.limit.clone(),
+            link: list(&s.link),
+            snap: s.snap.clone(),
+            most_moves: s.most_moves,
             ..Partial::default()
         }
     }

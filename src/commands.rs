@@ -190,7 +190,16 @@ fn tell_resolution(result: &resolution::ResolutionResult, folder: &Path) {
 }
 
 fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
-    let (settings, out) = settings_for(&args.file, args.common.partial(Some(&args.search)))?;
+    let mut partial = args.common.partial(Some(&args.search));
+    if !args.pin.is_empty() || args.like.is_some() {
+        let out = settings_partial(&args.file, partial.clone())?.out.map(PathBuf::from);
+        let (round, result) = round_result(&args.file, out, None)?;
+        let of = |n: &usize| option_of(&result, round, *n);
+        let pinned: Vec<Vec<f64>> = args.pin.iter().map(of).collect::<Result<_, _>>()?;
+        partial.pin = Some(pinned).filter(|p| !p.is_empty());
+        partial.like = args.like.as_ref().map(of).transpose()?;
+    }
+    let (settings, out) = settings_for(&args.file, partial)?;
     let watch = WatchSettings { out_dir: out, ..WatchSettings::default() };
     let mut display = Display::new(args.common.progress, args.common.quiet);
     let finished: Arc<Mutex<Option<(RoundResult, Report)>>> = Arc::default();
@@ -339,10 +348,25 @@ fn end_mark(path: &Path, bytes: &[u8]) -> Completeness {
 fn accept(args: &AcceptArgs) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
     let configured = settings_partial(&args.file, Partial::default())?.out.map(PathBuf::from);
-    let placing = Placing { out_dir: args.out.clone().or(configured), fallback_dir: None };
     let drawing = absolute(&args.file);
-    let home = Home::open(Arc::new(SystemDisk), &drawing, &placing)?;
-    let Some(round) = args.round.or_else(|| home.rounds().last().copied()) else {
+    let (round, result) = round_result(&args.file, args.out.clone().or(configured), args.round)?;
+    let accepted = pipeline::accept::accept(&Input::new(&path, &bytes, 1), &result, round, args.number)?;
+    let next = store::write_revision(&SystemDisk, &drawing, &accepted.drawing)?;
+    let side_car = settings_files(&next)[0].clone();
+    store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
+    say(&format!("option {} of round {round} is now {}", args.number, next.display()));
+    say(&format!("its moves, bounds and settings for the next round: {}", side_car.display()));
+    Ok(0)
+}
+
+/// The result of a round of a drawing, the newest by default, and its number.
+fn round_result(
+    file: &Path,
+    out_dir: Option<PathBuf>,
+    round: Option<u32>,
+) -> Result<(u32, RoundResult), Error> {
+    let home = Home::open(Arc::new(SystemDisk), &absolute(file), &Placing { out_dir, fallback_dir: None })?;
+    let Some(round) = round.or_else(|| home.rounds().last().copied()) else {
         let place = Place::file(home.folder().to_string_lossy());
         return Err(Error::usage("no-round", place, "no round yet; `enfilade run` makes one"));
     };
@@ -355,15 +379,19 @@ fn accept(args: &AcceptArgs) -> Result<u8, Error> {
             format!("{e}; expected the result of round {round}; nothing was written"),
         )
     })?;
-    let result: RoundResult = serde_json::from_slice(&json)
+    let result = serde_json::from_slice(&json)
         .map_err(|e| Error::input("result", place(), format!("{e}; nothing was written")))?;
-    let accepted = pipeline::accept::accept(&Input::new(&path, &bytes, 1), &result, round, args.number)?;
-    let next = store::write_revision(&SystemDisk, &drawing, &accepted.drawing)?;
-    let side_car = settings_files(&next)[0].clone();
-    store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
-    say(&format!("option {} of round {round} is now {}", args.number, next.display()));
-    say(&format!("its moves, bounds and settings for the next round: {}", side_car.display()));
-    Ok(0)
+    Ok((round, result))
+}
+
+/// Parameters of an option of a round, from 1.
+fn option_of(result: &RoundResult, round: u32, number: usize) -> Result<Vec<f64>, Error> {
+    let found = number.checked_sub(1).and_then(|i| result.candidates.get(i));
+    found.map(|c| c.parameters.clone()).ok_or_else(|| {
+        let n = result.candidates.len();
+        let text = format!("round {round} has {n} options, found number {number}; nothing was done");
+        Error::usage("candidate", Place::default(), text)
+    })
 }
 
 fn status(args: &StatusArgs) -> Result<u8, Error> {

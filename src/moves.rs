@@ -1,5 +1,6 @@
 //! The parametrisation (spec 2): which nodes move, how, within what bounds; parameters → layout.
 
+pub mod control;
 pub mod defaults;
 mod partitions;
 

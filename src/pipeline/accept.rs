@@ -140,6 +140,11 @@ fn side_car(
     set("objective", settings.objective_text().into());
     set("score", settings.score_text().into());
     set("penalty", settings.penalty_text().into());
+    control(settings).into_iter().for_each(|(key, value)| drop(set(key, value)));
+    let known = others(base, result, parameters);
+    if !known.is_empty() {
+        set("warm", known.into());
+    }
     set("ignore-move-markers", true.into());
     let groups = base.moves.groups.iter().enumerate();
     let tables = groups.map(|(g, _)| group_table(base, g, parameters, &positions[g]));
@@ -157,6 +162,38 @@ fn side_car(
          # Moves count from the drawing as it is now; EF-MOVE in the drawing is left unread. Delete this file to\n\
          # start afresh from the markers.\n{text}"
     ))
+}
+
+/// What the architect decided beyond objectives.
+fn control(settings: &Settings) -> Vec<(&'static str, Value)> {
+    let links: Vec<Value> = settings.links.iter().map(|l| l.to_string().into()).collect();
+    let limit = Some(settings.limit_text()).filter(|t| !t.is_empty());
+    let found = [
+        ("limit", limit.map(Value::from)),
+        ("link", (!links.is_empty()).then(|| links.into())),
+        ("snap", settings.snap.map(|s| s.to_string().into())),
+        ("most-moves", settings.most_moves.map(|n| (n as i64).into())),
+    ];
+    found.into_iter().filter_map(|(key, value)| Some((key, value?))).collect()
+}
+
+/// The other options of the round and the best layout, as they stand from the accepted one: where the
+/// next search may begin.
+fn others(base: &Understood, result: &RoundResult, accepted: &[f64]) -> Vec<Value> {
+    let best = result.best.iter().map(|b| &b.parameters);
+    let all = result.candidates.iter().map(|c| &c.parameters).chain(best);
+    let mut known: Vec<Vec<f64>> = Vec::new();
+    for p in all.filter(|p| p.len() == accepted.len() && p[..] != *accepted) {
+        let from = |((p, a), parameter): ((&f64, &f64), &Parameter)| match parameter.clause.kind {
+            Kind::Scale(_) => p / a,
+            _ => p - a,
+        };
+        let vector: Vec<f64> = p.iter().zip(accepted).zip(&base.moves.parameters).map(from).collect();
+        if !known.contains(&vector) && vector.iter().all(|v| v.is_finite()) {
+            known.push(vector);
+        }
+    }
+    known.into_iter().map(Value::from).collect()
 }
 
 fn toml_failed(e: impl std::fmt::Display) -> Error {
