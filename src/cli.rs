@@ -277,7 +277,7 @@ pub struct WatchArgs {
 pub struct AcceptArgs {
     /// The drawing the round was made from.
     pub file: PathBuf,
-    /// Candidate, from 1.
+    /// Candidate, from 1; 0: the best layout found, which need not be among them.
     pub number: usize,
     /// Round to take it from; the newest by default.
     #[arg(long, value_name = "N")]

@@ -277,6 +277,9 @@ fn summary(result: &RoundResult, folder: &Path) {
         let mark = if c.within_threshold { "" } else { " (below a threshold)" };
         say(&format!("option {}{mark}: {}", i + 1, c.words));
     }
+    if result.best.as_ref().is_some_and(|b| b.option.is_none()) {
+        say("the best layout found is too like the options to be one of them: `accept FILE 0` takes it");
+    }
     say(&format!(
         "{} layouts measured in {:.1} s: {}; {} options",
         result.evaluations,
@@ -354,7 +357,8 @@ fn accept(args: &AcceptArgs) -> Result<u8, Error> {
     let next = store::write_revision(&SystemDisk, &drawing, &accepted.drawing)?;
     let side_car = settings_files(&next)[0].clone();
     store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
-    say(&format!("option {} of round {round} is now {}", args.number, next.display()));
+    let what = if args.number == 0 { "the best layout".into() } else { format!("option {}", args.number) };
+    say(&format!("{what} of round {round} is now {}", next.display()));
     say(&format!("its moves, bounds and settings for the next round: {}", side_car.display()));
     Ok(0)
 }

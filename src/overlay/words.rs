@@ -1,6 +1,8 @@
 //! What moved and what it gains, in plain words: EF-NOTE, the report and `words` in result.json.
 
-use super::measure::{fixed, is_told, percent_change, plain_name, sentence_case, short, wording};
+use super::measure::{
+    fixed, is_told, parts as base, percent_change, plain_name, sentence_case, short, wording,
+};
 use super::result::{Explanation, MoveEntry, MoveKind, Numbers};
 
 /// Moves told one by one; the rest is counted.
@@ -93,8 +95,8 @@ pub fn gains(initial: &Numbers, now: &Numbers) -> String {
     let gain = |(key, from): &(String, f64)| {
         let to = now.get(key)?;
         let change = percent_change(*from, to)?;
-        let known = wording(key).filter(|_| is_told(key))?;
-        let name = if key == "depth" { "depth".to_owned() } else { known.plain.to_lowercase() };
+        let known = wording(base(key).0).filter(|w| is_told(w.key))?;
+        let name = if key == "depth" { "depth".to_owned() } else { plain_name(key).to_lowercase() };
         let why = if to > *from { known.more_less[0] } else { known.more_less[1] };
         let why = if change.starts_with('±') || key == "degree" { "" } else { why };
         let why = if why.is_empty() { String::new() } else { format!(" ({why})") };

@@ -24,14 +24,18 @@ pub struct Accepted {
     pub side_car: String,
 }
 
-/// Makes the drawing of candidate `number` (from 1) of a round.
+/// Makes the drawing of candidate `number` (from 1) of a round, or of the best layout found (0).
 ///
 /// # Errors
 /// [`Error::Usage`] when there is no such candidate; [`Error::Input`] when the drawing is not the one the
 /// round was made from.
 pub fn accept(input: &Input<'_>, result: &RoundResult, round: u32, number: usize) -> Result<Accepted, Error> {
     let place = || Place::file(input.file());
-    let Some(candidate) = number.checked_sub(1).and_then(|i| result.candidates.get(i)) else {
+    let chosen = match number.checked_sub(1) {
+        Some(i) => result.candidates.get(i).map(|c| (&c.parameters, &c.mean)),
+        None => result.best.as_ref().map(|b| (&b.parameters, &b.mean)),
+    };
+    let Some((parameters, mean)) = chosen else {
         let n = result.candidates.len();
         let text = format!("round {round} has {n} candidates, found number {number}; nothing was written");
         return Err(Error::usage("candidate", place(), text));
@@ -52,15 +56,15 @@ pub fn accept(input: &Input<'_>, result: &RoundResult, round: u32, number: usize
         })?;
     let mut report = Report::default();
     let base = study::read(input.file(), &input.bytes, &settings, &mut report)?;
-    if base.moves.parameters.len() != candidate.parameters.len() {
+    if base.moves.parameters.len() != parameters.len() {
         let text = format!(
             "round {round} has {} parameters, the drawing {}; run it again",
-            candidate.parameters.len(),
+            parameters.len(),
             base.moves.parameters.len()
         );
         return Err(Error::input("parameters", place(), text));
     }
-    let layout = base.moves.apply(&base.plan, &base.graph, &candidate.parameters);
+    let layout = base.moves.apply(&base.plan, &base.graph, parameters);
     let options = study::read_options(&settings);
     let drawing = formats::patch(input.file(), &input.bytes, &options, &edits_of(&base, &layout), &[])?;
     let lineage = LineageTable {
@@ -68,10 +72,10 @@ pub fn accept(input: &Input<'_>, result: &RoundResult, round: u32, number: usize
         round,
         candidate: number as u32,
         initial: pairs(&result.initial.mean),
-        accepted: pairs(&candidate.mean),
+        accepted: pairs(mean),
     };
     let positions = positions(&base, &layout);
-    let side_car = side_car(&base, &settings, result, &candidate.parameters, &positions, lineage)?;
+    let side_car = side_car(&base, &settings, result, parameters, &positions, lineage)?;
     Ok(Accepted { drawing, side_car })
 }
 

@@ -518,11 +518,9 @@ fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
     out
 }
 
-/// The means that are told in words: the three of the paper.
+/// What is told in words: the three of the paper and what else was asked for.
 fn told(mean: &Numbers) -> Numbers {
-    Numbers(
-        mean.0.iter().filter(|(name, _)| Measure::MEAN.iter().any(|m| m.name() == name)).cloned().collect(),
-    )
+    Numbers(mean.0.iter().filter(|(name, _)| name != "degree_all").cloned().collect())
 }
 
 fn lineage(entry: &crate::config::LineageTable) -> LineageEntry {
