@@ -231,6 +231,19 @@ pub struct SearchArgs {
     /// How far apart options should be, as a fraction of the largest distance.
     #[arg(long, value_name = "0..1")]
     pub distance: Option<f64>,
+    /// Hard limits: "wall-length -5%, clearance 3, passage 0.9 m, degree-p10 >= 40".
+    #[arg(long, value_name = "LIST")]
+    pub limit: Option<String>,
+    /// Groups that move together: "same: door-1, door-2", "mirror-x: a, b", "mirror-y: a, b",
+    /// "equal: a, b, c"; repeatable.
+    #[arg(long, value_name = "LINK")]
+    pub link: Vec<String>,
+    /// Modules that moves keep to: "0.1 m, 5 deg".
+    #[arg(long, value_name = "LIST")]
+    pub snap: Option<String>,
+    /// Most groups that an option may move.
+    #[arg(long, value_name = "N")]
+    pub most_moves: Option<usize>,
 }
 
 /// `run`.
@@ -241,6 +254,12 @@ pub struct RunArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub search: SearchArgs,
+    /// Keep option N of the newest round and find others unlike it; repeatable.
+    #[arg(long, value_name = "N")]
+    pub pin: Vec<usize>,
+    /// Look near option N of the newest round.
+    #[arg(long, value_name = "N")]
+    pub like: Option<usize>,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,
@@ -357,7 +376,7 @@ pub fn man() -> std::io::Result<String> {
 pub struct AcceptArgs {
     /// The drawing the round was made from.
     pub file: PathBuf,
-    /// Candidate, from 1.
+    /// Candidate, from 1; 0: the best layout found, which need not be among them.
     pub number: usize,
     /// Round to take it from; the newest by default.
     #[arg(long, value_name = "N")]
@@ -508,6 +527,10 @@ impl Common {
             score: s.score.clone(),
             penalty: s.penalty.clone(),
             distance: s.distance,
+            limit: s.limit.clone(),
+            link: list(&s.link),
+            snap: s.snap.clone(),
+            most_moves: s.most_moves,
             ..Partial::default()
         }
     }

@@ -220,7 +220,16 @@ fn tell_resolution(result: &resolution::ResolutionResult, folder: &Path) {
 }
 
 fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
-    let (settings, out) = settings_for(&args.file, args.common.partial(Some(&args.search)))?;
+    let mut partial = args.common.partial(Some(&args.search));
+    if !args.pin.is_empty() || args.like.is_some() {
+        let out = settings_partial(&args.file, partial.clone())?.out.map(PathBuf::from);
+        let (round, result) = round_result(&args.file, out, None)?;
+        let of = |n: &usize| option_of(&result, round, *n);
+        let pinned: Vec<Vec<f64>> = args.pin.iter().map(of).collect::<Result<_, _>>()?;
+        partial.pin = Some(pinned).filter(|p| !p.is_empty());
+        partial.like = args.like.as_ref().map(of).transpose()?;
+    }
+    let (settings, out) = settings_for(&args.file, partial)?;
     let watch = WatchSettings { out_dir: out, ..WatchSettings::default() };
     let mut display = Display::new(args.common.progress, args.common.quiet);
     let finished: Arc<Mutex<Option<(RoundResult, Report)>>> = Arc::default();
@@ -297,6 +306,9 @@ fn summary(result: &RoundResult, folder: &Path) {
     for (i, c) in result.candidates.iter().enumerate() {
         let mark = if c.within_threshold { "" } else { " (below a threshold)" };
         say(&format!("option {}{mark}: {}", i + 1, c.words));
+    }
+    if result.best.as_ref().is_some_and(|b| b.option.is_none()) {
+        say("the best layout found is too like the options to be one of them: `accept FILE 0` takes it");
     }
     say(&format!(
         "{} layouts measured in {:.1} s: {}; {} options",
@@ -396,7 +408,8 @@ fn end_mark(path: &Path, bytes: &[u8]) -> Completeness {
 fn accept(args: &AcceptArgs) -> Result<u8, Error> {
     let Accepted { round, next, side_car } =
         accept_option(&args.file, args.out.clone(), args.round, args.number)?;
-    say(&format!("option {} of round {round} is now {}", args.number, next.display()));
+    let what = if args.number == 0 { "the best layout".into() } else { format!("option {}", args.number) };
+    say(&format!("{what} of round {round} is now {}", next.display()));
     say(&format!("its moves, bounds and settings for the next round: {}", side_car.display()));
     Ok(0)
 }
@@ -416,9 +429,22 @@ fn accept_option(
 ) -> Result<Accepted, Error> {
     let (path, bytes) = open(file)?;
     let configured = settings_partial(file, Partial::default())?.out.map(PathBuf::from);
-    let placing = Placing { out_dir: out.or(configured), fallback_dir: None };
-    let drawing = absolute(file);
-    let home = Home::open(Arc::new(SystemDisk), &drawing, &placing)?;
+    let (round, result) = round_result(file, out.or(configured), round)?;
+    let accepted =
+        pipeline::accept::accept(&Input::new(&path, &bytes, 1), twin(file), &result, round, number)?;
+    let next = store::write_revision(&SystemDisk, &absolute(file), &accepted.drawing)?;
+    let side_car = settings_files(&next)[0].clone();
+    store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
+    Ok(Accepted { round, next, side_car })
+}
+
+/// The result of a round of a drawing, the newest by default, and its number.
+fn round_result(
+    file: &Path,
+    out_dir: Option<PathBuf>,
+    round: Option<u32>,
+) -> Result<(u32, RoundResult), Error> {
+    let home = Home::open(Arc::new(SystemDisk), &absolute(file), &Placing { out_dir, fallback_dir: None })?;
     let Some(round) = round.or_else(|| home.rounds().last().copied()) else {
         let place = Place::file(home.folder().to_string_lossy());
         return Err(Error::usage("no-round", place, "no round yet; `enfilade run` makes one"));
@@ -432,14 +458,19 @@ fn accept_option(
             format!("{e}; expected the result of round {round}; nothing was written"),
         )
     })?;
-    let result: RoundResult = serde_json::from_slice(&json)
+    let result = serde_json::from_slice(&json)
         .map_err(|e| Error::input("result", place(), format!("{e}; nothing was written")))?;
-    let accepted =
-        pipeline::accept::accept(&Input::new(&path, &bytes, 1), twin(file), &result, round, number)?;
-    let next = store::write_revision(&SystemDisk, &drawing, &accepted.drawing)?;
-    let side_car = settings_files(&next)[0].clone();
-    store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
-    Ok(Accepted { round, next, side_car })
+    Ok((round, result))
+}
+
+/// Parameters of an option of a round, from 1.
+fn option_of(result: &RoundResult, round: u32, number: usize) -> Result<Vec<f64>, Error> {
+    let found = number.checked_sub(1).and_then(|i| result.candidates.get(i));
+    found.map(|c| c.parameters.clone()).ok_or_else(|| {
+        let n = result.candidates.len();
+        let text = format!("round {round} has {n} options, found number {number}; nothing was done");
+        Error::usage("candidate", Place::default(), text)
+    })
 }
 
 fn status(args: &StatusArgs) -> Result<u8, Error> {

@@ -3,6 +3,8 @@
 //! The same keys stand on the command line, in `<drawing>.enfilade.toml` and in `enfilade.toml` of the
 //! folder; the first of them that names a key wins. Unknown keys are errors with line and column.
 
+mod control;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,6 +12,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::report::{Error, Place};
+pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
 
 /// Members of the diverse set by default (paper: n = 5).
 pub const MEMBERS_DEFAULT: usize = 5;
@@ -90,8 +93,7 @@ pub enum Colours {
 }
 
 /// What an objective measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Measure {
     /// Neighbours within the region of reference.
     Degree,
@@ -99,6 +101,18 @@ pub enum Measure {
     Depth,
     /// Entropy of the levels, bits.
     Entropy,
+    /// Mean depth of the vertices reached.
+    MeanDepth,
+    /// Vertices reached.
+    Reach,
+    /// Area of the isovist, m².
+    IsovistArea,
+    /// Perimeter of the isovist, m.
+    IsovistPerimeter,
+    /// Compactness of the isovist, 0 to 1.
+    IsovistCompactness,
+    /// Occlusivity of the isovist, m.
+    IsovistOcclusivity,
     /// The composite `score`.
     Score,
     /// Σ of the weighted penalties.
@@ -108,6 +122,19 @@ pub enum Measure {
 impl Measure {
     /// The three measures of the paper.
     pub const MEAN: [Self; 3] = [Self::Degree, Self::Depth, Self::Entropy];
+    const ALL: [Self; 11] = [
+        Self::Degree,
+        Self::Depth,
+        Self::Entropy,
+        Self::MeanDepth,
+        Self::Reach,
+        Self::IsovistArea,
+        Self::IsovistPerimeter,
+        Self::IsovistCompactness,
+        Self::IsovistOcclusivity,
+        Self::Score,
+        Self::Penalty,
+    ];
 
     /// Name as in settings and files.
     pub fn name(self) -> &'static str {
@@ -115,15 +142,30 @@ impl Measure {
             Self::Degree => "degree",
             Self::Depth => "depth",
             Self::Entropy => "entropy",
+            Self::MeanDepth => "mean-depth",
+            Self::Reach => "reach",
+            Self::IsovistArea => "isovist-area",
+            Self::IsovistPerimeter => "isovist-perimeter",
+            Self::IsovistCompactness => "isovist-compactness",
+            Self::IsovistOcclusivity => "isovist-occlusivity",
             Self::Score => "score",
             Self::Penalty => "penalty",
         }
     }
 
+    /// Whether every cell has a value of it.
+    pub fn is_of_cells(self) -> bool {
+        !matches!(self, Self::Score | Self::Penalty)
+    }
+
+    /// Whether it is a measure of the polygon seen from a cell.
+    pub fn is_of_isovists(self) -> bool {
+        use Measure::{IsovistArea, IsovistCompactness, IsovistOcclusivity, IsovistPerimeter};
+        matches!(self, IsovistArea | IsovistPerimeter | IsovistCompactness | IsovistOcclusivity)
+    }
+
     fn by_name(name: &str) -> Option<Self> {
-        [Self::Degree, Self::Depth, Self::Entropy, Self::Score, Self::Penalty]
-            .into_iter()
-            .find(|m| m.name() == name)
+        Self::ALL.into_iter().find(|m| m.name() == name)
     }
 }
 
@@ -131,7 +173,7 @@ impl Measure {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObjectiveSetting {
     /// What is measured.
-    pub measure: Measure,
+    pub measure: Aim,
     /// Whether more is better.
     pub is_max: bool,
     /// z in [0, 1].
@@ -150,11 +192,14 @@ pub enum Penalty {
     Alignment,
     /// Walls that cross now and did not.
     Overlap,
+    /// Passages that have become too narrow, m.
+    Passage,
 }
 
 impl Penalty {
     /// Every penalty.
-    pub const ALL: [Self; 4] = [Self::Clearance, Self::WallLength, Self::Alignment, Self::Overlap];
+    pub const ALL: [Self; 5] =
+        [Self::Clearance, Self::WallLength, Self::Alignment, Self::Overlap, Self::Passage];
 
     /// Name as in settings and files.
     pub fn name(self) -> &'static str {
@@ -163,6 +208,7 @@ impl Penalty {
             Self::WallLength => "wall-length",
             Self::Alignment => "alignment",
             Self::Overlap => "overlap",
+            Self::Passage => "passage",
         }
     }
 }
@@ -240,6 +286,13 @@ pub struct Partial {
     pub score: Option<String>,
     pub penalty: Option<String>,
     pub distance: Option<f64>,
+    pub limit: Option<String>,
+    pub link: Option<Vec<String>>,
+    pub snap: Option<String>,
+    pub most_moves: Option<usize>,
+    pub pin: Option<Vec<Vec<f64>>>,
+    pub like: Option<Vec<f64>>,
+    pub warm: Option<Vec<Vec<f64>>>,
     pub colours: Option<Colours>,
     pub storey: Option<String>,
     pub query: Option<String>,
@@ -319,6 +372,13 @@ impl Partial {
             score: self.score.or(base.score),
             penalty: self.penalty.or(base.penalty),
             distance: self.distance.or(base.distance),
+            limit: self.limit.or(base.limit),
+            link: self.link.or(base.link),
+            snap: self.snap.or(base.snap),
+            most_moves: self.most_moves.or(base.most_moves),
+            pin: self.pin.or(base.pin),
+            like: self.like.or(base.like),
+            warm: self.warm.or(base.warm),
             colours: self.colours.or(base.colours),
             storey: self.storey.or(base.storey),
             query: self.query.or(base.query),
@@ -376,11 +436,32 @@ pub struct Settings {
     /// Objectives in order, without diversity.
     pub objectives: Vec<ObjectiveSetting>,
     /// Weights w_k of `score`.
-    pub score: Vec<(Measure, f64)>,
+    pub score: Vec<(Aim, f64)>,
     /// Weights v_j of the penalties.
     pub penalties: Vec<(Penalty, f64)>,
     /// d_min as a fraction of √n_p.
     pub distance: f64,
+    /// Hard limits: no option passes them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub limits: Vec<Limit>,
+    /// Groups that move together.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub links: Vec<Link>,
+    /// Modules of shifts and turns.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub snap: Option<Snap>,
+    /// Most groups that an option may move.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub most_moves: Option<usize>,
+    /// Parameters of options that stay; the others are found unlike them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pinned: Vec<Vec<f64>>,
+    /// Parameters of the option near which all are found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub like: Option<Vec<f64>>,
+    /// Parameters of layouts worth knowing before the search begins.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warm: Vec<Vec<f64>>,
     /// Colours of heat maps.
     pub colours: Colours,
     /// Storey of a building; `None`: the one with most walls.
@@ -429,6 +510,16 @@ impl Settings {
         if let Some(v) = p.evaluations.filter(|v| !(1..=EVALUATIONS_MAX).contains(v)) {
             return Err(bad("evaluations", &v.to_string(), &format!("a number from 1 to {EVALUATIONS_MAX}")));
         }
+        let vectors = p.pin.iter().chain(&p.warm).flatten().chain(&p.like);
+        if let Some(v) = vectors.flatten().find(|v| !v.is_finite()) {
+            return Err(bad("pin, like, warm", &v.to_string(), "finite parameters"));
+        }
+        let members = count("members", p.members.unwrap_or(MEMBERS_DEFAULT), 1, MEMBERS_MAX)?;
+        let pinned = p.pin.unwrap_or_default();
+        if !pinned.is_empty() && pinned.len() >= members {
+            let expected = format!("fewer than the {members} members wanted");
+            return Err(bad("pin", &format!("{} options", pinned.len()), &expected));
+        }
         let points = p.seed_point.iter().flatten().chain(&p.lattice_centre);
         if let Some(v) = points.flatten().find(|v| !v.is_finite()) {
             return Err(bad("seed-point, lattice-centre", &v.to_string(), "finite coordinates"));
@@ -448,7 +539,7 @@ impl Settings {
             seed: p.seed.unwrap_or(1),
             evaluations: p.evaluations,
             seconds: in_range("seconds", p.seconds, 0.1, 1e6)?,
-            members: count("members", p.members.unwrap_or(MEMBERS_DEFAULT), 1, MEMBERS_MAX)?,
+            members,
             mode: p.mode.unwrap_or_default(),
             method: p.method.unwrap_or_default(),
             objectives,
@@ -456,6 +547,13 @@ impl Settings {
             penalties,
             distance: in_range("distance", Some(p.distance.unwrap_or(D_MIN_DEFAULT)), 0.0, 1.0)?
                 .unwrap_or(D_MIN_DEFAULT),
+            limits: limits(p.limit.as_deref().unwrap_or_default())?,
+            links: links(&p.link.unwrap_or_default())?,
+            snap: p.snap.map(|t| snap(&t)).transpose()?,
+            most_moves: p.most_moves.map(|n| count("most-moves", n, 1, usize::MAX)).transpose()?,
+            pinned,
+            like: p.like,
+            warm: p.warm.unwrap_or_default(),
             colours: p.colours.unwrap_or_default(),
             storey: p.storey,
             query: p.query,
@@ -471,14 +569,13 @@ impl Settings {
     /// The objectives as `--objective` would say them.
     pub fn objective_text(&self) -> String {
         let sense = |is_max| if is_max { "max" } else { "min" };
-        let clause =
-            |o: &ObjectiveSetting| format!("{} {} {}", o.measure.name(), sense(o.is_max), o.threshold);
+        let clause = |o: &ObjectiveSetting| format!("{} {} {}", o.measure, sense(o.is_max), o.threshold);
         self.objectives.iter().map(clause).collect::<Vec<_>>().join(", ")
     }
 
     /// The weights as `--score` would say them.
     pub fn score_text(&self) -> String {
-        self.score.iter().map(|(m, w)| format!("{} {w:+}", m.name())).collect::<Vec<_>>().join(", ")
+        self.score.iter().map(|(m, w)| format!("{m} {w:+}")).collect::<Vec<_>>().join(", ")
     }
 
     /// The weights as `--penalty` would say them.
@@ -487,9 +584,14 @@ impl Settings {
         if terms.is_empty() { "none".into() } else { terms.join(", ") }
     }
 
+    /// The hard limits as `--limit` would say them; empty where there are none.
+    pub fn limit_text(&self) -> String {
+        self.limits.iter().map(Limit::to_string).collect::<Vec<_>>().join(", ")
+    }
+
     /// Whether `score` takes the place of the objectives and the separate penalty.
     pub fn is_by_score(&self) -> bool {
-        self.objectives.iter().any(|o| o.measure == Measure::Score)
+        self.objectives.iter().any(|o| o.measure.measure == Measure::Score)
     }
 }
 
@@ -499,12 +601,13 @@ fn bad(key: &str, found: &str, expected: &str) -> Error {
 }
 
 fn objectives(text: &str) -> Result<Vec<ObjectiveSetting>, Error> {
-    let expected = "`MEASURE max|min THRESHOLD`, separated by commas; MEASURE is degree, depth, entropy, penalty or score, \
-                    THRESHOLD from 0 to 1";
+    let expected = "`MEASURE max|min THRESHOLD`, separated by commas; MEASURE is degree, depth, entropy, mean-depth, reach, \
+                    isovist-area, -perimeter, -compactness or -occlusivity, with -min, -max or -p1 to -p99 behind it for other \
+                    than the mean, or penalty or score; THRESHOLD from 0 to 1";
     let mut out: Vec<ObjectiveSetting> = Vec::new();
     for clause in clauses(text) {
         let words: Vec<&str> = clause.split_whitespace().collect();
-        let measure = words.first().and_then(|w| Measure::by_name(w));
+        let measure = words.first().and_then(|w| w.parse::<Aim>().ok());
         let sense = words.get(1).map(|s| s.to_lowercase());
         let threshold = words.get(2).map_or(Some(THRESHOLD_DEFAULT), |t| t.parse().ok());
         match (measure, sense.as_deref(), threshold) {
@@ -520,17 +623,17 @@ fn objectives(text: &str) -> Result<Vec<ObjectiveSetting>, Error> {
     if out.is_empty() || twice.is_some() {
         return Err(bad("objective", &format!("{text:?}"), "at least one measure, each once"));
     }
-    if out.iter().any(|o| o.measure == Measure::Score) && out.len() > 1 {
+    if out.iter().any(|o| o.measure.measure == Measure::Score) && out.len() > 1 {
         return Err(bad("objective", &format!("{text:?}"), "`score` alone: it holds the others"));
     }
     Ok(out)
 }
 
-fn score_terms(text: &str) -> Result<Vec<(Measure, f64)>, Error> {
+fn score_terms(text: &str) -> Result<Vec<(Aim, f64)>, Error> {
     let mut out = Vec::new();
     for clause in clauses(text) {
         let term = clause.split_once(char::is_whitespace).and_then(|(name, weight)| {
-            let measure = Measure::by_name(name).filter(|m| Measure::MEAN.contains(m))?;
+            let measure = name.parse::<Aim>().ok().filter(|a| a.measure.is_of_cells())?;
             Some((measure, weight.trim().parse::<f64>().ok().filter(|w| w.is_finite())?))
         });
         match term {
@@ -567,6 +670,30 @@ fn penalties(text: &str) -> Result<Vec<(Penalty, f64)>, Error> {
     Ok(out)
 }
 
+fn limits(text: &str) -> Result<Vec<Limit>, Error> {
+    let expected =
+        "`wall-length -5%`, `clearance <= 3`, `passage 0.9 m` or `degree-p10 >= 40`, separated by commas";
+    clauses(text).map(|c| c.parse().map_err(|_| bad("limit", &format!("{c:?}"), expected))).collect()
+}
+
+fn links(texts: &[String]) -> Result<Vec<Link>, Error> {
+    let expected = "`same: door-1, door-2`, `mirror-x: a, b`, `mirror-y: a, b` or `equal: a, b, c`, each group in one link";
+    let out: Vec<Link> = texts
+        .iter()
+        .map(|t| t.parse().map_err(|_| bad("link", &format!("{t:?}"), expected)))
+        .collect::<Result<_, _>>()?;
+    let mut names: Vec<&String> = out.iter().flat_map(|l| &l.groups).collect();
+    names.sort();
+    match names.windows(2).find(|w| w[0] == w[1]) {
+        Some(twice) => Err(bad("link", &format!("{:?} twice", twice[0]), expected)),
+        None => Ok(out),
+    }
+}
+
+fn snap(text: &str) -> Result<Snap, Error> {
+    text.parse().map_err(|_| bad("snap", &format!("{text:?}"), "`0.1 m`, `5 deg` or both, above 0"))
+}
+
 fn clauses(text: &str) -> impl Iterator<Item = &str> {
     text.split(',').map(str::trim).filter(|c| !c.is_empty())
 }
@@ -579,7 +706,11 @@ mod tests {
     fn defaults_are_valid_and_stated() {
         let s = Settings::new(Partial::default()).unwrap();
         assert_eq!(s.objectives.len(), 3);
-        assert_eq!(s.score, [(Measure::Degree, 1.0), (Measure::Depth, -1.0), (Measure::Entropy, 1.0)]);
+        assert_eq!(
+            s.score,
+            [(Measure::Degree, 1.0), (Measure::Depth, -1.0), (Measure::Entropy, 1.0)]
+                .map(|(m, w)| (Aim::mean(m), w))
+        );
         assert_eq!(s.penalties, [(Penalty::Clearance, 1.0), (Penalty::WallLength, 1.0)]);
     }
 
@@ -596,6 +727,12 @@ mod tests {
             (with(|p| p.objective = Some("score max, degree max".into())), "alone"),
             (with(|p| p.score = Some("degree".into())), "\"degree\""),
             (with(|p| p.penalty = Some("clearance -1".into())), "clearance -1"),
+            (with(|p| p.limit = Some("degree 40".into())), "degree 40"),
+            (with(|p| p.link = Some(vec!["same: a, b".into(), "equal: b, c, d".into()])), "twice"),
+            (with(|p| p.snap = Some("0".into())), "snap"),
+            (with(|p| p.most_moves = Some(0)), "most-moves"),
+            (with(|p| p.pin = Some(vec![vec![0.0]; 5])), "pin"),
+            (with(|p| p.like = Some(vec![f64::NAN])), "finite"),
             (with(|p| p.spacing = Some(0.0)), "spacing"),
             (with(|p| p.spacing = Some(f64::NAN)), "spacing"),
             (with(|p| p.members = Some(0)), "members"),

@@ -2,6 +2,7 @@
 
 mod axial;
 pub mod carried;
+pub mod control;
 pub mod defaults;
 mod partitions;
 

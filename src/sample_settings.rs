@@ -21,9 +21,20 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # threads = 4                       # all cores by default
 
 # What is better, in order, each with the share of the reachable gain that every option must keep
+# Measures: degree, depth, entropy, mean-depth, reach, isovist-area, isovist-perimeter, isovist-compactness,
+# isovist-occlusivity; their mean, or with -min, -max, -p10 behind: the least, the most, a percentile
 # objective = "degree max 0.7, depth min 0.7, entropy max 0.7"
 # score = "degree +1, depth -1, entropy +1"
-# penalty = "clearance 1, wall-length 1"   # or "none"; also alignment, overlap
+# penalty = "clearance 1, wall-length 1"   # or "none"; also alignment, overlap, passage
+
+# What no option may break
+# limit = "wall-length -5%, clearance 3, passage 0.9 m, degree-p10 >= 40"
+# link = ["same: door-1, door-2", "mirror-x: left, right", "equal: a, b, c"]   # groups that move together
+# snap = "0.1 m, 5 deg"             # modules that moves keep to
+# most-moves = 4                    # groups that an option may move
+# pin = [[0.5, 0.0]]                # parameters of options that stay; others are found unlike them
+# like = [0.5, 0.0]                 # look near this one only
+# warm = [[0.2, 0.1]]               # layouts worth knowing before the search begins
 
 # The search
 # members = 5                       # options wanted

@@ -253,3 +253,99 @@ fn the_resolution_study_makes_a_plot_and_a_table() {
     let refused = enfilade(&["resolution", &sample("gallery.dxf"), "--spacings", "0", "--out", &out]);
     assert_eq!(refused.status.code(), Some(3));
 }
+
+/// Runs the gallery with further arguments; the newest result and the exit code.
+fn gallery(folder: &Path, round: u32, more: &[&str]) -> (Value, Option<i32>) {
+    let out = folder.to_string_lossy().into_owned();
+    let drawing = sample("gallery.dxf");
+    let base = ["run", &drawing, "--spacing", "1", "--evaluations", "150", "--out", &out, "-q"];
+    let output = enfilade(&[&base[..], more].concat());
+    let at = folder.join(format!("gallery.enfilade/round-{round:02}/result.json"));
+    assert!(at.exists(), "{more:?}: {}", text(&output.stderr));
+    (json(&at), output.status.code())
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn options_keep_what_the_architect_decides() {
+    let folder = tempfile::tempdir().unwrap();
+    let (result, _) = gallery(
+        folder.path(),
+        1,
+        &[
+            "--objective",
+            "degree-p10 max 0.5, isovist-area max 0.5",
+            "--snap",
+            "0.1 m, 5 deg",
+            "--most-moves",
+            "2",
+            "--limit",
+            "degree -2%, passage 0.6 m",
+        ],
+    );
+    let present = result["initial"]["mean"]["degree"].as_f64().unwrap();
+    let moves = result["moves"].as_array().unwrap();
+    assert!(!result["candidates"].as_array().unwrap().is_empty());
+    for c in result["candidates"].as_array().unwrap() {
+        assert!(c["mean"]["degree"].as_f64().unwrap() >= 0.98 * present - 1e-6);
+        assert!(
+            c["mean"]["degree-p10"].is_number() && c["mean"]["isovist-area"].is_number(),
+            "{}",
+            c["mean"]
+        );
+        let mut moved = std::collections::BTreeSet::new();
+        for (m, p) in moves.iter().zip(numbers(&c["parameters"])) {
+            let step = match (m["kind"].as_str().unwrap(), m["unit"].as_str().unwrap()) {
+                ("rotate", _) => 5.0,
+                (_, "mm") => 100.0,
+                (_, "cm") => 10.0,
+                _ => 0.1,
+            };
+            assert!(((p / step).round() * step - p).abs() < 1e-6, "{m} {p}");
+            if p != 0.0 {
+                moved.insert(m["name"].to_string());
+            }
+        }
+        assert!(moved.len() <= 2, "{moved:?}");
+        assert!(c["explanation"]["from_present"].as_f64().unwrap() >= 0.0);
+    }
+}
+
+#[test]
+fn a_limit_that_nothing_keeps_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let (result, code) = gallery(folder.path(), 1, &["--limit", "degree +0%, degree >= 100000"]);
+    assert_eq!(code, Some(1));
+    assert!(result["candidates"].as_array().unwrap().is_empty());
+    assert!(result["stopped_by"].as_str().unwrap().contains("no layout keeps every hard limit"));
+    let problems = result["problems"].as_array().unwrap();
+    let why = problems.iter().find(|p| p["code"] == "no-option").unwrap();
+    assert!(why["text"].as_str().unwrap().contains("degree >= 100000"), "{why}");
+}
+
+#[test]
+fn a_pinned_option_stays_and_another_can_be_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (first, _) = gallery(folder.path(), 1, &[]);
+    let second = numbers(&first["candidates"][1]["parameters"]);
+    let (pinned, _) = gallery(folder.path(), 2, &["--pin", "2"]);
+    assert_eq!(numbers(&pinned["candidates"][0]["parameters"]), second);
+    let pinned_first = numbers(&pinned["candidates"][0]["parameters"]);
+    let (like, _) = gallery(folder.path(), 3, &["--like", "1"]);
+    for c in like["candidates"].as_array().unwrap() {
+        for ((p, q), m) in
+            numbers(&c["parameters"]).iter().zip(&pinned_first).zip(like["moves"].as_array().unwrap())
+        {
+            let width = m["upper"].as_f64().unwrap() - m["lower"].as_f64().unwrap();
+            assert!((p - q).abs() <= 0.15 * width + 1e-9, "{m}");
+        }
+    }
+    let drawing = sample("gallery.dxf");
+    let out = folder.path().to_string_lossy().into_owned();
+    assert_eq!(enfilade(&["run", &drawing, "--out", &out, "--pin", "99", "-q"]).status.code(), Some(3));
+    let link = ["run", &drawing, "--out", &out, "--link", "same: nobody, none", "-q"];
+    assert_eq!(enfilade(&link).status.code(), Some(3));
+}

@@ -96,6 +96,8 @@ fn run(problem: &dyn Problem, options: &Options, evaluations: u64, seed: u64) ->
         method: options.method,
         mode: Mode::Diverse,
         batch: options.batch,
+        seeds: vec![],
+        pinned: 0,
     };
     let begin = Instant::now();
     let cpu_begin = cpu_seconds();
@@ -111,7 +113,7 @@ fn run(problem: &dyn Problem, options: &Options, evaluations: u64, seed: u64) ->
             .iter()
             .map(|p| {
                 let (score, violation) = problem.score(p);
-                Evaluation { values: vec![score], violation }
+                Evaluation { values: vec![score], violation, at: None }
             })
             .collect();
         evaluating += cpu_seconds() - start;

@@ -42,16 +42,29 @@ pub fn isovist_columns(lattice: &Lattice, obstacles: &Obstacles) -> Vec<Column> 
         "Isovist Occlusivity",
         "Isovist Perimeter",
     ];
+    let all: Vec<u32> = (0..lattice.cells.len() as u32).collect();
+    transpose(names.map(String::from), &isovists(lattice, obstacles, &all))
+}
+
+/// Area (m²), perimeter (m), compactness and occlusivity (m) of the isovists of the query vertices, in
+/// their order; 0 for those that see nothing.
+pub fn query_isovists(lattice: &Lattice, obstacles: &Obstacles) -> Vec<[f64; 4]> {
+    let rows = isovists(lattice, obstacles, &lattice.query);
+    let value = |v: f64| if v == UNDEFINED || !v.is_finite() { 0.0 } else { v };
+    rows.into_iter().map(|r| [r[0], r[7], r[1], r[6]].map(value)).collect()
+}
+
+/// The values of [`isovist_columns`] for some vertices.
+fn isovists(lattice: &Lattice, obstacles: &Obstacles, vertices: &[u32]) -> Vec<[f64; 8]> {
     let sees = seeing_cells(lattice, obstacles);
     let origin = lattice.cells.first().map_or([0, 0], |_| lattice.centre_um(0));
     let local = |p: [i64; 2]| [0, 1].map(|k| (p[k] - origin[k]) as f64 / UM_PER_M);
     let centres: Vec<Point> = (0..lattice.cells.len()).map(|v| local(lattice.centre_um(v))).collect();
     let tree = Tree::new(obstacles.segments.iter().map(|s: &Segment| [local(s.a), local(s.b)]), &centres);
-    let row = |view: &mut View, v: usize| {
-        if sees[v] { view.measures(&tree, centres[v]) } else { [UNDEFINED; 8] }
+    let row = |view: &mut View, v: &u32| {
+        if sees[*v as usize] { view.measures(&tree, centres[*v as usize]) } else { [UNDEFINED; 8] }
     };
-    let rows: Vec<[f64; 8]> = (0..centres.len()).into_par_iter().map_init(View::default, row).collect();
-    transpose(names.map(String::from), &rows)
+    vertices.par_iter().map_init(View::default, row).collect()
 }
 
 /// A wall or a part of one, and what stands on either side of its line.

@@ -108,6 +108,63 @@ pub const WORDINGS: &[Wording] = &[
         more_less: ["walls cross", ""],
     },
     Wording {
+        key: "passage_m",
+        plain: "Passages narrowed",
+        technical: "passage",
+        unit: "m",
+        meaning: "By how much ways between walls have become narrower than 0.9 m, or than they were where \
+                  they were narrower already, summed over all of them.",
+        more_less: ["narrower passages", "fewer narrow passages"],
+    },
+    Wording {
+        key: "mean-depth",
+        plain: "Steps on average",
+        technical: "mean depth",
+        unit: "steps",
+        meaning: "How many straight views one after the other it takes from a spot to the others, on average.",
+        more_less: ["more turns", "fewer turns"],
+    },
+    Wording {
+        key: "reach",
+        plain: "Reach",
+        technical: "node count",
+        unit: "cells",
+        meaning: "How much of the plan can be reached from a spot at all, counted in cells.",
+        more_less: ["more is reached", "less is reached"],
+    },
+    Wording {
+        key: "isovist-area",
+        plain: "Area seen",
+        technical: "isovist area",
+        unit: "m²",
+        meaning: "The area of the floor that can be seen from a spot.",
+        more_less: ["more is seen", "less is seen"],
+    },
+    Wording {
+        key: "isovist-perimeter",
+        plain: "Outline of the view",
+        technical: "isovist perimeter",
+        unit: "m",
+        meaning: "The length of the outline of what can be seen from a spot.",
+        more_less: ["longer outline", "shorter outline"],
+    },
+    Wording {
+        key: "isovist-compactness",
+        plain: "Roundness of the view",
+        technical: "isovist compactness",
+        unit: "",
+        meaning: "How close what can be seen from a spot comes to a circle: 1 is a circle, a long corridor is near 0.",
+        more_less: ["rounder views", "longer views"],
+    },
+    Wording {
+        key: "isovist-occlusivity",
+        plain: "Hidden edges",
+        technical: "isovist occlusivity",
+        unit: "m",
+        meaning: "The length of the edges behind which something is hidden: how much a view promises.",
+        more_less: ["more behind corners", "less behind corners"],
+    },
+    Wording {
         key: "integration",
         plain: "Integration",
         technical: "integration HH",
@@ -147,7 +204,25 @@ pub fn is_told(key: &str) -> bool {
 
 /// A name fit to show: the plain one, else the key with spaces and a capital.
 pub fn plain_name(key: &str) -> String {
-    wording(key).map_or_else(|| sentence_case(key), |w| w.plain.to_owned())
+    let (base, part) = parts(key);
+    match wording(base) {
+        Some(w) => format!("{}{part}", w.plain),
+        None => sentence_case(key),
+    }
+}
+
+/// The measure of a key, and of which of its cells it tells: `degree-p10` is the degree, `, lowest 10 %`.
+pub fn parts(key: &str) -> (&str, String) {
+    let percent = |how: &str| how.strip_prefix('p').and_then(|p| p.parse::<u8>().ok());
+    match key.rsplit_once('-') {
+        Some((base, "min")) => (base, ", least".to_owned()),
+        Some((base, "max")) => (base, ", most".to_owned()),
+        Some((base, how)) => match percent(how) {
+            Some(p) => (base, format!(", lowest {p} %")),
+            None => (key, String::new()),
+        },
+        None => (key, String::new()),
+    }
 }
 
 /// `door-3` → `Door 3`. Names with spaces are left alone but for the capital.

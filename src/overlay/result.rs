@@ -205,8 +205,52 @@ pub struct Candidate {
     pub within_threshold: bool,
     /// What moved and what it gains, in plain words.
     pub words: String,
+    /// Which moves bring the gain, what else there is to know about it.
+    #[serde(default)]
+    pub explanation: Explanation,
     /// Every element that stands otherwise.
     pub changes: Vec<Change>,
+}
+
+/// Why an option is good and how it differs. Distances are `dn` of the spec.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Explanation {
+    /// The moves without which most of the gain is lost, those first.
+    pub parts: Vec<Part>,
+    /// Distance from the present layout.
+    pub from_present: f64,
+    /// Number, from 1, of the option that is most alike.
+    pub nearest: Option<usize>,
+    /// Distance from it.
+    pub from_nearest: Option<f64>,
+    /// For every objective the share of the best gain found that this option keeps.
+    pub kept: Numbers,
+}
+
+/// What one move is worth in an option.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// Name of the group; of linked groups the leader's.
+    pub name: String,
+    /// Groups that move with it, itself included.
+    pub groups: u64,
+    /// Share of the option's gain that is lost when this move alone is taken back.
+    pub lost: f64,
+}
+
+/// The best layout found, which need not be among the options.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Best {
+    /// `parameters[i]` belongs to `moves[i]`.
+    pub parameters: Vec<f64>,
+    /// Means of the measures.
+    pub mean: Numbers,
+    /// Penalties.
+    pub penalty: Numbers,
+    /// The composite score.
+    pub score: Option<f64>,
+    /// Which option it is, from 1; `null` where it is none.
+    pub option: Option<usize>,
 }
 
 /// How far apart the members stand (`dn` of the spec).
@@ -311,8 +355,11 @@ pub struct RoundResult {
     /// The objectives in order.
     #[serde(default)]
     pub objectives: Vec<Objective>,
-    /// The diverse set, best first.
+    /// The diverse set, pinned ones first, then the best first.
     pub candidates: Vec<Candidate>,
+    /// The best layout found.
+    #[serde(default)]
+    pub best: Option<Best>,
     /// How far apart they stand.
     pub diversity: Diversity,
     /// Layouts measured.

@@ -1,7 +1,9 @@
 //! What moved and what it gains, in plain words: EF-NOTE, the report and `words` in result.json.
 
-use super::measure::{fixed, is_told, percent_change, sentence_case, short, wording};
-use super::result::{MoveEntry, MoveKind, Numbers};
+use super::measure::{
+    fixed, is_told, parts as base, percent_change, plain_name, sentence_case, short, wording,
+};
+use super::result::{Explanation, MoveEntry, MoveKind, Numbers};
 
 /// Moves told one by one; the rest is counted.
 const MOVES_TOLD: usize = 4;
@@ -10,22 +12,68 @@ const SMALLEST_SHARE: f64 = 0.005;
 const EIGHTHS: [&str; 8] =
     ["east", "north-east", "north", "north-west", "west", "south-west", "south", "south-east"];
 
-/// One sentence: the largest moves, then what the measures gain.
+/// The largest moves and what the measures gain in one sentence, which moves bring it in a second.
 ///
 /// `Door 3 slides 1.2 m east, Kiosk turns 12° anticlockwise; visibility +18 %, accessibility: depth
 /// −9 % (fewer turns), organisation +2 %.`
-pub fn words(moves: &[MoveEntry], parameters: &[f64], initial: &Numbers, now: &Numbers) -> String {
-    let lines = note_lines(moves, parameters, initial, now);
-    let mut out = lines.join("; ");
-    if !out.is_empty() {
-        out.push('.');
-    }
-    out
+pub fn words(
+    moves: &[MoveEntry],
+    parameters: &[f64],
+    initial: &Numbers,
+    now: &Numbers,
+    explanation: &Explanation,
+) -> String {
+    let sentences = [note_lines(moves, parameters, initial, now).join("; "), parts(explanation)];
+    let ended = sentences.into_iter().filter(|s| !s.is_empty()).map(|s| s + ".");
+    ended.collect::<Vec<_>>().join(" ")
 }
 
 /// The same in lines: what moved, then what it gains.
 pub fn note_lines(moves: &[MoveEntry], parameters: &[f64], initial: &Numbers, now: &Numbers) -> Vec<String> {
     [moved(moves, parameters), gains(initial, now)].into_iter().filter(|l| !l.is_empty()).collect()
+}
+
+/// Why the option is good, in lines: which moves bring the gain, what it gave up, how unlike it is.
+pub fn explained(explanation: &Explanation) -> Vec<String> {
+    let from_others = explanation.nearest.zip(explanation.from_nearest);
+    let alike = match from_others {
+        Some((option, far)) => format!(
+            "Stands {} from option {option}, the most alike, and {} from the present layout",
+            fixed(far, 2),
+            fixed(explanation.from_present, 2)
+        ),
+        None => format!("Stands {} from the present layout", fixed(explanation.from_present, 2)),
+    };
+    [parts(explanation), kept(explanation), alike].into_iter().filter(|l| !l.is_empty()).collect()
+}
+
+/// `Without Door 3 54 % of the gain is lost, without Kiosk 31 %`; empty where no move counts by itself.
+pub fn parts(explanation: &Explanation) -> String {
+    let part = |(i, p): (usize, &super::result::Part)| {
+        let name = sentence_case(&p.name);
+        let linked = if p.groups > 1 { " and what is linked with it" } else { "" };
+        let lost = if p.lost > 1.0 { "more than all".to_owned() } else { percent(p.lost) };
+        if i == 0 {
+            format!("Without {name}{linked} {lost} of the gain is lost")
+        } else {
+            format!("without {name}{linked} {lost}")
+        }
+    };
+    explanation.parts.iter().enumerate().map(part).collect::<Vec<_>>().join(", ")
+}
+
+/// `Keeps 83 % of the best visibility found, 95 % of depth`; empty for a single objective that is best.
+fn kept(explanation: &Explanation) -> String {
+    let one = |(i, (key, share)): (usize, &(String, f64))| {
+        let name = if key == "depth" { "depth".to_owned() } else { plain_name(key).to_lowercase() };
+        let of = format!("{} of the best {name}", percent(*share));
+        if i == 0 { format!("Keeps {of} found") } else { of }
+    };
+    explanation.kept.0.iter().enumerate().map(one).collect::<Vec<_>>().join(", ")
+}
+
+fn percent(share: f64) -> String {
+    format!("{} %", fixed(share * 100.0, 0))
 }
 
 /// What moved, the largest moves (as a share of their range) first.
@@ -47,8 +95,8 @@ pub fn gains(initial: &Numbers, now: &Numbers) -> String {
     let gain = |(key, from): &(String, f64)| {
         let to = now.get(key)?;
         let change = percent_change(*from, to)?;
-        let known = wording(key).filter(|_| is_told(key))?;
-        let name = if key == "depth" { "depth".to_owned() } else { known.plain.to_lowercase() };
+        let known = wording(base(key).0).filter(|w| is_told(w.key))?;
+        let name = if key == "depth" { "depth".to_owned() } else { plain_name(key).to_lowercase() };
         let why = if to > *from { known.more_less[0] } else { known.more_less[1] };
         let why = if change.starts_with('±') || key == "degree" { "" } else { why };
         let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
@@ -175,7 +223,7 @@ mod tests {
         let initial = Numbers::of([("degree", 100.0), ("depth", 8.0), ("entropy", 2.5)]);
         let now = Numbers::of([("degree", 118.0), ("depth", 7.25), ("entropy", 2.5)]);
         assert_eq!(
-            words(&moves, &[1.2, -12.0, 350.0], &initial, &now),
+            words(&moves, &[1.2, -12.0, 350.0], &initial, &now, &Explanation::default()),
             "Kiosk turns 12° clockwise and slides 35 cm north, Door 3 slides 1.2 m east; \
              visibility +18 %, depth −9.4 % (fewer turns), organisation ±0 %."
         );
@@ -192,6 +240,29 @@ mod tests {
              Wall 7 slides 40 cm east, and 3 smaller moves"
         );
         assert_eq!(moved(&moves, &[0.0; 9]), "Nothing moves");
+    }
+
+    #[test]
+    fn an_explanation_says_what_is_lost_kept_and_alike() {
+        let part =
+            |name: &str, groups, lost| super::super::result::Part { name: name.to_owned(), groups, lost };
+        let mut e = Explanation {
+            parts: vec![part("door-3", 1, 1.2), part("kiosk", 2, 0.314)],
+            from_present: 1.0,
+            nearest: Some(2),
+            from_nearest: Some(0.756),
+            kept: Numbers::of([("degree", 0.834), ("depth", 0.95)]),
+        };
+        assert_eq!(
+            explained(&e),
+            [
+                "Without Door 3 more than all of the gain is lost, without Kiosk and what is linked with it 31 %",
+                "Keeps 83 % of the best visibility found, 95 % of the best depth",
+                "Stands 0.76 from option 2, the most alike, and 1.00 from the present layout",
+            ]
+        );
+        e = Explanation { from_present: 0.5, ..Explanation::default() };
+        assert_eq!(explained(&e), ["Stands 0.50 from the present layout"]);
     }
 
     #[test]

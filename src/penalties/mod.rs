@@ -9,6 +9,7 @@ pub mod clearance;
 pub mod disconnection;
 pub mod overlap;
 pub mod pairs;
+pub mod passage;
 pub mod rounded;
 pub mod wall_length;
 
@@ -18,6 +19,7 @@ pub use alignment::Alignment;
 pub use clearance::Clearance;
 pub use disconnection::disconnection;
 pub use overlap::Overlap;
+pub use passage::Passage;
 pub use wall_length::WallLength;
 
 /// Walls closer than this count as touching, and a joint this near the straight line as straight:

@@ -26,7 +26,8 @@ pub struct Accepted {
     pub side_car: String,
 }
 
-/// Makes the drawing of candidate `number` (from 1) of a round; `twin` as in [`Settings::twin`].
+/// Makes the drawing of candidate `number` (from 1) of a round, or of the best layout found (0); `twin` as in
+/// [`Settings::twin`].
 ///
 /// # Errors
 /// [`Error::Usage`] when there is no such candidate; [`Error::Input`] when the drawing is not the one the
@@ -39,7 +40,11 @@ pub fn accept(
     number: usize,
 ) -> Result<Accepted, Error> {
     let place = || Place::file(input.file());
-    let Some(candidate) = number.checked_sub(1).and_then(|i| result.candidates.get(i)) else {
+    let chosen = match number.checked_sub(1) {
+        Some(i) => result.candidates.get(i).map(|c| (&c.parameters, &c.mean)),
+        None => result.best.as_ref().map(|b| (&b.parameters, &b.mean)),
+    };
+    let Some((parameters, mean)) = chosen else {
         let n = result.candidates.len();
         let text = format!("round {round} has {n} candidates, found number {number}; nothing was written");
         return Err(Error::usage("candidate", place(), text));
@@ -61,15 +66,15 @@ pub fn accept(
     let settings = Settings { twin, ..settings };
     let mut report = Report::default();
     let base = study::read(input.file(), &input.bytes, &settings, &mut report)?;
-    if base.moves.parameters.len() != candidate.parameters.len() {
+    if base.moves.parameters.len() != parameters.len() {
         let text = format!(
             "round {round} has {} parameters, the drawing {}; run it again",
-            candidate.parameters.len(),
+            parameters.len(),
             base.moves.parameters.len()
         );
         return Err(Error::input("parameters", place(), text));
     }
-    let layout = base.moves.apply(&base.plan, &base.graph, &candidate.parameters);
+    let layout = base.moves.apply(&base.plan, &base.graph, parameters);
     let options = study::read_options(&settings);
     let drawing = formats::patch(input.file(), &input.bytes, &options, &edits_of(&base, &layout), &[])?;
     let lineage = LineageTable {
@@ -77,10 +82,10 @@ pub fn accept(
         round,
         candidate: number as u32,
         initial: pairs(&result.initial.mean),
-        accepted: pairs(&candidate.mean),
+        accepted: pairs(mean),
     };
     let positions = positions(&base, &layout);
-    let side_car = side_car(&base, &settings, result, &candidate.parameters, &positions, lineage)?;
+    let side_car = side_car(&base, &settings, result, parameters, &positions, lineage)?;
     Ok(Accepted { drawing, side_car })
 }
 
@@ -149,6 +154,11 @@ fn side_car(
     set("objective", settings.objective_text().into());
     set("score", settings.score_text().into());
     set("penalty", settings.penalty_text().into());
+    control(settings).into_iter().for_each(|(key, value)| drop(set(key, value)));
+    let known = others(base, result, parameters);
+    if !known.is_empty() {
+        set("warm", known.into());
+    }
     set("ignore-move-markers", true.into());
     let groups = base.moves.groups.iter().enumerate();
     let tables = groups.map(|(g, _)| group_table(base, g, parameters, &positions[g]));
@@ -166,6 +176,38 @@ fn side_car(
          # Moves count from the drawing as it is now; EF-MOVE in the drawing is left unread. Delete this file to\n\
          # start afresh from the markers.\n{text}"
     ))
+}
+
+/// What the architect decided beyond objectives.
+fn control(settings: &Settings) -> Vec<(&'static str, Value)> {
+    let links: Vec<Value> = settings.links.iter().map(|l| l.to_string().into()).collect();
+    let limit = Some(settings.limit_text()).filter(|t| !t.is_empty());
+    let found = [
+        ("limit", limit.map(Value::from)),
+        ("link", (!links.is_empty()).then(|| links.into())),
+        ("snap", settings.snap.map(|s| s.to_string().into())),
+        ("most-moves", settings.most_moves.map(|n| (n as i64).into())),
+    ];
+    found.into_iter().filter_map(|(key, value)| Some((key, value?))).collect()
+}
+
+/// The other options of the round and the best layout, as they stand from the accepted one: where the
+/// next search may begin.
+fn others(base: &Understood, result: &RoundResult, accepted: &[f64]) -> Vec<Value> {
+    let best = result.best.iter().map(|b| &b.parameters);
+    let all = result.candidates.iter().map(|c| &c.parameters).chain(best);
+    let mut known: Vec<Vec<f64>> = Vec::new();
+    for p in all.filter(|p| p.len() == accepted.len() && p[..] != *accepted) {
+        let from = |((p, a), parameter): ((&f64, &f64), &Parameter)| match parameter.clause.kind {
+            Kind::Scale(_) => p / a,
+            _ => p - a,
+        };
+        let vector: Vec<f64> = p.iter().zip(accepted).zip(&base.moves.parameters).map(from).collect();
+        if !known.contains(&vector) && vector.iter().all(|v| v.is_finite()) {
+            known.push(vector);
+        }
+    }
+    known.into_iter().map(Value::from).collect()
 }
 
 fn toml_failed(e: impl std::fmt::Display) -> Error {

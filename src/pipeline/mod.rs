@@ -4,11 +4,14 @@
 //! inputs; nothing here touches a disk.
 
 pub mod accept;
+mod aims;
 mod building;
 pub mod cells;
+mod explain;
 mod page;
 pub mod resolution;
 mod round;
+mod rules;
 mod show;
 mod spacing;
 mod storeys;
@@ -70,6 +73,9 @@ pub struct Progress {
     pub evaluations: u64,
     /// Best value so far of what the stage optimises.
     pub best: Option<f64>,
+    /// Parameters of the layout that has it, in the order of the moves table.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub best_parameters: Option<Vec<f64>>,
     /// Seconds left, if known.
     pub eta_secs: Option<f64>,
 }
@@ -200,7 +206,7 @@ fn analysis_of(
     let mut files = vec![OutFile::new("analysis.json", result::to_json(&result)?)];
     let jobs: Vec<Measure> = Measure::MEAN.to_vec();
     let pictures = rayon_map(&jobs, |m| {
-        let values = show::values(study, &study.initial.tally, *m, settings);
+        let values = show::values(study, &study.initial, *m, settings);
         let scale = Scale::of(values.iter().copied());
         heat_map(study, settings, &picture, &values, *m, scale, &format!("{}, as drawn", input.file()))
     });
@@ -219,7 +225,7 @@ fn analysis_result(input: &Input<'_>, study: &Study, report: &Report) -> Analysi
         spacing_m: study.spacing.spacing_m,
         lattice_centre: lattice_centre(study),
         counts: show::counts(study, study.edges),
-        mean: show::mean_numbers(&study.initial),
+        mean: show::mean_numbers(study, &study.initial),
         penalty: show::penalty_numbers(&study.initial),
         storeys: Vec::new(),
         problems: report.problems.iter().map(Into::into).collect(),

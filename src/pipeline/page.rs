@@ -92,6 +92,17 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     add("objective", settings.objective_text());
     add("score", settings.score_text());
     add("penalty", settings.penalty_text());
+    let limits = settings.limit_text();
+    if !limits.is_empty() {
+        add("limit", limits);
+    }
+    settings.links.iter().for_each(|l| add("link", l.to_string()));
+    if let Some(snap) = settings.snap {
+        add("snap", snap.to_string());
+    }
+    if let Some(most) = settings.most_moves {
+        add("most-moves", most.to_string());
+    }
     if settings.mode == Mode::Best {
         add("mode", "best".into());
     }

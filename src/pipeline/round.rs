@@ -8,15 +8,17 @@ use rayon::prelude::*;
 use super::show::{self, SHOWN};
 use super::study::{self, Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress, heat_map, rayon_map};
-use crate::config::{Measure, Method, Mode, Settings};
+use super::{aims, explain, rules};
+use crate::config::{Aim, Measure, Method, Mode, Settings};
 use crate::formats;
 use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
+use crate::moves::control::Control;
 use crate::overlay::result::{
-    self, Candidate, Diversity, ElementRef, LineageEntry, MoveEntry, Numbers, Objective, RoundResult,
-    Sense as ShownSense,
+    self, Best, Candidate, Diversity, ElementRef, Explanation, LineageEntry, MoveEntry, Numbers, Objective,
+    RoundResult, Sense as ShownSense,
 };
-use crate::overlay::words::{note_lines, words};
+use crate::overlay::words::{self, explained, note_lines};
 use crate::overlay::{Scale, Series, convergence_png, diversity_png, heat_additions, moved_additions};
 use crate::overlay::{additions::heat_layer, heat_map::DEFAULT_SIDE_PX};
 use crate::plan::drawing::{Addition, Edit, Editable};
@@ -71,7 +73,9 @@ pub(super) fn run(
     for m in &made {
         report.extend(m.report.clone());
     }
-    if found.is_some() && settings.mode == Mode::Diverse && made.len() < settings.members {
+    if let Some(why) = found.as_ref().and_then(|f| f.no_option.clone()) {
+        report.warn("no-option", Place::file(input.file()), why);
+    } else if found.is_some() && settings.mode == Mode::Diverse && made.len() < settings.members {
         let text = format!(
             "{} options wanted, {} found inside all thresholds; more --evaluations, wider bounds or lower thresholds find more",
             settings.members,
@@ -103,6 +107,11 @@ pub(super) fn run(
 /// What a search found, in our terms.
 pub(super) struct Found {
     pub(super) members: Vec<search::Member>,
+    /// Of every member.
+    explanations: Vec<Explanation>,
+    best: Option<Best>,
+    /// Why no layout keeps the hard limits, where none does.
+    no_option: Option<String>,
     pub(super) objectives: Vec<Objective>,
     pub(super) evaluations: u64,
     pub(super) stopped_by: String,
@@ -120,9 +129,11 @@ fn optimise(
     cancel: &Cancel,
 ) -> Result<Found, Error> {
     let objectives = objectives(settings);
+    let control = rules::control(&study.base, settings)?;
+    let seeds = rules::seeds(&control, settings);
     let mut search = Search::new(search::Study {
-        bounds: study.base.moves.bounds(),
-        start: study.base.moves.identity(),
+        bounds: control.bounds(),
+        start: control.start(),
         objectives: objectives.iter().map(|o| o.1.clone()).collect(),
         members: settings.members,
         d_min: settings.distance,
@@ -135,6 +146,8 @@ fn optimise(
         },
         mode: if settings.mode == Mode::Best { search::Mode::Best } else { search::Mode::Diverse },
         batch: BATCH,
+        pinned: if settings.mode == Mode::Best { 0 } else { settings.pinned.len() },
+        seeds,
     })?;
     let begun = Instant::now();
     let mut said = Instant::now();
@@ -156,13 +169,17 @@ fn optimise(
             .par_iter()
             .map_init(
                 || study.bench(),
-                |bench, p| evaluation(study, settings, &objectives, &study.measure(p, bench)),
+                |bench, asked| {
+                    let at = control.permit(asked);
+                    let worth = study.measure(&control.expand(&at), bench);
+                    Evaluation { at: Some(at), ..evaluation(study, settings, &objectives, &worth) }
+                },
             )
             .collect();
         search.tell(&told);
         if said.elapsed().as_millis() >= PROGRESS_EVERY_MS {
             said = Instant::now();
-            show(Event::Progress(progress(&search, begun)));
+            show(Event::Progress(progress(&search, &control, begun)));
         }
     }
     cancel.check()?;
@@ -176,15 +193,65 @@ fn optimise(
         best: best_of(&outcome, i, o.sense),
         limit: outcome.thresholds.get(i).copied().unwrap_or(f64::NAN),
     });
-    let stopped_by = search.stop_reason().map_or_else(String::new, |s| s.to_string());
+    let shown: Vec<Objective> = shown.collect();
+    let mut stopped_by = search.stop_reason().map_or_else(String::new, |s| s.to_string());
+    let whole = |p: &[f64]| control.expand(p);
+    let mut members = outcome.members;
+    if outcome.best.violation > 0.0 {
+        members.retain(|m| m.violation == 0.0);
+    }
+    for m in &mut members {
+        m.parameters = whole(&m.parameters);
+    }
+    let no_option = members.is_empty().then(|| {
+        let nearest = study.measure(&whole(&outcome.best.parameters), &mut study.bench());
+        let missed = rules::missed_words(study, settings, &nearest);
+        let text = format!(
+            "no layout of the {} measured keeps every hard limit; the one that comes nearest misses {missed}",
+            outcome.evaluations
+        );
+        stopped_by.push_str("; no layout keeps every hard limit");
+        text
+    });
+    let best = (outcome.best.violation == 0.0).then(|| {
+        let parameters = whole(&outcome.best.parameters);
+        let worth = study.measure(&parameters, &mut study.bench());
+        Best {
+            option: members.iter().position(|m| m.parameters == parameters).map(|i| i + 1),
+            mean: show::mean_numbers(study, &worth),
+            penalty: show::penalty_numbers(&worth),
+            score: Some(study.score(&worth, settings)),
+            parameters,
+        }
+    });
     Ok(Found {
-        objectives: shown.collect(),
+        explanations: explanations(study, settings, &control, &objectives, &shown, &members),
+        best,
+        no_option,
+        objectives: shown,
         evaluations: outcome.evaluations,
         stopped_by,
-        series: series(&outcome),
+        series: series(&outcome.stages),
         archive: outcome.archive.iter().map(|p| p.values.clone()).collect(),
-        members: outcome.members,
+        members,
     })
+}
+
+fn explanations(
+    study: &Study,
+    settings: &Settings,
+    control: &Control,
+    objectives: &[(Aim, search::Objective)],
+    shown: &[Objective],
+    members: &[search::Member],
+) -> Vec<Explanation> {
+    let options: Vec<Vec<f64>> = members.iter().map(|m| m.parameters.clone()).collect();
+    let measured = |p: &[f64]| {
+        let worth = study.measure(p, &mut study.bench());
+        evaluation(study, settings, objectives, &worth).values
+    };
+    let one = |i: usize| explain::explain(study, control, shown, &options, i, &measured);
+    (0..options.len()).into_par_iter().map(one).collect()
 }
 
 /// Tells the search how many evaluations will fit into the time left, at the pace so far.
@@ -202,9 +269,9 @@ fn best_of(outcome: &search::Outcome<'_>, objective: usize, sense: search::Sense
     values.fold(f64::NAN, better)
 }
 
-fn series(outcome: &search::Outcome<'_>) -> Vec<Series> {
+fn series(stages: &[search::Milestone]) -> Vec<Series> {
     let mut out: Vec<Series> = Vec::new();
-    for point in outcome.stages {
+    for point in stages {
         let name = &point.stage;
         match out.iter_mut().find(|s| s.name == *name) {
             Some(s) => s.points.push((point.evaluations, point.best)),
@@ -214,7 +281,7 @@ fn series(outcome: &search::Outcome<'_>) -> Vec<Series> {
     out
 }
 
-fn progress(search: &Search, begun: Instant) -> Progress {
+fn progress(search: &Search, control: &Control, begun: Instant) -> Progress {
     let p = search.progress();
     let rate = p.evaluations as f64 / begun.elapsed().as_secs_f64().max(1e-3);
     Progress {
@@ -223,6 +290,7 @@ fn progress(search: &Search, begun: Instant) -> Progress {
         total: p.total,
         evaluations: p.evaluations,
         best: Some(p.best).filter(|b| b.is_finite()),
+        best_parameters: p.best_parameters.map(|q| control.expand(&q)),
         eta_secs: p.total.map(|t| t.saturating_sub(p.evaluations) as f64 / rate.max(1e-9)),
     }
 }
@@ -237,21 +305,21 @@ fn budget(study: &Study, settings: &Settings) -> u64 {
 const PENALTY_THRESHOLD: f64 = 0.0;
 
 /// Objectives in order: the penalty first unless `score` holds it.
-fn objectives(settings: &Settings) -> Vec<(Measure, search::Objective)> {
-    let objective = |measure: Measure, is_max: bool, threshold: f64| {
+fn objectives(settings: &Settings) -> Vec<(Aim, search::Objective)> {
+    let objective = |aim: Aim, is_max: bool, threshold: f64| {
         let o = search::Objective {
-            name: measure.name().into(),
+            name: aim.to_string(),
             sense: if is_max { search::Sense::Maximise } else { search::Sense::Minimise },
             threshold,
-            is_score: measure == Measure::Score,
-            is_penalty: measure == Measure::Penalty,
+            is_score: aim.measure == Measure::Score,
+            is_penalty: aim.measure == Measure::Penalty,
         };
-        (measure, o)
+        (aim, o)
     };
     let mut out = Vec::new();
-    let named = settings.objectives.iter().any(|o| matches!(o.measure, Measure::Penalty | Measure::Score));
+    let named = settings.objectives.iter().any(|o| !o.measure.measure.is_of_cells());
     if !named && !settings.penalties.is_empty() {
-        out.push(objective(Measure::Penalty, false, PENALTY_THRESHOLD));
+        out.push(objective(Aim::mean(Measure::Penalty), false, PENALTY_THRESHOLD));
     }
     out.extend(settings.objectives.iter().map(|o| objective(o.measure, o.is_max, o.threshold)));
     out
@@ -260,18 +328,20 @@ fn objectives(settings: &Settings) -> Vec<(Measure, search::Objective)> {
 fn evaluation(
     study: &Study,
     settings: &Settings,
-    objectives: &[(Measure, search::Objective)],
+    objectives: &[(Aim, search::Objective)],
     worth: &Worth,
 ) -> Evaluation {
-    let value = |m: Measure| match m {
+    let value = |aim: Aim| match aim.measure {
         Measure::Score => study.score(worth, settings),
         Measure::Penalty => (study.penalty(worth, settings) - PENALTY_FREE).max(0.0),
-        mean => worth.mean(mean),
+        _ => study.value(worth, aim),
     };
     let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
+    let missed: f64 = aims::missed(study, settings, worth).iter().sum();
     Evaluation {
-        values: objectives.iter().map(|(m, _)| value(*m)).collect(),
-        violation: worth.tally.disconnected as f64 / pairs,
+        values: objectives.iter().map(|(aim, _)| value(*aim)).collect(),
+        violation: worth.tally.disconnected as f64 / pairs + missed,
+        at: None,
     }
 }
 
@@ -411,10 +481,15 @@ fn round_result(
         _ => serde_json::Map::new(),
     };
     let initial = result::Layout {
-        mean: show::mean_numbers(&study.initial),
+        mean: show::mean_numbers(study, &study.initial),
         penalty: show::penalty_numbers(&study.initial),
     };
-    let candidates = made.iter().map(|m| candidate(settings, study, &moves, &initial.mean, m)).collect();
+    let none = Explanation::default();
+    let explanations = found.map_or(&[][..], |f| &f.explanations);
+    let of = |(i, m): (usize, &Made)| {
+        candidate(settings, study, &moves, &initial.mean, m, explanations.get(i).unwrap_or(&none))
+    };
+    let candidates = made.iter().enumerate().map(of).collect();
     RoundResult {
         schema: result::RESULT_SCHEMA.into(),
         input: show::input(&study.base.plan, input.path, &input.sha256),
@@ -426,6 +501,7 @@ fn round_result(
         moves,
         objectives: found.map_or(Vec::new(), |f| f.objectives.clone()),
         candidates,
+        best: found.and_then(|f| f.best.clone()),
         diversity: distances(study, made),
         evaluations: found.map_or(0, |f| f.evaluations),
         seconds: started.elapsed().as_secs_f64(),
@@ -442,12 +518,14 @@ fn candidate(
     moves: &[MoveEntry],
     initial: &Numbers,
     made: &Made,
+    explanation: &Explanation,
 ) -> Candidate {
-    let mean = show::mean_numbers(&made.worth);
+    let mean = show::mean_numbers(study, &made.worth);
     Candidate {
         file: format!("{}.{}", made.name, study.base.plan.format.name()),
         parameters: made.member.parameters.clone(),
-        words: words(moves, &made.member.parameters, &told(initial), &told(&mean)),
+        words: words::words(moves, &made.member.parameters, &told(initial), &told(&mean), explanation),
+        explanation: explanation.clone(),
         mean,
         penalty: show::penalty_numbers(&made.worth),
         score: Some(study.score(&made.worth, settings)),
@@ -478,11 +556,9 @@ fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
     out
 }
 
-/// The means that are told in words: the three of the paper.
+/// What is told in words: the three of the paper and what else was asked for.
 fn told(mean: &Numbers) -> Numbers {
-    Numbers(
-        mean.0.iter().filter(|(name, _)| Measure::MEAN.iter().any(|m| m.name() == name)).cloned().collect(),
-    )
+    Numbers(mean.0.iter().filter(|(name, _)| name != "degree_all").cloned().collect())
 }
 
 fn lineage(entry: &crate::config::LineageTable) -> LineageEntry {
@@ -518,9 +594,9 @@ struct Shown {
 
 fn shown(settings: &Settings, study: &Study, made: &[Made]) -> Vec<Shown> {
     let of = |measure: &Measure| {
-        let initial = show::values(study, &study.initial.tally, *measure, settings);
+        let initial = show::values(study, &study.initial, *measure, settings);
         let members: Vec<Vec<f64>> =
-            made.iter().map(|m| show::values(study, &m.worth.tally, *measure, settings)).collect();
+            made.iter().map(|m| show::values(study, &m.worth, *measure, settings)).collect();
         let scale = Scale::of(initial.iter().chain(members.iter().flatten()).copied());
         Shown { measure: *measure, scale, initial, members }
     };
@@ -594,6 +670,7 @@ fn drawings(
                     &told(&result.initial.mean),
                     &told(&candidate.mean),
                 ));
+                lines.extend(explained(&candidate.explanation));
                 additions.extend(moved_additions(&now, &before, &lines, bounds));
                 (m.name.clone(), m.edits.clone())
             }

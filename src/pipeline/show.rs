@@ -1,8 +1,8 @@
 //! From a study to what the overlay shows: strokes, cells, result entries.
 
+use super::aims::cell_values;
 use super::study::{Study, Understood, Worth, divisor};
-use crate::analysis::Tally;
-use crate::analysis::measures::{Column, UNDEFINED, entropy_bits};
+use crate::analysis::measures::{Column, UNDEFINED};
 use crate::config::{Colours, Measure, Settings};
 use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
@@ -128,31 +128,18 @@ fn regions(plan: &Plan) -> Vec<RegionOutline> {
 }
 
 /// Values of one measure per query vertex. `Score`: Σ w_k (f_k(i) − F_k⁰)/|F_k⁰|, F⁰ the present mean.
-pub fn values(study: &Study, tally: &Tally, measure: Measure, settings: &Settings) -> Vec<f64> {
-    let n = study.lattice.query.len();
-    match measure {
-        Measure::Degree => tally.degree.iter().map(|v| f64::from(*v)).collect(),
-        Measure::Depth => tally.depth.iter().map(|v| f64::from(*v)).collect(),
-        Measure::Entropy => {
-            let mut at = 0;
-            let mut levels = |d: u32| {
-                let own = &tally.levels[at..at + d as usize];
-                at += d as usize;
-                entropy_bits(own)
-            };
-            tally.depth.iter().map(|d| levels(*d)).collect()
-        }
-        Measure::Score | Measure::Penalty => {
-            let mut out = vec![0.0; n];
-            for (m, w) in &settings.score {
-                let zero = study.initial.mean(*m);
-                for (sum, v) in out.iter_mut().zip(values(study, tally, *m, settings)) {
-                    *sum += w * (v - zero) / divisor(zero);
-                }
-            }
-            out
+pub fn values(study: &Study, worth: &Worth, measure: Measure, settings: &Settings) -> Vec<f64> {
+    if measure.is_of_cells() {
+        return cell_values(worth, measure);
+    }
+    let mut out = vec![0.0; study.lattice.query.len()];
+    for (aim, w) in &settings.score {
+        let zero = study.value(&study.initial, *aim);
+        for (sum, v) in out.iter_mut().zip(cell_values(worth, aim.measure)) {
+            *sum += w * (v - zero) / divisor(zero);
         }
     }
+    out
 }
 
 /// All vertices as cells, those of the query region with their values; plan frame.
@@ -293,25 +280,30 @@ pub fn counts(study: &Study, edges: u64) -> Counts {
     }
 }
 
-/// Mean measures of a layout by name.
-pub fn mean_numbers(worth: &Worth) -> Numbers {
-    Numbers::of([
+/// Measures of a layout by name: the means, then what else was asked for.
+pub fn mean_numbers(study: &Study, worth: &Worth) -> Numbers {
+    let means = [
         ("degree", worth.means.degree),
         ("depth", worth.means.depth),
         ("entropy", worth.means.entropy),
         ("degree_all", worth.means.degree_all),
-    ])
+    ];
+    let mut out = Numbers::of(means);
+    out.0.extend(study.aims.iter().zip(&worth.aims).map(|(aim, v)| (aim.to_string(), *v)));
+    out
 }
 
 /// Penalties of a layout by name.
 pub fn penalty_numbers(worth: &Worth) -> Numbers {
-    Numbers::of([
+    let mut out = Numbers::of([
         ("clearance_m2", worth.clearance_m2),
         ("wall_length_m", worth.penalties[1]),
         ("alignment", worth.penalties[2]),
         ("overlap", worth.penalties[3]),
         ("disconnection", worth.disconnection),
-    ])
+    ]);
+    out.0.extend(worth.passages_m.first().map(|v| ("passage_m".to_owned(), *v)));
+    out
 }
 
 /// `enfilade.check/1`.

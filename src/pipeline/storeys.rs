@@ -106,7 +106,7 @@ pub(super) fn analyse(
     for (i, (storey, folder, own)) in list.iter().enumerate() {
         cancel.check()?;
         if Some(i) == main {
-            out.push(entry(storey, &shown.base, ".", show::mean_numbers(&shown.initial)));
+            out.push(entry(storey, &shown.base, ".", show::mean_numbers(shown, &shown.initial)));
             continue;
         }
         out.push(match analyse_storey(input, own, cancel) {
@@ -114,7 +114,7 @@ pub(super) fn analyse(
                 let inside =
                     |f: OutFile| OutFile { path: format!("{folder}/{}", f.path.display()).into(), ..f };
                 files.extend(outcome.files.into_iter().map(inside));
-                entry(storey, &study.base, folder, show::mean_numbers(&study.initial))
+                entry(storey, &study.base, folder, show::mean_numbers(&study, &study.initial))
             }
             Err(error @ Error::Stopped) => return Err(error),
             Err(error) => failed(storey, &error),

@@ -5,18 +5,20 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
+use super::aims;
 use super::building;
 use super::spacing::{self, SpacingChoice};
 use crate::analysis::evaluator::{Evaluator, Scratch};
 use crate::analysis::forest::{Initial, tally};
+use crate::analysis::isovist::query_isovists;
 use crate::analysis::lattice::{CellIndex, Ground, lattice};
 use crate::analysis::measures::{Means, means};
 use crate::analysis::visibility::visibility_graph;
 use crate::analysis::{Lattice, Obstacles, Tally};
-use crate::config::{Level, Measure, MoveTable, Penalty, Settings};
+use crate::config::{Aim, Level, Measure, MoveTable, Penalty, Settings};
 use crate::formats::{self, ifc};
 use crate::moves::{Layout, Moves, defaults};
-use crate::penalties::{self, Alignment, Clearance, Overlap, WallLength, WallPiece, disconnection};
+use crate::penalties::{self, Alignment, Clearance, Overlap, Passage, WallLength, WallPiece, disconnection};
 use crate::plan::axes::{AxisGraph, Opening};
 use crate::plan::curve::{Trace, control_points, trace, trace_like};
 use crate::plan::drawing::{Drawing, Format, Shape};
@@ -33,6 +35,9 @@ use crate::report::{Error, Place, Report};
 
 /// Radius r of the clearance penalty (spec 5).
 pub const CLEARANCE_RADIUS_M: f64 = 0.5;
+
+/// Width below which the passage penalty counts, metres: a door that a wheelchair passes.
+pub const PASSAGE_WIDTH_M: f64 = 0.9;
 
 /// A drawing as understood, with what may move; the part of a study that needs no lattice.
 #[derive(Clone, Debug)]
@@ -272,14 +277,22 @@ fn side_car_groups(
 }
 
 /// Everything that one layout is worth.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Worth {
     /// Integer results of the query region.
     pub tally: Tally,
     /// Means over the query region.
     pub means: Means,
-    /// g_j in the order of [`Penalty::ALL`]: clr² (m⁴), |ΔS| (m), alignment (rad²), overlap (m).
-    pub penalties: [f64; 4],
+    /// g_j in the order of [`Penalty::ALL`]: clr² (m⁴), |ΔS| (m), alignment (rad²), overlap (m), passage (m).
+    pub penalties: [f64; 5],
+    /// Length of all walls, m.
+    pub wall_total_m: f64,
+    /// By how much passages have become too narrow, m, for each width asked for; empty where none is.
+    pub passages_m: Vec<f64>,
+    /// Area, perimeter, compactness, occlusivity of the isovist of every query vertex; empty unless asked for.
+    pub isovists: Vec<[f64; 4]>,
+    /// The aims of the settings beyond the three means, in the order of [`Study::aims`].
+    pub aims: Vec<f64>,
     /// clr, m².
     pub clearance_m2: f64,
     /// (Σ u_i / (|V_q||V|))².
@@ -287,16 +300,6 @@ pub struct Worth {
 }
 
 impl Worth {
-    /// Mean of one of the three measures.
-    pub fn mean(&self, measure: Measure) -> f64 {
-        match measure {
-            Measure::Degree => self.means.degree,
-            Measure::Depth => self.means.depth,
-            Measure::Entropy => self.means.entropy,
-            Measure::Score | Measure::Penalty => f64::NAN,
-        }
-    }
-
     /// One penalty g_j.
     pub fn penalty(&self, penalty: Penalty) -> f64 {
         self.penalties[Penalty::ALL.iter().position(|p| *p == penalty).unwrap_or(0)]
@@ -315,6 +318,8 @@ pub struct Study {
     pub initial: Worth,
     /// Edges of its visibility graph, each pair once.
     pub edges: u64,
+    /// What is measured beyond the three means.
+    pub aims: Vec<Aim>,
     components: Vec<u32>,
     evaluator: Evaluator,
     cells: CellIndex,
@@ -327,6 +332,7 @@ pub struct Study {
     wall_length: WallLength,
     alignment: Alignment,
     overlap: Overlap,
+    passages: Vec<Passage>,
 }
 
 /// Reusable memory of one thread that measures.
@@ -377,13 +383,12 @@ impl Study {
             wall_length: WallLength::new(&layout),
             alignment: Alignment::new(&layout),
             overlap: Overlap::new(&layout),
-            initial: Worth {
-                tally: Tally::default(),
-                means: means(evaluator.initial()),
-                penalties: [0.0; 4],
-                clearance_m2: 0.0,
-                disconnection: 0.0,
-            },
+            passages: aims::passage_widths_m(settings, PASSAGE_WIDTH_M * base.plan.human_scale)
+                .into_iter()
+                .map(|width_m| Passage::new(&layout, width_m))
+                .collect(),
+            aims: aims::aims(settings),
+            initial: Worth::default(),
             edges: graph.edge_count(),
             components: graph.components(),
             base,
@@ -396,7 +401,8 @@ impl Study {
             piece_ranges,
         };
         let tally = study.evaluator.initial().clone();
-        study.initial = study.worth(tally, &study.pieces);
+        let isovists = study.isovists(|| study.initial_obstacles());
+        study.initial = study.worth(tally, &study.pieces, isovists);
         Ok(study)
     }
 
@@ -423,7 +429,22 @@ impl Study {
             let trace = trace_like(&moved.shape, initial, &self.base.plan.frame);
             self.place(&mut bench.pieces[range.0..range.1], &trace);
         }
-        self.worth(tally, &bench.pieces)
+        let isovists = self.isovists(|| {
+            let mut traces: Vec<&Trace> = self.base.plan.walls.iter().map(|w| &w.trace).collect();
+            layout.walls.iter().for_each(|moved| traces[moved.wall as usize] = &moved.trace);
+            let segments = traces.into_iter().flat_map(|t| t.segments().map(|s| s.2)).collect();
+            Obstacles { segments, blind: moving.blind.clone() }
+        });
+        self.worth(tally, &bench.pieces, isovists)
+    }
+
+    /// Isovists among obstacles, where the settings ask for them.
+    fn isovists(&self, obstacles: impl FnOnce() -> Obstacles) -> Vec<[f64; 4]> {
+        if self.aims.iter().any(|a| a.measure.is_of_isovists()) {
+            query_isovists(&self.lattice, &obstacles())
+        } else {
+            Vec::new()
+        }
     }
 
     /// Measures a drawing that this study wrote, from its bytes and from scratch, on the study's lattice.
@@ -471,7 +492,8 @@ impl Study {
             self.place(&mut pieces[range.0..range.1], &trace);
         }
         let initial = Initial { components: &self.components, covered: &obstacles.blind };
-        Ok(self.worth(tally(&self.lattice, &graph, Some(initial)), &pieces))
+        let tally = tally(&self.lattice, &graph, Some(initial));
+        Ok(self.worth(tally, &pieces, self.isovists(|| obstacles.clone())))
     }
 
     fn place(&self, pieces: &mut [WallPiece], trace: &Trace) {
@@ -481,18 +503,46 @@ impl Study {
         }
     }
 
-    fn worth(&self, tally: Tally, pieces: &[WallPiece]) -> Worth {
+    fn worth(&self, tally: Tally, pieces: &[WallPiece], isovists: Vec<[f64; 4]>) -> Worth {
         let layout = penalties::Layout { pieces };
         let clearance_m2 = self.clearance.measure_m2(&layout);
+        let passages_m: Vec<f64> = self.passages.iter().map(|p| p.measure_m(&layout)).collect();
         let penalties = [
             clearance_m2 * clearance_m2,
             self.wall_length.measure_m(&layout),
             self.alignment.measure_rad2(&layout),
             self.overlap.measure_m(&layout),
+            passages_m.first().copied().unwrap_or(0.0),
         ];
         let disconnection =
             disconnection(tally.disconnected, self.lattice.query.len(), self.lattice.cells.len());
-        Worth { means: means(&tally), penalties, clearance_m2, disconnection, tally }
+        let mut worth = Worth {
+            means: means(&tally),
+            penalties,
+            wall_total_m: penalties::wall_length::total_m(&layout),
+            passages_m,
+            isovists,
+            aims: Vec::new(),
+            clearance_m2,
+            disconnection,
+            tally,
+        };
+        let aim = |a: &Aim| aims::together(aims::cell_values(&worth, a.measure), a.aggregate);
+        worth.aims = self.aims.iter().map(aim).collect();
+        worth
+    }
+
+    /// What a layout has of a measure of cells; NaN for `score` and `penalty`.
+    pub fn value(&self, worth: &Worth, aim: Aim) -> f64 {
+        if let Some(i) = self.aims.iter().position(|a| *a == aim) {
+            return worth.aims[i];
+        }
+        match aim.measure {
+            Measure::Degree => worth.means.degree,
+            Measure::Depth => worth.means.depth,
+            Measure::Entropy => worth.means.entropy,
+            _ => f64::NAN,
+        }
     }
 
     /// Σ v_j g_j.
@@ -502,9 +552,9 @@ impl Study {
 
     /// Σ w_k (f_k − f_k⁰)/|f_k⁰| − Σ v_j g_j (`interface.md`; divisor 1 where f_k⁰ = 0).
     pub fn score(&self, worth: &Worth, settings: &Settings) -> f64 {
-        let gain = |(m, w): &(Measure, f64)| {
-            let zero = self.initial.mean(*m);
-            w * (worth.mean(*m) - zero) / divisor(zero)
+        let gain = |(aim, w): &(Aim, f64)| {
+            let zero = self.value(&self.initial, *aim);
+            w * (self.value(worth, *aim) - zero) / divisor(zero)
         };
         settings.score.iter().map(gain).sum::<f64>() - self.penalty(worth, settings)
     }

@@ -93,7 +93,7 @@ impl Guided {
             stage: climbed[0],
             climb: Climb::new(&tuning, climbed[0]),
             climbed,
-            spread: Spread::new(study.members),
+            spread: Spread::new(study.members, (1..=study.pinned).collect()),
             climb_models: Models::new(1, tuning.neighbours),
             spread_models: Models::new(study.members, tuning.spread_neighbours),
             limits: Limits::default(),

@@ -40,11 +40,16 @@ pub(super) fn key_above(
     Some(key(archive, members, skip, i)).filter(|&k| k > least)
 }
 
-/// The two members that stand closest, as positions, and their distance.
-pub(super) fn closest_pair(archive: &Archive, members: &[usize]) -> Option<(usize, usize, f64)> {
+/// The two members that stand closest, as positions, and their distance; of the first `fixed`, which
+/// never move, no two.
+pub(super) fn closest_pair(
+    archive: &Archive,
+    members: &[usize],
+    fixed: usize,
+) -> Option<(usize, usize, f64)> {
     let mut found: Option<(usize, usize, f64)> = None;
     for a in 0..members.len() {
-        for b in a + 1..members.len() {
+        for b in (a + 1).max(fixed)..members.len() {
             let distance = archive.distance(members[a], members[b]);
             if found.is_none_or(|(_, _, least)| distance < least) {
                 found = Some((a, b, distance));
@@ -56,14 +61,15 @@ pub(super) fn closest_pair(archive: &Archive, members: &[usize]) -> Option<(usiz
 
 /// Smallest distance between two members; 0 for fewer than two.
 pub(super) fn min_distance(archive: &Archive, members: &[usize]) -> f64 {
-    closest_pair(archive, members).map_or(0.0, |(_, _, d)| d)
+    closest_pair(archive, members, 0).map_or(0.0, |(_, _, d)| d)
 }
 
-/// Chooses up to `count` of `pool` that stand far apart: greedy max-min from `first`, which stays,
-/// then swaps as long as they help. Points at the same place as a member are never added.
-pub(super) fn select(archive: &Archive, pool: &[usize], first: usize, count: usize) -> Vec<usize> {
-    let mut members = vec![first];
-    let mut nearest: Vec<f64> = pool.iter().map(|&i| archive.distance(i, first)).collect();
+/// Chooses up to `count` of `pool` that stand far apart: greedy max-min from `fixed`, which stay and are
+/// at least one, then swaps as long as they help. Points at the same place as a member are never added.
+pub(super) fn select(archive: &Archive, pool: &[usize], fixed: &[usize], count: usize) -> Vec<usize> {
+    let mut members = fixed.to_vec();
+    let to_fixed = |&i: &usize| fixed.iter().map(|&f| archive.distance(i, f)).fold(f64::INFINITY, f64::min);
+    let mut nearest: Vec<f64> = pool.iter().map(to_fixed).collect();
     while members.len() < count {
         let far = (0..pool.len()).reduce(|a, b| if nearest[b] > nearest[a] { b } else { a });
         let Some(far) = far.filter(|&f| nearest[f] > 0.0) else { break };
@@ -72,7 +78,7 @@ pub(super) fn select(archive: &Archive, pool: &[usize], first: usize, count: usi
             *near = near.min(archive.distance(i, pool[far]));
         }
     }
-    improve_by_swaps(archive, pool, &mut members);
+    improve_by_swaps(archive, pool, &mut members, fixed.len());
     members
 }
 
@@ -80,12 +86,12 @@ pub(super) fn select(archive: &Archive, pool: &[usize], first: usize, count: usi
 const MOST_SWAPS: usize = 40;
 
 /// Exchanges one of the closest pair for a pool point that stands farther off, until none does.
-/// The first member stays.
-pub(super) fn improve_by_swaps(archive: &Archive, pool: &[usize], members: &mut [usize]) {
+/// The first `fixed` members stay.
+pub(super) fn improve_by_swaps(archive: &Archive, pool: &[usize], members: &mut [usize], fixed: usize) {
     for _ in 0..MOST_SWAPS {
-        let Some((a, b, _)) = closest_pair(archive, members) else { return };
+        let Some((a, b, _)) = closest_pair(archive, members, fixed) else { return };
         let mut gain: Option<(usize, usize, f64)> = None;
-        for m in [a, b].into_iter().filter(|&m| m > 0) {
+        for m in [a, b].into_iter().filter(|&m| m >= fixed) {
             let now = key(archive, members, m, members[m]);
             for &i in pool {
                 let than = now + gain.map_or(0.0, |g| g.2).max(1e-12);

@@ -97,6 +97,11 @@ pub struct Study {
     pub mode: Mode,
     /// Points a batch, at least 1. Part of the study, so that the machine decides nothing.
     pub batch: usize,
+    /// Points worth knowing before the search begins, inside the bounds: evaluated right after the start.
+    pub seeds: Vec<Vec<f64>>,
+    /// That many of the first seeds are members that stay, whatever they are worth; the others are found
+    /// away from them. Fewer than `members`.
+    pub pinned: usize,
 }
 
 /// What one parameter vector is worth.
@@ -106,6 +111,9 @@ pub struct Evaluation {
     pub values: Vec<f64>,
     /// Sum of the hard constraint violations; 0: feasible.
     pub violation: f64,
+    /// Where it was evaluated, if not at the vector asked for: the nearest that the caller's rules allow
+    /// (a module, a number of moves), inside the bounds.
+    pub at: Option<Vec<f64>>,
 }
 
 /// An evaluated parameter vector.
@@ -183,6 +191,8 @@ pub struct Progress {
     pub total: Option<u64>,
     /// Best value of the stage's objective so far, as measured; NaN before the first.
     pub best: f64,
+    /// Parameters of that best point, in the study's own units; none before the first.
+    pub best_parameters: Option<Vec<f64>>,
 }
 
 /// What a search has found so far.
@@ -238,7 +248,7 @@ impl Search {
     }
 
     /// The next batch of parameter vectors, always inside the bounds; empty when stopped. The first
-    /// vector of the first batch is the start. Asking again without telling gives the same batch.
+    /// batch is the start and the seeds. Asking again without telling gives the same batch.
     pub fn ask(&mut self) -> Vec<Vec<f64>> {
         if self.stop.is_some() {
             return vec![];
@@ -249,14 +259,16 @@ impl Search {
                 .evaluations
                 .map_or(usize::MAX, |b| (b as usize).saturating_sub(self.archive.len()));
             let count = self.study.batch.min(left);
-            self.asked = if self.archive.len() == 0 { self.first_batch() } else { self.next_batch(count) };
+            self.asked =
+                if self.archive.len() == 0 { self.first_batch(left) } else { self.next_batch(count) };
         }
         self.asked.iter().map(|(_, parameters)| parameters.clone()).collect()
     }
 
-    /// The start alone: everything after it is drawn in its light.
-    fn first_batch(&self) -> Vec<(Vec<f64>, Vec<f64>)> {
-        vec![(self.space.unit(&self.study.start), self.study.start.clone())]
+    /// The start and the seeds alone: everything after them is drawn in their light.
+    fn first_batch(&self, left: usize) -> Vec<(Vec<f64>, Vec<f64>)> {
+        let known = std::iter::once(&self.study.start).chain(&self.study.seeds);
+        known.take(left).map(|p| (self.space.unit(p), p.clone())).collect()
     }
 
     fn next_batch(&mut self, count: usize) -> Vec<(Vec<f64>, Vec<f64>)> {
@@ -268,9 +280,13 @@ impl Search {
     /// missing, makes its point infeasible.
     pub fn tell(&mut self, evaluations: &[Evaluation]) {
         let first = self.archive.len();
-        let missing = Evaluation { values: vec![], violation: f64::INFINITY };
-        for (k, (unit, parameters)) in std::mem::take(&mut self.asked).into_iter().enumerate() {
+        let missing = Evaluation { violation: f64::INFINITY, ..Evaluation::default() };
+        for (k, (mut unit, mut parameters)) in std::mem::take(&mut self.asked).into_iter().enumerate() {
             let told = evaluations.get(k).unwrap_or(&missing);
+            if let Some(at) = told.at.as_ref().filter(|at| at.len() == parameters.len()) {
+                unit = self.space.unit(at);
+                parameters.clone_from(at);
+            }
             self.archive.push(&unit, parameters, told, &self.study.objectives);
         }
         if self.archive.len() == first {
@@ -323,6 +339,7 @@ impl Search {
         let j = self.engine.stage();
         let objective = &self.study.objectives[j];
         let best = self.engine.limits().best[..].get(j).copied().flatten();
+        let best = best.map(|i| &self.archive.points()[i]);
         Progress {
             stage: if self.engine.is_spreading() {
                 "spreading".into()
@@ -331,7 +348,8 @@ impl Search {
             },
             evaluations: self.archive.len() as u64,
             total: self.study.evaluations,
-            best: best.map_or(f64::NAN, |i| self.archive.points()[i].values[j]),
+            best: best.map_or(f64::NAN, |point| point.values[j]),
+            best_parameters: best.map(|point| point.parameters.clone()),
         }
     }
 
@@ -341,7 +359,7 @@ impl Search {
         let limits = if self.archive.len() == 0 { &unknown_limits } else { self.engine.limits() };
         let best = self.best(limits);
         let members = match (self.study.mode, best) {
-            (Mode::Diverse, _) => self.engine.members(&self.archive),
+            (Mode::Diverse, _) => self.best_first(self.engine.members(&self.archive)),
             (Mode::Best, Some(best)) => vec![best],
             (Mode::Best, None) => vec![],
         };
@@ -359,6 +377,16 @@ impl Search {
             archive: self.archive.points(),
             stages: &self.history,
         }
+    }
+
+    /// Pinned members as they were given, then the others, the best in the last objective first.
+    fn best_first(&self, mut members: Vec<usize>) -> Vec<usize> {
+        let pinned = self.study.pinned.min(members.len());
+        let gain = |i: usize| self.archive.gains(i).last().copied().unwrap_or(f64::NAN);
+        if self.study.method == Method::Default {
+            members[pinned..].sort_by(|&a, &b| gain(b).total_cmp(&gain(a)).then(a.cmp(&b)));
+        }
+        members
     }
 
     fn best(&self, limits: &Limits) -> Option<usize> {
@@ -404,6 +432,19 @@ fn check(study: &Study) -> Result<(), Error> {
         if count == 0 {
             return bad(format!("{what}, found 0, expected at least 1"));
         }
+    }
+    let inside = |seed: &Vec<f64>| {
+        seed.len() == study.bounds.len()
+            && seed.iter().zip(&study.bounds).all(|(p, [lower, upper])| p >= lower && p <= upper)
+    };
+    if let Some(seed) = study.seeds.iter().find(|s| !inside(s)) {
+        return bad(format!("seed, found {seed:?}, expected a point inside the bounds"));
+    }
+    if study.pinned > study.seeds.len() || (study.pinned > 0 && study.pinned >= study.members) {
+        return bad(format!(
+            "pinned members, found {}, expected fewer than the {} members",
+            study.pinned, study.members
+        ));
     }
     if study.evaluations == Some(0) {
         return bad("evaluations, found 0, expected at least 1".into());

@@ -26,7 +26,12 @@ const CAUTION_STEP: f64 = 0.007;
 #[derive(Clone, Debug)]
 pub(super) struct Spread {
     count: usize,
+    /// Archive points that are members whatever they are worth.
+    pinned: Vec<usize>,
+    /// The pinned first.
     members: Vec<usize>,
+    /// How many of the first members never move: the pinned, and the best where it is kept.
+    fixed: usize,
     caution: f64,
     /// Points inside the thresholds, of the first `pooled` of the archive, under `pool_limits`.
     pool: Vec<usize>,
@@ -38,9 +43,11 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    pub(super) fn new(count: usize) -> Self {
+    pub(super) fn new(count: usize, pinned: Vec<usize>) -> Self {
         Self {
             count,
+            fixed: pinned.len(),
+            pinned,
             members: vec![],
             caution: 0.0,
             pool: vec![],
@@ -53,7 +60,8 @@ impl Spread {
 
     /// The same set without what it has learnt.
     pub(super) fn with_members(&self) -> Self {
-        Self { members: self.members.clone(), ..Self::new(self.count) }
+        let members = self.members.clone();
+        Self { members, fixed: self.fixed, ..Self::new(self.count, self.pinned.clone()) }
     }
 
     pub(super) fn members(&self) -> &[usize] {
@@ -81,30 +89,35 @@ impl Spread {
     pub(super) fn refresh(&mut self, view: &View<'_>, margin: f64) {
         self.update_pool(view, margin);
         let best = view.limits.best.last().copied().flatten();
-        let pinned = !view.tuning.keep_best || self.members.first().copied() == best;
-        let whole = self.members.len() == self.count;
-        if whole && pinned && self.members.iter().all(|&m| Self::is_inside(view, m, margin)) {
+        let mut fixed = self.pinned.clone();
+        fixed.extend(best.filter(|b| view.tuning.keep_best && !fixed.contains(b)));
+        let whole = self.members.len() == self.count && self.members.starts_with(&fixed);
+        let free = self.members.get(self.pinned.len()..).unwrap_or_default();
+        if whole && free.iter().all(|&m| Self::is_inside(view, m, margin)) {
             return;
         }
-        self.members = best.map_or_else(Vec::new, |b| select(view.archive, &self.pool, b, self.count));
-        if !view.tuning.keep_best {
-            self.loosen_first(view);
+        self.fixed = fixed.len();
+        if !fixed.is_empty() {
+            self.members = select(view.archive, &self.pool, &fixed, self.count);
+            return;
         }
+        self.members = best.map_or_else(Vec::new, |b| select(view.archive, &self.pool, &[b], self.count));
+        self.loosen_first(view);
     }
 
-    /// Without `keep_best` the first member may be exchanged like any other.
+    /// Where no member is fixed, the first may be exchanged like any other.
     fn loosen_first(&mut self, view: &View<'_>) {
         for _ in 0..2 * self.members.len() {
             self.members.rotate_left(1);
-            improve_by_swaps(view.archive, &self.pool, &mut self.members);
+            improve_by_swaps(view.archive, &self.pool, &mut self.members, 1);
         }
     }
 
     /// A last pass over everything evaluated, at the bare thresholds.
     pub(super) fn settle(&mut self, view: &View<'_>, margin: f64) {
         self.refresh(view, margin);
-        improve_by_swaps(view.archive, &self.pool, &mut self.members);
-        if !view.tuning.keep_best {
+        improve_by_swaps(view.archive, &self.pool, &mut self.members, self.fixed);
+        if self.fixed == 0 {
             self.loosen_first(view);
         }
     }
@@ -141,19 +154,18 @@ impl Spread {
         best.map(|(_, _, c)| candidates[c].1.clone())
     }
 
-    /// Which member moves: one of the closest pair, now and then any. The kept best never does.
+    /// Which member moves: one of the closest pair, now and then any. A fixed one never does.
     fn choose(&mut self, view: &View<'_>, rng: &mut ChaCha8Rng) -> Option<usize> {
-        let (a, b, _) = closest_pair(view.archive, &self.members)?;
-        let first = usize::from(view.tuning.keep_best);
+        let (a, b, _) = closest_pair(view.archive, &self.members, self.fixed)?;
         let any = rng.random::<f64>() < view.tuning.any_member;
         let m = if any {
-            rng.random_range(first..self.members.len())
+            rng.random_range(self.fixed..self.members.len())
         } else if rng.random::<bool>() {
             a
         } else {
             b
         };
-        Some(if m < first { b } else { m })
+        Some(if m < self.fixed { b } else { m })
     }
 
     /// Member `m` goes to the archive point inside that stands farthest off. New points were compared
@@ -217,14 +229,13 @@ impl Spread {
         if !inside {
             return;
         }
-        let first = usize::from(view.tuning.keep_best);
         let lead = |m: usize| {
             key(view.archive, &self.members, m, i) - key(view.archive, &self.members, m, self.members[m])
         };
-        let Some((a, b, _)) = closest_pair(view.archive, &self.members) else { return };
+        let Some((a, b, _)) = closest_pair(view.archive, &self.members, self.fixed) else { return };
         let taken = [a, b]
             .into_iter()
-            .filter(|&m| m >= first && lead(m) > 0.0)
+            .filter(|&m| m >= self.fixed && lead(m) > 0.0)
             .reduce(|x, y| if lead(y) > lead(x) { y } else { x });
         if let Some(m) = taken {
             self.members[m] = i;

@@ -342,7 +342,7 @@ mod tests {
         let mut archive = Archive::new(dims, 1);
         for _ in 0..count {
             let u: Vec<f64> = (0..dims).map(|_| rng.random::<f64>()).collect();
-            let told = Evaluation { values: vec![f(&u)], violation: 0.0 };
+            let told = Evaluation { values: vec![f(&u)], violation: 0.0, ..Evaluation::default() };
             archive.push(&u, u.clone(), &told, std::slice::from_ref(&objective));
         }
         archive
@@ -380,7 +380,7 @@ mod tests {
                 is_score: true,
                 is_penalty: false,
             }];
-            let told = Evaluation { values: all.gains(i).to_vec(), violation: 0.0 };
+            let told = Evaluation { values: all.gains(i).to_vec(), violation: 0.0, ..Evaluation::default() };
             part.push(all.unit(i), vec![], &told, &objective);
             grown.sync(&part, &[0.2; 5], 80, 1e-6);
         }

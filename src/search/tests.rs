@@ -18,6 +18,8 @@ fn study(dims: usize, evaluations: u64) -> Study {
         method: Method::Default,
         mode: Mode::Diverse,
         batch: 1,
+        seeds: vec![],
+        pinned: 0,
     }
 }
 
@@ -26,7 +28,7 @@ fn hill(p: &[f64]) -> Evaluation {
     let square: f64 = p.iter().map(|x| (x - 1.0).powi(2)).sum();
     let score = 3.0 - ((square / p.len().max(1) as f64) * 8.0).round() / 8.0;
     let forbidden = p.first().is_some_and(|x| *x > 2.0);
-    Evaluation { values: vec![score], violation: if forbidden { 0.01 } else { 0.0 } }
+    Evaluation { values: vec![score], violation: if forbidden { 0.01 } else { 0.0 }, at: None }
 }
 
 /// Runs to the end; returns the search and everything asked.
@@ -111,7 +113,11 @@ fn asking_twice_gives_the_same_batch() {
 fn values_that_are_no_numbers_make_a_point_infeasible() {
     let odd = |p: &[f64]| {
         if p[0] > 0.5 {
-            Evaluation { values: vec![if p[1] > 0.0 { f64::NAN } else { f64::INFINITY }], violation: 0.0 }
+            Evaluation {
+                values: vec![if p[1] > 0.0 { f64::NAN } else { f64::INFINITY }],
+                violation: 0.0,
+                ..Evaluation::default()
+            }
         } else {
             hill(p)
         }
@@ -121,7 +127,11 @@ fn values_that_are_no_numbers_make_a_point_infeasible() {
         let (search, _) = run(study.clone(), odd);
         assert_sound(&search, &study);
         assert!(search.outcome().best.values[0].is_finite());
-        let (search, _) = run(study, |_| Evaluation { values: vec![f64::NAN], violation: f64::NAN });
+        let (search, _) = run(study, |_| Evaluation {
+            values: vec![f64::NAN],
+            violation: f64::NAN,
+            ..Evaluation::default()
+        });
         assert!(search.outcome().best.violation > 0.0);
     }
 }
@@ -170,7 +180,8 @@ fn best_mode_and_a_set_of_one_give_the_best_point() {
 
 #[test]
 fn where_nothing_is_feasible_there_are_no_members() {
-    let never = |p: &[f64]| Evaluation { values: vec![1.0], violation: 1.0 + p[0].abs() };
+    let never =
+        |p: &[f64]| Evaluation { values: vec![1.0], violation: 1.0 + p[0].abs(), ..Evaluation::default() };
     let (search, _) = run(study(3, 120), never);
     let outcome = search.outcome();
     assert!(outcome.members.is_empty());
@@ -181,7 +192,7 @@ fn where_nothing_is_feasible_there_are_no_members() {
 fn a_small_feasible_region_is_found_from_outside() {
     let ring = |p: &[f64]| {
         let square: f64 = p.iter().map(|x| (x - 2.0).powi(2)).sum();
-        Evaluation { values: vec![1.0 + p[0]], violation: (square - 1.0).max(0.0) }
+        Evaluation { values: vec![1.0 + p[0]], violation: (square - 1.0).max(0.0), ..Evaluation::default() }
     };
     let study = study(4, 300);
     let (search, _) = run(study.clone(), ring);
@@ -194,6 +205,7 @@ fn objectives_keep_their_order_and_thresholds() {
     let two = |p: &[f64]| Evaluation {
         values: vec![p.iter().map(|x| (x - 1.0).powi(2)).sum(), p.iter().sum()],
         violation: 0.0,
+        at: None,
     };
     let objectives =
         vec![objective("penalty", Sense::Minimise, false), objective("degree", Sense::Maximise, false)];
@@ -214,6 +226,7 @@ fn an_objective_at_its_best_already_leaves_room() {
     let lengths = |p: &[f64]| Evaluation {
         values: vec![p.iter().map(|x| x.abs()).sum(), p.iter().sum()],
         violation: 0.0,
+        at: None,
     };
     let objectives =
         vec![objective("penalty", Sense::Minimise, false), objective("degree", Sense::Maximise, false)];
@@ -295,9 +308,43 @@ proptest! {
         let f = |p: &[f64]| Evaluation {
             values: vec![p.iter().map(|x| x.sin()).sum(), p[0] * p[p.len() - 1]],
             violation: (p[0] - cut).max(0.0),
+            at: None,
         };
         let (search, all) = run(study.clone(), f);
         assert_sound(&search, &study);
         prop_assert_eq!(all.len() as u64, evaluations);
     }
+}
+
+#[test]
+fn pinned_points_are_members_and_the_others_stand_off() {
+    let pins = vec![vec![1.0; 4], vec![0.5, 1.5, 1.0, 1.0]];
+    let pinned = Study { seeds: pins.clone(), pinned: 2, ..study(4, 400) };
+    let (search, asked) = run(pinned, hill);
+    assert_eq!(asked[1..3], pins[..]);
+    let outcome = search.outcome();
+    let found: Vec<&Vec<f64>> = outcome.members.iter().map(|m| &m.parameters).collect();
+    assert_eq!(found.len(), 5);
+    assert_eq!(found[..2], [&pins[0], &pins[1]]);
+    let bounds = vec![[-2.0, 3.0]; 4];
+    for other in &found[2..] {
+        let near = pins.iter().map(|p| normalised_distance(&bounds, p, other)).fold(f64::INFINITY, f64::min);
+        assert!(near > 0.1, "{other:?} is like a pinned one");
+    }
+    for (pins, count) in [(vec![vec![9.0; 4]], 1), (vec![vec![0.0; 4]; 5], 5), (vec![], 1)] {
+        assert!(Search::new(Study { seeds: pins, pinned: count, ..study(4, 400) }).is_err());
+    }
+}
+
+#[test]
+fn members_stand_where_the_caller_measured() {
+    let module = |p: &[f64]| -> Vec<f64> { p.iter().map(|x| (x * 4.0).round() / 4.0).collect() };
+    let (search, _) = run(study(4, 300), |p| {
+        let at = module(p);
+        Evaluation { at: Some(at.clone()), ..hill(&at) }
+    });
+    let outcome = search.outcome();
+    assert_eq!(outcome.members.len(), 5);
+    assert!(outcome.archive.iter().all(|p| module(&p.parameters) == p.parameters));
+    assert!(outcome.members.iter().all(|m| hill(&m.parameters).values == m.values));
 }

@@ -217,9 +217,20 @@ fn result() -> RoundResult {
                 k => m.lower + (m.upper - m.lower) * (0.17 + 0.21 * k as f64),
             })
             .collect();
+        let explanation = Explanation {
+            parts: vec![
+                Part { name: "door-3".to_owned(), groups: 1, lost: 0.54 - 0.02 * f },
+                Part { name: "kiosk".to_owned(), groups: 2, lost: 0.31 },
+            ],
+            from_present: 1.12 - 0.1 * f,
+            nearest: Some(if o == 0 { 2 } else { 1 }),
+            from_nearest: Some(0.87),
+            kept: Numbers::of([("degree", 0.97 - 0.04 * f), ("depth", 0.81 + 0.03 * f)]),
+        };
         Candidate {
             file: format!("candidate-{}.dxf", o + 1),
-            words: words(&moves(), &parameters, &initial.mean, &mean),
+            words: words(&moves(), &parameters, &initial.mean, &mean, &explanation),
+            explanation,
             parameters,
             mean,
             penalty: Numbers::of([
@@ -285,6 +296,7 @@ fn result() -> RoundResult {
             objective("entropy", Sense::Max, 2.41, 2.66, 2.585),
         ],
         candidates: (0..OPTIONS).map(candidate).collect(),
+        best: None,
         diversity: Diversity { min_distance: Some(1.576), mean_distance: Some(1.669) },
         evaluations: 2000,
         seconds: 4.27,

@@ -3,6 +3,7 @@
 use super::super::html::Html;
 use super::super::measure::{number, percent_change, plain_name};
 use super::super::result::{Candidate, Sense};
+use super::super::words::explained;
 use super::{Fitted, View, names, option_name, wanted};
 
 /// The switches of the page: which measure is shown, which option is compared. They stand before
@@ -108,6 +109,10 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
         let views = input.candidates.get(o).map_or(&[][..], |v| v);
         open_card(html, &o.to_string(), &option_name(o), &input.present, views);
         html.element("p", &[("class", "words")], &prose(&candidate.words));
+        // The first line of an explanation is part of the words.
+        let told = explained(&candidate.explanation);
+        let rest = told.iter().filter(|l| !candidate.words.contains(*l)).map(|l| format!("{l}."));
+        html.element("p", &[("class", "words")], &prose(&rest.collect::<Vec<_>>().join(" ")));
         measures(html, input, Some(candidate));
         badge(html, candidate);
         html.raw("</article>\n");

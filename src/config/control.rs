@@ -1,0 +1,329 @@
+//! What the architect decides beyond objectives: how a measure is taken together, hard limits, links,
+//! modules. Each has one text form, the same on the command line, in TOML and in result.json.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Measure, Penalty};
+
+/// How the values of the cells become one number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Aggregate {
+    /// Their mean.
+    #[default]
+    Mean,
+    /// The least.
+    Min,
+    /// The most.
+    Max,
+    /// The value that this many per cent of the cells do not exceed, 1 to 99.
+    Percentile(u8),
+}
+
+/// A measure taken together over the region of query: `degree`, `degree-p10`, `depth-max`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct Aim {
+    /// What is measured in every cell.
+    pub measure: Measure,
+    /// How the cells become one number.
+    pub aggregate: Aggregate,
+}
+
+impl Aim {
+    /// The mean of a measure.
+    pub const fn mean(measure: Measure) -> Self {
+        Self { measure, aggregate: Aggregate::Mean }
+    }
+
+    /// Whether it is the mean of one of the paper's three measures, which every layout has.
+    pub fn is_basic(self) -> bool {
+        self.aggregate == Aggregate::Mean && Measure::MEAN.contains(&self.measure)
+    }
+}
+
+impl fmt::Display for Aim {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = self.measure.name();
+        match self.aggregate {
+            Aggregate::Mean => f.write_str(name),
+            Aggregate::Min => write!(f, "{name}-min"),
+            Aggregate::Max => write!(f, "{name}-max"),
+            Aggregate::Percentile(p) => write!(f, "{name}-p{p}"),
+        }
+    }
+}
+
+impl FromStr for Aim {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if let Some(measure) = Measure::by_name(text) {
+            return Ok(Self::mean(measure));
+        }
+        let parts = text.rsplit_once('-').and_then(|(name, how)| {
+            let measure = Measure::by_name(name).filter(|m| m.is_of_cells())?;
+            let percent = || how.strip_prefix('p')?.parse::<u8>().ok().filter(|p| (1..=99).contains(p));
+            let aggregate = match how {
+                "mean" => Aggregate::Mean,
+                "min" => Aggregate::Min,
+                "max" => Aggregate::Max,
+                _ => Aggregate::Percentile(percent()?),
+            };
+            Some(Self { measure, aggregate })
+        });
+        parts.ok_or_else(|| format!("{text:?} is no measure"))
+    }
+}
+
+/// What a hard limit holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Held {
+    /// A measure, or `score`.
+    Aim(Aim),
+    /// A penalty: clr (m²), wall length (m), alignment (rad²), overlap (m); for a passage its width (m).
+    Penalty(Penalty),
+}
+
+/// Where a hard limit lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// At this value.
+    At(f64),
+    /// At this change against the present layout, as a share: −0.05 is 5 % less.
+    Change(f64),
+}
+
+/// A hard limit: no option passes it. `wall-length -5%`, `clearance 3`, `passage 0.9 m`, `degree >= 40`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct Limit {
+    /// What is held.
+    pub held: Held,
+    /// Whether the bound is the least that is allowed, not the most.
+    pub is_least: bool,
+    /// The bound.
+    pub bound: Bound,
+}
+
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.held {
+            Held::Aim(aim) => write!(f, "{aim}")?,
+            Held::Penalty(p) => f.write_str(p.name())?,
+        }
+        match self.bound {
+            // Shortest digits of the per cent, not of the share.
+            Bound::Change(share) => write!(f, " {:+}%", (share * 1e8).round() / 1e6),
+            Bound::At(v) if self.held == Held::Penalty(Penalty::Passage) => write!(f, " {v} m"),
+            Bound::At(v) => write!(f, " {} {v}", if self.is_least { ">=" } else { "<=" }),
+        }
+    }
+}
+
+impl FromStr for Limit {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("{text:?} is no limit");
+        let (name, rest) = text.trim().split_once(char::is_whitespace).ok_or_else(wrong)?;
+        let penalty = Penalty::ALL.into_iter().find(|p| p.name() == name);
+        let held = match penalty {
+            Some(p) => Held::Penalty(p),
+            None => Held::Aim(name.parse().map_err(|_| wrong())?),
+        };
+        let rest = rest.trim();
+        let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+        if held == Held::Penalty(Penalty::Passage) {
+            let (width, unit) = quantity(rest).ok_or_else(wrong)?;
+            let width_m = metres(unit).map(|m| width * m).filter(|w| *w > 0.0).ok_or_else(wrong)?;
+            return Ok(Self { held, is_least: true, bound: Bound::At(width_m) });
+        }
+        if let Some(percent) = rest.strip_suffix('%') {
+            let is_least = percent.trim_start().starts_with('-');
+            let share = number(percent).ok_or_else(wrong)? / 100.0;
+            return Ok(Self { held, is_least, bound: Bound::Change(share) });
+        }
+        let (is_least, value) = match (rest.strip_prefix(">="), rest.strip_prefix("<=")) {
+            (Some(v), _) => (true, v),
+            (_, Some(v)) => (false, v),
+            // A bare number is the most of a penalty; of a measure nobody knows which way.
+            _ if penalty.is_some() => (false, rest),
+            _ => return Err(wrong()),
+        };
+        Ok(Self { held, is_least, bound: Bound::At(number(value).ok_or_else(wrong)?) })
+    }
+}
+
+/// How linked groups follow each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Follow {
+    /// The same shift and turn.
+    Same,
+    /// Mirrored left to right: shifts along x and turns are opposite.
+    MirrorX,
+    /// Mirrored top to bottom: shifts along y and turns are opposite.
+    MirrorY,
+    /// In a row: what lies between the first and the last keeps its share of the way between them.
+    Equal,
+}
+
+/// Groups that move together: `same: door-1, door-2`, `mirror-x: left, right`, `equal: a, b, c`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct Link {
+    /// How.
+    pub follow: Follow,
+    /// Names of the groups, the first leads; at least two, for a row at least three.
+    pub groups: Vec<String>,
+}
+
+impl fmt::Display for Link {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let follow = match self.follow {
+            Follow::Same => "same",
+            Follow::MirrorX => "mirror-x",
+            Follow::MirrorY => "mirror-y",
+            Follow::Equal => "equal",
+        };
+        write!(f, "{follow}: {}", self.groups.join(", "))
+    }
+}
+
+impl FromStr for Link {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("{text:?} is no link");
+        let (how, names) = text.split_once(':').ok_or_else(wrong)?;
+        let follow = match how.trim() {
+            "same" => Follow::Same,
+            "mirror-x" => Follow::MirrorX,
+            "mirror-y" => Follow::MirrorY,
+            "equal" => Follow::Equal,
+            _ => return Err(wrong()),
+        };
+        let groups: Vec<String> = names.split(',').map(|n| n.trim().to_owned()).collect();
+        let least = if follow == Follow::Equal { 3 } else { 2 };
+        let is_twice = (0..groups.len()).any(|i| groups[..i].contains(&groups[i]));
+        if groups.len() < least || is_twice || groups.iter().any(String::is_empty) {
+            return Err(wrong());
+        }
+        Ok(Self { follow, groups })
+    }
+}
+
+/// Modules that shifts and turns keep to, counted from the drawing as it is: `0.1 m, 5 deg`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct Snap {
+    /// Of shifts, metres, > 0.
+    pub length_m: Option<f64>,
+    /// Of turns, degrees, > 0.
+    pub angle_deg: Option<f64>,
+}
+
+impl fmt::Display for Snap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let length = self.length_m.map(|v| format!("{v} m"));
+        let angle = self.angle_deg.map(|v| format!("{v} deg"));
+        f.write_str(&length.into_iter().chain(angle).collect::<Vec<_>>().join(", "))
+    }
+}
+
+impl FromStr for Snap {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("{text:?} is no module");
+        let mut out = Self::default();
+        for clause in text.split(',').map(str::trim).filter(|c| !c.is_empty()) {
+            let (value, unit) = quantity(clause).filter(|q| q.0 > 0.0).ok_or_else(wrong)?;
+            let slot = if unit == "deg" { &mut out.angle_deg } else { &mut out.length_m };
+            let size = if unit == "deg" { value } else { value * metres(unit).ok_or_else(wrong)? };
+            if slot.replace(size).is_some() {
+                return Err(wrong());
+            }
+        }
+        Ok(out)
+    }
+}
+
+/// A number and the unit behind it, `m` where there is none.
+fn quantity(text: &str) -> Option<(f64, &str)> {
+    let at = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let value = text[..at].trim().parse::<f64>().ok().filter(|v| v.is_finite())?;
+    let unit = text[at..].trim();
+    Some((value, if unit.is_empty() { "m" } else { unit }))
+}
+
+fn metres(unit: &str) -> Option<f64> {
+    let units = [("mm", 0.001), ("cm", 0.01), ("m", 1.0), ("in", 0.0254), ("ft", 0.3048)];
+    units.into_iter().find(|u| u.0 == unit).map(|u| u.1)
+}
+
+macro_rules! text_form {
+    ($($name:ident),+) => {$(
+        impl From<$name> for String {
+            fn from(v: $name) -> Self {
+                v.to_string()
+            }
+        }
+        impl TryFrom<String> for $name {
+            type Error = String;
+            fn try_from(text: String) -> Result<Self, String> {
+                text.parse()
+            }
+        }
+    )+};
+}
+text_form!(Aim, Limit, Link, Snap);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_forms_read_back() {
+        for text in ["degree", "degree-p10", "depth-max", "isovist-area-min", "mean-depth-p90"] {
+            assert_eq!(text.parse::<Aim>().unwrap().to_string(), text);
+        }
+        for text in [
+            "wall-length -5%",
+            "wall-length +2.5%",
+            "clearance <= 3",
+            "passage 0.9 m",
+            "degree-p10 >= 40",
+            "score >= 0",
+            "depth +0%",
+        ] {
+            assert_eq!(text.parse::<Limit>().unwrap().to_string(), text);
+        }
+        for text in ["same: door-1, door 2", "mirror-x: a, b", "mirror-y: a, b", "equal: a, b, c"] {
+            assert_eq!(text.parse::<Link>().unwrap().to_string(), text);
+        }
+        assert_eq!("100mm, 5 deg".parse::<Snap>().unwrap().to_string(), "0.1 m, 5 deg");
+        assert_eq!("passage 900mm".parse::<Limit>().unwrap().bound, Bound::At(0.9));
+        assert_eq!("clearance 3".parse(), "clearance <= 3".parse::<Limit>());
+    }
+
+    #[test]
+    fn what_says_nothing_is_refused() {
+        for text in ["beauty", "degree-p0", "degree-p100", "score-min", "degree-", "-p10"] {
+            assert!(text.parse::<Aim>().is_err(), "{text}");
+        }
+        for text in
+            ["degree 40", "passage", "passage -1", "passage 3 deg", "clearance", "depth >= x", "depth %"]
+        {
+            assert!(text.parse::<Limit>().is_err(), "{text}");
+        }
+        for text in ["same: a", "same: a, a", "equal: a, b", "other: a, b", "same a b", "same: a,,b"] {
+            assert!(text.parse::<Link>().is_err(), "{text}");
+        }
+        for text in ["0 m", "-1", "5 deg, 3 deg", "1 yd"] {
+            assert!(text.parse::<Snap>().is_err(), "{text}");
+        }
+    }
+}

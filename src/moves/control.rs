@@ -1,0 +1,460 @@
+//! What the architect decides about the parameters: links, modules, how many groups may move, where to
+//! look. The search works on the free parameters; the others follow.
+
+use glam::DVec2;
+
+use super::{Moves, Parameter};
+use crate::plan::markers::Kind;
+
+/// How far an option may stand from the one it shall be like, as a share of each parameter's width.
+pub const LIKE_SHARE: f64 = 0.15;
+/// Two directions count as one (or as opposite) up to this difference of their cosine from ±1.
+const SAME_DIRECTION: f64 = 1e-6;
+
+/// Groups that move together, by their names; the first leads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Link {
+    /// Names of the groups.
+    pub groups: Vec<String>,
+    /// Factors of shifts along x and y from the leader to the others: `[-1, 1]` mirrors left to right.
+    pub mirror: [f64; 2],
+    /// Whether first and last are free and those between keep their share of the way.
+    pub is_row: bool,
+}
+
+/// Everything decided, as the settings have it. Vectors hold one value a parameter of [`Moves`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rules {
+    /// Groups that move together.
+    pub links: Vec<Link>,
+    /// Module of shifts, metres.
+    pub length_m: Option<f64>,
+    /// Module of turns, radians.
+    pub angle_rad: Option<f64>,
+    /// Most groups that may move at once.
+    pub most_groups: Option<usize>,
+    /// The option near which all are looked for.
+    pub like: Option<Vec<f64>>,
+    /// Options that are allowed as they are.
+    pub pinned: Vec<Vec<f64>>,
+}
+
+/// Parameters under rules.
+#[derive(Clone, Debug)]
+pub struct Control {
+    /// Indices of the free parameters, ascending.
+    free: Vec<usize>,
+    /// For every parameter its displacement as a sum of `factor · displacement` of free ones (numbers
+    /// into `free`), in the own units of both.
+    ties: Vec<Vec<(usize, f64)>>,
+    identity: Vec<f64>,
+    bounds: Vec<[f64; 2]>,
+    /// Bounds of the free parameters that all that follow them allow.
+    free_bounds: Vec<[f64; 2]>,
+    /// Module of every free parameter, own unit; 0: none.
+    steps: Vec<f64>,
+    rows: Vec<Row>,
+    /// Free parameters that move as one, with the number of groups they move.
+    units: Vec<(Vec<usize>, usize)>,
+    most_groups: Option<usize>,
+    window: Option<Vec<[f64; 2]>>,
+    pinned: Vec<Vec<f64>>,
+}
+
+/// First and last of a row, as numbers of free parameters.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    first: usize,
+    last: usize,
+    /// Displacement of the last in its own unit that one unit of the first corresponds to.
+    ratio: f64,
+    /// Spaces between first and last.
+    parts: f64,
+}
+
+impl Control {
+    /// Puts the parameters under rules.
+    ///
+    /// # Errors
+    /// In words: an unknown group, clauses that cannot follow each other, vectors of another length.
+    pub fn new(moves: &Moves, rules: &Rules) -> Result<Self, String> {
+        let count = moves.parameters.len();
+        let vectors = rules.pinned.iter().chain(&rules.like);
+        if let Some(v) = vectors.into_iter().find(|v| v.len() != count) {
+            return Err(format!("an option of {} parameters, the drawing has {count}", v.len()));
+        }
+        let mut draft = Draft::new(&moves.parameters);
+        for link in &rules.links {
+            draft.link(link)?;
+        }
+        let free: Vec<usize> = (0..count).filter(|&i| draft.ties[i].is_none()).collect();
+        let number = |i: usize| free.binary_search(&i).unwrap_or(0);
+        let own = |i: usize| vec![(number(i), 1.0)];
+        let of = |(i, tie): (usize, &Option<Vec<(usize, f64)>>)| match tie {
+            Some(terms) => terms.iter().map(|(leader, f)| (number(*leader), *f)).collect(),
+            None => own(i),
+        };
+        let ties: Vec<Vec<(usize, f64)>> = draft.ties.iter().enumerate().map(of).collect();
+        let free_bounds: Vec<[f64; 2]> = free.iter().map(|&i| draft.bounds[i]).collect();
+        let step = |i: &usize| {
+            let p = &moves.parameters[*i];
+            let module = match p.clause.kind {
+                Kind::Rotate(_) => rules.angle_rad,
+                Kind::Scale(_) => None,
+                _ => rules.length_m,
+            };
+            module.map_or(0.0, |m| m / p.clause.si_per_unit)
+        };
+        let pick = |v: &Vec<f64>| -> Vec<f64> { free.iter().map(|&i| v[i]).collect() };
+        let window = rules.like.as_ref().map(|like| {
+            let around = |(v, [lo, hi]): (f64, &[f64; 2])| {
+                let reach = LIKE_SHARE * (hi - lo);
+                [(v - reach).clamp(*lo, *hi), (v + reach).clamp(*lo, *hi)]
+            };
+            pick(like).into_iter().zip(&free_bounds).map(around).collect()
+        });
+        let rows = draft.rows.iter().map(|r| Row { first: number(r.first), last: number(r.last), ..*r });
+        Ok(Self {
+            rows: rows.collect(),
+            steps: free.iter().map(step).collect(),
+            units: units(moves, &draft.leaders, &free),
+            identity: moves.identity(),
+            bounds: moves.bounds(),
+            most_groups: rules.most_groups,
+            pinned: rules.pinned.iter().map(pick).collect(),
+            window,
+            free_bounds,
+            ties,
+            free,
+        })
+    }
+
+    /// Bounds of the free parameters, each in its own unit.
+    pub fn bounds(&self) -> Vec<[f64; 2]> {
+        self.free_bounds.clone()
+    }
+
+    /// The drawing as it is, free parameters.
+    pub fn start(&self) -> Vec<f64> {
+        self.free.iter().map(|&i| self.identity[i]).collect()
+    }
+
+    /// The free parameters of a full vector, inside their bounds.
+    pub fn reduce(&self, p: &[f64]) -> Vec<f64> {
+        self.free.iter().zip(&self.free_bounds).map(|(&i, [lo, hi])| p[i].clamp(*lo, *hi)).collect()
+    }
+
+    /// The full vector that free parameters stand for, inside all bounds.
+    pub fn expand(&self, q: &[f64]) -> Vec<f64> {
+        let moved = |k: usize| q[k] - self.identity[self.free[k]];
+        let of = |(i, tie): (usize, &Vec<(usize, f64)>)| {
+            if let [(k, 1.0)] = tie[..]
+                && self.free[k] == i
+            {
+                return q[k];
+            }
+            let sum: f64 = tie.iter().map(|(k, f)| f * moved(*k)).sum();
+            (self.identity[i] + sum).clamp(self.bounds[i][0], self.bounds[i][1])
+        };
+        self.ties.iter().enumerate().map(of).collect()
+    }
+
+    /// What moves as one: the free parameters of each unit, and how many groups it moves.
+    pub fn units(&self) -> &[(Vec<usize>, usize)] {
+        &self.units
+    }
+
+    /// Which parameter a free one is.
+    pub fn parameter(&self, free: usize) -> usize {
+        self.free[free]
+    }
+
+    /// The nearest free parameters that the rules allow.
+    pub fn permit(&self, q: &[f64]) -> Vec<f64> {
+        let mut out = q.to_vec();
+        if self.pinned.iter().any(|p| p[..] == *q) {
+            return out;
+        }
+        if let Some(window) = &self.window {
+            for (v, [lo, hi]) in out.iter_mut().zip(window) {
+                *v = v.clamp(*lo, *hi);
+            }
+        }
+        for (k, v) in out.iter_mut().enumerate() {
+            *v = self.snapped(k, *v);
+        }
+        for row in &self.rows {
+            out[row.last] = self.even(row, &out);
+        }
+        self.hold_still(&mut out);
+        out
+    }
+
+    /// The multiple of the module that is nearest and inside the bounds.
+    fn snapped(&self, k: usize, value: f64) -> f64 {
+        let (step, identity) = (self.steps[k], self.identity[self.free[k]]);
+        let [lo, hi] = self.free_bounds[k];
+        if step == 0.0 {
+            return value.clamp(lo, hi);
+        }
+        let most = ((hi - identity) / step).floor();
+        let least = ((lo - identity) / step).ceil();
+        identity + ((value - identity) / step).round().clamp(least, most) * step
+    }
+
+    /// The last of a row where every space between keeps the module.
+    fn even(&self, row: &Row, q: &[f64]) -> f64 {
+        let step = self.steps[row.last];
+        if step == 0.0 {
+            return q[row.last];
+        }
+        let moved = |k: usize| q[k] - self.identity[self.free[k]];
+        let first = moved(row.first) * row.ratio;
+        let each = step * row.parts;
+        let spaces = (moved(row.last) - first) / each;
+        self.identity[self.free[row.last]] + first + (spaces + spaces.signum() * 1e-9).trunc() * each
+    }
+
+    /// Leaves all but the farthest moved groups as drawn.
+    fn hold_still(&self, q: &mut [f64]) {
+        let Some(most) = self.most_groups else { return };
+        let start = self.start();
+        let share = |unit: &(Vec<usize>, usize)| {
+            let of = |&k: &usize| {
+                let width = self.free_bounds[k][1] - self.free_bounds[k][0];
+                if width > 0.0 { (q[k] - start[k]).abs() / width } else { 0.0 }
+            };
+            unit.0.iter().map(of).fold(0.0, f64::max)
+        };
+        let shares: Vec<f64> = self.units.iter().map(share).collect();
+        let mut order: Vec<usize> = (0..self.units.len()).filter(|&u| shares[u] > 0.0).collect();
+        order.sort_by(|&a, &b| shares[b].total_cmp(&shares[a]).then(a.cmp(&b)));
+        let mut moved = 0;
+        for u in order {
+            let (parameters, groups) = &self.units[u];
+            if moved + groups <= most {
+                moved += groups;
+            } else {
+                parameters.iter().for_each(|&k| q[k] = start[k]);
+            }
+        }
+    }
+}
+
+/// Sets of free parameters that move as one, and how many groups each moves.
+fn units(moves: &Moves, leaders: &[Option<usize>], free: &[usize]) -> Vec<(Vec<usize>, usize)> {
+    let mut of_group: Vec<usize> = (0..moves.groups.len()).collect();
+    for (p, leader) in moves.parameters.iter().zip(leaders) {
+        if let Some(leader) = leader {
+            let (to, from) = (of_group[moves.parameters[*leader].group], of_group[p.group]);
+            of_group.iter_mut().filter(|u| **u == from).for_each(|u| *u = to);
+        }
+    }
+    let unit = |u: usize| {
+        let of = |k: &usize| of_group[moves.parameters[free[*k]].group] == u;
+        let parameters: Vec<usize> = (0..free.len()).filter(of).collect();
+        (parameters, of_group.iter().filter(|o| **o == u).count())
+    };
+    (0..moves.groups.len()).map(unit).filter(|u| !u.0.is_empty()).collect()
+}
+
+/// The ties while links are added.
+struct Draft<'a> {
+    parameters: &'a [Parameter],
+    ties: Vec<Option<Vec<(usize, f64)>>>,
+    /// With which parameter each moves as one; rows: the last with the first too.
+    leaders: Vec<Option<usize>>,
+    bounds: Vec<[f64; 2]>,
+    rows: Vec<Row>,
+}
+
+impl<'a> Draft<'a> {
+    fn new(parameters: &'a [Parameter]) -> Self {
+        let bounds = parameters.iter().map(|p| [p.clause.lower, p.clause.upper]).collect();
+        let count = parameters.len();
+        Self { parameters, ties: vec![None; count], leaders: vec![None; count], bounds, rows: vec![] }
+    }
+
+    fn link(&mut self, link: &Link) -> Result<(), String> {
+        let of = |name: &String| -> Result<Vec<usize>, String> {
+            let named = |i: &usize| self.parameters[*i].group_name == *name;
+            let found: Vec<usize> = (0..self.parameters.len()).filter(named).collect();
+            if found.is_empty() { Err(format!("no group {name:?} that may move")) } else { Ok(found) }
+        };
+        let groups: Vec<Vec<usize>> = link.groups.iter().map(of).collect::<Result<_, _>>()?;
+        let Some((first, others)) = groups.split_first() else { return Ok(()) };
+        let mut partners = Vec::new();
+        for (name, group) in link.groups[1..].iter().zip(others) {
+            partners.push(self.partners(first, group, link).ok_or_else(|| {
+                let leader = &link.groups[0];
+                format!("{name:?} cannot follow {leader:?}: their moves are not of the same kinds")
+            })?);
+        }
+        for (m, &leader) in first.iter().enumerate() {
+            let followers: Vec<(usize, f64)> = partners.iter().map(|p| p[m]).collect();
+            if link.is_row {
+                self.tie_row(leader, &followers);
+            } else {
+                followers.iter().for_each(|&(i, factor)| self.tie(leader, i, factor));
+            }
+        }
+        Ok(())
+    }
+
+    /// For every parameter of the leader the one of a group that follows it, with the factor from the
+    /// leader's displacement to its own.
+    fn partners(&self, leader: &[usize], group: &[usize], link: &Link) -> Option<Vec<(usize, f64)>> {
+        let mut left = group.to_vec();
+        let mut out = Vec::new();
+        for &l in leader {
+            let found = left.iter().position(|&i| self.factor(l, i, link).is_some())?;
+            let i = left.remove(found);
+            out.push((i, self.factor(l, i, link)?));
+        }
+        left.is_empty().then_some(out)
+    }
+
+    fn factor(&self, leader: usize, follower: usize, link: &Link) -> Option<f64> {
+        let [l, f] = [leader, follower].map(|i| &self.parameters[i].clause);
+        let units = l.si_per_unit / f.si_per_unit;
+        match (l.kind, f.kind) {
+            (Kind::Rotate(_), Kind::Rotate(_)) => Some(units * link.mirror[0] * link.mirror[1]),
+            (Kind::Scale(_), Kind::Scale(_)) => Some(units),
+            (l, f) => {
+                let along = direction(f)?.dot(direction(l)? * DVec2::from(link.mirror));
+                ((along.abs() - 1.0).abs() < SAME_DIRECTION).then_some(units * along.signum())
+            }
+        }
+    }
+
+    /// `i` follows `leader`, which keeps inside what `i` may do.
+    fn tie(&mut self, leader: usize, i: usize, factor: f64) {
+        self.narrow(leader, i, factor);
+        self.ties[i] = Some(vec![(leader, factor)]);
+        self.leaders[i] = Some(leader);
+    }
+
+    fn tie_row(&mut self, first: usize, followers: &[(usize, f64)]) {
+        let Some((&(last, ratio), between)) = followers.split_last() else { return };
+        let parts = followers.len() as f64;
+        for (n, &(i, factor)) in between.iter().enumerate() {
+            let share = (n + 1) as f64 / parts;
+            self.narrow(first, i, factor);
+            self.narrow(last, i, factor / ratio);
+            self.ties[i] = Some(vec![(first, (1.0 - share) * factor), (last, share * factor / ratio)]);
+            self.leaders[i] = Some(first);
+        }
+        // Snapping steps the last from the first: the first must stay where the last may go.
+        self.narrow(first, last, ratio);
+        self.leaders[last] = Some(first);
+        self.rows.push(Row { first, last, ratio, parts });
+    }
+
+    fn narrow(&mut self, leader: usize, i: usize, factor: f64) {
+        let [l, f] = [leader, i].map(|k| &self.parameters[k].clause);
+        let ends = [f.lower, f.upper].map(|b| l.kind.identity() + (b - f.kind.identity()) / factor);
+        let [lo, hi] = self.bounds[leader];
+        self.bounds[leader] = [lo.max(ends[0].min(ends[1])), hi.min(ends[0].max(ends[1]))];
+    }
+}
+
+/// The way a shift goes; `None` for turns and scales.
+fn direction(kind: Kind) -> Option<DVec2> {
+    match kind {
+        Kind::X => Some(DVec2::X),
+        Kind::Y => Some(DVec2::Y),
+        Kind::Along(rad) => Some(DVec2::from_angle(rad)),
+        Kind::Rotate(_) | Kind::Scale(_) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::moves::NodeGroup;
+    use crate::plan::markers::Clause;
+
+    fn clause(kind: Kind, [lower, upper]: [f64; 2]) -> Clause {
+        Clause { kind, lower, upper, unit: "m".into(), si_per_unit: 1.0 }
+    }
+
+    /// Groups a, b, c of x and a turn each.
+    fn three() -> Moves {
+        let mut moves = Moves::default();
+        for (group, (name, reach)) in [("a", 1.0), ("b", 0.5), ("c", 2.0)].into_iter().enumerate() {
+            for clause in [clause(Kind::X, [-reach, 1.0]), clause(Kind::Rotate(None), [-0.2, 0.3])] {
+                moves.parameters.push(Parameter { group_name: name.into(), group, clause });
+            }
+            moves.groups.push(NodeGroup { nodes: vec![], handles: vec![] });
+        }
+        moves
+    }
+
+    fn link(groups: &[&str], mirror: [f64; 2], is_row: bool) -> Link {
+        Link { groups: groups.iter().map(|g| (*g).to_owned()).collect(), mirror, is_row }
+    }
+
+    #[test]
+    fn linked_groups_share_what_all_of_them_may_do() {
+        let rules = Rules { links: vec![link(&["a", "b"], [-1.0, 1.0], false)], ..Rules::default() };
+        let control = Control::new(&three(), &rules).unwrap();
+        assert_eq!(control.bounds().len(), 4);
+        assert_eq!(control.bounds()[0], [-1.0, 0.5]);
+        assert_eq!(control.expand(&[-0.25, 0.1, 1.0, 0.0]), [-0.25, 0.1, 0.25, -0.1, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn what_cannot_follow_is_named() {
+        let wrong =
+            |link| Control::new(&three(), &Rules { links: vec![link], ..Rules::default() }).unwrap_err();
+        assert!(wrong(link(&["a", "d"], [1.0, 1.0], false)).contains("no group \"d\""));
+        let mut moves = three();
+        moves.parameters[2].clause.kind = Kind::Y;
+        let rules = Rules { links: vec![link(&["a", "b"], [1.0, 1.0], false)], ..Rules::default() };
+        assert!(Control::new(&moves, &rules).unwrap_err().contains("cannot follow"));
+        let rules = Rules { like: Some(vec![0.0]), ..Rules::default() };
+        assert!(Control::new(&three(), &rules).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_permitted_keeps_every_rule(
+            q in prop::collection::vec(-2.0..2.0f64, 6),
+            module in prop::option::of(0.01..0.4f64),
+            most in prop::option::of(1..4usize),
+            linked in 0..4usize,
+            near in any::<bool>(),
+        ) {
+            let moves = three();
+            let links = match linked {
+                0 => vec![],
+                1 => vec![link(&["a", "b", "c"], [1.0, 1.0], true)],
+                2 => vec![link(&["b", "c"], [1.0, 1.0], false)],
+                _ => vec![link(&["a", "c"], [-1.0, 1.0], false)],
+            };
+            let like = near.then(|| vec![0.3, 0.1, 0.2, 0.0, -0.4, 0.2]);
+            let rules = Rules { links, length_m: module, most_groups: most, like, ..Rules::default() };
+            let control = Control::new(&moves, &rules).unwrap();
+            let q = control.permit(&q[..control.start().len()]);
+            let p = control.expand(&q);
+            for (v, [lo, hi]) in p.iter().zip(moves.bounds()) {
+                prop_assert!((lo - 1e-12..=hi + 1e-12).contains(v), "{p:?}");
+            }
+            if let Some(module) = module {
+                for v in p.iter().step_by(2) {
+                    prop_assert!(((v / module).round() * module - v).abs() < 1e-9, "{p:?} {module}");
+                }
+            }
+            if let Some(most) = most {
+                let moved = p.chunks(2).filter(|c| c.iter().any(|v| *v != 0.0)).count();
+                prop_assert!(moved <= most, "{p:?}");
+            }
+            if linked == 1 {
+                prop_assert!((p[0] + p[4] - 2.0 * p[2]).abs() < 1e-9, "{p:?}");
+            }
+            prop_assert_eq!(control.permit(&q), q);
+        }
+    }
+}

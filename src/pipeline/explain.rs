@@ -1,0 +1,93 @@
+//! Why an option is good: which of its moves bring the gain, how far it stands from the others, and what
+//! it gave up.
+
+use rayon::prelude::*;
+
+use super::study::Study;
+use crate::moves::control::Control;
+use crate::overlay::result::{Explanation, Numbers, Objective, Part, Sense};
+use crate::search::normalised_distance;
+
+/// Moves of an option that are tried without, the largest first: each costs a measurement.
+const TRIED: usize = 8;
+/// Moves that are told.
+const TOLD: usize = 3;
+/// A move that brings less than this share of the gain is not told.
+const SMALLEST_SHARE: f64 = 0.05;
+
+/// Objective values of a parameter vector, in the order of the objectives.
+pub type Measured<'a> = dyn Fn(&[f64]) -> Vec<f64> + Sync + 'a;
+
+/// Explains the option `index` among all, each given by its full parameters.
+pub fn explain(
+    study: &Study,
+    control: &Control,
+    objectives: &[Objective],
+    options: &[Vec<f64>],
+    index: usize,
+    measured: &Measured<'_>,
+) -> Explanation {
+    let bounds = study.base.moves.bounds();
+    let p = &options[index];
+    let others = options.iter().enumerate().filter(|(i, _)| *i != index);
+    let nearest = others
+        .map(|(i, o)| (i + 1, normalised_distance(&bounds, p, o)))
+        .reduce(|a, b| if b.1 < a.1 { b } else { a });
+    let values = measured(p);
+    Explanation {
+        parts: parts(study, control, objectives, p, &values, measured),
+        from_present: normalised_distance(&bounds, p, &study.base.moves.identity()),
+        nearest: nearest.map(|n| n.0),
+        from_nearest: nearest.map(|n| n.1),
+        kept: kept(objectives, &values),
+    }
+}
+
+/// For every objective but the penalty, the share of the best gain found that the option keeps.
+fn kept(objectives: &[Objective], values: &[f64]) -> Numbers {
+    let share = |(o, v): (&Objective, &f64)| Some((o.name.clone(), gained(o, *v)?));
+    Numbers::of(objectives.iter().zip(values).filter_map(share))
+}
+
+/// The share of the best gain found; none for penalties and where nothing was gained.
+fn gained(o: &Objective, value: f64) -> Option<f64> {
+    let reach = if o.sense == Sense::Max { o.best - o.initial } else { o.initial - o.best };
+    let own = if o.sense == Sense::Max { value - o.initial } else { o.initial - value };
+    (o.name != "penalty" && reach > 0.0).then(|| own / reach)
+}
+
+/// Leaves one move out after the other and measures what of the gain is lost.
+fn parts(
+    study: &Study,
+    control: &Control,
+    objectives: &[Objective],
+    p: &[f64],
+    values: &[f64],
+    measured: &Measured<'_>,
+) -> Vec<Part> {
+    let gain =
+        |values: &[f64]| -> f64 { objectives.iter().zip(values).filter_map(|(o, v)| gained(o, *v)).sum() };
+    let whole = gain(values);
+    if whole <= 0.0 {
+        return Vec::new();
+    }
+    let (q, start, bounds) = (control.reduce(p), control.start(), control.bounds());
+    let share = |unit: &(Vec<usize>, usize)| {
+        let of = |&k: &usize| (q[k] - start[k]).abs() / (bounds[k][1] - bounds[k][0]).max(f64::MIN_POSITIVE);
+        unit.0.iter().map(of).fold(0.0, f64::max)
+    };
+    let mut moved: Vec<&(Vec<usize>, usize)> = control.units().iter().filter(|u| share(u) > 0.0).collect();
+    moved.sort_by(|a, b| share(b).total_cmp(&share(a)));
+    moved.truncate(TRIED);
+    let without = |unit: &&(Vec<usize>, usize)| {
+        let mut rest = q.clone();
+        unit.0.iter().for_each(|&k| rest[k] = start[k]);
+        let name = study.base.moves.parameters[control.parameter(unit.0[0])].group_name.clone();
+        Part { name, groups: unit.1 as u64, lost: (whole - gain(&measured(&control.expand(&rest)))) / whole }
+    };
+    let mut out: Vec<Part> = moved.par_iter().map(without).collect();
+    out.retain(|part| part.lost >= SMALLEST_SHARE);
+    out.sort_by(|a, b| b.lost.total_cmp(&a.lost));
+    out.truncate(TOLD);
+    out
+}
