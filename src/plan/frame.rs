@@ -24,8 +24,11 @@ pub fn human_scale(size_m: f64) -> f64 {
     if size_m <= 0.0 || size_m >= SMALL_PLAN_M {
         return 1.0;
     }
-    // Two digits, so that what is derived from it reads well.
-    let exact = size_m / USUAL_PLAN_M;
+    two_digits(size_m / USUAL_PLAN_M)
+}
+
+/// Rounded to two digits, so that what is derived from it reads well.
+pub(super) fn two_digits(exact: f64) -> f64 {
     let unit = 10f64.powf(exact.log10().floor() - 1.0);
     (exact / unit).round() * unit
 }

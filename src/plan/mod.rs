@@ -171,6 +171,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let frame = Frame::new(unit.unit.metres, extent);
     let size_m = (extent[1] - extent[0]).max_element() * unit.unit.metres;
     state_unit(drawing, &unit, size_m, report);
+    let human_scale = units::person_scale(drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
     let markers = markers::read(drawing, options, &frame, report);
     let is_locked = |e: &Entity| drawing.layers.iter().any(|l| l.is_locked && l.name == e.layer);
     let mut walls: Vec<Wall> = walls.iter().map(|e| wall_of(e, &frame, is_locked(e))).collect();
@@ -189,7 +190,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         markers,
         layers: chosen.layers,
         views,
-        human_scale: frame::human_scale(size_m),
+        human_scale,
     })
 }
 

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::curve::{bulge_arc, sweep_rad};
 use super::drawing::{Drawing, Entity, Shape, Unit};
-use super::frame::{UNITS, UnitChoice};
+use super::frame::{SMALL_PLAN_M, UNITS, UnitChoice, human_scale, two_digits};
 use super::parallels::{Piece, nearest_parallels, pieces};
 
 /// Widths of door leaves, metres.
@@ -102,20 +102,25 @@ impl Witnesses {
         self.doors(unit).into_iter().chain(self.walls(unit)).chain([self.size(unit)]).collect()
     }
 
-    /// The middle one of some lengths, metres, weighted.
+    /// The middle thickness of the walls, weighted by length; drawing units.
+    fn middle_thickness(&self) -> Option<f64> {
+        let mut by_length = self.thicknesses.clone();
+        by_length.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let half = by_length.iter().map(|t| t.1).sum::<f64>() / 2.0;
+        let mut sum = 0.0;
+        let middle = by_length.iter().find(|t| {
+            sum += t.1;
+            sum >= half
+        });
+        middle.map(|t| t.0)
+    }
+
+    /// What speaks for a unit, in plain words.
     fn words(&self, unit: Unit) -> String {
         let size = self.extent * unit.metres;
         let mut words = vec![format!("the walls are {size:.1} m long")];
         if self.walls(unit).is_some() {
-            let mut by_length = self.thicknesses.clone();
-            by_length.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let half = by_length.iter().map(|t| t.1).sum::<f64>() / 2.0;
-            let mut sum = 0.0;
-            let middle = by_length.iter().find(|t| {
-                sum += t.1;
-                sum >= half
-            });
-            if let Some((d, _)) = middle {
+            if let Some(d) = self.middle_thickness() {
                 words.push(format!("wall faces {:.2} m apart", d * unit.metres));
             }
         }
@@ -126,6 +131,31 @@ impl Witnesses {
             words.push(format!("{} door leaves of about {middle:.2} m", leaves.len()));
         }
         words.join(", ")
+    }
+}
+
+/// Plans longer than this are never taken at an unknown scale.
+const SCALELESS_MAX_M: f64 = 30.0;
+
+/// Walls thinner than this are drawn at another scale.
+const THIN_M: f64 = 0.03;
+
+/// The thickness that walls drawn at another scale are taken to have.
+const USUAL_WALL_M: f64 = 0.15;
+
+/// Metres of the plan in one metre of a person, for plans drawn at an unknown scale (illustrations): decided by
+/// the thickness of the walls where they are drawn with one, else by the plan's size ([`human_scale`]).
+pub fn person_scale(drawing: &Drawing, walls: &[&Entity], extent_units: f64, unit: Unit) -> f64 {
+    let size_m = extent_units * unit.metres;
+    if size_m >= SCALELESS_MAX_M {
+        return 1.0;
+    }
+    let seen = Witnesses::new(drawing, walls, extent_units);
+    let thickness_m = seen.walls(unit).and_then(|_| seen.middle_thickness()).map(|t| t * unit.metres);
+    match thickness_m {
+        Some(t) if is_in(t, THICK_M) => 1.0,
+        Some(t) if t > 0.0 && t < THIN_M && size_m >= SMALL_PLAN_M => two_digits(t / USUAL_WALL_M),
+        _ => human_scale(size_m),
     }
 }
 
