@@ -55,6 +55,10 @@ pub(super) fn run(
     } else {
         Some(optimise(study, settings, started, show, cancel)?)
     };
+    if let Some(why) = study.card_trouble() {
+        let text = format!("{why}; the cores measured the rest, with the same result");
+        report.warn("backend-gave-up", Place::file(input.file()), text);
+    }
     let members = found.as_ref().map_or(Vec::new(), |f| f.members.clone());
     show(Event::Progress(Progress {
         stage: "write".into(),
@@ -150,13 +154,9 @@ fn optimise(
         if asked.is_empty() {
             break;
         }
-        let told: Vec<Evaluation> = asked
-            .par_iter()
-            .map_init(
-                || study.bench(),
-                |bench, p| evaluation(study, settings, &objectives, &study.measure(p, bench)),
-            )
-            .collect();
+        let worths = study.measure_all(&asked);
+        let told: Vec<Evaluation> =
+            worths.par_iter().map(|worth| evaluation(study, settings, &objectives, worth)).collect();
         search.tell(&told);
         if said.elapsed().as_millis() >= PROGRESS_EVERY_MS {
             said = Instant::now();

@@ -1,7 +1,9 @@
 //! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
 
+mod card;
+
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec2;
 
@@ -263,6 +265,8 @@ pub struct Study {
     pub edges: u64,
     components: Vec<u32>,
     evaluator: Evaluator,
+    /// Why the graphics card gave up, if it did.
+    card_trouble: OnceLock<String>,
     cells: CellIndex,
     /// Moves with their control points: whether the piece that starts at a control point moves.
     piece_moves: Vec<Vec<bool>>,
@@ -336,6 +340,7 @@ impl Study {
             lattice,
             spacing,
             evaluator,
+            card_trouble: OnceLock::new(),
             cells,
             piece_moves,
             pieces,
@@ -359,17 +364,24 @@ impl Study {
 
     /// Measures a layout of the moving walls.
     pub fn measure_layout(&self, layout: &Layout, bench: &mut Bench) -> Worth {
-        let moving = Obstacles {
+        let tally = self.evaluator.evaluate(&self.moving(layout), &mut bench.scratch);
+        self.place_all(layout, &mut bench.pieces);
+        self.worth(tally, &bench.pieces)
+    }
+
+    fn moving(&self, layout: &Layout) -> Obstacles {
+        Obstacles {
             segments: moving_segments(layout, &self.piece_moves),
             blind: blind(&self.base, layout, &self.cells),
-        };
-        let tally = self.evaluator.evaluate(&moving, &mut bench.scratch);
+        }
+    }
+
+    fn place_all(&self, layout: &Layout, pieces: &mut [WallPiece]) {
         for (moved, range) in layout.walls.iter().zip(&self.piece_ranges) {
             let initial = &self.base.plan.walls[moved.wall as usize].trace;
             let trace = trace_like(&moved.shape, initial, &self.base.plan.frame);
-            self.place(&mut bench.pieces[range.0..range.1], &trace);
+            self.place(&mut pieces[range.0..range.1], &trace);
         }
-        self.worth(tally, &bench.pieces)
     }
 
     /// Measures a drawing that this study wrote, from its bytes and from scratch, on the study's lattice.
