@@ -12,7 +12,7 @@ use crate::cli::{
 use crate::config::{Partial, Settings, WatchTable};
 use crate::daemon::{self, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
 use crate::formats;
-use crate::overlay::result::{RoundResult, to_json};
+use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
 use crate::pipeline::cells::CellOptions;
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::progress::Display;
@@ -57,6 +57,7 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
         let solid = if result.columns == 1 { "1 solid".into() } else { format!("{} solid", result.columns) };
         say(&format!("{}: {}, {} wall elements ({solid})", result.file, result.version, result.walls));
         say(&format!("unit: {}", result.unit.reason));
+        result.statements.iter().for_each(|s| say(s));
         for layer in &result.layers {
             say(&format!(
                 "layer {:<24} {:>6} entities  {}: {}",
@@ -67,6 +68,7 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
             let kind = format!("{:?}", m.kind).to_lowercase();
             say(&format!("move {}: {kind} {} … {} {}", m.name, m.lower, m.upper, m.unit));
         }
+        result.storeys.iter().for_each(|s| say(&storey_line(s)));
         for r in result.regions.iter().filter(|r| r.kind != "move") {
             say(&format!("region of {}: {:.1} m²", r.kind, r.area_m2));
         }
@@ -111,10 +113,28 @@ fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
             mean("depth"),
             mean("entropy")
         ));
+        r.storeys.iter().for_each(|s| say(&storey_line(s)));
         say(&format!("heat maps: {}", folder.display()));
     }
     tell(&args.common, &outcome.report);
     Ok(exit_code(&outcome.report))
+}
+
+/// One storey of a building with several, in a line.
+fn storey_line(s: &StoreyEntry) -> String {
+    let name = format!("storey {:?} at {:.2} m", s.name, s.floor_m);
+    if let Some(problem) = &s.problem {
+        return format!("{name}: {problem}");
+    }
+    let mean = |key| s.mean.get(key).unwrap_or(f64::NAN);
+    let means = format!(
+        ": visibility {:.2} cells, depth {:.3} steps, entropy {:.4} bits",
+        mean("degree"),
+        mean("depth"),
+        mean("entropy")
+    );
+    let means = if s.mean.0.is_empty() { "" } else { &means };
+    format!("{name}, {} wall elements, {} doors and windows{means}", s.walls, s.openings)
 }
 
 fn cell_options(args: &AnalyseArgs, settings: &Settings) -> CellOptions {
@@ -357,7 +377,13 @@ fn accept(args: &AcceptArgs) -> Result<u8, Error> {
     })?;
     let result: RoundResult = serde_json::from_slice(&json)
         .map_err(|e| Error::input("result", place(), format!("{e}; nothing was written")))?;
-    let accepted = pipeline::accept::accept(&Input::new(&path, &bytes, 1), &result, round, args.number)?;
+    let accepted = pipeline::accept::accept(
+        &Input::new(&path, &bytes, 1),
+        twin(&args.file),
+        &result,
+        round,
+        args.number,
+    )?;
     let next = store::write_revision(&SystemDisk, &drawing, &accepted.drawing)?;
     let side_car = settings_files(&next)[0].clone();
     store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
@@ -422,7 +448,15 @@ fn open(file: &Path) -> Result<(String, Vec<u8>), Error> {
 pub fn settings_for(drawing: &Path, command_line: Partial) -> Result<(Settings, Option<PathBuf>), Error> {
     let partial = settings_partial(drawing, command_line)?;
     let out = partial.out.clone().map(PathBuf::from);
-    Ok((Settings::new(partial)?, out))
+    Ok((Settings { twin: twin(drawing), ..Settings::new(partial)? }, out))
+}
+
+/// The IFC of the same name beside a glTF.
+fn twin(drawing: &Path) -> Option<Arc<[u8]>> {
+    let is_scene =
+        drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf"));
+    let bytes = is_scene.then(|| std::fs::read(drawing.with_extension("ifc")).ok())??;
+    Some(bytes.into())
 }
 
 fn settings_partial(drawing: &Path, command_line: Partial) -> Result<Partial, Error> {

@@ -4,6 +4,7 @@
 //! folder; the first of them that names a key wins. Unknown keys are errors with line and column.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -391,6 +392,9 @@ pub struct Settings {
     pub regions: Vec<RegionTable>,
     /// Earlier rounds of an accepted drawing.
     pub lineage: Vec<LineageTable>,
+    /// Bytes of the IFC that lies beside a glTF of the same name: it knows the classes of the nodes.
+    #[serde(skip)]
+    pub twin: Option<Arc<[u8]>>,
 }
 
 impl Settings {
@@ -449,6 +453,7 @@ impl Settings {
             storey: p.storey,
             query: p.query,
             accept_missing_eof: p.accept_missing_eof.unwrap_or(false),
+            twin: None,
             ignore_move_markers: p.ignore_move_markers.unwrap_or(false),
             moves: p.moves,
             regions: p.regions,

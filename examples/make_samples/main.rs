@@ -1,6 +1,9 @@
 //! Writes the drawings of `samples/` anew: `cargo run --example make_samples`.
 
+mod building;
 mod dxf;
+mod gltf;
+mod ifc;
 mod plans;
 
 fn main() -> std::io::Result<()> {

@@ -1,6 +1,7 @@
 //! The plans themselves. Every line was made up for this project; coordinates are in drawing units.
 
 use super::dxf::{Point, Sheet, Version};
+use super::{building, gltf, ifc};
 
 const METRE: Option<u32> = Some(6);
 const CENTIMETRE: Option<u32> = Some(5);
@@ -14,8 +15,8 @@ const MOVE: &str = "EF-MOVE";
 const KEEP: &str = "EF-KEEP";
 
 /// All samples: file name and contents.
-pub fn all() -> Vec<(&'static str, String)> {
-    vec![
+pub fn all() -> Vec<(&'static str, Vec<u8>)> {
+    let drawings = [
         ("gallery.dxf", gallery()),
         ("office.dxf", office()),
         ("museum-hall.dxf", museum_hall()),
@@ -23,7 +24,11 @@ pub fn all() -> Vec<(&'static str, String)> {
         ("maze.dxf", maze()),
         ("library.dxf", library()),
         ("marker-template.dxf", marker_template()),
-    ]
+        ("pavilion.dxf", building::drawing()),
+        ("pavilion.ifc", ifc::building(false)),
+    ];
+    let texts = drawings.into_iter().map(|(name, text)| (name, text.into_bytes()));
+    texts.chain([("pavilion.glb", gltf::building())]).collect()
 }
 
 /// A sheet with the walls' layer and ours.

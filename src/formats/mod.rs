@@ -7,6 +7,7 @@ mod region;
 mod splice;
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use crate::plan::drawing::{Addition, Drawing, Edit, Format, SourceRef};
 use crate::report::{Error, Report};
@@ -23,6 +24,19 @@ pub struct ReadOptions {
     pub sight: ifc::Sight,
     /// Whether the user names the layers that carry walls.
     pub is_by_user: bool,
+    /// The IFC that a glTF was made from: it knows classes and storeys by `GlobalId`.
+    pub twin: Option<Arc<[u8]>>,
+}
+
+/// A storey of a building.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoreyInfo {
+    /// Its name, as `--storey` takes it.
+    pub name: String,
+    /// Height of its floor, metres.
+    pub floor_m: f64,
+    /// Walls that stand in it.
+    pub walls: usize,
 }
 
 impl ReadOptions {
@@ -31,7 +45,14 @@ impl ReadOptions {
     }
 
     fn gltf(&self) -> gltf::ReadOptions {
-        gltf::ReadOptions { is_knee: self.sight == ifc::Sight::Knee, is_by_user: self.is_by_user }
+        let twin = self.twin.as_deref().map(ifc::inventory).unwrap_or_default();
+        gltf::ReadOptions {
+            is_knee: self.sight == ifc::Sight::Knee,
+            is_by_user: self.is_by_user,
+            storey: self.storey.clone(),
+            classes: twin.classes,
+            storeys: twin.storeys,
+        }
     }
 
     fn ifc(&self) -> ifc::ReadOptions {
@@ -85,6 +106,16 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         }
         Format::Ifc => ifc::read(file, bytes, &options.ifc(), report),
         Format::Gltf | Format::Glb => gltf::read(file, bytes, &options.gltf(), report),
+    }
+}
+
+/// Storeys of a building from the lowest; none where the file (or the IFC beside it) knows none.
+pub fn storeys(file: &str, bytes: &[u8], options: &ReadOptions) -> Vec<StoreyInfo> {
+    let unpacked = plain(file, bytes);
+    match format_of(file, bytes) {
+        Format::Dxf => Vec::new(),
+        Format::Ifc => ifc::inventory(&unpacked).storeys,
+        Format::Gltf | Format::Glb => options.twin.as_deref().map(ifc::inventory).unwrap_or_default().storeys,
     }
 }
 

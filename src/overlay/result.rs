@@ -345,8 +345,34 @@ pub struct AnalysisResult {
     pub mean: Numbers,
     /// Penalties of the layout.
     pub penalty: Numbers,
+    /// Every storey of a building that has several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub storeys: Vec<StoreyEntry>,
     /// What was left out or assumed.
     pub problems: Vec<ProblemEntry>,
+}
+
+/// One storey of a building that has several.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StoreyEntry {
+    /// Its name, as `--storey` takes it.
+    pub name: String,
+    /// Height of its floor, metres.
+    pub floor_m: f64,
+    /// Folder of its files beside the result: `.` for the storey the result is about, none where nothing
+    /// could be measured.
+    pub folder: Option<String>,
+    /// Walls cut.
+    pub walls: u64,
+    /// Doors and windows cut.
+    pub openings: u64,
+    /// Solids cut.
+    pub columns: u64,
+    /// Means over its region of query; empty where it was not measured.
+    pub mean: Numbers,
+    /// Why nothing could be measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub problem: Option<String>,
 }
 
 /// A length unit and why it was taken.
@@ -399,8 +425,12 @@ pub struct CheckResult {
     pub unit: UnitEntry,
     /// Walls found.
     pub walls: u64,
-    /// Openings found.
+    /// Openings found: doors, windows and passages.
     pub openings: u64,
+    /// Doors among them.
+    pub doors: u64,
+    /// Windows among them.
+    pub windows: u64,
     /// Columns and other solids found.
     pub columns: u64,
     /// Regions.
@@ -409,6 +439,11 @@ pub struct CheckResult {
     pub moves: Vec<MoveEntry>,
     /// Every layer.
     pub layers: Vec<LayerEntry>,
+    /// What the walls were understood as, in plain words.
+    pub statements: Vec<String>,
+    /// Every storey of a building that has several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub storeys: Vec<StoreyEntry>,
     /// What was left out or assumed.
     pub problems: Vec<ProblemEntry>,
 }

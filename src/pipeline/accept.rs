@@ -3,6 +3,8 @@
 //! The drawing gets the moves and nothing else; what the next round needs to know (moves with the
 //! bounds that are left, settings, where it came from) stands in its side-car.
 
+use std::sync::Arc;
+
 use toml::{Table, Value};
 
 use super::Input;
@@ -24,12 +26,18 @@ pub struct Accepted {
     pub side_car: String,
 }
 
-/// Makes the drawing of candidate `number` (from 1) of a round.
+/// Makes the drawing of candidate `number` (from 1) of a round; `twin` as in [`Settings::twin`].
 ///
 /// # Errors
 /// [`Error::Usage`] when there is no such candidate; [`Error::Input`] when the drawing is not the one the
 /// round was made from.
-pub fn accept(input: &Input<'_>, result: &RoundResult, round: u32, number: usize) -> Result<Accepted, Error> {
+pub fn accept(
+    input: &Input<'_>,
+    twin: Option<Arc<[u8]>>,
+    result: &RoundResult,
+    round: u32,
+    number: usize,
+) -> Result<Accepted, Error> {
     let place = || Place::file(input.file());
     let Some(candidate) = number.checked_sub(1).and_then(|i| result.candidates.get(i)) else {
         let n = result.candidates.len();
@@ -50,6 +58,7 @@ pub fn accept(input: &Input<'_>, result: &RoundResult, round: u32, number: usize
                 format!("result.json of round {round}: {e}; nothing was written"),
             )
         })?;
+    let settings = Settings { twin, ..settings };
     let mut report = Report::default();
     let base = study::read(input.file(), &input.bytes, &settings, &mut report)?;
     if base.moves.parameters.len() != candidate.parameters.len() {

@@ -12,6 +12,7 @@ pub mod resolution;
 mod round;
 mod show;
 mod spacing;
+mod storeys;
 mod study;
 
 use std::borrow::Cow;
@@ -120,21 +121,23 @@ pub fn on_threads<T: Send>(
 pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResult>, Error> {
     let mut report = Report::default();
     let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
-    let result = show::check(&base, &report);
-    let png = check_picture(&base, &result)?;
-    let files = vec![OutFile::new("check.png", png), OutFile::new("check.json", result::to_json(&result)?)];
+    let mut result = show::check(&base, &report);
+    let mut files = vec![OutFile::new("check.png", check_picture(&base, &result)?)];
+    result.storeys = storeys::check(input, settings, &base, &mut files);
+    files.push(OutFile::new("check.json", result::to_json(&result)?));
     Ok(Outcome { result, files, report })
 }
 
 fn check_picture(base: &study::Understood, result: &CheckResult) -> Result<Vec<u8>, Error> {
     let subtitle = format!(
-        "{} wall elements, {} of them solid, {} moves; {}",
+        "{} wall elements, {} doors, {} windows, {} moves; read in {}",
         result.walls,
-        result.columns,
+        result.doors,
+        result.windows,
         result.moves.len(),
-        result.unit.reason
+        result.unit.name
     );
-    check_png(&show::picture(base), &result.file, &subtitle, DEFAULT_SIDE_PX)
+    check_png(&show::check_picture(base), &result.file, &subtitle, DEFAULT_SIDE_PX)
 }
 
 /// `enfilade analyse`: measures the present layout; the files of `analysis/`.
@@ -142,6 +145,34 @@ fn check_picture(base: &study::Understood, result: &CheckResult) -> Result<Vec<u
 /// # Errors
 /// [`Error::Input`] when the drawing cannot be read or no cell is left; [`Error::Stopped`].
 pub fn analyse(
+    input: &Input<'_>,
+    settings: &Settings,
+    cancel: &Cancel,
+) -> Result<(Outcome<AnalysisResult>, Study), Error> {
+    let (mut outcome, study) = analyse_storey(input, settings, cancel)?;
+    add_storeys(input, settings, &study, &mut outcome, cancel)?;
+    Ok((outcome, study))
+}
+
+/// Measures the other storeys of a building; `true` where there are any.
+fn add_storeys(
+    input: &Input<'_>,
+    settings: &Settings,
+    study: &Study,
+    outcome: &mut Outcome<AnalysisResult>,
+    cancel: &Cancel,
+) -> Result<bool, Error> {
+    outcome.result.storeys = storeys::analyse(input, settings, study, &mut outcome.files, cancel)?;
+    if outcome.result.storeys.is_empty() {
+        return Ok(false);
+    }
+    outcome.files.retain(|f| f.path.as_os_str() != "analysis.json");
+    outcome.files.push(OutFile::new("analysis.json", result::to_json(&outcome.result)?));
+    Ok(true)
+}
+
+/// Measures the storey that the settings name, or the one with most walls.
+fn analyse_storey(
     input: &Input<'_>,
     settings: &Settings,
     cancel: &Cancel,
@@ -201,6 +232,7 @@ fn analysis_result(input: &Input<'_>, study: &Study, report: &Report) -> Analysi
         counts: show::counts(study, study.edges),
         mean: show::mean_numbers(&study.initial),
         penalty: show::penalty_numbers(&study.initial),
+        storeys: Vec::new(),
         problems: report.problems.iter().map(Into::into).collect(),
     }
 }
@@ -282,7 +314,10 @@ pub fn run(
     cancel: &Cancel,
 ) -> Result<Outcome<result::RoundResult>, Error> {
     show(Event::Progress(Progress { stage: "read".into(), ..Default::default() }));
-    let (analysis, study) = analyse(input, settings, cancel)?;
-    show(Event::Analysis(analysis.files));
+    let (mut analysis, study) = analyse_storey(input, settings, cancel)?;
+    show(Event::Analysis(analysis.files.clone()));
+    if add_storeys(input, settings, &study, &mut analysis, cancel)? {
+        show(Event::Analysis(analysis.files));
+    }
     round::run(input, settings, &study, analysis.report, started, show, cancel)
 }

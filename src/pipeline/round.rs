@@ -11,6 +11,7 @@ use super::{Event, Input, Outcome, Progress, heat_map, rayon_map};
 use crate::config::{Measure, Method, Mode, Settings};
 use crate::formats;
 use crate::moves::Layout;
+use crate::moves::carried::{Carried, carried};
 use crate::overlay::result::{
     self, Candidate, Diversity, ElementRef, LineageEntry, MoveEntry, Numbers, Objective, RoundResult,
     Sense as ShownSense,
@@ -70,6 +71,7 @@ pub(super) fn run(
         .enumerate()
         .map(|(i, m)| make(input, settings, study, i, m))
         .collect::<Result<_, _>>()?;
+    let made = apart(made);
     for m in &made {
         report.extend(m.report.clone());
     }
@@ -287,6 +289,18 @@ pub(super) struct Made {
     name: String,
 }
 
+/// The options that differ in the drawing as it is written; what rounds to one layout is one option.
+fn apart(made: Vec<Made>) -> Vec<Made> {
+    let mut out: Vec<Made> = Vec::new();
+    for m in made {
+        if out.iter().all(|o| o.edits != m.edits) {
+            let name = format!("candidate-{}", out.len() + 1);
+            out.push(Made { name, ..m });
+        }
+    }
+    out
+}
+
 /// Patches the drawing, reads it again and measures from scratch: what is reported is what is written.
 fn make(
     input: &Input<'_>,
@@ -307,6 +321,7 @@ fn make(
     let ids = formats::host_ids(input.file(), &input.bytes, &records);
     let host_ids = records.iter().zip(ids).filter_map(|(r, id)| Some((*r as u64, id?))).collect();
     state_stale(input, settings, &records, &mut report)?;
+    state_left_behind(&study.base, &layout, &mut report);
     let searched = study.measure(&member.parameters, &mut study.bench());
     if worth != searched {
         let text = format!(
@@ -334,6 +349,17 @@ pub(super) fn edits_of(base: &Understood, layout: &Layout) -> Vec<Edit> {
             _ => out.push(Edit::Shape { record, shape: moved.shape.clone() }),
         }
     }
+    for fitting in &base.fittings {
+        let record = fitting.source.record;
+        let Carried::Moves(shape, motion) = carried(&base.plan, fitting, layout) else { continue };
+        let edit = match fitting.editable {
+            Editable::WithInsert { .. } => Edit::Insert { record, motion },
+            _ => Edit::Shape { record, shape },
+        };
+        if !out.contains(&edit) {
+            out.push(edit);
+        }
+    }
     out
 }
 
@@ -356,6 +382,18 @@ fn state_stale(
         report.info("stale-annotation", place_in(input.file(), &source), text);
     }
     Ok(())
+}
+
+/// Doors and windows that cannot go with their wall.
+fn state_left_behind(base: &Understood, layout: &Layout, report: &mut Report) {
+    for fitting in &base.fittings {
+        if let Carried::Stale(why) = carried(&base.plan, fitting, layout) {
+            let text = format!(
+                "is part of a door or window whose wall moves in an option, but {why}; it stays as drawn"
+            );
+            report.info("opening-stays", place_in(&base.plan.file, &fitting.source), text);
+        }
+    }
 }
 
 fn round_result(

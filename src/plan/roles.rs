@@ -168,6 +168,9 @@ const LOW_ALONE: &[&str] =
 
 /// What a layer's name says it is for, and why. [`Role::Unknown`] where it says nothing.
 pub fn role_by_name(layer: &str) -> (Role, String) {
+    if let Some((class, role)) = by_class(layer) {
+        return (role, format!("its elements are of the class {class} ({})", role.words()));
+    }
     let name = base_name(layer);
     let words = words(name);
     let has = |list: &[&str]| words.iter().find(|w| list.contains(&w.as_str()));
@@ -188,6 +191,30 @@ pub fn role_by_name(layer: &str) -> (Role, String) {
         Some((role, code)) => (role, format!("its name has the element code {code} ({})", role.words())),
         None => (Role::Unknown, "its name has no word for walls".into()),
     }
+}
+
+/// Classes of IFC: exact, so that their names are not taken apart (`IfcWallStandardCase` is no case).
+const CLASSES: &[(&str, Role)] = &[
+    ("IfcWall", Role::Wall),
+    ("IfcColumn", Role::Column),
+    ("IfcCurtainWall", Role::Glazing),
+    ("IfcPlate", Role::Glazing),
+    ("IfcRailing", Role::LowWall),
+    ("IfcDoor", Role::Door),
+    ("IfcWindow", Role::Window),
+    ("IfcStair", Role::Stair),
+    ("IfcSpace", Role::Room),
+    ("IfcSlab", Role::Foundation),
+    ("IfcRoof", Role::Roof),
+    ("IfcFurni", Role::Furniture),
+    ("IfcSystemFurnitureElement", Role::Furniture),
+];
+
+/// The class that a layer is named after, and what it is for.
+fn by_class(layer: &str) -> Option<(&str, Role)> {
+    let is_class = layer.strip_prefix("Ifc")?.starts_with(|c: char| c.is_ascii_uppercase());
+    let role = CLASSES.iter().find(|(class, _)| layer.starts_with(class)).map_or(Role::Unknown, |c| c.1);
+    is_class.then_some((layer, role))
 }
 
 fn matches(pattern: &str, word: &str) -> bool {
@@ -248,6 +275,12 @@ mod tests {
             ("Brüstung", LowWall),
             ("wall high", Wall),
             ("A-GLAZ", Glazing),
+            ("IfcWallStandardCase", Wall),
+            ("IfcColumnStandardCase", Column),
+            ("IfcCurtainWall", Glazing),
+            ("IfcFurnishingElement", Furniture),
+            ("IfcSpace", Room),
+            ("IfcBuildingElementProxy", Unknown),
             ("A-WALL-PATT", Hatch),
             ("A-325G - Internal Doors 6", Door),
             ("xref$0$S-STEM-WALL", Foundation),

@@ -89,7 +89,13 @@ impl File<'_> {
             matches!(found.get("normalized").map(|n| &n.value), Some(super::json::Value::Bool(true)));
         let mut out = match found.index("bufferView") {
             Some(view) => {
-                self.view(view, found.index("byteOffset").unwrap_or(0), count, width, kind, normalised)?
+                let offset = match found.get("byteOffset") {
+                    None => 0,
+                    Some(_) => found
+                        .index("byteOffset")
+                        .ok_or_else(|| why("has a byteOffset that is no place in a file"))?,
+                };
+                self.view(view, offset, count, width, kind, normalised)?
             }
             None if count > TRIANGLES_MAX => return Err(why("counts more than any scene has")),
             None => vec![0.0; count * width],

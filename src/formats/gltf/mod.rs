@@ -22,6 +22,9 @@ pub use limits::*;
 pub use read::read;
 pub use scene::is_glb;
 
+use std::collections::BTreeMap;
+
+use crate::formats::StoreyInfo;
 use crate::formats::splice::{self, Splice};
 use crate::plan::drawing::{Addition, Edit};
 use crate::report::{Error, Report};
@@ -34,12 +37,18 @@ pub const CUT_EYE_M: f64 = 1.5;
 pub const CUT_KNEE_M: f64 = 0.5;
 
 /// How to read a scene.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// Cut at knee height.
     pub is_knee: bool,
     /// Whether the user names the walls: then layers keep their names.
     pub is_by_user: bool,
+    /// Name of the storey, of those in `storeys`; `None`: the one with most walls.
+    pub storey: Option<String>,
+    /// Node name → class, from the IFC that the scene was made from.
+    pub classes: BTreeMap<String, String>,
+    /// Storeys of that IFC from the lowest.
+    pub storeys: Vec<StoreyInfo>,
 }
 
 /// What is missing of a file that is not finished.
@@ -73,7 +82,7 @@ pub fn patch(
         splices.extend(patch::edit(&scene, &shown, edit)?);
     }
     if !own.is_empty() {
-        let floor = read::floor_of(&scene, &shown, options, &mut Report::default());
+        let floor = read::floor_of(&scene, &shown, options, &mut Report::default())?;
         splices.extend(additions::splices(&scene, floor, own));
     }
     let json = match scene.chunks.first() {

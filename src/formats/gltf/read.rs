@@ -4,10 +4,14 @@ use std::collections::BTreeMap;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
+use super::json::{Json, Value};
 use super::scene::{File, Shown};
 use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions};
+use crate::formats::StoreyInfo;
 use crate::formats::region::{Region, slice};
-use crate::plan::drawing::{Drawing, Editable, Entity, Format, Layer, Shape, SourceRef, Unit, Vertex};
+use crate::plan::drawing::{
+    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
+};
 use crate::plan::layers::{self, WallLayers};
 use crate::report::{Error, Place, Report};
 
@@ -46,14 +50,19 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         report.warn("gltf-nodes", Place::file(file), format!("{text}; left out"));
     }
     let bodies = named_bodies(&scene, &shown, options, report);
+    if let Some(version) = scene.odd_version() {
+        let text = format!(
+            "found version {version:?}, expected \"2.0\"; read as glTF 2.0 because it is laid out so"
+        );
+        report.info("gltf-version", Place::file(file).entity("/asset/version"), text);
+    }
     let above = above(options);
-    let floor = floor(&bodies, above);
-    let text = format!("no storeys in glTF; cut {above} m above the floor found at {floor:.3} m");
-    report.info("gltf-cut", Place::file(file), text);
+    let floor = chosen_floor(file, &bodies, options, report)?;
     let mut entities = Vec::new();
     for body in &bodies {
         show(&scene, body, floor + above, options, &mut entities);
     }
+    let (texts, marked) = (space_names(&bodies, &entities), marked_moves(&scene, &entities));
     let mut names: Vec<Layer> = Vec::new();
     for e in &entities {
         if names.iter().all(|l| l.name != e.layer) {
@@ -68,9 +77,99 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         declared_unit_words: "the standard (metres, Y up)".into(),
         layers: names,
         entities,
-        texts: Vec::new(),
-        marked: Vec::new(),
+        texts,
+        marked,
     })
+}
+
+/// The storey's floor where storeys are known, else the height above which most walls are cut.
+fn chosen_floor(
+    file: &str,
+    bodies: &[Body<'_>],
+    options: &ReadOptions,
+    report: &mut Report,
+) -> Result<f64, Error> {
+    let above = above(options);
+    let shown = |s: &StoreyInfo| format!("{:?} (floor {:.3} m, {} walls)", s.name, s.floor_m, s.walls);
+    let names = options.storeys.iter().map(shown).collect::<Vec<_>>().join(", ");
+    let wanted = options.storey.as_deref();
+    let found = match wanted {
+        Some(name) => options.storeys.iter().find(|s| s.name.eq_ignore_ascii_case(name)),
+        None => options.storeys.iter().rev().max_by_key(|s| s.walls),
+    };
+    if let (None, Some(name)) = (found, wanted) {
+        let names = if names.is_empty() {
+            "none (glTF has none; the .ifc of the same name beside it has)"
+        } else {
+            &names
+        };
+        let text = format!("--storey {name:?}: no such storey, storeys present: {names}; nothing was done");
+        return Err(Error::usage("storey", Place::file(file), text));
+    }
+    Ok(match found {
+        Some(storey) => {
+            let text = format!(
+                "storeys by the IFC beside it: {names}; {:?} cut {above} m above its floor at {:.3} m",
+                storey.name, storey.floor_m
+            );
+            report.info("storey-cut", Place::file(file), text);
+            storey.floor_m
+        }
+        None => {
+            let floor = floor(bodies, above);
+            let text = format!("no storeys in glTF; cut {above} m above the floor found at {floor:.3} m");
+            report.info("gltf-cut", Place::file(file), text);
+            floor
+        }
+    })
+}
+
+/// Names of spaces, each at the middle of its outline.
+fn space_names(bodies: &[Body<'_>], entities: &[Entity]) -> Vec<Text> {
+    let mut out = Vec::new();
+    for body in bodies.iter().filter(|b| b.layer == "IfcSpace") {
+        let Some(own) = entities.iter().find(|e| e.source.record == body.shown.node) else { continue };
+        let Shape::Polyline { vertices, .. } = &own.shape else { continue };
+        let Some([lo, hi]) = crate::plan::box_of(vertices.iter().map(|v| v.at)) else { continue };
+        let name = body.shown.names.last().map_or("", |n| n.strip_prefix("IfcSpace/").unwrap_or(n));
+        out.push(Text {
+            source: own.source.clone(),
+            layer: "IfcSpace".into(),
+            at: lo.midpoint(hi),
+            text: name.into(),
+        });
+    }
+    out
+}
+
+/// What a node says of itself in `extras.enfilade`.
+fn told(node: &Json) -> Option<&Json> {
+    node.get("extras")?.get("enfilade")
+}
+
+fn is_set(told: Option<&Json>, key: &str) -> bool {
+    told.and_then(|t| t.get(key)).is_some_and(|v| v.value == Value::Bool(true))
+}
+
+/// Moves that nodes state of themselves: `"extras": {"enfilade": {"move": "x -1 1", "name": "screen"}}`.
+fn marked_moves(scene: &File<'_>, entities: &[Entity]) -> Vec<MarkedMove> {
+    let nodes = scene.json.list("nodes");
+    let mut out: Vec<MarkedMove> = Vec::new();
+    for e in entities {
+        let told = told(&nodes[e.source.record]);
+        let Some(text) = told.and_then(|t| t.text("move")).filter(|t| !t.trim().is_empty()) else { continue };
+        if out.iter().any(|m| m.record == e.source.record) {
+            continue;
+        }
+        let name = told.and_then(|t| t.text("name")).unwrap_or(&e.source.kind);
+        out.push(MarkedMove {
+            name: name.into(),
+            text: text.into(),
+            record: e.source.record,
+            source: e.source.clone(),
+        });
+    }
+    out
 }
 
 fn above(options: &ReadOptions) -> f64 {
@@ -83,17 +182,27 @@ fn named_bodies<'f>(
     options: &ReadOptions,
     report: &mut Report,
 ) -> Vec<Body<'f>> {
-    let mut out = bodies(scene, shown, report);
+    let mut out = bodies(scene, shown, options, report);
     choose_layers(scene, &mut out, options, report);
     out
 }
 
 /// Height of the floor that the walls stand on.
-pub(super) fn floor_of(scene: &File<'_>, shown: &[Shown], options: &ReadOptions, report: &mut Report) -> f64 {
-    floor(&named_bodies(scene, shown, options, report), above(options))
+pub(super) fn floor_of(
+    scene: &File<'_>,
+    shown: &[Shown],
+    options: &ReadOptions,
+    report: &mut Report,
+) -> Result<f64, Error> {
+    chosen_floor(scene.name, &named_bodies(scene, shown, options, report), options, report)
 }
 
-fn bodies<'f>(scene: &File<'_>, shown: &'f [Shown], report: &mut Report) -> Vec<Body<'f>> {
+fn bodies<'f>(
+    scene: &File<'_>,
+    shown: &'f [Shown],
+    options: &ReadOptions,
+    report: &mut Report,
+) -> Vec<Body<'f>> {
     let nodes = scene.json.list("nodes");
     let mut meshes: BTreeMap<usize, Vec<[DVec3; 3]>> = BTreeMap::new();
     let mut out = Vec::new();
@@ -119,14 +228,17 @@ fn bodies<'f>(scene: &File<'_>, shown: &'f [Shown], report: &mut Report) -> Vec<
         let (low, high) =
             (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
         if low.is_finite() && high.is_finite() {
-            out.push(Body { shown: s, layer: layer(scene, s), triangles, low, high });
+            out.push(Body { shown: s, layer: layer(scene, s, options), triangles, low, high });
         }
     }
     out
 }
 
 /// What a node's name, its mesh's, its material's or its extras say it is.
-fn layer(scene: &File<'_>, shown: &Shown) -> String {
+fn layer(scene: &File<'_>, shown: &Shown, options: &ReadOptions) -> String {
+    if let Some(class) = shown.names.iter().rev().find_map(|n| options.classes.get(n)) {
+        return class_of(class);
+    }
     let node = &scene.json.list("nodes")[shown.node];
     let mesh = node.index("mesh").and_then(|m| scene.json.list("meshes").get(m));
     let extras = ["ifcClass", "ifc_class", "IfcClass", "class", "type", "layer", "category"];
@@ -212,7 +324,7 @@ fn show(scene: &File<'_>, body: &Body<'_>, z: f64, options: &ReadOptions, out: &
         region = Region::ring(vec![lo.to_array(), [hi.x, lo.y], hi.to_array(), [lo.x, hi.y]]);
     }
     let layer = if body.layer == "IfcWindow" && options.is_knee {
-        "wall (window at knee height)"
+        "IfcWall (window at knee height)"
     } else {
         &body.layer
     };
@@ -223,7 +335,7 @@ fn show(scene: &File<'_>, body: &Body<'_>, z: f64, options: &ReadOptions, out: &
         kind: body.shown.names.iter().rev().find(|n| !n.is_empty()).cloned().unwrap_or_default(),
         layer: layer.into(),
     };
-    let editable = editable(scene, body);
+    let (editable, first) = (editable(scene, body), out.len());
     let rings = region.rings().filter(|r| r.len() > 2).map(|r| (r, true));
     for (ring, closed) in rings.chain(region.lines.iter().filter(|l| l.len() > 1).map(|l| (l, false))) {
         let vertices = ring.iter().map(|p| Vertex { at: DVec2::from(*p), bulge: 0.0 }).collect();
@@ -235,6 +347,14 @@ fn show(scene: &File<'_>, body: &Body<'_>, z: f64, options: &ReadOptions, out: &
             blocks: Vec::new(),
         });
     }
+    let (marks, shown) = (told(&scene.json.list("nodes")[body.shown.node]), first..out.len());
+    for (key, mark) in [("query", "EF-QUERY"), ("reference", "EF-REFERENCE"), ("keep", "EF-KEEP")] {
+        if is_set(marks, key) && (key != "keep" || body.layer == "IfcSpace") {
+            let copies = out[shown.clone()].iter().map(|e| Entity { layer: mark.into(), ..e.clone() });
+            let copies: Vec<Entity> = copies.collect();
+            out.extend(copies);
+        }
+    }
 }
 
 fn editable(scene: &File<'_>, body: &Body<'_>) -> Editable {
@@ -245,6 +365,9 @@ fn editable(scene: &File<'_>, body: &Body<'_>) -> Editable {
         .iter()
         .flat_map(|a| a.list("channels"))
         .any(|c| c.get("target").and_then(|t| t.index("node")) == Some(body.shown.node));
+    if is_set(told(node), "keep") {
+        return Editable::No("extras.enfilade says keep".into());
+    }
     if animated {
         return Editable::No("it is animated".into());
     }

@@ -71,7 +71,7 @@ impl<'a> File<'a> {
 
     fn check(&self) -> Result<(), Error> {
         let version = self.json.get("asset").and_then(|a| a.text("version")).unwrap_or_default();
-        if !version.starts_with("2.") {
+        if !version.starts_with("2.") && self.odd_version().is_none() {
             let text = format!("found version {version:?}, expected glTF 2.0");
             return Err(fault(self.name, "gltf-version", "/asset/version", &text));
         }
@@ -85,6 +85,14 @@ impl<'a> File<'a> {
             }
         }
         Ok(())
+    }
+
+    /// A version that is no version, in a file laid out as 2.0 is (lists where 1.0 has objects).
+    pub fn odd_version(&self) -> Option<&str> {
+        let version = self.json.get("asset").and_then(|a| a.text("version"))?;
+        let is_number = version.chars().next().is_some_and(|c| c.is_ascii_digit());
+        let is_laid_out = !self.json.list("nodes").is_empty() && !self.json.list("accessors").is_empty();
+        (!is_number && is_laid_out).then_some(version)
     }
 
     fn read_buffers(&self) -> Result<Vec<Option<Cow<'a, [u8]>>>, Error> {
@@ -102,7 +110,7 @@ impl<'a> File<'a> {
                     Some((_, text)) => {
                         total = total.saturating_add(text.len());
                         if total > DATA_MAX {
-                            let text = format!("data URIs of more than {DATA_MAX} bytes");
+                            let text = format!("data URIs of more than {DATA_MAX} characters; export as GLB");
                             return Err(fault(self.name, "gltf-data", &pointer, &text));
                         }
                         let data = base64::engine::general_purpose::STANDARD.decode(text);
@@ -143,7 +151,11 @@ impl<'a> File<'a> {
                 odd.push(format!("/nodes/{n} does not exist"));
                 continue;
             };
-            if path.contains(&n) || path.len() > DEPTH_MAX {
+            if path.len() > DEPTH_MAX {
+                odd.push(format!("nodes hang deeper than {DEPTH_MAX} in each other; /nodes/{n} is left out"));
+                continue;
+            }
+            if path.contains(&n) {
                 let ring: Vec<String> =
                     path.iter().skip_while(|p| **p != n).chain([&n]).map(ToString::to_string).collect();
                 odd.push(format!("nodes are children of each other in a ring: {}", ring.join(">")));

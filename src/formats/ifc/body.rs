@@ -164,18 +164,24 @@ impl Geo<'_, '_> {
                     rings.push(points.collect::<Result<Vec<_>, Why>>()?);
                 }
                 out.push(rings);
-                if out.len() > FACES_MAX {
-                    return Err(format!("{} has more than {FACES_MAX} faces", self.named(id)));
-                }
+                self.count_faces(id, out.len())?;
             }
         }
         Ok(out)
+    }
+
+    fn count_faces(&self, id: u64, count: usize) -> Result<(), Why> {
+        if count > FACES_MAX {
+            return Err(format!("{} has more than {FACES_MAX} faces", self.named(id)));
+        }
+        Ok(())
     }
 
     fn triangles(&self, id: u64, args: &[Arg], to: &DAffine3) -> Result<Vec<Vec<Vec<DVec3>>>, Why> {
         let points = self.moved_list(self.reference(args, 0, id)?, to)?;
         // IFC4 has Normals and Closed before the indices; IFC4 Add2 and later the same.
         let faces = args.get(3).map(Arg::list).unwrap_or_default();
+        self.count_faces(id, faces.len())?;
         faces.iter().map(|f| Ok(vec![self.corners(id, f, &points)?])).collect()
     }
 
@@ -189,7 +195,9 @@ impl Geo<'_, '_> {
             numbers.iter().filter_map(at).collect()
         };
         let mut out = Vec::new();
-        for face in args.get(2).map(Arg::ids).unwrap_or_default() {
+        let faces = args.get(2).map(Arg::ids).unwrap_or_default();
+        self.count_faces(id, faces.len())?;
+        for face in faces {
             let of = self.args(face)?;
             let outer = of.first().map(|f| self.corners(id, f, &points)).transpose()?.unwrap_or_default();
             let holes = of.get(1).map(Arg::list).unwrap_or_default();

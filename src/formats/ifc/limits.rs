@@ -22,4 +22,4 @@ pub const UNZIPPED_MAX: u64 = 2 << 30;
 pub const ZIP_RATIO_MAX: u64 = 200;
 
 /// Bytes of an instance's text: face sets of large sites have megabytes, nothing has more.
-pub const INSTANCE_BYTES_MAX: usize = 256 << 20;
+pub const INSTANCE_BYTES_MAX: usize = 64 << 20;

@@ -25,11 +25,13 @@ mod units;
 mod zip;
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 pub use limits::*;
 pub use read::{CLOSING_LAYERS, read};
 pub use zip::{is_zip, unzip};
 
+use crate::formats::StoreyInfo;
 use crate::formats::splice::{self, Splice};
 use crate::plan::drawing::{Addition, Edit};
 use crate::report::{Error, Place};
@@ -178,6 +180,33 @@ pub fn moved_products(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<Ve
         MovedProduct { id, global_id }
     };
     edits.iter().map(|e| Ok(mover.edit(e)?.products.into_iter().map(named).collect())).collect()
+}
+
+/// What a building has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Inventory {
+    /// `GlobalId` → class.
+    pub classes: BTreeMap<String, String>,
+    /// Storeys from the lowest.
+    pub storeys: Vec<StoreyInfo>,
+}
+
+/// Classes and storeys of a building; nothing of a file that cannot be read.
+pub fn inventory(bytes: &[u8]) -> Inventory {
+    let Ok(step) = open("", bytes) else { return Inventory::default() };
+    let building = Building::new("", &step);
+    let products = building.model.products.iter().chain(&building.model.fillers);
+    let mut classes: BTreeMap<String, String> = BTreeMap::new();
+    for i in step.all("IFCSLAB").chain(step.all("IFCCOVERING")).chain(step.all("IFCROOF")) {
+        if let Some(global_id) = step.args_of(i).first().and_then(|a| step.text(a)) {
+            classes.insert(global_id, "IfcSlab".into());
+        }
+    }
+    classes.extend(products.map(|p| (p.global_id.clone(), p.class.to_string())));
+    let metres = building.geo.metres;
+    let storey =
+        |s: &model::Storey| StoreyInfo { name: s.name.clone(), floor_m: s.floor * metres, walls: s.walls };
+    Inventory { classes, storeys: building.model.storeys.iter().map(storey).collect() }
 }
 
 /// `Tag` of products: the element's id in the program that wrote the file.

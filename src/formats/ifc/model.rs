@@ -1,6 +1,6 @@
 //! Products and how they hang together.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use super::geo::{Geo, Why};
 use super::step::{Arg, Step};
@@ -93,6 +93,8 @@ pub(super) struct Model {
     pub materials: HashMap<u64, u64>,
     /// Storeys from the lowest.
     pub storeys: Vec<Storey>,
+    /// `GlobalId`s of several products.
+    pub twice: BTreeSet<String>,
 }
 
 impl Model {
@@ -103,6 +105,12 @@ impl Model {
         out.products = products(step, CLASSES.iter().copied());
         out.fillers = products(step, FILLERS.iter().map(|f| (f.0, f.1)));
         out.storeys = out.storeys(step, geo);
+        let mut seen = HashSet::new();
+        for p in out.products.iter().chain(&out.fillers).filter(|p| !p.global_id.is_empty()) {
+            if !seen.insert(&p.global_id) {
+                out.twice.insert(p.global_id.clone());
+            }
+        }
         out
     }
 

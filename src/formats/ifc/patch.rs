@@ -19,6 +19,13 @@ const NOISE_RATIO: f64 = 1e-14;
 
 /// Why a product cannot be moved, if so.
 pub(super) fn refusal(b: &Building<'_, '_>, id: u64) -> Option<String> {
+    if !b.step.duplicates.is_empty() {
+        return Some("the file gives one number to several instances".into());
+    }
+    let global_id = b.step.args(id).first().and_then(|a| b.step.text(a)).unwrap_or_default();
+    if b.model.twice.contains(&global_id) {
+        return Some(format!("the file gives its GlobalId {global_id} to several elements"));
+    }
     for follower in b.model.follows(id) {
         let Some(placement) = b.step.args(follower).get(5).and_then(Arg::id) else { continue };
         if let Err(why) = b.geo.placement(placement) {
@@ -81,8 +88,8 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         if self.b.step.get(id).is_none() {
             return Err(self.fault(id, "no such instance"));
         }
-        if !self.b.step.duplicates.is_empty() {
-            return Err(self.fault(id, "the file gives one number to several instances"));
+        if let Some(why) = refusal(self.b, id) {
+            return Err(self.fault(id, &why));
         }
         if !motion.turn_rad.is_finite() || !motion.shift.is_finite() {
             return Err(self.fault(id, "the motion is not finite"));

@@ -17,7 +17,7 @@ use crate::plan::drawing::{
 use crate::report::{Error, Place, Report};
 
 /// Layer of everything that closes a gap without blocking sight: plugs of door and window openings.
-pub const CLOSING_LAYERS: [&str; 3] = ["IfcDoor", "IfcWindow", "IfcOpeningElement"];
+pub const CLOSING_LAYERS: [&str; 4] = ["IfcDoor", "IfcWindow", "IfcOpeningElement", "IfcCurtainWall"];
 
 /// A wall this thin behind an opening is what rounding left, no wall.
 const SLIVER_M: f64 = 0.01;
@@ -93,6 +93,12 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     let step = super::open(file, bytes)?;
     state_broken(file, &step, report);
     let building = Building::new(file, &step);
+    for global_id in &building.model.twice {
+        let text = format!(
+            "GlobalId {global_id} is given to several elements, expected one; they are read and stay as drawn"
+        );
+        report.warn("ifc-duplicate-global-id", Place::file(file), text);
+    }
     let storey = building.storey(options.storey.as_deref(), report)?;
     let mut reader = Reader::new(&building, storey, options);
     reader.walls(report);
@@ -431,9 +437,6 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     }
 
     fn editable(&self, p: &Product) -> Editable {
-        if !self.b.step.duplicates.is_empty() {
-            return Editable::No("the file gives one number to several instances".into());
-        }
         match super::patch::refusal(self.b, p.id) {
             Some(why) => Editable::No(why),
             None => Editable::WithInsert { turnable: true },

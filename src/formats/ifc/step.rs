@@ -309,7 +309,8 @@ impl Scan<'_> {
             self.at = 3;
         }
         self.skip_blank()?;
-        if !self.bytes[self.at..].to_ascii_uppercase().starts_with(b"ISO-10303-21") {
+        let head = self.bytes.get(self.at..self.at + 12).unwrap_or_default();
+        if !head.eq_ignore_ascii_case(b"ISO-10303-21") {
             return Err(self.fault(self.at, "no `ISO-10303-21;`, expected a STEP physical file"));
         }
         loop {

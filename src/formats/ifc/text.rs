@@ -33,13 +33,23 @@ pub(super) fn decode(raw: &[u8]) -> String {
                 let len = rest[1..].iter().position(|b| b"\\'".contains(b)).map_or(rest.len(), |i| i + 1);
                 match std::str::from_utf8(&rest[..len]) {
                     Ok(text) => out.push_str(text),
-                    Err(_) => out.extend(rest[..len].iter().map(|b| char::from(*b))),
+                    Err(_) => out.push_str(&illegal(&rest[..len])),
                 }
                 at += len;
             }
         }
     }
     out
+}
+
+/// Bytes that the standard forbids and programs write: Shift-JIS where Latin-1 would be control codes.
+fn illegal(raw: &[u8]) -> String {
+    let latin = || raw.iter().map(|b| char::from(*b)).collect();
+    if !raw.iter().any(|b| (0x80..0xA0).contains(b)) {
+        return latin();
+    }
+    let (text, _, is_damaged) = encoding_rs::SHIFT_JIS.decode(raw);
+    if is_damaged { latin() } else { text.into_owned() }
 }
 
 fn wide(digits: &[u8], width: usize, out: &mut String) {
@@ -86,6 +96,7 @@ mod tests {
             (b"\\X\\E4", "ä"),
             (b"\\X4\\0001F3DB\\X0\\", "\u{1f3db}"),
             (b"a\\\\b", "a\\b"),
+            (b"1\x8aK", "1階"),
             ("plain ä".as_bytes(), "plain ä"),
             (b"\\X2\\00E4", "ä"),
         ] {

@@ -1,0 +1,321 @@
+//! glTF both ways: what is read of a small building, what a move changes, what is refused and in which words.
+
+#![allow(clippy::unwrap_used)]
+
+use base64::Engine;
+use enfilade::formats::{self, Completeness, ReadOptions};
+use enfilade::plan::drawing::{Addition, Drawing, Edit, Entity, Mark, RigidMotion, Shape};
+use enfilade::report::{Error, Report};
+use glam::DVec2;
+use proptest::prelude::*;
+
+const PAVILION: &[u8] = include_bytes!("../samples/pavilion.glb");
+
+fn read_as(file: &str, bytes: &[u8]) -> (Result<Drawing, Error>, Report) {
+    let mut report = Report::default();
+    (formats::read(file, bytes, &ReadOptions::default(), &mut report), report)
+}
+
+fn read(bytes: &[u8]) -> Drawing {
+    read_as("house.glb", bytes).0.unwrap()
+}
+
+fn patch(bytes: &[u8], edits: &[Edit], own: &[Addition]) -> Result<Vec<u8>, Error> {
+    formats::patch("house.glb", bytes, &ReadOptions::default(), edits, own)
+}
+
+fn points(e: &Entity) -> Vec<DVec2> {
+    let Shape::Polyline { vertices, .. } = &e.shape else { return Vec::new() };
+    vertices.iter().map(|v| v.at).collect()
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> usize {
+    u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize
+}
+
+/// JSON and binary data of the sample.
+fn parts() -> (String, Vec<u8>) {
+    let len = u32_at(PAVILION, 12);
+    let json = String::from_utf8(PAVILION[20..20 + len].to_vec()).unwrap();
+    (json, PAVILION[28 + len..].to_vec())
+}
+
+/// The sample as one text, its data embedded.
+fn embedded() -> String {
+    let (json, data) = parts();
+    let text = base64::engine::general_purpose::STANDARD.encode(&data);
+    json.replace(
+        "\"buffers\":[{",
+        &format!("\"buffers\":[{{\"uri\":\"data:application/octet-stream;base64,{text}\","),
+    )
+}
+
+fn node(name: &str) -> usize {
+    let json: serde_json::Value = serde_json::from_str(&parts().0).unwrap();
+    json["nodes"].as_array().unwrap().iter().position(|n| n["name"] == name).unwrap()
+}
+
+#[test]
+fn the_ground_floor_of_the_sample() {
+    let (drawing, report) = read_as("house.glb", PAVILION);
+    let drawing = drawing.unwrap();
+    assert!(!report.is_degraded(), "{report:?}");
+    let on = |layer: &str| drawing.entities.iter().filter(|e| e.layer == layer).count();
+    assert_eq!((on("IfcWall"), on("IfcColumn"), on("IfcSpace"), on("EF-QUERY")), (21, 2, 2, 1));
+    let marked: Vec<&str> = drawing.marked.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(marked, ["cloakroom", "screen-1", "screen-2", "screen-3", "screen-4"]);
+    assert_eq!(drawing.texts.iter().map(|t| t.text.as_str()).collect::<Vec<_>>(), ["Foyer", "Gallery"]);
+    let text = read_as("house.gltf", embedded().as_bytes()).0.unwrap();
+    assert_eq!(text.entities, drawing.entities);
+}
+
+#[test]
+fn classes_and_storeys_come_from_the_ifc_beside_it() {
+    let twin: &[u8] = include_bytes!("../samples/pavilion.ifc");
+    let (mut json, data) = parts();
+    // As converters write it: nodes bear GlobalIds and nothing says what they are.
+    for (name, global_id) in global_ids(twin) {
+        json = json.replace(&format!("\"Ifc{name}\""), &format!("\"{global_id}\""));
+    }
+    let text = base64::engine::general_purpose::STANDARD.encode(&data);
+    let json = json.replace("\"buffers\":[{", &format!("\"buffers\":[{{\"uri\":\"data:;base64,{text}\","));
+    let options = |storey: Option<&str>| ReadOptions {
+        twin: Some(twin.into()),
+        storey: storey.map(str::to_string),
+        ..ReadOptions::default()
+    };
+    let read = |storey| {
+        formats::read("house.gltf", json.as_bytes(), &options(storey), &mut Report::default()).unwrap()
+    };
+    let count = |d: &Drawing| d.entities.iter().filter(|e| e.layer == "IfcWall").count();
+    assert_eq!(count(&read(None)), 21);
+    assert_eq!(count(&read(Some("Upper floor"))), 16);
+    let names = formats::storeys("house.gltf", json.as_bytes(), &options(None));
+    assert_eq!(names.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(), ["Ground floor", "Upper floor"]);
+}
+
+/// `Wall/screen-1` → `GlobalId`, of walls whose name is unique.
+fn global_ids(ifc: &[u8]) -> Vec<(String, String)> {
+    let text = String::from_utf8(ifc.to_vec()).unwrap();
+    let wall = |l: &str| {
+        let (_, rest) = l.split_once("=IFCWALL('")?;
+        let name = rest.split('\'').nth(2)?;
+        Some((format!("Wall/{name}"), rest[..22].to_string()))
+    };
+    text.lines().filter_map(wall).collect()
+}
+
+#[test]
+fn a_move_changes_numbers_of_one_node() {
+    let bytes_of = |e: Edit| patch(PAVILION, &[e], &[]).unwrap();
+    let record = node("IfcWall/cloakroom");
+    let motion = RigidMotion { turn_rad: 0.0, shift: DVec2::new(0.25, 0.5) };
+    let bytes = bytes_of(Edit::Insert { record, motion });
+    assert_eq!(u32_at(&bytes, 8), bytes.len());
+    let (before, after) = (read(PAVILION), read(&bytes));
+    for (a, b) in before.entities.iter().zip(&after.entities) {
+        let expected = if a.source.record == record { motion.shift } else { DVec2::ZERO };
+        assert!((points(b)[0] - points(a)[0] - expected).length() < 1e-9, "{:?}", a.source);
+    }
+    let (old, _) = parts();
+    let new = String::from_utf8(bytes[20..20 + u32_at(&bytes, 12)].to_vec()).unwrap();
+    assert_eq!(new.trim_end(), old.trim_end().replace("[0.3,0,-7.5]", "[0.55,0,-8]"));
+    assert!(bytes.ends_with(&parts().1));
+    assert!(patch(PAVILION, &[], &[]).unwrap() == PAVILION);
+}
+
+#[test]
+fn additions_are_nodes_of_ours_and_are_not_read_as_walls() {
+    let add = |layer: &str, mark| Addition { layer: layer.into(), rgb: [200, 30, 30], mark };
+    let own = [
+        add("EF-NOTE", Mark::Text { at: DVec2::ZERO, height: 0.1, text: "\"ä 壁\nb".into() }),
+        add("EF-HEAT-DEGREE", Mark::Fill { corners: [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y] }),
+        add("EF-MOVED", Mark::Path { points: vec![DVec2::ZERO, DVec2::X], closed: false }),
+    ];
+    let bytes = patch(PAVILION, &[], &own).unwrap();
+    assert_eq!(read(&bytes).entities, read(PAVILION).entities);
+    let json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + u32_at(&bytes, 12)]).unwrap();
+    let nodes = json["nodes"].as_array().unwrap();
+    let mine: Vec<&str> = nodes.iter().rev().take(3).filter_map(|n| n["name"].as_str()).collect();
+    assert_eq!(mine, ["EF-NOTE", "EF-MOVED", "EF-HEAT-DEGREE"]);
+    assert_eq!(json["scenes"][0]["nodes"].as_array().unwrap().len(), nodes.len());
+    assert_eq!(json["extensionsUsed"], serde_json::json!(["KHR_materials_unlit"]));
+}
+
+/// A bad text: what is changed in the sample, what must be said, whether the whole file is refused.
+fn hazards() -> Vec<(&'static str, String, &'static str, bool)> {
+    let text = embedded();
+    let swap = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    };
+    let uri = {
+        let start = text.find("\"uri\":\"").unwrap();
+        let end = start + 7 + text[start + 7..].find('"').unwrap() + 1;
+        text[start..end].to_string()
+    };
+    let other = |to: &str| swap(&uri, &format!("\"uri\":\"{to}\""));
+    let mut out = Vec::new();
+    for path in [
+        "../walls.bin",
+        "/etc/passwd",
+        "file:///etc/passwd",
+        "http://example.org/a.bin",
+        "%2e%2e/a.bin",
+        "A..B.bin",
+    ] {
+        out.push(("43 data in another file", other(path), "/buffers/0: lies in another file", false));
+    }
+    out.extend([
+        ("43 damaged data", other("data:;base64,@@"), "/buffers/0: its data URI is damaged", true),
+        ("43 data too short", swap("\"byteLength\":", "\"byteLength\":9"), "expected 9", true),
+        ("44 count of 4e9", swap("\"count\":", "\"count\":4000000000,\"x\":"), "/bufferViews/0: is shorter than what is read", false),
+        ("44 view out of range", swap("\"bufferView\":0", "\"bufferView\":99999"), "/bufferViews/99999: does not exist", false),
+        ("44 accessor out of range", swap("\"POSITION\":0", "\"POSITION\":99999"), "/accessors/99999: does not exist", false),
+        ("44 offset that overflows", swap("\"bufferView\":0", "\"bufferView\":0,\"byteOffset\":9007199254740991"), "/bufferViews/0: is shorter than what is read", false),
+        ("44 sparse without indices", swap("\"bufferView\":0", "\"bufferView\":0,\"sparse\":{\"count\":3}"), "/accessors/0: sparse: is incomplete", false),
+        ("44 Draco required", swap("{\"asset\"", "{\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"asset\""), "/extensionsRequired/0: the meshes are packed by KHR_draco_mesh_compression; export again without compression", true),
+        ("44 meshopt required", swap("{\"asset\"", "{\"extensionsRequired\":[\"EXT_meshopt_compression\"],\"asset\""), "/extensionsRequired/0: the meshes are packed by EXT_meshopt_compression; export again without compression", true),
+        ("44 ring of nodes", swap("{\"name\":\"IfcWall/south\",", "{\"children\":[0],\"name\":\"IfcWall/south\","), "nodes are children of each other in a ring: 0>0", false),
+        ("44 not a number", swap("\"translation\":[0,0,-0.15]", "\"translation\":[NaN,0,-0.15]"), "found something that is no JSON value", true),
+        ("44 nested 200,000 deep", swap("{\"asset\"", &format!("{{\"extras\":{}{},\"asset\"", "[".repeat(200_000), "]".repeat(200_000))), "JSON nested deeper than any scene is", true),
+        ("version 1.0", swap("\"version\":\"2.0\"", "\"version\":\"1.0\""), "/asset/version: found version \"1.0\", expected glTF 2.0", true),
+    ]);
+    out
+}
+
+#[test]
+fn bad_inputs_are_named_and_the_rest_is_read() {
+    for (name, text, says, is_refused) in hazards() {
+        let (drawing, report) = read_as("house.gltf", text.as_bytes());
+        let said = match &drawing {
+            Ok(_) => report.problems.iter().map(|p| format!("{p}\n")).collect(),
+            Err(error) => error.to_string(),
+        };
+        assert!(said.contains(says), "{name}: expected {says:?}, found {said:.600}");
+        assert_eq!(drawing.is_err(), is_refused, "{name}");
+        assert!(is_refused || report.is_degraded(), "{name}: not stated as left out");
+    }
+}
+
+#[test]
+fn containers_that_lie_are_refused() {
+    let with = |edit: &dyn Fn(&mut Vec<u8>)| {
+        let mut bytes = PAVILION.to_vec();
+        edit(&mut bytes);
+        read_as("house.glb", &bytes).0.unwrap_err().to_string()
+    };
+    assert!(with(&|b| b.truncate(b.len() - 4)).contains("the file is damaged or not finished"));
+    assert!(with(&|b| b.extend([0; 4])).contains("the file is damaged or not finished"));
+    assert!(
+        with(&|b| b[12..16].copy_from_slice(&u32::MAX.to_le_bytes())).contains("byte 12: a chunk is cut off")
+    );
+    assert!(with(&|b| b[16..20].copy_from_slice(b"BIN\0")).contains("the first chunk is not JSON"));
+    for cut in (0..PAVILION.len()).step_by(301) {
+        assert_ne!(formats::is_complete("house.glb", &PAVILION[..cut]), Completeness::Whole, "{cut}");
+    }
+    assert_eq!(formats::is_complete("house.glb", PAVILION), Completeness::Whole);
+}
+
+#[test]
+fn a_triangle_in_every_way_of_writing_it() {
+    // One upright box of a wall, 2 m long, as plain, quantised, sparse and striped data.
+    let corner = |i: usize| [(i & 1) * 2, (i >> 1 & 1) * 3, i >> 2 & 1];
+    let floats: Vec<u8> = (0..8).flat_map(corner).flat_map(|v| (v as f32).to_le_bytes()).collect();
+    let shorts: Vec<u8> = (0..8)
+        .flat_map(|i| [corner(i).map(|v| v as u16).as_slice(), &[0]].concat())
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    let indices = [
+        0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3,
+        7, 5u8,
+    ];
+    let sides = [4, 6, 5, 7, 1, 3, 0, 2, 4, 6u8];
+    let scene = |data: &[u8], views: &str, position: &str, index: &str, mode: u32| {
+        let text = base64::engine::general_purpose::STANDARD.encode(data);
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{{"name":"wall","mesh":0}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1,"mode":{mode}}}]}}],
+            "accessors":[{{{position},"type":"VEC3"}},{{"componentType":5121,"type":"SCALAR",{index}}}],
+            "bufferViews":[{views}],
+            "buffers":[{{"byteLength":{},"uri":"data:application/octet-stream;base64,{text}"}}]}}"#,
+            data.len()
+        )
+    };
+    let plain = scene(
+        &[&floats[..], &indices].concat(),
+        r#"{"buffer":0,"byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":36}"#,
+        r#""bufferView":0,"componentType":5126,"count":8"#,
+        r#""bufferView":1,"count":36"#,
+        4,
+    );
+    let quantised = scene(
+        &[&shorts[..], &indices].concat(),
+        r#"{"buffer":0,"byteLength":64,"byteStride":8},{"buffer":0,"byteOffset":64,"byteLength":36}"#,
+        r#""bufferView":0,"componentType":5123,"count":8"#,
+        r#""bufferView":1,"count":36"#,
+        4,
+    );
+    let all: Vec<u8> = (0..8).collect();
+    let sparse = scene(
+        &[&floats[..], &indices, &all].concat(),
+        r#"{"buffer":0,"byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":36},{"buffer":0,"byteOffset":132,"byteLength":8}"#,
+        r#""componentType":5126,"count":8,"sparse":{"count":8,"indices":{"bufferView":2,"componentType":5121},"values":{"bufferView":0}}"#,
+        r#""bufferView":1,"count":36"#,
+        4,
+    );
+    let striped = scene(
+        &[&floats[..], &sides].concat(),
+        r#"{"buffer":0,"byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":10}"#,
+        r#""bufferView":0,"componentType":5126,"count":8"#,
+        r#""bufferView":1,"count":10"#,
+        5,
+    );
+    for (name, text) in [("plain", plain), ("quantised", quantised), ("sparse", sparse), ("striped", striped)]
+    {
+        let (drawing, report) = read_as("house.gltf", text.as_bytes());
+        let drawing = drawing.unwrap();
+        assert_eq!(drawing.entities.len(), 1, "{name}: {report:?}");
+        let mut corners = points(&drawing.entities[0]);
+        corners.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+        let expected = [(0.0, -1.0), (0.0, 0.0), (2.0, -1.0), (2.0, 0.0)].map(DVec2::from);
+        assert!(corners.iter().zip(expected).all(|(a, b)| (*a - b).length() < 1e-12), "{name}: {corners:?}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn moves_are_written_as_told(which in 0usize..6, turn in -3.0..3.0f64, x in -5.0..5.0f64, y in -5.0..5.0f64) {
+        let name = ["screen-1", "screen-2", "screen-3", "screen-4", "cloakroom", "hall"][which];
+        let record = node(&format!("IfcWall/{name}"));
+        let motion = RigidMotion { turn_rad: turn, shift: DVec2::new(x, y) };
+        let bytes = patch(PAVILION, &[Edit::Insert { record, motion }], &[]).unwrap();
+        let (before, after) = (read(PAVILION), read(&bytes));
+        let own = |d: &Drawing| -> Vec<DVec2> {
+            d.entities.iter().filter(|e| e.source.record == record).flat_map(points).collect()
+        };
+        // Slicing may start a ring elsewhere: every corner has its image.
+        let images = own(&after);
+        for a in own(&before) {
+            let expected = DVec2::from_angle(turn).rotate(a) + motion.shift;
+            prop_assert!(images.iter().any(|b| (*b - expected).length() < 1e-6), "{a}: {images:?}");
+        }
+        prop_assert_eq!(u32_at(&bytes, 8), bytes.len());
+        prop_assert!(bytes.ends_with(&parts().1));
+    }
+
+    #[test]
+    fn damaged_files_never_panic(at in 0usize..100_000, with in prop::collection::vec(any::<u8>(), 1..6)) {
+        for (file, mut bytes) in [("house.glb", PAVILION.to_vec()), ("house.gltf", embedded().into_bytes())] {
+            let at = at % bytes.len();
+            let end = (at + with.len()).min(bytes.len());
+            bytes.splice(at..end, with.iter().copied());
+            let (once, twice) = (read_as(file, &bytes), read_as(file, &bytes));
+            prop_assert_eq!(once.0.ok(), twice.0.ok());
+            prop_assert_eq!(once.1, twice.1);
+            prop_assert_eq!(formats::patch(file, &bytes, &ReadOptions::default(), &[], &[]).unwrap(), bytes);
+        }
+    }
+}

@@ -1,0 +1,473 @@
+//! IFC both ways: what is read of a small building, what a move changes, what is refused and in which words.
+
+#![allow(clippy::unwrap_used)]
+
+#[allow(dead_code)]
+#[path = "../examples/make_samples/building.rs"]
+mod building;
+#[allow(dead_code)]
+#[path = "../examples/make_samples/dxf.rs"]
+mod dxf;
+#[allow(dead_code)]
+#[path = "../examples/make_samples/ifc.rs"]
+mod sample;
+
+use std::io::Write;
+
+use enfilade::formats::{self, Completeness, ReadOptions, ifc};
+use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape};
+use enfilade::report::{Error, Report};
+use glam::DVec2;
+use proptest::prelude::*;
+
+fn read_with(bytes: &[u8], options: &ReadOptions) -> (Result<Drawing, Error>, Report) {
+    let mut report = Report::default();
+    (formats::read("house.ifc", bytes, options, &mut report), report)
+}
+
+fn read(bytes: &[u8]) -> Drawing {
+    read_with(bytes, &ReadOptions::default()).0.unwrap()
+}
+
+fn patch(bytes: &[u8], edits: &[Edit], own: &[Addition]) -> Result<Vec<u8>, Error> {
+    formats::patch("house.ifc", bytes, &ReadOptions::default(), edits, own)
+}
+
+fn points(e: &Entity) -> Vec<DVec2> {
+    let Shape::Polyline { vertices, .. } = &e.shape else { return Vec::new() };
+    vertices.iter().map(|v| v.at).collect()
+}
+
+fn on<'d>(drawing: &'d Drawing, layer: &str) -> Vec<&'d Entity> {
+    drawing.entities.iter().filter(|e| e.layer == layer).collect()
+}
+
+/// Instance of the element with that name.
+fn named(text: &str, name: &str) -> usize {
+    let line = text
+        .lines()
+        .find(|l| l.contains(&format!("'{name}'")) && (l.contains("=IFCWALL(") || l.contains("=IFCCOLUMN(")));
+    line.unwrap()[1..].split('=').next().unwrap().parse().unwrap()
+}
+
+fn shift(record: usize, x: f64, y: f64) -> Edit {
+    Edit::Insert { record, motion: RigidMotion { turn_rad: 0.0, shift: DVec2::new(x, y) } }
+}
+
+fn pavilion() -> String {
+    sample::building(false)
+}
+
+#[test]
+fn the_ground_floor_of_the_sample() {
+    let text = pavilion();
+    let (drawing, report) = read_with(text.as_bytes(), &ReadOptions::default());
+    let drawing = drawing.unwrap();
+    assert!(!report.is_degraded(), "{report:?}");
+    // 4 outer walls in 12 pieces, the hall in 3, the cloakroom in 2, four screens.
+    assert_eq!(on(&drawing, "IfcWall").len(), 12 + 3 + 2 + 4);
+    assert_eq!(on(&drawing, "IfcColumn").len(), 2);
+    assert_eq!(on(&drawing, "IfcDoor").len(), 4);
+    assert_eq!(on(&drawing, "IfcWindow").len(), 7);
+    assert_eq!(on(&drawing, "IfcSpace").len(), 2);
+    assert_eq!(on(&drawing, "EF-QUERY").len(), 1);
+    assert_eq!(
+        drawing.texts.iter().map(|t| t.text.as_str()).collect::<Vec<_>>(),
+        ["Foyer\nFoyer", "Gallery\nGallery"]
+    );
+    let marked: Vec<&str> = drawing.marked.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(marked, ["cloakroom", "screen-1", "screen-2", "screen-3", "screen-4"]);
+    let tags = formats::host_ids("house.ifc", text.as_bytes(), &[named(&text, "screen-1")]);
+    assert!(tags[0].as_ref().is_some_and(|t| t.starts_with('1')), "{tags:?}");
+}
+
+#[test]
+fn storeys_by_name_and_at_the_height_of_the_knees() {
+    let text = pavilion();
+    let upper = ReadOptions { storey: Some("upper floor".into()), ..ReadOptions::default() };
+    let drawing = read_with(text.as_bytes(), &upper).0.unwrap();
+    assert_eq!((on(&drawing, "IfcWall").len(), on(&drawing, "IfcWindow").len()), (12 + 3 + 1, 8));
+    let wrong = ReadOptions { storey: Some("attic".into()), ..ReadOptions::default() };
+    let error = read_with(text.as_bytes(), &wrong).0.unwrap_err().to_string();
+    assert!(error.contains("no such storey, storeys present: \"Ground floor\" (floor 0.000 m, "), "{error}");
+    let knee = ReadOptions { sight: ifc::Sight::Knee, ..ReadOptions::default() };
+    let drawing = read_with(text.as_bytes(), &knee).0.unwrap();
+    assert_eq!((on(&drawing, "IfcWindow").len(), on(&drawing, "IfcDoor").len()), (0, 4));
+    let names: Vec<String> =
+        formats::storeys("house.ifc", text.as_bytes(), &knee).into_iter().map(|s| s.name).collect();
+    assert_eq!(names, ["Ground floor", "Upper floor"]);
+}
+
+#[test]
+fn doors_follow_their_wall_wherever_they_are_placed() {
+    for in_world in [false, true] {
+        let text = sample::building(in_world);
+        let wall = named(&text, "cloakroom");
+        let before = read(text.as_bytes());
+        let bytes = patch(text.as_bytes(), &[shift(wall, 250.0, 500.0)], &[]).unwrap();
+        let after = read(&bytes);
+        assert_eq!(before.entities.len(), after.entities.len());
+        let mut moved = 0;
+        for (a, b) in before.entities.iter().zip(&after.entities) {
+            let by = points(b)[0] - points(a)[0];
+            let follows =
+                a.source.record == wall || a.layer == "IfcDoor" && (points(a)[0].y - 7500.0).abs() < 100.0;
+            let expected = if follows { DVec2::new(250.0, 500.0) } else { DVec2::ZERO };
+            assert!((by - expected).length() < 1e-6, "in_world {in_world}: {:?} moved by {by}", a.source);
+            moved += usize::from(follows);
+        }
+        assert_eq!(moved, 3, "two pieces of the wall and its door");
+        let products =
+            formats::changed_records("house.ifc", text.as_bytes(), &[shift(wall, 1.0, 0.0)]).unwrap();
+        assert_eq!(products[0].len(), 3, "wall, opening, door: {products:?}");
+        assert!(products[0].iter().all(|p| p.handle.as_ref().is_some_and(|h| h.len() == 22)));
+    }
+}
+
+#[test]
+fn a_point_that_two_walls_share_is_copied() {
+    let text = pavilion();
+    let id = |needle: &str| {
+        let line = text.lines().find(|l| l.contains(needle)).unwrap();
+        line.split('=').next().unwrap().to_string()
+    };
+    let (one, other) =
+        (id("IFCCARTESIANPOINT((2000.,4000.,0.))"), id("IFCCARTESIANPOINT((10000.,3200.,0.))"));
+    let shared =
+        text.replace(&format!("IFCAXIS2PLACEMENT3D({other},"), &format!("IFCAXIS2PLACEMENT3D({one},"));
+    assert_ne!(shared, text);
+    let (mover, stays) = (named(&text, "screen-1"), named(&text, "screen-2"));
+    let bytes = patch(shared.as_bytes(), &[shift(mover, 300.0, 0.0)], &[]).unwrap();
+    let (before, after) = (read(shared.as_bytes()), read(&bytes));
+    let of = |d: &Drawing, r: usize| points(d.entities.iter().find(|e| e.source.record == r).unwrap());
+    assert_eq!(of(&before, stays), of(&after, stays));
+    assert_eq!(of(&before, mover)[0] + DVec2::new(300.0, 0.0), of(&after, mover)[0]);
+    assert!(
+        String::from_utf8(bytes).unwrap().contains(&format!("{one}=IFCCARTESIANPOINT((2000.,4000.,0.));"))
+    );
+}
+
+#[test]
+fn what_is_added_comes_off_again() {
+    let text = pavilion();
+    let add = |layer: &str, mark| Addition { layer: layer.into(), rgb: [200, 30, 30], mark };
+    let own = [
+        add("EF-NOTE", Mark::Text { at: DVec2::ZERO, height: 100.0, text: "it's ä 壁\nb".into() }),
+        add("EF-HEAT-DEGREE", Mark::Fill { corners: [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y] }),
+        add("EF-MOVED", Mark::Path { points: vec![DVec2::ZERO, DVec2::X], closed: true }),
+    ];
+    for schema in ["IFC2X3", "IFC4", "IFC4X3_ADD2"] {
+        let text = text.replace("'IFC4'", &format!("'{schema}'"));
+        let wall = named(&text, "screen-1");
+        let edits = [shift(wall, 10.0, 0.0)];
+        let (bare, full) = (patch(text.as_bytes(), &edits, &[]), patch(text.as_bytes(), &edits, &own));
+        let full = full.unwrap();
+        assert_eq!(ifc::strip_own(&full), bare.unwrap(), "{schema}");
+        assert_eq!(read(&full).entities.len(), read(text.as_bytes()).entities.len());
+        let written = String::from_utf8(full).unwrap();
+        assert!(written.contains("'Pset_Enfilade_Result'") && written.contains("'EF-HEAT-DEGREE'"));
+        assert!(patch(text.as_bytes(), &[], &[]).unwrap() == text.as_bytes());
+    }
+}
+
+/// One bad input: what is done to the sample, and what must be said of it.
+struct Hazard {
+    name: &'static str,
+    bytes: Vec<u8>,
+    says: &'static str,
+    /// Whether the file is refused; else the rest of it is read.
+    is_refused: bool,
+}
+
+fn hazard(name: &'static str, text: impl Into<Vec<u8>>, says: &'static str, is_refused: bool) -> Hazard {
+    Hazard { name, bytes: text.into(), says, is_refused }
+}
+
+/// The sample with the placement of a screen replaced by that text, and instances added.
+fn with_placement(of: &str, placement: &str, added: &str) -> String {
+    let text = pavilion();
+    let line = text.lines().find(|l| l.contains(&format!("'{of}'"))).unwrap();
+    let new = {
+        let mut parts: Vec<&str> = line.split(',').collect();
+        let at = parts.iter().position(|p| p.starts_with('#') && !p.contains('=')).unwrap();
+        parts[at] = placement;
+        parts.join(",")
+    };
+    text.replace(line, &new).replace("ENDSEC;\nEND-ISO", &format!("{added}ENDSEC;\nEND-ISO"))
+}
+
+fn placements() -> Vec<Hazard> {
+    let axes = "#90000=IFCCARTESIANPOINT((0.,0.,0.));\n#90001=IFCAXIS2PLACEMENT3D(#90000,$,$);\n";
+    let ring = format!(
+        "{axes}#90004=IFCLOCALPLACEMENT(#90005,#90001);\n#90005=IFCLOCALPLACEMENT(#90006,#90001);\n\
+         #90006=IFCLOCALPLACEMENT(#90005,#90001);\n"
+    );
+    let mut chain = axes.to_string();
+    chain.push_str("#100000=IFCLOCALPLACEMENT($,#90001);\n");
+    for i in 1..200_000 {
+        chain.push_str(&format!("#{}=IFCLOCALPLACEMENT(#{},#90001);\n", 100_000 + i, 99_999 + i));
+    }
+    let flat = |axis: &str, reference: &str| {
+        let directions = format!("#90002=IFCDIRECTION({axis});\n#90003=IFCDIRECTION({reference});\n");
+        let own = "#90004=IFCAXIS2PLACEMENT3D(#90000,#90002,#90003);\n#90005=IFCLOCALPLACEMENT($,#90004);\n";
+        with_placement("screen-1", "#90005", &format!("{axes}{directions}{own}"))
+    };
+    vec![
+        hazard(
+            "38 ring of placements",
+            with_placement("screen-1", "#90004", &ring),
+            "placements are relative to each other in a ring: #90005>#90006>#90005; this part of it is left out",
+            false,
+        ),
+        hazard(
+            "38 chain of 200,000 placements",
+            with_placement("screen-1", "#299999", &chain),
+            "a chain of more than 1000 placements starts at #299999; this part of it is left out",
+            false,
+        ),
+        hazard(
+            "39 dangling",
+            with_placement("screen-1", "#77777", ""),
+            "#77777 does not exist; this part of it",
+            false,
+        ),
+        hazard(
+            "40 direction without length",
+            flat("(0.,0.,0.)", "(1.,0.,0.)"),
+            "#90002 IFCDIRECTION has no length, expected a direction",
+            false,
+        ),
+        hazard(
+            "40 direction of one ratio",
+            flat("(0.)", "(1.,0.,0.)"),
+            "#90002 IFCDIRECTION has not two or three ratios",
+            false,
+        ),
+        hazard(
+            "40 both axes along one line",
+            flat("(1.,0.,0.)", "(1.,0.,0.)"),
+            "#90004 IFCAXIS2PLACEMENT3D has its two axes along one line",
+            false,
+        ),
+    ]
+}
+
+fn syntax() -> Vec<Hazard> {
+    let text = pavilion();
+    let added = |lines: &str| text.replace("ENDSEC;\nEND-ISO", &format!("{lines}\nENDSEC;\nEND-ISO"));
+    let first = text.lines().find(|l| l.starts_with("#1=")).unwrap();
+    let screen = text.lines().find(|l| l.contains("'screen-1'")).unwrap();
+    let twin = text.lines().find(|l| l.contains("'screen-2'")).unwrap();
+    let id_of = |line: &str| line[line.find('\'').unwrap() + 1..][..22].to_string();
+    let same_id = text.replace(&id_of(twin), &id_of(screen));
+    vec![
+        hazard("39 number twice", added(first), "#1 is given 2 times, expected each number once", false),
+        hazard("39 GlobalId twice", same_id, "is given to several elements, expected one", false),
+        hazard(
+            "39 huge number",
+            added("#99999999999999999999=IFCWALL($);"),
+            "the instance is left out",
+            false,
+        ),
+        hazard("39 number with a sign", added("#+29=IFCWALL($);"), "the instance is left out", false),
+        hazard("39 missing parenthesis", added("#90000=IFCWALL('a',$;"), "the instance is left out", false),
+        hazard(
+            "39 unclosed text",
+            added("#90000=IFCWALL('a,$);"),
+            "a text without its closing quote, expected `'`; nothing was done",
+            true,
+        ),
+        hazard(
+            "39 200,000 parentheses",
+            added(&format!("#90000=IFCWALL({}{});", "(".repeat(200_000), ")".repeat(200_000))),
+            "the instance is left out",
+            false,
+        ),
+        hazard(
+            "39 unclosed comment",
+            added("/* no end"),
+            "a comment that does not end; nothing was done",
+            true,
+        ),
+    ]
+}
+
+fn zipped(text: &[u8], claimed: Option<u32>) -> Vec<u8> {
+    let mut packer = flate2::write::DeflateEncoder::new(Vec::new(), flate2::Compression::best());
+    packer.write_all(text).unwrap();
+    let packed = packer.finish().unwrap();
+    let size = claimed.unwrap_or(text.len() as u32);
+    let name = b"house.ifc";
+    // Version, flags, method 8, time, date, checksum; sizes; lengths of name and extra field.
+    let fields = [
+        &[20, 0, 0, 0, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0][..],
+        &(packed.len() as u32).to_le_bytes(),
+        &size.to_le_bytes(),
+        &(name.len() as u16).to_le_bytes(),
+        &[0, 0],
+    ]
+    .concat();
+    let mut out = [b"PK\x03\x04", &fields[..], name, &packed].concat();
+    let at = out.len() as u32;
+    out.extend([b"PK\x01\x02\x14\0", &fields[..], &[0; 14], name].concat());
+    let len = out.len() as u32 - at;
+    out.extend(b"PK\x05\x06\0\0\0\0\x01\0\x01\0");
+    out.extend([&len.to_le_bytes()[..], &at.to_le_bytes(), &[0, 0]].concat());
+    out
+}
+
+fn kinds() -> Vec<Hazard> {
+    let text = pavilion();
+    let bomb = zipped(&vec![b' '; 64 << 20], None);
+    vec![
+        hazard(
+            "41 another schema",
+            text.replace("'IFC4'", "'AP214'"),
+            "found schema \"AP214\", expected IFC2X3, IFC4 or IFC4X3; nothing was done",
+            true,
+        ),
+        hazard(
+            "41 no schema",
+            text.replace("FILE_SCHEMA(('IFC4'));\n", ""),
+            "found no schema, expected IFC2X3, IFC4 or IFC4X3",
+            true,
+        ),
+        hazard(
+            "41 ifcXML",
+            "<?xml version=\"1.0\"?><ifcXML/>",
+            "found IFC as XML, expected a STEP file (.ifc)",
+            true,
+        ),
+        hazard("41 zip bomb", bomb, "times the packed size; nothing was done", true),
+        hazard(
+            "41 zip that lies",
+            zipped(text.as_bytes(), Some(100)),
+            "unpacks to another size than stated",
+            true,
+        ),
+        hazard(
+            "41 zip cut off",
+            zipped(text.as_bytes(), None)[..2000].to_vec(),
+            "found a damaged archive, expected a ZIP file",
+            true,
+        ),
+        hazard(
+            "no end",
+            text.replace("END-ISO-10303-21;\n", ""),
+            "found no END-ISO-10303-21; at its end",
+            true,
+        ),
+    ]
+}
+
+#[test]
+fn bad_inputs_are_named_and_the_rest_is_read() {
+    let whole = read(pavilion().as_bytes()).entities.len();
+    for h in placements().into_iter().chain(syntax()).chain(kinds()) {
+        let (drawing, report) = read_with(&h.bytes, &ReadOptions::default());
+        let said = match &drawing {
+            Ok(_) => report.problems.iter().map(|p| format!("{p}\n")).collect(),
+            Err(error) => error.to_string(),
+        };
+        assert!(said.contains(h.says), "{}: expected {:?}, found {said}", h.name, h.says);
+        assert_eq!(drawing.is_err(), h.is_refused, "{}: {said}", h.name);
+        if let Ok(drawing) = drawing {
+            assert!(report.is_degraded(), "{}: not stated as left out", h.name);
+            assert!(drawing.entities.len() + 1 >= whole, "{}: more than one wall is missing", h.name);
+            assert_eq!(patch(&h.bytes, &[], &[]).unwrap(), h.bytes, "{}", h.name);
+        }
+    }
+}
+
+#[test]
+fn numbers_given_twice_are_read_and_never_written() {
+    for h in syntax().into_iter().filter(|h| h.name.ends_with("twice")) {
+        let drawing = read(&h.bytes);
+        let screen = named(&pavilion(), "screen-1");
+        let editable = &drawing.entities.iter().find(|e| e.source.record == screen).unwrap().editable;
+        assert!(matches!(editable, Editable::No(_)), "{}: {editable:?}", h.name);
+        let error = patch(&h.bytes, &[shift(screen, 1.0, 0.0)], &[]).unwrap_err().to_string();
+        assert!(error.contains("cannot be moved: the file gives"), "{}: {error}", h.name);
+    }
+}
+
+#[test]
+fn odd_but_legal_text_reads_the_same() {
+    let text = pavilion();
+    let expected = read(text.as_bytes());
+    let (head, rest) = text.split_once("DATA;\n").unwrap();
+    let (data, tail) = rest.split_once("ENDSEC;").unwrap();
+    let backwards: String = data.lines().rev().map(|l| format!("{l}\n")).collect();
+    let backwards = format!("{head}DATA;\n{backwards}ENDSEC;{tail}");
+    let same_points = |d: &Drawing| {
+        let key = |d: &Drawing| {
+            let mut all: Vec<String> = d
+                .entities
+                .iter()
+                .map(|e| format!("{} {} {:?}", e.source.record, e.layer, points(e)))
+                .collect();
+            all.sort();
+            all
+        };
+        assert_eq!(key(d), key(&expected));
+    };
+    same_points(&read(backwards.as_bytes()));
+    same_points(&read(text.replace("=IFCWALL(", "=ifcwall(").as_bytes()));
+    same_points(&read(text.replace('\n', "\r\n").as_bytes()));
+    same_points(&read(text.replace("=IFCWALL(", " =\n IFCWALL /* a ; comment ' */ (").as_bytes()));
+    same_points(&read(&zipped(text.as_bytes(), None)));
+}
+
+#[test]
+fn a_file_cut_anywhere_is_not_whole() {
+    let text = pavilion();
+    let end = text.trim_end().len();
+    for cut in (0..end).step_by(97).chain(end - 20..end) {
+        let found = formats::is_complete("house.ifc", &text.as_bytes()[..cut]);
+        assert_ne!(found, Completeness::Whole, "cut at byte {cut}");
+    }
+    assert_eq!(formats::is_complete("house.ifc", text.as_bytes()), Completeness::Whole);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Any motion of any element: it alone stands elsewhere, as told, and only its own instances change.
+    #[test]
+    fn moves_are_written_as_told(which in 0usize..8, turn in -3.0..3.0f64, x in -5e3..5e3f64, y in -5e3..5e3f64, in_world: bool) {
+        let text = sample::building(in_world);
+        let name = ["screen-1", "screen-2", "screen-3", "screen-4", "column-1", "cloakroom", "hall", "east"][which];
+        let wall = named(&text, name);
+        let motion = RigidMotion { turn_rad: turn, shift: DVec2::new(x, y) };
+        let bytes = patch(text.as_bytes(), &[Edit::Insert { record: wall, motion }], &[]).unwrap();
+        let (before, after) = (read(text.as_bytes()), read(&bytes));
+        let own = |d: &Drawing| -> Vec<DVec2> {
+            d.entities.iter().filter(|e| e.source.record == wall).flat_map(points).collect()
+        };
+        for (a, b) in own(&before).into_iter().zip(own(&after)) {
+            let expected = DVec2::from_angle(turn).rotate(a) + motion.shift;
+            prop_assert!((b - expected).length() < 1e-6, "{a} to {b}, expected {expected}");
+        }
+        let others = |d: &Drawing| -> Vec<(usize, Vec<DVec2>)> {
+            let fixed = d.entities.iter().filter(|e| e.source.record != wall && e.layer == "IfcWall");
+            fixed.map(|e| (e.source.record, points(e))).collect()
+        };
+        prop_assert_eq!(others(&before), others(&after));
+        let written = String::from_utf8(bytes).unwrap();
+        let changed = text.lines().zip(written.lines()).filter(|(a, b)| a != b).count();
+        prop_assert!(changed <= 24, "{changed} lines changed");
+    }
+
+    /// Any damage: an answer or an error, the same twice, and no edit gives the same bytes.
+    #[test]
+    fn damaged_files_never_panic(at in 0usize..60_000, with in prop::collection::vec(any::<u8>(), 1..6)) {
+        let mut bytes = pavilion().into_bytes();
+        let at = at % bytes.len();
+        let end = (at + with.len()).min(bytes.len());
+        bytes.splice(at..end, with);
+        let (once, twice) = (read_with(&bytes, &ReadOptions::default()), read_with(&bytes, &ReadOptions::default()));
+        prop_assert_eq!(once.0.ok(), twice.0.ok());
+        prop_assert_eq!(once.1, twice.1);
+        prop_assert_eq!(patch(&bytes, &[], &[]).unwrap(), bytes);
+    }
+}
