@@ -6,6 +6,8 @@ use crate::plan::geometry::Segment;
 
 use super::dense::{Dense, DenseScratch};
 use super::forest::{Initial, tally};
+use super::gpu::Gpu;
+use super::gpu::forest::CardForest;
 use super::visibility::visibility_graph_serial;
 use super::{Lattice, Obstacles, Tally};
 
@@ -20,6 +22,7 @@ pub struct Evaluator {
     dense: Option<Dense>,
     initial: Tally,
     initial_components: Vec<u32>,
+    card: Option<CardForest>,
 }
 
 /// Buffers of one thread.
@@ -42,6 +45,7 @@ impl Evaluator {
             dense,
             initial: Tally::default(),
             initial_components: Vec::new(),
+            card: None,
         };
         new.fill(initial_moving, &mut scratch);
         let graph = visibility_graph_serial(&new.lattice, &scratch.obstacles);
@@ -65,6 +69,36 @@ impl Evaluator {
     pub fn evaluate(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
         let dense = self.dense.as_ref().and_then(|d| d.evaluate(moving, &mut scratch.dense));
         dense.unwrap_or_else(|| self.evaluate_whole(moving, scratch))
+    }
+
+    /// Measures batches of up to `layouts` on a graphics card from now on, once it has measured the initial
+    /// layout as the cores did.
+    ///
+    /// # Errors
+    /// Why the card cannot, in words for the report; the cores go on.
+    pub fn attach(&mut self, gpu: Arc<Gpu>, initial_moving: &Obstacles, layouts: u32) -> Result<(), String> {
+        let components = Some(self.initial_components.as_slice());
+        let card = CardForest::new(gpu, Arc::clone(&self.lattice), &self.fixed, components, layouts)?;
+        let found = card.tallies(std::slice::from_ref(initial_moving))?;
+        if found != [self.initial.clone()] {
+            return Err(format!("{} measures the present layout differently", card.gpu().name()));
+        }
+        self.card = Some(card);
+        Ok(())
+    }
+
+    /// Whether batches go to a graphics card.
+    pub fn has_card(&self) -> bool {
+        self.card.is_some()
+    }
+
+    /// The same bits as [`evaluate`](Self::evaluate) of each layout, all at once on the graphics card; none
+    /// without one.
+    ///
+    /// # Errors
+    /// Why the card failed; the cores can still do it.
+    pub fn evaluate_on_card(&self, layouts: &[Obstacles]) -> Option<Result<Vec<Tally>, String>> {
+        self.card.as_ref().map(|card| card.tallies(layouts))
     }
 
     fn evaluate_whole(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {

@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
+use proptest::prelude::*;
+
 use crate::plan::geometry::{Segment, segments_touch};
 
 use super::{Lattice, Obstacles};
@@ -77,4 +79,39 @@ pub fn sees(lattice: &Lattice, obstacles: &Obstacles, u: usize, v: usize) -> boo
     let sight = Segment { a: lattice.centre_um(u), b: lattice.centre_um(v) };
     let blind = |w: usize| obstacles.blind.contains(&(w as u32));
     u != v && !blind(u) && !blind(v) && !obstacles.segments.iter().any(|s| segments_touch(sight, *s))
+}
+
+/// Wall ends on a grid of `1 / parts` cells and, now and then, a micrometre beside it.
+fn walls(spacing: i64, parts: i64, span: i64) -> impl Strategy<Value = Vec<Segment>> {
+    let part = (-2..=span * parts + 2, -1i64..=1, 0..12u8)
+        .prop_map(move |(k, off, odd)| k * spacing / parts + if odd == 0 { off } else { 0 });
+    let point = [part.clone(), part];
+    let wall = (point.clone(), point, 0..6u8).prop_map(|(a, b, kind)| match kind {
+        0 => Segment { a, b: [b[0], a[1]] },
+        1 => Segment { a, b: [a[0], b[1]] },
+        2 => Segment { a, b: [b[0], a[1] + (b[0] - a[0])] },
+        3 => Segment { a, b: [b[0], a[1] - (b[0] - a[0])] },
+        4 if (a[0] ^ b[1]) & 3 == 0 => Segment { a, b: a },
+        _ => Segment { a, b },
+    });
+    prop::collection::vec(wall, 0..14)
+}
+
+/// Plans full of degenerate cases: walls on lattice lines, ends on centres, collinear, touching, 45°,
+/// points, a micrometre off; some far from the origin.
+pub fn plans() -> impl Strategy<Value = (Lattice, Obstacles)> {
+    let shape = (1i64..4, 1i32..14, 1i32..14, any::<u64>(), 0..4u8, any::<bool>());
+    shape.prop_flat_map(|(parts, w, h, holes, blind, far)| {
+        let spacing = 12;
+        let origin = if far { [1_750_000_000_000, -44_000_000_000_017] } else { [0, 0] };
+        walls(spacing, parts, i64::from(w.max(h))).prop_map(move |segments| {
+            let keep = |c: i32, r: i32| holes.rotate_left((c * 7 + r * 13) as u32 & 63) & 5 != 0;
+            let cells: Vec<_> = (0..w).flat_map(|c| (0..h).map(move |r| [c - 3, r + 2])).collect();
+            let cells: Vec<_> = cells.into_iter().filter(|c| keep(c[0] + 3, c[1])).collect();
+            let blind = (0..u32::from(blind)).filter(|&v| (v as usize) < cells.len()).collect();
+            let lattice = lattice(spacing, origin, cells);
+            let by = [origin[0] - 3 * spacing, origin[1] + 2 * spacing];
+            (lattice, Obstacles { segments: segments.into_iter().map(|s| s.shifted(by)).collect(), blind })
+        })
+    })
 }

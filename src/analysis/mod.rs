@@ -11,6 +11,7 @@ pub mod evaluator;
 #[cfg(test)]
 mod fixtures;
 pub mod forest;
+pub mod gpu;
 mod graph;
 pub mod isovist;
 mod lanes;

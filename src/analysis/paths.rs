@@ -209,6 +209,63 @@ const START: u32 = u32::MAX;
 /// Cost in the bits of a non-negative f32 above the vertex, and the predecessor's vertex.
 type Step = Reverse<(u64, u32)>;
 
+/// Bands of cost to one cell of length, and to one right angle.
+const BANDS_PER_CELL: f32 = 2.0;
+const BANDS_PER_RIGHT_ANGLE: f32 = 64.0;
+
+/// Bands that are told apart; what costs more waits in the last one.
+const BANDS_MAX: usize = 1 << 16;
+
+/// Steps in the order of their cost. Only those of the band at hand are sorted; what a better way has
+/// overtaken by then is never sorted at all.
+#[derive(Default)]
+struct Queue {
+    now: BinaryHeap<Step>,
+    later: Vec<Vec<(u64, u32)>>,
+    band: usize,
+    /// Bands that hold anything end before this one.
+    end: usize,
+    bands_per_cost: f32,
+}
+
+impl Queue {
+    fn clear(&mut self, bands_per_cost: f32) {
+        self.now.clear();
+        self.later[..self.end].iter_mut().for_each(Vec::clear);
+        (self.band, self.end, self.bands_per_cost) = (0, 0, bands_per_cost);
+    }
+
+    #[inline(always)]
+    fn push(&mut self, cost: f32, step: (u64, u32)) {
+        let band = ((cost * self.bands_per_cost) as usize).min(BANDS_MAX - 1);
+        if band <= self.band {
+            self.now.push(Reverse(step));
+            return;
+        }
+        if band >= self.end {
+            self.end = band + 1;
+            if self.later.len() < self.end {
+                self.later.resize_with(self.end, Vec::new);
+            }
+        }
+        self.later[band].push(step);
+    }
+
+    /// The cheapest step; `is_current` tells which ones no better way has overtaken.
+    #[inline(always)]
+    fn pop(&mut self, is_current: impl Fn(u64) -> bool) -> Option<(u64, u32)> {
+        while self.now.is_empty() {
+            self.band += 1;
+            if self.band >= self.end {
+                return None;
+            }
+            let band = self.later[self.band].drain(..).filter(|step| is_current(step.0));
+            self.now.extend(band.map(Reverse));
+        }
+        self.now.pop().map(|Reverse(step)| step)
+    }
+}
+
 /// Buffers of one worker, by rank; what a walk touched is listed in `touched`.
 struct Walk {
     cost: Vec<f32>,
@@ -220,7 +277,7 @@ struct Walk {
     open: Vec<u64>,
     done: Vec<u32>,
     touched: Vec<u32>,
-    heap: BinaryHeap<Step>,
+    queue: Queue,
 }
 
 impl Walk {
@@ -233,17 +290,17 @@ impl Walk {
             open: graph.tiles.occupied.clone(),
             done: Vec::new(),
             touched: Vec::new(),
-            heap: BinaryHeap::new(),
+            queue: Queue::default(),
         }
     }
 
-    fn begin(&mut self, paths: &Paths<'_>, roots: &[u32]) {
+    fn begin(&mut self, paths: &Paths<'_>, roots: &[u32], bands_per_cost: f32) {
         for rank in self.touched.drain(..) {
             self.cost[rank as usize] = f32::INFINITY;
         }
         self.open.copy_from_slice(&paths.graph.tiles.occupied);
         self.done.clear();
-        self.heap.clear();
+        self.queue.clear(bands_per_cost);
         for &root in roots {
             self.reach(paths, root, START, 0.0);
         }
@@ -256,12 +313,17 @@ impl Walk {
         self.cost[rank as usize] = cost;
         let vertex = |r: u32| if r == START { START } else { paths.graph.tiles.vertex_of[r as usize] };
         let key = u64::from(cost.to_bits()) << 32 | u64::from(vertex(rank));
-        self.heap.push(Reverse((key, vertex(from))));
+        self.queue.push(cost, (key, vertex(from)));
     }
 
     /// The next cell to leave, with its cost and predecessor.
     fn next(&mut self, paths: &Paths<'_>, radius: f64) -> Option<(f32, u32, u32)> {
-        while let Some(Reverse((key, from))) = self.heap.pop() {
+        loop {
+            let costs = &self.cost;
+            let ranks = &paths.graph.tiles.rank_of;
+            let is_current =
+                |key: u64| costs[ranks[key as u32 as usize] as usize].to_bits() == (key >> 32) as u32;
+            let (key, from) = self.queue.pop(is_current)?;
             let cost = f32::from_bits((key >> 32) as u32);
             let rank = paths.graph.tiles.rank_of[key as u32 as usize];
             if f64::from(cost) > radius {
@@ -276,7 +338,6 @@ impl Walk {
                 return Some((cost, rank, from));
             }
         }
-        None
     }
 
     /// Shortest paths, cost in cells.
@@ -307,7 +368,7 @@ impl Walk {
 
     #[inline(always)]
     fn walk_in<const METRIC: bool>(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
-        self.begin(paths, roots);
+        self.begin(paths, roots, if METRIC { BANDS_PER_CELL } else { BANDS_PER_RIGHT_ANGLE });
         while let Some((cost, at, from)) = self.next(paths, radius) {
             let heading = if from == START { None } else { Some(paths.direction(from, at)) };
             if METRIC {

@@ -12,6 +12,7 @@ mod clip;
 pub mod diversity;
 mod font;
 mod frame;
+pub mod glossary;
 pub mod heat_map;
 mod html;
 pub mod measure;

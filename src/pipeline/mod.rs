@@ -5,6 +5,7 @@
 
 pub mod accept;
 mod aims;
+mod backend;
 mod building;
 pub mod cells;
 mod explain;
@@ -24,7 +25,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::analysis::measures::Column;
-use crate::config::{Backend, Measure, Settings};
+use crate::config::{Measure, Settings};
 use crate::formats;
 use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::measure::wording;
@@ -183,16 +184,26 @@ fn analyse_storey(
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
     let mut report = Report::default();
-    if settings.backend == Backend::Gpu {
-        let text = "--backend gpu: this version measures on the cores; they were used, with the same result";
-        report.warn("backend-gpu", Place::file(input.file()), text);
-    }
     let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
     cancel.check()?;
-    let study = Study::new(base, settings, &mut report)?;
+    let mut study = Study::new(base, settings, &mut report)?;
+    backend::choose(&mut study, settings.backend, input, &mut report);
+    state_cut_off(&study, input, &mut report);
     cancel.check()?;
     let outcome = analysis_of(input, settings, &study, report)?;
     Ok((outcome, study))
+}
+
+fn state_cut_off(study: &Study, input: &Input<'_>, report: &mut Report) {
+    let cut_off = study.cut_off();
+    if cut_off.areas > 0 {
+        let text = format!(
+            "areas that no view joins to the largest one: {}, with {} cells in all; their measures are those of their own area. \
+             Cells that see no other at all: {}; measures that need another cell are −1 there",
+            cut_off.areas, cut_off.cells, cut_off.alone
+        );
+        report.info("cut-off-areas", Place::file(input.file()), text);
+    }
 }
 
 fn analysis_of(

@@ -58,6 +58,10 @@ pub(super) fn run(
     } else {
         Some(optimise(study, settings, started, show, cancel)?)
     };
+    if let Some(why) = study.card_trouble() {
+        let text = format!("{why}; the cores measured the rest, with the same result");
+        report.warn("backend-gave-up", Place::file(input.file()), text);
+    }
     let members = found.as_ref().map_or(Vec::new(), |f| f.members.clone());
     show(Event::Progress(Progress {
         stage: "write".into(),
@@ -165,16 +169,13 @@ fn optimise(
         if asked.is_empty() {
             break;
         }
-        let told: Vec<Evaluation> = asked
-            .par_iter()
-            .map_init(
-                || study.bench(),
-                |bench, asked| {
-                    let at = control.permit(asked);
-                    let worth = study.measure(&control.expand(&at), bench);
-                    Evaluation { at: Some(at), ..evaluation(study, settings, &objectives, &worth) }
-                },
-            )
+        let permitted: Vec<Vec<f64>> = asked.iter().map(|p| control.permit(p)).collect();
+        let layouts: Vec<Vec<f64>> = permitted.iter().map(|p| control.expand(p)).collect();
+        let worths = study.measure_all(&layouts);
+        let told: Vec<Evaluation> = permitted
+            .into_par_iter()
+            .zip(&worths)
+            .map(|(at, worth)| Evaluation { at: Some(at), ..evaluation(study, settings, &objectives, worth) })
             .collect();
         search.tell(&told);
         if said.elapsed().as_millis() >= PROGRESS_EVERY_MS {

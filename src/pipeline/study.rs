@@ -1,7 +1,9 @@
 //! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
 
+mod card;
+
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec2;
 
@@ -322,6 +324,8 @@ pub struct Study {
     pub aims: Vec<Aim>,
     components: Vec<u32>,
     evaluator: Evaluator,
+    /// Why the graphics card gave up, if it did.
+    card_trouble: OnceLock<String>,
     cells: CellIndex,
     /// Moves with their control points: whether the piece that starts at a control point moves.
     piece_moves: Vec<Vec<bool>>,
@@ -395,6 +399,7 @@ impl Study {
             lattice,
             spacing,
             evaluator,
+            card_trouble: OnceLock::new(),
             cells,
             piece_moves,
             pieces,
@@ -419,23 +424,25 @@ impl Study {
 
     /// Measures a layout of the moving walls.
     pub fn measure_layout(&self, layout: &Layout, bench: &mut Bench) -> Worth {
-        let moving = Obstacles {
+        let tally = self.evaluator.evaluate(&self.moving(layout), &mut bench.scratch);
+        self.place_all(layout, &mut bench.pieces);
+        let isovists = self.isovists(|| self.obstacles(layout));
+        self.worth(tally, &bench.pieces, isovists)
+    }
+
+    fn moving(&self, layout: &Layout) -> Obstacles {
+        Obstacles {
             segments: moving_segments(&self.base, layout, &self.piece_moves),
             blind: blind(&self.base, layout, &self.cells),
-        };
-        let tally = self.evaluator.evaluate(&moving, &mut bench.scratch);
+        }
+    }
+
+    fn place_all(&self, layout: &Layout, pieces: &mut [WallPiece]) {
         for (moved, range) in layout.walls.iter().zip(&self.piece_ranges) {
             let initial = &self.base.plan.walls[moved.wall as usize].trace;
             let trace = trace_like(&moved.shape, initial, &self.base.plan.frame);
-            self.place(&mut bench.pieces[range.0..range.1], &trace);
+            self.place(&mut pieces[range.0..range.1], &trace);
         }
-        let isovists = self.isovists(|| {
-            let mut traces: Vec<&Trace> = self.base.plan.walls.iter().map(|w| &w.trace).collect();
-            layout.walls.iter().for_each(|moved| traces[moved.wall as usize] = &moved.trace);
-            let segments = traces.into_iter().flat_map(|t| t.segments().map(|s| s.2)).collect();
-            Obstacles { segments, blind: moving.blind.clone() }
-        });
-        self.worth(tally, &bench.pieces, isovists)
     }
 
     /// Isovists among obstacles, where the settings ask for them.
@@ -561,12 +568,18 @@ impl Study {
 
     /// What blocks sight in the present layout.
     pub fn initial_obstacles(&self) -> Obstacles {
-        let walls = self.base.plan.walls.iter().enumerate();
-        let pieces = walls.flat_map(|(w, wall)| pieces_of(&wall.trace, None).map(move |p| (w as u32, p)));
+        self.obstacles(&self.base.moves.apply(&self.base.plan, &self.base.graph, &self.base.moves.identity()))
+    }
+
+    /// What blocks sight in a layout, all walls together.
+    fn obstacles(&self, layout: &Layout) -> Obstacles {
+        let mut traces: Vec<&Trace> = self.base.plan.walls.iter().map(|w| &w.trace).collect();
+        layout.walls.iter().for_each(|moved| traces[moved.wall as usize] = &moved.trace);
+        let walls = traces.into_iter().enumerate();
+        let pieces = walls.flat_map(|(w, t)| pieces_of(t, None).map(move |p| (w as u32, p)));
         let blocking = pieces.flat_map(|(w, (s, part, _))| self.base.sight.blocking((w, part), s));
         let segments = blocking.chain(closed_that_stay(&self.base)).collect();
-        let identity = self.base.moves.apply(&self.base.plan, &self.base.graph, &self.base.moves.identity());
-        Obstacles { segments, blind: blind(&self.base, &identity, &self.cells) }
+        Obstacles { segments, blind: blind(&self.base, layout, &self.cells) }
     }
 
     /// All pieces of the present layout that can move or not, as segments to show.

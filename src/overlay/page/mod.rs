@@ -261,7 +261,9 @@ fn glossary(html: &mut Html, input: &ReportInput<'_>) {
         html.raw("<div><dt>").text(w.plain).raw(" <small>").text(w.technical).raw("</small></dt>");
         html.element("dd", &[], w.meaning).raw("</div>\n");
     }
-    html.raw("</dl>\n</section>\n");
+    html.raw("</dl>\n");
+    super::glossary::columns(html);
+    html.raw("</section>\n");
 }
 
 /// Name of a candidate, from 0.

@@ -54,7 +54,7 @@ pub fn numbers(html: &mut Html, result: &RoundResult) {
         html.raw("</tr>\n");
     }
     html.raw("</tbody>\n</table></div>\n");
-    html.raw("<p class=\"note\">Means over the region of query. A filled arrow: better than the present layout; a hollow one: worse.");
+    html.raw("<p class=\"note\">Means over the region of query; <a href=\"#measures\">every measure in plain words</a>. A filled arrow: better than the present layout; a hollow one: worse.");
     if !zeros.is_empty() {
         let names: Vec<String> = zeros.iter().map(|key| plain_name(key).to_lowercase()).collect();
         html.raw(" Zero in every layout: ").text(&names.join(", ")).raw(".");

@@ -1,0 +1,82 @@
+//! Many layouts at a time, on a graphics card where the study has one.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::{Study, Worth};
+use crate::analysis::gpu::Gpu;
+use crate::analysis::{Obstacles, Tally};
+use crate::moves::Layout;
+
+/// Layouts that the graphics card measures at a time: what a search asks for fits.
+const CARD_LAYOUTS: u32 = 16;
+
+impl Study {
+    /// Measures batches on a graphics card from now on, once it agrees with the cores on the present layout.
+    ///
+    /// # Errors
+    /// Why it cannot, in words for the report.
+    pub fn attach(&mut self, gpu: Arc<Gpu>) -> Result<(), String> {
+        let identity = self.base.moves.apply(&self.base.plan, &self.base.graph, &self.base.moves.identity());
+        let moving = self.moving(&identity);
+        self.evaluator.attach(gpu, &moving, CARD_LAYOUTS)
+    }
+
+    /// Measures the layouts of many parameter vectors: all at once on the graphics card if there is one and
+    /// it works, otherwise each on a core. The same bits either way.
+    pub fn measure_all(&self, ps: &[Vec<f64>]) -> Vec<Worth> {
+        let on_cores =
+            || ps.par_iter().map_init(|| self.bench(), |bench, p| self.measure(p, bench)).collect();
+        if !self.evaluator.has_card() || self.card_trouble.get().is_some() {
+            return on_cores();
+        }
+        let laid_out = |p: &Vec<f64>| self.base.moves.apply(&self.base.plan, &self.base.graph, p);
+        let layouts: Vec<Layout> = ps.par_iter().map(laid_out).collect();
+        let moving: Vec<Obstacles> = layouts.par_iter().map(|l| self.moving(l)).collect();
+        match self.evaluator.evaluate_on_card(&moving) {
+            Some(Ok(tallies)) => {
+                let worth = |(layout, tally): (&Layout, Tally)| {
+                    let mut pieces = self.pieces.clone();
+                    self.place_all(layout, &mut pieces);
+                    let isovists = self.isovists(|| self.obstacles(layout));
+                    self.worth(tally, &pieces, isovists)
+                };
+                layouts.par_iter().zip(tallies).map(worth).collect()
+            }
+            Some(Err(why)) => {
+                self.card_trouble.get_or_init(|| why);
+                on_cores()
+            }
+            None => on_cores(),
+        }
+    }
+
+    /// Areas of two cells or more that no view joins to the largest one, and cells that see no other:
+    /// how many of each there are, and how many cells the areas have.
+    pub fn cut_off(&self) -> CutOff {
+        let mut sizes = vec![0usize; self.components.len()];
+        self.components.iter().for_each(|&c| sizes[c as usize] += 1);
+        let largest = sizes.iter().copied().max().unwrap_or(0);
+        let areas = sizes.iter().filter(|n| **n > 1).count().saturating_sub(1);
+        let together: usize = sizes.iter().filter(|n| **n > 1).sum();
+        let alone = sizes.iter().filter(|n| **n == 1).count();
+        CutOff { areas, cells: together - largest.min(together), alone }
+    }
+
+    /// Why the graphics card gave up while layouts were measured; the cores went on.
+    pub fn card_trouble(&self) -> Option<&str> {
+        self.card_trouble.get().map(String::as_str)
+    }
+}
+
+/// See [`Study::cut_off`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CutOff {
+    /// Areas beside the largest.
+    pub areas: usize,
+    /// Cells in them.
+    pub cells: usize,
+    /// Cells that see no other.
+    pub alone: usize,
+}
