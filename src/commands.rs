@@ -57,6 +57,7 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
         let solid = if result.columns == 1 { "1 solid".into() } else { format!("{} solid", result.columns) };
         say(&format!("{}: {}, {} wall elements ({solid})", result.file, result.version, result.walls));
         say(&format!("unit: {}", result.unit.reason));
+        result.statements.iter().for_each(|s| say(s));
         for layer in &result.layers {
             say(&format!(
                 "layer {:<24} {:>6} entities  {}: {}",

@@ -1,5 +1,7 @@
 //! The parametrisation (spec 2): which nodes move, how, within what bounds; parameters → layout.
 
+mod axial;
+pub mod carried;
 pub mod control;
 pub mod defaults;
 mod partitions;
@@ -283,7 +285,7 @@ fn moved_wall(plan: &Plan, w: u32, at: &[DVec2], motion: Option<&RigidMotion>) -
         })
         .collect();
     let (shape, motion) = match motion {
-        Some(m) => rigid_shape(plan, wall, m),
+        Some(m) => rigid_shape(plan, &wall.shape, m),
         None => (with_points(&wall.shape, &points), None),
     };
     let is_changed = shape != wall.shape;
@@ -292,9 +294,9 @@ fn moved_wall(plan: &Plan, w: u32, at: &[DVec2], motion: Option<&RigidMotion>) -
 }
 
 /// The shape after a rigid motion of the plan frame, and that motion in drawing units.
-fn rigid_shape(plan: &Plan, wall: &crate::plan::Wall, m: &RigidMotion) -> (Shape, Option<RigidMotion>) {
+fn rigid_shape(plan: &Plan, shape: &Shape, m: &RigidMotion) -> (Shape, Option<RigidMotion>) {
     if m.turn_rad == 0.0 && m.shift == DVec2::ZERO {
-        return (wall.shape.clone(), None);
+        return (shape.clone(), None);
     }
     let frame = &plan.frame;
     let zero = frame.file_from_plan(DVec2::ZERO);
@@ -303,7 +305,7 @@ fn rigid_shape(plan: &Plan, wall: &crate::plan::Wall, m: &RigidMotion) -> (Shape
         RigidMotion { turn_rad: m.turn_rad, shift: moved_zero - DVec2::from_angle(m.turn_rad).rotate(zero) };
     let go = |p: DVec2| DVec2::from_angle(m.turn_rad).rotate(p) + motion.shift;
     let snap = |p: DVec2| frame.file_from_um(frame.um_from_file(go(p)));
-    let shape = match &wall.shape {
+    let shape = match shape {
         Shape::Arc { centre, radius, start_rad, end_rad } => Shape::Arc {
             centre: snap(*centre),
             radius: *radius,

@@ -1,5 +1,6 @@
 //! Writes the drawings of `samples/` anew: `cargo run --example make_samples`.
 
+mod building;
 mod dxf;
 mod plans;
 
@@ -8,6 +9,10 @@ fn main() -> std::io::Result<()> {
     std::fs::create_dir_all(&folder)?;
     for (name, text) in plans::all() {
         std::fs::write(folder.join(name), text)?;
+        println!("samples/{name}");
+    }
+    for (name, bytes) in building::all() {
+        std::fs::write(folder.join(name), bytes)?;
         println!("samples/{name}");
     }
     Ok(())

@@ -257,7 +257,7 @@ impl Field {
         if let Some(interior) = ground.interior {
             for (c, r) in cells {
                 let (i, p) = (self.index(c, r), self.centre(c, r));
-                let enclosed = if interior.closing_m() > 0.0 { interior.contains(p) } else { inside[i] };
+                let enclosed = if interior.is_as_drawn() { inside[i] } else { interior.contains(p) };
                 inside[i] = enclosed && !(self.flags[i] & ON_WALL == 0 && interior.is_cavity(p));
             }
         }

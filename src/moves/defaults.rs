@@ -1,9 +1,11 @@
 //! What moves when the user marked nothing (spec 9): free-standing elements, and door gaps.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
+use super::axial::{Axial, Sliding};
+use crate::plan::axes::AxisGraph;
 use crate::plan::drawing::{Editable, SourceRef};
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M, segments_touch};
 use crate::plan::graph::Graph;
@@ -28,6 +30,8 @@ pub const WALL_THICKNESS_MAX_M: f64 = 0.6;
 const INSIDE_MARGIN_M: f64 = 0.3;
 /// A free-standing element is at most this share of the building's longer side.
 const ELEMENT_SHARE_MAX: f64 = 0.5;
+/// Directions whose cosine is smaller cross at right angles.
+const CROSSING_COS: f64 = 0.02;
 /// What must remain of a wall beside a sliding door.
 const WALL_REST_M: f64 = 0.1;
 /// A door that could slide less than this stays.
@@ -38,17 +42,22 @@ pub const PARAMETERS_MAX: usize = 30;
 pub const PIECES_MAX: usize = 20_000;
 
 /// A straight piece of a wall with its node ids.
-struct Piece {
+pub(super) struct Piece {
     wall: u32,
-    nodes: [u32; 2],
-    a: DVec2,
-    b: DVec2,
+    /// Nodes of its ends.
+    pub nodes: [u32; 2],
+    /// One end, metres of a person.
+    pub a: DVec2,
+    /// The other end.
+    pub b: DVec2,
 }
 
-/// Groups for [`super::Moves::new`]: elements first, the largest first, then doors from left to right.
+/// Groups for [`super::Moves::new`]: elements, the largest first, walls that slide between others, the
+/// longest first, then doors from left to right.
 pub fn groups(
     plan: &Plan,
     graph: &Graph,
+    axes: &AxisGraph,
     interior: &Interior,
     report: &mut Report,
 ) -> Vec<(Group, Vec<u32>)> {
@@ -64,23 +73,30 @@ pub fn groups(
     }
     let neighbours = Neighbours::new(&pieces);
     let elements = elements(plan, graph, interior, &pieces, &neighbours);
-    let doors = doors(plan, graph, interior, &pieces, &neighbours);
-    let found = (elements.len(), doors.len());
+    let axial = Axial::new(plan, graph, axes, interior, (&pieces, &neighbours));
+    let mut doors = axial.doors();
+    let taken: BTreeSet<u32> = doors.iter().flat_map(|d| d.nodes.clone()).collect();
+    let simple = simple_doors(plan, graph, interior, &pieces, &neighbours);
+    doors.extend(simple.into_iter().filter(|d| d.nodes.iter().all(|n| !taken.contains(n))));
+    let sliding = axial.partitions();
+    let named = |list: Vec<Sliding>, word: &str| -> Vec<(Group, Vec<u32>)> {
+        let group = |(i, s): (usize, Sliding)| s.group(plan, graph, format!("{word}-{}", i + 1));
+        list.into_iter().enumerate().map(group).collect()
+    };
+    let (found, mut walls) = ((elements.len(), doors.len()), named(sliding, "wall"));
+    walls.extend(super::partitions::partitions(plan, graph, interior));
+    let sliding = walls.len();
+    let mut taken = Taken::default();
     let mut out: Vec<(Group, Vec<u32>)> = Vec::new();
     let mut parameters = 0;
-    let mut taken = vec![false; graph.nodes.len()];
-    let partitions = super::partitions::partitions(plan, graph, interior);
-    let sliding = partitions.len();
-    for (group, nodes) in elements.into_iter().chain(doors).chain(partitions) {
-        let is_free = nodes.iter().all(|n| !taken[*n as usize]);
-        if is_free && parameters + group.clauses.len() <= PARAMETERS_MAX {
+    for (group, nodes) in elements.into_iter().chain(walls).chain(named(doors, "door")) {
+        if parameters + group.clauses.len() <= PARAMETERS_MAX && taken.take(&group, &nodes) {
             parameters += group.clauses.len();
-            nodes.iter().for_each(|n| taken[*n as usize] = true);
             out.push((group, nodes));
         }
     }
     let text = match found {
-        (0, 0) if sliding == 0 => "no EF-MOVE, and neither free-standing elements nor door gaps between interior walls were found: the present \
+        (0, 0) if sliding == 0 => "no EF-MOVE, and neither free-standing elements nor sliding walls nor door gaps were found: the present \
                    layout is measured; to say what may move, draw a closed polyline on layer EF-MOVE round wall ends and a text \
                    inside it such as `x -1 1; y -1 1`"
             .to_string(),
@@ -98,6 +114,35 @@ pub fn groups(
     out
 }
 
+/// In which directions each node moves already. A node may move twice, at right angles: a wall that
+/// slides with the wall that it ends at in tow.
+#[derive(Default)]
+struct Taken(BTreeMap<u32, Vec<Option<DVec2>>>);
+
+impl Taken {
+    /// Takes nodes for a group, unless one of them would move twice in one direction.
+    fn take(&mut self, group: &Group, nodes: &[u32]) -> bool {
+        let direction = match group.clauses.as_slice() {
+            [clause] => match clause.kind {
+                Kind::X => Some(DVec2::X),
+                Kind::Y => Some(DVec2::Y),
+                Kind::Along(angle) => Some(DVec2::from_angle(angle)),
+                Kind::Rotate(_) | Kind::Scale(_) => None,
+            },
+            _ => None,
+        };
+        let crosses = |other: &Option<DVec2>| match (direction, other) {
+            (Some(a), Some(b)) => a.dot(*b).abs() < CROSSING_COS,
+            _ => false,
+        };
+        let is_free = nodes.iter().all(|n| self.0.get(n).is_none_or(|list| list.iter().all(crosses)));
+        if is_free {
+            nodes.iter().for_each(|n| self.0.entry(*n).or_default().push(direction));
+        }
+        is_free
+    }
+}
+
 /// Pieces in metres of a person, so that all sizes above mean what they say in a plan of unknown scale.
 fn pieces(plan: &Plan, graph: &Graph) -> Vec<Piece> {
     let mut out = Vec::new();
@@ -112,7 +157,7 @@ fn pieces(plan: &Plan, graph: &Graph) -> Vec<Piece> {
 }
 
 /// Pieces by place: buckets as large as the largest distance asked for.
-struct Neighbours {
+pub(super) struct Neighbours {
     size: f64,
     buckets: BTreeMap<[i64; 2], Vec<u32>>,
 }
@@ -136,7 +181,7 @@ impl Neighbours {
     }
 
     /// Pieces that may come nearer than the bucket size to the box, ascending.
-    fn near(&self, lo: DVec2, hi: DVec2) -> Vec<u32> {
+    pub fn near(&self, lo: DVec2, hi: DVec2) -> Vec<u32> {
         let cell = |p: DVec2| [(p.x / self.size).floor() as i64, (p.y / self.size).floor() as i64];
         let (lo, hi) = (cell(lo), cell(hi));
         let mut out = Vec::new();
@@ -274,19 +319,20 @@ struct End {
     behind_m: f64,
 }
 
-fn doors(
+/// Gaps between two wall ends that face each other, whatever the walls are drawn as.
+fn simple_doors(
     plan: &Plan,
     graph: &Graph,
     interior: &Interior,
     pieces: &[Piece],
     neighbours: &Neighbours,
-) -> Vec<(Group, Vec<u32>)> {
+) -> Vec<Sliding> {
     let is_free_to_stretch = |e: &End| {
         let walls = e.nodes.iter().flat_map(|n| &graph.handles[*n as usize]).map(|h| h.0);
         walls.into_iter().all(|w| plan.walls[w as usize].editable == Editable::Free)
     };
     let ends: Vec<End> = ends(plan, graph, pieces).into_iter().filter(is_free_to_stretch).collect();
-    let mut found: Vec<(DVec2, Vec<u32>, DVec2, f64)> = Vec::new();
+    let mut found: Vec<Sliding> = Vec::new();
     for (i, e) in ends.iter().enumerate() {
         let facing = |f: &&End| {
             let to = f.at - e.at;
@@ -312,31 +358,18 @@ fn doors(
         let room = e.behind_m.min(f.behind_m) - WALL_REST_M;
         let slide = SLIDE_M.min((room * 1e3).floor() / 1e3);
         if slide >= SLIDE_MIN_M {
-            let nodes: Vec<u32> = e.nodes.iter().chain(&f.nodes).copied().collect();
+            let mut nodes: Vec<u32> = e.nodes.iter().chain(&f.nodes).copied().collect();
+            nodes.sort_unstable();
+            nodes.dedup();
             let direction =
                 if e.out.x < -1e-9 || (e.out.x.abs() <= 1e-9 && e.out.y < 0.0) { -e.out } else { e.out };
-            found.push((middle, nodes, direction, slide * plan.human_scale));
+            let way = slide * plan.human_scale;
+            let size = e.at.distance(f.at);
+            found.push(Sliding { nodes, direction, way: [-way, way], at: middle, size });
         }
     }
-    found.sort_by(|a, b| a.0.x.total_cmp(&b.0.x).then(a.0.y.total_cmp(&b.0.y)));
-    let named = found.into_iter().enumerate().map(|(i, (_, mut nodes, direction, slide))| {
-        let kind = if direction.y.abs() < 1e-6 {
-            Kind::X
-        } else if direction.x.abs() < 1e-6 {
-            Kind::Y
-        } else {
-            Kind::Along(direction.to_angle())
-        };
-        let clause = Clause { kind, lower: -slide, upper: slide, unit: "m".into(), si_per_unit: 1.0 };
-        nodes.sort_unstable();
-        nodes.dedup();
-        let corners = box_of(nodes.iter().map(|n| graph.nodes[*n as usize])).unwrap_or_default();
-        let first = graph.handles[nodes[0] as usize][0].0;
-        let mut group = group(&plan.walls[first as usize].source, corners, plan, vec![clause]);
-        group.name = format!("door-{}", i + 1);
-        (group, nodes)
-    });
-    named.collect()
+    found.sort_by(|a, b| a.at.x.total_cmp(&b.at.x).then(a.at.y.total_cmp(&b.at.y)));
+    found
 }
 
 fn ends(plan: &Plan, graph: &Graph, pieces: &[Piece]) -> Vec<End> {

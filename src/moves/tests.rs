@@ -7,7 +7,7 @@ use super::{Layout, Moves};
 use crate::plan::drawing::{Drawing, Editable, Entity, Format, Shape, SourceRef, Text, Unit, Vertex};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
-use crate::plan::{Plan, PlanOptions, understand};
+use crate::plan::{Plan, PlanOptions, structure, understand};
 use crate::report::Report;
 
 fn source(record: usize, layer: &str) -> SourceRef {
@@ -75,8 +75,9 @@ fn by_default(drawing: &Drawing) -> (Plan, Graph, Moves) {
     let plan = understand(drawing, &PlanOptions::default(), &mut report).unwrap();
     let graph = Graph::new(&plan);
     let walls: Vec<_> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
-    let interior = Interior::new(&walls, plan.human_scale).unwrap();
-    let groups = defaults::groups(&plan, &graph, &interior, &mut report);
+    let interior = Interior::new(&walls, &[], plan.human_scale).unwrap();
+    let (axes, _) = structure::axes(&plan, drawing);
+    let groups = defaults::groups(&plan, &graph, &axes, &interior, &mut report);
     let moves = Moves::new(&plan, &graph, &groups, &mut report);
     (plan, graph, moves)
 }

@@ -11,7 +11,9 @@ use crate::report::Error;
 
 const SOLID: Rgb = [0x8c, 0x91, 0x9a];
 const MOVABLE: Rgb = [0x00, 0x72, 0xb2];
-const OPENING: Rgb = [0x00, 0x9e, 0x73];
+const PASSAGE: Rgb = [0x00, 0x9e, 0x73];
+const DOOR: Rgb = [0xcc, 0x79, 0xa7];
+const WINDOW: Rgb = [0x56, 0xb4, 0xe9];
 const LEFT_OUT: Rgb = [0xb0, 0xb4, 0xba];
 const MOVE_BOX: Rgb = [0xd5, 0x5e, 0x00];
 const QUERY: Rgb = [0xe6, 0x9f, 0x00];
@@ -66,14 +68,18 @@ fn draw_fixed(canvas: &mut Canvas, frame: &Frame, picture: &PlanPicture) {
 
 const FIXED_LOOK: Look = Look::solid(INK, 1.2, 0.0);
 const MOVABLE_LOOK: Look = Look::solid(MOVABLE, 1.5, 0.4);
-const OPENING_LOOK: Look = Look::solid(OPENING, 1.0, 0.0).dashed(&[2.0, 2.0]);
+const PASSAGE_LOOK: Look = Look::solid(PASSAGE, 1.6, 0.0).dashed(&[2.0, 2.0]);
+const DOOR_LOOK: Look = Look::solid(DOOR, 2.0, 0.0);
+const WINDOW_LOOK: Look = Look::solid(WINDOW, 2.0, 0.0);
 const IGNORED_LOOK: Look = Look::solid(LEFT_OUT, 0.5, 0.0);
 
 /// Looks of what is neither fixed nor movable.
 fn stroke_look(kind: StrokeKind) -> Option<Look> {
     match kind {
         StrokeKind::Fixed | StrokeKind::Movable => None,
-        StrokeKind::Opening => Some(OPENING_LOOK),
+        StrokeKind::Opening => Some(PASSAGE_LOOK),
+        StrokeKind::Door => Some(DOOR_LOOK),
+        StrokeKind::Window => Some(WINDOW_LOOK),
         StrokeKind::Ignored => Some(IGNORED_LOOK),
         StrokeKind::Before => Some(Look::solid(GREY, 0.6, 0.0).dashed(&[4.0, 3.0])),
         StrokeKind::Moved => Some(MOVABLE_LOOK),
@@ -103,8 +109,10 @@ fn samples_of(picture: &PlanPicture) -> Vec<Sample> {
         (fixed(false), "wall, stays", FIXED_LOOK),
         (fixed(true), "solid, stays", Look::solid(SOLID, 2.2, 0.0)),
         (picture.has(StrokeKind::Movable), "may move", MOVABLE_LOOK),
-        (picture.has(StrokeKind::Opening), "opening", OPENING_LOOK),
-        (picture.has(StrokeKind::Ignored), "left out", IGNORED_LOOK),
+        (picture.has(StrokeKind::Door), "door", DOOR_LOOK),
+        (picture.has(StrokeKind::Window), "window", WINDOW_LOOK),
+        (picture.has(StrokeKind::Opening), "passage", PASSAGE_LOOK),
+        (picture.has(StrokeKind::Ignored), "drawn, no wall", IGNORED_LOOK),
     ];
     let regions = [
         (RegionKind::Query, "measured here (query)"),

@@ -47,7 +47,11 @@ pub fn diversity_png(
 fn present_look(kind: StrokeKind) -> Option<Look> {
     match kind {
         StrokeKind::Fixed | StrokeKind::Movable | StrokeKind::Moved => Some(Look::solid(PRESENT, 0.9, 0.0)),
-        StrokeKind::Ignored | StrokeKind::Opening | StrokeKind::Before => None,
+        StrokeKind::Ignored
+        | StrokeKind::Opening
+        | StrokeKind::Door
+        | StrokeKind::Window
+        | StrokeKind::Before => None,
     }
 }
 

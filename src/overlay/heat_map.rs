@@ -94,7 +94,9 @@ fn unmeasured(x: i32, y: i32) -> Rgb {
 fn stroke_look(kind: StrokeKind, palette: Palette) -> Option<Look> {
     Some(match kind {
         StrokeKind::Ignored => Look { opacity: 0.45, ..Look::solid(GREY, 0.4, 0.0) },
-        StrokeKind::Opening => Look { opacity: 0.7, ..Look::solid(INK, 0.4, 0.0).dashed(&[3.0, 3.0]) },
+        StrokeKind::Opening | StrokeKind::Door | StrokeKind::Window => {
+            Look { opacity: 0.7, ..Look::solid(INK, 0.4, 0.0).dashed(&[3.0, 3.0]) }
+        }
         StrokeKind::Fixed | StrokeKind::Movable => Look::solid(INK, 1.0, 0.35),
         StrokeKind::Before => Look::solid(INK, 0.6, 0.6).dashed(&[4.0, 3.0]),
         StrokeKind::Moved => Look::solid(palette.accent(), 1.5, 0.7),

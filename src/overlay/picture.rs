@@ -22,8 +22,12 @@ pub(super) const PAPER: Rgb = [0xff, 0xff, 0xff];
 pub enum StrokeKind {
     /// Drawn, but not taken as anything.
     Ignored,
-    /// A door or window opening.
+    /// An opening with nothing in it.
     Opening,
+    /// A door.
+    Door,
+    /// A window.
+    Window,
     /// A wall, column or other solid that stays.
     Fixed,
     /// One that may move.
@@ -136,8 +140,8 @@ pub(super) fn draw_strokes(
     strokes: &[Stroke],
     look: impl Fn(StrokeKind) -> Option<Look>,
 ) {
-    use StrokeKind::{Before, Fixed, Ignored, Movable, Moved, Opening};
-    for kind in [Ignored, Opening, Fixed, Movable, Before, Moved] {
+    use StrokeKind::{Before, Door, Fixed, Ignored, Movable, Moved, Opening, Window};
+    for kind in [Ignored, Opening, Window, Door, Fixed, Movable, Before, Moved] {
         if let Some(look) = look(kind) {
             let of_kind = |s: &&Stroke| s.kind == kind;
             draw_alike(canvas, frame, strokes.iter().filter(of_kind), look);

@@ -446,8 +446,12 @@ pub struct CheckResult {
     pub unit: UnitEntry,
     /// Walls found.
     pub walls: u64,
-    /// Openings found.
+    /// Openings found: doors, windows and passages.
     pub openings: u64,
+    /// Doors among them.
+    pub doors: u64,
+    /// Windows among them.
+    pub windows: u64,
     /// Columns and other solids found.
     pub columns: u64,
     /// Regions.
@@ -456,6 +460,8 @@ pub struct CheckResult {
     pub moves: Vec<MoveEntry>,
     /// Every layer.
     pub layers: Vec<LayerEntry>,
+    /// What the walls were understood as, in plain words.
+    pub statements: Vec<String>,
     /// What was left out or assumed.
     pub problems: Vec<ProblemEntry>,
 }

@@ -133,13 +133,14 @@ pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResu
 
 fn check_picture(base: &study::Understood, result: &CheckResult) -> Result<Vec<u8>, Error> {
     let subtitle = format!(
-        "{} wall elements, {} of them solid, {} moves; {}",
+        "{} wall elements, {} doors, {} windows, {} moves; read in {}",
         result.walls,
-        result.columns,
+        result.doors,
+        result.windows,
         result.moves.len(),
-        result.unit.reason
+        result.unit.name
     );
-    check_png(&show::picture(base), &result.file, &subtitle, DEFAULT_SIDE_PX)
+    check_png(&show::check_picture(base), &result.file, &subtitle, DEFAULT_SIDE_PX)
 }
 
 /// `enfilade analyse`: measures the present layout; the files of `analysis/`.

@@ -12,6 +12,7 @@ use super::{aims, explain, rules};
 use crate::config::{Aim, Measure, Method, Mode, Settings};
 use crate::formats;
 use crate::moves::Layout;
+use crate::moves::carried::{Carried, carried};
 use crate::moves::control::Control;
 use crate::overlay::result::{
     self, Best, Candidate, Diversity, ElementRef, Explanation, LineageEntry, MoveEntry, Numbers, Objective,
@@ -377,6 +378,7 @@ fn make(
     let ids = formats::host_ids(input.file(), &input.bytes, &records);
     let host_ids = records.iter().zip(ids).filter_map(|(r, id)| Some((*r as u64, id?))).collect();
     state_stale(input, settings, &records, &mut report)?;
+    state_left_behind(&study.base, &layout, &mut report);
     let searched = study.measure(&member.parameters, &mut study.bench());
     if worth != searched {
         let text = format!(
@@ -404,6 +406,17 @@ pub(super) fn edits_of(base: &Understood, layout: &Layout) -> Vec<Edit> {
             _ => out.push(Edit::Shape { record, shape: moved.shape.clone() }),
         }
     }
+    for fitting in &base.fittings {
+        let record = fitting.source.record;
+        let Carried::Moves(shape, motion) = carried(&base.plan, fitting, layout) else { continue };
+        let edit = match fitting.editable {
+            Editable::WithInsert { .. } => Edit::Insert { record, motion },
+            _ => Edit::Shape { record, shape },
+        };
+        if !out.contains(&edit) {
+            out.push(edit);
+        }
+    }
     out
 }
 
@@ -426,6 +439,18 @@ fn state_stale(
         report.info("stale-annotation", place_in(input.file(), &source), text);
     }
     Ok(())
+}
+
+/// Doors and windows that cannot go with their wall.
+fn state_left_behind(base: &Understood, layout: &Layout, report: &mut Report) {
+    for fitting in &base.fittings {
+        if let Carried::Stale(why) = carried(&base.plan, fitting, layout) {
+            let text = format!(
+                "is part of a door or window whose wall moves in an option, but {why}; it stays as drawn"
+            );
+            report.info("opening-stays", place_in(&base.plan.file, &fitting.source), text);
+        }
+    }
 }
 
 fn round_result(

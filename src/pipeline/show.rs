@@ -5,13 +5,15 @@ use super::study::{Study, Understood, Worth, divisor};
 use crate::analysis::measures::{Column, UNDEFINED};
 use crate::config::{Colours, Measure, Settings};
 use crate::moves::Layout;
+use crate::moves::carried::{Carried, carried};
 use crate::overlay::Palette;
 use crate::overlay::picture::{Cell, PlanPicture, RegionKind, RegionOutline, Stroke, StrokeKind, bounds_of};
 use crate::overlay::result::{
     self, Change, Counts, ElementRef, Input, LayerEntry, MoveEntry, MoveKind, Numbers, RegionEntry, UnitEntry,
 };
+use crate::plan::axes::OpeningKind;
 use crate::plan::curve::{Trace, control_points};
-use crate::plan::drawing::{Addition, Format, Mark, SourceRef};
+use crate::plan::drawing::{Addition, Format, Mark, Shape, SourceRef};
 use crate::plan::geometry::PointUm;
 use crate::plan::markers::{Kind, place_in};
 use crate::plan::{Plan, Region};
@@ -40,6 +42,47 @@ pub fn picture(base: &Understood) -> PlanPicture {
     let points =
         strokes.iter().flat_map(|s| s.points.clone()).chain(regions.iter().flat_map(|r| r.points.clone()));
     PlanPicture { bounds: bounds_of(points), strokes, regions }
+}
+
+/// A wall that stays or moves with all its corners is one stroke; of others each piece is one.
+fn wall_strokes(base: &Understood, w: usize) -> Vec<Stroke> {
+    let wall = &base.plan.walls[w];
+    let moves = |c: u32| base.moves.groups.iter().any(|g| g.handles.binary_search(&(w as u32, c)).is_ok());
+    let corners = base.graph.control_nodes[w].len() as u32;
+    let is_moving = base.moves.walls.binary_search(&(w as u32)).is_ok();
+    let moving = if is_moving { (0..corners).filter(|c| moves(*c)).count() as u32 } else { 0 };
+    if moving == 0 || moving == corners || corners < 3 {
+        let kind = if moving == 0 { StrokeKind::Fixed } else { StrokeKind::Movable };
+        return vec![stroke_of(&base.plan, &wall.trace, wall.is_solid, kind)];
+    }
+    let mut control = 0;
+    let at = |p: PointUm| base.plan.frame.plan_from_um(p).to_array();
+    let pieces = wall.trace.segments().map(|(i, _, s)| {
+        control = wall.trace.control[i].unwrap_or(control);
+        let is_moving = moves(control) && moves((control + 1) % corners);
+        let kind = if is_moving { StrokeKind::Movable } else { StrokeKind::Fixed };
+        Stroke { points: vec![at(s.a), at(s.b)], closed: false, filled: false, kind }
+    });
+    pieces.collect()
+}
+
+/// The plan as understood: also its openings, and what was left out.
+pub fn check_picture(base: &Understood) -> PlanPicture {
+    let mut out = picture(base);
+    out.strokes = (0..base.plan.walls.len()).flat_map(|w| wall_strokes(base, w)).collect();
+    let scale = base.plan.human_scale;
+    for opening in &base.axes.openings {
+        let kind = match opening.kind {
+            OpeningKind::Door => StrokeKind::Door,
+            OpeningKind::Window => StrokeKind::Window,
+            OpeningKind::Passage => StrokeKind::Opening,
+        };
+        let points = opening.jambs.map(|j| (j.at * scale).to_array()).to_vec();
+        out.strokes.push(Stroke { points, closed: false, filled: false, kind });
+    }
+    let left_out = base.left_out.iter();
+    out.strokes.extend(left_out.map(|t| stroke_of(&base.plan, t, false, StrokeKind::Ignored)));
+    out
 }
 
 /// The plan with the moving walls where a layout has them, and where they stood.
@@ -192,22 +235,26 @@ pub fn move_entries(base: &Understood) -> Vec<MoveEntry> {
 
 /// `changes` of one candidate: axis points in metres of the drawing frame.
 pub fn changes(base: &Understood, layout: &Layout) -> Vec<Change> {
-    let metres = |shape| {
+    let metres = |shape: &Shape| -> Vec<[f64; 2]> {
         let um = |p: glam::DVec2| -> PointUm { base.plan.frame.um_from_file(p) };
         control_points(shape).into_iter().map(|p| um(p).map(|v| v as f64 / 1e6)).collect()
     };
+    let change = |source: &SourceRef, from: &Shape, to: &Shape| Change {
+        element: element(base.plan.format, source),
+        host_id: None,
+        from: metres(from),
+        to: metres(to),
+    };
     let changed = layout.walls.iter().filter(|w| w.is_changed);
-    changed
-        .map(|m| {
-            let wall = &base.plan.walls[m.wall as usize];
-            Change {
-                element: element(base.plan.format, &wall.source),
-                host_id: None,
-                from: metres(&wall.shape),
-                to: metres(&m.shape),
-            }
-        })
-        .collect()
+    let walls = changed.map(|m| {
+        let wall = &base.plan.walls[m.wall as usize];
+        change(&wall.source, &wall.shape, &m.shape)
+    });
+    let fittings = base.fittings.iter().filter_map(|f| match carried(&base.plan, f, layout) {
+        Carried::Moves(shape, _) => Some(change(&f.source, &f.shape, &shape)),
+        Carried::Stays | Carried::Stale(_) => None,
+    });
+    walls.chain(fittings).collect()
 }
 
 /// `input` of result.json.
@@ -279,6 +326,7 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
             place,
         });
     }
+    let openings = |kind| base.axes.openings.iter().filter(|o| o.kind == kind).count() as u64;
     result::CheckResult {
         schema: result::CHECK_SCHEMA.into(),
         file: plan.file.clone(),
@@ -290,7 +338,9 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
             reason: plan.unit.reason.clone(),
         },
         walls: plan.walls.len() as u64,
-        openings: base.openings,
+        openings: base.openings.max(base.axes.openings.len() as u64),
+        doors: openings(OpeningKind::Door),
+        windows: openings(OpeningKind::Window),
         columns: plan.walls.iter().filter(|w| w.is_solid).count() as u64,
         regions: shown,
         moves: move_entries(base),
@@ -304,6 +354,7 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
                 reason: l.why.clone(),
             })
             .collect(),
+        statements: base.axes.statements.clone(),
         problems: report.problems.iter().map(Into::into).collect(),
     }
 }

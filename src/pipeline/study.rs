@@ -1,6 +1,6 @@
 //! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -19,16 +19,18 @@ use crate::config::{Aim, Level, Measure, MoveTable, Penalty, Settings};
 use crate::formats::{self, ifc};
 use crate::moves::{Layout, Moves, defaults};
 use crate::penalties::{self, Alignment, Clearance, Overlap, Passage, WallLength, WallPiece, disconnection};
-use crate::plan::axes::AxisGraph;
-use crate::plan::curve::{Trace, control_points, trace_like};
+use crate::plan::axes::{AxisGraph, Opening};
+use crate::plan::curve::{Trace, control_points, trace, trace_like};
 use crate::plan::drawing::{Drawing, Format, Shape};
+use crate::plan::fittings::{self, Fitting};
 use crate::plan::frame::unit_by_name;
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{self, Group};
+use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
-use crate::plan::{Plan, PlanOptions, Region, understand};
+use crate::plan::{Plan, PlanOptions, Region, box_of, layers, understand};
 use crate::report::{Error, Place, Report};
 
 /// Radius r of the clearance penalty (spec 5).
@@ -48,6 +50,12 @@ pub struct Understood {
     pub axes: AxisGraph,
     /// Its thick walls, by the control points of their faces.
     pub bodies: Vec<Body>,
+    /// Which of it stops sight.
+    pub sight: Sight,
+    /// Doors and windows as drawn.
+    pub fittings: Vec<Fitting>,
+    /// Shapes that were not taken as walls, for the picture.
+    pub left_out: Vec<Trace>,
     /// What may move.
     pub moves: Moves,
     /// The building's interior, where it was needed.
@@ -85,18 +93,64 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
     add_regions(&mut plan, settings)?;
     building::add_spaces(&drawing, &mut plan, settings)?;
     let graph = Graph::new(&plan);
-    let axes = AxisGraph::new(&structure::drawn(&plan, &drawing));
+    let (axes, marked) = structure::axes(&plan, &drawing);
     let bodies = structure::bodies(&plan, &axes);
-    let mut all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
-    all.extend(building::closings(&drawing, &plan));
+    let sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
+    let fittings = fittings::fittings(&plan, &drawing, &axes, &marked);
+    let all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
+    let mut closings = building::closings(&drawing, &plan);
+    closings.extend(opening_lines(&plan, &axes));
     let has_moves = !settings.moves.is_empty()
         || (!(plan.markers.groups.is_empty() && drawing.marked.is_empty()) && !settings.ignore_move_markers);
     let needs_inside = plan.markers.query.is_empty() || plan.markers.reference.is_empty();
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
-    let interior = if needs_interior { Interior::new(&all, plan.human_scale) } else { None };
-    let moves = moves(&drawing, &plan, &graph, interior.as_ref(), settings, report)?;
+    let interior = if needs_interior { Interior::new(&all, &closings, plan.human_scale) } else { None };
+    let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
+    let known = Known { plan: &plan, graph: &graph, axes: &axes, interior: interior.as_ref() };
+    let moves = moves(&drawing, &known, settings, report)?;
     let openings = building::openings(&drawing);
-    Ok(Understood { plan, graph, axes, bodies, moves, interior, openings })
+    let left_out = left_out(&plan, &drawing);
+    Ok(Understood { plan, graph, axes, bodies, sight, fittings, left_out, moves, interior, openings })
+}
+
+/// What is known of a plan before its moves.
+struct Known<'a> {
+    plan: &'a Plan,
+    graph: &'a Graph,
+    axes: &'a AxisGraph,
+    interior: Option<&'a Interior>,
+}
+
+/// What closes doors, windows and passages: for finding out what lies inside, not for sight.
+fn opening_lines(plan: &Plan, axes: &AxisGraph) -> Vec<Segment> {
+    let um = |p: DVec2| plan.frame.um_from_plan(p * plan.human_scale);
+    let line = |o: &Opening| Segment { a: um(o.jambs[0].at), b: um(o.jambs[1].at) };
+    axes.openings.iter().map(line).collect()
+}
+
+/// Most shapes left out that are kept for the picture.
+const LEFT_OUT_MAX: usize = 20_000;
+
+/// Visible shapes within the plan that are neither walls nor marks of ours.
+fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<Trace> {
+    let points = plan.walls.iter().flat_map(|w| &w.trace.points);
+    let Some([lo, hi]) = box_of(points.map(|p| DVec2::new(p[0] as f64, p[1] as f64))) else {
+        return Vec::new();
+    };
+    let is_hidden = |name: &str| drawing.layers.iter().any(|l| l.name == name && (l.is_off || l.is_frozen));
+    let hidden: BTreeSet<&str> =
+        drawing.layers.iter().map(|l| l.name.as_str()).filter(|n| is_hidden(n)).collect();
+    let foreign = drawing.entities.iter().filter(|e| !layers::is_own(&e.layer)).enumerate();
+    let free =
+        foreign.filter(|(k, e)| plan.picked.binary_search(k).is_err() && !hidden.contains(e.layer.as_str()));
+    let traces = free.map(|(_, e)| trace(&e.shape, &plan.frame));
+    let is_within = |t: &Trace| {
+        t.points.iter().all(|p| {
+            let p = DVec2::new(p[0] as f64, p[1] as f64);
+            p.cmpge(lo).all() && p.cmple(hi).all()
+        })
+    };
+    traces.filter(is_within).take(LEFT_OUT_MAX).collect()
 }
 
 fn plan_options(settings: &Settings) -> PlanOptions {
@@ -140,12 +194,11 @@ fn add_regions(plan: &mut Plan, settings: &Settings) -> Result<(), Error> {
 
 fn moves(
     drawing: &Drawing,
-    plan: &Plan,
-    graph: &Graph,
-    interior: Option<&Interior>,
+    known: &Known<'_>,
     settings: &Settings,
     report: &mut Report,
 ) -> Result<Moves, Error> {
+    let Known { plan, graph, axes, interior } = *known;
     if !settings.moves.is_empty() {
         let groups = side_car_groups(drawing, plan, graph, &settings.moves, report)?;
         return Ok(Moves::new(plan, graph, &groups, report));
@@ -159,7 +212,7 @@ fn moves(
     }
     match interior {
         Some(interior) if !settings.ignore_move_markers => {
-            let groups = defaults::groups(plan, graph, interior, report);
+            let groups = defaults::groups(plan, graph, axes, interior, report);
             Ok(Moves::new(plan, graph, &groups, report))
         }
         _ => Ok(Moves::default()),
@@ -296,7 +349,7 @@ impl Study {
         let piece_moves = piece_moves(&base);
         let (fixed, fixed_solids) = fixed_parts(&base, &piece_moves);
         let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
-        let movable = moving_segments(&identity, &piece_moves);
+        let movable = moving_segments(&base, &identity, &piece_moves);
         let spacing = spacing::choose(&base, settings, report);
         let spacing_um = (spacing.spacing_m * UM_PER_M).round() as i64;
         let centre_um = settings.lattice_centre_m.unwrap_or_default().map(|v| (v * UM_PER_M).round() as i64);
@@ -366,7 +419,7 @@ impl Study {
     /// Measures a layout of the moving walls.
     pub fn measure_layout(&self, layout: &Layout, bench: &mut Bench) -> Worth {
         let moving = Obstacles {
-            segments: moving_segments(layout, &self.piece_moves),
+            segments: moving_segments(&self.base, layout, &self.piece_moves),
             blind: blind(&self.base, layout, &self.cells),
         };
         let tally = self.evaluator.evaluate(&moving, &mut bench.scratch);
@@ -378,7 +431,12 @@ impl Study {
         let isovists = self.isovists(|| {
             let mut traces: Vec<&Trace> = self.base.plan.walls.iter().map(|w| &w.trace).collect();
             layout.walls.iter().for_each(|moved| traces[moved.wall as usize] = &moved.trace);
-            let segments = traces.into_iter().flat_map(|t| t.segments().map(|s| s.2)).collect();
+            let mut segments = closed_that_stay(&self.base);
+            for (w, trace) in traces.into_iter().enumerate() {
+                for (s, part, _) in pieces_of(trace, None) {
+                    segments.extend(self.base.sight.blocking((w as u32, part), s));
+                }
+            }
             Obstacles { segments, blind: moving.blind.clone() }
         });
         self.worth(tally, &bench.pieces, isovists)
@@ -413,8 +471,11 @@ impl Study {
             return Err(Error::input("written-walls", Place::file(&plan.file), text));
         }
         let mut obstacles = Obstacles::default();
+        obstacles.segments.extend(closed_that_stay(&self.base));
         for (w, wall) in again.walls.iter().enumerate() {
-            obstacles.segments.extend(wall.trace.segments().map(|s| s.2));
+            for (s, part, _) in pieces_of(&wall.trace, None) {
+                obstacles.segments.extend(self.base.sight.blocking((w as u32, part), s));
+            }
             if plan.walls[w].is_solid && self.base.moves.walls.binary_search(&(w as u32)).is_ok() {
                 self.cells.vertices_in(&wall.trace.points, &mut obstacles.blind);
             }
@@ -504,8 +565,10 @@ impl Study {
 
     /// What blocks sight in the present layout.
     pub fn initial_obstacles(&self) -> Obstacles {
-        let walls = &self.base.plan.walls;
-        let segments = walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
+        let walls = self.base.plan.walls.iter().enumerate();
+        let pieces = walls.flat_map(|(w, wall)| pieces_of(&wall.trace, None).map(move |p| (w as u32, p)));
+        let blocking = pieces.flat_map(|(w, (s, part, _))| self.base.sight.blocking((w, part), s));
+        let segments = blocking.chain(closed_that_stay(&self.base)).collect();
         let identity = self.base.moves.apply(&self.base.plan, &self.base.graph, &self.base.moves.identity());
         Obstacles { segments, blind: blind(&self.base, &identity, &self.cells) }
     }
@@ -524,11 +587,14 @@ pub fn divisor(initial: f64) -> f64 {
 fn state_interior(base: &Understood, settings: &Settings, report: &mut Report) {
     let Some(interior) = &base.interior else { return };
     let needs = base.plan.markers.query.is_empty() || base.plan.markers.reference.is_empty();
-    if needs && settings.seed_points.is_empty() && interior.closing_m() > 0.0 {
+    if needs && settings.seed_points.is_empty() && !interior.is_as_drawn() {
+        let wide = match interior.closing_m() {
+            0.0 => "its doors and windows".to_string(),
+            half => format!("gaps up to {} m wide", half * 2.0),
+        };
         let text = format!(
-            "no region drawn and the outline is open: openings up to {} m wide were taken as closed to find the interior; \
-             EF-QUERY or --seed-point says it exactly",
-            interior.closing_m() * 2.0
+            "no region drawn and the outline is open: {wide} were taken as closed to find the interior; \
+             EF-QUERY or --seed-point says it exactly"
         );
         report.info("interior-closed", Place::file(&base.plan.file), text);
     }
@@ -542,7 +608,7 @@ fn near(centre_um: PointUm, spacing_um: i64, plan: &Plan) -> PointUm {
 
 /// For every moving wall and control point: whether the piece that starts there moves.
 fn piece_moves(base: &Understood) -> Vec<Vec<bool>> {
-    let mut moving = vec![std::collections::BTreeSet::new(); base.plan.walls.len()];
+    let mut moving = vec![BTreeSet::new(); base.plan.walls.len()];
     for group in &base.moves.groups {
         for (w, c) in &group.handles {
             moving[*w as usize].insert(*c);
@@ -560,36 +626,53 @@ fn fixed_parts(base: &Understood, piece_moves: &[Vec<bool>]) -> (Vec<Segment>, V
     let (mut segments, mut solids) = (Vec::new(), Vec::new());
     for (w, wall) in base.plan.walls.iter().enumerate() {
         let moving = base.moves.walls.binary_search(&(w as u32)).ok().map(|i| &piece_moves[i]);
-        for (s, moves) in pieces_of(&wall.trace, moving) {
+        for (s, part, moves) in pieces_of(&wall.trace, moving) {
             if !moves {
-                segments.push(s);
+                segments.extend(base.sight.blocking((w as u32, part), s));
             }
         }
         if wall.is_solid && moving.is_none() {
             solids.push(wall.trace.points.clone());
         }
     }
+    segments.extend(closed_that_stay(base));
     (segments, solids)
 }
 
-/// The pieces of a trace and whether each moves.
+/// How near a moving wall's end must be to a closed gap for the gap to be its own.
+const CLOSED_REACH_M: f64 = 0.1;
+
+/// What stops sight although nothing is drawn, where no moving wall ends: a gap beside a moving wall is
+/// no slip any more once it moves.
+fn closed_that_stay(base: &Understood) -> Vec<Segment> {
+    let handles = base.moves.groups.iter().flat_map(|g| &g.handles);
+    let ends: Vec<DVec2> = handles.map(|h| structure::handle_at(&base.plan, *h)).collect();
+    let at = |p: PointUm| base.plan.frame.plan_from_um(p) / base.plan.human_scale;
+    let stays =
+        |s: &&Segment| [s.a, s.b].iter().all(|p| ends.iter().all(|e| e.distance(at(*p)) > CLOSED_REACH_M));
+    base.sight.closed.iter().filter(stays).copied().collect()
+}
+
+/// The pieces of a trace, each with the control point it starts from and whether it moves.
 fn pieces_of<'a>(
     trace: &'a Trace,
     moving: Option<&'a Vec<bool>>,
-) -> impl Iterator<Item = (Segment, bool)> + 'a {
-    let mut control = 0usize;
+) -> impl Iterator<Item = (Segment, u32, bool)> + 'a {
+    let mut control = 0u32;
     trace.segments().map(move |(i, _, s)| {
         if let Some(c) = trace.control[i] {
-            control = c as usize;
+            control = c;
         }
-        (s, moving.is_some_and(|m| m.get(control).copied().unwrap_or(true)))
+        (s, control, moving.is_some_and(|m| m.get(control as usize).copied().unwrap_or(true)))
     })
 }
 
-fn moving_segments(layout: &Layout, piece_moves: &[Vec<bool>]) -> Vec<Segment> {
+fn moving_segments(base: &Understood, layout: &Layout, piece_moves: &[Vec<bool>]) -> Vec<Segment> {
     let mut out = Vec::new();
     for (wall, moving) in layout.walls.iter().zip(piece_moves) {
-        out.extend(pieces_of(&wall.trace, Some(moving)).filter(|p| p.1).map(|p| p.0));
+        for (s, part, _) in pieces_of(&wall.trace, Some(moving)).filter(|p| p.2) {
+            out.extend(base.sight.blocking((wall.wall, part), s));
+        }
     }
     out
 }
@@ -635,7 +718,7 @@ fn pieces(
         let moving = base.moves.walls.binary_search(&(w as u32)).ok();
         let start = out.len();
         let nodes = &base.graph.trace_nodes[w];
-        let moves = pieces_of(&wall.trace, moving.map(|i| &piece_moves[i])).map(|p| p.1);
+        let moves = pieces_of(&wall.trace, moving.map(|i| &piece_moves[i])).map(|p| p.2);
         for ((i, j, s), is_moving) in wall.trace.segments().zip(moves) {
             let [a, b] = [s.a, s.b].map(|p| base.plan.frame.plan_from_um(p));
             let solid = base.plan.walls[w].is_solid.then_some(w as u32);

@@ -9,7 +9,7 @@ use super::drawing::{Drawing, Entity, Format};
 use super::layers::{self, WallLayers};
 use super::roles::{Role, role_by_name};
 use super::scores::{Score, wall_scores};
-use super::views::{Sheet, View, split};
+use super::views::{STRAY, Sheet, View, split};
 use super::{LayerUse, PlanOptions, clutter, markers};
 use crate::report::{Error, Place, Report};
 
@@ -204,9 +204,17 @@ pub(super) fn choose_view(
     if drawing.format != Format::Dxf {
         // A storey is one plan, however many buildings stand on it.
         views.truncate(1);
-    }
-    if options.picked.is_some() || views.len() < 2 {
         return Ok((chosen.walls.clone(), views));
+    }
+    if options.picked.is_some() {
+        return Ok((chosen.walls.clone(), views));
+    }
+    let takes_all = options.view.as_deref().is_some_and(|v| v.trim().eq_ignore_ascii_case("all"));
+    if views.len() < 2 {
+        let is_near = |(_, v): &(&usize, &usize)| takes_all || **v != STRAY;
+        let near: Vec<usize> = chosen.walls.iter().zip(&of_wall).filter(is_near).map(|(w, _)| *w).collect();
+        state_strays(drawing, chosen.walls.len() - near.len(), report);
+        return Ok((near, views));
     }
     match options.view.as_deref().map(str::trim) {
         None => {}
@@ -220,8 +228,17 @@ pub(super) fn choose_view(
     }
     state_views(drawing, &views, metres_per_unit, report);
     let walls = chosen.walls.iter().zip(&of_wall);
-    let picked = walls.filter(|(_, v)| views.get(**v).is_some_and(|v| v.is_chosen)).map(|w| *w.0).collect();
+    let is_taken = |v: usize| takes_all || views.get(v).is_some_and(|v| v.is_chosen);
+    let picked = walls.filter(|(_, v)| is_taken(**v)).map(|w| *w.0).collect();
     Ok((picked, views))
+}
+
+fn state_strays(drawing: &Drawing, count: usize, report: &mut Report) {
+    if count > 0 {
+        let text =
+            format!("{count} wall elements lie far from the plan and are left out; --view all takes them in");
+        report.info("stray-walls", Place::file(&drawing.file), text);
+    }
 }
 
 /// Points of the user's marks: they lie in the drawing that is meant.

@@ -28,6 +28,7 @@ pub struct Interior {
     pixel_um: i64,
     cols: usize,
     rows: usize,
+    is_as_drawn: bool,
     closing_m: f64,
     inside: Vec<bool>,
     cavity: Vec<bool>,
@@ -35,18 +36,23 @@ pub struct Interior {
 }
 
 impl Interior {
-    /// Finds the interior of the walls as they stand. `None` without walls. All lengths that mean a
-    /// person's shrink with `human_scale`.
-    pub fn new(walls: &[Segment], human_scale: f64) -> Option<Self> {
+    /// Finds the interior of the walls as they stand. `closings`: lines across doors and windows, where they
+    /// are known. `None` without walls. All lengths that mean a person's shrink with `human_scale`.
+    pub fn new(walls: &[Segment], closings: &[Segment], human_scale: f64) -> Option<Self> {
         let mut raster = Raster::new(walls, human_scale)?;
         raster.draw(walls);
+        let as_drawn = raster.enclosed(&[], 0.0);
+        raster.draw(closings);
         let to_wall = distance_px(&raster.wall, raster.cols, raster.rows);
-        let enclosed: Vec<(f64, Vec<bool>)> =
-            CLOSING_M.iter().map(|c| c * human_scale).map(|c| (c, raster.enclosed(&to_wall, c))).collect();
+        let steps = CLOSING_M.iter().map(|c| c * human_scale);
+        let closed: Vec<(f64, Vec<bool>)> = steps.map(|c| (c, raster.enclosed(&to_wall, c))).collect();
         let count =
             |inside: &[bool]| inside.iter().zip(&to_wall).filter(|(i, d)| **i && **d > 0.0).count() as f64;
-        let widest = enclosed.last().map_or(0.0, |e| count(&e.1));
-        let (closing_m, inside) = enclosed.into_iter().find(|e| count(&e.1) >= ENOUGH * widest)?;
+        let widest = closed.last().map_or(0.0, |e| count(&e.1));
+        let is_enough = |inside: &[bool]| count(inside) >= ENOUGH * widest;
+        let is_as_drawn = is_enough(&as_drawn);
+        let (closing_m, inside) =
+            if is_as_drawn { (0.0, as_drawn) } else { closed.into_iter().find(|e| is_enough(&e.1))? };
         let cavity = raster.cavities(&inside, &to_wall, CAVITY_HALF_WIDTH_M * human_scale);
         let outside: Vec<bool> = inside.iter().map(|i| !i).collect();
         let outside_far = distance_px(&outside, raster.cols, raster.rows);
@@ -55,6 +61,7 @@ impl Interior {
             pixel_um: raster.pixel_um,
             cols: raster.cols,
             rows: raster.rows,
+            is_as_drawn,
             closing_m,
             inside,
             cavity,
@@ -62,7 +69,18 @@ impl Interior {
         })
     }
 
-    /// Half width of the openings that were taken as closed; 0 when the outline is closed as drawn.
+    /// Whether the walls as drawn enclose the building, without any gap taken as closed.
+    pub fn is_as_drawn(&self) -> bool {
+        self.is_as_drawn
+    }
+
+    /// The same, where parts of the drawn walls stop no sight: doors and windows that are drawn through.
+    #[must_use]
+    pub fn with_drawn_openings(self) -> Self {
+        Self { is_as_drawn: false, ..self }
+    }
+
+    /// Half width of the openings that were taken as closed, beside known doors and windows.
     pub fn closing_m(&self) -> f64 {
         self.closing_m
     }
@@ -144,7 +162,7 @@ impl Raster {
     /// Pixels that a disc of radius `closing_m` rolling in from the border never covers.
     fn enclosed(&self, to_wall: &[f32], closing_m: f64) -> Vec<bool> {
         let radius_px = (closing_m * UM_PER_M / self.pixel_um as f64) as f32;
-        let free = |i: usize| !self.wall[i] && to_wall[i] > radius_px;
+        let free = |i: usize| !self.wall[i] && to_wall.get(i).is_none_or(|d| *d > radius_px);
         let mut outside = vec![false; self.wall.len()];
         let mut stack = vec![0usize];
         outside[0] = true;

@@ -9,67 +9,12 @@ use super::drawing::{Drawing, Entity, Shape};
 use super::geometry::PointUm;
 use super::graph::Handle;
 use super::layers;
+use super::roles::{self, role_by_name};
+use super::rooms;
 
-/// Words of layers and blocks that hold doors, lower case.
-const DOOR_WORDS: &[&str] = &[
-    "door",
-    "doors",
-    "tür",
-    "tuer",
-    "türen",
-    "tueren",
-    "porte",
-    "portes",
-    "porta",
-    "porte",
-    "puerta",
-    "puertas",
-    "portas",
-    "deur",
-    "deuren",
-    "dør",
-    "dörr",
-    "ovi",
-    "drzwi",
-    "dveře",
-    "kapı",
-    "дверь",
-    "двери",
-    "ドア",
-    "门",
-];
-
-/// Words of layers and blocks that hold windows, lower case.
-const WINDOW_WORDS: &[&str] = &[
-    "window",
-    "windows",
-    "wind",
-    "fenster",
-    "fenêtre",
-    "fenetre",
-    "fenêtres",
-    "finestra",
-    "finestre",
-    "ventana",
-    "ventanas",
-    "janela",
-    "janelas",
-    "raam",
-    "ramen",
-    "vindu",
-    "fönster",
-    "ikkuna",
-    "okno",
-    "okna",
-    "pencere",
-    "окно",
-    "окна",
-    "窓",
-    "窗",
-    "glaz",
-    "glass",
-    "glazing",
-];
+/// Words of layers that hold doors and windows alike, lower case.
+const OPENING_WORDS: &[&str] =
+    &["opening", "openings", "header", "infissi", "serramenti", "carpinteria", "建具", "sliding"];
 
 /// Radii of arcs that may be door swings, metres of a person.
 pub const SWING_RADIUS_M: [f64; 2] = [0.5, 1.6];
@@ -85,14 +30,31 @@ impl Body {
     }
 }
 
+/// The axis graph of a plan, and for every mark that it was understood from the index of its entity.
+pub fn axes(plan: &Plan, drawing: &Drawing) -> (AxisGraph, Vec<usize>) {
+    let (drawn, marked) = drawn(plan, drawing);
+    let mut axes = AxisGraph::new(&drawn);
+    // Where wall lines run through and nothing shows a door or a window, there is no gap.
+    axes.openings.retain(|o| o.through.is_empty() || !o.marks.is_empty());
+    rooms::open_touching(plan, &mut axes);
+    (axes, marked)
+}
+
+/// Ends of a polyline nearer than this are one: it is closed although it does not say so.
+const CLOSED_M: f64 = 0.001;
+
 /// What the axis graph is understood from: all pieces of the walls, and the entities that may be part of
-/// a door or a window.
-pub fn drawn(plan: &Plan, drawing: &Drawing) -> Drawn {
+/// a door or a window; for every mark the index of its entity.
+pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
+    let mut marked = Vec::new();
     let place = |p: DVec2| plan.frame.plan_from_file(p) / plan.human_scale;
     let mut out = Drawn::default();
     for (w, wall) in plan.walls.iter().enumerate() {
-        let is_closed = matches!(wall.shape, Shape::Circle { .. } | Shape::Polyline { closed: true, .. });
-        for (part, path) in paths_of(&wall.shape, place).into_iter().enumerate() {
+        let paths = paths_of(&wall.shape, place);
+        let meets = |first: &Path, last: &Path| first.ends()[0].distance(last.ends()[1]) <= CLOSED_M;
+        let is_closed = matches!(wall.shape, Shape::Circle { .. } | Shape::Polyline { closed: true, .. })
+            || paths.len() > 2 && meets(&paths[0], &paths[paths.len() - 1]);
+        for (part, path) in paths.into_iter().enumerate() {
             out.faces.push(Face { wall: w as u32, part: part as u32, path, role: Role::Wall, is_closed });
         }
     }
@@ -109,29 +71,33 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> Drawn {
             let group =
                 if entity.blocks.is_empty() { i } else { drawing.entities.len() + entity.source.record };
             out.marks.push(Mark { paths, role, group: group as u32, word });
+            marked.push(i);
         }
     }
-    out
+    (out, marked)
 }
 
+/// What an entity says about an opening: by the name of its block or layer, else by its shape if the name
+/// says nothing.
 fn mark_role(entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
+    let mut is_open = false;
     for name in entity.blocks.iter().map(String::as_str).chain([entity.layer.as_str()]) {
-        let lower = name.to_lowercase();
-        let words = || lower.split(|c: char| !c.is_alphabetic()).filter(|w| !w.is_empty());
-        if words().any(|w| DOOR_WORDS.contains(&w)) {
-            return Some((Role::Door, name.to_string()));
-        }
-        if words().any(|w| WINDOW_WORDS.contains(&w)) {
-            return Some((Role::Window, name.to_string()));
+        let is_both = || layers::words(name).iter().any(|w| OPENING_WORDS.contains(&w.as_str()));
+        match role_by_name(name).0 {
+            roles::Role::Door if is_both() => return Some((Role::Unknown, name.to_string())),
+            roles::Role::Door => return Some((Role::Door, name.to_string())),
+            roles::Role::Window | roles::Role::Glazing => return Some((Role::Window, name.to_string())),
+            roles::Role::Unknown => is_open = true,
+            _ => {}
         }
     }
-    let swings = |p: &Path| match p {
+    let tells = |p: &Path| match p {
         Path::Arc { radius, sweep_rad, .. } => {
             (SWING_RADIUS_M[0]..=SWING_RADIUS_M[1]).contains(radius) && (0.5..=3.3).contains(sweep_rad)
         }
-        Path::Line { .. } => false,
+        Path::Line { .. } => is_open,
     };
-    paths.iter().any(swings).then(|| (Role::Unknown, String::new()))
+    paths.iter().any(tells).then(|| (Role::Unknown, String::new()))
 }
 
 /// The thick straight walls of an axis graph.
@@ -147,12 +113,8 @@ fn body(plan: &Plan, axes: &AxisGraph, edge: &Edge) -> Option<Body> {
     let [a, b] = axes.ends(edge);
     let along = |p: DVec2| (p - a).dot(b - a);
     let side = |faces: &[FaceRef]| -> Option<[Handle; 2]> {
-        let ends = faces.iter().flat_map(|f| handles_of(plan, *f));
-        let at = |h: &Handle| {
-            let p = control_points(&plan.walls[h.0 as usize].shape)[h.1 as usize];
-            along(plan.frame.plan_from_file(p) / plan.human_scale)
-        };
-        let mut ends: Vec<(f64, Handle)> = ends.map(|h| (at(&h), h)).collect();
+        let ends = faces.iter().flat_map(|f| face_handles(plan, *f));
+        let mut ends: Vec<(f64, Handle)> = ends.map(|h| (along(handle_at(plan, h)), h)).collect();
         ends.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
         Some([ends.first()?.1, ends.last()?.1])
     };
@@ -160,8 +122,28 @@ fn body(plan: &Plan, axes: &AxisGraph, edge: &Edge) -> Option<Body> {
     Some(Body([l0, l1, r1, r0]))
 }
 
+/// Where a control point stands, metres of a person.
+pub fn handle_at(plan: &Plan, (wall, control): Handle) -> DVec2 {
+    let p = control_points(&plan.walls[wall as usize].shape)[control as usize];
+    plan.frame.plan_from_file(p) / plan.human_scale
+}
+
+/// How far from a node the corners of a wall's end may lie along the wall.
+const END_REACH_M: f64 = 0.06;
+
+/// The control points of an edge's faces that stand at one of its nodes; none where the faces run on.
+pub fn end_handles(plan: &Plan, axes: &AxisGraph, edge: &Edge, node: u32) -> Vec<Handle> {
+    let [a, b] = axes.ends(edge);
+    let at = axes.nodes[node as usize].at;
+    let along = (b - a).normalize_or_zero();
+    let reach = END_REACH_M + edge.thickness_m / 2.0;
+    let faces = edge.left.iter().chain(&edge.right).chain(&edge.inner);
+    let ends = faces.flat_map(|f| face_handles(plan, *f));
+    ends.filter(|h| (handle_at(plan, *h) - at).dot(along).abs() <= reach).collect()
+}
+
 /// The control points at the ends of a straight drawn piece.
-pub fn handles_of(plan: &Plan, (wall, part): FaceRef) -> Vec<Handle> {
+pub fn face_handles(plan: &Plan, (wall, part): FaceRef) -> Vec<Handle> {
     match &plan.walls[wall as usize].shape {
         Shape::Line { .. } => vec![(wall, 0), (wall, 1)],
         Shape::Polyline { vertices, .. } => {

@@ -35,6 +35,9 @@ const FRAME_SHARE: f64 = 0.3;
 /// Titles are looked for this far around a drawing, metres.
 const TITLE_M: f64 = 4.0;
 
+/// Stands for no view.
+pub const STRAY: usize = usize::MAX;
+
 /// One drawing of the sheet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
@@ -59,7 +62,7 @@ pub struct View {
 pub struct Sheet {
     /// The drawings in reading order.
     pub views: Vec<View>,
-    /// For each wall the index of its view.
+    /// For each wall the index of its view; [`STRAY`] where it lies far from every drawing.
     pub of_wall: Vec<usize>,
 }
 
@@ -77,7 +80,12 @@ pub fn split(
     if boxes.is_empty() {
         boxes.extend(box_of(walls.iter().flat_map(|w| control_points(&w.shape))));
     }
-    let mut of_wall: Vec<usize> = walls.iter().map(|w| nearest(&boxes, middle(&w.shape))).collect();
+    let near = NEAR_M / metres_per_unit;
+    let view_of = |p: DVec2| {
+        let i = nearest(&boxes, p);
+        if boxes.get(i).is_some_and(|b| gap(b, &[p, p]) > near) { STRAY } else { i }
+    };
+    let mut of_wall: Vec<usize> = walls.iter().map(|w| view_of(middle(&w.shape))).collect();
     let marked: Vec<usize> = keeps.iter().map(|p| nearest(&boxes, *p)).collect();
     if marked.windows(2).any(|m| m[0] != m[1]) {
         of_wall = vec![0; walls.len()];
@@ -165,12 +173,16 @@ fn groups(drawing: &Drawing, parts: Vec<Part>, metres_per_unit: f64) -> Vec<[DVe
         p.wall_pieces >= OWN_PIECES && size.min_element() >= OWN_SIZE_M
     };
     let mut boxes: Vec<[DVec2; 2]> = parts.iter().filter(|p| is_own(p)).map(|p| p.extent).collect();
-    if boxes.len() < 2 {
+    let near = NEAR_M / metres_per_unit;
+    if let [only] = boxes[..] {
+        let beside = parts.iter().filter(|p| gap(&p.extent, &only) <= near);
+        return box_of(beside.flat_map(|p| p.extent)).into_iter().collect();
+    }
+    if boxes.is_empty() {
         return box_of(parts.iter().flat_map(|p| p.extent)).into_iter().collect();
     }
     let area = |b: &[DVec2; 2]| (b[1] - b[0]).element_product();
     let largest = boxes.iter().map(area).fold(0.0, f64::max);
-    let near = NEAR_M / metres_per_unit;
     loop {
         let joined = (0..boxes.len()).find_map(|i| {
             let other = (0..boxes.len()).find(|&j| {
@@ -229,7 +241,9 @@ fn views(drawing: &Drawing, boxes: &[[DVec2; 2]], metres_per_unit: f64) -> Vec<V
 fn count_walls(sheet: &mut Sheet, walls: &[&Entity]) {
     for piece in pieces(walls.iter().copied()) {
         let view = sheet.of_wall[piece.entity];
-        sheet.views[view].wall_pieces += 1;
+        if view != STRAY {
+            sheet.views[view].wall_pieces += 1;
+        }
     }
     let mut order: Vec<usize> = (0..sheet.views.len()).collect();
     let top = |i: usize| sheet.views[i].extent[1].y;
@@ -255,7 +269,7 @@ fn count_walls(sheet: &mut Sheet, walls: &[&Entity]) {
     for (new, old) in order.iter().enumerate() {
         place[*old] = new;
     }
-    sheet.of_wall.iter_mut().for_each(|v| *v = place[*v]);
+    sheet.of_wall.iter_mut().filter(|v| **v != STRAY).for_each(|v| *v = place[*v]);
     sheet.views = order.iter().map(|old| sheet.views[*old].clone()).collect();
     for (i, view) in sheet.views.iter_mut().enumerate() {
         view.number = i + 1;

@@ -7,10 +7,10 @@ pub const NESTING_MAX: usize = 128;
 pub const DEPTH_MAX: usize = 10_000;
 
 /// Nodes shown, instances of one mesh counted each time.
-pub const NODES_MAX: usize = 1_000_000;
+pub const NODES_MAX: usize = 500_000;
 
 /// Triangles cut in one scene.
 pub const TRIANGLES_MAX: usize = 20_000_000;
 
-/// Bytes of all data URIs.
-pub const DATA_MAX: usize = 1 << 30;
+/// Characters of all data URIs: larger scenes keep their data in a GLB.
+pub const DATA_MAX: usize = 64 << 20;

@@ -102,7 +102,7 @@ impl<'a> File<'a> {
                     Some((_, text)) => {
                         total = total.saturating_add(text.len());
                         if total > DATA_MAX {
-                            let text = format!("data URIs of more than {DATA_MAX} bytes");
+                            let text = format!("data URIs of more than {DATA_MAX} characters; export as GLB");
                             return Err(fault(self.name, "gltf-data", &pointer, &text));
                         }
                         let data = base64::engine::general_purpose::STANDARD.decode(text);
@@ -143,7 +143,11 @@ impl<'a> File<'a> {
                 odd.push(format!("/nodes/{n} does not exist"));
                 continue;
             };
-            if path.contains(&n) || path.len() > DEPTH_MAX {
+            if path.len() > DEPTH_MAX {
+                odd.push(format!("nodes hang deeper than {DEPTH_MAX} in each other; /nodes/{n} is left out"));
+                continue;
+            }
+            if path.contains(&n) {
                 let ring: Vec<String> =
                     path.iter().skip_while(|p| **p != n).chain([&n]).map(ToString::to_string).collect();
                 odd.push(format!("nodes are children of each other in a ring: {}", ring.join(">")));

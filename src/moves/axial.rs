@@ -1,0 +1,458 @@
+//! What may move of thick walls, by their axes: partitions slide between the walls they join, door gaps
+//! slide along the wall they are in.
+//!
+//! A set of corners may shift in a direction if every drawn piece that has one end in the set runs in that
+//! direction: it is stretched and stays where it is. How far is bounded by the pieces that grow short, by
+//! the next joint, and by what stands in the way.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::DVec2;
+
+use super::defaults::{DOOR_WIDTH_M, Neighbours, Piece, SLIDE_M, SLIDE_MIN_M};
+use super::partitions::PARTITION_SLIDE_M;
+use crate::plan::axes::{AxisGraph, Edge, NodeKind, OpeningKind};
+use crate::plan::curve::control_points;
+use crate::plan::drawing::{Editable, Shape};
+use crate::plan::fittings::jambs_of;
+use crate::plan::graph::{Graph, Handle};
+use crate::plan::interior::Interior;
+use crate::plan::markers::{Clause, Group, Kind};
+use crate::plan::structure::{end_handles, face_handles, handle_at};
+use crate::plan::{Plan, Region, box_of};
+
+/// Thickest wall that is a partition; thicker ones carry.
+const PARTITION_THICKNESS_MAX_M: f64 = 0.3;
+
+/// Shortest partition.
+const PARTITION_LENGTH_MIN_M: f64 = 0.8;
+
+/// What must remain of a stretched piece, and between a joint and the next.
+const REST_M: f64 = 0.1;
+
+/// What stays free between a sliding partition and the next thing beside it.
+const PASSAGE_M: f64 = 0.8;
+
+/// Pieces whose direction differs by less than this sine run in one direction.
+const PARALLEL_SIN: f64 = 0.02;
+
+/// How far from a wall's axis its own corners may lie beyond half its thickness.
+const BESIDE_M: f64 = 0.06;
+
+/// How far inside both sides of a wall must lie to be interior.
+const INSIDE_M: f64 = 0.3;
+
+/// A set of nodes that may slide.
+pub(super) struct Sliding {
+    /// Nodes of the graph, ascending.
+    pub nodes: Vec<u32>,
+    /// Direction, unit vector, plan frame.
+    pub direction: DVec2,
+    /// Bounds, metres of the plan.
+    pub way: [f64; 2],
+    /// Where it is, metres of a person.
+    pub at: DVec2,
+    /// Length of the wall or width of the door, metres of a person.
+    pub size: f64,
+}
+
+impl Sliding {
+    /// As a group of one clause.
+    pub fn group(&self, plan: &Plan, graph: &Graph, name: String) -> (Group, Vec<u32>) {
+        let d = self.direction;
+        let kind = if d.y.abs() < 1e-6 {
+            Kind::X
+        } else if d.x.abs() < 1e-6 {
+            Kind::Y
+        } else {
+            Kind::Along(d.to_angle())
+        };
+        let [lower, upper] = self.way;
+        let clause = Clause { kind, lower, upper, unit: "m".into(), si_per_unit: 1.0 };
+        let first = graph.handles[self.nodes[0] as usize][0].0;
+        let source = plan.walls[first as usize].source.clone();
+        (Group { name, outline: Region::Ring(Vec::new()), clauses: vec![clause], source }, self.nodes.clone())
+    }
+}
+
+/// All that is needed to find what slides.
+pub(super) struct Axial<'a> {
+    plan: &'a Plan,
+    graph: &'a Graph,
+    axes: &'a AxisGraph,
+    interior: &'a Interior,
+    pieces: &'a [Piece],
+    neighbours: &'a Neighbours,
+    /// Edges at every node of the axes.
+    at_node: Vec<Vec<u32>>,
+}
+
+/// Edges on one line, joined at nodes or by openings.
+struct Chain {
+    edges: Vec<u32>,
+    /// Openings between them.
+    openings: Vec<u32>,
+    /// Start, and unit vector along.
+    origin: DVec2,
+    along: DVec2,
+    /// Ends along the line, from the origin.
+    from: f64,
+    to: f64,
+    thickness: f64,
+}
+
+impl Chain {
+    fn local(&self, p: DVec2) -> DVec2 {
+        DVec2::new((p - self.origin).dot(self.along), self.along.perp_dot(p - self.origin))
+    }
+
+    fn world(&self, x: f64, y: f64) -> DVec2 {
+        self.origin + self.along * x + self.along.perp() * y
+    }
+}
+
+impl<'a> Axial<'a> {
+    /// Takes what is known.
+    pub fn new(
+        plan: &'a Plan,
+        graph: &'a Graph,
+        axes: &'a AxisGraph,
+        interior: &'a Interior,
+        (pieces, neighbours): (&'a [Piece], &'a Neighbours),
+    ) -> Self {
+        let mut at_node = vec![Vec::new(); axes.nodes.len()];
+        for (i, e) in axes.edges.iter().enumerate() {
+            e.nodes.iter().for_each(|n| at_node[*n as usize].push(i as u32));
+        }
+        Self { plan, graph, axes, interior, pieces, neighbours, at_node }
+    }
+
+    /// The edges at a node.
+    fn around(&self, node: u32) -> impl Iterator<Item = (u32, &'a Edge)> + '_ {
+        self.at_node[node as usize].iter().map(|i| (*i, &self.axes.edges[*i as usize]))
+    }
+
+    /// Partitions that may slide across their length, the longest first.
+    pub fn partitions(&self) -> Vec<Sliding> {
+        let mut out: Vec<Sliding> = self.chains().iter().filter_map(|c| self.partition(c)).collect();
+        out.sort_by(|a, b| b.size.total_cmp(&a.size).then_with(|| a.nodes.cmp(&b.nodes)));
+        out
+    }
+
+    /// Door gaps that may slide along their wall, from left to right.
+    pub fn doors(&self) -> Vec<Sliding> {
+        let doors = self.axes.openings.iter().filter(|o| o.kind != OpeningKind::Window);
+        let wide = doors.filter(|o| (DOOR_WIDTH_M[0]..=DOOR_WIDTH_M[1]).contains(&o.width_m));
+        let mut out: Vec<Sliding> = wide.filter_map(|o| self.door(o)).collect();
+        out.sort_by(|a, b| a.at.x.total_cmp(&b.at.x).then(a.at.y.total_cmp(&b.at.y)));
+        out
+    }
+
+    fn door(&self, opening: &crate::plan::axes::Opening) -> Option<Sliding> {
+        let [a, b] = opening.jambs.map(|j| j.node);
+        let along = (opening.jambs[1].at - opening.jambs[0].at).try_normalize()?;
+        let (first, second) = (self.wall_at(a?, -along)?, self.wall_at(b?, along)?);
+        let mut handles: BTreeSet<Handle> =
+            jambs_of(self.plan, self.axes, opening).concat().into_iter().collect();
+        handles.extend(opening.faces.iter().flat_map(|f| face_handles(self.plan, *f)));
+        let is_inside =
+            [-1.0, 1.0].iter().all(|s| self.is_inside(opening.centre + along.perp() * (*s * 0.8)));
+        let nodes = self.nodes(&handles)?;
+        let [lo, hi] = self.stretch(&nodes, along)?;
+        let behind = |e: &Edge| self.length(e) - REST_M - self.joint_half(e);
+        let (lo, hi) = (lo.max(-behind(first)).max(-SLIDE_M), hi.min(behind(second)).min(SLIDE_M));
+        let way = (hi.min(-lo) * 1e3).floor() / 1e3;
+        (is_inside && way >= SLIDE_MIN_M).then(|| {
+            let direction = upright(along).0;
+            let way = way * self.plan.human_scale;
+            Sliding { nodes, direction, way: [-way, way], at: opening.centre, size: opening.width_m }
+        })
+    }
+
+    /// The straight thick wall that leaves a node in a direction.
+    fn wall_at(&self, node: u32, out: DVec2) -> Option<&Edge> {
+        let mut around = self.around(node).map(|(_, e)| e);
+        around.find(|e| {
+            let [a, b] = self.axes.ends(e);
+            let d = if e.nodes[0] == node { b - a } else { a - b };
+            e.bulge == 0.0 && e.thickness_m > 0.0 && d.normalize_or_zero().dot(out) > 0.99
+        })
+    }
+
+    /// Half the thickness of the thickest wall that joins an edge at either end.
+    fn joint_half(&self, edge: &Edge) -> f64 {
+        let joins = edge.nodes.iter().flat_map(|n| self.around(*n)).filter(|(_, e)| !std::ptr::eq(*e, edge));
+        joins.map(|(_, e)| e.thickness_m / 2.0).fold(0.0, f64::max)
+    }
+
+    fn length(&self, edge: &Edge) -> f64 {
+        let [a, b] = self.axes.ends(edge);
+        a.distance(b)
+    }
+
+    fn is_inside(&self, p: DVec2) -> bool {
+        let scale = self.plan.human_scale;
+        self.interior.depth_m(self.plan.frame.um_from_plan(p * scale)) > INSIDE_M * scale
+    }
+
+    fn partition(&self, chain: &Chain) -> Option<Sliding> {
+        let length = chain.to - chain.from;
+        if length < PARTITION_LENGTH_MIN_M || chain.thickness > PARTITION_THICKNESS_MAX_M {
+            return None;
+        }
+        let side = chain.thickness / 2.0 + 0.35;
+        let is_inside = [0.2, 0.5, 0.8]
+            .iter()
+            .all(|t| [-side, side].iter().all(|y| self.is_inside(chain.world(chain.from + length * t, *y))));
+        if !is_inside {
+            return None;
+        }
+        let direction = chain.along.perp();
+        let joint = self.joint_way(chain)?;
+        let handles = self.corners(chain)?;
+        let nodes = self.nodes(&handles)?;
+        let stretch = self.stretch(&nodes, direction)?;
+        let free = self.free_way(chain, &nodes)?;
+        let lo = stretch[0].max(free[0]).max(joint[0]).max(-PARTITION_SLIDE_M);
+        let hi = stretch[1].min(free[1]).min(joint[1]).min(PARTITION_SLIDE_M);
+        let (lo, hi) = ((lo.min(0.0) * 1e2).ceil() / 1e2, (hi.max(0.0) * 1e2).floor() / 1e2);
+        (hi - lo >= 2.0 * SLIDE_MIN_M).then(|| {
+            let (direction, is_turned) = upright(direction);
+            let way = if is_turned { [-hi, -lo] } else { [lo, hi] };
+            Sliding {
+                nodes,
+                direction,
+                way: way.map(|v| v * self.plan.human_scale),
+                at: chain.world(f64::midpoint(chain.from, chain.to), 0.0),
+                size: length,
+            }
+        })
+    }
+
+    /// Straight thick walls on one line that hang together.
+    fn chains(&self) -> Vec<Chain> {
+        let edges = &self.axes.edges;
+        let mut root: Vec<u32> = (0..edges.len() as u32).collect();
+        let find = |root: &Vec<u32>, mut i: u32| {
+            while root[i as usize] != i {
+                i = root[i as usize];
+            }
+            i
+        };
+        let is_thick = |i: &u32| edges[*i as usize].bulge == 0.0 && edges[*i as usize].thickness_m > 0.0;
+        let thick: Vec<Vec<u32>> =
+            self.at_node.iter().map(|list| list.iter().copied().filter(is_thick).collect()).collect();
+        let mut pairs: Vec<(Option<u32>, [u32; 2])> = Vec::new();
+        for around in &thick {
+            let rest = |k: usize, i: u32| around[k + 1..].iter().map(move |j| (None, [i, *j]));
+            pairs.extend(around.iter().enumerate().flat_map(|(k, i)| rest(k, *i)));
+        }
+        for (k, o) in self.axes.openings.iter().enumerate() {
+            if let [Some(a), Some(b)] = o.jambs.map(|j| j.node) {
+                let others = |i: u32| thick[b as usize].iter().map(move |j| (Some(k as u32), [i, *j]));
+                pairs.extend(thick[a as usize].iter().flat_map(|i| others(*i)));
+            }
+        }
+        pairs.retain(|(_, [i, j])| self.on_one_line(&edges[*i as usize], &edges[*j as usize]));
+        for (_, [i, j]) in &pairs {
+            let (a, b) = (find(&root, *i), find(&root, *j));
+            root[a.max(b) as usize] = a.min(b);
+        }
+        let mut sets: BTreeMap<u32, (Vec<u32>, Vec<u32>)> = BTreeMap::new();
+        for i in (0..edges.len() as u32).filter(is_thick) {
+            sets.entry(find(&root, i)).or_default().1.push(i);
+        }
+        for (opening, [i, _]) in pairs {
+            if let (Some(o), Some(set)) = (opening, sets.get_mut(&find(&root, i))) {
+                set.0.push(o);
+            }
+        }
+        sets.into_values().map(|(openings, set)| self.chain(openings, set)).collect()
+    }
+
+    fn chain(&self, openings: Vec<u32>, edges: Vec<u32>) -> Chain {
+        let all = &self.axes.edges;
+        let [origin, b] = self.axes.ends(&all[edges[0] as usize]);
+        let along = (b - origin).normalize_or_zero();
+        let ends = edges.iter().flat_map(|e| self.axes.ends(&all[*e as usize]));
+        let places: Vec<f64> = ends.map(|p| (p - origin).dot(along)).collect();
+        let thickness = edges.iter().map(|e| all[*e as usize].thickness_m).fold(0.0, f64::max);
+        Chain {
+            origin,
+            along,
+            from: places.iter().copied().fold(f64::MAX, f64::min),
+            to: places.iter().copied().fold(f64::MIN, f64::max),
+            thickness,
+            edges,
+            openings,
+        }
+    }
+
+    fn on_one_line(&self, e: &Edge, f: &Edge) -> bool {
+        let ([a, b], [c, d]) = (self.axes.ends(e), self.axes.ends(f));
+        let (u, v) = ((b - a).normalize_or_zero(), (d - c).normalize_or_zero());
+        u.perp_dot(v).abs() < PARALLEL_SIN
+            && [c, d].iter().all(|p| u.perp_dot(*p - a).abs() < BESIDE_M)
+            && (e.thickness_m - f.thickness_m).abs() < BESIDE_M
+    }
+
+    /// How far the joints at a chain's nodes let it slide: the walls that it ends at run across it, and the
+    /// next joint on them stays. `None` where a wall leaves it at another angle, or it ends at a column.
+    fn joint_way(&self, chain: &Chain) -> Option<[f64; 2]> {
+        let mut way = [f64::MIN, f64::MAX];
+        let nodes: BTreeSet<u32> =
+            chain.edges.iter().flat_map(|e| self.axes.edges[*e as usize].nodes).collect();
+        let mut is_held = false;
+        for n in nodes {
+            if matches!(self.axes.nodes[n as usize].kind, NodeKind::Column(_)) {
+                return None;
+            }
+            for (_, e) in self.around(n).filter(|(i, _)| !chain.edges.contains(i)) {
+                let other = e.nodes[usize::from(e.nodes[0] == n)];
+                let y = chain.local(self.axes.nodes[other as usize].at).y;
+                let to = self.axes.nodes[other as usize].at - self.axes.nodes[n as usize].at;
+                let is_across =
+                    e.bulge == 0.0 && to.normalize_or_zero().dot(chain.along).abs() < PARALLEL_SIN;
+                if !is_across {
+                    return None;
+                }
+                is_held = true;
+                let rest = REST_M + chain.thickness / 2.0 + self.joint_half(e);
+                if y > 0.0 { way[1] = way[1].min(y - rest) } else { way[0] = way[0].max(y + rest) }
+            }
+        }
+        is_held.then_some(way)
+    }
+
+    /// The corners that move with a chain. `None` where one of its faces runs on beyond it.
+    fn corners(&self, chain: &Chain) -> Option<BTreeSet<Handle>> {
+        let (plan, axes) = (self.plan, self.axes);
+        let reach = chain.thickness / 2.0 + BESIDE_M;
+        let is_own = |h: &Handle| {
+            let p = chain.local(handle_at(plan, *h));
+            p.y.abs() <= reach && p.x >= chain.from - reach - BESIDE_M && p.x <= chain.to + reach + BESIDE_M
+        };
+        let mut out = BTreeSet::new();
+        for e in chain.edges.iter().map(|e| &axes.edges[*e as usize]) {
+            let faces = e.left.iter().chain(&e.right).chain(&e.inner);
+            for h in faces.flat_map(|f| face_handles(plan, *f)) {
+                if !is_own(&h) {
+                    return None;
+                }
+                out.insert(h);
+            }
+            for n in e.nodes {
+                let caps = axes.nodes[n as usize].faces.iter().flat_map(|f| face_handles(plan, *f));
+                out.extend(caps.filter(is_own));
+                let joined = axes.edges.iter().enumerate();
+                let joined =
+                    joined.filter(|(i, f)| f.nodes.contains(&n) && !chain.edges.contains(&(*i as u32)));
+                out.extend(joined.flat_map(|(_, f)| end_handles(plan, axes, f, n)).filter(is_own));
+            }
+        }
+        for o in chain.openings.iter().map(|o| &axes.openings[*o as usize]) {
+            out.extend(o.faces.iter().flat_map(|f| face_handles(plan, *f)).filter(is_own));
+        }
+        Some(out)
+    }
+
+    /// The graph's nodes of some corners, if all that meets in them can be written back point by point.
+    fn nodes(&self, handles: &BTreeSet<Handle>) -> Option<Vec<u32>> {
+        let mut nodes: Vec<u32> =
+            handles.iter().map(|(w, c)| self.graph.control_nodes[*w as usize][*c as usize]).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let walls = nodes.iter().flat_map(|n| &self.graph.handles[*n as usize]).map(|h| h.0);
+        let is_free = walls.into_iter().all(|w| {
+            let wall = &self.plan.walls[w as usize];
+            wall.editable == Editable::Free && !matches!(wall.shape, Shape::Arc { .. })
+        });
+        (is_free && !nodes.is_empty()).then_some(nodes)
+    }
+
+    /// How far nodes may shift in a direction until a stretched piece grows too short, metres of a person.
+    /// `None` where a piece would turn.
+    fn stretch(&self, nodes: &[u32], direction: DVec2) -> Option<[f64; 2]> {
+        let mut way = [f64::MIN, f64::MAX];
+        for w in self.walls_at(nodes) {
+            let shape = &self.plan.walls[w as usize].shape;
+            for (c, n) in self.pieces(w) {
+                let ends = [c, (c + 1) % n];
+                let moves = ends.map(|c| self.has(nodes, (w, c)));
+                if moves[0] == moves[1] {
+                    continue;
+                }
+                let is_round =
+                    matches!(shape, Shape::Polyline { vertices, .. } if vertices[c as usize].bulge != 0.0);
+                let [at, to] = ends.map(|c| handle_at(self.plan, (w, c)));
+                let d = if moves[0] { to - at } else { at - to };
+                if is_round || d.normalize_or_zero().perp_dot(direction).abs() > PARALLEL_SIN {
+                    return None;
+                }
+                let y = d.dot(direction);
+                let rest = (y.abs() - REST_M).max(0.0);
+                if y > 0.0 { way[1] = way[1].min(rest) } else { way[0] = way[0].max(-rest) }
+            }
+        }
+        Some(way)
+    }
+
+    fn walls_at(&self, nodes: &[u32]) -> BTreeSet<u32> {
+        nodes.iter().flat_map(|n| &self.graph.handles[*n as usize]).map(|h| h.0).collect()
+    }
+
+    fn has(&self, nodes: &[u32], (w, c): Handle) -> bool {
+        nodes.binary_search(&self.graph.control_nodes[w as usize][c as usize]).is_ok()
+    }
+
+    /// The pieces of a wall: first control point of each, and the number of control points.
+    fn pieces(&self, w: u32) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let shape = &self.plan.walls[w as usize].shape;
+        let n = control_points(shape).len() as u32;
+        let last =
+            if matches!(shape, Shape::Polyline { closed: true, .. }) { n } else { n.saturating_sub(1) };
+        (0..last).map(move |c| (c, n))
+    }
+
+    /// How far a chain may slide until something stands too near. `None` where a piece that stays lies in
+    /// the wall.
+    fn free_way(&self, chain: &Chain, nodes: &[u32]) -> Option<[f64; 2]> {
+        let (own, inset) = (chain.thickness / 2.0, chain.thickness / 2.0 + BESIDE_M);
+        let (from, to) = (chain.from + inset, chain.to - inset);
+        let mut way = [f64::MIN, f64::MAX];
+        let reach = own + PARTITION_SLIDE_M + PASSAGE_M;
+        let corners = [(from, -reach), (to, -reach), (from, reach), (to, reach)];
+        let corners = corners.map(|(x, y)| chain.world(x, y));
+        let [lo, hi] = box_of(corners.into_iter())?;
+        for p in self.neighbours.near(lo, hi).into_iter().map(|i| &self.pieces[i as usize]) {
+            if p.nodes.iter().any(|n| nodes.binary_search(n).is_ok()) {
+                continue;
+            }
+            let Some([lo, hi]) = clipped(chain.local(p.a), chain.local(p.b), from, to) else { continue };
+            if lo <= own && hi >= -own {
+                return None;
+            }
+            let room = |gap: f64| (gap - own - PASSAGE_M).max(0.0);
+            if lo > 0.0 { way[1] = way[1].min(room(lo)) } else { way[0] = way[0].max(-room(-hi)) }
+        }
+        Some(way)
+    }
+}
+
+/// The lowest and highest y of the part of a segment with x in a range.
+fn clipped(p: DVec2, q: DVec2, from: f64, to: f64) -> Option<[f64; 2]> {
+    let (p, q) = if p.x <= q.x { (p, q) } else { (q, p) };
+    if q.x < from || p.x > to || from > to {
+        return None;
+    }
+    let at =
+        |x: f64| if q.x - p.x < 1e-12 { p } else { p.lerp(q, ((x - p.x) / (q.x - p.x)).clamp(0.0, 1.0)) };
+    let (a, b) = if q.x - p.x < 1e-12 { (p, q) } else { (at(from), at(to)) };
+    Some([a.y.min(b.y), a.y.max(b.y)])
+}
+
+/// The direction that points right or up, and whether it was turned.
+fn upright(d: DVec2) -> (DVec2, bool) {
+    let is_turned = d.x < -1e-9 || (d.x.abs() <= 1e-9 && d.y < 0.0);
+    (if is_turned { -d } else { d }, is_turned)
+}

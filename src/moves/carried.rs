@@ -1,0 +1,93 @@
+//! Doors and windows go with the walls they sit in.
+
+use glam::DVec2;
+
+use super::{Layout, rigid_shape};
+use crate::plan::Plan;
+use crate::plan::curve::control_points;
+use crate::plan::drawing::{Editable, RigidMotion, Shape};
+use crate::plan::fittings::Fitting;
+use crate::plan::graph::Handle;
+
+/// Corners of a wall's ends may differ by this much from one rigid motion: rounding to micrometres.
+const RIGID_M: f64 = 2e-5;
+
+/// Ends that shift by less than this stay.
+const STILL_M: f64 = 1e-9;
+
+/// What becomes of a fitting in a layout.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Carried {
+    /// Its wall stands.
+    Stays,
+    /// It goes along: the shape as it will be written and the motion, drawing units.
+    Moves(Shape, RigidMotion),
+    /// Its wall moves and it cannot; why, in plain words.
+    Stale(String),
+}
+
+/// Where a fitting goes.
+pub fn carried(plan: &Plan, fitting: &Fitting, layout: &Layout) -> Carried {
+    let handles: Vec<Handle> = fitting.jambs.concat();
+    let (before, after): (Vec<DVec2>, Vec<DVec2>) = handles.iter().map(|h| places(plan, layout, *h)).unzip();
+    if before.iter().zip(&after).all(|(p, q)| p.distance(*q) < STILL_M) {
+        return Carried::Stays;
+    }
+    let Some(motion) = rigid_motion(&before, &after) else {
+        return Carried::Stale("the two sides of its opening move apart".into());
+    };
+    match &fitting.editable {
+        Editable::No(why) => return Carried::Stale(why.clone()),
+        Editable::WithInsert { turnable: false } if motion.turn_rad != 0.0 => {
+            return Carried::Stale("its INSERT has no rotation value to change".into());
+        }
+        _ => {}
+    }
+    match rigid_shape(plan, &fitting.shape, &motion) {
+        (shape, Some(motion)) => Carried::Moves(shape, motion),
+        (_, None) => Carried::Stays,
+    }
+}
+
+/// A control point as drawn and in the layout, plan frame, metres.
+fn places(plan: &Plan, layout: &Layout, (wall, control): Handle) -> (DVec2, DVec2) {
+    let drawn = &plan.walls[wall as usize].shape;
+    let moved = layout.walls.iter().find(|w| w.wall == wall).map_or(drawn, |w| &w.shape);
+    let at = |s: &Shape| plan.frame.plan_from_file(control_points(s)[control as usize]);
+    (at(drawn), at(moved))
+}
+
+/// The turn and shift that carry all points, if one does.
+fn rigid_motion(before: &[DVec2], after: &[DVec2]) -> Option<RigidMotion> {
+    let mean = |points: &[DVec2]| points.iter().sum::<DVec2>() / points.len() as f64;
+    let (from, to) = (mean(before), mean(after));
+    let (mut cos, mut sin) = (0.0, 0.0);
+    for (p, q) in before.iter().zip(after) {
+        cos += (*p - from).dot(*q - to);
+        sin += (*p - from).perp_dot(*q - to);
+    }
+    let is_shift = before.iter().zip(after).all(|(p, q)| (*q - *p).distance(to - from) <= RIGID_M);
+    let turn_rad = if is_shift { 0.0 } else { sin.atan2(cos) };
+    let turned = |p: DVec2| DVec2::from_angle(turn_rad).rotate(p);
+    let shift = to - turned(from);
+    let fits = before.iter().zip(after).all(|(p, q)| (turned(*p) + shift).distance(*q) <= RIGID_M);
+    fits.then_some(RigidMotion { turn_rad, shift })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_common_motion_is_found_and_only_then() {
+        let corners = [DVec2::new(4.0, 2.0), DVec2::new(4.0, 2.1), DVec2::new(5.0, 2.0)];
+        let go = |p: &DVec2| DVec2::from_angle(0.2).rotate(*p) + DVec2::new(1.0, -2.0);
+        let moved: Vec<DVec2> = corners.iter().map(go).collect();
+        let found = rigid_motion(&corners, &moved).unwrap();
+        assert!((found.turn_rad - 0.2).abs() < 1e-12 && found.shift.distance(DVec2::new(1.0, -2.0)) < 1e-12);
+        let shifted: Vec<DVec2> = corners.iter().map(|p| *p + DVec2::X * 0.3).collect();
+        assert_eq!(rigid_motion(&corners, &shifted).unwrap().turn_rad, 0.0);
+        let apart = [corners[0], corners[1], corners[2] + DVec2::X * 0.1];
+        assert!(rigid_motion(&corners, &apart).is_none());
+    }
+}
