@@ -230,7 +230,7 @@ fn optimise(
         objectives: shown,
         evaluations: outcome.evaluations,
         stopped_by,
-        series: series(&outcome.stages),
+        series: series(outcome.stages),
         archive: outcome.archive.iter().map(|p| p.values.clone()).collect(),
         members,
     })
