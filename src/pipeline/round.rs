@@ -184,8 +184,19 @@ fn optimise(
         }
     }
     cancel.check()?;
+    Ok(found(study, settings, &control, &objectives, &search))
+}
+
+/// What a finished search found: options and best layout with all their parameters, explained.
+fn found(
+    study: &Study,
+    settings: &Settings,
+    control: &Control,
+    objectives: &[(Aim, search::Objective)],
+    search: &Search,
+) -> Found {
     let outcome = search.outcome();
-    let initial = evaluation(study, settings, &objectives, &study.initial);
+    let initial = evaluation(study, settings, objectives, &study.initial);
     let shown = objectives.iter().enumerate().map(|(i, (_, o))| Objective {
         name: o.name.clone(),
         sense: if o.sense == search::Sense::Maximise { ShownSense::Max } else { ShownSense::Min },
@@ -225,17 +236,17 @@ fn optimise(
             parameters,
         }
     });
-    Ok(Found {
-        explanations: explanations(study, settings, &control, &objectives, &shown, &members),
+    Found {
+        explanations: explanations(study, settings, control, objectives, &shown, &members),
         best,
         no_option,
         objectives: shown,
         evaluations: outcome.evaluations,
         stopped_by,
-        series: series(&outcome.stages),
+        series: series(outcome.stages),
         archive: outcome.archive.iter().map(|p| p.values.clone()).collect(),
         members,
-    })
+    }
 }
 
 fn explanations(

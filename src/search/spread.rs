@@ -90,7 +90,8 @@ impl Spread {
         self.update_pool(view, margin);
         let best = view.limits.best.last().copied().flatten();
         let mut fixed = self.pinned.clone();
-        fixed.extend(best.filter(|b| view.tuning.keep_best && !fixed.contains(b)));
+        let keeps_best = view.tuning.keep_best || self.count == 1;
+        fixed.extend(best.filter(|b| keeps_best && !fixed.contains(b)));
         let whole = self.members.len() == self.count && self.members.starts_with(&fixed);
         let free = self.members.get(self.pinned.len()..).unwrap_or_default();
         if whole && free.iter().all(|&m| Self::is_inside(view, m, margin)) {

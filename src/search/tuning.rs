@@ -38,7 +38,8 @@ pub struct Tuning {
     pub floor_share: f64,
     /// Share of spread proposals that take any member, not one of the closest pair.
     pub any_member: f64,
-    /// Whether the best point is always a member.
+    /// Whether the best point is always a member. It costs the others a fifth of their distance, so by default
+    /// it is reported beside them.
     pub keep_best: bool,
     /// Share of spread evaluations that should be accepted.
     pub acceptance: f64,
@@ -64,7 +65,7 @@ impl Default for Tuning {
             last_step: 0.015,
             floor_share: 0.2,
             any_member: 0.0,
-            keep_best: true,
+            keep_best: false,
             acceptance: 0.3,
         }
     }
