@@ -170,6 +170,20 @@ fn what_is_added_comes_off_again() {
     }
 }
 
+#[test]
+fn lines_end_as_in_the_file() {
+    for end in ["\n", "\r\n", "\r"] {
+        let text = pavilion().replace('\n', end);
+        let mark = Mark::Path { points: vec![DVec2::ZERO, DVec2::X], closed: false };
+        let own = [Addition { layer: "EF-MOVED".into(), rgb: [200, 30, 30], mark }];
+        let written = String::from_utf8(patch(text.as_bytes(), &[], &own).unwrap()).unwrap();
+        let lines = written.replace(end, "|");
+        assert!(!lines.contains(['\r', '\n']), "{end:?}");
+        assert!(lines.ends_with("|ENDSEC;|END-ISO-10303-21;|"));
+        assert_eq!(ifc::strip_own(written.as_bytes()), text.as_bytes());
+    }
+}
+
 /// One bad input: what is done to the sample, and what must be said of it.
 struct Hazard {
     name: &'static str,

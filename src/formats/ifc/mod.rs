@@ -235,6 +235,7 @@ pub fn strip_own(bytes: &[u8]) -> Cow<'_, [u8]> {
 fn line_end(bytes: &[u8]) -> &'static [u8] {
     match bytes.iter().position(|b| *b == b'\n') {
         Some(at) if at > 0 && bytes[at - 1] == b'\r' => b"\r\n",
+        None if bytes.contains(&b'\r') => b"\r",
         _ => b"\n",
     }
 }

@@ -1,0 +1,42 @@
+//! The cuts of a building as JSON, metres: `cargo run --release --example cuts -- FILE [STOREY]`. What
+//! `scripts/compare-cuts` holds against IfcOpenShell's geometry.
+
+use enfilade::formats::{self, ReadOptions};
+use enfilade::plan::drawing::Shape;
+use enfilade::report::Report;
+use serde_json::json;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut args = std::env::args().skip(1);
+    let file = args.next().ok_or("expected a file")?;
+    let bytes = std::fs::read(&file)?;
+    let base = ReadOptions::default();
+    let all = formats::storeys(&file, &bytes, &base);
+    let wanted: Vec<String> = match args.next() {
+        Some(name) => vec![name],
+        None => all.iter().map(|s| s.name.clone()).collect(),
+    };
+    let mut storeys = Vec::new();
+    for name in wanted {
+        let mut report = Report::default();
+        let options = ReadOptions { storey: Some(name.clone()), ..base.clone() };
+        let drawing = formats::read(&file, &bytes, &options, &mut report)?;
+        let metres = drawing.declared_unit.map_or(1.0, |u| u.metres);
+        let ring = |shape: &Shape| match shape {
+            Shape::Polyline { vertices, .. } => {
+                vertices.iter().map(|v| (v.at * metres).to_array()).collect::<Vec<_>>()
+            }
+            _ => Vec::new(),
+        };
+        let cuts: Vec<_> = drawing
+            .entities
+            .iter()
+            .map(|e| json!({"global_id": e.source.handle, "layer": e.layer, "ring": ring(&e.shape)}))
+            .collect();
+        let floor_m = all.iter().find(|s| s.name == name).map(|s| s.floor_m);
+        let problems: Vec<String> = report.problems.iter().map(ToString::to_string).collect();
+        storeys.push(json!({"name": name, "floor_m": floor_m, "cuts": cuts, "problems": problems}));
+    }
+    println!("{}", json!({"storeys": storeys}));
+    Ok(())
+}
