@@ -19,13 +19,13 @@ const OUT: &str = "enfilade-jobs";
 
 pub(super) fn jobs(args: &JobsArgs) -> Result<u8, Error> {
     let seeds = match &args.seeds {
-        Some(list) => batch::seeds(list).map_err(|text| usage("seeds", &text))?,
-        None => vec![args.search.seed.unwrap_or_default()],
+        Some(list) => Some(batch::seeds(list).map_err(|text| usage("seeds", &text))?),
+        None => None,
     };
     let out = args.common.out.clone().unwrap_or_else(|| OUT.into());
     let mut lines = String::new();
     for file in &args.files {
-        for job in jobs_of(args, file, &seeds, &out)? {
+        for job in jobs_of(args, file, seeds.as_deref(), &out)? {
             lines.push_str(&job.to_line()?);
             lines.push('\n');
         }
@@ -42,7 +42,7 @@ pub(super) fn jobs(args: &JobsArgs) -> Result<u8, Error> {
     Ok(0)
 }
 
-fn jobs_of(args: &JobsArgs, file: &Path, seeds: &[u64], out: &Path) -> Result<Vec<Job>, Error> {
+fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> Result<Vec<Job>, Error> {
     let (shown, bytes) = super::open(file)?;
     let settings = super::settings_partial(file, args.common.partial(Some(&args.search)))?;
     let storeys: Vec<Option<String>> = match args.storeys.as_deref() {
@@ -54,6 +54,8 @@ fn jobs_of(args: &JobsArgs, file: &Path, seeds: &[u64], out: &Path) -> Result<Ve
         }
         Some(list) => list.split(',').map(|s| Some(s.trim().to_string())).collect(),
     };
+    let own = [Settings::new(settings.clone())?.seed];
+    let seeds = seeds.unwrap_or(&own);
     // A drawing with a budget of seconds would differ from machine to machine; that is the user's choice.
     let of = |storey: &Option<String>, seed: u64| {
         let settings = Partial { storey: storey.clone(), seed: Some(seed), ..settings.clone() };
