@@ -110,6 +110,8 @@ pub struct Gpu {
     pub(super) frontier: Stage,
     pub(super) levels: Stage,
     params: Buffer,
+    /// Held while the parameters are written and read by a submission: they have one buffer.
+    turn: Mutex<()>,
     name: String,
     is_software: bool,
     limits: Limits,
@@ -181,7 +183,19 @@ impl Gpu {
             format!("{} ({:?}, {})", info.name, info.backend, info.driver_info)
         };
         let is_software = is_software(info);
-        Self { device, queue, visibility, frontier, levels, params, name, is_software, limits, trouble }
+        Self {
+            device,
+            queue,
+            visibility,
+            frontier,
+            levels,
+            params,
+            turn: Mutex::new(()),
+            name,
+            is_software,
+            limits,
+            trouble,
+        }
     }
 
     /// Name of the adapter, with its driver.
@@ -247,6 +261,7 @@ impl Gpu {
 
     /// Hands steps to the adapter, in order; a list that fits goes in one submission.
     pub(super) fn submit(&self, steps: &[Step<'_>]) -> Result<(), String> {
+        let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
         for steps in steps.chunks(STEPS_PER_SUBMISSION) {
             let mut bytes = vec![0u8; steps.len() * PARAMS_STRIDE];
             let mut encoder = self.device.create_command_encoder(&CommandEncoderDescriptor::default());
