@@ -141,8 +141,9 @@ fn the_interface_shows_and_obeys() {
         daemon.json(&at(""))["sets"].as_array().unwrap().contains(&json!("round-02")).then_some(())
     });
     let second = daemon.json(&at("/round-02/result.json"));
-    assert_eq!(second["objectives"].as_array().unwrap().len(), 1);
-    assert_eq!(second["objectives"][0]["name"], "entropy");
+    let names: Vec<&str> =
+        second["objectives"].as_array().unwrap().iter().map(|o| o["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["penalty", "entropy"], "the penalty comes first by itself");
 
     daemon.until_done("gallery.dxf");
     let accepted = daemon.ask("POST", &at("/accept"), r#"{"round": 1, "candidate": 1}"#);

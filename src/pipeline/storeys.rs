@@ -122,3 +122,43 @@ pub(super) fn analyse(
     }
     Ok(out)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write as _;
+
+    use super::*;
+    use crate::config::Partial;
+
+    /// A tower: one wall a storey.
+    fn tower(storeys: usize) -> String {
+        let mut data = String::from(
+            "#1=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);\n#2=IFCUNITASSIGNMENT((#1));\n\
+             #3=IFCCARTESIANPOINT((0.,0.,0.));\n#4=IFCAXIS2PLACEMENT3D(#3,$,$);\n\
+             #6=IFCPROJECT('0000000000000000000001',$,'P',$,$,$,$,$,#2);\n#7=IFCLOCALPLACEMENT($,#4);\n",
+        );
+        for i in 0..storeys {
+            let (s, id) = (100 + 10 * i, |k: usize| format!("00000000000000000{i:04}{k}"));
+            let (a, b, c) = (id(1), id(2), id(3));
+            let _ = write!(
+                data,
+                "#{s}=IFCBUILDINGSTOREY('{a}',$,'S{i}',$,$,#7,$,$,.ELEMENT.,{i}.);\n\
+                 #{}=IFCWALL('{b}',$,'W',$,$,#7,$,$,$);\n\
+                 #{}=IFCRELCONTAINEDINSPATIALSTRUCTURE('{c}',$,$,$,(#{}),#{s});\n",
+                s + 1,
+                s + 2,
+                s + 1
+            );
+        }
+        format!(
+            "ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));\nENDSEC;\nDATA;\n{data}ENDSEC;\nEND-ISO-10303-21;\n"
+        )
+    }
+
+    #[test]
+    fn a_tower_has_its_lowest_storeys_measured() {
+        let settings = Settings::new(Partial::default()).unwrap();
+        let count = |n: usize| others(&Input::new("t.ifc", tower(n).as_bytes(), 1), &settings).len();
+        assert_eq!((count(1), count(3), count(STOREYS_MAX + 2)), (0, 3, STOREYS_MAX));
+    }
+}

@@ -1,8 +1,9 @@
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 
-use super::forest::{LEVELS_PER_SUBMISSION, ORDINATE_UM_MAX, Shape};
+use super::forest::{Forest, LEVELS_PER_SUBMISSION, MATRIX_BYTES_MAX, ORDINATE_UM_MAX, Shape};
 use super::*;
+use crate::analysis::Lattice;
 use crate::analysis::evaluator::Evaluator;
 use crate::analysis::fixtures;
 use crate::analysis::visibility::visibility_graph;
@@ -49,6 +50,22 @@ fn parameters_lie_where_the_shaders_read_them() {
     for (name, source, _) in STAGES {
         assert!(source.contains(&format!("@workgroup_size({GROUP})")), "{name}");
     }
+}
+
+#[test]
+fn a_matrix_that_is_too_large_stays_on_the_cores() {
+    let Some(gpu) = adapter() else { return };
+    let n = 140_000;
+    const { assert!(140_000 * 140_000 / 8 > MATRIX_BYTES_MAX) };
+    let lattice = Lattice {
+        spacing_um: 1_000_000,
+        origin_um: [0, 0],
+        cells: (0..n).map(|i| [i % 400, i / 400]).collect(),
+        query: vec![0],
+        is_reference: vec![true; n as usize],
+    };
+    let why = Forest::new(gpu, Arc::new(lattice), &[], None, 1).err().unwrap();
+    assert!(why.contains("140000 cells"), "{why}");
 }
 
 proptest! {
