@@ -283,7 +283,12 @@ fn syntax() -> Vec<Hazard> {
             "the instance is left out",
             false,
         ),
-        hazard("39 number with a sign", added("#+29=IFCWALL($);"), "the instance is left out", false),
+        hazard(
+            "39 number with a sign",
+            added("#+29=IFCWALL($);"),
+            "#29 is given 2 times, expected each number once",
+            false,
+        ),
         hazard("39 missing parenthesis", added("#90000=IFCWALL('a',$;"), "the instance is left out", false),
         hazard(
             "39 unclosed text",
