@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 
-use super::forest::{Forest, LEVELS_PER_SUBMISSION, MATRIX_BYTES_MAX, ORDINATE_UM_MAX, Shape};
+use super::forest::{CardForest, LEVELS_PER_SUBMISSION, MATRIX_BYTES_MAX, ORDINATE_UM_MAX, Shape};
 use super::*;
 use crate::analysis::Lattice;
 use crate::analysis::evaluator::Evaluator;
@@ -64,7 +64,7 @@ fn a_matrix_that_is_too_large_stays_on_the_cores() {
         query: vec![0],
         is_reference: vec![true; n as usize],
     };
-    let why = Forest::new(gpu, Arc::new(lattice), &[], None, 1).err().unwrap();
+    let why = CardForest::new(gpu, Arc::new(lattice), &[], None, 1).err().unwrap();
     assert!(why.contains("140000 cells"), "{why}");
 }
 
