@@ -41,7 +41,7 @@ fn forest_row(gpu: &Arc<Gpu>, side: i32, room: i32) {
     let core_ms = millis(started);
     let card =
         CardForest::new(Arc::clone(gpu), Arc::clone(&lattice), &[], None, 1).expect("a plan that fits");
-    assert_eq!(card.tallies(&obstacles).expect("the card"), [expected.clone()]);
+    assert_eq!(card.tallies(&obstacles).expect("the card"), std::slice::from_ref(&expected));
     let card_ms = median(|| card.tallies(&obstacles).expect("the card"));
     println!(
         "forest: {} vertices, {} walls, mean degree {:.0}: card {card_ms:.2} ms, one core {core_ms:.2} ms",

@@ -265,7 +265,13 @@ fn elements(
             walls.iter().flat_map(|w| graph.control_nodes[*w as usize].clone()).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        let is_round = nodes.len() == 1;
+        let editable = |w: &u32| &plan.walls[*w as usize].editable;
+        if walls.iter().any(|w| matches!(editable(w), Editable::No(_))) {
+            continue;
+        }
+        // What cannot turn still shifts: no turn is asked of it, as of what is round.
+        let is_stiff = walls.iter().any(|w| matches!(editable(w), Editable::WithInsert { turnable: false }));
+        let is_round = nodes.len() == 1 || is_stiff;
         let group = group(
             &plan.walls[walls[0] as usize].source,
             [lo, hi],

@@ -104,7 +104,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
     let mut closings = building::closings(&drawing, &plan);
     closings.extend(opening_lines(&plan, &axes));
     let has_moves = !settings.moves.is_empty()
-        || (!(plan.markers.groups.is_empty() && drawing.marked.is_empty()) && !settings.ignore_move_markers);
+        || !(settings.ignore_move_markers || plan.markers.groups.is_empty() && drawing.marked.is_empty());
     let needs_inside = plan.markers.query.is_empty() || plan.markers.reference.is_empty();
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
     let interior = if needs_interior { Interior::new(&all, &closings, plan.human_scale) } else { None };
@@ -408,6 +408,11 @@ impl Study {
         let tally = study.evaluator.initial().clone();
         let isovists = study.isovists(|| study.initial_obstacles());
         study.initial = study.worth(tally, &study.pieces, isovists);
+        if study.initial.means.degree == 0.0 {
+            let text = "nobody in the region of query sees any of the region of reference: every measure is 0 or undefined; \
+                        check where EF-QUERY and EF-REFERENCE stand";
+            report.warn("query-sees-nothing", Place::file(&study.base.plan.file), text);
+        }
         Ok(study)
     }
 

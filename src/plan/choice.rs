@@ -246,6 +246,21 @@ fn state_strays(drawing: &Drawing, count: usize, report: &mut Report) {
     }
 }
 
+/// Says so where columns were found and no walls.
+pub(super) fn state_columns_only(
+    drawing: &Drawing,
+    options: &PlanOptions,
+    walls: &[&Entity],
+    report: &mut Report,
+) {
+    let is_column = |e: &&Entity| role_by_name(&e.layer).0 == Role::Column;
+    if drawing.format == Format::Dxf && options.wall_layers.is_empty() && walls.iter().all(is_column) {
+        let text = "columns were found and no walls; --wall-layer NAME says which layer the walls are on, \
+                    --view which drawing of the sheet is meant";
+        report.warn("columns-only", Place::file(&drawing.file), text);
+    }
+}
+
 /// Points of the user's marks: they lie in the drawing that is meant.
 fn marks(drawing: &Drawing) -> Vec<DVec2> {
     let marked = drawing.entities.iter().filter(|e| markers::is_marker(&e.layer));

@@ -305,7 +305,16 @@ fn drawing_unit(frame: &Frame, drawing: &Drawing) -> Unit {
     known.or_else(named).unwrap_or(Unit { name: "units", metres: frame.metres_per_unit })
 }
 
+/// Bounds beyond this many metres (radians, factors) are a slip: no building is as large.
+const BOUND_MAX: f64 = 1e5;
+
 fn push(kind: Kind, lower: f64, upper: f64, unit: (String, f64), group: &mut Group) -> Result<(), String> {
+    let reach = lower.abs().max(upper.abs()) * unit.1;
+    if reach.is_nan() || reach > BOUND_MAX {
+        return Err(format!(
+            "found bounds {lower:e} … {upper:e}, expected at most {BOUND_MAX} m (degrees, times)"
+        ));
+    }
     if lower > upper {
         return Err(format!("found {lower} above {upper}, expected the lower bound first"));
     }
@@ -345,4 +354,22 @@ fn length(s: &str) -> Result<(f64, Option<Unit>), String> {
     let unit = unit_by_name(&suffix.to_lowercase());
     unit.map(|u| (value, Some(u)))
         .ok_or_else(|| format!("found the unit {suffix:?}, expected mm, cm, m, in or ft"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_beyond_any_building_are_refused() {
+        let source =
+            SourceRef { record: 0, handle: None, line: 0, kind: String::new(), layer: String::new() };
+        let outline = Region::Ring(Vec::new());
+        let mut group = Group { name: String::new(), outline, clauses: Vec::new(), source };
+        let mut bound = |upper: f64| push(Kind::X, 0.0, upper, ("m".into(), 1.0), &mut group);
+        assert!(bound(BOUND_MAX).is_ok());
+        for far in [BOUND_MAX * 1.01, 1e308, f64::INFINITY, f64::NAN] {
+            assert!(bound(far).is_err(), "{far}");
+        }
+    }
 }

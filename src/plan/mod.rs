@@ -167,6 +167,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let unit = units::choose(drawing, options.unit, &walls, (extent[1] - extent[0]).max_element());
     let (picked, views) = choice::choose_view(drawing, options, &chosen, unit.unit.metres, report)?;
     let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
+    choice::state_columns_only(drawing, options, &walls, report);
     let extent = extent_of(&walls).unwrap_or(extent);
     let frame = Frame::new(unit.unit.metres, extent);
     let size_m = (extent[1] - extent[0]).max_element() * unit.unit.metres;

@@ -123,8 +123,8 @@ mod tests {
             line(9.0, 0.1, 12.0, 0.1),
         ];
         let found = nearest_parallels(&pieces, 0.001);
-        for i in 0..3 {
-            assert!((found[i].unwrap() - 0.2).abs() < 1e-9, "{i}");
+        for (i, distance) in found[..3].iter().enumerate() {
+            assert!((distance.unwrap() - 0.2).abs() < 1e-9, "{i}");
         }
         assert!(found[3].unwrap() > 2.7 && found[4].is_none());
     }

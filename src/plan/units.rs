@@ -119,10 +119,8 @@ impl Witnesses {
     fn words(&self, unit: Unit) -> String {
         let size = self.extent * unit.metres;
         let mut words = vec![format!("the walls are {size:.1} m long")];
-        if self.walls(unit).is_some() {
-            if let Some(d) = self.middle_thickness() {
-                words.push(format!("wall faces {:.2} m apart", d * unit.metres));
-            }
+        if let Some(d) = self.walls(unit).and_then(|_| self.middle_thickness()) {
+            words.push(format!("wall faces {:.2} m apart", d * unit.metres));
         }
         if self.doors(unit).is_some() {
             let mut leaves = self.leaves.clone();

@@ -325,7 +325,8 @@ fn device_of(_: &Metadata) -> u64 {
     0
 }
 
-/// Reads a file through one handle and makes sure that nobody wrote meanwhile (hazard 25).
+/// Reads a file through one handle and makes sure that nobody wrote meanwhile (hazard 25). A link is
+/// followed: whoever names a file means what it leads to; watched folders do not offer links.
 ///
 /// # Errors
 /// The outcome of the look when there is no coherent content.
@@ -335,12 +336,17 @@ pub fn read_whole(path: &Path) -> Result<(Vec<u8>, Stat), Checked> {
         _ if is_held_by_writer(&e) => Checked::Changed,
         _ => Checked::Unreadable(e.to_string()),
     };
+    let followed = fs::metadata(path).map_err(refuse)?;
+    if !followed.is_file() {
+        return Err(Checked::Unreadable("it is no file".into()));
+    }
     let mut file = File::open(path).map_err(refuse)?;
     let before = stat_from(&file.metadata().map_err(refuse)?);
     let mut bytes = Vec::with_capacity(before.size as usize);
     file.read_to_end(&mut bytes).map_err(refuse)?;
     let after = stat_from(&file.metadata().map_err(refuse)?);
-    let is_same = before == after && bytes.len() as u64 == after.size && stat_of(path) == Seen::There(after);
+    let named = stat_from(&fs::metadata(path).map_err(refuse)?);
+    let is_same = before == after && bytes.len() as u64 == after.size && named == after;
     if is_same { Ok((bytes, after)) } else { Err(Checked::Changed) }
 }
 

@@ -82,7 +82,7 @@ proptest! {
         prop_assert!(u64::from(shape.layouts) * u64::from(shape.rows) * row <= bytes);
         prop_assert!(u64::from(shape.layouts) * u64::from(shape.roots) * row <= bytes);
         prop_assert!((shape.roots * shape.words).div_ceil(GROUP) <= 65_535);
-        prop_assert!(shape.rows % 32 == 0 && shape.rows <= ROWS_PER_PASS);
+        prop_assert!(shape.rows.is_multiple_of(32) && shape.rows <= ROWS_PER_PASS);
         let rows: u32 = shape.blocks().map(|b| b.1).sum();
         prop_assert_eq!(rows, n);
         prop_assert!(shape.layouts == 1 || shape.blocks().count() == 1);

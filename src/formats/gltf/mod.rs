@@ -95,7 +95,7 @@ pub fn patch(
 
 /// A GLB with another JSON chunk.
 fn assembled(scene: &File<'_>, mut json: Vec<u8>) -> Vec<u8> {
-    while json.len() % 4 != 0 {
+    while !json.len().is_multiple_of(4) {
         json.push(b' ');
     }
     let rest = scene.chunks.first().map_or(scene.bytes.len(), |c| c.span.end);

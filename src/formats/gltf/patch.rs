@@ -80,10 +80,8 @@ fn member(node: &Json, key: &str, new: &[f64], out: &mut Vec<Splice>) {
 
 /// Splices of the numbers that differ.
 fn numbers(old: &Json, new: &[f64]) -> Vec<Splice> {
-    let differs = |(j, v): &(&Json, &f64)| {
-        let o = j.number().unwrap_or(f64::NAN);
-        !((o - **v).abs() <= NOISE * o.abs().max(1.0))
-    };
+    let differs =
+        |(j, v): &(&Json, &f64)| j.number().is_none_or(|o| (o - **v).abs() > NOISE * o.abs().max(1.0));
     old.items().iter().zip(new).filter(differs).map(|(j, v)| Splice::new(j.span.clone(), text(*v))).collect()
 }
 

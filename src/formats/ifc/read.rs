@@ -243,7 +243,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         match p.shape {
             Some(shape) => match self.body(p, shape, &frame) {
                 Ok((body, whys)) => (region, missing) = (body, whys),
-                Err(why) => match self.from_axis(p, shape, &frame) {
+                Err(why) => match self.strip_along_axis(p, shape, &frame) {
                     Some(strip) => region = strip,
                     None => return Err(why),
                 },
@@ -284,7 +284,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     }
 
     /// A strip along the axis, as thick as the material layers.
-    fn from_axis(&self, p: &Product, shape: u64, frame: &Frame) -> Option<Region> {
+    fn strip_along_axis(&self, p: &Product, shape: u64, frame: &Frame) -> Option<Region> {
         let axis = self.b.geo.curve(axis_item(self.b.step, shape)?, 0).ok()?;
         let [left, right] = layer_reach(self.b.step, &self.b.model, p.id)?;
         let is_here = self.b.model.storey_of(p.id) == self.storey;

@@ -115,6 +115,8 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
         html.element("p", &[("class", "words")], &prose(&rest.collect::<Vec<_>>().join(" ")));
         measures(html, input, Some(candidate));
         badge(html, candidate);
+        html.open("p", &[("class", "note")]);
+        html.element("a", &[("href", &candidate.file)], &candidate.file).close("p");
         html.raw("</article>\n");
     }
     html.raw("</div>\n</section>\n");
