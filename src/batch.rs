@@ -37,7 +37,7 @@ const FINISHED: &str = "job.json";
 pub struct Job {
     /// [`JOB_SCHEMA`].
     pub schema: String,
-    /// See [`Job::id_of`].
+    /// See `Job::id_of`.
     pub id: String,
     /// Where the drawing lies; only its name counts where `content` is given.
     pub drawing: PathBuf,

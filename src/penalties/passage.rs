@@ -9,7 +9,7 @@ use glam::DVec2;
 /// A passage is the shortest line between two walls where no third wall stands across it. It is too
 /// narrow by what its width lacks to the wanted width; where it was narrower than that before, to the
 /// width it had: what the drawing has is nobody's fault, and the two faces of one wall are no passage.
-/// Two walls that come to touch close the passage, which [`super::disconnection`] judges.
+/// Two walls that come to touch close the passage, which `disconnection` judges.
 #[derive(Clone, Debug)]
 pub struct Passage {
     width_m: f64,

@@ -1,6 +1,6 @@
 //! The local page and its interface: what the daemon does, options side by side, a few orders.
 //!
-//! Loopback only, and even there nobody is trusted: see [`guard`]. Requests name drawings by ids and files by
+//! Loopback only, and even there nobody is trusted: see `guard`. Requests name drawings by ids and files by
 //! the names that lie in a round; no path ever comes from outside. All assets are in the program.
 
 mod api;

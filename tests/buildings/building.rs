@@ -271,7 +271,7 @@ pub fn glb(walls: &[Wall]) -> Vec<u8> {
         let middle = bin.len();
         bin.extend(triangles.iter().flat_map(|v| v.to_le_bytes()));
         let end = bin.len();
-        while bin.len() % 4 != 0 {
+        while !bin.len().is_multiple_of(4) {
             bin.push(0);
         }
         let n = views.len();
@@ -305,7 +305,7 @@ pub fn glb(walls: &[Wall]) -> Vec<u8> {
         "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": bin.len()}],
     });
     let mut text = json.to_string().into_bytes();
-    while text.len() % 4 != 0 {
+    while !text.len().is_multiple_of(4) {
         text.push(b' ');
     }
     let total = 12 + 8 + text.len() + 8 + bin.len();

@@ -3,10 +3,10 @@
 //! *Frame and unit.* Everything here is in metres of a person: the plan frame divided by
 //! [`super::Plan::human_scale`]. Angles are radians, anticlockwise.
 //!
-//! *Method.* Drawn pieces on one line become runs ([`runs`]); chords of traced curves become arcs
-//! ([`curves`]); two runs that face each other at a wall's thickness become a strip ([`strips`]); small
-//! closed boxes become columns ([`columns`]); strips and single lines that meet become nodes and edges
-//! ([`joints`]); gaps between wall ends become openings ([`openings`]). Nothing is random and nothing
+//! *Method.* Drawn pieces on one line become runs (`runs`); chords of traced curves become arcs
+//! (`curves`); two runs that face each other at a wall's thickness become a strip (`strips`); small
+//! closed boxes become columns (`columns`); strips and single lines that meet become nodes and edges
+//! (`joints`); gaps between wall ends become openings (`openings`). Nothing is random and nothing
 //! depends on the order of the entities beyond the numbering of the result.
 //!
 //! There are no errors: what cannot be understood is a [`Leftover`] with its reason.
