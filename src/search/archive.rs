@@ -122,6 +122,16 @@ fn least_range(archive: &Archive, objective: &Objective, j: usize) -> f64 {
     if now.is_finite() { LEAST_RANGE * now } else { 0.0 }
 }
 
+/// What a penalty that only must not grow may grow by all the same: less than [`LEAST_RANGE`] is nothing to
+/// anybody, and without it a wall drawn a hair askew could never slide.
+fn slack(archive: &Archive, objective: &Objective, j: usize) -> f64 {
+    if !objective.is_penalty || objective.threshold > 0.0 || archive.len() == 0 {
+        return 0.0;
+    }
+    let now = archive.gains(0)[j].abs();
+    if now.is_finite() { LEAST_RANGE * now } else { 0.0 }
+}
+
 /// How far below its limit a gain is still told apart, in ranges: a surrogate must see the limit.
 const FLOOR_BELOW_LIMIT: f64 = 0.5;
 
@@ -163,7 +173,8 @@ impl Limits {
         self.best.push(best);
         let known = self.known_base(archive, objective, j, top);
         self.provisional |= known.is_none();
-        let base = known.unwrap_or_else(|| self.median_admitted(archive, j, top));
+        let base =
+            known.unwrap_or_else(|| self.median_admitted(archive, j, top)) - slack(archive, objective, j);
         self.base.push(base.min(top - least_range(archive, objective, j)));
         self.top.push(top);
         self.threshold.push(objective.threshold);
