@@ -239,19 +239,20 @@ pub fn changes(base: &Understood, layout: &Layout) -> Vec<Change> {
         let um = |p: glam::DVec2| -> PointUm { base.plan.frame.um_from_file(p) };
         control_points(shape).into_iter().map(|p| um(p).map(|v| v as f64 / 1e6)).collect()
     };
-    let change = |source: &SourceRef, from: &Shape, to: &Shape| Change {
+    let change = |source: &SourceRef, from: &Shape, to: &Shape, follows: bool| Change {
         element: element(base.plan.format, source),
         host_id: None,
         from: metres(from),
         to: metres(to),
+        follows,
     };
     let changed = layout.walls.iter().filter(|w| w.is_changed);
     let walls = changed.map(|m| {
         let wall = &base.plan.walls[m.wall as usize];
-        change(&wall.source, &wall.shape, &m.shape)
+        change(&wall.source, &wall.shape, &m.shape, false)
     });
     let fittings = base.fittings.iter().filter_map(|f| match carried(&base.plan, f, layout) {
-        Carried::Moves(shape, _) => Some(change(&f.source, &f.shape, &shape)),
+        Carried::Moves(shape, _) => Some(change(&f.source, &f.shape, &shape, true)),
         Carried::Stays | Carried::Stale(_) => None,
     });
     walls.chain(fittings).collect()

@@ -245,6 +245,7 @@ fn result() -> RoundResult {
                 host_id: None,
                 from: vec![[1.0, 2.0], [1.0, 6.25]],
                 to: vec![[2.2, 2.0], [2.2, 6.25]],
+                follows: false,
             }],
         }
     };

@@ -161,14 +161,13 @@ def _option(folder: str, index: int, data: Dict[str, Any]) -> Option:
 def layout(job: Job, option: Option) -> List[Change]:
     """Where every changed element of the host stands in an option, in drawing order."""
     outlines = {o.host_id: o for o in job.outlines}
-    # Doors and windows go with their wall, here as in the drawing.
-    hosted = {opening.id for wall in job.study.walls for opening in wall.openings}
     after: Dict[str, List[Point]] = {}
     for change in option.changes:
+        # Doors and windows go with their wall, here as in the drawing.
+        if change.get("follows"):
+            continue
         id = str(change.get("host_id"))
         outline = outlines.get(id)
-        if outline is None and id in hosted:
-            continue
         if outline is None:
             raise PluginError(f"Option {option.number} moves an element {id!r} that this study never wrote.")
         before, to = (outline.unwritten(_millimetres(change[k])) for k in ("from", "to"))

@@ -104,6 +104,9 @@ def apply_drawing(host, option: results.Option) -> List[str]:
     """
     pairs: Dict[int, Tuple[List[Point], List[Point]]] = {}
     for change in option.changes:
+        # Revit carries doors and windows along with their wall.
+        if change.get("follows"):
+            continue
         id = change.get("host_id") or ""
         if not id.isdigit():
             raise PluginError(f"Option {option.number} moves an element without Revit's id; nothing was changed.")
