@@ -61,4 +61,4 @@ def test_an_option_shows_heat_map_and_moved_walls(librecad, tmp_path):
     words = [program, "run", drawing, "--out", str(tmp_path / "out"), "--evaluations", "600", "--members", "2", "--quiet"]
     assert subprocess.run(words, stdin=subprocess.DEVNULL).returncode in (0, 1)
     option = tmp_path / "out" / "gallery.enfilade" / "round-01" / "candidate-1.dxf"
-    assert len(librecad(option, "librecad-option")) > 20, "a heat map has many colours"
+    assert len(librecad(option, "librecad-option")) > 12, "a heat map has many colours"

@@ -28,6 +28,8 @@ def moved(window, option):
     study["labels"] = labels
     corners = {}
     for change in result["candidates"][option - 1]["changes"]:
+        if change.get("follows"):
+            continue
         label = labels[change["host_id"].rsplit("/", 1)[0]]
         corners.setdefault(label, []).extend((x * 1000, y * 1000) for x, y in change["to"])
     return corners, study
