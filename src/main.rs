@@ -11,6 +11,8 @@ use enfilade::report::{Cancel, Error};
 /// appears whole or not at all.
 const STOP_GRACE: Duration = Duration::from_millis(150);
 
+const STOPPED: &str = "stopped; nothing half-written was left";
+
 fn main() -> ExitCode {
     let cli = match cli::parse() {
         Ok(cli) => cli,
@@ -21,7 +23,7 @@ fn main() -> ExitCode {
     let handler = ctrlc::set_handler(move || {
         on_stop.stop();
         std::thread::sleep(STOP_GRACE);
-        eprintln!("stopped; nothing half-written was left");
+        eprintln!("{STOPPED}");
         std::process::exit(i32::from(Error::Stopped.exit_code()));
     });
     if let Err(e) = handler {
@@ -29,6 +31,10 @@ fn main() -> ExitCode {
     }
     match execute(cli, &cancel) {
         Ok(code) => ExitCode::from(code),
+        Err(Error::Stopped) => {
+            eprintln!("{STOPPED}");
+            ExitCode::from(Error::Stopped.exit_code())
+        }
         Err(e) => {
             eprintln!("error: {e}");
             ExitCode::from(e.exit_code())

@@ -112,7 +112,22 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     add("members", settings.members.to_string());
     add("evaluations", result.evaluations.to_string());
     add("seed", settings.seed.to_string());
-    out
+    out + &in_a_settings_file(settings)
+}
+
+/// What the command line cannot say: layouts by their parameters.
+fn in_a_settings_file(settings: &Settings) -> String {
+    let lists = [("pin", &settings.pinned), ("warm", &settings.warm)];
+    let lists = lists.into_iter().filter(|l| !l.1.is_empty()).map(|(key, v)| format!("{key} = {v:?}"));
+    let lines: Vec<String> = lists.chain(settings.like.iter().map(|v| format!("like = {v:?}"))).collect();
+    if lines.is_empty() {
+        String::new()
+    } else {
+        format!(
+            "\n# with these lines in the side-car beside the drawing (NAME.enfilade.toml):\n{}",
+            lines.join("\n")
+        )
+    }
 }
 
 /// A word as a shell takes it.

@@ -160,7 +160,7 @@ fn optimise(
             search.finish(search::Stop::Asked);
         } else if let Some(seconds) = settings.seconds {
             let left = seconds - started.elapsed().as_secs_f64();
-            if left <= 0.0 {
+            if left <= 0.0 && search.progress().evaluations > 0 {
                 search.finish(search::Stop::Time);
             }
             pace(&mut search, settings, begun, left);
@@ -406,9 +406,12 @@ fn make(
     state_left_behind(&study.base, &layout, &mut report);
     let searched = study.measure(&member.parameters, &mut study.bench());
     if worth != searched {
+        let differs = worth.differences(&searched).into_iter();
+        let differs: Vec<String> =
+            differs.map(|(what, new, old)| format!("{what} {new} instead of {old}")).collect();
         let text = format!(
-            "{name} read again measures degree {} and depth {}, the search had {} and {}; the values of the file are reported",
-            worth.means.degree, worth.means.depth, searched.means.degree, searched.means.depth
+            "{name} read again does not measure as in the search: {}; the values of the file are reported",
+            differs.join(", ")
         );
         report.warn("written-differs", Place::file(input.file()), text);
     }

@@ -21,7 +21,7 @@ use crate::config::{Aim, Level, Measure, MoveTable, Penalty, Settings};
 use crate::formats::{self, ifc};
 use crate::moves::{Layout, Moves, defaults};
 use crate::penalties::{self, Alignment, Clearance, Overlap, Passage, WallLength, WallPiece, disconnection};
-use crate::plan::axes::{AxisGraph, Opening};
+use crate::plan::axes::{AxisGraph, FaceRef, Opening};
 use crate::plan::curve::{Trace, control_points, trace, trace_like};
 use crate::plan::drawing::{Drawing, Format, Shape};
 use crate::plan::fittings::{self, Fitting};
@@ -305,6 +305,20 @@ impl Worth {
     /// One penalty g_j.
     pub fn penalty(&self, penalty: Penalty) -> f64 {
         self.penalties[Penalty::ALL.iter().position(|p| *p == penalty).unwrap_or(0)]
+    }
+
+    /// The names of what differs in another measurement, each with both values; empty where nothing does.
+    pub fn differences(&self, other: &Self) -> Vec<(String, f64, f64)> {
+        let means = [
+            ("degree", self.means.degree, other.means.degree),
+            ("depth", self.means.depth, other.means.depth),
+            ("entropy", self.means.entropy, other.means.entropy),
+            ("disconnection", self.disconnection, other.disconnection),
+        ];
+        let penalties = Penalty::ALL.map(|p| (p.name(), self.penalty(p), other.penalty(p)));
+        let aims = self.aims.iter().zip(&other.aims).map(|(a, b)| ("aim", *a, *b));
+        let all = means.into_iter().chain(penalties).chain(aims);
+        all.filter(|(_, a, b)| a != b).map(|(name, a, b)| (name.to_string(), a, b)).collect()
     }
 }
 
@@ -650,6 +664,8 @@ fn fixed_parts(base: &Understood, piece_moves: &[Vec<bool>]) -> (Vec<Segment>, V
         }
     }
     segments.extend(closed_that_stay(base));
+    let stays = |f: FaceRef| base.moves.walls.binary_search(&f.0).is_err();
+    solids.extend(structure::footprints(&base.plan, &base.axes, stays));
     (segments, solids)
 }
 

@@ -112,6 +112,9 @@ pub fn trace_like(shape: &Shape, like: &Trace, frame: &Frame) -> Trace {
         return own;
     }
     let Shape::Polyline { vertices, .. } = shape else { return own };
+    if vertices.len() != like.control.iter().flatten().count() {
+        return Trace { points: resampled(&own.points, &like.points), ..like.clone() };
+    }
     let mut out = Trace { points: Vec::new(), ..like.clone() };
     let mut i = 0;
     while i < like.control.len() {
@@ -133,6 +136,26 @@ pub fn trace_like(shape: &Shape, like: &Trace, frame: &Frame) -> Trace {
         i += inner + 1;
     }
     out
+}
+
+/// As many points as `like`, on the line through `points` and at the same shares of its length.
+fn resampled(points: &[PointUm], like: &[PointUm]) -> Vec<PointUm> {
+    let place = |p: &PointUm| DVec2::new(p[0] as f64, p[1] as f64);
+    let shares = |line: &[PointUm]| -> Vec<f64> {
+        let steps = line.windows(2).map(|w| place(&w[0]).distance(place(&w[1])));
+        let mut out = vec![0.0];
+        steps.for_each(|step| out.push(out[out.len() - 1] + step));
+        let whole = out[out.len() - 1].max(1.0);
+        out.into_iter().map(|s| s / whole).collect()
+    };
+    let own = shares(points);
+    let at = |share: f64| {
+        let i = own.partition_point(|s| *s <= share).clamp(1, (points.len() - 1).max(1));
+        let (Some(a), Some(b)) = (points.get(i - 1), points.get(i)) else { return points[0] };
+        let t = (share - own[i - 1]) / (own[i] - own[i - 1]).max(f64::MIN_POSITIVE);
+        place(a).lerp(place(b), t.clamp(0.0, 1.0)).round().to_array().map(|v| v as i64)
+    };
+    shares(like).into_iter().map(at).collect()
 }
 
 /// Anticlockwise sweep from `start` to `end`, in (0, 2π].
@@ -213,6 +236,14 @@ mod tests {
         }
         let huge = trace(&Shape::Circle { centre: DVec2::ZERO, radius: 1e6 }, &METRES);
         assert_eq!(huge.points.len(), CHORDS_PER_TURN_MAX);
+    }
+
+    #[test]
+    fn a_line_is_sampled_like_another_without_losing_its_ends() {
+        let line = |x: &[i64]| x.iter().map(|x| [*x, 0]).collect::<Vec<PointUm>>();
+        let sampled = resampled(&line(&[0, 100, 400, 1000]), &line(&[0, 25, 50]));
+        assert_eq!(sampled, line(&[0, 500, 1000]));
+        assert_eq!(resampled(&line(&[7]), &line(&[0, 50])), line(&[7, 7]));
     }
 
     #[test]

@@ -308,6 +308,9 @@ fn drawing_unit(frame: &Frame, drawing: &Drawing) -> Unit {
 /// Bounds beyond this many metres (radians, factors) are a slip: no building is as large.
 const BOUND_MAX: f64 = 1e5;
 
+/// A group turns by a whole turn at most, degrees: more only repeats the same layouts.
+const MAX_TURN_DEG: f64 = 360.0;
+
 fn push(kind: Kind, lower: f64, upper: f64, unit: (String, f64), group: &mut Group) -> Result<(), String> {
     let reach = lower.abs().max(upper.abs()) * unit.1;
     if reach.is_nan() || reach > BOUND_MAX {
@@ -317,6 +320,9 @@ fn push(kind: Kind, lower: f64, upper: f64, unit: (String, f64), group: &mut Gro
     }
     if lower > upper {
         return Err(format!("found {lower} above {upper}, expected the lower bound first"));
+    }
+    if matches!(kind, Kind::Rotate(_)) && upper - lower > MAX_TURN_DEG {
+        return Err(format!("found a turn of {}°, expected at most {MAX_TURN_DEG}°", upper - lower));
     }
     let identity = kind.identity();
     if !(lower..=upper).contains(&identity) {
@@ -371,5 +377,9 @@ mod tests {
         for far in [BOUND_MAX * 1.01, 1e308, f64::INFINITY, f64::NAN] {
             assert!(bound(far).is_err(), "{far}");
         }
+        let unit = ("deg".to_string(), 1f64.to_radians());
+        let mut turn = |upper| push(Kind::Rotate(None), 0.0, upper, unit.clone(), &mut group);
+        assert!(turn(MAX_TURN_DEG).is_ok());
+        assert!(turn(MAX_TURN_DEG + 1.0).is_err());
     }
 }

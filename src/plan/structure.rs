@@ -122,6 +122,54 @@ fn body(plan: &Plan, axes: &AxisGraph, edge: &Edge) -> Option<Body> {
     Some(Body([l0, l1, r1, r0]))
 }
 
+/// The ground that straight thick walls stand on, openings left out: rings in the drawing frame, micrometres.
+///
+/// Only walls all of whose drawn pieces `stays` are taken.
+pub fn footprints(plan: &Plan, axes: &AxisGraph, stays: impl Fn(FaceRef) -> bool) -> Vec<Vec<PointUm>> {
+    let um = |p: DVec2| plan.frame.um_from_plan(p * plan.human_scale);
+    let mut out = Vec::new();
+    for edge in axes.edges.iter().filter(|e| e.thickness_m > 0.0 && e.bulge == 0.0) {
+        let mut faces = edge.left.iter().chain(&edge.right).chain(&edge.inner);
+        if edge.left.is_empty() || edge.right.is_empty() || !faces.all(|f| stays(*f)) {
+            continue;
+        }
+        let [a, b] = axes.ends(edge);
+        let half = (b - a).normalize_or_zero().perp() * (edge.thickness_m / 2.0);
+        for [from, to] in closed_parts(axes, edge) {
+            let [p, q] = [from, to].map(|t| a.lerp(b, t));
+            out.push([p + half, q + half, q - half, p - half].map(um).to_vec());
+        }
+    }
+    out
+}
+
+/// The parts of a straight wall between the openings it runs through, as shares of its length.
+fn closed_parts(axes: &AxisGraph, edge: &Edge) -> Vec<[f64; 2]> {
+    let [a, b] = axes.ends(edge);
+    let share = |p: DVec2| (p - a).dot(b - a) / (b - a).length_squared();
+    let is_own = |f: &FaceRef| edge.left.contains(f) || edge.right.contains(f);
+    let mut open: Vec<[f64; 2]> = axes
+        .openings
+        .iter()
+        .filter(|o| o.through.iter().any(is_own))
+        .map(|o| o.jambs.map(|j| share(j.at)))
+        .map(|[s, t]| [s.min(t), s.max(t)])
+        .collect();
+    open.sort_by(|x, y| x[0].total_cmp(&y[0]));
+    let mut out = Vec::new();
+    let mut at = 0.0;
+    for [s, t] in open {
+        if s > at {
+            out.push([at, s.min(1.0)]);
+        }
+        at = t.max(at);
+    }
+    if at < 1.0 {
+        out.push([at, 1.0]);
+    }
+    out
+}
+
 /// Where a control point stands, metres of a person.
 pub fn handle_at(plan: &Plan, (wall, control): Handle) -> DVec2 {
     let p = control_points(&plan.walls[wall as usize].shape)[control as usize];

@@ -620,9 +620,9 @@ pub fn disk_error(doing: &str, path: &Path, error: &io::Error) -> Error {
         K::AlreadyExists => ("file-exists", "the name is taken; what is there stays as it is"),
         K::InvalidFilename => ("name-too-long", "shorten the drawing's name"),
         K::NotFound | K::NotADirectory | K::StaleNetworkFileHandle => {
-            ("folder-vanished", "the folder went away; it is tried again when it is back")
+            ("folder-vanished", "the folder is not there: make it again or send results elsewhere with --out")
         }
-        _ => ("disk-error", "look at the disk; it is tried again"),
+        _ => ("disk-error", "look at the disk or send results elsewhere with --out"),
     };
     Error::environment(code, shown(path), format!("{doing} failed: {error}; {remedy}"))
 }

@@ -7,9 +7,10 @@ use glam::DVec2;
 use super::colour::nearest_index;
 use super::fields::{Fields, handle_of, own_pairs};
 use super::header::Header;
-use super::patch::{Splice, number_text};
+use super::patch::number_text;
 use super::text::{CodePage, text_value};
 use super::tokens::{Form, Kind, Tokens, kind_of, trim};
+use crate::formats::splice::Splice;
 use crate::plan::drawing::{Addition, Mark};
 use crate::report::{Error, Place};
 

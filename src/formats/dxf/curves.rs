@@ -205,8 +205,7 @@ pub(super) fn spline(
     five_mm: Option<f64>,
 ) -> Result<Vec<DVec2>, SplineFault> {
     check_spline(degree, knots, control, weights)?;
-    let (lo, hi) = bounds(control);
-    let allowed = tolerance((hi - lo).length(), five_mm);
+    let allowed = tolerance(extent(control), five_mm);
     let at = |t: f64| de_boor(degree, knots, control, weights, t);
     let mut out = vec![at(knots[degree])];
     for span in degree..control.len() {
@@ -291,8 +290,7 @@ fn distance_to_chord(p: DVec2, a: DVec2, b: DVec2) -> f64 {
 /// Drops points that lie on the chord of their neighbours.
 fn merge_collinear(points: &mut Vec<DVec2>) {
     points.dedup();
-    let (lo, hi) = bounds(points);
-    let allowed = (hi - lo).length() * 1e-9;
+    let allowed = extent(points) * 1e-9;
     let mut kept: Vec<DVec2> = Vec::with_capacity(points.len());
     for &p in points.iter() {
         while kept.len() >= 2 {
@@ -317,8 +315,7 @@ pub(super) fn fit_spline(points: &[DVec2], tangents: [Option<DVec2>; 2], five_mm
     }
     let lengths: Vec<f64> = fit.windows(2).map(|w| w[0].distance(w[1])).collect();
     let slopes = spline_slopes(&fit, &lengths, tangents);
-    let (lo, hi) = bounds(&fit);
-    let allowed = tolerance((hi - lo).length(), five_mm);
+    let allowed = tolerance(extent(&fit), five_mm);
     let mut out = vec![fit[0]];
     for i in 0..lengths.len() {
         let (a, b, h) = (fit[i], fit[i + 1], lengths[i]);
@@ -368,9 +365,11 @@ fn spline_slopes(fit: &[DVec2], h: &[f64], tangents: [Option<DVec2>; 2]) -> Vec<
     right
 }
 
-fn bounds(points: &[DVec2]) -> (DVec2, DVec2) {
-    let start = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    points.iter().fold(start, |(lo, hi), &p| (lo.min(p), hi.max(p)))
+/// How far points reach about their middle: the same for a curve however it is turned, so that a moved
+/// curve is cut into the same pieces.
+fn extent(points: &[DVec2]) -> f64 {
+    let middle = points.iter().sum::<DVec2>() / points.len().max(1) as f64;
+    2.0 * points.iter().map(|p| p.distance(middle)).fold(0.0, f64::max)
 }
 
 #[cfg(test)]

@@ -77,3 +77,15 @@ fn the_curve_through_fit_points_meets_them_and_its_tangents() {
 fn no_curve_has_more_pieces_than_the_limit() {
     assert_eq!(pieces_of(1e30, 1e6 * PI, Some(1e-9)), MAX_CURVE_PIECES);
 }
+
+#[test]
+fn a_turned_spline_has_as_many_pieces() {
+    let control = [DVec2::ZERO, DVec2::new(9.0, 4.0), DVec2::new(2.0, 7.0), DVec2::new(30.0, 1.0)];
+    let knots = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+    let pieces = |turn: f64| {
+        let turned = control.map(|p| DVec2::from_angle(turn).rotate(p));
+        spline(3, &knots, &turned, &[], Some(5.0)).unwrap().len()
+    };
+    assert!(pieces(0.0) > 4);
+    assert!((0..90).all(|k| pieces(f64::from(k) * 0.07) == pieces(0.0)));
+}

@@ -40,11 +40,6 @@ const UNITS: [Option<Unit>; 25] = {
     ]
 };
 
-/// The unit of this name (`mm`, `cm`, `m`, `in`, `ft`, or another name of a `$INSUNITS` code).
-pub fn unit_by_name(name: &str) -> Option<Unit> {
-    UNITS.into_iter().flatten().find(|unit| unit.name == name)
-}
-
 /// What the reader and the patcher need of the header.
 pub(super) struct Header {
     /// `$ACADVER`, `AC1009` where it is missing.
@@ -159,10 +154,9 @@ mod tests {
 
     #[test]
     fn units_have_their_lengths() {
-        for (name, metres) in [("mm", 0.001), ("cm", 0.01), ("m", 1.0), ("in", 0.0254), ("ft", 0.3048)] {
-            assert_eq!(unit_by_name(name).map(|u| u.metres), Some(metres));
+        for (code, metres) in [(1, 0.0254), (2, 0.3048), (4, 0.001), (5, 0.01), (6, 1.0)] {
+            assert_eq!(UNITS[code].map(|u| u.metres), Some(metres));
         }
-        assert_eq!(unit_by_name("furlong"), None);
         assert_eq!(UNITS[21].map(|u| u.metres), Some(1200.0 / 3937.0));
         assert_eq!(UNITS[24].map(|u| (u.metres * 1e6).round() / 1e6), Some(1609.347219));
     }

@@ -29,7 +29,6 @@ mod text;
 mod tokens;
 
 pub use complete::{Completeness, is_complete};
-pub use header::unit_by_name;
 pub use limits::*;
 pub use links::{dependents, host_ids};
 pub use patch::{ChangedRecord, changed_records, patch};

@@ -13,6 +13,7 @@ use super::fields::{
 use super::limits::Limits;
 use super::read::fault_error;
 use super::tokens::{Form, Kind, Tokens, kind_of, tokenize, trim};
+use crate::formats::splice::{Splice, apply};
 use crate::plan::drawing::{Addition, Edit, RigidMotion, Shape, Vertex};
 use crate::report::{Error, Place};
 
@@ -22,17 +23,6 @@ const NOISE_STEPS: f64 = 4.0;
 
 /// Differences of angles below this (degrees; 0.2 µm at 10 km) are rounding, no turn.
 const NOISE_DEG: f64 = 1e-9;
-
-/// Bytes to put in place of a range of the original.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Splice {
-    /// First byte replaced.
-    pub start: usize,
-    /// One past the last byte replaced.
-    pub end: usize,
-    /// What stands there instead.
-    pub with: Vec<u8>,
-}
 
 /// A record whose values an edit changes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -61,7 +51,7 @@ pub fn patch(file: &str, bytes: &[u8], edits: &[Edit], additions: &[Addition]) -
     let mut splices: Vec<Splice> =
         edit_splices(file, &tokens, edits)?.into_iter().flatten().map(|(_, s)| s).collect();
     additions::splice_in(file, &tokens, additions, &mut splices)?;
-    apply(file, bytes, splices)
+    apply(file, "dxf-edit-twice", bytes, splices)
 }
 
 /// The records each edit changes, in file order: a POLYLINE's are its VERTEX records, an INSERT's also
@@ -87,25 +77,6 @@ pub fn changed_records(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<V
 pub(super) fn tokens_of<'a>(file: &str, bytes: &'a [u8]) -> Result<Tokens<'a>, Error> {
     let options = ReadOptions { limits: Limits::default(), ..ReadOptions::default() };
     tokenize(bytes, &options.limits).map_err(|fault| fault_error(file, bytes, fault, &options))
-}
-
-/// Puts the splices into the bytes; two that overlap are two edits of one value.
-pub(super) fn apply(file: &str, bytes: &[u8], mut splices: Vec<Splice>) -> Result<Vec<u8>, Error> {
-    splices.sort_by_key(|s| s.start);
-    let added: usize = splices.iter().map(|s| s.with.len()).sum();
-    let mut out = Vec::with_capacity(bytes.len() + added);
-    let mut pos = 0;
-    for splice in &splices {
-        if splice.start < pos {
-            let text = "two edits of one value, expected one edit an entity; nothing was written";
-            return Err(Error::input("dxf-edit-twice", Place::file(file), text));
-        }
-        out.extend_from_slice(&bytes[pos..splice.start]);
-        out.extend_from_slice(&splice.with);
-        pos = splice.end;
-    }
-    out.extend_from_slice(&bytes[pos..]);
-    Ok(out)
 }
 
 type RecordSplices = Vec<(usize, Splice)>;

@@ -4,8 +4,8 @@ use super::additions::{LayerTable, count_splice};
 use super::fields::{Fields, polyline_records};
 use super::header::Header;
 use super::limits::Limits;
-use super::patch::{Splice, apply};
 use super::tokens::{Tokens, tokenize};
+use crate::formats::splice::{Splice, apply};
 
 /// Layers on which results are drawn, in upper case; [`HEAT_PREFIX`] besides.
 const RESULT_LAYERS: [&str; 3] = ["EF-MOVED", "EF-BEFORE", "EF-NOTE"];
@@ -56,7 +56,7 @@ pub fn strip_own(bytes: &[u8]) -> Vec<u8> {
         let count = Fields::of(&tokens, table.head).index(70).filter(|_| !unused.is_empty());
         splices.extend(count.and_then(|i| count_splice(&tokens, i, -(unused.len() as i64))));
     }
-    apply("", bytes, splices).unwrap_or_else(|_| bytes.to_vec())
+    apply("", "dxf-edit-twice", bytes, splices).unwrap_or_else(|_| bytes.to_vec())
 }
 
 fn cut(tokens: &Tokens<'_>, from: usize, to: usize) -> Splice {
