@@ -223,6 +223,56 @@ fn every_measure_has_a_column_and_a_heat_map() {
     }
 }
 
+/// An R12 drawing of lines, each with its layer.
+fn drawing_of(lines: &[(&str, [f64; 4])]) -> String {
+    let record = |(layer, [x, y, u, v]): &(&str, [f64; 4])| {
+        format!("0\nLINE\n8\n{layer}\n10\n{x}\n20\n{y}\n11\n{u}\n21\n{v}\n")
+    };
+    let lines: String = lines.iter().map(record).collect();
+    format!("0\nSECTION\n2\nENTITIES\n{lines}0\nENDSEC\n0\nEOF\n")
+}
+
+#[test]
+fn nobody_stands_inside_a_wall_although_its_ends_are_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plan, csv) = (folder.path().join("house.dxf"), folder.path().join("cells.csv"));
+    let around = |[x, y, u, v]: [f64; 4], layer: &'static str| {
+        [[x, y, u, y], [u, y, u, v], [u, v, x, v], [x, v, x, y]].map(|l| (layer, l))
+    };
+    let mut lines = around([0.0, 0.0, 10.0, 6.0], "WALL").to_vec();
+    lines.extend(around([0.3, 0.3, 9.7, 5.7], "WALL"));
+    for x in [4.8, 5.2] {
+        lines.push(("WALL", [x, 0.3, x, 2.5]));
+        lines.push(("WALL", [x, 3.5, x, 5.7]));
+    }
+    std::fs::write(&plan, drawing_of(&lines)).unwrap();
+    let side_car = "[[region]]\nkind = \"keep\"\npoints = [[-1, -1], [11, -1], [11, 7], [-1, 7]]\n";
+    std::fs::write(folder.path().join("house.enfilade.toml"), side_car).unwrap();
+    let (plan, csv) = (plan.to_string_lossy(), csv.to_string_lossy());
+    let args = ["analyse", &plan, "--unit", "m", "--spacing", "0.1", "--lattice-centre", "0.05,0.05"];
+    let done = enfilade(&[&args[..], &["--cells", &csv, "--quiet"]].concat());
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    let cells = std::fs::read_to_string(&*csv).unwrap();
+    let places = cells.lines().skip(1).map(|l| {
+        let at: Vec<f64> = l.split(',').skip(1).take(2).map(|v| v.parse().unwrap()).collect();
+        (at[0], at[1])
+    });
+    let between: Vec<(f64, f64)> = places.filter(|(x, _)| (4.8..5.2).contains(x)).collect();
+    assert_eq!(between.len(), 4 * 10, "the doorway and nothing else: {between:?}");
+    assert!(between.iter().all(|(_, y)| (2.5..3.5).contains(y)));
+}
+
+#[test]
+fn the_shortest_time_gives_a_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_string_lossy();
+    let done = enfilade(&["run", &sample("gallery.dxf"), "--seconds", "0.1", "--out", &out, "-q"]);
+    assert!(matches!(done.status.code(), Some(0 | 1)), "{}", text(&done.stderr));
+    let result = json(&folder.path().join("gallery.enfilade/round-01/result.json"));
+    assert!(result["evaluations"].as_u64().unwrap() > 0);
+    assert!(!result["candidates"].as_array().unwrap().is_empty());
+}
+
 #[test]
 fn the_resolution_study_makes_a_plot_and_a_table() {
     let folder = tempfile::tempdir().unwrap();

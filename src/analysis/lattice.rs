@@ -38,6 +38,8 @@ pub struct Ground<'a> {
     pub fixed_solids: &'a [Vec<PointUm>],
     /// The building's interior where no region is drawn and no seed given.
     pub interior: Option<&'a Interior>,
+    /// Where the interior is the region: a sealed spot at most this large across is solid, a pier or a shaft.
+    pub solid_across_um: i64,
 }
 
 /// Chooses the cells.
@@ -47,7 +49,10 @@ pub struct Ground<'a> {
 pub fn lattice(ground: &Ground<'_>, report: &mut Report) -> Result<Lattice, Error> {
     let needs_inside = ground.query.is_empty() || ground.reference.is_empty();
     let field = Field::new(ground)?;
-    let inside = if needs_inside { field.inside(ground, report) } else { Vec::new() };
+    let mut inside = if needs_inside { field.inside(ground, report) } else { Vec::new() };
+    if ground.interior.is_some() && ground.seeds_um.is_empty() {
+        field.fill_sealed_spots(ground, &mut inside, report);
+    }
     let in_regions = |regions: &[Region], i: usize, p: PointUm| {
         if regions.is_empty() { inside[i] } else { regions.iter().any(|r| r.contains(p)) }
     };
@@ -117,6 +122,8 @@ struct Field {
     origin_um: PointUm,
     flags: Vec<u8>,
     on_fixed: Vec<bool>,
+    /// Cells with a link that something movable cuts.
+    beside_movable: Vec<bool>,
 }
 
 impl Field {
@@ -153,6 +160,7 @@ impl Field {
             origin_um,
             flags: vec![0; cols * rows],
             on_fixed: vec![false; cols * rows],
+            beside_movable: vec![false; cols * rows],
         };
         ground.fixed.iter().for_each(|g| field.cut(*g, true));
         ground.movable.iter().for_each(|g| field.cut(*g, false));
@@ -196,6 +204,12 @@ impl Field {
             let b = [a[0] + i64::from(dc) * self.spacing_um, a[1] + i64::from(dr) * self.spacing_um];
             if segments_touch(Segment { a, b }, wall) {
                 self.flags[i] |= bit;
+                self.beside_movable[i] |= !is_fixed;
+                let (c, r) = (col as i64 + i64::from(dc), row as i64 + i64::from(dr));
+                if !is_fixed && c >= 0 && c < self.cols as i64 && r < self.rows as i64 {
+                    let other = self.index(c as usize, r as usize);
+                    self.beside_movable[other] = true;
+                }
             }
         }
     }
@@ -262,6 +276,58 @@ impl Field {
             }
         }
         inside
+    }
+
+    /// Takes small spots that fixed walls seal out of the inside, as solid outlines are (spec 3).
+    fn fill_sealed_spots(&self, ground: &Ground<'_>, inside: &mut [bool], report: &mut Report) {
+        let mut is_seen: Vec<bool> =
+            inside.iter().zip(&self.flags).map(|(i, f)| !i || f & ON_WALL != 0).collect();
+        let (mut spots, mut filled) = (0, Vec::new());
+        for start in 0..is_seen.len() {
+            if is_seen[start] {
+                continue;
+            }
+            is_seen[start] = true;
+            let mut spot = vec![start];
+            let mut next = 0;
+            while next < spot.len() {
+                let (col, row) = (spot[next] / self.rows, spot[next] % self.rows);
+                self.for_each_linked(col, row, |c, r| {
+                    let i = self.index(c, r);
+                    if !is_seen[i] {
+                        is_seen[i] = true;
+                        spot.push(i);
+                    }
+                });
+                next += 1;
+            }
+            if self.across_um(&spot) <= ground.solid_across_um
+                && !spot.iter().any(|i| self.beside_movable[*i])
+            {
+                spots += 1;
+                filled.append(&mut spot);
+            }
+        }
+        if filled.is_empty() || filled.len() == inside.iter().filter(|i| **i).count() {
+            return;
+        }
+        filled.iter().for_each(|i| inside[*i] = false);
+        let across_m = ground.solid_across_um as f64 / 1e6;
+        let text = format!(
+            "{spots} spots that walls seal, at most {across_m} m across, with {} cells, were taken as solid; \
+             EF-QUERY says exactly what is measured",
+            filled.len()
+        );
+        report.info("sealed-spots", Place::file(ground.file), text);
+    }
+
+    /// Diagonal of the box of some cells.
+    fn across_um(&self, cells: &[usize]) -> i64 {
+        let extent = |of: &dyn Fn(usize) -> usize| {
+            let (lo, hi) = cells.iter().fold((usize::MAX, 0), |(lo, hi), i| (lo.min(of(*i)), hi.max(of(*i))));
+            (hi + 1 - lo) as f64 * self.spacing_um as f64
+        };
+        extent(&|i| i / self.rows).hypot(extent(&|i| i % self.rows)).round() as i64
     }
 
     fn flood_from_seeds(&self, ground: &Ground<'_>, report: &mut Report) -> Vec<bool> {
@@ -383,6 +449,7 @@ mod tests {
             movable: &[],
             fixed_solids: &[],
             interior: None,
+            solid_across_um: 0,
         }
     }
 
@@ -411,6 +478,22 @@ mod tests {
         let solids = [vec![[M, M], [3 * M, M], [3 * M, 2 * M], [M, 2 * M]]];
         let solid = Ground { fixed_solids: &solids, ..ground(&walls) };
         assert_eq!(lattice(&solid, &mut Report::default()).unwrap().cells.len(), 10);
+    }
+
+    #[test]
+    fn small_sealed_spots_are_solid_unless_something_beside_them_moves() {
+        let walls = ring(&[[0, 0], [9 * M, 0], [9 * M, 5 * M], [0, 5 * M]]);
+        let pier = ring(&[[0, 0], [M, 0], [M, M], [0, M]]);
+        let fixed: Vec<Segment> = walls.iter().chain(&pier).copied().collect();
+        let interior = Interior::new(&walls, &[], 1.0);
+        let of = |fixed: &[Segment], movable: &[Segment], solid_across_um: i64| {
+            let ground = Ground { movable, interior: interior.as_ref(), solid_across_um, ..ground(fixed) };
+            lattice(&ground, &mut Report::default()).unwrap().cells.len()
+        };
+        assert_eq!(of(&fixed, &[], 2 * M), 44);
+        assert_eq!(of(&fixed, &[], M), 45, "wider than allowed");
+        assert_eq!(of(&walls, &pier, 2 * M), 45, "it may open");
+        assert_eq!(of(&walls, &[], 99 * M), 45, "something is always left");
     }
 
     #[test]

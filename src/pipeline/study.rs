@@ -30,6 +30,7 @@ use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{self, Group};
+use crate::plan::outline::SOLID_ACROSS_M;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, box_of, layers, understand};
@@ -385,6 +386,7 @@ impl Study {
             movable: &movable,
             fixed_solids: &fixed_solids,
             interior: base.interior.as_ref(),
+            solid_across_um: (SOLID_ACROSS_M * base.plan.human_scale * UM_PER_M).round() as i64,
         };
         let lattice = Arc::new(lattice(&ground, report)?);
         state_interior(&base, settings, report);
