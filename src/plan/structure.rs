@@ -122,6 +122,12 @@ fn body(plan: &Plan, axes: &AxisGraph, edge: &Edge) -> Option<Body> {
     Some(Body([l0, l1, r1, r0]))
 }
 
+/// Walls thicker than this are bodies only if they are [`SLENDER`]: two faces so far apart may be a small room.
+const STOUT_M: f64 = 0.45;
+
+/// A slender wall is at least this many times as long as thick.
+const SLENDER: f64 = 2.5;
+
 /// The ground that straight thick walls stand on, openings left out: rings in the drawing frame, micrometres.
 ///
 /// Only walls all of whose drawn pieces `stays` are taken.
@@ -134,6 +140,9 @@ pub fn footprints(plan: &Plan, axes: &AxisGraph, stays: impl Fn(FaceRef) -> bool
             continue;
         }
         let [a, b] = axes.ends(edge);
+        if edge.thickness_m > STOUT_M && a.distance(b) < SLENDER * edge.thickness_m {
+            continue;
+        }
         let half = (b - a).normalize_or_zero().perp() * (edge.thickness_m / 2.0);
         for [from, to] in closed_parts(axes, edge) {
             let [p, q] = [from, to].map(|t| a.lerp(b, t));
