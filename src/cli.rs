@@ -244,6 +244,9 @@ pub struct SearchArgs {
     /// Most groups that an option may move.
     #[arg(long, value_name = "N")]
     pub most_moves: Option<usize>,
+    /// Move what is marked and nothing else, not even where nothing is marked.
+    #[arg(long)]
+    pub only_marked: bool,
 }
 
 /// `run`.
@@ -531,6 +534,7 @@ impl Common {
             link: list(&s.link),
             snap: s.snap.clone(),
             most_moves: s.most_moves,
+            only_marked: s.only_marked.then_some(true),
             ..Partial::default()
         }
     }

@@ -290,6 +290,7 @@ pub struct Partial {
     pub link: Option<Vec<String>>,
     pub snap: Option<String>,
     pub most_moves: Option<usize>,
+    pub only_marked: Option<bool>,
     pub pin: Option<Vec<Vec<f64>>>,
     pub like: Option<Vec<f64>>,
     pub warm: Option<Vec<Vec<f64>>>,
@@ -376,6 +377,7 @@ impl Partial {
             link: self.link.or(base.link),
             snap: self.snap.or(base.snap),
             most_moves: self.most_moves.or(base.most_moves),
+            only_marked: self.only_marked.or(base.only_marked),
             pin: self.pin.or(base.pin),
             like: self.like.or(base.like),
             warm: self.warm.or(base.warm),
@@ -453,6 +455,8 @@ pub struct Settings {
     /// Most groups that an option may move.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub most_moves: Option<usize>,
+    /// Whether nothing moves where nothing is marked, instead of the default moves.
+    pub only_marked: bool,
     /// Parameters of options that stay; the others are found unlike them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pinned: Vec<Vec<f64>>,
@@ -551,6 +555,7 @@ impl Settings {
             links: links(&p.link.unwrap_or_default())?,
             snap: p.snap.map(|t| snap(&t)).transpose()?,
             most_moves: p.most_moves.map(|n| count("most-moves", n, 1, usize::MAX)).transpose()?,
+            only_marked: p.only_marked.unwrap_or(false),
             pinned,
             like: p.like,
             warm: p.warm.unwrap_or_default(),

@@ -232,20 +232,40 @@ fn drawing_of(lines: &[(&str, [f64; 4])]) -> String {
     format!("0\nSECTION\n2\nENTITIES\n{lines}0\nENDSEC\n0\nEOF\n")
 }
 
-#[test]
-fn nobody_stands_inside_a_wall_although_its_ends_are_open() {
-    let folder = tempfile::tempdir().unwrap();
-    let (plan, csv) = (folder.path().join("house.dxf"), folder.path().join("cells.csv"));
-    let around = |[x, y, u, v]: [f64; 4], layer: &'static str| {
-        [[x, y, u, y], [u, y, u, v], [u, v, x, v], [x, v, x, y]].map(|l| (layer, l))
+/// Two rooms with a doorway, thick walls, nothing marked.
+fn two_rooms() -> String {
+    let around = |[x, y, u, v]: [f64; 4]| {
+        [[x, y, u, y], [u, y, u, v], [u, v, x, v], [x, v, x, y]].map(|l| ("WALL", l))
     };
-    let mut lines = around([0.0, 0.0, 10.0, 6.0], "WALL").to_vec();
-    lines.extend(around([0.3, 0.3, 9.7, 5.7], "WALL"));
+    let mut lines = around([0.0, 0.0, 10.0, 6.0]).to_vec();
+    lines.extend(around([0.3, 0.3, 9.7, 5.7]));
     for x in [4.8, 5.2] {
         lines.push(("WALL", [x, 0.3, x, 2.5]));
         lines.push(("WALL", [x, 3.5, x, 5.7]));
     }
-    std::fs::write(&plan, drawing_of(&lines)).unwrap();
+    drawing_of(&lines)
+}
+
+#[test]
+fn only_what_is_marked_moves_where_the_architect_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = folder.path().join("house.dxf");
+    std::fs::write(&plan, two_rooms()).unwrap();
+    let moves = || {
+        let done = enfilade(&["check", &plan.to_string_lossy(), "--unit", "m", "--json"]);
+        let check: Value = serde_json::from_slice(&done.stdout).unwrap();
+        check["moves"].as_array().unwrap().len()
+    };
+    assert!(moves() > 0, "the doorway slides by default");
+    std::fs::write(folder.path().join("house.enfilade.toml"), "only-marked = true\n").unwrap();
+    assert_eq!(moves(), 0);
+}
+
+#[test]
+fn nobody_stands_inside_a_wall_although_its_ends_are_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plan, csv) = (folder.path().join("house.dxf"), folder.path().join("cells.csv"));
+    std::fs::write(&plan, two_rooms()).unwrap();
     let side_car = "[[region]]\nkind = \"keep\"\npoints = [[-1, -1], [11, -1], [11, 7], [-1, 7]]\n";
     std::fs::write(folder.path().join("house.enfilade.toml"), side_car).unwrap();
     let (plan, csv) = (plan.to_string_lossy(), csv.to_string_lossy());

@@ -103,6 +103,10 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     if let Some(most) = settings.most_moves {
         add("most-moves", most.to_string());
     }
+    if settings.only_marked {
+        out.push_str(" --only-marked");
+    }
+    let mut add = |key: &str, value: String| out.push_str(&format!(" --{key} {}", quoted(&value)));
     if settings.mode == Mode::Best {
         add("mode", "best".into());
     }

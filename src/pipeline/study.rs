@@ -214,6 +214,11 @@ fn moves(
     if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
         return Ok(Moves::from_markers(plan, graph, report));
     }
+    if settings.only_marked {
+        let text = "nothing is marked to move, and only what is marked may: the present layout is measured";
+        report.info("nothing-marked", Place::file(&plan.file), text);
+        return Ok(Moves::default());
+    }
     match interior {
         Some(interior) if !settings.ignore_move_markers => {
             let groups = defaults::groups(plan, graph, axes, interior, report);

@@ -3,11 +3,19 @@
 import os
 import subprocess
 import sys
+import types
 
 import pytest
 
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..", ".."))
 sys.path[:0] = [os.path.join(ROOT, "plugins", "common"), os.path.join(ROOT, "plugins", "freecad", "freecad")]
+
+import FreeCADGui  # noqa: E402
+
+if not hasattr(FreeCADGui, "UiLoader"):
+    # FreeCAD 1.0 makes no window without its GUI: Arch asks DraftGui to do something later.
+    later = types.SimpleNamespace(delay=lambda call, argument: call(argument), delayAfter=lambda call, argument: None)
+    sys.modules.setdefault("DraftGui", types.SimpleNamespace(todo=later))
 
 import Arch  # noqa: E402
 import Draft  # noqa: E402

@@ -224,7 +224,9 @@ def test_an_attached_sketch_moves_by_its_points(doc, wishes, tmp_path):
 
     plane = doc.addObject("Part::Plane", "Plane")
     sketch = doc.addObject("Sketcher::SketchObject", "Sketch")
-    sketch.Support, sketch.MapMode = (plane, [""]), "ObjectXY"
+    support = "AttachmentSupport" if hasattr(sketch, "AttachmentSupport") else "Support"  # renamed in FreeCAD 1.0
+    setattr(sketch, support, (plane, [""]))
+    sketch.MapMode = "ObjectXY"
     sketch.addGeometry(Part.LineSegment(V(0, 0, 0), V(2000, 0, 0)), False)
     doc.recompute()
     wall = Arch.makeWall(sketch, width=100, height=3000)

@@ -155,7 +155,9 @@ class Answers:
         """Where a point of the drawing is on the screen."""
         view = Gui.activeDocument().activeView()
         px, py = view.getPointOnScreen(V(x, y, z))[:2]
-        shown = [w for w in window().findChildren(QtWidgets.QWidget) if "Quarter" in w.metaObject().className()]
+        viewers = ("Quarter", "View3DInventorViewer")
+        named = ((w, w.metaObject().className()) for w in window().findChildren(QtWidgets.QWidget))
+        shown = [w for w, name in named if any(v in name for v in viewers)]
         widget = max((w for w in shown if w.isVisible()), key=lambda w: w.width() * w.height())
         widget = widget.viewport() if hasattr(widget, "viewport") else widget
         height = view.getSize()[1]
@@ -305,7 +307,7 @@ class Answers:
         names = set(App.listDocuments())
         p.options._import()
         (made,) = set(App.listDocuments()) - names
-        edges = {o.Label: len(o.Shape.Edges) for o in App.getDocument(made).Objects}
+        edges = {o.Label: len(o.Shape.Edges) for o in App.getDocument(made).Objects if hasattr(o, "Shape")}
         App.closeDocument(made)
         return edges
 
