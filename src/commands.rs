@@ -76,7 +76,7 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
         }
         for m in &result.moves {
             let kind = format!("{:?}", m.kind).to_lowercase();
-            say(&format!("move {}: {kind} {} … {} {}", m.name, m.lower, m.upper, m.unit));
+            say(&format!("move {}: {kind} {} … {} {}", m.name, tidy(m.lower), tidy(m.upper), m.unit));
         }
         result.storeys.iter().for_each(|s| say(&storey_line(s)));
         for r in result.regions.iter().filter(|r| r.kind != "move") {
@@ -85,6 +85,11 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
     }
     tell(&args.common, &outcome.report);
     Ok(exit_code(&outcome.report))
+}
+
+/// A bound without the noise of changing frames.
+fn tidy(bound: f64) -> f64 {
+    (bound * 1e6).round() / 1e6 + 0.0
 }
 
 fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {

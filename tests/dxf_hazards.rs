@@ -61,7 +61,7 @@ fn files_that_are_not_taken_say_why() {
     let group = "the file was not read, because nothing after this line is sure. A text of several lines or a hand \
                  edit does this: export the drawing again";
     let incomplete =
-        "not read. Save or export it again; if its program never writes EOF, set accept_missing_eof = true";
+        "not read. Save or export it again; if its program never writes EOF, set accept-missing-eof = true";
     let cases: Vec<(&str, Vec<u8>, String)> = vec![
         ("1 empty", vec![], "dxf-empty plan.dxf: the file is empty, found 0 bytes of content, expected a DXF drawing; nothing was read".into()),
         ("1 blank", b" \r\n\0".to_vec(), "dxf-empty plan.dxf: the file is empty, found 0 bytes of content, expected a DXF drawing; nothing was read".into()),

@@ -735,12 +735,14 @@ fn cover_bodies<'a>(
     out: &mut Vec<u32>,
 ) {
     let moves = |w: u32| base.moves.walls.binary_search(&w).is_ok();
-    for body in base.bodies.iter().filter(|b| b.0.iter().any(|h| moves(h.0))) {
+    for body in base.bodies.iter().filter(|b| b.corners.iter().any(|h| moves(h.0))) {
         let ring = body.ring(|(w, c)| {
             let shape = shape(w).unwrap_or(&base.plan.walls[w as usize].shape);
             base.plan.frame.um_from_file(control_points(shape)[c as usize])
         });
-        cells.vertices_in(&ring, out);
+        if let Some(ring) = ring {
+            cells.vertices_in(&ring, out);
+        }
     }
 }
 

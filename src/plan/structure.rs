@@ -6,7 +6,7 @@ use super::Plan;
 use super::axes::{AxisGraph, Drawn, Edge, Face, FaceRef, Mark, Path, Role, paths_of};
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Shape};
-use super::geometry::PointUm;
+use super::geometry::{PointUm, UM_PER_M};
 use super::graph::Handle;
 use super::layers;
 use super::roles::{self, role_by_name};
@@ -20,13 +20,25 @@ const OPENING_WORDS: &[&str] =
 pub const SWING_RADIUS_M: [f64; 2] = [0.5, 1.6];
 
 /// A thick straight wall: the two ends of its left face and of its right face, in ring order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Body(pub [Handle; 4]);
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Its corners.
+    pub corners: [Handle; 4],
+    /// Distance of its faces, micrometres.
+    pub thickness_um: f64,
+}
+
+/// A body's ends are at most this many times as wide as it is thick: mitred, not two faces torn apart.
+const END_WIDTH_MAX: f64 = 1.6;
 
 impl Body {
-    /// The ring of its corners; `at` says where a control point stands.
-    pub fn ring(&self, at: impl FnMut(Handle) -> PointUm) -> Vec<PointUm> {
-        self.0.into_iter().map(at).collect()
+    /// The ring of its corners; `at` says where a control point stands. `None` where its faces do not end
+    /// side by side: one of them runs on beyond the wall, and what lies between them is no body.
+    pub fn ring(&self, at: impl FnMut(Handle) -> PointUm) -> Option<Vec<PointUm>> {
+        let ring = self.corners.map(at);
+        let width = |p: PointUm, q: PointUm| ((p[0] - q[0]) as f64).hypot((p[1] - q[1]) as f64);
+        let is_wide = |w: f64| w > END_WIDTH_MAX * self.thickness_um;
+        (!is_wide(width(ring[0], ring[3])) && !is_wide(width(ring[1], ring[2]))).then(|| ring.to_vec())
     }
 }
 
@@ -119,7 +131,8 @@ fn body(plan: &Plan, axes: &AxisGraph, edge: &Edge) -> Option<Body> {
         Some([ends.first()?.1, ends.last()?.1])
     };
     let ([l0, l1], [r0, r1]) = (side(&edge.left)?, side(&edge.right)?);
-    Some(Body([l0, l1, r1, r0]))
+    let thickness_um = edge.thickness_m * plan.human_scale * UM_PER_M;
+    Some(Body { corners: [l0, l1, r1, r0], thickness_um })
 }
 
 /// Walls thicker than this are bodies only if they are [`SLENDER`]: two faces so far apart may be a small room.

@@ -110,7 +110,7 @@ fn checked_tokens<'a>(
 fn incomplete_words(reason: &str) -> String {
     format!(
         "the drawing is incomplete: {reason}, expected 0/EOF at the end; not read. Save or export it again; if \
-         its program never writes EOF, set accept_missing_eof = true"
+         its program never writes EOF, set accept-missing-eof = true"
     )
 }
 

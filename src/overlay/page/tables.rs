@@ -98,7 +98,7 @@ pub fn thresholds(html: &mut Html, result: &RoundResult) {
     for objective in &result.objectives {
         threshold_row(html, objective, &result.candidates);
     }
-    html.raw("</tbody>\n</table></div>\n<p class=\"note\">A threshold keeps a share of the way from the present layout to the best one found; options may differ freely as long as they stay on its good side.</p>\n</section>\n");
+    html.raw("</tbody>\n</table></div>\n<p class=\"note\">A threshold keeps a share of the way from the present layout to the best one found that keeps the objectives above it; options may differ freely as long as they stay on its good side.</p>\n</section>\n");
 }
 
 fn threshold_row(html: &mut Html, objective: &Objective, candidates: &[Candidate]) {
@@ -111,7 +111,7 @@ fn threshold_row(html: &mut Html, objective: &Objective, candidates: &[Candidate
     html.element("td", &[("class", "word")], wanted);
     html.element("td", &[], &number(objective.initial)).element("td", &[], &number(objective.best));
     html.raw("<td>").text(bound).raw(" ").text(&number(objective.limit)).raw(" <small>");
-    html.text(&short(objective.threshold * 100.0)).raw(" % of the gain</small></td>");
+    html.text(&share_words(objective)).raw("</small></td>");
     for candidate in candidates {
         match is_met(objective, candidate) {
             Some(true) => html.raw("<td class=\"tick met\">✓<span class=\"sr\"> met</span></td>"),
@@ -120,6 +120,20 @@ fn threshold_row(html: &mut Html, objective: &Objective, candidates: &[Candidate
         };
     }
     html.raw("</tr>\n");
+}
+
+/// What a threshold asks for: a share of the gain, or of the little that the objectives above it leave.
+fn share_words(objective: &Objective) -> String {
+    let is_below_present = match objective.sense {
+        Sense::Max => objective.limit < objective.initial,
+        Sense::Min => objective.limit > objective.initial,
+    };
+    let share = short(objective.threshold * 100.0);
+    match (objective.threshold == 0.0, is_below_present) {
+        (true, _) => "about as it is".into(),
+        (false, true) => format!("{share} % of the room that the objectives above leave; less than today"),
+        (false, false) => format!("{share} % of the gain"),
+    }
 }
 
 /// Whether a candidate keeps an objective's threshold; `None` if its value is not among its numbers.
