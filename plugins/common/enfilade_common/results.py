@@ -18,6 +18,7 @@ from .plane import (
     cross,
     direction,
     distance,
+    distance_to_segment,
     dot,
     fit_rigid,
     minus,
@@ -264,6 +265,29 @@ def _opening_motion(
     if len(motions) == 2 and distance(motions[0](end), motions[1](end)) > FIT_MM:
         raise PluginError(f"'{opening.label}' would change its width in this option; nothing was taken over.")
     return motions[0]
+
+
+def motion_along(change: Change, is_closed: bool, at: Point) -> Tuple[Rigid, float, float]:
+    """Motion of a thing in a wall near ``at``: with the wall where it moves as a whole; where it is stretched
+    turned with the nearest piece of its axis, in its place along it. With it where ``at`` then lies along that
+    piece, and how long the piece is, mm."""
+    before, after = (p + p[:1] if is_closed else p for p in (change.axis_before, change.axis_after))
+    pieces = [i for i in range(len(before) - 1) if distance(before[i], before[i + 1]) > 0]
+    if not pieces:
+        assert change.motion is not None, "a wall without an axis only moves as a whole"
+        return change.motion, 0.0, 0.0
+    i = min(pieces, key=lambda k: distance_to_segment(at, before[k], before[k + 1]))
+    (a, b), (c, d) = before[i : i + 2], after[i : i + 2]
+    length = distance(c, d)
+    if length == 0.0:
+        raise PluginError("A wall would vanish in this option; nothing was taken over.")
+    motion = change.motion
+    if motion is None:
+        old, new = direction(a, b), direction(c, d)
+        turn = math.atan2(cross(old, new), dot(old, new))
+        ends = [turn_about(p, turn, minus(q, p)) for p, q in ((a, c), (b, d))]
+        motion = min(ends, key=lambda m: distance(m(at), at))
+    return motion, dot(minus(motion(at), c), direction(c, d)), length
 
 
 def _segment_at(wall: Wall, along: float) -> int:

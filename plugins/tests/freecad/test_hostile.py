@@ -154,3 +154,35 @@ def test_an_open_command_is_not_swallowed(doc, wishes, tmp_path):
         accept.accept(doc, made, found, option)
     doc.abortTransaction()
     assert walls["P2"].Label == "P2"
+
+
+@pytest.mark.parametrize("path", ("Start.x", "Placement.Base.x", "X1", "wall", "door"))
+def test_11_a_place_that_an_expression_decides(doc, wishes, tmp_path, path):
+    from conftest import door_in
+
+    kind = {"X1": "part-line", "wall": "bare"}.get(path, "draft")
+    wall = wall_on(doc, kind, (5000, 1000), (5000, 3000), label="held")
+    doc.recompute()
+    if path == "wall":
+        wall.setExpression("Placement.Base.x", "5000 mm")
+    elif path == "door":
+        door = door_in(wall, (5000, 1500), 90, label="door")
+        doc.recompute()
+        door.setExpression("Placement.Base.x", "0 mm")
+    else:
+        wall.Base.setExpression(path, "0 mm" if path.startswith("P") else "5000 mm")
+    doc.recompute()
+    marks.mark(wall, {"x": (-500, 500)})
+    study, _ = document.study(doc, wishes)
+    made = job.write(study, str(tmp_path))
+    assert made.plan.tables == []
+    assert any("'held' is marked to move but stays" in n and "an expression decides" in n for n in made.notes), made.notes
+
+
+def test_12_undo_is_switched_off(doc, wishes, tmp_path):
+    build_house(doc)
+    made, found, option = option_with(doc, wishes, tmp_path, MOVES)
+    doc.UndoMode = 0
+    refused(doc, made, found, option, "Undo is switched off.*Preferences")
+    doc.UndoMode = 1
+    assert accept.accept(doc, made, found, option)

@@ -10,9 +10,18 @@ import FreeCAD as App
 
 from enfilade_common.model import Column, Movable, Opening, PluginError, Region, Study, Wall
 from enfilade_common.outlines import wall_outlines
-from enfilade_common.plane import Point, direction, distance, dot, minus
+from enfilade_common.plane import (
+    Point,
+    cross,
+    direction,
+    distance,
+    distance_to_segment,
+    dot,
+    is_inside,
+    minus,
+)
 
-from . import marks
+from . import hosted, marks
 
 #: Height of the sight lines above the foot of a wall, mm.
 EYE_MM = 1500.0
@@ -54,6 +63,8 @@ class Reading:
 
     found: Dict[str, Found] = field(default_factory=dict)
     openings: Dict[str, Any] = field(default_factory=dict)
+    #: What goes with a wall without being a gap in it, by the wall's id.
+    hosted: Dict[str, List[Any]] = field(default_factory=dict)
     regions: List[Region] = field(default_factory=list)
     #: Sentences about what was left out.
     notes: List[str] = field(default_factory=list)
@@ -130,6 +141,7 @@ def read(doc, storey: Optional[str] = None) -> Reading:
             add = _add_wall if kind == "Wall" else _add_column
             add(out, obj, ids[obj.Name])
     _add_openings(out, doc, ids)
+    _add_parts(out)
     _share_bases(out)
     return out
 
@@ -184,6 +196,33 @@ def _add_openings(out: Reading, doc, ids: Dict[str, str]) -> None:
             _add_opening(out, obj, walls, ids)
 
 
+def _add_parts(out: Reading) -> None:
+    """Niches and additions of walls go with them, but for walls and columns, which stand for themselves, and
+    roofs, under which walls end wherever they stand."""
+    own = {f.object.Name for f in out.found.values()}
+    by_object: Dict[str, List[Wall]] = {}
+    for found in out.found.values():
+        if isinstance(found.element, Wall):
+            by_object.setdefault(found.object.Name, []).append(found.element)
+    for name, walls in by_object.items():
+        host = out.found[walls[0].id].object
+        for part in [*(getattr(host, "Subtractions", None) or []), *(getattr(host, "Additions", None) or [])]:
+            if part.Name in own or kind_of(part) in ("Wall", "Window", "Roof") or not hosted.corners(part):
+                continue
+            plan = [(p.x, p.y) for p in hosted.corners(part)]
+            _add_part(out, part, min(walls, key=lambda w: _away(plan, w)))
+
+
+def _add_part(out: Reading, part, wall: Wall) -> None:
+    hosts = {o.Name for o in part.InList if part in [*getattr(o, "Subtractions", []), *getattr(o, "Additions", [])]}
+    if len(hosts) > 1:
+        if wall.clauses or wall.group:
+            out.notes.append(f"'{part.Label}' belongs to '{wall.label}' and to other walls: it stays where it stands.")
+        return
+    _hold_with(out, wall, part)
+    out.hosted.setdefault(wall.id, []).append(part)
+
+
 def _with_additions(hosts) -> List[Any]:
     """Hosts and what was joined to them, each once."""
     out: Dict[str, Any] = {}
@@ -223,15 +262,23 @@ def _add_column(out: Reading, obj, id: str) -> None:
     if not rings:
         out.notes.append(f"'{obj.Label}' is not cut at eye height and was left out.")
         return
-    rings.sort(key=_area, reverse=True)
+    rings.sort(key=lambda r: middle_and_area(r)[1], reverse=True)
     column = Column(id, obj.Label, rings[0], obj.Name)
     column.clauses, column.group, column.keep = marks.clauses(obj, 0.0), marks.group(obj), marks.keep(obj)
     column.locked = lock(obj)
     out.found[id] = Found(column, obj)
 
 
-def _area(ring: List[Point]) -> float:
-    return abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(ring, ring[1:] + ring[:1]))) / 2
+def middle_and_area(ring: List[Point]) -> Tuple[Point, float]:
+    """Centre of gravity and size of the area in a ring, mm and mm²; however its points are strewn along it."""
+    x0, y0 = ring[0]
+    pairs = [((a[0] - x0, a[1] - y0), (b[0] - x0, b[1] - y0)) for a, b in zip(ring, ring[1:] + ring[:1])]
+    crosses = [cross(a, b) for a, b in pairs]
+    twice = sum(crosses)
+    if abs(twice) < 1e-9:
+        return (x0, y0), 0.0
+    x, y = (sum((a[k] + b[k]) * c for (a, b), c in zip(pairs, crosses)) / (3 * twice) for k in (0, 1))
+    return (x0 + x, y0 + y), abs(twice) / 2
 
 
 def _slice(obj) -> List[List[Point]]:
@@ -382,26 +429,58 @@ def _grow(points, segments, lines) -> bool:
 
 
 def _add_opening(out: Reading, door, walls: List[Wall], ids: Dict[str, str]) -> None:
-    """A door or window as a gap in that of its host's chains on which it lies."""
-    if not _is_solid(door):
+    """A door or window as a gap in that of its host's chains on which it lies; what is no gap at eye height
+    only goes with the wall."""
+    points = hosted.corners(door)
+    if not points:
         out.notes.append(f"'{door.Label}' has no shape and is taken as closed.")
         return
-    candidates = [w for w in walls if not w.rings]
-    best = min((_span(door, w) for w in candidates), key=lambda s: s[0], default=None)
-    if best is None:
+    plan = [(p.x, p.y) for p in points]
+    best = min((_span(plan, w) for w in walls if not w.rings), key=lambda s: s[0], default=None)
+    is_in_axis = best is not None and best[0] <= best[1].thickness + 200.0 and best[3] - best[2] >= 1.0
+    wall = best[1] if is_in_axis else min(walls, key=lambda w: _away(plan, w))
+    _hold_with(out, wall, door)
+    slides = [c for c in marks.clauses(door, 0.0) if c.kind == "along"]
+    if not is_in_axis:
+        if slides:
+            out.notes.append(f"'{door.Label}' does not slide: its wall '{wall.label}' has no straight axis here.")
+        if not wall.rings:
+            out.notes.append(f"'{door.Label}' does not stand in its wall '{wall.label}' and is taken as closed.")
+        out.hosted.setdefault(wall.id, []).append(door)
         return
-    away, wall, start, end = best
-    if away > wall.thickness + 200.0 or end - start < 1.0:
-        out.notes.append(f"'{door.Label}' does not stand in its wall '{wall.label}' and is taken as closed.")
+    _, _, start, end = best
+    foot, low, high = _foot(wall, out), min(p.z for p in points), max(p.z for p in points)
+    if not low - foot < EYE_MM < high - foot:
+        out.hosted.setdefault(wall.id, []).append(door)
+        if slides:
+            out.notes.append(f"'{door.Label}' is not cut at eye height: it does not slide, it only goes with its wall.")
         return
-    box, foot = door.Shape.BoundBox, _foot(wall, out)
-    is_door = getattr(door, "IfcType", "") == "Door" or box.ZMin - foot < 100.0
-    if not box.ZMin - foot < EYE_MM < box.ZMax - foot:
-        return
+    is_door = getattr(door, "IfcType", "") == "Door" or low - foot < 100.0
     opening = Opening(ids[door.Name], door.Label, start, end, "door" if is_door else "window", door.Name)
-    opening.clauses = [c for c in marks.clauses(door, 0.0) if c.kind == "along"]
+    opening.clauses = slides
     wall.openings.append(opening)
     out.openings[opening.id] = door
+
+
+def _hold_with(out: Reading, wall: Wall, part) -> None:
+    """A wall cannot move if what stands in it cannot go along."""
+    held = lock(part)
+    if held and not wall.locked:
+        wall.locked = f"'{part.Label}' in it cannot go along: {held}"
+
+
+def _away(points: List[Point], wall: Wall) -> float:
+    """How far the middle of a thing lies from a wall's body."""
+    middle = _middle(points)
+    if any(is_inside(ring, middle) for ring in wall.rings):
+        return 0.0
+    rings = [r + r[:1] for r in wall.rings] or [wall.corners()]
+    return min(distance_to_segment(middle, a, b) for r in rings for a, b in zip(r, r[1:]))
+
+
+def _middle(points: List[Point]) -> Point:
+    xs, ys = [p[0] for p in points], [p[1] for p in points]
+    return ((min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2)
 
 
 def _foot(wall: Wall, out: Reading) -> float:
@@ -409,11 +488,9 @@ def _foot(wall: Wall, out: Reading) -> float:
     return found.object.Shape.BoundBox.ZMin if found else 0.0
 
 
-def _span(door, wall: Wall):
+def _span(points: List[Point], wall: Wall):
     """How far a door lies from a wall's axis, and from where to where along it."""
-    points = [(v.Point.x, v.Point.y) for v in door.Shape.Vertexes]
-    middle = ((min(p[0] for p in points) + max(p[0] for p in points)) / 2,)
-    middle += ((min(p[1] for p in points) + max(p[1] for p in points)) / 2,)
+    middle = _middle(points)
     best, begun, corners = None, 0.0, wall.corners()
     for a, b in zip(corners, corners[1:]):
         u, length = direction(a, b), distance(a, b)
@@ -448,11 +525,11 @@ def lock(obj) -> str:
     for part in (obj, base):
         if part is None:
             continue
-        if any(path.startswith(DECIDING) for path, _ in part.ExpressionEngine):
+        if any(path.lstrip(".").startswith(DECIDING) for path, _ in part.ExpressionEngine):
             return f"an expression decides where '{part.Label}' stands"
         if "ReadOnly" in part.getPropertyStatus("Placement") or "Immutable" in part.getPropertyStatus("Placement"):
             return f"the position of '{part.Label}' is locked"
-        if part is base and is_attached(part) and not part.isDerivedFrom("Sketcher::SketchObject"):
+        if (part is base or kind_of(part) == "") and is_attached(part) and not part.isDerivedFrom("Sketcher::SketchObject"):
             return f"'{part.Label}' is attached to another object"
     if getattr(obj, "CloneOf", None) is not None:
         return "it is a clone of another wall"
