@@ -300,18 +300,40 @@ def _segment_at(wall: Wall, along: float) -> int:
 
 
 def edited_since(job: Job, present: List[Movable], changes: List[Change]) -> List[str]:
-    """Labels of the elements of ``changes`` that no longer stand as exported, deleted ones included."""
+    """What happened since the export to the elements of ``changes`` that no longer stand as exported: ``'P' was
+    edited``, ``'Q' was deleted``."""
     now = {e.id: e for e in present}
     out = []
     for change in changes:
-        element = now.get(change.id)
-        exported = job.study.element(change.id)
-        label = exported.label if exported else change.id
+        element, exported = now.get(change.id), job.study.element(change.id)
         if element is None:
-            out.append(f"'{label}' was deleted")
+            out.append(f"'{exported.label if exported else change.id}' was deleted")
         elif geometry_hash(element) != job.hashes.get(change.id):
-            out.append(f"'{element.label}' was edited")
-    return out
+            out.append(f"{_named(element, exported)} was edited")
+    return list(dict.fromkeys(out))
+
+
+def _named(element: Movable, exported: Optional[Movable]) -> str:
+    """An element by its label, with that of the export where it has another by now."""
+    if exported is None or exported.label == element.label:
+        return f"'{element.label}'"
+    return f"'{element.label}' (then '{exported.label}')"
+
+
+def changed_around(job: Job, present: List[Movable], changes: List[Change]) -> List[str]:
+    """What happened since the export to the rest of the plan, and to the heights of what moves."""
+    now, moved = {e.id: e for e in present}, {c.id for c in changes}
+    out = []
+    for exported in job.study.movables():
+        element = now.pop(exported.id, None)
+        if element is None:
+            out.append(f"'{exported.label}' was deleted")
+        elif exported.id not in moved and geometry_hash(element) != job.hashes.get(exported.id):
+            out.append(f"{_named(element, exported)} was edited")
+        elif abs(getattr(element, "height", 0.0) - getattr(exported, "height", 0.0)) > FIT_MM:
+            out.append(f"{_named(element, exported)} has another height")
+    out += [f"'{element.label}' was added" for element in now.values()]
+    return list(dict.fromkeys(out))
 
 
 def lineage_entry(found: Round, option: Option, drawing: str) -> Dict[str, Any]:

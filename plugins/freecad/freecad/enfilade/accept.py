@@ -1,5 +1,6 @@
 """Accepting an option: the document's own walls, columns, doors and windows move, in one undo step."""
 
+from contextlib import contextmanager
 from math import hypot
 from typing import Dict, List
 
@@ -19,6 +20,8 @@ from .hosted import Going, placement
 STAND_MM = 0.1
 #: Middles of outlines that are cut anew, curves as chords, lie together to this, mm.
 RING_MM = 1.0
+#: Sentences about what changed name so many.
+NAMED_MAX = 3
 
 NO_UNDO = (
     "Undo is switched off, so accepting could not be taken back. Switch it on in Edit > Preferences > General > "
@@ -40,15 +43,14 @@ def accept(doc, job: Job, found: results.Round, option: results.Option, on_moved
     changes = results.layout(job, option)
     if not changes:
         raise PluginError("This option leaves everything as it is.")
-    reading = document.read(doc, job.study.storey or None)
-    _refuse_edited(job, reading, changes)
+    reading = _read(doc, job)
+    _refuse_edited(doc, job, reading, changes)
     locked = [f"'{f.element.label}': {f.element.locked}" for f in _found(reading, changes) if f.element.locked]
     if locked:
         raise PluginError("The option moves what cannot be moved: " + "; ".join(locked) + ". Nothing was changed.")
     before = {e.id: geometry_hash(e) for e in reading.elements()}
     going, bodies = _going(reading, changes), _bodies(reading, changes)
-    doc.openTransaction(f"Enfilade: option {option.number}")
-    try:
+    with _one_step(doc, f"Enfilade: option {option.number}"):
         _move(doc, reading, changes)
         hosted.move(going)
         doc.recompute()
@@ -57,25 +59,61 @@ def accept(doc, job: Job, found: results.Round, option: results.Option, on_moved
         _check_bodies(bodies)
         if on_moved is not None:
             on_moved()
+    return [f.element.label for f in _found(reading, changes)]
+
+
+@contextmanager
+def _one_step(doc, name: str):
+    """One undo step of this document, or nothing. FreeCAD writes every step into the active document too, so
+    that must be this one."""
+    active = App.ActiveDocument
+    App.setActiveDocument(doc.Name)
+    doc.openTransaction(name)
+    try:
+        yield
     except Exception as e:
         doc.abortTransaction()
         doc.recompute()
         if isinstance(e, PluginError):
             raise
         raise PluginError(f"FreeCAD could not move the walls ({e}); nothing was changed.") from e
-    doc.commitTransaction()
-    return [f.element.label for f in _found(reading, changes)]
+    else:
+        doc.commitTransaction()
+    finally:
+        if active is not None:
+            App.setActiveDocument(active.Name)
 
 
 def _found(reading: Reading, changes: List[Change]) -> List[Found]:
     return [reading.found[c.id] for c in changes]
 
 
-def _refuse_edited(job: Job, reading: Reading, changes: List[Change]) -> None:
+def _read(doc, job: Job) -> Reading:
+    return document.read(doc, job.study.storey, job.study.wishes.level)
+
+
+def changed_around(doc, job: Job, option: results.Option) -> str:
+    """What else changed in the plan since the study, in one sentence; nothing where nothing did."""
+    changes = results.layout(job, option)
+    changed = results.changed_around(job, _read(doc, job).elements(), changes)
+    if not changed:
+        return ""
+    more = f", and {len(changed) - NAMED_MAX} more" if len(changed) > NAMED_MAX else ""
+    named = ", ".join(changed[:NAMED_MAX]) + more
+    return f"The plan has changed since the study ({named}): the numbers were measured on the old one."
+
+
+def _refuse_edited(doc, job: Job, reading: Reading, changes: List[Change]) -> None:
     edited = results.edited_since(job, reading.elements(), changes)
-    if edited:
-        words = "The document was changed since the study: " + ", ".join(edited)
-        raise PluginError(words + ". Nothing was moved; run the study again.")
+    if not edited:
+        return
+    gone = [job.study.element(c.id) for c in changes if c.id not in reading.found]
+    for element in gone:
+        if element is not None and doc.getObject(element.name) is not None:
+            words = f"'{element.label}' is no longer among the walls of this storey's plan"
+            edited = [words if e == f"'{element.label}' was deleted" else e for e in edited]
+    words = f"The document '{doc.Label}' was changed since the study: " + ", ".join(edited)
+    raise PluginError(words + ". Nothing was moved; run the study again.")
 
 
 def _going(reading: Reading, changes: List[Change]) -> List[Going]:
@@ -204,12 +242,13 @@ def _stretch_bare(wall, change: Change) -> None:
 
 def _check(doc, job: Job, before: Dict[str, str], changes: List[Change]) -> None:
     """Everything stands where the option says, and nothing else moved; else the transaction is given up."""
-    now = {e.id: e for e in document.read(doc, job.study.storey or None).elements()}
+    now = {e.id: e for e in _read(doc, job).elements()}
     moved = {c.id: c for c in changes}
     for id, hash in before.items():
         element = now.get(id)
         if element is None:
-            raise PluginError("A wall was lost while moving; nothing was changed.")
+            lost = job.study.element(id)
+            raise PluginError(f"'{lost.label if lost else id}' was lost while moving; nothing was changed.")
         if id not in moved:
             if geometry_hash(element) != hash:
                 raise PluginError(f"'{element.label}' would move along without being asked; nothing was changed.")

@@ -108,47 +108,104 @@ def storey_of(obj) -> str:
 
 
 def storeys(doc) -> List[str]:
-    """Labels of the storeys that hold walls, lowest first."""
+    """Labels of the storeys that hold walls, lowest first; nothing is the label of walls outside any level."""
     heights: Dict[str, float] = {}
     for obj in doc.Objects:
         if kind_of(obj) == "Wall" and _is_solid(obj):
             label = storey_of(obj)
-            foot = obj.Shape.BoundBox.ZMin
+            foot = _shape(obj).BoundBox.ZMin
             heights[label] = min(foot, heights.get(label, foot))
     return sorted(heights, key=lambda s: heights[s])
 
 
-def read(doc, storey: Optional[str] = None) -> Reading:
-    """Reads one storey; without a name the one with marks, else the lowest."""
+def read(doc, storey: Optional[str] = None, level: str = "eye") -> Reading:
+    """Reads one storey; without a name the one with marks, else the lowest. At ``eye`` level what is lower is
+    left out, at ``knee`` level it counts."""
     out = Reading(storeys=storeys(doc))
     if storey not in out.storeys:
         storey = _default_storey(doc, out.storeys)
     out.storey = storey or ""
     ids = marks.ids(doc)
     many = len(out.storeys) > 1
+    solids = []
     for obj in doc.Objects:
-        region = marks.region_kind(obj)
+        region = "" if is_link(obj) else marks.region_kind(obj)
         if region:
             _add_region(out, obj, region, many, storey)
             continue
-        kind = kind_of(obj)
-        if kind == "Wall" or is_column(obj):
-            if many and storey_of(obj) != storey:
-                continue
-            if not _is_solid(obj):
-                out.notes.append(f"'{obj.Label}' has no shape and was left out; recompute the document.")
-                continue
-            add = _add_wall if kind == "Wall" else _add_column
-            add(out, obj, ids[obj.Name])
+        kind = _kind_in_plan(out, obj)
+        if not kind or many and storey_of(obj) != storey:
+            continue
+        if not _is_solid(obj):
+            out.notes.append(f"'{obj.Label}' has no shape and was left out; recompute the document.")
+        elif not _is_upright(obj):
+            out.notes.append(f"'{obj.Label}' stands in a tilted part and was left out.")
+        else:
+            solids.append((obj, kind))
+    floor = _floor([obj for obj, _ in solids])
+    for obj, kind in solids:
+        if level == "eye" and _is_low(obj, floor):
+            low = f"'{obj.Label}' is lower than eye height ({EYE_MM / 1000:g} m): it stops no sight"
+            out.notes.append(low + " and was left out of the plan.")
+            continue
+        add = _add_link if is_link(obj) else _add_wall if kind == "Wall" else _add_column
+        add(out, obj, ids[obj.Name])
     _add_openings(out, doc, ids)
     _add_parts(out)
     _share_bases(out)
+    _hold_linked(out)
     return out
+
+
+def is_link(obj) -> bool:
+    """Whether an object only shows another one, whose properties, marks too, then seem to be its own."""
+    return obj.isDerivedFrom("App::Link")
+
+
+def _kind_in_plan(out: Reading, obj) -> str:
+    """``Wall`` or ``Column``, of links what they show; nothing for all else."""
+    if not is_link(obj):
+        return "Wall" if kind_of(obj) == "Wall" else "Column" if is_column(obj) else ""
+    shown = obj.getLinkedObject(True)
+    if shown is None or shown is obj:
+        return ""
+    is_one = not getattr(obj, "ElementCount", 0)
+    kind = "Wall" if kind_of(shown) == "Wall" else "Column" if _is_solid(shown) and is_column(shown) else ""
+    inside = [o for o in getattr(shown, "OutListRecursive", []) if kind_of(o) == "Wall"]
+    if not (kind and is_one) and (kind or hasattr(shown, "Group") and inside):
+        out.notes.append(f"The link '{obj.Label}' shows walls a second time; these were left out.")
+    return kind if is_one else ""
+
+
+def _shape(obj):
+    """An object's shape where it stands in the document."""
+    outer = hosted.outer_placement(obj)
+    if outer.isIdentity():
+        return obj.Shape
+    shape = obj.Shape.copy()
+    shape.Placement = outer.multiply(shape.Placement)
+    return shape
+
+
+def _is_upright(obj) -> bool:
+    up = hosted.outer_placement(obj).Rotation.multVec(Vector(0, 0, 1))
+    return (up - Vector(0, 0, 1)).Length < 1e-9
+
+
+def _floor(objects) -> float:
+    """Height on which most of them stand."""
+    feet = sorted(_shape(o).BoundBox.ZMin for o in objects)
+    return feet[(len(feet) - 1) // 2] if feet else 0.0
+
+
+def _is_low(obj, floor: float) -> bool:
+    box = _shape(obj).BoundBox
+    return box.ZLength < EYE_MM - SAME_MM and box.ZMax - floor < EYE_MM - SAME_MM
 
 
 def study(doc, wishes, storey: Optional[str] = None, lineage=()) -> Tuple[Study, Reading]:
     """The study of a document's storey as it stands now."""
-    reading = read(doc, storey)
+    reading = read(doc, storey, wishes.level)
     elements = reading.elements()
     made = Study(
         host="freecad",
@@ -169,7 +226,7 @@ def study(doc, wishes, storey: Optional[str] = None, lineage=()) -> Tuple[Study,
 
 def _default_storey(doc, labels: List[str]) -> Optional[str]:
     for obj in doc.Objects:
-        if marks.clauses(obj, 0.0):
+        if not is_link(obj) and marks.clauses(obj, 0.0):
             label = storey_of(obj)
             if label in labels:
                 return label
@@ -239,7 +296,7 @@ def _add_region(out: Reading, obj, kind: str, many: bool, storey) -> None:
     if many and storey_of(obj) not in ("", storey):
         return
     shape = getattr(obj, "Shape", None)
-    wires = [w for w in shape.Wires if w.isClosed()] if shape is not None and not shape.isNull() else []
+    wires = [w for w in _shape(obj).Wires if w.isClosed()] if shape is not None and not shape.isNull() else []
     if not wires:
         out.notes.append(f"The region '{obj.Label}' is not closed and was left out.")
         return
@@ -283,9 +340,9 @@ def middle_and_area(ring: List[Point]) -> Tuple[Point, float]:
 
 def _slice(obj) -> List[List[Point]]:
     """Outlines of an object at eye height, or at half its own if it is lower."""
-    box = obj.Shape.BoundBox
-    z = box.ZMin + min(EYE_MM, box.ZLength / 2)
-    return [_ring(w) for w in obj.Shape.slice(Vector(0, 0, 1), z) if w.isClosed()]
+    shape = _shape(obj)
+    z = shape.BoundBox.ZMin + min(EYE_MM, shape.BoundBox.ZLength / 2)
+    return [_ring(w) for w in shape.slice(Vector(0, 0, 1), z) if w.isClosed()]
 
 
 def _add_wall(out: Reading, obj, id: str) -> None:
@@ -296,23 +353,49 @@ def _add_wall(out: Reading, obj, id: str) -> None:
         wall_id = id if len(chains) == 1 else f"{id}.{i}"
         wall = Wall(wall_id, obj.Label, points, *faces, closed=closed, name=obj.Name)
         walls.append(Found(wall, obj, segments))
-    if not walls or not _fits([w.element for w in walls], obj):
-        rings = _slice(obj)
-        if not rings:
-            out.notes.append(f"'{obj.Label}' is not cut at eye height and was left out.")
-            return
-        box = obj.Shape.BoundBox
-        axis = [(box.XMin, box.YMin), (box.XMax, box.YMax)]
-        walls = [Found(Wall(id, obj.Label, axis, 0.0, 0.0, name=obj.Name, rings=rings), obj)]
+    if walls and _fits([w.element for w in walls], obj):
+        outer = hosted.outer_placement(obj)
+        for found in walls:
+            found.element.axis = [(p.x, p.y) for p in (outer.multVec(Vector(*q, 0)) for q in found.element.axis)]
+    else:
+        walls = _as_rings(out, obj, id)
     for found in walls:
         wall = found.element
         heading = 0.0 if wall.rings else _heading_deg(wall)
         wall.clauses, wall.group, wall.keep = marks.clauses(obj, heading), marks.group(obj), marks.keep(obj)
-        wall.locked = lock(obj)
+        wall.locked, wall.height = lock(obj), round(obj.Shape.BoundBox.ZLength, 2)
         if len(walls) > 1 and not wall.group and wall.clauses:
             wall.group = obj.Label
             wall.clauses = walls[0].element.clauses
         out.found[wall.id] = found
+
+
+def _as_rings(out: Reading, obj, id: str) -> List[Found]:
+    """A wall by its outlines at eye height."""
+    rings = _slice(obj)
+    if not rings:
+        out.notes.append(f"'{obj.Label}' is not cut at eye height and was left out.")
+        return []
+    box = _shape(obj).BoundBox
+    axis = [(box.XMin, box.YMin), (box.XMax, box.YMax)]
+    return [Found(Wall(id, obj.Label, axis, 0.0, 0.0, name=obj.Name, rings=rings), obj)]
+
+
+def _add_link(out: Reading, obj, id: str) -> None:
+    """A link stands in the plan, and stays: it has no marks of its own."""
+    for found in _as_rings(out, obj, id):
+        wall = found.element
+        wall.locked, wall.height = "it is a link to another object", round(obj.Shape.BoundBox.ZLength, 2)
+        out.found[id] = found
+
+
+def _hold_linked(out: Reading) -> None:
+    """What a link shows cannot move alone: the link would show it moved."""
+    for link in (f.object for f in out.found.values() if is_link(f.object)):
+        shown = link.getLinkedObject(True)
+        for found in out.found.values():
+            if found.object.Name == shown.Name and not found.element.locked:
+                found.element.locked = f"the link '{link.Label}' shows it in another place and would move along"
 
 
 def _heading_deg(wall: Wall) -> float:
@@ -485,7 +568,7 @@ def _middle(points: List[Point]) -> Point:
 
 def _foot(wall: Wall, out: Reading) -> float:
     found = out.found.get(wall.id)
-    return found.object.Shape.BoundBox.ZMin if found else 0.0
+    return _shape(found.object).BoundBox.ZMin if found else 0.0
 
 
 def _span(points: List[Point], wall: Wall):
@@ -509,7 +592,7 @@ def _share_bases(out: Reading) -> None:
     by_base: Dict[str, List[Found]] = {}
     for found in out.found.values():
         base = getattr(found.object, "Base", None)
-        if isinstance(found.element, Wall) and base is not None:
+        if isinstance(found.element, Wall) and base is not None and not is_link(found.object):
             by_base.setdefault(base.Name, []).append(found)
     for shared in by_base.values():
         if len({f.object.Name for f in shared}) < 2 or not any(f.element.clauses for f in shared):
