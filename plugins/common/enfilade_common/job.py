@@ -65,9 +65,12 @@ def write(study: Study, folder: str) -> Job:
     )
     try:
         os.makedirs(folder, exist_ok=True)
-        _replace(os.path.join(folder, "plan.enfilade.toml"), dumps(side_car(study, plan, job)).encode("utf-8"))
-        _replace(os.path.join(folder, "plan.study.json"), json.dumps(_study_file(job)).encode("utf-8"))
-        _replace(job.drawing, drawing)
+        settings, kept = dumps(side_car(study, plan, job)), json.dumps(_study_file(job))
+        _replace_all(
+            (os.path.join(folder, "plan.enfilade.toml"), settings.encode("utf-8")),
+            (os.path.join(folder, "plan.study.json"), kept.encode("utf-8")),
+            (job.drawing, drawing),
+        )
     except OSError as e:
         raise PluginError(f"The job cannot be written to {folder}: {e.strerror or e}. Nothing was started.") from e
     return job
@@ -99,9 +102,13 @@ def read(folder: str) -> Job:
     if not isinstance(data, dict) or data.get("schema") != STUDY_SCHEMA:
         found = data.get("schema") if isinstance(data, dict) else None
         raise PluginError(f"{path} has the schema {found!r}, expected {STUDY_SCHEMA!r}; run the study again.")
-    outlines = [_outline(o) for o in data["outlines"]]
-    study = Study.from_dict(data["study"])
-    return Job(folder, study, outlines, data["hashes"], data["sha256"], data["notes"])
+    try:
+        outlines = [_outline(o) for o in data["outlines"]]
+        study = Study.from_dict(data["study"])
+        return Job(folder, study, outlines, dict(data["hashes"]), str(data["sha256"]), list(data["notes"]))
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as e:
+        broken = f"{path} is not complete ({type(e).__name__}: {e})"
+        raise PluginError(broken + "; run the study again.") from e
 
 
 def _study_file(job: Job) -> Dict[str, Any]:
@@ -167,6 +174,7 @@ def side_car(study: Study, plan: Plan, job: Job) -> Dict[str, Any]:
     wishes = study.wishes
     out: Dict[str, Any] = {
         "unit": "mm",
+        "only-marked": True,
         "objective": wishes.objective_text(),
         "penalty": wishes.penalty_text(),
         "members": wishes.members,
@@ -213,11 +221,20 @@ def _host_column(column: Column, job: Job) -> Dict[str, Any]:
     return {"id": column.id, "name": column.name, "label": column.label, "bounds": bounds, "hash": hash}
 
 
-def _replace(path: str, data: bytes) -> None:
-    """Writes a file whole or not at all."""
-    part = path + ".part"
-    with open(part, "wb") as f:
-        f.write(data)
-        f.flush()
-        os.fsync(f.fileno())
-    os.replace(part, path)
+def _replace_all(*files: Tuple[str, bytes]) -> None:
+    """Writes files whole, in order, or leaves those that stand there; of a failure no ``.part`` stays behind."""
+    parts = [path + ".part" for path, _ in files]
+    try:
+        for (path, data), part in zip(files, parts):
+            if os.path.isdir(path):
+                raise IsADirectoryError(0, f"{path} is a folder")
+            with open(part, "wb") as f:
+                f.write(data)
+                f.flush()
+                os.fsync(f.fileno())
+        for (path, _), part in zip(files, parts):
+            os.replace(part, path)
+    finally:
+        for part in parts:
+            if os.path.isfile(part):
+                os.remove(part)

@@ -64,6 +64,8 @@ class Wall:
     keep: bool = False
     #: Why the host cannot move it; empty where it can.
     locked: str = ""
+    #: How high it is, mm; zero where the host does not say.
+    height: float = 0.0
 
     @property
     def thickness(self) -> float:

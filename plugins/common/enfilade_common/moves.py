@@ -59,6 +59,18 @@ def plan_of(study: Study) -> Plan:
     return Plan(outlines, tables, notes)
 
 
+def why_nothing_moves(study: Study) -> List[str]:
+    """Why no part of a study may move; nothing where some may."""
+    plan = plan_of(study)
+    if plan.tables:
+        return []
+    marked = [e for e in study.movables() if e.clauses or e.group]
+    if not marked:
+        where = f" on the storey '{study.storey}'" if study.storey else ""
+        return [f"no wall, column, door or window{where} is marked"]
+    return [note.rstrip(".") for note in plan.notes[:5]]
+
+
 def _moves_of(tables: List[MoveTable], outlines: List[Outline]) -> List[List[frozenset]]:
     sets: Dict[Corner, Set[int]] = {}
     for t, table in enumerate(tables):
@@ -106,6 +118,9 @@ def _groups(study: Study, notes: List[str]) -> Dict[str, List[Movable]]:
             continue
         if element.locked:
             notes.append(f"'{element.label}' is marked to move but stays: {element.locked}.")
+            continue
+        if element.keep:
+            notes.append(f"'{element.label}' is marked to move but stays: it is marked 'must stay' too.")
             continue
         out.setdefault(element.group or "\0" + element.id, []).append(element)
     return out
@@ -206,7 +221,7 @@ def _take_followers(near: Neighbours, table: MoveTable, members, outlines, by_ow
         for index, point, outward in wall_ends(wall):
             if not any(touches(point, m) for m in members):
                 continue
-            if u is not None and abs(cross(u, outward)) < 0.02 and not own_turns and not wall.locked:
+            if u is not None and abs(cross(u, outward)) < 0.02 and not own_turns and not (wall.locked or wall.keep):
                 table.corners |= _end_corners(wall, index, outlines, by_owner)
                 table.followers.append(wall.id)
             elif u is None or abs(dot(u, outward)) > 0.02:

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 from dataclasses import dataclass
-from typing import Callable, List, Optional
+from typing import Any, Callable, Dict, List, Optional
 
 from .model import PluginError
 
@@ -18,6 +18,8 @@ NAME = "enfilade"
 VERSION_MIN = (0, 1, 0)
 #: How long a stopped program may take to put its things away before it is killed, seconds.
 STOP_SECS = 5.0
+#: How long it may take to say its version, seconds: the host's window waits.
+VERSION_SECS = 2.0
 
 MISSING = (
     "The program 'enfilade' was not found. Install it, or say where it is: in the settings of this plugin, "
@@ -53,9 +55,16 @@ def version(path: str) -> str:
     """The program's version, checked."""
     try:
         said = subprocess.run(
-            [path, "--version"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=10
+            [path, "--version"],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            timeout=VERSION_SECS,
         )
-    except (OSError, subprocess.TimeoutExpired) as e:
+    except subprocess.TimeoutExpired as e:
+        silent = f"{path} does not say its version within {VERSION_SECS:g} s"
+        raise PluginError(silent + ": it hangs, or the machine is very busy. Nothing was started.") from e
+    except OSError as e:
         raise PluginError(f"{path} does not start: {e}.") from e
     text = said.stdout.decode("utf-8", "replace").strip()
     parts = re.search(r"(\d+)\.(\d+)\.(\d+)", text)
@@ -89,6 +98,27 @@ class Progress:
         return self.done / self.total if self.total else None
 
 
+def _progress(data: Dict[str, Any]) -> Optional[Progress]:
+    """One line of progress; nothing where it is not what the program writes."""
+
+    def real(value: Any) -> Optional[float]:
+        return None if value is None else float(value)
+
+    try:
+        best = data.get("best_parameters")
+        return Progress(
+            stage=str(data["stage"]),
+            done=int(data.get("done") or 0),
+            total=None if data.get("total") is None else int(data["total"]),
+            evaluations=int(data.get("evaluations") or 0),
+            best=real(data.get("best")),
+            eta_secs=real(data.get("eta_secs")),
+            best_parameters=None if best is None else [float(p) for p in best],
+        )
+    except (KeyError, TypeError, ValueError, OverflowError):
+        return None
+
+
 class Listener:
     """Turns the program's standard error into progress; keeps what it says in words."""
 
@@ -108,23 +138,16 @@ class Listener:
             data = json.loads(text) if text.startswith("{") else None
         except ValueError:
             data = None
-        if isinstance(data, dict) and "stage" in data:
-            return Progress(
-                stage=str(data["stage"]),
-                done=int(data.get("done") or 0),
-                total=data.get("total"),
-                evaluations=int(data.get("evaluations") or 0),
-                best=data.get("best"),
-                eta_secs=data.get("eta_secs"),
-                best_parameters=data.get("best_parameters"),
-            )
+        if isinstance(data, dict):
+            return _progress(data)
         if text:
             self.words = (self.words + [text])[-50:]
         return None
 
     def outcome(self, code: int) -> str:
         """What to tell the user of a run that ended with ``code``."""
-        said = [w for w in self.words if w.startswith("error")] or self.words[-3:]
+        errors = [w for w in self.words if w.startswith("error")]
+        said = errors or self.words[-1 if code < 0 else -3 :]
         head = EXITS.get(code, "" if code == 0 else f"The program ended with code {code}.")
         return " ".join([head, *(said if code not in (0, 1, 130) else [])]).strip()
 

@@ -18,6 +18,7 @@ from .plane import (
     cross,
     direction,
     distance,
+    distance_to_segment,
     dot,
     fit_rigid,
     minus,
@@ -266,6 +267,29 @@ def _opening_motion(
     return motions[0]
 
 
+def motion_along(change: Change, is_closed: bool, at: Point) -> Tuple[Rigid, float, float]:
+    """Motion of a thing in a wall near ``at``: with the wall where it moves as a whole; where it is stretched
+    turned with the nearest piece of its axis, in its place along it. With it where ``at`` then lies along that
+    piece, and how long the piece is, mm."""
+    before, after = (p + p[:1] if is_closed else p for p in (change.axis_before, change.axis_after))
+    pieces = [i for i in range(len(before) - 1) if distance(before[i], before[i + 1]) > 0]
+    if not pieces:
+        assert change.motion is not None, "a wall without an axis only moves as a whole"
+        return change.motion, 0.0, 0.0
+    i = min(pieces, key=lambda k: distance_to_segment(at, before[k], before[k + 1]))
+    (a, b), (c, d) = before[i : i + 2], after[i : i + 2]
+    length = distance(c, d)
+    if length == 0.0:
+        raise PluginError("A wall would vanish in this option; nothing was taken over.")
+    motion = change.motion
+    if motion is None:
+        old, new = direction(a, b), direction(c, d)
+        turn = math.atan2(cross(old, new), dot(old, new))
+        ends = [turn_about(p, turn, minus(q, p)) for p, q in ((a, c), (b, d))]
+        motion = min(ends, key=lambda m: distance(m(at), at))
+    return motion, dot(minus(motion(at), c), direction(c, d)), length
+
+
 def _segment_at(wall: Wall, along: float) -> int:
     points = wall.corners()
     for i, (a, b) in enumerate(zip(points, points[1:])):
@@ -276,18 +300,40 @@ def _segment_at(wall: Wall, along: float) -> int:
 
 
 def edited_since(job: Job, present: List[Movable], changes: List[Change]) -> List[str]:
-    """Labels of the elements of ``changes`` that no longer stand as exported, deleted ones included."""
+    """What happened since the export to the elements of ``changes`` that no longer stand as exported: ``'P' was
+    edited``, ``'Q' was deleted``."""
     now = {e.id: e for e in present}
     out = []
     for change in changes:
-        element = now.get(change.id)
-        exported = job.study.element(change.id)
-        label = exported.label if exported else change.id
+        element, exported = now.get(change.id), job.study.element(change.id)
         if element is None:
-            out.append(f"'{label}' was deleted")
+            out.append(f"'{exported.label if exported else change.id}' was deleted")
         elif geometry_hash(element) != job.hashes.get(change.id):
-            out.append(f"'{element.label}' was edited")
-    return out
+            out.append(f"{_named(element, exported)} was edited")
+    return list(dict.fromkeys(out))
+
+
+def _named(element: Movable, exported: Optional[Movable]) -> str:
+    """An element by its label, with that of the export where it has another by now."""
+    if exported is None or exported.label == element.label:
+        return f"'{element.label}'"
+    return f"'{element.label}' (then '{exported.label}')"
+
+
+def changed_around(job: Job, present: List[Movable], changes: List[Change]) -> List[str]:
+    """What happened since the export to the rest of the plan, and to the heights of what moves."""
+    now, moved = {e.id: e for e in present}, {c.id for c in changes}
+    out = []
+    for exported in job.study.movables():
+        element = now.pop(exported.id, None)
+        if element is None:
+            out.append(f"'{exported.label}' was deleted")
+        elif exported.id not in moved and geometry_hash(element) != job.hashes.get(exported.id):
+            out.append(f"{_named(element, exported)} was edited")
+        elif abs(getattr(element, "height", 0.0) - getattr(exported, "height", 0.0)) > FIT_MM:
+            out.append(f"{_named(element, exported)} has another height")
+    out += [f"'{element.label}' was added" for element in now.values()]
+    return list(dict.fromkeys(out))
 
 
 def lineage_entry(found: Round, option: Option, drawing: str) -> Dict[str, Any]:

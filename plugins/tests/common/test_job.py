@@ -87,10 +87,29 @@ def test_a_folder_that_cannot_be_written_is_said(house, tmp_path):
         job.write(house, str(tmp_path / "file" / "below"))
 
 
+def test_what_cannot_be_written_leaves_nothing_half_done(house, tmp_path):
+    (tmp_path / "plan.dxf").mkdir()
+    with pytest.raises(PluginError, match="is a folder"):
+        job.write(house, str(tmp_path))
+    assert os.listdir(tmp_path) == ["plan.dxf"]
+
+
+def test_only_what_is_marked_may_move(house, tmp_path, real_program):
+    for element in house.movables():
+        element.clauses = []
+    house.element("P1").openings[0].clauses = []
+    written = job.write(house, str(tmp_path))
+    with open(os.path.join(written.folder, "plan.enfilade.toml"), encoding="utf-8") as f:
+        assert "only-marked = true" in f.read().split("[")[0].splitlines()
+    said = subprocess.run([real_program, "check", written.drawing, "--json"], stdout=subprocess.PIPE, check=True)
+    assert json.loads(said.stdout)["moves"] == []
+
+
 def test_no_study_or_a_strange_one(tmp_path):
     with pytest.raises(PluginError, match="run one first"):
         job.read(str(tmp_path))
-    for text in ("{", json.dumps({"schema": "enfilade.study/9"}), "[1]"):
+    broken = json.dumps({"schema": "enfilade.study/1", "study": {}, "outlines": [{}]})
+    for text in ("", "{", broken, json.dumps({"schema": "enfilade.study/9"}), "[1]"):
         (tmp_path / "plan.study.json").write_text(text)
         with pytest.raises(PluginError, match="run the study again"):
             job.read(str(tmp_path))

@@ -1,6 +1,6 @@
 from conftest import wall
 from enfilade_common.model import Clause, Study
-from enfilade_common.moves import applied, plan_of
+from enfilade_common.moves import applied, plan_of, why_nothing_moves
 from enfilade_common.plane import distance
 
 
@@ -81,3 +81,24 @@ def test_corners_that_coincide_but_move_apart_are_written_apart():
 def test_without_movement_nothing_is_applied(house):
     plan = plan_of(house)
     assert applied(plan, [0.0] * len(plan.tables)) == [o.points for o in plan.outlines]
+
+
+def test_why_nothing_moves():
+    slide = [Clause("x", -1, 1)]
+    a = wall("A", (0, 0), (1000, 0))
+    assert why_nothing_moves(Study("t", "d", [a])) == ["no wall, column, door or window is marked"]
+    a.clauses, a.locked = slide, "it is a clone of another wall"
+    b = wall("B", (0, 900), (1000, 900), clauses=slide, keep=True)
+    assert why_nothing_moves(Study("t", "d", [a, b])) == [
+        "'A' is marked to move but stays: it is a clone of another wall",
+        "'B' is marked to move but stays: it is marked 'must stay' too",
+    ]
+    a.locked = ""
+    assert why_nothing_moves(Study("t", "d", [a, b])) == []
+
+
+def test_a_wall_that_must_stay_does_not_follow(house):
+    house.element("P2").keep = True
+    plan = plan_of(house)
+    assert table(plan, "P1", "x").followers == []
+    assert any("'P1' comes apart from" in n and "'P2'" in n for n in plan.notes), plan.notes

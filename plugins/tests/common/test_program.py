@@ -98,3 +98,26 @@ def test_cancel_asks_first_and_kills_what_does_not_listen(program_that, monkeypa
 def test_what_does_not_start_is_said(tmp_path):
     with pytest.raises(PluginError, match="does not start"):
         program.Run(str(tmp_path), str(tmp_path / "plan.dxf"), print, print)
+
+
+def test_lines_that_are_no_progress_are_passed_over():
+    listener = program.Listener()
+    said = listener.feed(
+        b'{"stage":"a","done":"abc"}\n{"stage":"a","total":"x"}\n{"stage":"a","best":"n"}\n{"done":1}\n'
+        b'{"stage":"a","best_parameters":[1,"x"]}\n\xff\xfe{\n[1]\n{"stage":"b","done":4,"total":8}\n'
+    )
+    assert [(p.stage, p.share) for p in said] == [("b", 0.5)]
+
+
+def test_a_program_that_hangs_when_asked_its_version(program_that, monkeypatch):
+    assert program.VERSION_SECS <= 2.0
+    monkeypatch.setattr(program, "VERSION_SECS", 0.2)
+    with pytest.raises(PluginError, match="does not say its version within 0.2 s"):
+        program.version(program_that("time.sleep(60)"))
+
+
+def test_a_crash_is_told_with_its_last_words(program_that):
+    body = "sys.stderr.write('one\\nlast words\\n'); sys.stderr.flush(); os.kill(os.getpid(), signal.SIGSEGV)"
+    run, _, ended = run_to_end(program_that(body))
+    assert run.wait(30)
+    assert ended == [(-11, "The program ended with code -11. last words")]

@@ -164,7 +164,7 @@ def test_two_walls_on_one_base_move_once(doc, wishes, tmp_path):
     import Arch
 
     first = wall_on(doc, "draft", (0, 0), (3000, 0), label="A")
-    second = Arch.makeWall(first.Base, width=300, height=1000)
+    second = Arch.makeWall(first.Base, width=300, height=2000)
     second.Label = "B"
     doc.recompute()
     marks.mark(first, {"y": (-500, 500)})

@@ -1,9 +1,10 @@
 import os
+import time
 
 import FreeCAD as App
 import pytest
 from conftest import build_house
-from enfilade import importing, settings, wording
+from enfilade import importing, marks, settings, wording
 from enfilade_common.model import Objective, PluginError, Wishes
 
 
@@ -30,12 +31,102 @@ def test_what_someone_else_wrote_there_is_no_study(doc):
     study = doc.getObject(settings.NAME)
     study.EnfiladeWishes, study.EnfiladeLineage = "[1, 2", "nonsense"
     assert settings.wishes(doc) == Wishes() and settings.lineage(doc) == []
+    objective = '{"measure": "degree", "sense": "max"%s}'
+    for text in (
+        "[]",
+        "null",
+        '{"objectives": []}',
+        '{"objectives": [%s]}' % (objective % ', "threshold": "x"'),
+        '{"objectives": [%s], "members": "a"}' % (objective % ""),
+        '{"objectives": [{"measure": "size", "sense": "max"}]}',
+    ):
+        study.EnfiladeWishes = text
+        assert settings.wishes(doc) == Wishes(), text
+    study.EnfiladeWishes = '{"objectives": [%s], "members": 2}' % (objective % "")
+    assert settings.wishes(doc) == Wishes([Objective("degree", "max")], 2)
 
 
 def test_jobs_lie_beside_a_saved_document(doc, tmp_path):
     assert settings.job_folder(doc).startswith(App.getUserAppDataDir())
     doc.saveAs(str(tmp_path / "Haus Süd.FCStd"))
     assert settings.job_folder(doc) == os.path.join(str(tmp_path), "Haus Süd-enfilade")
+
+
+def test_a_folder_that_cannot_be_written_is_said(doc, tmp_path, monkeypatch):
+    assert settings.folder_notice(doc) == []
+    doc.saveAs(str(tmp_path / "a.FCStd"))
+    assert settings.folder_notice(doc) == []
+    monkeypatch.setattr(os, "access", lambda *a: False)
+    (notice,) = settings.folder_notice(doc)
+    assert "cannot be written" in notice and settings.job_folder(doc) in notice
+
+
+def test_a_region_loses_its_mark(doc):
+    import Draft
+
+    made = Draft.make_rectangle(1000, 1000)
+    marks.mark_region(made, "query")
+    marks.unmark(made)
+    assert marks.region_kind(made) == ""
+
+
+def test_ifc_without_its_reader(doc, tmp_path, monkeypatch):
+    import importlib.util
+
+    (tmp_path / "x.ifc").write_text("not ifc")
+    known = list(App.listDocuments())
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda n, *a: None if n == "ifcopenshell" else find(n, *a))
+    with pytest.raises(PluginError, match="IfcOpenShell, which is not installed"):
+        importing.as_document(str(tmp_path / "x.ifc"))
+    assert list(App.listDocuments()) == known
+
+
+def test_an_ifc_that_fails_leaves_no_empty_document(doc, tmp_path, monkeypatch):
+    import importlib.util
+    import sys
+    import types
+
+    (tmp_path / "x.ifc").write_text("not ifc")
+    known = list(App.listDocuments())
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda n, *a: n if n == "ifcopenshell" else find(n, *a))
+
+    def fails(path):
+        App.newDocument("x")
+        raise RuntimeError("no header")
+
+    for reads in (fails, lambda path: App.newDocument("x"), lambda path: App.newDocument("y") and None):
+        monkeypatch.setitem(sys.modules, "importIFC", types.SimpleNamespace(open=reads))
+        with pytest.raises(PluginError, match="could not read"):
+            importing.as_document(str(tmp_path / "x.ifc"))
+        assert list(App.listDocuments()) == known
+
+
+def test_a_crash_is_no_stop(program, tmp_path):
+    from enfilade.qt import QtCore
+    from enfilade.runner import Runner
+
+    app = QtCore.QCoreApplication.instance() or QtCore.QCoreApplication([])
+    crash = tmp_path / "crash"
+    crash.write_text("#!/bin/sh\necho one >&2; echo last words >&2; kill -SEGV $$\n")
+    crash.chmod(0o755)
+    deaf = tmp_path / "deaf"
+    deaf.write_text("#!/bin/sh\ntrap '' INT\necho ready >&2; while true; do sleep 0.1; done\n")
+    deaf.chmod(0o755)
+    for path, expected in ((crash, (-11, "The program ended with code -11. last words")), (deaf, (130, "Stopped."))):
+        ended = []
+        runner = Runner()
+        runner.ended.connect(lambda *a: ended.append(a))
+        runner.start(str(path), "plan.dxf")
+        end = time.monotonic() + 20
+        while not ended and time.monotonic() < end:
+            app.processEvents()
+            if path is deaf and runner._process is not None and runner._listener.words and not runner._is_stopped:
+                runner.stop()
+                runner._kill(runner._process)
+            time.sleep(0.01)
+        assert ended == [expected]
 
 
 def test_the_language_is_freecads():

@@ -311,6 +311,86 @@ class Answers:
         App.closeDocument(made)
         return edges
 
+    def run_command(self, name):
+        Gui.runCommand(name)
+
+    def new_document(self, label):
+        doc = App.newDocument(label)
+        doc.UndoMode = 1
+        return doc.Name
+
+    def house(self, label):
+        """A room with a partition, its door, and a free wall, in a document of its own."""
+        import Arch
+
+        # A click gives the window back to the document that was shown first.
+        for name in list(App.listDocuments()):
+            App.closeDocument(name)
+        doc = App.newDocument(label)
+        doc.UndoMode = 1
+        corners = [(0, 0), (8000, 0), (8000, 6000), (0, 6000)]
+        for name, a, b in zip("SENW", corners, corners[1:] + corners[:1]):
+            wall(a, b, 250, name)
+        made = wall((4000, 125), (4000, 4800), 100, "P")
+        wall((6000, 1000), (6000, 3000), 100, "Q")
+        doc.recompute()
+        place = App.Placement(V(4000, 700, 0), App.Rotation(V(0, 0, 1), 90).multiply(App.Rotation(V(1, 0, 0), 90)))
+        sizes = dict(width=900, height=2100, h1=50, h2=50, h3=0, w1=100, w2=50, o1=0, o2=50)
+        door = Arch.makeWindowPreset("Simple door", placement=place, **sizes)
+        door.Hosts, door.Label = [made], "Tür"
+        doc.recompute()
+        doc.recompute()
+        doc.clearUndos()
+        return [doc.Name, doc.Label]
+
+    def forget_status(self):
+        panel().tell("")
+
+    def activate(self, name):
+        App.setActiveDocument(name)
+
+    def close(self, name):
+        App.closeDocument(name)
+
+    def accept_behind(self, name):
+        """Accepts while another document is the active one."""
+        App.setActiveDocument(name)
+        panel().accept()
+
+    def undo_of(self, name):
+        return App.getDocument(name).UndoCount
+
+    def level(self, name, labels):
+        """Draws a level of some walls."""
+        import Arch
+
+        doc = App.ActiveDocument
+        floor = Arch.makeFloor([doc.getObjectsByLabel(label)[0] for label in labels])
+        floor.Label = name
+        doc.recompute()
+
+    def tick(self, kind, on=True):
+        panel().mark.rows[kind][0].setChecked(on)
+
+    def choose_storey(self, index):
+        storeys = panel().study.storeys
+        storeys.setCurrentIndex(index)
+        return panel().study.storey()
+
+    def storeys_offered(self):
+        storeys = panel().study.storeys
+        return [storeys.itemText(i) for i in range(storeys.count())]
+
+    def job_walls(self):
+        return [w.label for w in panel().job.study.walls]
+
+    def run_outside(self):
+        """What a watching program does: another round of the same job."""
+        import subprocess
+
+        words = [os.environ["ENFILADE"], "run", panel().job.drawing, "--quiet", "--seed", "5"]
+        return subprocess.run(words, stdin=subprocess.DEVNULL).returncode
+
     def quit(self):
         QtCore.QTimer.singleShot(100, lambda: os._exit(0))
 

@@ -1,20 +1,33 @@
 """Accepting an option: the document's own walls, columns, doors and windows move, in one undo step."""
 
-from typing import Any, Dict, List
+from contextlib import contextmanager
+from math import hypot
+from typing import Dict, List
 
 import FreeCAD as App
 
 from enfilade_common import results
 from enfilade_common.job import Job
 from enfilade_common.model import Column, PluginError, Wall, geometry_hash
-from enfilade_common.plane import Rigid, distance
+from enfilade_common.plane import STILL, Rigid, distance
 from enfilade_common.results import Change
 
-from . import document
+from . import document, hosted
 from .document import Found, Reading, Vector
+from .hosted import Going, placement
 
 #: Accepted walls stand where the option says to this, mm.
 STAND_MM = 0.1
+#: Middles of outlines that are cut anew, curves as chords, lie together to this, mm.
+RING_MM = 1.0
+#: Sentences about what changed name so many.
+NAMED_MAX = 3
+
+NO_UNDO = (
+    "Undo is switched off, so accepting could not be taken back. Switch it on in Edit > Preferences > General > "
+    "Document ('Using Undo/Redo on documents'), or type App.ActiveDocument.UndoMode = 1 into the Python console. "
+    "Nothing was moved."
+)
 
 
 def accept(doc, job: Job, found: results.Round, option: results.Option, on_moved=None) -> List[str]:
@@ -25,56 +38,121 @@ def accept(doc, job: Job, found: results.Round, option: results.Option, on_moved
     """
     if doc.HasPendingTransaction:
         raise PluginError("Another command is still open in this document; finish it first.")
+    if not doc.UndoMode:
+        raise PluginError(NO_UNDO)
     changes = results.layout(job, option)
     if not changes:
         raise PluginError("This option leaves everything as it is.")
-    reading = document.read(doc, job.study.storey or None)
-    _refuse_edited(job, reading, changes)
+    reading = _read(doc, job)
+    _refuse_edited(doc, job, reading, changes)
     locked = [f"'{f.element.label}': {f.element.locked}" for f in _found(reading, changes) if f.element.locked]
     if locked:
         raise PluginError("The option moves what cannot be moved: " + "; ".join(locked) + ". Nothing was changed.")
     before = {e.id: geometry_hash(e) for e in reading.elements()}
-    doc.openTransaction(f"Enfilade: option {option.number}")
-    try:
+    going, bodies = _going(reading, changes), _bodies(reading, changes)
+    with _one_step(doc, f"Enfilade: option {option.number}"):
         _move(doc, reading, changes)
+        hosted.move(going)
         doc.recompute()
+        hosted.settle(doc, going)
         _check(doc, job, before, changes)
+        _check_bodies(bodies)
         if on_moved is not None:
             on_moved()
+    return [f.element.label for f in _found(reading, changes)]
+
+
+@contextmanager
+def _one_step(doc, name: str):
+    """One undo step of this document, or nothing. FreeCAD writes every step into the active document too, so
+    that must be this one."""
+    active = App.ActiveDocument
+    App.setActiveDocument(doc.Name)
+    doc.openTransaction(name)
+    try:
+        yield
     except Exception as e:
         doc.abortTransaction()
         doc.recompute()
         if isinstance(e, PluginError):
             raise
         raise PluginError(f"FreeCAD could not move the walls ({e}); nothing was changed.") from e
-    doc.commitTransaction()
-    return [f.element.label for f in _found(reading, changes)]
+    else:
+        doc.commitTransaction()
+    finally:
+        if active is not None:
+            App.setActiveDocument(active.Name)
 
 
 def _found(reading: Reading, changes: List[Change]) -> List[Found]:
     return [reading.found[c.id] for c in changes]
 
 
-def _refuse_edited(job: Job, reading: Reading, changes: List[Change]) -> None:
+def _read(doc, job: Job) -> Reading:
+    return document.read(doc, job.study.storey, job.study.wishes.level)
+
+
+def changed_around(doc, job: Job, option: results.Option) -> str:
+    """What else changed in the plan since the study, in one sentence; nothing where nothing did."""
+    changes = results.layout(job, option)
+    changed = results.changed_around(job, _read(doc, job).elements(), changes)
+    if not changed:
+        return ""
+    more = f", and {len(changed) - NAMED_MAX} more" if len(changed) > NAMED_MAX else ""
+    named = ", ".join(changed[:NAMED_MAX]) + more
+    return f"The plan has changed since the study ({named}): the numbers were measured on the old one."
+
+
+def _refuse_edited(doc, job: Job, reading: Reading, changes: List[Change]) -> None:
     edited = results.edited_since(job, reading.elements(), changes)
-    if edited:
-        words = "The document was changed since the study: " + ", ".join(edited)
-        raise PluginError(words + ". Nothing was moved; run the study again.")
+    if not edited:
+        return
+    gone = [job.study.element(c.id) for c in changes if c.id not in reading.found]
+    for element in gone:
+        if element is not None and doc.getObject(element.name) is not None:
+            words = f"'{element.label}' is no longer among the walls of this storey's plan"
+            edited = [words if e == f"'{element.label}' was deleted" else e for e in edited]
+    words = f"The document '{doc.Label}' was changed since the study: " + ", ".join(edited)
+    raise PluginError(words + ". Nothing was moved; run the study again.")
 
 
-def placement(motion: Rigid) -> App.Placement:
-    """A motion of the plan as FreeCAD's placement."""
-    turn = App.Rotation(Vector(0, 0, 1), motion.angle_rad * 180.0 / 3.141592653589793)
-    return App.Placement(Vector(motion.dx, motion.dy, 0), turn)
-
-
-def _move(doc, reading: Reading, changes: List[Change]) -> None:
-    doors: Dict[str, Any] = {}
+def _going(reading: Reading, changes: List[Change]) -> List[Going]:
+    """Doors, windows and whatever else goes with the walls that move, each by its wall's motion."""
+    out = []
     for change in changes:
         for id, motion in change.openings.items():
             door = reading.openings.get(id)
             if door is not None:
-                doors[door.Name] = (door, placement(motion).multiply(door.Placement))
+                out.append(Going(door, motion, hosted.corners(door)))
+        for obj in reading.hosted.get(change.id, ()):
+            out.append(_going_along(reading.found[change.id].element, change, obj))
+    return out
+
+
+def _going_along(wall, change: Change, obj) -> Going:
+    before = hosted.corners(obj)
+    xs, ys = [p.x for p in before], [p.y for p in before]
+    middle = ((min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2)
+    is_closed = getattr(wall, "closed", False)
+    motion, _, _ = results.motion_along(change, is_closed, middle)
+    if change.motion is None:
+        _refuse_left_behind(wall, change, obj, middle)
+    return Going(obj, motion, before)
+
+
+def _refuse_left_behind(wall, change: Change, obj, middle) -> None:
+    """Where a wall is shortened past what stands in it, nothing would be left to stand in."""
+    _, along, length = results.motion_along(change, wall.closed, middle)
+    before = Change(change.id, STILL, change.axis_before, change.axis_before, {})
+    _, along_before, length_before = results.motion_along(before, wall.closed, middle)
+    half = max(hypot(p.x - middle[0], p.y - middle[1]) for p in hosted.corners(obj))
+    was_in = half <= along_before <= length_before - half
+    if was_in and not half - hosted.STAND_MM <= along <= length - half + hosted.STAND_MM:
+        words = f"'{obj.Label}' would no longer stand in '{wall.label}' in this option"
+        raise PluginError(words + "; nothing was changed.")
+
+
+def _move(doc, reading: Reading, changes: List[Change]) -> None:
     done = set()
     by_object: Dict[str, List[Change]] = {}
     for change in changes:
@@ -86,8 +164,6 @@ def _move(doc, reading: Reading, changes: List[Change]) -> None:
         if mover.Name not in done:
             _move_base(obj, mover, mine, reading)
             done.add(mover.Name)
-    for door, target in doors.values():
-        door.Placement = target
 
 
 def _move_base(obj, mover, changes: List[Change], reading: Reading) -> None:
@@ -166,18 +242,38 @@ def _stretch_bare(wall, change: Change) -> None:
 
 def _check(doc, job: Job, before: Dict[str, str], changes: List[Change]) -> None:
     """Everything stands where the option says, and nothing else moved; else the transaction is given up."""
-    now = {e.id: e for e in document.read(doc, job.study.storey or None).elements()}
+    now = {e.id: e for e in _read(doc, job).elements()}
     moved = {c.id: c for c in changes}
     for id, hash in before.items():
         element = now.get(id)
         if element is None:
-            raise PluginError("A wall was lost while moving; nothing was changed.")
+            lost = job.study.element(id)
+            raise PluginError(f"'{lost.label if lost else id}' was lost while moving; nothing was changed.")
         if id not in moved:
             if geometry_hash(element) != hash:
                 raise PluginError(f"'{element.label}' would move along without being asked; nothing was changed.")
             continue
         if not _stands(element, job.study.element(id), moved[id]):
             held = f"'{element.label}' does not take its new place: something holds it"
+            raise PluginError(held + "; nothing was changed.")
+
+
+def _bodies(reading: Reading, changes: List[Change]) -> List[Going]:
+    """Walls without an axis, by the corners of their solids; those that others are joined to are left to their
+    outlines."""
+    mine = ((reading.found[c.id], c) for c in changes)
+    whole = [(f.object, c) for f, c in mine if getattr(f.element, "rings", None)]
+    return [Going(o, c.motion, hosted.corners(o)) for o, c in whole if c.motion and not getattr(o, "Additions", None)]
+
+
+def _check_bodies(bodies: List[Going]) -> None:
+    for body in bodies:
+        now = hosted.corners(body.object)
+        near = len(now) == len(body.before) and all(
+            min((p - q).Length for q in now) <= STAND_MM for p in body.targets()
+        )
+        if not near:
+            held = f"'{body.object.Label}' does not take its new place: something holds it, or an opening in it"
             raise PluginError(held + "; nothing was changed.")
 
 
@@ -188,18 +284,21 @@ def _stands(element, exported, change: Change) -> bool:
     if isinstance(element, Column):
         return near(element.ring, [change.motion(p) for p in exported.ring])
     if element.rings:
-        rings = zip(element.rings, exported.rings)
-        return len(element.rings) == len(exported.rings) and all(_covers(a, b, change.motion) for a, b in rings)
+        return _covers(element.rings, exported.rings, change.motion)
     return near(element.axis, change.axis_after) and _openings_stand(element, exported, change)
 
 
-def _covers(ring, exported, motion: Rigid) -> bool:
-    """Rings of curves are cut anew each time: their middles and sizes tell."""
-    from enfilade_common.plane import centroid
-
-    moved = [motion(p) for p in exported]
-    close = distance(centroid(ring), centroid(moved)) <= STAND_MM if len(ring) == len(moved) else True
-    return close and abs(document._area(ring) - document._area(moved)) <= 0.001 * document._area(moved)
+def _covers(rings, exported, motion: Rigid) -> bool:
+    """Rings of curves are cut anew each time, in any order: their middles and sizes tell."""
+    left = [document.middle_and_area(r) for r in rings]
+    for ring in exported:
+        middle, area = document.middle_and_area([motion(p) for p in ring])
+        match = (k for k in left if distance(k[0], middle) <= RING_MM and abs(k[1] - area) <= 0.001 * area)
+        found = next(match, None)
+        if found is None:
+            return False
+        left.remove(found)
+    return not left
 
 
 def _openings_stand(element: Wall, exported: Wall, change: Change) -> bool:

@@ -5,7 +5,6 @@ import os
 import FreeCAD as App
 import FreeCADGui as Gui
 
-from . import importing
 from .qt import QtWidgets
 from .wording import say
 
@@ -40,7 +39,7 @@ def _import(panel) -> None:
     names = say("Drawings") + " (*.dxf *.ifc)"
     path = QtWidgets.QFileDialog.getOpenFileName(panel, say("Import a candidate"), "", names)[0]
     if path:
-        panel.attempt(importing.as_document, path)
+        panel.bring(path)
 
 
 COMMANDS = {

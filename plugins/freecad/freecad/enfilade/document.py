@@ -10,9 +10,18 @@ import FreeCAD as App
 
 from enfilade_common.model import Column, Movable, Opening, PluginError, Region, Study, Wall
 from enfilade_common.outlines import wall_outlines
-from enfilade_common.plane import Point, direction, distance, dot, minus
+from enfilade_common.plane import (
+    Point,
+    cross,
+    direction,
+    distance,
+    distance_to_segment,
+    dot,
+    is_inside,
+    minus,
+)
 
-from . import marks
+from . import hosted, marks
 
 #: Height of the sight lines above the foot of a wall, mm.
 EYE_MM = 1500.0
@@ -54,6 +63,8 @@ class Reading:
 
     found: Dict[str, Found] = field(default_factory=dict)
     openings: Dict[str, Any] = field(default_factory=dict)
+    #: What goes with a wall without being a gap in it, by the wall's id.
+    hosted: Dict[str, List[Any]] = field(default_factory=dict)
     regions: List[Region] = field(default_factory=list)
     #: Sentences about what was left out.
     notes: List[str] = field(default_factory=list)
@@ -97,46 +108,104 @@ def storey_of(obj) -> str:
 
 
 def storeys(doc) -> List[str]:
-    """Labels of the storeys that hold walls, lowest first."""
+    """Labels of the storeys that hold walls, lowest first; nothing is the label of walls outside any level."""
     heights: Dict[str, float] = {}
     for obj in doc.Objects:
         if kind_of(obj) == "Wall" and _is_solid(obj):
             label = storey_of(obj)
-            foot = obj.Shape.BoundBox.ZMin
+            foot = _shape(obj).BoundBox.ZMin
             heights[label] = min(foot, heights.get(label, foot))
     return sorted(heights, key=lambda s: heights[s])
 
 
-def read(doc, storey: Optional[str] = None) -> Reading:
-    """Reads one storey; without a name the one with marks, else the lowest."""
+def read(doc, storey: Optional[str] = None, level: str = "eye") -> Reading:
+    """Reads one storey; without a name the one with marks, else the lowest. At ``eye`` level what is lower is
+    left out, at ``knee`` level it counts."""
     out = Reading(storeys=storeys(doc))
     if storey not in out.storeys:
         storey = _default_storey(doc, out.storeys)
     out.storey = storey or ""
     ids = marks.ids(doc)
     many = len(out.storeys) > 1
+    solids = []
     for obj in doc.Objects:
-        region = marks.region_kind(obj)
+        region = "" if is_link(obj) else marks.region_kind(obj)
         if region:
             _add_region(out, obj, region, many, storey)
             continue
-        kind = kind_of(obj)
-        if kind == "Wall" or is_column(obj):
-            if many and storey_of(obj) != storey:
-                continue
-            if not _is_solid(obj):
-                out.notes.append(f"'{obj.Label}' has no shape and was left out; recompute the document.")
-                continue
-            add = _add_wall if kind == "Wall" else _add_column
-            add(out, obj, ids[obj.Name])
+        kind = _kind_in_plan(out, obj)
+        if not kind or many and storey_of(obj) != storey:
+            continue
+        if not _is_solid(obj):
+            out.notes.append(f"'{obj.Label}' has no shape and was left out; recompute the document.")
+        elif not _is_upright(obj):
+            out.notes.append(f"'{obj.Label}' stands in a tilted part and was left out.")
+        else:
+            solids.append((obj, kind))
+    floor = _floor([obj for obj, _ in solids])
+    for obj, kind in solids:
+        if level == "eye" and _is_low(obj, floor):
+            low = f"'{obj.Label}' is lower than eye height ({EYE_MM / 1000:g} m): it stops no sight"
+            out.notes.append(low + " and was left out of the plan.")
+            continue
+        add = _add_link if is_link(obj) else _add_wall if kind == "Wall" else _add_column
+        add(out, obj, ids[obj.Name])
     _add_openings(out, doc, ids)
+    _add_parts(out)
     _share_bases(out)
+    _hold_linked(out)
     return out
+
+
+def is_link(obj) -> bool:
+    """Whether an object only shows another one, whose properties, marks too, then seem to be its own."""
+    return obj.isDerivedFrom("App::Link")
+
+
+def _kind_in_plan(out: Reading, obj) -> str:
+    """``Wall`` or ``Column``, of links what they show; nothing for all else."""
+    if not is_link(obj):
+        return "Wall" if kind_of(obj) == "Wall" else "Column" if is_column(obj) else ""
+    shown = obj.getLinkedObject(True)
+    if shown is None or shown is obj:
+        return ""
+    is_one = not getattr(obj, "ElementCount", 0)
+    kind = "Wall" if kind_of(shown) == "Wall" else "Column" if _is_solid(shown) and is_column(shown) else ""
+    inside = [o for o in getattr(shown, "OutListRecursive", []) if kind_of(o) == "Wall"]
+    if not (kind and is_one) and (kind or hasattr(shown, "Group") and inside):
+        out.notes.append(f"The link '{obj.Label}' shows walls a second time; these were left out.")
+    return kind if is_one else ""
+
+
+def _shape(obj):
+    """An object's shape where it stands in the document."""
+    outer = hosted.outer_placement(obj)
+    if outer.isIdentity():
+        return obj.Shape
+    shape = obj.Shape.copy()
+    shape.Placement = outer.multiply(shape.Placement)
+    return shape
+
+
+def _is_upright(obj) -> bool:
+    up = hosted.outer_placement(obj).Rotation.multVec(Vector(0, 0, 1))
+    return (up - Vector(0, 0, 1)).Length < 1e-9
+
+
+def _floor(objects) -> float:
+    """Height on which most of them stand."""
+    feet = sorted(_shape(o).BoundBox.ZMin for o in objects)
+    return feet[(len(feet) - 1) // 2] if feet else 0.0
+
+
+def _is_low(obj, floor: float) -> bool:
+    box = _shape(obj).BoundBox
+    return box.ZLength < EYE_MM - SAME_MM and box.ZMax - floor < EYE_MM - SAME_MM
 
 
 def study(doc, wishes, storey: Optional[str] = None, lineage=()) -> Tuple[Study, Reading]:
     """The study of a document's storey as it stands now."""
-    reading = read(doc, storey)
+    reading = read(doc, storey, wishes.level)
     elements = reading.elements()
     made = Study(
         host="freecad",
@@ -157,7 +226,7 @@ def study(doc, wishes, storey: Optional[str] = None, lineage=()) -> Tuple[Study,
 
 def _default_storey(doc, labels: List[str]) -> Optional[str]:
     for obj in doc.Objects:
-        if marks.clauses(obj, 0.0):
+        if not is_link(obj) and marks.clauses(obj, 0.0):
             label = storey_of(obj)
             if label in labels:
                 return label
@@ -184,6 +253,33 @@ def _add_openings(out: Reading, doc, ids: Dict[str, str]) -> None:
             _add_opening(out, obj, walls, ids)
 
 
+def _add_parts(out: Reading) -> None:
+    """Niches and additions of walls go with them, but for walls and columns, which stand for themselves, and
+    roofs, under which walls end wherever they stand."""
+    own = {f.object.Name for f in out.found.values()}
+    by_object: Dict[str, List[Wall]] = {}
+    for found in out.found.values():
+        if isinstance(found.element, Wall):
+            by_object.setdefault(found.object.Name, []).append(found.element)
+    for name, walls in by_object.items():
+        host = out.found[walls[0].id].object
+        for part in [*(getattr(host, "Subtractions", None) or []), *(getattr(host, "Additions", None) or [])]:
+            if part.Name in own or kind_of(part) in ("Wall", "Window", "Roof") or not hosted.corners(part):
+                continue
+            plan = [(p.x, p.y) for p in hosted.corners(part)]
+            _add_part(out, part, min(walls, key=lambda w: _away(plan, w)))
+
+
+def _add_part(out: Reading, part, wall: Wall) -> None:
+    hosts = {o.Name for o in part.InList if part in [*getattr(o, "Subtractions", []), *getattr(o, "Additions", [])]}
+    if len(hosts) > 1:
+        if wall.clauses or wall.group:
+            out.notes.append(f"'{part.Label}' belongs to '{wall.label}' and to other walls: it stays where it stands.")
+        return
+    _hold_with(out, wall, part)
+    out.hosted.setdefault(wall.id, []).append(part)
+
+
 def _with_additions(hosts) -> List[Any]:
     """Hosts and what was joined to them, each once."""
     out: Dict[str, Any] = {}
@@ -200,7 +296,7 @@ def _add_region(out: Reading, obj, kind: str, many: bool, storey) -> None:
     if many and storey_of(obj) not in ("", storey):
         return
     shape = getattr(obj, "Shape", None)
-    wires = [w for w in shape.Wires if w.isClosed()] if shape is not None and not shape.isNull() else []
+    wires = [w for w in _shape(obj).Wires if w.isClosed()] if shape is not None and not shape.isNull() else []
     if not wires:
         out.notes.append(f"The region '{obj.Label}' is not closed and was left out.")
         return
@@ -223,22 +319,30 @@ def _add_column(out: Reading, obj, id: str) -> None:
     if not rings:
         out.notes.append(f"'{obj.Label}' is not cut at eye height and was left out.")
         return
-    rings.sort(key=_area, reverse=True)
+    rings.sort(key=lambda r: middle_and_area(r)[1], reverse=True)
     column = Column(id, obj.Label, rings[0], obj.Name)
     column.clauses, column.group, column.keep = marks.clauses(obj, 0.0), marks.group(obj), marks.keep(obj)
     column.locked = lock(obj)
     out.found[id] = Found(column, obj)
 
 
-def _area(ring: List[Point]) -> float:
-    return abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(ring, ring[1:] + ring[:1]))) / 2
+def middle_and_area(ring: List[Point]) -> Tuple[Point, float]:
+    """Centre of gravity and size of the area in a ring, mm and mm²; however its points are strewn along it."""
+    x0, y0 = ring[0]
+    pairs = [((a[0] - x0, a[1] - y0), (b[0] - x0, b[1] - y0)) for a, b in zip(ring, ring[1:] + ring[:1])]
+    crosses = [cross(a, b) for a, b in pairs]
+    twice = sum(crosses)
+    if abs(twice) < 1e-9:
+        return (x0, y0), 0.0
+    x, y = (sum((a[k] + b[k]) * c for (a, b), c in zip(pairs, crosses)) / (3 * twice) for k in (0, 1))
+    return (x0 + x, y0 + y), abs(twice) / 2
 
 
 def _slice(obj) -> List[List[Point]]:
     """Outlines of an object at eye height, or at half its own if it is lower."""
-    box = obj.Shape.BoundBox
-    z = box.ZMin + min(EYE_MM, box.ZLength / 2)
-    return [_ring(w) for w in obj.Shape.slice(Vector(0, 0, 1), z) if w.isClosed()]
+    shape = _shape(obj)
+    z = shape.BoundBox.ZMin + min(EYE_MM, shape.BoundBox.ZLength / 2)
+    return [_ring(w) for w in shape.slice(Vector(0, 0, 1), z) if w.isClosed()]
 
 
 def _add_wall(out: Reading, obj, id: str) -> None:
@@ -249,23 +353,49 @@ def _add_wall(out: Reading, obj, id: str) -> None:
         wall_id = id if len(chains) == 1 else f"{id}.{i}"
         wall = Wall(wall_id, obj.Label, points, *faces, closed=closed, name=obj.Name)
         walls.append(Found(wall, obj, segments))
-    if not walls or not _fits([w.element for w in walls], obj):
-        rings = _slice(obj)
-        if not rings:
-            out.notes.append(f"'{obj.Label}' is not cut at eye height and was left out.")
-            return
-        box = obj.Shape.BoundBox
-        axis = [(box.XMin, box.YMin), (box.XMax, box.YMax)]
-        walls = [Found(Wall(id, obj.Label, axis, 0.0, 0.0, name=obj.Name, rings=rings), obj)]
+    if walls and _fits([w.element for w in walls], obj):
+        outer = hosted.outer_placement(obj)
+        for found in walls:
+            found.element.axis = [(p.x, p.y) for p in (outer.multVec(Vector(*q, 0)) for q in found.element.axis)]
+    else:
+        walls = _as_rings(out, obj, id)
     for found in walls:
         wall = found.element
         heading = 0.0 if wall.rings else _heading_deg(wall)
         wall.clauses, wall.group, wall.keep = marks.clauses(obj, heading), marks.group(obj), marks.keep(obj)
-        wall.locked = lock(obj)
+        wall.locked, wall.height = lock(obj), round(obj.Shape.BoundBox.ZLength, 2)
         if len(walls) > 1 and not wall.group and wall.clauses:
             wall.group = obj.Label
             wall.clauses = walls[0].element.clauses
         out.found[wall.id] = found
+
+
+def _as_rings(out: Reading, obj, id: str) -> List[Found]:
+    """A wall by its outlines at eye height."""
+    rings = _slice(obj)
+    if not rings:
+        out.notes.append(f"'{obj.Label}' is not cut at eye height and was left out.")
+        return []
+    box = _shape(obj).BoundBox
+    axis = [(box.XMin, box.YMin), (box.XMax, box.YMax)]
+    return [Found(Wall(id, obj.Label, axis, 0.0, 0.0, name=obj.Name, rings=rings), obj)]
+
+
+def _add_link(out: Reading, obj, id: str) -> None:
+    """A link stands in the plan, and stays: it has no marks of its own."""
+    for found in _as_rings(out, obj, id):
+        wall = found.element
+        wall.locked, wall.height = "it is a link to another object", round(obj.Shape.BoundBox.ZLength, 2)
+        out.found[id] = found
+
+
+def _hold_linked(out: Reading) -> None:
+    """What a link shows cannot move alone: the link would show it moved."""
+    for link in (f.object for f in out.found.values() if is_link(f.object)):
+        shown = link.getLinkedObject(True)
+        for found in out.found.values():
+            if found.object.Name == shown.Name and not found.element.locked:
+                found.element.locked = f"the link '{link.Label}' shows it in another place and would move along"
 
 
 def _heading_deg(wall: Wall) -> float:
@@ -382,38 +512,68 @@ def _grow(points, segments, lines) -> bool:
 
 
 def _add_opening(out: Reading, door, walls: List[Wall], ids: Dict[str, str]) -> None:
-    """A door or window as a gap in that of its host's chains on which it lies."""
-    if not _is_solid(door):
+    """A door or window as a gap in that of its host's chains on which it lies; what is no gap at eye height
+    only goes with the wall."""
+    points = hosted.corners(door)
+    if not points:
         out.notes.append(f"'{door.Label}' has no shape and is taken as closed.")
         return
-    candidates = [w for w in walls if not w.rings]
-    best = min((_span(door, w) for w in candidates), key=lambda s: s[0], default=None)
-    if best is None:
+    plan = [(p.x, p.y) for p in points]
+    best = min((_span(plan, w) for w in walls if not w.rings), key=lambda s: s[0], default=None)
+    is_in_axis = best is not None and best[0] <= best[1].thickness + 200.0 and best[3] - best[2] >= 1.0
+    wall = best[1] if is_in_axis else min(walls, key=lambda w: _away(plan, w))
+    _hold_with(out, wall, door)
+    slides = [c for c in marks.clauses(door, 0.0) if c.kind == "along"]
+    if not is_in_axis:
+        if slides:
+            out.notes.append(f"'{door.Label}' does not slide: its wall '{wall.label}' has no straight axis here.")
+        if not wall.rings:
+            out.notes.append(f"'{door.Label}' does not stand in its wall '{wall.label}' and is taken as closed.")
+        out.hosted.setdefault(wall.id, []).append(door)
         return
-    away, wall, start, end = best
-    if away > wall.thickness + 200.0 or end - start < 1.0:
-        out.notes.append(f"'{door.Label}' does not stand in its wall '{wall.label}' and is taken as closed.")
+    _, _, start, end = best
+    foot, low, high = _foot(wall, out), min(p.z for p in points), max(p.z for p in points)
+    if not low - foot < EYE_MM < high - foot:
+        out.hosted.setdefault(wall.id, []).append(door)
+        if slides:
+            out.notes.append(f"'{door.Label}' is not cut at eye height: it does not slide, it only goes with its wall.")
         return
-    box, foot = door.Shape.BoundBox, _foot(wall, out)
-    is_door = getattr(door, "IfcType", "") == "Door" or box.ZMin - foot < 100.0
-    if not box.ZMin - foot < EYE_MM < box.ZMax - foot:
-        return
+    is_door = getattr(door, "IfcType", "") == "Door" or low - foot < 100.0
     opening = Opening(ids[door.Name], door.Label, start, end, "door" if is_door else "window", door.Name)
-    opening.clauses = [c for c in marks.clauses(door, 0.0) if c.kind == "along"]
+    opening.clauses = slides
     wall.openings.append(opening)
     out.openings[opening.id] = door
 
 
+def _hold_with(out: Reading, wall: Wall, part) -> None:
+    """A wall cannot move if what stands in it cannot go along."""
+    held = lock(part)
+    if held and not wall.locked:
+        wall.locked = f"'{part.Label}' in it cannot go along: {held}"
+
+
+def _away(points: List[Point], wall: Wall) -> float:
+    """How far the middle of a thing lies from a wall's body."""
+    middle = _middle(points)
+    if any(is_inside(ring, middle) for ring in wall.rings):
+        return 0.0
+    rings = [r + r[:1] for r in wall.rings] or [wall.corners()]
+    return min(distance_to_segment(middle, a, b) for r in rings for a, b in zip(r, r[1:]))
+
+
+def _middle(points: List[Point]) -> Point:
+    xs, ys = [p[0] for p in points], [p[1] for p in points]
+    return ((min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2)
+
+
 def _foot(wall: Wall, out: Reading) -> float:
     found = out.found.get(wall.id)
-    return found.object.Shape.BoundBox.ZMin if found else 0.0
+    return _shape(found.object).BoundBox.ZMin if found else 0.0
 
 
-def _span(door, wall: Wall):
+def _span(points: List[Point], wall: Wall):
     """How far a door lies from a wall's axis, and from where to where along it."""
-    points = [(v.Point.x, v.Point.y) for v in door.Shape.Vertexes]
-    middle = ((min(p[0] for p in points) + max(p[0] for p in points)) / 2,)
-    middle += ((min(p[1] for p in points) + max(p[1] for p in points)) / 2,)
+    middle = _middle(points)
     best, begun, corners = None, 0.0, wall.corners()
     for a, b in zip(corners, corners[1:]):
         u, length = direction(a, b), distance(a, b)
@@ -432,7 +592,7 @@ def _share_bases(out: Reading) -> None:
     by_base: Dict[str, List[Found]] = {}
     for found in out.found.values():
         base = getattr(found.object, "Base", None)
-        if isinstance(found.element, Wall) and base is not None:
+        if isinstance(found.element, Wall) and base is not None and not is_link(found.object):
             by_base.setdefault(base.Name, []).append(found)
     for shared in by_base.values():
         if len({f.object.Name for f in shared}) < 2 or not any(f.element.clauses for f in shared):
@@ -448,11 +608,11 @@ def lock(obj) -> str:
     for part in (obj, base):
         if part is None:
             continue
-        if any(path.startswith(DECIDING) for path, _ in part.ExpressionEngine):
+        if any(path.lstrip(".").startswith(DECIDING) for path, _ in part.ExpressionEngine):
             return f"an expression decides where '{part.Label}' stands"
         if "ReadOnly" in part.getPropertyStatus("Placement") or "Immutable" in part.getPropertyStatus("Placement"):
             return f"the position of '{part.Label}' is locked"
-        if part is base and is_attached(part) and not part.isDerivedFrom("Sketcher::SketchObject"):
+        if (part is base or kind_of(part) == "") and is_attached(part) and not part.isDerivedFrom("Sketcher::SketchObject"):
             return f"'{part.Label}' is attached to another object"
     if getattr(obj, "CloneOf", None) is not None:
         return "it is a clone of another wall"

@@ -1,5 +1,6 @@
 """Bringing a written option back as a document of its own."""
 
+import importlib.util
 import os
 
 import FreeCAD as App
@@ -13,12 +14,7 @@ def as_document(path: str):
     if not os.path.isfile(path):
         raise PluginError(f"{path} is not there any more.")
     if extension == ".ifc":
-        import importIFC
-
-        doc = importIFC.open(path)
-        if doc is None:
-            raise PluginError(f"FreeCAD could not read {path}.")
-        return doc
+        return _ifc_document(path)
     if extension != ".dxf":
         raise PluginError(f"{path}: a candidate is a .dxf or an .ifc file.")
     import importDXF
@@ -40,4 +36,29 @@ def as_document(path: str):
     if not doc.Objects:
         App.closeDocument(doc.Name)
         raise PluginError(f"FreeCAD found nothing in {path}.")
+    return doc
+
+
+NO_IFC = (
+    "FreeCAD reads IFC with the Python package IfcOpenShell, which is not installed here (Debian: "
+    "python3-ifcopenshell; others: pip install ifcopenshell for FreeCAD's Python). A DXF candidate needs nothing."
+)
+
+
+def _ifc_document(path: str):
+    if importlib.util.find_spec("ifcopenshell") is None:
+        raise PluginError(NO_IFC)
+    import importIFC
+
+    known = set(App.listDocuments())
+    try:
+        doc = importIFC.open(path)
+    except Exception as e:
+        doc, said = None, f" ({type(e).__name__}: {e})"
+    else:
+        said = ""
+    if doc is None or not doc.Objects:
+        for name in set(App.listDocuments()) - known:
+            App.closeDocument(name)
+        raise PluginError(f"FreeCAD could not read {path}{said}.")
     return doc

@@ -126,19 +126,31 @@ class MarkPage(QtWidgets.QWidget):
         has_moves = any(any(pair) for pair in ticked.values())
         if not (has_moves or self.group.text().strip() or self.keep.isChecked()):
             raise PluginError(say("Tick how it may move, name its group, or tick that it must stay."))
-        doc = objects[0].Document
-        doc.openTransaction("Enfilade: mark")
         doors = [o for o in objects if document.kind_of(o) == "Window"]
         rest = [o for o in objects if o not in doors]
         along = {k: v for k, v in ticked.items() if k == "along"}
+        stays = []
+        if has_moves and not any(any(pair) for pair in along.values()):
+            # A door moves in its wall only; in any other direction it would seem marked and stay.
+            stays, doors = doors, []
+        fixed = ", ".join(f"'{o.Label}'" for o in stays)
+        only = say("Doors and windows only slide along the wall; {} was not marked.", fixed) if stays else ""
+        if not rest and not doors:
+            raise PluginError(only)
+        doc = objects[0].Document
+        doc.openTransaction("Enfilade: mark")
         for some, bounds in ((rest, ticked), (doors, along)):
             marks.mark_all(some, bounds, self.group.text().strip(), self.keep.isChecked())
         doc.commitTransaction()
         self._panel.refresh()
-        self._panel.tell(say("Marked: {}", ", ".join(o.Label for o in objects)))
+        marked = say("Marked: {}", ", ".join(o.Label for o in [*rest, *doors]))
+        held = [f"'{o.Label}': {document.lock(o)}." for o in rest if has_moves and document.lock(o)]
+        locked = say("Marked, but they stay: {}", " ".join(held)) if held else ""
+        self._panel.tell(" ".join(w for w in (marked, only, locked) if w))
 
     def _unmark(self) -> None:
-        objects = self.chosen()
+        regions = [o for o in Gui.Selection.getSelection() if marks.region_kind(o)]
+        objects = [*self.chosen(), *regions]
         if not objects:
             raise PluginError(say("Nothing selected. Select walls, columns, doors or windows in the view."))
         doc = objects[0].Document
@@ -147,6 +159,7 @@ class MarkPage(QtWidgets.QWidget):
             marks.unmark(obj)
         doc.commitTransaction()
         self._panel.refresh()
+        self._panel.tell(say("Marks removed: {}", ", ".join(o.Label for o in objects)))
 
     def _region(self, kind: str) -> None:
         self._panel.document()

@@ -104,9 +104,9 @@ def mark(obj, bounds: Dict[str, tuple], group_name: str = "", is_kept: bool = Fa
 
 
 def unmark(obj) -> None:
-    """Takes moves, group and keep away; the id stays. Inside a transaction."""
+    """Takes moves, group and keep away, and what a region is for; the id stays. Inside a transaction."""
     for name in list(obj.PropertiesList):
-        if name.startswith("Enfilade") and name not in ("EnfiladeId", "EnfiladeRegion"):
+        if name.startswith("Enfilade") and name != "EnfiladeId":
             obj.removeProperty(name)
 
 

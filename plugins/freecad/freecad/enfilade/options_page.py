@@ -2,7 +2,6 @@
 
 import os
 
-from . import importing
 from .qt import QtCore, QtGui, QtWidgets
 from .wording import say
 
@@ -182,7 +181,7 @@ class OptionsPage(QtWidgets.QWidget):
     def _import(self) -> None:
         option = self.chosen()
         if option is not None:
-            self._panel.attempt(importing.as_document, option.file)
+            self._panel.bring(option.file)
 
 
 def _number(value) -> str:

@@ -62,6 +62,8 @@ class Overlay:
         part.removeAllChildren()
         lines = []
         for obj in doc.Objects:
+            if document.is_link(obj):
+                continue
             region = marks.region_kind(obj)
             if region and hasattr(obj, "Shape") and not obj.Shape.isNull():
                 z = obj.Shape.BoundBox.ZMax + CLEAR_MM

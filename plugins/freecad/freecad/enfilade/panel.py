@@ -1,16 +1,16 @@
 """The panel: mark, study, options. Every action reports in one line at its foot; nothing is modal."""
 
 import os
-from typing import Optional
+from typing import List, Optional
 
 import FreeCAD as App
 import FreeCADGui as Gui
 
 from enfilade_common import job, program, results
 from enfilade_common.model import PluginError
-from enfilade_common.moves import applied
+from enfilade_common.moves import applied, why_nothing_moves
 
-from . import accept, document, settings
+from . import accept, document, importing, settings
 from .mark_page import MarkPage
 from .options_page import OptionsPage
 from .overlay import BEST, MOVED, Overlay
@@ -34,6 +34,8 @@ class Panel(QtWidgets.QDockWidget):
         self.round: Optional[results.Round] = None
         #: Name of the document that job and round belong to.
         self.doc_name = ""
+        #: What was noted when the study was written.
+        self._said: List[str] = []
         self._overlays = {}
         self.pages = QtWidgets.QTabWidget()
         self.mark = MarkPage(self)
@@ -128,16 +130,17 @@ class Panel(QtWidgets.QDockWidget):
         path = program.find(settings.program_path())
         program.version(path)
         wishes, storey = self.study.wishes(), self.study.storey()
-        study, reading = document.study(doc, wishes, storey or None, settings.lineage(doc))
+        study, reading = document.study(doc, wishes, storey, settings.lineage(doc))
         self.clear_preview()
         self.round = None
         self.options.clear()
         self.job = job.write(study, settings.job_folder(doc))
         self.doc_name = doc.Name
-        settings.remember(doc, wishes, storey)
+        settings.remember(doc, wishes, storey or "")
         self.pages.setCurrentIndex(STUDY)
         self.study.begin()
-        self.tell(" ".join([say("Starting …"), *reading.notes, *self.job.notes]))
+        self._said = [*settings.folder_notice(doc), *reading.notes, *self.job.notes]
+        self.tell(" ".join([say("Starting …"), *self._said]))
         self.runner.start(path, self.job.drawing)
 
     def stop(self) -> None:
@@ -149,10 +152,12 @@ class Panel(QtWidgets.QDockWidget):
         """Writes the drawing and its side-car without running anything."""
 
         def write():
+            if self.runner.is_running():
+                raise PluginError(say("A study is running; stop it first."))
             doc = self.document()
-            study, _ = document.study(doc, self.study.wishes(), self.study.storey() or None, settings.lineage(doc))
+            study, reading = document.study(doc, self.study.wishes(), self.study.storey(), settings.lineage(doc))
             made = job.write(study, settings.job_folder(doc))
-            self.tell(" ".join([say("Written to {}", made.drawing), *made.notes]))
+            self.tell(" ".join([say("Written to {}", made.drawing), *settings.folder_notice(doc), *reading.notes, *made.notes]))
 
         self.attempt(write)
 
@@ -184,28 +189,60 @@ class Panel(QtWidgets.QDockWidget):
         self.round = results.latest(self.job)
         self.options.show_round(self.round)
         if not self.round.options:
-            self.tell(say("Nothing may move: the present layout was measured."))
+            still = "; ".join(why_nothing_moves(self.job.study))
+            none = say("No better layout was found within what may move.")
+            self.tell(say("Nothing may move: {}. The present layout was measured.", still) if still else none)
             return
         self.pages.setCurrentIndex(OPTIONS)
         done = say("Done: {} options.", len(self.round.options))
-        self.tell(" ".join([done, words, *self.job.notes, *self.round.problems[:3]]).strip())
+        notes = dict.fromkeys([*self._said, *self.job.notes])
+        self.tell(" ".join([done, words, *notes, *self.round.problems[:3]]).strip())
 
     # -- look
 
     def look(self) -> None:
-        """Options of an earlier run of this document, read again."""
+        """Options of the newest run of this document, read again where it was made outside."""
 
         def load():
             if self.runner.is_running():
                 raise PluginError(say("A study is running; stop it first."))
             doc = self.document()
-            if self.round is None or self.doc_name != doc.Name:
-                self.job = job.read(settings.job_folder(doc))
-                self.doc_name = doc.Name
-                self._load("")
+            try:
+                self._look(doc)
+            except PluginError:
+                if self.doc_name != doc.Name:
+                    self._show_nothing()
+                raise
             self.pages.setCurrentIndex(OPTIONS)
 
         self.attempt(load)
+
+    def _show_nothing(self) -> None:
+        """What is shown of one document must not pass for another's."""
+        self.job = self.round = None
+        self.doc_name = ""
+        self.clear_preview()
+        self.options.clear()
+
+    def _look(self, doc) -> None:
+        there = job.read(settings.job_folder(doc))
+        newest = results.latest(there)
+        shown = self.round
+        if shown is not None and self.doc_name == doc.Name and shown.folder == newest.folder:
+            if self.job is not None and self.job.sha256 == there.sha256:
+                return
+        self.job, self.doc_name, self._said = there, doc.Name, []
+        self.clear_preview()
+        self._load("")
+
+    def bring(self, path: str) -> None:
+        """Opens a candidate as a document of its own."""
+
+        def opened():
+            made = importing.as_document(path)
+            self.tell(say("Opened as the document '{}': {} objects.", made.Label, len(made.Objects)))
+
+        self.attempt(opened)
 
     def clear_preview(self) -> None:
         for _, overlay in self._overlays.values():
@@ -253,10 +290,14 @@ class Panel(QtWidgets.QDockWidget):
             raise PluginError(say("The document was closed."))
         entry = results.lineage_entry(self.round, option, os.path.basename(self.job.drawing))
         remember = lambda: settings.remember_accepted(doc, entry)  # noqa: E731
-        moved = accept.accept(doc, self.job, self.round, option, remember)
+        around = accept.changed_around(doc, self.job, option)
+        moved = list(dict.fromkeys(accept.accept(doc, self.job, self.round, option, remember)))
         self.clear_preview()
         self.refresh()
-        self.tell(say("Accepted option {}: {} moved. Undo takes all of it back.", option.number, ", ".join(moved)))
+        done = say("Accepted option {}: {} moved. Undo takes all of it back.", option.number, ", ".join(moved))
+        there = say("This was in the document '{}', which is not the one in front.", doc.Label)
+        is_in_front = App.ActiveDocument is not None and App.ActiveDocument.Name == doc.Name
+        self.tell(" ".join(w for w in (done, "" if is_in_front else there, around) if w))
 
     def shut(self) -> None:
         """Takes everything of ours away."""

@@ -15,12 +15,13 @@ class Runner(QtCore.QObject):
         super().__init__(parent)
         self._process = None
         self._listener = None
+        self._is_stopped = False
 
     def is_running(self) -> bool:
         return self._process is not None
 
     def start(self, path: str, drawing: str) -> None:
-        self._listener = program.Listener()
+        self._listener, self._is_stopped = program.Listener(), False
         self._process = QtCore.QProcess(self)
         self._process.readyReadStandardError.connect(self._read)
         self._process.finished.connect(self._finished)
@@ -35,7 +36,7 @@ class Runner(QtCore.QObject):
         """Asks the program to stop; kills it if it does not."""
         if self._process is None:
             return
-        process = self._process
+        process, self._is_stopped = self._process, True
         try:
             program.interrupt(int(process.processId()))
         except (OSError, ValueError):
@@ -59,7 +60,10 @@ class Runner(QtCore.QObject):
         crashed = self._process.exitStatus() == QtCore.QProcess.CrashExit
         self._process.deleteLater()
         self._process = None
-        code = 130 if crashed else int(code)
+        if crashed:
+            # Qt gives the number of the signal; on Windows the code of the exception.
+            code = 130 if self._is_stopped else -abs(int(code))
+        code = int(code)
         self.ended.emit(code, self._listener.outcome(code))
 
     def _failed(self, error) -> None:

@@ -7,7 +7,9 @@ from typing import Any, Dict, List
 
 import FreeCAD as App
 
-from enfilade_common.model import Objective, Wishes
+from enfilade_common.model import MEASURES, Objective, Wishes
+
+from .wording import say
 
 NAME = "EnfiladeStudy"
 PREFERENCES = "User parameter:BaseApp/Preferences/Mod/Enfilade"
@@ -23,9 +25,29 @@ def wishes(doc) -> Wishes:
     try:
         data = json.loads(obj.EnfiladeWishes) if obj is not None else {}
         data["objectives"] = [Objective(**o) for o in data["objectives"]]
-        return Wishes(**data)
+        found = Wishes(**data)
+        return found if _is_sound(found) else Wishes()
     except (KeyError, TypeError, ValueError):
         return Wishes()
+
+
+def _is_sound(found: Wishes) -> bool:
+    """Whether what was remembered are wishes, whoever wrote them there."""
+
+    def is_number(value, *kinds) -> bool:
+        return isinstance(value, kinds) and not isinstance(value, bool)
+
+    objectives = all(
+        o.measure in MEASURES
+        and o.sense in ("max", "min")
+        and is_number(o.threshold, int, float)
+        and isinstance(o.is_on, bool)
+        for o in found.objectives
+    )
+    whole = all(is_number(v, int) for v in (found.members, found.seed))
+    budget = found.evaluations is None or is_number(found.evaluations, int)
+    spacing = found.spacing_m is None or is_number(found.spacing_m, int, float)
+    return bool(found.objectives) and objectives and whole and budget and spacing
 
 
 def storey(doc) -> str:
@@ -88,3 +110,11 @@ def job_folder(doc) -> str:
         if os.access(folder, os.W_OK):
             return os.path.join(folder, os.path.splitext(name)[0] + "-enfilade")
     return os.path.join(App.getUserAppDataDir(), "Enfilade", str(getattr(doc, "Uid", "") or doc.Name))
+
+
+def folder_notice(doc) -> List[str]:
+    """Where the job lies, where that is not beside the document."""
+    folder = job_folder(doc)
+    if not doc.FileName or os.path.dirname(folder) == os.path.dirname(os.path.abspath(doc.FileName)):
+        return []
+    return [say("The folder of the document cannot be written; the job lies in {}.", folder)]

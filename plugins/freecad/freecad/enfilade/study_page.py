@@ -1,5 +1,9 @@
 """Page 2: what should get better, how long to search, the run itself."""
 
+from typing import Optional
+
+import FreeCAD as App
+
 from enfilade_common.model import Objective, Wishes
 
 from . import document, settings
@@ -160,20 +164,38 @@ class StudyPage(QtWidgets.QWidget):
             level=self.level.itemData(self.level.currentIndex()),
         )
 
-    def storey(self) -> str:
-        return self.storeys.currentText() if self.storeys.count() > 1 else ""
+    def storey(self) -> Optional[str]:
+        """Label of the chosen storey; empty for walls outside any level, nothing where there is no choice."""
+        return self.storeys.itemData(self.storeys.currentIndex()) if self.storeys.count() > 1 else None
 
     def refresh(self, doc) -> None:
-        """Fills in what the active document remembers, once for each document."""
+        """Fills in what the active document remembers, once for each document, and its storeys."""
         key = doc.Name if doc is not None else None
-        if key == self._shown_for:
-            return
+        is_new = key != self._shown_for
         self._shown_for = key
-        self.storeys.clear()
-        if doc is not None:
+        if is_new and doc is not None:
             self._fill(settings.wishes(doc))
-            self.storeys.addItems(document.storeys(doc))
-            self.storeys.setCurrentIndex(max(0, self.storeys.findText(settings.storey(doc))))
+        if not (is_new or self.isVisible()):
+            return
+        self._list_storeys(doc, settings.storey(doc) if is_new and doc is not None else self.storey())
+
+    def _list_storeys(self, doc, chosen: Optional[str]) -> None:
+        labels = document.storeys(doc) if doc is not None else []
+        if labels != [self.storeys.itemData(i) for i in range(self.storeys.count())]:
+            self.storeys.clear()
+            for label in labels:
+                self.storeys.addItem(label or say("outside any level"), label)
+        if chosen in labels:
+            self.storeys.setCurrentIndex(labels.index(chosen))
+
+    def showEvent(self, event):
+        """Levels may have been drawn since the page was last seen."""
+        self.refresh(App.ActiveDocument)
+        super().showEvent(event)
+
+    def enterEvent(self, event):
+        self.refresh(App.ActiveDocument)
+        super().enterEvent(event)
 
     def begin(self) -> None:
         self.bar.setRange(0, 0)
