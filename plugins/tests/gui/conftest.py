@@ -138,7 +138,7 @@ def window(tmp_path_factory, screen):
         ["freecad", os.path.join(HERE, "session.py")], env=env, stdin=subprocess.DEVNULL, stdout=log, stderr=log
     )
     try:
-        end = time.monotonic() + 90
+        end = time.monotonic() + 240  # FreeCAD on a busy machine
         while not os.path.exists(os.path.join(folder, "ready")):
             failed = os.path.join(folder, "failed")
             said = open(failed).read() if os.path.exists(failed) else ""
