@@ -210,6 +210,9 @@ pub struct SearchArgs {
     /// Budget: seconds (the result then depends on the machine).
     #[arg(long, value_name = "S")]
     pub seconds: Option<f64>,
+    /// Write what was found so far every S seconds, into the folder so-far.
+    #[arg(long, value_name = "S")]
+    pub write_every: Option<f64>,
     /// Options wanted.
     #[arg(long, value_name = "N")]
     pub members: Option<usize>,
@@ -219,7 +222,8 @@ pub struct SearchArgs {
     /// Our search, or the paper's algorithms as published.
     #[arg(long, value_enum)]
     pub method: Option<MethodArg>,
-    /// Objectives in order with thresholds: "degree max 0.7, depth min 0.7, entropy max 0.7".
+    /// Objectives in order with thresholds: "degree max 0.7, depth min 0.7, entropy max 0.7"; measures as
+    /// -min, -max, -p10 of their cells ("degree-p10 max"), over a named pair of regions ("degree@entrance max").
     #[arg(long, value_name = "LIST")]
     pub objective: Option<String>,
     /// Weights of the composite measure: "degree +1, depth -1, entropy +1".
@@ -231,7 +235,7 @@ pub struct SearchArgs {
     /// How far apart options should be, as a fraction of the largest distance.
     #[arg(long, value_name = "0..1")]
     pub distance: Option<f64>,
-    /// Hard limits: "wall-length -5%, clearance 3, passage 0.9 m, degree-p10 >= 40".
+    /// Hard limits: "wall-length -5%, room-area -5%, clearance 3, passage 0.9 m, degree-p10 >= 40".
     #[arg(long, value_name = "LIST")]
     pub limit: Option<String>,
     /// Groups that move together: "same: door-1, door-2", "mirror-x: a, b", "mirror-y: a, b",
@@ -523,6 +527,7 @@ impl Common {
             seed: s.seed,
             evaluations: s.evaluations,
             seconds: s.seconds,
+            write_every: s.write_every,
             members: s.members,
             mode: s.mode.map(Into::into),
             method: s.method.map(Into::into),

@@ -233,6 +233,7 @@ fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
         let pinned: Vec<Vec<f64>> = args.pin.iter().map(of).collect::<Result<_, _>>()?;
         partial.pin = Some(pinned).filter(|p| !p.is_empty());
         partial.like = args.like.as_ref().map(of).transpose()?;
+        partial.pin_moves = pipeline::moves_of(&result.moves);
     }
     let (settings, out) = settings_for(&args.file, partial)?;
     let watch = WatchSettings { out_dir: out, ..WatchSettings::default() };
@@ -291,6 +292,9 @@ fn round(
             tell(match event {
                 Event::Progress(p) => JobEvent::Progress(serde_json::to_value(p).unwrap_or_default()),
                 Event::Analysis(files) => JobEvent::Analysis(files),
+                Event::SoFar { files, progress } => {
+                    JobEvent::SoFar { files, progress: serde_json::to_value(progress).unwrap_or_default() }
+                }
             });
         }
         worker.join().unwrap_or_else(|payload| std::panic::resume_unwind(payload))

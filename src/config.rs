@@ -4,6 +4,8 @@
 //! folder; the first of them that names a key wins. Unknown keys are errors with line and column.
 
 mod control;
+mod measure;
+mod pair;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,6 +15,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::report::{Error, Place};
 pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
+pub use measure::{Measure, Source};
+pub use pair::{PAIR_NAME_BYTES, PairName};
 
 /// Members of the diverse set by default (paper: n = 5).
 pub const MEMBERS_DEFAULT: usize = 5;
@@ -26,6 +30,8 @@ pub const D_MIN_DEFAULT: f64 = 0.2;
 pub const SPACING_M: [f64; 2] = [0.001, 1000.0];
 /// Most evaluations of one study.
 pub const EVALUATIONS_MAX: u64 = 100_000_000;
+/// How often what was found so far may be written, seconds: a round takes about one to write.
+pub const WRITE_EVERY_SECS: [f64; 2] = [1.0, 1e6];
 /// Most threads.
 pub const THREADS_MAX: usize = 1024;
 
@@ -92,83 +98,6 @@ pub enum Colours {
     BlueToRed,
 }
 
-/// What an objective measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Measure {
-    /// Neighbours within the region of reference.
-    Degree,
-    /// Tree depth.
-    Depth,
-    /// Entropy of the levels, bits.
-    Entropy,
-    /// Mean depth of the vertices reached.
-    MeanDepth,
-    /// Vertices reached.
-    Reach,
-    /// Area of the isovist, m².
-    IsovistArea,
-    /// Perimeter of the isovist, m.
-    IsovistPerimeter,
-    /// Compactness of the isovist, 0 to 1.
-    IsovistCompactness,
-    /// Occlusivity of the isovist, m.
-    IsovistOcclusivity,
-    /// The composite `score`.
-    Score,
-    /// Σ of the weighted penalties.
-    Penalty,
-}
-
-impl Measure {
-    /// The three measures of the paper.
-    pub const MEAN: [Self; 3] = [Self::Degree, Self::Depth, Self::Entropy];
-    const ALL: [Self; 11] = [
-        Self::Degree,
-        Self::Depth,
-        Self::Entropy,
-        Self::MeanDepth,
-        Self::Reach,
-        Self::IsovistArea,
-        Self::IsovistPerimeter,
-        Self::IsovistCompactness,
-        Self::IsovistOcclusivity,
-        Self::Score,
-        Self::Penalty,
-    ];
-
-    /// Name as in settings and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Degree => "degree",
-            Self::Depth => "depth",
-            Self::Entropy => "entropy",
-            Self::MeanDepth => "mean-depth",
-            Self::Reach => "reach",
-            Self::IsovistArea => "isovist-area",
-            Self::IsovistPerimeter => "isovist-perimeter",
-            Self::IsovistCompactness => "isovist-compactness",
-            Self::IsovistOcclusivity => "isovist-occlusivity",
-            Self::Score => "score",
-            Self::Penalty => "penalty",
-        }
-    }
-
-    /// Whether every cell has a value of it.
-    pub fn is_of_cells(self) -> bool {
-        !matches!(self, Self::Score | Self::Penalty)
-    }
-
-    /// Whether it is a measure of the polygon seen from a cell.
-    pub fn is_of_isovists(self) -> bool {
-        use Measure::{IsovistArea, IsovistCompactness, IsovistOcclusivity, IsovistPerimeter};
-        matches!(self, IsovistArea | IsovistPerimeter | IsovistCompactness | IsovistOcclusivity)
-    }
-
-    fn by_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|m| m.name() == name)
-    }
-}
-
 /// One objective with its threshold (spec 7).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObjectiveSetting {
@@ -194,12 +123,14 @@ pub enum Penalty {
     Overlap,
     /// Passages that have become too narrow, m.
     Passage,
+    /// Floor that rooms have lost, m².
+    RoomArea,
 }
 
 impl Penalty {
     /// Every penalty.
-    pub const ALL: [Self; 5] =
-        [Self::Clearance, Self::WallLength, Self::Alignment, Self::Overlap, Self::Passage];
+    pub const ALL: [Self; 6] =
+        [Self::Clearance, Self::WallLength, Self::Alignment, Self::Overlap, Self::Passage, Self::RoomArea];
 
     /// Name as in settings and files.
     pub fn name(self) -> &'static str {
@@ -209,6 +140,7 @@ impl Penalty {
             Self::Alignment => "alignment",
             Self::Overlap => "overlap",
             Self::Passage => "passage",
+            Self::RoomArea => "room-area",
         }
     }
 }
@@ -239,8 +171,28 @@ pub struct MoveTable {
 pub struct RegionTable {
     /// `query`, `reference` or `keep`.
     pub kind: String,
+    /// The pair that a region of query or of reference belongs to; none: the unnamed one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pair: Option<String>,
     /// Corners of a closed polygon, drawing units.
     pub points: Vec<[f64; 2]>,
+}
+
+/// A move that the numbers of a layout belong to, as result.json names it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct KnownMove {
+    /// Name of the group.
+    pub name: String,
+    /// `x`, `y`, `along`, `rotate` or `scale`.
+    pub kind: String,
+    /// Unit of the number.
+    pub unit: String,
+    /// Direction of `along`, degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction_deg: Option<f64>,
+    /// Mark of the corners it moves.
+    pub geometry: String,
 }
 
 /// Where an accepted drawing came from: one earlier round.
@@ -279,6 +231,7 @@ pub struct Partial {
     pub seed: Option<u64>,
     pub evaluations: Option<u64>,
     pub seconds: Option<f64>,
+    pub write_every: Option<f64>,
     pub members: Option<usize>,
     pub mode: Option<Mode>,
     pub method: Option<Method>,
@@ -305,6 +258,12 @@ pub struct Partial {
     pub regions: Vec<RegionTable>,
     #[serde(default)]
     pub lineage: Vec<LineageTable>,
+    /// The moves that the numbers of `pin` and `like` belong to.
+    #[serde(rename = "pin-move", default)]
+    pub pin_moves: Vec<KnownMove>,
+    /// Those of `warm`.
+    #[serde(rename = "warm-move", default)]
+    pub warm_moves: Vec<KnownMove>,
     #[serde(default)]
     pub watch: Option<WatchTable>,
     /// Belongs to the plugin that wrote it.
@@ -349,6 +308,10 @@ impl Partial {
 
     /// This source, with `base` where it says nothing.
     pub fn over(self, base: Self) -> Self {
+        // Moves go with the numbers that belong to them.
+        let pin_moves =
+            if self.pin.is_some() || self.like.is_some() { self.pin_moves } else { base.pin_moves };
+        let warm_moves = if self.warm.is_some() { self.warm_moves } else { base.warm_moves };
         let tables = |mine: Vec<_>, theirs| if mine.is_empty() { theirs } else { mine };
         Self {
             unit: self.unit.or(base.unit),
@@ -366,6 +329,7 @@ impl Partial {
             seed: self.seed.or(base.seed),
             evaluations: self.evaluations.or(base.evaluations),
             seconds: self.seconds.or(base.seconds),
+            write_every: self.write_every.or(base.write_every),
             members: self.members.or(base.members),
             mode: self.mode.or(base.mode),
             method: self.method.or(base.method),
@@ -389,6 +353,8 @@ impl Partial {
             moves: tables(self.moves, base.moves),
             regions: if self.regions.is_empty() { base.regions } else { self.regions },
             lineage: if self.lineage.is_empty() { base.lineage } else { self.lineage },
+            pin_moves,
+            warm_moves,
             watch: self.watch.or(base.watch),
             host: self.host.or(base.host),
         }
@@ -429,6 +395,9 @@ pub struct Settings {
     pub evaluations: Option<u64>,
     /// Budget in seconds; with it the outcome depends on the machine.
     pub seconds: Option<f64>,
+    /// What was found so far is written this often, seconds; `None`: at the end alone. Never decides the outcome.
+    #[serde(skip)]
+    pub write_every_secs: Option<f64>,
     /// Members of the diverse set.
     pub members: usize,
     /// A set or one optimum.
@@ -466,6 +435,12 @@ pub struct Settings {
     /// Parameters of layouts worth knowing before the search begins.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warm: Vec<Vec<f64>>,
+    /// The moves that the numbers of `pinned` and `like` belong to; empty: those of the drawing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pin_moves: Vec<KnownMove>,
+    /// Those of `warm`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warm_moves: Vec<KnownMove>,
     /// Colours of heat maps.
     pub colours: Colours,
     /// Storey of a building; `None`: the one with most walls.
@@ -543,6 +518,12 @@ impl Settings {
             seed: p.seed.unwrap_or(1),
             evaluations: p.evaluations,
             seconds: in_range("seconds", p.seconds, 0.1, 1e6)?,
+            write_every_secs: in_range(
+                "write-every",
+                p.write_every,
+                WRITE_EVERY_SECS[0],
+                WRITE_EVERY_SECS[1],
+            )?,
             members,
             mode: p.mode.unwrap_or_default(),
             method: p.method.unwrap_or_default(),
@@ -559,6 +540,8 @@ impl Settings {
             pinned,
             like: p.like,
             warm: p.warm.unwrap_or_default(),
+            pin_moves: p.pin_moves,
+            warm_moves: p.warm_moves,
             colours: p.colours.unwrap_or_default(),
             storey: p.storey,
             query: p.query,
@@ -606,9 +589,11 @@ fn bad(key: &str, found: &str, expected: &str) -> Error {
 }
 
 fn objectives(text: &str) -> Result<Vec<ObjectiveSetting>, Error> {
-    let expected = "`MEASURE max|min THRESHOLD`, separated by commas; MEASURE is degree, depth, entropy, mean-depth, reach, \
-                    isovist-area, -perimeter, -compactness or -occlusivity, with -min, -max or -p1 to -p99 behind it for other \
-                    than the mean, or penalty or score; THRESHOLD from 0 to 1";
+    let expected = format!(
+        "`MEASURE max|min THRESHOLD`, separated by commas; MEASURE is one of {}; with -min, -max or -p1 to -p99 behind \
+         it for other than the mean, and @NAME for the regions of a named pair; THRESHOLD from 0 to 1",
+        Measure::all_names()
+    );
     let mut out: Vec<ObjectiveSetting> = Vec::new();
     for clause in clauses(text) {
         let words: Vec<&str> = clause.split_whitespace().collect();
@@ -621,7 +606,7 @@ fn objectives(text: &str) -> Result<Vec<ObjectiveSetting>, Error> {
             {
                 out.push(ObjectiveSetting { measure, is_max: sense == "max", threshold });
             }
-            _ => return Err(bad("objective", &format!("{clause:?}"), expected)),
+            _ => return Err(bad("objective", &format!("{clause:?}"), &expected)),
         }
     }
     let twice = (0..out.len()).find(|i| out[..*i].iter().any(|o| o.measure == out[*i].measure));
@@ -647,7 +632,7 @@ fn score_terms(text: &str) -> Result<Vec<(Aim, f64)>, Error> {
                 return Err(bad(
                     "score",
                     &format!("{clause:?}"),
-                    "`degree +1, depth -1, entropy +1`, each once",
+                    "`degree +1, depth -1, degree@entrance +1`, each once",
                 ));
             }
         }
@@ -676,8 +661,7 @@ fn penalties(text: &str) -> Result<Vec<(Penalty, f64)>, Error> {
 }
 
 fn limits(text: &str) -> Result<Vec<Limit>, Error> {
-    let expected =
-        "`wall-length -5%`, `clearance <= 3`, `passage 0.9 m` or `degree-p10 >= 40`, separated by commas";
+    let expected = "`wall-length -5%`, `room-area -5%`, `clearance <= 3`, `passage 0.9 m` or `degree-p10 >= 40`, separated by commas";
     clauses(text).map(|c| c.parse().map_err(|_| bad("limit", &format!("{c:?}"), expected))).collect()
 }
 
@@ -738,6 +722,8 @@ mod tests {
             (with(|p| p.most_moves = Some(0)), "most-moves"),
             (with(|p| p.pin = Some(vec![vec![0.0]; 5])), "pin"),
             (with(|p| p.like = Some(vec![f64::NAN])), "finite"),
+            (with(|p| p.write_every = Some(0.5)), "write-every"),
+            (with(|p| p.objective = Some("degree@a@b max".into())), "degree@a@b"),
             (with(|p| p.spacing = Some(0.0)), "spacing"),
             (with(|p| p.spacing = Some(f64::NAN)), "spacing"),
             (with(|p| p.members = Some(0)), "members"),
@@ -761,5 +747,17 @@ mod tests {
         let drawing = Partial::from_toml("b", "seed = 4").unwrap();
         let s = Settings::new(drawing.over(folder)).unwrap();
         assert_eq!((s.seed, s.members), (4, 2));
+    }
+
+    #[test]
+    fn numbers_of_a_layout_keep_the_moves_they_belong_to() {
+        let of = |name: &str| {
+            let text = "pin = [[1.0]]\nwarm = [[2.0]]\n[[pin-move]]\nname = \"N\"\nkind = \"x\"\nunit = \"m\"\ngeometry = \"0\"\n";
+            Partial::from_toml("a", &text.replace('N', name)).unwrap()
+        };
+        let asked = Partial { like: Some(vec![0.5]), ..Partial::default() };
+        assert_eq!(asked.over(of("a")).pin_moves, []);
+        assert_eq!(Partial::default().over(of("a")).pin_moves[0].name, "a");
+        assert_eq!(of("b").over(of("a")).pin_moves[0].name, "b");
     }
 }

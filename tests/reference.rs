@@ -39,7 +39,7 @@ fn assert_values(study: &Study, expected: &Value) {
     assert_eq!(lattice.query.len() as u64, count("query"));
     assert_eq!(lattice.is_reference.iter().filter(|r| **r).count() as u64, count("reference"));
     assert_eq!(study.edges, count("edges"));
-    let means = study.initial.means;
+    let means = study.initial.seen.means;
     for (key, found) in [
         ("degree", means.degree),
         ("degree_all", means.degree_all),
@@ -88,7 +88,7 @@ fn the_maze_vertex_by_vertex() {
     let Some(expected) = expected("maze_a.vertices.json") else { return };
     let study = study("maze_a.dxf", partial(&expected)).unwrap();
     let vertices = &expected["per_vertex"];
-    let tally = &study.initial.tally;
+    let tally = &study.initial.seen.tally;
     let mut starts = vec![0usize];
     tally.depth.iter().for_each(|d| starts.push(starts[starts.len() - 1] + *d as usize));
     let by_place: HashMap<[i64; 2], usize> = study

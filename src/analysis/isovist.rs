@@ -46,12 +46,12 @@ pub fn isovist_columns(lattice: &Lattice, obstacles: &Obstacles) -> Vec<Column> 
     transpose(names.map(String::from), &isovists(lattice, obstacles, &all))
 }
 
-/// Area (m²), perimeter (m), compactness and occlusivity (m) of the isovists of the query vertices, in
-/// their order; 0 for those that see nothing.
-pub fn query_isovists(lattice: &Lattice, obstacles: &Obstacles) -> Vec<[f64; 4]> {
+/// Area (m²), perimeter (m), compactness, occlusivity, drift, longest and shortest radial (m) of the
+/// isovists of the query vertices, in their order; 0 for those that see nothing.
+pub fn query_isovists(lattice: &Lattice, obstacles: &Obstacles) -> Vec<[f64; 7]> {
     let rows = isovists(lattice, obstacles, &lattice.query);
     let value = |v: f64| if v == UNDEFINED || !v.is_finite() { 0.0 } else { v };
-    rows.into_iter().map(|r| [r[0], r[7], r[1], r[6]].map(value)).collect()
+    rows.into_iter().map(|r| [r[0], r[7], r[1], r[6], r[3], r[4], r[5]].map(value)).collect()
 }
 
 /// The values of [`isovist_columns`] for some vertices.

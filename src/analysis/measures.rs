@@ -222,8 +222,9 @@ fn mix(seed: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// One vertex from its level counts, in the order of [`global_columns`].
-fn global_row(levels: &[u32]) -> [f64; 7] {
+/// One vertex from its level counts, in the order of [`global_columns`]: entropy, integration (HH, P-value,
+/// Tekl), mean depth, node count, relativised entropy; [`UNDEFINED`] where there is none.
+pub fn global_row(levels: &[u32]) -> [f64; 7] {
     let reached: u64 = levels.iter().map(|&n| u64::from(n)).sum();
     let total: u64 = levels.iter().zip(1..).map(|(&n, l)| l * u64::from(n)).sum();
     let n = (reached + 1) as f64;

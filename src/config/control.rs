@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Measure, Penalty};
+use super::{Measure, PairName, Penalty};
 
 /// How the values of the cells become one number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub enum Aggregate {
     Percentile(u8),
 }
 
-/// A measure taken together over the region of query: `degree`, `degree-p10`, `depth-max`.
+/// A measure taken together over a region of query: `degree`, `degree-p10`, `depth-max@entrance`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Aim {
@@ -30,17 +30,19 @@ pub struct Aim {
     pub measure: Measure,
     /// How the cells become one number.
     pub aggregate: Aggregate,
+    /// The named pair of regions it is measured over; `None`: the unnamed one.
+    pub pair: Option<PairName>,
 }
 
 impl Aim {
-    /// The mean of a measure.
+    /// The mean of a measure over the unnamed pair.
     pub const fn mean(measure: Measure) -> Self {
-        Self { measure, aggregate: Aggregate::Mean }
+        Self { measure, aggregate: Aggregate::Mean, pair: None }
     }
 
     /// Whether it is the mean of one of the paper's three measures, which every layout has.
     pub fn is_basic(self) -> bool {
-        self.aggregate == Aggregate::Mean && Measure::MEAN.contains(&self.measure)
+        self.aggregate == Aggregate::Mean && Measure::MEAN.contains(&self.measure) && self.pair.is_none()
     }
 }
 
@@ -52,7 +54,8 @@ impl fmt::Display for Aim {
             Aggregate::Min => write!(f, "{name}-min"),
             Aggregate::Max => write!(f, "{name}-max"),
             Aggregate::Percentile(p) => write!(f, "{name}-p{p}"),
-        }
+        }?;
+        self.pair.map_or(Ok(()), |pair| write!(f, "@{pair}"))
     }
 }
 
@@ -60,10 +63,13 @@ impl FromStr for Aim {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        if let Some(measure) = Measure::by_name(text) {
-            return Ok(Self::mean(measure));
-        }
-        let parts = text.rsplit_once('-').and_then(|(name, how)| {
+        let (what, pair) = match text.split_once('@') {
+            Some((what, name)) => (what, Some(name.parse::<PairName>()?)),
+            None => (text, None),
+        };
+        let whole = || Measure::by_name(what).map(|measure| (measure, Aggregate::Mean));
+        let parts = || {
+            let (name, how) = what.rsplit_once('-')?;
             let measure = Measure::by_name(name).filter(|m| m.is_of_cells())?;
             let percent = || how.strip_prefix('p')?.parse::<u8>().ok().filter(|p| (1..=99).contains(p));
             let aggregate = match how {
@@ -72,9 +78,13 @@ impl FromStr for Aim {
                 "max" => Aggregate::Max,
                 _ => Aggregate::Percentile(percent()?),
             };
-            Some(Self { measure, aggregate })
-        });
-        parts.ok_or_else(|| format!("{text:?} is no measure"))
+            Some((measure, aggregate))
+        };
+        let (measure, aggregate) = whole().or_else(parts).ok_or_else(|| format!("{text:?} is no measure"))?;
+        if pair.is_some() && !measure.is_of_cells() {
+            return Err(format!("{text:?}: {what} is of the whole layout, not of a pair of regions"));
+        }
+        Ok(Self { measure, aggregate, pair })
     }
 }
 
@@ -83,7 +93,8 @@ impl FromStr for Aim {
 pub enum Held {
     /// A measure, or `score`.
     Aim(Aim),
-    /// A penalty: clr (m²), wall length (m), alignment (rad²), overlap (m); for a passage its width (m).
+    /// A penalty: clr (m²), wall length (m), alignment (rad²), overlap (m), floor that rooms have lost (m²); for
+    /// a passage its width (m).
     Penalty(Penalty),
 }
 
@@ -287,7 +298,17 @@ mod tests {
 
     #[test]
     fn text_forms_read_back() {
-        for text in ["degree", "degree-p10", "depth-max", "isovist-area-min", "mean-depth-p90"] {
+        for text in [
+            "degree",
+            "degree-p10",
+            "depth-max",
+            "isovist-area-min",
+            "mean-depth-p90",
+            "isovist-max-radial",
+            "integration-p-value-p5",
+            "degree@entrance",
+            "metric-distance-max@main-hall",
+        ] {
             assert_eq!(text.parse::<Aim>().unwrap().to_string(), text);
         }
         for text in [
@@ -295,7 +316,10 @@ mod tests {
             "wall-length +2.5%",
             "clearance <= 3",
             "passage 0.9 m",
+            "room-area -5%",
+            "room-area <= 2",
             "degree-p10 >= 40",
+            "degree@exit >= 40",
             "score >= 0",
             "depth +0%",
         ] {
@@ -306,12 +330,24 @@ mod tests {
         }
         assert_eq!("100mm, 5 deg".parse::<Snap>().unwrap().to_string(), "0.1 m, 5 deg");
         assert_eq!("passage 900mm".parse::<Limit>().unwrap().bound, Bound::At(0.9));
+        assert_eq!("degree@Main".parse::<Aim>().unwrap().to_string(), "degree@main");
         assert_eq!("clearance 3".parse(), "clearance <= 3".parse::<Limit>());
     }
 
     #[test]
     fn what_says_nothing_is_refused() {
-        for text in ["beauty", "degree-p0", "degree-p100", "score-min", "degree-", "-p10"] {
+        for text in [
+            "beauty",
+            "degree-p0",
+            "degree-p100",
+            "score-min",
+            "degree-",
+            "-p10",
+            "degree@",
+            "degree@a,b",
+            "score@exit",
+            "@exit",
+        ] {
             assert!(text.parse::<Aim>().is_err(), "{text}");
         }
         for text in

@@ -76,6 +76,7 @@ fn publish(
     before(&home.folder().join(round_name(number)), staged.written())?;
     cancel.check()?;
     let folder = staged.publish_round(number)?;
+    home.drop_so_far();
     Ok(Done { folder, round: Some(number), is_degraded, summary })
 }
 
@@ -104,6 +105,16 @@ impl Desk<'_> {
             JobEvent::Analysis(_) if self.cancel.is_stopped() => {}
             JobEvent::Analysis(files) => match self.home.publish_analysis(&files) {
                 Ok(folder) => (self.tell)(Told::Analysis(folder)),
+                Err(error) => self.complain(Err(error)),
+            },
+            JobEvent::SoFar { .. } if self.cancel.is_stopped() => {}
+            JobEvent::SoFar { files, mut progress } => match self.home.publish_so_far(&files) {
+                Ok(folder) => {
+                    progress["folder"] = folder.to_string_lossy().into();
+                    let outcome = self.write("running", None, None, Some(&progress));
+                    self.complain(outcome);
+                    (self.tell)(Told::Progress(progress));
+                }
                 Err(error) => self.complain(Err(error)),
             },
         }

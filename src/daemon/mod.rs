@@ -59,6 +59,14 @@ pub enum JobEvent {
     Progress(Value),
     /// Early results: published at once as the content of `analysis/`.
     Analysis(Vec<OutFile>),
+    /// The best of the search so far: published at once as the content of `so-far/`, which the finished round
+    /// replaces.
+    SoFar {
+        /// The files, as those of a round.
+        files: Vec<OutFile>,
+        /// As in [`JobEvent::Progress`]; the folder is added.
+        progress: Value,
+    },
 }
 
 /// What a job leaves.

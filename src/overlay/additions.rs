@@ -40,13 +40,16 @@ const LEGEND_SWATCHES: usize = 6;
 /// Letters a line of a note holds.
 const NOTE_LINE_LETTERS: usize = 64;
 
-/// The layer of a measure: `EF-HEAT-DEGREE`.
+/// Longest name of a layer in the oldest versions of DXF, characters.
+const MAX_LAYER_NAME: usize = 31;
+
+/// The layer of a measure: `EF-HEAT-DEGREE`; a name too long for old versions is cut off.
 pub fn heat_layer(measure: &str) -> String {
     let name: String = measure
         .chars()
         .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_uppercase() } else { '-' })
         .collect();
-    format!("{HEAT_LAYER_PREFIX}{name}")
+    format!("{HEAT_LAYER_PREFIX}{name}").chars().take(MAX_LAYER_NAME).collect()
 }
 
 /// Coloured rectangles for the cells that have a value, on `layer`.
@@ -338,6 +341,7 @@ mod tests {
     #[test]
     fn layers_of_measures_have_plain_names() {
         assert_eq!(heat_layer("degree"), "EF-HEAT-DEGREE");
+        assert_eq!(heat_layer("degree-entrance of the north"), "EF-HEAT-DEGREE-ENTRANCE-OF-THE-");
         assert_eq!(heat_layer("max radial*"), "EF-HEAT-MAX-RADIAL-");
     }
 }

@@ -165,6 +165,150 @@ pub const WORDINGS: &[Wording] = &[
         more_less: ["more behind corners", "less behind corners"],
     },
     Wording {
+        key: "room_area_m2",
+        plain: "Room lost",
+        technical: "room area",
+        unit: "m²",
+        meaning: "The floor that rooms have lost, doors and passages taken as closed, summed over all rooms; what others gain does not make up for it.",
+        more_less: ["rooms lose floor", "rooms keep their floor"],
+    },
+    Wording {
+        key: "connectivity",
+        plain: "Visibility of everything",
+        technical: "connectivity",
+        unit: "cells seen",
+        meaning: "How much of everything that is measured can be seen from a spot, counted in cells.",
+        more_less: ["more is seen", "less is seen"],
+    },
+    Wording {
+        key: "integration-p-value",
+        plain: "Integration (P-value)",
+        technical: "integration by the P-value",
+        unit: "",
+        meaning: "Integration, made comparable between plans by another formula.",
+        more_less: ["better connected", "more remote"],
+    },
+    Wording {
+        key: "integration-tekl",
+        plain: "Integration (Tekl)",
+        technical: "integration by Teklenburg's formula",
+        unit: "",
+        meaning: "Integration, made comparable between plans by Teklenburg's formula.",
+        more_less: ["better connected", "more remote"],
+    },
+    Wording {
+        key: "relativised-entropy",
+        plain: "Unexpected spread",
+        technical: "relativised entropy",
+        unit: "bits",
+        meaning: "How far the spread of the space over the views differs from what the mean depth leads one to expect.",
+        more_less: ["less as expected", "more as expected"],
+    },
+    Wording {
+        key: "isovist-drift",
+        plain: "Drift of the view",
+        technical: "isovist drift magnitude",
+        unit: "m",
+        meaning: "How far the middle of what is seen lies from the spot: large at an edge that looks into the open.",
+        more_less: ["views drift more", "views drift less"],
+    },
+    Wording {
+        key: "isovist-max-radial",
+        plain: "Longest view",
+        technical: "isovist max radial",
+        unit: "m",
+        meaning: "How far one can see from a spot at most.",
+        more_less: ["farther views", "shorter views"],
+    },
+    Wording {
+        key: "isovist-min-radial",
+        plain: "Nearest wall",
+        technical: "isovist min radial",
+        unit: "m",
+        meaning: "How far the nearest wall is from a spot.",
+        more_less: ["more room around", "less room around"],
+    },
+    Wording {
+        key: "control",
+        plain: "Control",
+        technical: "control",
+        unit: "",
+        meaning: "Whether a spot sees places that see little themselves: high where one place watches over many secluded ones.",
+        more_less: ["watches over more", "watches over less"],
+    },
+    Wording {
+        key: "controllability",
+        plain: "Controllability",
+        technical: "controllability",
+        unit: "",
+        meaning: "What is seen from a spot as a share of all that is seen from there: low where one is easily watched from elsewhere.",
+        more_less: ["harder to watch", "easier to watch"],
+    },
+    Wording {
+        key: "first-moment",
+        plain: "Sum of distances seen",
+        technical: "point first moment",
+        unit: "m",
+        meaning: "The distances to all cells seen, added up: large where the view is wide and far.",
+        more_less: ["wider views", "narrower views"],
+    },
+    Wording {
+        key: "second-moment",
+        plain: "Sum of squared distances seen",
+        technical: "point second moment",
+        unit: "m²",
+        meaning: "The squares of the distances to all cells seen, added up: far views count most.",
+        more_less: ["farther views", "shorter views"],
+    },
+    Wording {
+        key: "metric-distance",
+        plain: "Walking distance",
+        technical: "metric mean shortest-path distance",
+        unit: "m",
+        meaning: "How far it is to walk to the other spots, on average.",
+        more_less: ["longer ways", "shorter ways"],
+    },
+    Wording {
+        key: "metric-angle",
+        plain: "Turning on the shortest ways",
+        technical: "metric mean shortest-path angle",
+        unit: "right angles",
+        meaning: "How much one turns on the shortest ways to the other spots, on average.",
+        more_less: ["more turning", "less turning"],
+    },
+    Wording {
+        key: "metric-straight",
+        plain: "Distance as the crow flies",
+        technical: "metric mean straight-line distance",
+        unit: "m",
+        meaning: "How far the other spots that can be reached are in a straight line, on average.",
+        more_less: ["farther apart", "nearer together"],
+    },
+    Wording {
+        key: "angular-depth",
+        plain: "Turning",
+        technical: "angular mean depth",
+        unit: "right angles",
+        meaning: "How much one has to turn to get to the other spots, on average, on the straightest ways.",
+        more_less: ["more turning", "less turning"],
+    },
+    Wording {
+        key: "angular-total",
+        plain: "Turning in all",
+        technical: "angular total depth",
+        unit: "right angles",
+        meaning: "How much one has to turn to get to every other spot, added up.",
+        more_less: ["more turning", "less turning"],
+    },
+    Wording {
+        key: "through-vision",
+        plain: "Views passing over",
+        technical: "through vision",
+        unit: "sight lines",
+        meaning: "How many lines of sight pass over a spot: high where people are in everybody's view.",
+        more_less: ["more views pass", "fewer views pass"],
+    },
+    Wording {
         key: "integration",
         plain: "Integration",
         technical: "integration HH",
@@ -207,12 +351,17 @@ pub fn plain_name(key: &str) -> String {
     let (base, part) = parts(key);
     match wording(base) {
         Some(w) => format!("{}{part}", w.plain),
-        None => sentence_case(key),
+        None => sentence_case(key).replace('@', ", "),
     }
 }
 
-/// The measure of a key, and of which of its cells it tells: `degree-p10` is the degree, `, lowest 10 %`.
+/// The measure of a key, and of which of its cells it tells: `degree-p10` is the degree, `, lowest 10 %`;
+/// `degree@main-hall` is the degree, ` (main hall)`.
 pub fn parts(key: &str) -> (&str, String) {
+    if let Some((key, pair)) = key.split_once('@') {
+        let (base, part) = parts(key);
+        return (base, format!("{part} ({})", pair.replace(['-', '_'], " ")));
+    }
     let percent = |how: &str| how.strip_prefix('p').and_then(|p| p.parse::<u8>().ok());
     match key.rsplit_once('-') {
         Some((base, "min")) => (base, ", least".to_owned()),
@@ -384,5 +533,7 @@ mod tests {
         assert_eq!(sentence_case("door-3"), "Door 3");
         assert_eq!(plain_name("depth"), "Accessibility");
         assert_eq!(plain_name("max_radial"), "Max radial");
+        assert_eq!(plain_name("degree-p10@main-hall"), "Visibility, lowest 10 % (main hall)");
+        assert_eq!(plain_name("isovist-max-radial"), "Longest view");
     }
 }

@@ -149,6 +149,17 @@ pub enum MoveKind {
 }
 
 impl MoveKind {
+    /// As in result.json.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Along => "along",
+            Self::Rotate => "rotate",
+            Self::Scale => "scale",
+        }
+    }
+
     /// The value that leaves the drawing as it is.
     pub fn identity(self) -> f64 {
         if self == Self::Scale { 1.0 } else { 0.0 }
@@ -173,6 +184,9 @@ pub struct MoveEntry {
     pub direction_deg: Option<f64>,
     /// What moves.
     pub elements: Vec<ElementRef>,
+    /// Mark of the corners that move: another one where others move.
+    #[serde(default)]
+    pub geometry: String,
 }
 
 /// How one element stands otherwise.
@@ -458,6 +472,9 @@ pub struct RegionEntry {
     pub area_m2: f64,
     /// Where it was drawn; empty for the interior.
     pub place: String,
+    /// The named pair it belongs to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pair: Option<String>,
 }
 
 /// `check --json`: what the program understood.

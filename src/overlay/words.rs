@@ -65,11 +65,19 @@ pub fn parts(explanation: &Explanation) -> String {
 /// `Keeps 83 % of the best visibility found, 95 % of depth`; empty for a single objective that is best.
 fn kept(explanation: &Explanation) -> String {
     let one = |(i, (key, share)): (usize, &(String, f64))| {
-        let name = if key == "depth" { "depth".to_owned() } else { plain_name(key).to_lowercase() };
+        let name = told_name(key);
         let of = format!("{} of the best {name}", percent(*share));
         if i == 0 { format!("Keeps {of} found") } else { of }
     };
     explanation.kept.0.iter().enumerate().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// A measure in a sentence: accessibility is told by its steps, depth.
+fn told_name(key: &str) -> String {
+    match base(key) {
+        ("depth", part) => format!("depth{part}"),
+        _ => plain_name(key).to_lowercase(),
+    }
 }
 
 fn percent(share: f64) -> String {
@@ -96,9 +104,9 @@ pub fn gains(initial: &Numbers, now: &Numbers) -> String {
         let to = now.get(key)?;
         let change = percent_change(*from, to)?;
         let known = wording(base(key).0).filter(|w| is_told(w.key))?;
-        let name = if key == "depth" { "depth".to_owned() } else { plain_name(key).to_lowercase() };
+        let name = told_name(key);
         let why = if to > *from { known.more_less[0] } else { known.more_less[1] };
-        let why = if change.starts_with('±') || key == "degree" { "" } else { why };
+        let why = if change.starts_with('±') || base(key).0 == "degree" { "" } else { why };
         let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
         Some(format!("{name} {change}{why}"))
     };
@@ -210,6 +218,7 @@ mod tests {
             unit: unit.to_owned(),
             direction_deg: None,
             elements: Vec::new(),
+            geometry: String::new(),
         }
     }
 

@@ -10,6 +10,7 @@ pub mod disconnection;
 pub mod overlap;
 pub mod pairs;
 pub mod passage;
+pub mod room_area;
 pub mod rounded;
 pub mod wall_length;
 
@@ -20,6 +21,7 @@ pub use clearance::Clearance;
 pub use disconnection::disconnection;
 pub use overlap::Overlap;
 pub use passage::Passage;
+pub use room_area::RoomArea;
 pub use wall_length::WallLength;
 
 /// Walls closer than this count as touching, and a joint this near the straight line as straight:

@@ -8,9 +8,10 @@ use std::sync::Arc;
 use toml::{Table, Value};
 
 use super::Input;
+use super::fits;
 use super::round::edits_of;
 use super::study::{self, Understood};
-use crate::config::{LineageTable, Method, Mode, Settings};
+use crate::config::{KnownMove, LineageTable, Method, Mode, Partial, Settings};
 use crate::formats;
 use crate::moves::Parameter;
 use crate::overlay::result::{Numbers, RoundResult};
@@ -85,8 +86,32 @@ pub fn accept(
         accepted: pairs(mean),
     };
     let positions = positions(&base, &layout);
-    let side_car = side_car(&base, &settings, result, parameters, &positions, lineage)?;
+    let mut table = side_car(&base, &settings, result, parameters, &positions, lineage)?;
+    if table.contains_key("warm") {
+        let known = moves_again(input, &drawing, &table, &settings)?;
+        let known = known.into_iter().map(Value::try_from).collect::<Result<Vec<_>, _>>();
+        table.insert("warm-move".into(), known.map_err(toml_failed)?.into());
+    }
+    let text = toml::to_string(&table).map_err(toml_failed)?;
+    let side_car = format!(
+        "# Written by `enfilade accept`: what the next round of this drawing needs to know.\n\
+         # Moves count from the drawing as it is now; EF-MOVE in the drawing is left unread. Delete this file to\n\
+         # start afresh from the markers.\n{text}"
+    );
     Ok(Accepted { drawing, side_car })
+}
+
+/// The moves of the new drawing with its side-car: what the numbers of `warm` belong to.
+fn moves_again(
+    input: &Input<'_>,
+    drawing: &[u8],
+    side_car: &Table,
+    settings: &Settings,
+) -> Result<Vec<KnownMove>, Error> {
+    let text = toml::to_string(side_car).map_err(toml_failed)?;
+    let again = Settings { twin: settings.twin.clone(), ..Settings::new(Partial::from_toml("", &text)?)? };
+    let base = study::read(input.file(), drawing, &again, &mut Report::default())?;
+    Ok(fits::known_moves(&base))
 }
 
 fn pairs(numbers: &Numbers) -> std::collections::BTreeMap<String, f64> {
@@ -112,7 +137,7 @@ fn side_car(
     parameters: &[f64],
     positions: &[Vec<[f64; 2]>],
     last: LineageTable,
-) -> Result<String, Error> {
+) -> Result<Table, Error> {
     let mut out = Table::new();
     let mut set = |key: &str, value: Value| out.insert(key.into(), value);
     set("unit", base.plan.unit.unit.name.into());
@@ -170,12 +195,7 @@ fn side_car(
     }
     let rounds = settings.lineage.iter().chain(std::iter::once(&last)).map(Value::try_from);
     set("lineage", rounds.collect::<Result<Vec<_>, _>>().map_err(toml_failed)?.into());
-    let text = toml::to_string(&out).map_err(toml_failed)?;
-    Ok(format!(
-        "# Written by `enfilade accept`: what the next round of this drawing needs to know.\n\
-         # Moves count from the drawing as it is now; EF-MOVE in the drawing is left unread. Delete this file to\n\
-         # start afresh from the markers.\n{text}"
-    ))
+    Ok(out)
 }
 
 /// What the architect decided beyond objectives.

@@ -1,7 +1,7 @@
 //! What is asked of a layout: measures taken together in other ways than the mean, and hard limits.
 
-use super::study::{Study, Worth, divisor};
-use crate::analysis::measures::entropy_bits;
+use super::study::{Seen, Study, Worth, divisor};
+use crate::analysis::measures::{UNDEFINED, global_row};
 use crate::config::{Aggregate, Aim, Bound, Held, Limit, Measure, Penalty, Settings};
 
 /// A limit passed by less than this share of it is kept: written coordinates are rounded to 1 µm.
@@ -35,43 +35,63 @@ pub fn passage_widths_m(settings: &Settings, penalty_m: f64) -> Vec<f64> {
     is_asked.then_some(penalty_m).into_iter().chain(limits).collect()
 }
 
-/// Values of one measure, one a query vertex; none for `score` and `penalty`.
-pub fn cell_values(worth: &Worth, measure: Measure) -> Vec<f64> {
-    let tally = &worth.tally;
-    let levels = |of: fn(&[u32]) -> f64| {
+/// Whether the settings ask for the areas of rooms.
+pub fn asks_for_rooms(settings: &Settings) -> bool {
+    let is_limit = |l: &Limit| l.held == Held::Penalty(Penalty::RoomArea);
+    settings.penalties.iter().any(|p| p.0 == Penalty::RoomArea) || settings.limits.iter().any(is_limit)
+}
+
+/// Values of one measure, one a query vertex, NaN where it has none; empty for `score` and `penalty`.
+pub fn cell_values(seen: &Seen, measure: Measure) -> Vec<f64> {
+    let tally = &seen.tally;
+    let levels = |k: usize| {
         let mut at = 0;
         let mut next = |d: &u32| {
             let own = &tally.levels[at..at + *d as usize];
             at += *d as usize;
-            of(own)
+            global_row(own)[k]
         };
-        tally.depth.iter().map(&mut next).collect()
+        // Who sees nobody is 0 steps away, and the spread over no steps is 0 bits.
+        let is_zero = matches!(measure, Measure::Entropy | Measure::MeanDepth);
+        let defined = |v: f64| {
+            if v != UNDEFINED {
+                v
+            } else if is_zero {
+                0.0
+            } else {
+                f64::NAN
+            }
+        };
+        tally.depth.iter().map(|d| defined(next(d))).collect::<Vec<f64>>()
     };
-    let isovist = |k: usize| worth.isovists.iter().map(|v| v[k]).collect();
+    let isovist = |k: usize| seen.isovists.iter().map(|v| v[k]).collect();
+    let counts = |list: &[u32]| list.iter().map(|v| f64::from(*v)).collect();
     match measure {
-        Measure::Degree => tally.degree.iter().map(|v| f64::from(*v)).collect(),
-        Measure::Depth => tally.depth.iter().map(|v| f64::from(*v)).collect(),
-        Measure::Entropy => levels(entropy_bits),
-        Measure::MeanDepth => levels(mean_depth),
-        Measure::Reach => levels(|own| own.iter().map(|n| f64::from(*n)).sum()),
+        Measure::Degree => counts(&tally.degree),
+        Measure::Connectivity => counts(&tally.degree_all),
+        Measure::Depth => counts(&tally.depth),
+        Measure::Entropy => levels(0),
+        Measure::Integration => levels(1),
+        Measure::IntegrationPValue => levels(2),
+        Measure::IntegrationTekl => levels(3),
+        Measure::MeanDepth => levels(4),
+        Measure::Reach => levels(5).into_iter().map(|n| n - 1.0).collect(),
+        Measure::RelativisedEntropy => levels(6),
         Measure::IsovistArea => isovist(0),
         Measure::IsovistPerimeter => isovist(1),
         Measure::IsovistCompactness => isovist(2),
         Measure::IsovistOcclusivity => isovist(3),
-        Measure::Score | Measure::Penalty => Vec::new(),
+        Measure::IsovistDrift => isovist(4),
+        Measure::IsovistMaxRadial => isovist(5),
+        Measure::IsovistMinRadial => isovist(6),
+        _ => seen.columns.iter().find(|c| c.0 == measure).map_or_else(Vec::new, |c| c.1.clone()),
     }
 }
 
-/// `Σ j n_j / Σ n_j` over the levels; 0 for an isolated vertex.
-fn mean_depth(levels: &[u32]) -> f64 {
-    let total: f64 = levels.iter().map(|n| f64::from(*n)).sum();
-    let steps: f64 = levels.iter().enumerate().map(|(j, n)| (j + 1) as f64 * f64::from(*n)).sum();
-    if total > 0.0 { steps / total } else { 0.0 }
-}
-
-/// The values of the cells as one number; 0 without cells. A percentile is the least value that so many
-/// per cent of the cells do not exceed (nearest rank).
+/// The values of the cells as one number, those that have one; 0 without. A percentile is the least value
+/// that so many per cent of the cells do not exceed (nearest rank).
 pub fn together(mut values: Vec<f64>, aggregate: Aggregate) -> f64 {
+    values.retain(|v| !v.is_nan());
     let n = values.len();
     if n == 0 {
         return 0.0;
@@ -104,6 +124,10 @@ pub fn held(study: &Study, settings: &Settings, worth: &Worth, index: usize) -> 
             let nth = settings.limits[..index].iter().filter(is_passage).count() + 1;
             (width_m - worth.passages_m.get(nth).copied().unwrap_or(0.0), width_m)
         }
+        (Held::Penalty(Penalty::RoomArea), Bound::Change(share)) => {
+            let [least, most] = study.room_extremes(worth);
+            (if limit.is_least { least } else { most }, share)
+        }
         (_, Bound::At(at)) => (value(worth), at),
         (_, Bound::Change(share)) => {
             let present = value(&study.initial);
@@ -126,6 +150,7 @@ pub fn missed(study: &Study, settings: &Settings, worth: &Worth) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::Tally;
 
     #[test]
     fn cells_become_one_number() {
@@ -141,8 +166,15 @@ mod tests {
     }
 
     #[test]
-    fn mean_depth_counts_steps() {
-        assert_eq!(mean_depth(&[4, 2, 1]), 11.0 / 7.0);
-        assert_eq!(mean_depth(&[]), 0.0);
+    fn cells_without_a_value_do_not_count() {
+        let levels = vec![4, 2, 1, 1];
+        let tally = Tally { depth: vec![3, 0, 1], levels, degree: vec![4, 0, 1], ..Tally::default() };
+        let seen = Seen { tally, ..Seen::default() };
+        assert_eq!(cell_values(&seen, Measure::MeanDepth), [11.0 / 7.0, 0.0, 1.0]);
+        assert_eq!(cell_values(&seen, Measure::Reach), [7.0, 0.0, 1.0]);
+        let integration = cell_values(&seen, Measure::Integration);
+        assert!(integration[0] > 0.0 && integration[1].is_nan() && integration[2].is_nan());
+        assert_eq!(together(integration.clone(), Aggregate::Mean), integration[0]);
+        assert_eq!(together(vec![f64::NAN], Aggregate::Max), 0.0);
     }
 }

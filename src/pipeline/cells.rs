@@ -160,7 +160,7 @@ fn vertex_at(study: &Study, at: [f64; 2]) -> Result<u32, Error> {
 /// outside the region of query). Values depthmapX leaves undefined are −1.
 pub fn cells_csv(study: &Study, columns: &[Column]) -> String {
     let mut own = vec![None; study.lattice.cells.len()];
-    let tally = &study.initial.tally;
+    let tally = &study.initial.seen.tally;
     let mut at = 0;
     for (i, v) in study.lattice.query.iter().enumerate() {
         let depth = tally.depth[i];

@@ -9,6 +9,7 @@ mod backend;
 mod building;
 pub mod cells;
 mod explain;
+mod fits;
 mod page;
 pub mod resolution;
 mod round;
@@ -25,13 +26,14 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::analysis::measures::Column;
-use crate::config::{Measure, Settings};
+use crate::config::Settings;
 use crate::formats;
 use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::measure::wording;
 use crate::overlay::result::{self, AnalysisResult, CheckResult};
 use crate::overlay::{HeatMap, PlanPicture, Scale, check_png, heat_map_png};
 use crate::report::{Cancel, Error, OutFile, Place, Report};
+pub use fits::moves_of;
 pub use study::Study;
 
 /// A drawing to work on.
@@ -79,6 +81,9 @@ pub struct Progress {
     pub best_parameters: Option<Vec<f64>>,
     /// Seconds left, if known.
     pub eta_secs: Option<f64>,
+    /// Where the best so far was just written.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub folder: Option<String>,
 }
 
 /// What a running job says.
@@ -88,6 +93,13 @@ pub enum Event {
     Progress(Progress),
     /// The heat maps of the present layout, to be shown before the search ends: files of `analysis/`.
     Analysis(Vec<OutFile>),
+    /// The best so far of a search that goes on: files as of a round.
+    SoFar {
+        /// The files.
+        files: Vec<OutFile>,
+        /// How far the search was; its stage is `so-far`.
+        progress: Progress,
+    },
 }
 
 /// A finished job.
@@ -215,14 +227,15 @@ fn analysis_of(
     let result = analysis_result(input, study, &report);
     let picture = show::picture(&study.base);
     let mut files = vec![OutFile::new("analysis.json", result::to_json(&result)?)];
-    let jobs: Vec<Measure> = Measure::MEAN.to_vec();
+    let mut jobs = show::maps(study);
+    jobs.retain(|m| m.measure.is_of_cells());
     let pictures = rayon_map(&jobs, |m| {
         let values = show::values(study, &study.initial, *m, settings);
-        let scale = Scale::of(values.iter().copied());
+        let scale = Scale::of(values.iter().copied().filter(|v| v.is_finite()));
         heat_map(study, settings, &picture, &values, *m, scale, &format!("{}, as drawn", input.file()))
     });
     for (m, png) in jobs.iter().zip(pictures) {
-        files.push(OutFile::new(format!("{}.png", m.name()), png?));
+        files.push(OutFile::new(format!("{}.png", m.file()), png?));
     }
     let check = show::check(&study.base, &report);
     files.push(OutFile::new("check.png", check_picture(&study.base, &check)?));
@@ -253,15 +266,16 @@ fn heat_map(
     settings: &Settings,
     picture: &PlanPicture,
     values: &[f64],
-    measure: Measure,
+    map: show::Map,
     scale: Scale,
     subtitle: &str,
 ) -> Result<Vec<u8>, Error> {
-    let words = wording(measure.name());
-    let title = words.map_or(measure.name().to_string(), |w| format!("{} ({})", w.plain, w.technical));
+    let words = wording(map.measure.name());
+    let title = words.map_or(map.measure.name().to_string(), |w| format!("{} ({})", w.plain, w.technical));
+    let title = map.pair.map_or(title.clone(), |pair| format!("{title}: {pair}"));
     let map = HeatMap {
         picture,
-        cells: &show::cells(study, values),
+        cells: &show::cells(study, map.pair, values),
         spacing_m: study.spacing.spacing_m,
         scale,
         title: &title,

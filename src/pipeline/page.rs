@@ -2,7 +2,7 @@
 
 use super::Input;
 use super::round::Found;
-use super::show::SHOWN;
+use super::show::Map;
 use crate::config::{Backend, Level, Method, Mode, Settings};
 use crate::overlay::page::{ArchivePoint, ReportInput, View, report_html};
 use crate::overlay::result::RoundResult;
@@ -16,17 +16,15 @@ pub(super) fn page(
     input: &Input<'_>,
     settings: &Settings,
     result: &RoundResult,
-    files: &[OutFile],
+    (files, maps): (&[OutFile], &[Map]),
     understood: &[u8],
     found: Option<&Found>,
 ) -> String {
     let png = |name: &str| files.iter().find(|f| f.path.as_os_str() == name).map(|f| f.bytes.as_slice());
+    let names: Vec<(String, String)> = maps.iter().map(|m| (m.key(), m.file())).collect();
     let views = |stem: &str| {
-        let view = |m: &crate::config::Measure| {
-            let png = png(&format!("{stem}-{}.png", m.name()))?;
-            Some(View { measure: m.name(), png })
-        };
-        SHOWN.iter().filter_map(view).collect::<Vec<_>>()
+        let view = |(key, file)| Some(View { measure: key, png: png(&format!("{stem}-{file}.png"))? });
+        names.iter().map(|(k, f)| (k.as_str(), f.as_str())).filter_map(view).collect::<Vec<_>>()
     };
     let stems = (1..=result.candidates.len()).map(|i| format!("candidate-{i}"));
     let (archive_axes, archive) = archive(result, found);

@@ -179,12 +179,12 @@ fn row(study: &Study, samples: &[Vec<f64>], cancel: &Cancel) -> Result<Row, Erro
     let cell_m2 = study.spacing.spacing_m * study.spacing.spacing_m;
     let numbers =
         |means: &crate::analysis::measures::Means| [means.degree * cell_m2, means.depth, means.entropy];
-    let initial = numbers(&study.initial.means);
+    let initial = numbers(&study.initial.seen.means);
     let mut bench = study.bench();
     let mut found = Vec::new();
     for p in samples {
         cancel.check()?;
-        found.push(numbers(&study.measure(p, &mut bench).means));
+        found.push(numbers(&study.measure(p, &mut bench).seen.means));
     }
     if found.is_empty() {
         found.push(initial);

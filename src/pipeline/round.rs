@@ -5,10 +5,10 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::show::{self, SHOWN};
+use super::show::{self, Map};
 use super::study::{self, Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress, heat_map, rayon_map};
-use super::{aims, explain, rules};
+use super::{aims, explain, fits, rules};
 use crate::config::{Aim, Measure, Method, Mode, Settings};
 use crate::formats;
 use crate::moves::Layout;
@@ -53,21 +53,37 @@ pub(super) fn run(
     show: &mut (dyn FnMut(Event) + Send),
     cancel: &Cancel,
 ) -> Result<Outcome<RoundResult>, Error> {
+    let settings = &fits::fitted(&study.base, settings, &mut report)?;
     let found = if study.base.moves.parameters.is_empty() {
         None
     } else {
-        Some(optimise(study, settings, started, show, cancel)?)
+        let mut so_far = |found: Found, at: Progress, show: &mut (dyn FnMut(Event) + Send)| {
+            let made = round(input, settings, study, report.clone(), Some(&found), started)?;
+            let progress = Progress { stage: "so-far".into(), ..at };
+            show(Event::SoFar { files: made.files, progress });
+            Ok(())
+        };
+        Some(optimise(study, settings, started, show, cancel, &mut so_far)?)
     };
+    let total = Some(found.as_ref().map_or(0, |f| f.members.len() as u64));
+    show(Event::Progress(Progress { stage: "write".into(), total, ..Default::default() }));
+    round(input, settings, study, report, found.as_ref(), started)
+}
+
+/// The files of a round from what was found.
+fn round(
+    input: &Input<'_>,
+    settings: &Settings,
+    study: &Study,
+    mut report: Report,
+    found: Option<&Found>,
+    started: Instant,
+) -> Result<Outcome<RoundResult>, Error> {
     if let Some(why) = study.card_trouble() {
         let text = format!("{why}; the cores measured the rest, with the same result");
         report.warn("backend-gave-up", Place::file(input.file()), text);
     }
-    let members = found.as_ref().map_or(Vec::new(), |f| f.members.clone());
-    show(Event::Progress(Progress {
-        stage: "write".into(),
-        total: Some(members.len() as u64),
-        ..Default::default()
-    }));
+    let members = found.map_or(Vec::new(), |f| f.members.clone());
     let made: Vec<Made> = members
         .par_iter()
         .enumerate()
@@ -77,7 +93,7 @@ pub(super) fn run(
     for m in &made {
         report.extend(m.report.clone());
     }
-    if let Some(why) = found.as_ref().and_then(|f| f.no_option.clone()) {
+    if let Some(why) = found.and_then(|f| f.no_option.clone()) {
         report.warn("no-option", Place::file(input.file()), why);
     } else if found.is_some() && settings.mode == Mode::Diverse && made.len() < settings.members {
         let text = format!(
@@ -95,13 +111,14 @@ pub(super) fn run(
         );
         report.info("options-alike", Place::file(input.file()), text);
     }
-    let result = round_result(input, settings, study, &report, found.as_ref(), &made, started);
+    let result = round_result(input, settings, study, &report, found, &made, started);
     let mut files = pictures(input, settings, study, &made)?;
     files.extend(drawings(input, settings, study, &made, &result)?);
-    files.push(OutFile::new("convergence.png", convergence(found.as_ref())?));
+    files.push(OutFile::new("convergence.png", convergence(found)?));
     files.push(OutFile::new("diversity.png", diversity(study, &made)?));
     let understood = super::check_picture(&study.base, &show::check(&study.base, &report))?;
-    let page = super::page::page(input, settings, &result, &files, &understood, found.as_ref());
+    let maps = show::maps(study);
+    let page = super::page::page(input, settings, &result, (&files, &maps), &understood, found);
     files.push(OutFile::new("report.html", page));
     files.push(OutFile::new("result.json", result::to_json(&result)?));
     files.sort_by(|a, b| a.path.cmp(&b.path));
@@ -124,13 +141,19 @@ pub(super) struct Found {
     pub(super) archive: Vec<Vec<f64>>,
 }
 
-/// Asks, measures, tells until the search stops, the time is over or somebody asks.
+/// Takes what was found while the search goes on.
+type TakeSoFar<'a> =
+    dyn FnMut(Found, Progress, &mut (dyn FnMut(Event) + Send)) -> Result<(), Error> + Send + 'a;
+
+/// Asks, measures, tells until the search stops, the time is over or somebody asks; what is found meanwhile
+/// goes to `so_far` as often as the settings say.
 fn optimise(
     study: &Study,
     settings: &Settings,
     started: Instant,
     show: &mut (dyn FnMut(Event) + Send),
     cancel: &Cancel,
+    so_far: &mut TakeSoFar<'_>,
 ) -> Result<Found, Error> {
     let objectives = objectives(settings);
     let control = rules::control(&study.base, settings)?;
@@ -155,6 +178,7 @@ fn optimise(
     })?;
     let begun = Instant::now();
     let mut said = Instant::now();
+    let mut written = Instant::now();
     loop {
         if cancel.is_stopped() {
             search.finish(search::Stop::Asked);
@@ -182,6 +206,12 @@ fn optimise(
             said = Instant::now();
             show(Event::Progress(progress(&search, &control, begun)));
         }
+        let is_due = settings.write_every_secs.is_some_and(|s| written.elapsed().as_secs_f64() >= s);
+        if is_due && search.stop_reason().is_none() && !cancel.is_stopped() {
+            let found = found(study, settings, &control, &objectives, &search);
+            so_far(found, progress(&search, &control, begun), show)?;
+            written = Instant::now();
+        }
     }
     cancel.check()?;
     Ok(found(study, settings, &control, &objectives, &search))
@@ -206,7 +236,8 @@ fn found(
         limit: outcome.thresholds.get(i).copied().unwrap_or(f64::NAN),
     });
     let shown: Vec<Objective> = shown.collect();
-    let mut stopped_by = search.stop_reason().map_or_else(String::new, |s| s.to_string());
+    let goes_on = || "the search goes on; this is the best so far".to_owned();
+    let mut stopped_by = search.stop_reason().map_or_else(goes_on, |s| s.to_string());
     let whole = |p: &[f64]| control.expand(p);
     let mut members = outcome.members;
     if outcome.best.violation > 0.0 {
@@ -304,6 +335,7 @@ fn progress(search: &Search, control: &Control, begun: Instant) -> Progress {
         best: Some(p.best).filter(|b| b.is_finite()),
         best_parameters: p.best_parameters.map(|q| control.expand(&q)),
         eta_secs: p.total.map(|t| t.saturating_sub(p.evaluations) as f64 / rate.max(1e-9)),
+        folder: None,
     }
 }
 
@@ -352,7 +384,7 @@ fn evaluation(
     let missed: f64 = aims::missed(study, settings, worth).iter().sum();
     Evaluation {
         values: objectives.iter().map(|(aim, _)| value(*aim)).collect(),
-        violation: worth.tally.disconnected as f64 / pairs + missed,
+        violation: worth.seen.tally.disconnected as f64 / pairs + missed,
         at: None,
     }
 }
@@ -539,7 +571,13 @@ fn candidate(
     Candidate {
         file: format!("{}.{}", made.name, study.base.plan.format.name()),
         parameters: made.member.parameters.clone(),
-        words: words::words(moves, &made.member.parameters, &told(initial), &told(&mean), explanation),
+        words: words::words(
+            moves,
+            &made.member.parameters,
+            &told(study, initial),
+            &told(study, &mean),
+            explanation,
+        ),
         explanation: explanation.clone(),
         mean,
         penalty: show::penalty_numbers(&made.worth),
@@ -571,9 +609,14 @@ fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
     out
 }
 
-/// What is told in words: the three of the paper and what else was asked for.
-fn told(mean: &Numbers) -> Numbers {
-    Numbers(mean.0.iter().filter(|(name, _)| name != "degree_all").cloned().collect())
+/// What is told in words: the three of the paper, what each named pair sees, and what else was asked for.
+fn told(study: &Study, mean: &Numbers) -> Numbers {
+    let is_asked = |name: &str| study.aims.iter().any(|a| a.to_string() == name);
+    let is_told = |name: &str| {
+        let is_of_pair = name.contains('@');
+        name != "degree_all" && (!is_of_pair || name.starts_with("degree@") || is_asked(name))
+    };
+    Numbers(mean.0.iter().filter(|(name, _)| is_told(name)).cloned().collect())
 }
 
 fn lineage(entry: &crate::config::LineageTable) -> LineageEntry {
@@ -601,21 +644,21 @@ fn distances(study: &Study, made: &[Made]) -> Diversity {
 
 /// Values of every shown measure for the present layout and every member, with one scale a measure.
 struct Shown {
-    measure: Measure,
+    map: Map,
     scale: Scale,
     initial: Vec<f64>,
     members: Vec<Vec<f64>>,
 }
 
 fn shown(settings: &Settings, study: &Study, made: &[Made]) -> Vec<Shown> {
-    let of = |measure: &Measure| {
-        let initial = show::values(study, &study.initial, *measure, settings);
+    let of = |map: Map| {
+        let initial = show::values(study, &study.initial, map, settings);
         let members: Vec<Vec<f64>> =
-            made.iter().map(|m| show::values(study, &m.worth, *measure, settings)).collect();
-        let scale = Scale::of(initial.iter().chain(members.iter().flatten()).copied());
-        Shown { measure: *measure, scale, initial, members }
+            made.iter().map(|m| show::values(study, &m.worth, map, settings)).collect();
+        let all = initial.iter().chain(members.iter().flatten()).copied();
+        Shown { map, scale: Scale::of(all.filter(|v| v.is_finite())), initial, members }
     };
-    SHOWN.iter().map(of).collect()
+    show::maps(study).into_iter().map(of).collect()
 }
 
 fn pictures(
@@ -639,8 +682,8 @@ fn pictures(
                 (name, &moved[i], &of.members[i], subtitle)
             }
         };
-        let png = heat_map(study, settings, picture, values, of.measure, of.scale, &subtitle)?;
-        Ok(OutFile::new(format!("{name}-{}.png", of.measure.name()), png))
+        let png = heat_map(study, settings, picture, values, of.map, of.scale, &subtitle)?;
+        Ok(OutFile::new(format!("{name}-{}.png", of.map.file()), png))
     });
     files.into_iter().collect()
 }
@@ -653,15 +696,19 @@ fn drawings(
     made: &[Made],
     result: &RoundResult,
 ) -> Result<Vec<OutFile>, Error> {
-    let shown = shown(settings, study, made);
+    let mut shown = shown(settings, study, made);
+    // Layer names are short in old versions: two maps may come to the same.
+    let layers: Vec<String> = shown.iter().map(|s| heat_layer(&s.map.file())).collect();
+    let mut places = 0..;
+    shown.retain(|_| places.next().is_some_and(|i: usize| !layers[..i].contains(&layers[i])));
     let bounds = show::picture(&study.base).bounds;
     let heat = |member: Option<usize>| -> Vec<Addition> {
         let of = |s: &Shown| {
             let values = member.map_or(&s.initial, |i| &s.members[i]);
-            let layer = heat_layer(s.measure.name());
+            let layer = heat_layer(&s.map.file());
             heat_additions(
                 &layer,
-                &show::cells(study, values),
+                &show::cells(study, s.map.pair, values),
                 study.spacing.spacing_m,
                 s.scale,
                 show::palette(settings),
@@ -682,8 +729,8 @@ fn drawings(
                 lines.extend(note_lines(
                     &result.moves,
                     &m.member.parameters,
-                    &told(&result.initial.mean),
-                    &told(&candidate.mean),
+                    &told(study, &result.initial.mean),
+                    &told(study, &candidate.mean),
                 ));
                 lines.extend(explained(&candidate.explanation));
                 additions.extend(moved_additions(&now, &before, &lines, bounds));

@@ -60,7 +60,7 @@ pub fn missed_words(study: &Study, settings: &Settings, nearest: &Worth) -> Stri
         format!("`{}` (it has {}, the limit is {})", settings.limits[i], rounded(value), rounded(bound))
     };
     let mut all: Vec<String> = (0..missed.len()).filter(|&i| missed[i] != 0.0).map(words).collect();
-    if nearest.tally.disconnected > 0 {
+    if nearest.seen.tally.disconnected > 0 {
         all.push("that no space is cut off".into());
     }
     if all.is_empty() { "a limit".into() } else { all.join(" and ") }

@@ -1,9 +1,9 @@
 //! From a study to what the overlay shows: strokes, cells, result entries.
 
 use super::aims::cell_values;
-use super::study::{Study, Understood, Worth, divisor};
+use super::study::{Seen, Study, Understood, Worth, divisor};
 use crate::analysis::measures::{Column, UNDEFINED};
-use crate::config::{Colours, Measure, Settings};
+use crate::config::{Aggregate, Aim, Colours, Measure, PairName, Penalty, Settings};
 use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
 use crate::overlay::Palette;
@@ -19,8 +19,42 @@ use crate::plan::markers::{Kind, place_in};
 use crate::plan::{Plan, Region};
 use crate::report::Report;
 
-/// The measures of which heat maps are made, in the order in which they are shown.
-pub const SHOWN: [Measure; 4] = [Measure::Degree, Measure::Depth, Measure::Entropy, Measure::Score];
+/// The measures of which heat maps are always made, in the order in which they are shown.
+const SHOWN: [Measure; 4] = [Measure::Degree, Measure::Depth, Measure::Entropy, Measure::Score];
+
+/// What a heat map shows: a measure over the cells of a pair of regions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Map {
+    /// The measure.
+    pub measure: Measure,
+    /// The named pair; `None`: the unnamed one.
+    pub pair: Option<PairName>,
+}
+
+impl Map {
+    /// Name in result.json: `degree`, `degree@entrance`.
+    pub fn key(self) -> String {
+        Aim { measure: self.measure, aggregate: Aggregate::Mean, pair: self.pair }.to_string()
+    }
+
+    /// The same as part of a file's name.
+    pub fn file(self) -> String {
+        self.key().replace('@', "-")
+    }
+}
+
+/// The heat maps of a round: those of every round, what each named pair sees, and what else is asked for.
+pub fn maps(study: &Study) -> Vec<Map> {
+    let mut out: Vec<Map> = SHOWN.map(|measure| Map { measure, pair: None }).to_vec();
+    let degrees = study.pairs.iter().map(|p| Map { measure: Measure::Degree, pair: Some(p.name) });
+    let asked = study.aims.iter().map(|a| Map { measure: a.measure, pair: a.pair });
+    for map in degrees.chain(asked) {
+        if !out.contains(&map) {
+            out.push(map);
+        }
+    }
+    out
+}
 
 /// Colours of the settings.
 pub fn palette(settings: &Settings) -> Palette {
@@ -120,36 +154,40 @@ fn regions(plan: &Plan) -> Vec<RegionOutline> {
         RegionOutline { points, kind }
     };
     let marks = &plan.markers;
-    let mut out: Vec<RegionOutline> = marks.query.iter().map(|r| outline(r, RegionKind::Query)).collect();
-    out.extend(marks.reference.iter().map(|r| outline(r, RegionKind::Reference)));
+    let query = marks.query.iter().chain(marks.pairs.iter().flat_map(|p| &p.query));
+    let reference = marks.reference.iter().chain(marks.pairs.iter().flat_map(|p| &p.reference));
+    let mut out: Vec<RegionOutline> = query.map(|r| outline(r, RegionKind::Query)).collect();
+    out.extend(reference.map(|r| outline(r, RegionKind::Reference)));
     out.extend(marks.keep.iter().map(|r| outline(r, RegionKind::Keep)));
     out.extend(marks.groups.iter().map(|g| outline(&g.outline, RegionKind::Move)));
     out
 }
 
-/// Values of one measure per query vertex. `Score`: Σ w_k (f_k(i) − F_k⁰)/|F_k⁰|, F⁰ the present mean.
-pub fn values(study: &Study, worth: &Worth, measure: Measure, settings: &Settings) -> Vec<f64> {
-    if measure.is_of_cells() {
-        return cell_values(worth, measure);
+/// Values of a map per query vertex of its pair. `Score`: Σ w_k (f_k(i) − F_k⁰)/|F_k⁰| over its terms of the
+/// unnamed pair, F⁰ the present mean.
+pub fn values(study: &Study, worth: &Worth, map: Map, settings: &Settings) -> Vec<f64> {
+    if map.measure.is_of_cells() {
+        return cell_values(study.seen_of(worth, map.pair), map.measure);
     }
     let mut out = vec![0.0; study.lattice.query.len()];
-    for (aim, w) in &settings.score {
+    for (aim, w) in settings.score.iter().filter(|(aim, _)| aim.pair.is_none()) {
         let zero = study.value(&study.initial, *aim);
-        for (sum, v) in out.iter_mut().zip(cell_values(worth, aim.measure)) {
+        for (sum, v) in out.iter_mut().zip(cell_values(&worth.seen, aim.measure)) {
             *sum += w * (v - zero) / divisor(zero);
         }
     }
     out
 }
 
-/// All vertices as cells, those of the query region with their values; plan frame.
-pub fn cells(study: &Study, values: &[f64]) -> Vec<Cell> {
-    let lattice = &study.lattice;
+/// All vertices of a pair as cells, those of its region of query with their values; plan frame.
+pub fn cells(study: &Study, pair: Option<PairName>, values: &[f64]) -> Vec<Cell> {
+    let named = study.pairs.iter().find(|p| Some(p.name) == pair);
+    let lattice = named.map_or(&*study.lattice, |p| p.lattice());
     let centre = |v: usize| study.base.plan.frame.plan_from_um(lattice.centre_um(v)).to_array();
     let mut out: Vec<Cell> =
         (0..lattice.cells.len()).map(|v| Cell { centre: centre(v), value: None }).collect();
     for (v, value) in lattice.query.iter().zip(values) {
-        out[*v as usize].value = Some(*value);
+        out[*v as usize].value = Some(*value).filter(|v| v.is_finite());
     }
     out
 }
@@ -228,6 +266,7 @@ pub fn move_entries(base: &Understood) -> Vec<MoveEntry> {
             unit: p.clause.unit.clone(),
             direction_deg,
             elements,
+            geometry: super::fits::geometry_mark(base, p.group),
         }
     };
     base.moves.parameters.iter().map(entry).collect()
@@ -283,14 +322,21 @@ pub fn counts(study: &Study, edges: u64) -> Counts {
 
 /// Measures of a layout by name: the means, then what else was asked for.
 pub fn mean_numbers(study: &Study, worth: &Worth) -> Numbers {
-    let means = [
-        ("degree", worth.means.degree),
-        ("depth", worth.means.depth),
-        ("entropy", worth.means.entropy),
-        ("degree_all", worth.means.degree_all),
-    ];
-    let mut out = Numbers::of(means);
-    out.0.extend(study.aims.iter().zip(&worth.aims).map(|(aim, v)| (aim.to_string(), *v)));
+    let of = |seen: &Seen, name: &str| {
+        let m = &seen.means;
+        [("degree", m.degree), ("depth", m.depth), ("entropy", m.entropy)]
+            .map(|(key, v)| (format!("{key}{name}"), v))
+    };
+    let mut out = Numbers(of(&worth.seen, "").to_vec());
+    out.0.push(("degree_all".to_owned(), worth.seen.means.degree_all));
+    for (pair, seen) in study.pairs.iter().zip(&worth.pairs) {
+        out.0.extend(of(seen, &format!("@{}", pair.name)));
+    }
+    for (aim, v) in study.aims.iter().zip(&worth.aims) {
+        if out.get(&aim.to_string()).is_none() {
+            out.0.push((aim.to_string(), *v));
+        }
+    }
     out
 }
 
@@ -304,6 +350,9 @@ pub fn penalty_numbers(worth: &Worth) -> Numbers {
         ("disconnection", worth.disconnection),
     ]);
     out.0.extend(worth.passages_m.first().map(|v| ("passage_m".to_owned(), *v)));
+    if !worth.rooms_m2.is_empty() {
+        out.0.push(("room_area_m2".to_owned(), worth.penalty(Penalty::RoomArea)));
+    }
     out
 }
 
@@ -316,15 +365,22 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
         kind: kind.into(),
         area_m2: super::spacing::region_m2(r),
         place: String::new(),
+        pair: None,
     };
     let mut shown: Vec<RegionEntry> =
         regions.iter().flat_map(|(kind, list)| list.iter().map(|r| region(kind, r))).collect();
+    for pair in &marks.pairs {
+        let of = |kind, r| RegionEntry { pair: Some(pair.name.clone()), ..region(kind, r) };
+        shown.extend(pair.query.iter().map(|r| of("query", r)));
+        shown.extend(pair.reference.iter().map(|r| of("reference", r)));
+    }
     for g in &marks.groups {
         let place = place_in(&plan.file, &g.source).to_string();
         shown.push(RegionEntry {
             kind: "move".into(),
             area_m2: super::spacing::region_m2(&g.outline),
             place,
+            pair: None,
         });
     }
     let openings = |kind| base.axes.openings.iter().filter(|o| o.kind == kind).count() as u64;

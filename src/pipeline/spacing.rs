@@ -56,12 +56,17 @@ pub fn choose(base: &Understood, settings: &Settings, report: &mut Report) -> Sp
     SpacingChoice { spacing_m, reason }
 }
 
-/// Area that will be measured, m²: the regions drawn, the interior, or the drawing's box.
+/// Area that will be measured, m²: the regions drawn (of the largest pair, where some are named), the
+/// interior, or the drawing's box.
 pub(super) fn area_m2(base: &Understood) -> f64 {
     let markers = &base.plan.markers;
-    let drawn: f64 = markers.query.iter().chain(&markers.reference).map(region_m2).sum();
-    let open = markers.query.is_empty() || markers.reference.is_empty();
-    let inside = if open { base.interior.as_ref().map_or(0.0, |i| i.area_m2()) } else { 0.0 };
+    let area = |regions: [&[Region]; 2]| {
+        let drawn: f64 = regions.iter().flat_map(|r| r.iter()).map(region_m2).sum();
+        let open = regions.iter().any(|r| r.is_empty());
+        drawn + if open { base.interior.as_ref().map_or(0.0, |i| i.area_m2()) } else { 0.0 }
+    };
+    let named = markers.pairs.iter().map(|p| area(markers.regions_of(p)));
+    let area = named.fold(area([&markers.query, &markers.reference]), f64::max);
     let whole = || {
         let points = base.plan.walls.iter().flat_map(|w| w.trace.points.iter().copied());
         let (lo, hi) = points.fold(([i64::MAX; 2], [i64::MIN; 2]), |(lo, hi), p| {
@@ -69,7 +74,6 @@ pub(super) fn area_m2(base: &Understood) -> f64 {
         });
         (hi[0] - lo[0]) as f64 / UM_PER_M * ((hi[1] - lo[1]) as f64 / UM_PER_M)
     };
-    let area = drawn + inside;
     if area > 0.0 { area } else { whole() }
 }
 

@@ -1,6 +1,8 @@
 //! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
 
 mod card;
+mod seen;
+mod written;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
@@ -10,17 +12,15 @@ use glam::DVec2;
 use super::aims;
 use super::building;
 use super::spacing::{self, SpacingChoice};
-use crate::analysis::evaluator::{Evaluator, Scratch};
-use crate::analysis::forest::{Initial, tally};
-use crate::analysis::isovist::query_isovists;
-use crate::analysis::lattice::{CellIndex, Ground, lattice};
-use crate::analysis::measures::{Means, means};
-use crate::analysis::visibility::visibility_graph;
+use crate::analysis::evaluator::Scratch;
+use crate::analysis::lattice::{CellIndex, Ground};
 use crate::analysis::{Lattice, Obstacles, Tally};
-use crate::config::{Aim, Level, Measure, MoveTable, Penalty, Settings};
+use crate::config::{Aggregate, Aim, Level, Measure, MoveTable, PairName, Penalty, Settings};
 use crate::formats::{self, ifc};
 use crate::moves::{Layout, Moves, defaults};
-use crate::penalties::{self, Alignment, Clearance, Overlap, Passage, WallLength, WallPiece, disconnection};
+use crate::penalties::{
+    self, Alignment, Clearance, Overlap, Passage, RoomArea, WallLength, WallPiece, disconnection,
+};
 use crate::plan::axes::{AxisGraph, FaceRef, Opening};
 use crate::plan::curve::{Trace, control_points, trace, trace_like};
 use crate::plan::drawing::{Drawing, Format, Shape};
@@ -35,6 +35,8 @@ use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, box_of, layers, understand};
 use crate::report::{Error, Place, Report};
+use seen::Scene;
+pub use seen::{Pair, Seen};
 
 /// Radius r of the clearance penalty (spec 5).
 pub const CLEARANCE_RADIUS_M: f64 = 0.5;
@@ -106,7 +108,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
     closings.extend(opening_lines(&plan, &axes));
     let has_moves = !settings.moves.is_empty()
         || !(settings.ignore_move_markers || plan.markers.groups.is_empty() && drawing.marked.is_empty());
-    let needs_inside = plan.markers.query.is_empty() || plan.markers.reference.is_empty();
+    let needs_inside = plan.markers.needs_interior();
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
     let interior = if needs_interior { Interior::new(&all, &closings, plan.human_scale) } else { None };
     let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
@@ -170,26 +172,24 @@ fn plan_options(settings: &Settings) -> PlanOptions {
 }
 
 fn add_regions(plan: &mut Plan, settings: &Settings) -> Result<(), Error> {
+    let wrong = |text: String| {
+        Error::usage("region", Place::default(), format!("[[region]] {text}; nothing was done"))
+    };
     for table in &settings.regions {
         let ring: Vec<PointUm> =
             table.points.iter().map(|p| plan.frame.um_from_file(DVec2::from(*p))).collect();
-        let list = match table.kind.as_str() {
-            "query" => &mut plan.markers.query,
-            "reference" => &mut plan.markers.reference,
-            "keep" => &mut plan.markers.keep,
-            other => {
-                let text =
-                    format!("[[region]] kind {other:?}: expected query, reference or keep; nothing was done");
-                return Err(Error::usage("region", Place::default(), text));
-            }
+        let name = table.pair.as_ref().map(|p| p.parse::<PairName>().map_err(&wrong)).transpose()?;
+        let list = match (table.kind.as_str(), name) {
+            ("query", None) => &mut plan.markers.query,
+            ("reference", None) => &mut plan.markers.reference,
+            ("query", Some(name)) => &mut plan.markers.pair(name.as_str()).query,
+            ("reference", Some(name)) => &mut plan.markers.pair(name.as_str()).reference,
+            ("keep", None) => &mut plan.markers.keep,
+            ("keep", Some(_)) => return Err(wrong("keep: what stays belongs to no pair".into())),
+            (other, _) => return Err(wrong(format!("kind {other:?}: expected query, reference or keep"))),
         };
         if ring.len() < 3 {
-            let text = format!(
-                "[[region]] {}: found {} points, expected at least 3; nothing was done",
-                table.kind,
-                ring.len()
-            );
-            return Err(Error::usage("region", Place::default(), text));
+            return Err(wrong(format!("{}: found {} points, expected at least 3", table.kind, ring.len())));
         }
         list.push(Region::Ring(ring));
     }
@@ -287,18 +287,19 @@ fn side_car_groups(
 /// Everything that one layout is worth.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Worth {
-    /// Integer results of the query region.
-    pub tally: Tally,
-    /// Means over the query region.
-    pub means: Means,
-    /// g_j in the order of [`Penalty::ALL`]: clr² (m⁴), |ΔS| (m), alignment (rad²), overlap (m), passage (m).
-    pub penalties: [f64; 5],
+    /// What the unnamed pair of regions sees.
+    pub seen: Seen,
+    /// What the named pairs see, in the order of [`Study::pairs`].
+    pub pairs: Vec<Seen>,
+    /// g_j in the order of [`Penalty::ALL`]: clr² (m⁴), |ΔS| (m), alignment (rad²), overlap (m), passage (m),
+    /// floor that rooms have lost (m²).
+    pub penalties: [f64; 6],
     /// Length of all walls, m.
     pub wall_total_m: f64,
     /// By how much passages have become too narrow, m, for each width asked for; empty where none is.
     pub passages_m: Vec<f64>,
-    /// Area, perimeter, compactness, occlusivity of the isovist of every query vertex; empty unless asked for.
-    pub isovists: Vec<[f64; 4]>,
+    /// Areas of the rooms, m²; empty unless asked for.
+    pub rooms_m2: Vec<f64>,
     /// The aims of the settings beyond the three means, in the order of [`Study::aims`].
     pub aims: Vec<f64>,
     /// clr, m².
@@ -316,9 +317,9 @@ impl Worth {
     /// The names of what differs in another measurement, each with both values; empty where nothing does.
     pub fn differences(&self, other: &Self) -> Vec<(String, f64, f64)> {
         let means = [
-            ("degree", self.means.degree, other.means.degree),
-            ("depth", self.means.depth, other.means.depth),
-            ("entropy", self.means.entropy, other.means.entropy),
+            ("degree", self.seen.means.degree, other.seen.means.degree),
+            ("depth", self.seen.means.depth, other.seen.means.depth),
+            ("entropy", self.seen.means.entropy, other.seen.means.entropy),
             ("disconnection", self.disconnection, other.disconnection),
         ];
         let penalties = Penalty::ALL.map(|p| (p.name(), self.penalty(p), other.penalty(p)));
@@ -342,11 +343,11 @@ pub struct Study {
     pub edges: u64,
     /// What is measured beyond the three means.
     pub aims: Vec<Aim>,
-    components: Vec<u32>,
-    evaluator: Evaluator,
+    /// The named pairs of regions.
+    pub pairs: Vec<Pair>,
+    main: Scene,
     /// Why the graphics card gave up, if it did.
     card_trouble: OnceLock<String>,
-    cells: CellIndex,
     /// Moves with their control points: whether the piece that starts at a control point moves.
     piece_moves: Vec<Vec<bool>>,
     pieces: Vec<WallPiece>,
@@ -357,11 +358,13 @@ pub struct Study {
     alignment: Alignment,
     overlap: Overlap,
     passages: Vec<Passage>,
+    rooms: Option<RoomArea>,
 }
 
 /// Reusable memory of one thread that measures.
 pub struct Bench {
     scratch: Scratch,
+    pair_scratches: Vec<Scratch>,
     pieces: Vec<WallPiece>,
 }
 
@@ -393,14 +396,10 @@ impl Study {
             interior: base.interior.as_ref(),
             solid_across_um: (SOLID_ACROSS_M * base.plan.human_scale * UM_PER_M).round() as i64,
         };
-        let lattice = Arc::new(lattice(&ground, report)?);
+        let main = Scene::new(&ground, &base, &identity, seen::asked(settings, None), report)?;
         state_interior(&base, settings, report);
-        let cells = CellIndex::new(&lattice);
-        let moving = Obstacles { blind: blind(&base, &identity, &cells), segments: movable };
-        let evaluator = Evaluator::new(Arc::clone(&lattice), &fixed, &moving);
-        let mut all = moving.clone();
-        all.segments.extend(&fixed);
-        let graph = visibility_graph(&lattice, &all);
+        let pairs = seen::pairs(&base, &ground, &identity, settings, report)?;
+        seen::state_asked(&base, &pairs, settings, report)?;
         let (pieces, piece_ranges) = pieces(&base, &identity, &piece_moves);
         let layout = penalties::Layout { pieces: &pieces };
         let mut study = Self {
@@ -412,34 +411,48 @@ impl Study {
                 .into_iter()
                 .map(|width_m| Passage::new(&layout, width_m))
                 .collect(),
+            rooms: aims::asks_for_rooms(settings).then(|| rooms(&base, &layout, report)),
             aims: aims::aims(settings),
             initial: Worth::default(),
-            edges: graph.edge_count(),
-            components: graph.components(),
+            edges: main.edges,
+            lattice: Arc::clone(&main.lattice),
+            main,
+            pairs,
             base,
-            lattice,
             spacing,
-            evaluator,
             card_trouble: OnceLock::new(),
-            cells,
             piece_moves,
             pieces,
             piece_ranges,
         };
-        let tally = study.evaluator.initial().clone();
-        let isovists = study.isovists(|| study.initial_obstacles());
-        study.initial = study.worth(tally, &study.pieces, isovists);
-        if study.initial.means.degree == 0.0 {
-            let text = "nobody in the region of query sees any of the region of reference: every measure is 0 or undefined; \
-                        check where EF-QUERY and EF-REFERENCE stand";
-            report.warn("query-sees-nothing", Place::file(&study.base.plan.file), text);
-        }
+        let initial = |scene: &Scene| {
+            scene.seen(scene.evaluator.initial().clone(), || study.obstacles(&identity, &scene.cells))
+        };
+        let named = study.pairs.iter().map(|p| initial(&p.scene)).collect();
+        study.initial = study.worth(initial(&study.main), named, &study.pieces);
+        study.state_blind(report);
         Ok(study)
+    }
+
+    fn state_blind(&self, report: &mut Report) {
+        let named = self.pairs.iter().zip(&self.initial.pairs).map(|(p, s)| (format!("-{}", p.name), s));
+        let all = std::iter::once((String::new(), &self.initial.seen)).chain(named);
+        for (name, _) in all.filter(|(_, seen)| seen.means.degree == 0.0) {
+            let text = format!(
+                "nobody in the region of query sees any of the region of reference: every measure is 0 or undefined; \
+                 check where EF-QUERY{name} and EF-REFERENCE{name} stand"
+            );
+            report.warn("query-sees-nothing", Place::file(&self.base.plan.file), text);
+        }
     }
 
     /// Memory for one thread.
     pub fn bench(&self) -> Bench {
-        Bench { scratch: self.evaluator.scratch(), pieces: self.pieces.clone() }
+        Bench {
+            scratch: self.main.evaluator.scratch(),
+            pair_scratches: self.pairs.iter().map(|p| p.scene.evaluator.scratch()).collect(),
+            pieces: self.pieces.clone(),
+        }
     }
 
     /// Measures the layout of one parameter vector.
@@ -450,16 +463,22 @@ impl Study {
 
     /// Measures a layout of the moving walls.
     pub fn measure_layout(&self, layout: &Layout, bench: &mut Bench) -> Worth {
-        let tally = self.evaluator.evaluate(&self.moving(layout), &mut bench.scratch);
+        let moving = self.moving(layout);
+        let tally = self.main.evaluator.evaluate(&moving, &mut bench.scratch);
+        self.worth_of(layout, tally, &moving.segments, bench)
+    }
+
+    /// The worth of a layout whose tally over the unnamed regions is known.
+    fn worth_of(&self, layout: &Layout, tally: Tally, segments: &[Segment], bench: &mut Bench) -> Worth {
         self.place_all(layout, &mut bench.pieces);
-        let isovists = self.isovists(|| self.obstacles(layout));
-        self.worth(tally, &bench.pieces, isovists)
+        let (seen, pairs) = self.all_seen(layout, tally, segments, &mut bench.pair_scratches);
+        self.worth(seen, pairs, &bench.pieces)
     }
 
     fn moving(&self, layout: &Layout) -> Obstacles {
         Obstacles {
             segments: moving_segments(&self.base, layout, &self.piece_moves),
-            blind: blind(&self.base, layout, &self.cells),
+            blind: blind(&self.base, layout, &self.main.cells),
         }
     }
 
@@ -471,64 +490,6 @@ impl Study {
         }
     }
 
-    /// Isovists among obstacles, where the settings ask for them.
-    fn isovists(&self, obstacles: impl FnOnce() -> Obstacles) -> Vec<[f64; 4]> {
-        if self.aims.iter().any(|a| a.measure.is_of_isovists()) {
-            query_isovists(&self.lattice, &obstacles())
-        } else {
-            Vec::new()
-        }
-    }
-
-    /// Measures a drawing that this study wrote, from its bytes and from scratch, on the study's lattice.
-    ///
-    /// # Errors
-    /// What reading returns: the written file must be readable.
-    pub fn measure_written(&self, bytes: &[u8], settings: &Settings) -> Result<Worth, Error> {
-        let plan = &self.base.plan;
-        let mut report = Report::default();
-        let drawing = formats::read(&plan.file, bytes, &read_options(settings), &mut report)?;
-        let picked = Some(plan.picked.clone());
-        let options = PlanOptions { unit: Some(plan.unit.unit), picked, ..plan_options(settings) };
-        let again = understand(&drawing, &options, &mut report)?;
-        if again.walls.len() != plan.walls.len() {
-            let text = format!(
-                "{} wall elements after writing, {} before; nothing was written",
-                again.walls.len(),
-                plan.walls.len()
-            );
-            return Err(Error::input("written-walls", Place::file(&plan.file), text));
-        }
-        let mut obstacles = Obstacles::default();
-        obstacles.segments.extend(closed_that_stay(&self.base));
-        for (w, wall) in again.walls.iter().enumerate() {
-            for (s, part, _) in pieces_of(&wall.trace, None) {
-                obstacles.segments.extend(self.base.sight.blocking((w as u32, part), s));
-            }
-            if plan.walls[w].is_solid && self.base.moves.walls.binary_search(&(w as u32)).is_ok() {
-                self.cells.vertices_in(&wall.trace.points, &mut obstacles.blind);
-            }
-        }
-        cover_bodies(
-            &self.base,
-            &|w| again.walls.get(w as usize).map(|w| &w.shape),
-            &self.cells,
-            &mut obstacles.blind,
-        );
-        obstacles.blind.sort_unstable();
-        obstacles.blind.dedup();
-        let graph = visibility_graph(&self.lattice, &obstacles);
-        let mut pieces = self.pieces.clone();
-        for (w, range) in self.base.moves.walls.iter().zip(&self.piece_ranges) {
-            let trace =
-                trace_like(&again.walls[*w as usize].shape, &plan.walls[*w as usize].trace, &plan.frame);
-            self.place(&mut pieces[range.0..range.1], &trace);
-        }
-        let initial = Initial { components: &self.components, covered: &obstacles.blind };
-        let tally = tally(&self.lattice, &graph, Some(initial));
-        Ok(self.worth(tally, &pieces, self.isovists(|| obstacles.clone())))
-    }
-
     fn place(&self, pieces: &mut [WallPiece], trace: &Trace) {
         for (piece, (_, _, s)) in pieces.iter_mut().zip(trace.segments()) {
             piece.a = self.base.plan.frame.plan_from_um(s.a);
@@ -536,33 +497,43 @@ impl Study {
         }
     }
 
-    fn worth(&self, tally: Tally, pieces: &[WallPiece], isovists: Vec<[f64; 4]>) -> Worth {
+    fn worth(&self, seen: Seen, pairs: Vec<Seen>, pieces: &[WallPiece]) -> Worth {
         let layout = penalties::Layout { pieces };
         let clearance_m2 = self.clearance.measure_m2(&layout);
         let passages_m: Vec<f64> = self.passages.iter().map(|p| p.measure_m(&layout)).collect();
+        let rooms_m2 = self.rooms.as_ref().map_or_else(Vec::new, |r| r.areas_m2(&layout));
         let penalties = [
             clearance_m2 * clearance_m2,
             self.wall_length.measure_m(&layout),
             self.alignment.measure_rad2(&layout),
             self.overlap.measure_m(&layout),
             passages_m.first().copied().unwrap_or(0.0),
+            self.rooms.as_ref().map_or(0.0, |r| r.lost_m2(&rooms_m2)),
         ];
         let disconnection =
-            disconnection(tally.disconnected, self.lattice.query.len(), self.lattice.cells.len());
+            disconnection(seen.tally.disconnected, self.lattice.query.len(), self.lattice.cells.len());
         let mut worth = Worth {
-            means: means(&tally),
+            seen,
+            pairs,
             penalties,
             wall_total_m: penalties::wall_length::total_m(&layout),
             passages_m,
-            isovists,
+            rooms_m2,
             aims: Vec::new(),
             clearance_m2,
             disconnection,
-            tally,
         };
-        let aim = |a: &Aim| aims::together(aims::cell_values(&worth, a.measure), a.aggregate);
+        let aim = |a: &Aim| {
+            let seen = self.seen_of(&worth, a.pair);
+            aims::together(aims::cell_values(seen, a.measure), a.aggregate)
+        };
         worth.aims = self.aims.iter().map(aim).collect();
         worth
+    }
+
+    /// Change of the room that has lost most, and of the one that has gained most, as shares of their areas.
+    pub fn room_extremes(&self, worth: &Worth) -> [f64; 2] {
+        self.rooms.as_ref().map_or([0.0; 2], |r| r.extremes(&worth.rooms_m2))
     }
 
     /// What a layout has of a measure of cells; NaN for `score` and `penalty`.
@@ -570,10 +541,11 @@ impl Study {
         if let Some(i) = self.aims.iter().position(|a| *a == aim) {
             return worth.aims[i];
         }
-        match aim.measure {
-            Measure::Degree => worth.means.degree,
-            Measure::Depth => worth.means.depth,
-            Measure::Entropy => worth.means.entropy,
+        let means = &self.seen_of(worth, aim.pair).means;
+        match (aim.measure, aim.aggregate) {
+            (Measure::Degree, Aggregate::Mean) => means.degree,
+            (Measure::Depth, Aggregate::Mean) => means.depth,
+            (Measure::Entropy, Aggregate::Mean) => means.entropy,
             _ => f64::NAN,
         }
     }
@@ -594,18 +566,19 @@ impl Study {
 
     /// What blocks sight in the present layout.
     pub fn initial_obstacles(&self) -> Obstacles {
-        self.obstacles(&self.base.moves.apply(&self.base.plan, &self.base.graph, &self.base.moves.identity()))
+        let identity = self.base.moves.apply(&self.base.plan, &self.base.graph, &self.base.moves.identity());
+        self.obstacles(&identity, &self.main.cells)
     }
 
-    /// What blocks sight in a layout, all walls together.
-    fn obstacles(&self, layout: &Layout) -> Obstacles {
+    /// What blocks sight in a layout, all walls together, and which of some cells it covers.
+    fn obstacles(&self, layout: &Layout, cells: &CellIndex) -> Obstacles {
         let mut traces: Vec<&Trace> = self.base.plan.walls.iter().map(|w| &w.trace).collect();
         layout.walls.iter().for_each(|moved| traces[moved.wall as usize] = &moved.trace);
         let walls = traces.into_iter().enumerate();
         let pieces = walls.flat_map(|(w, t)| pieces_of(t, None).map(move |p| (w as u32, p)));
         let blocking = pieces.flat_map(|(w, (s, part, _))| self.base.sight.blocking((w, part), s));
         let segments = blocking.chain(closed_that_stay(&self.base)).collect();
-        Obstacles { segments, blind: blind(&self.base, layout, &self.cells) }
+        Obstacles { segments, blind: blind(&self.base, layout, cells) }
     }
 
     /// All pieces of the present layout that can move or not, as segments to show.
@@ -619,10 +592,25 @@ pub fn divisor(initial: f64) -> f64 {
     if initial == 0.0 { 1.0 } else { initial.abs() }
 }
 
+/// The rooms of the present layout, doors, windows and passages closed.
+fn rooms(base: &Understood, initial: &penalties::Layout<'_>, report: &mut Report) -> RoomArea {
+    let scale = base.plan.human_scale;
+    let closings: Vec<[DVec2; 2]> =
+        base.axes.openings.iter().map(|o| o.jambs.each_ref().map(|j| j.at * scale)).collect();
+    let rooms = RoomArea::new(initial, &closings, scale);
+    let areas: Vec<String> = rooms.initial_m2().iter().map(|a| format!("{a:.1}")).collect();
+    let text = match areas.len() {
+        0 => "no room found: the walls and the doors between them enclose no floor; room-area has nothing to keep"
+            .to_owned(),
+        n => format!("rooms, with doors and passages closed: {n}, of {} m²", areas.join(", ")),
+    };
+    report.info("rooms", Place::file(&base.plan.file), text);
+    rooms
+}
+
 fn state_interior(base: &Understood, settings: &Settings, report: &mut Report) {
     let Some(interior) = &base.interior else { return };
-    let needs = base.plan.markers.query.is_empty() || base.plan.markers.reference.is_empty();
-    if needs && settings.seed_points.is_empty() && !interior.is_as_drawn() {
+    if base.plan.markers.needs_interior() && settings.seed_points.is_empty() && !interior.is_as_drawn() {
         let wide = match interior.closing_m() {
             0.0 => "its doors and windows".to_string(),
             half => format!("gaps up to {} m wide", half * 2.0),

@@ -21,6 +21,16 @@ pub const KEEP: &str = "EF-KEEP";
 /// Whether a layer holds marks of the user's.
 pub fn is_marker(layer: &str) -> bool {
     [QUERY, REFERENCE, MOVE, KEEP].iter().any(|m| m.eq_ignore_ascii_case(layer))
+        || [QUERY, REFERENCE].iter().any(|m| pair_of(layer, m).is_some())
+}
+
+/// The pair that a layer's name says, lower case: `EF-QUERY-Entrance` is the region of query of `entrance`.
+/// CAD programs that allow it may write `EF-QUERY:Entrance`.
+pub fn pair_of(layer: &str, kind: &str) -> Option<String> {
+    let (head, rest) = layer.split_at_checked(kind.len())?;
+    let name = rest.strip_prefix(['-', ':', '_'])?.trim();
+    let folded = name.to_lowercase().replace(char::is_whitespace, "-");
+    (head.eq_ignore_ascii_case(kind) && !folded.is_empty()).then_some(folded)
 }
 
 /// A transformation `g_i` of the parametrisation (spec 2).
@@ -84,6 +94,17 @@ pub struct Group {
     pub source: SourceRef,
 }
 
+/// The regions of a named pair.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pair {
+    /// Name, lower case.
+    pub name: String,
+    /// `EF-QUERY-<name>`; empty: the unnamed region of query.
+    pub query: Vec<Region>,
+    /// `EF-REFERENCE-<name>`; empty: the unnamed region of reference.
+    pub reference: Vec<Region>,
+}
+
 /// All marks of a drawing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Markers {
@@ -95,12 +116,41 @@ pub struct Markers {
     pub keep: Vec<Region>,
     /// `EF-MOVE`, in the order of their outlines in the file.
     pub groups: Vec<Group>,
+    /// Named pairs of regions, by name.
+    pub pairs: Vec<Pair>,
 }
 
 impl Markers {
+    /// The pair of a name (lower case), made where there is none yet.
+    pub fn pair(&mut self, name: &str) -> &mut Pair {
+        let at = match self.pairs.binary_search_by(|p| p.name.as_str().cmp(name)) {
+            Ok(at) => at,
+            Err(at) => {
+                self.pairs.insert(at, Pair { name: name.to_owned(), ..Pair::default() });
+                at
+            }
+        };
+        &mut self.pairs[at]
+    }
+
+    /// What a pair is measured over: its own regions, else the unnamed ones, else none, which means the
+    /// interior.
+    pub fn regions_of<'a>(&'a self, pair: &'a Pair) -> [&'a [Region]; 2] {
+        let own = |own: &'a Vec<Region>, other: &'a Vec<Region>| if own.is_empty() { other } else { own };
+        [own(&pair.query, &self.query), own(&pair.reference, &self.reference)]
+    }
+
+    /// Whether the interior is measured: some region is not drawn.
+    pub fn needs_interior(&self) -> bool {
+        let unnamed = [self.query.as_slice(), self.reference.as_slice()];
+        let named = self.pairs.iter().map(|p| self.regions_of(p));
+        std::iter::once(unnamed).chain(named).any(|regions| regions.iter().any(|r| r.is_empty()))
+    }
+
     /// Whether a mark lies inside the ring: such a ring is walls round a space.
     pub fn lies_in(&self, ring: &[PointUm]) -> bool {
-        let regions = self.query.iter().chain(&self.reference).chain(&self.keep);
+        let named = self.pairs.iter().flat_map(|p| p.query.iter().chain(&p.reference));
+        let regions = self.query.iter().chain(&self.reference).chain(&self.keep).chain(named);
         let groups = self.groups.iter().map(|g| &g.outline);
         regions.chain(groups).any(|r| r.outline().iter().all(|p| side_of_ring(ring, *p) == Side::Inside))
     }
@@ -114,7 +164,9 @@ pub fn read(drawing: &Drawing, options: &PlanOptions, frame: &Frame, report: &mu
     let mut outlines: Vec<(Region, &Entity)> = Vec::new();
     for e in &drawing.entities {
         let on = |layer: &str| layer.eq_ignore_ascii_case(&e.layer);
-        if !(on(query) || on(reference) || on(KEEP) || on(MOVE)) {
+        let is_unnamed = on(query) || on(reference) || on(KEEP) || on(MOVE);
+        let named = [QUERY, REFERENCE].map(|kind| pair_of(&e.layer, kind).filter(|_| !is_unnamed));
+        if !is_unnamed && named.iter().all(Option::is_none) {
             continue;
         }
         let Some(region) = region_of(e, frame) else {
@@ -122,6 +174,14 @@ pub fn read(drawing: &Drawing, options: &PlanOptions, frame: &Frame, report: &mu
             report.warn("marker-open", place(drawing, &e.source), text);
             continue;
         };
+        if let [Some(name), _] = &named {
+            out.pair(name).query.push(region);
+            continue;
+        }
+        if let [_, Some(name)] = &named {
+            out.pair(name).reference.push(region);
+            continue;
+        }
         match () {
             () if on(query) => out.query.push(region),
             () if on(reference) => out.reference.push(region),
@@ -365,6 +425,39 @@ fn length(s: &str) -> Result<(f64, Option<Unit>), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_layer_may_name_a_pair() {
+        for (layer, name) in [
+            ("EF-QUERY-Entrance", Some("entrance")),
+            ("ef-query:main hall", Some("main-hall")),
+            ("EF-QUERY_2", Some("2")),
+            ("EF-QUERY-süd", Some("süd")),
+            ("EF-QUERY", None),
+            ("EF-QUERY-", None),
+            ("EF-QUERYING", None),
+            ("EF-REFERENCE-exit", None),
+            ("Ünf-QUER", None),
+        ] {
+            assert_eq!(pair_of(layer, QUERY).as_deref(), name, "{layer}");
+        }
+        assert!(is_marker("EF-Reference-exit") && !is_marker("EF-MOVE-exit") && !is_marker("EF-HEAT-DEGREE"));
+    }
+
+    #[test]
+    fn a_pair_borrows_the_regions_it_lacks() {
+        let disc = |x: i64| Region::Disc { centre: [x, 0], radius_um: 5 };
+        let mut marks = Markers { reference: vec![disc(1)], ..Markers::default() };
+        marks.pair("exit").query.push(disc(2));
+        marks.pair("art").reference.push(disc(3));
+        marks.pair("exit").query.push(disc(4));
+        assert_eq!(marks.pairs.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["art", "exit"]);
+        assert_eq!(marks.regions_of(&marks.pairs[0]), [&[][..], &[disc(3)]]);
+        assert_eq!(marks.regions_of(&marks.pairs[1]), [&[disc(2), disc(4)][..], &[disc(1)]]);
+        assert!(marks.needs_interior());
+        marks.query.push(disc(9));
+        assert!(!marks.needs_interior());
+    }
 
     #[test]
     fn bounds_beyond_any_building_are_refused() {

@@ -41,6 +41,7 @@ pub const FREE_SPACE_FLOOR: u64 = 16 << 20;
 const TEMP_PREFIX: &str = ".tmp-";
 const OLD_ANALYSIS: &str = ".old-analysis";
 const ANALYSIS: &str = "analysis";
+const SO_FAR: &str = "so-far";
 const RESOLUTION: &str = "resolution";
 const CLAIM: &str = ".drawing";
 
@@ -194,6 +195,23 @@ impl Home {
     /// As [`Home::stage`].
     pub fn publish_analysis(&self, files: &[OutFile]) -> Result<PathBuf, Error> {
         self.publish_folder(ANALYSIS, files)
+    }
+
+    /// Makes `files` the content of `so-far/`, whole or not at all: what a search that goes on has found.
+    ///
+    /// # Errors
+    /// As [`Home::stage`].
+    pub fn publish_so_far(&self, files: &[OutFile]) -> Result<PathBuf, Error> {
+        self.publish_folder(SO_FAR, files)
+    }
+
+    /// Takes `so-far/` away, once a round stands; one that cannot be removed is harmless and stays.
+    pub fn drop_so_far(&self) {
+        let folder = self.folder.join(SO_FAR);
+        let is_folder = fs::symlink_metadata(&folder).is_ok_and(|m| m.is_dir());
+        if is_folder {
+            let _ = self.disk.remove_folder(&folder);
+        }
     }
 
     /// Replaces the folder of the resolution study, whole or not at all.

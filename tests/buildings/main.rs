@@ -35,6 +35,6 @@ fn one_building_in_three_formats_is_one_plan() {
     assert!(dxf.lattice.cells.len() > 300, "{}", dxf.lattice.cells.len());
     for other in [&ifc, &glb] {
         assert_eq!(other.lattice.cells, dxf.lattice.cells);
-        assert_eq!((other.edges, &other.initial.tally), (dxf.edges, &dxf.initial.tally));
+        assert_eq!((other.edges, &other.initial.seen.tally), (dxf.edges, &dxf.initial.seen.tally));
     }
 }

@@ -195,7 +195,7 @@ pub(super) fn wanted(result: &RoundResult, key: &str) -> Option<Sense> {
     match weight(result, key) {
         Some(w) if w > 0.0 => Some(Sense::Max),
         Some(w) if w < 0.0 => Some(Sense::Min),
-        _ => usual_sense(key),
+        _ => usual_sense(super::measure::parts(key).0),
     }
 }
 
@@ -273,7 +273,7 @@ pub(super) fn option_name(i: usize) -> String {
 
 /// Name of a measure with its technical term: `Visibility`, `degree`.
 pub(super) fn names(key: &str) -> (String, String) {
-    let technical = super::measure::wording(key).map_or(key, |w| w.technical);
+    let technical = super::measure::wording(super::measure::parts(key).0).map_or(key, |w| w.technical);
     let is_same = sentence_case(technical) == plain_name(key);
     let technical = if is_same { String::new() } else { technical.to_owned() };
     (plain_name(key), technical)

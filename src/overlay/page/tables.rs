@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::super::html::Html;
-use super::super::measure::{number, plain_name, sentence_case, short, wording};
+use super::super::measure::{number, parts, plain_name, sentence_case, short, wording};
 use super::super::result::{Candidate, MoveEntry, Objective, ProblemEntry, RoundResult, Sense};
 use super::super::words::{parameter, range};
 use super::cards::delta;
@@ -27,7 +27,7 @@ pub fn numbers(html: &mut Html, result: &RoundResult) {
     for key in means.iter().chain(has_score.then_some(&"score")).chain(&penalties) {
         let (plain, technical) = names(key);
         html.raw("<th scope=\"col\">").text(&plain).raw("<small>").text(&technical).raw("</small><small>");
-        html.text(wording(key).map_or("", |w| w.unit)).raw("</small></th>");
+        html.text(wording(parts(key).0).map_or("", |w| w.unit)).raw("</small></th>");
     }
     html.raw("</tr></thead>\n<tbody>\n<tr><th scope=\"row\">Present layout</th>");
     for key in &means {

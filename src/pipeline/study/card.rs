@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{Study, Worth};
+use super::{Bench, Study, Worth};
 use crate::analysis::gpu::Gpu;
 use crate::analysis::{Obstacles, Tally};
 use crate::moves::Layout;
@@ -20,7 +20,7 @@ impl Study {
     pub fn attach(&mut self, gpu: Arc<Gpu>) -> Result<(), String> {
         let identity = self.base.moves.apply(&self.base.plan, &self.base.graph, &self.base.moves.identity());
         let moving = self.moving(&identity);
-        self.evaluator.attach(gpu, &moving, CARD_LAYOUTS)
+        self.main.evaluator.attach(gpu, &moving, CARD_LAYOUTS)
     }
 
     /// Measures the layouts of many parameter vectors: all at once on the graphics card if there is one and
@@ -28,21 +28,19 @@ impl Study {
     pub fn measure_all(&self, ps: &[Vec<f64>]) -> Vec<Worth> {
         let on_cores =
             || ps.par_iter().map_init(|| self.bench(), |bench, p| self.measure(p, bench)).collect();
-        if !self.evaluator.has_card() || self.card_trouble.get().is_some() {
+        if !self.main.evaluator.has_card() || self.card_trouble.get().is_some() {
             return on_cores();
         }
         let laid_out = |p: &Vec<f64>| self.base.moves.apply(&self.base.plan, &self.base.graph, p);
         let layouts: Vec<Layout> = ps.par_iter().map(laid_out).collect();
         let moving: Vec<Obstacles> = layouts.par_iter().map(|l| self.moving(l)).collect();
-        match self.evaluator.evaluate_on_card(&moving) {
+        match self.main.evaluator.evaluate_on_card(&moving) {
             Some(Ok(tallies)) => {
-                let worth = |(layout, tally): (&Layout, Tally)| {
-                    let mut pieces = self.pieces.clone();
-                    self.place_all(layout, &mut pieces);
-                    let isovists = self.isovists(|| self.obstacles(layout));
-                    self.worth(tally, &pieces, isovists)
+                let jobs = layouts.par_iter().zip(&moving).zip(tallies);
+                let worth = |bench: &mut Bench, ((layout, moving), tally): ((&Layout, &Obstacles), Tally)| {
+                    self.worth_of(layout, tally, &moving.segments, bench)
                 };
-                layouts.par_iter().zip(tallies).map(worth).collect()
+                jobs.map_init(|| self.bench(), worth).collect()
             }
             Some(Err(why)) => {
                 self.card_trouble.get_or_init(|| why);
@@ -55,8 +53,8 @@ impl Study {
     /// Areas of two cells or more that no view joins to the largest one, and cells that see no other:
     /// how many of each there are, and how many cells the areas have.
     pub fn cut_off(&self) -> CutOff {
-        let mut sizes = vec![0usize; self.components.len()];
-        self.components.iter().for_each(|&c| sizes[c as usize] += 1);
+        let mut sizes = vec![0usize; self.main.components.len()];
+        self.main.components.iter().for_each(|&c| sizes[c as usize] += 1);
         let largest = sizes.iter().copied().max().unwrap_or(0);
         let areas = sizes.iter().filter(|n| **n > 1).count().saturating_sub(1);
         let together: usize = sizes.iter().filter(|n| **n > 1).sum();

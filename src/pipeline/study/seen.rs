@@ -1,0 +1,225 @@
+//! What people see: the unnamed pair of regions and every named one, each with its own cells and graph.
+//!
+//! A named pair measures exactly what it would measure if its regions were the only ones drawn.
+
+use std::sync::Arc;
+
+use super::{Study, Understood, blind};
+use crate::analysis::evaluator::{Evaluator, Scratch};
+use crate::analysis::isovist::query_isovists;
+use crate::analysis::lattice::{CellIndex, Ground, lattice};
+use crate::analysis::measures::{Column, Means, UNDEFINED, local_columns, means};
+use crate::analysis::paths::{Paths, Turning};
+use crate::analysis::through::through_vision_column;
+use crate::analysis::visibility::{Graph, visibility_graph};
+use crate::analysis::{Lattice, Obstacles, Tally};
+use crate::config::{Measure, PairName, Settings, Source};
+use crate::moves::Layout;
+use crate::plan::geometry::Segment;
+use crate::report::{Error, Place, Report};
+
+/// What a region of query has in one layout.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// Integer results of every query vertex.
+    pub tally: Tally,
+    /// Means over the query vertices.
+    pub means: Means,
+    /// Area, perimeter, compactness, occlusivity, drift, longest and shortest radial of the isovist of every
+    /// query vertex; empty unless asked for.
+    pub isovists: Vec<[f64; 7]>,
+    /// Measures of the stored graph that were asked for, one value a query vertex, NaN where there is none.
+    pub columns: Vec<(Measure, Vec<f64>)>,
+}
+
+/// A pair of regions made ready to be measured.
+pub(super) struct Scene {
+    pub lattice: Arc<Lattice>,
+    pub cells: CellIndex,
+    pub components: Vec<u32>,
+    pub evaluator: Evaluator,
+    /// Edges of the present layout's visibility graph, each pair once.
+    pub edges: u64,
+    /// What is asked for beyond the tally.
+    asked: Vec<Measure>,
+}
+
+/// A named pair of regions.
+pub struct Pair {
+    /// Its name.
+    pub name: PairName,
+    pub(super) scene: Scene,
+}
+
+impl Pair {
+    /// Its cells.
+    pub fn lattice(&self) -> &Lattice {
+        &self.scene.lattice
+    }
+}
+
+impl Scene {
+    pub fn new(
+        ground: &Ground<'_>,
+        base: &Understood,
+        identity: &Layout,
+        asked: Vec<Measure>,
+        report: &mut Report,
+    ) -> Result<Self, Error> {
+        let lattice = Arc::new(lattice(ground, report)?);
+        let cells = CellIndex::new(&lattice);
+        let moving = Obstacles { blind: blind(base, identity, &cells), segments: ground.movable.to_vec() };
+        let evaluator = Evaluator::new(Arc::clone(&lattice), ground.fixed, &moving);
+        let mut all = moving;
+        all.segments.extend(ground.fixed);
+        let graph = visibility_graph(&lattice, &all);
+        let (edges, components) = (graph.edge_count(), graph.components());
+        Ok(Self { lattice, cells, components, evaluator, edges, asked })
+    }
+
+    /// A layout's tally with what else is asked for; `obstacles` are those of the whole layout.
+    pub fn seen(&self, tally: Tally, obstacles: impl FnOnce() -> Obstacles) -> Seen {
+        let mut out = Seen { means: means(&tally), tally, ..Seen::default() };
+        if self.asked.is_empty() {
+            return out;
+        }
+        let obstacles = obstacles();
+        if self.asked.iter().any(|m| m.source() == Source::Isovist) {
+            out.isovists = query_isovists(&self.lattice, &obstacles);
+        }
+        if self.asked.iter().any(|m| m.source().is_of_graph()) {
+            out.columns = self.columns(&visibility_graph(&self.lattice, &obstacles), &obstacles);
+        }
+        out
+    }
+
+    fn columns(&self, graph: &Graph, obstacles: &Obstacles) -> Vec<(Measure, Vec<f64>)> {
+        let wants = |source| self.asked.iter().any(|m| m.source() == source);
+        let paths = || Paths::new(&self.lattice, graph, obstacles, Turning::default());
+        let mut all: Vec<Column> = Vec::new();
+        if wants(Source::Graph) {
+            all.extend(local_columns(&self.lattice, graph));
+        }
+        if wants(Source::Metric) {
+            all.extend(paths().metric_columns(None));
+        }
+        if wants(Source::Angular) {
+            all.extend(paths().angular_columns(None));
+        }
+        if wants(Source::Through) {
+            all.push(through_vision_column(&self.lattice, graph));
+        }
+        let defined = |v: f64| if v == UNDEFINED { f64::NAN } else { v };
+        let of = |m: &Measure| {
+            let column = all.iter().find(|c| m.column() == Some(c.name.as_str()))?;
+            Some((*m, self.lattice.query.iter().map(|v| defined(column.values[*v as usize])).collect()))
+        };
+        self.asked.iter().filter_map(of).collect()
+    }
+}
+
+/// The named pairs of a plan.
+pub(super) fn pairs(
+    base: &Understood,
+    ground: &Ground<'_>,
+    identity: &Layout,
+    settings: &Settings,
+    report: &mut Report,
+) -> Result<Vec<Pair>, Error> {
+    let markers = &base.plan.markers;
+    let mut out = Vec::new();
+    for pair in &markers.pairs {
+        let name: PairName = match pair.name.parse() {
+            Ok(name) => name,
+            Err(why) => {
+                report.warn("pair-name", Place::file(&base.plan.file), format!("{why}; it is left out"));
+                continue;
+            }
+        };
+        let [query, reference] = markers.regions_of(pair);
+        let own = Ground { query, reference, ..ground.clone() };
+        let asked = asked(settings, Some(name));
+        // What there is to say of the interior was said of the unnamed pair.
+        let scene = Scene::new(&own, base, identity, asked, &mut Report::default());
+        let scene = scene.map_err(|e| {
+            let text = format!("the regions named {name}: {e}");
+            Error::input("pair", Place::file(&base.plan.file), text)
+        })?;
+        out.push(Pair { name, scene });
+    }
+    Ok(out)
+}
+
+/// Measures beyond the tally that the settings ask of a pair, each once.
+pub(super) fn asked(settings: &Settings, pair: Option<PairName>) -> Vec<Measure> {
+    let mut out = Vec::new();
+    for aim in super::aims::aims(settings).into_iter().filter(|a| a.pair == pair) {
+        if aim.measure.source() != Source::Forest && !out.contains(&aim.measure) {
+            out.push(aim.measure);
+        }
+    }
+    out
+}
+
+/// Says which objectives make every layout take longer, and checks that the pairs they name are drawn.
+///
+/// # Errors
+/// [`Error::Usage`] for a pair that is not drawn, with those that are.
+pub(super) fn state_asked(
+    base: &Understood,
+    pairs: &[Pair],
+    settings: &Settings,
+    report: &mut Report,
+) -> Result<(), Error> {
+    let aims = super::aims::aims(settings);
+    let is_drawn = |name: PairName| pairs.iter().any(|p| p.name == name);
+    if let Some(aim) = aims.iter().find(|a| a.pair.is_some_and(|name| !is_drawn(name))) {
+        let names: Vec<String> = pairs.iter().map(|p| p.name.to_string()).collect();
+        let there = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        let text = format!(
+            "{aim}: no pair of regions of this name, pairs drawn: {there}; draw EF-QUERY-NAME and EF-REFERENCE-NAME \
+             (what is not drawn is the unnamed region, or the interior); nothing was done"
+        );
+        return Err(Error::usage("pair", Place::file(&base.plan.file), text));
+    }
+    for pair in pairs.iter().filter(|p| aims.iter().all(|a| a.pair != Some(p.name))) {
+        let text = format!(
+            "the regions named {} are measured and shown; no objective, score or limit names them: degree@{} would",
+            pair.name, pair.name
+        );
+        report.info("pair-unasked", Place::file(&base.plan.file), text);
+    }
+    for aim in &aims {
+        if let Some(cost) = aim.measure.source().cost() {
+            let text = format!("{aim} {cost}, in every layout that is measured: the search takes longer");
+            report.info("costly-measure", Place::file(&base.plan.file), text);
+        }
+    }
+    Ok(())
+}
+
+impl Study {
+    /// What every pair sees in a layout, the unnamed first, whose tally is known.
+    pub(super) fn all_seen(
+        &self,
+        layout: &Layout,
+        tally: Tally,
+        segments: &[Segment],
+        scratches: &mut [Scratch],
+    ) -> (Seen, Vec<Seen>) {
+        let of = |(pair, scratch): (&Pair, &mut Scratch)| {
+            let blind = blind(&self.base, layout, &pair.scene.cells);
+            let moving = Obstacles { segments: segments.to_vec(), blind };
+            let tally = pair.scene.evaluator.evaluate(&moving, scratch);
+            pair.scene.seen(tally, || self.obstacles(layout, &pair.scene.cells))
+        };
+        let pairs = self.pairs.iter().zip(scratches).map(of).collect();
+        (self.main.seen(tally, || self.obstacles(layout, &self.main.cells)), pairs)
+    }
+
+    /// What a pair sees in a layout; the unnamed one for `None`.
+    pub fn seen_of<'a>(&self, worth: &'a super::Worth, pair: Option<PairName>) -> &'a Seen {
+        let named = pair.and_then(|name| self.pairs.iter().position(|p| p.name == name));
+        named.and_then(|i| worth.pairs.get(i)).unwrap_or(&worth.seen)
+    }
+}
