@@ -21,14 +21,18 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # threads = 4                       # all cores by default
 
 # What is better, in order, each with the share of the reachable gain that every option must keep
-# Measures: degree, depth, entropy, mean-depth, reach, isovist-area, isovist-perimeter, isovist-compactness,
-# isovist-occlusivity; their mean, or with -min, -max, -p10 behind: the least, the most, a percentile
+# Measures: degree, depth, entropy, mean-depth, reach, connectivity, integration (-p-value, -tekl),
+# relativised-entropy, isovist-area, -perimeter, -compactness, -occlusivity, -drift, -max-radial, -min-radial;
+# and, slower, clustering, control, controllability, first-moment, second-moment, metric-distance, metric-angle,
+# metric-straight, angular-depth, angular-total, through-vision.
+# Their mean, or with -min, -max, -p10 behind: the least, the most, a percentile. @entrance: over the regions
+# drawn on EF-QUERY-entrance and EF-REFERENCE-entrance
 # objective = "degree max 0.7, depth min 0.7, entropy max 0.7"
 # score = "degree +1, depth -1, entropy +1"
-# penalty = "clearance 1, wall-length 1"   # or "none"; also alignment, overlap, passage
+# penalty = "clearance 1, wall-length 1"   # or "none"; also alignment, overlap, passage, room-area
 
 # What no option may break
-# limit = "wall-length -5%, clearance 3, passage 0.9 m, degree-p10 >= 40"
+# limit = "wall-length -5%, room-area -5%, clearance 3, passage 0.9 m, degree-p10 >= 40"
 # link = ["same: door-1, door-2", "mirror-x: left, right", "equal: a, b, c"]   # groups that move together
 # snap = "0.1 m, 5 deg"             # modules that moves keep to
 # most-moves = 4                    # groups that an option may move
@@ -44,6 +48,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # method = "default"                # or "paper": the algorithms as published
 # evaluations = 1000                # layouts to measure
 # seconds = 20.0                    # or a time: the result then depends on the machine
+# write-every = 10.0                # seconds after which what was found so far is written, into so-far/
 # seed = 1
 
 # What is shown
@@ -60,6 +65,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # layers = ["A-WALL-MOVE"]             # or layers
 # [[region]]
 # kind = "query"                       # query, reference, keep
+# pair = "entrance"                    # of a named pair; without it, of the unnamed one
 # points = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]
 
 # The daemon

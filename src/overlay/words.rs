@@ -12,10 +12,11 @@ const SMALLEST_SHARE: f64 = 0.005;
 const EIGHTHS: [&str; 8] =
     ["east", "north-east", "north", "north-west", "west", "south-west", "south", "south-east"];
 
-/// The largest moves and what the measures gain in one sentence, which moves bring it in a second.
+/// The largest moves and what the measures gain in one sentence; then which moves bring it, what was given up
+/// for it, and how unlike the other layouts it is, a sentence each.
 ///
 /// `Door 3 slides 1.2 m east, Kiosk turns 12° anticlockwise; visibility +18 %, accessibility: depth
-/// −9 % (fewer turns), organisation +2 %.`
+/// −9 % (fewer turns), organisation +2 %. Without Door 3 54 % of the gain is lost. …`
 pub fn words(
     moves: &[MoveEntry],
     parameters: &[f64],
@@ -23,9 +24,9 @@ pub fn words(
     now: &Numbers,
     explanation: &Explanation,
 ) -> String {
-    let sentences = [note_lines(moves, parameters, initial, now).join("; "), parts(explanation)];
-    let ended = sentences.into_iter().filter(|s| !s.is_empty()).map(|s| s + ".");
-    ended.collect::<Vec<_>>().join(" ")
+    let first = note_lines(moves, parameters, initial, now).join("; ");
+    let sentences = std::iter::once(first).chain(explained(explanation));
+    sentences.filter(|s| !s.is_empty()).map(|s| s + ".").collect::<Vec<_>>().join(" ")
 }
 
 /// The same in lines: what moved, then what it gains.
@@ -42,6 +43,7 @@ pub fn explained(explanation: &Explanation) -> Vec<String> {
             fixed(far, 2),
             fixed(explanation.from_present, 2)
         ),
+        None if explanation.from_present == 0.0 => String::new(),
         None => format!("Stands {} from the present layout", fixed(explanation.from_present, 2)),
     };
     [parts(explanation), kept(explanation), alike].into_iter().filter(|l| !l.is_empty()).collect()
@@ -270,6 +272,10 @@ mod tests {
                 "Stands 0.76 from option 2, the most alike, and 1.00 from the present layout",
             ]
         );
+        let told = words(&[], &[], &Numbers::default(), &Numbers::default(), &e);
+        for part in ["Without Door 3", "Keeps 83 % of the best visibility", "Stands 0.76 from option 2"] {
+            assert!(told.contains(part), "{told}");
+        }
         e = Explanation { from_present: 0.5, ..Explanation::default() };
         assert_eq!(explained(&e), ["Stands 0.50 from the present layout"]);
     }

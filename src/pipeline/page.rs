@@ -5,7 +5,7 @@ use super::round::Found;
 use super::show::Map;
 use crate::config::{Backend, Level, Method, Mode, Settings};
 use crate::overlay::page::{ArchivePoint, ReportInput, View, report_html};
-use crate::overlay::result::RoundResult;
+use crate::overlay::result::{RoundResult, Sense};
 use crate::report::OutFile;
 
 /// Most layouts of the archive that the page shows.
@@ -43,21 +43,34 @@ pub(super) fn page(
     })
 }
 
-/// An even sample of what was measured, and the members.
+/// Layouts among which the Pareto front is looked for at most: every one is compared with every other.
+const FRONT_AMONG_MAX: usize = 4_000;
+
+/// An even sample of what was measured, the Pareto front and the members.
 fn archive(result: &RoundResult, found: Option<&Found>) -> (Vec<String>, Vec<ArchivePoint>) {
     let Some(found) = found else { return (Vec::new(), Vec::new()) };
     let axes: Vec<String> = result.objectives.iter().map(|o| o.name.clone()).collect();
-    let step = found.archive.len().div_ceil(ARCHIVE_SHOWN_MAX).max(1);
-    let mut out: Vec<ArchivePoint> = found
-        .archive
-        .iter()
-        .step_by(step)
-        .map(|values| ArchivePoint { values: values.clone(), candidate: None })
-        .collect();
+    let spread = |most: usize| found.archive.iter().step_by(found.archive.len().div_ceil(most).max(1));
+    let among: Vec<&Vec<f64>> = spread(FRONT_AMONG_MAX).collect();
+    let signs: Vec<f64> =
+        result.objectives.iter().map(|o| if o.sense == Sense::Max { 1.0 } else { -1.0 }).collect();
+    let point = |values: &Vec<f64>, is_front| ArchivePoint { values: values.clone(), candidate: None, is_front };
+    let mut out: Vec<ArchivePoint> = spread(ARCHIVE_SHOWN_MAX).map(|v| point(v, false)).collect();
+    out.extend(front(&among, &signs).into_iter().map(|v| point(v, true)));
     for (i, member) in found.members.iter().enumerate() {
-        out.push(ArchivePoint { values: member.values.clone(), candidate: Some(i) });
+        out.push(ArchivePoint { values: member.values.clone(), candidate: Some(i), is_front: false });
     }
     (axes, out)
+}
+
+/// The layouts that no other beats: as good in everything and better in something. `signs`: 1 where more is
+/// better, −1 where less is.
+fn front<'a>(among: &[&'a Vec<f64>], signs: &[f64]) -> Vec<&'a Vec<f64>> {
+    let beats = |a: &[f64], b: &[f64]| {
+        let ahead = |a: &[f64], b: &[f64]| a.iter().zip(b).zip(signs).any(|((x, y), s)| s * x > s * y);
+        ahead(a, b) && !ahead(b, a)
+    };
+    among.iter().filter(|v| !among.iter().any(|other| beats(other, v))).copied().collect()
 }
 
 /// The command line that gives the same round again: what differs from the defaults, and the budget.
@@ -139,5 +152,18 @@ fn quoted(word: &str) -> String {
         word.into()
     } else {
         format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_front_is_what_nothing_beats() {
+        let all = [vec![1.0, 5.0], vec![2.0, 5.0], vec![3.0, 9.0], vec![2.0, 5.0], vec![0.0, 9.5]];
+        let among: Vec<&Vec<f64>> = all.iter().collect();
+        assert_eq!(front(&among, &[1.0, -1.0]), [&all[1], &all[2], &all[3]]);
+        assert_eq!(front(&among, &[1.0, 1.0]), [&all[2], &all[4]]);
     }
 }

@@ -137,7 +137,7 @@ pub(super) struct Found {
     pub(super) evaluations: u64,
     pub(super) stopped_by: String,
     pub(super) series: Vec<Series>,
-    /// Objective values of every layout measured.
+    /// Objective values of every layout measured that keeps the hard limits.
     pub(super) archive: Vec<Vec<f64>>,
 }
 
@@ -275,7 +275,7 @@ fn found(
         evaluations: outcome.evaluations,
         stopped_by,
         series: series(outcome.stages),
-        archive: outcome.archive.iter().map(|p| p.values.clone()).collect(),
+        archive: outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values.clone()).collect(),
         members,
     }
 }

@@ -13,7 +13,7 @@ use enfilade::report::Cancel;
 /// Measures the hall of a building; `unit` is one metre in the file's unit.
 fn hall(file: &str, bytes: &[u8], unit: f64) -> Study {
     let ring = building::HALL.map(|p| p.map(|v| v * unit)).to_vec();
-    let region = |kind: &str| RegionTable { kind: kind.into(), points: ring.clone() };
+    let region = |kind: &str| RegionTable { kind: kind.into(), pair: None, points: ring.clone() };
     let partial = Partial {
         spacing: Some(0.4),
         lattice_centre: Some([0.123, 0.057]),

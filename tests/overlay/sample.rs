@@ -161,7 +161,7 @@ fn archive() -> Vec<ArchivePoint> {
         let score = 0.3 * a - 0.2 * b + 0.2;
         let values =
             vec![64.0 + 9.0 * a + 2.0 * c, 3.9 - 0.5 * a + 0.3 * b, 2.4 + 0.2 * c, score, 1.5 + b.abs()];
-        ArchivePoint { values, candidate: None }
+        ArchivePoint { values, candidate: None, is_front: false }
     };
     let chosen = |o: usize| ArchivePoint {
         values: vec![
@@ -172,6 +172,7 @@ fn archive() -> Vec<ArchivePoint> {
             1.2,
         ],
         candidate: Some(o),
+        is_front: true,
     };
     (1..900).map(point).chain((0..OPTIONS).map(chosen)).collect()
 }
@@ -185,6 +186,7 @@ fn moves() -> Vec<MoveEntry> {
         unit: unit.to_owned(),
         direction_deg: None,
         elements: vec![ElementRef::Dxf { handle: Some("2F3".to_owned()), record: 118 }],
+        geometry: "0123456789ab".to_owned(),
     };
     vec![
         entry("door-salon", MoveKind::X, -2.0, 2.0, "m"),

@@ -354,6 +354,13 @@ fn show(scene: &File<'_>, body: &Body<'_>, z: f64, options: &ReadOptions, out: &
             let copies: Vec<Entity> = copies.collect();
             out.extend(copies);
         }
+        let pair = marks.and_then(|t| t.text(key)).map(str::trim).filter(|n| !n.is_empty() && key != "keep");
+        if let Some(name) = pair {
+            let layer = format!("{mark}-{name}");
+            let copies = out[shown.clone()].iter().map(|e| Entity { layer: layer.clone(), ..e.clone() });
+            let copies: Vec<Entity> = copies.collect();
+            out.extend(copies);
+        }
     }
 }
 

@@ -382,12 +382,13 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             text,
         });
         let marks = self.b.model.marks(self.b.step, p.id);
-        let is_set = |key: &str| {
-            marks.get(key).is_some_and(|v| ["t", "true", "1", "yes"].contains(&v.to_lowercase().as_str()))
-        };
+        let said = |key: &str| marks.get(key).map_or_else(String::new, |v| v.trim().to_lowercase());
         for (key, layer) in [("query", "EF-QUERY"), ("reference", "EF-REFERENCE"), ("keep", "EF-KEEP")] {
-            if is_set(key) {
-                self.emit(p, layer, region);
+            match said(key).as_str() {
+                "t" | "true" | "1" | "yes" => self.emit(p, layer, region),
+                "" | "f" | "false" | "0" | "no" | "u" | "unknown" => {}
+                pair if key != "keep" => self.emit(p, &format!("{layer}-{pair}"), region),
+                _ => {}
             }
         }
     }

@@ -109,7 +109,7 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
         let views = input.candidates.get(o).map_or(&[][..], |v| v);
         open_card(html, &o.to_string(), &option_name(o), &input.present, views);
         html.element("p", &[("class", "words")], &prose(&candidate.words));
-        // The first line of an explanation is part of the words.
+        // What the words say already is not said again.
         let told = explained(&candidate.explanation);
         let rest = told.iter().filter(|l| !candidate.words.contains(*l)).map(|l| format!("{l}."));
         html.element("p", &[("class", "words")], &prose(&rest.collect::<Vec<_>>().join(" ")));

@@ -41,6 +41,8 @@ pub struct ArchivePoint {
     pub values: Vec<f64>,
     /// Which candidate it became, from 0.
     pub candidate: Option<usize>,
+    /// Whether no other layout is as good in everything and better in something.
+    pub is_front: bool,
 }
 
 /// Everything the page shows.

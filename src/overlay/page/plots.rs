@@ -92,12 +92,12 @@ pub fn search(html: &mut Html, fitted: &Fitted<'_>) {
     }
     if has_archive {
         let points = thinned(&input.archive);
-        html.raw("<figure>\n");
-        scatter(html, &points, [&input.archive_axes[0], &input.archive_axes[1]]);
-        html.raw(
-            "<figcaption>One dot for each layout that was measured; the options in colour.</figcaption>",
-        );
-        html.raw("</figure>\n<figure class=\"wide\">\n");
+        for [x, y] in plotted(&input.archive_axes[..axes]) {
+            html.raw("<figure>\n");
+            scatter(html, &points, [x, y], &input.archive_axes);
+            html.raw(FRONT_WORDS).raw("</figure>\n");
+        }
+        html.raw("<figure class=\"wide\">\n");
         parallel(html, &points, &input.archive_axes[..axes]);
         html.raw("<figcaption>One line for each layout, one upright for each number.</figcaption>\n");
         keys(html, input.result.candidates.len());
@@ -106,11 +106,31 @@ pub fn search(html: &mut Html, fitted: &Fitted<'_>) {
     html.raw("</div>\n</section>\n");
 }
 
-/// At most [`MAX_ARCHIVE_POINTS`] evenly spread points, candidates last (on top).
+/// What a picture of two objectives shows.
+const FRONT_WORDS: &str = "<figcaption>One dot for each layout that keeps the hard limits; a ring where none other is as good in \
+    everything and better in something (the Pareto front); the options in colour.</figcaption>\n";
+
+/// Pairs of objectives that are drawn against each other: of the first three that are no penalty, else the
+/// first two.
+fn plotted(axes: &[String]) -> Vec<[usize; 2]> {
+    let wanted: Vec<usize> = (0..axes.len()).filter(|i| axes[*i] != "penalty").take(3).collect();
+    match wanted[..] {
+        [a, b, c] => vec![[a, b], [a, c], [b, c]],
+        [a, b] => vec![[a, b]],
+        _ => vec![[0, 1]],
+    }
+}
+
+/// At most [`MAX_ARCHIVE_POINTS`] evenly spread points, then the front, candidates last (on top).
 fn thinned(archive: &[ArchivePoint]) -> Vec<&ArchivePoint> {
-    let others: Vec<&ArchivePoint> = archive.iter().filter(|p| p.candidate.is_none()).collect();
-    let kept = others.len().min(MAX_ARCHIVE_POINTS);
-    let mut out: Vec<&ArchivePoint> = (0..kept).map(|i| others[i * others.len() / kept]).collect();
+    let spread = |is_front: bool| {
+        let is_meant = |p: &&ArchivePoint| p.candidate.is_none() && p.is_front == is_front;
+        let all: Vec<&ArchivePoint> = archive.iter().filter(is_meant).collect();
+        let kept = all.len().min(MAX_ARCHIVE_POINTS);
+        (0..kept).map(|i| all[i * all.len() / kept]).collect::<Vec<_>>()
+    };
+    let mut out = spread(false);
+    out.extend(spread(true));
     out.extend(archive.iter().filter(|p| p.candidate.is_some()));
     out
 }
@@ -125,11 +145,11 @@ fn keys(html: &mut Html, options: usize) {
     html.raw("</ul>\n");
 }
 
-fn scatter(html: &mut Html, points: &[&ArchivePoint], names: [&String; 2]) {
-    let value = |p: &ArchivePoint, k: usize| p.values.get(k).copied().unwrap_or(f64::NAN);
+fn scatter(html: &mut Html, points: &[&ArchivePoint], shown: [usize; 2], names: &[String]) {
+    let value = |p: &ArchivePoint, k: usize| p.values.get(shown[k]).copied().unwrap_or(f64::NAN);
     let x = Axis::over(points.iter().map(|p| value(p, 0)), [LEFT, WIDE - RIGHT]);
     let y = Axis::over(points.iter().map(|p| value(p, 1)), [HIGH - BOTTOM, TOP]);
-    let [name_x, name_y] = names.map(|n| plain_name(n));
+    let [name_x, name_y] = shown.map(|k| plain_name(&names[k]));
     open_svg(html, &format!("{name_y} over {name_x} of all layouts measured"));
     grid(html, x, y);
     label(html, "end", [WIDE - RIGHT, HIGH - 8.0], &name_x);
@@ -138,6 +158,7 @@ fn scatter(html: &mut Html, points: &[&ArchivePoint], names: [&String; 2]) {
         let (cx, cy) = (px(x.place(value(p, 0))), px(y.place(value(p, 1))));
         let (class, r, style) = match p.candidate {
             Some(i) => ("chosen", "7", format!("fill:{}", hex(option_style(i).0))),
+            None if p.is_front => ("front", "3.6", String::new()),
             None => ("dot", "2.6", String::new()),
         };
         html.open("circle", &[("class", class), ("cx", &cx), ("cy", &cy), ("r", r), ("style", &style)]);
@@ -309,6 +330,14 @@ fn lineage_table(html: &mut Html, result: &RoundResult, stops: &[Stop<'_>]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn objectives_are_drawn_against_each_other() {
+        let axes = |names: &[&str]| plotted(&names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>());
+        assert_eq!(axes(&["penalty", "degree", "depth", "entropy", "reach"]), [[1, 2], [1, 3], [2, 3]]);
+        assert_eq!(axes(&["degree", "depth"]), [[0, 1]]);
+        assert_eq!(axes(&["penalty", "degree"]), [[0, 1]]);
+    }
 
     #[test]
     fn a_large_archive_is_thinned_but_keeps_the_options() {
