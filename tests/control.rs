@@ -38,7 +38,8 @@ impl Plan {
     /// A wall with a box round it that says how it moves.
     fn moving(self, wall: [f64; 4], how: &str) -> Self {
         let [x, y, u, v] = wall;
-        let mut out = self.wall(wall).ring("EF-MOVE", [x.min(u) - 0.2, y.min(v) - 0.2, x.max(u) + 0.2, y.max(v) + 0.2]);
+        let mut out =
+            self.wall(wall).ring("EF-MOVE", [x.min(u) - 0.2, y.min(v) - 0.2, x.max(u) + 0.2, y.max(v) + 0.2]);
         let at = [f64::midpoint(x, u), f64::midpoint(y, v)];
         out.0.push_str(&format!("0\nTEXT\n8\nEF-MOVE\n10\n{}\n20\n{}\n40\n0.2\n1\n{how}\n", at[0], at[1]));
         out
@@ -126,8 +127,7 @@ fn walls(file: &Path) -> Vec<[f64; 4]> {
 fn options(round: &Path) -> Vec<[[f64; 4]; 3]> {
     let result = json(&round.join("result.json"));
     let files = result["candidates"].as_array().unwrap().iter().map(|c| c["file"].as_str().unwrap());
-    let found: Vec<_> =
-        files.map(|f| walls(&round.join(f))).map(|w| [w[4], w[5], w[6]]).collect();
+    let found: Vec<_> = files.map(|f| walls(&round.join(f))).map(|w| [w[4], w[5], w[6]]).collect();
     assert!(!found.is_empty(), "{}", result["problems"]);
     found
 }
@@ -141,7 +141,11 @@ fn a_named_pair_measures_what_it_would_alone() {
     let art = ([0.5, 0.5, 3.0, 3.0], [17.0, 7.0, 19.5, 9.5]);
     let exit = [17.0, 0.5, 19.5, 2.0];
     let base = hall(["x -2 2", "x -2 2; rotate -20 20", "x -2 2"]);
-    let both = base.clone().ring("EF-QUERY-Art", art.0).ring("EF-REFERENCE-Art", art.1).ring("EF-REFERENCE-Exit", exit);
+    let both = base
+        .clone()
+        .ring("EF-QUERY-Art", art.0)
+        .ring("EF-REFERENCE-Art", art.1)
+        .ring("EF-REFERENCE-Exit", exit);
     let desk = Desk::new(&both);
     let mean = |more: &[&str]| -> Value {
         let done = desk.call("analyse", &[&["--json", "-"], more].concat());
@@ -175,10 +179,12 @@ fn corners([x, y, u, v]: [f64; 4]) -> String {
 #[test]
 fn two_pairs_are_improved_at_once() {
     let plan = hall(["x -2 2", "x -2 2; rotate -20 20", "x -2 2"]);
-    let plan = plan.ring("EF-QUERY-art", [0.5, 0.5, 3.0, 3.0]).ring("EF-REFERENCE-art", [17.0, 7.0, 19.5, 9.5]);
+    let plan =
+        plan.ring("EF-QUERY-art", [0.5, 0.5, 3.0, 3.0]).ring("EF-REFERENCE-art", [17.0, 7.0, 19.5, 9.5]);
     let plan = plan.ring("EF-REFERENCE-exit", [17.0, 0.5, 19.5, 2.0]);
     let desk = Desk::new(&plan);
-    let wanted = ["--objective", "degree@art max 0.5, degree-p10@exit max 0.3", "--limit", "degree@exit -20%"];
+    let wanted =
+        ["--objective", "degree@art max 0.5, degree-p10@exit max 0.3", "--limit", "degree@exit -20%"];
     let round = desk.run(1, &wanted);
     let result = json(&round.join("result.json"));
     assert_eq!(result["objectives"][1]["name"], "degree@art");
@@ -225,7 +231,10 @@ fn written_walls_keep_their_links() {
     let round = desk.run(2, &[&wish[..], &["--link", "same: a, c"]].concat());
     for [a, _, c] in options(&round) {
         assert!((along(a, 5.0) - along(c, 15.0)).abs() < 2e-6, "{a:?} {c:?}");
-        assert!((-1.0 - 2e-6..=1.5 + 2e-6).contains(&along(a, 5.0)), "the leader keeps inside what all may do");
+        assert!(
+            (-1.0 - 2e-6..=1.5 + 2e-6).contains(&along(a, 5.0)),
+            "the leader keeps inside what all may do"
+        );
     }
     let round = desk.run(3, &[&wish[..], &["--link", "equal: a, b, c", "--snap", "0.1 m"]].concat());
     for [a, b, c] in options(&round) {
@@ -250,7 +259,8 @@ fn flat() -> Plan {
 fn rooms_keep_their_area() {
     let desk = Desk::new(&flat());
     let wish = ["--objective", "degree max 0.1", "--link", "same: low, high", "--distance", "0.05"];
-    let round = desk.run(1, &[&wish[..], &["--penalty", "room-area 1", "--limit", "room-area -20%"]].concat());
+    let round =
+        desk.run(1, &[&wish[..], &["--penalty", "room-area 1", "--limit", "room-area -20%"]].concat());
     let result = json(&round.join("result.json"));
     let stated = result["problems"].as_array().unwrap().iter().find(|p| p["code"] == "rooms").unwrap();
     assert!(stated["text"].as_str().unwrap().contains(": 2, of "), "{stated}");
@@ -258,7 +268,10 @@ fn rooms_keep_their_area() {
     let candidates = result["candidates"].as_array().unwrap();
     assert!(!candidates.is_empty());
     for c in candidates {
-        let [x, lost] = [walls(&round.join(c["file"].as_str().unwrap()))[4][0], c["penalty"]["room_area_m2"].as_f64().unwrap()];
+        let [x, lost] = [
+            walls(&round.join(c["file"].as_str().unwrap()))[4][0],
+            c["penalty"]["room_area_m2"].as_f64().unwrap(),
+        ];
         assert!((lost - (x - 4.0).abs() * 6.0).abs() < 0.12, "{x}: {lost}");
         assert!((3.2 - 0.02..=5.2 + 0.02).contains(&x), "no room may lose more than a fifth: {x}");
     }
@@ -285,7 +298,8 @@ fn every_measure_of_the_engine_can_be_an_objective() {
                 control max 0, clustering min 0, isovist-max-radial-p50 max 0";
     let round = desk.run(1, &["--spacing", "1", "--objective", wish, "--evaluations", "20"]);
     let result = json(&round.join("result.json"));
-    let names = ["integration", "metric-distance", "angular-depth-p90", "through-vision", "control", "clustering"];
+    let names =
+        ["integration", "metric-distance", "angular-depth-p90", "through-vision", "control", "clustering"];
     for name in names {
         assert!(result["initial"]["mean"][name].as_f64().unwrap() > 0.0, "{name}");
         let drawn = result["candidates"].as_array().unwrap().iter().all(|c| c["mean"][name].is_number());
@@ -309,7 +323,8 @@ fn every_measure_of_the_engine_can_be_an_objective() {
         ("Visual Clustering Coefficient", "clustering"),
     ] {
         let at = head.iter().position(|h| *h == column).unwrap();
-        let values: Vec<f64> = table.lines().skip(1).map(|l| l.split(',').nth(at).unwrap().parse().unwrap()).collect();
+        let values: Vec<f64> =
+            table.lines().skip(1).map(|l| l.split(',').nth(at).unwrap().parse().unwrap()).collect();
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let found = result["initial"]["mean"][name].as_f64().unwrap();
         assert!((mean - found).abs() < 1e-9 * mean.abs().max(1.0), "{column}: {mean} {found}");
@@ -359,7 +374,8 @@ fn an_accepted_option_begins_with_what_survives() {
     let side_car = std::fs::read_to_string(&car).unwrap();
     assert!(side_car.contains("[[warm-move]]"), "{side_car}");
     let at = side_car.find("[[move]]\n").unwrap();
-    let changed = format!("{}{}", &side_car[..at], side_car[at..].replacen("name = \"a\"", "name = \"door\"", 1));
+    let changed =
+        format!("{}{}", &side_car[..at], side_car[at..].replacen("name = \"a\"", "name = \"door\"", 1));
     std::fs::write(&car, changed).unwrap();
     told(true);
 }
@@ -368,7 +384,12 @@ fn an_accepted_option_begins_with_what_survives() {
 fn what_is_found_so_far_is_a_whole_round_and_disturbs_nothing() {
     let plan = hall(["x -2 2", "x -2 2", "x -2 2"]).text();
     let run = |every: Option<f64>| {
-        let partial = Partial { unit: Some("m".into()), spacing: Some(1.0), evaluations: Some(5), ..Partial::default() };
+        let partial = Partial {
+            unit: Some("m".into()),
+            spacing: Some(1.0),
+            evaluations: Some(5),
+            ..Partial::default()
+        };
         let settings = Settings { write_every_secs: every, ..Settings::new(partial).unwrap() };
         let input = Input::new("plan.dxf", plan.as_bytes(), 1);
         let mut so_far: Vec<(Vec<OutFile>, u64)> = Vec::new();
@@ -393,7 +414,11 @@ fn what_is_found_so_far_is_a_whole_round_and_disturbs_nothing() {
         assert!(of("report.html").is_some() && of("initial.dxf").is_some());
     }
     let drawings = |files: &[OutFile]| -> Vec<OutFile> {
-        files.iter().filter(|f| f.path.extension().is_some_and(|e| e == "dxf" || e == "html")).cloned().collect()
+        files
+            .iter()
+            .filter(|f| f.path.extension().is_some_and(|e| e == "dxf" || e == "html"))
+            .cloned()
+            .collect()
     };
     assert_eq!(drawings(&done.files), drawings(&same.files));
 }

@@ -54,7 +54,8 @@ fn archive(result: &RoundResult, found: Option<&Found>) -> (Vec<String>, Vec<Arc
     let among: Vec<&Vec<f64>> = spread(FRONT_AMONG_MAX).collect();
     let signs: Vec<f64> =
         result.objectives.iter().map(|o| if o.sense == Sense::Max { 1.0 } else { -1.0 }).collect();
-    let point = |values: &Vec<f64>, is_front| ArchivePoint { values: values.clone(), candidate: None, is_front };
+    let point =
+        |values: &Vec<f64>, is_front| ArchivePoint { values: values.clone(), candidate: None, is_front };
     let mut out: Vec<ArchivePoint> = spread(ARCHIVE_SHOWN_MAX).map(|v| point(v, false)).collect();
     out.extend(front(&among, &signs).into_iter().map(|v| point(v, true)));
     for (i, member) in found.members.iter().enumerate() {
