@@ -81,6 +81,16 @@ pub enum Method {
     Paper,
 }
 
+/// What happens where the thresholds leave no room for options that differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Thresholds {
+    /// They stand as they were stated; the options may be alike, and the report says so.
+    Firm,
+    /// They are lowered together, step by step, until the options stand `distance` apart.
+    Yielding,
+}
+
 /// Colours of heat maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -283,6 +293,7 @@ pub struct Partial {
     pub mode: Option<Mode>,
     pub method: Option<Method>,
     pub objective: Option<String>,
+    pub thresholds: Option<Thresholds>,
     pub score: Option<String>,
     pub penalty: Option<String>,
     pub distance: Option<f64>,
@@ -370,6 +381,7 @@ impl Partial {
             mode: self.mode.or(base.mode),
             method: self.method.or(base.method),
             objective: self.objective.or(base.objective),
+            thresholds: self.thresholds.or(base.thresholds),
             score: self.score.or(base.score),
             penalty: self.penalty.or(base.penalty),
             distance: self.distance.or(base.distance),
@@ -437,6 +449,8 @@ pub struct Settings {
     pub method: Method,
     /// Objectives in order, without diversity.
     pub objectives: Vec<ObjectiveSetting>,
+    /// Whether their thresholds may be lowered; by default where nobody stated any.
+    pub thresholds: Thresholds,
     /// Weights w_k of `score`.
     pub score: Vec<(Aim, f64)>,
     /// Weights v_j of the penalties.
@@ -496,6 +510,7 @@ impl Settings {
     /// [`Error::Usage`] naming the key, what was found and what is expected.
     pub fn new(p: Partial) -> Result<Self, Error> {
         let score = score_terms(p.score.as_deref().unwrap_or("degree +1, depth -1, entropy +1"))?;
+        let is_stated = p.objective.is_some();
         let objectives =
             objectives(p.objective.as_deref().unwrap_or("degree max 0.7, depth min 0.7, entropy max 0.7"))?;
         let penalties = penalties(p.penalty.as_deref().unwrap_or("clearance 1, wall-length 1"))?;
@@ -547,6 +562,11 @@ impl Settings {
             mode: p.mode.unwrap_or_default(),
             method: p.method.unwrap_or_default(),
             objectives,
+            thresholds: p.thresholds.unwrap_or(if is_stated {
+                Thresholds::Firm
+            } else {
+                Thresholds::Yielding
+            }),
             score,
             penalties,
             distance: in_range("distance", Some(p.distance.unwrap_or(D_MIN_DEFAULT)), 0.0, 1.0)?
