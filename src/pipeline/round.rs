@@ -14,6 +14,7 @@ use crate::formats;
 use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
 use crate::moves::control::Control;
+use crate::overlay::measure::plain_name;
 use crate::overlay::result::{
     self, Best, Candidate, Diversity, ElementRef, Explanation, LineageEntry, MoveEntry, Numbers, Objective,
     RoundResult, Sense as ShownSense,
@@ -226,7 +227,7 @@ fn found(
     let shown: Vec<Objective> = shown.collect();
     let mut stopped_by = search.stop_reason().map_or_else(String::new, |s| s.to_string());
     let whole = |p: &[f64]| control.expand(p);
-    let mut members = outcome.members;
+    let mut members = outcome.members.clone();
     if outcome.best.violation > 0.0 {
         members.retain(|m| m.violation == 0.0);
     }
@@ -262,7 +263,7 @@ fn found(
         threshold_share: outcome.threshold_share,
         evaluations: outcome.evaluations,
         stopped_by,
-        series: series(outcome.stages),
+        series: series(&outcome, objectives),
         archive: outcome.archive.iter().map(|p| p.values.clone()).collect(),
         members,
     }
@@ -300,16 +301,37 @@ fn best_of(outcome: &search::Outcome<'_>, objective: usize, sense: search::Sense
     values.fold(f64::NAN, better)
 }
 
-fn series(stages: &[search::Milestone]) -> Vec<Series> {
-    let mut out: Vec<Series> = Vec::new();
-    for point in stages {
-        let name = &point.stage;
-        match out.iter_mut().find(|s| s.name == *name) {
-            Some(s) => s.points.push((point.evaluations, point.best)),
-            None => out.push(Series { name: name.clone(), points: vec![(point.evaluations, point.best)] }),
-        }
+/// The course of the search: the best value of every objective among the layouts that keep the hard limits,
+/// and, once options spread, how far the two most alike stand apart.
+fn series(outcome: &search::Outcome<'_>, objectives: &[(Aim, search::Objective)]) -> Vec<Series> {
+    let mut out: Vec<Series> = objectives
+        .iter()
+        .enumerate()
+        .map(|(j, (_, o))| Series {
+            name: format!("{}: best found", plain_name(&o.name)),
+            points: course(outcome, j, o.sense),
+        })
+        .collect();
+    let apart = outcome.stages.iter().filter(|s| s.min_distance > 0.0);
+    let points: Vec<(u64, f64)> = apart.map(|s| (s.evaluations, s.min_distance)).collect();
+    if !points.is_empty() {
+        out.push(Series { name: "Distance of the two options most alike".into(), points });
     }
     out
+}
+
+/// Where the best value of an objective rose, and to what.
+fn course(outcome: &search::Outcome<'_>, objective: usize, sense: search::Sense) -> Vec<(u64, f64)> {
+    let mut points: Vec<(u64, f64)> = vec![];
+    for (i, p) in outcome.archive.iter().enumerate().filter(|(_, p)| p.violation == 0.0) {
+        let value = p.values[objective];
+        let is_better =
+            |best: f64| if sense == search::Sense::Maximise { value > best } else { value < best };
+        if value.is_finite() && points.last().is_none_or(|(_, best)| is_better(*best)) {
+            points.push((i as u64 + 1, value));
+        }
+    }
+    points
 }
 
 fn progress(search: &Search, control: &Control, begun: Instant) -> Progress {
