@@ -11,7 +11,7 @@ use super::Input;
 use super::fits;
 use super::round::edits_of;
 use super::study::{self, Understood};
-use crate::config::{KnownMove, LineageTable, Method, Mode, Partial, Settings};
+use crate::config::{KnownMove, LineageTable, Method, Mode, Partial, Settings, Thresholds};
 use crate::formats;
 use crate::moves::Parameter;
 use crate::overlay::result::{Numbers, RoundResult};
@@ -177,6 +177,7 @@ fn side_car(
     set("mode", if settings.mode == Mode::Best { "best" } else { "diverse" }.into());
     set("method", if settings.method == Method::Paper { "paper" } else { "default" }.into());
     set("objective", settings.objective_text().into());
+    set("thresholds", if settings.thresholds == Thresholds::Firm { "firm" } else { "yielding" }.into());
     set("score", settings.score_text().into());
     set("penalty", settings.penalty_text().into());
     control(settings).into_iter().for_each(|(key, value)| drop(set(key, value)));

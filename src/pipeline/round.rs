@@ -1,27 +1,29 @@
 //! One round: search, verify, write.
 
+mod files;
+
 use std::collections::BTreeMap;
 use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::show::{self, Map};
+use super::show;
 use super::study::{self, Study, Understood, Worth};
-use super::{Event, Input, Outcome, Progress, heat_map, rayon_map};
+use super::{Event, Input, Outcome, Progress};
 use super::{aims, explain, fits, rules};
-use crate::config::{Aim, Measure, Method, Mode, Settings};
+use crate::config::{Aim, Measure, Method, Mode, Settings, Thresholds};
 use crate::formats;
 use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
 use crate::moves::control::Control;
+use crate::overlay::Series;
+use crate::overlay::measure::plain_name;
 use crate::overlay::result::{
     self, Best, Candidate, Diversity, ElementRef, Explanation, LineageEntry, MoveEntry, Numbers, Objective,
     RoundResult, Sense as ShownSense,
 };
-use crate::overlay::words::{self, explained, note_lines};
-use crate::overlay::{Scale, Series, convergence_png, diversity_png, heat_additions, moved_additions};
-use crate::overlay::{additions::heat_layer, heat_map::DEFAULT_SIDE_PX};
-use crate::plan::drawing::{Addition, Edit, Editable};
+use crate::overlay::words;
+use crate::plan::drawing::{Edit, Editable};
 use crate::plan::markers::place_in;
 use crate::report::{Cancel, Error, OutFile, Place, Report};
 use crate::search::{self, Evaluation, Search, normalised_distance};
@@ -104,18 +106,13 @@ fn round(
         report.warn("few-options", Place::file(input.file()), text);
     }
     let wanted = settings.distance * (study.base.moves.parameters.len() as f64).sqrt();
-    if let Some(nearest) = distances(study, &made).min_distance.filter(|d| *d < wanted) {
-        let text = format!(
-            "the two options most alike stand {nearest:.3} apart, {wanted:.3} was wanted: the thresholds of the objectives leave \
-             little room together; lower thresholds, fewer objectives or --objective \"score max 0.7\" give more different options"
-        );
-        report.info("options-alike", Place::file(input.file()), text);
-    }
+    let share = found.map_or(1.0, |f| f.threshold_share);
+    say_alikeness(&mut report, input.file(), share, distances(study, &made).min_distance, wanted);
     let result = round_result(input, settings, study, &report, found, &made, started);
-    let mut files = pictures(input, settings, study, &made)?;
-    files.extend(drawings(input, settings, study, &made, &result)?);
-    files.push(OutFile::new("convergence.png", convergence(found)?));
-    files.push(OutFile::new("diversity.png", diversity(study, &made)?));
+    let mut files = files::pictures(input, settings, study, &made)?;
+    files.extend(files::drawings(input, settings, study, &made, &result)?);
+    files.push(OutFile::new("convergence.png", files::convergence(found)?));
+    files.push(OutFile::new("diversity.png", files::diversity(study, &made)?));
     let understood = super::check_picture(&study.base, &show::check(&study.base, &report))?;
     let maps = show::maps(study);
     let page = super::page::page(input, settings, &result, (&files, &maps), &understood, found);
@@ -123,6 +120,26 @@ fn round(
     files.push(OutFile::new("result.json", result::to_json(&result)?));
     files.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(Outcome { result, files, report })
+}
+
+/// Says where the options are more alike than wanted, and what was done about it.
+fn say_alikeness(report: &mut Report, file: &str, share: f64, nearest: Option<f64>, wanted: f64) {
+    let place = Place::file(file);
+    if share < 1.0 {
+        let text = format!(
+            "inside the thresholds the options were too alike; all thresholds were lowered to {:.0} % of what was \
+             asked; --thresholds firm keeps them",
+            share * 100.0
+        );
+        report.info("thresholds-lowered", place.clone(), text);
+    }
+    if let Some(nearest) = nearest.filter(|d| *d < wanted) {
+        let text = format!(
+            "the two options most alike stand {nearest:.3} apart, {wanted:.3} was wanted: the thresholds of the objectives leave \
+             little room together; lower thresholds, fewer objectives or --objective \"score max 0.7\" give more different options"
+        );
+        report.info("options-alike", place, text);
+    }
 }
 
 /// What a search found, in our terms.
@@ -134,6 +151,8 @@ pub(super) struct Found {
     /// Why no layout keeps the hard limits, where none does.
     no_option: Option<String>,
     pub(super) objectives: Vec<Objective>,
+    /// What is left of the thresholds stated.
+    threshold_share: f64,
     pub(super) evaluations: u64,
     pub(super) stopped_by: String,
     pub(super) series: Vec<Series>,
@@ -164,6 +183,7 @@ fn optimise(
         objectives: objectives.iter().map(|o| o.1.clone()).collect(),
         members: settings.members,
         d_min: settings.distance,
+        least_share: if settings.thresholds == Thresholds::Yielding { YIELDING_LEAST_SHARE } else { 1.0 },
         seed: settings.seed,
         evaluations: Some(budget(study, settings)),
         method: if settings.method == Method::Paper {
@@ -230,7 +250,7 @@ fn found(
     let shown = objectives.iter().enumerate().map(|(i, (_, o))| Objective {
         name: o.name.clone(),
         sense: if o.sense == search::Sense::Maximise { ShownSense::Max } else { ShownSense::Min },
-        threshold: o.threshold,
+        threshold: o.threshold * outcome.threshold_share,
         initial: initial.values[i],
         best: best_of(&outcome, i, o.sense),
         limit: outcome.thresholds.get(i).copied().unwrap_or(f64::NAN),
@@ -239,7 +259,7 @@ fn found(
     let goes_on = || "the search goes on; this is the best so far".to_owned();
     let mut stopped_by = search.stop_reason().map_or_else(goes_on, |s| s.to_string());
     let whole = |p: &[f64]| control.expand(p);
-    let mut members = outcome.members;
+    let mut members = outcome.members.clone();
     if outcome.best.violation > 0.0 {
         members.retain(|m| m.violation == 0.0);
     }
@@ -272,9 +292,10 @@ fn found(
         best,
         no_option,
         objectives: shown,
+        threshold_share: outcome.threshold_share,
         evaluations: outcome.evaluations,
         stopped_by,
-        series: series(outcome.stages),
+        series: series(&outcome, objectives),
         archive: outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values.clone()).collect(),
         members,
     }
@@ -312,16 +333,37 @@ fn best_of(outcome: &search::Outcome<'_>, objective: usize, sense: search::Sense
     values.fold(f64::NAN, better)
 }
 
-fn series(stages: &[search::Milestone]) -> Vec<Series> {
-    let mut out: Vec<Series> = Vec::new();
-    for point in stages {
-        let name = &point.stage;
-        match out.iter_mut().find(|s| s.name == *name) {
-            Some(s) => s.points.push((point.evaluations, point.best)),
-            None => out.push(Series { name: name.clone(), points: vec![(point.evaluations, point.best)] }),
-        }
+/// The course of the search: the best value of every objective among the layouts that keep the hard limits,
+/// and, once options spread, how far the two most alike stand apart.
+fn series(outcome: &search::Outcome<'_>, objectives: &[(Aim, search::Objective)]) -> Vec<Series> {
+    let mut out: Vec<Series> = objectives
+        .iter()
+        .enumerate()
+        .map(|(j, (_, o))| Series {
+            name: format!("{}: best found", plain_name(&o.name)),
+            points: course(outcome, j, o.sense),
+        })
+        .collect();
+    let apart = outcome.stages.iter().filter(|s| s.min_distance > 0.0);
+    let points: Vec<(u64, f64)> = apart.map(|s| (s.evaluations, s.min_distance)).collect();
+    if !points.is_empty() {
+        out.push(Series { name: "Distance of the two options most alike".into(), points });
     }
     out
+}
+
+/// Where the best value of an objective rose, and to what.
+fn course(outcome: &search::Outcome<'_>, objective: usize, sense: search::Sense) -> Vec<(u64, f64)> {
+    let mut points: Vec<(u64, f64)> = vec![];
+    for (i, p) in outcome.archive.iter().enumerate().filter(|(_, p)| p.violation == 0.0) {
+        let value = p.values[objective];
+        let is_better =
+            |best: f64| if sense == search::Sense::Maximise { value > best } else { value < best };
+        if value.is_finite() && points.last().is_none_or(|(_, best)| is_better(*best)) {
+            points.push((i as u64 + 1, value));
+        }
+    }
+    points
 }
 
 fn progress(search: &Search, control: &Control, begun: Instant) -> Progress {
@@ -343,6 +385,10 @@ fn budget(study: &Study, settings: &Settings) -> u64 {
     let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
     settings.evaluations.unwrap_or((PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]) as u64)
 }
+
+/// To what share of themselves yielding thresholds are lowered at most: options must stay better than the
+/// layouts that anybody would find by chance.
+const YIELDING_LEAST_SHARE: f64 = 0.3;
 
 /// Threshold of the implied penalty objective: no option has more of it than the present layout. To ask
 /// for less would pin every option to the few places where the penalty is least.
@@ -640,117 +686,4 @@ fn distances(study: &Study, made: &[Made]) -> Diversity {
     let min_distance = all.iter().copied().reduce(f64::min);
     let mean_distance = (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
     Diversity { min_distance, mean_distance }
-}
-
-/// Values of every shown measure for the present layout and every member, with one scale a measure.
-struct Shown {
-    map: Map,
-    scale: Scale,
-    initial: Vec<f64>,
-    members: Vec<Vec<f64>>,
-}
-
-fn shown(settings: &Settings, study: &Study, made: &[Made]) -> Vec<Shown> {
-    let of = |map: Map| {
-        let initial = show::values(study, &study.initial, map, settings);
-        let members: Vec<Vec<f64>> =
-            made.iter().map(|m| show::values(study, &m.worth, map, settings)).collect();
-        let all = initial.iter().chain(members.iter().flatten()).copied();
-        Shown { map, scale: Scale::of(all.filter(|v| v.is_finite())), initial, members }
-    };
-    show::maps(study).into_iter().map(of).collect()
-}
-
-fn pictures(
-    input: &Input<'_>,
-    settings: &Settings,
-    study: &Study,
-    made: &[Made],
-) -> Result<Vec<OutFile>, Error> {
-    let shown = shown(settings, study, made);
-    let present = show::picture(&study.base);
-    let moved: Vec<_> = made.iter().map(|m| show::moved_picture(&study.base, &m.layout)).collect();
-    let jobs: Vec<(usize, usize)> =
-        (0..shown.len()).flat_map(|s| (0..=made.len()).map(move |m| (s, m))).collect();
-    let files = rayon_map(&jobs, |(s, m)| {
-        let of = &shown[*s];
-        let (name, picture, values, subtitle) = match m.checked_sub(1) {
-            None => ("initial".to_string(), &present, &of.initial, format!("{}, as drawn", input.file())),
-            Some(i) => {
-                let name = made[i].name.clone();
-                let subtitle = format!("{}, option {m}", input.file());
-                (name, &moved[i], &of.members[i], subtitle)
-            }
-        };
-        let png = heat_map(study, settings, picture, values, of.map, of.scale, &subtitle)?;
-        Ok(OutFile::new(format!("{name}-{}.png", of.map.file()), png))
-    });
-    files.into_iter().collect()
-}
-
-/// `initial.dxf` and the candidates: the drawing's own bytes with the moves and our layers.
-fn drawings(
-    input: &Input<'_>,
-    settings: &Settings,
-    study: &Study,
-    made: &[Made],
-    result: &RoundResult,
-) -> Result<Vec<OutFile>, Error> {
-    let mut shown = shown(settings, study, made);
-    // Layer names are short in old versions: two maps may come to the same.
-    let layers: Vec<String> = shown.iter().map(|s| heat_layer(&s.map.file())).collect();
-    let mut places = 0..;
-    shown.retain(|_| places.next().is_some_and(|i: usize| !layers[..i].contains(&layers[i])));
-    let bounds = show::picture(&study.base).bounds;
-    let heat = |member: Option<usize>| -> Vec<Addition> {
-        let of = |s: &Shown| {
-            let values = member.map_or(&s.initial, |i| &s.members[i]);
-            let layer = heat_layer(&s.map.file());
-            heat_additions(
-                &layer,
-                &show::cells(study, s.map.pair, values),
-                study.spacing.spacing_m,
-                s.scale,
-                show::palette(settings),
-            )
-        };
-        shown.iter().flat_map(of).collect()
-    };
-    let jobs: Vec<Option<usize>> = std::iter::once(None).chain((0..made.len()).map(Some)).collect();
-    let files = rayon_map(&jobs, |job| {
-        let mut additions = heat(*job);
-        let (name, edits) = match job {
-            None => ("initial".to_string(), Vec::new()),
-            Some(i) => {
-                let m = &made[*i];
-                let (now, before) = show::moved_strokes(&study.base, &m.layout);
-                let candidate = &result.candidates[*i];
-                let mut lines = vec![format!("Option {} of {}", i + 1, input.file())];
-                lines.extend(note_lines(
-                    &result.moves,
-                    &m.member.parameters,
-                    &told(study, &result.initial.mean),
-                    &told(study, &candidate.mean),
-                ));
-                lines.extend(explained(&candidate.explanation));
-                additions.extend(moved_additions(&now, &before, &lines, bounds));
-                (m.name.clone(), m.edits.clone())
-            }
-        };
-        let additions = show::to_drawing_units(&study.base.plan, additions);
-        let options = study::read_options(settings);
-        let bytes = formats::patch(input.file(), &input.bytes, &options, &edits, &additions)?;
-        Ok(OutFile::new(format!("{name}.{}", study.base.plan.format.name()), bytes))
-    });
-    files.into_iter().collect()
-}
-
-fn convergence(found: Option<&Found>) -> Result<Vec<u8>, Error> {
-    convergence_png(found.map_or(&[], |f| &f.series), DEFAULT_SIDE_PX)
-}
-
-fn diversity(study: &Study, made: &[Made]) -> Result<Vec<u8>, Error> {
-    let strokes: Vec<_> = made.iter().map(|m| show::moved_strokes(&study.base, &m.layout).0).collect();
-    let labels: Vec<String> = (1..=made.len()).map(|i| format!("option {i}")).collect();
-    diversity_png(&show::picture(&study.base), &strokes, &labels, DEFAULT_SIDE_PX)
 }
