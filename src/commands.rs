@@ -80,7 +80,8 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
         }
         result.storeys.iter().for_each(|s| say(&storey_line(s)));
         for r in result.regions.iter().filter(|r| r.kind != "move") {
-            say(&format!("region of {}: {:.1} m²", r.kind, r.area_m2));
+            let pair = r.pair.as_ref().map_or_else(String::new, |name| format!(" {name}"));
+            say(&format!("region of {}{pair}: {:.1} m²", r.kind, r.area_m2));
         }
     }
     tell(&args.common, &outcome.report);

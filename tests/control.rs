@@ -278,6 +278,25 @@ fn rooms_keep_their_area() {
 }
 
 #[test]
+fn rooms_of_thick_walls_are_parted_by_their_doors() {
+    let plan = Plan::default().room([0.0, 0.0, 10.0, 6.0]).room([0.3, 0.3, 9.7, 5.7]);
+    let faces = [[4.8, 0.3, 4.8, 2.5], [4.8, 3.5, 4.8, 5.7], [5.2, 0.3, 5.2, 2.5], [5.2, 3.5, 5.2, 5.7]];
+    let plan = faces.into_iter().fold(plan, Plan::wall);
+    let desk = Desk::new(&plan.moving([2.0, 2.0, 2.0, 3.0], "x -0.5 0.5"));
+    let round = desk.run(1, &["--penalty", "room-area 1", "--objective", "degree max 0.1"]);
+    let result = json(&round.join("result.json"));
+    let problems = result["problems"].as_array().unwrap();
+    let stated = problems.iter().find(|p| p["code"] == "rooms").unwrap()["text"].as_str().unwrap();
+    assert!(stated.contains(": 2, of "), "{stated}");
+    for c in result["candidates"].as_array().unwrap() {
+        assert!(
+            c["penalty"]["room_area_m2"].as_f64().unwrap() < 0.1,
+            "a screen inside a room takes no floor"
+        );
+    }
+}
+
+#[test]
 fn passages_stay_as_wide_as_asked() {
     let plan = Plan::default().room([0.0, 0.0, 10.0, 6.0]).wall([6.0, 0.0, 6.0, 4.0]);
     let desk = Desk::new(&plan.moving([4.0, 1.5, 4.0, 6.0], "x -1 1.9; name screen"));

@@ -596,6 +596,43 @@ fn run_once_publishes_the_same_way() {
     assert_eq!(rounds.into_keys().collect::<Vec<_>>(), ["round-01", "round-02", "status.json"]);
 }
 
+/// What is found so far is whole at any moment; the finished round takes its place, a stop leaves it.
+#[test]
+fn what_is_found_so_far_stands_until_the_round_does() {
+    let dir = tempfile::tempdir().unwrap();
+    let drawing = dir.path().join("plan.dxf");
+    fs::write(&drawing, b"one EOF\n").unwrap();
+    let so_far = dir.path().join("plan.enfilade/so-far");
+    let stop = Cancel::default();
+    let run = |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+        for text in ["first", "second"] {
+            let files = vec![OutFile { path: "result.json".into(), bytes: text.into() }];
+            tell(JobEvent::SoFar { files, progress: serde_json::json!({"stage": "so-far", "done": 7}) });
+            assert_eq!(fs::read_to_string(so_far.join("result.json")).unwrap(), text);
+        }
+        cancel.check()?;
+        Ok(echo(request))
+    };
+    let told = std::cell::RefCell::new(Vec::new());
+    let mut show = |notice: Notice| {
+        if let Notice::Progress { value, .. } = notice {
+            told.borrow_mut().push(value);
+        }
+    };
+    run_once(&drawing, &settings(), &run, &mut show, &stop).unwrap();
+    assert!(dir.path().join("plan.enfilade/round-01").is_dir() && !so_far.exists());
+    let last = told.borrow().last().cloned().unwrap();
+    assert_eq!(last["folder"].as_str().map(PathBuf::from), Some(so_far.clone()));
+    let stopping = |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+        let done = run(request, tell, cancel);
+        stop.stop();
+        cancel.check()?;
+        done
+    };
+    assert!(matches!(run_once(&drawing, &settings(), &stopping, &mut |_| {}, &stop), Err(Error::Stopped)));
+    assert!(so_far.join("result.json").is_file(), "the best so far outlives a stop");
+}
+
 /// Hazard 17: whatever a name is, its drawing gets its results, and the journal knows it again.
 #[cfg(unix)]
 #[test]

@@ -592,11 +592,20 @@ pub fn divisor(initial: f64) -> f64 {
     if initial == 0.0 { 1.0 } else { initial.abs() }
 }
 
+/// How far a door's jamb is closed to either side of the wall's axis, as a share of its thickness.
+const JAMB_SHARE: f64 = 0.52;
+
 /// The rooms of the present layout, doors, windows and passages closed.
 fn rooms(base: &Understood, initial: &penalties::Layout<'_>, report: &mut Report) -> RoomArea {
     let scale = base.plan.human_scale;
-    let closings: Vec<[DVec2; 2]> =
-        base.axes.openings.iter().map(|o| o.jambs.each_ref().map(|j| j.at * scale)).collect();
+    // Where the ends of a wall's two faces are open, floor would go round the door through the wall.
+    let closed = |o: &Opening| {
+        let [a, b] = o.jambs.each_ref().map(|j| j.at * scale);
+        let across =
+            (b - a).try_normalize().unwrap_or_default().perp() * (o.thickness_m * scale * JAMB_SHARE);
+        [[a, b], [a - across, a + across], [b - across, b + across]]
+    };
+    let closings: Vec<[DVec2; 2]> = base.axes.openings.iter().flat_map(closed).collect();
     let rooms = RoomArea::new(initial, &closings, scale);
     let areas: Vec<String> = rooms.initial_m2().iter().map(|a| format!("{a:.1}")).collect();
     let text = match areas.len() {
