@@ -96,12 +96,17 @@ impl Desk {
 
     fn call(&self, command: &str, more: &[&str]) -> Output {
         let drawing = self.drawing().to_string_lossy().into_owned();
-        enfilade(&[&[command, &drawing, "--unit", "m", "--spacing", "0.5", "-q"], more].concat())
+        let spacing: &[&str] = if more.contains(&"--spacing") { &[] } else { &["--spacing", "0.5"] };
+        enfilade(&[&[command, &drawing, "--unit", "m", "-q"], spacing, more].concat())
     }
 
     /// Runs a round; its folder.
     fn run(&self, round: u32, more: &[&str]) -> PathBuf {
-        let done = self.call("run", &[&["--evaluations", "60"], more].concat());
+        let done = self.call(
+            "run",
+            &[if more.contains(&"--evaluations") { &[] } else { &["--evaluations", "60"][..] }, more]
+                .concat(),
+        );
         let at = self.folder.path().join(format!("plan.enfilade/round-{round:02}"));
         assert!(at.is_dir(), "{more:?}: {}", text(&done.stderr));
         at
@@ -138,8 +143,8 @@ fn is_multiple(value: f64, module: f64) -> bool {
 
 #[test]
 fn a_named_pair_measures_what_it_would_alone() {
-    let art = ([0.5, 0.5, 3.0, 3.0], [17.0, 7.0, 19.5, 9.5]);
-    let exit = [17.0, 0.5, 19.5, 2.0];
+    let art = ([0.5, 0.5, 3.0, 3.0], [17.0, 0.5, 19.5, 3.0]);
+    let exit = [17.0, 7.0, 19.5, 9.5];
     let base = hall(["x -2 2", "x -2 2; rotate -20 20", "x -2 2"]);
     let both = base
         .clone()
@@ -180,8 +185,8 @@ fn corners([x, y, u, v]: [f64; 4]) -> String {
 fn two_pairs_are_improved_at_once() {
     let plan = hall(["x -2 2", "x -2 2; rotate -20 20", "x -2 2"]);
     let plan =
-        plan.ring("EF-QUERY-art", [0.5, 0.5, 3.0, 3.0]).ring("EF-REFERENCE-art", [17.0, 7.0, 19.5, 9.5]);
-    let plan = plan.ring("EF-REFERENCE-exit", [17.0, 0.5, 19.5, 2.0]);
+        plan.ring("EF-QUERY-art", [0.5, 0.5, 3.0, 3.0]).ring("EF-REFERENCE-art", [17.0, 0.5, 19.5, 3.0]);
+    let plan = plan.ring("EF-REFERENCE-exit", [17.0, 7.0, 19.5, 9.5]);
     let desk = Desk::new(&plan);
     let wanted =
         ["--objective", "degree@art max 0.5, degree-p10@exit max 0.3", "--limit", "degree@exit -20%"];

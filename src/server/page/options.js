@@ -5,10 +5,14 @@ const ROWS = 200;
 const MEASURES = ["score", "degree", "depth", "entropy"];
 const pinned = new Set();
 
+/** Measures with heat maps: those of every round, and what each named pair of regions sees. */
+const shownOf = (result) =>
+  [...MEASURES, ...Object.keys(result.candidates[0].mean).filter((k) => k.startsWith("degree@"))];
+
 /** Columns to compare by: means, penalties, parameters. */
 function columnsOf(result) {
   const first = result.candidates[0];
-  const means = Object.keys(first.mean).filter((k) => MEASURES.includes(k));
+  const means = Object.keys(first.mean).filter((k) => MEASURES.includes(k) || k.includes("@"));
   const score = first.score == null ? [] : [{ name: "score", of: (c) => c.score }];
   return [...score, ...means.filter((m) => m !== "score").map((m) => ({ name: m, of: (c) => c.mean[m] })),
     ...Object.keys(first.penalty).map((p) => ({ name: p, of: (c) => c.penalty[p] })),
@@ -73,7 +77,7 @@ function drawScatter(view, [a, b], kept, chosen) {
 }
 
 function pair(d, set, number, measure) {
-  const at = (name) => `/api/drawings/${d.id}/${set}/${name}-${measure}.png`;
+  const at = (name) => `/api/drawings/${d.id}/${set}/${name}-${measure.replace("@", "-")}.png`;
   const after = el("img", { src: at(`candidate-${number}`), alt: `Option ${number}: heat map of ${measure}` });
   const cut = el("input", { type: "range", min: 0, max: 100, value: 50, "aria-label": "How much of the option is shown over the present layout, per cent" });
   const show = () => { after.style.clipPath = `inset(0 0 0 ${100 - cut.value}%)`; };
@@ -121,7 +125,7 @@ async function round(place, d, set) {
     place.replaceChildren(el("p", {}, `No option: ${result.stopped_by}.`), problems(result) ?? "");
     return;
   }
-  const columns = columnsOf(result);
+  const [columns, shown] = [columnsOf(result), shownOf(result)];
   let [chosen, measure, axes] = [0, "score", [columns[0], columns[1] ?? columns[0]]];
   const [lines, dots] = [canvas("Parallel coordinates of the options; the table below has the same numbers"), canvas("Scatter of the options")];
   const picture = el("div", { id: "picture" });
@@ -177,7 +181,7 @@ async function round(place, d, set) {
     } }));
   place.replaceChildren(
     el("div", { class: "card" }, words, el("div", { class: "bar" },
-      ...pick("measure", "Heat map of", MEASURES, 0, (v) => { measure = MEASURES[v]; pictures(); })), picture),
+      ...pick("measure", "Heat map of", shown, 0, (v) => { measure = shown[v]; pictures(); })), picture),
     el("h3", {}, "Compare"), count, lines,
     el("div", { class: "bar" }, ...pick("scatter-x", "Across", names, 0, (v) => { axes = [columns[v], axes[1]]; compare(); }),
       ...pick("scatter-y", "Up", names, Math.min(1, names.length - 1), (v) => { axes = [axes[0], columns[v]]; compare(); })), dots,
