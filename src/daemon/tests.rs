@@ -604,11 +604,15 @@ fn what_is_found_so_far_stands_until_the_round_does() {
     fs::write(&drawing, b"one EOF\n").unwrap();
     let so_far = dir.path().join("plan.enfilade/so-far");
     let stop = Cancel::default();
-    let run = |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+    let (folder, stopping) = (so_far.clone(), stop.clone());
+    let run = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
         for text in ["first", "second"] {
             let files = vec![OutFile { path: "result.json".into(), bytes: text.into() }];
             tell(JobEvent::SoFar { files, progress: serde_json::json!({"stage": "so-far", "done": 7}) });
-            assert_eq!(fs::read_to_string(so_far.join("result.json")).unwrap(), text);
+            assert_eq!(fs::read_to_string(folder.join("result.json")).unwrap(), text);
+        }
+        if request.bytes.starts_with(b"stop") {
+            stopping.stop();
         }
         cancel.check()?;
         Ok(echo(request))
@@ -623,13 +627,8 @@ fn what_is_found_so_far_stands_until_the_round_does() {
     assert!(dir.path().join("plan.enfilade/round-01").is_dir() && !so_far.exists());
     let last = told.borrow().last().cloned().unwrap();
     assert_eq!(last["folder"].as_str().map(PathBuf::from), Some(so_far.clone()));
-    let stopping = |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
-        let done = run(request, tell, cancel);
-        stop.stop();
-        cancel.check()?;
-        done
-    };
-    assert!(matches!(run_once(&drawing, &settings(), &stopping, &mut |_| {}, &stop), Err(Error::Stopped)));
+    fs::write(&drawing, b"stop EOF\n").unwrap();
+    assert!(matches!(run_once(&drawing, &settings(), &run, &mut |_| {}, &stop), Err(Error::Stopped)));
     assert!(so_far.join("result.json").is_file(), "the best so far outlives a stop");
 }
 
