@@ -84,7 +84,11 @@ pub fn cell_values(seen: &Seen, measure: Measure) -> Vec<f64> {
         Measure::IsovistDrift => isovist(4),
         Measure::IsovistMaxRadial => isovist(5),
         Measure::IsovistMinRadial => isovist(6),
-        _ => seen.columns.iter().find(|c| c.0 == measure).map_or_else(Vec::new, |c| c.1.clone()),
+        _ => {
+            let defined = |v: &f64| if *v == UNDEFINED { f64::NAN } else { *v };
+            let own = seen.columns.iter().find(|c| c.0 == measure);
+            own.map_or_else(Vec::new, |c| c.1.iter().map(defined).collect())
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use super::{Study, Understood, blind};
 use crate::analysis::evaluator::{Evaluator, Scratch};
 use crate::analysis::isovist::query_isovists;
 use crate::analysis::lattice::{CellIndex, Ground, lattice};
-use crate::analysis::measures::{Column, Means, UNDEFINED, local_columns, means};
+use crate::analysis::measures::{Column, Means, local_columns, means};
 use crate::analysis::paths::{Paths, Turning};
 use crate::analysis::through::through_vision_column;
 use crate::analysis::visibility::{Graph, visibility_graph};
@@ -28,7 +28,8 @@ pub struct Seen {
     /// Area, perimeter, compactness, occlusivity, drift, longest and shortest radial of the isovist of every
     /// query vertex; empty unless asked for.
     pub isovists: Vec<[f64; 7]>,
-    /// Measures of the stored graph that were asked for, one value a query vertex, NaN where there is none.
+    /// Measures of the stored graph that were asked for, one value a query vertex, [`UNDEFINED`](crate::analysis::measures::UNDEFINED) where there is
+    /// none: so that two measurements can be compared.
     pub columns: Vec<(Measure, Vec<f64>)>,
 }
 
@@ -109,10 +110,9 @@ impl Scene {
         if wants(Source::Through) {
             all.push(through_vision_column(&self.lattice, graph));
         }
-        let defined = |v: f64| if v == UNDEFINED { f64::NAN } else { v };
         let of = |m: &Measure| {
             let column = all.iter().find(|c| m.column() == Some(c.name.as_str()))?;
-            Some((*m, self.lattice.query.iter().map(|v| defined(column.values[*v as usize])).collect()))
+            Some((*m, self.lattice.query.iter().map(|v| column.values[*v as usize]).collect()))
         };
         self.asked.iter().filter_map(of).collect()
     }
