@@ -104,3 +104,121 @@ pub(super) fn improve_by_swaps(archive: &Archive, pool: &[usize], members: &mut 
         members[m] = i;
     }
 }
+
+/// Most members that change places together; more would be dear and hardly ever help.
+const MOST_TOGETHER: usize = 3;
+/// Most points that are looked through for one set of places: the newest are kept.
+const MOST_SURVIVORS: usize = 600;
+
+/// Exchanges two or three members at once for pool points, as long as the shortest distance grows: a set from
+/// which no single exchange leads on is often one of these steps short of a wider one. The first `fixed` stay.
+pub(super) fn improve_together(archive: &Archive, pool: &[usize], members: &mut [usize], fixed: usize) {
+    for _ in 0..MOST_SWAPS {
+        let Some((a, b, least)) = closest_pair(archive, members, fixed) else { return };
+        let free: Vec<usize> = (fixed..members.len()).collect();
+        let wider = (2..=MOST_TOGETHER).find_map(|size| {
+            let leaving = subsets(&free, size).into_iter().filter(|s| s.contains(&a) || s.contains(&b));
+            leaving.into_iter().find_map(|s| replacements(archive, pool, members, &s, least).map(|r| (s, r)))
+        });
+        let Some((leaving, coming)) = wider else { return };
+        for (m, i) in leaving.into_iter().zip(coming) {
+            members[m] = i;
+        }
+        improve_by_swaps(archive, pool, members, fixed);
+    }
+}
+
+/// All subsets of `size` elements, in order.
+fn subsets(of: &[usize], size: usize) -> Vec<Vec<usize>> {
+    if size == 0 {
+        return vec![vec![]];
+    }
+    let with_first = |k: usize| {
+        let rest = subsets(&of[k + 1..], size - 1);
+        rest.into_iter().map(move |r| std::iter::once(of[k]).chain(r).collect())
+    };
+    (0..of.len()).flat_map(with_first).collect()
+}
+
+/// As many pool points as there are `leaving`, all farther than `least` from the members that stay and from
+/// each other.
+fn replacements(
+    archive: &Archive,
+    pool: &[usize],
+    members: &[usize],
+    leaving: &[usize],
+    least: f64,
+) -> Option<Vec<usize>> {
+    let beyond = (least + LEAST_GAIN) * (least + LEAST_GAIN);
+    let is_far = |i: usize, j: usize| square_distance(archive.unit(i), archive.unit(j)) > beyond;
+    let staying: Vec<usize> =
+        (0..members.len()).filter(|m| !leaving.contains(m)).map(|m| members[m]).collect();
+    let survives = |i: &usize| staying.iter().all(|&s| is_far(*i, s));
+    let mut survivors: Vec<usize> =
+        pool.iter().rev().copied().filter(survives).take(MOST_SURVIVORS).collect();
+    survivors.reverse();
+    mutually(&survivors, leaving.len(), &is_far)
+}
+
+/// Growth of the shortest distance that is worth an exchange.
+const LEAST_GAIN: f64 = 1e-9;
+
+/// The first `count` points that are all far from each other.
+fn mutually(points: &[usize], count: usize, is_far: &impl Fn(usize, usize) -> bool) -> Option<Vec<usize>> {
+    if count == 0 {
+        return Some(vec![]);
+    }
+    points.iter().enumerate().find_map(|(k, &first)| {
+        let rest: Vec<usize> = if count == 1 {
+            vec![]
+        } else {
+            points[k + 1..].iter().copied().filter(|&i| is_far(first, i)).collect()
+        };
+        let found = (rest.len() + 1 >= count).then(|| mutually(&rest, count - 1, is_far)).flatten()?;
+        Some(std::iter::once(first).chain(found).collect())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::Evaluation;
+
+    fn archive(points: &[[f64; 2]]) -> Archive {
+        let mut archive = Archive::new(2, 0);
+        for p in points {
+            archive.push(p, p.to_vec(), &Evaluation::default(), &[]);
+        }
+        archive
+    }
+
+    #[test]
+    fn two_move_together_where_no_single_exchange_helps() {
+        // Two at the middles of opposite sides; the two others, close to the first, block the corners.
+        let points = [
+            [0.5, 0.0],
+            [0.5, 1.0],
+            [0.0, 0.5],
+            [0.45, 0.45],
+            [0.0, 0.0],
+            [1.0, 1.0],
+            [0.0, 1.0],
+            [1.0, 0.0],
+        ];
+        let archive = archive(&points);
+        let pool: Vec<usize> = (0..points.len()).collect();
+        let mut members = vec![0, 1, 2, 3];
+        improve_together(&archive, &pool, &mut members, 0);
+        assert!((min_distance(&archive, &members) - 1.0).abs() < 1e-12, "{members:?}");
+        let mut members = vec![0, 1, 2, 3];
+        improve_together(&archive, &pool, &mut members, 1);
+        assert_eq!(members[0], 0);
+        assert!(min_distance(&archive, &members) > 0.499, "{members:?}");
+    }
+
+    #[test]
+    fn subsets_are_all_there() {
+        assert_eq!(subsets(&[1, 2, 3], 2), [[1, 2], [1, 3], [2, 3]]);
+        assert_eq!(subsets(&[1], 2), Vec::<Vec<usize>>::new());
+    }
+}

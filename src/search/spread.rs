@@ -8,7 +8,9 @@ use rand_chacha::ChaCha8Rng;
 
 use super::archive::Limits;
 use super::climb::{View, crossover, reset, sparse_step};
-use super::members::{closest_pair, improve_by_swaps, key, key_above, select, soft_minimum};
+use super::members::{
+    closest_pair, improve_by_swaps, improve_together, key, key_above, select, soft_minimum,
+};
 use super::models::Models;
 use super::space::square_distance;
 
@@ -121,6 +123,7 @@ impl Spread {
         if self.fixed == 0 {
             self.loosen_first(view);
         }
+        improve_together(view.archive, &self.pool, &mut self.members, self.fixed);
     }
 
     /// The next point to evaluate; `None` while there are no two members to spread.
@@ -134,7 +137,7 @@ impl Spread {
         let m = self.choose(view, rng)?;
         self.swap_from_archive(view, m);
         let at = view.archive.unit(self.members[m]).to_vec();
-        let candidates = self.candidates(view, m, rng);
+        let mut candidates = self.candidates(view, m, rng);
         if candidates.is_empty() {
             return Some(reset(&at, rng));
         }
@@ -142,17 +145,18 @@ impl Spread {
         let surrogate = models.around(view, &at, objectives);
         let mut scratch = vec![];
         let mut gains = vec![0.0; objectives];
-        let mut best: Option<(bool, f64, usize)> = None;
-        for (c, (distance, x)) in candidates.iter().enumerate() {
-            surrogate.predict(x, &mut scratch, &mut gains);
+        let mut most: Option<(f64, usize)> = None;
+        for c in farthest_first(&candidates) {
+            surrogate.predict(&candidates[c].1, &mut scratch, &mut gains);
             let slack = view.limits.slack(&gains, objectives, margin);
-            let sure = slack >= self.caution;
-            let merit = (sure, if sure { *distance } else { slack }, c);
-            if best.is_none_or(|b| (merit.0, merit.1) > (b.0, b.1)) {
-                best = Some(merit);
+            if slack >= self.caution {
+                return Some(candidates.swap_remove(c).1);
+            }
+            if most.is_none_or(|(best, _)| slack > best) {
+                most = Some((slack, c));
             }
         }
-        best.map(|(_, _, c)| candidates[c].1.clone())
+        most.map(|(_, c)| candidates.swap_remove(c).1)
     }
 
     /// Which member moves: one of the closest pair, now and then any. A fixed one never does.
@@ -242,4 +246,11 @@ impl Spread {
             self.members[m] = i;
         }
     }
+}
+
+/// Indices of candidates, the one that would stand farthest off first.
+fn farthest_first(candidates: &[(f64, Vec<f64>)]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..candidates.len()).collect();
+    order.sort_by(|&a, &b| candidates[b].0.total_cmp(&candidates[a].0).then(a.cmp(&b)));
+    order
 }

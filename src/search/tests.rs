@@ -1,3 +1,5 @@
+mod studies;
+
 use proptest::prelude::*;
 
 use super::*;
