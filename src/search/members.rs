@@ -105,18 +105,19 @@ pub(super) fn improve_by_swaps(archive: &Archive, pool: &[usize], members: &mut 
     }
 }
 
-/// Most members that change places together; more would be dear and hardly ever help.
-const MOST_TOGETHER: usize = 3;
-/// Most points that are looked through for one set of places: the newest are kept.
-const MOST_SURVIVORS: usize = 600;
+/// Sets up to this size are searched for three members that change places together, larger ones for two.
+const FEW_MEMBERS: usize = 8;
+/// Most points that are looked through for two places and for three: the newest are kept.
+const MOST_SURVIVORS: [usize; 2] = [600, 200];
 
 /// Exchanges two or three members at once for pool points, as long as the shortest distance grows: a set from
 /// which no single exchange leads on is often one of these steps short of a wider one. The first `fixed` stay.
 pub(super) fn improve_together(archive: &Archive, pool: &[usize], members: &mut [usize], fixed: usize) {
+    let most_together = if members.len() <= FEW_MEMBERS { 3 } else { 2 };
     for _ in 0..MOST_SWAPS {
         let Some((a, b, least)) = closest_pair(archive, members, fixed) else { return };
         let free: Vec<usize> = (fixed..members.len()).collect();
-        let wider = (2..=MOST_TOGETHER).find_map(|size| {
+        let wider = (2..=most_together).find_map(|size| {
             let leaving = subsets(&free, size).into_iter().filter(|s| s.contains(&a) || s.contains(&b));
             leaving.into_iter().find_map(|s| replacements(archive, pool, members, &s, least).map(|r| (s, r)))
         });
@@ -153,9 +154,9 @@ fn replacements(
     let is_far = |i: usize, j: usize| square_distance(archive.unit(i), archive.unit(j)) > beyond;
     let staying: Vec<usize> =
         (0..members.len()).filter(|m| !leaving.contains(m)).map(|m| members[m]).collect();
+    let most = MOST_SURVIVORS[leaving.len().min(3) - 2];
     let survives = |i: &usize| staying.iter().all(|&s| is_far(*i, s));
-    let mut survivors: Vec<usize> =
-        pool.iter().rev().copied().filter(survives).take(MOST_SURVIVORS).collect();
+    let mut survivors: Vec<usize> = pool.iter().rev().copied().filter(survives).take(most).collect();
     survivors.reverse();
     mutually(&survivors, leaving.len(), &is_far)
 }

@@ -141,13 +141,20 @@ impl Case {
         }
     }
 
+    /// How many of the first members stay whatever they are worth.
+    fn pinned(&self) -> usize {
+        let holds = self.study.method == Method::Default && self.study.mode == Mode::Diverse;
+        if holds { self.study.pinned } else { 0 }
+    }
+
     fn is_inside(&self, p: &[f64]) -> bool {
         p.iter().zip(&self.study.bounds).all(|(x, [lower, upper])| x >= lower && x <= upper)
     }
 }
 
-/// Every option of every study lies inside the bounds, was measured, and keeps the hard limits and the
-/// thresholds; a study without options has a reason to end and has met no layout that keeps the limits.
+/// Every option of every study lies inside the bounds, was measured, and keeps the hard limits (by the default
+/// method the thresholds too); a study without options has met no layout that keeps the limits, and says what
+/// comes nearest.
 #[test]
 fn every_member_keeps_the_hard_limits_or_none_is_known() {
     for seed in 0..STUDIES {
@@ -158,24 +165,17 @@ fn every_member_keeps_the_hard_limits_or_none_is_known() {
         assert!(search.stop_reason().is_some(), "{case:?}");
         assert!(outcome.archive.iter().all(|p| case.is_inside(&p.parameters)), "{case:?}");
         assert!(outcome.members.len() <= case.study.members, "{case:?}");
-        if outcome.members.is_empty() && case.study.method == Method::Default {
+        if outcome.members.is_empty() {
             assert!(!outcome.archive.iter().any(is_permitted), "a permitted layout was met: {case:?}");
             assert!(outcome.best.violation > 0.0, "{case:?}");
         }
-        let pinned = if case.study.mode == Mode::Best { 0 } else { case.study.pinned };
         for (m, member) in outcome.members.iter().enumerate() {
-            let met = outcome.archive.iter().find(|p| p.parameters == member.parameters);
-            assert!(
-                met.is_some_and(|p| p
-                    .values
-                    .iter()
-                    .zip(&member.values)
-                    .all(|(a, b)| a.to_bits() == b.to_bits())),
-                "{case:?}"
-            );
-            let is_free =
-                m >= pinned && case.study.method == Method::Default && case.study.mode == Mode::Diverse;
-            assert!(!is_free || member.within_threshold && member.violation == 0.0, "{member:?} of {case:?}");
+            assert!(outcome.archive.iter().any(|p| p.parameters == member.parameters), "{case:?}");
+            if m >= case.pinned() {
+                assert!(member.violation == 0.0, "{member:?} of {case:?}");
+                let is_default = case.study.method == Method::Default;
+                assert!(member.within_threshold || !is_default, "{member:?} of {case:?}");
+            }
         }
     }
 }
