@@ -8,9 +8,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::archive::Limits;
 use super::climb::{View, crossover, reset, sparse_step};
-use super::members::{
-    closest_pair, improve_by_swaps, improve_together, key, key_above, select, soft_minimum,
-};
+use super::members::{closest_pair, improve_by_swaps, key, key_above, select, soft_minimum};
 use super::models::Models;
 use super::space::square_distance;
 use super::surrogate::Surrogate;
@@ -125,7 +123,6 @@ impl Spread {
         if self.fixed == 0 {
             self.loosen_first(view);
         }
-        improve_together(view.archive, &self.pool, &mut self.members, self.fixed);
     }
 
     /// The next point to evaluate; `None` while there are no two members to spread.
