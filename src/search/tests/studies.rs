@@ -78,6 +78,7 @@ fn case(seed: u64) -> Case {
         members,
         seed,
         evaluations: Some(rng.random_range(1..=MOST_EVALUATIONS)),
+        least_share: if rng.random::<f64>() < 0.3 { rng.random::<f64>() } else { 1.0 },
         method: if rng.random::<f64>() < 0.1 { Method::Paper } else { Method::Default },
         mode: if rng.random::<f64>() < 0.1 { Mode::Best } else { Mode::Diverse },
         batch: rng.random_range(1..6usize),
