@@ -1,20 +1,28 @@
 //! What the search reaches for a number of evaluations, and what it costs.
 //!
 //! `cargo bench --bench search -- --problem maze --evaluations 700,2000 --seeds 5 [--set name=value …]`
+//!
+//! `--points` prints every run's archive and options as a line of JSON instead; `--serve` measures the points
+//! that come as lines of JSON on the standard input. Both are for `peers.py` beside this file. `--cma` counts what
+//! CMA-ES alone needs on two standard functions.
 
 // A bench that cannot read its problem has nothing better to do than to stop.
 #![allow(clippy::unwrap_used)]
 
+mod cma;
 mod maze;
+mod plan;
 mod problem;
 
+use std::io::{BufRead, Write};
 use std::path::PathBuf;
 use std::time::Instant;
 
 use enfilade::search::{
-    Evaluation, Method, Mode, Objective, Search, Sense, Study, Tuning, normalised_distance,
+    Evaluation, Method, Mode, Objective, Outcome, Search, Sense, Study, Tuning, normalised_distance,
 };
 use problem::{Hills, Problem, Steps};
+use serde_json::json;
 
 struct Options {
     problems: Vec<String>,
@@ -25,6 +33,9 @@ struct Options {
     method: Method,
     tuning: Tuning,
     verbose: bool,
+    serves: bool,
+    points: bool,
+    cma: bool,
 }
 
 struct Run {
@@ -35,12 +46,22 @@ struct Run {
     score: f64,
     search_ms: f64,
     total_ms: f64,
+    /// Name, budget, seed, bounds, every point evaluated with score and violation, the options: JSON.
+    points: String,
 }
 
 fn main() {
     let options = options();
+    if options.cma {
+        cma::print(options.seeds);
+        return;
+    }
     for name in &options.problems {
         let problem = make(name);
+        if options.serves {
+            serve(problem.as_ref());
+            return;
+        }
         for &evaluations in &options.evaluations {
             let seeds = options.first_seed..options.first_seed + options.seeds;
             let runs: Vec<Run> = std::thread::scope(|scope| {
@@ -56,6 +77,10 @@ fn main() {
                 all.extend(second);
                 all
             });
+            if options.points {
+                runs.iter().for_each(|r| println!("{}", r.points));
+                continue;
+            }
             print(problem.name(), evaluations, &runs, options.verbose);
         }
     }
@@ -73,7 +98,10 @@ fn make(name: &str) -> Box<dyn Problem> {
         "steps17" => Box::new(Steps { dims: 17 }),
         "hills9" => Box::new(Hills { dims: 9 }),
         "hills17" => Box::new(Hills { dims: 17 }),
-        other => panic!("no problem {other}"),
+        other => match plan::PlanProblem::read(other, &PathBuf::from(shared)) {
+            Some(plan) => Box::new(plan),
+            None => panic!("no problem {other}"),
+        },
     }
 }
 
@@ -113,8 +141,8 @@ fn run(problem: &dyn Problem, options: &Options, evaluations: u64, seed: u64) ->
         let told: Vec<Evaluation> = asked
             .iter()
             .map(|p| {
-                let (score, violation) = problem.score(p);
-                Evaluation { values: vec![score], violation, at: None }
+                let worth = problem.worth(p);
+                Evaluation { values: vec![worth.score], violation: worth.violation, at: None }
             })
             .collect();
         evaluating += cpu_seconds() - start;
@@ -141,6 +169,38 @@ fn run(problem: &dyn Problem, options: &Options, evaluations: u64, seed: u64) ->
         score: members.iter().map(|m| m.values[0]).sum::<f64>() / count,
         search_ms: searching * 1e3 / evaluations as f64,
         total_ms: total * 1e3,
+        points: if options.points { points(problem, &outcome, evaluations, seed) } else { String::new() },
+    }
+}
+
+/// A run as a line of JSON; scores that are no numbers become null.
+fn points(problem: &dyn Problem, outcome: &Outcome<'_>, evaluations: u64, seed: u64) -> String {
+    let archive = outcome.archive.iter().map(|p| json!([p.parameters, p.values[0], p.violation]));
+    let members = outcome.members.iter().map(|m| json!([m.parameters, m.values[0], m.violation]));
+    json!({
+        "problem": problem.name(),
+        "evaluations": evaluations,
+        "seed": seed,
+        "bounds": problem.bounds(),
+        "points": archive.collect::<Vec<_>>(),
+        "members": members.collect::<Vec<_>>(),
+    })
+    .to_string()
+}
+
+/// Says what the problem is, then answers each line (a list of points) with a line (what each is worth:
+/// score, violation, parts).
+fn serve(problem: &dyn Problem) {
+    let mut out = std::io::stdout().lock();
+    let head = json!({ "problem": problem.name(), "bounds": problem.bounds(), "start": problem.start() });
+    writeln!(out, "{head}").unwrap();
+    out.flush().unwrap();
+    for line in std::io::stdin().lock().lines() {
+        let asked: Vec<Vec<f64>> = serde_json::from_str(&line.unwrap()).unwrap();
+        let told: Vec<_> = asked.iter().map(|p| problem.worth(p)).collect();
+        let told: Vec<_> = told.iter().map(|w| json!([w.score, w.violation, w.parts])).collect();
+        writeln!(out, "{}", serde_json::Value::from(told)).unwrap();
+        out.flush().unwrap();
     }
 }
 
@@ -188,6 +248,9 @@ fn options() -> Options {
         method: Method::Default,
         tuning: Tuning::default(),
         verbose: false,
+        serves: false,
+        points: false,
+        cma: false,
     };
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
@@ -199,6 +262,9 @@ fn options() -> Options {
             "--first-seed" => options.first_seed = value().parse().unwrap(),
             "--batch" => options.batch = value().parse().unwrap(),
             "--paper" => options.method = Method::Paper,
+            "--cma" => options.cma = true,
+            "--serve" => options.serves = true,
+            "--points" => options.points = true,
             "--verbose" => options.verbose = true,
             "--set" => set(&mut options.tuning, &value()),
             _ => {}

@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::problem::Problem;
+use super::problem::{Problem, Worth};
 
 type Wall = [f64; 4];
 
@@ -353,8 +353,9 @@ impl Problem for Maze {
     fn start(&self) -> Vec<f64> {
         vec![0.0; self.doors.len()]
     }
-    fn score(&self, p: &[f64]) -> (f64, f64) {
-        Maze::score(self, p)
+    fn worth(&self, p: &[f64]) -> Worth {
+        let (score, violation) = self.score(p);
+        Worth::plain(score, violation)
     }
 }
 

@@ -5,8 +5,25 @@ pub trait Problem: Sync {
     fn name(&self) -> &'static str;
     fn bounds(&self) -> Vec<[f64; 2]>;
     fn start(&self) -> Vec<f64>;
-    /// The composite score (more is better) and the hard violation.
-    fn score(&self, p: &[f64]) -> (f64, f64);
+    fn worth(&self, p: &[f64]) -> Worth;
+}
+
+/// What a point is worth.
+pub struct Worth {
+    /// The composite score: more is better.
+    pub score: f64,
+    /// The hard violation; 0: feasible.
+    pub violation: f64,
+    /// What the score is made of, for methods of several objectives: degree, depth, entropy, penalties.
+    /// Empty for a problem that is not a plan.
+    pub parts: Vec<f64>,
+}
+
+impl Worth {
+    /// Of a problem that is not a plan.
+    pub fn plain(score: f64, violation: f64) -> Self {
+        Self { score, violation, parts: vec![] }
+    }
 }
 
 /// Rooms in a row, each with a good and a better position, in steps; a wall of cliffs between them;
@@ -25,7 +42,7 @@ impl Problem for Steps {
     fn start(&self) -> Vec<f64> {
         vec![0.0; self.dims]
     }
-    fn score(&self, p: &[f64]) -> (f64, f64) {
+    fn worth(&self, p: &[f64]) -> Worth {
         let u: Vec<f64> = p.iter().zip(self.bounds()).map(|(x, b)| (x - b[0]) / (b[1] - b[0])).collect();
         let n = self.dims;
         let mut gain = 0.0;
@@ -38,7 +55,7 @@ impl Problem for Steps {
             cliff += (0.06 - gap).max(0.0) * 12.0;
         }
         let locked = if u[0] > 0.9 && u[n - 1] > 0.9 { 1e-4 } else { 0.0 };
-        (2.5 * gain / n as f64 - cliff * cliff, locked)
+        Worth::plain(2.5 * gain / n as f64 - cliff * cliff, locked)
     }
 }
 
@@ -57,7 +74,7 @@ impl Problem for Hills {
     fn start(&self) -> Vec<f64> {
         vec![0.1; self.dims]
     }
-    fn score(&self, p: &[f64]) -> (f64, f64) {
+    fn worth(&self, p: &[f64]) -> Worth {
         let mut best = f64::NEG_INFINITY;
         for h in 0..12 {
             let mut square = 0.0;
@@ -69,6 +86,6 @@ impl Problem for Hills {
             let height = 3.0 - 0.12 * h as f64;
             best = best.max(height - 2.0 * square.sqrt());
         }
-        (best, 0.0)
+        Worth::plain(best, 0.0)
     }
 }

@@ -189,6 +189,11 @@ impl Limits {
         self.threshold.push(objective.threshold);
     }
 
+    /// Whether some point keeps hard limits and all thresholds; without one the limits mean nothing yet.
+    pub(super) fn are_known(&self) -> bool {
+        self.best.iter().all(Option::is_some)
+    }
+
     /// How far each threshold is missed, in ranges; 0 where it is kept.
     pub(super) fn misses(&self, gains: &[f64]) -> impl Iterator<Item = f64> {
         (0..self.top.len()).map(|j| ((self.limit(j, 0.0) - gains[j]) / self.range(j)).max(0.0))
@@ -210,11 +215,11 @@ impl Limits {
 
     /// The gain `l_j` a member needs. A margin of 0.05 asks for 5 % more than the threshold, so that
     /// members stay inside while the best still rises; it never asks for more than half of what the
-    /// threshold leaves open.
+    /// threshold leaves open, nor, by rounding, more than the best has.
     pub(super) fn limit(&self, j: usize, margin: f64) -> f64 {
         let z = self.threshold[j];
         let asked = (z * (1.0 + margin)).min(f64::midpoint(z, 1.0));
-        self.base[j] + asked * (self.top[j] - self.base[j])
+        (self.base[j] + asked * (self.top[j] - self.base[j])).min(self.top[j])
     }
 
     /// Best gain of objective `j` (0 where no point is feasible).

@@ -183,7 +183,9 @@ impl Guided {
             let climbs = self.climbs(archive.len() + b);
             let mut proposal = None;
             if !climbs {
-                self.standing.get_or_insert_with(|| self.limits.clone());
+                if self.limits.are_known() {
+                    self.standing.get_or_insert_with(|| self.limits.clone());
+                }
                 let (limits, tuning) = (&self.limits, &self.tuning);
                 let members = self.spread.members().to_vec();
                 let view = View { archive, limits, tuning, members: &members, pending: &out };

@@ -205,7 +205,7 @@ pub struct Outcome<'a> {
     /// that comes nearest (`violation > 0`); before the first evaluation the start, violation infinite.
     pub best: Point,
     /// The diverse set: at most as many as asked for, fewer where fewer feasible points are known.
-    /// In [`Mode::Best`] the best point alone.
+    /// None breaks a hard limit, but those that were pinned. In [`Mode::Best`] the best point alone.
     pub members: Vec<Member>,
     /// The limits l_i of the objectives, as measured.
     pub thresholds: Vec<f64>,
@@ -363,11 +363,7 @@ impl Search {
         let unknown_limits = Limits::of(&self.archive, &self.study.objectives);
         let limits = if self.archive.len() == 0 { &unknown_limits } else { self.engine.limits() };
         let best = self.best(limits);
-        let members = match (self.study.mode, best) {
-            (Mode::Diverse, _) => self.best_first(self.engine.members(&self.archive)),
-            (Mode::Best, Some(best)) => vec![best],
-            (Mode::Best, None) => vec![],
-        };
+        let members = self.chosen(limits);
         let unknown = || Point {
             parameters: self.study.start.clone(),
             values: vec![f64::NAN; self.study.objectives.len()],
@@ -383,6 +379,20 @@ impl Search {
             archive: self.archive.points(),
             stages: &self.history,
         }
+    }
+
+    /// The members, as archive indices: whatever a method strives for, none breaks a hard limit but those the
+    /// caller pinned; the best point alone where a method has none yet.
+    fn chosen(&self, limits: &Limits) -> Vec<usize> {
+        let best = self.best(limits).filter(|&i| self.archive.hard(i) == 0.0);
+        if self.study.mode == Mode::Best {
+            return best.into_iter().collect();
+        }
+        let pinned = if self.study.method == Method::Default { self.study.pinned } else { 0 };
+        let members = self.best_first(self.engine.members(&self.archive)).into_iter().enumerate();
+        let kept: Vec<usize> =
+            members.filter(|&(m, i)| m < pinned || self.archive.hard(i) == 0.0).map(|(_, i)| i).collect();
+        if kept.is_empty() { best.into_iter().collect() } else { kept }
     }
 
     /// Pinned members as they were given, then the others, the best in the last objective first.

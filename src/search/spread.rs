@@ -11,6 +11,7 @@ use super::climb::{View, crossover, reset, sparse_step};
 use super::members::{closest_pair, improve_by_swaps, key, key_above, select, soft_minimum};
 use super::models::Models;
 use super::space::square_distance;
+use super::surrogate::Surrogate;
 
 /// Steps of the Gaussian proposals, in widths of the unit cube.
 const STEPS: [f64; 3] = [0.03, 0.1, 0.2];
@@ -89,11 +90,12 @@ impl Spread {
     pub(super) fn refresh(&mut self, view: &View<'_>, margin: f64) {
         self.update_pool(view, margin);
         let best = view.limits.best.last().copied().flatten();
-        let mut fixed = self.pinned.clone();
+        let mut fixed: Vec<usize> = self.pinned.iter().copied().filter(|&p| p < view.archive.len()).collect();
+        let pinned = fixed.len();
         let keeps_best = view.tuning.keep_best || self.count == 1;
         fixed.extend(best.filter(|b| keeps_best && !fixed.contains(b)));
         let whole = self.members.len() == self.count && self.members.starts_with(&fixed);
-        let free = self.members.get(self.pinned.len()..).unwrap_or_default();
+        let free = self.members.get(pinned..).unwrap_or_default();
         if whole && free.iter().all(|&m| Self::is_inside(view, m, margin)) {
             return;
         }
@@ -134,25 +136,38 @@ impl Spread {
         let m = self.choose(view, rng)?;
         self.swap_from_archive(view, m);
         let at = view.archive.unit(self.members[m]).to_vec();
-        let candidates = self.candidates(view, m, rng);
+        let mut candidates = self.candidates(view, m, rng);
         if candidates.is_empty() {
             return Some(reset(&at, rng));
         }
+        let surrogate = models.around(view, &at, view.archive.objectives());
+        self.judge(view, surrogate, &candidates, margin).map(|c| candidates.swap_remove(c).1)
+    }
+
+    /// The candidate that stands farthest off among those that the surrogate holds to be inside; where there is
+    /// none, the one nearest to it.
+    fn judge(
+        &self,
+        view: &View<'_>,
+        surrogate: &Surrogate,
+        candidates: &[(f64, Vec<f64>)],
+        margin: f64,
+    ) -> Option<usize> {
         let objectives = view.archive.objectives();
-        let surrogate = models.around(view, &at, objectives);
         let mut scratch = vec![];
         let mut gains = vec![0.0; objectives];
-        let mut best: Option<(bool, f64, usize)> = None;
-        for (c, (distance, x)) in candidates.iter().enumerate() {
-            surrogate.predict(x, &mut scratch, &mut gains);
+        let mut most: Option<(f64, usize)> = None;
+        for c in farthest_first(candidates) {
+            surrogate.predict(&candidates[c].1, &mut scratch, &mut gains);
             let slack = view.limits.slack(&gains, objectives, margin);
-            let sure = slack >= self.caution;
-            let merit = (sure, if sure { *distance } else { slack }, c);
-            if best.is_none_or(|b| (merit.0, merit.1) > (b.0, b.1)) {
-                best = Some(merit);
+            if slack >= self.caution {
+                return Some(c);
+            }
+            if most.is_none_or(|(best, _)| slack > best) {
+                most = Some((slack, c));
             }
         }
-        best.map(|(_, _, c)| candidates[c].1.clone())
+        most.map(|(_, c)| c)
     }
 
     /// Which member moves: one of the closest pair, now and then any. A fixed one never does.
@@ -242,4 +257,11 @@ impl Spread {
             self.members[m] = i;
         }
     }
+}
+
+/// Indices of candidates, the one that would stand farthest off first.
+fn farthest_first(candidates: &[(f64, Vec<f64>)]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..candidates.len()).collect();
+    order.sort_by(|&a, &b| candidates[b].0.total_cmp(&candidates[a].0).then(a.cmp(&b)));
+    order
 }

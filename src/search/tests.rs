@@ -1,3 +1,5 @@
+mod studies;
+
 use proptest::prelude::*;
 
 use super::*;
@@ -292,7 +294,7 @@ fn finishing_early_gives_the_best_so_far() {
         assert!(search.ask().is_empty());
         let outcome = search.outcome();
         assert!(outcome.best.violation == 0.0 && !outcome.stages.is_empty());
-        assert_eq!(outcome.members.is_empty(), method == Method::Paper);
+        assert!(!outcome.members.is_empty());
     }
 }
 
