@@ -90,10 +90,10 @@ fn measure(study: Study, settings: Settings) -> Measure {
         let mut bench = kept.unwrap_or_else(|| study.bench());
         let worth = study.measure(p, &mut bench);
         idle.lock().unwrap_or_else(PoisonError::into_inner).push(bench);
-        let means = worth.means;
+        let means = worth.seen.means;
         Worth {
             score: study.score(&worth, &settings),
-            violation: worth.tally.disconnected as f64 / pairs,
+            violation: worth.seen.tally.disconnected as f64 / pairs,
             parts: vec![means.degree, means.depth, means.entropy, study.penalty(&worth, &settings)],
         }
     })
