@@ -41,6 +41,12 @@ pub enum Command {
     Run(RunArgs),
     /// Do the same job for every finished save in the folders, until stopped.
     Watch(WatchArgs),
+    /// One job of the daemon, in a process of its own; the request comes on standard input.
+    #[command(hide = true)]
+    JobChild {
+        /// The drawing.
+        drawing: PathBuf,
+    },
     /// Make candidate N of the newest round a new drawing beside the old one.
     Accept(AcceptArgs),
     /// List jobs for many machines, one a line: drawings, storeys and seeds.

@@ -9,6 +9,7 @@ mod backend;
 mod building;
 pub mod cells;
 mod explain;
+mod memory;
 mod page;
 pub mod resolution;
 mod round;
@@ -32,6 +33,7 @@ use crate::overlay::measure::wording;
 use crate::overlay::result::{self, AnalysisResult, CheckResult};
 use crate::overlay::{HeatMap, PlanPicture, Scale, check_png, heat_map_png};
 use crate::report::{Cancel, Error, OutFile, Place, Report};
+pub use memory::Keep;
 pub use study::Study;
 
 /// A drawing to work on.
@@ -45,6 +47,8 @@ pub struct Input<'a> {
     pub sha256: String,
     /// Number of the round that is made, from 1; shown only.
     pub round: u64,
+    /// What an earlier start of the same job handed out as [`Event::Keep`], in order; empty: nothing.
+    pub earlier: &'a [u8],
 }
 
 impl<'a> Input<'a> {
@@ -52,7 +56,7 @@ impl<'a> Input<'a> {
     pub fn new(path: &'a str, bytes: &'a [u8], round: u64) -> Self {
         let sha256 = Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect();
         let bytes = formats::plain(path, bytes);
-        Self { path, bytes, sha256, round }
+        Self { path, bytes, sha256, round, earlier: &[] }
     }
 
     /// Name to show.
@@ -88,6 +92,8 @@ pub enum Event {
     Progress(Progress),
     /// The heat maps of the present layout, to be shown before the search ends: files of `analysis/`.
     Analysis(Vec<OutFile>),
+    /// To be kept until the job is done: given back as [`Input::earlier`], it spares measuring again.
+    Keep(Keep),
 }
 
 /// A finished job.

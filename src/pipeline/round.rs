@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::memory::Memory;
 use super::show::{self, SHOWN};
 use super::study::{self, Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress, heat_map, rayon_map};
@@ -56,7 +57,7 @@ pub(super) fn run(
     let found = if study.base.moves.parameters.is_empty() {
         None
     } else {
-        Some(optimise(study, settings, started, show, cancel)?)
+        Some(optimise(input, study, settings, started, show, cancel)?)
     };
     if let Some(why) = study.card_trouble() {
         let text = format!("{why}; the cores measured the rest, with the same result");
@@ -126,6 +127,7 @@ pub(super) struct Found {
 
 /// Asks, measures, tells until the search stops, the time is over or somebody asks.
 fn optimise(
+    input: &Input<'_>,
     study: &Study,
     settings: &Settings,
     started: Instant,
@@ -153,6 +155,7 @@ fn optimise(
         pinned: if settings.mode == Mode::Best { 0 } else { settings.pinned.len() },
         seeds,
     })?;
+    let mut memory = Memory::new(input, settings, objectives.len());
     let begun = Instant::now();
     let mut said = Instant::now();
     loop {
@@ -170,14 +173,20 @@ fn optimise(
             break;
         }
         let permitted: Vec<Vec<f64>> = asked.iter().map(|p| control.permit(p)).collect();
-        let layouts: Vec<Vec<f64>> = permitted.iter().map(|p| control.expand(p)).collect();
-        let worths = study.measure_all(&layouts);
-        let told: Vec<Evaluation> = permitted
-            .into_par_iter()
-            .zip(&worths)
-            .map(|(at, worth)| Evaluation { at: Some(at), ..evaluation(study, settings, &objectives, worth) })
-            .collect();
+        let told = memory.recall(&permitted).unwrap_or_else(|| {
+            let layouts: Vec<Vec<f64>> = permitted.iter().map(|p| control.expand(p)).collect();
+            let worths = study.measure_all(&layouts);
+            let told: Vec<Evaluation> =
+                worths.par_iter().map(|worth| evaluation(study, settings, &objectives, worth)).collect();
+            memory.learn(&permitted, &told);
+            told
+        });
+        let told: Vec<Evaluation> =
+            told.into_iter().zip(permitted).map(|(e, at)| Evaluation { at: Some(at), ..e }).collect();
         search.tell(&told);
+        if let Some(keep) = memory.keep() {
+            show(Event::Keep(keep));
+        }
         if said.elapsed().as_millis() >= PROGRESS_EVERY_MS {
             said = Instant::now();
             show(Event::Progress(progress(&search, &control, begun)));
