@@ -51,6 +51,13 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
         if let Some(page) = &page {
             page.take(&notice);
         }
+        if args.desktop
+            && let Notice::Done { drawing, done } = &notice
+            && done.round.is_some()
+        {
+            let name = drawing.file_name().unwrap_or_default().to_string_lossy();
+            crate::service::tell_user(&format!("{name}: options are ready"), &done.summary);
+        }
         if let Some(log) = &log
             && !matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. })
         {

@@ -420,7 +420,7 @@ mod tests {
         let script = r#"echo '{"kind":"progress","value":{"done":1}}'
             printf '{"kind":"analysis","files":[["a.png",3],["b.png",0]]}\nabc'
             printf '{"kind":"keep","is_anew":true,"bytes":2}\nxy'
-            printf '{"kind":"done","files":[["c.dxf",4]],"is_degraded":true,"summary":"one"}\n'; echo EOF; sleep 60"#;
+            printf '{"kind":"done","files":[["c.dxf",4]],"is_degraded":true,"summary":"one"}\n'; echo EOF; exec sleep 60"#;
         let mut told = Vec::new();
         let output = run(&shell(script), &request(), &mut |e| told.push(e), &Cancel::default()).unwrap();
         assert_eq!(output.files, [OutFile::new("c.dxf", "EOF\n")]);
@@ -455,7 +455,7 @@ mod tests {
             ("printf \"thread 'x' panicked at a.rs:1:\\nwall 7\\n\" >&2; exit 101", "job-panicked", "wall 7"),
             ("echo tired >&2; kill -SEGV $$", "job-died", "tired"),
             ("exit 0", "job-died", "without a word"),
-            ("echo 'no frame'; sleep 60 & exit 1", "job-died", "exit status: 1"),
+            ("echo 'no frame'; exit 1", "job-died", "exit status: 1"),
         ] {
             let (found, text) = end(script);
             assert_eq!(found, code, "{script}: {text}");
