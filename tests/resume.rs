@@ -115,35 +115,39 @@ fn a_killed_search_goes_on_and_ends_in_the_same_bytes() {
     assert!(!home.join("round-02").exists());
 }
 
-/// Hazard 23: what asks for more memory or time than it may have is ended with its reason; the next is done.
-#[test]
-fn a_job_over_its_limits_is_ended_alone() {
-    let (_dir, root) = folder();
-    let lines: String = (0..400_000)
-        .map(|i| format!("0\nLINE\n8\nWALL\n10\n{i}\n20\n0\n11\n{i}\n21\n{}\n", 10 + i % 7))
-        .collect();
-    let huge = format!("0\nSECTION\n2\nENTITIES\n{lines}0\nENDSEC\n0\nEOF\n");
-    fs::write(root.join("a-huge.dxf"), huge).unwrap();
-    fs::copy(sample(), root.join("b-long.dxf")).unwrap();
-    fs::write(root.join("b-long.enfilade.toml"), "evaluations = 100000000\n").unwrap();
-    fs::write(root.join("enfilade.toml"), "[watch]\njob-memory-mb = 192\njob-limit-secs = 20.0\n").unwrap();
-    // The command line would win over the side-car.
+/// Drawings worked on by one daemon under the limits of `[watch]`, until all have ended: their states.
+fn under_limits(root: &Path, limits: &str, names: &[&str]) -> Vec<Value> {
+    fs::write(root.join("enfilade.toml"), format!("[watch]\n{limits}\n")).unwrap();
     let child = Command::new(env!("CARGO_BIN_EXE_enfilade"))
         .args(["watch", "--backend", "cpu", "--threads", "2"])
-        .arg(&root)
-        .env("HOME", &root)
+        .arg(root)
+        .env("HOME", root)
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    let home = |name: &str| root.join(format!("{name}.enfilade"));
-    until("the good drawing", || {
-        matches!(status(&home("gallery"))["state"].as_str(), Some("done" | "failed"))
-    });
-    until("the long one", || status(&home("b-long"))["state"] == "failed");
+    let of = |name: &str| status(&root.join(format!("{name}.enfilade")));
+    let has_ended = |name: &&str| matches!(of(name)["state"].as_str(), Some("done" | "failed"));
+    until(limits, || names.iter().all(|n| has_ended(n)));
     kill(child);
-    let code = |name: &str| status(&home(name))["problems"][0]["code"].as_str().map(str::to_owned);
-    assert_eq!(code("a-huge").as_deref(), Some("job-out-of-memory"), "{}", status(&home("a-huge")));
-    assert_eq!(code("b-long").as_deref(), Some("job-too-long"), "{}", status(&home("b-long")));
-    assert_eq!(status(&home("gallery"))["state"], "done", "{}", status(&home("gallery")));
+    names.iter().map(|n| of(n)).collect()
+}
+
+/// Hazard 23: what asks for more memory or time than it may have is ended with its reason; the next is done.
+#[test]
+fn a_job_over_its_limits_is_ended_alone() {
+    let (_one, root) = folder();
+    let line = |i: usize| format!("0\nLINE\n8\nWALL\n10\n{i}\n20\n0\n11\n{i}\n21\n{}\n", 10 + i % 7);
+    let lines: String = (0..400_000).map(line).collect();
+    let huge = format!("0\nSECTION\n2\nENTITIES\n{lines}0\nENDSEC\n0\nEOF\n");
+    fs::write(root.join("a-huge.dxf"), huge).unwrap();
+    fs::write(root.join("gallery.enfilade.toml"), "evaluations = 60\n").unwrap();
+    let ends = under_limits(&root, "job-memory-mb = 192", &["a-huge", "gallery"]);
+    assert_eq!(ends[0]["problems"][0]["code"], "job-out-of-memory", "{}", ends[0]);
+    assert_eq!(ends[1]["state"], "done", "{}", ends[1]);
+
+    let (_two, root) = folder();
+    fs::write(root.join("gallery.enfilade.toml"), "evaluations = 100000000\n").unwrap();
+    let ends = under_limits(&root, "job-limit-secs = 3.0", &["gallery"]);
+    assert_eq!(ends[0]["problems"][0]["code"], "job-too-long", "{}", ends[0]);
 }

@@ -20,6 +20,7 @@ use crate::store::Log;
 use crate::watch::Completeness;
 
 /// A job may use this share of the machine's memory unless the settings say otherwise.
+#[cfg(target_os = "linux")]
 const MEMORY_SHARE: f64 = 0.75;
 
 pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
