@@ -128,7 +128,7 @@ fn under_limits(root: &Path, limits: &str, names: &[&str]) -> Vec<Value> {
         .unwrap();
     let of = |name: &str| status(&root.join(format!("{name}.enfilade")));
     let has_ended = |name: &&str| matches!(of(name)["state"].as_str(), Some("done" | "failed"));
-    until(limits, || names.iter().all(|n| has_ended(n)));
+    until(limits, || names.iter().all(has_ended));
     kill(child);
     names.iter().map(|n| of(n)).collect()
 }

@@ -387,7 +387,8 @@ fn limit(head: &Request) {
 #[cfg(not(unix))]
 fn limit(_: &Request) {}
 
-#[cfg(all(test, unix))]
+#[cfg(unix)]
+#[cfg(test)]
 mod tests {
     use super::*;
     use std::time::Instant;

@@ -193,10 +193,7 @@ fn optimise(
         }
         let permitted: Vec<Vec<f64>> = asked.iter().map(|p| control.permit(p)).collect();
         let told = memory.recall(&permitted).unwrap_or_else(|| {
-            let layouts: Vec<Vec<f64>> = permitted.iter().map(|p| control.expand(p)).collect();
-            let worths = study.measure_all(&layouts);
-            let told: Vec<Evaluation> =
-                worths.par_iter().map(|worth| evaluation(study, settings, &objectives, worth)).collect();
+            let told = measured(study, settings, &control, &objectives, &permitted);
             memory.learn(&permitted, &told);
             told
         });
@@ -213,6 +210,19 @@ fn optimise(
     }
     cancel.check()?;
     Ok(found(study, settings, &control, &objectives, &search))
+}
+
+/// What vectors of free parameters are worth.
+fn measured(
+    study: &Study,
+    settings: &Settings,
+    control: &Control,
+    objectives: &[(Aim, search::Objective)],
+    vectors: &[Vec<f64>],
+) -> Vec<Evaluation> {
+    let layouts: Vec<Vec<f64>> = vectors.iter().map(|p| control.expand(p)).collect();
+    let worths = study.measure_all(&layouts);
+    worths.par_iter().map(|worth| evaluation(study, settings, objectives, worth)).collect()
 }
 
 /// What a finished search found: options and best layout with all their parameters, explained.
