@@ -699,6 +699,7 @@ fn what_a_job_keeps_is_given_back_after_a_stop() {
     daemon.await_round("plan", 1);
     daemon.save("plan.dxf", "other");
     daemon.await_round("plan", 2);
+    daemon.await_said("Done {", 2);
     assert_eq!(*seen.lock().unwrap(), ["", "one two", ""]);
     assert!(!daemon.path("plan.enfilade/.search").exists());
 }
