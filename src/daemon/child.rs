@@ -115,11 +115,9 @@ pub fn run(
     let words = thread::spawn(move || stderr.map_or_else(Vec::new, last_words));
     let outcome = attend(&frames, tell, cancel);
     drop(frames);
-    let is_answered = !matches!(outcome, Ok(None));
-    if is_answered {
-        // The answer is here, or nobody wants it any more.
-        let _ = child.kill();
-    }
+    // It has answered, or ended, or talks nonsense, or nobody wants an answer any more. One that ended keeps its
+    // own exit status.
+    let _ = child.kill();
     let status = child.wait();
     let _ = (writer.join(), reader.join());
     let words = words.join().unwrap_or_default();
