@@ -130,6 +130,8 @@ pub fn run(
 fn start(limits: &Limits, drawing: &Path, name: &str) -> Result<Child, Error> {
     let mut command = Command::new(&limits.program);
     command.args(&limits.args).arg(drawing);
+    // The reason is in the first line, which a backtrace would push out of what is kept.
+    command.env("RUST_BACKTRACE", "0");
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command.spawn().map_err(|e| {
         let text = format!("the job's process could not be started: {e}");
