@@ -41,6 +41,12 @@ pub enum Command {
     Run(RunArgs),
     /// Do the same job for every finished save in the folders, until stopped.
     Watch(WatchArgs),
+    /// One job of the daemon, in a process of its own; the request comes on standard input.
+    #[command(hide = true)]
+    JobChild {
+        /// The drawing.
+        drawing: PathBuf,
+    },
     /// Make candidate N of the newest round a new drawing beside the old one.
     Accept(AcceptArgs),
     /// List jobs for many machines, one a line: drawings, storeys and seeds.
@@ -294,6 +300,9 @@ pub struct WatchArgs {
     /// Open a page on this machine alone: what is done, options side by side. PORT 0: any free one.
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0", require_equals = true)]
     pub page: Option<u16>,
+    /// Show a message on the desktop when options are ready.
+    #[arg(long = "notify")]
+    pub desktop: bool,
     /// Write what is said to this file as well; full ones are put aside.
     #[arg(long, value_name = "FILE")]
     pub log: Option<PathBuf>,

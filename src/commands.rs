@@ -2,28 +2,25 @@
 
 mod batching;
 mod installing;
+mod watching;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
-use std::time::{Instant, SystemTime};
+use std::time::Instant;
 
 use crate::cli::{
-    AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ProgressArg, ResolutionArgs, RunArgs,
-    SearchArgs, StatusArgs, WatchArgs,
+    AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ResolutionArgs, RunArgs, SearchArgs,
 };
-use crate::config::{Partial, Settings, WatchTable, settings_files};
+use crate::config::{Partial, Settings, settings_files};
 use crate::daemon::{self, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
-use crate::formats;
 use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
 use crate::pipeline::cells::CellOptions;
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::progress::Display;
 use crate::report::{Cancel, Error, Place, Report, Severity, gathered};
 use crate::sample_settings;
-use crate::server::Page;
-use crate::store::{self, Home, Log, Placing, SystemDisk, round_name};
-use crate::watch::Completeness;
+use crate::store::{self, Home, Placing, SystemDisk, round_name};
 
 /// Runs one command line. The number is the exit code of a finished command: 0, or 1 when something was
 /// left out.
@@ -36,11 +33,12 @@ pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
         Command::Analyse(args) => analyse(&args, cancel),
         Command::Resolution(args) => resolution(&args, cancel),
         Command::Run(args) => run(&args, cancel),
-        Command::Watch(args) => watch(&args, cancel),
+        Command::Watch(args) => watching::watch(&args, cancel),
+        Command::JobChild { drawing } => watching::job_child(&drawing),
         Command::Accept(args) => accept(&args),
         Command::Jobs(args) => batching::jobs(&args),
         Command::RunJob(args) => batching::run_job(&args, cancel),
-        Command::Status(args) => status(&args),
+        Command::Status(args) => watching::status(&args),
         Command::Open(args) => installing::open(&args),
         Command::Service(args) => installing::service(&args),
         Command::Doctor { folders } => installing::doctor(&folders),
@@ -284,6 +282,7 @@ fn round(
         let worker = scope.spawn(move || {
             pipeline::on_threads(settings, || {
                 let input = Input::new(shown, &request.bytes, u64::from(request.round));
+                let input = Input { earlier: &request.earlier, ..input };
                 // Nobody hears any more once the job was given up.
                 let mut show = |event: Event| drop(say.send(event));
                 pipeline::run(&input, settings, started, &mut show, cancel)
@@ -296,6 +295,7 @@ fn round(
                 Event::SoFar { files, progress } => {
                     JobEvent::SoFar { files, progress: serde_json::to_value(progress).unwrap_or_default() }
                 }
+                Event::Keep(k) => JobEvent::Keep { bytes: k.bytes, is_anew: k.is_anew },
             });
         }
         worker.join().unwrap_or_else(|payload| std::panic::resume_unwind(payload))
@@ -330,95 +330,17 @@ fn summary(result: &RoundResult, folder: &Path) {
     say(&format!("compare them: {}", folder.join("report.html").display()));
 }
 
-fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
-    let partial = args.common.partial(Some(&args.search));
-    Settings::new(partial.clone())?;
-    let folder = args.folders.first().map(|f| f.join("enfilade.toml"));
-    let table = folder
-        .map_or(Ok(None), |f| read_settings(&f))
-        .map(|p| p.and_then(|p| p.watch).unwrap_or_default())?;
-    let settings = watch_settings(args, &partial, table);
-    let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
-        let asked = Partial { objective: request.objective.clone(), ..Partial::default() };
-        let (settings, _) = settings_for(&request.drawing, asked.over(partial.clone()))?;
-        let shown = request.drawing.to_string_lossy().into_owned();
-        Ok(output_of(&round(&shown, request, &settings, tell, cancel)?))
-    };
-    let (quiet, json) = (args.common.quiet, args.common.progress == Some(ProgressArg::Json));
-    let (orders, ordered) = mpsc::channel();
-    let configured = settings.out_dir.clone();
-    let accepted = move |drawing: &Path, round: u32, number: usize| {
-        accept_option(drawing, configured.clone(), Some(round), number).map(|a| a.next)
-    };
-    let page = args.page.map(|port| Page::open(port, orders, Box::new(accepted))).transpose()?;
-    if let Some(page) = &page {
-        args.folders.iter().try_for_each(|root| page.door().write(root))?;
-        say(&format!("page: {}", page.link()));
-    }
-    let log = args.log.as_deref().map(Log::open).transpose()?;
-    let mut show = |notice: Notice| {
-        if let Some(page) = &page {
-            page.take(&notice);
-        }
-        if let Some(log) = &log
-            && !matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. })
-        {
-            // A full disk shows in the jobs; the log is no reason to end.
-            let _ = log.line(&format!("{} {notice}", daemon::rfc3339(SystemTime::now())));
-        }
-        show_notice(&notice, quiet, json);
-    };
-    match daemon::watch_with_orders(&args.folders, &settings, Arc::new(job), ordered, &mut show, cancel) {
-        Err(Error::Stopped) => Ok(Error::Stopped.exit_code()),
-        other => other.map(|()| 0),
-    }
-}
-
-fn show_notice(notice: &Notice, quiet: bool, json: bool) {
-    match notice {
-        Notice::Progress { value, .. } if json => eprintln!("{value}"),
-        Notice::Progress { .. } | Notice::UpToDate { .. } => {}
-        Notice::Failed { .. } | Notice::Problem { .. } => eprintln!("warning: {notice}"),
-        _ if quiet => {}
-        _ => say(&notice.to_string()),
-    }
-}
-
-/// What the command line and the folder's `[watch]` table say of the daemon.
-fn watch_settings(args: &WatchArgs, partial: &Partial, table: WatchTable) -> WatchSettings {
-    let base = WatchSettings::default();
-    let ignore = table.ignore.unwrap_or_default().into_iter().chain(args.ignore.iter().cloned());
-    WatchSettings {
-        quiet_secs: table.quiet_secs.unwrap_or(base.quiet_secs),
-        network_quiet_secs: table.network_quiet_secs.unwrap_or(base.network_quiet_secs),
-        grace_secs: table.grace_secs.unwrap_or(base.grace_secs),
-        max_wait_secs: table.max_wait_secs.unwrap_or(base.max_wait_secs),
-        rescan_secs: table.rescan_secs.unwrap_or(base.rescan_secs),
-        poll: args.poll || table.poll.unwrap_or(base.poll),
-        depth: args.depth.or(table.depth).unwrap_or(base.depth),
-        ignore: ignore.collect(),
-        out_dir: partial.out.clone().map(PathBuf::from),
-        force: args.force,
-        settings_key: format!("{partial:?}"),
-        end_mark,
-        extensions: formats::ENDINGS.map(String::from).to_vec(),
-        ..base
-    }
-}
-
-/// The end mark of a drawing's format, for the watcher.
-fn end_mark(path: &Path, bytes: &[u8]) -> Completeness {
-    match formats::is_complete(&path.to_string_lossy(), bytes) {
-        formats::Completeness::Whole => Completeness::Complete,
-        formats::Completeness::Incomplete(why) => Completeness::Incomplete(why),
-        formats::Completeness::Empty => Completeness::Incomplete("it is empty".into()),
-    }
-}
-
 fn accept(args: &AcceptArgs) -> Result<u8, Error> {
-    let Accepted { round, next, side_car } =
+    let Accepted { round, next, side_car, is_new } =
         accept_option(&args.file, args.out.clone(), args.round, args.number)?;
     let what = if args.number == 0 { "the best layout".into() } else { format!("option {}", args.number) };
+    if !is_new {
+        say(&format!(
+            "{what} of round {round} was accepted before, as {}; nothing was written",
+            next.display()
+        ));
+        return Ok(0);
+    }
     say(&format!("{what} of round {round} is now {}", next.display()));
     say(&format!("its moves, bounds and settings for the next round: {}", side_car.display()));
     Ok(0)
@@ -429,6 +351,8 @@ struct Accepted {
     round: u32,
     next: PathBuf,
     side_car: PathBuf,
+    /// Whether it was not there before.
+    is_new: bool,
 }
 
 fn accept_option(
@@ -442,10 +366,14 @@ fn accept_option(
     let (round, result) = round_result(file, out.or(configured), round)?;
     let accepted =
         pipeline::accept::accept(&Input::new(&path, &bytes, 1), twin(file), &result, round, number)?;
-    let next = store::write_revision(&SystemDisk, &absolute(file), &accepted.drawing)?;
+    let store::Revision { path: next, is_new } =
+        store::write_revision(&SystemDisk, &absolute(file), &accepted.drawing)?;
     let side_car = settings_files(&next)[0].clone();
-    store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
-    Ok(Accepted { round, next, side_car })
+    // The user may have changed the settings of an option accepted before.
+    if is_new || !side_car.exists() {
+        store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
+    }
+    Ok(Accepted { round, next, side_car, is_new })
 }
 
 /// The result of a round of a drawing, the newest by default, and its number.
@@ -481,24 +409,6 @@ fn option_of(result: &RoundResult, round: u32, number: usize) -> Result<Vec<f64>
         let text = format!("round {round} has {n} options, found number {number}; nothing was done");
         Error::usage("candidate", Place::default(), text)
     })
-}
-
-fn status(args: &StatusArgs) -> Result<u8, Error> {
-    let here = [PathBuf::from(".")];
-    let folders = if args.folders.is_empty() { &here[..] } else { &args.folders };
-    let found = daemon::status(folders);
-    if args.json {
-        print(&to_json(&found)?);
-        return Ok(0);
-    }
-    for root in &found {
-        let runs = if root["is_running"] == true { "watched" } else { "not watched now" };
-        say(&format!("{}: {runs}", root["root"].as_str().unwrap_or("?")));
-        for (drawing, state) in root["status"]["drawings"].as_object().into_iter().flatten() {
-            say(&format!("  {drawing}: {}", state["state"].as_str().unwrap_or("?")));
-        }
-    }
-    Ok(0)
 }
 
 fn init(args: &InitArgs) -> Result<u8, Error> {

@@ -298,6 +298,8 @@ pub struct WatchTable {
     pub poll: Option<bool>,
     pub depth: Option<usize>,
     pub ignore: Option<Vec<String>>,
+    pub job_limit_secs: Option<f64>,
+    pub job_memory_mb: Option<u64>,
 }
 
 impl Partial {

@@ -78,6 +78,8 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # poll = false
 # depth = 0                         # folders below
 # ignore = ["*-backup.dxf"]
+# job-limit-secs = 3600.0           # a job that runs longer is ended and reported
+# job-memory-mb = 4096              # the same for memory; without it, three quarters of the machine's
 "#;
 
 #[cfg(test)]

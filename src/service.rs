@@ -5,6 +5,7 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::process::Stdio;
 
 use directories::ProjectDirs;
 use service_manager::{
@@ -126,8 +127,8 @@ fn manager() -> Result<(TypedServiceManager, ServiceLabel), Error> {
 }
 
 fn arguments(folders: &[PathBuf], log: &Path) -> Vec<OsString> {
-    let mut args: Vec<OsString> =
-        vec!["watch".into(), "--page".into(), "--log".into(), log.into(), "--".into()];
+    let mut args: Vec<OsString> = ["watch", "--page", "--notify", "--log"].map(OsString::from).to_vec();
+    args.extend([log.into(), "--".into()]);
     args.extend(folders.iter().map(|f| f.clone().into_os_string()));
     args
 }
@@ -159,6 +160,32 @@ fn systemd_word(word: &str) -> String {
     out
 }
 
+/// What shows a message on this user's desktop, by argument vectors, never through a shell; `None` where the
+/// system brings nothing of the kind.
+fn messenger(title: &str, text: &str) -> Option<(&'static str, Vec<String>)> {
+    if cfg!(target_os = "linux") {
+        // The text may carry markup; names of files are none.
+        let plain = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+        let args = ["--app-name=Enfilade", "--", title, &plain].map(String::from);
+        return Some(("notify-send", args.into()));
+    }
+    let lines =
+        ["on run argv", "display notification (item 2 of argv) with title (item 1 of argv)", "end run"];
+    let script = lines.into_iter().flat_map(|line| ["-e", line]);
+    let args = script.chain(["--", title, text]).map(String::from).collect();
+    cfg!(target_os = "macos").then_some(("osascript", args))
+}
+
+/// Shows a message on the desktop, where there is one; waits for nothing.
+pub fn tell_user(title: &str, text: &str) {
+    let Some((program, args)) = messenger(title, text) else { return };
+    let mut command = std::process::Command::new(program);
+    command.args(args).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    if let Ok(mut child) = command.spawn() {
+        std::thread::spawn(move || child.wait());
+    }
+}
+
 /// Arguments of `schtasks` for a task at logon.
 fn windows_task(program: &Path, args: &[OsString]) -> Vec<OsString> {
     let words = std::iter::once(program.as_os_str()).chain(args.iter().map(OsString::as_os_str));
@@ -187,12 +214,20 @@ mod tests {
     fn folders_of_any_name_stay_one_word() {
         let folders = [PathBuf::from("/plans/My \"best\" 100% $HOME"), PathBuf::from("-x")];
         let args = arguments(&folders, Path::new("/log/watch.log"));
-        assert_eq!(args[..4], ["watch", "--page", "--log", "/log/watch.log"].map(OsString::from));
-        assert_eq!(args[4], "--");
+        assert_eq!(args[..5], ["watch", "--page", "--notify", "--log", "/log/watch.log"].map(OsString::from));
+        assert_eq!(args[5], "--");
         let unit = systemd_unit(Path::new("/bin/enfilade"), &args);
         let line = unit.lines().find(|l| l.starts_with("ExecStart=")).unwrap();
         assert!(line.ends_with(r#""--" "/plans/My \"best\" 100%% $$HOME" "-x""#), "{line}");
         assert_eq!(systemd_word("a\nb\\"), "\"a\\nb\\\\\"");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_message_is_text_whatever_it_says() {
+        let (program, args) = messenger("-t", "<b>$(x) & y</b>").unwrap();
+        assert_eq!(program, "notify-send");
+        assert_eq!(args[1..], ["--", "-t", "&lt;b&gt;$(x) &amp; y&lt;/b&gt;"]);
     }
 
     #[test]

@@ -179,7 +179,7 @@ fn the_lock_of_a_killed_daemon_is_free() {
 }
 
 /// How long the soak lasts; longer by `ENFILADE_SOAK_SECS`.
-const SOAK_SECS: u64 = 6;
+const SOAK_SECS: u64 = 30;
 
 /// A writer of all bad habits: plain, slow, in two passes, by renames, with pauses, and deletions.
 fn save(path: &Path, text: &str, rng: &mut rand_chacha::ChaCha8Rng) {

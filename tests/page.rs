@@ -10,6 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use enfilade::server::BODY_BYTES_MAX;
+use rand::{RngExt, SeedableRng};
 use serde_json::{Value, json};
 
 const PATIENCE: Duration = Duration::from_secs(300);
@@ -149,6 +150,10 @@ fn the_interface_shows_and_obeys() {
     let accepted = daemon.ask("POST", &at("/accept"), r#"{"round": 1, "candidate": 1}"#);
     assert_eq!(accepted.status, 200, "{}", String::from_utf8_lossy(&accepted.body));
     assert!(daemon.plans().join("gallery-r02.dxf").is_file());
+    // The same again is the same drawing.
+    let again = daemon.ask("POST", &at("/accept"), r#"{"round": 1, "candidate": 1}"#);
+    assert_eq!((again.status, &again.body), (200, &accepted.body));
+    assert!(!daemon.plans().join("gallery-r03.dxf").exists());
     // The accepted drawing is the next save of a watched folder; it can be called off.
     let next = daemon.until("the accepted drawing", || daemon.drawing("gallery-r02.dxf"));
     let cancel = format!("/api/drawings/{}/cancel", next["id"].as_str().unwrap());
@@ -212,6 +217,85 @@ fn strangers_get_nothing() {
     assert_door_is_closed(daemon.folder.path());
 }
 
+/// How long the interface is thrown at; longer by `ENFILADE_FUZZ_SECS`.
+const FUZZ_SECS: u64 = 3;
+
+/// Whatever is sent, the answer is a refusal or an answer, never a fault, and the daemon goes on.
+#[test]
+fn the_interface_survives_anything() {
+    let secs = std::env::var("ENFILADE_FUZZ_SECS").ok().and_then(|s| s.parse().ok()).unwrap_or(FUZZ_SECS);
+    let daemon = start();
+    let id = daemon.until_done("gallery.dxf");
+    let (host, auth) = (format!("127.0.0.1:{}", daemon.port), format!("Bearer {}", daemon.token));
+    let parts = [
+        "GET",
+        "POST",
+        "PUT",
+        " ",
+        "/",
+        "/api/drawings",
+        &id,
+        "/round-01",
+        "/result.json",
+        "/accept",
+        "/again",
+        "/cancel",
+        "%00",
+        "%2e%2e",
+        "..",
+        "\\",
+        "?",
+        "&token=",
+        "\u{fc}",
+        "HTTP/1.1",
+        "\r\n",
+        "\n",
+        "\0",
+        "Host: ",
+        &host,
+        "Authorization: ",
+        &auth,
+        "X-Enfilade: 1",
+        "Content-Length: ",
+        "99999999999999999999",
+        "Transfer-Encoding: chunked",
+        "{",
+        "}",
+        "\"round\": ",
+        "-1",
+        "4294967296",
+        "\"candidate\": 0",
+        "\"objective\": \"degree max 1e999\"",
+        "null",
+        "[[[[[[",
+    ];
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(8);
+    let (start, mut thrown) = (Instant::now(), 0u64);
+    while start.elapsed() < Duration::from_secs(secs) {
+        thrown += 1;
+        let noise: String =
+            (0..rng.random_range(1..12)).map(|_| parts[rng.random_range(0..parts.len())]).collect();
+        if thrown % 2 == 0 {
+            // As a body of an order that is allowed.
+            let what = ["accept", "again", "cancel"][rng.random_range(0..3)];
+            let answer = daemon.ask("POST", &format!("/api/drawings/{id}/{what}"), &noise);
+            assert!(answer.status < 500, "{what} {noise:?}: {}", answer.head);
+        } else {
+            let mut stream = TcpStream::connect(("127.0.0.1", daemon.port)).unwrap();
+            stream.set_read_timeout(Some(Duration::from_secs(2))).unwrap();
+            let heads = format!("Host: {host}\r\nAuthorization: {auth}\r\nConnection: close\r\n\r\n");
+            let sent = if thrown % 4 == 1 { format!("GET /{noise} HTTP/1.1\r\n{heads}") } else { noise };
+            let _ = stream.write_all(sent.as_bytes());
+            let _ = stream.shutdown(std::net::Shutdown::Write);
+            let mut answer = Vec::new();
+            let _ = stream.read_to_end(&mut answer);
+            assert!(!answer.starts_with(b"HTTP/1.1 5"), "{sent:?}: {}", String::from_utf8_lossy(&answer));
+        }
+    }
+    println!("{thrown} requests");
+    assert_eq!(daemon.ask("GET", "/api/drawings", "").status, 200);
+}
+
 /// The listening socket of that port has the address of this machine alone.
 fn assert_loopback_only(port: u16) {
     let Ok(table) = fs::read_to_string("/proc/net/tcp") else { return };
@@ -246,6 +330,10 @@ fn assert_door_is_closed(home: &Path) {
 #[test]
 fn a_browser_does_every_action() {
     let Some(modules) = std::env::var_os("ENFILADE_NODE_MODULES") else {
+        assert!(
+            std::env::var_os("ENFILADE_HOSTS").is_none_or(|v| v != "required"),
+            "no puppeteer-core and axe-core; scripts/setup installs them"
+        );
         println!("skipped: ENFILADE_NODE_MODULES names no folder with puppeteer-core and axe-core");
         return;
     };

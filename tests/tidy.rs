@@ -569,3 +569,30 @@ mod the_rules_find_faults {
         assert_eq!(limits(&source("src/plan/a.rs", raw)), ["SIZE_MAX", "MAX_DEPTH"]);
     }
 }
+
+/// Every hazard of a watched folder has its row, and every test that a row names exists.
+#[test]
+fn hazards_of_watched_folders_have_their_tests() {
+    let table = fs::read_to_string(root().join("docs/watching.md")).expect("docs/watching.md");
+    let rows: Vec<&str> = table.lines().filter(|l| l.starts_with("| ") && l.contains('`')).collect();
+    let numbers: Vec<Option<usize>> =
+        rows.iter().map(|r| r.split('|').nth(1).and_then(|n| n.trim().parse().ok())).collect();
+    assert_eq!(numbers, (1..=30).map(Some).collect::<Vec<_>>());
+    let sources = sources();
+    let is_test = |name: &str| {
+        let head = format!("fn {name}(");
+        sources.iter().any(|s| s.raw.contains(&head))
+    };
+    for row in rows {
+        let tests: Vec<&str> =
+            row.rsplit('|').nth(1).unwrap_or_default().split('`').skip(1).step_by(2).collect();
+        assert!(!tests.is_empty(), "{row}");
+        for name in tests {
+            let is_there = match name.strip_suffix(".script") {
+                Some(_) => root().join("tests/data/watch").join(name).is_file(),
+                None => is_test(name),
+            };
+            assert!(is_there, "no test {name}: {row}");
+        }
+    }
+}

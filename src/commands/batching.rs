@@ -99,21 +99,27 @@ fn done(args: &RunJobArgs, cancel: &Cancel) -> Result<Finished, Error> {
         sha256: job.sha256.clone(),
         round: 1,
         objective: None,
+        earlier: Arc::new(home.memory()),
     };
     let mut display = Display::new(args.progress, false);
-    let mut tell = |event: JobEvent| {
-        if let JobEvent::Progress(value) = event
-            && let Ok(p) = serde_json::from_value(value)
-        {
-            display.show(&p);
+    let mut tell = |event: JobEvent| match event {
+        JobEvent::Progress(value) => {
+            if let Ok(p) = serde_json::from_value(value) {
+                display.show(&p);
+            }
         }
+        // What is not kept is measured again by the next try.
+        JobEvent::Keep { bytes, is_anew } => drop(home.remember(&bytes, is_anew)),
+        JobEvent::Analysis(_) | JobEvent::SoFar { .. } => {}
     };
     // Only the name is shown: paths differ from machine to machine.
     let outcome = super::round(&job.name(), &request, &settings, &mut tell, cancel);
     display.finish();
     let outcome = outcome?;
     cancel.check()?;
-    job.publish(&home, &outcome, settings.seed)
+    let finished = job.publish(&home, &outcome, settings.seed)?;
+    home.forget();
+    Ok(finished)
 }
 
 fn text_of(job: &str) -> Result<String, Error> {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use crate::analysis::gpu::Gpu;
 use crate::cli::{self, OpenArgs, ServiceArgs, ServiceCommand, ShellArg};
 use crate::report::{Error, Place};
 use crate::server::Door;
@@ -65,7 +66,7 @@ pub(super) fn doctor(folders: &[PathBuf]) -> Result<u8, Error> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     super::say(&format!("enfilade {}", env!("CARGO_PKG_VERSION")));
     super::say(&format!("cores: {cores}"));
-    super::say("graphics card: not used by this version; all measures run on the cores");
+    super::say(&format!("graphics card: {}", card()));
     let mut is_well = true;
     let mut judge = |what: &str, verdict: Result<String, String>| match verdict {
         Ok(text) => super::say(&format!("{what}: {text}")),
@@ -86,6 +87,17 @@ pub(super) fn doctor(folders: &[PathBuf]) -> Result<u8, Error> {
         judge(&folder.display().to_string(), watched(folder));
     }
     Ok(u8::from(!is_well))
+}
+
+/// What `--backend auto` and `gpu` find.
+fn card() -> String {
+    match Gpu::shared(true) {
+        Ok(gpu) if gpu.is_software() => {
+            format!("none; {} imitates one, and is used with --backend gpu alone", gpu.name())
+        }
+        Ok(gpu) => format!("{}; used where it is faster than the cores", gpu.name()),
+        Err(why) => format!("none that can be used: {why}; the cores measure"),
+    }
 }
 
 fn own_folders() -> Result<String, String> {

@@ -125,6 +125,7 @@ fn work(disk: SharedDisk, task: &Task, run: &RunJob, send: &SyncSender<Message>)
         sha256: task.what.sha256.clone(),
         round: 0,
         objective: task.what.objective.clone(),
+        earlier: Arc::default(),
     };
     let note = |step: &Step| {
         let time = rfc3339(SystemTime::now());

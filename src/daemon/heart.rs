@@ -14,7 +14,7 @@ use super::hands::{Message, Outcome, Task, Waiting, open_journal, reporter, star
 use super::status::{SharedDisk, Standing, rfc3339, write_standing};
 use super::{Notice, Order, RunJob, WatchSettings};
 use crate::config::settings_files;
-use crate::report::{Cancel, Error, Place, Problem};
+use crate::report::{Cancel, Error, Place, Problem, Severity};
 use crate::store::{
     Journal, Lease, Ownership, Placing, STATE_FOLDER, Step, SystemDisk, present_folder, read_lease,
     state_folder, write_json,
@@ -295,7 +295,9 @@ impl Heart {
     }
 
     fn problem(&mut self, path: PathBuf, problem: Problem, show: &mut dyn FnMut(Notice)) {
-        if self.roots.iter().all(|r| r.path != path) {
+        // What passes by itself is said, and leaves nothing behind in the folder.
+        let is_lasting = problem.severity > Severity::Info;
+        if is_lasting && self.roots.iter().all(|r| r.path != path) {
             let problems = [problem.clone()];
             let standing = Standing { state: "settling", problems: &problems, ..Standing::default() };
             write_standing(&*self.disk, &path, &self.placing_of(&path), &standing);

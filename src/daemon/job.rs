@@ -3,6 +3,7 @@
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
 use serde_json::Value;
@@ -48,14 +49,31 @@ pub(super) fn perform(
     before: &mut BeforePublish<'_>,
 ) -> Result<Done, Error> {
     let home = Home::open(disk, &request.drawing, placing)?;
-    let mut desk =
-        Desk { home: &home, request, since: rfc3339(SystemTime::now()), written: None, tell, cancel };
+    let mut desk = Desk {
+        home: &home,
+        request,
+        since: rfc3339(SystemTime::now()),
+        written: None,
+        refused: None,
+        tell,
+        cancel,
+    };
     desk.write("running", None, None, None)?;
-    let numbered = JobRequest { round: home.next_round(), ..request.clone() };
+    let earlier = Arc::new(home.memory());
+    let numbered = JobRequest { round: home.next_round(), earlier, ..request.clone() };
     let output = catch_unwind(AssertUnwindSafe(|| run(&numbered, &mut |event| desk.take(event), cancel)))
-        .unwrap_or_else(|payload| Err(panicked(request, &*payload)))?;
+        .unwrap_or_else(|payload| Err(panicked(request, &*payload)));
+    if let Some(error) = desk.refused.take() {
+        return Err(error);
+    }
+    let output = output.inspect_err(|e| {
+        if matches!(e, Error::Input(_) | Error::Usage(_)) {
+            home.forget();
+        }
+    })?;
     cancel.check()?;
     let done = publish(&home, output, cancel, before)?;
+    home.forget();
     let round = done.round.map(round_name);
     desk.write("done", round.as_deref(), Some(&done.summary), None)?;
     Ok(done)
@@ -87,6 +105,8 @@ struct Desk<'a> {
     since: String,
     /// When progress was last written.
     written: Option<Instant>,
+    /// Why the disk refused early results: the job was stopped, as it could only fail in the end.
+    refused: Option<Error>,
     tell: &'a mut dyn FnMut(Told),
     cancel: &'a Cancel,
 }
@@ -97,35 +117,33 @@ impl Desk<'_> {
             JobEvent::Progress(value) => {
                 if self.written.is_none_or(|t| t.elapsed() >= STATUS_PAUSE) {
                     self.written = Some(Instant::now());
-                    let outcome = self.write("running", None, None, Some(&value));
-                    self.complain(outcome);
+                    // The job goes on: should the disk still refuse in the end, the job fails then.
+                    let _ = self.write("running", None, None, Some(&value));
                 }
                 (self.tell)(Told::Progress(value));
             }
             JobEvent::Analysis(_) if self.cancel.is_stopped() => {}
             JobEvent::Analysis(files) => match self.home.publish_analysis(&files) {
                 Ok(folder) => (self.tell)(Told::Analysis(folder)),
-                Err(error) => self.complain(Err(error)),
+                Err(error) => {
+                    self.refused = Some(error);
+                    self.cancel.stop();
+                }
             },
             JobEvent::SoFar { .. } if self.cancel.is_stopped() => {}
             JobEvent::SoFar { files, mut progress } => match self.home.publish_so_far(&files) {
                 Ok(folder) => {
                     progress["folder"] = folder.to_string_lossy().into();
-                    let outcome = self.write("running", None, None, Some(&progress));
-                    self.complain(outcome);
+                    let _ = self.write("running", None, None, Some(&progress));
                     (self.tell)(Told::Progress(progress));
                 }
-                Err(error) => self.complain(Err(error)),
+                Err(error) => {
+                    self.refused = Some(error);
+                    self.cancel.stop();
+                }
             },
-        }
-    }
-
-    /// The job goes on: should the disk still refuse in the end, the job fails then.
-    fn complain(&mut self, outcome: Result<(), Error>) {
-        if let Err(error) = outcome
-            && let Some(problem) = error.problem()
-        {
-            (self.tell)(Told::Problem(problem.clone()));
+            // What is not kept is measured again.
+            JobEvent::Keep { bytes, is_anew } => drop(self.home.remember(&bytes, is_anew)),
         }
     }
 

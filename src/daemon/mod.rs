@@ -4,6 +4,7 @@
 //! publishing and telling is here. [`watch()`] runs until stopped, [`run_once`] does the same job for one
 //! drawing through the same code, [`status`] reads what a running daemon tells.
 
+pub mod child;
 mod hands;
 mod heart;
 mod job;
@@ -36,6 +37,8 @@ pub struct JobRequest {
     pub round: u32,
     /// Objectives and thresholds asked for this round alone, as in settings.
     pub objective: Option<String>,
+    /// What a job on this drawing kept before it was killed; known once the job runs, empty before.
+    pub earlier: Arc<Vec<u8>>,
 }
 
 /// What a user asks of a running daemon.
@@ -66,6 +69,13 @@ pub enum JobEvent {
         files: Vec<OutFile>,
         /// As in [`JobEvent::Progress`]; the folder is added.
         progress: Value,
+    },
+    /// To be kept until the job is done, and given back as [`JobRequest::earlier`] should it be killed.
+    Keep {
+        /// The bytes.
+        bytes: Vec<u8>,
+        /// Whether they replace what was kept; else they follow it.
+        is_anew: bool,
     },
 }
 
@@ -251,8 +261,14 @@ pub fn run_once(
     let bytes = read_now(&path)?;
     let sha256 = watch::sha256_hex(&bytes);
     let placing = Placing { out_dir: settings.out_dir.clone(), fallback_dir: settings.fallback_dir.clone() };
-    let request =
-        JobRequest { drawing: path.clone(), bytes: Arc::new(bytes), sha256, round: 0, objective: None };
+    let request = JobRequest {
+        drawing: path.clone(),
+        bytes: Arc::new(bytes),
+        sha256,
+        round: 0,
+        objective: None,
+        earlier: Arc::default(),
+    };
     show(Notice::Started(path.clone()));
     let mut tell = |told: job::Told| show(told.notice(&path));
     let outcome =

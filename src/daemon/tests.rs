@@ -688,6 +688,58 @@ fn planted_links_are_refused() {
     assert_eq!(fs::read_dir(elsewhere.path()).unwrap().count(), 0);
 }
 
+/// Hazards 20 and 30: what the disk refuses early stops the job at once and is said once, with the next try.
+#[cfg(unix)]
+#[test]
+fn a_refusing_disk_is_said_once() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let target = elsewhere.path().to_path_buf();
+    let plant = move |root: &Path| {
+        fs::create_dir(root.join("plan.enfilade")).unwrap();
+        std::os::unix::fs::symlink(&target, root.join("plan.enfilade/analysis")).unwrap();
+    };
+    let settings = WatchSettings { retry_secs: 600.0, ..settings() };
+    let daemon = Daemon::start(settings, plant, |request, tell, cancel| {
+        tell(JobEvent::Analysis(vec![OutFile::new("initial.png", "x")]));
+        tell(JobEvent::Progress(serde_json::json!({"stage": "search"})));
+        assert!(cancel.is_stopped(), "the job goes on for nothing");
+        slow(request, cancel)
+    });
+    daemon.save("plan.dxf", "slow");
+    daemon.await_said("Failed {", 1);
+    daemon.rest();
+    assert_eq!((daemon.count_said("output-is-link"), daemon.jobs()), (1, 1));
+    assert_eq!(daemon.status("plan")["state"], "waiting");
+}
+
+/// Hazard 22: what a job kept is given back to the next that is started on the drawing, until one is done.
+#[test]
+fn what_a_job_keeps_is_given_back_after_a_stop() {
+    let seen = Arc::new(Mutex::new(Vec::new()));
+    let given = seen.clone();
+    let daemon = Daemon::start(
+        settings(),
+        |_| {},
+        move |request, tell, cancel| {
+            given.lock().unwrap().push(String::from_utf8(request.earlier.to_vec()).unwrap());
+            tell(JobEvent::Keep { bytes: b"one".to_vec(), is_anew: true });
+            tell(JobEvent::Keep { bytes: b" two".to_vec(), is_anew: false });
+            slow(request, cancel)
+        },
+    );
+    daemon.save("plan.dxf", "slow");
+    daemon.await_true("a memory", || {
+        fs::read(daemon.path("plan.enfilade/.search")).is_ok_and(|b| b == b"one two")
+    });
+    daemon.save("plan.dxf", "quick");
+    daemon.await_round("plan", 1);
+    daemon.save("plan.dxf", "other");
+    daemon.await_round("plan", 2);
+    daemon.await_said("Done {", 2);
+    assert_eq!(*seen.lock().unwrap(), ["", "one two", ""]);
+    assert!(!daemon.path("plan.enfilade/.search").exists());
+}
+
 #[cfg(unix)]
 fn set_mode(path: &Path, mode: u32) {
     use std::os::unix::fs::PermissionsExt;

@@ -10,6 +10,7 @@ mod building;
 pub mod cells;
 mod explain;
 mod fits;
+mod memory;
 mod page;
 pub mod resolution;
 mod round;
@@ -34,6 +35,7 @@ use crate::overlay::result::{self, AnalysisResult, CheckResult};
 use crate::overlay::{HeatMap, PlanPicture, Scale, check_png, heat_map_png};
 use crate::report::{Cancel, Error, OutFile, Place, Report};
 pub use fits::moves_of;
+pub use memory::Keep;
 pub use study::Study;
 
 /// A drawing to work on.
@@ -47,6 +49,8 @@ pub struct Input<'a> {
     pub sha256: String,
     /// Number of the round that is made, from 1; shown only.
     pub round: u64,
+    /// What an earlier start of the same job handed out as [`Event::Keep`], in order; empty: nothing.
+    pub earlier: &'a [u8],
 }
 
 impl<'a> Input<'a> {
@@ -54,7 +58,7 @@ impl<'a> Input<'a> {
     pub fn new(path: &'a str, bytes: &'a [u8], round: u64) -> Self {
         let sha256 = Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect();
         let bytes = formats::plain(path, bytes);
-        Self { path, bytes, sha256, round }
+        Self { path, bytes, sha256, round, earlier: &[] }
     }
 
     /// Name to show.
@@ -100,6 +104,8 @@ pub enum Event {
         /// How far the search was; its stage is `so-far`.
         progress: Progress,
     },
+    /// To be kept until the job is done: given back as [`Input::earlier`], it spares measuring again.
+    Keep(Keep),
 }
 
 /// A finished job.

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::memory::Memory;
 use super::show;
 use super::study::{self, Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress};
@@ -65,7 +66,7 @@ pub(super) fn run(
             show(Event::SoFar { files: made.files, progress });
             Ok(())
         };
-        Some(optimise(study, settings, started, show, cancel, &mut so_far)?)
+        Some(optimise(input, study, settings, started, show, cancel, &mut so_far)?)
     };
     let total = Some(found.as_ref().map_or(0, |f| f.members.len() as u64));
     show(Event::Progress(Progress { stage: "write".into(), total, ..Default::default() }));
@@ -167,6 +168,7 @@ type TakeSoFar<'a> =
 /// Asks, measures, tells until the search stops, the time is over or somebody asks; what is found meanwhile
 /// goes to `so_far` as often as the settings say.
 fn optimise(
+    input: &Input<'_>,
     study: &Study,
     settings: &Settings,
     started: Instant,
@@ -196,6 +198,7 @@ fn optimise(
         pinned: if settings.mode == Mode::Best { 0 } else { settings.pinned.len() },
         seeds,
     })?;
+    let mut memory = Memory::new(input, settings, objectives.len());
     let begun = Instant::now();
     let mut said = Instant::now();
     let mut written = Instant::now();
@@ -214,14 +217,17 @@ fn optimise(
             break;
         }
         let permitted: Vec<Vec<f64>> = asked.iter().map(|p| control.permit(p)).collect();
-        let layouts: Vec<Vec<f64>> = permitted.iter().map(|p| control.expand(p)).collect();
-        let worths = study.measure_all(&layouts);
-        let told: Vec<Evaluation> = permitted
-            .into_par_iter()
-            .zip(&worths)
-            .map(|(at, worth)| Evaluation { at: Some(at), ..evaluation(study, settings, &objectives, worth) })
-            .collect();
+        let told = memory.recall(&permitted).unwrap_or_else(|| {
+            let told = measured(study, settings, &control, &objectives, &permitted);
+            memory.learn(&permitted, &told);
+            told
+        });
+        let told: Vec<Evaluation> =
+            told.into_iter().zip(permitted).map(|(e, at)| Evaluation { at: Some(at), ..e }).collect();
         search.tell(&told);
+        if let Some(keep) = memory.keep() {
+            show(Event::Keep(keep));
+        }
         if said.elapsed().as_millis() >= PROGRESS_EVERY_MS {
             said = Instant::now();
             show(Event::Progress(progress(&search, &control, begun)));
@@ -235,6 +241,19 @@ fn optimise(
     }
     cancel.check()?;
     Ok(found(study, settings, &control, &objectives, &search))
+}
+
+/// What vectors of free parameters are worth.
+fn measured(
+    study: &Study,
+    settings: &Settings,
+    control: &Control,
+    objectives: &[(Aim, search::Objective)],
+    vectors: &[Vec<f64>],
+) -> Vec<Evaluation> {
+    let layouts: Vec<Vec<f64>> = vectors.iter().map(|p| control.expand(p)).collect();
+    let worths = study.measure_all(&layouts);
+    worths.par_iter().map(|worth| evaluation(study, settings, objectives, worth)).collect()
 }
 
 /// What a finished search found: options and best layout with all their parameters, explained.

@@ -155,12 +155,8 @@ impl State {
                 e.set(if retry_secs.is_some() { "waiting" } else { "failed" });
                 e.problem = json!(problem);
             }),
-            Notice::Problem { path, problem } => {
-                let id = id_of(path);
-                let entry = self.drawings.get_mut(&id)?;
-                entry.problem = json!(problem);
-                Some(id)
-            }
+            Notice::Problem { path, .. } if self.roots.contains_key(path) => None,
+            Notice::Problem { path, problem } => self.at(path, |e| e.problem = json!(problem)),
         }
     }
 
@@ -225,6 +221,7 @@ impl Entry {
 mod tests {
     use super::*;
     use crate::daemon::Done;
+    use crate::report::{Place, Problem, Severity};
 
     #[test]
     fn notices_become_states_and_news() {
@@ -233,7 +230,19 @@ mod tests {
         let drawing = PathBuf::from("/plans/<img onerror>.dxf");
         let id = id_of(&drawing);
         let state = |board: &Board| board.drawing(&id).unwrap()["state"].as_str().unwrap().to_owned();
+        let half = Problem {
+            code: "incomplete",
+            severity: Severity::Info,
+            place: Place::default(),
+            text: "is not whole yet".into(),
+        };
+        board.take(&Notice::Watching { root: "/plans".into(), how: String::new() });
+        board.take(&Notice::Problem { path: "/plans".into(), problem: half.clone() });
+        assert_eq!(board.overview()["drawings"], json!([]), "a watched folder is no drawing");
+        board.take(&Notice::Problem { path: drawing.clone(), problem: half });
+        assert_eq!(board.drawing(&id).unwrap()["problem"]["code"], "incomplete");
         board.take(&Notice::Queued { drawing: drawing.clone(), waiting: 1 });
+        assert_eq!(board.drawing(&id).unwrap()["problem"], Value::Null);
         assert_eq!(state(&board), "waiting");
         board.take(&Notice::Started(drawing.clone()));
         let value = json!({"stage": "optimise", "evaluations": 7, "best": 0.5});

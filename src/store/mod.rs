@@ -44,6 +44,10 @@ const ANALYSIS: &str = "analysis";
 const SO_FAR: &str = "so-far";
 const RESOLUTION: &str = "resolution";
 const CLAIM: &str = ".drawing";
+/// What a job remembers of itself until it is done.
+const MEMORY: &str = ".search";
+/// More than this is no memory of ours.
+const MEMORY_BYTES_MAX: u64 = 1 << 30;
 
 /// What was written: where, and the SHA-256 of its bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -233,6 +237,35 @@ impl Home {
             self.stage(files)?.replace(&target)?;
         }
         Ok(target)
+    }
+
+    /// What an earlier job remembered before it was killed; empty where nothing is.
+    pub fn memory(&self) -> Vec<u8> {
+        let path = self.folder.join(MEMORY);
+        let is_ours = fs::symlink_metadata(&path).is_ok_and(|m| m.is_file() && m.len() <= MEMORY_BYTES_MAX);
+        is_ours.then(|| fs::read(&path).ok()).flatten().unwrap_or_default()
+    }
+
+    /// Keeps what a job wants to find again should it be killed: in place of the old, or after it.
+    ///
+    /// # Errors
+    /// As [`replace_file`].
+    pub fn remember(&self, bytes: &[u8], is_anew: bool) -> Result<(), Error> {
+        let path = self.folder.join(MEMORY);
+        if is_anew {
+            return replace_file(&*self.disk, &path, bytes);
+        }
+        refuse_link(&path)?;
+        self.disk.append(&path, bytes, false).map_err(writing(&path))
+    }
+
+    /// The job is done: its memory goes.
+    pub fn forget(&self) {
+        let path = self.folder.join(MEMORY);
+        if fs::symlink_metadata(&path).is_ok() {
+            // What stays belongs to no later job, and says so by its key.
+            let _ = self.disk.remove_file(&path);
+        }
     }
 
     /// Replaces `status.json`.
@@ -500,11 +533,21 @@ pub fn write_new(disk: &dyn Disk, path: &Path, bytes: &[u8]) -> Result<(), Error
     })
 }
 
-/// Writes an accepted candidate beside its drawing: `plan-r02.dxf`, `-r03`, … whichever is free.
+/// A drawing beside the one that it follows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Revision {
+    /// Where it lies.
+    pub path: PathBuf,
+    /// Whether it was not there before.
+    pub is_new: bool,
+}
+
+/// Writes an accepted candidate beside its drawing: `plan-r02.dxf`, `-r03`, … whichever is free, or has these
+/// bytes already: what was accepted before is not written twice.
 ///
 /// # Errors
 /// As [`write_new`].
-pub fn write_revision(disk: &dyn Disk, drawing: &Path, bytes: &[u8]) -> Result<PathBuf, Error> {
+pub fn write_revision(disk: &dyn Disk, drawing: &Path, bytes: &[u8]) -> Result<Revision, Error> {
     let (base, first) = revision_of(drawing);
     let extension = drawing.extension().unwrap_or_default();
     for number in first.. {
@@ -513,8 +556,12 @@ pub fn write_revision(disk: &dyn Disk, drawing: &Path, bytes: &[u8]) -> Result<P
         name.push(extension);
         let path = drawing.with_file_name(name);
         match write_new(disk, &path, bytes) {
-            Ok(()) => return Ok(path),
-            Err(error) if error.problem().is_some_and(|p| p.code == "file-exists") => {}
+            Ok(()) => return Ok(Revision { path, is_new: true }),
+            Err(error) if error.problem().is_some_and(|p| p.code == "file-exists") => {
+                if fs::read(&path).is_ok_and(|there| there == bytes) {
+                    return Ok(Revision { path, is_new: false });
+                }
+            }
             Err(error) => return Err(error),
         }
     }

@@ -469,18 +469,50 @@ fn a_read_only_place_has_a_fallback() {
 #[test]
 fn revisions_take_the_next_free_name() {
     let dir = tempfile::tempdir().unwrap();
-    let write = |name: &str| {
-        let path = write_revision(&SystemDisk, &dir.path().join(name), b"new").unwrap();
-        path.file_name().unwrap().to_str().unwrap().to_owned()
+    let write = |name: &str, bytes: &[u8]| {
+        let Revision { path, is_new } = write_revision(&SystemDisk, &dir.path().join(name), bytes).unwrap();
+        (path.file_name().unwrap().to_str().unwrap().to_owned(), is_new)
     };
+    let new = |name: &str| (name.to_owned(), true);
     fs::write(dir.path().join("plan-r03.dxf"), b"mine").unwrap();
-    assert_eq!(write("plan.dxf"), "plan-r02.dxf");
-    assert_eq!(write("plan.dxf"), "plan-r04.dxf");
-    assert_eq!(write("plan-r04.dxf"), "plan-r05.dxf");
-    assert_eq!(write("a-r1.dxf"), "a-r1-r02.dxf");
-    assert_eq!(write("-r02.dxf"), "-r02-r02.dxf");
+    assert_eq!(write("plan.dxf", b"one"), new("plan-r02.dxf"));
+    assert_eq!(write("plan.dxf", b"two"), new("plan-r04.dxf"));
+    // The same option again is the same file.
+    assert_eq!(write("plan.dxf", b"two"), ("plan-r04.dxf".into(), false));
+    assert_eq!(write("plan.dxf", b"one"), ("plan-r02.dxf".into(), false));
+    assert_eq!(write("plan-r04.dxf", b"one"), new("plan-r05.dxf"));
+    assert_eq!(write("a-r1.dxf", b"one"), new("a-r1-r02.dxf"));
+    assert_eq!(write("-r02.dxf", b"one"), new("-r02-r02.dxf"));
     assert_eq!(fs::read(dir.path().join("plan-r03.dxf")).unwrap(), b"mine");
     assert!(!has_temporary(dir.path()));
+}
+
+/// What a killed job remembered is found again, also where the last of it is torn; a link is no memory.
+#[test]
+fn a_job_finds_its_memory_until_it_is_done() {
+    let dir = tempfile::tempdir().unwrap();
+    let drawing = dir.path().join("plan.dxf");
+    let disk: Arc<dyn Disk> = Arc::new(SystemDisk);
+    let open = || home(disk.clone(), &drawing).unwrap();
+    assert!(open().memory().is_empty());
+    open().remember(b"one", true).unwrap();
+    open().remember(b" two", false).unwrap();
+    assert_eq!(open().memory(), b"one two");
+    open().remember(b"three", true).unwrap();
+    assert_eq!(open().memory(), b"three");
+    open().forget();
+    assert!(open().memory().is_empty());
+    #[cfg(unix)]
+    {
+        let elsewhere = dir.path().join("elsewhere");
+        fs::write(&elsewhere, b"not ours").unwrap();
+        std::os::unix::fs::symlink(&elsewhere, open().folder().join(MEMORY)).unwrap();
+        assert!(open().memory().is_empty());
+        for is_anew in [true, false] {
+            assert_eq!(code(&open().remember(b"x", is_anew).unwrap_err()), "output-is-link");
+        }
+        assert_eq!(fs::read(&elsewhere).unwrap(), b"not ours");
+    }
 }
 
 #[test]

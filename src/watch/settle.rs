@@ -114,6 +114,7 @@ struct Pending {
     quiet: Duration,
     gone_since: Option<Duration>,
     is_asked: bool,
+    is_noted: bool,
     is_told: bool,
 }
 
@@ -422,8 +423,13 @@ impl Settle {
         p.pause = (p.pause * 2).min(Duration::from_secs_f64(MAX_BACKOFF_SECS));
         p.next = now + p.pause;
         let late = p.first + Duration::from_secs_f64(self.settings.max_wait_secs);
+        let is_news = !std::mem::replace(&mut p.is_noted, true);
         if now < late {
             p.next = p.next.min(late);
+            if is_news {
+                let text = format!("is not whole yet ({what}); waiting for the rest");
+                self.say(path, Severity::Info, "incomplete", text);
+            }
         } else if !std::mem::replace(&mut p.is_told, true) {
             let text =
                 format!("is still incomplete ({what}); save it again if the program has finished writing");
@@ -559,8 +565,12 @@ impl Settle {
     }
 
     fn tell(&mut self, path: &Path, code: &'static str, text: String) {
+        self.say(path, Severity::Warning, code, text);
+    }
+
+    fn say(&mut self, path: &Path, severity: Severity, code: &'static str, text: String) {
         let place = Place::file(path.file_name().unwrap_or(path.as_os_str()).to_string_lossy());
-        let problem = Problem { code, severity: Severity::Warning, place, text };
+        let problem = Problem { code, severity, place, text };
         self.out.push(Action::Problem { path: path.into(), problem });
     }
 
@@ -587,6 +597,7 @@ impl Pending {
             quiet,
             gone_since: None,
             is_asked: false,
+            is_noted: false,
             is_told: false,
         }
     }

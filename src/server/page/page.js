@@ -44,9 +44,14 @@ function row(d) {
     d.name, el("small", { class: d.state }, words + part)));
 }
 
+const rows = new Map();
+const order = new Intl.Collator(undefined, { numeric: true });
+
 function list() {
-  const sorted = [...drawings.values()].sort((a, b) => a.name.localeCompare(b.name));
-  $("drawings").replaceChildren(...sorted.map(row));
+  const sorted = [...drawings.values()].sort((a, b) => order.compare(a.name, b.name));
+  rows.clear();
+  sorted.forEach((d) => rows.set(d.id, row(d)));
+  $("drawings").replaceChildren(...rows.values());
   if (!sorted.length) $("drawings").replaceChildren(el("li", { class: "quiet" }, "No drawing yet: save one into a watched folder."));
 }
 
@@ -136,11 +141,21 @@ async function load() {
   if (id) await open(id);
 }
 
-let due = false;
-function soon() {
-  if (due) return;
-  due = true;
-  setTimeout(() => { due = false; list(); }, 200);
+const stale = new Set();
+/** Only rows with news are made anew: focus and place stay, and thousands of others cost nothing. */
+function soon(id) {
+  if (!stale.size) setTimeout(renew, 200);
+  stale.add(id);
+}
+
+function renew() {
+  const ids = [...stale].filter((id) => drawings.has(id));
+  stale.clear();
+  if (ids.some((id) => !rows.has(id))) return list();
+  for (const id of ids) {
+    const fresh = row(drawings.get(id));
+    rows.get(id).firstChild.replaceChildren(...fresh.firstChild.childNodes);
+  }
 }
 
 function listen() {
@@ -157,7 +172,7 @@ function listen() {
     }
     const before = drawings.get(drawing.id)?.state;
     drawings.set(drawing.id, drawing);
-    soon();
+    soon(drawing.id);
     refresh(drawing, before);
   };
 }

@@ -1,0 +1,238 @@
+//! `watch`, the jobs it starts, and `status`.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, mpsc};
+use std::time::SystemTime;
+
+use serde_json::Value;
+
+use super::{accept_option, output_of, print, read_settings, round, say, settings_for};
+use crate::cli::{ProgressArg, StatusArgs, WatchArgs};
+use crate::config::{Partial, Settings, WatchTable};
+use crate::daemon::child::{self, Limits};
+use crate::daemon::{self, JobEvent, JobRequest, Notice, RunJob, WatchSettings};
+use crate::formats;
+use crate::overlay::result::to_json;
+use crate::report::{Cancel, Error, Place, Severity};
+use crate::server::Page;
+use crate::store::Log;
+use crate::watch::Completeness;
+
+/// A job may use this share of the machine's memory unless the settings say otherwise.
+#[cfg(target_os = "linux")]
+const MEMORY_SHARE: f64 = 0.75;
+
+pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
+    let partial = args.common.partial(Some(&args.search));
+    Settings::new(partial.clone())?;
+    let folder = args.folders.first().map(|f| f.join("enfilade.toml"));
+    let table = folder
+        .map_or(Ok(None), |f| read_settings(&f))
+        .map(|p| p.and_then(|p| p.watch).unwrap_or_default())?;
+    let limits_of = table.clone();
+    let settings = watch_settings(args, &partial, table);
+    let limits = limits(&partial, &limits_of, &settings)?;
+    let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+        child::run(&limits, request, tell, cancel)
+    };
+    let (quiet, json) = (args.common.quiet, args.common.progress == Some(ProgressArg::Json));
+    let (orders, ordered) = mpsc::channel();
+    let configured = settings.out_dir.clone();
+    let accepted = move |drawing: &Path, round: u32, number: usize| {
+        accept_option(drawing, configured.clone(), Some(round), number).map(|a| a.next)
+    };
+    let page = args.page.map(|port| Page::open(port, orders, Box::new(accepted))).transpose()?;
+    if let Some(page) = &page {
+        args.folders.iter().try_for_each(|root| page.door().write(root))?;
+        say(&format!("page: {}", page.link()));
+    }
+    let log = args.log.as_deref().map(Log::open).transpose()?;
+    let mut show = |notice: Notice| {
+        if let Some(page) = &page {
+            page.take(&notice);
+        }
+        if args.desktop
+            && let Notice::Done { drawing, done } = &notice
+            && done.round.is_some()
+        {
+            let name = drawing.file_name().unwrap_or_default().to_string_lossy();
+            crate::service::tell_user(&format!("{name}: options are ready"), &done.summary);
+        }
+        if let Some(log) = &log
+            && !matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. })
+        {
+            // A full disk shows in the jobs; the log is no reason to end.
+            let _ = log.line(&format!("{} {notice}", daemon::rfc3339(SystemTime::now())));
+        }
+        show_notice(&notice, quiet, json);
+    };
+    match daemon::watch_with_orders(&args.folders, &settings, Arc::new(job), ordered, &mut show, cancel) {
+        Err(Error::Stopped) => Ok(Error::Stopped.exit_code()),
+        other => other.map(|()| 0),
+    }
+}
+
+fn show_notice(notice: &Notice, quiet: bool, json: bool) {
+    match notice {
+        Notice::Progress { value, .. } if json => eprintln!("{value}"),
+        Notice::Progress { .. } | Notice::UpToDate { .. } => {}
+        Notice::Problem { problem, .. } if problem.severity == Severity::Info && !quiet => {
+            eprintln!("note: {notice}");
+        }
+        Notice::Problem { problem, .. } if problem.severity == Severity::Info => {}
+        Notice::Failed { .. } | Notice::Problem { .. } => eprintln!("warning: {notice}"),
+        _ if quiet => {}
+        _ => say(&notice.to_string()),
+    }
+}
+
+/// What the command line and the folder's `[watch]` table say of the daemon.
+fn watch_settings(args: &WatchArgs, partial: &Partial, table: WatchTable) -> WatchSettings {
+    let base = WatchSettings::default();
+    let ignore = table.ignore.unwrap_or_default().into_iter().chain(args.ignore.iter().cloned());
+    WatchSettings {
+        quiet_secs: table.quiet_secs.unwrap_or(base.quiet_secs),
+        network_quiet_secs: table.network_quiet_secs.unwrap_or(base.network_quiet_secs),
+        grace_secs: table.grace_secs.unwrap_or(base.grace_secs),
+        max_wait_secs: table.max_wait_secs.unwrap_or(base.max_wait_secs),
+        rescan_secs: table.rescan_secs.unwrap_or(base.rescan_secs),
+        poll: args.poll || table.poll.unwrap_or(base.poll),
+        depth: args.depth.or(table.depth).unwrap_or(base.depth),
+        ignore: ignore.collect(),
+        out_dir: partial.out.clone().map(PathBuf::from),
+        force: args.force,
+        job_limit_secs: table.job_limit_secs.unwrap_or(base.job_limit_secs),
+        settings_key: format!("{partial:?}"),
+        end_mark,
+        extensions: formats::ENDINGS.map(String::from).to_vec(),
+        ..base
+    }
+}
+
+/// The end mark of a drawing's format, for the watcher.
+fn end_mark(path: &Path, bytes: &[u8]) -> Completeness {
+    match formats::is_complete(&path.to_string_lossy(), bytes) {
+        formats::Completeness::Whole => Completeness::Complete,
+        formats::Completeness::Incomplete(why) => Completeness::Incomplete(why),
+        formats::Completeness::Empty => Completeness::Incomplete("it is empty".into()),
+    }
+}
+
+/// How a job's process is started, and what it may use.
+fn limits(partial: &Partial, table: &WatchTable, settings: &WatchSettings) -> Result<Limits, Error> {
+    let fail = |e: &dyn std::fmt::Display| Error::environment("job-start", Place::default(), e.to_string());
+    // On Linux the program that runs, even where a newer one lies at its path by now.
+    let program = if cfg!(target_os = "linux") {
+        PathBuf::from("/proc/self/exe")
+    } else {
+        std::env::current_exe().map_err(|e| fail(&e))?
+    };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    Ok(Limits {
+        program: program.into(),
+        args: ["job-child", "--"].map(OsString::from).to_vec(),
+        options: serde_json::to_value(partial).map_err(|e| fail(&e))?,
+        memory_bytes: table.job_memory_mb.map(|mb| mb.saturating_mul(1 << 20)).or_else(memory_share),
+        cpu_secs: Some((settings.job_limit_secs * cores as f64).ceil() as u64),
+    })
+}
+
+#[cfg(target_os = "linux")]
+fn memory_share() -> Option<u64> {
+    let info = rustix::system::sysinfo();
+    let bytes = info.totalram as f64 * f64::from(info.mem_unit);
+    Some((bytes * MEMORY_SHARE) as u64)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn memory_share() -> Option<u64> {
+    None
+}
+
+/// One job in a process of its own: see [`child`].
+pub(super) fn job_child(drawing: &Path) -> Result<u8, Error> {
+    child::serve(drawing, |options| {
+        let partial: Partial = serde_json::from_value(options)
+            .map_err(|e| Error::usage("job-request", Place::default(), e.to_string()))?;
+        let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+            let asked = Partial { objective: request.objective.clone(), ..Partial::default() };
+            let (settings, _) = settings_for(&request.drawing, asked.over(partial.clone()))?;
+            let shown = request.drawing.to_string_lossy().into_owned();
+            Ok(output_of(&round(&shown, request, &settings, tell, cancel)?))
+        };
+        Ok(Arc::new(job) as Arc<RunJob>)
+    })?;
+    Ok(0)
+}
+
+pub(super) fn status(args: &StatusArgs) -> Result<u8, Error> {
+    let here = [PathBuf::from(".")];
+    let folders = if args.folders.is_empty() { &here[..] } else { &args.folders };
+    let found = daemon::status(folders);
+    if args.json {
+        print(&to_json(&found)?);
+        return Ok(0);
+    }
+    for root in &found {
+        let runs = if root["is_running"] == true { "watched" } else { "not watched now" };
+        say(&format!("{}: {runs}", root["root"].as_str().unwrap_or("?")));
+        status_lines(&root["status"]).iter().for_each(|line| say(&format!("  {line}")));
+    }
+    Ok(0)
+}
+
+/// The daemon's overview in words: what it works on, what waits, what it waits for and why, what failed.
+fn status_lines(status: &Value) -> Vec<String> {
+    let text = |v: &Value| v.as_str().unwrap_or("?").to_owned();
+    let list = |key: &str| status[key].as_array().cloned().unwrap_or_default();
+    let mut out = Vec::new();
+    for root in list("roots").iter().filter(|r| r["is_offline"] == true) {
+        out.push(format!("{}: out of reach; waiting for it", text(&root["root"])));
+    }
+    out.extend(status["running"].as_str().map(|d| format!("{d}: running")));
+    out.extend(list("waiting").iter().map(|d| format!("{}: waiting", text(d))));
+    for entry in list("failed") {
+        let (drawing, problem) = (text(&entry["drawing"]), &entry["problem"]);
+        let state = if problem["severity"] == "error" { "failed" } else { "not ready" };
+        out.push(format!("{drawing}: {state}: {} ({})", text(&problem["text"]), text(&problem["code"])));
+    }
+    for entry in list("ignored") {
+        out.push(format!("{}: left alone: {}", text(&entry["file"]), text(&entry["why"])));
+    }
+    if let Some(done) = status["done_count"].as_u64() {
+        out.push(format!("done since {}: {done}", text(&status["since"])));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn status_names_what_runs_waits_and_failed() {
+        let problem = |severity: &str, text: &str| json!({"code": "c", "severity": severity, "text": text});
+        let status = json!({
+            "roots": [{"root": "/w", "is_offline": false}, {"root": "/away", "is_offline": true}],
+            "running": "/w/a.dxf", "waiting": ["/w/b.dxf"], "since": "2026-01-01T00:00:00Z", "done_count": 7,
+            "failed": [
+                {"drawing": "/w/c.dxf", "problem": problem("error", "no wall")},
+                {"drawing": "/w/d.dxf", "problem": problem("info", "no EOF yet")},
+            ],
+            "ignored": [{"file": "/w/#e.dxf", "why": "a lock"}],
+        });
+        let want = [
+            "/away: out of reach; waiting for it",
+            "/w/a.dxf: running",
+            "/w/b.dxf: waiting",
+            "/w/c.dxf: failed: no wall (c)",
+            "/w/d.dxf: not ready: no EOF yet (c)",
+            "/w/#e.dxf: left alone: a lock",
+            "done since 2026-01-01T00:00:00Z: 7",
+        ];
+        assert_eq!(status_lines(&status), want);
+        assert!(status_lines(&Value::Null).is_empty());
+    }
+}

@@ -1,0 +1,492 @@
+//! A job in a process of its own: what a drawing makes it do (hang, eat memory, die) ends with it, is told with
+//! its reason, and the next drawing is taken up (hazard 23).
+//!
+//! The parent writes one [`Request`] to the child's standard input and leaves it open: its end, with the parent's,
+//! is the child's end. The child answers on standard output in frames: a line of JSON, then the bytes it announces.
+
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{JobEvent, JobOutput, JobRequest, OutFile, RunJob};
+use crate::report::{Cancel, Error, Place, Problem, Severity};
+
+/// A stop is seen within this time.
+const LOOK: Duration = Duration::from_millis(20);
+/// Of what a child says on standard error, the last bytes are kept.
+const WORDS_BYTES_MAX: usize = 8 << 10;
+/// Most bytes of one line of a frame.
+const LINE_BYTES_MAX: u64 = 64 << 20;
+/// Most bytes of one frame.
+const FRAME_BYTES_MAX: u64 = 4 << 30;
+
+/// What a job's process is allowed, and how it is started.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    /// The program with its arguments; the drawing's path follows them.
+    pub program: OsString,
+    /// See `program`.
+    pub args: Vec<OsString>,
+    /// Handed to the job as it is.
+    pub options: Value,
+    /// Memory, bytes; `None`: what the machine has.
+    pub memory_bytes: Option<u64>,
+    /// Seconds of all cores together; the daemon watches the clock.
+    pub cpu_secs: Option<u64>,
+}
+
+/// What a child is asked.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Request {
+    version: String,
+    sha256: String,
+    round: u32,
+    objective: Option<String>,
+    /// As in [`Limits`].
+    pub options: Value,
+    memory_bytes: Option<u64>,
+    cpu_secs: Option<u64>,
+    bytes: u64,
+    earlier: u64,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+enum Frame {
+    Progress { value: Value },
+    Analysis { files: Vec<(PathBuf, u64)> },
+    SoFar { files: Vec<(PathBuf, u64)>, progress: Value },
+    Keep { is_anew: bool, bytes: u64 },
+    Done { files: Vec<(PathBuf, u64)>, is_degraded: bool, summary: String },
+    Failed { exit_code: u8, problem: Option<Told> },
+}
+
+/// A [`Problem`] on its way.
+#[derive(Debug, Serialize, Deserialize)]
+struct Told {
+    code: String,
+    file: String,
+    line: Option<usize>,
+    entity: String,
+    text: String,
+}
+
+/// Runs a job in a process of its own.
+///
+/// # Errors
+/// Those of the job; `job-out-of-memory`, `job-too-long`, `job-panicked`, `job-died` where the process ended
+/// without an answer; [`Error::Environment`] where none could be started; [`Error::Stopped`] within 50 ms.
+pub fn run(
+    limits: &Limits,
+    request: &JobRequest,
+    tell: &mut dyn FnMut(JobEvent),
+    cancel: &Cancel,
+) -> Result<JobOutput, Error> {
+    let name = request.drawing.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mut child = start(limits, &request.drawing, &name)?;
+    let (stdin, stdout, stderr) = (child.stdin.take(), child.stdout.take(), child.stderr.take());
+    let head = Request::of(limits, request);
+    let (bytes, earlier) = (request.bytes.clone(), request.earlier.clone());
+    // Held open until the job has ended: see the module.
+    let writer = thread::spawn(move || {
+        let mut stdin = stdin?;
+        let line = serde_json::to_vec(&head).ok()?;
+        // A child that died does not read; its end says why.
+        let parts: [&[u8]; 4] = [&line, b"\n", &bytes, &earlier];
+        parts.iter().try_for_each(|p| stdin.write_all(p)).and_then(|()| stdin.flush()).ok()?;
+        Some(stdin)
+    });
+    let (send, frames) = mpsc::sync_channel(16);
+    let reader = thread::spawn(move || {
+        let mut from = BufReader::new(stdout?);
+        while let Ok(Some(frame)) = read_frame(&mut from) {
+            send.send(frame).ok()?;
+        }
+        Some(())
+    });
+    let words = thread::spawn(move || stderr.map_or_else(Vec::new, last_words));
+    let outcome = attend(&frames, tell, cancel);
+    drop(frames);
+    // It has answered, or ended, or talks nonsense, or nobody wants an answer any more. One that ended keeps its
+    // own exit status.
+    let _ = child.kill();
+    let status = child.wait();
+    let _ = (writer.join(), reader.join());
+    let words = words.join().unwrap_or_default();
+    match outcome? {
+        Some(output) => Ok(output),
+        None => Err(end_of(&name, limits, status, &String::from_utf8_lossy(&words))),
+    }
+}
+
+fn start(limits: &Limits, drawing: &Path, name: &str) -> Result<Child, Error> {
+    let mut command = Command::new(&limits.program);
+    command.args(&limits.args).arg(drawing);
+    // The reason is in the first line, which a backtrace would push out of what is kept.
+    command.env("RUST_BACKTRACE", "0");
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.spawn().map_err(|e| {
+        let text = format!("the job's process could not be started: {e}");
+        Error::environment("job-start", Place::file(name), text)
+    })
+}
+
+impl Request {
+    fn of(limits: &Limits, request: &JobRequest) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            sha256: request.sha256.clone(),
+            round: request.round,
+            objective: request.objective.clone(),
+            options: limits.options.clone(),
+            memory_bytes: limits.memory_bytes,
+            cpu_secs: limits.cpu_secs,
+            bytes: request.bytes.len() as u64,
+            earlier: request.earlier.len() as u64,
+        }
+    }
+}
+
+type Parcel = (Frame, Vec<Vec<u8>>);
+
+/// Hands on what the child tells, until it has answered (`Some`), has ended without (`None`), or is to stop.
+fn attend(
+    frames: &mpsc::Receiver<Parcel>,
+    tell: &mut dyn FnMut(JobEvent),
+    cancel: &Cancel,
+) -> Result<Option<JobOutput>, Error> {
+    loop {
+        cancel.check()?;
+        let (frame, mut parts) = match frames.recv_timeout(LOOK) {
+            Ok(parcel) => parcel,
+            Err(RecvTimeoutError::Timeout) => continue,
+            Err(RecvTimeoutError::Disconnected) => return Ok(None),
+        };
+        match frame {
+            Frame::Progress { value } => tell(JobEvent::Progress(value)),
+            Frame::Analysis { files } => tell(JobEvent::Analysis(out_files(files, parts))),
+            Frame::SoFar { files, progress } => {
+                tell(JobEvent::SoFar { files: out_files(files, parts), progress })
+            }
+            Frame::Keep { is_anew, .. } => {
+                tell(JobEvent::Keep { bytes: parts.pop().unwrap_or_default(), is_anew })
+            }
+            Frame::Done { files, is_degraded, summary } => {
+                return Ok(Some(JobOutput { files: out_files(files, parts), is_degraded, summary }));
+            }
+            Frame::Failed { exit_code, problem } => return Err(error_of(exit_code, problem)),
+        }
+    }
+}
+
+fn out_files(names: Vec<(PathBuf, u64)>, parts: Vec<Vec<u8>>) -> Vec<OutFile> {
+    names.into_iter().zip(parts).map(|((path, _), bytes)| OutFile { path, bytes }).collect()
+}
+
+impl Frame {
+    /// Lengths of the byte strings that follow.
+    fn lengths(&self) -> Vec<u64> {
+        match self {
+            Self::Analysis { files } | Self::SoFar { files, .. } | Self::Done { files, .. } => {
+                files.iter().map(|f| f.1).collect()
+            }
+            Self::Keep { bytes, .. } => vec![*bytes],
+            Self::Progress { .. } | Self::Failed { .. } => Vec::new(),
+        }
+    }
+}
+
+/// The next frame; `None` at the end of all.
+fn read_frame(from: &mut impl BufRead) -> io::Result<Option<Parcel>> {
+    let mut line = Vec::new();
+    if from.by_ref().take(LINE_BYTES_MAX).read_until(b'\n', &mut line)? == 0 {
+        return Ok(None);
+    }
+    let frame: Frame = serde_json::from_slice(&line)?;
+    let lengths = frame.lengths();
+    if lengths.iter().fold(0, |a: u64, b| a.saturating_add(*b)) > FRAME_BYTES_MAX {
+        return Err(io::ErrorKind::FileTooLarge.into());
+    }
+    let parts = lengths.into_iter().map(|n| read_exactly(from, n)).collect::<io::Result<_>>()?;
+    Ok(Some((frame, parts)))
+}
+
+fn read_exactly(from: &mut impl Read, length: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let read = from.take(length).read_to_end(&mut bytes)? as u64;
+    if read < length { Err(io::ErrorKind::UnexpectedEof.into()) } else { Ok(bytes) }
+}
+
+fn last_words(mut from: impl Read) -> Vec<u8> {
+    let (mut kept, mut buffer) = (Vec::new(), [0u8; 4096]);
+    while let Ok(n @ 1..) = from.read(&mut buffer) {
+        kept.extend_from_slice(&buffer[..n]);
+        kept.drain(..kept.len().saturating_sub(WORDS_BYTES_MAX));
+    }
+    kept
+}
+
+/// Why a process ended without an answer.
+fn end_of(name: &str, limits: &Limits, status: io::Result<ExitStatus>, words: &str) -> Error {
+    let last = words.lines().rev().find(|l| !l.trim().is_empty()).unwrap_or("without a word").trim();
+    if status.as_ref().ok().and_then(ExitStatus::code) == Some(i32::from(Error::Stopped.exit_code())) {
+        return Error::Stopped;
+    }
+    let how = status.map_or_else(|e| e.to_string(), |s| s.to_string());
+    let (code, text) = if words.contains("memory allocation of") {
+        let limit = limits.memory_bytes.map_or("what there is".into(), |b| format!("{} MB", b >> 20));
+        ("job-out-of-memory", format!("the job needs more memory than {limit} (job-memory-mb) and was ended"))
+    } else if is_out_of_time(&how) {
+        let limit = limits.cpu_secs.unwrap_or_default();
+        ("job-too-long", format!("the job needs more than {limit} s of processor time and was ended"))
+    } else if let Some(panic) = words.lines().position(|l| l.contains("panicked at")) {
+        let said: Vec<&str> = words.lines().skip(panic + 1).take(1).collect();
+        let text = "this is an error of the program, please report it with the drawing";
+        ("job-panicked", format!("{text}: {}", said.concat()))
+    } else {
+        let text = format!("the job's process ended ({how}): {last}; please report it with the drawing");
+        ("job-died", text)
+    };
+    Error::input(code, Place::file(name), format!("{text}; the next drawing is taken up"))
+}
+
+/// Whether a process ended by SIGXCPU, in the words of the standard library.
+fn is_out_of_time(how: &str) -> bool {
+    how.contains("SIGXCPU")
+}
+
+/// An [`Error`] by its exit code, the one number that both ends know it by.
+fn error_of(exit_code: u8, problem: Option<Told>) -> Error {
+    let Some(told) = problem else { return Error::Stopped };
+    let place = Place { file: told.file, line: told.line, entity: told.entity };
+    let problem = Problem { code: known(told.code), severity: Severity::Error, place, text: told.text };
+    match exit_code {
+        2 => Error::Input(problem),
+        3 => Error::Usage(problem),
+        _ => Error::Environment(problem),
+    }
+}
+
+/// A problem's code for as long as the process lives; each is kept once, and there are as many as the program has.
+fn known(code: String) -> &'static str {
+    static CODES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let mut codes = CODES.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = codes.get(code.as_str()) {
+        return known;
+    }
+    let kept: &'static str = Box::leak(code.into_boxed_str());
+    codes.insert(kept);
+    kept
+}
+
+/// The child's part: reads the request from standard input, does the job under its limits, answers on standard
+/// output. `prepare` makes the job of the request's options.
+///
+/// # Errors
+/// [`Error::Usage`] for a request that is none or of another version; else what is answered is no error here.
+pub fn serve(drawing: &Path, prepare: impl FnOnce(Value) -> Result<Arc<RunJob>, Error>) -> Result<(), Error> {
+    let mut from = BufReader::new(io::stdin());
+    let (head, request) = read_request(&mut from, drawing).map_err(|e| {
+        Error::usage(
+            "job-request",
+            Place::default(),
+            format!("no request of a daemon: {e}; nothing was done"),
+        )
+    })?;
+    if head.version != env!("CARGO_PKG_VERSION") {
+        let text = "the program was replaced while the daemon runs; start the daemon again";
+        return answer(&Err(Error::environment("job-version", Place::default(), text)));
+    }
+    limit(&head);
+    thread::spawn(move || {
+        let _ = io::copy(&mut from, &mut io::sink());
+        std::process::exit(i32::from(Error::Stopped.exit_code()));
+    });
+    let mut tell = |event: JobEvent| {
+        let _ = match event {
+            JobEvent::Progress(value) => send(&Frame::Progress { value }, &[]),
+            JobEvent::Analysis(files) => send(&Frame::Analysis { files: names(&files) }, &parts(&files)),
+            JobEvent::SoFar { files, progress } => {
+                send(&Frame::SoFar { files: names(&files), progress }, &parts(&files))
+            }
+            JobEvent::Keep { bytes, is_anew } => {
+                send(&Frame::Keep { is_anew, bytes: bytes.len() as u64 }, &[&bytes])
+            }
+        };
+    };
+    answer(&prepare(head.options).and_then(|job| job(&request, &mut tell, &Cancel::default())))
+}
+
+fn read_request(from: &mut impl BufRead, drawing: &Path) -> io::Result<(Request, JobRequest)> {
+    let mut line = Vec::new();
+    from.by_ref().take(LINE_BYTES_MAX).read_until(b'\n', &mut line)?;
+    let head: Request = serde_json::from_slice(&line)?;
+    let bytes = read_exactly(from, head.bytes)?;
+    let earlier = read_exactly(from, head.earlier)?;
+    let request = JobRequest {
+        drawing: drawing.into(),
+        bytes: Arc::new(bytes),
+        sha256: head.sha256.clone(),
+        round: head.round,
+        objective: head.objective.clone(),
+        earlier: Arc::new(earlier),
+    };
+    Ok((head, request))
+}
+
+fn answer(outcome: &Result<JobOutput, Error>) -> Result<(), Error> {
+    let sent = match outcome {
+        Ok(JobOutput { files, is_degraded, summary }) => {
+            let (is_degraded, summary) = (*is_degraded, summary.clone());
+            send(&Frame::Done { files: names(files), is_degraded, summary }, &parts(files))
+        }
+        Err(error) => {
+            let problem = error.problem().map(|p| Told {
+                code: p.code.into(),
+                file: p.place.file.clone(),
+                line: p.place.line,
+                entity: p.place.entity.clone(),
+                text: p.text.clone(),
+            });
+            send(&Frame::Failed { exit_code: error.exit_code(), problem }, &[])
+        }
+    };
+    sent.map_err(|e| Error::environment("job-answer", Place::default(), e.to_string()))
+}
+
+fn names(files: &[OutFile]) -> Vec<(PathBuf, u64)> {
+    files.iter().map(|f| (f.path.clone(), f.bytes.len() as u64)).collect()
+}
+
+fn parts(files: &[OutFile]) -> Vec<&[u8]> {
+    files.iter().map(|f| f.bytes.as_slice()).collect()
+}
+
+fn send(frame: &Frame, parts: &[&[u8]]) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    serde_json::to_writer(&mut out, frame)?;
+    out.write_all(b"\n")?;
+    parts.iter().try_for_each(|p| out.write_all(p))?;
+    out.flush()
+}
+
+/// The system holds the job to its limits. Where it cannot be told to, the daemon's clock remains.
+#[cfg(unix)]
+fn limit(head: &Request) {
+    use rustix::process::{Resource, Rlimit, setrlimit};
+    // Address space would count what graphics drivers reserve and never use.
+    let memory = if cfg!(target_os = "linux") { Resource::Data } else { Resource::As };
+    let limits = [(memory, head.memory_bytes), (Resource::Cpu, head.cpu_secs), (Resource::Core, Some(0))];
+    for (what, most) in limits {
+        if most.is_some() {
+            let _ = setrlimit(what, Rlimit { current: most, maximum: most });
+        }
+    }
+}
+
+#[cfg(not(unix))]
+fn limit(_: &Request) {}
+
+#[cfg(unix)]
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Instant;
+
+    fn shell(script: &str) -> Limits {
+        let args = ["-c", script, "job"].map(OsString::from).to_vec();
+        let memory_bytes = Some(64 << 20);
+        Limits { program: "/bin/sh".into(), args, options: Value::Null, memory_bytes, cpu_secs: Some(7) }
+    }
+
+    fn request() -> JobRequest {
+        JobRequest {
+            drawing: "/plans/-plan.dxf".into(),
+            bytes: Arc::new(vec![7; 100_000]),
+            sha256: "ab".into(),
+            round: 3,
+            objective: None,
+            earlier: Arc::new(b"earlier".to_vec()),
+        }
+    }
+
+    fn end(script: &str) -> (&'static str, String) {
+        let error = run(&shell(script), &request(), &mut |_| {}, &Cancel::default()).unwrap_err();
+        let problem = error.problem().unwrap();
+        (problem.code, problem.text.clone())
+    }
+
+    #[test]
+    fn what_a_child_tells_arrives_whole() {
+        let script = r#"echo '{"kind":"progress","value":{"done":1}}'
+            printf '{"kind":"analysis","files":[["a.png",3],["b.png",0]]}\nabc'
+            printf '{"kind":"keep","is_anew":true,"bytes":2}\nxy'
+            printf '{"kind":"done","files":[["c.dxf",4]],"is_degraded":true,"summary":"one"}\n'; echo EOF; exec sleep 60"#;
+        let mut told = Vec::new();
+        let output = run(&shell(script), &request(), &mut |e| told.push(e), &Cancel::default()).unwrap();
+        assert_eq!(output.files, [OutFile::new("c.dxf", "EOF\n")]);
+        assert_eq!((output.is_degraded, output.summary.as_str()), (true, "one"));
+        let JobEvent::Progress(value) = &told[0] else { panic!("{told:?}") };
+        assert_eq!(value["done"], 1);
+        let JobEvent::Analysis(files) = &told[1] else { panic!("{told:?}") };
+        assert_eq!(files, &[OutFile::new("a.png", "abc"), OutFile::new("b.png", "")]);
+        assert!(matches!(&told[2], JobEvent::Keep { bytes, is_anew: true } if bytes == b"xy"));
+    }
+
+    /// The request as the child reads it is the request as it was made.
+    #[test]
+    fn a_request_survives_its_way() {
+        let head = Request::of(&shell(""), &request());
+        let mut bytes = serde_json::to_vec(&head).unwrap();
+        bytes.push(b'\n');
+        bytes.extend(request().bytes.iter().chain(request().earlier.iter()));
+        let (head, back) = read_request(&mut &bytes[..], Path::new("/plans/-plan.dxf")).unwrap();
+        assert_eq!((head.memory_bytes, head.cpu_secs), (Some(64 << 20), Some(7)));
+        assert_eq!((back.bytes, back.earlier, back.round), (request().bytes, request().earlier, 3));
+        bytes.pop();
+        assert!(read_request(&mut &bytes[..], Path::new("x")).is_err(), "a request cut short is none");
+    }
+
+    /// Hazard 23: however a process ends, the reason is told.
+    #[test]
+    fn every_end_has_its_reason() {
+        for (script, code, word) in [
+            ("echo 'memory allocation of 9 bytes failed' >&2; kill -ABRT $$", "job-out-of-memory", "64 MB"),
+            ("kill -XCPU $$", "job-too-long", "7 s"),
+            ("printf \"thread 'x' panicked at a.rs:1:\\nwall 7\\n\" >&2; exit 101", "job-panicked", "wall 7"),
+            ("echo tired >&2; kill -SEGV $$", "job-died", "tired"),
+            ("exit 0", "job-died", "without a word"),
+            ("echo 'no frame'; exit 1", "job-died", "exit status: 1"),
+        ] {
+            let (found, text) = end(script);
+            assert_eq!(found, code, "{script}: {text}");
+            assert!(text.contains(word), "{script}: {text}");
+        }
+        let failed = r#"echo '{"kind":"failed","exit_code":2,"problem":{"code":"dxf-x","file":"p.dxf","line":5,"entity":"","text":"bad"}}'"#;
+        let error = run(&shell(failed), &request(), &mut |_| {}, &Cancel::default()).unwrap_err();
+        assert_eq!((error.exit_code(), error.to_string().as_str()), (2, "p.dxf:5: bad"));
+        let lost = Limits { program: "/no/such/program".into(), ..shell("") };
+        let error = run(&lost, &request(), &mut |_| {}, &Cancel::default()).unwrap_err();
+        assert_eq!(error.exit_code(), 4);
+    }
+
+    /// A child that hears nothing is ended, and everything that waits for it goes on.
+    #[test]
+    fn a_deaf_child_is_killed_by_a_stop() {
+        let cancel = Cancel::default();
+        let (stop, began) = (cancel.clone(), Instant::now());
+        let script = r#"echo '{"kind":"progress","value":1}'; exec sleep 600"#;
+        let outcome = run(&shell(script), &request(), &mut |_| stop.stop(), &cancel);
+        assert!(matches!(outcome, Err(Error::Stopped)));
+        assert!(began.elapsed() < Duration::from_secs(300), "the sleeper was waited for");
+    }
+}

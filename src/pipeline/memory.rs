@@ -1,0 +1,234 @@
+//! What a search remembers of itself, so that a job that was killed goes on where it was.
+//!
+//! The search asks the same again for the same study, so it is enough to keep what its vectors were worth, in
+//! order: told again instead of measured again, they lead to the same state and the same bytes. A row that does
+//! not belong to the vector asked for ends the remembering; the first batch is always measured and compared, so
+//! that what another build of the program measured differently is not believed.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use sha2::{Digest, Sha256};
+
+use super::Input;
+use super::round::BATCH;
+use crate::config::Settings;
+use crate::search::Evaluation;
+
+/// What a remembered search starts with; followed by its key.
+const HEAD: &[u8] = b"enfilade.search/1\n";
+/// What was measured is kept this often; a kill costs no more than that.
+const KEEP_EVERY: Duration = Duration::from_millis(200);
+/// Bytes of a row's check.
+const CHECK_BYTES: usize = 8;
+
+/// Bytes to keep until the job is done.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Keep {
+    /// Whether they replace what was kept; else they follow it.
+    pub is_anew: bool,
+    /// The bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// See the module.
+pub(super) struct Memory {
+    key: [u8; 32],
+    /// Values of an evaluation, without its violation.
+    values: usize,
+    /// Remembered from an earlier start, in order.
+    rows: VecDeque<Vec<u8>>,
+    is_first: bool,
+    /// Measured or told again since what was last kept.
+    fresh: Vec<u8>,
+    kept: Option<Instant>,
+    is_off: bool,
+}
+
+impl Memory {
+    /// What `input.earlier` says of the same study, with that many objectives. A budget of seconds depends on the
+    /// machine and its pace, so nothing is remembered then.
+    pub(super) fn new(input: &Input<'_>, settings: &Settings, values: usize) -> Self {
+        let key = key(input, settings);
+        let row = CHECK_BYTES + 8 * (values + 1);
+        let rows = input.earlier.strip_prefix(HEAD).and_then(|b| b.strip_prefix(&key[..]));
+        let rows = rows.map_or_else(VecDeque::new, |b| b.chunks_exact(row).map(<[u8]>::to_vec).collect());
+        let is_off = settings.seconds.is_some();
+        Self { key, values, rows, is_first: true, fresh: Vec::new(), kept: None, is_off }
+    }
+
+    /// What these vectors are worth, where that is remembered of all of them.
+    pub(super) fn recall(&mut self, asked: &[Vec<f64>]) -> Option<Vec<Evaluation>> {
+        if self.is_first || self.is_off || self.rows.is_empty() {
+            return None;
+        }
+        let known = asked.iter().zip(&self.rows).map(|(p, row)| self.read(p, row));
+        let known: Option<Vec<Evaluation>> =
+            if asked.len() > self.rows.len() { None } else { known.collect() };
+        if known.is_none() {
+            self.rows.clear();
+            return None;
+        }
+        for row in self.rows.drain(..asked.len()) {
+            self.fresh.extend(row);
+        }
+        known
+    }
+
+    /// Takes in what vectors were found to be worth.
+    pub(super) fn learn(&mut self, asked: &[Vec<f64>], told: &[Evaluation]) {
+        if self.is_off {
+            return;
+        }
+        let rows: Vec<Vec<u8>> = asked.iter().zip(told).map(|(p, e)| self.row(p, e)).collect();
+        if std::mem::take(&mut self.is_first) {
+            let is_same = self.rows.len() >= rows.len() && self.rows.iter().zip(&rows).all(|(a, b)| a == b);
+            self.rows.drain(..if is_same { rows.len() } else { self.rows.len() });
+        }
+        self.fresh.extend(rows.into_iter().flatten());
+    }
+
+    /// What is to be kept now, if anything: not while old rows are told again, which are kept already.
+    pub(super) fn keep(&mut self) -> Option<Keep> {
+        let is_soon = self.kept.is_some_and(|t| t.elapsed() < KEEP_EVERY);
+        if self.is_off || is_soon || !self.rows.is_empty() || self.fresh.is_empty() {
+            return None;
+        }
+        let is_anew = self.kept.replace(Instant::now()).is_none();
+        let mut bytes = if is_anew { [HEAD, &self.key].concat() } else { Vec::new() };
+        bytes.append(&mut self.fresh);
+        Some(Keep { is_anew, bytes })
+    }
+
+    fn row(&self, at: &[f64], told: &Evaluation) -> Vec<u8> {
+        let mut bytes: Vec<u8> = told.values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        bytes.extend(told.violation.to_le_bytes());
+        let mut out = check(&self.key, at, &bytes).to_vec();
+        out.extend(bytes);
+        out
+    }
+
+    fn read(&self, at: &[f64], row: &[u8]) -> Option<Evaluation> {
+        let (mark, bytes) = row.split_at_checked(CHECK_BYTES)?;
+        let numbers = bytes.chunks_exact(8).filter_map(|b| b.try_into().ok().map(f64::from_le_bytes));
+        let mut values: Vec<f64> = numbers.collect();
+        let violation = values.pop()?;
+        let fits = values.len() == self.values && *mark == check(&self.key, at, bytes);
+        fits.then_some(Evaluation { values, violation, at: None })
+    }
+}
+
+/// What a row's check is made of: study, vector and worth, bit for bit.
+fn check(key: &[u8; 32], at: &[f64], worth: &[u8]) -> [u8; CHECK_BYTES] {
+    let mut hash = Sha256::new();
+    hash.update(key);
+    at.iter().for_each(|v| hash.update(v.to_le_bytes()));
+    hash.update(worth);
+    let digest: [u8; 32] = hash.finalize().into();
+    std::array::from_fn(|i| digest[i])
+}
+
+/// Everything that decides what a search asks and is told.
+fn key(input: &Input<'_>, settings: &Settings) -> [u8; 32] {
+    let mut hash = Sha256::new();
+    let text = serde_json::to_string(settings).unwrap_or_default();
+    for part in [env!("CARGO_PKG_VERSION"), input.file(), &input.sha256, &text, &BATCH.to_string()] {
+        hash.update(part);
+        hash.update([0]);
+    }
+    if let Some(twin) = &settings.twin {
+        hash.update(twin);
+    }
+    hash.finalize().into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Partial;
+
+    fn settings() -> Settings {
+        Settings::new(Partial::default()).unwrap()
+    }
+
+    fn told(values: [f64; 2], violation: f64) -> Evaluation {
+        Evaluation { values: values.into(), violation, at: None }
+    }
+
+    fn batches() -> Vec<(Vec<Vec<f64>>, Vec<Evaluation>)> {
+        let first = (vec![vec![0.0, 0.5]], vec![told([1.0, f64::NAN], 0.0)]);
+        let more = (1..6).map(f64::from).map(|i| {
+            let asked = vec![vec![i, -0.0], vec![0.1 * i, 0.5]];
+            (asked, vec![told([i, 1.0 / i], 0.0), told([0.2, 0.3], 0.1 * i)])
+        });
+        std::iter::once(first).chain(more).collect()
+    }
+
+    fn bits(e: &[Evaluation]) -> Vec<u64> {
+        e.iter().flat_map(|e| e.values.iter().chain([&e.violation])).map(|v| v.to_bits()).collect()
+    }
+
+    /// All that a search over these batches would have kept.
+    fn kept(settings: &Settings) -> Vec<u8> {
+        let input = Input::new("plan.dxf", b"bytes", 1);
+        let mut memory = Memory::new(&input, settings, 2);
+        batches().iter().for_each(|(asked, told)| memory.learn(asked, told));
+        memory.keep().map_or(Vec::new(), |k| k.bytes)
+    }
+
+    /// How many batches are told again from these bytes, and what is kept of the search then.
+    fn replay(earlier: &[u8], bytes: &[u8], settings: &Settings) -> (usize, Vec<u8>) {
+        let input = Input { earlier, ..Input::new("plan.dxf", bytes, 1) };
+        let mut memory = Memory::new(&input, settings, 2);
+        let mut recalled = 0;
+        for (asked, told) in batches() {
+            match memory.recall(&asked) {
+                Some(found) => {
+                    assert_eq!(bits(&found), bits(&told));
+                    recalled += 1;
+                }
+                None => memory.learn(&asked, &told),
+            }
+        }
+        (recalled, memory.keep().unwrap().bytes)
+    }
+
+    /// Cut at every byte: whole batches are told again, the rest is measured, and the same is kept as before.
+    #[test]
+    fn what_was_measured_before_a_kill_is_told_again() {
+        let settings = settings();
+        let whole = kept(&settings);
+        let mut seen = Vec::new();
+        for cut in 0..=whole.len() {
+            let (recalled, again) = replay(&whole[..cut], b"bytes", &settings);
+            assert_eq!(again, whole, "cut at {cut}");
+            seen.push(recalled);
+        }
+        assert!(seen.is_sorted());
+        assert_eq!((seen[0], *seen.last().unwrap()), (0, batches().len() - 1));
+    }
+
+    /// Another drawing, other settings, a flipped bit, or other measures at the start: nothing of it is believed.
+    #[test]
+    fn what_does_not_belong_is_measured() {
+        let settings = settings();
+        let whole = kept(&settings);
+        assert_eq!(replay(&whole, b"other", &settings).0, 0);
+        assert_eq!(replay(&whole, b"bytes", &Settings { seed: 9, ..settings.clone() }).0, 0);
+        let threads = Settings { threads: Some(3), ..settings.clone() };
+        assert_eq!(replay(&whole, b"bytes", &threads).0, batches().len() - 1);
+        for at in [HEAD.len() + 32, HEAD.len() + 32 + 32 * 2 + 3] {
+            let mut torn = whole.clone();
+            torn[at] ^= 1;
+            let (recalled, again) = replay(&torn, b"bytes", &settings);
+            assert!(recalled < batches().len() - 1);
+            assert_eq!(again, whole);
+        }
+    }
+
+    #[test]
+    fn a_budget_of_seconds_is_not_remembered() {
+        let settings = Settings { seconds: Some(5.0), ..settings() };
+        assert!(kept(&settings).is_empty());
+    }
+}

@@ -1,0 +1,153 @@
+//! The program itself, killed while it searches: it goes on where it was, and what comes out is what would have
+//! come out undisturbed, byte for byte. And a job that wants more than it may have is ended alone.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rand::{RngExt, SeedableRng};
+use serde_json::Value;
+
+/// How often the daemon is killed; more by `ENFILADE_KILLS`.
+const KILLS: usize = 8;
+const PATIENCE: Duration = Duration::from_secs(300);
+
+fn sample() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("samples/gallery.dxf")
+}
+
+fn watch(root: &Path, more: &[&str]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_enfilade"))
+        .args(["watch", "--backend", "cpu", "--evaluations", "400"])
+        .args(more)
+        .arg(root)
+        .env("HOME", root)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+fn kill(mut child: Child) {
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+fn until(what: &str, is_so: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !is_so() {
+        assert!(start.elapsed() < PATIENCE, "never: {what}");
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn status(home: &Path) -> Value {
+    fs::read(home.join("status.json")).ok().and_then(|b| serde_json::from_slice(&b).ok()).unwrap_or_default()
+}
+
+/// The files of the first round with their bytes; the time taken is left out, as it is in digests of jobs.
+fn round(home: &Path) -> BTreeMap<String, Vec<u8>> {
+    let files = fs::read_dir(home.join("round-01")).unwrap().map(|e| e.unwrap().path());
+    let read = |path: PathBuf| {
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        let mut bytes = fs::read(&path).unwrap();
+        if name == "result.json" {
+            let mut value: Value = serde_json::from_slice(&bytes).unwrap();
+            value["seconds"] = Value::Null;
+            value["input"]["path"] = Value::Null;
+            bytes = value.to_string().into_bytes();
+        }
+        (name, bytes)
+    };
+    files.map(read).collect()
+}
+
+fn folder() -> (tempfile::TempDir, PathBuf) {
+    let dir = tempfile::tempdir().unwrap();
+    let root = fs::canonicalize(dir.path()).unwrap();
+    fs::copy(sample(), root.join("gallery.dxf")).unwrap();
+    (dir, root)
+}
+
+/// Hazard 22.
+#[test]
+fn a_killed_search_goes_on_and_ends_in_the_same_bytes() {
+    let kills = std::env::var("ENFILADE_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(KILLS);
+    let (_one, calm) = folder();
+    let child = watch(&calm, &[]);
+    let calm = calm.join("gallery.enfilade");
+    until("the undisturbed round", || calm.join("round-01").exists());
+    kill(child);
+
+    let (_two, root) = folder();
+    let home = root.join("gallery.enfilade");
+    let remembered = || fs::metadata(home.join(".search")).map_or(0, |m| m.len());
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(22);
+    let (mut known, mut killed) = (0, 0);
+    while killed < kills && !home.join("round-01").exists() {
+        let child = watch(&root, &[]);
+        // At any instant: of the start, of what is told again, and while new layouts are measured.
+        if rng.random_range(0..3) > 0 {
+            until("news of the search", || remembered() > known || home.join("round-01").exists());
+        }
+        thread::sleep(Duration::from_millis(rng.random_range(0..250)));
+        kill(child);
+        killed += 1;
+        let now = remembered();
+        assert!(now >= known || home.join("round-01").exists(), "{now} bytes known after {known}");
+        known = now.max(known);
+    }
+    assert!(killed > 1, "the job was done before it could be disturbed");
+    let child = watch(&root, &[]);
+    until("the round after all kills", || home.join("round-01").exists());
+    kill(child);
+    println!("killed {killed} times, {known} bytes remembered");
+    let (want, got) = (round(&calm), round(&home));
+    assert_eq!(want.keys().collect::<Vec<_>>(), got.keys().collect::<Vec<_>>());
+    for (name, bytes) in &want {
+        assert!(*bytes == got[name], "{name} differs after {killed} kills");
+    }
+    assert!(!home.join("round-02").exists());
+}
+
+/// Drawings worked on by one daemon under the limits of `[watch]`, until all have ended: their states.
+fn under_limits(root: &Path, limits: &str, names: &[&str]) -> Vec<Value> {
+    fs::write(root.join("enfilade.toml"), format!("[watch]\n{limits}\n")).unwrap();
+    let child = Command::new(env!("CARGO_BIN_EXE_enfilade"))
+        .args(["watch", "--backend", "cpu", "--threads", "2"])
+        .arg(root)
+        .env("HOME", root)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let of = |name: &str| status(&root.join(format!("{name}.enfilade")));
+    let has_ended = |name: &&str| matches!(of(name)["state"].as_str(), Some("done" | "failed"));
+    until(limits, || names.iter().all(has_ended));
+    kill(child);
+    names.iter().map(|n| of(n)).collect()
+}
+
+/// Hazard 23: what asks for more memory or time than it may have is ended with its reason; the next is done.
+#[test]
+fn a_job_over_its_limits_is_ended_alone() {
+    let (_one, root) = folder();
+    let line = |i: usize| format!("0\nLINE\n8\nWALL\n10\n{i}\n20\n0\n11\n{i}\n21\n{}\n", 10 + i % 7);
+    let lines: String = (0..400_000).map(line).collect();
+    let huge = format!("0\nSECTION\n2\nENTITIES\n{lines}0\nENDSEC\n0\nEOF\n");
+    fs::write(root.join("a-huge.dxf"), huge).unwrap();
+    fs::write(root.join("gallery.enfilade.toml"), "evaluations = 60\n").unwrap();
+    let ends = under_limits(&root, "job-memory-mb = 192", &["a-huge", "gallery"]);
+    assert_eq!(ends[0]["problems"][0]["code"], "job-out-of-memory", "{}", ends[0]);
+    assert_eq!(ends[1]["state"], "done", "{}", ends[1]);
+
+    let (_two, root) = folder();
+    fs::write(root.join("gallery.enfilade.toml"), "evaluations = 100000000\n").unwrap();
+    let ends = under_limits(&root, "job-limit-secs = 3.0", &["gallery"]);
+    assert_eq!(ends[0]["problems"][0]["code"], "job-too-long", "{}", ends[0]);
+}
