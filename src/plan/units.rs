@@ -141,6 +141,10 @@ const THIN_M: f64 = 0.03;
 /// The thickness that walls drawn at another scale are taken to have.
 const USUAL_WALL_M: f64 = 0.15;
 
+/// Faces in pairs, and their share of all length, by which even a small drawing shows how thick its walls are.
+const PAIRS_FEW: usize = 4;
+const PAIRS_FEW_SHARE: f64 = 0.6;
+
 /// Metres of the plan in one metre of a person, for plans drawn at an unknown scale (illustrations): decided by
 /// the thickness of the walls where they are drawn with one, else by the plan's size ([`human_scale`]).
 pub fn person_scale(drawing: &Drawing, walls: &[&Entity], extent_units: f64, unit: Unit) -> f64 {
@@ -149,7 +153,9 @@ pub fn person_scale(drawing: &Drawing, walls: &[&Entity], extent_units: f64, uni
         return 1.0;
     }
     let seen = Witnesses::new(drawing, walls, extent_units);
-    let thickness_m = seen.walls(unit).and_then(|_| seen.middle_thickness()).map(|t| t * unit.metres);
+    let is_thick = seen.thicknesses.len() >= PAIRS_FEW && seen.paired_share >= PAIRS_FEW_SHARE;
+    let has_thickness = is_thick || seen.walls(unit).is_some();
+    let thickness_m = seen.middle_thickness().filter(|_| has_thickness).map(|t| t * unit.metres);
     match thickness_m {
         Some(t) if is_in(t, THICK_M) => 1.0,
         Some(t) if t > 0.0 && t < THIN_M && size_m >= SMALL_PLAN_M => two_digits(t / USUAL_WALL_M),
