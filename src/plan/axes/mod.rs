@@ -24,6 +24,7 @@ mod near;
 mod openings;
 mod rows;
 mod runs;
+mod shell;
 mod solids;
 mod spans;
 mod strips;
