@@ -251,3 +251,21 @@ fn slips_of_the_hand_change_no_wall() {
     let said = &slips.statements[slips.statements.len() - 1];
     assert_eq!(said, "1 wall pieces left out: 1 (it has no length)");
 }
+
+/// A piece of wall forgotten far off is no part of the plan, whatever else is drawn between.
+#[test]
+fn pieces_forgotten_on_the_sheet_are_left_out() {
+    let mut lines: Vec<(&str, [f64; 4])> = Vec::new();
+    for (i, j) in (0..6).flat_map(|i| (0..5).map(move |j| (f64::from(i) * 4.0, f64::from(j) * 4.0))) {
+        let sides = [[0.0, 0.0, 4.0, 0.0], [4.0, 0.0, 4.0, 4.0], [4.0, 4.0, 0.0, 4.0], [0.0, 4.0, 0.0, 0.0]];
+        lines.extend(sides.map(|[x0, y0, x1, y1]| ("WALL", [x0 + i, y0 + j, x1 + i, y1 + j])));
+    }
+    let between = (0..30).map(|k| ("PATH", [24.0 + 1.5 * f64::from(k), 0.0, 25.5 + 1.5 * f64::from(k), 0.0]));
+    lines.extend(between);
+    lines.push(("WALL", [69.0, 0.0, 69.5, 0.2]));
+    let (plan, problems) = plain(&drawing(METRES, "", &lines));
+    assert_eq!(plan.unwrap().walls.len(), 120);
+    let said = "stray-walls Info plan.dxf: 1 wall elements lie far from the plan and are left out; --view all takes \
+                them in";
+    assert!(problems.contains(&said.to_string()), "{problems:?}");
+}

@@ -30,10 +30,8 @@ pub const WALL_THICKNESS_MAX_M: f64 = 0.6;
 const INSIDE_MARGIN_M: f64 = 0.3;
 /// A free-standing element is at most this share of the building's longer side.
 const ELEMENT_SHARE_MAX: f64 = 0.5;
-/// What is no larger and no more than [`POST_ASPECT_MAX`] times as long as wide is a post: it carries.
+/// What is no larger is a post, or a pair of them: it carries.
 const POST_MAX_M: f64 = 0.6;
-/// See [`POST_MAX_M`].
-const POST_ASPECT_MAX: f64 = 2.0;
 /// Directions whose cosine is smaller cross at right angles.
 const CROSSING_COS: f64 = 0.02;
 /// What must remain of a wall beside a sliding door.
@@ -287,7 +285,7 @@ fn elements(
         if encloses || is_held || !is_inside || size.max_element() > ELEMENT_SHARE_MAX * longest {
             continue;
         }
-        if size.max_element() <= POST_MAX_M.min(POST_ASPECT_MAX * size.min_element()) {
+        if size.max_element() <= POST_MAX_M {
             posts += 1;
             continue;
         }

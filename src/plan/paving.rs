@@ -45,7 +45,10 @@ pub(super) fn find(lines: &[Straight]) -> Vec<usize> {
         }
         for (own, grid) in sides.iter().zip(&grids) {
             grid.iter().for_each(|s| is_grid[own[*s].index] = true);
-            cut_cells(own, grid).into_iter().for_each(|i| is_grid[i] = true);
+        }
+        let lattices = [0, 1].map(|k| Lattice::of(&sides[k], &grids[k]));
+        if let [Some(x), Some(y)] = lattices {
+            cut_cells(&sides, &[x, y]).into_iter().for_each(|i| is_grid[i] = true);
         }
     }
     (0..lines.len()).filter(|i| is_grid[*i]).collect()
@@ -136,21 +139,49 @@ fn join(root: &mut [usize], a: usize, b: usize) {
     root[a.max(b)] = a.min(b);
 }
 
-/// Shorter lines on the lines of a grid, between its cells: cells cut at an edge, and joints.
-fn cut_cells(sides: &[Side], grid: &[usize]) -> Vec<usize> {
-    let step = |v: f64| (v / ON_LINE_M).round() as i64;
-    let mut lines: BTreeMap<i64, [f64; 2]> = BTreeMap::new();
-    for s in grid.iter().map(|i| &sides[*i]) {
-        let span = lines.entry(step(s.offset)).or_insert([s.from, s.from]);
-        *span = [span[0].min(s.from), span[1].max(s.from + s.length)];
+/// Where the cells of a grid begin and end along one direction, everywhere on the sheet.
+struct Lattice {
+    start: f64,
+    cell: f64,
+    pitch: f64,
+}
+
+impl Lattice {
+    /// From the grid's sides in this direction.
+    fn of(sides: &[Side], grid: &[usize]) -> Option<Self> {
+        let middle = |mut values: Vec<f64>| {
+            values.sort_by(f64::total_cmp);
+            values.get(values.len() / 2).copied()
+        };
+        let cell = middle(grid.iter().map(|i| sides[*i].length).collect())?;
+        let mut from: Vec<f64> = grid.iter().map(|i| sides[*i].from).collect();
+        from.sort_by(f64::total_cmp);
+        let steps = from.windows(2).map(|w| w[1] - w[0]);
+        let pitch = middle(steps.filter(|d| *d > cell - EQUAL_M && *d < cell + JOINT_M + EQUAL_M).collect())?;
+        Some(Self { start: *from.first()?, cell, pitch })
     }
-    let is_cut = |s: &&Side| {
-        let on = lines.range(step(s.offset) - 1..=step(s.offset) + 1);
-        on.into_iter().any(|(_, span)| {
-            s.from + s.length >= span[0] - CELL_M[1] && s.from <= span[1] + CELL_M[1]
-        })
-    };
-    sides.iter().filter(is_cut).map(|s| s.index).collect()
+
+    /// Whether a cell begins or ends at a place.
+    fn holds(&self, at: f64) -> bool {
+        let rest = (at - self.start).rem_euclid(self.pitch);
+        [0.0, self.cell, self.pitch].iter().any(|r| (rest - r).abs() <= ON_LINE_M)
+    }
+}
+
+/// Short lines that begin or end where cells do: cells cut at an edge, the same grid in the next room,
+/// joints.
+fn cut_cells(sides: &[Vec<Side>; 2], lattices: &[Lattice; 2]) -> Vec<usize> {
+    let mut out = Vec::new();
+    for k in 0..2 {
+        let (along, across) = (&lattices[k], &lattices[1 - k]);
+        let sign = if k == 0 { 1.0 } else { -1.0 };
+        let is_cell = |s: &&Side| {
+            let ends = [s.from, s.from + s.length].map(|v| along.holds(v));
+            ends[0] && ends[1] || across.holds(sign * s.offset) && (ends[0] || ends[1])
+        };
+        out.extend(sides[k].iter().filter(is_cell).map(|s| s.index));
+    }
+    out
 }
 
 #[cfg(test)]

@@ -29,6 +29,12 @@ const TREADS_BESIDE_MIN: usize = 3;
 /// Flights of one stair are at most this far apart, metres.
 const BESIDE_M: f64 = 0.6;
 
+/// Shortest string or winder; what is shorter may be a jamb.
+const PART_MIN_M: f64 = 0.4;
+
+/// A line that runs through this many treads shows the way up.
+const CROSSED_MIN: usize = 3;
+
 /// Treads whose directions differ by less are parallel.
 const PARALLEL_RAD: f64 = 0.015;
 
@@ -162,8 +168,10 @@ fn within(lines: &[Straight], flight: &Flight, all: &[Flight], is_stair: &[bool]
     let is_more = |i: &usize| {
         let line = &lines[*i];
         !is_stair[*i]
+            && line.length() >= PART_MIN_M
             && (is_in(line.a) && is_in(line.b) && !has_second_face(lines, *i, is_stair)
-                || is_string(lines, line, &near))
+                || is_string(lines, line, &near)
+                || crossed(lines, line, &near) >= CROSSED_MIN)
     };
     (0..lines.len()).filter(is_more).collect()
 }
@@ -182,6 +190,17 @@ fn has_second_face(lines: &[Straight], i: usize, is_stair: &[bool]) -> bool {
             && (WALL_M[0]..=WALL_M[1]).contains(&u.perp_dot(other.a - line.a).abs())
             && shared > 0.5 * length.min(other.length())
     })
+}
+
+/// How many treads a line runs through.
+fn crossed(lines: &[Straight], line: &Straight, flights: &[&Flight]) -> usize {
+    let through = |p: DVec2, q: DVec2, a: DVec2, b: DVec2| {
+        let u = (q - p).normalize_or_zero();
+        let (s, t) = (u.perp_dot(a - p), u.perp_dot(b - p));
+        s.min(t) < -TOUCH_M && s.max(t) > TOUCH_M
+    };
+    let treads = flights.iter().flat_map(|f| &f.treads).map(|t| &lines[*t]);
+    treads.filter(|t| through(t.a, t.b, line.a, line.b) && through(line.a, line.b, t.a, t.b)).count()
 }
 
 /// Whether treads of two flights end on a line from both sides.
@@ -217,10 +236,12 @@ mod tests {
             line(2.15, -1.0, 2.15, 5.0),
             line(0.0, -0.1, 2.0, -0.1),
             line(0.0, -0.25, 2.0, -0.25),
+            line(-0.15, 1.0, 0.0, 1.0),
         ];
         let walls = lines.len();
         lines.extend((0..9).map(|i| line(1.0, 0.1 + 0.28 * f64::from(i), 2.0, 0.1 + 0.28 * f64::from(i))));
         lines.extend((3..6).map(|i| line(0.0, 0.1 + 0.28 * f64::from(i), 1.0, 0.1 + 0.28 * f64::from(i))));
+        lines.push(line(1.5, 0.0, 1.5, 3.1));
         lines.extend([line(1.0, 0.9, 1.0, 3.2), line(1.0, 0.9, 0.0, 0.4), line(1.0, 0.9, 0.4, -0.1)]);
         (lines, walls)
     }

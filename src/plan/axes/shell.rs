@@ -81,7 +81,7 @@ fn cross(a: DVec2, b: DVec2, [c, d]: [DVec2; 2]) -> bool {
 /// Of openings that lines along the wall alone make windows (`is_unsure`), those in inner walls with rooms on
 /// both sides are sliding or folding doors.
 ///
-/// Inner walls are thinner than those with windows to the outside; where there is no such window, all are.
+/// Inner walls are thinner than most of those with windows to the outside; where there is no such window, all are.
 pub fn tell_sliding_doors(drawn: &Drawn, openings: &mut [Opening], is_unsure: impl Fn(&Opening) -> bool) {
     let windows: Vec<usize> =
         (0..openings.len()).filter(|i| openings[*i].kind == OpeningKind::Window).collect();
@@ -90,8 +90,10 @@ pub fn tell_sliding_doors(drawn: &Drawn, openings: &mut [Opening], is_unsure: im
     }
     let shell = Shell::new(drawn, openings);
     let between: Vec<bool> = windows.iter().map(|i| shell.is_between_rooms(&openings[*i])).collect();
-    let outer = windows.iter().zip(&between).filter(|(_, b)| !**b).map(|(i, _)| openings[*i].thickness_m);
-    let outer_m = outer.reduce(f64::min).unwrap_or(f64::MAX);
+    let outer = windows.iter().zip(&between).filter(|(_, b)| !**b);
+    let mut outer: Vec<f64> = outer.map(|(i, _)| openings[*i].thickness_m).collect();
+    outer.sort_by(f64::total_cmp);
+    let outer_m = outer.get(outer.len() / 2).copied().unwrap_or(f64::MAX);
     for (i, is_between) in windows.into_iter().zip(between) {
         let o = &mut openings[i];
         if is_between && is_unsure(o) && o.thickness_m < outer_m - THINNER_M {
