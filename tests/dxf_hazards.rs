@@ -238,7 +238,8 @@ fn each_limit_trips() {
 fn limits_are_named() {
     let text = drawing("", &format!("{WALL}|0|TEXT|5|2F4|8|T|10|0|20|0|40|1|1|{}", "x".repeat(300)));
     let limits = Limits { max_line_bytes: 256, ..Limits::default() };
-    let error = read_with(text.as_bytes(), &ReadOptions { limits, ..ReadOptions::default() }).0.expect_err("");
+    let error =
+        read_with(text.as_bytes(), &ReadOptions { limits, ..ReadOptions::default() }).0.expect_err("");
     assert_eq!(
         error.to_string(),
         "plan.dxf:52: a value, found 300 bytes in one line, expected at most 256 (MAX_LINE_BYTES); not read"

@@ -14,10 +14,13 @@ use glam::DVec2;
 
 /// A drawing of lines `(layer, [x0, y0, x1, y1])`; `header` and `layers` in lines joined by `|`.
 fn drawing(header: &str, layers: &str, lines: &[(&str, [f64; 4])]) -> String {
-    let split = |text: &str| text.split('|').filter(|l| !l.is_empty()).fold(String::new(), |s, l| s + l + "\n");
+    let split =
+        |text: &str| text.split('|').filter(|l| !l.is_empty()).fold(String::new(), |s, l| s + l + "\n");
     let mut out = split("0|SECTION|2|HEADER") + &split(header) + &split("0|ENDSEC");
     if !layers.is_empty() {
-        out += &(split("0|SECTION|2|TABLES|0|TABLE|2|LAYER|70|9") + &split(layers) + &split("0|ENDTAB|0|ENDSEC"));
+        out += &(split("0|SECTION|2|TABLES|0|TABLE|2|LAYER|70|9")
+            + &split(layers)
+            + &split("0|ENDTAB|0|ENDSEC"));
     }
     out += &split("0|SECTION|2|ENTITIES");
     for (layer, [x0, y0, x1, y1]) in lines {
@@ -60,7 +63,8 @@ fn room(on: &'static str) -> Vec<(&'static str, [f64; 4])> {
 #[test]
 fn without_walls_the_layers_are_listed() {
     let none = PlanOptions::default();
-    let two = [("ROOF", [0.0, 0.0, 5.0, 0.0]), ("EAVES", [0.0, 0.0, 5.0, 0.0]), ("EAVES", [0.0, 3.0, 5.0, 9.0])];
+    let two =
+        [("ROOF", [0.0, 0.0, 5.0, 0.0]), ("EAVES", [0.0, 0.0, 5.0, 0.0]), ("EAVES", [0.0, 3.0, 5.0, 9.0])];
     let end = "nothing was measured; name the layer of the walls with --wall-layer NAME";
     assert_eq!(
         refusal(&drawing(METRES, "", &two), &none),
@@ -76,7 +80,10 @@ fn without_walls_the_layers_are_listed() {
     let named: Vec<String> = (0..12).map(|i| format!("DIM{i:02} (1)")).collect();
     assert_eq!(
         refusal(&drawing(METRES, "", &many), &PlanOptions { wall_layers: vec!["WALL*".into()], ..none }),
-        format!("plan.dxf: no entity on a wall layer, layers present: {} and 3 more; {end}", named.join(", "))
+        format!(
+            "plan.dxf: no entity on a wall layer, layers present: {} and 3 more; {end}",
+            named.join(", ")
+        )
     );
 }
 
@@ -85,14 +92,16 @@ fn without_walls_the_layers_are_listed() {
 #[test]
 fn layers_are_taken_as_a_cad_user_expects() {
     let off = [layer("A-WALL", 0, -7), layer("WAND", 1, 7)].concat();
-    let lines = [room("A-WALL"), room("WAND"), vec![("EAVES", [0.0, 0.0, 5.0, 0.0]), ("ROOF", [1.0; 4])]].concat();
+    let lines =
+        [room("A-WALL"), room("WAND"), vec![("EAVES", [0.0, 0.0, 5.0, 0.0]), ("ROOF", [1.0; 4])]].concat();
     assert_eq!(
         refusal(&drawing(METRES, &off, &lines), &PlanOptions::default()),
         "plan.dxf: no entity on a wall layer (off or frozen: A-WALL, WAND), layers present: A-WALL (4), WAND (4), \
          EAVES (1), ROOF (1); nothing was measured; name the layer of the walls with --wall-layer NAME"
     );
     let locked = layer("house$0$A-WALL", 4, 7);
-    let lines = [room("house$0$A-WALL"), room("site|A-WALL-PATT"), room("../../x"), room("=cmd|' /C calc'!A0")];
+    let lines =
+        [room("house$0$A-WALL"), room("site|A-WALL-PATT"), room("../../x"), room("=cmd|' /C calc'!A0")];
     let text = drawing(METRES, &locked, &lines.concat());
     let plan = plain(&text).0.unwrap();
     let roles: Vec<(&str, &str)> = plan.layers.iter().map(|l| (l.name.as_str(), l.role)).collect();
@@ -104,11 +113,11 @@ fn layers_are_taken_as_a_cad_user_expects() {
     ];
     assert_eq!(roles, expected);
     let locked = plan.walls.iter().all(|w| {
-        w.editable
-            == enfilade::plan::drawing::Editable::No("its layer \"house$0$A-WALL\" is locked".into())
+        w.editable == enfilade::plan::drawing::Editable::No("its layer \"house$0$A-WALL\" is locked".into())
     });
     assert!(locked && plan.walls.len() == 4);
-    let options = PlanOptions { wall_layers: vec!["=CMD*".into(), "../*/x".into()], ..PlanOptions::default() };
+    let options =
+        PlanOptions { wall_layers: vec!["=CMD*".into(), "../*/x".into()], ..PlanOptions::default() };
     let plan = plan_of(text.as_bytes(), &options).0.unwrap();
     assert_eq!((plan.walls.len(), plan.layers.iter().filter(|l| l.role == "wall").count()), (8, 2));
 }
@@ -117,8 +126,7 @@ fn layers_are_taken_as_a_cad_user_expects() {
 #[test]
 fn a_hundred_thousand_layers_are_read() {
     let names: Vec<String> = (0..100_000).map(|i| format!("L{i}")).collect();
-    let mut lines: Vec<(&str, [f64; 4])> =
-        names.iter().map(|n| (n.as_str(), [0.0, 0.0, 1.0, 1.0])).collect();
+    let mut lines: Vec<(&str, [f64; 4])> = names.iter().map(|n| (n.as_str(), [0.0, 0.0, 1.0, 1.0])).collect();
     lines.extend(room("Mur"));
     let plan = plain(&drawing(METRES, "", &lines)).0.unwrap();
     assert_eq!((plan.walls.len(), plan.layers.len()), (4, 100_001));
@@ -152,7 +160,11 @@ fn layer_names_of_many_code_pages_are_understood_and_kept() {
         bytes.extend(rest);
         let (plan, _) = plan_of(&bytes, &PlanOptions::default());
         let plan = plan.unwrap_or_else(|e| panic!("{expected} in {page}: {e}"));
-        assert_eq!((plan.layers[0].name.as_str(), plan.layers[0].role), (expected, "wall"), "{version} {page}");
+        assert_eq!(
+            (plan.layers[0].name.as_str(), plan.layers[0].role),
+            (expected, "wall"),
+            "{version} {page}"
+        );
         let shape = Shape::Line { a: DVec2::ZERO, b: DVec2::new(7.5, 0.0) };
         let edit = Edit::Shape { record: plan.walls[0].source.record, shape };
         let patched = patch("plan.dxf", &bytes, &[edit], &[]).unwrap();
@@ -181,7 +193,14 @@ fn house(header: &str, units: f64) -> String {
     let text = drawing(header, "", &walls);
     let arcs: String = [3.1, 6.1, 9.1]
         .iter()
-        .map(|x| format!("0\nARC\n8\nDOOR\n10\n{}\n20\n{}\n40\n{}\n50\n0\n51\n90\n", x * units, 3.0 * units, 0.9 * units))
+        .map(|x| {
+            format!(
+                "0\nARC\n8\nDOOR\n10\n{}\n20\n{}\n40\n{}\n50\n0\n51\n90\n",
+                x * units,
+                3.0 * units,
+                0.9 * units
+            )
+        })
         .collect();
     text.replacen("0\nENDSEC\n0\nEOF", &(arcs + "0\nENDSEC\n0\nEOF"), 1)
 }
@@ -192,25 +211,65 @@ fn units_are_decided_by_what_is_drawn() {
     let header = |code: i32| format!("9|$ACADVER|1|AC1024|9|$INSUNITS|70|{code}");
     let seen = "the walls are 12.0 m long, wall faces 0.20 m apart, 3 door leaves of about 0.90 m";
     let cases = [
-        (0, 1.0, "m", format!("unit-assumed Info plan.dxf: unit: m assumed ($INSUNITS 0, no $MEASUREMENT): then {seen}; --unit overrides it")),
-        (0, 1000.0, "mm", format!("unit-assumed Info plan.dxf: unit: mm assumed ($INSUNITS 0, no $MEASUREMENT): then {seen}; --unit overrides it")),
-        (4, 1.0, "m", format!("unit-assumed Info plan.dxf: unit: m assumed although the file says mm ($INSUNITS 4, no $MEASUREMENT): then {seen}; in mm the walls are 0.0 m long, wall faces 0.00 m apart, 3 door leaves of about 0.00 m; --unit overrides it")),
-        (6, 1000.0, "mm", format!("unit-assumed Info plan.dxf: unit: mm assumed although the file says m ($INSUNITS 6, no $MEASUREMENT): then {seen}; in m the walls are 12000.0 m long, wall faces 200.00 m apart, 3 door leaves of about 900.00 m; --unit overrides it")),
-        (4, 1.0 / 0.0254, "in", format!("unit-assumed Info plan.dxf: unit: in assumed although the file says mm ($INSUNITS 4, no $MEASUREMENT): then {seen}; in mm the walls are 0.5 m long, wall faces 0.01 m apart, 3 door leaves of about 0.04 m; --unit overrides it")),
-        (2, 1.0 / 0.3048, "ft", format!("unit Info plan.dxf: unit: ft by $INSUNITS 2, no $MEASUREMENT; {seen} fit")),
+        (
+            0,
+            1.0,
+            "m",
+            format!(
+                "unit-assumed Info plan.dxf: unit: m assumed ($INSUNITS 0, no $MEASUREMENT): then {seen}; --unit overrides it"
+            ),
+        ),
+        (
+            0,
+            1000.0,
+            "mm",
+            format!(
+                "unit-assumed Info plan.dxf: unit: mm assumed ($INSUNITS 0, no $MEASUREMENT): then {seen}; --unit overrides it"
+            ),
+        ),
+        (
+            4,
+            1.0,
+            "m",
+            format!(
+                "unit-assumed Info plan.dxf: unit: m assumed although the file says mm ($INSUNITS 4, no $MEASUREMENT): then {seen}; in mm the walls are 0.0 m long, wall faces 0.00 m apart, 3 door leaves of about 0.00 m; --unit overrides it"
+            ),
+        ),
+        (
+            6,
+            1000.0,
+            "mm",
+            format!(
+                "unit-assumed Info plan.dxf: unit: mm assumed although the file says m ($INSUNITS 6, no $MEASUREMENT): then {seen}; in m the walls are 12000.0 m long, wall faces 200.00 m apart, 3 door leaves of about 900.00 m; --unit overrides it"
+            ),
+        ),
+        (
+            4,
+            1.0 / 0.0254,
+            "in",
+            format!(
+                "unit-assumed Info plan.dxf: unit: in assumed although the file says mm ($INSUNITS 4, no $MEASUREMENT): then {seen}; in mm the walls are 0.5 m long, wall faces 0.01 m apart, 3 door leaves of about 0.04 m; --unit overrides it"
+            ),
+        ),
+        (
+            2,
+            1.0 / 0.3048,
+            "ft",
+            format!("unit Info plan.dxf: unit: ft by $INSUNITS 2, no $MEASUREMENT; {seen} fit"),
+        ),
     ];
     for (code, units, name, said) in cases {
         let (plan, problems) = plain(&house(&header(code), units));
         assert_eq!(plan.unwrap().unit.unit.name, name);
         assert_eq!(problems, [said]);
     }
-    let options = PlanOptions {
-        unit: enfilade::plan::frame::unit_by_name("cm"),
-        ..PlanOptions::default()
-    };
+    let options = PlanOptions { unit: enfilade::plan::frame::unit_by_name("cm"), ..PlanOptions::default() };
     let (plan, problems) = plan_of(house(&header(4), 1000.0).as_bytes(), &options);
     assert_eq!(plan.unwrap().unit.unit.name, "cm");
-    assert_eq!(problems, ["unit Info plan.dxf: unit: cm as you said (the file: $INSUNITS 4, no $MEASUREMENT)"]);
+    assert_eq!(
+        problems,
+        ["unit Info plan.dxf: unit: cm as you said (the file: $INSUNITS 4, no $MEASUREMENT)"]
+    );
 }
 
 /// Hazard 37: what is drawn twice, in overlapping parts, with no length or a hair apart gives the same

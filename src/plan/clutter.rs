@@ -30,11 +30,25 @@ pub(super) fn leave_out_stairs_and_paving(
 ) {
     let lines = lines(drawing, walls, metres_per_unit);
     let is_paving = paving::find(&lines);
-    state(drawing, walls, &lines, &is_paving, "draw a grid of small equal cells: paving or a ceiling", report);
+    state(
+        drawing,
+        walls,
+        &lines,
+        &is_paving,
+        "draw a grid of small equal cells: paving or a ceiling",
+        report,
+    );
     let rest: Vec<Straight> =
         (0..lines.len()).filter(|i| is_paving.binary_search(i).is_err()).map(|i| lines[i]).collect();
     let is_stair = stairs::find(&rest);
-    state(drawing, walls, &rest, &is_stair, "draw stairs: equal treads in a row and what lies between them", report);
+    state(
+        drawing,
+        walls,
+        &rest,
+        &is_stair,
+        "draw stairs: equal treads in a row and what lies between them",
+        report,
+    );
 }
 
 /// The entities among `walls` that are one straight line each.
@@ -62,7 +76,10 @@ fn state(
     }
     // `lines` are in the order of `walls`, and so ascending.
     walls.retain(|w| found.binary_search_by(|f| lines[*f].entity.cmp(w)).is_err());
-    let text = format!("{} lines on wall layers {what}; left out of the walls, --wall-layer takes them in", found.len());
+    let text = format!(
+        "{} lines on wall layers {what}; left out of the walls, --wall-layer takes them in",
+        found.len()
+    );
     report.info("clutter", Place::file(&drawing.file), text);
 }
 

@@ -54,7 +54,11 @@ impl Straight {
     pub fn direction_rad(&self) -> f64 {
         let angle = (self.b - self.a).to_angle().rem_euclid(std::f64::consts::PI);
         // A hair below π is a hair below 0.
-        if angle > std::f64::consts::PI - DIRECTION_STEP_RAD / 2.0 { angle - std::f64::consts::PI } else { angle }
+        if angle > std::f64::consts::PI - DIRECTION_STEP_RAD / 2.0 {
+            angle - std::f64::consts::PI
+        } else {
+            angle
+        }
     }
 }
 

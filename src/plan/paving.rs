@@ -72,7 +72,12 @@ fn sides(lines: &[Straight], u: DVec2) -> Vec<Side> {
         let length = l.length();
         let is_along = (l.b - l.a).perp_dot(u).abs() <= SQUARE_RAD * length;
         let from = l.a.dot(u).min(l.b.dot(u));
-        (is_along && length <= CELL_M[1]).then(|| Side { index, from, offset: u.perp_dot((l.a + l.b) / 2.0), length })
+        (is_along && length <= CELL_M[1]).then(|| Side {
+            index,
+            from,
+            offset: u.perp_dot((l.a + l.b) / 2.0),
+            length,
+        })
     };
     lines.iter().enumerate().filter_map(side).collect()
 }
@@ -116,7 +121,8 @@ fn equal_cells(sides: &[Side]) -> Vec<usize> {
     }
     let is_grid = |g: &Vec<usize>| {
         let count = |value: fn(&Side) -> f64| {
-            let mut places: Vec<i64> = g.iter().map(|i| (value(&sides[*i]) / CELL_M[0]).round() as i64).collect();
+            let mut places: Vec<i64> =
+                g.iter().map(|i| (value(&sides[*i]) / CELL_M[0]).round() as i64).collect();
             places.sort_unstable();
             places.dedup();
             places.len()

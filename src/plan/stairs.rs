@@ -124,7 +124,9 @@ fn rows(rungs: &[Rung], along: DVec2) -> Vec<Flight> {
     };
     let mut out = Vec::new();
     for first in 0..rungs.len() {
-        let Some(second) = (!is_taken[first]).then(|| next(first, &is_taken, None)).flatten() else { continue };
+        let Some(second) = (!is_taken[first]).then(|| next(first, &is_taken, None)).flatten() else {
+            continue;
+        };
         let going = rungs[second].offset - rungs[first].offset;
         let mut row = vec![first, second];
         while let Some(j) = next(row[row.len() - 1], &is_taken, Some(going)) {
@@ -160,18 +162,20 @@ fn within(lines: &[Straight], flight: &Flight, all: &[Flight], is_stair: &[bool]
     let boxes = near.iter().map(|g| box_in(lines, g, along));
     let [lo, hi] = boxes.fold([DVec2::MAX, DVec2::MIN], |[lo, hi], b| [lo.min(b[0]), hi.max(b[1])]);
     let local = |p: DVec2| DVec2::new(p.dot(along), p.dot(along.perp()));
-    let slack = DVec2::splat(flight.going / 2.0);
-    let is_in = |p: DVec2| {
+    let is_in = |p: DVec2, slack: f64| {
         let q = local(p);
         q.cmpge(lo - slack).all() && q.cmple(hi + slack).all()
     };
+    let is_inside = |line: &Straight, slack: f64| is_in(line.a, slack) && is_in(line.b, slack);
     let is_more = |i: &usize| {
         let line = &lines[*i];
+        // What is short may be a jamb, unless it lies well among the treads: the head of an arrow.
+        let is_part =
+            is_inside(line, -TOUCH_M) || line.length() >= PART_MIN_M && is_inside(line, flight.going / 2.0);
+        let is_long = line.length() >= PART_MIN_M;
         !is_stair[*i]
-            && line.length() >= PART_MIN_M
-            && (is_in(line.a) && is_in(line.b) && !has_second_face(lines, *i, is_stair)
-                || is_string(lines, line, &near)
-                || crossed(lines, line, &near) >= CROSSED_MIN)
+            && (is_part && !has_second_face(lines, *i, is_stair)
+                || is_long && (is_string(lines, line, &near) || crossed(lines, line, &near) >= CROSSED_MIN))
     };
     (0..lines.len()).filter(is_more).collect()
 }
@@ -210,7 +214,8 @@ fn is_string(lines: &[Straight], line: &Straight, flights: &[&Flight]) -> bool {
     for tread in flights.iter().flat_map(|f| &f.treads).map(|t| &lines[*t]) {
         for (end, other) in [(tread.a, tread.b), (tread.b, tread.a)] {
             let s = (end - line.a).dot(u);
-            let is_on = u.perp_dot(end - line.a).abs() <= TOUCH_M && (-TOUCH_M..=length + TOUCH_M).contains(&s);
+            let is_on =
+                u.perp_dot(end - line.a).abs() <= TOUCH_M && (-TOUCH_M..=length + TOUCH_M).contains(&s);
             if is_on && (tread.b - tread.a).normalize_or_zero().dot(u).abs() < 0.5 {
                 sides[usize::from(u.perp_dot(other - line.a) > 0.0)] += 1;
             }
@@ -241,8 +246,8 @@ mod tests {
         let walls = lines.len();
         lines.extend((0..9).map(|i| line(1.0, 0.1 + 0.28 * f64::from(i), 2.0, 0.1 + 0.28 * f64::from(i))));
         lines.extend((3..6).map(|i| line(0.0, 0.1 + 0.28 * f64::from(i), 1.0, 0.1 + 0.28 * f64::from(i))));
-        lines.push(line(1.5, 0.0, 1.5, 3.1));
-        lines.extend([line(1.0, 0.9, 1.0, 3.2), line(1.0, 0.9, 0.0, 0.4), line(1.0, 0.9, 0.4, -0.1)]);
+        lines.extend([line(1.5, 0.0, 1.5, 3.1), line(1.5, 2.2, 1.6, 2.0)]);
+        lines.extend([line(1.0, 0.9, 1.0, 3.2), line(1.0, 0.9, 0.0, 0.4), line(1.0, 0.9, 0.4, 0.0)]);
         (lines, walls)
     }
 

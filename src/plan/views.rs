@@ -103,7 +103,9 @@ const STRAY_SHARE: f64 = 0.01;
 /// Which walls stand far from all others and are next to nothing: pieces forgotten on the sheet.
 pub fn strays(walls: &[&Entity], metres_per_unit: f64) -> Vec<bool> {
     let pieces = pieces(walls.iter().copied());
-    let Some([lo, hi]) = box_of(pieces.iter().flat_map(|p| [p.a, p.b])) else { return vec![false; walls.len()] };
+    let Some([lo, hi]) = box_of(pieces.iter().flat_map(|p| [p.a, p.b])) else {
+        return vec![false; walls.len()];
+    };
     let cell = (NEAR_M / metres_per_unit).max((hi - lo).max_element() / CELLS_MAX);
     let mut raster = Raster { lo, cell, cells: BTreeMap::new() };
     pieces.iter().for_each(|p| raster.draw(p.a, p.b, 1));

@@ -68,7 +68,9 @@ impl Score {
     }
 
     pub fn holds(&self) -> bool {
-        self.nodes.f1() >= 0.97 && self.edges.f1() >= 0.97 && self.openings.f1() >= 0.95
+        self.nodes.f1() >= 0.97
+            && self.edges.f1() >= 0.97
+            && self.openings.f1() >= 0.95
             && self.degree_error <= DEGREE_SHARE
     }
 }
@@ -144,8 +146,11 @@ fn ring_pieces(ring: &[DVec2]) -> impl Iterator<Item = Piece> + '_ {
 
 /// How far the mean degree of places in a plan is off if its walls stand on the axes found.
 fn degree_error(plan: &Plan, found: &AxisGraph) -> f64 {
-    let mut truth: Vec<Piece> =
-        plan.walls.iter().flat_map(|w| pieces_of(plan.nodes[w.nodes[0]], plan.nodes[w.nodes[1]], w.bulge)).collect();
+    let mut truth: Vec<Piece> = plan
+        .walls
+        .iter()
+        .flat_map(|w| pieces_of(plan.nodes[w.nodes[0]], plan.nodes[w.nodes[1]], w.bulge))
+        .collect();
     let mut seen: Vec<Piece> = Vec::new();
     for e in &found.edges {
         let [a, b] = found.ends(e);

@@ -215,7 +215,8 @@ impl Seen {
         let with = |what: &str, word: &str| {
             if word.is_empty() { what.to_string() } else { format!("{what}: {word}") }
         };
-        let reach_m: f64 = spans::joined(self.door_spans.clone(), ERROR_GAP_M).into_iter().map(spans::length).sum();
+        let reach_m: f64 =
+            spans::joined(self.door_spans.clone(), ERROR_GAP_M).into_iter().map(spans::length).sum();
         if let Some(word) = self.door.as_ref().filter(|_| self.swing || reach_m >= DOOR_COVER * self.gap_m) {
             return (
                 OpeningKind::Door,

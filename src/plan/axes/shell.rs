@@ -98,7 +98,9 @@ pub fn tell_sliding_doors(drawn: &Drawn, openings: &mut [Opening], is_unsure: im
         let o = &mut openings[i];
         if is_between && is_unsure(o) && o.thickness_m < outer_m - THINNER_M {
             o.kind = OpeningKind::Door;
-            o.evidence = "lines along the wall between its jambs, rooms on both sides: a sliding or folding door".into();
+            o.evidence =
+                "lines along the wall between its jambs, rooms on both sides: a sliding or folding door"
+                    .into();
         }
     }
 }
