@@ -105,7 +105,7 @@ fn equal_cells(sides: &[Side]) -> Vec<usize> {
             }
         }
     }
-    for ([from, length], _) in &columns {
+    for [from, length] in columns.keys() {
         let near = (from - 1..=from + 1).flat_map(|f| (length - 1..=length + 1).map(move |l| [f, l]));
         let mut column: Vec<usize> = near.filter_map(|key| columns.get(&key)).flatten().copied().collect();
         column.sort_by(|i, j| sides[*i].offset.total_cmp(&sides[*j].offset).then(i.cmp(j)));

@@ -31,6 +31,10 @@ const SWINGS_SURE: usize = 4;
 const PAIRS_MIN: usize = 8;
 const PAIRS_SHARE: f64 = 0.25;
 
+/// Faces farther apart than this share of the walls' extent, in the middle, are those of rooms: the walls are
+/// drawn with one line and tell no thickness.
+const THICK_SHARE_MAX: f64 = 0.06;
+
 /// A swing sweeps about a quarter turn.
 const SWING_RAD: [f64; 2] = [1.0, 1.75];
 
@@ -82,7 +86,8 @@ impl Witnesses {
         let total: f64 = self.thicknesses.iter().map(|t| t.1).sum();
         let fit: f64 =
             self.thicknesses.iter().filter(|t| is_in(t.0 * unit.metres, THICK_M)).map(|t| t.1).sum();
-        let speaks = self.thicknesses.len() >= PAIRS_MIN && self.paired_share >= PAIRS_SHARE;
+        let is_thickness = self.middle_thickness().is_some_and(|t| t <= THICK_SHARE_MAX * self.extent);
+        let speaks = is_thickness && self.thicknesses.len() >= PAIRS_MIN && self.paired_share >= PAIRS_SHARE;
         speaks.then(|| fit / total)
     }
 
