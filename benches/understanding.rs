@@ -10,8 +10,8 @@ mod offices;
 use std::time::Instant;
 
 use enfilade::plan::axes::{AxisGraph, Drawn, Face};
-use offices::score::{Score, explain, score};
-use offices::styles::{LAYERS, Office, STYLES, Style, draw, drawn};
+use offices::score::{Score, explain, has_right_unit, score};
+use offices::styles::{LAYERS, Office, STYLES, Style, UNITS, draw, drawn};
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
@@ -19,14 +19,15 @@ fn main() {
         return show(n.parse().unwrap(), style, !rest.is_empty());
     }
     println!(
-        "{:<14} {:<6} {:>7} {:>7} {:>9} {:>10} {:>9}",
-        "style", "noise", "nodes", "edges", "openings", "thickness", "ms/plan"
+        "{:<14} {:<6} {:>7} {:>7} {:>9} {:>10} {:>12} {:>7} {:>9}",
+        "style", "noise", "nodes", "edges", "openings", "thickness", "degree off by", "unit", "ms/plan"
     );
     for style in STYLES {
         for noise in [false, true] {
             let mut sum = Score::default();
             let mut seconds = 0.0;
             let mut bad = Vec::new();
+            let (mut units, mut right) = (0, 0);
             for (n, plan) in offices::plans::all().iter().enumerate() {
                 let layers = n % LAYERS.len();
                 let office = Office { layers, blocks: n % 2 == 1, ..Office::new(style, noise) };
@@ -34,6 +35,11 @@ fn main() {
                 let start = Instant::now();
                 let graph = AxisGraph::new(&input);
                 seconds += start.elapsed().as_secs_f64();
+                for (unit_m, declared) in UNITS {
+                    let office = Office { unit_m, declared, ..office };
+                    units += 1;
+                    right += usize::from(has_right_unit(&draw(plan, &office, n as u64), &office));
+                }
                 let s = score(plan, &graph, style != Style::CentreLines);
                 if !s.holds() {
                     bad.push(n);
@@ -41,13 +47,16 @@ fn main() {
                 sum.add(s);
             }
             println!(
-                "{:<14} {:<6} {:>7.3} {:>7.3} {:>9.3} {:>10.3} {:>9.2}  {:?}",
+                "{:<14} {:<6} {:>7.3} {:>7.3} {:>9.3} {:>10.3} {:>11.2} % {:>4}/{} {:>9.2}  {:?}",
                 format!("{style:?}"),
                 noise,
                 sum.nodes.f1(),
                 sum.edges.f1(),
                 sum.openings.f1(),
                 sum.thickness.f1(),
+                100.0 * sum.degree_error,
+                right,
+                units,
                 50.0 * seconds,
                 bad
             );

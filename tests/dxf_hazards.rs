@@ -233,6 +233,81 @@ fn each_limit_trips() {
     );
 }
 
+/// Hazards 11 and 20: what is beyond a limit is refused or left out by the limit's name.
+#[test]
+fn limits_are_named() {
+    let text = drawing("", &format!("{WALL}|0|TEXT|5|2F4|8|T|10|0|20|0|40|1|1|{}", "x".repeat(300)));
+    let limits = Limits { max_line_bytes: 256, ..Limits::default() };
+    let error =
+        read_with(text.as_bytes(), &ReadOptions { limits, ..ReadOptions::default() }).0.expect_err("");
+    assert_eq!(
+        error.to_string(),
+        "plan.dxf:52: a value, found 300 bytes in one line, expected at most 256 (MAX_LINE_BYTES); not read"
+    );
+    let vertices: String = (0..9).map(|i| format!("|10|{i}|20|0")).collect();
+    let text = drawing("", &format!("{WALL}|0|LWPOLYLINE|5|2F4|8|W|90|9|70|0{vertices}"));
+    let limits = Limits { max_vertices: 8, ..Limits::default() };
+    let (result, problems) = read_with(text.as_bytes(), &ReadOptions { limits, ..ReadOptions::default() });
+    assert_eq!(result.unwrap().entities.len(), 1);
+    let said = "dxf-vertex-count Warning plan.dxf:39 LWPOLYLINE 2F4 layer W: its vertices, found 9, expected 1 to 8; \
+                left out of the plan";
+    assert_eq!(problems, [said]);
+}
+
+/// Hazard 18: what a mirrored, stretched or turned over INSERT shows lies where a CAD program shows it.
+#[test]
+fn inserts_are_transformed_or_left_out() {
+    let line = "0|LINE|8|0|10|1|20|0|11|1|21|2";
+    let arc = "0|ARC|8|0|10|0|20|0|40|1|50|0|51|90";
+    let at = |more: &str, inside: &str| -> Shape {
+        let text = drawing(&block("A", inside), &(insert("A") + more));
+        let (result, problems) = read_plain(text.as_bytes());
+        assert_eq!(problems, [""; 0]);
+        result.unwrap().entities[0].shape.clone()
+    };
+    let ends = |shape: Shape| {
+        let Shape::Line { a, b } = shape else { panic!("{shape:?}") };
+        [a.x, a.y, b.x, b.y].map(|v| (v * 1e9).round() / 1e9)
+    };
+    assert_eq!(ends(at("|41|-1", line)), [-1.0, 0.0, -1.0, 2.0]);
+    assert_eq!(ends(at("|41|2|42|3", line)), [2.0, 0.0, 2.0, 6.0]);
+    assert_eq!(ends(at("|50|90", line)), [0.0, 1.0, -2.0, 1.0]);
+    assert_eq!(ends(at("|210|0|220|0|230|-1", line)), [-1.0, 0.0, -1.0, 2.0]);
+    let Shape::Arc { start_rad, end_rad, .. } = at("|41|-1", arc) else { panic!("a mirrored arc is an arc") };
+    let [start, end] = [start_rad, end_rad].map(|a| (a.to_degrees().rem_euclid(360.0) * 1e6).round() / 1e6);
+    assert_eq!([start, end], [90.0, 180.0]);
+    let Shape::Polyline { vertices, .. } = at("|41|2|42|1", arc) else { panic!("a stretched arc is traced") };
+    let [first, last] = [vertices[0].at, vertices[vertices.len() - 1].at];
+    assert!(first.distance(DVec2::new(2.0, 0.0)) < 1e-9 && last.distance(DVec2::Y) < 1e-9);
+}
+
+/// Hazards 25 and 26: handles of any length and none, versions from R10 to R2018 and unknown ones.
+#[test]
+fn versions_and_handles_are_read_as_they_are() {
+    for (version, words) in [
+        ("AC1006", "AC1006 (R10)"),
+        ("AC1009", "AC1009 (R12)"),
+        ("AC1014", "AC1014 (R14)"),
+        ("AC1032", "AC1032 (R2018)"),
+        ("AC1099", "AC1099 (unknown)"),
+        ("AC1002", "AC1002 (before R12)"),
+    ] {
+        let text = drawing("", WALL).replace("AC1024", version);
+        let (result, problems) = read_plain(text.as_bytes());
+        assert_eq!((result.unwrap().version.as_str(), problems), (words, vec![]));
+    }
+    for handle in ["123456789ABCDEF0123", "0", "-1", "xyz"] {
+        let text = drawing("", &WALL.replace("2F3", handle));
+        let (result, problems) = read_plain(text.as_bytes());
+        let entities = result.unwrap().entities;
+        let expected = handle.to_ascii_uppercase();
+        assert_eq!((entities[0].source.handle.as_deref(), problems), (Some(expected.as_str()), vec![]));
+    }
+    let text = drawing("", &WALL.replace("|5|2F3", ""));
+    let (result, problems) = read_plain(text.as_bytes());
+    assert_eq!((result.unwrap().entities[0].source.handle.clone(), problems), (None, vec![]));
+}
+
 /// Hazard 11: a line of 100 kB is nothing special.
 #[test]
 fn long_lines_are_read() {

@@ -5,8 +5,9 @@
 mod offices;
 
 use enfilade::plan::axes::AxisGraph;
-use offices::score::{explain, score};
-use offices::styles::{LAYERS, Office, STYLES, Style, draw, drawn};
+use offices::plans::Kind;
+use offices::score::{explain, has_right_unit, score};
+use offices::styles::{LAYERS, Office, STYLES, Style, UNITS, draw, drawn};
 
 fn check(numbers: &[u64], noise: bool) {
     for n in numbers {
@@ -17,6 +18,16 @@ fn check(numbers: &[u64], noise: bool) {
             let graph = AxisGraph::new(&drawn(&draw(&plan, &office, *n), &office));
             let s = score(&plan, &graph, style != Style::CentreLines);
             assert!(s.holds(), "{} {style:?}: {s:?}\n{}", plan.name, explain(&plan, &graph).join("\n"));
+            // One line a wall shows no thickness, layers of finish their own, and a single door is no witness:
+            // then the file is believed.
+            let doors = plan.gaps.iter().filter(|g| g.kind == Kind::Door).count();
+            let shows_unit =
+                !matches!(style, Style::CentreLines | Style::Finish | Style::Through) && doors > 1;
+            for (unit_m, declared) in UNITS.into_iter().filter(|_| shows_unit) {
+                let office = Office { unit_m, declared, ..office };
+                let is_right = has_right_unit(&draw(&plan, &office, *n), &office);
+                assert!(is_right, "{} {style:?}: drawn in {unit_m}, declared {declared:?}", plan.name);
+            }
             assert!(s.thickness.f1() > 0.97, "{} {style:?}: {s:?}", plan.name);
         }
     }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::axial::{Axial, Sliding};
-use crate::plan::axes::AxisGraph;
+use crate::plan::axes::{AxisGraph, Jamb, OpeningKind};
 use crate::plan::drawing::{Editable, SourceRef};
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M, segments_touch};
 use crate::plan::graph::Graph;
@@ -30,6 +30,8 @@ pub const WALL_THICKNESS_MAX_M: f64 = 0.6;
 const INSIDE_MARGIN_M: f64 = 0.3;
 /// A free-standing element is at most this share of the building's longer side.
 const ELEMENT_SHARE_MAX: f64 = 0.5;
+/// What is no larger is a post, or a pair of them: it carries.
+const POST_MAX_M: f64 = 0.6;
 /// Directions whose cosine is smaller cross at right angles.
 const CROSSING_COS: f64 = 0.02;
 /// What must remain of a wall beside a sliding door.
@@ -72,7 +74,8 @@ pub fn groups(
         return Vec::new();
     }
     let neighbours = Neighbours::new(&pieces);
-    let elements = elements(plan, graph, interior, &pieces, &neighbours);
+    let held = walls_at_openings(axes);
+    let (elements, posts) = elements(plan, graph, interior, &held, &pieces, &neighbours);
     let axial = Axial::new(plan, graph, axes, interior, (&pieces, &neighbours));
     let mut doors = axial.doors();
     let taken: BTreeSet<u32> = doors.iter().flat_map(|d| d.nodes.clone()).collect();
@@ -95,15 +98,20 @@ pub fn groups(
             out.push((group, nodes));
         }
     }
+    let standing = match posts {
+        0 => String::new(),
+        n => format!("; {n} posts up to {} m stay", POST_MAX_M * plan.human_scale),
+    };
     let text = match found {
         (0, 0) if sliding == 0 => "no EF-MOVE, and neither free-standing elements nor sliding walls nor door gaps were found: the present \
                    layout is measured; to say what may move, draw a closed polyline on layer EF-MOVE round wall ends and a text \
                    inside it such as `x -1 1; y -1 1`"
-            .to_string(),
+            .to_string()
+            + &standing,
         (e, d) => format!(
             "no EF-MOVE: {e} free-standing elements (±{} m, ±{TURN_DEG}°) and {d} door gaps (±{} m along their wall){} \
-             were found, {} of them with {parameters} parameters may move (at most {PARAMETERS_MAX}); EF-MOVE says it better, \
-             EF-KEEP holds things still",
+             were found, {} of them with {parameters} parameters may move (at most {PARAMETERS_MAX}){standing}; EF-MOVE \
+             says it better, EF-KEEP holds things still",
             SHIFT_M * plan.human_scale,
             SLIDE_M * plan.human_scale,
             if sliding == 0 { String::new() } else { format!(" and {sliding} walls that can slide between others") },
@@ -213,13 +221,27 @@ impl Union {
     }
 }
 
+/// Walls that a door or a window sits in, or ends at: what joins them to others is drawn on other layers.
+fn walls_at_openings(axes: &AxisGraph) -> BTreeSet<u32> {
+    let filled = axes.openings.iter().filter(|o| o.kind != OpeningKind::Passage);
+    let jambs: Vec<&Jamb> = filled.flat_map(|o| &o.jambs).collect();
+    let nodes: BTreeSet<u32> = jambs.iter().filter_map(|j| j.node).collect();
+    let mut edges: BTreeSet<u32> = jambs.iter().filter_map(|j| j.edge).collect();
+    let ends = axes.edges.iter().enumerate().filter(|(_, e)| e.nodes.iter().any(|n| nodes.contains(n)));
+    edges.extend(ends.map(|(i, _)| i as u32));
+    let edges = edges.into_iter().map(|e| &axes.edges[e as usize]);
+    edges.flat_map(|e| e.left.iter().chain(&e.right).chain(&e.inner)).map(|f| f.0).collect()
+}
+
+/// Free-standing elements, the largest first, and the number of posts, which stay.
 fn elements(
     plan: &Plan,
     graph: &Graph,
     interior: &Interior,
+    held: &BTreeSet<u32>,
     pieces: &[Piece],
     neighbours: &Neighbours,
-) -> Vec<(Group, Vec<u32>)> {
+) -> (Vec<(Group, Vec<u32>)>, usize) {
     let mut union = Union((0..plan.walls.len() as u32).collect());
     let mut by_node: BTreeMap<u32, u32> = BTreeMap::new();
     let mut by_record: BTreeMap<usize, u32> = BTreeMap::new();
@@ -249,6 +271,7 @@ fn elements(
     let all = box_of(pieces.iter().flat_map(|p| [p.a, p.b])).unwrap_or_default();
     let longest = (all[1] - all[0]).max_element();
     let mut found: Vec<(f64, Group, Vec<u32>)> = Vec::new();
+    let mut posts = 0;
     for walls in clusters.values() {
         let points = || walls.iter().flat_map(|w| &plan.walls[*w as usize].trace.points);
         let [lo, hi] = box_of(points().map(|p| plan.frame.plan_from_um(*p))).unwrap_or_default();
@@ -257,8 +280,13 @@ fn elements(
             wall.trace.is_closed && !wall.is_solid
         });
         let is_inside = points().all(|p| interior.depth_m(*p) > INSIDE_MARGIN_M * plan.human_scale);
-        if encloses || !is_inside || (hi - lo).max_element() > ELEMENT_SHARE_MAX * longest * plan.human_scale
-        {
+        let size = (hi - lo) / plan.human_scale;
+        let is_held = walls.iter().any(|w| held.contains(w));
+        if encloses || is_held || !is_inside || size.max_element() > ELEMENT_SHARE_MAX * longest {
+            continue;
+        }
+        if size.max_element() <= POST_MAX_M {
+            posts += 1;
             continue;
         }
         let mut nodes: Vec<u32> =
@@ -281,14 +309,11 @@ fn elements(
         found.push(((hi - lo).length(), group, nodes));
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.2.cmp(&b.2)));
-    found
-        .into_iter()
-        .enumerate()
-        .map(|(i, (_, mut group, nodes))| {
-            group.name = format!("element-{}", i + 1);
-            (group, nodes)
-        })
-        .collect()
+    let named = found.into_iter().enumerate().map(|(i, (_, mut group, nodes))| {
+        group.name = format!("element-{}", i + 1);
+        (group, nodes)
+    });
+    (named.collect(), posts)
 }
 
 fn element_clauses(is_round: bool, scale: f64) -> Vec<Clause> {

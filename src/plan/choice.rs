@@ -9,7 +9,7 @@ use super::drawing::{Drawing, Entity, Format};
 use super::layers::{self, WallLayers};
 use super::roles::{Role, role_by_name};
 use super::scores::{Score, wall_scores};
-use super::views::{STRAY, Sheet, View, split};
+use super::views::{STRAY, Sheet, View, split, strays};
 use super::{LayerUse, PlanOptions, clutter, markers};
 use crate::report::{Error, Place, Report};
 
@@ -216,8 +216,9 @@ pub(super) fn choose_view(
     }
     let takes_all = options.view.as_deref().is_some_and(|v| v.trim().eq_ignore_ascii_case("all"));
     if views.len() < 2 {
-        let is_near = |(_, v): &(&usize, &usize)| takes_all || **v != STRAY;
-        let near: Vec<usize> = chosen.walls.iter().zip(&of_wall).filter(is_near).map(|(w, _)| *w).collect();
+        let far = strays(&walls, metres_per_unit);
+        let is_near = |i: &usize| takes_all || of_wall[*i] != STRAY && !far[*i];
+        let near: Vec<usize> = (0..walls.len()).filter(is_near).map(|i| chosen.walls[i]).collect();
         state_strays(drawing, chosen.walls.len() - near.len(), report);
         return Ok((near, views));
     }

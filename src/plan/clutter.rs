@@ -1,11 +1,12 @@
-//! What is no wall although it lies on a layer taken as walls without a name: treads and hatches drawn
-//! as lines, closed little rings of fittings.
+//! What is no wall although it lies on a layer of walls: stairs, paving, hatches drawn as lines.
 
 use std::collections::BTreeMap;
 
 use glam::DVec2;
 
 use super::drawing::{Drawing, Entity, Shape};
+use super::parallels::Straight;
+use super::{paving, stairs};
 use crate::report::{Place, Report};
 
 /// Lines in a row, equally long and equally far apart, from which they are treads or a hatch.
@@ -19,6 +20,68 @@ const SLENDER: f64 = 1.5;
 
 /// At least this many entities must lie on the layer: what is small is a sketch of walls alone.
 const ENTITIES_MIN: usize = 150;
+
+/// Takes stairs and paving out of `walls` (indices of the drawing's entities) and says so.
+pub(super) fn leave_out_stairs_and_paving(
+    drawing: &Drawing,
+    walls: &mut Vec<usize>,
+    metres_per_unit: f64,
+    report: &mut Report,
+) {
+    let lines = lines(drawing, walls, metres_per_unit);
+    let is_paving = paving::find(&lines);
+    state(
+        drawing,
+        walls,
+        &lines,
+        &is_paving,
+        "draw a grid of small equal cells: paving or a ceiling",
+        report,
+    );
+    let rest: Vec<Straight> =
+        (0..lines.len()).filter(|i| is_paving.binary_search(i).is_err()).map(|i| lines[i]).collect();
+    let is_stair = stairs::find(&rest);
+    state(
+        drawing,
+        walls,
+        &rest,
+        &is_stair,
+        "draw stairs: equal treads in a row and what lies between them",
+        report,
+    );
+}
+
+/// The entities among `walls` that are one straight line each.
+fn lines(drawing: &Drawing, walls: &[usize], metres_per_unit: f64) -> Vec<Straight> {
+    let origin = walls.iter().find_map(|i| line_of(&drawing.entities[*i])).map_or(DVec2::ZERO, |l| l.0);
+    let line = |entity: &usize| {
+        let (a, b) = line_of(&drawing.entities[*entity])?;
+        let [a, b] = [a, b].map(|p| (p - origin) * metres_per_unit);
+        Some(Straight { entity: *entity, a, b })
+    };
+    walls.iter().filter_map(line).collect()
+}
+
+/// Takes `found` of `lines` out of `walls` and says so.
+fn state(
+    drawing: &Drawing,
+    walls: &mut Vec<usize>,
+    lines: &[Straight],
+    found: &[usize],
+    what: &str,
+    report: &mut Report,
+) {
+    if found.is_empty() {
+        return;
+    }
+    // `lines` are in the order of `walls`, and so ascending.
+    walls.retain(|w| found.binary_search_by(|f| lines[*f].entity.cmp(w)).is_err());
+    let text = format!(
+        "{} lines on wall layers {what}; left out of the walls, --wall-layer takes them in",
+        found.len()
+    );
+    report.info("clutter", Place::file(&drawing.file), text);
+}
 
 /// Takes treads and hatch lines out of `walls` (indices of the drawing's entities) and says so.
 pub(super) fn leave_out(drawing: &Drawing, walls: &mut Vec<usize>, report: &mut Report) {

@@ -17,10 +17,12 @@ pub mod layers;
 pub mod markers;
 pub mod outline;
 pub mod parallels;
+mod paving;
 pub mod roles;
 pub mod rooms;
 mod scores;
 pub mod sight;
+mod stairs;
 pub mod structure;
 pub mod units;
 pub mod view_names;
@@ -165,14 +167,18 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         return Err(no_walls(drawing, &chosen.layers));
     };
     let unit = units::choose(drawing, options.unit, &walls, (extent[1] - extent[0]).max_element());
-    let (picked, views) = choice::choose_view(drawing, options, &chosen, unit.unit.metres, report)?;
+    let (mut picked, views) = choice::choose_view(drawing, options, &chosen, unit.unit.metres, report)?;
+    let is_our_choice = options.picked.is_none() && options.wall_layers.is_empty();
+    if is_our_choice && drawing.format == drawing::Format::Dxf {
+        clutter::leave_out_stairs_and_paving(drawing, &mut picked, unit.unit.metres, report);
+    }
     let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
     choice::state_columns_only(drawing, options, &walls, report);
     let extent = extent_of(&walls).unwrap_or(extent);
     let frame = Frame::new(unit.unit.metres, extent);
     let size_m = (extent[1] - extent[0]).max_element() * unit.unit.metres;
-    state_unit(drawing, &unit, size_m, report);
     let human_scale = units::person_scale(drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
+    state_unit(drawing, &unit, size_m, human_scale, report);
     let markers = markers::read(drawing, options, &frame, report);
     let is_locked = |e: &Entity| drawing.layers.iter().any(|l| l.is_locked && l.name == e.layer);
     let mut walls: Vec<Wall> = walls.iter().map(|e| wall_of(e, &frame, is_locked(e))).collect();
@@ -236,22 +242,37 @@ fn wall_of(entity: &Entity, frame: &Frame, is_locked: bool) -> Wall {
     }
 }
 
-fn state_unit(drawing: &Drawing, unit: &UnitChoice, size_m: f64, report: &mut Report) {
+fn state_unit(drawing: &Drawing, unit: &UnitChoice, size_m: f64, human_scale: f64, report: &mut Report) {
     let place = Place::file(&drawing.file);
     report.info(
         if unit.is_assumed { "unit-assumed" } else { "unit" },
         place.clone(),
         format!("unit: {}", unit.reason),
     );
-    if !(PLAUSIBLE_SIZE_M[0]..=PLAUSIBLE_SIZE_M[1]).contains(&size_m) {
-        let [lo, hi] = PLAUSIBLE_SIZE_M;
-        let text = format!(
-            "the drawing is {size_m:.3} m long when read in {}, expected {lo} to {hi} m for a building; read as stated, \
-             doors and default moves taken in proportion; --unit overrides it (--unit 25m: one drawing unit is 25 m)",
-            unit.unit.name
-        );
-        report.info("unit-implausible", place, text);
+    let [lo, hi] = PLAUSIBLE_SIZE_M;
+    let is_believed = (lo..=hi).contains(&size_m);
+    if is_believed && human_scale == 1.0 {
+        return;
     }
+    let seen = match is_believed {
+        false => format!(
+            "the drawing is {size_m:.3} m long when read in {}, expected {lo} to {hi} m for a building",
+            unit.unit.name
+        ),
+        true => format!(
+            "the drawing is {size_m:.1} m long when read in {}, and its walls are too thin for that: it is an \
+             illustration of unknown scale",
+            unit.unit.name
+        ),
+    };
+    let done = match human_scale == 1.0 {
+        true => "read as stated".to_string(),
+        false => format!(
+            "read as stated, doors and default moves taken in proportion (a person's metre as {human_scale} m)"
+        ),
+    };
+    let text = format!("{seen}; {done}; --unit overrides it (--unit 25m: one drawing unit is 25 m)");
+    report.info("unit-implausible", place, text);
 }
 
 /// Box of some points, `None` for none.

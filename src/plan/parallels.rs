@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::drawing::{Entity, Shape};
 
 /// Directions nearer than this are parallel: drawn walls are off by less, furniture by more.
-const DIRECTION_STEP_RAD: f64 = std::f64::consts::PI / 180.0;
+pub const DIRECTION_STEP_RAD: f64 = std::f64::consts::PI / 180.0;
 
 /// Neighbours looked at before a piece counts as alone; keeps hatches near-linear.
 const LOOK_MAX: usize = 48;
@@ -30,6 +30,35 @@ impl Piece {
     /// Length, drawing units.
     pub fn length(&self) -> f64 {
         self.a.distance(self.b)
+    }
+}
+
+/// A straight line as one entity draws it, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Straight {
+    /// Its entity: index in the list it was taken from.
+    pub entity: usize,
+    /// Start.
+    pub a: DVec2,
+    /// End.
+    pub b: DVec2,
+}
+
+impl Straight {
+    /// Length, metres.
+    pub fn length(&self) -> f64 {
+        self.a.distance(self.b)
+    }
+
+    /// Direction, radians, in half a turn from half a [`DIRECTION_STEP_RAD`] below 0.
+    pub fn direction_rad(&self) -> f64 {
+        let angle = (self.b - self.a).to_angle().rem_euclid(std::f64::consts::PI);
+        // A hair below π is a hair below 0.
+        if angle > std::f64::consts::PI - DIRECTION_STEP_RAD / 2.0 {
+            angle - std::f64::consts::PI
+        } else {
+            angle
+        }
     }
 }
 

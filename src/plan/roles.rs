@@ -1,5 +1,8 @@
 //! What a layer is for, by its name: words of many languages, office standards' codes.
 
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
 use super::layers::{base_name, words};
 
 /// What the entities of a layer stand for.
@@ -177,15 +180,16 @@ pub fn role_by_name(layer: &str) -> (Role, String) {
     if let Some(word) = has(LOW_ALONE) {
         return (Role::LowWall, format!("its name has the word {word:?} (low walls)"));
     }
-    for (role, list) in WORDS {
-        let hit = words.iter().find(|w| list.split_ascii_whitespace().any(|p| matches(p, w)));
-        let Some(word) = hit else { continue };
-        if *role == Role::Wall
+    let ranks = words.iter().filter_map(|w| Some((rank(w)?, w)));
+    // Of equals the first: the order of the words in the name.
+    if let Some((first, word)) = ranks.min_by_key(|(rank, _)| *rank) {
+        let role = WORDS[first].0;
+        if role == Role::Wall
             && let Some(low) = has(LOW)
         {
             return (Role::LowWall, format!("its name has the words {word:?} and {low:?} (low walls)"));
         }
-        return (*role, format!("its name has the word {word:?} ({})", role.words()));
+        return (role, format!("its name has the word {word:?} ({})", role.words()));
     }
     match by_code(name) {
         Some((role, code)) => (role, format!("its name has the element code {code} ({})", role.words())),
@@ -217,11 +221,19 @@ fn by_class(layer: &str) -> Option<(&str, Role)> {
     is_class.then_some((layer, role))
 }
 
-fn matches(pattern: &str, word: &str) -> bool {
-    match pattern.strip_prefix('*') {
-        Some(end) => word.ends_with(end),
-        None => pattern == word,
-    }
+/// The first line of [`WORDS`] that has a word, looked up so that a hundred thousand layers are no trouble.
+fn rank(word: &str) -> Option<usize> {
+    static WHOLE: LazyLock<HashMap<&str, usize>> = LazyLock::new(|| {
+        let lines = WORDS.iter().enumerate().rev();
+        lines.flat_map(|(i, (_, list))| list.split_ascii_whitespace().map(move |w| (w, i))).collect()
+    });
+    static ENDS: LazyLock<Vec<(&str, usize)>> = LazyLock::new(|| {
+        let lines = WORDS.iter().enumerate();
+        let all = lines.flat_map(|(i, (_, list))| list.split_ascii_whitespace().map(move |w| (w, i)));
+        all.filter_map(|(w, i)| Some((w.strip_prefix('*')?, i))).collect()
+    });
+    let end = ENDS.iter().filter(|(end, _)| word.ends_with(end)).map(|e| e.1).min();
+    WHOLE.get(word).copied().into_iter().chain(end).min()
 }
 
 /// CI/SfB element codes as BS 1192 and ISO 13567 layers carry them: `A-210-M`, `A22-…`, `A-G21---E`.

@@ -31,6 +31,10 @@ const SWINGS_SURE: usize = 4;
 const PAIRS_MIN: usize = 8;
 const PAIRS_SHARE: f64 = 0.25;
 
+/// Faces farther apart than this share of the walls' extent, in the middle, are those of rooms: the walls are
+/// drawn with one line and tell no thickness.
+const THICK_SHARE_MAX: f64 = 0.06;
+
 /// A swing sweeps about a quarter turn.
 const SWING_RAD: [f64; 2] = [1.0, 1.75];
 
@@ -82,7 +86,8 @@ impl Witnesses {
         let total: f64 = self.thicknesses.iter().map(|t| t.1).sum();
         let fit: f64 =
             self.thicknesses.iter().filter(|t| is_in(t.0 * unit.metres, THICK_M)).map(|t| t.1).sum();
-        let speaks = self.thicknesses.len() >= PAIRS_MIN && self.paired_share >= PAIRS_SHARE;
+        let is_thickness = self.middle_thickness().is_some_and(|t| t <= THICK_SHARE_MAX * self.extent);
+        let speaks = is_thickness && self.thicknesses.len() >= PAIRS_MIN && self.paired_share >= PAIRS_SHARE;
         speaks.then(|| fit / total)
     }
 
@@ -141,6 +146,10 @@ const THIN_M: f64 = 0.03;
 /// The thickness that walls drawn at another scale are taken to have.
 const USUAL_WALL_M: f64 = 0.15;
 
+/// Faces in pairs, and their share of all length, by which even a small drawing shows how thick its walls are.
+const PAIRS_FEW: usize = 4;
+const PAIRS_FEW_SHARE: f64 = 0.6;
+
 /// Metres of the plan in one metre of a person, for plans drawn at an unknown scale (illustrations): decided by
 /// the thickness of the walls where they are drawn with one, else by the plan's size ([`human_scale`]).
 pub fn person_scale(drawing: &Drawing, walls: &[&Entity], extent_units: f64, unit: Unit) -> f64 {
@@ -149,7 +158,9 @@ pub fn person_scale(drawing: &Drawing, walls: &[&Entity], extent_units: f64, uni
         return 1.0;
     }
     let seen = Witnesses::new(drawing, walls, extent_units);
-    let thickness_m = seen.walls(unit).and_then(|_| seen.middle_thickness()).map(|t| t * unit.metres);
+    let is_thick = seen.thicknesses.len() >= PAIRS_FEW && seen.paired_share >= PAIRS_FEW_SHARE;
+    let has_thickness = is_thick || seen.walls(unit).is_some();
+    let thickness_m = seen.middle_thickness().filter(|_| has_thickness).map(|t| t * unit.metres);
     match thickness_m {
         Some(t) if is_in(t, THICK_M) => 1.0,
         Some(t) if t > 0.0 && t < THIN_M && size_m >= SMALL_PLAN_M => two_digits(t / USUAL_WALL_M),

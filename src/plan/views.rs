@@ -97,6 +97,25 @@ pub fn split(
     sheet
 }
 
+/// A part of all walls smaller than this, farther off than [`NEAR_M`] twice, is no part of the building.
+const STRAY_SHARE: f64 = 0.01;
+
+/// Which walls stand far from all others and are next to nothing: pieces forgotten on the sheet.
+pub fn strays(walls: &[&Entity], metres_per_unit: f64) -> Vec<bool> {
+    let pieces = pieces(walls.iter().copied());
+    let Some([lo, hi]) = box_of(pieces.iter().flat_map(|p| [p.a, p.b])) else {
+        return vec![false; walls.len()];
+    };
+    let cell = (NEAR_M / metres_per_unit).max((hi - lo).max_element() / CELLS_MAX);
+    let mut raster = Raster { lo, cell, cells: BTreeMap::new() };
+    pieces.iter().for_each(|p| raster.draw(p.a, p.b, 1));
+    let few = (STRAY_SHARE * pieces.len() as f64).min(OWN_PIECES as f64);
+    let far: Vec<[DVec2; 2]> =
+        raster.parts().into_iter().filter(|p| (p.wall_pieces as f64) < few).map(|p| p.extent).collect();
+    let is_in = |p: DVec2| far.iter().any(|b| gap(b, &[p, p]) <= 0.0);
+    walls.iter().map(|w| is_in(middle(&w.shape))).collect()
+}
+
 /// What hangs together: box and number of wall pieces.
 struct Part {
     extent: [DVec2; 2],

@@ -1,14 +1,25 @@
 //! How much of a plan was understood.
 
 use enfilade::plan::axes::{AxisGraph, NodeKind, OpeningKind};
+use enfilade::plan::drawing::Drawing;
+use enfilade::plan::{PlanOptions, understand};
+use enfilade::report::Report;
 use glam::DVec2;
 
-use super::plans::{Kind, Plan};
+use super::plans::{Arc, Column, Kind, Plan};
+use super::styles::Office;
 
 /// Nodes nearer than this are the same.
 pub const NODE_M: f64 = 0.02;
 /// Openings whose centres and widths differ by less than this are the same.
 pub const OPENING_M: f64 = 0.05;
+
+/// Largest relative error of the mean degree.
+pub const DEGREE_SHARE: f64 = 0.02;
+/// Distance of the places whose degree is measured.
+const PLACES_M: f64 = 0.8;
+/// Places nearer to a wall than this are left out.
+const CLEAR_M: f64 = 0.15;
 
 /// Found and true things.
 #[derive(Clone, Copy, Debug, Default)]
@@ -43,6 +54,8 @@ pub struct Score {
     pub openings: Count,
     /// Edges found whose thickness is right within 10 mm.
     pub thickness: Count,
+    /// Largest relative difference of the mean degree past the axes found from that past the true ones.
+    pub degree_error: f64,
 }
 
 impl Score {
@@ -51,10 +64,14 @@ impl Score {
         self.edges.add(other.edges);
         self.openings.add(other.openings);
         self.thickness.add(other.thickness);
+        self.degree_error = self.degree_error.max(other.degree_error);
     }
 
     pub fn holds(&self) -> bool {
-        self.nodes.f1() >= 0.97 && self.edges.f1() >= 0.97 && self.openings.f1() >= 0.95
+        self.nodes.f1() >= 0.97
+            && self.edges.f1() >= 0.97
+            && self.openings.f1() >= 0.95
+            && self.degree_error <= DEGREE_SHARE
     }
 }
 
@@ -104,7 +121,82 @@ pub fn score(plan: &Plan, found: &AxisGraph, has_thickness: bool) -> Score {
     out.thickness.found = out.edges.right;
     out.thickness.truth = out.edges.right;
     out.openings = openings(plan, found);
+    out.degree_error = degree_error(plan, found);
     out
+}
+
+/// Whether a drawing's unit is the one that it was drawn in, whatever the file says.
+pub fn has_right_unit(drawing: &Drawing, office: &Office) -> bool {
+    let plan = understand(drawing, &PlanOptions::default(), &mut Report::default());
+    plan.is_ok_and(|p| p.unit.unit.metres == office.unit_m)
+}
+
+type Piece = [DVec2; 2];
+
+fn pieces_of(a: DVec2, b: DVec2, bulge: f64) -> Vec<Piece> {
+    let way = Arc::new(a, b, bulge);
+    let n = if bulge == 0.0 { 1 } else { 24 };
+    let at = |k: usize| way.at(k as f64 / f64::from(n));
+    (0..n as usize).map(|k| [at(k), at(k + 1)]).collect()
+}
+
+fn ring_pieces(ring: &[DVec2]) -> impl Iterator<Item = Piece> + '_ {
+    (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]])
+}
+
+/// How far the mean degree of places in a plan is off if its walls stand on the axes found.
+fn degree_error(plan: &Plan, found: &AxisGraph) -> f64 {
+    let mut truth: Vec<Piece> = plan
+        .walls
+        .iter()
+        .flat_map(|w| pieces_of(plan.nodes[w.nodes[0]], plan.nodes[w.nodes[1]], w.bulge))
+        .collect();
+    let mut seen: Vec<Piece> = Vec::new();
+    for e in &found.edges {
+        let [a, b] = found.ends(e);
+        seen.extend(pieces_of(a, b, e.bulge));
+    }
+    for c in &plan.columns {
+        match c {
+            Column::Box { corners } => truth.extend(ring_pieces(corners)),
+            Column::Round { centre, radius } => {
+                let ring: Vec<DVec2> =
+                    (0..24).map(|k| *centre + DVec2::from_angle(f64::from(k) * 0.2618) * *radius).collect();
+                truth.extend(ring_pieces(&ring));
+            }
+        }
+    }
+    for n in &found.nodes {
+        if let NodeKind::Column(ring) = &n.kind {
+            seen.extend(ring_pieces(ring));
+        }
+    }
+    let places = places(&truth);
+    let degree = |walls: &[Piece]| {
+        let sees = |i: usize, j: usize| !walls.iter().any(|w| cross([places[i], places[j]], *w));
+        (0..places.len()).map(|i| (i + 1..places.len()).filter(|j| sees(i, *j)).count()).sum::<usize>() as f64
+    };
+    (degree(&seen) / degree(&truth) - 1.0).abs()
+}
+
+/// A lattice over the box of the walls, away from them.
+fn places(walls: &[Piece]) -> Vec<DVec2> {
+    let ends = || walls.iter().flatten();
+    let lo = ends().fold(DVec2::MAX, |m, p| m.min(*p));
+    let count = ((ends().fold(DVec2::MIN, |m, p| m.max(*p)) - lo) / PLACES_M).floor();
+    let all = (0..count.x as u32).flat_map(|i| (0..count.y as u32).map(move |j| (i, j)));
+    let at = all.map(|(i, j)| lo + (DVec2::new(f64::from(i), f64::from(j)) + 0.37) * PLACES_M);
+    at.filter(|p| walls.iter().all(|w| distance(*p, *w) > CLEAR_M)).collect()
+}
+
+fn distance(p: DVec2, [a, b]: Piece) -> f64 {
+    let t = ((p - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
+    p.distance(a.lerp(b, t))
+}
+
+fn cross([a, b]: Piece, [c, d]: Piece) -> bool {
+    let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p) >= 0.0;
+    side(a, b, c) != side(a, b, d) && side(c, d, a) != side(c, d, b)
 }
 
 fn openings(plan: &Plan, found: &AxisGraph) -> Count {

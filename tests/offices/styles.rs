@@ -53,6 +53,17 @@ pub const LAYERS: [[&str; 4]; 6] = [
     ["xref-OG1$0$A-WALL", "xref-OG1$0$A-COLS", "xref-OG1$0$A-DOOR", "xref-OG1$0$A-GLAZ"],
 ];
 
+const MM: Unit = Unit { name: "mm", metres: 0.001 };
+
+/// Units drawn in, and what the file says: right, wrong, nothing.
+pub const UNITS: [(f64, Option<Unit>); 5] = [
+    (0.001, Some(MM)),
+    (0.01, Some(MM)),
+    (1.0, None),
+    (0.0254, Some(MM)),
+    (0.001, Some(Unit { name: "in", metres: 0.0254 })),
+];
+
 /// How an office draws.
 #[derive(Clone, Copy, Debug)]
 pub struct Office {
@@ -71,8 +82,7 @@ pub struct Office {
 
 impl Office {
     pub fn new(style: Style, noise: bool) -> Self {
-        let mm = Unit { name: "mm", metres: 0.001 };
-        Self { style, noise, layers: 0, blocks: false, unit_m: 0.001, declared: Some(mm) }
+        Self { style, noise, layers: 0, blocks: false, unit_m: 0.001, declared: Some(MM) }
     }
 }
 

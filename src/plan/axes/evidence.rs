@@ -11,10 +11,14 @@ use super::{Drawn, Mark, OpeningKind, Path, Role};
 
 /// How far beside the wall's faces something still lies in an opening.
 pub const BESIDE_M: f64 = 0.06;
+/// What is said of a window that nothing but lines show.
+pub const PANES: &str = "lines along the wall between its jambs";
 /// How far from a jamb a door leaf may turn.
 const HINGE_M: f64 = 0.15;
 /// Share of the gap that a window line runs along.
 const PANE_COVER: f64 = 0.6;
+/// Share of the gap that a door known by its layer or block alone reaches along.
+const DOOR_COVER: f64 = 0.4;
 /// Half the width in which things lie in the gap of a wall drawn as one line.
 const SINGLE_HALF_M: f64 = 0.21;
 
@@ -46,7 +50,7 @@ impl<'a> Evidence<'a> {
             half: if thickness > 0.0 { thickness / 2.0 } else { SINGLE_HALF_M },
         };
         let around = carrier.points(gap);
-        let mut seen = Seen::default();
+        let mut seen = Seen { gap_m: spans::length(gap), ..Seen::default() };
         for m in self.marks_near.along(&around, band.half + LEAF_M[1]) {
             let mark = &self.drawn.marks[m as usize];
             if seen.look_at(mark, &band) {
@@ -128,6 +132,13 @@ impl Band {
         self.has(middle, ERROR_GAP_M)
     }
 
+    /// What a piece reaches along the gap.
+    fn reach_of(&self, path: &Path) -> Option<Span> {
+        let along = trace(path).into_iter().map(|p| self.carrier.s_of(p));
+        let (from, to) = along.fold((f64::MAX, f64::MIN), |b, s| (b.0.min(s), b.1.max(s)));
+        spans::overlap([from, to], self.gap)
+    }
+
     /// A line along the wall through most of the gap.
     fn has_pane(&self, path: &Path) -> bool {
         let ends = path.ends();
@@ -165,7 +176,10 @@ impl Band {
 #[derive(Debug, Default)]
 pub struct Seen {
     pub swing: bool,
+    gap_m: f64,
     door: Option<String>,
+    /// What parts of doors reach along the gap.
+    door_spans: Vec<Span>,
     window: Option<String>,
     panes: bool,
     /// Indices of [`Drawn::marks`] that belong to the opening.
@@ -181,6 +195,9 @@ impl Seen {
         let inside = mark.paths.iter().any(|p| band.holds(p));
         let panes = mark.paths.iter().any(|p| band.has_pane(p));
         self.swing |= swing;
+        if mark.role == Role::Door && (inside || swing) {
+            self.door_spans.extend(mark.paths.iter().filter_map(|p| band.reach_of(p)));
+        }
         match mark.role {
             Role::Door if inside || swing => self.door.get_or_insert(mark.word.clone()),
             Role::Window | Role::Glazing if inside => self.window.get_or_insert(mark.word.clone()),
@@ -198,7 +215,9 @@ impl Seen {
         let with = |what: &str, word: &str| {
             if word.is_empty() { what.to_string() } else { format!("{what}: {word}") }
         };
-        if let Some(word) = &self.door {
+        let reach_m: f64 =
+            spans::joined(self.door_spans.clone(), ERROR_GAP_M).into_iter().map(spans::length).sum();
+        if let Some(word) = self.door.as_ref().filter(|_| self.swing || reach_m >= DOOR_COVER * self.gap_m) {
             return (
                 OpeningKind::Door,
                 with(if self.swing { "door swing and layer or block" } else { "layer or block" }, word),
@@ -211,7 +230,7 @@ impl Seen {
             return (OpeningKind::Window, with("layer or block", word));
         }
         if self.panes {
-            return (OpeningKind::Window, "lines along the wall between its jambs".into());
+            return (OpeningKind::Window, PANES.into());
         }
         (OpeningKind::Passage, "nothing is drawn in the gap".into())
     }

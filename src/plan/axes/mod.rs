@@ -24,6 +24,7 @@ mod near;
 mod openings;
 mod rows;
 mod runs;
+mod shell;
 mod solids;
 mod spans;
 mod strips;
@@ -375,10 +376,14 @@ impl AxisGraph {
             said.push(format!("wall thicknesses: {}", thick.join(", ")));
         }
         if !self.closures.is_empty() {
-            said.push(format!("{} gaps of drawing error closed", self.closures.len()));
+            let limit = tolerances::ERROR_GAP_M;
+            said.push(format!("{} gaps of drawing error (up to {limit} m) closed", self.closures.len()));
         }
         if !self.leftovers.is_empty() {
-            said.push(format!("{} wall pieces left out", self.leftovers.len()));
+            let mut reasons: std::collections::BTreeMap<&str, usize> = std::collections::BTreeMap::new();
+            self.leftovers.iter().for_each(|l| *reasons.entry(l.reason).or_default() += 1);
+            let listed: Vec<String> = reasons.iter().map(|(why, n)| format!("{n} ({why})")).collect();
+            said.push(format!("{} wall pieces left out: {}", self.leftovers.len(), listed.join(", ")));
         }
         self.statements.extend(said);
     }

@@ -1,0 +1,330 @@
+//! Odd drawings that are read: what is taken as walls and in which unit, and what is said about it, word for
+//! word.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
+
+use std::fmt::Write;
+
+use enfilade::formats::dxf::{ReadOptions, patch, read};
+use enfilade::plan::axes::AxisGraph;
+use enfilade::plan::drawing::{Edit, Shape};
+use enfilade::plan::{Plan, PlanOptions, structure, understand};
+use enfilade::report::{Error, Report};
+use glam::DVec2;
+
+/// A drawing of lines `(layer, [x0, y0, x1, y1])`; `header` and `layers` in lines joined by `|`.
+fn drawing(header: &str, layers: &str, lines: &[(&str, [f64; 4])]) -> String {
+    let split =
+        |text: &str| text.split('|').filter(|l| !l.is_empty()).fold(String::new(), |s, l| s + l + "\n");
+    let mut out = split("0|SECTION|2|HEADER") + &split(header) + &split("0|ENDSEC");
+    if !layers.is_empty() {
+        out += &(split("0|SECTION|2|TABLES|0|TABLE|2|LAYER|70|9")
+            + &split(layers)
+            + &split("0|ENDTAB|0|ENDSEC"));
+    }
+    out += &split("0|SECTION|2|ENTITIES");
+    for (layer, [x0, y0, x1, y1]) in lines {
+        write!(out, "0\nLINE\n8\n{layer}\n10\n{x0}\n20\n{y0}\n11\n{x1}\n21\n{y1}\n").unwrap();
+    }
+    out + &split("0|ENDSEC|0|EOF")
+}
+
+const METRES: &str = "9|$ACADVER|1|AC1024|9|$INSUNITS|70|6";
+
+fn plan_of(bytes: &[u8], options: &PlanOptions) -> (Result<Plan, Error>, Vec<String>) {
+    let mut report = Report::default();
+    let drawing = read("plan.dxf", bytes, &ReadOptions::default(), &mut report).expect("it is read");
+    let plan = understand(&drawing, options, &mut report);
+    (plan, report.problems.iter().map(|p| format!("{} {:?} {p}", p.code, p.severity)).collect())
+}
+
+fn plain(text: &str) -> (Result<Plan, Error>, Vec<String>) {
+    plan_of(text.as_bytes(), &PlanOptions::default())
+}
+
+fn refusal(text: &str, options: &PlanOptions) -> String {
+    let error = plan_of(text.as_bytes(), options).0.expect_err("must be refused");
+    assert_eq!(error.exit_code(), 2);
+    error.to_string()
+}
+
+fn layer(name: &str, flags: i32, colour: i32) -> String {
+    format!("0|LAYER|2|{name}|70|{flags}|62|{colour}|6|CONTINUOUS|")
+}
+
+/// The four walls of a room on a layer, one line a wall, metres.
+fn room(on: &'static str) -> Vec<(&'static str, [f64; 4])> {
+    [[0.0, 0.0, 9.0, 0.0], [9.0, 0.0, 9.0, 9.0], [9.0, 9.0, 0.0, 9.0], [0.0, 9.0, 0.0, 0.0]]
+        .map(|l| (on, l))
+        .to_vec()
+}
+
+/// Hazard 34: no layer has walls, and the user hears which layers there are.
+#[test]
+fn without_walls_the_layers_are_listed() {
+    let none = PlanOptions::default();
+    let two =
+        [("ROOF", [0.0, 0.0, 5.0, 0.0]), ("EAVES", [0.0, 0.0, 5.0, 0.0]), ("EAVES", [0.0, 3.0, 5.0, 9.0])];
+    let end = "nothing was measured; name the layer of the walls with --wall-layer NAME";
+    assert_eq!(
+        refusal(&drawing(METRES, "", &two), &none),
+        format!("plan.dxf: no entity on a wall layer, layers present: EAVES (2), ROOF (1); {end}")
+    );
+    assert_eq!(
+        refusal(&drawing(METRES, "", &[]), &none),
+        format!("plan.dxf: no entity on a wall layer, layers present: none; {end}")
+    );
+    let many: Vec<(String, [f64; 4])> =
+        (0..15).map(|i| (format!("DIM{i:02}"), [0.0, f64::from(i), 5.0, f64::from(i * i)])).collect();
+    let many: Vec<(&str, [f64; 4])> = many.iter().map(|(l, p)| (l.as_str(), *p)).collect();
+    let named: Vec<String> = (0..12).map(|i| format!("DIM{i:02} (1)")).collect();
+    assert_eq!(
+        refusal(&drawing(METRES, "", &many), &PlanOptions { wall_layers: vec!["WALL*".into()], ..none }),
+        format!(
+            "plan.dxf: no entity on a wall layer, layers present: {} and 3 more; {end}",
+            named.join(", ")
+        )
+    );
+}
+
+/// Hazard 30: walls that are off or frozen are not taken, and that is said; locked ones are measured and
+/// stay; of a bound drawing the name after its prefix counts; the user's wildcards go before all names.
+#[test]
+fn layers_are_taken_as_a_cad_user_expects() {
+    let off = [layer("A-WALL", 0, -7), layer("WAND", 1, 7)].concat();
+    let lines =
+        [room("A-WALL"), room("WAND"), vec![("EAVES", [0.0, 0.0, 5.0, 0.0]), ("ROOF", [1.0; 4])]].concat();
+    assert_eq!(
+        refusal(&drawing(METRES, &off, &lines), &PlanOptions::default()),
+        "plan.dxf: no entity on a wall layer (off or frozen: A-WALL, WAND), layers present: A-WALL (4), WAND (4), \
+         EAVES (1), ROOF (1); nothing was measured; name the layer of the walls with --wall-layer NAME"
+    );
+    let locked = layer("house$0$A-WALL", 4, 7);
+    let lines =
+        [room("house$0$A-WALL"), room("site|A-WALL-PATT"), room("../../x"), room("=cmd|' /C calc'!A0")];
+    let text = drawing(METRES, &locked, &lines.concat());
+    let plan = plain(&text).0.unwrap();
+    let roles: Vec<(&str, &str)> = plan.layers.iter().map(|l| (l.name.as_str(), l.role)).collect();
+    let expected = [
+        ("../../x", "ignored"),
+        ("=cmd|' /C calc'!A0", "ignored"),
+        ("house$0$A-WALL", "wall"),
+        ("site|A-WALL-PATT", "ignored"),
+    ];
+    assert_eq!(roles, expected);
+    let locked = plan.walls.iter().all(|w| {
+        w.editable == enfilade::plan::drawing::Editable::No("its layer \"house$0$A-WALL\" is locked".into())
+    });
+    assert!(locked && plan.walls.len() == 4);
+    let options =
+        PlanOptions { wall_layers: vec!["=CMD*".into(), "../*/x".into()], ..PlanOptions::default() };
+    let plan = plan_of(text.as_bytes(), &options).0.unwrap();
+    assert_eq!((plan.walls.len(), plan.layers.iter().filter(|l| l.role == "wall").count()), (8, 2));
+}
+
+/// Hazard 30: a hundred thousand layers are no trouble.
+#[test]
+fn a_hundred_thousand_layers_are_read() {
+    let names: Vec<String> = (0..100_000).map(|i| format!("L{i}")).collect();
+    let mut lines: Vec<(&str, [f64; 4])> = names.iter().map(|n| (n.as_str(), [0.0, 0.0, 1.0, 1.0])).collect();
+    lines.extend(room("Mur"));
+    let plan = plain(&drawing(METRES, "", &lines)).0.unwrap();
+    assert_eq!((plan.walls.len(), plan.layers.len()), (4, 100_001));
+}
+
+/// Hazard 27: names in many code pages are read, decide the walls, and are left to the byte.
+#[test]
+fn layer_names_of_many_code_pages_are_understood_and_kept() {
+    let header = |version: &str, page: &str| match page {
+        "" => format!("9|$ACADVER|1|{version}|9|$INSUNITS|70|6"),
+        page => format!("9|$ACADVER|1|{version}|9|$DWGCODEPAGE|3|{page}|9|$INSUNITS|70|6"),
+    };
+    let cases: [(&str, &str, &[u8], &str); 8] = [
+        ("AC1015", "ANSI_1252", b"W\xe4nde", "Wände"),
+        ("AC1015", "ANSI_932", b"\x95\xc7", "壁"),
+        ("AC1009", "", b"_0-9_\x95\xc7__\x91\x8b", "_0-9_壁__窓"),
+        ("AC1015", "ANSI_936", b"\xc7\xbd", "墙"),
+        ("AC1021", "ANSI_1252", "Wände".as_bytes(), "Wände"),
+        ("AC1015", "ANSI_1252", b"W\\U+00E4nde", "Wände"),
+        ("AC1021", "ANSI_1252", b"W\xe4nde", "Wände"),
+        ("AC1015", "ANSI_1251", b"\xd1\xf2\xe5\xed\xfb", "Стены"),
+    ];
+    for (version, page, name, expected) in cases {
+        let text = drawing(&header(version, page), "", &room("@@")).into_bytes();
+        let mut bytes = Vec::new();
+        let mut rest = &text[..];
+        while let Some(at) = rest.windows(2).position(|w| w == b"@@") {
+            bytes.extend([&rest[..at], name].concat());
+            rest = &rest[at + 2..];
+        }
+        bytes.extend(rest);
+        let (plan, _) = plan_of(&bytes, &PlanOptions::default());
+        let plan = plan.unwrap_or_else(|e| panic!("{expected} in {page}: {e}"));
+        assert_eq!(
+            (plan.layers[0].name.as_str(), plan.layers[0].role),
+            (expected, "wall"),
+            "{version} {page}"
+        );
+        let shape = Shape::Line { a: DVec2::ZERO, b: DVec2::new(7.5, 0.0) };
+        let edit = Edit::Shape { record: plan.walls[0].source.record, shape };
+        let patched = patch("plan.dxf", &bytes, &[edit], &[]).unwrap();
+        let at = bytes.windows(5).position(|w| w == b"11\n9\n").unwrap();
+        assert_eq!(patched, [&bytes[..at], b"11\n7.5\n", &bytes[at + 5..]].concat(), "{version} {page}");
+    }
+}
+
+/// A house of 12 by 8 m with walls of 0.2 m and four doors, times `units` drawing units a metre.
+fn house(header: &str, units: f64) -> String {
+    let mut lines: Vec<[f64; 4]> = Vec::new();
+    let mut wall = |x0: f64, y0: f64, x1: f64, y1: f64| {
+        lines.extend([[x0, y0, x1, y0], [x1, y0, x1, y1], [x1, y1, x0, y1], [x0, y1, x0, y0]]);
+    };
+    wall(0.0, 0.0, 12.0, 0.2);
+    wall(0.0, 7.8, 12.0, 8.0);
+    wall(0.0, 0.2, 0.2, 7.8);
+    wall(11.8, 0.2, 12.0, 7.8);
+    for x in [3.0, 6.0, 9.0] {
+        wall(x, 0.2, x + 0.2, 3.0);
+        wall(x, 3.9, x + 0.2, 7.8);
+    }
+    let mut walls: Vec<(&str, [f64; 4])> = lines.iter().map(|l| ("WALL", l.map(|v| v * units))).collect();
+    let leaves = [3.1, 6.1, 9.1].map(|x| ("DOOR", [x, 3.0, x + 0.9, 3.0].map(|v| v * units)));
+    walls.extend(leaves);
+    let text = drawing(header, "", &walls);
+    let arcs: String = [3.1, 6.1, 9.1]
+        .iter()
+        .map(|x| {
+            format!(
+                "0\nARC\n8\nDOOR\n10\n{}\n20\n{}\n40\n{}\n50\n0\n51\n90\n",
+                x * units,
+                3.0 * units,
+                0.9 * units
+            )
+        })
+        .collect();
+    text.replacen("0\nENDSEC\n0\nEOF", &(arcs + "0\nENDSEC\n0\nEOF"), 1)
+}
+
+/// Hazard 35: a missing or wrong unit is decided by what is drawn, and said; the user's word goes first.
+#[test]
+fn units_are_decided_by_what_is_drawn() {
+    let header = |code: i32| format!("9|$ACADVER|1|AC1024|9|$INSUNITS|70|{code}");
+    let seen = "the walls are 12.0 m long, wall faces 0.20 m apart, 3 door leaves of about 0.90 m";
+    let cases = [
+        (
+            0,
+            1.0,
+            "m",
+            format!(
+                "unit-assumed Info plan.dxf: unit: m assumed ($INSUNITS 0, no $MEASUREMENT): then {seen}; --unit overrides it"
+            ),
+        ),
+        (
+            0,
+            1000.0,
+            "mm",
+            format!(
+                "unit-assumed Info plan.dxf: unit: mm assumed ($INSUNITS 0, no $MEASUREMENT): then {seen}; --unit overrides it"
+            ),
+        ),
+        (
+            4,
+            1.0,
+            "m",
+            format!(
+                "unit-assumed Info plan.dxf: unit: m assumed although the file says mm ($INSUNITS 4, no $MEASUREMENT): then {seen}; in mm the walls are 0.0 m long, wall faces 0.00 m apart, 3 door leaves of about 0.00 m; --unit overrides it"
+            ),
+        ),
+        (
+            6,
+            1000.0,
+            "mm",
+            format!(
+                "unit-assumed Info plan.dxf: unit: mm assumed although the file says m ($INSUNITS 6, no $MEASUREMENT): then {seen}; in m the walls are 12000.0 m long, wall faces 200.00 m apart, 3 door leaves of about 900.00 m; --unit overrides it"
+            ),
+        ),
+        (
+            4,
+            1.0 / 0.0254,
+            "in",
+            format!(
+                "unit-assumed Info plan.dxf: unit: in assumed although the file says mm ($INSUNITS 4, no $MEASUREMENT): then {seen}; in mm the walls are 0.5 m long, wall faces 0.01 m apart, 3 door leaves of about 0.04 m; --unit overrides it"
+            ),
+        ),
+        (
+            2,
+            1.0 / 0.3048,
+            "ft",
+            format!("unit Info plan.dxf: unit: ft by $INSUNITS 2, no $MEASUREMENT; {seen} fit"),
+        ),
+    ];
+    for (code, units, name, said) in cases {
+        let (plan, problems) = plain(&house(&header(code), units));
+        assert_eq!(plan.unwrap().unit.unit.name, name);
+        assert_eq!(problems, [said]);
+    }
+    let options = PlanOptions { unit: enfilade::plan::frame::unit_by_name("cm"), ..PlanOptions::default() };
+    let (plan, problems) = plan_of(house(&header(4), 1000.0).as_bytes(), &options);
+    assert_eq!(plan.unwrap().unit.unit.name, "cm");
+    assert_eq!(
+        problems,
+        ["unit Info plan.dxf: unit: cm as you said (the file: $INSUNITS 4, no $MEASUREMENT)"]
+    );
+}
+
+/// Hazard 37: what is drawn twice, in overlapping parts, with no length or a hair apart gives the same
+/// walls, and the tolerance is said.
+#[test]
+fn slips_of_the_hand_change_no_wall() {
+    let clean: Vec<[f64; 4]> = vec![
+        [0.0, 0.0, 9.0, 0.0],
+        [9.0, 0.0, 9.0, 9.0],
+        [9.0, 9.0, 0.0, 9.0],
+        [0.0, 9.0, 0.0, 0.0],
+        [4.0, 0.0, 4.0, 6.0],
+    ];
+    let mut slips = clean.clone();
+    slips[0] = [0.0, 0.0, 5.0, 0.0];
+    slips.extend([[4.5, 0.0, 9.0, 0.0], [9.0, 0.0, 9.0, 9.0], [3.0, 3.0, 3.0, 3.0]]);
+    slips[2] = [9.0, 9.0 + 1e-9, 0.0, 9.0 + 1e-9];
+    slips[4] = [4.0, 0.012, 4.0, 6.0];
+    let graph = |lines: &[[f64; 4]]| {
+        let lines: Vec<(&str, [f64; 4])> = lines.iter().map(|l| ("WALL", *l)).collect();
+        let mut report = Report::default();
+        let text = drawing(METRES, "", &lines);
+        let drawing = read("plan.dxf", text.as_bytes(), &ReadOptions::default(), &mut report).unwrap();
+        let plan = understand(&drawing, &PlanOptions::default(), &mut report).unwrap();
+        AxisGraph::new(&structure::drawn(&plan, &drawing).0)
+    };
+    let shape = |g: &AxisGraph| {
+        let cm = |v: f64| (v * 100.0).round() as i64;
+        let mut walls: Vec<Vec<[i64; 2]>> =
+            g.edges.iter().map(|e| g.ends(e).map(|p| [cm(p.x), cm(p.y)]).to_vec()).collect();
+        walls.iter_mut().for_each(|w| w.sort_unstable());
+        walls.sort();
+        walls
+    };
+    let (clean, slips) = (graph(&clean), graph(&slips));
+    assert_eq!(shape(&clean), shape(&slips));
+    assert_eq!(clean.edges.len(), 6);
+    let said = &slips.statements[slips.statements.len() - 1];
+    assert_eq!(said, "1 wall pieces left out: 1 (it has no length)");
+}
+
+/// A piece of wall forgotten far off is no part of the plan, whatever else is drawn between.
+#[test]
+fn pieces_forgotten_on_the_sheet_are_left_out() {
+    let mut lines: Vec<(&str, [f64; 4])> = Vec::new();
+    for (i, j) in (0..6).flat_map(|i| (0..5).map(move |j| (f64::from(i) * 4.0, f64::from(j) * 4.0))) {
+        let sides = [[0.0, 0.0, 4.0, 0.0], [4.0, 0.0, 4.0, 4.0], [4.0, 4.0, 0.0, 4.0], [0.0, 4.0, 0.0, 0.0]];
+        lines.extend(sides.map(|[x0, y0, x1, y1]| ("WALL", [x0 + i, y0 + j, x1 + i, y1 + j])));
+    }
+    let between = (0..30).map(|k| ("PATH", [24.0 + 1.5 * f64::from(k), 0.0, 25.5 + 1.5 * f64::from(k), 0.0]));
+    lines.extend(between);
+    lines.push(("WALL", [69.0, 0.0, 69.5, 0.2]));
+    let (plan, problems) = plain(&drawing(METRES, "", &lines));
+    assert_eq!(plan.unwrap().walls.len(), 120);
+    let said = "stray-walls Info plan.dxf: 1 wall elements lie far from the plan and are left out; --view all takes \
+                them in";
+    assert!(problems.contains(&said.to_string()), "{problems:?}");
+}
