@@ -1,6 +1,7 @@
 //! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
 
 mod card;
+mod written;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
@@ -35,6 +36,7 @@ use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, box_of, layers, understand};
 use crate::report::{Error, Place, Report};
+use written::{as_cornered, meant_shapes};
 
 /// Radius r of the clearance penalty (spec 5).
 pub const CLEARANCE_RADIUS_M: f64 = 0.5;
@@ -488,11 +490,17 @@ impl Study {
         }
     }
 
-    /// Measures a drawing that this study wrote, from its bytes and from scratch, on the study's lattice.
+    /// Measures a drawing that this study wrote of a layout, from its bytes and from scratch, on the study's
+    /// lattice.
     ///
     /// # Errors
     /// What reading returns: the written file must be readable.
-    pub fn measure_written(&self, bytes: &[u8], settings: &Settings) -> Result<Worth, Error> {
+    pub fn measure_written(
+        &self,
+        bytes: &[u8],
+        layout: &Layout,
+        settings: &Settings,
+    ) -> Result<Worth, Error> {
         let plan = &self.base.plan;
         let mut report = Report::default();
         let drawing = formats::read(&plan.file, bytes, &read_options(settings), &mut report)?;
@@ -507,6 +515,7 @@ impl Study {
             );
             return Err(Error::input("written-walls", Place::file(&plan.file), text));
         }
+        let meant = meant_shapes(plan, layout);
         let mut obstacles = Obstacles::default();
         obstacles.segments.extend(closed_that_stay(&self.base));
         for (w, wall) in again.walls.iter().enumerate() {
@@ -519,7 +528,7 @@ impl Study {
         }
         cover_bodies(
             &self.base,
-            &|w| again.walls.get(w as usize).map(|w| &w.shape),
+            &|w| Some(as_cornered(plan, &again.walls.get(w as usize)?.shape, meant.get(&w)?)),
             &self.cells,
             &mut obstacles.blind,
         );
@@ -528,8 +537,8 @@ impl Study {
         let graph = visibility_graph(&self.lattice, &obstacles);
         let mut pieces = self.pieces.clone();
         for (w, range) in self.base.moves.walls.iter().zip(&self.piece_ranges) {
-            let trace =
-                trace_like(&again.walls[*w as usize].shape, &plan.walls[*w as usize].trace, &plan.frame);
+            let shape = as_cornered(plan, &again.walls[*w as usize].shape, meant[w]);
+            let trace = trace_like(shape, &plan.walls[*w as usize].trace, &plan.frame);
             self.place(&mut pieces[range.0..range.1], &trace);
         }
         let initial = Initial { components: &self.components, covered: &obstacles.blind };
