@@ -12,14 +12,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bytes = std::fs::read(&file)?;
     let base = ReadOptions::default();
     let all = formats::storeys(&file, &bytes, &base);
-    let wanted: Vec<String> = match args.next() {
-        Some(name) => vec![name],
-        None => all.iter().map(|s| s.name.clone()).collect(),
+    let wanted: Vec<Option<String>> = match args.next() {
+        Some(name) => vec![Some(name)],
+        None if all.is_empty() => vec![None],
+        None => all.iter().map(|s| Some(s.name.clone())).collect(),
     };
     let mut storeys = Vec::new();
     for name in wanted {
         let mut report = Report::default();
-        let options = ReadOptions { storey: Some(name.clone()), ..base.clone() };
+        let options = ReadOptions { storey: name.clone(), ..base.clone() };
         let drawing = formats::read(&file, &bytes, &options, &mut report)?;
         let metres = drawing.declared_unit.map_or(1.0, |u| u.metres);
         let ring = |shape: &Shape| match shape {
@@ -33,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .iter()
             .map(|e| json!({"global_id": e.source.handle, "layer": e.layer, "ring": ring(&e.shape)}))
             .collect();
-        let floor_m = all.iter().find(|s| s.name == name).map(|s| s.floor_m);
+        let floor_m = all.iter().find(|s| Some(&s.name) == name.as_ref()).map(|s| s.floor_m);
         let problems: Vec<String> = report.problems.iter().map(ToString::to_string).collect();
         storeys.push(json!({"name": name, "floor_m": floor_m, "cuts": cuts, "problems": problems}));
     }

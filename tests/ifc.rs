@@ -82,6 +82,37 @@ fn the_ground_floor_of_the_sample() {
 }
 
 #[test]
+fn a_building_is_counted_by_the_classes_of_its_file() {
+    let text = pavilion();
+    let count = |class: &str| text.matches(&format!("={class}(")).count() as u64;
+    let (storeys, elements) = formats::building("house.ifc", text.as_bytes(), &ReadOptions::default());
+    let expected = ifc::Elements {
+        storeys: 2,
+        walls: count("IFCWALL") + count("IFCWALLSTANDARDCASE"),
+        columns: count("IFCCOLUMN"),
+        doors: count("IFCDOOR"),
+        windows: count("IFCWINDOW"),
+        spaces: count("IFCSPACE"),
+    };
+    assert_eq!((storeys.len(), elements), (2, Some(expected)));
+    assert!(expected.walls > 0 && expected.doors > 0 && expected.windows > 0 && expected.columns > 0);
+    assert_eq!(formats::building("plan.dxf", b"", &ReadOptions::default()), (Vec::new(), None));
+}
+
+#[test]
+fn storeys_read_together_are_those_read_apart() {
+    let text = pavilion();
+    let of = |name: &str| ReadOptions { storey: Some(name.into()), ..ReadOptions::default() };
+    let options = [of("Upper floor"), of("Ground floor"), of("attic")];
+    let together = formats::read_storeys("house.ifc", text.as_bytes(), &options);
+    assert_eq!(together.len(), options.len());
+    for (options, (drawing, report)) in options.iter().zip(together) {
+        let (apart, own) = read_with(text.as_bytes(), options);
+        assert_eq!((drawing.ok(), report), (apart.ok(), own));
+    }
+}
+
+#[test]
 fn storeys_by_name_and_at_the_height_of_the_knees() {
     let text = pavilion();
     let upper = ReadOptions { storey: Some("upper floor".into()), ..ReadOptions::default() };

@@ -109,14 +109,43 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     }
 }
 
+/// Reads one drawing for each of the options, a building taken apart once for all of them.
+///
+/// # Errors
+/// For each as [`read`].
+pub fn read_storeys(
+    file: &str,
+    bytes: &[u8],
+    options: &[ReadOptions],
+) -> Vec<(Result<Drawing, Error>, Report)> {
+    if format_of(file, bytes) == Format::Ifc && !ifc::is_zip(bytes) && !options.is_empty() {
+        let options: Vec<ifc::ReadOptions> = options.iter().map(ReadOptions::ifc).collect();
+        return ifc::read_storeys(file, bytes, &options);
+    }
+    let one = |o: &ReadOptions| {
+        let mut report = Report::default();
+        (read(file, bytes, o, &mut report), report)
+    };
+    options.iter().map(one).collect()
+}
+
+/// Storeys of a building from the lowest, and what it has; nothing where the file (or the IFC beside it)
+/// knows none.
+pub fn building(file: &str, bytes: &[u8], options: &ReadOptions) -> (Vec<StoreyInfo>, Option<ifc::Elements>) {
+    let found = match format_of(file, bytes) {
+        Format::Dxf => return (Vec::new(), None),
+        Format::Ifc => ifc::inventory(&plain(file, bytes)),
+        Format::Gltf | Format::Glb => match options.twin.as_deref() {
+            Some(twin) => ifc::inventory(twin),
+            None => return (Vec::new(), None),
+        },
+    };
+    (found.storeys, Some(found.elements))
+}
+
 /// Storeys of a building from the lowest; none where the file (or the IFC beside it) knows none.
 pub fn storeys(file: &str, bytes: &[u8], options: &ReadOptions) -> Vec<StoreyInfo> {
-    let unpacked = plain(file, bytes);
-    match format_of(file, bytes) {
-        Format::Dxf => Vec::new(),
-        Format::Ifc => ifc::inventory(&unpacked).storeys,
-        Format::Gltf | Format::Glb => options.twin.as_deref().map(ifc::inventory).unwrap_or_default().storeys,
-    }
+    building(file, bytes, options).0
 }
 
 /// The file's own bytes with the edits made and the additions put in.

@@ -26,6 +26,9 @@ pub(super) enum Rule {
 /// Vertices that clipping moved by less than this share of the extent are put back where they were drawn.
 const SNAP_SHARE: f64 = 1e-8;
 
+/// Share of the depth looked at below which what is left behind a hole is rounding alone.
+const SKIN_NOISE: f64 = 1e-3;
+
 impl Region {
     /// One ring.
     pub fn ring(points: Vec<[f64; 2]>) -> Self {
@@ -121,8 +124,9 @@ impl Region {
         Self { shapes: snapped(made, &[&flat]), lines }
     }
 
-    /// A hole made to reach through a wall that it leaves a sliver of: every side beyond which the wall
-    /// ends within `depth` is moved out by that much.
+    /// A hole made to reach through a wall that it leaves a skin of: every side beyond which the wall
+    /// ends within `depth` is moved out by that much. What ends beside the hole, such as the last
+    /// millimetres of a wall behind its door, stays: it closes nothing.
     pub fn through(&self, wall: &Self, depth: f64) -> Self {
         let mut out = self.clone();
         for ring in self.shapes.iter().filter_map(|s| s.first()) {
@@ -138,7 +142,16 @@ impl Region {
                 };
                 let covered = |s: &Self| wall.clone().combine(s, Rule::Intersection).area();
                 let whole = a.distance(b) * depth;
-                if covered(&strip(1.0, 2.0)) < 0.05 * whole && covered(&strip(0.0, 1.0)) > 0.0 {
+                let skin = covered(&strip(0.0, 1.0)) / whole;
+                if skin <= 0.0 || covered(&strip(1.0, 2.0)) >= 0.05 * whole {
+                    continue;
+                }
+                let beside = |from: DVec2, along: DVec2| {
+                    let corners = [from, from + along, from + along + outward, from + outward];
+                    covered(&Self::ring(corners.map(|p| p.to_array()).to_vec())) / (depth * depth)
+                };
+                let goes_on = || beside(a, -u * depth).max(beside(b, u * depth)) > 0.5 * skin;
+                if skin < SKIN_NOISE || goes_on() {
                     out = out.combine(&strip(0.0, 1.0), Rule::Union);
                 }
             }
@@ -219,8 +232,41 @@ fn snapped(mut shapes: Vec<Vec<Vec<[f64; 2]>>>, inputs: &[&Vec<Vec<[f64; 2]>>]) 
             *p = q.to_array();
         }
     }
+    for shape in &mut shapes {
+        shape.iter_mut().for_each(|ring| *ring = without_spikes(ring, near));
+    }
     shapes.retain(|s| s.first().is_some_and(|r| area2(r).abs() > near * near));
+    shapes.iter_mut().for_each(|s| s.retain(|r| r.len() > 2));
     shapes
+}
+
+/// A ring without the tips that putting vertices back has left: there and back along one line.
+fn without_spikes(ring: &[[f64; 2]], near: f64) -> Vec<[f64; 2]> {
+    let is_tip = |a: [f64; 2], p: [f64; 2], b: [f64; 2]| {
+        let (u, v) = (DVec2::from(p) - DVec2::from(a), DVec2::from(b) - DVec2::from(p));
+        let long = u.length().max(v.length());
+        let short = u.length().min(v.length());
+        short <= near || (u.dot(v) < 0.0 && u.perp_dot(v).abs() <= near * long)
+    };
+    let mut out: Vec<[f64; 2]> = Vec::with_capacity(ring.len());
+    for p in ring {
+        out.push(*p);
+        while let [.., a, tip, b] = out[..]
+            && is_tip(a, tip, b)
+        {
+            out.remove(out.len() - 2);
+        }
+    }
+    while let [first, second, .., before, last] = out[..] {
+        if is_tip(before, last, first) {
+            out.pop();
+        } else if is_tip(last, first, second) {
+            out.remove(0);
+        } else {
+            break;
+        }
+    }
+    out
 }
 
 /// The region that plane faces enclose at height `z`: every face a list of rings.
@@ -341,6 +387,29 @@ mod tests {
         let cut = wall.combine(&Region::ring(square(2.0, -0.1, 0.9, 0.4)), Rule::Difference);
         assert_eq!(cut.shapes.len(), 2);
         assert!((cut.rings().map(|r| area2(r).abs() / 2.0).sum::<f64>() - 0.82).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_is_left_behind_a_hole_goes_and_what_ends_beside_it_stays() {
+        let wall = Region::ring(square(0.0, 0.0, 3.0, 0.2));
+        let hole = |x: f64, w: f64, d: f64| Region::ring(square(x, -0.1, w, d + 0.1));
+        let rest = |h: &Region| wall.clone().combine(&h.through(&wall, 0.01), Rule::Difference).shapes.len();
+        let (skin, end) = (hole(1.0, 0.9, 0.195), hole(2.095, 0.9, 0.3));
+        assert_eq!((rest(&skin), rest(&end)), (2, 2));
+        assert!((end.through(&wall, 0.01).area() - end.area()).abs() < 1e-12);
+        let rounded = hole(1.0, 0.9, 0.2 - 1e-13);
+        assert_eq!(rest(&rounded), 2);
+    }
+
+    #[test]
+    fn tips_without_width_vanish() {
+        let there_and_back = vec![[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [2.0, 1.0], [6.0, 1.0], [0.0, 1.0]];
+        assert_eq!(without_spikes(&there_and_back, 1e-9), square(0.0, 0.0, 4.0, 1.0));
+        let over_the_seam = vec![[0.0, 2.0], [0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [0.0, 1.0]];
+        assert_eq!(without_spikes(&over_the_seam, 1e-9).len(), 4);
+        assert!(without_spikes(&[[0.0, 0.0], [1.0, 0.0], [0.0, 0.0], [1.0, 0.0]], 1e-9).len() < 3);
+        let thin = square(0.0, 0.0, 4.0, 1e-3);
+        assert_eq!(without_spikes(&thin, 1e-9), thin);
     }
 
     #[test]

@@ -437,6 +437,26 @@ pub struct StoreyEntry {
     /// Why nothing could be measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub problem: Option<String>,
+    /// What was left out of this storey, where the result is about another one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub problems: Vec<ProblemEntry>,
+}
+
+/// Elements of a whole building by the classes of its file, subtypes counted in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BuildingEntry {
+    /// Storeys.
+    pub storeys: u64,
+    /// Walls.
+    pub walls: u64,
+    /// Columns.
+    pub columns: u64,
+    /// Doors.
+    pub doors: u64,
+    /// Windows.
+    pub windows: u64,
+    /// Spaces.
+    pub spaces: u64,
 }
 
 /// A length unit and why it was taken.
@@ -508,6 +528,9 @@ pub struct CheckResult {
     pub layers: Vec<LayerEntry>,
     /// What the walls were understood as, in plain words.
     pub statements: Vec<String>,
+    /// What the whole building has, where its file says so: all storeys, seen or not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub building: Option<BuildingEntry>,
     /// Every storey of a building that has several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub storeys: Vec<StoreyEntry>,

@@ -147,7 +147,7 @@ pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResu
     let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
     let mut result = show::check(&base, &report);
     let mut files = vec![OutFile::new("check.png", check_picture(&base, &result)?)];
-    result.storeys = storeys::check(input, settings, &base, &mut files);
+    (result.building, result.storeys) = storeys::check(input, settings, &base, &mut files);
     files.push(OutFile::new("check.json", result::to_json(&result)?));
     Ok(Outcome { result, files, report })
 }

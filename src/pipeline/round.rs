@@ -493,7 +493,7 @@ fn make(
     let changed = formats::changed_records(input.file(), &input.bytes, &edits)?;
     let options = study::read_options(settings);
     let bytes = formats::patch(input.file(), &input.bytes, &options, &edits, &[])?;
-    let worth = study.measure_written(&bytes, settings)?;
+    let worth = study.measure_written(&bytes, &layout, settings)?;
     let name = format!("candidate-{}", index + 1);
     let mut report = Report::default();
     let records: Vec<usize> = edits.iter().map(record_of).collect();

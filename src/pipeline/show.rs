@@ -412,6 +412,7 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
             })
             .collect(),
         statements: base.axes.statements.clone(),
+        building: None,
         storeys: Vec::new(),
         problems: report.problems.iter().map(Into::into).collect(),
     }

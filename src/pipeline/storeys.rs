@@ -6,19 +6,21 @@ use super::study::Understood;
 use super::{Input, Study, analyse_storey, check_picture, show, study};
 use crate::config::Settings;
 use crate::formats::{self, StoreyInfo};
-use crate::overlay::result::{Numbers, StoreyEntry};
-use crate::report::{Cancel, Error, OutFile, Report};
+use crate::overlay::result::{BuildingEntry, Numbers, ProblemEntry, StoreyEntry};
+use crate::report::{Cancel, Error, OutFile};
 
 /// Most storeys of one building that are measured.
 pub const STOREYS_MAX: usize = 64;
 
-/// Storeys with walls, each with its folder (`storey-1` is the lowest) and the settings that read it; none
+/// Codes of what is left out of a storey.
+const OF_ELEMENTS: [&str; 3] = ["ifc-element", "ifc-not-cut", "ifc-space"];
+
+/// Of the storeys found those with walls, each with its folder (`storey-1` is the lowest) and the settings that read it; none
 /// where the settings name one, or there is only one.
-fn others(input: &Input<'_>, settings: &Settings) -> Vec<(StoreyInfo, String, Settings)> {
+fn others(found: Vec<StoreyInfo>, settings: &Settings) -> Vec<(StoreyInfo, String, Settings)> {
     if settings.storey.is_some() {
         return Vec::new();
     }
-    let found = formats::storeys(input.file(), &input.bytes, &study::read_options(settings));
     let of = |(i, s): (usize, StoreyInfo)| {
         let own = Settings { storey: Some(s.name.clone()), ..settings.clone() };
         (s, format!("storey-{}", i + 1), own)
@@ -44,7 +46,7 @@ fn entry(storey: &StoreyInfo, base: &Understood, folder: &str, mean: Numbers) ->
         openings: base.openings,
         columns: base.plan.walls.iter().filter(|w| w.is_solid).count() as u64,
         mean,
-        problem: None,
+        ..StoreyEntry::default()
     }
 }
 
@@ -57,36 +59,53 @@ fn failed(storey: &StoreyInfo, error: &Error) -> StoreyEntry {
     }
 }
 
-/// Every storey of a building with several; adds `storey-N/check.png`.
+/// What a building has, and every storey where it has several; adds `storey-N/check.png`.
 pub(super) fn check(
     input: &Input<'_>,
     settings: &Settings,
     shown: &Understood,
     files: &mut Vec<OutFile>,
-) -> Vec<StoreyEntry> {
-    let list = others(input, settings);
+) -> (Option<BuildingEntry>, Vec<StoreyEntry>) {
+    let (found, elements) = formats::building(input.file(), &input.bytes, &study::read_options(settings));
+    let list = others(found, settings);
     let main = main_of(&list);
+    let others = list.iter().enumerate().filter(|(i, _)| Some(*i) != main);
+    let options: Vec<_> = others.map(|(_, (_, _, own))| study::read_options(own)).collect();
+    let mut drawings = formats::read_storeys(input.file(), &input.bytes, &options).into_iter();
     let mut out = Vec::new();
     for (i, (storey, folder, own)) in list.iter().enumerate() {
         if Some(i) == main {
             out.push(entry(storey, shown, ".", Numbers::default()));
             continue;
         }
-        let mut report = Report::default();
-        let read = study::read(input.file(), &input.bytes, own, &mut report);
-        let made = read.and_then(|base| {
+        let Some((drawing, mut report)) = drawings.next() else { break };
+        let made = drawing.and_then(|drawing| {
+            let base = study::understood(&drawing, own, &mut report)?;
             let result = show::check(&base, &report);
             Ok((check_picture(&base, &result)?, base))
         });
         out.push(match made {
             Ok((png, base)) => {
                 files.push(OutFile::new(format!("{folder}/check.png"), png));
-                entry(storey, &base, folder, Numbers::default())
+                let problems = report.problems.iter().filter(|p| OF_ELEMENTS.contains(&p.code));
+                let problems = problems.map(ProblemEntry::from).collect();
+                StoreyEntry { problems, ..entry(storey, &base, folder, Numbers::default()) }
             }
             Err(error) => failed(storey, &error),
         });
     }
-    out
+    (elements.map(building_entry), out)
+}
+
+fn building_entry(e: formats::ifc::Elements) -> BuildingEntry {
+    BuildingEntry {
+        storeys: e.storeys,
+        walls: e.walls,
+        columns: e.columns,
+        doors: e.doors,
+        windows: e.windows,
+        spaces: e.spaces,
+    }
 }
 
 /// Measures every storey of a building with several; adds the files of `analysis/` for each, `storey-N/…`.
@@ -100,7 +119,8 @@ pub(super) fn analyse(
     files: &mut Vec<OutFile>,
     cancel: &Cancel,
 ) -> Result<Vec<StoreyEntry>, Error> {
-    let list = others(input, settings);
+    let found = formats::storeys(input.file(), &input.bytes, &study::read_options(settings));
+    let list = others(found, settings);
     let main = main_of(&list);
     let mut out = Vec::new();
     for (i, (storey, folder, own)) in list.iter().enumerate() {
@@ -158,7 +178,9 @@ mod tests {
     #[test]
     fn a_tower_has_its_lowest_storeys_measured() {
         let settings = Settings::new(Partial::default()).unwrap();
-        let count = |n: usize| others(&Input::new("t.ifc", tower(n).as_bytes(), 1), &settings).len();
+        let found =
+            |n: usize| formats::storeys("t.ifc", tower(n).as_bytes(), &study::read_options(&settings));
+        let count = |n: usize| others(found(n), &settings).len();
         assert_eq!((count(1), count(3), count(STOREYS_MAX + 2)), (0, 3, STOREYS_MAX));
     }
 }

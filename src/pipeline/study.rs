@@ -87,6 +87,14 @@ pub fn read_options(settings: &Settings) -> formats::ReadOptions {
 /// What [`formats::read`] and [`understand`] return; [`Error::Usage`] for settings that do not fit the drawing.
 pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) -> Result<Understood, Error> {
     let drawing = formats::read(file, bytes, &read_options(settings), report)?;
+    understood(&drawing, settings, report)
+}
+
+/// Understands a drawing that was read.
+///
+/// # Errors
+/// What [`understand`] returns; [`Error::Usage`] for settings that do not fit the drawing.
+pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -> Result<Understood, Error> {
     let unit = match &settings.unit {
         Some(name) => Some(unit_by_name(name).ok_or_else(|| {
             let text = format!("--unit {name:?}: expected mm, cm, m, in or ft; nothing was done");
@@ -95,16 +103,16 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
         None => None,
     };
     let options = PlanOptions { unit, ..plan_options(settings) };
-    let mut plan = understand(&drawing, &options, report)?;
+    let mut plan = understand(drawing, &options, report)?;
     add_regions(&mut plan, settings)?;
-    building::add_spaces(&drawing, &mut plan, settings)?;
+    building::add_spaces(drawing, &mut plan, settings)?;
     let graph = Graph::new(&plan);
-    let (axes, marked) = structure::axes(&plan, &drawing);
+    let (axes, marked) = structure::axes(&plan, drawing);
     let bodies = structure::bodies(&plan, &axes);
     let sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
-    let fittings = fittings::fittings(&plan, &drawing, &axes, &marked);
+    let fittings = fittings::fittings(&plan, drawing, &axes, &marked);
     let all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
-    let mut closings = building::closings(&drawing, &plan);
+    let mut closings = building::closings(drawing, &plan);
     closings.extend(opening_lines(&plan, &axes));
     let has_moves = !settings.moves.is_empty()
         || !(settings.ignore_move_markers || plan.markers.groups.is_empty() && drawing.marked.is_empty());
@@ -113,9 +121,9 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
     let interior = if needs_interior { Interior::new(&all, &closings, plan.human_scale) } else { None };
     let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
     let known = Known { plan: &plan, graph: &graph, axes: &axes, interior: interior.as_ref() };
-    let moves = moves(&drawing, &known, settings, report)?;
-    let openings = building::openings(&drawing);
-    let left_out = left_out(&plan, &drawing);
+    let moves = moves(drawing, &known, settings, report)?;
+    let openings = building::openings(drawing);
+    let left_out = left_out(&plan, drawing);
     Ok(Understood { plan, graph, axes, bodies, sight, fittings, left_out, moves, interior, openings })
 }
 

@@ -82,6 +82,7 @@ pub(super) fn choose_walls(
         .collect();
     if !assumed.is_empty() {
         state_assumed(drawing, &assumed, report);
+        clutter::leave_section(drawing, &mut walls, report);
         clutter::leave_out(drawing, &mut walls, report);
     }
     Ok(Chosen { walls, layers })

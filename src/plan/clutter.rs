@@ -1,6 +1,7 @@
-//! What is no wall although it lies on a layer of walls: stairs, paving, hatches drawn as lines.
+//! What is no wall although it lies on a layer of walls: stairs, paving, what is seen below the cut, hatches
+//! drawn as lines, closed little rings of fittings.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use glam::DVec2;
 
@@ -81,6 +82,43 @@ fn state(
         found.len()
     );
     report.info("clutter", Place::file(&drawing.file), text);
+}
+
+/// A section has at most this share of the lines of the view that it lies over: less, and nothing is seen
+/// below it.
+const SECTION_SHARE: f64 = 0.5;
+
+/// Keeps of `walls` the section alone where it lies over the view it was cut from, and says so: programs that
+/// draw plans of solids write what is seen as one block and what is cut as another over it, all on one layer.
+/// Then every line of the section is a line of the view too, to the last digit.
+pub(super) fn leave_section(drawing: &Drawing, walls: &mut Vec<usize>, report: &mut Report) {
+    let mut blocks: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for i in walls.iter() {
+        blocks.entry(drawing.entities[*i].blocks.first().map_or("", String::as_str)).or_default().push(*i);
+    }
+    let bits = |p: DVec2| [p.x.to_bits(), p.y.to_bits()];
+    let line = |i: &usize| {
+        let (a, b) = line_of(&drawing.entities[*i])?;
+        Some([bits(a).min(bits(b)), bits(a).max(bits(b))])
+    };
+    let lies_over = |section: &[usize], view: &[usize]| {
+        let drawn: HashSet<[[u64; 2]; 2]> = view.iter().filter_map(line).collect();
+        section.iter().all(|i| line(i).is_some_and(|l| drawn.contains(&l)))
+    };
+    let pairs = blocks.iter().flat_map(|s| blocks.iter().map(move |v| (s, v)));
+    let mut fitting = pairs.filter(|(s, v)| {
+        s.1.len() >= ENTITIES_MIN
+            && s.1.len() as f64 <= SECTION_SHARE * v.1.len() as f64
+            && s.1.len() + v.1.len() == walls.len()
+    });
+    let Some(((section, cut), (view, _))) = fitting.find(|(s, v)| lies_over(s.1, v.1)) else { return };
+    let text = format!(
+        "all {} lines of block {section:?} are drawn in {view:?} too: a section over the view it was cut from; the \
+         section alone was taken as walls",
+        cut.len()
+    );
+    report.info("section-over-view", Place::file(&drawing.file), text);
+    *walls = cut.clone();
 }
 
 /// Takes treads and hatch lines out of `walls` (indices of the drawing's entities) and says so.
@@ -175,6 +213,7 @@ fn line_of(e: &Entity) -> Option<(DVec2, DVec2)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::drawing::{Editable, Format, SourceRef};
 
     #[test]
     fn treads_are_a_row_and_rooms_are_none() {
@@ -183,5 +222,37 @@ mod tests {
         assert_eq!(ladders(treads).len(), 9);
         let rooms: Vec<Rung> = (0..9).map(|i| rung(i, 3.0 * i as f64, 4.0)).collect();
         assert!(ladders(rooms).is_empty());
+    }
+    #[test]
+    fn a_section_over_its_view_is_what_stands() {
+        let source = SourceRef { record: 0, handle: None, line: 0, kind: "LINE".into(), layer: "0".into() };
+        let line = |i: usize, block: &str| Entity {
+            source: source.clone(),
+            layer: "0".into(),
+            shape: Shape::Line { a: DVec2::new(i as f64 / 3.0, 0.1), b: DVec2::new(i as f64 / 3.0, 2.0) },
+            editable: Editable::No("it stands in a block".into()),
+            blocks: vec![block.into()],
+        };
+        let drawing = |shift: usize| {
+            let view = (0..2 * ENTITIES_MIN).map(|i| line(i, "view"));
+            let cut = (0..ENTITIES_MIN).map(|i| line(i + shift, "cut"));
+            Drawing {
+                file: "plan.dxf".into(),
+                format: Format::Dxf,
+                version: String::new(),
+                declared_unit: None,
+                declared_unit_words: String::new(),
+                layers: Vec::new(),
+                entities: view.chain(cut).collect(),
+                texts: Vec::new(),
+                marked: Vec::new(),
+            }
+        };
+        let left = |shift: usize| {
+            let mut walls: Vec<usize> = (0..3 * ENTITIES_MIN).collect();
+            leave_section(&drawing(shift), &mut walls, &mut Report::default());
+            walls.len()
+        };
+        assert_eq!((left(0), left(ENTITIES_MIN + 1)), (ENTITIES_MIN, 3 * ENTITIES_MIN));
     }
 }

@@ -42,7 +42,7 @@ impl Geo<'_, '_> {
         }
         let args = self.args(id)?;
         let keyword = self.step.keyword(id);
-        match keyword.as_str() {
+        match &*keyword {
             "IFCEXTRUDEDAREASOLID" | "IFCEXTRUDEDAREASOLIDTAPERED" => self.extruded(id, &args, to, z),
             "IFCBOOLEANCLIPPINGRESULT" | "IFCBOOLEANRESULT" => {
                 let first = self.cut(self.reference(&args, 1, id)?, to, z, depth + 1)?;
@@ -74,7 +74,7 @@ impl Geo<'_, '_> {
     }
 
     fn operand(&self, id: u64, first: &Region, to: &DAffine3, z: f64, depth: usize) -> Result<Region, Why> {
-        match self.step.keyword(id).as_str() {
+        match &*self.step.keyword(id) {
             "IFCHALFSPACESOLID" | "IFCBOXEDHALFSPACE" => self.half_space(id, first, to, z),
             "IFCPOLYGONALBOUNDEDHALFSPACE" => {
                 let half = self.half_space(id, first, to, z)?;
@@ -287,7 +287,7 @@ impl Geo<'_, '_> {
         let of = |z: &mut dyn Iterator<Item = f64>| {
             z.fold([f64::INFINITY, f64::NEG_INFINITY], |s, z| [s[0].min(z), s[1].max(z)])
         };
-        match keyword.as_str() {
+        match &*keyword {
             "IFCEXTRUDEDAREASOLID" => {
                 let at = match args.get(1).and_then(Arg::id) {
                     Some(position) => *to * self.axis_placement(position)?,

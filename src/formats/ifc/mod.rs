@@ -28,7 +28,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 pub use limits::*;
-pub use read::{CLOSING_LAYERS, read};
+pub use read::{CLOSING_LAYERS, read, read_storeys};
 pub use zip::{is_zip, unzip};
 
 use crate::formats::StoreyInfo;
@@ -182,9 +182,42 @@ pub fn moved_products(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<Ve
     edits.iter().map(|e| Ok(mover.edit(e)?.products.into_iter().map(named).collect())).collect()
 }
 
+/// How many elements of a kind a whole file has, subtypes counted in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Elements {
+    /// `IfcBuildingStorey`.
+    pub storeys: u64,
+    /// `IfcWall`.
+    pub walls: u64,
+    /// `IfcColumn`.
+    pub columns: u64,
+    /// `IfcDoor`.
+    pub doors: u64,
+    /// `IfcWindow`.
+    pub windows: u64,
+    /// `IfcSpace`.
+    pub spaces: u64,
+}
+
+impl Elements {
+    fn of(step: &Step<'_>) -> Self {
+        let count = |kinds: &[&str]| kinds.iter().map(|k| step.all(k).count() as u64).sum();
+        Self {
+            storeys: count(&["IFCBUILDINGSTOREY"]),
+            walls: count(&["IFCWALL", "IFCWALLSTANDARDCASE", "IFCWALLELEMENTEDCASE"]),
+            columns: count(&["IFCCOLUMN", "IFCCOLUMNSTANDARDCASE"]),
+            doors: count(&["IFCDOOR", "IFCDOORSTANDARDCASE"]),
+            windows: count(&["IFCWINDOW", "IFCWINDOWSTANDARDCASE"]),
+            spaces: count(&["IFCSPACE"]),
+        }
+    }
+}
+
 /// What a building has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Inventory {
+    /// How much there is of what.
+    pub elements: Elements,
     /// `GlobalId` → class.
     pub classes: BTreeMap<String, String>,
     /// Storeys from the lowest.
@@ -206,7 +239,8 @@ pub fn inventory(bytes: &[u8]) -> Inventory {
     let metres = building.geo.metres;
     let storey =
         |s: &model::Storey| StoreyInfo { name: s.name.clone(), floor_m: s.floor * metres, walls: s.walls };
-    Inventory { classes, storeys: building.model.storeys.iter().map(storey).collect() }
+    let storeys = building.model.storeys.iter().map(storey).collect();
+    Inventory { elements: Elements::of(&step), classes, storeys }
 }
 
 /// `Tag` of products: the element's id in the program that wrote the file.
@@ -221,7 +255,7 @@ pub fn tags(bytes: &[u8], ids: &[usize]) -> Vec<Option<String>> {
 
 /// The bytes without what [`patch`] added.
 pub fn strip_own(bytes: &[u8]) -> Cow<'_, [u8]> {
-    let Some(at) = bytes.windows(OWN_MARK.len()).rposition(|w| w == OWN_MARK) else {
+    let Some(at) = memchr::memmem::rfind(bytes, OWN_MARK) else {
         return Cow::Borrowed(bytes);
     };
     let Ok(step) = Step::read(bytes) else { return Cow::Borrowed(bytes) };

@@ -95,6 +95,12 @@ pub(super) struct Model {
     pub storeys: Vec<Storey>,
     /// `GlobalId`s of several products.
     pub twice: BTreeSet<String>,
+    /// Instance → place in `products`.
+    product_at: HashMap<u64, usize>,
+    /// Instance → place in `fillers`.
+    filler_at: HashMap<u64, usize>,
+    /// Instances of `storeys`.
+    storey_ids: HashSet<u64>,
 }
 
 impl Model {
@@ -104,7 +110,10 @@ impl Model {
         out.relations(step);
         out.products = products(step, CLASSES.iter().copied());
         out.fillers = products(step, FILLERS.iter().map(|f| (f.0, f.1)));
+        out.product_at = out.products.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
+        out.filler_at = out.fillers.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
         out.storeys = out.storeys(step, geo);
+        out.storey_ids = out.storeys.iter().map(|s| s.id).collect();
         let mut seen = HashSet::new();
         for p in out.products.iter().chain(&out.fillers).filter(|p| !p.global_id.is_empty()) {
             if !seen.insert(&p.global_id) {
@@ -141,11 +150,21 @@ impl Model {
         }
     }
 
+    /// The product of an instance.
+    pub fn product(&self, id: u64) -> Option<&Product> {
+        self.product_at.get(&id).map(|i| &self.products[*i])
+    }
+
+    /// The door or window of an instance.
+    pub fn filler(&self, id: u64) -> Option<&Product> {
+        self.filler_at.get(&id).map(|i| &self.fillers[*i])
+    }
+
     /// The storey an element stands in.
     pub fn storey_of(&self, id: u64) -> Option<u64> {
         let mut at = id;
         for _ in 0..32 {
-            if self.storeys.iter().any(|s| s.id == at) {
+            if self.storey_ids.contains(&at) {
                 return Some(at);
             }
             at = *self.inside.get(&at).or_else(|| self.whole.get(&at))?;
@@ -317,7 +336,7 @@ fn representations(step: &Step<'_>, shape: u64) -> Vec<(String, String, Vec<u64>
 pub(super) fn layer_reach(step: &Step<'_>, model: &Model, id: u64) -> Option<[f64; 2]> {
     let usage = *model.materials.get(&id)?;
     let args = step.args(usage);
-    let (set, offset, negative) = match step.keyword(usage).as_str() {
+    let (set, offset, negative) = match &*step.keyword(usage) {
         "IFCMATERIALLAYERSETUSAGE" => (
             args.first()?.id()?,
             args.get(3).and_then(Arg::number),

@@ -19,7 +19,7 @@ impl Geo<'_, '_> {
     pub fn profile(&self, id: u64) -> Result<Region, Why> {
         let args = self.args(id)?;
         let keyword = self.step.keyword(id);
-        match keyword.as_str() {
+        match &*keyword {
             "IFCARBITRARYCLOSEDPROFILEDEF" => Ok(Region::ring(self.closed(&args, 2, id)?)),
             "IFCARBITRARYPROFILEDEFWITHVOIDS" => {
                 let mut out = Region::ring(self.closed(&args, 2, id)?);
@@ -159,7 +159,7 @@ impl Geo<'_, '_> {
             return Err(format!("{} holds itself", self.named(id)));
         }
         let args = self.args(id)?;
-        match self.step.keyword(id).as_str() {
+        match &*self.step.keyword(id) {
             "IFCPOLYLINE" => {
                 args.first().map(Arg::ids).unwrap_or_default().into_iter().map(|p| self.point2(p)).collect()
             }
@@ -268,7 +268,7 @@ impl Geo<'_, '_> {
         let of = self.args(basis)?;
         let by_point = args.get(4).is_some_and(|m| m.is("CARTESIAN"));
         let forward = !args.get(3).is_some_and(|s| s.is("F"));
-        match self.step.keyword(basis).as_str() {
+        match &*self.step.keyword(basis) {
             "IFCLINE" => {
                 let start = self.point(self.reference(&of, 0, basis)?)?;
                 let vector = self.args(self.reference(&of, 1, basis)?)?;

@@ -1,6 +1,6 @@
 //! One storey of a building as a plan: every element cut at the height of the eyes.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 
 use glam::{DAffine3, DVec2};
 
@@ -18,6 +18,9 @@ use crate::report::{Error, Place, Report};
 
 /// Layer of everything that closes a gap without blocking sight: plugs of door and window openings.
 pub const CLOSING_LAYERS: [&str; 4] = ["IfcDoor", "IfcWindow", "IfcOpeningElement", "IfcCurtainWall"];
+
+/// Layer of a window without a wall at the height where windows block.
+const KNEE_WINDOW_LAYER: &str = "IfcWall (window at knee height)";
 
 /// A wall this thin behind an opening is what rounding left, no wall.
 const SLIVER_M: f64 = 0.01;
@@ -91,8 +94,37 @@ impl<'s, 'a> Building<'s, 'a> {
 /// [`Error::Usage`] for a storey that is not there.
 pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
     let step = super::open(file, bytes)?;
-    state_broken(file, &step, report);
+    read_storey(&Building::new(file, &step), options, report)
+}
+
+/// Reads several storeys of a file that is taken apart once.
+///
+/// # Errors
+/// For each storey as [`read`].
+pub fn read_storeys(
+    file: &str,
+    bytes: &[u8],
+    options: &[ReadOptions],
+) -> Vec<(Result<Drawing, Error>, Report)> {
+    let step = match super::open(file, bytes) {
+        Ok(step) => step,
+        Err(error) => return options.iter().map(|_| (Err(error.clone()), Report::default())).collect(),
+    };
     let building = Building::new(file, &step);
+    let one = |o: &ReadOptions| {
+        let mut report = Report::default();
+        (read_storey(&building, o, &mut report), report)
+    };
+    options.iter().map(one).collect()
+}
+
+fn read_storey(
+    building: &Building<'_, '_>,
+    options: &ReadOptions,
+    report: &mut Report,
+) -> Result<Drawing, Error> {
+    let file = building.file;
+    state_broken(file, building.step, report);
     for global_id in &building.model.twice {
         let text = format!(
             "GlobalId {global_id} is given to several elements, expected one; they are read and stay as drawn"
@@ -100,7 +132,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         report.warn("ifc-duplicate-global-id", Place::file(file), text);
     }
     let storey = building.storey(options.storey.as_deref(), report)?;
-    let mut reader = Reader::new(&building, storey, options);
+    let mut reader = Reader::new(building, storey, options);
     reader.walls(report);
     reader.spaces(report);
     let height = reader.cut - reader.floor;
@@ -112,6 +144,11 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
             storey.floor * building.geo.metres
         );
         report.info("storey-cut", Place::file(file), text);
+    } else {
+        let metres = building.geo.metres;
+        let (height, floor) = (height * metres, reader.floor * metres);
+        let text = format!("no storeys in the file; cut {height:.2} m above the floor found at {floor:.3} m");
+        report.info("ifc-cut", Place::file(file), text);
     }
     reader.state_left_out(report);
     Ok(reader.drawing())
@@ -148,8 +185,8 @@ struct Reader<'b, 's, 'a> {
     entities: Vec<Entity>,
     texts: Vec<Text>,
     marked: Vec<MarkedMove>,
-    below: Vec<String>,
-    plugged: HashMap<u64, bool>,
+    below: HashSet<u64>,
+    plugged: HashSet<u64>,
 }
 
 /// A product's frame: how its own plane lies in the world, and at which height of it to cut.
@@ -177,8 +214,8 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             entities: Vec::new(),
             texts: Vec::new(),
             marked: Vec::new(),
-            below: Vec::new(),
-            plugged: HashMap::new(),
+            below: HashSet::new(),
+            plugged: HashSet::new(),
         }
     }
 
@@ -202,7 +239,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                         self.state_missing(p, &why, report);
                     }
                     if region.is_empty() {
-                        self.below.push(format!("#{} {}", p.id, p.class));
+                        self.below.insert(p.id);
                     } else if region.size() > OUTLINE_POINTS_MAX {
                         let why = format!(
                             "its cut has {} corners, expected at most {OUTLINE_POINTS_MAX}",
@@ -233,7 +270,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     /// Members and plates of a curtain wall are shown with it.
     fn is_part_of_shown(&self, p: &Product) -> bool {
         let whole = self.b.model.whole.get(&p.id);
-        whole.is_some_and(|w| self.b.model.products.iter().any(|q| q.id == *w && q.class != "IfcSpace"))
+        whole.and_then(|w| self.b.model.product(*w)).is_some_and(|q| q.class != "IfcSpace")
     }
 
     /// The outlines of an element in world coordinates.
@@ -254,7 +291,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         region = self.without_openings(p, region, &frame)?;
         let mut region = region.map(|q| plan_point(&frame.world, q));
         for part in self.b.model.parts.get(&p.id).into_iter().flatten() {
-            let class = self.b.model.products.iter().find(|q| q.id == *part).map(|q| q.class);
+            let class = self.b.model.product(*part).map(|q| q.class);
             let is_glass = class == Some("IfcPlate") && self.options.sight == Sight::Eye;
             let Ok(cut) = self.part(*part) else { continue };
             if is_glass {
@@ -303,7 +340,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 continue;
             }
             if let Some(id) = filler.map(|f| f.id) {
-                self.plugged.insert(id, true);
+                self.plugged.insert(id);
             }
             let class = filler.map_or("IfcOpeningElement", |f| f.class);
             if class == "IfcWindow" && self.options.sight == Sight::Knee {
@@ -318,7 +355,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
 
     fn filler(&self, opening: u64) -> Option<&'b Product> {
         let ids = self.b.model.fillings.get(&opening)?;
-        self.b.model.fillers.iter().find(|f| ids.contains(&f.id))
+        ids.iter().find_map(|id| self.b.model.filler(*id))
     }
 
     /// An opening in the frame of its wall.
@@ -337,14 +374,19 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     /// Doors and windows that fill no opening: a box round their cut.
     fn loose_fillers(&mut self) {
         for p in &self.b.model.fillers {
-            if self.plugged.contains_key(&p.id) {
+            if self.plugged.contains(&p.id) {
                 continue;
             }
             let Some(Ok(frame)) = p.shape.map(|_| self.frame(p.placement)) else { continue };
             let Some(Ok((region, _))) = p.shape.map(|s| self.body(p, s, &frame)) else { continue };
             if let Some([lo, hi]) = region.extent() {
                 let ring = vec![lo.to_array(), [hi.x, lo.y], hi.to_array(), [lo.x, hi.y]];
-                self.emit(p, p.class, &Region::ring(ring).map(|q| plan_point(&frame.world, q)));
+                let blocks = p.class == "IfcWindow" && self.options.sight == Sight::Knee;
+                self.emit(
+                    p,
+                    if blocks { KNEE_WINDOW_LAYER } else { p.class },
+                    &Region::ring(ring).map(|q| plan_point(&frame.world, q)),
+                );
             }
         }
     }
@@ -447,7 +489,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     fn state_left_out(&self, report: &mut Report) {
         let place = Place::file(self.b.file);
         let here = |p: &&Product| self.b.model.storey_of(p.id) == self.storey;
-        let shown = |p: &&Product| self.entities.iter().any(|e| e.source.record == p.id as usize);
+        let shown: HashSet<usize> = self.entities.iter().map(|e| e.source.record).collect();
         let walls = self
             .b
             .model
@@ -456,8 +498,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             .filter(|p| p.class.contains("Wall") || p.class.starts_with("IfcColumn"));
         let short: Vec<String> = walls
             .filter(here)
-            .filter(|p| !shown(p))
-            .filter(|p| self.below.iter().any(|b| *b == format!("#{} {}", p.id, p.class)))
+            .filter(|p| !shown.contains(&(p.id as usize)) && self.below.contains(&p.id))
             .map(|p| format!("#{}", p.id))
             .collect();
         if !short.is_empty() {

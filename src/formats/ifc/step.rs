@@ -1,9 +1,16 @@
 //! STEP physical files (ISO 10303-21) as byte spans: instances, their arguments, nothing decoded twice.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
 
 use super::limits::{INSTANCE_BYTES_MAX, NESTING_MAX};
+
+/// Instances up to this long are split in one pass; longer ones are measured first.
+const ONE_PASS_BYTES: usize = 64 << 10;
+
+/// Bytes for which line ends are counted together.
+const LINE_BLOCK: usize = 16 << 10;
 
 /// One `#id=KEYWORD(…);` of a DATA section.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -99,7 +106,7 @@ pub(super) struct Step<'a> {
     /// In file order.
     pub instances: Vec<Instance>,
     /// Upper-case keyword → indices, file order.
-    pub by_keyword: HashMap<String, Vec<u32>>,
+    by_keyword: HashMap<Cow<'a, [u8]>, Vec<u32>>,
     /// First schema name, upper case; empty if none is stated.
     pub schema: String,
     /// Where `ENDSEC` of the last DATA section starts.
@@ -108,9 +115,47 @@ pub(super) struct Step<'a> {
     pub duplicates: Vec<u64>,
     /// Instances that could not be split, with the reason.
     pub broken: Vec<Fault>,
-    by_id: HashMap<u64, u32>,
-    /// Where lines end.
+    by_id: Ids,
+    /// Line ends before each block of [`LINE_BLOCK`] bytes.
     line_ends: Vec<usize>,
+}
+
+/// Number → index of the last instance that has it.
+#[derive(Clone, Debug)]
+enum Ids {
+    /// Numbers without large gaps: at its place the index and one, 0 for none.
+    Dense(Vec<u32>),
+    /// Numbers far apart.
+    Sparse(HashMap<u64, u32>),
+}
+
+impl Ids {
+    /// Numbers per instance up to which a table is smaller than a map.
+    const GAPS: u64 = 8;
+
+    fn new(instances: &[Instance]) -> Self {
+        let largest = instances.iter().map(|i| i.id).max().unwrap_or(0);
+        if largest / Self::GAPS <= instances.len() as u64 {
+            Self::Dense(vec![0; largest as usize + 1])
+        } else {
+            Self::Sparse(HashMap::with_capacity(instances.len()))
+        }
+    }
+
+    fn get(&self, id: u64) -> Option<usize> {
+        match self {
+            Self::Dense(at) => at.get(usize::try_from(id).ok()?)?.checked_sub(1).map(|i| i as usize),
+            Self::Sparse(at) => at.get(&id).map(|i| *i as usize),
+        }
+    }
+
+    /// Whether the number was taken before.
+    fn insert(&mut self, id: u64, index: u32) -> bool {
+        match self {
+            Self::Dense(at) => std::mem::replace(&mut at[id as usize], index + 1) != 0,
+            Self::Sparse(at) => at.insert(id, index).is_some(),
+        }
+    }
 }
 
 impl<'a> Step<'a> {
@@ -126,8 +171,8 @@ impl<'a> Step<'a> {
             data_end: bytes.len(),
             duplicates: Vec::new(),
             broken: Vec::new(),
-            by_id: HashMap::new(),
-            line_ends: bytes.iter().enumerate().filter(|(_, b)| **b == b'\n').map(|(i, _)| i).collect(),
+            by_id: Ids::Dense(Vec::new()),
+            line_ends: line_ends(bytes),
         };
         out.sections(&mut scan)?;
         out.index();
@@ -142,6 +187,12 @@ impl<'a> Step<'a> {
             match scan.peek() {
                 None => return Ok(()),
                 Some(b'#') if in_data => {
+                    let limit = scan.bytes.len().min(at + ONE_PASS_BYTES);
+                    if let Some(i) = whole_instance(scan.bytes, at..limit) {
+                        scan.at = i.span.end;
+                        self.instances.push(i);
+                        continue;
+                    }
                     let end = scan.statement()?;
                     if end - at > INSTANCE_BYTES_MAX {
                         self.broken.push(scan.fault(at, "an instance of more bytes than any building has"));
@@ -177,13 +228,12 @@ impl<'a> Step<'a> {
     }
 
     fn index(&mut self) {
-        self.by_id.reserve(self.instances.len());
+        self.by_id = Ids::new(&self.instances);
         for (i, instance) in self.instances.iter().enumerate() {
-            if self.by_id.insert(instance.id, i as u32).is_some() {
+            if self.by_id.insert(instance.id, i as u32) {
                 self.duplicates.push(instance.id);
             }
-            let keyword = &self.bytes[instance.keyword.clone()];
-            let keyword = String::from_utf8_lossy(keyword).to_ascii_uppercase();
+            let keyword = upper(&self.bytes[instance.keyword.clone()]);
             match self.by_keyword.get_mut(&keyword) {
                 Some(list) => list.push(i as u32),
                 None => drop(self.by_keyword.insert(keyword, vec![i as u32])),
@@ -193,19 +243,21 @@ impl<'a> Step<'a> {
 
     /// The instance with that number (the last one of several).
     pub fn get(&self, id: u64) -> Option<&Instance> {
-        self.by_id.get(&id).map(|i| &self.instances[*i as usize])
+        self.by_id.get(id).map(|i| &self.instances[i])
     }
 
     /// Instances of a keyword, file order.
     pub fn all(&self, keyword: &str) -> impl Iterator<Item = &Instance> {
-        self.by_keyword.get(keyword).into_iter().flatten().map(|i| &self.instances[*i as usize])
+        self.by_keyword.get(keyword.as_bytes()).into_iter().flatten().map(|i| &self.instances[*i as usize])
     }
 
     /// Keyword of an instance, upper case.
-    pub fn keyword(&self, id: u64) -> String {
-        self.get(id).map_or_else(String::new, |i| {
-            String::from_utf8_lossy(&self.bytes[i.keyword.clone()]).to_ascii_uppercase()
-        })
+    pub fn keyword(&self, id: u64) -> Cow<'a, str> {
+        match self.get(id).map(|i| upper(&self.bytes[i.keyword.clone()])) {
+            Some(Cow::Borrowed(word)) => String::from_utf8_lossy(word),
+            Some(Cow::Owned(word)) => String::from_utf8_lossy(&word).into_owned().into(),
+            None => "".into(),
+        }
     }
 
     /// Arguments of an instance; none where it does not exist or its text is no list.
@@ -216,12 +268,14 @@ impl<'a> Step<'a> {
     /// Arguments of an instance.
     pub fn args_of(&self, instance: &Instance) -> Vec<Arg> {
         let mut at = instance.args.start;
-        list(self.bytes, &mut at, instance.args.end, 0).unwrap_or_default()
+        list::<true>(self.bytes, &mut at, instance.args.end, 0).unwrap_or_default()
     }
 
     /// Line of a byte, from 1.
     pub fn line(&self, at: usize) -> usize {
-        self.line_ends.partition_point(|e| *e < at) + 1
+        let at = at.min(self.bytes.len());
+        let block = (at / LINE_BLOCK).min(self.line_ends.len() - 1);
+        self.line_ends[block] + line_of(&self.bytes[block * LINE_BLOCK..], at - block * LINE_BLOCK)
     }
 
     /// A text argument, escapes decoded.
@@ -236,6 +290,27 @@ impl<'a> Step<'a> {
     /// The largest number in use.
     pub fn largest_id(&self) -> u64 {
         self.instances.iter().map(|i| i.id).max().unwrap_or(0)
+    }
+}
+
+/// Line ends before each block of [`LINE_BLOCK`] bytes, and before an empty first one.
+fn line_ends(bytes: &[u8]) -> Vec<usize> {
+    let mut sum = 0;
+    let blocks = bytes.chunks(LINE_BLOCK).map(|block| {
+        let before = sum;
+        sum += block.iter().filter(|b| **b == b'\n').count();
+        before
+    });
+    let out: Vec<usize> = blocks.collect();
+    if out.is_empty() { vec![0] } else { out }
+}
+
+/// A keyword in upper case, as nearly all files have it.
+fn upper(word: &[u8]) -> Cow<'_, [u8]> {
+    if word.iter().any(u8::is_ascii_lowercase) {
+        Cow::Owned(word.to_ascii_uppercase())
+    } else {
+        Cow::Borrowed(word)
     }
 }
 
@@ -354,8 +429,8 @@ fn upper_word(text: &[u8]) -> String {
     String::from_utf8_lossy(&text[..end]).to_ascii_uppercase()
 }
 
-/// Splits `#id = KEYWORD ( … ) ;`.
-fn instance(bytes: &[u8], span: Range<usize>) -> Result<Instance, Fault> {
+/// Number, keyword and opening parenthesis of an instance.
+fn head(bytes: &[u8], span: Range<usize>) -> Result<(u64, Range<usize>, usize), Fault> {
     let fault = |at: usize, text: &str| Fault { at, text: format!("found {text}") };
     let mut at = span.start + 1;
     blank(bytes, &mut at, span.end);
@@ -382,6 +457,24 @@ fn instance(bytes: &[u8], span: Range<usize>) -> Result<Instance, Fault> {
     if bytes.get(at) != Some(&b'(') {
         return Err(fault(at, "no `(` after the keyword of an instance"));
     }
+    Ok((id, keyword, at))
+}
+
+/// The instance that starts a span, where nothing is odd about it.
+fn whole_instance(bytes: &[u8], span: Range<usize>) -> Option<Instance> {
+    let (id, keyword, open) = head(bytes, span.clone()).ok()?;
+    let mut close = open + 1;
+    list::<false>(bytes, &mut close, span.end, 0).ok()?;
+    let mut end = close + 1;
+    blank(bytes, &mut end, span.end);
+    let is_whole = bytes[..span.end].get(close) == Some(&b')') && bytes[..span.end].get(end) == Some(&b';');
+    is_whole.then(|| Instance { id, span: span.start..end + 1, keyword, args: open + 1..close })
+}
+
+/// Splits `#id = KEYWORD ( … ) ;`.
+fn instance(bytes: &[u8], span: Range<usize>) -> Result<Instance, Fault> {
+    let fault = |at: usize, text: &str| Fault { at, text: format!("found {text}") };
+    let (id, keyword, at) = head(bytes, span.clone())?;
     let mut end = span.end - 1;
     while end > at && (bytes[end].is_ascii_whitespace() || bytes[end] == b';') {
         end -= 1;
@@ -390,7 +483,7 @@ fn instance(bytes: &[u8], span: Range<usize>) -> Result<Instance, Fault> {
         return Err(fault(at, "an instance that does not end with `);`"));
     }
     let mut check = at + 1;
-    list(bytes, &mut check, end, 0).map_err(|(at, text)| fault(at, text))?;
+    list::<false>(bytes, &mut check, end, 0).map_err(|(at, text)| fault(at, text))?;
     Ok(Instance { id, span, keyword, args: at + 1..end })
 }
 
@@ -408,8 +501,13 @@ fn blank(bytes: &[u8], at: &mut usize, end: usize) {
 
 type Broken = (usize, &'static str);
 
-/// Arguments up to `end` or the closing parenthesis at this level.
-fn list(bytes: &[u8], at: &mut usize, end: usize, depth: usize) -> Result<Vec<Arg>, Broken> {
+/// Arguments up to `end` or the closing parenthesis at this level; checked alone where they are not to `KEEP`.
+fn list<const KEEP: bool>(
+    bytes: &[u8],
+    at: &mut usize,
+    end: usize,
+    depth: usize,
+) -> Result<Vec<Arg>, Broken> {
     if depth > NESTING_MAX {
         return Err((*at, "parentheses nested deeper than any schema has them"));
     }
@@ -419,7 +517,10 @@ fn list(bytes: &[u8], at: &mut usize, end: usize, depth: usize) -> Result<Vec<Ar
         return Ok(out);
     }
     loop {
-        out.push(value(bytes, at, end, depth)?);
+        let arg = value::<KEEP>(bytes, at, end, depth)?;
+        if KEEP {
+            out.push(arg);
+        }
         blank(bytes, at, end);
         match bytes[*at..end].first() {
             None | Some(b')') => return Ok(out),
@@ -430,7 +531,7 @@ fn list(bytes: &[u8], at: &mut usize, end: usize, depth: usize) -> Result<Vec<Ar
     }
 }
 
-fn value(bytes: &[u8], at: &mut usize, end: usize, depth: usize) -> Result<Arg, Broken> {
+fn value<const KEEP: bool>(bytes: &[u8], at: &mut usize, end: usize, depth: usize) -> Result<Arg, Broken> {
     blank(bytes, at, end);
     let start = *at;
     let value = match bytes[start..end].first() {
@@ -460,39 +561,62 @@ fn value(bytes: &[u8], at: &mut usize, end: usize, depth: usize) -> Result<Arg, 
             let close = bytes[start + 1..end].iter().position(|b| *b == b'.');
             let close = close.ok_or((start, "a name in dots that does not end"))?;
             *at = start + close + 2;
-            Value::Enum(String::from_utf8_lossy(&bytes[start + 1..start + 1 + close]).into_owned())
+            Value::Enum(kept::<KEEP>(&bytes[start + 1..start + 1 + close]))
         }
         Some(b'(') => {
             *at += 1;
-            Value::List(inner(bytes, at, end, depth)?)
+            Value::List(inner::<KEEP>(bytes, at, end, depth)?)
         }
         Some(b) if b.is_ascii_alphabetic() => {
             while bytes[*at..end].first().is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_') {
                 *at += 1;
             }
-            let word = String::from_utf8_lossy(&bytes[start..*at]).to_ascii_uppercase();
+            let word = kept::<KEEP>(&bytes[start..*at]).to_ascii_uppercase();
             blank(bytes, at, end);
             if bytes[*at..end].first() != Some(&b'(') {
                 return Err((start, "a word where a value must stand"));
             }
             *at += 1;
-            Value::Typed(word, inner(bytes, at, end, depth)?)
+            Value::Typed(word, inner::<KEEP>(bytes, at, end, depth)?)
         }
         Some(_) => {
             while bytes[*at..end].first().is_some_and(|b| b.is_ascii_alphanumeric() || b"+-.".contains(b)) {
                 *at += 1;
             }
-            let text = std::str::from_utf8(&bytes[start..*at]).unwrap_or("");
-            let number = text.parse::<f64>().ok().filter(|v| v.is_finite());
+            let text = &bytes[start..*at];
+            let number = if !KEEP && is_plain_number(text) { Some(0.0) } else { number(text) };
             Value::Number(number.ok_or((start, "a value that is no number"))?)
         }
     };
     Ok(Arg { span: start..*at, value })
 }
 
-fn inner(bytes: &[u8], at: &mut usize, end: usize, depth: usize) -> Result<Vec<Arg>, Broken> {
+fn kept<const KEEP: bool>(text: &[u8]) -> String {
+    if KEEP { String::from_utf8_lossy(text).into_owned() } else { String::new() }
+}
+
+fn number(text: &[u8]) -> Option<f64> {
+    std::str::from_utf8(text).ok()?.parse::<f64>().ok().filter(|v| v.is_finite())
+}
+
+/// Whether digits, a sign and one point are all there is: a number without having to be read.
+fn is_plain_number(text: &[u8]) -> bool {
+    let digits = text.strip_prefix(b"-").unwrap_or(text);
+    let points = digits.iter().filter(|b| **b == b'.').count();
+    digits.first().is_some_and(u8::is_ascii_digit)
+        && digits.len() < 64
+        && points < 2
+        && digits.iter().all(|b| b.is_ascii_digit() || *b == b'.')
+}
+
+fn inner<const KEEP: bool>(
+    bytes: &[u8],
+    at: &mut usize,
+    end: usize,
+    depth: usize,
+) -> Result<Vec<Arg>, Broken> {
     let open = *at;
-    let items = list(bytes, at, end, depth + 1)?;
+    let items = list::<KEEP>(bytes, at, end, depth + 1)?;
     if bytes[*at..end].first() != Some(&b')') {
         return Err((open, "a `(` without its `)`"));
     }

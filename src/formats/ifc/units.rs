@@ -73,7 +73,7 @@ fn words(step: &Step<'_>, id: u64, args: &[Arg]) -> String {
 /// Metres or radians in one of a unit.
 fn factor(step: &Step<'_>, id: u64, depth: usize) -> Option<f64> {
     let args = step.args(id);
-    match step.keyword(id).as_str() {
+    match &*step.keyword(id) {
         "IFCSIUNIT" => {
             let super::step::Value::Enum(name) = &args.get(3)?.value else { return None };
             let base = matches!(name.to_ascii_uppercase().as_str(), "METRE" | "RADIAN");

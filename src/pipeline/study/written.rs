@@ -1,5 +1,7 @@
 //! A drawing as it was written, read again and measured from scratch.
 
+use std::collections::BTreeMap;
+
 use super::{Seen, Study, Worth, closed_that_stay, cover_bodies, pieces_of, plan_options, read_options};
 use crate::analysis::Obstacles;
 use crate::analysis::forest::{Initial, tally};
@@ -7,19 +9,28 @@ use crate::analysis::lattice::CellIndex;
 use crate::analysis::visibility::visibility_graph;
 use crate::config::Settings;
 use crate::formats;
-use crate::plan::curve::trace_like;
-use crate::plan::geometry::Segment;
+use crate::moves::Layout;
+use crate::plan::curve::{control_points, trace_like};
+use crate::plan::drawing::Shape;
+use crate::plan::geometry::{PointUm, Segment};
 use crate::plan::{Plan, PlanOptions, understand};
 use crate::report::{Error, Place, Report};
 
 impl Study {
-    /// Measures a drawing that this study wrote, from its bytes and from scratch, on the study's lattice.
+    /// Measures a drawing that this study wrote of a layout, from its bytes and from scratch, on the study's
+    /// lattice.
     ///
     /// # Errors
     /// What reading returns: the written file must be readable.
-    pub fn measure_written(&self, bytes: &[u8], settings: &Settings) -> Result<Worth, Error> {
+    pub fn measure_written(
+        &self,
+        bytes: &[u8],
+        layout: &Layout,
+        settings: &Settings,
+    ) -> Result<Worth, Error> {
         let plan = &self.base.plan;
         let again = self.read_again(bytes, settings)?;
+        let meant = meant_shapes(plan, layout);
         let mut segments: Vec<Segment> = Vec::new();
         for (w, wall) in again.walls.iter().enumerate() {
             for (s, part, _) in pieces_of(&wall.trace, None) {
@@ -29,13 +40,15 @@ impl Study {
         segments.extend(closed_that_stay(&self.base));
         let mut pieces = self.pieces.clone();
         for (w, range) in self.base.moves.walls.iter().zip(&self.piece_ranges) {
-            let trace =
-                trace_like(&again.walls[*w as usize].shape, &plan.walls[*w as usize].trace, &plan.frame);
+            let shape = as_cornered(plan, &again.walls[*w as usize].shape, meant[w]);
+            let trace = trace_like(shape, &plan.walls[*w as usize].trace, &plan.frame);
             self.place(&mut pieces[range.0..range.1], &trace);
         }
         let seen = |scene: &super::seen::Scene| -> Seen {
-            let obstacles =
-                Obstacles { segments: segments.clone(), blind: self.blind_again(&again, &scene.cells) };
+            let obstacles = Obstacles {
+                segments: segments.clone(),
+                blind: self.blind_again(&again, &meant, &scene.cells),
+            };
             let graph = visibility_graph(&scene.lattice, &obstacles);
             let initial = Initial { components: &scene.components, covered: &obstacles.blind };
             scene.seen(tally(&scene.lattice, &graph, Some(initial)), || obstacles.clone())
@@ -63,17 +76,41 @@ impl Study {
     }
 
     /// Vertices that what can move covers in a plan read again.
-    fn blind_again(&self, again: &Plan, cells: &CellIndex) -> Vec<u32> {
+    fn blind_again(&self, again: &Plan, meant: &BTreeMap<u32, &Shape>, cells: &CellIndex) -> Vec<u32> {
         let mut out = Vec::new();
         for w in &self.base.moves.walls {
             if self.base.plan.walls[*w as usize].is_solid {
                 cells.vertices_in(&again.walls[*w as usize].trace.points, &mut out);
             }
         }
-        let shape = |w: u32| again.walls.get(w as usize).map(|w| &w.shape);
+        let shape =
+            |w: u32| Some(as_cornered(&self.base.plan, &again.walls.get(w as usize)?.shape, meant.get(&w)?));
         cover_bodies(&self.base, &shape, cells, &mut out);
         out.sort_unstable();
         out.dedup();
         out
     }
+}
+
+/// Where a layout means every wall to stand.
+fn meant_shapes<'a>(plan: &'a Plan, layout: &'a Layout) -> BTreeMap<u32, &'a Shape> {
+    let mut out: BTreeMap<u32, &Shape> =
+        plan.walls.iter().enumerate().map(|(w, wall)| (w as u32, &wall.shape)).collect();
+    out.extend(layout.walls.iter().map(|w| (w.wall, &w.shape)));
+    out
+}
+
+/// Corners nearer than this are the same one, micrometres.
+const SAME_CORNER_UM: f64 = 1_000.0;
+
+/// A shape as written where its corners are those that were meant, one by one, else the shape that was meant:
+/// the cut through a turned mesh may start at another corner, or have one more on a straight face.
+fn as_cornered<'a>(plan: &Plan, written: &'a Shape, meant: &'a Shape) -> &'a Shape {
+    let corners = |s: &Shape| -> Vec<PointUm> {
+        control_points(s).into_iter().map(|p| plan.frame.um_from_file(p)).collect()
+    };
+    let (a, b) = (corners(written), corners(meant));
+    let near =
+        |(p, q): (&PointUm, &PointUm)| ((p[0] - q[0]) as f64).hypot((p[1] - q[1]) as f64) <= SAME_CORNER_UM;
+    if a.len() == b.len() && a.iter().zip(&b).all(near) { written } else { meant }
 }
