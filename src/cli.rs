@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 
-use crate::config::{Backend, Colours, Level, Method, Mode, Partial};
+use crate::config::{Backend, Colours, Level, Method, Mode, Partial, Thresholds};
 use crate::pipeline::resolution;
 
 /// From an architect's drawing to a diverse set of better layouts, and back.
@@ -222,6 +222,10 @@ pub struct SearchArgs {
     /// Objectives in order with thresholds: "degree max 0.7, depth min 0.7, entropy max 0.7".
     #[arg(long, value_name = "LIST")]
     pub objective: Option<String>,
+    /// Whether thresholds stand, or are lowered where they leave no room for options that differ [default:
+    /// firm with --objective, else yielding].
+    #[arg(long, value_enum)]
+    pub thresholds: Option<ThresholdsArg>,
     /// Weights of the composite measure: "degree +1, depth -1, entropy +1".
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub score: Option<String>,
@@ -485,6 +489,10 @@ choice!(
     /// See [`Method`].
     MethodArg for Method { Default, Paper }
 );
+choice!(
+    /// See [`Thresholds`].
+    ThresholdsArg for Thresholds { Firm, Yielding }
+);
 
 /// How progress is said.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -527,6 +535,7 @@ impl Common {
             mode: s.mode.map(Into::into),
             method: s.method.map(Into::into),
             objective: s.objective.clone(),
+            thresholds: s.thresholds.map(Into::into),
             score: s.score.clone(),
             penalty: s.penalty.clone(),
             distance: s.distance,

@@ -19,7 +19,7 @@ use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
 use crate::pipeline::cells::CellOptions;
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::progress::Display;
-use crate::report::{Cancel, Error, Place, Report, Severity};
+use crate::report::{Cancel, Error, Place, Report, Severity, gathered};
 use crate::sample_settings;
 use crate::server::Page;
 use crate::store::{self, Home, Log, Placing, SystemDisk, round_name};
@@ -584,13 +584,16 @@ fn tell(common: &Common, report: &Report) {
     if common.quiet {
         return;
     }
-    for p in &report.problems {
+    for (p, others) in gathered(&report.problems, |p| (p.code, p.severity, &p.text)) {
         let word = match p.severity {
             Severity::Info => "note",
             Severity::Warning => "warning",
             Severity::Error => "error",
         };
         eprintln!("{word}: {p}");
+        if !others.is_empty() {
+            eprintln!("{word}: {}: {} more like the last; --json names each", p.place.file, others.len());
+        }
     }
 }
 

@@ -4,6 +4,9 @@
 //! folder; the first of them that names a key wins. Unknown keys are errors with line and column.
 
 mod control;
+#[cfg(test)]
+mod tests;
+mod wording;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -79,6 +82,16 @@ pub enum Method {
     Default,
     /// Algorithms 1 and 2 as published.
     Paper,
+}
+
+/// What happens where the thresholds leave no room for options that differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Thresholds {
+    /// They stand as they were stated; the options may be alike, and the report says so.
+    Firm,
+    /// They are lowered together, step by step, until the options stand `distance` apart.
+    Yielding,
 }
 
 /// Colours of heat maps.
@@ -283,6 +296,7 @@ pub struct Partial {
     pub mode: Option<Mode>,
     pub method: Option<Method>,
     pub objective: Option<String>,
+    pub thresholds: Option<Thresholds>,
     pub score: Option<String>,
     pub penalty: Option<String>,
     pub distance: Option<f64>,
@@ -333,7 +347,7 @@ impl Partial {
     /// # Errors
     /// [`Error::Usage`] with line and column.
     pub fn from_toml(name: &str, text: &str) -> Result<Self, Error> {
-        toml::from_str(text).map_err(|e| {
+        let read: Self = toml::from_str(text).map_err(|e| {
             let line = e.span().map(|s| text[..s.start.min(text.len())].matches('\n').count() + 1);
             let column = e.span().map(|s| {
                 text[..s.start.min(text.len())].chars().rev().take_while(|c| *c != '\n').count() + 1
@@ -343,8 +357,24 @@ impl Partial {
                 line,
                 entity: column.map(|c| format!("column {c}")).unwrap_or_default(),
             };
-            Error::usage("settings", place, format!("{}; nothing of this file was used", e.message()))
-        })
+            Error::usage(
+                "settings",
+                place,
+                format!("{}; nothing of this file was used", wording::plain(e.message())),
+            )
+        })?;
+        read.is_sound_alone(name, text)?;
+        Ok(read)
+    }
+
+    /// What no other source can mend, with its place. How many options are pinned is right or wrong only
+    /// beside the members wanted, which another source may say.
+    fn is_sound_alone(&self, name: &str, text: &str) -> Result<(), Error> {
+        let Err(Error::Usage(problem)) = Settings::new(Self { pin: None, ..self.clone() }) else {
+            return Ok(());
+        };
+        let line = problem.text.split(':').next().and_then(|key| wording::line_of_key(text, key));
+        Err(Error::usage("settings", Place { line, ..Place::file(name) }, problem.text))
     }
 
     /// This source, with `base` where it says nothing.
@@ -370,6 +400,7 @@ impl Partial {
             mode: self.mode.or(base.mode),
             method: self.method.or(base.method),
             objective: self.objective.or(base.objective),
+            thresholds: self.thresholds.or(base.thresholds),
             score: self.score.or(base.score),
             penalty: self.penalty.or(base.penalty),
             distance: self.distance.or(base.distance),
@@ -437,6 +468,8 @@ pub struct Settings {
     pub method: Method,
     /// Objectives in order, without diversity.
     pub objectives: Vec<ObjectiveSetting>,
+    /// Whether their thresholds may be lowered; by default where nobody stated any.
+    pub thresholds: Thresholds,
     /// Weights w_k of `score`.
     pub score: Vec<(Aim, f64)>,
     /// Weights v_j of the penalties.
@@ -496,6 +529,7 @@ impl Settings {
     /// [`Error::Usage`] naming the key, what was found and what is expected.
     pub fn new(p: Partial) -> Result<Self, Error> {
         let score = score_terms(p.score.as_deref().unwrap_or("degree +1, depth -1, entropy +1"))?;
+        let is_stated = p.objective.is_some();
         let objectives =
             objectives(p.objective.as_deref().unwrap_or("degree max 0.7, depth min 0.7, entropy max 0.7"))?;
         let penalties = penalties(p.penalty.as_deref().unwrap_or("clearance 1, wall-length 1"))?;
@@ -547,6 +581,11 @@ impl Settings {
             mode: p.mode.unwrap_or_default(),
             method: p.method.unwrap_or_default(),
             objectives,
+            thresholds: p.thresholds.unwrap_or(if is_stated {
+                Thresholds::Firm
+            } else {
+                Thresholds::Yielding
+            }),
             score,
             penalties,
             distance: in_range("distance", Some(p.distance.unwrap_or(D_MIN_DEFAULT)), 0.0, 1.0)?
@@ -701,65 +740,4 @@ fn snap(text: &str) -> Result<Snap, Error> {
 
 fn clauses(text: &str) -> impl Iterator<Item = &str> {
     text.split(',').map(str::trim).filter(|c| !c.is_empty())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn defaults_are_valid_and_stated() {
-        let s = Settings::new(Partial::default()).unwrap();
-        assert_eq!(s.objectives.len(), 3);
-        assert_eq!(
-            s.score,
-            [(Measure::Degree, 1.0), (Measure::Depth, -1.0), (Measure::Entropy, 1.0)]
-                .map(|(m, w)| (Aim::mean(m), w))
-        );
-        assert_eq!(s.penalties, [(Penalty::Clearance, 1.0), (Penalty::WallLength, 1.0)]);
-    }
-
-    #[test]
-    fn what_is_wrong_is_named() {
-        let with = |f: fn(&mut Partial)| {
-            let mut p = Partial::default();
-            f(&mut p);
-            Settings::new(p).unwrap_err().to_string()
-        };
-        for (message, part) in [
-            (with(|p| p.objective = Some("beauty max 1".into())), "beauty"),
-            (with(|p| p.objective = Some("degree max 1.5".into())), "from 0 to 1"),
-            (with(|p| p.objective = Some("score max, degree max".into())), "alone"),
-            (with(|p| p.score = Some("degree".into())), "\"degree\""),
-            (with(|p| p.penalty = Some("clearance -1".into())), "clearance -1"),
-            (with(|p| p.limit = Some("degree 40".into())), "degree 40"),
-            (with(|p| p.link = Some(vec!["same: a, b".into(), "equal: b, c, d".into()])), "twice"),
-            (with(|p| p.snap = Some("0".into())), "snap"),
-            (with(|p| p.most_moves = Some(0)), "most-moves"),
-            (with(|p| p.pin = Some(vec![vec![0.0]; 5])), "pin"),
-            (with(|p| p.like = Some(vec![f64::NAN])), "finite"),
-            (with(|p| p.spacing = Some(0.0)), "spacing"),
-            (with(|p| p.spacing = Some(f64::NAN)), "spacing"),
-            (with(|p| p.members = Some(0)), "members"),
-            (with(|p| p.members = Some(MEMBERS_MAX + 1)), "members"),
-            (with(|p| p.threads = Some(THREADS_MAX + 1)), "threads"),
-            (with(|p| p.evaluations = Some(EVALUATIONS_MAX + 1)), "evaluations"),
-        ] {
-            assert!(message.contains(part), "{message}");
-        }
-    }
-
-    #[test]
-    fn unknown_keys_are_errors_with_line_and_column() {
-        let e = Partial::from_toml("enfilade.toml", "seed = 3\n  colour = 1\n").unwrap_err();
-        assert!(e.to_string().starts_with("enfilade.toml:2 column 3: unknown field `colour`"), "{e}");
-    }
-
-    #[test]
-    fn the_nearer_source_wins() {
-        let folder = Partial::from_toml("a", "seed = 3\nmembers = 2").unwrap();
-        let drawing = Partial::from_toml("b", "seed = 4").unwrap();
-        let s = Settings::new(drawing.over(folder)).unwrap();
-        assert_eq!((s.seed, s.members), (4, 2));
-    }
 }

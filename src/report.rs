@@ -4,6 +4,7 @@
 //! goes on, and the [`Report`] is shown beside the result. Only a job that cannot go on at all
 //! returns an [`Error`]. These are the only error types of the house.
 
+use std::collections::HashMap;
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -57,7 +58,7 @@ impl fmt::Display for Place {
 }
 
 /// How much a [`Problem`] matters to the user.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// An assumption or a decision worth stating; nothing was left out.
@@ -137,6 +138,30 @@ impl Report {
     pub fn is_degraded(&self) -> bool {
         self.problems.iter().any(|p| p.severity >= Severity::Warning)
     }
+}
+
+/// Findings alike that are shown one by one; the others are gathered behind the last of them.
+pub const SHOWN_ALIKE: usize = 3;
+
+/// What to show of many findings: each that is shown, and behind the last of its kind those that are
+/// not, in their order. Findings are alike where `kind` says the same of them.
+pub fn gathered<'a, T, K: Eq + std::hash::Hash>(
+    findings: impl IntoIterator<Item = &'a T>,
+    kind: impl Fn(&'a T) -> K,
+) -> Vec<(&'a T, Vec<&'a T>)> {
+    let mut out: Vec<(&T, Vec<&T>)> = vec![];
+    let mut seen: HashMap<K, (usize, usize)> = HashMap::new();
+    for finding in findings {
+        let (count, last) = seen.entry(kind(finding)).or_default();
+        *count += 1;
+        if *count > SHOWN_ALIKE {
+            out[*last].1.push(finding);
+        } else {
+            *last = out.len();
+            out.push((finding, vec![]));
+        }
+    }
+    out
 }
 
 /// Why a job cannot go on. The variant decides the exit code.
@@ -227,5 +252,25 @@ impl OutFile {
     /// A file of that name.
     pub fn new(path: impl Into<PathBuf>, bytes: impl Into<Vec<u8>>) -> Self {
         Self { path: path.into(), bytes: bytes.into() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_findings_alike_are_gathered_behind_the_third() {
+        let mut report = Report::default();
+        for line in 1..=6 {
+            report.info("stale", Place::line("plan.dxf", line), "is tied");
+            report.info("stale", Place::line("plan.dxf", 10 * line), format!("is other {line}"));
+        }
+        let shown = gathered(&report.problems, |p| (p.code, &p.text));
+        assert_eq!(shown.len(), 6 + SHOWN_ALIKE);
+        let lines = |found: &[&Problem]| found.iter().map(|p| p.place.line).collect::<Vec<_>>();
+        let behind: Vec<_> = shown.iter().filter(|(_, others)| !others.is_empty()).collect();
+        assert_eq!(behind.len(), 1);
+        assert_eq!((behind[0].0.place.line, lines(&behind[0].1)), (Some(3), vec![Some(4), Some(5), Some(6)]));
     }
 }

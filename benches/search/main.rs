@@ -91,6 +91,7 @@ fn run(problem: &dyn Problem, options: &Options, evaluations: u64, seed: u64) ->
         }],
         members: 5,
         d_min: 0.25,
+        least_share: 1.0,
         seed,
         evaluations: Some(evaluations),
         method: options.method,

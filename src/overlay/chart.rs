@@ -2,7 +2,6 @@
 
 use super::canvas::{Anchor, Canvas, MIN_SIDE_PX, Pen, size_error};
 use super::font::{Weight, fitted, width_px};
-use super::frame::Key;
 use super::measure::{short, tick_labels, ticks};
 use super::palette::{Rgb, option_style};
 use super::picture::{GREY, INK, PAPER};
@@ -10,44 +9,55 @@ use crate::report::Error;
 
 const GRID: Rgb = [0xe4, 0xe6, 0xea];
 const CRITICAL: Rgb = [0xd5, 0x5e, 0x00];
-/// Height of a chart over its width.
-const ASPECT: f32 = 0.56;
-/// Height of one panel of the resolution study over the width.
+/// Height of one panel over the width.
 const PANEL_ASPECT: f32 = 0.22;
-/// Panels of the resolution study at most: what fits a sheet.
+/// Panels of a sheet at most: what fits a sheet.
 pub const MAX_PANELS: usize = 8;
 
-/// One line of a chart.
+/// One value over the course of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     /// What it shows.
     pub name: String,
-    /// Points in order of x; y that are not finite interrupt the line.
+    /// Layouts measured and the value from then on, in order; values that are not finite interrupt the line.
     pub points: Vec<(u64, f64)>,
 }
 
-/// The best value found over the number of layouts measured, as PNG.
+/// The values over the number of layouts measured, a panel and an axis each, as PNG; no more than
+/// [`MAX_PANELS`] are drawn.
 ///
 /// # Errors
 /// `picture-size` for a size out of range, `png` if the encoder fails.
 pub fn convergence_png(series: &[Series], longest_px: u32) -> Result<Vec<u8>, Error> {
-    let mut canvas = sheet(longest_px, ASPECT)?;
-    let lines: Vec<Vec<[f64; 2]>> =
-        series.iter().map(|s| s.points.iter().map(|(x, y)| [*x as f64, *y]).collect()).collect();
-    let [width, height] = canvas.size().map(|s| s as f32);
+    let series = &series[..series.len().min(MAX_PANELS)];
+    let (head, foot) = (0.065, 0.06);
+    let aspect = head + series.len().max(1) as f32 * PANEL_ASPECT + foot;
+    let mut canvas = sheet((longest_px as f32 / aspect.max(1.0)) as u32, aspect)?;
+    let width = canvas.size()[0] as f32;
     let u = unit_px(&canvas);
-    let area = [120.0 * u, 110.0 * u, width - 50.0 * u, height - 130.0 * u];
-    let axes = Axes::over(lines.iter().flatten(), area, u);
-    let values = ticks(axes.x[0], axes.x[1], 8);
+    heading(&mut canvas, "How the search went");
+    let last = series.iter().flat_map(|s| &s.points).map(|p| p.0).max().unwrap_or(1).max(1);
+    let values = ticks(0.0, last as f64, 8);
     let marks: Vec<(f64, String)> = values.iter().copied().zip(tick_labels(&values)).collect();
-    axes.draw(&mut canvas, 6);
-    axes.draw_foot(&mut canvas, &marks, "layouts measured");
-    heading(&mut canvas, "Best values over the search");
-    for (i, line) in lines.iter().enumerate() {
-        axes.draw_line(&mut canvas, line, option_style(i));
+    for (i, one) in series.iter().enumerate() {
+        let top = (head + i as f32 * PANEL_ASPECT) * width;
+        let area = [140.0 * u, top + 56.0 * u, width - 50.0 * u, top + PANEL_ASPECT * width - 14.0 * u];
+        let line = stairs(&one.points, last);
+        let axes = Axes { x: [0.0, last as f64], ..Axes::over(line.iter(), area, u) };
+        axes.draw(&mut canvas, 4);
+        canvas.text(&one.name, [area[0], area[1] - 16.0 * u], Anchor::Left, (22.0 * u, Weight::Bold, INK));
+        if i + 1 == series.len() {
+            axes.draw_foot(&mut canvas, &marks, "layouts measured");
+        }
+        axes.draw_line(&mut canvas, &line, option_style(0));
     }
-    draw_keys(&mut canvas, series, [area[0], area[3] + 92.0 * u], u);
     canvas.into_png()
+}
+
+/// A value stays until the next one, and the last to the end.
+fn stairs(points: &[(u64, f64)], last: u64) -> Vec<[f64; 2]> {
+    let until = points.iter().skip(1).map(|p| p.0).chain([last]);
+    points.iter().zip(until).flat_map(|((x, y), until)| [[*x as f64, *y], [until as f64, *y]]).collect()
 }
 
 /// One measure of a resolution study.
@@ -229,16 +239,5 @@ impl Axes {
             canvas.line(&px, Pen::solid(PAPER, width_px * 1.8));
             canvas.line(&px, pen);
         }
-    }
-}
-
-fn draw_keys(canvas: &mut Canvas, series: &[Series], [mut x, y]: [f32; 2], u: f32) {
-    for (i, line) in series.iter().enumerate() {
-        let (rgb, dash) = option_style(i);
-        let dash: Vec<f32> = dash.iter().map(|d| d * 2.2 * u).collect();
-        let key = Key::line(line.name.as_str(), Pen { dash_px: &dash, ..Pen::solid(rgb, 4.0 * u) });
-        (key.draw)(canvas, [x, y - 18.0 * u, x + 36.0 * u, y + 2.0 * u]);
-        canvas.text(&key.word, [x + 46.0 * u, y], Anchor::Left, (22.0 * u, Weight::Regular, INK));
-        x += 80.0 * u + width_px(&key.word, 22.0 * u, Weight::Regular);
     }
 }

@@ -10,7 +10,7 @@ use toml::{Table, Value};
 use super::Input;
 use super::round::edits_of;
 use super::study::{self, Understood};
-use crate::config::{LineageTable, Method, Mode, Settings};
+use crate::config::{LineageTable, Method, Mode, Settings, Thresholds};
 use crate::formats;
 use crate::moves::Parameter;
 use crate::overlay::result::{Numbers, RoundResult};
@@ -152,6 +152,7 @@ fn side_car(
     set("mode", if settings.mode == Mode::Best { "best" } else { "diverse" }.into());
     set("method", if settings.method == Method::Paper { "paper" } else { "default" }.into());
     set("objective", settings.objective_text().into());
+    set("thresholds", if settings.thresholds == Thresholds::Firm { "firm" } else { "yielding" }.into());
     set("score", settings.score_text().into());
     set("penalty", settings.penalty_text().into());
     control(settings).into_iter().for_each(|(key, value)| drop(set(key, value)));

@@ -3,7 +3,7 @@
 use super::Input;
 use super::round::Found;
 use super::show::SHOWN;
-use crate::config::{Backend, Level, Method, Mode, Settings};
+use crate::config::{Backend, Level, Method, Mode, Settings, Thresholds};
 use crate::overlay::page::{ArchivePoint, ReportInput, View, report_html};
 use crate::overlay::result::RoundResult;
 use crate::report::OutFile;
@@ -90,6 +90,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
         add("backend", "gpu".into());
     }
     add("objective", settings.objective_text());
+    if settings.thresholds == Thresholds::Yielding {
+        add("thresholds", "yielding".into());
+    }
     add("score", settings.score_text());
     add("penalty", settings.penalty_text());
     let limits = settings.limit_text();

@@ -9,11 +9,12 @@ use super::show::{self, SHOWN};
 use super::study::{self, Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress, heat_map, rayon_map};
 use super::{aims, explain, rules};
-use crate::config::{Aim, Measure, Method, Mode, Settings};
+use crate::config::{Aim, Measure, Method, Mode, Settings, Thresholds};
 use crate::formats;
 use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
 use crate::moves::control::Control;
+use crate::overlay::measure::plain_name;
 use crate::overlay::result::{
     self, Best, Candidate, Diversity, ElementRef, Explanation, LineageEntry, MoveEntry, Numbers, Objective,
     RoundResult, Sense as ShownSense,
@@ -88,13 +89,8 @@ pub(super) fn run(
         report.warn("few-options", Place::file(input.file()), text);
     }
     let wanted = settings.distance * (study.base.moves.parameters.len() as f64).sqrt();
-    if let Some(nearest) = distances(study, &made).min_distance.filter(|d| *d < wanted) {
-        let text = format!(
-            "the two options most alike stand {nearest:.3} apart, {wanted:.3} was wanted: the thresholds of the objectives leave \
-             little room together; lower thresholds, fewer objectives or --objective \"score max 0.7\" give more different options"
-        );
-        report.info("options-alike", Place::file(input.file()), text);
-    }
+    let share = found.as_ref().map_or(1.0, |f| f.threshold_share);
+    say_alikeness(&mut report, input.file(), share, distances(study, &made).min_distance, wanted);
     let result = round_result(input, settings, study, &report, found.as_ref(), &made, started);
     let mut files = pictures(input, settings, study, &made)?;
     files.extend(drawings(input, settings, study, &made, &result)?);
@@ -108,6 +104,26 @@ pub(super) fn run(
     Ok(Outcome { result, files, report })
 }
 
+/// Says where the options are more alike than wanted, and what was done about it.
+fn say_alikeness(report: &mut Report, file: &str, share: f64, nearest: Option<f64>, wanted: f64) {
+    let place = Place::file(file);
+    if share < 1.0 {
+        let text = format!(
+            "inside the thresholds the options were too alike; all thresholds were lowered to {:.0} % of what was \
+             asked; --thresholds firm keeps them",
+            share * 100.0
+        );
+        report.info("thresholds-lowered", place.clone(), text);
+    }
+    if let Some(nearest) = nearest.filter(|d| *d < wanted) {
+        let text = format!(
+            "the two options most alike stand {nearest:.3} apart, {wanted:.3} was wanted: the thresholds of the objectives leave \
+             little room together; lower thresholds, fewer objectives or --objective \"score max 0.7\" give more different options"
+        );
+        report.info("options-alike", place, text);
+    }
+}
+
 /// What a search found, in our terms.
 pub(super) struct Found {
     pub(super) members: Vec<search::Member>,
@@ -117,6 +133,8 @@ pub(super) struct Found {
     /// Why no layout keeps the hard limits, where none does.
     no_option: Option<String>,
     pub(super) objectives: Vec<Objective>,
+    /// What is left of the thresholds stated.
+    threshold_share: f64,
     pub(super) evaluations: u64,
     pub(super) stopped_by: String,
     pub(super) series: Vec<Series>,
@@ -141,6 +159,7 @@ fn optimise(
         objectives: objectives.iter().map(|o| o.1.clone()).collect(),
         members: settings.members,
         d_min: settings.distance,
+        least_share: if settings.thresholds == Thresholds::Yielding { YIELDING_LEAST_SHARE } else { 1.0 },
         seed: settings.seed,
         evaluations: Some(budget(study, settings)),
         method: if settings.method == Method::Paper {
@@ -200,7 +219,7 @@ fn found(
     let shown = objectives.iter().enumerate().map(|(i, (_, o))| Objective {
         name: o.name.clone(),
         sense: if o.sense == search::Sense::Maximise { ShownSense::Max } else { ShownSense::Min },
-        threshold: o.threshold,
+        threshold: o.threshold * outcome.threshold_share,
         initial: initial.values[i],
         best: best_of(&outcome, i, o.sense),
         limit: outcome.thresholds.get(i).copied().unwrap_or(f64::NAN),
@@ -208,7 +227,7 @@ fn found(
     let shown: Vec<Objective> = shown.collect();
     let mut stopped_by = search.stop_reason().map_or_else(String::new, |s| s.to_string());
     let whole = |p: &[f64]| control.expand(p);
-    let mut members = outcome.members;
+    let mut members = outcome.members.clone();
     if outcome.best.violation > 0.0 {
         members.retain(|m| m.violation == 0.0);
     }
@@ -241,9 +260,10 @@ fn found(
         best,
         no_option,
         objectives: shown,
+        threshold_share: outcome.threshold_share,
         evaluations: outcome.evaluations,
         stopped_by,
-        series: series(outcome.stages),
+        series: series(&outcome, objectives),
         archive: outcome.archive.iter().map(|p| p.values.clone()).collect(),
         members,
     }
@@ -281,16 +301,37 @@ fn best_of(outcome: &search::Outcome<'_>, objective: usize, sense: search::Sense
     values.fold(f64::NAN, better)
 }
 
-fn series(stages: &[search::Milestone]) -> Vec<Series> {
-    let mut out: Vec<Series> = Vec::new();
-    for point in stages {
-        let name = &point.stage;
-        match out.iter_mut().find(|s| s.name == *name) {
-            Some(s) => s.points.push((point.evaluations, point.best)),
-            None => out.push(Series { name: name.clone(), points: vec![(point.evaluations, point.best)] }),
-        }
+/// The course of the search: the best value of every objective among the layouts that keep the hard limits,
+/// and, once options spread, how far the two most alike stand apart.
+fn series(outcome: &search::Outcome<'_>, objectives: &[(Aim, search::Objective)]) -> Vec<Series> {
+    let mut out: Vec<Series> = objectives
+        .iter()
+        .enumerate()
+        .map(|(j, (_, o))| Series {
+            name: format!("{}: best found", plain_name(&o.name)),
+            points: course(outcome, j, o.sense),
+        })
+        .collect();
+    let apart = outcome.stages.iter().filter(|s| s.min_distance > 0.0);
+    let points: Vec<(u64, f64)> = apart.map(|s| (s.evaluations, s.min_distance)).collect();
+    if !points.is_empty() {
+        out.push(Series { name: "Distance of the two options most alike".into(), points });
     }
     out
+}
+
+/// Where the best value of an objective rose, and to what.
+fn course(outcome: &search::Outcome<'_>, objective: usize, sense: search::Sense) -> Vec<(u64, f64)> {
+    let mut points: Vec<(u64, f64)> = vec![];
+    for (i, p) in outcome.archive.iter().enumerate().filter(|(_, p)| p.violation == 0.0) {
+        let value = p.values[objective];
+        let is_better =
+            |best: f64| if sense == search::Sense::Maximise { value > best } else { value < best };
+        if value.is_finite() && points.last().is_none_or(|(_, best)| is_better(*best)) {
+            points.push((i as u64 + 1, value));
+        }
+    }
+    points
 }
 
 fn progress(search: &Search, control: &Control, begun: Instant) -> Progress {
@@ -311,6 +352,10 @@ fn budget(study: &Study, settings: &Settings) -> u64 {
     let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
     settings.evaluations.unwrap_or((PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]) as u64)
 }
+
+/// To what share of themselves yielding thresholds are lowered at most: options must stay better than the
+/// layouts that anybody would find by chance.
+const YIELDING_LEAST_SHARE: f64 = 0.3;
 
 /// Threshold of the implied penalty objective: no option has more of it than the present layout. To ask
 /// for less would pin every option to the few places where the penalty is least.

@@ -192,7 +192,7 @@ fn groups(
             }
         }
         if group.clauses.is_empty() {
-            let words = "found no text inside that says how the group moves, expected for example `x -1 1; rotate -15 15`; \
+            let words = "found no text inside that can be read and says how the group moves, expected for example `x -1 1; rotate -15 15`; \
                          the group stays";
             report.warn("move-without-text", place(drawing, &entity.source), words);
         } else {

@@ -155,6 +155,15 @@ impl Limits {
         limits.continued(archive, objectives)
     }
 
+    /// These limits with other thresholds, from the same best points.
+    pub(super) fn with_thresholds_of(&self, objectives: &[Objective]) -> Self {
+        let mut limits = self.clone();
+        for (z, objective) in limits.threshold.iter_mut().zip(objectives) {
+            *z = objective.threshold;
+        }
+        limits
+    }
+
     fn continued(self, archive: &Archive, objectives: &[Objective]) -> Self {
         let mut limits = self;
         for (j, objective) in objectives.iter().enumerate().skip(limits.top.len()) {

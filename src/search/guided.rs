@@ -42,8 +42,53 @@ pub(super) struct Guided {
     standing: Option<Limits>,
     asked: Vec<Kind>,
     course: Course,
+    /// How far thresholds have yielded.
+    yielding: Yielding,
     /// Evaluations after which a search without a budget ends: known once its climbs have converged.
     enough: Option<u64>,
+}
+
+/// How much of them is left after each step that thresholds yield.
+const YIELD_STEP: f64 = 0.85;
+/// Share of the spreading after which they may yield for the first time: members need some to part.
+const YIELD_FROM: f64 = 0.25;
+/// Share of the spreading from one step to the next.
+const YIELD_EVERY: f64 = 0.1;
+/// Share of the spreading from which they stand: what is left goes to spreading inside them.
+const YIELD_UNTIL: f64 = 0.85;
+
+/// Thresholds that give way while they leave no room for members that differ.
+#[derive(Clone, Debug)]
+struct Yielding {
+    least_share: f64,
+    d_min: f64,
+    /// What is left of the thresholds stated.
+    share: f64,
+    /// Share of the spreading at which they may yield next.
+    due: f64,
+}
+
+impl Yielding {
+    fn new(study: &Study) -> Self {
+        Self { least_share: study.least_share, d_min: study.d_min, share: 1.0, due: YIELD_FROM }
+    }
+
+    /// The factor by which the thresholds fall, now that this share of the spreading is done and the
+    /// closest members stand so far apart; `None` where they stand.
+    fn step(&mut self, spread: f64, distance: f64, dims: usize) -> Option<f64> {
+        if spread < self.due || spread >= YIELD_UNTIL {
+            return None;
+        }
+        self.due += YIELD_EVERY;
+        let wanted = self.d_min * (dims as f64).sqrt();
+        let share = (self.share * YIELD_STEP).max(self.least_share);
+        if distance >= wanted || share >= self.share {
+            return None;
+        }
+        let factor = share / self.share;
+        self.share = share;
+        Some(factor)
+    }
 }
 
 /// Evaluations of a stage before its convergence is judged, a parameter and at least.
@@ -100,6 +145,7 @@ impl Guided {
             standing: None,
             asked: vec![],
             course: Course::default(),
+            yielding: Yielding::new(study),
             enough: None,
             tuning,
         }
@@ -132,6 +178,7 @@ impl Guided {
         let mut out: Vec<Vec<f64>> = vec![];
         self.asked.clear();
         self.turn_stage(archive);
+        self.yield_thresholds(archive);
         for b in 0..count {
             let climbs = self.climbs(archive.len() + b);
             let mut proposal = None;
@@ -161,6 +208,26 @@ impl Guided {
             self.asked.push(kind);
         }
         out
+    }
+
+    /// Lowers the thresholds where they leave no room.
+    fn yield_thresholds(&mut self, archive: &Archive) {
+        if self.standing.is_none() {
+            return;
+        }
+        let spread = (self.used(archive.len()) - self.climb_share()) / (1.0 - self.climb_share());
+        let distance = self.min_distance(archive);
+        if let Some(factor) = self.yielding.step(spread, distance, archive.dims()) {
+            for objective in &mut self.objectives {
+                objective.threshold *= factor;
+            }
+            self.limits = self.limits.with_thresholds_of(&self.objectives);
+            self.standing = Some(self.limits.clone());
+        }
+    }
+
+    pub(super) fn threshold_share(&self) -> f64 {
+        self.yielding.share
     }
 
     /// Goes to the next objective when this one's share of the climbing budget is spent, or, without

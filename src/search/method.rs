@@ -60,6 +60,14 @@ impl Engine {
         }
     }
 
+    /// What is left of the thresholds stated.
+    pub(super) fn threshold_share(&self) -> f64 {
+        match self {
+            Self::Default(guided) => guided.threshold_share(),
+            Self::Paper(_) => 1.0,
+        }
+    }
+
     /// Index of the objective being climbed.
     pub(super) fn stage(&self) -> usize {
         match self {

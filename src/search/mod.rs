@@ -87,6 +87,9 @@ pub struct Study {
     pub members: usize,
     /// `d_min` of eq. div-mem-dist, as a fraction of √n, the largest distance with n parameters.
     pub d_min: f64,
+    /// To what share of themselves thresholds may be lowered, all together, while members stand nearer than
+    /// `d_min`; 1: never. The default method alone does so.
+    pub least_share: f64,
     /// Seed of all randomness.
     pub seed: u64,
     /// Evaluations to spend; `None`: until converged.
@@ -206,6 +209,8 @@ pub struct Outcome<'a> {
     pub members: Vec<Member>,
     /// The limits l_i of the objectives, as measured.
     pub thresholds: Vec<f64>,
+    /// What is left of the thresholds stated, in `(0, 1]` (see [`Study::least_share`]).
+    pub threshold_share: f64,
     /// Evaluations told.
     pub evaluations: u64,
     /// Everything evaluated, in order.
@@ -373,6 +378,7 @@ impl Search {
             best: best.map_or_else(unknown, |i| self.archive.points()[i].clone()),
             members: members.into_iter().map(|i| self.member(limits, i)).collect(),
             thresholds: senses.map(|(j, o)| o.sense.gain(limits.limit(j, 0.0))).collect(),
+            threshold_share: self.engine.threshold_share(),
             evaluations: self.archive.len() as u64,
             archive: self.archive.points(),
             stages: &self.history,
@@ -427,6 +433,9 @@ fn check(study: &Study) -> Result<(), Error> {
     }
     if !(0.0..=1.0).contains(&study.d_min) {
         return bad(format!("least distance between members, found {}, expected 0 .. 1 of √n", study.d_min));
+    }
+    if !(0.0..=1.0).contains(&study.least_share) {
+        return bad(format!("least share of the thresholds, found {}, expected 0 .. 1", study.least_share));
     }
     for (what, count) in [("members", study.members), ("batch", study.batch)] {
         if count == 0 {

@@ -13,6 +13,7 @@ fn study(dims: usize, evaluations: u64) -> Study {
         objectives: vec![objective("score", Sense::Maximise, true)],
         members: 5,
         d_min: 0.25,
+        least_share: 1.0,
         seed: 1,
         evaluations: Some(evaluations),
         method: Method::Default,
@@ -221,6 +222,36 @@ fn objectives_keep_their_order_and_thresholds() {
     assert!(outcome.best.values[0] <= penalty && outcome.best.values[1] > 5.0, "{:?}", outcome.best);
 }
 
+/// Two aims that pull apart, in four dimensions: few layouts serve both.
+fn torn(p: &[f64]) -> Evaluation {
+    let from = |a: f64| -p.iter().map(|x| (x - a).powi(2)).sum::<f64>();
+    Evaluation { values: vec![from(0.5), from(1.5)], violation: 0.0, at: None }
+}
+
+#[test]
+fn thresholds_yield_where_members_would_be_alike_and_nowhere_else() {
+    let objectives =
+        vec![objective("degree", Sense::Maximise, false), objective("depth", Sense::Maximise, false)];
+    let torn_study = Study { objectives, ..study(4, 600) };
+    let at = |least_share: f64, d_min: f64| {
+        let study = Study { least_share, d_min, ..torn_study.clone() };
+        let (search, _) = run(study.clone(), torn);
+        assert_sound(&search, &study);
+        let outcome = search.outcome();
+        let apart = outcome.stages.last().map_or(0.0, |s| s.min_distance);
+        (outcome.threshold_share, apart, outcome.thresholds)
+    };
+    let (firm_share, firm, firm_limits) = at(1.0, 0.25);
+    let (share, apart, limits) = at(0.3, 0.25);
+    assert_eq!(firm_share, 1.0);
+    assert!((0.3..1.0).contains(&share) && apart > 1.2 * firm, "{share} {apart} {firm}");
+    assert!(
+        limits.iter().zip(&firm_limits).all(|(yielded, firm)| yielded < firm),
+        "{limits:?} {firm_limits:?}"
+    );
+    assert_eq!(at(0.3, firm / 4.0).0, 1.0);
+}
+
 #[test]
 fn an_objective_at_its_best_already_leaves_room() {
     let lengths = |p: &[f64]| Evaluation {
@@ -280,6 +311,7 @@ fn studies_that_make_no_sense_are_refused() {
         Study { batch: 0, ..good.clone() },
         Study { evaluations: Some(0), ..good.clone() },
         Study { d_min: -1.0, ..good.clone() },
+        Study { least_share: 1.5, ..good.clone() },
     ];
     for study in bad {
         let error = Search::new(study.clone()).err();

@@ -13,7 +13,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 from . import __version__
 from .dxf_r12 import Drawing
-from .model import Column, PluginError, Study, Wall, geometry_hash
+from .model import Column, PluginError, Study, Wall, default_objectives, geometry_hash
 from .moves import MoveTable, Plan, plan_of
 from .outlines import Outline, Station
 from .plane import centroid, widened
@@ -176,6 +176,7 @@ def side_car(study: Study, plan: Plan, job: Job) -> Dict[str, Any]:
         "unit": "mm",
         "only-marked": True,
         "objective": wishes.objective_text(),
+        "thresholds": "yielding" if wishes.objectives == default_objectives() else "firm",
         "penalty": wishes.penalty_text(),
         "members": wishes.members,
         "seed": wishes.seed,

@@ -6,7 +6,7 @@ import pytest
 from conftest import wall
 from enfilade_common import job
 from enfilade_common.dxf_r12 import Drawing, escaped
-from enfilade_common.model import Objective, PluginError, Region, Study
+from enfilade_common.model import Objective, PluginError, Region, Study, default_objectives
 from enfilade_common.toml_text import dumps, string
 
 
@@ -103,6 +103,18 @@ def test_only_what_is_marked_may_move(house, tmp_path, real_program):
         assert "only-marked = true" in f.read().split("[")[0].splitlines()
     said = subprocess.run([real_program, "check", written.drawing, "--json"], stdout=subprocess.PIPE, check=True)
     assert json.loads(said.stdout)["moves"] == []
+
+
+def test_thresholds_stand_once_somebody_has_set_them(house, tmp_path):
+    def said():
+        written = job.write(house, str(tmp_path))
+        with open(os.path.join(written.folder, "plan.enfilade.toml"), encoding="utf-8") as f:
+            return next(line for line in f if line.startswith("thresholds"))
+
+    house.wishes.objectives = default_objectives()
+    assert said() == 'thresholds = "yielding"\n'
+    house.wishes.objectives[0].threshold = 0.65
+    assert said() == 'thresholds = "firm"\n'
 
 
 def test_no_study_or_a_strange_one(tmp_path):

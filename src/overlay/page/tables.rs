@@ -8,6 +8,7 @@ use super::super::result::{Candidate, MoveEntry, Objective, ProblemEntry, RoundR
 use super::super::words::{parameter, range};
 use super::cards::delta;
 use super::{ReportInput, names, option_name, wanted};
+use crate::report::gathered;
 
 /// Moves shown at once; a longer table is folded.
 const MOVES_UNFOLDED: usize = 30;
@@ -217,16 +218,30 @@ pub fn problems(html: &mut Html, input: &ReportInput<'_>) {
     }
     html.raw("<div class=\"scroll\"><table class=\"problems\">\n<tbody>\n");
     for severity in ["error", "warning", "info"] {
-        for p in result.problems.iter().filter(|p| kind_of(p) == severity) {
+        let of_severity = result.problems.iter().filter(|p| kind_of(p) == severity);
+        for (p, others) in gathered(of_severity, |p| (&p.code, &p.text)) {
             html.open("tr", &[("class", severity)]).element("th", &[("scope", "row")], word_of(severity));
             html.raw("<td class=\"word\">").text(&p.text);
             if !p.place.is_empty() {
                 html.raw("<code>").text(&p.place).raw("</code>");
             }
+            places_of(html, &others);
             html.raw("</td>").element("td", &[("class", "code")], &p.code).raw("</tr>\n");
         }
     }
     html.raw("</tbody>\n</table></div>\n</section>\n");
+}
+
+/// The places of findings like the one before, folded away.
+fn places_of(html: &mut Html, others: &[&ProblemEntry]) {
+    if others.is_empty() {
+        return;
+    }
+    html.raw("<details><summary>").text(&format!("{} more like it", others.len())).raw("</summary>");
+    for p in others {
+        html.raw("<code>").text(&p.place).raw("</code>");
+    }
+    html.raw("</details>");
 }
 
 fn kind_of(p: &ProblemEntry) -> &'static str {

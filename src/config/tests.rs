@@ -1,0 +1,68 @@
+use super::*;
+
+#[test]
+fn defaults_are_valid_and_stated() {
+    let s = Settings::new(Partial::default()).unwrap();
+    assert_eq!(s.objectives.len(), 3);
+    assert_eq!(
+        s.score,
+        [(Measure::Degree, 1.0), (Measure::Depth, -1.0), (Measure::Entropy, 1.0)]
+            .map(|(m, w)| (Aim::mean(m), w))
+    );
+    assert_eq!(s.penalties, [(Penalty::Clearance, 1.0), (Penalty::WallLength, 1.0)]);
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let with = |f: fn(&mut Partial)| {
+        let mut p = Partial::default();
+        f(&mut p);
+        Settings::new(p).unwrap_err().to_string()
+    };
+    for (message, part) in [
+        (with(|p| p.objective = Some("beauty max 1".into())), "beauty"),
+        (with(|p| p.objective = Some("degree max 1.5".into())), "from 0 to 1"),
+        (with(|p| p.objective = Some("score max, degree max".into())), "alone"),
+        (with(|p| p.score = Some("degree".into())), "\"degree\""),
+        (with(|p| p.penalty = Some("clearance -1".into())), "clearance -1"),
+        (with(|p| p.limit = Some("degree 40".into())), "degree 40"),
+        (with(|p| p.link = Some(vec!["same: a, b".into(), "equal: b, c, d".into()])), "twice"),
+        (with(|p| p.snap = Some("0".into())), "snap"),
+        (with(|p| p.most_moves = Some(0)), "most-moves"),
+        (with(|p| p.pin = Some(vec![vec![0.0]; 5])), "pin"),
+        (with(|p| p.like = Some(vec![f64::NAN])), "finite"),
+        (with(|p| p.spacing = Some(0.0)), "spacing"),
+        (with(|p| p.spacing = Some(f64::NAN)), "spacing"),
+        (with(|p| p.members = Some(0)), "members"),
+        (with(|p| p.members = Some(MEMBERS_MAX + 1)), "members"),
+        (with(|p| p.threads = Some(THREADS_MAX + 1)), "threads"),
+        (with(|p| p.evaluations = Some(EVALUATIONS_MAX + 1)), "evaluations"),
+    ] {
+        assert!(message.contains(part), "{message}");
+    }
+}
+
+#[test]
+fn unknown_keys_are_errors_with_line_and_column() {
+    let e = Partial::from_toml("enfilade.toml", "seed = 3\n  colour = 1\n").unwrap_err();
+    assert!(
+        e.to_string().starts_with(
+            "enfilade.toml:2 column 3: unknown key `colour`; did you mean `colours`? known are unit, "
+        ),
+        "{e}"
+    );
+}
+
+#[test]
+fn the_nearer_source_wins() {
+    let folder = Partial::from_toml("a", "seed = 3\nmembers = 2").unwrap();
+    let drawing = Partial::from_toml("b", "seed = 4").unwrap();
+    let s = Settings::new(drawing.over(folder)).unwrap();
+    assert_eq!((s.seed, s.members), (4, 2));
+}
+
+#[test]
+fn a_value_that_makes_no_sense_names_file_and_line() {
+    let e = Partial::from_toml("plan.enfilade.toml", "seed = 3\nobjective = \"degree up\"\n").unwrap_err();
+    assert!(e.to_string().starts_with("plan.enfilade.toml:2: objective: found \"degree up\""), "{e}");
+}
