@@ -3,8 +3,8 @@
 //! On a shortest path any two pieces in a row are the shortest way of two pieces between their ends, and
 //! their ends do not see each other. For every vertex `a` and every cell `t` that it sees and where paths
 //! may turn, a list holds the cells `v` for which `a → t → v` is such a way. Few `t` have any: those at
-//! the corners of walls. Ways as short as the best up to [`TIED_CELLS`] are all kept, so that which of
-//! several equally short paths is taken does not depend on this.
+//! the corners of walls. Ways as short as the best up to [`TIED_CELLS`] are all kept: rounding may
+//! yet choose another of several equally short paths than without these lists.
 
 use rayon::prelude::*;
 

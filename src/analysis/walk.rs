@@ -246,7 +246,7 @@ impl Walk {
     }
 
     /// Shortest paths from some slots, costs in cells. Costs beyond `radius` need not be the lowest.
-    /// Corners pay where many roots share them; the paths are the same.
+    /// Corners pay where many roots share them; the lengths are the same up to rounding.
     pub fn metric(&mut self, paths: &Paths<'_>, corners: Option<&Corners>, roots: &[u32], radius: f64) {
         self.walk::<true>(paths, corners, roots, radius);
     }
