@@ -2,6 +2,19 @@
 //!
 //! `cargo bench --bench engine [-- FILTER]`. Plans come from `../shared/reference` (or the folder named
 //! by ENFILADE_SHARED) where it is there, otherwise from the generator below.
+//!
+//! Where ENFILADE_PEER names a command, it measures the same plans in the same run (name the plans: a peer
+//! may take hours). It is called as
+//!
+//! ```text
+//! COMMAND STEP PLAN.dxf SPACING X,Y
+//! ```
+//!
+//! once for each STEP (`graph`, `global`, `local`, `isovist`, `metric`, `angular`) with a drawing of lines in
+//! metres on layer WALLS, the spacing of the cells in metres and the point to fill from. It makes the
+//! graph, does the step, prints the number of its cells last, and ends with 0, or with another status for a step it
+//! does not have. Its user CPU seconds count, those of `graph` alone taken off the other steps. `scripts/peer-depthmapx`
+//! is such a command for depthmapXcli.
 
 #![allow(clippy::expect_used)]
 
@@ -71,9 +84,13 @@ fn polygon_and_path_row(name: &str, metres: i64, spacing_um: i64) {
         let paths = Paths::new(&lattice, &graph, &obstacles, Turning::AtWalls);
         let (metric_secs, _) = median(&one, 1, || paths.metric_columns(None));
         let (angular_secs, _) = median(&one, 1, || paths.angular_columns(None));
-        print!(" metric {metric_secs:.3} angular {angular_secs:.3}");
+        println!(" metric {metric_secs:.3} angular {angular_secs:.3}");
+        let ours = [("isovist", isovist_secs), ("metric", metric_secs), ("angular", angular_secs)];
+        peer_row(&obstacles.segments, spacing_um, n, &ours);
+    } else {
+        println!();
+        peer_row(&obstacles.segments, spacing_um, n, &[("isovist", isovist_secs)]);
     }
-    println!();
 }
 
 /// A million vertices: the graph, and global measures from 5,120 sampled roots; wall-clock seconds.
@@ -118,9 +135,68 @@ fn plan_row(name: &str, metres: i64, spacing_um: i64) {
         graph_secs + global_secs,
         peak_mb()
     );
+    let ours = [("graph", graph_secs), ("global", global_secs), ("local", local_secs)];
+    peer_row(&obstacles.segments, spacing_um, n, &ours);
     if n <= BASELINE_LIMIT {
         baseline_row(&lattice, &obstacles, &graph, &tally, graph_secs + global_secs);
     }
+}
+
+/// The command of ENFILADE_PEER beside our seconds, step by step.
+fn peer_row(walls: &[Segment], spacing_um: i64, cells: usize, ours: &[(&str, f64)]) {
+    let Some(command) = std::env::var_os("ENFILADE_PEER") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let plan = folder.path().join("plan.dxf");
+    std::fs::write(&plan, drawing(walls)).expect("the plan");
+    let run = |step: &str| {
+        let before = children_secs();
+        let mut peer = std::process::Command::new(&command);
+        let metres = format!("{}", spacing_um as f64 * 1e-6);
+        let out =
+            peer.arg(step).arg(&plan).args([metres.as_str(), "2,2"]).output().expect("the peer's command");
+        let secs = children_secs() - before;
+        let text = String::from_utf8_lossy(&out.stdout).into_owned();
+        let found = text.split_whitespace().last().and_then(|n| n.parse::<usize>().ok());
+        out.status.success().then_some((secs, found))
+    };
+    let Some((graph_secs, _)) = run("graph") else {
+        println!("{:<28}the peer fails on this plan", "");
+        return;
+    };
+    for &(step, secs) in ours {
+        let Some((all_secs, found)) = run(step) else {
+            println!("{:<28}peer, {step}: none", "");
+            continue;
+        };
+        let theirs = if step == "graph" { all_secs } else { all_secs - graph_secs };
+        let same = match found {
+            Some(n) if n == cells => "the same cells".to_string(),
+            Some(n) => format!("{n} cells, not the same"),
+            None => "cells not told".to_string(),
+        };
+        println!("{:<28}peer, {step}: {theirs:.2} s, {:.0} times ours; {same}", "", theirs / secs);
+    }
+}
+
+/// User CPU seconds of the commands that have been run.
+fn children_secs() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields = stat.rsplit(')').next().unwrap_or("");
+    let ticks = fields.split_whitespace().nth(13).and_then(|t| t.parse::<f64>().ok());
+    ticks.unwrap_or(f64::NAN) / 100.0
+}
+
+/// Walls as LINEs in metres, DXF R12.
+fn drawing(walls: &[Segment]) -> String {
+    let mut text = String::from("0\nSECTION\n2\nENTITIES\n");
+    for w in walls {
+        let [a, b] = [w.a, w.b].map(|p| p.map(|v| v as f64 * 1e-6));
+        text += &format!(
+            "0\nLINE\n8\nWALLS\n10\n{:.6}\n20\n{:.6}\n30\n0.0\n11\n{:.6}\n21\n{:.6}\n31\n0.0\n",
+            a[0], a[1], b[0], b[1]
+        );
+    }
+    text + "0\nENDSEC\n0\nEOF\n"
 }
 
 fn baseline_row(

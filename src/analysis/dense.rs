@@ -1,20 +1,21 @@
 //! One layout of a small plan against what never moves: dense bit rows, made for the optimiser's loop.
 //!
-//! Cells stand in a grid of lines along the longer side of the lattice; a row of bits says which cells
-//! of the grid a viewer sees. The rows under the fixed walls are prepared once; a layout clears the
+//! Cells stand in lines along the longer side of the lattice, those that are no vertices left out; a row
+//! of bits says which of them a viewer sees. The rows under the fixed walls are prepared once; a layout clears the
 //! shadows of the moving segments from the upper half plane of every viewer, mirrors the result, and
 //! walks the breadth-first trees with tables of four rows each.
 
 use crate::plan::geometry::{PointUm, Segment, segments_touch};
 
+use super::bit_rows::{count_bits, fill_tables, lost_bits, mirror, pull, push, set, shared_bits};
 use super::graph::Graph;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::x86::{Avx2, Avx512};
-use super::lanes::{LANES, Lanes, Path, Portable, Vector, transpose};
+use super::lanes::{LANES, Lanes, Path, Portable, Vector};
 use super::strips::{MAX_COORDINATE_CELLS, MAX_COORDINATE_UM};
 use super::{Lattice, Obstacles, Tally};
 
-/// Largest grid: a row of bits is at most eight cache lines and the tables stay near the processor.
+/// Largest box: a row of bits is at most eight cache lines and the tables stay near the processor.
 pub(super) const MAX_CELLS: usize = 8 * LANES;
 
 /// A shadow's edge nearer to a cell than this, in cells, is decided in whole numbers. Rounding stays
@@ -23,9 +24,6 @@ const GRAZING_CELLS: f64 = 1e-6;
 
 /// Reading this many tables costs as much as one cell's pull.
 const TABLES_PER_PULL: u32 = 3;
-
-/// Tables of 32 cells: 16 KiB at two cache lines a row.
-const HALF_WORD_TABLES: usize = 8;
 
 /// A slope beyond any cell.
 const STEEP: f64 = 1e12;
@@ -39,11 +37,15 @@ pub(super) struct Dense {
     spacing_um: i64,
     /// Cells along a line, and lines.
     size: [usize; 2],
-    /// Cache lines of a row of bits.
+    /// Cache lines of a row of bits, and words of it in use.
     stride: usize,
-    /// Grid cell of every vertex, and back.
+    words: usize,
+    /// Place of every vertex in a row of bits, and back: by line, then along it.
     cell_of: Vec<u32>,
     vertex_of: Vec<u32>,
+    /// Where the vertices of each line stand in a row of bits: first run of each line, one more entry.
+    runs: Vec<Run>,
+    first_run: Vec<u32>,
     viewers: Vec<Viewer>,
     /// Upper half plane of every viewer under the fixed walls, see `view_words`.
     fixed: Vec<u64>,
@@ -63,6 +65,18 @@ struct Viewer {
     top: usize,
 }
 
+/// Vertices next to each other within one word of a line.
+#[derive(Clone, Copy)]
+struct Run {
+    /// Word of the line and first bit in it.
+    word: u32,
+    bit: u32,
+    /// Ones from bit 0 on, one a vertex.
+    mask: u64,
+    /// Place of the first in a row of bits.
+    at: u32,
+}
+
 /// Buffers of one thread.
 #[derive(Default)]
 pub(super) struct DenseScratch {
@@ -77,7 +91,7 @@ pub(super) struct DenseScratch {
     found: Vec<u32>,
     component_of: Vec<u32>,
     components: Vec<Lanes>,
-    /// Grid cells that no solid covers.
+    /// Cells that no solid covers.
     bare: Vec<Lanes>,
 }
 
@@ -160,10 +174,15 @@ impl Dense {
         }
         let axes = if columns[0] >= columns[1] { [0, 1] } else { [1, 0] };
         let size = axes.map(|k| columns[k]);
-        let stride = (size[0] * size[1]).div_ceil(LANES);
-        let local = |v: usize| graph.tiles.local(lattice.cells[v]);
-        let at = |v: usize| axes.map(|k| local(v)[k]);
-        let cell_of: Vec<u32> = (0..graph.len()).map(|v| (at(v)[1] * size[0] + at(v)[0]) as u32).collect();
+        let stride = graph.len().div_ceil(LANES);
+        let at = |v: usize| {
+            let local = graph.tiles.local(lattice.cells[v]);
+            axes.map(|k| local[k])
+        };
+        let mut order: Vec<u32> = (0..graph.len() as u32).collect();
+        order.sort_unstable_by_key(|&v| (at(v as usize)[1], at(v as usize)[0]));
+        let mut cell_of = vec![0; graph.len()];
+        order.iter().enumerate().for_each(|(cell, &v)| cell_of[v as usize] = cell as u32);
         let low = [0, 1].map(|k| lattice.origin_um[k] + graph.tiles.min_cell[k] * lattice.spacing_um);
         let mut new = Self {
             path: Path::best(),
@@ -172,6 +191,9 @@ impl Dense {
             spacing_um: lattice.spacing_um,
             size,
             stride,
+            words: graph.len().div_ceil(64),
+            runs: Vec::new(),
+            first_run: Vec::with_capacity(size[1] + 1),
             viewers: Vec::with_capacity(graph.len()),
             fixed: Vec::new(),
             reference: vec![Lanes::default(); stride],
@@ -181,10 +203,11 @@ impl Dense {
             vertex_of: vec![0; stride * LANES],
             cell_of,
         };
+        new.find_runs(order.iter().map(|&v| at(v as usize)));
         new.fixed = vec![0; graph.len() * new.view_words()];
         for v in 0..graph.len() {
             new.vertex_of[new.cell_of[v] as usize] = v as u32;
-            new.add_viewer(v, at(v), graph);
+            new.add_viewer(v, at, graph);
             if lattice.is_reference[v] {
                 set(&mut new.reference, new.cell_of[v] as usize);
             }
@@ -192,15 +215,35 @@ impl Dense {
         Some(new)
     }
 
-    fn add_viewer(&mut self, v: usize, at: [usize; 2], graph: &Graph) {
-        let own = self.cell_of[v];
+    /// Takes the vertices by line, then along it.
+    fn find_runs(&mut self, vertices: impl Iterator<Item = [usize; 2]>) {
+        let mut last = None;
+        for (cell, [along, line]) in (0u32..).zip(vertices) {
+            while self.first_run.len() <= line {
+                self.first_run.push(self.runs.len() as u32);
+            }
+            match self.runs.last_mut() {
+                Some(run) if along % 64 != 0 && last == Some([along - 1, line]) => {
+                    run.mask = run.mask << 1 | 1
+                }
+                _ => {
+                    let (word, bit) = ((along / 64) as u32, (along % 64) as u32);
+                    self.runs.push(Run { word, bit, mask: 1, at: cell });
+                }
+            }
+            last = Some([along, line]);
+        }
+        self.first_run.resize(self.size[1] + 1, self.runs.len() as u32);
+    }
+
+    fn add_viewer(&mut self, v: usize, place: impl Fn(usize) -> [usize; 2], graph: &Graph) {
+        let (own, at) = (self.cell_of[v], place(v));
         let mut viewer = Viewer { at, lo: at[0] as f64, hi: at[0] as f64, top: at[1] };
         let (words, line_stride) = (self.view_words(), self.line_stride());
         let view = &mut self.fixed[v * words..][..words];
         graph.for_each_neighbour(v as u32, |u| {
-            let cell = self.cell_of[u as usize];
-            if cell > own {
-                let (along, line) = (cell as usize % self.size[0], cell as usize / self.size[0]);
+            if self.cell_of[u as usize] > own {
+                let [along, line] = place(u as usize);
                 view[along / 64 * line_stride + line] |= 1 << (along % 64);
                 viewer.lo = viewer.lo.min(along as f64);
                 viewer.hi = viewer.hi.max(along as f64);
@@ -266,7 +309,7 @@ impl Dense {
         Some(taken)
     }
 
-    /// Fills `rows` by grid cell: who sees whom in this layout.
+    /// Fills `rows` by cell: who sees whom in this layout.
     fn look(&self, segments: &[Moving], blind: &[u32], scratch: &mut DenseScratch) {
         scratch.rows.clear();
         scratch.rows.resize(self.stride * LANES * self.stride, Lanes::default());
@@ -285,7 +328,7 @@ impl Dense {
         if !blind.is_empty() {
             self.blindfold(blind, &mut scratch.rows, &mut scratch.bare);
         }
-        mirror(&mut scratch.rows, self.stride, (self.size[0] * self.size[1]).div_ceil(64));
+        mirror(&mut scratch.rows, self.stride, self.words);
     }
 
     fn blindfold(&self, blind: &[u32], rows: &mut [Lanes], bare: &mut [Lanes]) {
@@ -311,7 +354,7 @@ impl Dense {
         self.cast_all(segments, scratch);
     }
 
-    /// The upper half plane of every viewer, as bits by grid cell.
+    /// The upper half plane of every viewer, as bits by cell.
     #[inline(always)]
     fn cast_all(&self, segments: &[Moving], scratch: &mut DenseScratch) {
         let s = self.spacing_um as f64;
@@ -344,12 +387,17 @@ impl Dense {
     /// Puts the lines of a view one behind the other.
     #[inline(always)]
     fn pack(&self, viewer: &Viewer, view: &[u64], row: &mut [Lanes]) {
-        for line in viewer.at[1]..=viewer.top {
-            for w in 0..self.size[0].div_ceil(64) {
-                let word = view[w * self.line_stride() + line];
-                let at = line * self.size[0] + w * 64;
-                row[at / LANES].0[at / 64 % 8] |= word << (at % 64);
-                let over = word.checked_shr(64 - (at % 64) as u32).unwrap_or(0);
+        let lines = viewer.at[1]..=viewer.top;
+        let ends = self.first_run[viewer.at[1]..viewer.top + 2].windows(2);
+        for (line, ends) in lines.zip(ends) {
+            for run in &self.runs[ends[0] as usize..ends[1] as usize] {
+                let bits = view[run.word as usize * self.line_stride() + line] >> run.bit & run.mask;
+                if bits == 0 {
+                    continue;
+                }
+                let at = run.at as usize;
+                row[at / LANES].0[at / 64 % 8] |= bits << (at % 64);
+                let over = bits.checked_shr(64 - (at % 64) as u32).unwrap_or(0);
                 if over != 0 {
                     row[(at / 64 + 1) / 8].0[(at / 64 + 1) % 8] |= over;
                 }
@@ -560,7 +608,7 @@ impl Dense {
         let mut tally = Tally::default();
         let rows: &[[Lanes; K]] = scratch.rows.as_chunks().0;
         let components: &[[Lanes; K]] = scratch.components.as_chunks().0;
-        let words = (self.size[0] * self.size[1]).div_ceil(64);
+        let words = self.words;
         fill_tables::<V, K>(&rows[..words * 64], &mut scratch.tables);
         let tables: &[[Lanes; K]] = scratch.tables.as_chunks().0;
         let trees = &mut scratch.trees;
@@ -618,147 +666,6 @@ impl Dense {
             tally.depth.push((tally.levels.len() - before) as u32);
         }
         tally
-    }
-}
-
-/// For every four rows the unions of all 16 choices of them.
-#[inline(always)]
-fn fill_tables<V: Vector, const K: usize>(rows: &[[Lanes; K]], tables: &mut Vec<Lanes>) {
-    tables.resize(rows.len() * 4 * K, Lanes::default());
-    let choices: &mut [[[Lanes; K]; 16]] = tables.as_chunks_mut().0.as_chunks_mut().0;
-    for (four, table) in rows.as_chunks::<4>().0.iter().zip(choices) {
-        for choice in 1..16usize {
-            let row = &four[choice.trailing_zeros() as usize];
-            for k in 0..K {
-                let both = V::load(&table[choice & (choice - 1)][k]).or(V::load(&row[k]));
-                both.store(&mut table[choice][k]);
-            }
-        }
-    }
-}
-
-/// One level on for some trees: the rows of the frontier, through tables that stay in the nearest cache
-/// while all trees read them.
-#[inline(always)]
-fn push<V: Vector, const K: usize>(tables: &[[Lanes; K]], trees: &mut [[[Lanes; K]; 3]], pushed: &[u32]) {
-    for &tree in pushed {
-        trees[tree as usize][2] = [Lanes::default(); K];
-    }
-    for (half, tables) in tables.chunks_exact(HALF_WORD_TABLES * 16).enumerate() {
-        let tables = tables.as_chunks::<16>().0;
-        for &tree in pushed {
-            let [frontier, _, next] = &mut trees[tree as usize];
-            let mut bits = (frontier[half / 16].0[half / 2 % 8] >> (32 * (half % 2))) as u32;
-            if bits == 0 {
-                continue;
-            }
-            let mut sum = [V::zero(); K];
-            for k in 0..K {
-                sum[k] = V::load(&next[k]);
-            }
-            for table in tables {
-                let choice = &table[(bits & 15) as usize];
-                for k in 0..K {
-                    sum[k] = sum[k].or(V::load(&choice[k]));
-                }
-                bits >>= 4;
-            }
-            for k in 0..K {
-                sum[k].store(&mut next[k]);
-            }
-        }
-    }
-    for &tree in pushed {
-        let [frontier, unseen, next] = &mut trees[tree as usize];
-        for k in 0..K {
-            V::load(&next[k]).and(V::load(&unseen[k])).store(&mut frontier[k]);
-        }
-    }
-}
-
-/// Unseen cells beside the frontier, by their own rows.
-#[inline(always)]
-fn pull<V: Vector, const K: usize>(
-    rows: &[[Lanes; K]],
-    frontier: &[Lanes; K],
-    unseen: &[Lanes; K],
-) -> [Lanes; K] {
-    let mut new = [Lanes::default(); K];
-    for k in 0..K {
-        for w in 0..8 {
-            let mut bits = unseen[k].0[w];
-            while bits != 0 {
-                let bit = bits.trailing_zeros();
-                bits &= bits - 1;
-                let row = &rows[k * LANES + w * 64 + bit as usize];
-                let mut shared = V::zero();
-                for i in 0..K {
-                    shared = shared.or(V::load(&row[i]).and(V::load(&frontier[i])));
-                }
-                new[k].0[w] |= u64::from(!shared.is_zero()) << bit;
-            }
-        }
-    }
-    new
-}
-
-fn set(row: &mut [Lanes], cell: usize) {
-    row[cell / LANES].set(cell % LANES);
-}
-
-// Plain loops: closures would not be compiled for the caller's instruction set.
-#[inline(always)]
-fn count_bits(row: &[Lanes]) -> u32 {
-    let mut sum = 0;
-    for lanes in row {
-        for word in lanes.0 {
-            sum += word.count_ones();
-        }
-    }
-    sum
-}
-
-/// Bits of `was` that are bare and not in `now`.
-#[inline(always)]
-fn lost_bits(was: &[Lanes], now: &[Lanes], bare: &[Lanes]) -> u32 {
-    let mut sum = 0;
-    for ((was, now), bare) in was.iter().zip(now).zip(bare) {
-        for w in 0..8 {
-            sum += (was.0[w] & bare.0[w] & !now.0[w]).count_ones();
-        }
-    }
-    sum
-}
-
-#[inline(always)]
-fn shared_bits(a: &[Lanes], b: &[Lanes]) -> u32 {
-    let mut sum = 0;
-    for (a, b) in a.iter().zip(b) {
-        for w in 0..8 {
-            sum += (a.0[w] & b.0[w]).count_ones();
-        }
-    }
-    sum
-}
-
-/// Makes a matrix that holds bits only right of its diagonal symmetric; `words` of a row are in use.
-fn mirror(rows: &mut [Lanes], stride: usize, words: usize) {
-    let mut block = [0u64; 64];
-    for r in 0..words {
-        for c in r..words {
-            let mut any = 0;
-            for (i, word) in block.iter_mut().enumerate() {
-                *word = rows[(r * 64 + i) * stride + c / 8].0[c % 8];
-                any |= *word;
-            }
-            if any == 0 {
-                continue;
-            }
-            transpose(&mut block);
-            for (i, word) in block.iter().enumerate() {
-                rows[(c * 64 + i) * stride + r / 8].0[r % 8] |= word;
-            }
-        }
     }
 }
 

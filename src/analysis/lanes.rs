@@ -45,6 +45,26 @@ pub(super) trait Vector: Copy {
     }
 }
 
+/// Cells of a row of a tile.
+pub(super) const ROW: usize = 8;
+
+/// Comparisons of a row of a tile at once.
+pub(super) trait Rows {
+    /// Bit `i`: `a[i] < b[i]`.
+    fn less(a: &[f32; ROW], b: &[f32; ROW]) -> u32;
+}
+
+impl Rows for Portable {
+    #[inline(always)]
+    fn less(a: &[f32; ROW], b: &[f32; ROW]) -> u32 {
+        let mut less = 0;
+        for i in 0..ROW {
+            less |= u32::from(a[i] < b[i]) << i;
+        }
+        less
+    }
+}
+
 /// Rows become columns: bit `j` of word `i` changes places with bit `i` of word `j`.
 pub(super) fn transpose(m: &mut [u64; 64]) {
     let mut width = 32;
@@ -113,12 +133,12 @@ impl Vector for Portable {
 pub(super) mod x86 {
     // SAFETY of every block here: the intrinsics need AVX2 or AVX-512F, and these types are only used by
     // kernels entered through `dispatch`, which asks the processor first. Loads and stores go through
-    // references to 64 aligned bytes.
+    // references to 64 aligned bytes, or to eight numbers.
     #![allow(unsafe_code)]
 
     use std::arch::x86_64::*;
 
-    use super::{Lanes, Vector};
+    use super::{Lanes, ROW, Rows, Vector};
 
     #[derive(Clone, Copy)]
     pub struct Avx512(__m512i);
@@ -163,6 +183,16 @@ pub(super) mod x86 {
 
     #[derive(Clone, Copy)]
     pub struct Avx2(__m256i, __m256i);
+
+    impl Rows for Avx2 {
+        #[inline(always)]
+        fn less(a: &[f32; ROW], b: &[f32; ROW]) -> u32 {
+            unsafe {
+                let (a, b) = (_mm256_loadu_ps(a.as_ptr()), _mm256_loadu_ps(b.as_ptr()));
+                _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32
+            }
+        }
+    }
 
     impl Vector for Avx2 {
         #[inline(always)]
@@ -223,7 +253,10 @@ impl Path {
         let mut paths = Vec::new();
         #[cfg(target_arch = "x86_64")]
         {
-            if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("popcnt") {
+            if is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("popcnt")
+            {
                 paths.push(Self::Avx512);
             }
             if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt") {

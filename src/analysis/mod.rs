@@ -6,6 +6,8 @@ pub mod lattice;
 
 use crate::plan::geometry::{PointUm, Segment};
 
+mod bit_rows;
+mod corners;
 mod dense;
 pub mod evaluator;
 #[cfg(test)]
@@ -22,6 +24,7 @@ mod strips;
 pub mod through;
 mod tiles;
 pub mod visibility;
+mod walk;
 mod wave;
 
 /// The cells of a study: a square lattice, the vertices `V = V_q ∪ V_r` on it, and both regions.

@@ -3,15 +3,17 @@
 //! Definitions, names and the order of relaxation are depthmapX's, single-precision sums included, so
 //! that values can be compared cell by cell. Angles count 1 for a right angle.
 
-use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashSet};
+use std::collections::HashSet;
 
 use rayon::prelude::*;
 
 use crate::plan::geometry::UM_PER_M;
 
+use super::corners::Corners;
 use super::graph::Graph;
+use super::lanes::Path;
 use super::measures::{Column, UNDEFINED, transpose};
+use super::walk::{Offsets, Walk, parts};
 use super::{Lattice, Obstacles};
 
 /// Where a path may turn.
@@ -25,17 +27,16 @@ pub enum Turning {
     AtWalls,
 }
 
-/// Paths over one graph; share it between threads.
+/// Paths over one graph; share it between threads. A *slot* is a tile and a bit of its mask.
 pub struct Paths<'a> {
     lattice: &'a Lattice,
-    graph: &'a Graph,
-    /// Whether paths may turn, by rank.
-    turns: Vec<bool>,
-    /// Column and row from the lower left vertex, by rank.
-    cells: Vec<[i32; 2]>,
-    /// Angle of every offset in the box, by row, then column; empty if there are too many.
-    angles: Vec<f64>,
-    size: [i32; 2],
+    pub(super) graph: &'a Graph,
+    pub(super) path: Path,
+    /// Cells at which paths may turn, by tile.
+    pub(super) turns: Vec<u64>,
+    pub(super) offsets: Offsets,
+    pub(super) vertex_of_slot: Vec<u32>,
+    pub(super) slot_of_vertex: Vec<u32>,
 }
 
 impl<'a> Paths<'a> {
@@ -45,27 +46,30 @@ impl<'a> Paths<'a> {
             Turning::Everywhere => HashSet::new(),
             Turning::AtWalls => wall_squares(lattice, obstacles),
         };
-        let turns_at = |&v: &u32| {
+        let turns_at = |v: u32| {
             let [c, r] = lattice.cells[v as usize];
             let around = (-1..=1).flat_map(|x| (-1..=1).map(move |y| [c + x, r + y]));
             turning == Turning::Everywhere || around.into_iter().any(|cell| walls.contains(&cell))
         };
-        let local = |&v: &u32| graph.tiles.local(lattice.cells[v as usize]).map(|c| c as i32);
-        let size = graph.tiles.size_cells.map(|n| n as i32);
-        let mut new = Self {
+        let tiles = &graph.tiles;
+        let slot = |&rank: &u32| {
+            let (tile, bit) = tiles.slot_of[rank as usize];
+            tile << 6 | u32::from(bit)
+        };
+        let slot_of_vertex: Vec<u32> = tiles.rank_of.iter().map(slot).collect();
+        let mut vertex_of_slot = vec![u32::MAX; tiles.count() * 64];
+        for (v, &slot) in slot_of_vertex.iter().enumerate() {
+            vertex_of_slot[slot as usize] = v as u32;
+        }
+        Self {
             lattice,
             graph,
-            turns: graph.tiles.vertex_of.iter().map(turns_at).collect(),
-            cells: graph.tiles.vertex_of.iter().map(local).collect(),
-            angles: Vec::new(),
-            size,
-        };
-        let [w, h] = size.map(i64::from);
-        if (2 * w + 1).saturating_mul(2 * h + 1) <= MAX_ANGLES {
-            let offsets = (-size[1]..=size[1]).flat_map(|y| (-size[0]..=size[0]).map(move |x| [x, y]));
-            new.angles = offsets.map(angle_of).collect();
+            path: Path::best(),
+            turns: graph.tile_masks(turns_at),
+            offsets: Offsets::new(tiles.size_cells.map(|n| n as i32)),
+            vertex_of_slot,
+            slot_of_vertex,
         }
-        new
     }
 
     /// `Metric Mean Shortest-Path Angle`, `… Distance`, `Metric Mean Straight-Line Distance` (metres),
@@ -77,17 +81,22 @@ impl<'a> Paths<'a> {
             "Metric Mean Straight-Line Distance",
             "Metric Node Count",
         ];
+        let limit = self.radius(radius_m);
+        let corners = Corners::new(self);
         let row = |walk: &mut Walk, v: usize| {
-            let root = self.graph.tiles.rank_of[v];
-            walk.metric(self, &[root], self.radius(radius_m));
+            let root = self.slot_of_vertex[v];
+            walk.metric(self, Some(&corners), &[root], limit);
             let mut sums = [0f32; 3];
-            for &rank in &walk.done {
-                let i = rank as usize;
-                sums[0] += walk.angle[i];
-                sums[1] += (f64::from(walk.cost[i]) * self.spacing_m()) as f32;
-                sums[2] += (self.cells_apart(root, rank) * self.spacing_m()) as f32;
+            walk.sort_reached(self, limit);
+            let reached = &walk.reached;
+            let n = reached.len() as f64;
+            for &key in reached {
+                let (cost, v) = parts(key);
+                let slot = self.slot_of_vertex[v as usize];
+                sums[0] += walk.turned(self, slot);
+                sums[1] += (f64::from(cost) * self.spacing_m()) as f32;
+                sums[2] += (self.offsets.length(self.offset(root, slot)) * self.spacing_m()) as f32;
             }
-            let n = walk.done.len() as f64;
             let [angle, length, straight] = sums.map(|sum| f64::from(sum) / n);
             [angle, length, straight, n]
         };
@@ -98,10 +107,13 @@ impl<'a> Paths<'a> {
     /// right angles do not count.
     pub fn angular_columns(&self, radius: Option<f64>) -> Vec<Column> {
         let names = ["Angular Mean Depth", "Angular Node Count", "Angular Total Depth"];
+        let limit = radius.unwrap_or(f64::INFINITY);
         let row = |walk: &mut Walk, v: usize| {
-            walk.angular(self, &[self.graph.tiles.rank_of[v]], radius.unwrap_or(f64::INFINITY));
-            let total = f64::from(walk.done.iter().map(|&rank| walk.cost[rank as usize]).sum::<f32>());
-            let n = walk.done.len() as f64;
+            walk.angular(self, &[self.slot_of_vertex[v]], limit);
+            walk.sort_reached(self, limit);
+            let reached = &walk.reached;
+            let total = f64::from(reached.iter().map(|&key| parts(key).0).sum::<f32>());
+            let n = reached.len() as f64;
             [total / n, n, total]
         };
         self.all(names, radius, row)
@@ -110,24 +122,28 @@ impl<'a> Paths<'a> {
     /// Visual, metric (metres) and angular depth of every vertex from the nearest of some vertices;
     /// [`UNDEFINED`] where there is no way.
     pub fn step_columns(&self, from: &[u32]) -> Vec<Column> {
-        let roots: Vec<u32> = from.iter().map(|&v| self.graph.tiles.rank_of[v as usize]).collect();
+        let ranks: Vec<u32> = from.iter().map(|&v| self.graph.tiles.rank_of[v as usize]).collect();
         let mut walk = Walk::new(self.graph);
-        let column = |name: &str, by_rank: &dyn Fn(usize) -> f64| {
-            let value = |&rank: &u32| by_rank(rank as usize);
-            let values = self.graph.tiles.rank_of.iter().map(value).collect();
+        let column = |name: &str, of_vertex: &dyn Fn(usize) -> f64| {
+            let values = (0..self.graph.len()).map(of_vertex).collect();
             Column { name: name.to_string(), values }
         };
-        let levels = self.levels(&roots);
-        let mut columns = vec![column("Visual Step Depth", &|rank| levels[rank])];
-        walk.metric(self, &roots, f64::INFINITY);
-        let defined = |walk: &Walk, rank: usize, value: f64| {
-            if walk.cost[rank].is_finite() { value } else { UNDEFINED }
+        let levels = self.levels(&ranks);
+        let mut columns =
+            vec![column("Visual Step Depth", &|v| levels[self.graph.tiles.rank_of[v] as usize])];
+        let roots: Vec<u32> = from.iter().map(|&v| self.slot_of_vertex[v as usize]).collect();
+        walk.metric(self, None, &roots, f64::INFINITY);
+        let defined = |walk: &Walk, v: usize, value: &dyn Fn(u32, f64) -> f64| {
+            let slot = self.slot_of_vertex[v];
+            let cost = f64::from(walk.cost[slot as usize]);
+            if cost.is_finite() { value(slot, cost) } else { UNDEFINED }
         };
-        columns.push(column("Metric Step Shortest-Path Angle", &|r| defined(&walk, r, walk.angle[r].into())));
-        let length = |r: usize| f64::from(walk.cost[r]) * self.spacing_m();
-        columns.push(column("Metric Step Shortest-Path Length", &|r| defined(&walk, r, length(r))));
+        let turned = |slot: u32, _: f64| f64::from(walk.turned(self, slot));
+        columns.push(column("Metric Step Shortest-Path Angle", &|v| defined(&walk, v, &turned)));
+        let length = |_: u32, cost: f64| cost * self.spacing_m();
+        columns.push(column("Metric Step Shortest-Path Length", &|v| defined(&walk, v, &length)));
         walk.angular(self, &roots, f64::INFINITY);
-        columns.push(column("Angular Step Depth", &|r| defined(&walk, r, walk.cost[r].into())));
+        columns.push(column("Angular Step Depth", &|v| defined(&walk, v, &|_, cost| cost)));
         columns
     }
 
@@ -168,272 +184,21 @@ impl<'a> Paths<'a> {
     }
 
     #[inline(always)]
-    fn offset(&self, from: u32, to: u32) -> [i32; 2] {
-        let (a, b) = (self.cells[from as usize], self.cells[to as usize]);
+    pub(super) fn rank(&self, slot: u32) -> usize {
+        self.graph.tiles.rank(slot >> 6, slot & 63)
+    }
+
+    /// Column and row from the lower left vertex.
+    #[inline(always)]
+    pub(super) fn cell(&self, slot: u32) -> [i32; 2] {
+        let [column, row] = self.graph.tiles.tile_at[slot as usize >> 6].map(|c| c as i32 * 8);
+        [column + (slot & 7) as i32, row + (slot >> 3 & 7) as i32]
+    }
+
+    #[inline(always)]
+    pub(super) fn offset(&self, from: u32, to: u32) -> [i32; 2] {
+        let (a, b) = (self.cell(from), self.cell(to));
         [b[0] - a[0], b[1] - a[1]]
-    }
-
-    #[inline(always)]
-    fn cells_apart(&self, a: u32, b: u32) -> f64 {
-        let [x, y] = self.offset(a, b).map(f64::from);
-        (x * x + y * y).sqrt()
-    }
-
-    /// Direction from one cell to another, radians.
-    #[inline(always)]
-    fn direction(&self, from: u32, to: u32) -> f64 {
-        let [x, y] = self.offset(from, to);
-        let at = (y + self.size[1]) as usize * (2 * self.size[0] + 1) as usize + (x + self.size[0]) as usize;
-        self.angles.get(at).copied().unwrap_or_else(|| angle_of([x, y]))
-    }
-}
-
-/// Offsets whose angles are tabulated, at most: 32 MB.
-const MAX_ANGLES: i64 = 1 << 22;
-
-fn angle_of([x, y]: [i32; 2]) -> f64 {
-    f64::from(y).atan2(f64::from(x))
-}
-
-/// How far a path turns from one direction to another, in right angles.
-#[inline(always)]
-fn turn(before: f64, after: f64) -> f32 {
-    let apart = (after - before).abs();
-    let apart = apart.min(std::f64::consts::TAU - apart);
-    (apart / std::f64::consts::FRAC_PI_2) as f32
-}
-
-/// No predecessor.
-const START: u32 = u32::MAX;
-
-/// Cost in the bits of a non-negative f32 above the vertex, and the predecessor's vertex.
-type Step = Reverse<(u64, u32)>;
-
-/// Bands of cost to one cell of length, and to one right angle.
-const BANDS_PER_CELL: f32 = 2.0;
-const BANDS_PER_RIGHT_ANGLE: f32 = 64.0;
-
-/// Bands that are told apart; what costs more waits in the last one.
-const BANDS_MAX: usize = 1 << 16;
-
-/// Steps in the order of their cost. Only those of the band at hand are sorted; what a better way has
-/// overtaken by then is never sorted at all.
-#[derive(Default)]
-struct Queue {
-    now: BinaryHeap<Step>,
-    later: Vec<Vec<(u64, u32)>>,
-    band: usize,
-    /// Bands that hold anything end before this one.
-    end: usize,
-    bands_per_cost: f32,
-}
-
-impl Queue {
-    fn clear(&mut self, bands_per_cost: f32) {
-        self.now.clear();
-        self.later[..self.end].iter_mut().for_each(Vec::clear);
-        (self.band, self.end, self.bands_per_cost) = (0, 0, bands_per_cost);
-    }
-
-    #[inline(always)]
-    fn push(&mut self, cost: f32, step: (u64, u32)) {
-        let band = ((cost * self.bands_per_cost) as usize).min(BANDS_MAX - 1);
-        if band <= self.band {
-            self.now.push(Reverse(step));
-            return;
-        }
-        if band >= self.end {
-            self.end = band + 1;
-            if self.later.len() < self.end {
-                self.later.resize_with(self.end, Vec::new);
-            }
-        }
-        self.later[band].push(step);
-    }
-
-    /// The cheapest step; `is_current` tells which ones no better way has overtaken.
-    #[inline(always)]
-    fn pop(&mut self, is_current: impl Fn(u64) -> bool) -> Option<(u64, u32)> {
-        while self.now.is_empty() {
-            self.band += 1;
-            if self.band >= self.end {
-                return None;
-            }
-            let band = self.later[self.band].drain(..).filter(|step| is_current(step.0));
-            self.now.extend(band.map(Reverse));
-        }
-        self.now.pop().map(|Reverse(step)| step)
-    }
-}
-
-/// Buffers of one worker, by rank; what a walk touched is listed in `touched`.
-struct Walk {
-    cost: Vec<f32>,
-    /// Angle turned along the metric path.
-    angle: Vec<f32>,
-    /// Predecessor, where the walk has been.
-    before: Vec<u32>,
-    /// Cells not left yet, by tile.
-    open: Vec<u64>,
-    done: Vec<u32>,
-    touched: Vec<u32>,
-    queue: Queue,
-}
-
-impl Walk {
-    fn new(graph: &Graph) -> Self {
-        let n = graph.len();
-        Self {
-            cost: vec![f32::INFINITY; n],
-            angle: vec![0.0; n],
-            before: vec![START; n],
-            open: graph.tiles.occupied.clone(),
-            done: Vec::new(),
-            touched: Vec::new(),
-            queue: Queue::default(),
-        }
-    }
-
-    fn begin(&mut self, paths: &Paths<'_>, roots: &[u32], bands_per_cost: f32) {
-        for rank in self.touched.drain(..) {
-            self.cost[rank as usize] = f32::INFINITY;
-        }
-        self.open.copy_from_slice(&paths.graph.tiles.occupied);
-        self.done.clear();
-        self.queue.clear(bands_per_cost);
-        for &root in roots {
-            self.reach(paths, root, START, 0.0);
-        }
-    }
-
-    fn reach(&mut self, paths: &Paths<'_>, rank: u32, from: u32, cost: f32) {
-        if self.cost[rank as usize] == f32::INFINITY {
-            self.touched.push(rank);
-        }
-        self.cost[rank as usize] = cost;
-        let vertex = |r: u32| if r == START { START } else { paths.graph.tiles.vertex_of[r as usize] };
-        let key = u64::from(cost.to_bits()) << 32 | u64::from(vertex(rank));
-        self.queue.push(cost, (key, vertex(from)));
-    }
-
-    /// The next cell to leave, with its cost and predecessor.
-    fn next(&mut self, paths: &Paths<'_>, radius: f64) -> Option<(f32, u32, u32)> {
-        loop {
-            let costs = &self.cost;
-            let ranks = &paths.graph.tiles.rank_of;
-            let is_current =
-                |key: u64| costs[ranks[key as u32 as usize] as usize].to_bits() == (key >> 32) as u32;
-            let (key, from) = self.queue.pop(is_current)?;
-            let cost = f32::from_bits((key >> 32) as u32);
-            let rank = paths.graph.tiles.rank_of[key as u32 as usize];
-            if f64::from(cost) > radius {
-                return None;
-            }
-            let (tile, bit) = paths.graph.tiles.slot_of[rank as usize];
-            if self.open[tile as usize] >> bit & 1 == 1 {
-                self.open[tile as usize] &= !(1 << bit);
-                self.done.push(rank);
-                let from = if from == START { START } else { paths.graph.tiles.rank_of[from as usize] };
-                self.before[rank as usize] = from;
-                return Some((cost, rank, from));
-            }
-        }
-    }
-
-    /// Shortest paths, cost in cells.
-    fn metric(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
-        self.walk::<true>(paths, roots, radius);
-    }
-
-    /// Straightest paths, cost in right angles.
-    fn angular(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
-        self.walk::<false>(paths, roots, radius);
-    }
-
-    fn walk<const METRIC: bool>(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("popcnt") {
-            // SAFETY: the processor has just been asked.
-            #[allow(unsafe_code)]
-            return unsafe { self.walk_popcnt::<METRIC>(paths, roots, radius) };
-        }
-        self.walk_in::<METRIC>(paths, roots, radius);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "popcnt")]
-    fn walk_popcnt<const METRIC: bool>(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
-        self.walk_in::<METRIC>(paths, roots, radius);
-    }
-
-    #[inline(always)]
-    fn walk_in<const METRIC: bool>(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
-        self.begin(paths, roots, if METRIC { BANDS_PER_CELL } else { BANDS_PER_RIGHT_ANGLE });
-        while let Some((cost, at, from)) = self.next(paths, radius) {
-            let heading = if from == START { None } else { Some(paths.direction(from, at)) };
-            if METRIC {
-                self.angle[at as usize] = heading.map_or(0.0, |h| {
-                    let first = self.before[from as usize];
-                    let turned = if first == START { 0.0 } else { turn(paths.direction(first, from), h) };
-                    self.angle[from as usize] + turned
-                });
-            }
-            if cost == 0.0 || paths.turns[at as usize] {
-                self.relax::<METRIC>(paths, cost, (at, from), heading);
-            }
-        }
-    }
-
-    /// Offers a way through `at` to the cells it sees. Those its predecessor sees as well are passed
-    /// over: the way there without the detour is no longer and turns no more.
-    #[inline(always)]
-    fn relax<const METRIC: bool>(
-        &mut self,
-        paths: &Paths<'_>,
-        cost: f32,
-        (at, from): (u32, u32),
-        heading: Option<f64>,
-    ) {
-        let graph = paths.graph;
-        let (tiles, masks) = graph.row(at as usize);
-        let (before_tiles, before_masks) =
-            if from == START { (&[][..], &[][..]) } else { graph.row(from as usize) };
-        let mut before = 0;
-        for (&t, &mask) in tiles.iter().zip(masks) {
-            while before < before_tiles.len() && before_tiles[before] < t {
-                before += 1;
-            }
-            let known = if before_tiles.get(before) == Some(&t) { before_masks[before] } else { 0 };
-            let mut bits = mask & self.open[t as usize] & !known;
-            while bits != 0 {
-                let bit = bits.trailing_zeros();
-                bits &= bits - 1;
-                let to = graph.tiles.rank(t, bit);
-                if METRIC {
-                    self.offer_length(paths, cost, [at, to as u32]);
-                } else {
-                    self.offer_turn(paths, cost, [at, to as u32], heading);
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn offer_length(&mut self, paths: &Paths<'_>, cost: f32, [at, to]: [u32; 2]) {
-        let apart = paths.cells_apart(at, to);
-        if f64::from(cost) + apart < f64::from(self.cost[to as usize]) {
-            self.reach(paths, to, at, cost + apart as f32);
-        }
-    }
-
-    #[inline(always)]
-    fn offer_turn(&mut self, paths: &Paths<'_>, cost: f32, [at, to]: [u32; 2], heading: Option<f64>) {
-        if cost < self.cost[to as usize] {
-            let turned = heading.map_or(0.0, |h| turn(h, paths.direction(at, to)));
-            if cost + turned < self.cost[to as usize] {
-                self.reach(paths, to, at, cost + turned);
-            }
-        }
     }
 }
 
@@ -478,6 +243,8 @@ fn wall_squares(lattice: &Lattice, obstacles: &Obstacles) -> HashSet<[i32; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::super::{fixtures, visibility};
     use super::*;
     use crate::plan::geometry::Segment;
@@ -529,5 +296,97 @@ mod tests {
         assert_eq!(value("Visual Step Depth", 2), UNDEFINED);
         let near = paths.metric_columns(Some(1.2));
         assert_eq!(near.iter().find(|c| c.name == "Metric Node Count R1.2").unwrap().values[0], 2.0);
+    }
+
+    /// Plans with walls on and beside the cells, in a box that is not a multiple of a tile.
+    fn plans() -> impl Strategy<Value = (Lattice, Obstacles)> {
+        let wall = ((0i64..40, 0i64..40), (-8i64..9, -8i64..9), 0..3u8);
+        prop::collection::vec(wall, 0..40).prop_map(|walls| {
+            let segment = |((x, y), (dx, dy), kind): ((i64, i64), (i64, i64), u8)| {
+                let a = [x * 6, y * 6];
+                let by = [if kind == 0 { 0 } else { dx * 8 }, if kind == 1 { 0 } else { dy * 8 }];
+                Segment { a, b: [a[0] + by[0], a[1] + by[1]] }
+            };
+            let cells = (0..21).flat_map(|c| (0..19).map(move |r| [c, r])).collect();
+            let segments = walls.into_iter().map(segment).collect();
+            (fixtures::lattice(12, [0, 0], cells), Obstacles { segments, blind: vec![] })
+        })
+    }
+
+    /// Costs from a root by going through all cells in the order of their cost, every neighbour asked.
+    fn by_dijkstra(paths: &Paths<'_>, lattice: &Lattice, root: u32, is_metric: bool) -> Vec<f64> {
+        let n = lattice.cells.len();
+        let (mut cost, mut before, mut left) = (vec![f32::INFINITY; n], vec![u32::MAX; n], vec![false; n]);
+        cost[root as usize] = 0.0;
+        let offset = |a: u32, b: u32| {
+            let (a, b) = (lattice.cells[a as usize], lattice.cells[b as usize]);
+            [f64::from(b[0] - a[0]), f64::from(b[1] - a[1])]
+        };
+        let direction = |a, b| offset(a, b)[1].atan2(offset(a, b)[0]) / std::f64::consts::FRAC_PI_2;
+        while let Some(at) = (0..n)
+            .filter(|&v| !left[v] && cost[v].is_finite())
+            .min_by(|&a, &b| cost[a].total_cmp(&cost[b]).then(a.cmp(&b)))
+        {
+            left[at] = true;
+            let slot = paths.slot_of_vertex[at];
+            let may_turn = paths.turns[slot as usize >> 6] >> (slot & 63) & 1 == 1;
+            if cost[at] != 0.0 && !may_turn {
+                continue;
+            }
+            paths.graph.for_each_neighbour(at as u32, |to| {
+                let [x, y] = offset(at as u32, to);
+                let by = if is_metric {
+                    (x * x + y * y).sqrt()
+                } else if before[at] == u32::MAX {
+                    0.0
+                } else {
+                    let apart: f64 = (direction(at as u32, to) - direction(before[at], at as u32)).abs();
+                    apart.min(4.0 - apart)
+                };
+                let new = cost[at] + by as f32;
+                let is_better = if is_metric {
+                    f64::from(cost[at]) + by < f64::from(cost[to as usize])
+                } else {
+                    new < cost[to as usize]
+                };
+                if !left[to as usize] && is_better {
+                    (cost[to as usize], before[to as usize]) = (new, at as u32);
+                }
+            });
+        }
+        cost.into_iter().map(f64::from).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+
+        /// Lists of corners against none, every instruction set against every other, and all against a
+        /// plain search.
+        #[test]
+        fn every_way_of_walking_is_one((lattice, obstacles) in plans(), everywhere in any::<bool>()) {
+            let turning = if everywhere { Turning::Everywhere } else { Turning::AtWalls };
+            let graph = visibility::visibility_graph(&lattice, &obstacles);
+            let mut paths = Paths::new(&lattice, &graph, &obstacles, turning);
+            let corners = Corners::new(&paths);
+            let mut walk = Walk::new(&graph);
+            for root in (0..lattice.cells.len() as u32).step_by(37) {
+                let slot = [paths.slot_of_vertex[root as usize]];
+                let costs = |walk: &Walk| {
+                    let cost = paths.slot_of_vertex.iter().map(|&s| f64::from(walk.cost[s as usize]));
+                    cost.collect::<Vec<f64>>()
+                };
+                let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a == b || (a - b).abs() < 1e-4);
+                walk.metric(&paths, None, &slot, f64::INFINITY);
+                let plain = costs(&walk);
+                prop_assert!(near(&plain, &by_dijkstra(&paths, &lattice, root, true)));
+                walk.metric(&paths, Some(&corners), &slot, f64::INFINITY);
+                prop_assert!(near(&costs(&walk), &plain));
+            }
+            let best: Vec<Column> = paths.angular_columns(None);
+            for path in Path::available() {
+                paths.path = path;
+                prop_assert_eq!(&paths.angular_columns(None), &best);
+            }
+        }
     }
 }

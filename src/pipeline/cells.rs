@@ -10,6 +10,7 @@ use crate::analysis::measures::{Column, entropy_bits, global_columns, local_colu
 use crate::analysis::paths::{Paths, Turning};
 use crate::analysis::through::through_vision_column;
 use crate::analysis::visibility::{Graph, visibility_graph};
+use crate::analysis::{Lattice, Obstacles};
 use crate::report::{Error, Place};
 
 /// depthmapX's `Ref`: `(column << 16) + row`, counted from the cell at or below the drawing's lower left
@@ -75,18 +76,34 @@ pub fn measure_cells(study: &Study, options: &CellOptions) -> Result<Vec<Column>
     };
     let obstacles = study.initial_obstacles();
     let lattice = &study.lattice;
+    let paths = || Paths::new(lattice, &graph, &obstacles, Turning::default());
+    let all = all_columns((lattice, &graph, &obstacles), options, asked);
+    let mut kept = chosen(all, &options.measures)?;
+    if !options.step_from.is_empty() {
+        let from: Result<Vec<u32>, Error> = options.step_from.iter().map(|p| vertex_at(study, *p)).collect();
+        kept.extend(paths().step_columns(&from?));
+    }
+    Ok(kept)
+}
+
+/// The columns of the families asked for, all of them.
+fn all_columns(
+    (lattice, graph, obstacles): (&Lattice, &Graph, &Obstacles),
+    options: &CellOptions,
+    asked: impl Fn(&str) -> bool,
+) -> Vec<Column> {
     let mut all = Vec::new();
     if asked("graph") {
-        all.extend(local_columns(lattice, &graph));
+        all.extend(local_columns(lattice, graph));
         all.extend(match options.roots {
-            Some(roots) => sampled_columns(&graph, roots, options.seed),
-            None => global_columns(&graph, options.radius),
+            Some(roots) => sampled_columns(graph, roots, options.seed),
+            None => global_columns(graph, options.radius),
         });
     }
     if asked("isovist") {
-        all.extend(isovist_columns(lattice, &obstacles));
+        all.extend(isovist_columns(lattice, obstacles));
     }
-    let paths = || Paths::new(lattice, &graph, &obstacles, Turning::default());
+    let paths = || Paths::new(lattice, graph, obstacles, Turning::default());
     if asked("metric") {
         all.extend(paths().metric_columns(options.radius.map(f64::from)));
     }
@@ -94,14 +111,9 @@ pub fn measure_cells(study: &Study, options: &CellOptions) -> Result<Vec<Column>
         all.extend(paths().angular_columns(options.radius.map(f64::from)));
     }
     if asked("through") {
-        all.push(through_vision_column(lattice, &graph));
+        all.push(through_vision_column(lattice, graph));
     }
-    let mut kept = chosen(all, &options.measures)?;
-    if !options.step_from.is_empty() {
-        let from: Result<Vec<u32>, Error> = options.step_from.iter().map(|p| vertex_at(study, *p)).collect();
-        kept.extend(paths().step_columns(&from?));
-    }
-    Ok(kept)
+    all
 }
 
 fn chosen(all: Vec<Column>, measures: &[String]) -> Result<Vec<Column>, Error> {
@@ -209,4 +221,40 @@ pub fn edges_csv(study: &Study) -> String {
 
 fn graph(study: &Study) -> Graph {
     visibility_graph(&study.lattice, &study.initial_obstacles())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::overlay::glossary;
+    use crate::plan::geometry::Segment;
+
+    /// Every column that can be made has an entry in plain words, and every entry a column.
+    #[test]
+    fn every_measure_is_explained() {
+        let cells: Vec<[i32; 2]> = (0..6).flat_map(|c| (0..4).map(move |r| [c, r])).collect();
+        let lattice = Lattice {
+            spacing_um: 1_000_000,
+            origin_um: [0, 0],
+            query: (0..cells.len() as u32).collect(),
+            is_reference: vec![true; cells.len()],
+            cells,
+        };
+        let wall = Segment { a: [2_500_000, -500_000], b: [2_500_000, 2_500_000] };
+        let obstacles = Obstacles { segments: vec![wall], blind: vec![] };
+        let graph = visibility_graph(&lattice, &obstacles);
+        let mut names = vec!["Degree".to_string(), "Depth".into(), "Entropy".into()];
+        for (radius, roots) in [(None, None), (Some(3), None), (None, Some(9))] {
+            let options = CellOptions { radius, roots, ..CellOptions::default() };
+            let columns = all_columns((&lattice, &graph, &obstacles), &options, |_| true);
+            names.extend(columns.into_iter().map(|c| c.name));
+        }
+        let paths = Paths::new(&lattice, &graph, &obstacles, Turning::default());
+        names.extend(paths.step_columns(&[0]).into_iter().map(|c| c.name));
+        let explained: BTreeSet<&str> =
+            names.iter().map(|n| glossary::entry_of(n).unwrap_or_else(|| panic!("{n}")).name).collect();
+        assert_eq!(explained, glossary::ENTRIES.iter().map(|e| e.name).collect());
+    }
 }
