@@ -143,7 +143,9 @@ impl Region {
                 let covered = |s: &Self| wall.clone().combine(s, Rule::Intersection).area();
                 let whole = a.distance(b) * depth;
                 let skin = covered(&strip(0.0, 1.0)) / whole;
-                if skin <= 0.0 || covered(&strip(1.0, 2.0)) >= 0.05 * whole {
+                // A skin thinner than clipping sees shows by the wall inside of the side alone.
+                let is_on_the_face = || covered(&strip(-SKIN_NOISE, 0.0)) > 0.5 * SKIN_NOISE * whole;
+                if (skin <= 0.0 && !is_on_the_face()) || covered(&strip(1.0, 2.0)) >= 0.05 * whole {
                     continue;
                 }
                 let beside = |from: DVec2, along: DVec2| {

@@ -1,0 +1,135 @@
+//! Disks that refuse, files and folders that may not be read or written.
+
+use super::*;
+
+/// Hazards 20 and 30: what the disk refuses early stops the job at once and is said once, with the next try.
+#[cfg(unix)]
+#[test]
+fn a_refusing_disk_is_said_once() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let target = elsewhere.path().to_path_buf();
+    let plant = move |root: &Path| {
+        fs::create_dir(root.join("plan.enfilade")).unwrap();
+        std::os::unix::fs::symlink(&target, root.join("plan.enfilade/analysis")).unwrap();
+    };
+    let settings = WatchSettings { retry_secs: 600.0, ..settings() };
+    let daemon = Daemon::start(settings, plant, |request, tell, cancel| {
+        tell(JobEvent::Analysis(vec![OutFile::new("initial.png", "x")]));
+        tell(JobEvent::Progress(serde_json::json!({"stage": "search"})));
+        assert!(cancel.is_stopped(), "the job goes on for nothing");
+        slow(request, cancel)
+    });
+    daemon.save("plan.dxf", "slow");
+    daemon.await_said("Failed {", 1);
+    daemon.rest();
+    assert_eq!((daemon.count_said("output-is-link"), daemon.jobs()), (1, 1));
+    assert_eq!(daemon.status("plan")["state"], "waiting");
+}
+
+/// Hazard 22: what a job kept is given back to the next that is started on the drawing, until one is done.
+#[test]
+fn what_a_job_keeps_is_given_back_after_a_stop() {
+    let seen = Arc::new(Mutex::new(Vec::new()));
+    let given = seen.clone();
+    let daemon = Daemon::start(
+        settings(),
+        |_| {},
+        move |request, tell, cancel| {
+            given.lock().unwrap().push(String::from_utf8(request.earlier.to_vec()).unwrap());
+            tell(JobEvent::Keep { bytes: b"one".to_vec(), is_anew: true });
+            tell(JobEvent::Keep { bytes: b" two".to_vec(), is_anew: false });
+            slow(request, cancel)
+        },
+    );
+    daemon.save("plan.dxf", "slow");
+    daemon.await_true("a memory", || {
+        fs::read(daemon.path("plan.enfilade/.search")).is_ok_and(|b| b == b"one two")
+    });
+    daemon.save("plan.dxf", "quick");
+    daemon.await_round("plan", 1);
+    daemon.save("plan.dxf", "other");
+    daemon.await_round("plan", 2);
+    daemon.await_said("Done {", 2);
+    assert_eq!(*seen.lock().unwrap(), ["", "one two", ""]);
+    assert!(!daemon.path("plan.enfilade/.search").exists());
+}
+
+#[cfg(unix)]
+fn set_mode(path: &Path, mode: u32) {
+    use std::os::unix::fs::PermissionsExt;
+    fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
+}
+
+/// Whether permissions bind this user; they do not bind root.
+#[cfg(unix)]
+fn permissions_bind() -> bool {
+    let dir = tempfile::tempdir().unwrap();
+    set_mode(dir.path(), 0o555);
+    let binds = fs::write(dir.path().join("x"), b"").is_err();
+    set_mode(dir.path(), 0o755);
+    if !binds {
+        println!("skipped: permissions do not bind this user");
+    }
+    binds
+}
+
+/// Hazard 19: a drawing that may not be read is reported and taken up when it may.
+#[cfg(unix)]
+#[test]
+fn an_unreadable_drawing_is_taken_up_when_it_may_be_read() {
+    if !permissions_bind() {
+        return;
+    }
+    let locked = |root: &Path| {
+        fs::write(root.join("plan.dxf"), b"one EOF\n").unwrap();
+        set_mode(&root.join("plan.dxf"), 0o000);
+    };
+    let daemon = Daemon::start(settings(), locked, |request, _, _| Ok(echo(request)));
+    daemon.await_said("unreadable", 1);
+    assert_eq!(daemon.status("plan")["problems"][0]["code"], "unreadable");
+    set_mode(&daemon.path("plan.dxf"), 0o644);
+    daemon.await_round("plan", 1);
+}
+
+/// Hazard 19: a folder that may not be written is watched with results elsewhere, or refused with words.
+#[cfg(unix)]
+#[test]
+fn a_read_only_folder_needs_another_place_for_results() {
+    if !permissions_bind() {
+        return;
+    }
+    let read_only = |root: &Path| {
+        fs::write(root.join("plan.dxf"), b"one EOF\n").unwrap();
+        set_mode(root, 0o555);
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let fallback = dir.path().join("results");
+    let with_fallback = WatchSettings { fallback_dir: Some(fallback.clone()), ..settings() };
+    let daemon = Daemon::start(with_fallback, read_only, |request, _, _| Ok(echo(request)));
+    let round = fallback.join("plan.enfilade/round-01");
+    daemon.await_true("results in the fallback", || round.exists());
+    let root = daemon.root.clone();
+    let run: Arc<RunJob> =
+        Arc::new(|request: &JobRequest, _: &mut dyn FnMut(JobEvent), _: &Cancel| Ok(echo(request)));
+    let error =
+        watch(std::slice::from_ref(&root), &settings(), run, &mut |_| {}, &Cancel::default()).unwrap_err();
+    assert_eq!(error.problem().unwrap().code, "no-permission");
+    assert!(error.to_string().contains("--out"), "{error}");
+    set_mode(&root, 0o755);
+}
+
+/// Hazard 21: another machine has taken the folder: this daemon leaves it, and its job with it.
+#[test]
+fn a_taken_folder_is_left() {
+    let mut daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
+    daemon.save("plan.dxf", "slow");
+    daemon.await_said("Started", 1);
+    let lease =
+        serde_json::json!({"host": "elsewhere", "pid": 1, "since": "2026-01-01T00:00:00Z", "beat": 1});
+    crate::store::write_json(&SystemDisk, &daemon.path(".enfilade/owner.json"), &lease).unwrap();
+    let error = daemon.thread.take().unwrap().join().unwrap().unwrap_err();
+    assert_eq!(error.problem().unwrap().code, "folder-taken");
+    assert!(error.to_string().contains("elsewhere"), "{error}");
+    assert_eq!(daemon.count_said("Stopped"), 1);
+    assert!(daemon.path(".enfilade/owner.json").exists(), "the other's lease stays");
+}
