@@ -50,7 +50,7 @@ fn status(home: &Path) -> Value {
     fs::read(home.join("status.json")).ok().and_then(|b| serde_json::from_slice(&b).ok()).unwrap_or_default()
 }
 
-/// The files of the first round with their bytes; the time taken is left out, as it is in digests of jobs.
+/// The files of the first round with their bytes; the time taken and the folder are left out, as it is in digests of jobs.
 fn round(home: &Path) -> BTreeMap<String, Vec<u8>> {
     let files = fs::read_dir(home.join("round-01")).unwrap().map(|e| e.unwrap().path());
     let read = |path: PathBuf| {
@@ -61,6 +61,9 @@ fn round(home: &Path) -> BTreeMap<String, Vec<u8>> {
             value["seconds"] = Value::Null;
             value["input"]["path"] = Value::Null;
             bytes = value.to_string().into_bytes();
+        } else if name == "report.html" {
+            let root = home.parent().unwrap().to_str().unwrap();
+            bytes = String::from_utf8(bytes).unwrap().replace(root, "ROOT").into_bytes();
         }
         (name, bytes)
     };

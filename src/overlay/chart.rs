@@ -30,7 +30,7 @@ pub struct Series {
 /// `picture-size` for a size out of range, `png` if the encoder fails.
 pub fn convergence_png(series: &[Series], longest_px: u32) -> Result<Vec<u8>, Error> {
     let series = &series[..series.len().min(MAX_PANELS)];
-    let (head, foot) = (0.065, 0.06);
+    let (head, foot) = (0.065, 0.08);
     let aspect = head + series.len().max(1) as f32 * PANEL_ASPECT + foot;
     let mut canvas = sheet((longest_px as f32 / aspect.max(1.0)) as u32, aspect)?;
     let width = canvas.size()[0] as f32;
