@@ -154,7 +154,7 @@ pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResu
 
 fn check_picture(base: &study::Understood, result: &CheckResult) -> Result<Vec<u8>, Error> {
     let subtitle = format!(
-        "{} wall elements, {} doors, {} windows, {} moves; read in {}",
+        "{} wall elements, {} doors, {} windows, {} moves; unit {}",
         result.walls,
         result.doors,
         result.windows,

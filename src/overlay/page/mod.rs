@@ -175,8 +175,8 @@ fn lead(result: &RoundResult) -> String {
     let gains = super::words::gains(&result.initial.mean, &best.mean);
     let all = match (kept, count) {
         (_, 1) => String::new(),
-        (k, n) if k == n => " All of them keep within the thresholds you set.".to_owned(),
-        (k, n) => format!(" {k} of {n} keep within the thresholds you set."),
+        (k, n) if k == n => " All of them keep within the thresholds.".to_owned(),
+        (k, n) => format!(" {k} of {n} keep within the thresholds."),
     };
     let options =
         if count == 1 { "One other layout".to_owned() } else { format!("{} other layouts", spelled(count)) };
