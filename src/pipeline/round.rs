@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::memory::Memory;
+use super::memory::{Memory, Pace};
 use super::show;
 use super::study::{self, Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress};
@@ -200,26 +200,36 @@ fn optimise(
     })?;
     let mut memory = Memory::new(input, settings, objectives.len());
     let begun = Instant::now();
+    let mut clock = Clock::new(started);
     let mut said = Instant::now();
     let mut written = Instant::now();
+    let mut fit = 0;
     loop {
         if cancel.is_stopped() {
             search.finish(search::Stop::Asked);
         } else if let Some(seconds) = settings.seconds {
-            let left = seconds - started.elapsed().as_secs_f64();
-            if left <= 0.0 && search.progress().evaluations > 0 {
+            let remembered = memory.pace();
+            if remembered.is_none() && clock.spent_secs() >= seconds && search.progress().evaluations > 0 {
                 search.finish(search::Stop::Time);
             }
-            pace(&mut search, settings, begun, left);
+            fit = remembered.map_or_else(|| clock.fit(search.progress().evaluations, seconds), |p| p.fit);
+            search.set_evaluations(settings.evaluations.map_or(fit, |limit| limit.min(fit)));
         }
         let asked = search.ask();
         if asked.is_empty() {
             break;
         }
         let permitted: Vec<Vec<f64>> = asked.iter().map(|p| control.permit(p)).collect();
-        let told = memory.recall(&permitted).unwrap_or_else(|| {
+        let remembered = memory.pace();
+        let recalled = memory.recall(&permitted);
+        if let (Some(pace), Some(_)) = (remembered, &recalled) {
+            clock.set(pace.spent_secs);
+        }
+        let told = recalled.unwrap_or_else(|| {
             let told = measured(study, settings, &control, &objectives, &permitted);
-            memory.learn(&permitted, &told);
+            // Without such a budget nothing depends on the clock, and what is kept neither.
+            let pace = settings.seconds.map(|_| Pace { fit, spent_secs: clock.spent_secs() });
+            memory.learn(&permitted, &told, pace.unwrap_or_default());
             told
         });
         let told: Vec<Evaluation> =
@@ -337,12 +347,33 @@ fn explanations(
     (0..options.len()).into_par_iter().map(one).collect()
 }
 
-/// Tells the search how many evaluations will fit into the time left, at the pace so far.
-fn pace(search: &mut Search, settings: &Settings, begun: Instant, left_secs: f64) {
-    let done = search.progress().evaluations;
-    let rate = done as f64 / begun.elapsed().as_secs_f64().max(1e-6);
-    let fit = done + ((rate * left_secs.max(0.0)) as u64).max(2 * BATCH as u64);
-    search.set_evaluations(settings.evaluations.map_or(fit, |limit| limit.min(fit)));
+/// Seconds that a round has spent, those before a kill included.
+struct Clock {
+    /// When the clock was last set, and what it said then.
+    set: (Instant, f64),
+    /// What it said when the search began.
+    begun_secs: f64,
+}
+
+impl Clock {
+    fn new(started: Instant) -> Self {
+        Self { set: (started, 0.0), begun_secs: started.elapsed().as_secs_f64() }
+    }
+
+    fn spent_secs(&self) -> f64 {
+        self.set.1 + self.set.0.elapsed().as_secs_f64()
+    }
+
+    fn set(&mut self, spent_secs: f64) {
+        self.set = (Instant::now(), spent_secs);
+    }
+
+    /// How many evaluations will fit into the time left, at the pace so far, after that many.
+    fn fit(&self, done: u64, budget_secs: f64) -> u64 {
+        let spent = self.spent_secs();
+        let rate = done as f64 / (spent - self.begun_secs).max(1e-6);
+        done + ((rate * (budget_secs - spent).max(0.0)) as u64).max(2 * BATCH as u64)
+    }
 }
 
 /// Best value of one objective among all layouts that keep the hard limits; NaN if none does.
