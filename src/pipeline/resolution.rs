@@ -97,6 +97,7 @@ pub fn resolution(
     cancel: &Cancel,
 ) -> Result<Outcome<ResolutionResult>, Error> {
     let mut report = Report::default();
+    super::state_unread(input, settings, &mut report);
     let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
     let series = series(&base, options, input.file())?;
     let samples = sampled(&base.moves.bounds(), options.samples, settings.seed);
@@ -125,7 +126,7 @@ pub fn resolution(
     let critical_m = critical(&rows, options.tolerance);
     let result = ResolutionResult {
         schema: SCHEMA.into(),
-        input: show::input(&plan, input.path, &input.sha256),
+        input: show::input(&plan, input.path, input.sha256()),
         tolerance: options.tolerance,
         critical_m,
         jumps: jumps(&rows),

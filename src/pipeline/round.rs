@@ -635,7 +635,7 @@ fn round_result(
     let candidates = made.iter().enumerate().map(of).collect();
     RoundResult {
         schema: result::RESULT_SCHEMA.into(),
-        input: show::input(&study.base.plan, input.path, &input.sha256),
+        input: show::input(&study.base.plan, input.path, input.sha256()),
         settings: settings_map,
         counts: show::counts(study, study.edges),
         spacing_m: study.spacing.spacing_m,

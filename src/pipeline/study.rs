@@ -10,7 +10,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec2;
 
 use super::aims;
-use super::building;
+use super::building::{self, NamedOpening};
 use super::spacing::{self, SpacingChoice};
 use crate::analysis::evaluator::Scratch;
 use crate::analysis::lattice::{CellIndex, Ground};
@@ -65,8 +65,8 @@ pub struct Understood {
     pub moves: Moves,
     /// The building's interior, where it was needed.
     pub interior: Option<Interior>,
-    /// Doors and windows, where the file knows them.
-    pub openings: u64,
+    /// Doors and windows, where the file calls them so.
+    pub openings: Vec<NamedOpening>,
 }
 
 /// How the settings want a file read.
@@ -122,7 +122,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
     let known = Known { plan: &plan, graph: &graph, axes: &axes, interior: interior.as_ref() };
     let moves = moves(drawing, &known, settings, report)?;
-    let openings = building::openings(drawing);
+    let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
     Ok(Understood { plan, graph, axes, bodies, sight, fittings, left_out, moves, interior, openings })
 }
