@@ -433,7 +433,7 @@ fn open(file: &Path) -> Result<(String, Vec<u8>), Error> {
         let place = Place::file(shown.clone());
         match e.kind() {
             std::io::ErrorKind::NotFound => {
-                Error::usage("not-found", place, "no such file; nothing was done")
+                Error::input("no-such-file", place, "there is no such file; nothing was done")
             }
             _ => Error::environment("unreadable", place, format!("{e}; nothing was done")),
         }
