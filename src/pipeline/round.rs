@@ -615,7 +615,7 @@ fn state_left_behind(base: &Understood, layout: &Layout, report: &mut Report) {
             let text = format!(
                 "is part of a door or window whose wall moves in an option, but {why}; it stays as drawn"
             );
-            report.info("opening-stays", place_in(&base.plan.file, &fitting.source), text);
+            report.info(told::OPENING_STAYS, place_in(&base.plan.file, &fitting.source), text);
         }
     }
 }
@@ -684,7 +684,7 @@ fn candidate(
             &told(study, initial),
             &told(study, &mean),
             explanation,
-        ),
+        ) + &told::stays_words(&made.report),
         explanation: explanation.clone(),
         mean,
         penalty: show::penalty_numbers(&made.worth),

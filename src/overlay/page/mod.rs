@@ -203,6 +203,11 @@ pub(super) fn wanted(result: &RoundResult, key: &str) -> Option<Sense> {
     }
 }
 
+/// Whether the options were judged by their score: else it is a number on another scale, of penalties most of all.
+fn is_by_score(result: &RoundResult) -> bool {
+    result.objectives.iter().any(|o| o.name == "score")
+}
+
 /// Weight of a measure in the score, where the settings list one (`score: [[name, weight], …]`).
 fn weight(result: &RoundResult, key: &str) -> Option<f64> {
     let weights = result.settings.get("score")?.as_array()?;

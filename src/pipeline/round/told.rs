@@ -88,3 +88,17 @@ pub(super) fn say_alikeness(report: &mut Report, file: &str, share: f64, nearest
         report.info("options-alike", place, text);
     }
 }
+
+/// What somebody must look at before taking an option: parts of doors and windows that do not go with their wall.
+pub(super) fn stays_words(report: &Report) -> String {
+    match report.problems.iter().filter(|p| p.code == OPENING_STAYS).count() {
+        0 => String::new(),
+        1 => " A part of a door or window does not go with its wall: see to it before you take this option.".into(),
+        n => format!(
+            " {n} parts of doors and windows do not go with their walls: see to them before you take this option."
+        ),
+    }
+}
+
+/// Code of what says that a part of a door or window stays as drawn.
+pub(super) const OPENING_STAYS: &str = "opening-stays";
