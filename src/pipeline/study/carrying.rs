@@ -42,3 +42,42 @@ pub(super) fn whole_moves(
     }
     move_whole
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::config::{Partial, Settings};
+    use crate::pipeline::study;
+
+    /// Whatever moves by default takes its doors and windows along, to both ends of its way.
+    #[test]
+    fn default_moves_leave_no_door_behind() {
+        let Some(shared) = std::env::var_os("ENFILADE_SHARED") else {
+            eprintln!("skipped: ENFILADE_SHARED names no folder with the drawings");
+            return;
+        };
+        for (name, may_move) in [("us_house_bishop", 8), ("gama_house_librecad", 2)] {
+            let file = format!("{name}.dxf");
+            let bytes = std::fs::read(PathBuf::from(&shared).join("data/dxf").join(&file)).unwrap();
+            let settings = Settings::new(Partial::default()).unwrap();
+            let mut report = Report::default();
+            let base = study::read(&file, &bytes, &settings, &mut report).unwrap();
+            let (bounds, identity) = (base.moves.bounds(), base.moves.identity());
+            assert!(bounds.len() >= may_move, "{name}: {} parameters", bounds.len());
+            assert!(!base.fittings.is_empty(), "{name}");
+            assert!(report.problems.iter().any(|p| p.code == "default-moves-stay"), "{name}");
+            for (k, end) in bounds.iter().enumerate().flat_map(|(k, b)| b.map(|end| (k, end))) {
+                let mut p = identity.clone();
+                p[k] = end;
+                let layout = base.moves.apply(&base.plan, &base.graph, &p);
+                for fitting in &base.fittings {
+                    let outcome = carried(&base.plan, fitting, &layout);
+                    let group = &base.moves.parameters[k].group_name;
+                    assert!(!matches!(outcome, Carried::Stale(_)), "{name} {group}: {outcome:?}");
+                }
+            }
+        }
+    }
+}
