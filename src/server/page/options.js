@@ -1,6 +1,6 @@
 // Options side by side: a slider over heat maps, parallel coordinates and a scatter to filter, pin, more like one, accept.
 import { $, ask, el, say } from "/page.js";
-import { Parallel, Scatter } from "/plots.js";
+import { Parallel, Scatter, onNewLook } from "/plots.js";
 
 const ROWS = 200;
 /** Columns of the table; the plots and filters have them all. */
@@ -205,4 +205,5 @@ async function round(place, d, set) {
     next.card, problems(result) ?? "");
   pictures();
   compare();
+  onNewLook(views, () => plots(false));
 }

@@ -20,6 +20,7 @@ function pen(view) {
   out.scale(ratio, ratio);
   out.strokeStyle = out.fillStyle = getComputedStyle(view).color;
   out.font = "12px system-ui";
+  out.lineJoin = "round";
   return out;
 }
 
@@ -87,11 +88,42 @@ export class Parallel {
     return k.low + (k.high - k.low) * Math.min(1, Math.max(0, t));
   }
 
+  drawAxes(p) {
+    const { view, columns, gap, top } = this;
+    p.strokeStyle = p.fillStyle = ink();
+    p.lineWidth = 1;
+    columns.forEach((k, i) => {
+      const x = this.x(i);
+      p.textAlign = i === 0 ? "left" : i === columns.length - 1 ? "right" : "center";
+      const left = i === 0 ? 4 : i === columns.length - 1 ? view.clientWidth - 4 : x;
+      p.globalAlpha = 0.6;
+      p.strokeRect(x, top, 0, view.clientHeight - top - BOTTOM);
+      if (k.from > k.low || k.to < k.high) {
+        p.globalAlpha = 0.25;
+        p.fillRect(x - 7, this.y(k, k.to), 14, Math.max(2, this.y(k, k.from) - this.y(k, k.to)));
+      }
+      p.globalAlpha = 1;
+      if (gap < ASLANT_BELOW) {
+        p.save();
+        p.translate(x, top - 6);
+        p.rotate(-Math.PI / 4);
+        p.textAlign = "left";
+        // The last names would leave the view to the right.
+        const room = Math.min(ASLANT_ROOM, view.clientWidth - x) * 1.3 - 8;
+        if (gap >= 11) p.fillText(shortened(p, k.name, room), 0, 0);
+        p.restore();
+      } else {
+        p.fillText(shortened(p, k.name, gap - 6), left, 13);
+        p.fillText(short(k.high), left, 28);
+      }
+      if (gap >= ASLANT_BELOW) p.fillText(short(k.low), left, view.clientHeight - 10);
+    });
+  }
+
   /** `isQuick`: some of the options stand for all. */
   draw(kept, isMarked, isQuick) {
     const { view, columns } = this;
     const p = pen(view);
-    const { gap, top } = this;
     const xs = columns.map((_, i) => this.x(i));
     const lines = (list) => {
       p.beginPath();
@@ -100,40 +132,14 @@ export class Parallel {
     };
     const others = kept.filter((c) => !isMarked(c));
     const drawn = isQuick ? some(others) : others;
+    this.drawAxes(p);
+    p.strokeStyle = getComputedStyle(view).color;
     p.lineWidth = 1;
     p.globalAlpha = Math.max(0.03, Math.min(0.6, 60 / drawn.length));
     inSlices(view, drawn, lines, () => {
       p.globalAlpha = 1;
       p.lineWidth = 3;
       lines(kept.filter(isMarked));
-      p.strokeStyle = p.fillStyle = ink();
-      p.lineWidth = 1;
-      columns.forEach((k, i) => {
-        const x = this.x(i);
-        p.textAlign = i === 0 ? "left" : i === columns.length - 1 ? "right" : "center";
-        const left = i === 0 ? 4 : i === columns.length - 1 ? view.clientWidth - 4 : x;
-        p.globalAlpha = 0.6;
-        p.strokeRect(x, top, 0, view.clientHeight - top - BOTTOM);
-        if (k.from > k.low || k.to < k.high) {
-          p.globalAlpha = 0.25;
-          p.fillRect(x - 7, this.y(k, k.to), 14, Math.max(2, this.y(k, k.from) - this.y(k, k.to)));
-        }
-        p.globalAlpha = 1;
-        if (gap < ASLANT_BELOW) {
-          p.save();
-          p.translate(x, top - 6);
-          p.rotate(-Math.PI / 4);
-          p.textAlign = "left";
-          // The last names would leave the view to the right.
-          const room = Math.min(ASLANT_ROOM, view.clientWidth - x) * 1.3 - 8;
-          if (gap >= 16) p.fillText(shortened(p, k.name, room), 0, 0);
-          p.restore();
-        } else {
-          p.fillText(shortened(p, k.name, gap - 6), left, 13);
-          p.fillText(short(k.high), left, 28);
-        }
-        if (gap >= ASLANT_BELOW) p.fillText(short(k.low), left, view.clientHeight - 10);
-      });
     });
   }
 }
@@ -144,6 +150,14 @@ function shortened(p, text, room) {
   let n = text.length;
   while (n > 1 && p.measureText(text.slice(0, n) + "…").width > room) n -= 1;
   return text.slice(0, n) + "…";
+}
+
+/** Calls when views have another size or other colours, as long as they are shown. */
+export function onNewLook(views, draw) {
+  new ResizeObserver(draw).observe(views[0]);
+  const scheme = matchMedia("(prefers-color-scheme: dark)");
+  const changed = () => { if (views[0].isConnected) draw(); else scheme.removeEventListener("change", changed); };
+  scheme.addEventListener("change", changed);
 }
 
 export class Scatter {
@@ -180,16 +194,17 @@ export class Scatter {
       }
       p.fill();
     };
+    p.fillStyle = ink();
+    const [a, b] = axes;
+    p.fillText(`${b.name} ↑ ${short(b.low)} … ${short(b.high)}`, 6, 14);
+    p.textAlign = "right";
+    p.fillText(`${a.name} → ${short(a.low)} … ${short(a.high)}`, view.clientWidth - 6, view.clientHeight - 8);
+    p.fillStyle = getComputedStyle(view).color;
     const others = kept.filter((c) => !isMarked(c));
     p.globalAlpha = kept.length > 500 ? 0.25 : 0.55;
     inSlices(view, isQuick ? some(others) : others, dots(kept.length > 500 ? 2.5 : 4), () => {
       p.globalAlpha = 1;
       dots(7)(kept.filter(isMarked));
-      p.fillStyle = ink();
-      const [a, b] = axes;
-      p.fillText(`${b.name} ↑ ${short(b.low)} … ${short(b.high)}`, 6, 14);
-      p.textAlign = "right";
-      p.fillText(`${a.name} → ${short(a.low)} … ${short(a.high)}`, view.clientWidth - 6, view.clientHeight - 8);
     });
   }
 }
