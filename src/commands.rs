@@ -12,7 +12,7 @@ use std::time::Instant;
 use crate::cli::{
     AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ResolutionArgs, RunArgs, SearchArgs,
 };
-use crate::config::{Partial, Settings, settings_files};
+use crate::config::{Partial, Settings, settings_files, unread_side_cars};
 use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
 use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
 use crate::pipeline::cells::CellOptions;
@@ -290,7 +290,7 @@ fn round(
         let worker = scope.spawn(move || {
             pipeline::on_threads(settings, || {
                 let input = Input::new(shown, &request.bytes, u64::from(request.round));
-                let input = Input { earlier: &request.earlier, ..input };
+                let input = input.going_on_from(&request.earlier);
                 // Nobody hears any more once the job was given up.
                 let mut show = |event: Event| drop(say.send(event));
                 pipeline::run(&input, settings, started, &mut show, cancel)
@@ -449,7 +449,21 @@ fn open(file: &Path) -> Result<(String, Vec<u8>), Error> {
 pub fn settings_for(drawing: &Path, command_line: Partial) -> Result<(Settings, Option<PathBuf>), Error> {
     let partial = settings_partial(drawing, command_line)?;
     let out = partial.out.clone().map(PathBuf::from);
-    Ok((Settings { twin: twin(drawing), ..Settings::new(partial)? }, out))
+    // Where names differ by case alone and the file system does not mind, it was read.
+    let was_read = |(found, right): &(String, String)| {
+        found.eq_ignore_ascii_case(right) && drawing.with_file_name(right).is_file()
+    };
+    let mut unread = unread_side_cars(drawing, &files_beside(drawing));
+    unread.retain(|u| !was_read(u));
+    Ok((Settings { twin: twin(drawing), unread, ..Settings::new(partial)? }, out))
+}
+
+/// Names of the files in a drawing's folder.
+fn files_beside(drawing: &Path) -> Vec<String> {
+    let folder = drawing.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let files = entries.flatten().filter(|e| e.file_type().is_ok_and(|t| t.is_file()));
+    files.map(|e| e.file_name().to_string_lossy().into_owned()).collect()
 }
 
 /// The IFC of the same name beside a glTF.

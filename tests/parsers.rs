@@ -16,6 +16,10 @@ mod building;
 mod dxf_patch;
 #[path = "../fuzz/checks/dxf_read.rs"]
 mod dxf_read;
+#[path = "../fuzz/checks/gltf.rs"]
+mod gltf;
+#[path = "../fuzz/checks/ifc.rs"]
+mod ifc;
 #[path = "../fuzz/checks/words.rs"]
 mod words;
 
@@ -184,8 +188,13 @@ fn dxf_writing_survives_anything() {
 }
 
 #[test]
-fn buildings_survive_anything() {
-    throw("building", &corpus("building"), &dictionary("step.dict"), building::check);
+fn ifc_survives_anything() {
+    throw("ifc", &corpus("ifc"), &dictionary("step.dict"), ifc::check);
+}
+
+#[test]
+fn gltf_survives_anything() {
+    throw("gltf", &corpus("gltf"), &dictionary("gltf.dict"), gltf::check);
 }
 
 #[test]

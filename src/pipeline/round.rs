@@ -18,7 +18,7 @@ use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
 use crate::moves::control::Control;
 use crate::overlay::Series;
-use crate::overlay::measure::plain_name;
+use crate::overlay::measure::{plain_name, sentence_case};
 use crate::overlay::result::{
     self, Best, Candidate, Diversity, ElementRef, Explanation, LineageEntry, MoveEntry, Numbers, Objective,
     RoundResult, Sense as ShownSense,
@@ -98,6 +98,8 @@ fn round(
     }
     if let Some(why) = found.and_then(|f| f.no_option.clone()) {
         report.warn("no-option", Place::file(input.file()), why);
+    } else if let Some(alike) = found.map(|f| f.alike).filter(|a| *a > 0) {
+        report.info("options-left-out", Place::file(input.file()), left_out_words(study, made.len(), alike));
     } else if found.is_some() && settings.mode == Mode::Diverse && made.len() < settings.members {
         let text = format!(
             "{} options wanted, {} found inside all thresholds; more --evaluations, wider bounds or lower thresholds find more",
@@ -121,6 +123,33 @@ fn round(
     files.push(OutFile::new("result.json", result::to_json(&result)?));
     files.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(Outcome { result, files, report })
+}
+
+/// Groups that may move up to which they are told by name.
+const GROUPS_TOLD: usize = 3;
+
+/// Why there are fewer options than wanted, and how to get more.
+fn left_out_words(study: &Study, made: usize, alike: usize) -> String {
+    let mut names: Vec<String> = vec![];
+    for p in &study.base.moves.parameters {
+        let name = sentence_case(&p.group_name);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let why = match names.as_slice() {
+        [only] => format!("only {only} may move, and not far without falling below the thresholds"),
+        few if few.len() <= GROUPS_TOLD => {
+            format!("only {} may move, and not far without falling below the thresholds", few.join(", "))
+        }
+        many => format!("the {} groups that may move have little room inside the thresholds", many.len()),
+    };
+    let options = if made == 1 { "1 option" } else { &format!("{made} options") };
+    format!(
+        "{options} instead of {}: the others were almost the same as a better one, because {why}; EF-MOVE boxes round \
+         more walls, or wider bounds in them, make room for options that differ",
+        made + alike
+    )
 }
 
 /// Says where the options are more alike than wanted, and what was done about it.
@@ -148,6 +177,8 @@ pub(super) struct Found {
     pub(super) members: Vec<search::Member>,
     /// Of every member.
     explanations: Vec<Explanation>,
+    /// Members left out because they were almost the same as a better one.
+    alike: usize,
     best: Option<Best>,
     /// Why no layout keeps the hard limits, where none does.
     no_option: Option<String>,
@@ -319,6 +350,7 @@ fn found(
     Found {
         explanations: explanations(study, settings, control, objectives, &shown, &members),
         best,
+        alike: outcome.alike,
         no_option,
         objectives: shown,
         threshold_share: outcome.threshold_share,
@@ -606,10 +638,10 @@ fn round_result(
     let candidates = made.iter().enumerate().map(of).collect();
     RoundResult {
         schema: result::RESULT_SCHEMA.into(),
-        input: show::input(&study.base.plan, input.path, &input.sha256),
+        input: show::input(&study.base.plan, input.path, input.sha256()),
         settings: settings_map,
         counts: show::counts(study, study.edges),
-        spacing_m: study.spacing.spacing_m,
+        spacing_m: study.spacing_m,
         lattice_centre: super::lattice_centre(study),
         initial,
         moves,

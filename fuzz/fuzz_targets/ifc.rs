@@ -1,7 +1,9 @@
-//! Any bytes as IFC and as glTF.
+//! Any bytes as IFC.
 #![no_main]
 
 #[path = "../checks/building.rs"]
+mod building;
+#[path = "../checks/ifc.rs"]
 mod checks;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
