@@ -433,7 +433,7 @@ fn open(file: &Path) -> Result<(String, Vec<u8>), Error> {
         let place = Place::file(shown.clone());
         match e.kind() {
             std::io::ErrorKind::NotFound => {
-                Error::usage("not-found", place, "no such file; nothing was done")
+                Error::input("no-such-file", place, "there is no such file; nothing was done")
             }
             _ => Error::environment("unreadable", place, format!("{e}; nothing was done")),
         }
@@ -485,13 +485,17 @@ fn settings_partial(drawing: &Path, command_line: Partial) -> Result<Partial, Er
 }
 
 fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
+    use std::io::ErrorKind;
+    let place = || Place::file(file.to_string_lossy());
     match std::fs::read_to_string(file) {
         Ok(text) => Partial::from_toml(&file.to_string_lossy(), &text).map(Some),
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(e) => {
-            let place = Place::file(file.to_string_lossy());
-            Err(Error::environment("settings-unreadable", place, format!("{e}; nothing was done")))
+        // Beside a drawing with the longest of names no side-car can lie.
+        Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::InvalidFilename) => Ok(None),
+        Err(e) if e.kind() == ErrorKind::InvalidData => {
+            let text = "found letters that are not UTF-8, expected text saved as UTF-8; nothing was done";
+            Err(Error::usage("settings-unreadable", place(), text))
         }
+        Err(e) => Err(Error::environment("settings-unreadable", place(), format!("{e}; nothing was done"))),
     }
 }
 

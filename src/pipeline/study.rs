@@ -87,6 +87,10 @@ pub fn read_options(settings: &Settings) -> formats::ReadOptions {
 /// What [`formats::read`] and [`understand`] return; [`Error::Usage`] for settings that do not fit the drawing.
 pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) -> Result<Understood, Error> {
     let drawing = formats::read(file, bytes, &read_options(settings), report)?;
+    if let Some(storey) = settings.storey.as_ref().filter(|_| drawing.format == Format::Dxf) {
+        let text = format!("storey {storey:?} was asked for, but a DXF knows no storeys; all of it is read");
+        report.warn("storey-unused", Place::file(file), text);
+    }
     understood(&drawing, settings, report)
 }
 
