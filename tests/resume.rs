@@ -128,7 +128,8 @@ fn a_killed_search_under_a_budget_of_seconds_goes_on() {
     let stated = Partial { evaluations: Some(400), seconds: Some(1e6), ..Partial::default() };
     let settings = Settings::new(Partial { backend: Some(Backend::Cpu), ..stated }).unwrap();
     let run = |earlier: &[u8]| {
-        let input = Input { earlier, ..Input::new("gallery.dxf", &bytes, 1) };
+        let mut input = Input::new("gallery.dxf", &bytes, 1);
+        input.earlier = earlier;
         let mut kept = Vec::new();
         let mut show = |event: Event| {
             if let Event::Keep(keep) = event {
