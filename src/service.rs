@@ -80,8 +80,14 @@ pub fn install(folders: &[PathBuf]) -> Result<String, Error> {
             autostart: true,
             restart_policy,
         })
-        .and_then(|()| manager.start(ServiceStartCtx { label }))
         .map_err(|e| failed(&e.to_string()))?;
+    manager.start(ServiceStartCtx { label }).map_err(|e| {
+        let why = e.to_string();
+        failed(&format!(
+            "installed, and starts with your next session, but could not be started now: {}",
+            why.trim()
+        ))
+    })?;
     Ok("the service is installed and started; it starts again with your session".into())
 }
 
@@ -202,7 +208,7 @@ fn call(program: &str, args: &[OsString]) -> Result<(), Error> {
 }
 
 fn failed(why: &str) -> Error {
-    let text = format!("{why}; `enfilade watch` does the same in a terminal");
+    let text = format!("{}; `enfilade watch` does the same in a terminal", why.trim());
     Error::environment("service", Place::default(), text)
 }
 

@@ -112,6 +112,13 @@ impl Daemon {
         all["drawings"].as_array().unwrap().iter().find(|d| d["name"] == name).cloned()
     }
 
+    /// The settings of a round of the gallery.
+    fn round_settings(&self, round: &str) -> Value {
+        let path = self.plans().join("gallery.enfilade").join(round).join("result.json");
+        let result: Value = serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
+        result["settings"].clone()
+    }
+
     fn until_done(&self, name: &str) -> String {
         self.until(name, || {
             self.drawing(name).filter(|d| d["state"] == "done").map(|d| d["id"].as_str().unwrap().to_owned())
@@ -136,8 +143,21 @@ fn the_interface_shows_and_obeys() {
 
     assert_eq!(daemon.ask("POST", &at("/again"), r#"{"objective": "degree up 7"}"#).status, 400);
     assert_eq!(daemon.ask("POST", &at("/again"), "no json").status, 400);
+    for wrong in
+        [r#"{"pin": [0]}"#, r#"{"like": 6}"#, r#"{"pin": [1], "round": 9}"#, r#"{"pin": [1, 2, 3, 4, 5]}"#]
+    {
+        assert_eq!(daemon.ask("POST", &at("/again"), wrong).status, 400, "{wrong}");
+    }
+    let names = daemon.json(&at("/round-01"));
+    assert!(names.as_array().unwrap().contains(&json!("initial-degree.png")), "{names}");
+    assert_eq!(daemon.ask("GET", &at("/round-09"), "").status, 404);
     assert_eq!(daemon.ask("POST", &at("/again"), &"x".repeat(BODY_BYTES_MAX + 1)).status, 413);
-    assert_eq!(daemon.ask("POST", &at("/again"), r#"{"objective": "entropy max 0.5"}"#).status, 202);
+    assert_eq!(
+        daemon
+            .ask("POST", &at("/again"), r#"{"objective": "entropy max 0.5", "pin": [2], "round": 1}"#)
+            .status,
+        202
+    );
     daemon.until("round 2", || {
         daemon.json(&at(""))["sets"].as_array().unwrap().contains(&json!("round-02")).then_some(())
     });
@@ -145,6 +165,7 @@ fn the_interface_shows_and_obeys() {
     let names: Vec<&str> =
         second["objectives"].as_array().unwrap().iter().map(|o| o["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["penalty", "entropy"], "the penalty comes first by itself");
+    assert_eq!(daemon.round_settings("round-02")["pinned"], json!([result["candidates"][1]["parameters"]]));
 
     daemon.until_done("gallery.dxf");
     let accepted = daemon.ask("POST", &at("/accept"), r#"{"round": 1, "candidate": 1}"#);
@@ -326,6 +347,30 @@ fn assert_door_is_closed(home: &Path) {
     assert!(String::from_utf8_lossy(&open.stdout).starts_with("http://127.0.0.1:"), "{open:?}");
 }
 
+/// A round with the first one's pictures and ten thousand options.
+fn plant_ten_thousand(home: &Path) {
+    let [from, to] = ["round-01", "round-00"].map(|r| home.join(r));
+    fs::create_dir(&to).unwrap();
+    for entry in fs::read_dir(&from).unwrap().map(|e| e.unwrap()) {
+        fs::copy(entry.path(), to.join(entry.file_name())).unwrap();
+    }
+    let mut result: Value = serde_json::from_slice(&fs::read(from.join("result.json")).unwrap()).unwrap();
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(10);
+    let shaken = |value: &mut Value, rng: &mut rand_chacha::ChaCha8Rng| {
+        *value = json!(value.as_f64().unwrap_or(0.0) * rng.random_range(0.5..1.5));
+    };
+    let first = result["candidates"].as_array().unwrap().clone();
+    let many = (0..10_000).map(|i| {
+        let mut option = first[i % first.len()].clone();
+        option["mean"].as_object_mut().unwrap().values_mut().for_each(|v| shaken(v, &mut rng));
+        shaken(&mut option["score"], &mut rng);
+        option["parameters"].as_array_mut().unwrap().iter_mut().for_each(|v| shaken(v, &mut rng));
+        option
+    });
+    result["candidates"] = many.collect::<Vec<_>>().into();
+    fs::write(to.join("result.json"), result.to_string()).unwrap();
+}
+
 /// Chromium with every action of the page, and axe: needs node and the modules named in `tests/page/README.md`.
 #[test]
 fn a_browser_does_every_action() {
@@ -341,6 +386,8 @@ fn a_browser_does_every_action() {
     fs::copy(daemon.plans().join("gallery.dxf"), daemon.plans().join("<img src=x onerror=alert(1)>.dxf"))
         .unwrap();
     daemon.until_done("gallery.dxf");
+    plant_ten_thousand(&daemon.plans().join("gallery.enfilade"));
+    fs::write(daemon.plans().join("broken.dxf"), "0\nSECTION\n2\nENTITIES\nx\n0\n0\nEOF\n").unwrap();
     daemon.until_done("<img src=x onerror=alert(1)>.dxf");
     let out = Command::new("node")
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page/drive.mjs"))
@@ -354,5 +401,9 @@ fn a_browser_does_every_action() {
         String::from_utf8_lossy(&out.stdout),
         String::from_utf8_lossy(&out.stderr)
     );
+    println!("{}", String::from_utf8_lossy(&out.stdout));
     assert!(daemon.plans().join("gallery-r02.dxf").is_file(), "nothing was accepted");
+    assert_eq!(daemon.round_settings("round-02")["like"].as_array().map(Vec::is_empty), Some(false));
+    assert_eq!(daemon.round_settings("round-03")["pinned"].as_array().map(Vec::len), Some(1));
+    assert_eq!(daemon.round_settings("round-03")["objectives"][0]["threshold"], 0.5);
 }

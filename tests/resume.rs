@@ -10,6 +10,9 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use enfilade::config::{Backend, Partial, Settings};
+use enfilade::pipeline::{self, Event, Input};
+use enfilade::report::Cancel;
 use rand::{RngExt, SeedableRng};
 use serde_json::Value;
 
@@ -116,6 +119,63 @@ fn a_killed_search_goes_on_and_ends_in_the_same_bytes() {
         assert!(*bytes == got[name], "{name} differs after {killed} kills");
     }
     assert!(!home.join("round-02").exists());
+}
+
+/// A budget of seconds goes on too: what was measured before is told again with its pace, and counts as spent.
+#[test]
+fn a_killed_search_under_a_budget_of_seconds_goes_on() {
+    let bytes = fs::read(sample()).unwrap();
+    let stated = Partial { evaluations: Some(400), seconds: Some(1e6), ..Partial::default() };
+    let settings = Settings::new(Partial { backend: Some(Backend::Cpu), ..stated }).unwrap();
+    let run = |earlier: &[u8]| {
+        let mut input = Input::new("gallery.dxf", &bytes, 1);
+        input.earlier = earlier;
+        let mut kept = Vec::new();
+        let mut show = |event: Event| {
+            if let Event::Keep(keep) = event {
+                if keep.is_anew {
+                    kept.clear();
+                }
+                kept.extend(keep.bytes);
+            }
+        };
+        let outcome =
+            pipeline::run(&input, &settings, Instant::now(), &mut show, &Cancel::default()).unwrap();
+        let found = outcome.result.candidates.iter().map(|c| c.parameters.clone()).collect::<Vec<_>>();
+        (kept, found)
+    };
+    let (kept, found) = run(&[]);
+    let (again, same) = run(&kept);
+    assert_eq!(found, same);
+    // The first batch takes its own time; had anything behind it been measured again, its time would be another.
+    let half = kept.len() / 2;
+    assert!(again[half..kept.len()] == kept[half..], "measured again although it was known");
+}
+
+/// What is no drawing is named and not waited for, also where it takes the place of one that is being worked on.
+#[test]
+fn garbage_saved_over_a_drawing_is_named() {
+    let (_dir, root) = folder();
+    let home = root.join("gallery.enfilade");
+    let log = root.join(".log/watch.log");
+    fs::write(root.join("gallery.enfilade.toml"), "evaluations = 100000000\n").unwrap();
+    let child = watch(&root, &["--log", log.to_str().unwrap()]);
+    let said = || fs::read_to_string(&log).unwrap_or_default();
+    until("the job", || status(&home)["state"] == "running");
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+    let noise: Vec<u8> = (0..50_000).map(|_| rng.random()).collect();
+    for (bytes, what) in
+        [(noise.clone(), "binary data"), ([b"\x89PNG\r\n\x1a\n", &noise[..]].concat(), "a PNG picture")]
+    {
+        fs::write(root.join("gallery.dxf"), bytes).unwrap();
+        until(what, || status(&home)["problems"][0]["text"].as_str().is_some_and(|t| t.contains(what)));
+        assert_eq!(status(&home)["state"], "failed");
+        until(what, || said().contains(what));
+    }
+    kill(child);
+    let said = said();
+    assert!(said.contains("gallery.dxf stopped: a newer save takes its place"), "{said}");
+    assert!(!said.contains('\u{fffd}') && !said.contains(|c: char| c.is_control() && c != '\n'), "{said:?}");
 }
 
 /// Drawings worked on by one daemon under the limits of `[watch]`, until all have ended: their states.

@@ -257,7 +257,8 @@ def _client(args):
     # A scheduler may be restarted: the client looks for it this long.
     dask.config.set({"distributed.comm.timeouts.connect": "300s"})
     if not args.scheduler:
-        return Client(LocalCluster(n_workers=args.workers, threads_per_worker=1, dashboard_address=None))
+        n_workers = args.workers or os.cpu_count() or 1
+        return Client(LocalCluster(n_workers=n_workers, threads_per_worker=1, dashboard_address=None))
     security = None
     if args.tls_ca:
         security = Security(
@@ -266,15 +267,23 @@ def _client(args):
     return Client(args.scheduler, security=security)
 
 
+def threads_of(args) -> int | None:
+    """Threads a job: as asked; workers of this machine share its cores, others know their own."""
+    if args.threads or args.scheduler:
+        return args.threads
+    cores = os.cpu_count() or 1
+    return max(1, cores // (args.workers or cores))
+
+
 def main(argv: list[str] | None = None) -> int:
     """The command: `python -m enfilade_dask jobs.jsonl --scheduler tcp://…`."""
     parser = argparse.ArgumentParser(prog="enfilade_dask", description="Does the jobs of `enfilade jobs` with Dask.")
     parser.add_argument("jobs", help="the file that `enfilade jobs … -o` wrote")
     parser.add_argument("--scheduler", help="tcp://HOST:PORT or tls://HOST:PORT; workers on this machine without it")
-    parser.add_argument("--workers", type=int, default=None, help="how many, on this machine")
+    parser.add_argument("--workers", type=int, default=None, help="how many, on this machine; one a core without it")
     parser.add_argument("--program", default="enfilade", help="the program on the workers")
     parser.add_argument("--no-share", action="store_true", help="machines share no folder: bytes travel with the jobs")
-    parser.add_argument("--threads", type=int, default=None, help="threads a job")
+    parser.add_argument("--threads", type=int, default=None, help="threads a job; workers on this machine share its cores")
     parser.add_argument("--resource", action="append", default=[], metavar="NAME=N", help="what a worker must offer")
     parser.add_argument("--retries", type=int, default=RETRIES)
     parser.add_argument("--tls-ca"), parser.add_argument("--tls-cert"), parser.add_argument("--tls-key")
@@ -288,7 +297,7 @@ def main(argv: list[str] | None = None) -> int:
 
     with _client(args) as client:
         rows = run(
-            client, jobs, program=args.program, share=not args.no_share, threads=args.threads, resources=resources,
+            client, jobs, program=args.program, share=not args.no_share, threads=threads_of(args), resources=resources,
             retries=args.retries, on_row=show,
         )
     if jobs:

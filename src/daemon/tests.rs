@@ -213,6 +213,62 @@ fn rename_saves_are_seen_and_cancel_nothing_by_vanishing() {
     fs::rename(daemon.path("sav123.tmp"), daemon.path("plan.dxf")).unwrap();
     assert_eq!(daemon.await_round("plan", 1), "new EOF\n");
     assert_eq!((daemon.jobs(), daemon.count_said("Stopped {")), (2, 1));
+    assert_eq!(daemon.count_said("a newer save takes its place"), 1);
+}
+
+/// Hazards 1 and 27: what is saved over a drawing while its job runs, and is not whole, ends no job; but whose results
+/// they are is said at once, at the end, and in the status, until the rest comes.
+#[test]
+fn results_say_that_the_drawing_has_changed_since() {
+    let go_on = Cancel::default();
+    let may_end = go_on.clone();
+    let job = move |request: &JobRequest, _: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+        while request.bytes.starts_with(b"one") && !may_end.is_stopped() {
+            cancel.check()?;
+            thread::sleep(Duration::from_millis(5));
+        }
+        Ok(echo(request))
+    };
+    let daemon = Daemon::start(settings(), |_| {}, job);
+    daemon.save("plan.dxf", "one");
+    daemon.await_said("Started", 1);
+    fs::write(daemon.path("plan.dxf"), "two, and its end is miss").unwrap();
+    daemon.await_said("the job that runs is of the content before", 2);
+    go_on.stop();
+    assert_eq!(daemon.await_round("plan", 1), "one EOF\n");
+    daemon.await_said("results-of-earlier-content", 1);
+    let status = daemon.await_state("plan", "done");
+    assert_eq!(status["problems"][0]["code"], "results-of-earlier-content", "{status}");
+    assert_eq!(
+        (status["round"].as_str(), status["summary"].as_str()),
+        (Some("round-01"), Some("1 candidate"))
+    );
+    daemon.save("plan.dxf", "two");
+    assert_eq!(daemon.await_round("plan", 2), "two EOF\n");
+    daemon.await_true("no problem", || daemon.status("plan")["problems"] == serde_json::json!([]));
+}
+
+/// Nothing of a name is obeyed by a terminal, and no name looks like more lines.
+#[test]
+fn notices_show_names_and_obey_none() {
+    let drawing = PathBuf::from("a\nb\u{1b}[31m\u{202e}c.dxf");
+    let problem = Problem {
+        code: "c",
+        severity: Severity::Warning,
+        place: Place::file(drawing.to_string_lossy()),
+        text: "line one\nline two \u{7}".into(),
+    };
+    let notices = [
+        Notice::Started(drawing.clone()),
+        Notice::Stopped { drawing: drawing.clone(), why: "w" },
+        Notice::Failed { drawing: drawing.clone(), problem: problem.clone(), retry_secs: None },
+        Notice::Problem { path: drawing, problem },
+    ];
+    for notice in notices {
+        let text = notice.to_string();
+        assert!(text.contains(r"a\nb\u{1b}[31m\u{202e}c.dxf"), "{text}");
+        assert!(!text.contains(['\u{1b}', '\u{202e}', '\u{7}']), "{text}");
+    }
 }
 
 /// Hazard 27: only the last content gets a full job, and nothing stale is published.

@@ -102,12 +102,12 @@ mod tests {
     use proptest::prelude::*;
 
     /// Under the name of any format: it is not waited for, and reading says what it is.
-    fn refusal(bytes: &[u8]) -> Option<[String; 3]> {
+    fn refusal(bytes: &[u8]) -> Option<[String; 4]> {
         let one = |file: &str| {
             assert_eq!(is_complete(file, bytes), Completeness::Whole, "{file} is waited for");
             read(file, bytes, &ReadOptions::default(), &mut Report::default()).unwrap_err().to_string()
         };
-        kind_of(bytes).map(|_| ["plan.dxf", "plan.ifc", "plan.gltf"].map(one))
+        kind_of(bytes).map(|_| ["plan.dxf", "plan.ifc", "plan.gltf", "plan.glb"].map(one))
     }
 
     #[test]

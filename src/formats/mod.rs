@@ -257,9 +257,10 @@ pub fn dependents(
 /// What the bytes are, where a file with the name of a building is none. DXF has its own words for it.
 fn no_building(format: Format, bytes: &[u8]) -> Option<(String, &'static str)> {
     match format {
-        Format::Dxf | Format::Glb => None,
+        Format::Dxf => None,
+        Format::Glb if gltf::is_glb(bytes) => None,
         Format::Ifc if ifc::is_zip(bytes) || ifc::is_xml(bytes) => None,
-        Format::Ifc | Format::Gltf => foreign::kind_of(bytes),
+        Format::Ifc | Format::Gltf | Format::Glb => foreign::kind_of(bytes),
     }
 }
 

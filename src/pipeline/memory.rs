@@ -46,6 +46,38 @@ pub struct Keep {
     pub bytes: Vec<u8>,
 }
 
+/// Seconds that a round has spent, those before a kill included.
+pub(super) struct Clock {
+    /// When the clock was last set, and what it said then.
+    set: (Instant, f64),
+    /// What it said when the search began.
+    begun_secs: f64,
+}
+
+impl Clock {
+    /// Runs from `started`; the search begins now.
+    pub(super) fn new(started: Instant) -> Self {
+        Self { set: (started, 0.0), begun_secs: started.elapsed().as_secs_f64() }
+    }
+
+    /// What it says.
+    pub(super) fn spent_secs(&self) -> f64 {
+        self.set.1 + self.set.0.elapsed().as_secs_f64()
+    }
+
+    /// From now on it goes on from there.
+    pub(super) fn set(&mut self, spent_secs: f64) {
+        self.set = (Instant::now(), spent_secs);
+    }
+
+    /// How many evaluations will fit into the time left, at the pace so far, after that many.
+    pub(super) fn fit(&self, done: u64, budget_secs: f64) -> u64 {
+        let spent = self.spent_secs();
+        let rate = done as f64 / (spent - self.begun_secs).max(1e-6);
+        done + ((rate * (budget_secs - spent).max(0.0)) as u64).max(2 * BATCH as u64)
+    }
+}
+
 /// See the module.
 pub(super) struct Memory {
     key: [u8; 32],
@@ -260,6 +292,16 @@ mod tests {
             assert!(recalled < batches().len() - 1);
             assert_eq!(again, whole);
         }
+    }
+
+    /// What was spent before a kill is spent, and the last of a budget still takes two batches.
+    #[test]
+    fn a_clock_goes_on_where_it_was() {
+        let mut clock = Clock::new(Instant::now());
+        assert!(clock.fit(100, 1e9) > 1_000_000);
+        clock.set(1e6);
+        assert!(clock.spent_secs() >= 1e6);
+        assert_eq!(clock.fit(100, 1e6), 100 + 2 * BATCH as u64);
     }
 
     /// The first batch takes its own time at every start; that is no reason to forget the rest.

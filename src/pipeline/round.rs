@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::memory::{Memory, Pace};
+use super::memory::{Clock, Memory, Pace};
 use super::show;
 use super::study::{self, Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress};
@@ -356,35 +356,6 @@ fn explanations(
     };
     let one = |i: usize| explain::explain(study, control, shown, &options, i, &measured);
     (0..options.len()).into_par_iter().map(one).collect()
-}
-
-/// Seconds that a round has spent, those before a kill included.
-struct Clock {
-    /// When the clock was last set, and what it said then.
-    set: (Instant, f64),
-    /// What it said when the search began.
-    begun_secs: f64,
-}
-
-impl Clock {
-    fn new(started: Instant) -> Self {
-        Self { set: (started, 0.0), begun_secs: started.elapsed().as_secs_f64() }
-    }
-
-    fn spent_secs(&self) -> f64 {
-        self.set.1 + self.set.0.elapsed().as_secs_f64()
-    }
-
-    fn set(&mut self, spent_secs: f64) {
-        self.set = (Instant::now(), spent_secs);
-    }
-
-    /// How many evaluations will fit into the time left, at the pace so far, after that many.
-    fn fit(&self, done: u64, budget_secs: f64) -> u64 {
-        let spent = self.spent_secs();
-        let rate = done as f64 / (spent - self.begun_secs).max(1e-6);
-        done + ((rate * (budget_secs - spent).max(0.0)) as u64).max(2 * BATCH as u64)
-    }
 }
 
 /// Best value of one objective among all layouts that keep the hard limits; NaN if none does.

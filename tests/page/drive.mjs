@@ -6,6 +6,9 @@ const load = createRequire(process.env.NODE_PATH + "/");
 const puppeteer = load("puppeteer-core");
 const axe = load.resolve("axe-core/axe.min.js");
 const link = process.argv[2];
+/** A folder for pictures of every view, to be looked at. */
+const shots = process.env.ENFILADE_LOOK;
+
 
 const browser = await puppeteer.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
@@ -19,7 +22,16 @@ page.on("pageerror", (e) => faults.push(`script: ${e.message}`));
 page.on("console", (m) => { if (m.type() === "error") faults.push(`console: ${m.text()}`); });
 page.on("dialog", (d) => { faults.push("a dialog: a name became code"); d.dismiss(); });
 
+const text = (selector) => page.$eval(selector, (e) => e.textContent);
+const said = (part) => page.waitForFunction((p) => document.getElementById("said").textContent.includes(p), {}, part);
+/** No job runs or waits: another may be asked for. */
+const idle = () => page.waitForFunction(() => document.getElementById("again")?.disabled === false, { timeout: 240000 });
+const unfold = () => page.evaluate(() => { document.querySelectorAll("details").forEach((d) => { d.open = true; }); });
+let pictures = 0;
+
 async function check(what) {
+  if (shots) await page.screenshot({ path: `${shots}/${String(pictures += 1).padStart(2, "0")}-${what.replaceAll(" ", "-")}.png`, fullPage: true });
+
   const found = await page.evaluate(async () => {
     const { violations } = await axe.run();
     return violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(" ")).join(", ")}`);
@@ -34,6 +46,8 @@ try {
   await page.waitForFunction(() => document.querySelectorAll("#drawings a").length >= 2);
   const names = await page.$$eval("#drawings a", (as) => as.map((a) => a.firstChild.textContent));
   assert.ok(names.includes("<img src=x onerror=alert(1)>.dxf"), names.join());
+  const paint = await page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0]?.startTime);
+  console.log(`first paint after ${Math.round(paint)} ms`);
   await page.addScriptTag({ path: axe });
   await check("list");
 
@@ -62,33 +76,105 @@ try {
   await page.evaluate(() => document.querySelectorAll("details").forEach((d) => { d.open = true; }));
   const rows = () => page.$$eval("#options .scroll:not(details *) tbody tr", (r) => r.length);
   const all = await rows();
-  const top = await page.$(".axes input");
   await page.$eval(".axes fieldset input", (i) => { i.value = "1e9"; i.dispatchEvent(new Event("change")); });
   assert.equal(await rows(), 0);
   await page.$eval(".axes fieldset input", (i) => { i.value = ""; i.dispatchEvent(new Event("change")); });
   assert.equal(await rows(), all);
-  assert.ok(top);
+
+  // A range drawn along the first axis with the pointer, and taken off again by a click.
+  const drag = async (steps) => {
+    const view = await page.$("#options canvas");
+    await view.scrollIntoView();
+    const box = await view.boundingBox();
+    await page.mouse.move(box.x + 46, box.y + 90);
+    await page.mouse.down();
+    for (let i = 1; i <= steps; i += 1) await page.mouse.move(box.x + 46, box.y + 90 + (box.height - 130) * i / steps);
+    await page.mouse.up();
+    return box;
+  };
+  const box = await drag(8);
+  const narrowed = await page.$eval(".axes fieldset label + label input", (i) => i.valueAsNumber);
+  assert.ok(Number.isFinite(narrowed) && narrowed < await page.$eval(".axes fieldset label input", (i) => i.valueAsNumber) + 1e9);
+  await page.waitForFunction((n) => document.querySelectorAll("#options .scroll:not(details *) tbody tr").length < n, {}, all);
+  await page.mouse.click(box.x + 46, box.y + 100);
+  await page.waitForFunction((n) => document.querySelectorAll("#options .scroll:not(details *) tbody tr").length === n, {}, all);
+  // The scatter: a click on the dot that stands at the upper end of its first axis chooses that option.
+  const best = await page.$$eval("#options .scroll:not(details *) tbody tr", (rs) =>
+    rs.map((r) => [r.querySelector("th").textContent, Number(r.children[2].textContent)]).sort((a, b) => b[1] - a[1])[0][0]);
+  await page.select("#scatter-x", "0");
+  await page.select("#scatter-y", "0");
+  const dots = await page.$("#options canvas ~ canvas");
+  await dots.scrollIntoView();
+  const field = await dots.boundingBox();
+  await page.mouse.click(field.x + field.width - 46, field.y + 34 + 6);
+  assert.match(await text("#words"), new RegExp(`^Option ${best}[ :]`));
+  assert.match(await text("#stays"), /: 2\.$/);
+  assert.ok((await page.$$eval("#options details td", (t) => t.map((e) => e.textContent))).some((t) => t.includes("gallery.dxf")), "problems without a place");
 
   await check("light");
   await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: "dark" }]);
   await check("dark");
+  await page.setViewport({ width: 390, height: 844 });
+  await check("phone dark");
+  await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: "light" }]);
   await page.setViewport({ width: 360, height: 740 });
   await check("phone");
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "scrolls sideways on a phone");
   await page.setViewport({ width: 1280, height: 900 });
 
-  // Accept, another round with other thresholds, cancel.
+  // Ten thousand options: as smooth as five.
+  await page.select("#round", "round-00");
+  await page.waitForFunction(() => document.querySelector("#options [role=status]")?.textContent.startsWith("10000 of 10000"));
+  await page.waitForFunction(() => document.querySelectorAll("#options .scroll:not(details *) tbody tr").length === 200);
+  const inspector = await page.createCDPSession();
+  await inspector.send("Performance.enable", { timeDomain: "threadTicks" });
+  const work = async () => (await inspector.send("Performance.getMetrics")).metrics.find((m) => m.name === "TaskDuration").value;
+  await page.evaluate(() => {
+    window.gaps = [];
+    let last = performance.now();
+    const tick = (now) => { window.gaps.push(now - last); last = now; requestAnimationFrame(tick); };
+    requestAnimationFrame(tick);
+  });
+  const before10k = await work();
+  await drag(60);
+  await page.waitForFunction(() => !document.querySelector("#options [role=status]").textContent.startsWith("10000 of"));
+  const worked = await work() - before10k;
+  const gaps = (await page.evaluate(() => window.gaps.slice(1))).sort((a, b) => a - b);
+  console.log(`10,000 options, a range drawn: ${gaps.length} frames, half within ${gaps[gaps.length >> 1].toFixed(0)} ms, ` +
+    `nineteen of twenty within ${gaps[Math.floor(gaps.length * 0.95)].toFixed(0)} ms, the longest ${gaps.at(-1).toFixed(0)} ms; ` +
+    `the page's own thread worked ${(1000 * worked / gaps.length).toFixed(1)} ms a frame`);
+  await check("ten thousand");
+  await page.select("#round", "round-01");
+  await page.waitForFunction(() => document.querySelector("#options [role=status]")?.textContent.startsWith("5 of 5"));
+
+  // Accept, more like one, another round with other thresholds and a pinned option, cancel.
   await page.click("#accept-0");
-  await page.waitForFunction(() => document.getElementById("said").textContent.includes("gallery-r02.dxf"));
+  await said("gallery-r02.dxf");
   await page.waitForFunction(() => [...document.querySelectorAll("#drawings a")].some((a) => a.textContent.startsWith("gallery-r02.dxf")));
-  await page.evaluate(() => { document.querySelectorAll("details").forEach((d) => { d.open = true; }); });
+  await idle();
+  await page.click("#like-2");
+  await said("more like option 3");
+  await page.waitForFunction(() => document.querySelector("#round option")?.value === "round-02", { timeout: 240000 });
+  await idle();
+  await unfold();
+  await page.click("#pin-0");
   await page.$eval("details.card fieldset input[max='1']", (i) => { i.value = "0.5"; });
   await page.click("#again-with");
-  await page.waitForFunction(() => document.getElementById("said").textContent.includes("0.5"));
-  await page.waitForFunction(() => !document.getElementById("cancel").disabled, { timeout: 60000 });
+  await said("0.5");
+  await said("these stay: 1");
+  await page.waitForFunction(() => document.querySelector("#round option")?.value === "round-03", { timeout: 240000 });
+  await idle();
+  await page.click("#again");
+  await page.waitForFunction(() => document.getElementById("cancel")?.disabled === false, { timeout: 60000 });
+  await check("working");
   await page.click("#cancel");
-  await page.waitForFunction(() => document.getElementById("again") && !document.getElementById("again").disabled, { timeout: 120000 });
+  await idle();
+  await page.waitForFunction(() => document.querySelector("#standing p").textContent.includes("cancelled"));
   assert.ok(await page.$$eval("#log li", (l) => l.length) > 2);
+  // A drawing that failed says where.
+  await page.evaluate(() => [...document.querySelectorAll("#drawings a")].find((a) => a.textContent.startsWith("broken.dxf")).click());
+  await page.waitForFunction(() => document.querySelector("#standing .problem")?.textContent.includes("broken.dxf:"));
+  await check("problem");
 } catch (e) {
   faults.push(e.stack ?? String(e), await page.$eval("body", (b) => b.innerText.slice(0, 1500)).catch(() => ""));
 } finally {

@@ -1,5 +1,6 @@
 """The driver with a real scheduler and real worker processes, and the program itself."""
 
+import argparse
 import json
 import os
 import signal
@@ -176,3 +177,13 @@ def test_files_that_leave_the_folder_are_refused(tmp_path):
     with pytest.raises(ValueError):
         enfilade_dask.store(job, {"../../evil": b""})
     assert not (tmp_path / "0" / "result").exists()
+
+
+def test_workers_of_this_machine_share_its_cores():
+    def threads(**said):
+        return enfilade_dask.threads_of(argparse.Namespace(**{"threads": None, "scheduler": None, "workers": None} | said))
+
+    assert threads() == 1
+    assert threads(workers=1) == os.cpu_count()
+    assert threads(threads=3) == 3
+    assert threads(scheduler="tcp://host:8786") is None, "a worker elsewhere knows its own cores"

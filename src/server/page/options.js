@@ -1,12 +1,12 @@
 // Options side by side: a slider over heat maps, parallel coordinates and a scatter to filter, pin, more like one, accept.
 import { $, ask, el, say } from "/page.js";
-import { Parallel, Scatter } from "/plots.js";
+import { Parallel, Scatter, onNewLook } from "/plots.js";
 
 const ROWS = 200;
 /** Columns of the table; the plots and filters have them all. */
 const TABLE_COLUMNS = 12;
-/** The table is made anew this long after the last change of a filter. */
-const TABLE_PAUSE_MS = 120;
+/** Table and whole plots are made anew this long after the last change of a filter. */
+const PAUSE_MS = 120;
 const FIRST = ["score", "degree", "depth", "entropy"];
 
 /** Measures with heat maps: those that lie in the set for the present layout and the options. */
@@ -105,7 +105,7 @@ async function round(place, d, set) {
   const next = nextRound(d, set, result, pinned);
   const views = [canvas("Parallel coordinates of the options; the filters and the table below have the same numbers"),
     canvas("Scatter of the options; the table below has the same numbers")];
-  const lines = new Parallel(views[0], columns, () => soon(), () => { showRanges(); soon(); });
+  const lines = new Parallel(views[0], columns, soon, () => { showRanges(); soon(); });
   const dots = new Scatter(views[1], (c) => choose(result.candidates.indexOf(c)));
   const picture = el("div", { id: "picture" });
   const words = el("p", { id: "words" });
@@ -137,11 +137,11 @@ async function round(place, d, set) {
     ask(`drawings/${d.id}/again`, { round: Number(set.slice(6)), like: i + 1 })
       .then(() => say(`another round is asked for, with more like option ${i + 1}`));
   }
-  function plots() {
+  function plots(isQuick) {
     kept = result.candidates.filter(passes(columns));
     count.textContent = `${kept.length} of ${result.candidates.length} options` + (kept.length > ROWS ? `, the first ${ROWS} listed` : "");
-    lines.draw(kept, isMarked);
-    dots.draw(axes, kept, isMarked);
+    lines.draw(kept, isMarked, isQuick);
+    dots.draw(axes, kept, isMarked, isQuick);
   }
   function table() {
     const first = kept.toSorted((a, b) => pinned.has(b) - pinned.has(a)).slice(0, ROWS);
@@ -161,27 +161,28 @@ async function round(place, d, set) {
     if (focus) $(focus)?.focus();
   }
   function compare() {
-    plots();
+    plots(false);
     table();
   }
-  /** While a range is drawn: the plots at the next frame, the table after a pause. */
+  /** While a range is drawn: the plots in outline at the next frame, everything after a pause. */
   function soon() {
     cancelAnimationFrame(frame);
-    frame = requestAnimationFrame(plots);
+    frame = requestAnimationFrame(() => plots(true));
     clearTimeout(pause);
-    pause = setTimeout(table, TABLE_PAUSE_MS);
+    pause = setTimeout(compare, PAUSE_MS);
   }
   const pick = (id, label, options, value, change) => [el("label", { for: id }, label),
     el("select", { id, onchange: (e) => change(e.target.value) }, ...options.map((o, i) => el("option", { value: i, selected: i === value }, o)))];
   const titles = columns.map((k) => k.name);
   const ranges = [];
   const filter = (k, side, label) => {
-    const input = el("input", { type: "number", step: "any", value: k[side], onchange: (e) => {
+    const shown = () => Number(k[side].toPrecision(5));
+    const input = el("input", { type: "number", step: "any", value: shown(), "aria-label": `${k.name} ${label}`, onchange: (e) => {
       k[side] = Number.isFinite(e.target.valueAsNumber) ? e.target.valueAsNumber : k[side === "from" ? "low" : "high"];
       compare();
     } });
-    ranges.push(() => { input.value = k[side]; });
-    return el("label", {}, `${k.name} ${label}`, input);
+    ranges.push(() => { input.value = shown(); });
+    return el("label", {}, label, input);
   };
   const showRanges = () => ranges.forEach((show) => show());
   const everything = () => {
@@ -204,4 +205,5 @@ async function round(place, d, set) {
     next.card, problems(result) ?? "");
   pictures();
   compare();
+  onNewLook(views, () => plots(false));
 }

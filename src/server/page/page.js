@@ -73,7 +73,7 @@ function curve(points) {
   line.setAttribute("stroke", "currentColor");
   line.setAttribute("stroke-width", "2");
   svg.append(line);
-  return svg;
+  return el("figure", {}, svg, el("figcaption", { class: "quiet" }, svg.getAttribute("aria-label")));
 }
 
 function standing(d) {

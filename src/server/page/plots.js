@@ -1,8 +1,12 @@
 // Parallel coordinates and a scatter of many options: drawn in slices, so that thousands never hold up the page.
 
-/** Options drawn in one frame. */
-const SLICE = 400;
+/** Options drawn in one frame, and of those so many by one stroke: a stroke costs more than its lines. */
+const SLICE = 120;
+const STROKE = 12;
 const [TOP, BOTTOM, SIDE] = [34, 30, 46];
+/** Names of axes nearer to each other than this, in pixels, are written aslant, and need this room above. */
+const [ASLANT_BELOW, ASLANT_ROOM] = [84, 78];
+const ink = () => getComputedStyle(document.body).color;
 /** Nearer to an option than this, in pixels, a click means it. */
 const NEAR = 24;
 
@@ -16,6 +20,7 @@ function pen(view) {
   out.scale(ratio, ratio);
   out.strokeStyle = out.fillStyle = getComputedStyle(view).color;
   out.font = "12px system-ui";
+  out.lineJoin = "round";
   return out;
 }
 
@@ -26,11 +31,17 @@ function inSlices(view, list, draw, last) {
   turns.set(view, turn);
   const go = (from) => {
     if (turns.get(view) !== turn) return;
-    list.slice(from, from + SLICE).forEach(draw);
+    for (let i = from; i < Math.min(from + SLICE, list.length); i += STROKE) draw(list.slice(i, Math.min(i + STROKE, from + SLICE)));
     if (from + SLICE < list.length) requestAnimationFrame(() => go(from + SLICE));
     else last();
   };
   go(0);
+}
+
+/** Some of many, evenly spread: what is drawn while a range is. */
+function some(list) {
+  const step = Math.max(1, list.length / SLICE);
+  return Array.from({ length: Math.min(SLICE, list.length) }, (_, i) => list[Math.floor(i * step)]);
 }
 
 const short = (v) => Number(v.toPrecision(3)).toString();
@@ -68,47 +79,67 @@ export class Parallel {
     view.addEventListener("pointercancel", end);
   }
 
-  x(i) { return SIDE + (this.view.clientWidth - 2 * SIDE) * i / Math.max(1, this.columns.length - 1); }
-  y(k, v) { return this.view.clientHeight - BOTTOM - (this.view.clientHeight - TOP - BOTTOM) * (v - k.low) / (k.high - k.low || 1); }
+  get gap() { return (this.view.clientWidth - 2 * SIDE) / Math.max(1, this.columns.length - 1); }
+  get top() { return this.gap < ASLANT_BELOW ? ASLANT_ROOM : TOP; }
+  x(i) { return SIDE + this.gap * i; }
+  y(k, v) { return this.view.clientHeight - BOTTOM - (this.view.clientHeight - this.top - BOTTOM) * (v - k.low) / (k.high - k.low || 1); }
   value(k, y) {
-    const t = (this.view.clientHeight - BOTTOM - y) / (this.view.clientHeight - TOP - BOTTOM);
+    const t = (this.view.clientHeight - BOTTOM - y) / (this.view.clientHeight - this.top - BOTTOM);
     return k.low + (k.high - k.low) * Math.min(1, Math.max(0, t));
   }
 
-  draw(kept, isMarked) {
+  drawAxes(p) {
+    const { view, columns, gap, top } = this;
+    p.strokeStyle = p.fillStyle = ink();
+    p.lineWidth = 1;
+    columns.forEach((k, i) => {
+      const x = this.x(i);
+      p.textAlign = i === 0 ? "left" : i === columns.length - 1 ? "right" : "center";
+      const left = i === 0 ? 4 : i === columns.length - 1 ? view.clientWidth - 4 : x;
+      p.globalAlpha = 0.6;
+      p.strokeRect(x, top, 0, view.clientHeight - top - BOTTOM);
+      if (k.from > k.low || k.to < k.high) {
+        p.globalAlpha = 0.25;
+        p.fillRect(x - 7, this.y(k, k.to), 14, Math.max(2, this.y(k, k.from) - this.y(k, k.to)));
+      }
+      p.globalAlpha = 1;
+      if (gap < ASLANT_BELOW) {
+        p.save();
+        p.translate(x, top - 6);
+        p.rotate(-Math.PI / 4);
+        p.textAlign = "left";
+        // The last names would leave the view to the right.
+        const room = Math.min(ASLANT_ROOM, view.clientWidth - x) * 1.3 - 8;
+        if (gap >= 11) p.fillText(shortened(p, k.name, room), 0, 0);
+        p.restore();
+      } else {
+        p.fillText(shortened(p, k.name, gap - 6), left, 13);
+        p.fillText(short(k.high), left, 28);
+      }
+      if (gap >= ASLANT_BELOW) p.fillText(short(k.low), left, view.clientHeight - 10);
+    });
+  }
+
+  /** `isQuick`: some of the options stand for all. */
+  draw(kept, isMarked, isQuick) {
     const { view, columns } = this;
     const p = pen(view);
-    const gap = columns.length > 1 ? this.x(1) - this.x(0) : 999;
-    const line = (c) => {
+    const xs = columns.map((_, i) => this.x(i));
+    const lines = (list) => {
       p.beginPath();
-      columns.forEach((k, i) => p[i ? "lineTo" : "moveTo"](this.x(i), this.y(k, k.of(c))));
+      for (const c of list) columns.forEach((k, i) => p[i ? "lineTo" : "moveTo"](xs[i], this.y(k, k.of(c))));
       p.stroke();
     };
+    const others = kept.filter((c) => !isMarked(c));
+    const drawn = isQuick ? some(others) : others;
+    this.drawAxes(p);
+    p.strokeStyle = getComputedStyle(view).color;
     p.lineWidth = 1;
-    p.globalAlpha = Math.max(0.03, Math.min(0.6, 60 / kept.length));
-    inSlices(view, kept.filter((c) => !isMarked(c)), line, () => {
+    p.globalAlpha = Math.max(0.03, Math.min(0.6, 60 / drawn.length));
+    inSlices(view, drawn, lines, () => {
       p.globalAlpha = 1;
       p.lineWidth = 3;
-      kept.filter(isMarked).forEach(line);
-      p.strokeStyle = p.fillStyle = getComputedStyle(view).getPropertyValue("--ink");
-      p.lineWidth = 1;
-      columns.forEach((k, i) => {
-        const x = this.x(i);
-        p.textAlign = i === 0 ? "left" : i === columns.length - 1 ? "right" : "center";
-        const left = i === 0 ? 4 : i === columns.length - 1 ? view.clientWidth - 4 : x;
-        p.globalAlpha = 0.6;
-        p.strokeRect(x, TOP, 0, view.clientHeight - TOP - BOTTOM);
-        if (k.from > k.low || k.to < k.high) {
-          p.globalAlpha = 0.25;
-          p.fillRect(x - 7, this.y(k, k.to), 14, Math.max(2, this.y(k, k.from) - this.y(k, k.to)));
-        }
-        p.globalAlpha = 1;
-        if (gap >= 34) p.fillText(shortened(p, k.name, gap - 6), left, 13);
-        if (gap >= 40) {
-          p.fillText(short(k.high), left, 28);
-          p.fillText(short(k.low), left, view.clientHeight - 10);
-        }
-      });
+      lines(kept.filter(isMarked));
     });
   }
 }
@@ -119,6 +150,14 @@ function shortened(p, text, room) {
   let n = text.length;
   while (n > 1 && p.measureText(text.slice(0, n) + "…").width > room) n -= 1;
   return text.slice(0, n) + "…";
+}
+
+/** Calls when views have another size or other colours, as long as they are shown. */
+export function onNewLook(views, draw) {
+  new ResizeObserver(draw).observe(views[0]);
+  const scheme = matchMedia("(prefers-color-scheme: dark)");
+  const changed = () => { if (views[0].isConnected) draw(); else scheme.removeEventListener("change", changed); };
+  scheme.addEventListener("change", changed);
 }
 
 export class Scatter {
@@ -142,24 +181,30 @@ export class Scatter {
     return [SIDE + (w - 2 * SIDE) * part(this.axes[0], c), h - BOTTOM - 6 - (h - TOP - BOTTOM - 12) * part(this.axes[1], c)];
   }
 
-  draw(axes, kept, isMarked) {
+  draw(axes, kept, isMarked, isQuick) {
     Object.assign(this, { axes, kept });
     const { view } = this;
     const p = pen(view);
-    const dot = (radius) => (c) => {
+    const dots = (radius) => (list) => {
       p.beginPath();
-      p.arc(...this.at(c), radius, 0, 7);
+      for (const c of list) {
+        const [x, y] = this.at(c);
+        p.moveTo(x + radius, y);
+        p.arc(x, y, radius, 0, 7);
+      }
       p.fill();
     };
+    p.fillStyle = ink();
+    const [a, b] = axes;
+    p.fillText(`${b.name} ↑ ${short(b.low)} … ${short(b.high)}`, 6, 14);
+    p.textAlign = "right";
+    p.fillText(`${a.name} → ${short(a.low)} … ${short(a.high)}`, view.clientWidth - 6, view.clientHeight - 8);
+    p.fillStyle = getComputedStyle(view).color;
+    const others = kept.filter((c) => !isMarked(c));
     p.globalAlpha = kept.length > 500 ? 0.25 : 0.55;
-    inSlices(view, kept.filter((c) => !isMarked(c)), dot(kept.length > 500 ? 2.5 : 4), () => {
+    inSlices(view, isQuick ? some(others) : others, dots(kept.length > 500 ? 2.5 : 4), () => {
       p.globalAlpha = 1;
-      kept.filter(isMarked).forEach(dot(7));
-      p.fillStyle = getComputedStyle(view).getPropertyValue("--ink");
-      const [a, b] = axes;
-      p.fillText(`${b.name} ↑ ${short(b.low)} … ${short(b.high)}`, 6, 14);
-      p.textAlign = "right";
-      p.fillText(`${a.name} → ${short(a.low)} … ${short(a.high)}`, view.clientWidth - 6, view.clientHeight - 8);
+      dots(7)(kept.filter(isMarked));
     });
   }
 }
