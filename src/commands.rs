@@ -13,12 +13,12 @@ use crate::cli::{
     AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ResolutionArgs, RunArgs, SearchArgs,
 };
 use crate::config::{Partial, Settings, settings_files, unread_side_cars};
-use crate::daemon::{self, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
+use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
 use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
 use crate::pipeline::cells::CellOptions;
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::progress::Display;
-use crate::report::{Cancel, Error, Place, Report, Severity, gathered};
+use crate::report::{Cancel, Error, Place, Report, Severity, gathered, printable};
 use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, round_name};
 
@@ -225,15 +225,8 @@ fn tell_resolution(result: &resolution::ResolutionResult, folder: &Path) {
 
 fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
     let mut partial = args.common.partial(Some(&args.search));
-    if !args.pin.is_empty() || args.like.is_some() {
-        let out = settings_partial(&args.file, partial.clone())?.out.map(PathBuf::from);
-        let (round, result) = round_result(&args.file, out, None)?;
-        let of = |n: &usize| option_of(&result, round, *n);
-        let pinned: Vec<Vec<f64>> = args.pin.iter().map(of).collect::<Result<_, _>>()?;
-        partial.pin = Some(pinned).filter(|p| !p.is_empty());
-        partial.like = args.like.as_ref().map(of).transpose()?;
-        partial.pin_moves = pipeline::moves_of(&result.moves);
-    }
+    let asked = Asked { pin: args.pin.clone(), like: args.like, ..Asked::default() };
+    hold(&mut partial, &args.file, &asked)?;
     let (settings, out) = settings_for(&args.file, partial)?;
     let watch = WatchSettings { out_dir: out, ..WatchSettings::default() };
     let mut display = Display::new(args.common.progress, args.common.quiet);
@@ -266,6 +259,21 @@ fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
         tell(&args.common, &report);
     }
     Ok(u8::from(done.is_degraded))
+}
+
+/// Puts the options that a round is to keep, or to find more of, into its settings.
+fn hold(partial: &mut Partial, file: &Path, asked: &Asked) -> Result<(), Error> {
+    if asked.pin.is_empty() && asked.like.is_none() {
+        return Ok(());
+    }
+    let out = settings_partial(file, partial.clone())?.out.map(PathBuf::from);
+    let (round, result) = round_result(file, out, asked.round)?;
+    let of = |n: &usize| option_of(&result, round, *n);
+    let pinned: Vec<Vec<f64>> = asked.pin.iter().map(of).collect::<Result<_, _>>()?;
+    partial.pin = Some(pinned).filter(|p| !p.is_empty());
+    partial.like = asked.like.as_ref().map(of).transpose()?;
+    partial.pin_moves = pipeline::moves_of(&result.moves);
+    Ok(())
 }
 
 /// One round of a drawing, on the threads of the settings; what it says goes to `tell` on this thread.
@@ -425,7 +433,7 @@ fn open(file: &Path) -> Result<(String, Vec<u8>), Error> {
         let place = Place::file(shown.clone());
         match e.kind() {
             std::io::ErrorKind::NotFound => {
-                Error::usage("not-found", place, "no such file; nothing was done")
+                Error::input("no-such-file", place, "there is no such file; nothing was done")
             }
             _ => Error::environment("unreadable", place, format!("{e}; nothing was done")),
         }
@@ -477,13 +485,17 @@ fn settings_partial(drawing: &Path, command_line: Partial) -> Result<Partial, Er
 }
 
 fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
+    use std::io::ErrorKind;
+    let place = || Place::file(file.to_string_lossy());
     match std::fs::read_to_string(file) {
         Ok(text) => Partial::from_toml(&file.to_string_lossy(), &text).map(Some),
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(e) => {
-            let place = Place::file(file.to_string_lossy());
-            Err(Error::environment("settings-unreadable", place, format!("{e}; nothing was done")))
+        // Beside a drawing with the longest of names no side-car can lie.
+        Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::InvalidFilename) => Ok(None),
+        Err(e) if e.kind() == ErrorKind::InvalidData => {
+            let text = "found letters that are not UTF-8, expected text saved as UTF-8; nothing was done";
+            Err(Error::usage("settings-unreadable", place(), text))
         }
+        Err(e) => Err(Error::environment("settings-unreadable", place(), format!("{e}; nothing was done"))),
     }
 }
 
@@ -531,7 +543,7 @@ fn exit_code(report: &Report) -> u8 {
 }
 
 fn say(line: &str) {
-    print(&format!("{}\n", line.trim_end_matches('\n')));
+    print(&format!("{}\n", printable(line.trim_end_matches('\n'))));
 }
 
 /// Standard output may be a closed pipe: that is no reason to fail.

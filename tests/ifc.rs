@@ -108,7 +108,7 @@ fn storeys_read_together_are_those_read_apart() {
     let text = pavilion();
     let of = |name: &str| ReadOptions { storey: Some(name.into()), ..ReadOptions::default() };
     let options = [of("Upper floor"), of("Ground floor"), of("attic")];
-    let together = formats::read_storeys("house.ifc", text.as_bytes(), &options);
+    let together = formats::Opened::new("house.ifc", text.as_bytes()).unwrap().read_all(&options);
     assert_eq!(together.len(), options.len());
     for (options, (drawing, report)) in options.iter().zip(together) {
         let (apart, own) = read_with(text.as_bytes(), options);

@@ -1,25 +1,11 @@
-//! Any bytes as IFC: no panic, the same answer twice, no edit no change, what may move can be moved, and what we
-//! add comes off again.
+//! Any bytes as IFC.
 #![no_main]
 
+#[path = "../checks/building.rs"]
 mod building;
+#[path = "../checks/ifc.rs"]
+mod checks;
 
-use enfilade::formats::{ifc, plain};
-use libfuzzer_sys::fuzz_target;
-
-const FILE: &str = "fuzz.ifc";
-
-fuzz_target!(|bytes: &[u8]| {
-    let _ = ifc::inventory(bytes);
-    let _ = ifc::strip_own(bytes);
-    let Some(drawing) = building::read_steadily(FILE, bytes) else { return };
-    // An archive is unpacked before it is written.
-    if ifc::is_zip(bytes) {
-        return;
-    }
-    building::move_some(FILE, bytes, &drawing);
-    if let Some(added) = building::with_additions(FILE, bytes) {
-        let stripped = ifc::strip_own(&added);
-        assert!(*stripped == *bytes || plain(FILE, bytes).len() < bytes.len(), "what was added stays");
-    }
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    checks::check(bytes);
 });

@@ -1,6 +1,7 @@
 //! Exchange formats: one deep module a format, read and patch together, and the choice between them.
 
 pub mod dxf;
+mod foreign;
 pub mod gltf;
 pub mod ifc;
 mod region;
@@ -10,7 +11,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::plan::drawing::{Addition, Drawing, Edit, Format, SourceRef};
-use crate::report::{Error, Report};
+use crate::report::{Error, Place, Report};
 pub use dxf::{ChangedRecord, Completeness};
 
 /// How to read a drawing of any format.
@@ -99,7 +100,12 @@ pub fn plain<'a>(file: &str, bytes: &'a [u8]) -> Cow<'a, [u8]> {
 /// # Errors
 /// [`Error::Input`] when the bytes cannot be used; [`Error::Usage`] for a storey that is not there.
 pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
-    match format_of(file, bytes) {
+    let format = format_of(file, bytes);
+    if let Some((what, hint)) = no_building(format, bytes) {
+        let text = format!("the file, found {what}, expected a building (IFC or glTF); not read. {hint}");
+        return Err(Error::input("other-format", Place::file(file), text));
+    }
+    match format {
         Format::Dxf => dxf::read(file, bytes, &options.dxf(), report),
         Format::Ifc if ifc::is_zip(bytes) => {
             ifc::read(file, &ifc::unzip(file, bytes)?, &options.ifc(), report)
@@ -124,7 +130,9 @@ impl<'a> Opened<'a> {
     /// # Errors
     /// [`Error::Input`] when an IFC cannot be used; of the other formats, reading says so.
     pub fn new(file: &'a str, bytes: &'a [u8]) -> Result<Self, Error> {
-        let is_plain_ifc = format_of(file, bytes) == Format::Ifc && !ifc::is_zip(bytes);
+        let format = format_of(file, bytes);
+        let is_plain_ifc =
+            format == Format::Ifc && !ifc::is_zip(bytes) && no_building(format, bytes).is_none();
         let ifc = is_plain_ifc.then(|| ifc::Opened::new(file, bytes)).transpose()?;
         Ok(Self { file, bytes, ifc })
     }
@@ -246,12 +254,27 @@ pub fn dependents(
     }
 }
 
+/// What the bytes are, where a file with the name of a building is none. DXF has its own words for it.
+fn no_building(format: Format, bytes: &[u8]) -> Option<(String, &'static str)> {
+    match format {
+        Format::Dxf | Format::Glb => None,
+        Format::Ifc if ifc::is_zip(bytes) || ifc::is_xml(bytes) => None,
+        Format::Ifc | Format::Gltf => foreign::kind_of(bytes),
+    }
+}
+
 /// Whether a file is whole.
 pub fn is_complete(file: &str, bytes: &[u8]) -> Completeness {
     if bytes.is_empty() {
         return Completeness::Empty;
     }
-    match format_of(file, bytes) {
+    let format = format_of(file, bytes);
+    let is_building_as_xml = format == Format::Ifc && ifc::is_xml(bytes);
+    if is_building_as_xml || no_building(format, bytes).is_some() {
+        // Nothing will make it one: reading refuses it by name.
+        return Completeness::Whole;
+    }
+    match format {
         Format::Dxf => dxf::is_complete(bytes),
         Format::Ifc => match ifc::completeness(bytes) {
             ifc::Incomplete::No => Completeness::Whole,

@@ -279,7 +279,7 @@ fn analysis_result(input: &Input<'_>, study: &Study, report: &Report) -> Analysi
     AnalysisResult {
         schema: result::ANALYSIS_SCHEMA.into(),
         input: show::input(&study.base.plan, input.path, input.sha256()),
-        spacing_m: study.spacing.spacing_m,
+        spacing_m: study.spacing_m,
         lattice_centre: lattice_centre(study),
         counts: show::counts(study, study.edges),
         mean: show::mean_numbers(study, &study.initial),
@@ -309,7 +309,7 @@ fn heat_map(
     let map = HeatMap {
         picture,
         cells: &show::cells(study, map.pair, values),
-        spacing_m: study.spacing.spacing_m,
+        spacing_m: study.spacing_m,
         scale,
         title: &title,
         subtitle,
@@ -337,7 +337,7 @@ pub fn column_pictures(
             picture: &picture,
             scale: Scale::of(cells.iter().filter_map(|c| c.value)),
             cells: &cells,
-            spacing_m: study.spacing.spacing_m,
+            spacing_m: study.spacing_m,
             title: &column.name,
             subtitle: &subtitle,
             unit: "",

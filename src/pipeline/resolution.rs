@@ -177,7 +177,7 @@ fn sampled(bounds: &[[f64; 2]], samples: usize, seed: u64) -> Vec<Vec<f64>> {
 }
 
 fn row(study: &Study, samples: &[Vec<f64>], cancel: &Cancel) -> Result<Row, Error> {
-    let cell_m2 = study.spacing.spacing_m * study.spacing.spacing_m;
+    let cell_m2 = study.spacing_m * study.spacing_m;
     let numbers =
         |means: &crate::analysis::measures::Means| [means.degree * cell_m2, means.depth, means.entropy];
     let initial = numbers(&study.initial.seen.means);
@@ -197,7 +197,7 @@ fn row(study: &Study, samples: &[Vec<f64>], cancel: &Cancel) -> Result<Row, Erro
         Spread { initial: initial[k], mean, deviation }
     };
     Ok(Row {
-        spacing_m: study.spacing.spacing_m,
+        spacing_m: study.spacing_m,
         vertices: study.lattice.cells.len(),
         visible_m2: spread(0),
         depth: spread(1),

@@ -1,13 +1,14 @@
 //! One round: search, verify, write.
 
 mod files;
+mod told;
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::memory::Memory;
+use super::memory::{Memory, Pace};
 use super::show;
 use super::study::{self, Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress};
@@ -96,19 +97,12 @@ fn round(
     for m in &made {
         report.extend(m.report.clone());
     }
-    if let Some(why) = found.and_then(|f| f.no_option.clone()) {
-        report.warn("no-option", Place::file(input.file()), why);
-    } else if found.is_some() && settings.mode == Mode::Diverse && made.len() < settings.members {
-        let text = format!(
-            "{} options wanted, {} found inside all thresholds; more --evaluations, wider bounds or lower thresholds find more",
-            settings.members,
-            made.len()
-        );
-        report.warn("few-options", Place::file(input.file()), text);
+    if let Some(found) = found {
+        told::say_options(&mut report, input.file(), study, settings, (found, made.len()));
     }
     let wanted = settings.distance * (study.base.moves.parameters.len() as f64).sqrt();
     let share = found.map_or(1.0, |f| f.threshold_share);
-    say_alikeness(&mut report, input.file(), share, distances(study, &made).min_distance, wanted);
+    told::say_alikeness(&mut report, input.file(), share, distances(study, &made).min_distance, wanted);
     let result = round_result(input, settings, study, &report, found, &made, started);
     let mut files = files::pictures(input, settings, study, &made)?;
     files.extend(files::drawings(input, settings, study, &made, &result)?);
@@ -123,33 +117,17 @@ fn round(
     Ok(Outcome { result, files, report })
 }
 
-/// Says where the options are more alike than wanted, and what was done about it.
-fn say_alikeness(report: &mut Report, file: &str, share: f64, nearest: Option<f64>, wanted: f64) {
-    let place = Place::file(file);
-    if share < 1.0 {
-        let text = format!(
-            "inside the thresholds the options were too alike; all thresholds were lowered to {:.0} % of what was \
-             asked; --thresholds firm keeps them",
-            share * 100.0
-        );
-        report.info("thresholds-lowered", place.clone(), text);
-    }
-    if let Some(nearest) = nearest.filter(|d| *d < wanted) {
-        let text = format!(
-            "the two options most alike stand {nearest:.3} apart, {wanted:.3} was wanted: the thresholds of the objectives leave \
-             little room together; lower thresholds, fewer objectives or --objective \"score max 0.7\" give more different options"
-        );
-        report.info("options-alike", place, text);
-    }
-}
-
 /// What a search found, in our terms.
 pub(super) struct Found {
     pub(super) members: Vec<search::Member>,
     /// Of every member.
     explanations: Vec<Explanation>,
+    /// Members left out because they were almost the same as a better one.
+    alike: usize,
+    /// Members left out because they were no better than the present layout.
+    unworthy: usize,
     best: Option<Best>,
-    /// Why no layout keeps the hard limits, where none does.
+    /// Why there is no option, where there is none.
     no_option: Option<String>,
     pub(super) objectives: Vec<Objective>,
     /// What is left of the thresholds stated.
@@ -200,26 +178,36 @@ fn optimise(
     })?;
     let mut memory = Memory::new(input, settings, objectives.len());
     let begun = Instant::now();
+    let mut clock = Clock::new(started);
     let mut said = Instant::now();
     let mut written = Instant::now();
+    let mut fit = 0;
     loop {
         if cancel.is_stopped() {
             search.finish(search::Stop::Asked);
         } else if let Some(seconds) = settings.seconds {
-            let left = seconds - started.elapsed().as_secs_f64();
-            if left <= 0.0 && search.progress().evaluations > 0 {
+            let remembered = memory.pace();
+            if remembered.is_none() && clock.spent_secs() >= seconds && search.progress().evaluations > 0 {
                 search.finish(search::Stop::Time);
             }
-            pace(&mut search, settings, begun, left);
+            fit = remembered.map_or_else(|| clock.fit(search.progress().evaluations, seconds), |p| p.fit);
+            search.set_evaluations(settings.evaluations.map_or(fit, |limit| limit.min(fit)));
         }
         let asked = search.ask();
         if asked.is_empty() {
             break;
         }
         let permitted: Vec<Vec<f64>> = asked.iter().map(|p| control.permit(p)).collect();
-        let told = memory.recall(&permitted).unwrap_or_else(|| {
+        let remembered = memory.pace();
+        let recalled = memory.recall(&permitted);
+        if let (Some(pace), Some(_)) = (remembered, &recalled) {
+            clock.set(pace.spent_secs);
+        }
+        let told = recalled.unwrap_or_else(|| {
             let told = measured(study, settings, &control, &objectives, &permitted);
-            memory.learn(&permitted, &told);
+            // Without such a budget nothing depends on the clock, and what is kept neither.
+            let pace = settings.seconds.map(|_| Pace { fit, spent_secs: clock.spent_secs() });
+            memory.learn(&permitted, &told, pace.unwrap_or_default());
             told
         });
         let told: Vec<Evaluation> =
@@ -285,7 +273,16 @@ fn found(
     for m in &mut members {
         m.parameters = whole(&m.parameters);
     }
+    let unworthy = keep_better(&mut members, &shown, settings);
+    let is_unmet = outcome.best.violation > 0.0;
     let no_option = members.is_empty().then(|| {
+        if !is_unmet {
+            stopped_by.push_str("; none is better than the present layout");
+            return format!(
+                "none of the {} layouts measured is better than the present one",
+                outcome.evaluations
+            );
+        }
         let nearest = study.measure(&whole(&outcome.best.parameters), &mut study.bench());
         let missed = rules::missed_words(study, settings, &nearest);
         let text = format!(
@@ -295,7 +292,8 @@ fn found(
         stopped_by.push_str("; no layout keeps every hard limit");
         text
     });
-    let best = (outcome.best.violation == 0.0).then(|| {
+    let is_best_better = explain::is_better(&shown, &outcome.best.values, is_firm(settings));
+    let best = (!is_unmet && is_best_better).then(|| {
         let parameters = whole(&outcome.best.parameters);
         let worth = study.measure(&parameters, &mut study.bench());
         Best {
@@ -309,6 +307,8 @@ fn found(
     Found {
         explanations: explanations(study, settings, control, objectives, &shown, &members),
         best,
+        alike: outcome.alike,
+        unworthy,
         no_option,
         objectives: shown,
         threshold_share: outcome.threshold_share,
@@ -318,6 +318,27 @@ fn found(
         archive: outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values.clone()).collect(),
         members,
     }
+}
+
+/// Whether the user's own thresholds decide what is good: they are held, or the method is the paper's.
+fn is_firm(settings: &Settings) -> bool {
+    settings.thresholds == Thresholds::Firm || settings.method == Method::Paper
+}
+
+/// Leaves out the members that are no better than the present layout, and says how many; the best of the others
+/// come first, after those that were pinned.
+fn keep_better(members: &mut Vec<search::Member>, objectives: &[Objective], settings: &Settings) -> usize {
+    let pinned = if settings.mode == Mode::Best { 0 } else { settings.pinned.len().min(members.len()) };
+    let mut free = members.split_off(pinned);
+    let found = free.len();
+    if settings.method == Method::Default {
+        free.retain(|m| explain::is_better(objectives, &m.values, is_firm(settings)));
+        let gain = |m: &search::Member| explain::total_gain(objectives, &m.values);
+        free.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+    }
+    let left_out = found - free.len();
+    members.append(&mut free);
+    left_out
 }
 
 fn explanations(
@@ -337,12 +358,33 @@ fn explanations(
     (0..options.len()).into_par_iter().map(one).collect()
 }
 
-/// Tells the search how many evaluations will fit into the time left, at the pace so far.
-fn pace(search: &mut Search, settings: &Settings, begun: Instant, left_secs: f64) {
-    let done = search.progress().evaluations;
-    let rate = done as f64 / begun.elapsed().as_secs_f64().max(1e-6);
-    let fit = done + ((rate * left_secs.max(0.0)) as u64).max(2 * BATCH as u64);
-    search.set_evaluations(settings.evaluations.map_or(fit, |limit| limit.min(fit)));
+/// Seconds that a round has spent, those before a kill included.
+struct Clock {
+    /// When the clock was last set, and what it said then.
+    set: (Instant, f64),
+    /// What it said when the search began.
+    begun_secs: f64,
+}
+
+impl Clock {
+    fn new(started: Instant) -> Self {
+        Self { set: (started, 0.0), begun_secs: started.elapsed().as_secs_f64() }
+    }
+
+    fn spent_secs(&self) -> f64 {
+        self.set.1 + self.set.0.elapsed().as_secs_f64()
+    }
+
+    fn set(&mut self, spent_secs: f64) {
+        self.set = (Instant::now(), spent_secs);
+    }
+
+    /// How many evaluations will fit into the time left, at the pace so far, after that many.
+    fn fit(&self, done: u64, budget_secs: f64) -> u64 {
+        let spent = self.spent_secs();
+        let rate = done as f64 / (spent - self.begun_secs).max(1e-6);
+        done + ((rate * (budget_secs - spent).max(0.0)) as u64).max(2 * BATCH as u64)
+    }
 }
 
 /// Best value of one objective among all layouts that keep the hard limits; NaN if none does.
@@ -573,7 +615,7 @@ fn state_left_behind(base: &Understood, layout: &Layout, report: &mut Report) {
             let text = format!(
                 "is part of a door or window whose wall moves in an option, but {why}; it stays as drawn"
             );
-            report.info("opening-stays", place_in(&base.plan.file, &fitting.source), text);
+            report.info(told::OPENING_STAYS, place_in(&base.plan.file, &fitting.source), text);
         }
     }
 }
@@ -607,7 +649,7 @@ fn round_result(
         input: show::input(&study.base.plan, input.path, input.sha256()),
         settings: settings_map,
         counts: show::counts(study, study.edges),
-        spacing_m: study.spacing.spacing_m,
+        spacing_m: study.spacing_m,
         lattice_centre: super::lattice_centre(study),
         initial,
         moves,
@@ -642,7 +684,7 @@ fn candidate(
             &told(study, initial),
             &told(study, &mean),
             explanation,
-        ),
+        ) + &told::stays_words(&made.report),
         explanation: explanation.clone(),
         mean,
         penalty: show::penalty_numbers(&made.worth),

@@ -11,7 +11,7 @@ use glam::DVec2;
 
 use super::aims;
 use super::building::{self, NamedOpening};
-use super::spacing::{self, SpacingChoice};
+use super::spacing;
 use crate::analysis::evaluator::Scratch;
 use crate::analysis::lattice::{CellIndex, Ground};
 use crate::analysis::{Lattice, Obstacles, Tally};
@@ -87,6 +87,10 @@ pub fn read_options(settings: &Settings) -> formats::ReadOptions {
 /// What [`formats::read`] and [`understand`] return; [`Error::Usage`] for settings that do not fit the drawing.
 pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) -> Result<Understood, Error> {
     let drawing = formats::read(file, bytes, &read_options(settings), report)?;
+    if let Some(storey) = settings.storey.as_ref().filter(|_| drawing.format == Format::Dxf) {
+        let text = format!("storey {storey:?} was asked for, but a DXF knows no storeys; all of it is read");
+        report.warn("storey-unused", Place::file(file), text);
+    }
     understood(&drawing, settings, report)
 }
 
@@ -343,8 +347,8 @@ pub struct Study {
     pub base: Understood,
     /// The cells.
     pub lattice: Arc<Lattice>,
-    /// Spacing and why.
-    pub spacing: SpacingChoice,
+    /// Spacing of the cells, metres.
+    pub spacing_m: f64,
     /// The present layout.
     pub initial: Worth,
     /// Edges of its visibility graph, each pair once.
@@ -386,8 +390,8 @@ impl Study {
         let (fixed, fixed_solids) = fixed_parts(&base, &piece_moves);
         let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
         let movable = moving_segments(&base, &identity, &piece_moves);
-        let spacing = spacing::choose(&base, settings, report);
-        let spacing_um = (spacing.spacing_m * UM_PER_M).round() as i64;
+        let spacing_m = spacing::choose_m(&base, settings);
+        let spacing_um = (spacing_m * UM_PER_M).round() as i64;
         let centre_um = settings.lattice_centre_m.unwrap_or_default().map(|v| (v * UM_PER_M).round() as i64);
         let seeds_um: Vec<PointUm> =
             settings.seed_points.iter().map(|p| base.plan.frame.um_from_file(DVec2::from(*p))).collect();
@@ -405,6 +409,7 @@ impl Study {
             solid_across_um: (SOLID_ACROSS_M * base.plan.human_scale * UM_PER_M).round() as i64,
         };
         let main = Scene::new(&ground, &base, &identity, seen::asked(settings, None), report)?;
+        spacing::state(&base, settings, spacing_m, main.lattice.cells.len(), report);
         state_interior(&base, settings, report);
         let pairs = seen::pairs(&base, &ground, &identity, settings, report)?;
         seen::state_asked(&base, &pairs, settings, report)?;
@@ -427,7 +432,7 @@ impl Study {
             main,
             pairs,
             base,
-            spacing,
+            spacing_m,
             card_trouble: OnceLock::new(),
             piece_moves,
             pieces,

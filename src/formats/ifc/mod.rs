@@ -141,12 +141,15 @@ fn storeys(building: &Building<'_, '_>) -> Vec<StoreyInfo> {
     building.model.storeys.iter().map(storey).collect()
 }
 
-fn open<'a>(file: &str, bytes: &'a [u8]) -> Result<Step<'a>, Error> {
+/// Whether the bytes are IFC in its other form, which is not read.
+pub fn is_xml(bytes: &[u8]) -> bool {
     let head: String = String::from_utf8_lossy(&bytes[..bytes.len().min(400)]).to_lowercase();
-    if head.contains("<ifcxml")
-        || head.contains(":ifcxml")
-        || (head.contains("<?xml") && head.contains("ifc"))
-    {
+    let is_xml = head.contains("<?xml") && head.contains("ifc");
+    is_xml || head.contains("<ifcxml") || head.contains(":ifcxml")
+}
+
+fn open<'a>(file: &str, bytes: &'a [u8]) -> Result<Step<'a>, Error> {
+    if is_xml(bytes) {
         let text = "found IFC as XML, expected a STEP file (.ifc); nothing was done; export as IFC instead of ifcXML";
         return Err(Error::input("ifc-xml", Place::file(file), text));
     }

@@ -39,7 +39,10 @@ pub fn move_some(file: &str, bytes: &[u8], drawing: &Drawing) {
     for record in records {
         let edit = |shift: DVec2| [Edit::Insert { record, motion: RigidMotion { turn_rad: 0.0, shift } }];
         let still = patch(file, bytes, &options, &edit(DVec2::ZERO), &[]);
-        assert!(still.is_err() || still.ok().as_deref() == Some(bytes), "moved by nothing, {record} changed the file");
+        assert!(
+            still.is_err() || still.ok().as_deref() == Some(bytes),
+            "moved by nothing, {record} changed the file"
+        );
         let edit = edit(DVec2::new(0.5, -0.25));
         let moved = patch(file, bytes, &options, &edit, &[]);
         let named = changed_records(file, bytes, &edit);
