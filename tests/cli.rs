@@ -196,7 +196,7 @@ fn a_side_car_of_another_name_is_not_read_in_silence() {
         let drawing = folder.path().join(sample_name);
         std::fs::copy(sample(sample_name), &drawing).unwrap();
         let stem = sample_name.split('.').next().unwrap();
-        let check = || enfilade(&["check", &drawing.to_string_lossy(), "--quiet"]);
+        let check = || enfilade(&["check", &drawing.to_string_lossy()]);
         std::fs::write(folder.path().join(format!("{sample_name}.enfilade.toml")), "seed = 3\n").unwrap();
         let told = check();
         let expected = format!("{sample_name}.enfilade.toml lies beside it and is not read");

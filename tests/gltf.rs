@@ -322,6 +322,12 @@ fn hazards() -> Vec<(&'static str, String, &'static str, bool)> {
         out.push(("43 data in another file", other(path), "/buffers/0: lies in another file", false));
     }
     out.extend([
+        (
+            "43 data as text without end",
+            other(&format!("data:;base64,{}", "A".repeat(formats::gltf::DATA_MAX + 1))),
+            "/buffers/0: data URIs of more than 67108864 characters; export as GLB",
+            true,
+        ),
         ("43 damaged data", other("data:;base64,@@"), "/buffers/0: its data URI is damaged", true),
         ("43 data too short", swap(&format!("{uri},\"byteLength\":"), &format!("{uri},\"byteLength\":9")), "expected 9", true),
         ("44 count of 4e9", swap("\"count\":", "\"count\":4000000000,\"x\":"), "/bufferViews/0: is shorter than what is read", false),

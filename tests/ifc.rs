@@ -315,7 +315,7 @@ fn syntax() -> Vec<Hazard> {
         hazard(
             "39 huge number",
             added("#99999999999999999999=IFCWALL($);"),
-            "the instance is left out",
+            "found no number after `#`, expected a positive whole number; the instance is left out",
             false,
         ),
         hazard(
@@ -324,7 +324,12 @@ fn syntax() -> Vec<Hazard> {
             "#29 is given 2 times, expected each number once",
             false,
         ),
-        hazard("39 missing parenthesis", added("#90000=IFCWALL('a',$;"), "the instance is left out", false),
+        hazard(
+            "39 missing parenthesis",
+            added("#90000=IFCWALL('a',$;"),
+            "found an instance that does not end with `);`; the instance is left out",
+            false,
+        ),
         hazard(
             "39 unclosed text",
             added("#90000=IFCWALL('a,$);"),
@@ -334,7 +339,7 @@ fn syntax() -> Vec<Hazard> {
         hazard(
             "39 200,000 parentheses",
             added(&format!("#90000=IFCWALL({}{});", "(".repeat(200_000), ")".repeat(200_000))),
-            "the instance is left out",
+            "found parentheses nested deeper than any schema has them; the instance is left out",
             false,
         ),
         hazard(
@@ -430,6 +435,28 @@ fn bad_inputs_are_named_and_the_rest_is_read() {
             assert!(drawing.entities.len() + 1 >= whole, "{}: more than one wall is missing", h.name);
             assert_eq!(patch(&h.bytes, &[], &[]).unwrap(), h.bytes, "{}", h.name);
         }
+    }
+}
+
+#[test]
+fn faults_are_named_by_line_and_byte() {
+    let text = pavilion();
+    let added = |line: &str| text.replace("ENDSEC;\nEND-ISO", &format!("{line}\nENDSEC;\nEND-ISO"));
+    let cases = [
+        ("#90000=IFCWALL('a',$;", '(', "an instance that does not end with `);`"),
+        ("#90000=IFCWALL('a',1e);", '1', "a value that is no number"),
+        ("#90000=IFCWALL('a' $);", '$', "two values without a comma between them"),
+        ("#90000=IFCWALL('a',#);", '#', "a `#` without a number"),
+        ("#90000 IFCWALL('a');", 'I', "no `=` after the number of an instance"),
+    ];
+    for (line, odd, says) in cases {
+        let bytes = added(line);
+        let start = bytes.find(line).unwrap();
+        let at = start + line.rfind(odd).unwrap();
+        let report = read_with(bytes.as_bytes(), &ReadOptions::default()).1;
+        let fault = report.problems.iter().find(|p| p.code == "ifc-instance").unwrap();
+        assert_eq!(fault.text, format!("byte {at}: found {says}; the instance is left out"));
+        assert_eq!(fault.place.line, Some(bytes[..at].matches('\n').count() + 1), "{line}");
     }
 }
 
