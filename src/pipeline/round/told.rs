@@ -93,7 +93,8 @@ pub(super) fn say_alikeness(report: &mut Report, file: &str, share: f64, nearest
 pub(super) fn stays_words(report: &Report) -> String {
     match report.problems.iter().filter(|p| p.code == OPENING_STAYS).count() {
         0 => String::new(),
-        1 => " A part of a door or window does not go with its wall: see to it before you take this option.".into(),
+        1 => " A part of a door or window does not go with its wall: see to it before you take this option."
+            .into(),
         n => format!(
             " {n} parts of doors and windows do not go with their walls: see to them before you take this option."
         ),
