@@ -310,9 +310,15 @@ fn round(
     })
 }
 
+fn options_of(result: &RoundResult) -> String {
+    match result.candidates.len() {
+        1 => "1 option".into(),
+        n => format!("{n} options"),
+    }
+}
+
 fn output_of(outcome: &Outcome<RoundResult>) -> JobOutput {
-    let n = outcome.result.candidates.len();
-    let options = if n == 1 { "1 option".to_string() } else { format!("{n} options") };
+    let options = options_of(&outcome.result);
     let summary = match outcome.result.candidates.first() {
         Some(first) => format!("{options}; the first: {}", first.words),
         None => format!("{options}; {}", outcome.result.stopped_by),
@@ -329,11 +335,11 @@ fn summary(result: &RoundResult, folder: &Path) {
         say("the best layout found is too like the options to be one of them: `accept FILE 0` takes it");
     }
     say(&format!(
-        "{} layouts measured in {:.1} s: {}; {} options",
+        "{} layouts measured in {:.1} s: {}; {}",
         result.evaluations,
         result.seconds,
         result.stopped_by,
-        result.candidates.len()
+        options_of(result)
     ));
     say(&format!("compare them: {}", folder.join("report.html").display()));
 }

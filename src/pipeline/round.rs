@@ -101,7 +101,7 @@ fn round(
         told::say_options(&mut report, input.file(), study, settings, (found, made.len()));
     }
     let wanted = settings.distance * (study.base.moves.parameters.len() as f64).sqrt();
-    let share = found.map_or(1.0, |f| f.threshold_share);
+    let share = found.filter(|_| !made.is_empty()).map_or(1.0, |f| f.threshold_share);
     told::say_alikeness(&mut report, input.file(), share, distances(study, &made).min_distance, wanted);
     let result = round_result(input, settings, study, &report, found, &made, started);
     let mut files = files::pictures(input, settings, study, &made)?;
