@@ -167,7 +167,7 @@ impl Guided {
     /// Whether a climb that begins after that many evaluations begins anywhere. Without a budget every other one.
     fn is_fresh(&self, evaluations: usize) -> bool {
         if self.budget.is_none() {
-            return self.climb.restarts() % 2 == 0;
+            return self.climb.restarts().is_multiple_of(2);
         }
         self.used(evaluations) < self.tuning.fresh * self.climb_share()
     }
