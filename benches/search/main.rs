@@ -296,6 +296,9 @@ fn set(tuning: &mut Tuning, assignment: &str) {
         "polish" => tuning.polish = number,
         "late_polish" => tuning.late_polish = number,
         "nugget" => tuning.nugget = number,
+        "differences" => tuning.differences = number,
+        "fresh" => tuning.fresh = number,
+        "patience" => tuning.patience = number,
         other => panic!("no setting {other}"),
     }
 }

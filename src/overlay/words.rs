@@ -177,7 +177,8 @@ fn grouped(moves: &[MoveEntry], parameters: &[f64]) -> Vec<Group> {
             Some(group) => {
                 group.share = group.share.max(share);
                 let is_slide = |text: &String| text.starts_with(SLIDES);
-                let again = clause.strip_prefix(SLIDES).filter(|_| group.clauses.last().is_some_and(is_slide));
+                let again =
+                    clause.strip_prefix(SLIDES).filter(|_| group.clauses.last().is_some_and(is_slide));
                 group.clauses.push(again.map_or_else(|| clause.clone(), str::to_owned));
             }
             None => out.push(Group { name, clauses: vec![clause], share }),

@@ -2,8 +2,10 @@
 //!
 //! A surrogate screens sparse Gaussian steps from the best point of the present climb; a quarter of
 //! the proposals are jumps that no model screens, because the objective has cliffs no model sees.
-//! A climb whose step has become small has converged; its end is kept and the next one starts
-//! from a crossover of such ends, from a member, or anywhere. From then on some proposals polish the
+//! A climb whose step has become small has converged; its end is kept. The next ones start anywhere; later, by
+//! turns, they widen the step again at the best point, with all that is known, or start from a crossover of
+//! ends. All but the former learn from their own points alone: the objective has many optima, and
+//! whoever borrows from the best falls back to where the best lies. Meanwhile some proposals polish the
 //! best point: one or two coordinates by steps of any size, since the objective is made of stairs.
 
 use rand::RngExt;
@@ -20,7 +22,7 @@ use super::tuning::Tuning;
 const WEIGHTS: [f64; 4] = [0.3, 0.5, 0.8, 0.95];
 /// Successes in a row that double the step.
 const SUCCESSES: u32 = 3;
-/// Screened failures in a row that halve the step: one a dimension, at least these.
+/// Screened failures in a row that halve the step, at least.
 const LEAST_PATIENCE: usize = 4;
 /// Gain, relative to the range, that counts as a success.
 const SUCCESS_GAIN: f64 = 1e-3;
@@ -39,6 +41,8 @@ pub(super) enum Step {
     Screened,
     Raw,
     Restart,
+    /// Near this archive point, whichever climb is under way.
+    Polish(usize),
 }
 
 /// One climb after another on the objective `stage`.
@@ -53,6 +57,7 @@ pub(super) struct Climb {
     ends: Vec<usize>,
     restarts: usize,
     weight: usize,
+    /// The first archive point that the present climb learns from.
     begun: usize,
 }
 
@@ -61,6 +66,8 @@ pub(super) struct View<'a> {
     pub(super) archive: &'a Archive,
     pub(super) limits: &'a Limits,
     pub(super) tuning: &'a Tuning,
+    /// Whether a new climb begins anywhere, whatever is known.
+    pub(super) fresh: bool,
     /// Members of the diverse set, once there is one.
     pub(super) members: &'a [usize],
     /// Points asked and not told yet.
@@ -128,7 +135,13 @@ impl Climb {
         self.stage = stage;
         self.ends.clear();
         self.restart_pending = false;
+        self.begun = 0;
         self.begin(view.tuning, best_of(view, stage));
+    }
+
+    /// Climbs begun after the first.
+    pub(super) fn restarts(&self) -> usize {
+        self.restarts
     }
 
     fn begin(&mut self, tuning: &Tuning, centre: Option<usize>) {
@@ -148,11 +161,10 @@ impl Climb {
         if let Some(best) = view.limits.best.get(self.stage).copied().flatten()
             && rng.random::<f64>() < self.polish_share(view)
         {
-            let mut best = best;
-            if rng.random::<f64>() < view.tuning.polish_ends && !self.ends.is_empty() {
-                best = self.ends[rng.random_range(0..self.ends.len())];
-            }
-            return (polish(view.archive.unit(best), rng), Step::Raw);
+            return (polish(view.archive.unit(best), rng), Step::Polish(best));
+        }
+        if self.centre.is_none() && !self.restart_pending {
+            self.turn(view);
         }
         let Some(centre) = self.centre else {
             if self.restart_pending {
@@ -187,19 +199,14 @@ impl Climb {
     ) -> Vec<f64> {
         let at = view.archive.unit(centre);
         let mut candidates = Vec::with_capacity(view.tuning.candidates);
-        let first = if view.tuning.isolated > 0.0 { self.begun } else { 0 };
-        let good = if view.tuning.differences > 0.0 { self.good_from(view, first) } else { vec![] };
+        let good = self.good(view);
         for _ in 0..view.tuning.candidates {
-            let step = if view.tuning.multiscale > 0.0 {
-                self.step * view.tuning.multiscale.powf(-rng.random::<f64>())
+            let follows = good.len() > 1 && rng.random::<f64>() < view.tuning.differences;
+            candidates.push(if follows {
+                difference_step(view, at, &good, self.step, rng)
             } else {
-                self.step
-            };
-            if good.len() > 2 && rng.random::<f64>() < view.tuning.differences {
-                candidates.push(difference_step(view.archive, at, &good, step, rng));
-            } else {
-                candidates.push(sparse_step(at, view.tuning.coordinate_share, step, rng));
-            }
+                sparse_step(at, view.tuning.coordinate_share, self.step, rng)
+            });
         }
         let surrogate = models.around(view, at, self.stage + 1);
         let (merit, distance) = self.judge(view, surrogate, &candidates);
@@ -228,12 +235,6 @@ impl Climb {
     /// Half resets of one to three coordinates, half crossovers with another good point.
     fn raw_jump(&self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
         let at = view.archive.unit(centre);
-        if view.tuning.raw_differences > 0.0 && rng.random::<f64>() < view.tuning.raw_differences {
-            let good = self.good(view);
-            if good.len() > 2 {
-                return difference_step(view.archive, at, &good, 0.2, rng);
-            }
-        }
         if rng.random::<bool>()
             && let Some(other) = self.partner(view, centre, rng)
         {
@@ -242,14 +243,10 @@ impl Climb {
         reset(at, rng)
     }
 
-    /// The best tenth.
+    /// The best tenth of what this climb learns from.
     fn good(&self, view: &View<'_>) -> Vec<usize> {
-        self.good_from(view, 0)
-    }
-
-    fn good_from(&self, view: &View<'_>, first: usize) -> Vec<usize> {
         let archive = view.archive;
-        let mut good: Vec<usize> = (first..archive.len()).filter(|&i| archive.hard(i) == 0.0).collect();
+        let mut good: Vec<usize> = (self.begun..archive.len()).filter(|&i| archive.hard(i) == 0.0).collect();
         let tenth = good.len().div_ceil(10);
         if tenth < good.len() {
             let best_first = |a: &usize, b: &usize| {
@@ -259,37 +256,34 @@ impl Climb {
             good.truncate(tenth);
             good.sort_unstable();
         }
-        if first == 0 {
-            good.extend(&self.ends);
-        }
         good
     }
 
-    /// Another good point away from the centre: among the best tenth, or the end of a climb.
+    /// Another good point of this climb, away from the centre.
     fn partner(&self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Option<usize> {
-        let first = if view.tuning.isolated > 0.0 && rng.random::<f64>() < view.tuning.isolated { self.begun } else { 0 };
-        let mut good = self.good_from(view, first);
+        let mut good = self.good(view);
         good.retain(|&i| view.archive.distance(i, centre) > CROSSOVER_DISTANCE);
         (!good.is_empty()).then(|| good[rng.random_range(0..good.len())])
     }
 
-    /// Where the next climb starts: in turn anywhere (later a member), a crossover of two ends, and
-    /// near the best point.
-    fn restart(&mut self, view: &View<'_>, models: &mut Models, rng: &mut ChaCha8Rng) -> Vec<f64> {
-        let turn = match view.tuning.restart_mode {
-            1 => [0, 1][self.restarts % 2],
-            2 => [0, 1, 1][self.restarts % 3],
-            3 => if self.ends.len() < 3 { 0 } else { 1 },
-            4 => if self.ends.len() < 2 { 0 } else { [1, 1, 0, 1][self.restarts % 4] },
-            5 => if self.ends.len() < 3 { 0 } else { [1, 1, 2, 1, 1, 0][self.restarts % 6] },
-            6 => 0,
-            _ => self.restarts % 3,
-        };
+    /// Once climbs no longer begin anywhere, every other one goes on from the best point.
+    fn turn(&mut self, view: &View<'_>) {
         self.restarts += 1;
+        if !view.fresh
+            && self.restarts % 2 == 1
+            && let Some(best) = view.limits.best.get(self.stage).copied().flatten()
+        {
+            self.begun = 0;
+            self.begin(view.tuning, Some(best));
+        }
+    }
+
+    /// Where a climb apart from the best point starts: anywhere (later near a member), or between two ends.
+    fn restart(&mut self, view: &View<'_>, models: &mut Models, rng: &mut ChaCha8Rng) -> Vec<f64> {
         let best = view.limits.best.get(self.stage).copied().flatten();
-        match (turn, best) {
-            (1, _) if self.ends.len() > 1 => self.restart_between_ends(view, models, rng),
-            (1 | 2, Some(best)) => reset(view.archive.unit(best), rng),
+        match best {
+            _ if !view.fresh && self.ends.len() > 1 => self.restart_between_ends(view, models, rng),
+            Some(best) if !view.fresh => reset(view.archive.unit(best), rng),
             _ if !view.members.is_empty() => {
                 let member = view.members[rng.random_range(0..view.members.len())];
                 reset(view.archive.unit(member), rng)
@@ -334,6 +328,9 @@ impl Climb {
             }
             return;
         };
+        if matches!(step, Step::Polish(base) if base != centre) {
+            return;
+        }
         if view.is_better(i, centre, self.stage, 0.0) {
             let clear = SUCCESS_GAIN * view.limits.range(self.stage);
             if step == Step::Screened && view.is_better(i, centre, self.stage, clear) {
@@ -353,27 +350,12 @@ impl Climb {
             self.step = (2.0 * self.step).min(view.tuning.first_step);
             self.successes = 0;
         }
-        if self.failures as usize >= view.archive.dims().max(LEAST_PATIENCE) {
+        let patience = (view.tuning.patience * view.archive.dims() as f64) as usize;
+        if self.failures as usize >= patience.max(LEAST_PATIENCE) {
             self.step /= 2.0;
             self.failures = 0;
         }
-        let hopeless = view.tuning.abandon > 0.0
-            && self.step < 0.5 * view.tuning.first_step
-            && self.centre.zip(view.limits.best.get(self.stage).copied().flatten()).is_some_and(|(c, b)| {
-                let gap = view.merit_of(b, self.stage) - view.merit_of(c, self.stage);
-                gap > view.tuning.abandon * self.step * view.limits.range(self.stage)
-            });
-        if hopeless {
-            if std::env::var("LAB").is_ok() {
-                eprintln!("{} abandoned {:.4}", view.archive.len(), view.merit_of(self.centre.unwrap_or(0), self.stage));
-            }
-            self.begin(view.tuning, None);
-            return;
-        }
         if self.step < view.tuning.last_step {
-            if std::env::var("LAB").is_ok() {
-                eprintln!("{} end {:.4}", view.archive.len(), view.merit_of(self.centre.unwrap_or(0), self.stage));
-            }
             self.ends.extend(self.centre);
             if self.ends.len() > ENDS_KEPT {
                 self.drop_worst_end(view);
@@ -414,30 +396,27 @@ pub(super) fn sparse_step(at: &[f64], share: f64, step: f64, rng: &mut ChaCha8Rn
     out
 }
 
-/// A step along the difference of two good points, in all, a run or a half of the coordinates.
-pub(super) fn difference_step(
-    archive: &Archive,
-    at: &[f64],
-    good: &[usize],
-    step: f64,
-    rng: &mut ChaCha8Rng,
-) -> Vec<f64> {
-    let a = archive.unit(good[rng.random_range(0..good.len())]);
-    let b = archive.unit(good[rng.random_range(0..good.len())]);
+/// Differences shorter than this say nothing of a direction.
+const LEAST_DIFFERENCE: f64 = 1e-9;
+
+/// A step along the difference of two good points, in all coordinates or a run of them (cyclic): along the ridges
+/// on which good points lie. About as long as a sparse step.
+fn difference_step(view: &View<'_>, at: &[f64], good: &[usize], step: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let share = view.tuning.coordinate_share;
+    let mut pick = || view.archive.unit(good[rng.random_range(0..good.len())]);
+    let (a, b) = (pick(), pick());
     let length = square_distance(a, b).sqrt();
-    let mut out = at.to_vec();
-    if length < 1e-9 {
-        return sparse_step(at, 0.2, step, rng);
+    if length < LEAST_DIFFERENCE {
+        return sparse_step(at, share, step, rng);
     }
-    // As long as a sparse Gaussian step is on average, and never longer than the difference.
-    let size = (step * (0.2 * at.len() as f64).sqrt()) / length;
-    let factor = size * rng.sample::<f64, _>(StandardNormal);
-    let dims = out.len();
-    let whole = rng.random::<f64>() < 0.5;
+    let dims = at.len();
+    let factor = step * (share * dims as f64).sqrt() / length * rng.sample::<f64, _>(StandardNormal);
+    let is_whole = rng.random::<bool>();
     let (from, count) = (rng.random_range(0..dims), rng.random_range(1..=dims));
-    for k in 0..dims {
-        if whole || (k + dims - from) % dims < count {
-            out[k] = reflect(out[k] + factor * (a[k] - b[k]));
+    let mut out = at.to_vec();
+    for (k, u) in out.iter_mut().enumerate() {
+        if is_whole || (k + dims - from) % dims < count {
+            *u = reflect(*u + factor * (a[k] - b[k]));
         }
     }
     out

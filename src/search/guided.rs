@@ -164,6 +164,14 @@ impl Guided {
         if self.spreads { self.tuning.climb_share } else { 1.0 }
     }
 
+    /// Whether a climb that begins after that many evaluations begins anywhere. Without a budget every other one.
+    fn is_fresh(&self, evaluations: usize) -> bool {
+        if self.budget.is_none() {
+            return self.climb.restarts().is_multiple_of(2);
+        }
+        self.used(evaluations) < self.tuning.fresh * self.climb_share()
+    }
+
     /// Whether evaluation number `n` climbs.
     fn climbs(&mut self, n: usize) -> bool {
         let used = self.used(n);
@@ -188,7 +196,7 @@ impl Guided {
                 }
                 let (limits, tuning) = (&self.limits, &self.tuning);
                 let members = self.spread.members().to_vec();
-                let view = View { archive, limits, tuning, members: &members, pending: &out };
+                let view = View { archive, limits, tuning, members: &members, pending: &out, fresh: false };
                 self.spread.refresh(&view, tuning.margin);
                 proposal = self
                     .spread
@@ -202,6 +210,7 @@ impl Guided {
                     tuning: &self.tuning,
                     members: self.spread.members(),
                     pending: &out,
+                    fresh: self.is_fresh(archive.len()),
                 };
                 let (x, step) = self.climb.propose(&view, &mut self.climb_models, &mut self.rng);
                 (x, Kind::Climb(step))
@@ -258,6 +267,7 @@ impl Guided {
                 tuning: &self.tuning,
                 members: self.spread.members(),
                 pending: &[],
+                fresh: false,
             };
             self.climb.set_stage(&view, due);
         }
@@ -275,8 +285,14 @@ impl Guided {
             self.course.tops.push(self.limits.top(self.stage));
             let kind = self.asked.get(i - first).copied().unwrap_or(Kind::Climb(Step::Raw));
             let members = self.spread.members().to_vec();
-            let view =
-                View { archive, limits: &self.limits, tuning: &self.tuning, members: &members, pending: &[] };
+            let view = View {
+                archive,
+                limits: &self.limits,
+                tuning: &self.tuning,
+                members: &members,
+                pending: &[],
+                fresh: false,
+            };
             if let Kind::Climb(step) = kind {
                 self.climb.absorb(&view, i, if i == 0 { Step::Restart } else { step });
             }
@@ -289,7 +305,14 @@ impl Guided {
     /// The diverse set as it stands, inside the bare thresholds.
     pub(super) fn members(&self, archive: &Archive) -> Vec<usize> {
         let mut spread = self.spread.with_members();
-        let view = View { archive, limits: &self.limits, tuning: &self.tuning, members: &[], pending: &[] };
+        let view = View {
+            archive,
+            limits: &self.limits,
+            tuning: &self.tuning,
+            members: &[],
+            pending: &[],
+            fresh: false,
+        };
         spread.settle(&view, self.tuning.margin);
         if spread.members().len() < self.members {
             spread.settle(&view, 0.0);

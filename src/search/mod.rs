@@ -207,8 +207,8 @@ pub struct Outcome<'a> {
     /// The diverse set: at most as many as asked for, fewer where fewer feasible points are known.
     /// None breaks a hard limit, but those that were pinned. In [`Mode::Best`] the best point alone.
     pub members: Vec<Member>,
-    /// Members that were found but stand so near a better one that they are none: fewer options are better
-    /// than several of the same.
+    /// Members that were found but, few parameters moving, stand so near a better one that they are none: fewer
+    /// options are better than several of the same.
     pub alike: usize,
     /// The limits l_i of the objectives, as measured.
     pub thresholds: Vec<f64>,
@@ -224,6 +224,9 @@ pub struct Outcome<'a> {
 
 /// Members nearer than this share of the distance wanted (`d_min`) are the same option to anybody.
 const ALIKE_SHARE: f64 = 0.5;
+
+/// Parameters up to which this is looked at: with more of them options differ in what moves, not only in how far.
+const FEW_PARAMETERS: usize = 3;
 
 /// A running search.
 #[derive(Clone, Debug)]
@@ -402,13 +405,14 @@ impl Search {
         if kept.is_empty() { best.into_iter().collect() } else { kept }
     }
 
-    /// Without those that stand too near a better one, and how many these are. Where there are any, the best point
+    /// Without those that, where few parameters may move, stand too near a better one, and how many these are. Where there are any, the best point
     /// is kept first: what is left may be one option, and that must be the best. Pinned members all stay.
     fn unlike(&self, members: Vec<usize>, best: Option<usize>) -> (Vec<usize>, usize) {
         let is_default = self.study.method == Method::Default && self.study.mode == Mode::Diverse;
+        let is_few = self.space.dims() <= FEW_PARAMETERS;
         let least = ALIKE_SHARE * self.study.d_min * (self.space.dims() as f64).sqrt();
         let is_far = |kept: &[usize], i: usize| kept.iter().all(|&k| self.archive.distance(k, i) >= least);
-        if !is_default || (0..members.len()).all(|m| is_far(&members[..m], members[m])) {
+        if !is_default || !is_few || (0..members.len()).all(|m| is_far(&members[..m], members[m])) {
             return (members, 0);
         }
         let (pinned, free) = members.split_at(self.study.pinned.min(members.len()));

@@ -43,32 +43,23 @@ pub struct Tuning {
     pub keep_best: bool,
     /// Share of spread evaluations that should be accepted.
     pub acceptance: f64,
-    /// Share of the screened candidates that follow differences between good points.
+    /// Share of the screened candidates that follow the difference of two good points of the climb.
     pub differences: f64,
-    /// EXP share of raw jumps of a later climb that may cross with anything
-    pub isolated: f64,
-    /// EXP restart pattern
-    pub restart_mode: usize,
-    /// EXP abandon
-    pub abandon: f64,
-    /// EXP multiscale
-    pub multiscale: f64,
-    /// EXP polish ends
-    pub polish_ends: f64,
-    /// EXP
-    pub raw_differences: f64,
-    /// EXP
-    pub spread_differences: f64,
+    /// Share of the climbing during which climbs begin anywhere; later ones begin by turns at the best point and
+    /// between the ends known.
+    pub fresh: f64,
+    /// Failures in a row that halve the step, a dimension.
+    pub patience: f64,
 }
 
 impl Default for Tuning {
     fn default() -> Self {
         Self {
-            climb_share: 0.5,
+            climb_share: 0.6,
             late_climb: 0.35,
             fade_from: 0.7,
-            margin: 0.05,
-            neighbours: 100,
+            margin: 0.043,
+            neighbours: 300,
             spread_neighbours: 300,
             candidates: 500,
             spread_candidates: 400,
@@ -83,14 +74,9 @@ impl Default for Tuning {
             any_member: 0.0,
             keep_best: false,
             acceptance: 0.3,
-            differences: 0.0,
-            isolated: 0.0,
-            restart_mode: 0,
-            abandon: 0.0,
-            multiscale: 0.0,
-            polish_ends: 0.0,
-            raw_differences: 0.0,
-            spread_differences: 0.0,
+            differences: 0.3,
+            fresh: 0.4,
+            patience: 1.4,
         }
     }
 }
