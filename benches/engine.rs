@@ -65,6 +65,9 @@ fn main() {
     if filter.iter().any(|f| f == "million") {
         million_row();
     }
+    if wanted("tate") {
+        tate_row();
+    }
     if wanted("art_gallery") {
         evaluation_row();
     }
@@ -91,6 +94,31 @@ fn polygon_and_path_row(name: &str, metres: i64, spacing_um: i64) {
         println!();
         peer_row(&obstacles.segments, spacing_um, n, &[("isovist", isovist_secs)]);
     }
+}
+
+/// Tate Britain as drawn (every line stops sight, one unit is taken for a metre): local, global and isovist.
+fn tate_row() {
+    let Some(text) = shared_text("../data/dxf/gallery_depthmapx.dxf") else {
+        println!("tate: the drawing is not here, skipped");
+        return;
+    };
+    let (lines, rings) = entities(&text);
+    let of_ring = |r: OnLayer<Ring>| r.1.windows(2).map(|w| Segment { a: w[0], b: w[1] }).collect::<Vec<_>>();
+    let walls: Vec<Segment> =
+        lines.into_iter().map(|l| l.1).chain(rings.into_iter().flat_map(of_ring)).collect();
+    let lattice = flood(&walls, 40_000, [3_000_000, 6_300_000]);
+    let obstacles = Obstacles { segments: walls, blind: vec![] };
+    let one = pool(1);
+    let (graph_secs, graph) = median(&one, 9, || visibility_graph(&lattice, &obstacles));
+    let (global_secs, _) = median(&one, 9, || forest::tally(&lattice, &graph, None));
+    let (local_secs, _) = median(&one, 9, || measures::local_columns(&lattice, &graph));
+    let (isovist_secs, _) = median(&one, 9, || isovist::isovist_columns(&lattice, &obstacles));
+    println!(
+        "tate: {} vertices, degree {:.1}: graph {graph_secs:.4} global {global_secs:.4} local {local_secs:.4} isovist {isovist_secs:.4}, all {:.4}",
+        graph.len(),
+        2.0 * graph.edge_count() as f64 / graph.len() as f64,
+        graph_secs + global_secs + local_secs + isovist_secs
+    );
 }
 
 /// A million vertices: the graph, and global measures from 5,120 sampled roots; wall-clock seconds.
@@ -409,7 +437,7 @@ fn shared_walls(path: &str) -> Option<Vec<Segment>> {
     Some(lines.into_iter().filter(|l| l.0 == "WALLS").map(|l| l.1).collect())
 }
 
-/// LINEs and LWPOLYLINEs with their layers, of a drawing in metres.
+/// LINEs and LWPOLYLINEs (closed ones end where they begin) with their layers, of a drawing in metres.
 fn entities(text: &str) -> (Vec<OnLayer<Segment>>, Vec<OnLayer<Ring>>) {
     let tags: Vec<&str> = text.lines().map(str::trim).collect();
     let um = |v: &str| (v.parse::<f64>().expect("a number") * 1e6).round() as i64;
@@ -431,7 +459,11 @@ fn entities(text: &str) -> (Vec<OnLayer<Segment>>, Vec<OnLayer<Ring>>) {
             "LINE" => lines.push((layer, Segment { a: at("10", "20"), b: at("11", "21") })),
             "LWPOLYLINE" => {
                 let of = |code: &'static str| record.iter().filter(move |t| t.0 == code).map(|t| um(t.1));
-                rings.push((layer, of("10").zip(of("20")).map(|(x, y)| [x, y]).collect()));
+                let mut ring: Ring = of("10").zip(of("20")).map(|(x, y)| [x, y]).collect();
+                if get("70").is_some_and(|flags| flags == "1" || flags == "129") {
+                    ring.push(ring[0]);
+                }
+                rings.push((layer, ring));
             }
             _ => {}
         }

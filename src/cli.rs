@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use crate::config::{Backend, Colours, Level, Method, Mode, Partial, Thresholds};
 use crate::pipeline::resolution;
@@ -21,11 +21,16 @@ pub struct Cli {
 /// # Errors
 /// The exit code: 0 where help or the version was asked for, 3 for wrong usage.
 pub fn parse() -> Result<Cli, u8> {
-    Cli::try_parse().map_err(|e| {
+    grammar().try_get_matches().and_then(|m| Cli::from_arg_matches(&m)).map_err(|e| {
         // A closed pipe is no reason to fail.
         let _ = e.print();
         if e.use_stderr() { 3 } else { 0 }
     })
+}
+
+/// What the command line may say. A negative number is a value, if one out of range, and not an option.
+fn grammar() -> clap::Command {
+    Cli::command().mut_subcommands(|c| c.allow_negative_numbers(true))
 }
 
 /// The commands.
@@ -110,7 +115,7 @@ pub struct Common {
     #[arg(long, value_enum)]
     pub backend: Option<BackendArg>,
     /// Threads; all cores by default. Never changes the result.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>)]
     pub threads: Option<usize>,
     /// Results go to DIR/plan.enfilade/ instead of beside the drawing.
     #[arg(long, value_name = "DIR")]
@@ -163,7 +168,7 @@ pub struct AnalyseArgs {
     pub measures: Vec<String>,
     /// Nothing farther than this counts: steps of the graph measures, right angles of the angular,
     /// metres of the metric ones.
-    #[arg(long, value_name = "R")]
+    #[arg(long, value_name = "R", value_parser = whole::<u32>)]
     pub radius: Option<u32>,
     /// Estimate the measures of the whole graph from N cells, with a confidence interval.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..))]
@@ -194,10 +199,10 @@ pub struct ResolutionArgs {
     #[arg(long, value_name = "0..1", default_value_t = resolution::TOLERANCE)]
     pub tolerance: f64,
     /// Layouts sampled within the bounds of the moves.
-    #[arg(long, value_name = "N", default_value_t = resolution::SAMPLES)]
+    #[arg(long, value_name = "N", default_value_t = resolution::SAMPLES, value_parser = whole::<usize>)]
     pub samples: usize,
     /// Seed of the samples.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<u64>)]
     pub seed: Option<u64>,
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -208,10 +213,10 @@ pub struct ResolutionArgs {
 #[derive(Debug, Default, Args)]
 pub struct SearchArgs {
     /// Seed: the same seed gives the same bytes.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<u64>)]
     pub seed: Option<u64>,
     /// Budget: layouts to measure.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<u64>)]
     pub evaluations: Option<u64>,
     /// Budget: seconds (the result then depends on the machine).
     #[arg(long, value_name = "S")]
@@ -220,7 +225,7 @@ pub struct SearchArgs {
     #[arg(long, value_name = "S")]
     pub write_every: Option<f64>,
     /// Options wanted.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>)]
     pub members: Option<usize>,
     /// Several different options, or the single best.
     #[arg(long, value_enum)]
@@ -256,7 +261,7 @@ pub struct SearchArgs {
     #[arg(long, value_name = "LIST")]
     pub snap: Option<String>,
     /// Most groups that an option may move.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>)]
     pub most_moves: Option<usize>,
     /// Move what is marked and nothing else, not even where nothing is marked.
     #[arg(long)]
@@ -275,7 +280,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "N")]
     pub pin: Vec<usize>,
     /// Look near option N of the newest round.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>)]
     pub like: Option<usize>,
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -292,7 +297,7 @@ pub struct WatchArgs {
     #[arg(long)]
     pub poll: bool,
     /// Also look into folders below, this many levels deep.
-    #[arg(long, value_name = "LEVELS")]
+    #[arg(long, value_name = "LEVELS", value_parser = whole::<usize>)]
     pub depth: Option<usize>,
     /// Names to leave alone, * and ? may stand in them; repeatable.
     #[arg(long, value_name = "GLOB")]
@@ -397,9 +402,10 @@ pub struct AcceptArgs {
     /// The drawing the round was made from.
     pub file: PathBuf,
     /// Candidate, from 1; 0: the best layout found, which need not be among them.
+    #[arg(value_parser = whole::<usize>)]
     pub number: usize,
     /// Round to take it from; the newest by default.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>)]
     pub round: Option<u32>,
     /// Where the results of the drawing are, if not beside it.
     #[arg(long, value_name = "DIR")]
@@ -442,7 +448,7 @@ pub struct RunJobArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Threads; all cores by default. Never changes the result.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>)]
     pub threads: Option<usize>,
     /// How progress is said on standard error.
     #[arg(long, value_enum)]
@@ -563,6 +569,10 @@ impl Common {
     }
 }
 
+fn whole<T: std::str::FromStr>(text: &str) -> Result<T, String> {
+    text.trim().parse().map_err(|_| format!("found {text:?}, expected a whole number from 0"))
+}
+
 fn point(text: &str) -> Result<[f64; 2], String> {
     let number = |s: &str| s.trim().parse::<f64>().ok().filter(|v| v.is_finite());
     text.split_once(',')
@@ -577,6 +587,17 @@ mod tests {
     #[test]
     fn the_command_line_is_sound() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_number_out_of_range_is_a_value() {
+        for (option, said) in [("--seed", "\"-1\", expected a whole number from 0"), ("--spacing", "")] {
+            let parsed = grammar().try_get_matches_from(["enfilade", "run", "a.dxf", option, "-1"]);
+            match parsed {
+                Ok(_) => assert!(said.is_empty(), "{option} takes any number; its range is held later"),
+                Err(e) => assert!(!said.is_empty() && e.to_string().contains(said), "{e}"),
+            }
+        }
     }
 
     #[test]

@@ -12,13 +12,13 @@ use std::time::Instant;
 use crate::cli::{
     AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ResolutionArgs, RunArgs, SearchArgs,
 };
-use crate::config::{Partial, Settings, settings_files};
-use crate::daemon::{self, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
+use crate::config::{Partial, Settings, settings_files, unread_side_cars};
+use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
 use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
 use crate::pipeline::cells::CellOptions;
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::progress::Display;
-use crate::report::{Cancel, Error, Place, Report, Severity, gathered};
+use crate::report::{Cancel, Error, Place, Report, Severity, gathered, printable};
 use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, round_name};
 
@@ -225,15 +225,8 @@ fn tell_resolution(result: &resolution::ResolutionResult, folder: &Path) {
 
 fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
     let mut partial = args.common.partial(Some(&args.search));
-    if !args.pin.is_empty() || args.like.is_some() {
-        let out = settings_partial(&args.file, partial.clone())?.out.map(PathBuf::from);
-        let (round, result) = round_result(&args.file, out, None)?;
-        let of = |n: &usize| option_of(&result, round, *n);
-        let pinned: Vec<Vec<f64>> = args.pin.iter().map(of).collect::<Result<_, _>>()?;
-        partial.pin = Some(pinned).filter(|p| !p.is_empty());
-        partial.like = args.like.as_ref().map(of).transpose()?;
-        partial.pin_moves = pipeline::moves_of(&result.moves);
-    }
+    let asked = Asked { pin: args.pin.clone(), like: args.like, ..Asked::default() };
+    hold(&mut partial, &args.file, &asked)?;
     let (settings, out) = settings_for(&args.file, partial)?;
     let watch = WatchSettings { out_dir: out, ..WatchSettings::default() };
     let mut display = Display::new(args.common.progress, args.common.quiet);
@@ -268,6 +261,21 @@ fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
     Ok(u8::from(done.is_degraded))
 }
 
+/// Puts the options that a round is to keep, or to find more of, into its settings.
+fn hold(partial: &mut Partial, file: &Path, asked: &Asked) -> Result<(), Error> {
+    if asked.pin.is_empty() && asked.like.is_none() {
+        return Ok(());
+    }
+    let out = settings_partial(file, partial.clone())?.out.map(PathBuf::from);
+    let (round, result) = round_result(file, out, asked.round)?;
+    let of = |n: &usize| option_of(&result, round, *n);
+    let pinned: Vec<Vec<f64>> = asked.pin.iter().map(of).collect::<Result<_, _>>()?;
+    partial.pin = Some(pinned).filter(|p| !p.is_empty());
+    partial.like = asked.like.as_ref().map(of).transpose()?;
+    partial.pin_moves = pipeline::moves_of(&result.moves);
+    Ok(())
+}
+
 /// One round of a drawing, on the threads of the settings; what it says goes to `tell` on this thread.
 fn round(
     shown: &str,
@@ -282,7 +290,7 @@ fn round(
         let worker = scope.spawn(move || {
             pipeline::on_threads(settings, || {
                 let input = Input::new(shown, &request.bytes, u64::from(request.round));
-                let input = Input { earlier: &request.earlier, ..input };
+                let input = input.going_on_from(&request.earlier);
                 // Nobody hears any more once the job was given up.
                 let mut show = |event: Event| drop(say.send(event));
                 pipeline::run(&input, settings, started, &mut show, cancel)
@@ -441,7 +449,21 @@ fn open(file: &Path) -> Result<(String, Vec<u8>), Error> {
 pub fn settings_for(drawing: &Path, command_line: Partial) -> Result<(Settings, Option<PathBuf>), Error> {
     let partial = settings_partial(drawing, command_line)?;
     let out = partial.out.clone().map(PathBuf::from);
-    Ok((Settings { twin: twin(drawing), ..Settings::new(partial)? }, out))
+    // Where names differ by case alone and the file system does not mind, it was read.
+    let was_read = |(found, right): &(String, String)| {
+        found.eq_ignore_ascii_case(right) && drawing.with_file_name(right).is_file()
+    };
+    let mut unread = unread_side_cars(drawing, &files_beside(drawing));
+    unread.retain(|u| !was_read(u));
+    Ok((Settings { twin: twin(drawing), unread, ..Settings::new(partial)? }, out))
+}
+
+/// Names of the files in a drawing's folder.
+fn files_beside(drawing: &Path) -> Vec<String> {
+    let folder = drawing.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let files = entries.flatten().filter(|e| e.file_type().is_ok_and(|t| t.is_file()));
+    files.map(|e| e.file_name().to_string_lossy().into_owned()).collect()
 }
 
 /// The IFC of the same name beside a glTF.
@@ -517,7 +539,7 @@ fn exit_code(report: &Report) -> u8 {
 }
 
 fn say(line: &str) {
-    print(&format!("{}\n", line.trim_end_matches('\n')));
+    print(&format!("{}\n", printable(line.trim_end_matches('\n'))));
 }
 
 /// Standard output may be a closed pipe: that is no reason to fail.

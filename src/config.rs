@@ -44,6 +44,33 @@ pub fn settings_files(drawing: &Path) -> [PathBuf; 2] {
     [drawing.with_extension("enfilade.toml"), drawing.with_file_name("enfilade.toml")]
 }
 
+/// Names in a drawing's folder that are not read but were meant as its side-car, each with the name that is read.
+/// `found` are names of files as they lie there, in any order.
+pub fn unread_side_cars(drawing: &Path, found: &[String]) -> Vec<(String, String)> {
+    let name = |p: &Path| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let [own, folder] = settings_files(drawing).map(|p| name(&p));
+    let (whole, stem) =
+        (name(drawing), drawing.file_stem().unwrap_or_default().to_string_lossy().into_owned());
+    let meant = [
+        (own.clone(), &own),
+        (format!("{whole}.enfilade.toml"), &own),
+        (format!("{whole}.enfilade"), &own),
+        (format!("{own}.txt"), &own),
+        (format!("{stem}-enfilade.toml"), &own),
+        (format!("{stem}_enfilade.toml"), &own),
+        (folder.clone(), &folder),
+        (format!("{folder}.txt"), &folder),
+    ];
+    let reads = |n: &String| *n == own || *n == folder;
+    let near = |n: &&String| {
+        let right = meant.iter().find(|(m, _)| m.eq_ignore_ascii_case(n)).filter(|_| !reads(n));
+        right.map(|(_, right)| ((*n).clone(), (*right).clone()))
+    };
+    let mut out: Vec<(String, String)> = found.iter().filter_map(|n| near(&n)).collect();
+    out.sort();
+    out
+}
+
 /// At which height sight lines run (spec 1, openings).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -497,6 +524,9 @@ pub struct Settings {
     /// Bytes of the IFC that lies beside a glTF of the same name: it knows the classes of the nodes.
     #[serde(skip)]
     pub twin: Option<Arc<[u8]>>,
+    /// Files beside the drawing that were meant as its settings and are not read: name found, name that is read.
+    #[serde(skip)]
+    pub unread: Vec<(String, String)>,
 }
 
 impl Settings {
@@ -588,6 +618,7 @@ impl Settings {
             query: p.query,
             accept_missing_eof: p.accept_missing_eof.unwrap_or(false),
             twin: None,
+            unread: Vec::new(),
             ignore_move_markers: p.ignore_move_markers.unwrap_or(false),
             moves: p.moves,
             regions: p.regions,

@@ -12,6 +12,25 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Serialize, Serializer};
 
+/// Text of foreign origin for a terminal, a log or a page: control characters, and those that turn the direction of
+/// writing, are shown as what they are (`\u{1b}`) instead of being obeyed. Line ends and tabs stay.
+pub fn printable(text: &str) -> String {
+    let is_harmless = |c: char| matches!(c, '\n' | '\t') || !is_obeyed(c);
+    text.chars()
+        .map(|c| if is_harmless(c) { c.to_string() } else { c.escape_default().to_string() })
+        .collect()
+}
+
+/// As [`printable`], with line ends and tabs shown too: a name that tries to look like more lines does not.
+pub fn one_line(text: &str) -> String {
+    text.chars().map(|c| if is_obeyed(c) { c.escape_default().to_string() } else { c.to_string() }).collect()
+}
+
+/// Whether a terminal does something other than showing the character.
+fn is_obeyed(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
 /// Where in which file something was found: `plan.dxf:1842 LWPOLYLINE 2F3 layer A-WALL`.
 ///
 /// Every part may be missing; the file is a name to show, not a path to open.
@@ -45,13 +64,13 @@ impl Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.file)?;
+        f.write_str(&one_line(&self.file))?;
         if let Some(line) = self.line {
             write!(f, ":{line}")?;
         }
         if !self.entity.is_empty() {
             let gap = if self.file.is_empty() { "" } else { " " };
-            write!(f, "{gap}{}", self.entity)?;
+            write!(f, "{gap}{}", one_line(&self.entity))?;
         }
         Ok(())
     }
@@ -85,7 +104,8 @@ pub struct Problem {
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let place = self.place.to_string();
-        if place.is_empty() { f.write_str(&self.text) } else { write!(f, "{place}: {}", self.text) }
+        let text = printable(&self.text);
+        if place.is_empty() { f.write_str(&text) } else { write!(f, "{place}: {text}") }
     }
 }
 

@@ -190,6 +190,23 @@ fn exit_codes_and_messages() {
 }
 
 #[test]
+fn a_side_car_of_another_name_is_not_read_in_silence() {
+    for sample_name in ["pavilion.glb", "pavilion.ifc", "gallery.dxf"] {
+        let folder = tempfile::tempdir().unwrap();
+        let drawing = folder.path().join(sample_name);
+        std::fs::copy(sample(sample_name), &drawing).unwrap();
+        let stem = sample_name.split('.').next().unwrap();
+        let check = || enfilade(&["check", &drawing.to_string_lossy(), "--quiet"]);
+        std::fs::write(folder.path().join(format!("{sample_name}.enfilade.toml")), "seed = 3\n").unwrap();
+        let told = check();
+        let expected = format!("{sample_name}.enfilade.toml lies beside it and is not read");
+        assert!(text(&told.stderr).contains(&expected), "{}", text(&told.stderr));
+        assert!(text(&told.stderr).contains(&format!("a file named {stem}.enfilade.toml; rename it")));
+        assert_eq!(told.status.code(), Some(1));
+    }
+}
+
+#[test]
 fn every_measure_has_a_column_and_a_heat_map() {
     let folder = tempfile::tempdir().unwrap();
     let (out, csv) = (folder.path().join("out"), folder.path().join("cells.csv"));

@@ -140,6 +140,161 @@ fn additions_are_nodes_of_ours_and_are_not_read_as_walls() {
     assert_eq!(mine, ["EF-NOTE", "EF-MOVED", "EF-HEAT-DEGREE"]);
     assert_eq!(json["scenes"][0]["nodes"].as_array().unwrap().len(), nodes.len());
     assert_eq!(json["extensionsUsed"], serde_json::json!(["KHR_materials_unlit"]));
+    // Our data stands behind the scene's own in the binary chunk; data as text is for scenes without one.
+    let data = &bytes[28 + u32_at(&bytes, 12)..];
+    assert!(data.len() > parts().1.len() && data.starts_with(&parts().1));
+    assert_eq!(json["buffers"].as_array().unwrap().len(), 1);
+    assert_eq!(json["buffers"][0]["byteLength"], data.len());
+    let text =
+        formats::patch("house.gltf", embedded().as_bytes(), &ReadOptions::default(), &[], &own).unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&text).unwrap();
+    assert!(json["buffers"].as_array().unwrap().iter().all(|b| b["uri"].is_string()));
+}
+
+/// A GLB with three walls in one mesh, two primitives, and normals; the node is turned, scaled and shifted.
+fn walls_of_one_mesh() -> Vec<u8> {
+    let box_of = |x: f32, y: f32, w: f32, d: f32| -> Vec<[f32; 3]> {
+        let ring = [[x, y], [x + w, y], [x + w, y + d], [x, y + d]];
+        [0.0, 6.0].iter().flat_map(|h| ring.map(|p| [p[0], *h, -p[1]])).collect()
+    };
+    let walls = [box_of(0.0, 0.0, 8.0, 0.4), box_of(10.0, 0.0, 0.4, 8.0), box_of(2.0, 12.0, 8.0, 0.4)];
+    let faces = [[0u16, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+    let points = [[walls[0].clone(), walls[1].clone()].concat(), walls[2].clone()];
+    let (mut data, mut views, mut accessors, mut primitives) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for points in &points {
+        let n = points.len();
+        let boxes = (0..n / 8).map(|b| 8 * b as u16);
+        let quads = boxes.flat_map(|b| faces.map(|f| f.map(|i| i + b)));
+        let indices: Vec<u16> = quads.flat_map(|[a, b, c, d]| [a, b, c, a, c, d]).collect();
+        let bound =
+            |pick: fn(f32, f32) -> f32| [0, 1, 2].map(|k| points.iter().map(|p| p[k]).reduce(pick).unwrap());
+        let (lo, hi, k) = (bound(f32::min), bound(f32::max), accessors.len());
+        let normals = points.iter().map(|_| [1f32, 0.0, 0.0]);
+        let floats = points.iter().copied().chain(normals).flatten().flat_map(f32::to_le_bytes);
+        let start = data.len();
+        data.extend(floats.chain(indices.iter().flat_map(|i| i.to_le_bytes())));
+        views.push(serde_json::json!({"buffer": 0, "byteOffset": start, "byteLength": data.len() - start}));
+        let view = views.len() - 1;
+        accessors.extend([
+            serde_json::json!({"bufferView": view, "componentType": 5126, "count": n, "type": "VEC3", "min": lo, "max": hi}),
+            serde_json::json!({"bufferView": view, "byteOffset": 12 * n, "componentType": 5126, "count": n, "type": "VEC3"}),
+            serde_json::json!({"bufferView": view, "byteOffset": 24 * n, "componentType": 5123, "count": indices.len(), "type": "SCALAR"}),
+        ]);
+        primitives
+            .push(serde_json::json!({"attributes": {"POSITION": k, "NORMAL": k + 1}, "indices": k + 2}));
+    }
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let node = serde_json::json!({"name": "walls", "mesh": 0, "scale": [0.5, 0.5, 0.5], "rotation": [0, half, 0, half], "translation": [3, 0, 1]});
+    let json = serde_json::json!({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [node],
+        "meshes": [{"primitives": primitives}], "accessors": accessors, "bufferViews": views,
+        "buffers": [{"byteLength": data.len()}],
+    });
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let total = 28 + text.len() + data.len();
+    let mut out = b"glTF".to_vec();
+    [2, total as u32, text.len() as u32, 0x4E4F_534A].iter().for_each(|w: &u32| out.extend(w.to_le_bytes()));
+    out.extend(text);
+    [data.len() as u32, 0x004E_4942].iter().for_each(|w: &u32| out.extend(w.to_le_bytes()));
+    out.extend(data);
+    out
+}
+
+#[test]
+fn walls_that_share_a_mesh_move_one_by_one() {
+    let bytes = walls_of_one_mesh();
+    let before = read(&bytes);
+    let records: Vec<usize> = before.entities.iter().map(|e| e.source.record).collect();
+    assert_eq!(before.entities.len(), 3, "{before:?}");
+    assert!(before.entities.iter().all(|e| e.source.handle.as_deref() == Some("/nodes/0")));
+    let motion = |turn_rad, x, y| RigidMotion { turn_rad, shift: DVec2::new(x, y) };
+    for (which, motion) in
+        [(0, motion(0.0, 0.25, -0.5)), (1, motion(0.3, 1.0, 2.0)), (2, motion(-1.0, 0.0, 0.0))]
+    {
+        let edit = [Edit::Insert { record: records[which], motion }];
+        let moved = patch(&bytes, &edit, &[]).unwrap();
+        let after = read(&moved);
+        for (i, (a, b)) in before.entities.iter().zip(&after.entities).enumerate() {
+            for (p, q) in points(a).into_iter().zip(points(b)) {
+                let told = DVec2::from_angle(motion.turn_rad).rotate(p) + motion.shift;
+                let told = if i == which { told } else { p };
+                assert!((q - told).length() < 2e-6, "wall {i}: {p} to {q}, expected {told}");
+            }
+        }
+        let (old, new) = (json_of(&bytes), json_of(&moved));
+        assert_eq!(new["nodes"], old["nodes"]);
+        for (a, b) in new["accessors"].as_array().unwrap().iter().zip(old["accessors"].as_array().unwrap()) {
+            assert_eq!((&a["count"], &a["bufferView"]), (&b["count"], &b["bufferView"]));
+        }
+        // Of the data only the vertices of that wall differ: 8 of 24, positions and, turned, normals.
+        let data = |bytes: &[u8]| bytes[28 + u32_at(bytes, 12)..].to_vec();
+        let (old, new) = (data(&bytes), data(&moved));
+        assert_eq!(old.len(), new.len());
+        let words = old.chunks(4).zip(new.chunks(4)).filter(|(a, b)| a != b).count();
+        let most = if motion.turn_rad == 0.0 { 8 * 3 } else { 8 * 6 };
+        assert!((16..=most).contains(&words), "{words} numbers changed");
+        assert_eq!(
+            formats::changed_records("house.glb", &bytes, &edit).unwrap()[0][0].handle.as_deref(),
+            Some("/nodes/0")
+        );
+    }
+}
+
+#[test]
+fn bounds_of_moved_vertices_are_stated_anew() {
+    let bytes = walls_of_one_mesh();
+    let record = read(&bytes).entities[2].source.record;
+    let motion = RigidMotion { turn_rad: 0.7, shift: DVec2::new(0.25, 0.5) };
+    let moved = patch(&bytes, &[Edit::Insert { record, motion }], &[]).unwrap();
+    let json = json_of(&moved);
+    let data = &moved[28 + u32_at(&moved, 12)..];
+    let start = json["bufferViews"][1]["byteOffset"].as_u64().unwrap() as usize;
+    let float = |i: usize, k: usize| {
+        let at = start + 12 * i + 4 * k;
+        f64::from(f32::from_le_bytes(data[at..at + 4].try_into().unwrap()))
+    };
+    for k in 0..3 {
+        let of = |pick: fn(f64, f64) -> f64| (0..8).map(|i| float(i, k)).reduce(pick).unwrap();
+        assert_eq!(json["accessors"][3]["min"][k].as_f64(), Some(of(f64::min)));
+        assert_eq!(json["accessors"][3]["max"][k].as_f64(), Some(of(f64::max)));
+    }
+}
+
+#[test]
+fn a_mesh_that_cannot_be_written_in_parts_moves_as_a_whole() {
+    let bytes = walls_of_one_mesh();
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    let shared = json_of(&bytes);
+    assert!(text.contains("\"walls\"") && shared["nodes"].as_array().unwrap().len() == 1);
+    // A wall known by its class is one element, of however many parts.
+    let classed = with_json(&bytes, |json| json["nodes"][0]["name"] = "IfcWall/all".into());
+    let twice = with_json(&bytes, |json| {
+        let mut other = json["nodes"][0].clone();
+        other["translation"] = serde_json::json!([30, 0, 1]);
+        json["nodes"].as_array_mut().unwrap().push(other);
+        json["scenes"][0]["nodes"] = serde_json::json!([0, 1]);
+    });
+    for bytes in [classed, twice] {
+        assert!(read(&bytes).entities.iter().all(|e| e.source.record < 2));
+    }
+}
+
+fn json_of(bytes: &[u8]) -> serde_json::Value {
+    serde_json::from_slice(&bytes[20..20 + u32_at(bytes, 12)]).unwrap()
+}
+
+/// A GLB with its JSON changed.
+fn with_json(bytes: &[u8], change: impl Fn(&mut serde_json::Value)) -> Vec<u8> {
+    let mut json = json_of(bytes);
+    change(&mut json);
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let rest = &bytes[20 + u32_at(bytes, 12)..];
+    let total = (20 + text.len() + rest.len()) as u32;
+    let head = [&bytes[..8], &total.to_le_bytes(), &(text.len() as u32).to_le_bytes(), b"JSON"].concat();
+    [head, text, rest.to_vec()].concat()
 }
 
 /// A bad text: what is changed in the sample, what must be said, whether the whole file is refused.

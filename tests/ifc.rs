@@ -85,7 +85,8 @@ fn the_ground_floor_of_the_sample() {
 fn a_building_is_counted_by_the_classes_of_its_file() {
     let text = pavilion();
     let count = |class: &str| text.matches(&format!("={class}(")).count() as u64;
-    let (storeys, elements) = formats::building("house.ifc", text.as_bytes(), &ReadOptions::default());
+    let (storeys, elements) =
+        formats::Opened::new("house.ifc", text.as_bytes()).unwrap().building(&ReadOptions::default());
     let expected = ifc::Elements {
         storeys: 2,
         walls: count("IFCWALL") + count("IFCWALLSTANDARDCASE"),
@@ -96,7 +97,10 @@ fn a_building_is_counted_by_the_classes_of_its_file() {
     };
     assert_eq!((storeys.len(), elements), (2, Some(expected)));
     assert!(expected.walls > 0 && expected.doors > 0 && expected.windows > 0 && expected.columns > 0);
-    assert_eq!(formats::building("plan.dxf", b"", &ReadOptions::default()), (Vec::new(), None));
+    assert_eq!(
+        formats::Opened::new("plan.dxf", b"").unwrap().building(&ReadOptions::default()),
+        (Vec::new(), None)
+    );
 }
 
 #[test]
@@ -104,7 +108,7 @@ fn storeys_read_together_are_those_read_apart() {
     let text = pavilion();
     let of = |name: &str| ReadOptions { storey: Some(name.into()), ..ReadOptions::default() };
     let options = [of("Upper floor"), of("Ground floor"), of("attic")];
-    let together = formats::read_storeys("house.ifc", text.as_bytes(), &options);
+    let together = formats::Opened::new("house.ifc", text.as_bytes()).unwrap().read_all(&options);
     assert_eq!(together.len(), options.len());
     for (options, (drawing, report)) in options.iter().zip(together) {
         let (apart, own) = read_with(text.as_bytes(), options);

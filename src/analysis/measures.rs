@@ -78,72 +78,100 @@ pub fn local_columns(lattice: &Lattice, graph: &Graph) -> Vec<Column> {
         "Visual Control",
         "Visual Controllability",
     ];
-    let scratch = || (vec![0u64; graph.tiles.count()], vec![0u64; graph.tiles.count()]);
-    let row = |scratch: &mut (Vec<u64>, Vec<u64>), v: usize| local_row(lattice, graph, v as u32, scratch);
-    let rows: Vec<[f64; 6]> = (0..graph.len()).into_par_iter().map_init(scratch, row).collect();
+    let all: Vec<u32> = (0..graph.len() as u32).collect();
+    let levels = level_counts(graph, &all, 2);
+    let common = common_neighbours(graph);
+    let near = |v: u32| {
+        let (shared, met) = common[graph.tiles.rank_of[v as usize] as usize];
+        // Seen from some neighbour: the vertex itself, neighbours with a neighbour in common, two steps away.
+        let reached = 1 + met + levels[v as usize].get(1).copied().unwrap_or(0);
+        (shared, reached)
+    };
+    let rows: Vec<[f64; 6]> = all.par_iter().map(|&v| local_row(lattice, graph, v, near(v))).collect();
     transpose(names.map(String::from), &rows)
 }
 
-fn local_row(lattice: &Lattice, graph: &Graph, v: u32, scratch: &mut (Vec<u64>, Vec<u64>)) -> [f64; 6] {
+/// By rank: neighbours in common with its neighbours, summed over them, and the neighbours that have any.
+fn common_neighbours(graph: &Graph) -> Vec<(u64, u32)> {
+    let ranks: Vec<usize> = (0..graph.len()).collect();
+    let share = ranks.len().div_ceil(SHARES_PER_THREAD * rayon::current_num_threads()).max(1);
+    let count = |ranks: &[usize]| {
+        let mut found = vec![(0, 0); graph.len()];
+        let mut own = vec![0; graph.tiles.count()];
+        ranks.iter().for_each(|&rank| count_common(graph, rank, &mut own, &mut found));
+        found
+    };
+    let add = |mut a: Vec<(u64, u32)>, b: Vec<(u64, u32)>| {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a = (a.0 + b.0, a.1 + b.1));
+        a
+    };
+    let whole = ranks.par_chunks(share).map(count).reduce_with(add);
+    whole.unwrap_or_default()
+}
+
+/// Low ranks have more pairs to count than high ones: shares small enough to even that out.
+const SHARES_PER_THREAD: usize = 4;
+
+fn count_common(graph: &Graph, rank: usize, own: &mut [u64], found: &mut [(u64, u32)]) {
     #[cfg(target_arch = "x86_64")]
-    if is_x86_feature_detected!("popcnt") {
+    if is_x86_feature_detected!("popcnt") && is_x86_feature_detected!("bmi1") {
         // SAFETY: the processor has just been asked.
         #[allow(unsafe_code)]
-        return unsafe { local_row_popcnt(lattice, graph, v, scratch) };
+        return unsafe { count_common_popcnt(graph, rank, own, found) };
     }
-    local_row_in(lattice, graph, v, scratch)
+    count_common_in(graph, rank, own, found);
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "popcnt")]
-fn local_row_popcnt(
-    lattice: &Lattice,
-    graph: &Graph,
-    v: u32,
-    scratch: &mut (Vec<u64>, Vec<u64>),
-) -> [f64; 6] {
-    local_row_in(lattice, graph, v, scratch)
+#[target_feature(enable = "popcnt,bmi1")]
+fn count_common_popcnt(graph: &Graph, rank: usize, own: &mut [u64], found: &mut [(u64, u32)]) {
+    count_common_in(graph, rank, own, found);
 }
 
-/// Plain loops, no closures: they are compiled for the caller's instruction set.
+/// Adds the pairs of `rank` and its later neighbours for both of them. Plain loops, no closures: they are
+/// compiled for the caller's instruction set. `own` is all 0 before and after.
 #[inline(always)]
-fn local_row_in(lattice: &Lattice, graph: &Graph, v: u32, scratch: &mut (Vec<u64>, Vec<u64>)) -> [f64; 6] {
-    let degree = graph.degree(v);
-    if degree == 0 {
-        return [0.0, 0.0, 0.0, UNDEFINED, UNDEFINED, UNDEFINED];
-    }
-    let (own, union) = scratch;
-    let (tiles, masks) = graph.row(graph.tiles.rank_of[v as usize] as usize);
+fn count_common_in(graph: &Graph, rank: usize, own: &mut [u64], found: &mut [(u64, u32)]) {
+    let (tiles, masks) = graph.row(rank);
     for (&t, &mask) in tiles.iter().zip(masks) {
         own[t as usize] = mask;
     }
-    let (mut shared, mut control, mut moments) = (0u64, 0.0, [0.0, 0.0]);
-    let [c, r] = lattice.cells[v as usize];
-    for (&t, &mask) in tiles.iter().zip(masks) {
-        let mut bits = mask;
-        while bits != 0 {
-            let bit = bits.trailing_zeros();
-            bits &= bits - 1;
-            let k = graph.tiles.rank(t, bit);
-            let (tiles, masks) = graph.row(k);
+    let (tile, bit) = graph.tiles.slot_of[rank];
+    for (&t, &mask) in tiles.iter().zip(masks).skip_while(|(t, _)| **t < tile) {
+        let mut later = if t == tile { mask & (u64::MAX << bit) } else { mask };
+        while later != 0 {
+            let other = graph.tiles.rank(t, later.trailing_zeros());
+            later &= later - 1;
+            let (tiles, masks) = graph.row(other);
+            let mut common = 0;
             for (&t, &mask) in tiles.iter().zip(masks) {
-                shared += u64::from((mask & own[t as usize]).count_ones());
-                union[t as usize] |= mask;
+                common += u64::from((mask & own[t as usize]).count_ones());
             }
-            control += 1.0 / f64::from(graph.degree[k]);
-            let [kc, kr] = lattice.cells[graph.tiles.vertex_of[k] as usize];
-            let (dx, dy) = (f64::from(kc) - f64::from(c), f64::from(kr) - f64::from(r));
-            moments[0] += (dx * dx + dy * dy).sqrt();
-            moments[1] += dx * dx + dy * dy;
+            for end in [rank, other] {
+                found[end] = (found[end].0 + common, found[end].1 + u32::from(common > 0));
+            }
         }
-    }
-    let mut reached = 0;
-    for mask in union.iter_mut() {
-        reached += std::mem::take(mask).count_ones();
     }
     for &t in tiles {
         own[t as usize] = 0;
     }
+}
+
+/// One vertex from what its neighbours have in common with it, and how many vertices they reach together.
+fn local_row(lattice: &Lattice, graph: &Graph, v: u32, (shared, reached): (u64, u32)) -> [f64; 6] {
+    let degree = graph.degree(v);
+    if degree == 0 {
+        return [0.0, 0.0, 0.0, UNDEFINED, UNDEFINED, UNDEFINED];
+    }
+    let (mut control, mut moments) = (0.0, [0.0, 0.0]);
+    let [c, r] = lattice.cells[v as usize];
+    graph.for_each_rank(graph.tiles.rank_of[v as usize] as usize, |k| {
+        control += 1.0 / f64::from(graph.degree[k]);
+        let [kc, kr] = lattice.cells[graph.tiles.vertex_of[k] as usize];
+        let (dx, dy) = (f64::from(kc) - f64::from(c), f64::from(kr) - f64::from(r));
+        moments[0] += (dx * dx + dy * dy).sqrt();
+        moments[1] += dx * dx + dy * dy;
+    });
     let (s, d) = (lattice.spacing_um as f64 / UM_PER_M, f64::from(degree));
     let clustering = if degree > 1 { shared as f64 / (d * (d - 1.0)) } else { UNDEFINED };
     [d, moments[0] * s, moments[1] * s * s, clustering, control, d / f64::from(reached)]

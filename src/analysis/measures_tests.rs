@@ -1,3 +1,7 @@
+use std::collections::BTreeSet;
+
+use proptest::prelude::*;
+
 use super::super::{fixtures, forest, visibility};
 use super::*;
 
@@ -72,4 +76,31 @@ fn sampled_roots_estimate_the_whole() {
     let (true_depth, guess) = (depth(&exact), depth(&part));
     let within = (0..900).filter(|&v| (true_depth[v] - guess[v]).abs() <= part[7].values[v]).count();
     assert!(within >= 700, "{within} of 900");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    /// Clustering, control and controllability by their definitions, neighbour by neighbour.
+    #[test]
+    fn local_measures_by_definition((lattice, obstacles) in fixtures::plans()) {
+        let graph = visibility::visibility_graph(&lattice, &obstacles);
+        let near: Vec<BTreeSet<u32>> = (0..graph.len() as u32)
+            .map(|v| (0..graph.len() as u32).filter(|&u| graph.sees(u, v)).collect())
+            .collect();
+        let columns = local_columns(&lattice, &graph);
+        for (v, own) in near.iter().enumerate() {
+            let d = own.len() as f64;
+            let among = own.iter().map(|&u| near[u as usize].intersection(own).count()).sum::<usize>() as f64;
+            let reached: BTreeSet<u32> = own.iter().flat_map(|&u| near[u as usize].iter().copied()).collect();
+            let clustering = if own.len() > 1 { among / (d * (d - 1.0)) } else { UNDEFINED };
+            let controllability = if own.is_empty() { UNDEFINED } else { d / reached.len() as f64 };
+            prop_assert_eq!(columns[0].values[v], d);
+            prop_assert_eq!(columns[3].values[v], clustering);
+            prop_assert_eq!(columns[5].values[v], controllability);
+            let control: f64 = own.iter().map(|&u| 1.0 / near[u as usize].len() as f64).sum();
+            let error = (columns[4].values[v] - if own.is_empty() { UNDEFINED } else { control }).abs();
+            prop_assert!(error <= 1e-12 * d.max(1.0), "control of {}: off by {}", v, error);
+        }
+    }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::batch::{self, Finished, Job};
 use crate::cli::{JobsArgs, RunJobArgs};
 use crate::config::{Partial, Settings};
-use crate::daemon::{JobEvent, JobRequest};
+use crate::daemon::{Asked, JobEvent, JobRequest};
 use crate::formats;
 use crate::progress::Display;
 use crate::report::{Cancel, Error, Place};
@@ -98,7 +98,7 @@ fn done(args: &RunJobArgs, cancel: &Cancel) -> Result<Finished, Error> {
         bytes: Arc::new(job.bytes()?),
         sha256: job.sha256.clone(),
         round: 1,
-        objective: None,
+        asked: Asked::default(),
         earlier: Arc::new(home.memory()),
     };
     let mut display = Display::new(args.progress, false);

@@ -7,7 +7,7 @@ use std::time::SystemTime;
 
 use serde_json::Value;
 
-use super::{accept_option, output_of, print, read_settings, round, say, settings_for};
+use super::{accept_option, hold, output_of, print, read_settings, round, say, settings_for};
 use crate::cli::{ProgressArg, StatusArgs, WatchArgs};
 use crate::config::{Partial, Settings, WatchTable};
 use crate::daemon::child::{self, Limits};
@@ -156,8 +156,10 @@ pub(super) fn job_child(drawing: &Path) -> Result<u8, Error> {
         let partial: Partial = serde_json::from_value(options)
             .map_err(|e| Error::usage("job-request", Place::default(), e.to_string()))?;
         let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
-            let asked = Partial { objective: request.objective.clone(), ..Partial::default() };
-            let (settings, _) = settings_for(&request.drawing, asked.over(partial.clone()))?;
+            let asked = Partial { objective: request.asked.objective.clone(), ..Partial::default() };
+            let mut partial = asked.over(partial.clone());
+            hold(&mut partial, &request.drawing, &request.asked)?;
+            let (settings, _) = settings_for(&request.drawing, partial)?;
             let shown = request.drawing.to_string_lossy().into_owned();
             Ok(output_of(&round(&shown, request, &settings, tell, cancel)?))
         };

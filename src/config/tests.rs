@@ -80,3 +80,19 @@ fn numbers_of_a_layout_keep_the_moves_they_belong_to() {
     assert_eq!(Partial::default().over(of("a")).pin_moves[0].name, "a");
     assert_eq!(of("b").over(of("a")).pin_moves[0].name, "b");
 }
+
+#[test]
+fn a_side_car_that_is_named_otherwise_is_told_apart() {
+    let found = |names: &[&str]| {
+        let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+        unread_side_cars(Path::new("offices/plan.glb"), &names)
+    };
+    for name in
+        ["plan.glb.enfilade.toml", "plan.enfilade.toml.txt", "Plan.enfilade.TOML", "plan-enfilade.toml"]
+    {
+        assert_eq!(found(&[name]), [(name.to_string(), "plan.enfilade.toml".to_string())]);
+    }
+    assert_eq!(found(&["Enfilade.toml"]), [("Enfilade.toml".to_string(), "enfilade.toml".to_string())]);
+    let read = ["plan.glb", "plan.enfilade.toml", "enfilade.toml", "other.glb.enfilade.toml", "plan.toml"];
+    assert_eq!(found(&read), []);
+}

@@ -17,7 +17,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{JobEvent, JobOutput, JobRequest, OutFile, RunJob};
+use super::{Asked, JobEvent, JobOutput, JobRequest, OutFile, RunJob};
 use crate::report::{Cancel, Error, Place, Problem, Severity};
 
 /// A stop is seen within this time.
@@ -50,7 +50,7 @@ pub struct Request {
     version: String,
     sha256: String,
     round: u32,
-    objective: Option<String>,
+    asked: Asked,
     /// As in [`Limits`].
     pub options: Value,
     memory_bytes: Option<u64>,
@@ -146,7 +146,7 @@ impl Request {
             version: env!("CARGO_PKG_VERSION").into(),
             sha256: request.sha256.clone(),
             round: request.round,
-            objective: request.objective.clone(),
+            asked: request.asked.clone(),
             options: limits.options.clone(),
             memory_bytes: limits.memory_bytes,
             cpu_secs: limits.cpu_secs,
@@ -337,7 +337,7 @@ fn read_request(from: &mut impl BufRead, drawing: &Path) -> io::Result<(Request,
         bytes: Arc::new(bytes),
         sha256: head.sha256.clone(),
         round: head.round,
-        objective: head.objective.clone(),
+        asked: head.asked.clone(),
         earlier: Arc::new(earlier),
     };
     Ok((head, request))
@@ -414,7 +414,12 @@ mod tests {
             bytes: Arc::new(vec![7; 100_000]),
             sha256: "ab".into(),
             round: 3,
-            objective: None,
+            asked: Asked {
+                objective: Some("degree max".into()),
+                round: Some(2),
+                pin: vec![1, 3],
+                like: Some(2),
+            },
             earlier: Arc::new(b"earlier".to_vec()),
         }
     }
@@ -452,6 +457,7 @@ mod tests {
         let (head, back) = read_request(&mut &bytes[..], Path::new("/plans/-plan.dxf")).unwrap();
         assert_eq!((head.memory_bytes, head.cpu_secs), (Some(64 << 20), Some(7)));
         assert_eq!((back.bytes, back.earlier, back.round), (request().bytes, request().earlier, 3));
+        assert_eq!(back.asked, request().asked);
         bytes.pop();
         assert!(read_request(&mut &bytes[..], Path::new("x")).is_err(), "a request cut short is none");
     }

@@ -10,7 +10,7 @@ use std::time::{Instant, SystemTime};
 
 use super::job::{self, Told};
 use super::status::{SharedDisk, rfc3339};
-use super::{Done, JobRequest, RunJob, WatchSettings};
+use super::{Asked, Done, JobRequest, RunJob, WatchSettings};
 use crate::config::settings_files;
 use crate::report::{Cancel, Error};
 use crate::store::{Journal, Placing, Step, Written};
@@ -41,7 +41,7 @@ pub(super) struct Waiting {
     pub drawing: PathBuf,
     pub sha256: String,
     pub config: String,
-    pub objective: Option<String>,
+    pub asked: Asked,
     pub not_before: Option<Instant>,
     pub failures: u32,
 }
@@ -124,7 +124,7 @@ fn work(disk: SharedDisk, task: &Task, run: &RunJob, send: &SyncSender<Message>)
         bytes: Arc::new(bytes),
         sha256: task.what.sha256.clone(),
         round: 0,
-        objective: task.what.objective.clone(),
+        asked: task.what.asked.clone(),
         earlier: Arc::default(),
     };
     let note = |step: &Step| {

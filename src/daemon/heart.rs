@@ -12,17 +12,18 @@ use serde_json::{Value, json};
 
 use super::hands::{Message, Outcome, Task, Waiting, open_journal, reporter, start_looker, start_worker};
 use super::status::{SharedDisk, Standing, rfc3339, write_standing};
-use super::{Notice, Order, RunJob, WatchSettings};
+use super::{Asked, Done, Notice, Order, RunJob, WatchSettings};
 use crate::config::settings_files;
 use crate::report::{Cancel, Error, Place, Problem, Severity};
 use crate::store::{
     Journal, Lease, Ownership, Placing, STATE_FOLDER, Step, SystemDisk, present_folder, read_lease,
-    state_folder, write_json,
+    round_name, state_folder, write_json,
 };
 use crate::watch::{Action, Event, Eyes, Now, Settle, builtin_ignores, is_output_name, network_reason};
 
 /// Reports of the system waiting to be read; more mean "look at everything" (hazards 8 and 15).
-const INBOX: usize = 65_536;
+/// The room for them is taken at once, so it is part of what an idle daemon holds.
+const INBOX: usize = 8_192;
 /// Drawings waiting for their turn; further ones are found again by the next scan (hazard 26).
 const MAX_QUEUE: usize = 10_000;
 /// The loop turns at least this often while something is under way: settle times and stops are answered
@@ -38,6 +39,12 @@ const HANG_PATIENCE: Duration = Duration::from_secs(5);
 const OVERVIEW_PAUSE: Duration = Duration::from_secs(1);
 /// Longest pause before a job that failed for want of disk or permission is tried again.
 const MAX_RETRY_SECS: f64 = 600.0;
+/// Why a job was given up, as the user reads it.
+const NEWER_SAVE: &str = "a newer save takes its place";
+const REMOVED: &str = "the drawing was removed";
+const BY_THE_USER: &str = "cancelled";
+const DAEMON_ENDS: &str = "the daemon ends; the next start goes on with it";
+const TOO_LONG: &str = "it ran too long";
 /// Failures and left-alone files listed in the overview.
 const MAX_LISTED: usize = 200;
 
@@ -47,7 +54,8 @@ struct Running {
     cancel: Cancel,
     since: Instant,
     stopped: Option<Instant>,
-    is_too_long: bool,
+    /// Why it was told to stop.
+    why: &'static str,
 }
 
 struct State {
@@ -294,15 +302,19 @@ impl Heart {
         }
     }
 
-    fn problem(&mut self, path: PathBuf, problem: Problem, show: &mut dyn FnMut(Notice)) {
+    fn problem(&mut self, path: PathBuf, mut problem: Problem, show: &mut dyn FnMut(Notice)) {
+        let is_running = self.is_running(&path);
         // What passes by itself is said, and leaves nothing behind in the folder.
-        let is_lasting = problem.severity > Severity::Info;
+        let is_lasting = problem.severity > Severity::Info && !is_running;
         if is_lasting && self.roots.iter().all(|r| r.path != path) {
             let problems = [problem.clone()];
             let standing = Standing { state: "settling", problems: &problems, ..Standing::default() };
             write_standing(&*self.disk, &path, &self.placing_of(&path), &standing);
         }
         self.fail(&path, &problem);
+        if is_running {
+            problem.text.push_str("; the job that runs is of the content before");
+        }
         show(Notice::Problem { path, problem });
     }
 
@@ -334,12 +346,13 @@ impl Heart {
             {
                 return;
             }
-            running.stop();
+            running.stop(NEWER_SAVE);
         } else if open_journal(&journal).is_done(&below, &sha256, &config) {
             let folder = present_folder(&drawing, &self.placing_of(&drawing));
             return show(Notice::UpToDate { drawing, folder });
         }
-        let waiting = Waiting { drawing, sha256, config, objective: None, not_before: None, failures: 0 };
+        let asked = Asked::default();
+        let waiting = Waiting { drawing, sha256, config, asked, not_before: None, failures: 0 };
         self.enqueue(waiting, show);
     }
 
@@ -349,16 +362,16 @@ impl Heart {
                 let waited = self.queue.len();
                 self.queue.retain(|w| w.drawing != drawing);
                 match self.running.as_mut().filter(|r| r.what.drawing == drawing) {
-                    Some(running) => running.stop(),
-                    None if self.queue.len() < waited => show(Notice::Stopped(drawing)),
+                    Some(running) => running.stop(BY_THE_USER),
+                    None if self.queue.len() < waited => show(Notice::Stopped { drawing, why: BY_THE_USER }),
                     None => {}
                 }
                 self.is_overview_stale = true;
             }
-            Order::Again { drawing, objective } => {
+            Order::Again { drawing, asked } => {
                 let Some((sha256, config)) = self.contents.get(&drawing).cloned() else { return };
                 self.queue.retain(|w| w.drawing != drawing);
-                let waiting = Waiting { drawing, sha256, config, objective, not_before: None, failures: 0 };
+                let waiting = Waiting { drawing, sha256, config, asked, not_before: None, failures: 0 };
                 self.enqueue(waiting, show);
             }
         }
@@ -394,7 +407,7 @@ impl Heart {
         self.contents.remove(drawing);
         self.is_overview_stale = true;
         if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
-            running.stop();
+            running.stop(REMOVED);
         }
     }
 
@@ -415,7 +428,7 @@ impl Heart {
         show(Notice::Started(what.drawing.clone()));
         let task = Task { id, what: what.clone(), below, placing, cancel: cancel.clone(), journal };
         let _ = self.to_worker.send(task);
-        self.running = Some(Running { id, what, cancel, since: now, stopped: None, is_too_long: false });
+        self.running = Some(Running { id, what, cancel, since: now, stopped: None, why: "" });
         self.is_overview_stale = true;
     }
 
@@ -425,28 +438,56 @@ impl Heart {
         match outcome {
             Outcome::Ended(Ok(done)) => {
                 self.done_count += 1;
-                show(Notice::Done { drawing: what.drawing, done });
+                let drawing = what.drawing.clone();
+                show(Notice::Done { drawing, done: done.clone() });
+                self.say_what_it_is_of(&what, &done, show);
             }
             Outcome::Changed => self.settle.again(self.start.elapsed(), &what.drawing),
-            Outcome::Ended(Err(Error::Stopped)) if running.is_too_long => {
+            Outcome::Ended(Err(Error::Stopped)) if running.why == TOO_LONG => {
                 let error = too_long(&what.drawing, self.settings.job_limit_secs);
                 self.failed_for_good(what, error, show);
             }
-            Outcome::Ended(Err(Error::Stopped)) => self.stopped(&what, show),
+            Outcome::Ended(Err(Error::Stopped)) => self.stopped(&what, running.why, show),
             Outcome::Ended(Err(Error::Environment(problem))) => self.retry(what, problem, show),
             Outcome::Ended(Err(error)) => self.failed_for_good(what, error, show),
         }
     }
 
-    fn stopped(&mut self, what: &Waiting, show: &mut dyn FnMut(Notice)) {
+    /// A file that was overwritten while its job ran, and is not whole since: the results are of what lay there before.
+    fn say_what_it_is_of(&mut self, what: &Waiting, done: &Done, show: &mut dyn FnMut(Notice)) {
+        let Some(unfinished) = self.failed.get(&what.drawing) else { return };
+        let text = format!(
+            "the results are of the content before, which no longer lies there: the file {}",
+            unfinished.text
+        );
+        let problem = Problem {
+            code: "results-of-earlier-content",
+            severity: Severity::Warning,
+            place: shown(&what.drawing),
+            text,
+        };
+        let round = done.round.map(round_name);
+        let problems = [problem.clone()];
+        let standing = Standing {
+            state: "done",
+            sha256: &what.sha256,
+            round: round.as_deref(),
+            summary: Some(&done.summary),
+            problems: &problems,
+        };
+        write_standing(&*self.disk, &what.drawing, &self.placing_of(&what.drawing), &standing);
+        show(Notice::Problem { path: what.drawing.clone(), problem });
+    }
+
+    fn stopped(&mut self, what: &Waiting, why: &'static str, show: &mut dyn FnMut(Notice)) {
         self.note(what, &Step::Stopped, show);
         let newer = self.queue.iter().find(|w| w.drawing == what.drawing);
         let (state, sha256) = newer.map_or(("stopped", &what.sha256), |w| ("waiting", &w.sha256));
-        let standing = Standing { state, sha256, ..Standing::default() };
+        let standing = Standing { state, sha256, summary: Some(why), ..Standing::default() };
         if what.drawing.exists() {
             write_standing(&*self.disk, &what.drawing, &self.placing_of(&what.drawing), &standing);
         }
-        show(Notice::Stopped(what.drawing.clone()));
+        show(Notice::Stopped { drawing: what.drawing.clone(), why });
     }
 
     fn failed_for_good(&mut self, what: Waiting, error: Error, show: &mut dyn FnMut(Notice)) {
@@ -481,8 +522,7 @@ impl Heart {
         let limit = Duration::from_secs_f64(self.settings.job_limit_secs);
         let Some(running) = &mut self.running else { return };
         if running.stopped.is_none() && running.since.elapsed() >= limit {
-            running.is_too_long = true;
-            running.stop();
+            running.stop(TOO_LONG);
         }
         if running.stopped.is_some_and(|t| t.elapsed() >= HANG_PATIENCE)
             && let Some(running) = self.running.take()
@@ -522,7 +562,7 @@ impl Heart {
     /// Ends: the running job is stopped; nothing is published any more.
     fn leave(&mut self, show: &mut dyn FnMut(Notice)) {
         if let Some(running) = &mut self.running {
-            running.stop();
+            running.stop(DAEMON_ENDS);
         }
         let until = Instant::now() + STOP_PATIENCE;
         while self.running.is_some() {
@@ -533,7 +573,7 @@ impl Heart {
             }
         }
         if let Some(running) = self.running.take() {
-            self.stopped(&running.what, show);
+            self.stopped(&running.what, running.why, show);
         }
         self.write_overview(true);
     }
@@ -625,9 +665,12 @@ impl Heart {
 }
 
 impl Running {
-    fn stop(&mut self) {
+    /// The first reason holds.
+    fn stop(&mut self, why: &'static str) {
         self.cancel.stop();
-        self.stopped.get_or_insert_with(Instant::now);
+        if self.stopped.is_none() {
+            (self.stopped, self.why) = (Some(Instant::now()), why);
+        }
     }
 }
 

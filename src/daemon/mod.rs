@@ -14,13 +14,14 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, mpsc};
 
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 pub use crate::store::OutFile;
 pub use crate::watch::WatchSettings;
 pub use status::{rfc3339, status};
 
-use crate::report::{Cancel, Error, Place, Problem};
+use crate::report::{Cancel, Error, Place, Problem, one_line, printable};
 use crate::store::{Placing, SystemDisk};
 use crate::watch::{self, Checked};
 
@@ -35,10 +36,24 @@ pub struct JobRequest {
     pub sha256: String,
     /// Number of the round that the job makes; known once the job runs, 0 before.
     pub round: u32,
-    /// Objectives and thresholds asked for this round alone, as in settings.
-    pub objective: Option<String>,
+    /// What is asked of this round alone.
+    pub asked: Asked,
     /// What a job on this drawing kept before it was killed; known once the job runs, empty before.
     pub earlier: Arc<Vec<u8>>,
+}
+
+/// What a user asks of one round; where it says nothing, the settings hold.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Asked {
+    /// Objectives and thresholds, as in settings.
+    pub objective: Option<String>,
+    /// The round whose options `pin` and `like` name; `None`: the newest.
+    pub round: Option<u32>,
+    /// Options that stay, counted from 1; the others are found unlike them.
+    pub pin: Vec<usize>,
+    /// More like this option, counted from 1.
+    pub like: Option<usize>,
 }
 
 /// What a user asks of a running daemon.
@@ -50,8 +65,8 @@ pub enum Order {
     Again {
         /// The drawing.
         drawing: PathBuf,
-        /// Objectives and thresholds for this round; `None`: those of its settings.
-        objective: Option<String>,
+        /// What is asked of this round.
+        asked: Asked,
     },
 }
 
@@ -165,8 +180,13 @@ pub enum Notice {
         /// What came of it.
         done: Done,
     },
-    /// The job of a drawing was given up: a newer save, the drawing removed, or the user.
-    Stopped(PathBuf),
+    /// The job of a drawing was given up.
+    Stopped {
+        /// The drawing.
+        drawing: PathBuf,
+        /// Why, in words.
+        why: &'static str,
+    },
     /// The job of a drawing failed; the next one is taken up.
     Failed {
         /// The drawing.
@@ -187,20 +207,21 @@ pub enum Notice {
 
 impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = |path: &Path| one_line(&path.to_string_lossy());
         match self {
-            Self::Watching { root, how } => write!(f, "watching {} ({how})", root.display()),
-            Self::Offline(root) => write!(f, "{} is out of reach; waiting for it", root.display()),
-            Self::Online(root) => write!(f, "{} is back", root.display()),
-            Self::Ignored { path, why } => write!(f, "{} is left alone: {why}", path.display()),
-            Self::Queued { drawing, waiting } => write!(f, "{} waits ({waiting} waiting)", drawing.display()),
-            Self::UpToDate { drawing, .. } => write!(f, "{} is up to date", drawing.display()),
-            Self::Started(drawing) => write!(f, "{} started", drawing.display()),
-            Self::Progress { drawing, value } => write!(f, "{} {value}", drawing.display()),
-            Self::Analysis { folder, .. } => write!(f, "present layout measured: {}", folder.display()),
-            Self::Done { done, .. } => write!(f, "{}: {}", done.folder.display(), done.summary),
-            Self::Stopped(drawing) => write!(f, "{} stopped", drawing.display()),
+            Self::Watching { root, how } => write!(f, "watching {} ({how})", name(root)),
+            Self::Offline(root) => write!(f, "{} is out of reach; waiting for it", name(root)),
+            Self::Online(root) => write!(f, "{} is back", name(root)),
+            Self::Ignored { path, why } => write!(f, "{} is left alone: {why}", name(path)),
+            Self::Queued { drawing, waiting } => write!(f, "{} waits ({waiting} waiting)", name(drawing)),
+            Self::UpToDate { drawing, .. } => write!(f, "{} is up to date", name(drawing)),
+            Self::Started(drawing) => write!(f, "{} started", name(drawing)),
+            Self::Progress { drawing, value } => write!(f, "{} {value}", name(drawing)),
+            Self::Analysis { folder, .. } => write!(f, "present layout measured: {}", name(folder)),
+            Self::Done { done, .. } => write!(f, "{}: {}", name(&done.folder), printable(&done.summary)),
+            Self::Stopped { drawing, why } => write!(f, "{} stopped: {why}", name(drawing)),
             Self::Failed { drawing, problem, retry_secs } => {
-                write!(f, "{} failed: {problem}", drawing.display())?;
+                write!(f, "{} failed: {problem}", name(drawing))?;
                 retry_secs.map_or(Ok(()), |s| write!(f, "; tried again in {s:.0} s"))
             }
             Self::Problem { problem, .. } => write!(f, "{problem}"),
@@ -266,7 +287,7 @@ pub fn run_once(
         bytes: Arc::new(bytes),
         sha256,
         round: 0,
-        objective: None,
+        asked: Asked::default(),
         earlier: Arc::default(),
     };
     show(Notice::Started(path.clone()));

@@ -212,7 +212,7 @@ fn rename_saves_are_seen_and_cancel_nothing_by_vanishing() {
     daemon.save("sav123.tmp", "new");
     fs::rename(daemon.path("sav123.tmp"), daemon.path("plan.dxf")).unwrap();
     assert_eq!(daemon.await_round("plan", 1), "new EOF\n");
-    assert_eq!((daemon.jobs(), daemon.count_said("Stopped(")), (2, 1));
+    assert_eq!((daemon.jobs(), daemon.count_said("Stopped {")), (2, 1));
 }
 
 /// Hazard 27: only the last content gets a full job, and nothing stale is published.

@@ -1,6 +1,7 @@
 //! Exchange formats: one deep module a format, read and patch together, and the choice between them.
 
 pub mod dxf;
+mod foreign;
 pub mod gltf;
 pub mod ifc;
 mod region;
@@ -10,7 +11,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::plan::drawing::{Addition, Drawing, Edit, Format, SourceRef};
-use crate::report::{Error, Report};
+use crate::report::{Error, Place, Report};
 pub use dxf::{ChangedRecord, Completeness};
 
 /// How to read a drawing of any format.
@@ -99,7 +100,12 @@ pub fn plain<'a>(file: &str, bytes: &'a [u8]) -> Cow<'a, [u8]> {
 /// # Errors
 /// [`Error::Input`] when the bytes cannot be used; [`Error::Usage`] for a storey that is not there.
 pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
-    match format_of(file, bytes) {
+    let format = format_of(file, bytes);
+    if let Some((what, hint)) = no_building(format, bytes) {
+        let text = format!("the file, found {what}, expected a building (IFC or glTF); not read. {hint}");
+        return Err(Error::input("other-format", Place::file(file), text));
+    }
+    match format {
         Format::Dxf => dxf::read(file, bytes, &options.dxf(), report),
         Format::Ifc if ifc::is_zip(bytes) => {
             ifc::read(file, &ifc::unzip(file, bytes)?, &options.ifc(), report)
@@ -109,43 +115,74 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     }
 }
 
-/// Reads one drawing for each of the options, a building taken apart once for all of them.
-///
-/// # Errors
-/// For each as [`read`].
-pub fn read_storeys(
-    file: &str,
-    bytes: &[u8],
-    options: &[ReadOptions],
-) -> Vec<(Result<Drawing, Error>, Report)> {
-    if format_of(file, bytes) == Format::Ifc && !ifc::is_zip(bytes) && !options.is_empty() {
-        let options: Vec<ifc::ReadOptions> = options.iter().map(ReadOptions::ifc).collect();
-        return ifc::read_storeys(file, bytes, &options);
-    }
-    let one = |o: &ReadOptions| {
-        let mut report = Report::default();
-        (read(file, bytes, o, &mut report), report)
-    };
-    options.iter().map(one).collect()
+/// A drawing taken apart once, to be read as often as wanted.
+#[derive(Clone, Debug)]
+pub struct Opened<'a> {
+    file: &'a str,
+    bytes: &'a [u8],
+    /// Of an IFC that is not packed.
+    ifc: Option<ifc::Opened<'a>>,
 }
 
-/// Storeys of a building from the lowest, and what it has; nothing where the file (or the IFC beside it)
-/// knows none.
-pub fn building(file: &str, bytes: &[u8], options: &ReadOptions) -> (Vec<StoreyInfo>, Option<ifc::Elements>) {
-    let found = match format_of(file, bytes) {
-        Format::Dxf => return (Vec::new(), None),
-        Format::Ifc => ifc::inventory(&plain(file, bytes)),
-        Format::Gltf | Format::Glb => match options.twin.as_deref() {
-            Some(twin) => ifc::inventory(twin),
-            None => return (Vec::new(), None),
-        },
-    };
-    (found.storeys, Some(found.elements))
+impl<'a> Opened<'a> {
+    /// Takes a drawing apart where that is most of the work; `file` is its name to show.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when an IFC cannot be used; of the other formats, reading says so.
+    pub fn new(file: &'a str, bytes: &'a [u8]) -> Result<Self, Error> {
+        let format = format_of(file, bytes);
+        let is_plain_ifc =
+            format == Format::Ifc && !ifc::is_zip(bytes) && no_building(format, bytes).is_none();
+        let ifc = is_plain_ifc.then(|| ifc::Opened::new(file, bytes)).transpose()?;
+        Ok(Self { file, bytes, ifc })
+    }
+
+    /// Reads it.
+    ///
+    /// # Errors
+    /// As the function [`read`].
+    pub fn read(&self, options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
+        match &self.ifc {
+            Some(ifc) => ifc.read(&options.ifc(), report),
+            None => read(self.file, self.bytes, options, report),
+        }
+    }
+
+    /// Reads one drawing for each of the options, each with a report of its own.
+    ///
+    /// # Errors
+    /// For each as the function [`read`].
+    pub fn read_all(&self, options: &[ReadOptions]) -> Vec<(Result<Drawing, Error>, Report)> {
+        if let Some(ifc) = &self.ifc {
+            let options: Vec<ifc::ReadOptions> = options.iter().map(ReadOptions::ifc).collect();
+            return ifc.read_all(&options);
+        }
+        let one = |o: &ReadOptions| {
+            let mut report = Report::default();
+            (self.read(o, &mut report), report)
+        };
+        options.iter().map(one).collect()
+    }
+
+    /// Storeys of a building from the lowest, and what it has; nothing where the file (or the IFC beside it)
+    /// knows none.
+    pub fn building(&self, options: &ReadOptions) -> (Vec<StoreyInfo>, Option<ifc::Elements>) {
+        if let Some(ifc) = &self.ifc {
+            let (storeys, elements) = ifc.building();
+            return (storeys, Some(elements));
+        }
+        let found = match (format_of(self.file, self.bytes), options.twin.as_deref()) {
+            (Format::Ifc, _) => ifc::inventory(&plain(self.file, self.bytes)),
+            (Format::Gltf | Format::Glb, Some(twin)) => ifc::inventory(twin),
+            _ => return (Vec::new(), None),
+        };
+        (found.storeys, Some(found.elements))
+    }
 }
 
 /// Storeys of a building from the lowest; none where the file (or the IFC beside it) knows none.
 pub fn storeys(file: &str, bytes: &[u8], options: &ReadOptions) -> Vec<StoreyInfo> {
-    building(file, bytes, options).0
+    Opened::new(file, bytes).map_or_else(|_| Vec::new(), |opened| opened.building(options).0)
 }
 
 /// The file's own bytes with the edits made and the additions put in.
@@ -182,7 +219,7 @@ pub fn changed_records(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<V
         Format::Gltf | Format::Glb => {
             let of = |e: &Edit| {
                 let (Edit::Shape { record, .. } | Edit::Insert { record, .. }) = e;
-                vec![ChangedRecord { record: *record, handle: Some(format!("/nodes/{record}")) }]
+                vec![ChangedRecord { record: *record, handle: Some(gltf::path_of(*record)) }]
             };
             Ok(edits.iter().map(of).collect())
         }
@@ -217,12 +254,27 @@ pub fn dependents(
     }
 }
 
+/// What the bytes are, where a file with the name of a building is none. DXF has its own words for it.
+fn no_building(format: Format, bytes: &[u8]) -> Option<(String, &'static str)> {
+    match format {
+        Format::Dxf | Format::Glb => None,
+        Format::Ifc if ifc::is_zip(bytes) || ifc::is_xml(bytes) => None,
+        Format::Ifc | Format::Gltf => foreign::kind_of(bytes),
+    }
+}
+
 /// Whether a file is whole.
 pub fn is_complete(file: &str, bytes: &[u8]) -> Completeness {
     if bytes.is_empty() {
         return Completeness::Empty;
     }
-    match format_of(file, bytes) {
+    let format = format_of(file, bytes);
+    let is_building_as_xml = format == Format::Ifc && ifc::is_xml(bytes);
+    if is_building_as_xml || no_building(format, bytes).is_some() {
+        // Nothing will make it one: reading refuses it by name.
+        return Completeness::Whole;
+    }
+    match format {
         Format::Dxf => dxf::is_complete(bytes),
         Format::Ifc => match ifc::completeness(bytes) {
             ifc::Incomplete::No => Completeness::Whole,

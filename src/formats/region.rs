@@ -26,6 +26,9 @@ pub(super) enum Rule {
 /// Vertices that clipping moved by less than this share of the extent are put back where they were drawn.
 const SNAP_SHARE: f64 = 1e-8;
 
+/// Sides along which a box round a region is tried, the longest.
+const SIDES_MAX: usize = 64;
+
 /// Share of the depth looked at below which what is left behind a hole is rounding alone.
 const SKIN_NOISE: f64 = 1e-3;
 
@@ -83,6 +86,28 @@ impl Region {
     /// Lowest and highest corner of the box round it.
     pub fn extent(&self) -> Option<[DVec2; 2]> {
         crate::plan::box_of(self.points())
+    }
+
+    /// Corners of the smallest box round it that lies along one of its sides; none where it has no area.
+    pub fn box_along(&self) -> Option<[DVec2; 4]> {
+        let ring_sides = |r: &Vec<[f64; 2]>| {
+            (0..r.len()).map(|i| DVec2::from(r[(i + 1) % r.len()]) - DVec2::from(r[i])).collect::<Vec<_>>()
+        };
+        let mut sides: Vec<DVec2> = self.rings().chain(&self.lines).flat_map(ring_sides).collect();
+        sides.sort_by(|a, b| b.length_squared().total_cmp(&a.length_squared()));
+        // Along its axes first, so that an even choice leaves it straight.
+        let ways = std::iter::once(DVec2::X).chain(sides.into_iter().take(SIDES_MAX));
+        let mut best: Option<(f64, [DVec2; 4])> = None;
+        for u in ways.filter_map(DVec2::try_normalize) {
+            let turned = self.points().map(|p| DVec2::new(u.dot(p), u.perp_dot(p)));
+            let [lo, hi] = crate::plan::box_of(turned)?;
+            let area = (hi - lo).element_product();
+            if best.is_none_or(|(least, _)| area < least * (1.0 - SNAP_SHARE)) {
+                let corners = [lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)];
+                best = Some((area, corners.map(|c| u * c.x + u.perp() * c.y)));
+            }
+        }
+        best.map(|(_, corners)| corners)
     }
 
     /// The region through a map of the plane.
@@ -378,6 +403,20 @@ pub(super) fn flat(ring: &[[f64; 2]], m: &DAffine3) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_box_lies_along_what_it_is_round() {
+        let turn =
+            |angle: f64| Region::ring(square(1.0, 2.0, 4.0, 0.5)).map(|p| DVec2::from_angle(angle).rotate(p));
+        for angle in [0.0, 0.3, -1.2] {
+            let corners = turn(angle).box_along().unwrap();
+            let found = Region::ring(corners.map(|c| c.to_array()).to_vec());
+            assert!((found.area() - 2.0).abs() < 1e-9, "{corners:?}");
+            let all = turn(angle).combine(&found, Rule::Union);
+            assert!((all.area() - 2.0).abs() < 1e-6, "{corners:?}");
+        }
+        assert_eq!(Region::default().box_along(), None);
+    }
 
     fn square(x: f64, y: f64, w: f64, h: f64) -> Vec<[f64; 2]> {
         vec![[x, y], [x + w, y], [x + w, y + h], [x, y + h]]

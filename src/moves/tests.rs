@@ -202,6 +202,25 @@ fn bad_clauses_are_named_and_the_rest_is_used() {
 }
 
 #[test]
+fn groups_of_one_name_are_told_apart() {
+    let mut d = drawing("m", 1.0);
+    d.room(20.0, 10.0);
+    for (i, name) in ["screen", "Screen 2", "Screen", "move-5"].into_iter().enumerate() {
+        let x = 2.0 + 4.0 * i as f64;
+        d.line(x, 4.0, x, 6.0);
+        d.group([x - 1.0, 3.0], [x + 1.0, 7.0], &format!("x -1 1; name {name}"));
+    }
+    d.line(18.0, 4.0, 18.0, 6.0);
+    d.group([17.0, 3.0], [19.0, 7.0], "x -1 1");
+    let (_, _, moves, report) = marked(&d);
+    let names: Vec<&str> = moves.parameters.iter().map(|p| p.group_name.as_str()).collect();
+    assert_eq!(names, ["screen", "Screen 2", "Screen 3", "move-5", "move-5 2"]);
+    let said: Vec<String> = report.problems.iter().map(|p| p.to_string()).collect();
+    assert_eq!(said.len(), 3, "{said:?}");
+    assert!(said[1].contains("plan.dxf:") && said[1].contains("found the name \"Screen\""), "{said:?}");
+}
+
+#[test]
 fn free_standing_walls_and_doors_move_by_default() {
     let mut d = drawing("m", 1.0);
     d.room(20.0, 10.0);

@@ -376,7 +376,15 @@ pub fn parts(key: &str) -> (&str, String) {
 
 /// `door-3` → `Door 3`. Names with spaces are left alone but for the capital.
 pub fn sentence_case(name: &str) -> String {
-    let spaced = name.trim().replace(['-', '_'], " ");
+    let name: Vec<char> = name.trim().chars().collect();
+    let is_digit = |i: Option<usize>| i.and_then(|i| name.get(i)).is_some_and(char::is_ascii_digit);
+    let between_digits = |i: usize| is_digit(i.checked_sub(1)) && is_digit(Some(i + 1));
+    let spaced = name.iter().enumerate().map(|(i, &c)| match c {
+        '-' if between_digits(i) => '-',
+        '-' | '_' => ' ',
+        other => other,
+    });
+    let spaced: String = spaced.collect();
     let mut letters = spaced.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
@@ -531,6 +539,7 @@ mod tests {
     #[test]
     fn names_become_readable() {
         assert_eq!(sentence_case("door-3"), "Door 3");
+        assert_eq!(sentence_case("wall-3-4"), "Wall 3-4");
         assert_eq!(plain_name("depth"), "Accessibility");
         assert_eq!(plain_name("max_radial"), "Max radial");
         assert_eq!(plain_name("degree-p10@main-hall"), "Visibility, lowest 10 % (main hall)");

@@ -16,7 +16,7 @@ const EIGHTHS: [&str; 8] =
 /// for it, and how unlike the other layouts it is, a sentence each.
 ///
 /// `Door 3 slides 1.2 m east, Kiosk turns 12° anticlockwise; visibility +18 %, accessibility: depth
-/// −9 % (fewer turns), organisation +2 %. Without Door 3 54 % of the gain is lost. …`
+/// −9 % (fewer turns), organisation +2 %. Putting Door 3 back costs 54 % of its gain over the present layout. …`
 pub fn words(
     moves: &[MoveEntry],
     parameters: &[f64],
@@ -49,29 +49,69 @@ pub fn explained(explanation: &Explanation) -> Vec<String> {
     [parts(explanation), kept(explanation), alike].into_iter().filter(|l| !l.is_empty()).collect()
 }
 
-/// `Without Door 3 54 % of the gain is lost, without Kiosk 31 %`; empty where no move counts by itself.
+/// `Putting Door 3 back costs 54 % of its gain over the present layout, putting Kiosk back 31 %`, and which moves it
+/// cannot do without at all; empty where no move counts by itself.
 pub fn parts(explanation: &Explanation) -> String {
-    let part = |(i, p): (usize, &super::result::Part)| {
-        let name = sentence_case(&p.name);
+    let name = |p: &super::result::Part| {
         let linked = if p.groups > 1 { " and what is linked with it" } else { "" };
-        let lost = if p.lost > 1.0 { "more than all".to_owned() } else { percent(p.lost) };
-        if i == 0 {
-            format!("Without {name}{linked} {lost} of the gain is lost")
-        } else {
-            format!("without {name}{linked} {lost}")
-        }
+        sentence_case(&p.name) + linked
     };
-    explanation.parts.iter().enumerate().map(part).collect::<Vec<_>>().join(", ")
+    let (vital, others): (Vec<_>, Vec<_>) = explanation.parts.iter().partition(|p| p.lost > 1.0);
+    let vital = listed(&vital.into_iter().map(name).collect::<Vec<_>>(), "or");
+    let costs = others.iter().enumerate().map(|(i, p)| {
+        let (name, share) = (name(p), percent(p.lost));
+        let of = if i == 0 { " of its gain over the present layout" } else { "" };
+        let verb = if i == 0 { " costs" } else { "" };
+        format!("putting {name} back{verb} {share}{of}")
+    });
+    let costs = costs.collect::<Vec<_>>().join(", ");
+    let worse = if vital.is_empty() {
+        String::new()
+    } else {
+        format!("putting {vital} back makes it worse than the present layout")
+    };
+    let all: Vec<String> = [worse, costs].into_iter().filter(|t| !t.is_empty()).collect();
+    capitalised(&all.join("; "))
 }
 
-/// `Keeps 83 % of the best visibility found, 95 % of depth`; empty for a single objective that is best.
+/// `Of the largest gains over the present layout that any layout measured has, it has 83 % in visibility, 95 % in
+/// depth; organisation is worse than at present`. A threshold is another share: of the best among the layouts
+/// inside the thresholds before it.
 fn kept(explanation: &Explanation) -> String {
-    let one = |(i, (key, share)): (usize, &(String, f64))| {
-        let name = told_name(key);
-        let of = format!("{} of the best {name}", percent(*share));
-        if i == 0 { format!("Keeps {of} found") } else { of }
-    };
-    explanation.kept.0.iter().enumerate().map(one).collect::<Vec<_>>().join(", ")
+    let (gained, lost): (Vec<_>, Vec<_>) = explanation.kept.0.iter().partition(|k| k.1 >= 0.0);
+    let shares: Vec<String> =
+        gained.iter().map(|(key, share)| format!("{} in {}", percent(*share), told_name(key))).collect();
+    let worse: Vec<String> = lost.iter().map(|(key, _)| told_name(key)).collect();
+    let is = if worse.len() > 1 { "are" } else { "is" };
+    let all = [
+        if shares.is_empty() {
+            String::new()
+        } else {
+            format!(
+                "of the largest gains over the present layout that any layout measured has, it has {}",
+                shares.join(", ")
+            )
+        },
+        if worse.is_empty() {
+            String::new()
+        } else {
+            format!("{} {is} worse than at present", listed(&worse, "and"))
+        },
+    ];
+    capitalised(&all.into_iter().filter(|t| !t.is_empty()).collect::<Vec<_>>().join("; "))
+}
+
+/// `a, b or c`.
+fn listed(names: &[String], word: &str) -> String {
+    match names {
+        [before @ .., last] if !before.is_empty() => format!("{} {word} {last}", before.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// A measure in a sentence: accessibility is told by its steps, depth.
@@ -92,7 +132,7 @@ pub fn moved(moves: &[MoveEntry], parameters: &[f64]) -> String {
     groups.sort_by(|a, b| b.share.total_cmp(&a.share));
     let told = if groups.len() == MOVES_TOLD + 1 { MOVES_TOLD + 1 } else { MOVES_TOLD };
     let mut parts: Vec<String> =
-        groups.iter().take(told).map(|g| format!("{} {}", g.name, g.clauses.join(" and "))).collect();
+        groups.iter().take(told).map(|g| format!("{} {}", g.name, listed(&g.clauses, "and"))).collect();
     match groups.len().saturating_sub(told) {
         0 => {}
         more => parts.push(format!("and {more} smaller moves")),
@@ -125,17 +165,20 @@ struct Group {
 /// Clauses that do something, joined by the names of their groups, in order of appearance.
 fn grouped(moves: &[MoveEntry], parameters: &[f64]) -> Vec<Group> {
     let mut out: Vec<Group> = Vec::new();
+    let system = System::of(moves);
     for (entry, &value) in moves.iter().zip(parameters) {
         let share = (value - entry.kind.identity()).abs() / (entry.upper - entry.lower).abs();
         if !share.is_finite() || share < SMALLEST_SHARE {
             continue;
         }
         let name = sentence_case(&entry.name);
-        let clause = clause(entry, value);
+        let clause = clause(entry, value, system);
         match out.iter_mut().find(|g| g.name == name) {
             Some(group) => {
                 group.share = group.share.max(share);
-                group.clauses.push(clause);
+                let is_slide = |text: &String| text.starts_with(SLIDES);
+                let again = clause.strip_prefix(SLIDES).filter(|_| group.clauses.last().is_some_and(is_slide));
+                group.clauses.push(again.map_or_else(|| clause.clone(), str::to_owned));
             }
             None => out.push(Group { name, clauses: vec![clause], share }),
         }
@@ -143,15 +186,17 @@ fn grouped(moves: &[MoveEntry], parameters: &[f64]) -> Vec<Group> {
     out
 }
 
+const SLIDES: &str = "slides ";
+
 /// What one clause does: `slides 1.2 m east`.
-pub fn clause(entry: &MoveEntry, value: f64) -> String {
-    let far = length(value.abs(), &entry.unit);
+fn clause(entry: &MoveEntry, value: f64, system: System) -> String {
+    let far = length(value.abs(), &entry.unit, system);
     match entry.kind {
-        MoveKind::X => format!("slides {far} {}", if value < 0.0 { "west" } else { "east" }),
-        MoveKind::Y => format!("slides {far} {}", if value < 0.0 { "south" } else { "north" }),
+        MoveKind::X => format!("{SLIDES}{far} {}", if value < 0.0 { "west" } else { "east" }),
+        MoveKind::Y => format!("{SLIDES}{far} {}", if value < 0.0 { "south" } else { "north" }),
         MoveKind::Along => match entry.direction_deg {
-            Some(deg) => format!("slides {far} {}", compass(if value < 0.0 { deg + 180.0 } else { deg })),
-            None => format!("slides {far} {}", if value < 0.0 { "back" } else { "forth" }),
+            Some(deg) => format!("{SLIDES}{far} {}", compass(if value < 0.0 { deg + 180.0 } else { deg })),
+            None => format!("{SLIDES}{far} {}", if value < 0.0 { "back" } else { "forth" }),
         },
         MoveKind::Rotate => {
             let deg = if entry.unit == "rad" { value.to_degrees() } else { value };
@@ -173,7 +218,10 @@ pub fn parameter(entry: &MoveEntry, value: f64) -> String {
     }
     let sign = if value < 0.0 { "−" } else { "+" };
     match entry.kind {
-        MoveKind::X | MoveKind::Y | MoveKind::Along => format!("{sign}{}", length(value.abs(), &entry.unit)),
+        MoveKind::X | MoveKind::Y | MoveKind::Along => {
+            let system = System::of(std::slice::from_ref(entry));
+            format!("{sign}{}", length(value.abs(), &entry.unit, system))
+        }
         MoveKind::Rotate => {
             let deg = if entry.unit == "rad" { value.to_degrees() } else { value };
             format!("{sign}{}°", short((deg.abs() * 10.0).round() / 10.0))
@@ -192,15 +240,68 @@ pub fn range(entry: &MoveEntry) -> String {
     format!("{} to {}", bound(entry.lower), bound(entry.upper))
 }
 
-/// A length for people: metric ones in metres or centimetres, others in their own unit.
-fn length(size: f64, unit: &str) -> String {
-    let metres = match unit {
-        "mm" => size / 1000.0,
-        "cm" => size / 100.0,
-        "m" => size,
-        other => return format!("{} {other}", short(size)).trim_end().to_owned(),
+/// In which units lengths are told: one system a sentence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum System {
+    Metric,
+    Imperial,
+    /// The entry's own unit, where it is no known one.
+    Own,
+}
+
+impl System {
+    /// That of the first move by a length.
+    fn of(moves: &[MoveEntry]) -> Self {
+        let system = |e: &MoveEntry| match metres(&e.unit) {
+            Some(_) if matches!(e.unit.as_str(), "in" | "ft") => Some(Self::Imperial),
+            Some(_) => Some(Self::Metric),
+            None => None,
+        };
+        moves.iter().find_map(system).unwrap_or(Self::Own)
+    }
+}
+
+const METRES_PER_INCH: f64 = 0.0254;
+const INCHES_PER_FOOT: f64 = 12.0;
+/// Lengths below are told in tenths of an inch, longer ones in whole inches.
+const TENTHS_BELOW_INCHES: f64 = 3.0;
+
+/// Metres in one of a unit of length; none where it is no known one.
+fn metres(unit: &str) -> Option<f64> {
+    match unit {
+        "mm" => Some(0.001),
+        "cm" => Some(0.01),
+        "m" => Some(1.0),
+        "in" => Some(METRES_PER_INCH),
+        "ft" => Some(METRES_PER_INCH * INCHES_PER_FOOT),
+        _ => None,
+    }
+}
+
+/// A length for people: metres or centimetres, feet and inches, or a unit that is not known.
+fn length(size: f64, unit: &str, system: System) -> String {
+    let Some(per_unit) = metres(unit).filter(|_| system != System::Own) else {
+        return format!("{} {unit}", short(size)).trim_end().to_owned();
     };
+    let metres = size * per_unit;
+    if system == System::Imperial {
+        return feet(metres / METRES_PER_INCH);
+    }
     if metres >= 0.995 { format!("{} m", short(metres)) } else { format!("{} cm", fixed(metres * 100.0, 0)) }
+}
+
+/// `16 ft 2 in`, `9 in`, `1.5 in`.
+fn feet(inches: f64) -> String {
+    if inches < TENTHS_BELOW_INCHES {
+        return format!("{} in", short((inches * 10.0).round() / 10.0));
+    }
+    let whole = inches.round();
+    let (feet, rest) = ((whole / INCHES_PER_FOOT).floor(), whole % INCHES_PER_FOOT);
+    match (feet, rest) {
+        (0.0, _) => format!("{} in", fixed(rest, 0)),
+        (_, 0.0) => format!("{} ft", fixed(feet, 0)),
+        _ => format!("{} ft {} in", fixed(feet, 0), fixed(rest, 0)),
+    }
 }
 
 fn compass(deg: f64) -> &'static str {
@@ -258,39 +359,72 @@ mod tests {
         let part =
             |name: &str, groups, lost| super::super::result::Part { name: name.to_owned(), groups, lost };
         let mut e = Explanation {
-            parts: vec![part("door-3", 1, 1.2), part("kiosk", 2, 0.314)],
+            parts: vec![part("door-3", 1, 0.54), part("kiosk", 2, 0.314)],
             from_present: 1.0,
             nearest: Some(2),
             from_nearest: Some(0.756),
-            kept: Numbers::of([("degree", 0.834), ("depth", 0.95)]),
+            kept: Numbers::of([("degree", 0.834), ("depth", 0.95), ("entropy", -21.05)]),
         };
         assert_eq!(
             explained(&e),
             [
-                "Without Door 3 more than all of the gain is lost, without Kiosk and what is linked with it 31 %",
-                "Keeps 83 % of the best visibility found, 95 % of the best depth",
+                "Putting Door 3 back costs 54 % of its gain over the present layout, \
+                 putting Kiosk and what is linked with it back 31 %",
+                "Of the largest gains over the present layout that any layout measured has, it has 83 % in visibility, \
+                 95 % in depth; organisation is worse than at present",
                 "Stands 0.76 from option 2, the most alike, and 1.00 from the present layout",
             ]
         );
         let told = words(&[], &[], &Numbers::default(), &Numbers::default(), &e);
-        for part in ["Without Door 3", "Keeps 83 % of the best visibility", "Stands 0.76 from option 2"] {
+        for part in ["Putting Door 3 back", "Of the largest gains", "Stands 0.76 from option 2"] {
             assert!(told.contains(part), "{told}");
         }
+        e.parts = vec![part("wall-2", 1, 1.7), part("door-4", 1, 1.2), part("door-1", 1, 0.08)];
+        e.kept = Numbers::of([("degree", -0.1), ("entropy", -0.2)]);
+        assert_eq!(
+            explained(&e)[..2],
+            [
+                "Putting Wall 2 or Door 4 back makes it worse than the present layout; \
+                 putting Door 1 back costs 8 % of its gain over the present layout",
+                "Visibility and organisation are worse than at present",
+            ]
+        );
         e = Explanation { from_present: 0.5, ..Explanation::default() };
         assert_eq!(explained(&e), ["Stands 0.50 from the present layout"]);
     }
 
     #[test]
+    fn lengths_in_one_sentence_are_of_one_system() {
+        let moves = [
+            entry("wall-3-4", MoveKind::X, [-20.0, 20.0], "ft"),
+            entry("wall-3-4", MoveKind::Y, [-20.0, 20.0], "in"),
+            entry("wall-3-4", MoveKind::Rotate, [-15.0, 15.0], "deg"),
+            entry("door-1", MoveKind::X, [-5.0, 5.0], "m"),
+        ];
+        assert_eq!(
+            moved(&moves, &[16.17, 1.54, 10.0, -0.45]),
+            "Wall 3-4 slides 16 ft 2 in east, 1.5 in north and turns 10° anticlockwise, Door 1 slides 1 ft 6 in west"
+        );
+        let metric: Vec<MoveEntry> = moves.into_iter().rev().collect();
+        assert_eq!(
+            moved(&metric, &[-0.45, 0.0, 10.0, 2.0]),
+            "Wall 3-4 slides 25 cm north and 61 cm east, Door 1 slides 45 cm west"
+        );
+    }
+
+    #[test]
     fn clauses_name_direction_and_unit() {
         let mut along = entry("a", MoveKind::Along, [-1.0, 1.0], "ft");
-        assert_eq!(clause(&along, -0.5), "slides 0.5 ft back");
+        let clause = |entry: &MoveEntry, value| clause(entry, value, System::of(std::slice::from_ref(entry)));
+        assert_eq!(clause(&along, -0.5), "slides 6 in back");
         along.direction_deg = Some(30.0);
-        assert_eq!(clause(&along, -0.5), "slides 0.5 ft south-west");
+        assert_eq!(clause(&along, -0.5), "slides 6 in south-west");
         assert_eq!(clause(&entry("a", MoveKind::Scale, [0.8, 1.2], ""), 0.92), "shrinks by 8 %");
         assert_eq!(
             clause(&entry("a", MoveKind::Rotate, [-1.0, 1.0], "rad"), 0.1),
             "turns 5.7° anticlockwise"
         );
+        assert_eq!(clause(&entry("a", MoveKind::X, [-1.0, 1.0], "ells"), 2.0), "slides 2 ells east");
         assert_eq!(parameter(&entry("a", MoveKind::Scale, [0.8, 1.2], ""), 1.0), "–");
         assert_eq!(parameter(&entry("a", MoveKind::Y, [-1.0, 1.0], "m"), -0.25), "−25 cm");
         assert_eq!(range(&entry("a", MoveKind::Y, [0.0, 1500.0], "mm")), "0 to +1.5 m");

@@ -50,7 +50,7 @@ pub fn accept(
         let text = format!("round {round} has {n} candidates, found number {number}; nothing was written");
         return Err(Error::usage("candidate", place(), text));
     };
-    if input.sha256 != result.input.sha256 {
+    if input.sha256() != result.input.sha256 {
         let text = format!(
             "the drawing has changed since round {round} was made; nothing was written; run it again and accept from the new round"
         );

@@ -1,9 +1,12 @@
 //! What a building's file knows beyond outlines: spaces, openings, moves stated of its elements.
 
+use std::collections::BTreeSet;
+
 use globset::GlobBuilder;
 
 use crate::config::{MoveTable, Settings};
 use crate::formats::ifc::CLOSING_LAYERS;
+use crate::plan::curve::Trace;
 use crate::plan::drawing::{Drawing, Entity};
 use crate::plan::geometry::{PointUm, Segment};
 use crate::plan::{Plan, Region, curve};
@@ -57,17 +60,37 @@ pub(super) fn closings(drawing: &Drawing, plan: &Plan) -> Vec<Segment> {
         .collect()
 }
 
-/// How many doors and windows there are.
-pub(super) fn openings(drawing: &Drawing) -> u64 {
-    let mut records: Vec<usize> = drawing
-        .entities
-        .iter()
-        .filter(|e| ["IfcDoor", "IfcWindow"].contains(&e.layer.as_str()))
-        .map(|e| e.source.record)
-        .collect();
-    records.sort_unstable();
-    records.dedup();
-    records.len() as u64
+/// A door or window that the file calls so.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedOpening {
+    /// [`SourceRef::record`] of the element.
+    ///
+    /// [`SourceRef::record`]: crate::plan::drawing::SourceRef::record
+    pub record: usize,
+    /// A door, else a window.
+    pub is_door: bool,
+    /// What it closes.
+    pub outline: Trace,
+}
+
+/// The doors and windows that the file calls so, each with all its outlines.
+pub(super) fn named_openings(drawing: &Drawing, plan: &Plan) -> Vec<NamedOpening> {
+    let of = |e: &Entity| {
+        let is_door = e.layer == "IfcDoor";
+        let outline = curve::trace(&e.shape, &plan.frame);
+        (is_door || e.layer == "IfcWindow").then_some(NamedOpening {
+            record: e.source.record,
+            is_door,
+            outline,
+        })
+    };
+    drawing.entities.iter().filter_map(of).collect()
+}
+
+/// How many different doors, or windows, there are among them.
+pub(super) fn count(openings: &[NamedOpening], are_doors: bool) -> u64 {
+    let of_kind = openings.iter().filter(|o| o.is_door == are_doors);
+    of_kind.map(|o| o.record).collect::<BTreeSet<usize>>().len() as u64
 }
 
 /// The moves that elements state of themselves, those of one name together.

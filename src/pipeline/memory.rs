@@ -4,6 +4,10 @@
 //! order: told again instead of measured again, they lead to the same state and the same bytes. A row that does
 //! not belong to the vector asked for ends the remembering; the first batch is always measured and compared, so
 //! that what another build of the program measured differently is not believed.
+//!
+//! Under a budget of seconds a search asks by its pace as well. Each row then says how many evaluations were thought
+//! to fit when it was asked for, and how many seconds had gone when it was known: both are told again instead of read
+//! from the clock, and what was spent before a kill counts.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -21,6 +25,17 @@ const HEAD: &[u8] = b"enfilade.search/1\n";
 const KEEP_EVERY: Duration = Duration::from_millis(200);
 /// Bytes of a row's check.
 const CHECK_BYTES: usize = 8;
+/// Bytes of a row's pace: evaluations thought to fit, seconds gone.
+const PACE_BYTES: usize = 16;
+
+/// How far a search under a budget of seconds had come.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Pace {
+    /// Evaluations that were thought to fit into the budget, when a batch was asked for.
+    pub fit: u64,
+    /// Seconds gone, when its worth was known.
+    pub spent_secs: f64,
+}
 
 /// Bytes to keep until the job is done.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,24 +57,27 @@ pub(super) struct Memory {
     /// Measured or told again since what was last kept.
     fresh: Vec<u8>,
     kept: Option<Instant>,
-    is_off: bool,
 }
 
 impl Memory {
-    /// What `input.earlier` says of the same study, with that many objectives. A budget of seconds depends on the
-    /// machine and its pace, so nothing is remembered then.
+    /// What `input.earlier` says of the same study, with that many objectives.
     pub(super) fn new(input: &Input<'_>, settings: &Settings, values: usize) -> Self {
         let key = key(input, settings);
-        let row = CHECK_BYTES + 8 * (values + 1);
+        let row = CHECK_BYTES + PACE_BYTES + 8 * (values + 1);
         let rows = input.earlier.strip_prefix(HEAD).and_then(|b| b.strip_prefix(&key[..]));
         let rows = rows.map_or_else(VecDeque::new, |b| b.chunks_exact(row).map(<[u8]>::to_vec).collect());
-        let is_off = settings.seconds.is_some();
-        Self { key, values, rows, is_first: true, fresh: Vec::new(), kept: None, is_off }
+        Self { key, values, rows, is_first: true, fresh: Vec::new(), kept: None }
+    }
+
+    /// The pace of the batch that is asked for next, where it is remembered.
+    pub(super) fn pace(&self) -> Option<Pace> {
+        let row = if self.is_first { None } else { self.rows.front() };
+        row.and_then(|r| pace_of(&r[CHECK_BYTES..]))
     }
 
     /// What these vectors are worth, where that is remembered of all of them.
     pub(super) fn recall(&mut self, asked: &[Vec<f64>]) -> Option<Vec<Evaluation>> {
-        if self.is_first || self.is_off || self.rows.is_empty() {
+        if self.is_first || self.rows.is_empty() {
             return None;
         }
         let known = asked.iter().zip(&self.rows).map(|(p, row)| self.read(p, row));
@@ -76,13 +94,16 @@ impl Memory {
     }
 
     /// Takes in what vectors were found to be worth.
-    pub(super) fn learn(&mut self, asked: &[Vec<f64>], told: &[Evaluation]) {
-        if self.is_off {
-            return;
-        }
-        let rows: Vec<Vec<u8>> = asked.iter().zip(told).map(|(p, e)| self.row(p, e)).collect();
+    pub(super) fn learn(&mut self, asked: &[Vec<f64>], told: &[Evaluation], pace: Pace) {
+        let rows: Vec<Vec<u8>> = asked.iter().zip(told).map(|(p, e)| self.row(p, e, pace)).collect();
         if std::mem::take(&mut self.is_first) {
-            let is_same = self.rows.len() >= rows.len() && self.rows.iter().zip(&rows).all(|(a, b)| a == b);
+            // Measured in another time, and worth the same?
+            let is_so = |(old, told): (&Vec<u8>, (&Vec<f64>, &Evaluation))| {
+                let pace = pace_of(&old[CHECK_BYTES..]).unwrap_or_default();
+                *old == self.row(told.0, told.1, pace)
+            };
+            let is_same =
+                self.rows.len() >= rows.len() && self.rows.iter().zip(asked.iter().zip(told)).all(is_so);
             self.rows.drain(..if is_same { rows.len() } else { self.rows.len() });
         }
         self.fresh.extend(rows.into_iter().flatten());
@@ -91,7 +112,7 @@ impl Memory {
     /// What is to be kept now, if anything: not while old rows are told again, which are kept already.
     pub(super) fn keep(&mut self) -> Option<Keep> {
         let is_soon = self.kept.is_some_and(|t| t.elapsed() < KEEP_EVERY);
-        if self.is_off || is_soon || !self.rows.is_empty() || self.fresh.is_empty() {
+        if is_soon || !self.rows.is_empty() || self.fresh.is_empty() {
             return None;
         }
         let is_anew = self.kept.replace(Instant::now()).is_none();
@@ -100,8 +121,9 @@ impl Memory {
         Some(Keep { is_anew, bytes })
     }
 
-    fn row(&self, at: &[f64], told: &Evaluation) -> Vec<u8> {
-        let mut bytes: Vec<u8> = told.values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    fn row(&self, at: &[f64], told: &Evaluation, pace: Pace) -> Vec<u8> {
+        let mut bytes = [pace.fit.to_le_bytes(), pace.spent_secs.to_le_bytes()].concat();
+        bytes.extend(told.values.iter().flat_map(|v| v.to_le_bytes()));
         bytes.extend(told.violation.to_le_bytes());
         let mut out = check(&self.key, at, &bytes).to_vec();
         out.extend(bytes);
@@ -110,7 +132,8 @@ impl Memory {
 
     fn read(&self, at: &[f64], row: &[u8]) -> Option<Evaluation> {
         let (mark, bytes) = row.split_at_checked(CHECK_BYTES)?;
-        let numbers = bytes.chunks_exact(8).filter_map(|b| b.try_into().ok().map(f64::from_le_bytes));
+        let worth = bytes.get(PACE_BYTES..)?;
+        let numbers = worth.chunks_exact(8).filter_map(|b| b.try_into().ok().map(f64::from_le_bytes));
         let mut values: Vec<f64> = numbers.collect();
         let violation = values.pop()?;
         let fits = values.len() == self.values && *mark == check(&self.key, at, bytes);
@@ -118,7 +141,13 @@ impl Memory {
     }
 }
 
-/// What a row's check is made of: study, vector and worth, bit for bit.
+fn pace_of(bytes: &[u8]) -> Option<Pace> {
+    let (fit, rest) = bytes.split_first_chunk()?;
+    let spent = rest.first_chunk()?;
+    Some(Pace { fit: u64::from_le_bytes(*fit), spent_secs: f64::from_le_bytes(*spent) })
+}
+
+/// What a row's check is made of: study, vector, pace and worth, bit for bit.
 fn check(key: &[u8; 32], at: &[f64], worth: &[u8]) -> [u8; CHECK_BYTES] {
     let mut hash = Sha256::new();
     hash.update(key);
@@ -132,7 +161,7 @@ fn check(key: &[u8; 32], at: &[f64], worth: &[u8]) -> [u8; CHECK_BYTES] {
 fn key(input: &Input<'_>, settings: &Settings) -> [u8; 32] {
     let mut hash = Sha256::new();
     let text = serde_json::to_string(settings).unwrap_or_default();
-    for part in [env!("CARGO_PKG_VERSION"), input.file(), &input.sha256, &text, &BATCH.to_string()] {
+    for part in [env!("CARGO_PKG_VERSION"), input.file(), input.sha256(), &text, &BATCH.to_string()] {
         hash.update(part);
         hash.update([0]);
     }
@@ -164,6 +193,10 @@ mod tests {
         std::iter::once(first).chain(more).collect()
     }
 
+    fn paces() -> impl Iterator<Item = Pace> {
+        (0..).map(|i| Pace { fit: 40 + i, spent_secs: 0.25 * i as f64 })
+    }
+
     fn bits(e: &[Evaluation]) -> Vec<u64> {
         e.iter().flat_map(|e| e.values.iter().chain([&e.violation])).map(|v| v.to_bits()).collect()
     }
@@ -172,7 +205,8 @@ mod tests {
     fn kept(settings: &Settings) -> Vec<u8> {
         let input = Input::new("plan.dxf", b"bytes", 1);
         let mut memory = Memory::new(&input, settings, 2);
-        batches().iter().for_each(|(asked, told)| memory.learn(asked, told));
+        let all = batches();
+        all.iter().zip(paces()).for_each(|((asked, told), pace)| memory.learn(asked, told, pace));
         memory.keep().map_or(Vec::new(), |k| k.bytes)
     }
 
@@ -181,13 +215,15 @@ mod tests {
         let input = Input { earlier, ..Input::new("plan.dxf", bytes, 1) };
         let mut memory = Memory::new(&input, settings, 2);
         let mut recalled = 0;
-        for (asked, told) in batches() {
+        for ((asked, told), pace) in batches().into_iter().zip(paces()) {
+            let remembered = memory.pace();
             match memory.recall(&asked) {
                 Some(found) => {
                     assert_eq!(bits(&found), bits(&told));
+                    assert_eq!(remembered, Some(pace));
                     recalled += 1;
                 }
-                None => memory.learn(&asked, &told),
+                None => memory.learn(&asked, &told, pace),
             }
         }
         (recalled, memory.keep().unwrap().bytes)
@@ -217,7 +253,7 @@ mod tests {
         assert_eq!(replay(&whole, b"bytes", &Settings { seed: 9, ..settings.clone() }).0, 0);
         let threads = Settings { threads: Some(3), ..settings.clone() };
         assert_eq!(replay(&whole, b"bytes", &threads).0, batches().len() - 1);
-        for at in [HEAD.len() + 32, HEAD.len() + 32 + 32 * 2 + 3] {
+        for at in [HEAD.len() + 32, HEAD.len() + 32 + 48 * 2 + 3, HEAD.len() + 32 + 48 * 2 + CHECK_BYTES] {
             let mut torn = whole.clone();
             torn[at] ^= 1;
             let (recalled, again) = replay(&torn, b"bytes", &settings);
@@ -226,9 +262,16 @@ mod tests {
         }
     }
 
+    /// The first batch takes its own time at every start; that is no reason to forget the rest.
     #[test]
-    fn a_budget_of_seconds_is_not_remembered() {
-        let settings = Settings { seconds: Some(5.0), ..settings() };
-        assert!(kept(&settings).is_empty());
+    fn the_time_of_the_first_batch_does_not_matter() {
+        let whole = kept(&settings());
+        let input = Input { earlier: &whole, ..Input::new("plan.dxf", b"bytes", 1) };
+        let mut memory = Memory::new(&input, &settings(), 2);
+        let all = batches();
+        assert_eq!(memory.pace(), None, "nothing is believed before the first batch");
+        memory.learn(&all[0].0, &all[0].1, Pace { fit: 7, spent_secs: 99.0 });
+        assert_eq!(memory.pace(), paces().nth(1));
+        assert!(memory.recall(&all[1].0).is_some());
     }
 }

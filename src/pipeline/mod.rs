@@ -21,6 +21,7 @@ mod storeys;
 mod study;
 
 use std::borrow::Cow;
+use std::sync::OnceLock;
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
@@ -28,7 +29,7 @@ use sha2::{Digest, Sha256};
 
 use crate::analysis::measures::Column;
 use crate::config::Settings;
-use crate::formats;
+use crate::formats::{self, Opened};
 use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::measure::wording;
 use crate::overlay::result::{self, AnalysisResult, CheckResult};
@@ -45,8 +46,9 @@ pub struct Input<'a> {
     pub path: &'a str,
     /// The file without result layers of ours (a candidate used as the new plan has some).
     pub bytes: Cow<'a, [u8]>,
-    /// Digest of the file as it lies on disk, lower-case hexadecimal.
-    pub sha256: String,
+    /// The file as it lies on disk.
+    whole: &'a [u8],
+    sha256: OnceLock<String>,
     /// Number of the round that is made, from 1; shown only.
     pub round: u64,
     /// What an earlier start of the same job handed out as [`Event::Keep`], in order; empty: nothing.
@@ -56,9 +58,19 @@ pub struct Input<'a> {
 impl<'a> Input<'a> {
     /// Takes a file's bytes.
     pub fn new(path: &'a str, bytes: &'a [u8], round: u64) -> Self {
-        let sha256 = Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect();
-        let bytes = formats::plain(path, bytes);
-        Self { path, bytes, sha256, round, earlier: &[] }
+        let plain = formats::plain(path, bytes);
+        Self { path, bytes: plain, whole: bytes, sha256: OnceLock::new(), round, earlier: &[] }
+    }
+
+    /// Digest of the file as it lies on disk, lower-case hexadecimal; made when first asked for.
+    pub fn sha256(&self) -> &str {
+        let of = || Sha256::digest(self.whole).iter().map(|b| format!("{b:02x}")).collect();
+        self.sha256.get_or_init(of)
+    }
+
+    /// With what an earlier start of the same job handed out.
+    pub fn going_on_from(self, earlier: &'a [u8]) -> Self {
+        Self { earlier, ..self }
     }
 
     /// Name to show.
@@ -144,12 +156,26 @@ pub fn on_threads<T: Send>(
 /// [`Error::Input`] when the drawing cannot be read.
 pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResult>, Error> {
     let mut report = Report::default();
-    let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
+    state_unread(input, settings, &mut report);
+    let opened = Opened::new(input.file(), &input.bytes)?;
+    let drawing = opened.read(&study::read_options(settings), &mut report)?;
+    let base = study::understood(&drawing, settings, &mut report)?;
     let mut result = show::check(&base, &report);
     let mut files = vec![OutFile::new("check.png", check_picture(&base, &result)?)];
-    (result.building, result.storeys) = storeys::check(input, settings, &base, &mut files);
+    (result.building, result.storeys) = storeys::check(&opened, settings, &base, &mut files);
     files.push(OutFile::new("check.json", result::to_json(&result)?));
     Ok(Outcome { result, files, report })
+}
+
+/// Says what lies beside the drawing, was meant as its settings, and is not read.
+fn state_unread(input: &Input<'_>, settings: &Settings, report: &mut Report) {
+    for (found, right) in &settings.unread {
+        let text = format!(
+            "{found} lies beside it and is not read: settings of this drawing are read from a file named {right}; \
+             rename it"
+        );
+        report.warn("side-car-name", Place::file(input.file()), text);
+    }
 }
 
 fn check_picture(base: &study::Understood, result: &CheckResult) -> Result<Vec<u8>, Error> {
@@ -202,6 +228,7 @@ fn analyse_storey(
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
     let mut report = Report::default();
+    state_unread(input, settings, &mut report);
     let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
     cancel.check()?;
     let mut study = Study::new(base, settings, &mut report)?;
@@ -251,8 +278,8 @@ fn analysis_of(
 fn analysis_result(input: &Input<'_>, study: &Study, report: &Report) -> AnalysisResult {
     AnalysisResult {
         schema: result::ANALYSIS_SCHEMA.into(),
-        input: show::input(&study.base.plan, input.path, &input.sha256),
-        spacing_m: study.spacing.spacing_m,
+        input: show::input(&study.base.plan, input.path, input.sha256()),
+        spacing_m: study.spacing_m,
         lattice_centre: lattice_centre(study),
         counts: show::counts(study, study.edges),
         mean: show::mean_numbers(study, &study.initial),
@@ -282,7 +309,7 @@ fn heat_map(
     let map = HeatMap {
         picture,
         cells: &show::cells(study, map.pair, values),
-        spacing_m: study.spacing.spacing_m,
+        spacing_m: study.spacing_m,
         scale,
         title: &title,
         subtitle,
@@ -310,7 +337,7 @@ pub fn column_pictures(
             picture: &picture,
             scale: Scale::of(cells.iter().filter_map(|c| c.value)),
             cells: &cells,
-            spacing_m: study.spacing.spacing_m,
+            spacing_m: study.spacing_m,
             title: &column.name,
             subtitle: &subtitle,
             unit: "",

@@ -97,6 +97,7 @@ pub fn resolution(
     cancel: &Cancel,
 ) -> Result<Outcome<ResolutionResult>, Error> {
     let mut report = Report::default();
+    super::state_unread(input, settings, &mut report);
     let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
     let series = series(&base, options, input.file())?;
     let samples = sampled(&base.moves.bounds(), options.samples, settings.seed);
@@ -125,7 +126,7 @@ pub fn resolution(
     let critical_m = critical(&rows, options.tolerance);
     let result = ResolutionResult {
         schema: SCHEMA.into(),
-        input: show::input(&plan, input.path, &input.sha256),
+        input: show::input(&plan, input.path, input.sha256()),
         tolerance: options.tolerance,
         critical_m,
         jumps: jumps(&rows),
@@ -176,7 +177,7 @@ fn sampled(bounds: &[[f64; 2]], samples: usize, seed: u64) -> Vec<Vec<f64>> {
 }
 
 fn row(study: &Study, samples: &[Vec<f64>], cancel: &Cancel) -> Result<Row, Error> {
-    let cell_m2 = study.spacing.spacing_m * study.spacing.spacing_m;
+    let cell_m2 = study.spacing_m * study.spacing_m;
     let numbers =
         |means: &crate::analysis::measures::Means| [means.degree * cell_m2, means.depth, means.entropy];
     let initial = numbers(&study.initial.seen.means);
@@ -196,7 +197,7 @@ fn row(study: &Study, samples: &[Vec<f64>], cancel: &Cancel) -> Result<Row, Erro
         Spread { initial: initial[k], mean, deviation }
     };
     Ok(Row {
-        spacing_m: study.spacing.spacing_m,
+        spacing_m: study.spacing_m,
         vertices: study.lattice.cells.len(),
         visible_m2: spread(0),
         depth: spread(1),

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::memory::Memory;
+use super::memory::{Memory, Pace};
 use super::show;
 use super::study::{self, Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress};
@@ -18,7 +18,7 @@ use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
 use crate::moves::control::Control;
 use crate::overlay::Series;
-use crate::overlay::measure::plain_name;
+use crate::overlay::measure::{plain_name, sentence_case};
 use crate::overlay::result::{
     self, Best, Candidate, Diversity, ElementRef, Explanation, LineageEntry, MoveEntry, Numbers, Objective,
     RoundResult, Sense as ShownSense,
@@ -98,6 +98,8 @@ fn round(
     }
     if let Some(why) = found.and_then(|f| f.no_option.clone()) {
         report.warn("no-option", Place::file(input.file()), why);
+    } else if let Some(alike) = found.map(|f| f.alike).filter(|a| *a > 0) {
+        report.info("options-left-out", Place::file(input.file()), left_out_words(study, made.len(), alike));
     } else if found.is_some() && settings.mode == Mode::Diverse && made.len() < settings.members {
         let text = format!(
             "{} options wanted, {} found inside all thresholds; more --evaluations, wider bounds or lower thresholds find more",
@@ -121,6 +123,33 @@ fn round(
     files.push(OutFile::new("result.json", result::to_json(&result)?));
     files.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(Outcome { result, files, report })
+}
+
+/// Groups that may move up to which they are told by name.
+const GROUPS_TOLD: usize = 3;
+
+/// Why there are fewer options than wanted, and how to get more.
+fn left_out_words(study: &Study, made: usize, alike: usize) -> String {
+    let mut names: Vec<String> = vec![];
+    for p in &study.base.moves.parameters {
+        let name = sentence_case(&p.group_name);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let why = match names.as_slice() {
+        [only] => format!("only {only} may move, and not far without falling below the thresholds"),
+        few if few.len() <= GROUPS_TOLD => {
+            format!("only {} may move, and not far without falling below the thresholds", few.join(", "))
+        }
+        many => format!("the {} groups that may move have little room inside the thresholds", many.len()),
+    };
+    let options = if made == 1 { "1 option" } else { &format!("{made} options") };
+    format!(
+        "{options} instead of {}: the others were almost the same as a better one, because {why}; EF-MOVE boxes round \
+         more walls, or wider bounds in them, make room for options that differ",
+        made + alike
+    )
 }
 
 /// Says where the options are more alike than wanted, and what was done about it.
@@ -148,6 +177,8 @@ pub(super) struct Found {
     pub(super) members: Vec<search::Member>,
     /// Of every member.
     explanations: Vec<Explanation>,
+    /// Members left out because they were almost the same as a better one.
+    alike: usize,
     best: Option<Best>,
     /// Why no layout keeps the hard limits, where none does.
     no_option: Option<String>,
@@ -200,26 +231,36 @@ fn optimise(
     })?;
     let mut memory = Memory::new(input, settings, objectives.len());
     let begun = Instant::now();
+    let mut clock = Clock::new(started);
     let mut said = Instant::now();
     let mut written = Instant::now();
+    let mut fit = 0;
     loop {
         if cancel.is_stopped() {
             search.finish(search::Stop::Asked);
         } else if let Some(seconds) = settings.seconds {
-            let left = seconds - started.elapsed().as_secs_f64();
-            if left <= 0.0 && search.progress().evaluations > 0 {
+            let remembered = memory.pace();
+            if remembered.is_none() && clock.spent_secs() >= seconds && search.progress().evaluations > 0 {
                 search.finish(search::Stop::Time);
             }
-            pace(&mut search, settings, begun, left);
+            fit = remembered.map_or_else(|| clock.fit(search.progress().evaluations, seconds), |p| p.fit);
+            search.set_evaluations(settings.evaluations.map_or(fit, |limit| limit.min(fit)));
         }
         let asked = search.ask();
         if asked.is_empty() {
             break;
         }
         let permitted: Vec<Vec<f64>> = asked.iter().map(|p| control.permit(p)).collect();
-        let told = memory.recall(&permitted).unwrap_or_else(|| {
+        let remembered = memory.pace();
+        let recalled = memory.recall(&permitted);
+        if let (Some(pace), Some(_)) = (remembered, &recalled) {
+            clock.set(pace.spent_secs);
+        }
+        let told = recalled.unwrap_or_else(|| {
             let told = measured(study, settings, &control, &objectives, &permitted);
-            memory.learn(&permitted, &told);
+            // Without such a budget nothing depends on the clock, and what is kept neither.
+            let pace = settings.seconds.map(|_| Pace { fit, spent_secs: clock.spent_secs() });
+            memory.learn(&permitted, &told, pace.unwrap_or_default());
             told
         });
         let told: Vec<Evaluation> =
@@ -309,6 +350,7 @@ fn found(
     Found {
         explanations: explanations(study, settings, control, objectives, &shown, &members),
         best,
+        alike: outcome.alike,
         no_option,
         objectives: shown,
         threshold_share: outcome.threshold_share,
@@ -337,12 +379,33 @@ fn explanations(
     (0..options.len()).into_par_iter().map(one).collect()
 }
 
-/// Tells the search how many evaluations will fit into the time left, at the pace so far.
-fn pace(search: &mut Search, settings: &Settings, begun: Instant, left_secs: f64) {
-    let done = search.progress().evaluations;
-    let rate = done as f64 / begun.elapsed().as_secs_f64().max(1e-6);
-    let fit = done + ((rate * left_secs.max(0.0)) as u64).max(2 * BATCH as u64);
-    search.set_evaluations(settings.evaluations.map_or(fit, |limit| limit.min(fit)));
+/// Seconds that a round has spent, those before a kill included.
+struct Clock {
+    /// When the clock was last set, and what it said then.
+    set: (Instant, f64),
+    /// What it said when the search began.
+    begun_secs: f64,
+}
+
+impl Clock {
+    fn new(started: Instant) -> Self {
+        Self { set: (started, 0.0), begun_secs: started.elapsed().as_secs_f64() }
+    }
+
+    fn spent_secs(&self) -> f64 {
+        self.set.1 + self.set.0.elapsed().as_secs_f64()
+    }
+
+    fn set(&mut self, spent_secs: f64) {
+        self.set = (Instant::now(), spent_secs);
+    }
+
+    /// How many evaluations will fit into the time left, at the pace so far, after that many.
+    fn fit(&self, done: u64, budget_secs: f64) -> u64 {
+        let spent = self.spent_secs();
+        let rate = done as f64 / (spent - self.begun_secs).max(1e-6);
+        done + ((rate * (budget_secs - spent).max(0.0)) as u64).max(2 * BATCH as u64)
+    }
 }
 
 /// Best value of one objective among all layouts that keep the hard limits; NaN if none does.
@@ -604,10 +667,10 @@ fn round_result(
     let candidates = made.iter().enumerate().map(of).collect();
     RoundResult {
         schema: result::RESULT_SCHEMA.into(),
-        input: show::input(&study.base.plan, input.path, &input.sha256),
+        input: show::input(&study.base.plan, input.path, input.sha256()),
         settings: settings_map,
         counts: show::counts(study, study.edges),
-        spacing_m: study.spacing.spacing_m,
+        spacing_m: study.spacing_m,
         lattice_centre: super::lattice_centre(study),
         initial,
         moves,

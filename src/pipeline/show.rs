@@ -1,6 +1,7 @@
 //! From a study to what the overlay shows: strokes, cells, result entries.
 
 use super::aims::cell_values;
+use super::building;
 use super::study::{Seen, Study, Understood, Worth, divisor};
 use crate::analysis::measures::{Column, UNDEFINED};
 use crate::config::{Aggregate, Aim, Colours, Measure, PairName, Penalty, Settings};
@@ -107,16 +108,44 @@ pub fn check_picture(base: &Understood) -> PlanPicture {
     let scale = base.plan.human_scale;
     for opening in &base.axes.openings {
         let kind = match opening.kind {
+            OpeningKind::Passage => StrokeKind::Opening,
+            _ if !base.openings.is_empty() => continue,
             OpeningKind::Door => StrokeKind::Door,
             OpeningKind::Window => StrokeKind::Window,
-            OpeningKind::Passage => StrokeKind::Opening,
         };
         let points = opening.jambs.map(|j| (j.at * scale).to_array()).to_vec();
         out.strokes.push(Stroke { points, closed: false, filled: false, kind });
     }
     let left_out = base.left_out.iter();
     out.strokes.extend(left_out.map(|t| stroke_of(&base.plan, t, false, StrokeKind::Ignored)));
+    let named = base.openings.iter().map(|o| {
+        let kind = if o.is_door { StrokeKind::Door } else { StrokeKind::Window };
+        stroke_of(&base.plan, &o.outline, false, kind)
+    });
+    out.strokes.extend(named);
     out
+}
+
+/// Doors and windows: those that the file calls so, else those understood.
+fn doors_and_windows(base: &Understood) -> [u64; 2] {
+    if !base.openings.is_empty() {
+        return [true, false].map(|is_door| building::count(&base.openings, is_door));
+    }
+    let of = |kind| base.axes.openings.iter().filter(|o| o.kind == kind).count() as u64;
+    [OpeningKind::Door, OpeningKind::Window].map(of)
+}
+
+/// What was understood, in words; with the doors and windows that the file calls so instead of those understood.
+fn statements(base: &Understood) -> Vec<String> {
+    let [doors, windows] = doors_and_windows(base);
+    let passages = base.axes.openings.iter().filter(|o| o.kind == OpeningKind::Passage).count();
+    let told = |s: &String| match s.split_once(" understood; ") {
+        Some((walls, _)) if !base.openings.is_empty() => {
+            format!("{walls} understood; {doors} doors, {windows} windows, {passages} passages")
+        }
+        _ => s.clone(),
+    };
+    base.axes.statements.iter().map(told).collect()
 }
 
 /// The plan with the moving walls where a layout has them, and where they stood.
@@ -383,7 +412,7 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
             pair: None,
         });
     }
-    let openings = |kind| base.axes.openings.iter().filter(|o| o.kind == kind).count() as u64;
+    let [doors, windows] = doors_and_windows(base);
     result::CheckResult {
         schema: result::CHECK_SCHEMA.into(),
         file: plan.file.clone(),
@@ -395,9 +424,9 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
             reason: plan.unit.reason.clone(),
         },
         walls: plan.walls.len() as u64,
-        openings: base.openings.max(base.axes.openings.len() as u64),
-        doors: openings(OpeningKind::Door),
-        windows: openings(OpeningKind::Window),
+        openings: (doors + windows).max(base.axes.openings.len() as u64),
+        doors,
+        windows,
         columns: plan.walls.iter().filter(|w| w.is_solid).count() as u64,
         regions: shown,
         moves: move_entries(base),
@@ -411,7 +440,7 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
                 reason: l.why.clone(),
             })
             .collect(),
-        statements: base.axes.statements.clone(),
+        statements: statements(base),
         building: None,
         storeys: Vec::new(),
         problems: report.problems.iter().map(Into::into).collect(),

@@ -22,19 +22,10 @@ pub(super) const SERIES_M: [f64; 20] = [
     10.0,
 ];
 
-/// A spacing and where it comes from.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SpacingChoice {
-    /// Metres.
-    pub spacing_m: f64,
-    /// Why, in plain words.
-    pub reason: String,
-}
-
-/// Decides the spacing.
-pub fn choose(base: &Understood, settings: &Settings, report: &mut Report) -> SpacingChoice {
+/// Decides the spacing, metres.
+pub fn choose_m(base: &Understood, settings: &Settings) -> f64 {
     if let Some(spacing_m) = settings.spacing_m {
-        return SpacingChoice { spacing_m, reason: "as you said".into() };
+        return spacing_m;
     }
     let area_m2 = area_m2(base);
     let fits = |s: &&f64, vertices: f64| area_m2 / (**s * **s) <= vertices;
@@ -43,9 +34,18 @@ pub fn choose(base: &Understood, settings: &Settings, report: &mut Report) -> Sp
     let by_doors = SERIES_M.iter().find(|s| fits(s, VERTICES_FOR_DOORS)).copied().unwrap_or(by_budget);
     let door_m = DOOR_SPACING_M * base.plan.human_scale * 1.001;
     let for_doors = SERIES_M.iter().rev().find(|s| **s <= door_m).copied().unwrap_or(SERIES_M[0]);
-    let spacing_m = by_budget.min(by_doors.max(for_doors));
-    let reason = format!("about {:.0} vertices for {area_m2:.0} m²", area_m2 / (spacing_m * spacing_m));
-    let text = format!("spacing {spacing_m} m: {reason}; --spacing overrides it");
+    by_budget.min(by_doors.max(for_doors))
+}
+
+/// Says which spacing was chosen and how many of its cells are measured; nothing where the user named it.
+pub fn state(base: &Understood, settings: &Settings, spacing_m: f64, cells: usize, report: &mut Report) {
+    if settings.spacing_m.is_some() {
+        return;
+    }
+    let area_m2 = area_m2(base);
+    let text = format!(
+        "spacing {spacing_m} m: {cells} vertices are measured on {area_m2:.0} m²; --spacing overrides it"
+    );
     report.info("spacing", Place::file(&base.plan.file), text);
     if spacing_m > DOOR_SPACING_M {
         let text = format!(
@@ -53,7 +53,6 @@ pub fn choose(base: &Understood, settings: &Settings, report: &mut Report) -> Sp
         );
         report.info("spacing-coarse", Place::file(&base.plan.file), text);
     }
-    SpacingChoice { spacing_m, reason }
 }
 
 /// Area that will be measured, m²: the regions drawn (of the largest pair, where some are named), the

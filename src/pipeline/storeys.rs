@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::study::Understood;
-use super::{Input, Study, analyse_storey, check_picture, show, study};
+use super::{Input, Study, analyse_storey, building, check_picture, show, study};
 use crate::config::Settings;
-use crate::formats::{self, StoreyInfo};
+use crate::formats::{self, Opened, StoreyInfo};
 use crate::overlay::result::{BuildingEntry, Numbers, ProblemEntry, StoreyEntry};
 use crate::report::{Cancel, Error, OutFile};
 
@@ -43,7 +43,7 @@ fn entry(storey: &StoreyInfo, base: &Understood, folder: &str, mean: Numbers) ->
         floor_m: storey.floor_m,
         folder: Some(folder.into()),
         walls: base.plan.walls.len() as u64,
-        openings: base.openings,
+        openings: [true, false].map(|d| building::count(&base.openings, d)).iter().sum(),
         columns: base.plan.walls.iter().filter(|w| w.is_solid).count() as u64,
         mean,
         ..StoreyEntry::default()
@@ -61,37 +61,41 @@ fn failed(storey: &StoreyInfo, error: &Error) -> StoreyEntry {
 
 /// What a building has, and every storey where it has several; adds `storey-N/check.png`.
 pub(super) fn check(
-    input: &Input<'_>,
+    opened: &Opened<'_>,
     settings: &Settings,
     shown: &Understood,
     files: &mut Vec<OutFile>,
 ) -> (Option<BuildingEntry>, Vec<StoreyEntry>) {
-    let (found, elements) = formats::building(input.file(), &input.bytes, &study::read_options(settings));
+    let (found, elements) = opened.building(&study::read_options(settings));
     let list = others(found, settings);
     let main = main_of(&list);
-    let others = list.iter().enumerate().filter(|(i, _)| Some(*i) != main);
-    let options: Vec<_> = others.map(|(_, (_, _, own))| study::read_options(own)).collect();
-    let mut drawings = formats::read_storeys(input.file(), &input.bytes, &options).into_iter();
+    let others = list.iter().enumerate().filter(|(i, _)| Some(*i) != main).map(|(_, (_, _, own))| own);
+    let options: Vec<_> = others.clone().map(study::read_options).collect();
+    let drawings = opened.read_all(&options);
+    let others: Vec<_> = others.zip(&drawings).collect();
+    let made = super::rayon_map(&others, |(own, (drawing, report))| {
+        let mut report = report.clone();
+        let drawing = drawing.as_ref().map_err(Clone::clone)?;
+        let base = study::understood(drawing, own, &mut report)?;
+        let png = check_picture(&base, &show::check(&base, &report))?;
+        Ok((png, base, report))
+    });
+    let mut made = made.into_iter();
     let mut out = Vec::new();
-    for (i, (storey, folder, own)) in list.iter().enumerate() {
+    for (i, (storey, folder, _)) in list.iter().enumerate() {
         if Some(i) == main {
             out.push(entry(storey, shown, ".", Numbers::default()));
             continue;
         }
-        let Some((drawing, mut report)) = drawings.next() else { break };
-        let made = drawing.and_then(|drawing| {
-            let base = study::understood(&drawing, own, &mut report)?;
-            let result = show::check(&base, &report);
-            Ok((check_picture(&base, &result)?, base))
-        });
-        out.push(match made {
-            Ok((png, base)) => {
+        out.push(match made.next() {
+            Some(Ok((png, base, report))) => {
                 files.push(OutFile::new(format!("{folder}/check.png"), png));
                 let problems = report.problems.iter().filter(|p| OF_ELEMENTS.contains(&p.code));
                 let problems = problems.map(ProblemEntry::from).collect();
                 StoreyEntry { problems, ..entry(storey, &base, folder, Numbers::default()) }
             }
-            Err(error) => failed(storey, &error),
+            Some(Err(error)) => failed(storey, &error),
+            None => break,
         });
     }
     (elements.map(building_entry), out)

@@ -10,8 +10,8 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec2;
 
 use super::aims;
-use super::building;
-use super::spacing::{self, SpacingChoice};
+use super::building::{self, NamedOpening};
+use super::spacing;
 use crate::analysis::evaluator::Scratch;
 use crate::analysis::lattice::{CellIndex, Ground};
 use crate::analysis::{Lattice, Obstacles, Tally};
@@ -65,8 +65,8 @@ pub struct Understood {
     pub moves: Moves,
     /// The building's interior, where it was needed.
     pub interior: Option<Interior>,
-    /// Doors and windows, where the file knows them.
-    pub openings: u64,
+    /// Doors and windows, where the file calls them so.
+    pub openings: Vec<NamedOpening>,
 }
 
 /// How the settings want a file read.
@@ -122,7 +122,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
     let known = Known { plan: &plan, graph: &graph, axes: &axes, interior: interior.as_ref() };
     let moves = moves(drawing, &known, settings, report)?;
-    let openings = building::openings(drawing);
+    let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
     Ok(Understood { plan, graph, axes, bodies, sight, fittings, left_out, moves, interior, openings })
 }
@@ -343,8 +343,8 @@ pub struct Study {
     pub base: Understood,
     /// The cells.
     pub lattice: Arc<Lattice>,
-    /// Spacing and why.
-    pub spacing: SpacingChoice,
+    /// Spacing of the cells, metres.
+    pub spacing_m: f64,
     /// The present layout.
     pub initial: Worth,
     /// Edges of its visibility graph, each pair once.
@@ -386,8 +386,8 @@ impl Study {
         let (fixed, fixed_solids) = fixed_parts(&base, &piece_moves);
         let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
         let movable = moving_segments(&base, &identity, &piece_moves);
-        let spacing = spacing::choose(&base, settings, report);
-        let spacing_um = (spacing.spacing_m * UM_PER_M).round() as i64;
+        let spacing_m = spacing::choose_m(&base, settings);
+        let spacing_um = (spacing_m * UM_PER_M).round() as i64;
         let centre_um = settings.lattice_centre_m.unwrap_or_default().map(|v| (v * UM_PER_M).round() as i64);
         let seeds_um: Vec<PointUm> =
             settings.seed_points.iter().map(|p| base.plan.frame.um_from_file(DVec2::from(*p))).collect();
@@ -405,6 +405,7 @@ impl Study {
             solid_across_um: (SOLID_ACROSS_M * base.plan.human_scale * UM_PER_M).round() as i64,
         };
         let main = Scene::new(&ground, &base, &identity, seen::asked(settings, None), report)?;
+        spacing::state(&base, settings, spacing_m, main.lattice.cells.len(), report);
         state_interior(&base, settings, report);
         let pairs = seen::pairs(&base, &ground, &identity, settings, report)?;
         seen::state_asked(&base, &pairs, settings, report)?;
@@ -427,7 +428,7 @@ impl Study {
             main,
             pairs,
             base,
-            spacing,
+            spacing_m,
             card_trouble: OnceLock::new(),
             piece_moves,
             pieces,

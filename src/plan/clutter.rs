@@ -96,11 +96,7 @@ pub(super) fn leave_section(drawing: &Drawing, walls: &mut Vec<usize>, report: &
     for i in walls.iter() {
         blocks.entry(drawing.entities[*i].blocks.first().map_or("", String::as_str)).or_default().push(*i);
     }
-    let bits = |p: DVec2| [p.x.to_bits(), p.y.to_bits()];
-    let line = |i: &usize| {
-        let (a, b) = line_of(&drawing.entities[*i])?;
-        Some([bits(a).min(bits(b)), bits(a).max(bits(b))])
-    };
+    let line = |i: &usize| bits_of(&drawing.entities[*i]);
     let lies_over = |section: &[usize], view: &[usize]| {
         let drawn: HashSet<[[u64; 2]; 2]> = view.iter().filter_map(line).collect();
         section.iter().all(|i| line(i).is_some_and(|l| drawn.contains(&l)))
@@ -119,6 +115,32 @@ pub(super) fn leave_section(drawing: &Drawing, walls: &mut Vec<usize>, report: &
     );
     report.info("section-over-view", Place::file(&drawing.file), text);
     *walls = cut.clone();
+}
+
+/// The block with the view that a section, taken as the walls, was cut from, as in [`leave_section`]: what is seen
+/// below the cut closes no gap in it. Half of the section drawn in the view is enough: the rest may have been moved.
+pub(super) fn view_below<'d>(drawing: &'d Drawing, is_cut: impl Fn(&Entity) -> bool) -> Option<&'d str> {
+    let (cut, rest): (Vec<&Entity>, Vec<&Entity>) = drawing.entities.iter().partition(|e| is_cut(e));
+    let block = |e: &'d Entity| e.blocks.first().map(String::as_str);
+    let section = block(cut.first()?)?;
+    if cut.len() < ENTITIES_MIN || cut.iter().any(|e| block(e) != Some(section)) {
+        return None;
+    }
+    let drawn: HashSet<[[u64; 2]; 2]> = cut.iter().copied().filter_map(bits_of).collect();
+    let mut repeated: BTreeMap<&str, usize> = BTreeMap::new();
+    let again = rest.iter().filter(|e| bits_of(e).is_some_and(|l| drawn.contains(&l)));
+    for name in again.filter_map(|e| block(e)) {
+        *repeated.entry(name).or_default() += 1;
+    }
+    let (view, count) = repeated.into_iter().max_by_key(|(_, count)| *count)?;
+    (count as f64 >= SECTION_SHARE * cut.len() as f64).then_some(view)
+}
+
+/// Ends of a line to the last digit, in an order of their own.
+fn bits_of(entity: &Entity) -> Option<[[u64; 2]; 2]> {
+    let (a, b) = line_of(entity)?;
+    let [a, b] = [a, b].map(|p| [p.x.to_bits(), p.y.to_bits()]);
+    Some([a.min(b), a.max(b)])
 }
 
 /// Takes treads and hatch lines out of `walls` (indices of the drawing's entities) and says so.
@@ -254,5 +276,11 @@ mod tests {
             walls.len()
         };
         assert_eq!((left(0), left(ENTITIES_MIN + 1)), (ENTITIES_MIN, 3 * ENTITIES_MIN));
+        let is_cut = |e: &Entity| e.blocks == ["cut"];
+        // Half of the section may have been moved; without a section over it nothing is below.
+        let (few, many) = (drawing(0), drawing(ENTITIES_MIN + ENTITIES_MIN / 2));
+        assert_eq!([view_below(&few, is_cut), view_below(&many, is_cut)], [Some("view"); 2]);
+        assert_eq!(view_below(&drawing(2 * ENTITIES_MIN), is_cut), None);
+        assert_eq!(view_below(&few, |_| false), None);
     }
 }

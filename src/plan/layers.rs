@@ -42,7 +42,10 @@ impl WallLayers {
             return None;
         }
         if self.is_by_user() {
-            let hit = self.user.iter().find(|(_, m)| m.is_match(layer) || m.is_match(base_name(layer)));
+            let is_named = |m: &GlobMatcher| {
+                [layer, base_name(layer), class_name(layer)].into_iter().any(|n| m.is_match(n))
+            };
+            let hit = self.user.iter().find(|(_, m)| is_named(m));
             return hit.map(|(glob, _)| format!("matches --wall-layer {glob}"));
         }
         let (role, why) = role_by_name(layer);
@@ -63,6 +66,11 @@ pub fn base_name(layer: &str) -> &str {
         Some((i, _)) if after_bar[..i].contains('$') => &after_bar[i + 1..],
         _ => after_bar,
     }
+}
+
+/// The class alone of a layer that readers of buildings make: `IfcWall` of `IfcWall (window at knee height)`.
+fn class_name(layer: &str) -> &str {
+    if layer.starts_with("Ifc") { layer.split(" (").next().unwrap_or(layer) } else { layer }
 }
 
 /// The words of a layer's name, lower case: runs of letters, parted where capitals begin.
@@ -130,5 +138,8 @@ mod tests {
         assert!(chosen.reason("0").is_some() && chosen.reason("x$0$A-OPENING").is_some());
         assert!(chosen.reason("WALLS").is_none() && chosen.reason("EF-open").is_none());
         assert!(WallLayers::new(&["[".into()]).is_err());
+        let of_class = WallLayers::new(&["IfcWall".into(), "plan".into()]).unwrap();
+        assert!(of_class.reason("IfcWall (window at knee height)").is_some());
+        assert!(of_class.reason("IfcWallStandardCase").is_none() && of_class.reason("Plan (old)").is_none());
     }
 }

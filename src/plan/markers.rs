@@ -1,5 +1,7 @@
 //! What the user drew on our layers: regions, moves, what to keep (spec 9).
 
+use std::collections::BTreeSet;
+
 use glam::DVec2;
 
 use super::curve::{self, control_points};
@@ -259,7 +261,31 @@ fn groups(
             out.push(group);
         }
     }
+    tell_apart(&mut out, drawing, report);
     out
+}
+
+/// Gives every group a name of its own: of groups with one name (in any case) the first keeps it.
+fn tell_apart(groups: &mut [Group], drawing: &Drawing, report: &mut Report) {
+    let given: BTreeSet<String> = groups.iter().map(|g| g.name.to_lowercase()).collect();
+    let mut taken = BTreeSet::new();
+    for group in groups {
+        let mut name = group.name.clone();
+        if taken.contains(&name.to_lowercase()) {
+            let next = (2..).map(|k| format!("{} {k}", group.name)).find(|n| {
+                let n = n.to_lowercase();
+                !given.contains(&n) && !taken.contains(&n)
+            });
+            name = next.unwrap_or(name);
+            let words = format!(
+                "found the name {:?}, which another group has; expected a name of its own; it is called {name:?} here",
+                group.name
+            );
+            report.warn("move-name-twice", place(drawing, &group.source), words);
+        }
+        taken.insert(name.to_lowercase());
+        group.name = name;
+    }
 }
 
 /// Reads all clauses of a side-car's `moves`.

@@ -128,7 +128,7 @@ pub fn inner_radius_m(ring: &[PointUm]) -> f64 {
 
 /// Distance to the outline, positive inside.
 fn signed_distance(ring: &[[f64; 2]], p: [f64; 2]) -> f64 {
-    let (mut inside, mut nearest) = (false, f64::MAX);
+    let (mut inside, mut nearest2) = (false, f64::MAX);
     for (i, a) in ring.iter().enumerate() {
         let b = ring[(i + 1) % ring.len()];
         if (a[1] > p[1]) != (b[1] > p[1]) && p[0] < (b[0] - a[0]) * (p[1] - a[1]) / (b[1] - a[1]) + a[0] {
@@ -138,8 +138,10 @@ fn signed_distance(ring: &[[f64; 2]], p: [f64; 2]) -> f64 {
         let len2 = d[0] * d[0] + d[1] * d[1];
         let t = if len2 > 0.0 { ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / len2 } else { 0.0 }
             .clamp(0.0, 1.0);
-        nearest = nearest.min((p[0] - a[0] - t * d[0]).hypot(p[1] - a[1] - t * d[1]));
+        let off = [p[0] - a[0] - t * d[0], p[1] - a[1] - t * d[1]];
+        nearest2 = nearest2.min(off[0] * off[0] + off[1] * off[1]);
     }
+    let nearest = nearest2.sqrt();
     if inside { nearest } else { -nearest }
 }
 

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::Plan;
 use super::axes::{AxisGraph, Drawn, Edge, Face, FaceRef, Mark, Path, Role, paths_of};
+use super::clutter;
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Shape};
 use super::geometry::{PointUm, UM_PER_M};
@@ -72,10 +73,11 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     }
     let is_wall: std::collections::BTreeSet<(usize, &str)> =
         plan.walls.iter().map(|w| (w.source.record, w.source.layer.as_str())).collect();
+    let is_wall = |e: &Entity| is_wall.contains(&(e.source.record, e.source.layer.as_str()));
+    let below = clutter::view_below(drawing, is_wall);
     for (i, entity) in drawing.entities.iter().enumerate() {
-        if is_wall.contains(&(entity.source.record, entity.source.layer.as_str()))
-            || layers::is_own(&entity.layer)
-        {
+        let is_below = below.is_some() && entity.blocks.first().map(String::as_str) == below;
+        if is_wall(entity) || is_below || layers::is_own(&entity.layer) {
             continue;
         }
         let paths = paths_of(&entity.shape, place);

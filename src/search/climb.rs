@@ -53,6 +53,7 @@ pub(super) struct Climb {
     ends: Vec<usize>,
     restarts: usize,
     weight: usize,
+    begun: usize,
 }
 
 /// What a climb looks at: the archive and its thresholds.
@@ -118,6 +119,7 @@ impl Climb {
             ends: vec![],
             restarts: 0,
             weight: 0,
+            begun: 0,
         }
     }
 
@@ -146,6 +148,10 @@ impl Climb {
         if let Some(best) = view.limits.best.get(self.stage).copied().flatten()
             && rng.random::<f64>() < self.polish_share(view)
         {
+            let mut best = best;
+            if rng.random::<f64>() < view.tuning.polish_ends && !self.ends.is_empty() {
+                best = self.ends[rng.random_range(0..self.ends.len())];
+            }
             return (polish(view.archive.unit(best), rng), Step::Raw);
         }
         let Some(centre) = self.centre else {
@@ -181,8 +187,19 @@ impl Climb {
     ) -> Vec<f64> {
         let at = view.archive.unit(centre);
         let mut candidates = Vec::with_capacity(view.tuning.candidates);
+        let first = if view.tuning.isolated > 0.0 { self.begun } else { 0 };
+        let good = if view.tuning.differences > 0.0 { self.good_from(view, first) } else { vec![] };
         for _ in 0..view.tuning.candidates {
-            candidates.push(sparse_step(at, view.tuning.coordinate_share, self.step, rng));
+            let step = if view.tuning.multiscale > 0.0 {
+                self.step * view.tuning.multiscale.powf(-rng.random::<f64>())
+            } else {
+                self.step
+            };
+            if good.len() > 2 && rng.random::<f64>() < view.tuning.differences {
+                candidates.push(difference_step(view.archive, at, &good, step, rng));
+            } else {
+                candidates.push(sparse_step(at, view.tuning.coordinate_share, step, rng));
+            }
         }
         let surrogate = models.around(view, at, self.stage + 1);
         let (merit, distance) = self.judge(view, surrogate, &candidates);
@@ -211,6 +228,12 @@ impl Climb {
     /// Half resets of one to three coordinates, half crossovers with another good point.
     fn raw_jump(&self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
         let at = view.archive.unit(centre);
+        if view.tuning.raw_differences > 0.0 && rng.random::<f64>() < view.tuning.raw_differences {
+            let good = self.good(view);
+            if good.len() > 2 {
+                return difference_step(view.archive, at, &good, 0.2, rng);
+            }
+        }
         if rng.random::<bool>()
             && let Some(other) = self.partner(view, centre, rng)
         {
@@ -219,10 +242,14 @@ impl Climb {
         reset(at, rng)
     }
 
-    /// Another good point away from the centre: among the best tenth, or the end of a climb.
-    fn partner(&self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Option<usize> {
+    /// The best tenth.
+    fn good(&self, view: &View<'_>) -> Vec<usize> {
+        self.good_from(view, 0)
+    }
+
+    fn good_from(&self, view: &View<'_>, first: usize) -> Vec<usize> {
         let archive = view.archive;
-        let mut good: Vec<usize> = (0..archive.len()).filter(|&i| archive.hard(i) == 0.0).collect();
+        let mut good: Vec<usize> = (first..archive.len()).filter(|&i| archive.hard(i) == 0.0).collect();
         let tenth = good.len().div_ceil(10);
         if tenth < good.len() {
             let best_first = |a: &usize, b: &usize| {
@@ -232,15 +259,32 @@ impl Climb {
             good.truncate(tenth);
             good.sort_unstable();
         }
-        good.extend(&self.ends);
-        good.retain(|&i| archive.distance(i, centre) > CROSSOVER_DISTANCE);
+        if first == 0 {
+            good.extend(&self.ends);
+        }
+        good
+    }
+
+    /// Another good point away from the centre: among the best tenth, or the end of a climb.
+    fn partner(&self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Option<usize> {
+        let first = if view.tuning.isolated > 0.0 && rng.random::<f64>() < view.tuning.isolated { self.begun } else { 0 };
+        let mut good = self.good_from(view, first);
+        good.retain(|&i| view.archive.distance(i, centre) > CROSSOVER_DISTANCE);
         (!good.is_empty()).then(|| good[rng.random_range(0..good.len())])
     }
 
     /// Where the next climb starts: in turn anywhere (later a member), a crossover of two ends, and
     /// near the best point.
     fn restart(&mut self, view: &View<'_>, models: &mut Models, rng: &mut ChaCha8Rng) -> Vec<f64> {
-        let turn = self.restarts % 3;
+        let turn = match view.tuning.restart_mode {
+            1 => [0, 1][self.restarts % 2],
+            2 => [0, 1, 1][self.restarts % 3],
+            3 => if self.ends.len() < 3 { 0 } else { 1 },
+            4 => if self.ends.len() < 2 { 0 } else { [1, 1, 0, 1][self.restarts % 4] },
+            5 => if self.ends.len() < 3 { 0 } else { [1, 1, 2, 1, 1, 0][self.restarts % 6] },
+            6 => 0,
+            _ => self.restarts % 3,
+        };
         self.restarts += 1;
         let best = view.limits.best.get(self.stage).copied().flatten();
         match (turn, best) {
@@ -285,6 +329,7 @@ impl Climb {
         let Some(centre) = self.centre else {
             if step == Step::Restart {
                 self.restart_pending = false;
+                self.begun = i;
                 self.begin(view.tuning, Some(i));
             }
             return;
@@ -312,7 +357,23 @@ impl Climb {
             self.step /= 2.0;
             self.failures = 0;
         }
+        let hopeless = view.tuning.abandon > 0.0
+            && self.step < 0.5 * view.tuning.first_step
+            && self.centre.zip(view.limits.best.get(self.stage).copied().flatten()).is_some_and(|(c, b)| {
+                let gap = view.merit_of(b, self.stage) - view.merit_of(c, self.stage);
+                gap > view.tuning.abandon * self.step * view.limits.range(self.stage)
+            });
+        if hopeless {
+            if std::env::var("LAB").is_ok() {
+                eprintln!("{} abandoned {:.4}", view.archive.len(), view.merit_of(self.centre.unwrap_or(0), self.stage));
+            }
+            self.begin(view.tuning, None);
+            return;
+        }
         if self.step < view.tuning.last_step {
+            if std::env::var("LAB").is_ok() {
+                eprintln!("{} end {:.4}", view.archive.len(), view.merit_of(self.centre.unwrap_or(0), self.stage));
+            }
             self.ends.extend(self.centre);
             if self.ends.len() > ENDS_KEPT {
                 self.drop_worst_end(view);
@@ -349,6 +410,35 @@ pub(super) fn sparse_step(at: &[f64], share: f64, step: f64, rng: &mut ChaCha8Rn
     if !changed && !out.is_empty() {
         let d = rng.random_range(0..out.len());
         out[d] = reflect(out[d] + step * rng.sample::<f64, _>(StandardNormal));
+    }
+    out
+}
+
+/// A step along the difference of two good points, in all, a run or a half of the coordinates.
+pub(super) fn difference_step(
+    archive: &Archive,
+    at: &[f64],
+    good: &[usize],
+    step: f64,
+    rng: &mut ChaCha8Rng,
+) -> Vec<f64> {
+    let a = archive.unit(good[rng.random_range(0..good.len())]);
+    let b = archive.unit(good[rng.random_range(0..good.len())]);
+    let length = square_distance(a, b).sqrt();
+    let mut out = at.to_vec();
+    if length < 1e-9 {
+        return sparse_step(at, 0.2, step, rng);
+    }
+    // As long as a sparse Gaussian step is on average, and never longer than the difference.
+    let size = (step * (0.2 * at.len() as f64).sqrt()) / length;
+    let factor = size * rng.sample::<f64, _>(StandardNormal);
+    let dims = out.len();
+    let whole = rng.random::<f64>() < 0.5;
+    let (from, count) = (rng.random_range(0..dims), rng.random_range(1..=dims));
+    for k in 0..dims {
+        if whole || (k + dims - from) % dims < count {
+            out[k] = reflect(out[k] + factor * (a[k] - b[k]));
+        }
     }
     out
 }

@@ -207,6 +207,9 @@ pub struct Outcome<'a> {
     /// The diverse set: at most as many as asked for, fewer where fewer feasible points are known.
     /// None breaks a hard limit, but those that were pinned. In [`Mode::Best`] the best point alone.
     pub members: Vec<Member>,
+    /// Members that were found but stand so near a better one that they are none: fewer options are better
+    /// than several of the same.
+    pub alike: usize,
     /// The limits l_i of the objectives, as measured.
     pub thresholds: Vec<f64>,
     /// What is left of the thresholds stated, in `(0, 1]` (see [`Study::least_share`]).
@@ -218,6 +221,9 @@ pub struct Outcome<'a> {
     /// The course of the search.
     pub stages: &'a [Milestone],
 }
+
+/// Members nearer than this share of the distance wanted (`d_min`) are the same option to anybody.
+const ALIKE_SHARE: f64 = 0.5;
 
 /// A running search.
 #[derive(Clone, Debug)]
@@ -363,7 +369,7 @@ impl Search {
         let unknown_limits = Limits::of(&self.archive, &self.study.objectives);
         let limits = if self.archive.len() == 0 { &unknown_limits } else { self.engine.limits() };
         let best = self.best(limits);
-        let members = self.chosen(limits);
+        let (members, alike) = self.unlike(self.chosen(limits), best);
         let unknown = || Point {
             parameters: self.study.start.clone(),
             values: vec![f64::NAN; self.study.objectives.len()],
@@ -373,6 +379,7 @@ impl Search {
         Outcome {
             best: best.map_or_else(unknown, |i| self.archive.points()[i].clone()),
             members: members.into_iter().map(|i| self.member(limits, i)).collect(),
+            alike,
             thresholds: senses.map(|(j, o)| o.sense.gain(limits.limit(j, 0.0))).collect(),
             threshold_share: self.engine.threshold_share(),
             evaluations: self.archive.len() as u64,
@@ -393,6 +400,26 @@ impl Search {
         let kept: Vec<usize> =
             members.filter(|&(m, i)| m < pinned || self.archive.hard(i) == 0.0).map(|(_, i)| i).collect();
         if kept.is_empty() { best.into_iter().collect() } else { kept }
+    }
+
+    /// Without those that stand too near a better one, and how many these are. Where there are any, the best point
+    /// is kept first: what is left may be one option, and that must be the best. Pinned members all stay.
+    fn unlike(&self, members: Vec<usize>, best: Option<usize>) -> (Vec<usize>, usize) {
+        let is_default = self.study.method == Method::Default && self.study.mode == Mode::Diverse;
+        let least = ALIKE_SHARE * self.study.d_min * (self.space.dims() as f64).sqrt();
+        let is_far = |kept: &[usize], i: usize| kept.iter().all(|&k| self.archive.distance(k, i) >= least);
+        if !is_default || (0..members.len()).all(|m| is_far(&members[..m], members[m])) {
+            return (members, 0);
+        }
+        let (pinned, free) = members.split_at(self.study.pinned.min(members.len()));
+        let mut kept = pinned.to_vec();
+        for i in best.filter(|&b| self.archive.hard(b) == 0.0).into_iter().chain(free.iter().copied()) {
+            if is_far(&kept, i) && kept.len() < members.len() {
+                kept.push(i);
+            }
+        }
+        let alike = members.len() - kept.len();
+        (kept, alike)
     }
 
     /// Pinned members as they were given, then the others, the best in the last objective first.

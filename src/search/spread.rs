@@ -209,7 +209,9 @@ impl Spread {
         let mut out = vec![];
         for _ in 0..view.tuning.spread_candidates {
             let kind = rng.random::<f64>();
-            let x = if kind < RESET_SHARE {
+            let x = if pool.len() > 2 && view.tuning.spread_differences > 0.0 && rng.random::<f64>() < view.tuning.spread_differences {
+                super::climb::difference_step(archive, at, pool, STEPS[rng.random_range(0..STEPS.len())] * 2.0, rng)
+            } else if kind < RESET_SHARE {
                 reset(at, rng)
             } else if kind < RESET_SHARE + GAUSSIAN_KIND_SHARE || pool.is_empty() {
                 sparse_step(at, GAUSSIAN_SHARE, STEPS[rng.random_range(0..STEPS.len())], rng)

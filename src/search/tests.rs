@@ -255,6 +255,32 @@ fn thresholds_yield_where_members_would_be_alike_and_nowhere_else() {
 }
 
 #[test]
+fn members_too_alike_are_one_option_and_that_is_the_best() {
+    // Better towards 0 along the one parameter, and good enough only in a sliver there.
+    let sliver = |p: &[f64]| Evaluation { values: vec![1.0 - 40.0 * p[0].abs()], violation: 0.0, at: None };
+    let (search, _) = run(study(1, 200), sliver);
+    let outcome = search.outcome();
+    assert_eq!((outcome.members.len(), outcome.alike), (1, 4));
+    assert_eq!(outcome.members[0].parameters, outcome.best.parameters);
+    // Wide enough for a few of them, half of the distance wanted apart.
+    let wide = |p: &[f64]| Evaluation { values: vec![1.0 - 0.3 * p[0].abs()], violation: 0.0, at: None };
+    let (search, _) = run(study(1, 200), wide);
+    let outcome = search.outcome();
+    assert!((2..5).contains(&outcome.members.len()), "{}", outcome.members.len());
+    assert_eq!(outcome.members.len() + outcome.alike, 5);
+    let apart = |a: &Member, b: &Member| (a.parameters[0] - b.parameters[0]).abs() / 5.0;
+    for (i, a) in outcome.members.iter().enumerate() {
+        assert!(outcome.members[i + 1..].iter().all(|b| apart(a, b) >= 0.125));
+    }
+    // Pinned ones stay, however alike they are.
+    let pins = Study { seeds: vec![vec![0.001], vec![0.002]], pinned: 2, ..study(1, 200) };
+    let (search, _) = run(pins, sliver);
+    let outcome = search.outcome();
+    let found: Vec<f64> = outcome.members.iter().map(|m| m.parameters[0]).collect();
+    assert_eq!(found, [0.001, 0.002]);
+}
+
+#[test]
 fn an_objective_at_its_best_already_leaves_room() {
     let lengths = |p: &[f64]| Evaluation {
         values: vec![p.iter().map(|x| x.abs()).sum(), p.iter().sum()],

@@ -43,6 +43,22 @@ pub struct Tuning {
     pub keep_best: bool,
     /// Share of spread evaluations that should be accepted.
     pub acceptance: f64,
+    /// Share of the screened candidates that follow differences between good points.
+    pub differences: f64,
+    /// EXP share of raw jumps of a later climb that may cross with anything
+    pub isolated: f64,
+    /// EXP restart pattern
+    pub restart_mode: usize,
+    /// EXP abandon
+    pub abandon: f64,
+    /// EXP multiscale
+    pub multiscale: f64,
+    /// EXP polish ends
+    pub polish_ends: f64,
+    /// EXP
+    pub raw_differences: f64,
+    /// EXP
+    pub spread_differences: f64,
 }
 
 impl Default for Tuning {
@@ -67,6 +83,14 @@ impl Default for Tuning {
             any_member: 0.0,
             keep_best: false,
             acceptance: 0.3,
+            differences: 0.0,
+            isolated: 0.0,
+            restart_mode: 0,
+            abandon: 0.0,
+            multiscale: 0.0,
+            polish_ends: 0.0,
+            raw_differences: 0.0,
+            spread_differences: 0.0,
         }
     }
 }

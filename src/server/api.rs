@@ -14,16 +14,11 @@ use tokio_stream::wrappers::BroadcastStream;
 
 use super::{Shared, files};
 use crate::config::{Partial, Settings};
-use crate::daemon::Order;
+use crate::daemon::{Asked, Order};
 use crate::report::Error;
+use crate::store::round_name;
 
 type Page = State<Arc<Shared>>;
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Again {
-    objective: Option<String>,
-}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -41,6 +36,16 @@ pub(super) async fn drawing(State(page): Page, Path(id): Path<String>) -> Respon
     let home = page.board.paths(&id).and_then(|(_, folder)| folder);
     found["sets"] = json!(home.map_or_else(Vec::new, |h| files::sets(&h)));
     answer(&found)
+}
+
+/// Names of the files of a set.
+pub(super) async fn set(State(page): Page, Path((id, set)): Path<(String, String)>) -> Response {
+    let Some((_, Some(home))) = page.board.paths(&id) else { return not_found() };
+    let listed = tokio::task::spawn_blocking(move || files::names(&home, &set)).await;
+    match listed {
+        Ok(Some(names)) => answer(&json!(names)),
+        _ => not_found(),
+    }
 }
 
 pub(super) async fn file(
@@ -82,14 +87,22 @@ pub(super) async fn cancel(State(page): Page, Path(id): Path<String>) -> Respons
 
 pub(super) async fn again(State(page): Page, Path(id): Path<String>, body: String) -> Response {
     let Some((drawing, _)) = page.board.paths(&id) else { return not_found() };
-    let Again { objective } = match serde_json::from_str(&body) {
+    let asked: Asked = match serde_json::from_str(&body) {
         Ok(asked) => asked,
         Err(e) => return refused(&e.to_string()),
     };
-    if let Err(e) = Settings::new(Partial { objective: objective.clone(), ..Partial::default() }) {
+    let home = page.board.paths(&id).and_then(|(_, folder)| folder);
+    let known = home.map_or(0, |home| options_of(&home, asked.round));
+    if let Some(n) = asked.pin.iter().chain(&asked.like).find(|n| !(1..=known).contains(*n)) {
+        return refused(&format!("the round has {known} options, found number {n}; nothing was done"));
+    }
+    // As many vectors as are pinned: whether so many may be is the settings' matter.
+    let pin = (!asked.pin.is_empty()).then(|| vec![Vec::new(); asked.pin.len()]);
+    let stated = Partial { objective: asked.objective.clone(), pin, ..Partial::default() };
+    if let Err(e) = Settings::new(stated) {
         return refused(&e.to_string());
     }
-    order(&page, Order::Again { drawing, objective })
+    order(&page, Order::Again { drawing, asked })
 }
 
 pub(super) async fn accept(State(page): Page, Path(id): Path<String>, body: String) -> Response {
@@ -106,6 +119,15 @@ pub(super) async fn accept(State(page): Page, Path(id): Path<String>, body: Stri
         Ok(Err(e)) => (StatusCode::INTERNAL_SERVER_ERROR, e.to_string()).into_response(),
         Err(_) => (StatusCode::INTERNAL_SERVER_ERROR, "accepting failed").into_response(),
     }
+}
+
+/// How many options a round has, by its own word; 0 where there is no such round.
+fn options_of(home: &std::path::Path, round: Option<u32>) -> usize {
+    let newest = || files::sets(home).into_iter().rfind(|s| s.starts_with("round-"));
+    let Some(set) = round.map(round_name).or_else(newest) else { return 0 };
+    let result = files::read(home, &set, "result.json");
+    let result: Option<Value> = result.and_then(|bytes| serde_json::from_slice(&bytes).ok());
+    result.map_or(0, |r| r["candidates"].as_array().map_or(0, Vec::len))
 }
 
 fn order(page: &Shared, order: Order) -> Response {

@@ -150,7 +150,10 @@ impl State {
                 let round = done.round.and_then(|_| done.folder.parent());
                 e.folder = Some(round.unwrap_or(&done.folder).to_path_buf());
             }),
-            Notice::Stopped(drawing) => self.at(drawing, |e| e.set("stopped")),
+            Notice::Stopped { drawing, why } => self.at(drawing, |e| {
+                e.set("stopped");
+                e.summary = (*why).into();
+            }),
             Notice::Failed { drawing, problem, retry_secs } => self.at(drawing, |e| {
                 e.set(if retry_secs.is_some() { "waiting" } else { "failed" });
                 e.problem = json!(problem);
@@ -264,7 +267,7 @@ mod tests {
         for n in 0..3 * CURVE_POINTS_MAX as u64 {
             let value = json!({"stage": "s", "evaluations": n, "best": 1.0});
             board.take(&Notice::Progress { drawing: drawing.clone(), value });
-            board.take(&Notice::Stopped(drawing.clone()));
+            board.take(&Notice::Stopped { drawing: drawing.clone(), why: "cancelled" });
         }
         let points = board.drawing(&id_of(&drawing)).unwrap()["curve"].as_array().unwrap().len();
         assert!(points <= CURVE_POINTS_MAX && points > CURVE_POINTS_MAX / 2 - 1, "{points}");

@@ -15,6 +15,16 @@ fn is_number(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit())
 }
 
+/// Names of the files of a set, in their order; `None` where there is no such set.
+pub(super) fn names(home: &Path, set: &str) -> Option<Vec<String>> {
+    if !sets(home).iter().any(|s| s == set) {
+        return None;
+    }
+    let mut names: Vec<String> = entries(&home.join(set), false).into_iter().map(|(name, _)| name).collect();
+    names.sort();
+    Some(names)
+}
+
 /// Bytes of a file of a set; `None` for everything that is not a plain file lying there.
 pub(super) fn read(home: &Path, set: &str, name: &str) -> Option<Vec<u8>> {
     if !sets(home).iter().any(|s| s == set) {

@@ -168,8 +168,10 @@ fn router(shared: Arc<Shared>) -> Router {
             "/options.js",
             get(|| asset("text/javascript; charset=utf-8", include_str!("page/options.js"))),
         )
+        .route("/plots.js", get(|| asset("text/javascript; charset=utf-8", include_str!("page/plots.js"))))
         .route("/api/drawings", get(api::drawings))
         .route("/api/drawings/{id}", get(api::drawing))
+        .route("/api/drawings/{id}/{set}", get(api::set))
         .route("/api/drawings/{id}/{set}/{name}", get(api::file))
         .route("/api/drawings/{id}/cancel", post(api::cancel))
         .route("/api/drawings/{id}/again", post(api::again))

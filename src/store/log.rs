@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{Disk, SystemDisk, disk_error};
-use crate::report::Error;
+use crate::report::{Error, printable};
 
 /// Size from which a log is put aside, bytes.
 pub const LOG_BYTES_MAX: u64 = 2 << 20;
@@ -35,7 +35,7 @@ impl Log {
         if std::fs::metadata(&self.path).is_ok_and(|m| m.len() >= LOG_BYTES_MAX) {
             self.put_aside();
         }
-        let line = format!("{}\n", text.replace(['\n', '\r'], " "));
+        let line = format!("{}\n", printable(&text.replace(['\n', '\r'], " ")));
         let added = SystemDisk.append(&self.path, line.as_bytes(), false);
         added.map_err(|e| disk_error("writing", &self.path, &e))
     }
@@ -68,8 +68,8 @@ mod tests {
         let log = Log::open(&path).unwrap();
         for round in 0..KEPT + 3 {
             fs::write(&path, vec![b'x'; LOG_BYTES_MAX as usize]).unwrap();
-            log.line(&format!("round {round}\nof many")).unwrap();
-            assert_eq!(fs::read_to_string(&path).unwrap(), format!("round {round} of many\n"));
+            log.line(&format!("round {round}\nof many \x1b[31m")).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), format!("round {round} of many \\u{{1b}}[31m\n"));
         }
         assert_eq!(fs::read_dir(dir.path().join("deep")).unwrap().count(), KEPT + 1);
     }

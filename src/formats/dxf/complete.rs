@@ -1,6 +1,7 @@
 //! Is the file all there, and is it a DXF at all?
 
 use super::tokens::{BINARY_SENTINEL, Form, form_of};
+use crate::formats::foreign::kind_of;
 
 /// Whether the end mark of the format stands at the end of the bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -69,24 +70,10 @@ pub(super) fn foreign(bytes: &[u8]) -> Option<(&'static str, String)> {
         Some(("dxf-other-format", format!("the file, found {what}, expected a DXF; not read. {hint}")))
     };
     match bytes {
-        [b'A', b'C', b'1', digits @ ..] if digits.len() > 3 && digits[..3].iter().all(u8::is_ascii_digit) => {
-            let version = format!("AC1{}", String::from_utf8_lossy(&digits[..3]));
-            let what = format!("a DWG {} ({version})", dwg_name(&version));
-            other(
-                &what,
-                "Save it as DXF in the CAD program, or convert it with the ODA File Converter or LibreDWG",
-            )
-        }
         [b'P', b'K', 3 | 5, 4 | 6, ..] => other(
             "a ZIP archive",
             "Unpack it and take the DXF inside; an FCStd or IFCZIP is opened by its own program",
         ),
-        _ if bytes.starts_with(b"%PDF") => {
-            other("a PDF", "Export DXF from the program that drew it; a PDF holds no walls to write back to")
-        }
-        _ if bytes.starts_with(b"AutoCAD DXB") => {
-            other("a DXB (AutoCAD binary drawing interchange)", "Load it with DXBIN and save it as DXF")
-        }
         _ if bytes.starts_with(b"ISO-10303-21") => {
             other("an IFC or STEP file", "Give it its own extension, .ifc")
         }
@@ -95,7 +82,8 @@ pub(super) fn foreign(bytes: &[u8]) -> Option<(&'static str, String)> {
         [_, 0, _, 0, _, 0, ..] | [0, _, 0, _, 0, _, ..] if bytes.iter().take(64).any(|&b| b != 0) => {
             Some(utf16())
         }
-        _ => None,
+        _ if matches!(form_of(bytes), Form::Binary { .. }) => None,
+        _ => kind_of(bytes).and_then(|(what, hint)| other(&what, hint)),
     }
 }
 
@@ -103,19 +91,4 @@ fn utf16() -> (&'static str, String) {
     let text = "the encoding, found UTF-16, expected ASCII, a code page or UTF-8; not read. An editor saved it so: \
                 save it as UTF-8, or export the drawing again";
     ("dxf-utf16", text.to_owned())
-}
-
-fn dwg_name(version: &str) -> &'static str {
-    match version {
-        "AC1009" => "R12",
-        "AC1012" => "R13",
-        "AC1014" => "R14",
-        "AC1015" => "R2000",
-        "AC1018" => "R2004",
-        "AC1021" => "R2007",
-        "AC1024" => "R2010",
-        "AC1027" => "R2013",
-        "AC1032" => "R2018",
-        _ => "of an unknown release",
-    }
 }

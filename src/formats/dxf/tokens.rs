@@ -383,7 +383,10 @@ pub(super) fn parse_number(value: &[u8]) -> Option<f64> {
 
 /// A value for a message: lossy, at most 40 characters.
 pub(super) fn shown(value: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&value[..value.len().min(200)]).into_owned();
+    // What is no UTF-8 is shown by its bytes: nothing is guessed, nothing is hidden.
+    let chunks = value[..value.len().min(200)].utf8_chunks();
+    let text: String =
+        chunks.map(|c| c.valid().to_owned() + &c.invalid().escape_ascii().to_string()).collect();
     let clean: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     if clean.chars().count() <= 40 { clean } else { clean.chars().take(39).collect::<String>() + "…" }
 }

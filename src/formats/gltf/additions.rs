@@ -40,9 +40,18 @@ struct Mesh {
     text: Vec<String>,
 }
 
-/// Splices of the JSON text (counted from its start).
-pub(super) fn splices(scene: &File<'_>, floor: f64, own: &[Addition]) -> Vec<Splice> {
+/// Where the data of our meshes goes: to the end of the binary chunk, else into a buffer of its own as text.
+struct Home {
+    /// Bytes that the binary chunk has.
+    bin: Option<usize>,
+    /// Bytes to append to it.
+    data: Vec<u8>,
+}
+
+/// Splices of the JSON text (counted from its start), and bytes to append to the binary chunk.
+pub(super) fn splices(scene: &File<'_>, floor: f64, own: &[Addition]) -> (Vec<Splice>, Vec<u8>) {
     let root = &scene.json;
+    let mut home = Home { bin: scene.bin().map(<[u8]>::len).filter(|n| n % 4 == 0), data: Vec::new() };
     let mut by_layer: BTreeMap<&str, Mesh> = BTreeMap::new();
     for addition in own {
         collect(by_layer.entry(&addition.layer).or_default(), addition, floor + LIFT_M);
@@ -65,7 +74,7 @@ pub(super) fn splices(scene: &File<'_>, floor: f64, own: &[Addition]) -> Vec<Spl
         let at = if mesh.points.is_empty() {
             String::new()
         } else {
-            format!(",\"mesh\":{}", add_mesh(root, &mut append, layer, mesh, material))
+            format!(",\"mesh\":{}", add_mesh(root, &mut append, &mut home, layer, mesh, material))
         };
         let told = if mesh.text.is_empty() {
             String::new()
@@ -81,7 +90,32 @@ pub(super) fn splices(scene: &File<'_>, floor: f64, own: &[Addition]) -> Vec<Spl
     }
     let mut out: Vec<Splice> = append.0.iter().map(|(key, items)| into_array(root, key, items)).collect();
     out.extend(into_scene(root, &nodes));
-    joined(out)
+    out.extend(home.stated(root));
+    (joined(out), home.data)
+}
+
+impl Home {
+    /// Takes a mesh's data; the buffer it lies in, and from where on.
+    fn take(&mut self, root: &Json, append: &mut Append, layer: &str, data: &[u8]) -> (usize, usize) {
+        if let Some(bin) = self.bin {
+            self.data.extend_from_slice(data);
+            return (0, bin + self.data.len() - data.len());
+        }
+        let text = base64::engine::general_purpose::STANDARD.encode(data);
+        let buffer = format!(
+            "{{\"name\":{},\"byteLength\":{},\"uri\":\"data:application/octet-stream;base64,{text}\"}}",
+            quoted(layer),
+            data.len()
+        );
+        (append.push(root, "buffers", buffer), 0)
+    }
+
+    /// The new length of the first buffer.
+    fn stated(&self, root: &Json) -> Option<Splice> {
+        let length = self.bin.filter(|_| !self.data.is_empty())? + self.data.len();
+        let old = root.list("buffers").first()?.get("byteLength")?;
+        Some(Splice::new(old.span.clone(), length.to_string()))
+    }
 }
 
 fn collect(mesh: &mut Mesh, addition: &Addition, height: f64) {
@@ -115,7 +149,14 @@ fn linear(c: u8) -> u8 {
     (v * 255.0).round() as u8
 }
 
-fn add_mesh(root: &Json, append: &mut Append, layer: &str, mesh: &Mesh, material: usize) -> usize {
+fn add_mesh(
+    root: &Json,
+    append: &mut Append,
+    home: &mut Home,
+    layer: &str,
+    mesh: &Mesh,
+    material: usize,
+) -> usize {
     let mut data: Vec<u8> = mesh.points.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
     let colours_at = data.len();
     data.extend(mesh.colours.iter().flatten());
@@ -123,20 +164,12 @@ fn add_mesh(root: &Json, append: &mut Append, layer: &str, mesh: &Mesh, material
     data.extend(mesh.triangles.iter().flat_map(|v| v.to_le_bytes()));
     let lines_at = data.len();
     data.extend(mesh.lines.iter().flat_map(|v| v.to_le_bytes()));
-    let text = base64::engine::general_purpose::STANDARD.encode(&data);
-    let buffer = append.push(
-        root,
-        "buffers",
-        format!(
-            "{{\"name\":{},\"byteLength\":{},\"uri\":\"data:application/octet-stream;base64,{text}\"}}",
-            quoted(layer),
-            data.len()
-        ),
-    );
+    let (buffer, start) = home.take(root, append, layer, &data);
     let n = mesh.points.len();
     let view = |append: &mut Append, from: usize, to: usize, target: u32| {
         let text = format!(
-            "{{\"buffer\":{buffer},\"byteOffset\":{from},\"byteLength\":{},\"target\":{target}}}",
+            "{{\"buffer\":{buffer},\"byteOffset\":{},\"byteLength\":{},\"target\":{target}}}",
+            start + from,
             to - from
         );
         append.push(root, "bufferViews", text)

@@ -14,3 +14,6 @@ pub const TRIANGLES_MAX: usize = 20_000_000;
 
 /// Characters of all data URIs: larger scenes keep their data in a GLB.
 pub const DATA_MAX: usize = 64 << 20;
+
+/// Pieces of one mesh that are moved one by one: a floor of a building has fewer walls; more are bricks.
+pub const PIECES_MAX: usize = 1_000;

@@ -1,10 +1,11 @@
 //! glTF 2.0 and GLB: meshes cut at the height of the eyes to a drawing, and moves of nodes to bytes.
 //!
 //! The file stays bytes. [`read`] cuts every mesh whose node, mesh or material is named after walls above the
-//! floor that most walls stand on; [`patch`] changes numbers of node transforms and appends nodes of ours.
-//! JSON members, extras, unknown extensions and chunks stay as they are, numbers as written.
+//! floor that most walls stand on; [`patch`] changes numbers of node transforms, or the vertices of one piece where
+//! several walls share a mesh, and appends nodes of ours. JSON members, extras, unknown extensions and chunks stay as
+//! they are, numbers as written.
 //!
-//! [`SourceRef::record`] is the node's index, [`SourceRef::handle`] its JSON pointer; plan x is glTF's x, plan
+//! [`SourceRef::record`] is the node's index (of a piece see [`path_of`]), [`SourceRef::handle`] its JSON pointer; plan x is glTF's x, plan
 //! y its −z, heights its y, all in metres as the standard says.
 //!
 //! [`SourceRef::record`]: crate::plan::drawing::SourceRef::record
@@ -15,6 +16,7 @@ mod json;
 mod limits;
 mod meshes;
 mod patch;
+mod pieces;
 mod read;
 mod scene;
 
@@ -78,34 +80,59 @@ pub fn patch(
     let scene = File::open(file, bytes)?;
     let (shown, _) = scene.shown();
     let mut splices: Vec<Splice> = Vec::new();
+    let mut pieces = pieces::Mover::new(&scene);
     for edit in edits {
-        splices.extend(patch::edit(&scene, &shown, edit)?);
+        match edit {
+            Edit::Insert { record, motion } if pieces::of_record(*record).1.is_some() => {
+                pieces.edit(&shown, *record, motion)?;
+            }
+            _ => splices.extend(patch::edit(&scene, &shown, edit)?),
+        }
     }
+    splices.extend(pieces.bounds());
+    let mut bin = Some(pieces.bin).filter(|b| !b.is_empty());
     if !own.is_empty() {
         let floor = read::floor_of(&scene, &shown, options, &mut Report::default())?;
-        splices.extend(additions::splices(&scene, floor, own));
+        let (json, data) = additions::splices(&scene, floor, own);
+        splices.extend(json);
+        if !data.is_empty() {
+            bin.get_or_insert_with(|| scene.bin().unwrap_or_default().to_vec()).extend(data);
+        }
     }
     let json = match scene.chunks.first() {
         Some(chunk) => &bytes[chunk.span.clone()],
         None => bytes,
     };
     let json = splice::apply(file, "gltf-edit-twice", json, splices)?;
-    Ok(if scene.chunks.is_empty() { json } else { assembled(&scene, json) })
+    Ok(if scene.chunks.is_empty() { json } else { assembled(&scene, json, bin) })
 }
 
-/// A GLB with another JSON chunk.
-fn assembled(scene: &File<'_>, mut json: Vec<u8>) -> Vec<u8> {
-    while !json.len().is_multiple_of(4) {
-        json.push(b' ');
+/// JSON pointer of the element with that [`SourceRef::record`].
+///
+/// [`SourceRef::record`]: crate::plan::drawing::SourceRef::record
+pub fn path_of(record: usize) -> String {
+    format!("/nodes/{}", pieces::of_record(record).0)
+}
+
+/// A GLB with another JSON chunk, and another binary one where it has changed.
+fn assembled(scene: &File<'_>, json: Vec<u8>, bin: Option<Vec<u8>>) -> Vec<u8> {
+    let mut out = scene.bytes[..12].to_vec();
+    add_chunk(&mut out, b"JSON", json, b' ');
+    let mut rest = scene.chunks.first().map_or(scene.bytes.len(), |c| c.span.end);
+    if let Some(bin) = bin {
+        add_chunk(&mut out, b"BIN\0", bin, 0);
+        rest = scene.chunks.get(1).map_or(rest, |c| c.span.end);
     }
-    let rest = scene.chunks.first().map_or(scene.bytes.len(), |c| c.span.end);
-    let total = 20 + json.len() + (scene.bytes.len() - rest);
-    let mut out = Vec::with_capacity(total);
-    out.extend_from_slice(&scene.bytes[..8]);
-    out.extend_from_slice(&(total as u32).to_le_bytes());
-    out.extend_from_slice(&(json.len() as u32).to_le_bytes());
-    out.extend_from_slice(b"JSON");
-    out.extend_from_slice(&json);
     out.extend_from_slice(&scene.bytes[rest..]);
+    let total = out.len() as u32;
+    out[8..12].copy_from_slice(&total.to_le_bytes());
     out
+}
+
+/// Appends a chunk, padded to four bytes.
+fn add_chunk(out: &mut Vec<u8>, kind: &[u8; 4], mut data: Vec<u8>, pad: u8) {
+    data.resize(data.len().next_multiple_of(4), pad);
+    out.extend_from_slice(&(data.len() as u32).to_le_bytes());
+    out.extend_from_slice(kind);
+    out.extend_from_slice(&data);
 }

@@ -1,8 +1,9 @@
-//! Moves to bytes: a node's transform changes, the rest of the file stays.
+//! Moves of nodes to bytes: a node's transform changes, the rest of the file stays.
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
 use super::json::{Json, Value};
+use super::pieces::of_record;
 use super::read::z_up;
 use super::scene::{File, Shown, local, parts};
 use crate::formats::splice::Splice;
@@ -12,8 +13,9 @@ use crate::report::{Error, Place};
 /// Differences of numbers below this share are rounding.
 const NOISE: f64 = 1e-14;
 
-fn fault(file: &str, record: usize, why: &str) -> Error {
-    let place = Place::file(file).entity(format!("/nodes/{record}"));
+/// An edit that cannot be made.
+pub(super) fn fault(file: &str, record: usize, why: &str) -> Error {
+    let place = Place::file(file).entity(format!("/nodes/{}", of_record(record).0));
     Error::input("gltf-edit", place, format!("cannot be moved: {why}; nothing was written"))
 }
 
@@ -60,7 +62,7 @@ pub(super) fn edit(scene: &File<'_>, shown: &[Shown], edit: &Edit) -> Result<Vec
 }
 
 /// The motion of the plan as one of the world, Y up.
-fn world_motion(motion: &RigidMotion) -> DAffine3 {
+pub(super) fn world_motion(motion: &RigidMotion) -> DAffine3 {
     let shift = DVec3::new(motion.shift.x, 0.0, -motion.shift.y);
     DAffine3::from_mat3_translation(DMat3::from_rotation_y(motion.turn_rad), shift)
 }
@@ -79,7 +81,7 @@ fn member(node: &Json, key: &str, new: &[f64], out: &mut Vec<Splice>) {
 }
 
 /// Splices of the numbers that differ.
-fn numbers(old: &Json, new: &[f64]) -> Vec<Splice> {
+pub(super) fn numbers(old: &Json, new: &[f64]) -> Vec<Splice> {
     let differs =
         |(j, v): &(&Json, &f64)| j.number().is_none_or(|o| (o - **v).abs() > NOISE * o.abs().max(1.0));
     old.items().iter().zip(new).filter(differs).map(|(j, v)| Splice::new(j.span.clone(), text(*v))).collect()

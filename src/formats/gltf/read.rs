@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::json::{Json, Value};
+use super::pieces::{of_record, record};
 use super::scene::{File, Shown};
 use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions};
 use crate::formats::StoreyInfo;
@@ -30,9 +31,11 @@ pub(super) fn z_up() -> DAffine3 {
     DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Z, -DVec3::Y))
 }
 
-/// A mesh shown in the scene, Z up.
+/// A mesh shown in the scene, Z up, or one piece of it.
 struct Body<'f> {
     shown: &'f Shown,
+    /// The piece, where several walls share the mesh.
+    piece: Option<usize>,
     layer: String,
     triangles: Vec<[DVec3; 3]>,
     low: f64,
@@ -156,7 +159,7 @@ fn marked_moves(scene: &File<'_>, entities: &[Entity]) -> Vec<MarkedMove> {
     let nodes = scene.json.list("nodes");
     let mut out: Vec<MarkedMove> = Vec::new();
     for e in entities {
-        let told = told(&nodes[e.source.record]);
+        let told = told(&nodes[of_record(e.source.record).0]);
         let Some(text) = told.and_then(|t| t.text("move")).filter(|t| !t.trim().is_empty()) else { continue };
         if out.iter().any(|m| m.record == e.source.record) {
             continue;
@@ -221,14 +224,39 @@ fn bodies<'f>(
                 }
             }
         }
+        let layer = layer(scene, s, options);
         let m = z_up() * s.world;
-        let triangles: Vec<[DVec3; 3]> =
-            meshes[&mesh].iter().map(|t| t.map(|p| m.transform_point3(p))).collect();
-        let heights = || triangles.iter().flatten().map(|p| p.z);
-        let (low, high) =
-            (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
-        if low.is_finite() && high.is_finite() {
-            out.push(Body { shown: s, layer: layer(scene, s, options), triangles, low, high });
+        for (piece, triangles) in in_pieces(scene, s.node, &layer, &meshes[&mesh]) {
+            let triangles: Vec<[DVec3; 3]> =
+                triangles.into_iter().map(|t| t.map(|p| m.transform_point3(p))).collect();
+            let heights = || triangles.iter().flatten().map(|p| p.z);
+            let (low, high) =
+                (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+            if low.is_finite() && high.is_finite() {
+                out.push(Body { shown: s, piece, layer: layer.clone(), triangles, low, high });
+            }
+        }
+    }
+    out
+}
+
+/// A mesh whole, or, where it is named after walls and no class says that it is one element, its pieces.
+fn in_pieces(
+    scene: &File<'_>,
+    node: usize,
+    layer: &str,
+    triangles: &[[DVec3; 3]],
+) -> Vec<(Option<usize>, Vec<[DVec3; 3]>)> {
+    let by_name = WallLayers::new(&[]).ok();
+    let is_walls = !layer.starts_with("Ifc") && by_name.is_some_and(|w| w.reason(layer).is_some());
+    let Some(pieces) = is_walls.then(|| scene.pieces(node, triangles)).flatten() else {
+        return vec![(None, triangles.to_vec())];
+    };
+    let mut out: Vec<(Option<usize>, Vec<[DVec3; 3]>)> =
+        (0..pieces.count).map(|p| (Some(p), Vec::new())).collect();
+    for t in triangles {
+        if let Some(of) = pieces.of(t[0]) {
+            out[of].1.push(*t);
         }
     }
     out
@@ -320,8 +348,8 @@ fn show(scene: &File<'_>, body: &Body<'_>, z: f64, options: &ReadOptions, out: &
     let faces: Vec<Vec<Vec<DVec3>>> = body.triangles.iter().map(|t| vec![t.to_vec()]).collect();
     let mut region = slice(&faces, z);
     let is_opening = ["IfcDoor", "IfcWindow"].contains(&body.layer.as_str());
-    if is_opening && let Some([lo, hi]) = region.extent() {
-        region = Region::ring(vec![lo.to_array(), [hi.x, lo.y], hi.to_array(), [lo.x, hi.y]]);
+    if is_opening && let Some(corners) = region.box_along() {
+        region = Region::ring(corners.map(|c| c.to_array()).to_vec());
     }
     let layer = if body.layer == "IfcWindow" && options.is_knee {
         "IfcWall (window at knee height)"
@@ -329,7 +357,7 @@ fn show(scene: &File<'_>, body: &Body<'_>, z: f64, options: &ReadOptions, out: &
         &body.layer
     };
     let source = SourceRef {
-        record: body.shown.node,
+        record: record(body.shown.node, body.piece),
         handle: Some(format!("/nodes/{}", body.shown.node)),
         line: 0,
         kind: body.shown.names.iter().rev().find(|n| !n.is_empty()).cloned().unwrap_or_default(),
@@ -383,6 +411,9 @@ fn editable(scene: &File<'_>, body: &Body<'_>) -> Editable {
     }
     if node.get("extensions").is_some_and(|e| e.get("EXT_mesh_gpu_instancing").is_some()) {
         return Editable::No("it is drawn many times by one node".into());
+    }
+    if body.piece.is_some() {
+        return Editable::WithInsert { turnable: true };
     }
     let m = body.shown.parent.matrix3;
     let det = m.determinant();

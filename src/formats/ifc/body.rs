@@ -152,15 +152,16 @@ impl Geo<'_, '_> {
         };
         let mut out = Vec::new();
         for shell in shells {
-            for face in self.args(shell)?.first().map(Arg::ids).unwrap_or_default() {
+            for face in self.first_ids(shell)? {
                 let mut rings = Vec::new();
-                for bound in self.args(face)?.first().map(Arg::ids).unwrap_or_default() {
-                    let ring = self.reference(&self.args(bound)?, 0, bound)?;
+                for bound in self.first_ids(face)? {
+                    let ring = self.first_ids(bound)?.first().copied();
+                    let ring = ring.ok_or_else(|| format!("{} is incomplete", self.named(bound)))?;
                     if self.step.keyword(ring) != "IFCPOLYLOOP" {
                         return Err(format!("{} is a kind of edge that is not read", self.named(ring)));
                     }
-                    let points = self.args(ring)?.first().map(Arg::ids).unwrap_or_default();
-                    let points = points.into_iter().map(|p| Ok(to.transform_point3(self.point(p)?)));
+                    let points =
+                        self.first_ids(ring)?.into_iter().map(|p| Ok(to.transform_point3(self.point(p)?)));
                     rings.push(points.collect::<Result<Vec<_>, Why>>()?);
                 }
                 out.push(rings);

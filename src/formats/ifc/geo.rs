@@ -1,7 +1,7 @@
 //! Points, directions and placements.
 
-use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
+use std::sync::{PoisonError, RwLock};
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
@@ -22,13 +22,13 @@ pub(super) struct Geo<'s, 'a> {
     pub metres: f64,
     /// Radians in one unit of plane angle.
     pub radians: f64,
-    placements: RefCell<HashMap<u64, Result<DAffine3, Why>>>,
+    placements: RwLock<HashMap<u64, Result<DAffine3, Why>>>,
 }
 
 impl<'s, 'a> Geo<'s, 'a> {
     /// Geometry in these units.
     pub fn new(step: &'s Step<'a>, metres: f64, radians: f64) -> Self {
-        Self { step, metres, radians, placements: RefCell::default() }
+        Self { step, metres, radians, placements: RwLock::default() }
     }
 
     /// `#12 IFCDIRECTION`.
@@ -45,19 +45,31 @@ impl<'s, 'a> Geo<'s, 'a> {
         Ok(self.step.args(id))
     }
 
-    fn numbers(&self, id: u64) -> Result<Vec<f64>, Why> {
+    /// The instances that the first argument of one names.
+    pub fn first_ids(&self, id: u64) -> Result<Vec<u64>, Why> {
+        if self.step.get(id).is_none() {
+            return Err(format!("#{id} does not exist"));
+        }
+        Ok(self.step.first_ids(id))
+    }
+
+    /// Two or three finite numbers; the third is 0 where there are two.
+    fn triple(&self, id: u64, what: &str) -> Result<DVec3, Why> {
+        if let Some([Some(x), Some(y), z]) = self.step.coordinates(id) {
+            return Ok(DVec3::new(x, y, z.unwrap_or(0.0)));
+        }
         let args = self.args(id)?;
         let numbers = args.first().and_then(Arg::numbers).filter(|n| n.iter().all(|v| v.is_finite()));
-        numbers.ok_or_else(|| format!("{} has no coordinates", self.named(id)))
+        match numbers.ok_or_else(|| format!("{} has no coordinates", self.named(id)))?.as_slice() {
+            [x, y] => Ok(DVec3::new(*x, *y, 0.0)),
+            [x, y, z] => Ok(DVec3::new(*x, *y, *z)),
+            _ => Err(format!("{} has not two or three {what}", self.named(id))),
+        }
     }
 
     /// An IfcCartesianPoint; z is 0 where it has two coordinates.
     pub fn point(&self, id: u64) -> Result<DVec3, Why> {
-        match self.numbers(id)?.as_slice() {
-            [x, y] => Ok(DVec3::new(*x, *y, 0.0)),
-            [x, y, z] => Ok(DVec3::new(*x, *y, *z)),
-            _ => Err(format!("{} has not two or three coordinates", self.named(id))),
-        }
+        self.triple(id, "coordinates")
     }
 
     /// An IfcCartesianPoint as seen from above.
@@ -67,11 +79,7 @@ impl<'s, 'a> Geo<'s, 'a> {
 
     /// An IfcDirection of length 1.
     pub fn direction(&self, id: u64) -> Result<DVec3, Why> {
-        let v = match self.numbers(id)?.as_slice() {
-            [x, y] => DVec3::new(*x, *y, 0.0),
-            [x, y, z] => DVec3::new(*x, *y, *z),
-            _ => return Err(format!("{} has not two or three ratios", self.named(id))),
-        };
+        let v = self.triple(id, "ratios")?;
         v.try_normalize().ok_or_else(|| format!("{} has no length, expected a direction", self.named(id)))
     }
 
@@ -105,7 +113,7 @@ impl<'s, 'a> Geo<'s, 'a> {
         let mut base = Ok(DAffine3::IDENTITY);
         let mut next = Some(id);
         while let Some(at) = next {
-            if let Some(known) = self.placements.borrow().get(&at) {
+            if let Some(known) = self.placements.read().unwrap_or_else(PoisonError::into_inner).get(&at) {
                 base = known.clone();
                 break;
             }
@@ -128,7 +136,7 @@ impl<'s, 'a> Geo<'s, 'a> {
         }
         for at in chain.into_iter().rev() {
             let own = base.and_then(|m| Ok(m * self.own_placement(at)?));
-            self.placements.borrow_mut().insert(at, own.clone());
+            self.placements.write().unwrap_or_else(PoisonError::into_inner).insert(at, own.clone());
             base = own;
         }
         base

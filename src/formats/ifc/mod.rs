@@ -28,13 +28,14 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 pub use limits::*;
-pub use read::{CLOSING_LAYERS, read, read_storeys};
+use rayon::prelude::*;
+pub use read::CLOSING_LAYERS;
 pub use zip::{is_zip, unzip};
 
 use crate::formats::StoreyInfo;
 use crate::formats::splice::{self, Splice};
-use crate::plan::drawing::{Addition, Edit};
-use crate::report::{Error, Place};
+use crate::plan::drawing::{Addition, Drawing, Edit};
+use crate::report::{Error, Place, Report};
 use read::Building;
 use step::{Fault, Step, line_of};
 
@@ -78,12 +79,77 @@ pub struct MovedProduct {
 /// Schemas that are read.
 const SCHEMAS: [&str; 3] = ["IFC2X", "IFC4", "IFC4X"];
 
-fn open<'a>(file: &str, bytes: &'a [u8]) -> Result<Step<'a>, Error> {
+/// A file taken apart once, to be read as often as wanted.
+#[derive(Clone, Debug)]
+pub struct Opened<'a> {
+    file: &'a str,
+    step: Step<'a>,
+}
+
+impl<'a> Opened<'a> {
+    /// Takes a file apart; `file` is its name to show.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where the bytes are no whole STEP file or the schema is none of IFC's.
+    pub fn new(file: &'a str, bytes: &'a [u8]) -> Result<Self, Error> {
+        Ok(Self { file, step: open(file, bytes)? })
+    }
+
+    /// Reads one storey.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where the storey is not there.
+    pub fn read(&self, options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
+        read::read_storey(&Building::new(self.file, &self.step), options, report)
+    }
+
+    /// Reads several storeys, each into a report of its own.
+    ///
+    /// # Errors
+    /// For each as [`Self::read`].
+    pub fn read_all(&self, options: &[ReadOptions]) -> Vec<(Result<Drawing, Error>, Report)> {
+        if options.is_empty() {
+            return Vec::new();
+        }
+        let building = Building::new(self.file, &self.step);
+        let one = |o: &ReadOptions| {
+            let mut report = Report::default();
+            (read::read_storey(&building, o, &mut report), report)
+        };
+        options.par_iter().map(one).collect()
+    }
+
+    /// Storeys from the lowest, and how much there is of what.
+    pub fn building(&self) -> (Vec<StoreyInfo>, Elements) {
+        (storeys(&Building::new(self.file, &self.step)), Elements::of(&self.step))
+    }
+}
+
+/// Reads one storey.
+///
+/// # Errors
+/// [`Error::Input`] where the bytes are no whole STEP file or the schema is none of IFC's;
+/// [`Error::Usage`] for a storey that is not there.
+pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
+    Opened::new(file, bytes)?.read(options, report)
+}
+
+fn storeys(building: &Building<'_, '_>) -> Vec<StoreyInfo> {
+    let metres = building.geo.metres;
+    let storey =
+        |s: &model::Storey| StoreyInfo { name: s.name.clone(), floor_m: s.floor * metres, walls: s.walls };
+    building.model.storeys.iter().map(storey).collect()
+}
+
+/// Whether the bytes are IFC in its other form, which is not read.
+pub fn is_xml(bytes: &[u8]) -> bool {
     let head: String = String::from_utf8_lossy(&bytes[..bytes.len().min(400)]).to_lowercase();
-    if head.contains("<ifcxml")
-        || head.contains(":ifcxml")
-        || (head.contains("<?xml") && head.contains("ifc"))
-    {
+    let is_xml = head.contains("<?xml") && head.contains("ifc");
+    is_xml || head.contains("<ifcxml") || head.contains(":ifcxml")
+}
+
+fn open<'a>(file: &str, bytes: &'a [u8]) -> Result<Step<'a>, Error> {
+    if is_xml(bytes) {
         let text = "found IFC as XML, expected a STEP file (.ifc); nothing was done; export as IFC instead of ifcXML";
         return Err(Error::input("ifc-xml", Place::file(file), text));
     }
@@ -236,11 +302,7 @@ pub fn inventory(bytes: &[u8]) -> Inventory {
         }
     }
     classes.extend(products.map(|p| (p.global_id.clone(), p.class.to_string())));
-    let metres = building.geo.metres;
-    let storey =
-        |s: &model::Storey| StoreyInfo { name: s.name.clone(), floor_m: s.floor * metres, walls: s.walls };
-    let storeys = building.model.storeys.iter().map(storey).collect();
-    Inventory { elements: Elements::of(&step), classes, storeys }
+    Inventory { elements: Elements::of(&step), classes, storeys: storeys(&building) }
 }
 
 /// `Tag` of products: the element's id in the program that wrote the file.

@@ -160,9 +160,7 @@ impl Geo<'_, '_> {
         }
         let args = self.args(id)?;
         match &*self.step.keyword(id) {
-            "IFCPOLYLINE" => {
-                args.first().map(Arg::ids).unwrap_or_default().into_iter().map(|p| self.point2(p)).collect()
-            }
+            "IFCPOLYLINE" => self.first_ids(id)?.into_iter().map(|p| self.point2(p)).collect(),
             "IFCCOMPOSITECURVE" | "IFC2DCOMPOSITECURVE" | "IFCCOMPOSITECURVEONSURFACE" => {
                 self.composite(&args, depth)
             }

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use glam::{DAffine3, DVec2};
+use rayon::prelude::*;
 
 use super::geo::{Geo, Why, is_upright, plan_point};
 use super::limits::OUTLINE_POINTS_MAX;
@@ -90,35 +91,8 @@ impl<'s, 'a> Building<'s, 'a> {
 /// Reads one storey.
 ///
 /// # Errors
-/// [`Error::Input`] where the bytes are no whole STEP file or the schema is none of IFC's;
 /// [`Error::Usage`] for a storey that is not there.
-pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
-    let step = super::open(file, bytes)?;
-    read_storey(&Building::new(file, &step), options, report)
-}
-
-/// Reads several storeys of a file that is taken apart once.
-///
-/// # Errors
-/// For each storey as [`read`].
-pub fn read_storeys(
-    file: &str,
-    bytes: &[u8],
-    options: &[ReadOptions],
-) -> Vec<(Result<Drawing, Error>, Report)> {
-    let step = match super::open(file, bytes) {
-        Ok(step) => step,
-        Err(error) => return options.iter().map(|_| (Err(error.clone()), Report::default())).collect(),
-    };
-    let building = Building::new(file, &step);
-    let one = |o: &ReadOptions| {
-        let mut report = Report::default();
-        (read_storey(&building, o, &mut report), report)
-    };
-    options.iter().map(one).collect()
-}
-
-fn read_storey(
+pub(super) fn read_storey(
     building: &Building<'_, '_>,
     options: &ReadOptions,
     report: &mut Report,
@@ -189,6 +163,19 @@ struct Reader<'b, 's, 'a> {
     plugged: HashSet<u64>,
 }
 
+/// An element cut at the height of the eyes, world coordinates.
+#[derive(Default)]
+struct ElementCut<'p> {
+    /// What blocks sight.
+    region: Region,
+    /// Why a part of it is missing.
+    missing: Vec<Why>,
+    /// What closes its openings without blocking sight: of which product, on which layer.
+    closings: Vec<(&'p Product, &'static str, Region)>,
+    /// Doors and windows that stand in one of its openings.
+    plugged: Vec<u64>,
+}
+
 /// A product's frame: how its own plane lies in the world, and at which height of it to cut.
 struct Frame {
     /// The product's placement; the identity where it has none or leans.
@@ -229,31 +216,36 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     }
 
     fn walls(&mut self, report: &mut Report) {
-        for p in &self.b.model.products {
-            if p.class == "IfcSpace" || self.is_part_of_shown(p) {
-                continue;
-            }
-            match self.element(p) {
-                Ok((region, missing)) => {
-                    for why in missing {
-                        self.state_missing(p, &why, report);
-                    }
-                    if region.is_empty() {
-                        self.below.insert(p.id);
-                    } else if region.size() > OUTLINE_POINTS_MAX {
-                        let why = format!(
-                            "its cut has {} corners, expected at most {OUTLINE_POINTS_MAX}",
-                            region.size()
-                        );
-                        self.state_missing(p, &why, report);
-                    } else {
-                        self.emit(p, p.class, &region);
-                    }
-                }
+        let b = self.b;
+        let shown: Vec<&'b Product> =
+            b.model.products.iter().filter(|p| p.class != "IfcSpace" && !self.is_part_of_shown(p)).collect();
+        let cuts: Vec<Result<ElementCut<'b>, Why>> = shown.par_iter().map(|p| self.element(p)).collect();
+        for (p, cut) in shown.into_iter().zip(cuts) {
+            match cut {
+                Ok(cut) => self.show(p, cut, report),
                 Err(why) => self.state_missing(p, &why, report),
             }
         }
         self.loose_fillers();
+    }
+
+    fn show(&mut self, p: &Product, cut: ElementCut<'_>, report: &mut Report) {
+        for (of, class, region) in &cut.closings {
+            self.emit(of, class, region);
+        }
+        self.plugged.extend(cut.plugged);
+        for why in cut.missing {
+            self.state_missing(p, &why, report);
+        }
+        let size = cut.region.size();
+        if cut.region.is_empty() {
+            self.below.insert(p.id);
+        } else if size > OUTLINE_POINTS_MAX {
+            let why = format!("its cut has {size} corners, expected at most {OUTLINE_POINTS_MAX}");
+            self.state_missing(p, &why, report);
+        } else {
+            self.emit(p, p.class, &cut.region);
+        }
     }
 
     fn state_missing(&self, p: &Product, why: &str, report: &mut Report) {
@@ -273,34 +265,34 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         whole.and_then(|w| self.b.model.product(*w)).is_some_and(|q| q.class != "IfcSpace")
     }
 
-    /// The outlines of an element in world coordinates.
-    fn element(&mut self, p: &Product) -> Result<(Region, Vec<Why>), Why> {
+    /// What of an element stands at the height of the cut, in world coordinates.
+    fn element(&self, p: &'b Product) -> Result<ElementCut<'b>, Why> {
         let frame = self.frame(p.placement)?;
-        let (mut region, mut missing) = (Region::default(), Vec::new());
+        let mut out = ElementCut::default();
         match p.shape {
             Some(shape) => match self.body(p, shape, &frame) {
-                Ok((body, whys)) => (region, missing) = (body, whys),
+                Ok((body, whys)) => (out.region, out.missing) = (body, whys),
                 Err(why) => match self.strip_along_axis(p, shape, &frame) {
-                    Some(strip) => region = strip,
+                    Some(strip) => out.region = strip,
                     None => return Err(why),
                 },
             },
             None if self.b.model.parts.contains_key(&p.id) => {}
             None => return Err("it has no shape".into()),
         }
-        region = self.without_openings(p, region, &frame)?;
-        let mut region = region.map(|q| plan_point(&frame.world, q));
+        self.take_openings_out(p, &frame, &mut out);
+        let mut region = out.region.map(|q| plan_point(&frame.world, q));
         for part in self.b.model.parts.get(&p.id).into_iter().flatten() {
             let class = self.b.model.product(*part).map(|q| q.class);
             let is_glass = class == Some("IfcPlate") && self.options.sight == Sight::Eye;
             let Ok(cut) = self.part(*part) else { continue };
             if is_glass {
-                self.emit(p, "IfcWindow", &cut)
+                out.closings.push((p, "IfcWindow", cut))
             } else {
                 region = region.combine(&cut, Rule::Union)
             }
         }
-        Ok((region, missing))
+        Ok(ElementCut { region, ..out })
     }
 
     fn part(&self, id: u64) -> Result<Region, Why> {
@@ -330,27 +322,24 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     }
 
     /// Takes the openings out; what closes them is shown on the layer of its class.
-    fn without_openings(&mut self, p: &Product, mut region: Region, frame: &Frame) -> Result<Region, Why> {
+    fn take_openings_out(&self, p: &'b Product, frame: &Frame, out: &mut ElementCut<'b>) {
         for opening in self.b.model.openings.get(&p.id).into_iter().flatten() {
             let Ok(hole) = self.opening(*opening, p, frame) else { continue };
             let filler = self.filler(*opening);
-            let hole = hole.through(&region, SLIVER_M / self.b.geo.metres);
-            let plug = region.clone().combine(&hole, Rule::Intersection);
+            let hole = hole.through(&out.region, SLIVER_M / self.b.geo.metres);
+            let plug = out.region.clone().combine(&hole, Rule::Intersection);
             if plug.is_empty() {
                 continue;
             }
-            if let Some(id) = filler.map(|f| f.id) {
-                self.plugged.insert(id);
-            }
+            out.plugged.extend(filler.map(|f| f.id));
             let class = filler.map_or("IfcOpeningElement", |f| f.class);
             if class == "IfcWindow" && self.options.sight == Sight::Knee {
                 continue;
             }
-            region = region.combine(&hole, Rule::Difference);
+            out.region = std::mem::take(&mut out.region).combine(&hole, Rule::Difference);
             let world = plug.map(|q| plan_point(&frame.world, q));
-            self.emit(filler.unwrap_or(p), class, &world);
+            out.closings.push((filler.unwrap_or(p), class, world));
         }
-        Ok(region)
     }
 
     fn filler(&self, opening: u64) -> Option<&'b Product> {
@@ -379,8 +368,8 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             }
             let Some(Ok(frame)) = p.shape.map(|_| self.frame(p.placement)) else { continue };
             let Some(Ok((region, _))) = p.shape.map(|s| self.body(p, s, &frame)) else { continue };
-            if let Some([lo, hi]) = region.extent() {
-                let ring = vec![lo.to_array(), [hi.x, lo.y], hi.to_array(), [lo.x, hi.y]];
+            if let Some(corners) = region.box_along() {
+                let ring = corners.map(|c| c.to_array()).to_vec();
                 let blocks = p.class == "IfcWindow" && self.options.sight == Sight::Knee;
                 self.emit(
                     p,

@@ -4,10 +4,10 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
 
-use super::limits::{INSTANCE_BYTES_MAX, NESTING_MAX};
+use memchr::{memchr_iter, memchr2, memchr3};
+use rayon::prelude::*;
 
-/// Instances up to this long are split in one pass; longer ones are measured first.
-const ONE_PASS_BYTES: usize = 64 << 10;
+use super::limits::{INSTANCE_BYTES_MAX, NESTING_MAX};
 
 /// Bytes for which line ends are counted together.
 const LINE_BLOCK: usize = 16 << 10;
@@ -165,7 +165,7 @@ impl<'a> Step<'a> {
         let schema = scan.header()?;
         let mut out = Self {
             bytes,
-            instances: Vec::with_capacity(bytes.len() / 64),
+            instances: Vec::new(),
             by_keyword: HashMap::new(),
             schema,
             data_end: bytes.len(),
@@ -174,33 +174,41 @@ impl<'a> Step<'a> {
             by_id: Ids::Dense(Vec::new()),
             line_ends: line_ends(bytes),
         };
-        out.sections(&mut scan)?;
+        let spans = out.sections(&mut scan)?;
+        out.split(spans);
         out.index();
         Ok(out)
     }
 
-    fn sections(&mut self, scan: &mut Scan<'a>) -> Result<(), Fault> {
+    /// Takes the instances apart, each by itself and so on all cores.
+    fn split(&mut self, spans: Vec<Range<usize>>) {
+        let bytes = self.bytes;
+        let parts: Vec<Result<Instance, Fault>> =
+            spans.into_par_iter().map(|span| instance(bytes, span)).collect();
+        for part in parts {
+            match part {
+                Ok(instance) => self.instances.push(instance),
+                Err(fault) => self.broken.push(fault),
+            }
+        }
+        self.broken.sort_by_key(|f| f.at);
+    }
+
+    /// Goes through the sections; where the instances stand.
+    fn sections(&mut self, scan: &mut Scan<'a>) -> Result<Vec<Range<usize>>, Fault> {
+        let mut spans = Vec::with_capacity(self.bytes.len() / 64);
         let mut in_data = true;
         loop {
             scan.skip_blank()?;
             let at = scan.at;
             match scan.peek() {
-                None => return Ok(()),
+                None => return Ok(spans),
                 Some(b'#') if in_data => {
-                    let limit = scan.bytes.len().min(at + ONE_PASS_BYTES);
-                    if let Some(i) = whole_instance(scan.bytes, at..limit) {
-                        scan.at = i.span.end;
-                        self.instances.push(i);
-                        continue;
-                    }
                     let end = scan.statement()?;
                     if end - at > INSTANCE_BYTES_MAX {
                         self.broken.push(scan.fault(at, "an instance of more bytes than any building has"));
-                        continue;
-                    }
-                    match instance(scan.bytes, at..end) {
-                        Ok(i) => self.instances.push(i),
-                        Err(fault) => self.broken.push(fault),
+                    } else {
+                        spans.push(at..end);
                     }
                 }
                 Some(_) => {
@@ -215,7 +223,7 @@ impl<'a> Step<'a> {
                         }
                         "DATA" => in_data = true,
                         "END" if scan.bytes[at..end].to_ascii_uppercase().starts_with(b"END-ISO") => {
-                            return Ok(());
+                            return Ok(spans);
                         }
                         _ if in_data => {
                             self.broken.push(scan.fault(at, "text that is no instance, expected `#id=`"))
@@ -271,6 +279,43 @@ impl<'a> Step<'a> {
         list::<true>(self.bytes, &mut at, instance.args.end, 0).unwrap_or_default()
     }
 
+    /// The instances that the list of an instance's first argument names, or that argument itself does.
+    pub fn first_ids(&self, id: u64) -> Vec<u64> {
+        self.plain_ids(id).unwrap_or_else(|| {
+            let args = self.args(id);
+            args.first().map(|a| a.id().map_or_else(|| a.ids(), |id| vec![id])).unwrap_or_default()
+        })
+    }
+
+    /// `#1` or `(#1,#2)` at the start of the arguments, without anything between; none where it is written otherwise.
+    fn plain_ids(&self, id: u64) -> Option<Vec<u64>> {
+        let text = &self.bytes[self.get(id)?.args.clone()];
+        let is_list = text.first() == Some(&b'(');
+        let mut at = usize::from(is_list);
+        let mut out = Vec::new();
+        loop {
+            at = text.get(at).filter(|b| **b == b'#').map(|_| at + 1)?;
+            out.push(whole_number(text, &mut at)?);
+            match (text.get(at), is_list) {
+                (Some(b','), true) => at += 1,
+                (Some(b')'), true) | (None | Some(b','), false) => return Some(out),
+                _ => return None,
+            }
+        }
+    }
+
+    /// The numbers of a list of two or three that is an instance's only argument; none where it is written otherwise.
+    pub fn coordinates(&self, id: u64) -> Option<[Option<f64>; 3]> {
+        let text = &self.bytes[self.get(id)?.args.clone()];
+        let inner = text.strip_prefix(b"(")?.strip_suffix(b")")?;
+        let mut out = [None; 3];
+        for (i, word) in inner.split(|b| *b == b',').enumerate() {
+            let is_number = word.iter().all(|b| b.is_ascii_digit() || b"+-.eE".contains(b));
+            *out.get_mut(i)? = Some(number(word).filter(|_| is_number)?);
+        }
+        out[1].map(|_| out)
+    }
+
     /// Line of a byte, from 1.
     pub fn line(&self, at: usize) -> usize {
         let at = at.min(self.bytes.len());
@@ -298,7 +343,7 @@ fn line_ends(bytes: &[u8]) -> Vec<usize> {
     let mut sum = 0;
     let blocks = bytes.chunks(LINE_BLOCK).map(|block| {
         let before = sum;
-        sum += block.iter().filter(|b| **b == b'\n').count();
+        sum += memchr_iter(b'\n', block).count();
         before
     });
     let out: Vec<usize> = blocks.collect();
@@ -316,7 +361,7 @@ fn upper(word: &[u8]) -> Cow<'_, [u8]> {
 
 /// Line of a byte, from 1.
 pub(super) fn line_of(bytes: &[u8], at: usize) -> usize {
-    bytes[..at.min(bytes.len())].iter().filter(|b| **b == b'\n').count() + 1
+    memchr_iter(b'\n', &bytes[..at.min(bytes.len())]).count() + 1
 }
 
 struct Scan<'a> {
@@ -346,7 +391,7 @@ impl Scan<'_> {
 
     fn comment(&mut self) -> Result<(), Fault> {
         let start = self.at;
-        let end = self.bytes[start + 2..].windows(2).position(|w| w == b"*/");
+        let end = memchr::memmem::find(&self.bytes[start + 2..], b"*/");
         self.at =
             end.map(|e| start + 2 + e + 2).ok_or_else(|| self.fault(start, "a comment that does not end"))?;
         Ok(())
@@ -355,17 +400,19 @@ impl Scan<'_> {
     /// Goes past the next `;` outside texts and comments; its end.
     fn statement(&mut self) -> Result<usize, Fault> {
         let start = self.at;
-        while let Some(b) = self.peek() {
-            match b {
+        while let Some(next) = memchr3(b';', b'\'', b'/', &self.bytes[self.at..]) {
+            self.at += next;
+            match self.bytes[self.at] {
                 b';' => {
                     self.at += 1;
                     return Ok(self.at);
                 }
                 b'\'' => self.string()?,
-                b'/' if self.bytes.get(self.at + 1) == Some(&b'*') => self.comment()?,
+                _ if self.bytes.get(self.at + 1) == Some(&b'*') => self.comment()?,
                 _ => self.at += 1,
             }
         }
+        self.at = self.bytes.len();
         Err(self.fault(start, "an instance without `;`, expected `;` before the end of the file"))
     }
 
@@ -414,7 +461,8 @@ impl Scan<'_> {
 fn string_end(bytes: &[u8], start: usize) -> Option<usize> {
     let mut at = start + 1;
     loop {
-        match bytes.get(at)? {
+        at += memchr2(b'\'', b'\\', bytes.get(at..)?)?;
+        match bytes[at] {
             b'\'' if bytes.get(at + 1) == Some(&b'\'') => at += 2,
             b'\'' => return Some(at + 1),
             // The byte after \S\ stands for another letter, a quote too (ISO 8859).
@@ -437,11 +485,8 @@ fn head(bytes: &[u8], span: Range<usize>) -> Result<(u64, Range<usize>, usize), 
     if bytes[at..span.end].starts_with(b"+") {
         at += 1;
     }
-    let digits = bytes[at..span.end].iter().take_while(|b| b.is_ascii_digit()).count();
-    let id = std::str::from_utf8(&bytes[at..at + digits]).ok().and_then(|t| t.parse::<u64>().ok());
-    let id = id.filter(|id| *id < u64::MAX / 4);
+    let id = whole_number(&bytes[..span.end], &mut at).filter(|id| *id < u64::MAX / 4);
     let id = id.ok_or_else(|| fault(span.start, "no number after `#`, expected a positive whole number"))?;
-    at += digits;
     blank(bytes, &mut at, span.end);
     if bytes.get(at) != Some(&b'=') {
         return Err(fault(at, "no `=` after the number of an instance"));
@@ -460,36 +505,38 @@ fn head(bytes: &[u8], span: Range<usize>) -> Result<(u64, Range<usize>, usize), 
     Ok((id, keyword, at))
 }
 
-/// The instance that starts a span, where nothing is odd about it.
-fn whole_instance(bytes: &[u8], span: Range<usize>) -> Option<Instance> {
-    let (id, keyword, open) = head(bytes, span.clone()).ok()?;
-    let mut close = open + 1;
-    list::<false>(bytes, &mut close, span.end, 0).ok()?;
-    let mut end = close + 1;
-    blank(bytes, &mut end, span.end);
-    let is_whole = bytes[..span.end].get(close) == Some(&b')') && bytes[..span.end].get(end) == Some(&b';');
-    is_whole.then(|| Instance { id, span: span.start..end + 1, keyword, args: open + 1..close })
+/// Digits as a number; none where there are no digits, or more than a number has.
+fn whole_number(bytes: &[u8], at: &mut usize) -> Option<u64> {
+    let start = *at;
+    let mut value = 0u64;
+    while let Some(digit) = bytes.get(*at).map(|b| b.wrapping_sub(b'0')).filter(|d| *d < 10) {
+        value = value.checked_mul(10)?.checked_add(u64::from(digit))?;
+        *at += 1;
+    }
+    (*at > start).then_some(value)
 }
 
 /// Splits `#id = KEYWORD ( … ) ;`.
 fn instance(bytes: &[u8], span: Range<usize>) -> Result<Instance, Fault> {
     let fault = |at: usize, text: &str| Fault { at, text: format!("found {text}") };
-    let (id, keyword, at) = head(bytes, span.clone())?;
-    let mut end = span.end - 1;
-    while end > at && (bytes[end].is_ascii_whitespace() || bytes[end] == b';') {
-        end -= 1;
+    let (id, keyword, open) = head(bytes, span.clone())?;
+    let mut close = open + 1;
+    list::<false>(bytes, &mut close, span.end - 1, 0).map_err(|(at, text)| fault(at, text))?;
+    let mut end = close + 1;
+    blank(bytes, &mut end, span.end);
+    if bytes[..span.end].get(close) != Some(&b')') || bytes[..span.end].get(end) != Some(&b';') {
+        return Err(fault(open, "an instance that does not end with `);`"));
     }
-    if bytes[end] != b')' || end == at {
-        return Err(fault(at, "an instance that does not end with `);`"));
-    }
-    let mut check = at + 1;
-    list::<false>(bytes, &mut check, end, 0).map_err(|(at, text)| fault(at, text))?;
-    Ok(Instance { id, span, keyword, args: at + 1..end })
+    Ok(Instance { id, span, keyword, args: open + 1..close })
 }
 
 fn blank(bytes: &[u8], at: &mut usize, end: usize) {
     while *at < end {
-        if bytes[*at].is_ascii_whitespace() || bytes[*at] == 0 {
+        let b = bytes[*at];
+        if b > b' ' && b != b'/' {
+            return;
+        }
+        if b.is_ascii_whitespace() || b == 0 {
             *at += 1;
         } else if bytes[*at..end].starts_with(b"/*") {
             *at = bytes[*at..end].windows(2).position(|w| w == b"*/").map_or(end, |i| *at + i + 2);
@@ -542,9 +589,7 @@ fn value<const KEEP: bool>(bytes: &[u8], at: &mut usize, end: usize, depth: usiz
         }
         Some(b'#') => {
             *at += 1;
-            let digits = bytes[*at..end].iter().take_while(|b| b.is_ascii_digit()).count();
-            let id = std::str::from_utf8(&bytes[*at..*at + digits]).ok().and_then(|t| t.parse().ok());
-            *at += digits;
+            let id = whole_number(&bytes[..end], at);
             Value::Ref(id.ok_or((start, "a `#` without a number"))?)
         }
         Some(b'\'') => {

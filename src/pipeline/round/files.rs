@@ -81,7 +81,7 @@ pub(super) fn drawings(
             heat_additions(
                 &layer,
                 &show::cells(study, s.map.pair, values),
-                study.spacing.spacing_m,
+                study.spacing_m,
                 s.scale,
                 show::palette(settings),
             )

@@ -80,7 +80,7 @@ function standing(d) {
   const p = d.progress;
   const out = el("div", { class: "card", id: "standing" }, el("p", { class: d.state }, STATES[d.state] ?? d.state,
     d.summary ? `: ${d.summary}` : ""));
-  if (d.problem) out.append(el("p", { class: "problem" }, `${d.problem.place} ${d.problem.text}`));
+  if (d.problem) out.append(el("p", { class: d.problem.severity === "info" ? "note" : "problem" }, `${d.problem.place}: ${d.problem.text}`));
   if (p) {
     const best = p.best == null ? "" : `, best ${p.best.toPrecision(4)}`;
     const left = p.eta_secs == null ? "" : `, ${Math.ceil(p.eta_secs)} s left`;
@@ -109,9 +109,10 @@ async function open(id) {
   if (rounds.length) await showOptions(main, d, rounds);
   else if (d.sets.includes("analysis")) {
     main.append(el("h3", {}, "The present layout"));
-    for (const m of ["degree", "depth", "entropy"]) {
-      main.append(el("img", { src: `/api/drawings/${id}/analysis/${m}.png`, alt: `Heat map of ${m}, as drawn`, width: 480 }));
-    }
+    const maps = (await ask(`drawings/${id}/analysis`)).filter((n) => n.endsWith(".png") && n !== "check.png");
+    main.append(el("div", { class: "maps" }, ...maps.map((n) => el("figure", {},
+      el("img", { src: `/api/drawings/${id}/analysis/${encodeURIComponent(n)}`, alt: `Heat map of ${n.slice(0, -4)}, as drawn` }),
+      el("figcaption", {}, n.slice(0, -4))))));
   }
 }
 

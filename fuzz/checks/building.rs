@@ -1,0 +1,70 @@
+//! What holds of any bytes read as a building, whatever the format.
+
+use enfilade::formats::{ReadOptions, changed_records, is_complete, patch, plain, read, storeys};
+use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Mark, RigidMotion, Shape};
+use enfilade::report::Report;
+use glam::DVec2;
+
+/// Elements of one file that are moved, of the many it may have.
+const MOVED_MAX: usize = 3;
+
+/// Reads it twice: the same answer, every shape finite, and no edit no change.
+pub fn read_steadily(file: &str, bytes: &[u8]) -> Option<Drawing> {
+    let _ = is_complete(file, bytes);
+    let _ = plain(file, bytes);
+    let _ = storeys(file, bytes, &ReadOptions::default());
+    let options = ReadOptions::default();
+    assert_eq!(patch(file, bytes, &options, &[], &[]).ok().as_deref(), Some(bytes));
+    let (mut report, mut again) = (Report::default(), Report::default());
+    let first = read(file, bytes, &options, &mut report).ok();
+    assert_eq!(read(file, bytes, &options, &mut again).ok(), first);
+    assert_eq!(report, again);
+    let drawing = first?;
+    for entity in &drawing.entities {
+        let Shape::Polyline { vertices, .. } = &entity.shape else { panic!("{entity:?}") };
+        assert!(vertices.len() > 1 && vertices.iter().all(|v| v.at.is_finite()), "{entity:?}");
+    }
+    Some(drawing)
+}
+
+/// Elements that may move can be moved: not at all without a change, else without losing what stays.
+pub fn move_some(file: &str, bytes: &[u8], drawing: &Drawing) {
+    let options = ReadOptions::default();
+    let mut records: Vec<usize> = Vec::new();
+    for e in drawing.entities.iter().filter(|e| matches!(e.editable, Editable::WithInsert { .. })) {
+        if records.len() < MOVED_MAX && !records.contains(&e.source.record) {
+            records.push(e.source.record);
+        }
+    }
+    for record in records {
+        let edit = |shift: DVec2| [Edit::Insert { record, motion: RigidMotion { turn_rad: 0.0, shift } }];
+        let still = patch(file, bytes, &options, &edit(DVec2::ZERO), &[]);
+        assert!(
+            still.is_err() || still.ok().as_deref() == Some(bytes),
+            "moved by nothing, {record} changed the file"
+        );
+        let edit = edit(DVec2::new(0.5, -0.25));
+        let moved = patch(file, bytes, &options, &edit, &[]);
+        let named = changed_records(file, bytes, &edit);
+        assert!(named.is_err() || moved.is_ok(), "{moved:?}");
+        if let Ok(moved) = moved {
+            let after = read(file, &moved, &options, &mut Report::default());
+            assert!(after.is_ok(), "after a move it cannot be read: {after:?}");
+        }
+    }
+}
+
+/// The file with what we add, which must be readable.
+pub fn with_additions(file: &str, bytes: &[u8]) -> Option<Vec<u8>> {
+    let add = |layer: &str, mark| Addition { layer: layer.into(), rgb: [200, 30, 30], mark };
+    let own = [
+        add("EF-NOTE", Mark::Text { at: DVec2::ZERO, height: 1.0, text: "it's ä 壁\nb".into() }),
+        add("EF-HEAT-DEGREE", Mark::Fill { corners: [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y] }),
+        add("EF-MOVED", Mark::Path { points: vec![DVec2::ZERO, DVec2::X], closed: false }),
+    ];
+    let options = ReadOptions::default();
+    let added = patch(file, bytes, &options, &[], &own).ok()?;
+    let after = read(file, &added, &options, &mut Report::default());
+    assert!(after.is_ok(), "with additions it cannot be read: {after:?}");
+    Some(added)
+}
