@@ -214,7 +214,7 @@ impl<'a> Axial<'a> {
         let handles = self.corners(chain)?;
         let nodes = self.nodes(&handles)?;
         let stretch = self.stretch(&nodes, direction, &oblique)?;
-        let free = self.free_way(chain, &nodes)?;
+        let free = self.free_way(chain, &nodes, &oblique)?;
         let lo = stretch[0].max(free[0]).max(joint[0]).max(-PARTITION_SLIDE_M);
         let hi = stretch[1].min(free[1]).min(joint[1]).min(PARTITION_SLIDE_M);
         let (lo, hi) = ((lo.min(0.0) * 1e2).ceil() / 1e2, (hi.max(0.0) * 1e2).floor() / 1e2);
@@ -432,9 +432,13 @@ impl<'a> Axial<'a> {
         (0..last).map(move |c| (c, n))
     }
 
-    /// How far a chain may slide until something stands too near. `None` where a piece that stays lies in
+    /// How far a chain may slide until something stands too near; walls at another angle that it slides along are
+    /// no hindrance. `None` where a piece that stays lies in
     /// the wall.
-    fn free_way(&self, chain: &Chain, nodes: &[u32]) -> Option<[f64; 2]> {
+    fn free_way(&self, chain: &Chain, nodes: &[u32], oblique: &BTreeSet<FaceRef>) -> Option<[f64; 2]> {
+        let node = |h: Handle| self.graph.control_nodes[h.0 as usize][h.1 as usize];
+        let ends = |f: &FaceRef| face_handles(self.plan, *f).into_iter().map(node).collect();
+        let joined: BTreeSet<Vec<u32>> = oblique.iter().map(ends).collect();
         let (own, inset) = (chain.thickness / 2.0, chain.thickness / 2.0 + BESIDE_M);
         let (from, to) = (chain.from + inset, chain.to - inset);
         let mut way = [f64::MIN, f64::MAX];
@@ -443,7 +447,8 @@ impl<'a> Axial<'a> {
         let corners = corners.map(|(x, y)| chain.world(x, y));
         let [lo, hi] = box_of(corners.into_iter())?;
         for p in self.neighbours.near(lo, hi).into_iter().map(|i| &self.pieces[i as usize]) {
-            if p.nodes.iter().any(|n| nodes.binary_search(n).is_ok()) {
+            let is_own = p.nodes.iter().any(|n| nodes.binary_search(n).is_ok());
+            if is_own || joined.contains(&p.nodes[..]) {
                 continue;
             }
             let Some([lo, hi]) = clipped(chain.local(p.a), chain.local(p.b), from, to) else { continue };
