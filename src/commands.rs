@@ -310,9 +310,15 @@ fn round(
     })
 }
 
+fn options_of(result: &RoundResult) -> String {
+    match result.candidates.len() {
+        1 => "1 option".into(),
+        n => format!("{n} options"),
+    }
+}
+
 fn output_of(outcome: &Outcome<RoundResult>) -> JobOutput {
-    let n = outcome.result.candidates.len();
-    let options = if n == 1 { "1 option".to_string() } else { format!("{n} options") };
+    let options = options_of(&outcome.result);
     let summary = match outcome.result.candidates.first() {
         Some(first) => format!("{options}; the first: {}", first.words),
         None => format!("{options}; {}", outcome.result.stopped_by),
@@ -329,11 +335,11 @@ fn summary(result: &RoundResult, folder: &Path) {
         say("the best layout found is too like the options to be one of them: `accept FILE 0` takes it");
     }
     say(&format!(
-        "{} layouts measured in {:.1} s: {}; {} options",
+        "{} layouts measured in {:.1} s: {}; {}",
         result.evaluations,
         result.seconds,
         result.stopped_by,
-        result.candidates.len()
+        options_of(result)
     ));
     say(&format!("compare them: {}", folder.join("report.html").display()));
 }
@@ -433,7 +439,7 @@ fn open(file: &Path) -> Result<(String, Vec<u8>), Error> {
         let place = Place::file(shown.clone());
         match e.kind() {
             std::io::ErrorKind::NotFound => {
-                Error::usage("not-found", place, "no such file; nothing was done")
+                Error::input("no-such-file", place, "there is no such file; nothing was done")
             }
             _ => Error::environment("unreadable", place, format!("{e}; nothing was done")),
         }
@@ -485,13 +491,17 @@ fn settings_partial(drawing: &Path, command_line: Partial) -> Result<Partial, Er
 }
 
 fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
+    use std::io::ErrorKind;
+    let place = || Place::file(file.to_string_lossy());
     match std::fs::read_to_string(file) {
         Ok(text) => Partial::from_toml(&file.to_string_lossy(), &text).map(Some),
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(e) => {
-            let place = Place::file(file.to_string_lossy());
-            Err(Error::environment("settings-unreadable", place, format!("{e}; nothing was done")))
+        // Beside a drawing with the longest of names no side-car can lie.
+        Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::InvalidFilename) => Ok(None),
+        Err(e) if e.kind() == ErrorKind::InvalidData => {
+            let text = "found letters that are not UTF-8, expected text saved as UTF-8; nothing was done";
+            Err(Error::usage("settings-unreadable", place(), text))
         }
+        Err(e) => Err(Error::environment("settings-unreadable", place(), format!("{e}; nothing was done"))),
     }
 }
 

@@ -82,6 +82,30 @@ pub struct Layout {
     pub walls: Vec<MovedWall>,
 }
 
+/// Whether a node lies inside `EF-KEEP`.
+fn is_kept(plan: &Plan, graph: &Graph, node: u32) -> bool {
+    let at = plan.frame.um_from_plan(graph.nodes[node as usize]);
+    plan.markers.keep.iter().any(|r| r.contains(at))
+}
+
+/// Says which nodes of a marked group stay because `EF-KEEP` holds them.
+fn say_kept(plan: &Plan, graph: &Graph, group: &Group, nodes: &[u32], report: &mut Report) {
+    let kept = nodes.iter().filter(|n| is_kept(plan, graph, **n)).count();
+    let place = || place_in(&plan.file, &group.source);
+    if kept > 0 && kept == nodes.len() {
+        let text =
+            format!("group {:?}: all its wall ends lie inside EF-KEEP; nothing moves here", group.name);
+        report.warn("move-kept", place(), text);
+    } else if kept > 0 {
+        let text = format!(
+            "group {:?}: {kept} of its {} wall ends lie inside EF-KEEP and stay",
+            group.name,
+            nodes.len()
+        );
+        report.info("move-kept", place(), text);
+    }
+}
+
 impl Moves {
     /// Takes the groups that the user marked; what cannot move is reported.
     pub fn from_markers(plan: &Plan, graph: &Graph, axes: &AxisGraph, report: &mut Report) -> Self {
@@ -94,6 +118,7 @@ impl Moves {
                 let text = "encloses no wall end, junction or column; nothing moves here";
                 report.warn("move-empty", place_in(&plan.file, &group.source), text);
             }
+            say_kept(plan, graph, group, &nodes, report);
             groups.push((group.clone(), nodes));
         }
         Self::new(plan, graph, axes, &groups, report)
@@ -252,12 +277,6 @@ type Placed = (BTreeMap<u32, Vec<DVec2>>, Vec<[DVec2; 2]>, BTreeMap<u32, RigidMo
 
 /// Most parameters of one group whose bounds are tried in every combination.
 const CORNER_PARAMETERS_MAX: usize = 6;
-
-/// Whether a node lies in a region that the user keeps.
-fn is_kept(plan: &Plan, graph: &Graph, node: u32) -> bool {
-    let at = plan.frame.um_from_plan(graph.nodes[node as usize]);
-    plan.markers.keep.iter().any(|r| r.contains(at))
-}
 
 /// The groups that hold anything that can move, each with its place in the list.
 fn held(

@@ -171,28 +171,34 @@ pub(super) fn job_child(drawing: &Path) -> Result<u8, Error> {
 pub(super) fn status(args: &StatusArgs) -> Result<u8, Error> {
     let here = [PathBuf::from(".")];
     let folders = if args.folders.is_empty() { &here[..] } else { &args.folders };
+    if let Some(missing) = folders.iter().find(|f| !f.is_dir()) {
+        let text = "found no folder there, expected one that is or was watched; nothing was done";
+        return Err(Error::usage("no-folder", Place::file(missing.to_string_lossy()), text));
+    }
     let found = daemon::status(folders);
     if args.json {
         print(&to_json(&found)?);
         return Ok(0);
     }
     for root in &found {
-        let runs = if root["is_running"] == true { "watched" } else { "not watched now" };
+        let is_running = root["is_running"] == true;
+        let runs = if is_running { "watched" } else { "not watched now" };
         say(&format!("{}: {runs}", root["root"].as_str().unwrap_or("?")));
-        status_lines(&root["status"]).iter().for_each(|line| say(&format!("  {line}")));
+        status_lines(&root["status"], is_running).iter().for_each(|line| say(&format!("  {line}")));
     }
     Ok(0)
 }
 
 /// The daemon's overview in words: what it works on, what waits, what it waits for and why, what failed.
-fn status_lines(status: &Value) -> Vec<String> {
+fn status_lines(status: &Value, is_running: bool) -> Vec<String> {
     let text = |v: &Value| v.as_str().unwrap_or("?").to_owned();
     let list = |key: &str| status[key].as_array().cloned().unwrap_or_default();
     let mut out = Vec::new();
     for root in list("roots").iter().filter(|r| r["is_offline"] == true) {
         out.push(format!("{}: out of reach; waiting for it", text(&root["root"])));
     }
-    out.extend(status["running"].as_str().map(|d| format!("{d}: running")));
+    let running = if is_running { "running" } else { "was running when watching ended; begun again with it" };
+    out.extend(status["running"].as_str().map(|d| format!("{d}: {running}")));
     out.extend(list("waiting").iter().map(|d| format!("{}: waiting", text(d))));
     for entry in list("failed") {
         let (drawing, problem) = (text(&entry["drawing"]), &entry["problem"]);
@@ -234,7 +240,11 @@ mod tests {
             "/w/#e.dxf: left alone: a lock",
             "done since 2026-01-01T00:00:00Z: 7",
         ];
-        assert_eq!(status_lines(&status), want);
-        assert!(status_lines(&Value::Null).is_empty());
+        assert_eq!(status_lines(&status, true), want);
+        assert_eq!(
+            status_lines(&status, false)[1],
+            "/w/a.dxf: was running when watching ended; begun again with it"
+        );
+        assert!(status_lines(&Value::Null, false).is_empty());
     }
 }

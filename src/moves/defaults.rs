@@ -79,7 +79,7 @@ pub fn groups(
     let axial = Axial::new(plan, graph, axes, interior, (&pieces, &neighbours));
     let mut doors = axial.doors();
     let taken: BTreeSet<u32> = doors.iter().flat_map(|d| d.nodes.clone()).collect();
-    let simple = simple_doors(plan, graph, interior, &pieces, &neighbours);
+    let simple = simple_doors(plan, graph, axes, interior, (&pieces, &neighbours));
     doors.extend(simple.into_iter().filter(|d| d.nodes.iter().all(|n| !taken.contains(n))));
     let sliding = axial.partitions();
     let named = |list: Vec<Sliding>, word: &str| -> Vec<(Group, Vec<u32>)> {
@@ -350,34 +350,54 @@ struct End {
     behind_m: f64,
 }
 
-/// Gaps between two wall ends that face each other, whatever the walls are drawn as.
+/// Faces of thick walls: one of them alone is no wall.
+fn faces(axes: &AxisGraph) -> BTreeSet<u32> {
+    let thick = axes.edges.iter().filter(|e| e.thickness_m > 0.0);
+    thick.flat_map(|e| e.left.iter().chain(&e.right).chain(&e.inner)).map(|f| f.0).collect()
+}
+
+/// Whether another end stands beside this one and looks the same way: two faces of one wall, drawn apart.
+fn has_twin(e: &End, ends: &[End]) -> bool {
+    ends.iter().any(|o| {
+        let to = o.at - e.at;
+        e.out.dot(o.out) > 0.99
+            && (TOUCH_M..=WALL_THICKNESS_MAX_M).contains(&to.perp_dot(e.out).abs())
+            && to.dot(e.out).abs() < WALL_THICKNESS_MAX_M
+    })
+}
+
+/// Gaps between two wall ends that face each other, whatever the walls are drawn as. The gap in one face of
+/// a thick wall is none: the other face would stay.
 fn simple_doors(
     plan: &Plan,
     graph: &Graph,
+    axes: &AxisGraph,
     interior: &Interior,
-    pieces: &[Piece],
-    neighbours: &Neighbours,
+    (pieces, neighbours): (&[Piece], &Neighbours),
 ) -> Vec<Sliding> {
-    let is_free_to_stretch = |e: &End| {
-        let walls = e.nodes.iter().flat_map(|n| &graph.handles[*n as usize]).map(|h| h.0);
-        walls.into_iter().all(|w| plan.walls[w as usize].editable == Editable::Free)
+    let faces = faces(axes);
+    let all = ends(plan, graph, pieces);
+    let is_whole = |e: &End| {
+        let walls = || e.nodes.iter().flat_map(|n| &graph.handles[*n as usize]).map(|h| h.0);
+        let is_face = e.nodes.len() == 1 && (walls().any(|w| faces.contains(&w)) || has_twin(e, &all));
+        !is_face && walls().all(|w| plan.walls[w as usize].editable == Editable::Free)
     };
-    let ends: Vec<End> = ends(plan, graph, pieces).into_iter().filter(is_free_to_stretch).collect();
+    let ends: Vec<&End> = all.iter().filter(|e| is_whole(e)).collect();
     let mut found: Vec<Sliding> = Vec::new();
     for (i, e) in ends.iter().enumerate() {
-        let facing = |f: &&End| {
+        let facing = |(_, f): &(usize, &&End)| {
             let to = f.at - e.at;
             let along = to.dot(e.out);
             (DOOR_WIDTH_M[0]..=DOOR_WIDTH_M[1]).contains(&along)
                 && to.perp_dot(e.out).abs() < TOUCH_M
                 && e.out.dot(f.out) < -0.99
         };
-        let Some(f) =
-            ends.iter().filter(facing).min_by(|a, b| a.at.distance(e.at).total_cmp(&b.at.distance(e.at)))
+        let nearest = ends.iter().enumerate().filter(facing);
+        let Some((j, f)) =
+            nearest.min_by(|(_, a), (_, b)| a.at.distance(e.at).total_cmp(&b.at.distance(e.at)))
         else {
             continue;
         };
-        let j = ends.iter().position(|x| std::ptr::eq(x, f)).unwrap_or(0);
         let middle = e.at.midpoint(f.at);
         let is_inside = [-1.0, 1.0].iter().all(|s| {
             let side = (middle + e.out.perp() * (*s * 0.8)) * plan.human_scale;

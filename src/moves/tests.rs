@@ -1,5 +1,7 @@
 //! Parameters move what they say, where they say, and nothing else.
 
+use std::collections::BTreeSet;
+
 use glam::DVec2;
 
 use super::defaults::{self, PARAMETERS_MAX, PIECES_MAX, SHIFT_M, SLIDE_M, WALL_THICKNESS_MAX_M};
@@ -165,6 +167,51 @@ fn what_cannot_be_written_back_stays_with_its_reason() {
     assert!(moves.parameters.is_empty());
     let said: String = report.problems.iter().map(|p| format!("{p}\n")).collect();
     assert!(said.contains("an arc moves only as a whole") && said.contains("it is a spline"), "{said}");
+}
+
+#[test]
+fn a_group_inside_what_is_kept_is_told() {
+    let mut d = drawing("m", 1.0);
+    d.room(20.0, 10.0);
+    d.line(5.0, 4.0, 5.0, 6.0);
+    d.line(10.0, 4.0, 10.0, 6.0);
+    d.ring("EF-KEEP", &[[4.0, 3.0], [6.0, 3.0], [6.0, 7.0], [4.0, 7.0]]);
+    d.ring("EF-KEEP", &[[9.0, 5.0], [11.0, 5.0], [11.0, 7.0], [9.0, 7.0]]);
+    d.group([4.5, 3.5], [5.5, 6.5], "x -1 1; name held");
+    d.group([9.5, 3.5], [10.5, 6.5], "x -1 1; name half");
+    let (_, _, moves, report) = marked(&d);
+    assert_eq!(moves.parameters.iter().map(|p| p.group_name.as_str()).collect::<Vec<_>>(), ["half"]);
+    let said: String = report.problems.iter().map(|p| format!("{p}\n")).collect();
+    assert!(
+        said.contains("group \"held\": all its wall ends lie inside EF-KEEP; nothing moves here"),
+        "{said}"
+    );
+    assert!(said.contains("group \"half\": 1 of its 2 wall ends lie inside EF-KEEP and stay"), "{said}");
+}
+
+#[test]
+fn the_gap_in_one_face_of_a_thick_wall_is_no_door() {
+    // Two faces with a gap; then the same with the second face unbroken.
+    for second in [&[[0.0, 9.0], [10.0, 20.0]][..], &[[0.0, 20.0]][..]] {
+        let mut d = drawing("m", 1.0);
+        d.room(20.0, 10.0);
+        for [from, to] in [[0.0, 9.0], [10.0, 20.0]] {
+            d.line(from, 5.0, to, 5.0);
+        }
+        for [from, to] in second {
+            d.line(*from, 5.2, *to, 5.2);
+        }
+        let (_, _, moves) = by_default(&d);
+        let doors: BTreeSet<usize> = (0..moves.parameters.len())
+            .filter(|p| moves.parameters[*p].group_name.starts_with("door"))
+            .map(|p| moves.parameters[p].group)
+            .collect();
+        for group in &doors {
+            let walls: BTreeSet<u32> = moves.groups[*group].handles.iter().map(|h| h.0).collect();
+            assert_eq!(walls.len(), 4, "both faces on both sides: {walls:?}");
+        }
+        assert!(doors.len() <= 1, "{doors:?}");
+    }
 }
 
 #[test]

@@ -47,7 +47,10 @@ pub fn accept(
     };
     let Some((parameters, mean)) = chosen else {
         let n = result.candidates.len();
-        let text = format!("round {round} has {n} candidates, found number {number}; nothing was written");
+        let text = match number {
+            0 => format!("round {round} found no layout better than the present one; nothing was written"),
+            _ => format!("round {round} has {n} candidates, found number {number}; nothing was written"),
+        };
         return Err(Error::usage("candidate", place(), text));
     };
     if input.sha256() != result.input.sha256 {

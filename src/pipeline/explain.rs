@@ -91,3 +91,66 @@ fn parts(
     out.truncate(TOLD);
     out
 }
+
+/// What is smaller, as a share of the present value, nobody would call a gain.
+pub const LEAST_GAIN: f64 = 0.005;
+
+/// For every objective but the penalty what is gained over the present layout, as a share of its value there;
+/// a score, which is 0 there, as it is.
+fn relative_gains<'a>(objectives: &'a [Objective], values: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+    let aims = objectives.iter().zip(values).filter(|(o, _)| o.name != "penalty");
+    aims.map(|(o, v)| {
+        let gain = if o.sense == Sense::Max { v - o.initial } else { o.initial - v };
+        if o.initial == 0.0 { gain } else { gain / o.initial.abs() }
+    })
+}
+
+/// Sum of the gains over the present layout: the order in which options are shown.
+pub fn total_gain(objectives: &[Objective], values: &[f64]) -> f64 {
+    relative_gains(objectives, values).sum()
+}
+
+/// Whether a layout is worth showing: it gains something in an objective, and, unless the user's own
+/// thresholds decide (`is_firm`), not less than it loses in the others.
+pub fn is_better(objectives: &[Objective], values: &[f64], is_firm: bool) -> bool {
+    let gains_somewhere = relative_gains(objectives, values).any(|g| g >= LEAST_GAIN);
+    let has_aims = objectives.iter().any(|o| o.name != "penalty");
+    !has_aims || gains_somewhere && (is_firm || total_gain(objectives, values) > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layout_is_better_by_what_it_gains() {
+        let of = |name: &str, sense, initial| Objective {
+            name: name.into(),
+            sense,
+            threshold: 0.7,
+            initial,
+            best: initial,
+            limit: initial,
+        };
+        let three =
+            [of("penalty", Sense::Min, 0.0), of("degree", Sense::Max, 400.0), of("depth", Sense::Min, 2.0)];
+        for (degree, depth, better, firm) in [
+            (440.0, 2.0, true, true),
+            (400.0, 1.9, true, true),
+            // Gains 10 % and loses 20 %: only who set the thresholds may want it.
+            (440.0, 2.4, false, true),
+            // As drawn, or nearly.
+            (400.0, 2.0, false, false),
+            (401.0, 2.001, false, false),
+            (380.0, 2.1, false, false),
+        ] {
+            let values = [1e9, degree, depth];
+            assert_eq!(is_better(&three, &values, false), better, "{values:?}");
+            assert_eq!(is_better(&three, &values, true), firm, "{values:?}");
+        }
+        let score = [of("score", Sense::Max, 0.0)];
+        assert!(is_better(&score, &[0.3], false) && !is_better(&score, &[-0.1], true));
+        assert!(is_better(&three[..1], &[5.0], false), "nothing but a penalty: nothing to judge by");
+        assert!(total_gain(&three, &[0.0, 440.0, 1.9]) > total_gain(&three, &[0.0, 440.0, 2.0]));
+    }
+}

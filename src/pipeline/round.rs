@@ -1,6 +1,7 @@
 //! One round: search, verify, write.
 
 mod files;
+mod told;
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -18,7 +19,7 @@ use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
 use crate::moves::control::Control;
 use crate::overlay::Series;
-use crate::overlay::measure::{plain_name, sentence_case};
+use crate::overlay::measure::plain_name;
 use crate::overlay::result::{
     self, Best, Candidate, Diversity, ElementRef, Explanation, LineageEntry, MoveEntry, Numbers, Objective,
     RoundResult, Sense as ShownSense,
@@ -96,21 +97,12 @@ fn round(
     for m in &made {
         report.extend(m.report.clone());
     }
-    if let Some(why) = found.and_then(|f| f.no_option.clone()) {
-        report.warn("no-option", Place::file(input.file()), why);
-    } else if let Some(alike) = found.map(|f| f.alike).filter(|a| *a > 0) {
-        report.info("options-left-out", Place::file(input.file()), left_out_words(study, made.len(), alike));
-    } else if found.is_some() && settings.mode == Mode::Diverse && made.len() < settings.members {
-        let text = format!(
-            "{} options wanted, {} found inside all thresholds; more --evaluations, wider bounds or lower thresholds find more",
-            settings.members,
-            made.len()
-        );
-        report.warn("few-options", Place::file(input.file()), text);
+    if let Some(found) = found {
+        told::say_options(&mut report, input.file(), study, settings, (found, made.len()));
     }
     let wanted = settings.distance * (study.base.moves.parameters.len() as f64).sqrt();
-    let share = found.map_or(1.0, |f| f.threshold_share);
-    say_alikeness(&mut report, input.file(), share, distances(study, &made).min_distance, wanted);
+    let share = found.filter(|_| !made.is_empty()).map_or(1.0, |f| f.threshold_share);
+    told::say_alikeness(&mut report, input.file(), share, distances(study, &made).min_distance, wanted);
     let result = round_result(input, settings, study, &report, found, &made, started);
     let mut files = files::pictures(input, settings, study, &made)?;
     files.extend(files::drawings(input, settings, study, &made, &result)?);
@@ -125,53 +117,6 @@ fn round(
     Ok(Outcome { result, files, report })
 }
 
-/// Groups that may move up to which they are told by name.
-const GROUPS_TOLD: usize = 3;
-
-/// Why there are fewer options than wanted, and how to get more.
-fn left_out_words(study: &Study, made: usize, alike: usize) -> String {
-    let mut names: Vec<String> = vec![];
-    for p in &study.base.moves.parameters {
-        let name = sentence_case(&p.group_name);
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    let why = match names.as_slice() {
-        [only] => format!("only {only} may move, and not far without falling below the thresholds"),
-        few if few.len() <= GROUPS_TOLD => {
-            format!("only {} may move, and not far without falling below the thresholds", few.join(", "))
-        }
-        many => format!("the {} groups that may move have little room inside the thresholds", many.len()),
-    };
-    let options = if made == 1 { "1 option" } else { &format!("{made} options") };
-    format!(
-        "{options} instead of {}: the others were almost the same as a better one, because {why}; EF-MOVE boxes round \
-         more walls, or wider bounds in them, make room for options that differ",
-        made + alike
-    )
-}
-
-/// Says where the options are more alike than wanted, and what was done about it.
-fn say_alikeness(report: &mut Report, file: &str, share: f64, nearest: Option<f64>, wanted: f64) {
-    let place = Place::file(file);
-    if share < 1.0 {
-        let text = format!(
-            "inside the thresholds the options were too alike; all thresholds were lowered to {:.0} % of what was \
-             asked; --thresholds firm keeps them",
-            share * 100.0
-        );
-        report.info("thresholds-lowered", place.clone(), text);
-    }
-    if let Some(nearest) = nearest.filter(|d| *d < wanted) {
-        let text = format!(
-            "the two options most alike stand {nearest:.3} apart, {wanted:.3} was wanted: the thresholds of the objectives leave \
-             little room together; lower thresholds, fewer objectives or --objective \"score max 0.7\" give more different options"
-        );
-        report.info("options-alike", place, text);
-    }
-}
-
 /// What a search found, in our terms.
 pub(super) struct Found {
     pub(super) members: Vec<search::Member>,
@@ -179,8 +124,10 @@ pub(super) struct Found {
     explanations: Vec<Explanation>,
     /// Members left out because they were almost the same as a better one.
     alike: usize,
+    /// Members left out because they were no better than the present layout.
+    unworthy: usize,
     best: Option<Best>,
-    /// Why no layout keeps the hard limits, where none does.
+    /// Why there is no option, where there is none.
     no_option: Option<String>,
     pub(super) objectives: Vec<Objective>,
     /// What is left of the thresholds stated.
@@ -326,7 +273,16 @@ fn found(
     for m in &mut members {
         m.parameters = whole(&m.parameters);
     }
+    let unworthy = keep_better(&mut members, &shown, settings);
+    let is_unmet = outcome.best.violation > 0.0;
     let no_option = members.is_empty().then(|| {
+        if !is_unmet {
+            stopped_by.push_str("; none is better than the present layout");
+            return format!(
+                "none of the {} layouts measured is better than the present one",
+                outcome.evaluations
+            );
+        }
         let nearest = study.measure(&whole(&outcome.best.parameters), &mut study.bench());
         let missed = rules::missed_words(study, settings, &nearest);
         let text = format!(
@@ -336,7 +292,8 @@ fn found(
         stopped_by.push_str("; no layout keeps every hard limit");
         text
     });
-    let best = (outcome.best.violation == 0.0).then(|| {
+    let is_best_better = explain::is_better(&shown, &outcome.best.values, is_firm(settings));
+    let best = (!is_unmet && is_best_better).then(|| {
         let parameters = whole(&outcome.best.parameters);
         let worth = study.measure(&parameters, &mut study.bench());
         Best {
@@ -351,6 +308,7 @@ fn found(
         explanations: explanations(study, settings, control, objectives, &shown, &members),
         best,
         alike: outcome.alike,
+        unworthy,
         no_option,
         objectives: shown,
         threshold_share: outcome.threshold_share,
@@ -360,6 +318,27 @@ fn found(
         archive: outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values.clone()).collect(),
         members,
     }
+}
+
+/// Whether the user's own thresholds decide what is good: they are held, or the method is the paper's.
+fn is_firm(settings: &Settings) -> bool {
+    settings.thresholds == Thresholds::Firm || settings.method == Method::Paper
+}
+
+/// Leaves out the members that are no better than the present layout, and says how many; the best of the others
+/// come first, after those that were pinned.
+fn keep_better(members: &mut Vec<search::Member>, objectives: &[Objective], settings: &Settings) -> usize {
+    let pinned = if settings.mode == Mode::Best { 0 } else { settings.pinned.len().min(members.len()) };
+    let mut free = members.split_off(pinned);
+    let found = free.len();
+    if settings.method == Method::Default {
+        free.retain(|m| explain::is_better(objectives, &m.values, is_firm(settings)));
+        let gain = |m: &search::Member| explain::total_gain(objectives, &m.values);
+        free.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+    }
+    let left_out = found - free.len();
+    members.append(&mut free);
+    left_out
 }
 
 fn explanations(
@@ -636,7 +615,7 @@ fn state_left_behind(base: &Understood, layout: &Layout, report: &mut Report) {
             let text = format!(
                 "is part of a door or window whose wall moves in an option, but {why}; it stays as drawn"
             );
-            report.info("opening-stays", place_in(&base.plan.file, &fitting.source), text);
+            report.info(told::OPENING_STAYS, place_in(&base.plan.file, &fitting.source), text);
         }
     }
 }
@@ -705,7 +684,7 @@ fn candidate(
             &told(study, initial),
             &told(study, &mean),
             explanation,
-        ),
+        ) + &told::stays_words(&made.report),
         explanation: explanation.clone(),
         mean,
         penalty: show::penalty_numbers(&made.worth),

@@ -1,6 +1,7 @@
 //! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
 
 mod card;
+mod carrying;
 mod seen;
 mod written;
 
@@ -87,6 +88,10 @@ pub fn read_options(settings: &Settings) -> formats::ReadOptions {
 /// What [`formats::read`] and [`understand`] return; [`Error::Usage`] for settings that do not fit the drawing.
 pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) -> Result<Understood, Error> {
     let drawing = formats::read(file, bytes, &read_options(settings), report)?;
+    if let Some(storey) = settings.storey.as_ref().filter(|_| drawing.format == Format::Dxf) {
+        let text = format!("storey {storey:?} was asked for, but a DXF knows no storeys; all of it is read");
+        report.warn("storey-unused", Place::file(file), text);
+    }
     understood(&drawing, settings, report)
 }
 
@@ -120,7 +125,8 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
     let interior = if needs_interior { Interior::new(&all, &closings, plan.human_scale) } else { None };
     let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
-    let known = Known { plan: &plan, graph: &graph, axes: &axes, interior: interior.as_ref() };
+    let known =
+        Known { plan: &plan, graph: &graph, axes: &axes, interior: interior.as_ref(), fittings: &fittings };
     let moves = moves(drawing, &known, settings, report)?;
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
@@ -133,6 +139,7 @@ struct Known<'a> {
     graph: &'a Graph,
     axes: &'a AxisGraph,
     interior: Option<&'a Interior>,
+    fittings: &'a [Fitting],
 }
 
 /// What closes doors, windows and passages: for finding out what lies inside, not for sight.
@@ -210,7 +217,7 @@ fn moves(
     settings: &Settings,
     report: &mut Report,
 ) -> Result<Moves, Error> {
-    let Known { plan, graph, axes, interior } = *known;
+    let Known { plan, graph, axes, interior, fittings } = *known;
     if !settings.moves.is_empty() {
         let groups = side_car_groups(drawing, plan, graph, &settings.moves, report)?;
         return Ok(Moves::new(plan, graph, axes, &groups, report));
@@ -230,6 +237,7 @@ fn moves(
     match interior {
         Some(interior) if !settings.ignore_move_markers => {
             let groups = defaults::groups(plan, graph, axes, interior, report);
+            let groups = carrying::whole_moves(plan, graph, axes, fittings, groups, report);
             Ok(Moves::new(plan, graph, axes, &groups, report))
         }
         _ => Ok(Moves::default()),

@@ -211,6 +211,7 @@ pub(super) fn choose_view(
     if drawing.format != Format::Dxf {
         // A storey is one plan, however many buildings stand on it.
         views.truncate(1);
+        say_unused_view(drawing, &views, options, report);
         return Ok((chosen.walls.clone(), views));
     }
     if options.picked.is_some() {
@@ -218,6 +219,7 @@ pub(super) fn choose_view(
     }
     let takes_all = options.view.as_deref().is_some_and(|v| v.trim().eq_ignore_ascii_case("all"));
     if views.len() < 2 {
+        say_unused_view(drawing, &views, options, report);
         let far = strays(&walls, metres_per_unit);
         let is_near = |i: &usize| takes_all || of_wall[*i] != STRAY && !far[*i];
         let near: Vec<usize> = (0..walls.len()).filter(is_near).map(|i| chosen.walls[i]).collect();
@@ -271,6 +273,16 @@ fn marks(drawing: &Drawing) -> Vec<DVec2> {
 }
 
 /// Number of the view of this number or name: the whole name, else a part of it.
+/// Says that a view was asked for where there is but one plan, unless it is that one.
+fn say_unused_view(drawing: &Drawing, views: &[View], options: &PlanOptions, report: &mut Report) {
+    let Some(word) = options.view.as_deref().map(str::trim) else { return };
+    let is_it = word == "1" || word.eq_ignore_ascii_case("all") || find(views, word).is_some();
+    if !is_it {
+        let text = format!("view {word:?} was asked for, but this is one drawing alone; it is read");
+        report.warn("view-unused", Place::file(&drawing.file), text);
+    }
+}
+
 fn find(views: &[View], word: &str) -> Option<usize> {
     if let Ok(number) = word.parse::<usize>() {
         return views.iter().find(|v| v.number == number).map(|v| v.number);

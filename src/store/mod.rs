@@ -543,7 +543,8 @@ pub struct Revision {
 }
 
 /// Writes an accepted candidate beside its drawing: `plan-r02.dxf`, `-r03`, … whichever is free, or has these
-/// bytes already: what was accepted before is not written twice.
+/// bytes already: what was accepted before is not written twice. A name is free when nothing of that name lies
+/// there, whatever its extension: `plan-r02.ifc` and a side-car `plan-r02.enfilade.toml` are somebody else's.
 ///
 /// # Errors
 /// As [`write_new`].
@@ -553,19 +554,30 @@ pub fn write_revision(disk: &dyn Disk, drawing: &Path, bytes: &[u8]) -> Result<R
     for number in first.. {
         let mut name = base.clone();
         name.push(format!("-r{number:02}."));
+        let stem = name.clone();
         name.push(extension);
         let path = drawing.with_file_name(name);
+        if fs::read(&path).is_ok_and(|there| there == bytes) {
+            return Ok(Revision { path, is_new: false });
+        }
+        if is_taken(&path, &stem) {
+            continue;
+        }
         match write_new(disk, &path, bytes) {
             Ok(()) => return Ok(Revision { path, is_new: true }),
-            Err(error) if error.problem().is_some_and(|p| p.code == "file-exists") => {
-                if fs::read(&path).is_ok_and(|there| there == bytes) {
-                    return Ok(Revision { path, is_new: false });
-                }
-            }
+            Err(error) if error.problem().is_some_and(|p| p.code == "file-exists") => {}
             Err(error) => return Err(error),
         }
     }
     Err(Error::environment("no-free-name", shown(drawing), "has too many revisions"))
+}
+
+/// Whether a file begins with these letters (`plan-r02.`, in any case) where a new one would lie.
+fn is_taken(path: &Path, stem: &OsStr) -> bool {
+    let stem = stem.to_string_lossy().to_lowercase();
+    let entries = path.parent().and_then(|folder| fs::read_dir(folder).ok());
+    let mut names = entries.into_iter().flatten().flatten().map(|e| e.file_name());
+    names.any(|n| n.to_string_lossy().to_lowercase().starts_with(&stem))
 }
 
 /// The name without its revision, and the number of the next: `plan` 2, `plan-r02` → `plan` 3.

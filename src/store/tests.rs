@@ -483,6 +483,11 @@ fn revisions_take_the_next_free_name() {
     assert_eq!(write("plan-r04.dxf", b"one"), new("plan-r05.dxf"));
     assert_eq!(write("a-r1.dxf", b"one"), new("a-r1-r02.dxf"));
     assert_eq!(write("-r02.dxf", b"one"), new("-r02-r02.dxf"));
+    // A building of the same name and settings that somebody wrote keep theirs.
+    assert_eq!(write("plan.ifc", b"house"), new("plan-r06.ifc"));
+    assert_eq!(write("plan.ifc", b"house"), ("plan-r06.ifc".into(), false));
+    fs::write(dir.path().join("plan-r07.enfilade.toml"), b"# mine").unwrap();
+    assert_eq!(write("plan.dxf", b"three"), new("plan-r08.dxf"));
     assert_eq!(fs::read(dir.path().join("plan-r03.dxf")).unwrap(), b"mine");
     assert!(!has_temporary(dir.path()));
 }

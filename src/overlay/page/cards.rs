@@ -4,7 +4,7 @@ use super::super::html::Html;
 use super::super::measure::{number, percent_change, plain_name};
 use super::super::result::{Candidate, Sense};
 use super::super::words::explained;
-use super::{Fitted, View, names, option_name, wanted};
+use super::{Fitted, View, is_by_score, names, option_name, wanted};
 
 /// The switches of the page: which measure is shown, which option is compared. They stand before
 /// everything they switch, so that style rules alone can react; their labels stand where they are used.
@@ -162,7 +162,7 @@ fn measures(html: &mut Html, input: &Fitted<'_>, candidate: Option<&Candidate>) 
         }
         html.raw("</dd></div>\n");
     }
-    if let Some(score) = candidate.and_then(|c| c.score) {
+    if let Some(score) = candidate.and_then(|c| c.score).filter(|_| is_by_score(result)) {
         html.raw("<div><dt>Score</dt><dd>").text(&number(score)).raw("</dd></div>\n");
     }
     html.raw("</dl>\n");

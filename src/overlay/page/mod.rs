@@ -161,7 +161,7 @@ fn lead(result: &RoundResult) -> String {
     let Some(best) = result.candidates.first() else {
         if !result.moves.is_empty() {
             return format!(
-                "The present layout was measured; no other layout was found ({}).",
+                "The present layout was measured; no better layout was found ({}).",
                 result.stopped_by
             );
         }
@@ -173,14 +173,16 @@ fn lead(result: &RoundResult) -> String {
     let count = result.candidates.len();
     let kept = result.candidates.iter().filter(|c| c.within_threshold).count();
     let gains = super::words::gains(&result.initial.mean, &best.mean);
+    let is_lowered = result.problems.iter().any(|p| p.code == "thresholds-lowered");
+    let lowered = if is_lowered { ", which were lowered so that the options differ" } else { "" };
     let all = match (kept, count) {
         (_, 1) => String::new(),
-        (k, n) if k == n => " All of them keep within the thresholds.".to_owned(),
-        (k, n) => format!(" {k} of {n} keep within the thresholds."),
+        (k, n) if k == n => format!(" All of them keep within the thresholds{lowered}."),
+        (k, n) => format!(" {k} of {n} keep within the thresholds{lowered}."),
     };
     let options =
         if count == 1 { "One other layout".to_owned() } else { format!("{} other layouts", spelled(count)) };
-    format!("{options} for this plan. Option 1 gains most: {gains}.{all}")
+    format!("{options} for this plan. Option 1 gains most in all: {gains}.{all}")
 }
 
 fn spelled(count: usize) -> String {
@@ -199,6 +201,11 @@ pub(super) fn wanted(result: &RoundResult, key: &str) -> Option<Sense> {
         Some(w) if w < 0.0 => Some(Sense::Min),
         _ => usual_sense(super::measure::parts(key).0),
     }
+}
+
+/// Whether the options were judged by their score: else it is a number on another scale, of penalties most of all.
+fn is_by_score(result: &RoundResult) -> bool {
+    result.objectives.iter().any(|o| o.name == "score")
 }
 
 /// Weight of a measure in the score, where the settings list one (`score: [[name, weight], …]`).

@@ -5,7 +5,7 @@ use super::super::measure::{is_told, number, plain_name, tick_labels, ticks};
 use super::super::palette::{hex, option_style};
 use super::super::result::{Numbers, RoundResult};
 use super::cards::delta;
-use super::{ArchivePoint, Fitted, names, option_name, wanted};
+use super::{ArchivePoint, Fitted, is_by_score, names, option_name, wanted};
 
 /// Layouts drawn at most; a larger archive is thinned evenly, candidates stay.
 pub const MAX_ARCHIVE_POINTS: usize = 500;
@@ -309,7 +309,11 @@ fn lineage_table(html: &mut Html, result: &RoundResult, stops: &[Stop<'_>]) {
     for key in &keys {
         html.element("th", &[("scope", "col")], &plain_name(key));
     }
-    html.raw("<th scope=\"col\">Score</th></tr></thead>\n<tbody>\n");
+    let has_score = is_by_score(result);
+    if has_score {
+        html.raw("<th scope=\"col\">Score</th>");
+    }
+    html.raw("</tr></thead>\n<tbody>\n");
     for (i, stop) in stops.iter().enumerate() {
         html.raw("<tr>").element("td", &[], &(i + 1).to_string());
         html.element("th", &[("scope", "row")], &stop.what);
@@ -322,7 +326,10 @@ fn lineage_table(html: &mut Html, result: &RoundResult, stops: &[Stop<'_>]) {
             }
             html.raw("</td>");
         }
-        html.element("td", &[], &stop.score.map_or_else(|| "–".to_owned(), number)).raw("</tr>\n");
+        if has_score {
+            html.element("td", &[], &stop.score.map_or_else(|| "–".to_owned(), number));
+        }
+        html.raw("</tr>\n");
     }
     html.raw("</tbody>\n</table></div>\n");
 }

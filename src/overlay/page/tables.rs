@@ -7,7 +7,7 @@ use super::super::measure::{number, parts, plain_name, sentence_case, short, wor
 use super::super::result::{Candidate, MoveEntry, Objective, ProblemEntry, RoundResult, Sense};
 use super::super::words::{parameter, range};
 use super::cards::delta;
-use super::{ReportInput, names, option_name, wanted};
+use super::{ReportInput, is_by_score, names, option_name, wanted};
 use crate::report::gathered;
 
 /// Moves shown at once; a longer table is folded.
@@ -24,7 +24,7 @@ pub fn numbers(html: &mut Html, result: &RoundResult) {
         .iter()
         .map(|(key, _)| key.as_str())
         .partition(|key| is_ever_set(result, key));
-    let has_score = result.candidates.iter().any(|c| c.score.is_some());
+    let has_score = is_by_score(result);
     for key in means.iter().chain(has_score.then_some(&"score")).chain(&penalties) {
         let (plain, technical) = names(key);
         html.raw("<th scope=\"col\">").text(&plain).raw("<small>").text(&technical).raw("</small><small>");

@@ -1,0 +1,105 @@
+//! What the report says of the options of a round: why there are fewer than wanted, why they are alike.
+
+use super::Found;
+use crate::config::{Mode, Settings};
+use crate::overlay::measure::sentence_case;
+use crate::pipeline::study::Study;
+use crate::report::{Place, Report};
+
+/// Says why there are fewer options than wanted, where there are.
+pub(super) fn say_options(
+    report: &mut Report,
+    file: &str,
+    study: &Study,
+    settings: &Settings,
+    (found, made): (&Found, usize),
+) {
+    let place = || Place::file(file);
+    if let Some(why) = &found.no_option {
+        report.warn("no-option", place(), why.clone());
+        return;
+    }
+    if found.unworthy > 0 {
+        let text = format!(
+            "{} left out: no better than the present layout (less gained in one objective than lost in the others, or \
+             nothing to speak of); more --evaluations or wider bounds find better ones",
+            if found.unworthy == 1 {
+                "1 option was".into()
+            } else {
+                format!("{} options were", found.unworthy)
+            }
+        );
+        report.info("options-no-better", place(), text);
+    }
+    if found.alike > 0 {
+        report.info("options-left-out", place(), left_out_words(study, made, found.alike));
+    } else if found.unworthy == 0 && settings.mode == Mode::Diverse && made < settings.members {
+        let text = format!(
+            "{} options wanted, {made} found inside all thresholds; more --evaluations, wider bounds or lower thresholds find more",
+            settings.members
+        );
+        report.warn("few-options", place(), text);
+    }
+}
+
+/// Groups that may move up to which they are told by name.
+const GROUPS_TOLD: usize = 3;
+
+/// Why there are fewer options than wanted, and how to get more.
+fn left_out_words(study: &Study, made: usize, alike: usize) -> String {
+    let mut names: Vec<String> = vec![];
+    for p in &study.base.moves.parameters {
+        let name = sentence_case(&p.group_name);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let why = match names.as_slice() {
+        [only] => format!("only {only} may move, and not far without falling below the thresholds"),
+        few if few.len() <= GROUPS_TOLD => {
+            format!("only {} may move, and not far without falling below the thresholds", few.join(", "))
+        }
+        many => format!("the {} groups that may move have little room inside the thresholds", many.len()),
+    };
+    let options = if made == 1 { "1 option" } else { &format!("{made} options") };
+    format!(
+        "{options} instead of {}: the others were almost the same as a better one, because {why}; EF-MOVE boxes round \
+         more walls, or wider bounds in them, make room for options that differ",
+        made + alike
+    )
+}
+
+/// Says where the options are more alike than wanted, and what was done about it.
+pub(super) fn say_alikeness(report: &mut Report, file: &str, share: f64, nearest: Option<f64>, wanted: f64) {
+    let place = Place::file(file);
+    if share < 1.0 {
+        let text = format!(
+            "inside the thresholds the options were too alike; all thresholds were lowered to {:.0} % of what was \
+             asked; --thresholds firm keeps them",
+            share * 100.0
+        );
+        report.info("thresholds-lowered", place.clone(), text);
+    }
+    if let Some(nearest) = nearest.filter(|d| *d < wanted) {
+        let text = format!(
+            "the two options most alike stand {nearest:.3} apart, {wanted:.3} was wanted: the thresholds of the objectives leave \
+             little room together; lower thresholds, fewer objectives or --objective \"score max 0.7\" give more different options"
+        );
+        report.info("options-alike", place, text);
+    }
+}
+
+/// What somebody must look at before taking an option: parts of doors and windows that do not go with their wall.
+pub(super) fn stays_words(report: &Report) -> String {
+    match report.problems.iter().filter(|p| p.code == OPENING_STAYS).count() {
+        0 => String::new(),
+        1 => " A part of a door or window does not go with its wall: see to it before you take this option."
+            .into(),
+        n => format!(
+            " {n} parts of doors and windows do not go with their walls: see to them before you take this option."
+        ),
+    }
+}
+
+/// Code of what says that a part of a door or window stays as drawn.
+pub(super) const OPENING_STAYS: &str = "opening-stays";
