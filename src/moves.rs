@@ -1,16 +1,22 @@
 //! The parametrisation (spec 2): which nodes move, how, within what bounds; parameters → layout.
 
 mod axial;
+mod bars;
 pub mod carried;
 pub mod control;
 pub mod defaults;
+mod mitre;
 mod partitions;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
+use bars::Moving;
+use mitre::{Mitre, Refusal};
+
 use crate::plan::Plan;
+use crate::plan::axes::AxisGraph;
 use crate::plan::curve::{self, Trace};
 use crate::plan::drawing::{Editable, Format, RigidMotion, Shape, Vertex};
 use crate::plan::graph::{Graph, Handle};
@@ -50,6 +56,8 @@ pub struct Moves {
     rigid: BTreeSet<u32>,
     /// Control points of the moving walls as drawn, plan frame, metres.
     start: BTreeMap<u32, Vec<DVec2>>,
+    /// The corners of thick walls that follow their faces.
+    mitre: Mitre,
 }
 
 /// A wall after its move.
@@ -100,7 +108,7 @@ fn say_kept(plan: &Plan, graph: &Graph, group: &Group, nodes: &[u32], report: &m
 
 impl Moves {
     /// Takes the groups that the user marked; what cannot move is reported.
-    pub fn from_markers(plan: &Plan, graph: &Graph, report: &mut Report) -> Self {
+    pub fn from_markers(plan: &Plan, graph: &Graph, axes: &AxisGraph, report: &mut Report) -> Self {
         let mut groups = Vec::new();
         for group in &plan.markers.groups {
             let nodes: Vec<u32> = (0..graph.nodes.len() as u32)
@@ -113,20 +121,52 @@ impl Moves {
             say_kept(plan, graph, group, &nodes, report);
             groups.push((group.clone(), nodes));
         }
-        Self::new(plan, graph, &groups, report)
+        Self::new(plan, graph, axes, &groups, report)
     }
 
-    /// Builds the parametrisation from groups of nodes. Nodes inside `EF-KEEP` and walls that cannot be
-    /// written back stay, with a warning.
-    pub fn new(plan: &Plan, graph: &Graph, groups: &[(Group, Vec<u32>)], report: &mut Report) -> Self {
-        let mut out = Self::default();
-        let kept = |n: &u32| is_kept(plan, graph, *n);
-        for (marker, nodes) in groups {
-            let nodes: Vec<u32> = nodes.iter().copied().filter(|n| !kept(n)).collect();
-            let handles = writable_handles(plan, graph, marker, &nodes, report);
-            if handles.is_empty() {
-                continue;
+    /// Builds the parametrisation from groups of nodes. Nodes inside `EF-KEEP`, walls that cannot be
+    /// written back, and groups within whose bounds a joint of thick walls breaks stay, with a warning.
+    pub fn new(
+        plan: &Plan,
+        graph: &Graph,
+        axes: &AxisGraph,
+        groups: &[(Group, Vec<u32>)],
+        report: &mut Report,
+    ) -> Self {
+        let held = held(plan, graph, groups, report);
+        let mut held: Vec<(&Group, NodeGroup)> =
+            held.into_iter().map(|(i, group)| (&groups[i].0, group)).collect();
+        loop {
+            match Self::mitred(plan, graph, axes, &held) {
+                Ok(out) => {
+                    for (w, why) in &out.mitre.stuck {
+                        let place = place_in(&plan.file, &plan.walls[*w as usize].source);
+                        let text = format!("is joined to a wall that turns, but {why}; it stays as drawn");
+                        report.warn("joint-stays", place, text);
+                    }
+                    return out;
+                }
+                Err(refusal) => {
+                    let (marker, _) = held.remove(refusal.group);
+                    let text = format!(
+                        "group {:?} {} within its bounds; the group stays; narrower bounds or another outline let it move",
+                        marker.name, refusal.why
+                    );
+                    report.warn("move-mitre", place_in(&plan.file, &marker.source), text);
+                }
             }
+        }
+    }
+
+    /// The parametrisation of groups, unless a joint breaks within the bounds of one.
+    fn mitred(
+        plan: &Plan,
+        graph: &Graph,
+        axes: &AxisGraph,
+        groups: &[(&Group, NodeGroup)],
+    ) -> Result<Self, Refusal> {
+        let mut out = Self::default();
+        for (marker, nodes) in groups {
             let group = out.groups.len();
             for clause in &marker.clauses {
                 out.parameters.push(Parameter {
@@ -135,16 +175,41 @@ impl Moves {
                     clause: clause.clone(),
                 });
             }
-            out.groups.push(NodeGroup { nodes, handles });
+            out.groups.push(nodes.clone());
         }
-        let walls: BTreeSet<u32> = out.groups.iter().flat_map(|g| g.handles.iter().map(|h| h.0)).collect();
+        let moving = Moving { groups: &out.groups, parameters: &out.parameters };
+        out.mitre = Mitre::new(plan, graph, axes, moving, &|n| is_kept(plan, graph, n))?;
+        let walls: BTreeSet<u32> = out.handles().map(|h| h.0).collect();
         out.rigid = walls.iter().copied().filter(|w| moves_whole(plan, *w)).collect();
         for w in &walls {
             let points = curve::control_points(&plan.walls[*w as usize].shape);
             out.start.insert(*w, points.into_iter().map(|p| plan.frame.plan_from_file(p)).collect());
         }
         out.walls = walls.into_iter().collect();
-        out
+        match (0..out.groups.len()).find_map(|g| out.broken(plan, graph, g)) {
+            Some(refusal) => Err(refusal),
+            None => Ok(out),
+        }
+    }
+
+    /// All control points that can move: those of the groups, and those of joints that follow.
+    pub fn handles(&self) -> impl Iterator<Item = &Handle> {
+        self.groups.iter().flat_map(|g| &g.handles).chain(&self.mitre.followers)
+    }
+
+    /// Whether a joint breaks where all parameters of one group stand at a bound, in any combination.
+    fn broken(&self, plan: &Plan, graph: &Graph, group: usize) -> Option<Refusal> {
+        let own = |i: &usize| self.parameters[*i].group == group;
+        let own: Vec<usize> = (0..self.parameters.len()).filter(own).take(CORNER_PARAMETERS_MAX).collect();
+        (0..1u32 << own.len()).find_map(|bits| {
+            let mut p = self.identity();
+            for (k, i) in own.iter().enumerate() {
+                let clause = &self.parameters[*i].clause;
+                p[*i] = if bits >> k & 1 == 0 { clause.lower } else { clause.upper };
+            }
+            let (at, ends, _) = self.placed(plan, graph, &p);
+            self.mitre.trouble(&self.start, &ends, &at).map(|why| Refusal { group, why })
+        })
     }
 
     /// Bounds of every parameter, in the marker's own unit.
@@ -159,7 +224,14 @@ impl Moves {
 
     /// `G_A(p)`: the layout of one parameter vector. At the identity nothing is changed, to the bit.
     pub fn apply(&self, plan: &Plan, graph: &Graph, p: &[f64]) -> Layout {
+        let (at, _, motions) = self.placed(plan, graph, p);
+        Layout { walls: self.walls.iter().map(|w| moved_wall(plan, *w, &at[w], motions.get(w))).collect() }
+    }
+
+    /// Control points of the moving walls and ends of thick walls (plan frame), and motions of what moves whole.
+    fn placed(&self, plan: &Plan, graph: &Graph, p: &[f64]) -> Placed {
         let mut at = self.start.clone();
+        let mut ends = self.mitre.ends();
         let mut motions: BTreeMap<u32, RigidMotion> = BTreeMap::new();
         let still = RigidMotion { turn_rad: 0.0, shift: DVec2::ZERO };
         for w in &self.rigid {
@@ -171,6 +243,7 @@ impl Moves {
                 continue;
             }
             let step = step_of(parameter, *value, || self.centroid(graph, group, &at), plan);
+            self.mitre.step(&mut ends, parameter.group, |p| step.apply(p));
             for (w, c) in &group.handles {
                 if let Some(points) = at.get_mut(w) {
                     points[*c as usize] = step.apply(points[*c as usize]);
@@ -184,7 +257,8 @@ impl Moves {
                 }
             }
         }
-        Layout { walls: self.walls.iter().map(|w| moved_wall(plan, *w, &at[w], motions.get(w))).collect() }
+        self.mitre.place(&self.start, &ends, &mut at);
+        (at, ends, motions)
     }
 
     /// Mean of the group's nodes where they stand now.
@@ -196,6 +270,30 @@ impl Moves {
         };
         group.nodes.iter().map(position).sum::<DVec2>() / group.nodes.len() as f64
     }
+}
+
+/// Control points by wall, ends of thick walls, motions of walls that move whole.
+type Placed = (BTreeMap<u32, Vec<DVec2>>, Vec<[DVec2; 2]>, BTreeMap<u32, RigidMotion>);
+
+/// Most parameters of one group whose bounds are tried in every combination.
+const CORNER_PARAMETERS_MAX: usize = 6;
+
+/// The groups that hold anything that can move, each with its place in the list.
+fn held(
+    plan: &Plan,
+    graph: &Graph,
+    groups: &[(Group, Vec<u32>)],
+    report: &mut Report,
+) -> Vec<(usize, NodeGroup)> {
+    let mut out = Vec::new();
+    for (i, (marker, nodes)) in groups.iter().enumerate() {
+        let nodes: Vec<u32> = nodes.iter().copied().filter(|n| !is_kept(plan, graph, *n)).collect();
+        let handles = writable_handles(plan, graph, marker, &nodes, report);
+        if !handles.is_empty() {
+            out.push((i, NodeGroup { nodes, handles }));
+        }
+    }
+    out
 }
 
 /// One parameter's effect: `p' = centre + factor·R(turn)(p − centre) + shift`, plan frame.

@@ -4,12 +4,15 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
 
 use std::fmt::Write;
+use std::time::Instant;
 
+use enfilade::config::{Partial, Settings};
 use enfilade::formats::dxf::{ReadOptions, patch, read};
+use enfilade::pipeline::{self, Input};
 use enfilade::plan::axes::AxisGraph;
 use enfilade::plan::drawing::{Edit, Shape};
 use enfilade::plan::{Plan, PlanOptions, structure, understand};
-use enfilade::report::{Error, Report};
+use enfilade::report::{Cancel, Error, Report};
 use glam::DVec2;
 
 /// A drawing of lines `(layer, [x0, y0, x1, y1])`; `header` and `layers` in lines joined by `|`.
@@ -327,4 +330,74 @@ fn pieces_forgotten_on_the_sheet_are_left_out() {
     let said = "stray-walls Info plan.dxf: 1 wall elements lie far from the plan and are left out; --view all takes \
                 them in";
     assert!(problems.contains(&said.to_string()), "{problems:?}");
+}
+
+/// Hazard 32: what hangs on a wall that moves keeps its bytes and is named, once for the whole round; a hatch with
+/// an unknown kind of edge is no trouble.
+#[test]
+fn annotation_of_a_moved_wall_is_named() {
+    let mut lines = room("WALL");
+    lines.push(("WALL", [4.0, 3.0, 4.0, 6.0]));
+    let text = drawing("9|$ACADVER|1|AC1024|9|$INSUNITS|70|6", "", &lines);
+    let annotation = "0|DIMENSION|5|C0|8|DIM|13|4.0|23|3.0|14|0.0|24|3.0\
+        |0|DIMENSION|5|C1|8|DIM|13|0.0|23|0.0|14|9.0|24|0.0\
+        |0|HATCH|5|C2|8|FILL|91|1|92|0|93|1|72|0|10|4.0|20|4.5|97|0|75|0\
+        |0|LEADER|5|C3|8|NOTE|10|4.0|20|6.0|10|7.0|20|7.0\
+        |0|LWPOLYLINE|5|C4|8|EF-MOVE|90|4|70|1|10|3.5|20|2.5|10|4.5|20|2.5|10|4.5|20|6.5|10|3.5|20|6.5\
+        |0|TEXT|5|C5|8|EF-MOVE|10|4.0|20|4.0|40|0.1|1|x -1 1|0|ENDSEC|0|EOF\n";
+    let text = text.replacen("0\nENDSEC\n0\nEOF\n", &annotation.replace('|', "\n"), 1);
+    let partial = Partial { spacing: Some(1.0), evaluations: Some(5), ..Partial::default() };
+    let settings = Settings::new(partial).unwrap();
+    let input = Input::new("plan.dxf", text.as_bytes(), 1);
+    let done = pipeline::run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default()).unwrap();
+    let line = |handle: &str| {
+        let at = text.find(&format!("\n5\n{handle}\n")).unwrap();
+        // The record begins with its 0, two lines above the handle's code.
+        text[..at].lines().count() - 1
+    };
+    let said: Vec<String> = done
+        .report
+        .problems
+        .iter()
+        .filter(|p| p.code == "stale-annotation")
+        .map(ToString::to_string)
+        .collect();
+    let stale = "is tied to a wall that moves in an option; its bytes are kept and may be stale there";
+    let expected = ["DIMENSION C0 layer DIM", "HATCH C2 layer FILL", "LEADER C3 layer NOTE"]
+        .map(|e| format!("plan.dxf:{} {e}: {stale}", line(e.split(' ').nth(1).unwrap())));
+    assert_eq!(said, expected);
+    let written = done.files.iter().find(|f| f.path.ends_with("candidate-1.dxf")).unwrap();
+    let written = String::from_utf8_lossy(&written.bytes).into_owned();
+    for record in annotation.split("|0|").take(4) {
+        let record = record.trim_start_matches("0|").replace('|', "\n");
+        assert!(written.contains(&record), "{record}");
+    }
+}
+
+/// Where only columns are named, the lines from column to column are the walls.
+#[test]
+fn lines_between_columns_are_walls() {
+    let mut lines: Vec<(&str, [f64; 4])> = Vec::new();
+    let posts = [[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [8.0, 6.0], [4.0, 6.0], [0.0, 6.0]];
+    for (i, [x, y]) in posts.into_iter().enumerate() {
+        let (x0, y0, x1, y1) = (x - 0.06, y - 0.06, x + 0.06, y + 0.06);
+        lines.extend(
+            [[x0, y0, x1, y0], [x1, y0, x1, y1], [x1, y1, x0, y1], [x0, y1, x0, y0]].map(|l| ("_0-3_柱", l)),
+        );
+        let [u, v] = posts[(i + 1) % 6];
+        let d = DVec2::new(u - x, v - y).normalize() * 0.06;
+        for s in [-0.04, 0.04] {
+            let o = d.perp().normalize() * s;
+            lines.push(("_0-2_", [x + d.x + o.x, y + d.y + o.y, u - d.x + o.x, v - d.y + o.y]));
+        }
+        lines.push(("_0-1_", [x, y, x + 0.5, y + 1.5]));
+    }
+    let (plan, problems) = plain(&drawing(METRES, "", &lines));
+    let plan = plan.unwrap();
+    assert_eq!(plan.walls.iter().filter(|w| w.source.layer == "_0-2_").count(), 12);
+    assert!(plan.walls.iter().all(|w| w.source.layer != "_0-1_"));
+    let said = "walls-assumed Info plan.dxf: layer \"_0-2_\": only columns are named, and 12 of its lines run from column \
+                to column; taken as walls; --wall-layer overrides it";
+    assert!(problems.contains(&said.to_string()), "{problems:?}");
+    assert!(problems.iter().all(|p| !p.starts_with("columns-only")), "{problems:?}");
 }

@@ -10,8 +10,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::defaults::{DOOR_WIDTH_M, Neighbours, Piece, SLIDE_M, SLIDE_MIN_M};
+use super::mitre::CROSSING_MIN_RAD;
 use super::partitions::PARTITION_SLIDE_M;
-use crate::plan::axes::{AxisGraph, Edge, NodeKind, OpeningKind};
+use crate::plan::axes::{AxisGraph, Edge, FaceRef, NodeKind, OpeningKind};
 use crate::plan::curve::control_points;
 use crate::plan::drawing::{Editable, Shape};
 use crate::plan::fittings::jambs_of;
@@ -158,7 +159,7 @@ impl<'a> Axial<'a> {
         let is_inside =
             [-1.0, 1.0].iter().all(|s| self.is_inside(opening.centre + along.perp() * (*s * 0.8)));
         let nodes = self.nodes(&handles)?;
-        let [lo, hi] = self.stretch(&nodes, along)?;
+        let [lo, hi] = self.stretch(&nodes, along, &BTreeSet::new())?;
         let behind = |e: &Edge| self.length(e) - REST_M - self.joint_half(e);
         let (lo, hi) = (lo.max(-behind(first)).max(-SLIDE_M), hi.min(behind(second)).min(SLIDE_M));
         let way = (hi.min(-lo) * 1e3).floor() / 1e3;
@@ -208,11 +209,12 @@ impl<'a> Axial<'a> {
             return None;
         }
         let direction = chain.along.perp();
-        let joint = self.joint_way(chain)?;
+        let mut oblique = BTreeSet::new();
+        let joint = self.joint_way(chain, &mut oblique)?;
         let handles = self.corners(chain)?;
         let nodes = self.nodes(&handles)?;
-        let stretch = self.stretch(&nodes, direction)?;
-        let free = self.free_way(chain, &nodes)?;
+        let stretch = self.stretch(&nodes, direction, &oblique)?;
+        let free = self.free_way(chain, &nodes, &oblique)?;
         let lo = stretch[0].max(free[0]).max(joint[0]).max(-PARTITION_SLIDE_M);
         let hi = stretch[1].min(free[1]).min(joint[1]).min(PARTITION_SLIDE_M);
         let (lo, hi) = ((lo.min(0.0) * 1e2).ceil() / 1e2, (hi.max(0.0) * 1e2).floor() / 1e2);
@@ -297,8 +299,10 @@ impl<'a> Axial<'a> {
     }
 
     /// How far the joints at a chain's nodes let it slide: the walls that it ends at run across it, and the
-    /// next joint on them stays. `None` where a wall leaves it at another angle, or it ends at a column.
-    fn joint_way(&self, chain: &Chain) -> Option<[f64; 2]> {
+    /// next joint on them stays. `None` where a wall leaves it at another angle and does not go straight on
+    /// beyond it, or it ends at a column. The faces of walls at another angle are added to `oblique`: the
+    /// joint is mitred anew.
+    fn joint_way(&self, chain: &Chain, oblique: &mut BTreeSet<FaceRef>) -> Option<[f64; 2]> {
         let mut way = [f64::MIN, f64::MAX];
         let nodes: BTreeSet<u32> =
             chain.edges.iter().flat_map(|e| self.axes.edges[*e as usize].nodes).collect();
@@ -314,7 +318,11 @@ impl<'a> Axial<'a> {
                 let is_across =
                     e.bulge == 0.0 && to.normalize_or_zero().dot(chain.along).abs() < PARALLEL_SIN;
                 if !is_across {
-                    return None;
+                    let sin = to.normalize_or_zero().perp_dot(chain.along).abs();
+                    if e.bulge != 0.0 || sin < CROSSING_MIN_RAD.sin() || !self.goes_on(n, e) {
+                        return None;
+                    }
+                    oblique.extend(e.left.iter().chain(&e.right));
                 }
                 is_held = true;
                 let rest = REST_M + chain.thickness / 2.0 + self.joint_half(e);
@@ -322,6 +330,15 @@ impl<'a> Axial<'a> {
             }
         }
         is_held.then_some(way)
+    }
+
+    /// Whether a wall goes straight on beyond a node: a drawn face of it belongs to both its parts.
+    fn goes_on(&self, node: u32, edge: &Edge) -> bool {
+        let shares = |f: &Edge| {
+            let mut faces = f.left.iter().chain(&f.right);
+            !std::ptr::eq(f, edge) && faces.any(|f| edge.left.contains(f) || edge.right.contains(f))
+        };
+        self.around(node).any(|(_, f)| shares(f))
     }
 
     /// The corners that move with a chain. `None` where one of its faces runs on beyond it.
@@ -371,8 +388,8 @@ impl<'a> Axial<'a> {
     }
 
     /// How far nodes may shift in a direction until a stretched piece grows too short, metres of a person.
-    /// `None` where a piece would turn.
-    fn stretch(&self, nodes: &[u32], direction: DVec2) -> Option<[f64; 2]> {
+    /// `None` where a piece would turn that is none of the `oblique` ones, which keep their line.
+    fn stretch(&self, nodes: &[u32], direction: DVec2, oblique: &BTreeSet<FaceRef>) -> Option<[f64; 2]> {
         let mut way = [f64::MIN, f64::MAX];
         for w in self.walls_at(nodes) {
             let shape = &self.plan.walls[w as usize].shape;
@@ -386,7 +403,8 @@ impl<'a> Axial<'a> {
                     matches!(shape, Shape::Polyline { vertices, .. } if vertices[c as usize].bulge != 0.0);
                 let [at, to] = ends.map(|c| handle_at(self.plan, (w, c)));
                 let d = if moves[0] { to - at } else { at - to };
-                if is_round || d.normalize_or_zero().perp_dot(direction).abs() > PARALLEL_SIN {
+                let turns = d.normalize_or_zero().perp_dot(direction).abs() > PARALLEL_SIN;
+                if is_round || turns && !oblique.contains(&(w, c)) {
                     return None;
                 }
                 let y = d.dot(direction);
@@ -414,9 +432,13 @@ impl<'a> Axial<'a> {
         (0..last).map(move |c| (c, n))
     }
 
-    /// How far a chain may slide until something stands too near. `None` where a piece that stays lies in
+    /// How far a chain may slide until something stands too near; walls at another angle that it slides along are
+    /// no hindrance. `None` where a piece that stays lies in
     /// the wall.
-    fn free_way(&self, chain: &Chain, nodes: &[u32]) -> Option<[f64; 2]> {
+    fn free_way(&self, chain: &Chain, nodes: &[u32], oblique: &BTreeSet<FaceRef>) -> Option<[f64; 2]> {
+        let node = |h: Handle| self.graph.control_nodes[h.0 as usize][h.1 as usize];
+        let ends = |f: &FaceRef| face_handles(self.plan, *f).into_iter().map(node).collect();
+        let joined: BTreeSet<Vec<u32>> = oblique.iter().map(ends).collect();
         let (own, inset) = (chain.thickness / 2.0, chain.thickness / 2.0 + BESIDE_M);
         let (from, to) = (chain.from + inset, chain.to - inset);
         let mut way = [f64::MIN, f64::MAX];
@@ -425,7 +447,8 @@ impl<'a> Axial<'a> {
         let corners = corners.map(|(x, y)| chain.world(x, y));
         let [lo, hi] = box_of(corners.into_iter())?;
         for p in self.neighbours.near(lo, hi).into_iter().map(|i| &self.pieces[i as usize]) {
-            if p.nodes.iter().any(|n| nodes.binary_search(n).is_ok()) {
+            let is_own = p.nodes.iter().any(|n| nodes.binary_search(n).is_ok());
+            if is_own || joined.contains(&p.nodes[..]) {
                 continue;
             }
             let Some([lo, hi]) = clipped(chain.local(p.a), chain.local(p.b), from, to) else { continue };

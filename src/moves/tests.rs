@@ -68,7 +68,8 @@ fn marked(drawing: &Drawing) -> (Plan, Graph, Moves, Report) {
     let mut report = Report::default();
     let plan = understand(drawing, &PlanOptions::default(), &mut report).unwrap();
     let graph = Graph::new(&plan);
-    let moves = Moves::from_markers(&plan, &graph, &mut report);
+    let (axes, _) = structure::axes(&plan, drawing);
+    let moves = Moves::from_markers(&plan, &graph, &axes, &mut report);
     (plan, graph, moves, report)
 }
 
@@ -80,7 +81,7 @@ fn by_default(drawing: &Drawing) -> (Plan, Graph, Moves) {
     let interior = Interior::new(&walls, &[], plan.human_scale).unwrap();
     let (axes, _) = structure::axes(&plan, drawing);
     let groups = defaults::groups(&plan, &graph, &axes, &interior, &mut report);
-    let moves = Moves::new(&plan, &graph, &groups, &mut report);
+    let moves = Moves::new(&plan, &graph, &axes, &groups, &mut report);
     (plan, graph, moves)
 }
 
@@ -305,4 +306,30 @@ fn default_moves_are_few() {
         d.line(50.0, 50.0, 50.0 + i as f64 * 1e-4, 51.0);
     }
     assert!(by_default(&d).2.parameters.is_empty(), "too many pieces to look at pairwise");
+}
+
+/// A partition between walls of which one runs askew slides along both, and stays as thick as it is.
+#[test]
+fn a_partition_slides_along_a_wall_that_runs_askew() {
+    let mut d = drawing("m", 1.0);
+    let corners = [[0.0, 0.0], [12.0, 0.0], [12.0, 9.0], [0.0, 6.0]];
+    d.ring("WALLS", &corners);
+    d.ring("WALLS", &[[0.2, 0.2], [11.8, 0.2], [11.8, 8.743_844_71], [0.2, 5.843_844_71]]);
+    let north = |x: f64| 5.843_844_71 + (x - 0.2) * 0.25;
+    for x in [5.95, 6.05] {
+        d.line(x, 0.2, x, north(x));
+    }
+    let (plan, graph, moves) = by_default(&d);
+    let slide = moves.parameters.iter().position(|p| p.group_name.starts_with("wall"));
+    let slide = slide.expect("it slides");
+    assert!(matches!(moves.parameters[slide].clause.kind, crate::plan::markers::Kind::X));
+    let mut p = moves.identity();
+    p[slide] = 0.5;
+    let layout = moves.apply(&plan, &graph, &p);
+    for (wall, x) in [(2, 6.45), (3, 6.55)] {
+        let moved = layout.walls.iter().find(|w| w.wall == wall).unwrap();
+        let Shape::Line { a, b } = moved.shape else { panic!("{:?}", moved.shape) };
+        assert!(a.distance(DVec2::new(x, 0.2)) < 2e-6, "{a}");
+        assert!(b.distance(DVec2::new(x, north(x))) < 2e-6, "{b}, expected {}", north(x));
+    }
 }

@@ -82,7 +82,7 @@ pub fn picture(base: &Understood) -> PlanPicture {
 /// A wall that stays or moves with all its corners is one stroke; of others each piece is one.
 fn wall_strokes(base: &Understood, w: usize) -> Vec<Stroke> {
     let wall = &base.plan.walls[w];
-    let moves = |c: u32| base.moves.groups.iter().any(|g| g.handles.binary_search(&(w as u32, c)).is_ok());
+    let moves = |c: u32| base.moves.handles().any(|h| *h == (w as u32, c));
     let corners = base.graph.control_nodes[w].len() as u32;
     let is_moving = base.moves.walls.binary_search(&(w as u32)).is_ok();
     let moving = if is_moving { (0..corners).filter(|c| moves(*c)).count() as u32 } else { 0 };

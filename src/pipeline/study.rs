@@ -220,14 +220,14 @@ fn moves(
     let Known { plan, graph, axes, interior, fittings } = *known;
     if !settings.moves.is_empty() {
         let groups = side_car_groups(drawing, plan, graph, &settings.moves, report)?;
-        return Ok(Moves::new(plan, graph, &groups, report));
+        return Ok(Moves::new(plan, graph, axes, &groups, report));
     }
     if !drawing.marked.is_empty() && !settings.ignore_move_markers {
         let groups = side_car_groups(drawing, plan, graph, &building::marked_moves(drawing), report)?;
-        return Ok(Moves::new(plan, graph, &groups, report));
+        return Ok(Moves::new(plan, graph, axes, &groups, report));
     }
     if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
-        return Ok(Moves::from_markers(plan, graph, report));
+        return Ok(Moves::from_markers(plan, graph, axes, report));
     }
     if settings.only_marked {
         let text = "nothing is marked to move, and only what is marked may: the present layout is measured";
@@ -237,8 +237,8 @@ fn moves(
     match interior {
         Some(interior) if !settings.ignore_move_markers => {
             let groups = defaults::groups(plan, graph, axes, interior, report);
-            let groups = carrying::whole_moves(plan, graph, fittings, groups, report);
-            Ok(Moves::new(plan, graph, &groups, report))
+            let groups = carrying::whole_moves(plan, graph, axes, fittings, groups, report);
+            Ok(Moves::new(plan, graph, axes, &groups, report))
         }
         _ => Ok(Moves::default()),
     }
@@ -658,10 +658,8 @@ fn near(centre_um: PointUm, spacing_um: i64, plan: &Plan) -> PointUm {
 /// For every moving wall and control point: whether the piece that starts there moves.
 fn piece_moves(base: &Understood) -> Vec<Vec<bool>> {
     let mut moving = vec![BTreeSet::new(); base.plan.walls.len()];
-    for group in &base.moves.groups {
-        for (w, c) in &group.handles {
-            moving[*w as usize].insert(*c);
-        }
+    for (w, c) in base.moves.handles() {
+        moving[*w as usize].insert(*c);
     }
     let of_wall = |w: &u32| {
         let (n, set) = (base.graph.control_nodes[*w as usize].len() as u32, &moving[*w as usize]);
@@ -696,8 +694,7 @@ const CLOSED_REACH_M: f64 = 0.1;
 /// What stops sight although nothing is drawn, where no moving wall ends: a gap beside a moving wall is
 /// no slip any more once it moves.
 fn closed_that_stay(base: &Understood) -> Vec<Segment> {
-    let handles = base.moves.groups.iter().flat_map(|g| &g.handles);
-    let ends: Vec<DVec2> = handles.map(|h| structure::handle_at(&base.plan, *h)).collect();
+    let ends: Vec<DVec2> = base.moves.handles().map(|h| structure::handle_at(&base.plan, *h)).collect();
     let at = |p: PointUm| base.plan.frame.plan_from_um(p) / base.plan.human_scale;
     let stays =
         |s: &&Segment| [s.a, s.b].iter().all(|p| ends.iter().all(|e| e.distance(at(*p)) > CLOSED_REACH_M));

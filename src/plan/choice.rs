@@ -22,13 +22,14 @@ pub(super) struct Chosen {
 }
 
 /// Layers that are off or frozen.
-struct Hidden<'a> {
+pub(super) struct Hidden<'a> {
     frozen: BTreeSet<&'a str>,
     off: BTreeSet<&'a str>,
 }
 
 impl<'a> Hidden<'a> {
-    fn new(drawing: &'a Drawing) -> Self {
+    /// By the drawing's table.
+    pub fn new(drawing: &'a Drawing) -> Self {
         let names = |pick: fn(&super::drawing::Layer) -> bool| {
             drawing.layers.iter().filter(|l| pick(l)).map(|l| l.name.as_str()).collect()
         };
@@ -41,7 +42,7 @@ impl<'a> Hidden<'a> {
 
     /// As a CAD program shows it: off hides the entity's own layer; a frozen layer hides what is on it
     /// and every block inserted on it.
-    fn entity(&self, e: &Entity) -> bool {
+    pub fn entity(&self, e: &Entity) -> bool {
         self.layer(&e.layer) || self.frozen.contains(e.source.layer.as_str())
     }
 }

@@ -31,6 +31,7 @@ pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usiz
     // What one INSERT shows together with walls moves with them already.
     let walls: BTreeSet<usize> = plan.walls.iter().map(|w| w.source.record).collect();
     let mut out: BTreeMap<usize, Fitting> = BTreeMap::new();
+    let mut whole: BTreeSet<usize> = BTreeSet::new();
     for opening in &axes.openings {
         let jambs = jambs_of(plan, axes, opening);
         if jambs.iter().all(Vec::is_empty) {
@@ -38,10 +39,11 @@ pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usiz
         }
         for mark in &opening.marks {
             let entity = marked[*mark as usize];
-            if walls.contains(&drawing.entities[entity].source.record) {
+            let record = drawing.entities[entity].source.record;
+            let of_block = by_record.get(&record);
+            if walls.contains(&record) || of_block.is_some() && !whole.insert(record) {
                 continue;
             }
-            let of_block = by_record.get(&drawing.entities[entity].source.record);
             let together = of_block.map_or_else(|| vec![entity], Clone::clone);
             for i in together {
                 let e = &drawing.entities[i];

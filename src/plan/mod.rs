@@ -12,6 +12,7 @@ pub mod fittings;
 pub mod frame;
 pub mod geometry;
 pub mod graph;
+mod infill;
 pub mod interior;
 pub mod layers;
 pub mod markers;
@@ -161,13 +162,14 @@ pub struct PlanOptions {
 /// [`Error::Input`] when no layer carries walls (the message lists the layers there are);
 /// [`Error::Usage`] for a layer pattern that cannot be read, or a view that is not there.
 pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report) -> Result<Plan, Error> {
-    let chosen = choice::choose_walls(drawing, options, report)?;
+    let mut chosen = choice::choose_walls(drawing, options, report)?;
     let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
     let Some(extent) = extent_of(&walls) else {
         return Err(no_walls(drawing, &chosen.layers));
     };
     let unit = units::choose(drawing, options.unit, &walls, (extent[1] - extent[0]).max_element());
     let (mut picked, views) = choice::choose_view(drawing, options, &chosen, unit.unit.metres, report)?;
+    infill::take(drawing, options, &mut chosen, &mut picked, unit.unit.metres, report);
     let is_our_choice = options.picked.is_none() && options.wall_layers.is_empty();
     if is_our_choice && drawing.format == drawing::Format::Dxf {
         clutter::leave_out_stairs_and_paving(drawing, &mut picked, unit.unit.metres, report);

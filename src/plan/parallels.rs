@@ -88,7 +88,13 @@ pub fn pieces<'a>(entities: impl Iterator<Item = &'a Entity>) -> Vec<Piece> {
 ///
 /// `least`: distances up to this are the same line drawn twice.
 pub fn nearest_parallels(pieces: &[Piece], least: f64) -> Vec<Option<f64>> {
-    let mut out = vec![None; pieces.len()];
+    parallels(pieces, least, 1).into_iter().map(|d| d.into_iter().reduce(f64::min)).collect()
+}
+
+/// For each piece the distances to the first `count` parallel pieces on either side of it, drawing units;
+/// those of one line drawn in parts count once.
+pub fn parallels(pieces: &[Piece], least: f64, count: usize) -> Vec<Vec<f64>> {
+    let mut out = vec![Vec::new(); pieces.len()];
     let Some(origin) = pieces.first().map(|p| p.a) else { return out };
     let mut bins: BTreeMap<i64, Vec<Strip>> = BTreeMap::new();
     let turns = (std::f64::consts::PI / DIRECTION_STEP_RAD).round() as i64;
@@ -107,11 +113,9 @@ pub fn nearest_parallels(pieces: &[Piece], least: f64) -> Vec<Option<f64>> {
     for strips in bins.values_mut() {
         strips.sort_by(|x, y| x.offset.total_cmp(&y.offset).then(x.index.cmp(&y.index)));
         for (k, strip) in strips.iter().enumerate() {
-            let is_beside = |other: &&Strip| strip.is_beside(other, least);
-            let after = strips[k + 1..].iter().take(LOOK_MAX).find(is_beside);
-            let before = strips[..k].iter().rev().take(LOOK_MAX).find(is_beside);
-            let distances = [after, before].into_iter().flatten().map(|o| (o.offset - strip.offset).abs());
-            out[strip.index] = distances.reduce(f64::min);
+            let distances = &mut out[strip.index];
+            strip.look(strips[k + 1..].iter().take(LOOK_MAX), least, count, distances);
+            strip.look(strips[..k].iter().rev().take(LOOK_MAX), least, count, distances);
         }
     }
     out
@@ -125,6 +129,23 @@ struct Strip {
 }
 
 impl Strip {
+    /// Adds the distances to the first `count` lines beside this one.
+    fn look<'s>(&self, others: impl Iterator<Item = &'s Self>, least: f64, count: usize, out: &mut Vec<f64>) {
+        let mut last = 0.0;
+        let mut found = 0;
+        for other in others {
+            let distance = (other.offset - self.offset).abs();
+            if distance > last + least && self.is_beside(other, least) {
+                out.push(distance);
+                last = distance;
+                found += 1;
+                if found == count {
+                    return;
+                }
+            }
+        }
+    }
+
     fn is_beside(&self, other: &Self, least: f64) -> bool {
         let distance = (other.offset - self.offset).abs();
         let overlap = self.to.min(other.to) - self.from.max(other.from);

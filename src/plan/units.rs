@@ -7,13 +7,21 @@ use glam::DVec2;
 use super::curve::{bulge_arc, sweep_rad};
 use super::drawing::{Drawing, Entity, Shape, Unit};
 use super::frame::{SMALL_PLAN_M, UNITS, UnitChoice, human_scale, two_digits};
-use super::parallels::{Piece, nearest_parallels, pieces};
+use super::parallels::{Piece, parallels, pieces};
 
 /// Widths of door leaves, metres.
 const LEAF_M: [f64; 2] = [0.55, 1.25];
 
 /// Thicknesses of walls, metres: a board to old masonry.
 const THICK_M: [f64; 2] = [0.06, 0.65];
+
+/// Thicknesses of plaster and boards, metres: their lines lie inside a wall's faces, and behind them the core is
+/// these many times as thick.
+const FINISH_M: [f64; 2] = [0.006, 0.05];
+const CORE_TIMES: [f64; 2] = [2.5, 20.0];
+
+/// How many lines to either side of a face are looked at: a finish, the core, the other finish.
+const LINES_OF_WALL: usize = 3;
 
 /// Sizes of buildings that are believed, metres, and those that are likely.
 const SIZE_M: [f64; 2] = [2.5, 2_000.0];
@@ -23,9 +31,13 @@ const LIKELY_SIZE_M: [f64; 2] = [4.0, 400.0];
 /// neighbouring units fits most buildings.
 const USUAL_SIZE_M: [f64; 2] = [8.0, 400.0];
 
-/// Swings that make doors a witness, and those that decide against a declared unit.
+/// Swings that make doors a witness, and those that decide against a declared unit. One that fills a gap between
+/// two wall ends does both.
 const SWINGS_MIN: usize = 2;
 const SWINGS_SURE: usize = 4;
+
+/// How near a swing's hinge and latch are to ends of walls, as a share of the leaf.
+const HUNG_SLACK: f64 = 0.35;
 
 /// Paired pieces, and their share of all length, that make wall thickness a witness.
 const PAIRS_MIN: usize = 8;
@@ -55,8 +67,13 @@ const FOR: f64 = 0.5;
 pub struct Witnesses {
     /// Radii of door swings that have a leaf.
     pub leaves: Vec<f64>,
+    /// Whether one of them fills a gap between ends of walls.
+    pub is_hung: bool,
     /// Distances of wall faces with the length they are seen along.
     pub thicknesses: Vec<(f64, f64)>,
+    /// For each of them the distances to the next lines beyond the nearest, of which one may be the wall's
+    /// other face.
+    pub beyond: Vec<Vec<f64>>,
     /// Share of the walls' length that has a second face.
     pub paired_share: f64,
     /// Longer side of the walls.
@@ -67,25 +84,54 @@ impl Witnesses {
     /// Looks at the walls, and at the whole drawing for door swings.
     pub fn new(drawing: &Drawing, walls: &[&Entity], extent: f64) -> Self {
         let found = pieces(walls.iter().copied());
-        let distances = nearest_parallels(&found, extent * 1e-6);
+        let distances = parallels(&found, extent * 1e-6, LINES_OF_WALL);
         let total: f64 = found.iter().map(Piece::length).sum();
-        // A face is longer than its wall is thick.
-        let seen = found.iter().zip(distances).filter_map(|(p, d)| Some((d?, p.length())));
-        let thicknesses: Vec<(f64, f64)> = seen.filter(|(d, length)| length > d).collect();
+        let (mut thicknesses, mut beyond) = (Vec::new(), Vec::new());
+        for (piece, mut lines) in found.iter().zip(distances) {
+            lines.sort_by(f64::total_cmp);
+            // A face is longer than its wall is thick.
+            if let Some(nearest) = lines.first().filter(|d| piece.length() > **d) {
+                thicknesses.push((*nearest, piece.length()));
+                beyond.push(lines[1..].to_vec());
+            }
+        }
         let paired: f64 = thicknesses.iter().map(|t| t.1).sum();
         let paired_share = if total > 0.0 { paired / total } else { 0.0 };
-        Self { leaves: swings(drawing), thicknesses, paired_share, extent }
+        let swings = swings(drawing);
+        // Where there are many, each need not be looked at.
+        let is_hung = swings.len() < SWINGS_SURE && swings.iter().any(|s| s.is_hung(&found));
+        let leaves = swings.iter().map(|s| s.radius).collect();
+        Self { leaves, is_hung, thicknesses, beyond, paired_share, extent }
     }
 
     fn doors(&self, unit: Unit) -> Option<f64> {
         let fit = self.leaves.iter().filter(|r| is_in(**r * unit.metres, LEAF_M)).count();
-        (self.leaves.len() >= SWINGS_MIN).then(|| fit as f64 / self.leaves.len() as f64)
+        let speaks = self.is_hung || self.leaves.len() >= SWINGS_MIN;
+        speaks.then(|| fit as f64 / self.leaves.len() as f64)
+    }
+
+    /// Whether doors alone can decide.
+    fn has_sure_doors(&self) -> bool {
+        self.is_hung || self.leaves.len() >= SWINGS_SURE
+    }
+
+    /// Whether the lines beside a face are those of a wall: its other face, or finish and then the other face.
+    fn is_wall(&self, face: usize, unit: Unit) -> bool {
+        let nearest = self.thicknesses[face].0;
+        let is_core = |d: &f64| {
+            is_in(d / nearest, CORE_TIMES)
+                && is_in(d * unit.metres, THICK_M)
+                && *d <= THICK_SHARE_MAX * self.extent
+        };
+        let has_finish = is_in(nearest * unit.metres, FINISH_M);
+        is_in(nearest * unit.metres, THICK_M)
+            || has_finish && self.beyond.get(face).is_some_and(|lines| lines.iter().any(is_core))
     }
 
     fn walls(&self, unit: Unit) -> Option<f64> {
         let total: f64 = self.thicknesses.iter().map(|t| t.1).sum();
-        let fit: f64 =
-            self.thicknesses.iter().filter(|t| is_in(t.0 * unit.metres, THICK_M)).map(|t| t.1).sum();
+        let walls = (0..self.thicknesses.len()).filter(|i| self.is_wall(*i, unit));
+        let fit: f64 = walls.map(|i| self.thicknesses[i].1).sum();
         let is_thickness = self.middle_thickness().is_some_and(|t| t <= THICK_SHARE_MAX * self.extent);
         let speaks = is_thickness && self.thicknesses.len() >= PAIRS_MIN && self.paired_share >= PAIRS_SHARE;
         speaks.then(|| fit / total)
@@ -243,21 +289,43 @@ fn system(unit: Unit, said: &str) -> Option<bool> {
 /// witnesses against it, or several door leaves of an impossible width; and nothing against the other.
 fn overruled(seen: &Witnesses, declared: Unit, said: &str) -> Option<Unit> {
     let against = seen.supports(declared).iter().filter(|s| **s <= AGAINST).count();
-    let impossible_doors =
-        seen.leaves.len() >= SWINGS_SURE && seen.doors(declared).is_some_and(|s| s <= AGAINST);
+    let impossible_doors = seen.has_sure_doors() && seen.doors(declared).is_some_and(|s| s <= AGAINST);
     if against < 2 && !impossible_doors {
         return None;
     }
     let unit = best(seen, said);
     let supports = seen.supports(unit);
-    let is_sure = supports.len() >= 2 && supports.iter().all(|s| *s >= FOR);
+    let is_agreed = supports.len() >= 2 && supports.iter().all(|s| *s >= FOR);
+    let by_doors = seen.doors(unit).is_some_and(|s| s >= FOR) && seen.size(unit) >= FOR;
+    let is_sure = is_agreed || impossible_doors && by_doors;
     (is_sure && unit.metres != declared.metres).then_some(unit)
 }
 
-/// Radii of arcs that sweep about a quarter turn and have a leaf: a straight piece from the centre to
-/// the arc, as long as the radius.
-fn swings(drawing: &Drawing) -> Vec<f64> {
-    let arcs: Vec<(DVec2, f64)> = drawing.entities.iter().flat_map(arcs_of).collect();
+/// An arc that sweeps about a quarter turn, drawing units.
+struct Swing {
+    centre: DVec2,
+    radius: f64,
+    ends: [DVec2; 2],
+}
+
+impl Swing {
+    fn new(centre: DVec2, radius: f64, from_rad: f64, sweep_rad: f64) -> Self {
+        let ends = [from_rad, from_rad + sweep_rad].map(|t| centre + DVec2::from_angle(t) * radius);
+        Self { centre, radius, ends }
+    }
+
+    /// Whether its leaf fills a gap: its hinge and its latch are at ends of walls.
+    fn is_hung(&self, walls: &[Piece]) -> bool {
+        let slack = HUNG_SLACK * self.radius;
+        let is_end = |p: DVec2| walls.iter().any(|w| w.a.distance(p) < slack || w.b.distance(p) < slack);
+        is_end(self.centre) && self.ends.iter().any(|p| is_end(*p))
+    }
+}
+
+/// Arcs that sweep about a quarter turn and have a leaf: a straight piece from the centre to the arc, as long as
+/// the radius.
+fn swings(drawing: &Drawing) -> Vec<Swing> {
+    let arcs: Vec<Swing> = drawing.entities.iter().flat_map(arcs_of).collect();
     if arcs.is_empty() {
         return Vec::new();
     }
@@ -265,7 +333,7 @@ fn swings(drawing: &Drawing) -> Vec<f64> {
     let step = |length: f64| (length.ln() / 0.05).floor() as i64;
     let mut by_length: BTreeMap<i64, Vec<Piece>> = BTreeMap::new();
     let radii: std::collections::BTreeSet<i64> =
-        arcs.iter().flat_map(|a| (-3..=3).map(|k| step(a.1) + k)).collect();
+        arcs.iter().flat_map(|a| (-3..=3).map(|k| step(a.radius) + k)).collect();
     for piece in pieces(drawing.entities.iter()) {
         let length = piece.length();
         if length > 0.0 && radii.contains(&step(length)) {
@@ -278,18 +346,20 @@ fn swings(drawing: &Drawing) -> Vec<f64> {
         let mut leaves = near.filter(|p| (p.length() - radius).abs() <= slack);
         leaves.any(|p| p.a.distance(centre) <= slack || p.b.distance(centre) <= slack)
     };
-    arcs.into_iter().filter(|(centre, radius)| has_leaf(*centre, *radius)).map(|a| a.1).collect()
+    arcs.into_iter().filter(|s| has_leaf(s.centre, s.radius)).collect()
 }
 
-fn arcs_of(e: &Entity) -> Vec<(DVec2, f64)> {
+fn arcs_of(e: &Entity) -> Vec<Swing> {
     let is_swing = |sweep: f64| is_in(sweep.abs(), SWING_RAD);
     match &e.shape {
         Shape::Arc { centre, radius, start_rad, end_rad } if is_swing(sweep_rad(*start_rad, *end_rad)) => {
-            vec![(*centre, *radius)]
+            vec![Swing::new(*centre, *radius, *start_rad, sweep_rad(*start_rad, *end_rad))]
         }
         Shape::Polyline { vertices, .. } => {
             let arcs = vertices.windows(2).filter_map(|v| bulge_arc(v[0].at, v[1].at, v[0].bulge));
-            arcs.filter(|arc| is_swing(arc.3)).map(|arc| (arc.0, arc.1)).collect()
+            arcs.filter(|arc| is_swing(arc.3))
+                .map(|(c, r, from, sweep)| Swing::new(c, r, from, sweep))
+                .collect()
         }
         _ => Vec::new(),
     }
@@ -311,6 +381,7 @@ mod tests {
             thicknesses: vec![(0.2 * scale, 4.0 * scale); 20],
             paired_share: 0.9,
             extent: 14.0 * scale,
+            ..Witnesses::default()
         }
     }
 

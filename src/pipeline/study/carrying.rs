@@ -3,6 +3,7 @@
 use crate::moves::Moves;
 use crate::moves::carried::{Carried, carried};
 use crate::plan::Plan;
+use crate::plan::axes::AxisGraph;
 use crate::plan::fittings::Fitting;
 use crate::plan::graph::Graph;
 use crate::plan::markers::Group;
@@ -15,12 +16,13 @@ const TOLD: usize = 6;
 pub(super) fn whole_moves(
     plan: &Plan,
     graph: &Graph,
+    axes: &AxisGraph,
     fittings: &[Fitting],
     groups: Vec<(Group, Vec<u32>)>,
     report: &mut Report,
 ) -> Vec<(Group, Vec<u32>)> {
     let leaves_behind = |group: &(Group, Vec<u32>)| {
-        let alone = Moves::new(plan, graph, std::slice::from_ref(group), &mut Report::default());
+        let alone = Moves::new(plan, graph, axes, std::slice::from_ref(group), &mut Report::default());
         let bounds = alone.bounds();
         [0, 1].iter().any(|end| {
             let at: Vec<f64> = bounds.iter().map(|b| b[*end]).collect();
