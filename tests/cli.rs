@@ -307,7 +307,9 @@ fn the_shortest_time_gives_a_layout() {
     assert!(matches!(done.status.code(), Some(0 | 1)), "{}", text(&done.stderr));
     let result = json(&folder.path().join("gallery.enfilade/round-01/result.json"));
     assert!(result["evaluations"].as_u64().unwrap() > 0);
-    assert!(!result["candidates"].as_array().unwrap().is_empty());
+    // So few layouts may hold none that is better than the present one: then that is said.
+    let says_none = result["problems"].as_array().unwrap().iter().any(|p| p["code"] == "no-option");
+    assert_eq!(result["candidates"].as_array().unwrap().is_empty(), says_none);
 }
 
 #[test]

@@ -305,7 +305,7 @@ fn rooms_of_thick_walls_are_parted_by_their_doors() {
 fn passages_stay_as_wide_as_asked() {
     let plan = Plan::default().room([0.0, 0.0, 10.0, 6.0]).wall([6.0, 0.0, 6.0, 4.0]);
     let desk = Desk::new(&plan.moving([4.0, 1.5, 4.0, 6.0], "x -1 1.9; name screen"));
-    let wish = ["--objective", "depth min 0", "--distance", "0.05"];
+    let wish = ["--objective", "degree max 0", "--distance", "0.05"];
     let round = desk.run(1, &[&wish[..], &["--limit", "passage 1.2 m"]].concat());
     let result = json(&round.join("result.json"));
     for c in result["candidates"].as_array().unwrap() {

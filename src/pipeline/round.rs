@@ -277,7 +277,6 @@ fn found(
     let is_unmet = outcome.best.violation > 0.0;
     let no_option = members.is_empty().then(|| {
         if !is_unmet {
-            stopped_by.push_str("; none is better than the present layout");
             return format!(
                 "none of the {} layouts measured is better than the present one",
                 outcome.evaluations
