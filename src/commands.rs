@@ -396,12 +396,13 @@ fn round_result(
     out_dir: Option<PathBuf>,
     round: Option<u32>,
 ) -> Result<(u32, RoundResult), Error> {
-    let home = Home::open(Arc::new(SystemDisk), &absolute(file), &Placing { out_dir, fallback_dir: None })?;
-    let Some(round) = round.or_else(|| home.rounds().last().copied()) else {
-        let place = Place::file(home.folder().to_string_lossy());
+    let placing = Placing { out_dir, fallback_dir: None };
+    let (folder, rounds) = store::finished_rounds(&SystemDisk, &absolute(file), &placing)?;
+    let Some(round) = round.or_else(|| rounds.last().copied()) else {
+        let place = Place::file(folder.to_string_lossy());
         return Err(Error::usage("no-round", place, "no round yet; `enfilade run` makes one"));
     };
-    let at = home.folder().join(round_name(round)).join("result.json");
+    let at = folder.join(round_name(round)).join("result.json");
     let place = || Place::file(at.to_string_lossy());
     let json = std::fs::read(&at).map_err(|e| {
         Error::usage(

@@ -552,3 +552,20 @@ proptest! {
         prop_assert_eq!(patch(&bytes, &[], &[]).unwrap(), bytes);
     }
 }
+
+/// A data section that nobody closed: what is written stands in it all the same.
+#[test]
+fn a_missing_endsec_does_not_lose_what_is_added() {
+    let text = pavilion();
+    let at = text.rfind("ENDSEC;").unwrap();
+    let open = format!("{}{}", &text[..at], &text[at + "ENDSEC;".len()..]);
+    let note = Addition {
+        layer: "EF-NOTE".into(),
+        rgb: [0, 0, 0],
+        mark: Mark::Text { at: DVec2::ZERO, height: 1.0, text: "ours".into() },
+    };
+    let options = ReadOptions::default();
+    let written = formats::patch("house.ifc", open.as_bytes(), &options, &[], &[note]).unwrap();
+    assert!(written.trim_ascii_end().ends_with(b"END-ISO-10303-21;") && written.len() > open.len());
+    assert!(!read_with(&written, &options).0.unwrap().entities.is_empty());
+}

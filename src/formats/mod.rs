@@ -196,6 +196,9 @@ pub fn patch(
     edits: &[Edit],
     additions: &[Addition],
 ) -> Result<Vec<u8>, Error> {
+    // What moves by nothing keeps its bytes, however its numbers are written.
+    let edits: Vec<Edit> = edits.iter().filter(|e| !e.is_still()).cloned().collect();
+    let edits = edits.as_slice();
     match format_of(file, bytes) {
         Format::Dxf => dxf::patch(file, bytes, edits, additions),
         Format::Ifc => ifc::patch(file, bytes, &options.ifc(), edits, additions),

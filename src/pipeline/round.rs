@@ -126,6 +126,8 @@ pub(super) struct Found {
     alike: usize,
     /// Members left out because they were no better than the present layout.
     unworthy: usize,
+    /// Whether what is left is no better either.
+    is_none_better: bool,
     best: Option<Best>,
     /// Why there is no option, where there is none.
     no_option: Option<String>,
@@ -273,7 +275,10 @@ fn found(
     for m in &mut members {
         m.parameters = whole(&m.parameters);
     }
+    members.retain(|m| settings.method == Method::Paper || m.parameters != study.base.moves.identity());
     let unworthy = keep_better(&mut members, &shown, settings);
+    let is_none_better =
+        unworthy > 0 && members.iter().all(|m| !explain::is_better(&shown, &m.values, is_firm(settings)));
     let is_unmet = outcome.best.violation > 0.0;
     let no_option = members.is_empty().then(|| {
         if !is_unmet {
@@ -308,6 +313,7 @@ fn found(
         best,
         alike: outcome.alike,
         unworthy,
+        is_none_better,
         no_option,
         objectives: shown,
         threshold_share: outcome.threshold_share,
@@ -329,15 +335,22 @@ fn is_firm(settings: &Settings) -> bool {
 fn keep_better(members: &mut Vec<search::Member>, objectives: &[Objective], settings: &Settings) -> usize {
     let pinned = if settings.mode == Mode::Best { 0 } else { settings.pinned.len().min(members.len()) };
     let mut free = members.split_off(pinned);
-    let found = free.len();
     if settings.method == Method::Default {
-        free.retain(|m| explain::is_better(objectives, &m.values, is_firm(settings)));
+        let found = free.len();
         let gain = |m: &search::Member| explain::total_gain(objectives, &m.values);
         free.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+        let best = free.first().cloned();
+        free.retain(|m| explain::is_better(objectives, &m.values, is_firm(settings)));
+        let left_out = found - free.len();
+        // Where nothing is better, the best there is shows how little these moves can do.
+        if free.is_empty() && pinned == 0 {
+            free.extend(best);
+        }
+        members.append(&mut free);
+        return left_out;
     }
-    let left_out = found - free.len();
     members.append(&mut free);
-    left_out
+    0
 }
 
 fn explanations(
@@ -461,9 +474,32 @@ fn evaluation(
     let missed: f64 = aims::missed(study, settings, worth).iter().sum();
     Evaluation {
         values: objectives.iter().map(|(aim, _)| value(*aim)).collect(),
-        violation: worth.seen.tally.disconnected as f64 / pairs + missed,
+        violation: worth.seen.tally.disconnected as f64 / pairs
+            + missed
+            + loss(study, settings, objectives, worth),
         at: None,
     }
+}
+
+/// A sum of losses up to this is no reason to look elsewhere: the way to a gain may lead through it.
+const LOSS_FREE: f64 = 0.02;
+
+/// What a layout loses over all objectives against the present one, where it loses more than it gains and the
+/// thresholds are not the user's own: lowered, they would admit it. Where the present layout breaks a limit,
+/// keeping it is worth a loss.
+fn loss(study: &Study, settings: &Settings, objectives: &[(Aim, search::Objective)], worth: &Worth) -> f64 {
+    let is_measure = |aim: &Aim| !matches!(aim.measure, Measure::Score | Measure::Penalty);
+    let aims: Vec<_> = objectives.iter().filter(|(aim, _)| is_measure(aim)).collect();
+    let breaks_limit = || aims::missed(study, settings, &study.initial).iter().any(|m| *m > 0.0);
+    if is_firm(settings) || aims.len() < 2 || breaks_limit() {
+        return 0.0;
+    }
+    let gain = |(aim, o): &&(Aim, search::Objective)| {
+        let (now, then) = (study.value(worth, *aim), study.value(&study.initial, *aim));
+        o.sense.gain(now - then) / study::divisor(then)
+    };
+    let gained: f64 = aims.iter().map(gain).sum();
+    if gained < -LOSS_FREE { -gained - LOSS_FREE } else { 0.0 }
 }
 
 /// A member made real: its layout, its bytes without our layers, and what these are worth.

@@ -224,6 +224,14 @@ pub enum Edit {
     },
 }
 
+impl Edit {
+    /// Whether it moves something by nothing.
+    pub fn is_still(&self) -> bool {
+        let Self::Insert { motion, .. } = self else { return false };
+        motion.turn_rad == 0.0 && motion.shift == DVec2::ZERO
+    }
+}
+
 /// Something of ours to add to a drawing, in drawing units, on a layer of ours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Addition {

@@ -109,7 +109,7 @@ pub(super) struct Step<'a> {
     by_keyword: HashMap<Cow<'a, [u8]>, Vec<u32>>,
     /// First schema name, upper case; empty if none is stated.
     pub schema: String,
-    /// Where `ENDSEC` of the last DATA section starts.
+    /// Where `ENDSEC` of the last DATA section starts, or, where that is missing, what ends the file.
     pub data_end: usize,
     /// Numbers given twice.
     pub duplicates: Vec<u64>,
@@ -223,6 +223,9 @@ impl<'a> Step<'a> {
                         }
                         "DATA" => in_data = true,
                         "END" if scan.bytes[at..end].to_ascii_uppercase().starts_with(b"END-ISO") => {
+                            if in_data {
+                                self.data_end = at;
+                            }
                             return Ok(spans);
                         }
                         _ if in_data => {

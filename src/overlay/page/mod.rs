@@ -170,6 +170,10 @@ fn lead(result: &RoundResult) -> String {
                 “x -1.5 2”, then save."
             .to_owned();
     };
+    if result.problems.iter().any(|p| p.code == "none-better") {
+        return "No layout that was measured is better than the present one; the best of them is shown."
+            .into();
+    }
     let count = result.candidates.len();
     let kept = result.candidates.iter().filter(|c| c.within_threshold).count();
     let gains = super::words::gains(&result.initial.mean, &best.mean);

@@ -6,6 +6,9 @@ use crate::overlay::measure::sentence_case;
 use crate::pipeline::study::Study;
 use crate::report::{Place, Report};
 
+/// Code of what says that no option is better than the present layout.
+pub(super) const NONE_BETTER: &str = "none-better";
+
 /// Says why there are fewer options than wanted, where there are.
 pub(super) fn say_options(
     report: &mut Report,
@@ -17,6 +20,15 @@ pub(super) fn say_options(
     let place = || Place::file(file);
     if let Some(why) = &found.no_option {
         report.warn("no-option", place(), why.clone());
+        return;
+    }
+    if found.is_none_better {
+        let text = format!(
+            "none of the {} layouts measured is better than the present one; the best of them is shown; EF-MOVE boxes \
+             round more walls, or wider bounds in them, give the search more to work with",
+            found.evaluations
+        );
+        report.warn(NONE_BETTER, place(), text);
         return;
     }
     if found.unworthy > 0 {
