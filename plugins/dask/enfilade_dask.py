@@ -17,12 +17,15 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
 RETRIES = 3
 """How often a job is tried again after `run-job` asked for it or its worker died."""
 DONE, LEFT_OUT, TRY_AGAIN = 0, 1, 75
+# A worker that was killed leaves its program at work on the job: it is waited for, and what it finishes is taken.
+PAUSES_SECS = (0.5, 1, 2, 4, 8, 16, 32)
 
 
 class TryAgain(RuntimeError):
@@ -63,10 +66,12 @@ def work(job: dict, program: str, threads: int | None, hand_back: bool) -> dict:
         command = [program, "run-job", "-", "--out", out, "--progress", "none"]
         if threads:
             command += ["--threads", str(threads)]
-        try:
-            ended = subprocess.run(command, input=json.dumps(job), capture_output=True, text=True, encoding="utf-8")
-        except OSError as error:
-            raise TryAgain(f"{program}: {error}") from error
+        ended = _ended(command, job)
+        for pause in PAUSES_SECS:
+            if ended.returncode != TRY_AGAIN:
+                break
+            time.sleep(pause)
+            ended = _ended(command, job)
         said = ended.stderr.strip()
         if ended.returncode == TRY_AGAIN or ended.returncode < 0 or ended.returncode in (4, 130):
             raise TryAgain(said or f"ended by signal {-ended.returncode}")
@@ -77,6 +82,13 @@ def work(job: dict, program: str, threads: int | None, hand_back: bool) -> dict:
             result = Path(scratch) / job["id"] / "result"
             files = {p.relative_to(result).as_posix(): p.read_bytes() for p in sorted(result.rglob("*")) if p.is_file()}
         return {"finished": json.loads(ended.stdout), "files": files}
+
+
+def _ended(command: list[str], job: dict) -> subprocess.CompletedProcess:
+    try:
+        return subprocess.run(command, input=json.dumps(job), capture_output=True, text=True, encoding="utf-8")
+    except OSError as error:
+        raise TryAgain(f"{command[0]}: {error}") from error
 
 
 def store(job: dict, files: dict[str, bytes]) -> None:
