@@ -8,7 +8,7 @@ use super::result::{Explanation, MoveEntry, MoveKind, Numbers};
 /// Moves told one by one; the rest is counted.
 const MOVES_TOLD: usize = 4;
 /// A move smaller than this share of its range is not worth a word.
-const SMALLEST_SHARE: f64 = 0.005;
+pub const SMALLEST_SHARE: f64 = 0.005;
 const EIGHTHS: [&str; 8] =
     ["east", "north-east", "north", "north-west", "west", "south-west", "south", "south-east"];
 

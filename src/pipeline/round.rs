@@ -275,7 +275,7 @@ fn found(
     for m in &mut members {
         m.parameters = whole(&m.parameters);
     }
-    members.retain(|m| settings.method == Method::Paper || m.parameters != study.base.moves.identity());
+    members.retain(|m| settings.method == Method::Paper || moves_visibly(study, &m.parameters));
     let unworthy = keep_better(&mut members, &shown, settings);
     let is_none_better =
         unworthy > 0 && members.iter().all(|m| !explain::is_better(&shown, &m.values, is_firm(settings)));
@@ -283,7 +283,7 @@ fn found(
     let no_option = members.is_empty().then(|| {
         if !is_unmet {
             return format!(
-                "none of the {} layouts measured is better than the present one",
+                "none of the {} layouts measured that keep thresholds and penalties is better than the present one",
                 outcome.evaluations
             );
         }
@@ -328,6 +328,13 @@ fn found(
 /// Whether the user's own thresholds decide what is good: they are held, or the method is the paper's.
 fn is_firm(settings: &Settings) -> bool {
     settings.thresholds == Thresholds::Firm || settings.method == Method::Paper
+}
+
+/// Whether some parameter has moved by so much that the words would tell it.
+fn moves_visibly(study: &Study, parameters: &[f64]) -> bool {
+    let (bounds, identity) = (study.base.moves.bounds(), study.base.moves.identity());
+    let ways = parameters.iter().zip(&identity).zip(&bounds);
+    ways.into_iter().any(|((p, still), [lo, hi])| (p - still).abs() >= words::SMALLEST_SHARE * (hi - lo))
 }
 
 /// Leaves out the members that are no better than the present layout, and says how many; the best of the others

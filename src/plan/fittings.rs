@@ -2,9 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use glam::DVec2;
+
 use super::Plan;
 use super::axes::{AxisGraph, Opening};
-use super::drawing::{Drawing, Editable, Shape, SourceRef};
+use super::curve::control_points;
+use super::drawing::{Drawing, Editable, Entity, Shape, SourceRef};
 use super::graph::Handle;
 use super::structure::{end_handles, face_handles};
 
@@ -46,17 +49,75 @@ pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usiz
             }
             let together = of_block.map_or_else(|| vec![entity], Clone::clone);
             for i in together {
-                let e = &drawing.entities[i];
-                out.entry(i).or_insert_with(|| Fitting {
-                    source: e.source.clone(),
-                    editable: e.editable.clone(),
-                    shape: e.shape.clone(),
-                    jambs: jambs.clone(),
-                });
+                out.entry(i).or_insert_with(|| fitting(&drawing.entities[i], &jambs));
             }
         }
     }
+    add_leaves(drawing, &walls, &mut out);
     out.into_values().collect()
+}
+
+fn fitting(e: &Entity, jambs: &[Vec<Handle>; 2]) -> Fitting {
+    Fitting {
+        source: e.source.clone(),
+        editable: e.editable.clone(),
+        shape: e.shape.clone(),
+        jambs: jambs.clone(),
+    }
+}
+
+/// How far a leaf reaches beyond the sector that its door swings over, as a share of its width: its thickness.
+const LEAF_SHARE: f64 = 0.1;
+
+/// Leaves drawn as lines of their own: what lies on the layer of a door's swing and wholly in its sector belongs
+/// to the same door.
+fn add_leaves(drawing: &Drawing, walls: &BTreeSet<usize>, out: &mut BTreeMap<usize, Fitting>) {
+    let is_swing = |i: &usize| {
+        drawing.entities[*i].blocks.is_empty() && matches!(drawing.entities[*i].shape, Shape::Arc { .. })
+    };
+    let swings: Vec<usize> = out.keys().copied().filter(is_swing).collect();
+    let layers: BTreeSet<&str> = swings.iter().map(|i| drawing.entities[*i].layer.as_str()).collect();
+    // By layer, ascending along x.
+    let mut loose: BTreeMap<&str, Vec<(f64, usize)>> = BTreeMap::new();
+    for (i, e) in drawing.entities.iter().enumerate() {
+        let is_line = matches!(e.shape, Shape::Line { .. } | Shape::Polyline { .. });
+        let is_free = e.blocks.is_empty() && !walls.contains(&e.source.record) && !out.contains_key(&i);
+        if is_line && is_free && layers.contains(e.layer.as_str()) {
+            let first = control_points(&e.shape).first().map(|p| p.x).filter(|x| x.is_finite());
+            loose.entry(&e.layer).or_default().extend(first.map(|x| (x, i)));
+        }
+    }
+    loose.values_mut().for_each(|list| list.sort_by(|a, b| a.0.total_cmp(&b.0)));
+    for swing in swings {
+        let e = &drawing.entities[swing];
+        let Shape::Arc { centre, radius, .. } = e.shape else { continue };
+        let (Some(near), Some(jambs)) =
+            (loose.get(e.layer.as_str()), out.get(&swing).map(|f| f.jambs.clone()))
+        else {
+            continue;
+        };
+        let reach = radius * (1.0 + LEAF_SHARE);
+        let from = near.partition_point(|n| n.0 < centre.x - reach);
+        for (_, i) in near[from..].iter().take_while(|n| n.0 <= centre.x + reach) {
+            let leaf = &drawing.entities[*i];
+            if control_points(&leaf.shape).into_iter().all(|p| is_in_sector(&e.shape, p)) {
+                out.entry(*i).or_insert_with(|| fitting(leaf, &jambs));
+            }
+        }
+    }
+}
+
+/// Whether a point lies in the sector of an arc, or no farther beside it than a leaf is thick.
+fn is_in_sector(arc: &Shape, p: DVec2) -> bool {
+    let Shape::Arc { centre, radius, start_rad, end_rad } = *arc else { return false };
+    let (from, beside) = (p - centre, radius * LEAF_SHARE);
+    let turn = |rad: f64| rad.rem_euclid(std::f64::consts::TAU);
+    let is_within = turn(from.to_angle() - start_rad) <= turn(end_rad - start_rad);
+    let is_beside = |rad: f64| {
+        let along = DVec2::from_angle(rad);
+        from.perp_dot(along).abs() <= beside && from.dot(along) >= -beside
+    };
+    from.length() <= radius + beside && (is_within || is_beside(start_rad) || is_beside(end_rad))
 }
 
 /// The control points of the wall ends at both jambs.
@@ -73,4 +134,42 @@ pub fn jambs_of(plan: &Plan, axes: &AxisGraph, opening: &Opening) -> [Vec<Handle
         out.dedup();
         out
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    use super::*;
+
+    #[test]
+    fn a_leaf_lies_in_the_sector_of_its_swing() {
+        let arc = |start_rad: f64, end_rad: f64| Shape::Arc {
+            centre: DVec2::new(5.0, 2.0),
+            radius: 0.9,
+            start_rad,
+            end_rad,
+        };
+        let quarter = arc(0.0, FRAC_PI_2);
+        for (x, y, within) in [
+            // The hinge, the tip of the open leaf, its far face beyond the hinge's side.
+            (5.0, 2.0, true),
+            (5.0, 2.9, true),
+            (4.95, 2.9, true),
+            (4.95, 1.95, true),
+            (5.9, 2.0, true),
+            (5.5, 2.5, true),
+            // Beyond the swing, and on the other side of the wall.
+            (5.8, 2.8, false),
+            (4.5, 2.5, false),
+            (5.3, 1.7, false),
+            (5.0, 3.1, false),
+        ] {
+            assert_eq!(is_in_sector(&quarter, DVec2::new(x, y)), within, "{x} {y}");
+        }
+        // Over the direction from which angles count.
+        let over = arc(-FRAC_PI_2 / 2.0, FRAC_PI_2 / 2.0);
+        assert!(is_in_sector(&over, DVec2::new(5.8, 2.0)) && !is_in_sector(&over, DVec2::new(4.5, 2.0)));
+        assert!(is_in_sector(&arc(PI, PI + FRAC_PI_2), DVec2::new(4.5, 1.7)));
+    }
 }

@@ -433,7 +433,14 @@ fn centre(about: &[&str]) -> Result<Option<DVec2>, String> {
 }
 
 fn number(s: &str) -> Result<f64, String> {
-    s.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| format!("found {s:?}, expected a number"))
+    // A decimal comma.
+    let plain =
+        if s.matches(',').count() == 1 && !s.contains('.') { s.replace(',', ".") } else { s.to_owned() };
+    plain
+        .parse::<f64>()
+        .ok()
+        .filter(|v| v.is_finite())
+        .ok_or_else(|| format!("found {s:?}, expected a number"))
 }
 
 /// A length as people write one: `0.5`, `-0,5m`, `18in`, `2'`, `18"`, `-2'-6"`.
@@ -444,9 +451,6 @@ fn length(s: &str) -> Result<(f64, Option<Unit>), String> {
             format!("found {s:?}, expected feet and inches such as 2', 18\", -2'-6\" or 2.5ft")
         });
     }
-    // A decimal comma.
-    let plain =
-        if plain.matches(',').count() == 1 && !plain.contains('.') { plain.replace(',', ".") } else { plain };
     let split = plain.find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E').unwrap_or(plain.len());
     let (digits, suffix) = plain.split_at(split);
     let value = number(digits).map_err(|_| {
@@ -531,6 +535,8 @@ mod tests {
             let found = length(text).ok().map(|(v, u)| (v, u.map(|u| u.name)));
             assert_eq!(found, expected, "{text}");
         }
+        assert_eq!((number("-15,5"), number("2.5")), (Ok(-15.5), Ok(2.5)));
+        assert!(number("1,5.0").is_err() && number("1,5,0").is_err());
         assert!(length("2'x").unwrap_err().contains("such as 2', 18\""));
         assert!(length("wide").unwrap_err().contains("2ft or 2'-6\""));
     }

@@ -26,6 +26,15 @@ const text = (selector) => page.$eval(selector, (e) => e.textContent);
 const said = (part) => page.waitForFunction((p) => document.getElementById("said").textContent.includes(p), {}, part);
 /** No job runs or waits: another may be asked for. */
 const idle = () => page.waitForFunction(() => document.getElementById("again")?.disabled === false, { timeout: 240000 });
+/** Clicks; the page may draw a part anew between finding it and clicking it: then again. */
+const press = async (selector, tries = 20) => {
+  try {
+    await page.click(selector);
+  } catch (e) {
+    if (tries === 0 || !/detached/.test(e.message)) throw e;
+    await press(selector, tries - 1);
+  }
+};
 const unfold = () => page.evaluate(() => { document.querySelectorAll("details").forEach((d) => { d.open = true; }); });
 let pictures = 0;
 
@@ -68,9 +77,9 @@ try {
   await page.waitForFunction(() => [...document.querySelectorAll(".pair img")].every((i) => i.src.endsWith("-depth.png") && i.complete && i.naturalWidth > 0));
 
   // Choose, pin, filter, scatter.
-  await page.click("#show-1");
+  await press("#show-1");
   assert.match(await page.$eval("#words", (w) => w.textContent), /^Option 2/);
-  await page.click("#pin-1");
+  await press("#pin-1");
   assert.equal(await page.$eval("tbody tr.pinned th", (t) => t.textContent), "2");
   await page.select("#scatter-x", "1");
   await page.evaluate(() => document.querySelectorAll("details").forEach((d) => { d.open = true; }));
@@ -148,26 +157,26 @@ try {
   await page.waitForFunction(() => document.querySelector("#options [role=status]")?.textContent.startsWith("5 of 5"));
 
   // Accept, more like one, another round with other thresholds and a pinned option, cancel.
-  await page.click("#accept-0");
+  await press("#accept-0");
   await said("gallery-r02.dxf");
   await page.waitForFunction(() => [...document.querySelectorAll("#drawings a")].some((a) => a.textContent.startsWith("gallery-r02.dxf")));
   await idle();
-  await page.click("#like-2");
+  await press("#like-2");
   await said("more like option 3");
   await page.waitForFunction(() => document.querySelector("#round option")?.value === "round-02", { timeout: 240000 });
   await idle();
   await unfold();
-  await page.click("#pin-0");
+  await press("#pin-0");
   await page.$eval("details.card fieldset input[max='1']", (i) => { i.value = "0.5"; });
-  await page.click("#again-with");
+  await press("#again-with");
   await said("0.5");
   await said("these stay: 1");
   await page.waitForFunction(() => document.querySelector("#round option")?.value === "round-03", { timeout: 240000 });
   await idle();
-  await page.click("#again");
+  await press("#again");
   await page.waitForFunction(() => document.getElementById("cancel")?.disabled === false, { timeout: 60000 });
   await check("working");
-  await page.click("#cancel");
+  await press("#cancel");
   await idle();
   await page.waitForFunction(() => document.querySelector("#standing p").textContent.includes("cancelled"));
   assert.ok(await page.$$eval("#log li", (l) => l.length) > 2);

@@ -24,7 +24,7 @@ pub(super) fn say_options(
     }
     if found.is_none_better {
         let text = format!(
-            "none of the {} layouts measured is better than the present one; the best of them is shown; EF-MOVE boxes \
+            "none of the {} layouts measured that keep thresholds and penalties is better than the present one; the best of them is shown; EF-MOVE boxes \
              round more walls, or wider bounds in them, give the search more to work with",
             found.evaluations
         );
