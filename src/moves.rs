@@ -82,30 +82,6 @@ pub struct Layout {
     pub walls: Vec<MovedWall>,
 }
 
-/// Whether a node lies inside `EF-KEEP`.
-fn is_kept(plan: &Plan, graph: &Graph, node: u32) -> bool {
-    let at = plan.frame.um_from_plan(graph.nodes[node as usize]);
-    plan.markers.keep.iter().any(|r| r.contains(at))
-}
-
-/// Says which nodes of a marked group stay because `EF-KEEP` holds them.
-fn say_kept(plan: &Plan, graph: &Graph, group: &Group, nodes: &[u32], report: &mut Report) {
-    let kept = nodes.iter().filter(|n| is_kept(plan, graph, **n)).count();
-    let place = || place_in(&plan.file, &group.source);
-    if kept > 0 && kept == nodes.len() {
-        let text =
-            format!("group {:?}: all its wall ends lie inside EF-KEEP; nothing moves here", group.name);
-        report.warn("move-kept", place(), text);
-    } else if kept > 0 {
-        let text = format!(
-            "group {:?}: {kept} of its {} wall ends lie inside EF-KEEP and stay",
-            group.name,
-            nodes.len()
-        );
-        report.info("move-kept", place(), text);
-    }
-}
-
 impl Moves {
     /// Takes the groups that the user marked; what cannot move is reported.
     pub fn from_markers(plan: &Plan, graph: &Graph, axes: &AxisGraph, report: &mut Report) -> Self {
@@ -294,6 +270,30 @@ fn held(
         }
     }
     out
+}
+
+/// Whether a node lies inside `EF-KEEP`.
+fn is_kept(plan: &Plan, graph: &Graph, node: u32) -> bool {
+    let at = plan.frame.um_from_plan(graph.nodes[node as usize]);
+    plan.markers.keep.iter().any(|r| r.contains(at))
+}
+
+/// Says which nodes of a marked group stay because `EF-KEEP` holds them.
+fn say_kept(plan: &Plan, graph: &Graph, group: &Group, nodes: &[u32], report: &mut Report) {
+    let kept = nodes.iter().filter(|n| is_kept(plan, graph, **n)).count();
+    let place = || place_in(&plan.file, &group.source);
+    if kept > 0 && kept == nodes.len() {
+        let text =
+            format!("group {:?}: all its wall ends lie inside EF-KEEP; nothing moves here", group.name);
+        report.warn("move-kept", place(), text);
+    } else if kept > 0 {
+        let text = format!(
+            "group {:?}: {kept} of its {} wall ends lie inside EF-KEEP and stay",
+            group.name,
+            nodes.len()
+        );
+        report.info("move-kept", place(), text);
+    }
 }
 
 /// One parameter's effect: `p' = centre + factor·R(turn)(p − centre) + shift`, plan frame.

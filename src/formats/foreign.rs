@@ -1,5 +1,7 @@
 //! What a file is that is no drawing: by the marks that other kinds of files begin with.
 
+use super::dxf;
+
 /// So many bytes from the start are judged.
 pub const HEAD_BYTES: usize = 1024;
 /// Text has none of the control characters that count here; a file with more than one in so many bytes is none.
@@ -48,7 +50,10 @@ const TEXTS: [(&[u8], &str, &str); 4] = [
 pub(super) fn kind_of(bytes: &[u8]) -> Option<(String, &'static str)> {
     if let Some(version) = dwg_version(bytes) {
         let hint = "Save it as DXF in the CAD program, or convert it with the ODA File Converter or LibreDWG";
-        return Some((format!("a DWG {} ({version})", dwg_name(&version)), hint));
+        return Some((
+            format!("a DWG {} ({version})", dxf::release_of(&version).unwrap_or("of an unknown release")),
+            hint,
+        ));
     }
     let found =
         KINDS.iter().find(|(mark, ..)| bytes.starts_with(mark) && !is_short_mark_of_text(mark, bytes));
@@ -77,21 +82,6 @@ fn dwg_version(bytes: &[u8]) -> Option<String> {
     let digits = bytes.strip_prefix(b"AC1")?.get(..3)?;
     let is_dwg = bytes.len() > 6 && digits.iter().all(u8::is_ascii_digit);
     is_dwg.then(|| format!("AC1{}", String::from_utf8_lossy(digits)))
-}
-
-fn dwg_name(version: &str) -> &'static str {
-    match version {
-        "AC1009" => "R12",
-        "AC1012" => "R13",
-        "AC1014" => "R14",
-        "AC1015" => "R2000",
-        "AC1018" => "R2004",
-        "AC1021" => "R2007",
-        "AC1024" => "R2010",
-        "AC1027" => "R2013",
-        "AC1032" => "R2018",
-        _ => "of an unknown release",
-    }
 }
 
 #[cfg(test)]

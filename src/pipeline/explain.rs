@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::study::Study;
+use super::study::{Study, divisor};
 use crate::moves::control::Control;
 use crate::overlay::result::{Explanation, Numbers, Objective, Part, Sense};
 use crate::search::normalised_distance;
@@ -95,14 +95,16 @@ fn parts(
 /// What is smaller, as a share of the present value, nobody would call a gain.
 pub const LEAST_GAIN: f64 = 0.005;
 
-/// For every objective but the penalty what is gained over the present layout, as a share of its value there;
-/// a score, which is 0 there, as it is.
+/// What is gained over the present value, as a share of it; where that is 0, as a score's, as it is.
+pub fn relative_gain(is_more_better: bool, now: f64, present: f64) -> f64 {
+    let gain = if is_more_better { now - present } else { present - now };
+    gain / divisor(present)
+}
+
+/// The relative gain in every objective but the penalty.
 fn relative_gains<'a>(objectives: &'a [Objective], values: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
     let aims = objectives.iter().zip(values).filter(|(o, _)| o.name != "penalty");
-    aims.map(|(o, v)| {
-        let gain = if o.sense == Sense::Max { v - o.initial } else { o.initial - v };
-        if o.initial == 0.0 { gain } else { gain / o.initial.abs() }
-    })
+    aims.map(|(o, v)| relative_gain(o.sense == Sense::Max, *v, o.initial))
 }
 
 /// Sum of the gains over the present layout: the order in which options are shown.

@@ -137,7 +137,7 @@ pub(super) struct Found {
     pub(super) evaluations: u64,
     pub(super) stopped_by: String,
     pub(super) series: Vec<Series>,
-    /// Objective values of every layout measured that keeps the hard limits.
+    /// Objective values of every layout measured that keeps the hard limits and does not lose far more than it gains.
     pub(super) archive: Vec<Vec<f64>>,
 }
 
@@ -275,8 +275,7 @@ fn found(
     for m in &mut members {
         m.parameters = whole(&m.parameters);
     }
-    members.retain(|m| settings.method == Method::Paper || moves_visibly(study, &m.parameters));
-    let unworthy = keep_better(&mut members, &shown, settings);
+    let unworthy = keep_better(study, settings, &shown, &mut members);
     let is_none_better =
         unworthy > 0 && members.iter().all(|m| !explain::is_better(&shown, &m.values, is_firm(settings)));
     let is_unmet = outcome.best.violation > 0.0;
@@ -337,27 +336,33 @@ fn moves_visibly(study: &Study, parameters: &[f64]) -> bool {
     ways.into_iter().any(|((p, still), [lo, hi])| (p - still).abs() >= words::SMALLEST_SHARE * (hi - lo))
 }
 
-/// Leaves out the members that are no better than the present layout, and says how many; the best of the others
-/// come first, after those that were pinned.
-fn keep_better(members: &mut Vec<search::Member>, objectives: &[Objective], settings: &Settings) -> usize {
+/// Leaves out the members that are as drawn or no better than the present layout, and says how many are no better;
+/// the best of the others come first, after those that were pinned, which all stay.
+fn keep_better(
+    study: &Study,
+    settings: &Settings,
+    objectives: &[Objective],
+    members: &mut Vec<search::Member>,
+) -> usize {
+    if settings.method == Method::Paper {
+        return 0;
+    }
     let pinned = if settings.mode == Mode::Best { 0 } else { settings.pinned.len().min(members.len()) };
     let mut free = members.split_off(pinned);
-    if settings.method == Method::Default {
-        let found = free.len();
-        let gain = |m: &search::Member| explain::total_gain(objectives, &m.values);
-        free.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
-        let best = free.first().cloned();
-        free.retain(|m| explain::is_better(objectives, &m.values, is_firm(settings)));
-        let left_out = found - free.len();
+    free.retain(|m| moves_visibly(study, &m.parameters));
+    let gain = |m: &search::Member| explain::total_gain(objectives, &m.values);
+    free.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+    let worthy = free.iter().filter(|m| explain::is_better(objectives, &m.values, is_firm(settings)));
+    let better: Vec<search::Member> = worthy.cloned().collect();
+    let unworthy = free.len() - better.len();
+    if better.is_empty() && pinned == 0 {
         // Where nothing is better, the best there is shows how little these moves can do.
-        if free.is_empty() && pinned == 0 {
-            free.extend(best);
-        }
+        free.truncate(1);
         members.append(&mut free);
-        return left_out;
+    } else {
+        members.extend(better);
     }
-    members.append(&mut free);
-    0
+    unworthy
 }
 
 fn explanations(
@@ -502,8 +507,8 @@ fn loss(study: &Study, settings: &Settings, objectives: &[(Aim, search::Objectiv
         return 0.0;
     }
     let gain = |(aim, o): &&(Aim, search::Objective)| {
-        let (now, then) = (study.value(worth, *aim), study.value(&study.initial, *aim));
-        o.sense.gain(now - then) / study::divisor(then)
+        let is_more_better = o.sense == search::Sense::Maximise;
+        explain::relative_gain(is_more_better, study.value(worth, *aim), study.value(&study.initial, *aim))
     };
     let gained: f64 = aims.iter().map(gain).sum();
     if gained < -LOSS_FREE { -gained - LOSS_FREE } else { 0.0 }

@@ -79,7 +79,7 @@ impl Archive {
 
 impl Sense {
     /// The value turned so that more is better (its own inverse).
-    pub fn gain(self, value: f64) -> f64 {
+    pub(super) fn gain(self, value: f64) -> f64 {
         match self {
             Sense::Maximise => value,
             Sense::Minimise => -value,

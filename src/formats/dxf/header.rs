@@ -96,21 +96,11 @@ impl Header {
 
     /// `AC1009 (R12)`.
     pub fn version_words(&self) -> String {
-        let name = match self.version.as_str() {
-            _ if !self.has_version => return "no $ACADVER (read as R12)".into(),
-            "AC1006" => "R10",
-            "AC1009" => "R12",
-            "AC1012" => "R13",
-            "AC1014" => "R14",
-            "AC1015" => "R2000",
-            "AC1018" => "R2004",
-            "AC1021" => "R2007",
-            "AC1024" => "R2010",
-            "AC1027" => "R2013",
-            "AC1032" => "R2018",
-            older if older < "AC1009" => "before R12",
-            _ => "unknown",
-        };
+        if !self.has_version {
+            return "no $ACADVER (read as R12)".into();
+        }
+        let is_older = self.version.as_str() < "AC1009";
+        let name = release_of(&self.version).unwrap_or(if is_older { "before R12" } else { "unknown" });
         format!("{} ({name})", self.version)
     }
 
@@ -146,6 +136,23 @@ impl Header {
 /// Whether both coordinates are finite and within the limit.
 pub(super) fn is_sane(p: DVec2, max_coordinate: f64) -> bool {
     p.is_finite() && p.abs().max_element() <= max_coordinate
+}
+
+/// The release that a version number of DXF or DWG stands for: `AC1009` is R12.
+pub(in crate::formats) fn release_of(version: &str) -> Option<&'static str> {
+    Some(match version {
+        "AC1006" => "R10",
+        "AC1009" => "R12",
+        "AC1012" => "R13",
+        "AC1014" => "R14",
+        "AC1015" => "R2000",
+        "AC1018" => "R2004",
+        "AC1021" => "R2007",
+        "AC1024" => "R2010",
+        "AC1027" => "R2013",
+        "AC1032" => "R2018",
+        _ => return None,
+    })
 }
 
 #[cfg(test)]

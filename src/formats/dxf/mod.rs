@@ -35,6 +35,8 @@ pub use patch::{ChangedRecord, changed_records, patch};
 pub use read::read;
 pub use strip::{is_result_layer, strip_own};
 
+pub(super) use header::release_of;
+
 use crate::plan::drawing::Unit;
 
 /// How to read a drawing.
