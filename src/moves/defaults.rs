@@ -246,7 +246,7 @@ fn elements(
     let mut by_node: BTreeMap<u32, u32> = BTreeMap::new();
     let mut by_record: BTreeMap<usize, u32> = BTreeMap::new();
     for (w, wall) in plan.walls.iter().enumerate() {
-        if matches!(wall.editable, Editable::WithInsert { .. }) {
+        if wall.editable.moves_whole() {
             union.join(*by_record.entry(wall.source.record).or_insert(w as u32), w as u32);
         }
     }

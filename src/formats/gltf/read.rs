@@ -47,7 +47,7 @@ struct Body<'f> {
 /// # Errors
 /// [`Error::Input`] where the bytes are no glTF 2.0, or nothing in it can be cut.
 pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
-    let scene = File::open(file, bytes)?;
+    let scene = File::open(file, bytes, &options.buffers)?;
     let (shown, odd) = scene.shown();
     for text in odd {
         report.warn("gltf-nodes", Place::file(file), format!("{text}; left out"));
@@ -82,6 +82,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         entities,
         texts,
         marked,
+        hosts: BTreeMap::new(),
     })
 }
 

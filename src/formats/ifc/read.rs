@@ -1,11 +1,12 @@
 //! One storey of a building as a plan: every element cut at the height of the eyes.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 use glam::{DAffine3, DVec2};
 use rayon::prelude::*;
 
 use super::geo::{Geo, Why, is_upright, plan_point};
+use super::length;
 use super::limits::OUTLINE_POINTS_MAX;
 use super::model::{Model, Product, Storey, axis_item, body_items, layer_reach};
 use super::step::Step;
@@ -25,6 +26,9 @@ const KNEE_WINDOW_LAYER: &str = "IfcWall (window at knee height)";
 
 /// A wall this thin behind an opening is what rounding left, no wall.
 const SLIVER_M: f64 = 0.01;
+
+/// Corners of a cut this near to an end of the wall belong to it.
+const END_M: f64 = 1e-5;
 
 /// A file ready to be cut.
 pub(super) struct Building<'s, 'a> {
@@ -161,6 +165,8 @@ struct Reader<'b, 's, 'a> {
     marked: Vec<MarkedMove>,
     below: HashSet<u64>,
     plugged: HashSet<u64>,
+    /// Corners of what closes the openings of the element shown now, world.
+    holes: Vec<DVec2>,
 }
 
 /// An element cut at the height of the eyes, world coordinates.
@@ -203,6 +209,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             marked: Vec::new(),
             below: HashSet::new(),
             plugged: HashSet::new(),
+            holes: Vec::new(),
         }
     }
 
@@ -244,7 +251,9 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             let why = format!("its cut has {size} corners, expected at most {OUTLINE_POINTS_MAX}");
             self.state_missing(p, &why, report);
         } else {
+            self.holes = cut.closings.iter().flat_map(|(_, _, r)| r.points()).collect();
             self.emit(p, p.class, &cut.region);
+            self.holes.clear();
         }
     }
 
@@ -455,6 +464,8 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 editable = Editable::No("Pset_Enfilade says Keep".into());
             }
         }
+        let is_whole = layer == p.class && p.class.starts_with("IfcWall") && editable.moves_whole();
+        let bar = if is_whole { length::bar(self.b, p.id).ok() } else { None };
         let closed = region.rings().filter(|r| r.len() > 2).map(|r| (r, true));
         for (ring, closed) in closed.chain(region.lines.iter().filter(|l| l.len() > 1).map(|l| (l, false))) {
             let vertices = ring.iter().map(|p| Vertex { at: DVec2::from(*p), bulge: 0.0 }).collect();
@@ -462,10 +473,25 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 source: source.clone(),
                 layer: layer.into(),
                 shape: Shape::Polyline { vertices, closed },
-                editable: editable.clone(),
+                editable: bar.as_ref().map_or_else(|| editable.clone(), |bar| self.with_ends(bar, ring)),
                 blocks: Vec::new(),
             });
         }
+    }
+
+    /// An outline of a wall that can change its length; an end that an opening reaches stays.
+    fn with_ends(&self, bar: &length::Bar, ring: &[[f64; 2]]) -> Editable {
+        let near = END_M / self.b.geo.metres;
+        let is_at = |end: usize, p: DVec2| match end {
+            0 => p.dot(bar.along) <= bar.inner[0] + near,
+            _ => p.dot(bar.along) >= bar.inner[1] - near,
+        };
+        let ends = [0, 1].map(|end| {
+            let is_open = self.holes.iter().any(|p| is_at(end, *p));
+            let corners = ring.iter().enumerate().filter(|(_, p)| !is_open && is_at(end, DVec2::from(**p)));
+            corners.map(|(c, _)| c as u32).collect()
+        });
+        Editable::Wall { ends }
     }
 
     fn editable(&self, p: &Product) -> Editable {
@@ -501,6 +527,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     }
 
     fn drawing(self) -> Drawing {
+        let hosts = self.hosts();
         let mut layers: Vec<Layer> = Vec::new();
         for e in &self.entities {
             if layers.iter().all(|l| l.name != e.layer) {
@@ -520,9 +547,23 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             declared_unit_words: self.b.units.length_words.clone(),
             layers,
             entities: self.entities,
+            hosts,
             texts: self.texts,
             marked: self.marked,
         }
+    }
+
+    /// Doors and windows by the wall in whose opening they sit.
+    fn hosts(&self) -> BTreeMap<usize, usize> {
+        let model = &self.b.model;
+        let mut out = BTreeMap::new();
+        for (wall, openings) in &model.openings {
+            for filler in openings.iter().filter_map(|o| model.fillings.get(o)).flatten() {
+                let host = out.entry(*filler as usize).or_insert(*wall as usize);
+                *host = (*host).min(*wall as usize);
+            }
+        }
+        out
     }
 }
 
