@@ -164,8 +164,7 @@ fn newest(path: &Path) -> Option<(PathBuf, String)> {
     let names = fs::read_dir(&home).ok()?.map(|e| e.unwrap().file_name().into_string().unwrap());
     let name = names.filter(|n| n.starts_with("round-")).max()?;
     let result: Value = serde_json::from_slice(&fs::read(home.join(&name).join("result.json")).ok()?).ok()?;
-    let is_of_it =
-        result["input"]["sha256"] == enfilade::watch::sha256_hex(&fs::read(path).unwrap()).as_str();
+    let is_of_it = result["input"]["sha256"] == enfilade::watch::sha256_hex(&fs::read(path).ok()?).as_str();
     is_of_it.then_some((home, name))
 }
 
