@@ -258,10 +258,13 @@ fn elements(
         }
     }
     for (i, p) in pieces.iter().enumerate() {
-        for j in neighbours.around(p.a.min(p.b), p.a.max(p.b)) {
-            let q = &pieces[j as usize];
-            let is_new = (j as usize) > i && union.root(p.wall) != union.root(q.wall);
-            if is_new && (distance(p, q) <= TOUCH_M || are_faces(p, q)) {
+        let own = union.root(p.wall);
+        let is_new = |j: &u32| *j as usize > i && union.root(pieces[*j as usize].wall) != own;
+        let mut beside: Vec<u32> = neighbours.around(p.a.min(p.b), p.a.max(p.b)).filter(is_new).collect();
+        beside.sort_unstable();
+        beside.dedup();
+        for q in beside.into_iter().map(|j| &pieces[j as usize]) {
+            if distance(p, q) <= TOUCH_M || are_faces(p, q) {
                 union.join(p.wall, q.wall);
             }
         }
