@@ -467,6 +467,11 @@ fn a_scene_whose_data_lie_beside_it_takes_them_along() {
         assert!(text(&enfilade(&["check", &at]).stderr).contains("names \"walls 1.bin\""));
         std::fs::remove_file(&bin).unwrap();
     }
+    let most = enfilade::formats::gltf::OUTER_MAX;
+    std::fs::File::create(&bin).unwrap().set_len(most + 1).unwrap();
+    assert!(
+        text(&enfilade(&["check", &at]).stderr).contains(&format!("a file of at most {most} bytes beside"))
+    );
     std::fs::write(&bin, data).unwrap();
     let done = enfilade(&["run", &at, "--evaluations", "12", "--members", "1", "--spacing", "2", "-q"]);
     assert!(matches!(done.status.code(), Some(0 | 1)), "{}", text(&done.stderr));

@@ -230,9 +230,12 @@ fn what_is_not_certain_moves_as_a_whole_alone() {
         ),
     ];
     for (text, says) in cases {
-        let drawing = read(&text);
+        let mut report = Report::default();
+        let drawing = ifc::read("w.ifc", text.as_bytes(), &ReadOptions::default(), &mut report).unwrap();
         let wall = drawing.entities.iter().find(|e| e.source.record == 10).unwrap();
         assert_eq!(wall.editable, Editable::WithInsert { turnable: true }, "{says}");
+        let told = report.problems.iter().find(|p| p.code == "ifc-length").unwrap();
+        assert!(told.text.starts_with("1 wall keeps its length") && told.text.contains(says), "{told}");
         let edits = [Edit::Ends { record: 10, by: [0.0, 0.5] }];
         let error = ifc::patch("w.ifc", text.as_bytes(), &ReadOptions::default(), &edits, &[]).unwrap_err();
         assert!(error.to_string().contains(says), "{says}: {error}");

@@ -53,6 +53,11 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         report.warn("gltf-nodes", Place::file(file), format!("{text}; left out"));
     }
     let bodies = named_bodies(&scene, &shown, options, report);
+    let missing = scene.buffers.iter().enumerate().find_map(|(i, b)| Some((i, b.as_ref().err()?)));
+    if let (Some((i, why)), true) = (missing, bodies.is_empty()) {
+        let place = Place::file(file).entity(format!("/buffers/{i}"));
+        return Err(Error::input("gltf-buffer", place, format!("{why}; nothing was done")));
+    }
     if let Some(version) = scene.odd_version() {
         let text = format!(
             "found version {version:?}, expected \"2.0\"; read as glTF 2.0 because it is laid out so"

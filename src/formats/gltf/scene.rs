@@ -20,6 +20,9 @@ pub(super) struct Chunk {
     pub span: std::ops::Range<usize>,
 }
 
+/// Data of a buffer, or why there is none.
+pub(super) type Data<'a> = Result<Cow<'a, [u8]>, String>;
+
 /// A file as read.
 #[derive(Clone, Debug)]
 pub(super) struct File<'a> {
@@ -32,7 +35,7 @@ pub(super) struct File<'a> {
     /// The JSON; spans count from the start of its text.
     pub json: Json,
     /// Data of every buffer, or why there is none.
-    pub buffers: Vec<Result<Cow<'a, [u8]>, String>>,
+    pub buffers: Vec<Data<'a>>,
 }
 
 /// A node shown in the scene.
@@ -101,16 +104,13 @@ impl<'a> File<'a> {
         (!is_number && is_laid_out).then_some(version)
     }
 
-    fn read_buffers(
-        &self,
-        beside: &'a BTreeMap<String, Arc<[u8]>>,
-    ) -> Result<Vec<Result<Cow<'a, [u8]>, String>>, Error> {
+    fn read_buffers(&self, beside: &'a BTreeMap<String, Arc<[u8]>>) -> Result<Vec<Data<'a>>, Error> {
         let mut out = Vec::new();
         let mut total = 0usize;
         for (i, buffer) in self.json.list("buffers").iter().enumerate() {
             let pointer = format!("/buffers/{i}");
             let stated = buffer.index("byteLength").unwrap_or(0);
-            let data: Result<Cow<'a, [u8]>, String> = match buffer.text("uri") {
+            let data: Data<'a> = match buffer.text("uri") {
                 None => {
                     let bin = self.chunks.iter().find(|c| c.kind == *b"BIN\0").filter(|_| i == 0);
                     bin.map(|c| Cow::Borrowed(&self.bytes[c.span.clone()]))
@@ -220,7 +220,7 @@ pub(super) fn parts(node: &Json) -> (DVec3, DQuat, DVec3) {
 }
 
 /// The data of a buffer in a file of its own.
-fn outer<'a>(uri: &str, beside: &'a BTreeMap<String, Arc<[u8]>>) -> Result<Cow<'a, [u8]>, String> {
+fn outer<'a>(uri: &str, beside: &'a BTreeMap<String, Arc<[u8]>>) -> Data<'a> {
     let name = super::outer::name_of(uri)?;
     let found = beside.get(&name).map(|data| Cow::Borrowed(&**data));
     found.ok_or_else(|| {
