@@ -21,6 +21,9 @@ const JOINT_M: f64 = 0.02;
 /// What must remain of a wall between two joints, and between a joint and the next opening.
 const REST_M: f64 = 0.1;
 
+/// An end that goes less far than this share of a shift stays.
+const STILL: f64 = 1e-6;
+
 /// By record: how far both ends go along the wall's axis, metres.
 pub(super) type Lengths = BTreeMap<usize, [f64; 2]>;
 
@@ -66,6 +69,12 @@ impl Follower {
             return shift.dot(self.along);
         }
         shift.dot(self.normal) / across
+    }
+
+    /// Whether its group ever shifts it.
+    fn is_moved(&self, moving: Moving<'_>) -> bool {
+        let own = moving.parameters.iter().filter(|p| p.group == self.group);
+        own.filter_map(|p| direction_of(p.clause.kind)).any(|d| self.way(d).abs() > STILL)
     }
 }
 
@@ -127,8 +136,10 @@ impl Joined {
                 if end.handles.iter().any(|h| is_kept(node(h))) {
                     continue;
                 }
-                if let Some(wall) = walls.iter().find(|w| w.is_joined_by(plan, end)) {
-                    out.followers.push(Follower { group, normal: wall.normal, ..end.clone() });
+                let Some(wall) = walls.iter().find(|w| w.is_joined_by(plan, end)) else { continue };
+                let follower = Follower { group, normal: wall.normal, ..end.clone() };
+                if follower.is_moved(moving) {
+                    out.followers.push(follower);
                 }
             }
         }

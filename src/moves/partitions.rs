@@ -4,6 +4,8 @@
 //! walls at its two ends only, and these go straight on beyond it, or if those that end at it run the same way and can
 //! change their length with it.
 
+use std::collections::BTreeSet;
+
 use glam::DVec2;
 
 use super::defaults::{SLIDE_MIN_M, TOUCH_M};
@@ -44,7 +46,7 @@ struct Element {
 
 /// Groups of one clause each, the longest partition first.
 pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec<(Group, Vec<u32>)> {
-    let mut found: Vec<(f64, Group, Vec<u32>)> = Vec::new();
+    let mut found: Vec<(f64, Group, Vec<u32>, Vec<(usize, usize)>)> = Vec::new();
     let drawn = Drawn::new(plan);
     for element in elements(plan) {
         let (from, to) = way(plan, interior, &drawn, &element);
@@ -70,11 +72,19 @@ pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec
         let source = plan.walls[element.walls[0] as usize].source.clone();
         let group =
             Group { name: String::new(), outline: Region::Ring(Vec::new()), clauses: vec![clause], source };
-        found.push((element.hi.x - element.lo.x, group, nodes));
+        let ends = element.followers.iter().map(|f| (f.record, f.end)).collect();
+        found.push((element.hi.x - element.lo.x, group, nodes, ends));
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.2.cmp(&b.2)));
+    // One end goes along with one wall: the other would leave it.
+    let mut taken: BTreeSet<(usize, usize)> = BTreeSet::new();
+    found.retain(|(.., ends)| {
+        let is_free = ends.iter().all(|e| !taken.contains(e));
+        taken.extend(ends.iter().filter(|_| is_free));
+        is_free
+    });
     found.truncate(PARTITIONS_MAX);
-    let named = found.into_iter().enumerate().map(|(i, (_, mut group, nodes))| {
+    let named = found.into_iter().enumerate().map(|(i, (_, mut group, nodes, _))| {
         group.name = format!("wall-{}", i + 1);
         (group, nodes)
     });
