@@ -78,7 +78,8 @@ pub fn read_options(settings: &Settings) -> formats::ReadOptions {
         storey: settings.storey.clone(),
         sight,
         is_by_user: !settings.wall_layers.is_empty(),
-        twin: settings.twin.clone(),
+        twin: settings.beside.twin.clone(),
+        buffers: settings.beside.buffers.clone(),
     }
 }
 

@@ -246,6 +246,7 @@ mod tests {
                 entities: view.chain(cut).collect(),
                 texts: Vec::new(),
                 marked: Vec::new(),
+                hosts: BTreeMap::new(),
             }
         };
         let left = |shift: usize| {
