@@ -2,8 +2,8 @@
 
 use super::lanes::{LANES, Lanes, Vector, transpose};
 
-/// Tables that are read at a time, of one cache line a row: 8 KiB.
-const TABLES: usize = 8;
+/// Tables that are read at a time, of one cache line a row: 16 KiB.
+const TABLES: usize = 16;
 
 /// Cache lines of the next frontiers that are made at a time: 20 KiB.
 const NEXT_LANES: usize = 320;

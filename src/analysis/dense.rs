@@ -32,7 +32,7 @@ const STEEP: f64 = 1e12;
 
 /// See the module page.
 pub(super) struct Dense {
-    path: Path,
+    pub(super) path: Path,
     /// Which coordinate runs along a line, and which across.
     axes: [usize; 2],
     low_um: PointUm,
