@@ -1,20 +1,38 @@
 //! The walls of a plan as bodies: what the axis graph says of them, joined to what can be written back.
 
+use std::collections::BTreeMap;
+
 use glam::DVec2;
 
 use super::Plan;
 use super::axes::{AxisGraph, Drawn, Edge, Face, FaceRef, Mark, Path, Role, paths_of};
+use super::box_of;
 use super::curve::control_points;
-use super::drawing::{Drawing, Entity, Shape};
-use super::geometry::{PointUm, UM_PER_M};
+use super::drawing::{Drawing, Entity, Format, Shape};
+use super::geometry::{PointUm, Segment, UM_PER_M};
 use super::graph::Handle;
 use super::layers;
 use super::roles::{self, role_by_name};
 use super::rooms;
+use super::rounds;
 
 /// Words of layers that hold doors and windows alike, lower case.
-const OPENING_WORDS: &[&str] =
-    &["opening", "openings", "header", "infissi", "serramenti", "carpinteria", "建具", "sliding"];
+const OPENING_WORDS: &[&str] = &[
+    "opening",
+    "openings",
+    "doorswindows",
+    "doorwindow",
+    "doorwindows",
+    "windowsdoors",
+    "windowdoor",
+    "windowdoors",
+    "header",
+    "infissi",
+    "serramenti",
+    "carpinteria",
+    "建具",
+    "sliding",
+];
 
 /// Radii of arcs that may be door swings, metres of a person.
 pub const SWING_RADIUS_M: [f64; 2] = [0.5, 1.6];
@@ -49,6 +67,7 @@ pub fn axes(plan: &Plan, drawing: &Drawing) -> (AxisGraph, Vec<usize>) {
     // Where wall lines run through and nothing shows a door or a window, there is no gap.
     axes.openings.retain(|o| o.through.is_empty() || !o.marks.is_empty());
     rooms::open_touching(plan, &mut axes);
+    axes.count_again();
     (axes, marked)
 }
 
@@ -78,7 +97,7 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
         {
             continue;
         }
-        let paths = paths_of(&entity.shape, place);
+        let paths = swing_or(paths_of(&entity.shape, place));
         if let Some((role, word)) = mark_role(entity, &paths) {
             let group =
                 if entity.blocks.is_empty() { i } else { drawing.entities.len() + entity.source.record };
@@ -89,12 +108,65 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     (out, marked)
 }
 
+/// How far beyond the walls what fills their openings may lie, metres of a person: sills, bays.
+const BEYOND_WALLS_M: f64 = 1.0;
+
+/// Straight lines of doors, windows and glass, by the names of their layers and blocks, drawing frame: what closes
+/// the gaps between walls when it is asked what lies inside, however little of an opening was understood.
+pub fn infill_lines(plan: &Plan, drawing: &Drawing) -> Vec<Segment> {
+    let points = plan.walls.iter().flat_map(|w| &w.trace.points);
+    let walls = box_of(points.map(|p| DVec2::new(p[0] as f64, p[1] as f64)));
+    let Some([lo, hi]) = walls.filter(|_| drawing.format == Format::Dxf) else { return Vec::new() };
+    let beyond = DVec2::splat(BEYOND_WALLS_M * plan.human_scale * UM_PER_M);
+    let is_near = |p: PointUm| {
+        let p = DVec2::new(p[0] as f64, p[1] as f64);
+        p.cmpge(lo - beyond).all() && p.cmple(hi + beyond).all()
+    };
+    let hidden = |name: &str| drawing.layers.iter().any(|l| l.name == name && (l.is_off || l.is_frozen));
+    let fills = |name: &str| {
+        matches!(role_by_name(name).0, roles::Role::Door | roles::Role::Window | roles::Role::Glazing)
+    };
+    let by_layer: BTreeMap<&str, bool> =
+        drawing.entities.iter().map(|e| e.layer.as_str()).map(|l| (l, fills(l) && !hidden(l))).collect();
+    let is_infill = |e: &&Entity| by_layer[e.layer.as_str()] || e.blocks.iter().any(|b| fills(b));
+    let lines = drawing.entities.iter().filter(is_infill).flat_map(|e| paths_of(&e.shape, |p| p));
+    let segments = lines.filter_map(|p| match p {
+        Path::Line { a, b } => Some(Segment { a: plan.frame.um_from_file(a), b: plan.frame.um_from_file(b) }),
+        Path::Arc { .. } => None,
+    });
+    segments.filter(|s| is_near(s.a) && is_near(s.b)).collect()
+}
+
+/// Whether the name of an entity's layer or of a block around it says that it is a window or glass.
+pub fn is_glass(e: &Entity) -> bool {
+    let names = e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]);
+    let roles: Vec<roles::Role> = names.map(|n| role_by_name(n).0).collect();
+    let has = |role| roles.contains(&role);
+    (has(roles::Role::Window) || has(roles::Role::Glazing)) && !has(roles::Role::Door)
+}
+
+/// The arc of a door's swing where chords trace one, else the pieces as they are.
+fn swing_or(paths: Vec<Path>) -> Vec<Path> {
+    match rounds::as_arc(&paths) {
+        Some(arc) if is_swing(&arc) => vec![arc],
+        _ => paths,
+    }
+}
+
+/// Whether an arc may be the swing of a door, by its size.
+fn is_swing(path: &Path) -> bool {
+    matches!(path, Path::Arc { radius, sweep_rad, .. }
+        if (SWING_RADIUS_M[0]..=SWING_RADIUS_M[1]).contains(radius) && (0.5..=3.3).contains(sweep_rad))
+}
+
 /// What an entity says about an opening: by the name of its block or layer, else by its shape if the name
 /// says nothing.
 fn mark_role(entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
     let mut is_open = false;
     for name in entity.blocks.iter().map(String::as_str).chain([entity.layer.as_str()]) {
-        let is_both = || layers::words(name).iter().any(|w| OPENING_WORDS.contains(&w.as_str()));
+        let is_window = |w: &str| role_by_name(w).0 == roles::Role::Window;
+        let is_both =
+            || layers::words(name).iter().any(|w| OPENING_WORDS.contains(&w.as_str()) || is_window(w));
         match role_by_name(name).0 {
             roles::Role::Door if is_both() => return Some((Role::Unknown, name.to_string())),
             roles::Role::Door => return Some((Role::Door, name.to_string())),
@@ -104,9 +176,7 @@ fn mark_role(entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
         }
     }
     let tells = |p: &Path| match p {
-        Path::Arc { radius, sweep_rad, .. } => {
-            (SWING_RADIUS_M[0]..=SWING_RADIUS_M[1]).contains(radius) && (0.5..=3.3).contains(sweep_rad)
-        }
+        Path::Arc { .. } => is_swing(p),
         Path::Line { .. } => is_open,
     };
     paths.iter().any(tells).then(|| (Role::Unknown, String::new()))
@@ -143,13 +213,14 @@ const SLENDER: f64 = 2.5;
 
 /// The ground that straight thick walls stand on, openings left out: rings in the drawing frame, micrometres.
 ///
-/// Only walls all of whose drawn pieces `stays` are taken.
+/// Only walls of which one side stays, all its drawn pieces, are taken: where the other side moves, it is a joint
+/// that slides along the wall.
 pub fn footprints(plan: &Plan, axes: &AxisGraph, stays: impl Fn(FaceRef) -> bool) -> Vec<Vec<PointUm>> {
     let um = |p: DVec2| plan.frame.um_from_plan(p * plan.human_scale);
     let mut out = Vec::new();
     for edge in axes.edges.iter().filter(|e| e.thickness_m > 0.0 && e.bulge == 0.0) {
-        let mut faces = edge.left.iter().chain(&edge.right).chain(&edge.inner);
-        if edge.left.is_empty() || edge.right.is_empty() || !faces.all(|f| stays(*f)) {
+        let holds = |side: &[FaceRef]| side.iter().all(|f| stays(*f));
+        if edge.left.is_empty() || edge.right.is_empty() || !(holds(&edge.left) || holds(&edge.right)) {
             continue;
         }
         let [a, b] = axes.ends(edge);
@@ -189,6 +260,35 @@ fn closed_parts(axes: &AxisGraph, edge: &Edge) -> Vec<[f64; 2]> {
     if at < 1.0 {
         out.push([at, 1.0]);
     }
+    out
+}
+
+/// The thick wall that each drawn face and each face's end belongs to, numbered from 0: edges on which one
+/// face lies are one wall.
+pub fn thick_walls(axes: &AxisGraph) -> BTreeMap<FaceRef, u32> {
+    let mut out: BTreeMap<FaceRef, u32> = BTreeMap::new();
+    let mut root: Vec<u32> = (0..axes.edges.len() as u32).collect();
+    let find = |root: &[u32], mut i: u32| {
+        while root[i as usize] != i {
+            i = root[i as usize];
+        }
+        i
+    };
+    let thick = || axes.edges.iter().enumerate().filter(|(_, e)| e.thickness_m > 0.0);
+    for (i, edge) in thick() {
+        for face in edge.left.iter().chain(&edge.right).chain(&edge.inner) {
+            let first = *out.entry(*face).or_insert(i as u32);
+            let (a, b) = (find(&root, first), find(&root, i as u32));
+            root[a.max(b) as usize] = a.min(b);
+        }
+    }
+    for (i, edge) in thick() {
+        let ends = edge.nodes.iter().flat_map(|n| &axes.nodes[*n as usize].faces);
+        for face in ends {
+            out.entry(*face).or_insert(i as u32);
+        }
+    }
+    out.values_mut().for_each(|wall| *wall = find(&root, *wall));
     out
 }
 
