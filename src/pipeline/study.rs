@@ -119,7 +119,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
     let mut closings = building::closings(drawing, &plan);
     closings.extend(opening_lines(&plan, &axes));
-    closings.extend(structure::infill_lines(&plan, drawing));
+    closings.extend(structure::infill_lines(&plan, drawing, &axes));
     let has_moves = !settings.moves.is_empty()
         || !(settings.ignore_move_markers || plan.markers.groups.is_empty() && drawing.marked.is_empty());
     let needs_inside = plan.markers.needs_interior();

@@ -1,11 +1,11 @@
 //! The walls of a plan as bodies: what the axis graph says of them, joined to what can be written back.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
 use super::Plan;
-use super::axes::{AxisGraph, Drawn, Edge, Face, FaceRef, Mark, Path, Role, paths_of};
+use super::axes::{AxisGraph, Drawn, Edge, Face, FaceRef, Mark, Opening, Path, Role, paths_of};
 use super::box_of;
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Format, Shape};
@@ -89,7 +89,7 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
             out.faces.push(Face { wall: w as u32, part: part as u32, path, role: Role::Wall, is_closed });
         }
     }
-    let is_wall: std::collections::BTreeSet<(usize, &str)> =
+    let is_wall: BTreeSet<(usize, &str)> =
         plan.walls.iter().map(|w| (w.source.record, w.source.layer.as_str())).collect();
     for (i, entity) in drawing.entities.iter().enumerate() {
         if is_wall.contains(&(entity.source.record, entity.source.layer.as_str()))
@@ -111,30 +111,62 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
 /// How far beyond the walls what fills their openings may lie, metres of a person: sills, bays.
 const BEYOND_WALLS_M: f64 = 1.0;
 
-/// Straight lines of doors, windows and glass, by the names of their layers and blocks, drawing frame: what closes
-/// the gaps between walls when it is asked what lies inside, however little of an opening was understood.
-pub fn infill_lines(plan: &Plan, drawing: &Drawing) -> Vec<Segment> {
-    let points = plan.walls.iter().flat_map(|w| &w.trace.points);
-    let walls = box_of(points.map(|p| DVec2::new(p[0] as f64, p[1] as f64)));
-    let Some([lo, hi]) = walls.filter(|_| drawing.format == Format::Dxf) else { return Vec::new() };
-    let beyond = DVec2::splat(BEYOND_WALLS_M * plan.human_scale * UM_PER_M);
-    let is_near = |p: PointUm| {
-        let p = DVec2::new(p[0] as f64, p[1] as f64);
-        p.cmpge(lo - beyond).all() && p.cmple(hi + beyond).all()
+/// How far beside a wall's faces lines still belong to a window in it, metres of a person: sills, frames.
+const SILL_M: f64 = 0.3;
+
+/// What fills the gaps between walls, drawing frame: straight lines of doors, windows and glass by the names of
+/// their layers and blocks, and from the hinge of every door's swing to its ends. It closes the outline when it is
+/// asked what lies inside, where an opening was not understood; those that were close themselves.
+pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Segment> {
+    if drawing.format != Format::Dxf {
+        return Vec::new();
+    }
+    let place = |p: DVec2| plan.frame.plan_from_file(p) / plan.human_scale;
+    let points = plan.walls.iter().flat_map(|w| control_points(&w.shape)).map(place);
+    let Some([lo, hi]) = box_of(points) else { return Vec::new() };
+    let hidden: BTreeSet<&str> =
+        drawing.layers.iter().filter(|l| l.is_off || l.is_frozen).map(|l| l.name.as_str()).collect();
+    let of_layers = drawing.entities.iter().map(|e| e.layer.as_str());
+    let role_of: BTreeMap<&str, roles::Role> = of_layers.map(|l| (l, role_by_name(l).0)).collect();
+    let walls: BTreeSet<(usize, &str)> =
+        plan.walls.iter().map(|w| (w.source.record, w.source.layer.as_str())).collect();
+    let is_near = |s: &[DVec2; 2]| {
+        s.iter().all(|p| p.cmpge(lo - BEYOND_WALLS_M).all() && p.cmple(hi + BEYOND_WALLS_M).all())
     };
-    let hidden = |name: &str| drawing.layers.iter().any(|l| l.name == name && (l.is_off || l.is_frozen));
-    let fills = |name: &str| {
-        matches!(role_by_name(name).0, roles::Role::Door | roles::Role::Window | roles::Role::Glazing)
-    };
-    let by_layer: BTreeMap<&str, bool> =
-        drawing.entities.iter().map(|e| e.layer.as_str()).map(|l| (l, fills(l) && !hidden(l))).collect();
-    let is_infill = |e: &&Entity| by_layer[e.layer.as_str()] || e.blocks.iter().any(|b| fills(b));
-    let lines = drawing.entities.iter().filter(is_infill).flat_map(|e| paths_of(&e.shape, |p| p));
-    let segments = lines.filter_map(|p| match p {
-        Path::Line { a, b } => Some(Segment { a: plan.frame.um_from_file(a), b: plan.frame.um_from_file(b) }),
-        Path::Arc { .. } => None,
-    });
-    segments.filter(|s| is_near(s.a) && is_near(s.b)).collect()
+    let mut out: Vec<[DVec2; 2]> = Vec::new();
+    let shown =
+        drawing.entities.iter().filter(|e| !walls.contains(&(e.source.record, e.source.layer.as_str())));
+    for e in shown.filter(|e| !hidden.contains(e.layer.as_str())) {
+        let role = role_of[e.layer.as_str()];
+        let by_name = fills(role) || e.blocks.iter().any(|b| fills(role_by_name(b).0));
+        let may_swing = by_name || matches!(role, roles::Role::Wall | roles::Role::Unknown);
+        for path in swing_or(paths_of(&e.shape, place)) {
+            match path {
+                Path::Line { a, b } if by_name => out.push([a, b]),
+                Path::Arc { centre, .. } if may_swing && is_swing(&path) => {
+                    out.extend(path.ends().map(|p| [centre, p]));
+                }
+                _ => {}
+            }
+        }
+    }
+    out.retain(|s| is_near(s) && !axes.openings.iter().any(|o| lies_in(s, o)));
+    let um = |p: DVec2| plan.frame.um_from_plan(p * plan.human_scale);
+    out.into_iter().map(|[a, b]| Segment { a: um(a), b: um(b) }).collect()
+}
+
+/// Whether it fills gaps between walls.
+fn fills(role: roles::Role) -> bool {
+    matches!(role, roles::Role::Door | roles::Role::Window | roles::Role::Glazing)
+}
+
+/// Whether the middle of a line lies in an opening or just beside it.
+fn lies_in([a, b]: &[DVec2; 2], opening: &Opening) -> bool {
+    let [from, to] = opening.jambs.map(|j| j.at);
+    let along = (to - from).normalize_or_zero();
+    let p = a.midpoint(*b) - from;
+    (-SILL_M..=from.distance(to) + SILL_M).contains(&p.dot(along))
+        && along.perp_dot(p).abs() <= opening.thickness_m / 2.0 + SILL_M
 }
 
 /// Whether the name of an entity's layer or of a block around it says that it is a window or glass.
