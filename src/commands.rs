@@ -12,8 +12,9 @@ use std::time::Instant;
 use crate::cli::{
     AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ResolutionArgs, RunArgs, SearchArgs,
 };
-use crate::config::{Partial, Settings, settings_files, unread_side_cars};
+use crate::config::{Beside, Partial, Settings, settings_files, unread_side_cars};
 use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
+use crate::formats;
 use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
 use crate::pipeline::cells::CellOptions;
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
@@ -379,7 +380,7 @@ fn accept_option(
     let configured = settings_partial(file, Partial::default())?.out.map(PathBuf::from);
     let (round, result) = round_result(file, out.or(configured), round)?;
     let accepted =
-        pipeline::accept::accept(&Input::new(&path, &bytes, 1), twin(file), &result, round, number)?;
+        pipeline::accept::accept(&Input::new(&path, &bytes, 1), beside(file), &result, round, number)?;
     let store::Revision { path: next, is_new } =
         store::write_revision(&SystemDisk, &absolute(file), &accepted.drawing)?;
     let side_car = settings_files(&next)[0].clone();
@@ -462,7 +463,7 @@ pub fn settings_for(drawing: &Path, command_line: Partial) -> Result<(Settings, 
     };
     let mut unread = unread_side_cars(drawing, &files_beside(drawing));
     unread.retain(|u| !was_read(u));
-    Ok((Settings { twin: twin(drawing), unread, ..Settings::new(partial)? }, out))
+    Ok((Settings { beside: beside(drawing), unread, ..Settings::new(partial)? }, out))
 }
 
 /// Names of the files in a drawing's folder.
@@ -471,6 +472,27 @@ fn files_beside(drawing: &Path) -> Vec<String> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let files = entries.flatten().filter(|e| e.file_type().is_ok_and(|t| t.is_file()));
     files.map(|e| e.file_name().to_string_lossy().into_owned()).collect()
+}
+
+/// What is read of files beside a drawing.
+fn beside(drawing: &Path) -> Beside {
+    let is_text = drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf"));
+    let scene = if is_text { std::fs::read(drawing).unwrap_or_default() } else { Vec::new() };
+    let named = formats::gltf::files_of(&scene).into_iter();
+    Beside {
+        twin: twin(drawing),
+        buffers: named.filter_map(|n| Some((n.clone(), data_beside(drawing, &n)?))).collect(),
+    }
+}
+
+/// A file of data in a drawing's own folder; none where it is no file, lies elsewhere, or is too large.
+fn data_beside(drawing: &Path, name: &str) -> Option<Arc<[u8]>> {
+    let file = std::fs::canonicalize(drawing.with_file_name(name)).ok()?;
+    let folder = std::fs::canonicalize(drawing).ok()?;
+    let is_here = file.parent() == folder.parent();
+    let size = std::fs::metadata(&file).ok().filter(std::fs::Metadata::is_file)?.len();
+    let is_taken = is_here && size <= formats::gltf::OUTER_MAX;
+    Some(is_taken.then(|| std::fs::read(&file).ok())??.into())
 }
 
 /// The IFC of the same name beside a glTF.

@@ -521,12 +521,21 @@ pub struct Settings {
     pub regions: Vec<RegionTable>,
     /// Earlier rounds of an accepted drawing.
     pub lineage: Vec<LineageTable>,
-    /// Bytes of the IFC that lies beside a glTF of the same name: it knows the classes of the nodes.
+    /// What else is read of files beside the drawing.
     #[serde(skip)]
-    pub twin: Option<Arc<[u8]>>,
+    pub beside: Beside,
     /// Files beside the drawing that were meant as its settings and are not read: name found, name that is read.
     #[serde(skip)]
     pub unread: Vec<(String, String)>,
+}
+
+/// Bytes of files beside a glTF.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Beside {
+    /// The IFC of the same name: it knows the classes of the nodes.
+    pub twin: Option<Arc<[u8]>>,
+    /// Files that its buffers name, by name.
+    pub buffers: BTreeMap<String, Arc<[u8]>>,
 }
 
 impl Settings {
@@ -617,7 +626,7 @@ impl Settings {
             storey: p.storey,
             query: p.query,
             accept_missing_eof: p.accept_missing_eof.unwrap_or(false),
-            twin: None,
+            beside: Beside::default(),
             unread: Vec::new(),
             ignore_move_markers: p.ignore_move_markers.unwrap_or(false),
             moves: p.moves,

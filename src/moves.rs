@@ -5,6 +5,7 @@ mod bars;
 pub mod carried;
 pub mod control;
 pub mod defaults;
+mod joined;
 mod mitre;
 mod partitions;
 
@@ -13,6 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use bars::Moving;
+use joined::Joined;
 use mitre::{Mitre, Refusal};
 
 use crate::plan::Plan;
@@ -58,6 +60,8 @@ pub struct Moves {
     start: BTreeMap<u32, Vec<DVec2>>,
     /// The corners of thick walls that follow their faces.
     mitre: Mitre,
+    /// The ends of walls that change their length with a wall they are joined to.
+    joined: Joined,
 }
 
 /// A wall after its move.
@@ -71,6 +75,8 @@ pub struct MovedWall {
     pub trace: Trace,
     /// The rigid motion in drawing units, for walls that move as a whole.
     pub motion: Option<RigidMotion>,
+    /// How far both ends go along the wall's own axis besides, drawing units, where its length changes.
+    pub ends: Option<[f64; 2]>,
     /// Whether anything differs from the drawing.
     pub is_changed: bool,
 }
@@ -154,7 +160,9 @@ impl Moves {
             out.groups.push(nodes.clone());
         }
         let moving = Moving { groups: &out.groups, parameters: &out.parameters };
-        out.mitre = Mitre::new(plan, graph, axes, moving, &|n| is_kept(plan, graph, n))?;
+        out.joined = Joined::new(plan, moving, &|n| is_kept(plan, graph, n), graph)?;
+        let follows = out.joined.handles().copied().collect();
+        out.mitre = Mitre::new(plan, graph, axes, moving, &|n| is_kept(plan, graph, n), &follows)?;
         let walls: BTreeSet<u32> = out.handles().map(|h| h.0).collect();
         out.rigid = walls.iter().copied().filter(|w| moves_whole(plan, *w)).collect();
         for w in &walls {
@@ -170,7 +178,8 @@ impl Moves {
 
     /// All control points that can move: those of the groups, and those of joints that follow.
     pub fn handles(&self) -> impl Iterator<Item = &Handle> {
-        self.groups.iter().flat_map(|g| &g.handles).chain(&self.mitre.followers)
+        let own = self.groups.iter().flat_map(|g| &g.handles);
+        own.chain(&self.mitre.followers).chain(self.joined.handles())
     }
 
     /// Whether a joint breaks where all parameters of one group stand at a bound, in any combination.
@@ -183,8 +192,8 @@ impl Moves {
                 let clause = &self.parameters[*i].clause;
                 p[*i] = if bits >> k & 1 == 0 { clause.lower } else { clause.upper };
             }
-            let (at, ends, _) = self.placed(plan, graph, &p);
-            self.mitre.trouble(&self.start, &ends, &at).map(|why| Refusal { group, why })
+            let placed = self.placed(plan, graph, &p);
+            self.mitre.trouble(&self.start, &placed.ends, &placed.at).map(|why| Refusal { group, why })
         })
     }
 
@@ -200,8 +209,12 @@ impl Moves {
 
     /// `G_A(p)`: the layout of one parameter vector. At the identity nothing is changed, to the bit.
     pub fn apply(&self, plan: &Plan, graph: &Graph, p: &[f64]) -> Layout {
-        let (at, _, motions) = self.placed(plan, graph, p);
-        Layout { walls: self.walls.iter().map(|w| moved_wall(plan, *w, &at[w], motions.get(w))).collect() }
+        let placed = self.placed(plan, graph, p);
+        let wall = |w: &u32| {
+            let ends = self.joined.ends_of(plan, *w, &placed.lengths);
+            moved_wall(plan, *w, &placed.at[w], placed.motions.get(w), ends)
+        };
+        Layout { walls: self.walls.iter().map(wall).collect() }
     }
 
     /// Control points of the moving walls and ends of thick walls (plan frame), and motions of what moves whole.
@@ -213,6 +226,7 @@ impl Moves {
         for w in &self.rigid {
             motions.insert(*w, still);
         }
+        let mut lengths = joined::Lengths::default();
         for (parameter, value) in self.parameters.iter().zip(p) {
             let group = &self.groups[parameter.group];
             if *value == parameter.clause.kind.identity() {
@@ -220,6 +234,15 @@ impl Moves {
             }
             let step = step_of(parameter, *value, || self.centroid(graph, group, &at), plan);
             self.mitre.step(&mut ends, parameter.group, |p| step.apply(p));
+            for follower in self.joined.of_group(parameter.group) {
+                let way = follower.way(step.shift);
+                lengths.entry(follower.record).or_default()[follower.end] += way;
+                for (w, c) in &follower.handles {
+                    if let Some(points) = at.get_mut(w) {
+                        points[*c as usize] += follower.along * way;
+                    }
+                }
+            }
             for (w, c) in &group.handles {
                 if let Some(points) = at.get_mut(w) {
                     points[*c as usize] = step.apply(points[*c as usize]);
@@ -234,7 +257,7 @@ impl Moves {
             }
         }
         self.mitre.place(&self.start, &ends, &mut at);
-        (at, ends, motions)
+        Placed { at, ends, motions, lengths }
     }
 
     /// Mean of the group's nodes where they stand now.
@@ -248,8 +271,17 @@ impl Moves {
     }
 }
 
-/// Control points by wall, ends of thick walls, motions of walls that move whole.
-type Placed = (BTreeMap<u32, Vec<DVec2>>, Vec<[DVec2; 2]>, BTreeMap<u32, RigidMotion>);
+/// Where one parameter vector puts everything, plan frame, metres.
+struct Placed {
+    /// Control points by wall.
+    at: BTreeMap<u32, Vec<DVec2>>,
+    /// Ends of thick walls.
+    ends: Vec<[DVec2; 2]>,
+    /// Motions of walls that move whole.
+    motions: BTreeMap<u32, RigidMotion>,
+    /// How far the ends of walls go that change their length.
+    lengths: joined::Lengths,
+}
 
 /// Most parameters of one group whose bounds are tried in every combination.
 const CORNER_PARAMETERS_MAX: usize = 6;
@@ -333,7 +365,7 @@ fn step_of(parameter: &Parameter, value: f64, centroid: impl Fn() -> DVec2, plan
 
 fn moves_whole(plan: &Plan, wall: u32) -> bool {
     let wall = &plan.walls[wall as usize];
-    matches!(wall.shape, Shape::Arc { .. }) || matches!(wall.editable, Editable::WithInsert { .. })
+    matches!(wall.shape, Shape::Arc { .. }) || wall.editable.moves_whole()
 }
 
 /// Control points of the group's nodes that can be written back; the others are reported.
@@ -369,7 +401,7 @@ fn refusal(plan: &Plan, graph: &Graph, group: &Group, w: u32, handles: &BTreeSet
     let scales = group.clauses.iter().any(|c| matches!(c.kind, Kind::Scale(_)));
     match &wall.editable {
         Editable::No(why) => return Some(why.clone()),
-        Editable::WithInsert { turnable } => {
+        Editable::WithInsert { .. } | Editable::Wall { .. } => {
             let same = |v: &u32| plan.walls[*v as usize].source.record == wall.source.record;
             if !(0..plan.walls.len() as u32).filter(same).all(all_in) {
                 // A building's neighbours share corners; nobody drew a box round a part of them.
@@ -381,7 +413,7 @@ fn refusal(plan: &Plan, graph: &Graph, group: &Group, w: u32, handles: &BTreeSet
             if scales {
                 return Some("a block is not scaled".into());
             }
-            if turns && !turnable {
+            if turns && wall.editable == (Editable::WithInsert { turnable: false }) {
                 return Some("its INSERT has no rotation value to change".into());
             }
         }
@@ -393,7 +425,13 @@ fn refusal(plan: &Plan, graph: &Graph, group: &Group, w: u32, handles: &BTreeSet
     None
 }
 
-fn moved_wall(plan: &Plan, w: u32, at: &[DVec2], motion: Option<&RigidMotion>) -> MovedWall {
+fn moved_wall(
+    plan: &Plan,
+    w: u32,
+    at: &[DVec2],
+    motion: Option<&RigidMotion>,
+    ends: Option<joined::Ends>,
+) -> MovedWall {
     let wall = &plan.walls[w as usize];
     let frame = &plan.frame;
     let points: Vec<DVec2> = curve::control_points(&wall.shape)
@@ -408,9 +446,10 @@ fn moved_wall(plan: &Plan, w: u32, at: &[DVec2], motion: Option<&RigidMotion>) -
         Some(m) => rigid_shape(plan, &wall.shape, m),
         None => (with_points(&wall.shape, &points), None),
     };
+    let shape = ends.as_ref().map_or(shape.clone(), |e| e.lengthened(wall, motion.as_ref(), shape));
     let is_changed = shape != wall.shape;
     let trace = if is_changed { curve::trace(&shape, frame) } else { wall.trace.clone() };
-    MovedWall { wall: w, shape, trace, motion, is_changed }
+    MovedWall { wall: w, shape, trace, motion, ends: ends.map(|e| e.by), is_changed }
 }
 
 /// The shape after a rigid motion of the plan frame, and that motion in drawing units.
@@ -423,9 +462,15 @@ fn rigid_shape(plan: &Plan, shape: &Shape, m: &RigidMotion) -> (Shape, Option<Ri
     let moved_zero = frame.file_from_plan(m.shift);
     let motion =
         RigidMotion { turn_rad: m.turn_rad, shift: moved_zero - DVec2::from_angle(m.turn_rad).rotate(zero) };
+    (moved_shape(plan, shape, &motion), Some(motion))
+}
+
+/// The shape after a rigid motion in drawing units.
+fn moved_shape(plan: &Plan, shape: &Shape, motion: &RigidMotion) -> Shape {
+    let (m, frame) = (motion, &plan.frame);
     let go = |p: DVec2| DVec2::from_angle(m.turn_rad).rotate(p) + motion.shift;
     let snap = |p: DVec2| frame.file_from_um(frame.um_from_file(go(p)));
-    let shape = match shape {
+    match shape {
         Shape::Arc { centre, radius, start_rad, end_rad } => Shape::Arc {
             centre: snap(*centre),
             radius: *radius,
@@ -434,8 +479,7 @@ fn rigid_shape(plan: &Plan, shape: &Shape, m: &RigidMotion) -> (Shape, Option<Ri
         },
         Shape::Circle { centre, radius } => Shape::Circle { centre: go(*centre), radius: *radius },
         other => with_points(other, &curve::control_points(other).into_iter().map(go).collect::<Vec<_>>()),
-    };
-    (shape, Some(motion))
+    }
 }
 
 /// The same shape through other control points; bulges and radii stay. Arcs are returned unchanged.

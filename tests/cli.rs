@@ -438,3 +438,47 @@ fn a_pinned_option_stays_and_another_can_be_followed() {
     let link = ["run", &drawing, "--out", &out, "--link", "same: nobody, none", "-q"];
     assert_eq!(enfilade(&link).status.code(), Some(3));
 }
+
+#[test]
+fn a_scene_whose_data_lie_beside_it_takes_them_along() {
+    let folder = tempfile::tempdir().unwrap();
+    let glb = std::fs::read(sample("pavilion.glb")).unwrap();
+    let len = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let data = &glb[28 + len..];
+    let scene =
+        text(&glb[20..20 + len]).replace("\"buffers\":[{", "\"buffers\":[{\"uri\":\"walls%201.bin\",");
+    let (gltf, bin) = (folder.path().join("house.gltf"), folder.path().join("walls 1.bin"));
+    std::fs::write(&gltf, scene).unwrap();
+    let at = gltf.to_string_lossy().into_owned();
+    let missing = enfilade(&["check", &at]);
+    assert!(
+        text(&missing.stderr)
+            .contains("names \"walls 1.bin\", expected a file of at most 1073741824 bytes beside"),
+        "{}",
+        text(&missing.stderr)
+    );
+    // A link that leads out of the folder is not followed.
+    let elsewhere = tempfile::tempdir().unwrap();
+    let outside = elsewhere.path().join("secret.bin");
+    std::fs::write(&outside, data).unwrap();
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&outside, &bin).unwrap();
+        assert!(text(&enfilade(&["check", &at]).stderr).contains("names \"walls 1.bin\""));
+        std::fs::remove_file(&bin).unwrap();
+    }
+    let most = enfilade::formats::gltf::OUTER_MAX;
+    std::fs::File::create(&bin).unwrap().set_len(most + 1).unwrap();
+    assert!(
+        text(&enfilade(&["check", &at]).stderr).contains(&format!("a file of at most {most} bytes beside"))
+    );
+    std::fs::write(&bin, data).unwrap();
+    let done = enfilade(&["run", &at, "--evaluations", "12", "--members", "1", "--spacing", "2", "-q"]);
+    assert!(matches!(done.status.code(), Some(0 | 1)), "{}", text(&done.stderr));
+    let round = folder.path().join("house.enfilade/round-01");
+    assert!(std::fs::read(round.join("walls 1.bin")).unwrap() == data);
+    for name in ["initial.gltf", "candidate-1.gltf"] {
+        let said = text(&enfilade(&["check", &round.join(name).to_string_lossy()]).stderr);
+        assert!(!said.contains("walls 1.bin"), "{name}: {said}");
+    }
+}

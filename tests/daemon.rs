@@ -2,6 +2,8 @@
 //! finishes the work (contract P4, P6).
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod chaos;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -181,39 +183,6 @@ fn the_lock_of_a_killed_daemon_is_free() {
 /// How long the soak lasts; longer by `ENFILADE_SOAK_SECS`.
 const SOAK_SECS: u64 = 30;
 
-/// A writer of all bad habits: plain, slow, in two passes, by renames, with pauses, and deletions.
-fn save(path: &Path, text: &str, rng: &mut rand_chacha::ChaCha8Rng) {
-    let whole = format!("{text} EOF\n").into_bytes();
-    let (temp, old) = (path.with_extension("tmp"), path.with_extension("bak"));
-    match rng.random_range(0..6) {
-        0 => fs::write(path, &whole).unwrap(),
-        1 => {
-            for end in [0, whole.len() / 2, whole.len() - 1, whole.len()] {
-                fs::write(path, &whole[..end]).unwrap();
-                thread::sleep(Duration::from_millis(rng.random_range(0..60)));
-            }
-        }
-        2 => {
-            fs::write(&temp, &whole).unwrap();
-            fs::rename(&temp, path).unwrap();
-        }
-        3 => {
-            let _ = fs::rename(path, &old);
-            thread::sleep(Duration::from_millis(rng.random_range(0..60)));
-            fs::write(&temp, &whole).unwrap();
-            fs::rename(&temp, path).unwrap();
-        }
-        4 => {
-            let _ = fs::remove_file(path);
-            fs::write(path, &whole).unwrap();
-        }
-        _ => {
-            fs::write(path, b"first EOF of a file that goes on").unwrap();
-            fs::write(path, &whole).unwrap();
-        }
-    }
-}
-
 /// Chaos by a fixed seed: saves, deletions, folders moved, daemons killed. In the end the newest round
 /// of every drawing is that of its last content, and all that is visible is whole.
 #[test]
@@ -238,7 +207,7 @@ fn soak() {
                 child.wait().unwrap();
                 child = start_child(&root);
             }
-            _ if folder.is_dir() => save(&path, &format!("step {steps}"), &mut rng),
+            _ if folder.is_dir() => chaos::save(&path, format!("step {steps} EOF\n").as_bytes(), &mut rng),
             _ => {}
         }
         thread::sleep(Duration::from_millis(rng.random_range(0..120)));

@@ -156,10 +156,7 @@ proptest! {
             let edits = edits_of(&before, step, motion);
             let patched = patch(&name, &bytes, &edits, &[]).unwrap();
             let (after, _) = read_whole(&name, &patched);
-            let record = |edit: &Edit| match edit {
-                Edit::Shape { record, .. } | Edit::Insert { record, .. } => *record,
-            };
-            let chosen: HashSet<usize> = edits.iter().map(record).collect();
+            let chosen: HashSet<usize> = edits.iter().map(Edit::record).collect();
             assert_moved(&before, &after, &chosen, &motion, &name);
             let changed: HashSet<usize> =
                 changed_records(&name, &bytes, &edits).unwrap().into_iter().flatten().map(|c| c.record).collect();

@@ -311,15 +311,21 @@ fn hazards() -> Vec<(&'static str, String, &'static str, bool)> {
     };
     let other = |to: &str| swap(&uri, &format!("\"uri\":\"{to}\""));
     let mut out = Vec::new();
-    for path in [
-        "../walls.bin",
-        "/etc/passwd",
-        "file:///etc/passwd",
-        "http://example.org/a.bin",
-        "%2e%2e/a.bin",
-        "A..B.bin",
+    for (path, says) in [
+        (
+            "../walls.bin",
+            "/buffers/0: names \"../walls.bin\", which lies elsewhere, expected a file in the drawing's own folder; it is not opened",
+        ),
+        ("/etc/passwd", "/buffers/0: names \"/etc/passwd\", which lies elsewhere"),
+        ("file:///etc/passwd", "/buffers/0: names \"file:///etc/passwd\", an address"),
+        ("http://example.org/a.bin", "/buffers/0: names \"http://example.org/a.bin\", an address"),
+        ("%2e%2e/a.bin", "/buffers/0: names \"%2e%2e/a.bin\", which lies elsewhere"),
+        (
+            "A..B.bin",
+            "/buffers/0: names \"A..B.bin\", expected a file of at most 1073741824 bytes beside the drawing; put it there, or export as .glb",
+        ),
     ] {
-        out.push(("43 data in another file", other(path), "/buffers/0: lies in another file", false));
+        out.push(("43 data in another file", other(path), says, true));
     }
     out.extend([
         (
@@ -357,6 +363,27 @@ fn bad_inputs_are_named_and_the_rest_is_read() {
         assert_eq!(drawing.is_err(), is_refused, "{name}");
         assert!(is_refused || report.is_degraded(), "{name}: not stated as left out");
     }
+}
+
+#[test]
+fn data_in_a_file_beside_the_scene_is_read_and_stays_there() {
+    let (json, data) = parts();
+    let json = json.replace("\"buffers\":[{", "\"buffers\":[{\"uri\":\"A..B%201.bin\",");
+    assert_eq!(formats::gltf::files_of(json.as_bytes()), ["A..B 1.bin"]);
+    let options = |data: &[u8]| ReadOptions {
+        buffers: [("A..B 1.bin".to_string(), data.into())].into(),
+        ..ReadOptions::default()
+    };
+    let read_with =
+        |text: &[u8], data: &[u8]| formats::read("house.gltf", text, &options(data), &mut Report::default());
+    assert_eq!(read_with(json.as_bytes(), &data).unwrap().entities, read(PAVILION).entities);
+    let short = read_with(json.as_bytes(), &data[..100]).unwrap_err().to_string();
+    assert!(short.contains("/buffers/0: found 100 bytes, expected"), "{short}");
+    let record = node("IfcWall/cloakroom");
+    let motion = RigidMotion { turn_rad: 0.0, shift: DVec2::new(0.25, 0.5) };
+    let edits = [Edit::Insert { record, motion }];
+    let bytes = formats::patch("house.gltf", json.as_bytes(), &options(&data), &edits, &[]).unwrap();
+    assert_eq!(String::from_utf8(bytes).unwrap(), json.replace("[0.3,0,-7.5]", "[0.55,0,-8]"));
 }
 
 #[test]

@@ -1,10 +1,14 @@
 //! The program itself, killed while it searches: it goes on where it was, and what comes out is what would have
-//! come out undisturbed, byte for byte. And a job that wants more than it may have is ended alone.
+//! come out undisturbed, byte for byte. The same through every bad habit of writers. And a job that wants more than
+//! it may have is ended alone.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod chaos;
+
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread;
@@ -53,9 +57,9 @@ fn status(home: &Path) -> Value {
     fs::read(home.join("status.json")).ok().and_then(|b| serde_json::from_slice(&b).ok()).unwrap_or_default()
 }
 
-/// The files of the first round with their bytes; the time taken and the folder are left out, as it is in digests of jobs.
-fn round(home: &Path) -> BTreeMap<String, Vec<u8>> {
-    let files = fs::read_dir(home.join("round-01")).unwrap().map(|e| e.unwrap().path());
+/// The files of a round with their bytes, but for the time taken, the folder and the number of the round.
+fn round(home: &Path, of: &str) -> BTreeMap<String, Vec<u8>> {
+    let files = fs::read_dir(home.join(of)).unwrap().map(|e| e.unwrap().path());
     let read = |path: PathBuf| {
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         let mut bytes = fs::read(&path).unwrap();
@@ -66,7 +70,9 @@ fn round(home: &Path) -> BTreeMap<String, Vec<u8>> {
             bytes = value.to_string().into_bytes();
         } else if name == "report.html" {
             let root = home.parent().unwrap().to_str().unwrap();
-            bytes = String::from_utf8(bytes).unwrap().replace(root, "ROOT").into_bytes();
+            let number: u32 = of.trim_start_matches("round-").parse().unwrap();
+            let text = String::from_utf8(bytes).unwrap().replace(root, "ROOT");
+            bytes = text.replace(&format!("round {number}"), "round N").into_bytes();
         }
         (name, bytes)
     };
@@ -113,12 +119,141 @@ fn a_killed_search_goes_on_and_ends_in_the_same_bytes() {
     until("the round after all kills", || home.join("round-01").exists());
     kill(child);
     println!("killed {killed} times, {known} bytes remembered");
-    let (want, got) = (round(&calm), round(&home));
+    let (want, got) = (round(&calm, "round-01"), round(&home, "round-01"));
     assert_eq!(want.keys().collect::<Vec<_>>(), got.keys().collect::<Vec<_>>());
     for (name, bytes) in &want {
         assert!(*bytes == got[name], "{name} differs after {killed} kills");
     }
     assert!(!home.join("round-02").exists());
+}
+
+/// How long the soak lasts; longer by `ENFILADE_SOAK_SECS`.
+const SOAK_SECS: u64 = 20;
+/// What every drawing of the soak is measured with.
+const SOAKED: [&str; 6] = ["--backend", "cpu", "--evaluations", "30", "--threads", "1"];
+/// What fills a disk leaves this much: the drawings fit, a round does not.
+const LEFT_ON_DISK: u64 = 300_000;
+
+fn soaked(root: &Path) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_enfilade"))
+        .args(["watch", "--depth", "2"])
+        .args(SOAKED)
+        .arg(root)
+        .env("HOME", root.join(".home"))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+/// A drawing like no other: one of two samples with a comment.
+fn drawing(step: usize, rng: &mut rand_chacha::ChaCha8Rng) -> Vec<u8> {
+    let sample = sample().with_file_name(["gallery.dxf", "maze.dxf"][rng.random_range(0..2)]);
+    [format!("999\nstep {step}\n").as_bytes(), &fs::read(sample).unwrap()].concat()
+}
+
+fn drawings(root: &Path) -> Vec<PathBuf> {
+    let folders = ["", "sub", "moved"].map(|f| root.join(f));
+    let files = folders.iter().filter_map(|f| fs::read_dir(f).ok()).flatten().map(|e| e.unwrap().path());
+    files.filter(|p| p.extension().is_some_and(|e| e == "dxf")).collect()
+}
+
+/// The newest round of a drawing, if it is one of its last content.
+fn newest(path: &Path) -> Option<(PathBuf, String)> {
+    let home = path.with_extension("enfilade");
+    let names = fs::read_dir(&home).ok()?.map(|e| e.unwrap().file_name().into_string().unwrap());
+    let name = names.filter(|n| n.starts_with("round-")).max()?;
+    let result: Value = serde_json::from_slice(&fs::read(home.join(&name).join("result.json")).ok()?).ok()?;
+    let is_of_it = result["input"]["sha256"] == enfilade::watch::sha256_hex(&fs::read(path).ok()?).as_str();
+    is_of_it.then_some((home, name))
+}
+
+/// What one run over a drawing of these bytes writes, in a folder where nothing else is.
+fn undisturbed(path: &Path) -> BTreeMap<String, Vec<u8>> {
+    let dir = tempfile::tempdir().unwrap();
+    let alone = fs::canonicalize(dir.path()).unwrap().join(path.file_name().unwrap());
+    fs::copy(path, &alone).unwrap();
+    let run =
+        Command::new(env!("CARGO_BIN_EXE_enfilade")).arg("run").args(SOAKED).arg(&alone).output().unwrap();
+    let home = alone.with_extension("enfilade");
+    assert!(home.join("round-01").exists(), "{}", String::from_utf8_lossy(&run.stderr));
+    round(&home, "round-01")
+}
+
+fn fill_and_free(root: &Path, whole_ms: u64) {
+    let filler = root.join("filler.bin");
+    let mut file = fs::File::create(&filler).unwrap();
+    let block = vec![0; LEFT_ON_DISK as usize];
+    while file.write_all(&block).is_ok() {}
+    let size = file.metadata().unwrap().len();
+    file.set_len(size.saturating_sub(LEFT_ON_DISK)).unwrap();
+    thread::sleep(Duration::from_millis(whole_ms));
+    drop(fs::remove_file(filler));
+}
+
+/// One bad habit. The disk is filled only where `ENFILADE_SOAK_DIR` names one that may be.
+fn disturb(root: &Path, step: usize, daemon: &mut Child, rng: &mut rand_chacha::ChaCha8Rng) {
+    let folder = root.join(["", "sub", "moved"][rng.random_range(0..3)]);
+    let path = folder.join(format!("p{}.dxf", rng.random_range(0..3)));
+    let may_fill = std::env::var_os("ENFILADE_SOAK_DIR").is_some();
+    match rng.random_range(0..20) {
+        0 => drop(fs::remove_file(&path)),
+        1 => drop(fs::rename(root.join("sub"), root.join("moved"))),
+        2 => drop(fs::rename(root.join("moved"), root.join("sub"))),
+        3 => drop(fs::rename(&path, folder.join("p9.dxf"))),
+        4 => {
+            let round = newest(&path).map(|(home, name)| home.join(name));
+            drop(round.map(|r| fs::copy(r.join("candidate-1.dxf"), folder.join("taken.dxf"))));
+        }
+        5 => {
+            daemon.kill().unwrap();
+            daemon.wait().unwrap();
+            *daemon = soaked(root);
+        }
+        6 if may_fill => fill_and_free(root, rng.random_range(0..3000)),
+        _ if folder.is_dir() => chaos::save(&path, &drawing(step, rng), rng),
+        _ => {}
+    }
+    thread::sleep(Duration::from_millis(rng.random_range(0..1500)));
+}
+
+/// Chaos by a fixed seed around the program itself: in the end the newest round of every drawing is, byte for byte,
+/// what a single run over its last content writes, and nothing of the program's own was taken for a drawing.
+#[test]
+fn what_is_left_after_chaos_is_what_one_run_writes() {
+    let secs = std::env::var("ENFILADE_SOAK_SECS").ok().and_then(|s| s.parse().ok()).unwrap_or(SOAK_SECS);
+    let dir = match std::env::var_os("ENFILADE_SOAK_DIR") {
+        Some(parent) => tempfile::tempdir_in(parent).unwrap(),
+        None => tempfile::tempdir().unwrap(),
+    };
+    let root = fs::canonicalize(dir.path()).unwrap();
+    fs::create_dir(root.join("sub")).unwrap();
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(17);
+    let mut daemon = soaked(&root);
+    let (start, mut steps) = (Instant::now(), 0);
+    while start.elapsed() < Duration::from_secs(secs) {
+        steps += 1;
+        disturb(&root, steps, &mut daemon, &mut rng);
+    }
+    fs::write(root.join("p0.dxf"), drawing(steps + 1, &mut rng)).unwrap();
+    until("all drawings of last content done", || drawings(&root).iter().all(|d| newest(d).is_some()));
+    kill(daemon);
+    let ends = drawings(&root);
+    println!("{steps} steps, {} drawings", ends.len());
+    for path in ends {
+        let (home, name) = newest(&path).unwrap();
+        let (got, want) = (round(&home, &name), undisturbed(&path));
+        let others: Vec<&String> =
+            got.keys().chain(want.keys()).filter(|f| got.get(*f) != want.get(*f)).collect();
+        assert!(others.is_empty(), "in {name} of {} are others: {others:?}", path.display());
+        let own = fs::read_dir(&home).unwrap().map(|e| e.unwrap().path());
+        let inner =
+            own.filter(|p| p.is_dir()).flat_map(|p| fs::read_dir(p).unwrap()).map(|e| e.unwrap().path());
+        assert!(
+            inner.into_iter().all(|p| p.extension().is_none_or(|e| e != "enfilade")),
+            "own output was a drawing"
+        );
+    }
 }
 
 /// A budget of seconds goes on too: what was measured before is told again with its pace, and counts as spent.

@@ -95,10 +95,14 @@ def by_ribs(drawing, seed, ranker, learning_rate):
     from ribs.schedulers import Scheduler
 
     dims = len(drawing.start)
+    start = np.array([drawing.start])
+    at_start = worth(drawing.measure(start)[0])
     settings = {"solution_dim": dims, "dims": [20, 20], "ranges": [(0.1, 0.9)] * 2, "seed": seed}
     if learning_rate is not None:
-        settings |= {"learning_rate": learning_rate, "threshold_min": 0.0}
+        settings |= {"learning_rate": learning_rate, "threshold_min": min(0.0, at_start) - 1e-6}
     archive = GridArchive(**settings)
+    # An emitter that starts anew takes an elite: where nothing else is stored yet, the present layout.
+    archive.add(start, np.array([at_start]), halves(start))
     bounds = [(0.0, 1.0)] * dims
     emitters = [
         EvolutionStrategyEmitter(
@@ -110,7 +114,11 @@ def by_ribs(drawing, seed, ranker, learning_rate):
     while not drawing.is_spent():
         asked = scheduler.ask()
         objective = np.array([worth(t) for t in drawing.measure(asked)])
-        scheduler.tell(objective, np.stack([asked[:, ::2].mean(1), asked[:, 1::2].mean(1)], 1))
+        scheduler.tell(objective, halves(asked))
+
+
+def halves(units):
+    return np.stack([units[:, ::2].mean(1), units[:, 1::2].mean(1)], 1)
 
 
 def by_cma_me(drawing, seed):
@@ -187,15 +195,17 @@ def choose(units, scores, feasible):
     while len(chosen) < MEMBERS and len(pool) and near.max() > 0:
         chosen.append(pool[np.argmax(near)])
         near = np.minimum(near, distances(units[pool], units[chosen[-1]]))
+    if len(chosen) < 2:
+        return chosen
     for _ in range(100):
         least, *pair = smallest(units[chosen])
         gains = []
         for m in pair:
             others = [c for k, c in enumerate(chosen) if k != m]
             near = np.min([distances(units[pool], units[c]) for c in others], axis=0)
-            gains.append((near.max() if others else 0.0, m, pool[np.argmax(near)]))
+            gains.append((near.max(), m, pool[np.argmax(near)]))
         reach, m, candidate = max(gains)
-        if len(chosen) < 2 or reach <= least + 1e-12:
+        if reach <= least + 1e-12:
             break
         chosen[m] = candidate
     return chosen

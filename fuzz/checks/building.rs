@@ -1,7 +1,7 @@
 //! What holds of any bytes read as a building, whatever the format.
 
 use enfilade::formats::{ReadOptions, changed_records, is_complete, patch, plain, read, storeys};
-use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Mark, RigidMotion, Shape};
+use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape};
 use enfilade::report::Report;
 use glam::DVec2;
 
@@ -31,12 +31,13 @@ pub fn read_steadily(file: &str, bytes: &[u8]) -> Option<Drawing> {
 pub fn move_some(file: &str, bytes: &[u8], drawing: &Drawing) {
     let options = ReadOptions::default();
     let mut records: Vec<usize> = Vec::new();
-    for e in drawing.entities.iter().filter(|e| matches!(e.editable, Editable::WithInsert { .. })) {
+    for e in drawing.entities.iter().filter(|e| e.editable.moves_whole()) {
         if records.len() < MOVED_MAX && !records.contains(&e.source.record) {
             records.push(e.source.record);
         }
     }
     for record in records {
+        lengthen(file, bytes, drawing, record);
         let edit = |shift: DVec2| [Edit::Insert { record, motion: RigidMotion { turn_rad: 0.0, shift } }];
         let still = patch(file, bytes, &options, &edit(DVec2::ZERO), &[]);
         assert!(
@@ -52,6 +53,22 @@ pub fn move_some(file: &str, bytes: &[u8], drawing: &Drawing) {
             assert!(after.is_ok(), "after a move it cannot be read: {after:?}");
         }
     }
+}
+
+/// A wall that may change its length can, and then the file reads on.
+fn lengthen(file: &str, bytes: &[u8], drawing: &Drawing, record: usize) {
+    let is_it = |e: &&Entity| e.source.record == record && matches!(e.editable, Editable::Wall { .. });
+    if drawing.entities.iter().find(is_it).is_none() {
+        return;
+    }
+    let options = ReadOptions::default();
+    let edit = |by: [f64; 2]| [Edit::Ends { record, by }];
+    let still = patch(file, bytes, &options, &edit([0.0; 2]), &[]);
+    assert!(still.is_ok_and(|s| s == bytes), "a wall no longer than it was changed the file");
+    let longer = patch(file, bytes, &options, &edit([-0.5, 0.25]), &[]);
+    assert!(longer.is_ok(), "#{record} was said to change its length: {longer:?}");
+    let after = longer.and_then(|bytes| read(file, &bytes, &options, &mut Report::default()));
+    assert!(after.is_ok(), "after a wall grew it cannot be read: {after:?}");
 }
 
 /// The file with what we add, which must be readable.

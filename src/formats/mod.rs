@@ -8,6 +8,7 @@ mod region;
 mod splice;
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::plan::drawing::{Addition, Drawing, Edit, Format, SourceRef};
@@ -27,6 +28,8 @@ pub struct ReadOptions {
     pub is_by_user: bool,
     /// The IFC that a glTF was made from: it knows classes and storeys by `GlobalId`.
     pub twin: Option<Arc<[u8]>>,
+    /// Files of data beside a `.gltf`, by name ([`gltf::files_of`]).
+    pub buffers: BTreeMap<String, Arc<[u8]>>,
 }
 
 /// A storey of a building.
@@ -53,6 +56,7 @@ impl ReadOptions {
             storey: self.storey.clone(),
             classes: twin.classes,
             storeys: twin.storeys,
+            buffers: self.buffers.clone(),
         }
     }
 
@@ -221,8 +225,7 @@ pub fn changed_records(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<V
         }
         Format::Gltf | Format::Glb => {
             let of = |e: &Edit| {
-                let (Edit::Shape { record, .. } | Edit::Insert { record, .. }) = e;
-                vec![ChangedRecord { record: *record, handle: Some(gltf::path_of(*record)) }]
+                vec![ChangedRecord { record: e.record(), handle: Some(gltf::path_of(e.record())) }]
             };
             Ok(edits.iter().map(of).collect())
         }

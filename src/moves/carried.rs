@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::{Layout, rigid_shape};
+use super::{Layout, moved_shape, rigid_shape};
 use crate::plan::Plan;
 use crate::plan::curve::control_points;
 use crate::plan::drawing::{Editable, RigidMotion, Shape};
@@ -28,6 +28,9 @@ pub enum Carried {
 
 /// Where a fitting goes.
 pub fn carried(plan: &Plan, fitting: &Fitting, layout: &Layout) -> Carried {
+    if let Some(host) = fitting.host {
+        return with_host(plan, fitting, layout, host);
+    }
     let handles: Vec<Handle> = fitting.jambs.concat();
     let (before, after): (Vec<DVec2>, Vec<DVec2>) = handles.iter().map(|h| places(plan, layout, *h)).unzip();
     if before.iter().zip(&after).all(|(p, q)| p.distance(*q) < STILL_M) {
@@ -46,6 +49,16 @@ pub fn carried(plan: &Plan, fitting: &Fitting, layout: &Layout) -> Carried {
     match rigid_shape(plan, &fitting.shape, &motion) {
         (shape, Some(motion)) => Carried::Moves(shape, motion),
         (_, None) => Carried::Stays,
+    }
+}
+
+/// A fitting of which the file says in which wall it sits goes with that wall.
+fn with_host(plan: &Plan, fitting: &Fitting, layout: &Layout, host: u32) -> Carried {
+    let moved = layout.walls.iter().find(|w| w.wall == host).and_then(|w| w.motion);
+    match (moved, &fitting.editable) {
+        (None, _) => Carried::Stays,
+        (Some(_), Editable::No(why)) => Carried::Stale(why.clone()),
+        (Some(motion), _) => Carried::Moves(moved_shape(plan, &fitting.shape, &motion), motion),
     }
 }
 

@@ -190,17 +190,18 @@ impl Neighbours {
 
     /// Pieces that may come nearer than the bucket size to the box, ascending.
     pub fn near(&self, lo: DVec2, hi: DVec2) -> Vec<u32> {
-        let cell = |p: DVec2| [(p.x / self.size).floor() as i64, (p.y / self.size).floor() as i64];
-        let (lo, hi) = (cell(lo), cell(hi));
-        let mut out = Vec::new();
-        for x in lo[0] - 1..=hi[0] + 1 {
-            for y in lo[1] - 1..=hi[1] + 1 {
-                out.extend(self.buckets.get(&[x, y]).into_iter().flatten().copied());
-            }
-        }
+        let mut out: Vec<u32> = self.around(lo, hi).collect();
         out.sort_unstable();
         out.dedup();
         out
+    }
+
+    /// The same in any order, some of them several times.
+    fn around(&self, lo: DVec2, hi: DVec2) -> impl Iterator<Item = u32> + '_ {
+        let cell = |p: DVec2| [(p.x / self.size).floor() as i64, (p.y / self.size).floor() as i64];
+        let (lo, hi) = (cell(lo), cell(hi));
+        let cells = (lo[0] - 1..=hi[0] + 1).flat_map(move |x| (lo[1] - 1..=hi[1] + 1).map(move |y| [x, y]));
+        cells.filter_map(|cell| self.buckets.get(&cell)).flatten().copied()
     }
 }
 
@@ -246,7 +247,7 @@ fn elements(
     let mut by_node: BTreeMap<u32, u32> = BTreeMap::new();
     let mut by_record: BTreeMap<usize, u32> = BTreeMap::new();
     for (w, wall) in plan.walls.iter().enumerate() {
-        if matches!(wall.editable, Editable::WithInsert { .. }) {
+        if wall.editable.moves_whole() {
             union.join(*by_record.entry(wall.source.record).or_insert(w as u32), w as u32);
         }
     }
@@ -257,9 +258,13 @@ fn elements(
         }
     }
     for (i, p) in pieces.iter().enumerate() {
-        for j in neighbours.near(p.a.min(p.b), p.a.max(p.b)) {
-            let q = &pieces[j as usize];
-            if (j as usize) > i && p.wall != q.wall && (distance(p, q) <= TOUCH_M || are_faces(p, q)) {
+        let own = union.root(p.wall);
+        let is_new = |j: &u32| *j as usize > i && union.root(pieces[*j as usize].wall) != own;
+        let mut beside: Vec<u32> = neighbours.around(p.a.min(p.b), p.a.max(p.b)).filter(is_new).collect();
+        beside.sort_unstable();
+        beside.dedup();
+        for q in beside.into_iter().map(|j| &pieces[j as usize]) {
+            if distance(p, q) <= TOUCH_M || are_faces(p, q) {
                 union.join(p.wall, q.wall);
             }
         }

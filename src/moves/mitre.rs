@@ -78,7 +78,8 @@ pub(super) struct Refusal {
 }
 
 impl Mitre {
-    /// Finds all corners that need more than their group's own motion.
+    /// Finds all corners that need more than their group's own motion. `follows`: control points that go along
+    /// their wall by themselves.
     ///
     /// # Errors
     /// The first group that moves a wall meeting another at less than [`CROSSING_MIN_RAD`].
@@ -88,6 +89,7 @@ impl Mitre {
         axes: &AxisGraph,
         moving: Moving<'_>,
         is_kept: &dyn Fn(u32) -> bool,
+        follows: &BTreeSet<Handle>,
     ) -> Result<Self, Refusal> {
         let bars = Bars::new(plan, axes, moving);
         let finder = Finder { plan, graph, axes, moving, bars: &bars };
@@ -99,7 +101,7 @@ impl Mitre {
             for h in &graph.handles[node as usize] {
                 let is_own = !moving.of(h).is_empty();
                 match cannot_follow(plan, *h).or_else(|| is_kept(node).then(|| "EF-KEEP holds it".into())) {
-                    Some(_) if is_own => {}
+                    Some(_) if is_own || follows.contains(h) => {}
                     Some(why) => out.stuck.push((h.0, why)),
                     None => {
                         handles.push(*h);
@@ -271,7 +273,9 @@ fn cannot_follow(plan: &Plan, (w, _): Handle) -> Option<String> {
     let wall = &plan.walls[w as usize];
     match (&wall.editable, &wall.shape) {
         (Editable::No(why), _) => Some(why.clone()),
-        (Editable::WithInsert { .. }, _) => Some("its block moves only as a whole".into()),
+        (Editable::WithInsert { .. } | Editable::Wall { .. }, _) => {
+            Some("its block moves only as a whole".into())
+        }
         (Editable::Free, Shape::Arc { .. } | Shape::Circle { .. }) => {
             Some("an arc moves only as a whole".into())
         }

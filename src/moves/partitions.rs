@@ -1,17 +1,20 @@
 //! Partitions of a building that may slide between the walls they abut.
 //!
 //! An element that moves as a whole can shift across its length without opening a joint if it touches other
-//! walls at its two ends only, and these go straight on beyond it.
+//! walls at its two ends only, and these go straight on beyond it, or if those that end at it run the same way and can
+//! change their length with it.
+
+use std::collections::BTreeSet;
 
 use glam::DVec2;
 
 use super::defaults::{SLIDE_MIN_M, TOUCH_M};
-use crate::plan::drawing::Editable;
-use crate::plan::geometry::{Segment, segments_touch};
+use super::joined::{Followed, Follower, ends, room_beside};
+use crate::plan::geometry::{PointUm, Segment, segments_touch};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{Clause, Group, Kind};
-use crate::plan::{Plan, Region, box_of};
+use crate::plan::{Plan, Region, Wall, box_of};
 
 /// How far a partition slides at most.
 pub const PARTITION_SLIDE_M: f64 = 0.6;
@@ -22,12 +25,20 @@ const STEP_M: f64 = 0.1;
 /// A partition is at least this many times as long as thick.
 const SLENDER: f64 = 3.0;
 
+/// What stays free before the next wall.
+const AHEAD_M: f64 = 0.5;
+
+/// Walls whose direction differs by less than this sine run the way a partition slides.
+const SAME_WAY_SIN: f64 = 0.02;
+
 /// Most partitions of one building.
 const PARTITIONS_MAX: usize = 24;
 
 /// One element: its walls, its longest direction, its box along and across.
 struct Element {
     walls: Vec<u32>,
+    /// Ends of other walls that go along with it.
+    followers: Vec<Follower>,
     along: DVec2,
     lo: DVec2,
     hi: DVec2,
@@ -35,9 +46,10 @@ struct Element {
 
 /// Groups of one clause each, the longest partition first.
 pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec<(Group, Vec<u32>)> {
-    let mut found: Vec<(f64, Group, Vec<u32>)> = Vec::new();
+    let mut found: Vec<(f64, Group, Vec<u32>, Vec<(usize, usize)>)> = Vec::new();
+    let drawn = Drawn::new(plan);
     for element in elements(plan) {
-        let (from, to) = way(plan, interior, &element);
+        let (from, to) = way(plan, interior, &drawn, &element);
         if to - from < SLIDE_MIN_M * plan.human_scale {
             continue;
         }
@@ -60,26 +72,78 @@ pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec
         let source = plan.walls[element.walls[0] as usize].source.clone();
         let group =
             Group { name: String::new(), outline: Region::Ring(Vec::new()), clauses: vec![clause], source };
-        found.push((element.hi.x - element.lo.x, group, nodes));
+        let ends = element.followers.iter().map(|f| (f.record, f.end)).collect();
+        found.push((element.hi.x - element.lo.x, group, nodes, ends));
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.2.cmp(&b.2)));
+    // One end goes along with one wall: the other would leave it.
+    let mut taken: BTreeSet<(usize, usize)> = BTreeSet::new();
+    found.retain(|(.., ends)| {
+        let is_free = ends.iter().all(|e| !taken.contains(e));
+        taken.extend(ends.iter().filter(|_| is_free));
+        is_free
+    });
     found.truncate(PARTITIONS_MAX);
-    let named = found.into_iter().enumerate().map(|(i, (_, mut group, nodes))| {
+    let named = found.into_iter().enumerate().map(|(i, (_, mut group, nodes, _))| {
         group.name = format!("wall-{}", i + 1);
         (group, nodes)
     });
     named.collect()
 }
 
+/// All drawn pieces with their records, ascending by their lowest x.
+struct Drawn {
+    pieces: Vec<(usize, Segment)>,
+    /// The longest piece's extent in x, micrometres.
+    widest: i64,
+}
+
+impl Drawn {
+    fn new(plan: &Plan) -> Self {
+        let of = |wall: &Wall| {
+            let record = wall.source.record;
+            wall.trace.segments().map(move |s| (record, s.2)).collect::<Vec<_>>()
+        };
+        let mut pieces: Vec<(usize, Segment)> = plan.walls.iter().flat_map(of).collect();
+        pieces.sort_by_key(|(_, s)| s.a[0].min(s.b[0]));
+        let widest = pieces.iter().map(|(_, s)| (s.a[0] - s.b[0]).abs()).max().unwrap_or(0);
+        Self { pieces, widest }
+    }
+
+    /// The pieces of other records that reach into a box.
+    fn near(&self, [lo, hi]: [PointUm; 2], but: impl Fn(usize) -> bool) -> Vec<Segment> {
+        let from = self.pieces.partition_point(|(_, s)| s.a[0].min(s.b[0]) < lo[0] - self.widest);
+        let in_x = self.pieces[from..].iter().take_while(|(_, s)| s.a[0].min(s.b[0]) <= hi[0]);
+        let is_near = |s: &Segment| {
+            s.a[0].max(s.b[0]) >= lo[0] && s.a[1].max(s.b[1]) >= lo[1] && s.a[1].min(s.b[1]) <= hi[1]
+        };
+        in_x.filter(|(record, s)| is_near(s) && !but(*record)).map(|(_, s)| *s).collect()
+    }
+}
+
 /// Elements of several outlines or one that are long and thin.
 fn elements(plan: &Plan) -> Vec<Element> {
     let mut by_record: std::collections::BTreeMap<usize, Vec<u32>> = std::collections::BTreeMap::new();
     for (w, wall) in plan.walls.iter().enumerate() {
-        if matches!(wall.editable, Editable::WithInsert { .. }) {
+        if wall.editable.moves_whole() {
             by_record.entry(wall.source.record).or_default().push(w as u32);
         }
     }
-    by_record.into_values().filter_map(|walls| element(plan, walls)).collect()
+    let ends = ends(plan);
+    let found = by_record.into_iter().filter_map(|(record, walls)| {
+        let element = element(plan, walls)?;
+        Some(Element { followers: followers(plan, &ends, record, element.along.perp()), ..element })
+    });
+    found.collect()
+}
+
+/// The ends that stand at an element and can go along with it across its length.
+fn followers(plan: &Plan, ends: &[Follower], record: usize, across: DVec2) -> Vec<Follower> {
+    let Some(own) = Followed::new(plan, record) else { return Vec::new() };
+    let goes_along = |e: &&Follower| {
+        e.record != record && e.along.perp_dot(across).abs() < SAME_WAY_SIN && own.is_joined_by(plan, e)
+    };
+    ends.iter().filter(goes_along).cloned().collect()
 }
 
 fn element(plan: &Plan, walls: Vec<u32>) -> Option<Element> {
@@ -91,21 +155,23 @@ fn element(plan: &Plan, walls: Vec<u32>) -> Option<Element> {
     let points = walls.iter().flat_map(|w| &plan.walls[*w as usize].trace.points);
     let [lo, hi] = box_of(points.map(|p| local(plan.frame.plan_from_um(*p))))?;
     let is_slender = (hi.x - lo.x) >= SLENDER * (hi.y - lo.y);
-    is_slender.then_some(Element { walls, along, lo, hi })
+    is_slender.then_some(Element { walls, followers: Vec::new(), along, lo, hi })
 }
 
 /// How far an element can slide backwards and forwards with its ends on the walls they abut.
-fn way(plan: &Plan, interior: &Interior, e: &Element) -> (f64, f64) {
+fn way(plan: &Plan, interior: &Interior, drawn: &Drawn, e: &Element) -> (f64, f64) {
     let scale = plan.human_scale;
     let world = |x: f64, y: f64| e.along * x + e.along.perp() * y;
     let um = |p: DVec2| plan.frame.um_from_plan(p);
-    let others: Vec<Segment> = plan
-        .walls
-        .iter()
-        .enumerate()
-        .filter(|(w, _)| !e.walls.contains(&(*w as u32)))
-        .flat_map(|(_, wall)| wall.trace.segments().map(|s| s.2))
-        .collect();
+    let reach = DVec2::new(TOUCH_M, PARTITION_SLIDE_M + AHEAD_M + TOUCH_M) * scale;
+    let (low, high) = (e.lo - reach, e.hi + reach);
+    let corners =
+        [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)].map(|(x, y)| world(x, y));
+    let own = plan.walls[e.walls[0] as usize].source.record;
+    let goes_along = |record: usize| record == own || e.followers.iter().any(|f| f.record == record);
+    let around = box_of(corners.into_iter()).unwrap_or_default().map(um);
+    let others = drawn.near(around, goes_along);
+    let room = room_beside(plan, &e.followers, e.along.perp());
     let touches = |a: DVec2, b: DVec2| {
         let probe = Segment { a: um(a), b: um(b) };
         others.iter().any(|s| segments_touch(probe, *s))
@@ -124,7 +190,7 @@ fn way(plan: &Plan, interior: &Interior, e: &Element) -> (f64, f64) {
             .iter()
             .all(|t| interior.depth_m(um(world(lo.x + (hi.x - lo.x) * t, y))) > 0.3 * scale)
     };
-    let is_bound = ends.iter().any(|e| e.2);
+    let is_bound = ends.iter().any(|e| e.2) || !e.followers.is_empty();
     let sides_free = [lo.y - rim, hi.y + rim].iter().all(|y| is_free(*y, *y));
     if !is_bound || !sides_free || !is_inside(lo.y - 0.35 * scale) || !is_inside(hi.y + 0.35 * scale) {
         return (0.0, 0.0);
@@ -132,10 +198,10 @@ fn way(plan: &Plan, interior: &Interior, e: &Element) -> (f64, f64) {
     let go = |sign: f64| {
         let (mut d, step) = (0.0, STEP_M * scale);
         let near = if sign < 0.0 { lo.y - rim } else { hi.y + rim };
-        while d < PARTITION_SLIDE_M * scale {
+        let most = (PARTITION_SLIDE_M * scale).min(room[usize::from(sign < 0.0)]);
+        while d + step <= most + 1e-9 {
             let next = d + step;
-            // Half a metre stays free before the next wall.
-            let ahead = near + sign * (next + 0.5 * scale);
+            let ahead = near + sign * (next + AHEAD_M * scale);
             let mut joined = ends.iter().filter(|e| e.2);
             let keeps =
                 joined.all(|(x, out, _)| abuts(*x, *out, lo.y + rim + sign * next, hi.y - rim + sign * next));

@@ -5,10 +5,12 @@ use std::collections::BTreeSet;
 use glam::DVec2;
 
 use super::defaults::{self, PARAMETERS_MAX, PIECES_MAX, SHIFT_M, SLIDE_M, WALL_THICKNESS_MAX_M};
-use super::{Layout, Moves};
+use super::{Layout, Moves, NodeGroup};
+use crate::plan::curve;
 use crate::plan::drawing::{Drawing, Editable, Entity, Format, Shape, SourceRef, Text, Unit, Vertex};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
+use crate::plan::markers::{Clause, Group, Kind};
 use crate::plan::{Plan, PlanOptions, structure, understand};
 use crate::report::Report;
 
@@ -27,6 +29,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         entities: Vec::new(),
         texts: Vec::new(),
         marked: Vec::new(),
+        hosts: Default::default(),
     }
 }
 
@@ -396,4 +399,141 @@ fn a_face_cut_by_a_sliding_partition_does_not_bend() {
         }
     }
     assert_eq!(seen, 4, "both parts of both inner faces are stretched");
+}
+
+/// Two outer walls, a partition between them and two walls that end at it: as of a building, each moves whole and can
+/// change its length. The second of the two has an opening.
+fn joined() -> Drawing {
+    let mut d = drawing("m", 1.0);
+    d.room(20.0, 10.0);
+    let mut bar = |record: usize, corners: &[[f64; 2]], ends: [&[u32]; 2]| {
+        d.ring("WALLS", corners);
+        let e = d.entities.last_mut().unwrap();
+        e.source.record = record;
+        e.editable = Editable::Wall { ends: ends.map(<[u32]>::to_vec) };
+    };
+    let block = |x: [f64; 2], y: [f64; 2]| [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]];
+    bar(1, &block([8.0, 8.2], [0.0, 10.0]), [&[0, 1], &[2, 3]]);
+    bar(2, &block([5.0, 8.0], [3.0, 3.2]), [&[0, 3], &[1, 2]]);
+    bar(3, &block([8.2, 9.5], [6.0, 6.2]), [&[0, 3], &[]]);
+    bar(3, &block([10.5, 12.0], [6.0, 6.2]), [&[], &[1, 2]]);
+    d
+}
+
+fn moved_by(d: &Drawing, record: usize, clauses: &[(Kind, f64, f64)]) -> (Plan, Graph, Moves, Report) {
+    let mut report = Report::default();
+    let plan = understand(d, &PlanOptions::default(), &mut report).unwrap();
+    let graph = Graph::new(&plan);
+    let (axes, _) = structure::axes(&plan, d);
+    let clause = |c: &(Kind, f64, f64)| Clause {
+        kind: c.0,
+        lower: c.1,
+        upper: c.2,
+        unit: "m".into(),
+        si_per_unit: 1.0,
+    };
+    let own = (0..plan.walls.len()).filter(|w| plan.walls[*w].source.record == record);
+    let mut nodes: Vec<u32> = own.flat_map(|w| graph.control_nodes[w].clone()).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    let group = Group {
+        name: "partition".into(),
+        outline: crate::plan::Region::Ring(Vec::new()),
+        clauses: clauses.iter().map(clause).collect(),
+        source: source(record, "WALLS"),
+    };
+    let moves = Moves::new(&plan, &graph, &axes, &[(group, nodes)], &mut report);
+    (plan, graph, moves, report)
+}
+
+/// The box of what a record shows in a layout: lowest and highest x, then y.
+fn box_of_record(plan: &Plan, layout: &Layout, record: usize) -> [f64; 4] {
+    let shapes = plan.walls.iter().enumerate().filter(|(_, w)| w.source.record == record);
+    let shape = |(w, wall): (usize, &crate::plan::Wall)| {
+        layout.walls.iter().find(|m| m.wall == w as u32).map_or(wall.shape.clone(), |m| m.shape.clone())
+    };
+    let points: Vec<DVec2> = shapes.map(shape).flat_map(|s| curve::control_points(&s)).collect();
+    let [lo, hi] = crate::plan::box_of(points.into_iter()).unwrap();
+    [lo.x, hi.x, lo.y, hi.y]
+}
+
+#[test]
+fn walls_that_end_at_one_that_shifts_go_along() {
+    let (plan, graph, moves, report) = moved_by(&joined(), 1, &[(Kind::X, -1.0, 1.0), (Kind::Y, -0.5, 0.5)]);
+    assert!(!report.is_degraded(), "{report:?}");
+    let layout = moves.apply(&plan, &graph, &[0.75, 0.25]);
+    assert_near(box_of_record(&plan, &layout, 1), [8.75, 8.95, 0.25, 10.25]);
+    // Along their own axes alone; the piece beyond the opening stays.
+    assert_near(box_of_record(&plan, &layout, 2), [5.0, 8.75, 3.0, 3.2]);
+    assert_near(box_of_record(&plan, &layout, 3), [8.95, 12.0, 6.0, 6.2]);
+    let of = |record: usize| -> Vec<Option<[f64; 2]>> {
+        let own = layout.walls.iter().filter(|m| plan.walls[m.wall as usize].source.record == record);
+        own.map(|m| m.ends).collect()
+    };
+    assert_eq!((of(1), of(2), of(3)), (vec![None], vec![Some([0.0, 0.75])], vec![Some([0.75, 0.0])]));
+    let still = moves.apply(&plan, &graph, &moves.identity());
+    assert!(still.walls.iter().all(|w| !w.is_changed && w.ends.is_none()));
+}
+
+#[test]
+fn a_joint_follows_the_face_it_stands_on() {
+    // A partition at 60 degrees, and a wall that ends on it mitred.
+    let mut d = drawing("m", 1.0);
+    d.room(20.0, 10.0);
+    let t = 3f64.sqrt();
+    let on = |y: f64| [8.0 + y / t, y];
+    let mut bar = |record: usize, corners: &[[f64; 2]], ends: [&[u32]; 2]| {
+        d.ring("WALLS", corners);
+        let e = d.entities.last_mut().unwrap();
+        e.source.record = record;
+        e.editable = Editable::Wall { ends: ends.map(<[u32]>::to_vec) };
+    };
+    let beyond = |y: f64| [on(y)[0] + 0.4, y];
+    bar(1, &[on(0.0), beyond(0.0), beyond(10.0), on(10.0)], [&[0, 1], &[2, 3]]);
+    bar(2, &[[5.0, 3.0], on(3.0), on(3.2), [5.0, 3.2]], [&[0, 3], &[1, 2]]);
+    let (plan, graph, moves, _) = moved_by(&d, 1, &[(Kind::Y, -0.5, 0.5)]);
+    let layout = moves.apply(&plan, &graph, &[0.3]);
+    let own = layout.walls.iter().find(|m| plan.walls[m.wall as usize].source.record == 2).unwrap();
+    let points = curve::control_points(&own.shape);
+    // The face y = √3 (x − 8) rose by 0.3.
+    for c in [1, 2] {
+        assert!((points[c].y - 0.3 - t * (points[c].x - 8.0)).abs() < 1e-6, "{points:?}");
+        assert!((points[c].y - [3.0, 3.2][c - 1]).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_wall_keeps_something_between_its_joints_and_openings() {
+    for (lower, upper, is_moved) in [(-2.8, 1.1, true), (-2.95, 1.0, false), (-1.0, 1.25, false)] {
+        let (_, _, moves, report) = moved_by(&joined(), 1, &[(Kind::X, lower, upper)]);
+        assert_eq!(!moves.parameters.is_empty(), is_moved, "{lower} {upper}");
+        let said = report
+            .problems
+            .iter()
+            .any(|p| p.code == "move-mitre" && p.text.contains("less than 0.1 m of the wall"));
+        assert_eq!(said, !is_moved, "{report:?}");
+    }
+    // What turns takes nobody along.
+    let (plan, graph, moves, _) =
+        moved_by(&joined(), 1, &[(Kind::X, -1.0, 1.0), (Kind::Rotate(None), -0.1, 0.1)]);
+    let layout = moves.apply(&plan, &graph, &[0.5, 0.0]);
+    assert_near(box_of_record(&plan, &layout, 2), [5.0, 8.0, 3.0, 3.2]);
+}
+
+#[test]
+fn partitions_slide_by_default_with_the_walls_that_end_at_them() {
+    let mut d = joined();
+    let (plan, _, moves) = by_default(&d);
+    let slides = |plan: &Plan, moves: &Moves, record: usize| -> Option<[f64; 2]> {
+        let is_own = |g: &NodeGroup| plan.walls[g.handles[0].0 as usize].source.record == record;
+        let group = moves.groups.iter().position(is_own)?;
+        moves.bounds().get(moves.parameters.iter().position(|p| p.group == group)?).copied()
+    };
+    assert_eq!(slides(&plan, &moves, 1), Some([-0.6, 0.6]));
+    // Walls that cannot change their length hold it.
+    for e in d.entities.iter_mut().filter(|e| e.source.record > 1) {
+        e.editable = Editable::WithInsert { turnable: true };
+    }
+    let (plan, _, moves) = by_default(&d);
+    assert_eq!(slides(&plan, &moves, 1), None);
 }

@@ -3,15 +3,13 @@
 //! The drawing gets the moves and nothing else; what the next round needs to know (moves with the
 //! bounds that are left, settings, where it came from) stands in its side-car.
 
-use std::sync::Arc;
-
 use toml::{Table, Value};
 
 use super::Input;
 use super::fits;
 use super::round::edits_of;
 use super::study::{self, Understood};
-use crate::config::{KnownMove, LineageTable, Method, Mode, Partial, Settings, Thresholds};
+use crate::config::{Beside, KnownMove, LineageTable, Method, Mode, Partial, Settings, Thresholds};
 use crate::formats;
 use crate::moves::Parameter;
 use crate::overlay::result::{Numbers, RoundResult};
@@ -27,15 +25,15 @@ pub struct Accepted {
     pub side_car: String,
 }
 
-/// Makes the drawing of candidate `number` (from 1) of a round, or of the best layout found (0); `twin` as in
-/// [`Settings::twin`].
+/// Makes the drawing of candidate `number` (from 1) of a round, or of the best layout found (0); `beside` as in
+/// [`Settings::beside`].
 ///
 /// # Errors
 /// [`Error::Usage`] when there is no such candidate; [`Error::Input`] when the drawing is not the one the
 /// round was made from.
 pub fn accept(
     input: &Input<'_>,
-    twin: Option<Arc<[u8]>>,
+    beside: Beside,
     result: &RoundResult,
     round: u32,
     number: usize,
@@ -67,7 +65,7 @@ pub fn accept(
                 format!("result.json of round {round}: {e}; nothing was written"),
             )
         })?;
-    let settings = Settings { twin, ..settings };
+    let settings = Settings { beside, ..settings };
     let mut report = Report::default();
     let base = study::read(input.file(), &input.bytes, &settings, &mut report)?;
     if base.moves.parameters.len() != parameters.len() {
@@ -112,7 +110,8 @@ fn moves_again(
     settings: &Settings,
 ) -> Result<Vec<KnownMove>, Error> {
     let text = toml::to_string(side_car).map_err(toml_failed)?;
-    let again = Settings { twin: settings.twin.clone(), ..Settings::new(Partial::from_toml("", &text)?)? };
+    let again =
+        Settings { beside: settings.beside.clone(), ..Settings::new(Partial::from_toml("", &text)?)? };
     let base = study::read(input.file(), drawing, &again, &mut Report::default())?;
     Ok(fits::known_moves(&base))
 }

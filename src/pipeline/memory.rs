@@ -197,8 +197,8 @@ fn key(input: &Input<'_>, settings: &Settings) -> [u8; 32] {
         hash.update(part);
         hash.update([0]);
     }
-    if let Some(twin) = &settings.twin {
-        hash.update(twin);
+    for part in settings.beside.twin.iter().chain(settings.beside.buffers.values()) {
+        hash.update(part);
     }
     hash.finalize().into()
 }

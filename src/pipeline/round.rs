@@ -25,7 +25,7 @@ use crate::overlay::result::{
     RoundResult, Sense as ShownSense,
 };
 use crate::overlay::words;
-use crate::plan::drawing::{Edit, Editable};
+use crate::plan::drawing::Edit;
 use crate::plan::markers::place_in;
 use crate::report::{Cancel, Error, OutFile, Place, Report};
 use crate::search::{self, Evaluation, Search, normalised_distance};
@@ -556,7 +556,7 @@ fn make(
     let worth = study.measure_written(&bytes, &layout, settings)?;
     let name = format!("candidate-{}", index + 1);
     let mut report = Report::default();
-    let records: Vec<usize> = edits.iter().map(record_of).collect();
+    let records: Vec<usize> = edits.iter().map(Edit::record).collect();
     let ids = formats::host_ids(input.file(), &input.bytes, &records);
     let host_ids = records.iter().zip(ids).filter_map(|(r, id)| Some((*r as u64, id?))).collect();
     state_stale(input, settings, &records, &mut report)?;
@@ -581,34 +581,29 @@ pub(super) fn edits_of(base: &Understood, layout: &Layout) -> Vec<Edit> {
     for moved in layout.walls.iter().filter(|w| w.is_changed) {
         let wall = &base.plan.walls[moved.wall as usize];
         let record = wall.source.record;
-        match (&wall.editable, moved.motion) {
-            (Editable::WithInsert { .. }, Some(motion)) => {
-                let edit = Edit::Insert { record, motion };
-                if !out.contains(&edit) {
-                    out.push(edit);
-                }
+        if !wall.editable.moves_whole() {
+            out.push(Edit::Shape { record, shape: moved.shape.clone() });
+            continue;
+        }
+        let motion = moved.motion.map(|motion| Edit::Insert { record, motion });
+        for edit in motion.into_iter().chain(moved.ends.map(|by| Edit::Ends { record, by })) {
+            if !out.contains(&edit) {
+                out.push(edit);
             }
-            _ => out.push(Edit::Shape { record, shape: moved.shape.clone() }),
         }
     }
     for fitting in &base.fittings {
         let record = fitting.source.record;
         let Carried::Moves(shape, motion) = carried(&base.plan, fitting, layout) else { continue };
-        let edit = match fitting.editable {
-            Editable::WithInsert { .. } => Edit::Insert { record, motion },
-            _ => Edit::Shape { record, shape },
+        let edit = match fitting.editable.moves_whole() {
+            true => Edit::Insert { record, motion },
+            false => Edit::Shape { record, shape },
         };
         if !out.contains(&edit) {
             out.push(edit);
         }
     }
     out
-}
-
-fn record_of(edit: &Edit) -> usize {
-    match edit {
-        Edit::Shape { record, .. } | Edit::Insert { record, .. } => *record,
-    }
 }
 
 /// Names the annotation that does not follow the moved walls.
@@ -720,7 +715,7 @@ fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
             continue;
         };
         change.host_id = made.host_ids.get(&record).cloned();
-        let edit = made.edits.iter().position(|e| record_of(e) as u64 == record);
+        let edit = made.edits.iter().position(|e| e.record() as u64 == record);
         let Some(changed) = edit.and_then(|i| made.changed.get(i)).filter(|c| c.len() != 1) else { continue };
         let mut all = vec![change.element.clone()];
         for c in changed {

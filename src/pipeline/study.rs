@@ -6,7 +6,7 @@ mod seen;
 mod written;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use glam::DVec2;
 
@@ -78,7 +78,8 @@ pub fn read_options(settings: &Settings) -> formats::ReadOptions {
         storey: settings.storey.clone(),
         sight,
         is_by_user: !settings.wall_layers.is_empty(),
-        twin: settings.twin.clone(),
+        twin: settings.beside.twin.clone(),
+        buffers: settings.beside.buffers.clone(),
     }
 }
 
@@ -365,6 +366,8 @@ pub struct Study {
     main: Scene,
     /// Why the graphics card gave up, if it did.
     card_trouble: OnceLock<String>,
+    /// Memory of threads that do not measure at the moment.
+    benches: Mutex<Vec<Bench>>,
     /// Moves with their control points: whether the piece that starts at a control point moves.
     piece_moves: Vec<Vec<bool>>,
     pieces: Vec<WallPiece>,
@@ -439,6 +442,7 @@ impl Study {
             base,
             spacing_m,
             card_trouble: OnceLock::new(),
+            benches: Mutex::default(),
             piece_moves,
             pieces,
             piece_ranges,

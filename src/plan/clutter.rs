@@ -247,6 +247,7 @@ mod tests {
                 entities: view.chain(cut).collect(),
                 texts: Vec::new(),
                 marked: Vec::new(),
+                hosts: BTreeMap::new(),
             }
         };
         let left = |shift: usize| {

@@ -4,6 +4,8 @@
 //! in drawing units of the world coordinate system, entities stand in file order, layers off or
 //! frozen are marked but their entities are present. Nothing about walls has been decided yet.
 
+use std::collections::BTreeMap;
+
 use glam::DVec2;
 
 /// A file format a drawing can have.
@@ -106,8 +108,22 @@ pub enum Editable {
         /// Whether the INSERT's rotation can be spliced.
         turnable: bool,
     },
+    /// It moves rigidly with all that its record shows, and either end of that record's wall can also go along the
+    /// wall's own axis: the wall changes its length.
+    Wall {
+        /// Control points of this shape that go with the first end, and with the second; empty where it does not
+        /// reach that end.
+        ends: [Vec<u32>; 2],
+    },
     /// It cannot be written back; the reason in plain words.
     No(String),
+}
+
+impl Editable {
+    /// Whether it is moved by its record alone, with all that this shows.
+    pub fn moves_whole(&self) -> bool {
+        matches!(self, Self::WithInsert { .. } | Self::Wall { .. })
+    }
 }
 
 /// One drawn entity of model space.
@@ -181,6 +197,8 @@ pub struct Drawing {
     pub texts: Vec<Text>,
     /// Moves that the file states of its own elements.
     pub marked: Vec<MarkedMove>,
+    /// Records of doors and windows of which the file says in which record's wall they sit.
+    pub hosts: BTreeMap<usize, usize>,
 }
 
 /// A move that the file states of one of its elements (`Pset_Enfilade` of a building).
@@ -222,13 +240,31 @@ pub enum Edit {
         /// The motion.
         motion: RigidMotion,
     },
+    /// Moves the ends of the wall at `record` along its axis: its length changes. Where the wall is moved as well,
+    /// an [`Edit::Insert`] of its own says so.
+    Ends {
+        /// [`SourceRef::record`].
+        record: usize,
+        /// How far its first and its second end go, drawing units, positive from the first towards the second.
+        by: [f64; 2],
+    },
 }
 
 impl Edit {
+    /// [`SourceRef::record`] of what it changes.
+    pub fn record(&self) -> usize {
+        match self {
+            Self::Shape { record, .. } | Self::Insert { record, .. } | Self::Ends { record, .. } => *record,
+        }
+    }
+
     /// Whether it moves something by nothing.
     pub fn is_still(&self) -> bool {
-        let Self::Insert { motion, .. } = self else { return false };
-        motion.turn_rad == 0.0 && motion.shift == DVec2::ZERO
+        match self {
+            Self::Shape { .. } => false,
+            Self::Insert { motion, .. } => motion.turn_rad == 0.0 && motion.shift == DVec2::ZERO,
+            Self::Ends { by, .. } => *by == [0.0; 2],
+        }
     }
 }
 

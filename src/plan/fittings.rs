@@ -23,9 +23,11 @@ pub struct Fitting {
     /// Control points of the walls' ends that it sits between: those of one jamb, those of the other;
     /// empty where a jamb is the side of a wall.
     pub jambs: [Vec<Handle>; 2],
+    /// The wall that it sits in, where the file says so: an index into [`Plan::walls`]. It goes where that goes.
+    pub host: Option<u32>,
 }
 
-/// The fittings of all openings. `marked`: the entity of every [`super::axes::Mark`].
+/// The fittings of all openings, and what the file says sits in a wall. `marked`: the entity of every [`super::axes::Mark`].
 pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usize]) -> Vec<Fitting> {
     let mut by_record: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (i, e) in drawing.entities.iter().enumerate().filter(|(_, e)| !e.blocks.is_empty()) {
@@ -33,7 +35,7 @@ pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usiz
     }
     // What one INSERT shows together with walls moves with them already.
     let walls: BTreeSet<usize> = plan.walls.iter().map(|w| w.source.record).collect();
-    let mut out: BTreeMap<usize, Fitting> = BTreeMap::new();
+    let mut out = hosted(plan, drawing);
     let mut whole: BTreeSet<usize> = BTreeSet::new();
     for opening in &axes.openings {
         let jambs = jambs_of(plan, axes, opening);
@@ -44,7 +46,8 @@ pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usiz
             let entity = marked[*mark as usize];
             let record = drawing.entities[entity].source.record;
             let of_block = by_record.get(&record);
-            if walls.contains(&record) || of_block.is_some() && !whole.insert(record) {
+            let is_told = drawing.hosts.contains_key(&record);
+            if walls.contains(&record) || is_told || of_block.is_some() && !whole.insert(record) {
                 continue;
             }
             let together = of_block.map_or_else(|| vec![entity], Clone::clone);
@@ -57,12 +60,25 @@ pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usiz
     out.into_values().collect()
 }
 
+/// What the file says sits in a wall of the plan, by entity.
+fn hosted(plan: &Plan, drawing: &Drawing) -> BTreeMap<usize, Fitting> {
+    let wall_of: BTreeMap<usize, u32> =
+        plan.walls.iter().enumerate().rev().map(|(w, wall)| (wall.source.record, w as u32)).collect();
+    let told = drawing.entities.iter().enumerate().filter(|(_, e)| !wall_of.contains_key(&e.source.record));
+    let of = |(i, e): (usize, &Entity)| {
+        let host = wall_of.get(drawing.hosts.get(&e.source.record)?)?;
+        Some((i, Fitting { host: Some(*host), ..fitting(e, &Default::default()) }))
+    };
+    told.filter_map(of).collect()
+}
+
 fn fitting(e: &Entity, jambs: &[Vec<Handle>; 2]) -> Fitting {
     Fitting {
         source: e.source.clone(),
         editable: e.editable.clone(),
         shape: e.shape.clone(),
         jambs: jambs.clone(),
+        host: None,
     }
 }
 

@@ -194,9 +194,9 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let obstacles = obstacles::find(drawing, &standing, &picked, unit.unit.metres / human_scale, &frame);
     let is_locked = |e: &Entity| drawing.layers.iter().any(|l| l.is_locked && l.name == e.layer);
     let mut walls: Vec<Wall> = walls.iter().map(|e| wall_of(e, &frame, is_locked(e))).collect();
-    outline::mark_solids(&mut walls, &markers);
-    if drawing.format != drawing::Format::Dxf {
-        outline::mark_bodies(&mut walls);
+    match drawing.format {
+        drawing::Format::Dxf => outline::mark_solids(&mut walls, &markers),
+        _ => outline::mark_bodies(&mut walls),
     }
     Ok(Plan {
         file: drawing.file.clone(),

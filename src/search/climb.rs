@@ -11,6 +11,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
+use rayon::prelude::*;
 
 use super::archive::{Archive, Limits};
 use super::models::Models;
@@ -34,6 +35,9 @@ const RESTART_DISTANCE: f64 = 0.1;
 const RESTART_CANDIDATES: usize = 200;
 /// Distance from the centre beyond which a good point serves for a raw crossover.
 const CROSSOVER_DISTANCE: f64 = 0.3;
+
+/// Candidates that one thread judges at a time.
+const JUDGED_TOGETHER: usize = 128;
 
 /// How a proposal was made; decides what its result teaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -220,16 +224,16 @@ impl Climb {
 
     /// Predicted merit and distance to the nearest point known or pending, per candidate.
     fn judge(&self, view: &View<'_>, surrogate: &Surrogate, candidates: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
-        let mut scratch = vec![];
-        let mut gains = vec![0.0; self.stage + 1];
-        let mut judged = (Vec::with_capacity(candidates.len()), Vec::with_capacity(candidates.len()));
-        for x in candidates {
-            let known = surrogate.predict(x, &mut scratch, &mut gains);
-            let nearest = view.pending.iter().map(|p| square_distance(p, x)).fold(known, f64::min);
-            judged.0.push(view.merit(&gains, self.stage));
-            judged.1.push(nearest.sqrt());
-        }
-        judged
+        let judged = candidates.par_chunks(JUDGED_TOGETHER).flat_map_iter(|some| {
+            let mut scratch = vec![];
+            let mut gains = vec![0.0; self.stage + 1];
+            some.iter().map(move |x| {
+                let known = surrogate.predict(x, &mut scratch, &mut gains);
+                let nearest = view.pending.iter().map(|p| square_distance(p, x)).fold(known, f64::min);
+                (view.merit(&gains, self.stage), nearest.sqrt())
+            })
+        });
+        judged.unzip()
     }
 
     /// Half resets of one to three coordinates, half crossovers with another good point.

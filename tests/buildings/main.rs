@@ -5,6 +5,7 @@
 mod building;
 mod gltf;
 mod ifc;
+mod lengths;
 
 use enfilade::config::{Partial, RegionTable, Settings};
 use enfilade::pipeline::{self, Input, Study};

@@ -272,6 +272,7 @@ impl Sheet {
             layers,
             entities,
             marked: Vec::new(),
+            hosts: Default::default(),
             texts: Vec::new(),
         }
     }

@@ -1,6 +1,6 @@
 """A DXF R12 writer: millimetres, handles, XDATA of ours, marker layers. Every CAD program reads it."""
 
-from typing import Iterable, List, Sequence, Tuple
+from typing import Dict, Iterable, List, Sequence, Tuple
 
 from . import APPLICATION
 from .model import number
@@ -26,11 +26,15 @@ class Drawing:
     def __init__(self) -> None:
         self._entities: List[str] = []
         self._points: List[Point] = []
+        self._layers = dict(LAYERS)
         self._handle = 0x20
 
     def _begin(self, kind: str, layer: str) -> List[str]:
         self._handle += 1
-        return ["0", kind, "5", f"{self._handle:X}", "8", layer]
+        # The layer of a pair of regions is one more, in the colour of those without a name.
+        colour = next((c for name, c in LAYERS if layer.startswith(name + "-")), 7)
+        self._layers.setdefault(layer, colour)
+        return ["0", kind, "5", f"{self._handle:X}", "8", escaped(layer)]
 
     def polyline(self, layer: str, points: Sequence[Point], closed: bool = True, ids: Iterable[str] = ()) -> None:
         """A polyline; ``ids`` become its XDATA strings."""
@@ -55,7 +59,7 @@ class Drawing:
 
     def file_text(self) -> str:
         """The whole file, line ends as on the drawing boards of R12: CR LF."""
-        groups = [*self._header(), *_tables(), "0", "SECTION", "2", "ENTITIES", *self._entities]
+        groups = [*self._header(), *_tables(self._layers), "0", "SECTION", "2", "ENTITIES", *self._entities]
         groups += ["0", "ENDSEC", "0", "EOF"]
         return "\r\n".join(groups) + "\r\n"
 
@@ -69,12 +73,12 @@ class Drawing:
         return [*out, "0", "ENDSEC"]
 
 
-def _tables() -> List[str]:
+def _tables(layers: Dict[str, int]) -> List[str]:
     out = ["0", "SECTION", "2", "TABLES", "0", "TABLE", "2", "LTYPE", "70", "1"]
     out += ["0", "LTYPE", "2", "CONTINUOUS", "70", "0", "3", "Solid line", "72", "65", "73", "0", "40", "0.0"]
-    out += ["0", "ENDTAB", "0", "TABLE", "2", "LAYER", "70", str(len(LAYERS))]
-    for name, colour in LAYERS:
-        out += ["0", "LAYER", "2", name, "70", "0", "62", str(colour), "6", "CONTINUOUS"]
+    out += ["0", "ENDTAB", "0", "TABLE", "2", "LAYER", "70", str(len(layers))]
+    for name, colour in layers.items():
+        out += ["0", "LAYER", "2", escaped(name), "70", "0", "62", str(colour), "6", "CONTINUOUS"]
     out += ["0", "ENDTAB", "0", "TABLE", "2", "STYLE", "70", "1"]
     out += ["0", "STYLE", "2", "STANDARD", "70", "0", "40", "0.0", "41", "1.0", "50", "0.0", "71", "0"]
     out += ["42", "2.5", "3", "txt", "4", "", "0", "ENDTAB", "0", "TABLE", "2", "APPID", "70", "2"]

@@ -13,7 +13,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 from . import __version__
 from .dxf_r12 import Drawing
-from .model import Column, PluginError, Study, Wall, default_objectives, geometry_hash
+from .model import Column, PluginError, Region, Study, Wall, default_objectives, geometry_hash
 from .moves import MoveTable, Plan, plan_of
 from .outlines import Outline, Station
 from .plane import centroid, widened
@@ -85,8 +85,12 @@ def check(study: Study) -> None:
         if element.id in seen:
             raise PluginError(f"Two elements have the id {element.id}; export again.")
         seen.add(element.id)
-    if not any(o.is_on for o in study.wishes.objectives):
+    if not study.wishes.chosen():
         raise PluginError("No objective is chosen: say at least one thing that should get better.")
+    drawn = study.pairs()
+    lost = [o.pair for o in study.wishes.chosen() if o.pair and o.pair not in drawn]
+    if lost:
+        raise PluginError(f"Something should get better over '{lost[0]}', but no region is named so.")
 
 
 def read(folder: str) -> Job:
@@ -143,8 +147,7 @@ def drawing_text(study: Study, plan: Plan) -> str:
             layer = "A-GLAZ" if o.kind == "window" else "A-DOOR"
             out.line(layer, wall.at(o.start), wall.at(o.end), (o.id, o.label))
     for region in study.regions:
-        layer = {"query": "EF-QUERY", "reference": "EF-REFERENCE", "keep": "EF-KEEP"}[region.kind]
-        out.polyline(layer, region.points)
+        out.polyline(region.layer(), region.points)
     for element in study.movables():
         if element.keep:
             out.polyline("EF-KEEP", _round_element(plan, element))
@@ -176,7 +179,7 @@ def side_car(study: Study, plan: Plan, job: Job) -> Dict[str, Any]:
         "unit": "mm",
         "only-marked": True,
         "objective": wishes.objective_text(),
-        "thresholds": "yielding" if wishes.objectives == default_objectives() else "firm",
+        "thresholds": "yielding" if wishes.chosen() == default_objectives() else "firm",
         "penalty": wishes.penalty_text(),
         "members": wishes.members,
         "seed": wishes.seed,
@@ -196,7 +199,7 @@ def side_car(study: Study, plan: Plan, job: Job) -> Dict[str, Any]:
             "drawing-sha256": job.sha256,
             "wall": [_host_wall(w, job) for w in study.walls],
             "column": [_host_column(c, job) for c in study.columns],
-            "region": [{"kind": r.kind, "points": r.points} for r in study.regions],
+            "region": [_host_region(r) for r in study.regions],
         },
     }
     return {k: v for k, v in out.items() if v not in ([], None)}
@@ -220,6 +223,11 @@ def _host_column(column: Column, job: Job) -> Dict[str, Any]:
     bounds = "; ".join(c.text() for c in column.clauses)
     hash = job.hashes[column.id]
     return {"id": column.id, "name": column.name, "label": column.label, "bounds": bounds, "hash": hash}
+
+
+def _host_region(region: Region) -> Dict[str, Any]:
+    pair = {"pair": region.pair} if region.pair else {}
+    return {"kind": region.kind, "points": region.points, **pair}
 
 
 def _replace_all(*files: Tuple[str, bytes]) -> None:

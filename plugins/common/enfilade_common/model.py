@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 from dataclasses import asdict, dataclass, field
 from typing import Any, Dict, Iterator, List, Optional, Union
 
@@ -9,6 +10,9 @@ from .plane import Point, direction, distance
 
 #: Kinds of moves a mark may allow.
 KINDS = ("x", "y", "along", "rotate")
+
+#: Longest name of a pair of regions, bytes of UTF-8; the program's own limit.
+PAIR_NAME_BYTES = 40
 
 #: What an objective can measure, in the order of the panel.
 MEASURES = ("degree", "depth", "entropy", "score")
@@ -112,6 +116,24 @@ class Region:
     kind: str
     points: List[Point]
     id: str = ""
+    #: Name of the pair of regions it belongs to, see :func:`pair_name`; empty for the unnamed one.
+    pair: str = ""
+
+    def layer(self) -> str:
+        """``EF-QUERY``, ``EF-REFERENCE-entrance``."""
+        pair = f"-{self.pair}" if self.pair and self.kind != "keep" else ""
+        return f"EF-{self.kind.upper()}{pair}"
+
+
+def pair_name(text: str) -> str:
+    """The name of a pair as the program has it: case does not count, a space is ``-``; empty if there is none."""
+    name = re.sub(r"\s", "-", text.strip().lower())
+    is_plain = all(c.isalnum() or c in "-_." for c in name)
+    if not is_plain or len(name.encode("utf-8")) > PAIR_NAME_BYTES:
+        raise PluginError(
+            f"'{text}' cannot name a pair: letters, digits, - _ and . are possible, {PAIR_NAME_BYTES} bytes at most."
+        )
+    return name
 
 
 @dataclass
@@ -122,6 +144,12 @@ class Objective:
     sense: str
     threshold: float = 0.7
     is_on: bool = True
+    #: The pair of regions it is measured over; empty for the unnamed one.
+    pair: str = ""
+
+    def name(self) -> str:
+        """As the program names it: ``degree``, ``degree@entrance``."""
+        return f"{self.measure}@{self.pair}" if self.pair else self.measure
 
 
 def default_objectives() -> List[Objective]:
@@ -146,8 +174,10 @@ class Wishes:
 
     def objective_text(self) -> str:
         """As the program's ``--objective`` has it."""
-        chosen = [o for o in self.objectives if o.is_on]
-        return ", ".join(f"{o.measure} {o.sense} {number(o.threshold)}" for o in chosen)
+        return ", ".join(f"{o.name()} {o.sense} {number(o.threshold)}" for o in self.chosen())
+
+    def chosen(self) -> List[Objective]:
+        return [o for o in self.objectives if o.is_on]
 
     def penalty_text(self) -> str:
         return f"clearance {number(self.clearance)}, wall-length {number(self.wall_length)}"
@@ -173,6 +203,10 @@ class Study:
     def movables(self) -> Iterator[Movable]:
         yield from self.walls
         yield from self.columns
+
+    def pairs(self) -> List[str]:
+        """Names of the pairs of regions, each once, in the order in which they are drawn."""
+        return list(dict.fromkeys(r.pair for r in self.regions if r.pair and r.kind != "keep"))
 
     def element(self, id: str) -> Optional[Movable]:
         return next((e for e in self.movables() if e.id == id), None)

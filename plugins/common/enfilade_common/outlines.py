@@ -83,8 +83,9 @@ def study_outlines(study: Study) -> List[Outline]:
 
 def windows_are_gaps(study: Study) -> bool:
     """Whether windows are cut out: at eye level, where both regions are drawn. Without them the program
-    looks for the interior, and would take a room with a wide window for outdoors."""
-    kinds = {r.kind for r in study.regions}
+    looks for the interior, and would take a room with a wide window for outdoors. Regions of a pair do not count:
+    what has no name is still measured."""
+    kinds = {r.kind for r in study.regions if not r.pair}
     return study.wishes.level == "eye" and {"query", "reference"} <= kinds
 
 

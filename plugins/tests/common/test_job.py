@@ -4,9 +4,9 @@ import subprocess
 
 import pytest
 from conftest import wall
-from enfilade_common import job
+from enfilade_common import job, results
 from enfilade_common.dxf_r12 import Drawing, escaped
-from enfilade_common.model import Objective, PluginError, Region, Study, default_objectives
+from enfilade_common.model import Objective, PluginError, Region, Study, default_objectives, pair_name
 from enfilade_common.toml_text import dumps, string
 
 
@@ -31,6 +31,42 @@ def test_marks_stand_on_our_layers(house):
     house.element("E").keep = True
     layers = {v for c, v in groups(job.drawing_text(house, job.plan_of(house))) if c == 8}
     assert {"EF-QUERY", "EF-REFERENCE", "EF-KEEP", "EF-MOVE", "A-WALL", "A-COLS", "A-DOOR", "A-GLAZ"} <= layers
+
+
+SQUARES = {
+    "door": ("query", [(500, 500), (3500, 500), (3500, 2500), (500, 2500)]),
+    "picture": ("reference", [(4500, 300), (7500, 300), (7500, 2500), (4500, 2500)]),
+}
+
+
+def test_a_named_pair_is_measured_by_itself(house, tmp_path, real_program):
+    name = pair_name(" Vom Süden ")
+    assert name == "vom-süden"
+    house.regions = [Region(*r, pair=name) for r in SQUARES.values()]
+    house.wishes.objectives = [*default_objectives(), Objective("degree", "max", 0.6, pair=name)]
+    written = job.write(house, str(tmp_path))
+    layers = [v for c, v in groups(open(written.drawing, encoding="ascii", newline="").read()) if c == 8]
+    assert "EF-QUERY-vom-s\\U+00FCden" in layers
+    assert job.read(written.folder).study == house
+    run = [real_program, "run", written.drawing, "--evaluations", "80"]
+    assert subprocess.run(run, stdout=subprocess.PIPE, stderr=subprocess.PIPE).returncode in (0, 1)
+    found = results.latest(written)
+    over = f"degree@{name}"
+    assert found.initial[over] > 0 and all(o.mean[over] > 0 for o in found.options)
+
+
+def test_an_objective_over_a_pair_that_is_not_drawn_is_refused(house, tmp_path):
+    house.wishes.objectives = [*default_objectives(), Objective("degree", "max", pair="north", is_on=False)]
+    job.check(house)
+    house.wishes.objectives[-1].is_on = True
+    with pytest.raises(PluginError, match="'north', but no region"):
+        job.write(house, str(tmp_path))
+
+
+@pytest.mark.parametrize("text", ("a/b", "x" * 41, "ä" * 21, "a,b", "@"))
+def test_what_cannot_name_a_pair_is_refused(text):
+    with pytest.raises(PluginError, match="cannot name a pair"):
+        pair_name(text)
 
 
 def test_text_without_an_encoding():

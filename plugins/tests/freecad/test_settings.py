@@ -4,7 +4,7 @@ import time
 import FreeCAD as App
 import pytest
 from conftest import build_house
-from enfilade import importing, marks, settings, wording
+from enfilade import document, importing, marks, settings, wording
 from enfilade_common.model import Objective, PluginError, Wishes
 
 
@@ -68,6 +68,26 @@ def test_a_region_loses_its_mark(doc):
     marks.mark_region(made, "query")
     marks.unmark(made)
     assert marks.region_kind(made) == ""
+
+
+def test_regions_of_a_name_are_a_pair(doc):
+    import Arch
+    import Draft
+
+    Arch.makeWall(length=3000, width=200, height=2800)
+    doc.recompute()
+    made = Draft.make_rectangle(1000, 1000)
+    marks.mark_region(made, "query", "Main Door")
+    doc.recompute()
+    assert document.pairs(doc) == ["main-door"]
+    study, reading = document.study(doc, Wishes())
+    assert [(r.kind, r.pair) for r in study.regions] == [("query", "main-door")] and reading.notes == []
+    made.EnfiladePair = "a/b"
+    assert document.pairs(doc) == []
+    study, reading = document.study(doc, Wishes())
+    assert study.regions[0].pair == "" and "cannot name a pair" in reading.notes[0]
+    marks.unmark(made)
+    assert not hasattr(made, "EnfiladePair")
 
 
 def test_ifc_without_its_reader(doc, tmp_path, monkeypatch):

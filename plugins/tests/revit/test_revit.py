@@ -40,6 +40,13 @@ def test_the_view_becomes_a_study(revit, square):
     assert [(o.start, o.end, o.clauses[0].lower) for o in partition.openings] == [(425, 1325, -300)]
 
 
+def test_line_styles_name_pairs(revit, square):
+    revit.lines = square("EF-QUERY-Entrance") + square("EF-REFERENCE-entrance", 3000.0) + square("EF-QUERY-a/b", 9000.0)
+    study, notes = reading.study(revit, Wishes())
+    assert [(r.kind, r.pair) for r in study.regions] == [("query", "entrance"), ("reference", "entrance")]
+    assert len(notes) == 1 and "cannot name a pair" in notes[0]
+
+
 def test_marks_that_cannot_be_read_are_told():
     notes = []
     assert reading.clauses("x 5 9; up 1 2; rotate -5 5; along -1ft 1ft", 90.0, "W", notes)[1].direction_deg == 90.0

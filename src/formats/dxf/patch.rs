@@ -86,7 +86,7 @@ fn edit_splices(file: &str, tokens: &Tokens<'_>, edits: &[Edit]) -> Result<Vec<R
     edits
         .iter()
         .map(|edit| {
-            let (Edit::Shape { record, .. } | Edit::Insert { record, .. }) = edit;
+            let record = &edit.record();
             let mut editor = Editor { file, tokens, record: *record, noise: 0.0, out: Vec::new() };
             if !section.contains(record) {
                 return Err(editor.fault("no entity of model space stands there"));
@@ -94,6 +94,7 @@ fn edit_splices(file: &str, tokens: &Tokens<'_>, edits: &[Edit]) -> Result<Vec<R
             match edit {
                 Edit::Shape { shape, .. } => editor.shape(shape)?,
                 Edit::Insert { motion, .. } => editor.insert(motion)?,
+                Edit::Ends { .. } => return Err(editor.fault("no entity has ends of its own to move")),
             }
             Ok(editor.out)
         })

@@ -58,6 +58,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         entities,
         texts,
         marked: Vec::new(),
+        hosts: Default::default(),
     })
 }
 

@@ -17,3 +17,6 @@ pub const DATA_MAX: usize = 64 << 20;
 
 /// Pieces of one mesh that are moved one by one: a floor of a building has fewer walls; more are bricks.
 pub const PIECES_MAX: usize = 1_000;
+
+/// Bytes of one file of data beside a `.gltf`: a scanned building has hundreds of megabytes.
+pub const OUTER_MAX: u64 = 1 << 30;

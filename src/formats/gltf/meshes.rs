@@ -148,13 +148,8 @@ impl File<'_> {
         let found = self.json.list("bufferViews").get(view).ok_or_else(|| why("does not exist"))?;
         let buffer = found.index("buffer").ok_or_else(|| why("names no buffer"))?;
         let data = match self.buffers.get(buffer) {
-            Some(Some(data)) => data,
-            Some(None) => {
-                return Err((
-                    format!("/buffers/{buffer}"),
-                    "lies in another file; export as .glb or with embedded data".into(),
-                ));
-            }
+            Some(Ok(data)) => data,
+            Some(Err(text)) => return Err((format!("/buffers/{buffer}"), text.clone())),
             None => return Err(why("names a buffer that does not exist")),
         };
         let size = match kind {

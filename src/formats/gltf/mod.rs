@@ -15,16 +15,19 @@ mod additions;
 mod json;
 mod limits;
 mod meshes;
+mod outer;
 mod patch;
 mod pieces;
 mod read;
 mod scene;
 
 pub use limits::*;
+pub use outer::files_of;
 pub use read::read;
 pub use scene::is_glb;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::formats::StoreyInfo;
 use crate::formats::splice::{self, Splice};
@@ -51,6 +54,8 @@ pub struct ReadOptions {
     pub classes: BTreeMap<String, String>,
     /// Storeys of that IFC from the lowest.
     pub storeys: Vec<StoreyInfo>,
+    /// Files of data beside the scene, by name ([`files_of`]).
+    pub buffers: BTreeMap<String, Arc<[u8]>>,
 }
 
 /// What is missing of a file that is not finished.
@@ -77,7 +82,7 @@ pub fn patch(
     if edits.is_empty() && own.is_empty() {
         return Ok(bytes.to_vec());
     }
-    let scene = File::open(file, bytes)?;
+    let scene = File::open(file, bytes, &options.buffers)?;
     let (shown, _) = scene.shown();
     let mut splices: Vec<Splice> = Vec::new();
     let mut pieces = pieces::Mover::new(&scene);

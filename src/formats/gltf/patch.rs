@@ -21,9 +21,8 @@ pub(super) fn fault(file: &str, record: usize, why: &str) -> Error {
 
 /// Splices of the JSON text (counted from its start) that make an edit.
 pub(super) fn edit(scene: &File<'_>, shown: &[Shown], edit: &Edit) -> Result<Vec<Splice>, Error> {
-    let (Edit::Shape { record, .. } | Edit::Insert { record, .. }) = edit;
-    let why = |text: &str| fault(scene.name, *record, text);
-    let Edit::Insert { motion, .. } = edit else { return Err(why("a node moves as a whole")) };
+    let why = |text: &str| fault(scene.name, edit.record(), text);
+    let Edit::Insert { record, motion } = edit else { return Err(why("a node moves as a whole")) };
     let node = scene.json.list("nodes").get(*record).ok_or_else(|| why("no such node"))?;
     let mut places = shown.iter().filter(|s| s.node == *record);
     let (Some(place), None) = (places.next(), places.next()) else {

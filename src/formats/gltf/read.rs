@@ -47,12 +47,17 @@ struct Body<'f> {
 /// # Errors
 /// [`Error::Input`] where the bytes are no glTF 2.0, or nothing in it can be cut.
 pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
-    let scene = File::open(file, bytes)?;
+    let scene = File::open(file, bytes, &options.buffers)?;
     let (shown, odd) = scene.shown();
     for text in odd {
         report.warn("gltf-nodes", Place::file(file), format!("{text}; left out"));
     }
     let bodies = named_bodies(&scene, &shown, options, report);
+    let missing = scene.buffers.iter().enumerate().find_map(|(i, b)| Some((i, b.as_ref().err()?)));
+    if let (Some((i, why)), true) = (missing, bodies.is_empty()) {
+        let place = Place::file(file).entity(format!("/buffers/{i}"));
+        return Err(Error::input("gltf-buffer", place, format!("{why}; nothing was done")));
+    }
     if let Some(version) = scene.odd_version() {
         let text = format!(
             "found version {version:?}, expected \"2.0\"; read as glTF 2.0 because it is laid out so"
@@ -82,6 +87,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         entities,
         texts,
         marked,
+        hosts: BTreeMap::new(),
     })
 }
 

@@ -1,12 +1,14 @@
 //! A file taken apart: JSON, binary data, nodes with their place in the world.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use base64::Engine;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 use super::json::{Json, parse};
-use super::limits::{DATA_MAX, DEPTH_MAX, NODES_MAX};
+use super::limits::{DATA_MAX, DEPTH_MAX, NODES_MAX, OUTER_MAX};
 use crate::report::{Error, Place};
 
 /// A chunk of a GLB file: its kind and where its data stands.
@@ -17,6 +19,9 @@ pub(super) struct Chunk {
     /// Its data.
     pub span: std::ops::Range<usize>,
 }
+
+/// Data of a buffer, or why there is none.
+pub(super) type Data<'a> = Result<Cow<'a, [u8]>, String>;
 
 /// A file as read.
 #[derive(Clone, Debug)]
@@ -29,8 +34,8 @@ pub(super) struct File<'a> {
     pub chunks: Vec<Chunk>,
     /// The JSON; spans count from the start of its text.
     pub json: Json,
-    /// Data of every buffer, `None` where it lies in another file.
-    pub buffers: Vec<Option<Cow<'a, [u8]>>>,
+    /// Data of every buffer, or why there is none.
+    pub buffers: Vec<Data<'a>>,
 }
 
 /// A node shown in the scene.
@@ -50,8 +55,12 @@ pub(super) struct Shown {
 const PACKED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
 
 impl<'a> File<'a> {
-    /// Takes a file apart.
-    pub fn open(name: &'a str, bytes: &'a [u8]) -> Result<Self, Error> {
+    /// Takes a file apart; `beside`: files of data that lie beside it.
+    pub fn open(
+        name: &'a str,
+        bytes: &'a [u8],
+        beside: &'a BTreeMap<String, Arc<[u8]>>,
+    ) -> Result<Self, Error> {
         let chunks = chunks(name, bytes)?;
         let span = match chunks.first() {
             Some(c) if c.kind == *b"JSON" => c.span.clone(),
@@ -65,7 +74,7 @@ impl<'a> File<'a> {
         })?;
         let mut out = Self { name, bytes, chunks, json, buffers: Vec::new() };
         out.check()?;
-        out.buffers = out.read_buffers()?;
+        out.buffers = out.read_buffers(beside)?;
         Ok(out)
     }
 
@@ -95,16 +104,17 @@ impl<'a> File<'a> {
         (!is_number && is_laid_out).then_some(version)
     }
 
-    fn read_buffers(&self) -> Result<Vec<Option<Cow<'a, [u8]>>>, Error> {
+    fn read_buffers(&self, beside: &'a BTreeMap<String, Arc<[u8]>>) -> Result<Vec<Data<'a>>, Error> {
         let mut out = Vec::new();
         let mut total = 0usize;
         for (i, buffer) in self.json.list("buffers").iter().enumerate() {
             let pointer = format!("/buffers/{i}");
             let stated = buffer.index("byteLength").unwrap_or(0);
-            let data: Option<Cow<'a, [u8]>> = match buffer.text("uri") {
+            let data: Data<'a> = match buffer.text("uri") {
                 None => {
                     let bin = self.chunks.iter().find(|c| c.kind == *b"BIN\0").filter(|_| i == 0);
                     bin.map(|c| Cow::Borrowed(&self.bytes[c.span.clone()]))
+                        .ok_or_else(|| "has no data".into())
                 }
                 Some(uri) => match uri.strip_prefix("data:").and_then(|u| u.split_once(";base64,")) {
                     Some((_, text)) => {
@@ -117,12 +127,14 @@ impl<'a> File<'a> {
                         let data = data.map_err(|e| {
                             fault(self.name, "gltf-data", &pointer, &format!("its data URI is damaged: {e}"))
                         })?;
-                        Some(Cow::Owned(data))
+                        Ok(Cow::Owned(data))
                     }
-                    None => None,
+                    None => outer(uri, beside),
                 },
             };
-            if let Some(data) = data.as_ref().filter(|d| d.len() < stated) {
+            if let Ok(data) = data.as_ref()
+                && data.len() < stated
+            {
                 let text = format!("found {} bytes, expected {stated}; the file is not finished", data.len());
                 return Err(fault(self.name, "gltf-incomplete", &pointer, &text));
             }
@@ -205,6 +217,15 @@ pub(super) fn parts(node: &Json) -> (DVec3, DQuat, DVec3) {
     };
     let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
     (vector("scale", DVec3::ONE), rotation, vector("translation", DVec3::ZERO))
+}
+
+/// The data of a buffer in a file of its own.
+fn outer<'a>(uri: &str, beside: &'a BTreeMap<String, Arc<[u8]>>) -> Data<'a> {
+    let name = super::outer::name_of(uri)?;
+    let found = beside.get(&name).map(|data| Cow::Borrowed(&**data));
+    found.ok_or_else(|| {
+        format!("names {name:?}, expected a file of at most {OUTER_MAX} bytes beside the drawing; put it there, or export as .glb")
+    })
 }
 
 /// A problem at a JSON pointer.

@@ -51,10 +51,17 @@ pub(super) fn text(
     if let Some(host) = host {
         writer.note(host, own);
     }
+    let mut told: BTreeMap<u64, Vec<(&str, String)>> = BTreeMap::new();
     for edit in edits {
-        if let Edit::Insert { record, motion } = edit {
-            writer.moved(*record as u64, motion);
-        }
+        let id = edit.record() as u64;
+        told.entry(id).or_default().extend(match edit {
+            Edit::Insert { motion, .. } => writer.moved(id, motion),
+            Edit::Ends { by, .. } => lengthened(*by),
+            Edit::Shape { .. } => Vec::new(),
+        });
+    }
+    for (id, values) in told.into_iter().filter(|t| !t.1.is_empty()) {
+        writer.properties(id, &values);
     }
     Ok(writer.out)
 }
@@ -290,19 +297,24 @@ impl Writer<'_, '_, '_> {
         }
     }
 
-    /// Says of an element how far it moved.
-    fn moved(&mut self, id: u64, motion: &RigidMotion) {
+    /// How far an element moved.
+    fn moved(&self, id: u64, motion: &RigidMotion) -> Vec<(&'static str, String)> {
         let placement = self.b.step.args(id).get(5).and_then(Arg::id);
         let world = placement.and_then(|p| self.b.geo.placement(p).ok()).filter(is_upright);
         let at = world.map_or(DVec2::ZERO, |m| m.translation.truncate());
         let shift = DVec2::from_angle(motion.turn_rad).rotate(at) + motion.shift - at;
-        let length = |v: f64| format!("IFCLENGTHMEASURE({})", real(v));
         let turn = format!("IFCREAL({})", real(motion.turn_rad.to_degrees()));
-        self.properties(
-            id,
-            &[("ShiftX", length(shift.x)), ("ShiftY", length(shift.y)), ("TurnDegrees", turn)],
-        );
+        vec![("ShiftX", length(shift.x)), ("ShiftY", length(shift.y)), ("TurnDegrees", turn)]
     }
+}
+
+fn length(v: f64) -> String {
+    format!("IFCLENGTHMEASURE({})", real(v))
+}
+
+/// How far the ends of a wall went along it, from its first towards its second.
+fn lengthened(by: [f64; 2]) -> Vec<(&'static str, String)> {
+    vec![("FirstEndShift", length(by[0])), ("SecondEndShift", length(by[1]))]
 }
 
 fn refs(ids: &[u64]) -> String {

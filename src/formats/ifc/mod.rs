@@ -2,8 +2,8 @@
 //!
 //! The file stays bytes. [`read`] cuts every wall and column at the height of the eyes (or knees) above the
 //! floor of one storey: the cut is the outline that blocks sight, less the openings of doors and windows.
-//! [`patch`] gives moved elements, with all that hangs on them, other placements; a placement, point or
-//! direction that others use is copied first. Everything else stays as it is.
+//! [`patch`] gives moved elements, with all that hangs on them, other placements, and walls that change their length
+//! another profile and axis; what others use of these is copied first. Everything else stays as it is.
 //!
 //! [`SourceRef::record`] is the instance number, [`SourceRef::handle`] the `GlobalId`, the layer the class.
 //! Coordinates are the world's, in the file's unit of length. IFC2X3, IFC4 and IFC4X3; `.ifczip` too.
@@ -14,6 +14,7 @@
 mod additions;
 mod body;
 mod geo;
+mod length;
 mod limits;
 mod model;
 mod patch;
@@ -218,7 +219,7 @@ pub fn patch(
     }
     let step = open(file, bytes)?;
     let building = Building::new(file, &step);
-    let mut mover = patch::Mover::new(&building);
+    let mut mover = patch::Mover::new(&building, edits);
     for edit in edits {
         mover.edit(edit)?;
     }
@@ -240,7 +241,7 @@ pub fn patch(
 pub fn moved_products(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<Vec<MovedProduct>>, Error> {
     let step = open(file, bytes)?;
     let building = Building::new(file, &step);
-    let mut mover = patch::Mover::new(&building);
+    let mut mover = patch::Mover::new(&building, edits);
     let named = |id: u64| {
         let global_id = step.args(id).first().and_then(|a| step.text(a)).unwrap_or_default();
         MovedProduct { id, global_id }

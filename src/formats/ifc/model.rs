@@ -93,6 +93,8 @@ pub(super) struct Model {
     pub materials: HashMap<u64, u64>,
     /// Storeys from the lowest.
     pub storeys: Vec<Storey>,
+    /// Shapes with parts that have aspects of their own.
+    pub aspects: HashSet<u64>,
     /// `GlobalId`s of several products.
     pub twice: BTreeSet<String>,
     /// Instance → place in `products`.
@@ -145,9 +147,16 @@ impl Model {
         for (set, many) in pairs(step, "IFCRELDEFINESBYPROPERTIES", 5, 4) {
             many.iter().for_each(|m| self.properties.entry(*m).or_default().push(set));
         }
+        let shape_of = |i| step.args_of(i).get(4).and_then(Arg::id);
+        self.aspects = step.all("IFCSHAPEASPECT").filter_map(shape_of).collect();
         for (material, many) in pairs(step, "IFCRELASSOCIATESMATERIAL", 5, 4) {
             self.materials.extend(many.iter().map(|m| (*m, material)));
         }
+    }
+
+    /// Whether an element is a part of another element.
+    pub fn is_part(&self, id: u64) -> bool {
+        self.whole.get(&id).is_some_and(|w| !self.storey_ids.contains(w))
     }
 
     /// The product of an instance.

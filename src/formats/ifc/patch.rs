@@ -1,10 +1,12 @@
-//! Moves to bytes: placements are spliced, and copied first where others use them.
+//! Moves to bytes: placements and profiles are spliced, and copied first where others use them.
 
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::geo::Why;
+use super::length::{self, Change, Node};
 use super::read::Building;
 use super::step::{Arg, Step};
 use crate::formats::splice::Splice;
@@ -48,6 +50,9 @@ pub(super) struct Mover<'b, 's, 'a> {
     users: HashMap<u64, Vec<u64>>,
     next: u64,
     done: HashSet<u64>,
+    /// Instances changed in place below a wall that changes its length, and those copied for it.
+    changed: HashSet<u64>,
+    copies: Vec<(Node, u64)>,
     /// Changes of existing bytes.
     pub splices: Vec<Splice>,
     /// New instances, each with its line end.
@@ -55,13 +60,16 @@ pub(super) struct Mover<'b, 's, 'a> {
 }
 
 impl<'b, 's, 'a> Mover<'b, 's, 'a> {
-    /// Starts without a change.
-    pub fn new(b: &'b Building<'s, 'a>) -> Self {
+    /// Starts without a change; `edits`: those that will be made.
+    pub fn new(b: &'b Building<'s, 'a>, edits: &[Edit]) -> Self {
+        let longer = edits.iter().filter(|e| matches!(e, Edit::Ends { .. })).map(|e| e.record() as u64);
         Self {
             b,
-            users: users(b.step),
+            users: users(b.step, longer),
             next: b.step.largest_id() + 1,
             done: HashSet::new(),
+            changed: HashSet::new(),
+            copies: Vec::new(),
             splices: Vec::new(),
             added: Vec::new(),
         }
@@ -80,17 +88,21 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
 
     /// Makes one edit.
     pub fn edit(&mut self, edit: &Edit) -> Result<Moved, Error> {
-        let Edit::Insert { record, motion } = edit else {
-            let (Edit::Shape { record, .. } | Edit::Insert { record, .. }) = edit;
-            return Err(self.fault(*record as u64, "an element of a building moves as a whole"));
-        };
-        let id = *record as u64;
+        let id = edit.record() as u64;
         if self.b.step.get(id).is_none() {
             return Err(self.fault(id, "no such instance"));
         }
         if let Some(why) = refusal(self.b, id) {
             return Err(self.fault(id, &why));
         }
+        let motion = match edit {
+            Edit::Insert { motion, .. } => motion,
+            Edit::Ends { by, .. } => {
+                self.lengthen(id, *by).map_err(|why| self.fault(id, &why))?;
+                return Ok(Moved { products: vec![id] });
+            }
+            Edit::Shape { .. } => return Err(self.fault(id, "an element of a building moves as a whole")),
+        };
         if !motion.turn_rad.is_finite() || !motion.shift.is_finite() {
             return Err(self.fault(id, "the motion is not finite"));
         }
@@ -104,6 +116,93 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
             }
         }
         Ok(Moved { products: follows })
+    }
+
+    /// Moves the ends of a wall along its axis.
+    fn lengthen(&mut self, id: u64, by: [f64; 2]) -> Result<(), Why> {
+        if !by.iter().all(|v| v.is_finite()) {
+            return Err("the motion is not finite".into());
+        }
+        let bar = length::bar(self.b, id)?;
+        if bar.inner[1] + by[1] <= bar.inner[0] + by[0] {
+            return Err("nothing would be left of it".into());
+        }
+        let change = bar.change(self.b, id, by)?;
+        self.copies.clear();
+        self.in_place_below(&change);
+        Ok(())
+    }
+
+    /// Changes an instance where it stands; what it refers to as well, or copies of that.
+    fn in_place_below(&mut self, node: &Node) {
+        for (span, change) in &node.changes {
+            match change {
+                Change::Text(text) => self.splices.push(Splice::new(span.clone(), text.as_str())),
+                Change::Instance(child) if self.is_own(child.id) => {
+                    if self.changed.insert(child.id) {
+                        self.in_place_below(child);
+                    }
+                }
+                Change::Instance(child) => {
+                    let copy = self.copied(child);
+                    self.splices.push(Splice::new(span.clone(), format!("#{copy}")));
+                }
+            }
+        }
+    }
+
+    /// A copy of an instance with its changes, made once for a wall; its style and its CAD layer go with it.
+    fn copied(&mut self, node: &Node) -> u64 {
+        if let Some((_, copy)) = self.copies.iter().find(|(of, _)| of == node) {
+            return *copy;
+        }
+        let with = node.changes.iter().map(|(span, change)| {
+            let text = match change {
+                Change::Text(text) => text.clone(),
+                Change::Instance(child) => format!("#{}", self.copied(child)),
+            };
+            (span.clone(), text)
+        });
+        let with: Vec<_> = with.collect();
+        let text = self.written_with(node.id, with);
+        let copy = self.add(&text);
+        self.copies.push((node.clone(), copy));
+        let mut labels = self.users.get(&node.id).cloned().unwrap_or_default();
+        labels.retain(|l| self.is_label(*l));
+        for label in labels {
+            let at = if self.b.step.keyword(label) == "IFCSTYLEDITEM" { 0 } else { 2 };
+            if let Some(slot) = self.b.step.args(label).get(at) {
+                let one = if at == 0 { format!("#{copy}") } else { format!("(#{copy})") };
+                let text = self.written_with(label, vec![(slot.span.clone(), one)]);
+                self.add(&text);
+            }
+        }
+        copy
+    }
+
+    /// An instance's text after `#12=`, with other arguments.
+    fn written_with(&self, id: u64, mut with: Vec<(Range<usize>, String)>) -> String {
+        let Some(instance) = self.b.step.get(id) else { return String::new() };
+        let (mut out, mut at) = (Vec::new(), instance.keyword.start);
+        with.sort_by_key(|w| w.0.start);
+        for (span, text) in with {
+            out.extend_from_slice(&self.b.step.bytes[at..span.start]);
+            out.extend_from_slice(text.as_bytes());
+            at = span.end;
+        }
+        out.extend_from_slice(&self.b.step.bytes[at..=instance.args.end]);
+        String::from_utf8_lossy(&out).into_owned()
+    }
+
+    /// Whether an instance says of others only how they look.
+    fn is_label(&self, id: u64) -> bool {
+        LABELS.contains(&&*self.b.step.keyword(id))
+    }
+
+    /// Whether one instance alone is made with this one.
+    fn is_own(&self, id: u64) -> bool {
+        let users = self.users.get(&id).map(Vec::as_slice).unwrap_or_default();
+        users.iter().filter(|u| !self.is_label(**u)).count() == 1
     }
 
     fn product(
@@ -292,9 +391,24 @@ fn moved_axes(base: &DAffine3, own: &DAffine3, motion: &RigidMotion) -> DAffine3
     DAffine3::from_mat3_translation(matrix, at)
 }
 
-/// Who refers to placements, their axes, points and directions.
-fn users(step: &Step<'_>) -> HashMap<u64, Vec<u64>> {
+/// Instances that name others to say how these look.
+const LABELS: [&str; 3] =
+    ["IFCSTYLEDITEM", "IFCPRESENTATIONLAYERASSIGNMENT", "IFCPRESENTATIONLAYERWITHSTYLE"];
+
+/// References from a product to the coordinates of its profile.
+const SHAPE_DEPTH: usize = 8;
+
+/// Who refers to placements, their axes, points and directions, and to what the shapes of `longer` are made of.
+fn users(step: &Step<'_>, longer: impl Iterator<Item = u64>) -> HashMap<u64, Vec<u64>> {
     let mut wanted: HashMap<u64, Vec<u64>> = HashMap::new();
+    for product in longer {
+        let mut level: Vec<u64> = step.args(product).get(6).and_then(Arg::id).into_iter().collect();
+        for _ in 0..SHAPE_DEPTH {
+            level.retain(|id| wanted.insert(*id, Vec::new()).is_none());
+            let below = level.iter().flat_map(|id| step.args(*id));
+            level = below.flat_map(|a| a.id().map_or_else(|| a.ids(), |id| vec![id])).collect();
+        }
+    }
     for i in step.all("IFCLOCALPLACEMENT") {
         wanted.entry(i.id).or_default();
         let axes = step.args_of(i).get(1).and_then(Arg::id);
@@ -312,7 +426,7 @@ fn users(step: &Step<'_>) -> HashMap<u64, Vec<u64>> {
             at += hash + 1;
             let digits = text[at..].iter().take_while(|b| b.is_ascii_digit()).count();
             let id = std::str::from_utf8(&text[at..at + digits]).ok().and_then(|t| t.parse::<u64>().ok());
-            if let Some(list) = id.and_then(|id| wanted.get_mut(&id)) {
+            if let Some(list) = id.and_then(|id| wanted.get_mut(&id)).filter(|l| l.last() != Some(&i.id)) {
                 list.push(i.id);
             }
         }

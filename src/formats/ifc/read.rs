@@ -1,11 +1,12 @@
 //! One storey of a building as a plan: every element cut at the height of the eyes.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 use glam::{DAffine3, DVec2};
 use rayon::prelude::*;
 
 use super::geo::{Geo, Why, is_upright, plan_point};
+use super::length;
 use super::limits::OUTLINE_POINTS_MAX;
 use super::model::{Model, Product, Storey, axis_item, body_items, layer_reach};
 use super::step::Step;
@@ -25,6 +26,12 @@ const KNEE_WINDOW_LAYER: &str = "IfcWall (window at knee height)";
 
 /// A wall this thin behind an opening is what rounding left, no wall.
 const SLIVER_M: f64 = 0.01;
+
+/// Corners of a cut this near to an end of the wall belong to it.
+const END_M: f64 = 1e-5;
+
+/// Walls that keep their length and are told one by one.
+const STIFF_TOLD: usize = 4;
 
 /// A file ready to be cut.
 pub(super) struct Building<'s, 'a> {
@@ -161,6 +168,10 @@ struct Reader<'b, 's, 'a> {
     marked: Vec<MarkedMove>,
     below: HashSet<u64>,
     plugged: HashSet<u64>,
+    /// The element shown now where it can change its length, and the corners of what closes its openings, world.
+    bar: Option<(length::Bar, Vec<DVec2>)>,
+    /// Walls that keep their length, and why.
+    stiff: Vec<(u64, Why)>,
 }
 
 /// An element cut at the height of the eyes, world coordinates.
@@ -174,6 +185,8 @@ struct ElementCut<'p> {
     closings: Vec<(&'p Product, &'static str, Region)>,
     /// Doors and windows that stand in one of its openings.
     plugged: Vec<u64>,
+    /// Of a wall, how it changes its length, or why it does not.
+    bar: Option<Result<length::Bar, Why>>,
 }
 
 /// A product's frame: how its own plane lies in the world, and at which height of it to cut.
@@ -203,6 +216,8 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             marked: Vec::new(),
             below: HashSet::new(),
             plugged: HashSet::new(),
+            bar: None,
+            stiff: Vec::new(),
         }
     }
 
@@ -244,7 +259,14 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             let why = format!("its cut has {size} corners, expected at most {OUTLINE_POINTS_MAX}");
             self.state_missing(p, &why, report);
         } else {
+            let holes = || cut.closings.iter().flat_map(|(_, _, r)| r.points()).collect();
+            match cut.bar {
+                Some(Ok(bar)) => self.bar = Some((bar, holes())),
+                Some(Err(why)) => self.stiff.push((p.id, why)),
+                None => {}
+            }
             self.emit(p, p.class, &cut.region);
+            self.bar = None;
         }
     }
 
@@ -292,7 +314,9 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 region = region.combine(&cut, Rule::Union)
             }
         }
-        Ok(ElementCut { region, ..out })
+        let is_wall = p.class.starts_with("IfcWall") && !region.is_empty();
+        let bar = is_wall.then(|| length::bar(self.b, p.id));
+        Ok(ElementCut { region, bar, ..out })
     }
 
     fn part(&self, id: u64) -> Result<Region, Why> {
@@ -455,6 +479,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 editable = Editable::No("Pset_Enfilade says Keep".into());
             }
         }
+        let bar = self.bar.clone().filter(|_| layer == p.class && editable.moves_whole());
         let closed = region.rings().filter(|r| r.len() > 2).map(|r| (r, true));
         for (ring, closed) in closed.chain(region.lines.iter().filter(|l| l.len() > 1).map(|l| (l, false))) {
             let vertices = ring.iter().map(|p| Vertex { at: DVec2::from(*p), bulge: 0.0 }).collect();
@@ -462,10 +487,27 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 source: source.clone(),
                 layer: layer.into(),
                 shape: Shape::Polyline { vertices, closed },
-                editable: editable.clone(),
+                editable: bar
+                    .as_ref()
+                    .map_or_else(|| editable.clone(), |(bar, holes)| self.with_ends(bar, holes, ring)),
                 blocks: Vec::new(),
             });
         }
+    }
+
+    /// An outline of a wall that can change its length; an end that an opening reaches stays.
+    fn with_ends(&self, bar: &length::Bar, holes: &[DVec2], ring: &[[f64; 2]]) -> Editable {
+        let near = END_M / self.b.geo.metres;
+        let is_at = |end: usize, p: DVec2| match end {
+            0 => p.dot(bar.along) <= bar.inner[0] + near,
+            _ => p.dot(bar.along) >= bar.inner[1] - near,
+        };
+        let ends = [0, 1].map(|end| {
+            let is_open = holes.iter().any(|p| is_at(end, *p));
+            let corners = ring.iter().enumerate().filter(|(_, p)| !is_open && is_at(end, DVec2::from(**p)));
+            corners.map(|(c, _)| c as u32).collect()
+        });
+        Editable::Wall { ends }
     }
 
     fn editable(&self, p: &Product) -> Editable {
@@ -496,11 +538,30 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 short.len(),
                 short.join(", ")
             );
-            report.info("ifc-not-cut", place, text);
+            report.info("ifc-not-cut", place.clone(), text);
         }
+        self.state_stiff(place, report);
+    }
+
+    fn state_stiff(&self, place: Place, report: &mut Report) {
+        if self.stiff.is_empty() {
+            return;
+        }
+        let told = self.stiff.iter().take(STIFF_TOLD).map(|(id, why)| format!("#{id} ({why})"));
+        let more = if self.stiff.len() > STIFF_TOLD { ", …" } else { "" };
+        let text = format!(
+            "{} where another that it ends at moves: {}{more}",
+            match self.stiff.len() {
+                1 => "1 wall keeps its length".to_string(),
+                n => format!("{n} walls keep their length, each"),
+            },
+            told.collect::<Vec<_>>().join(", ")
+        );
+        report.info("ifc-length", place, text);
     }
 
     fn drawing(self) -> Drawing {
+        let hosts = self.hosts();
         let mut layers: Vec<Layer> = Vec::new();
         for e in &self.entities {
             if layers.iter().all(|l| l.name != e.layer) {
@@ -520,9 +581,23 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             declared_unit_words: self.b.units.length_words.clone(),
             layers,
             entities: self.entities,
+            hosts,
             texts: self.texts,
             marked: self.marked,
         }
+    }
+
+    /// Doors and windows by the wall in whose opening they sit.
+    fn hosts(&self) -> BTreeMap<usize, usize> {
+        let model = &self.b.model;
+        let mut out = BTreeMap::new();
+        for (wall, openings) in &model.openings {
+            for filler in openings.iter().filter_map(|o| model.fillings.get(o)).flatten() {
+                let host = out.entry(*filler as usize).or_insert(*wall as usize);
+                *host = (*host).min(*wall as usize);
+            }
+        }
+        out
     }
 }
 

@@ -11,7 +11,7 @@ use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::result::RoundResult;
 use crate::overlay::words::{explained, note_lines};
 use crate::overlay::{Scale, convergence_png, diversity_png, heat_additions, moved_additions};
-use crate::plan::drawing::Addition;
+use crate::plan::drawing::{Addition, Format};
 use crate::report::{Error, OutFile};
 
 /// Values of every shown measure for the present layout and every member, with one scale a measure.
@@ -89,7 +89,7 @@ pub(super) fn drawings(
         shown.iter().flat_map(of).collect()
     };
     let jobs: Vec<Option<usize>> = std::iter::once(None).chain((0..made.len()).map(Some)).collect();
-    let files = rayon_map(&jobs, |job| {
+    let files: Result<Vec<OutFile>, Error> = rayon_map(&jobs, |job| {
         let mut additions = heat(*job);
         let (name, edits) = match job {
             None => ("initial".to_string(), Vec::new()),
@@ -113,8 +113,16 @@ pub(super) fn drawings(
         let options = study::read_options(settings);
         let bytes = formats::patch(input.file(), &input.bytes, &options, &edits, &additions)?;
         Ok(OutFile::new(format!("{name}.{}", study.base.plan.format.name()), bytes))
-    });
-    files.into_iter().collect()
+    })
+    .into_iter()
+    .collect();
+    let mut files = files?;
+    // What the drawings name as lying beside them lies beside these too.
+    if study.base.plan.format == Format::Gltf {
+        let beside = settings.beside.buffers.iter();
+        files.extend(beside.map(|(name, data)| OutFile::new(name.as_str(), data.to_vec())));
+    }
+    Ok(files)
 }
 
 pub(super) fn convergence(found: Option<&Found>) -> Result<Vec<u8>, Error> {

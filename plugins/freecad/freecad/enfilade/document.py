@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 import FreeCAD as App
 
-from enfilade_common.model import Column, Movable, Opening, PluginError, Region, Study, Wall
+from enfilade_common.model import Column, Movable, Opening, PluginError, Region, Study, Wall, pair_name
 from enfilade_common.outlines import wall_outlines
 from enfilade_common.plane import (
     Point,
@@ -116,6 +116,12 @@ def storeys(doc) -> List[str]:
             foot = _shape(obj).BoundBox.ZMin
             heights[label] = min(foot, heights.get(label, foot))
     return sorted(heights, key=lambda s: heights[s])
+
+
+def pairs(doc) -> List[str]:
+    """Names of the pairs of regions marked in a document, sorted; what is no name is left to :func:`read` to tell."""
+    named = [o for o in doc.Objects if not is_link(o) and marks.region_kind(o) in ("query", "reference")]
+    return sorted({_pair([], o) for o in named} - {""})
 
 
 def read(doc, storey: Optional[str] = None, level: str = "eye") -> Reading:
@@ -301,7 +307,15 @@ def _add_region(out: Reading, obj, kind: str, many: bool, storey) -> None:
         out.notes.append(f"The region '{obj.Label}' is not closed and was left out.")
         return
     for wire in wires[:1]:
-        out.regions.append(Region(kind, _ring(wire), obj.Name))
+        out.regions.append(Region(kind, _ring(wire), obj.Name, _pair(out.notes, obj)))
+
+
+def _pair(notes: List[str], obj) -> str:
+    try:
+        return pair_name(marks.region_pair(obj))
+    except PluginError as e:
+        notes.append(f"The region '{obj.Label}' counts as one without a name: {e}")
+        return ""
 
 
 def _ring(wire) -> List[Point]:

@@ -3,7 +3,7 @@
 import FreeCAD as App
 import FreeCADGui as Gui
 
-from enfilade_common.model import PluginError
+from enfilade_common.model import PluginError, pair_name
 
 from . import document, marks
 from .qt import QtCore, QtWidgets
@@ -103,6 +103,13 @@ class MarkPage(QtWidgets.QWidget):
             button.clicked.connect(lambda _=False, k=kind: self._panel.attempt(self._region, k))
             row.addWidget(button)
         column.addLayout(row)
+        named = QtWidgets.QHBoxLayout()
+        named.addWidget(QtWidgets.QLabel(say("Name")))
+        self.pair = QtWidgets.QLineEdit()
+        self.pair.setObjectName("EnfiladePair")
+        self.pair.setPlaceholderText(say("none; regions of one name are a pair of their own"))
+        named.addWidget(self.pair)
+        column.addLayout(named)
         return column
 
     # -- what the user does
@@ -163,6 +170,7 @@ class MarkPage(QtWidgets.QWidget):
 
     def _region(self, kind: str) -> None:
         self._panel.document()
+        pair_name(self.pair.text())
         closed = [o for o in Gui.Selection.getSelection() if is_closed(o)]
         if not closed:
             self._awaited_region = kind
@@ -175,7 +183,7 @@ class MarkPage(QtWidgets.QWidget):
         doc = objects[0].Document
         doc.openTransaction("Enfilade: region")
         for obj in objects:
-            marks.mark_region(obj, kind)
+            marks.mark_region(obj, kind, pair_name(self.pair.text()) if kind != "keep" else "")
         doc.commitTransaction()
         self._panel.refresh()
         self._panel.tell(say("Marked: {}", ", ".join(o.Label for o in objects)))

@@ -46,6 +46,11 @@ def region_kind(obj) -> str:
     return kind if kind in REGIONS else ""
 
 
+def region_pair(obj) -> str:
+    """The name of the pair that a region belongs to, as the user wrote it."""
+    return str(getattr(obj, "EnfiladePair", "") or "")
+
+
 def is_marked(obj) -> bool:
     return bool(clauses(obj, 0.0)) or keep(obj) or bool(group(obj))
 
@@ -110,9 +115,12 @@ def unmark(obj) -> None:
             obj.removeProperty(name)
 
 
-def mark_region(obj, kind: str) -> None:
-    """Makes a closed object a region. Inside a transaction."""
+def mark_region(obj, kind: str, pair: str = "") -> None:
+    """Makes a closed object a region, of a named pair if there is a name. Inside a transaction."""
     if not hasattr(obj, "EnfiladeRegion"):
         obj.addProperty("App::PropertyEnumeration", "EnfiladeRegion", GROUP, "Enfilade: what this region is for")
         obj.EnfiladeRegion = ["none", *REGIONS]
     obj.EnfiladeRegion = kind
+    words = "Enfilade: regions of one name are a pair of their own, which objectives may be measured over"
+    _add(obj, "App::PropertyString", "EnfiladePair", words)
+    obj.EnfiladePair = pair

@@ -164,12 +164,17 @@ class OptionsPage(QtWidgets.QWidget):
     def _fill_numbers(self, option) -> None:
         heads = [say("Measure"), say("Now"), say("Option {}", option.number) if option else "", say("Change")]
         self.numbers.setHorizontalHeaderLabels(heads)
-        shown = [(m, w) for m, w in MEASURES if m in self._round.initial]
+        shown = [(m, say(w)) for m, w in MEASURES if m in self._round.initial]
+        words_of = dict(MEASURES)
+        for name in self._round.initial:
+            measure, at, pair = name.partition("@")
+            if at and measure in words_of:
+                shown.append((name, f"{say(words_of[measure])} · {pair}"))
         self.numbers.setRowCount(len(shown))
         for row, (measure, words) in enumerate(shown):
             now = self._round.initial[measure]
             then = option.mean.get(measure) if option else None
-            cells = [say(words), _number(now), _number(then), _change(now, then)]
+            cells = [words, _number(now), _number(then), _change(now, then)]
             for column, text in enumerate(cells):
                 self.numbers.setItem(row, column, QtWidgets.QTableWidgetItem(text))
         self.numbers.resizeColumnsToContents()

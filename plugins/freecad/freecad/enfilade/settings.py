@@ -42,6 +42,7 @@ def _is_sound(found: Wishes) -> bool:
         and o.sense in ("max", "min")
         and is_number(o.threshold, int, float)
         and isinstance(o.is_on, bool)
+        and isinstance(o.pair, str)
         for o in found.objectives
     )
     whole = all(is_number(v, int) for v in (found.members, found.seed))

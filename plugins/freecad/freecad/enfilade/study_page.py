@@ -1,10 +1,11 @@
 """Page 2: what should get better, how long to search, the run itself."""
 
+from dataclasses import replace
 from typing import Optional
 
 import FreeCAD as App
 
-from enfilade_common.model import Objective, Wishes
+from enfilade_common.model import Objective, Wishes, default_objectives
 
 from . import document, settings
 from .qt import QtCore, QtWidgets
@@ -23,15 +24,15 @@ class Wish(QtWidgets.QWidget):
 
     def __init__(self, objective: Objective):
         super().__init__()
-        self.measure = objective.measure
+        self.measure, self.pair = objective.measure, objective.pair
         row = QtWidgets.QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
         self.tick = QtWidgets.QCheckBox()
-        self.tick.setObjectName("EnfiladeWish_" + objective.measure)
+        self.tick.setObjectName("EnfiladeWish_" + objective.name())
         self.tick.setChecked(objective.is_on)
         self.sense = QtWidgets.QComboBox()
         for sense, words in zip(("max", "min"), WORDS[objective.measure]):
-            self.sense.addItem(say(words), sense)
+            self.sense.addItem(say(words) + (f" · {self.pair}" if self.pair else ""), sense)
         self.sense.setCurrentIndex(0 if objective.sense == "max" else 1)
         self.slider = QtWidgets.QSlider(QtCore.Qt.Horizontal)
         self.slider.setRange(0, 100)
@@ -46,7 +47,7 @@ class Wish(QtWidgets.QWidget):
 
     def objective(self) -> Objective:
         sense = self.sense.itemData(self.sense.currentIndex())
-        return Objective(self.measure, sense, self.slider.value() / 100, self.tick.isChecked())
+        return Objective(self.measure, sense, self.slider.value() / 100, self.tick.isChecked(), self.pair)
 
 
 class StudyPage(QtWidgets.QWidget):
@@ -153,10 +154,24 @@ class StudyPage(QtWidgets.QWidget):
             self._list.removeWidget(row)
             self._list.insertWidget(to, row)
 
+    def _rows(self):
+        return [self._list.itemAt(i).widget() for i in range(self._list.count())]
+
+    def _list_pairs(self, pairs) -> None:
+        """A row for every measure over every named pair of regions, not ticked at first; those of lost names go."""
+        for row in self._rows():
+            if row.wish.pair and row.wish.pair not in pairs:
+                self._list.removeWidget(row)
+                row.deleteLater()
+        known = {(r.wish.measure, r.wish.pair) for r in self._rows()}
+        for pair in pairs:
+            for usual in default_objectives():
+                if (usual.measure, pair) not in known:
+                    self._add(Wish(replace(usual, pair=pair, is_on=False)))
+
     def wishes(self) -> Wishes:
-        rows = [self._list.itemAt(i).widget().wish for i in range(self._list.count())]
         return Wishes(
-            objectives=[r.objective() for r in rows],
+            objectives=[r.wish.objective() for r in self._rows()],
             members=self.members.value(),
             seed=self.seed.value(),
             evaluations=self.evaluations.value() or None,
@@ -177,6 +192,7 @@ class StudyPage(QtWidgets.QWidget):
             self._fill(settings.wishes(doc))
         if not (is_new or self.isVisible()):
             return
+        self._list_pairs(document.pairs(doc) if doc is not None else [])
         self._list_storeys(doc, settings.storey(doc) if is_new and doc is not None else self.storey())
 
     def _list_storeys(self, doc, chosen: Optional[str]) -> None:

@@ -16,6 +16,8 @@ GERMAN = {
     "from": "von",
     "to": "bis",
     "Group": "Gruppe",
+    "Name": "Name",
+    "none; regions of one name are a pair of their own": "keiner; Bereiche eines Namens bilden ein eigenes Paar",
     "Objects with the same group name move together": "Objekte mit gleichem Gruppennamen bewegen sich gemeinsam",
     "Must stay": "Muss bleiben",
     "Allow": "Erlauben",

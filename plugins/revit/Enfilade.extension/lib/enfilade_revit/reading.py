@@ -4,7 +4,7 @@ import math
 import re
 from typing import Dict, List, Optional, Tuple
 
-from enfilade_common.model import Clause, Column, Opening, PluginError, Region, Study, Wall, Wishes
+from enfilade_common.model import Clause, Column, Opening, PluginError, Region, Study, Wall, Wishes, pair_name
 from enfilade_common.plane import distance, direction, dot, minus
 
 from .data import GROUP_PARAMETER, KEEP_PARAMETER, LINE_STYLES, MOVES_PARAMETER, DetailLine, Point, RevitInsert
@@ -125,17 +125,31 @@ def length_mm(text: str) -> float:
 
 
 def regions(lines: List[DetailLine], notes: List[str]) -> List[Region]:
-    """Closed chains of detail lines on our line styles."""
+    """Closed chains of detail lines on our line styles; ``EF-QUERY-entrance`` is one of the pair ``entrance``."""
     out = []
-    for style, kind in LINE_STYLES.items():
-        rest = [(line.a, line.b) for line in lines if line.style.upper() == style]
+    for style in dict.fromkeys(line.style for line in lines):
+        kind, pair = _region_of(style, notes)
+        rest = [(line.a, line.b) for line in lines if kind and line.style == style]
         while rest:
             ring = _chain(rest)
             if ring is None:
                 notes.append(f"Detail lines on {style} do not close; they were left out.")
             else:
-                out.append(Region(kind, ring))
+                out.append(Region(kind, ring, pair=pair))
     return out
+
+
+def _region_of(style: str, notes: List[str]) -> Tuple[str, str]:
+    """What a line style marks, and the pair it names; nothing for a style of somebody else's."""
+    for head, kind in LINE_STYLES.items():
+        if style.upper() == head:
+            return kind, ""
+        if style.upper().startswith(head + "-") and kind != "keep":
+            try:
+                return kind, pair_name(style[len(head) + 1 :])
+            except PluginError as e:
+                notes.append(f"Detail lines on {style} were left out: {e}")
+    return "", ""
 
 
 def _chain(rest: List[Tuple[Point, Point]]) -> Optional[List[Point]]:

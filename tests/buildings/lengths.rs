@@ -1,0 +1,257 @@
+//! IFC walls that change their length: by profile and axis, in place or in copies, with their openings where they were.
+
+use enfilade::formats::ifc::{self, ReadOptions};
+use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Mark, RigidMotion, Shape};
+use enfilade::report::Report;
+use glam::DVec2;
+
+/// Lines of a file with one storey; walls hang at #7. `#33` to `#35`: a rectangle of 4 by 0.2 m round its middle.
+fn file(data: &str) -> String {
+    let head = "\
+        #1=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);\n\
+        #2=IFCUNITASSIGNMENT((#1));\n\
+        #3=IFCCARTESIANPOINT((0.,0.,0.));\n\
+        #4=IFCAXIS2PLACEMENT3D(#3,$,$);\n\
+        #5=IFCGEOMETRICREPRESENTATIONCONTEXT($,'Model',3,1.E-5,#4,$);\n\
+        #6=IFCPROJECT('0000000000000000000001',$,'P',$,$,$,$,(#5),#2);\n\
+        #7=IFCLOCALPLACEMENT($,#4);\n\
+        #8=IFCBUILDINGSTOREY('0000000000000000000002',$,'Ground',$,$,#7,$,$,.ELEMENT.,0.);\n\
+        #9=IFCRELAGGREGATES('0000000000000000000003',$,$,$,#6,(#8));\n\
+        #12=IFCDIRECTION((0.,0.,1.));\n";
+    format!(
+        "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('','',(''),(''),'','','');\n\
+         FILE_SCHEMA(('IFC4'));\nENDSEC;\nDATA;\n{head}{data}\nENDSEC;\nEND-ISO-10303-21;\n"
+    )
+}
+
+/// A wall of 4 by 0.2 m that starts at (1, 2) and runs north-east (3, 4 to 5), with an axis and a window from 1 to
+/// 2 m; `#33` is its profile, `#37` its body.
+fn wall(profile: &str) -> String {
+    file(&format!(
+        "#10=IFCWALL('0000000000000000000004',$,'W',$,$,#20,#30,'77',.SOLIDWALL.);\n\
+         #11=IFCRELCONTAINEDINSPATIALSTRUCTURE('0000000000000000000005',$,$,$,(#10),#8);\n\
+         #20=IFCLOCALPLACEMENT(#7,#21);\n\
+         #21=IFCAXIS2PLACEMENT3D(#22,#12,#23);\n\
+         #22=IFCCARTESIANPOINT((1.,2.,0.));\n\
+         #23=IFCDIRECTION((0.6,0.8,0.));\n\
+         #30=IFCPRODUCTDEFINITIONSHAPE($,$,(#31,#36));\n\
+         #31=IFCSHAPEREPRESENTATION(#5,'Axis','Curve2D',(#32));\n\
+         #32=IFCPOLYLINE((#38,#39));\n\
+         #36=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#37));\n\
+         #37=IFCEXTRUDEDAREASOLID(#33,#4,#12,3.);\n\
+         #38=IFCCARTESIANPOINT((0.,0.));\n\
+         #39=IFCCARTESIANPOINT((4.,0.));\n\
+         #50=IFCOPENINGELEMENT('0000000000000000000006',$,'O',$,$,#51,#54,$,.OPENING.);\n\
+         #51=IFCLOCALPLACEMENT(#20,#52);\n\
+         #52=IFCAXIS2PLACEMENT3D(#53,$,$);\n\
+         #53=IFCCARTESIANPOINT((1.5,0.,0.5));\n\
+         #54=IFCPRODUCTDEFINITIONSHAPE($,$,(#55));\n\
+         #55=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#56));\n\
+         #56=IFCEXTRUDEDAREASOLID(#57,$,#12,2.);\n\
+         #57=IFCRECTANGLEPROFILEDEF(.AREA.,$,$,1.,0.6);\n\
+         #58=IFCRELVOIDSELEMENT('0000000000000000000007',$,$,$,#10,#50);\n\
+         #60=IFCWINDOW('0000000000000000000008',$,'F',$,$,#61,$,'78',1.,1.,$,$,$);\n\
+         #61=IFCLOCALPLACEMENT(#51,#4);\n\
+         #62=IFCRELFILLSELEMENT('0000000000000000000009',$,$,$,#50,#60);\n\
+         {profile}"
+    ))
+}
+
+const RECTANGLE: &str = "#33=IFCRECTANGLEPROFILEDEF(.AREA.,$,#34,4.,0.2);\n\
+                         #34=IFCAXIS2PLACEMENT2D(#35,$);\n\
+                         #35=IFCCARTESIANPOINT((2.,0.));\n";
+
+/// Mitred at its second end, its first corner stated again at the end.
+const RING: &str = "#33=IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#34);\n\
+                    #34=IFCPOLYLINE((#40,#41,#42,#43,#40));\n\
+                    #40=IFCCARTESIANPOINT((0.,-0.1));\n\
+                    #41=IFCCARTESIANPOINT((3.9,-0.1));\n\
+                    #42=IFCCARTESIANPOINT((4.1,0.1));\n\
+                    #43=IFCCARTESIANPOINT((0.,0.1));\n";
+
+fn read(text: &str) -> Drawing {
+    ifc::read("w.ifc", text.as_bytes(), &ReadOptions::default(), &mut Report::default()).unwrap()
+}
+
+fn patched(text: &str, edits: &[Edit], own: &[Addition]) -> String {
+    let bytes = ifc::patch("w.ifc", text.as_bytes(), &ReadOptions::default(), edits, own).unwrap();
+    String::from_utf8(bytes).unwrap()
+}
+
+fn corners(drawing: &Drawing, record: usize) -> Vec<DVec2> {
+    let of = drawing.entities.iter().filter(|e| e.source.record == record);
+    let points = of.flat_map(|e| match &e.shape {
+        Shape::Polyline { vertices, .. } => vertices.iter().map(|v| v.at).collect(),
+        _ => Vec::new(),
+    });
+    points.collect()
+}
+
+/// Where the corners of a wall should stand after its ends went along it.
+fn expected(drawing: &Drawing, record: usize, along: DVec2, by: [f64; 2]) -> Vec<DVec2> {
+    let mut out = Vec::new();
+    for e in drawing.entities.iter().filter(|e| e.source.record == record) {
+        let Shape::Polyline { vertices, .. } = &e.shape else { continue };
+        let Editable::Wall { ends } = &e.editable else { panic!("{:?}", e.editable) };
+        out.extend(vertices.iter().enumerate().map(|(c, v)| {
+            let way = (0..2).filter(|k| ends[*k].contains(&(c as u32))).map(|k| by[k]).sum::<f64>();
+            v.at + along * way
+        }));
+    }
+    out
+}
+
+#[track_caller]
+fn assert_at(found: &[DVec2], meant: &[DVec2]) {
+    assert_eq!(found.len(), meant.len());
+    let worst = found.iter().zip(meant).map(|(p, q)| p.distance(*q)).fold(0.0, f64::max);
+    assert!(worst < 1e-9, "{found:?}\n{meant:?}");
+}
+
+/// Lines of the old text that the new one has not.
+fn changed<'t>(old: &'t str, new: &str) -> Vec<&'t str> {
+    old.lines().filter(|l| !new.lines().any(|n| n == *l)).collect()
+}
+
+#[test]
+fn a_wall_grows_at_either_end_and_its_window_stays() {
+    let along = DVec2::new(0.6, 0.8);
+    for profile in [RECTANGLE, RING] {
+        let text = wall(profile);
+        let before = read(&text);
+        assert_eq!(corners(&before, 10).len(), 8, "two pieces beside the window");
+        for by in [[-0.5, 0.0], [0.0, 0.75], [0.25, -0.5], [-1.0, 1.0]] {
+            let after = patched(&text, &[Edit::Ends { record: 10, by }], &[]);
+            let drawing = read(&after);
+            assert_at(&corners(&drawing, 10), &expected(&before, 10, along, by));
+            assert_at(&corners(&drawing, 60), &corners(&before, 60));
+            let lines = changed(&text, &after);
+            let is_shape = |l: &&str| l.contains("IFCCARTESIANPOINT((") || l.contains("RECTANGLE");
+            assert!(lines.iter().all(|l| is_shape(&l)) && lines.len() <= 6, "{lines:#?}");
+            let axis = |t: &str, id: &str| t.lines().find(|l| l.starts_with(id)).unwrap().to_string();
+            assert_eq!(axis(&after, "#38=") == axis(&text, "#38="), by[0] == 0.0);
+            assert_eq!(axis(&after, "#39=") == axis(&text, "#39="), by[1] == 0.0);
+        }
+        let still = patched(&text, &[Edit::Ends { record: 10, by: [0.0; 2] }], &[]);
+        assert_eq!(read(&still).entities, before.entities);
+    }
+}
+
+#[test]
+fn what_others_use_is_copied_with_its_style() {
+    // A second wall on the same profile, and a third on the same shape.
+    let more = "#70=IFCWALL('000000000000000000000A',$,'V',$,$,#71,#74,'79',.SOLIDWALL.);\n\
+                #71=IFCLOCALPLACEMENT(#7,#4);\n\
+                #74=IFCPRODUCTDEFINITIONSHAPE($,$,(#75));\n\
+                #75=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#76));\n\
+                #76=IFCEXTRUDEDAREASOLID(#33,#4,#12,3.);\n\
+                #80=IFCWALL('000000000000000000000B',$,'U',$,$,#81,#30,'80',.SOLIDWALL.);\n\
+                #81=IFCLOCALPLACEMENT(#7,#82);\n\
+                #82=IFCAXIS2PLACEMENT3D(#83,$,$);\n\
+                #83=IFCCARTESIANPOINT((0.,9.,0.));\n\
+                #85=IFCRELCONTAINEDINSPATIALSTRUCTURE('000000000000000000000C',$,$,$,(#70,#80),#8);\n\
+                #90=IFCSTYLEDITEM(#37,(#91),$);\n\
+                #91=IFCSURFACESTYLE($,.BOTH.,(#92));\n\
+                #92=IFCSURFACESTYLESHADING(#93,$);\n\
+                #93=IFCCOLOURRGB($,1.,0.,0.);\n\
+                #94=IFCPRESENTATIONLAYERASSIGNMENT('A-WALL',$,(#36,#75),$);\n";
+    for profile in [RECTANGLE, RING] {
+        let text = wall(&format!("{profile}{more}"));
+        let before = read(&text);
+        let by = [-0.5, 0.5];
+        let after = patched(&text, &[Edit::Ends { record: 10, by }], &[]);
+        let drawing = read(&after);
+        assert_at(&corners(&drawing, 10), &expected(&before, 10, DVec2::new(0.6, 0.8), by));
+        for other in [70, 80] {
+            assert_at(&corners(&drawing, other), &corners(&before, other));
+        }
+        // Only the wall itself names another shape.
+        assert_eq!(changed(&text, &after), [text.lines().find(|l| l.starts_with("#10=")).unwrap()]);
+        let added: Vec<&str> = after.lines().filter(|l| !text.contains(l)).collect();
+        let of = |class: &str| added.iter().filter(|l| l.contains(&format!("={class}("))).count();
+        let styles = [of("IFCEXTRUDEDAREASOLID"), of("IFCSTYLEDITEM"), of("IFCPRESENTATIONLAYERASSIGNMENT")];
+        assert_eq!(styles, [1, 1, 1], "{added:#?}");
+    }
+}
+
+#[test]
+fn a_wall_that_shifts_and_grows_is_told_once() {
+    let text = wall(RECTANGLE);
+    let (before, along) = (read(&text), DVec2::new(0.6, 0.8));
+    let motion = RigidMotion { turn_rad: 0.0, shift: DVec2::new(0.3, -0.2) };
+    let by = [0.1, 0.2];
+    let edits = [Edit::Insert { record: 10, motion }, Edit::Ends { record: 10, by }];
+    let mark = Mark::Path { points: vec![DVec2::ZERO, DVec2::X], closed: false };
+    let own = [Addition { layer: "EF-MOVED".into(), rgb: [0, 0, 0], mark }];
+    let after = patched(&text, &edits, &own);
+    let meant: Vec<DVec2> = expected(&before, 10, along, by).into_iter().map(|p| p + motion.shift).collect();
+    assert_at(&corners(&read(&after), 10), &meant);
+    let told =
+        ["ShiftX", "FirstEndShift", "SecondEndShift"].map(|n| after.matches(&format!("'{n}'")).count());
+    assert_eq!((told, after.matches("'Pset_Enfilade_Result'").count()), ([1, 1, 1], 1));
+}
+
+#[test]
+fn what_is_not_certain_moves_as_a_whole_alone() {
+    let with = |from: &str, to: &str| {
+        let text = wall(RECTANGLE);
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    };
+    let cases = [
+        (
+            with("#33=IFCRECTANGLEPROFILEDEF(", "#33=IFCROUNDEDRECTANGLEPROFILEDEF("),
+            "neither a rectangle nor",
+        ),
+        (
+            with("#32=IFCPOLYLINE((#38,#39))", "#32=IFCPOLYLINE((#38,#35,#39))"),
+            "#32 IFCPOLYLINE is no axis of two points",
+        ),
+        (
+            with("#39=IFCCARTESIANPOINT((4.,0.))", "#39=IFCCARTESIANPOINT((4.,0.5))"),
+            "has no two sides along the wall",
+        ),
+        (with("'Axis'", "'FootPrint'"), "it has a representation \"FootPrint\" beside axis and body"),
+        (
+            with("(#10),#8);", "(#10),#8);\n#95=IFCRELAGGREGATES('000000000000000000000D',$,$,$,#10,(#50));"),
+            "it has parts or coverings",
+        ),
+        (
+            with(
+                "#12=IFCDIRECTION((0.,0.,1.));",
+                "#12=IFCDIRECTION((0.,0.,1.));\n#96=IFCSHAPEASPECT((#36),$,$,.F.,#30);",
+            ),
+            "aspects of their own",
+        ),
+        (
+            with("(#33,#4,#12,3.)", "(#33,#4,#97,3.)")
+                .replace("#57=", "#97=IFCDIRECTION((0.1,0.,1.));\n#57="),
+            "it does not stand upright",
+        ),
+    ];
+    for (text, says) in cases {
+        let mut report = Report::default();
+        let drawing = ifc::read("w.ifc", text.as_bytes(), &ReadOptions::default(), &mut report).unwrap();
+        let wall = drawing.entities.iter().find(|e| e.source.record == 10).unwrap();
+        assert_eq!(wall.editable, Editable::WithInsert { turnable: true }, "{says}");
+        let told = report.problems.iter().find(|p| p.code == "ifc-length").unwrap();
+        assert!(told.text.starts_with("1 wall keeps its length") && told.text.contains(says), "{told}");
+        let edits = [Edit::Ends { record: 10, by: [0.0, 0.5] }];
+        let error = ifc::patch("w.ifc", text.as_bytes(), &ReadOptions::default(), &edits, &[]).unwrap_err();
+        assert!(error.to_string().contains(says), "{says}: {error}");
+    }
+    let text = wall(RECTANGLE);
+    let edits = [Edit::Ends { record: 10, by: [3.0, -2.0] }];
+    let error = ifc::patch("w.ifc", text.as_bytes(), &ReadOptions::default(), &edits, &[]).unwrap_err();
+    assert!(error.to_string().contains("nothing would be left of it"), "{error}");
+}
+
+#[test]
+fn an_end_that_an_opening_reaches_stays() {
+    let text = wall(RECTANGLE).replace("((1.5,0.,0.5))", "((0.5,0.,0.5))");
+    let drawing = read(&text);
+    let wall = drawing.entities.iter().find(|e| e.source.record == 10).unwrap();
+    let Editable::Wall { ends } = &wall.editable else { panic!("{:?}", wall.editable) };
+    assert!(ends[0].is_empty() && ends[1].len() == 2, "{ends:?}");
+    assert_eq!(drawing.hosts.get(&60), Some(&10), "the file says in which wall the window sits");
+}
