@@ -31,6 +31,9 @@ const CROSS_MIN_M: f64 = 0.3;
 /// How exactly a cross is one, metres.
 const CROSS_M: f64 = 0.02;
 
+/// Most lines with one middle among which a cross is looked for.
+const MIDDLES_MAX: usize = 16;
+
 /// A cross runs from corner to corner: at no end along a wall, by the sine of the angle.
 const OBLIQUE_SIN: f64 = 0.17;
 
@@ -214,25 +217,36 @@ impl Scene<'_> {
 
     /// Pairs of lines that halve each other and run from corner to corner.
     fn crosses(&self) -> BTreeSet<usize> {
+        let cell = |p: DVec2| (p / CROSS_M).floor().as_i64vec2().to_array();
+        let lines = self.items.iter().enumerate().filter_map(|(i, item)| Some((i, item.line()?)));
+        let lines: Vec<(usize, [DVec2; 2])> =
+            lines.filter(|(_, [a, b])| a.distance(*b) >= CROSS_MIN_M).collect();
+        let mut by_middle: HashMap<[i64; 2], Vec<(usize, [DVec2; 2])>> = HashMap::new();
+        for (i, [a, b]) in &lines {
+            by_middle.entry(cell(a.midpoint(*b))).or_default().push((*i, [*a, *b]));
+        }
         let mut out = BTreeSet::new();
-        for (i, item) in self.items.iter().enumerate() {
-            let Some([a, b]) = item.line().filter(|[a, b]| a.distance(*b) >= CROSS_MIN_M) else { continue };
-            let middle = a.midpoint(b);
-            for j in self.around(middle, middle, 0.0).filter(|j| *j > i) {
-                let Some([c, d]) = self.items[j].line() else { continue };
-                let is_cross = middle.distance(c.midpoint(d)) <= CROSS_M
-                    && (a.distance(b) - c.distance(d)).abs() <= CROSS_M
-                    && sin(b - a, d - c) > OBLIQUE_SIN;
-                if is_cross
-                    && [(a, b - a), (b, b - a), (c, d - c), (d, d - c)]
-                        .into_iter()
-                        .all(|(p, along)| self.is_corner(p, along, [i, j]))
-                {
-                    out.extend([i, j]);
+        for (i, first) in &lines {
+            let [x, y] = cell(first[0].midpoint(first[1]));
+            let around = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| [x + dx, y + dy]));
+            let near = around.filter_map(|key| by_middle.get(&key));
+            // Where many lines have one middle they are a hatch.
+            let others = near.filter(|list| list.len() <= MIDDLES_MAX).flatten();
+            for (j, second) in others.filter(|(j, _)| j > i) {
+                if self.is_cross([*i, *j], *first, *second) {
+                    out.extend([*i, *j]);
                 }
             }
         }
         out
+    }
+
+    fn is_cross(&self, lines: [usize; 2], [a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
+        let ends = [(a, b - a), (b, b - a), (c, d - c), (d, d - c)];
+        a.midpoint(b).distance(c.midpoint(d)) <= CROSS_M
+            && (a.distance(b) - c.distance(d)).abs() <= CROSS_M
+            && sin(b - a, d - c) > OBLIQUE_SIN
+            && ends.into_iter().all(|(p, along)| self.is_corner(p, along, lines))
     }
 
     /// Whether two lines meet at a point, neither of them along a direction.

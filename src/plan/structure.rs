@@ -111,6 +111,9 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
 /// How far beyond the walls what fills their openings may lie, metres of a person: sills, bays.
 const BEYOND_WALLS_M: f64 = 1.0;
 
+/// A leaf that turns farther opens to both sides.
+const BOTH_WAYS_RAD: f64 = 2.2;
+
 /// How far beside a wall's faces lines still belong to a window in it, metres of a person: sills, frames.
 const SILL_M: f64 = 0.3;
 
@@ -143,8 +146,11 @@ pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Seg
         for path in swing_or(paths_of(&e.shape, place)) {
             match path {
                 Path::Line { a, b } if by_name => out.push([a, b]),
-                Path::Arc { centre, .. } if may_swing && is_swing(&path) => {
-                    out.extend(path.ends().map(|p| [centre, p]));
+                Path::Arc { centre, radius, start_rad, sweep_rad } if may_swing && is_swing(&path) => {
+                    // A leaf that turns to both sides closes between its ends.
+                    let middle = centre + DVec2::from_angle(start_rad + sweep_rad / 2.0) * radius;
+                    let shut = path.ends().into_iter().chain((sweep_rad > BOTH_WAYS_RAD).then_some(middle));
+                    out.extend(shut.map(|p| [centre, p]));
                 }
                 _ => {}
             }
