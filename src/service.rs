@@ -139,13 +139,14 @@ fn arguments(folders: &[PathBuf], log: &Path) -> Vec<OsString> {
     args
 }
 
+/// It is started again for as long as it takes, since a folder may lie on a drive that comes later.
 /// A unit of our own: the crate joins arguments by spaces, and folders may have spaces in their names.
 fn systemd_unit(program: &Path, args: &[OsString]) -> String {
     let words = std::iter::once(program.as_os_str()).chain(args.iter().map(OsString::as_os_str));
     let line: Vec<String> = words.map(|w| systemd_word(&w.to_string_lossy())).collect();
     format!(
-        "[Unit]\nDescription=Enfilade watches folders of drawings\n\n[Service]\nExecStart={}\nRestart=on-failure\n\
-         RestartSec={RESTART_SECS}\nRestartPreventExitStatus=3\nNoNewPrivileges=true\nNice=10\n\n\
+        "[Unit]\nDescription=Enfilade watches folders of drawings\nStartLimitIntervalSec=0\n\n[Service]\nExecStart={}\nRestart=on-failure\n\
+         RestartSec={RESTART_SECS}\nNoNewPrivileges=true\nNice=10\n\n\
          [Install]\nWantedBy=default.target\n",
         line.join(" ")
     )

@@ -16,8 +16,8 @@ use super::{Asked, Done, Notice, Order, RunJob, WatchSettings};
 use crate::config::settings_files;
 use crate::report::{Cancel, Error, Place, Problem, Severity};
 use crate::store::{
-    Journal, Lease, Ownership, Placing, STATE_FOLDER, Step, SystemDisk, present_folder, read_lease,
-    round_name, state_folder, write_json,
+    Ended, FOLDER_OWNED, Journal, Lease, Ownership, Placing, STATE_FOLDER, Step, SystemDisk, present_folder,
+    read_lease, refuse_nested, round_name, state_folder, write_json,
 };
 use crate::watch::{Action, Event, Eyes, Now, Settle, builtin_ignores, is_output_name, network_reason};
 
@@ -43,6 +43,7 @@ const MAX_RETRY_SECS: f64 = 600.0;
 const NEWER_SAVE: &str = "a newer save takes its place";
 const REMOVED: &str = "the drawing was removed";
 const BY_THE_USER: &str = "cancelled";
+const NOTHING_WHOLE: &str = "no whole file lies there to work on";
 const DAEMON_ENDS: &str = "the daemon ends; the next start goes on with it";
 const TOO_LONG: &str = "it ran too long";
 /// Failures and left-alone files listed in the overview.
@@ -97,6 +98,8 @@ pub(super) struct Heart {
     last_beat: Instant,
     last_overview: Option<Instant>,
     is_overview_stale: bool,
+    /// Folders that could not be taken at the start, and why.
+    not_taken: Vec<(PathBuf, Problem)>,
 }
 
 impl Heart {
@@ -142,9 +145,18 @@ impl Heart {
             last_beat: Instant::now(),
             last_overview: None,
             is_overview_stale: true,
+            not_taken: Vec::new(),
         };
         for (path, reason) in roots.iter().zip(reasons) {
-            let state = Some(heart.take(path, stop)?);
+            let state = match heart.take(path, stop) {
+                Ok(state) => Some(state),
+                // One folder that cannot be written holds up no other; every heartbeat tries it again.
+                Err(Error::Environment(problem)) if roots.len() > 1 && problem.code != FOLDER_OWNED => {
+                    heart.not_taken.push((path.clone(), problem));
+                    None
+                }
+                Err(error) => return Err(error),
+            };
             let how = how_watched(settings, reason);
             heart.roots.push(Root { path: path.clone(), how, is_offline: false, state });
         }
@@ -153,8 +165,11 @@ impl Heart {
 
     fn take(&self, root: &Path, stop: &Cancel) -> Result<State, Error> {
         let placing = self.placing(root, root);
+        let own: Vec<&Path> = self.roots.iter().map(|r| r.path.as_path()).collect();
+        refuse_nested(root, self.settings.depth, &own)?;
         let folder = state_folder(&*self.disk, root, &placing)?;
-        let me = Lease { host: host_name(), pid: std::process::id(), since: self.since.clone(), beat: 0 };
+        let (host, pid, since) = (host_name(), std::process::id(), self.since.clone());
+        let me = Lease { host, pid, since, beat: 0, depth: self.settings.depth };
         let heartbeat = Duration::from_secs_f64(self.settings.heartbeat_secs);
         let ownership = Ownership::take(self.disk.clone(), &folder, me, heartbeat, stop)?;
         let journal = Arc::new(Mutex::new(Journal::open(self.disk.clone(), &folder)?));
@@ -165,6 +180,9 @@ impl Heart {
     pub(super) fn beat_until(mut self, show: &mut dyn FnMut(Notice), stop: &Cancel) -> Result<(), Error> {
         for root in &self.roots {
             show(Notice::Watching { root: root.path.clone(), how: root.how.clone() });
+        }
+        for (path, problem) in std::mem::take(&mut self.not_taken) {
+            show(Notice::Problem { path, problem });
         }
         while !stop.is_stopped() {
             let is_busy = self.running.is_some() || self.settle.pending_count() > 0;
@@ -244,7 +262,7 @@ impl Heart {
             }
             Action::Ready { path, sha256 } => self.ready(path, sha256, show),
             Action::SettingsChanged(path) => self.settings_changed(&path),
-            Action::Removed(path) => self.removed(&path),
+            Action::Removed(path) => self.removed(&path, show),
             Action::Ignored { path, why } => {
                 if self.ignored.len() < MAX_LISTED {
                     self.ignored.insert(path.clone(), why.clone());
@@ -347,13 +365,25 @@ impl Heart {
                 return;
             }
             running.stop(NEWER_SAVE);
-        } else if open_journal(&journal).is_done(&below, &sha256, &config) {
-            let folder = present_folder(&drawing, &self.placing_of(&drawing));
-            return show(Notice::UpToDate { drawing, folder });
+        } else if let Some(end) = open_journal(&journal).end_of(&below, &sha256, &config) {
+            return self.ended_before(drawing, end, show);
         }
         let asked = Asked::default();
         let waiting = Waiting { drawing, sha256, config, asked, not_before: None, failures: 0 };
         self.enqueue(waiting, show);
+    }
+
+    fn ended_before(&mut self, drawing: PathBuf, end: Ended, show: &mut dyn FnMut(Notice)) {
+        match end {
+            Ended::Finished(summary) => {
+                let folder = present_folder(&drawing, &self.placing_of(&drawing));
+                show(Notice::UpToDate { drawing, folder, summary });
+            }
+            Ended::Failed(problem) => {
+                self.fail(&drawing, &problem);
+                show(Notice::Failed { drawing, problem, retry_secs: None });
+            }
+        }
     }
 
     fn obey(&mut self, order: Order, show: &mut dyn FnMut(Notice)) {
@@ -369,8 +399,12 @@ impl Heart {
                 self.is_overview_stale = true;
             }
             Order::Again { drawing, asked } => {
-                let Some((sha256, config)) = self.contents.get(&drawing).cloned() else { return };
-                self.queue.retain(|w| w.drawing != drawing);
+                let Some((sha256, config)) = self.contents.get(&drawing).cloned() else {
+                    return show(Notice::Stopped { drawing, why: NOTHING_WHOLE });
+                };
+                // What was asked before in other words is done too, in its turn.
+                let is_other = |w: &Waiting| w.asked != Asked::default() && w.asked != asked;
+                self.queue.retain(|w| w.drawing != drawing || is_other(w));
                 let waiting = Waiting { drawing, sha256, config, asked, not_before: None, failures: 0 };
                 self.enqueue(waiting, show);
             }
@@ -400,7 +434,7 @@ impl Heart {
         self.running.as_ref().is_some_and(|r| r.what.drawing == drawing)
     }
 
-    fn removed(&mut self, drawing: &Path) {
+    fn removed(&mut self, drawing: &Path, show: &mut dyn FnMut(Notice)) {
         self.queue.retain(|w| w.drawing != drawing);
         self.failed.remove(drawing);
         self.keys.remove(drawing);
@@ -409,6 +443,7 @@ impl Heart {
         if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
             running.stop(REMOVED);
         }
+        show(Notice::Removed(drawing.into()));
     }
 
     fn start_next(&mut self, show: &mut dyn FnMut(Notice)) {
@@ -421,6 +456,8 @@ impl Heart {
         let Some(index) = self.queue.iter().position(can_start) else { return };
         let Some(what) = self.queue.remove(index) else { return };
         let Some(journal) = self.journal_of(&what.drawing) else { return };
+        // Why it failed before is over; what is told from here on is of the file while it is worked on.
+        self.failed.remove(&what.drawing);
         self.note(&what, &Step::Started, show);
         self.next_id += 1;
         let (id, cancel) = (self.next_id, Cancel::default());
@@ -688,7 +725,7 @@ fn shown(drawing: &Path) -> Place {
 
 fn too_long(drawing: &Path, limit_secs: f64) -> Error {
     let text =
-        format!("the job ran longer than the limit of {limit_secs} s (job_limit_secs) and was stopped");
+        format!("the job ran longer than the limit of {limit_secs} s (job-limit-secs) and was stopped");
     Error::input("job-too-long", shown(drawing), text)
 }
 

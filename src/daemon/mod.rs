@@ -156,7 +156,11 @@ pub enum Notice {
         drawing: PathBuf,
         /// Its result folder; `None` where the user removed it.
         folder: Option<PathBuf>,
+        /// What came of it, as far as it is remembered.
+        summary: String,
     },
+    /// A drawing is gone; its results stay where they are.
+    Removed(PathBuf),
     /// The job of a drawing began.
     Started(PathBuf),
     /// The job of a drawing goes on.
@@ -215,6 +219,7 @@ impl fmt::Display for Notice {
             Self::Ignored { path, why } => write!(f, "{} is left alone: {why}", name(path)),
             Self::Queued { drawing, waiting } => write!(f, "{} waits ({waiting} waiting)", name(drawing)),
             Self::UpToDate { drawing, .. } => write!(f, "{} is up to date", name(drawing)),
+            Self::Removed(drawing) => write!(f, "{} is gone", name(drawing)),
             Self::Started(drawing) => write!(f, "{} started", name(drawing)),
             Self::Progress { drawing, value } => write!(f, "{} {value}", name(drawing)),
             Self::Analysis { folder, .. } => write!(f, "present layout measured: {}", name(folder)),

@@ -1,6 +1,7 @@
 //! The daemon over real folders, with jobs made up by the tests. Time-outs are generous: they end a
 //! test that failed, none waits for one to pass.
 
+mod owners;
 mod refusals;
 
 use std::collections::BTreeMap;
@@ -395,7 +396,12 @@ fn environment_failures_are_tried_again() {
     );
     daemon.save("plan.dxf", "one");
     daemon.await_round("plan", 1);
+    daemon.await_said("Done {", 1);
     assert_eq!((daemon.jobs(), daemon.count_said("Failed {")), (3, 2));
+    assert_eq!(daemon.count_said("results-of-earlier-content"), 0, "the content never changed");
+    daemon.await_true("no failure left", || {
+        status(std::slice::from_ref(&daemon.root))[0]["failed"] == serde_json::json!([])
+    });
 }
 
 /// Hazard 23.

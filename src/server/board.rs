@@ -71,6 +71,9 @@ impl Board {
         if let Some(id) = state.note(notice) {
             news.push(json!({"kind": "drawing", "drawing": state.drawings.get(&id).map(|e| e.brief(&id))}));
         }
+        if matches!(notice, Notice::Removed(_)) {
+            news.push(json!({"kind": "reload"}));
+        }
         drop(state);
         for n in news {
             // Nobody may be listening.
@@ -131,10 +134,15 @@ impl State {
                 None
             }
             Notice::Ignored { .. } => None,
-            Notice::UpToDate { drawing, folder } => self.at(drawing, |e| {
+            Notice::UpToDate { drawing, folder, summary } => self.at(drawing, |e| {
                 e.set("done");
                 e.folder.clone_from(folder);
+                e.summary.clone_from(summary);
             }),
+            Notice::Removed(drawing) => {
+                self.drawings.remove(&id_of(drawing));
+                None
+            }
             Notice::Queued { drawing, .. } => self.at(drawing, |e| e.set("waiting")),
             Notice::Started(drawing) => self.at(drawing, |e| {
                 e.set("running");

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::{Disk, disk_error, path_from_bytes, replace_file};
-use crate::report::{Error, Problem};
+use crate::report::{Error, Place, Problem, Severity};
 
 /// A journal longer than this is rewritten at the next start with what still counts.
 const COMPACT_BYTES: usize = 1 << 20;
@@ -50,6 +50,19 @@ struct Last {
     config: String,
     event: String,
     folder: Option<PathBuf>,
+    /// What came of it, or why it failed.
+    words: String,
+    /// Where it failed.
+    place: String,
+}
+
+/// How the last job of a content ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ended {
+    /// Results were made; in a sentence, as far as it is remembered.
+    Finished(String),
+    /// The content cannot be used.
+    Failed(Problem),
 }
 
 impl Journal {
@@ -85,7 +98,15 @@ impl Journal {
         }
         let Some(drawing) = line.get("drawing").and_then(path_from_json) else { return };
         let folder = line.get("folder").and_then(path_from_json);
-        let last = Last { sha256: text("sha256"), config: text("config"), event: text("event"), folder };
+        let problem = |key: &str| line["problem"][key].as_str().map(str::to_owned);
+        let last = Last {
+            sha256: text("sha256"),
+            config: text("config"),
+            event: text("event"),
+            folder,
+            words: problem("text").unwrap_or_else(|| text("summary")),
+            place: problem("place").unwrap_or_default(),
+        };
         self.last.insert(drawing, last);
     }
 
@@ -100,9 +121,14 @@ impl Journal {
     fn compact(&mut self) -> Result<(), Error> {
         let mut text = format!("{}\n", json!({"event": "outputs", "outputs": self.outputs}));
         for (drawing, l) in &self.last {
-            let line = json!({
+            let mut line = json!({
                 "event": l.event, "drawing": path_to_json(drawing), "sha256": l.sha256, "config": l.config,
             });
+            if l.event == "failed" {
+                line["problem"] = json!({"place": l.place, "text": l.words});
+            } else {
+                line["summary"] = json!(l.words);
+            }
             text.push_str(&format!("{line}\n"));
         }
         replace_file(&*self.disk, &self.path, text.as_bytes())?;
@@ -150,11 +176,24 @@ impl Journal {
         })
     }
 
+    /// How the job of this content ended; `None` where something is left to do.
+    pub fn end_of(&self, drawing: &Path, sha256: &str, config: &str) -> Option<Ended> {
+        let last = self.last.get(drawing).filter(|l| l.sha256 == sha256 && l.config == config)?;
+        match last.event.as_str() {
+            "finished" => Some(Ended::Finished(last.words.clone())),
+            "failed" => Some(Ended::Failed(Problem {
+                code: "failed-before",
+                severity: Severity::Error,
+                place: Place::file(last.place.clone()),
+                text: last.words.clone(),
+            })),
+            _ => None,
+        }
+    }
+
     /// Whether nothing is left to do for this content: results were made, or it cannot be used.
     pub fn is_done(&self, drawing: &Path, sha256: &str, config: &str) -> bool {
-        self.last.get(drawing).is_some_and(|l| {
-            l.sha256 == sha256 && l.config == config && matches!(l.event.as_str(), "finished" | "failed")
-        })
+        self.end_of(drawing, sha256, config).is_some()
     }
 
     /// Whether these bytes are a drawing that we wrote.

@@ -20,9 +20,9 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 pub use disk::{Disk, SystemDisk};
-pub use journal::{Journal, Step};
+pub use journal::{Ended, Journal, Step};
 pub use log::{LOG_BYTES_MAX, Log};
-pub use owner::{Lease, LeaseVerdict, Ownership, judge_lease, read_lease};
+pub use owner::{FOLDER_OWNED, Lease, LeaseVerdict, Ownership, judge_lease, read_lease, refuse_nested};
 
 pub use crate::report::OutFile;
 use crate::report::{Error, Place};

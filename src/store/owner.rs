@@ -8,11 +8,13 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Disk, disk_error, refuse_link, replace_file, shown};
+use super::{Disk, STATE_FOLDER, disk_error, refuse_link, replace_file, shown};
 use crate::report::{Cancel, Error};
 
 /// A lease whose beat stands still for this many heartbeats is stale.
 pub const MISSED_BEATS: u32 = 3;
+/// Code of the problem that another process watches a folder.
+pub const FOLDER_OWNED: &str = "folder-owned";
 const LOOK_PAUSE: Duration = Duration::from_millis(50);
 
 /// Who watches a folder: the content of `owner.json`.
@@ -26,6 +28,9 @@ pub struct Lease {
     pub since: String,
     /// Rises with every sign of life. Clocks of two machines are never compared (hazard 15).
     pub beat: u64,
+    /// Levels of folders below that it looks into.
+    #[serde(default)]
+    pub depth: usize,
 }
 
 /// What another's lease means.
@@ -141,10 +146,60 @@ pub fn read_lease(folder: &Path) -> Option<Lease> {
     serde_json::from_slice(&fs::read(folder.join("owner.json")).ok()?).ok()
 }
 
+/// Refuses a root within a folder that another process of this machine watches deep enough to meet it, or with
+/// such a folder within its own `depth`. `own` are the roots of this process.
+///
+/// # Errors
+/// `folder-owned` names that folder and its owner.
+pub fn refuse_nested(root: &Path, depth: usize, own: &[&Path]) -> Result<(), Error> {
+    let above = root.ancestors().enumerate().skip(1).filter(|(_, folder)| !own.contains(folder));
+    for (levels, folder) in above {
+        if let Some(lease) = held(folder).filter(|l| l.depth >= levels) {
+            return Err(nested(root, "lies in", folder, &lease));
+        }
+    }
+    match held_below(root, depth, own) {
+        Some((folder, lease)) => Err(nested(root, "holds", &folder, &lease)),
+        None => Ok(()),
+    }
+}
+
+fn nested(root: &Path, how: &str, folder: &Path, lease: &Lease) -> Error {
+    let text =
+        format!("{how} {}, which is watched by {}; stop that one first", folder.display(), who(Some(lease)));
+    Error::environment(FOLDER_OWNED, shown(root), text)
+}
+
+/// The lease of a folder whose lock another process of this machine holds.
+fn held(root: &Path) -> Option<Lease> {
+    let folder = root.join(STATE_FOLDER);
+    let lock = File::options().write(true).open(folder.join("lock")).ok()?;
+    matches!(lock.try_lock(), Err(TryLockError::WouldBlock)).then(|| read_lease(&folder)).flatten()
+}
+
+fn held_below(root: &Path, depth: usize, own: &[&Path]) -> Option<(PathBuf, Lease)> {
+    if depth == 0 {
+        return None;
+    }
+    let below = fs::read_dir(root).ok()?.filter_map(Result::ok);
+    let folders = below.filter(|e| e.file_type().is_ok_and(|t| t.is_dir())).map(|e| e.path());
+    folders.into_iter().find_map(|folder| {
+        let lease = if own.contains(&folder.as_path()) { None } else { held(&folder) };
+        lease.map(|l| (folder.clone(), l)).or_else(|| held_below(&folder, depth - 1, own))
+    })
+}
+
 fn owned(folder: &Path, lease: Option<&Lease>) -> Error {
     let root = folder.parent().unwrap_or(folder);
-    let who = lease.map_or("another enfilade process".to_owned(), |l| {
+    Error::environment(
+        FOLDER_OWNED,
+        shown(root),
+        format!("is watched by {}; stop that one first", who(lease)),
+    )
+}
+
+fn who(lease: Option<&Lease>) -> String {
+    lease.map_or("another enfilade process".to_owned(), |l| {
         format!("enfilade process {} on {} (since {})", l.pid, l.host, l.since)
-    });
-    Error::environment("folder-owned", shown(root), format!("is watched by {who}; stop that one first"))
+    })
 }

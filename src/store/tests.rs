@@ -633,7 +633,7 @@ fn a_long_journal_is_shortened_and_forgets_nothing() {
 }
 
 fn lease(host: &str, pid: u32, beat: u64) -> Lease {
-    Lease { host: host.into(), pid, since: TIME.into(), beat }
+    Lease { host: host.into(), pid, since: TIME.into(), beat, depth: 0 }
 }
 
 #[test]

@@ -1,0 +1,89 @@
+//! Who watches what, and what is remembered of it.
+
+use super::*;
+
+/// Hazard 21: one that meets the other's drawings is turned away as well, from above and from below.
+#[test]
+fn nested_folders_have_one_daemon() {
+    let turned_away = |root: &Path, depth: usize| {
+        let settings = WatchSettings { depth, ..settings() };
+        let stop = Cancel::default();
+        let mut show = |notice: Notice| {
+            if matches!(notice, Notice::Watching { .. }) {
+                stop.stop();
+            }
+        };
+        let run: Arc<RunJob> =
+            Arc::new(|request: &JobRequest, _: &mut dyn FnMut(JobEvent), _: &Cancel| Ok(echo(request)));
+        let ended = watch(&[root.to_path_buf()], &settings, run, &mut show, &stop).unwrap_err();
+        ended.problem().map(|p| (p.code, p.text.contains(&std::process::id().to_string())))
+    };
+    let settings = WatchSettings { depth: 1, ..settings() };
+    let daemon = Daemon::start(settings, |_| {}, |request, _, _| Ok(echo(request)));
+    fs::create_dir_all(daemon.path("a/b")).unwrap();
+    assert_eq!(turned_away(&daemon.path("a"), 0), Some(("folder-owned", true)));
+    assert_eq!(turned_away(&daemon.path("a/b"), 0), None, "too deep to be met");
+
+    let outer = tempfile::tempdir().unwrap();
+    let root = fs::canonicalize(outer.path()).unwrap();
+    fs::create_dir_all(root.join("x/y")).unwrap();
+    let run: Arc<RunJob> =
+        Arc::new(|request: &JobRequest, _: &mut dyn FnMut(JobEvent), _: &Cancel| Ok(echo(request)));
+    let stop = Cancel::default();
+    thread::scope(|scope| {
+        let inner = [root.join("x/y")];
+        let (run, stop) = (run.clone(), &stop);
+        scope.spawn(move || watch(&inner, &self::settings(), run, &mut |_| {}, stop));
+        let lock = root.join("x/y/.enfilade/owner.json");
+        let start = std::time::Instant::now();
+        while !lock.exists() && start.elapsed() < PATIENCE {
+            thread::sleep(Duration::from_millis(10));
+        }
+        let (near, deep) = (turned_away(&root, 1), turned_away(&root, 2));
+        stop.stop();
+        assert_eq!((near, deep), (None, Some(("folder-owned", true))));
+    });
+}
+
+/// What failed stays failed over a restart, with its place; a drawing that goes is said to be gone.
+#[test]
+fn failures_are_remembered_over_a_restart() {
+    let kept = tempfile::tempdir().unwrap();
+    let root = fs::canonicalize(kept.path()).unwrap();
+    fs::write(root.join("b.dxf"), "bad EOF\n").unwrap();
+    fs::write(root.join("c.dxf"), "good EOF\n").unwrap();
+    let said = |until: usize| {
+        let (stop, lines) = (Cancel::default(), Mutex::new(Vec::new()));
+        let run: Arc<RunJob> = Arc::new(|request: &JobRequest, _: &mut dyn FnMut(JobEvent), _: &Cancel| {
+            if request.bytes.starts_with(b"bad") {
+                return Err(Error::input("dxf-bad-number", Place::line("b.dxf", 57), "found x"));
+            }
+            Ok(echo(request))
+        });
+        let mut show = |notice: Notice| {
+            let mut lines = lines.lock().unwrap();
+            if matches!(notice, Notice::Failed { .. } | Notice::Done { .. } | Notice::UpToDate { .. }) {
+                lines.push(format!("{notice:?}"));
+            }
+            if lines.len() == until {
+                stop.stop();
+            }
+        };
+        watch(std::slice::from_ref(&root), &settings(), run, &mut show, &stop).unwrap_err();
+        lines.into_inner().unwrap()
+    };
+    said(2);
+    let again = said(2).join("\n");
+    assert!(again.contains("Failed") && again.contains("b.dxf:57") && again.contains("found x"), "{again}");
+    assert!(again.contains("UpToDate") && again.contains("1 candidate"), "{again}");
+}
+
+#[test]
+fn a_drawing_that_goes_is_said_to_be_gone() {
+    let daemon = Daemon::echo();
+    daemon.save("plan.dxf", "one");
+    daemon.await_said("Done {", 1);
+    fs::remove_file(daemon.path("plan.dxf")).unwrap();
+    daemon.await_said("Removed(", 1);
+    assert!(daemon.path("plan.enfilade/round-01").exists());
+}
