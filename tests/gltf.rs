@@ -297,6 +297,23 @@ fn with_json(bytes: &[u8], change: impl Fn(&mut serde_json::Value)) -> Vec<u8> {
     [head, text, rest.to_vec()].concat()
 }
 
+/// The standard forbids it; a move of the node would move both.
+#[test]
+fn a_node_that_hangs_in_the_scene_twice_does_not_move() {
+    let of = |bytes: &[u8]| {
+        let drawing = read(bytes);
+        let mine = drawing.entities.iter().filter(|e| e.source.record == node("IfcWall/screen-1"));
+        mine.map(|e| e.editable.moves_whole()).collect::<Vec<_>>()
+    };
+    assert!(of(PAVILION).iter().all(|moves| *moves));
+    let twice = with_json(PAVILION, |json| {
+        let scene = json["scenes"][0]["nodes"].as_array_mut().unwrap();
+        scene.push(node("IfcWall/screen-1").into());
+    });
+    let moves = of(&twice);
+    assert!(moves.len() >= 2 && !moves.iter().any(|m| *m), "{moves:?}");
+}
+
 /// A bad text: what is changed in the sample, what must be said, whether the whole file is refused.
 fn hazards() -> Vec<(&'static str, String, &'static str, bool)> {
     let text = embedded();

@@ -101,13 +101,13 @@ impl Scratch {
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx2,popcnt")]
+    #[target_feature(enable = "avx512f,avx512dq,avx2,popcnt,bmi1,bmi2")]
     fn corners_of_avx512(&mut self, paths: &Paths<'_>, rank: usize) -> Corners {
         self.corners_of_in::<Avx2>(paths, rank)
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,popcnt")]
+    #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
     fn corners_of_avx2(&mut self, paths: &Paths<'_>, rank: usize) -> Corners {
         self.corners_of_in::<Avx2>(paths, rank)
     }

@@ -5,10 +5,12 @@
 //! shadows of the moving segments from the upper half plane of every viewer, mirrors the result, and
 //! walks the breadth-first trees with tables of four rows each.
 
-use crate::plan::geometry::{PointUm, Segment, segments_touch};
+use crate::plan::geometry::{PointUm, Segment, cross_um, segments_touch};
 
-use super::bit_rows::{count_bits, fill_tables, lost_bits, mirror, pull, push, set, shared_bits};
-use super::graph::Graph;
+use super::bit_rows::{
+    PushRoom, count_bits, fill_tables, flood, lost_bits, mirror, pull, push, set, shared_bits,
+};
+use super::graph::{Graph, for_each_bit};
 #[cfg(target_arch = "x86_64")]
 use super::lanes::x86::{Avx2, Avx512};
 use super::lanes::{LANES, Lanes, Path, Portable, Vector};
@@ -30,11 +32,12 @@ const STEEP: f64 = 1e12;
 
 /// See the module page.
 pub(super) struct Dense {
-    path: Path,
+    pub(super) path: Path,
     /// Which coordinate runs along a line, and which across.
     axes: [usize; 2],
     low_um: PointUm,
     spacing_um: i64,
+    per_spacing: f64,
     /// Cells along a line, and lines.
     size: [usize; 2],
     /// Cache lines of a row of bits, and words of it in use.
@@ -43,9 +46,10 @@ pub(super) struct Dense {
     /// Place of every vertex in a row of bits, and back: by line, then along it.
     cell_of: Vec<u32>,
     vertex_of: Vec<u32>,
-    /// Where the vertices of each line stand in a row of bits: first run of each line, one more entry.
-    runs: Vec<Run>,
-    first_run: Vec<u32>,
+    /// Vertices of each word of each line, and where the first of them stands in a row of bits; in the order of
+    /// a view.
+    masks: Vec<u64>,
+    firsts: Vec<u32>,
     viewers: Vec<Viewer>,
     /// Upper half plane of every viewer under the fixed walls, see `view_words`.
     fixed: Vec<u64>,
@@ -65,28 +69,22 @@ struct Viewer {
     top: usize,
 }
 
-/// Vertices next to each other within one word of a line.
-#[derive(Clone, Copy)]
-struct Run {
-    /// Word of the line and first bit in it.
-    word: u32,
-    bit: u32,
-    /// Ones from bit 0 on, one a vertex.
-    mask: u64,
-    /// Place of the first in a row of bits.
-    at: u32,
-}
-
 /// Buffers of one thread.
 #[derive(Default)]
 pub(super) struct DenseScratch {
     view: Vec<u64>,
+    /// A row of bits in the making, a word more than it has; segments near a viewer.
+    packed: Vec<u64>,
+    near: Vec<u32>,
     rows: Vec<Lanes>,
     tables: Vec<Lanes>,
-    /// Frontier, unseen cells and next frontier of every query vertex.
+    /// Frontier and unseen cells of every query vertex.
     trees: Vec<Lanes>,
+    room: PushRoom,
     active: Vec<u32>,
     pushed: Vec<u32>,
+    /// Cells of its component that the tree of a query vertex has not reached.
+    missing: Vec<u32>,
     /// Cells per level and query vertex.
     found: Vec<u32>,
     component_of: Vec<u32>,
@@ -101,6 +99,8 @@ struct Moving {
     b: [f64; 2],
     left: f64,
     right: f64,
+    /// Run over rise; 0 if it is level.
+    lean: f64,
     exact: Segment,
 }
 
@@ -112,51 +112,73 @@ const STRIDE: usize = 8;
 struct Shadow {
     near: f64,
     far: f64,
-    /// Run of the segment over its rise.
     lean: f64,
     /// Lower end as seen from the viewer, and height of the upper one, micrometres.
     a: [f64; 2],
     top: f64,
     column: f64,
     spacing: f64,
+    per_spacing: f64,
+    /// Positions beyond this lie right of all cells.
+    beyond: f64,
 }
 
+/// Where a shadow begins and ends on some lines, in columns; a little beyond the cells where it goes on.
+struct Edges {
+    lo: [f64; STRIDE],
+    hi: [f64; STRIDE],
+}
+
+/// Left of all cells, and of nothing whole.
+const BEFORE: f64 = -0.6;
+
 impl Shadow {
-    /// Where the shadow begins and ends on some lines from `first` on, in columns (empty: `lo > hi`),
-    /// and whether any edge comes too near to a cell.
+    /// The edges on the lines from `first` on, none of which lies below the segment. Every choice is written so
+    /// that it is one instruction for all lines: no number here is NaN.
     #[inline(always)]
-    fn lines(&self, first: usize) -> ([f64; STRIDE], [f64; STRIDE], bool) {
-        let (mut lo, mut hi) = ([0.0; STRIDE], [0.0; STRIDE]);
-        let mut grazing = false;
+    fn lines(&self, first: usize) -> Edges {
+        let mut edges = Edges { lo: [0.0; STRIDE], hi: [0.0; STRIDE] };
         for i in 0..STRIDE {
             let d = (first + i) as f64;
             let height = d * self.spacing;
             let one = self.near * d;
-            let cut = (self.a[0] + self.lean * (height - self.a[1])) / self.spacing;
+            let cut = (self.a[0] + self.lean * (height - self.a[1])) * self.per_spacing;
             let two = if self.top <= height { self.far * d } else { cut };
-            let reached = self.a[1] <= height;
-            lo[i] = if reached { one.min(two) + self.column } else { 1e9 };
-            hi[i] = if reached { one.max(two) + self.column } else { -1e9 };
-            let near_lo = ((lo[i] - nearest(lo[i])).abs() <= GRAZING_CELLS) & (lo[i].abs() < 1e8);
-            let near_hi = ((hi[i] - nearest(hi[i])).abs() <= GRAZING_CELLS) & (hi[i].abs() < 1e8);
-            grazing |= reached & (near_lo | near_hi);
+            let (lo, hi) = (if one < two { one } else { two }, if one < two { two } else { one });
+            edges.lo[i] = clamped(lo + self.column, self.beyond);
+            edges.hi[i] = clamped(hi + self.column, self.beyond);
         }
-        (lo, hi, grazing)
+        edges
     }
+}
+
+#[inline(always)]
+fn clamped(position: f64, beyond: f64) -> f64 {
+    let low = if position > BEFORE { position } else { BEFORE };
+    if low < beyond { low } else { beyond }
 }
 
 /// Added to a number below 2⁵¹, leaves its nearest whole number in the low bits.
 const WHOLE_BITS: f64 = 6_755_399_441_055_744.0;
 
+/// For each of some positions from [`BEFORE`] to [`MAX_CELLS`] the first whole number above it, and how near to
+/// half a cell it is from a place between two cells: at a cell, 0.5.
 #[inline(always)]
-fn nearest(x: f64) -> f64 {
-    (x + WHOLE_BITS) - WHOLE_BITS
+fn first_above<const N: usize>(positions: &[f64; N]) -> ([u64; N], [f64; N]) {
+    let (mut whole, mut off) = ([0; N], [0.0; N]);
+    for i in 0..N {
+        let half_on = positions[i] + 0.5;
+        let rounded = half_on + WHOLE_BITS;
+        whole[i] = rounded.to_bits() & (2 * MAX_CELLS as u64 - 1);
+        off[i] = (half_on - (rounded - WHOLE_BITS)).abs();
+    }
+    (whole, off)
 }
 
-/// The first whole number above `x`, which is not whole, clamped to `0..=64`.
+/// Whether an edge that is so far off the middle between two cells comes too near to a cell.
 #[inline(always)]
-fn whole_above(x: f64) -> u64 {
-    (x.clamp(-0.4, 63.5) + 0.5 + WHOLE_BITS).to_bits() & 127
+fn is_grazing(off: f64) -> bool {
+    off >= 0.5 - GRAZING_CELLS
 }
 
 /// All bits from `first` on; none for 64.
@@ -189,11 +211,12 @@ impl Dense {
             axes,
             low_um: axes.map(|k| low[k]),
             spacing_um: lattice.spacing_um,
+            per_spacing: 1.0 / lattice.spacing_um as f64,
             size,
             stride,
             words: graph.len().div_ceil(64),
-            runs: Vec::new(),
-            first_run: Vec::with_capacity(size[1] + 1),
+            masks: Vec::new(),
+            firsts: Vec::new(),
             viewers: Vec::with_capacity(graph.len()),
             fixed: Vec::new(),
             reference: vec![Lanes::default(); stride],
@@ -203,7 +226,16 @@ impl Dense {
             vertex_of: vec![0; stride * LANES],
             cell_of,
         };
-        new.find_runs(order.iter().map(|&v| at(v as usize)));
+        new.masks = vec![0; new.view_words()];
+        new.firsts = vec![0; new.view_words()];
+        for (cell, &v) in (0u32..).zip(&order) {
+            let [along, line] = at(v as usize);
+            let word = along / 64 * new.line_stride() + line;
+            if new.masks[word] == 0 {
+                new.firsts[word] = cell;
+            }
+            new.masks[word] |= 1 << (along % 64);
+        }
         new.fixed = vec![0; graph.len() * new.view_words()];
         for v in 0..graph.len() {
             new.vertex_of[new.cell_of[v] as usize] = v as u32;
@@ -213,27 +245,6 @@ impl Dense {
             }
         }
         Some(new)
-    }
-
-    /// Takes the vertices by line, then along it.
-    fn find_runs(&mut self, vertices: impl Iterator<Item = [usize; 2]>) {
-        let mut last = None;
-        for (cell, [along, line]) in (0u32..).zip(vertices) {
-            while self.first_run.len() <= line {
-                self.first_run.push(self.runs.len() as u32);
-            }
-            match self.runs.last_mut() {
-                Some(run) if along % 64 != 0 && last == Some([along - 1, line]) => {
-                    run.mask = run.mask << 1 | 1
-                }
-                _ => {
-                    let (word, bit) = ((along / 64) as u32, (along % 64) as u32);
-                    self.runs.push(Run { word, bit, mask: 1, at: cell });
-                }
-            }
-            last = Some([along, line]);
-        }
-        self.first_run.resize(self.size[1] + 1, self.runs.len() as u32);
     }
 
     fn add_viewer(&mut self, v: usize, place: impl Fn(usize) -> [usize; 2], graph: &Graph) {
@@ -268,7 +279,6 @@ impl Dense {
     pub fn evaluate(&self, moving: &Obstacles, scratch: &mut DenseScratch) -> Option<Tally> {
         let segments = self.take(&moving.segments)?;
         self.look(&segments, &moving.blind, scratch);
-        self.find_components(scratch);
         Some(match self.path {
             // SAFETY: a path is only made for a processor that has its instructions.
             #[cfg(target_arch = "x86_64")]
@@ -281,7 +291,8 @@ impl Dense {
         })
     }
 
-    /// Segments that meet the box of the vertices, in the local frame.
+    /// Segments that meet the box of the vertices, in the local frame: the lowest first, so that what they hide
+    /// need not be looked at again.
     fn take(&self, segments: &[Segment]) -> Option<Vec<Moving>> {
         let far = [0, 1].map(|k| (self.size[k] - 1) as i64 * self.spacing_um);
         let mut taken = Vec::with_capacity(segments.len());
@@ -304,8 +315,10 @@ impl Dense {
                 return None;
             }
             let [a, b] = [exact.a, exact.b].map(|p| p.map(|v| v as f64));
-            taken.push(Moving { a, b, left: a[0].min(b[0]), right: a[0].max(b[0]), exact });
+            let lean = if b[1] > a[1] { (b[0] - a[0]) / (b[1] - a[1]) } else { 0.0 };
+            taken.push(Moving { a, b, left: a[0].min(b[0]), right: a[0].max(b[0]), lean, exact });
         }
+        taken.sort_unstable_by_key(|m| (m.exact.a[1], m.exact));
         Some(taken)
     }
 
@@ -317,18 +330,12 @@ impl Dense {
             // SAFETY: a path is only made for a processor that has its instructions.
             #[cfg(target_arch = "x86_64")]
             #[allow(unsafe_code)]
-            Path::Avx512 => unsafe { self.cast_all_avx512(segments, scratch) },
+            Path::Avx512 => unsafe { self.cast_all_avx512(segments, blind, scratch) },
             #[cfg(target_arch = "x86_64")]
             #[allow(unsafe_code)]
-            Path::Avx2 => unsafe { self.cast_all_avx2(segments, scratch) },
-            Path::Portable => self.cast_all(segments, scratch),
+            Path::Avx2 => unsafe { self.cast_all_avx2(segments, blind, scratch) },
+            Path::Portable => self.cast_all::<Portable>(segments, blind, scratch),
         }
-        scratch.bare.clear();
-        scratch.bare.resize(self.stride, Lanes([u64::MAX; 8]));
-        if !blind.is_empty() {
-            self.blindfold(blind, &mut scratch.rows, &mut scratch.bare);
-        }
-        mirror(&mut scratch.rows, self.stride, self.words);
     }
 
     fn blindfold(&self, blind: &[u32], rows: &mut [Lanes], bare: &mut [Lanes]) {
@@ -343,36 +350,69 @@ impl Dense {
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,popcnt")]
-    fn cast_all_avx512(&self, segments: &[Moving], scratch: &mut DenseScratch) {
-        self.cast_all(segments, scratch);
+    #[target_feature(enable = "avx512f,avx512dq,avx2,popcnt,bmi1,bmi2")]
+    fn cast_all_avx512(&self, segments: &[Moving], blind: &[u32], scratch: &mut DenseScratch) {
+        self.cast_all::<Avx512>(segments, blind, scratch);
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,popcnt")]
-    fn cast_all_avx2(&self, segments: &[Moving], scratch: &mut DenseScratch) {
-        self.cast_all(segments, scratch);
+    #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
+    fn cast_all_avx2(&self, segments: &[Moving], blind: &[u32], scratch: &mut DenseScratch) {
+        self.cast_all::<Avx2>(segments, blind, scratch);
     }
 
-    /// The upper half plane of every viewer, as bits by cell.
+    /// The upper half plane of every viewer, as bits by cell, and the lower ones from them.
     #[inline(always)]
-    fn cast_all(&self, segments: &[Moving], scratch: &mut DenseScratch) {
+    fn cast_all<V: Vector>(&self, segments: &[Moving], blind: &[u32], scratch: &mut DenseScratch) {
         let s = self.spacing_um as f64;
-        let view = &mut scratch.view;
+        let DenseScratch { view, packed, near, rows, bare, .. } = scratch;
+        packed.resize(self.stride * 8 + 1, 0);
+        near.resize(segments.len() + 1, 0);
         for (v, viewer) in self.viewers.iter().enumerate() {
             view.clear();
             view.extend_from_slice(&self.fixed[v * self.view_words()..][..self.view_words()]);
             let (low, top) = (viewer.at[1] as f64 * s, viewer.top as f64 * s);
             let (left, right) = (viewer.lo * s, viewer.hi * s);
-            for m in segments {
+            // No branch: which segments are near cannot be guessed.
+            let mut count = 0;
+            for (i, m) in segments.iter().enumerate() {
                 let apart = (m.b[1] < low) | (m.a[1] > top) | (m.right < left) | (m.left > right);
-                if !apart {
-                    self.cast(viewer, m, view);
+                near[count] = i as u32;
+                count += usize::from(!apart);
+            }
+            let mut viewer = *viewer;
+            for &i in &near[..count] {
+                let m = &segments[i as usize];
+                if m.a[1] > viewer.top as f64 * s {
+                    break;
+                }
+                self.cast(&viewer, m, view);
+                while viewer.top > viewer.at[1] && self.is_dark(view, viewer.top) {
+                    viewer.top -= 1;
                 }
             }
-            let row = &mut scratch.rows[self.cell_of[v] as usize * self.stride..][..self.stride];
-            self.pack(viewer, view, row);
+            self.pack::<V>(&viewer, view, packed);
+            let row = &mut rows[self.cell_of[v] as usize * self.stride..][..self.stride];
+            for (lanes, words) in row.iter_mut().zip(packed.as_chunks().0) {
+                lanes.0 = *words;
+            }
         }
+        bare.clear();
+        bare.resize(self.stride, Lanes([u64::MAX; 8]));
+        if !blind.is_empty() {
+            self.blindfold(blind, rows, bare);
+        }
+        mirror(rows, self.stride, self.words);
+    }
+
+    /// Whether nothing of a line is seen.
+    #[inline(always)]
+    fn is_dark(&self, view: &[u64], line: usize) -> bool {
+        let mut any = 0;
+        for w in 0..self.size[0].div_ceil(64) {
+            any |= view[w * self.line_stride() + line];
+        }
+        any == 0
     }
 
     /// Words of a half plane: by word of a line, then line, with room for a last stride of lines.
@@ -384,23 +424,19 @@ impl Dense {
         self.size[1] + STRIDE
     }
 
-    /// Puts the lines of a view one behind the other.
+    /// Puts the lines of a view one behind the other, into words that are all written.
     #[inline(always)]
-    fn pack(&self, viewer: &Viewer, view: &[u64], row: &mut [Lanes]) {
-        let lines = viewer.at[1]..=viewer.top;
-        let ends = self.first_run[viewer.at[1]..viewer.top + 2].windows(2);
-        for (line, ends) in lines.zip(ends) {
-            for run in &self.runs[ends[0] as usize..ends[1] as usize] {
-                let bits = view[run.word as usize * self.line_stride() + line] >> run.bit & run.mask;
-                if bits == 0 {
-                    continue;
-                }
-                let at = run.at as usize;
-                row[at / LANES].0[at / 64 % 8] |= bits << (at % 64);
-                let over = bits.checked_shr(64 - (at % 64) as u32).unwrap_or(0);
-                if over != 0 {
-                    row[(at / 64 + 1) / 8].0[(at / 64 + 1) % 8] |= over;
-                }
+    fn pack<V: Vector>(&self, viewer: &Viewer, view: &[u64], packed: &mut [u64]) {
+        packed.fill(0);
+        for w in 0..self.size[0].div_ceil(64) {
+            let lines = w * self.line_stride() + viewer.at[1]..=w * self.line_stride() + viewer.top;
+            let (view, masks, firsts) =
+                (&view[lines.clone()], &self.masks[lines.clone()], &self.firsts[lines]);
+            for ((&word, &mask), &at) in view.iter().zip(masks).zip(firsts) {
+                let bits = V::gather(word, mask);
+                let (at, shift) = (at as usize / 64, at % 64);
+                packed[at] |= bits << shift;
+                packed[at + 1] |= bits >> 1 >> (63 - shift);
             }
         }
     }
@@ -425,34 +461,42 @@ impl Dense {
         let shadow = Shadow {
             near,
             far: b[0] / b[1],
-            lean: if b[1] > a[1] { (b[0] - a[0]) / (b[1] - a[1]) } else { 0.0 },
+            lean: m.lean,
             a,
             top: b[1],
             column: viewer.at[0] as f64,
             spacing: s,
+            per_spacing: self.per_spacing,
+            beyond: self.size[0] as f64 - 0.4,
         };
-        let mut first = ((a[1] / s).max(0.0) as usize).max(1);
+        let below = (a[1] * self.per_spacing).max(0.0) as usize;
+        let mut first = (below + usize::from((below as f64) * s < a[1])).max(1);
         let last = viewer.top - viewer.at[1];
         while first <= last {
-            let (lo, hi, grazing) = shadow.lines(first);
+            let edges = shadow.lines(first);
+            let ((from, off_lo), (end, off_hi)) = (first_above(&edges.lo), first_above(&edges.hi));
+            let mut grazing = false;
+            for i in 0..STRIDE {
+                grazing |= is_grazing(off_lo[i]) | is_grazing(off_hi[i]);
+            }
             if grazing {
-                self.cast_exactly(viewer, m, view, first..=last.min(first + STRIDE - 1), (&lo, &hi));
+                self.cast_exactly(viewer, m, view, first..=last.min(first + STRIDE - 1), &edges);
             } else {
-                self.clear_lines(view, viewer.at[1] + first, &lo, &hi);
+                self.clear_lines(view, viewer.at[1] + first, &from, &end);
             }
             first += STRIDE;
         }
     }
 
-    /// Clears the cells between two positions on each of some lines.
+    /// Clears the cells from one on up to another on each of some lines.
     #[inline(always)]
-    fn clear_lines(&self, view: &mut [u64], line: usize, lo: &[f64; STRIDE], hi: &[f64; STRIDE]) {
+    fn clear_lines(&self, view: &mut [u64], line: usize, from: &[u64; STRIDE], end: &[u64; STRIDE]) {
         for w in 0..self.size[0].div_ceil(64) {
-            let base = (w * 64) as f64;
+            let base = (w * 64) as u64;
             let words = &mut view[w * self.line_stride() + line..][..STRIDE];
             for i in 0..STRIDE {
-                let (from, beyond) = (whole_above(lo[i] - base), whole_above(hi[i] - base));
-                words[i] &= !(ones_from(from) & !ones_from(beyond));
+                let (from, end) = (from[i].saturating_sub(base), end[i].saturating_sub(base));
+                words[i] &= !(ones_from(from) & !ones_from(end));
             }
         }
     }
@@ -465,7 +509,7 @@ impl Dense {
         m: &Moving,
         view: &mut [u64],
         distances: std::ops::RangeInclusive<usize>,
-        (lo, hi): (&[f64; STRIDE], &[f64; STRIDE]),
+        Edges { lo, hi }: &Edges,
     ) {
         for (i, distance) in distances.enumerate() {
             let line = viewer.at[1] + distance;
@@ -517,13 +561,13 @@ impl Dense {
     #[inline(never)]
     fn clear_own_line(&self, viewer: &Viewer, m: &Moving, view: &mut [u64]) -> Option<f64> {
         let centre = viewer.at.map(|v| v as i64 * self.spacing_um);
-        if segments_touch(m.exact, Segment { a: centre, b: centre }) {
+        let (a, b) = (m.exact.a, m.exact.b);
+        // Right of the line through the segment, read upwards, it passes on the left.
+        let turn = cross_um(a, b, centre);
+        if turn == 0 && segments_touch(m.exact, Segment { a: centre, b: centre }) {
             view.fill(0);
             return None;
         }
-        let (a, b) = (m.exact.a, m.exact.b);
-        // Right of the line through the segment, read upwards, it passes on the left.
-        let turn = crate::plan::geometry::cross_um(a, b, centre);
         let right = if a[1] == b[1] { a[0] > centre[0] } else { turn > 0 };
         if !right {
             return Some(-STEEP);
@@ -536,9 +580,11 @@ impl Dense {
         } else {
             m.a[0] + (m.b[0] - m.a[0]) * ((centre[1] as f64 - m.a[1]) / (m.b[1] - m.a[1]))
         };
-        let guess = (reach / self.spacing_um as f64 - 1.0).clamp(0.0, self.size[0] as f64) as usize;
-        first = first.max(guess);
-        while first < self.size[0] && !self.blocks(m, viewer.at, [first, line]) {
+        let reach = (reach * self.per_spacing).clamp(BEFORE, self.size[0] as f64 - 0.4);
+        let ([beyond], [off]) = first_above(&[reach]);
+        let is_near = is_grazing(off);
+        first = first.max((beyond as usize).saturating_sub(usize::from(is_near)));
+        while is_near && first < self.size[0] && !self.blocks(m, viewer.at, [first, line]) {
             first += 1;
         }
         self.clear_cells(view, line, first as i64, self.size[0] as i64 - 1);
@@ -546,50 +592,57 @@ impl Dense {
     }
 
     /// Labels the components of the layout in `rows`.
+    #[inline(always)]
     fn find_components(&self, scratch: &mut DenseScratch) {
         let k = self.stride;
-        scratch.component_of.clear();
-        scratch.component_of.resize(self.viewers.len(), u32::MAX);
-        scratch.components.clear();
+        let DenseScratch { rows, component_of, components, .. } = scratch;
+        component_of.clear();
+        component_of.resize(self.viewers.len(), u32::MAX);
+        components.clear();
+        // Cells that see anything and belong to no component yet: none, and a flood is over before all of its
+        // cells have been asked.
+        let mut left = vec![0u64; k * 8];
+        for cell in 0..self.viewers.len() {
+            let sees = rows[cell * k..][..k].iter().any(|r| *r != Lanes::default());
+            left[cell / 64] |= u64::from(sees) << (cell % 64);
+        }
         let mut todo = vec![0u64; k * 8];
-        for v in 0..self.viewers.len() {
-            if scratch.component_of[v] != u32::MAX {
+        for first in 0..self.viewers.len() {
+            if component_of[self.vertex_of[first] as usize] != u32::MAX {
                 continue;
             }
-            let label = (scratch.components.len() / k) as u32;
-            let mut member = vec![Lanes::default(); k];
-            set(&mut member, self.cell_of[v] as usize);
-            todo.iter_mut().zip(member.iter().flat_map(|m| m.0)).for_each(|(t, m)| *t = m);
-            while let Some(w) = todo.iter().position(|t| *t != 0) {
-                let cell = w * 64 + todo[w].trailing_zeros() as usize;
-                todo[w] &= todo[w] - 1;
-                scratch.component_of[self.vertex_of[cell] as usize] = label;
-                let row = &scratch.rows[cell * k..][..k];
-                for (i, (m, r)) in member.iter_mut().zip(row).enumerate() {
-                    for j in 0..8 {
-                        todo[i * 8 + j] |= r.0[j] & !m.0[j];
-                        m.0[j] |= r.0[j];
-                    }
-                }
+            let label = (components.len() / k) as u32;
+            let start = components.len();
+            components.resize(start + k, Lanes::default());
+            let member = &mut components[start..];
+            set(member, first);
+            left[first / 64] &= !(1 << (first % 64));
+            todo.fill(0);
+            todo[first / 64] |= 1 << (first % 64);
+            flood(rows, member, &mut todo, &mut left);
+            for (w, word) in member.iter().flat_map(|m| m.0).enumerate() {
+                for_each_bit(word, |bit| {
+                    component_of[self.vertex_of[w * 64 + bit as usize] as usize] = label;
+                });
             }
-            scratch.components.extend_from_slice(&member);
         }
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,popcnt,bmi1")]
+    #[target_feature(enable = "avx512f,avx512dq,avx2,popcnt,bmi1,bmi2")]
     fn walk_avx512(&self, scratch: &mut DenseScratch) -> Tally {
         self.walk_in::<Avx512>(scratch)
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,popcnt")]
+    #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
     fn walk_avx2(&self, scratch: &mut DenseScratch) -> Tally {
         self.walk_in::<Avx2>(scratch)
     }
 
     #[inline(always)]
     fn walk_in<V: Vector>(&self, scratch: &mut DenseScratch) -> Tally {
+        self.find_components(scratch);
         match self.stride {
             1 => self.walk_rows::<V, 1>(scratch),
             2 => self.walk_rows::<V, 2>(scratch),
@@ -612,13 +665,14 @@ impl Dense {
         fill_tables::<V, K>(&rows[..words * 64], &mut scratch.tables);
         let tables: &[[Lanes; K]] = scratch.tables.as_chunks().0;
         let trees = &mut scratch.trees;
-        trees.resize(self.query.len() * 3 * K, Lanes::default());
-        let trees: &mut [[[Lanes; K]; 3]] = trees.as_chunks_mut().0.as_chunks_mut().0;
+        trees.resize(self.query.len() * 2 * K, Lanes::default());
+        let trees: &mut [[[Lanes; K]; 2]] = trees.as_chunks_mut().0.as_chunks_mut().0;
         let found = &mut scratch.found;
         found.clear();
-        let (active, pushed) = (&mut scratch.active, &mut scratch.pushed);
+        let (active, pushed, missing) = (&mut scratch.active, &mut scratch.pushed, &mut scratch.missing);
         active.clear();
-        for (i, (&v, [frontier, unseen, _])) in self.query.iter().zip(trees.iter_mut()).enumerate() {
+        missing.clear();
+        for (i, (&v, [frontier, unseen])) in self.query.iter().zip(trees.iter_mut()).enumerate() {
             let cell = self.cell_of[v as usize] as usize;
             *frontier = rows[cell];
             *unseen = components[scratch.component_of[v as usize] as usize];
@@ -631,6 +685,7 @@ impl Dense {
                 tally.disconnected += u64::from(lost_bits(was, unseen, &scratch.bare));
             }
             unseen[cell / LANES].clear(cell % LANES);
+            missing.push(count_bits(unseen));
             active.push(i as u32);
         }
         let few = (words * 16) as u32 / TABLES_PER_PULL;
@@ -641,22 +696,23 @@ impl Dense {
             pushed.clear();
             let mut kept = 0;
             for at in 0..active.len() {
-                let [frontier, unseen, _] = &mut trees[active[at] as usize];
-                counts[active[at] as usize] = count_bits(frontier);
+                let tree = active[at] as usize;
+                let [frontier, unseen] = &mut trees[tree];
+                counts[tree] = count_bits(frontier);
                 for k in 0..K {
                     V::load(&unseen[k]).without(V::load(&frontier[k])).store(&mut unseen[k]);
                 }
-                let missing = count_bits(unseen);
-                if missing > few {
+                missing[tree] -= counts[tree];
+                if missing[tree] > few {
                     pushed.push(active[at]);
-                } else if missing > 0 {
+                } else if missing[tree] > 0 {
                     *frontier = pull::<V, K>(rows, frontier, unseen);
                 }
                 active[kept] = active[at];
-                kept += usize::from(missing > 0);
+                kept += usize::from(missing[tree] > 0);
             }
             active.truncate(kept);
-            push::<V, K>(tables, trees, pushed);
+            push::<V, K>(tables, trees, pushed, &mut scratch.room);
             level += 1;
         }
         for i in 0..self.query.len() {

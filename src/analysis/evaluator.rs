@@ -122,6 +122,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::fixtures;
+    use super::super::lanes::Path;
     use super::*;
 
     /// Wall ends on halves of a cell of 12 µm, now and then a micrometre beside them.
@@ -138,18 +139,26 @@ mod tests {
         prop::collection::vec(segment, 0..most)
     }
 
+    fn stretched(s: Segment, by: i64) -> Segment {
+        let [a, b] = [s.a, s.b].map(|p| [p[0] * by, p[1]]);
+        Segment { a, b }
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 
-        /// Dense rows against the sweep and the waves, on tall and wide grids of one to four lines.
+        /// Dense rows against the sweep and the waves with every instruction set, on tall and wide grids of one to
+        /// four cache lines a row, lines of one and of two words.
         #[test]
         fn evaluates_as_from_scratch(
             fixed in segments(8),
             initial in segments(4),
             layouts in prop::collection::vec((segments(6), prop::collection::vec(0u32..40, 0..3)), 3),
-            size in (6i32..28, 7i32..28),
+            size in prop_oneof![3 => (6i32..28, 7i32..28), 1 => (60i32..80, 7i32..9)],
             holes in any::<u64>(),
         ) {
+            let wide = |of: Vec<Segment>| of.into_iter().map(|s| stretched(s, if size.0 > 28 { 3 } else { 1 })).collect();
+            let [fixed, initial]: [Vec<Segment>; 2] = [fixed, initial].map(wide);
             let keep = |c: i32, r: i32| holes.rotate_left((c * 5 + r * 11) as u32 & 63) & 7 != 0;
             let cells = (0..size.0).flat_map(|c| (0..size.1).map(move |r| [c, r]));
             let mut lattice = fixtures::lattice(12, [0, 0], cells.filter(|c| keep(c[0], c[1]) || c[0] < 7).collect());
@@ -157,14 +166,17 @@ mod tests {
             lattice.is_reference.iter_mut().enumerate().for_each(|(v, r)| *r = v % 5 != 2);
             let lattice = Arc::new(lattice);
             let initial = Obstacles { segments: initial, blind: vec![] };
-            let evaluator = Evaluator::new(lattice, &fixed, &initial);
+            let mut evaluator = Evaluator::new(lattice, &fixed, &initial);
             prop_assert!(evaluator.dense.is_some());
             let mut scratch = evaluator.scratch();
             prop_assert_eq!(&evaluator.evaluate(&initial, &mut scratch), evaluator.initial());
             for (segments, blind) in layouts {
-                let moving = Obstacles { segments, blind };
+                let moving = Obstacles { segments: wide(segments), blind };
                 let whole = evaluator.evaluate_whole(&moving, &mut evaluator.scratch());
-                prop_assert_eq!(evaluator.evaluate(&moving, &mut scratch), whole);
+                for path in Path::available() {
+                    evaluator.dense.iter_mut().for_each(|dense| dense.path = path);
+                    prop_assert_eq!(&evaluator.evaluate(&moving, &mut scratch), &whole, "{:?}", path);
+                }
             }
         }
     }

@@ -32,6 +32,8 @@ pub(super) trait Vector: Copy {
     /// `self & !other`.
     fn without(self, other: Self) -> Self;
     fn is_zero(self) -> bool;
+    /// The bits of a word under the ones of a mask, next to each other from bit 0 on.
+    fn gather(word: u64, mask: u64) -> u64;
 
     fn zero() -> Self {
         Self::load(&Lanes([0; 8]))
@@ -66,19 +68,29 @@ impl Rows for Portable {
 }
 
 /// Rows become columns: bit `j` of word `i` changes places with bit `i` of word `j`.
+#[inline(always)]
 pub(super) fn transpose(m: &mut [u64; 64]) {
-    let mut width = 32;
-    let mut mask = 0x0000_0000_ffff_ffff_u64;
-    while width != 0 {
-        let mut k = 0;
-        while k < 64 {
-            let swap = ((m[k] >> width) ^ m[k + width]) & mask;
-            m[k] ^= swap << width;
-            m[k + width] ^= swap;
-            k = (k + width + 1) & !width;
+    swap_blocks::<32>(m, 0x0000_0000_ffff_ffff);
+    swap_blocks::<16>(m, 0x0000_ffff_0000_ffff);
+    swap_blocks::<8>(m, 0x00ff_00ff_00ff_00ff);
+    swap_blocks::<4>(m, 0x0f0f_0f0f_0f0f_0f0f);
+    swap_blocks::<2>(m, 0x3333_3333_3333_3333);
+    swap_blocks::<1>(m, 0x5555_5555_5555_5555);
+}
+
+/// Of every square of `2 * WIDTH` words and bits, the two quarters off its diagonal change places.
+#[inline(always)]
+fn swap_blocks<const WIDTH: usize>(m: &mut [u64; 64], mask: u64) {
+    let mut squares: &mut [u64] = m;
+    while squares.len() >= 2 * WIDTH {
+        let (square, rest) = squares.split_at_mut(2 * WIDTH);
+        let (low, high) = square.split_at_mut(WIDTH);
+        for i in 0..WIDTH {
+            let swap = ((low[i] >> WIDTH) ^ high[i]) & mask;
+            low[i] ^= swap << WIDTH;
+            high[i] ^= swap;
         }
-        width >>= 1;
-        mask ^= mask << width;
+        squares = rest;
     }
 }
 
@@ -126,12 +138,25 @@ impl Vector for Portable {
     fn is_zero(self) -> bool {
         self.0.iter().fold(0, |a, b| a | b) == 0
     }
+    #[inline(always)]
+    fn gather(word: u64, mut mask: u64) -> u64 {
+        let (mut gathered, mut count) = (0, 0);
+        while mask != 0 {
+            let first = mask.trailing_zeros();
+            let run = (!(mask >> first)).trailing_zeros();
+            let ones = u64::MAX >> (64 - run);
+            gathered |= (word >> first & ones) << count;
+            count += run;
+            mask &= !(ones << first);
+        }
+        gathered
+    }
 }
 
 /// The instruction sets of x86-64 that are worth a path of their own.
 #[cfg(target_arch = "x86_64")]
 pub(super) mod x86 {
-    // SAFETY of every block here: the intrinsics need AVX2 or AVX-512F, and these types are only used by
+    // SAFETY of every block here: the intrinsics need AVX2, BMI2 or AVX-512F, and these types are only used by
     // kernels entered through `dispatch`, which asks the processor first. Loads and stores go through
     // references to 64 aligned bytes, or to eight numbers.
     #![allow(unsafe_code)]
@@ -171,6 +196,10 @@ pub(super) mod x86 {
         #[inline(always)]
         fn is_zero(self) -> bool {
             unsafe { _mm512_test_epi64_mask(self.0, self.0) == 0 }
+        }
+        #[inline(always)]
+        fn gather(word: u64, mask: u64) -> u64 {
+            unsafe { _pext_u64(word, mask) }
         }
         #[inline(always)]
         fn add(self, b: Self, c: Self) -> (Self, Self) {
@@ -231,16 +260,20 @@ pub(super) mod x86 {
                 _mm256_testz_si256(any, any) == 1
             }
         }
+        #[inline(always)]
+        fn gather(word: u64, mask: u64) -> u64 {
+            unsafe { _pext_u64(word, mask) }
+        }
     }
 }
 
 /// Which kernels this processor can run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Path {
-    /// 512-bit registers.
+    /// 512-bit registers: AVX-512 F and DQ, and what [`Path::Avx2`] has.
     #[cfg(target_arch = "x86_64")]
     Avx512,
-    /// 256-bit registers.
+    /// 256-bit registers: AVX2, BMI1, BMI2 and POPCNT.
     #[cfg(target_arch = "x86_64")]
     Avx2,
     /// Plain words.
@@ -253,13 +286,14 @@ impl Path {
         let mut paths = Vec::new();
         #[cfg(target_arch = "x86_64")]
         {
-            if is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx2")
-                && is_x86_feature_detected!("popcnt")
-            {
+            let has_bits = is_x86_feature_detected!("popcnt")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2");
+            let has_avx2 = has_bits && is_x86_feature_detected!("avx2");
+            if has_avx2 && is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
                 paths.push(Self::Avx512);
             }
-            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt") {
+            if has_avx2 {
                 paths.push(Self::Avx2);
             }
         }
@@ -276,6 +310,23 @@ impl Path {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_path_gathers_the_same_bits() {
+        let word = |i: u64| i.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ i.rotate_left(31);
+        let masks = (0..200).map(word).chain([0, u64::MAX, 1, 1 << 63, 0xff00]);
+        for (i, mask) in masks.enumerate() {
+            let bits = word(i as u64 + 7);
+            let places: Vec<u32> = (0..64).filter(|k| mask >> k & 1 == 1).collect();
+            let expected =
+                places.iter().enumerate().fold(0, |sum, (to, from)| sum | (bits >> from & 1) << to);
+            assert_eq!(Portable::gather(bits, mask), expected);
+            #[cfg(target_arch = "x86_64")]
+            if Path::available().contains(&Path::Avx2) {
+                assert_eq!(x86::Avx2::gather(bits, mask), expected);
+            }
+        }
+    }
 
     #[test]
     fn transpose_swaps_rows_and_columns() {

@@ -5,8 +5,9 @@
 
 use super::graph::{Graph, for_each_bit};
 
-/// Words of a tile: 64 cells, 32 pairs, 16 fours, 8 rows, the tile; the rest is padding.
-pub(super) const BLOCK: usize = 128;
+/// Words of a tile: 64 cells, 32 pairs, 16 fours, 8 rows, the tile. An odd number: words of one kind, which are read
+/// together, must not all fall into the same few sets of the cache.
+pub(super) const BLOCK: usize = 121;
 pub(super) const PAIRS: usize = 64;
 pub(super) const FOURS: usize = 96;
 pub(super) const ROWS: usize = 112;

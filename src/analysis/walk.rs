@@ -324,7 +324,7 @@ impl Walk {
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx2,popcnt")]
+    #[target_feature(enable = "avx512f,avx512dq,avx2,popcnt,bmi1,bmi2")]
     fn walk_avx512<const METRIC: bool>(
         &mut self,
         paths: &Paths<'_>,
@@ -336,7 +336,7 @@ impl Walk {
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,popcnt")]
+    #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
     fn walk_avx2<const METRIC: bool>(
         &mut self,
         paths: &Paths<'_>,

@@ -4,10 +4,9 @@
 //! (see [`Relays`]). The words of a tile are combined into blocks, and its new bits counted, as soon
 //! as the tile has been walked.
 
-use super::graph::for_each_bit;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::x86::{Avx2, Avx512};
-use super::lanes::{Lanes, Path, Portable, Vector, transpose};
+use super::lanes::{LANES, Lanes, Path, Portable, Vector, transpose};
 use super::relays::{BLOCK, FOURS, PAIRS, ROWS, Relays, WHOLE};
 
 /// Bits of a level counter: enough for every vertex number.
@@ -33,8 +32,9 @@ pub(super) struct Wave<'a> {
     started: Vec<u64>,
     /// Cells beside one that has been, still incomplete.
     within_reach: Vec<u64>,
-    /// Counts of the newest level, one bit plane each.
+    /// Counts of the newest level, one bit plane each, and as numbers.
     planes: [Lanes; PLANES],
+    counts: [u32; LANES],
     /// Roots of each component, by smallest rank; 0 outside a walk.
     roots_of: Vec<Lanes>,
     /// Rows of 64 roots by tile, in the order the tiles were met.
@@ -57,6 +57,7 @@ impl<'a> Wave<'a> {
             started: vec![0; tiles],
             within_reach: vec![0; tiles],
             planes: [Lanes::default(); PLANES],
+            counts: [0; LANES],
             roots_of: vec![Lanes::default(); n],
             rows: Vec::new(),
             met: Vec::new(),
@@ -64,51 +65,110 @@ impl<'a> Wave<'a> {
         }
     }
 
-    /// Vertices on level 1, 2, … up to `max_level` of each root (distinct ranks, at most
-    /// [`super::lanes::LANES`]).
+    /// Vertices on level 1, 2, … up to `max_level` of each root (distinct ranks, at most [`LANES`]).
     pub fn levels(&mut self, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
-        let mut levels = vec![Vec::new(); roots.len()];
-        self.begin(roots);
-        for level in 1..=max_level {
-            let any = if level == 1 { self.settle() } else { self.step() };
-            if !any {
-                break;
-            }
-            let planes = self.planes.iter().rposition(|p| *p != Lanes::default()).map_or(0, |p| p + 1);
-            for (lane, list) in levels.iter_mut().enumerate() {
-                let count = (0..planes).map(|p| (self.planes[p].get(lane) as u32) << p).sum();
-                if count > 0 {
-                    list.push(count);
-                }
-            }
-            self.grow_reach();
+        match self.path {
+            // SAFETY: a path is only made for a processor that has its instructions.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            Path::Avx512 => unsafe { self.levels_avx512(roots, max_level) },
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            Path::Avx2 => unsafe { self.levels_avx2(roots, max_level) },
+            Path::Portable => self.levels_in::<Portable>(roots, max_level),
         }
-        levels
     }
 
     /// For every rank, how many of the roots reach it on level 1, 2, …: added to `levels`, which grows.
     pub fn levels_by_rank(&mut self, roots: &[u32], levels: &mut Vec<Vec<u32>>) {
+        match self.path {
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            Path::Avx512 => unsafe { self.levels_by_rank_avx512(roots, levels) },
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            Path::Avx2 => unsafe { self.levels_by_rank_avx2(roots, levels) },
+            Path::Portable => self.levels_by_rank_in::<Portable>(roots, levels),
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512dq,avx2,popcnt,bmi1,bmi2")]
+    fn levels_avx512(&mut self, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
+        self.levels_in::<Avx512>(roots, max_level)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
+    fn levels_avx2(&mut self, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
+        self.levels_in::<Avx2>(roots, max_level)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512dq,avx2,popcnt,bmi1,bmi2")]
+    fn levels_by_rank_avx512(&mut self, roots: &[u32], levels: &mut Vec<Vec<u32>>) {
+        self.levels_by_rank_in::<Avx512>(roots, levels);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
+    fn levels_by_rank_avx2(&mut self, roots: &[u32], levels: &mut Vec<Vec<u32>>) {
+        self.levels_by_rank_in::<Avx2>(roots, levels);
+    }
+
+    // From here on plain loops, no closures: they are compiled for the caller's instruction set.
+    #[inline(always)]
+    fn levels_in<V: Vector>(&mut self, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
+        let mut levels = vec![Vec::new(); roots.len()];
+        self.begin(roots);
+        for level in 1..=max_level {
+            let any = if level == 1 { self.settle::<V>() } else { self.step::<V>() };
+            if !any {
+                break;
+            }
+            number_planes(&self.planes, &mut self.counts);
+            for (list, &count) in levels.iter_mut().zip(&self.counts) {
+                if count > 0 {
+                    list.push(count);
+                }
+            }
+            if level < max_level {
+                self.grow_reach();
+            }
+        }
+        levels
+    }
+
+    #[inline(always)]
+    fn levels_by_rank_in<V: Vector>(&mut self, roots: &[u32], levels: &mut Vec<Vec<u32>>) {
         self.begin(roots);
         for level in 0.. {
-            let any = if level == 0 { self.settle() } else { self.step() };
+            let any = if level == 0 { self.settle::<V>() } else { self.step::<V>() };
             if !any {
                 break;
             }
             if levels.len() == level {
                 levels.push(vec![0; self.relays.graph.len()]);
             }
-            for (t, &changed) in self.changed.iter().enumerate() {
-                for_each_bit(changed, |bit| {
-                    let lanes = &self.front[t * BLOCK + bit as usize].0;
-                    let rank = self.relays.graph.tiles.rank(t as u32, bit);
-                    levels[level][rank] += lanes.iter().map(|w| w.count_ones()).sum::<u32>();
-                });
+            for t in 0..self.changed.len() {
+                let mut bits = self.changed[t];
+                while bits != 0 {
+                    let bit = bits.trailing_zeros();
+                    bits &= bits - 1;
+                    let mut count = 0;
+                    for word in self.front[t * BLOCK + bit as usize].0 {
+                        count += word.count_ones();
+                    }
+                    levels[level][self.relays.graph.tiles.rank(t as u32, bit)] += count;
+                }
             }
             self.grow_reach();
         }
     }
 
     /// Level 1, straight from the rows of the roots, into the cells of `front`.
+    #[inline(always)]
     fn begin(&mut self, roots: &[u32]) {
         let relays = self.relays;
         for (lane, &root) in roots.iter().enumerate() {
@@ -139,6 +199,7 @@ impl<'a> Wave<'a> {
     }
 
     /// The rows of 64 roots, turned into words of what they see.
+    #[inline(always)]
     fn begin_word(&mut self, word: usize, roots: &[u32]) {
         let graph = self.relays.graph;
         for (lane, &root) in roots.iter().enumerate() {
@@ -168,77 +229,26 @@ impl<'a> Wave<'a> {
     }
 
     /// Cells beside those that are on a frontier for the first time come within reach.
+    #[inline(always)]
     fn grow_reach(&mut self) {
         let graph = self.relays.graph;
         for t in 0..self.changed.len() {
-            let first_time = self.changed[t] & !self.started[t];
+            let mut first_time = self.changed[t] & !self.started[t];
             self.started[t] |= first_time;
-            for_each_bit(first_time, |bit| {
+            while first_time != 0 {
+                let bit = first_time.trailing_zeros();
+                first_time &= first_time - 1;
                 let (tiles, masks) = graph.row(graph.tiles.rank(t as u32, bit));
                 for (&t, &mask) in tiles.iter().zip(masks) {
                     self.within_reach[t as usize] |= mask;
                 }
-            });
+            }
         }
     }
 
     /// Completes level 1 from the cells of `front`; whether any vertex was reached.
-    fn settle(&mut self) -> bool {
-        match self.path {
-            // SAFETY: a path is only made for a processor that has its instructions.
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code)]
-            Path::Avx512 => unsafe { self.settle_avx512() },
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code)]
-            Path::Avx2 => unsafe { self.settle_avx2() },
-            Path::Portable => self.settle_in::<Portable>(),
-        }
-    }
-
-    /// One level on; whether any vertex was reached.
-    fn step(&mut self) -> bool {
-        let any = match self.path {
-            // SAFETY: as above.
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code)]
-            Path::Avx512 => unsafe { self.step_avx512() },
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code)]
-            Path::Avx2 => unsafe { self.step_avx2() },
-            Path::Portable => self.step_in::<Portable>(),
-        };
-        std::mem::swap(&mut self.front, &mut self.next);
-        std::mem::swap(&mut self.changed, &mut self.next_changed);
-        any
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,popcnt")]
-    fn settle_avx512(&mut self) -> bool {
-        self.settle_in::<Avx512>()
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,popcnt")]
-    fn step_avx512(&mut self) -> bool {
-        self.step_in::<Avx512>()
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,popcnt")]
-    fn settle_avx2(&mut self) -> bool {
-        self.settle_in::<Avx2>()
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,popcnt")]
-    fn step_avx2(&mut self) -> bool {
-        self.step_in::<Avx2>()
-    }
-
     #[inline(always)]
-    fn settle_in<V: Vector>(&mut self) -> bool {
+    fn settle<V: Vector>(&mut self) -> bool {
         self.planes.fill(Lanes::default());
         let tiles = &self.relays.graph.tiles;
         let mut any = false;
@@ -261,8 +271,9 @@ impl<'a> Wave<'a> {
         any
     }
 
+    /// One level on; whether any vertex was reached.
     #[inline(always)]
-    fn step_in<V: Vector>(&mut self) -> bool {
+    fn step<V: Vector>(&mut self) -> bool {
         self.planes.fill(Lanes::default());
         let mut any = false;
         for t in 0..self.within_reach.len() {
@@ -282,6 +293,8 @@ impl<'a> Wave<'a> {
             }
             self.next_changed[t] = changed;
         }
+        std::mem::swap(&mut self.front, &mut self.next);
+        std::mem::swap(&mut self.changed, &mut self.next_changed);
         any
     }
 
@@ -361,6 +374,25 @@ fn combine<V: Vector>(block: &mut [Lanes], from: usize, to: usize, count: usize)
     for i in 0..count {
         let both = V::load(&block[from + 2 * i]).or(V::load(&block[from + 2 * i + 1]));
         both.store(&mut block[to + i]);
+    }
+}
+
+/// Bit planes as numbers. Plain loops: they are compiled for the caller's instruction set.
+#[inline(always)]
+fn number_planes(planes: &[Lanes; PLANES], counts: &mut [u32; LANES]) {
+    counts.fill(0);
+    for (p, plane) in planes.iter().enumerate() {
+        for (word, counts) in plane.0.iter().zip(counts.as_chunks_mut::<64>().0) {
+            if *word == 0 {
+                continue;
+            }
+            let (low, high) = counts.split_at_mut(32);
+            for (half, counts) in [*word as u32, (*word >> 32) as u32].into_iter().zip([low, high]) {
+                for (bit, count) in counts.iter_mut().enumerate() {
+                    *count |= (half >> bit & 1) << p;
+                }
+            }
+        }
     }
 }
 

@@ -34,8 +34,15 @@ const REST_M: f64 = 0.1;
 /// What stays free between a sliding partition and the next thing beside it.
 const PASSAGE_M: f64 = 0.8;
 
+/// Stairs and sanitary objects nearer to a partition than this stand at it, and hold it.
+const THING_AT_WALL_M: f64 = 0.05;
+
 /// Pieces whose direction differs by less than this sine run in one direction.
 const PARALLEL_SIN: f64 = 0.02;
+
+/// Directions whose angle has a smaller sine are one: over the widest way they part by less than a tenth of a
+/// millimetre.
+const SAME_SIN: f64 = 1e-4;
 
 /// How far from a wall's axis its own corners may lie beyond half its thickness.
 const BESIDE_M: f64 = 0.06;
@@ -159,6 +166,7 @@ impl<'a> Axial<'a> {
         let is_inside =
             [-1.0, 1.0].iter().all(|s| self.is_inside(opening.centre + along.perp() * (*s * 0.8)));
         let nodes = self.nodes(&handles)?;
+        let along = self.along_stretched(&nodes, along);
         let [lo, hi] = self.stretch(&nodes, along, &BTreeSet::new())?;
         let behind = |e: &Edge| self.length(e) - REST_M - self.joint_half(e);
         let (lo, hi) = (lo.max(-behind(first)).max(-SLIDE_M), hi.min(behind(second)).min(SLIDE_M));
@@ -213,6 +221,7 @@ impl<'a> Axial<'a> {
         let joint = self.joint_way(chain, &mut oblique)?;
         let handles = self.corners(chain)?;
         let nodes = self.nodes(&handles)?;
+        let direction = self.along_stretched(&nodes, direction);
         let stretch = self.stretch(&nodes, direction, &oblique)?;
         let free = self.free_way(chain, &nodes, &oblique)?;
         let lo = stretch[0].max(free[0]).max(joint[0]).max(-PARTITION_SLIDE_M);
@@ -415,6 +424,25 @@ impl<'a> Axial<'a> {
         Some(way)
     }
 
+    /// The direction in which the pieces run that a shift of nodes stretches, near `direction`: a joint that slides
+    /// along them leaves no bend in them, however askew they were drawn.
+    fn along_stretched(&self, nodes: &[u32], direction: DVec2) -> DVec2 {
+        let mut sum = DVec2::ZERO;
+        for w in self.walls_at(nodes) {
+            for (c, n) in self.pieces(w) {
+                let ends = [c, (c + 1) % n];
+                let [first, second] = ends.map(|c| self.has(nodes, (w, c)));
+                let [a, b] = ends.map(|c| handle_at(self.plan, (w, c)));
+                let sine = (b - a).normalize_or_zero().perp_dot(direction);
+                if first != second && sine.abs() <= PARALLEL_SIN {
+                    sum += (b - a) * (b - a).dot(direction).signum();
+                }
+            }
+        }
+        let mean = sum.try_normalize().unwrap_or(direction);
+        if mean.perp_dot(direction).abs() < SAME_SIN { direction } else { mean }
+    }
+
     fn walls_at(&self, nodes: &[u32]) -> BTreeSet<u32> {
         nodes.iter().flat_map(|n| &self.graph.handles[*n as usize]).map(|h| h.0).collect()
     }
@@ -458,7 +486,27 @@ impl<'a> Axial<'a> {
             let room = |gap: f64| (gap - own - PASSAGE_M).max(0.0);
             if lo > 0.0 { way[1] = way[1].min(room(lo)) } else { way[0] = way[0].max(-room(-hi)) }
         }
-        Some(way)
+        self.keep_off_things(chain, &mut way).then_some(way)
+    }
+
+    /// Bounds a way by the stairs and sanitary objects on it. `false` where one stands at the wall: it stays.
+    fn keep_off_things(&self, chain: &Chain, way: &mut [f64; 2]) -> bool {
+        let own = chain.thickness / 2.0;
+        let at = |p| self.plan.frame.plan_from_um(p) / self.plan.human_scale;
+        for s in &self.plan.obstacles {
+            let [a, b] = [s.a, s.b].map(|p| chain.local(at(p)));
+            let Some([lo, hi]) = clipped(a, b, chain.from, chain.to) else { continue };
+            if lo < 0.0 && hi > 0.0 {
+                continue;
+            }
+            let gap = if lo >= 0.0 { lo - own } else { -hi - own };
+            if gap < THING_AT_WALL_M {
+                return false;
+            }
+            let room = (gap - THING_AT_WALL_M).max(0.0);
+            if lo >= 0.0 { way[1] = way[1].min(room) } else { way[0] = way[0].max(-room) }
+        }
+        true
     }
 }
 

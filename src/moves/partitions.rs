@@ -44,12 +44,15 @@ struct Element {
     hi: DVec2,
 }
 
-/// Records of walls, each with which of its ends.
-type Ends = Vec<(usize, usize)>;
+/// An end of a wall: its record, and which end.
+type End = (usize, usize);
+
+/// A partition found: its length, its group and nodes, the ends that go along.
+type Found = (f64, Group, Vec<u32>, Vec<End>);
 
 /// Groups of one clause each, the longest partition first.
 pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec<(Group, Vec<u32>)> {
-    let mut found: Vec<(f64, Group, Vec<u32>, Ends)> = Vec::new();
+    let mut found: Vec<Found> = Vec::new();
     let drawn = Drawn::new(plan);
     for element in elements(plan) {
         let (from, to) = way(plan, interior, &drawn, &element);
@@ -80,7 +83,7 @@ pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.2.cmp(&b.2)));
     // One end goes along with one wall: the other would leave it.
-    let mut taken: BTreeSet<(usize, usize)> = BTreeSet::new();
+    let mut taken: BTreeSet<End> = BTreeSet::new();
     found.retain(|(.., ends)| {
         let is_free = ends.iter().all(|e| !taken.contains(e));
         taken.extend(ends.iter().filter(|_| is_free));

@@ -337,6 +337,70 @@ fn a_partition_slides_along_a_wall_that_runs_askew() {
     }
 }
 
+/// A house of 12 by 6 m with two faces a wall and an upright partition of 0.1 m at x = 6; the walls that it joins
+/// run askew by `slope`, their inner faces cut where it joins.
+fn house_with_partition(slope: f64) -> Drawing {
+    let mut d = drawing("m", 1.0);
+    let south = |x: f64| 0.2 + (x - 0.2) * slope;
+    let north = |x: f64| south(x) + 5.6;
+    let (low, high) = (|x: f64| south(x) - 0.2, |x: f64| north(x) + 0.2);
+    d.ring("WALLS", &[[0.0, low(0.0)], [12.0, low(12.0)], [12.0, high(12.0)], [0.0, high(0.0)]]);
+    d.line(0.2, south(0.2), 0.2, north(0.2));
+    d.line(11.8, south(11.8), 11.8, north(11.8));
+    for [a, b] in [[0.2, 5.95], [6.05, 11.8]] {
+        d.line(a, south(a), b, south(b));
+        d.line(a, north(a), b, north(b));
+    }
+    for x in [5.95, 6.05] {
+        d.line(x, south(x), x, north(x));
+    }
+    d
+}
+
+fn way_of_partition(d: &Drawing) -> Option<[f64; 2]> {
+    let moves = by_default(d).2;
+    let slide = moves.parameters.iter().find(|p| p.group_name.starts_with("wall"))?;
+    Some([slide.clause.lower, slide.clause.upper])
+}
+
+#[test]
+fn a_partition_keeps_off_stairs_and_stays_where_one_stands_at_it() {
+    let stair = |x: f64| {
+        let mut d = house_with_partition(0.0);
+        for k in 0..8 {
+            let y = 1.0 + 0.28 * f64::from(k);
+            d.add("FLOOR", Shape::Line { a: DVec2::new(x, y), b: DVec2::new(x + 1.2, y) });
+        }
+        way_of_partition(&d)
+    };
+    assert_eq!(way_of_partition(&house_with_partition(0.0)), Some([-0.6, 0.6]));
+    assert_eq!(stair(8.0), Some([-0.6, 0.6]), "far away");
+    assert_eq!(stair(6.4), Some([-0.6, 0.3]), "up to a hand before its treads");
+    assert_eq!(stair(6.05), None, "it bears the stair");
+}
+
+#[test]
+fn a_face_cut_by_a_sliding_partition_does_not_bend() {
+    let d = house_with_partition(0.015);
+    let (plan, graph, moves) = by_default(&d);
+    let slide = moves.parameters.iter().position(|p| p.group_name.starts_with("wall")).expect("it slides");
+    let mut p = moves.identity();
+    p[slide] = 0.5;
+    let layout = moves.apply(&plan, &graph, &p);
+    let mut seen = 0;
+    for moved in &layout.walls {
+        let Shape::Line { a, b } = moved.shape else { continue };
+        if (a.y > 4.0) == (b.y > 4.0) {
+            seen += 1;
+            for q in [a, b] {
+                let above = q.y - 0.2 - (q.x - 0.2) * 0.015;
+                assert!(above.abs().min((above - 5.6).abs()) < 2e-6, "{q} has left its face");
+            }
+        }
+    }
+    assert_eq!(seen, 4, "both parts of both inner faces are stretched");
+}
+
 /// Two outer walls, a partition between them and two walls that end at it: as of a building, each moves whole and can
 /// change its length. The second of the two has an opening.
 fn joined() -> Drawing {

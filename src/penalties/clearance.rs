@@ -14,6 +14,9 @@ pub const RADIUS_M: f64 = 0.5;
 ///
 /// A wall is one piece, or several that go straight on through nodes where nothing else meets, or a
 /// solid as a whole, with what is inside; both that and touching are judged in the layout measured.
+/// What is drawn with two faces is one wall too: its faces are no pair, and of its pairs with another
+/// wall the largest counts, that of the faces that look at each other, as if both were outlines; where
+/// any two faces touch, the walls adjoin.
 #[derive(Clone, Debug)]
 pub struct Clearance {
     radius_m: f64,
@@ -50,6 +53,8 @@ struct Moving {
 struct Wall {
     form: Form,
     is_moving: bool,
+    /// The thick wall that it is a face of.
+    bar: Option<u32>,
 }
 
 #[derive(Clone, Debug)]
@@ -77,26 +82,66 @@ impl Clearance {
     pub fn measure_m2(&self, now: &Layout<'_>) -> f64 {
         let walls = self.moving.walls(now.pieces);
         let boxes: Vec<Aabb> = walls.iter().map(|w| Aabb::of_points(w.points(), self.radius_m)).collect();
-        let mut clr_m2 = 0.0;
-        for (wall, aabb) in walls.iter().zip(&boxes).filter(|(w, _)| w.is_moving) {
-            self.fixed_grid.visit(aabb, |i| clr_m2 += self.pair_m2(wall, &self.fixed[i]));
+        let mut sum = Sum::default();
+        for (k, (wall, aabb)) in walls.iter().zip(&boxes).enumerate().filter(|(_, (w, _))| w.is_moving) {
+            self.fixed_grid.visit(aabb, |i| {
+                let names = [wall.name(k), self.fixed[i].name(walls.len() + i)];
+                sum.add(names, || self.pair_m2(wall, &self.fixed[i]));
+            });
         }
         sweep(&boxes, |i, j| {
             if walls[i].is_moving || walls[j].is_moving {
-                clr_m2 += self.pair_m2(&walls[i], &walls[j]);
+                let names = [walls[i].name(i), walls[j].name(j)];
+                sum.add(names, || self.pair_m2(&walls[i], &walls[j]));
             }
         });
-        clr_m2
+        sum.total_m2()
     }
 
-    fn pair_m2(&self, p: &Wall, q: &Wall) -> f64 {
-        if p.gap_m(q).is_none_or(|gap_m| gap_m >= 2.0 * self.radius_m) {
+    /// What two walls share of their widened ground; `None` where they adjoin.
+    fn pair_m2(&self, p: &Wall, q: &Wall) -> Option<f64> {
+        let gap_m = p.gap_m(q)?;
+        Some(if gap_m >= 2.0 * self.radius_m {
             0.0
         } else if p.is_convex() && q.is_convex() {
             hull_overlap_m2(p.points(), q.points(), self.radius_m)
         } else {
             ring_overlap_m2(p.points(), q.points(), self.radius_m)
+        })
+    }
+}
+
+/// Which wall a form is or belongs to: thick walls by their number, others by their place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Name {
+    Bar(u32),
+    Alone(usize),
+}
+
+/// The sum over pairs of walls so far.
+#[derive(Debug, Default)]
+struct Sum {
+    /// Of pairs of walls that are one form each.
+    alone_m2: f64,
+    /// Of pairs of forms of which one at least is the face of a thick wall; ∞ where they adjoin.
+    of_faces: Vec<([Name; 2], f64)>,
+}
+
+impl Sum {
+    fn add(&mut self, names: [Name; 2], pair_m2: impl FnOnce() -> Option<f64>) {
+        match names {
+            [Name::Alone(_), Name::Alone(_)] => self.alone_m2 += pair_m2().unwrap_or(0.0),
+            [p, q] if p == q => {}
+            [p, q] => self.of_faces.push(([p.min(q), p.max(q)], pair_m2().unwrap_or(f64::INFINITY))),
         }
+    }
+
+    /// Of two walls the largest pair of forms counts, and none where they adjoin.
+    fn total_m2(mut self) -> f64 {
+        self.of_faces.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let walls = self.of_faces.chunk_by(|a, b| a.0 == b.0);
+        let largest = walls.filter_map(|pairs| pairs.last()).map(|pair| pair.1);
+        self.alone_m2 + largest.filter(|m2| m2.is_finite()).sum::<f64>()
     }
 }
 
@@ -109,7 +154,7 @@ impl Moving {
         walls.extend(self.solids.iter().map(|solid| {
             let outline = &pieces[solid.clone()];
             let corners = outline.iter().map(|p| p.a).collect();
-            Wall { form: Form::Solid(corners), is_moving: outline.iter().any(|p| p.is_moving) }
+            Wall { form: Form::Solid(corners), is_moving: outline.iter().any(|p| p.is_moving), bar: None }
         }));
         walls
     }
@@ -123,6 +168,11 @@ impl Link {
 }
 
 impl Wall {
+    /// The wall that this is or belongs to, `place` among all forms.
+    fn name(&self, place: usize) -> Name {
+        self.bar.map_or(Name::Alone(place), Name::Bar)
+    }
+
     fn points(&self) -> &[DVec2] {
         match &self.form {
             Form::Straight { ends, .. } => ends,
@@ -180,7 +230,8 @@ impl Chain {
         let mut runs: Vec<Run> = Vec::with_capacity(self.links.len());
         for link in &self.links {
             let (ends, nodes) = link.ends(pieces);
-            let next = Run { ends, nodes, is_moving: pieces[link.piece].is_moving };
+            let WallPiece { is_moving, bar, .. } = pieces[link.piece];
+            let next = Run { ends, nodes, is_moving, bar };
             match runs.last_mut() {
                 Some(last) if goes_straight_on(last.ends, next.ends) => last.extend(&next),
                 _ => runs.push(next),
@@ -193,12 +244,11 @@ impl Chain {
             last.extend(first);
             runs.swap_remove(0);
         }
-        walls.extend(
-            runs.iter().map(|&Run { ends, nodes, is_moving }| Wall {
-                form: Form::Straight { ends, nodes },
-                is_moving,
-            }),
-        );
+        walls.extend(runs.iter().map(|&Run { ends, nodes, is_moving, bar }| Wall {
+            form: Form::Straight { ends, nodes },
+            is_moving,
+            bar,
+        }));
     }
 }
 
@@ -207,6 +257,7 @@ struct Run {
     ends: [DVec2; 2],
     nodes: [u32; 2],
     is_moving: bool,
+    bar: Option<u32>,
 }
 
 impl Run {
@@ -215,6 +266,7 @@ impl Run {
         self.ends[1] = next.ends[1];
         self.nodes[1] = next.nodes[1];
         self.is_moving |= next.is_moving;
+        self.bar = self.bar.or(next.bar);
     }
 }
 

@@ -43,6 +43,8 @@ pub struct WallPiece {
     /// Number of the solid (column, wall drawn as an outline) whose outline this is a piece of; the
     /// pieces of a solid follow each other round the ring. `None`: a wall by itself.
     pub solid: Option<u32>,
+    /// Number of the thick wall of which this is a face: what is drawn with two faces is one wall.
+    pub bar: Option<u32>,
 }
 
 impl WallPiece {

@@ -89,7 +89,7 @@ mod tests {
     use super::*;
 
     fn wall(a: [f64; 2], b: [f64; 2], node: u32, is_moving: bool) -> WallPiece {
-        WallPiece { a: a.into(), b: b.into(), nodes: [node, node + 1], is_moving, solid: None }
+        WallPiece { a: a.into(), b: b.into(), nodes: [node, node + 1], is_moving, solid: None, bar: None }
     }
 
     /// A fixed wall up to (0, 0), and a moving one that goes on from (x, 0).

@@ -20,7 +20,7 @@ fn pieces(walls: &[([f64; 4], bool)]) -> Vec<WallPiece> {
     };
     let piece = |&([x0, y0, x1, y1], is_moving): &([f64; 4], bool)| {
         let (a, b) = (dvec2(x0, y0), dvec2(x1, y1));
-        WallPiece { a, b, nodes: [node(a), node(b)], is_moving, solid: None }
+        WallPiece { a, b, nodes: [node(a), node(b)], is_moving, solid: None, bar: None }
     };
     walls.iter().map(piece).collect()
 }
@@ -46,6 +46,7 @@ fn solids(rings: &[&[[f64; 2]]]) -> Vec<WallPiece> {
             nodes: [first + i, first + (i + 1) % ring.len() as u32],
             is_moving: true,
             solid: Some(k as u32),
+            bar: None,
         }));
     }
     all
@@ -318,6 +319,30 @@ fn touching_is_judged_in_the_layout_measured() {
         overlap_m2(now[0].ends(), now[1].ends(), 0.5),
         1e-12,
     );
+}
+
+/// The two long faces of a slab that lies along x, as faces of one thick wall.
+fn faces(x: f64, y: f64, dx: f64, dy: f64, bar: u32) -> Vec<WallPiece> {
+    let both = moving(&[[x, y, x + dx, y], [x, y + dy, x + dx, y + dy]]);
+    let first = 100 * (bar + 1);
+    let of_bar = |p: WallPiece| WallPiece { nodes: p.nodes.map(|n| n + first), bar: Some(bar), ..p };
+    both.into_iter().map(of_bar).collect()
+}
+
+#[test]
+fn a_wall_of_two_faces_counts_as_its_outline() {
+    let facing = 4.0 * 0.6 + lens_m2(0.4, 0.5);
+    let low = faces(0.0, 0.0, 4.0, 0.12, 0);
+    assert_eq!(clearance_m2(&low), 0.0, "its own faces");
+    let high = faces(0.0, 0.52, 4.0, 0.12, 1);
+    assert_near(clearance_m2(&[low.clone(), high].concat()), facing, 1e-12);
+    let outlines = solids(&[&slab(0.0, 0.0, 4.0, 0.12), &slab(0.0, 0.52, 4.0, 0.12)]);
+    assert_near(clearance_m2(&outlines), facing, 1e-12);
+    let single = moving(&[[0.0, 0.52, 4.0, 0.52]]);
+    assert_near(clearance_m2(&[low.clone(), single].concat()), facing, 1e-12);
+    // A partition that ends on one face adjoins the wall: its other face is no neighbour.
+    let partition = moving(&[[1.0, 0.12, 1.0, 3.0]]);
+    assert_eq!(clearance_m2(&[low, partition].concat()), 0.0);
 }
 
 #[test]

@@ -116,8 +116,9 @@ pub fn check_picture(base: &Understood) -> PlanPicture {
         let points = opening.jambs.map(|j| (j.at * scale).to_array()).to_vec();
         out.strokes.push(Stroke { points, closed: false, filled: false, kind });
     }
+    let kind = |is_glass: bool| if is_glass { StrokeKind::Window } else { StrokeKind::Ignored };
     let left_out = base.left_out.iter();
-    out.strokes.extend(left_out.map(|t| stroke_of(&base.plan, t, false, StrokeKind::Ignored)));
+    out.strokes.extend(left_out.map(|(t, is_glass)| stroke_of(&base.plan, t, false, kind(*is_glass))));
     let named = base.openings.iter().map(|o| {
         let kind = if o.is_door { StrokeKind::Door } else { StrokeKind::Window };
         stroke_of(&base.plan, &o.outline, false, kind)

@@ -6,7 +6,7 @@ mod seen;
 mod written;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use glam::DVec2;
 
@@ -60,8 +60,8 @@ pub struct Understood {
     pub sight: Sight,
     /// Doors and windows as drawn.
     pub fittings: Vec<Fitting>,
-    /// Shapes that were not taken as walls, for the picture.
-    pub left_out: Vec<Trace>,
+    /// Shapes that were not taken as walls, for the picture; whether they are windows or glass by name.
+    pub left_out: Vec<(Trace, bool)>,
     /// What may move.
     pub moves: Moves,
     /// The building's interior, where it was needed.
@@ -120,6 +120,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
     let mut closings = building::closings(drawing, &plan);
     closings.extend(opening_lines(&plan, &axes));
+    closings.extend(structure::infill_lines(&plan, drawing, &axes));
     let has_moves = !settings.moves.is_empty()
         || !(settings.ignore_move_markers || plan.markers.groups.is_empty() && drawing.marked.is_empty());
     let needs_inside = plan.markers.needs_interior();
@@ -154,7 +155,7 @@ fn opening_lines(plan: &Plan, axes: &AxisGraph) -> Vec<Segment> {
 const LEFT_OUT_MAX: usize = 20_000;
 
 /// Visible shapes within the plan that are neither walls nor marks of ours.
-fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<Trace> {
+fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<(Trace, bool)> {
     let points = plan.walls.iter().flat_map(|w| &w.trace.points);
     let Some([lo, hi]) = box_of(points.map(|p| DVec2::new(p[0] as f64, p[1] as f64))) else {
         return Vec::new();
@@ -165,8 +166,8 @@ fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<Trace> {
     let foreign = drawing.entities.iter().filter(|e| !layers::is_own(&e.layer)).enumerate();
     let free =
         foreign.filter(|(k, e)| plan.picked.binary_search(k).is_err() && !hidden.contains(e.layer.as_str()));
-    let traces = free.map(|(_, e)| trace(&e.shape, &plan.frame));
-    let is_within = |t: &Trace| {
+    let traces = free.map(|(_, e)| (trace(&e.shape, &plan.frame), structure::is_glass(e)));
+    let is_within = |(t, _): &(Trace, bool)| {
         t.points.iter().all(|p| {
             let p = DVec2::new(p[0] as f64, p[1] as f64);
             p.cmpge(lo).all() && p.cmple(hi).all()
@@ -365,6 +366,8 @@ pub struct Study {
     main: Scene,
     /// Why the graphics card gave up, if it did.
     card_trouble: OnceLock<String>,
+    /// Memory of threads that do not measure at the moment.
+    benches: Mutex<Vec<Bench>>,
     /// Moves with their control points: whether the piece that starts at a control point moves.
     piece_moves: Vec<Vec<bool>>,
     pieces: Vec<WallPiece>,
@@ -439,6 +442,7 @@ impl Study {
             base,
             spacing_m,
             card_trouble: OnceLock::new(),
+            benches: Mutex::default(),
             piece_moves,
             pieces,
             piece_ranges,
@@ -684,7 +688,10 @@ fn fixed_parts(base: &Understood, piece_moves: &[Vec<bool>]) -> (Vec<Segment>, V
         }
     }
     segments.extend(closed_that_stay(base));
-    let stays = |f: FaceRef| base.moves.walls.binary_search(&f.0).is_err();
+    let stays = |f: FaceRef| match base.moves.walls.binary_search(&f.0) {
+        Ok(i) => piece_moves[i].get(f.1 as usize).is_some_and(|moves| !moves),
+        Err(_) => true,
+    };
     solids.extend(structure::footprints(&base.plan, &base.axes, stays));
     (segments, solids)
 }
@@ -765,15 +772,17 @@ fn pieces(
 ) -> (Vec<WallPiece>, Vec<(usize, usize)>) {
     let mut out = Vec::new();
     let mut ranges = vec![(0, 0); identity.walls.len()];
+    let bars = structure::thick_walls(&base.axes);
     for (w, wall) in base.plan.walls.iter().enumerate() {
         let moving = base.moves.walls.binary_search(&(w as u32)).ok();
         let start = out.len();
         let nodes = &base.graph.trace_nodes[w];
-        let moves = pieces_of(&wall.trace, moving.map(|i| &piece_moves[i])).map(|p| p.2);
-        for ((i, j, s), is_moving) in wall.trace.segments().zip(moves) {
+        let parts = pieces_of(&wall.trace, moving.map(|i| &piece_moves[i])).map(|p| (p.1, p.2));
+        for ((i, j, s), (part, is_moving)) in wall.trace.segments().zip(parts) {
             let [a, b] = [s.a, s.b].map(|p| base.plan.frame.plan_from_um(p));
             let solid = base.plan.walls[w].is_solid.then_some(w as u32);
-            out.push(WallPiece { a, b, nodes: [nodes[i], nodes[j]], is_moving, solid });
+            let bar = bars.get(&(w as u32, part)).copied();
+            out.push(WallPiece { a, b, nodes: [nodes[i], nodes[j]], is_moving, solid, bar });
         }
         if let Some(i) = moving {
             ranges[i] = (start, out.len());

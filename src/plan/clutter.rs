@@ -1,11 +1,12 @@
 //! What is no wall although it lies on a layer of walls: stairs, paving, what is seen below the cut, hatches
-//! drawn as lines, closed little rings of fittings.
+//! drawn as lines, leaves of doors, bowls and basins.
 
 use std::collections::{BTreeMap, HashSet};
 
 use glam::DVec2;
 
 use super::drawing::{Drawing, Entity, Shape};
+use super::fixtures::{self, Item};
 use super::parallels::Straight;
 use super::{paving, stairs};
 use crate::report::{Place, Report};
@@ -22,34 +23,45 @@ const SLENDER: f64 = 1.5;
 /// At least this many entities must lie on the layer: what is small is a sketch of walls alone.
 const ENTITIES_MIN: usize = 150;
 
-/// Takes stairs and paving out of `walls` (indices of the drawing's entities) and says so.
-pub(super) fn leave_out_stairs_and_paving(
+/// Takes stairs, paving and fittings out of `walls` (indices of the drawing's entities) and says so; `human_scale`
+/// as [`super::Plan::human_scale`]. What of it stands in the way of a wall that slides, stairs and sanitary
+/// objects, is returned, ascending.
+pub(super) fn leave_out_fittings(
     drawing: &Drawing,
     walls: &mut Vec<usize>,
     metres_per_unit: f64,
+    human_scale: f64,
     report: &mut Report,
-) {
+) -> Vec<usize> {
     let lines = lines(drawing, walls, metres_per_unit);
+    let of = |lines: &[Straight], found: Vec<usize>| -> Vec<usize> {
+        found.into_iter().map(|i| lines[i].entity).collect()
+    };
     let is_paving = paving::find(&lines);
-    state(
-        drawing,
-        walls,
-        &lines,
-        &is_paving,
-        "draw a grid of small equal cells: paving or a ceiling",
-        report,
-    );
     let rest: Vec<Straight> =
         (0..lines.len()).filter(|i| is_paving.binary_search(i).is_err()).map(|i| lines[i]).collect();
-    let is_stair = stairs::find(&rest);
-    state(
-        drawing,
-        walls,
-        &rest,
-        &is_stair,
-        "draw stairs: equal treads in a row and what lies between them",
-        report,
+    let stairs = of(&rest, stairs::find(&rest));
+    let mut leave = |found: &[usize], what: &str| self::leave(drawing, walls, found, what, report);
+    leave(
+        &of(&lines, is_paving),
+        "lines on wall layers draw a grid of small equal cells: paving or a ceiling",
     );
+    leave(&stairs, "lines on wall layers draw stairs: equal treads in a row and what lies between them");
+    let fixtures = fixtures::find(&items(drawing, walls, metres_per_unit / human_scale));
+    let mut leave = |found: &[usize], what: &str| self::leave(drawing, walls, found, what, report);
+    leave(&fixtures.doors, "pieces on wall layers draw leaves of doors and their swings");
+    leave(&fixtures.sanitary, "pieces on wall layers draw bowls, basins and what belongs to them");
+    leave(&fixtures.crosses, "lines on wall layers draw crosses from corner to corner: shafts or lifts");
+    let mut standing: Vec<usize> = stairs.into_iter().chain(fixtures.sanitary).collect();
+    standing.sort_unstable();
+    standing
+}
+
+/// The walls as drawn things, metres.
+fn items(drawing: &Drawing, walls: &[usize], metres_per_unit: f64) -> Vec<Item> {
+    let origin = walls.iter().find_map(|i| line_of(&drawing.entities[*i])).map_or(DVec2::ZERO, |l| l.0);
+    let place = |p: DVec2| (p - origin) * metres_per_unit;
+    walls.iter().filter_map(|i| Item::new(*i, &drawing.entities[*i], place)).collect()
 }
 
 /// The entities among `walls` that are one straight line each.
@@ -63,24 +75,13 @@ fn lines(drawing: &Drawing, walls: &[usize], metres_per_unit: f64) -> Vec<Straig
     walls.iter().filter_map(line).collect()
 }
 
-/// Takes `found` of `lines` out of `walls` and says so.
-fn state(
-    drawing: &Drawing,
-    walls: &mut Vec<usize>,
-    lines: &[Straight],
-    found: &[usize],
-    what: &str,
-    report: &mut Report,
-) {
+/// Takes `found` (ascending) out of `walls` and says so.
+fn leave(drawing: &Drawing, walls: &mut Vec<usize>, found: &[usize], what: &str, report: &mut Report) {
     if found.is_empty() {
         return;
     }
-    // `lines` are in the order of `walls`, and so ascending.
-    walls.retain(|w| found.binary_search_by(|f| lines[*f].entity.cmp(w)).is_err());
-    let text = format!(
-        "{} lines on wall layers {what}; left out of the walls, --wall-layer takes them in",
-        found.len()
-    );
+    walls.retain(|w| found.binary_search(w).is_err());
+    let text = format!("{} {what}; left out of the walls, --wall-layer takes them in", found.len());
     report.info("clutter", Place::file(&drawing.file), text);
 }
 

@@ -9,6 +9,7 @@ mod clutter;
 pub mod curve;
 pub mod drawing;
 pub mod fittings;
+mod fixtures;
 pub mod frame;
 pub mod geometry;
 pub mod graph;
@@ -16,11 +17,13 @@ mod infill;
 pub mod interior;
 pub mod layers;
 pub mod markers;
+mod obstacles;
 pub mod outline;
 pub mod parallels;
 mod paving;
 pub mod roles;
 pub mod rooms;
+mod rounds;
 mod scores;
 pub mod sight;
 mod stairs;
@@ -35,7 +38,7 @@ use crate::report::{Error, Place, Report};
 use curve::Trace;
 use drawing::{Drawing, Editable, Entity, Shape, SourceRef, Unit};
 use frame::{Frame, PLAUSIBLE_SIZE_M, UnitChoice};
-use geometry::PointUm;
+use geometry::{PointUm, Segment};
 use markers::Markers;
 use views::View;
 
@@ -146,6 +149,8 @@ pub struct Plan {
     pub human_scale: f64,
     /// Doors and windows in walls that the file names.
     pub plugs: Vec<Plug>,
+    /// Pieces of stairs and sanitary objects, drawing frame: what slides must not run into them.
+    pub obstacles: Vec<Segment>,
 }
 
 /// The user's word on how to read a drawing.
@@ -182,8 +187,12 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let (mut picked, views) = choice::choose_view(drawing, options, &chosen, unit.unit.metres, report)?;
     infill::take(drawing, options, &mut chosen, &mut picked, unit.unit.metres, report);
     let is_our_choice = options.picked.is_none() && options.wall_layers.is_empty();
+    let mut standing = Vec::new();
     if is_our_choice && drawing.format == drawing::Format::Dxf {
-        clutter::leave_out_stairs_and_paving(drawing, &mut picked, unit.unit.metres, report);
+        let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
+        let extent = extent_of(&walls).unwrap_or(extent);
+        let scale = units::person_scale(drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
+        standing = clutter::leave_out_fittings(drawing, &mut picked, unit.unit.metres, scale, report);
     }
     let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
     choice::state_columns_only(drawing, options, &walls, report);
@@ -193,6 +202,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let human_scale = units::person_scale(drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
     state_unit(drawing, &unit, size_m, human_scale, report);
     let markers = markers::read(drawing, options, &frame, report);
+    let obstacles = obstacles::find(drawing, &standing, &picked, unit.unit.metres / human_scale, &frame);
     let is_locked = |e: &Entity| drawing.layers.iter().any(|l| l.is_locked && l.name == e.layer);
     let mut walls: Vec<Wall> = walls.iter().map(|e| wall_of(e, &frame, is_locked(e))).collect();
     match drawing.format {
@@ -212,6 +222,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         views,
         human_scale,
         plugs: plugs(drawing, &frame),
+        obstacles,
     })
 }
 

@@ -104,7 +104,7 @@ const WORDS: &[(Role, &str)] = &[
     (Role::Glazing, "glaz glazing curtain vitrage vetrata curtainwall glasfassade *glaswand vidrio 幕墙"),
     (
         Role::Door,
-        "door doors opening openings tür türen tuer tueren tuere porte portes puerta puertas porta portas \
+        "door doors opening openings doorswindows doorwindow doorwindows windowsdoors windowdoor windowdoors tür türen tuer tueren tuere porte portes puerta puertas porta portas \
          infissi serramenti carpinteria deur deuren dör dörrar dør dører ovi ovet drzwi dveře dvere kapi kapı \
          дверь двери ドア 扉 建具 门 門 header sliding *tür *türen *tuer",
     ),
@@ -295,6 +295,7 @@ mod tests {
             ("IfcBuildingElementProxy", Unknown),
             ("A-WALL-PATT", Hatch),
             ("A-325G - Internal Doors 6", Door),
+            ("doorswindows", Door),
             ("xref$0$S-STEM-WALL", Foundation),
             ("S-COLS", Column),
             ("_0-3_柱", Column),

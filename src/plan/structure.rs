@@ -1,20 +1,38 @@
 //! The walls of a plan as bodies: what the axis graph says of them, joined to what can be written back.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use glam::DVec2;
 
 use super::Plan;
-use super::axes::{AxisGraph, Drawn, Edge, Face, FaceRef, Mark, Path, Role, paths_of};
+use super::axes::{AxisGraph, Drawn, Edge, Face, FaceRef, Mark, Opening, Path, Role, paths_of};
+use super::box_of;
 use super::curve::control_points;
-use super::drawing::{Drawing, Entity, Shape};
-use super::geometry::{PointUm, UM_PER_M};
+use super::drawing::{Drawing, Entity, Format, Shape};
+use super::geometry::{PointUm, Segment, UM_PER_M};
 use super::graph::Handle;
 use super::layers;
 use super::roles::{self, role_by_name};
 use super::rooms;
+use super::rounds;
 
 /// Words of layers that hold doors and windows alike, lower case.
-const OPENING_WORDS: &[&str] =
-    &["opening", "openings", "header", "infissi", "serramenti", "carpinteria", "建具", "sliding"];
+const OPENING_WORDS: &[&str] = &[
+    "opening",
+    "openings",
+    "doorswindows",
+    "doorwindow",
+    "doorwindows",
+    "windowsdoors",
+    "windowdoor",
+    "windowdoors",
+    "header",
+    "infissi",
+    "serramenti",
+    "carpinteria",
+    "建具",
+    "sliding",
+];
 
 /// Radii of arcs that may be door swings, metres of a person.
 pub const SWING_RADIUS_M: [f64; 2] = [0.5, 1.6];
@@ -49,6 +67,7 @@ pub fn axes(plan: &Plan, drawing: &Drawing) -> (AxisGraph, Vec<usize>) {
     // Where wall lines run through and nothing shows a door or a window, there is no gap.
     axes.openings.retain(|o| o.through.is_empty() || !o.marks.is_empty());
     rooms::open_touching(plan, &mut axes);
+    axes.count_again();
     (axes, marked)
 }
 
@@ -70,7 +89,7 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
             out.faces.push(Face { wall: w as u32, part: part as u32, path, role: Role::Wall, is_closed });
         }
     }
-    let is_wall: std::collections::BTreeSet<(usize, &str)> =
+    let is_wall: BTreeSet<(usize, &str)> =
         plan.walls.iter().map(|w| (w.source.record, w.source.layer.as_str())).collect();
     for (i, entity) in drawing.entities.iter().enumerate() {
         if is_wall.contains(&(entity.source.record, entity.source.layer.as_str()))
@@ -78,7 +97,7 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
         {
             continue;
         }
-        let paths = paths_of(&entity.shape, place);
+        let paths = swing_or(paths_of(&entity.shape, place));
         if let Some((role, word)) = mark_role(entity, &paths) {
             let group =
                 if entity.blocks.is_empty() { i } else { drawing.entities.len() + entity.source.record };
@@ -89,12 +108,103 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     (out, marked)
 }
 
+/// How far beyond the walls what fills their openings may lie, metres of a person: sills, bays.
+const BEYOND_WALLS_M: f64 = 1.0;
+
+/// A leaf that turns farther opens to both sides.
+const BOTH_WAYS_RAD: f64 = 2.2;
+
+/// How far beside a wall's faces lines still belong to a window in it, metres of a person: sills, frames.
+const SILL_M: f64 = 0.3;
+
+/// What fills the gaps between walls, drawing frame: straight lines of doors, windows and glass by the names of
+/// their layers and blocks, and from the hinge of every door's swing to its ends. It closes the outline when it is
+/// asked what lies inside, where an opening was not understood; those that were close themselves.
+pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Segment> {
+    if drawing.format != Format::Dxf {
+        return Vec::new();
+    }
+    let place = |p: DVec2| plan.frame.plan_from_file(p) / plan.human_scale;
+    let points = plan.walls.iter().flat_map(|w| control_points(&w.shape)).map(place);
+    let Some([lo, hi]) = box_of(points) else { return Vec::new() };
+    let hidden: BTreeSet<&str> =
+        drawing.layers.iter().filter(|l| l.is_off || l.is_frozen).map(|l| l.name.as_str()).collect();
+    let of_layers = drawing.entities.iter().map(|e| e.layer.as_str());
+    let role_of: BTreeMap<&str, roles::Role> = of_layers.map(|l| (l, role_by_name(l).0)).collect();
+    let walls: BTreeSet<(usize, &str)> =
+        plan.walls.iter().map(|w| (w.source.record, w.source.layer.as_str())).collect();
+    let is_near = |s: &[DVec2; 2]| {
+        s.iter().all(|p| p.cmpge(lo - BEYOND_WALLS_M).all() && p.cmple(hi + BEYOND_WALLS_M).all())
+    };
+    let mut out: Vec<[DVec2; 2]> = Vec::new();
+    let shown =
+        drawing.entities.iter().filter(|e| !walls.contains(&(e.source.record, e.source.layer.as_str())));
+    for e in shown.filter(|e| !hidden.contains(e.layer.as_str())) {
+        let role = role_of[e.layer.as_str()];
+        let by_name = fills(role) || e.blocks.iter().any(|b| fills(role_by_name(b).0));
+        let may_swing = by_name || matches!(role, roles::Role::Wall | roles::Role::Unknown);
+        for path in swing_or(paths_of(&e.shape, place)) {
+            match path {
+                Path::Line { a, b } if by_name => out.push([a, b]),
+                Path::Arc { centre, radius, start_rad, sweep_rad } if may_swing && is_swing(&path) => {
+                    // A leaf that turns to both sides closes between its ends.
+                    let middle = centre + DVec2::from_angle(start_rad + sweep_rad / 2.0) * radius;
+                    let shut = path.ends().into_iter().chain((sweep_rad > BOTH_WAYS_RAD).then_some(middle));
+                    out.extend(shut.map(|p| [centre, p]));
+                }
+                _ => {}
+            }
+        }
+    }
+    out.retain(|s| is_near(s) && !axes.openings.iter().any(|o| lies_in(s, o)));
+    let um = |p: DVec2| plan.frame.um_from_plan(p * plan.human_scale);
+    out.into_iter().map(|[a, b]| Segment { a: um(a), b: um(b) }).collect()
+}
+
+/// Whether it fills gaps between walls.
+fn fills(role: roles::Role) -> bool {
+    matches!(role, roles::Role::Door | roles::Role::Window | roles::Role::Glazing)
+}
+
+/// Whether the middle of a line lies in an opening or just beside it.
+fn lies_in([a, b]: &[DVec2; 2], opening: &Opening) -> bool {
+    let [from, to] = opening.jambs.map(|j| j.at);
+    let along = (to - from).normalize_or_zero();
+    let p = a.midpoint(*b) - from;
+    (-SILL_M..=from.distance(to) + SILL_M).contains(&p.dot(along))
+        && along.perp_dot(p).abs() <= opening.thickness_m / 2.0 + SILL_M
+}
+
+/// Whether the name of an entity's layer or of a block around it says that it is a window or glass.
+pub fn is_glass(e: &Entity) -> bool {
+    let names = e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]);
+    let roles: Vec<roles::Role> = names.map(|n| role_by_name(n).0).collect();
+    let has = |role| roles.contains(&role);
+    (has(roles::Role::Window) || has(roles::Role::Glazing)) && !has(roles::Role::Door)
+}
+
+/// The arc of a door's swing where chords trace one, else the pieces as they are.
+fn swing_or(paths: Vec<Path>) -> Vec<Path> {
+    match rounds::as_arc(&paths) {
+        Some(arc) if is_swing(&arc) => vec![arc],
+        _ => paths,
+    }
+}
+
+/// Whether an arc may be the swing of a door, by its size.
+fn is_swing(path: &Path) -> bool {
+    matches!(path, Path::Arc { radius, sweep_rad, .. }
+        if (SWING_RADIUS_M[0]..=SWING_RADIUS_M[1]).contains(radius) && (0.5..=3.3).contains(sweep_rad))
+}
+
 /// What an entity says about an opening: by the name of its block or layer, else by its shape if the name
 /// says nothing.
 fn mark_role(entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
     let mut is_open = false;
     for name in entity.blocks.iter().map(String::as_str).chain([entity.layer.as_str()]) {
-        let is_both = || layers::words(name).iter().any(|w| OPENING_WORDS.contains(&w.as_str()));
+        let is_window = |w: &str| role_by_name(w).0 == roles::Role::Window;
+        let is_both =
+            || layers::words(name).iter().any(|w| OPENING_WORDS.contains(&w.as_str()) || is_window(w));
         match role_by_name(name).0 {
             roles::Role::Door if is_both() => return Some((Role::Unknown, name.to_string())),
             roles::Role::Door => return Some((Role::Door, name.to_string())),
@@ -104,9 +214,7 @@ fn mark_role(entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
         }
     }
     let tells = |p: &Path| match p {
-        Path::Arc { radius, sweep_rad, .. } => {
-            (SWING_RADIUS_M[0]..=SWING_RADIUS_M[1]).contains(radius) && (0.5..=3.3).contains(sweep_rad)
-        }
+        Path::Arc { .. } => is_swing(p),
         Path::Line { .. } => is_open,
     };
     paths.iter().any(tells).then(|| (Role::Unknown, String::new()))
@@ -143,13 +251,14 @@ const SLENDER: f64 = 2.5;
 
 /// The ground that straight thick walls stand on, openings left out: rings in the drawing frame, micrometres.
 ///
-/// Only walls all of whose drawn pieces `stays` are taken.
+/// Only walls of which one side stays, all its drawn pieces, are taken: where the other side moves, it is a joint
+/// that slides along the wall.
 pub fn footprints(plan: &Plan, axes: &AxisGraph, stays: impl Fn(FaceRef) -> bool) -> Vec<Vec<PointUm>> {
     let um = |p: DVec2| plan.frame.um_from_plan(p * plan.human_scale);
     let mut out = Vec::new();
     for edge in axes.edges.iter().filter(|e| e.thickness_m > 0.0 && e.bulge == 0.0) {
-        let mut faces = edge.left.iter().chain(&edge.right).chain(&edge.inner);
-        if edge.left.is_empty() || edge.right.is_empty() || !faces.all(|f| stays(*f)) {
+        let holds = |side: &[FaceRef]| side.iter().all(|f| stays(*f));
+        if edge.left.is_empty() || edge.right.is_empty() || !(holds(&edge.left) || holds(&edge.right)) {
             continue;
         }
         let [a, b] = axes.ends(edge);
@@ -189,6 +298,35 @@ fn closed_parts(axes: &AxisGraph, edge: &Edge) -> Vec<[f64; 2]> {
     if at < 1.0 {
         out.push([at, 1.0]);
     }
+    out
+}
+
+/// The thick wall that each drawn face and each face's end belongs to, numbered from 0: edges on which one
+/// face lies are one wall.
+pub fn thick_walls(axes: &AxisGraph) -> BTreeMap<FaceRef, u32> {
+    let mut out: BTreeMap<FaceRef, u32> = BTreeMap::new();
+    let mut root: Vec<u32> = (0..axes.edges.len() as u32).collect();
+    let find = |root: &[u32], mut i: u32| {
+        while root[i as usize] != i {
+            i = root[i as usize];
+        }
+        i
+    };
+    let thick = || axes.edges.iter().enumerate().filter(|(_, e)| e.thickness_m > 0.0);
+    for (i, edge) in thick() {
+        for face in edge.left.iter().chain(&edge.right).chain(&edge.inner) {
+            let first = *out.entry(*face).or_insert(i as u32);
+            let (a, b) = (find(&root, first), find(&root, i as u32));
+            root[a.max(b) as usize] = a.min(b);
+        }
+    }
+    for (i, edge) in thick() {
+        let ends = edge.nodes.iter().flat_map(|n| &axes.nodes[*n as usize].faces);
+        for face in ends {
+            out.entry(*face).or_insert(i as u32);
+        }
+    }
+    out.values_mut().for_each(|wall| *wall = find(&root, *wall));
     out
 }
 

@@ -34,6 +34,8 @@ pub(super) fn z_up() -> DAffine3 {
 /// A mesh shown in the scene, Z up, or one piece of it.
 struct Body<'f> {
     shown: &'f Shown,
+    /// Whether the node hangs in the scene at one place alone, as the standard wants.
+    is_once: bool,
     /// The piece, where several walls share the mesh.
     piece: Option<usize>,
     layer: String,
@@ -215,6 +217,8 @@ fn bodies<'f>(
     let nodes = scene.json.list("nodes");
     let mut meshes: BTreeMap<usize, Vec<[DVec3; 3]>> = BTreeMap::new();
     let mut out = Vec::new();
+    let mut times: BTreeMap<usize, usize> = BTreeMap::new();
+    shown.iter().for_each(|s| *times.entry(s.node).or_default() += 1);
     for s in shown {
         let Some(mesh) = nodes[s.node].index("mesh") else { continue };
         if s.names.iter().any(|n| layers::is_own(n)) {
@@ -239,7 +243,8 @@ fn bodies<'f>(
             let (low, high) =
                 (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
             if low.is_finite() && high.is_finite() {
-                out.push(Body { shown: s, piece, layer: layer.clone(), triangles, low, high });
+                let is_once = times[&s.node] == 1;
+                out.push(Body { shown: s, is_once, piece, layer: layer.clone(), triangles, low, high });
             }
         }
     }
@@ -408,6 +413,9 @@ fn editable(scene: &File<'_>, body: &Body<'_>) -> Editable {
         .any(|c| c.get("target").and_then(|t| t.index("node")) == Some(body.shown.node));
     if is_set(told(node), "keep") {
         return Editable::No("extras.enfilade says keep".into());
+    }
+    if !body.is_once {
+        return Editable::No("its node hangs in the scene more than once".into());
     }
     if animated {
         return Editable::No("it is animated".into());

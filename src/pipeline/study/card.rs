@@ -26,8 +26,7 @@ impl Study {
     /// Measures the layouts of many parameter vectors: all at once on the graphics card if there is one and
     /// it works, otherwise each on a core. The same bits either way.
     pub fn measure_all(&self, ps: &[Vec<f64>]) -> Vec<Worth> {
-        let on_cores =
-            || ps.par_iter().map_init(|| self.bench(), |bench, p| self.measure(p, bench)).collect();
+        let on_cores = || ps.par_iter().map(|p| self.with_bench(|bench| self.measure(p, bench))).collect();
         if !self.main.evaluator.has_card() || self.card_trouble.get().is_some() {
             return on_cores();
         }
@@ -37,10 +36,10 @@ impl Study {
         match self.main.evaluator.evaluate_on_card(&moving) {
             Some(Ok(tallies)) => {
                 let jobs = layouts.par_iter().zip(&moving).zip(tallies);
-                let worth = |bench: &mut Bench, ((layout, moving), tally): ((&Layout, &Obstacles), Tally)| {
-                    self.worth_of(layout, tally, &moving.segments, bench)
+                let worth = |((layout, moving), tally): ((&Layout, &Obstacles), Tally)| {
+                    self.with_bench(|bench| self.worth_of(layout, tally, &moving.segments, bench))
                 };
-                jobs.map_init(|| self.bench(), worth).collect()
+                jobs.map(worth).collect()
             }
             Some(Err(why)) => {
                 self.card_trouble.get_or_init(|| why);
@@ -48,6 +47,18 @@ impl Study {
             }
             None => on_cores(),
         }
+    }
+
+    /// Works with memory that nobody else uses, and keeps it for the next: a search asks for a few layouts at
+    /// a time, and to clear the memory of a thread takes longer than to measure one.
+    fn with_bench<T>(&self, work: impl FnOnce(&mut Bench) -> T) -> T {
+        let idle = self.benches.lock().ok().and_then(|mut benches| benches.pop());
+        let mut bench = idle.unwrap_or_else(|| self.bench());
+        let done = work(&mut bench);
+        if let Ok(mut benches) = self.benches.lock() {
+            benches.push(bench);
+        }
+        done
     }
 
     /// Areas of two cells or more that no view joins to the largest one, and cells that see no other:

@@ -192,7 +192,12 @@ impl Seen {
     /// Takes a mark as evidence; whether it belongs to the opening.
     fn look_at(&mut self, mark: &Mark, band: &Band) -> bool {
         let swing = mark.paths.iter().any(|p| band.has_swing(p));
-        let inside = mark.paths.iter().any(|p| band.holds(p));
+        let closes = |p: &Path| {
+            mark.role == Role::Door
+                && matches!(p, Path::Arc { .. })
+                && p.ends().iter().any(|e| band.has(*e, ERROR_GAP_M))
+        };
+        let inside = mark.paths.iter().any(|p| band.holds(p) || closes(p));
         let panes = mark.paths.iter().any(|p| band.has_pane(p));
         self.swing |= swing;
         if mark.role == Role::Door && (inside || swing) {

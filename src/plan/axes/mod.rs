@@ -20,7 +20,7 @@ mod evidence;
 mod joints;
 #[cfg(test)]
 mod limits_tests;
-mod near;
+pub(super) mod near;
 mod openings;
 mod rows;
 mod runs;
@@ -339,6 +339,9 @@ pub struct AxisGraph {
     pub statements: Vec<String>,
 }
 
+/// What the statement that counts walls and openings has between the two.
+const UNDERSTOOD: &str = " understood; ";
+
 impl AxisGraph {
     /// Understands drawn walls.
     pub fn new(drawn: &Drawn) -> Self {
@@ -360,16 +363,26 @@ impl AxisGraph {
         edge.nodes.map(|n| self.nodes[n as usize].at)
     }
 
-    fn state(&mut self) {
+    /// Says anew how many walls and openings there are, after some were taken out or added.
+    pub fn count_again(&mut self) {
+        let counted = self.counted();
+        self.statements.iter_mut().filter(|s| s.contains(UNDERSTOOD)).for_each(|s| s.clone_from(&counted));
+    }
+
+    fn counted(&self) -> String {
         let count = |kind| self.openings.iter().filter(|o| o.kind == kind).count();
         let columns = self.nodes.iter().filter(|n| matches!(n.kind, NodeKind::Column(_))).count();
-        let mut said = vec![format!(
-            "{} walls and {columns} columns understood; {} doors, {} windows, {} passages",
+        format!(
+            "{} walls and {columns} columns{UNDERSTOOD}{} doors, {} windows, {} passages",
             self.edges.len(),
             count(OpeningKind::Door),
             count(OpeningKind::Window),
             count(OpeningKind::Passage),
-        )];
+        )
+    }
+
+    fn state(&mut self) {
+        let mut said = vec![self.counted()];
         let thick: Vec<String> =
             self.thicknesses.iter().map(|(t, l)| format!("{t:.2} m ({l:.0} m long)")).collect();
         if !thick.is_empty() {

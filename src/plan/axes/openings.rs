@@ -14,6 +14,12 @@ use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind, shell};
 /// A wall that ends in front of another's side leaves a passage only if it stands this square to it.
 const SQUARE_SIN: f64 = 0.97;
 
+/// Two walls leave a passage between them only if their axes lie this near to one line: metres, or a share of half
+/// the thickness of the thicker.
+const IN_LINE_M: f64 = 0.03;
+/// See [`IN_LINE_M`].
+const IN_LINE_SHARE: f64 = 0.5;
+
 /// What a gap ends at.
 struct Facing {
     /// Clear width.
@@ -21,7 +27,7 @@ struct Facing {
     jamb: Jamb,
     /// The free end at the other side, by its place in the list of free ends.
     other: Option<usize>,
-    /// Whether the wall stands square to what it ends at.
+    /// Whether the wall stands square to what it ends at, or in line with it.
     is_square: bool,
 }
 
@@ -125,11 +131,13 @@ impl<'a> Scene<'a> {
             && width > 0.0
             && a.carrier.offset_of(at).abs() <= half.max(ERROR_GAP_M)
             && out.dot(ahead) < -CROSSING_MIN_RAD.cos();
+        // On the axis of the wall that looks at it, so that the opening runs straight.
+        let on_axis = a.carrier.at(s);
         faces.then_some(Facing {
             width,
-            jamb: Jamb { at, node: Some(g.node), edge: None },
+            jamb: Jamb { at: on_axis, node: Some(g.node), edge: None },
             other: Some(o),
-            is_square: true,
+            is_square: at.distance(on_axis) <= IN_LINE_M.max(IN_LINE_SHARE * half),
         })
     }
 
@@ -181,7 +189,8 @@ impl<'a> Scene<'a> {
         let seen = self.evidence.look(&a.carrier, a.thickness, gap);
         let (kind, evidence) = seen.verdict();
         let limit = match (kind, to.other) {
-            (OpeningKind::Passage, Some(_)) => PASSAGE_MAX_M,
+            (OpeningKind::Passage, Some(_)) if to.is_square => PASSAGE_MAX_M,
+            (OpeningKind::Passage, Some(_)) => 0.0,
             (OpeningKind::Passage, None) if to.is_square && self.is_held(f) => SIDE_OPENING_MAX_M,
             (OpeningKind::Passage, None) => 0.0,
             _ => OPENING_MAX_M,
