@@ -312,8 +312,10 @@ pub(super) struct Followed {
 impl Followed {
     /// The outlines of a record.
     pub fn new(plan: &Plan, record: usize) -> Option<Self> {
-        let own = plan.walls.iter().filter(|w| w.source.record == record);
-        let pieces: Vec<Segment> = own.flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
+        // A door at its end stands between it and what ends there.
+        let plugs = plan.plugs.iter().filter(|p| p.host == record).map(|p| &p.outline);
+        let own = plan.walls.iter().filter(|w| w.source.record == record).map(|w| &w.trace);
+        let pieces: Vec<Segment> = own.chain(plugs).flat_map(|t| t.segments().map(|s| s.2)).collect();
         let run = |s: &Segment| DVec2::new((s.b[0] - s.a[0]) as f64, (s.b[1] - s.a[1]) as f64);
         let longest = pieces.iter().map(run).max_by(|a, b| a.length().total_cmp(&b.length()))?;
         let mut box_um = [[i64::MAX; 2], [i64::MIN; 2]];

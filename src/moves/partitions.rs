@@ -14,7 +14,7 @@ use crate::plan::geometry::{PointUm, Segment, segments_touch};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{Clause, Group, Kind};
-use crate::plan::{Plan, Region, Wall, box_of};
+use crate::plan::{Plan, Region, box_of};
 
 /// How far a partition slides at most.
 pub const PARTITION_SLIDE_M: f64 = 0.6;
@@ -97,7 +97,7 @@ pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec
     named.collect()
 }
 
-/// All drawn pieces with their records, ascending by their lowest x.
+/// All drawn pieces with their records, doors and windows with those of their walls, ascending by their lowest x.
 struct Drawn {
     pieces: Vec<(usize, Segment)>,
     /// The longest piece's extent in x, micrometres.
@@ -106,11 +106,10 @@ struct Drawn {
 
 impl Drawn {
     fn new(plan: &Plan) -> Self {
-        let of = |wall: &Wall| {
-            let record = wall.source.record;
-            wall.trace.segments().map(move |s| (record, s.2)).collect::<Vec<_>>()
-        };
-        let mut pieces: Vec<(usize, Segment)> = plan.walls.iter().flat_map(of).collect();
+        let walls = plan.walls.iter().map(|w| (w.source.record, &w.trace));
+        let all = walls.chain(plan.plugs.iter().map(|p| (p.host, &p.outline)));
+        let mut pieces: Vec<(usize, Segment)> =
+            all.flat_map(|(record, t)| t.segments().map(move |s| (record, s.2))).collect();
         pieces.sort_by_key(|(_, s)| s.a[0].min(s.b[0]));
         let widest = pieces.iter().map(|(_, s)| (s.a[0] - s.b[0]).abs()).max().unwrap_or(0);
         Self { pieces, widest }
@@ -158,7 +157,9 @@ fn element(plan: &Plan, walls: Vec<u32>) -> Option<Element> {
     let longest = longest.max_by(|a, b| a.length().total_cmp(&b.length()))?;
     let along = longest.try_normalize()?;
     let local = |p: DVec2| DVec2::new(p.dot(along), p.dot(along.perp()));
-    let points = walls.iter().flat_map(|w| &plan.walls[*w as usize].trace.points);
+    let record = plan.walls[*walls.first()? as usize].source.record;
+    let plugs = plan.plugs.iter().filter(|p| p.host == record).flat_map(|p| &p.outline.points);
+    let points = walls.iter().flat_map(|w| &plan.walls[*w as usize].trace.points).chain(plugs);
     let [lo, hi] = box_of(points.map(|p| local(plan.frame.plan_from_um(*p))))?;
     let is_slender = (hi.x - lo.x) >= SLENDER * (hi.y - lo.y);
     is_slender.then_some(Element { walls, followers: Vec::new(), along, lo, hi })

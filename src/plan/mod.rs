@@ -57,6 +57,15 @@ pub struct Wall {
     pub is_solid: bool,
 }
 
+/// What closes an opening of a wall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plug {
+    /// [`SourceRef::record`] of the wall.
+    pub host: usize,
+    /// Its outline.
+    pub outline: Trace,
+}
+
 /// A region drawn by the user, drawing frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Region {
@@ -138,6 +147,8 @@ pub struct Plan {
     /// Metres of the plan in one metre of a person; 1 unless the plan is far too small
     /// ([`frame::human_scale`]).
     pub human_scale: f64,
+    /// Doors and windows in walls that the file names.
+    pub plugs: Vec<Plug>,
     /// Pieces of stairs and sanitary objects, drawing frame: what slides must not run into them.
     pub obstacles: Vec<Segment>,
 }
@@ -210,8 +221,18 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         layers: chosen.layers,
         views,
         human_scale,
+        plugs: plugs(drawing, &frame),
         obstacles,
     })
+}
+
+/// What closes the openings of walls that the file names.
+fn plugs(drawing: &Drawing, frame: &Frame) -> Vec<Plug> {
+    let of = |e: &Entity| {
+        let host = drawing.hosts.get(&e.source.record)?;
+        Some(Plug { host: *host, outline: curve::trace(&e.shape, frame) })
+    };
+    drawing.entities.iter().filter_map(of).collect()
 }
 
 fn extent_of(walls: &[&Entity]) -> Option<[DVec2; 2]> {

@@ -127,7 +127,7 @@ fn a_wall_grows_at_either_end_and_its_window_stays() {
             assert_at(&corners(&drawing, 60), &corners(&before, 60));
             let lines = changed(&text, &after);
             let is_shape = |l: &&str| l.contains("IFCCARTESIANPOINT((") || l.contains("RECTANGLE");
-            assert!(lines.iter().all(|l| is_shape(l)) && lines.len() <= 6, "{lines:#?}");
+            assert!(lines.iter().all(is_shape) && lines.len() <= 6, "{lines:#?}");
             let axis = |t: &str, id: &str| t.lines().find(|l| l.starts_with(id)).unwrap().to_string();
             assert_eq!(axis(&after, "#38=") == axis(&text, "#38="), by[0] == 0.0);
             assert_eq!(axis(&after, "#39=") == axis(&text, "#39="), by[1] == 0.0);
