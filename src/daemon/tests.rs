@@ -400,7 +400,7 @@ fn environment_failures_are_tried_again() {
     assert_eq!((daemon.jobs(), daemon.count_said("Failed {")), (3, 2));
     assert_eq!(daemon.count_said("results-of-earlier-content"), 0, "the content never changed");
     daemon.await_true("no failure left", || {
-        status(std::slice::from_ref(&daemon.root))[0]["failed"] == serde_json::json!([])
+        status(std::slice::from_ref(&daemon.root))[0]["status"]["failed"] == serde_json::json!([])
     });
 }
 
