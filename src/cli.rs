@@ -363,6 +363,7 @@ pub enum ShellArg {
     Bash,
     Elvish,
     Fish,
+    #[value(alias = "powershell")]
     PowerShell,
     Zsh,
 }
