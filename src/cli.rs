@@ -591,6 +591,13 @@ mod tests {
     }
 
     #[test]
+    fn shells_are_known_by_their_own_names() {
+        for name in ["bash", "zsh", "fish", "elvish", "powershell", "power-shell"] {
+            assert!(ShellArg::from_str(name, false).is_ok(), "{name}");
+        }
+    }
+
+    #[test]
     fn a_number_out_of_range_is_a_value() {
         for (option, said) in [("--seed", "\"-1\", expected a whole number from 0"), ("--spacing", "")] {
             let parsed = grammar().try_get_matches_from(["enfilade", "run", "a.dxf", option, "-1"]);

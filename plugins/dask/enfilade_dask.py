@@ -274,7 +274,7 @@ def digest_of(rows: list[Row]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def reach(address: str, secs: float = SCHEDULER_SECS) -> None:
+def reach(address: str, secs: float) -> None:
     """Returns once the scheduler takes calls. `OSError` where it does not in that time, `ValueError` for no address."""
     from distributed.comm import get_address_host_port
 
@@ -341,7 +341,7 @@ def main(argv: list[str] | None = None) -> int:
         return _refused(f"--workers {args.workers}: expected 1 or more")
     if args.scheduler:
         try:
-            reach(args.scheduler)
+            reach(args.scheduler, SCHEDULER_SECS)
         except (OSError, ValueError) as error:
             return _refused(f"no scheduler takes calls at {args.scheduler} within {SCHEDULER_SECS} s: {error}")
     resources = {name: float(n) for name, n in (r.split("=", 1) for r in args.resource)} or None

@@ -211,7 +211,7 @@ mod tests {
         assert!(watched(dir.path()).is_ok());
         let gone = unreadable(&dir.path().join("gone")).unwrap();
         assert!(gone.contains("allow"), "{gone}");
-        set_permissions(&drawing, Permissions::from_mode(0)).unwrap();
+        set_permissions(&drawing, Permissions::from_mode(0o000)).unwrap();
         set_permissions(dir.path(), Permissions::from_mode(0o555)).unwrap();
         if rustix::process::geteuid().is_root() {
             println!("skipped: root may read and write everything");

@@ -260,5 +260,8 @@ mod tests {
         std::fs::write(dir.path().join("f"), b"").unwrap();
         assert_eq!(code(&[dir.path().join("f")]), "root-no-folder");
         assert!(canonical_roots(&[PathBuf::from("/")], true).is_ok());
+        let said = canonical_roots(&[dir.path().join("f")], false).unwrap_err().to_string();
+        let want = format!("is a file: watch its folder, {}", dir.path().display());
+        assert!(said.contains(&want), "{said}");
     }
 }
