@@ -363,6 +363,7 @@ pub enum ShellArg {
     Bash,
     Elvish,
     Fish,
+    #[value(alias = "powershell")]
     PowerShell,
     Zsh,
 }
@@ -587,6 +588,13 @@ mod tests {
     #[test]
     fn the_command_line_is_sound() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn shells_are_known_by_their_own_names() {
+        for name in ["bash", "zsh", "fish", "elvish", "powershell", "power-shell"] {
+            assert!(ShellArg::from_str(name, false).is_ok(), "{name}");
+        }
     }
 
     #[test]

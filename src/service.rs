@@ -17,6 +17,8 @@ use crate::report::{Error, Place};
 
 /// Name of the service.
 const NAME: &str = "enfilade";
+/// What [`status`] says where there is none.
+const NOT_INSTALLED: &str = "not installed";
 /// Pause before a daemon that ended badly is started again.
 const RESTART_SECS: u32 = 10;
 
@@ -98,15 +100,29 @@ pub fn install(folders: &[PathBuf]) -> Result<String, Error> {
 pub fn status() -> Result<String, Error> {
     if cfg!(windows) {
         let is_there = call("schtasks", &["/Query", "/TN", NAME].map(OsString::from)).is_ok();
-        return Ok(if is_there { "installed" } else { "not installed" }.into());
+        return Ok(if is_there { "installed" } else { NOT_INSTALLED }.into());
     }
     let (manager, label) = manager()?;
     let found = manager.status(ServiceStatusCtx { label }).map_err(|e| failed(&e.to_string()))?;
     Ok(match found {
-        ServiceStatus::NotInstalled => "not installed".into(),
+        ServiceStatus::NotInstalled => NOT_INSTALLED.into(),
         ServiceStatus::Running => "running".into(),
         ServiceStatus::Stopped(why) => format!("stopped {}", why.unwrap_or_default()).trim().into(),
     })
+}
+
+/// Whether it is installed: where its unit lies on Linux, even without a session to ask; else as [`status`].
+fn is_installed() -> Result<bool, Error> {
+    if cfg!(target_os = "linux") {
+        let dirs = directories::BaseDirs::new().ok_or_else(|| failed("no home folder; set HOME"))?;
+        return Ok(unit_file(dirs.config_dir()).symlink_metadata().is_ok());
+    }
+    status().map(|said| said != NOT_INSTALLED)
+}
+
+/// Where `service-manager` puts the unit of the user.
+fn unit_file(config: &Path) -> PathBuf {
+    config.join("systemd/user").join(format!("{NAME}.service"))
 }
 
 /// Stops it and takes it away. Results and settings stay.
@@ -114,6 +130,10 @@ pub fn status() -> Result<String, Error> {
 /// # Errors
 /// As [`install`].
 pub fn uninstall() -> Result<String, Error> {
+    // Where nobody can be asked, taking it away says what is wrong.
+    if !is_installed().unwrap_or(true) {
+        return Ok("no service is installed; nothing was done".into());
+    }
     if cfg!(windows) {
         call("schtasks", &["/Delete", "/TN", NAME, "/F"].map(OsString::from))?;
     } else {

@@ -88,18 +88,36 @@ fn bad_jobs_end_with_2_and_a_busy_one_asks_for_another_try() {
 }
 
 #[test]
+fn a_job_named_twice_is_listed_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let jobs = list(&[&sample(), &sample()], &["--seeds", "3,1..3,3"], dir.path());
+    let seeds: Vec<Value> =
+        jobs.iter().map(|j| serde_json::from_str::<Value>(j).unwrap()["settings"]["seed"].clone()).collect();
+    assert_eq!(seeds, [3, 1, 2]);
+}
+
+#[test]
 fn storeys_are_jobs_and_what_cannot_be_listed_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("out");
     assert_eq!(list(&[&sample()], &["--storeys", "all", "--seeds", "1,5"], &out).len(), 2);
-    let named = list(&[&sample()], &["--storeys", "A,B"], &out);
+    let pavilion = sample().with_file_name("pavilion.ifc");
+    let named = list(&[&pavilion], &["--storeys", "Ground floor, upper floor,GROUND FLOOR"], &out);
     let storeys: Vec<Value> = named
         .iter()
         .map(|j| serde_json::from_str::<Value>(j).unwrap()["settings"]["storey"].clone())
         .collect();
-    assert_eq!(storeys, ["A", "B"]);
-    for bad in [["--seeds", "5..1"], ["--members", "999"]] {
+    assert_eq!(storeys, ["Ground floor", "Upper floor"], "as the building writes them");
+    for bad in [["--seeds", "5..1"], ["--members", "999"], ["--storeys", "A,B"]] {
         let output = enfilade(&[&["jobs", text(&sample())][..], &bad[..]].concat(), "");
         assert_eq!(output.status.code(), Some(3), "{bad:?}");
     }
+    let output = enfilade(&["jobs", text(&pavilion), "--storeys", "Ground floor,Attic"], "");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(said.contains("\"Attic\"") && said.contains("\"Ground floor\", \"Upper floor\""), "{said}");
+    let listed = dir.path().join("jobs.jsonl");
+    fs::write(&listed, "{\"schema\": \"enfilade.job/1\"}\n").unwrap();
+    let output = enfilade(&["jobs", text(&listed)], "");
+    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
 }

@@ -143,10 +143,32 @@ fn the_interface_shows_and_obeys() {
 
     assert_eq!(daemon.ask("POST", &at("/again"), r#"{"objective": "degree up 7"}"#).status, 400);
     assert_eq!(daemon.ask("POST", &at("/again"), "no json").status, 400);
-    for wrong in
-        [r#"{"pin": [0]}"#, r#"{"like": 6}"#, r#"{"pin": [1], "round": 9}"#, r#"{"pin": [1, 2, 3, 4, 5]}"#]
-    {
+    for wrong in [
+        r#"{"pin": [0]}"#,
+        r#"{"like": 6}"#,
+        r#"{"pin": [1], "round": 9}"#,
+        r#"{"pin": [1, 2, 3, 4, 5]}"#,
+        r#"{"round": 9}"#,
+        r#"{"round": 0}"#,
+        "[]",
+        r#"[null, 1, [], null]"#,
+        "null",
+    ] {
         assert_eq!(daemon.ask("POST", &at("/again"), wrong).status, 400, "{wrong}");
+    }
+    assert_eq!(daemon.ask("POST", &at("/accept"), "[1, 1]").status, 400);
+    for (method, path, status) in [
+        ("GET", at("/cancel"), 405),
+        ("DELETE", at("/cancel"), 405),
+        ("POST", "/api/drawings".into(), 405),
+        ("GET", "/api/nowhere".into(), 404),
+        ("GET", "/nowhere".into(), 404),
+        ("POST", at("/again"), 400),
+    ] {
+        let answer = daemon.ask(method, &path, "");
+        let why: Value = serde_json::from_slice(&answer.body).unwrap();
+        let is_said = why["error"].as_str().is_some_and(|w| !w.is_empty());
+        assert_eq!((answer.status, is_said), (status, true), "{method} {path}: {}", answer.head);
     }
     let names = daemon.json(&at("/round-01"));
     assert!(names.as_array().unwrap().contains(&json!("initial-degree.png")), "{names}");

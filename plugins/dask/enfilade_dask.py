@@ -14,6 +14,7 @@ import html
 import json
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -23,7 +24,9 @@ from pathlib import Path
 
 RETRIES = 3
 """How often a job is tried again after `run-job` asked for it or its worker died."""
-DONE, LEFT_OUT, TRY_AGAIN = 0, 1, 75
+DONE, LEFT_OUT, BAD_INPUT, TRY_AGAIN = 0, 1, 2, 75
+SCHEDULER_SECS = 20
+"""A scheduler must take calls within this time at the start; one that is restarted later gets longer."""
 # A worker that was killed leaves its program at work on the job: it is waited for, and what it finishes is taken.
 PAUSES_SECS = (0.5, 1, 2, 4, 8, 16, 32)
 
@@ -42,9 +45,19 @@ class Row:
 
 
 def read_jobs(path: str | os.PathLike) -> list[dict]:
-    """The lines of a file of `enfilade jobs`, each id once."""
-    lines = Path(path).read_text(encoding="utf-8").splitlines()
-    return list({job["id"]: job for job in map(json.loads, filter(str.strip, lines))}.values())
+    """The lines of a file of `enfilade jobs`, each id once. `OSError`, `ValueError` where it is none."""
+    jobs = {}
+    for number, line in enumerate(Path(path).read_text(encoding="utf-8").splitlines(), 1):
+        if not line.strip():
+            continue
+        try:
+            job = json.loads(line)
+        except ValueError as error:
+            raise ValueError(f"line {number} is no JSON: {error}") from error
+        if not isinstance(job, dict) or not all(isinstance(job.get(key), str) for key in ("id", "drawing", "out")):
+            raise ValueError(f"line {number} is no job of `enfilade jobs`")
+        jobs[job["id"]] = job
+    return list(jobs.values())
 
 
 def with_content(job: dict) -> dict:
@@ -261,6 +274,26 @@ def digest_of(rows: list[Row]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def reach(address: str, secs: float) -> None:
+    """Returns once the scheduler takes calls. `OSError` where it does not in that time, `ValueError` for no address."""
+    from distributed.comm import get_address_host_port
+
+    end = time.monotonic() + secs
+    host, port = get_address_host_port(address)
+    while True:
+        try:
+            return socket.create_connection((host, port), timeout=max(0.1, end - time.monotonic())).close()
+        except OSError:
+            if time.monotonic() + 0.5 >= end:
+                raise
+            time.sleep(0.5)
+
+
+def _refused(text: str) -> int:
+    print(f"enfilade_dask: {text}; nothing was done", file=sys.stderr)
+    return BAD_INPUT
+
+
 def _client(args):
     import dask
     from distributed import Client, LocalCluster
@@ -300,7 +333,17 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--retries", type=int, default=RETRIES)
     parser.add_argument("--tls-ca"), parser.add_argument("--tls-cert"), parser.add_argument("--tls-key")
     args = parser.parse_args(argv)
-    jobs = read_jobs(args.jobs)
+    try:
+        jobs = read_jobs(args.jobs)
+    except (OSError, ValueError) as error:
+        return _refused(f"{args.jobs} cannot be read as a list of jobs: {error}")
+    if args.workers is not None and args.workers < 1:
+        return _refused(f"--workers {args.workers}: expected 1 or more")
+    if args.scheduler:
+        try:
+            reach(args.scheduler, SCHEDULER_SECS)
+        except (OSError, ValueError) as error:
+            return _refused(f"no scheduler takes calls at {args.scheduler} within {SCHEDULER_SECS} s: {error}")
     resources = {name: float(n) for name, n in (r.split("=", 1) for r in args.resource)} or None
 
     def show(row, n, total):

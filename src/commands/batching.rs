@@ -1,5 +1,6 @@
 //! `jobs` and `run-job`: batches for many machines.
 
+use std::collections::HashSet;
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
@@ -10,7 +11,7 @@ use crate::config::{Partial, Settings};
 use crate::daemon::{Asked, JobEvent, JobRequest};
 use crate::formats;
 use crate::progress::Display;
-use crate::report::{Cancel, Error, Place};
+use crate::report::{Cancel, Error, Place, Report};
 
 /// Try again later: the exit code of `sysexits.h` that batch systems know.
 const TRY_AGAIN: u8 = 75;
@@ -23,9 +24,11 @@ pub(super) fn jobs(args: &JobsArgs) -> Result<u8, Error> {
         None => None,
     };
     let out = args.common.out.clone().unwrap_or_else(|| OUT.into());
-    let mut lines = String::new();
+    let (mut lines, mut ids) = (String::new(), HashSet::new());
     for file in &args.files {
-        for job in jobs_of(args, file, seeds.as_deref(), &out)? {
+        for job in
+            jobs_of(args, file, seeds.as_deref(), &out)?.into_iter().filter(|j| ids.insert(j.id.clone()))
+        {
             lines.push_str(&job.to_line()?);
             lines.push('\n');
         }
@@ -44,6 +47,7 @@ pub(super) fn jobs(args: &JobsArgs) -> Result<u8, Error> {
 
 fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> Result<Vec<Job>, Error> {
     let (shown, bytes) = super::open(file)?;
+    is_drawing(file, &shown, &bytes)?;
     let settings = super::settings_partial(file, args.common.partial(Some(&args.search)))?;
     let storeys: Vec<Option<String>> = match args.storeys.as_deref() {
         None => vec![settings.storey.clone()],
@@ -52,7 +56,7 @@ fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> R
             let found: Vec<String> = found.into_iter().filter(|s| s.walls > 0).map(|s| s.name).collect();
             if found.is_empty() { vec![None] } else { found.into_iter().map(Some).collect() }
         }
-        Some(list) => list.split(',').map(|s| Some(s.trim().to_string())).collect(),
+        Some(list) => named_storeys(&shown, &bytes, list)?.into_iter().map(Some).collect(),
     };
     let own = [Settings::new(settings.clone())?.seed];
     let seeds = seeds.unwrap_or(&own);
@@ -62,6 +66,39 @@ fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> R
         Job::new(&super::absolute(file), &bytes, settings, &super::absolute(out), args.embed)
     };
     storeys.iter().flat_map(|storey| seeds.iter().map(move |seed| of(storey, *seed))).collect()
+}
+
+/// Files of other endings are listed only if they are drawings: a list of jobs is none.
+fn is_drawing(file: &Path, shown: &str, bytes: &[u8]) -> Result<(), Error> {
+    let ending = file.extension().unwrap_or_default();
+    if formats::ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
+        return Ok(());
+    }
+    let read = formats::read(shown, bytes, &formats::ReadOptions::default(), &mut Report::default());
+    read.map(drop).map_err(|_| {
+        let text = format!(
+            "is no drawing, found the ending {:?}, expected one of {}; nothing was done",
+            ending.to_string_lossy(),
+            formats::ENDINGS.join(", ")
+        );
+        Error::input("no-drawing", Place::file(shown), text)
+    })
+}
+
+/// The storeys of a list as the building writes them; it must have each.
+fn named_storeys(shown: &str, bytes: &[u8], list: &str) -> Result<Vec<String>, Error> {
+    let there = formats::storeys(shown, bytes, &formats::ReadOptions::default());
+    let find = |name: &str| {
+        let found = there.iter().find(|s| s.name.eq_ignore_ascii_case(name));
+        found.map(|s| s.name.clone()).ok_or_else(|| {
+            let present: Vec<String> = there.iter().map(|s| format!("{:?}", s.name)).collect();
+            let present = if present.is_empty() { "none".to_owned() } else { present.join(", ") };
+            let text =
+                format!("--storeys {name:?}: no such storey, storeys present: {present}; nothing was done");
+            Error::usage("storeys", Place::file(shown), text)
+        })
+    };
+    list.split(',').map(|name| find(name.trim())).collect()
 }
 
 pub(super) fn run_job(args: &RunJobArgs, cancel: &Cancel) -> Result<u8, Error> {

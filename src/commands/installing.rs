@@ -5,6 +5,7 @@ use std::process::{Command, Stdio};
 
 use crate::analysis::gpu::Gpu;
 use crate::cli::{self, OpenArgs, ServiceArgs, ServiceCommand, ShellArg};
+use crate::formats::ENDINGS;
 use crate::report::{Error, Place};
 use crate::server::Door;
 use crate::service::{self, Folders};
@@ -134,11 +135,54 @@ fn watched(folder: &Path) -> Result<String, String> {
     if !meta.is_dir() {
         return Err("is no folder; name the folder of the drawings".into());
     }
+    let faults: Vec<String> = unwritable(folder).into_iter().chain(unreadable(folder)).collect();
+    if !faults.is_empty() {
+        return Err(faults.join("; "));
+    }
     let found = crate::daemon::status(&[folder.to_path_buf()]);
     let runs = if found[0]["is_running"] == true { "watched now" } else { "not watched now" };
     let how = network_reason(folder).map_or("events".to_owned(), |why| format!("polling, as {why}"));
     let page = if Door::find(folder).is_some() { "; its page is open" } else { "" };
     Ok(format!("{runs}; watched by {how}{page}"))
+}
+
+/// Results lie beside the drawings, unless the settings name another folder for them.
+fn unwritable(folder: &Path) -> Option<String> {
+    let settings = super::read_settings(&folder.join("enfilade.toml")).ok().flatten();
+    if may_write(folder) || settings.is_some_and(|s| s.out.is_some()) {
+        return None;
+    }
+    Some("cannot be written, so results find no place: allow it to the user of the daemon, or name another folder with --out".into())
+}
+
+#[cfg(unix)]
+fn may_write(folder: &Path) -> bool {
+    use rustix::fs::{Access, access};
+    access(folder, Access::WRITE_OK | Access::EXEC_OK).is_ok()
+}
+
+#[cfg(not(unix))]
+fn may_write(folder: &Path) -> bool {
+    std::fs::metadata(folder).is_ok_and(|m| !m.permissions().readonly())
+}
+
+/// What cannot be read: the folder, or the first of its drawings and how many others.
+fn unreadable(folder: &Path) -> Option<String> {
+    let entries = match std::fs::read_dir(folder) {
+        Ok(entries) => entries.flatten(),
+        Err(e) => return Some(format!("cannot be looked into ({e}): allow it to the user of the daemon")),
+    };
+    let files = entries.filter(|e| e.file_type().is_ok_and(|t| t.is_file())).map(|e| e.path());
+    let is_drawing = |p: &PathBuf| {
+        p.extension().is_some_and(|e| ENDINGS.iter().any(|known| e.eq_ignore_ascii_case(known)))
+    };
+    let mut closed: Vec<(PathBuf, std::io::Error)> =
+        files.filter(is_drawing).filter_map(|p| std::fs::File::open(&p).err().map(|e| (p, e))).collect();
+    closed.sort_by(|a, b| a.0.cmp(&b.0));
+    let (first, why) = closed.first()?;
+    let name = first.file_name().unwrap_or_default().to_string_lossy();
+    let others = if closed.len() > 1 { format!(" and {} more", closed.len() - 1) } else { String::new() };
+    Some(format!("{name}{others} cannot be read ({why}): allow reading to the user of the daemon"))
 }
 
 pub(super) fn completions(shell: ShellArg) -> Result<u8, Error> {
@@ -155,6 +199,28 @@ pub(super) fn man() -> Result<u8, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn what_may_not_be_written_or_read_is_a_problem_with_a_remedy() {
+        use std::fs::{Permissions, set_permissions, write};
+        use std::os::unix::fs::PermissionsExt as _;
+        let dir = tempfile::tempdir().unwrap();
+        let drawing = dir.path().join("plan.DXF");
+        write(&drawing, "0\nEOF\n").unwrap();
+        assert!(watched(dir.path()).is_ok());
+        let gone = unreadable(&dir.path().join("gone")).unwrap();
+        assert!(gone.contains("allow"), "{gone}");
+        set_permissions(&drawing, Permissions::from_mode(0o000)).unwrap();
+        set_permissions(dir.path(), Permissions::from_mode(0o555)).unwrap();
+        if rustix::process::geteuid().is_root() {
+            println!("skipped: root may read and write everything");
+            return;
+        }
+        let said = watched(dir.path()).unwrap_err();
+        assert!(said.contains("--out") && said.contains("plan.DXF cannot be read"), "{said}");
+        set_permissions(dir.path(), Permissions::from_mode(0o755)).unwrap();
+    }
 
     #[test]
     fn few_watches_are_a_problem_with_a_remedy() {

@@ -17,7 +17,7 @@ use crate::overlay::result::to_json;
 use crate::report::{Cancel, Error, Place, Severity};
 use crate::server::Page;
 use crate::store::Log;
-use crate::watch::Completeness;
+use crate::watch::{Completeness, canonical_roots};
 
 /// A job may use this share of the machine's memory unless the settings say otherwise.
 #[cfg(target_os = "linux")]
@@ -26,6 +26,7 @@ const MEMORY_SHARE: f64 = 0.75;
 pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
     let partial = args.common.partial(Some(&args.search));
     Settings::new(partial.clone())?;
+    canonical_roots(&args.folders, args.force)?;
     let folder = args.folders.first().map(|f| f.join("enfilade.toml"));
     let table = folder
         .map_or(Ok(None), |f| read_settings(&f))
@@ -200,11 +201,20 @@ fn status_lines(status: &Value, is_running: bool) -> Vec<String> {
     let running = if is_running { "running" } else { "was running when watching ended; begun again with it" };
     out.extend(status["running"].as_str().map(|d| format!("{d}: {running}")));
     out.extend(list("waiting").iter().map(|d| format!("{}: waiting", text(d))));
+    out.extend(beyond(status, "waiting").map(|n| format!("and {n} more waiting")));
     for entry in list("failed") {
         let (drawing, problem) = (text(&entry["drawing"]), &entry["problem"]);
         let state = if problem["severity"] == "error" { "failed" } else { "not ready" };
-        out.push(format!("{drawing}: {state}: {} ({})", text(&problem["text"]), text(&problem["code"])));
+        let place = place_within(&drawing, problem["place"].as_str().unwrap_or_default());
+        out.push(format!(
+            "{drawing}: {state}: {place}{} ({})",
+            text(&problem["text"]),
+            text(&problem["code"])
+        ));
     }
+    out.extend(beyond(status, "failed").map(|n| {
+        format!("and {n} more failed or not ready: each has its reason in status.json of its own results")
+    }));
     for entry in list("ignored") {
         out.push(format!("{}: left alone: {}", text(&entry["file"]), text(&entry["why"])));
     }
@@ -212,6 +222,19 @@ fn status_lines(status: &Value, is_running: bool) -> Vec<String> {
         out.push(format!("done since {}: {done}", text(&status["since"])));
     }
     out
+}
+
+/// How many more of a kind there are than the overview lists; `None`: none.
+fn beyond(status: &Value, kind: &str) -> Option<u64> {
+    let listed = status[kind].as_array().map_or(0, Vec::len) as u64;
+    let all = status[format!("{kind}_count")].as_u64()?;
+    all.checked_sub(listed).filter(|more| *more > 0)
+}
+
+/// The place of a problem as the log has it, unless it says no more than the drawing's name does.
+fn place_within(drawing: &str, place: &str) -> String {
+    let is_drawing = place == drawing || Path::new(drawing).file_name().is_some_and(|n| n == place);
+    if place.is_empty() || is_drawing { String::new() } else { format!("{place}: ") }
 }
 
 #[cfg(test)]
@@ -224,7 +247,7 @@ mod tests {
         let problem = |severity: &str, text: &str| json!({"code": "c", "severity": severity, "text": text});
         let status = json!({
             "roots": [{"root": "/w", "is_offline": false}, {"root": "/away", "is_offline": true}],
-            "running": "/w/a.dxf", "waiting": ["/w/b.dxf"], "since": "2026-01-01T00:00:00Z", "done_count": 7,
+            "running": "/w/a.dxf", "waiting": ["/w/b.dxf"], "waiting_count": 1, "failed_count": 802, "since": "2026-01-01T00:00:00Z", "done_count": 7,
             "failed": [
                 {"drawing": "/w/c.dxf", "problem": problem("error", "no wall")},
                 {"drawing": "/w/d.dxf", "problem": problem("info", "no EOF yet")},
@@ -237,6 +260,7 @@ mod tests {
             "/w/b.dxf: waiting",
             "/w/c.dxf: failed: no wall (c)",
             "/w/d.dxf: not ready: no EOF yet (c)",
+            "and 800 more failed or not ready: each has its reason in status.json of its own results",
             "/w/#e.dxf: left alone: a lock",
             "done since 2026-01-01T00:00:00Z: 7",
         ];
@@ -246,5 +270,28 @@ mod tests {
             "/w/a.dxf: was running when watching ended; begun again with it"
         );
         assert!(status_lines(&Value::Null, false).is_empty());
+    }
+
+    #[test]
+    fn status_says_where_a_problem_is() {
+        let line = |place: &str| {
+            let problem = json!({"code": "c", "severity": "error", "place": place, "text": "bad"});
+            let failed = json!([{"drawing": "/w/a.dxf", "problem": problem}]);
+            status_lines(&json!({"failed": failed}), true).concat()
+        };
+        assert_eq!(line("enfilade.toml:1"), "/w/a.dxf: failed: enfilade.toml:1: bad (c)");
+        assert_eq!(line("a.dxf:595 LINE 2F"), "/w/a.dxf: failed: a.dxf:595 LINE 2F: bad (c)");
+        for known in ["", "a.dxf", "/w/a.dxf"] {
+            assert_eq!(line(known), "/w/a.dxf: failed: bad (c)", "{known}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_listed_is_counted() {
+        let status = |n: u64| json!({"waiting": ["a", "b"], "waiting_count": n});
+        assert_eq!(beyond(&status(5), "waiting"), Some(3));
+        assert_eq!(beyond(&status(2), "waiting"), None);
+        assert_eq!(beyond(&status(0), "waiting"), None);
+        assert_eq!(beyond(&json!({"failed": ["a"]}), "failed"), None, "of an earlier version");
     }
 }

@@ -13,6 +13,9 @@ const WORDS: [(&str, &str); 9] = [
     ("expected a boolean", "expected true or false"),
 ];
 
+/// What a value is written like, where the reader of TOML took it for the beginning of another.
+const VALUES: &str = "numbers stand bare, texts in quotes, yes and no are true and false";
+
 /// Edits that turn an unknown key into a known one, at most.
 const SUGGESTED_EDITS: usize = 3;
 
@@ -24,7 +27,13 @@ pub(super) fn plain(message: &str) -> String {
         let meant = near.map_or_else(String::new, |(_, k)| format!("did you mean `{k}`? "));
         return format!("unknown key `{unknown}`; {meant}known are {}", known.join(", "));
     }
-    WORDS.iter().fold(message.to_owned(), |text, (theirs, ours)| text.replace(theirs, ours))
+    let text = WORDS.iter().fold(message.to_owned(), |text, (theirs, ours)| text.replace(theirs, ours));
+    if is_of_a_value(message) { format!("{text}; {VALUES}") } else { text }
+}
+
+/// Whether a value could not even be told: a text without quotes is taken for the beginning of a boolean or a number.
+fn is_of_a_value(message: &str) -> bool {
+    ["invalid boolean", "invalid float", "must be quoted"].iter().any(|said| message.contains(said))
 }
 
 fn unknown_field(message: &str) -> Option<(&str, Vec<&str>)> {
@@ -52,6 +61,17 @@ mod tests {
         assert_eq!(plain(said), "unknown key `membres`; did you mean `members`? known are unit, members");
         let said = "unknown field `colour-of-doors`, expected `unit` or `members`";
         assert_eq!(plain(said), "unknown key `colour-of-doors`; known are unit, members");
+    }
+
+    #[test]
+    fn a_text_without_quotes_is_told_what_values_look_like() {
+        for text in ["evaluations = thirty", "unit = mm", "members = none", "only-marked = yes"] {
+            let error = toml::from_str::<toml::Table>(text).unwrap_err();
+            let said = plain(error.message());
+            assert!(said.contains("texts in quotes"), "{text}: {said}");
+        }
+        let error = toml::from_str::<toml::Table>("a = 1\na = 2").unwrap_err();
+        assert!(!plain(error.message()).contains("quotes"), "{}", error.message());
     }
 
     #[test]

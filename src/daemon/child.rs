@@ -247,7 +247,12 @@ fn end_of(name: &str, limits: &Limits, status: io::Result<ExitStatus>, words: &s
         ("job-out-of-memory", format!("the job needs more memory than {limit} (job-memory-mb) and was ended"))
     } else if is_out_of_time(&how) {
         let limit = limits.cpu_secs.unwrap_or_default();
-        ("job-too-long", format!("the job needs more than {limit} s of processor time and was ended"))
+        (
+            "job-too-long",
+            format!(
+                "the job needs more than {limit} s of processor time (job-limit-secs a core) and was ended"
+            ),
+        )
     } else if let Some(panic) = words.lines().position(|l| l.contains("panicked at")) {
         let said: Vec<&str> = words.lines().skip(panic + 1).take(1).collect();
         let text = "this is an error of the program, please report it with the drawing";

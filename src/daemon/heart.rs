@@ -337,9 +337,7 @@ impl Heart {
     }
 
     fn fail(&mut self, path: &Path, problem: &Problem) {
-        if self.failed.len() < MAX_LISTED {
-            self.failed.insert(path.into(), problem.clone());
-        }
+        self.failed.insert(path.into(), problem.clone());
         self.is_overview_stale = true;
     }
 
@@ -638,8 +636,9 @@ impl Heart {
             .iter()
             .map(|r| json!({"root": name(&r.path), "watched": r.how, "is_offline": r.is_offline}))
             .collect();
+        let failed = self.failed.iter().take(MAX_LISTED);
         let failed: Vec<Value> =
-            self.failed.iter().map(|(p, problem)| json!({"drawing": name(p), "problem": problem})).collect();
+            failed.map(|(p, problem)| json!({"drawing": name(p), "problem": problem})).collect();
         let ignored: Vec<Value> =
             self.ignored.iter().map(|(p, why)| json!({"file": name(p), "why": why})).collect();
         let rules: Vec<Value> =
@@ -657,6 +656,7 @@ impl Heart {
             "settling_count": self.settle.pending_count(),
             "done_count": self.done_count,
             "failed": failed,
+            "failed_count": self.failed.len(),
             "ignored": ignored,
             "ignore_rules": rules,
         })

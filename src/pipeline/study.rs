@@ -35,7 +35,7 @@ use crate::plan::outline::SOLID_ACROSS_M;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, box_of, layers, understand};
-use crate::report::{Error, Place, Report};
+use crate::report::{Error, Place, Problem, Report};
 use seen::Scene;
 pub use seen::{Pair, Seen};
 
@@ -96,6 +96,16 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
     understood(&drawing, settings, report)
 }
 
+/// Says which storey has no walls.
+fn within_storey(error: Error, settings: &Settings) -> Error {
+    match (error, &settings.storey) {
+        (Error::Input(problem), Some(storey)) if problem.code == "no-walls" => {
+            Error::Input(Problem { text: format!("storey {storey:?}: {}", problem.text), ..problem })
+        }
+        (other, _) => other,
+    }
+}
+
 /// Understands a drawing that was read.
 ///
 /// # Errors
@@ -109,7 +119,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         None => None,
     };
     let options = PlanOptions { unit, ..plan_options(settings) };
-    let mut plan = understand(drawing, &options, report)?;
+    let mut plan = understand(drawing, &options, report).map_err(|e| within_storey(e, settings))?;
     add_regions(&mut plan, settings)?;
     building::add_spaces(drawing, &mut plan, settings)?;
     let graph = Graph::new(&plan);

@@ -71,7 +71,7 @@ pub(super) async fn log(State(page): Page) -> Response {
 /// News as they come: `data:` lines of JSON; `{"kind": "reload"}` where some were missed.
 pub(super) async fn events(State(page): Page) -> Response {
     let Some(news) = page.board.listen() else {
-        return (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open").into_response();
+        return said(StatusCode::SERVICE_UNAVAILABLE, "too many pages are open");
     };
     let stream = BroadcastStream::new(news).map(|news| {
         let text = news.unwrap_or_else(|_| json!({"kind": "reload"}).to_string());
@@ -87,11 +87,16 @@ pub(super) async fn cancel(State(page): Page, Path(id): Path<String>) -> Respons
 
 pub(super) async fn again(State(page): Page, Path(id): Path<String>, body: String) -> Response {
     let Some((drawing, _)) = page.board.paths(&id) else { return not_found() };
-    let asked: Asked = match serde_json::from_str(&body) {
+    let asked: Asked = match object(&body) {
         Ok(asked) => asked,
         Err(e) => return refused(&e.to_string()),
     };
     let home = page.board.paths(&id).and_then(|(_, folder)| folder);
+    if let Some(round) = asked.round
+        && !home.as_ref().is_some_and(|home| files::sets(home).contains(&round_name(round)))
+    {
+        return refused(&format!("there is no round {round}; nothing was done"));
+    }
     let known = home.map_or(0, |home| options_of(&home, asked.round));
     if let Some(n) = asked.pin.iter().chain(&asked.like).find(|n| !(1..=known).contains(*n)) {
         return refused(&format!("the round has {known} options, found number {n}; nothing was done"));
@@ -107,7 +112,7 @@ pub(super) async fn again(State(page): Page, Path(id): Path<String>, body: Strin
 
 pub(super) async fn accept(State(page): Page, Path(id): Path<String>, body: String) -> Response {
     let Some((drawing, _)) = page.board.paths(&id) else { return not_found() };
-    let Accepted { round, candidate } = match serde_json::from_str(&body) {
+    let Accepted { round, candidate } = match object(&body) {
         Ok(asked) => asked,
         Err(e) => return refused(&e.to_string()),
     };
@@ -116,8 +121,8 @@ pub(super) async fn accept(State(page): Page, Path(id): Path<String>, body: Stri
     match done {
         Ok(Ok(path)) => answer(&json!({"drawing": path.file_name().map(|n| n.to_string_lossy())})),
         Ok(Err(e @ (Error::Usage(_) | Error::Input(_)))) => refused(&e.to_string()),
-        Ok(Err(e)) => (StatusCode::INTERNAL_SERVER_ERROR, e.to_string()).into_response(),
-        Err(_) => (StatusCode::INTERNAL_SERVER_ERROR, "accepting failed").into_response(),
+        Ok(Err(e)) => said(StatusCode::INTERNAL_SERVER_ERROR, &e.to_string()),
+        Err(_) => said(StatusCode::INTERNAL_SERVER_ERROR, "accepting failed"),
     }
 }
 
@@ -130,10 +135,26 @@ fn options_of(home: &std::path::Path, round: Option<u32>) -> usize {
     result.map_or(0, |r| r["candidates"].as_array().map_or(0, Vec::len))
 }
 
+/// An order's body: an object, where a list of its values would do for the reader of JSON.
+fn object<T: serde::de::DeserializeOwned>(body: &str) -> Result<T, serde_json::Error> {
+    let object: serde_json::Map<String, Value> = serde_json::from_str(body)?;
+    serde_json::from_value(Value::Object(object))
+}
+
+/// An address that nothing lies at.
+pub(super) async fn unknown_address() -> Response {
+    said(StatusCode::NOT_FOUND, "there is nothing at this address")
+}
+
+/// A method that an address does not take; the header `Allow` names those it does.
+pub(super) async fn unknown_method() -> Response {
+    said(StatusCode::METHOD_NOT_ALLOWED, "the address takes another method, see the header Allow")
+}
+
 fn order(page: &Shared, order: Order) -> Response {
     match page.orders.send(order) {
         Ok(()) => (StatusCode::ACCEPTED, [(header::CONTENT_TYPE, "application/json")], "{}").into_response(),
-        Err(_) => (StatusCode::SERVICE_UNAVAILABLE, "the daemon is ending").into_response(),
+        Err(_) => said(StatusCode::SERVICE_UNAVAILABLE, "the daemon is ending"),
     }
 }
 
@@ -142,11 +163,16 @@ fn answer(value: &Value) -> Response {
 }
 
 fn refused(why: &str) -> Response {
-    (StatusCode::BAD_REQUEST, why.to_owned()).into_response()
+    said(StatusCode::BAD_REQUEST, why)
 }
 
 fn not_found() -> Response {
-    (StatusCode::NOT_FOUND, "there is no such thing here").into_response()
+    said(StatusCode::NOT_FOUND, "there is no such thing here")
+}
+
+/// A refusal that says why.
+pub(super) fn said(status: StatusCode, why: &str) -> Response {
+    (status, [(header::CONTENT_TYPE, "application/json")], json!({"error": why}).to_string()).into_response()
 }
 
 /// A file name for a header (RFC 5987).

@@ -194,6 +194,10 @@ impl Entry {
 
     fn set(&mut self, state: &'static str) {
         self.state = state;
+        // What the last job said is no word on this one.
+        if state != "done" {
+            self.summary.clear();
+        }
         self.since = rfc3339(SystemTime::now());
         self.progress = Value::Null;
         self.problem = Value::Null;
@@ -263,6 +267,11 @@ mod tests {
         let done = Done { folder, round: Some(1), is_degraded: false, summary: "5 options".into() };
         board.take(&Notice::Done { drawing: drawing.clone(), done });
         assert_eq!(state(&board), "done");
+        assert_eq!(board.drawing(&id).unwrap()["summary"], "5 options");
+        board.take(&Notice::UpToDate { drawing: drawing.clone(), folder: Some("/plans/a.enfilade".into()) });
+        assert_eq!(board.drawing(&id).unwrap()["summary"], "5 options");
+        board.take(&Notice::Started(drawing.clone()));
+        assert_eq!(board.drawing(&id).unwrap()["summary"], "", "of the round before");
         assert_eq!(board.paths(&id), Some((drawing, Some("/plans/a.enfilade".into()))));
         assert!(news.try_recv().unwrap().contains("\"kind\":\"log\""));
         assert_eq!(board.paths("no such id"), None);

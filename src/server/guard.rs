@@ -103,7 +103,7 @@ pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, n
     let access = &shared.access;
     let mut response = match access.judge(request.method(), request.uri(), request.headers()) {
         Verdict::Pass => next.run(request).await,
-        Verdict::Refuse(why) => (StatusCode::FORBIDDEN, why).into_response(),
+        Verdict::Refuse(why) => super::api::said(StatusCode::FORBIDDEN, why),
         Verdict::Welcome => {
             let cookie =
                 format!("{}={}; Path=/; HttpOnly; SameSite=Strict", access.cookie_name(), access.session);

@@ -178,6 +178,8 @@ fn router(shared: Arc<Shared>) -> Router {
         .route("/api/drawings/{id}/accept", post(api::accept))
         .route("/api/log", get(api::log))
         .route("/api/events", get(api::events))
+        .fallback(api::unknown_address)
+        .method_not_allowed_fallback(api::unknown_method)
         .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
         .layer(middleware::from_fn_with_state(shared.clone(), guard::check))
         .with_state(shared)

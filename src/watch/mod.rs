@@ -215,11 +215,12 @@ pub fn canonical_roots(roots: &[PathBuf], force: bool) -> Result<Vec<PathBuf>, E
             )
         })?;
         if !real.is_dir() {
-            return Err(Error::usage(
-                "root-no-folder",
-                place,
-                "is no folder; `enfilade run` takes a single drawing",
-            ));
+            let folder = root.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            let text = format!(
+                "is a file: watch its folder, {}; `enfilade run` takes a single drawing",
+                folder.display()
+            );
+            return Err(Error::usage("root-no-folder", place, text));
         }
         if !force && is_too_wide(&real) {
             let text = "is too wide to watch; name the project folder, or insist with --force";
@@ -259,5 +260,8 @@ mod tests {
         std::fs::write(dir.path().join("f"), b"").unwrap();
         assert_eq!(code(&[dir.path().join("f")]), "root-no-folder");
         assert!(canonical_roots(&[PathBuf::from("/")], true).is_ok());
+        let said = canonical_roots(&[dir.path().join("f")], false).unwrap_err().to_string();
+        let want = format!("is a file: watch its folder, {}", dir.path().display());
+        assert!(said.contains(&want), "{said}");
     }
 }

@@ -129,6 +129,8 @@ try {
   await page.setViewport({ width: 360, height: 740 });
   await check("phone");
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "scrolls sideways on a phone");
+  assert.ok(await page.$eval("#accept-0", (b) => [b, b.nextElementSibling].every((e) => e.getBoundingClientRect().right <= innerWidth)),
+    "an option cannot be accepted on a phone without scrolling sideways");
   await page.setViewport({ width: 1280, height: 900 });
 
   // Ten thousand options: as smooth as five.

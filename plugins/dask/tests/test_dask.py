@@ -187,3 +187,23 @@ def test_workers_of_this_machine_share_its_cores():
     assert threads(workers=1) == os.cpu_count()
     assert threads(threads=3) == 3
     assert threads(scheduler="tcp://host:8786") is None, "a worker elsewhere knows its own cores"
+
+
+@pytest.mark.parametrize("content", [None, "no json\n", "[1]\n", '{"id": "a"}\n', b"\xff\xfe"])
+def test_what_is_no_list_of_jobs_is_one_sentence(tmp_path, capsys, content):
+    listed = tmp_path / "jobs.jsonl"
+    if content is not None:
+        listed.write_bytes(content if isinstance(content, bytes) else content.encode())
+    assert enfilade_dask.main([str(listed)]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "jobs.jsonl" in said, said
+
+
+def test_no_workers_and_no_scheduler_are_one_sentence(tmp_path, capsys, monkeypatch):
+    listed = tmp_path / "jobs.jsonl"
+    listed.write_text("")
+    monkeypatch.setattr(enfilade_dask, "SCHEDULER_SECS", 1)
+    for more in (["--workers", "0"], ["--scheduler", "tcp://127.0.0.1:9"], ["--scheduler", "nonsense://x"]):
+        assert enfilade_dask.main([str(listed), *more]) == 2, more
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1 and more[1] in said, said

@@ -200,6 +200,7 @@ async function round(place, d, set) {
     el("details", { class: "card" }, el("summary", {}, "Filter by numbers"),
       el("div", { class: "bar" }, el("button", { id: "everything", onclick: everything }, "Take all filters off")),
       el("div", { class: "axes" }, ...columns.map((k) => el("fieldset", {}, el("legend", {}, k.name), filter(k, "from", "at least"), filter(k, "to", "at most"))))),
+    el("p", { class: "quiet narrow" }, "The table goes on to the right: scroll it sideways for the numbers."),
     el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Options" }, el("table", {}, el("thead", {}, el("tr", {},
       ...["Option", "Do", ...titles.slice(0, TABLE_COLUMNS)].map((n) => el("th", { scope: "col" }, n)))), body)),
     next.card, problems(result) ?? "");

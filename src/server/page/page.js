@@ -23,7 +23,8 @@ export async function ask(path, body) {
     { method: "POST", body: JSON.stringify(body), headers: { "X-Enfilade": "1" } };
   const answer = await fetch("/api/" + path, options);
   if (!answer.ok) {
-    const why = await answer.text();
+    const text = await answer.text();
+    const why = text.startsWith("{") ? JSON.parse(text).error : text;
     say(why);
     throw new Error(why);
   }
@@ -31,6 +32,8 @@ export async function ask(path, body) {
 }
 
 const STATES = { waiting: "waits", running: "being worked on", done: "done", failed: "failed", stopped: "stopped" };
+/** Stages in words; the others are words already. While files are written nothing is counted. */
+const STAGES = { read: "reading", write: "writing the results", "so-far": "writing the best so far" };
 /** The card of a running job is not made anew more often. */
 const PAUSE_MS = 500;
 const drawings = new Map();
@@ -39,7 +42,8 @@ let detail = 0;
 
 function row(d) {
   const words = STATES[d.state] ?? d.state;
-  const part = d.progress?.total ? ` ${Math.round(100 * d.progress.done / d.progress.total)} %` : "";
+  const p = d.progress;
+  const part = STAGES[p?.stage] ? `: ${STAGES[p.stage]}` : p?.total ? ` ${Math.round(100 * p.done / p.total)} %` : "";
   return el("li", {}, el("a", { href: "#" + d.id, "aria-current": d.id === shown ? "page" : false },
     d.name, el("small", { class: d.state }, words + part)));
 }
@@ -78,18 +82,20 @@ function curve(points) {
 
 function standing(d) {
   const p = d.progress;
+  // What a finished job said is of the round before.
+  const isBusy = d.state === "running" || d.state === "waiting";
   const out = el("div", { class: "card", id: "standing" }, el("p", { class: d.state }, STATES[d.state] ?? d.state,
-    d.summary ? `: ${d.summary}` : ""));
+    d.summary && !isBusy ? `: ${d.summary}` : ""));
   if (d.problem) out.append(el("p", { class: d.problem.severity === "info" ? "note" : "problem" }, `${d.problem.place}: ${d.problem.text}`));
   if (p) {
     const best = p.best == null ? "" : `, best ${p.best.toPrecision(4)}`;
     const left = p.eta_secs == null ? "" : `, ${Math.ceil(p.eta_secs)} s left`;
-    const bar = el("progress", { "aria-label": p.stage, max: p.total ?? 1 });
-    if (p.total) bar.value = p.done;
-    out.append(el("p", {}, `${p.stage}: ${p.evaluations} layouts${best}${left}`), bar);
+    const writes = STAGES[p.stage];
+    const bar = el("progress", { "aria-label": writes ?? p.stage, max: p.total ?? 1 });
+    if (p.total && !writes) bar.value = p.done;
+    out.append(el("p", {}, writes ?? `${p.stage}: ${p.evaluations} layouts${best}${left}`), bar);
   }
   if (d.curve) out.append(curve(d.curve) ?? "");
-  const isBusy = d.state === "running" || d.state === "waiting";
   out.append(el("div", { class: "bar" },
     el("button", { id: "cancel", disabled: !isBusy, onclick: () => ask(`drawings/${d.id}/cancel`, {}).then(() => say("cancelling")) }, "Cancel"),
     el("button", { id: "again", disabled: isBusy, onclick: () => ask(`drawings/${d.id}/again`, {}).then(() => say("another round is asked for")) }, "Another round")));

@@ -4,8 +4,10 @@
 const SLICE = 120;
 const STROKE = 12;
 const [TOP, BOTTOM, SIDE] = [34, 30, 46];
-/** Names of axes nearer to each other than this, in pixels, are written aslant, and need this room above. */
-const [ASLANT_BELOW, ASLANT_ROOM] = [84, 78];
+/** Names of axes nearer to each other than this, in pixels, are written upwards, and need this room above. */
+const [UPRIGHT_BELOW, UPRIGHT_ROOM] = [84, 112];
+/** A line of text needs this much; where axes are nearer, every other or third one is named. */
+const LINE = 14;
 const ink = () => getComputedStyle(document.body).color;
 /** Nearer to an option than this, in pixels, a click means it. */
 const NEAR = 24;
@@ -80,7 +82,7 @@ export class Parallel {
   }
 
   get gap() { return (this.view.clientWidth - 2 * SIDE) / Math.max(1, this.columns.length - 1); }
-  get top() { return this.gap < ASLANT_BELOW ? ASLANT_ROOM : TOP; }
+  get top() { return this.gap < UPRIGHT_BELOW ? UPRIGHT_ROOM : TOP; }
   x(i) { return SIDE + this.gap * i; }
   y(k, v) { return this.view.clientHeight - BOTTOM - (this.view.clientHeight - this.top - BOTTOM) * (v - k.low) / (k.high - k.low || 1); }
   value(k, y) {
@@ -103,20 +105,19 @@ export class Parallel {
         p.fillRect(x - 7, this.y(k, k.to), 14, Math.max(2, this.y(k, k.from) - this.y(k, k.to)));
       }
       p.globalAlpha = 1;
-      if (gap < ASLANT_BELOW) {
+      if (gap < UPRIGHT_BELOW) {
         p.save();
         p.translate(x, top - 6);
-        p.rotate(-Math.PI / 4);
+        p.rotate(-Math.PI / 2);
         p.textAlign = "left";
-        // The last names would leave the view to the right.
-        const room = Math.min(ASLANT_ROOM, view.clientWidth - x) * 1.3 - 8;
-        if (gap >= 11) p.fillText(shortened(p, k.name, room), 0, 0);
+        p.textBaseline = "middle";
+        if (i % Math.ceil(LINE / gap) === 0) p.fillText(shortened(p, k.name, UPRIGHT_ROOM - 10), 0, 0);
         p.restore();
       } else {
         p.fillText(shortened(p, k.name, gap - 6), left, 13);
         p.fillText(short(k.high), left, 28);
       }
-      if (gap >= ASLANT_BELOW) p.fillText(short(k.low), left, view.clientHeight - 10);
+      if (gap >= UPRIGHT_BELOW) p.fillText(short(k.low), left, view.clientHeight - 10);
     });
   }
 
