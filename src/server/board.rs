@@ -268,7 +268,8 @@ mod tests {
         board.take(&Notice::Done { drawing: drawing.clone(), done });
         assert_eq!(state(&board), "done");
         assert_eq!(board.drawing(&id).unwrap()["summary"], "5 options");
-        board.take(&Notice::UpToDate { drawing: drawing.clone(), folder: Some("/plans/a.enfilade".into()) });
+        let (folder, summary) = (Some("/plans/a.enfilade".into()), "5 options".to_owned());
+        board.take(&Notice::UpToDate { drawing: drawing.clone(), folder, summary });
         assert_eq!(board.drawing(&id).unwrap()["summary"], "5 options");
         board.take(&Notice::Started(drawing.clone()));
         assert_eq!(board.drawing(&id).unwrap()["summary"], "", "of the round before");
