@@ -363,6 +363,7 @@ fn hazards() -> Vec<(&'static str, String, &'static str, bool)> {
         ("44 ring of nodes", swap("{\"name\":\"IfcWall/south\",", "{\"children\":[0],\"name\":\"IfcWall/south\","), "nodes are children of each other in a ring: 0>0", false),
         ("44 not a number", swap("\"translation\":[0,0,-0.15]", "\"translation\":[NaN,0,-0.15]"), "found something that is no JSON value", true),
         ("44 nested 200,000 deep", swap("{\"asset\"", &format!("{{\"extras\":{}{},\"asset\"", "[".repeat(200_000), "]".repeat(200_000))), "JSON nested deeper than any scene is", true),
+        ("a list that is none", swap("{\"asset\"", "{\"materials\":0,\"asset\""), "/materials: found something else, expected a list", true),
         ("version 1.0", swap("\"version\":\"2.0\"", "\"version\":\"1.0\""), "/asset/version: found version \"1.0\", expected glTF 2.0", true),
     ]);
     out

@@ -51,6 +51,19 @@ pub(super) struct Shown {
     pub names: Vec<String>,
 }
 
+/// Members of the root that are lists; ours are put behind what is in them.
+const LISTS: [&str; 9] = [
+    "accessors",
+    "bufferViews",
+    "buffers",
+    "extensionsRequired",
+    "extensionsUsed",
+    "materials",
+    "meshes",
+    "nodes",
+    "scenes",
+];
+
 /// Compressions that are not unpacked.
 const PACKED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
 
@@ -83,6 +96,18 @@ impl<'a> File<'a> {
         if !version.starts_with("2.") && self.odd_version().is_none() {
             let text = format!("found version {version:?}, expected glTF 2.0");
             return Err(fault(self.name, "gltf-version", "/asset/version", &text));
+        }
+        let scenes = self
+            .json
+            .list("scenes")
+            .iter()
+            .enumerate()
+            .map(|(i, s)| (format!("/scenes/{i}/nodes"), s.get("nodes")));
+        let of_root = LISTS.iter().map(|key| (format!("/{key}"), self.json.get(key)));
+        for (pointer, value) in of_root.chain(scenes) {
+            if value.is_some_and(|v| !matches!(v.value, super::json::Value::Array(_))) {
+                return Err(fault(self.name, "gltf-json", &pointer, "found something else, expected a list"));
+            }
         }
         let required = self.json.list("extensionsRequired");
         for (i, e) in required.iter().enumerate() {
