@@ -2,6 +2,7 @@
 
 mod card;
 mod carrying;
+mod parts;
 mod seen;
 mod written;
 
@@ -22,7 +23,7 @@ use crate::moves::{Layout, Moves, defaults};
 use crate::penalties::{
     self, Alignment, Clearance, Overlap, Passage, RoomArea, WallLength, WallPiece, disconnection,
 };
-use crate::plan::axes::{AxisGraph, FaceRef, Opening};
+use crate::plan::axes::{AxisGraph, Opening};
 use crate::plan::curve::{Trace, control_points, trace, trace_like};
 use crate::plan::drawing::{Drawing, Format, Shape};
 use crate::plan::fittings::{self, Fitting};
@@ -36,6 +37,7 @@ use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, box_of, layers, understand};
 use crate::report::{Error, Place, Problem, Report};
+use parts::{closed_that_stay, fixed_parts, moving_segments, piece_moves, pieces_of};
 use seen::Scene;
 pub use seen::{Pair, Seen};
 
@@ -668,79 +670,6 @@ fn state_interior(base: &Understood, settings: &Settings, report: &mut Report) {
 fn near(centre_um: PointUm, spacing_um: i64, plan: &Plan) -> PointUm {
     let o = plan.frame.origin_um;
     [0, 1].map(|k| centre_um[k] + (o[k] - centre_um[k]).div_euclid(spacing_um) * spacing_um)
-}
-
-/// For every moving wall and control point: whether the piece that starts there moves.
-fn piece_moves(base: &Understood) -> Vec<Vec<bool>> {
-    let mut moving = vec![BTreeSet::new(); base.plan.walls.len()];
-    for (w, c) in base.moves.handles() {
-        moving[*w as usize].insert(*c);
-    }
-    let of_wall = |w: &u32| {
-        let (n, set) = (base.graph.control_nodes[*w as usize].len() as u32, &moving[*w as usize]);
-        (0..n).map(|c| set.contains(&c) || set.contains(&((c + 1) % n))).collect()
-    };
-    base.moves.walls.iter().map(of_wall).collect()
-}
-
-/// Sight-blocking pieces and solid outlines that cannot move.
-fn fixed_parts(base: &Understood, piece_moves: &[Vec<bool>]) -> (Vec<Segment>, Vec<Vec<PointUm>>) {
-    let (mut segments, mut solids) = (Vec::new(), Vec::new());
-    for (w, wall) in base.plan.walls.iter().enumerate() {
-        let moving = base.moves.walls.binary_search(&(w as u32)).ok().map(|i| &piece_moves[i]);
-        for (s, part, moves) in pieces_of(&wall.trace, moving) {
-            if !moves {
-                segments.extend(base.sight.blocking((w as u32, part), s));
-            }
-        }
-        if wall.is_solid && moving.is_none() {
-            solids.push(wall.trace.points.clone());
-        }
-    }
-    segments.extend(closed_that_stay(base));
-    let stays = |f: FaceRef| match base.moves.walls.binary_search(&f.0) {
-        Ok(i) => piece_moves[i].get(f.1 as usize).is_some_and(|moves| !moves),
-        Err(_) => true,
-    };
-    solids.extend(structure::footprints(&base.plan, &base.axes, stays));
-    (segments, solids)
-}
-
-/// How near a moving wall's end must be to a closed gap for the gap to be its own.
-const CLOSED_REACH_M: f64 = 0.1;
-
-/// What stops sight although nothing is drawn, where no moving wall ends: a gap beside a moving wall is
-/// no slip any more once it moves.
-fn closed_that_stay(base: &Understood) -> Vec<Segment> {
-    let ends: Vec<DVec2> = base.moves.handles().map(|h| structure::handle_at(&base.plan, *h)).collect();
-    let at = |p: PointUm| base.plan.frame.plan_from_um(p) / base.plan.human_scale;
-    let stays =
-        |s: &&Segment| [s.a, s.b].iter().all(|p| ends.iter().all(|e| e.distance(at(*p)) > CLOSED_REACH_M));
-    base.sight.closed.iter().filter(stays).copied().collect()
-}
-
-/// The pieces of a trace, each with the control point it starts from and whether it moves.
-fn pieces_of<'a>(
-    trace: &'a Trace,
-    moving: Option<&'a Vec<bool>>,
-) -> impl Iterator<Item = (Segment, u32, bool)> + 'a {
-    let mut control = 0u32;
-    trace.segments().map(move |(i, _, s)| {
-        if let Some(c) = trace.control[i] {
-            control = c;
-        }
-        (s, control, moving.is_some_and(|m| m.get(control as usize).copied().unwrap_or(true)))
-    })
-}
-
-fn moving_segments(base: &Understood, layout: &Layout, piece_moves: &[Vec<bool>]) -> Vec<Segment> {
-    let mut out = Vec::new();
-    for (wall, moving) in layout.walls.iter().zip(piece_moves) {
-        for (s, part, _) in pieces_of(&wall.trace, Some(moving)).filter(|p| p.2) {
-            out.extend(base.sight.blocking((wall.wall, part), s));
-        }
-    }
-    out
 }
 
 /// Vertices covered by what can move and has a body: solids and thick walls.
