@@ -159,8 +159,8 @@ fn arguments(folders: &[PathBuf], log: &Path) -> Vec<OsString> {
     args
 }
 
-/// It is started again for as long as it takes, since a folder may lie on a drive that comes later.
-/// A unit of our own: the crate joins arguments by spaces, and folders may have spaces in their names.
+/// A unit of our own: the crate joins arguments by spaces, and folders may have spaces in their names. The daemon is
+/// started again for as long as it takes, since a folder may lie on a drive that comes later.
 fn systemd_unit(program: &Path, args: &[OsString]) -> String {
     let words = std::iter::once(program.as_os_str()).chain(args.iter().map(OsString::as_os_str));
     let line: Vec<String> = words.map(|w| systemd_word(&w.to_string_lossy())).collect();

@@ -29,9 +29,13 @@ fn sample() -> PathBuf {
 }
 
 fn watch(root: &Path, more: &[&str]) -> Child {
+    start(root, &[&["--backend", "cpu", "--evaluations", "400"], more].concat())
+}
+
+fn start(root: &Path, options: &[&str]) -> Child {
     Command::new(env!("CARGO_BIN_EXE_enfilade"))
-        .args(["watch", "--backend", "cpu", "--evaluations", "400"])
-        .args(more)
+        .arg("watch")
+        .args(options)
         .arg(root)
         .env("HOME", root.join(".home"))
         .stdout(Stdio::null())
@@ -135,15 +139,7 @@ const SOAKED: [&str; 6] = ["--backend", "cpu", "--evaluations", "30", "--threads
 const LEFT_ON_DISK: u64 = 300_000;
 
 fn soaked(root: &Path) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_enfilade"))
-        .args(["watch", "--depth", "2"])
-        .args(SOAKED)
-        .arg(root)
-        .env("HOME", root.join(".home"))
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap()
+    start(root, &[&["--depth", "2"], &SOAKED[..]].concat())
 }
 
 /// A drawing like no other: one of two samples with a comment.

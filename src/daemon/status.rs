@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde_json::{Value, json};
 
 use crate::report::{Error, Problem};
-use crate::store::{Disk, Placing, STATE_FOLDER, find_folder, read_lease, write_json};
+use crate::store::{Disk, Placing, STATE_FOLDER, find_folder, is_held, read_lease, write_json};
 
 /// What the status of a drawing says besides its progress.
 #[derive(Clone, Debug, Default)]
@@ -70,20 +70,12 @@ pub fn status(roots: &[PathBuf]) -> Vec<Value> {
         let status: Value = text.and_then(|t| serde_json::from_slice(&t).ok()).unwrap_or_default();
         json!({
             "root": root.display().to_string(),
-            "is_running": is_running(&folder),
+            "is_running": is_held(&folder),
             "owner": read_lease(&folder).map(|l| json!(l)),
             "status": status,
         })
     };
     roots.iter().map(one).collect()
-}
-
-/// Whether a process holds the lock of a state folder (of this machine; on shares see the owner).
-fn is_running(folder: &Path) -> bool {
-    match std::fs::File::options().write(true).open(folder.join("lock")) {
-        Ok(lock) => matches!(lock.try_lock(), Err(std::fs::TryLockError::WouldBlock)),
-        Err(_) => false,
-    }
 }
 
 /// A time as RFC 3339 in UTC, to the second.

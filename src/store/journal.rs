@@ -191,11 +191,6 @@ impl Journal {
         }
     }
 
-    /// Whether nothing is left to do for this content: results were made, or it cannot be used.
-    pub fn is_done(&self, drawing: &Path, sha256: &str, config: &str) -> bool {
-        self.end_of(drawing, sha256, config).is_some()
-    }
-
     /// Whether these bytes are a drawing that we wrote.
     pub fn is_output(&self, sha256: &str) -> bool {
         self.outputs.contains(sha256)

@@ -22,7 +22,9 @@ use sha2::{Digest, Sha256};
 pub use disk::{Disk, SystemDisk};
 pub use journal::{Ended, Journal, Step};
 pub use log::{LOG_BYTES_MAX, Log};
-pub use owner::{FOLDER_OWNED, Lease, LeaseVerdict, Ownership, judge_lease, read_lease, refuse_nested};
+pub use owner::{
+    FOLDER_OWNED, Lease, LeaseVerdict, Ownership, is_held, judge_lease, read_lease, refuse_nested,
+};
 
 pub use crate::report::OutFile;
 use crate::report::{Error, Place};

@@ -170,11 +170,18 @@ fn nested(root: &Path, how: &str, folder: &Path, lease: &Lease) -> Error {
     Error::environment(FOLDER_OWNED, shown(root), text)
 }
 
-/// The lease of a folder whose lock another process of this machine holds.
+/// The lease of a root that is held.
 fn held(root: &Path) -> Option<Lease> {
     let folder = root.join(STATE_FOLDER);
-    let lock = File::options().write(true).open(folder.join("lock")).ok()?;
-    matches!(lock.try_lock(), Err(TryLockError::WouldBlock)).then(|| read_lease(&folder)).flatten()
+    is_held(&folder).then(|| read_lease(&folder)).flatten()
+}
+
+/// Whether a process of this machine, this one included, holds the lock of a state folder.
+pub fn is_held(folder: &Path) -> bool {
+    match File::options().write(true).open(folder.join("lock")) {
+        Ok(lock) => matches!(lock.try_lock(), Err(TryLockError::WouldBlock)),
+        Err(_) => false,
+    }
 }
 
 fn held_below(root: &Path, depth: usize, own: &[&Path]) -> Option<(PathBuf, Lease)> {

@@ -545,22 +545,27 @@ fn the_journal_survives_a_restart() {
     let mut journal = open();
     let plan = Path::new("sub/plan.dxf");
     journal.append(plan, "a", "c", TIME, &Step::Started).unwrap();
-    assert!(!open().is_done(plan, "a", "c"));
+    assert!(open().end_of(plan, "a", "c").is_none());
     journal.append(plan, "a", "c", TIME, &publishing(&dir.path().join("round-01"))).unwrap();
-    assert!(!open().is_done(plan, "a", "c"), "the folder never appeared");
+    assert!(open().end_of(plan, "a", "c").is_none(), "the folder never appeared");
     fs::create_dir(dir.path().join("round-01")).unwrap();
-    assert!(open().is_done(plan, "a", "c"), "the folder is there");
+    assert!(open().end_of(plan, "a", "c").is_some(), "the folder is there");
     fs::remove_dir(dir.path().join("round-01")).unwrap();
     journal.append(plan, "a", "c", TIME, &Step::Finished("5 candidates".into())).unwrap();
-    assert!(open().is_done(plan, "a", "c"), "results that the user deleted are not made again (hazard 28)");
+    assert!(
+        open().end_of(plan, "a", "c").is_some(),
+        "results that the user deleted are not made again (hazard 28)"
+    );
     for (sha, config) in [("b", "c"), ("a", "d")] {
-        assert!(!open().is_done(plan, sha, config));
+        assert!(open().end_of(plan, sha, config).is_none());
     }
     assert!(open().is_output("0utput") && !open().is_output("a"));
     let problem =
         Problem { code: "x", severity: Severity::Error, place: Place::default(), text: "bad".into() };
     journal.append(plan, "b", "c", TIME, &Step::Failed(problem)).unwrap();
-    assert!(open().is_done(plan, "b", "c") && !open().is_done(plan, "a", "c"));
+    let end = open().end_of(plan, "b", "c");
+    assert!(matches!(end, Some(Ended::Failed(p)) if p.text == "bad"));
+    assert_eq!(open().end_of(plan, "a", "c"), None);
 }
 
 /// The journal cut at every byte: what was whole before the cut counts, and writing goes on.
@@ -577,11 +582,11 @@ fn a_torn_journal_is_continued() {
     for cut in 0..=whole.len() {
         fs::write(&path, &whole[..cut]).unwrap();
         let mut torn = Journal::open(sound(), dir.path()).unwrap();
-        assert_eq!(torn.is_done(Path::new("a.dxf"), "s", "c"), cut >= first, "cut {cut}");
+        assert_eq!(torn.end_of(Path::new("a.dxf"), "s", "c").is_some(), cut >= first, "cut {cut}");
         torn.append(Path::new("c.dxf"), "s", "c", TIME, &Step::Finished(String::new())).unwrap();
         let again = Journal::open(sound(), dir.path()).unwrap();
-        assert!(again.is_done(Path::new("c.dxf"), "s", "c"), "cut {cut}");
-        assert_eq!(again.is_done(Path::new("a.dxf"), "s", "c"), cut >= first, "cut {cut}");
+        assert!(again.end_of(Path::new("c.dxf"), "s", "c").is_some(), "cut {cut}");
+        assert_eq!(again.end_of(Path::new("a.dxf"), "s", "c").is_some(), cut >= first, "cut {cut}");
     }
 }
 
@@ -593,9 +598,9 @@ fn a_failed_append_spoils_no_later_line() {
     let step = Step::Finished(String::new());
     let error = journal.append(Path::new("a.dxf"), "s", "c", TIME, &step).unwrap_err();
     assert_eq!(code(&error), "disk-full");
-    assert!(journal.is_done(Path::new("a.dxf"), "s", "c"));
+    assert!(journal.end_of(Path::new("a.dxf"), "s", "c").is_some());
     journal.append(Path::new("b.dxf"), "s", "c", TIME, &step).unwrap();
-    assert!(Journal::open(sound(), dir.path()).unwrap().is_done(Path::new("b.dxf"), "s", "c"));
+    assert!(Journal::open(sound(), dir.path()).unwrap().end_of(Path::new("b.dxf"), "s", "c").is_some());
 }
 
 #[cfg(unix)]
@@ -606,7 +611,7 @@ fn the_journal_keeps_names_that_are_no_text() {
     let odd = Path::new(OsStr::from_bytes(b"pl\xffan\n.dxf"));
     let mut journal = Journal::open(sound(), dir.path()).unwrap();
     journal.append(odd, "s", "c", TIME, &Step::Finished(String::new())).unwrap();
-    assert!(Journal::open(sound(), dir.path()).unwrap().is_done(odd, "s", "c"));
+    assert!(Journal::open(sound(), dir.path()).unwrap().end_of(odd, "s", "c").is_some());
     assert_eq!(fs::read_to_string(dir.path().join("journal.jsonl")).unwrap().lines().count(), 1);
 }
 
@@ -626,7 +631,8 @@ fn a_long_journal_is_shortened_and_forgets_nothing() {
     assert!(fs::metadata(&path).unwrap().len() < 1000);
     for journal in [again, Journal::open(sound(), dir.path()).unwrap()] {
         assert!(
-            journal.is_done(Path::new("a.dxf"), "s", "c") && journal.is_done(Path::new("b.dxf"), "s", "c")
+            journal.end_of(Path::new("a.dxf"), "s", "c").is_some()
+                && journal.end_of(Path::new("b.dxf"), "s", "c").is_some()
         );
         assert!(journal.is_output("0utput"));
     }

@@ -124,7 +124,8 @@ fn collect(mesh: &mut Mesh, addition: &Addition, height: f64) {
     let colour = [linear(r), linear(g), linear(b), 255];
     let first = mesh.points.len() as u32;
     let mut put = |p: glam::DVec2| {
-        let at = from_plan(p.x, p.y, height).as_vec3().to_array();
+        // JSON knows no infinity, and a scene may lie beyond what single precision holds.
+        let at = from_plan(p.x, p.y, height).as_vec3().to_array().map(|v| v.clamp(f32::MIN, f32::MAX));
         mesh.points.push(at);
         mesh.colours.push(colour);
     };
