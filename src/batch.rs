@@ -97,15 +97,7 @@ impl Job {
         embed: bool,
     ) -> Result<Self, Error> {
         Settings::new(settings.clone())?;
-        let settings = Partial {
-            threads: None,
-            backend: None,
-            out: None,
-            write_every: None,
-            watch: None,
-            host: None,
-            ..settings
-        };
+        let settings = settings.deciding();
         let mut job = Self {
             schema: JOB_SCHEMA.into(),
             id: String::new(),

@@ -51,6 +51,8 @@ pub enum Command {
     JobChild {
         /// The drawing.
         drawing: PathBuf,
+        /// Its result folder.
+        results: PathBuf,
     },
     /// Make candidate N of the newest round a new drawing beside the old one.
     Accept(AcceptArgs),
@@ -126,8 +128,8 @@ pub struct Common {
     /// Storey of a building; by default the one with most walls.
     #[arg(long, value_name = "NAME")]
     pub storey: Option<String>,
-    /// Spaces of a building that are the region of query: space:NAME, * and ? may stand in NAME.
-    #[arg(long, value_name = "space:NAME")]
+    /// Spaces of a building that are the region of query: space:NAME or zone:NAME, * and ? may stand in NAME.
+    #[arg(long, value_name = "space:NAME|zone:NAME")]
     pub query: Option<String>,
     /// Read a DXF that ends without its end mark (0/EOF).
     #[arg(long)]
@@ -287,9 +289,9 @@ pub struct RunArgs {
     pub common: Common,
 }
 
-/// `watch`.
+/// Which folders are watched, and how.
 #[derive(Debug, Args)]
-pub struct WatchArgs {
+pub struct LookingArgs {
     /// The folders.
     #[arg(required = true, value_name = "DIR")]
     pub folders: Vec<PathBuf>,
@@ -302,6 +304,14 @@ pub struct WatchArgs {
     /// Names to leave alone, * and ? may stand in them; repeatable.
     #[arg(long, value_name = "GLOB")]
     pub ignore: Vec<String>,
+}
+
+/// `watch`.
+#[derive(Debug, Args)]
+pub struct WatchArgs {
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub looking: LookingArgs,
     /// Open a page on this machine alone: what is done, options side by side. PORT 0: any free one.
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0", require_equals = true)]
     pub page: Option<u16>,
@@ -345,15 +355,22 @@ pub struct ServiceArgs {
 #[derive(Debug, Subcommand)]
 pub enum ServiceCommand {
     /// Watch these folders from now on, whenever you are logged in.
-    Install {
-        /// The folders.
-        #[arg(required = true, value_name = "DIR")]
-        folders: Vec<PathBuf>,
-    },
+    Install(InstallArgs),
     /// Whether it is installed and runs.
     Status,
     /// Stop it and take it away.
     Uninstall,
+}
+
+/// `service install`.
+#[derive(Debug, Args)]
+pub struct InstallArgs {
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub looking: LookingArgs,
+    /// Results go below this folder instead of beside the drawings.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }
 
 /// Shells with completions.

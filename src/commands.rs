@@ -16,6 +16,7 @@ use crate::config::{Beside, Partial, Settings, settings_files, unread_side_cars}
 use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
 use crate::formats;
 use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
+use crate::overlay::words::headline;
 use crate::pipeline::cells::CellOptions;
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::progress::Display;
@@ -35,7 +36,7 @@ pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
         Command::Resolution(args) => resolution(&args, cancel),
         Command::Run(args) => run(&args, cancel),
         Command::Watch(args) => watching::watch(&args, cancel),
-        Command::JobChild { drawing } => watching::job_child(&drawing),
+        Command::JobChild { drawing, results } => watching::job_child(&drawing, &results),
         Command::Accept(args) => accept(&args),
         Command::Jobs(args) => batching::jobs(&args),
         Command::RunJob(args) => batching::run_job(&args, cancel),
@@ -227,7 +228,9 @@ fn tell_resolution(result: &resolution::ResolutionResult, folder: &Path) {
 fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
     let mut partial = args.common.partial(Some(&args.search));
     let asked = Asked { pin: args.pin.clone(), like: args.like, ..Asked::default() };
-    hold(&mut partial, &args.file, &asked)?;
+    if asked != Asked::default() {
+        hold(&mut partial, &results_of(&args.file, args.common.out.clone())?, &asked)?;
+    }
     let (settings, out) = settings_for(&args.file, partial)?;
     let watch = WatchSettings { out_dir: out, ..WatchSettings::default() };
     let mut display = Display::new(args.common.progress, args.common.quiet);
@@ -263,12 +266,11 @@ fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
 }
 
 /// Puts the options that a round is to keep, or to find more of, into its settings.
-fn hold(partial: &mut Partial, file: &Path, asked: &Asked) -> Result<(), Error> {
+fn hold(partial: &mut Partial, results: &Path, asked: &Asked) -> Result<(), Error> {
     if asked.pin.is_empty() && asked.like.is_none() {
         return Ok(());
     }
-    let out = settings_partial(file, partial.clone())?.out.map(PathBuf::from);
-    let (round, result) = round_result(file, out, asked.round)?;
+    let (round, result) = round_result(results, asked.round)?;
     let of = |n: &usize| option_of(&result, round, *n);
     let pinned: Vec<Vec<f64>> = asked.pin.iter().map(of).collect::<Result<_, _>>()?;
     partial.pin = Some(pinned).filter(|p| !p.is_empty());
@@ -319,10 +321,11 @@ fn options_of(result: &RoundResult) -> String {
 }
 
 fn output_of(outcome: &Outcome<RoundResult>) -> JobOutput {
-    let options = options_of(&outcome.result);
-    let summary = match outcome.result.candidates.first() {
-        Some(first) => format!("{options}; the first: {}", first.words),
-        None => format!("{options}; {}", outcome.result.stopped_by),
+    let r = &outcome.result;
+    let options = options_of(r);
+    let summary = match r.candidates.first() {
+        Some(first) => format!("{options}; the first: {}", headline(&first.words, &first.explanation)),
+        None => format!("{options}; {}", r.stopped_by),
     };
     JobOutput { files: outcome.files.clone(), is_degraded: outcome.report.is_degraded(), summary }
 }
@@ -347,7 +350,7 @@ fn summary(result: &RoundResult, folder: &Path) {
 
 fn accept(args: &AcceptArgs) -> Result<u8, Error> {
     let Accepted { round, next, side_car, is_new } =
-        accept_option(&args.file, args.out.clone(), args.round, args.number)?;
+        accept_option(&args.file, &results_of(&args.file, args.out.clone())?, args.round, args.number)?;
     let what = if args.number == 0 { "the best layout".into() } else { format!("option {}", args.number) };
     if !is_new {
         say(&format!(
@@ -370,15 +373,21 @@ struct Accepted {
     is_new: bool,
 }
 
-fn accept_option(
-    file: &Path,
-    out: Option<PathBuf>,
-    round: Option<u32>,
-    number: usize,
-) -> Result<Accepted, Error> {
+/// The result folder of a drawing, wherever the settings have put it.
+fn results_of(file: &Path, out: Option<PathBuf>) -> Result<PathBuf, Error> {
+    let said = settings_partial(file, Partial::default())?;
+    let fallback_dir = said.watch.and_then(|w| w.fallback).map(PathBuf::from);
+    let placing = Placing { out_dir: out.or(said.out.map(PathBuf::from)), fallback_dir };
+    store::present_folder(&absolute(file), &placing).ok_or_else(|| {
+        let place = Place::file(file.to_string_lossy());
+        Error::usage("no-round", place, "no round yet; `enfilade run` makes one")
+    })
+}
+
+/// Makes an option of a round in the folder `results` a new drawing; the newest round where none is named.
+fn accept_option(file: &Path, results: &Path, round: Option<u32>, number: usize) -> Result<Accepted, Error> {
     let (path, bytes) = open(file)?;
-    let configured = settings_partial(file, Partial::default())?.out.map(PathBuf::from);
-    let (round, result) = round_result(file, out.or(configured), round)?;
+    let (round, result) = round_result(results, round)?;
     let accepted =
         pipeline::accept::accept(&Input::new(&path, &bytes, 1), beside(file), &result, round, number)?;
     let store::Revision { path: next, is_new } =
@@ -391,15 +400,9 @@ fn accept_option(
     Ok(Accepted { round, next, side_car, is_new })
 }
 
-/// The result of a round of a drawing, the newest by default, and its number.
-fn round_result(
-    file: &Path,
-    out_dir: Option<PathBuf>,
-    round: Option<u32>,
-) -> Result<(u32, RoundResult), Error> {
-    let placing = Placing { out_dir, fallback_dir: None };
-    let (folder, rounds) = store::finished_rounds(&SystemDisk, &absolute(file), &placing)?;
-    let Some(round) = round.or_else(|| rounds.last().copied()) else {
+/// The result of a round in a result folder, the newest by default, and its number.
+fn round_result(folder: &Path, round: Option<u32>) -> Result<(u32, RoundResult), Error> {
+    let Some(round) = round.or_else(|| store::finished_rounds(folder).last().copied()) else {
         let place = Place::file(folder.to_string_lossy());
         return Err(Error::usage("no-round", place, "no round yet; `enfilade run` makes one"));
     };
@@ -476,30 +479,44 @@ fn files_beside(drawing: &Path) -> Vec<String> {
 
 /// What is read of files beside a drawing.
 fn beside(drawing: &Path) -> Beside {
-    let is_text = drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf"));
-    let scene = if is_text { std::fs::read(drawing).unwrap_or_default() } else { Vec::new() };
-    let named = formats::gltf::files_of(&scene).into_iter();
+    let scene = if is_scene(drawing) { std::fs::read(drawing).unwrap_or_default() } else { Vec::new() };
+    let named = formats::gltf::outer_files(&scene);
+    let mut left = formats::gltf::PICTURES_MAX;
+    let mut picture = |name: String| {
+        let data = data_beside(drawing, &name, left)?;
+        left -= data.len() as u64;
+        Some((name, data))
+    };
+    let most = formats::gltf::OUTER_MAX;
     Beside {
         twin: twin(drawing),
-        buffers: named.filter_map(|n| Some((n.clone(), data_beside(drawing, &n)?))).collect(),
+        buffers: named
+            .data
+            .into_iter()
+            .filter_map(|n| Some((n.clone(), data_beside(drawing, &n, most)?)))
+            .collect(),
+        pictures: named.pictures.into_iter().filter_map(&mut picture).collect(),
     }
 }
 
-/// A file of data in a drawing's own folder; none where it is no file, lies elsewhere, or is too large.
-fn data_beside(drawing: &Path, name: &str) -> Option<Arc<[u8]>> {
+fn is_scene(drawing: &Path) -> bool {
+    drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf"))
+}
+
+/// A file in or below a drawing's own folder; none where it is no file, lies elsewhere by a link, or has more bytes
+/// than `most`.
+fn data_beside(drawing: &Path, name: &str, most: u64) -> Option<Arc<[u8]>> {
     let file = std::fs::canonicalize(drawing.with_file_name(name)).ok()?;
-    let folder = std::fs::canonicalize(drawing).ok()?;
-    let is_here = file.parent() == folder.parent();
+    let scene = std::fs::canonicalize(drawing).ok()?;
+    let is_here = file.starts_with(scene.parent()?);
     let size = std::fs::metadata(&file).ok().filter(std::fs::Metadata::is_file)?.len();
-    let is_taken = is_here && size <= formats::gltf::OUTER_MAX;
+    let is_taken = is_here && size <= most;
     Some(is_taken.then(|| std::fs::read(&file).ok())??.into())
 }
 
 /// The IFC of the same name beside a glTF.
 fn twin(drawing: &Path) -> Option<Arc<[u8]>> {
-    let is_scene =
-        drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf"));
-    let bytes = is_scene.then(|| std::fs::read(drawing.with_extension("ifc")).ok())??;
+    let bytes = is_scene(drawing).then(|| std::fs::read(drawing.with_extension("ifc")).ok())??;
     Some(bytes.into())
 }
 
@@ -517,7 +534,14 @@ fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
     use std::io::ErrorKind;
     let place = || Place::file(file.to_string_lossy());
     match std::fs::read_to_string(file) {
-        Ok(text) => Partial::from_toml(&file.to_string_lossy(), &text).map(Some),
+        Ok(text) => {
+            let mut read = Partial::from_toml(&file.to_string_lossy(), &text)?;
+            let fallback = read.watch.as_mut().and_then(|w| w.fallback.as_mut());
+            for folder in read.out.as_mut().into_iter().chain(fallback) {
+                *folder = beside_of(file, folder);
+            }
+            Ok(Some(read))
+        }
         // Beside a drawing with the longest of names no side-car can lie.
         Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::InvalidFilename) => Ok(None),
         Err(e) if e.kind() == ErrorKind::InvalidData => {
@@ -526,6 +550,12 @@ fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
         }
         Err(e) => Err(Error::environment("settings-unreadable", place(), format!("{e}; nothing was done"))),
     }
+}
+
+/// A folder that a settings file names: below the file's own, unless it is named from the root on.
+fn beside_of(file: &Path, folder: &str) -> String {
+    let own = file.parent().filter(|p| !p.as_os_str().is_empty());
+    own.map_or_else(|| folder.into(), |own| own.join(folder).to_string_lossy().into_owned())
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {

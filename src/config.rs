@@ -8,6 +8,7 @@ mod measure;
 mod pair;
 #[cfg(test)]
 mod tests;
+mod watching;
 mod wording;
 
 use std::collections::BTreeMap;
@@ -20,6 +21,7 @@ use crate::report::{Error, Place};
 pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
 pub use measure::{Measure, Source};
 pub use pair::{PAIR_NAME_BYTES, PairName};
+pub use watching::WatchTable;
 
 /// Members of the diverse set by default (paper: n = 5).
 pub const MEMBERS_DEFAULT: usize = 5;
@@ -312,23 +314,6 @@ pub struct Partial {
     pub host: Option<toml::Table>,
 }
 
-/// Settings of the daemon.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-#[allow(missing_docs)] // see `enfilade init`
-pub struct WatchTable {
-    pub quiet_secs: Option<f64>,
-    pub network_quiet_secs: Option<f64>,
-    pub grace_secs: Option<f64>,
-    pub max_wait_secs: Option<f64>,
-    pub rescan_secs: Option<f64>,
-    pub poll: Option<bool>,
-    pub depth: Option<usize>,
-    pub ignore: Option<Vec<String>>,
-    pub job_limit_secs: Option<f64>,
-    pub job_memory_mb: Option<u64>,
-}
-
 impl Partial {
     /// Reads a settings file. `name` is shown in errors.
     ///
@@ -363,6 +348,11 @@ impl Partial {
         };
         let line = problem.text.split(':').next().and_then(|key| wording::line_of_key(text, key));
         Err(Error::usage("settings", Place { line, ..Place::file(name) }, problem.text))
+    }
+
+    /// What decides a result: without what tells only where, how fast and by whom it is made.
+    pub fn deciding(self) -> Self {
+        Self { threads: None, backend: None, out: None, write_every: None, watch: None, host: None, ..self }
     }
 
     /// This source, with `base` where it says nothing.
@@ -508,7 +498,7 @@ pub struct Settings {
     /// Storey of a building; `None`: the one with most walls.
     #[serde(default)]
     pub storey: Option<String>,
-    /// Spaces that are the region of query: `space:NAME*`.
+    /// Spaces that are the region of query: `space:NAME*` or `zone:NAME*`.
     #[serde(default)]
     pub query: Option<String>,
     /// Whether a DXF without its end mark is read.
@@ -536,6 +526,8 @@ pub struct Beside {
     pub twin: Option<Arc<[u8]>>,
     /// Files that its buffers name, by name.
     pub buffers: BTreeMap<String, Arc<[u8]>>,
+    /// Pictures that its textures name, by name.
+    pub pictures: BTreeMap<String, Arc<[u8]>>,
 }
 
 impl Settings {
@@ -544,6 +536,7 @@ impl Settings {
     /// # Errors
     /// [`Error::Usage`] naming the key, what was found and what is expected.
     pub fn new(p: Partial) -> Result<Self, Error> {
+        p.watch.as_ref().map_or(Ok(()), WatchTable::check)?;
         let score = score_terms(p.score.as_deref().unwrap_or("degree +1, depth -1, entropy +1"))?;
         let is_stated = p.objective.is_some();
         let objectives =

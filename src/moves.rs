@@ -48,6 +48,8 @@ pub struct NodeGroup {
 /// All parameters of a study.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Moves {
+    /// Whether nothing was marked and these are the default moves.
+    pub are_default: bool,
     /// Parameters in the order in which they apply.
     pub parameters: Vec<Parameter>,
     /// Groups, in the order of their outlines in the file.

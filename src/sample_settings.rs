@@ -73,11 +73,14 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # quiet-secs = 0.7                  # a save has ended when the file rests that long
 # network-quiet-secs = 10.0
 # grace-secs = 5.0                  # how long a drawing may be gone in the middle of a save
-# max-wait-secs = 120.0             # then an unfinished file is reported
-# rescan-secs = 60.0
-# poll = false
+# max-wait-secs = 60.0              # then an unfinished file is reported
+# rescan-secs = 60.0                # everything is looked at that often, whatever was heard
+# poll = false                      # true: trust no events, look every poll-secs
+# poll-secs = 2.0
 # depth = 0                         # folders below
 # ignore = ["*-backup.dxf"]
+# newest-first = false              # of many drawings waiting
+# fallback = "/results"             # results go there where the drawing's folder cannot be written
 # job-limit-secs = 3600.0           # a job that runs longer is ended and reported
 # job-memory-mb = 4096              # the same for memory; without it, three quarters of the machine's
 "#;

@@ -53,13 +53,13 @@ impl Folders {
     }
 }
 
-/// Installs the daemon for these folders and starts it. Says what was done.
+/// Installs the daemon for these folders, with these options of `watch`, and starts it. Says what was done.
 ///
 /// # Errors
 /// [`Error::Environment`] where the system has no service manager, or it refuses.
-pub fn install(folders: &[PathBuf]) -> Result<String, Error> {
+pub fn install(folders: &[PathBuf], options: &[OsString]) -> Result<String, Error> {
     let program = std::env::current_exe().map_err(|e| failed(&e.to_string()))?;
-    let args = arguments(folders, &Folders::of_user()?.log());
+    let args = arguments(folders, options, &Folders::of_user()?.log());
     if cfg!(windows) {
         return call("schtasks", &windows_task(&program, &args)).map(|()| "a task at logon was made".into());
     }
@@ -152,9 +152,11 @@ fn manager() -> Result<(TypedServiceManager, ServiceLabel), Error> {
     Ok((manager, label))
 }
 
-fn arguments(folders: &[PathBuf], log: &Path) -> Vec<OsString> {
+fn arguments(folders: &[PathBuf], options: &[OsString], log: &Path) -> Vec<OsString> {
     let mut args: Vec<OsString> = ["watch", "--page", "--notify", "--log"].map(OsString::from).to_vec();
-    args.extend([log.into(), "--".into()]);
+    args.push(log.into());
+    args.extend_from_slice(options);
+    args.push("--".into());
     args.extend(folders.iter().map(|f| f.clone().into_os_string()));
     args
 }
@@ -240,9 +242,10 @@ mod tests {
     #[test]
     fn folders_of_any_name_stay_one_word() {
         let folders = [PathBuf::from("/plans/My \"best\" 100% $HOME"), PathBuf::from("-x")];
-        let args = arguments(&folders, Path::new("/log/watch.log"));
+        let options = ["--depth", "2"].map(OsString::from);
+        let args = arguments(&folders, &options, Path::new("/log/watch.log"));
         assert_eq!(args[..5], ["watch", "--page", "--notify", "--log", "/log/watch.log"].map(OsString::from));
-        assert_eq!(args[5], "--");
+        assert_eq!(args[5..8], ["--depth", "2", "--"].map(OsString::from));
         let unit = systemd_unit(Path::new("/bin/enfilade"), &args);
         let line = unit.lines().find(|l| l.starts_with("ExecStart=")).unwrap();
         assert!(line.ends_with(r#""--" "/plans/My \"best\" 100%% $$HOME" "-x""#), "{line}");

@@ -162,6 +162,49 @@ fn an_accepted_option_is_the_next_rounds_present_layout() {
     assert_eq!(output.status.code(), Some(3));
 }
 
+/// Units that have no name for `--unit` (decimetres, yards, a scale) hold in the next round too.
+#[test]
+fn an_accepted_option_keeps_a_unit_without_a_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("gallery.dxf");
+    std::fs::copy(sample("gallery.dxf"), &file).unwrap();
+    let at = file.to_string_lossy().into_owned();
+    let options = ["--unit", "0.9144m", "--evaluations", "12", "--members", "1", "--spacing", "2", "-q"];
+    let done = enfilade(&[&["run", &at], &options[..]].concat());
+    assert!(matches!(done.status.code(), Some(0 | 1)), "{}", text(&done.stderr));
+    assert_eq!(enfilade(&["accept", &at, "1"]).status.code(), Some(0));
+    let next = folder.path().join("gallery-r02.dxf").to_string_lossy().into_owned();
+    let checked = enfilade(&["check", &next, "--json", "-"]);
+    assert!(!checked.stdout.is_empty(), "{}", text(&checked.stderr));
+    let told: Value = serde_json::from_slice(&checked.stdout).unwrap();
+    assert_eq!(told["unit"]["metres"], 0.9144, "{}", told["unit"]);
+}
+
+#[test]
+fn a_zone_is_a_region_of_query() {
+    let folder = tempfile::tempdir().unwrap();
+    let house = std::fs::read_to_string(sample("pavilion.ifc")).unwrap();
+    let space = house.lines().find(|l| l.contains("IFCSPACE(")).unwrap().split('=').next().unwrap();
+    let zone = format!(
+        "#90001=IFCZONE('3ZoneGlobalId000000001',$,'Public',$,$);\n\
+         #90003=IFCRELASSIGNSTOGROUP('3ZoneGlobalId000000003',$,$,$,({space}),$,#90001);\nENDSEC;\nEND-ISO"
+    );
+    let file = folder.path().join("house.ifc");
+    std::fs::write(&file, house.replace("ENDSEC;\nEND-ISO", &zone)).unwrap();
+    let at = file.to_string_lossy().into_owned();
+    let done = enfilade(&["check", &at, "--query", "zone:pub*", "--json", "-"]);
+    assert!(matches!(done.status.code(), Some(0 | 1)), "{}", text(&done.stderr));
+    let told: Value = serde_json::from_slice(&done.stdout).unwrap();
+    let regions = told["regions"].as_array().unwrap().iter().filter(|r| r["kind"] == "query");
+    let areas: Vec<f64> = regions.map(|r| r["area_m2"].as_f64().unwrap()).collect();
+    assert!(matches!(areas[..], [a] if (a - 75.24).abs() < 0.01), "{}", told["regions"]);
+    let done = enfilade(&["check", &at, "--query", "zone:private"]);
+    assert_eq!(done.status.code(), Some(3));
+    assert!(text(&done.stderr).contains("no such zone, zones present: Public"), "{}", text(&done.stderr));
+    let done = enfilade(&["check", &at, "--query", "room:1"]);
+    assert!(text(&done.stderr).contains("expected space:NAME or zone:NAME"), "{}", text(&done.stderr));
+}
+
 #[test]
 fn exit_codes_and_messages() {
     let folder = tempfile::tempdir().unwrap();
@@ -445,8 +488,18 @@ fn a_scene_whose_data_lie_beside_it_takes_them_along() {
     let glb = std::fs::read(sample("pavilion.glb")).unwrap();
     let len = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     let data = &glb[28 + len..];
-    let scene =
-        text(&glb[20..20 + len]).replace("\"buffers\":[{", "\"buffers\":[{\"uri\":\"walls%201.bin\",");
+    let images = [
+        "textures/wood%201.png",
+        "../outside.png",
+        "Initial-degree.png",
+        "textures/gone.png",
+        "textures/huge.png",
+    ];
+    let images: Vec<String> = images.iter().map(|uri| format!("{{\"uri\":\"{uri}\"}}")).collect();
+    let scene = text(&glb[20..20 + len]).replace(
+        "\"buffers\":[{",
+        &format!("\"images\":[{}],\"buffers\":[{{\"uri\":\"walls%201.bin\",", images.join(",")),
+    );
     let (gltf, bin) = (folder.path().join("house.gltf"), folder.path().join("walls 1.bin"));
     std::fs::write(&gltf, scene).unwrap();
     let at = gltf.to_string_lossy().into_owned();
@@ -473,10 +526,27 @@ fn a_scene_whose_data_lie_beside_it_takes_them_along() {
         text(&enfilade(&["check", &at]).stderr).contains(&format!("a file of at most {most} bytes beside"))
     );
     std::fs::write(&bin, data).unwrap();
+    std::fs::create_dir(folder.path().join("textures")).unwrap();
+    for (name, picture) in [("textures/wood 1.png", "wood"), ("Initial-degree.png", "theirs")] {
+        std::fs::write(folder.path().join(name), picture).unwrap();
+    }
+    let huge = std::fs::File::create(folder.path().join("textures/huge.png")).unwrap();
+    huge.set_len(enfilade::formats::gltf::PICTURES_MAX + 1).unwrap();
+    let lost = text(&enfilade(&["check", &at]).stderr);
+    for (image, why) in
+        [(1, "lies elsewhere"), (3, "is not there or too large"), (4, "is not there or too large")]
+    {
+        let place = format!("/images/{image}");
+        assert!(lost.lines().any(|l| l.contains(&place) && l.contains(why)), "{lost}");
+    }
+    assert_eq!(lost.matches("/images/").count(), 3, "{lost}");
     let done = enfilade(&["run", &at, "--evaluations", "12", "--members", "1", "--spacing", "2", "-q"]);
     assert!(matches!(done.status.code(), Some(0 | 1)), "{}", text(&done.stderr));
     let round = folder.path().join("house.enfilade/round-01");
     assert!(std::fs::read(round.join("walls 1.bin")).unwrap() == data);
+    assert_eq!(std::fs::read(round.join("textures/wood 1.png")).unwrap(), b"wood");
+    assert!(!round.join("Initial-degree.png").exists() && !round.join("textures/gone.png").exists());
+    assert!(std::fs::read(round.join("initial-degree.png")).unwrap().starts_with(b"\x89PNG"));
     for name in ["initial.gltf", "candidate-1.gltf"] {
         let said = text(&enfilade(&["check", &round.join(name).to_string_lossy()]).stderr);
         assert!(!said.contains("walls 1.bin"), "{name}: {said}");

@@ -453,3 +453,22 @@ fn what_is_found_so_far_is_a_whole_round_and_disturbs_nothing() {
     };
     assert_eq!(drawings(&done.files), drawings(&same.files));
 }
+
+/// Where nobody said what moves, no option runs a wall through another; where somebody did, it is the user's affair.
+#[test]
+fn default_moves_run_no_wall_through_another() {
+    let crossings = |is_marked: bool| -> Vec<f64> {
+        let plan = Plan::default().room([0.0, 0.0, 20.0, 10.0]).wall([10.0, 0.0, 10.0, 5.0]);
+        let plan = [[5.0, 3.0, 9.5, 3.0], [10.5, 3.0, 15.0, 3.0]].into_iter().fold(plan, |plan, wall| {
+            if is_marked { plan.moving(wall, "x -1 1; y -1 1; turn -15 15") } else { plan.wall(wall) }
+        });
+        let desk = Desk::new(&plan);
+        let round = desk.run(1, &["--evaluations", "150", "--penalty", "none"]);
+        let result = json(&round.join("result.json"));
+        let options = result["candidates"].as_array().unwrap();
+        options.iter().map(|c| c["penalty"]["overlap"].as_f64().unwrap()).collect()
+    };
+    let [default, marked] = [false, true].map(crossings);
+    assert!(default.len() > 1 && default.iter().all(|m| *m <= 0.02), "{default:?}");
+    assert!(marked.iter().any(|m| *m > 0.1), "{marked:?}");
+}

@@ -281,6 +281,44 @@ fn a_mesh_that_cannot_be_written_in_parts_moves_as_a_whole() {
     }
 }
 
+/// What a damaged scene names and does not have must not become ours.
+#[test]
+fn additions_take_the_place_of_nothing_that_is_named() {
+    let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
+    let own = [Addition { layer: "EF-HEAT".into(), rgb: [0; 3], mark: Mark::Fill { corners } }];
+    let n_views = json_of(PAVILION)["bufferViews"].as_array().unwrap().len();
+    let naming = |view: usize| with_json(PAVILION, |json| json["accessors"][0]["bufferView"] = view.into());
+    let error = patch(&naming(n_views), &[], &own).unwrap_err();
+    let place = format!("/bufferViews/{n_views}");
+    assert_eq!(error.problem().map(|p| (p.code, p.place.entity.clone())), Some(("gltf-dangling", place)));
+    assert!(patch(&naming(n_views + 1000), &[], &own).is_ok());
+    assert!(patch(PAVILION, &[], &own).is_ok());
+}
+
+/// A scene higher than single precision reaches: what is added stays numbers that can be read again.
+#[test]
+fn a_scene_beyond_single_precision_takes_additions() {
+    for height in [1e308, -1e308, 1e39] {
+        let bytes = with_json(PAVILION, |json| {
+            let roots: Vec<usize> = json["scenes"][0]["nodes"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|n| n.as_u64().unwrap() as usize)
+                .collect();
+            for root in roots {
+                json["nodes"][root]["translation"] = serde_json::json!([0.0, height, 0.0]);
+            }
+        });
+        let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
+        let own = [Addition { layer: "EF-HEAT".into(), rgb: [0; 3], mark: Mark::Fill { corners } }];
+        let added = patch(&bytes, &[], &own).unwrap();
+        assert!(json_of(&added)["nodes"].is_array(), "{height}");
+        let (again, report) = read_as("house.glb", &added);
+        assert!(again.is_ok(), "{height}: {again:?} {report:?}");
+    }
+}
+
 fn json_of(bytes: &[u8]) -> serde_json::Value {
     serde_json::from_slice(&bytes[20..20 + u32_at(bytes, 12)]).unwrap()
 }
@@ -331,7 +369,7 @@ fn hazards() -> Vec<(&'static str, String, &'static str, bool)> {
     for (path, says) in [
         (
             "../walls.bin",
-            "/buffers/0: names \"../walls.bin\", which lies elsewhere, expected a file in the drawing's own folder; it is not opened",
+            "/buffers/0: names \"../walls.bin\", which lies elsewhere, expected a file in or below the drawing's own folder; it is not opened",
         ),
         ("/etc/passwd", "/buffers/0: names \"/etc/passwd\", which lies elsewhere"),
         ("file:///etc/passwd", "/buffers/0: names \"file:///etc/passwd\", an address"),
@@ -387,7 +425,7 @@ fn bad_inputs_are_named_and_the_rest_is_read() {
 fn data_in_a_file_beside_the_scene_is_read_and_stays_there() {
     let (json, data) = parts();
     let json = json.replace("\"buffers\":[{", "\"buffers\":[{\"uri\":\"A..B%201.bin\",");
-    assert_eq!(formats::gltf::files_of(json.as_bytes()), ["A..B 1.bin"]);
+    assert_eq!(formats::gltf::outer_files(json.as_bytes()).data, ["A..B 1.bin".to_string()].into());
     let options = |data: &[u8]| ReadOptions {
         buffers: [("A..B 1.bin".to_string(), data.into())].into(),
         ..ReadOptions::default()

@@ -58,6 +58,21 @@ fn pavilion() -> String {
     sample::building(false)
 }
 
+/// The end mark closes the file by its letters, and stands within an instance: whatever is added would lie behind it.
+#[test]
+fn an_end_within_an_instance_is_none() {
+    let whole = include_str!("../samples/pavilion.ifc");
+    let data = &whole[..whole.rfind("ENDSEC;").unwrap()];
+    let odd = format!("{data}#900000=IFCTEXT('a;\nENDSEC;\n#900001=('b\nEND-ISO-10303-21;\n");
+    let read = |text: &str| {
+        formats::read("house.ifc", text.as_bytes(), &ReadOptions::default(), &mut Report::default())
+    };
+    assert!(read(whole).is_ok());
+    let error = read(&odd).unwrap_err();
+    assert_eq!(error.problem().map(|p| p.code), Some("ifc-syntax"), "{error}");
+    assert!(error.to_string().contains("END-ISO-10303-21"), "{error}");
+}
+
 #[test]
 fn the_ground_floor_of_the_sample() {
     let text = pavilion();
@@ -568,4 +583,32 @@ fn a_missing_endsec_does_not_lose_what_is_added() {
     let written = formats::patch("house.ifc", open.as_bytes(), &options, &[], &[note]).unwrap();
     assert!(written.trim_ascii_end().ends_with(b"END-ISO-10303-21;") && written.len() > open.len());
     assert!(!read_with(&written, &options).0.unwrap().entities.is_empty());
+}
+
+#[test]
+fn spaces_are_known_by_their_zones() {
+    let text = pavilion();
+    let space = text.lines().find(|l| l.contains("=IFCSPACE(")).unwrap();
+    let id: usize = space[1..].split('=').next().unwrap().parse().unwrap();
+    // The zones hold each other: nobody goes round in them.
+    let zones = format!(
+        "#90001=IFCZONE('3ZoneGlobalId000000001',$,'Public',$,$);\n\
+         #90002=IFCZONE('3ZoneGlobalId000000002',$,'Whole house',$,$);\n\
+         #90003=IFCRELASSIGNSTOGROUP('3ZoneGlobalId000000003',$,$,$,(#{id}),$,#90001);\n\
+         #90004=IFCRELASSIGNSTOGROUP('3ZoneGlobalId000000004',$,$,$,(#90001),$,#90002);\n\
+         #90005=IFCRELASSIGNSTOGROUP('3ZoneGlobalId000000005',$,$,$,(#90002),$,#90001);\n\
+         #90006=IFCPROPERTYSINGLEVALUE('Keep',$,IFCBOOLEAN(.T.),$);\n\
+         #90007=IFCPROPERTYSET('3ZoneGlobalId000000006',$,'Pset_Enfilade',$,(#90006));\n\
+         #90008=IFCRELDEFINESBYPROPERTIES('3ZoneGlobalId000000007',$,$,$,(#90002),#90007);\nENDSEC;\nEND-ISO"
+    );
+    let zoned = text.replace("ENDSEC;\nEND-ISO", &zones);
+    let (plain, drawing) = (read(text.as_bytes()), read(zoned.as_bytes()));
+    let names = |d: &Drawing| -> Vec<(usize, String)> {
+        let of = d.texts.iter().filter(|t| t.layer == "IfcZone");
+        of.map(|t| (t.source.record, t.text.clone())).collect()
+    };
+    assert!(names(&plain).is_empty() && on(&plain, "EF-KEEP").is_empty());
+    assert_eq!(names(&drawing), [(id, "Public\nWhole house".to_string())]);
+    let kept: Vec<usize> = on(&drawing, "EF-KEEP").iter().map(|e| e.source.record).collect();
+    assert_eq!(kept, [id]);
 }

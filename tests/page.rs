@@ -29,13 +29,18 @@ impl Drop for Daemon {
     }
 }
 
-/// A folder with one drawing and its own home, watched.
 fn start() -> Daemon {
+    start_with("gallery.dxf", "")
+}
+
+/// A folder with one drawing, the folder's settings and its own home, watched.
+fn start_with(drawing: &str, settings: &str) -> Daemon {
     let folder = tempfile::tempdir().unwrap();
     let plans = folder.path().join("plans");
-    fs::create_dir(&plans).unwrap();
     let sample = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("samples/gallery.dxf");
-    fs::copy(sample, plans.join("gallery.dxf")).unwrap();
+    fs::create_dir_all(plans.join(drawing).parent().unwrap()).unwrap();
+    fs::copy(sample, plans.join(drawing)).unwrap();
+    fs::write(plans.join("enfilade.toml"), settings).unwrap();
     let mut child = Command::new(env!("CARGO_BIN_EXE_enfilade"))
         .args(["watch", "--page", "--evaluations", "60", "--log"])
         .arg(folder.path().join("watch.log"))
@@ -206,6 +211,39 @@ fn the_interface_shows_and_obeys() {
     });
     let log = fs::read_to_string(daemon.folder.path().join("watch.log")).unwrap();
     assert!(log.contains("gallery.dxf started"), "{log}");
+}
+
+/// Results in another folder, below it those of folders below: found again by whoever asks for a round.
+#[test]
+fn results_elsewhere_are_found_again() {
+    let daemon = start_with("sub/gallery.dxf", "out = \"../results\"\n[watch]\ndepth = 1\n");
+    let id = daemon.until_done("gallery.dxf");
+    let at = |rest: &str| format!("/api/drawings/{id}{rest}");
+    assert_eq!(daemon.json(&at(""))["sets"], json!(["analysis", "round-01"]));
+    let home = daemon.folder.path().join("results/sub/gallery.enfilade");
+    assert!(home.join("round-01/result.json").is_file());
+    assert_eq!(daemon.ask("POST", &at("/again"), r#"{"pin": [2], "round": 1}"#).status, 202);
+    daemon.until("round 2", || home.join("round-02/result.json").is_file().then_some(()));
+    daemon.until_done("gallery.dxf");
+    let accepted = daemon.ask("POST", &at("/accept"), r#"{"round": 1, "candidate": 1}"#);
+    assert_eq!(accepted.status, 200, "{}", String::from_utf8_lossy(&accepted.body));
+    assert!(daemon.plans().join("sub/gallery-r02.dxf").is_file());
+    assert!(!daemon.plans().join("sub/gallery.enfilade").exists());
+}
+
+/// What is left alone is shown with its reason, and what changes of it without a start.
+#[test]
+fn files_left_alone_are_shown() {
+    let daemon = start();
+    daemon.until_done("gallery.dxf");
+    fs::copy(daemon.plans().join("gallery.dxf"), daemon.plans().join("#gallery.dxf")).unwrap();
+    let left = |daemon: &Daemon| daemon.json("/api/drawings")["ignored"].as_array().unwrap().clone();
+    let first = daemon.until("the file left alone", || left(&daemon).first().cloned());
+    assert!(first["file"].as_str().unwrap().ends_with("#gallery.dxf"), "{first}");
+    assert_eq!(first["why"], "autosave copy of LibreCAD");
+    fs::write(daemon.plans().join("enfilade.toml"), "[watch]\nignore = [\"gall*\"]\n").unwrap();
+    daemon.until("two files left alone", || (left(&daemon).len() == 2).then_some(()));
+    assert_eq!(daemon.json("/api/drawings")["drawings"], json!([]));
 }
 
 /// The rules of a local page, from outside (tests of hosts, tokens and origins in detail: `server::guard`).
@@ -409,6 +447,7 @@ fn a_browser_does_every_action() {
         .unwrap();
     daemon.until_done("gallery.dxf");
     plant_ten_thousand(&daemon.plans().join("gallery.enfilade"));
+    fs::write(daemon.plans().join("#<b>.dxf"), "").unwrap();
     fs::write(daemon.plans().join("broken.dxf"), "0\nSECTION\n2\nENTITIES\nx\n0\n0\nEOF\n").unwrap();
     daemon.until_done("<img src=x onerror=alert(1)>.dxf");
     let out = Command::new("node")

@@ -11,6 +11,7 @@ use enfilade::formats::dxf::{ReadOptions, patch, read};
 use enfilade::pipeline::{self, Input};
 use enfilade::plan::axes::AxisGraph;
 use enfilade::plan::drawing::{Edit, Shape};
+use enfilade::plan::interior::Interior;
 use enfilade::plan::{Plan, PlanOptions, structure, understand};
 use enfilade::report::{Cancel, Error, Report};
 use glam::DVec2;
@@ -400,4 +401,67 @@ fn lines_between_columns_are_walls() {
                 to column; taken as walls; --wall-layer overrides it";
     assert!(problems.contains(&said.to_string()), "{problems:?}");
     assert!(problems.iter().all(|p| !p.starts_with("columns-only")), "{problems:?}");
+}
+
+/// Two faces of a wall 10 cm apart, beside the line from `a` to `b`.
+fn faces(on: &'static str, a: [f64; 2], b: [f64; 2]) -> [(&'static str, [f64; 4]); 2] {
+    let (a, b) = (DVec2::from(a), DVec2::from(b));
+    let o = (b - a).normalize().perp() * 0.05;
+    [o, -o].map(|o| (on, [a.x + o.x, a.y + o.y, b.x + o.x, b.y + o.y]))
+}
+
+/// Partitions on the layer of the doors, and on one without a telling name, are walls; leaves, and what fills the
+/// gap of a wall, are none.
+#[test]
+fn partitions_on_other_layers_are_walls() {
+    let mut lines = Vec::new();
+    for (a, b) in [([0.0, 0.0], [12.0, 0.0]), ([12.0, 0.0], [12.0, 8.0]), ([12.0, 8.0], [0.0, 8.0])] {
+        lines.extend(faces("A-WALL", a, b));
+    }
+    // The fourth wall has a gap that panels on the doors' layer fill.
+    lines.extend(faces("A-WALL", [0.0, 0.0], [0.0, 2.0]));
+    lines.extend(faces("A-WALL", [0.0, 4.0], [0.0, 8.0]));
+    lines.extend(faces("Doors", [0.0, 2.0], [0.0, 4.0]));
+    let walls = lines.len();
+    lines.extend(faces("Doors", [4.0, 0.05], [4.0, 7.95]));
+    lines.extend(faces("Doors", [8.0, 0.05], [8.0, 3.5]));
+    lines.extend([("Doors", [4.1, 1.0, 4.1, 1.9]), ("Doors", [4.14, 1.0, 4.14, 1.9])]);
+    lines.extend(faces("Layer 1 11", [8.05, 5.0], [11.95, 5.0]));
+    lines.extend(faces("Layer 1 11", [8.0, 4.5], [8.0, 7.95]));
+    lines.extend([("Layer 7", [5.0, 5.0, 7.0, 5.0]), ("Layer 7", [5.0, 6.0, 7.0, 6.0])]);
+    let (plan, problems) = plain(&drawing(METRES, "", &lines));
+    let plan = plan.unwrap();
+    let on = |layer: &str| plan.walls.iter().filter(|w| w.source.layer == layer).count();
+    assert_eq!([on("A-WALL"), on("Doors"), on("Layer 1 11"), on("Layer 7")], [walls - 2, 4, 4, 0]);
+    let said = "partitions-astray Info plan.dxf: layer \"Doors\": 4 of its lines run in pairs as far apart as the faces of \
+                walls, and in no gap of a wall: partitions; taken as walls; --wall-layer overrides it";
+    assert!(problems.contains(&said.to_string()), "{problems:?}");
+    let by_user = PlanOptions { wall_layers: vec!["A-WALL".into()], ..PlanOptions::default() };
+    let (plan, _) = plan_of(drawing(METRES, "", &lines).as_bytes(), &by_user);
+    assert!(plan.unwrap().walls.iter().all(|w| w.source.layer == "A-WALL"));
+}
+
+/// A room of glass before the walls lies inside; glass that hangs together with nothing, an elevation, does not.
+#[test]
+fn a_room_of_glass_lies_inside() {
+    let mut lines = Vec::new();
+    for (a, b) in [([0.0, 5.0], [0.0, 0.0]), ([0.0, 0.0], [12.0, 0.0]), ([12.0, 0.0], [12.0, 5.0])] {
+        lines.extend(faces("A-WALL", a, b));
+    }
+    // It begins with a pane beside the wall.
+    let glass = [[0.0, 5.0, 0.0, 5.9], [0.0, 5.9, 0.0, 8.5], [0.0, 8.5, 12.0, 8.5], [12.0, 8.5, 12.0, 5.0]];
+    let apart =
+        [[15.0, 0.0, 17.0, 0.0], [17.0, 0.0, 17.0, 4.0], [17.0, 4.0, 15.0, 4.0], [15.0, 4.0, 15.0, 0.0]];
+    lines.extend(glass.iter().chain(&apart).map(|l| ("A-GLAZ", *l)));
+    let text = drawing(METRES, "", &lines);
+    let drawing = read("plan.dxf", text.as_bytes(), &ReadOptions::default(), &mut Report::default()).unwrap();
+    let plan = understand(&drawing, &PlanOptions::default(), &mut Report::default()).unwrap();
+    let (axes, _) = structure::axes(&plan, &drawing);
+    let closings = structure::infill_lines(&plan, &drawing, &axes);
+    let walls: Vec<_> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
+    let inside = Interior::new(&walls, &closings, plan.human_scale).unwrap();
+    assert!((inside.area_m2() - 12.0 * 8.5).abs() < 3.0, "{}", inside.area_m2());
+    let [lo, hi] = inside.extent_um().unwrap();
+    let size = [0, 1].map(|k| (hi[k] - lo[k]) as f64 / 1e6);
+    assert!((size[0] - 12.1).abs() < 0.2 && (size[1] - 8.55).abs() < 0.2, "{size:?}");
 }

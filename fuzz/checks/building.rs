@@ -5,9 +5,6 @@ use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, R
 use enfilade::report::Report;
 use glam::DVec2;
 
-/// Elements of one file that are moved, of the many it may have.
-const MOVED_MAX: usize = 3;
-
 /// Reads it twice: the same answer, every shape finite, and no edit no change.
 pub fn read_steadily(file: &str, bytes: &[u8]) -> Option<Drawing> {
     let _ = is_complete(file, bytes);
@@ -27,16 +24,15 @@ pub fn read_steadily(file: &str, bytes: &[u8]) -> Option<Drawing> {
     Some(drawing)
 }
 
-/// Elements that may move can be moved: not at all without a change, else without losing what stays.
-pub fn move_some(file: &str, bytes: &[u8], drawing: &Drawing) {
+/// An element that may move can be moved: not at all without a change, else without losing what stays. Which one,
+/// the bytes decide: over many inputs every one has its turn.
+pub fn move_one(file: &str, bytes: &[u8], drawing: &Drawing) {
     let options = ReadOptions::default();
-    let mut records: Vec<usize> = Vec::new();
-    for e in drawing.entities.iter().filter(|e| e.editable.moves_whole()) {
-        if records.len() < MOVED_MAX && !records.contains(&e.source.record) {
-            records.push(e.source.record);
-        }
-    }
-    for record in records {
+    let mut records: Vec<usize> =
+        drawing.entities.iter().filter(|e| e.editable.moves_whole()).map(|e| e.source.record).collect();
+    records.dedup();
+    let turn: usize = bytes.iter().map(|b| usize::from(*b)).sum();
+    if let Some(&record) = records.get(turn % records.len().max(1)) {
         lengthen(file, bytes, drawing, record);
         let edit = |shift: DVec2| [Edit::Insert { record, motion: RigidMotion { turn_rad: 0.0, shift } }];
         let still = patch(file, bytes, &options, &edit(DVec2::ZERO), &[]);

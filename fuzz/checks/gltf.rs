@@ -11,7 +11,7 @@ const FILE: &str = "fuzz.gltf";
 /// Whether the bytes could be read.
 pub fn check(bytes: &[u8]) -> bool {
     let Some(drawing) = building::read_steadily(FILE, bytes) else { return false };
-    building::move_some(FILE, bytes, &drawing);
+    building::move_one(FILE, bytes, &drawing);
     if let Some(added) = building::with_additions(FILE, bytes) {
         let after = read(FILE, &added, &ReadOptions::default(), &mut Report::default());
         assert_eq!(after.map(|d| d.entities).ok(), Some(drawing.entities), "what was added is shown");

@@ -16,7 +16,7 @@ pub fn check(bytes: &[u8]) -> bool {
     if ifc::is_zip(bytes) {
         return true;
     }
-    building::move_some(FILE, bytes, &drawing);
+    building::move_one(FILE, bytes, &drawing);
     if let Some(added) = building::with_additions(FILE, bytes) {
         let stripped = ifc::strip_own(&added);
         assert!(*stripped == *bytes || plain(FILE, bytes).len() < bytes.len(), "what was added stays");

@@ -5,6 +5,8 @@
 //! shadows of the moving segments from the upper half plane of every viewer, mirrors the result, and
 //! walks the breadth-first trees with tables of four rows each.
 
+mod broad;
+
 use crate::plan::geometry::{PointUm, Segment, cross_um, segments_touch};
 
 use super::bit_rows::{
@@ -16,6 +18,7 @@ use super::lanes::x86::{Avx2, Avx512};
 use super::lanes::{LANES, Lanes, Path, Portable, Vector};
 use super::strips::{MAX_COORDINATE_CELLS, MAX_COORDINATE_UM};
 use super::{Lattice, Obstacles, Tally};
+pub(super) use broad::Broad;
 
 /// Largest box: a row of bits is at most eight cache lines and the tables stay near the processor.
 pub(super) const MAX_CELLS: usize = 8 * LANES;
@@ -191,9 +194,13 @@ impl Dense {
     /// `None` if the lattice's box holds more than [`MAX_CELLS`] cells.
     pub fn new(lattice: &Lattice, graph: &Graph) -> Option<Self> {
         let columns = graph.tiles.size_cells;
-        if lattice.cells.is_empty() || columns[0].checked_mul(columns[1])? > MAX_CELLS {
-            return None;
-        }
+        let fits = !lattice.cells.is_empty() && columns[0].checked_mul(columns[1])? <= MAX_CELLS;
+        fits.then(|| Self::prepared(lattice, graph))
+    }
+
+    /// For a lattice of any size that holds a vertex: what casts shadows, whoever gathers the views.
+    fn prepared(lattice: &Lattice, graph: &Graph) -> Self {
+        let columns = graph.tiles.size_cells;
         let axes = if columns[0] >= columns[1] { [0, 1] } else { [1, 0] };
         let size = axes.map(|k| columns[k]);
         let stride = graph.len().div_ceil(LANES);
@@ -244,7 +251,7 @@ impl Dense {
                 set(&mut new.reference, new.cell_of[v] as usize);
             }
         }
-        Some(new)
+        new
     }
 
     fn add_viewer(&mut self, v: usize, place: impl Fn(usize) -> [usize; 2], graph: &Graph) {
@@ -364,33 +371,11 @@ impl Dense {
     /// The upper half plane of every viewer, as bits by cell, and the lower ones from them.
     #[inline(always)]
     fn cast_all<V: Vector>(&self, segments: &[Moving], blind: &[u32], scratch: &mut DenseScratch) {
-        let s = self.spacing_um as f64;
         let DenseScratch { view, packed, near, rows, bare, .. } = scratch;
         packed.resize(self.stride * 8 + 1, 0);
         near.resize(segments.len() + 1, 0);
-        for (v, viewer) in self.viewers.iter().enumerate() {
-            view.clear();
-            view.extend_from_slice(&self.fixed[v * self.view_words()..][..self.view_words()]);
-            let (low, top) = (viewer.at[1] as f64 * s, viewer.top as f64 * s);
-            let (left, right) = (viewer.lo * s, viewer.hi * s);
-            // No branch: which segments are near cannot be guessed.
-            let mut count = 0;
-            for (i, m) in segments.iter().enumerate() {
-                let apart = (m.b[1] < low) | (m.a[1] > top) | (m.right < left) | (m.left > right);
-                near[count] = i as u32;
-                count += usize::from(!apart);
-            }
-            let mut viewer = *viewer;
-            for &i in &near[..count] {
-                let m = &segments[i as usize];
-                if m.a[1] > viewer.top as f64 * s {
-                    break;
-                }
-                self.cast(&viewer, m, view);
-                while viewer.top > viewer.at[1] && self.is_dark(view, viewer.top) {
-                    viewer.top -= 1;
-                }
-            }
+        for v in 0..self.viewers.len() {
+            let viewer = self.shade(v, segments, near, view);
             self.pack::<V>(&viewer, view, packed);
             let row = &mut rows[self.cell_of[v] as usize * self.stride..][..self.stride];
             for (lanes, words) in row.iter_mut().zip(packed.as_chunks().0) {
@@ -403,6 +388,36 @@ impl Dense {
             self.blindfold(blind, rows, bare);
         }
         mirror(rows, self.stride, self.words);
+    }
+
+    /// Makes `view` the upper half plane of viewer `v`; the viewer with the box that is left. `near` has room for
+    /// all segments and one more.
+    #[inline(always)]
+    fn shade(&self, v: usize, segments: &[Moving], near: &mut [u32], view: &mut Vec<u64>) -> Viewer {
+        let s = self.spacing_um as f64;
+        let mut viewer = self.viewers[v];
+        view.clear();
+        view.extend_from_slice(&self.fixed[v * self.view_words()..][..self.view_words()]);
+        let (low, top) = (viewer.at[1] as f64 * s, viewer.top as f64 * s);
+        let (left, right) = (viewer.lo * s, viewer.hi * s);
+        // No branch: which segments are near cannot be guessed.
+        let mut count = 0;
+        for (i, m) in segments.iter().enumerate() {
+            let apart = (m.b[1] < low) | (m.a[1] > top) | (m.right < left) | (m.left > right);
+            near[count] = i as u32;
+            count += usize::from(!apart);
+        }
+        for &i in &near[..count] {
+            let m = &segments[i as usize];
+            if m.a[1] > viewer.top as f64 * s {
+                break;
+            }
+            self.cast(&viewer, m, view);
+            while viewer.top > viewer.at[1] && self.is_dark(view, viewer.top) {
+                viewer.top -= 1;
+            }
+        }
+        viewer
     }
 
     /// Whether nothing of a line is seen.
@@ -418,6 +433,11 @@ impl Dense {
     /// Words of a half plane: by word of a line, then line, with room for a last stride of lines.
     fn view_words(&self) -> usize {
         self.size[0].div_ceil(64) * self.line_stride()
+    }
+
+    /// [`Self::view_words`] for a box of so many columns and rows, before it is made.
+    fn view_words_of(size: [usize; 2]) -> usize {
+        size[0].max(size[1]).div_ceil(64) * (size[0].min(size[1]) + STRIDE)
     }
 
     fn line_stride(&self) -> usize {
@@ -474,16 +494,17 @@ impl Dense {
         let last = viewer.top - viewer.at[1];
         while first <= last {
             let edges = shadow.lines(first);
-            let ((from, off_lo), (end, off_hi)) = (first_above(&edges.lo), first_above(&edges.hi));
+            let ((mut from, off_lo), (mut end, off_hi)) = (first_above(&edges.lo), first_above(&edges.hi));
             let mut grazing = false;
             for i in 0..STRIDE {
                 grazing |= is_grazing(off_lo[i]) | is_grazing(off_hi[i]);
             }
             if grazing {
-                self.cast_exactly(viewer, m, view, first..=last.min(first + STRIDE - 1), &edges);
-            } else {
-                self.clear_lines(view, viewer.at[1] + first, &from, &end);
+                let lines = first..=last.min(first + STRIDE - 1);
+                self.settle(viewer, m, lines.clone(), &edges.lo, (&mut from, &off_lo, 0));
+                self.settle(viewer, m, lines, &edges.hi, (&mut end, &off_hi, 1));
             }
+            self.clear_lines(view, viewer.at[1] + first, &from, &end);
             first += STRIDE;
         }
     }
@@ -501,53 +522,28 @@ impl Dense {
         }
     }
 
-    /// The same where an edge grazes a cell: the cells at the edges are tested in whole numbers.
+    /// Where an edge grazes a cell, whether that cell is in the shadow is tested in whole numbers.
     #[cold]
-    fn cast_exactly(
+    fn settle(
         &self,
         viewer: &Viewer,
         m: &Moving,
-        view: &mut [u64],
         distances: std::ops::RangeInclusive<usize>,
-        Edges { lo, hi }: &Edges,
+        positions: &[f64; STRIDE],
+        (whole, off, inside): (&mut [u64; STRIDE], &[f64; STRIDE], u64),
     ) {
         for (i, distance) in distances.enumerate() {
-            let line = viewer.at[1] + distance;
-            if lo[i] > hi[i] || hi[i] < -0.5 || lo[i] > self.size[0] as f64 - 0.5 {
-                continue;
+            if is_grazing(off[i]) {
+                let cell = (positions[i] + 0.5) as usize;
+                let is_in = self.blocks(m, viewer.at, [cell, viewer.at[1] + distance]);
+                whole[i] = cell as u64 + if is_in { inside } else { 1 - inside };
             }
-            let from = self.edge(viewer, m, line, lo[i], true);
-            let to = self.edge(viewer, m, line, hi[i], false);
-            self.clear_cells(view, line, from, to);
         }
     }
 
     fn clear_cells(&self, view: &mut [u64], line: usize, from: i64, to: i64) {
         for cell in from..=to {
             view[cell as usize / 64 * self.line_stride() + line] &= !(1 << (cell % 64));
-        }
-    }
-
-    /// First (`lower`) or last cell of a line in the shadow whose edge lies at `position`.
-    fn edge(&self, viewer: &Viewer, m: &Moving, line: usize, position: f64, lower: bool) -> i64 {
-        let last = (self.size[0] - 1) as i64;
-        if position < -0.5 {
-            return 0;
-        }
-        if position > last as f64 + 0.5 {
-            return last;
-        }
-        let near = (position + 0.5) as i64;
-        let offset = position - near as f64;
-        let inside = if offset.abs() > GRAZING_CELLS {
-            (offset < 0.0) == lower
-        } else {
-            self.blocks(m, viewer.at, [near as usize, line])
-        };
-        match (lower, inside) {
-            (_, true) => near,
-            (true, false) => near + 1,
-            (false, false) => near - 1,
         }
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::plan::geometry::Segment;
 
-use super::dense::{Dense, DenseScratch};
+use super::dense::{Broad, Dense, DenseScratch};
 use super::forest::{Initial, tally};
 use super::gpu::Gpu;
 use super::gpu::forest::CardForest;
@@ -14,12 +14,15 @@ use super::{Lattice, Obstacles, Tally};
 /// Evaluates layouts that share a lattice and the walls that do not move; share it between threads
 /// and give each thread a [`Scratch`].
 ///
-/// Lattices whose box holds up to 4,096 cells are evaluated on dense rows prepared for the fixed walls;
-/// larger ones, and coordinates beyond about 10⁹ m, from scratch.
+/// Lattices whose box holds up to 4,096 cells are evaluated on dense rows prepared for the fixed walls, larger ones
+/// on their visibility graph under these; those of more than about 20,000 vertices, and coordinates beyond about
+/// 10⁹ m, from scratch.
 pub struct Evaluator {
     lattice: Arc<Lattice>,
     fixed: Vec<Segment>,
     dense: Option<Dense>,
+    /// Where there is no `dense`.
+    broad: Option<Broad>,
     initial: Tally,
     initial_components: Vec<u32>,
     card: Option<CardForest>,
@@ -37,12 +40,15 @@ impl Evaluator {
     pub fn new(lattice: Arc<Lattice>, fixed: &[Segment], initial_moving: &Obstacles) -> Self {
         let mut scratch = Scratch { obstacles: Obstacles::default(), dense: DenseScratch::default() };
         let under_fixed = Obstacles { segments: fixed.to_vec(), blind: Vec::new() };
-        let dense = Dense::new(&lattice, &visibility_graph_serial(&lattice, &under_fixed));
+        let under_fixed = visibility_graph_serial(&lattice, &under_fixed);
+        let dense = Dense::new(&lattice, &under_fixed);
+        let broad = if dense.is_none() { Broad::new(&lattice, &under_fixed) } else { None };
         let dense = dense.and_then(|mut d| d.set_initial(initial_moving, &mut scratch.dense).then_some(d));
         let mut new = Self {
             lattice,
             fixed: fixed.to_vec(),
             dense,
+            broad,
             initial: Tally::default(),
             initial_components: Vec::new(),
             card: None,
@@ -102,8 +108,11 @@ impl Evaluator {
     }
 
     fn evaluate_whole(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
-        self.fill(moving, scratch);
-        let graph = visibility_graph_serial(&self.lattice, &scratch.obstacles);
+        let shaded = self.broad.as_ref().and_then(|broad| broad.graph(moving, &mut scratch.dense));
+        let graph = shaded.unwrap_or_else(|| {
+            self.fill(moving, scratch);
+            visibility_graph_serial(&self.lattice, &scratch.obstacles)
+        });
         let initial = Initial { components: &self.initial_components, covered: &moving.blind };
         tally(&self.lattice, &graph, Some(initial))
     }

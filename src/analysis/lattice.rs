@@ -135,7 +135,8 @@ impl Field {
         let walls = ground.fixed.iter().chain(ground.movable).flat_map(|g| [g.a, g.b]);
         let regions = ground.query.iter().chain(ground.reference).flat_map(Region::outline);
         let (mut lo, mut hi) = ([i64::MAX; 2], [i64::MIN; 2]);
-        for p in walls.chain(regions).chain(ground.seeds_um.iter().copied()) {
+        let inside = ground.interior.and_then(Interior::extent_um).into_iter().flatten();
+        for p in walls.chain(regions).chain(ground.seeds_um.iter().copied()).chain(inside) {
             for k in 0..2 {
                 lo[k] = lo[k].min(p[k]);
                 hi[k] = hi[k].max(p[k]);

@@ -87,7 +87,13 @@ pub fn local_columns(lattice: &Lattice, graph: &Graph) -> Vec<Column> {
         let reached = 1 + met + levels[v as usize].get(1).copied().unwrap_or(0);
         (shared, reached)
     };
-    let rows: Vec<[f64; 6]> = all.par_iter().map(|&v| local_row(lattice, graph, v, near(v))).collect();
+    let mut share = vec![0.0; graph.tiles.count() * 64];
+    for (&(tile, bit), &degree) in graph.tiles.slot_of.iter().zip(&graph.degree) {
+        share[tile as usize * 64 + usize::from(bit)] = 1.0 / f64::from(degree);
+    }
+    let spacing_m = lattice.spacing_um as f64 / UM_PER_M;
+    let row = |&v: &u32| local_row(graph, &share, spacing_m, v, near(v));
+    let rows: Vec<[f64; 6]> = all.par_iter().map(row).collect();
     transpose(names.map(String::from), &rows)
 }
 
@@ -158,21 +164,38 @@ fn count_common_in(graph: &Graph, rank: usize, own: &mut [u64], found: &mut [(u6
 }
 
 /// One vertex from what its neighbours have in common with it, and how many vertices they reach together.
-fn local_row(lattice: &Lattice, graph: &Graph, v: u32, (shared, reached): (u64, u32)) -> [f64; 6] {
+/// `share` is what every cell, tile by tile, gives to the control of each that it sees.
+fn local_row(
+    graph: &Graph,
+    share: &[f64],
+    spacing_m: f64,
+    v: u32,
+    (shared, reached): (u64, u32),
+) -> [f64; 6] {
     let degree = graph.degree(v);
     if degree == 0 {
         return [0.0, 0.0, 0.0, UNDEFINED, UNDEFINED, UNDEFINED];
     }
     let (mut control, mut moments) = (0.0, [0.0, 0.0]);
-    let [c, r] = lattice.cells[v as usize];
-    graph.for_each_rank(graph.tiles.rank_of[v as usize] as usize, |k| {
-        control += 1.0 / f64::from(graph.degree[k]);
-        let [kc, kr] = lattice.cells[graph.tiles.vertex_of[k] as usize];
-        let (dx, dy) = (f64::from(kc) - f64::from(c), f64::from(kr) - f64::from(r));
-        moments[0] += (dx * dx + dy * dy).sqrt();
-        moments[1] += dx * dx + dy * dy;
-    });
-    let (s, d) = (lattice.spacing_um as f64 / UM_PER_M, f64::from(degree));
+    let rank = graph.tiles.rank_of[v as usize] as usize;
+    let (own_tile, own_bit) = graph.tiles.slot_of[rank];
+    let corner = |tile: u32| graph.tiles.tile_at[tile as usize].map(|c| f64::from(c) * 8.0);
+    let own = [0, 3].map(|shift| f64::from(own_bit >> shift & 7));
+    let (tiles, masks) = graph.row(rank);
+    for (&t, &mask) in tiles.iter().zip(masks) {
+        let off = [0, 1].map(|k| corner(t)[k] - corner(own_tile)[k] - own[k]);
+        let share = &share[t as usize * 64..][..64];
+        let mut bits = mask;
+        while bits != 0 {
+            let bit = bits.trailing_zeros();
+            bits &= bits - 1;
+            control += share[bit as usize & 63];
+            let (dx, dy) = (off[0] + f64::from(bit & 7), off[1] + f64::from(bit >> 3));
+            moments[0] += (dx * dx + dy * dy).sqrt();
+            moments[1] += dx * dx + dy * dy;
+        }
+    }
+    let (s, d) = (spacing_m, f64::from(degree));
     let clustering = if degree > 1 { shared as f64 / (d * (d - 1.0)) } else { UNDEFINED };
     [d, moments[0] * s, moments[1] * s * s, clustering, control, d / f64::from(reached)]
 }

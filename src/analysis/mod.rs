@@ -15,6 +15,7 @@ mod fixtures;
 pub mod forest;
 pub mod gpu;
 mod graph;
+mod halves;
 pub mod isovist;
 mod lanes;
 pub mod measures;

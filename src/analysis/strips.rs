@@ -279,20 +279,20 @@ impl Strips {
         (self.cut_x(self.walls[w], row), y, CUT | (w as EndId) << 31 | row as EndId)
     }
 
-    /// The slope of an end as seen from a cell, x over the height above (or below) the cell.
+    /// The slope of an end as seen from a cell, x over the height above the cell.
     pub fn fraction(&self, id: EndId, viewer: [i64; 2]) -> Fraction {
         match id {
             POSITIVE_INFINITY => Fraction { num: i128::MAX >> 2, den: 1 },
             NEGATIVE_INFINITY => Fraction { num: -(i128::MAX >> 2), den: 1 },
             _ if id & CUT == 0 => {
                 let p = self.points[id as usize];
-                Fraction { num: (p[0] - viewer[0]).into(), den: (p[1] - viewer[1]).abs().into() }
+                Fraction { num: (p[0] - viewer[0]).into(), den: (p[1] - viewer[1]).into() }
             }
             _ => {
                 let y = (id & 0x7fff_ffff) as i64 * self.spacing_um;
                 let at = cut_fraction(self.walls[(id & !CUT) as usize >> 31], y);
                 let num = at.num - i128::from(viewer[0]) * at.den;
-                Fraction { num, den: at.den * i128::from((y - viewer[1]).abs()) }
+                Fraction { num, den: at.den * i128::from(y - viewer[1]) }
             }
         }
     }

@@ -1,9 +1,9 @@
 //! Stage "visibility": which cells see each other, exactly (spec: visibility graph).
 //!
-//! Each viewer sweeps the lattice row by row, upwards and then downwards, with the list of slope
-//! intervals that nothing blocks yet. Slopes are f64; wherever two of them come nearer than the
-//! rounding error allows to tell apart, the decision is made in whole numbers, so the result equals
-//! the pairwise test of every sight line against every wall.
+//! Each viewer sweeps the lattice row by row upwards, with the list of slope intervals that nothing blocks
+//! yet; what lies below follows, since sight is mutual. Slopes are f64; wherever two of them come nearer
+//! than the rounding error allows to tell apart, the decision is made in whole numbers, so the result
+//! equals the pairwise test of every sight line against every wall.
 
 use rayon::prelude::*;
 
@@ -11,12 +11,10 @@ use crate::plan::geometry::{Segment, segments_touch};
 
 pub use super::graph::Graph;
 use super::graph::RowChunk;
+use super::halves::{Half, Halves};
 use super::strips::{EndId, Fraction, NEGATIVE_INFINITY, POSITIVE_INFINITY, Piece, Strips};
 use super::tiles::{NO_TILE, Tiles};
 use super::{Lattice, Obstacles};
-
-/// Ranks handed to one worker at a time.
-const CHUNK: usize = 64;
 
 /// Stands for an infinite slope and stays finite in arithmetic.
 const HUGE: f64 = 1e300;
@@ -24,15 +22,16 @@ const HUGE: f64 = 1e300;
 /// Two cells see each other iff the closed segment between their centres touches no obstacle and
 /// neither is blind. Exact; runs on the current rayon pool; the same bits on any number of threads.
 pub fn visibility_graph(lattice: &Lattice, obstacles: &Obstacles) -> Graph {
-    let (tiles, n) = (Tiles::new(lattice), lattice.cells.len());
+    let tiles = Tiles::new(lattice);
     let Some(strips) = Strips::new(lattice, &tiles, obstacles) else {
         return pairwise_graph(lattice, obstacles);
     };
-    let starts: Vec<usize> = (0..n).step_by(CHUNK).collect();
-    let chunks = starts
-        .par_iter()
-        .map_init(|| Sweep::new(&strips, &tiles), |sweep, &at| sweep.chunk(at..(at + CHUNK).min(n)))
-        .collect();
+    let all = (0..tiles.count()).into_par_iter();
+    let look = |sweep: &mut Sweep<'_>, t: usize| sweep.half(t);
+    let halves = all.clone().map_init(|| Sweep::new(&strips, &tiles), look).collect();
+    let halves = Halves::new(&tiles, halves);
+    let chunks = all.map_init(Vec::new, |squares, t| halves.rows(t, squares)).collect();
+    drop(halves);
     Graph::from_chunks(tiles, chunks)
 }
 
@@ -42,8 +41,11 @@ pub(super) fn visibility_graph_serial(lattice: &Lattice, obstacles: &Obstacles) 
     let Some(strips) = Strips::new(lattice, &tiles, obstacles) else {
         return pairwise_graph(lattice, obstacles);
     };
-    let chunk = Sweep::new(&strips, &tiles).chunk(0..lattice.cells.len());
-    Graph::from_chunks(tiles, vec![chunk])
+    let (mut sweep, mut squares) = (Sweep::new(&strips, &tiles), Vec::new());
+    let halves = Halves::new(&tiles, (0..tiles.count()).map(|t| sweep.half(t)).collect());
+    let chunks = (0..tiles.count()).map(|t| halves.rows(t, &mut squares)).collect();
+    drop(halves);
+    Graph::from_chunks(tiles, chunks)
 }
 
 /// The same graph by testing every pair against every obstacle: for lattices beyond the sweep's limits.
@@ -119,6 +121,8 @@ struct Sweep<'a> {
     /// Cells seen, by tile, and a bitmap of the tiles that have any; the last tile is a dump.
     seen: Vec<u64>,
     touched: Vec<u64>,
+    /// Places of the squares of a half, by tile; `u32::MAX` between halves.
+    places: Vec<u32>,
     viewer: Viewer,
     /// Slopes beyond this lie outside every row of the lattice and count as infinite.
     steep: f64,
@@ -145,41 +149,42 @@ impl<'a> Sweep<'a> {
             blocks: Vec::new(),
             seen: vec![0; tiles.count() + 1],
             touched: vec![0; tiles.count() / 64 + 1],
+            places: vec![u32::MAX; tiles.count()],
             viewer: Viewer::default(),
             steep: strips.columns as f64,
             tolerance: (strips.extent_cells + strips.columns as f64) * (-46f64).exp2(),
         }
     }
 
-    fn chunk(&mut self, ranks: std::ops::Range<usize>) -> RowChunk {
+    /// What the viewers of a tile see on their rows and above.
+    fn half(&mut self, t: usize) -> Half {
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("popcnt") && is_x86_feature_detected!("bmi1") {
             // SAFETY: the processor has just been asked.
             #[allow(unsafe_code)]
-            return unsafe { self.chunk_bits(ranks) };
+            return unsafe { self.half_bits(t) };
         }
-        self.chunk_in(ranks)
+        self.half_in(t)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "popcnt,bmi1")]
-    fn chunk_bits(&mut self, ranks: std::ops::Range<usize>) -> RowChunk {
-        self.chunk_in(ranks)
+    fn half_bits(&mut self, t: usize) -> Half {
+        self.half_in(t)
     }
 
     #[inline(always)]
-    fn chunk_in(&mut self, ranks: std::ops::Range<usize>) -> RowChunk {
-        let mut chunk = RowChunk::default();
-        for rank in ranks {
-            let (tile, bit) = self.tiles.slot_of[rank];
-            if self.strips.open[tile as usize] >> bit & 1 == 0 {
-                chunk.rows.push((0, 0));
-                continue;
-            }
-            self.look(tile, bit);
-            self.collect(tile, bit, &mut chunk);
+    fn half_in(&mut self, t: usize) -> Half {
+        let mut half = Half::default();
+        let mut viewers = self.strips.open[t];
+        while viewers != 0 {
+            let bit = viewers.trailing_zeros() as u8;
+            viewers &= viewers - 1;
+            self.look(t as u32, bit);
+            self.collect(t as u32, bit, &mut half);
         }
-        chunk
+        half.finish(&mut self.places);
+        half
     }
 
     /// Fills `seen` for the viewer at a bit of a tile.
@@ -190,16 +195,13 @@ impl<'a> Sweep<'a> {
         let at = [column as i64 * self.strips.spacing_um, row as i64 * self.strips.spacing_um];
         self.viewer = Viewer { column, row, at, x: at[0] as f64, y: at[1] as f64 };
         self.own_row();
-        self.sweep::<true>();
-        self.sweep::<false>();
+        self.sweep();
     }
 
-    /// Moves what was seen into a row of the graph and clears the buffers.
+    /// Moves what was seen into a half and clears the buffers.
     #[inline(always)]
-    fn collect(&mut self, tile: u32, bit: u8, chunk: &mut RowChunk) {
+    fn collect(&mut self, tile: u32, bit: u8, half: &mut Half) {
         self.seen[tile as usize] &= !(1 << bit);
-        let mut entries = 0;
-        let mut degree = 0;
         for word in 0..self.touched.len() {
             let mut bits = std::mem::take(&mut self.touched[word]);
             while bits != 0 {
@@ -207,14 +209,10 @@ impl<'a> Sweep<'a> {
                 bits &= bits - 1;
                 let mask = std::mem::take(&mut self.seen[t]) & self.strips.open.get(t).copied().unwrap_or(0);
                 if mask != 0 {
-                    chunk.tile.push(t as u32);
-                    chunk.mask.push(mask);
-                    entries += 1;
-                    degree += mask.count_ones();
+                    half.add(&mut self.places, bit, t as u32, mask);
                 }
             }
         }
-        chunk.rows.push((entries, degree));
     }
 
     /// Own row: up to the first broken link on either side.
@@ -241,31 +239,27 @@ impl<'a> Sweep<'a> {
         self.mark(self.viewer.row, left, right);
     }
 
-    /// One half plane: rows above (`UP`) or below the viewer.
-    fn sweep<const UP: bool>(&mut self) {
-        let rows = if UP { self.strips.rows - 1 - self.viewer.row } else { self.viewer.row };
+    /// The half plane above the viewer.
+    fn sweep(&mut self) {
+        let rows = self.strips.rows - 1 - self.viewer.row;
         if rows == 0 {
             return;
         }
-        self.first_strip::<UP>();
+        self.first_strip();
         for distance in 1..=rows {
-            self.emit::<UP>(distance);
+            self.emit(distance);
             if self.gaps.is_empty() || distance == rows {
                 break;
             }
-            self.advance::<UP>(distance);
+            self.advance(distance);
         }
         self.gaps.clear();
     }
 
-    fn strip<const UP: bool>(&self, distance: usize) -> usize {
-        if UP { self.viewer.row + distance } else { self.viewer.row - 1 - distance }
-    }
-
     /// From the viewer's row to the next: looks right and left as far as nothing closes the view.
-    fn first_strip<const UP: bool>(&mut self) {
+    fn first_strip(&mut self) {
         let strips = self.strips;
-        let base = self.strip::<UP>(0) * strips.bins;
+        let base = self.viewer.row * strips.bins;
         let bin = self.viewer.column >> strips.bin_shift;
         let width = (1u64 << strips.bin_shift) as f64;
         self.blocks.clear();
@@ -276,7 +270,7 @@ impl<'a> Sweep<'a> {
         let carried = strips.carried_start[base + bin]..strips.carried_start[base + bin + 1];
         let (mut left, mut right) = (-HUGE, HUGE);
         for &p in &strips.carried[carried.start as usize..carried.end as usize] {
-            self.block::<UP>(&strips.pieces[p as usize], whole, &mut left, &mut right);
+            self.block(&strips.pieces[p as usize], whole, &mut left, &mut right);
         }
         let column = self.viewer.column as f64;
         let starts = strips.start[base + bin] as usize..strips.start[base + strips.bins] as usize;
@@ -284,7 +278,7 @@ impl<'a> Sweep<'a> {
             if f64::from(piece.first_bin) * width - column > right + 1.0 {
                 break;
             }
-            self.block::<UP>(piece, whole, &mut left, &mut right);
+            self.block(piece, whole, &mut left, &mut right);
         }
         let ends = strips.end_start[base] as usize..strips.end_start[base + bin] as usize;
         for &p in strips.by_end[ends].iter().rev() {
@@ -292,7 +286,7 @@ impl<'a> Sweep<'a> {
             if f64::from(piece.last_bin + 1) * width - column < left - 1.0 {
                 break;
             }
-            self.block::<UP>(piece, whole, &mut left, &mut right);
+            self.block(piece, whole, &mut left, &mut right);
         }
         self.next_gaps.clear();
         self.subtract(whole);
@@ -300,9 +294,9 @@ impl<'a> Sweep<'a> {
     }
 
     /// Subtracts the strip beyond row `distance` from all gaps.
-    fn advance<const UP: bool>(&mut self, distance: usize) {
+    fn advance(&mut self, distance: usize) {
         let strips = self.strips;
-        let base = self.strip::<UP>(distance) * strips.bins;
+        let base = (self.viewer.row + distance) * strips.bins;
         let (near, far) = (distance as f64, (distance + 1) as f64);
         let last = (strips.columns - 1) as f64;
         let column = self.viewer.column as f64;
@@ -320,11 +314,11 @@ impl<'a> Sweep<'a> {
             let carried = strips.carried_start[base + first_bin]..strips.carried_start[base + first_bin + 1];
             let (mut l, mut r) = (0.0, 0.0);
             for &p in &strips.carried[carried.start as usize..carried.end as usize] {
-                self.block::<UP>(&strips.pieces[p as usize], gap, &mut l, &mut r);
+                self.block(&strips.pieces[p as usize], gap, &mut l, &mut r);
             }
             let starts = strips.start[base + first_bin] as usize..strips.start[base + last_bin + 1] as usize;
             for piece in &strips.pieces[starts] {
-                self.block::<UP>(piece, gap, &mut l, &mut r);
+                self.block(piece, gap, &mut l, &mut r);
             }
             self.subtract(gap);
         }
@@ -333,17 +327,15 @@ impl<'a> Sweep<'a> {
 
     /// Files the interval a piece blocks, if it may meet `gap`; keeps `blocks` sorted by lower end.
     /// An interval that reaches to an infinite slope closes the view on that side: `left`, `right`.
-    fn block<const UP: bool>(&mut self, piece: &Piece, gap: Interval, left: &mut f64, right: &mut f64) {
-        let (near, far) = if UP { (0, 1) } else { (1, 0) };
-        let height =
-            |end: usize| if UP { piece.y[end] - self.viewer.y } else { self.viewer.y - piece.y[end] };
-        if height(far) <= 0.0 {
+    fn block(&mut self, piece: &Piece, gap: Interval, left: &mut f64, right: &mut f64) {
+        let height = piece.y.map(|y| y - self.viewer.y);
+        if height[1] <= 0.0 {
             return;
         }
-        let far = self.end((piece.x[far] - self.viewer.x) / height(far), piece.id[far]);
-        let reach = piece.x[near] - self.viewer.x;
-        let near = if height(near) > 0.0 {
-            self.end(reach / height(near), piece.id[near])
+        let far = self.end((piece.x[1] - self.viewer.x) / height[1], piece.id[1]);
+        let reach = piece.x[0] - self.viewer.x;
+        let near = if height[0] > 0.0 {
+            self.end(reach / height[0], piece.id[0])
         } else if reach > 0.0 {
             *right = right.min(far.slope);
             gap.hi
@@ -391,8 +383,8 @@ impl<'a> Sweep<'a> {
     }
 
     /// Marks the cells of row `distance` that lie strictly inside a gap.
-    fn emit<const UP: bool>(&mut self, distance: usize) {
-        let row = if UP { self.viewer.row + distance } else { self.viewer.row - distance };
+    fn emit(&mut self, distance: usize) {
+        let row = self.viewer.row + distance;
         let (d, column) = (distance as f64, self.viewer.column as f64);
         let last = self.strips.columns as f64 - 1.0;
         for g in 0..self.gaps.len() {
@@ -402,12 +394,9 @@ impl<'a> Sweep<'a> {
             if lo > last + 0.5 || hi < -0.5 {
                 continue;
             }
-            let first = if lo < -0.5 { 0 } else { self.column_beside::<UP>(gap.lo, lo, distance, true) };
-            let end = if hi > last + 0.5 {
-                last as i64
-            } else {
-                self.column_beside::<UP>(gap.hi, hi, distance, false)
-            };
+            let first = if lo < -0.5 { 0 } else { self.column_beside(gap.lo, lo, distance, true) };
+            let end =
+                if hi > last + 0.5 { last as i64 } else { self.column_beside(gap.hi, hi, distance, false) };
             if first <= end {
                 self.mark(row, first as usize, end as usize);
             }
@@ -416,7 +405,7 @@ impl<'a> Sweep<'a> {
 
     /// The first whole column strictly right of a slope (`right`), or the last strictly left of it, at
     /// `position` on row `distance`; clamped to the lattice.
-    fn column_beside<const UP: bool>(&self, end: End, position: f64, distance: usize, right: bool) -> i64 {
+    fn column_beside(&self, end: End, position: f64, distance: usize, right: bool) -> i64 {
         let d = distance as f64;
         let near = (position + 0.5) as i64 as f64;
         let error = self.tolerance * d + 1e-9;

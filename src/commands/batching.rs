@@ -137,6 +137,7 @@ fn done(args: &RunJobArgs, cancel: &Cancel) -> Result<Finished, Error> {
         round: 1,
         asked: Asked::default(),
         earlier: Arc::new(home.memory()),
+        results: home.folder().into(),
     };
     let mut display = Display::new(args.progress, false);
     let mut tell = |event: JobEvent| match event {

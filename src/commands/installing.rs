@@ -1,10 +1,11 @@
 //! `open`, `service`, `doctor`, `completions`, `man`: what surrounds the work.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use crate::analysis::gpu::Gpu;
-use crate::cli::{self, OpenArgs, ServiceArgs, ServiceCommand, ShellArg};
+use crate::cli::{self, InstallArgs, OpenArgs, ServiceArgs, ServiceCommand, ShellArg};
 use crate::formats::ENDINGS;
 use crate::report::{Error, Place};
 use crate::server::Door;
@@ -48,19 +49,30 @@ pub(super) fn open(args: &OpenArgs) -> Result<u8, Error> {
 
 pub(super) fn service(args: &ServiceArgs) -> Result<u8, Error> {
     let said = match &args.what {
-        ServiceCommand::Install { folders } => {
-            let folders: Vec<PathBuf> = folders.iter().map(|f| super::absolute(f)).collect();
+        ServiceCommand::Install(args) => {
+            let folders: Vec<PathBuf> = args.looking.folders.iter().map(|f| super::absolute(f)).collect();
             if let Some(missing) = folders.iter().find(|f| !f.is_dir()) {
                 let place = Place::file(missing.display().to_string());
                 return Err(Error::usage("not-a-folder", place, "is no folder; nothing was installed"));
             }
-            service::install(&folders)?
+            service::install(&folders, &options_of(args))?
         }
         ServiceCommand::Status => service::status()?,
         ServiceCommand::Uninstall => service::uninstall()?,
     };
     super::say(&said);
     Ok(0)
+}
+
+/// The options of `watch` that the service is started with.
+fn options_of(args: &InstallArgs) -> Vec<OsString> {
+    let mut out: Vec<OsString> = Vec::new();
+    let mut add = |name: &str, value: OsString| out.extend([name.into(), value]);
+    args.looking.depth.iter().for_each(|levels| add("--depth", levels.to_string().into()));
+    args.looking.ignore.iter().for_each(|glob| add("--ignore", glob.into()));
+    args.out.iter().for_each(|folder| add("--out", super::absolute(folder).into()));
+    out.extend(args.looking.poll.then(|| "--poll".into()));
+    out
 }
 
 pub(super) fn doctor(folders: &[PathBuf]) -> Result<u8, Error> {
@@ -220,6 +232,30 @@ mod tests {
         let said = watched(dir.path()).unwrap_err();
         assert!(said.contains("--out") && said.contains("plan.DXF cannot be read"), "{said}");
         set_permissions(dir.path(), Permissions::from_mode(0o755)).unwrap();
+    }
+
+    /// What is asked of the service is what `watch` takes.
+    #[test]
+    fn the_service_watches_as_it_was_told() {
+        use clap::Parser as _;
+        let line = [
+            "enfilade", "service", "install", "--depth", "2", "--ignore", "x*", "--out", "/r", "--poll", "/w",
+        ];
+        let cli::Command::Service(ServiceArgs { what: ServiceCommand::Install(args) }) =
+            cli::Cli::try_parse_from(line).unwrap().command
+        else {
+            panic!("no install")
+        };
+        let options = options_of(&args);
+        assert_eq!(options, ["--depth", "2", "--ignore", "x*", "--out", "/r", "--poll"].map(OsString::from));
+        let words = ["enfilade", "watch"].map(OsString::from).into_iter().chain(options);
+        let cli::Command::Watch(watch) =
+            cli::Cli::try_parse_from(words.chain(["--".into(), "/w".into()])).unwrap().command
+        else {
+            panic!("no watch")
+        };
+        assert_eq!((watch.depth, watch.poll, watch.ignore), (Some(2), true, vec!["x*".to_owned()]));
+        assert_eq!(watch.common.out, Some("/r".into()));
     }
 
     #[test]

@@ -2,19 +2,19 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, mpsc};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::SystemTime;
 
 use serde_json::Value;
 
-use super::{accept_option, hold, output_of, print, read_settings, round, say, settings_for};
+use super::{absolute, accept_option, hold, output_of, print, read_settings, round, say, settings_for};
 use crate::cli::{ProgressArg, StatusArgs, WatchArgs};
 use crate::config::{Partial, Settings, WatchTable};
 use crate::daemon::child::{self, Limits};
 use crate::daemon::{self, JobEvent, JobRequest, Notice, RunJob, WatchSettings};
 use crate::formats;
 use crate::overlay::result::to_json;
-use crate::report::{Cancel, Error, Place, Severity};
+use crate::report::{Cancel, Error, Place, Problem, Severity};
 use crate::server::Page;
 use crate::store::Log;
 use crate::watch::{Completeness, canonical_roots};
@@ -26,26 +26,34 @@ const MEMORY_SHARE: f64 = 0.75;
 pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
     let partial = args.common.partial(Some(&args.search));
     Settings::new(partial.clone())?;
-    canonical_roots(&args.folders, args.force)?;
-    let folder = args.folders.first().map(|f| f.join("enfilade.toml"));
-    let table = folder
-        .map_or(Ok(None), |f| read_settings(&f))
-        .map(|p| p.and_then(|p| p.watch).unwrap_or_default())?;
-    let limits_of = table.clone();
-    let settings = watch_settings(args, &partial, table);
-    let limits = limits(&partial, &limits_of, &settings)?;
+    canonical_roots(&args.looking.folders, args.force)?;
+    let mut said = Said::of(&args.looking.folders)?;
+    let settings = watch_settings(args, &partial, said.clone());
+    let limits = Arc::new(Mutex::new(limits(&partial, &said.table, &settings)?));
+    let held = Arc::clone(&limits);
     let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+        let limits = held.lock().unwrap_or_else(PoisonError::into_inner).clone();
         child::run(&limits, request, tell, cancel)
+    };
+    let mut reread = || {
+        let now = Said::of(&args.looking.folders)?;
+        if now == said {
+            return Ok(None);
+        }
+        let settings = watch_settings(args, &partial, now.clone());
+        *limits.lock().unwrap_or_else(PoisonError::into_inner) =
+            self::limits(&partial, &now.table, &settings)?;
+        said = now;
+        Ok(Some(settings))
     };
     let (quiet, json) = (args.common.quiet, args.common.progress == Some(ProgressArg::Json));
     let (orders, ordered) = mpsc::channel();
-    let configured = settings.out_dir.clone();
-    let accepted = move |drawing: &Path, round: u32, number: usize| {
-        accept_option(drawing, configured.clone(), Some(round), number).map(|a| a.next)
+    let accepted = |drawing: &Path, results: &Path, round: u32, number: usize| {
+        accept_option(drawing, results, Some(round), number).map(|a| a.next)
     };
     let page = args.page.map(|port| Page::open(port, orders, Box::new(accepted))).transpose()?;
     if let Some(page) = &page {
-        args.folders.iter().try_for_each(|root| page.door().write(root))?;
+        args.looking.folders.iter().try_for_each(|root| page.door().write(root))?;
         say(&format!("page: {}", page.link()));
     }
     let log = args.log.as_deref().map(Log::open).transpose()?;
@@ -68,7 +76,17 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
         }
         show_notice(&notice, quiet, json);
     };
-    match daemon::watch_with_orders(&args.folders, &settings, Arc::new(job), ordered, &mut show, cancel) {
+    unread_tables(&args.looking.folders).into_iter().for_each(&mut show);
+    let run: Arc<RunJob> = Arc::new(job);
+    match daemon::watch_with_orders(
+        &args.looking.folders,
+        &settings,
+        &mut reread,
+        run,
+        ordered,
+        &mut show,
+        cancel,
+    ) {
         Err(Error::Stopped) => Ok(Error::Stopped.exit_code()),
         other => other.map(|()| 0),
     }
@@ -88,23 +106,64 @@ fn show_notice(notice: &Notice, quiet: bool, json: bool) {
     }
 }
 
-/// What the command line and the folder's `[watch]` table say of the daemon.
-fn watch_settings(args: &WatchArgs, partial: &Partial, table: WatchTable) -> WatchSettings {
-    let base = WatchSettings::default();
-    let ignore = table.ignore.unwrap_or_default().into_iter().chain(args.ignore.iter().cloned());
+/// What `enfilade.toml` of the first watched folder says of the daemon; it holds for all of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Said {
+    table: WatchTable,
+    /// Where results go.
+    out: Option<String>,
+}
+
+impl Said {
+    fn of(folders: &[PathBuf]) -> Result<Self, Error> {
+        let Some(first) = folders.first() else { return Ok(Self::default()) };
+        let read = read_settings(&first.join("enfilade.toml"))?.unwrap_or_default();
+        Ok(Self { table: read.watch.unwrap_or_default(), out: read.out })
+    }
+}
+
+/// Says of which folders the `[watch]` table does not count.
+fn unread_tables(folders: &[PathBuf]) -> Vec<Notice> {
+    let Some((first, others)) = folders.split_first() else { return Vec::new() };
+    let has_table = |file: &PathBuf| {
+        read_settings(file).ok().flatten().is_some_and(|p| p.watch.is_some() || p.out.is_some())
+    };
+    let files = others.iter().map(|f| f.join("enfilade.toml")).filter(has_table);
+    let text = format!(
+        "what it says of `[watch]` and `out` does not count: that of {}, the first folder, holds for all",
+        first.display()
+    );
+    files
+        .map(|path| {
+            let place = Place::file(path.to_string_lossy());
+            let problem =
+                Problem { code: "watch-unread", severity: Severity::Warning, place, text: text.clone() };
+            Notice::Problem { path: path.parent().unwrap_or(&path).into(), problem }
+        })
+        .collect()
+}
+
+/// What the command line and the folder's settings say of the daemon.
+fn watch_settings(args: &WatchArgs, partial: &Partial, said: Said) -> WatchSettings {
+    let (base, table) = (WatchSettings::default(), said.table);
+    let out = partial.out.clone().or(said.out);
+    let ignore = table.ignore.unwrap_or_default().into_iter().chain(args.looking.ignore.iter().cloned());
     WatchSettings {
         quiet_secs: table.quiet_secs.unwrap_or(base.quiet_secs),
         network_quiet_secs: table.network_quiet_secs.unwrap_or(base.network_quiet_secs),
         grace_secs: table.grace_secs.unwrap_or(base.grace_secs),
         max_wait_secs: table.max_wait_secs.unwrap_or(base.max_wait_secs),
         rescan_secs: table.rescan_secs.unwrap_or(base.rescan_secs),
-        poll: args.poll || table.poll.unwrap_or(base.poll),
-        depth: args.depth.or(table.depth).unwrap_or(base.depth),
+        poll_secs: table.poll_secs.unwrap_or(base.poll_secs),
+        poll: args.looking.poll || table.poll.unwrap_or(base.poll),
+        depth: args.looking.depth.or(table.depth).unwrap_or(base.depth),
         ignore: ignore.collect(),
-        out_dir: partial.out.clone().map(PathBuf::from),
+        out_dir: out.as_deref().map(|o| absolute(Path::new(o))),
+        fallback_dir: table.fallback.map(|f| absolute(Path::new(&f))),
+        newest_first: table.newest_first.unwrap_or(base.newest_first),
         force: args.force,
         job_limit_secs: table.job_limit_secs.unwrap_or(base.job_limit_secs),
-        settings_key: format!("{partial:?}"),
+        settings_key: format!("{:?} {out:?}", partial.clone().deciding()),
         end_mark,
         extensions: formats::ENDINGS.map(String::from).to_vec(),
         ..base
@@ -152,14 +211,14 @@ fn memory_share() -> Option<u64> {
 }
 
 /// One job in a process of its own: see [`child`].
-pub(super) fn job_child(drawing: &Path) -> Result<u8, Error> {
-    child::serve(drawing, |options| {
+pub(super) fn job_child(drawing: &Path, results: &Path) -> Result<u8, Error> {
+    child::serve(drawing, results, |options| {
         let partial: Partial = serde_json::from_value(options)
             .map_err(|e| Error::usage("job-request", Place::default(), e.to_string()))?;
         let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
             let asked = Partial { objective: request.asked.objective.clone(), ..Partial::default() };
             let mut partial = asked.over(partial.clone());
-            hold(&mut partial, &request.drawing, &request.asked)?;
+            hold(&mut partial, &request.results, &request.asked)?;
             let (settings, _) = settings_for(&request.drawing, partial)?;
             let shown = request.drawing.to_string_lossy().into_owned();
             Ok(output_of(&round(&shown, request, &settings, tell, cancel)?))
@@ -171,7 +230,7 @@ pub(super) fn job_child(drawing: &Path) -> Result<u8, Error> {
 
 pub(super) fn status(args: &StatusArgs) -> Result<u8, Error> {
     let here = [PathBuf::from(".")];
-    let folders = if args.folders.is_empty() { &here[..] } else { &args.folders };
+    let folders = if args.looking.folders.is_empty() { &here[..] } else { &args.looking.folders };
     if let Some(missing) = folders.iter().find(|f| !f.is_dir()) {
         let text = "found no folder there, expected one that is or was watched; nothing was done";
         return Err(Error::usage("no-folder", Place::file(missing.to_string_lossy()), text));
@@ -218,6 +277,7 @@ fn status_lines(status: &Value, is_running: bool) -> Vec<String> {
     for entry in list("ignored") {
         out.push(format!("{}: left alone: {}", text(&entry["file"]), text(&entry["why"])));
     }
+    out.extend(beyond(status, "ignored").map(|n| format!("and {n} more left alone")));
     if let Some(done) = status["done_count"].as_u64() {
         out.push(format!("done since {}: {done}", text(&status["since"])));
     }

@@ -92,7 +92,7 @@ pub fn run(
     cancel: &Cancel,
 ) -> Result<JobOutput, Error> {
     let name = request.drawing.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let mut child = start(limits, &request.drawing, &name)?;
+    let mut child = start(limits, request, &name)?;
     let (stdin, stdout, stderr) = (child.stdin.take(), child.stdout.take(), child.stderr.take());
     let head = Request::of(limits, request);
     let (bytes, earlier) = (request.bytes.clone(), request.earlier.clone());
@@ -128,9 +128,9 @@ pub fn run(
     }
 }
 
-fn start(limits: &Limits, drawing: &Path, name: &str) -> Result<Child, Error> {
+fn start(limits: &Limits, request: &JobRequest, name: &str) -> Result<Child, Error> {
     let mut command = Command::new(&limits.program);
-    command.args(&limits.args).arg(drawing);
+    command.args(&limits.args).args([&request.drawing, &request.results]);
     // The reason is in the first line, which a backtrace would push out of what is kept.
     command.env("RUST_BACKTRACE", "0");
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -298,9 +298,13 @@ fn known(code: String) -> &'static str {
 ///
 /// # Errors
 /// [`Error::Usage`] for a request that is none or of another version; else what is answered is no error here.
-pub fn serve(drawing: &Path, prepare: impl FnOnce(Value) -> Result<Arc<RunJob>, Error>) -> Result<(), Error> {
+pub fn serve(
+    drawing: &Path,
+    results: &Path,
+    prepare: impl FnOnce(Value) -> Result<Arc<RunJob>, Error>,
+) -> Result<(), Error> {
     let mut from = BufReader::new(io::stdin());
-    let (head, request) = read_request(&mut from, drawing).map_err(|e| {
+    let (head, request) = read_request(&mut from, drawing, results).map_err(|e| {
         Error::usage(
             "job-request",
             Place::default(),
@@ -331,7 +335,11 @@ pub fn serve(drawing: &Path, prepare: impl FnOnce(Value) -> Result<Arc<RunJob>, 
     answer(&prepare(head.options).and_then(|job| job(&request, &mut tell, &Cancel::default())))
 }
 
-fn read_request(from: &mut impl BufRead, drawing: &Path) -> io::Result<(Request, JobRequest)> {
+fn read_request(
+    from: &mut impl BufRead,
+    drawing: &Path,
+    results: &Path,
+) -> io::Result<(Request, JobRequest)> {
     let mut line = Vec::new();
     from.by_ref().take(LINE_BYTES_MAX).read_until(b'\n', &mut line)?;
     let head: Request = serde_json::from_slice(&line)?;
@@ -344,6 +352,7 @@ fn read_request(from: &mut impl BufRead, drawing: &Path) -> io::Result<(Request,
         round: head.round,
         asked: head.asked.clone(),
         earlier: Arc::new(earlier),
+        results: results.into(),
     };
     Ok((head, request))
 }
@@ -426,6 +435,7 @@ mod tests {
                 like: Some(2),
             },
             earlier: Arc::new(b"earlier".to_vec()),
+            results: "/plans/-plan.enfilade".into(),
         }
     }
 
@@ -459,12 +469,13 @@ mod tests {
         let mut bytes = serde_json::to_vec(&head).unwrap();
         bytes.push(b'\n');
         bytes.extend(request().bytes.iter().chain(request().earlier.iter()));
-        let (head, back) = read_request(&mut &bytes[..], Path::new("/plans/-plan.dxf")).unwrap();
+        let here = (Path::new("/plans/-plan.dxf"), Path::new("/plans/-plan.enfilade"));
+        let (head, back) = read_request(&mut &bytes[..], here.0, here.1).unwrap();
         assert_eq!((head.memory_bytes, head.cpu_secs), (Some(64 << 20), Some(7)));
         assert_eq!((back.bytes, back.earlier, back.round), (request().bytes, request().earlier, 3));
         assert_eq!(back.asked, request().asked);
         bytes.pop();
-        assert!(read_request(&mut &bytes[..], Path::new("x")).is_err(), "a request cut short is none");
+        assert!(read_request(&mut &bytes[..], here.0, here.1).is_err(), "a request cut short is none");
     }
 
     /// Hazard 23: however a process ends, the reason is told.

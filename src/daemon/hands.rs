@@ -11,7 +11,8 @@ use std::time::{Instant, SystemTime};
 use super::job::{self, Told};
 use super::status::{SharedDisk, rfc3339};
 use super::{Asked, Done, JobRequest, RunJob, WatchSettings};
-use crate::config::settings_files;
+use crate::config::{Partial, settings_files};
+use crate::formats::gltf::outer_files;
 use crate::report::{Cancel, Error};
 use crate::store::{Journal, Placing, Step, Written};
 use crate::watch::{
@@ -21,12 +22,18 @@ use crate::watch::{
 
 pub(super) enum Message {
     Event(Event),
+    /// By the looker of this number; those of an earlier one looked by other settings.
+    Looked(u64, Looked),
+    Told(u64, Told),
+    Ended(u64, Outcome),
+}
+
+/// What the looker found.
+pub(super) enum Looked {
     Seen(PathBuf, Seen),
     Checked(PathBuf, Checked, String),
     Scanned(PathBuf, Option<Vec<(PathBuf, Stat)>>),
     Root(PathBuf, Option<Identity>),
-    Told(u64, Told),
-    Ended(u64, Outcome),
 }
 
 pub(super) enum Outcome {
@@ -71,6 +78,7 @@ pub(super) fn reporter(
 pub(super) fn start_looker(
     mut eyes: Eyes,
     settings: &WatchSettings,
+    number: u64,
     send: SyncSender<Message>,
 ) -> Sender<Action> {
     let (to_looker, tasks) = mpsc::channel::<Action>();
@@ -78,21 +86,21 @@ pub(super) fn start_looker(
     thread::spawn(move || {
         for task in tasks {
             let answer = match task {
-                Action::Look(path) => Message::Seen(path.clone(), stat_of(&path)),
+                Action::Look(path) => Looked::Seen(path.clone(), stat_of(&path)),
                 Action::Check(path) => {
                     let checked = read_settled(&path, end_mark);
                     let key = config_key(&path, &settings_key);
-                    Message::Checked(path, checked, key)
+                    Looked::Checked(path, checked, key)
                 }
-                Action::Scan(root) => Message::Scanned(root.clone(), eyes.scan(&root)),
-                Action::LookRoot(root) => Message::Root(root.clone(), identity_of(&root)),
+                Action::Scan(root) => Looked::Scanned(root.clone(), eyes.scan(&root)),
+                Action::LookRoot(root) => Looked::Root(root.clone(), identity_of(&root)),
                 Action::Rearm(root) => {
                     eyes.rearm(&root);
                     continue;
                 }
                 _ => continue,
             };
-            if send.send(answer).is_err() {
+            if send.send(Message::Looked(number, answer)).is_err() {
                 break;
             }
         }
@@ -126,6 +134,7 @@ fn work(disk: SharedDisk, task: &Task, run: &RunJob, send: &SyncSender<Message>)
         round: 0,
         asked: task.what.asked.clone(),
         earlier: Arc::default(),
+        results: PathBuf::new(),
     };
     let note = |step: &Step| {
         let time = rfc3339(SystemTime::now());
@@ -155,15 +164,31 @@ pub(super) fn open_journal(journal: &Mutex<Journal>) -> MutexGuard<'_, Journal> 
     journal.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What besides its bytes decides a drawing's results: the program, the command line, and the settings
-/// files of the drawing and of its folder.
+/// What besides its bytes decides a drawing's results: the program, the command line, what the settings files of
+/// the drawing and of its folder say of results, and the data that a scene keeps beside it.
 fn config_key(drawing: &Path, settings_key: &str) -> String {
     let mut text = format!("{}\n{settings_key}\n", env!("CARGO_PKG_VERSION"));
     for path in settings_files(drawing) {
-        let digest = fs::read(&path).map_or_else(|_| "-".into(), |bytes| sha256_hex(&bytes));
+        let said = what_decides(&fs::read(&path).unwrap_or_default());
+        text.push_str(&format!("{said}\n"));
+    }
+    let is_scene = drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf"));
+    let scene = if is_scene { fs::read(drawing).unwrap_or_default() } else { Vec::new() };
+    for name in outer_files(&scene).data {
+        let digest =
+            fs::read(drawing.with_file_name(name)).map_or_else(|_| "-".into(), |bytes| sha256_hex(&bytes));
         text.push_str(&format!("{digest}\n"));
     }
     sha256_hex(text.as_bytes())
+}
+
+/// Words for what a settings file says of results. One that cannot be read fails its jobs, each version anew.
+fn what_decides(bytes: &[u8]) -> String {
+    let read = std::str::from_utf8(bytes).ok().and_then(|text| Partial::from_toml("", text).ok());
+    read.map_or_else(
+        || sha256_hex(bytes),
+        |partial| sha256_hex(format!("{:?}", partial.deciding()).as_bytes()),
+    )
 }
 
 #[cfg(test)]
@@ -203,5 +228,44 @@ mod tests {
         fs::write(dir.path().join("sub/other.enfilade.toml"), b"seed = 1").unwrap();
         fs::write(dir.path().join("enfilade.toml"), b"seed = 1").unwrap();
         assert_eq!(Some(config_key(&drawing, "")), last);
+    }
+
+    /// What tells only how the folder is watched, how fast and where to makes no drawing new.
+    #[test]
+    fn the_key_of_a_job_holds_nothing_that_decides_no_result() {
+        let dir = tempfile::tempdir().unwrap();
+        let key = |text: &str| {
+            fs::write(dir.path().join("enfilade.toml"), text).unwrap();
+            config_key(&dir.path().join("plan.dxf"), "")
+        };
+        fs::remove_file(dir.path().join("enfilade.toml")).ok();
+        let without = config_key(&dir.path().join("plan.dxf"), "");
+        assert_eq!(key("# nothing yet\n[watch]\nquiet-secs = 2.0\n"), without);
+        let same = [
+            "seed = 1",
+            "# by hand\nseed = 1\n",
+            "seed = 1\nthreads = 2\nbackend = \"cpu\"\nout = \"r\"\n[watch]\nquiet-secs = 2.0\n",
+        ];
+        assert!(same.iter().all(|text| key(text) == key("seed = 1")));
+        let others = ["seed = 2", "seed = 1\nspacing = 0.5", "seed = ", "seed = x", ""];
+        let keys: std::collections::BTreeSet<String> = others.iter().map(|t| key(t)).collect();
+        assert!(keys.len() == others.len() && !keys.contains(&key("seed = 1")));
+    }
+
+    /// Data that come after their scene, or change, are a new job of it.
+    #[test]
+    fn the_key_of_a_scene_holds_its_data() {
+        let dir = tempfile::tempdir().unwrap();
+        let scene = dir.path().join("house.gltf");
+        fs::write(&scene, br#"{"buffers":[{"uri":"data/house%201.bin"},{"uri":"../other.bin"}]}"#).unwrap();
+        fs::create_dir(dir.path().join("data")).unwrap();
+        let mut keys = vec![config_key(&scene, "")];
+        for data in [b"a", b"b"] {
+            fs::write(dir.path().join("data/house 1.bin"), data).unwrap();
+            keys.push(config_key(&scene, ""));
+        }
+        assert!(keys[0] != keys[1] && keys[1] != keys[2] && keys[0] != keys[2]);
+        fs::write(dir.path().join("other.bin"), b"not named").unwrap();
+        assert_eq!(config_key(&scene, ""), keys[2]);
     }
 }

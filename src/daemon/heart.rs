@@ -10,16 +10,22 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
-use super::hands::{Message, Outcome, Task, Waiting, open_journal, reporter, start_looker, start_worker};
+mod renewal;
+
+use super::hands::{
+    Looked, Message, Outcome, Task, Waiting, open_journal, reporter, start_looker, start_worker,
+};
 use super::status::{SharedDisk, Standing, rfc3339, write_standing};
-use super::{Asked, Done, Notice, Order, RunJob, WatchSettings};
+use super::{Asked, Done, Notice, Order, Reread, RunJob, WatchSettings};
 use crate::config::settings_files;
 use crate::report::{Cancel, Error, Place, Problem, Severity};
 use crate::store::{
     Ended, FOLDER_OWNED, Journal, Lease, Ownership, Placing, STATE_FOLDER, Step, SystemDisk, present_folder,
     read_lease, refuse_nested, round_name, state_folder, write_json,
 };
-use crate::watch::{Action, Event, Eyes, Now, Settle, builtin_ignores, is_output_name, network_reason};
+use crate::watch::{
+    Action, Event, Eyes, Now, Settle, builtin_ignores, is_data, is_output_name, network_reason,
+};
 
 /// Reports of the system waiting to be read; more mean "look at everything" (hazards 8 and 15).
 /// The room for them is taken at once, so it is part of what an idle daemon holds.
@@ -67,6 +73,8 @@ struct State {
 
 struct Root {
     path: PathBuf,
+    /// Why its events cannot be trusted; `None`: they can.
+    unheard: Option<String>,
     how: String,
     is_offline: bool,
     state: Option<State>,
@@ -85,13 +93,19 @@ pub(super) struct Heart {
     queue: VecDeque<Waiting>,
     running: Option<Running>,
     failed: BTreeMap<PathBuf, Problem>,
+    /// The first of those left alone, and why.
     ignored: BTreeMap<PathBuf, String>,
+    ignored_count: u64,
     done_count: u64,
     next_id: u64,
     send: SyncSender<Message>,
     inbox: Receiver<Message>,
     is_flooded: Arc<AtomicBool>,
     to_looker: Sender<Action>,
+    /// Number of the looker whose answers count.
+    looker: u64,
+    /// Whether a root's own settings have changed since they were read.
+    is_settings_stale: bool,
     to_worker: Sender<Task>,
     start: Instant,
     since: String,
@@ -117,7 +131,7 @@ impl Heart {
         let is_flooded = Arc::new(AtomicBool::new(false));
         let report = reporter(send.clone(), is_flooded.clone());
         let eyes = Eyes::new(roots, &is_network, settings, report)?;
-        let to_looker = start_looker(eyes, settings, send.clone());
+        let to_looker = start_looker(eyes, settings, 0, send.clone());
         let disk: SharedDisk = Arc::new(SystemDisk);
         let to_worker = start_worker(disk.clone(), run.clone(), send.clone());
         let mut heart = Self {
@@ -133,12 +147,15 @@ impl Heart {
             running: None,
             failed: BTreeMap::new(),
             ignored: BTreeMap::new(),
+            ignored_count: 0,
             done_count: 0,
             next_id: 0,
             send,
             inbox,
             is_flooded,
             to_looker,
+            looker: 0,
+            is_settings_stale: false,
             to_worker,
             start: Instant::now(),
             since: rfc3339(SystemTime::now()),
@@ -157,8 +174,8 @@ impl Heart {
                 }
                 Err(error) => return Err(error),
             };
-            let how = how_watched(settings, reason);
-            heart.roots.push(Root { path: path.clone(), how, is_offline: false, state });
+            let how = how_watched(settings, reason.as_deref());
+            heart.roots.push(Root { path: path.clone(), unheard: reason, how, is_offline: false, state });
         }
         Ok(heart)
     }
@@ -177,7 +194,12 @@ impl Heart {
     }
 
     /// The loop, until `stop` or until another daemon has taken a folder.
-    pub(super) fn beat_until(mut self, show: &mut dyn FnMut(Notice), stop: &Cancel) -> Result<(), Error> {
+    pub(super) fn beat_until(
+        mut self,
+        reread: &mut Reread<'_>,
+        show: &mut dyn FnMut(Notice),
+        stop: &Cancel,
+    ) -> Result<(), Error> {
         for root in &self.roots {
             show(Notice::Watching { root: root.path.clone(), how: root.how.clone() });
         }
@@ -198,6 +220,9 @@ impl Heart {
             if let Err(error) = self.turn(show, stop) {
                 self.leave(show);
                 return Err(error);
+            }
+            if std::mem::take(&mut self.is_settings_stale) {
+                self.renew(reread, show);
             }
         }
         self.leave(show);
@@ -230,10 +255,11 @@ impl Heart {
         let now = self.start.elapsed();
         match message {
             Message::Event(event) => self.settle.on_event(now, event),
-            Message::Seen(path, seen) => self.settle.on_stat(now, &path, seen),
-            Message::Scanned(root, found) => self.settle.on_scan(now, &root, found),
-            Message::Root(root, identity) => self.settle.on_root(now, &root, identity),
-            Message::Checked(path, checked, key) => {
+            Message::Looked(number, _) if number != self.looker => {}
+            Message::Looked(_, Looked::Seen(path, seen)) => self.settle.on_stat(now, &path, seen),
+            Message::Looked(_, Looked::Scanned(root, found)) => self.settle.on_scan(now, &root, found),
+            Message::Looked(_, Looked::Root(root, identity)) => self.settle.on_root(now, &root, identity),
+            Message::Looked(_, Looked::Checked(path, checked, key)) => {
                 self.keys.insert(path.clone(), key);
                 self.settle.on_check(now, &path, checked);
             }
@@ -266,8 +292,9 @@ impl Heart {
             Action::Ignored { path, why } => {
                 if self.ignored.len() < MAX_LISTED {
                     self.ignored.insert(path.clone(), why.clone());
-                    self.is_overview_stale = true;
                 }
+                self.ignored_count += 1;
+                self.is_overview_stale = true;
                 show(Notice::Ignored { path, why });
             }
             Action::Offline(root) => self.set_offline(root, true, show),
@@ -280,11 +307,18 @@ impl Heart {
         }
     }
 
-    /// A side-car concerns its drawing, a folder's settings the drawings in it.
+    /// A side-car concerns its drawing, a folder's settings the drawings in it, data the scenes in and above its folder.
     fn settings_changed(&mut self, path: &Path) {
         let now = self.start.elapsed();
-        let drawings = self.settle.settled_below(path.parent().unwrap_or(path));
-        for drawing in drawings.iter().filter(|d| settings_files(d).iter().any(|f| f == path)) {
+        let is_of_root = |r: &Root| settings_files(&r.path.join("any"))[1] == path;
+        self.is_settings_stale |= self.roots.iter().any(is_of_root);
+        let is_above = |d: &Path| d.parent().is_some_and(|folder| path.starts_with(folder));
+        let is_scene = |d: &Path| d.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf"));
+        let is_its_data = |d: &Path| is_data(path) && is_scene(d) && is_above(d);
+        let drawings = self.settle.settled_drawings();
+        for drawing in
+            drawings.iter().filter(|d| is_its_data(d) || settings_files(d).iter().any(|f| f == path))
+        {
             self.settle.again(now, drawing);
         }
     }
@@ -356,6 +390,10 @@ impl Heart {
             return show(Notice::Ignored { path: drawing, why });
         }
         self.contents.insert(drawing.clone(), (sha256.clone(), config.clone()));
+        let is_it = |w: &Waiting| w.drawing == drawing && w.sha256 == sha256 && w.config == config;
+        if self.queue.iter().any(|w| is_it(w) && w.not_before.is_none()) {
+            return;
+        }
         self.queue.retain(|w| w.drawing != drawing);
         if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
             if running.what.sha256 == sha256 && running.what.config == config && !running.cancel.is_stopped()
@@ -658,6 +696,7 @@ impl Heart {
             "failed": failed,
             "failed_count": self.failed.len(),
             "ignored": ignored,
+            "ignored_count": self.ignored_count,
             "ignore_rules": rules,
         })
     }
@@ -711,7 +750,7 @@ impl Running {
     }
 }
 
-fn how_watched(settings: &WatchSettings, reason: Option<String>) -> String {
+fn how_watched(settings: &WatchSettings, reason: Option<&str>) -> String {
     match reason {
         Some(why) => format!("polled every {} s: {why}", settings.poll_secs),
         None if settings.poll => format!("polled every {} s: asked for", settings.poll_secs),

@@ -60,7 +60,8 @@ pub(super) fn perform(
     };
     desk.write("running", None, None, None)?;
     let earlier = Arc::new(home.memory());
-    let numbered = JobRequest { round: home.next_round(), earlier, ..request.clone() };
+    let (round, results) = (home.next_round(), home.folder().into());
+    let numbered = JobRequest { round, earlier, results, ..request.clone() };
     let output = catch_unwind(AssertUnwindSafe(|| run(&numbered, &mut |event| desk.take(event), cancel)))
         .unwrap_or_else(|payload| Err(panicked(request, &*payload)));
     if let Some(error) = desk.refused.take() {

@@ -40,6 +40,8 @@ pub struct JobRequest {
     pub asked: Asked,
     /// What a job on this drawing kept before it was killed; known once the job runs, empty before.
     pub earlier: Arc<Vec<u8>>,
+    /// Its result folder; known once the job runs, empty before.
+    pub results: PathBuf,
 }
 
 /// What a user asks of one round; where it says nothing, the settings hold.
@@ -109,6 +111,10 @@ pub struct JobOutput {
 pub type RunJob =
     dyn Fn(&JobRequest, &mut dyn FnMut(JobEvent), &Cancel) -> Result<JobOutput, Error> + Send + Sync;
 
+/// Reads the daemon's settings again, for one of the watched folders' own files has changed; `None` where what
+/// was read before holds.
+pub type Reread<'a> = dyn FnMut() -> Result<Option<WatchSettings>, Error> + 'a;
+
 /// A finished job.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Done {
@@ -132,6 +138,8 @@ pub enum Notice {
         /// By events, or by polling and why.
         how: String,
     },
+    /// The daemon's own settings were changed in this file, and hold from now on.
+    Renewed(PathBuf),
     /// A root is out of reach; it is looked for.
     Offline(PathBuf),
     /// A root is back.
@@ -214,6 +222,7 @@ impl fmt::Display for Notice {
         let name = |path: &Path| one_line(&path.to_string_lossy());
         match self {
             Self::Watching { root, how } => write!(f, "watching {} ({how})", name(root)),
+            Self::Renewed(file) => write!(f, "{}: what it says of watching holds from now on", name(file)),
             Self::Offline(root) => write!(f, "{} is out of reach; waiting for it", name(root)),
             Self::Online(root) => write!(f, "{} is back", name(root)),
             Self::Ignored { path, why } => write!(f, "{} is left alone: {why}", name(path)),
@@ -250,23 +259,24 @@ pub fn watch(
     stop: &Cancel,
 ) -> Result<(), Error> {
     // Nobody orders: the other end is gone from the start.
-    watch_with_orders(roots, settings, run, mpsc::channel().1, show, stop)
+    watch_with_orders(roots, settings, &mut || Ok(None), run, mpsc::channel().1, show, stop)
 }
 
-/// [`watch()`], and takes a user's orders meanwhile.
+/// [`watch()`], and takes a user's orders and changed settings meanwhile.
 ///
 /// # Errors
 /// As [`watch()`].
 pub fn watch_with_orders(
     roots: &[PathBuf],
     settings: &WatchSettings,
+    reread: &mut Reread<'_>,
     run: Arc<RunJob>,
     orders: mpsc::Receiver<Order>,
     show: &mut dyn FnMut(Notice),
     stop: &Cancel,
 ) -> Result<(), Error> {
     let roots = watch::canonical_roots(roots, settings.force)?;
-    heart::Heart::start(&roots, settings, run, orders, stop)?.beat_until(show, stop)
+    heart::Heart::start(&roots, settings, run, orders, stop)?.beat_until(reread, show, stop)
 }
 
 /// How often a file that changes while it is read is read again before giving up.
@@ -294,6 +304,7 @@ pub fn run_once(
         round: 0,
         asked: Asked::default(),
         earlier: Arc::default(),
+        results: PathBuf::new(),
     };
     show(Notice::Started(path.clone()));
     let mut tell = |told: job::Told| show(told.notice(&path));

@@ -3,6 +3,7 @@
 
 mod owners;
 mod refusals;
+mod renewal;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -61,6 +62,19 @@ impl Daemon {
         + Sync
         + 'static,
     ) -> Self {
+        Self::start_reading(settings, |_| Ok(None), prepare, run)
+    }
+
+    /// One whose own settings can change; they are read from its root.
+    fn start_reading(
+        settings: WatchSettings,
+        mut reread: impl FnMut(&Path) -> Result<Option<WatchSettings>, Error> + Send + 'static,
+        prepare: impl FnOnce(&Path),
+        run: impl Fn(&JobRequest, &mut dyn FnMut(JobEvent), &Cancel) -> Result<JobOutput, Error>
+        + Send
+        + Sync
+        + 'static,
+    ) -> Self {
         let dir = tempfile::tempdir().unwrap();
         let root = fs::canonicalize(dir.path()).unwrap().join("w");
         fs::create_dir(&root).unwrap();
@@ -76,7 +90,9 @@ impl Daemon {
         let (roots, words, stopping) = ([root.clone()], said.clone(), stop.clone());
         let thread = thread::spawn(move || {
             let mut show = |notice: Notice| words.lock().unwrap().push(format!("{notice:?}"));
-            watch(&roots, &settings, run, &mut show, &stopping)
+            let mut reread = || reread(&roots[0]);
+            let orders = mpsc::channel().1;
+            watch_with_orders(&roots, &settings, &mut reread, run, orders, &mut show, &stopping)
         });
         let daemon = Self { root, _dir: dir, stop, said, jobs, thread: Some(thread) };
         daemon.await_said("Watching", 1);

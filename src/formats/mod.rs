@@ -8,7 +8,7 @@ mod region;
 mod splice;
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::plan::drawing::{Addition, Drawing, Edit, Format, SourceRef};
@@ -28,8 +28,10 @@ pub struct ReadOptions {
     pub is_by_user: bool,
     /// The IFC that a glTF was made from: it knows classes and storeys by `GlobalId`.
     pub twin: Option<Arc<[u8]>>,
-    /// Files of data beside a `.gltf`, by name ([`gltf::files_of`]).
+    /// Files of data beside a scene, by name ([`gltf::outer_files`]).
     pub buffers: BTreeMap<String, Arc<[u8]>>,
+    /// Pictures beside a scene, by name.
+    pub pictures: BTreeSet<String>,
 }
 
 /// A storey of a building.
@@ -57,6 +59,7 @@ impl ReadOptions {
             classes: twin.classes,
             storeys: twin.storeys,
             buffers: self.buffers.clone(),
+            pictures: self.pictures.clone(),
         }
     }
 

@@ -50,6 +50,48 @@ const BESIDE_M: f64 = 0.06;
 /// How far inside both sides of a wall must lie to be interior.
 const INSIDE_M: f64 = 0.3;
 
+/// Why a straight wall does not slide by default.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Stays {
+    /// One side of it lies outside.
+    Outer,
+    /// Thicker than [`PARTITION_THICKNESS_MAX_M`]: it carries.
+    Thick,
+    /// It ends at no wall along which it could slide.
+    Unheld,
+    /// A joint of it would open or bend.
+    Joined,
+    /// One of its lines cannot be changed point by point.
+    Unwritable,
+    /// Something stands in it or at it.
+    Occupied,
+    /// The next wall or joint is too near.
+    Narrow,
+}
+
+impl Stays {
+    /// In plain words, after a number.
+    fn words(self) -> &'static str {
+        match self {
+            Self::Outer => "outer",
+            Self::Thick => "thick enough to carry",
+            Self::Unheld => "without a wall to slide along",
+            Self::Joined => "whose joints would open or bend",
+            Self::Unwritable => "that cannot be changed (locked, or in a block)",
+            Self::Occupied => "with something standing at them",
+            Self::Narrow => "with too little room beside them",
+        }
+    }
+}
+
+/// How many straight walls stay by default, and why, in plain words; empty for none.
+pub(super) fn told(stays: &[Stays]) -> String {
+    let mut counts: BTreeMap<Stays, usize> = BTreeMap::new();
+    stays.iter().for_each(|s| *counts.entry(*s).or_default() += 1);
+    let parts: Vec<String> = counts.iter().map(|(s, n)| format!("{n} {}", s.words())).collect();
+    if parts.is_empty() { String::new() } else { format!("straight walls: {}", parts.join(", ")) }
+}
+
 /// A set of nodes that may slide.
 pub(super) struct Sliding {
     /// Nodes of the graph, ascending.
@@ -140,11 +182,18 @@ impl<'a> Axial<'a> {
         self.at_node[node as usize].iter().map(|i| (*i, &self.axes.edges[*i as usize]))
     }
 
-    /// Partitions that may slide across their length, the longest first.
-    pub fn partitions(&self) -> Vec<Sliding> {
-        let mut out: Vec<Sliding> = self.chains().iter().filter_map(|c| self.partition(c)).collect();
-        out.sort_by(|a, b| b.size.total_cmp(&a.size).then_with(|| a.nodes.cmp(&b.nodes)));
-        out
+    /// Partitions that may slide across their length, the longest first; and why the other straight walls stay.
+    pub fn partitions(&self) -> (Vec<Sliding>, Vec<Stays>) {
+        let (mut out, mut stays) = (Vec::new(), Vec::new());
+        let chains = self.chains();
+        for chain in chains.iter().filter(|c| c.to - c.from >= PARTITION_LENGTH_MIN_M) {
+            match self.partition(chain) {
+                Ok(sliding) => out.push(sliding),
+                Err(why) => stays.push(why),
+            }
+        }
+        out.sort_by(|a: &Sliding, b| b.size.total_cmp(&a.size).then_with(|| a.nodes.cmp(&b.nodes)));
+        (out, stays)
     }
 
     /// Door gaps that may slide along their wall, from left to right.
@@ -204,39 +253,40 @@ impl<'a> Axial<'a> {
         self.interior.depth_m(self.plan.frame.um_from_plan(p * scale)) > INSIDE_M * scale
     }
 
-    fn partition(&self, chain: &Chain) -> Option<Sliding> {
+    fn partition(&self, chain: &Chain) -> Result<Sliding, Stays> {
         let length = chain.to - chain.from;
-        if length < PARTITION_LENGTH_MIN_M || chain.thickness > PARTITION_THICKNESS_MAX_M {
-            return None;
+        if chain.thickness > PARTITION_THICKNESS_MAX_M {
+            return Err(Stays::Thick);
         }
         let side = chain.thickness / 2.0 + 0.35;
         let is_inside = [0.2, 0.5, 0.8]
             .iter()
             .all(|t| [-side, side].iter().all(|y| self.is_inside(chain.world(chain.from + length * t, *y))));
         if !is_inside {
-            return None;
+            return Err(Stays::Outer);
         }
         let direction = chain.along.perp();
         let mut oblique = BTreeSet::new();
         let joint = self.joint_way(chain, &mut oblique)?;
-        let handles = self.corners(chain)?;
-        let nodes = self.nodes(&handles)?;
+        let handles = self.corners(chain).ok_or(Stays::Joined)?;
+        let nodes = self.nodes(&handles).ok_or(Stays::Unwritable)?;
         let direction = self.along_stretched(&nodes, direction);
-        let stretch = self.stretch(&nodes, direction, &oblique)?;
-        let free = self.free_way(chain, &nodes, &oblique)?;
+        let stretch = self.stretch(&nodes, direction, &oblique).ok_or(Stays::Joined)?;
+        let free = self.free_way(chain, &nodes, &oblique).ok_or(Stays::Occupied)?;
         let lo = stretch[0].max(free[0]).max(joint[0]).max(-PARTITION_SLIDE_M);
         let hi = stretch[1].min(free[1]).min(joint[1]).min(PARTITION_SLIDE_M);
         let (lo, hi) = ((lo.min(0.0) * 1e2).ceil() / 1e2, (hi.max(0.0) * 1e2).floor() / 1e2);
-        (hi - lo >= 2.0 * SLIDE_MIN_M).then(|| {
-            let (direction, is_turned) = upright(direction);
-            let way = if is_turned { [-hi, -lo] } else { [lo, hi] };
-            Sliding {
-                nodes,
-                direction,
-                way: way.map(|v| v * self.plan.human_scale),
-                at: chain.world(f64::midpoint(chain.from, chain.to), 0.0),
-                size: length,
-            }
+        if hi - lo < 2.0 * SLIDE_MIN_M {
+            return Err(Stays::Narrow);
+        }
+        let (direction, is_turned) = upright(direction);
+        let way = if is_turned { [-hi, -lo] } else { [lo, hi] };
+        Ok(Sliding {
+            nodes,
+            direction,
+            way: way.map(|v| v * self.plan.human_scale),
+            at: chain.world(f64::midpoint(chain.from, chain.to), 0.0),
+            size: length,
         })
     }
 
@@ -308,17 +358,17 @@ impl<'a> Axial<'a> {
     }
 
     /// How far the joints at a chain's nodes let it slide: the walls that it ends at run across it, and the
-    /// next joint on them stays. `None` where a wall leaves it at another angle and does not go straight on
+    /// next joint on them stays. An error where a wall leaves it at another angle and does not go straight on
     /// beyond it, or it ends at a column. The faces of walls at another angle are added to `oblique`: the
     /// joint is mitred anew.
-    fn joint_way(&self, chain: &Chain, oblique: &mut BTreeSet<FaceRef>) -> Option<[f64; 2]> {
+    fn joint_way(&self, chain: &Chain, oblique: &mut BTreeSet<FaceRef>) -> Result<[f64; 2], Stays> {
         let mut way = [f64::MIN, f64::MAX];
         let nodes: BTreeSet<u32> =
             chain.edges.iter().flat_map(|e| self.axes.edges[*e as usize].nodes).collect();
         let mut is_held = false;
         for n in nodes {
             if matches!(self.axes.nodes[n as usize].kind, NodeKind::Column(_)) {
-                return None;
+                return Err(Stays::Joined);
             }
             for (_, e) in self.around(n).filter(|(i, _)| !chain.edges.contains(i)) {
                 let other = e.nodes[usize::from(e.nodes[0] == n)];
@@ -329,7 +379,7 @@ impl<'a> Axial<'a> {
                 if !is_across {
                     let sin = to.normalize_or_zero().perp_dot(chain.along).abs();
                     if e.bulge != 0.0 || sin < CROSSING_MIN_RAD.sin() || !self.goes_on(n, e) {
-                        return None;
+                        return Err(Stays::Joined);
                     }
                     oblique.extend(e.left.iter().chain(&e.right));
                 }
@@ -338,7 +388,7 @@ impl<'a> Axial<'a> {
                 if y > 0.0 { way[1] = way[1].min(y - rest) } else { way[0] = way[0].max(y + rest) }
             }
         }
-        is_held.then_some(way)
+        if is_held { Ok(way) } else { Err(Stays::Unheld) }
     }
 
     /// Whether a wall goes straight on beyond a node: a drawn face of it belongs to both its parts.

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::axial::{Axial, Sliding};
+use super::axial::{Axial, Sliding, Stays, told};
 use crate::plan::axes::{AxisGraph, Jamb, OpeningKind};
 use crate::plan::drawing::{Editable, SourceRef};
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M, segments_touch};
@@ -55,12 +55,13 @@ pub(super) struct Piece {
 }
 
 /// Groups for [`super::Moves::new`]: elements, the largest first, walls that slide between others, the
-/// longest first, then doors from left to right.
+/// longest first, then doors from left to right. `infill`: what is drawn between walls, drawing frame; a wall at
+/// which such a line ends holds it, and is no element.
 pub fn groups(
     plan: &Plan,
     graph: &Graph,
     axes: &AxisGraph,
-    interior: &Interior,
+    (interior, infill): (&Interior, &[Segment]),
     report: &mut Report,
 ) -> Vec<(Group, Vec<u32>)> {
     let pieces = pieces(plan, graph);
@@ -74,14 +75,15 @@ pub fn groups(
         return Vec::new();
     }
     let neighbours = Neighbours::new(&pieces);
-    let held = walls_at_openings(axes);
+    let mut held = walls_at_openings(axes);
+    held.extend(walls_at_infill(plan, infill, &pieces, &neighbours));
     let (elements, posts) = elements(plan, graph, interior, &held, &pieces, &neighbours);
     let axial = Axial::new(plan, graph, axes, interior, (&pieces, &neighbours));
     let mut doors = axial.doors();
     let taken: BTreeSet<u32> = doors.iter().flat_map(|d| d.nodes.clone()).collect();
     let simple = simple_doors(plan, graph, axes, interior, (&pieces, &neighbours));
     doors.extend(simple.into_iter().filter(|d| d.nodes.iter().all(|n| !taken.contains(n))));
-    let sliding = axial.partitions();
+    let (sliding, stays) = axial.partitions();
     let named = |list: Vec<Sliding>, word: &str| -> Vec<(Group, Vec<u32>)> {
         let group = |(i, s): (usize, Sliding)| s.group(plan, graph, format!("{word}-{}", i + 1));
         list.into_iter().enumerate().map(group).collect()
@@ -103,23 +105,36 @@ pub fn groups(
         n => format!("; {n} posts up to {} m stay", POST_MAX_M * plan.human_scale),
     };
     let text = match found {
-        (0, 0) if sliding == 0 => "no EF-MOVE, and neither free-standing elements nor sliding walls nor door gaps were found: the present \
-                   layout is measured; to say what may move, draw a closed polyline on layer EF-MOVE round wall ends and a text \
-                   inside it such as `x -1 1; y -1 1`"
-            .to_string()
-            + &standing,
+        (0, 0) if sliding == 0 => nothing_moves(&stays) + &standing,
         (e, d) => format!(
             "no EF-MOVE: {e} free-standing elements (±{} m, ±{TURN_DEG}°) and {d} door gaps (±{} m along their wall){} \
-             were found, {} of them with {parameters} parameters may move (at most {PARAMETERS_MAX}){standing}; EF-MOVE \
-             says it better, EF-KEEP holds things still",
+             were found, {} of them with {parameters} parameters may move (at most {PARAMETERS_MAX}), none through another \
+             wall{standing}; EF-MOVE says it better, EF-KEEP holds things still",
             SHIFT_M * plan.human_scale,
             SLIDE_M * plan.human_scale,
-            if sliding == 0 { String::new() } else { format!(" and {sliding} walls that can slide between others") },
+            if sliding == 0 {
+                String::new()
+            } else {
+                format!(" and {sliding} walls that can slide between others")
+            },
             out.len()
         ),
     };
     report.info("default-moves", place, text);
     out
+}
+
+/// What to do where nothing moves by default, and why nothing does.
+fn nothing_moves(stays: &[Stays]) -> String {
+    let why = match told(stays) {
+        none if none.is_empty() => "no thick straight wall was found".to_string(),
+        told => told,
+    };
+    format!(
+        "nothing may move, the present layout is measured: draw a closed polyline on layer EF-MOVE round the wall ends \
+         that may move, with a text inside it such as `x -1 1; y -1 1` (no EF-MOVE in the drawing, no free-standing \
+         element or door gap in it; {why})"
+    )
 }
 
 /// In which directions each node moves already. A node may move twice, at right angles: a wall that
@@ -232,6 +247,23 @@ fn walls_at_openings(axes: &AxisGraph) -> BTreeSet<u32> {
     edges.extend(ends.map(|(i, _)| i as u32));
     let edges = edges.into_iter().map(|e| &axes.edges[e as usize]);
     edges.flat_map(|e| e.left.iter().chain(&e.right).chain(&e.inner)).map(|f| f.0).collect()
+}
+
+/// Walls at which glass, a window or a leaf ends.
+fn walls_at_infill<'a>(
+    plan: &Plan,
+    infill: &[Segment],
+    pieces: &'a [Piece],
+    neighbours: &'a Neighbours,
+) -> impl Iterator<Item = u32> + use<'a> {
+    let scale = plan.human_scale;
+    let ends: Vec<DVec2> =
+        infill.iter().flat_map(|s| [s.a, s.b]).map(|p| plan.frame.plan_from_um(p) / scale).collect();
+    ends.into_iter().flat_map(move |p| {
+        let end = Piece { wall: u32::MAX, nodes: [u32::MAX; 2], a: p, b: p };
+        let near = neighbours.around(p, p).map(|j| &pieces[j as usize]);
+        near.filter(move |q| distance(&end, q) <= TOUCH_M).map(|q| q.wall).collect::<Vec<_>>()
+    })
 }
 
 /// Free-standing elements, the largest first, and the number of posts, which stay.

@@ -10,10 +10,10 @@ use super::mitre::{CROSSING_MIN_RAD, Refusal};
 use super::with_points;
 use crate::plan::curve::control_points;
 use crate::plan::drawing::{Editable, RigidMotion, Shape};
-use crate::plan::geometry::{Segment, UM_PER_M};
+use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 use crate::plan::graph::{Graph, Handle};
 use crate::plan::markers::Kind;
-use crate::plan::{Plan, Wall};
+use crate::plan::{Plan, Plug, Wall};
 
 /// An end of a wall this near to another wall is joined to it.
 const JOINT_M: f64 = 0.02;
@@ -43,13 +43,43 @@ pub(super) struct Follower {
     normal: DVec2,
 }
 
+/// Outlines and plugs of a plan by the record of their wall.
+pub(super) struct ByRecord<'p> {
+    walls: BTreeMap<usize, Vec<&'p Wall>>,
+    plugs: BTreeMap<usize, Vec<&'p Plug>>,
+}
+
+impl<'p> ByRecord<'p> {
+    /// Of all walls.
+    pub fn new(plan: &'p Plan) -> Self {
+        let mut out = Self { walls: BTreeMap::new(), plugs: BTreeMap::new() };
+        plan.walls.iter().for_each(|w| out.walls.entry(w.source.record).or_default().push(w));
+        plan.plugs.iter().for_each(|p| out.plugs.entry(p.host).or_default().push(p));
+        out
+    }
+
+    fn walls(&self, record: usize) -> impl Iterator<Item = &'p Wall> {
+        self.walls.get(&record).into_iter().flatten().copied()
+    }
+
+    /// What closes the openings of a wall.
+    pub fn plugs(&self, record: usize) -> impl Iterator<Item = &'p Plug> {
+        self.plugs.get(&record).into_iter().flatten().copied()
+    }
+}
+
 /// How far walls that end at one that slides let it go along a direction and against it, metres.
-pub(super) fn room_beside(plan: &Plan, followers: &[Follower], direction: DVec2) -> [f64; 2] {
+pub(super) fn room_beside(
+    plan: &Plan,
+    by_record: &ByRecord<'_>,
+    followers: &[Follower],
+    direction: DVec2,
+) -> [f64; 2] {
     let mut out = [f64::INFINITY; 2];
     for f in followers {
         let inward = if f.end == 0 { f.along } else { -f.along };
         let side = usize::from(inward.dot(direction) < 0.0);
-        for wall in plan.walls.iter().filter(|w| w.source.record == f.record) {
+        for wall in by_record.walls(f.record) {
             let rooms = rooms(plan, wall, f.along);
             // Another wall may ask for the other half.
             let half = rooms.whole.map(|r| (r - REST_M) / 2.0);
@@ -69,6 +99,12 @@ impl Follower {
             return shift.dot(self.along);
         }
         shift.dot(self.normal) / across
+    }
+
+    /// Where its control points stand.
+    pub fn corners(&self, plan: &Plan) -> Vec<PointUm> {
+        let at = |h: &Handle| control_points(&plan.walls[h.0 as usize].shape)[h.1 as usize];
+        self.handles.iter().map(|h| plan.frame.um_from_file(at(h))).collect()
     }
 
     /// Whether its group ever shifts it.
@@ -120,14 +156,14 @@ impl Joined {
         if moving.groups.is_empty() {
             return Ok(out);
         }
-        let ends = ends(plan);
+        let (ends, by_record) = (ends(plan), ByRecord::new(plan));
         let turning = turning_records(plan, moving);
         for group in 0..moving.groups.len() {
             let own = records(plan, moving, group);
             if own.iter().any(|r| turning.contains(r)) {
                 continue;
             }
-            let walls: Vec<Followed> = own.iter().filter_map(|r| Followed::new(plan, *r)).collect();
+            let walls: Vec<Followed> = own.iter().filter_map(|r| Followed::new(&by_record, *r)).collect();
             for end in ends.iter().filter(|e| !own.contains(&e.record) && !turning.contains(&e.record)) {
                 if out.followers.iter().any(|f| (f.record, f.end) == (end.record, end.end)) {
                     continue;
@@ -136,7 +172,8 @@ impl Joined {
                 if end.handles.iter().any(|h| is_kept(node(h))) {
                     continue;
                 }
-                let Some(wall) = walls.iter().find(|w| w.is_joined_by(plan, end)) else { continue };
+                let at = end.corners(plan);
+                let Some(wall) = walls.iter().find(|w| w.is_joined_at(&at)) else { continue };
                 let follower = Follower { group, normal: wall.normal, ..end.clone() };
                 if follower.is_moved(moving) {
                     out.followers.push(follower);
@@ -311,10 +348,10 @@ pub(super) struct Followed {
 
 impl Followed {
     /// The outlines of a record.
-    pub fn new(plan: &Plan, record: usize) -> Option<Self> {
+    pub fn new(by_record: &ByRecord<'_>, record: usize) -> Option<Self> {
         // A door at its end stands between it and what ends there.
-        let plugs = plan.plugs.iter().filter(|p| p.host == record).map(|p| &p.outline);
-        let own = plan.walls.iter().filter(|w| w.source.record == record).map(|w| &w.trace);
+        let plugs = by_record.plugs(record).map(|p| &p.outline);
+        let own = by_record.walls(record).map(|w| &w.trace);
         let pieces: Vec<Segment> = own.chain(plugs).flat_map(|t| t.segments().map(|s| s.2)).collect();
         let run = |s: &Segment| DVec2::new((s.b[0] - s.a[0]) as f64, (s.b[1] - s.a[1]) as f64);
         let longest = pieces.iter().map(run).max_by(|a, b| a.length().total_cmp(&b.length()))?;
@@ -326,11 +363,8 @@ impl Followed {
         Some(Self { normal: longest.try_normalize()?.perp(), box_um, pieces })
     }
 
-    /// Whether an end stands at this wall.
-    pub fn is_joined_by(&self, plan: &Plan, end: &Follower) -> bool {
-        let at = |h: &Handle| {
-            plan.frame.um_from_file(control_points(&plan.walls[h.0 as usize].shape)[h.1 as usize])
-        };
+    /// Whether an end with these corners stands at this wall.
+    pub fn is_joined_at(&self, corners: &[PointUm]) -> bool {
         let far = |s: &Segment, p: [i64; 2]| {
             let v = |q: [i64; 2]| DVec2::new((q[0] - s.a[0]) as f64, (q[1] - s.a[1]) as f64) * 1e-6;
             let (d, q) = (v(s.b), v(p));
@@ -338,6 +372,6 @@ impl Followed {
             q.distance(d * t)
         };
         let is_near = |p: &[i64; 2]| (0..2).all(|k| (self.box_um[0][k]..=self.box_um[1][k]).contains(&p[k]));
-        end.handles.iter().map(at).filter(is_near).any(|p| self.pieces.iter().any(|s| far(s, p) <= JOINT_M))
+        corners.iter().copied().filter(is_near).any(|p| self.pieces.iter().any(|s| far(s, p) <= JOINT_M))
     }
 }

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use glam::DVec2;
 
 use super::defaults::{SLIDE_MIN_M, TOUCH_M};
-use super::joined::{Followed, Follower, ends, room_beside};
+use super::joined::{ByRecord, Followed, Follower, ends, room_beside};
 use crate::plan::geometry::{PointUm, Segment, segments_touch};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
@@ -53,9 +53,9 @@ type Found = (f64, Group, Vec<u32>, Vec<End>);
 /// Groups of one clause each, the longest partition first.
 pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec<(Group, Vec<u32>)> {
     let mut found: Vec<Found> = Vec::new();
-    let drawn = Drawn::new(plan);
-    for element in elements(plan) {
-        let (from, to) = way(plan, interior, &drawn, &element);
+    let (drawn, by_record) = (Drawn::new(plan), ByRecord::new(plan));
+    for element in elements(plan, &by_record) {
+        let (from, to) = way(plan, interior, (&drawn, &by_record), &element);
         if to - from < SLIDE_MIN_M * plan.human_scale {
             continue;
         }
@@ -115,50 +115,66 @@ impl Drawn {
         Self { pieces, widest }
     }
 
-    /// The pieces of other records that reach into a box.
+    /// The pieces of other records that reach into a box, each place once.
     fn near(&self, [lo, hi]: [PointUm; 2], but: impl Fn(usize) -> bool) -> Vec<Segment> {
         let from = self.pieces.partition_point(|(_, s)| s.a[0].min(s.b[0]) < lo[0] - self.widest);
         let in_x = self.pieces[from..].iter().take_while(|(_, s)| s.a[0].min(s.b[0]) <= hi[0]);
         let is_near = |s: &Segment| {
             s.a[0].max(s.b[0]) >= lo[0] && s.a[1].max(s.b[1]) >= lo[1] && s.a[1].min(s.b[1]) <= hi[1]
         };
-        in_x.filter(|(record, s)| is_near(s) && !but(*record)).map(|(_, s)| *s).collect()
+        let mut out: Vec<Segment> =
+            in_x.filter(|(record, s)| is_near(s) && !but(*record)).map(|(_, s)| *s).collect();
+        out.sort_unstable();
+        out.dedup();
+        out
     }
 }
 
 /// Elements of several outlines or one that are long and thin.
-fn elements(plan: &Plan) -> Vec<Element> {
-    let mut by_record: std::collections::BTreeMap<usize, Vec<u32>> = std::collections::BTreeMap::new();
+fn elements(plan: &Plan, by_record: &ByRecord<'_>) -> Vec<Element> {
+    let mut movable: std::collections::BTreeMap<usize, Vec<u32>> = std::collections::BTreeMap::new();
     for (w, wall) in plan.walls.iter().enumerate() {
         if wall.editable.moves_whole() {
-            by_record.entry(wall.source.record).or_default().push(w as u32);
+            movable.entry(wall.source.record).or_default().push(w as u32);
         }
     }
-    let ends = ends(plan);
-    let found = by_record.into_iter().filter_map(|(record, walls)| {
-        let element = element(plan, walls)?;
-        Some(Element { followers: followers(plan, &ends, record, element.along.perp()), ..element })
+    let ends: Vec<(Follower, Vec<PointUm>)> = ends(plan)
+        .into_iter()
+        .map(|e| {
+            let corners = e.corners(plan);
+            (e, corners)
+        })
+        .collect();
+    let found = movable.into_iter().filter_map(|(record, walls)| {
+        let element = element(plan, by_record, walls)?;
+        let own = Followed::new(by_record, record);
+        let followers = own.map_or_else(Vec::new, |w| followers(&w, &ends, record, element.along.perp()));
+        Some(Element { followers, ..element })
     });
     found.collect()
 }
 
-/// The ends that stand at an element and can go along with it across its length.
-fn followers(plan: &Plan, ends: &[Follower], record: usize, across: DVec2) -> Vec<Follower> {
-    let Some(own) = Followed::new(plan, record) else { return Vec::new() };
-    let goes_along = |e: &&Follower| {
-        e.record != record && e.along.perp_dot(across).abs() < SAME_WAY_SIN && own.is_joined_by(plan, e)
+/// The ends, each with its corners, that stand at an element and can go along with it across its length.
+fn followers(
+    own: &Followed,
+    ends: &[(Follower, Vec<PointUm>)],
+    record: usize,
+    across: DVec2,
+) -> Vec<Follower> {
+    let goes_along = |(e, corners): &&(Follower, Vec<PointUm>)| {
+        e.record != record && e.along.perp_dot(across).abs() < SAME_WAY_SIN && own.is_joined_at(corners)
     };
-    ends.iter().filter(goes_along).cloned().collect()
+    ends.iter().filter(goes_along).map(|(e, _)| e.clone()).collect()
 }
 
-fn element(plan: &Plan, walls: Vec<u32>) -> Option<Element> {
+fn element(plan: &Plan, by_record: &ByRecord<'_>, walls: Vec<u32>) -> Option<Element> {
     let segments = walls.iter().flat_map(|w| plan.walls[*w as usize].trace.segments().map(|s| s.2));
     let longest = segments.map(|s| plan.frame.plan_from_um(s.b) - plan.frame.plan_from_um(s.a));
     let longest = longest.max_by(|a, b| a.length().total_cmp(&b.length()))?;
     let along = longest.try_normalize()?;
     let local = |p: DVec2| DVec2::new(p.dot(along), p.dot(along.perp()));
     let record = plan.walls[*walls.first()? as usize].source.record;
-    let plugs = plan.plugs.iter().filter(|p| p.host == record).flat_map(|p| &p.outline.points);
+    let plugs = by_record.plugs(record).flat_map(|p| &p.outline.points);
     let points = walls.iter().flat_map(|w| &plan.walls[*w as usize].trace.points).chain(plugs);
     let [lo, hi] = box_of(points.map(|p| local(plan.frame.plan_from_um(*p))))?;
     let is_slender = (hi.x - lo.x) >= SLENDER * (hi.y - lo.y);
@@ -166,7 +182,12 @@ fn element(plan: &Plan, walls: Vec<u32>) -> Option<Element> {
 }
 
 /// How far an element can slide backwards and forwards with its ends on the walls they abut.
-fn way(plan: &Plan, interior: &Interior, drawn: &Drawn, e: &Element) -> (f64, f64) {
+fn way(
+    plan: &Plan,
+    interior: &Interior,
+    (drawn, by_record): (&Drawn, &ByRecord<'_>),
+    e: &Element,
+) -> (f64, f64) {
     let scale = plan.human_scale;
     let world = |x: f64, y: f64| e.along * x + e.along.perp() * y;
     let um = |p: DVec2| plan.frame.um_from_plan(p);
@@ -178,7 +199,7 @@ fn way(plan: &Plan, interior: &Interior, drawn: &Drawn, e: &Element) -> (f64, f6
     let goes_along = |record: usize| record == own || e.followers.iter().any(|f| f.record == record);
     let around = box_of(corners.into_iter()).unwrap_or_default().map(um);
     let others = drawn.near(around, goes_along);
-    let room = room_beside(plan, &e.followers, e.along.perp());
+    let room = room_beside(plan, by_record, &e.followers, e.along.perp());
     let touches = |a: DVec2, b: DVec2| {
         let probe = Segment { a: um(a), b: um(b) };
         others.iter().any(|s| segments_touch(probe, *s))

@@ -83,7 +83,7 @@ fn by_default(drawing: &Drawing) -> (Plan, Graph, Moves) {
     let walls: Vec<_> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
     let interior = Interior::new(&walls, &[], plan.human_scale).unwrap();
     let (axes, _) = structure::axes(&plan, drawing);
-    let groups = defaults::groups(&plan, &graph, &axes, &interior, &mut report);
+    let groups = defaults::groups(&plan, &graph, &axes, (&interior, &[]), &mut report);
     let moves = Moves::new(&plan, &graph, &axes, &groups, &mut report);
     (plan, graph, moves)
 }

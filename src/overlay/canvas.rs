@@ -81,8 +81,17 @@ impl Canvas {
     }
 
     /// Paints whole pixels in one colour.
-    pub fn rect(&mut self, box_px: [i32; 4], rgb: Rgb) {
-        self.block(box_px, |_, _| rgb);
+    pub fn rect(&mut self, [x0, y0, x1, y1]: [i32; 4], [r, g, b]: Rgb) {
+        let [width, _] = self.size();
+        let (x0, x1) = (x0.max(0), x1.min(width));
+        if x0 >= x1 {
+            return;
+        }
+        let (from, to) = (x0 as usize * 4, x1 as usize * 4);
+        let rows = self.pixels.data_mut().chunks_exact_mut(width as usize * 4);
+        for row in rows.take(y1.max(0) as usize).skip(y0.max(0) as usize) {
+            row[from..to].as_chunks_mut().0.fill([r, g, b, u8::MAX]);
+        }
     }
 
     /// Strokes a path.
@@ -142,8 +151,9 @@ impl Canvas {
     /// # Errors
     /// `png` if the encoder fails, which only a lack of memory can cause.
     pub fn into_png(self) -> Result<Vec<u8>, Error> {
-        let rgb: Vec<u8> = self.pixels.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
-        encode_png(self.pixels.width(), self.pixels.height(), &rgb)
+        let pixels = self.pixels.data().as_chunks().0;
+        let rgb: Vec<Rgb> = pixels.iter().map(|&[r, g, b, _]: &[u8; 4]| [r, g, b]).collect();
+        encode_png(self.pixels.width(), self.pixels.height(), rgb.as_flattened())
     }
 }
 

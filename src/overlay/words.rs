@@ -29,6 +29,12 @@ pub fn words(
     sentences.filter(|s| !s.is_empty()).map(|s| s + ".").collect::<Vec<_>>().join(" ")
 }
 
+/// What moved and what it gains: `words` without the sentences on why, for one line of a log or a message.
+pub fn headline<'a>(words: &'a str, explanation: &Explanation) -> &'a str {
+    let why = explained(explanation).into_iter().next();
+    why.and_then(|why| words.split_once(&format!(". {why}"))).map_or(words, |(first, _)| first)
+}
+
 /// The same in lines: what moved, then what it gains.
 pub fn note_lines(moves: &[MoveEntry], parameters: &[f64], initial: &Numbers, now: &Numbers) -> Vec<String> {
     [moved(moves, parameters), gains(initial, now)].into_iter().filter(|l| !l.is_empty()).collect()
@@ -380,6 +386,13 @@ mod tests {
         for part in ["Putting Door 3 back", "Of the largest gains", "Stands 0.76 from option 2"] {
             assert!(told.contains(part), "{told}");
         }
+        // A name may hold what looks like the end of a sentence.
+        let moves = [entry("St. Luke", MoveKind::X, [-2.0, 2.0], "m")];
+        let told = words(&moves, &[1.2], &Numbers::default(), &Numbers::default(), &e);
+        assert_eq!(
+            headline(&told, &e),
+            note_lines(&moves, &[1.2], &Numbers::default(), &Numbers::default()).join("; ")
+        );
         e.parts = vec![part("wall-2", 1, 1.7), part("door-4", 1, 1.2), part("door-1", 1, 0.08)];
         e.kept = Numbers::of([("degree", -0.1), ("entropy", -0.2)]);
         assert_eq!(

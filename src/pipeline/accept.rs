@@ -13,6 +13,8 @@ use crate::config::{Beside, KnownMove, LineageTable, Method, Mode, Partial, Sett
 use crate::formats;
 use crate::moves::Parameter;
 use crate::overlay::result::{Numbers, RoundResult};
+use crate::plan::drawing::Unit;
+use crate::plan::frame::unit_by_name;
 use crate::plan::markers::Kind;
 use crate::report::{Error, Place, Report};
 
@@ -142,7 +144,7 @@ fn side_car(
 ) -> Result<Table, Error> {
     let mut out = Table::new();
     let mut set = |key: &str, value: Value| out.insert(key.into(), value);
-    set("unit", base.plan.unit.unit.name.into());
+    set("unit", unit_words(base.plan.unit.unit).into());
     set("spacing", result.spacing_m.into());
     if let Some(c) = settings.lattice_centre_m {
         set("lattice-centre", points(&[c])[0].clone());
@@ -199,6 +201,12 @@ fn side_car(
     let rounds = settings.lineage.iter().chain(std::iter::once(&last)).map(Value::try_from);
     set("lineage", rounds.collect::<Result<Vec<_>, _>>().map_err(toml_failed)?.into());
     Ok(out)
+}
+
+/// A unit as `--unit` takes it: by its name, else by its length.
+fn unit_words(unit: Unit) -> String {
+    let is_known = unit_by_name(unit.name).is_some();
+    if is_known { unit.name.into() } else { format!("{}m", unit.metres) }
 }
 
 /// What the architect decided beyond objectives.
@@ -262,7 +270,7 @@ fn clause(p: &Parameter, value: f64) -> String {
     let left = |bound: f64| if matches!(c.kind, Kind::Scale(_)) { bound / value } else { bound - value };
     let (low, high) = (left(c.lower).min(identity), left(c.upper).max(identity));
     let about = |at: Option<glam::DVec2>| at.map_or(String::new(), |p| format!(" about {},{}", p.x, p.y));
-    let named = crate::plan::frame::unit_by_name(&c.unit).is_some();
+    let named = unit_by_name(&c.unit).is_some();
     let unit = if named { c.unit.as_str() } else { "" };
     match c.kind {
         Kind::X => format!("x {low}{unit} {high}{unit}"),

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use globset::GlobBuilder;
 
 use crate::config::{MoveTable, Settings};
-use crate::formats::ifc::CLOSING_LAYERS;
+use crate::formats::ifc::{CLOSING_LAYERS, ZONE_LAYER};
 use crate::plan::curve::Trace;
 use crate::plan::drawing::{Drawing, Entity};
 use crate::plan::geometry::{PointUm, Segment};
@@ -15,31 +15,37 @@ use crate::report::{Error, Place};
 /// Layer of spaces.
 const SPACE_LAYER: &str = "IfcSpace";
 
-/// Takes the spaces that `--query` names as the region of query.
+/// What `--query` may name: the word before the name, what is meant, and the layer of the names.
+const NAMED: [(&str, &str, &str); 2] = [("space:", "space", SPACE_LAYER), ("zone:", "zone", ZONE_LAYER)];
+
+/// Takes the spaces that `--query` names, by their own names or by those of their zones, as the region of query.
 ///
 /// # Errors
-/// [`Error::Usage`] where no space has such a name, with those there are.
+/// [`Error::Usage`] where no space or zone has such a name, with those there are.
 pub(super) fn add_spaces(drawing: &Drawing, plan: &mut Plan, settings: &Settings) -> Result<(), Error> {
     let Some(query) = &settings.query else { return Ok(()) };
     let usage = |text: String| Error::usage("query", Place::file(&drawing.file), text);
-    let Some(pattern) = query.strip_prefix("space:") else {
+    let asked = NAMED.iter().find_map(|(word, what, layer)| Some((query.strip_prefix(word)?, what, layer)));
+    let Some((pattern, what, layer)) = asked else {
         return Err(usage(format!(
-            "--query {query:?}: expected space:NAME, * and ? may stand in NAME; nothing was done"
+            "--query {query:?}: expected space:NAME or zone:NAME, * and ? may stand in NAME; nothing was done"
         )));
     };
     let glob = GlobBuilder::new(pattern).case_insensitive(true).build();
     let glob =
         glob.map_err(|e| usage(format!("--query {query:?}: {e}; nothing was done")))?.compile_matcher();
-    let named = drawing.texts.iter().filter(|t| t.layer == SPACE_LAYER);
+    let named = drawing.texts.iter().filter(|t| t.layer == *layer);
     let hits: Vec<usize> =
         named.clone().filter(|t| t.text.lines().any(|l| glob.is_match(l))).map(|t| t.source.record).collect();
     let rings = drawing.entities.iter().filter(|e| e.layer == SPACE_LAYER && hits.contains(&e.source.record));
     let regions: Vec<Region> = rings.filter_map(|e| ring(e, plan)).collect();
     if regions.is_empty() {
-        let names: Vec<String> = named.map(|t| t.text.replace('\n', " / ")).collect();
+        let mut names: Vec<String> = named.map(|t| t.text.replace('\n', " / ")).collect();
+        let mut seen = BTreeSet::new();
+        names.retain(|n| seen.insert(n.clone()));
         let names = if names.is_empty() { "none".into() } else { names.join(", ") };
         return Err(usage(format!(
-            "--query {query:?}: no such space, spaces present: {names}; nothing was done"
+            "--query {query:?}: no such {what}, {what}s present: {names}; nothing was done"
         )));
     }
     plan.markers.query = regions;

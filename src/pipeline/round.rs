@@ -13,7 +13,7 @@ use super::show;
 use super::study::{self, Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress};
 use super::{aims, explain, fits, rules};
-use crate::config::{Aim, Measure, Method, Mode, Settings, Thresholds};
+use crate::config::{Aim, Measure, Method, Mode, Penalty, Settings, Thresholds};
 use crate::formats;
 use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
@@ -113,6 +113,7 @@ fn round(
     let page = super::page::page(input, settings, &result, (&files, &maps), &understood, found);
     files.push(OutFile::new("report.html", page));
     files.push(OutFile::new("result.json", result::to_json(&result)?));
+    files.extend(files::lying_beside(settings, &files));
     files.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(Outcome { result, files, report })
 }
@@ -488,9 +489,21 @@ fn evaluation(
         values: objectives.iter().map(|(aim, _)| value(*aim)).collect(),
         violation: worth.seen.tally.disconnected as f64 / pairs
             + missed
+            + crossing_m(study, worth)
             + loss(study, settings, objectives, worth),
         at: None,
     }
+}
+
+/// Corners that are written to the micrometre and mitred anew may run through each other by so much, metres.
+const CROSSING_FREE_M: f64 = 0.02;
+
+/// By how much walls run through each other only now, metres, where nobody said what moves: such an option is none.
+fn crossing_m(study: &Study, worth: &Worth) -> f64 {
+    if !study.base.moves.are_default {
+        return 0.0;
+    }
+    (worth.penalty(Penalty::Overlap) - CROSSING_FREE_M).max(0.0)
 }
 
 /// A sum of losses up to this is no reason to look elsewhere: the way to a gain may lead through it.

@@ -82,6 +82,7 @@ pub fn read_options(settings: &Settings) -> formats::ReadOptions {
         is_by_user: !settings.wall_layers.is_empty(),
         twin: settings.beside.twin.clone(),
         buffers: settings.beside.buffers.clone(),
+        pictures: settings.beside.pictures.keys().cloned().collect(),
     }
 }
 
@@ -132,15 +133,22 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
     let mut closings = building::closings(drawing, &plan);
     closings.extend(opening_lines(&plan, &axes));
-    closings.extend(structure::infill_lines(&plan, drawing, &axes));
+    let infill = structure::infill_lines(&plan, drawing, &axes);
+    closings.extend(&infill);
     let has_moves = !settings.moves.is_empty()
         || !(settings.ignore_move_markers || plan.markers.groups.is_empty() && drawing.marked.is_empty());
     let needs_inside = plan.markers.needs_interior();
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
     let interior = if needs_interior { Interior::new(&all, &closings, plan.human_scale) } else { None };
     let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
-    let known =
-        Known { plan: &plan, graph: &graph, axes: &axes, interior: interior.as_ref(), fittings: &fittings };
+    let known = Known {
+        plan: &plan,
+        graph: &graph,
+        axes: &axes,
+        interior: interior.as_ref(),
+        fittings: &fittings,
+        infill: &infill,
+    };
     let moves = moves(drawing, &known, settings, report)?;
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
@@ -154,6 +162,8 @@ struct Known<'a> {
     axes: &'a AxisGraph,
     interior: Option<&'a Interior>,
     fittings: &'a [Fitting],
+    /// What is drawn between walls.
+    infill: &'a [Segment],
 }
 
 /// What closes doors, windows and passages: for finding out what lies inside, not for sight.
@@ -231,7 +241,7 @@ fn moves(
     settings: &Settings,
     report: &mut Report,
 ) -> Result<Moves, Error> {
-    let Known { plan, graph, axes, interior, fittings } = *known;
+    let Known { plan, graph, axes, interior, fittings, infill } = *known;
     if !settings.moves.is_empty() {
         let groups = side_car_groups(drawing, plan, graph, &settings.moves, report)?;
         return Ok(Moves::new(plan, graph, axes, &groups, report));
@@ -250,9 +260,11 @@ fn moves(
     }
     match interior {
         Some(interior) if !settings.ignore_move_markers => {
-            let groups = defaults::groups(plan, graph, axes, interior, report);
+            let groups = defaults::groups(plan, graph, axes, (interior, infill), report);
             let groups = carrying::whole_moves(plan, graph, axes, fittings, groups, report);
-            Ok(Moves::new(plan, graph, axes, &groups, report))
+            let mut moves = Moves::new(plan, graph, axes, &groups, report);
+            moves.are_default = true;
+            Ok(moves)
         }
         _ => Ok(Moves::default()),
     }

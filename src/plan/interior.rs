@@ -39,7 +39,7 @@ impl Interior {
     /// Finds the interior of the walls as they stand. `closings`: lines across doors and windows, where they
     /// are known. `None` without walls. All lengths that mean a person's shrink with `human_scale`.
     pub fn new(walls: &[Segment], closings: &[Segment], human_scale: f64) -> Option<Self> {
-        let mut raster = Raster::new(walls, human_scale)?;
+        let mut raster = Raster::new(walls, closings, human_scale)?;
         raster.draw(walls);
         let as_drawn = raster.enclosed(&[], 0.0);
         raster.draw(closings);
@@ -95,6 +95,18 @@ impl Interior {
         self.pixel(p).is_some_and(|i| self.cavity[i])
     }
 
+    /// Two corners of the box round all that lies inside, drawing frame, micrometres; `None` where nothing does.
+    pub fn extent_um(&self) -> Option<[PointUm; 2]> {
+        let at = |i: usize| [i / self.rows, i % self.rows].map(|k| k as i64);
+        let mut pixels = (0..self.inside.len()).filter(|i| self.inside[*i]).map(at);
+        let first = pixels.next()?;
+        let [lo, hi] = pixels.fold([first, first], |[lo, hi], p| {
+            [[lo[0].min(p[0]), lo[1].min(p[1])], [hi[0].max(p[0]), hi[1].max(p[1])]]
+        });
+        let corner = |p: [i64; 2]| [0, 1].map(|k| self.origin_um[k] + p[k] * self.pixel_um);
+        Some([corner(lo), corner([hi[0] + 1, hi[1] + 1])])
+    }
+
     /// Distance to the nearest point outside the building, metres; 0 outside.
     pub fn depth_m(&self, p: PointUm) -> f64 {
         self.pixel(p).map_or(0.0, |i| f64::from(self.outside_far[i]) * self.pixel_um as f64 / UM_PER_M)
@@ -123,9 +135,9 @@ struct Raster {
 }
 
 impl Raster {
-    fn new(walls: &[Segment], human_scale: f64) -> Option<Self> {
+    fn new(walls: &[Segment], closings: &[Segment], human_scale: f64) -> Option<Self> {
         let (mut lo, mut hi) = ([i64::MAX; 2], [i64::MIN; 2]);
-        for p in walls.iter().flat_map(|w| [w.a, w.b]) {
+        for p in walls.iter().chain(closings).flat_map(|w| [w.a, w.b]) {
             for k in 0..2 {
                 lo[k] = lo[k].min(p[k]);
                 hi[k] = hi[k].max(p[k]);

@@ -3,6 +3,7 @@
 //! Whoever holds a [`Plan`] need not think any more about: units, layers, blocks, codes of a format,
 //! coordinates far from zero, curves (they are traced to straight pieces), or shapes of no size.
 
+mod astray;
 pub mod axes;
 mod choice;
 mod clutter;
@@ -192,6 +193,10 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
         let extent = extent_of(&walls).unwrap_or(extent);
         let scale = units::person_scale(drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
+        // At an unknown scale nobody knows how thick a wall is.
+        if scale == 1.0 {
+            astray::take(drawing, &mut chosen, &mut picked, unit.unit.metres, report);
+        }
         standing = clutter::leave_out_fittings(drawing, &mut picked, unit.unit.metres, scale, report);
     }
     let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();

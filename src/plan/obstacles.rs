@@ -108,3 +108,43 @@ fn straight(entity: usize, e: &Entity, metres_per_unit: f64) -> Option<Straight>
     };
     Some(Straight { entity, a: a * metres_per_unit, b: b * metres_per_unit })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::drawing::{Editable, Format, SourceRef};
+    use glam::DVec2;
+
+    /// Pieces found among `count` equal lines on a layer, 0.28 m apart.
+    fn pieces(layer: &str, count: usize) -> usize {
+        let source = SourceRef { record: 0, handle: None, line: 0, kind: "LINE".into(), layer: layer.into() };
+        let line = |i: usize| Entity {
+            source: source.clone(),
+            layer: layer.into(),
+            shape: Shape::Line { a: DVec2::new(0.0, 0.28 * i as f64), b: DVec2::new(1.0, 0.28 * i as f64) },
+            editable: Editable::Free,
+            blocks: Vec::new(),
+        };
+        let drawing = Drawing {
+            file: "plan.dxf".into(),
+            format: Format::Dxf,
+            version: String::new(),
+            declared_unit: None,
+            declared_unit_words: String::new(),
+            layers: Vec::new(),
+            entities: (0..count).map(line).collect(),
+            texts: Vec::new(),
+            marked: Vec::new(),
+            hosts: Default::default(),
+        };
+        find(&drawing, &[], &[], 1.0, &Frame::new(1.0, [DVec2::ZERO, DVec2::splat(10.0)])).len()
+    }
+
+    #[test]
+    fn treads_are_looked_for_among_so_many_lines_and_so_many_pieces_are_kept() {
+        assert_eq!(pieces("level 0", 12), 12, "a flight");
+        assert_eq!(pieces("level 0", LINES_MAX), LINES_MAX, "a long one");
+        assert_eq!(pieces("level 0", LINES_MAX + 1), 0, "too many to look through");
+        assert_eq!(pieces("WC", PIECES_MAX + 9), PIECES_MAX);
+    }
+}

@@ -36,6 +36,15 @@ struct Side {
 
 /// Indices of the lines (metres) that draw grids, ascending.
 pub(super) fn find(lines: &[Straight]) -> Vec<usize> {
+    found(lines, false)
+}
+
+/// The same among lines that nobody calls walls: with all that is cut off of a grid's joints at both its ends.
+pub(super) fn find_joints(lines: &[Straight]) -> Vec<usize> {
+    found(lines, true)
+}
+
+fn found(lines: &[Straight], with_joints: bool) -> Vec<usize> {
     let mut is_grid = vec![false; lines.len()];
     for along in directions(lines) {
         let sides: [Vec<Side>; 2] = [along, along.perp()].map(|u| sides(lines, u));
@@ -48,7 +57,7 @@ pub(super) fn find(lines: &[Straight]) -> Vec<usize> {
         }
         let lattices = [0, 1].map(|k| Lattice::of(&sides[k], &grids[k]));
         if let [Some(x), Some(y)] = lattices {
-            cut_cells(&sides, &[x, y]).into_iter().for_each(|i| is_grid[i] = true);
+            cut_cells(&sides, &[x, y], with_joints).into_iter().for_each(|i| is_grid[i] = true);
         }
     }
     (0..lines.len()).filter(|i| is_grid[*i]).collect()
@@ -175,15 +184,16 @@ impl Lattice {
 }
 
 /// Short lines that begin or end where cells do: cells cut at an edge, the same grid in the next room,
-/// joints.
-fn cut_cells(sides: &[Vec<Side>; 2], lattices: &[Lattice; 2]) -> Vec<usize> {
+/// joints; `with_joints`: wherever they begin and end on one.
+fn cut_cells(sides: &[Vec<Side>; 2], lattices: &[Lattice; 2], with_joints: bool) -> Vec<usize> {
     let mut out = Vec::new();
     for k in 0..2 {
         let (along, across) = (&lattices[k], &lattices[1 - k]);
         let sign = if k == 0 { 1.0 } else { -1.0 };
         let is_cell = |s: &&Side| {
             let ends = [s.from, s.from + s.length].map(|v| along.holds(v));
-            ends[0] && ends[1] || across.holds(sign * s.offset) && (ends[0] || ends[1])
+            let is_joint = across.holds(sign * s.offset);
+            ends[0] && ends[1] || is_joint && (with_joints || ends[0] || ends[1])
         };
         out.extend(sides[k].iter().filter(is_cell).map(|s| s.index));
     }
@@ -218,6 +228,16 @@ mod tests {
             lines.iter_mut().for_each(|l| (l.a, l.b) = (turned(l.a), turned(l.b)));
             assert_eq!(find(&lines), (0..grid).collect::<Vec<_>>(), "{joint} {turn}");
         }
+    }
+
+    #[test]
+    fn what_walls_leave_of_a_joint_is_of_the_grid_where_nobody_calls_it_a_wall() {
+        let mut lines = cells(6, 5, 0.99, 0.01);
+        let grid = lines.len();
+        // Both lines of a joint, cut at both ends, and a pane beside it.
+        lines.extend([1.99, 2.0, 2.3].map(|x| line(x, 2.2, x, 2.7)));
+        assert_eq!(find(&lines), (0..grid).collect::<Vec<_>>());
+        assert_eq!(find_joints(&lines), (0..grid + 2).collect::<Vec<_>>());
     }
 
     #[test]

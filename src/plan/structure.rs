@@ -12,6 +12,8 @@ use super::drawing::{Drawing, Entity, Format, Shape};
 use super::geometry::{PointUm, Segment, UM_PER_M};
 use super::graph::Handle;
 use super::layers;
+use super::parallels::Straight;
+use super::paving;
 use super::roles::{self, role_by_name};
 use super::rooms;
 use super::rounds;
@@ -105,11 +107,35 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
             marked.push(i);
         }
     }
+    leave_paving(&mut out.marks, &mut marked);
     (out, marked)
+}
+
+/// Takes joints of a floor out of the marks: one that ends at a wall and a column is no pane between them.
+fn leave_paving(marks: &mut Vec<Mark>, marked: &mut Vec<usize>) {
+    let line = |(entity, m): (usize, &Mark)| match m.paths[..] {
+        [Path::Line { a, b }] if m.role == Role::Unknown => Some(Straight { entity, a, b }),
+        _ => None,
+    };
+    let lines: Vec<Straight> = marks.iter().enumerate().filter_map(line).collect();
+    let joints: BTreeSet<usize> = paving::find_joints(&lines).into_iter().map(|i| lines[i].entity).collect();
+    let is_kept = |i: &usize| !joints.contains(i);
+    *marked = (0..marked.len()).filter(is_kept).map(|i| marked[i]).collect();
+    *marks = (0..marks.len()).filter(is_kept).map(|i| marks[i].clone()).collect();
 }
 
 /// How far beyond the walls what fills their openings may lie, metres of a person: sills, bays.
 const BEYOND_WALLS_M: f64 = 1.0;
+
+/// Glass that hangs together with such goes on farther out, up to this share of the longer side of the walls' box:
+/// a room of glass before the walls.
+const BEYOND_SHARE: f64 = 0.5;
+
+/// Ends of glass nearer than this to glass hang together with it, metres of a person.
+const HANGING_M: f64 = 0.1;
+
+/// Most lines beyond the walls that are looked at.
+const FAR_MAX: usize = 400;
 
 /// A leaf that turns farther opens to both sides.
 const BOTH_WAYS_RAD: f64 = 2.2;
@@ -133,9 +159,10 @@ pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Seg
     let role_of: BTreeMap<&str, roles::Role> = of_layers.map(|l| (l, role_by_name(l).0)).collect();
     let walls: BTreeSet<(usize, &str)> =
         plan.walls.iter().map(|w| (w.source.record, w.source.layer.as_str())).collect();
-    let is_near = |s: &[DVec2; 2]| {
-        s.iter().all(|p| p.cmpge(lo - BEYOND_WALLS_M).all() && p.cmple(hi + BEYOND_WALLS_M).all())
+    let lies_within = |s: &[DVec2; 2], beyond: f64| {
+        s.iter().all(|p| p.cmpge(lo - beyond).all() && p.cmple(hi + beyond).all())
     };
+    let widest = BEYOND_WALLS_M.max(BEYOND_SHARE * (hi - lo).max_element());
     let mut out: Vec<[DVec2; 2]> = Vec::new();
     let shown =
         drawing.entities.iter().filter(|e| !walls.contains(&(e.source.record, e.source.layer.as_str())));
@@ -156,9 +183,34 @@ pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Seg
             }
         }
     }
-    out.retain(|s| is_near(s) && !axes.openings.iter().any(|o| lies_in(s, o)));
+    out.retain(|s| lies_within(s, widest) && !axes.openings.iter().any(|o| lies_in(s, o)));
+    let (near, far) = out.into_iter().partition(|s| lies_within(s, BEYOND_WALLS_M));
+    let out = with_hanging(near, far);
     let um = |p: DVec2| plan.frame.um_from_plan(p * plan.human_scale);
     out.into_iter().map(|[a, b]| Segment { a: um(a), b: um(b) }).collect()
+}
+
+/// Lines near the walls, and of those far from them the ones that hang together with these.
+fn with_hanging(mut near: Vec<[DVec2; 2]>, mut far: Vec<[DVec2; 2]>) -> Vec<[DVec2; 2]> {
+    if far.len() > FAR_MAX {
+        return near;
+    }
+    let meets = |s: &[DVec2; 2], t: &[DVec2; 2]| {
+        let at = |p: DVec2, [a, b]: [DVec2; 2]| {
+            let d = b - a;
+            let share = (p - a).dot(d) / d.length_squared().max(f64::MIN_POSITIVE);
+            p.distance(a + d * share.clamp(0.0, 1.0)) <= HANGING_M
+        };
+        s.iter().any(|p| at(*p, *t)) || t.iter().any(|p| at(*p, *s))
+    };
+    let mut from = 0;
+    while from < near.len() {
+        let (hanging, rest) = far.into_iter().partition(|s| near[from..].iter().any(|t| meets(s, t)));
+        far = rest;
+        from = near.len();
+        near.extend::<Vec<[DVec2; 2]>>(hanging);
+    }
+    near
 }
 
 /// Whether it fills gaps between walls.
@@ -197,16 +249,19 @@ fn is_swing(path: &Path) -> bool {
         if (SWING_RADIUS_M[0]..=SWING_RADIUS_M[1]).contains(radius) && (0.5..=3.3).contains(sweep_rad))
 }
 
+/// Whether a layer of doors holds windows too, by its name.
+pub(super) fn is_of_windows_too(name: &str) -> bool {
+    let is_window = |w: &str| role_by_name(w).0 == roles::Role::Window;
+    layers::words(name).iter().any(|w| OPENING_WORDS.contains(&w.as_str()) || is_window(w))
+}
+
 /// What an entity says about an opening: by the name of its block or layer, else by its shape if the name
 /// says nothing.
 fn mark_role(entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
     let mut is_open = false;
     for name in entity.blocks.iter().map(String::as_str).chain([entity.layer.as_str()]) {
-        let is_window = |w: &str| role_by_name(w).0 == roles::Role::Window;
-        let is_both =
-            || layers::words(name).iter().any(|w| OPENING_WORDS.contains(&w.as_str()) || is_window(w));
         match role_by_name(name).0 {
-            roles::Role::Door if is_both() => return Some((Role::Unknown, name.to_string())),
+            roles::Role::Door if is_of_windows_too(name) => return Some((Role::Unknown, name.to_string())),
             roles::Role::Door => return Some((Role::Door, name.to_string())),
             roles::Role::Window | roles::Role::Glazing => return Some((Role::Window, name.to_string())),
             roles::Role::Unknown => is_open = true,

@@ -63,6 +63,16 @@ pub(super) struct Climb {
     weight: usize,
     /// The first archive point that the present climb learns from.
     begun: usize,
+    good: Good,
+}
+
+/// The best tenth of what a climb learns from, as long as nothing is learnt.
+#[derive(Clone, Debug, Default)]
+struct Good {
+    /// First point of the climb, points known and the objective they were chosen for.
+    of: (usize, usize, usize),
+    /// Ascending.
+    points: Vec<usize>,
 }
 
 /// What a climb looks at: the archive and its thresholds.
@@ -131,6 +141,7 @@ impl Climb {
             restarts: 0,
             weight: 0,
             begun: 0,
+            good: Good::default(),
         }
     }
 
@@ -202,32 +213,27 @@ impl Climb {
         rng: &mut ChaCha8Rng,
     ) -> Vec<f64> {
         let at = view.archive.unit(centre);
-        let mut candidates = Vec::with_capacity(view.tuning.candidates);
-        let good = self.good(view);
-        for _ in 0..view.tuning.candidates {
-            let follows = good.len() > 1 && rng.random::<f64>() < view.tuning.differences;
-            candidates.push(if follows {
-                difference_step(view, at, &good, self.step, rng)
-            } else {
-                sparse_step(at, view.tuning.coordinate_share, self.step, rng)
-            });
-        }
-        let surrogate = models.around(view, at, self.stage + 1);
+        self.update_good(view);
+        let (good, step, count) = (&self.good.points, self.step, self.stage + 1);
+        let (surrogate, candidates) =
+            rayon::join(|| models.around(view, at, count), || around(view, at, good, step, rng));
         let (merit, distance) = self.judge(view, surrogate, &candidates);
         let weight = WEIGHTS[self.weight % WEIGHTS.len()];
         self.weight += 1;
         let (merit, distance) = (scaled(&merit), scaled(&distance));
         let score = |i: usize| weight * merit[i] + (1.0 - weight) * distance[i];
-        let best = (0..candidates.len()).reduce(|a, b| if score(b) > score(a) { b } else { a });
-        best.map_or_else(|| random_point(at.len(), rng), |b| candidates.swap_remove(b))
+        let best = (0..merit.len()).reduce(|a, b| if score(b) > score(a) { b } else { a });
+        best.map_or_else(|| random_point(at.len(), rng), |b| candidates[b * at.len()..][..at.len()].to_vec())
     }
 
-    /// Predicted merit and distance to the nearest point known or pending, per candidate.
-    fn judge(&self, view: &View<'_>, surrogate: &Surrogate, candidates: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
-        let judged = candidates.par_chunks(JUDGED_TOGETHER).flat_map_iter(|some| {
+    /// Predicted merit and distance to the nearest point known or pending, per candidate; candidates stand one
+    /// behind the other.
+    fn judge(&self, view: &View<'_>, surrogate: &Surrogate, candidates: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let dims = view.archive.dims();
+        let judged = candidates.par_chunks(JUDGED_TOGETHER * dims).flat_map_iter(|some| {
             let mut scratch = vec![];
             let mut gains = vec![0.0; self.stage + 1];
-            some.iter().map(move |x| {
+            some.chunks_exact(dims).map(move |x| {
                 let known = surrogate.predict(x, &mut scratch, &mut gains);
                 let nearest = view.pending.iter().map(|p| square_distance(p, x)).fold(known, f64::min);
                 (view.merit(&gains, self.stage), nearest.sqrt())
@@ -237,7 +243,7 @@ impl Climb {
     }
 
     /// Half resets of one to three coordinates, half crossovers with another good point.
-    fn raw_jump(&self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    fn raw_jump(&mut self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
         let at = view.archive.unit(centre);
         if rng.random::<bool>()
             && let Some(other) = self.partner(view, centre, rng)
@@ -247,27 +253,32 @@ impl Climb {
         reset(at, rng)
     }
 
-    /// The best tenth of what this climb learns from.
-    fn good(&self, view: &View<'_>) -> Vec<usize> {
-        let archive = view.archive;
-        let mut good: Vec<usize> = (self.begun..archive.len()).filter(|&i| archive.hard(i) == 0.0).collect();
-        let tenth = good.len().div_ceil(10);
-        if tenth < good.len() {
-            let best_first = |a: &usize, b: &usize| {
-                view.merit_of(*b, self.stage).total_cmp(&view.merit_of(*a, self.stage)).then(a.cmp(b))
-            };
-            good.select_nth_unstable_by(tenth, best_first);
-            good.truncate(tenth);
-            good.sort_unstable();
+    fn update_good(&mut self, view: &View<'_>) {
+        let (archive, stage) = (view.archive, self.stage);
+        let of = (self.begun, archive.len(), stage);
+        if self.good.of == of {
+            return;
         }
-        good
+        let mut ranked: Vec<(f64, usize)> = (self.begun..archive.len())
+            .filter(|&i| archive.hard(i) == 0.0)
+            .map(|i| (view.merit_of(i, stage), i))
+            .collect();
+        let tenth = ranked.len().div_ceil(10);
+        if tenth < ranked.len() {
+            ranked.select_nth_unstable_by(tenth, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            ranked.truncate(tenth);
+        }
+        let mut points: Vec<usize> = ranked.into_iter().map(|(_, i)| i).collect();
+        points.sort_unstable();
+        self.good = Good { of, points };
     }
 
     /// Another good point of this climb, away from the centre.
-    fn partner(&self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Option<usize> {
-        let mut good = self.good(view);
-        good.retain(|&i| view.archive.distance(i, centre) > CROSSOVER_DISTANCE);
-        (!good.is_empty()).then(|| good[rng.random_range(0..good.len())])
+    fn partner(&mut self, view: &View<'_>, centre: usize, rng: &mut ChaCha8Rng) -> Option<usize> {
+        self.update_good(view);
+        let is_away = |&&i: &&usize| view.archive.distance(i, centre) > CROSSOVER_DISTANCE;
+        let away: Vec<usize> = self.good.points.iter().filter(is_away).copied().collect();
+        (!away.is_empty()).then(|| away[rng.random_range(0..away.len())])
     }
 
     /// Once climbs no longer begin anywhere, every other one goes on from the best point.
@@ -309,7 +320,7 @@ impl Climb {
             let child = crossover(view.archive.unit(a), view.archive.unit(b), rng);
             let far = |&e: &usize| square_distance(&child, view.archive.unit(e)).sqrt() > RESTART_DISTANCE;
             if self.ends.iter().all(far) {
-                candidates.push(child);
+                candidates.extend(child);
             }
         }
         if candidates.is_empty() {
@@ -318,8 +329,8 @@ impl Climb {
         let at = view.archive.unit(self.ends[self.ends.len() - 1]);
         let surrogate = models.around(view, at, self.stage + 1);
         let (merit, _) = self.judge(view, surrogate, &candidates);
-        let best = (0..candidates.len()).reduce(|a, b| if merit[b] > merit[a] { b } else { a });
-        candidates.swap_remove(best.unwrap_or(0))
+        let best = (0..merit.len()).reduce(|a, b| if merit[b] > merit[a] { b } else { a }).unwrap_or(0);
+        candidates[best * at.len()..][..at.len()].to_vec()
     }
 
     /// Learns from the evaluated point `i`.
@@ -383,21 +394,32 @@ pub(super) fn best_of(view: &View<'_>, stage: usize) -> Option<usize> {
     (0..view.archive.len()).reduce(|a, b| if view.is_better(b, a, stage, 0.0) { b } else { a })
 }
 
+/// Candidates around the centre of a climb, one behind the other.
+fn around(view: &View<'_>, at: &[f64], good: &[usize], step: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut candidates = at.repeat(view.tuning.candidates);
+    for point in candidates.chunks_exact_mut(at.len()) {
+        if good.len() > 1 && rng.random::<f64>() < view.tuning.differences {
+            step_along_difference(view, point, good, step, rng);
+        } else {
+            step_sparsely(point, view.tuning.coordinate_share, step, rng);
+        }
+    }
+    candidates
+}
+
 /// A Gaussian step of a few coordinates, at least one, folded back into the cube.
-pub(super) fn sparse_step(at: &[f64], share: f64, step: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let mut out = at.to_vec();
+pub(super) fn step_sparsely(point: &mut [f64], share: f64, step: f64, rng: &mut ChaCha8Rng) {
     let mut changed = false;
-    for u in &mut out {
+    for u in &mut *point {
         if rng.random::<f64>() < share {
             *u = reflect(*u + step * rng.sample::<f64, _>(StandardNormal));
             changed = true;
         }
     }
-    if !changed && !out.is_empty() {
-        let d = rng.random_range(0..out.len());
-        out[d] = reflect(out[d] + step * rng.sample::<f64, _>(StandardNormal));
+    if !changed && !point.is_empty() {
+        let d = rng.random_range(0..point.len());
+        point[d] = reflect(point[d] + step * rng.sample::<f64, _>(StandardNormal));
     }
-    out
 }
 
 /// Differences shorter than this say nothing of a direction.
@@ -405,25 +427,29 @@ const LEAST_DIFFERENCE: f64 = 1e-9;
 
 /// A step along the difference of two good points, in all coordinates or a run of them (cyclic): along the ridges
 /// on which good points lie. About as long as a sparse step.
-fn difference_step(view: &View<'_>, at: &[f64], good: &[usize], step: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
+fn step_along_difference(
+    view: &View<'_>,
+    point: &mut [f64],
+    good: &[usize],
+    step: f64,
+    rng: &mut ChaCha8Rng,
+) {
     let share = view.tuning.coordinate_share;
     let mut pick = || view.archive.unit(good[rng.random_range(0..good.len())]);
     let (a, b) = (pick(), pick());
     let length = square_distance(a, b).sqrt();
     if length < LEAST_DIFFERENCE {
-        return sparse_step(at, share, step, rng);
+        return step_sparsely(point, share, step, rng);
     }
-    let dims = at.len();
+    let dims = point.len();
     let factor = step * (share * dims as f64).sqrt() / length * rng.sample::<f64, _>(StandardNormal);
     let is_whole = rng.random::<bool>();
     let (from, count) = (rng.random_range(0..dims), rng.random_range(1..=dims));
-    let mut out = at.to_vec();
-    for (k, u) in out.iter_mut().enumerate() {
+    for (k, u) in point.iter_mut().enumerate() {
         if is_whole || (k + dims - from) % dims < count {
             *u = reflect(*u + factor * (a[k] - b[k]));
         }
     }
-    out
 }
 
 /// Widest and narrowest step of a polishing move, in widths of the unit cube.

@@ -28,7 +28,7 @@ impl Models {
         self.used[slot] = self.clock;
         let surrogate = &mut self.surrogates[slot];
         surrogate.sync(view.archive, at, self.size, view.tuning.nugget);
-        surrogate.fit(count, |i, j| view.lesson(i, j));
+        surrogate.fit_once(count, |i, j| view.lesson(i, j));
         surrogate.aim(at);
         surrogate
     }

@@ -7,7 +7,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::archive::Limits;
-use super::climb::{View, crossover, reset, sparse_step};
+use super::climb::{View, crossover, reset, step_sparsely};
 use super::members::{closest_pair, improve_by_swaps, key, key_above, select, soft_minimum};
 use super::models::Models;
 use super::space::square_distance;
@@ -212,7 +212,9 @@ impl Spread {
             let x = if kind < RESET_SHARE {
                 reset(at, rng)
             } else if kind < RESET_SHARE + GAUSSIAN_KIND_SHARE || pool.is_empty() {
-                sparse_step(at, GAUSSIAN_SHARE, STEPS[rng.random_range(0..STEPS.len())], rng)
+                let mut x = at.to_vec();
+                step_sparsely(&mut x, GAUSSIAN_SHARE, STEPS[rng.random_range(0..STEPS.len())], rng);
+                x
             } else {
                 crossover(at, archive.unit(pool[rng.random_range(0..pool.len())]), rng)
             };

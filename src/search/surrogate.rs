@@ -31,6 +31,8 @@ pub(super) struct Surrogate {
     nugget: f64,
     members: Vec<usize>,
     synced: usize,
+    /// Archive points known, and how many values they had, when it was fitted last.
+    fitted: Option<(usize, usize)>,
     /// Coordinates of the members, one column of `capacity` values a dimension.
     columns: Vec<f64>,
     /// Rows of the lower Cholesky factor, row `i` at `i * capacity`.
@@ -106,6 +108,7 @@ impl Surrogate {
         self.dims = dims;
         self.centre = centre.to_vec();
         self.members.clear();
+        self.fitted = None;
         self.to_anchors.clear();
         self.tail.clear();
         self.tail_basis.clear();
@@ -192,8 +195,16 @@ impl Surrogate {
         }
     }
 
+    /// As [`Surrogate::fit`], unless nothing was learnt since: values change only as points are added.
+    pub(super) fn fit_once(&mut self, count: usize, value: impl Fn(usize, usize) -> f64) {
+        if self.fitted != Some((self.synced, count)) {
+            self.fit(count, value);
+            self.fitted = Some((self.synced, count));
+        }
+    }
+
     /// Fits one interpolant for each of `count` values; `value(i, j)` is the j-th of archive point `i`.
-    pub(super) fn fit(&mut self, count: usize, value: impl Fn(usize, usize) -> f64) {
+    fn fit(&mut self, count: usize, value: impl Fn(usize, usize) -> f64) {
         let (n, width) = (self.members.len(), self.dims + 1);
         let mut gram = vec![0.0; width * width];
         for row in self.tail.chunks_exact(width) {
@@ -360,7 +371,7 @@ mod tests {
         let archive = archive(60, 4, plane);
         let mut surrogate = Surrogate::default();
         surrogate.sync(&archive, &[0.5; 4], 60, 1e-6);
-        surrogate.fit(1, |i, j| archive.gains(i)[j]);
+        surrogate.fit_once(1, |i, j| archive.gains(i)[j]);
         surrogate.aim(&[0.5; 4]);
         let far = [0.1, 0.95, 0.3, 0.7];
         assert!((predict(&surrogate, &far).0 - plane(&far)).abs() < 1e-5);
@@ -387,7 +398,7 @@ mod tests {
         let mut built = Surrogate::default();
         built.sync(&all, &[0.6; 5], 90, 1e-6);
         for surrogate in [&mut grown, &mut built] {
-            surrogate.fit(1, |i, j| all.gains(i)[j]);
+            surrogate.fit_once(1, |i, j| all.gains(i)[j]);
             surrogate.aim(all.unit(3));
         }
         for i in [0, 3, 40, 89] {

@@ -111,13 +111,15 @@ pub(super) async fn again(State(page): Page, Path(id): Path<String>, body: Strin
 }
 
 pub(super) async fn accept(State(page): Page, Path(id): Path<String>, body: String) -> Response {
-    let Some((drawing, _)) = page.board.paths(&id) else { return not_found() };
+    let Some((drawing, home)) = page.board.paths(&id) else { return not_found() };
     let Accepted { round, candidate } = match object(&body) {
         Ok(asked) => asked,
         Err(e) => return refused(&e.to_string()),
     };
+    let Some(home) = home else { return refused("no round yet; nothing was done") };
     let accepting = page.clone();
-    let done = tokio::task::spawn_blocking(move || (accepting.accept)(&drawing, round, candidate)).await;
+    let done =
+        tokio::task::spawn_blocking(move || (accepting.accept)(&drawing, &home, round, candidate)).await;
     match done {
         Ok(Ok(path)) => answer(&json!({"drawing": path.file_name().map(|n| n.to_string_lossy())})),
         Ok(Err(e @ (Error::Usage(_) | Error::Input(_)))) => refused(&e.to_string()),

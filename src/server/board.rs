@@ -9,11 +9,14 @@ use serde_json::{Value, json};
 use tokio::sync::broadcast;
 
 use crate::daemon::{Notice, rfc3339};
+use crate::watch::builtin_ignores;
 
 /// Lines of the log that are kept.
 pub const LOG_LINES_MAX: usize = 500;
 /// Points of a convergence curve that are kept; of a longer one every other goes.
 pub const CURVE_POINTS_MAX: usize = 1_000;
+/// Files left alone that are listed with their reasons; more are counted.
+pub const IGNORED_MAX: usize = 200;
 /// Pages listening at the same time.
 pub const LISTENERS_MAX: usize = 32;
 /// News a slow page may be behind before it has to load everything again.
@@ -30,6 +33,9 @@ struct State {
     drawings: BTreeMap<String, Entry>,
     roots: BTreeMap<PathBuf, String>,
     log: VecDeque<Value>,
+    /// Files left alone, and why.
+    ignored: BTreeMap<PathBuf, String>,
+    ignored_count: usize,
 }
 
 struct Entry {
@@ -60,6 +66,10 @@ impl Board {
     pub fn take(&self, notice: &Notice) {
         let mut state = self.state();
         let mut news = Vec::new();
+        let goes = match notice {
+            Notice::Removed(path) | Notice::Ignored { path, .. } => state.drawings.contains_key(&id_of(path)),
+            _ => false,
+        };
         if !matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. }) {
             let line = json!({"time": rfc3339(SystemTime::now()), "text": notice.to_string()});
             if state.log.len() >= LOG_LINES_MAX {
@@ -71,8 +81,11 @@ impl Board {
         if let Some(id) = state.note(notice) {
             news.push(json!({"kind": "drawing", "drawing": state.drawings.get(&id).map(|e| e.brief(&id))}));
         }
-        if matches!(notice, Notice::Removed(_)) {
+        if goes {
             news.push(json!({"kind": "reload"}));
+        }
+        if is_of_folders(notice) {
+            news.push(json!({"kind": "folders"}));
         }
         drop(state);
         for n in news {
@@ -92,7 +105,21 @@ impl Board {
         let drawings: Vec<Value> = state.drawings.iter().map(|(id, e)| e.brief(id)).collect();
         let roots: Vec<Value> =
             state.roots.iter().map(|(r, how)| json!({"root": r.display().to_string(), "how": how})).collect();
-        json!({"schema": "enfilade.page/1", "drawings": drawings, "roots": roots})
+        let ignored: Vec<Value> = state
+            .ignored
+            .iter()
+            .map(|(path, why)| json!({"file": path.to_string_lossy(), "why": why}))
+            .collect();
+        let rules: Vec<Value> =
+            builtin_ignores().iter().map(|r| json!({"glob": r.glob, "why": r.why})).collect();
+        json!({
+            "schema": "enfilade.page/1",
+            "drawings": drawings,
+            "roots": roots,
+            "ignored": ignored,
+            "ignored_count": state.ignored_count,
+            "ignore_rules": rules,
+        })
     }
 
     /// The log, oldest first.
@@ -115,6 +142,18 @@ impl Board {
     }
 }
 
+/// Whether a notice changes what the page says of the watched folders and of what is left alone in them.
+fn is_of_folders(notice: &Notice) -> bool {
+    matches!(
+        notice,
+        Notice::Watching { .. }
+            | Notice::Renewed(_)
+            | Notice::Offline(_)
+            | Notice::Online(_)
+            | Notice::Ignored { .. }
+    )
+}
+
 /// How requests name a drawing.
 pub(super) fn id_of(path: &Path) -> String {
     crate::watch::sha256_hex(path.as_os_str().as_encoded_bytes())[..16].to_owned()
@@ -133,7 +172,19 @@ impl State {
                 self.roots.insert(root.clone(), how.into());
                 None
             }
-            Notice::Ignored { .. } => None,
+            Notice::Renewed(_) => {
+                self.ignored.clear();
+                self.ignored_count = 0;
+                None
+            }
+            Notice::Ignored { path, why } => {
+                self.drawings.remove(&id_of(path));
+                self.ignored_count += 1;
+                if self.ignored.len() < IGNORED_MAX {
+                    self.ignored.insert(path.clone(), why.clone());
+                }
+                None
+            }
             Notice::UpToDate { drawing, folder, summary } => self.at(drawing, |e| {
                 e.set("done");
                 e.folder.clone_from(folder);
@@ -275,6 +326,20 @@ mod tests {
         assert_eq!(board.drawing(&id).unwrap()["summary"], "", "of the round before");
         assert_eq!(board.paths(&id), Some((drawing, Some("/plans/a.enfilade".into()))));
         assert!(news.try_recv().unwrap().contains("\"kind\":\"log\""));
+        let why = "ignored by `a*`".to_owned();
+        board.take(&Notice::Ignored { path: "/plans/<img onerror>.dxf".into(), why: why.clone() });
+        assert_eq!(board.drawing(&id), None, "what is left alone is no drawing any more");
+        let found = board.overview();
+        assert_eq!(found["ignored"], json!([{"file": "/plans/<img onerror>.dxf", "why": why}]));
+        assert!(found["ignore_rules"].as_array().unwrap().iter().any(|r| r["glob"] == "#*"));
+        for n in 0..IGNORED_MAX {
+            board.take(&Notice::Ignored { path: format!("/plans/~{n}.dxf").into(), why: why.clone() });
+        }
+        let found = board.overview();
+        assert_eq!(found["ignored"].as_array().unwrap().len(), IGNORED_MAX);
+        assert_eq!(found["ignored_count"], IGNORED_MAX + 1);
+        board.take(&Notice::Renewed("/plans/enfilade.toml".into()));
+        assert_eq!(board.overview()["ignored_count"], 0, "they are said again");
         assert_eq!(board.paths("no such id"), None);
     }
 

@@ -33,8 +33,8 @@ const TOKEN_BYTES: usize = 32;
 /// Largest request body, bytes: orders are short.
 pub const BODY_BYTES_MAX: usize = 16 << 10;
 
-/// Makes an accepted option a new drawing: drawing, round, candidate from 1 → the new drawing.
-pub type Accept = dyn Fn(&Path, u32, usize) -> Result<PathBuf, Error> + Send + Sync;
+/// Makes an accepted option a new drawing: drawing, result folder, round, candidate from 1 → the new drawing.
+pub type Accept = dyn Fn(&Path, &Path, u32, usize) -> Result<PathBuf, Error> + Send + Sync;
 
 /// A running page; it ends with the process.
 pub struct Page {

@@ -77,23 +77,9 @@ pub struct Home {
     _lock: File,
 }
 
-/// The result folder of a drawing and the numbers of its rounds, to read them: rounds appear whole, so a job
-/// that works on the drawing is no hindrance.
-///
-/// # Errors
-/// Those of [`find_folder`].
-pub fn finished_rounds(
-    disk: &dyn Disk,
-    drawing: &Path,
-    placing: &Placing,
-) -> Result<(PathBuf, Vec<u32>), Error> {
-    let folder = find_folder(disk, drawing, placing)?;
-    let rounds = rounds_in(&folder);
-    Ok((folder, rounds))
-}
-
-/// Numbers of the rounds in a result folder, rising.
-fn rounds_in(folder: &Path) -> Vec<u32> {
+/// Numbers of the rounds in a result folder, rising. Rounds appear whole, so a job that works on the drawing is
+/// no hindrance.
+pub fn finished_rounds(folder: &Path) -> Vec<u32> {
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     let mut numbers: Vec<u32> = entries.flatten().filter_map(|e| round_number(&e.file_name())).collect();
     numbers.sort_unstable();
@@ -212,7 +198,7 @@ impl Home {
 
     /// Numbers of the rounds there, rising.
     pub fn rounds(&self) -> Vec<u32> {
-        rounds_in(&self.folder)
+        finished_rounds(&self.folder)
     }
 
     /// Makes `files` the content of `analysis/`, whole or not at all. Equal content is left untouched.

@@ -112,6 +112,11 @@ impl Ownership {
         Ok(true)
     }
 
+    /// From the next sign of life on the lease says that so many levels of folders below are looked into.
+    pub fn reach(&mut self, depth: usize) {
+        self.lease.depth = depth;
+    }
+
     fn write(&mut self) -> Result<(), Error> {
         let text = serde_json::to_string(&self.lease).unwrap_or_default();
         replace_file(&*self.disk, &self.path, format!("{text}\n").as_bytes())

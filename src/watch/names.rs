@@ -12,6 +12,9 @@ pub const OUTPUT_SUFFIX: &str = ".enfilade";
 /// Suffix of the side-car with one drawing's settings, and name of the folder's settings file.
 const SETTINGS_SUFFIX: &str = "enfilade.toml";
 
+/// Endings of files in which a `.gltf` keeps its data.
+const DATA_ENDINGS: [&str; 3] = ["bin", "glbin", "glbuf"];
+
 /// One name pattern that is left alone, with the reason shown to the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IgnoreRule {
@@ -71,14 +74,28 @@ const IGNORED_FOLDERS: &[(&str, &str)] = &[
     ("*_backup", "backup folder of Revit"),
 ];
 
+/// Endings of documents that hold drawings in a form that is not read, and what to do: whoever saves one into a
+/// watched folder waits for options that never come.
+const UNREAD: &[(&str, &str)] = &[
+    ("dwg", "a DWG is not read; save the drawing as DXF"),
+    ("dxb", "a DXB is not read; save the drawing as DXF"),
+    ("fcstd", "a FreeCAD document is not read; export DXF or IFC, or use the workbench"),
+    ("ifcxml", "IFC as XML is not read; save it as .ifc"),
+    ("pln", "a project of Archicad is not read; export IFC or DXF"),
+    ("rvt", "a project of Revit is not read; export IFC or DXF"),
+    ("skp", "a model of SketchUp is not read; export glTF or DXF"),
+    ("3dm", "a model of Rhino is not read; export DXF or glTF"),
+    ("vwx", "a file of Vectorworks is not read; export IFC or DXF"),
+];
+
 /// What is done with a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// A drawing: taken up when it has settled.
     Take,
-    /// Settings of ours: their drawings are looked at again.
+    /// Settings of ours, or data of scenes: their drawings are looked at again.
     Settings,
-    /// Looks like a drawing but is left alone; the text says why.
+    /// Looks like a drawing, or holds one in a form that is not read; the text says why it is left alone.
     Ignore(String),
     /// Some other file.
     Other,
@@ -145,8 +162,8 @@ impl Names {
             Some((_, why)) if self.mentions_extension(name) => Verdict::Ignore(why.clone()),
             Some(_) => Verdict::Other,
             None if self.has_extension(path) => Verdict::Take,
-            None if is_settings(name) => Verdict::Settings,
-            None => Verdict::Other,
+            None if is_settings(name) || self.is_data(path) => Verdict::Settings,
+            None => unread_reason(path).map_or(Verdict::Other, |why| Verdict::Ignore(why.into())),
         }
     }
 
@@ -185,6 +202,10 @@ impl Names {
             .is_some_and(|e| self.extensions.contains(&e.to_ascii_lowercase()))
     }
 
+    fn is_data(&self, path: &Path) -> bool {
+        self.extensions.iter().any(|e| e == "gltf") && is_data(path)
+    }
+
     /// Whether an extension of ours stands anywhere in the name (`plan.dxf~`, `plan.dxf.part`): only
     /// such ignored files are worth a word to the user.
     fn mentions_extension(&self, name: &OsStr) -> bool {
@@ -202,8 +223,19 @@ fn matcher(glob: &str) -> Result<GlobMatcher, Error> {
         .map_err(|e| Error::usage("bad-glob", Place::default(), format!("ignore pattern `{glob}`: {e}")))
 }
 
+fn unread_reason(path: &Path) -> Option<&'static str> {
+    let ending = path.extension()?.to_str()?;
+    UNREAD.iter().find(|(known, _)| ending.eq_ignore_ascii_case(known)).map(|(_, why)| *why)
+}
+
 fn is_settings(name: &OsStr) -> bool {
     name.to_str().is_some_and(|n| n == SETTINGS_SUFFIX || n.ends_with(&format!(".{SETTINGS_SUFFIX}")))
+}
+
+/// Whether a `.gltf` may keep its data in a file of that name.
+pub fn is_data(path: &Path) -> bool {
+    let ending = path.extension().and_then(OsStr::to_str);
+    ending.is_some_and(|e| DATA_ENDINGS.iter().any(|d| e.eq_ignore_ascii_case(d)))
 }
 
 /// Whether a name is one that we give to drawings inside a round (`candidate-3.dxf`, `initial.dxf`).
@@ -245,6 +277,21 @@ mod tests {
             rows += 1;
         }
         assert!(rows >= 60, "{rows} rows");
+    }
+
+    #[test]
+    fn data_of_scenes_count_where_scenes_are_watched() {
+        let of = |e: &str| Names::new(Path::new("/w"), 1, &[e.into()], &[], &[]).unwrap();
+        for (path, verdict) in [
+            ("/w/house.bin", Verdict::Settings),
+            ("/w/data/house.GLBIN", Verdict::Settings),
+            ("/w/a/b/house.bin", Verdict::Other),
+            ("/w/house.bin~", Verdict::Other),
+            ("/w/house.enfilade/round-01/house.bin", Verdict::Other),
+        ] {
+            assert_eq!(of("gltf").verdict(Path::new(path)), verdict, "{path}");
+            assert_eq!(of("dxf").verdict(Path::new(path)), Verdict::Other, "{path}");
+        }
     }
 
     #[test]

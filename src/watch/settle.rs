@@ -11,6 +11,7 @@ use std::time::Duration;
 use super::{
     CLOCK_JUMP_SECS, Checked, Completeness, Identity, Kind, MAX_BACKOFF_SECS, MAX_DRAWING_BYTES,
     MAX_SCANNED_FILES, Names, QUIET_UNMARKED_SECS, ROOT_LOOK_SECS, Seen, Stat, Verdict, WatchSettings,
+    is_data,
 };
 use crate::report::{Error, Place, Problem, Severity};
 
@@ -179,10 +180,17 @@ impl Settle {
         self.roots.iter().any(|r| r.path == root && r.is_offline)
     }
 
-    /// The settled drawings in one folder and below.
-    pub fn settled_below(&self, folder: &Path) -> Vec<PathBuf> {
+    /// The settled drawings.
+    pub fn settled_drawings(&self) -> Vec<PathBuf> {
         let is_drawing = |p: &&PathBuf| self.names_for(p).is_some_and(|n| n.verdict(p) == Verdict::Take);
-        self.settled.keys().filter(|p| p.starts_with(folder)).filter(is_drawing).cloned().collect()
+        self.settled.keys().filter(is_drawing).cloned().collect()
+    }
+
+    /// Whether a path is left alone by its name or place; says so, once.
+    pub fn leaves_alone(&mut self, path: &Path) -> bool {
+        let Some(Verdict::Ignore(why)) = self.names_for(path).map(|n| n.verdict(path)) else { return false };
+        self.tell_ignored(path.into(), why);
+        true
     }
 
     /// The rules on names of the root that holds `path`.
@@ -311,6 +319,10 @@ impl Settle {
     }
 
     fn quiet_enough(&mut self, path: &Path, stat: Stat) {
+        // Data may be anybody's and of any size: only a scene that names them reads them.
+        if is_data(path) && self.names_for(path).is_some_and(|n| n.verdict(path) == Verdict::Settings) {
+            return self.settled_settings(path, stat);
+        }
         let trouble = if stat.kind == Kind::Placeholder {
             Some((
                 "online-only",

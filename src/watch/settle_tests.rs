@@ -160,7 +160,9 @@ fn seconds(text: &str) -> Duration {
 /// Runs one script and compares everything said with its `> TIME …` lines, in order, times to 0.06 s.
 fn play(name: &str, text: &str) {
     let is_network = text.contains("; network");
-    let settings = WatchSettings { poll: text.contains("; poll"), depth: 2, ..WatchSettings::default() };
+    let extensions = vec![if text.contains("; scenes") { "gltf" } else { "dxf" }.to_owned()];
+    let poll = text.contains("; poll");
+    let settings = WatchSettings { poll, depth: 2, extensions, ..WatchSettings::default() };
     let mut run = Run::new(&settings, is_network);
     let mut want = Vec::new();
     for line in text.lines().filter(|l| !l.trim().is_empty() && !l.starts_with(';')) {

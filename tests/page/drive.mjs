@@ -60,6 +60,14 @@ try {
   await page.addScriptTag({ path: axe });
   await check("list");
 
+  // Files left alone, with the reason.
+  await page.focus("#left-title");
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => document.getElementById("left").open);
+  assert.match(await text("#left-files"), /#<b>\.dxf.*LibreCAD/);
+  assert.ok(await page.$$eval("#left-rules li", (l) => l.length) > 20);
+  await check("left alone");
+
   // By keyboard: to the drawing and into it.
   const gallery = await page.evaluateHandle(() => [...document.querySelectorAll("#drawings a")].find((a) => a.textContent.startsWith("gallery.dxf")));
   await gallery.focus();
@@ -79,7 +87,13 @@ try {
   // Choose, pin, filter, scatter.
   await press("#show-1");
   assert.match(await page.$eval("#words", (w) => w.textContent), /^Option 2/);
+  const isPinned = () => page.$eval("#chosen-pin", (b) => [b.textContent, b.getAttribute("aria-pressed")].join());
+  await press("#chosen-pin");
+  assert.equal(await isPinned(), "Pin option 2,true");
+  await press("#chosen-pin");
+  assert.equal(await isPinned(), "Pin option 2,false");
   await press("#pin-1");
+  assert.equal(await isPinned(), "Pin option 2,true");
   assert.equal(await page.$eval("tbody tr.pinned th", (t) => t.textContent), "2");
   await page.select("#scatter-x", "1");
   await page.evaluate(() => document.querySelectorAll("details").forEach((d) => { d.open = true; }));
@@ -163,7 +177,8 @@ try {
   await said("gallery-r02.dxf");
   await page.waitForFunction(() => [...document.querySelectorAll("#drawings a")].some((a) => a.textContent.startsWith("gallery-r02.dxf")));
   await idle();
-  await press("#like-2");
+  await press("#show-2");
+  await press("#chosen-like");
   await said("more like option 3");
   await page.waitForFunction(() => document.querySelector("#round option")?.value === "round-02", { timeout: 240000 });
   await idle();

@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 
 use base64::Engine;
 
+use super::dangling::{reaches_beyond, taken};
 use super::json::{Json, Value};
 use super::patch::from_plan;
-use super::scene::File;
+use super::scene::{File, fault};
 use crate::formats::splice::Splice;
 use crate::plan::drawing::{Addition, Mark};
+use crate::report::Error;
 
 /// Additions lie this far above the floor, so that it does not hide them.
 const LIFT_M: f64 = 0.02;
@@ -49,9 +51,17 @@ struct Home {
 }
 
 /// Splices of the JSON text (counted from its start), and bytes to append to the binary chunk.
-pub(super) fn splices(scene: &File<'_>, floor: f64, own: &[Addition]) -> (Vec<Splice>, Vec<u8>) {
+///
+/// # Errors
+/// `gltf-dangling` where the scene names what it does not have, and ours would take that place.
+pub(super) fn splices(
+    scene: &File<'_>,
+    floor: f64,
+    own: &[Addition],
+) -> Result<(Vec<Splice>, Vec<u8>), Error> {
     let root = &scene.json;
-    let mut home = Home { bin: scene.bin().map(<[u8]>::len).filter(|n| n % 4 == 0), data: Vec::new() };
+    let bin = scene.bin().map(<[u8]>::len).filter(|n| n % 4 == 0 && !reaches_beyond(root, *n));
+    let mut home = Home { bin, data: Vec::new() };
     let mut by_layer: BTreeMap<&str, Mesh> = BTreeMap::new();
     for addition in own {
         collect(by_layer.entry(&addition.layer).or_default(), addition, floor + LIFT_M);
@@ -88,10 +98,16 @@ pub(super) fn splices(scene: &File<'_>, floor: f64, own: &[Addition]) -> (Vec<Sp
         );
         nodes.push(append.push(root, "nodes", node).to_string());
     }
+    for (list, items) in &append.0 {
+        if let Some(index) = taken(root, list, items.len()) {
+            let text = "the scene names it and does not have it, and what is added would take its place";
+            return Err(fault(scene.name, "gltf-dangling", &format!("/{list}/{index}"), text));
+        }
+    }
     let mut out: Vec<Splice> = append.0.iter().map(|(key, items)| into_array(root, key, items)).collect();
     out.extend(into_scene(root, &nodes));
     out.extend(home.stated(root));
-    (joined(out), home.data)
+    Ok((joined(out), home.data))
 }
 
 impl Home {
@@ -242,7 +258,12 @@ fn into_array(root: &Json, key: &str, items: &[String]) -> Splice {
 /// Shows the nodes in the scene.
 fn into_scene(root: &Json, nodes: &[String]) -> Option<Splice> {
     let scene = root.list("scenes").get(root.index("scene").unwrap_or(0))?;
+    // In a damaged scene that is none, or whose nodes are no list, nothing can be shown.
+    if !matches!(scene.value, Value::Object(_)) {
+        return None;
+    }
     Some(match scene.get("nodes") {
+        Some(list) if !matches!(list.value, Value::Array(_)) => return None,
         Some(list) => {
             let at = list.items().last().map_or(list.span.start + 1, |last| last.span.end);
             let comma = if list.items().is_empty() { "" } else { "," };

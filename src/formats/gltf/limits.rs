@@ -20,3 +20,6 @@ pub const PIECES_MAX: usize = 1_000;
 
 /// Bytes of one file of data beside a `.gltf`: a scanned building has hundreds of megabytes.
 pub const OUTER_MAX: u64 = 1 << 30;
+
+/// Bytes of all pictures beside a scene: they are copied with every round, and a building's textures are a few megabytes.
+pub const PICTURES_MAX: u64 = 256 << 20;

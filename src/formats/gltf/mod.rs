@@ -12,6 +12,7 @@
 //! [`SourceRef::handle`]: crate::plan::drawing::SourceRef::handle
 
 mod additions;
+mod dangling;
 mod json;
 mod limits;
 mod meshes;
@@ -22,11 +23,11 @@ mod read;
 mod scene;
 
 pub use limits::*;
-pub use outer::files_of;
+pub use outer::{Outer, outer_files};
 pub use read::read;
 pub use scene::is_glb;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::formats::StoreyInfo;
@@ -54,8 +55,10 @@ pub struct ReadOptions {
     pub classes: BTreeMap<String, String>,
     /// Storeys of that IFC from the lowest.
     pub storeys: Vec<StoreyInfo>,
-    /// Files of data beside the scene, by name ([`files_of`]).
+    /// Files of data beside the scene, by name ([`outer_files`]).
     pub buffers: BTreeMap<String, Arc<[u8]>>,
+    /// Pictures beside the scene, by name.
+    pub pictures: BTreeSet<String>,
 }
 
 /// What is missing of a file that is not finished.
@@ -98,7 +101,7 @@ pub fn patch(
     let mut bin = Some(pieces.bin).filter(|b| !b.is_empty());
     if !own.is_empty() {
         let floor = read::floor_of(&scene, &shown, options, &mut Report::default())?;
-        let (json, data) = additions::splices(&scene, floor, own);
+        let (json, data) = additions::splices(&scene, floor, own)?;
         splices.extend(json);
         if !data.is_empty() {
             bin.get_or_insert_with(|| scene.bin().unwrap_or_default().to_vec()).extend(data);

@@ -1,48 +1,103 @@
-//! Buffers in files of their own: which names are taken, and why others are not.
+//! Files that a scene names: which names are taken, and why others are not (hazard 43).
+
+use std::collections::BTreeSet;
 
 use percent_encoding::percent_decode_str;
 
-use super::json;
+use super::json::{self, Json};
+use super::scene;
 
 /// Endings that the standard gives files of buffers, lower case.
-const ENDINGS: [&str; 3] = [".bin", ".glbin", ".glbuf"];
+const DATA_ENDINGS: [&str; 3] = [".bin", ".glbin", ".glbuf"];
 
-/// The file that a buffer's URI names in the drawing's own folder, or why it is not opened.
+/// Endings of pictures that viewers of scenes open, lower case.
+const PICTURE_ENDINGS: [&str; 9] =
+    [".png", ".jpg", ".jpeg", ".webp", ".ktx", ".ktx2", ".basis", ".dds", ".avif"];
+
+/// The file that a buffer's URI names in or below the drawing's own folder, from there with `/` between folders, or why
+/// it is not opened.
 pub(super) fn name_of(uri: &str) -> Result<String, String> {
     let no = |why: &str| {
         Err(format!("names {uri:?}, {why}; it is not opened; export as .glb or with embedded data"))
     };
-    let Ok(name) = percent_decode_str(uri).decode_utf8() else { return no("which is no text") };
-    let is_address =
-        name.find(':').is_some_and(|colon| name[..colon].chars().all(|c| c.is_ascii_alphanumeric()));
-    if is_address {
-        return no("an address, expected a file in the drawing's own folder");
+    match contained(uri) {
+        Err(why) => no(why),
+        Ok(name) if !has_ending(&name, &DATA_ENDINGS) => no("expected a file of data (.bin)"),
+        Ok(name) => Ok(name),
     }
-    if name.contains(['/', '\\', '\0', ':']) || name.is_empty() {
-        return no("which lies elsewhere, expected a file in the drawing's own folder");
-    }
-    if !ENDINGS.iter().any(|e| name.to_lowercase().ends_with(e)) {
-        return no("expected a file of data (.bin)");
-    }
-    Ok(name.into_owned())
 }
 
-/// Names of the files in the drawing's own folder that hold data of a `.gltf`, in its order; none where the bytes are
-/// no JSON.
-pub fn files_of(bytes: &[u8]) -> Vec<String> {
-    if super::is_glb(bytes) {
-        return Vec::new();
+/// The same for a picture's URI.
+fn picture_name_of(uri: &str) -> Result<String, String> {
+    let no =
+        |why: &str| Err(format!("names {uri:?}, {why}; it is not copied, options do not show this picture"));
+    match contained(uri) {
+        Err(why) => no(why),
+        Ok(name) if !has_ending(&name, &PICTURE_ENDINGS) => no("expected a picture (.png, .jpg)"),
+        Ok(name) => Ok(name),
     }
-    let Ok(json) = json::parse(bytes) else { return Vec::new() };
-    let mut out: Vec<String> = Vec::new();
-    for uri in json.list("buffers").iter().filter_map(|b| b.text("uri")).filter(|u| !u.starts_with("data:")) {
-        if let Ok(name) = name_of(uri)
-            && !out.contains(&name)
-        {
-            out.push(name);
-        }
+}
+
+fn has_ending(name: &str, endings: &[&str]) -> bool {
+    let name = name.to_lowercase();
+    endings.iter().any(|e| name.ends_with(e))
+}
+
+/// A relative path that stays below where it starts, or why it does not.
+fn contained(uri: &str) -> Result<String, &'static str> {
+    const ELSEWHERE: &str = "which lies elsewhere, expected a file in or below the drawing's own folder";
+    let path = percent_decode_str(uri).decode_utf8().map_err(|_| "which is no text")?;
+    let is_address =
+        path.find(':').is_some_and(|colon| path[..colon].chars().all(|c| c.is_ascii_alphanumeric()));
+    if is_address {
+        return Err("an address, expected a file in or below the drawing's own folder");
     }
-    out
+    let path = path.strip_prefix("./").unwrap_or(&path);
+    let is_odd = |part: &str| part.is_empty() || part == "." || part == "..";
+    if path.contains(['\\', '\0', ':']) || path.split('/').any(is_odd) {
+        return Err(ELSEWHERE);
+    }
+    Ok(path.to_owned())
+}
+
+/// Names of files in or below the drawing's own folder that a scene wants to have beside it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Outer {
+    /// Data of its buffers.
+    pub data: BTreeSet<String>,
+    /// Pictures of its textures.
+    pub pictures: BTreeSet<String>,
+}
+
+/// What a scene wants to have beside it; nothing where the bytes are no scene.
+pub fn outer_files(bytes: &[u8]) -> Outer {
+    let Some(json) = scene::json_of(bytes).and_then(|text| json::parse(text).ok()) else {
+        return Outer::default();
+    };
+    let named = |key: &str, name: fn(&str) -> Result<String, String>| {
+        outer_uris(&json, key).filter_map(|(_, uri)| name(uri).ok()).collect()
+    };
+    Outer { data: named("buffers", name_of), pictures: named("images", picture_name_of) }
+}
+
+/// What will be missing of a scene's pictures where an option of it lies, each with its place in the list of images;
+/// `beside`: those that were found.
+pub(super) fn missing_pictures(json: &Json, beside: &BTreeSet<String>) -> Vec<(usize, String)> {
+    let lost = |(i, uri): (usize, &str)| match picture_name_of(uri) {
+        Err(why) => Some((i, why)),
+        Ok(name) if beside.contains(&name) => None,
+        Ok(name) => Some((
+            i,
+            format!("names {name:?}, which is not there or too large; options do not show this picture"),
+        )),
+    };
+    outer_uris(json, "images").filter_map(lost).collect()
+}
+
+/// URIs of a list's items that are no data themselves, each with its place in the list.
+fn outer_uris<'j>(json: &'j Json, key: &str) -> impl Iterator<Item = (usize, &'j str)> {
+    let uris = json.list(key).iter().enumerate().filter_map(|(i, b)| Some((i, b.text("uri")?)));
+    uris.filter(|(_, uri)| !uri.starts_with("data:"))
 }
 
 #[cfg(test)]
@@ -51,15 +106,29 @@ mod tests {
 
     #[test]
     fn only_files_of_data_in_the_same_folder_are_taken() {
-        for name in ["walls.bin", "A..B.bin", "...bin", "W%C3%A4nde%201.bin", "x.GLBIN", "%2e%2e.bin"] {
+        for name in [
+            "walls.bin",
+            "A..B.bin",
+            "...bin",
+            "W%C3%A4nde%201.bin",
+            "x.GLBIN",
+            "%2e%2e.bin",
+            "sub/a.bin",
+            "./a.bin",
+        ] {
             assert!(name_of(name).is_ok(), "{name}");
         }
         assert_eq!(name_of("W%C3%A4nde%201.bin").as_deref(), Ok("Wände 1.bin"));
+        assert_eq!(name_of("./sub/a.bin").as_deref(), Ok("sub/a.bin"));
         for (name, why) in [
             ("../walls.bin", "lies elsewhere"),
             ("%2e%2e/a.bin", "lies elsewhere"),
             ("%2e%2e%2fa.bin", "lies elsewhere"),
-            ("sub/a.bin", "lies elsewhere"),
+            ("sub/../a.bin", "lies elsewhere"),
+            ("sub/%2E%2E/../a.bin", "lies elsewhere"),
+            ("sub//a.bin", "lies elsewhere"),
+            ("././a.bin", "lies elsewhere"),
+            (".//etc/a.bin", "lies elsewhere"),
             ("..\\a.bin", "lies elsewhere"),
             ("/etc/passwd", "lies elsewhere"),
             ("a%00.bin", "lies elsewhere"),
@@ -78,8 +147,20 @@ mod tests {
 
     #[test]
     fn a_scene_names_each_of_its_files_once() {
-        let scene = br#"{"buffers":[{"uri":"a.bin"},{"uri":"data:;base64,AA=="},{"uri":"../b.bin"},{"uri":"c.bin"},{"uri":"a.bin"},{}]}"#;
-        assert_eq!(files_of(scene), ["a.bin", "c.bin"]);
-        assert!(files_of(b"{").is_empty());
+        let scene = br#"{"buffers":[{"uri":"a.bin"},{"uri":"data:;base64,AA=="},{"uri":"../b.bin"},{"uri":"c.bin"},{"uri":"a.bin"},{}],
+            "images":[{"uri":"textures/Holz%201.PNG"},{"uri":"data:image/png;base64,AA=="},{"bufferView":0},{"uri":"../x.png"},
+            {"uri":"passwd"},{"uri":"b.jpg"}]}"#;
+        let named = outer_files(scene);
+        assert_eq!(named.data.iter().collect::<Vec<_>>(), ["a.bin", "c.bin"]);
+        assert_eq!(named.pictures.iter().collect::<Vec<_>>(), ["b.jpg", "textures/Holz 1.PNG"]);
+        let lost = missing_pictures(&json::parse(scene).unwrap(), &["b.jpg".to_string()].into());
+        let lost: Vec<(usize, &str)> = lost.iter().map(|(i, why)| (*i, why.as_str())).collect();
+        assert!(
+            matches!(lost[..], [(0, a), (3, b), (4, c)] if a.contains("not there")
+            && b.contains("lies elsewhere") && c.contains("expected a picture")),
+            "{lost:?}"
+        );
+        assert_eq!(outer_files(b"{"), Outer::default());
+        assert_eq!(outer_files(b"glTF"), Outer::default());
     }
 }

@@ -46,6 +46,9 @@ pub(super) fn edit(scene: &File<'_>, shown: &[Shown], edit: &Edit) -> Result<Vec
     } else {
         to_parent.transform_point3(world.transform_point3(place.parent.transform_point3(old.translation)))
     };
+    if !at.is_finite() {
+        return Err(why("its new place is beyond all numbers"));
+    }
     if let Some(matrix) = node.get("matrix") {
         let new = DAffine3::from_mat3_translation(turn * old.matrix3, at);
         return Ok(numbers(matrix, &DMat4::from(new).to_cols_array()));

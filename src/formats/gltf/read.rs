@@ -60,6 +60,9 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         let place = Place::file(file).entity(format!("/buffers/{i}"));
         return Err(Error::input("gltf-buffer", place, format!("{why}; nothing was done")));
     }
+    for (i, text) in super::outer::missing_pictures(&scene.json, &options.pictures) {
+        report.info("gltf-picture", Place::file(file).entity(format!("/images/{i}")), text);
+    }
     if let Some(version) = scene.odd_version() {
         let text = format!(
             "found version {version:?}, expected \"2.0\"; read as glTF 2.0 because it is laid out so"

@@ -263,6 +263,15 @@ pub fn is_glb(bytes: &[u8]) -> bool {
     bytes.starts_with(b"glTF")
 }
 
+/// The JSON of a scene, if its first chunk is there.
+pub(super) fn json_of(bytes: &[u8]) -> Option<&[u8]> {
+    if !is_glb(bytes) {
+        return Some(bytes);
+    }
+    let first = chunks("", bytes).ok()?.into_iter().next().filter(|c| c.kind == *b"JSON")?;
+    bytes.get(first.span)
+}
+
 fn u32_at(bytes: &[u8], at: usize) -> Option<usize> {
     let four: [u8; 4] = bytes.get(at..at + 4)?.try_into().ok()?;
     Some(u32::from_le_bytes(four) as usize)

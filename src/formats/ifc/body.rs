@@ -69,7 +69,7 @@ impl Geo<'_, '_> {
             }
             "IFCCSGSOLID" => self.cut(self.reference(&args, 0, id)?, to, z, depth + 1),
             "IFCBLOCK" => self.block(id, &args, to, z),
-            _ => Ok(slice(&self.faces(id, &keyword, &args, to)?, z)),
+            _ => Ok(slice(&self.faces(id, &keyword, &args, to, [z, z])?, z)),
         }
     }
 
@@ -129,13 +129,14 @@ impl Geo<'_, '_> {
         Ok(prism(&base, &at, DVec3::Z * h, 0.0, z))
     }
 
-    /// Plane faces of a body with corners.
+    /// Plane faces of a body with corners; of one made of loops those that reach between two heights.
     fn faces(
         &self,
         id: u64,
         keyword: &str,
         args: &[Arg],
         to: &DAffine3,
+        between: [f64; 2],
     ) -> Result<Vec<Vec<Vec<DVec3>>>, Why> {
         let shells: Vec<u64> = match keyword {
             "IFCFACETEDBREP" => args.first().and_then(Arg::id).into_iter().collect(),
@@ -150,10 +151,10 @@ impl Geo<'_, '_> {
             "IFCPOLYGONALFACESET" => return self.polygons(id, args, to),
             _ => return Err(format!("{} is a kind of body that is not read", self.named(id))),
         };
-        let mut out = Vec::new();
+        let (mut out, mut count) = (Vec::new(), 0);
         for shell in shells {
             for face in self.first_ids(shell)? {
-                let mut rings = Vec::new();
+                let mut rings: Vec<Vec<DVec3>> = Vec::new();
                 for bound in self.first_ids(face)? {
                     let ring = self.first_ids(bound)?.first().copied();
                     let ring = ring.ok_or_else(|| format!("{} is incomplete", self.named(bound)))?;
@@ -164,8 +165,12 @@ impl Geo<'_, '_> {
                         self.first_ids(ring)?.into_iter().map(|p| Ok(to.transform_point3(self.point(p)?)));
                     rings.push(points.collect::<Result<Vec<_>, Why>>()?);
                 }
-                out.push(rings);
-                self.count_faces(id, out.len())?;
+                let heights = || rings.iter().flatten().map(|p| p.z);
+                if heights().any(|z| z <= between[1]) && heights().any(|z| z >= between[0]) {
+                    out.push(rings);
+                }
+                count += 1;
+                self.count_faces(id, count)?;
             }
         }
         Ok(out)
@@ -316,7 +321,7 @@ impl Geo<'_, '_> {
                 Ok(of(&mut parts.into_iter().flatten()))
             }
             _ => {
-                let faces = self.faces(id, &keyword, &args, to)?;
+                let faces = self.faces(id, &keyword, &args, to, [f64::NEG_INFINITY, f64::INFINITY])?;
                 Ok(of(&mut faces.iter().flatten().flatten().map(|p| p.z)))
             }
         }

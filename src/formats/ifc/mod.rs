@@ -18,6 +18,7 @@ mod length;
 mod limits;
 mod model;
 mod patch;
+mod plain;
 mod profile;
 mod read;
 mod step;
@@ -30,7 +31,7 @@ use std::collections::BTreeMap;
 
 pub use limits::*;
 use rayon::prelude::*;
-pub use read::CLOSING_LAYERS;
+pub use read::{CLOSING_LAYERS, ZONE_LAYER};
 pub use zip::{is_zip, unzip};
 
 use crate::formats::StoreyInfo;
@@ -158,6 +159,11 @@ fn open<'a>(file: &str, bytes: &'a [u8]) -> Result<Step<'a>, Error> {
     if let Incomplete::Because(why) = completeness(bytes) {
         let text = format!("{why}; it is not finished; nothing was done");
         return Err(Error::input("ifc-incomplete", Place::file(file), text));
+    }
+    if step.data_end == bytes.len() {
+        let text = "its end stands within a text or an instance that was begun before, expected the data to end \
+                    before END-ISO-10303-21; nothing was done";
+        return Err(Error::input("ifc-syntax", Place::file(file), text));
     }
     if !SCHEMAS.iter().any(|s| step.schema.starts_with(s)) {
         let found =

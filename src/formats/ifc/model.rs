@@ -34,6 +34,12 @@ const FILLERS: &[(&str, &str, bool)] = &[
     ("IFCWINDOWSTANDARDCASE", "IfcWindow", false),
 ];
 
+/// Classes that gather spaces.
+const ZONES: [&str; 2] = ["IFCZONE", "IFCSPATIALZONE"];
+
+/// Zones of one space, each in others: a room is in one of a dozen kinds at most.
+const ZONES_MAX: usize = 1_000;
+
 /// A product with what is needed of it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Product {
@@ -89,6 +95,8 @@ pub(super) struct Model {
     pub coverings: HashMap<u64, Vec<u64>>,
     /// Element → property sets.
     pub properties: HashMap<u64, Vec<u64>>,
+    /// Space or zone → the zones it is in.
+    zones: HashMap<u64, Vec<u64>>,
     /// Element → materials.
     pub materials: HashMap<u64, u64>,
     /// Storeys from the lowest.
@@ -147,10 +155,32 @@ impl Model {
         for (set, many) in pairs(step, "IFCRELDEFINESBYPROPERTIES", 5, 4) {
             many.iter().for_each(|m| self.properties.entry(*m).or_default().push(set));
         }
+        let in_groups = pairs(step, "IFCRELASSIGNSTOGROUP", 6, 4);
+        let in_spatial = pairs(step, "IFCRELREFERENCEDINSPATIALSTRUCTURE", 5, 4);
+        for (zone, many) in in_groups.into_iter().chain(in_spatial) {
+            if ZONES.contains(&&*step.keyword(zone)) {
+                many.iter().for_each(|m| self.zones.entry(*m).or_default().push(zone));
+            }
+        }
         let shape_of = |i| step.args_of(i).get(4).and_then(Arg::id);
         self.aspects = step.all("IFCSHAPEASPECT").filter_map(shape_of).collect();
         for (material, many) in pairs(step, "IFCRELASSOCIATESMATERIAL", 5, 4) {
             self.materials.extend(many.iter().map(|m| (*m, material)));
+        }
+    }
+
+    /// The zones that a space is in, those of its zones after them, each once.
+    pub fn zones_of(&self, space: u64) -> Vec<u64> {
+        let mut out: Vec<u64> = Vec::new();
+        let (mut at, mut next) = (space, 0);
+        loop {
+            for zone in self.zones.get(&at).into_iter().flatten() {
+                if !out.contains(zone) && out.len() < ZONES_MAX {
+                    out.push(*zone);
+                }
+            }
+            let Some(zone) = out.get(next) else { return out };
+            (at, next) = (*zone, next + 1);
         }
     }
 

@@ -21,6 +21,9 @@ use crate::report::{Error, Place, Report};
 /// Layer of everything that closes a gap without blocking sight: plugs of door and window openings.
 pub const CLOSING_LAYERS: [&str; 4] = ["IfcDoor", "IfcWindow", "IfcOpeningElement", "IfcCurtainWall"];
 
+/// Layer of the names of zones, each at the middle of one of its spaces.
+pub const ZONE_LAYER: &str = "IfcZone";
+
 /// Layer of a window without a wall at the height where windows block.
 const KNEE_WINDOW_LAYER: &str = "IfcWall (window at knee height)";
 
@@ -424,19 +427,25 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     fn space(&mut self, p: &Product, region: &Region) {
         let Some([lo, hi]) = region.extent() else { return };
         self.emit(p, "IfcSpace", region);
-        let text = [p.name.trim(), p.long_name.trim()]
-            .iter()
-            .filter(|t| !t.is_empty())
-            .copied()
-            .collect::<Vec<_>>()
-            .join("\n");
-        self.texts.push(Text {
-            source: self.source(p, "IfcSpace"),
-            layer: "IfcSpace".into(),
-            at: lo.midpoint(hi),
-            text,
-        });
-        let marks = self.b.model.marks(self.b.step, p.id);
+        let zones = self.b.model.zones_of(p.id);
+        let args_of = |zone: &u64| self.b.step.args(*zone);
+        let name_of = |zone: &u64| args_of(zone).get(2).and_then(|a| self.b.step.text(a)).unwrap_or_default();
+        let named = [
+            ("IfcSpace", vec![p.name.clone(), p.long_name.clone()]),
+            (ZONE_LAYER, zones.iter().map(name_of).collect()),
+        ];
+        for (layer, names) in named {
+            let names: Vec<&str> = names.iter().map(|n| n.trim()).filter(|n| !n.is_empty()).collect();
+            if layer == "IfcSpace" || !names.is_empty() {
+                let (source, text) = (self.source(p, layer), names.join("\n"));
+                self.texts.push(Text { source, layer: layer.into(), at: lo.midpoint(hi), text });
+            }
+        }
+        // What a zone says holds for its spaces, where they say nothing else.
+        let mut marks = self.b.model.marks(self.b.step, p.id);
+        for (key, value) in zones.iter().flat_map(|z| self.b.model.marks(self.b.step, *z)) {
+            marks.entry(key).or_insert(value);
+        }
         let said = |key: &str| marks.get(key).map_or_else(String::new, |v| v.trim().to_lowercase());
         for (key, layer) in [("query", "EF-QUERY"), ("reference", "EF-REFERENCE"), ("keep", "EF-KEEP")] {
             match said(key).as_str() {

@@ -1,13 +1,24 @@
 //! STEP physical files (ISO 10303-21) as byte spans: instances, their arguments, nothing decoded twice.
 
 use std::borrow::Cow;
+use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::ops::Range;
 
-use memchr::{memchr_iter, memchr2, memchr3};
+use memchr::{memchr, memchr_iter, memchr2, memchr3};
 use rayon::prelude::*;
 
 use super::limits::{INSTANCE_BYTES_MAX, NESTING_MAX};
+use super::plain;
+
+/// Parts of a large file that are taken apart at once: the same on every machine.
+const PARTS: usize = 16;
+
+/// Smaller parts are not worth a cut.
+const PART_BYTES_MIN: usize = 64 << 10;
+
+/// Bytes that an instance has at least, nearly always.
+const INSTANCE_BYTES: usize = 40;
 
 /// Bytes for which line ends are counted together.
 const LINE_BLOCK: usize = 16 << 10;
@@ -174,43 +185,21 @@ impl<'a> Step<'a> {
             by_id: Ids::Dense(Vec::new()),
             line_ends: line_ends(bytes),
         };
-        let spans = out.sections(&mut scan)?;
-        out.split(spans);
+        out.sections(&mut scan)?;
+        out.broken.sort_by_key(|f| f.at);
         out.index();
         Ok(out)
     }
 
-    /// Takes the instances apart, each by itself and so on all cores.
-    fn split(&mut self, spans: Vec<Range<usize>>) {
-        let bytes = self.bytes;
-        let parts: Vec<Result<Instance, Fault>> =
-            spans.into_par_iter().map(|span| instance(bytes, span)).collect();
-        for part in parts {
-            match part {
-                Ok(instance) => self.instances.push(instance),
-                Err(fault) => self.broken.push(fault),
-            }
-        }
-        self.broken.sort_by_key(|f| f.at);
-    }
-
-    /// Goes through the sections; where the instances stand.
-    fn sections(&mut self, scan: &mut Scan<'a>) -> Result<Vec<Range<usize>>, Fault> {
-        let mut spans = Vec::with_capacity(self.bytes.len() / 64);
-        let mut in_data = true;
+    /// Goes through the sections and takes the instances of each apart.
+    fn sections(&mut self, scan: &mut Scan<'a>) -> Result<(), Fault> {
+        let (mut in_data, mut is_first) = (true, true);
         loop {
             scan.skip_blank()?;
             let at = scan.at;
             match scan.peek() {
-                None => return Ok(spans),
-                Some(b'#') if in_data => {
-                    let end = scan.statement()?;
-                    if end - at > INSTANCE_BYTES_MAX {
-                        self.broken.push(scan.fault(at, "an instance of more bytes than any building has"));
-                    } else {
-                        spans.push(at..end);
-                    }
-                }
+                None => return Ok(()),
+                Some(b'#') if in_data => self.take(scan, std::mem::take(&mut is_first))?,
                 Some(_) => {
                     let end = scan.statement()?;
                     let word = upper_word(&scan.bytes[at..end]);
@@ -221,12 +210,15 @@ impl<'a> Step<'a> {
                             }
                             in_data = false;
                         }
-                        "DATA" => in_data = true,
+                        "DATA" => {
+                            in_data = true;
+                            self.data_end = self.bytes.len();
+                        }
                         "END" if scan.bytes[at..end].to_ascii_uppercase().starts_with(b"END-ISO") => {
                             if in_data {
                                 self.data_end = at;
                             }
-                            return Ok(spans);
+                            return Ok(());
                         }
                         _ if in_data => {
                             self.broken.push(scan.fault(at, "text that is no instance, expected `#id=`"))
@@ -238,18 +230,55 @@ impl<'a> Step<'a> {
         }
     }
 
+    /// Takes instances apart up to the first thing that is none: parts of a large file at once, cut where a line begins
+    /// with `#`. A part whose cut lay inside an instance is taken apart again from that instance's end.
+    fn take(&mut self, scan: &mut Scan<'a>, is_first: bool) -> Result<(), Fault> {
+        // Only the first run of instances is cut: a file of many short ones would be cut anew for each.
+        let cuts = if is_first { cuts(self.bytes, scan.at) } else { vec![scan.at] };
+        let until = |k: usize| cuts.get(k + 1).copied().unwrap_or(self.bytes.len());
+        let parts: Vec<Part> =
+            (0..cuts.len()).into_par_iter().map(|k| Part::read(self.bytes, cuts[k], until(k))).collect();
+        self.instances.reserve(parts.iter().map(|p| p.instances.len()).sum());
+        for (k, part) in parts.into_iter().enumerate() {
+            let part = match scan.at.cmp(&cuts[k]) {
+                Ordering::Equal => part,
+                Ordering::Greater if scan.at < until(k) => Part::read(self.bytes, scan.at, until(k)),
+                Ordering::Greater => continue,
+                Ordering::Less => break,
+            };
+            self.instances.extend(part.instances);
+            self.broken.extend(part.broken);
+            scan.at = part.end?;
+        }
+        Ok(())
+    }
+
     fn index(&mut self) {
+        const RECENT: usize = 256;
         self.by_id = Ids::new(&self.instances);
+        let mut lists: Vec<Vec<u32>> = vec![Vec::new()];
+        let mut of_keyword: HashMap<Cow<'a, [u8]>, usize> = HashMap::from([(Cow::Borrowed(&b""[..]), 0)]);
+        let mut recent: Vec<(Cow<'a, [u8]>, usize)> = vec![(Cow::Borrowed(b""), 0); RECENT];
         for (i, instance) in self.instances.iter().enumerate() {
             if self.by_id.insert(instance.id, i as u32) {
                 self.duplicates.push(instance.id);
             }
             let keyword = upper(&self.bytes[instance.keyword.clone()]);
-            match self.by_keyword.get_mut(&keyword) {
-                Some(list) => list.push(i as u32),
-                None => drop(self.by_keyword.insert(keyword, vec![i as u32])),
+            // Hashed once a keyword, nearly: those of one length and last letters are mostly one.
+            let slot = &mut recent
+                [(keyword.len() * 7 + keyword.iter().rev().nth(4).map_or(0, |b| *b as usize)) % RECENT];
+            if slot.0 != keyword {
+                let next = lists.len();
+                let list = *of_keyword.entry(keyword.clone()).or_insert(next);
+                if list == next {
+                    lists.push(Vec::new());
+                }
+                *slot = (keyword, list);
             }
+            lists[slot.1].push(i as u32);
         }
+        self.by_keyword =
+            of_keyword.into_iter().map(|(k, list)| (k, std::mem::take(&mut lists[list]))).collect();
     }
 
     /// The instance with that number (the last one of several).
@@ -312,11 +341,15 @@ impl<'a> Step<'a> {
         let text = &self.bytes[self.get(id)?.args.clone()];
         let inner = text.strip_prefix(b"(")?.strip_suffix(b")")?;
         let mut out = [None; 3];
-        for (i, word) in inner.split(|b| *b == b',').enumerate() {
-            let is_number = word.iter().all(|b| b.is_ascii_digit() || b"+-.eE".contains(b));
-            *out.get_mut(i)? = Some(number(word).filter(|_| is_number)?);
+        let (mut at, mut i) = (0, 0);
+        loop {
+            let end = memchr(b',', &inner[at..]).map_or(inner.len(), |n| at + n);
+            *out.get_mut(i)? = Some(real(&inner[at..end])?);
+            if end == inner.len() {
+                return out[1].map(|_| out);
+            }
+            (at, i) = (end + 1, i + 1);
         }
-        out[1].map(|_| out)
     }
 
     /// Line of a byte, from 1.
@@ -365,6 +398,64 @@ fn upper(word: &[u8]) -> Cow<'_, [u8]> {
 /// Line of a byte, from 1.
 pub(super) fn line_of(bytes: &[u8], at: usize) -> usize {
     memchr_iter(b'\n', &bytes[..at.min(bytes.len())]).count() + 1
+}
+
+/// Where a large file is cut to be taken apart at once, the start first.
+fn cuts(bytes: &[u8], start: usize) -> Vec<usize> {
+    let size = (bytes.len() - start).div_ceil(PARTS);
+    let mut out = vec![start];
+    if size < PART_BYTES_MIN {
+        return out;
+    }
+    let lines = memchr::memmem::Finder::new(b"\n#");
+    for k in 1..PARTS {
+        let from = (start + k * size).max(out[out.len() - 1]);
+        let Some(found) = lines.find(&bytes[from.min(bytes.len())..]) else { break };
+        out.push(from + found + 1);
+    }
+    out
+}
+
+/// Instances between two places of a file.
+struct Part {
+    instances: Vec<Instance>,
+    broken: Vec<Fault>,
+    /// Where the next thing stands: at or behind the end that was asked for, or something that is no instance.
+    end: Result<usize, Fault>,
+}
+
+impl Part {
+    fn read(bytes: &[u8], from: usize, until: usize) -> Self {
+        let instances = Vec::with_capacity((until - from) / INSTANCE_BYTES);
+        let mut out = Self { instances, broken: Vec::new(), end: Ok(from) };
+        let mut scan = Scan { bytes, at: from };
+        out.end = out.fill(&mut scan, until).map(|()| scan.at);
+        out
+    }
+
+    fn fill(&mut self, scan: &mut Scan<'_>, until: usize) -> Result<(), Fault> {
+        loop {
+            scan.skip_blank()?;
+            if scan.at >= until || scan.peek() != Some(b'#') {
+                return Ok(());
+            }
+            if let Some(instance) = plain::instance(scan.bytes, scan.at) {
+                scan.at = instance.span.end;
+                self.instances.push(instance);
+                continue;
+            }
+            let at = scan.at;
+            let end = scan.statement()?;
+            if end - at > INSTANCE_BYTES_MAX {
+                self.broken.push(scan.fault(at, "an instance of more bytes than any building has"));
+                continue;
+            }
+            match instance(scan.bytes, at..end) {
+                Ok(instance) => self.instances.push(instance),
+                Err(fault) => self.broken.push(fault),
+            }
+        }
+    }
 }
 
 struct Scan<'a> {
@@ -647,6 +738,34 @@ fn number(text: &[u8]) -> Option<f64> {
     std::str::from_utf8(text).ok()?.parse::<f64>().ok().filter(|v| v.is_finite())
 }
 
+/// A number of nothing but digits, sign, point and exponent.
+fn real(word: &[u8]) -> Option<f64> {
+    let is_number = |b: &u8| b.is_ascii_digit() || b"+-.eE".contains(b);
+    plain_real(word).or_else(|| number(word).filter(|_| word.iter().all(is_number)))
+}
+
+/// The number of few digits with a point among them: a whole number and a power of ten, both exact, so their quotient
+/// is the nearest (W. D. Clinger, How to read floating point numbers accurately, PLDI 1990).
+fn plain_real(word: &[u8]) -> Option<f64> {
+    const DIGITS_MAX: usize = 15;
+    const TENS: [f64; DIGITS_MAX + 1] =
+        [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
+    let (digits, sign) = word.strip_prefix(b"-").map_or((word, 1.0), |d| (d, -1.0));
+    let (mut whole, mut decimals) = (0u64, None);
+    for (i, b) in digits.iter().enumerate() {
+        match b {
+            b'0'..=b'9' => whole = whole * 10 + u64::from(b - b'0'),
+            b'.' if decimals.is_none() && i > 0 => decimals = Some(digits.len() - 1 - i),
+            _ => return None,
+        }
+        if i > DIGITS_MAX {
+            return None;
+        }
+    }
+    let decimals = decimals.filter(|_| digits.len() <= DIGITS_MAX + 1)?;
+    Some(sign * (whole as f64 / TENS[decimals]))
+}
+
 /// Whether digits, a sign and one point are all there is: a number without having to be read.
 fn is_plain_number(text: &[u8]) -> bool {
     let digits = text.strip_prefix(b"-").unwrap_or(text);
@@ -671,3 +790,7 @@ fn inner<const KEEP: bool>(
     *at += 1;
     Ok(items)
 }
+
+#[cfg(test)]
+#[path = "step_tests.rs"]
+mod tests;

@@ -1,5 +1,7 @@
 //! The pictures and drawings of a round.
 
+use std::collections::BTreeSet;
+
 use super::super::show::{self, Map};
 use super::super::study::{self, Study};
 use super::super::{Input, heat_map, rayon_map};
@@ -11,7 +13,7 @@ use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::result::RoundResult;
 use crate::overlay::words::{explained, note_lines};
 use crate::overlay::{Scale, convergence_png, diversity_png, heat_additions, moved_additions};
-use crate::plan::drawing::{Addition, Format};
+use crate::plan::drawing::Addition;
 use crate::report::{Error, OutFile};
 
 /// Values of every shown measure for the present layout and every member, with one scale a measure.
@@ -89,7 +91,7 @@ pub(super) fn drawings(
         shown.iter().flat_map(of).collect()
     };
     let jobs: Vec<Option<usize>> = std::iter::once(None).chain((0..made.len()).map(Some)).collect();
-    let files: Result<Vec<OutFile>, Error> = rayon_map(&jobs, |job| {
+    rayon_map(&jobs, |job| {
         let mut additions = heat(*job);
         let (name, edits) = match job {
             None => ("initial".to_string(), Vec::new()),
@@ -115,14 +117,16 @@ pub(super) fn drawings(
         Ok(OutFile::new(format!("{name}.{}", study.base.plan.format.name()), bytes))
     })
     .into_iter()
-    .collect();
-    let mut files = files?;
-    // What the drawings name as lying beside them lies beside these too.
-    if study.base.plan.format == Format::Gltf {
-        let beside = settings.beside.buffers.iter();
-        files.extend(beside.map(|(name, data)| OutFile::new(name.as_str(), data.to_vec())));
-    }
-    Ok(files)
+    .collect()
+}
+
+/// What scenes name as lying beside them, to lie beside these too; what is named as a file of a round is not copied.
+pub(super) fn lying_beside(settings: &Settings, files: &[OutFile]) -> Vec<OutFile> {
+    let folded = |name: &str| name.to_lowercase();
+    let ours: BTreeSet<String> = files.iter().map(|f| folded(&f.path.to_string_lossy())).collect();
+    let named = settings.beside.buffers.iter().chain(&settings.beside.pictures);
+    let free = named.filter(|(name, _)| !ours.contains(&folded(name)));
+    free.map(|(name, data)| OutFile::new(name.as_str(), data.to_vec())).collect()
 }
 
 pub(super) fn convergence(found: Option<&Found>) -> Result<Vec<u8>, Error> {

@@ -109,6 +109,11 @@ async function round(place, d, set) {
   const dots = new Scatter(views[1], (c) => choose(result.candidates.indexOf(c)));
   const picture = el("div", { id: "picture" });
   const words = el("p", { id: "words" });
+  const deeds = {
+    pin: el("button", { id: "chosen-pin", onclick: () => pin(result.candidates[chosen]) }),
+    like: el("button", { id: "chosen-like", onclick: () => like(chosen) }),
+    accept: el("button", { id: "chosen-accept", onclick: () => accept(chosen) }),
+  };
   const body = el("tbody");
   const count = el("p", { role: "status" });
   const isMarked = (c) => c === result.candidates[chosen] || pinned.has(c);
@@ -117,6 +122,10 @@ async function round(place, d, set) {
   function pictures() {
     const c = result.candidates[chosen];
     words.textContent = `Option ${chosen + 1}${c.within_threshold ? "" : " (below a threshold)"}: ${c.words}`;
+    deeds.pin.textContent = `Pin option ${chosen + 1}`;
+    deeds.like.textContent = `More like option ${chosen + 1}`;
+    deeds.accept.textContent = `Accept option ${chosen + 1}`;
+    deeds.pin.setAttribute("aria-pressed", String(pinned.has(c)));
     picture.replaceChildren(shown.length ? pair(d, set, chosen + 1, measure) : "");
   }
   function choose(i) {
@@ -127,6 +136,7 @@ async function round(place, d, set) {
   function pin(c) {
     if (!pinned.delete(c)) pinned.add(c);
     next.show();
+    deeds.pin.setAttribute("aria-pressed", String(pinned.has(result.candidates[chosen])));
     compare();
   }
   function accept(i) {
@@ -191,7 +201,7 @@ async function round(place, d, set) {
     compare();
   };
   place.replaceChildren(
-    el("div", { class: "card" }, words, shown.length ? el("div", { class: "bar" },
+    el("div", { class: "card" }, words, el("div", { class: "bar" }, deeds.pin, deeds.like, deeds.accept), shown.length ? el("div", { class: "bar" },
       ...pick("measure", "Heat map of", shown, 0, (v) => { measure = shown[v]; pictures(); })) : "", picture),
     el("h3", {}, "Compare"), count, views[0],
     el("p", { class: "quiet" }, "Draw along an axis to keep a range; click the axis to take it off."),

@@ -135,13 +135,33 @@ async function refresh(d, before) {
   } else if (d.state !== before) await open(d.id);
 }
 
+/** What is watched, and what is left alone with the reason. */
+function folders(found) {
+  $("roots").textContent = found.roots.map((r) => `${r.root}: ${r.how}`).join("; ");
+  const n = found.ignored_count;
+  $("left-title").textContent = n ? `Left alone: ${n} ${n === 1 ? "file" : "files"}` : "Left alone: no file";
+  const more = n - found.ignored.length;
+  $("left-files").replaceChildren(...found.ignored.map((f) => el("li", {}, f.file, el("small", {}, f.why))),
+    ...(more > 0 ? [el("li", {}, `and ${more} more; the log has the newest`)] : []));
+  $("left-rules").replaceChildren(...found.ignore_rules.map((r) => el("li", {}, el("code", {}, r.glob), el("small", {}, r.why))));
+}
+
+/** Files come by the hundred: the lists are asked for once they have. */
+let asked = 0;
+function soonFolders() {
+  asked ||= setTimeout(async () => {
+    asked = 0;
+    folders(await ask("drawings"));
+  }, PAUSE_MS);
+}
+
 function logLine(line) { return el("li", {}, `${line.time} ${line.text}`); }
 
 async function load() {
   const [found, log] = await Promise.all([ask("drawings"), ask("log")]);
   drawings.clear();
   found.drawings.forEach((d) => drawings.set(d.id, d));
-  $("roots").textContent = found.roots.map((r) => `${r.root}: ${r.how}`).join("; ");
+  folders(found);
   $("log").replaceChildren(...log.reverse().map(logLine));
   list();
   const id = location.hash.slice(1);
@@ -172,6 +192,7 @@ function listen() {
   news.onmessage = (message) => {
     const { kind, drawing, line } = JSON.parse(message.data);
     if (kind === "reload") return load();
+    if (kind === "folders") return soonFolders();
     if (kind === "log") {
       $("log").prepend(logLine(line));
       while ($("log").childElementCount > 500) $("log").lastElementChild.remove();
