@@ -254,7 +254,8 @@ mod tests {
         else {
             panic!("no watch")
         };
-        assert_eq!((watch.depth, watch.poll, watch.ignore), (Some(2), true, vec!["x*".to_owned()]));
+        let looking = watch.looking;
+        assert_eq!((looking.depth, looking.poll, looking.ignore), (Some(2), true, vec!["x*".to_owned()]));
         assert_eq!(watch.common.out, Some("/r".into()));
     }
 

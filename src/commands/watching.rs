@@ -230,7 +230,7 @@ pub(super) fn job_child(drawing: &Path, results: &Path) -> Result<u8, Error> {
 
 pub(super) fn status(args: &StatusArgs) -> Result<u8, Error> {
     let here = [PathBuf::from(".")];
-    let folders = if args.looking.folders.is_empty() { &here[..] } else { &args.looking.folders };
+    let folders = if args.folders.is_empty() { &here[..] } else { &args.folders };
     if let Some(missing) = folders.iter().find(|f| !f.is_dir()) {
         let text = "found no folder there, expected one that is or was watched; nothing was done";
         return Err(Error::usage("no-folder", Place::file(missing.to_string_lossy()), text));

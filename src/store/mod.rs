@@ -478,12 +478,17 @@ fn path_from_bytes(bytes: &[u8]) -> PathBuf {
 }
 
 /// Replaces a file of ours by one write and one rename. Equal content is left untouched, so that sync
-/// clients have nothing to do (hazard 14).
+/// clients have nothing to do (hazard 14). A device or a pipe is written into: renaming over `/dev/null` would
+/// take it from everybody.
 ///
 /// # Errors
 /// `output-is-link` where somebody planted a link; else from the disk.
 pub fn replace_file(disk: &dyn Disk, path: &Path, bytes: &[u8]) -> Result<(), Error> {
     refuse_link(path)?;
+    if fs::symlink_metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        let outcome = File::options().write(true).open(path).and_then(|mut f| f.write_all(bytes));
+        return outcome.map_err(|e| disk_error("writing", path, &e));
+    }
     if fs::read(path).is_ok_and(|old| old == bytes) {
         return Ok(());
     }
