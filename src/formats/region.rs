@@ -26,6 +26,10 @@ pub(super) enum Rule {
 /// Vertices that clipping moved by less than this share of the extent are put back where they were drawn.
 const SNAP_SHARE: f64 = 1e-8;
 
+/// Coordinates beyond this, and what is no number, are not clipped: such outlines touch nothing. File units; no
+/// unit makes a building of it.
+const CLIPPED_MAX: f64 = 1e15;
+
 /// Sides along which a box round a region is tried, the longest.
 const SIDES_MAX: usize = 64;
 
@@ -56,6 +60,9 @@ impl Region {
         match rings.len() {
             0 => Self::default(),
             1 => rings.into_iter().next().map(Self::ring).unwrap_or_default(),
+            _ if !can_be_clipped(rings.iter()) => {
+                Self { shapes: rings.into_iter().map(|r| vec![r]).collect(), lines: Vec::new() }
+            }
             _ => {
                 let shapes = snapped(rings.simplify_shape_as::<i64>(FillRule::EvenOdd), &[&rings]);
                 Self { shapes, lines: Vec::new() }
@@ -201,6 +208,7 @@ impl Region {
             && b[0].cmple(a[1]).all()
             && !self.shapes.is_empty()
             && !other.shapes.is_empty()
+            && can_be_clipped(self.rings().chain(other.rings()))
     }
 
     /// Takes away (or keeps) the half-plane `n·p ≤ d`.
@@ -227,6 +235,10 @@ pub(super) fn clip(ring: &[DVec2], n: DVec2, d: f64) -> Vec<[f64; 2]> {
         }
     }
     out
+}
+
+fn can_be_clipped<'a>(mut rings: impl Iterator<Item = &'a Vec<[f64; 2]>>) -> bool {
+    rings.all(|ring| ring.iter().flatten().all(|x| x.abs() <= CLIPPED_MAX))
 }
 
 /// Twice the signed area of a ring.
@@ -420,6 +432,20 @@ mod tests {
 
     fn square(x: f64, y: f64, w: f64, h: f64) -> Vec<[f64; 2]> {
         vec![[x, y], [x + w, y], [x + w, y + h], [x, y + h]]
+    }
+
+    #[test]
+    fn what_lies_beyond_all_buildings_is_not_clipped() {
+        let wall = || Region::ring(square(0.0, 0.0, 5.0, 0.2));
+        let cut = |far: f64| {
+            let hole = Region::ring(vec![[2.0, -1.0], [far, 0.1], [2.0, 1.0]]);
+            wall().combine(&hole, Rule::Difference) != wall()
+        };
+        assert!(cut(CLIPPED_MAX) && !cut(2.0 * CLIPPED_MAX) && !cut(f64::INFINITY) && !cut(f64::NAN));
+        let inner = square(0.1 * CLIPPED_MAX, 0.1 * CLIPPED_MAX, 0.5 * CLIPPED_MAX, 0.5 * CLIPPED_MAX);
+        let rings = |far: f64| Region::even_odd(vec![square(0.0, 0.0, far, far), inner.clone()]);
+        assert_eq!(rings(CLIPPED_MAX).shapes.len(), 1);
+        assert_eq!(rings(2.0 * CLIPPED_MAX).shapes.len(), 2);
     }
 
     #[test]
