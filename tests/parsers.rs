@@ -198,6 +198,47 @@ fn ifc_survives_anything() {
     throw("ifc", &corpus("ifc"), &dictionary("step.dict"), ifc::check);
 }
 
+/// Every argument of every instance missing with all that follow, unset, derived, far beyond all buildings, of
+/// another kind: what chance meets late.
+#[test]
+fn ifc_survives_every_argument_gone_wrong() {
+    let whole = fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/ifc/bodies.ifc")).unwrap();
+    let text = String::from_utf8(whole).unwrap();
+    let mut tried = 0;
+    for (from, line) in text.match_indices('\n').map(|(at, _)| (at + 1, text[at + 1..].lines().next())) {
+        let Some(line) = line.filter(|l| l.starts_with('#') && l.ends_with(");")) else { continue };
+        let (open, close) = (from + line.find('(').unwrap() + 1, from + line.len() - 2);
+        let commas: Vec<usize> =
+            (open..close).filter(|&i| is_outermost(&text[open..i], &text[i..])).collect();
+        let starts = std::iter::once(open).chain(commas.iter().map(|c| c + 1));
+        for (start, end) in starts.zip(commas.iter().copied().chain([close])) {
+            let gone = if start > open { start - 1 } else { start };
+            let odd = ["$", "*", "1.E300", "()", "'x'"].map(|odd| (start, end, odd));
+            for (from, to, odd) in odd.into_iter().chain([(gone, close, "")]) {
+                let bytes = [&text[..from], odd, &text[to..]].concat();
+                let outcome = catch_unwind(|| ifc::check(bytes.as_bytes()));
+                assert!(outcome.is_ok(), "{odd:?} from {:?} on in {line}", &text[start..end]);
+                tried += 1;
+            }
+        }
+    }
+    assert!(tried > 3000, "{tried}");
+}
+
+/// Whether a comma begins here, outside of all lists and texts that the arguments before it began.
+fn is_outermost(before: &str, from: &str) -> bool {
+    let (mut depth, mut in_text) = (0, false);
+    for c in before.chars() {
+        match c {
+            '\'' => in_text = !in_text,
+            '(' if !in_text => depth += 1,
+            ')' if !in_text => depth -= 1,
+            _ => {}
+        }
+    }
+    from.starts_with(',') && depth == 0 && !in_text
+}
+
 #[test]
 fn gltf_survives_anything() {
     throw("gltf", &corpus("gltf"), &dictionary("gltf.dict"), gltf::check);

@@ -273,7 +273,7 @@ impl Geo<'_, '_> {
                 let direction = self.direction(self.reference(&vector, 0, basis)?)?;
                 let step = direction * vector.get(1).and_then(Arg::number).unwrap_or(1.0);
                 let end = |i: usize| -> Result<[f64; 2], Why> {
-                    let (point, parameter) = self.trim(&args[i], id)?;
+                    let (point, parameter) = self.trim(args.get(i), id)?;
                     let at = match (point, parameter) {
                         (Some(p), None) => p,
                         (Some(p), Some(_)) if by_point => p,
@@ -287,7 +287,7 @@ impl Geo<'_, '_> {
             "IFCCIRCLE" | "IFCELLIPSE" => {
                 let (m, a, b) = self.conic(basis, &of)?;
                 let angle = |i: usize| -> Result<f64, Why> {
-                    let (point, parameter) = self.trim(&args[i], id)?;
+                    let (point, parameter) = self.trim(args.get(i), id)?;
                     let from_point = point.map(|p| {
                         let q = m.inverse().transform_point3(p);
                         (q.y / b).atan2(q.x / a)
@@ -312,8 +312,8 @@ impl Geo<'_, '_> {
     }
 
     /// A trim: a point and a parameter, as far as given.
-    fn trim(&self, arg: &Arg, id: u64) -> Result<(Option<DVec3>, Option<f64>), Why> {
-        let items = arg.list();
+    fn trim(&self, arg: Option<&Arg>, id: u64) -> Result<(Option<DVec3>, Option<f64>), Why> {
+        let items = arg.map_or(&[][..], Arg::list);
         let point = items.iter().find_map(Arg::id).map(|p| self.point(p)).transpose()?;
         let parameter = items.iter().find_map(Arg::number);
         if point.is_none() && parameter.is_none() {
