@@ -304,6 +304,9 @@ pub struct LookingArgs {
     /// Names to leave alone, * and ? may stand in them; repeatable.
     #[arg(long, value_name = "GLOB")]
     pub ignore: Vec<String>,
+    /// Results go below this folder where the place beside a drawing cannot be written.
+    #[arg(long, value_name = "DIR")]
+    pub fallback: Option<PathBuf>,
 }
 
 /// `watch`.

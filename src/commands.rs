@@ -538,7 +538,7 @@ fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
             let mut read = Partial::from_toml(&file.to_string_lossy(), &text)?;
             let fallback = read.watch.as_mut().and_then(|w| w.fallback.as_mut());
             for folder in read.out.as_mut().into_iter().chain(fallback) {
-                *folder = beside_of(file, folder);
+                *folder = below_of(file, folder)?;
             }
             Ok(Some(read))
         }
@@ -552,10 +552,19 @@ fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
     }
 }
 
-/// A folder that a settings file names: below the file's own, unless it is named from the root on.
-fn beside_of(file: &Path, folder: &str) -> String {
+/// A folder that a settings file names, below the file's own. Whoever may write to a shared folder must not decide
+/// where else this user's programs write.
+fn below_of(file: &Path, folder: &str) -> Result<String, Error> {
+    use std::path::Component::{CurDir, Normal};
+    if !Path::new(folder).components().all(|c| matches!(c, Normal(_) | CurDir)) {
+        let text = format!(
+            "found results to go to `{folder}`, expected a folder below that of this file; any other is named on the \
+             command line (--out, --fallback); nothing was done"
+        );
+        return Err(Error::usage("settings-outside", Place::file(file.to_string_lossy()), text));
+    }
     let own = file.parent().filter(|p| !p.as_os_str().is_empty());
-    own.map_or_else(|| folder.into(), |own| own.join(folder).to_string_lossy().into_owned())
+    Ok(own.map_or_else(|| folder.into(), |own| own.join(folder).to_string_lossy().into_owned()))
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {

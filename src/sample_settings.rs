@@ -53,7 +53,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 
 # What is shown
 # colours = "safe"                  # for colour-blind eyes; or "blue-to-red"
-# out = "results"                   # results go to results/plan.enfilade/ instead of beside the drawing
+# out = "results"                   # results go to results/plan.enfilade/, below this file, not beside the drawing
 
 # Moves and regions that are not drawn (they stand in a drawing's own file)
 # ignore-move-markers = false
@@ -80,7 +80,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # depth = 0                         # folders below
 # ignore = ["*-backup.dxf"]
 # newest-first = false              # of many drawings waiting
-# fallback = "/results"             # results go there where the drawing's folder cannot be written
+# fallback = "results"              # results go there where the place beside a drawing cannot be written
 # job-limit-secs = 3600.0           # a job that runs longer is ended and reported
 # job-memory-mb = 4096              # the same for memory; without it, three quarters of the machine's
 "#;

@@ -232,6 +232,34 @@ fn exit_codes_and_messages() {
     }
 }
 
+/// Whoever may write into a shared folder decides nothing outside of it (hazards, section 3).
+#[test]
+fn settings_files_send_results_below_themselves_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let drawing = dir.path().join("in/gallery.dxf");
+    std::fs::create_dir(dir.path().join("in")).unwrap();
+    std::fs::copy(sample("gallery.dxf"), &drawing).unwrap();
+    let run = |said: &str| {
+        std::fs::write(dir.path().join("in/enfilade.toml"), said).unwrap();
+        enfilade(&["run", &drawing.to_string_lossy(), "--evaluations", "8", "--members", "1", "-q"])
+    };
+    let away = dir.path().join("away").to_string_lossy().replace('\\', "/");
+    for said in [
+        "out = \"../away\"",
+        "out = \"r/../../away\"",
+        &format!("out = \"{away}\""),
+        "[watch]\nfallback = \"..\"",
+    ] {
+        let refused = run(said);
+        let why = text(&refused.stderr);
+        assert_eq!(refused.status.code(), Some(3), "{said}: {why}");
+        assert!(why.contains("enfilade.toml") && why.contains("--out, --fallback"), "{why}");
+    }
+    assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
+    assert!(matches!(run("out = \"./r/s\"").status.code(), Some(0 | 1)));
+    assert!(dir.path().join("in/r/s/gallery.enfilade/round-01").is_dir());
+}
+
 #[test]
 fn a_side_car_of_another_name_is_not_read_in_silence() {
     for sample_name in ["pavilion.glb", "pavilion.ifc", "gallery.dxf"] {

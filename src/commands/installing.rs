@@ -10,7 +10,8 @@ use crate::formats::ENDINGS;
 use crate::report::{Error, Place};
 use crate::server::Door;
 use crate::service::{self, Folders};
-use crate::watch::network_reason;
+use crate::store::{Disk, SystemDisk};
+use crate::watch::{canonical_roots, network_reason};
 
 /// What opens an address in the user's browser, and its first arguments.
 const BROWSER: (&str, &[&str]) = if cfg!(windows) {
@@ -20,6 +21,8 @@ const BROWSER: (&str, &[&str]) = if cfg!(windows) {
 } else {
     ("xdg-open", &[])
 };
+/// Less than this and results of a drawing of usual size find no room.
+const FREE_BYTES_MIN: u64 = 50 << 20;
 /// Fewer watches than this and a tree of drawings may not fit.
 const WATCHES_MIN: u64 = 8192;
 
@@ -55,6 +58,7 @@ pub(super) fn service(args: &ServiceArgs) -> Result<u8, Error> {
                 let place = Place::file(missing.display().to_string());
                 return Err(Error::usage("not-a-folder", place, "is no folder; nothing was installed"));
             }
+            canonical_roots(&folders, false)?;
             service::install(&folders, &options_of(args))?
         }
         ServiceCommand::Status => service::status()?,
@@ -71,6 +75,8 @@ fn options_of(args: &InstallArgs) -> Vec<OsString> {
     args.looking.depth.iter().for_each(|levels| add("--depth", levels.to_string().into()));
     args.looking.ignore.iter().for_each(|glob| add("--ignore", glob.into()));
     args.out.iter().for_each(|folder| add("--out", super::absolute(folder).into()));
+    let fallback = args.looking.fallback.iter();
+    fallback.for_each(|folder| add("--fallback", super::absolute(folder).into()));
     out.extend(args.looking.poll.then(|| "--poll".into()));
     out
 }
@@ -155,7 +161,26 @@ fn watched(folder: &Path) -> Result<String, String> {
     let runs = if found[0]["is_running"] == true { "watched now" } else { "not watched now" };
     let how = network_reason(folder).map_or("events".to_owned(), |why| format!("polling, as {why}"));
     let page = if Door::find(folder).is_some() { "; its page is open" } else { "" };
-    Ok(format!("{runs}; watched by {how}{page}"))
+    let said = format!("{runs}; watched by {how}{page}");
+    match failing(&found[0]["status"]).into_iter().chain(full(folder)).reduce(|a, b| format!("{a}; {b}")) {
+        Some(faults) => Err(format!("{said}; {faults}")),
+        None => Ok(said),
+    }
+}
+
+/// How many drawings failed, and the first of them with its reason.
+fn failing(overview: &serde_json::Value) -> Option<String> {
+    let count = overview["failed_count"].as_u64().filter(|n| *n > 0)?;
+    let first = overview["failed"].as_array().and_then(|all| all.first());
+    let text = |key: &str| first.and_then(|f| f[key].as_str()).unwrap_or("?").to_owned();
+    let why = first.and_then(|f| f["problem"]["text"].as_str()).unwrap_or("?");
+    Some(format!("{count} failed, {}: {why}; `enfilade status` lists all", text("drawing")))
+}
+
+/// Whether the disk leaves a round too little.
+fn full(folder: &Path) -> Option<String> {
+    let free = SystemDisk.free_bytes(folder).ok().filter(|free| *free < FREE_BYTES_MIN)?;
+    Some(format!("{} MB are free there, too few for results: make room", free >> 20))
 }
 
 /// Results lie beside the drawings, unless the settings name another folder for them.
@@ -239,7 +264,19 @@ mod tests {
     fn the_service_watches_as_it_was_told() {
         use clap::Parser as _;
         let line = [
-            "enfilade", "service", "install", "--depth", "2", "--ignore", "x*", "--out", "/r", "--poll", "/w",
+            "enfilade",
+            "service",
+            "install",
+            "--depth",
+            "2",
+            "--ignore",
+            "x*",
+            "--out",
+            "/r",
+            "--fallback",
+            "/f",
+            "--poll",
+            "/w",
         ];
         let cli::Command::Service(ServiceArgs { what: ServiceCommand::Install(args) }) =
             cli::Cli::try_parse_from(line).unwrap().command
@@ -247,7 +284,8 @@ mod tests {
             panic!("no install")
         };
         let options = options_of(&args);
-        assert_eq!(options, ["--depth", "2", "--ignore", "x*", "--out", "/r", "--poll"].map(OsString::from));
+        let expected = ["--depth", "2", "--ignore", "x*", "--out", "/r", "--fallback", "/f", "--poll"];
+        assert_eq!(options, expected.map(OsString::from));
         let words = ["enfilade", "watch"].map(OsString::from).into_iter().chain(options);
         let cli::Command::Watch(watch) =
             cli::Cli::try_parse_from(words.chain(["--".into(), "/w".into()])).unwrap().command
@@ -256,7 +294,18 @@ mod tests {
         };
         let looking = watch.looking;
         assert_eq!((looking.depth, looking.poll, looking.ignore), (Some(2), true, vec!["x*".to_owned()]));
-        assert_eq!(watch.common.out, Some("/r".into()));
+        assert_eq!((watch.common.out, looking.fallback), (Some("/r".into()), Some("/f".into())));
+    }
+
+    #[test]
+    fn failures_of_the_daemon_are_a_problem() {
+        let overview = serde_json::json!({
+            "failed_count": 2,
+            "failed": [{"drawing": "plan.dxf", "problem": {"text": "no room"}}],
+        });
+        assert_eq!(failing(&overview).unwrap(), "2 failed, plan.dxf: no room; `enfilade status` lists all");
+        assert_eq!(failing(&serde_json::json!({"failed_count": 0, "failed": []})), None);
+        assert_eq!(failing(&serde_json::Value::Null), None);
     }
 
     #[test]

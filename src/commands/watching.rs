@@ -159,7 +159,12 @@ fn watch_settings(args: &WatchArgs, partial: &Partial, said: Said) -> WatchSetti
         depth: args.looking.depth.or(table.depth).unwrap_or(base.depth),
         ignore: ignore.collect(),
         out_dir: out.as_deref().map(|o| absolute(Path::new(o))),
-        fallback_dir: table.fallback.map(|f| absolute(Path::new(&f))),
+        fallback_dir: args
+            .looking
+            .fallback
+            .clone()
+            .or(table.fallback.map(PathBuf::from))
+            .map(|folder| absolute(&folder)),
         newest_first: table.newest_first.unwrap_or(base.newest_first),
         force: args.force,
         job_limit_secs: table.job_limit_secs.unwrap_or(base.job_limit_secs),
@@ -234,6 +239,11 @@ pub(super) fn status(args: &StatusArgs) -> Result<u8, Error> {
     if let Some(missing) = folders.iter().find(|f| !f.is_dir()) {
         let text = "found no folder there, expected one that is or was watched; nothing was done";
         return Err(Error::usage("no-folder", Place::file(missing.to_string_lossy()), text));
+    }
+    if let Some((folder, e)) = folders.iter().find_map(|f| std::fs::read_dir(f).err().map(|e| (f, e))) {
+        let text =
+            format!("cannot be looked into ({e}), so what its daemon does is not known; nothing was done");
+        return Err(Error::environment("unreadable", Place::file(folder.to_string_lossy()), text));
     }
     let found = daemon::status(folders);
     if args.json {

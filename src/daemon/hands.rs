@@ -93,7 +93,11 @@ pub(super) fn start_looker(
                     Looked::Checked(path, checked, key)
                 }
                 Action::Scan(root) => Looked::Scanned(root.clone(), eyes.scan(&root)),
-                Action::LookRoot(root) => Looked::Root(root.clone(), identity_of(&root)),
+                Action::LookRoot(root) => {
+                    // One that may not be looked into is out of reach like one that is gone.
+                    let identity = identity_of(&root).filter(|_| fs::read_dir(&root).is_ok());
+                    Looked::Root(root, identity)
+                }
                 Action::Rearm(root) => {
                     eyes.rearm(&root);
                     continue;
@@ -182,9 +186,16 @@ fn config_key(drawing: &Path, settings_key: &str) -> String {
     sha256_hex(text.as_bytes())
 }
 
-/// Words for what a settings file says of results. One that cannot be read fails its jobs, each version anew.
+/// Words for what a settings file says of results. One that cannot be read fails its jobs, each version anew;
+/// where a fault lies in `[watch]` alone, what is done stays done.
 fn what_decides(bytes: &[u8]) -> String {
-    let read = std::str::from_utf8(bytes).ok().and_then(|text| Partial::from_toml("", text).ok());
+    let without_watch = |text: &str| {
+        let mut table: toml::Table = text.parse().ok()?;
+        table.remove("watch")?;
+        Partial::from_toml("", &table.to_string()).ok()
+    };
+    let read = |text| Partial::from_toml("", text).ok().or_else(|| without_watch(text));
+    let read = std::str::from_utf8(bytes).ok().and_then(read);
     read.map_or_else(
         || sha256_hex(bytes),
         |partial| sha256_hex(format!("{:?}", partial.deciding()).as_bytes()),
@@ -244,6 +255,7 @@ mod tests {
         let same = [
             "seed = 1",
             "# by hand\nseed = 1\n",
+            "seed = 1\n[watch]\nquite-secs = 2.0\n",
             "seed = 1\nthreads = 2\nbackend = \"cpu\"\nout = \"r\"\n[watch]\nquiet-secs = 2.0\n",
         ];
         assert!(same.iter().all(|text| key(text) == key("seed = 1")));

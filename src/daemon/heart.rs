@@ -297,6 +297,11 @@ impl Heart {
                 self.is_overview_stale = true;
                 show(Notice::Ignored { path, why });
             }
+            Action::IgnoredGone(path) => {
+                self.ignored.remove(&path);
+                self.ignored_count = self.ignored_count.saturating_sub(1);
+                self.is_overview_stale = true;
+            }
             Action::Offline(root) => self.set_offline(root, true, show),
             Action::Online(root) => self.set_offline(root, false, show),
             Action::Problem { path, problem } => self.problem(path, problem, show),

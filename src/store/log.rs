@@ -24,6 +24,7 @@ impl Log {
         if let Some(folder) = path.parent() {
             SystemDisk.create_folders(folder).map_err(|e| disk_error("making", folder, &e))?;
         }
+        SystemDisk.append(path, b"", false).map_err(|e| disk_error("writing", path, &e))?;
         Ok(Self { path: path.into() })
     }
 
@@ -60,6 +61,13 @@ impl Log {
 mod tests {
     use super::*;
     use std::fs;
+
+    #[test]
+    fn a_log_that_cannot_be_written_is_no_log() {
+        let dir = tempfile::tempdir().unwrap();
+        assert!(Log::open(dir.path()).is_err());
+        assert!(Log::open(&dir.path().join("watch.log")).is_ok());
+    }
 
     #[test]
     fn a_full_log_is_put_aside_and_old_ones_go() {

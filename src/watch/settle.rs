@@ -68,6 +68,8 @@ pub enum Action {
         /// Why.
         why: String,
     },
+    /// A file that was left alone is no longer there.
+    IgnoredGone(PathBuf),
     /// The root cannot be reached; nothing is inferred about its files.
     Offline(PathBuf),
     /// The root is back.
@@ -254,6 +256,16 @@ impl Settle {
     fn tell_ignored(&mut self, path: PathBuf, why: String) {
         if self.ignored.len() < MAX_IGNORED && self.ignored.insert(path.clone()) {
             self.out.push(Action::Ignored { path, why });
+        }
+    }
+
+    /// What was left alone and is no longer there need not be listed.
+    fn forget_ignored(&mut self, i: usize, found: &[(PathBuf, Stat)]) {
+        let there: BTreeSet<&Path> = found.iter().map(|(path, _)| path.as_path()).collect();
+        let gone = |path: &&PathBuf| self.root_of(path) == Some(i) && !there.contains(path.as_path());
+        for path in self.ignored.iter().filter(gone).cloned().collect::<Vec<_>>() {
+            self.ignored.remove(&path);
+            self.out.push(Action::IgnoredGone(path));
         }
     }
 
@@ -460,6 +472,7 @@ impl Settle {
         if self.roots[i].is_offline {
             return;
         }
+        self.forget_ignored(i, &found);
         let mut seen = BTreeSet::new();
         for (path, stat) in found {
             match self.roots[i].names.verdict(&path) {

@@ -112,6 +112,7 @@ impl Run {
             Action::SettingsChanged(path) => format!("settings {}", name(&path)),
             Action::Removed(path) => format!("removed {}", name(&path)),
             Action::Ignored { path, .. } => format!("ignored {}", name(&path)),
+            Action::IgnoredGone(path) => format!("ignored-gone {}", name(&path)),
             Action::Offline(_) => "offline".into(),
             Action::Online(_) => "online".into(),
             Action::Problem { path, problem } => format!("problem {} {}", name(&path), problem.code),
