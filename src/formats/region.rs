@@ -158,7 +158,8 @@ impl Region {
 
     /// A hole made to reach through a wall that it leaves a skin of: every side beyond which the wall
     /// ends within `depth` is moved out by that much. What ends beside the hole, such as the last
-    /// millimetres of a wall behind its door, stays: it closes nothing.
+    /// millimetres of a wall behind its door, stays: it closes nothing. A side that lies in the wall on
+    /// no more than `depth` is a notch's, where walls are fitted together.
     pub fn through(&self, wall: &Self, depth: f64) -> Self {
         let mut out = self.clone();
         for ring in self.shapes.iter().filter_map(|s| s.first()) {
@@ -184,8 +185,10 @@ impl Region {
                     let corners = [from, from + along, from + along + outward, from + outward];
                     covered(&Self::ring(corners.map(|p| p.to_array()).to_vec())) / (depth * depth)
                 };
+                // How much of the side lies in the wall, times its thickness that is looked at.
+                let is_notch = || covered(&strip(-SKIN_NOISE, 0.0)) <= SKIN_NOISE * depth * depth;
                 let goes_on = || beside(a, -u * depth).max(beside(b, u * depth)) > 0.5 * skin;
-                if skin < SKIN_NOISE || goes_on() {
+                if (skin < SKIN_NOISE || goes_on()) && !is_notch() {
                     out = out.combine(&strip(0.0, 1.0), Rule::Union);
                 }
             }
@@ -466,6 +469,10 @@ mod tests {
         assert!((end.through(&wall, 0.01).area() - end.area()).abs() < 1e-12);
         let rounded = hole(1.0, 0.9, 0.2 - 1e-13);
         assert_eq!(rest(&rounded), 2);
+        let notch = hole(1.0, 0.005, 0.195);
+        assert_eq!((rest(&notch), rest(&hole(1.0, 0.05, 0.195))), (1, 2));
+        let corner = Region::ring(square(-0.1, -0.1, 0.105, 0.105));
+        assert!((corner.through(&wall, 0.01).area() - corner.area()).abs() < 1e-12, "{corner:?}");
     }
 
     #[test]

@@ -77,7 +77,8 @@ pub(super) fn parted(
         }
         let outward = if f.end == 0 { -f.along } else { f.along };
         for beside in standing.beside(plan, by_record, f, |r| moved[f.group].contains(&r)) {
-            let towards = |p: &&super::Parameter| p.group != f.group && moved[p.group].contains(&beside.record);
+            let towards =
+                |p: &&super::Parameter| p.group != f.group && moved[p.group].contains(&beside.record);
             let own = moving.parameters.iter().filter(towards).map(|p| {
                 let step = direction_of(p.clause.kind).map_or(0.0, |d| d.dot(outward)) * p.clause.si_per_unit;
                 (step * p.clause.lower).max(step * p.clause.upper).max(0.0)

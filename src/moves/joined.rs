@@ -362,7 +362,8 @@ impl Followed {
         let run = |s: &Segment| DVec2::new((s.b[0] - s.a[0]) as f64, (s.b[1] - s.a[1]) as f64);
         let longest = pieces.iter().map(run).max_by(|a, b| a.length().total_cmp(&b.length()))?;
         // What touches the end of a wall is what that wall ends at.
-        let is_side = |s: &Segment| run(s).perp_dot(longest).abs() <= SIDE_SIN * run(s).length() * longest.length();
+        let is_side =
+            |s: &Segment| run(s).perp_dot(longest).abs() <= SIDE_SIN * run(s).length() * longest.length();
         let pieces: Vec<Segment> = pieces.into_iter().filter(is_side).collect();
         let mut box_um = [[i64::MAX; 2], [i64::MIN; 2]];
         for (p, k) in pieces.iter().flat_map(|s| [s.a, s.b]).flat_map(|p| [(p, 0), (p, 1)]) {

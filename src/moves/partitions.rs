@@ -268,12 +268,17 @@ fn way(
     };
     let is_bound = ends.iter().any(|e| e.2) || !e.followers.is_empty();
     let sides_free = [lo.y - rim, hi.y + rim].iter().all(|y| is_free(*y, *y));
-    // A face of another wall inside it: it is a part of that one, such as its lining.
+    // A face of another wall in it or at its side all along: it is that one's lining.
     let is_lining = [0.1, 0.3, 0.5, 0.7, 0.9].iter().all(|t| {
         let x = lo.x + (hi.x - lo.x) * t;
-        touches(world(x, lo.y + rim), world(x, hi.y - rim))
+        touches(world(x, lo.y - rim), world(x, hi.y + rim))
     });
-    if !is_bound || is_lining || !sides_free || !is_inside(lo.y - 0.35 * scale) || !is_inside(hi.y + 0.35 * scale) {
+    if !is_bound
+        || is_lining
+        || !sides_free
+        || !is_inside(lo.y - 0.35 * scale)
+        || !is_inside(hi.y + 0.35 * scale)
+    {
         return (0.0, 0.0);
     }
     let go = |sign: f64| {

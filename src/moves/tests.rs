@@ -575,8 +575,18 @@ fn what_a_wall_ends_at_does_not_follow_it() {
     for (record, y) in [(2, [3.0, 3.2]), (3, [7.0, 7.2])] {
         assert_near(box_of_record(&plan, &layout, record), [5.5, 9.0, y[0], y[1]]);
     }
-    let (plan, _, moves) = by_default(&d);
-    assert_eq!(bounds_of(&plan, &moves, 4), None, "it is a part of the thick wall");
+    // In the thick wall, at its face, and a hand's breadth before it.
+    for (x, slides) in [(5.45, false), (5.5, false), (5.7, true)] {
+        let lining = (4, [x, x + 0.15], [3.2, 7.0]);
+        let d = building(&[
+            (1, [5.0, 5.5], [0.0, 10.0]),
+            (2, [5.5, 9.0], [3.0, 3.2]),
+            (3, [5.5, 9.0], [7.0, 7.2]),
+            lining,
+        ]);
+        let (plan, _, moves) = by_default(&d);
+        assert_eq!(bounds_of(&plan, &moves, 4).is_some(), slides, "{x}");
+    }
 }
 
 #[test]

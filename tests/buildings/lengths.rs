@@ -274,7 +274,8 @@ const LOW: &str = "#70=IFCWALL('000000000000000000000L',$,'L',$,$,#71,#75,'79',.
 fn walls_of_another_height_that_the_file_joins_go_along() {
     let text = wall(&[RECTANGLE, LOW].concat());
     let shift = DVec2::new(0.3, -0.2);
-    let by = |turn_rad: f64, shift: DVec2| Edit::Insert { record: 10, motion: RigidMotion { turn_rad, shift } };
+    let by =
+        |turn_rad: f64, shift: DVec2| Edit::Insert { record: 10, motion: RigidMotion { turn_rad, shift } };
     // Where the low wall stands after: seen by making it as high as the others.
     let high = |text: &str| text.replace("(#78,#4,#12,0.4)", "(#78,#4,#12,3.)");
     let after = |text: &str, edits: &[Edit]| corners(&read(&high(&patched(text, edits, &[]))), 70);

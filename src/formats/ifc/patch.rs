@@ -5,12 +5,12 @@ use std::ops::Range;
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use super::ReadOptions;
 use super::geo::Why;
 use super::length::{self, Change, Node};
 use super::read::Building;
 use super::step::{Arg, Step};
 use super::unseen::{Tails, tails};
-use super::ReadOptions;
 use crate::formats::splice::Splice;
 use crate::plan::drawing::{Edit, RigidMotion};
 use crate::report::{Error, Place};

@@ -64,9 +64,8 @@ fn shift(edit: &Edit) -> Option<(u64, DVec2)> {
 
 /// Walls that the file joins: a wall, and another with the one of its ends that stands there.
 fn joints(step: &Step<'_>) -> Vec<(u64, u64, usize)> {
-    let end = |arg: Option<&Arg>| {
-        ["ATSTART", "ATEND"].iter().position(|name| arg.is_some_and(|a| a.is(name)))
-    };
+    let end =
+        |arg: Option<&Arg>| ["ATSTART", "ATEND"].iter().position(|name| arg.is_some_and(|a| a.is(name)));
     let mut out = Vec::new();
     for i in step.all("IFCRELCONNECTSPATHELEMENTS") {
         let args = step.args_of(i);
