@@ -262,7 +262,11 @@ const LOW: &str = "#70=IFCWALL('000000000000000000000L',$,'L',$,$,#71,#75,'79',.
                    #72=IFCAXIS2PLACEMENT3D(#73,#12,#74);\n\
                    #73=IFCCARTESIANPOINT((2.28,3.54,0.));\n\
                    #74=IFCDIRECTION((0.8,-0.6,0.));\n\
-                   #75=IFCPRODUCTDEFINITIONSHAPE($,$,(#76));\n\
+                   #75=IFCPRODUCTDEFINITIONSHAPE($,$,(#83,#76));\n\
+                   #83=IFCSHAPEREPRESENTATION(#5,'Axis','Curve2D',(#84));\n\
+                   #84=IFCPOLYLINE((#85,#86));\n\
+                   #85=IFCCARTESIANPOINT((0.,0.));\n\
+                   #86=IFCCARTESIANPOINT((3.,0.));\n\
                    #76=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#77));\n\
                    #77=IFCEXTRUDEDAREASOLID(#78,#4,#12,0.4);\n\
                    #78=IFCRECTANGLEPROFILEDEF(.AREA.,$,#79,3.,0.2);\n\
@@ -291,7 +295,7 @@ fn walls_of_another_height_that_the_file_joins_go_along() {
     let told = |line: &&str| line.starts_with("#7") || line.starts_with("#8");
     let (old, new) = (text.clone(), patched(&text, &[by(0.0, shift)], &[]));
     let changed: Vec<&str> = old.lines().filter(told).filter(|l| !new.contains(l)).collect();
-    assert_eq!(changed.len(), 2, "its rectangle and where that lies: {changed:?}");
+    assert_eq!(changed.len(), 3, "its rectangle, where that lies, its axis: {changed:?}");
 
     let opening = "#82=IFCRELVOIDSELEMENT('000000000000000000000N',$,$,$,#70,#99);\n#60=";
     for (text, edit) in [
@@ -300,6 +304,7 @@ fn walls_of_another_height_that_the_file_joins_go_along() {
         (text.clone(), by(0.0, DVec2::new(0.6, 0.8))),
         (text.replace("(),(),.ATSTART.,.ATPATH.", "(),(),.ATPATH.,.ATEND."), by(0.0, shift)),
         (text.replace("#60=", opening), by(0.0, shift)),
+        (text.replace("(#83,#76)", "(#76)"), by(0.0, shift)),
         (text.replace("#12,0.4)", "#12,1.6)"), by(0.0, shift)),
     ] {
         let seen = text.replace("(#78,#4,#12,1.6)", "(#78,#4,#12,0.4)");

@@ -1,6 +1,7 @@
 //! Walls of another height: what the file joins to a wall that shifts and the cut does not show goes along on its own
 //! axis, as walls that are shown do by moves of their own.
 
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DAffine3, DVec2};
@@ -23,7 +24,7 @@ const REST_M: f64 = 0.1;
 pub(super) type Tails = BTreeMap<u64, Vec<(u64, [f64; 2])>>;
 
 /// The unseen walls that follow what edits shift. A wall that an opening is cut out of stays, and so does one that
-/// would be left shorter than [`REST_M`], or that cannot change its length.
+/// would be left shorter than [`REST_M`], has no axis that says where it starts, or cannot change its length.
 pub(super) fn tails(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit]) -> Tails {
     let edited: BTreeSet<u64> = edits.iter().map(|e| e.record() as u64).collect();
     let shifts: BTreeMap<u64, DVec2> = edits.iter().filter_map(shift).collect();
@@ -33,14 +34,17 @@ pub(super) fn tails(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit])
     let mut found: BTreeMap<u64, (Bar, u64, [Option<f64>; 2])> = BTreeMap::new();
     for (wall, other, end) in joints(b.step) {
         let Some(shift) = shifts.get(&wall).filter(|_| !edited.contains(&other)) else { continue };
-        if !found.contains_key(&other) {
-            let Some(bar) = unseen(b, other, cut) else { continue };
-            found.insert(other, (bar, wall, [None; 2]));
-        }
-        let (Some(entry), Ok(at)) = (found.get_mut(&other), length::bar(b, wall)) else { continue };
-        let (normal, along) = (at.along.perp(), entry.0.along);
-        if normal.dot(along).abs() >= CROSSING_MIN_SIN {
-            entry.2[end].get_or_insert(shift.dot(normal) / normal.dot(along));
+        let Ok(at) = length::bar(b, wall) else { continue };
+        let (bar, _, ways) = match found.entry(other) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => match unseen(b, other, cut) {
+                Some(bar) => entry.insert((bar, wall, [None; 2])),
+                None => continue,
+            },
+        };
+        let across = at.along.perp().dot(bar.along);
+        if across.abs() >= CROSSING_MIN_SIN {
+            ways[end].get_or_insert(shift.dot(at.along.perp()) / across);
         }
     }
     let mut out = Tails::new();
@@ -87,5 +91,5 @@ fn unseen(b: &Building<'_, '_>, id: u64, cut: f64) -> Option<Bar> {
     let items = body_items(b.step, product.shape?).ok()?;
     let reaches: Option<Vec<[f64; 2]>> = items.iter().map(|i| b.geo.reach(*i, &world, 0).ok()).collect();
     let is_seen = reaches?.iter().any(|[low, high]| (*low..=*high).contains(&cut));
-    if is_seen { None } else { length::bar(b, id).ok() }
+    length::bar(b, id).ok().filter(|bar| !is_seen && bar.has_axis())
 }
