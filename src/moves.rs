@@ -1,5 +1,6 @@
 //! The parametrisation (spec 2): which nodes move, how, within what bounds; parameters → layout.
 
+mod abutting;
 mod axial;
 mod bars;
 pub mod carried;

@@ -167,8 +167,9 @@ fn doors_follow_their_wall_wherever_they_are_placed() {
             moved += usize::from(follows);
         }
         assert_eq!(moved, 3, "two pieces of the wall and its door");
+        let edits = [shift(wall, 1.0, 0.0)];
         let products =
-            formats::changed_records("house.ifc", text.as_bytes(), &[shift(wall, 1.0, 0.0)]).unwrap();
+            formats::changed_records("house.ifc", text.as_bytes(), &ReadOptions::default(), &edits).unwrap();
         assert_eq!(products[0].len(), 3, "wall, opening, door: {products:?}");
         assert!(products[0].iter().all(|p| p.handle.as_ref().is_some_and(|h| h.len() == 22)));
     }

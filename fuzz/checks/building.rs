@@ -42,7 +42,7 @@ pub fn move_one(file: &str, bytes: &[u8], drawing: &Drawing) {
         );
         let edit = edit(DVec2::new(0.5, -0.25));
         let moved = patch(file, bytes, &options, &edit, &[]);
-        let named = changed_records(file, bytes, &edit);
+        let named = changed_records(file, bytes, &options, &edit);
         assert!(named.is_err() || moved.is_ok(), "{moved:?}");
         if let Ok(moved) = moved {
             let after = read(file, &moved, &options, &mut Report::default());

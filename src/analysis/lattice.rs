@@ -99,7 +99,16 @@ fn check(lattice: &Lattice, ground: &Ground<'_>) -> Result<(), Error> {
         );
     }
     if lattice.query.is_empty() || !lattice.is_reference.contains(&true) {
-        let which = if lattice.query.is_empty() { "query" } else { "reference" };
+        let (which, drawn) = match lattice.query.is_empty() {
+            true => ("query", ground.query),
+            false => ("reference", ground.reference),
+        };
+        if drawn.is_empty() && ground.seeds_um.is_empty() && ground.interior.is_some_and(|i| !i.has_room()) {
+            let text = "the walls enclose no room, and no region says where people stand; nothing was measured; draw \
+                        EF-QUERY and EF-REFERENCE, or write [[region]] tables in the side-car"
+                .into();
+            return fail("no-room", text);
+        }
         return fail(
             "no-cells",
             format!(
@@ -500,6 +509,19 @@ mod tests {
         assert_eq!(of(&fixed, &[], M), 45, "wider than allowed");
         assert_eq!(of(&walls, &pier, 2 * M), 45, "it may open");
         assert_eq!(of(&walls, &[], 99 * M), 45, "so much is no pier");
+    }
+
+    #[test]
+    fn walls_round_no_room_are_told_from_a_lattice_too_coarse() {
+        let code = |walls: &[Segment]| {
+            let interior = Interior::new(walls, &[], 1.0);
+            let ground = Ground { centre_um: [0, 0], interior: interior.as_ref(), ..ground(walls) };
+            let error = lattice(&ground, &mut Report::default()).unwrap_err();
+            error.problem().map_or("", |p| p.code)
+        };
+        let outline = |w: i64, h: i64| ring(&[[M / 10, M / 10], [w, M / 10], [w, h], [M / 10, h]]);
+        assert_eq!(code(&outline(5 * M, 3 * M / 10)), "no-room");
+        assert_eq!(code(&outline(9 * M / 10, 9 * M / 10)), "no-cells");
     }
 
     #[test]

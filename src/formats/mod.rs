@@ -217,13 +217,18 @@ pub fn patch(
 ///
 /// # Errors
 /// As [`patch`].
-pub fn changed_records(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<Vec<ChangedRecord>>, Error> {
+pub fn changed_records(
+    file: &str,
+    bytes: &[u8],
+    options: &ReadOptions,
+    edits: &[Edit],
+) -> Result<Vec<Vec<ChangedRecord>>, Error> {
     match format_of(file, bytes) {
         Format::Dxf => dxf::changed_records(file, bytes, edits),
         Format::Ifc => {
             let named =
                 |p: ifc::MovedProduct| ChangedRecord { record: p.id as usize, handle: Some(p.global_id) };
-            let moved = ifc::moved_products(file, bytes, edits)?;
+            let moved = ifc::moved_products(file, bytes, &options.ifc(), edits)?;
             Ok(moved.into_iter().map(|list| list.into_iter().map(named).collect()).collect())
         }
         Format::Gltf | Format::Glb => {

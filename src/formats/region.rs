@@ -33,6 +33,9 @@ const CLIPPED_MAX: f64 = 1e15;
 /// Sides along which a box round a region is tried, the longest.
 const SIDES_MAX: usize = 64;
 
+/// What takes no more of a wall than this many times the depth looked at is a notch, where walls are fitted together.
+const NOTCH_DEPTHS: f64 = 5.0;
+
 /// Share of the depth looked at below which what is left behind a hole is rounding alone.
 const SKIN_NOISE: f64 = 1e-3;
 
@@ -158,10 +161,16 @@ impl Region {
 
     /// A hole made to reach through a wall that it leaves a skin of: every side beyond which the wall
     /// ends within `depth` is moved out by that much. What ends beside the hole, such as the last
-    /// millimetres of a wall behind its door, stays: it closes nothing.
+    /// millimetres of a wall behind its door, stays: it closes nothing. A notch stays as it is, see
+    /// [`NOTCH_DEPTHS`].
     pub fn through(&self, wall: &Self, depth: f64) -> Self {
         let mut out = self.clone();
         for ring in self.shapes.iter().filter_map(|s| s.first()) {
+            let taken = wall.clone().combine(&Self::ring(ring.clone()), Rule::Intersection);
+            let is_notch = |[lo, hi]: [DVec2; 2]| (hi - lo).max_element() <= NOTCH_DEPTHS * depth;
+            if taken.extent().is_none_or(is_notch) {
+                continue;
+            }
             let turn = area2(ring).signum();
             for (i, a) in ring.iter().enumerate() {
                 let (a, b) = (DVec2::from(*a), DVec2::from(ring[(i + 1) % ring.len()]));
@@ -466,6 +475,8 @@ mod tests {
         assert!((end.through(&wall, 0.01).area() - end.area()).abs() < 1e-12);
         let rounded = hole(1.0, 0.9, 0.2 - 1e-13);
         assert_eq!(rest(&rounded), 2);
+        let corner = Region::ring(square(-0.1, -0.1, 0.105, 0.105));
+        assert!((corner.through(&wall, 0.01).area() - corner.area()).abs() < 1e-12, "{corner:?}");
     }
 
     #[test]

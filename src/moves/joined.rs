@@ -18,6 +18,9 @@ use crate::plan::{Plan, Plug, Wall};
 /// An end of a wall this near to another wall is joined to it.
 const JOINT_M: f64 = 0.02;
 
+/// Pieces whose direction differs by more than this sine from that of their wall are no sides of it.
+const SIDE_SIN: f64 = 0.02;
+
 /// What must remain of a wall between two joints, and between a joint and the next opening.
 const REST_M: f64 = 0.1;
 
@@ -30,7 +33,8 @@ pub(super) type Lengths = BTreeMap<usize, [f64; 2]>;
 /// An end of a wall that follows a group.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Follower {
-    group: usize,
+    /// The group that it follows.
+    pub group: usize,
     /// Record of its wall.
     pub record: usize,
     /// Which of its two ends.
@@ -180,7 +184,8 @@ impl Joined {
                 }
             }
         }
-        match out.too_short(plan, moving) {
+        let parted = || super::abutting::parted(plan, &by_record, &out.followers, moving);
+        match out.too_short(plan, moving).or_else(parted) {
             Some(refusal) => Err(refusal),
             None => Ok(out),
         }
@@ -255,7 +260,7 @@ fn rooms(plan: &Plan, wall: &Wall, along: DVec2) -> Rooms {
 }
 
 /// How far into its own wall an end goes at most.
-fn worst(f: &Follower, moving: Moving<'_>) -> f64 {
+pub(super) fn worst(f: &Follower, moving: Moving<'_>) -> f64 {
     let inward = if f.end == 0 { 1.0 } else { -1.0 };
     let of = |p: &super::Parameter| {
         let Some(direction) = direction_of(p.clause.kind) else { return 0.0 };
@@ -265,7 +270,8 @@ fn worst(f: &Follower, moving: Moving<'_>) -> f64 {
     moving.parameters.iter().filter(|p| p.group == f.group).map(of).sum()
 }
 
-fn direction_of(kind: Kind) -> Option<DVec2> {
+/// The direction of a shift.
+pub(super) fn direction_of(kind: Kind) -> Option<DVec2> {
     match kind {
         Kind::X => Some(DVec2::X),
         Kind::Y => Some(DVec2::Y),
@@ -275,7 +281,7 @@ fn direction_of(kind: Kind) -> Option<DVec2> {
 }
 
 /// Records of the walls that a group moves.
-fn records(plan: &Plan, moving: Moving<'_>, group: usize) -> BTreeSet<usize> {
+pub(super) fn records(plan: &Plan, moving: Moving<'_>, group: usize) -> BTreeSet<usize> {
     let walls = moving.groups[group].handles.iter().map(|h| &plan.walls[h.0 as usize]);
     walls.filter(|w| w.editable.moves_whole()).map(|w| w.source.record).collect()
 }
@@ -337,7 +343,7 @@ fn along(plan: &Plan, walls: &[u32]) -> Option<DVec2> {
     best.try_normalize()
 }
 
-/// A wall that others may be joined to.
+/// A wall that others may be joined to, by its sides.
 pub(super) struct Followed {
     pieces: Vec<Segment>,
     /// Lowest and highest coordinates that are near enough to be joined, micrometres.
@@ -355,6 +361,10 @@ impl Followed {
         let pieces: Vec<Segment> = own.chain(plugs).flat_map(|t| t.segments().map(|s| s.2)).collect();
         let run = |s: &Segment| DVec2::new((s.b[0] - s.a[0]) as f64, (s.b[1] - s.a[1]) as f64);
         let longest = pieces.iter().map(run).max_by(|a, b| a.length().total_cmp(&b.length()))?;
+        // What touches the end of a wall is what that wall ends at.
+        let is_side =
+            |s: &Segment| run(s).perp_dot(longest).abs() <= SIDE_SIN * run(s).length() * longest.length();
+        let pieces: Vec<Segment> = pieces.into_iter().filter(is_side).collect();
         let mut box_um = [[i64::MAX; 2], [i64::MIN; 2]];
         for (p, k) in pieces.iter().flat_map(|s| [s.a, s.b]).flat_map(|p| [(p, 0), (p, 1)]) {
             box_um[0][k] = box_um[0][k].min(p[k] - (JOINT_M * UM_PER_M) as i64);

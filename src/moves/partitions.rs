@@ -8,8 +8,9 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
+use super::abutting::Standing;
 use super::defaults::{SLIDE_MIN_M, TOUCH_M};
-use super::joined::{ByRecord, Followed, Follower, ends, room_beside};
+use super::joined::{ByRecord, Followed, Follower, direction_of, ends, room_beside};
 use crate::plan::geometry::{PointUm, Segment, segments_touch};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
@@ -44,11 +45,16 @@ struct Element {
     hi: DVec2,
 }
 
-/// An end of a wall: its record, and which end.
-type End = (usize, usize);
-
-/// A partition found: its length, its group and nodes, the ends that go along.
-type Found = (f64, Group, Vec<u32>, Vec<End>);
+/// A partition found.
+struct Found {
+    length: f64,
+    /// Record of its wall.
+    record: usize,
+    group: Group,
+    nodes: Vec<u32>,
+    /// The ends that go along.
+    followers: Vec<Follower>,
+}
 
 /// Groups of one clause each, the longest partition first.
 pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec<(Group, Vec<u32>)> {
@@ -78,23 +84,65 @@ pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec
         let source = plan.walls[element.walls[0] as usize].source.clone();
         let group =
             Group { name: String::new(), outline: Region::Ring(Vec::new()), clauses: vec![clause], source };
-        let ends = element.followers.iter().map(|f| (f.record, f.end)).collect();
-        found.push((element.hi.x - element.lo.x, group, nodes, ends));
+        let (length, record) = (element.hi.x - element.lo.x, group.source.record);
+        found.push(Found { length, record, group, nodes, followers: element.followers });
     }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.2.cmp(&b.2)));
+    found.sort_by(|a, b| b.length.total_cmp(&a.length).then_with(|| a.nodes.cmp(&b.nodes)));
     // One end goes along with one wall: the other would leave it.
-    let mut taken: BTreeSet<End> = BTreeSet::new();
-    found.retain(|(.., ends)| {
-        let is_free = ends.iter().all(|e| !taken.contains(e));
-        taken.extend(ends.iter().filter(|_| is_free));
+    let mut taken: BTreeSet<(usize, usize)> = BTreeSet::new();
+    found.retain(|f| {
+        let ends = || f.followers.iter().map(|e| (e.record, e.end));
+        let is_free = ends().all(|e| !taken.contains(&e));
+        taken.extend(ends().filter(|_| is_free));
         is_free
     });
     found.truncate(PARTITIONS_MAX);
-    let named = found.into_iter().enumerate().map(|(i, (_, mut group, nodes, _))| {
-        group.name = format!("wall-{}", i + 1);
-        (group, nodes)
+    hold_back(plan, &by_record, &mut found);
+    let named = found.into_iter().enumerate().map(|(i, mut f)| {
+        f.group.name = format!("wall-{}", i + 1);
+        (f.group, f.nodes)
     });
     named.collect()
+}
+
+/// Shortens ways on which an end that goes along would be drawn back behind a wall that stands at its wall; where that
+/// wall slides towards the end too, each gets half.
+fn hold_back(plan: &Plan, by_record: &ByRecord<'_>, found: &mut Vec<Found>) {
+    let standing = Standing::new(plan);
+    for i in 0..found.len() {
+        for f in found[i].followers.clone() {
+            let inward = if f.end == 0 { f.along } else { -f.along };
+            for beside in standing.beside(plan, by_record, &f, |r| r == found[i].record) {
+                let other = found.iter().position(|o| o.record == beside.record);
+                let drawn = reach(&mut found[i], inward).map_or(0.0, |way| way.abs());
+                let comes = other.and_then(|o| reach(&mut found[o], -inward)).map_or(0.0, |way| way.abs());
+                if drawn + comes <= beside.gap_m {
+                    continue;
+                }
+                let tenths = |room: f64| (room.max(0.0) * 10.0 + 1e-6).floor() / 10.0;
+                let own = drawn.min(tenths(beside.gap_m - comes.min(beside.gap_m / 2.0)));
+                if let Some(way) = reach(&mut found[i], inward) {
+                    *way = way.signum() * own + 0.0;
+                }
+                if let Some(way) = other.and_then(|o| reach(&mut found[o], -inward)) {
+                    *way = way.signum() * comes.min(tenths(beside.gap_m - own)) + 0.0;
+                }
+            }
+        }
+    }
+    let least = SLIDE_MIN_M * plan.human_scale;
+    found.retain(|f| f.group.clauses.iter().all(|c| c.upper - c.lower >= least));
+}
+
+/// The bound of a partition's way that leads in a direction, where its way runs so.
+fn reach(found: &mut Found, direction: DVec2) -> Option<&mut f64> {
+    let clause = found.group.clauses.first_mut()?;
+    let along = direction_of(clause.kind)?.dot(direction);
+    match along.abs() > 1.0 - SAME_WAY_SIN {
+        true if along > 0.0 => Some(&mut clause.upper),
+        true => Some(&mut clause.lower),
+        false => None,
+    }
 }
 
 /// All drawn pieces with their records, doors and windows with those of their walls, ascending by their lowest x.
@@ -220,7 +268,17 @@ fn way(
     };
     let is_bound = ends.iter().any(|e| e.2) || !e.followers.is_empty();
     let sides_free = [lo.y - rim, hi.y + rim].iter().all(|y| is_free(*y, *y));
-    if !is_bound || !sides_free || !is_inside(lo.y - 0.35 * scale) || !is_inside(hi.y + 0.35 * scale) {
+    // A face of another wall in it or at its side all along: it is that one's lining.
+    let is_lining = [0.1, 0.3, 0.5, 0.7, 0.9].iter().all(|t| {
+        let x = lo.x + (hi.x - lo.x) * t;
+        touches(world(x, lo.y - rim), world(x, hi.y + rim))
+    });
+    if !is_bound
+        || is_lining
+        || !sides_free
+        || !is_inside(lo.y - 0.35 * scale)
+        || !is_inside(hi.y + 0.35 * scale)
+    {
         return (0.0, 0.0);
     }
     let go = |sign: f64| {

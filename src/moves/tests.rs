@@ -537,3 +537,74 @@ fn partitions_slide_by_default_with_the_walls_that_end_at_them() {
     let (plan, _, moves) = by_default(&d);
     assert_eq!(slides(&plan, &moves, 1), None);
 }
+
+/// A room of 20 by 10 m with walls as of a building: record, from and to in x, in y.
+fn building(walls: &[(usize, [f64; 2], [f64; 2])]) -> Drawing {
+    let mut d = drawing("m", 1.0);
+    d.room(20.0, 10.0);
+    for (record, x, y) in walls {
+        let is_upright = y[1] - y[0] > x[1] - x[0];
+        d.ring("WALLS", &[[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]]);
+        let e = d.entities.last_mut().unwrap();
+        e.source.record = *record;
+        let ends = if is_upright { [vec![0, 1], vec![2, 3]] } else { [vec![0, 3], vec![1, 2]] };
+        e.editable = Editable::Wall { ends };
+    }
+    d
+}
+
+/// Bounds of the first clause that moves a record.
+fn bounds_of(plan: &Plan, moves: &Moves, record: usize) -> Option<[f64; 2]> {
+    let is_own = |g: &NodeGroup| plan.walls[g.handles[0].0 as usize].source.record == record;
+    let group = moves.groups.iter().position(is_own)?;
+    moves.bounds().get(moves.parameters.iter().position(|p| p.group == group)?).copied()
+}
+
+#[test]
+fn what_a_wall_ends_at_does_not_follow_it() {
+    // A lining, half in a thick wall, ends at two partitions that end at the thick wall.
+    let d = building(&[
+        (1, [5.0, 5.5], [0.0, 10.0]),
+        (2, [5.5, 9.0], [3.0, 3.2]),
+        (3, [5.5, 9.0], [7.0, 7.2]),
+        (4, [5.45, 5.6], [3.2, 7.0]),
+    ]);
+    let (plan, graph, moves, _) = moved_by(&d, 4, &[(Kind::X, 0.0, 1.0)]);
+    let layout = moves.apply(&plan, &graph, &[0.5]);
+    assert_near(box_of_record(&plan, &layout, 4), [5.95, 6.1, 3.2, 7.0]);
+    for (record, y) in [(2, [3.0, 3.2]), (3, [7.0, 7.2])] {
+        assert_near(box_of_record(&plan, &layout, record), [5.5, 9.0, y[0], y[1]]);
+    }
+    // In the thick wall, at its face, and a hand's breadth before it.
+    for (x, slides) in [(5.45, false), (5.5, false), (5.7, true)] {
+        let lining = (4, [x, x + 0.15], [3.2, 7.0]);
+        let d = building(&[
+            (1, [5.0, 5.5], [0.0, 10.0]),
+            (2, [5.5, 9.0], [3.0, 3.2]),
+            (3, [5.5, 9.0], [7.0, 7.2]),
+            lining,
+        ]);
+        let (plan, _, moves) = by_default(&d);
+        assert_eq!(bounds_of(&plan, &moves, 4).is_some(), slides, "{x}");
+    }
+}
+
+#[test]
+fn no_end_is_drawn_back_behind_a_wall_that_stands_at_it() {
+    // Wall 2 ends at wall 1 in a corner; wall 3 stands on the other side of it, 0.7 m from its end.
+    let walls = [(1, [8.0, 8.2], [0.0, 3.0]), (2, [0.0, 8.2], [3.0, 3.2]), (3, [7.4, 7.5], [3.2, 10.0])];
+    let d = building(&walls);
+    for (lower, is_moved) in [(-0.7, true), (-0.75, false)] {
+        let (_, _, moves, report) = moved_by(&d, 1, &[(Kind::X, lower, 0.5)]);
+        assert_eq!(!moves.parameters.is_empty(), is_moved, "{lower}");
+        let said = |p: &crate::report::Problem| p.text.contains("back behind the wall #3 that stands at it");
+        assert_eq!(report.problems.iter().any(said), !is_moved, "{report:?}");
+    }
+    // Both slide by default, each as far as the other leaves it.
+    let (plan, _, moves) = by_default(&d);
+    let both = [1, 3].map(|record| bounds_of(&plan, &moves, record));
+    assert_eq!(both, [Some([-0.3, 0.6]), Some([-0.6, 0.4])]);
+    // Without the wall that stands there, the whole way.
+    let (plan, _, moves) = by_default(&building(&walls[..2]));
+    assert_eq!(bounds_of(&plan, &moves, 1), Some([-0.6, 0.6]));
+}

@@ -9,7 +9,7 @@ use crate::formats::ifc::{CLOSING_LAYERS, ZONE_LAYER};
 use crate::plan::curve::Trace;
 use crate::plan::drawing::{Drawing, Entity};
 use crate::plan::geometry::{PointUm, Segment};
-use crate::plan::{Plan, Region, curve};
+use crate::plan::{Plan, Region, Wall, curve};
 use crate::report::{Error, Place};
 
 /// Layer of spaces.
@@ -64,6 +64,11 @@ pub(super) fn closings(drawing: &Drawing, plan: &Plan) -> Vec<Segment> {
     plugs
         .flat_map(|e| curve::trace(&e.shape, &plan.frame).segments().map(|s| s.2).collect::<Vec<_>>())
         .collect()
+}
+
+/// Whether a wall is what closes a door or window: the user named such a class as one of walls, so it stops sight.
+pub(super) fn closes(wall: &Wall) -> bool {
+    CLOSING_LAYERS.contains(&wall.source.layer.as_str())
 }
 
 /// A door or window that the file calls so.

@@ -563,8 +563,8 @@ fn make(
 ) -> Result<Made, Error> {
     let layout = study.base.moves.apply(&study.base.plan, &study.base.graph, &member.parameters);
     let edits = edits_of(&study.base, &layout);
-    let changed = formats::changed_records(input.file(), &input.bytes, &edits)?;
     let options = study::read_options(settings);
+    let changed = formats::changed_records(input.file(), &input.bytes, &options, &edits)?;
     let bytes = formats::patch(input.file(), &input.bytes, &options, &edits, &[])?;
     let worth = study.measure_written(&bytes, &layout, settings)?;
     let name = format!("candidate-{}", index + 1);

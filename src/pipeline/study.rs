@@ -128,7 +128,8 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let graph = Graph::new(&plan);
     let (axes, marked) = structure::axes(&plan, drawing);
     let bodies = structure::bodies(&plan, &axes);
-    let sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
+    let mut sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
+    sight.close(|wall| building::closes(&plan.walls[wall as usize]));
     let fittings = fittings::fittings(&plan, drawing, &axes, &marked);
     let all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
     let mut closings = building::closings(drawing, &plan);

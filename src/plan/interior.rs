@@ -33,6 +33,7 @@ pub struct Interior {
     inside: Vec<bool>,
     cavity: Vec<bool>,
     outside_far: Vec<f32>,
+    has_room: bool,
 }
 
 impl Interior {
@@ -54,6 +55,8 @@ impl Interior {
         let (closing_m, inside) =
             if is_as_drawn { (0.0, as_drawn) } else { closed.into_iter().find(|e| is_enough(&e.1))? };
         let cavity = raster.cavities(&inside, &to_wall, CAVITY_HALF_WIDTH_M * human_scale);
+        let is_room = |i: usize| inside[i] && !cavity[i] && to_wall[i] > 0.0;
+        let has_room = (0..inside.len()).any(is_room);
         let outside: Vec<bool> = inside.iter().map(|i| !i).collect();
         let outside_far = distance_px(&outside, raster.cols, raster.rows);
         Some(Self {
@@ -66,6 +69,7 @@ impl Interior {
             inside,
             cavity,
             outside_far,
+            has_room,
         })
     }
 
@@ -110,6 +114,11 @@ impl Interior {
     /// Distance to the nearest point outside the building, metres; 0 outside.
     pub fn depth_m(&self, p: PointUm) -> f64 {
         self.pixel(p).map_or(0.0, |i| f64::from(self.outside_far[i]) * self.pixel_um as f64 / UM_PER_M)
+    }
+
+    /// Whether anything but walls and the cavities in them is enclosed.
+    pub fn has_room(&self) -> bool {
+        self.has_room
     }
 
     /// Enclosed area without cavities, m².

@@ -61,6 +61,11 @@ impl Sight {
         !self.open.is_empty()
     }
 
+    /// Lets whole walls stop sight: doors and glass that are named as walls.
+    pub fn close(&mut self, is_closed: impl Fn(u32) -> bool) {
+        self.open.retain(|(wall, _), _| !is_closed(*wall));
+    }
+
     /// The parts of a drawn piece that stop sight. `s` is the piece, or one of its chords.
     pub fn blocking(&self, face: FaceRef, s: Segment) -> impl Iterator<Item = Segment> + '_ {
         let spans: &[[f64; 2]] = self.open.get(&face).map_or(&[], Vec::as_slice);
@@ -135,5 +140,10 @@ mod tests {
         assert_eq!(parts(&[[0.0, 0.5]]), [[5_000_000, 10_000_000]]);
         assert!(parts(&[[0.0, 1.0]]).is_empty());
         assert_eq!(sight(&[[0.2, 0.3]]).blocking((0, 1), whole).count(), 1);
+        for (closed, count) in [(0, 1), (1, 2)] {
+            let mut sight = sight(&[[0.2, 0.3]]);
+            sight.close(|wall| wall == closed);
+            assert_eq!(sight.blocking((0, 0), whole).count(), count);
+        }
     }
 }

@@ -255,3 +255,61 @@ fn an_end_that_an_opening_reaches_stays() {
     assert!(ends[0].is_empty() && ends[1].len() == 2, "{ends:?}");
     assert_eq!(drawing.hosts.get(&60), Some(&10), "the file says in which wall the window sits");
 }
+
+/// Wall 70, 0.4 m high, 3 m long, which stands at right angles at the side of wall 10 with its first end.
+const LOW: &str = "#70=IFCWALL('000000000000000000000L',$,'L',$,$,#71,#75,'79',.SOLIDWALL.);\n\
+                   #71=IFCLOCALPLACEMENT(#7,#72);\n\
+                   #72=IFCAXIS2PLACEMENT3D(#73,#12,#74);\n\
+                   #73=IFCCARTESIANPOINT((2.28,3.54,0.));\n\
+                   #74=IFCDIRECTION((0.8,-0.6,0.));\n\
+                   #75=IFCPRODUCTDEFINITIONSHAPE($,$,(#83,#76));\n\
+                   #83=IFCSHAPEREPRESENTATION(#5,'Axis','Curve2D',(#84));\n\
+                   #84=IFCPOLYLINE((#85,#86));\n\
+                   #85=IFCCARTESIANPOINT((0.,0.));\n\
+                   #86=IFCCARTESIANPOINT((3.,0.));\n\
+                   #76=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#77));\n\
+                   #77=IFCEXTRUDEDAREASOLID(#78,#4,#12,0.4);\n\
+                   #78=IFCRECTANGLEPROFILEDEF(.AREA.,$,#79,3.,0.2);\n\
+                   #79=IFCAXIS2PLACEMENT2D(#80,$);\n\
+                   #80=IFCCARTESIANPOINT((1.5,0.));\n\
+                   #81=IFCRELCONNECTSPATHELEMENTS('000000000000000000000M',$,$,$,$,#10,#70,(),(),.ATSTART.,.ATPATH.);\n";
+
+#[test]
+fn walls_of_another_height_that_the_file_joins_go_along() {
+    let text = wall(&[RECTANGLE, LOW].concat());
+    let shift = DVec2::new(0.3, -0.2);
+    let by =
+        |turn_rad: f64, shift: DVec2| Edit::Insert { record: 10, motion: RigidMotion { turn_rad, shift } };
+    // Where the low wall stands after: seen by making it as high as the others.
+    let high = |text: &str| text.replace("(#78,#4,#12,0.4)", "(#78,#4,#12,3.)");
+    let after = |text: &str, edits: &[Edit]| corners(&read(&high(&patched(text, edits, &[]))), 70);
+    let drawn = corners(&read(&high(&text)), 70);
+    let along = DVec2::new(0.8, -0.6);
+    let start = |p: &DVec2| (p - DVec2::new(2.28, 3.54)).dot(along) < 1.0;
+    let shorter: Vec<DVec2> = drawn.iter().map(|p| if start(p) { p + along * 0.36 } else { *p }).collect();
+    assert_at(&after(&text, &[by(0.0, shift)]), &shorter);
+    // Named with the wall that takes it, and every other instance stays.
+    let moved = ifc::moved_products("w.ifc", text.as_bytes(), &ReadOptions::default(), &[by(0.0, shift)]);
+    let ids: Vec<u64> = moved.unwrap()[0].iter().map(|p| p.id).collect();
+    assert_eq!(ids, [10, 50, 60, 70]);
+    let told = |line: &&str| line.starts_with("#7") || line.starts_with("#8");
+    let (old, new) = (text.clone(), patched(&text, &[by(0.0, shift)], &[]));
+    let changed: Vec<&str> = old.lines().filter(told).filter(|l| !new.contains(l)).collect();
+    assert_eq!(changed.len(), 3, "its rectangle, where that lies, its axis: {changed:?}");
+
+    let opening = "#82=IFCRELVOIDSELEMENT('000000000000000000000N',$,$,$,#70,#99);\n#60=";
+    for (text, edit) in [
+        (text.clone(), by(0.1, shift)),
+        (text.clone(), by(0.0, along * 2.95)),
+        (text.clone(), by(0.0, DVec2::new(0.6, 0.8))),
+        (text.replace("(),(),.ATSTART.,.ATPATH.", "(),(),.ATPATH.,.ATEND."), by(0.0, shift)),
+        (text.replace("#60=", opening), by(0.0, shift)),
+        (text.replace("(#83,#76)", "(#76)"), by(0.0, shift)),
+        (text.replace("#12,0.4)", "#12,1.6)"), by(0.0, shift)),
+    ] {
+        let seen = text.replace("(#78,#4,#12,1.6)", "(#78,#4,#12,0.4)");
+        let drawn = corners(&read(&high(&seen)), 70);
+        let found = corners(&read(&high(&patched(&text, &[edit], &[]).replace("#12,1.6)", "#12,0.4)"))), 70);
+        assert_at(&found, &drawn);
+    }
+}

@@ -230,6 +230,11 @@ fn sides(ring: &[DVec2], along: DVec2, near: f64) -> Option<[Vec<usize>; 2]> {
 }
 
 impl Bar {
+    /// Whether an axis says which of its ends is the first.
+    pub fn has_axis(&self) -> bool {
+        self.body.axis.is_some()
+    }
+
     /// What changes below the wall's instance where its ends go `by` along it, file units.
     pub fn change(&self, b: &Building<'_, '_>, id: u64, by: [f64; 2]) -> Result<Node, Why> {
         let own = &self.body;

@@ -24,6 +24,7 @@ mod read;
 mod step;
 mod text;
 mod units;
+mod unseen;
 mod zip;
 
 use std::borrow::Cow;
@@ -225,7 +226,7 @@ pub fn patch(
     }
     let step = open(file, bytes)?;
     let building = Building::new(file, &step);
-    let mut mover = patch::Mover::new(&building, edits);
+    let mut mover = patch::Mover::new(&building, options, edits);
     for edit in edits {
         mover.edit(edit)?;
     }
@@ -240,14 +241,20 @@ pub fn patch(
     splice::apply(file, "ifc-edit-twice", bytes, splices)
 }
 
-/// The products each edit moves, the edited one first.
+/// The products each edit moves, the edited one first. Of several edits of one wall the first names the unseen walls
+/// that go along.
 ///
 /// # Errors
 /// As [`patch`].
-pub fn moved_products(file: &str, bytes: &[u8], edits: &[Edit]) -> Result<Vec<Vec<MovedProduct>>, Error> {
+pub fn moved_products(
+    file: &str,
+    bytes: &[u8],
+    options: &ReadOptions,
+    edits: &[Edit],
+) -> Result<Vec<Vec<MovedProduct>>, Error> {
     let step = open(file, bytes)?;
     let building = Building::new(file, &step);
-    let mut mover = patch::Mover::new(&building, edits);
+    let mut mover = patch::Mover::new(&building, options, edits);
     let named = |id: u64| {
         let global_id = step.args(id).first().and_then(|a| step.text(a)).unwrap_or_default();
         MovedProduct { id, global_id }

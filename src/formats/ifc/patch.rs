@@ -5,10 +5,12 @@ use std::ops::Range;
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use super::ReadOptions;
 use super::geo::Why;
 use super::length::{self, Change, Node};
 use super::read::Building;
 use super::step::{Arg, Step};
+use super::unseen::{Tails, tails};
 use crate::formats::splice::Splice;
 use crate::plan::drawing::{Edit, RigidMotion};
 use crate::report::{Error, Place};
@@ -40,7 +42,7 @@ pub(super) fn refusal(b: &Building<'_, '_>, id: u64) -> Option<String> {
 /// What an edit changes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Moved {
-    /// Products that stand elsewhere afterwards, the moved one first.
+    /// Products that stand elsewhere or have another length afterwards, the moved one first.
     pub products: Vec<u64>,
 }
 
@@ -53,6 +55,8 @@ pub(super) struct Mover<'b, 's, 'a> {
     /// Instances changed in place below a wall that changes its length, and those copied for it.
     changed: HashSet<u64>,
     copies: Vec<(Node, u64)>,
+    /// Unseen walls that go along.
+    tails: Tails,
     /// Changes of existing bytes.
     pub splices: Vec<Splice>,
     /// New instances, each with its line end.
@@ -61,11 +65,14 @@ pub(super) struct Mover<'b, 's, 'a> {
 
 impl<'b, 's, 'a> Mover<'b, 's, 'a> {
     /// Starts without a change; `edits`: those that will be made.
-    pub fn new(b: &'b Building<'s, 'a>, edits: &[Edit]) -> Self {
+    pub fn new(b: &'b Building<'s, 'a>, options: &ReadOptions, edits: &[Edit]) -> Self {
         let longer = edits.iter().filter(|e| matches!(e, Edit::Ends { .. })).map(|e| e.record() as u64);
+        let tails = tails(b, options, edits);
+        let longer = longer.chain(tails.values().flatten().map(|(id, _)| *id));
         Self {
             b,
             users: users(b.step, longer),
+            tails,
             next: b.step.largest_id() + 1,
             done: HashSet::new(),
             changed: HashSet::new(),
@@ -115,7 +122,13 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
                     .map_err(|why| self.fault(*follower, &why))?;
             }
         }
-        Ok(Moved { products: follows })
+        let mut products = follows;
+        for (tail, by) in self.tails.remove(&id).unwrap_or_default() {
+            if self.lengthen(tail, by).is_ok() {
+                products.push(tail);
+            }
+        }
+        Ok(Moved { products })
     }
 
     /// Moves the ends of a wall along its axis.

@@ -203,16 +203,12 @@ struct Frame {
 
 impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     fn new(b: &'b Building<'s, 'a>, storey: Option<&Storey>, options: &'b ReadOptions) -> Self {
-        let above = match options.sight {
-            Sight::Eye => CUT_EYE_M,
-            Sight::Knee => CUT_KNEE_M,
-        } / b.geo.metres;
-        let floor = storey.map_or_else(|| lowest(b, above), |s| s.floor);
+        let (floor, cut) = heights(b, storey, options.sight);
         Self {
             b,
             options,
             floor,
-            cut: floor + above,
+            cut,
             storey: storey.map(|s| s.id),
             entities: Vec::new(),
             texts: Vec::new(),
@@ -608,6 +604,16 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         }
         out
     }
+}
+
+/// Heights of a storey's floor and of its cut, file units.
+pub(super) fn heights(b: &Building<'_, '_>, storey: Option<&Storey>, sight: Sight) -> (f64, f64) {
+    let above = match sight {
+        Sight::Eye => CUT_EYE_M,
+        Sight::Knee => CUT_KNEE_M,
+    } / b.geo.metres;
+    let floor = storey.map_or_else(|| lowest(b, above), |s| s.floor);
+    (floor, floor + above)
 }
 
 /// The floor of a building without storeys: of all heights at which walls start, the one above which most
