@@ -613,3 +613,16 @@ fn spaces_are_known_by_their_zones() {
     let kept: Vec<usize> = on(&drawing, "EF-KEEP").iter().map(|e| e.source.record).collect();
     assert_eq!(kept, [id]);
 }
+
+/// One end of a rectangle cannot move where nothing says where its middle is.
+#[test]
+fn a_rectangle_without_a_position_keeps_its_length() {
+    let text = include_str!("../fuzz/corpus/ifc/bodies.ifc");
+    let grows = |text: &str| {
+        let drawing = read(text.as_bytes());
+        drawing.entities.iter().filter(|e| matches!(e.editable, Editable::Wall { .. })).count()
+    };
+    let without = text.replacen("#25,4000.0,", "$,4000.0,", 1);
+    assert!(without != text);
+    assert!(grows(&without) < grows(text));
+}

@@ -151,6 +151,9 @@ fn outline(
     let keyword = b.step.keyword(profile);
     let ring: Vec<DVec2> = match &*keyword {
         "IFCRECTANGLEPROFILEDEF" => {
+            // One end moves the middle, and so the point at which the rectangle lies.
+            let point = args.get(2).and_then(Arg::id).and_then(|at| b.geo.args(at).ok()?.first()?.id());
+            point.ok_or_else(|| format!("{} has no position of its own", b.geo.named(profile)))?;
             let ring = b.geo.profile(profile)?.rings().next().cloned().unwrap_or_default();
             ring.into_iter().map(DVec2::from).collect()
         }
