@@ -47,6 +47,9 @@ const SAME_SIN: f64 = 1e-4;
 /// How far from a wall's axis its own corners may lie beyond half its thickness.
 const BESIDE_M: f64 = 0.06;
 
+/// The end of a wall stands at a column that is no farther away than this, beyond half the wall's thickness.
+const AT_COLUMN_M: f64 = 0.05;
+
 /// How far inside both sides of a wall must lie to be interior.
 const INSIDE_M: f64 = 0.3;
 
@@ -135,6 +138,8 @@ pub(super) struct Axial<'a> {
     neighbours: &'a Neighbours,
     /// Edges at every node of the axes.
     at_node: Vec<Vec<u32>>,
+    /// Edges whose sides are jambs of doors or windows.
+    jamb_sides: BTreeSet<u32>,
 }
 
 /// Edges on one line, joined at nodes or by openings.
@@ -174,7 +179,9 @@ impl<'a> Axial<'a> {
         for (i, e) in axes.edges.iter().enumerate() {
             e.nodes.iter().for_each(|n| at_node[*n as usize].push(i as u32));
         }
-        Self { plan, graph, axes, interior, pieces, neighbours, at_node }
+        let filled = axes.openings.iter().filter(|o| o.kind != OpeningKind::Passage);
+        let jamb_sides = filled.flat_map(|o| &o.jambs).filter_map(|j| j.edge).collect();
+        Self { plan, graph, axes, interior, pieces, neighbours, at_node, jamb_sides }
     }
 
     /// The edges at a node.
@@ -264,6 +271,10 @@ impl<'a> Axial<'a> {
             .all(|t| [-side, side].iter().all(|y| self.is_inside(chain.world(chain.from + length * t, *y))));
         if !is_inside {
             return Err(Stays::Outer);
+        }
+        // A door or window that ends at its side would be torn off it.
+        if chain.edges.iter().any(|e| self.jamb_sides.contains(e)) {
+            return Err(Stays::Occupied);
         }
         let direction = chain.along.perp();
         let mut oblique = BTreeSet::new();
@@ -367,7 +378,7 @@ impl<'a> Axial<'a> {
             chain.edges.iter().flat_map(|e| self.axes.edges[*e as usize].nodes).collect();
         let mut is_held = false;
         for n in nodes {
-            if matches!(self.axes.nodes[n as usize].kind, NodeKind::Column(_)) {
+            if self.stands_at_column(self.axes.nodes[n as usize].at, chain.thickness) {
                 return Err(Stays::Joined);
             }
             for (_, e) in self.around(n).filter(|(i, _)| !chain.edges.contains(i)) {
@@ -389,6 +400,18 @@ impl<'a> Axial<'a> {
             }
         }
         if is_held { Ok(way) } else { Err(Stays::Unheld) }
+    }
+
+    /// Whether the end of a wall stands at a column.
+    fn stands_at_column(&self, end: DVec2, thickness: f64) -> bool {
+        let reach = thickness / 2.0 + AT_COLUMN_M;
+        self.axes.nodes.iter().any(|n| match &n.kind {
+            NodeKind::Column(ring) => {
+                let sides = ring.iter().zip(ring.iter().cycle().skip(1));
+                sides.into_iter().any(|(a, b)| distance_to(end, *a, *b) <= reach)
+            }
+            _ => false,
+        })
     }
 
     /// Whether a wall goes straight on beyond a node: a drawn face of it belongs to both its parts.
@@ -558,6 +581,13 @@ impl<'a> Axial<'a> {
         }
         true
     }
+}
+
+/// Distance of a point from a segment.
+fn distance_to(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let d = b - a;
+    let share = (p - a).dot(d) / d.length_squared().max(f64::MIN_POSITIVE);
+    p.distance(a + d * share.clamp(0.0, 1.0))
 }
 
 /// The lowest and highest y of the part of a segment with x in a range.

@@ -3,10 +3,10 @@
 
 use super::assembly::{Axis, Spare};
 use super::carrier::Carrier;
-use super::evidence::{Band, Evidence, ordered, trace};
+use super::evidence::{Band, Evidence, ordered, tips, trace};
 use super::near::Buckets;
 use super::spans::{self, Span};
-use super::tolerances::{COLLINEAR_M, ERROR_GAP_M, LEAF_M, OPENING_MIN_M};
+use super::tolerances::{COLLINEAR_M, ERROR_GAP_M, LEAF_M, OPENING_MIN_M, SWING_MAX_RAD};
 use super::{Mark, OpeningKind, Path, Role};
 
 /// Widest opening between two lines across a wall.
@@ -136,12 +136,12 @@ fn swing_gap(axis: &Axis, path: &Path) -> Option<Span> {
     let Path::Arc { centre, radius, sweep_rad, .. } = *path else { return None };
     let band = Band { carrier: axis.carrier, gap: axis.span, half: axis.thickness / 2.0 };
     if !(LEAF_M[0]..=LEAF_M[1]).contains(&radius)
-        || !(0.5..2.2).contains(&sweep_rad)
+        || !(0.5..SWING_MAX_RAD).contains(&sweep_rad)
         || !band.has(centre, HINGE_BESIDE_M)
     {
         return None;
     }
-    let closed = path.ends().into_iter().filter(|e| band.has(*e, HINGE_BESIDE_M));
+    let closed = tips(path).into_iter().filter(|e| band.has(*e, HINGE_BESIDE_M));
     let far = closed
         .map(|e| axis.carrier.s_of(e))
         .find(|s| (s - axis.carrier.s_of(centre)).abs() > 0.9 * radius)?;
