@@ -32,6 +32,8 @@ const INSIDE_MARGIN_M: f64 = 0.3;
 const ELEMENT_SHARE_MAX: f64 = 0.5;
 /// What is no larger is a post, or a pair of them: it carries.
 const POST_MAX_M: f64 = 0.6;
+/// Nor does a column move that is no larger.
+const COLUMN_MAX_M: f64 = 1.0;
 /// Directions whose cosine is smaller cross at right angles.
 const CROSSING_COS: f64 = 0.02;
 /// What must remain of a wall beside a sliding door.
@@ -255,6 +257,11 @@ impl Held {
         };
         element.iter().any(|w| self.walls.contains(w)) || self.columns.iter().any(has_column)
     }
+
+    /// Whether an element is a column and nothing else.
+    fn is_column(&self, element: &[u32]) -> bool {
+        self.columns.iter().any(|c| element.iter().all(|w| c.contains(w)))
+    }
 }
 
 /// The walls that draw each column.
@@ -351,7 +358,7 @@ fn elements(
         if encloses || is_held || !is_inside || size.max_element() > ELEMENT_SHARE_MAX * longest {
             continue;
         }
-        if size.max_element() <= POST_MAX_M {
+        if size.max_element() <= if held.is_column(walls) { COLUMN_MAX_M } else { POST_MAX_M } {
             posts += 1;
             continue;
         }

@@ -70,21 +70,26 @@ pub(super) fn arcs_in_parts(parts: &[&[Path]]) -> Vec<(Vec<usize>, Path)> {
         let Some(first) = (0..2).find(|k| next(i, 1 - *k).is_none() && next(i, *k).is_some()) else {
             continue;
         };
-        let (mut row, mut paths, mut at) = (Vec::new(), Vec::new(), Some((i, 1 - first)));
+        let (mut row, mut at) = (Vec::new(), Some((i, 1 - first)));
         while let Some((part, enters)) = at.filter(|(part, _)| !is_seen[*part]) {
             is_seen[part] = true;
-            row.push(part);
-            paths.extend(walked(parts[part], enters));
+            row.push((part, walked(parts[part], enters)));
             at = next(part, 1 - enters).filter(|on| next(on.0, on.1) == Some((part, 1 - enters)));
         }
-        if row.len() > 1
-            && let Some(arc) = as_arc(&paths)
-        {
-            row.sort_unstable();
-            out.push((row, arc));
-        }
+        out.extend(arc_of(&row));
     }
     out
+}
+
+/// The arc of a row of parts, without its first or last one where these are edges of the leaf.
+fn arc_of(row: &[(usize, Vec<Path>)]) -> Option<(Vec<usize>, Path)> {
+    [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().find_map(|(from, off)| {
+        let part = row.get(from..row.len().checked_sub(off)?).filter(|p| p.len() > 1)?;
+        let paths: Vec<Path> = part.iter().flat_map(|p| p.1.iter().copied()).collect();
+        let mut places: Vec<usize> = part.iter().map(|p| p.0).collect();
+        places.sort_unstable();
+        Some((places, as_arc(&paths)?))
+    })
 }
 
 /// An end of something drawn, and the direction out of it.
@@ -222,9 +227,11 @@ mod tests {
         if let Path::Line { a, b } = parts[3][0] {
             parts[3] = vec![Path::Line { a: b, b: a }];
         }
-        // The leaf, which meets the swing at its tip and does not go on.
+        // The leaf, which meets the swing at its tip and does not go on; its thickness does.
         let hinge = DVec2::new(3.0, -2.0);
-        parts.push(vec![Path::Line { a: hinge, b: hinge + DVec2::from_angle(0.3) * 0.9 }]);
+        let tip = hinge + DVec2::from_angle(0.3) * 0.9;
+        parts.push(vec![Path::Line { a: hinge, b: tip }]);
+        parts.push(vec![Path::Line { a: tip, b: tip - DVec2::from_angle(0.3).perp() * 0.04 }]);
         let found = arcs_in_parts(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>());
         let [(row, Path::Arc { centre, radius, start_rad, sweep_rad })] = found.as_slice() else {
             panic!("{found:?}");

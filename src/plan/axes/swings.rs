@@ -2,7 +2,7 @@
 //! in corners, between columns. A leaf, or two that meet, closes the way from what stands beside its hinge to what
 //! stands beyond its tip.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
@@ -10,7 +10,7 @@ use super::carrier::Carrier;
 use super::evidence::{Evidence, tips, trace};
 use super::near::Buckets;
 use super::tolerances::{LEAF_M, OPENING_MIN_M, SWING_MAX_RAD};
-use super::{AxisGraph, Edge, Jamb, NodeKind, Opening, OpeningKind, Path};
+use super::{AxisGraph, Drawn, Edge, Jamb, NodeKind, Opening, OpeningKind, Path};
 use crate::plan::curve::bulge_arc;
 
 /// How far beyond a hinge or a tip its jamb may stand: the frame.
@@ -19,10 +19,16 @@ const FRAME_M: f64 = 0.2;
 const SUNK_M: f64 = 0.12;
 /// How far beside the closed leaf its jamb may lie.
 const BESIDE_M: f64 = 0.06;
-/// Tips of two leaves that meet are no farther apart.
-const MEET_M: f64 = 0.12;
+/// Swings may end this far before their leaves are closed.
+const AJAR_RAD: f64 = 0.35;
+/// Pairs of leaves with no more than a post between them are one door.
+const BETWEEN_M: f64 = 0.4;
+/// Radii of leaves; at an unknown scale they are not known exactly.
+const RADIUS_M: [f64; 2] = [LEAF_M[0], 1.6];
 /// Leaves that meet are alike up to this share.
 const LIKE_SHARE: f64 = 0.15;
+/// Most pairs of leaves that are looked at side by side.
+const PAIRS_MAX: usize = 500;
 /// Directions whose cosine is larger are one.
 const SAME_COS: f64 = 0.97;
 /// How much room a closed leaf has before a wall along it: nearer, it lies on the wall.
@@ -49,12 +55,35 @@ impl Leaf {
         self.hinge.distance(self.tip)
     }
 
-    /// Whether the two close one opening.
+    /// Whether the two close one opening: each as long as half the way from hinge to hinge, and along it.
     fn meets(&self, other: &Self) -> bool {
-        let (a, b) = (self.tip - self.hinge, other.tip - other.hinge);
-        self.tip.distance(other.tip) <= MEET_M
-            && (a.length() - b.length()).abs() <= LIKE_SHARE * a.length()
-            && a.normalize_or_zero().dot(b.normalize_or_zero()) < -SAME_COS
+        let (a, b, way) = (self.length(), other.length(), other.hinge - self.hinge);
+        let is_along = |l: &Self, way: DVec2| (l.tip - l.hinge).angle_to(way).abs() <= AJAR_RAD;
+        (a - b).abs() <= LIKE_SHARE * a
+            && (way.length() - a - b).abs() <= LIKE_SHARE * a
+            && is_along(self, way)
+            && is_along(other, -way)
+    }
+}
+
+/// Two leaves that close the way from one place to another, or several such pairs side by side.
+struct Pair {
+    ends: [DVec2; 2],
+    marks: Vec<u32>,
+}
+
+impl Pair {
+    /// Both as one, if the other begins where this ends and goes on in its direction.
+    fn joined(&self, other: &Self) -> Option<Self> {
+        let marks = || self.marks.iter().chain(&other.marks).copied().collect();
+        let [[a, b], [c, d]] = [self.ends, other.ends];
+        let is_row = |p: DVec2, q: DVec2, r: DVec2, s: DVec2| {
+            let along = (q - p).normalize_or_zero();
+            q.distance(r) <= BETWEEN_M && along.dot((s - r).normalize_or_zero()) > SAME_COS
+        };
+        let ways = [(a, b, c, d), (a, b, d, c), (b, a, c, d), (b, a, d, c)];
+        let (p, .., s) = ways.into_iter().find(|(p, q, r, s)| is_row(*p, *q, *r, *s))?;
+        Some(Self { ends: [p, s], marks: marks() })
     }
 }
 
@@ -68,7 +97,7 @@ enum Body {
 pub fn find(evidence: &Evidence<'_>, graph: &AxisGraph, found: &[Opening]) -> Vec<Opening> {
     let scene = Scene::new(evidence, graph);
     let mut claimed: BTreeSet<u32> = found.iter().flat_map(|o| o.marks.iter().copied()).collect();
-    let leaves = scene.leaves(&claimed);
+    let leaves = leaves(evidence.drawn, &claimed);
     let mut out: Vec<Opening> = Vec::new();
     let mut take = |opening: Option<Opening>, claimed: &mut BTreeSet<u32>| {
         let Some(o) = opening else { return };
@@ -81,15 +110,9 @@ pub fn find(evidence: &Evidence<'_>, graph: &AxisGraph, found: &[Opening]) -> Ve
             out.push(o);
         }
     };
-    let mut tips_near = Buckets::new(1.0);
-    leaves.iter().enumerate().for_each(|(i, l)| tips_near.add(i as u32, &[l.tip]));
-    for (i, a) in leaves.iter().enumerate() {
-        let later = tips_near.near(a.tip, a.tip).into_iter().map(|j| j as usize).filter(|j| *j > i);
-        for b in later.map(|j| &leaves[j]).filter(|b| a.meets(b)) {
-            if !claimed.contains(&a.mark) && !claimed.contains(&b.mark) {
-                let door = scene.door([a.hinge, b.hinge], &[a.mark, b.mark], "two leaves that meet");
-                take(door, &mut claimed);
-            }
+    for pair in pairs(&leaves) {
+        if pair.marks.iter().all(|m| !claimed.contains(m)) {
+            take(scene.door(pair.ends, &pair.marks, "leaves that meet"), &mut claimed);
         }
     }
     for of_arc in leaves.chunk_by(|a, b| a.mark == b.mark && a.hinge == b.hinge) {
@@ -106,6 +129,62 @@ pub fn find(evidence: &Evidence<'_>, graph: &AxisGraph, found: &[Opening]) -> Ve
         }
     }
     out
+}
+
+/// The ways in which the swings close that belong to no opening yet; those of one swing follow each other.
+fn leaves(drawn: &Drawn, claimed: &BTreeSet<u32>) -> Vec<Leaf> {
+    let mut out: Vec<Leaf> = Vec::new();
+    let mut seen: BTreeSet<[i64; 4]> = BTreeSet::new();
+    for (m, mark) in drawn.marks.iter().enumerate() {
+        let is_swing = |p: &&Path| {
+            matches!(p, Path::Arc { radius, sweep_rad, .. }
+                    if (RADIUS_M[0]..=RADIUS_M[1]).contains(radius) && (SWEEP_MIN_RAD..SWING_MAX_RAD).contains(sweep_rad))
+        };
+        for path in mark.paths.iter().filter(is_swing).filter(|_| !claimed.contains(&(m as u32))) {
+            let Path::Arc { centre, .. } = *path else { continue };
+            // The parts of a swing that was drawn in parts have one arc.
+            let is_new = |l: &Leaf| {
+                let mm = [l.hinge.x, l.hinge.y, l.tip.x, l.tip.y].map(|v| (v * 1e3).round() as i64);
+                seen.insert(mm)
+            };
+            let ways = tips(path).into_iter().map(|tip| Leaf { mark: m as u32, hinge: centre, tip });
+            out.extend(ways.filter(is_new));
+        }
+    }
+    out
+}
+
+/// Where the leaves of double doors meet, by mark: hinge and tip. Their other ends are where they stand open.
+pub fn meeting(drawn: &Drawn) -> BTreeMap<u32, Vec<[DVec2; 2]>> {
+    let leaves = leaves(drawn, &BTreeSet::new());
+    let mut out: BTreeMap<u32, Vec<[DVec2; 2]>> = BTreeMap::new();
+    for (a, b) in twins(&leaves) {
+        [a, b].iter().for_each(|l| out.entry(l.mark).or_default().push([l.hinge, l.tip]));
+    }
+    out
+}
+
+/// Leaves that close one opening together.
+fn twins(leaves: &[Leaf]) -> Vec<(Leaf, Leaf)> {
+    let mut near = Buckets::new(2.0);
+    leaves.iter().enumerate().for_each(|(i, l)| near.add(i as u32, &[l.tip]));
+    let mut out = Vec::new();
+    for (i, a) in leaves.iter().enumerate() {
+        let later = near.near(a.tip, a.tip).into_iter().map(|j| j as usize).filter(|j| *j > i);
+        out.extend(later.map(|j| leaves[j]).filter(|b| a.meets(b)).map(|b| (*a, b)));
+    }
+    out
+}
+
+/// Leaves that meet, side by side where nothing stands between them; the longest row first.
+fn pairs(leaves: &[Leaf]) -> Vec<Pair> {
+    let of_two = |(a, b): (Leaf, Leaf)| Pair { ends: [a.hinge, b.hinge], marks: vec![a.mark, b.mark] };
+    let single: Vec<Pair> = twins(leaves).into_iter().map(of_two).collect();
+    let mut rows: Vec<Pair> = Vec::new();
+    for (i, a) in single.iter().enumerate().take(PAIRS_MAX) {
+        rows.extend(single[i + 1..].iter().take(PAIRS_MAX).filter_map(|b| a.joined(b)));
+    }
+    rows.into_iter().chain(single).collect()
 }
 
 struct Scene<'a> {
@@ -128,29 +207,6 @@ impl<'a> Scene<'a> {
             sides(ring).for_each(|s| near.add(i as u32, &s));
         }
         Self { evidence, graph, bodies, near }
-    }
-
-    /// The ways in which the swings close that belong to no opening yet; those of one swing follow each other.
-    fn leaves(&self, claimed: &BTreeSet<u32>) -> Vec<Leaf> {
-        let mut out: Vec<Leaf> = Vec::new();
-        let mut seen: BTreeSet<[i64; 4]> = BTreeSet::new();
-        for (m, mark) in self.evidence.drawn.marks.iter().enumerate() {
-            let is_swing = |p: &&Path| {
-                matches!(p, Path::Arc { radius, sweep_rad, .. }
-                    if (LEAF_M[0]..=LEAF_M[1]).contains(radius) && (SWEEP_MIN_RAD..SWING_MAX_RAD).contains(sweep_rad))
-            };
-            for path in mark.paths.iter().filter(is_swing).filter(|_| !claimed.contains(&(m as u32))) {
-                let Path::Arc { centre, .. } = *path else { continue };
-                // The parts of a swing that was drawn in parts have one arc.
-                let is_new = |l: &Leaf| {
-                    let mm = [l.hinge.x, l.hinge.y, l.tip.x, l.tip.y].map(|v| (v * 1e3).round() as i64);
-                    seen.insert(mm)
-                };
-                let ways = tips(path).into_iter().map(|tip| Leaf { mark: m as u32, hinge: centre, tip });
-                out.extend(ways.filter(is_new));
-            }
-        }
-        out
     }
 
     /// Whether a line is drawn from hinge to tip: the leaf stands open there.
@@ -304,8 +360,8 @@ fn distance(p: DVec2, [a, b]: [DVec2; 2]) -> f64 {
 mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
 
+    use super::super::Role;
     use super::super::tests::{lines, mark};
-    use super::super::{Drawn, Role};
     use super::*;
 
     fn swing(x: f64, y: f64, radius: f64, start_rad: f64, sweep_rad: f64) -> Path {
