@@ -442,7 +442,7 @@ fn partitions_on_other_layers_are_walls() {
 }
 
 /// Partitions on the layer of the doors far before the walls, which hang together with them, are walls, and so are
-/// columns with cut corners there; a frame, a leaf, the sector of a swing and what hangs nowhere are none.
+/// columns with cut corners there; a frame, and what hangs nowhere, are none.
 #[test]
 fn rooms_and_columns_on_the_layer_of_the_doors_are_walls() {
     let mut lines = Vec::new();
@@ -472,7 +472,7 @@ fn rooms_and_columns_on_the_layer_of_the_doors_are_walls() {
         let at = at.map(|[u, v]| [x + u, y + v]);
         (0..8).map(move |k| ("Doors", [at[k][0], at[k][1], at[(k + 1) % 8][0], at[(k + 1) % 8][1]]))
     };
-    lines.extend(cut(3.0, -3.0, 0.5, 0.06));
+    lines.extend(cut(0.6, -3.0, 0.5, 0.06));
     let columns = 8;
     // A frame as small as frames are, and a room apart.
     lines.extend(cut(5.0, -4.95, 0.12, 0.01));

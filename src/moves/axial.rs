@@ -138,8 +138,8 @@ pub(super) struct Axial<'a> {
     neighbours: &'a Neighbours,
     /// Edges at every node of the axes.
     at_node: Vec<Vec<u32>>,
-    /// Edges whose sides are jambs of doors or windows.
-    jamb_sides: BTreeSet<u32>,
+    /// Doors and windows of which the side of an edge is a jamb: edge, opening.
+    jamb_sides: Vec<(u32, u32)>,
 }
 
 /// Edges on one line, joined at nodes or by openings.
@@ -179,8 +179,9 @@ impl<'a> Axial<'a> {
         for (i, e) in axes.edges.iter().enumerate() {
             e.nodes.iter().for_each(|n| at_node[*n as usize].push(i as u32));
         }
-        let filled = axes.openings.iter().filter(|o| o.kind != OpeningKind::Passage);
-        let jamb_sides = filled.flat_map(|o| &o.jambs).filter_map(|j| j.edge).collect();
+        let filled = (0u32..).zip(&axes.openings).filter(|(_, o)| o.kind != OpeningKind::Passage);
+        let jamb_sides =
+            filled.flat_map(|(i, o)| o.jambs.iter().filter_map(move |j| Some((j.edge?, i)))).collect();
         Self { plan, graph, axes, interior, pieces, neighbours, at_node, jamb_sides }
     }
 
@@ -272,20 +273,17 @@ impl<'a> Axial<'a> {
         if !is_inside {
             return Err(Stays::Outer);
         }
-        // A door or window that ends at its side would be torn off it.
-        if chain.edges.iter().any(|e| self.jamb_sides.contains(e)) {
-            return Err(Stays::Occupied);
-        }
         let direction = chain.along.perp();
         let mut oblique = BTreeSet::new();
         let joint = self.joint_way(chain, &mut oblique)?;
-        let handles = self.corners(chain).ok_or(Stays::Joined)?;
+        let mut handles = self.corners(chain).ok_or(Stays::Joined)?;
+        let beside = self.take_doors_beside(chain, &mut handles).ok_or(Stays::Occupied)?;
         let nodes = self.nodes(&handles).ok_or(Stays::Unwritable)?;
         let direction = self.along_stretched(&nodes, direction);
         let stretch = self.stretch(&nodes, direction, &oblique).ok_or(Stays::Joined)?;
         let free = self.free_way(chain, &nodes, &oblique).ok_or(Stays::Occupied)?;
-        let lo = stretch[0].max(free[0]).max(joint[0]).max(-PARTITION_SLIDE_M);
-        let hi = stretch[1].min(free[1]).min(joint[1]).min(PARTITION_SLIDE_M);
+        let lo = stretch[0].max(free[0]).max(joint[0]).max(beside[0]).max(-PARTITION_SLIDE_M);
+        let hi = stretch[1].min(free[1]).min(joint[1]).min(beside[1]).min(PARTITION_SLIDE_M);
         let (lo, hi) = ((lo.min(0.0) * 1e2).ceil() / 1e2, (hi.max(0.0) * 1e2).floor() / 1e2);
         if hi - lo < 2.0 * SLIDE_MIN_M {
             return Err(Stays::Narrow);
@@ -400,6 +398,27 @@ impl<'a> Axial<'a> {
             }
         }
         if is_held { Ok(way) } else { Err(Stays::Unheld) }
+    }
+
+    /// Adds the wall ends beyond the doors and windows that end at a chain's side: they go along with it, or the door
+    /// would be torn off. How far these walls let it slide, metres of a person; `None` where one cannot go along.
+    fn take_doors_beside(&self, chain: &Chain, handles: &mut BTreeSet<Handle>) -> Option<[f64; 2]> {
+        let mut way = [f64::MIN, f64::MAX];
+        for (_, opening) in self.jamb_sides.iter().filter(|(e, _)| chain.edges.contains(e)) {
+            let opening = &self.axes.openings[*opening as usize];
+            let end = opening.jambs.iter().find(|j| j.node.is_some())?;
+            let out = (end.at - opening.centre).try_normalize()?;
+            let wall = self.wall_at(end.node?, out).filter(|_| out.dot(chain.along).abs() < PARALLEL_SIN)?;
+            handles.extend(jambs_of(self.plan, self.axes, opening).concat());
+            handles.extend(opening.faces.iter().flat_map(|f| face_handles(self.plan, *f)));
+            let behind = (self.length(wall) - REST_M - self.joint_half(wall)).max(0.0);
+            if out.dot(chain.along.perp()) > 0.0 {
+                way[1] = way[1].min(behind);
+            } else {
+                way[0] = way[0].max(-behind);
+            }
+        }
+        Some(way)
     }
 
     /// Whether the end of a wall stands at a column.

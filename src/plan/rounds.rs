@@ -44,6 +44,9 @@ const PARTS_M: f64 = 0.002;
 /// They turn by less than this where they meet: the cosine.
 const PARTS_COS: f64 = 0.86;
 
+/// A part is the edge of a leaf if it is shorter than this share of the part of the swing beside it.
+const EDGE_SHARE: f64 = 0.5;
+
 /// What is longer is no part of a swing, metres of a person.
 const PART_MAX_M: f64 = 1.6;
 
@@ -81,15 +84,19 @@ pub(super) fn arcs_in_parts(parts: &[&[Path]]) -> Vec<(Vec<usize>, Path)> {
     out
 }
 
-/// The arc of a row of parts, without its first or last one where these are edges of the leaf.
+/// The arc of a row of parts, without its first or last one where these are edges of the leaf: far shorter than the
+/// part beside them.
 fn arc_of(row: &[(usize, Vec<Path>)]) -> Option<(Vec<usize>, Path)> {
-    [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().find_map(|(from, off)| {
-        let part = row.get(from..row.len().checked_sub(off)?).filter(|p| p.len() > 1)?;
-        let paths: Vec<Path> = part.iter().flat_map(|p| p.1.iter().copied()).collect();
-        let mut places: Vec<usize> = part.iter().map(|p| p.0).collect();
-        places.sort_unstable();
-        Some((places, as_arc(&paths)?))
-    })
+    let length = |k: usize| row[k].1.iter().map(Path::length_m).sum::<f64>();
+    let n = row.len();
+    let is_edge = |k: usize, beside: usize| n > 2 && length(k) < EDGE_SHARE * length(beside);
+    let from = usize::from(is_edge(0, 1.min(n - 1)));
+    let to = n - usize::from(is_edge(n - 1, n.saturating_sub(2)));
+    let part = row.get(from..to).filter(|p| p.len() > 1)?;
+    let paths: Vec<Path> = part.iter().flat_map(|p| p.1.iter().copied()).collect();
+    let mut places: Vec<usize> = part.iter().map(|p| p.0).collect();
+    places.sort_unstable();
+    Some((places, as_arc(&paths)?))
 }
 
 /// An end of something drawn, and the direction out of it.

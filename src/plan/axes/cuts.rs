@@ -18,7 +18,7 @@ const MARK_MIN_M: f64 = 0.4;
 /// How far beside a wall's faces the hinge of a door in it may lie.
 const HINGE_BESIDE_M: f64 = 0.12;
 /// How near to another wall's face the tip of an open leaf stands on it.
-const TIP_M: f64 = 0.03;
+const TIP_M: f64 = 0.06;
 /// What must be left of a wall beside a cut; less goes to the cut.
 const REST_M: f64 = 0.02;
 

@@ -402,7 +402,7 @@ mod tests {
 
     #[test]
     fn a_leaf_closes_the_way_between_a_wall_and_a_column() {
-        let mut drawn = corridor(&[swing(3.0, 0.02, 0.9, 0.0, FRAC_PI_2)]);
+        let mut drawn = corridor(&[swing(3.0, 0.14, 0.8, 0.0, FRAC_PI_2)]);
         let column = lines(&[[2.8, 0.95, 3.2, 0.95], [3.2, 0.95, 3.2, 1.35], [3.2, 1.35, 2.8, 1.35]]);
         drawn.faces.extend(column.faces);
         drawn.faces.extend(lines(&[[2.8, 1.35, 2.8, 0.95]]).faces);
