@@ -12,7 +12,7 @@ use glam::DVec2;
 use super::defaults::{DOOR_WIDTH_M, Neighbours, Piece, SLIDE_M, SLIDE_MIN_M};
 use super::mitre::CROSSING_MIN_RAD;
 use super::partitions::PARTITION_SLIDE_M;
-use crate::plan::axes::{AxisGraph, Edge, FaceRef, NodeKind, OpeningKind};
+use crate::plan::axes::{AxisGraph, Edge, FaceRef, Jamb, NodeKind, Opening, OpeningKind};
 use crate::plan::curve::control_points;
 use crate::plan::drawing::{Editable, Shape};
 use crate::plan::fittings::jambs_of;
@@ -213,7 +213,7 @@ impl<'a> Axial<'a> {
         out
     }
 
-    fn door(&self, opening: &crate::plan::axes::Opening) -> Option<Sliding> {
+    fn door(&self, opening: &Opening) -> Option<Sliding> {
         let [a, b] = opening.jambs.map(|j| j.node);
         let along = (opening.jambs[1].at - opening.jambs[0].at).try_normalize()?;
         let (first, second) = (self.wall_at(a?, -along)?, self.wall_at(b?, along)?);
@@ -279,6 +279,9 @@ impl<'a> Axial<'a> {
         let mut handles = self.corners(chain).ok_or(Stays::Joined)?;
         let beside = self.take_doors_beside(chain, &mut handles).ok_or(Stays::Occupied)?;
         let nodes = self.nodes(&handles).ok_or(Stays::Unwritable)?;
+        if self.leaves_in_doorway(chain, &nodes) {
+            return Err(Stays::Joined);
+        }
         let direction = self.along_stretched(&nodes, direction);
         let stretch = self.stretch(&nodes, direction, &oblique).ok_or(Stays::Joined)?;
         let free = self.free_way(chain, &nodes, &oblique).ok_or(Stays::Occupied)?;
@@ -419,6 +422,33 @@ impl<'a> Axial<'a> {
             }
         }
         Some(way)
+    }
+
+    /// Whether a line that stays ends in the gap of a door or window that goes along with a chain: the other wall's
+    /// face, drawn into the doorway.
+    fn leaves_in_doorway(&self, chain: &Chain, nodes: &[u32]) -> bool {
+        let of_chain: BTreeSet<u32> =
+            chain.edges.iter().flat_map(|e| self.axes.edges[*e as usize].nodes).collect();
+        let goes_along = |o: &&Opening| {
+            let is_at = |j: &Jamb| {
+                j.node.is_some_and(|n| of_chain.contains(&n))
+                    || j.edge.is_some_and(|e| chain.edges.contains(&e))
+            };
+            o.kind != OpeningKind::Passage && o.jambs.iter().any(is_at)
+        };
+        self.axes.openings.iter().filter(goes_along).any(|o| {
+            let [a, b] = o.jambs.map(|j| j.at);
+            let along = (b - a).normalize_or_zero();
+            let is_within = |p: DVec2| {
+                let s = (p - a).dot(along);
+                s > BESIDE_M
+                    && s < a.distance(b) - BESIDE_M
+                    && along.perp_dot(p - a).abs() <= o.thickness_m / 2.0 + BESIDE_M
+            };
+            let near = self.neighbours.near(a.min(b), a.max(b)).into_iter().map(|i| &self.pieces[i as usize]);
+            let ends = near.flat_map(|p| [(p.nodes[0], p.a), (p.nodes[1], p.b)]);
+            ends.into_iter().any(|(n, p)| is_within(p) && nodes.binary_search(&n).is_err())
+        })
     }
 
     /// Whether the end of a wall stands at a column.
