@@ -87,12 +87,14 @@ pub(super) fn arcs_in_parts(parts: &[&[Path]]) -> Vec<(Vec<usize>, Path)> {
 /// The arc of a row of parts, without its first or last one where these are edges of the leaf: far shorter than the
 /// part beside them.
 fn arc_of(row: &[(usize, Vec<Path>)]) -> Option<(Vec<usize>, Path)> {
-    let length = |k: usize| row[k].1.iter().map(Path::length_m).sum::<f64>();
-    let n = row.len();
-    let is_edge = |k: usize, beside: usize| n > 2 && length(k) < EDGE_SHARE * length(beside);
-    let from = usize::from(is_edge(0, 1.min(n - 1)));
-    let to = n - usize::from(is_edge(n - 1, n.saturating_sub(2)));
-    let part = row.get(from..to).filter(|p| p.len() > 1)?;
+    let length = |part: &(usize, Vec<Path>)| part.1.iter().map(Path::length_m).sum::<f64>();
+    let is_edge = |part, beside| length(part) < EDGE_SHARE * length(beside);
+    let part = match row {
+        [a, b, .., c, d] => &row[usize::from(is_edge(a, b))..row.len() - usize::from(is_edge(d, c))],
+        [a, b, c] => &row[usize::from(is_edge(a, b))..3 - usize::from(is_edge(c, b) && !is_edge(a, b))],
+        [_, _] => row,
+        _ => return None,
+    };
     let paths: Vec<Path> = part.iter().flat_map(|p| p.1.iter().copied()).collect();
     let mut places: Vec<usize> = part.iter().map(|p| p.0).collect();
     places.sort_unstable();

@@ -362,6 +362,7 @@ mod tests {
 
     use super::super::Role;
     use super::super::tests::{lines, mark};
+    use super::super::tolerances::BOTH_WAYS_RAD;
     use super::*;
 
     fn swing(x: f64, y: f64, radius: f64, start_rad: f64, sweep_rad: f64) -> Path {
@@ -397,6 +398,23 @@ mod tests {
             assert!(door.centre.distance(DVec2::new(3.0, 0.9)) < 0.01 && (door.width_m - 1.8).abs() < 0.01);
             assert_eq!(door.marks, [0, 1]);
             assert!(door.jambs.iter().all(|j| j.node.is_none() && j.edge.is_some()), "{:?}", door.jambs);
+        }
+    }
+
+    #[test]
+    fn how_far_a_leaf_turns_says_where_it_closes() {
+        // It stands open both ways along the walls: only the middle of its turn closes the way.
+        let turned = |sweep: f64| {
+            let leaves = [(0.0, FRAC_PI_2), (1.8, -FRAC_PI_2)];
+            leaves.map(|(y, middle)| swing(3.0, y, 0.9, middle - sweep / 2.0, sweep))
+        };
+        for (sweep, count) in [
+            (BOTH_WAYS_RAD + 0.01, 1),
+            (BOTH_WAYS_RAD - 0.01, 0),
+            (SWING_MAX_RAD - 0.01, 1),
+            (SWING_MAX_RAD, 0),
+        ] {
+            assert_eq!(doors(&corridor(&turned(sweep))).len(), count, "{sweep}");
         }
     }
 
