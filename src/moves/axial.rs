@@ -12,7 +12,7 @@ use glam::DVec2;
 use super::defaults::{DOOR_WIDTH_M, Neighbours, Piece, SLIDE_M, SLIDE_MIN_M};
 use super::mitre::CROSSING_MIN_RAD;
 use super::partitions::PARTITION_SLIDE_M;
-use crate::plan::axes::{AxisGraph, Edge, FaceRef, NodeKind, OpeningKind};
+use crate::plan::axes::{AxisGraph, Edge, FaceRef, Jamb, NodeKind, Opening, OpeningKind};
 use crate::plan::curve::control_points;
 use crate::plan::drawing::{Editable, Shape};
 use crate::plan::fittings::jambs_of;
@@ -46,6 +46,9 @@ const SAME_SIN: f64 = 1e-4;
 
 /// How far from a wall's axis its own corners may lie beyond half its thickness.
 const BESIDE_M: f64 = 0.06;
+
+/// The end of a wall stands at a column that is no farther away than this, beyond half the wall's thickness.
+const AT_COLUMN_M: f64 = 0.05;
 
 /// How far inside both sides of a wall must lie to be interior.
 const INSIDE_M: f64 = 0.3;
@@ -135,6 +138,8 @@ pub(super) struct Axial<'a> {
     neighbours: &'a Neighbours,
     /// Edges at every node of the axes.
     at_node: Vec<Vec<u32>>,
+    /// Doors and windows of which the side of an edge is a jamb: edge, opening.
+    jamb_sides: Vec<(u32, u32)>,
 }
 
 /// Edges on one line, joined at nodes or by openings.
@@ -174,7 +179,10 @@ impl<'a> Axial<'a> {
         for (i, e) in axes.edges.iter().enumerate() {
             e.nodes.iter().for_each(|n| at_node[*n as usize].push(i as u32));
         }
-        Self { plan, graph, axes, interior, pieces, neighbours, at_node }
+        let filled = (0u32..).zip(&axes.openings).filter(|(_, o)| o.kind != OpeningKind::Passage);
+        let jamb_sides =
+            filled.flat_map(|(i, o)| o.jambs.iter().filter_map(move |j| Some((j.edge?, i)))).collect();
+        Self { plan, graph, axes, interior, pieces, neighbours, at_node, jamb_sides }
     }
 
     /// The edges at a node.
@@ -205,7 +213,7 @@ impl<'a> Axial<'a> {
         out
     }
 
-    fn door(&self, opening: &crate::plan::axes::Opening) -> Option<Sliding> {
+    fn door(&self, opening: &Opening) -> Option<Sliding> {
         let [a, b] = opening.jambs.map(|j| j.node);
         let along = (opening.jambs[1].at - opening.jambs[0].at).try_normalize()?;
         let (first, second) = (self.wall_at(a?, -along)?, self.wall_at(b?, along)?);
@@ -268,13 +276,17 @@ impl<'a> Axial<'a> {
         let direction = chain.along.perp();
         let mut oblique = BTreeSet::new();
         let joint = self.joint_way(chain, &mut oblique)?;
-        let handles = self.corners(chain).ok_or(Stays::Joined)?;
+        let mut handles = self.corners(chain).ok_or(Stays::Joined)?;
+        let beside = self.take_doors_beside(chain, &mut handles).ok_or(Stays::Occupied)?;
         let nodes = self.nodes(&handles).ok_or(Stays::Unwritable)?;
+        if self.leaves_in_doorway(chain, &nodes) {
+            return Err(Stays::Joined);
+        }
         let direction = self.along_stretched(&nodes, direction);
         let stretch = self.stretch(&nodes, direction, &oblique).ok_or(Stays::Joined)?;
         let free = self.free_way(chain, &nodes, &oblique).ok_or(Stays::Occupied)?;
-        let lo = stretch[0].max(free[0]).max(joint[0]).max(-PARTITION_SLIDE_M);
-        let hi = stretch[1].min(free[1]).min(joint[1]).min(PARTITION_SLIDE_M);
+        let lo = stretch[0].max(free[0]).max(joint[0]).max(beside[0]).max(-PARTITION_SLIDE_M);
+        let hi = stretch[1].min(free[1]).min(joint[1]).min(beside[1]).min(PARTITION_SLIDE_M);
         let (lo, hi) = ((lo.min(0.0) * 1e2).ceil() / 1e2, (hi.max(0.0) * 1e2).floor() / 1e2);
         if hi - lo < 2.0 * SLIDE_MIN_M {
             return Err(Stays::Narrow);
@@ -367,7 +379,7 @@ impl<'a> Axial<'a> {
             chain.edges.iter().flat_map(|e| self.axes.edges[*e as usize].nodes).collect();
         let mut is_held = false;
         for n in nodes {
-            if matches!(self.axes.nodes[n as usize].kind, NodeKind::Column(_)) {
+            if self.stands_at_column(self.axes.nodes[n as usize].at, chain.thickness) {
                 return Err(Stays::Joined);
             }
             for (_, e) in self.around(n).filter(|(i, _)| !chain.edges.contains(i)) {
@@ -389,6 +401,66 @@ impl<'a> Axial<'a> {
             }
         }
         if is_held { Ok(way) } else { Err(Stays::Unheld) }
+    }
+
+    /// Adds the wall ends beyond the doors and windows that end at a chain's side: they go along with it, or the door
+    /// would be torn off. How far these walls let it slide, metres of a person; `None` where one cannot go along.
+    fn take_doors_beside(&self, chain: &Chain, handles: &mut BTreeSet<Handle>) -> Option<[f64; 2]> {
+        let mut way = [f64::MIN, f64::MAX];
+        for (_, opening) in self.jamb_sides.iter().filter(|(e, _)| chain.edges.contains(e)) {
+            let opening = &self.axes.openings[*opening as usize];
+            let end = opening.jambs.iter().find(|j| j.node.is_some())?;
+            let out = (end.at - opening.centre).try_normalize()?;
+            let wall = self.wall_at(end.node?, out).filter(|_| out.dot(chain.along).abs() < PARALLEL_SIN)?;
+            handles.extend(jambs_of(self.plan, self.axes, opening).concat());
+            handles.extend(opening.faces.iter().flat_map(|f| face_handles(self.plan, *f)));
+            let behind = (self.length(wall) - REST_M - self.joint_half(wall)).max(0.0);
+            if out.dot(chain.along.perp()) > 0.0 {
+                way[1] = way[1].min(behind);
+            } else {
+                way[0] = way[0].max(-behind);
+            }
+        }
+        Some(way)
+    }
+
+    /// Whether a line that stays ends in the gap of a door or window that goes along with a chain: the other wall's
+    /// face, drawn into the doorway.
+    fn leaves_in_doorway(&self, chain: &Chain, nodes: &[u32]) -> bool {
+        let of_chain: BTreeSet<u32> =
+            chain.edges.iter().flat_map(|e| self.axes.edges[*e as usize].nodes).collect();
+        let goes_along = |o: &&Opening| {
+            let is_at = |j: &Jamb| {
+                j.node.is_some_and(|n| of_chain.contains(&n))
+                    || j.edge.is_some_and(|e| chain.edges.contains(&e))
+            };
+            o.kind != OpeningKind::Passage && o.jambs.iter().any(is_at)
+        };
+        self.axes.openings.iter().filter(goes_along).any(|o| {
+            let [a, b] = o.jambs.map(|j| j.at);
+            let along = (b - a).normalize_or_zero();
+            let is_within = |p: DVec2| {
+                let s = (p - a).dot(along);
+                s > BESIDE_M
+                    && s < a.distance(b) - BESIDE_M
+                    && along.perp_dot(p - a).abs() <= o.thickness_m / 2.0 + BESIDE_M
+            };
+            let near = self.neighbours.near(a.min(b), a.max(b)).into_iter().map(|i| &self.pieces[i as usize]);
+            let ends = near.flat_map(|p| [(p.nodes[0], p.a), (p.nodes[1], p.b)]);
+            ends.into_iter().any(|(n, p)| is_within(p) && nodes.binary_search(&n).is_err())
+        })
+    }
+
+    /// Whether the end of a wall stands at a column.
+    fn stands_at_column(&self, end: DVec2, thickness: f64) -> bool {
+        let reach = thickness / 2.0 + AT_COLUMN_M;
+        self.axes.nodes.iter().any(|n| match &n.kind {
+            NodeKind::Column(ring) => {
+                let sides = ring.iter().zip(ring.iter().cycle().skip(1));
+                sides.into_iter().any(|(a, b)| distance_to(end, *a, *b) <= reach)
+            }
+            _ => false,
+        })
     }
 
     /// Whether a wall goes straight on beyond a node: a drawn face of it belongs to both its parts.
@@ -558,6 +630,13 @@ impl<'a> Axial<'a> {
         }
         true
     }
+}
+
+/// Distance of a point from a segment.
+fn distance_to(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let d = b - a;
+    let share = (p - a).dot(d) / d.length_squared().max(f64::MIN_POSITIVE);
+    p.distance(a + d * share.clamp(0.0, 1.0))
 }
 
 /// The lowest and highest y of the part of a segment with x in a range.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::axial::{Axial, Sliding, Stays, told};
-use crate::plan::axes::{AxisGraph, Jamb, OpeningKind};
+use crate::plan::axes::{AxisGraph, Jamb, NodeKind, OpeningKind};
 use crate::plan::drawing::{Editable, SourceRef};
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M, segments_touch};
 use crate::plan::graph::Graph;
@@ -32,6 +32,8 @@ const INSIDE_MARGIN_M: f64 = 0.3;
 const ELEMENT_SHARE_MAX: f64 = 0.5;
 /// What is no larger is a post, or a pair of them: it carries.
 const POST_MAX_M: f64 = 0.6;
+/// Nor does a column move that is no larger.
+const COLUMN_MAX_M: f64 = 1.0;
 /// Directions whose cosine is smaller cross at right angles.
 const CROSSING_COS: f64 = 0.02;
 /// What must remain of a wall beside a sliding door.
@@ -75,8 +77,9 @@ pub fn groups(
         return Vec::new();
     }
     let neighbours = Neighbours::new(&pieces);
-    let mut held = walls_at_openings(axes);
-    held.extend(walls_at_infill(plan, infill, &pieces, &neighbours));
+    let mut at_openings = walls_at_openings(axes);
+    at_openings.extend(walls_at_infill(plan, infill, &pieces, &neighbours));
+    let held = Held { walls: at_openings, columns: columns(axes) };
     let (elements, posts) = elements(plan, graph, interior, &held, &pieces, &neighbours);
     let axial = Axial::new(plan, graph, axes, interior, (&pieces, &neighbours));
     let mut doors = axial.doors();
@@ -237,6 +240,36 @@ impl Union {
     }
 }
 
+/// What holds elements still.
+struct Held {
+    /// Walls at doors, windows and glass.
+    walls: BTreeSet<u32>,
+    /// The walls that draw each column.
+    columns: Vec<BTreeSet<u32>>,
+}
+
+impl Held {
+    /// Whether an element stays: it ends at an opening, or a column, which carries, is part of it.
+    fn holds(&self, element: &[u32]) -> bool {
+        let has_column = |c: &BTreeSet<u32>| {
+            let own = element.iter().filter(|w| c.contains(w)).count();
+            own > 0 && own < element.len()
+        };
+        element.iter().any(|w| self.walls.contains(w)) || self.columns.iter().any(has_column)
+    }
+
+    /// Whether an element is a column and nothing else.
+    fn is_column(&self, element: &[u32]) -> bool {
+        self.columns.iter().any(|c| element.iter().all(|w| c.contains(w)))
+    }
+}
+
+/// The walls that draw each column.
+fn columns(axes: &AxisGraph) -> Vec<BTreeSet<u32>> {
+    let columns = axes.nodes.iter().filter(|n| matches!(n.kind, NodeKind::Column(_)));
+    columns.map(|n| n.faces.iter().map(|f| f.0).collect()).collect()
+}
+
 /// Walls that a door or a window sits in, or ends at: what joins them to others is drawn on other layers.
 fn walls_at_openings(axes: &AxisGraph) -> BTreeSet<u32> {
     let filled = axes.openings.iter().filter(|o| o.kind != OpeningKind::Passage);
@@ -246,7 +279,10 @@ fn walls_at_openings(axes: &AxisGraph) -> BTreeSet<u32> {
     let ends = axes.edges.iter().enumerate().filter(|(_, e)| e.nodes.iter().any(|n| nodes.contains(n)));
     edges.extend(ends.map(|(i, _)| i as u32));
     let edges = edges.into_iter().map(|e| &axes.edges[e as usize]);
-    edges.flat_map(|e| e.left.iter().chain(&e.right).chain(&e.inner)).map(|f| f.0).collect()
+    let of_edges = edges.flat_map(|e| e.left.iter().chain(&e.right).chain(&e.inner));
+    // Caps, and the columns that a door hangs at.
+    let of_nodes = nodes.iter().flat_map(|n| &axes.nodes[*n as usize].faces);
+    of_edges.chain(of_nodes).map(|f| f.0).collect()
 }
 
 /// Walls at which glass, a window or a leaf ends.
@@ -271,7 +307,7 @@ fn elements(
     plan: &Plan,
     graph: &Graph,
     interior: &Interior,
-    held: &BTreeSet<u32>,
+    held: &Held,
     pieces: &[Piece],
     neighbours: &Neighbours,
 ) -> (Vec<(Group, Vec<u32>)>, usize) {
@@ -318,11 +354,11 @@ fn elements(
         });
         let is_inside = points().all(|p| interior.depth_m(*p) > INSIDE_MARGIN_M * plan.human_scale);
         let size = (hi - lo) / plan.human_scale;
-        let is_held = walls.iter().any(|w| held.contains(w));
+        let is_held = held.holds(walls);
         if encloses || is_held || !is_inside || size.max_element() > ELEMENT_SHARE_MAX * longest {
             continue;
         }
-        if size.max_element() <= POST_MAX_M {
+        if size.max_element() <= if held.is_column(walls) { COLUMN_MAX_M } else { POST_MAX_M } {
             posts += 1;
             continue;
         }

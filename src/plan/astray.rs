@@ -1,16 +1,17 @@
-//! Partitions on layers of something else: where the walls have layers of their own, and pairs of lines like walls
-//! lie on the layer of the doors, or on one whose name says nothing.
+//! Partitions and columns on layers of something else: where the walls have layers of their own, and pairs of lines
+//! like walls lie on the layer of the doors, or on one whose name says nothing, or columns on that of the doors.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
+use super::axes::{Drawn, Face, columns_of};
 use super::choice::{Chosen, Hidden};
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Shape};
 use super::parallels::{Piece, nearest_parallels, pieces};
 use super::roles::{Role, role_by_name};
-use super::structure::is_of_windows_too;
+use super::structure::{faces_of, is_of_windows_too};
 use super::{box_of, layers};
 use crate::report::{Place, Report};
 
@@ -29,6 +30,13 @@ const PAIRED_SHARE: f64 = 0.8;
 /// How far beyond the walls partitions may lie, metres.
 const BEYOND_M: f64 = 1.0;
 
+/// Those that hang together with the walls lie farther out, up to this share of the longer side of the walls' box:
+/// rooms behind a front of which the walls are a part.
+const BEYOND_SHARE: f64 = 1.0;
+
+/// Lines that end nearer to another hang together with it, metres: what a frame or a finish leaves between them.
+const HANGING_M: f64 = 0.15;
+
 /// Lines whose distance is smaller are one, and ends that meet, metres.
 const SAME_M: f64 = 0.005;
 
@@ -37,6 +45,15 @@ const SAME_M: f64 = 0.005;
 const ALONG_SIN: f64 = 0.05;
 const BESIDE_M: f64 = 0.35;
 const NEAR_END_M: f64 = 0.15;
+
+/// Least ground of a column, square metres: frames and jambs have less.
+const COLUMN_M2: f64 = 0.04;
+
+/// Square of a column's outline as a multiple of its ground, at most: 16 for a square, more for what is long.
+const COLUMN_COMPACT: f64 = 18.0;
+
+/// A column is alike from both sides: opposite every corner lies another, metres.
+const OPPOSITE_M: f64 = 0.03;
 
 /// Most comparisons of faces with walls; beyond them nothing is looked for.
 const COMPARED_MAX: usize = 50_000_000;
@@ -52,71 +69,145 @@ pub(super) fn take(
     let walls = pieces(picked.iter().map(|i| &drawing.entities[*i]));
     let Some([lo, hi]) = box_of(walls.iter().flat_map(|p| [p.a, p.b])) else { return };
     let beyond = DVec2::splat(BEYOND_M / metres_per_unit);
-    let search = Search { drawing, walls: &walls, box_: [lo - beyond, hi + beyond], unit_m: metres_per_unit };
-    let taken = search.by_layer(chosen);
-    for (layer, found) in taken {
-        let text = format!(
-            "layer {layer:?}: {} of its lines run in pairs as far apart as the faces of walls, and in no gap of a wall: \
-             partitions; taken as walls; --wall-layer overrides it",
-            found.len()
-        );
-        report.info("partitions-astray", Place::file(&drawing.file), text);
+    let widest = beyond.max(DVec2::splat(BEYOND_SHARE * (hi - lo).max_element()));
+    let boxes = [[lo - beyond, hi + beyond], [lo - widest, hi + widest]];
+    let search = Search { drawing, walls: &walls, boxes, unit_m: metres_per_unit };
+    for (layer, found) in search.by_layer(chosen) {
+        let info = |code, text: String| report.info(code, Place::file(&drawing.file), text);
+        found.say(&layer, info);
         if let Some(l) = chosen.layers.iter_mut().find(|l| l.name == layer) {
-            l.why = format!("{}; {} lines of partitions on it are taken as walls", l.why, found.len());
+            l.why = format!("{}; {} on it are taken as walls", l.why, found.words());
             if role_by_name(&layer).0 == Role::Unknown {
                 l.role = "wall";
-                l.why = format!("its name says nothing; {} lines on it draw partitions", found.len());
+                l.why =
+                    format!("its name says nothing; {} lines on it draw partitions", found.partitions.len());
             }
         }
-        picked.extend(found);
+        picked.extend(found.partitions.iter().chain(&found.columns));
     }
     picked.sort_unstable();
     picked.dedup();
 }
 
+/// What was found on a layer, by numbers of entities, each in one list.
+#[derive(Default)]
+struct Found {
+    partitions: Vec<usize>,
+    columns: Vec<usize>,
+}
+
+impl Found {
+    /// How much of what, in plain words.
+    fn words(&self) -> String {
+        let counts = [(self.partitions.len(), "partitions"), (self.columns.len(), "columns")];
+        let some = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} lines of {what}"));
+        some.collect::<Vec<_>>().join(" and ")
+    }
+
+    fn say(&self, layer: &str, mut info: impl FnMut(&'static str, String)) {
+        if !self.partitions.is_empty() {
+            let text = format!(
+                "layer {layer:?}: {} of its lines run in pairs as far apart as the faces of walls, and in no gap of a \
+                 wall: partitions; taken as walls; --wall-layer overrides it",
+                self.partitions.len()
+            );
+            info("partitions-astray", text);
+        }
+        if !self.columns.is_empty() {
+            let text = format!(
+                "layer {layer:?}: {} of its lines draw small closed outlines alike from both sides: columns; taken as \
+                 walls; --wall-layer overrides it",
+                self.columns.len()
+            );
+            info("columns-astray", text);
+        }
+    }
+}
+
 struct Search<'a> {
     drawing: &'a Drawing,
     walls: &'a [Piece],
-    box_: [DVec2; 2],
+    /// Where partitions may lie; where those may that hang together with the walls.
+    boxes: [[DVec2; 2]; 2],
     unit_m: f64,
 }
 
 impl Search<'_> {
-    fn by_layer(&self, chosen: &Chosen) -> BTreeMap<String, Vec<usize>> {
+    fn by_layer(&self, chosen: &Chosen) -> BTreeMap<String, Found> {
         let hidden = Hidden::new(self.drawing);
         let open: BTreeSet<&str> =
             chosen.layers.iter().filter(|l| l.role == "ignored").map(|l| l.name.as_str()).collect();
+        let open: BTreeSet<&str> = open.into_iter().filter(|l| may_hold(l)).collect();
+        let is_open = |e: &Entity| {
+            open.contains(e.layer.as_str())
+                && !layers::is_own(&e.layer)
+                && !hidden.entity(e)
+                && e.blocks.is_empty()
+        };
+        let all = self.drawing.entities.iter().enumerate().filter(|(_, e)| is_open(e)).map(|(i, _)| i);
         let mut by_layer: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-        for (i, e) in self.drawing.entities.iter().enumerate() {
-            let is_open = open.contains(e.layer.as_str()) && !layers::is_own(&e.layer) && !hidden.entity(e);
-            if is_open && e.blocks.is_empty() && self.is_near(e) {
-                by_layer.entry(&e.layer).or_default().push(i);
-            }
+        for i in self.near_or_hanging(all) {
+            by_layer.entry(&self.drawing.entities[i].layer).or_default().push(i);
         }
-        let found = by_layer.into_iter().map(|(layer, entities)| (layer, self.partitions(layer, &entities)));
-        found.filter(|(_, f)| !f.is_empty()).map(|(layer, f)| (layer.to_string(), f)).collect()
+        let found = by_layer.into_iter().map(|(layer, entities)| (layer, self.found(layer, &entities)));
+        let some = found.filter(|(_, f)| !f.partitions.is_empty() || !f.columns.is_empty());
+        some.map(|(layer, f)| (layer.to_string(), f)).collect()
     }
 
-    fn is_near(&self, e: &Entity) -> bool {
-        let [lo, hi] = self.box_;
-        control_points(&e.shape).into_iter().all(|p| p.cmpge(lo).all() && p.cmple(hi).all())
+    /// Those of some entities that lie near the walls, or farther out on a layer of doors and hang together with
+    /// them; ascending.
+    fn near_or_hanging(&self, all: impl Iterator<Item = usize>) -> Vec<usize> {
+        let is_of_doors = |i: &usize| role_by_name(&self.drawing.entities[*i].layer).0 == Role::Door;
+        let (mut near, mut far): (Vec<usize>, Vec<usize>) =
+            all.filter(|i| self.is_in(1, *i)).partition(|i| self.is_in(0, *i));
+        far.retain(is_of_doors);
+        let drawn = |i: &usize| pieces(std::iter::once(&self.drawing.entities[*i]));
+        let mut far: Vec<(usize, Vec<Piece>)> = far.iter().map(|i| (*i, drawn(i))).collect();
+        if far.len() * (self.walls.len() + near.len() + far.len()) > COMPARED_MAX {
+            return near;
+        }
+        let mut grown: Vec<Piece> = self.walls.to_vec();
+        grown.extend(near.iter().flat_map(drawn));
+        while !grown.is_empty() {
+            let hangs = |own: &[Piece]| own.iter().any(|p| grown.iter().any(|q| self.hangs_at(p, q)));
+            let (hanging, rest): (Vec<_>, Vec<_>) = far.into_iter().partition(|(_, own)| hangs(own));
+            far = rest;
+            near.extend(hanging.iter().map(|h| h.0));
+            grown = hanging.into_iter().flat_map(|h| h.1).collect();
+        }
+        near.sort_unstable();
+        near
     }
 
-    /// The entities on a layer that draw partitions: all of them, or those on a layer of doors.
-    fn partitions(&self, layer: &str, entities: &[usize]) -> Vec<usize> {
-        let role = role_by_name(layer).0;
-        let is_of_doors = role == Role::Door && !is_of_windows_too(layer);
-        if !is_of_doors && role != Role::Unknown {
-            return Vec::new();
-        }
+    /// Whether one of two lines ends beside the other.
+    fn hangs_at(&self, p: &Piece, q: &Piece) -> bool {
+        let at = |end: DVec2, s: &Piece| {
+            let d = s.b - s.a;
+            let share = (end - s.a).dot(d) / d.length_squared().max(f64::MIN_POSITIVE);
+            end.distance(s.a + d * share.clamp(0.0, 1.0)) * self.unit_m <= HANGING_M
+        };
+        at(p.a, q) || at(p.b, q) || at(q.a, p) || at(q.b, p)
+    }
+
+    fn is_in(&self, which: usize, entity: usize) -> bool {
+        let [lo, hi] = self.boxes[which];
+        let points = control_points(&self.drawing.entities[entity].shape);
+        points.into_iter().all(|p| p.cmpge(lo).all() && p.cmple(hi).all())
+    }
+
+    /// The entities on a layer that draw partitions, all of them or those on a layer of doors, and columns there.
+    fn found(&self, layer: &str, entities: &[usize]) -> Found {
+        let is_of_doors = role_by_name(layer).0 == Role::Door;
+        let columns = if is_of_doors { self.columns(entities) } else { Vec::new() };
         let faces = self.faces(entities);
         if faces.len() < FACES_MIN {
-            return Vec::new();
+            return Found { columns, partitions: Vec::new() };
         }
         if !is_of_doors {
             let all: f64 = entities.iter().map(|i| length(&self.drawing.entities[*i].shape)).sum();
             let paired: f64 = faces.iter().map(Piece::length).sum();
-            return if paired >= PAIRED_SHARE * all { entities.to_vec() } else { Vec::new() };
+            let partitions = if paired >= PAIRED_SHARE * all { entities.to_vec() } else { Vec::new() };
+            return Found { partitions, columns };
         }
         let ends: Vec<DVec2> = faces.iter().flat_map(|f| [f.a, f.b]).collect();
         let drawn: BTreeSet<usize> = faces.iter().map(|f| entities[f.entity]).collect();
@@ -125,7 +216,24 @@ impl Search<'_> {
             let meets = |p: DVec2| ends.iter().any(|e| e.distance(p) * self.unit_m <= SAME_M);
             matches!(own[..], [p] if p.length() * self.unit_m <= THICKNESS_M[1] && meets(p.a) && meets(p.b))
         };
-        entities.iter().copied().filter(|i| drawn.contains(i) || is_cap(i)).collect()
+        let is_taken = |i: &usize| (drawn.contains(i) || is_cap(i)) && !columns.contains(i);
+        Found { partitions: entities.iter().copied().filter(is_taken).collect(), columns }
+    }
+
+    /// The entities that draw small compact outlines, each alike from both sides.
+    fn columns(&self, entities: &[usize]) -> Vec<usize> {
+        let origin = self.boxes[0][0];
+        let place = |p: DVec2| (p - origin) * self.unit_m;
+        let shapes = entities.iter().map(|i| &self.drawing.entities[*i].shape).enumerate();
+        let straight = shapes.filter(|(_, s)| !matches!(s, Shape::Circle { .. }));
+        let faces: Vec<Face> = straight.flat_map(|(k, s)| faces_of(s, k as u32, place)).collect();
+        let rings = columns_of(&Drawn { faces, marks: Vec::new() });
+        let found: BTreeSet<usize> = rings
+            .iter()
+            .filter(|(ring, _)| is_column(ring))
+            .flat_map(|(_, faces)| faces.iter().map(|f| entities[f.0 as usize]))
+            .collect();
+        found.into_iter().collect()
     }
 
     /// Long pieces beside another at a wall's distance that fill no gap of a wall; [`Piece::entity`] is a place in
@@ -159,6 +267,26 @@ impl Search<'_> {
                 && [a, b].iter().all(|q| out.perp_dot(*q).abs() <= BESIDE_M)
         })
     }
+}
+
+/// Whether partitions are looked for on a layer: one of doors alone, or one whose name says nothing.
+fn may_hold(layer: &str) -> bool {
+    match role_by_name(layer).0 {
+        Role::Door => !is_of_windows_too(layer),
+        role => role == Role::Unknown,
+    }
+}
+
+/// Whether an outline, in metres, is that of a column and of no leaf, frame or sector of a swing.
+fn is_column(ring: &[DVec2]) -> bool {
+    let sides = || (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]]);
+    let length: f64 = sides().map(|[a, b]| a.distance(b)).sum();
+    let ground = sides().map(|[a, b]| (a - ring[0]).perp_dot(b - ring[0]) / 2.0).sum::<f64>().abs();
+    let Some([lo, hi]) = box_of(ring.iter().copied()) else { return false };
+    let opposite = |p: &DVec2| lo + hi - *p;
+    ground >= COLUMN_M2
+        && length * length <= COLUMN_COMPACT * ground
+        && ring.iter().all(|p| ring.iter().any(|q| q.distance(opposite(p)) <= OPPOSITE_M))
 }
 
 /// Length of what is drawn, drawing units.

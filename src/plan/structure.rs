@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::Plan;
+use super::axes::tolerances::{BOTH_WAYS_RAD, SWING_MAX_RAD};
 use super::axes::{AxisGraph, Drawn, Edge, Face, FaceRef, Mark, Opening, Path, Role, paths_of};
 use super::box_of;
 use super::curve::control_points;
@@ -83,13 +84,7 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     let place = |p: DVec2| plan.frame.plan_from_file(p) / plan.human_scale;
     let mut out = Drawn::default();
     for (w, wall) in plan.walls.iter().enumerate() {
-        let paths = paths_of(&wall.shape, place);
-        let meets = |first: &Path, last: &Path| first.ends()[0].distance(last.ends()[1]) <= CLOSED_M;
-        let is_closed = matches!(wall.shape, Shape::Circle { .. } | Shape::Polyline { closed: true, .. })
-            || paths.len() > 2 && meets(&paths[0], &paths[paths.len() - 1]);
-        for (part, path) in paths.into_iter().enumerate() {
-            out.faces.push(Face { wall: w as u32, part: part as u32, path, role: Role::Wall, is_closed });
-        }
+        out.faces.extend(faces_of(&wall.shape, w as u32, place));
     }
     let is_wall: BTreeSet<(usize, &str)> =
         plan.walls.iter().map(|w| (w.source.record, w.source.layer.as_str())).collect();
@@ -108,7 +103,37 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
         }
     }
     leave_paving(&mut out.marks, &mut marked);
+    join_swings(drawing, &mut out.marks, &marked);
     (out, marked)
+}
+
+/// Gives every part of a swing that is drawn in parts, in one block or on one layer, the whole swing's arc.
+fn join_swings(drawing: &Drawing, marks: &mut [Mark], marked: &[usize]) {
+    let mut together: BTreeMap<(Option<usize>, &str), Vec<usize>> = BTreeMap::new();
+    for (m, mark) in marks.iter().enumerate() {
+        let entity = &drawing.entities[marked[m]];
+        if matches!(mark.role, Role::Door | Role::Unknown) {
+            let block = (!entity.blocks.is_empty()).then_some(entity.source.record);
+            together.entry((block, &entity.layer)).or_default().push(m);
+        }
+    }
+    for of_one in together.into_values() {
+        let parts: Vec<&[Path]> = of_one.iter().map(|m| marks[*m].paths.as_slice()).collect();
+        for (row, arc) in rounds::arcs_in_parts(&parts).into_iter().filter(|(_, arc)| is_swing(arc)) {
+            row.iter().for_each(|k| marks[of_one[*k]].paths = vec![arc]);
+        }
+    }
+}
+
+/// The pieces of a wall; `place` turns its points into metres of a person.
+pub(super) fn faces_of(shape: &Shape, wall: u32, place: impl Fn(DVec2) -> DVec2) -> Vec<Face> {
+    let paths = paths_of(shape, place);
+    let meets = |first: &Path, last: &Path| first.ends()[0].distance(last.ends()[1]) <= CLOSED_M;
+    let is_closed = matches!(shape, Shape::Circle { .. } | Shape::Polyline { closed: true, .. })
+        || paths.len() > 2 && meets(&paths[0], &paths[paths.len() - 1]);
+    let face =
+        |(part, path): (usize, Path)| Face { wall, part: part as u32, path, role: Role::Wall, is_closed };
+    paths.into_iter().enumerate().map(face).collect()
 }
 
 /// Takes joints of a floor out of the marks: one that ends at a wall and a column is no pane between them.
@@ -136,9 +161,6 @@ const HANGING_M: f64 = 0.1;
 
 /// Most lines beyond the walls that are looked at.
 const FAR_MAX: usize = 400;
-
-/// A leaf that turns farther opens to both sides.
-const BOTH_WAYS_RAD: f64 = 2.2;
 
 /// How far beside a wall's faces lines still belong to a window in it, metres of a person: sills, frames.
 const SILL_M: f64 = 0.3;
@@ -185,32 +207,39 @@ pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Seg
     }
     out.retain(|s| lies_within(s, widest) && !axes.openings.iter().any(|o| lies_in(s, o)));
     let (near, far) = out.into_iter().partition(|s| lies_within(s, BEYOND_WALLS_M));
-    let out = with_hanging(near, far);
+    let walls = plan.walls.iter().flat_map(|w| w.trace.segments());
+    let walls = walls.map(|(_, _, s)| [s.a, s.b].map(|p| plan.frame.plan_from_um(p) / plan.human_scale));
+    let out = with_hanging(near, far, &walls.collect::<Vec<_>>());
     let um = |p: DVec2| plan.frame.um_from_plan(p * plan.human_scale);
     out.into_iter().map(|[a, b]| Segment { a: um(a), b: um(b) }).collect()
 }
 
-/// Lines near the walls, and of those far from them the ones that hang together with these.
-fn with_hanging(mut near: Vec<[DVec2; 2]>, mut far: Vec<[DVec2; 2]>) -> Vec<[DVec2; 2]> {
+/// Lines near the walls, and of those far from them the ones that hang together with these or with a wall.
+fn with_hanging(mut near: Vec<[DVec2; 2]>, far: Vec<[DVec2; 2]>, walls: &[[DVec2; 2]]) -> Vec<[DVec2; 2]> {
     if far.len() > FAR_MAX {
         return near;
     }
-    let meets = |s: &[DVec2; 2], t: &[DVec2; 2]| {
-        let at = |p: DVec2, [a, b]: [DVec2; 2]| {
-            let d = b - a;
-            let share = (p - a).dot(d) / d.length_squared().max(f64::MIN_POSITIVE);
-            p.distance(a + d * share.clamp(0.0, 1.0)) <= HANGING_M
-        };
-        s.iter().any(|p| at(*p, *t)) || t.iter().any(|p| at(*p, *s))
-    };
+    let (at_walls, mut far): (Vec<_>, Vec<_>) =
+        far.into_iter().partition(|s| walls.iter().any(|w| hangs_at(s, w)));
+    near.extend(at_walls);
     let mut from = 0;
     while from < near.len() {
-        let (hanging, rest) = far.into_iter().partition(|s| near[from..].iter().any(|t| meets(s, t)));
+        let (hanging, rest) = far.into_iter().partition(|s| near[from..].iter().any(|t| hangs_at(s, t)));
         far = rest;
         from = near.len();
         near.extend::<Vec<[DVec2; 2]>>(hanging);
     }
     near
+}
+
+/// Whether one of two lines ends at the other.
+fn hangs_at(s: &[DVec2; 2], t: &[DVec2; 2]) -> bool {
+    let at = |p: DVec2, [a, b]: [DVec2; 2]| {
+        let d = b - a;
+        let share = (p - a).dot(d) / d.length_squared().max(f64::MIN_POSITIVE);
+        p.distance(a + d * share.clamp(0.0, 1.0)) <= HANGING_M
+    };
+    s.iter().any(|p| at(*p, *t)) || t.iter().any(|p| at(*p, *s))
 }
 
 /// Whether it fills gaps between walls.
@@ -246,7 +275,7 @@ fn swing_or(paths: Vec<Path>) -> Vec<Path> {
 /// Whether an arc may be the swing of a door, by its size.
 fn is_swing(path: &Path) -> bool {
     matches!(path, Path::Arc { radius, sweep_rad, .. }
-        if (SWING_RADIUS_M[0]..=SWING_RADIUS_M[1]).contains(radius) && (0.5..=3.3).contains(sweep_rad))
+        if (SWING_RADIUS_M[0]..=SWING_RADIUS_M[1]).contains(radius) && (0.5..=SWING_MAX_RAD).contains(sweep_rad))
 }
 
 /// Whether a layer of doors holds windows too, by its name.

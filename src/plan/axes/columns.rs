@@ -14,6 +14,10 @@ const TWIN_M: f64 = 0.003;
 const FILL_MIN: f64 = 0.5;
 /// Points by which a round column is given.
 const ROUND_POINTS: usize = 24;
+/// Most pieces of an outline: four sides and four cut or rounded corners.
+const PIECES_MAX: usize = 8;
+/// Largest radius of a rounded corner; larger arcs are leaves of doors.
+const CORNER_RADIUS_MAX_M: f64 = 0.3;
 
 /// A column.
 #[derive(Clone, Debug)]
@@ -126,14 +130,11 @@ fn box_of(ring: &[DVec2]) -> Option<(f64, f64)> {
 /// A ring of lines, and lines drawn twice over it.
 type Ring = (Vec<u32>, Vec<u32>);
 
-/// Sets of lines that close small rings and meet nothing else.
+/// Sets of lines, and arcs round their corners, that close small rings and meet nothing else.
 fn boxes_of_lines(drawn: &Drawn, is_taken: &[bool]) -> Vec<Ring> {
     let is_short = |f: &u32| {
         let face = &drawn.faces[*f as usize];
-        !is_taken[*f as usize]
-            && !face.is_closed
-            && matches!(face.path, Path::Line { .. })
-            && (ZERO_M..=COLUMN_MAX_M).contains(&face.path.length_m())
+        !is_taken[*f as usize] && !face.is_closed && is_part(&face.path)
     };
     let short: Vec<u32> = (0..drawn.faces.len() as u32).filter(is_short).collect();
     let mut buckets = Buckets::new(0.5);
@@ -154,7 +155,18 @@ fn boxes_of_lines(drawn: &Drawn, is_taken: &[bool]) -> Vec<Ring> {
     out
 }
 
-/// Walks from line to line until the ring closes after three to eight of them.
+/// Whether a piece may be a side or a rounded corner of a column.
+fn is_part(path: &Path) -> bool {
+    (ZERO_M..=COLUMN_MAX_M).contains(&path.length_m())
+        && match path {
+            Path::Line { .. } => true,
+            Path::Arc { radius, sweep_rad, .. } => {
+                *radius <= CORNER_RADIUS_MAX_M && *sweep_rad < std::f64::consts::PI
+            }
+        }
+}
+
+/// Walks from piece to piece until the ring closes after three to eight of them.
 fn box_from(drawn: &Drawn, buckets: &Buckets, first: u32) -> Option<Ring> {
     let ends = |f: u32| drawn.faces[f as usize].path.ends();
     let is_twin = |f: u32, g: u32| {
@@ -185,13 +197,11 @@ fn box_from(drawn: &Drawn, buckets: &Buckets, first: u32) -> Option<Ring> {
         if next == first || (ring.len() > 2 && is_twin(next, first)) {
             break;
         }
-        if ring.contains(&next) || ring.len() >= 8 || drawn.faces[next as usize].is_closed {
+        let face = &drawn.faces[next as usize];
+        if ring.contains(&next) || ring.len() >= PIECES_MAX || face.is_closed || !is_part(&face.path) {
             return None;
         }
         let [a, b] = ends(next);
-        if a.distance(b) > COLUMN_MAX_M {
-            return None;
-        }
         at = if a.distance(at) <= b.distance(at) { b } else { a };
         ring.push(next);
     }

@@ -1,13 +1,15 @@
 //! Cuts: openings in walls that were drawn without a gap, where lines across the wall, a door swing or a
 //! door or window by layer or block show them.
 
+use glam::DVec2;
+
 use super::assembly::{Axis, Spare};
 use super::carrier::Carrier;
-use super::evidence::{Band, Evidence, ordered, trace};
+use super::evidence::{Band, Evidence, ordered, tips, trace};
 use super::near::Buckets;
 use super::spans::{self, Span};
-use super::tolerances::{COLLINEAR_M, ERROR_GAP_M, LEAF_M, OPENING_MIN_M};
-use super::{Mark, OpeningKind, Path, Role};
+use super::tolerances::{COLLINEAR_M, ERROR_GAP_M, LEAF_M, OPENING_MIN_M, SWING_MAX_RAD};
+use super::{Mark, OpeningKind, Path, Role, swings};
 
 /// Widest opening between two lines across a wall.
 const CUT_MAX_M: f64 = 5.0;
@@ -16,7 +18,7 @@ const MARK_MIN_M: f64 = 0.4;
 /// How far beside a wall's faces the hinge of a door in it may lie.
 const HINGE_BESIDE_M: f64 = 0.12;
 /// How near to another wall's face the tip of an open leaf stands on it.
-const TIP_M: f64 = 0.03;
+const TIP_M: f64 = 0.06;
 /// What must be left of a wall beside a cut; less goes to the cut.
 const REST_M: f64 = 0.02;
 
@@ -81,10 +83,13 @@ fn between_jambs(
 
 /// Where a swing closes onto a wall, or a window lies in one.
 fn at_marks(axes: &[Axis], evidence: &Evidence<'_>, near: &Buckets, gaps: &mut [Vec<Span>]) {
-    for mark in &evidence.drawn.marks {
+    let meeting = swings::meeting(evidence.drawn);
+    for (m, mark) in evidence.drawn.marks.iter().enumerate() {
         for path in &mark.paths {
             let around = near.along(&trace(path), LEAF_M[0]);
-            let swings = around.iter().filter_map(|a| Some((*a, swing_gap(&axes[*a as usize], path)?)));
+            let tips = closed_tips(path, meeting.get(&(m as u32)));
+            let swings =
+                around.iter().filter_map(|a| Some((*a, swing_gap(&axes[*a as usize], path, &tips)?)));
             let swings: Vec<(u32, Span)> = swings.collect();
             // A leaf that opens against another wall touches two walls: which one it is in, is not said.
             if let [(a, gap)] = swings.as_slice()
@@ -111,7 +116,7 @@ fn ends_at_hinge(axis: &Axis, path: &Path) -> bool {
     let Path::Arc { centre, radius, .. } = *path else { return false };
     (0..2).any(|e| {
         let out = axis.carrier.tangent(axis.span[e]) * if e == 1 { 1.0 } else { -1.0 };
-        let looks = |p: glam::DVec2| (p - centre).dot(out) > 0.9 * radius;
+        let looks = |p: DVec2| (p - centre).dot(out) > 0.9 * radius;
         axis.carrier.at(axis.span[e]).distance(centre) < axis.thickness / 2.0 + 2.0 * HINGE_BESIDE_M
             && path.ends().into_iter().any(looks)
     })
@@ -131,17 +136,24 @@ fn is_within(gap: Span, span: Span) -> bool {
     gap[0] > span[0] - REST_M && gap[1] < span[1] + REST_M && spans::length(gap) >= MARK_MIN_M
 }
 
+/// Where the leaf of a swing may close; `meeting`: where it meets its twin, if it has one.
+fn closed_tips(path: &Path, meeting: Option<&Vec<[DVec2; 2]>>) -> Vec<DVec2> {
+    let Path::Arc { centre, .. } = *path else { return Vec::new() };
+    let met: Vec<DVec2> = meeting.into_iter().flatten().filter(|l| l[0] == centre).map(|l| l[1]).collect();
+    if met.is_empty() { tips(path) } else { met }
+}
+
 /// From a swing's hinge to where its leaf closes.
-fn swing_gap(axis: &Axis, path: &Path) -> Option<Span> {
+fn swing_gap(axis: &Axis, path: &Path, tips: &[DVec2]) -> Option<Span> {
     let Path::Arc { centre, radius, sweep_rad, .. } = *path else { return None };
     let band = Band { carrier: axis.carrier, gap: axis.span, half: axis.thickness / 2.0 };
     if !(LEAF_M[0]..=LEAF_M[1]).contains(&radius)
-        || !(0.5..2.2).contains(&sweep_rad)
+        || !(0.5..SWING_MAX_RAD).contains(&sweep_rad)
         || !band.has(centre, HINGE_BESIDE_M)
     {
         return None;
     }
-    let closed = path.ends().into_iter().filter(|e| band.has(*e, HINGE_BESIDE_M));
+    let closed = tips.iter().copied().filter(|e| band.has(*e, HINGE_BESIDE_M));
     let far = closed
         .map(|e| axis.carrier.s_of(e))
         .find(|s| (s - axis.carrier.s_of(centre)).abs() > 0.9 * radius)?;

@@ -6,7 +6,7 @@ use super::assembly::Spare;
 use super::carrier::Carrier;
 use super::near::Buckets;
 use super::spans::{self, Span};
-use super::tolerances::{ERROR_GAP_M, LEAF_M};
+use super::tolerances::{BOTH_WAYS_RAD, ERROR_GAP_M, LEAF_M, SWING_MAX_RAD};
 use super::{Drawn, Mark, OpeningKind, Path, Role};
 
 /// How far beside the wall's faces something still lies in an opening.
@@ -17,6 +17,10 @@ pub const PANES: &str = "lines along the wall between its jambs";
 const HINGE_M: f64 = 0.15;
 /// Share of the gap that a window line runs along.
 const PANE_COVER: f64 = 0.6;
+/// How far beside a wall's axis, beyond half its thickness, the ends of folded leaves stand.
+const FOLDED_M: f64 = 0.1;
+/// Share of the gap that the leaves of a folding door reach along, on one side of it.
+const FOLDED_COVER: f64 = 0.25;
 /// Share of the gap that a door known by its layer or block alone reaches along.
 const DOOR_COVER: f64 = 0.4;
 /// Half the width in which things lie in the gap of a wall drawn as one line.
@@ -108,6 +112,17 @@ fn path_of(spare: &Spare) -> Path {
     }
 }
 
+/// Where the leaf of a swing may close: at either end, or in the middle where it opens to both sides.
+pub fn tips(swing: &Path) -> Vec<DVec2> {
+    let mut out = swing.ends().to_vec();
+    if let Path::Arc { centre, radius, start_rad, sweep_rad } = *swing
+        && sweep_rad > BOTH_WAYS_RAD
+    {
+        out.push(centre + DVec2::from_angle(start_rad + sweep_rad / 2.0) * radius);
+    }
+    out
+}
+
 /// The place of a gap in its wall.
 pub struct Band {
     pub carrier: Carrier,
@@ -164,9 +179,9 @@ impl Band {
             self.has(*e, HINGE_M) && (to - s).abs() > 0.9 * radius
         };
         at_jamb
-            && path.ends().iter().any(closes)
+            && tips(path).iter().any(closes)
             && self.carrier.offset_of(centre).abs() <= self.half + HINGE_M
-            && (0.3..3.2).contains(&sweep_rad)
+            && (0.3..SWING_MAX_RAD).contains(&sweep_rad)
             && radius > 0.35 * width
             && radius < 1.15 * width + 0.05
     }
@@ -188,6 +203,19 @@ pub struct Seen {
     pub faces: Vec<u32>,
 }
 
+/// Whether the leaves of a folding door stand before a gap: bent, with both ends at one face of the wall.
+fn folds(mark: &Mark, band: &Band) -> bool {
+    let [first, .., last] = mark.paths[..] else { return false };
+    let is_bent = mark.paths.iter().all(|p| matches!(p, Path::Line { .. }));
+    let [from, to] = [first.ends()[0], last.ends()[1]];
+    let along = ordered(band.carrier.s_of(from), band.carrier.s_of(to));
+    let shared = spans::overlap(along, band.gap).map_or(0.0, spans::length);
+    let reach = band.half + FOLDED_M;
+    is_bent
+        && [from, to].iter().all(|p| band.carrier.offset_of(*p).abs() <= reach)
+        && shared >= FOLDED_COVER * spans::length(band.gap)
+}
+
 impl Seen {
     /// Takes a mark as evidence; whether it belongs to the opening.
     fn look_at(&mut self, mark: &Mark, band: &Band) -> bool {
@@ -197,7 +225,8 @@ impl Seen {
                 && matches!(p, Path::Arc { .. })
                 && p.ends().iter().any(|e| band.has(*e, ERROR_GAP_M))
         };
-        let inside = mark.paths.iter().any(|p| band.holds(p) || closes(p));
+        let inside = mark.paths.iter().any(|p| band.holds(p) || closes(p))
+            || mark.role == Role::Door && folds(mark, band);
         let panes = mark.paths.iter().any(|p| band.has_pane(p));
         self.swing |= swing;
         if mark.role == Role::Door && (inside || swing) {

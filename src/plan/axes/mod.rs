@@ -28,6 +28,7 @@ mod shell;
 mod solids;
 mod spans;
 mod strips;
+mod swings;
 #[cfg(test)]
 mod tests;
 pub mod tolerances;
@@ -164,6 +165,12 @@ impl Drawn {
         };
         faces.iter().filter(is_along).copied().collect()
     }
+}
+
+/// The columns among drawn pieces: outlines, in order round them, and what draws them.
+pub(super) fn columns_of(drawn: &Drawn) -> Vec<(Vec<DVec2>, Vec<FaceRef>)> {
+    let (found, _) = columns::take(drawn, &mut AxisGraph::default());
+    found.into_iter().map(|c| (c.ring, c.faces)).collect()
 }
 
 /// The pieces of a shape; `place` turns the shape's points into metres of a person (a similarity).

@@ -9,7 +9,7 @@ use super::near::Buckets;
 use super::tolerances::{
     CROSSING_MIN_RAD, ERROR_GAP_M, OPENING_MAX_M, OPENING_MIN_M, PASSAGE_MAX_M, SIDE_OPENING_MAX_M,
 };
-use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind, shell};
+use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind, shell, swings};
 
 /// A wall that ends in front of another's side leaves a passage only if it stands this square to it.
 const SQUARE_SIN: f64 = 0.97;
@@ -44,6 +44,7 @@ pub fn find(drawn: &Drawn, all: &Axes, joined: &Joined, out: &mut AxisGraph) {
         }
         found.extend(scene.opening(f, to));
     }
+    found.extend(swings::find(&scene.evidence, out, &found));
     found.sort_by(|a, b| a.centre.x.total_cmp(&b.centre.x).then(a.centre.y.total_cmp(&b.centre.y)));
     shell::tell_sliding_doors(drawn, &mut found, |o| o.evidence == PANES);
     for o in &found {

@@ -76,3 +76,9 @@ pub const SAGITTA_MAX_M: f64 = 0.025;
 
 /// Radii of door leaves.
 pub const LEAF_M: [f64; 2] = [0.4, 1.4];
+
+/// A leaf that turns farther opens to both sides, and closes in the middle of its swing.
+pub const BOTH_WAYS_RAD: f64 = 2.2;
+
+/// No leaf turns farther.
+pub const SWING_MAX_RAD: f64 = 3.3;
