@@ -442,17 +442,34 @@ fn a_browser_does_every_action() {
         println!("skipped: ENFILADE_NODE_MODULES names no folder with puppeteer-core and axe-core");
         return;
     };
-    let daemon = start();
+    let daemon = start_with("gallery.dxf", "[watch]\ndepth = 1\n");
     fs::copy(daemon.plans().join("gallery.dxf"), daemon.plans().join("<img src=x onerror=alert(1)>.dxf"))
         .unwrap();
     daemon.until_done("gallery.dxf");
     plant_ten_thousand(&daemon.plans().join("gallery.enfilade"));
     fs::write(daemon.plans().join("#<b>.dxf"), "").unwrap();
-    fs::write(daemon.plans().join("broken.dxf"), "0\nSECTION\n2\nENTITIES\nx\n0\n0\nEOF\n").unwrap();
+    // A list longer than a phone, a name in two folders, and one that would turn the direction of writing.
+    fs::create_dir(daemon.plans().join("<i>wing")).unwrap();
+    let sheets = (1..=30).map(|n| format!("sheet-{n:02}.dxf"));
+    for name in sheets.chain(["broken.dxf", "<i>wing/broken.dxf", "\u{202e}fxd.thgir.dxf"].map(str::to_owned))
+    {
+        fs::write(daemon.plans().join(name), "0\nSECTION\n2\nENTITIES\nx\n0\n0\nEOF\n").unwrap();
+    }
+    daemon.until("the last of the sheets", || {
+        daemon.drawing("sheet-30.dxf").filter(|d| d["state"] == "failed")
+    });
     daemon.until_done("<img src=x onerror=alert(1)>.dxf");
+    let restart = json!({
+        "pid": daemon.child.id(),
+        "program": env!("CARGO_BIN_EXE_enfilade"),
+        "args": ["watch", format!("--page={}", daemon.port), daemon.plans().display().to_string()],
+    });
     let out = Command::new("node")
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page/drive.mjs"))
         .arg(format!("http://127.0.0.1:{}/?token={}", daemon.port, daemon.token))
+        .arg(restart.to_string())
+        .env("HOME", daemon.folder.path())
+        .env_remove("XDG_STATE_HOME")
         .env("NODE_PATH", modules)
         .output()
         .unwrap();
@@ -465,6 +482,7 @@ fn a_browser_does_every_action() {
     println!("{}", String::from_utf8_lossy(&out.stdout));
     assert!(daemon.plans().join("gallery-r02.dxf").is_file(), "nothing was accepted");
     assert_eq!(daemon.round_settings("round-02")["like"].as_array().map(Vec::is_empty), Some(false));
+    assert_eq!(daemon.round_settings("round-02")["pinned"].as_array().map(Vec::len), Some(1));
     assert_eq!(daemon.round_settings("round-03")["pinned"].as_array().map(Vec::len), Some(1));
     assert_eq!(daemon.round_settings("round-03")["objectives"][0]["threshold"], 0.5);
 }

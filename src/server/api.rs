@@ -121,7 +121,9 @@ pub(super) async fn accept(State(page): Page, Path(id): Path<String>, body: Stri
     let done =
         tokio::task::spawn_blocking(move || (accepting.accept)(&drawing, &home, round, candidate)).await;
     match done {
-        Ok(Ok(path)) => answer(&json!({"drawing": path.file_name().map(|n| n.to_string_lossy())})),
+        Ok(Ok(path)) => answer(
+            &json!({"drawing": path.file_name().map(|n| super::board::shown(std::path::Path::new(n)))}),
+        ),
         Ok(Err(e @ (Error::Usage(_) | Error::Input(_)))) => refused(&e.to_string()),
         Ok(Err(e)) => said(StatusCode::INTERNAL_SERVER_ERROR, &e.to_string()),
         Err(_) => said(StatusCode::INTERNAL_SERVER_ERROR, "accepting failed"),

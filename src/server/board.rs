@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use tokio::sync::broadcast;
 
 use crate::daemon::{Notice, rfc3339};
+use crate::report::one_line;
 use crate::watch::builtin_ignores;
 
 /// Lines of the log that are kept.
@@ -104,12 +105,9 @@ impl Board {
         let state = self.state();
         let drawings: Vec<Value> = state.drawings.iter().map(|(id, e)| e.brief(id)).collect();
         let roots: Vec<Value> =
-            state.roots.iter().map(|(r, how)| json!({"root": r.display().to_string(), "how": how})).collect();
-        let ignored: Vec<Value> = state
-            .ignored
-            .iter()
-            .map(|(path, why)| json!({"file": path.to_string_lossy(), "why": why}))
-            .collect();
+            state.roots.iter().map(|(r, how)| json!({"root": shown(r), "how": how})).collect();
+        let ignored: Vec<Value> =
+            state.ignored.iter().map(|(path, why)| json!({"file": shown(path), "why": why})).collect();
         let rules: Vec<Value> =
             builtin_ignores().iter().map(|r| json!({"glob": r.glob, "why": r.why})).collect();
         json!({
@@ -152,6 +150,11 @@ fn is_of_folders(notice: &Notice) -> bool {
             | Notice::Online(_)
             | Notice::Ignored { .. }
     )
+}
+
+/// A path as the page shows it: no character in it is obeyed.
+pub(super) fn shown(path: &Path) -> String {
+    one_line(&path.to_string_lossy())
 }
 
 /// How requests name a drawing.
@@ -272,8 +275,8 @@ impl Entry {
     fn brief(&self, id: &str) -> Value {
         json!({
             "id": id,
-            "name": self.path.file_name().unwrap_or_default().to_string_lossy(),
-            "folder": self.path.parent().unwrap_or(Path::new("")).to_string_lossy(),
+            "name": shown(Path::new(self.path.file_name().unwrap_or_default())),
+            "folder": shown(self.path.parent().unwrap_or(Path::new(""))),
             "state": self.state,
             "since": self.since,
             "summary": self.summary,
@@ -288,6 +291,22 @@ mod tests {
     use super::*;
     use crate::daemon::Done;
     use crate::report::{Place, Problem, Severity};
+
+    #[test]
+    fn names_are_shown_and_not_obeyed() {
+        let board = Board::default();
+        let drawing = PathBuf::from("/pl\u{1b}ans/\u{202e}fxd.thgir.dxf");
+        board.take(&Notice::Watching { root: "/pl\u{1b}ans".into(), how: String::new() });
+        board.take(&Notice::Started(drawing.clone()));
+        let why = "no drawing".to_owned();
+        board.take(&Notice::Ignored { path: "/pl\u{1b}ans/\u{2067}a.txt".into(), why });
+        let found = board.overview();
+        assert_eq!(found["drawings"][0]["name"], r"\u{202e}fxd.thgir.dxf");
+        assert_eq!(found["drawings"][0]["folder"], r"/pl\u{1b}ans");
+        assert_eq!(found["drawings"][0]["id"], id_of(&drawing), "the id is of the name as it is");
+        assert_eq!(found["roots"][0]["root"], r"/pl\u{1b}ans");
+        assert_eq!(found["ignored"][0]["file"], r"/pl\u{1b}ans/\u{2067}a.txt");
+    }
 
     #[test]
     fn notices_become_states_and_news() {

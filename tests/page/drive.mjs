@@ -1,11 +1,15 @@
 // Drives the page in Chromium: every action, by keyboard too, on a desk and on a phone, light and dark.
 import assert from "node:assert";
+import { spawn } from "node:child_process";
 import { createRequire } from "node:module";
 
 const load = createRequire(process.env.NODE_PATH + "/");
 const puppeteer = load("puppeteer-core");
 const axe = load.resolve("axe-core/axe.min.js");
 const link = process.argv[2];
+/** The daemon: its process, and how it is started again on the same port. */
+const daemon = JSON.parse(process.argv[3]);
+let second = null;
 /** A folder for pictures of every view, to be looked at. */
 const shots = process.env.ENFILADE_LOOK;
 
@@ -19,7 +23,12 @@ const browser = await puppeteer.launch({
 const faults = [];
 const page = await browser.newPage();
 page.on("pageerror", (e) => faults.push(`script: ${e.message}`));
-page.on("console", (m) => { if (m.type() === "error") faults.push(`console: ${m.text()}`); });
+let isGone = false;
+page.on("console", (m) => {
+  if (m.type() === "error" && !(isGone && m.text().startsWith("Failed to load"))) faults.push(`console: ${m.text()}`);
+});
+const sent = [];
+page.on("request", (r) => { if (r.method() === "POST") sent.push(JSON.parse(r.postData())); });
 page.on("dialog", (d) => { faults.push("a dialog: a name became code"); d.dismiss(); });
 
 const text = (selector) => page.$eval(selector, (e) => e.textContent);
@@ -60,6 +69,12 @@ try {
   await page.addScriptTag({ path: axe });
   await check("list");
 
+  // Names that two folders have are told apart; control characters in them are shown.
+  const places = await page.$$eval("#drawings a", (as) =>
+    as.map((a) => [a.firstChild.textContent, a.querySelector(".place")?.textContent]).filter(([name, place]) => place || name === "gallery.dxf"));
+  assert.deepEqual(places, [["broken.dxf", "plans"], ["broken.dxf", "plans/<i>wing"], ["gallery.dxf", null]].map(([n, p]) => [n, p ?? undefined]));
+  assert.ok(names.includes("\\u{202e}fxd.thgir.dxf"), names.join());
+
   // Files left alone, with the reason.
   await page.focus("#left-title");
   await page.keyboard.press("Enter");
@@ -73,7 +88,10 @@ try {
   await gallery.focus();
   await page.keyboard.press("Enter");
   await page.waitForSelector("#show-1");
-  assert.equal(await page.evaluate(() => document.activeElement.id), "main");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "title");
+  assert.equal(await text("#title"), "gallery.dxf");
+  const axes = await page.$$eval("#scatter-x option", (os) => os.map((o) => o.textContent));
+  assert.ok(axes.includes("clearance, m²") && axes.some((a) => / x, m$/.test(a)) && !axes.some((a) => a.includes("_m")), axes.join());
 
   // Slider and heat maps.
   await page.focus(".pair + input");
@@ -139,6 +157,16 @@ try {
   await check("dark");
   await page.setViewport({ width: 390, height: 844 });
   await check("phone dark");
+  // A long list lies above: the chosen drawing's title is in view and has the focus, one that failed too.
+  for (const name of ["sheet-30.dxf", "gallery.dxf", "gallery.dxf"]) {
+    const rowOf = await page.evaluateHandle((n) => [...document.querySelectorAll("#drawings a")].find((a) => a.textContent.startsWith(n)), name);
+    await rowOf.click();
+    await page.waitForFunction((n) => document.activeElement.id === "title" && document.activeElement.textContent === n, {}, name);
+    const at = await page.$eval("#title", (t) => t.getBoundingClientRect().top);
+    assert.ok(at >= 0 && at < 422, `the title of ${name} is ${at} pixels below the upper edge`);
+    if (shots) await page.screenshot({ path: `${shots}/chosen-${name}.png` });
+  }
+  await page.waitForSelector("#pin-1");
   await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: "light" }]);
   await page.setViewport({ width: 360, height: 740 });
   await check("phone");
@@ -178,8 +206,10 @@ try {
   await page.waitForFunction(() => [...document.querySelectorAll("#drawings a")].some((a) => a.textContent.startsWith("gallery-r02.dxf")));
   await idle();
   await press("#show-2");
+  await press("#pin-0");
   await press("#chosen-like");
-  await said("more like option 3");
+  await said("more like option 3; these stay: 1");
+  assert.deepEqual(sent.at(-1), { round: 1, pin: [1], like: 3 });
   await page.waitForFunction(() => document.querySelector("#round option")?.value === "round-02", { timeout: 240000 });
   await idle();
   await unfold();
@@ -208,9 +238,29 @@ try {
   await page.evaluate(() => [...document.querySelectorAll("#drawings a")].find((a) => a.textContent.startsWith("broken.dxf")).click());
   await page.waitForFunction(() => document.querySelector("#standing .problem")?.textContent.includes("broken.dxf:"));
   await check("problem");
+
+  // The daemon is gone: nothing is done, and that is said. Another one does not know this page.
+  await (await page.evaluateHandle(() => [...document.querySelectorAll("#drawings a")].find((a) => a.textContent.startsWith("gallery.dxf")))).click();
+  await page.waitForSelector("#accept-0");
+  isGone = true;
+  process.kill(daemon.pid, "SIGKILL");
+  const linked = (part) => page.waitForFunction((p) => document.getElementById("link").textContent.includes(p), {}, part);
+  await linked("out of reach");
+  for (const deed of ["#again", "#chosen-accept", "#chosen-like"]) {
+    await page.$eval("#said", (s) => { s.textContent = "before"; });
+    await press(deed);
+    await said("nothing was done: the daemon is out of reach");
+  }
+  if (shots) await page.screenshot({ path: `${shots}/gone.png` });
+  second = spawn(daemon.program, daemon.args, { stdio: "ignore" });
+  await linked("the daemon was started again: `enfilade open` shows its page");
+  await press("#chosen-accept");
+  await said("nothing was done: the daemon was started again");
+  if (shots) await page.screenshot({ path: `${shots}/again.png` });
 } catch (e) {
   faults.push(e.stack ?? String(e), await page.$eval("body", (b) => b.innerText.slice(0, 1500)).catch(() => ""));
 } finally {
+  second?.kill("SIGKILL");
   await browser.close();
 }
 if (faults.length) {

@@ -1,5 +1,5 @@
 // Options side by side: a slider over heat maps, parallel coordinates and a scatter to filter, pin, more like one, accept.
-import { $, ask, el, say } from "/page.js";
+import { $, ask, el, plain, say } from "/page.js";
 import { Parallel, Scatter, onNewLook } from "/plots.js";
 
 const ROWS = 200;
@@ -15,14 +15,17 @@ function shownOf(names) {
   return [...FIRST.filter((m) => found.includes(m)), ...found.filter((m) => !FIRST.includes(m))];
 }
 
+/** A measure as axes and columns name it: `clearance_m2` is an area in square metres. */
+const named = (key) => key.replace(/_m2$/, ", m²").replace(/_m$/, ", m").replaceAll("_", " ");
+
 /** Columns to compare by: means, penalties, parameters. */
 function columnsOf(result) {
   const first = result.candidates[0];
   const means = Object.keys(first.mean).filter((k) => k !== "degree_all");
   const score = first.score == null ? [] : [{ name: "score", of: (c) => c.score }];
-  return [...score, ...means.filter((m) => m !== "score").map((m) => ({ name: m, of: (c) => c.mean[m] })),
-    ...Object.keys(first.penalty).map((p) => ({ name: p, of: (c) => c.penalty[p] })),
-    ...result.moves.map((m, i) => ({ name: `${m.name} ${m.kind}`, of: (c) => c.parameters[i] }))]
+  return [...score, ...means.filter((m) => m !== "score").map((m) => ({ name: named(m), of: (c) => c.mean[m] })),
+    ...Object.keys(first.penalty).map((p) => ({ name: named(p), of: (c) => c.penalty[p] })),
+    ...result.moves.map((m, i) => ({ name: plain(`${m.name} ${m.kind}${m.unit ? `, ${m.unit}` : ""}`), of: (c) => c.parameters[i] }))]
     .map((column) => {
       const values = result.candidates.map(column.of).filter(Number.isFinite);
       const [low, high] = values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
@@ -50,26 +53,26 @@ function pair(d, set, number, measure) {
     el("p", { class: "quiet ends" }, el("span", {}, "present layout"), el("span", {}, `option ${number}`)));
 }
 
+const staying = (pin) => (pin.length ? `; these stay: ${pin.join(", ")}` : "");
+
 /** The card of the next round; its last line says which options stay. */
-function nextRound(d, set, result, pinned) {
+function nextRound(d, set, result, numbers) {
   const rows = (result.objectives ?? []).filter((o) => o.name !== "penalty");
   const fields = rows.map((o) => {
     const input = el("input", { type: "number", min: 0, max: 1, step: "any", value: Number(o.threshold.toPrecision(3)) });
     return { o, input, row: el("label", {}, `${o.name}: share of its optimum that an option must reach`, input) };
   });
   const stays = el("p", { id: "stays" });
-  const numbers = () => [...pinned].map((c) => result.candidates.indexOf(c) + 1).sort((a, b) => a - b);
   const go = () => {
     const objective = fields.map((f) => `${f.o.name} ${f.o.sense} ${f.input.value}`).join(", ");
     const asked = { objective: objective || null, round: Number(set.slice(6)), pin: numbers() };
-    const kept = asked.pin.length ? `; these stay: ${asked.pin.join(", ")}` : "";
-    ask(`drawings/${d.id}/again`, asked).then(() => say(`another round is asked for: ${objective}${kept}`));
+    ask(`drawings/${d.id}/again`, asked).then(() => say(`another round is asked for: ${objective}${staying(asked.pin)}`));
   };
   const card = el("details", { class: "card" }, el("summary", {}, "Another round with other thresholds or pinned options"),
     el("fieldset", {}, el("legend", {}, "Thresholds, from 0 to 1"), ...fields.map((f) => f.row)), stays,
     el("div", { class: "bar" }, el("button", { id: "again-with", onclick: go }, "Start this round")));
   const show = () => {
-    stays.textContent = pinned.size ? `Pinned options stay, and others unlike them are found: ${numbers().join(", ")}.`
+    stays.textContent = numbers().length ? `Pinned options stay, and others unlike them are found: ${numbers().join(", ")}.`
       : "No option is pinned: pin those that the next round is to keep.";
   };
   show();
@@ -102,7 +105,8 @@ async function round(place, d, set) {
   const [columns, shown] = [columnsOf(result), shownOf(names)];
   let [chosen, measure, axes] = [0, shown[0], [columns[0], columns[1] ?? columns[0]]];
   const pinned = new Set();
-  const next = nextRound(d, set, result, pinned);
+  const numbers = () => [...pinned].map((c) => result.candidates.indexOf(c) + 1).sort((a, b) => a - b);
+  const next = nextRound(d, set, result, numbers);
   const views = [canvas("Parallel coordinates of the options; the filters and the table below have the same numbers"),
     canvas("Scatter of the options; the table below has the same numbers")];
   const lines = new Parallel(views[0], columns, soon, () => { showRanges(); soon(); });
@@ -121,7 +125,7 @@ async function round(place, d, set) {
 
   function pictures() {
     const c = result.candidates[chosen];
-    words.textContent = `Option ${chosen + 1}${c.within_threshold ? "" : " (below a threshold)"}: ${c.words}`;
+    words.textContent = plain(`Option ${chosen + 1}${c.within_threshold ? "" : " (below a threshold)"}: ${c.words}`);
     deeds.pin.textContent = `Pin option ${chosen + 1}`;
     deeds.like.textContent = `More like option ${chosen + 1}`;
     deeds.accept.textContent = `Accept option ${chosen + 1}`;
@@ -144,8 +148,9 @@ async function round(place, d, set) {
       .then((a) => say(`option ${i + 1} is now ${a.drawing}`));
   }
   function like(i) {
-    ask(`drawings/${d.id}/again`, { round: Number(set.slice(6)), like: i + 1 })
-      .then(() => say(`another round is asked for, with more like option ${i + 1}`));
+    const pin = numbers();
+    ask(`drawings/${d.id}/again`, { round: Number(set.slice(6)), pin, like: i + 1 })
+      .then(() => say(`another round is asked for, with more like option ${i + 1}${staying(pin)}`));
   }
   function plots(isQuick) {
     kept = result.candidates.filter(passes(columns));

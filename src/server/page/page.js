@@ -3,32 +3,62 @@ import { showOptions } from "/options.js";
 
 export const $ = (id) => document.getElementById(id);
 
+/** Control characters, and those that turn the direction of writing, as what they are: as the daemon's notices have them. */
+export const plain = (text) => text.replace(/[\p{Cc}\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/gu,
+  (c) => (c === "\n" || c === "\t" ? c : `\\u{${c.codePointAt(0).toString(16)}}`));
+
 /** An element with attributes and children; strings become text. */
 export function el(name, attributes = {}, ...children) {
   const out = document.createElement(name);
   for (const [key, value] of Object.entries(attributes)) {
     if (key.startsWith("on")) out.addEventListener(key.slice(2), value);
     else if (value === true) out.setAttribute(key, "");
-    else if (value !== false && value != null) out.setAttribute(key, value);
+    else if (value !== false && value != null) out.setAttribute(key, typeof value === "string" ? plain(value) : value);
   }
-  out.append(...children.filter((c) => c != null));
+  out.append(...children.filter((c) => c != null).map((c) => (typeof c === "string" ? plain(c) : c)));
   return out;
 }
 
-export const say = (text) => { $("said").textContent = text; };
+/** A name, in a direction of its own. */
+export const name = (text) => el("bdi", {}, text);
+
+export const say = (text) => { $("said").textContent = plain(text); };
+
+/** Why nothing came of a request; said already. */
+class Refusal extends Error {}
+addEventListener("unhandledrejection", (e) => { if (e.reason instanceof Refusal) e.preventDefault(); });
+
+const [LIVE, AWAY, LOCKED] = ["live", "the daemon is out of reach; trying again",
+  "the daemon was started again: `enfilade open` shows its page"];
+function link(text) {
+  if ($("link").textContent !== text) $("link").textContent = text;
+}
+
+/** Why the daemon gave no answer. An order that it may have had is not called undone. */
+function silence(isOrder) {
+  if (!isOrder) return "the daemon is out of reach";
+  return $("link").textContent === LIVE ? "the daemon gave no answer; whether it was done shows once it is back"
+    : "nothing was done: the daemon is out of reach";
+}
 
 /** Asks the interface; a refusal is said and thrown. */
 export async function ask(path, body) {
-  const options = body === undefined ? {} :
-    { method: "POST", body: JSON.stringify(body), headers: { "X-Enfilade": "1" } };
-  const answer = await fetch("/api/" + path, options);
-  if (!answer.ok) {
-    const text = await answer.text();
-    const why = text.startsWith("{") ? JSON.parse(text).error : text;
+  const isOrder = body !== undefined;
+  const options = isOrder ? { method: "POST", body: JSON.stringify(body), headers: { "X-Enfilade": "1" } } : {};
+  // What is said twice would not be read twice.
+  if (isOrder) say("");
+  const fail = (why) => {
     say(why);
-    throw new Error(why);
+    throw new Refusal(why);
+  };
+  const answer = await fetch("/api/" + path, options).catch(() => fail(silence(isOrder)));
+  if (answer.status === 403) {
+    link(LOCKED);
+    fail((isOrder ? "nothing was done: " : "") + LOCKED);
   }
-  return answer.json();
+  const text = await answer.text().catch(() => fail(silence(isOrder)));
+  if (!answer.ok) fail(text.startsWith("{") ? JSON.parse(text).error : text);
+  return JSON.parse(text);
 }
 
 const STATES = { waiting: "waits", running: "being worked on", done: "done", failed: "failed", stopped: "stopped" };
@@ -44,15 +74,35 @@ function row(d) {
   const words = STATES[d.state] ?? d.state;
   const p = d.progress;
   const part = STAGES[p?.stage] ? `: ${STAGES[p.stage]}` : p?.total ? ` ${Math.round(100 * p.done / p.total)} %` : "";
-  return el("li", {}, el("a", { href: "#" + d.id, "aria-current": d.id === shown ? "page" : false },
-    d.name, el("small", { class: d.state }, words + part)));
+  const place = places.get(d.id);
+  const show = () => { if (location.hash === "#" + d.id) toTitle(); };
+  return el("li", {}, el("a", { href: "#" + d.id, "aria-current": d.id === shown ? "page" : false, onclick: show },
+    name(d.name), place == null ? null : el("small", { class: "place" }, name(place)),
+    el("small", { class: d.state }, words + part)));
 }
 
 const rows = new Map();
+/** Of drawings whose name others have too: what tells their folders apart. */
+const places = new Map();
 const order = new Intl.Collator(undefined, { numeric: true });
 
+/** What differs in folders, from the first part that does; where one lies above the others, from its own name. */
+function differing(folders) {
+  const parts = folders.map((f) => f.split(/[\\/]/));
+  const least = Math.min(...parts.map((p) => p.length));
+  let same = 0;
+  while (same < least && parts.every((p) => p[same] === parts[0][same])) same += 1;
+  if (same === least) same -= 1;
+  return parts.map((p) => p.slice(Math.max(0, same)).join("/"));
+}
+
 function list() {
-  const sorted = [...drawings.values()].sort((a, b) => order.compare(a.name, b.name));
+  const sorted = [...drawings.values()].sort((a, b) => order.compare(a.name, b.name) || order.compare(a.folder, b.folder));
+  places.clear();
+  for (const alike of Map.groupBy(sorted, (d) => d.name).values()) {
+    const folders = alike.length > 1 ? differing(alike.map((d) => d.folder)) : [];
+    folders.forEach((f, i) => places.set(alike[i].id, f));
+  }
   rows.clear();
   sorted.forEach((d) => rows.set(d.id, row(d)));
   $("drawings").replaceChildren(...rows.values());
@@ -98,19 +148,33 @@ function standing(d) {
   if (d.curve) out.append(curve(d.curve) ?? "");
   out.append(el("div", { class: "bar" },
     el("button", { id: "cancel", disabled: !isBusy, onclick: () => ask(`drawings/${d.id}/cancel`, {}).then(() => say("cancelling")) }, "Cancel"),
-    el("button", { id: "again", disabled: isBusy, onclick: () => ask(`drawings/${d.id}/again`, {}).then(() => say("another round is asked for")) }, "Another round")));
+    el("button", { id: "again", disabled: isBusy, onclick: () => ask(`drawings/${d.id}/again`, {}).then(() => say("another round is asked for, as the settings say")) }, "Another round")));
   return out;
 }
+
+/** The head of the chosen drawing in view: on a phone it lies below the whole list. */
+function toTitle() {
+  const title = $("title") ?? $("main");
+  title.focus({ preventScroll: true });
+  title.scrollIntoView({ block: "start" });
+}
+
+const head = (d) => [el("h2", { id: "title", tabindex: -1 }, name(d.name)), el("p", { class: "quiet" }, name(d.folder))];
 
 async function open(id) {
   shown = id;
   list();
   if (!drawings.has(id)) return;
   const turn = ++detail;
-  const d = await ask(`drawings/${id}`);
-  if (turn !== detail) return;
   const main = $("main");
-  main.replaceChildren(el("h2", {}, d.name), el("p", { class: "quiet" }, d.folder), standing(d));
+  const d = await ask(`drawings/${id}`).catch((why) => {
+    if (turn === detail) main.replaceChildren(...head(drawings.get(id)), el("p", { class: "problem" }, `Not shown: ${why.message}.`));
+    throw why;
+  });
+  if (turn !== detail) return;
+  const isAtTitle = document.activeElement?.id === "title";
+  main.replaceChildren(...head(d), standing(d));
+  if (isAtTitle) $("title").focus({ preventScroll: true });
   const rounds = d.sets.filter((s) => s.startsWith("round-"));
   if (rounds.length) await showOptions(main, d, rounds);
   else if (d.sets.includes("analysis")) {
@@ -137,11 +201,11 @@ async function refresh(d, before) {
 
 /** What is watched, and what is left alone with the reason. */
 function folders(found) {
-  $("roots").textContent = found.roots.map((r) => `${r.root}: ${r.how}`).join("; ");
+  $("roots").replaceChildren(...found.roots.flatMap((r, i) => [i ? "; " : "", name(r.root), `: ${r.how}`]));
   const n = found.ignored_count;
   $("left-title").textContent = n ? `Left alone: ${n} ${n === 1 ? "file" : "files"}` : "Left alone: no file";
   const more = n - found.ignored.length;
-  $("left-files").replaceChildren(...found.ignored.map((f) => el("li", {}, f.file, el("small", {}, f.why))),
+  $("left-files").replaceChildren(...found.ignored.map((f) => el("li", {}, name(f.file), el("small", {}, f.why))),
     ...(more > 0 ? [el("li", {}, `and ${more} more; the log has the newest`)] : []));
   $("left-rules").replaceChildren(...found.ignore_rules.map((r) => el("li", {}, el("code", {}, r.glob), el("small", {}, r.why))));
 }
@@ -185,10 +249,21 @@ function renew() {
   }
 }
 
+/** Browsers try again by themselves unless they were refused: then the page does, after this long. */
+const RETRY_MS = 5_000;
 function listen() {
   const news = new EventSource("/api/events");
-  news.onopen = () => { $("link").textContent = "live"; load(); };
-  news.onerror = () => { $("link").textContent = "the daemon is out of reach; trying again"; };
+  news.onopen = () => {
+    link(LIVE);
+    load();
+  };
+  news.onerror = async () => {
+    if ($("link").textContent !== LOCKED) link(AWAY);
+    if (news.readyState !== EventSource.CLOSED) return;
+    setTimeout(listen, RETRY_MS);
+    const answer = await fetch("/api/log").catch(() => null);
+    if (answer) link(answer.status === 403 ? LOCKED : AWAY);
+  };
   news.onmessage = (message) => {
     const { kind, drawing, line } = JSON.parse(message.data);
     if (kind === "reload") return load();
@@ -205,8 +280,5 @@ function listen() {
   };
 }
 
-addEventListener("hashchange", async () => {
-  await open(location.hash.slice(1));
-  $("main").focus();
-});
+addEventListener("hashchange", () => open(location.hash.slice(1)).finally(toTitle));
 listen();
