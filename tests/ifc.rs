@@ -626,3 +626,14 @@ fn a_rectangle_without_a_position_keeps_its_length() {
     assert!(without != text);
     assert!(grows(&without) < grows(text));
 }
+
+#[test]
+fn a_wall_beyond_all_buildings_is_left_out() {
+    let text = include_str!("../fuzz/corpus/ifc/bodies.ifc");
+    let far =
+        text.replacen("#20=IFCCARTESIANPOINT((0.,0.,0.));", "#20=IFCCARTESIANPOINT((1.E+300,0.,0.));", 1);
+    let (drawing, report) = read_with(far.as_bytes(), &ReadOptions::default());
+    assert!(format!("{report:?}").contains("it lies beyond all buildings"), "{report:?}");
+    let walls = |drawing: &Drawing| on(drawing, "IfcWallStandardCase").len();
+    assert!(walls(&drawing.unwrap()) < walls(&read(text.as_bytes())));
+}

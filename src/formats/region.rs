@@ -78,6 +78,11 @@ impl Region {
         self.shapes.is_empty() && self.lines.is_empty()
     }
 
+    /// Whether no coordinate lies beyond all buildings.
+    pub fn is_within_reach(&self) -> bool {
+        can_be_clipped(self.rings().chain(&self.lines))
+    }
+
     /// All rings.
     pub fn rings(&self) -> impl Iterator<Item = &Vec<[f64; 2]>> {
         self.shapes.iter().flatten()

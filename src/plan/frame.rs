@@ -83,7 +83,7 @@ impl Frame {
     /// A frame whose origin lies near the box `[lo, hi]` (drawing units) if that is far away.
     pub fn new(metres_per_unit: f64, box_units: [DVec2; 2]) -> Self {
         let far = (box_units[0].abs().max(box_units[1].abs()) * metres_per_unit).max_element() > FAR_ORIGIN_M;
-        let metre = |v: f64| (v * metres_per_unit).floor() as i64 * UM_PER_M as i64;
+        let metre = |v: f64| ((v * metres_per_unit).floor() as i64).saturating_mul(UM_PER_M as i64);
         let origin_um = if far { [metre(box_units[0].x), metre(box_units[0].y)] } else { [0, 0] };
         Self { metres_per_unit, origin_um }
     }
@@ -104,13 +104,13 @@ impl Frame {
 
     /// Drawing frame to plan frame, metres.
     pub fn plan_from_um(&self, p: PointUm) -> DVec2 {
-        let m = |k: usize| (p[k] - self.origin_um[k]) as f64 / UM_PER_M;
+        let m = |k: usize| p[k].saturating_sub(self.origin_um[k]) as f64 / UM_PER_M;
         DVec2::new(m(0), m(1))
     }
 
     /// Plan frame to drawing frame, snapped to whole micrometres.
     pub fn um_from_plan(&self, p: DVec2) -> PointUm {
-        let um = |v: f64, k: usize| (v * UM_PER_M).round() as i64 + self.origin_um[k];
+        let um = |v: f64, k: usize| ((v * UM_PER_M).round() as i64).saturating_add(self.origin_um[k]);
         [um(p.x, 0), um(p.y, 1)]
     }
 
@@ -128,5 +128,22 @@ impl Frame {
     pub fn drawing_m_from_plan(&self, p: DVec2) -> [f64; 2] {
         let um = self.um_from_plan(p);
         [um[0] as f64 / UM_PER_M, um[1] as f64 / UM_PER_M]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What lies beyond whole micrometres ends at their last one.
+    #[test]
+    fn no_coordinate_overflows() {
+        for far in [1e300, -1e300, f64::INFINITY, f64::NAN, 1e13] {
+            let frame = Frame::new(1.0, [DVec2::splat(-far), DVec2::splat(far)]);
+            for p in [far, -far].map(DVec2::splat) {
+                assert!(frame.plan_from_file(p).is_finite());
+                assert!(frame.file_from_plan(frame.plan_from_file(p)).is_finite());
+            }
+        }
     }
 }

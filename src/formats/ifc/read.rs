@@ -313,6 +313,10 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 region = region.combine(&cut, Rule::Union)
             }
         }
+        if !region.is_within_reach() {
+            return Err("it lies beyond all buildings".into());
+        }
+        out.closings.retain(|(_, _, region)| region.is_within_reach());
         let is_wall = p.class.starts_with("IfcWall") && !region.is_empty();
         let bar = is_wall.then(|| length::bar(self.b, p.id));
         Ok(ElementCut { region, bar, ..out })
