@@ -213,14 +213,14 @@ fn the_interface_shows_and_obeys() {
     assert!(log.contains("gallery.dxf started"), "{log}");
 }
 
-/// Results in another folder, below it those of folders below: found again by whoever asks for a round.
+/// Results in a folder of their own, below it those of folders below: found again by whoever asks for a round.
 #[test]
 fn results_elsewhere_are_found_again() {
-    let daemon = start_with("sub/gallery.dxf", "out = \"../results\"\n[watch]\ndepth = 1\n");
+    let daemon = start_with("sub/gallery.dxf", "out = \"results\"\n[watch]\ndepth = 1\n");
     let id = daemon.until_done("gallery.dxf");
     let at = |rest: &str| format!("/api/drawings/{id}{rest}");
     assert_eq!(daemon.json(&at(""))["sets"], json!(["analysis", "round-01"]));
-    let home = daemon.folder.path().join("results/sub/gallery.enfilade");
+    let home = daemon.plans().join("results/sub/gallery.enfilade");
     assert!(home.join("round-01/result.json").is_file());
     assert_eq!(daemon.ask("POST", &at("/again"), r#"{"pin": [2], "round": 1}"#).status, 202);
     daemon.until("round 2", || home.join("round-02/result.json").is_file().then_some(()));

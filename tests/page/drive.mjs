@@ -91,7 +91,7 @@ try {
   assert.equal(await page.evaluate(() => document.activeElement.id), "title");
   assert.equal(await text("#title"), "gallery.dxf");
   const axes = await page.$$eval("#scatter-x option", (os) => os.map((o) => o.textContent));
-  assert.ok(axes.includes("clearance, m²") && axes.some((a) => / x, m$/.test(a)) && !axes.some((a) => a.includes("_m")), axes.join());
+  assert.ok(axes.includes("clearance, m²") && axes.some((a) => / x, m$/.test(a)) && axes.some((a) => / rotate, °$/.test(a)) && !axes.some((a) => a.includes("_m")), axes.join());
 
   // Slider and heat maps.
   await page.focus(".pair + input");

@@ -18,6 +18,8 @@ function shownOf(names) {
 /** A measure as axes and columns name it: `clearance_m2` is an area in square metres. */
 const named = (key) => key.replace(/_m2$/, ", m²").replace(/_m$/, ", m").replaceAll("_", " ");
 
+const unit = (u) => (u === "deg" ? ", °" : u ? `, ${u}` : "");
+
 /** Columns to compare by: means, penalties, parameters. */
 function columnsOf(result) {
   const first = result.candidates[0];
@@ -25,7 +27,7 @@ function columnsOf(result) {
   const score = first.score == null ? [] : [{ name: "score", of: (c) => c.score }];
   return [...score, ...means.filter((m) => m !== "score").map((m) => ({ name: named(m), of: (c) => c.mean[m] })),
     ...Object.keys(first.penalty).map((p) => ({ name: named(p), of: (c) => c.penalty[p] })),
-    ...result.moves.map((m, i) => ({ name: plain(`${m.name} ${m.kind}${m.unit ? `, ${m.unit}` : ""}`), of: (c) => c.parameters[i] }))]
+    ...result.moves.map((m, i) => ({ name: plain(`${m.name} ${m.kind}${unit(m.unit)}`), of: (c) => c.parameters[i] }))]
     .map((column) => {
       const values = result.candidates.map(column.of).filter(Number.isFinite);
       const [low, high] = values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
