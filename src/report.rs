@@ -28,7 +28,8 @@ pub fn one_line(text: &str) -> String {
 
 /// Whether a terminal does something other than showing the character.
 fn is_obeyed(c: char) -> bool {
-    c.is_control() || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    c.is_control()
+        || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// Where in which file something was found: `plan.dxf:1842 LWPOLYLINE 2F3 layer A-WALL`.
