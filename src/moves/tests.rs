@@ -379,6 +379,29 @@ fn a_partition_keeps_off_stairs_and_stays_where_one_stands_at_it() {
     assert_eq!(stair(6.05), None, "it bears the stair");
 }
 
+/// A house of 12 by 6 m, its north wall in one piece, and a partition that ends 0.3 m before it.
+#[test]
+fn a_partition_that_ends_at_a_column_stays() {
+    let column_at = |x: f64| {
+        let mut d = drawing("m", 1.0);
+        d.room(12.0, 6.0);
+        d.line(0.2, 0.2, 0.2, 5.8);
+        d.line(11.8, 0.2, 11.8, 5.8);
+        d.line(0.2, 5.8, 11.8, 5.8);
+        for [a, b] in [[0.2, 5.95], [6.05, 11.8]] {
+            d.line(a, 0.2, b, 0.2);
+        }
+        for x in [5.95, 6.05] {
+            d.line(x, 0.2, x, 5.5);
+        }
+        d.line(5.95, 5.5, 6.05, 5.5);
+        d.ring("WALLS", &[[x - 0.15, 5.5], [x + 0.15, 5.5], [x + 0.15, 5.8], [x - 0.15, 5.8]]);
+        by_default(&d).2.parameters.len()
+    };
+    assert!(column_at(3.0) > 0);
+    assert_eq!(column_at(6.0), 0);
+}
+
 #[test]
 fn a_face_cut_by_a_sliding_partition_does_not_bend() {
     let d = house_with_partition(0.015);
