@@ -167,6 +167,9 @@ try {
     if (shots) await page.screenshot({ path: `${shots}/chosen-${name}.png` });
   }
   await page.waitForSelector("#pin-1");
+  // What is pinned outlives that something else was shown.
+  assert.equal(await page.$eval("#pin-1", (b) => b.getAttribute("aria-pressed")), "true");
+  await press("#pin-1");
   await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: "light" }]);
   await page.setViewport({ width: 360, height: 740 });
   await check("phone");

@@ -89,6 +89,9 @@ function problems(result) {
       el("thead", {}, el("tr", {}, ...["Weight", "Where", "What"].map((t) => el("th", { scope: "col" }, t)))), el("tbody", {}, ...rows))));
 }
 
+/** Numbers of the pinned options by drawing and round: they outlive that the page is drawn anew. */
+const pinsOf = new Map();
+
 /** Shows the newest round, and a choice of the others. */
 export async function showOptions(main, d, rounds) {
   const place = el("div", { id: "options" });
@@ -106,7 +109,8 @@ async function round(place, d, set) {
   }
   const [columns, shown] = [columnsOf(result), shownOf(names)];
   let [chosen, measure, axes] = [0, shown[0], [columns[0], columns[1] ?? columns[0]]];
-  const pinned = new Set();
+  const key = `${d.id}/${set}`;
+  const pinned = new Set((pinsOf.get(key) ?? []).map((n) => result.candidates[n - 1]).filter(Boolean));
   const numbers = () => [...pinned].map((c) => result.candidates.indexOf(c) + 1).sort((a, b) => a - b);
   const next = nextRound(d, set, result, numbers);
   const views = [canvas("Parallel coordinates of the options; the filters and the table below have the same numbers"),
@@ -141,6 +145,7 @@ async function round(place, d, set) {
   }
   function pin(c) {
     if (!pinned.delete(c)) pinned.add(c);
+    pinsOf.set(key, numbers());
     next.show();
     deeds.pin.setAttribute("aria-pressed", String(pinned.has(result.candidates[chosen])));
     compare();
