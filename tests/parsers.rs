@@ -153,6 +153,12 @@ fn change(bytes: &mut Vec<u8>, corpus: &Corpus, words: &[String], rng: &mut ChaC
 /// Throws mutated inputs at a check until the time is over; says how many, and how many of them could be read.
 fn throw(name: &str, corpus: &Corpus, words: &[String], check: fn(&[u8]) -> bool) {
     let secs = std::env::var("ENFILADE_FUZZ_SECS").ok().and_then(|s| s.parse().ok()).unwrap_or(SECS);
+    for (i, input) in corpus.iter().enumerate() {
+        assert!(
+            catch_unwind(|| check(input)).is_ok(),
+            "{name}: the fault above comes from input {i} of the corpus"
+        );
+    }
     let mut rng = ChaCha8Rng::seed_from_u64(9);
     let (start, mut thrown, mut read, mut slowest) = (Instant::now(), 0u64, 0u64, Duration::ZERO);
     while thrown < 20 || start.elapsed() < Duration::from_secs(secs) {
