@@ -20,7 +20,7 @@ use crate::plan::graph::{Graph, Handle};
 use crate::plan::interior::Interior;
 use crate::plan::markers::{Clause, Group, Kind};
 use crate::plan::structure::{end_handles, face_handles, handle_at};
-use crate::plan::{Plan, Region, box_of};
+use crate::plan::{Plan, Region, box_of, distance_to_segment};
 
 /// Thickest wall that is a partition; thicker ones carry.
 const PARTITION_THICKNESS_MAX_M: f64 = 0.3;
@@ -457,7 +457,7 @@ impl<'a> Axial<'a> {
         self.axes.nodes.iter().any(|n| match &n.kind {
             NodeKind::Column(ring) => {
                 let sides = ring.iter().zip(ring.iter().cycle().skip(1));
-                sides.into_iter().any(|(a, b)| distance_to(end, *a, *b) <= reach)
+                sides.into_iter().any(|(a, b)| distance_to_segment(end, [*a, *b]) <= reach)
             }
             _ => false,
         })
@@ -630,13 +630,6 @@ impl<'a> Axial<'a> {
         }
         true
     }
-}
-
-/// Distance of a point from a segment.
-fn distance_to(p: DVec2, a: DVec2, b: DVec2) -> f64 {
-    let d = b - a;
-    let share = (p - a).dot(d) / d.length_squared().max(f64::MIN_POSITIVE);
-    p.distance(a + d * share.clamp(0.0, 1.0))
 }
 
 /// The lowest and highest y of the part of a segment with x in a range.

@@ -214,7 +214,7 @@ fn line_of(e: &Entity) -> Option<(DVec2, DVec2)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::drawing::{Editable, Format, SourceRef};
+    use crate::plan::drawing::{Editable, SourceRef};
 
     #[test]
     fn treads_are_a_row_and_rooms_are_none() {
@@ -237,18 +237,7 @@ mod tests {
         let drawing = |shift: usize| {
             let view = (0..2 * ENTITIES_MIN).map(|i| line(i, "view"));
             let cut = (0..ENTITIES_MIN).map(|i| line(i + shift, "cut"));
-            Drawing {
-                file: "plan.dxf".into(),
-                format: Format::Dxf,
-                version: String::new(),
-                declared_unit: None,
-                declared_unit_words: String::new(),
-                layers: Vec::new(),
-                entities: view.chain(cut).collect(),
-                texts: Vec::new(),
-                marked: Vec::new(),
-                hosts: BTreeMap::new(),
-            }
+            Drawing::of(view.chain(cut).collect())
         };
         let left = |shift: usize| {
             let mut walls: Vec<usize> = (0..3 * ENTITIES_MIN).collect();

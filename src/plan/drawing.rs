@@ -304,3 +304,22 @@ pub enum Mark {
         text: String,
     },
 }
+
+#[cfg(test)]
+impl Drawing {
+    /// A DXF of some entities that says nothing else.
+    pub fn of(entities: Vec<Entity>) -> Self {
+        Self {
+            file: "plan.dxf".into(),
+            format: Format::Dxf,
+            version: String::new(),
+            declared_unit: None,
+            declared_unit_words: String::new(),
+            layers: Vec::new(),
+            entities,
+            texts: Vec::new(),
+            marked: Vec::new(),
+            hosts: BTreeMap::new(),
+        }
+    }
+}

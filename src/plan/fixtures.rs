@@ -7,6 +7,7 @@ use glam::DVec2;
 
 use super::axes::near::Buckets;
 use super::axes::{Path, paths_of};
+use super::distance_to_segment;
 use super::drawing::{Entity, Shape};
 use super::rounds::as_arc;
 
@@ -255,7 +256,7 @@ impl Scene<'_> {
         for j in self.around(p, p, CROSS_M).filter(|j| !but.contains(j)) {
             for path in &self.items[j].paths {
                 if let Path::Line { a, b } = *path
-                    && distance(p, a, b) <= CROSS_M
+                    && distance_to_segment(p, [a, b]) <= CROSS_M
                     && sin(b - a, along) > OBLIQUE_SIN
                 {
                     seen.push(b - a);
@@ -391,14 +392,7 @@ fn sin(u: DVec2, v: DVec2) -> f64 {
 }
 
 fn is_near(path: &Path, p: DVec2, reach: f64) -> bool {
-    points_of(path).windows(2).any(|w| distance(p, w[0], w[1]) <= reach)
-}
-
-/// Distance of a point from a segment.
-fn distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
-    let d = b - a;
-    let t = if d == DVec2::ZERO { 0.0 } else { ((p - a).dot(d) / d.length_squared()).clamp(0.0, 1.0) };
-    p.distance(a + d * t)
+    points_of(path).windows(2).any(|w| distance_to_segment(p, [w[0], w[1]]) <= reach)
 }
 
 #[cfg(test)]

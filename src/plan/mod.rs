@@ -321,3 +321,10 @@ pub fn box_of(points: impl Iterator<Item = DVec2>) -> Option<[DVec2; 2]> {
         Some([lo, hi]) => Some([lo.min(p), hi.max(p)]),
     })
 }
+
+/// Distance of a point from a segment.
+pub fn distance_to_segment(p: DVec2, [a, b]: [DVec2; 2]) -> f64 {
+    let d = b - a;
+    let t = if d == DVec2::ZERO { 0.0 } else { ((p - a).dot(d) / d.length_squared()).clamp(0.0, 1.0) };
+    p.distance(a + d * t)
+}

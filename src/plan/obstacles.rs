@@ -112,7 +112,7 @@ fn straight(entity: usize, e: &Entity, metres_per_unit: f64) -> Option<Straight>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::drawing::{Editable, Format, SourceRef};
+    use crate::plan::drawing::{Editable, SourceRef};
     use glam::DVec2;
 
     /// Pieces found among `count` equal lines on a layer, 0.28 m apart.
@@ -125,18 +125,7 @@ mod tests {
             editable: Editable::Free,
             blocks: Vec::new(),
         };
-        let drawing = Drawing {
-            file: "plan.dxf".into(),
-            format: Format::Dxf,
-            version: String::new(),
-            declared_unit: None,
-            declared_unit_words: String::new(),
-            layers: Vec::new(),
-            entities: (0..count).map(line).collect(),
-            texts: Vec::new(),
-            marked: Vec::new(),
-            hosts: Default::default(),
-        };
+        let drawing = Drawing::of((0..count).map(line).collect());
         find(&drawing, &[], &[], 1.0, &Frame::new(1.0, [DVec2::ZERO, DVec2::splat(10.0)])).len()
     }
 

@@ -81,7 +81,8 @@ fn is_thin(ring: &[DVec2]) -> bool {
     area.abs() <= WIDTH_MAX_M * length / 2.0
 }
 
-fn is_inside(ring: &[DVec2], p: DVec2) -> bool {
+/// Whether a point lies inside a ring that is not closed by a repeated point.
+pub(super) fn is_inside(ring: &[DVec2], p: DVec2) -> bool {
     let mut inside = false;
     for (i, a) in ring.iter().enumerate() {
         let b = ring[(i + 1) % ring.len()];

@@ -9,9 +9,11 @@ use glam::DVec2;
 use super::carrier::Carrier;
 use super::evidence::{Evidence, tips, trace};
 use super::near::Buckets;
+use super::solids::is_inside;
 use super::tolerances::{LEAF_M, OPENING_MIN_M, SWING_MAX_RAD};
 use super::{AxisGraph, Drawn, Edge, Jamb, NodeKind, Opening, OpeningKind, Path};
 use crate::plan::curve::bulge_arc;
+use crate::plan::distance_to_segment;
 
 /// How far beyond a hinge or a tip its jamb may stand: the frame.
 const FRAME_M: f64 = 0.2;
@@ -301,7 +303,7 @@ impl<'a> Scene<'a> {
             let p = a.lerp(b, t);
             near.iter().all(|i| {
                 let ring = &self.bodies[*i as usize].1;
-                !is_inside(ring, p) && sides(ring).all(|s| distance(p, s) > CLEAR_M)
+                !is_inside(ring, p) && sides(ring).all(|s| distance_to_segment(p, s) > CLEAR_M)
             })
         })
     }
@@ -341,19 +343,6 @@ fn crossing([p, q]: [DVec2; 2], [a, b]: [DVec2; 2]) -> Option<f64> {
     let turn = u.perp_dot(v);
     let (s, t) = ((a - p).perp_dot(v) / turn, (a - p).perp_dot(u) / turn);
     ((0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)).then_some(s)
-}
-
-fn is_inside(ring: &[DVec2], p: DVec2) -> bool {
-    let crosses = |[a, b]: [DVec2; 2]| {
-        (a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x
-    };
-    sides(ring).filter(|s| crosses(*s)).count() % 2 == 1
-}
-
-fn distance(p: DVec2, [a, b]: [DVec2; 2]) -> f64 {
-    let d = b - a;
-    let t = if d == DVec2::ZERO { 0.0 } else { ((p - a).dot(d) / d.length_squared()).clamp(0.0, 1.0) };
-    p.distance(a + d * t)
 }
 
 #[cfg(test)]
