@@ -316,6 +316,37 @@ fn passages_stay_as_wide_as_asked() {
     assert!(!result["candidates"].as_array().unwrap().is_empty());
 }
 
+/// Floor that a moved thick wall covers is no floor: an option is worth what its drawing is found to be worth.
+#[test]
+fn a_written_option_is_measured_as_it_was_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/pavilion.dxf");
+    let drawing = folder.path().join("pavilion.dxf");
+    std::fs::copy(sample, &drawing).unwrap();
+    let asked =
+        ["--spacing", "0.5", "--objective", "depth min 0.9", "--evaluations", "120", "--members", "3"];
+    let ran = enfilade(&[&["run", drawing.to_str().unwrap(), "-q"], &asked[..]].concat());
+    assert!(ran.status.code().unwrap() <= 1, "{}", text(&ran.stderr));
+    let round = folder.path().join("pavilion.enfilade/round-01");
+    let result = json(&round.join("result.json"));
+    let options = result["candidates"].as_array().unwrap();
+    let mut measured = 0;
+    for (k, option) in options.iter().enumerate() {
+        let written = round.join(format!("candidate-{}.dxf", k + 1));
+        let copy = folder.path().join(format!("option-{k}.dxf"));
+        std::fs::copy(written, &copy).unwrap();
+        let seen = enfilade(&["analyse", copy.to_str().unwrap(), "--spacing", "0.5", "--json", "-", "-q"]);
+        let seen: Value = serde_json::from_slice(&seen.stdout).unwrap();
+        let [stated, found] = [&option["mean"], &seen["mean"]];
+        for name in ["degree", "depth", "entropy"] {
+            let [a, b] = [stated, found].map(|m| m[name].as_f64().unwrap());
+            assert!((a - b).abs() < 1e-9, "option {}: {name} stated {a}, found {b}", k + 1);
+        }
+        measured += 1;
+    }
+    assert!(measured > 0);
+}
+
 #[test]
 fn every_measure_of_the_engine_can_be_an_objective() {
     let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));

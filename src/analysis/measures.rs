@@ -24,9 +24,10 @@ pub struct Means {
     pub entropy: f64,
 }
 
-/// Means of a tally, summed in vertex order; all 0 without query vertices.
-pub fn means(tally: &Tally) -> Means {
-    let n = tally.depth.len().max(1) as f64;
+/// Means of a tally over the query vertices that no body covers, summed in vertex order; `covered` of them
+/// see nothing because nobody can stand there. All 0 without such vertices.
+pub fn means(tally: &Tally, covered: usize) -> Means {
+    let n = tally.depth.len().saturating_sub(covered).max(1) as f64;
     let mean = |values: &[u32]| values.iter().map(|&v| u64::from(v)).sum::<u64>() as f64 / n;
     let mut entropy = 0.0;
     let mut at = 0;

@@ -51,8 +51,8 @@ fn means_add_up() {
     let Some((lattice, obstacles, ..)) = fixtures::n900() else { return };
     let graph = visibility::visibility_graph(&lattice, &obstacles);
     let tally = forest::tally(&lattice, &graph, None);
-    let means = means(&tally);
-    assert_eq!(means.degree_all * 900.0, 2.0 * graph.edge_count() as f64);
+    let all = means(&tally, 0);
+    assert_eq!(all.degree_all * 900.0, 2.0 * graph.edge_count() as f64);
     assert_eq!(tally.levels.len() as u32, tally.depth.iter().sum::<u32>());
 }
 

@@ -41,8 +41,19 @@ pub fn asks_for_rooms(settings: &Settings) -> bool {
     settings.penalties.iter().any(|p| p.0 == Penalty::RoomArea) || settings.limits.iter().any(is_limit)
 }
 
-/// Values of one measure, one a query vertex, NaN where it has none; empty for `score` and `penalty`.
+/// Values of one measure, one a query vertex, NaN where it has none or the layout covers the vertex; empty
+/// for `score` and `penalty`.
 pub fn cell_values(seen: &Seen, measure: Measure) -> Vec<f64> {
+    let mut values = all_values(seen, measure);
+    for i in &seen.covered {
+        if let Some(v) = values.get_mut(*i as usize) {
+            *v = f64::NAN;
+        }
+    }
+    values
+}
+
+fn all_values(seen: &Seen, measure: Measure) -> Vec<f64> {
     let tally = &seen.tally;
     let levels = |k: usize| {
         let mut at = 0;
@@ -180,5 +191,9 @@ mod tests {
         assert!(integration[0] > 0.0 && integration[1].is_nan() && integration[2].is_nan());
         assert_eq!(together(integration.clone(), Aggregate::Mean), integration[0]);
         assert_eq!(together(vec![f64::NAN], Aggregate::Max), 0.0);
+        let covered = Seen { covered: vec![1], ..seen };
+        let depths = cell_values(&covered, Measure::Depth);
+        assert!(depths[1].is_nan());
+        assert_eq!(together(depths, Aggregate::Min), 1.0);
     }
 }

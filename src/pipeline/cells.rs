@@ -169,7 +169,7 @@ fn vertex_at(study: &Study, at: [f64; 2]) -> Result<u32, Error> {
 }
 
 /// One line a vertex: `Ref,x,y` (drawing units), the columns, then Degree, Depth, Entropy (empty
-/// outside the region of query). Values depthmapX leaves undefined are −1.
+/// outside the region of query and under a wall that can move). Values depthmapX leaves undefined are −1.
 pub fn cells_csv(study: &Study, columns: &[Column]) -> String {
     let mut own = vec![None; study.lattice.cells.len()];
     let tally = &study.initial.seen.tally;
@@ -178,6 +178,9 @@ pub fn cells_csv(study: &Study, columns: &[Column]) -> String {
         let depth = tally.depth[i];
         let levels = &tally.levels[at..at + depth as usize];
         at += depth as usize;
+        if study.initial.seen.covered.binary_search(&(i as u32)).is_ok() {
+            continue;
+        }
         own[*v as usize] = Some((tally.degree[i], depth, entropy_bits(levels)));
     }
     let mut out = String::from("Ref,x,y,");

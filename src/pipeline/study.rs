@@ -473,7 +473,12 @@ impl Study {
             piece_ranges,
         };
         let initial = |scene: &Scene| {
-            scene.seen(scene.evaluator.initial().clone(), || study.obstacles(&identity, &scene.cells))
+            let obstacles = || study.obstacles(&identity, &scene.cells);
+            scene.seen(
+                scene.evaluator.initial().clone(),
+                &blind(&study.base, &identity, &scene.cells),
+                obstacles,
+            )
         };
         let named = study.pairs.iter().map(|p| initial(&p.scene)).collect();
         study.initial = study.worth(initial(&study.main), named, &study.pieces);
@@ -512,13 +517,13 @@ impl Study {
     pub fn measure_layout(&self, layout: &Layout, bench: &mut Bench) -> Worth {
         let moving = self.moving(layout);
         let tally = self.main.evaluator.evaluate(&moving, &mut bench.scratch);
-        self.worth_of(layout, tally, &moving.segments, bench)
+        self.worth_of(layout, tally, &moving, bench)
     }
 
     /// The worth of a layout whose tally over the unnamed regions is known.
-    fn worth_of(&self, layout: &Layout, tally: Tally, segments: &[Segment], bench: &mut Bench) -> Worth {
+    fn worth_of(&self, layout: &Layout, tally: Tally, moving: &Obstacles, bench: &mut Bench) -> Worth {
         self.place_all(layout, &mut bench.pieces);
-        let (seen, pairs) = self.all_seen(layout, tally, segments, &mut bench.pair_scratches);
+        let (seen, pairs) = self.all_seen(layout, tally, moving, &mut bench.pair_scratches);
         self.worth(seen, pairs, &bench.pieces)
     }
 

@@ -37,7 +37,7 @@ impl Study {
             Some(Ok(tallies)) => {
                 let jobs = layouts.par_iter().zip(&moving).zip(tallies);
                 let worth = |((layout, moving), tally): ((&Layout, &Obstacles), Tally)| {
-                    self.with_bench(|bench| self.worth_of(layout, tally, &moving.segments, bench))
+                    self.with_bench(|bench| self.worth_of(layout, tally, moving, bench))
                 };
                 jobs.map(worth).collect()
             }

@@ -15,7 +15,6 @@ use crate::analysis::visibility::{Graph, visibility_graph};
 use crate::analysis::{Lattice, Obstacles, Tally};
 use crate::config::{Measure, PairName, Settings, Source};
 use crate::moves::Layout;
-use crate::plan::geometry::Segment;
 use crate::report::{Error, Place, Report};
 
 /// What a region of query has in one layout.
@@ -23,7 +22,10 @@ use crate::report::{Error, Place, Report};
 pub struct Seen {
     /// Integer results of every query vertex.
     pub tally: Tally,
-    /// Means over the query vertices.
+    /// Positions within the region of query of the vertices that what moves covers, ascending: floor that is
+    /// not there, of no measure.
+    pub covered: Vec<u32>,
+    /// Means over the query vertices that are not covered.
     pub means: Means,
     /// Area, perimeter, compactness, occlusivity, drift, longest and shortest radial of the isovist of every
     /// query vertex; empty unless asked for.
@@ -78,9 +80,11 @@ impl Scene {
         Ok(Self { lattice, cells, components, evaluator, edges, asked })
     }
 
-    /// A layout's tally with what else is asked for; `obstacles` are those of the whole layout.
-    pub fn seen(&self, tally: Tally, obstacles: impl FnOnce() -> Obstacles) -> Seen {
-        let mut out = Seen { means: means(&tally), tally, ..Seen::default() };
+    /// A layout's tally with what else is asked for; `blind` are the vertices that it covers, ascending,
+    /// `obstacles` those of the whole layout.
+    pub fn seen(&self, tally: Tally, blind: &[u32], obstacles: impl FnOnce() -> Obstacles) -> Seen {
+        let covered = self.covered(blind);
+        let mut out = Seen { means: means(&tally, covered.len()), tally, covered, ..Seen::default() };
         if self.asked.is_empty() {
             return out;
         }
@@ -92,6 +96,12 @@ impl Scene {
             out.columns = self.columns(&visibility_graph(&self.lattice, &obstacles), &obstacles);
         }
         out
+    }
+
+    /// Where blind vertices stand within the region of query.
+    fn covered(&self, blind: &[u32]) -> Vec<u32> {
+        let place = |v: &u32| self.lattice.query.binary_search(v).ok().map(|i| i as u32);
+        blind.iter().filter_map(place).collect()
     }
 
     fn columns(&self, graph: &Graph, obstacles: &Obstacles) -> Vec<(Measure, Vec<f64>)> {
@@ -199,22 +209,23 @@ pub(super) fn state_asked(
 }
 
 impl Study {
-    /// What every pair sees in a layout, the unnamed first, whose tally is known.
+    /// What every pair sees in a layout, the unnamed first, whose tally is known; `moving` is what moves, with
+    /// the cells of the unnamed pair that it covers.
     pub(super) fn all_seen(
         &self,
         layout: &Layout,
         tally: Tally,
-        segments: &[Segment],
+        moving: &Obstacles,
         scratches: &mut [Scratch],
     ) -> (Seen, Vec<Seen>) {
         let of = |(pair, scratch): (&Pair, &mut Scratch)| {
             let blind = blind(&self.base, layout, &pair.scene.cells);
-            let moving = Obstacles { segments: segments.to_vec(), blind };
+            let moving = Obstacles { segments: moving.segments.clone(), blind };
             let tally = pair.scene.evaluator.evaluate(&moving, scratch);
-            pair.scene.seen(tally, || self.obstacles(layout, &pair.scene.cells))
+            pair.scene.seen(tally, &moving.blind, || self.obstacles(layout, &pair.scene.cells))
         };
         let pairs = self.pairs.iter().zip(scratches).map(of).collect();
-        (self.main.seen(tally, || self.obstacles(layout, &self.main.cells)), pairs)
+        (self.main.seen(tally, &moving.blind, || self.obstacles(layout, &self.main.cells)), pairs)
     }
 
     /// What a pair sees in a layout; the unnamed one for `None`.

@@ -51,7 +51,8 @@ impl Study {
             };
             let graph = visibility_graph(&scene.lattice, &obstacles);
             let initial = Initial { components: &scene.components, covered: &obstacles.blind };
-            scene.seen(tally(&scene.lattice, &graph, Some(initial)), || obstacles.clone())
+            let tally = tally(&scene.lattice, &graph, Some(initial));
+            scene.seen(tally, &obstacles.blind, || obstacles.clone())
         };
         let pairs = self.pairs.iter().map(|p| seen(&p.scene)).collect();
         Ok(self.worth(seen(&self.main), pairs, &pieces))
