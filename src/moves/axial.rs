@@ -279,7 +279,7 @@ impl<'a> Axial<'a> {
         let mut handles = self.corners(chain).ok_or(Stays::Joined)?;
         let beside = self.take_doors_beside(chain, &mut handles).ok_or(Stays::Occupied)?;
         let nodes = self.nodes(&handles).ok_or(Stays::Unwritable)?;
-        if self.leaves_in_doorway(chain, &nodes) {
+        if self.tears_a_door(chain, &nodes) {
             return Err(Stays::Joined);
         }
         let direction = self.along_stretched(&nodes, direction);
@@ -424,21 +424,22 @@ impl<'a> Axial<'a> {
         Some(way)
     }
 
-    /// Whether a line that stays ends in the gap of a door or window that goes along with a chain: the other wall's
-    /// face, drawn into the doorway.
-    fn leaves_in_doorway(&self, chain: &Chain, nodes: &[u32]) -> bool {
+    /// Whether a door or window that goes along with a chain would be torn: it lies on the chain's own line and its
+    /// other jamb is none of the chain, or a line that stays ends in its gap (another wall's face, drawn into the
+    /// doorway).
+    fn tears_a_door(&self, chain: &Chain, nodes: &[u32]) -> bool {
         let of_chain: BTreeSet<u32> =
             chain.edges.iter().flat_map(|e| self.axes.edges[*e as usize].nodes).collect();
-        let goes_along = |o: &&Opening| {
-            let is_at = |j: &Jamb| {
-                j.node.is_some_and(|n| of_chain.contains(&n))
-                    || j.edge.is_some_and(|e| chain.edges.contains(&e))
-            };
-            o.kind != OpeningKind::Passage && o.jambs.iter().any(is_at)
+        let is_at = |j: &Jamb| {
+            j.node.is_some_and(|n| of_chain.contains(&n)) || j.edge.is_some_and(|e| chain.edges.contains(&e))
         };
+        let goes_along = |o: &&Opening| o.kind != OpeningKind::Passage && o.jambs.iter().any(is_at);
         self.axes.openings.iter().filter(goes_along).any(|o| {
             let [a, b] = o.jambs.map(|j| j.at);
             let along = (b - a).normalize_or_zero();
+            if along.perp_dot(chain.along).abs() < PARALLEL_SIN && !o.jambs.iter().all(is_at) {
+                return true;
+            }
             let is_within = |p: DVec2| {
                 let s = (p - a).dot(along);
                 s > BESIDE_M

@@ -402,6 +402,67 @@ fn a_partition_that_ends_at_a_column_stays() {
     assert_eq!(column_at(6.0), 0);
 }
 
+/// A door between a partition's side and the end of a wall that stands upright to it.
+#[test]
+fn a_door_at_a_partitions_side_goes_along_with_its_width() {
+    let mut d = house_with_partition(0.0);
+    for y in [2.95, 3.05] {
+        d.line(7.0, y, 11.8, y);
+    }
+    d.line(7.0, 2.95, 7.0, 3.05);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let centre = DVec2::new(7.0, 3.05);
+    d.add("DOORS", Shape::Arc { centre, radius: 0.95, start_rad: 2.0 * quarter, end_rad: 3.0 * quarter });
+    let (plan, graph, moves) = by_default(&d);
+    let slide = moves.parameters.iter().position(|p| p.group_name.starts_with("wall")).expect("it slides");
+    let mut p = moves.identity();
+    p[slide] = 0.5;
+    let layout = moves.apply(&plan, &graph, &p);
+    let ends: Vec<f64> = layout
+        .walls
+        .iter()
+        .filter_map(|w| match w.shape {
+            Shape::Line { a, b } if (a.y - 3.0).abs() < 0.1 && (b.y - 3.0).abs() < 0.1 => Some(a.x),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(ends.len(), 3, "both faces and the end of the wall beyond the door: {ends:?}");
+    assert!(ends.iter().all(|x| (x - 7.5).abs() < 2e-6), "{ends:?}");
+}
+
+#[test]
+fn a_part_of_a_partition_stays_where_a_line_is_drawn_into_its_doorway() {
+    let sliding = |into_doorway: Option<f64>| {
+        let mut d = drawing("m", 1.0);
+        d.ring("WALLS", &[[0.0, 0.0], [12.0, 0.0], [12.0, 6.0], [0.0, 6.0]]);
+        for x in [0.2, 11.8] {
+            d.line(x, 0.2, x, 5.8);
+        }
+        for (y, [a, b]) in [0.2, 5.8].iter().flat_map(|y| [(*y, [0.2, 5.95]), (*y, [6.05, 11.8])]) {
+            d.line(a, y, b, y);
+        }
+        for x in [5.95, 6.05] {
+            d.line(x, 0.2, x, 2.0);
+            d.line(x, 2.9, x, 5.8);
+        }
+        for y in [2.0, 2.9] {
+            d.line(5.95, y, 6.05, y);
+        }
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let centre = DVec2::new(6.05, 2.0);
+        d.add("DOORS", Shape::Arc { centre, radius: 0.9, start_rad: 0.0, end_rad: quarter });
+        if let Some(y) = into_doorway {
+            d.line(6.0, y, 7.5, y);
+        }
+        by_default(&d).2.parameters.iter().filter(|p| p.group_name.starts_with("wall")).count()
+    };
+    // The line parts the partition in two; the part whose end is the door's jamb stays.
+    assert_eq!(sliding(None), 1);
+    for y in [2.1, 2.2, 2.8, 2.85] {
+        assert_eq!(sliding(Some(y)), 1, "{y}");
+    }
+}
+
 #[test]
 fn a_face_cut_by_a_sliding_partition_does_not_bend() {
     let d = house_with_partition(0.015);
