@@ -128,6 +128,46 @@ fn entities_that_cannot_be_trusted_are_left_out_by_name() {
     }
 }
 
+/// Filled areas that one plain outline bounds are kept apart from what is drawn.
+#[test]
+fn filled_areas_are_read_by_their_outline() {
+    let hatch =
+        |fill: &str| format!("0|HATCH|5|2F4|8|COLS|10|0|20|0|30|0|2|SOLID|{fill}|75|0|76|1|98|1|10|9|20|9");
+    let corners: String = (0..65).map(|k| format!("|10|{k}|20|{}", k % 2)).collect();
+    let polyline = "92|3|72|0|73|1|93|4|10|3|20|3|10|7|20|3|10|7|20|7|10|3|20|7|97|0";
+    let edges = "92|1|93|3|72|1|10|0|20|0|11|4|21|0|72|1|10|4|20|0|11|4|21|4|72|1|10|4|20|4|11|0|21|0|97|0";
+    let round = "92|1|93|1|72|2|10|5|20|6|40|2|50|0|51|360|73|1|97|0";
+    let solid = "0|SOLID|8|COLS|10|0|20|0|11|4|21|0|12|0|22|4|13|4|23|4";
+    let cases: [(&str, String, Option<&[[f64; 2]]>); 9] = [
+        (
+            "polyline",
+            hatch(&format!("70|1|71|0|91|1|{polyline}")),
+            Some(&[[3.0, 3.0], [7.0, 3.0], [7.0, 7.0], [3.0, 7.0]]),
+        ),
+        ("edges", hatch(&format!("70|1|71|0|91|1|{edges}")), Some(&[[0.0, 0.0], [4.0, 0.0], [4.0, 4.0]])),
+        ("round", hatch(&format!("70|1|71|0|91|1|{round}")), Some(&[[5.0, 6.0]])),
+        ("solid", solid.into(), Some(&[[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])),
+        ("a pattern", hatch(&format!("70|0|71|0|91|1|{polyline}")), None),
+        ("two outlines", hatch(&format!("70|1|71|0|91|2|{polyline}|{polyline}")), None),
+        ("a spline", hatch("70|1|71|0|91|1|92|1|93|1|72|4|94|3|97|0"), None),
+        ("no number", hatch("70|1|71|0|91|1|92|3|72|0|73|1|93|3|10|x|20|3|10|7|20|3|10|7|20|7|97|0"), None),
+        ("too many corners", hatch(&format!("70|1|71|0|91|1|92|3|72|0|73|1|93|65{corners}|97|0")), None),
+    ];
+    for (what, record, outline) in cases {
+        let text = drawing("", &format!("{WALL}|{record}"));
+        let found = read_plain(text.as_bytes()).0.unwrap_or_else(|e| panic!("{what}: {e}"));
+        assert_eq!(found.entities.len(), 1, "{what}");
+        let points: Option<Vec<[f64; 2]>> = found.fills.first().map(|e| match &e.shape {
+            Shape::Polyline { vertices, .. } => vertices.iter().map(|v| v.at.to_array()).collect(),
+            Shape::Circle { centre, .. } => vec![centre.to_array()],
+            other => panic!("{other:?}"),
+        });
+        assert_eq!(points.as_deref(), outline, "{what}");
+    }
+    let many = format!("{WALL}{}", format!("|{solid}").repeat(20_001));
+    assert_eq!(read_plain(drawing("", &many).as_bytes()).0.unwrap().fills.len(), 20_000);
+}
+
 #[test]
 fn odd_polylines_are_read_as_far_as_they_go() {
     let vertex = |x: f64| format!("0|VERTEX|8|W|10|{x}|20|0");

@@ -30,6 +30,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         texts: Vec::new(),
         marked: Vec::new(),
         hosts: Default::default(),
+        fills: Vec::new(),
     }
 }
 

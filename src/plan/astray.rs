@@ -278,7 +278,7 @@ fn may_hold(layer: &str) -> bool {
 }
 
 /// Whether an outline, in metres, is that of a column and of no leaf, frame or sector of a swing.
-fn is_column(ring: &[DVec2]) -> bool {
+pub(super) fn is_column(ring: &[DVec2]) -> bool {
     let sides = || (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]]);
     let length: f64 = sides().map(|[a, b]| a.distance(b)).sum();
     let ground = sides().map(|[a, b]| (a - ring[0]).perp_dot(b - ring[0]) / 2.0).sum::<f64>().abs();

@@ -193,6 +193,9 @@ pub struct Drawing {
     pub layers: Vec<Layer>,
     /// Drawn shapes of model space in file order.
     pub entities: Vec<Entity>,
+    /// Filled areas of model space with one outline, in file order: in DXF what HATCH with a solid fill, SOLID and
+    /// TRACE show. Where no line is drawn round them they may be columns.
+    pub fills: Vec<Entity>,
     /// Texts of model space in file order.
     pub texts: Vec<Text>,
     /// Moves that the file states of its own elements.
@@ -317,6 +320,7 @@ impl Drawing {
             declared_unit_words: String::new(),
             layers: Vec::new(),
             entities,
+            fills: Vec::new(),
             texts: Vec::new(),
             marked: Vec::new(),
             hosts: BTreeMap::new(),

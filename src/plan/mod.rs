@@ -9,6 +9,7 @@ mod choice;
 mod clutter;
 pub mod curve;
 pub mod drawing;
+mod fills;
 pub mod fittings;
 mod fixtures;
 pub mod frame;
@@ -179,35 +180,37 @@ pub struct PlanOptions {
 /// [`Error::Input`] when no layer carries walls (the message lists the layers there are);
 /// [`Error::Usage`] for a layer pattern that cannot be read, or a view that is not there.
 pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report) -> Result<Plan, Error> {
-    let mut chosen = choice::choose_walls(drawing, options, report)?;
+    let drawing = fills::joined(drawing, options);
+    let mut chosen = choice::choose_walls(&drawing, options, report)?;
     let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
     let Some(extent) = extent_of(&walls) else {
-        return Err(no_walls(drawing, &chosen.layers));
+        return Err(no_walls(&drawing, &chosen.layers));
     };
-    let unit = units::choose(drawing, options.unit, &walls, (extent[1] - extent[0]).max_element());
-    let (mut picked, views) = choice::choose_view(drawing, options, &chosen, unit.unit.metres, report)?;
-    infill::take(drawing, options, &mut chosen, &mut picked, unit.unit.metres, report);
+    let unit = units::choose(&drawing, options.unit, &walls, (extent[1] - extent[0]).max_element());
+    let (mut picked, views) = choice::choose_view(&drawing, options, &chosen, unit.unit.metres, report)?;
+    infill::take(&drawing, options, &mut chosen, &mut picked, unit.unit.metres, report);
     let is_our_choice = options.picked.is_none() && options.wall_layers.is_empty();
     let mut standing = Vec::new();
     if is_our_choice && drawing.format == drawing::Format::Dxf {
         let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
         let extent = extent_of(&walls).unwrap_or(extent);
-        let scale = units::person_scale(drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
+        let scale = units::person_scale(&drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
         // At an unknown scale nobody knows how thick a wall is.
         if scale == 1.0 {
-            astray::take(drawing, &mut chosen, &mut picked, unit.unit.metres, report);
+            astray::take(&drawing, &mut chosen, &mut picked, unit.unit.metres, report);
         }
-        standing = clutter::leave_out_fittings(drawing, &mut picked, unit.unit.metres, scale, report);
+        standing = clutter::leave_out_fittings(&drawing, &mut picked, unit.unit.metres, scale, report);
     }
+    let drawing = fills::take(drawing, options, &mut chosen, &mut picked, unit.unit.metres, report)?;
     let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
-    choice::state_columns_only(drawing, options, &walls, report);
+    choice::state_columns_only(&drawing, options, &walls, report);
     let extent = extent_of(&walls).unwrap_or(extent);
     let frame = Frame::new(unit.unit.metres, extent);
     let size_m = (extent[1] - extent[0]).max_element() * unit.unit.metres;
-    let human_scale = units::person_scale(drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
-    state_unit(drawing, &unit, size_m, human_scale, report);
-    let markers = markers::read(drawing, options, &frame, report);
-    let obstacles = obstacles::find(drawing, &standing, &picked, unit.unit.metres / human_scale, &frame);
+    let human_scale = units::person_scale(&drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
+    state_unit(&drawing, &unit, size_m, human_scale, report);
+    let markers = markers::read(&drawing, options, &frame, report);
+    let obstacles = obstacles::find(&drawing, &standing, &picked, unit.unit.metres / human_scale, &frame);
     let is_locked = |e: &Entity| drawing.layers.iter().any(|l| l.is_locked && l.name == e.layer);
     let mut walls: Vec<Wall> = walls.iter().map(|e| wall_of(e, &frame, is_locked(e))).collect();
     match drawing.format {
@@ -221,12 +224,12 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         unit,
         frame,
         walls,
-        picked: choice::ordinals(drawing, &picked),
+        picked: choice::ordinals(&drawing, &picked),
         markers,
         layers: chosen.layers,
         views,
         human_scale,
-        plugs: plugs(drawing, &frame),
+        plugs: plugs(&drawing, &frame),
         obstacles,
     })
 }

@@ -273,6 +273,7 @@ impl Sheet {
             entities,
             marked: Vec::new(),
             hosts: Default::default(),
+            fills: Vec::new(),
             texts: Vec::new(),
         }
     }

@@ -136,7 +136,7 @@ impl Blocks {
         let (mut total, mut deepest) = (0u64, 0);
         for item in &self.list[block].items {
             match &item.body {
-                Body::Shape(shape, _) => total = total.saturating_add(pieces(shape)),
+                Body::Shape(shape, _) | Body::Fill(shape) => total = total.saturating_add(pieces(shape)),
                 Body::Text(..) => total = total.saturating_add(1),
                 Body::Insert(insert) => match self.index(&insert.block).map(|b| &self.list[b].weight) {
                     Some(Weight::Known { pieces, depth }) => {
@@ -311,6 +311,12 @@ impl Showing<'_> {
                 }
                 let (editable, blocks) = (self.editable.clone(), self.path.clone());
                 self.entities.push(Entity { source, layer, shape, editable, blocks });
+            }
+            Body::Fill(shape) => {
+                let shape = mapped(shape, map, reader.five_mm);
+                if reader.insane_point(&shape).is_none() {
+                    reader.add_fill(source, layer, shape, self.path.clone());
+                }
             }
             Body::Text(at, text) => {
                 let at = map.transform_point2(*at);

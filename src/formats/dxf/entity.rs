@@ -16,6 +16,8 @@ use crate::report::{Error, Severity};
 pub(super) enum Body {
     /// A drawn shape and how it can be written back when it stands in model space itself.
     Shape(Shape, Editable),
+    /// A filled area.
+    Fill(Shape),
     /// A text at its insertion point.
     Text(DVec2, String),
     /// A block shown.
@@ -106,6 +108,9 @@ impl<'a> Reader<'a, '_> {
             b"MTEXT" => self.mtext(fields)?,
             _ if SILENT.contains(&name) => return Ok(None),
             _ => {
+                if let Some(shape) = self.fill(name, fields) {
+                    return Ok(Some(self.checked(Body::Fill(shape))));
+                }
                 *self.left_out.entry(super::tokens::shown(name)).or_default() += 1;
                 return Ok(None);
             }
@@ -116,7 +121,7 @@ impl<'a> Reader<'a, '_> {
     /// Leaves out shapes with NaN, infinite or absurd coordinates.
     fn checked(&self, body: Body) -> Result<Body, Skip> {
         let bad = match &body {
-            Body::Shape(shape, _) => self.insane_point(shape),
+            Body::Shape(shape, _) | Body::Fill(shape) => self.insane_point(shape),
             Body::Text(at, _) => Some(*at).filter(|&p| !self.is_sane(p)),
             Body::Insert(i) => [i.at, i.scale, DVec2::new(i.rotation_rad, 0.0), i.spacing]
                 .into_iter()
@@ -164,7 +169,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// A planar shape from its object coordinates.
-    fn planar(&self, shape: Shape, extrusion: DVec3, elevation: f64) -> Body {
+    pub(super) fn planar(&self, shape: Shape, extrusion: DVec3, elevation: f64) -> Body {
         if extrusion == DVec3::Z {
             return Body::Shape(shape, Editable::Free);
         }
@@ -198,7 +203,7 @@ impl<'a> Reader<'a, '_> {
         Ok(Ok(self.planar(Shape::Polyline { vertices, closed }, extrusion, elevation)))
     }
 
-    fn check_vertices(&self, vertices: &[Vertex]) -> Result<(), Skip> {
+    pub(super) fn check_vertices(&self, vertices: &[Vertex]) -> Result<(), Skip> {
         let count = vertices.len();
         if count == 0 || count > self.limits.max_vertices {
             let limit = self.limits.max_vertices;

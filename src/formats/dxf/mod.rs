@@ -18,6 +18,7 @@ mod complete;
 mod curves;
 mod entity;
 mod fields;
+mod fill;
 mod header;
 mod limits;
 mod links;

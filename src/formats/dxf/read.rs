@@ -43,6 +43,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
                 entities.push(Entity { source, layer, shape, editable, blocks: Vec::new() });
             }
             Body::Text(at, text) => texts.push(Text { source, layer, at, text }),
+            Body::Fill(shape) => reader.add_fill(source, layer, shape, Vec::new()),
             Body::Insert(_) => {}
         }
     }
@@ -56,6 +57,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         declared_unit_words: header.unit_words(),
         layers: reader.layers.list,
         entities,
+        fills: reader.fills,
         texts,
         marked: Vec::new(),
         hosts: Default::default(),

@@ -9,7 +9,7 @@ use super::header::{Header, is_sane};
 use super::limits::Limits;
 use super::text::CodePage;
 use super::tokens::{Pair, Tokens, shown};
-use crate::plan::drawing::{Layer, SourceRef};
+use crate::plan::drawing::{Entity, Layer, SourceRef};
 use crate::report::{Error, Place, Report, Severity};
 
 /// One reading of one file.
@@ -30,6 +30,8 @@ pub(super) struct Reader<'a, 'r> {
     pub layers: Layers<'a>,
     /// First record of each handle among the entities.
     pub handles: HashMap<&'a [u8], usize>,
+    /// Filled areas met so far.
+    pub fills: Vec<Entity>,
     /// Record kinds left out, with their numbers.
     pub left_out: BTreeMap<String, usize>,
     report: &'r mut Report,
@@ -86,6 +88,7 @@ impl<'a, 'r> Reader<'a, 'r> {
             max_coordinate: header.max_coordinate(options.unit, options.limits.max_coordinate_m),
             layers: Layers::default(),
             handles: HashMap::new(),
+            fills: Vec::new(),
             left_out: BTreeMap::new(),
             report,
             note_counts: BTreeMap::new(),

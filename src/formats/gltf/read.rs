@@ -93,6 +93,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         texts,
         marked,
         hosts: BTreeMap::new(),
+        fills: Vec::new(),
     })
 }
 

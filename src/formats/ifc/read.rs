@@ -592,6 +592,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             entities: self.entities,
             hosts,
             texts: self.texts,
+            fills: Vec::new(),
             marked: self.marked,
         }
     }
