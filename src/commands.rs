@@ -23,6 +23,7 @@ use crate::progress::Display;
 use crate::report::{Cancel, Error, Place, Report, Severity, gathered, printable};
 use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, round_name};
+use crate::watch::bytes_of;
 
 /// Runs one command line. The number is the exit code of a finished command: 0, or 1 when something was
 /// left out.
@@ -43,7 +44,8 @@ pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
         Command::Status(args) => watching::status(&args),
         Command::Open(args) => installing::open(&args),
         Command::Service(args) => installing::service(&args),
-        Command::Doctor { folders } => installing::doctor(&folders),
+        Command::Doctor { card: true, .. } => installing::card_alone(),
+        Command::Doctor { folders, .. } => installing::doctor(&folders),
         Command::Completions { shell } => installing::completions(shell),
         Command::Man => installing::man(),
         Command::Init(args) => init(&args),
@@ -516,7 +518,7 @@ fn data_beside(drawing: &Path, name: &str, most: u64) -> Option<Arc<[u8]>> {
 
 /// The IFC of the same name beside a glTF.
 fn twin(drawing: &Path) -> Option<Arc<[u8]>> {
-    let bytes = is_scene(drawing).then(|| std::fs::read(drawing.with_extension("ifc")).ok())??;
+    let bytes = is_scene(drawing).then(|| bytes_of(&drawing.with_extension("ifc")))??;
     Some(bytes.into())
 }
 
@@ -533,6 +535,10 @@ fn settings_partial(drawing: &Path, command_line: Partial) -> Result<Partial, Er
 fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
     use std::io::ErrorKind;
     let place = || Place::file(file.to_string_lossy());
+    if std::fs::metadata(file).is_ok_and(|found| !found.is_file()) {
+        let text = "found no file of that name but a folder, a pipe or a device; nothing was done";
+        return Err(Error::environment("settings-unreadable", place(), text));
+    }
     match std::fs::read_to_string(file) {
         Ok(text) => {
             let mut read = Partial::from_toml(&file.to_string_lossy(), &text)?;

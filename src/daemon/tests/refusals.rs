@@ -133,3 +133,32 @@ fn a_taken_folder_is_left() {
     assert_eq!(daemon.count_said("Stopped"), 1);
     assert!(daemon.path(".enfilade/owner.json").exists(), "the other's lease stays");
 }
+
+/// Hazard 30: links and pipes under the names of drawings, of their settings and of their data are named or passed
+/// over, and hold up nobody.
+#[cfg(unix)]
+#[test]
+fn pipes_and_links_hold_up_nobody() {
+    let pipe = |path: &Path| {
+        assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
+    };
+    let settings = WatchSettings { extensions: vec!["dxf".into(), "gltf".into()], ..settings() };
+    let plant = |root: &Path| {
+        for name in ["pipe.dxf", "plan.enfilade.toml", "scene.bin"] {
+            pipe(&root.join(name));
+        }
+        std::os::unix::fs::symlink("/etc/passwd", root.join("link.dxf")).unwrap();
+        fs::write(root.join("scene.gltf"), "{\"buffers\":[{\"uri\":\"scene.bin\"}]} EOF\n").unwrap();
+    };
+    let daemon = Daemon::start(settings, plant, |request, _, _| Ok(echo(request)));
+    daemon.save("plan.dxf", "one");
+    assert_eq!(daemon.await_round("plan", 1), "one EOF\n");
+    daemon.await_round("scene", 1);
+    pipe(&daemon.path("late.dxf"));
+    daemon.await_said("late.dxf", 1);
+    for (name, why) in [("pipe.dxf", "pipe"), ("link.dxf", "links are not followed"), ("late.dxf", "pipe")] {
+        let said = daemon.said.lock().unwrap().clone();
+        let is_named = |s: &&String| s.starts_with("Ignored") && s.contains(name) && s.contains(why);
+        assert_eq!(said.iter().filter(is_named).count(), 1, "{name}: {said:#?}");
+    }
+}
