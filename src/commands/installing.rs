@@ -100,7 +100,7 @@ pub(super) fn doctor(folders: &[PathBuf]) -> Result<u8, Error> {
         "file watches",
         watches(std::fs::read_to_string("/proc/sys/fs/inotify/max_user_watches").ok().as_deref()),
     );
-    judge("user", user());
+    judge("user", user(is_root()));
     let state = service::status().unwrap_or_else(|_| "no service manager here".into());
     judge("service", Ok(state));
     for folder in folders {
@@ -157,17 +157,21 @@ fn watches(limit: Option<&str>) -> Result<String, String> {
     }
 }
 
-#[cfg(unix)]
-fn user() -> Result<String, String> {
-    if rustix::process::geteuid().is_root() {
+fn user(is_root: bool) -> Result<String, String> {
+    if is_root {
         return Err("this is root; run the daemon as the user whose drawings it watches".into());
     }
     Ok("not root".into())
 }
 
+#[cfg(unix)]
+fn is_root() -> bool {
+    rustix::process::geteuid().is_root()
+}
+
 #[cfg(not(unix))]
-fn user() -> Result<String, String> {
-    Ok("the one logged in".into())
+fn is_root() -> bool {
+    false
 }
 
 fn watched(folder: &Path) -> Result<String, String> {
@@ -331,6 +335,12 @@ mod tests {
         assert_eq!(failing(&overview).unwrap(), "2 failed, plan.dxf: no room; `enfilade status` lists all");
         assert_eq!(failing(&serde_json::json!({"failed_count": 0, "failed": []})), None);
         assert_eq!(failing(&serde_json::Value::Null), None);
+    }
+
+    #[test]
+    fn root_is_a_problem() {
+        assert!(user(true).unwrap_err().contains("as the user"));
+        assert!(user(false).is_ok());
     }
 
     #[test]

@@ -307,7 +307,7 @@ mod tests {
     use crate::plan::drawing::{Editable, SourceRef};
 
     fn line(i: usize) -> Entity {
-        let at = |y: f64| DVec2::new(i as f64 * 0.3, y);
+        let at = |y: f64| DVec2::new(i as f64 * 0.2, y);
         Entity {
             source: SourceRef {
                 record: i,

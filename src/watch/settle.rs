@@ -420,6 +420,11 @@ impl Settle {
     }
 
     fn gone(&mut self, now: Duration, path: &Path, i: usize) {
+        if self.ignored.remove(path) {
+            self.pending.remove(path);
+            self.out.push(Action::IgnoredGone(path.into()));
+            return;
+        }
         let was_known = self.settled.remove(path).is_some();
         if !self.pending.contains_key(path) && !was_known {
             return;

@@ -162,3 +162,31 @@ fn pipes_and_links_hold_up_nobody() {
         assert_eq!(said.iter().filter(is_named).count(), 1, "{name}: {said:#?}");
     }
 }
+
+/// Hazard 10: a file that is written under another of its names changes without an event. The next look through finds
+/// it, says that the events cannot be trusted, and the folder is polled.
+#[cfg(unix)]
+#[test]
+fn a_deaf_watch_is_polled_and_says_so() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let other_name = elsewhere.path().join("plan.dxf");
+    fs::write(&other_name, "one EOF\n").unwrap();
+    let linked = other_name.clone();
+    let settings = WatchSettings { rescan_secs: 0.5, poll_secs: 0.3, ..settings() };
+    let link = move |root: &Path| fs::hard_link(linked, root.join("plan.dxf")).unwrap();
+    let daemon = Daemon::start(settings, link, |request, _, _| Ok(echo(request)));
+    daemon.await_round("plan", 1);
+    assert_eq!(daemon.count_said("watch-deaf"), 0);
+    for (round, text) in [(2, "two EOF\n"), (3, "three EOF\n")] {
+        fs::write(&other_name, text).unwrap();
+        assert_eq!(daemon.await_round("plan", round), text);
+    }
+    assert_eq!(daemon.count_said("watch-deaf"), 1);
+    let watched = || {
+        let read = fs::read(daemon.path(".enfilade/status.json")).unwrap_or_default();
+        serde_json::from_slice::<Value>(&read).map_or(Value::Null, |v| v["roots"][0]["watched"].clone())
+    };
+    daemon.await_true("the overview", || {
+        watched().as_str().is_some_and(|how| how.contains("polled every 0.3 s"))
+    });
+}
