@@ -624,3 +624,28 @@ fn say(line: &str) {
 fn print(text: &str) {
     let _ = std::io::stdout().lock().write_all(text.as_bytes());
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whoever may write to a shared folder must not decide where else this user's programs write.
+    #[test]
+    fn settings_name_no_folder_elsewhere() {
+        let below = |folder| below_of(Path::new("/shared/enfilade.toml"), folder);
+        assert_eq!(below("results/./a").unwrap(), "/shared/results/./a");
+        for folder in ["../results", "/results", "a/../../results", ".."] {
+            assert_eq!(below(folder).unwrap_err().problem().unwrap().code, "settings-outside", "{folder}");
+        }
+    }
+
+    /// A pipe in a side-car's place would be waited for.
+    #[test]
+    fn a_side_car_that_is_no_file_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        assert!(read_settings(&dir.path().join("enfilade.toml")).unwrap().is_none());
+        let error = read_settings(dir.path()).unwrap_err();
+        assert_eq!(error.problem().unwrap().code, "settings-unreadable");
+        assert!(error.to_string().contains("no file"), "{error}");
+    }
+}

@@ -87,3 +87,27 @@ fn a_drawing_that_goes_is_said_to_be_gone() {
     daemon.await_said("Removed(", 1);
     assert!(daemon.path("plan.enfilade/round-01").exists());
 }
+
+/// The overview lists only so many of each kind, and counts all.
+#[test]
+fn the_overview_is_bounded() {
+    const LISTED: usize = 200;
+    let plant = |root: &Path| {
+        fs::write(root.join("a.dxf"), "slow EOF\n").unwrap();
+        for i in 0..=LISTED {
+            fs::write(root.join(format!("b{i:03}.dxf")), "quick EOF\n").unwrap();
+            fs::write(root.join(format!("#{i:03}.dxf")), "").unwrap();
+        }
+    };
+    let daemon = Daemon::start(settings(), plant, |request, _, cancel| slow(request, cancel));
+    let overview = || -> Value {
+        let read = fs::read(daemon.path(".enfilade/status.json")).unwrap_or_default();
+        serde_json::from_slice(&read).unwrap_or_default()
+    };
+    daemon.await_true("all waiting", || overview()["waiting_count"] == LISTED + 1);
+    let overview = overview();
+    assert_eq!(overview["ignored_count"], LISTED + 1);
+    for kind in ["waiting", "ignored"] {
+        assert_eq!(overview[kind].as_array().unwrap().len(), LISTED, "{kind}");
+    }
+}
