@@ -18,7 +18,7 @@ use words::{how_watched, hung, retry_pause, shown, taken, too_long};
 use super::hands::{
     Looked, Message, Outcome, Task, Waiting, open_journal, reporter, start_looker, start_worker,
 };
-use super::status::{SharedDisk, Standing, rfc3339, write_standing};
+use super::status::{SharedDisk, Standing, content_of_results, rfc3339, write_standing};
 use super::{Asked, Done, Notice, Order, Reread, RunJob, WatchSettings};
 use crate::config::settings_files;
 use crate::report::{Cancel, Error, Problem, Severity};
@@ -412,12 +412,21 @@ impl Heart {
                 return;
             }
             running.stop(NEWER_SAVE);
-        } else if let Some(end) = open_journal(&journal).end_of(&below, &sha256, &config) {
+        } else if let Some(end) = open_journal(&journal).end_of(&below, &sha256, &config)
+            && !self.has_results_of_another(&drawing, &sha256)
+        {
             return self.ended_before(drawing, end, show);
         }
         let asked = Asked::default();
         let waiting = Waiting { drawing, sha256, config, asked, not_before: None, failures: 0 };
         self.enqueue(waiting, show);
+    }
+
+    /// Whether the newest results beside a drawing are of another content, made while its folder lay elsewhere or by
+    /// hand: what the journal knows of the drawing is older.
+    fn has_results_of_another(&self, drawing: &Path, sha256: &str) -> bool {
+        let folder = present_folder(drawing, &self.placing_of(drawing));
+        folder.and_then(|f| content_of_results(&f)).is_some_and(|of| of != sha256)
     }
 
     fn ended_before(&mut self, drawing: PathBuf, end: Ended, show: &mut dyn FnMut(Notice)) {

@@ -52,6 +52,12 @@ pub(super) fn write_standing(disk: &dyn Disk, drawing: &Path, placing: &Placing,
     }
 }
 
+/// Of which content the newest results in a result folder are, by its SHA-256; `None` where none is known.
+pub(super) fn content_of_results(folder: &Path) -> Option<String> {
+    let status: Value = serde_json::from_slice(&std::fs::read(folder.join("status.json")).ok()?).ok()?;
+    (status["state"] == "done").then(|| status["sha256"].as_str().map(str::to_owned))?
+}
+
 /// Writes how a job without results ended.
 pub(super) fn write_end(disk: &dyn Disk, drawing: &Path, placing: &Placing, sha256: &str, error: &Error) {
     let problems: Vec<Problem> = error.problem().cloned().into_iter().collect();
