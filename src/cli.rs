@@ -71,6 +71,9 @@ pub enum Command {
         /// Folders to look at as well.
         #[arg(value_name = "DIR")]
         folders: Vec<PathBuf>,
+        /// Say what graphics card there is, and no more: asked in a process of its own.
+        #[arg(long, hide = true)]
+        card: bool,
     },
     /// Write the completions of a shell to standard output.
     Completions {
@@ -307,6 +310,9 @@ pub struct LookingArgs {
     /// Results go below this folder where the place beside a drawing cannot be written.
     #[arg(long, value_name = "DIR")]
     pub fallback: Option<PathBuf>,
+    /// Watch even a root or home folder.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// `watch`.
@@ -324,9 +330,6 @@ pub struct WatchArgs {
     /// Write what is said to this file as well; full ones are put aside.
     #[arg(long, value_name = "FILE")]
     pub log: Option<PathBuf>,
-    /// Watch even a root or home folder.
-    #[arg(long)]
-    pub force: bool,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub search: SearchArgs,

@@ -23,6 +23,7 @@ use crate::progress::Display;
 use crate::report::{Cancel, Error, Place, Report, Severity, gathered, printable};
 use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, round_name};
+use crate::watch::bytes_of;
 
 /// Runs one command line. The number is the exit code of a finished command: 0, or 1 when something was
 /// left out.
@@ -43,7 +44,8 @@ pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
         Command::Status(args) => watching::status(&args),
         Command::Open(args) => installing::open(&args),
         Command::Service(args) => installing::service(&args),
-        Command::Doctor { folders } => installing::doctor(&folders),
+        Command::Doctor { card: true, .. } => installing::card_alone(),
+        Command::Doctor { folders, .. } => installing::doctor(&folders),
         Command::Completions { shell } => installing::completions(shell),
         Command::Man => installing::man(),
         Command::Init(args) => init(&args),
@@ -516,7 +518,7 @@ fn data_beside(drawing: &Path, name: &str, most: u64) -> Option<Arc<[u8]>> {
 
 /// The IFC of the same name beside a glTF.
 fn twin(drawing: &Path) -> Option<Arc<[u8]>> {
-    let bytes = is_scene(drawing).then(|| std::fs::read(drawing.with_extension("ifc")).ok())??;
+    let bytes = is_scene(drawing).then(|| bytes_of(&drawing.with_extension("ifc")))??;
     Some(bytes.into())
 }
 
@@ -533,6 +535,10 @@ fn settings_partial(drawing: &Path, command_line: Partial) -> Result<Partial, Er
 fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
     use std::io::ErrorKind;
     let place = || Place::file(file.to_string_lossy());
+    if std::fs::metadata(file).is_ok_and(|found| !found.is_file()) {
+        let text = "found no file of that name but a folder, a pipe or a device; nothing was done";
+        return Err(Error::environment("settings-unreadable", place(), text));
+    }
     match std::fs::read_to_string(file) {
         Ok(text) => {
             let mut read = Partial::from_toml(&file.to_string_lossy(), &text)?;
@@ -617,4 +623,29 @@ fn say(line: &str) {
 /// Standard output may be a closed pipe: that is no reason to fail.
 fn print(text: &str) {
     let _ = std::io::stdout().lock().write_all(text.as_bytes());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whoever may write to a shared folder must not decide where else this user's programs write.
+    #[test]
+    fn settings_name_no_folder_elsewhere() {
+        let below = |folder| below_of(Path::new("/shared/enfilade.toml"), folder);
+        assert_eq!(below("results/./a").unwrap(), "/shared/results/./a");
+        for folder in ["../results", "/results", "a/../../results", ".."] {
+            assert_eq!(below(folder).unwrap_err().problem().unwrap().code, "settings-outside", "{folder}");
+        }
+    }
+
+    /// A pipe in a side-car's place would be waited for.
+    #[test]
+    fn a_side_car_that_is_no_file_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        assert!(read_settings(&dir.path().join("enfilade.toml")).unwrap().is_none());
+        let error = read_settings(dir.path()).unwrap_err();
+        assert_eq!(error.problem().unwrap().code, "settings-unreadable");
+        assert!(error.to_string().contains("no file"), "{error}");
+    }
 }

@@ -10,7 +10,7 @@ use std::collections::HashSet;
 use enfilade::formats::dxf::{
     Completeness, changed_records, dependents, host_ids, is_complete, is_result_layer, patch, strip_own,
 };
-use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Mark, RigidMotion, Shape, Vertex};
+use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape, Vertex};
 use glam::DVec2;
 use proptest::prelude::*;
 use support::{additions_for, edits_of, moved_shape, read_whole};
@@ -199,6 +199,36 @@ fn attributes_follow_their_insert() {
         .replace("\n3.1\n", "\n4.1\n")
         .replace("\n3.2\n", "\n4.2\n");
     assert_eq!(patched, expected);
+}
+
+/// A plane that lies flat but for rounding moves nothing by its height, and the least numbers stay as they are.
+#[test]
+fn what_lies_flat_is_written_back_as_it_was() {
+    let planes =
+        [("0.0", "1e-76", "-1.0"), ("1e-7", "0.0", "1.0"), ("0.0", "-1e-7", "-0.5"), ("1e-320", "0", "2")];
+    for (x, y, z) in planes {
+        for height in ["3.0", "1e6", "-2500"] {
+            for at in ["0.0", "1e-320", "4.9e-324", "-3e-300", "7.25"] {
+                let plane = format!("210|{x}|220|{y}|230|{z}");
+                let text = format!(
+                    "0|SECTION|2|ENTITIES|0|LWPOLYLINE|8|WALL|90|2|38|{height}|10|{at}|20|{at}|10|{at}|20|0.0|{plane}\
+                     |0|CIRCLE|8|WALL|10|{at}|20|{at}|30|{height}|40|0.5|{plane}|0|ENDSEC|0|EOF"
+                );
+                for bytes in [ascii(&pairs(&text), "\n"), binary(&pairs(&text), false)] {
+                    let (drawing, _) = read_whole("plan.dxf", &bytes);
+                    let is_free = |e: &&Entity| e.editable == Editable::Free;
+                    let edits: Vec<Edit> = drawing.entities.iter().filter(is_free).map(unmoved).collect();
+                    assert_eq!(edits.len(), 2);
+                    let back = patch("plan.dxf", &bytes, &edits, &[]).unwrap();
+                    assert!(back == bytes, "{plane} at height {height}, {at}");
+                }
+            }
+        }
+    }
+}
+
+fn unmoved(entity: &Entity) -> Edit {
+    Edit::Shape { record: entity.source.record, shape: entity.shape.clone() }
 }
 
 #[test]

@@ -58,7 +58,7 @@ pub(super) fn service(args: &ServiceArgs) -> Result<u8, Error> {
                 let place = Place::file(missing.display().to_string());
                 return Err(Error::usage("not-a-folder", place, "is no folder; nothing was installed"));
             }
-            canonical_roots(&folders, false)?;
+            canonical_roots(&folders, args.looking.force)?;
             service::install(&folders, &options_of(args))?
         }
         ServiceCommand::Status => service::status()?,
@@ -77,7 +77,8 @@ fn options_of(args: &InstallArgs) -> Vec<OsString> {
     args.out.iter().for_each(|folder| add("--out", super::absolute(folder).into()));
     let fallback = args.looking.fallback.iter();
     fallback.for_each(|folder| add("--fallback", super::absolute(folder).into()));
-    out.extend(args.looking.poll.then(|| "--poll".into()));
+    let flags = [(args.looking.poll, "--poll"), (args.looking.force, "--force")];
+    out.extend(flags.into_iter().filter(|(is_set, _)| *is_set).map(|(_, flag)| flag.into()));
     out
 }
 
@@ -85,7 +86,7 @@ pub(super) fn doctor(folders: &[PathBuf]) -> Result<u8, Error> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     super::say(&format!("enfilade {}", env!("CARGO_PKG_VERSION")));
     super::say(&format!("cores: {cores}"));
-    super::say(&format!("graphics card: {}", card()));
+    super::say(&format!("graphics card: {}", card_apart()));
     let mut is_well = true;
     let mut judge = |what: &str, verdict: Result<String, String>| match verdict {
         Ok(text) => super::say(&format!("{what}: {text}")),
@@ -99,13 +100,34 @@ pub(super) fn doctor(folders: &[PathBuf]) -> Result<u8, Error> {
         "file watches",
         watches(std::fs::read_to_string("/proc/sys/fs/inotify/max_user_watches").ok().as_deref()),
     );
-    judge("user", user());
+    judge("user", user(is_root()));
     let state = service::status().unwrap_or_else(|_| "no service manager here".into());
     judge("service", Ok(state));
     for folder in folders {
         judge(&folder.display().to_string(), watched(folder));
     }
     Ok(u8::from(!is_well))
+}
+
+/// What `doctor` asks of itself: the answer alone.
+pub(super) fn card_alone() -> Result<u8, Error> {
+    super::say(&card());
+    Ok(0)
+}
+
+/// [`card`], asked in a process of its own: what a driver prints is no answer of ours, and one that crashes takes
+/// nothing along.
+fn card_apart() -> String {
+    let ask = |program: PathBuf| {
+        Command::new(program).args(["doctor", "--card"]).stdin(Stdio::null()).stderr(Stdio::null()).output()
+    };
+    match std::env::current_exe().and_then(ask) {
+        Ok(answer) if answer.status.success() => String::from_utf8_lossy(&answer.stdout).trim().to_owned(),
+        Ok(answer) => {
+            format!("none that can be used: its driver ended badly ({}); the cores measure", answer.status)
+        }
+        Err(_) => card(),
+    }
 }
 
 /// What `--backend auto` and `gpu` find.
@@ -135,17 +157,21 @@ fn watches(limit: Option<&str>) -> Result<String, String> {
     }
 }
 
-#[cfg(unix)]
-fn user() -> Result<String, String> {
-    if rustix::process::geteuid().is_root() {
+fn user(is_root: bool) -> Result<String, String> {
+    if is_root {
         return Err("this is root; run the daemon as the user whose drawings it watches".into());
     }
     Ok("not root".into())
 }
 
+#[cfg(unix)]
+fn is_root() -> bool {
+    rustix::process::geteuid().is_root()
+}
+
 #[cfg(not(unix))]
-fn user() -> Result<String, String> {
-    Ok("the one logged in".into())
+fn is_root() -> bool {
+    false
 }
 
 fn watched(folder: &Path) -> Result<String, String> {
@@ -276,6 +302,7 @@ mod tests {
             "--fallback",
             "/f",
             "--poll",
+            "--force",
             "/w",
         ];
         let cli::Command::Service(ServiceArgs { what: ServiceCommand::Install(args) }) =
@@ -284,7 +311,8 @@ mod tests {
             panic!("no install")
         };
         let options = options_of(&args);
-        let expected = ["--depth", "2", "--ignore", "x*", "--out", "/r", "--fallback", "/f", "--poll"];
+        let expected =
+            ["--depth", "2", "--ignore", "x*", "--out", "/r", "--fallback", "/f", "--poll", "--force"];
         assert_eq!(options, expected.map(OsString::from));
         let words = ["enfilade", "watch"].map(OsString::from).into_iter().chain(options);
         let cli::Command::Watch(watch) =
@@ -293,7 +321,8 @@ mod tests {
             panic!("no watch")
         };
         let looking = watch.looking;
-        assert_eq!((looking.depth, looking.poll, looking.ignore), (Some(2), true, vec!["x*".to_owned()]));
+        assert_eq!((looking.depth, looking.ignore), (Some(2), vec!["x*".to_owned()]));
+        assert!(looking.poll && looking.force);
         assert_eq!((watch.common.out, looking.fallback), (Some("/r".into()), Some("/f".into())));
     }
 
@@ -306,6 +335,12 @@ mod tests {
         assert_eq!(failing(&overview).unwrap(), "2 failed, plan.dxf: no room; `enfilade status` lists all");
         assert_eq!(failing(&serde_json::json!({"failed_count": 0, "failed": []})), None);
         assert_eq!(failing(&serde_json::Value::Null), None);
+    }
+
+    #[test]
+    fn root_is_a_problem() {
+        assert!(user(true).unwrap_err().contains("as the user"));
+        assert!(user(false).is_ok());
     }
 
     #[test]

@@ -26,7 +26,7 @@ const MEMORY_SHARE: f64 = 0.75;
 pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
     let partial = args.common.partial(Some(&args.search));
     Settings::new(partial.clone())?;
-    canonical_roots(&args.looking.folders, args.force)?;
+    canonical_roots(&args.looking.folders, args.looking.force)?;
     let mut said = Said::of(&args.looking.folders)?;
     let settings = watch_settings(args, &partial, said.clone());
     let limits = Arc::new(Mutex::new(limits(&partial, &said.table, &settings)?));
@@ -166,7 +166,7 @@ fn watch_settings(args: &WatchArgs, partial: &Partial, said: Said) -> WatchSetti
             .or(table.fallback.map(PathBuf::from))
             .map(|folder| absolute(&folder)),
         newest_first: table.newest_first.unwrap_or(base.newest_first),
-        force: args.force,
+        force: args.looking.force,
         job_limit_secs: table.job_limit_secs.unwrap_or(base.job_limit_secs),
         settings_key: format!("{:?} {out:?}", partial.clone().deciding()),
         end_mark,
@@ -254,6 +254,7 @@ pub(super) fn status(args: &StatusArgs) -> Result<u8, Error> {
         let is_running = root["is_running"] == true;
         let runs = if is_running { "watched" } else { "not watched now" };
         say(&format!("{}: {runs}", root["root"].as_str().unwrap_or("?")));
+        root["doubt"].as_str().iter().for_each(|why| say(&format!("  {why}")));
         status_lines(&root["status"], is_running).iter().for_each(|line| say(&format!("  {line}")));
     }
     Ok(0)

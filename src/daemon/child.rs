@@ -462,6 +462,20 @@ mod tests {
         assert!(matches!(&told[2], JobEvent::Keep { bytes, is_anew: true } if bytes == b"xy"));
     }
 
+    /// A child that talks without end is heard no further than the limits.
+    #[test]
+    fn what_a_child_says_is_bounded() {
+        let words = [vec![b'a'; WORDS_BYTES_MAX], vec![b'z'; WORDS_BYTES_MAX]].concat();
+        assert_eq!(last_words(&words[..]), vec![b'z'; WORDS_BYTES_MAX]);
+        assert!(read_frame(&mut BufReader::new(io::repeat(b' '))).is_err());
+        let announced = |bytes: u64| {
+            let line = serde_json::to_vec(&Frame::Keep { is_anew: true, bytes }).unwrap();
+            read_frame(&mut &[&line[..], b"\n"].concat()[..]).unwrap_err().kind()
+        };
+        assert_eq!(announced(FRAME_BYTES_MAX), io::ErrorKind::UnexpectedEof);
+        assert_eq!(announced(FRAME_BYTES_MAX + 1), io::ErrorKind::FileTooLarge);
+    }
+
     /// The request as the child reads it is the request as it was made.
     #[test]
     fn a_request_survives_its_way() {

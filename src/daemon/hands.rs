@@ -16,7 +16,7 @@ use crate::formats::gltf::outer_files;
 use crate::report::{Cancel, Error};
 use crate::store::{Journal, Placing, Step, Written};
 use crate::watch::{
-    Action, Checked, Event, Eyes, Identity, Seen, Stat, identity_of, is_output_name, read_settled,
+    Action, Checked, Event, Eyes, Identity, Seen, Stat, bytes_of, identity_of, is_output_name, read_settled,
     read_whole, sha256_hex, stat_of,
 };
 
@@ -173,14 +173,14 @@ pub(super) fn open_journal(journal: &Mutex<Journal>) -> MutexGuard<'_, Journal> 
 fn config_key(drawing: &Path, settings_key: &str) -> String {
     let mut text = format!("{}\n{settings_key}\n", env!("CARGO_PKG_VERSION"));
     for path in settings_files(drawing) {
-        let said = what_decides(&fs::read(&path).unwrap_or_default());
+        let said = what_decides(&bytes_of(&path).unwrap_or_default());
         text.push_str(&format!("{said}\n"));
     }
     let is_scene = drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf"));
-    let scene = if is_scene { fs::read(drawing).unwrap_or_default() } else { Vec::new() };
+    let scene = if is_scene { bytes_of(drawing).unwrap_or_default() } else { Vec::new() };
     for name in outer_files(&scene).data {
         let digest =
-            fs::read(drawing.with_file_name(name)).map_or_else(|_| "-".into(), |bytes| sha256_hex(&bytes));
+            bytes_of(&drawing.with_file_name(name)).map_or_else(|| "-".into(), |bytes| sha256_hex(&bytes));
         text.push_str(&format!("{digest}\n"));
     }
     sha256_hex(text.as_bytes())

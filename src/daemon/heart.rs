@@ -11,17 +11,20 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use serde_json::{Value, json};
 
 mod renewal;
+mod words;
+
+use words::{how_watched, hung, retry_pause, shown, taken, too_long};
 
 use super::hands::{
     Looked, Message, Outcome, Task, Waiting, open_journal, reporter, start_looker, start_worker,
 };
-use super::status::{SharedDisk, Standing, rfc3339, write_standing};
+use super::status::{SharedDisk, Standing, content_of_results, rfc3339, write_standing};
 use super::{Asked, Done, Notice, Order, Reread, RunJob, WatchSettings};
 use crate::config::settings_files;
-use crate::report::{Cancel, Error, Place, Problem, Severity};
+use crate::report::{Cancel, Error, Problem, Severity};
 use crate::store::{
-    Ended, FOLDER_OWNED, Journal, Lease, Ownership, Placing, STATE_FOLDER, Step, SystemDisk, present_folder,
-    read_lease, refuse_nested, round_name, state_folder, write_json,
+    Ended, FOLDER_OWNED, Journal, Lease, Ownership, Placing, Step, SystemDisk, present_folder, refuse_nested,
+    round_name, state_folder, write_json,
 };
 use crate::watch::{
     Action, Event, Eyes, Now, Settle, builtin_ignores, is_data, is_output_name, network_reason,
@@ -43,8 +46,6 @@ const STOP_PATIENCE: Duration = Duration::from_millis(120);
 const HANG_PATIENCE: Duration = Duration::from_secs(5);
 /// The overview is not rewritten more often.
 const OVERVIEW_PAUSE: Duration = Duration::from_secs(1);
-/// Longest pause before a job that failed for want of disk or permission is tried again.
-const MAX_RETRY_SECS: f64 = 600.0;
 /// Why a job was given up, as the user reads it.
 const NEWER_SAVE: &str = "a newer save takes its place";
 const REMOVED: &str = "the drawing was removed";
@@ -368,6 +369,11 @@ impl Heart {
             let standing = Standing { state: "settling", problems: &problems, ..Standing::default() };
             write_standing(&*self.disk, &path, &self.placing_of(&path), &standing);
         }
+        let is_of = |r: &&mut Root| r.path == path && problem.code.starts_with("watch-");
+        if let Some(root) = self.roots.iter_mut().find(is_of) {
+            root.how = problem.text.clone();
+            show(Notice::Watching { root: path.clone(), how: root.how.clone() });
+        }
         self.fail(&path, &problem);
         if is_running {
             problem.text.push_str("; the job that runs is of the content before");
@@ -406,12 +412,21 @@ impl Heart {
                 return;
             }
             running.stop(NEWER_SAVE);
-        } else if let Some(end) = open_journal(&journal).end_of(&below, &sha256, &config) {
+        } else if let Some(end) = open_journal(&journal).end_of(&below, &sha256, &config)
+            && !self.has_results_of_another(&drawing, &sha256)
+        {
             return self.ended_before(drawing, end, show);
         }
         let asked = Asked::default();
         let waiting = Waiting { drawing, sha256, config, asked, not_before: None, failures: 0 };
         self.enqueue(waiting, show);
+    }
+
+    /// Whether the newest results beside a drawing are of another content, made while its folder lay elsewhere or by
+    /// hand: what the journal knows of the drawing is older.
+    fn has_results_of_another(&self, drawing: &Path, sha256: &str) -> bool {
+        let folder = present_folder(drawing, &self.placing_of(drawing));
+        folder.and_then(|f| content_of_results(&f)).is_some_and(|of| of != sha256)
     }
 
     fn ended_before(&mut self, drawing: PathBuf, end: Ended, show: &mut dyn FnMut(Notice)) {
@@ -577,7 +592,7 @@ impl Heart {
 
     /// Disk and permission may come back: the job waits, ever longer, and is tried again.
     fn retry(&mut self, mut what: Waiting, problem: Problem, show: &mut dyn FnMut(Notice)) {
-        let pause = (self.settings.retry_secs * f64::from(1u32 << what.failures.min(10))).min(MAX_RETRY_SECS);
+        let pause = retry_pause(self.settings.retry_secs, what.failures);
         self.write_failure("waiting", &what, &problem);
         show(Notice::Failed { drawing: what.drawing.clone(), problem, retry_secs: Some(pause) });
         if self.queue.iter().all(|w| w.drawing != what.drawing) {
@@ -753,36 +768,6 @@ impl Running {
             (self.stopped, self.why) = (Some(Instant::now()), why);
         }
     }
-}
-
-fn how_watched(settings: &WatchSettings, reason: Option<&str>) -> String {
-    match reason {
-        Some(why) => format!("polled every {} s: {why}", settings.poll_secs),
-        None if settings.poll => format!("polled every {} s: asked for", settings.poll_secs),
-        None => format!("by events, looked through every {} s", settings.rescan_secs),
-    }
-}
-
-fn shown(drawing: &Path) -> Place {
-    Place::file(drawing.file_name().unwrap_or_default().to_string_lossy())
-}
-
-fn too_long(drawing: &Path, limit_secs: f64) -> Error {
-    let text =
-        format!("the job ran longer than the limit of {limit_secs} s (job-limit-secs) and was stopped");
-    Error::input("job-too-long", shown(drawing), text)
-}
-
-fn hung(drawing: &Path) -> Error {
-    let text = "the job did not stop when asked to and was left behind; the next drawing is taken up";
-    Error::input("job-hung", shown(drawing), text)
-}
-
-fn taken(root: &Path) -> Error {
-    let folder = root.join(STATE_FOLDER);
-    let who = read_lease(&folder).map_or_else(String::new, |l| format!(" (process {} on {})", l.pid, l.host));
-    let text = format!("another daemon{who} has taken this folder; this one leaves it");
-    Error::environment("folder-taken", Place::file(root.display().to_string()), text)
 }
 
 #[cfg(unix)]

@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde_json::{Value, json};
 
 use crate::report::{Error, Problem};
-use crate::store::{Disk, Placing, STATE_FOLDER, find_folder, is_held, read_lease, write_json};
+use crate::store::{Disk, Placing, STATE_FOLDER, SystemDisk, find_folder, is_held, read_lease, write_json};
 
 /// What the status of a drawing says besides its progress.
 #[derive(Clone, Debug, Default)]
@@ -52,6 +52,12 @@ pub(super) fn write_standing(disk: &dyn Disk, drawing: &Path, placing: &Placing,
     }
 }
 
+/// Of which content the newest results in a result folder are, by its SHA-256; `None` where none is known.
+pub(super) fn content_of_results(folder: &Path) -> Option<String> {
+    let status: Value = serde_json::from_slice(&std::fs::read(folder.join("status.json")).ok()?).ok()?;
+    (status["state"] == "done").then(|| status["sha256"].as_str().map(str::to_owned))?
+}
+
 /// Writes how a job without results ended.
 pub(super) fn write_end(disk: &dyn Disk, drawing: &Path, placing: &Placing, sha256: &str, error: &Error) {
     let problems: Vec<Problem> = error.problem().cloned().into_iter().collect();
@@ -60,8 +66,12 @@ pub(super) fn write_end(disk: &dyn Disk, drawing: &Path, placing: &Placing, sha2
     write_standing(disk, drawing, placing, &standing);
 }
 
-/// What daemons tell about these roots: one object a root, `{root, is_running, owner, status}`; `status`
-/// is the daemon's overview (`enfilade.daemon/1`), null where none ever ran. A root that cannot be
+/// With fewer bytes left a daemon cannot write its overview.
+const OVERVIEW_BYTES: u64 = 64 << 10;
+
+/// What daemons tell about these roots: one object a root, `{root, is_running, owner, status, doubt}`; `status`
+/// is the daemon's overview (`enfilade.daemon/1`), null where none ever ran; `doubt` says why what it tells may be of
+/// an earlier time, null where nothing speaks against it. A root that cannot be
 /// written keeps its state elsewhere and shows as never watched here.
 pub fn status(roots: &[PathBuf]) -> Vec<Value> {
     let one = |root: &PathBuf| {
@@ -73,9 +83,16 @@ pub fn status(roots: &[PathBuf]) -> Vec<Value> {
             "is_running": is_held(&folder),
             "owner": read_lease(&folder).map(|l| json!(l)),
             "status": status,
+            "doubt": doubt(SystemDisk.free_bytes(&folder).ok()),
         })
     };
     roots.iter().map(one).collect()
+}
+
+/// Why an overview may be old: nothing new can be written where so much is free.
+fn doubt(free_bytes: Option<u64>) -> Option<&'static str> {
+    let is_full = free_bytes.is_some_and(|free| free < OVERVIEW_BYTES);
+    is_full.then_some("the disk is full, so what is told here may be of before it was: make room")
 }
 
 /// A time as RFC 3339 in UTC, to the second.
@@ -106,6 +123,12 @@ pub(super) type SharedDisk = Arc<dyn Disk>;
 mod tests {
     use super::*;
     use std::time::Duration;
+
+    #[test]
+    fn a_full_disk_makes_what_is_told_doubtful() {
+        assert!(doubt(Some(0)).is_some() && doubt(Some(OVERVIEW_BYTES - 1)).is_some());
+        assert_eq!((doubt(Some(OVERVIEW_BYTES)), doubt(None)), (None, None));
+    }
 
     #[test]
     fn dates_are_right() {

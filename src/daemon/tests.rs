@@ -222,7 +222,8 @@ fn half_written_files_wait() {
 fn rename_saves_are_seen_and_cancel_nothing_by_vanishing() {
     let daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
     daemon.save("plan.dxf", "slow");
-    daemon.await_said("Started", 1);
+    // It is said to have started before its file is read.
+    daemon.await_true("the job", || daemon.jobs() == 1);
     fs::rename(daemon.path("plan.dxf"), daemon.path("plan.bak")).unwrap();
     thread::sleep(Duration::from_millis(400));
     assert_eq!(daemon.count_said("Stopped"), 0);

@@ -74,9 +74,10 @@ fn front<'a>(among: &[&'a Vec<f64>], signs: &[f64]) -> Vec<&'a Vec<f64>> {
     among.iter().filter(|v| !among.iter().any(|other| beats(other, v))).copied().collect()
 }
 
-/// The command line that gives the same round again: what differs from the defaults, and the budget.
+/// The command line that gives the same round again in the drawing's folder, wherever that has been moved to: what
+/// differs from the defaults, and the budget.
 fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> String {
-    let mut out = format!("enfilade run {}", quoted(input.path));
+    let mut out = format!("enfilade run {}", quoted(&as_an_argument(input.file())));
     let mut add = |key: &str, value: String| out.push_str(&format!(" --{key} {}", quoted(&value)));
     let optional = [
         ("unit", &settings.unit),
@@ -149,6 +150,11 @@ fn in_a_settings_file(settings: &Settings) -> String {
     }
 }
 
+/// A file of the folder one is in, so that no program takes its name for an option.
+fn as_an_argument(file: &str) -> String {
+    if file.starts_with('-') { format!("./{file}") } else { file.into() }
+}
+
 /// A word as a shell takes it.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:+=".contains(c);
@@ -162,6 +168,15 @@ fn quoted(word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Section 3 of the hazards, rule 10.
+    #[test]
+    fn names_are_arguments_never_options_nor_commands() {
+        let argument = |file| quoted(&as_an_argument(file));
+        assert_eq!(argument("plan.dxf"), "plan.dxf");
+        assert_eq!(argument("-o.dxf"), "./-o.dxf");
+        assert_eq!(argument("a$(x) 'b'.dxf"), r"'a$(x) '\''b'\''.dxf'");
+    }
 
     #[test]
     fn the_front_is_what_nothing_beats() {

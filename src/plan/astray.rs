@@ -300,3 +300,48 @@ fn length(shape: &Shape) -> f64 {
         Shape::Polyline { .. } => control_points(shape).windows(2).map(|w| w[0].distance(w[1])).sum(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::drawing::{Editable, SourceRef};
+
+    fn line(i: usize) -> Entity {
+        let at = |y: f64| DVec2::new(i as f64 * 0.2, y);
+        Entity {
+            source: SourceRef {
+                record: i,
+                handle: None,
+                line: 0,
+                kind: "LINE".into(),
+                layer: "Doors".into(),
+            },
+            layer: "Doors".into(),
+            shape: Shape::Line { a: at(0.0), b: at(4.0) },
+            editable: Editable::Free,
+            blocks: Vec::new(),
+        }
+    }
+
+    /// Comparisons grow with the square of what is drawn: beyond the limit nothing is looked for, and nothing waits.
+    #[test]
+    fn more_comparisons_than_the_limit_are_not_made() {
+        let most = (1..).take_while(|n| n * (n + 1) <= COMPARED_MAX).last().unwrap();
+        let wall = |y: f64| Piece { a: DVec2::new(0.0, y), b: DVec2::new(1e4, y), entity: 0 };
+        let near_none = [DVec2::splat(-2.0), DVec2::splat(-1.0)];
+        let all = [DVec2::splat(-1e5), DVec2::splat(1e5)];
+        for (count, is_looked_at) in [(most, true), (most + 1, false)] {
+            let drawing = Drawing::of((0..count).map(line).collect());
+            let walls = [wall(0.0)];
+            let search = Search { drawing: &drawing, walls: &walls, boxes: [near_none, all], unit_m: 1.0 };
+            assert_eq!(search.near_or_hanging(0..count).len(), if is_looked_at { count } else { 0 });
+        }
+        let drawing = Drawing::of((0..100).map(line).collect());
+        let entities: Vec<usize> = (0..100).collect();
+        for (count, is_looked_at) in [(COMPARED_MAX / 100, true), (COMPARED_MAX / 100 + 1, false)] {
+            let walls = vec![wall(-9.0); count];
+            let search = Search { drawing: &drawing, walls: &walls, boxes: [all, all], unit_m: 1.0 };
+            assert_eq!(search.faces(&entities).len(), if is_looked_at { 100 } else { 0 });
+        }
+    }
+}

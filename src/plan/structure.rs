@@ -444,3 +444,19 @@ pub fn face_handles(plan: &Plan, (wall, part): FaceRef) -> Vec<Handle> {
         Shape::Arc { .. } | Shape::Circle { .. } => Vec::new(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Glass beyond the walls that hangs together is followed to its end, until there is too much of it to be glass.
+    #[test]
+    fn more_lines_beyond_the_walls_than_the_limit_are_not_looked_at() {
+        let chain = |count: usize| -> Vec<[DVec2; 2]> {
+            (1..=count).rev().map(|i| [i as f64, i as f64 + 1.0].map(|x| DVec2::new(x, 0.0))).collect()
+        };
+        let near = vec![[DVec2::ZERO, DVec2::X]];
+        assert_eq!(with_hanging(near.clone(), chain(FAR_MAX), &[]).len(), 1 + FAR_MAX);
+        assert_eq!(with_hanging(near.clone(), chain(FAR_MAX + 1), &[]), near);
+    }
+}

@@ -538,6 +538,17 @@ fn a_job_finds_its_memory_until_it_is_done() {
 }
 
 #[test]
+fn too_large_a_memory_is_none_of_ours() {
+    let dir = tempfile::tempdir().unwrap();
+    let home = home(sound(), &dir.path().join("plan.dxf")).unwrap();
+    home.remember(b"kept", true).unwrap();
+    assert_eq!(home.memory(), b"kept");
+    let file = File::options().write(true).open(home.folder().join(MEMORY)).unwrap();
+    file.set_len(MEMORY_BYTES_MAX + 1).unwrap();
+    assert!(home.memory().is_empty());
+}
+
+#[test]
 fn equal_bytes_are_not_rewritten() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("status.json");

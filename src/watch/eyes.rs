@@ -16,7 +16,7 @@ use notify::{Config, ErrorKind, RecommendedWatcher, RecursiveMode, Watcher};
 use sha2::{Digest, Sha256};
 
 use super::{
-    Checked, Completeness, EndMark, Event, Identity, Kind, MAX_SCANNED_FILES, Names, Seen, Stat,
+    Checked, Completeness, EndMark, Event, Identity, Kind, MAX_SCANNED_FILES, Names, Seen, Stat, Verdict,
     WatchSettings,
 };
 use crate::report::Error;
@@ -210,7 +210,7 @@ fn limit_text(setting: &str) -> String {
 struct Listing {
     /// The folders that are looked into.
     folders: BTreeMap<PathBuf, Identity>,
-    /// The files in them, by name.
+    /// The files in them, by name; and what bears a drawing's name and is none.
     files: Vec<(PathBuf, Stat)>,
     /// Whether there are more files than the limit.
     is_cut: bool,
@@ -230,13 +230,13 @@ fn list(root: &Path, names: &Names, limit: usize) -> Option<Listing> {
         for entry in entries.flatten() {
             let path = entry.path();
             let Ok(kind) = entry.file_type() else { continue };
-            if kind.is_dir() && names.folder_reason(&path).is_none() {
-                todo.push(path);
-            } else if kind.is_file() && out.files.len() >= limit {
+            if kind.is_dir() {
+                todo.extend(names.folder_reason(&path).is_none().then_some(path));
+            } else if !kind.is_file() && names.verdict(&path) != Verdict::Take {
+                // Links, pipes and devices count only where they bear a drawing's name.
+            } else if out.files.len() >= limit {
                 out.is_cut = true;
-            } else if kind.is_file()
-                && let Seen::There(stat) = stat_of(&path)
-            {
+            } else if let Seen::There(stat) = stat_of(&path) {
                 out.files.push((path, stat));
             }
         }
@@ -257,6 +257,8 @@ pub fn stat_of(path: &Path) -> Seen {
 fn stat_from(meta: &Metadata) -> Stat {
     let kind = if meta.is_dir() {
         Kind::Folder
+    } else if meta.is_symlink() {
+        Kind::Link
     } else if !meta.is_file() {
         Kind::Other
     } else if is_placeholder(meta) {
@@ -340,7 +342,7 @@ pub fn read_whole(path: &Path) -> Result<(Vec<u8>, Stat), Checked> {
     if !followed.is_file() {
         return Err(Checked::Unreadable("it is no file".into()));
     }
-    let mut file = File::open(path).map_err(refuse)?;
+    let mut file = open_at_once(path).map_err(refuse)?;
     let before = stat_from(&file.metadata().map_err(refuse)?);
     let mut bytes = Vec::with_capacity(before.size as usize);
     file.read_to_end(&mut bytes).map_err(refuse)?;
@@ -348,6 +350,24 @@ pub fn read_whole(path: &Path) -> Result<(Vec<u8>, Stat), Checked> {
     let named = stat_from(&fs::metadata(path).map_err(refuse)?);
     let is_same = before == after && bytes.len() as u64 == after.size && named == after;
     if is_same { Ok((bytes, after)) } else { Err(Checked::Changed) }
+}
+
+/// Bytes of a file beside a drawing; none of what is no file: a pipe would be waited for.
+pub fn bytes_of(path: &Path) -> Option<Vec<u8>> {
+    read_whole(path).ok().map(|(bytes, _)| bytes)
+}
+
+/// Opens for reading without waiting, should a pipe have taken the file's place.
+#[cfg(unix)]
+fn open_at_once(path: &Path) -> io::Result<File> {
+    use std::os::unix::fs::OpenOptionsExt;
+    let flags = rustix::fs::OFlags::NONBLOCK.bits() as i32;
+    File::options().read(true).custom_flags(flags).open(path)
+}
+
+#[cfg(not(unix))]
+fn open_at_once(path: &Path) -> io::Result<File> {
+    File::open(path)
 }
 
 /// Windows lets a program keep others out while it writes: no matter of permission, only of time.

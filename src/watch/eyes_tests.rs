@@ -37,8 +37,15 @@ fn scan_lists_files_not_results_nor_links() {
         std::os::unix::fs::symlink(target, root.join(link)).unwrap();
     }
     let (mut eyes, _events) = eyes(&root, 1);
-    let found: Vec<PathBuf> = eyes.scan(&root).unwrap().into_iter().map(|(p, _)| p).collect();
-    assert_eq!(found, [root.join("plan.dxf"), root.join("sub/s.dxf")]);
+    let found = eyes.scan(&root).unwrap();
+    let of = |wanted: Kind| -> Vec<PathBuf> {
+        found.iter().filter(|(_, s)| s.kind == wanted).map(|(p, _)| p.clone()).collect()
+    };
+    assert_eq!(of(Kind::File), [root.join("plan.dxf"), root.join("sub/s.dxf")]);
+    if cfg!(unix) {
+        assert_eq!(of(Kind::Link), [root.join("d.dxf"), root.join("p.dxf")]);
+        assert_eq!(found.len(), 4, "{found:?}");
+    }
     assert_eq!(eyes.scan(Path::new("/nowhere")), None);
 }
 
@@ -136,6 +143,19 @@ fn a_read_is_whole_or_refused() {
         read_settled(&path, |_, _| Completeness::Complete),
         Checked::Read { stat, sha256, completeness }
     );
+}
+
+/// Hazard 30: a pipe is known without opening it, and were it opened nobody would wait for its writer.
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_never_waited_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("plan.dxf");
+    assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+    assert!(matches!(stat_of(&path), Seen::There(Stat { kind: Kind::Other, .. })));
+    assert!(matches!(read_whole(&path), Err(Checked::Unreadable(_))));
+    assert_eq!(bytes_of(&path), None);
+    assert!(open_at_once(&path).is_ok());
 }
 
 #[test]

@@ -10,7 +10,7 @@ mod settle;
 
 use std::path::{Path, PathBuf};
 
-pub use eyes::{Eyes, identity_of, network_reason, read_settled, read_whole, sha256_hex, stat_of};
+pub use eyes::{Eyes, bytes_of, identity_of, network_reason, read_settled, read_whole, sha256_hex, stat_of};
 pub use names::{IgnoreRule, Names, OUTPUT_SUFFIX, Verdict, builtin_ignores, is_data, is_output_name};
 pub use settle::{Action, Event, Now, Settle};
 
@@ -152,7 +152,9 @@ pub enum Kind {
     Placeholder,
     /// A folder.
     Folder,
-    /// A link, device, pipe or socket: never followed (hazard 30).
+    /// A link: never followed (hazard 30).
+    Link,
+    /// A device, pipe or socket: never opened (hazard 30).
     Other,
 }
 

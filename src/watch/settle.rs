@@ -91,6 +91,10 @@ const MAX_IGNORED: usize = 10_000;
 const GRACE_LOOK_SECS: f64 = 1.0;
 /// A folder that appeared is scanned this soon, together with its siblings.
 const FOLDER_SCAN_SECS: f64 = 0.2;
+/// Why what bears a drawing's name and is no file is left alone.
+const A_LINK: &str =
+    "a link, and links are not followed; put the drawing itself here, or watch the folder where it lies";
+const A_PIPE: &str = "a pipe, socket or device and no file; it is never opened";
 
 #[derive(Debug)]
 struct Root {
@@ -101,6 +105,10 @@ struct Root {
     identity: Option<Identity>,
     is_offline: bool,
     next_scan: Duration,
+    /// When the next scan comes where nothing happens.
+    next_regular: Duration,
+    /// Whether the newest scan had no other cause than the time.
+    is_regular: bool,
     next_look: Duration,
     offline_pause: Duration,
     is_scanning: bool,
@@ -119,6 +127,16 @@ struct Pending {
     is_asked: bool,
     is_noted: bool,
     is_told: bool,
+    /// Whether a scan found the change, and no event has told of it yet.
+    is_unheard: bool,
+}
+
+impl Root {
+    /// Changes that a scan finds now prove nothing about the events: they may have been lost for this cause.
+    fn scan_for_cause(&mut self, now: Duration) {
+        self.next_scan = now;
+        self.is_regular = false;
+    }
 }
 
 /// The state of all files of all roots. Answers to its actions and reports of the system go in by
@@ -154,6 +172,8 @@ impl Settle {
                 identity: None,
                 is_offline: false,
                 next_scan: Duration::ZERO,
+                next_regular: Duration::MAX,
+                is_regular: false,
                 next_look: Duration::ZERO,
                 offline_pause: Duration::from_secs_f64(ROOT_LOOK_SECS),
                 is_scanning: false,
@@ -203,8 +223,8 @@ impl Settle {
     /// Takes in a report of the system.
     pub fn on_event(&mut self, now: Duration, event: Event) {
         match event {
-            Event::Lost(_) => self.roots.iter_mut().for_each(|r| r.next_scan = now),
-            Event::Blind(root, why) => self.blind(now, &root, why),
+            Event::Lost(_) => self.roots.iter_mut().for_each(|r| r.scan_for_cause(now)),
+            Event::Blind(root, why) => self.blind(now, &root, "watch-refused", why),
             Event::Crowded(root) => {
                 let text = format!(
                     "holds more files than MAX_SCANNED_FILES ({MAX_SCANNED_FILES}); the rest is not looked at"
@@ -215,15 +235,12 @@ impl Settle {
         }
     }
 
-    fn blind(&mut self, now: Duration, root: &Path, why: String) {
+    /// Trusts no more events of a root.
+    fn blind(&mut self, now: Duration, root: &Path, code: &'static str, why: String) {
         let Some(r) = self.roots.iter_mut().find(|r| r.path == root && !r.is_polled) else { return };
         r.is_polled = true;
-        r.next_scan = now;
-        self.tell(
-            root,
-            "watch-refused",
-            format!("{why}; polled every {} s instead", self.settings.poll_secs),
-        );
+        r.scan_for_cause(now);
+        self.tell(root, code, format!("{why}; polled every {} s instead", self.settings.poll_secs));
     }
 
     /// Asks for the file to be judged anew although nothing happened to it.
@@ -275,6 +292,7 @@ impl Settle {
         p.changed = now;
         p.next = now;
         p.pause = p.quiet;
+        p.is_unheard = false;
     }
 
     /// Takes in the answer to [`Action::Look`], or what a scan saw.
@@ -291,16 +309,22 @@ impl Settle {
     }
 
     fn there(&mut self, now: Duration, path: &Path, stat: Stat, i: usize) {
-        if matches!(stat.kind, Kind::Folder | Kind::Other) {
-            self.pending.remove(path);
-            if stat.kind == Kind::Folder {
-                self.roots[i].next_scan =
-                    self.roots[i].next_scan.min(now + Duration::from_secs_f64(FOLDER_SCAN_SECS));
+        match stat.kind {
+            Kind::Link => return self.no_file(path, A_LINK, i),
+            Kind::Other => return self.no_file(path, A_PIPE, i),
+            Kind::Folder => {
+                self.pending.remove(path);
+                let soon = now + Duration::from_secs_f64(FOLDER_SCAN_SECS);
+                self.roots[i].next_scan = self.roots[i].next_scan.min(soon);
+                return;
             }
-            return;
+            Kind::File | Kind::Placeholder => {}
         }
         if !matches!(self.roots[i].names.verdict(path), Verdict::Take | Verdict::Settings) {
             return;
+        }
+        if self.ignored.remove(path) {
+            self.out.push(Action::IgnoredGone(path.into()));
         }
         let is_settled = self.settled.get(path) == Some(&stat);
         let Some(p) = self.pending.get_mut(path) else {
@@ -326,8 +350,41 @@ impl Settle {
         } else if now < p.changed + p.quiet {
             p.next = p.changed + p.quiet;
         } else {
+            if std::mem::take(&mut p.is_unheard) {
+                self.unheard(now, path, i);
+            }
             self.quiet_enough(path, stat);
         }
+    }
+
+    /// What bears a drawing's name and is no file is never opened, only named (hazard 30).
+    fn no_file(&mut self, path: &Path, why: &str, i: usize) {
+        self.pending.remove(path);
+        if self.settled.remove(path).is_some() {
+            self.out.push(Action::Removed(path.into()));
+            self.settings_touched(path);
+        }
+        if self.roots[i].names.verdict(path) == Verdict::Take {
+            self.tell_ignored(path.into(), why.into());
+        }
+    }
+
+    /// A change that only a regular scan found, and of which no event told since: the root's events cannot be
+    /// trusted, whatever kind of drive it lies on (hazard 10). A file of our own would prove nothing: a change made
+    /// on this machine is told of also where those of other machines are not.
+    fn unheard(&mut self, now: Duration, path: &Path, i: usize) {
+        let (root, name) = (self.roots[i].path.clone(), path.file_name().unwrap_or_default());
+        let why = format!("{} changed, and the system did not say so", name.to_string_lossy());
+        self.blind(now, &root, "watch-deaf", why);
+    }
+
+    /// Whether somebody who watches should have been told of what a scan found: the root's own files, and others
+    /// where the same file has other content. Folders come and go with all that is in them.
+    fn should_be_heard(&self, path: &Path, stat: &Stat, i: usize) -> bool {
+        let r = &self.roots[i];
+        let is_own = path.parent() == Some(r.path.as_path());
+        let is_same_file = || self.settled.get(path).is_some_and(|old| old.inode == stat.inode);
+        r.is_regular && !r.is_polled && (is_own || is_same_file())
     }
 
     fn quiet_enough(&mut self, path: &Path, stat: Stat) {
@@ -363,6 +420,11 @@ impl Settle {
     }
 
     fn gone(&mut self, now: Duration, path: &Path, i: usize) {
+        if self.ignored.remove(path) {
+            self.pending.remove(path);
+            self.out.push(Action::IgnoredGone(path.into()));
+            return;
+        }
         let was_known = self.settled.remove(path).is_some();
         if !self.pending.contains_key(path) && !was_known {
             return;
@@ -497,7 +559,13 @@ impl Settle {
     /// A scan may be older than an event that came while it ran, so it starts a wait but ends none.
     fn scanned(&mut self, now: Duration, path: &Path, stat: Stat, i: usize) {
         match self.pending.get_mut(path) {
-            None => self.there(now, path, stat, i),
+            None => {
+                let should_be_heard = self.should_be_heard(path, &stat, i);
+                self.there(now, path, stat, i);
+                if let Some(p) = self.pending.get_mut(path) {
+                    p.is_unheard = should_be_heard;
+                }
+            }
             Some(p) if p.stat != Some(stat) => p.next = p.next.min(now),
             Some(_) => {}
         }
@@ -527,7 +595,7 @@ impl Settle {
             self.out.push(Action::Online(root.into()));
         }
         if is_another || is_back {
-            self.roots[i].next_scan = now;
+            self.roots[i].scan_for_cause(now);
             self.out.push(Action::Rearm(root.into()));
         }
     }
@@ -568,8 +636,10 @@ impl Settle {
             }
             if r.next_scan <= now && !r.is_scanning && !r.is_offline {
                 r.is_scanning = true;
+                r.is_regular = r.next_scan == r.next_regular;
                 let pause = if r.is_polled { self.settings.poll_secs } else { self.settings.rescan_secs };
                 r.next_scan = now + Duration::from_secs_f64(pause);
+                r.next_regular = r.next_scan;
                 self.out.push(Action::Scan(r.path.clone()));
             }
         }
@@ -584,7 +654,7 @@ impl Settle {
             return;
         }
         for r in self.roots.iter_mut().filter(|r| !r.is_offline) {
-            r.next_scan = now.mono;
+            r.scan_for_cause(now.mono);
             self.out.push(Action::Rearm(r.path.clone()));
         }
     }
@@ -624,6 +694,7 @@ impl Pending {
             is_asked: false,
             is_noted: false,
             is_told: false,
+            is_unheard: false,
         }
     }
 }

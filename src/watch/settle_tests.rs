@@ -27,7 +27,12 @@ struct World {
 impl World {
     fn write(&mut self, path: &Path, content: &str) {
         self.writes += 1;
-        let kind = if content.starts_with("cloud") { Kind::Placeholder } else { Kind::File };
+        let kind = match content.split(':').next() {
+            Some("cloud") => Kind::Placeholder,
+            Some("link") => Kind::Link,
+            Some("pipe") => Kind::Other,
+            _ => Kind::File,
+        };
         let size = if content.starts_with("huge") { MAX_DRAWING_BYTES + 1 } else { content.len() as u64 };
         let time = i128::from(self.writes);
         let stat = Stat { size, mtime_ns: time, ctime_ns: time, inode: self.writes, kind };
@@ -353,6 +358,19 @@ proptest::proptest! {
         }
         proptest::prop_assert!(run.said.iter().all(|(_, s)| !s.contains("half")));
     }
+}
+
+/// Each is said once; a folder with more of them than the limit is not said without end.
+#[test]
+fn only_so_many_are_said_to_be_left_alone() {
+    let mut run = Run::new(&WatchSettings::default(), false);
+    for i in 0..=MAX_IGNORED {
+        let path = Path::new(ROOT).join(format!("#{i}.dxf"));
+        run.settle.on_event(Duration::ZERO, Event::Touched(path.clone()));
+        run.settle.on_event(Duration::ZERO, Event::Touched(path));
+    }
+    let said = run.settle.on_tick(Now::default());
+    assert_eq!(said.iter().filter(|a| matches!(a, Action::Ignored { .. })).count(), MAX_IGNORED);
 }
 
 #[test]

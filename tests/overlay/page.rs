@@ -24,6 +24,7 @@ fn the_page_carries_everything_and_loads_nothing() {
     let dots = page.matches("<circle class=\"dot\"").count();
     assert_eq!(dots, 3 * 500, "a larger archive is thinned, in each of three pictures");
     assert_eq!(page, report_html(&sample.input()));
+    assert!(!page.contains("Büro/"), "a round says where its drawing lay, which may be moved");
 }
 
 #[test]

@@ -78,6 +78,41 @@ fn failures_are_remembered_over_a_restart() {
     assert!(again.contains("UpToDate") && again.contains("1 candidate"), "{again}");
 }
 
+/// A folder that is moved takes its results along. Back again, a drawing with a content that was done before is done
+/// again where its newest results are of another; and only then.
+#[test]
+fn results_of_another_content_are_not_taken_for_those_of_a_drawing() {
+    let kept = tempfile::tempdir().unwrap();
+    let root = fs::canonicalize(kept.path()).unwrap();
+    let (here, there) = (root.join("sub"), root.join("moved"));
+    fs::create_dir(&here).unwrap();
+    let depth_1 = WatchSettings { depth: 1, ..settings() };
+    let run_until_done = || {
+        let (stop, mut count) = (Cancel::default(), 0);
+        let run: Arc<RunJob> =
+            Arc::new(|request: &JobRequest, _: &mut dyn FnMut(JobEvent), _: &Cancel| Ok(echo(request)));
+        let mut show = |notice: Notice| {
+            count += usize::from(matches!(notice, Notice::Done { .. }));
+            if matches!(notice, Notice::Done { .. } | Notice::UpToDate { .. }) {
+                stop.stop();
+            }
+        };
+        watch(std::slice::from_ref(&root), &depth_1, run, &mut show, &stop).unwrap_err();
+        count
+    };
+    fs::write(here.join("plan.dxf"), "one EOF\n").unwrap();
+    assert_eq!(run_until_done(), 1);
+    fs::rename(&here, &there).unwrap();
+    fs::write(there.join("plan.dxf"), "two EOF\n").unwrap();
+    assert_eq!(run_until_done(), 1);
+    fs::rename(&there, &here).unwrap();
+    fs::write(here.join("plan.dxf"), "one EOF\n").unwrap();
+    assert_eq!(run_until_done(), 1);
+    let newest = fs::read_to_string(here.join("plan.enfilade/round-03/candidate-1.dxf")).unwrap();
+    assert_eq!(newest, "one EOF\n");
+    assert_eq!(run_until_done(), 0);
+}
+
 #[test]
 fn a_drawing_that_goes_is_said_to_be_gone() {
     let daemon = Daemon::echo();
@@ -86,4 +121,28 @@ fn a_drawing_that_goes_is_said_to_be_gone() {
     fs::remove_file(daemon.path("plan.dxf")).unwrap();
     daemon.await_said("Removed(", 1);
     assert!(daemon.path("plan.enfilade/round-01").exists());
+}
+
+/// The overview lists only so many of each kind, and counts all.
+#[test]
+fn the_overview_is_bounded() {
+    const LISTED: usize = 200;
+    let plant = |root: &Path| {
+        fs::write(root.join("a.dxf"), "slow EOF\n").unwrap();
+        for i in 0..=LISTED {
+            fs::write(root.join(format!("b{i:03}.dxf")), "quick EOF\n").unwrap();
+            fs::write(root.join(format!("#{i:03}.dxf")), "").unwrap();
+        }
+    };
+    let daemon = Daemon::start(settings(), plant, |request, _, cancel| slow(request, cancel));
+    let overview = || -> Value {
+        let read = fs::read(daemon.path(".enfilade/status.json")).unwrap_or_default();
+        serde_json::from_slice(&read).unwrap_or_default()
+    };
+    daemon.await_true("all waiting", || overview()["waiting_count"] == LISTED + 1);
+    let overview = overview();
+    assert_eq!(overview["ignored_count"], LISTED + 1);
+    for kind in ["waiting", "ignored"] {
+        assert_eq!(overview[kind].as_array().unwrap().len(), LISTED, "{kind}");
+    }
 }

@@ -133,3 +133,60 @@ fn a_taken_folder_is_left() {
     assert_eq!(daemon.count_said("Stopped"), 1);
     assert!(daemon.path(".enfilade/owner.json").exists(), "the other's lease stays");
 }
+
+/// Hazard 30: links and pipes under the names of drawings, of their settings and of their data are named or passed
+/// over, and hold up nobody.
+#[cfg(unix)]
+#[test]
+fn pipes_and_links_hold_up_nobody() {
+    let pipe = |path: &Path| {
+        assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
+    };
+    let settings = WatchSettings { extensions: vec!["dxf".into(), "gltf".into()], ..settings() };
+    let plant = |root: &Path| {
+        for name in ["pipe.dxf", "plan.enfilade.toml", "scene.bin"] {
+            pipe(&root.join(name));
+        }
+        std::os::unix::fs::symlink("/etc/passwd", root.join("link.dxf")).unwrap();
+        fs::write(root.join("scene.gltf"), "{\"buffers\":[{\"uri\":\"scene.bin\"}]} EOF\n").unwrap();
+    };
+    let daemon = Daemon::start(settings, plant, |request, _, _| Ok(echo(request)));
+    daemon.save("plan.dxf", "one");
+    assert_eq!(daemon.await_round("plan", 1), "one EOF\n");
+    daemon.await_round("scene", 1);
+    pipe(&daemon.path("late.dxf"));
+    daemon.await_said("late.dxf", 1);
+    for (name, why) in [("pipe.dxf", "pipe"), ("link.dxf", "links are not followed"), ("late.dxf", "pipe")] {
+        let said = daemon.said.lock().unwrap().clone();
+        let is_named = |s: &&String| s.starts_with("Ignored") && s.contains(name) && s.contains(why);
+        assert_eq!(said.iter().filter(is_named).count(), 1, "{name}: {said:#?}");
+    }
+}
+
+/// Hazard 10: a file that is written under another of its names changes without an event. The next look through finds
+/// it, says that the events cannot be trusted, and the folder is polled.
+#[cfg(unix)]
+#[test]
+fn a_deaf_watch_is_polled_and_says_so() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let other_name = elsewhere.path().join("plan.dxf");
+    fs::write(&other_name, "one EOF\n").unwrap();
+    let linked = other_name.clone();
+    let settings = WatchSettings { rescan_secs: 0.5, poll_secs: 0.3, ..settings() };
+    let link = move |root: &Path| fs::hard_link(linked, root.join("plan.dxf")).unwrap();
+    let daemon = Daemon::start(settings, link, |request, _, _| Ok(echo(request)));
+    daemon.await_round("plan", 1);
+    assert_eq!(daemon.count_said("watch-deaf"), 0);
+    for (round, text) in [(2, "two EOF\n"), (3, "three EOF\n")] {
+        fs::write(&other_name, text).unwrap();
+        assert_eq!(daemon.await_round("plan", round), text);
+    }
+    assert_eq!(daemon.count_said("watch-deaf"), 1);
+    let watched = || {
+        let read = fs::read(daemon.path(".enfilade/status.json")).unwrap_or_default();
+        serde_json::from_slice::<Value>(&read).map_or(Value::Null, |v| v["roots"][0]["watched"].clone())
+    };
+    daemon.await_true("the overview", || {
+        watched().as_str().is_some_and(|how| how.contains("polled every 0.3 s"))
+    });
+}

@@ -40,10 +40,20 @@ pub(super) fn ocs_axes(extrusion: DVec3) -> [DVec3; 3] {
     [x, n.cross(x), n]
 }
 
-/// Seen from above, where the plane of an extrusion at this elevation lies: object to world xy.
+/// How far the z of a unit normal may be from ±1 in a plane that lies flat: a tilt of 1.4 µm in a metre.
+const UPRIGHT_TOLERANCE: f64 = 1e-12;
+
+/// Whether an extrusion is +z or −z; what little it leans by counts as nothing.
+pub(super) fn is_upright(extrusion: DVec3) -> bool {
+    extrusion.is_finite() && unit_normal(extrusion).z.abs() > 1.0 - UPRIGHT_TOLERANCE
+}
+
+/// Seen from above, where the plane of an extrusion at this elevation lies: object to world xy. A flat plane is
+/// kept or turned over, exactly, so that a value that does not move is written back as it was.
 pub(super) fn ocs_to_world(extrusion: DVec3, elevation: f64) -> DAffine2 {
-    if extrusion == DVec3::Z || extrusion == DVec3::ZERO {
-        return DAffine2::IDENTITY;
+    if is_upright(extrusion) {
+        let side = if extrusion.z < 0.0 { -1.0 } else { 1.0 };
+        return DAffine2::from_scale(DVec2::new(side, 1.0));
     }
     let [x, y, n] = ocs_axes(extrusion);
     DAffine2::from_mat2_translation(DMat2::from_cols(x.truncate(), y.truncate()), n.truncate() * elevation)

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::curves::{self, mapped, ocs_to_world};
+use super::curves::{self, is_upright, mapped, ocs_to_world};
 use super::fields::{
     Fields, attributes, has_embedded_object, lwpolyline_vertices, own_pairs, point_slots, polyline_records,
 };
@@ -446,9 +446,4 @@ impl<'a> Reader<'a, '_> {
 /// A curve that was read as a polyline: it moves as a whole, and turns where its plane lies flat.
 fn as_a_whole(extrusion: DVec3) -> Editable {
     Editable::WithInsert { turnable: is_upright(extrusion) }
-}
-
-/// Whether an extrusion is +z or −z.
-pub(super) fn is_upright(extrusion: DVec3) -> bool {
-    extrusion.is_finite() && curves::unit_normal(extrusion).z.abs() > 1.0 - 1e-12
 }

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::ReadOptions;
 use super::additions;
-use super::entity::is_upright;
+use super::curves::is_upright;
 use super::fields::{
     Fields, attributes, handle_of, has_embedded_object, lwpolyline_vertices, point_slots, polyline_records,
 };
@@ -20,8 +20,6 @@ use crate::report::{Error, Place};
 /// Differences below this many times the rounding step of an entity's largest coordinate are what
 /// changing frames leaves behind, no move.
 const NOISE_STEPS: f64 = 4.0;
-/// Least change that is one, in any unit: on the way through a frame numbers near the least ones lose their digits.
-const NOISE_MIN: f64 = 1e-100;
 
 /// Differences of angles below this (degrees; 0.2 µm at 10 km) are rounding, no turn.
 const NOISE_DEG: f64 = 1e-9;
@@ -155,7 +153,7 @@ impl Editor<'_, '_> {
             }
             largest = largest.max(p.abs().max_element());
         }
-        self.noise = (NOISE_STEPS * f64::EPSILON * largest).max(NOISE_MIN);
+        self.noise = NOISE_STEPS * f64::EPSILON * largest;
         Ok(())
     }
 

@@ -117,9 +117,14 @@ fn head(html: &mut Html, title: &str) {
     html.raw("<style>\n").raw(STYLE).raw("</style>\n</head>\n");
 }
 
+/// File name without folders.
+fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
 /// File name without folders and ending.
 fn drawing_name(path: &str) -> &str {
-    let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
+    let file = file_name(path);
     file.rsplit_once('.').map_or(file, |(stem, _)| if stem.is_empty() { file } else { stem })
 }
 
@@ -143,7 +148,8 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
     // The time it took stands in result.json alone: the page is the same for the same seed.
     let searched = format!("{} layouts", fixed(result.evaluations as f64, 0));
     let facts = [
-        ("Drawing", result.input.path.clone()),
+        // Its folder may be moved with its rounds: what it is called does not change.
+        ("Drawing", file_name(&result.input.path).to_owned()),
         ("Unit", format!("{} ({})", result.input.unit, result.input.unit_reason)),
         ("Measured on", cells),
         ("Walls", fixed(counts.walls as f64, 0)),

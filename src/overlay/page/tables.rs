@@ -262,7 +262,7 @@ fn word_of(severity: &str) -> &'static str {
 
 /// The command and the settings that make the same again.
 pub fn repeat(html: &mut Html, input: &ReportInput<'_>) {
-    html.raw("<section>\n<h2>To make the same again</h2>\n<pre class=\"command\"><code>");
+    html.raw("<section>\n<h2>To make the same again</h2>\n<p class=\"note\">In the drawing's folder:</p>\n<pre class=\"command\"><code>");
     html.text(input.command).raw("</code></pre>\n<details><summary>All settings</summary>\n");
     html.raw("<div class=\"scroll\"><table class=\"settings\">\n<tbody>\n");
     let mut rows = Vec::new();

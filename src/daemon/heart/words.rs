@@ -1,0 +1,59 @@
+//! What the daemon says of roots and jobs, and how long it waits before it tries again.
+
+use std::path::Path;
+
+use super::super::WatchSettings;
+use crate::report::{Error, Place};
+use crate::store::{STATE_FOLDER, read_lease};
+
+/// Longest pause before a job that failed for want of disk or permission is tried again.
+const MAX_RETRY_SECS: f64 = 600.0;
+
+/// Seconds until a job is tried again that failed so often before: twice as long each time.
+pub(super) fn retry_pause(first_secs: f64, failures: u32) -> f64 {
+    (first_secs * f64::from(1u32 << failures.min(10))).min(MAX_RETRY_SECS)
+}
+
+/// How a root is watched, for log, page and `status`.
+pub(super) fn how_watched(settings: &WatchSettings, reason: Option<&str>) -> String {
+    match reason {
+        Some(why) => format!("polled every {} s: {why}", settings.poll_secs),
+        None if settings.poll => format!("polled every {} s: asked for", settings.poll_secs),
+        None => format!("by events, looked through every {} s", settings.rescan_secs),
+    }
+}
+
+/// A drawing as a place.
+pub(super) fn shown(drawing: &Path) -> Place {
+    Place::file(drawing.file_name().unwrap_or_default().to_string_lossy())
+}
+
+pub(super) fn too_long(drawing: &Path, limit_secs: f64) -> Error {
+    let text =
+        format!("the job ran longer than the limit of {limit_secs} s (job-limit-secs) and was stopped");
+    Error::input("job-too-long", shown(drawing), text)
+}
+
+pub(super) fn hung(drawing: &Path) -> Error {
+    let text = "the job did not stop when asked to and was left behind; the next drawing is taken up";
+    Error::input("job-hung", shown(drawing), text)
+}
+
+pub(super) fn taken(root: &Path) -> Error {
+    let folder = root.join(STATE_FOLDER);
+    let who = read_lease(&folder).map_or_else(String::new, |l| format!(" (process {} on {})", l.pid, l.host));
+    let text = format!("another daemon{who} has taken this folder; this one leaves it");
+    Error::environment("folder-taken", Place::file(root.display().to_string()), text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pauses_double_up_to_the_limit() {
+        let pauses = [0, 1, 2, 5, 6, 31, u32::MAX].map(|failures| retry_pause(10.0, failures));
+        assert_eq!(pauses, [10.0, 20.0, 40.0, 320.0, MAX_RETRY_SECS, MAX_RETRY_SECS, MAX_RETRY_SECS]);
+        assert_eq!(retry_pause(2000.0, 0), MAX_RETRY_SECS);
+    }
+}
