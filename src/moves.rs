@@ -6,6 +6,7 @@ mod bars;
 pub mod carried;
 pub mod control;
 pub mod defaults;
+mod doorways;
 mod joined;
 mod mitre;
 mod partitions;

@@ -25,6 +25,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         version: "AC1027 (R2013)".into(),
         declared_unit: Some(Unit { name: unit, metres }),
         declared_unit_words: "$INSUNITS".into(),
+        unit_by_heights: None,
         layers: Vec::new(),
         entities: Vec::new(),
         texts: Vec::new(),

@@ -79,6 +79,7 @@ pub fn read_options(settings: &Settings) -> formats::ReadOptions {
         accept_missing_eof: settings.accept_missing_eof,
         storey: settings.storey.clone(),
         sight,
+        unit: settings.unit.as_deref().and_then(unit_by_name),
         is_by_user: !settings.wall_layers.is_empty(),
         twin: settings.beside.twin.clone(),
         buffers: settings.beside.buffers.clone(),

@@ -38,7 +38,7 @@ use glam::DVec2;
 use crate::report::{Error, Place, Report};
 use curve::Trace;
 use drawing::{Drawing, Editable, Entity, Shape, SourceRef, Unit};
-use frame::{Frame, PLAUSIBLE_SIZE_M, UnitChoice};
+use frame::{BUILT_SIZE_M, Frame, PLAUSIBLE_SIZE_M, UnitChoice};
 use geometry::{PointUm, Segment};
 use markers::Markers;
 use views::View;
@@ -288,7 +288,10 @@ fn state_unit(drawing: &Drawing, unit: &UnitChoice, size_m: f64, human_scale: f6
         place.clone(),
         format!("unit: {}", unit.reason),
     );
-    let [lo, hi] = PLAUSIBLE_SIZE_M;
+    let [lo, hi] = match drawing.format {
+        drawing::Format::Dxf => PLAUSIBLE_SIZE_M,
+        _ => BUILT_SIZE_M,
+    };
     let is_believed = (lo..=hi).contains(&size_m);
     if is_believed && human_scale == 1.0 {
         return;

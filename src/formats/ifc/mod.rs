@@ -37,7 +37,7 @@ pub use zip::{is_zip, unzip};
 
 use crate::formats::StoreyInfo;
 use crate::formats::splice::{self, Splice};
-use crate::plan::drawing::{Addition, Drawing, Edit};
+use crate::plan::drawing::{Addition, Drawing, Edit, Unit};
 use crate::report::{Error, Place, Report};
 use read::Building;
 use step::{Fault, Step, line_of};
@@ -62,12 +62,14 @@ pub enum Sight {
 }
 
 /// How to read a building.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// Name of the storey; `None`: the one with most walls.
     pub storey: Option<String>,
     /// Height of the cut.
     pub sight: Sight,
+    /// The user's word for the unit, which then stands above the file's.
+    pub unit: Option<Unit>,
 }
 
 /// A product that an edit moves.
@@ -103,18 +105,16 @@ impl<'a> Opened<'a> {
     /// # Errors
     /// [`Error::Usage`] where the storey is not there.
     pub fn read(&self, options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
-        read::read_storey(&Building::new(self.file, &self.step), options, report)
+        read::read_storey(&Building::new(self.file, &self.step, options.unit), options, report)
     }
 
-    /// Reads several storeys, each into a report of its own.
+    /// Reads several storeys in one unit, each into a report of its own.
     ///
     /// # Errors
     /// For each as [`Self::read`].
     pub fn read_all(&self, options: &[ReadOptions]) -> Vec<(Result<Drawing, Error>, Report)> {
-        if options.is_empty() {
-            return Vec::new();
-        }
-        let building = Building::new(self.file, &self.step);
+        let Some(first) = options.first() else { return Vec::new() };
+        let building = Building::new(self.file, &self.step, first.unit);
         let one = |o: &ReadOptions| {
             let mut report = Report::default();
             (read::read_storey(&building, o, &mut report), report)
@@ -123,8 +123,8 @@ impl<'a> Opened<'a> {
     }
 
     /// Storeys from the lowest, and how much there is of what.
-    pub fn building(&self) -> (Vec<StoreyInfo>, Elements) {
-        (storeys(&Building::new(self.file, &self.step)), Elements::of(&self.step))
+    pub fn building(&self, unit: Option<Unit>) -> (Vec<StoreyInfo>, Elements) {
+        (storeys(&Building::new(self.file, &self.step, unit)), Elements::of(&self.step))
     }
 }
 
@@ -225,7 +225,7 @@ pub fn patch(
         return Ok(bytes.to_vec());
     }
     let step = open(file, bytes)?;
-    let building = Building::new(file, &step);
+    let building = Building::new(file, &step, options.unit);
     let mut mover = patch::Mover::new(&building, options, edits);
     for edit in edits {
         mover.edit(edit)?;
@@ -253,7 +253,7 @@ pub fn moved_products(
     edits: &[Edit],
 ) -> Result<Vec<Vec<MovedProduct>>, Error> {
     let step = open(file, bytes)?;
-    let building = Building::new(file, &step);
+    let building = Building::new(file, &step, options.unit);
     let mut mover = patch::Mover::new(&building, options, edits);
     let named = |id: u64| {
         let global_id = step.args(id).first().and_then(|a| step.text(a)).unwrap_or_default();
@@ -305,9 +305,9 @@ pub struct Inventory {
 }
 
 /// Classes and storeys of a building; nothing of a file that cannot be read.
-pub fn inventory(bytes: &[u8]) -> Inventory {
+pub fn inventory(bytes: &[u8], unit: Option<Unit>) -> Inventory {
     let Ok(step) = open("", bytes) else { return Inventory::default() };
-    let building = Building::new("", &step);
+    let building = Building::new("", &step, unit);
     let products = building.model.products.iter().chain(&building.model.fillers);
     let mut classes: BTreeMap<String, String> = BTreeMap::new();
     for i in step.all("IFCSLAB").chain(step.all("IFCCOVERING")).chain(step.all("IFCROOF")) {

@@ -14,8 +14,9 @@ use super::units::{Units, units};
 use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, Sight};
 use crate::formats::region::{Region, Rule};
 use crate::plan::drawing::{
-    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Vertex,
+    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
+use crate::plan::units::by_heights;
 use crate::report::{Error, Place, Report};
 
 /// Layer of everything that closes a gap without blocking sight: plugs of door and window openings.
@@ -48,15 +49,25 @@ pub(super) struct Building<'s, 'a> {
     pub model: Model,
     /// Its units.
     pub units: Units,
+    /// Its unit of length by the heights of its walls, where nobody says one.
+    pub unit_by_heights: Option<Unit>,
 }
 
 impl<'s, 'a> Building<'s, 'a> {
-    /// Reads units, products and relations.
-    pub fn new(file: &'s str, step: &'s Step<'a>) -> Self {
+    /// Reads units, products and relations. `wanted` is the user's word for the unit; where neither the user nor the
+    /// file says one, the heights of the walls do.
+    pub fn new(file: &'s str, step: &'s Step<'a>, wanted: Option<Unit>) -> Self {
         let units = units(step);
-        let geo = Geo::new(step, units.length.map_or(1.0, |u| u.metres), units.radians);
+        let known = wanted.or(units.length);
+        let geo = Geo::new(step, known.map_or(1.0, |u| u.metres), units.radians);
         let model = Model::read(step, &geo);
-        Self { file, step, geo, model, units }
+        let mut out = Self { file, step, geo, model, units, unit_by_heights: None };
+        if known.is_none() {
+            let heights: Vec<f64> = wall_spans(&out).iter().map(|s| s[1] - s[0]).collect();
+            out.unit_by_heights = by_heights(&heights);
+            out.geo.metres = out.unit_by_heights.map_or(1.0, |u| u.metres);
+        }
+        out
     }
 
     /// `house.ifc:12 #4711 IfcWall 2O2F…`.
@@ -588,6 +599,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             version: self.b.step.schema.clone(),
             declared_unit: self.b.units.length,
             declared_unit_words: self.b.units.length_words.clone(),
+            unit_by_heights: self.b.unit_by_heights,
             layers,
             entities: self.entities,
             hosts,
@@ -623,6 +635,14 @@ pub(super) fn heights(b: &Building<'_, '_>, storey: Option<&Storey>, sight: Sigh
 /// The floor of a building without storeys: of all heights at which walls start, the one above which most
 /// walls are cut.
 fn lowest(b: &Building<'_, '_>, above: f64) -> f64 {
+    let spans = wall_spans(b);
+    let cut = |floor: f64| spans.iter().filter(|s| s[0] < floor + above && s[1] > floor + above).count();
+    let floors = spans.iter().map(|s| s[0]);
+    floors.max_by(|a, b| cut(*a).cmp(&cut(*b)).then(b.total_cmp(a))).unwrap_or(0.0)
+}
+
+/// Lowest and highest point of every wall with a body, file units.
+fn wall_spans(b: &Building<'_, '_>) -> Vec<[f64; 2]> {
     let mut spans: Vec<[f64; 2]> = Vec::new();
     for p in b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")) {
         let world = p.placement.map_or(Ok(DAffine3::IDENTITY), |m| b.geo.placement(m));
@@ -634,7 +654,5 @@ fn lowest(b: &Building<'_, '_>, above: f64) -> f64 {
             spans.extend(Some(span).filter(|s| s[0].is_finite()));
         }
     }
-    let cut = |floor: f64| spans.iter().filter(|s| s[0] < floor + above && s[1] > floor + above).count();
-    let floors = spans.iter().map(|s| s[0]);
-    floors.max_by(|a, b| cut(*a).cmp(&cut(*b)).then(b.total_cmp(a))).unwrap_or(0.0)
+    spans
 }

@@ -1,0 +1,390 @@
+//! The space before doors: what moves by default leaves it free on both sides.
+//!
+//! Before a door nothing comes nearer than the door is wide, or [`CLEAR_MIN_M`] before a narrower one, unless it
+//! stood nearer at the start: then it comes no nearer. The ways of a group are shortened until this holds at every
+//! place that is tried, also for doors that go along with a group, and for doors that another group may have moved.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::DVec2;
+
+use super::axial::clipped;
+use super::defaults::{DOOR_WIDTH_M, SLIDE_MIN_M};
+use super::{Layout, Moves};
+use crate::plan::axes::{AxisGraph, OpeningKind};
+use crate::plan::curve::{Trace, control_points};
+use crate::plan::fittings::jambs_of;
+use crate::plan::graph::{Graph, Handle};
+use crate::plan::markers::{Clause, Group, Kind};
+use crate::plan::{Plan, box_of};
+use crate::report::Report;
+
+/// What stays free before a narrow door, metres of a person.
+pub const CLEAR_MIN_M: f64 = 0.9;
+
+/// What reaches this little past a jamb stands beside the door, not before it.
+const BESIDE_M: f64 = 0.02;
+
+/// What lies this near to a wall's faces lies in the wall: sills, panes, reveals.
+const IN_WALL_M: f64 = 0.06;
+
+/// Depths that differ by less are one.
+const SAME_M: f64 = 1e-3;
+
+/// Places tried to either side of the start: of a group with one parameter, and of one with several.
+const STEPS_ONE: usize = 20;
+const STEPS_MANY: usize = 4;
+
+/// Places between those that are tried reach no farther than this beyond the hull of the outermost ones.
+const BETWEEN_M: f64 = 0.3;
+
+/// Least turn that is worth a parameter, degrees.
+const TURN_MIN_DEG: f64 = 1.0;
+
+/// A straight piece, metres of a person.
+type Piece = [DVec2; 2];
+
+/// A door and what is to stay free before it; metres of a person.
+struct Doorway {
+    /// Both jambs on the axis.
+    at: Piece,
+    /// The control points of both jambs.
+    jambs: [Vec<Handle>; 2],
+    /// Half the thickness of its wall.
+    half: f64,
+    /// Depth that is to stay free on each side.
+    wanted: f64,
+}
+
+impl Doorway {
+    /// How deep the space before the door is free of some pieces, on its right and its left side; at most as deep as
+    /// is wanted.
+    fn clear<'p>(&self, [a, b]: Piece, pieces: impl Iterator<Item = &'p Piece>) -> [f64; 2] {
+        let (along, width) = ((b - a).normalize_or_zero(), a.distance(b));
+        let local = |p: DVec2| DVec2::new((p - a).dot(along), along.perp_dot(p - a));
+        let mut out = [self.wanted; 2];
+        for [p, q] in pieces {
+            let Some([lo, hi]) = clipped(local(*p), local(*q), BESIDE_M, width - BESIDE_M) else { continue };
+            if hi > self.half + IN_WALL_M {
+                out[1] = out[1].min((lo - self.half).max(0.0));
+            }
+            if lo < -self.half - IN_WALL_M {
+                out[0] = out[0].min((-hi - self.half).max(0.0));
+            }
+        }
+        out
+    }
+
+    /// Box round the door and the space before it.
+    fn reach(&self, at: Piece) -> [DVec2; 2] {
+        let far = DVec2::splat(self.half + self.wanted);
+        [at[0].min(at[1]) - far, at[0].max(at[1]) + far]
+    }
+
+    /// Where its jambs stand in a layout.
+    fn place(&self, plan: &Plan, layout: &Layout) -> Piece {
+        let by = |side: usize| {
+            let moved = self.jambs[side].iter().filter_map(|(w, c)| {
+                let wall = layout.walls.iter().find(|m| m.wall == *w)?;
+                let at = |s| plan.frame.plan_from_file(control_points(s)[*c as usize]);
+                Some((at(&wall.shape) - at(&plan.walls[*w as usize].shape)) / plan.human_scale)
+            });
+            moved.max_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or_default()
+        };
+        [self.at[0] + by(0), self.at[1] + by(1)]
+    }
+}
+
+/// A group that was taken: what it can put where.
+struct Taken {
+    /// Doors that go along with it.
+    doors: BTreeSet<usize>,
+    /// Its pieces at all places tried, and their box.
+    pieces: Vec<Piece>,
+    hull: [DVec2; 2],
+}
+
+/// Keeps the space before doors free while groups are taken one by one.
+pub(super) struct Doorways<'a> {
+    plan: &'a Plan,
+    graph: &'a Graph,
+    axes: &'a AxisGraph,
+    doors: Vec<Doorway>,
+    /// All pieces as drawn, with their walls.
+    drawn: Vec<(u32, Piece)>,
+    /// Where the groups taken so far can put each door.
+    places: BTreeMap<usize, Vec<Piece>>,
+    taken: Vec<Taken>,
+    /// How many groups were shortened, and how many stay for it.
+    pub told: [usize; 2],
+}
+
+impl<'a> Doorways<'a> {
+    /// The doors of a plan.
+    pub fn new(plan: &'a Plan, graph: &'a Graph, axes: &'a AxisGraph) -> Self {
+        let doors = axes.openings.iter().filter(|o| o.kind == OpeningKind::Door).map(|o| Doorway {
+            at: o.jambs.map(|j| j.at),
+            jambs: jambs_of(plan, axes, o),
+            half: o.thickness_m / 2.0,
+            wanted: o.width_m.clamp(CLEAR_MIN_M, DOOR_WIDTH_M[1]),
+        });
+        let of_wall =
+            |(w, t): (usize, &Trace)| pieces_of(plan, t).map(move |p| (w as u32, p)).collect::<Vec<_>>();
+        Self {
+            plan,
+            graph,
+            axes,
+            doors: doors.collect(),
+            drawn: plan.walls.iter().map(|w| &w.trace).enumerate().flat_map(of_wall).collect(),
+            places: BTreeMap::new(),
+            taken: Vec::new(),
+            told: [0; 2],
+        }
+    }
+
+    /// The group with its ways shortened so that the space before doors stays free; `None` where nothing is left.
+    pub fn shortened(&mut self, group: &Group, nodes: &[u32]) -> Option<Group> {
+        if self.doors.is_empty() {
+            return Some(group.clone());
+        }
+        let alone = Moves::new(
+            self.plan,
+            self.graph,
+            self.axes,
+            &[(group.clone(), nodes.to_vec())],
+            &mut Report::default(),
+        );
+        let grid = Grid::new(&alone);
+        let trial = Trial::new(self, &alone, &grid);
+        let (mut lo, mut hi) = grid.all();
+        if !trial.is_far() {
+            let bad: Vec<Vec<usize>> = grid
+                .points(&lo, &hi)
+                .into_iter()
+                .filter(|at| !self.is_clear(&trial, &grid.values(at)))
+                .collect();
+            grid.shrink(&bad, &mut lo, &mut hi);
+        }
+        let out = grid.bounded(group, &lo, &hi, self.plan.human_scale);
+        let is_shorter = out.as_ref().is_some_and(|g| g.clauses != group.clauses);
+        self.told[0] += usize::from(is_shorter);
+        self.told[1] += usize::from(out.is_none());
+        if out.is_some() {
+            let taken = self
+                .taken(&trial, &grid.points(&lo, &hi).iter().map(|at| grid.values(at)).collect::<Vec<_>>());
+            self.taken.push(taken);
+        }
+        out
+    }
+
+    /// What was shortened, in plain words after a comma; empty for nothing.
+    pub fn words(&self) -> String {
+        match self.told {
+            [0, 0] => String::new(),
+            [n, 0] => format!(", {n} of them less far than that so that the space before doors stays free"),
+            [n, m] => format!(
+                ", {n} of them less far than that, and {m} not at all, so that the space before doors stays free"
+            ),
+        }
+    }
+
+    /// Whether a group leaves the space before all doors free at one place.
+    fn is_clear(&self, trial: &Trial<'_>, p: &[f64]) -> bool {
+        let layout = trial.moves.apply(self.plan, self.graph, p);
+        let own: Vec<Piece> = layout.walls.iter().flat_map(|w| pieces_of(self.plan, &w.trace)).collect();
+        let keeps = |now: [f64; 2], kept: [f64; 2]| now.iter().zip(kept).all(|(n, k)| *n >= k - SAME_M);
+        let before = trial.near.iter().all(|d| {
+            let door = &self.doors[*d];
+            let kept = door.clear(door.at, trial.start.iter());
+            let places = self.places.get(d).into_iter().flatten().chain([&door.at]);
+            places.into_iter().all(|at| keeps(door.clear(*at, own.iter()), kept))
+        });
+        before
+            && trial.along.iter().all(|d| {
+                let door = &self.doors[*d];
+                let at = door.place(self.plan, &layout);
+                let [lo, hi] = door.reach(at);
+                let ghosts = self.taken.iter().filter(|t| !t.doors.contains(d) && meet(t.hull, [lo, hi]));
+                let others = trial.others.iter().chain(ghosts.flat_map(|t| &t.pieces));
+                keeps(door.clear(at, others), door.clear(door.at, trial.others.iter()))
+            })
+    }
+
+    /// What a group can put where, within its new bounds.
+    fn taken(&mut self, trial: &Trial<'_>, places: &[Vec<f64>]) -> Taken {
+        let mut pieces = Vec::new();
+        for p in places {
+            let layout = trial.moves.apply(self.plan, self.graph, p);
+            pieces.extend(layout.walls.iter().flat_map(|w| pieces_of(self.plan, &w.trace)));
+            for d in &trial.along {
+                self.places.entry(*d).or_default().push(self.doors[*d].place(self.plan, &layout));
+            }
+        }
+        let hull = box_of(pieces.iter().flatten().copied()).unwrap_or_default();
+        Taken { doors: trial.along.iter().copied().collect(), pieces, hull }
+    }
+}
+
+/// One group on trial.
+struct Trial<'m> {
+    moves: &'m Moves,
+    /// Its pieces as drawn.
+    start: Vec<Piece>,
+    /// The pieces that stay, near the doors that go along.
+    others: Vec<Piece>,
+    /// Doors that stay, before which it may come.
+    near: Vec<usize>,
+    /// Doors that go along with it.
+    along: Vec<usize>,
+}
+
+impl<'m> Trial<'m> {
+    fn new(of: &Doorways<'_>, moves: &'m Moves, grid: &Grid<'_>) -> Self {
+        let handles: BTreeSet<&Handle> = moves.handles().collect();
+        let is_along = |d: &Doorway| d.jambs.iter().flatten().any(|h| handles.contains(h));
+        let (along, rest): (Vec<usize>, Vec<usize>) =
+            (0..of.doors.len()).partition(|d| is_along(&of.doors[*d]));
+        let corners: Vec<Layout> = grid.corners().iter().map(|p| moves.apply(of.plan, of.graph, p)).collect();
+        let reached =
+            corners.iter().flat_map(|l| &l.walls).flat_map(|w| pieces_of(of.plan, &w.trace)).flatten();
+        let [lo, hi] = box_of(reached).unwrap_or_default();
+        let hull = [lo - BETWEEN_M, hi + BETWEEN_M];
+        let is_near = |d: &usize| {
+            let door = &of.doors[*d];
+            let places = of.places.get(d).into_iter().flatten().chain([&door.at]);
+            places.into_iter().any(|at| meet(door.reach(*at), hull))
+        };
+        let is_own = |w: &u32| moves.walls.binary_search(w).is_ok();
+        let far = DVec2::splat(DOOR_WIDTH_M[1]);
+        let reach: Vec<[DVec2; 2]> = along
+            .iter()
+            .map(|d| {
+                let door = &of.doors[*d];
+                let places = corners.iter().map(|l| door.place(of.plan, l)).chain([door.at]);
+                let [lo, hi] = box_of(places.flatten()).unwrap_or_default();
+                [lo - far, hi + far]
+            })
+            .collect();
+        let around = |p: &Piece| {
+            let own = [p[0].min(p[1]), p[0].max(p[1])];
+            reach.iter().any(|r| meet(*r, own))
+        };
+        let others = of.drawn.iter().filter(|(w, p)| !is_own(w) && around(p)).map(|d| d.1).collect();
+        Self {
+            moves,
+            start: of.drawn.iter().filter(|(w, _)| is_own(w)).map(|d| d.1).collect(),
+            others,
+            near: rest.into_iter().filter(is_near).collect(),
+            along,
+        }
+    }
+
+    /// Whether no door is concerned.
+    fn is_far(&self) -> bool {
+        self.near.is_empty() && self.along.is_empty()
+    }
+}
+
+/// The places of a group that are tried: per parameter some steps to either side of the start.
+struct Grid<'m> {
+    parameters: Vec<&'m Clause>,
+    steps: usize,
+}
+
+impl<'m> Grid<'m> {
+    fn new(moves: &'m Moves) -> Self {
+        let parameters: Vec<&Clause> = moves.parameters.iter().map(|p| &p.clause).collect();
+        let steps = if parameters.len() > 1 { STEPS_MANY } else { STEPS_ONE };
+        Self { parameters, steps }
+    }
+
+    /// The first and the last step of every parameter.
+    fn all(&self) -> (Vec<usize>, Vec<usize>) {
+        let n = self.parameters.len();
+        (vec![0; n], vec![2 * self.steps; n])
+    }
+
+    fn value(&self, clause: &Clause, step: usize) -> f64 {
+        let identity = clause.kind.identity();
+        let far = if step < self.steps { clause.lower } else { clause.upper };
+        let share = step.abs_diff(self.steps) as f64 / self.steps as f64;
+        identity + (far - identity) * share
+    }
+
+    fn values(&self, at: &[usize]) -> Vec<f64> {
+        self.parameters.iter().zip(at).map(|(c, step)| self.value(c, *step)).collect()
+    }
+
+    /// All places within some steps.
+    fn points(&self, lo: &[usize], hi: &[usize]) -> Vec<Vec<usize>> {
+        let mut out = vec![Vec::new()];
+        for (from, to) in lo.iter().zip(hi) {
+            let longer = |p: Vec<usize>| (*from..=*to).map(move |s| [p.clone(), vec![s]].concat());
+            out = out.into_iter().flat_map(longer).collect();
+        }
+        out
+    }
+
+    /// The start and the outermost places.
+    fn corners(&self) -> Vec<Vec<f64>> {
+        let ends = vec![vec![0, self.steps, 2 * self.steps]; self.parameters.len()];
+        let mut out: Vec<Vec<usize>> = vec![Vec::new()];
+        for steps in ends {
+            out = out
+                .into_iter()
+                .flat_map(|p| steps.iter().map(move |s| [p.clone(), vec![*s]].concat()).collect::<Vec<_>>())
+                .collect();
+        }
+        out.iter().map(|at| self.values(at)).collect()
+    }
+
+    /// Takes steps off until no bad place is left: always off that side on which most of them lie.
+    fn shrink(&self, bad: &[Vec<usize>], lo: &mut [usize], hi: &mut [usize]) {
+        loop {
+            let within = |at: &&Vec<usize>| at.iter().enumerate().all(|(k, s)| (lo[k]..=hi[k]).contains(s));
+            let left: Vec<&Vec<usize>> = bad.iter().filter(within).collect();
+            let on = |k: usize, is_up: bool| {
+                left.iter().filter(|at| if is_up { at[k] > self.steps } else { at[k] < self.steps }).count()
+            };
+            let sides = (0..lo.len()).flat_map(|k| [(on(k, false), k, false), (on(k, true), k, true)]);
+            match sides.rev().max_by_key(|s| s.0) {
+                Some((n, k, true)) if n > 0 => hi[k] -= 1,
+                Some((n, k, false)) if n > 0 => lo[k] += 1,
+                _ => return,
+            }
+        }
+    }
+
+    /// The group within these steps; `None` where no way is left that is worth a parameter.
+    fn bounded(&self, group: &Group, lo: &[usize], hi: &[usize], scale: f64) -> Option<Group> {
+        let mut out = group.clone();
+        for (k, clause) in out.clauses.iter_mut().enumerate() {
+            if lo.get(k).is_some_and(|s| *s > 0) {
+                clause.lower = self.value(self.parameters[k], lo[k]);
+            }
+            if hi.get(k).is_some_and(|s| *s < 2 * self.steps) {
+                clause.upper = self.value(self.parameters[k], hi[k]);
+            }
+        }
+        let least =
+            |c: &Clause| if matches!(c.kind, Kind::Rotate(_)) { TURN_MIN_DEG } else { SLIDE_MIN_M * scale };
+        let was_less = |k: usize| group.clauses[k].upper - group.clauses[k].lower < least(&group.clauses[k]);
+        let mut k = 0;
+        out.clauses.retain(|c| {
+            k += 1;
+            c.upper - c.lower >= least(c) || was_less(k - 1)
+        });
+        (!out.clauses.is_empty()).then_some(out)
+    }
+}
+
+/// Whether two boxes meet.
+fn meet([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
+    a.cmple(d).all() && c.cmple(b).all()
+}
+
+/// The straight pieces of an outline, metres of a person.
+fn pieces_of<'p>(plan: &'p Plan, trace: &'p Trace) -> impl Iterator<Item = Piece> + 'p {
+    let at = |p| plan.frame.plan_from_um(p) / plan.human_scale;
+    trace.segments().map(move |(_, _, s)| [at(s.a), at(s.b)])
+}
