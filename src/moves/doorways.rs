@@ -11,12 +11,12 @@ use glam::DVec2;
 use super::axial::clipped;
 use super::defaults::{DOOR_WIDTH_M, SLIDE_MIN_M};
 use super::{Layout, Moves};
-use crate::plan::axes::{AxisGraph, OpeningKind};
+use crate::plan::axes::{AxisGraph, Opening, OpeningKind};
 use crate::plan::curve::{Trace, control_points};
 use crate::plan::fittings::jambs_of;
 use crate::plan::graph::{Graph, Handle};
 use crate::plan::markers::{Clause, Group, Kind};
-use crate::plan::{Plan, box_of};
+use crate::plan::{NamedDoor, Plan, Wall, box_of};
 use crate::report::Report;
 
 /// What stays free before a narrow door, metres of a person.
@@ -44,12 +44,22 @@ const TURN_MIN_DEG: f64 = 1.0;
 /// A straight piece, metres of a person.
 type Piece = [DVec2; 2];
 
+/// What a door goes along with.
+enum Hangs {
+    /// The control points of its two jambs.
+    Jambs([Vec<Handle>; 2]),
+    /// The wall that the file says it sits in.
+    Wall(u32),
+    /// Nothing that is known.
+    Free,
+}
+
 /// A door and what is to stay free before it; metres of a person.
 struct Doorway {
     /// Both jambs on the axis.
     at: Piece,
-    /// The control points of both jambs.
-    jambs: [Vec<Handle>; 2],
+    /// What it goes along with.
+    hangs: Hangs,
     /// Half the thickness of its wall.
     half: f64,
     /// Depth that is to stay free on each side.
@@ -83,8 +93,22 @@ impl Doorway {
 
     /// Where its jambs stand in a layout.
     fn place(&self, plan: &Plan, layout: &Layout) -> Piece {
+        let jambs = match &self.hangs {
+            Hangs::Jambs(jambs) => jambs,
+            Hangs::Free => return self.at,
+            Hangs::Wall(host) => {
+                let Some(m) = layout.walls.iter().find(|m| m.wall == *host).and_then(|m| m.motion) else {
+                    return self.at;
+                };
+                let (turn, scale) = (DVec2::from_angle(m.turn_rad), plan.human_scale);
+                return self.at.map(|p| {
+                    let moved = turn.rotate(plan.frame.file_from_plan(p * scale)) + m.shift;
+                    plan.frame.plan_from_file(moved) / scale
+                });
+            }
+        };
         let by = |side: usize| {
-            let moved = self.jambs[side].iter().filter_map(|(w, c)| {
+            let moved = jambs[side].iter().filter_map(|(w, c)| {
                 let wall = layout.walls.iter().find(|m| m.wall == *w)?;
                 let at = |s| plan.frame.plan_from_file(control_points(s)[*c as usize]);
                 Some((at(&wall.shape) - at(&plan.walls[*w as usize].shape)) / plan.human_scale)
@@ -99,8 +123,10 @@ impl Doorway {
 struct Taken {
     /// Doors that go along with it.
     doors: BTreeSet<usize>,
-    /// Its pieces at all places tried, and their box.
-    pieces: Vec<Piece>,
+    /// Its walls.
+    walls: BTreeSet<u32>,
+    /// Its pieces at all places tried, with their walls, and their box.
+    pieces: Vec<(u32, Piece)>,
     hull: [DVec2; 2],
 }
 
@@ -112,8 +138,8 @@ pub(super) struct Doorways<'a> {
     doors: Vec<Doorway>,
     /// All pieces as drawn, with their walls.
     drawn: Vec<(u32, Piece)>,
-    /// Where the groups taken so far can put each door.
-    places: BTreeMap<usize, Vec<Piece>>,
+    /// Where the groups taken so far can put each door, and which of them.
+    places: BTreeMap<usize, Vec<(usize, Piece)>>,
     taken: Vec<Taken>,
     /// How many groups were shortened, and how many stay for it.
     pub told: [usize; 2],
@@ -122,19 +148,13 @@ pub(super) struct Doorways<'a> {
 impl<'a> Doorways<'a> {
     /// The doors of a plan.
     pub fn new(plan: &'a Plan, graph: &'a Graph, axes: &'a AxisGraph) -> Self {
-        let doors = axes.openings.iter().filter(|o| o.kind == OpeningKind::Door).map(|o| Doorway {
-            at: o.jambs.map(|j| j.at),
-            jambs: jambs_of(plan, axes, o),
-            half: o.thickness_m / 2.0,
-            wanted: o.width_m.clamp(CLEAR_MIN_M, DOOR_WIDTH_M[1]),
-        });
         let of_wall =
             |(w, t): (usize, &Trace)| pieces_of(plan, t).map(move |p| (w as u32, p)).collect::<Vec<_>>();
         Self {
             plan,
             graph,
             axes,
-            doors: doors.collect(),
+            doors: if plan.doors.is_empty() { seen_doors(plan, axes) } else { named_doors(plan) },
             drawn: plan.walls.iter().map(|w| &w.trace).enumerate().flat_map(of_wall).collect(),
             places: BTreeMap::new(),
             taken: Vec::new(),
@@ -179,33 +199,43 @@ impl<'a> Doorways<'a> {
 
     /// What was shortened, in plain words after a comma; empty for nothing.
     pub fn words(&self) -> String {
+        let shorter = match self.told[0] {
+            0 => String::new(),
+            n => format!(", {n} of them less far than that"),
+        };
         match self.told {
             [0, 0] => String::new(),
-            [n, 0] => format!(", {n} of them less far than that so that the space before doors stays free"),
-            [n, m] => format!(
-                ", {n} of them less far than that, and {m} not at all, so that the space before doors stays free"
-            ),
+            [_, 0] => format!("{shorter} so that the space before doors stays free"),
+            [_, n] => format!("{shorter}; {n} more stay so that the space before doors stays free"),
         }
     }
 
     /// Whether a group leaves the space before all doors free at one place.
     fn is_clear(&self, trial: &Trial<'_>, p: &[f64]) -> bool {
         let layout = trial.moves.apply(self.plan, self.graph, p);
-        let own: Vec<Piece> = layout.walls.iter().flat_map(|w| pieces_of(self.plan, &w.trace)).collect();
+        let own: Vec<(u32, Piece)> = walls_of(self.plan, &layout).collect();
         let keeps = |now: [f64; 2], kept: [f64; 2]| now.iter().zip(kept).all(|(n, k)| *n >= k - SAME_M);
         let before = trial.near.iter().all(|d| {
             let door = &self.doors[*d];
             let kept = door.clear(door.at, trial.start.iter());
-            let places = self.places.get(d).into_iter().flatten().chain([&door.at]);
-            places.into_iter().all(|at| keeps(door.clear(*at, own.iter()), kept))
+            let mut elsewhere = self.places.get(d).into_iter().flatten();
+            keeps(door.clear(door.at, own.iter().map(|o| &o.1)), kept)
+                && elsewhere.all(|(by, at)| {
+                    // The door's own wall went there with it.
+                    let goes_along = &self.taken[*by].walls;
+                    let others = own.iter().filter(|o| !goes_along.contains(&o.0));
+                    keeps(door.clear(*at, others.map(|o| &o.1)), kept)
+                })
         });
         before
             && trial.along.iter().all(|d| {
                 let door = &self.doors[*d];
                 let at = door.place(self.plan, &layout);
-                let [lo, hi] = door.reach(at);
-                let ghosts = self.taken.iter().filter(|t| !t.doors.contains(d) && meet(t.hull, [lo, hi]));
-                let others = trial.others.iter().chain(ghosts.flat_map(|t| &t.pieces));
+                let reach = door.reach(at);
+                let ghosts = self.taken.iter().filter(|t| !t.doors.contains(d) && meet(t.hull, reach));
+                let ghosts = ghosts.flat_map(|t| &t.pieces);
+                let ghosts = ghosts.filter(|g| trial.moves.walls.binary_search(&g.0).is_err());
+                let others = trial.others.iter().chain(ghosts.map(|g| &g.1));
                 keeps(door.clear(at, others), door.clear(door.at, trial.others.iter()))
             })
     }
@@ -215,13 +245,19 @@ impl<'a> Doorways<'a> {
         let mut pieces = Vec::new();
         for p in places {
             let layout = trial.moves.apply(self.plan, self.graph, p);
-            pieces.extend(layout.walls.iter().flat_map(|w| pieces_of(self.plan, &w.trace)));
+            pieces.extend(walls_of(self.plan, &layout));
             for d in &trial.along {
-                self.places.entry(*d).or_default().push(self.doors[*d].place(self.plan, &layout));
+                let place = self.doors[*d].place(self.plan, &layout);
+                self.places.entry(*d).or_default().push((self.taken.len(), place));
             }
         }
-        let hull = box_of(pieces.iter().flatten().copied()).unwrap_or_default();
-        Taken { doors: trial.along.iter().copied().collect(), pieces, hull }
+        let hull = box_of(pieces.iter().flat_map(|p| p.1)).unwrap_or_default();
+        Taken {
+            doors: trial.along.iter().copied().collect(),
+            walls: trial.moves.walls.iter().copied().collect(),
+            pieces,
+            hull,
+        }
     }
 }
 
@@ -241,7 +277,11 @@ struct Trial<'m> {
 impl<'m> Trial<'m> {
     fn new(of: &Doorways<'_>, moves: &'m Moves, grid: &Grid<'_>) -> Self {
         let handles: BTreeSet<&Handle> = moves.handles().collect();
-        let is_along = |d: &Doorway| d.jambs.iter().flatten().any(|h| handles.contains(h));
+        let is_along = |d: &Doorway| match &d.hangs {
+            Hangs::Jambs(jambs) => jambs.iter().flatten().any(|h| handles.contains(h)),
+            Hangs::Wall(host) => moves.groups.iter().flat_map(|g| &g.handles).any(|h| h.0 == *host),
+            Hangs::Free => false,
+        };
         let (along, rest): (Vec<usize>, Vec<usize>) =
             (0..of.doors.len()).partition(|d| is_along(&of.doors[*d]));
         let corners: Vec<Layout> = grid.corners().iter().map(|p| moves.apply(of.plan, of.graph, p)).collect();
@@ -251,8 +291,8 @@ impl<'m> Trial<'m> {
         let hull = [lo - BETWEEN_M, hi + BETWEEN_M];
         let is_near = |d: &usize| {
             let door = &of.doors[*d];
-            let places = of.places.get(d).into_iter().flatten().chain([&door.at]);
-            places.into_iter().any(|at| meet(door.reach(*at), hull))
+            let places = of.places.get(d).into_iter().flatten().map(|p| p.1).chain([door.at]);
+            places.into_iter().any(|at| meet(door.reach(at), hull))
         };
         let is_own = |w: &u32| moves.walls.binary_search(w).is_ok();
         let far = DVec2::splat(DOOR_WIDTH_M[1]);
@@ -308,7 +348,9 @@ impl<'m> Grid<'m> {
         let identity = clause.kind.identity();
         let far = if step < self.steps { clause.lower } else { clause.upper };
         let share = step.abs_diff(self.steps) as f64 / self.steps as f64;
-        identity + (far - identity) * share
+        let value = identity + (far - identity) * share;
+        // No −0: it would be told so.
+        if value == 0.0 { 0.0 } else { value }
     }
 
     fn values(&self, at: &[usize]) -> Vec<f64> {
@@ -378,9 +420,53 @@ impl<'m> Grid<'m> {
     }
 }
 
+/// The doors that the file calls so, each along the longest side of its wall, else of its own.
+fn named_doors(plan: &Plan) -> Vec<Doorway> {
+    let of = |d: &NamedDoor| {
+        let is_host = |w: &&Wall| d.host.is_some_and(|host| w.source.record == host);
+        let sides = plan.walls.iter().filter(is_host).flat_map(|w| pieces_of(plan, &w.trace));
+        let own: Vec<Piece> = pieces_of(plan, &d.outline).collect();
+        let longest = |pieces: &mut dyn Iterator<Item = Piece>| {
+            pieces.map(|[a, b]| b - a).max_by(|a, b| a.length().total_cmp(&b.length()))
+        };
+        let along =
+            longest(&mut sides.into_iter()).or_else(|| longest(&mut own.iter().copied()))?.try_normalize()?;
+        let local = |p: DVec2| DVec2::new(p.dot(along), along.perp_dot(p));
+        let [lo, hi] = box_of(own.iter().flatten().map(|p| local(*p)))?;
+        let (size, y) = (hi - lo, f64::midpoint(lo.y, hi.y));
+        Some(Doorway {
+            at: [lo.x, hi.x].map(|x| along * x + along.perp() * y),
+            hangs: match plan.walls.iter().position(|w| is_host(&w)) {
+                Some(wall) => Hangs::Wall(wall as u32),
+                None => Hangs::Free,
+            },
+            half: size.y / 2.0,
+            wanted: size.x.clamp(CLEAR_MIN_M, DOOR_WIDTH_M[1]),
+        })
+    };
+    plan.doors.iter().filter_map(of).collect()
+}
+
+/// The doors that are understood from what is drawn.
+fn seen_doors(plan: &Plan, axes: &AxisGraph) -> Vec<Doorway> {
+    let doors = axes.openings.iter().filter(|o| o.kind == OpeningKind::Door);
+    let of = |o: &Opening| Doorway {
+        at: o.jambs.map(|j| j.at),
+        hangs: Hangs::Jambs(jambs_of(plan, axes, o)),
+        half: o.thickness_m / 2.0,
+        wanted: o.width_m.clamp(CLEAR_MIN_M, DOOR_WIDTH_M[1]),
+    };
+    doors.map(of).collect()
+}
+
 /// Whether two boxes meet.
 fn meet([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
     a.cmple(d).all() && c.cmple(b).all()
+}
+
+/// The straight pieces of a layout's walls.
+fn walls_of<'p>(plan: &'p Plan, layout: &'p Layout) -> impl Iterator<Item = (u32, Piece)> + 'p {
+    layout.walls.iter().flat_map(move |w| pieces_of(plan, &w.trace).map(move |p| (w.wall, p)))
 }
 
 /// The straight pieces of an outline, metres of a person.

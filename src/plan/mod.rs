@@ -67,6 +67,18 @@ pub struct Plug {
     pub outline: Trace,
 }
 
+/// Layer of the doors of a building.
+pub const DOOR_LAYER: &str = "IfcDoor";
+
+/// A door that the file calls so.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedDoor {
+    /// [`SourceRef::record`] of the wall it sits in, where the file says it.
+    pub host: Option<usize>,
+    /// What it closes.
+    pub outline: Trace,
+}
+
 /// A region drawn by the user, drawing frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Region {
@@ -150,6 +162,8 @@ pub struct Plan {
     pub human_scale: f64,
     /// Doors and windows in walls that the file names.
     pub plugs: Vec<Plug>,
+    /// The doors of a building, where the file calls them so.
+    pub doors: Vec<NamedDoor>,
     /// Pieces of stairs and sanitary objects, drawing frame: what slides must not run into them.
     pub obstacles: Vec<Segment>,
 }
@@ -227,6 +241,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         views,
         human_scale,
         plugs: plugs(drawing, &frame),
+        doors: doors(drawing, &frame),
         obstacles,
     })
 }
@@ -238,6 +253,16 @@ fn plugs(drawing: &Drawing, frame: &Frame) -> Vec<Plug> {
         Some(Plug { host: *host, outline: curve::trace(&e.shape, frame) })
     };
     drawing.entities.iter().filter_map(of).collect()
+}
+
+/// The doors that the file calls so.
+fn doors(drawing: &Drawing, frame: &Frame) -> Vec<NamedDoor> {
+    let doors = drawing.entities.iter().filter(|e| e.layer == DOOR_LAYER);
+    let of = |e: &Entity| NamedDoor {
+        host: drawing.hosts.get(&e.source.record).copied(),
+        outline: curve::trace(&e.shape, frame),
+    };
+    doors.map(of).collect()
 }
 
 fn extent_of(walls: &[&Entity]) -> Option<[DVec2; 2]> {

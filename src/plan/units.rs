@@ -438,6 +438,23 @@ mod tests {
     }
 
     #[test]
+    fn the_height_of_walls_tells_the_unit() {
+        for (heights, expected) in [
+            (vec![2.6, 2.6, 5.0], "m"),
+            (vec![3200.0, 2700.0, 400.0], "mm"),
+            (vec![270.0], "cm"),
+            (vec![120.0], "in"),
+            (vec![9.0, 9.0, f64::NAN, 0.0], "ft"),
+        ] {
+            assert_eq!(by_heights(&heights).map(|u| u.name), Some(expected), "{heights:?}");
+        }
+        assert_eq!(by_heights(&[0.0, f64::INFINITY]), None);
+        let doubted = |h: f64| implausible_by_heights(&[h], unit("m")).map(|u| u.name);
+        assert_eq!((doubted(2700.0), doubted(1.0), doubted(40.0)), (Some("mm"), None, None));
+        assert_eq!(doubted(0.027), None, "no unit makes a model as high as a house");
+    }
+
+    #[test]
     fn a_single_witness_never_overrules() {
         let maze = Witnesses {
             thicknesses: vec![(2.0, 10.0); 30],

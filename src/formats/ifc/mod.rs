@@ -16,6 +16,7 @@ mod body;
 mod geo;
 mod length;
 mod limits;
+mod marks;
 mod model;
 mod patch;
 mod plain;
@@ -232,12 +233,16 @@ pub fn patch(
     }
     let next = mover.next_id();
     let (mut splices, mut added) = (mover.splices, mover.added);
+    let end = line_end(bytes);
     if !own.is_empty() {
         added.extend_from_slice(OWN_MARK);
-        added.extend_from_slice(line_end(bytes));
+        added.extend_from_slice(end);
         added.extend(additions::text(&building, options, next, edits, own)?);
     }
-    splices.push(Splice::new(step.data_end..step.data_end, added));
+    // Before whatever stands between the last instance and ENDSEC: a comment there stays with ENDSEC.
+    let at = step.instances_end();
+    let added = [end, added.strip_suffix(end).unwrap_or(&added)].concat();
+    splices.push(Splice::new(at..at, if added.len() > end.len() { added } else { Vec::new() }));
     splice::apply(file, "ifc-edit-twice", bytes, splices)
 }
 
@@ -335,10 +340,12 @@ pub fn strip_own(bytes: &[u8]) -> Cow<'_, [u8]> {
         return Cow::Borrowed(bytes);
     };
     let Ok(step) = Step::read(bytes) else { return Cow::Borrowed(bytes) };
-    if step.data_end <= at {
+    let end = step.instances_end();
+    if end <= at {
         return Cow::Borrowed(bytes);
     }
-    Cow::Owned([&bytes[..at], &bytes[step.data_end..]].concat())
+    let before = bytes[..at].strip_suffix(line_end(bytes)).unwrap_or(&bytes[..at]);
+    Cow::Owned([before, &bytes[end..]].concat())
 }
 
 /// How lines end in a file.

@@ -126,10 +126,20 @@ pub(super) fn read_storey(
         );
         report.warn("ifc-duplicate-global-id", Place::file(file), text);
     }
+    for (id, ring) in &building.model.part_rings {
+        let line = building.step.get(*id).map(|i| building.step.line(i.span.start));
+        let place = Place { file: file.into(), line, entity: building.geo.named(*id) };
+        let text = format!(
+            "it is a part of itself ({ring}), expected a whole of its own; each of these stands for itself"
+        );
+        report.warn("ifc-part-ring", place, text);
+    }
     let storey = building.storey(options.storey.as_deref(), report)?;
     let mut reader = Reader::new(building, storey, options);
     reader.walls(report);
+    reader.expect_walls()?;
     reader.spaces(report);
+    super::marks::state(building, reader.storey, report);
     let height = reader.cut - reader.floor;
     if let Some(storey) = storey {
         let text = format!(
@@ -186,6 +196,8 @@ struct Reader<'b, 's, 'a> {
     bar: Option<(length::Bar, Vec<DVec2>)>,
     /// Walls that keep their length, and why.
     stiff: Vec<(u64, Why)>,
+    /// Walls and columns of the storey of which nothing can be read, and why.
+    unread: Vec<(u64, Why)>,
 }
 
 /// An element cut at the height of the eyes, world coordinates.
@@ -228,6 +240,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             plugged: HashSet::new(),
             bar: None,
             stiff: Vec::new(),
+            unread: Vec::new(),
         }
     }
 
@@ -248,10 +261,24 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         for (p, cut) in shown.into_iter().zip(cuts) {
             match cut {
                 Ok(cut) => self.show(p, cut, report),
-                Err(why) => self.state_missing(p, &why, report),
+                Err(why) => {
+                    self.state_missing(p, &why, report);
+                    self.unread.extend(self.is_wall_here(p).then_some((p.id, why)));
+                }
             }
         }
         self.loose_fillers();
+    }
+
+    /// An error where walls of the storey could not be read and nothing of the building was.
+    fn expect_walls(&self) -> Result<(), Error> {
+        let (Some((id, why)), true) = (self.unread.first(), self.entities.is_empty()) else { return Ok(()) };
+        let place = self.b.model.product(*id).map_or(Place::file(self.b.file), |p| self.b.place(p));
+        let others = match self.unread.len() - 1 {
+            0 => String::new(),
+            n => format!(", and {n} more walls or columns of the storey cannot be read either"),
+        };
+        Err(Error::input("ifc-no-walls", place, format!("{why}{others}; nothing was done")))
     }
 
     fn show(&mut self, p: &Product, cut: ElementCut<'_>, report: &mut Report) {
@@ -280,11 +307,14 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         }
     }
 
+    fn is_wall_here(&self, p: &Product) -> bool {
+        is_wall(p) && self.b.model.storey_of(p.id) == self.storey
+    }
+
     fn state_missing(&self, p: &Product, why: &str, report: &mut Report) {
-        let is_wall = ["IfcWall", "IfcColumn", "IfcCurtainWall"].iter().any(|c| p.class.starts_with(c));
-        let code = if is_wall { "ifc-element" } else { "ifc-other-element" };
+        let code = if is_wall(p) { "ifc-element" } else { "ifc-other-element" };
         let text = format!("{why}; this part of it is left out");
-        if is_wall && self.b.model.storey_of(p.id) == self.storey {
+        if self.is_wall_here(p) {
             report.warn(code, self.b.place(p), text);
         } else {
             report.info(code, self.b.place(p), text);
@@ -314,7 +344,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         }
         self.take_openings_out(p, &frame, &mut out);
         let mut region = out.region.map(|q| plan_point(&frame.world, q));
-        for part in self.b.model.parts.get(&p.id).into_iter().flatten() {
+        for part in &self.b.model.parts_of(p.id) {
             let class = self.b.model.product(*part).map(|q| q.class);
             let is_glass = class == Some("IfcPlate") && self.options.sight == Sight::Eye;
             let Ok(cut) = self.part(*part) else { continue };
@@ -459,11 +489,10 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         }
         let said = |key: &str| marks.get(key).map_or_else(String::new, |v| v.trim().to_lowercase());
         for (key, layer) in [("query", "EF-QUERY"), ("reference", "EF-REFERENCE"), ("keep", "EF-KEEP")] {
-            match said(key).as_str() {
-                "t" | "true" | "1" | "yes" => self.emit(p, layer, region),
-                "" | "f" | "false" | "0" | "no" | "u" | "unknown" => {}
-                pair if key != "keep" => self.emit(p, &format!("{layer}-{pair}"), region),
-                _ => {}
+            match (super::marks::is_yes(&said(key)), key) {
+                (Some(true), _) => self.emit(p, layer, region),
+                (Some(false), _) | (None, "keep") => {}
+                (None, _) => self.emit(p, &format!("{layer}-{}", said(key)), region),
             }
         }
     }
@@ -495,7 +524,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                     source: source.clone(),
                 });
             }
-            if marks.contains_key("keep") {
+            if marks.get("keep").is_some_and(|v| super::marks::is_yes(v) != Some(false)) {
                 editable = Editable::No("Pset_Enfilade says Keep".into());
             }
         }
@@ -620,6 +649,11 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         }
         out
     }
+}
+
+/// Whether it is a wall, a column or a curtain wall.
+fn is_wall(p: &Product) -> bool {
+    ["IfcWall", "IfcColumn", "IfcCurtainWall"].iter().any(|c| p.class.starts_with(c))
 }
 
 /// Heights of a storey's floor and of its cut, file units.
