@@ -769,16 +769,10 @@ fn marks_that_contradict_each_other_are_told() {
     assert!(idle.len() == 1 && idle[0].contains("states query of an IfcWall"), "{idle:?}");
     let idle = told(&set(90000, &[("Move", &label("x -2 2"))], &[space]));
     assert!(idle.len() == 1 && idle[0].contains("states move of an IfcSpace"), "{idle:?}");
-    let named = told(&set(90000, &[("Name", &label("both"))], &[a, b]));
-    assert!(
-        named.iter().any(|t| t.contains("are both named \"both\"")) || same_moves(&text, a, b),
-        "{named:?}"
-    );
-}
-
-/// Whether two walls of the sample state one move.
-fn same_moves(text: &str, a: usize, b: usize) -> bool {
-    let marked = read(text.as_bytes()).marked;
-    let of = |id: usize| marked.iter().find(|m| m.record == id).map(|m| m.text.clone());
-    of(a) == of(b)
+    let both =
+        |id: usize, way: &str, of: usize| set(id, &[("Name", &label("both")), ("Move", &label(way))], &[of]);
+    let named = told(&(both(90000, "x -2 2", a) + &both(90010, "y -1 1", b)));
+    assert!(named.iter().any(|t| t.contains("are both named \"both\"")), "{named:?}");
+    let alike = told(&(both(90000, "x -2 2", a) + &both(90010, "x -2 2", b)));
+    assert!(!alike.iter().any(|t| t.contains("are both named")), "{alike:?}");
 }

@@ -719,6 +719,7 @@ fn the_space_before_doors_stays_free() {
     assert_eq!(beside(&[([8.8, 8.9], [4.0, 4.8]), ([7.3, 7.4], [4.0, 4.8])]), None);
     // A door of its own goes along, and the space before it ends at what stands there.
     let mut d = building(&[(1, [8.0, 8.2], [0.0, 10.0]), (2, [9.3, 9.5], [4.0, 5.0])]);
+    d.entities.last_mut().unwrap().editable = Editable::No("it stands".into());
     d.ring(DOOR_LAYER, &[[8.0, 4.2], [8.2, 4.2], [8.2, 5.0], [8.0, 5.0]]);
     let door = d.entities.last_mut().unwrap();
     door.source.record = 70;

@@ -26,6 +26,9 @@ const METRE: Unit = Unit { name: "m", metres: 1.0 };
 /// Floors nearer than this are one.
 const FLOOR_M: f64 = 0.05;
 
+/// What is this high may be a wall.
+const STOREY_HIGH_M: f64 = 2.0;
+
 /// Glass and door leaves: they close a gap and do not block sight.
 const DOOR_WORDS: [&str; 6] = ["door", "doors", "tür", "porte", "porta", "puerta"];
 const WINDOW_WORDS: [&str; 7] = ["window", "windows", "fenster", "fenetre", "finestra", "ventana", "glass"];
@@ -379,6 +382,11 @@ fn floor(bodies: &[Body<'_>], metres: f64, above: f64) -> f64 {
     };
     let walls: Vec<&Body<'_>> = bodies.iter().filter(is_wall).collect();
     let walls: Vec<&Body<'_>> = if walls.is_empty() { bodies.iter().collect() } else { walls };
+    // Where no name tells, what is as high as a storey does: furniture and footings do not.
+    let is_unnamed = walls.iter().any(|b| b.layer == SCENE_LAYER);
+    let high = |b: &&Body<'_>| (b.high - b.low) * metres >= STOREY_HIGH_M;
+    let tall: Vec<&Body<'_>> = walls.iter().copied().filter(|b| is_unnamed && high(b)).collect();
+    let walls = if tall.is_empty() { walls } else { tall };
     let cut = |floor: f64| walls.iter().filter(|b| b.low < floor + above && b.high > floor + above).count();
     let near = |floor: f64| walls.iter().filter(|b| (b.low - floor).abs() < FLOOR_M / metres).count();
     let mut floors: Vec<f64> = walls.iter().map(|b| b.low).collect();
