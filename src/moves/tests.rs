@@ -718,15 +718,20 @@ fn the_space_before_doors_stays_free() {
     // Between two of them there is no way left.
     assert_eq!(beside(&[([8.8, 8.9], [4.0, 4.8]), ([7.3, 7.4], [4.0, 4.8])]), None);
     // A door of its own goes along, and the space before it ends at what stands there.
-    let mut d = building(&[(1, [8.0, 8.2], [0.0, 10.0]), (2, [9.3, 9.5], [4.0, 5.0])]);
-    d.entities.last_mut().unwrap().editable = Editable::No("it stands".into());
-    d.ring(DOOR_LAYER, &[[8.0, 4.2], [8.2, 4.2], [8.2, 5.0], [8.0, 5.0]]);
-    let door = d.entities.last_mut().unwrap();
-    door.source.record = 70;
-    d.hosts.insert(70, 1);
-    let (plan, _, moves) = by_default(&d);
-    let [lower, upper] = bounds_of(&plan, &moves, 1).unwrap();
-    assert!((lower + 0.6).abs() < 1e-9 && (upper - 0.18).abs() < 1e-9, "{lower} {upper}");
+    let with_own = |is_door: bool| {
+        let mut d = building(&[(1, [8.0, 8.2], [0.0, 10.0]), (2, [9.15, 9.35], [4.0, 5.0])]);
+        d.entities.last_mut().unwrap().editable = Editable::No("it stands".into());
+        if is_door {
+            d.ring(DOOR_LAYER, &[[8.0, 4.2], [8.2, 4.2], [8.2, 5.0], [8.0, 5.0]]);
+            d.entities.last_mut().unwrap().source.record = 70;
+            d.hosts.insert(70, 1);
+        }
+        let (plan, _, moves) = by_default(&d);
+        bounds_of(&plan, &moves, 1).unwrap()
+    };
+    let (door, none) = (with_own(true), with_own(false));
+    assert_eq!((door[0], none[0]), (-0.6, -0.6));
+    assert!(door[1] <= 0.05 + 1e-9 && none[1] > 0.1, "{door:?} {none:?}");
 }
 
 /// What moves by less than [`MOVE_MIN_M`] stays to the bit, and the search is told that it does.

@@ -277,9 +277,10 @@ pub fn choose(drawing: &Drawing, user: Option<Unit>, walls: &[&Entity], extent_u
         let reason = format!("{} assumed ({said}): then {words}; --unit overrides it", unit.name);
         return UnitChoice { unit, reason, is_assumed: true };
     };
-    // Heights were taken in a building's own unit, and its format or the file itself states it for sure.
-    let is_sure = drawing.format != Format::Dxf;
-    match overruled(&seen, declared, said).filter(|_| !is_sure) {
+    let spoken_for = overruled(&seen, declared, said);
+    // A building's heights were taken in the unit that its file or its format states.
+    let is_building = drawing.format != Format::Dxf;
+    match spoken_for.filter(|_| !is_building) {
         Some(unit) => {
             let (then, else_words) = (seen.words(unit), seen.words(declared));
             let reason = format!(
@@ -290,7 +291,17 @@ pub fn choose(drawing: &Drawing, user: Option<Unit>, walls: &[&Entity], extent_u
         }
         None => {
             let agree = seen.supports(declared).iter().filter(|s| **s >= FOR).count();
-            let words = if agree >= 2 { format!("; {} fit", seen.words(declared)) } else { String::new() };
+            let words = match spoken_for {
+                Some(unit) => format!(
+                    "; {}, in {} {}: --unit {} reads it so",
+                    seen.words(declared),
+                    unit.name,
+                    seen.words(unit),
+                    unit.name
+                ),
+                None if agree >= 2 => format!("; {} fit", seen.words(declared)),
+                None => String::new(),
+            };
             let reason = format!("{} by {said}{words}", declared.name);
             UnitChoice { unit: declared, reason, is_assumed: false }
         }
