@@ -14,7 +14,9 @@ mod sample;
 
 use std::io::Write;
 
+use enfilade::config::{Partial, Settings};
 use enfilade::formats::{self, Completeness, ReadOptions, ifc};
+use enfilade::pipeline::{self, Input};
 use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape, Unit};
 use enfilade::report::{Error, Report};
 use glam::DVec2;
@@ -722,11 +724,12 @@ fn a_part_of_itself_is_shown_and_named() {
 #[test]
 fn a_ring_of_placements_above_the_storey_is_told_as_such() {
     let text = pavilion().replace("#12=IFCLOCALPLACEMENT($,#11);", "#12=IFCLOCALPLACEMENT(#17,#11);");
-    let error = read_with(text.as_bytes(), &ReadOptions::default()).0.unwrap_err();
-    assert_eq!(error.problem().map(|p| p.code), Some("ifc-no-walls"), "{error}");
+    let settings = Settings::new(Partial::default()).unwrap();
+    let error = pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap_err();
+    assert_eq!(error.problem().map(|p| p.code), Some("no-walls"), "{error}");
     let said = error.to_string();
     assert!(said.contains("placements are relative to each other in a ring: #17>#12>#17"), "{said}");
-    assert!(said.contains("more walls or columns of the storey cannot be read either"), "{said}");
+    assert!(said.contains("more elements cannot be read either"), "{said}");
 }
 
 #[test]

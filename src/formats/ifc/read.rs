@@ -137,7 +137,6 @@ pub(super) fn read_storey(
     let storey = building.storey(options.storey.as_deref(), report)?;
     let mut reader = Reader::new(building, storey, options);
     reader.walls(report);
-    reader.expect_walls()?;
     reader.spaces(report);
     super::marks::state(building, reader.storey, report);
     let height = reader.cut - reader.floor;
@@ -196,8 +195,6 @@ struct Reader<'b, 's, 'a> {
     bar: Option<(length::Bar, Vec<DVec2>)>,
     /// Walls that keep their length, and why.
     stiff: Vec<(u64, Why)>,
-    /// Walls and columns of the storey of which nothing can be read, and why.
-    unread: Vec<(u64, Why)>,
 }
 
 /// An element cut at the height of the eyes, world coordinates.
@@ -240,7 +237,6 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             plugged: HashSet::new(),
             bar: None,
             stiff: Vec::new(),
-            unread: Vec::new(),
         }
     }
 
@@ -261,24 +257,10 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         for (p, cut) in shown.into_iter().zip(cuts) {
             match cut {
                 Ok(cut) => self.show(p, cut, report),
-                Err(why) => {
-                    self.state_missing(p, &why, report);
-                    self.unread.extend(self.is_wall_here(p).then_some((p.id, why)));
-                }
+                Err(why) => self.state_missing(p, &why, report),
             }
         }
         self.loose_fillers();
-    }
-
-    /// An error where walls of the storey could not be read and nothing of the building was.
-    fn expect_walls(&self) -> Result<(), Error> {
-        let (Some((id, why)), true) = (self.unread.first(), self.entities.is_empty()) else { return Ok(()) };
-        let place = self.b.model.product(*id).map_or(Place::file(self.b.file), |p| self.b.place(p));
-        let others = match self.unread.len() - 1 {
-            0 => String::new(),
-            n => format!(", and {n} more walls or columns of the storey cannot be read either"),
-        };
-        Err(Error::input("ifc-no-walls", place, format!("{why}{others}; nothing was done")))
     }
 
     fn show(&mut self, p: &Product, cut: ElementCut<'_>, report: &mut Report) {
