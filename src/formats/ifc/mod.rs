@@ -240,7 +240,7 @@ pub fn patch(
         added.extend(additions::text(&building, options, next, edits, own)?);
     }
     // Before whatever stands between the last instance and ENDSEC: a comment there stays with ENDSEC.
-    let at = step.instances_end();
+    let at = instances_end(&step);
     let added = [end, added.strip_suffix(end).unwrap_or(&added)].concat();
     splices.push(Splice::new(at..at, if added.len() > end.len() { added } else { Vec::new() }));
     splice::apply(file, "ifc-edit-twice", bytes, splices)
@@ -334,13 +334,18 @@ pub fn tags(bytes: &[u8], ids: &[usize]) -> Vec<Option<String>> {
     ids.iter().map(tag).collect()
 }
 
+/// Where the last instance ends, behind its semicolon; where there is none, the end of the data.
+fn instances_end(step: &Step<'_>) -> usize {
+    step.instances.last().map_or(step.data_end, |i| i.span.end)
+}
+
 /// The bytes without what [`patch`] added.
 pub fn strip_own(bytes: &[u8]) -> Cow<'_, [u8]> {
     let Some(at) = memchr::memmem::rfind(bytes, OWN_MARK) else {
         return Cow::Borrowed(bytes);
     };
     let Ok(step) = Step::read(bytes) else { return Cow::Borrowed(bytes) };
-    let end = step.instances_end();
+    let end = instances_end(&step);
     if end <= at {
         return Cow::Borrowed(bytes);
     }

@@ -253,11 +253,6 @@ impl<'a> Step<'a> {
         Ok(())
     }
 
-    /// Where the last instance ends, behind its semicolon; where there is none, the end of the data.
-    pub fn instances_end(&self) -> usize {
-        self.instances.last().map_or(self.data_end, |i| i.span.end)
-    }
-
     fn index(&mut self) {
         const RECENT: usize = 256;
         self.by_id = Ids::new(&self.instances);
