@@ -6,6 +6,7 @@ mod bars;
 pub mod carried;
 pub mod control;
 pub mod defaults;
+mod doorways;
 mod joined;
 mod mitre;
 mod partitions;
@@ -25,6 +26,10 @@ use crate::plan::drawing::{Editable, Format, RigidMotion, Shape, Vertex};
 use crate::plan::graph::{Graph, Handle};
 use crate::plan::markers::{Clause, Group, Kind, place_in};
 use crate::report::Report;
+
+/// What would move by less stays, to the byte; metres of a person. Nobody builds to half a millimetre, and corners this
+/// near are one anyway.
+pub const MOVE_MIN_M: f64 = 0.0005;
 
 /// One parameter `p_i` with its transformation and bounds.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +64,8 @@ pub struct Moves {
     pub walls: Vec<u32>,
     /// Walls that move as a whole or not at all: arcs, and all that one INSERT shows.
     rigid: BTreeSet<u32>,
+    /// Ways shorter than this are none, metres of the plan.
+    pub least_m: f64,
     /// Control points of the moving walls as drawn, plan frame, metres.
     start: BTreeMap<u32, Vec<DVec2>>,
     /// The corners of thick walls that follow their faces.
@@ -150,7 +157,7 @@ impl Moves {
         axes: &AxisGraph,
         groups: &[(&Group, NodeGroup)],
     ) -> Result<Self, Refusal> {
-        let mut out = Self::default();
+        let mut out = Self { least_m: MOVE_MIN_M * plan.human_scale, ..Self::default() };
         for (marker, nodes) in groups {
             let group = out.groups.len();
             for clause in &marker.clauses {
@@ -236,6 +243,9 @@ impl Moves {
                 continue;
             }
             let step = step_of(parameter, *value, || self.centroid(graph, group, &at), plan);
+            if self.is_none(group, &step, &at) {
+                continue;
+            }
             self.mitre.step(&mut ends, parameter.group, |p| step.apply(p));
             for follower in self.joined.of_group(parameter.group) {
                 let way = follower.way(step.shift);
@@ -261,6 +271,12 @@ impl Moves {
         }
         self.mitre.place(&self.start, &ends, &mut at);
         Placed { at, ends, motions, lengths }
+    }
+
+    /// Whether a step takes nothing as far as a move is.
+    fn is_none(&self, group: &NodeGroup, step: &Step, at: &BTreeMap<u32, Vec<DVec2>>) -> bool {
+        let mut points = group.handles.iter().filter_map(|(w, c)| at.get(w).map(|p| p[*c as usize]));
+        points.all(|p| step.apply(p).distance(p) < self.least_m)
     }
 
     /// Mean of the group's nodes where they stand now.

@@ -4,7 +4,7 @@
 
 use base64::Engine;
 use enfilade::formats::{self, Completeness, ReadOptions};
-use enfilade::plan::drawing::{Addition, Drawing, Edit, Entity, Mark, RigidMotion, Shape};
+use enfilade::plan::drawing::{Addition, Drawing, Edit, Entity, Mark, RigidMotion, Shape, Unit};
 use enfilade::report::{Error, Report};
 use glam::DVec2;
 use proptest::prelude::*;
@@ -564,4 +564,29 @@ proptest! {
             prop_assert_eq!(formats::patch(file, &bytes, &ReadOptions::default(), &[], &[]).unwrap(), bytes);
         }
     }
+}
+
+/// A scene in millimetres, against the standard: its walls say so, or the user, and heights and plan agree.
+#[test]
+fn heights_of_a_scene_are_in_the_unit_of_its_plan() {
+    let large = with_json(PAVILION, |json| {
+        let roots = json["scenes"][0]["nodes"].clone();
+        let nodes = json["nodes"].as_array_mut().unwrap();
+        nodes.push(serde_json::json!({"scale": [1000.0, 1000.0, 1000.0], "children": roots}));
+        let top = nodes.len() - 1;
+        json["scenes"][0]["nodes"] = serde_json::json!([top]);
+    });
+    let rounded = |d: &Drawing, metres: f64| -> Vec<(String, Vec<[i64; 2]>)> {
+        let round = |p: DVec2| [p.x, p.y].map(|v| (v * metres * 1e4).round() as i64);
+        d.entities.iter().map(|e| (e.layer.clone(), points(e).into_iter().map(round).collect())).collect()
+    };
+    let expected = rounded(&read(PAVILION), 1.0);
+    let found = read(&large);
+    assert_eq!(found.unit_by_heights.map(|u| u.name), Some("mm"));
+    assert_eq!(rounded(&found, 1e-3), expected);
+    let unit = Some(Unit { name: "mm", metres: 1e-3 });
+    let options = ReadOptions { unit, ..ReadOptions::default() };
+    let said = formats::read("house.glb", &large, &options, &mut Report::default()).unwrap();
+    assert_eq!((said.unit_by_heights, rounded(&said, 1e-3)), (None, expected));
+    assert_eq!(read(PAVILION).unit_by_heights, None);
 }

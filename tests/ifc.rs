@@ -14,8 +14,10 @@ mod sample;
 
 use std::io::Write;
 
+use enfilade::config::{Partial, Settings};
 use enfilade::formats::{self, Completeness, ReadOptions, ifc};
-use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape};
+use enfilade::pipeline::{self, Input};
+use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape, Unit};
 use enfilade::report::{Error, Report};
 use glam::DVec2;
 use proptest::prelude::*;
@@ -636,4 +638,144 @@ fn a_wall_beyond_all_buildings_is_left_out() {
     assert!(format!("{report:?}").contains("it lies beyond all buildings"), "{report:?}");
     let walls = |drawing: &Drawing| on(drawing, "IfcWallStandardCase").len();
     assert!(walls(&drawing.unwrap()) < walls(&read(text.as_bytes())));
+}
+
+/// Layers and corners of everything read, metres.
+fn shapes(drawing: &Drawing, metres: f64) -> Vec<(String, Vec<[i64; 2]>)> {
+    let round = |p: DVec2| [p.x, p.y].map(|v| (v * metres * 1e6).round() as i64);
+    drawing.entities.iter().map(|e| (e.layer.clone(), points(e).into_iter().map(round).collect())).collect()
+}
+
+/// The plan and the heights are in one unit: the user's, the file's, or that in which walls are as high as walls are.
+#[test]
+fn heights_are_in_the_unit_of_the_plan() {
+    let text = pavilion();
+    let whole = shapes(&read(text.as_bytes()), 1e-3);
+    let bare = text.replace("IFCUNITASSIGNMENT((#1,#2))", "IFCUNITASSIGNMENT((#2))");
+    let unsaid = read(bare.as_bytes());
+    assert_eq!((unsaid.declared_unit, unsaid.unit_by_heights.map(|u| u.name)), (None, Some("mm")));
+    assert_eq!(shapes(&unsaid, 1e-3), whole);
+    let wrong = text.replace(".LENGTHUNIT.,.MILLI.,.METRE.", ".LENGTHUNIT.,$,.METRE.");
+    let millimetre = Some(Unit { name: "mm", metres: 1e-3 });
+    for text in [bare, wrong] {
+        let options = ReadOptions { unit: millimetre, ..ReadOptions::default() };
+        let (drawing, report) = read_with(text.as_bytes(), &options);
+        assert_eq!(shapes(&drawing.unwrap(), 1e-3), whole);
+        assert!(report.problems.iter().any(|p| p.text.contains("cut 1.50 m above")), "{report:?}");
+        let floors = formats::storeys("house.ifc", text.as_bytes(), &options);
+        assert_eq!(floors.iter().map(|s| s.floor_m).collect::<Vec<_>>(), [0.0, 3.2]);
+    }
+}
+
+/// What stands between the last instance and ENDSEC stays there, and what is ours before it.
+#[test]
+fn nothing_of_ours_stands_between_a_last_comment_and_endsec() {
+    let text = pavilion();
+    let at = text.rfind("ENDSEC;").unwrap();
+    let one_line = text.replace('\n', "");
+    let commented = format!("{}/* the last word */\nENDSEC;{}", &text[..at], &text[at + 7..]);
+    let mark = Mark::Path { points: vec![DVec2::ZERO, DVec2::X], closed: false };
+    let own = [Addition { layer: "EF-MOVED".into(), rgb: [200, 30, 30], mark }];
+    for text in [text, one_line, commented] {
+        let data = text.rfind(");").unwrap() + 2;
+        for edits in [vec![], vec![shift(named_in(&text, "screen-1"), 10.0, 0.0)]] {
+            let bare = patch(text.as_bytes(), &edits, &[]).unwrap();
+            let full = patch(text.as_bytes(), &edits, &own).unwrap();
+            assert!(full.ends_with(&text.as_bytes()[data..]), "{}", String::from_utf8_lossy(&full));
+            assert!(bare.ends_with(&text.as_bytes()[data..]));
+            assert_eq!(ifc::strip_own(&full), bare);
+        }
+    }
+}
+
+/// Instance of the wall with that name, however lines end.
+fn named_in(text: &str, name: &str) -> usize {
+    let statement = text.split(';').find(|s| s.contains(&format!("'{name}'")) && s.contains("=IFCWALL("));
+    statement.unwrap().trim().trim_start_matches('#').split('=').next().unwrap().parse().unwrap()
+}
+
+fn with_instances(text: &str, added: &str) -> String {
+    text.replace("ENDSEC;\nEND-ISO", &format!("{added}ENDSEC;\nEND-ISO"))
+}
+
+#[test]
+fn a_part_of_itself_is_shown_and_named() {
+    let text = pavilion();
+    let whole = read(text.as_bytes()).entities.len();
+    let [a, b] = ["screen-1", "screen-2"].map(|n| named(&text, n));
+    let rel = |id: u64, one: usize, part: usize| {
+        format!("#{id}=IFCRELAGGREGATES('R{id}',$,$,$,#{one},(#{part}));\n")
+    };
+    for (added, said) in [
+        (rel(90000, a, a), format!("it is a part of itself (#{a}>#{a})")),
+        (rel(90000, a, b) + &rel(90001, b, a), format!("it is a part of itself (#{a}>#{b}>#{a})")),
+    ] {
+        let (drawing, report) = read_with(with_instances(&text, &added).as_bytes(), &ReadOptions::default());
+        assert_eq!(drawing.unwrap().entities.len(), whole);
+        assert!(report.is_degraded() && report.problems.iter().any(|p| p.text.contains(&said)), "{report:?}");
+    }
+    // A part of a part is shown with the whole.
+    let added = rel(90000, a, b) + &rel(90001, b, named(&text, "screen-3"));
+    let drawing = read(with_instances(&text, &added).as_bytes());
+    let outlines = drawing.entities.iter().filter(|e| e.source.record == a).count();
+    assert_eq!((outlines, drawing.entities.len()), (3, whole));
+}
+
+#[test]
+fn a_ring_of_placements_above_the_storey_is_told_as_such() {
+    let text = pavilion().replace("#12=IFCLOCALPLACEMENT($,#11);", "#12=IFCLOCALPLACEMENT(#17,#11);");
+    let settings = Settings::new(Partial::default()).unwrap();
+    let error = pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap_err();
+    assert_eq!(error.problem().map(|p| p.code), Some("no-walls"), "{error}");
+    let said = error.to_string();
+    assert!(said.contains("placements are relative to each other in a ring: #17>#12>#17"), "{said}");
+    assert!(said.contains("more elements cannot be read either"), "{said}");
+}
+
+#[test]
+fn marks_that_contradict_each_other_are_told() {
+    let text = pavilion();
+    let [a, b] = ["screen-1", "screen-2"].map(|n| named(&text, n));
+    let space = text.split('\n').find(|l| l.contains("=IFCSPACE(")).unwrap();
+    let space: usize = space[1..].split('=').next().unwrap().parse().unwrap();
+    let set = |id: usize, values: &[(&str, &str)], of: &[usize]| {
+        let property = |(i, (name, value)): (usize, &(&str, &str))| {
+            format!("#{}=IFCPROPERTYSINGLEVALUE('{name}',$,{value},$);\n", id + 2 + i)
+        };
+        let own: String = values.iter().enumerate().map(property).collect();
+        let list = |ids: Vec<usize>| ids.iter().map(|i| format!("#{i}")).collect::<Vec<_>>().join(",");
+        let properties = list((0..values.len()).map(|i| id + 2 + i).collect());
+        let of = list(of.to_vec());
+        format!(
+            "{own}#{id}=IFCPROPERTYSET('S{id}',$,'Pset_Enfilade',$,({properties}));\n\
+             #{}=IFCRELDEFINESBYPROPERTIES('D{id}',$,$,$,({of}),#{id});\n",
+            id + 1
+        )
+    };
+    let told = |added: &str| -> Vec<String> {
+        let (drawing, report) = read_with(with_instances(&text, added).as_bytes(), &ReadOptions::default());
+        drawing.unwrap();
+        report.problems.into_iter().filter(|p| p.code == "ifc-marks").map(|p| p.to_string()).collect()
+    };
+    assert_eq!(told(""), Vec::<String>::new());
+    let label = |v: &str| format!("IFCLABEL('{v}')");
+    let shared = set(90000, &[("Move", &label("x -2 2"))], &[a, b]);
+    let twice = told(&shared);
+    assert_eq!(twice.len(), 2, "{twice:?}");
+    assert!(
+        twice[0].contains("states move twice") && twice[0].contains("\"x -2 2\" in #90000; the last counts")
+    );
+    let kept = told(&set(90000, &[("Keep", "IFCBOOLEAN(.T.)")], &[a, b]));
+    assert!(kept.len() == 2 && kept[0].contains("both Move and Keep; it stays"), "{kept:?}");
+    assert_eq!(told(&set(90000, &[("Keep", "IFCBOOLEAN(.F.)")], &[a])), Vec::<String>::new());
+    let idle = told(&set(90000, &[("Query", "IFCBOOLEAN(.T.)")], &[a]));
+    assert!(idle.len() == 1 && idle[0].contains("states query of an IfcWall"), "{idle:?}");
+    let idle = told(&set(90000, &[("Move", &label("x -2 2"))], &[space]));
+    assert!(idle.len() == 1 && idle[0].contains("states move of an IfcSpace"), "{idle:?}");
+    let both =
+        |id: usize, way: &str, of: usize| set(id, &[("Name", &label("both")), ("Move", &label(way))], &[of]);
+    let named = told(&(both(90000, "x -2 2", a) + &both(90010, "y -1 1", b)));
+    assert!(named.iter().any(|t| t.contains("are both named \"both\"")), "{named:?}");
+    let alike = told(&(both(90000, "x -2 2", a) + &both(90010, "x -2 2", b)));
+    assert!(!alike.iter().any(|t| t.contains("are both named")), "{alike:?}");
 }

@@ -9,7 +9,7 @@ const FILE: &str = "fuzz.ifc";
 
 /// Whether the bytes could be read.
 pub fn check(bytes: &[u8]) -> bool {
-    let _ = ifc::inventory(bytes);
+    let _ = ifc::inventory(bytes, None);
     let _ = ifc::strip_own(bytes);
     let Some(drawing) = building::read_steadily(FILE, bytes) else { return false };
     // An archive is unpacked before it is written.

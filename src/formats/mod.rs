@@ -11,12 +11,12 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use crate::plan::drawing::{Addition, Drawing, Edit, Format, SourceRef};
+use crate::plan::drawing::{Addition, Drawing, Edit, Format, SourceRef, Unit};
 use crate::report::{Error, Place, Report};
 pub use dxf::{ChangedRecord, Completeness};
 
 /// How to read a drawing of any format.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// Takes DXF files of programs that never write `0/EOF`.
     pub accept_missing_eof: bool,
@@ -24,6 +24,8 @@ pub struct ReadOptions {
     pub storey: Option<String>,
     /// Height at which a building is cut.
     pub sight: ifc::Sight,
+    /// The user's word for the unit of a building: its heights are taken in it too.
+    pub unit: Option<Unit>,
     /// Whether the user names the layers that carry walls.
     pub is_by_user: bool,
     /// The IFC that a glTF was made from: it knows classes and storeys by `GlobalId`.
@@ -51,11 +53,12 @@ impl ReadOptions {
     }
 
     fn gltf(&self) -> gltf::ReadOptions {
-        let twin = self.twin.as_deref().map(ifc::inventory).unwrap_or_default();
+        let twin = self.twin.as_deref().map(|twin| ifc::inventory(twin, None)).unwrap_or_default();
         gltf::ReadOptions {
             is_knee: self.sight == ifc::Sight::Knee,
             is_by_user: self.is_by_user,
             storey: self.storey.clone(),
+            unit: self.unit,
             classes: twin.classes,
             storeys: twin.storeys,
             buffers: self.buffers.clone(),
@@ -64,7 +67,7 @@ impl ReadOptions {
     }
 
     fn ifc(&self) -> ifc::ReadOptions {
-        ifc::ReadOptions { storey: self.storey.clone(), sight: self.sight }
+        ifc::ReadOptions { storey: self.storey.clone(), sight: self.sight, unit: self.unit }
     }
 }
 
@@ -175,12 +178,12 @@ impl<'a> Opened<'a> {
     /// knows none.
     pub fn building(&self, options: &ReadOptions) -> (Vec<StoreyInfo>, Option<ifc::Elements>) {
         if let Some(ifc) = &self.ifc {
-            let (storeys, elements) = ifc.building();
+            let (storeys, elements) = ifc.building(options.unit);
             return (storeys, Some(elements));
         }
         let found = match (format_of(self.file, self.bytes), options.twin.as_deref()) {
-            (Format::Ifc, _) => ifc::inventory(&plain(self.file, self.bytes)),
-            (Format::Gltf | Format::Glb, Some(twin)) => ifc::inventory(twin),
+            (Format::Ifc, _) => ifc::inventory(&plain(self.file, self.bytes), options.unit),
+            (Format::Gltf | Format::Glb, Some(twin)) => ifc::inventory(twin, None),
             _ => return (Vec::new(), None),
         };
         (found.storeys, Some(found.elements))

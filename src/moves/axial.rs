@@ -634,7 +634,7 @@ impl<'a> Axial<'a> {
 }
 
 /// The lowest and highest y of the part of a segment with x in a range.
-fn clipped(p: DVec2, q: DVec2, from: f64, to: f64) -> Option<[f64; 2]> {
+pub(super) fn clipped(p: DVec2, q: DVec2, from: f64, to: f64) -> Option<[f64; 2]> {
     let (p, q) = if p.x <= q.x { (p, q) } else { (q, p) };
     if q.x < from || p.x > to || from > to {
         return None;

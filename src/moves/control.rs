@@ -53,6 +53,8 @@ pub struct Control {
     free_bounds: Vec<[f64; 2]>,
     /// Module of every free parameter, own unit; 0: none.
     steps: Vec<f64>,
+    /// Ways of the free parameters that count as none, own unit.
+    least: Vec<f64>,
     rows: Vec<Row>,
     /// Free parameters that move as one, with the number of groups they move.
     units: Vec<(Vec<usize>, usize)>,
@@ -105,6 +107,11 @@ impl Control {
             };
             module.map_or(0.0, |m| m / p.clause.si_per_unit)
         };
+        let least = |i: &usize| {
+            let clause = &moves.parameters[*i].clause;
+            let is_way = !matches!(clause.kind, Kind::Rotate(_) | Kind::Scale(_));
+            if is_way { moves.least_m / clause.si_per_unit } else { 0.0 }
+        };
         let pick = |v: &Vec<f64>| -> Vec<f64> { free.iter().map(|&i| v[i]).collect() };
         let window = rules.like.as_ref().map(|like| {
             let around = |(v, [lo, hi]): (f64, &[f64; 2])| {
@@ -117,6 +124,7 @@ impl Control {
         Ok(Self {
             rows: rows.collect(),
             steps: free.iter().map(step).collect(),
+            least: free.iter().map(least).collect(),
             units: units(moves, &draft.leaders, &free),
             identity: moves.identity(),
             bounds: moves.bounds(),
@@ -190,12 +198,14 @@ impl Control {
         out
     }
 
-    /// The multiple of the module that is nearest and inside the bounds.
+    /// The multiple of the module that is nearest and inside the bounds; without a module the value itself, where it
+    /// is a move at all.
     fn snapped(&self, k: usize, value: f64) -> f64 {
         let (step, identity) = (self.steps[k], self.identity[self.free[k]]);
         let [lo, hi] = self.free_bounds[k];
         if step == 0.0 {
-            return value.clamp(lo, hi);
+            let is_none = (value - identity).abs() < self.least[k] && (lo..=hi).contains(&identity);
+            return if is_none { identity } else { value.clamp(lo, hi) };
         }
         let most = ((hi - identity) / step).floor();
         let least = ((lo - identity) / step).ceil();

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::axial::{Axial, Sliding, Stays, told};
+use super::doorways::Doorways;
 use crate::plan::axes::{AxisGraph, Jamb, NodeKind, OpeningKind};
 use crate::plan::drawing::{Editable, SourceRef};
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M, segments_touch};
@@ -94,11 +95,15 @@ pub fn groups(
     let (found, mut walls) = ((elements.len(), doors.len()), named(sliding, "wall"));
     walls.extend(super::partitions::partitions(plan, graph, interior));
     let sliding = walls.len();
-    let mut taken = Taken::default();
+    let (mut taken, mut doorways) = (Taken::default(), Doorways::new(plan, graph, axes));
     let mut out: Vec<(Group, Vec<u32>)> = Vec::new();
     let mut parameters = 0;
     for (group, nodes) in elements.into_iter().chain(walls).chain(named(doors, "door")) {
-        if parameters + group.clauses.len() <= PARAMETERS_MAX && taken.take(&group, &nodes) {
+        if parameters + group.clauses.len() > PARAMETERS_MAX || !taken.is_free(&group, &nodes) {
+            continue;
+        }
+        if let Some(group) = doorways.shortened(&group, &nodes) {
+            taken.take(&group, &nodes);
             parameters += group.clauses.len();
             out.push((group, nodes));
         }
@@ -112,7 +117,7 @@ pub fn groups(
         (e, d) => format!(
             "no EF-MOVE: {e} free-standing elements (±{} m, ±{TURN_DEG}°) and {d} door gaps (±{} m along their wall){} \
              were found, {} of them with {parameters} parameters may move (at most {PARAMETERS_MAX}), none through another \
-             wall{standing}; EF-MOVE says it better, EF-KEEP holds things still",
+             wall{}{standing}; EF-MOVE says it better, EF-KEEP holds things still",
             SHIFT_M * plan.human_scale,
             SLIDE_M * plan.human_scale,
             if sliding == 0 {
@@ -120,7 +125,8 @@ pub fn groups(
             } else {
                 format!(" and {sliding} walls that can slide between others")
             },
-            out.len()
+            out.len(),
+            doorways.words()
         ),
     };
     report.info("default-moves", place, text);
@@ -146,9 +152,9 @@ fn nothing_moves(stays: &[Stays]) -> String {
 struct Taken(BTreeMap<u32, Vec<Option<DVec2>>>);
 
 impl Taken {
-    /// Takes nodes for a group, unless one of them would move twice in one direction.
-    fn take(&mut self, group: &Group, nodes: &[u32]) -> bool {
-        let direction = match group.clauses.as_slice() {
+    /// The one direction in which a group moves.
+    fn direction(group: &Group) -> Option<DVec2> {
+        match group.clauses.as_slice() {
             [clause] => match clause.kind {
                 Kind::X => Some(DVec2::X),
                 Kind::Y => Some(DVec2::Y),
@@ -156,16 +162,23 @@ impl Taken {
                 Kind::Rotate(_) | Kind::Scale(_) => None,
             },
             _ => None,
-        };
+        }
+    }
+
+    /// Takes nodes for a group.
+    fn take(&mut self, group: &Group, nodes: &[u32]) {
+        let direction = Self::direction(group);
+        nodes.iter().for_each(|n| self.0.entry(*n).or_default().push(direction));
+    }
+
+    /// Whether none of the nodes would move twice in one direction.
+    fn is_free(&self, group: &Group, nodes: &[u32]) -> bool {
+        let direction = Self::direction(group);
         let crosses = |other: &Option<DVec2>| match (direction, other) {
             (Some(a), Some(b)) => a.dot(*b).abs() < CROSSING_COS,
             _ => false,
         };
-        let is_free = nodes.iter().all(|n| self.0.get(n).is_none_or(|list| list.iter().all(crosses)));
-        if is_free {
-            nodes.iter().for_each(|n| self.0.entry(*n).or_default().push(direction));
-        }
-        is_free
+        nodes.iter().all(|n| self.0.get(n).is_none_or(|list| list.iter().all(crosses)))
     }
 }
 

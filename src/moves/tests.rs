@@ -4,14 +4,15 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
+use super::control::{Control, Rules};
 use super::defaults::{self, PARAMETERS_MAX, PIECES_MAX, SHIFT_M, SLIDE_M, WALL_THICKNESS_MAX_M};
-use super::{Layout, Moves, NodeGroup};
+use super::{Layout, MOVE_MIN_M, Moves, NodeGroup};
 use crate::plan::curve;
 use crate::plan::drawing::{Drawing, Editable, Entity, Format, Shape, SourceRef, Text, Unit, Vertex};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{Clause, Group, Kind};
-use crate::plan::{Plan, PlanOptions, structure, understand};
+use crate::plan::{DOOR_LAYER, Plan, PlanOptions, structure, understand};
 use crate::report::Report;
 
 fn source(record: usize, layer: &str) -> SourceRef {
@@ -25,6 +26,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         version: "AC1027 (R2013)".into(),
         declared_unit: Some(Unit { name: unit, metres }),
         declared_unit_words: "$INSUNITS".into(),
+        unit_by_heights: None,
         layers: Vec::new(),
         entities: Vec::new(),
         texts: Vec::new(),
@@ -692,4 +694,59 @@ fn no_end_is_drawn_back_behind_a_wall_that_stands_at_it() {
     // Without the wall that stands there, the whole way.
     let (plan, _, moves) = by_default(&building(&walls[..2]));
     assert_eq!(bounds_of(&plan, &moves, 1), Some([-0.6, 0.6]));
+}
+
+/// A partition at x = 8 between two walls; how far it slides with a door of some width before it.
+#[test]
+fn the_space_before_doors_stays_free() {
+    let beside = |doors: &[([f64; 2], [f64; 2])]| {
+        let mut d = building(&[(1, [8.0, 8.2], [0.0, 10.0])]);
+        for (x, y) in doors {
+            d.ring(DOOR_LAYER, &[[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]]);
+        }
+        let (plan, _, moves) = by_default(&d);
+        assert_eq!(plan.doors.len(), doors.len());
+        bounds_of(&plan, &moves, 1).map(|b| b.map(|v| (v * 1e3).round() / 1e3))
+    };
+    assert_eq!(beside(&[]), Some([-0.6, 0.6]));
+    // In the wall that the partition ends at: it stops at the jamb, here 0.3 m to the east.
+    assert_eq!(beside(&[([8.5, 9.3], [9.9, 10.0])]), Some([-0.6, 0.3]));
+    // Facing it, 1.2 m away: 0.9 m stay free before a narrow door, as much as it is wide before a wide one.
+    assert_eq!(beside(&[([9.4, 9.5], [4.0, 4.8])]), Some([-0.6, 0.3]));
+    assert_eq!(beside(&[([9.4, 9.5], [4.0, 5.1])]), Some([-0.6, 0.09]));
+    // It stands nearer at the start: no nearer than that.
+    assert_eq!(beside(&[([8.8, 8.9], [4.0, 4.8])]), Some([-0.6, 0.0]));
+    // Between two of them there is no way left.
+    assert_eq!(beside(&[([8.8, 8.9], [4.0, 4.8]), ([7.3, 7.4], [4.0, 4.8])]), None);
+    // A door of its own goes along, and the space before it ends at what stands there.
+    let with_own = |is_door: bool| {
+        let mut d = building(&[(1, [8.0, 8.2], [0.0, 10.0]), (2, [9.15, 9.35], [4.0, 5.0])]);
+        d.entities.last_mut().unwrap().editable = Editable::No("it stands".into());
+        if is_door {
+            d.ring(DOOR_LAYER, &[[8.0, 4.2], [8.2, 4.2], [8.2, 5.0], [8.0, 5.0]]);
+            d.entities.last_mut().unwrap().source.record = 70;
+            d.hosts.insert(70, 1);
+        }
+        let (plan, _, moves) = by_default(&d);
+        bounds_of(&plan, &moves, 1).unwrap()
+    };
+    let (door, none) = (with_own(true), with_own(false));
+    assert_eq!((door[0], none[0]), (-0.6, -0.6));
+    assert!(door[1] <= 0.05 + 1e-9 && none[1] > 0.1, "{door:?} {none:?}");
+}
+
+/// What moves by less than [`MOVE_MIN_M`] stays to the bit, and the search is told that it does.
+#[test]
+fn a_way_too_short_is_no_move() {
+    let mut d = drawing("m", 1.0);
+    d.line(0.0, 0.0, 10.0, 0.0);
+    d.group([9.5, -0.5], [10.5, 0.5], "x -1 1");
+    let (plan, graph, moves, _) = marked(&d);
+    for (way, is_move) in [(MOVE_MIN_M * 0.9, false), (MOVE_MIN_M * 1.1, true)] {
+        for sign in [-1.0, 1.0] {
+            assert_eq!(moves.apply(&plan, &graph, &[way * sign]).walls[0].is_changed, is_move, "{way}");
+            let control = Control::new(&moves, &Rules::default()).unwrap();
+            assert_eq!(control.permit(&[way * sign]) != [0.0], is_move, "{way}");
+        }
+    }
 }

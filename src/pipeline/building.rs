@@ -9,7 +9,7 @@ use crate::formats::ifc::{CLOSING_LAYERS, ZONE_LAYER};
 use crate::plan::curve::Trace;
 use crate::plan::drawing::{Drawing, Entity};
 use crate::plan::geometry::{PointUm, Segment};
-use crate::plan::{Plan, Region, Wall, curve};
+use crate::plan::{DOOR_LAYER, Plan, Region, Wall, curve};
 use crate::report::{Error, Place};
 
 /// Layer of spaces.
@@ -87,7 +87,7 @@ pub struct NamedOpening {
 /// The doors and windows that the file calls so, each with all its outlines.
 pub(super) fn named_openings(drawing: &Drawing, plan: &Plan) -> Vec<NamedOpening> {
     let of = |e: &Entity| {
-        let is_door = e.layer == "IfcDoor";
+        let is_door = e.layer == DOOR_LAYER;
         let outline = curve::trace(&e.shape, &plan.frame);
         (is_door || e.layer == "IfcWindow").then_some(NamedOpening {
             record: e.source.record,

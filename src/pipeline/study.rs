@@ -36,7 +36,7 @@ use crate::plan::outline::SOLID_ACROSS_M;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, box_of, layers, understand};
-use crate::report::{Error, Place, Problem, Report};
+use crate::report::{Error, Place, Problem, Report, Severity};
 use parts::{closed_that_stay, fixed_parts, moving_segments, piece_moves, pieces_of};
 use seen::Scene;
 pub use seen::{Pair, Seen};
@@ -79,6 +79,7 @@ pub fn read_options(settings: &Settings) -> formats::ReadOptions {
         accept_missing_eof: settings.accept_missing_eof,
         storey: settings.storey.clone(),
         sight,
+        unit: settings.unit.as_deref().and_then(unit_by_name),
         is_by_user: !settings.wall_layers.is_empty(),
         twin: settings.beside.twin.clone(),
         buffers: settings.beside.buffers.clone(),
@@ -97,6 +98,24 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
         report.warn("storey-unused", Place::file(file), text);
     }
     understood(&drawing, settings, report)
+}
+
+/// Where no wall was read, says why the first could not be, rather than how to name a layer.
+fn with_cause(error: Error, report: &Report) -> Error {
+    const CAUSES: [&str; 2] = ["ifc-element", "gltf-mesh"];
+    let mut causes =
+        report.problems.iter().filter(|p| CAUSES.contains(&p.code) && p.severity == Severity::Warning);
+    match (error, causes.next()) {
+        (Error::Input(problem), Some(first)) if problem.code == "no-walls" => {
+            let others = match causes.count() {
+                0 => String::new(),
+                n => format!("; {n} more elements cannot be read either"),
+            };
+            let text = format!("no wall can be read: {}{others}; nothing was measured", first.text);
+            Error::Input(Problem { text, place: first.place.clone(), ..problem })
+        }
+        (other, _) => other,
+    }
 }
 
 /// Says which storey has no walls.
@@ -122,7 +141,8 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         None => None,
     };
     let options = PlanOptions { unit, ..plan_options(settings) };
-    let mut plan = understand(drawing, &options, report).map_err(|e| within_storey(e, settings))?;
+    let understood = understand(drawing, &options, report);
+    let mut plan = understood.map_err(|e| within_storey(with_cause(e, report), settings))?;
     add_regions(&mut plan, settings)?;
     building::add_spaces(drawing, &mut plan, settings)?;
     let graph = Graph::new(&plan);

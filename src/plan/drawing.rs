@@ -189,6 +189,9 @@ pub struct Drawing {
     pub declared_unit: Option<Unit>,
     /// What the header said about units, in words: `$INSUNITS 4`, `no $INSUNITS`.
     pub declared_unit_words: String,
+    /// Unit in which a reader took heights where the file states none, or one in which the walls cannot be as high as
+    /// they are; `None`: the declared one.
+    pub unit_by_heights: Option<Unit>,
     /// Layer table, file order; layers used but not defined are appended.
     pub layers: Vec<Layer>,
     /// Drawn shapes of model space in file order.
@@ -318,6 +321,7 @@ impl Drawing {
             version: String::new(),
             declared_unit: None,
             declared_unit_words: String::new(),
+            unit_by_heights: None,
             layers: Vec::new(),
             entities,
             fills: Vec::new(),

@@ -12,6 +12,9 @@ pub const FAR_ORIGIN_M: f64 = 10_000.0;
 /// Building sizes (longer side of the walls' box) that are believed without a word.
 pub const PLAUSIBLE_SIZE_M: [f64; 2] = [SMALL_PLAN_M, 2_000.0];
 
+/// The same where the file states its unit for sure, as buildings of an IFC or a glTF do: one wall may be all of it.
+pub const BUILT_SIZE_M: [f64; 2] = [1.0, 2_000.0];
+
 /// Plans smaller than this (longer side) are taken as drawn at an unknown scale: what is measured in
 /// human sizes (doors, wall thickness, default moves) shrinks with them.
 pub const SMALL_PLAN_M: f64 = 8.0;

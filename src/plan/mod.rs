@@ -39,7 +39,7 @@ use glam::DVec2;
 use crate::report::{Error, Place, Report};
 use curve::Trace;
 use drawing::{Drawing, Editable, Entity, Shape, SourceRef, Unit};
-use frame::{Frame, PLAUSIBLE_SIZE_M, UnitChoice};
+use frame::{BUILT_SIZE_M, Frame, PLAUSIBLE_SIZE_M, UnitChoice};
 use geometry::{PointUm, Segment};
 use markers::Markers;
 use views::View;
@@ -65,6 +65,18 @@ pub struct Plug {
     /// [`SourceRef::record`] of the wall.
     pub host: usize,
     /// Its outline.
+    pub outline: Trace,
+}
+
+/// Layer of the doors of a building.
+pub const DOOR_LAYER: &str = "IfcDoor";
+
+/// A door that the file calls so.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedDoor {
+    /// [`SourceRef::record`] of the wall it sits in, where the file says it.
+    pub host: Option<usize>,
+    /// What it closes.
     pub outline: Trace,
 }
 
@@ -151,6 +163,8 @@ pub struct Plan {
     pub human_scale: f64,
     /// Doors and windows in walls that the file names.
     pub plugs: Vec<Plug>,
+    /// The doors of a building, where the file calls them so.
+    pub doors: Vec<NamedDoor>,
     /// Pieces of stairs and sanitary objects, drawing frame: what slides must not run into them.
     pub obstacles: Vec<Segment>,
 }
@@ -230,6 +244,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         views,
         human_scale,
         plugs: plugs(&drawing, &frame),
+        doors: doors(&drawing, &frame),
         obstacles,
     })
 }
@@ -241,6 +256,16 @@ fn plugs(drawing: &Drawing, frame: &Frame) -> Vec<Plug> {
         Some(Plug { host: *host, outline: curve::trace(&e.shape, frame) })
     };
     drawing.entities.iter().filter_map(of).collect()
+}
+
+/// The doors that the file calls so.
+fn doors(drawing: &Drawing, frame: &Frame) -> Vec<NamedDoor> {
+    let doors = drawing.entities.iter().filter(|e| e.layer == DOOR_LAYER);
+    let of = |e: &Entity| NamedDoor {
+        host: drawing.hosts.get(&e.source.record).copied(),
+        outline: curve::trace(&e.shape, frame),
+    };
+    doors.map(of).collect()
 }
 
 fn extent_of(walls: &[&Entity]) -> Option<[DVec2; 2]> {
@@ -291,7 +316,10 @@ fn state_unit(drawing: &Drawing, unit: &UnitChoice, size_m: f64, human_scale: f6
         place.clone(),
         format!("unit: {}", unit.reason),
     );
-    let [lo, hi] = PLAUSIBLE_SIZE_M;
+    let [lo, hi] = match drawing.format {
+        drawing::Format::Dxf => PLAUSIBLE_SIZE_M,
+        _ => BUILT_SIZE_M,
+    };
     let is_believed = (lo..=hi).contains(&size_m);
     if is_believed && human_scale == 1.0 {
         return;

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::curve::{bulge_arc, sweep_rad};
-use super::drawing::{Drawing, Entity, Shape, Unit};
-use super::frame::{SMALL_PLAN_M, UNITS, UnitChoice, human_scale, two_digits};
+use super::drawing::{Drawing, Entity, Format, Shape, Unit};
+use super::frame::{BUILT_SIZE_M, SMALL_PLAN_M, UNITS, UnitChoice, human_scale, two_digits};
 use super::parallels::{Piece, parallels, pieces};
 
 /// Widths of door leaves, metres.
@@ -183,6 +183,34 @@ impl Witnesses {
     }
 }
 
+/// Heights of walls, metres: those of which a stated unit is believed, and those by which one is found.
+const HEIGHT_BELIEVED_M: [f64; 2] = [0.3, 60.0];
+const HEIGHT_USUAL_M: [f64; 2] = [2.0, 6.0];
+
+/// The height that walls have where none of the units makes them as high as usual.
+const HEIGHT_M: f64 = 2.7;
+
+/// The unit of a building by the heights of its walls (file units): the first in which the middle one is usual, else
+/// the one in which it comes nearest to a storey. `None` without heights.
+pub fn by_heights(heights: &[f64]) -> Option<Unit> {
+    let middle = middle_height(heights)?;
+    let off = |u: &Unit| (middle * u.metres / HEIGHT_M).ln().abs();
+    let usual = UNITS.into_iter().find(|u| is_in(middle * u.metres, HEIGHT_USUAL_M));
+    usual.or_else(|| UNITS.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))))
+}
+
+/// The unit by the heights of walls where they cannot be as high as the stated one makes them.
+pub fn implausible_by_heights(heights: &[f64], stated: Unit) -> Option<Unit> {
+    let middle = middle_height(heights).filter(|h| !is_in(h * stated.metres, HEIGHT_BELIEVED_M))?;
+    by_heights(&[middle]).filter(|u| is_in(middle * u.metres, HEIGHT_BELIEVED_M))
+}
+
+fn middle_height(heights: &[f64]) -> Option<f64> {
+    let mut known: Vec<f64> = heights.iter().copied().filter(|h| h.is_finite() && *h > 0.0).collect();
+    known.sort_by(f64::total_cmp);
+    known.get(known.len() / 2).copied()
+}
+
 /// Plans longer than this are never taken at an unknown scale.
 const SCALELESS_MAX_M: f64 = 30.0;
 
@@ -197,10 +225,12 @@ const PAIRS_FEW: usize = 4;
 const PAIRS_FEW_SHARE: f64 = 0.6;
 
 /// Metres of the plan in one metre of a person, for plans drawn at an unknown scale (illustrations): decided by
-/// the thickness of the walls where they are drawn with one, else by the plan's size ([`human_scale`]).
+/// the thickness of the walls where they are drawn with one, else by the plan's size ([`human_scale`]). What an IFC
+/// or a glTF says is believed from the length of one wall on.
 pub fn person_scale(drawing: &Drawing, walls: &[&Entity], extent_units: f64, unit: Unit) -> f64 {
     let size_m = extent_units * unit.metres;
-    if size_m >= SCALELESS_MAX_M {
+    let is_stated = drawing.format != Format::Dxf && size_m >= BUILT_SIZE_M[0];
+    if size_m >= SCALELESS_MAX_M || is_stated {
         return 1.0;
     }
     let seen = Witnesses::new(drawing, walls, extent_units);
@@ -233,13 +263,24 @@ pub fn choose(drawing: &Drawing, user: Option<Unit>, walls: &[&Entity], extent_u
         return UnitChoice { unit, reason, is_assumed: false };
     }
     let seen = Witnesses::new(drawing, walls, extent_units);
+    if let Some(unit) = drawing.unit_by_heights {
+        let words = seen.words(unit);
+        let reason = format!(
+            "{} assumed by the height of the walls ({said}): then {words}; --unit overrides it",
+            unit.name
+        );
+        return UnitChoice { unit, reason, is_assumed: true };
+    }
     let Some(declared) = drawing.declared_unit else {
         let unit = best(&seen, said);
         let words = seen.words(unit);
         let reason = format!("{} assumed ({said}): then {words}; --unit overrides it", unit.name);
         return UnitChoice { unit, reason, is_assumed: true };
     };
-    match overruled(&seen, declared, said) {
+    let spoken_for = overruled(&seen, declared, said);
+    // A building's heights were taken in the unit that its file or its format states.
+    let is_building = drawing.format != Format::Dxf;
+    match spoken_for.filter(|_| !is_building) {
         Some(unit) => {
             let (then, else_words) = (seen.words(unit), seen.words(declared));
             let reason = format!(
@@ -250,7 +291,17 @@ pub fn choose(drawing: &Drawing, user: Option<Unit>, walls: &[&Entity], extent_u
         }
         None => {
             let agree = seen.supports(declared).iter().filter(|s| **s >= FOR).count();
-            let words = if agree >= 2 { format!("; {} fit", seen.words(declared)) } else { String::new() };
+            let words = match spoken_for {
+                Some(unit) => format!(
+                    "; {}, in {} {}: --unit {} reads it so",
+                    seen.words(declared),
+                    unit.name,
+                    seen.words(unit),
+                    unit.name
+                ),
+                None if agree >= 2 => format!("; {} fit", seen.words(declared)),
+                None => String::new(),
+            };
             let reason = format!("{} by {said}{words}", declared.name);
             UnitChoice { unit: declared, reason, is_assumed: false }
         }
@@ -395,6 +446,23 @@ mod tests {
                 assert_eq!(overruled(&seen, declared, "").map(|u| u.name), expected, "{}", declared.name);
             }
         }
+    }
+
+    #[test]
+    fn the_height_of_walls_tells_the_unit() {
+        for (heights, expected) in [
+            (vec![2.6, 2.6, 5.0], "m"),
+            (vec![3200.0, 2700.0, 400.0], "mm"),
+            (vec![270.0], "cm"),
+            (vec![120.0], "in"),
+            (vec![9.0, 9.0, f64::NAN, 0.0], "ft"),
+        ] {
+            assert_eq!(by_heights(&heights).map(|u| u.name), Some(expected), "{heights:?}");
+        }
+        assert_eq!(by_heights(&[0.0, f64::INFINITY]), None);
+        let doubted = |h: f64| implausible_by_heights(&[h], unit("m")).map(|u| u.name);
+        assert_eq!((doubted(2700.0), doubted(1.0), doubted(40.0)), (Some("mm"), None, None));
+        assert_eq!(doubted(0.027), None, "no unit makes a model as high as a house");
     }
 
     #[test]

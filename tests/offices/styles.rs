@@ -265,6 +265,7 @@ impl Sheet {
             format: Format::Dxf,
             version: "AC1027 (2013)".into(),
             declared_unit: self.office.declared,
+            unit_by_heights: None,
             declared_unit_words: self
                 .office
                 .declared

@@ -55,6 +55,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         version: header.version_words(),
         declared_unit: header.unit(),
         declared_unit_words: header.unit_words(),
+        unit_by_heights: None,
         layers: reader.layers.list,
         entities,
         fills: reader.fills,

@@ -50,13 +50,15 @@ struct Home {
     data: Vec<u8>,
 }
 
-/// Splices of the JSON text (counted from its start), and bytes to append to the binary chunk.
+/// Splices of the JSON text (counted from its start), and bytes to append to the binary chunk. `floor` is in units of
+/// the scene, of which one has `metres`.
 ///
 /// # Errors
 /// `gltf-dangling` where the scene names what it does not have, and ours would take that place.
 pub(super) fn splices(
     scene: &File<'_>,
     floor: f64,
+    metres: f64,
     own: &[Addition],
 ) -> Result<(Vec<Splice>, Vec<u8>), Error> {
     let root = &scene.json;
@@ -64,7 +66,7 @@ pub(super) fn splices(
     let mut home = Home { bin, data: Vec::new() };
     let mut by_layer: BTreeMap<&str, Mesh> = BTreeMap::new();
     for addition in own {
-        collect(by_layer.entry(&addition.layer).or_default(), addition, floor + LIFT_M);
+        collect(by_layer.entry(&addition.layer).or_default(), addition, floor + LIFT_M / metres);
     }
     let mut append = Append::default();
     let mut nodes = Vec::new();

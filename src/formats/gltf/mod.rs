@@ -6,7 +6,8 @@
 //! they are, numbers as written.
 //!
 //! [`SourceRef::record`] is the node's index (of a piece see [`path_of`]), [`SourceRef::handle`] its JSON pointer; plan x is glTF's x, plan
-//! y its −z, heights its y, all in metres as the standard says.
+//! y its −z, heights its y, all in metres as the standard says, unless the user
+//! names another unit or no wall could be as high as the file's are.
 //!
 //! [`SourceRef::record`]: crate::plan::drawing::SourceRef::record
 //! [`SourceRef::handle`]: crate::plan::drawing::SourceRef::handle
@@ -32,7 +33,7 @@ use std::sync::Arc;
 
 use crate::formats::StoreyInfo;
 use crate::formats::splice::{self, Splice};
-use crate::plan::drawing::{Addition, Edit};
+use crate::plan::drawing::{Addition, Edit, Unit};
 use crate::report::{Error, Report};
 use scene::File;
 
@@ -51,6 +52,8 @@ pub struct ReadOptions {
     pub is_by_user: bool,
     /// Name of the storey, of those in `storeys`; `None`: the one with most walls.
     pub storey: Option<String>,
+    /// The user's word for the unit, which then stands above the standard's metre.
+    pub unit: Option<Unit>,
     /// Node name → class, from the IFC that the scene was made from.
     pub classes: BTreeMap<String, String>,
     /// Storeys of that IFC from the lowest.
@@ -100,8 +103,8 @@ pub fn patch(
     splices.extend(pieces.bounds());
     let mut bin = Some(pieces.bin).filter(|b| !b.is_empty());
     if !own.is_empty() {
-        let floor = read::floor_of(&scene, &shown, options, &mut Report::default())?;
-        let (json, data) = additions::splices(&scene, floor, own)?;
+        let (floor, metres) = read::floor_of(&scene, &shown, options, &mut Report::default())?;
+        let (json, data) = additions::splices(&scene, floor, metres, own)?;
         splices.extend(json);
         if !data.is_empty() {
             bin.get_or_insert_with(|| scene.bin().unwrap_or_default().to_vec()).extend(data);

@@ -14,13 +14,20 @@ use crate::plan::drawing::{
     Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
 use crate::plan::layers::{self, WallLayers};
+use crate::plan::units::implausible_by_heights;
 use crate::report::{Error, Place, Report};
 
 /// Layer of everything where no name says what is a wall.
 const SCENE_LAYER: &str = "scene";
 
+/// The unit of the standard.
+const METRE: Unit = Unit { name: "m", metres: 1.0 };
+
 /// Floors nearer than this are one.
 const FLOOR_M: f64 = 0.05;
+
+/// What is this high may be a wall.
+const STOREY_HIGH_M: f64 = 2.0;
 
 /// Glass and door leaves: they close a gap and do not block sight.
 const DOOR_WORDS: [&str; 6] = ["door", "doors", "tür", "porte", "porta", "puerta"];
@@ -69,8 +76,9 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         );
         report.info("gltf-version", Place::file(file).entity("/asset/version"), text);
     }
-    let above = above(options);
-    let floor = chosen_floor(file, &bodies, options, report)?;
+    let scale = Scale::of(&bodies, options);
+    let above = above(options) / scale.metres;
+    let floor = chosen_floor(file, &bodies, options, &scale, report)?;
     let mut entities = Vec::new();
     for body in &bodies {
         show(&scene, body, floor + above, options, &mut entities);
@@ -86,8 +94,9 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         file: file.into(),
         format: if scene.chunks.is_empty() { Format::Gltf } else { Format::Glb },
         version: "glTF 2.0".into(),
-        declared_unit: Some(Unit { name: "m", metres: 1.0 }),
+        declared_unit: Some(METRE),
         declared_unit_words: "the standard (metres, Y up)".into(),
+        unit_by_heights: scale.by_heights,
         layers: names,
         entities,
         texts,
@@ -97,11 +106,34 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     })
 }
 
-/// The storey's floor where storeys are known, else the height above which most walls are cut.
+/// In what a scene measures.
+struct Scale {
+    /// Metres in one unit.
+    metres: f64,
+    /// The unit, where the walls cannot be as high as they are in metres.
+    by_heights: Option<Unit>,
+}
+
+impl Scale {
+    fn of(bodies: &[Body<'_>], options: &ReadOptions) -> Self {
+        if let Some(unit) = options.unit {
+            return Self { metres: unit.metres, by_heights: None };
+        }
+        let by_name = WallLayers::new(&[]).ok();
+        let is_wall = |b: &&Body<'_>| by_name.as_ref().is_some_and(|w| w.reason(&b.layer).is_some());
+        let heights: Vec<f64> = bodies.iter().filter(is_wall).map(|b| b.high - b.low).collect();
+        let by_heights = implausible_by_heights(&heights, METRE);
+        Self { metres: by_heights.unwrap_or(METRE).metres, by_heights }
+    }
+}
+
+/// Height of the storey's floor where storeys are known, else the one above which most walls are cut; units of the
+/// scene.
 fn chosen_floor(
     file: &str,
     bodies: &[Body<'_>],
     options: &ReadOptions,
+    scale: &Scale,
     report: &mut Report,
 ) -> Result<f64, Error> {
     let above = above(options);
@@ -128,11 +160,14 @@ fn chosen_floor(
                 storey.name, storey.floor_m
             );
             report.info("storey-cut", Place::file(file), text);
-            storey.floor_m
+            storey.floor_m / scale.metres
         }
         None => {
-            let floor = floor(bodies, above);
-            let text = format!("no storeys in glTF; cut {above} m above the floor found at {floor:.3} m");
+            let floor = floor(bodies, scale.metres, above / scale.metres);
+            let text = format!(
+                "no storeys in glTF; cut {above} m above the floor found at {:.3} m",
+                floor * scale.metres
+            );
             report.info("gltf-cut", Place::file(file), text);
             floor
         }
@@ -187,6 +222,7 @@ fn marked_moves(scene: &File<'_>, entities: &[Entity]) -> Vec<MarkedMove> {
     out
 }
 
+/// Height of the cut above the floor, metres.
 fn above(options: &ReadOptions) -> f64 {
     if options.is_knee { CUT_KNEE_M } else { CUT_EYE_M }
 }
@@ -202,14 +238,16 @@ fn named_bodies<'f>(
     out
 }
 
-/// Height of the floor that the walls stand on.
+/// Height of the floor that the walls stand on, units of the scene; and metres in one of these.
 pub(super) fn floor_of(
     scene: &File<'_>,
     shown: &[Shown],
     options: &ReadOptions,
     report: &mut Report,
-) -> Result<f64, Error> {
-    chosen_floor(scene.name, &named_bodies(scene, shown, options, report), options, report)
+) -> Result<(f64, f64), Error> {
+    let bodies = named_bodies(scene, shown, options, report);
+    let scale = Scale::of(&bodies, options);
+    Ok((chosen_floor(scene.name, &bodies, options, &scale, report)?, scale.metres))
 }
 
 fn bodies<'f>(
@@ -337,19 +375,24 @@ fn choose_layers(scene: &File<'_>, bodies: &mut [Body<'_>], options: &ReadOption
     bodies.iter_mut().for_each(|b| b.layer = SCENE_LAYER.into());
 }
 
-/// The height above which most walls are cut: where walls start most often.
-fn floor(bodies: &[Body<'_>], above: f64) -> f64 {
+/// The height above which most walls are cut: where walls start most often; `above` in units of the scene.
+fn floor(bodies: &[Body<'_>], metres: f64, above: f64) -> f64 {
     let by_name = WallLayers::new(&[]).ok();
     let is_wall = |b: &&Body<'_>| {
         b.layer == SCENE_LAYER || by_name.as_ref().is_some_and(|w| w.reason(&b.layer).is_some())
     };
     let walls: Vec<&Body<'_>> = bodies.iter().filter(is_wall).collect();
     let walls: Vec<&Body<'_>> = if walls.is_empty() { bodies.iter().collect() } else { walls };
+    // Where no name tells, what is as high as a storey does: furniture and footings do not.
+    let is_unnamed = walls.iter().any(|b| b.layer == SCENE_LAYER);
+    let high = |b: &&Body<'_>| (b.high - b.low) * metres >= STOREY_HIGH_M;
+    let tall: Vec<&Body<'_>> = walls.iter().copied().filter(|b| is_unnamed && high(b)).collect();
+    let walls = if tall.is_empty() { walls } else { tall };
     let cut = |floor: f64| walls.iter().filter(|b| b.low < floor + above && b.high > floor + above).count();
-    let near = |floor: f64| walls.iter().filter(|b| (b.low - floor).abs() < FLOOR_M).count();
+    let near = |floor: f64| walls.iter().filter(|b| (b.low - floor).abs() < FLOOR_M / metres).count();
     let mut floors: Vec<f64> = walls.iter().map(|b| b.low).collect();
     floors.sort_by(f64::total_cmp);
-    floors.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+    floors.dedup_by(|a, b| (*a - *b).abs() < 1e-6 / metres);
     floors
         .into_iter()
         .max_by(|a, b| (cut(*a), near(*a)).cmp(&(cut(*b), near(*b))).then(b.total_cmp(a)))

@@ -16,6 +16,7 @@ mod body;
 mod geo;
 mod length;
 mod limits;
+mod marks;
 mod model;
 mod patch;
 mod plain;
@@ -37,7 +38,7 @@ pub use zip::{is_zip, unzip};
 
 use crate::formats::StoreyInfo;
 use crate::formats::splice::{self, Splice};
-use crate::plan::drawing::{Addition, Drawing, Edit};
+use crate::plan::drawing::{Addition, Drawing, Edit, Unit};
 use crate::report::{Error, Place, Report};
 use read::Building;
 use step::{Fault, Step, line_of};
@@ -62,12 +63,14 @@ pub enum Sight {
 }
 
 /// How to read a building.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// Name of the storey; `None`: the one with most walls.
     pub storey: Option<String>,
     /// Height of the cut.
     pub sight: Sight,
+    /// The user's word for the unit, which then stands above the file's.
+    pub unit: Option<Unit>,
 }
 
 /// A product that an edit moves.
@@ -103,18 +106,16 @@ impl<'a> Opened<'a> {
     /// # Errors
     /// [`Error::Usage`] where the storey is not there.
     pub fn read(&self, options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
-        read::read_storey(&Building::new(self.file, &self.step), options, report)
+        read::read_storey(&Building::new(self.file, &self.step, options.unit), options, report)
     }
 
-    /// Reads several storeys, each into a report of its own.
+    /// Reads several storeys in one unit, each into a report of its own.
     ///
     /// # Errors
     /// For each as [`Self::read`].
     pub fn read_all(&self, options: &[ReadOptions]) -> Vec<(Result<Drawing, Error>, Report)> {
-        if options.is_empty() {
-            return Vec::new();
-        }
-        let building = Building::new(self.file, &self.step);
+        let Some(first) = options.first() else { return Vec::new() };
+        let building = Building::new(self.file, &self.step, first.unit);
         let one = |o: &ReadOptions| {
             let mut report = Report::default();
             (read::read_storey(&building, o, &mut report), report)
@@ -123,8 +124,8 @@ impl<'a> Opened<'a> {
     }
 
     /// Storeys from the lowest, and how much there is of what.
-    pub fn building(&self) -> (Vec<StoreyInfo>, Elements) {
-        (storeys(&Building::new(self.file, &self.step)), Elements::of(&self.step))
+    pub fn building(&self, unit: Option<Unit>) -> (Vec<StoreyInfo>, Elements) {
+        (storeys(&Building::new(self.file, &self.step, unit)), Elements::of(&self.step))
     }
 }
 
@@ -225,19 +226,23 @@ pub fn patch(
         return Ok(bytes.to_vec());
     }
     let step = open(file, bytes)?;
-    let building = Building::new(file, &step);
+    let building = Building::new(file, &step, options.unit);
     let mut mover = patch::Mover::new(&building, options, edits);
     for edit in edits {
         mover.edit(edit)?;
     }
     let next = mover.next_id();
     let (mut splices, mut added) = (mover.splices, mover.added);
+    let end = line_end(bytes);
     if !own.is_empty() {
         added.extend_from_slice(OWN_MARK);
-        added.extend_from_slice(line_end(bytes));
+        added.extend_from_slice(end);
         added.extend(additions::text(&building, options, next, edits, own)?);
     }
-    splices.push(Splice::new(step.data_end..step.data_end, added));
+    // Before whatever stands between the last instance and ENDSEC: a comment there stays with ENDSEC.
+    let at = instances_end(&step);
+    let added = [end, added.strip_suffix(end).unwrap_or(&added)].concat();
+    splices.push(Splice::new(at..at, if added.len() > end.len() { added } else { Vec::new() }));
     splice::apply(file, "ifc-edit-twice", bytes, splices)
 }
 
@@ -253,7 +258,7 @@ pub fn moved_products(
     edits: &[Edit],
 ) -> Result<Vec<Vec<MovedProduct>>, Error> {
     let step = open(file, bytes)?;
-    let building = Building::new(file, &step);
+    let building = Building::new(file, &step, options.unit);
     let mut mover = patch::Mover::new(&building, options, edits);
     let named = |id: u64| {
         let global_id = step.args(id).first().and_then(|a| step.text(a)).unwrap_or_default();
@@ -305,9 +310,9 @@ pub struct Inventory {
 }
 
 /// Classes and storeys of a building; nothing of a file that cannot be read.
-pub fn inventory(bytes: &[u8]) -> Inventory {
+pub fn inventory(bytes: &[u8], unit: Option<Unit>) -> Inventory {
     let Ok(step) = open("", bytes) else { return Inventory::default() };
-    let building = Building::new("", &step);
+    let building = Building::new("", &step, unit);
     let products = building.model.products.iter().chain(&building.model.fillers);
     let mut classes: BTreeMap<String, String> = BTreeMap::new();
     for i in step.all("IFCSLAB").chain(step.all("IFCCOVERING")).chain(step.all("IFCROOF")) {
@@ -329,16 +334,23 @@ pub fn tags(bytes: &[u8], ids: &[usize]) -> Vec<Option<String>> {
     ids.iter().map(tag).collect()
 }
 
+/// Where the last instance ends, behind its semicolon; where there is none, the end of the data.
+fn instances_end(step: &Step<'_>) -> usize {
+    step.instances.last().map_or(step.data_end, |i| i.span.end)
+}
+
 /// The bytes without what [`patch`] added.
 pub fn strip_own(bytes: &[u8]) -> Cow<'_, [u8]> {
     let Some(at) = memchr::memmem::rfind(bytes, OWN_MARK) else {
         return Cow::Borrowed(bytes);
     };
     let Ok(step) = Step::read(bytes) else { return Cow::Borrowed(bytes) };
-    if step.data_end <= at {
+    let end = instances_end(&step);
+    if end <= at {
         return Cow::Borrowed(bytes);
     }
-    Cow::Owned([&bytes[..at], &bytes[step.data_end..]].concat())
+    let before = bytes[..at].strip_suffix(line_end(bytes)).unwrap_or(&bytes[..at]);
+    Cow::Owned([before, &bytes[end..]].concat())
 }
 
 /// How lines end in a file.

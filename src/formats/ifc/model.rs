@@ -101,6 +101,8 @@ pub(super) struct Model {
     pub materials: HashMap<u64, u64>,
     /// Storeys from the lowest.
     pub storeys: Vec<Storey>,
+    /// Elements that are parts of themselves, each with the ring: `#12>#14>#12`.
+    pub part_rings: Vec<(u64, String)>,
     /// Shapes with parts that have aspects of their own.
     pub aspects: HashSet<u64>,
     /// `GlobalId`s of several products.
@@ -146,6 +148,7 @@ impl Model {
             self.whole.extend(many.iter().map(|m| (*m, one)));
             self.parts.entry(one).or_default().extend(many);
         }
+        self.open_rings();
         for (one, many) in pairs(step, "IFCRELCONTAINEDINSPATIALSTRUCTURE", 5, 4) {
             self.inside.extend(many.iter().map(|m| (*m, one)));
         }
@@ -167,6 +170,47 @@ impl Model {
         for (material, many) in pairs(step, "IFCRELASSOCIATESMATERIAL", 5, 4) {
             self.materials.extend(many.iter().map(|m| (*m, material)));
         }
+    }
+
+    /// Takes apart what is, by way of its parts, a part of itself: every element of such a ring stands for itself.
+    fn open_rings(&mut self) {
+        let mut starts: Vec<u64> = self.whole.keys().copied().collect();
+        starts.sort_unstable();
+        let mut done: HashSet<u64> = HashSet::new();
+        for start in starts {
+            let (mut chain, mut at) = (Vec::new(), start);
+            while !done.contains(&at) && !chain.contains(&at) {
+                chain.push(at);
+                match self.whole.get(&at) {
+                    Some(next) => at = *next,
+                    None => break,
+                }
+            }
+            if let Some(from) = chain.iter().position(|c| *c == at).filter(|_| self.whole.contains_key(&at)) {
+                let ring: Vec<u64> = chain[from..].to_vec();
+                let words: Vec<String> = ring.iter().chain([&at]).map(|id| format!("#{id}")).collect();
+                for id in &ring {
+                    if let Some(whole) = self.whole.remove(id) {
+                        self.parts.entry(whole).or_default().retain(|p| p != id);
+                    }
+                }
+                self.part_rings.push((at, words.join(">")));
+            }
+            done.extend(chain);
+        }
+        self.parts.retain(|_, parts| !parts.is_empty());
+    }
+
+    /// Parts of an element, and their parts, each once.
+    pub fn parts_of(&self, id: u64) -> Vec<u64> {
+        let (mut out, mut next) = (self.parts.get(&id).cloned().unwrap_or_default(), 0);
+        let mut seen: HashSet<u64> = out.iter().copied().chain([id]).collect();
+        out.dedup();
+        while let Some(at) = out.get(next).copied() {
+            out.extend(self.parts.get(&at).into_iter().flatten().filter(|p| seen.insert(**p)));
+            next += 1;
+        }
+        out
     }
 
     /// The zones that a space is in, those of its zones after them, each once.
@@ -260,9 +304,14 @@ impl Model {
         out
     }
 
-    /// Properties of `Pset_Enfilade` on an element, names in lower case.
+    /// Properties of `Pset_Enfilade` on an element, names in lower case; of several of one name the last.
     pub fn marks(&self, step: &Step<'_>, id: u64) -> BTreeMap<String, String> {
-        let mut out = BTreeMap::new();
+        self.stated_marks(step, id).into_iter().map(|(_, key, value)| (key, value)).collect()
+    }
+
+    /// The same one by one, each with its set.
+    pub fn stated_marks(&self, step: &Step<'_>, id: u64) -> Vec<(u64, String, String)> {
+        let mut out = Vec::new();
         for set in self.properties.get(&id).into_iter().flatten() {
             let args = step.args(*set);
             let name = args.get(2).and_then(|a| step.text(a)).unwrap_or_default();
@@ -274,7 +323,7 @@ impl Model {
                 let name = of.first().and_then(|a| step.text(a)).unwrap_or_default().to_lowercase();
                 let value =
                     of.get(2).map(|v| step.text(v).unwrap_or_else(|| enum_text(v))).unwrap_or_default();
-                out.insert(name, value);
+                out.push((*set, name, value));
             }
         }
         out

@@ -14,8 +14,9 @@ use super::units::{Units, units};
 use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, Sight};
 use crate::formats::region::{Region, Rule};
 use crate::plan::drawing::{
-    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Vertex,
+    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
+use crate::plan::units::by_heights;
 use crate::report::{Error, Place, Report};
 
 /// Layer of everything that closes a gap without blocking sight: plugs of door and window openings.
@@ -48,15 +49,25 @@ pub(super) struct Building<'s, 'a> {
     pub model: Model,
     /// Its units.
     pub units: Units,
+    /// Its unit of length by the heights of its walls, where nobody says one.
+    pub unit_by_heights: Option<Unit>,
 }
 
 impl<'s, 'a> Building<'s, 'a> {
-    /// Reads units, products and relations.
-    pub fn new(file: &'s str, step: &'s Step<'a>) -> Self {
+    /// Reads units, products and relations. `wanted` is the user's word for the unit; where neither the user nor the
+    /// file says one, the heights of the walls do.
+    pub fn new(file: &'s str, step: &'s Step<'a>, wanted: Option<Unit>) -> Self {
         let units = units(step);
-        let geo = Geo::new(step, units.length.map_or(1.0, |u| u.metres), units.radians);
+        let known = wanted.or(units.length);
+        let geo = Geo::new(step, known.map_or(1.0, |u| u.metres), units.radians);
         let model = Model::read(step, &geo);
-        Self { file, step, geo, model, units }
+        let mut out = Self { file, step, geo, model, units, unit_by_heights: None };
+        if known.is_none() {
+            let heights: Vec<f64> = wall_spans(&out).iter().map(|s| s[1] - s[0]).collect();
+            out.unit_by_heights = by_heights(&heights);
+            out.geo.metres = out.unit_by_heights.map_or(1.0, |u| u.metres);
+        }
+        out
     }
 
     /// `house.ifc:12 #4711 IfcWall 2O2F…`.
@@ -115,10 +126,19 @@ pub(super) fn read_storey(
         );
         report.warn("ifc-duplicate-global-id", Place::file(file), text);
     }
+    for (id, ring) in &building.model.part_rings {
+        let line = building.step.get(*id).map(|i| building.step.line(i.span.start));
+        let place = Place { file: file.into(), line, entity: building.geo.named(*id) };
+        let text = format!(
+            "it is a part of itself ({ring}), expected a whole of its own; each of these stands for itself"
+        );
+        report.warn("ifc-part-ring", place, text);
+    }
     let storey = building.storey(options.storey.as_deref(), report)?;
     let mut reader = Reader::new(building, storey, options);
     reader.walls(report);
     reader.spaces(report);
+    super::marks::state(building, reader.storey, report);
     let height = reader.cut - reader.floor;
     if let Some(storey) = storey {
         let text = format!(
@@ -269,11 +289,14 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         }
     }
 
+    fn is_wall_here(&self, p: &Product) -> bool {
+        is_wall(p) && self.b.model.storey_of(p.id) == self.storey
+    }
+
     fn state_missing(&self, p: &Product, why: &str, report: &mut Report) {
-        let is_wall = ["IfcWall", "IfcColumn", "IfcCurtainWall"].iter().any(|c| p.class.starts_with(c));
-        let code = if is_wall { "ifc-element" } else { "ifc-other-element" };
+        let code = if is_wall(p) { "ifc-element" } else { "ifc-other-element" };
         let text = format!("{why}; this part of it is left out");
-        if is_wall && self.b.model.storey_of(p.id) == self.storey {
+        if self.is_wall_here(p) {
             report.warn(code, self.b.place(p), text);
         } else {
             report.info(code, self.b.place(p), text);
@@ -303,7 +326,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         }
         self.take_openings_out(p, &frame, &mut out);
         let mut region = out.region.map(|q| plan_point(&frame.world, q));
-        for part in self.b.model.parts.get(&p.id).into_iter().flatten() {
+        for part in &self.b.model.parts_of(p.id) {
             let class = self.b.model.product(*part).map(|q| q.class);
             let is_glass = class == Some("IfcPlate") && self.options.sight == Sight::Eye;
             let Ok(cut) = self.part(*part) else { continue };
@@ -448,11 +471,10 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         }
         let said = |key: &str| marks.get(key).map_or_else(String::new, |v| v.trim().to_lowercase());
         for (key, layer) in [("query", "EF-QUERY"), ("reference", "EF-REFERENCE"), ("keep", "EF-KEEP")] {
-            match said(key).as_str() {
-                "t" | "true" | "1" | "yes" => self.emit(p, layer, region),
-                "" | "f" | "false" | "0" | "no" | "u" | "unknown" => {}
-                pair if key != "keep" => self.emit(p, &format!("{layer}-{pair}"), region),
-                _ => {}
+            match (super::marks::is_yes(&said(key)), key) {
+                (Some(true), _) => self.emit(p, layer, region),
+                (Some(false), _) | (None, "keep") => {}
+                (None, _) => self.emit(p, &format!("{layer}-{}", said(key)), region),
             }
         }
     }
@@ -484,7 +506,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                     source: source.clone(),
                 });
             }
-            if marks.contains_key("keep") {
+            if marks.get("keep").is_some_and(|v| super::marks::is_yes(v) != Some(false)) {
                 editable = Editable::No("Pset_Enfilade says Keep".into());
             }
         }
@@ -588,6 +610,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             version: self.b.step.schema.clone(),
             declared_unit: self.b.units.length,
             declared_unit_words: self.b.units.length_words.clone(),
+            unit_by_heights: self.b.unit_by_heights,
             layers,
             entities: self.entities,
             hosts,
@@ -611,6 +634,11 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     }
 }
 
+/// Whether it is a wall, a column or a curtain wall.
+fn is_wall(p: &Product) -> bool {
+    ["IfcWall", "IfcColumn", "IfcCurtainWall"].iter().any(|c| p.class.starts_with(c))
+}
+
 /// Heights of a storey's floor and of its cut, file units.
 pub(super) fn heights(b: &Building<'_, '_>, storey: Option<&Storey>, sight: Sight) -> (f64, f64) {
     let above = match sight {
@@ -624,6 +652,14 @@ pub(super) fn heights(b: &Building<'_, '_>, storey: Option<&Storey>, sight: Sigh
 /// The floor of a building without storeys: of all heights at which walls start, the one above which most
 /// walls are cut.
 fn lowest(b: &Building<'_, '_>, above: f64) -> f64 {
+    let spans = wall_spans(b);
+    let cut = |floor: f64| spans.iter().filter(|s| s[0] < floor + above && s[1] > floor + above).count();
+    let floors = spans.iter().map(|s| s[0]);
+    floors.max_by(|a, b| cut(*a).cmp(&cut(*b)).then(b.total_cmp(a))).unwrap_or(0.0)
+}
+
+/// Lowest and highest point of every wall with a body, file units.
+fn wall_spans(b: &Building<'_, '_>) -> Vec<[f64; 2]> {
     let mut spans: Vec<[f64; 2]> = Vec::new();
     for p in b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")) {
         let world = p.placement.map_or(Ok(DAffine3::IDENTITY), |m| b.geo.placement(m));
@@ -635,7 +671,5 @@ fn lowest(b: &Building<'_, '_>, above: f64) -> f64 {
             spans.extend(Some(span).filter(|s| s[0].is_finite()));
         }
     }
-    let cut = |floor: f64| spans.iter().filter(|s| s[0] < floor + above && s[1] > floor + above).count();
-    let floors = spans.iter().map(|s| s[0]);
-    floors.max_by(|a, b| cut(*a).cmp(&cut(*b)).then(b.total_cmp(a))).unwrap_or(0.0)
+    spans
 }
