@@ -287,6 +287,9 @@ pub struct RunArgs {
     /// Look near option N of the newest round.
     #[arg(long, value_name = "N", value_parser = whole::<usize>)]
     pub like: Option<usize>,
+    /// --pin and --like name options of the best so far of a stopped search, not of the newest round.
+    #[arg(long)]
+    pub so_far: bool,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,
@@ -431,6 +434,9 @@ pub struct AcceptArgs {
     /// Round to take it from; the newest by default.
     #[arg(long, value_name = "N", value_parser = whole::<u32>)]
     pub round: Option<u32>,
+    /// Take it from the best so far of a stopped search, in the folder so-far.
+    #[arg(long, conflicts_with = "round")]
+    pub so_far: bool,
     /// Where the results of the drawing are, if not beside it.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

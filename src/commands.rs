@@ -231,7 +231,8 @@ fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
     let mut partial = args.common.partial(Some(&args.search));
     let asked = Asked { pin: args.pin.clone(), like: args.like, ..Asked::default() };
     if asked != Asked::default() {
-        hold(&mut partial, &results_of(&args.file, args.common.out.clone())?, &asked)?;
+        let which = if args.so_far { Which::SoFar } else { Which::Newest };
+        hold(&mut partial, &results_of(&args.file, args.common.out.clone())?, &asked, which)?;
     }
     let (settings, out) = settings_for(&args.file, partial)?;
     let watch = WatchSettings { out_dir: out, ..WatchSettings::default() };
@@ -268,11 +269,11 @@ fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
 }
 
 /// Puts the options that a round is to keep, or to find more of, into its settings.
-fn hold(partial: &mut Partial, results: &Path, asked: &Asked) -> Result<(), Error> {
+fn hold(partial: &mut Partial, results: &Path, asked: &Asked, which: Which) -> Result<(), Error> {
     if asked.pin.is_empty() && asked.like.is_none() {
         return Ok(());
     }
-    let (round, result) = round_result(results, asked.round)?;
+    let (round, result) = round_result(results, asked.round.map_or(which, Which::Round))?;
     let of = |n: &usize| option_of(&result, round, *n);
     let pinned: Vec<Vec<f64>> = asked.pin.iter().map(of).collect::<Result<_, _>>()?;
     partial.pin = Some(pinned).filter(|p| !p.is_empty());
@@ -351,24 +352,23 @@ fn summary(result: &RoundResult, folder: &Path) {
 }
 
 fn accept(args: &AcceptArgs) -> Result<u8, Error> {
-    let Accepted { round, next, side_car, is_new } =
-        accept_option(&args.file, &results_of(&args.file, args.out.clone())?, args.round, args.number)?;
+    let asked = if args.so_far { Which::SoFar } else { args.round.map_or(Which::Newest, Which::Round) };
+    let results = results_of(&args.file, args.out.clone())?;
+    let Accepted { of, next, side_car, is_new } = accept_option(&args.file, &results, asked, args.number)?;
     let what = if args.number == 0 { "the best layout".into() } else { format!("option {}", args.number) };
     if !is_new {
-        say(&format!(
-            "{what} of round {round} was accepted before, as {}; nothing was written",
-            next.display()
-        ));
+        say(&format!("{what} of {of} was accepted before, as {}; nothing was written", next.display()));
         return Ok(0);
     }
-    say(&format!("{what} of round {round} is now {}", next.display()));
+    say(&format!("{what} of {of} is now {}", next.display()));
     say(&format!("its moves, bounds and settings for the next round: {}", side_car.display()));
     Ok(0)
 }
 
 /// An option that became a drawing.
 struct Accepted {
-    round: u32,
+    /// What it is an option of: `round 3`.
+    of: String,
     next: PathBuf,
     side_car: PathBuf,
     /// Whether it was not there before.
@@ -386,10 +386,12 @@ fn results_of(file: &Path, out: Option<PathBuf>) -> Result<PathBuf, Error> {
     })
 }
 
-/// Makes an option of a round in the folder `results` a new drawing; the newest round where none is named.
-fn accept_option(file: &Path, results: &Path, round: Option<u32>, number: usize) -> Result<Accepted, Error> {
+/// Makes an option in the folder `results` a new drawing.
+fn accept_option(file: &Path, results: &Path, which: Which, number: usize) -> Result<Accepted, Error> {
     let (path, bytes) = open(file)?;
-    let (round, result) = round_result(results, round)?;
+    let (round, result) = round_result(results, which)?;
+    let is_finished = store::finished_rounds(results).contains(&round);
+    let of = if is_finished { format!("round {round}") } else { "the best so far".into() };
     let accepted =
         pipeline::accept::accept(&Input::new(&path, &bytes, 1), beside(file), &result, round, number)?;
     let store::Revision { path: next, is_new } =
@@ -399,16 +401,38 @@ fn accept_option(file: &Path, results: &Path, round: Option<u32>, number: usize)
     if is_new || !side_car.exists() {
         store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
     }
-    Ok(Accepted { round, next, side_car, is_new })
+    Ok(Accepted { of, next, side_car, is_new })
 }
 
-/// The result of a round in a result folder, the newest by default, and its number.
-fn round_result(folder: &Path, round: Option<u32>) -> Result<(u32, RoundResult), Error> {
-    let Some(round) = round.or_else(|| store::finished_rounds(folder).last().copied()) else {
-        let place = Place::file(folder.to_string_lossy());
-        return Err(Error::usage("no-round", place, "no round yet; `enfilade run` makes one"));
+/// Which of the results of a drawing are meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Which {
+    /// The newest round; where there is none, what a search has found so far.
+    Newest,
+    Round(u32),
+    /// What a search that goes on, or was stopped, has found so far.
+    SoFar,
+}
+
+/// A result in a result folder, and the number of its round; of the best so far the number that its round would have.
+fn round_result(folder: &Path, which: Which) -> Result<(u32, RoundResult), Error> {
+    let last = store::finished_rounds(folder).last().copied();
+    let has_so_far = || folder.join(store::SO_FAR).join("result.json").is_file();
+    let next = last.map_or(1, |n| n.saturating_add(1));
+    let (round, name) = match (which, last) {
+        (Which::Round(n), _) | (Which::Newest, Some(n)) => (n, round_name(n)),
+        (Which::SoFar | Which::Newest, _) if has_so_far() => (next, store::SO_FAR.to_owned()),
+        (Which::Newest | Which::SoFar, _) => {
+            let text = match which {
+                Which::SoFar => {
+                    "nothing is kept of a stopped search; `enfilade run --write-every 10` keeps the best so far"
+                }
+                _ => "no round yet; `enfilade run` makes one",
+            };
+            return Err(Error::usage("no-round", Place::file(folder.to_string_lossy()), text));
+        }
     };
-    let at = folder.join(round_name(round)).join("result.json");
+    let at = folder.join(name).join("result.json");
     let place = || Place::file(at.to_string_lossy());
     let json = std::fs::read(&at).map_err(|e| {
         Error::usage(
@@ -426,8 +450,11 @@ fn round_result(folder: &Path, round: Option<u32>) -> Result<(u32, RoundResult),
 fn option_of(result: &RoundResult, round: u32, number: usize) -> Result<Vec<f64>, Error> {
     let found = number.checked_sub(1).and_then(|i| result.candidates.get(i));
     found.map(|c| c.parameters.clone()).ok_or_else(|| {
-        let n = result.candidates.len();
-        let text = format!("round {round} has {n} options, found number {number}; nothing was done");
+        let has = match result.candidates.len() {
+            0 => "no options".into(),
+            _ => options_of(result),
+        };
+        let text = format!("round {round} has {has}, found number {number}; nothing was done");
         Error::usage("candidate", Place::default(), text)
     })
 }

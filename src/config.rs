@@ -549,10 +549,9 @@ impl Settings {
             _ => Ok(v),
         };
         let count = |key: &str, v: usize, lo: usize, hi: usize| match v {
-            v if !(lo..=hi).contains(&v) => {
-                Err(bad(key, &v.to_string(), &format!("a number from {lo} to {hi}")))
-            }
-            v => Ok(v),
+            v if (lo..=hi).contains(&v) => Ok(v),
+            v if hi == usize::MAX => Err(bad(key, &v.to_string(), &format!("a number of {lo} or more"))),
+            v => Err(bad(key, &v.to_string(), &format!("a number from {lo} to {hi}"))),
         };
         if let Some(v) = p.evaluations.filter(|v| !(1..=EVALUATIONS_MAX).contains(v)) {
             return Err(bad("evaluations", &v.to_string(), &format!("a number from 1 to {EVALUATIONS_MAX}")));
@@ -735,7 +734,7 @@ fn penalties(text: &str) -> Result<Vec<(Penalty, f64)>, Error> {
 }
 
 fn limits(text: &str) -> Result<Vec<Limit>, Error> {
-    let expected = "`wall-length -5%`, `room-area -5%`, `clearance <= 3`, `passage 0.9 m` or `degree-p10 >= 40`, separated by commas";
+    let expected = "`wall-length -5%`, `room-area -5%`, `clearance <= 3` (0 or more), `passage 0.9 m`, `degree-p10 >= 40` or `degree >= +10%`, separated by commas";
     clauses(text).map(|c| c.parse().map_err(|_| bad("limit", &format!("{c:?}"), expected))).collect()
 }
 

@@ -418,6 +418,146 @@ fn a_pinned_option_that_no_longer_fits_is_named() {
     assert_eq!((&then[..], &now[3]), (&now[..3], &Value::from(0.0)), "a new move stays as drawn");
 }
 
+/// A pinned option is kept as it was, whatever is asked now, and everything says what it breaks.
+#[test]
+fn a_pinned_option_that_breaks_what_is_asked_now_is_kept_and_named() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    let first = json(&desk.run(1, &["--objective", "degree max 0.3"]).join("result.json"));
+    let option = first["candidates"][0].clone();
+    assert!(option["explanation"].get("breaks").is_none());
+    let degree = option["mean"]["degree"].as_f64().unwrap();
+    let more = format!("degree >= {}", degree * 2.0);
+    let asked = |round: u32, rules: &[&str], word: &str| {
+        let at = desk.run(round, &[&["--pin", "1", "--evaluations", "40"], rules].concat());
+        let result = json(&at.join("result.json"));
+        let kept = &result["candidates"][0];
+        assert_eq!(kept["parameters"], option["parameters"], "{rules:?}");
+        assert_eq!(kept["within_threshold"], false);
+        let breaks = kept["explanation"]["breaks"].to_string();
+        let problems = result["problems"].to_string();
+        let [page, note] =
+            ["report.html", "candidate-1.dxf"].map(|f| text(&std::fs::read(at.join(f)).unwrap()));
+        assert!(breaks.contains(word) && problems.contains(word), "{rules:?}: {breaks} {problems}");
+        assert!(kept["words"].as_str().unwrap().contains("Kept because it is pinned, though it breaks"));
+        assert!(page.contains("Kept because it is pinned") && note.contains("pinned"), "{rules:?}");
+        for other in result["candidates"].as_array().unwrap().iter().skip(1) {
+            assert!(other["explanation"].get("breaks").is_none(), "{rules:?}");
+        }
+        desk.run(round + 1, &["--objective", "degree max 0.3"]);
+        let again =
+            json(&desk.folder.path().join(format!("plan.enfilade/round-{:02}/result.json", round + 1)));
+        assert_eq!(again["candidates"], first["candidates"], "the same again, to pin from");
+    };
+    asked(2, &["--most-moves", "1"], "most-moves 1");
+    asked(4, &["--snap", "0.7 m"], "snap 0.7 m");
+    asked(6, &["--link", "mirror-x: a, b"], "linked");
+    asked(8, &["--limit", &more], "degree");
+}
+
+/// What was asked for firmly is kept as result.json states it, and what nobody can keep is said.
+#[test]
+fn options_keep_firm_thresholds_as_they_are_stated() {
+    let desk = Desk::new(&hall(["x -2 2; rotate -40 40", "x -2 2; rotate -40 40", "x -2 2; y -1 1"]));
+    for seed in 1..=4 {
+        let asked = "degree max 0.6, entropy min 0.4, depth-p90 min 0.3";
+        let at = desk.run(seed, &["--objective", asked, "--seed", &seed.to_string(), "--evaluations", "90"]);
+        let result = json(&at.join("result.json"));
+        let options = result["candidates"].as_array().unwrap();
+        assert!(!options.is_empty());
+        for o in result["objectives"].as_array().unwrap().iter().skip(1) {
+            let of = |key: &str| o[key].as_f64().unwrap();
+            let name = o["name"].as_str().unwrap();
+            let sign = if o["sense"] == "max" { 1.0 } else { -1.0 };
+            let [initial, reachable, limit] = ["initial", "reachable", "limit"].map(|k| sign * of(k));
+            let is_said = result["problems"].to_string().contains("out-of-reach");
+            assert!(reachable > initial || is_said, "{o}");
+            let range = (reachable - initial).max(0.02 * initial.abs());
+            if reachable > initial {
+                assert!((limit - (reachable - (1.0 - of("threshold")) * range)).abs() < 1e-9, "{o}");
+            }
+            for option in options {
+                let value = sign * option["mean"][name].as_f64().unwrap();
+                assert!(value >= limit - 1e-9, "seed {seed}: {value} of {name}, {o}");
+            }
+        }
+    }
+}
+
+/// A round without options answers whatever is asked of it in plain words.
+#[test]
+fn a_round_without_options_can_be_asked_for_them() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    let result = json(&desk.run(1, &["--limit", "degree >= +500%"]).join("result.json"));
+    assert_eq!(result["candidates"].as_array().unwrap().len(), 0);
+    let objective = &result["objectives"][1];
+    assert!(["best", "reachable", "limit"].iter().all(|k| objective[k].is_null()), "{objective}");
+    let problems = result["problems"].to_string();
+    assert!(problems.contains("keeps every hard limit") && problems.contains("it has"), "{problems}");
+    let drawing = desk.drawing().to_string_lossy().into_owned();
+    for (arguments, words) in [
+        (&["accept", &drawing, "0"][..], "found no layout better than the present one"),
+        (&["accept", &drawing, "1"], "has no options"),
+        (&["run", &drawing, "--pin", "1"], "has no options"),
+        (&["run", &drawing, "--like", "1"], "has no options"),
+    ] {
+        let done = enfilade(arguments);
+        let said = text(&done.stderr);
+        assert_eq!(done.status.code(), Some(3), "{said}");
+        assert!(said.contains(words) && !said.contains("null"), "{arguments:?}: {said}");
+    }
+}
+
+/// What a stopped search leaves in so-far/ can be accepted, pinned and liked.
+#[test]
+fn the_best_so_far_can_be_taken() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    let round = desk.run(1, &["--objective", "degree max 0.3"]);
+    let so_far = round.with_file_name("so-far");
+    let drawing = desk.drawing().to_string_lossy().into_owned();
+    let refused = enfilade(&["accept", &drawing, "1", "--so-far"]);
+    assert_eq!(refused.status.code(), Some(3), "{}", text(&refused.stderr));
+    assert!(text(&refused.stderr).contains("--write-every"), "{}", text(&refused.stderr));
+    // As a stop leaves it: no round, its files in so-far.
+    std::fs::rename(&round, &so_far).unwrap();
+    let parameters = |at: &Path| json(&at.join("result.json"))["candidates"][0]["parameters"].clone();
+    for (arguments, is_new) in
+        [(&["accept", &drawing, "1"][..], true), (&["accept", &drawing, "1", "--so-far"], false)]
+    {
+        let done = enfilade(arguments);
+        let said = text(&done.stdout);
+        assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+        assert!(said.contains("option 1 of the best so far") && said.contains("before") != is_new, "{said}");
+    }
+    let pinned = parameters(&so_far);
+    let next = desk.run(1, &["--pin", "1", "--so-far", "--evaluations", "20"]);
+    assert_eq!(parameters(&next), pinned);
+    assert!(!so_far.exists(), "the finished round takes its place");
+}
+
+/// What nobody stated is not stated in the side-car, so that what is stated later is firm.
+#[test]
+fn an_accepted_drawing_leaves_open_what_nobody_stated() {
+    for (stated, objective, thresholds) in [
+        (&[][..], None, None),
+        (&["--objective", "degree max 0.5"], Some("degree max 0.5"), Some("firm")),
+        (&["--thresholds", "firm"], Some("degree max 0.7, depth min 0.7, entropy max 0.7"), Some("firm")),
+        (
+            &["--objective", "degree max 0.5", "--thresholds", "yielding"],
+            Some("degree max 0.5"),
+            Some("yielding"),
+        ),
+    ] {
+        let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+        desk.run(1, &[stated, &["--evaluations", "40"]].concat());
+        let drawing = desk.drawing().to_string_lossy().into_owned();
+        assert!(enfilade(&["accept", &drawing, "1"]).status.success(), "{stated:?}");
+        let car = std::fs::read_to_string(desk.folder.path().join("plan-r02.enfilade.toml")).unwrap();
+        let car: toml::Table = car.parse().unwrap();
+        let has = |key: &str| car.get(key).map(|v| v.as_str().unwrap().to_owned());
+        assert_eq!((has("objective").as_deref(), has("thresholds").as_deref()), (objective, thresholds));
+    }
+}
+
 #[test]
 fn an_accepted_option_begins_with_what_survives() {
     let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));

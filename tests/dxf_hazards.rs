@@ -138,6 +138,8 @@ fn filled_areas_are_read_by_their_outline() {
     let edges = "92|1|93|3|72|1|10|0|20|0|11|4|21|0|72|1|10|4|20|0|11|4|21|4|72|1|10|4|20|4|11|0|21|0|97|0";
     let round = "92|1|93|1|72|2|10|5|20|6|40|2|50|0|51|360|73|1|97|0";
     let solid = "0|SOLID|8|COLS|10|0|20|0|11|4|21|0|12|0|22|4|13|4|23|4";
+    // What, the record, and corners or centre of the area it shows.
+    #[allow(clippy::type_complexity)]
     let cases: [(&str, String, Option<&[[f64; 2]]>); 9] = [
         (
             "polyline",

@@ -7,7 +7,9 @@ use std::time::SystemTime;
 
 use serde_json::Value;
 
-use super::{absolute, accept_option, hold, output_of, print, read_settings, round, say, settings_for};
+use super::{
+    Which, absolute, accept_option, hold, output_of, print, read_settings, round, say, settings_for,
+};
 use crate::cli::{ProgressArg, StatusArgs, WatchArgs};
 use crate::config::{Partial, Settings, WatchTable};
 use crate::daemon::child::{self, Limits};
@@ -49,7 +51,7 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
     let (quiet, json) = (args.common.quiet, args.common.progress == Some(ProgressArg::Json));
     let (orders, ordered) = mpsc::channel();
     let accepted = |drawing: &Path, results: &Path, round: u32, number: usize| {
-        accept_option(drawing, results, Some(round), number).map(|a| a.next)
+        accept_option(drawing, results, Which::Round(round), number).map(|a| a.next)
     };
     let page = args.page.map(|port| Page::open(port, orders, Box::new(accepted))).transpose()?;
     if let Some(page) = &page {
@@ -223,7 +225,7 @@ pub(super) fn job_child(drawing: &Path, results: &Path) -> Result<u8, Error> {
         let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
             let asked = Partial { objective: request.asked.objective.clone(), ..Partial::default() };
             let mut partial = asked.over(partial.clone());
-            hold(&mut partial, &request.results, &request.asked)?;
+            hold(&mut partial, &request.results, &request.asked, Which::Newest)?;
             let (settings, _) = settings_for(&request.drawing, partial)?;
             let shown = request.drawing.to_string_lossy().into_owned();
             Ok(output_of(&round(&shown, request, &settings, tell, cancel)?))

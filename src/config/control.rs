@@ -126,8 +126,15 @@ impl fmt::Display for Limit {
             Held::Penalty(p) => f.write_str(p.name())?,
         }
         match self.bound {
-            // Shortest digits of the per cent, not of the share.
-            Bound::Change(share) => write!(f, " {:+}%", (share * 1e8).round() / 1e6),
+            Bound::Change(share) => {
+                let way = match (self.is_least, share.is_sign_negative()) {
+                    (true, false) => " >=",
+                    (false, true) => " <=",
+                    _ => "",
+                };
+                // Shortest digits of the per cent, not of the share.
+                write!(f, "{way} {:+}%", (share * 1e8).round() / 1e6)
+            }
             Bound::At(v) if self.held == Held::Penalty(Penalty::Passage) => write!(f, " {v} m"),
             Bound::At(v) => write!(f, " {} {v}", if self.is_least { ">=" } else { "<=" }),
         }
@@ -152,19 +159,29 @@ impl FromStr for Limit {
             let width_m = metres(unit).map(|m| width * m).filter(|w| *w > 0.0).ok_or_else(wrong)?;
             return Ok(Self { held, is_least: true, bound: Bound::At(width_m) });
         }
-        if let Some(percent) = rest.strip_suffix('%') {
-            let is_least = percent.trim_start().starts_with('-');
+        let (way, value) = match (rest.strip_prefix(">="), rest.strip_prefix("<=")) {
+            (Some(v), _) => (Some(true), v),
+            (_, Some(v)) => (Some(false), v),
+            _ => (None, rest),
+        };
+        if let Some(percent) = value.strip_suffix('%') {
+            // As written: no more than 5 % lost, no more than 5 % gained.
+            let is_least = way.unwrap_or(percent.trim_start().starts_with('-'));
             let share = number(percent).ok_or_else(wrong)? / 100.0;
             return Ok(Self { held, is_least, bound: Bound::Change(share) });
         }
-        let (is_least, value) = match (rest.strip_prefix(">="), rest.strip_prefix("<=")) {
-            (Some(v), _) => (true, v),
-            (_, Some(v)) => (false, v),
+        let (is_least, value) = match way {
+            Some(is_least) => (is_least, value),
             // A bare number is the most of a penalty; of a measure nobody knows which way.
             _ if penalty.is_some() => (false, rest),
             _ => return Err(wrong()),
         };
-        Ok(Self { held, is_least, bound: Bound::At(number(value).ok_or_else(wrong)?) })
+        let value = number(value).ok_or_else(wrong)?;
+        // A penalty is 0 or more: nothing could keep less.
+        if penalty.is_some() && value < 0.0 {
+            return Err(wrong());
+        }
+        Ok(Self { held, is_least, bound: Bound::At(value) })
     }
 }
 
@@ -322,6 +339,8 @@ mod tests {
             "degree@exit >= 40",
             "score >= 0",
             "depth +0%",
+            "degree >= +20%",
+            "depth <= -10%",
         ] {
             assert_eq!(text.parse::<Limit>().unwrap().to_string(), text);
         }
@@ -350,9 +369,19 @@ mod tests {
         ] {
             assert!(text.parse::<Aim>().is_err(), "{text}");
         }
-        for text in
-            ["degree 40", "passage", "passage -1", "passage 3 deg", "clearance", "depth >= x", "depth %"]
-        {
+        for text in [
+            "degree 40",
+            "passage",
+            "passage -1",
+            "passage 3 deg",
+            "clearance",
+            "depth >= x",
+            "depth %",
+            "clearance -1",
+            "clearance <= -1",
+            "overlap >= -0.5",
+            "degree > +5%",
+        ] {
             assert!(text.parse::<Limit>().is_err(), "{text}");
         }
         for text in ["same: a", "same: a, a", "equal: a, b", "other: a, b", "same a b", "same: a,,b"] {

@@ -116,7 +116,8 @@ impl Desk<'_> {
     fn take(&mut self, event: JobEvent) {
         match event {
             JobEvent::Progress(value) => {
-                if self.written.is_none_or(|t| t.elapsed() >= STATUS_PAUSE) {
+                let is_due = self.written.is_none_or(|t| t.elapsed() >= STATUS_PAUSE);
+                if is_due && !self.cancel.is_stopped() {
                     self.written = Some(Instant::now());
                     // The job goes on: should the disk still refuse in the end, the job fails then.
                     let _ = self.write("running", None, None, Some(&value));
@@ -135,7 +136,9 @@ impl Desk<'_> {
             JobEvent::SoFar { files, mut progress } => match self.home.publish_so_far(&files) {
                 Ok(folder) => {
                     progress["folder"] = folder.to_string_lossy().into();
-                    let _ = self.write("running", None, None, Some(&progress));
+                    if !self.cancel.is_stopped() {
+                        let _ = self.write("running", None, None, Some(&progress));
+                    }
                     (self.tell)(Told::Progress(progress));
                 }
                 Err(error) => {

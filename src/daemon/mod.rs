@@ -12,7 +12,9 @@ mod status;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::RecvTimeoutError;
 use std::sync::{Arc, mpsc};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -308,12 +310,35 @@ pub fn run_once(
     };
     show(Notice::Started(path.clone()));
     let mut tell = |told: job::Told| show(told.notice(&path));
-    let outcome =
-        job::perform(Arc::new(SystemDisk), &request, &placing, run, stop, &mut tell, &mut |_, _| Ok(()));
+    let write_stopped = || status::write_end(&SystemDisk, &path, &placing, &request.sha256, &Error::Stopped);
+    let outcome = until_stopped(stop, &write_stopped, || {
+        job::perform(Arc::new(SystemDisk), &request, &placing, run, stop, &mut tell, &mut |_, _| Ok(()))
+    });
     if let Err(error) = &outcome {
         status::write_end(&SystemDisk, &path, &placing, &request.sha256, error);
     }
     outcome
+}
+
+/// How often a stop request is looked at beside the job.
+const STOP_PAUSE: Duration = Duration::from_millis(20);
+
+/// Does `work`; where a stop is asked for meanwhile, `on_stop` happens at once, as a job that does not end soon is
+/// left behind.
+fn until_stopped<T>(stop: &Cancel, on_stop: &(dyn Fn() + Sync), work: impl FnOnce() -> T) -> T {
+    let (done, is_done) = mpsc::channel::<()>();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            while is_done.recv_timeout(STOP_PAUSE) == Err(RecvTimeoutError::Timeout) {
+                if stop.is_stopped() {
+                    return on_stop();
+                }
+            }
+        });
+        let out = work();
+        drop(done);
+        out
+    })
 }
 
 fn read_now(path: &Path) -> Result<Vec<u8>, Error> {

@@ -713,6 +713,32 @@ fn what_is_found_so_far_stands_until_the_round_does() {
     assert!(so_far.join("result.json").is_file(), "the best so far outlives a stop");
 }
 
+/// A job that does not look at the stop request is left behind: its status says so all the same.
+#[test]
+fn a_stop_is_told_before_the_job_ends() {
+    let dir = tempfile::tempdir().unwrap();
+    let drawing = dir.path().join("plan.dxf");
+    fs::write(&drawing, b"one EOF\n").unwrap();
+    let status = dir.path().join("plan.enfilade/status.json");
+    let state = move || -> Value {
+        let text = fs::read(&status).unwrap_or_default();
+        serde_json::from_slice::<Value>(&text).unwrap_or_default()["state"].clone()
+    };
+    let run = move |_: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+        assert_eq!(state(), "running");
+        cancel.stop();
+        let begun = Instant::now();
+        while state() != "stopped" && begun.elapsed() < PATIENCE {
+            thread::sleep(Duration::from_millis(5));
+        }
+        tell(JobEvent::Progress(serde_json::json!({"stage": "late"})));
+        assert_eq!(state(), "stopped");
+        Err(Error::Stopped)
+    };
+    let done = run_once(&drawing, &settings(), &run, &mut |_| {}, &Cancel::default());
+    assert!(matches!(done, Err(Error::Stopped)), "{done:?}");
+}
+
 /// Hazard 17: whatever a name is, its drawing gets its results, and the journal knows it again.
 #[cfg(unix)]
 #[test]

@@ -60,8 +60,23 @@ pub struct Control {
     units: Vec<(Vec<usize>, usize)>,
     most_groups: Option<usize>,
     window: Option<Vec<[f64; 2]>>,
-    pinned: Vec<Vec<f64>>,
+    /// Free parameters of every pinned option, and all of them as they were pinned.
+    pinned: Vec<(Vec<f64>, Vec<f64>)>,
 }
+
+/// What an option does that the rules do not allow.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Breach {
+    /// These parameters stand between the steps of their module.
+    Module(Vec<usize>),
+    /// So many groups move, more than may.
+    Moves(usize),
+    /// These parameters do not follow what they are linked to.
+    Links(Vec<usize>),
+}
+
+/// A value that is off by less than this share of its parameter's width keeps its rule.
+const RULE_TOLERANCE: f64 = 1e-6;
 
 /// First and last of a row, as numbers of free parameters.
 #[derive(Clone, Copy, Debug)]
@@ -121,7 +136,7 @@ impl Control {
             pick(like).into_iter().zip(&free_bounds).map(around).collect()
         });
         let rows = draft.rows.iter().map(|r| Row { first: number(r.first), last: number(r.last), ..*r });
-        Ok(Self {
+        let mut out = Self {
             rows: rows.collect(),
             steps: free.iter().map(step).collect(),
             least: free.iter().map(least).collect(),
@@ -129,12 +144,14 @@ impl Control {
             identity: moves.identity(),
             bounds: moves.bounds(),
             most_groups: rules.most_groups,
-            pinned: rules.pinned.iter().map(pick).collect(),
+            pinned: vec![],
             window,
             free_bounds,
             ties,
             free,
-        })
+        };
+        out.pinned = rules.pinned.iter().map(|whole| (out.reduce(whole), whole.clone())).collect();
+        Ok(out)
     }
 
     /// Bounds of the free parameters, each in its own unit.
@@ -154,6 +171,12 @@ impl Control {
 
     /// The full vector that free parameters stand for, inside all bounds.
     pub fn expand(&self, q: &[f64]) -> Vec<f64> {
+        let pinned = self.pinned.iter().find(|p| p.0[..] == *q);
+        pinned.map_or_else(|| self.tied(q), |(_, whole)| whole.clone())
+    }
+
+    /// The full vector whose linked parameters follow the free ones.
+    fn tied(&self, q: &[f64]) -> Vec<f64> {
         let moved = |k: usize| q[k] - self.identity[self.free[k]];
         let of = |(i, tie): (usize, &Vec<(usize, f64)>)| {
             if let [(k, 1.0)] = tie[..]
@@ -180,7 +203,7 @@ impl Control {
     /// The nearest free parameters that the rules allow.
     pub fn permit(&self, q: &[f64]) -> Vec<f64> {
         let mut out = q.to_vec();
-        if self.pinned.iter().any(|p| p[..] == *q) {
+        if self.pinned.iter().any(|p| p.0[..] == *q) {
             return out;
         }
         if let Some(window) = &self.window {
@@ -188,14 +211,69 @@ impl Control {
                 *v = v.clamp(*lo, *hi);
             }
         }
-        for (k, v) in out.iter_mut().enumerate() {
+        self.snap(&mut out);
+        self.hold_still(&mut out);
+        out
+    }
+
+    /// Brings free parameters to their modules.
+    fn snap(&self, q: &mut [f64]) {
+        for (k, v) in q.iter_mut().enumerate() {
             *v = self.snapped(k, *v);
         }
         for row in &self.rows {
-            out[row.last] = self.even(row, &out);
+            q[row.last] = self.even(row, q);
         }
-        self.hold_still(&mut out);
+    }
+
+    /// What a full vector does that modules, links and the number of moves do not allow.
+    pub fn breaches(&self, p: &[f64]) -> Vec<Breach> {
+        let is_off = |i: usize, a: f64, b: f64| {
+            (a - b).abs() > RULE_TOLERANCE * (self.bounds[i][1] - self.bounds[i][0])
+        };
+        let q = self.reduce(p);
+        let mut snapped = q.clone();
+        self.snap(&mut snapped);
+        let off_module = (0..q.len())
+            .map(|k| (k, self.free[k]))
+            .filter(|&(k, i)| self.steps[k] > 0.0 && is_off(i, q[k], snapped[k]));
+        let tied = self.tied(&q);
+        let astray = (0..p.len()).filter(|&i| is_off(i, p[i], tied[i]));
+        let mut still = q.clone();
+        self.hold_still(&mut still);
+        let mut out = Vec::new();
+        if still != q {
+            out.push(Breach::Moves(self.moved_groups(&q)));
+        }
+        let modules: Vec<usize> = off_module.map(|(_, i)| i).collect();
+        let links: Vec<usize> = astray.collect();
+        out.extend((!modules.is_empty()).then_some(Breach::Module(modules)));
+        out.extend((!links.is_empty()).then_some(Breach::Links(links)));
         out
+    }
+
+    /// Parameters with room to move that has no step of their module in it.
+    pub fn without_a_step(&self) -> Vec<usize> {
+        let is_stuck = |k: &usize| {
+            let ([lo, hi], identity) = (self.free_bounds[*k], self.identity[self.free[*k]]);
+            hi > lo
+                && self.steps[*k] > 0.0
+                && identity - lo < self.steps[*k]
+                && hi - identity < self.steps[*k]
+        };
+        (0..self.free.len()).filter(is_stuck).map(|k| self.free[k]).collect()
+    }
+
+    /// Whether free parameters are those of a pinned option that breaks a rule.
+    pub fn pinned_breaks(&self, q: &[f64]) -> bool {
+        self.pinned.iter().any(|(own, whole)| own[..] == *q && !self.breaches(whole).is_empty())
+    }
+
+    /// How many groups free parameters move.
+    fn moved_groups(&self, q: &[f64]) -> usize {
+        let start = self.start();
+        let moves = |unit: &&(Vec<usize>, usize)| unit.0.iter().any(|&k| q[k] != start[k]);
+        self.units.iter().filter(moves).map(|unit| unit.1).sum()
     }
 
     /// The multiple of the module that is nearest and inside the bounds; without a module the value itself, where it
@@ -289,7 +367,7 @@ impl<'a> Draft<'a> {
         let of = |name: &String| -> Result<Vec<usize>, String> {
             let named = |i: &usize| self.parameters[*i].group_name == *name;
             let found: Vec<usize> = (0..self.parameters.len()).filter(named).collect();
-            if found.is_empty() { Err(format!("no group {name:?} that may move")) } else { Ok(found) }
+            if found.is_empty() { Err(self.unknown(name)) } else { Ok(found) }
         };
         let groups: Vec<Vec<usize>> = link.groups.iter().map(of).collect::<Result<_, _>>()?;
         let Some((first, others)) = groups.split_first() else { return Ok(()) };
@@ -309,6 +387,16 @@ impl<'a> Draft<'a> {
             }
         }
         Ok(())
+    }
+
+    fn unknown(&self, name: &str) -> String {
+        let mut known: Vec<&str> = Vec::new();
+        for p in self.parameters {
+            if !known.contains(&&*p.group_name) {
+                known.push(&p.group_name);
+            }
+        }
+        format!("no group {name:?} that may move; there are {}", known.join(", "))
     }
 
     /// For every parameter of the leader the one of a group that follows it, with the factor from the
@@ -400,6 +488,34 @@ mod tests {
             moves.groups.push(NodeGroup { nodes: vec![], handles: vec![] });
         }
         moves
+    }
+
+    #[test]
+    fn a_pinned_option_stays_as_it_is_and_what_it_breaks_is_told() {
+        let pinned = vec![0.25, 0.1, 0.3, 0.0, 0.4, 0.0];
+        let rules = Rules {
+            links: vec![link(&["a", "c"], [1.0, 1.0], false)],
+            length_m: Some(0.1),
+            most_groups: Some(2),
+            pinned: vec![pinned.clone()],
+            ..Rules::default()
+        };
+        let control = Control::new(&three(), &rules).unwrap();
+        let q = control.reduce(&pinned);
+        assert_eq!(control.permit(&q), q);
+        assert_eq!(control.expand(&q), pinned);
+        let told = [Breach::Moves(3), Breach::Module(vec![0]), Breach::Links(vec![4, 5])];
+        assert_eq!(control.breaches(&pinned), told);
+        assert!(control.pinned_breaks(&q) && !control.pinned_breaks(&control.start()));
+        let kept = control.expand(&control.permit(&[0.31, 0.1, 0.0, 0.0]));
+        assert_eq!(control.breaches(&kept), []);
+    }
+
+    #[test]
+    fn bounds_without_a_step_of_the_module_are_known() {
+        let rules = Rules { length_m: Some(1.0), angle_rad: Some(0.31), ..Rules::default() };
+        let control = Control::new(&three(), &rules).unwrap();
+        assert_eq!(control.without_a_step(), [1, 3, 5]);
     }
 
     fn link(groups: &[&str], mirror: [f64; 2], is_row: bool) -> Link {

@@ -367,6 +367,8 @@ pub fn parts(key: &str) -> (&str, String) {
         Some((base, "min")) => (base, ", least".to_owned()),
         Some((base, "max")) => (base, ", most".to_owned()),
         Some((base, how)) => match percent(how) {
+            Some(50) => (base, ", median".to_owned()),
+            Some(p) if p > 50 => (base, format!(", highest {} %", 100u8.saturating_sub(p))),
             Some(p) => (base, format!(", lowest {p} %")),
             None => (key, String::new()),
         },
@@ -543,6 +545,8 @@ mod tests {
         assert_eq!(plain_name("depth"), "Accessibility");
         assert_eq!(plain_name("max_radial"), "Max radial");
         assert_eq!(plain_name("degree-p10@main-hall"), "Visibility, lowest 10 % (main hall)");
+        assert_eq!(plain_name("degree-p90"), "Visibility, highest 10 %");
+        assert_eq!(plain_name("degree-p50"), "Visibility, median");
         assert_eq!(plain_name("isovist-max-radial"), "Longest view");
     }
 }

@@ -232,6 +232,9 @@ pub struct Candidate {
 /// Why an option is good and how it differs. Distances are `dn` of the spec.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Explanation {
+    /// What of the limits and rules a pinned option breaks, in words; no other option breaks any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub breaks: Vec<String>,
     /// The moves without which most of the gain is lost, those first.
     pub parts: Vec<Part>,
     /// Distance from the present layout.
@@ -300,10 +303,14 @@ pub struct Objective {
     pub threshold: f64,
     /// Value of the present layout.
     pub initial: f64,
-    /// Best value found.
-    pub best: f64,
-    /// The value members must not fall short of.
-    pub limit: f64,
+    /// Best value of all layouts that keep the hard limits; `null` where none does.
+    pub best: Option<f64>,
+    /// Best value of those that keep the thresholds of the objectives before this one too: what `threshold` is a
+    /// share of. `null` where none does.
+    #[serde(default)]
+    pub reachable: Option<f64>,
+    /// The value members must not fall short of; `null` where nothing is reachable.
+    pub limit: Option<f64>,
 }
 
 /// An earlier round of the same drawing.

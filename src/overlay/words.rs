@@ -52,7 +52,18 @@ pub fn explained(explanation: &Explanation) -> Vec<String> {
         None if explanation.from_present == 0.0 => String::new(),
         None => format!("Stands {} from the present layout", fixed(explanation.from_present, 2)),
     };
-    [parts(explanation), kept(explanation), alike].into_iter().filter(|l| !l.is_empty()).collect()
+    [breaks(explanation), parts(explanation), kept(explanation), alike]
+        .into_iter()
+        .filter(|l| !l.is_empty())
+        .collect()
+}
+
+/// What a pinned option is kept in spite of; empty where it keeps everything.
+fn breaks(explanation: &Explanation) -> String {
+    match explanation.breaks.as_slice() {
+        [] => String::new(),
+        broken => format!("Kept because it is pinned, though it breaks {}", listed(broken, "and")),
+    }
 }
 
 /// `Putting Door 3 back costs 54 % of its gain over the present layout, putting Kiosk back 31 %`, and which moves it
@@ -366,6 +377,7 @@ mod tests {
         let part =
             |name: &str, groups, lost| super::super::result::Part { name: name.to_owned(), groups, lost };
         let mut e = Explanation {
+            breaks: vec![],
             parts: vec![part("door-3", 1, 0.54), part("kiosk", 2, 0.314)],
             from_present: 1.0,
             nearest: Some(2),

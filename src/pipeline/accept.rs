@@ -49,7 +49,12 @@ pub fn accept(
         let n = result.candidates.len();
         let text = match number {
             0 => format!("round {round} found no layout better than the present one; nothing was written"),
-            _ => format!("round {round} has {n} candidates, found number {number}; nothing was written"),
+            _ if n == 0 => {
+                format!("round {round} has no options, found number {number}; nothing was written")
+            }
+            _ => format!(
+                "round {round} has options 1 to {n} (0 is the best layout found), found number {number}; nothing was written"
+            ),
         };
         return Err(Error::usage("candidate", place(), text));
     };
@@ -180,8 +185,14 @@ fn side_car(
     set("distance", settings.distance.into());
     set("mode", if settings.mode == Mode::Best { "best" } else { "diverse" }.into());
     set("method", if settings.method == Method::Paper { "paper" } else { "default" }.into());
-    set("objective", settings.objective_text().into());
-    set("thresholds", if settings.thresholds == Thresholds::Firm { "firm" } else { "yielding" }.into());
+    // What nobody stated stays unstated, so that objectives stated later are firm as they would be at first.
+    let is_default = settings.thresholds == Thresholds::Yielding
+        && Settings::new(Partial::default()).is_ok_and(|s| s.objectives == settings.objectives);
+    if !is_default {
+        set("objective", settings.objective_text().into());
+        let is_firm = settings.thresholds == Thresholds::Firm;
+        set("thresholds", if is_firm { "firm" } else { "yielding" }.into());
+    }
     set("score", settings.score_text().into());
     set("penalty", settings.penalty_text().into());
     control(settings).into_iter().for_each(|(key, value)| drop(set(key, value)));

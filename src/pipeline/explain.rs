@@ -35,6 +35,7 @@ pub fn explain(
         .reduce(|a, b| if b.1 < a.1 { b } else { a });
     let values = measured(p);
     Explanation {
+        breaks: Vec::new(),
         parts: parts(study, control, objectives, p, &values, measured),
         from_present: normalised_distance(&bounds, p, &study.base.moves.identity()),
         nearest: nearest.map(|n| n.0),
@@ -51,7 +52,8 @@ fn kept(objectives: &[Objective], values: &[f64]) -> Numbers {
 
 /// The share of the best gain found; none for penalties and where nothing was gained.
 fn gained(o: &Objective, value: f64) -> Option<f64> {
-    let reach = if o.sense == Sense::Max { o.best - o.initial } else { o.initial - o.best };
+    let best = o.best?;
+    let reach = if o.sense == Sense::Max { best - o.initial } else { o.initial - best };
     let own = if o.sense == Sense::Max { value - o.initial } else { o.initial - value };
     (o.name != "penalty" && reach > 0.0).then(|| own / reach)
 }
@@ -131,8 +133,9 @@ mod tests {
             sense,
             threshold: 0.7,
             initial,
-            best: initial,
-            limit: initial,
+            best: Some(initial),
+            reachable: Some(initial),
+            limit: Some(initial),
         };
         let three =
             [of("penalty", Sense::Min, 0.0), of("degree", Sense::Max, 400.0), of("depth", Sense::Min, 2.0)];

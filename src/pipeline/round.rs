@@ -1,6 +1,7 @@
 //! One round: search, verify, write.
 
 mod files;
+mod judged;
 mod told;
 
 use std::collections::BTreeMap;
@@ -12,12 +13,12 @@ use super::memory::{Clock, Memory, Pace};
 use super::show;
 use super::study::{self, Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress};
-use super::{aims, explain, fits, rules};
-use crate::config::{Aim, Measure, Method, Mode, Penalty, Settings, Thresholds};
+use super::{explain, fits, rules};
+use crate::config::{Aim, Method, Mode, Settings, Thresholds};
 use crate::formats;
 use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
-use crate::moves::control::Control;
+use crate::moves::control::{Control, LIKE_SHARE};
 use crate::overlay::Series;
 use crate::overlay::measure::plain_name;
 use crate::overlay::result::{
@@ -29,6 +30,7 @@ use crate::plan::drawing::Edit;
 use crate::plan::markers::place_in;
 use crate::report::{Cancel, Error, OutFile, Place, Report};
 use crate::search::{self, Evaluation, Search, normalised_distance};
+use judged::{apart, evaluation, is_firm, moves_visibly, objectives, pinned};
 
 /// Layouts that are asked for at once. Part of the search's definition, not of the machine: the same
 /// on any number of threads.
@@ -58,6 +60,7 @@ pub(super) fn run(
     cancel: &Cancel,
 ) -> Result<Outcome<RoundResult>, Error> {
     let settings = &fits::fitted(&study.base, settings, &mut report)?;
+    rules::say_odd(&study.base, settings, &mut report)?;
     let found = if study.base.moves.parameters.is_empty() {
         None
     } else {
@@ -93,14 +96,17 @@ fn round(
         .enumerate()
         .map(|(i, m)| make(input, settings, study, i, m))
         .collect::<Result<_, _>>()?;
-    let made = apart(made);
     for m in &made {
         report.extend(m.report.clone());
     }
     if let Some(found) = found {
+        told::say_pinned(&mut report, input.file(), &found.explanations);
+        if is_firm(settings) && !made.is_empty() {
+            told::say_out_of_reach(&mut report, input.file(), &found.objectives);
+        }
         told::say_options(&mut report, input.file(), study, settings, (found, made.len()));
     }
-    let wanted = settings.distance * (study.base.moves.parameters.len() as f64).sqrt();
+    let wanted = distance(settings) * (study.base.moves.parameters.len() as f64).sqrt();
     let share = found.filter(|_| !made.is_empty()).map_or(1.0, |f| f.threshold_share);
     told::say_alikeness(&mut report, input.file(), share, distances(study, &made).min_distance, wanted);
     let result = round_result(input, settings, study, &report, found, &made, started);
@@ -165,7 +171,7 @@ fn optimise(
         start: control.start(),
         objectives: objectives.iter().map(|o| o.1.clone()).collect(),
         members: settings.members,
-        d_min: settings.distance,
+        d_min: distance(settings),
         least_share: if settings.thresholds == Thresholds::Yielding { YIELDING_LEAST_SHARE } else { 1.0 },
         seed: settings.seed,
         evaluations: Some(budget(study, settings)),
@@ -176,7 +182,7 @@ fn optimise(
         },
         mode: if settings.mode == Mode::Best { search::Mode::Best } else { search::Mode::Diverse },
         batch: BATCH,
-        pinned: if settings.mode == Mode::Best { 0 } else { settings.pinned.len() },
+        pinned: pinned(settings),
         seeds,
     })?;
     let mut memory = Memory::new(input, settings, objectives.len());
@@ -234,6 +240,9 @@ fn optimise(
     Ok(found(study, settings, &control, &objectives, &search))
 }
 
+/// Violation of what breaks a rule, as only a pinned option can: others are brought to what the rules allow.
+const RULE_BROKEN: f64 = 1.0;
+
 /// What vectors of free parameters are worth.
 fn measured(
     study: &Study,
@@ -244,7 +253,12 @@ fn measured(
 ) -> Vec<Evaluation> {
     let layouts: Vec<Vec<f64>> = vectors.iter().map(|p| control.expand(p)).collect();
     let worths = study.measure_all(&layouts);
-    worths.par_iter().map(|worth| evaluation(study, settings, objectives, worth)).collect()
+    let of = |(worth, q): (&Worth, &Vec<f64>)| {
+        let found = evaluation(study, settings, objectives, worth);
+        let breach = if control.pinned_breaks(q) { RULE_BROKEN } else { 0.0 };
+        Evaluation { violation: found.violation + breach, ..found }
+    };
+    worths.par_iter().zip(vectors).map(of).collect()
 }
 
 /// What a finished search found: options and best layout with all their parameters, explained.
@@ -263,32 +277,37 @@ fn found(
         threshold: o.threshold * outcome.threshold_share,
         initial: initial.values[i],
         best: best_of(&outcome, i, o.sense),
-        limit: outcome.thresholds.get(i).copied().unwrap_or(f64::NAN),
+        reachable: outcome.reachable[i],
+        limit: outcome.reachable[i].map(|_| outcome.thresholds[i]),
     });
     let shown: Vec<Objective> = shown.collect();
     let goes_on = || "the search goes on; this is the best so far".to_owned();
     let mut stopped_by = search.stop_reason().map_or_else(goes_on, |s| s.to_string());
     let whole = |p: &[f64]| control.expand(p);
     let mut members = outcome.members.clone();
-    if outcome.best.violation > 0.0 {
-        members.retain(|m| m.violation == 0.0);
-    }
+    let pinned = pinned(settings).min(members.len());
+    let mut at = 0..;
+    members.retain(|m| at.next().is_some_and(|i: usize| i < pinned) || m.violation == 0.0);
     for m in &mut members {
         m.parameters = whole(&m.parameters);
     }
+    let found = members.len();
+    members = apart(study, members);
+    let alike = outcome.alike + found - members.len();
     let unworthy = keep_better(study, settings, &shown, &mut members);
     let is_none_better =
         unworthy > 0 && members.iter().all(|m| !explain::is_better(&shown, &m.values, is_firm(settings)));
     let is_unmet = outcome.best.violation > 0.0;
-    let no_option = members.is_empty().then(|| {
+    let no_option = (members.is_empty() || is_unmet).then(|| {
         if !is_unmet {
             return format!(
                 "none of the {} layouts measured that keep thresholds and penalties is better than the present one",
                 outcome.evaluations
             );
         }
-        let nearest = study.measure(&whole(&outcome.best.parameters), &mut study.bench());
-        let missed = rules::missed_words(study, settings, &nearest);
+        let nearest = whole(&outcome.best.parameters);
+        let worth = study.measure(&nearest, &mut study.bench());
+        let missed = rules::missed_words(study, settings, control, (&nearest, &worth));
         let text = format!(
             "no layout of the {} measured keeps every hard limit; the one that comes nearest misses {missed}",
             outcome.evaluations
@@ -311,7 +330,7 @@ fn found(
     Found {
         explanations: explanations(study, settings, control, objectives, &shown, &members),
         best,
-        alike: outcome.alike,
+        alike,
         unworthy,
         is_none_better,
         no_option,
@@ -325,18 +344,6 @@ fn found(
     }
 }
 
-/// Whether the user's own thresholds decide what is good: they are held, or the method is the paper's.
-fn is_firm(settings: &Settings) -> bool {
-    settings.thresholds == Thresholds::Firm || settings.method == Method::Paper
-}
-
-/// Whether some parameter has moved by so much that the words would tell it.
-fn moves_visibly(study: &Study, parameters: &[f64]) -> bool {
-    let (bounds, identity) = (study.base.moves.bounds(), study.base.moves.identity());
-    let ways = parameters.iter().zip(&identity).zip(&bounds);
-    ways.into_iter().any(|((p, still), [lo, hi])| (p - still).abs() >= words::SMALLEST_SHARE * (hi - lo))
-}
-
 /// Leaves out the members that are as drawn or no better than the present layout, and says how many are no better;
 /// the best of the others come first, after those that were pinned, which all stay.
 fn keep_better(
@@ -348,7 +355,7 @@ fn keep_better(
     if settings.method == Method::Paper {
         return 0;
     }
-    let pinned = if settings.mode == Mode::Best { 0 } else { settings.pinned.len().min(members.len()) };
+    let pinned = pinned(settings).min(members.len());
     let mut free = members.split_off(pinned);
     free.retain(|m| moves_visibly(study, &m.parameters));
     let gain = |m: &search::Member| explain::total_gain(objectives, &m.values);
@@ -379,15 +386,26 @@ fn explanations(
         let worth = study.measure(p, &mut study.bench());
         evaluation(study, settings, objectives, &worth).values
     };
-    let one = |i: usize| explain::explain(study, control, shown, &options, i, &measured);
+    let one = |i: usize| {
+        let mut out = explain::explain(study, control, shown, &options, i, &measured);
+        if i < pinned(settings) {
+            let worth = study.measure(&options[i], &mut study.bench());
+            out.breaks = rules::broken(study, settings, control, (&options[i], &worth));
+            if !out.breaks.is_empty() {
+                // What may be gained without keeping the limits was not looked for: no share to tell.
+                out.kept = result::Numbers::default();
+            }
+        }
+        out
+    };
     (0..options.len()).into_par_iter().map(one).collect()
 }
 
-/// Best value of one objective among all layouts that keep the hard limits; NaN if none does.
-fn best_of(outcome: &search::Outcome<'_>, objective: usize, sense: search::Sense) -> f64 {
+/// Best value of one objective among all layouts that keep the hard limits, if any does.
+fn best_of(outcome: &search::Outcome<'_>, objective: usize, sense: search::Sense) -> Option<f64> {
     let values = outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values[objective]);
     let better = |a: f64, b: f64| if sense == search::Sense::Maximise { a.max(b) } else { a.min(b) };
-    values.fold(f64::NAN, better)
+    values.reduce(better)
 }
 
 /// The course of the search: the best value of every objective among the layouts that keep the hard limits,
@@ -438,6 +456,12 @@ fn progress(search: &Search, control: &Control, begun: Instant) -> Progress {
     }
 }
 
+/// How far apart options should stand, as a share of √n: where all stay near one, the same share of the room there is.
+fn distance(settings: &Settings) -> f64 {
+    let room = if settings.like.is_some() { 2.0 * LIKE_SHARE } else { 1.0 };
+    settings.distance * room
+}
+
 fn budget(study: &Study, settings: &Settings) -> u64 {
     let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
     settings.evaluations.unwrap_or((PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]) as u64)
@@ -446,86 +470,6 @@ fn budget(study: &Study, settings: &Settings) -> u64 {
 /// To what share of themselves yielding thresholds are lowered at most: options must stay better than the
 /// layouts that anybody would find by chance.
 const YIELDING_LEAST_SHARE: f64 = 0.3;
-
-/// Threshold of the implied penalty objective: no option has more of it than the present layout. To ask
-/// for less would pin every option to the few places where the penalty is least.
-const PENALTY_THRESHOLD: f64 = 0.0;
-
-/// Objectives in order: the penalty first unless `score` holds it.
-fn objectives(settings: &Settings) -> Vec<(Aim, search::Objective)> {
-    let objective = |aim: Aim, is_max: bool, threshold: f64| {
-        let o = search::Objective {
-            name: aim.to_string(),
-            sense: if is_max { search::Sense::Maximise } else { search::Sense::Minimise },
-            threshold,
-            is_score: aim.measure == Measure::Score,
-            is_penalty: aim.measure == Measure::Penalty,
-        };
-        (aim, o)
-    };
-    let mut out = Vec::new();
-    let named = settings.objectives.iter().any(|o| !o.measure.measure.is_of_cells());
-    if !named && !settings.penalties.is_empty() {
-        out.push(objective(Aim::mean(Measure::Penalty), false, PENALTY_THRESHOLD));
-    }
-    out.extend(settings.objectives.iter().map(|o| objective(o.measure, o.is_max, o.threshold)));
-    out
-}
-
-fn evaluation(
-    study: &Study,
-    settings: &Settings,
-    objectives: &[(Aim, search::Objective)],
-    worth: &Worth,
-) -> Evaluation {
-    let value = |aim: Aim| match aim.measure {
-        Measure::Score => study.score(worth, settings),
-        Measure::Penalty => (study.penalty(worth, settings) - PENALTY_FREE).max(0.0),
-        _ => study.value(worth, aim),
-    };
-    let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
-    let missed: f64 = aims::missed(study, settings, worth).iter().sum();
-    Evaluation {
-        values: objectives.iter().map(|(aim, _)| value(*aim)).collect(),
-        violation: worth.seen.tally.disconnected as f64 / pairs
-            + missed
-            + crossing_m(study, worth)
-            + loss(study, settings, objectives, worth),
-        at: None,
-    }
-}
-
-/// Corners that are written to the micrometre and mitred anew may run through each other by so much, metres.
-const CROSSING_FREE_M: f64 = 0.02;
-
-/// By how much walls run through each other only now, metres, where nobody said what moves: such an option is none.
-fn crossing_m(study: &Study, worth: &Worth) -> f64 {
-    if !study.base.moves.are_default {
-        return 0.0;
-    }
-    (worth.penalty(Penalty::Overlap) - CROSSING_FREE_M).max(0.0)
-}
-
-/// A sum of losses up to this is no reason to look elsewhere: the way to a gain may lead through it.
-const LOSS_FREE: f64 = 0.02;
-
-/// What a layout loses over all objectives against the present one, where it loses more than it gains and the
-/// thresholds are not the user's own: lowered, they would admit it. Where the present layout breaks a limit,
-/// keeping it is worth a loss.
-fn loss(study: &Study, settings: &Settings, objectives: &[(Aim, search::Objective)], worth: &Worth) -> f64 {
-    let is_measure = |aim: &Aim| !matches!(aim.measure, Measure::Score | Measure::Penalty);
-    let aims: Vec<_> = objectives.iter().filter(|(aim, _)| is_measure(aim)).collect();
-    let breaks_limit = || aims::missed(study, settings, &study.initial).iter().any(|m| *m > 0.0);
-    if is_firm(settings) || aims.len() < 2 || breaks_limit() {
-        return 0.0;
-    }
-    let gain = |(aim, o): &&(Aim, search::Objective)| {
-        let is_more_better = o.sense == search::Sense::Maximise;
-        explain::relative_gain(is_more_better, study.value(worth, *aim), study.value(&study.initial, *aim))
-    };
-    let gained: f64 = aims.iter().map(gain).sum();
-    if gained < -LOSS_FREE { -gained - LOSS_FREE } else { 0.0 }
-}
 
 /// A member made real: its layout, its bytes without our layers, and what these are worth.
 pub(super) struct Made {
@@ -539,18 +483,6 @@ pub(super) struct Made {
     host_ids: BTreeMap<u64, String>,
     report: Report,
     name: String,
-}
-
-/// The options that differ in the drawing as it is written; what rounds to one layout is one option.
-fn apart(made: Vec<Made>) -> Vec<Made> {
-    let mut out: Vec<Made> = Vec::new();
-    for m in made {
-        if out.iter().all(|o| o.edits != m.edits) {
-            let name = format!("candidate-{}", out.len() + 1);
-            out.push(Made { name, ..m });
-        }
-    }
-    out
 }
 
 /// Patches the drawing, reads it again and measures from scratch: what is reported is what is written.

@@ -2,9 +2,10 @@
 
 use super::aims;
 use super::study::{Study, Understood, Worth};
-use crate::config::{Follow, Settings};
-use crate::moves::control::{Control, Link, Rules};
-use crate::report::{Error, Place};
+use crate::config::{Bound, Follow, Held, Settings};
+use crate::moves::control::{Breach, Control, Link, Rules};
+use crate::overlay::measure::sentence_case;
+use crate::report::{Error, Place, Report};
 
 /// The parameters under the rules of the settings.
 ///
@@ -39,6 +40,48 @@ pub fn control(base: &Understood, settings: &Settings) -> Result<Control, Error>
     })
 }
 
+/// Says which rules cannot do what they seem to ask.
+///
+/// # Errors
+/// As [`control`].
+pub fn say_odd(base: &Understood, settings: &Settings, report: &mut Report) -> Result<(), Error> {
+    let place = || Place::file(&base.plan.file);
+    let stuck = control(base, settings)?.without_a_step();
+    if !stuck.is_empty() {
+        let snap = settings.snap.map_or(String::new(), |s| s.to_string());
+        let text = format!(
+            "snap {snap}: no step of the module fits within the bounds of {}; they stay as drawn",
+            listed(base, &stuck)
+        );
+        report.warn("snap-too-wide", place(), text);
+    }
+    for limit in &settings.limits {
+        if let (Held::Aim(aim), Bound::Change(share), false) = (limit.held, limit.bound, limit.is_least)
+            && share > 0.0
+        {
+            let percent = (share * 1e8).round() / 1e6;
+            let text = format!(
+                "`{limit}` is read as a most: no option has over {percent} % more; `{aim} >= +{percent}%` asks for at least so much"
+            );
+            report.info("limit-read", place(), text);
+        }
+    }
+    Ok(())
+}
+
+/// What moves with each of some parameters, as `Screen 1 (x, y), Door 2 (along)`.
+fn listed(base: &Understood, parameters: &[usize]) -> String {
+    let mut names: Vec<(String, Vec<&str>)> = Vec::new();
+    for p in parameters.iter().map(|p| &base.moves.parameters[*p]) {
+        let (name, kind) = (sentence_case(&p.group_name), p.clause.kind.name());
+        match names.last_mut().filter(|(last, _)| *last == name) {
+            Some((_, kinds)) => kinds.push(kind),
+            None => names.push((name, vec![kind])),
+        }
+    }
+    names.iter().map(|(name, kinds)| format!("{name} ({})", kinds.join(", "))).collect::<Vec<_>>().join(", ")
+}
+
 /// Free parameters that are worth knowing before the search begins: the pinned first, as they are.
 pub fn seeds(control: &Control, settings: &Settings) -> Vec<Vec<f64>> {
     let free = |v: &Vec<f64>| control.reduce(v);
@@ -53,17 +96,47 @@ pub fn seeds(control: &Control, settings: &Settings) -> Vec<Vec<f64>> {
 }
 
 /// Which limits the layout that comes nearest misses, in words.
-pub fn missed_words(study: &Study, settings: &Settings, nearest: &Worth) -> String {
-    let missed = aims::missed(study, settings, nearest);
+pub fn missed_words(
+    study: &Study,
+    settings: &Settings,
+    control: &Control,
+    nearest: (&[f64], &Worth),
+) -> String {
+    let all = broken(study, settings, control, nearest);
+    if all.is_empty() { "a limit".into() } else { all.join(" and ") }
+}
+
+/// What of the limits and rules a layout breaks, each in words: its parameters and what it is worth.
+pub fn broken(
+    study: &Study,
+    settings: &Settings,
+    control: &Control,
+    (parameters, worth): (&[f64], &Worth),
+) -> Vec<String> {
+    let missed = aims::missed(study, settings, worth);
     let words = |i: usize| {
-        let (value, bound) = aims::held(study, settings, nearest, i);
+        let (value, bound) = aims::held(study, settings, worth, i);
         format!("`{}` (it has {}, the limit is {})", settings.limits[i], rounded(value), rounded(bound))
     };
     let mut all: Vec<String> = (0..missed.len()).filter(|&i| missed[i] != 0.0).map(words).collect();
-    if nearest.seen.tally.disconnected > 0 {
+    if worth.seen.tally.disconnected > 0 {
         all.push("that no space is cut off".into());
     }
-    if all.is_empty() { "a limit".into() } else { all.join(" and ") }
+    let rule = |breach: Breach| match breach {
+        Breach::Module(which) => {
+            let snap = settings.snap.map_or(String::new(), |s| s.to_string());
+            format!("`snap {snap}` (off the module: {})", listed(&study.base, &which))
+        }
+        Breach::Moves(moved) => {
+            let most = settings.most_moves.unwrap_or_default();
+            format!("`most-moves {most}` ({moved} groups move)")
+        }
+        Breach::Links(which) => {
+            format!("what is linked (not along with the others: {})", listed(&study.base, &which))
+        }
+    };
+    all.extend(control.breaches(parameters).into_iter().map(rule));
+    all
 }
 
 fn rounded(value: f64) -> f64 {

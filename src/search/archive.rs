@@ -96,7 +96,8 @@ const NO_RANGE: f64 = 1e-12;
 /// earlier thresholds, and from it `l = base + z (best − base)`. The base is the present layout; 0
 /// for a `score` (spec 7, Decision). Objectives conflict: where the best of an earlier one costs this
 /// one more than the present layout has, the base is what it has there (the payoff table's estimate of
-/// the nadir), or a range of almost nothing would leave no room for different members. Where even that
+/// the nadir), or a range of almost nothing would leave no room for different members; firm limits do so
+/// only where nothing is gained on the present layout. Where even that
 /// gives no range, the base is the median of the points that were admitted. A range is never less than
 /// [`LEAST_RANGE`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -106,8 +107,14 @@ pub(super) struct Limits {
     base: Vec<f64>,
     top: Vec<f64>,
     threshold: Vec<f64>,
-    /// Whether a base is the median of all points, which moves with each of them.
+    /// Bases that are the median of all points, where nothing else is known.
+    guessed: Vec<Option<f64>>,
+    /// Such bases found earlier, which stand: else members that improve would close the room they need.
+    held: Vec<Option<f64>>,
+    /// Whether a median moves with every point.
     provisional: bool,
+    /// Whether a threshold is a share of the gain over the present layout wherever there is one.
+    is_firm: bool,
 }
 
 /// Range of an objective, relative to its present value, that is nothing to anybody: where no layout
@@ -139,8 +146,8 @@ const FLOOR_BELOW_LIMIT: f64 = 0.5;
 const PROVISIONAL_POINTS: usize = 32;
 
 impl Limits {
-    pub(super) fn of(archive: &Archive, objectives: &[Objective]) -> Self {
-        Self::default().continued(archive, objectives)
+    pub(super) fn of(archive: &Archive, objectives: &[Objective], is_firm: bool) -> Self {
+        Self { is_firm, ..Self::default() }.continued(archive, objectives)
     }
 
     /// These limits for all objectives but the last, whose limit follows the archive: once members
@@ -149,10 +156,18 @@ impl Limits {
         let mut limits = self.clone();
         let kept = objectives.len() - 1;
         limits.best.truncate(kept);
+        limits.guessed.truncate(kept);
         for list in [&mut limits.base, &mut limits.top, &mut limits.threshold] {
             list.truncate(kept);
         }
         limits.continued(archive, objectives)
+    }
+
+    /// Firm limits of all that is known now; only medians stand, but that of the last objective.
+    pub(super) fn anew(&self, archive: &Archive, objectives: &[Objective]) -> Self {
+        let mut held = self.guessed.clone();
+        held.truncate(objectives.len() - 1);
+        Self { is_firm: self.is_firm, held, ..Self::default() }.continued(archive, objectives)
     }
 
     /// These limits with other thresholds, from the same best points.
@@ -181,9 +196,12 @@ impl Limits {
         let top = best.map_or(0.0, |i| archive.gains(i)[j]);
         self.best.push(best);
         let known = self.known_base(archive, objective, j, top);
-        self.provisional |= known.is_none();
-        let base =
-            known.unwrap_or_else(|| self.median_admitted(archive, j, top)) - slack(archive, objective, j);
+        let held = self.held.get(j).copied().flatten();
+        let guess = || held.unwrap_or_else(|| self.median_admitted(archive, j, top));
+        let guessed = known.is_none().then(guess);
+        self.provisional |= guessed.is_some() && held.is_none();
+        self.guessed.push(guessed);
+        let base = known.or(guessed).unwrap_or(top) - slack(archive, objective, j);
         self.base.push(base.min(top - least_range(archive, objective, j)));
         self.top.push(top);
         self.threshold.push(objective.threshold);
@@ -227,6 +245,11 @@ impl Limits {
         self.top[j]
     }
 
+    /// Best gain of objective `j` among the points that keep the thresholds before it, where there is one.
+    pub(super) fn best_gain(&self, j: usize) -> Option<f64> {
+        self.best.get(j).copied().flatten().map(|_| self.top[j])
+    }
+
     /// `best − base`, at least tiny.
     pub(super) fn range(&self, j: usize) -> f64 {
         let range = self.top[j] - self.base[j];
@@ -250,7 +273,8 @@ impl Limits {
         (0..count).map(|j| (gains[j] - self.limit(j, margin)) / self.range(j)).fold(f64::INFINITY, f64::min)
     }
 
-    /// 0 for a score; the present layout's for the penalty, which never makes room; else the least of what the present layout and the best points of the earlier
+    /// 0 for a score; the present layout's for the penalty, which never makes room, and for firm limits where
+    /// something is gained on it; else the least of what the present layout and the best points of the earlier
     /// objectives have, as long as the best is better.
     fn known_base(&self, archive: &Archive, objective: &Objective, j: usize, top: f64) -> Option<f64> {
         if objective.is_score && top > 0.0 {
@@ -258,6 +282,10 @@ impl Limits {
         }
         if objective.is_penalty && archive.len() > 0 && archive.gains(0)[j].is_finite() {
             return Some(archive.gains(0)[j]);
+        }
+        let present = if archive.len() > 0 { archive.gains(0)[j] } else { f64::NAN };
+        if self.is_firm && top - present > NO_RANGE {
+            return Some(present);
         }
         let earlier = self.best[..j].iter().flatten().copied();
         let known = (archive.len() > 0).then_some(0).into_iter().chain(earlier);

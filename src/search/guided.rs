@@ -73,6 +73,12 @@ impl Yielding {
         Self { least_share: study.least_share, d_min: study.d_min, share: 1.0, due: YIELD_FROM }
     }
 
+    /// Whether thresholds never yield. Then every late find counts in all of them: members keep the shares stated
+    /// of what was found until the end.
+    fn is_firm(&self) -> bool {
+        self.least_share >= 1.0
+    }
+
     /// The factor by which the thresholds fall, now that this share of the spreading is done and the
     /// closest members stand so far apart; `None` where they stand.
     fn step(&mut self, spread: f64, distance: f64, dims: usize) -> Option<f64> {
@@ -278,8 +284,9 @@ impl Guided {
         for i in first..archive.len() {
             if i == 0 || self.limits.moved_by(archive, i) {
                 self.limits = match &self.standing {
+                    Some(standing) if self.yielding.is_firm() => standing.anew(archive, &self.objectives),
                     Some(standing) => standing.with_last_anew(archive, &self.objectives),
-                    None => Limits::of(archive, &self.objectives),
+                    None => Limits::of(archive, &self.objectives, self.yielding.is_firm()),
                 };
             }
             self.course.tops.push(self.limits.top(self.stage));

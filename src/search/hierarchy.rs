@@ -115,7 +115,7 @@ impl Hierarchy {
 
     pub(super) fn tell(&mut self, archive: &Archive, first: usize) {
         if first == 0 || (first..archive.len()).any(|i| self.known.moved_by(archive, i)) {
-            self.known = Limits::of(archive, &self.objectives);
+            self.known = Limits::of(archive, &self.objectives, false);
         }
         if archive.len() == 1 {
             return;

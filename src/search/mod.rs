@@ -207,11 +207,14 @@ pub struct Outcome<'a> {
     /// The diverse set: at most as many as asked for, fewer where fewer feasible points are known.
     /// None breaks a hard limit, but those that were pinned. In [`Mode::Best`] the best point alone.
     pub members: Vec<Member>,
-    /// Members that were found but, few parameters moving, stand so near a better one that they are none: fewer
-    /// options are better than several of the same.
+    /// Members that were found but stand so near a better one that they are none: fewer options are better than
+    /// several of the same.
     pub alike: usize,
     /// The limits l_i of the objectives, as measured.
     pub thresholds: Vec<f64>,
+    /// What they are shares of: the best of every objective among the points that keep hard limits and the
+    /// thresholds before it, as measured; `None` where no point does.
+    pub reachable: Vec<Option<f64>>,
     /// What is left of the thresholds stated, in `(0, 1]` (see [`Study::least_share`]).
     pub threshold_share: f64,
     /// Evaluations told.
@@ -222,11 +225,14 @@ pub struct Outcome<'a> {
     pub stages: &'a [Milestone],
 }
 
-/// Members nearer than this share of the distance wanted (`d_min`) are the same option to anybody.
+/// Members nearer than this share of the distance wanted (`d_min`) are the same option to anybody, …
 const ALIKE_SHARE: f64 = 0.5;
 
-/// Parameters up to which this is looked at: with more of them options differ in what moves, not only in how far.
+/// … where so few parameters move; …
 const FEW_PARAMETERS: usize = 3;
+
+/// … with more of them options differ in what moves, not only in how far, and only those nearer than this are.
+const ALIKE_SHARE_OF_MANY: f64 = 0.25;
 
 /// A running search.
 #[derive(Clone, Debug)]
@@ -369,7 +375,7 @@ impl Search {
 
     /// What the search has found so far; usable at any moment.
     pub fn outcome(&self) -> Outcome<'_> {
-        let unknown_limits = Limits::of(&self.archive, &self.study.objectives);
+        let unknown_limits = Limits::of(&self.archive, &self.study.objectives, false);
         let limits = if self.archive.len() == 0 { &unknown_limits } else { self.engine.limits() };
         let best = self.best(limits);
         let (members, alike) = self.unlike(self.chosen(limits), best);
@@ -383,7 +389,8 @@ impl Search {
             best: best.map_or_else(unknown, |i| self.archive.points()[i].clone()),
             members: members.into_iter().map(|i| self.member(limits, i)).collect(),
             alike,
-            thresholds: senses.map(|(j, o)| o.sense.gain(limits.limit(j, 0.0))).collect(),
+            thresholds: senses.clone().map(|(j, o)| o.sense.gain(limits.limit(j, 0.0))).collect(),
+            reachable: senses.map(|(j, o)| limits.best_gain(j).map(|g| o.sense.gain(g))).collect(),
             threshold_share: self.engine.threshold_share(),
             evaluations: self.archive.len() as u64,
             archive: self.archive.points(),
@@ -405,14 +412,15 @@ impl Search {
         if kept.is_empty() { best.into_iter().collect() } else { kept }
     }
 
-    /// Without those that, where few parameters may move, stand too near a better one, and how many these are. Where there are any, the best point
+    /// Without those that stand too near a better one, and how many these are. Where there are any, the best point
     /// is kept first: what is left may be one option, and that must be the best. Pinned members all stay.
     fn unlike(&self, members: Vec<usize>, best: Option<usize>) -> (Vec<usize>, usize) {
         let is_default = self.study.method == Method::Default && self.study.mode == Mode::Diverse;
         let is_few = self.space.dims() <= FEW_PARAMETERS;
-        let least = ALIKE_SHARE * self.study.d_min * (self.space.dims() as f64).sqrt();
+        let share = if is_few { ALIKE_SHARE } else { ALIKE_SHARE_OF_MANY };
+        let least = share * self.study.d_min * (self.space.dims() as f64).sqrt();
         let is_far = |kept: &[usize], i: usize| kept.iter().all(|&k| self.archive.distance(k, i) >= least);
-        if !is_default || !is_few || (0..members.len()).all(|m| is_far(&members[..m], members[m])) {
+        if !is_default || (0..members.len()).all(|m| is_far(&members[..m], members[m])) {
             return (members, 0);
         }
         let (pinned, free) = members.split_at(self.study.pinned.min(members.len()));

@@ -272,6 +272,15 @@ fn members_too_alike_are_one_option_and_that_is_the_best() {
     for (i, a) in outcome.members.iter().enumerate() {
         assert!(outcome.members[i + 1..].iter().all(|b| apart(a, b) >= 0.125));
     }
+    // With many parameters only what is almost the same is one option.
+    let many = |p: &[f64]| Evaluation {
+        values: vec![1.0 - 40.0 * p.iter().map(|x| x * x).sum::<f64>()],
+        violation: 0.0,
+        at: None,
+    };
+    let (search, _) = run(study(6, 300), many);
+    let outcome = search.outcome();
+    assert!(outcome.members.len() < 5 && outcome.alike > 0, "{outcome:?}");
     // Pinned ones stay, however alike they are.
     let pins = Study { seeds: vec![vec![0.001], vec![0.002]], pinned: 2, ..study(1, 200) };
     let (search, _) = run(pins, sliver);
@@ -289,7 +298,8 @@ fn an_objective_at_its_best_already_leaves_room() {
     };
     let objectives =
         vec![objective("penalty", Sense::Minimise, false), objective("degree", Sense::Maximise, false)];
-    let study = Study { objectives, ..study(4, 400) };
+    // Near each other in the little room there is: what is alike is another matter.
+    let study = Study { objectives, d_min: 0.0, ..study(4, 400) };
     let (search, _) = run(study.clone(), lengths);
     assert_sound(&search, &study);
     assert_eq!(search.outcome().members.len(), 5);

@@ -43,7 +43,8 @@ pub const FREE_SPACE_FLOOR: u64 = 16 << 20;
 const TEMP_PREFIX: &str = ".tmp-";
 const OLD_ANALYSIS: &str = ".old-analysis";
 const ANALYSIS: &str = "analysis";
-const SO_FAR: &str = "so-far";
+/// Folder of the best of a search that goes on, or was stopped.
+pub const SO_FAR: &str = "so-far";
 const RESOLUTION: &str = "resolution";
 const CLAIM: &str = ".drawing";
 /// What a job remembers of itself until it is done.

@@ -220,6 +220,7 @@ fn result() -> RoundResult {
             })
             .collect();
         let explanation = Explanation {
+            breaks: vec![],
             parts: vec![
                 Part { name: "door-3".to_owned(), groups: 1, lost: 0.54 - 0.02 * f },
                 Part { name: "kiosk".to_owned(), groups: 2, lost: 0.31 },
@@ -271,8 +272,9 @@ fn result() -> RoundResult {
         sense,
         threshold: 0.7,
         initial,
-        best,
-        limit,
+        best: Some(best),
+        reachable: Some(best),
+        limit: Some(limit),
     };
     RoundResult {
         schema: RESULT_SCHEMA.to_owned(),

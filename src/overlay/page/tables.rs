@@ -110,8 +110,17 @@ fn threshold_row(html: &mut Html, objective: &Objective, candidates: &[Candidate
         Sense::Min => ("less", "at most"),
     };
     html.element("td", &[("class", "word")], wanted);
-    html.element("td", &[], &number(objective.initial)).element("td", &[], &number(objective.best));
-    html.raw("<td>").text(bound).raw(" ").text(&number(objective.limit)).raw(" <small>");
+    html.element("td", &[], &number(objective.initial));
+    let or_none = |value: Option<f64>| value.map_or_else(|| "–".into(), number);
+    html.raw("<td>").text(&or_none(objective.best));
+    if let Some(reachable) = objective.reachable.filter(|r| objective.best.is_some_and(|b| b != *r)) {
+        html.raw(" <small>").text(&number(reachable)).raw(" with the objectives above kept</small>");
+    }
+    html.raw("</td>");
+    match objective.limit {
+        Some(limit) => html.raw("<td>").text(bound).raw(" ").text(&number(limit)).raw(" <small>"),
+        None => html.raw("<td>– <small>"),
+    };
     html.text(&share_words(objective)).raw("</small></td>");
     for candidate in candidates {
         match is_met(objective, candidate) {
@@ -126,8 +135,8 @@ fn threshold_row(html: &mut Html, objective: &Objective, candidates: &[Candidate
 /// What a threshold asks for: a share of the gain, or of the little that the objectives above it leave.
 fn share_words(objective: &Objective) -> String {
     let is_below_present = match objective.sense {
-        Sense::Max => objective.limit < objective.initial,
-        Sense::Min => objective.limit > objective.initial,
+        Sense::Max => objective.limit.is_some_and(|limit| limit < objective.initial),
+        Sense::Min => objective.limit.is_some_and(|limit| limit > objective.initial),
     };
     let share = short(objective.threshold * 100.0);
     match (objective.threshold == 0.0, is_below_present) {
@@ -143,10 +152,11 @@ fn is_met(objective: &Objective, candidate: &Candidate) -> Option<bool> {
         "score" => candidate.score?,
         name => candidate.mean.get(name).or_else(|| candidate.penalty.get(name))?,
     };
-    let slack = 1e-9 * objective.limit.abs().max(1.0);
+    let limit = objective.limit?;
+    let slack = 1e-9 * limit.abs().max(1.0);
     Some(match objective.sense {
-        Sense::Max => value >= objective.limit - slack,
-        Sense::Min => value <= objective.limit + slack,
+        Sense::Max => value >= limit - slack,
+        Sense::Min => value <= limit + slack,
     })
 }
 

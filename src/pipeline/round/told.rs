@@ -2,12 +2,41 @@
 
 use super::Found;
 use crate::config::{Mode, Settings};
-use crate::overlay::measure::sentence_case;
+use crate::overlay::measure::{plain_name, sentence_case};
+use crate::overlay::result::{Explanation, Objective, Sense};
 use crate::pipeline::study::Study;
 use crate::report::{Place, Report};
 
 /// Code of what says that no option is better than the present layout.
 pub(super) const NONE_BETTER: &str = "none-better";
+
+/// Says what pinned options break.
+pub(super) fn say_pinned(report: &mut Report, file: &str, explanations: &[Explanation]) {
+    for (i, explanation) in explanations.iter().enumerate().filter(|(_, e)| !e.breaks.is_empty()) {
+        let text = format!(
+            "option {} is kept because it is pinned, though it breaks {}",
+            i + 1,
+            explanation.breaks.join(" and ")
+        );
+        report.warn("pinned-breaks", Place::file(file), text);
+    }
+}
+
+/// Says which objectives nothing is gained in without falling short of those before them.
+pub(super) fn say_out_of_reach(report: &mut Report, file: &str, objectives: &[Objective]) {
+    let is_lost = |o: &&Objective| {
+        let gain = o.reachable.map(|r| if o.sense == Sense::Max { r - o.initial } else { o.initial - r });
+        o.name != "penalty" && o.threshold > 0.0 && gain.is_some_and(|g| g <= 0.0)
+    };
+    for o in objectives.iter().filter(is_lost) {
+        let text = format!(
+            "{}: no layout that keeps the objectives before it gains anything on the present one, so its threshold keeps \
+             options near the best there is; put it before the others, or lower their thresholds",
+            plain_name(&o.name)
+        );
+        report.warn("out-of-reach", Place::file(file), text);
+    }
+}
 
 /// Says why there are fewer options than wanted, where there are.
 pub(super) fn say_options(

@@ -153,6 +153,27 @@ impl Case {
     }
 }
 
+/// Limits that nobody may lower are shares of what was found until the end: the best of every objective among all
+/// points that keep the limits before it, and no less than the share stated of the gain over the present layout.
+fn assert_firm(case: &Case, outcome: &Outcome<'_>) {
+    let objectives = &case.study.objectives;
+    let gain = |j: usize, v: f64| objectives[j].sense.gain(v);
+    let keeps = |p: &Point, j: usize| gain(j, p.values[j]) >= gain(j, outcome.thresholds[j]);
+    let mut kept: Vec<&Point> = outcome.archive.iter().filter(|p| p.violation == 0.0).collect();
+    for (j, o) in objectives.iter().enumerate() {
+        let best = kept.iter().map(|p| gain(j, p.values[j])).reduce(f64::max);
+        assert_eq!(best, outcome.reachable[j].map(|v| gain(j, v)), "objective {j} of {case:?}");
+        let Some(best) = best else { return };
+        let present = gain(j, outcome.archive[0].values[j]);
+        if !o.is_score && !o.is_penalty && best > present + 1e-9 {
+            let range = (best - present).max(0.02 * present.abs());
+            let least = best - (1.0 - o.threshold) * range;
+            assert!(gain(j, outcome.thresholds[j]) >= least - 1e-9, "objective {j} of {case:?}");
+        }
+        kept.retain(|p| keeps(p, j));
+    }
+}
+
 /// Every option of every study lies inside the bounds, was measured, and keeps the hard limits (by the default
 /// method the thresholds too); a study without options has met no layout that keeps the limits, and says what
 /// comes nearest.
@@ -169,6 +190,9 @@ fn every_member_keeps_the_hard_limits_or_none_is_known() {
         if outcome.members.is_empty() {
             assert!(!outcome.archive.iter().any(is_permitted), "a permitted layout was met: {case:?}");
             assert!(outcome.best.violation > 0.0, "{case:?}");
+        }
+        if case.study.method == Method::Default && case.study.least_share >= 1.0 {
+            assert_firm(&case, &outcome);
         }
         for (m, member) in outcome.members.iter().enumerate() {
             assert!(outcome.archive.iter().any(|p| p.parameters == member.parameters), "{case:?}");

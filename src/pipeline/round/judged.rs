@@ -1,0 +1,135 @@
+//! What layouts are worth to the search, and which of those found are options.
+
+use super::super::study::{Study, Understood, Worth};
+use super::super::{aims, explain};
+use super::{PENALTY_FREE, edits_of};
+use crate::config::{Aim, Measure, Method, Mode, Penalty, Settings, Thresholds};
+use crate::overlay::words;
+use crate::plan::drawing::Edit;
+use crate::plan::geometry::{PointUm, Segment};
+use crate::search::{self, Evaluation};
+
+/// Threshold of the implied penalty objective: no option has more of it than the present layout. To ask
+/// for less would pin every option to the few places where the penalty is least.
+const PENALTY_THRESHOLD: f64 = 0.0;
+
+/// Objectives in order: the penalty first unless `score` holds it.
+pub(super) fn objectives(settings: &Settings) -> Vec<(Aim, search::Objective)> {
+    let objective = |aim: Aim, is_max: bool, threshold: f64| {
+        let o = search::Objective {
+            name: aim.to_string(),
+            sense: if is_max { search::Sense::Maximise } else { search::Sense::Minimise },
+            threshold,
+            is_score: aim.measure == Measure::Score,
+            is_penalty: aim.measure == Measure::Penalty,
+        };
+        (aim, o)
+    };
+    let mut out = Vec::new();
+    let named = settings.objectives.iter().any(|o| !o.measure.measure.is_of_cells());
+    if !named && !settings.penalties.is_empty() {
+        out.push(objective(Aim::mean(Measure::Penalty), false, PENALTY_THRESHOLD));
+    }
+    out.extend(settings.objectives.iter().map(|o| objective(o.measure, o.is_max, o.threshold)));
+    out
+}
+
+pub(super) fn evaluation(
+    study: &Study,
+    settings: &Settings,
+    objectives: &[(Aim, search::Objective)],
+    worth: &Worth,
+) -> Evaluation {
+    let value = |aim: Aim| match aim.measure {
+        Measure::Score => study.score(worth, settings),
+        Measure::Penalty => (study.penalty(worth, settings) - PENALTY_FREE).max(0.0),
+        _ => study.value(worth, aim),
+    };
+    let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
+    let missed: f64 = aims::missed(study, settings, worth).iter().sum();
+    Evaluation {
+        values: objectives.iter().map(|(aim, _)| value(*aim)).collect(),
+        violation: worth.seen.tally.disconnected as f64 / pairs
+            + missed
+            + crossing_m(study, worth)
+            + loss(study, settings, objectives, worth),
+        at: None,
+    }
+}
+
+/// Corners that are written to the micrometre and mitred anew may run through each other by so much, metres.
+const CROSSING_FREE_M: f64 = 0.02;
+
+/// By how much walls run through each other only now, metres, where nobody said what moves: such an option is none.
+fn crossing_m(study: &Study, worth: &Worth) -> f64 {
+    if !study.base.moves.are_default {
+        return 0.0;
+    }
+    (worth.penalty(Penalty::Overlap) - CROSSING_FREE_M).max(0.0)
+}
+
+/// A sum of losses up to this is no reason to look elsewhere: the way to a gain may lead through it.
+const LOSS_FREE: f64 = 0.02;
+
+/// What a layout loses over all objectives against the present one, where it loses more than it gains and the
+/// thresholds are not the user's own: lowered, they would admit it. Where the present layout breaks a limit,
+/// keeping it is worth a loss.
+fn loss(study: &Study, settings: &Settings, objectives: &[(Aim, search::Objective)], worth: &Worth) -> f64 {
+    let is_measure = |aim: &Aim| !matches!(aim.measure, Measure::Score | Measure::Penalty);
+    let aims: Vec<_> = objectives.iter().filter(|(aim, _)| is_measure(aim)).collect();
+    let breaks_limit = || aims::missed(study, settings, &study.initial).iter().any(|m| *m > 0.0);
+    if is_firm(settings) || aims.len() < 2 || breaks_limit() {
+        return 0.0;
+    }
+    let gain = |(aim, o): &&(Aim, search::Objective)| {
+        let is_more_better = o.sense == search::Sense::Maximise;
+        explain::relative_gain(is_more_better, study.value(worth, *aim), study.value(&study.initial, *aim))
+    };
+    let gained: f64 = aims.iter().map(gain).sum();
+    if gained < -LOSS_FREE { -gained - LOSS_FREE } else { 0.0 }
+}
+
+/// Whether the user's own thresholds decide what is good: they are held, or the method is the paper's.
+pub(super) fn is_firm(settings: &Settings) -> bool {
+    settings.thresholds == Thresholds::Firm || settings.method == Method::Paper
+}
+
+/// How many of the first options stay because the user pinned them.
+pub(super) fn pinned(settings: &Settings) -> usize {
+    if settings.mode == Mode::Best || settings.method == Method::Paper { 0 } else { settings.pinned.len() }
+}
+
+/// Whether some parameter has moved by so much that the words would tell it.
+pub(super) fn moves_visibly(study: &Study, parameters: &[f64]) -> bool {
+    let (bounds, identity) = (study.base.moves.bounds(), study.base.moves.identity());
+    let ways = parameters.iter().zip(&identity).zip(&bounds);
+    ways.into_iter().any(|((p, still), [lo, hi])| (p - still).abs() >= words::SMALLEST_SHARE * (hi - lo))
+}
+
+/// The options that differ in the drawing: what stands on the same lines to a millimetre, a screen turned by half
+/// a turn or two of one length exchanged, is one option.
+pub(super) fn apart(study: &Study, members: Vec<search::Member>) -> Vec<search::Member> {
+    let mut out: Vec<(_, search::Member)> = Vec::new();
+    for m in members {
+        let lines = lines_mm(&study.base, &m.parameters);
+        if out.iter().all(|(other, _)| *other != lines) {
+            out.push((lines, m));
+        }
+    }
+    out.into_iter().map(|(_, m)| m).collect()
+}
+
+/// The pieces of all walls that may move, whole millimetres, in an order of their own, and what else is written.
+fn lines_mm(base: &Understood, parameters: &[f64]) -> (Vec<[PointUm; 2]>, Vec<Edit>) {
+    let layout = base.moves.apply(&base.plan, &base.graph, parameters);
+    let mm = |p: PointUm| p.map(|v| (v + 500).div_euclid(1000));
+    let of = |s: Segment| {
+        let [a, b] = [mm(s.a), mm(s.b)];
+        if a <= b { [a, b] } else { [b, a] }
+    };
+    let mut lines: Vec<_> =
+        layout.walls.iter().flat_map(|w| w.trace.segments().map(|(_, _, s)| of(s))).collect();
+    lines.sort_unstable();
+    let is_fitting = |e: &Edit| base.fittings.iter().any(|f| f.source.record == e.record());
+    (lines, edits_of(base, &layout).into_iter().filter(is_fitting).collect())
+}
