@@ -719,6 +719,17 @@ fn a_part_of_itself_is_shown_and_named() {
     let drawing = read(with_instances(&text, &added).as_bytes());
     let outlines = drawing.entities.iter().filter(|e| e.source.record == a).count();
     assert_eq!((outlines, drawing.entities.len()), (3, whole));
+    // One that cannot be placed is named with its whole.
+    let line = text.lines().find(|l| l.starts_with(&format!("#{b}="))).unwrap();
+    let mut values: Vec<&str> = line.split(',').collect();
+    let not_a_place = format!("#{a}");
+    values[5] = &not_a_place;
+    let broken = text.replace(line, &values.join(","));
+    let (drawing, report) =
+        read_with(with_instances(&broken, &rel(90000, a, b)).as_bytes(), &ReadOptions::default());
+    assert_eq!(drawing.unwrap().entities.len(), whole - 1);
+    let said = format!("its part #{b}: ");
+    assert!(report.problems.iter().any(|p| p.text.starts_with(&said)), "{report:?}");
 }
 
 #[test]

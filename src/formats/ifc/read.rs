@@ -326,15 +326,27 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         }
         self.take_openings_out(p, &frame, &mut out);
         let mut region = out.region.map(|q| plan_point(&frame.world, q));
+        let mut failed: Vec<(u64, Why)> = Vec::new();
         for part in &self.b.model.parts_of(p.id) {
             let class = self.b.model.product(*part).map(|q| q.class);
             let is_glass = class == Some("IfcPlate") && self.options.sight == Sight::Eye;
-            let Ok(cut) = self.part(*part) else { continue };
+            let cut = match self.part(*part) {
+                Ok(cut) => cut,
+                Err(why) => {
+                    failed.push((*part, why));
+                    continue;
+                }
+            };
             if is_glass {
                 out.closings.push((p, "IfcWindow", cut))
             } else {
                 region = region.combine(&cut, Rule::Union)
             }
+        }
+        if let Some((part, why)) = failed.first() {
+            let more = failed.len() - 1;
+            let others = if more > 0 { format!(" and {more} more") } else { String::new() };
+            out.missing.push(format!("its part #{part}{others}: {why}"));
         }
         if !region.is_within_reach() {
             return Err("it lies beyond all buildings".into());
@@ -348,7 +360,8 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     fn part(&self, id: u64) -> Result<Region, Why> {
         let p = super::model::product(self.b.step, id, "IfcMember");
         let frame = self.frame(p.placement)?;
-        let shape = p.shape.ok_or("it has no shape")?;
+        // A part that shows nothing is missing nowhere.
+        let Some(shape) = p.shape else { return Ok(Region::default()) };
         let cut = self.b.geo.cut_items(&body_items(self.b.step, shape)?, &frame.to, frame.z);
         Ok(cut.region.map(|q| plan_point(&frame.world, q)))
     }
