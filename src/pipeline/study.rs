@@ -493,12 +493,9 @@ impl Study {
             piece_ranges,
         };
         let initial = |scene: &Scene| {
-            let obstacles = || study.obstacles(&identity, &scene.cells);
-            scene.seen(
-                scene.evaluator.initial().clone(),
-                &blind(&study.base, &identity, &scene.cells),
-                obstacles,
-            )
+            let obstacles = study.obstacles(&identity, &scene.cells);
+            let blind = obstacles.blind.clone();
+            scene.seen(scene.evaluator.initial().clone(), &blind, || obstacles)
         };
         let named = study.pairs.iter().map(|p| initial(&p.scene)).collect();
         study.initial = study.worth(initial(&study.main), named, &study.pieces);
@@ -548,10 +545,8 @@ impl Study {
     }
 
     fn moving(&self, layout: &Layout) -> Obstacles {
-        Obstacles {
-            segments: moving_segments(&self.base, layout, &self.piece_moves),
-            blind: blind(&self.base, layout, &self.main.cells),
-        }
+        let segments = moving_segments(&self.base, layout, &self.piece_moves);
+        Obstacles { blind: blind(&self.base, layout, &self.main.cells, &segments), segments }
     }
 
     fn place_all(&self, layout: &Layout, pieces: &mut [WallPiece]) {
@@ -649,8 +644,8 @@ impl Study {
         let walls = traces.into_iter().enumerate();
         let pieces = walls.flat_map(|(w, t)| pieces_of(t, None).map(move |p| (w as u32, p)));
         let blocking = pieces.flat_map(|(w, (s, part, _))| self.base.sight.blocking((w, part), s));
-        let segments = blocking.chain(closed_that_stay(&self.base)).collect();
-        Obstacles { segments, blind: blind(&self.base, layout, cells) }
+        let segments: Vec<Segment> = blocking.chain(closed_that_stay(&self.base)).collect();
+        Obstacles { blind: blind(&self.base, layout, cells, &segments), segments }
     }
 
     /// All pieces of the present layout that can move or not, as segments to show.
@@ -710,14 +705,16 @@ fn near(centre_um: PointUm, spacing_um: i64, plan: &Plan) -> PointUm {
     [0, 1].map(|k| centre_um[k] + (o[k] - centre_um[k]).div_euclid(spacing_um) * spacing_um)
 }
 
-/// Vertices covered by what can move and has a body: solids and thick walls.
-fn blind(base: &Understood, layout: &Layout, cells: &CellIndex) -> Vec<u32> {
+/// Vertices covered by what can move and has a body, solids and thick walls, and those that its lines touch: they
+/// are no floor, so they count in no mean and are not cut off. What stays touches none, or its vertices were dropped.
+fn blind(base: &Understood, layout: &Layout, cells: &CellIndex, segments: &[Segment]) -> Vec<u32> {
     let shapes: BTreeMap<u32, &Shape> = layout.walls.iter().map(|w| (w.wall, &w.shape)).collect();
     let mut out = Vec::new();
     for wall in layout.walls.iter().filter(|w| base.plan.walls[w.wall as usize].is_solid) {
         cells.vertices_in(&wall.trace.points, &mut out);
     }
     cover_bodies(base, &|w| shapes.get(&w).copied(), cells, &mut out);
+    segments.iter().for_each(|s| cells.vertices_on(*s, &mut out));
     out.sort_unstable();
     out.dedup();
     out
