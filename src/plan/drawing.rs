@@ -36,8 +36,8 @@ impl Format {
 /// The bytes an entity came from: the join between the plan and the file.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct SourceRef {
-    /// Which group-0 record of the file it is, from 0 (for an entity of a block: the INSERT in model
-    /// space that shows it).
+    /// Which group-0 record of the file it is, from 0 (for an entity of a block that moves as a whole: the
+    /// INSERT that shows it; of one that is shown once: its own in the definition).
     pub record: usize,
     /// The entity's handle as written (upper case), if it has one.
     pub handle: Option<String>,
@@ -139,6 +139,13 @@ pub struct Entity {
     pub editable: Editable,
     /// Names of the blocks it was expanded from, outermost first; empty for a direct entity.
     pub blocks: Vec<String>,
+}
+
+impl Entity {
+    /// Record of the INSERT with which it moves, where one shows it and it is not edited by itself.
+    pub fn insert(&self) -> Option<usize> {
+        (!self.blocks.is_empty() && self.source.kind == "INSERT").then_some(self.source.record)
+    }
 }
 
 /// A TEXT or MTEXT of model space, formatting codes removed.

@@ -22,6 +22,7 @@ mod fill;
 mod header;
 mod limits;
 mod links;
+mod opened;
 mod patch;
 mod read;
 mod reader;

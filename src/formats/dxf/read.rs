@@ -30,6 +30,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     };
     let items = reader.items(section)?;
     let mut blocks = Blocks::find(&reader)?;
+    blocks.measure(&mut reader, &items)?;
     let (mut entities, mut texts) = (Vec::with_capacity(items.len()), Vec::new());
     for item in items {
         if let Body::Insert(_) = item.body {
