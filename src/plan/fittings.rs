@@ -66,12 +66,10 @@ pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usiz
         }
     }
     add_leaves(drawing, &walls, &mut out);
-    for (i, wall) in twins(plan, drawing) {
-        out.entry(i).or_insert_with(|| Fitting {
-            host: Some(wall),
-            ..fitting(&drawing.entities[i], &Default::default())
-        });
-    }
+    let twin = |(i, wall): (usize, u32)| {
+        (i, Fitting { host: Some(wall), ..fitting(&drawing.entities[i], &Default::default()) })
+    };
+    out.extend(twins(plan, drawing).into_iter().map(twin));
     out.into_values().collect()
 }
 

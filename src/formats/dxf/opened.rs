@@ -75,14 +75,17 @@ impl Sheet {
     /// Whether what an INSERT shows in a box is small beside the rest. So is taken what lies so far from zero that it
     /// would not come back exactly.
     pub fn is_thing(&self, corners: &[DVec2], pieces: u64) -> bool {
-        let (Some([lo, hi]), Some([from, to])) = (box_of(corners.iter().copied()), self.extent) else {
-            return true;
-        };
-        let size = (hi - lo).max_element();
-        let is_small = size <= THING_SIZE * (to - from).max_element()
-            && (pieces as f64) < THING_PIECES * self.pieces as f64;
-        let is_near = lo.abs().max(hi.abs()).max_element() <= AWAY_MAX * size;
-        is_small || !is_near
+        let draws_little = (pieces as f64) < THING_PIECES * self.pieces as f64;
+        let Some([lo, hi]) = box_of(corners.iter().copied()) else { return true };
+        let is_near = lo.abs().max(hi.abs()).max_element() <= AWAY_MAX * (hi - lo).max_element();
+        self.is_short(corners) && draws_little || !is_near
+    }
+
+    /// Whether a box is short beside what model space shows: nobody expects parts of it to move.
+    pub fn is_short(&self, corners: &[DVec2]) -> bool {
+        let boxes = (box_of(corners.iter().copied()), self.extent);
+        let (Some([lo, hi]), Some([from, to])) = boxes else { return true };
+        (hi - lo).max_element() <= THING_SIZE * (to - from).max_element()
     }
 }
 
