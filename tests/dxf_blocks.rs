@@ -204,7 +204,8 @@ fn only_what_is_shown_once_is_edited_by_itself() {
     let unused = [house.clone(), block("B", &insert("A"))];
     let array = no("it is shown by an INSERT with rows and columns");
     let stretched = no("it is round and its INSERT stretches it more one way than the other");
-    let cases: Vec<(&str, &[String], String, Vec<(String, Editable)>, Vec<String>)> = vec![
+    type Case<'c> = (&'c str, &'c [String], String, Vec<(String, Editable)>, Vec<String>);
+    let cases: Vec<Case<'_>> = vec![
         ("once", one, insert("A"), line(Editable::Free), vec![]),
         ("turned", one, turned.clone(), line(Editable::Free), vec![]),
         ("twice", one, insert("A") + "|" + &insert("A"), twice(), vec![again(2, 75)]),
