@@ -60,13 +60,13 @@ fn files_that_are_not_taken_say_why() {
     let guess = "the file was not read, because a guess could move a wall. Correct this line or export the drawing again";
     let group = "the file was not read, because nothing after this line is sure. A text of several lines or a hand \
                  edit does this: export the drawing again";
-    let incomplete =
-        "not read. Save or export it again; if its program never writes EOF, set accept-missing-eof = true";
+    let incomplete = "not read. Save or export it again; if its program never writes EOF, say --accept-missing-eof or set \
+         accept-missing-eof = true";
     let cases: Vec<(&str, Vec<u8>, String)> = vec![
-        ("1 empty", vec![], "dxf-empty plan.dxf: the file is empty, found 0 bytes of content, expected a DXF drawing; nothing was read".into()),
-        ("1 blank", b" \r\n\0".to_vec(), "dxf-empty plan.dxf: the file is empty, found 0 bytes of content, expected a DXF drawing; nothing was read".into()),
-        ("2 cut", good.as_bytes()[..good.len() - 5].to_vec(), format!("dxf-incomplete plan.dxf: the drawing is incomplete: it ends with `0`, expected 0/EOF at the end; {incomplete}")),
-        ("3 no EOF", good.as_bytes()[..good.len() - 6].to_vec(), format!("dxf-incomplete plan.dxf: the drawing is incomplete: it ends with `ENDSEC`, expected 0/EOF at the end; {incomplete}")),
+        ("1 empty", vec![], "dxf-empty plan.dxf: the file is empty, found 0 bytes, expected a DXF drawing; nothing was read".into()),
+        ("1 blank", b" \r\n\0".to_vec(), "dxf-empty plan.dxf: the file is empty, found 4 bytes, all of them blanks, expected a DXF drawing; nothing was read".into()),
+        ("2 cut", good.as_bytes()[..good.len() - 5].to_vec(), format!("dxf-incomplete plan.dxf:41: the drawing is incomplete: it ends with `0`, expected 0/EOF at the end; {incomplete}")),
+        ("3 no EOF", good.as_bytes()[..good.len() - 6].to_vec(), format!("dxf-incomplete plan.dxf:40: the drawing is incomplete: it ends with `ENDSEC`, expected 0/EOF at the end; {incomplete}")),
         ("5 group code", with("8\nA-WALL\n", "1\ntwo\nlines\n8\nA-WALL\n"), format!("dxf-group-code plan.dxf:31: the group code, found `lines`, expected a whole number from -5 to 1071; {group}")),
         ("6 blank in a number", with("11\n5.0", "11\n1.0E 20"), format!("dxf-bad-number plan.dxf:36 LINE 2F3 layer A-WALL: group 11, found `1.0E 20`, expected a number like 1.5; {guess}")),
         ("7 decimal comma", with("11\n5.0", "11\n1,5"), format!("dxf-bad-number plan.dxf:36 LINE 2F3 layer A-WALL: group 11, found `1,5`, expected a number like 1.5; {guess}")),
