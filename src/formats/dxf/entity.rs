@@ -95,7 +95,10 @@ impl<'a> Reader<'a, '_> {
                     let layer = self.layer(&fields);
                     out.push(Item { record, layer, body });
                 }
-                Some(Err((code, text))) => self.warn(code, record, text),
+                Some(Err((code, text))) => {
+                    self.layer(&fields);
+                    self.warn(code, record, text);
+                }
                 None => {}
             }
             if is_undrawn && !PARTS.contains(&name) {
@@ -193,7 +196,7 @@ impl<'a> Reader<'a, '_> {
         Body::Shape(mapped(&shape, &map, self.five_mm), editable)
     }
 
-    fn lwpolyline(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
+    fn lwpolyline(&mut self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
         let record = fields.record;
         let slots = lwpolyline_vertices(self.tokens, record);
         let number = |index: usize| self.number(&self.tokens.pairs[index], record);
@@ -207,6 +210,15 @@ impl<'a> Reader<'a, '_> {
         }
         if let Err(fault) = self.check_vertices(&vertices) {
             return Ok(Err(fault));
+        }
+        let stated = own_pairs(self.tokens, record).find(|(_, p)| p.code == 90);
+        let stated = stated.and_then(|(_, p)| self.tokens.integer(p));
+        if let Some(stated) = stated.filter(|n| *n != vertices.len() as i64) {
+            let text = format!(
+                "group 90, found {stated}, expected {}, the number of its vertices; read with those that are there",
+                vertices.len()
+            );
+            self.note("dxf-vertices-stated", Severity::Info, record, text);
         }
         let closed = self.int(fields, 70, 0)? & 1 != 0;
         let elevation = self.float(fields, 38, 0.0)?;

@@ -35,7 +35,7 @@ pub(super) struct Reader<'a, 'r> {
     /// Record kinds left out, with their numbers.
     pub left_out: BTreeMap<String, usize>,
     /// What is drawn and no line of the plan, by layer, kind and whether it stands on paper.
-    pub undrawn: BTreeMap<(u32, &'a [u8], bool), usize>,
+    pub undrawn: BTreeMap<(&'a [u8], &'a [u8], bool), usize>,
     report: &'r mut Report,
     note_counts: BTreeMap<&'static str, usize>,
 }
@@ -208,7 +208,7 @@ impl<'a, 'r> Reader<'a, 'r> {
 
     /// Counts a record that is drawn and gives no line of the plan.
     pub fn count_undrawn(&mut self, fields: &Fields<'_, 'a>, is_on_paper: bool) {
-        let (layer, name) = (self.layer(fields), self.tokens.name(fields.record));
+        let (layer, name) = (fields.value(8).unwrap_or(b"0"), self.tokens.name(fields.record));
         *self.undrawn.entry((layer, name, is_on_paper)).or_default() += 1;
     }
 
@@ -216,7 +216,7 @@ impl<'a, 'r> Reader<'a, 'r> {
     pub fn take_undrawn(&mut self) -> Vec<Undrawn> {
         let counted = std::mem::take(&mut self.undrawn).into_iter();
         let of = |((layer, name, is_on_paper), count)| Undrawn {
-            layer: self.layers.name(layer).to_owned(),
+            layer: self.page.decode(layer),
             kind: shown(name),
             is_on_paper,
             count,
