@@ -349,7 +349,8 @@ fn summary(result: &RoundResult, folder: &Path) {
         result.stopped_by,
         options_of(result)
     ));
-    say(&format!("compare them: {}", folder.join("report.html").display()));
+    let what = if result.candidates.is_empty() { "the present layout" } else { "compare them" };
+    say(&format!("{what}: {}", folder.join("report.html").display()));
 }
 
 fn accept(args: &AcceptArgs) -> Result<u8, Error> {

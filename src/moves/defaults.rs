@@ -45,6 +45,8 @@ pub(super) const SLIDE_MIN_M: f64 = 0.1;
 pub const PARAMETERS_MAX: usize = 30;
 /// Most wall pieces looked at pairwise for doors and neighbours.
 pub const PIECES_MAX: usize = 20_000;
+/// Most squares in the boxes of all wall pieces that are looked at for neighbours: beyond, looking takes seconds.
+pub const SQUARES_MAX: f64 = 5e6;
 
 /// A straight piece of a wall with its node ids.
 pub(super) struct Piece {
@@ -73,6 +75,16 @@ pub fn groups(
         let text = format!(
             "{} wall pieces, expected at most {PIECES_MAX} for default moves; draw EF-MOVE to say what may move",
             pieces.len()
+        );
+        report.info("default-moves", place, text);
+        return Vec::new();
+    }
+    let squares = Neighbours::squares(&pieces);
+    if squares > SQUARES_MAX {
+        let text = format!(
+            "the wall pieces reach over {squares:.0e} squares of {} m, expected at most {SQUARES_MAX:.0e} for default moves; \
+             draw EF-MOVE to say what may move",
+            Neighbours::SIZE_M
         );
         report.info("default-moves", place, text);
         return Vec::new();
@@ -110,7 +122,7 @@ pub fn groups(
     }
     let standing = match posts {
         0 => String::new(),
-        n => format!("; {n} posts up to {} m stay", POST_MAX_M * plan.human_scale),
+        n => format!("; {n} posts up to {} m stay", (POST_MAX_M * plan.human_scale * 1e4).round() / 1e4),
     };
     let text = match found {
         (0, 0) if sliding == 0 => nothing_moves(&stays) + &standing,
@@ -141,7 +153,7 @@ fn nothing_moves(stays: &[Stays]) -> String {
     };
     format!(
         "nothing may move, the present layout is measured: draw a closed polyline on layer EF-MOVE round the wall ends \
-         that may move, with a text inside it such as `x -1 1; y -1 1` (no EF-MOVE in the drawing, no free-standing \
+         that may move, with a text inside it such as `x -1m 1m; y -1m 1m` (no EF-MOVE in the drawing, no free-standing \
          element or door gap in it; {why})"
     )
 }
@@ -202,8 +214,17 @@ pub(super) struct Neighbours {
 }
 
 impl Neighbours {
+    /// Side of a bucket.
+    const SIZE_M: f64 = DOOR_WIDTH_M[1].max(WALL_THICKNESS_MAX_M);
+
+    /// How many buckets the boxes of all pieces cover: what looking at the neighbours of each costs.
+    fn squares(pieces: &[Piece]) -> f64 {
+        let of = |p: &Piece| ((p.b - p.a).abs() / Self::SIZE_M + 1.0).element_product();
+        pieces.iter().map(of).sum()
+    }
+
     fn new(pieces: &[Piece]) -> Self {
-        let size = DOOR_WIDTH_M[1].max(WALL_THICKNESS_MAX_M);
+        let size = Self::SIZE_M;
         let mut buckets: BTreeMap<[i64; 2], Vec<u32>> = BTreeMap::new();
         for (i, p) in pieces.iter().enumerate() {
             let steps = ((p.b - p.a).length() / size).ceil().max(1.0) as usize;

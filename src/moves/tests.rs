@@ -32,6 +32,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         texts: Vec::new(),
         marked: Vec::new(),
         hosts: Default::default(),
+        undrawn: Vec::new(),
         fills: Vec::new(),
     }
 }
@@ -749,4 +750,20 @@ fn a_way_too_short_is_no_move() {
             assert_eq!(control.permit(&[way * sign]) != [0.0], is_move, "{way}");
         }
     }
+}
+
+/// One wall that reaches as far as the earth takes neither time nor memory.
+#[test]
+fn walls_that_reach_too_far_have_no_default_moves() {
+    let plan = |far: f64| {
+        let mut d = drawing("m", 1.0);
+        d.room(10.0, 10.0);
+        d.line(4.0, 5.0, 6.0, 5.0);
+        d.line(0.0, 20.0, far, 20.0 + far);
+        by_default(&d)
+    };
+    let near = (defaults::SQUARES_MAX * 0.5).sqrt();
+    assert!(!plan(near).2.parameters.is_empty());
+    assert!(plan(near * 10.0).2.parameters.is_empty());
+    assert!(plan(1e9).2.parameters.is_empty());
 }

@@ -581,10 +581,7 @@ fn state_stale(
     report: &mut Report,
 ) -> Result<(), Error> {
     let options = study::read_options(settings);
-    for source in formats::dependents(input.file(), &input.bytes, &options, moved)? {
-        let text = "is tied to a wall that moves in an option; its bytes are kept and may be stale there";
-        report.info("stale-annotation", place_in(input.file(), &source), text);
-    }
+    told::say_stale(report, input.file(), &formats::dependents(input.file(), &input.bytes, &options, moved)?);
     Ok(())
 }
 

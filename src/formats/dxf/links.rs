@@ -74,7 +74,7 @@ pub fn dependents(
         .map(|record| SourceRef {
             record,
             handle: handle_of(&tokens, record),
-            line: tokens.line(tokens.span(record).start),
+            line: tokens.source_line(record),
             kind: shown(tokens.name(record)),
             layer: own_pairs(&tokens, record)
                 .find(|(_, p)| p.code == 8)
