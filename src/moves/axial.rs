@@ -154,6 +154,8 @@ pub(super) struct Axial<'a> {
     things: &'a Things<'a>,
     /// Walls thicker than this carry, metres of a person.
     carrying_m: f64,
+    /// Whether the drawing shows how thick its partitions are.
+    has_partitions: bool,
     /// Edges at every node of the axes.
     at_node: Vec<Vec<u32>>,
     /// Doors and windows of which the side of an edge is a jamb: edge, opening.
@@ -200,10 +202,22 @@ impl<'a> Axial<'a> {
         let filled = (0u32..).zip(&axes.openings).filter(|(_, o)| o.kind != OpeningKind::Passage);
         let jamb_sides =
             filled.flat_map(|(i, o)| o.jambs.iter().filter_map(move |j| Some((j.edge?, i)))).collect();
-        let carrying_m = PARTITION_THICKNESS_MAX_M;
-        let mut out =
-            Self { plan, graph, axes, interior, pieces, neighbours, things, carrying_m, at_node, jamb_sides };
+        let (carrying_m, has_partitions) = (PARTITION_THICKNESS_MAX_M, false);
+        let mut out = Self {
+            plan,
+            graph,
+            axes,
+            interior,
+            pieces,
+            neighbours,
+            things,
+            carrying_m,
+            has_partitions,
+            at_node,
+            jamb_sides,
+        };
         if let Some(usual) = out.usual_thickness() {
+            out.has_partitions = true;
             out.carrying_m = carrying_m.min((CARRYING_RATIO * usual).max(CARRYING_MIN_M));
         }
         out
@@ -249,7 +263,8 @@ impl<'a> Axial<'a> {
         (out, stays)
     }
 
-    /// Door gaps that may slide along their wall, from left to right; none in a wall that carries.
+    /// Door gaps that may slide along their wall, from left to right; none in a wall that is thicker than
+    /// the drawing's partitions.
     pub fn doors(&self) -> Vec<Sliding> {
         let doors = self.axes.openings.iter().filter(|o| o.kind != OpeningKind::Window);
         let wide = doors.filter(|o| (DOOR_WIDTH_M[0]..=DOOR_WIDTH_M[1]).contains(&o.width_m));
@@ -259,7 +274,7 @@ impl<'a> Axial<'a> {
     }
 
     fn door(&self, opening: &Opening) -> Option<Sliding> {
-        if opening.thickness_m > self.carrying_m {
+        if self.has_partitions && opening.thickness_m > self.carrying_m {
             return None;
         }
         let [a, b] = opening.jambs.map(|j| j.node);

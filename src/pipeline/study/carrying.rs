@@ -40,15 +40,21 @@ pub(super) fn whole_moves(
         (0..fittings.len()).filter(|i| is_at(&fittings[*i])).collect()
     };
     let mut stay: Vec<Group> = Vec::new();
-    let mut move_whole: Vec<((Group, Vec<u32>), BTreeSet<usize>)> = Vec::new();
+    let mut move_whole: Vec<(Group, Vec<u32>)> = Vec::new();
+    let mut taken: Vec<BTreeSet<usize>> = Vec::new();
     for group in groups {
         let alone = moves(std::slice::from_ref(&group));
         let own = at_jambs(&alone);
         let tears = leaves_behind(&alone)
-            || move_whole.iter().any(|(other, theirs)| {
+            || move_whole.iter().zip(&taken).any(|(other, theirs)| {
                 !own.is_disjoint(theirs) && leaves_behind(&moves(&[other.clone(), group.clone()]))
             });
-        if tears { stay.push(group.0) } else { move_whole.push((group, own)) }
+        if tears {
+            stay.push(group.0);
+        } else {
+            move_whole.push(group);
+            taken.push(own);
+        }
     }
     if !stay.is_empty() {
         let names: Vec<&str> = stay.iter().take(TOLD).map(|g| g.name.as_str()).collect();
@@ -61,7 +67,7 @@ pub(super) fn whole_moves(
         );
         report.info("default-moves-stay", Place::file(&plan.file), text);
     }
-    move_whole.into_iter().map(|m| m.0).collect()
+    move_whole
 }
 
 /// The places where every group stands with all its parameters at their lower or their upper bounds, in any combination.
