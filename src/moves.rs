@@ -10,6 +10,7 @@ mod doorways;
 mod joined;
 mod mitre;
 mod partitions;
+mod things;
 
 use std::collections::{BTreeMap, BTreeSet};
 

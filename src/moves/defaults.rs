@@ -6,13 +6,15 @@ use glam::DVec2;
 
 use super::axial::{Axial, Sliding, Stays, told};
 use super::doorways::Doorways;
+use super::things::Things;
 use crate::plan::axes::{AxisGraph, Jamb, NodeKind, OpeningKind};
 use crate::plan::drawing::{Editable, SourceRef};
+use crate::plan::fittings::{Fitting, jambs_of};
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M, segments_touch};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{Clause, Group, Kind};
-use crate::plan::{Plan, Region, box_of};
+use crate::plan::{Plan, Region, box_of, distance_to_segment};
 use crate::report::{Place, Report};
 
 /// How far a free-standing element shifts in x and y.
@@ -29,6 +31,8 @@ pub const TOUCH_M: f64 = 0.05;
 pub const WALL_THICKNESS_MAX_M: f64 = 0.6;
 /// How far an element must stay inside the building to count as free-standing.
 const INSIDE_MARGIN_M: f64 = 0.3;
+/// No other wall, door, window or glass is nearer than this to what stands free.
+pub const STANDS_FREE_M: f64 = 0.3;
 /// A free-standing element is at most this share of the building's longer side.
 const ELEMENT_SHARE_MAX: f64 = 0.5;
 /// What is no larger is a post, or a pair of them: it carries.
@@ -60,13 +64,13 @@ pub(super) struct Piece {
 }
 
 /// Groups for [`super::Moves::new`]: elements, the largest first, walls that slide between others, the
-/// longest first, then doors from left to right. `infill`: what is drawn between walls, drawing frame; a wall at
-/// which such a line ends holds it, and is no element.
+/// longest first, then doors from left to right. `infill`: what is drawn between walls, drawing frame; a wall near
+/// which such a line ends is no element. `fittings`: the parts of doors and windows, which go with their walls.
 pub fn groups(
     plan: &Plan,
     graph: &Graph,
     axes: &AxisGraph,
-    (interior, infill): (&Interior, &[Segment]),
+    (interior, infill, fittings): (&Interior, &[Segment], &[Fitting]),
     report: &mut Report,
 ) -> Vec<(Group, Vec<u32>)> {
     let pieces = pieces(plan, graph);
@@ -93,10 +97,12 @@ pub fn groups(
     let mut at_openings = walls_at_openings(axes);
     at_openings.extend(walls_at_infill(plan, infill, &pieces, &neighbours));
     let held = Held { walls: at_openings, columns: columns(axes) };
-    let (elements, posts) = elements(plan, graph, interior, &held, &pieces, &neighbours);
-    let axial = Axial::new(plan, graph, axes, interior, (&pieces, &neighbours));
+    let things = Things::new(plan, fittings);
+    let (elements, posts) = elements(plan, graph, axes, interior, &held, &pieces, &neighbours);
+    let axial = Axial::new(plan, graph, axes, interior, (&pieces, &neighbours, &things));
     let mut doors = axial.doors();
-    let taken: BTreeSet<u32> = doors.iter().flat_map(|d| d.nodes.clone()).collect();
+    // What was looked at in thick walls was found or refused there.
+    let taken = nodes_at_openings(plan, graph, axes);
     let simple = simple_doors(plan, graph, axes, interior, (&pieces, &neighbours));
     doors.extend(simple.into_iter().filter(|d| d.nodes.iter().all(|n| !taken.contains(n))));
     let (sliding, stays) = axial.partitions();
@@ -107,7 +113,7 @@ pub fn groups(
     let (found, mut walls) = ((elements.len(), doors.len()), named(sliding, "wall"));
     walls.extend(super::partitions::partitions(plan, graph, interior));
     let sliding = walls.len();
-    let (mut taken, mut doorways) = (Taken::default(), Doorways::new(plan, graph, axes));
+    let (mut taken, mut doorways) = (Taken::default(), Doorways::new(plan, graph, axes, &things));
     let mut out: Vec<(Group, Vec<u32>)> = Vec::new();
     let mut parameters = 0;
     for (group, nodes) in elements.into_iter().chain(walls).chain(named(doors, "door")) {
@@ -319,7 +325,14 @@ fn walls_at_openings(axes: &AxisGraph) -> BTreeSet<u32> {
     of_edges.chain(of_nodes).map(|f| f.0).collect()
 }
 
-/// Walls at which glass, a window or a leaf ends.
+/// Nodes at the jambs of all openings in thick walls.
+fn nodes_at_openings(plan: &Plan, graph: &Graph, axes: &AxisGraph) -> BTreeSet<u32> {
+    let thick = axes.openings.iter().filter(|o| o.thickness_m > 0.0);
+    let handles = thick.flat_map(|o| jambs_of(plan, axes, o)).flatten();
+    handles.map(|(w, c)| graph.control_nodes[w as usize][c as usize]).collect()
+}
+
+/// Walls near which glass, a window or a leaf ends.
 fn walls_at_infill<'a>(
     plan: &Plan,
     infill: &[Segment],
@@ -332,7 +345,7 @@ fn walls_at_infill<'a>(
     ends.into_iter().flat_map(move |p| {
         let end = Piece { wall: u32::MAX, nodes: [u32::MAX; 2], a: p, b: p };
         let near = neighbours.around(p, p).map(|j| &pieces[j as usize]);
-        near.filter(move |q| distance(&end, q) <= TOUCH_M).map(|q| q.wall).collect::<Vec<_>>()
+        near.filter(move |q| distance(&end, q) <= STANDS_FREE_M).map(|q| q.wall).collect::<Vec<_>>()
     })
 }
 
@@ -340,6 +353,7 @@ fn walls_at_infill<'a>(
 fn elements(
     plan: &Plan,
     graph: &Graph,
+    axes: &AxisGraph,
     interior: &Interior,
     held: &Held,
     pieces: &[Piece],
@@ -396,6 +410,9 @@ fn elements(
             posts += 1;
             continue;
         }
+        if !stands_free(walls, axes, pieces, neighbours) {
+            continue;
+        }
         let mut nodes: Vec<u32> =
             walls.iter().flat_map(|w| graph.control_nodes[*w as usize].clone()).collect();
         nodes.sort_unstable();
@@ -421,6 +438,24 @@ fn elements(
         (group, nodes)
     });
     (named.collect(), posts)
+}
+
+/// Whether neither another wall nor a door or window is near the ends of an element's pieces.
+fn stands_free(walls: &[u32], axes: &AxisGraph, pieces: &[Piece], neighbours: &Neighbours) -> bool {
+    let own: BTreeSet<u32> = walls.iter().copied().collect();
+    let filled: Vec<[DVec2; 2]> = axes
+        .openings
+        .iter()
+        .filter(|o| o.kind != OpeningKind::Passage)
+        .map(|o| o.jambs.map(|j| j.at))
+        .collect();
+    let mut ends = pieces.iter().filter(|p| own.contains(&p.wall)).flat_map(|p| [p.a, p.b]);
+    ends.all(|p| {
+        let end = Piece { wall: u32::MAX, nodes: [u32::MAX; 2], a: p, b: p };
+        let mut near = neighbours.around(p, p).map(|j| &pieces[j as usize]);
+        near.all(|q| own.contains(&q.wall) || distance(&end, q) > STANDS_FREE_M)
+            && filled.iter().all(|o| distance_to_segment(p, *o) > STANDS_FREE_M)
+    })
 }
 
 fn element_clauses(is_round: bool, scale: f64) -> Vec<Clause> {

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
+mod beside;
+
 use super::control::{Control, Rules};
 use super::defaults::{self, PARAMETERS_MAX, PIECES_MAX, SHIFT_M, SLIDE_M, WALL_THICKNESS_MAX_M};
 use super::{Layout, MOVE_MIN_M, Moves, NodeGroup};
@@ -12,7 +14,7 @@ use crate::plan::drawing::{Drawing, Editable, Entity, Format, Shape, SourceRef, 
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{Clause, Group, Kind};
-use crate::plan::{DOOR_LAYER, Plan, PlanOptions, structure, understand};
+use crate::plan::{DOOR_LAYER, Plan, PlanOptions, fittings, structure, understand};
 use crate::report::Report;
 
 fn source(record: usize, layer: &str) -> SourceRef {
@@ -86,8 +88,9 @@ fn by_default(drawing: &Drawing) -> (Plan, Graph, Moves) {
     let graph = Graph::new(&plan);
     let walls: Vec<_> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
     let interior = Interior::new(&walls, &[], plan.human_scale).unwrap();
-    let (axes, _) = structure::axes(&plan, drawing);
-    let groups = defaults::groups(&plan, &graph, &axes, (&interior, &[]), &mut report);
+    let (axes, marked) = structure::axes(&plan, drawing);
+    let fittings = fittings::fittings(&plan, drawing, &axes, &marked);
+    let groups = defaults::groups(&plan, &graph, &axes, (&interior, &[], &fittings), &mut report);
     let moves = Moves::new(&plan, &graph, &axes, &groups, &mut report);
     (plan, graph, moves)
 }

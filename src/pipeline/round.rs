@@ -661,7 +661,8 @@ fn candidate(
             &told(study, initial),
             &told(study, &mean),
             explanation,
-        ) + &told::stays_words(&made.report),
+        ) + &told::goes_along_words(&study.base, &made.layout)
+            + &told::stays_words(&made.report),
         explanation: explanation.clone(),
         mean,
         penalty: show::penalty_numbers(&made.worth),

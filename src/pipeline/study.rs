@@ -291,7 +291,7 @@ fn moves(
     }
     match interior {
         Some(interior) if !settings.ignore_move_markers => {
-            let groups = defaults::groups(plan, graph, axes, (interior, infill), report);
+            let groups = defaults::groups(plan, graph, axes, (interior, infill, fittings), report);
             let groups = carrying::whole_moves(plan, graph, axes, fittings, groups, report);
             let mut moves = Moves::new(plan, graph, axes, &groups, report);
             moves.are_default = true;

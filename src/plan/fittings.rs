@@ -6,8 +6,9 @@ use glam::DVec2;
 
 use super::Plan;
 use super::axes::{AxisGraph, Opening, OpeningKind};
-use super::curve::control_points;
+use super::curve::{self, control_points};
 use super::drawing::{Drawing, Editable, Entity, Shape, SourceRef};
+use super::geometry::PointUm;
 use super::graph::Handle;
 use super::roles::{Role, role_by_name};
 use super::structure::{DrawnWalls, end_handles, face_handles};
@@ -32,6 +33,23 @@ pub struct Fitting {
     pub is_loose: bool,
 }
 
+/// A door's or window's parts lie no farther from its middle than this share of its width, and this many metres besides:
+/// a leaf that slides along its wall, a leaf that stands open.
+const REACH_SHARE: f64 = 1.6;
+const REACH_M: f64 = 0.3;
+
+/// How far from the middle of an opening its parts lie at most, metres of a person.
+pub fn reach_m(opening: &Opening) -> f64 {
+    REACH_SHARE * opening.width_m + REACH_M
+}
+
+/// Whether an entity lies all near an opening: what reaches farther is no part of a door or window.
+fn is_near(plan: &Plan, e: &Entity, opening: &Opening) -> bool {
+    let points = curve::trace(&e.shape, &plan.frame).points;
+    let at = |p: &PointUm| plan.frame.plan_from_um(*p) / plan.human_scale;
+    points.iter().all(|p| at(p).distance(opening.centre) <= reach_m(opening))
+}
+
 /// The fittings of all openings, and what the file says sits in a wall. `marked`: the entity of every [`super::axes::Mark`].
 pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usize]) -> Vec<Fitting> {
     let mut by_record: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -53,6 +71,10 @@ pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usiz
             let entity = marked[*mark as usize];
             let record = drawing.entities[entity].source.record;
             let of_block = by_record.get(&record);
+            let whole_mark = of_block.map_or(std::slice::from_ref(&entity), Vec::as_slice);
+            if !whole_mark.iter().all(|i| is_near(plan, &drawing.entities[*i], opening)) {
+                continue;
+            }
             let is_told = drawing.hosts.contains_key(&record);
             if walls.contains(&record) || is_told || of_block.is_some() && !whole.insert(record) {
                 continue;

@@ -20,7 +20,7 @@ mod infill;
 pub mod interior;
 pub mod layers;
 pub mod markers;
-mod obstacles;
+pub mod obstacles;
 pub mod outline;
 pub mod parallels;
 mod paving;
@@ -43,7 +43,7 @@ use crate::report::{Error, Place, Report};
 use curve::Trace;
 use drawing::{Drawing, Editable, Entity, Shape, SourceRef, Unit};
 use frame::{BUILT_SIZE_M, Frame, PLAUSIBLE_SIZE_M, UnitChoice};
-use geometry::{PointUm, Segment};
+use geometry::PointUm;
 use markers::Markers;
 use views::View;
 
@@ -168,8 +168,8 @@ pub struct Plan {
     pub plugs: Vec<Plug>,
     /// The doors of a building, where the file calls them so.
     pub doors: Vec<NamedDoor>,
-    /// Pieces of stairs and sanitary objects, drawing frame: what slides must not run into them.
-    pub obstacles: Vec<Segment>,
+    /// What stands in the rooms: what slides must not run into it.
+    pub obstacles: Vec<obstacles::Obstacle>,
 }
 
 /// The user's word on how to read a drawing.

@@ -1,10 +1,14 @@
 //! What the report says of the options of a round: why there are fewer than wanted, why they are alike.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::Found;
 use crate::config::{Mode, Settings};
+use crate::moves::Layout;
+use crate::moves::carried::{Carried, carried};
 use crate::overlay::measure::{plain_name, sentence_case};
 use crate::overlay::result::{Explanation, Objective, Sense};
-use crate::pipeline::study::Study;
+use crate::pipeline::study::{Study, Understood};
 use crate::plan::drawing::SourceRef;
 use crate::plan::markers::place_in;
 use crate::report::{Place, Report};
@@ -168,6 +172,23 @@ fn named(records: &[&SourceRef]) -> String {
         names.push(format!("and {} not listed", records.len() - HANDLES_MAX));
     }
     names.join(", ")
+}
+
+/// What goes along with the walls of an option, by layer; empty for nothing.
+pub(super) fn goes_along_words(base: &Understood, layout: &Layout) -> String {
+    let goes = base.fittings.iter().filter(|f| matches!(carried(&base.plan, f, layout), Carried::Moves(..)));
+    let records: BTreeMap<usize, &str> = goes.map(|f| (f.source.record, f.source.layer.as_str())).collect();
+    let layers: BTreeSet<&str> = records.values().copied().collect();
+    let layers: Vec<&str> = layers.into_iter().collect();
+    let on = match layers.as_slice() {
+        [layer] => format!("layer {layer}"),
+        all => format!("layers {}", all.join(", ")),
+    };
+    match records.len() {
+        0 => String::new(),
+        1 => format!(" One part of a door or window goes along ({on})."),
+        n => format!(" {n} parts of doors and windows go along ({on})."),
+    }
 }
 
 /// What somebody must look at before taking an option: parts of doors and windows that do not go with their wall.
