@@ -1,9 +1,11 @@
 //! The command line: the only file that says clap.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
+use crate::commands::unsaid;
 use crate::config::{Backend, Colours, Level, Method, Mode, Partial, Thresholds};
 use crate::pipeline::resolution;
 
@@ -19,12 +21,22 @@ pub struct Cli {
 /// Parses the command line of this process. Help and errors are printed here.
 ///
 /// # Errors
-/// The exit code: 0 where help or the version was asked for, 3 for wrong usage.
+/// The exit code: 0 where help or the version was asked for, 3 for wrong usage, 4 where help could not be said.
 pub fn parse() -> Result<Cli, u8> {
     grammar().try_get_matches().and_then(|m| Cli::from_arg_matches(&m)).map_err(|e| {
-        // A closed pipe is no reason to fail.
-        let _ = e.print();
-        if e.use_stderr() { 3 } else { 0 }
+        let said = e.print().and_then(|()| std::io::stdout().flush());
+        if e.use_stderr() {
+            return 3;
+        }
+        match said {
+            // A closed pipe is no reason to fail.
+            Err(fault) if fault.kind() != std::io::ErrorKind::BrokenPipe => {
+                let error = unsaid(&fault.to_string());
+                eprintln!("error: {error}");
+                error.exit_code()
+            }
+            _ => 0,
+        }
     })
 }
 

@@ -2,11 +2,12 @@
 
 mod batching;
 mod installing;
+mod outputs;
 mod watching;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
 use std::time::Instant;
 
 use crate::cli::{
@@ -20,7 +21,7 @@ use crate::overlay::words::headline;
 use crate::pipeline::cells::CellOptions;
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::progress::Display;
-use crate::report::{Cancel, Error, Place, Report, Severity, gathered, printable};
+use crate::report::{Cancel, Error, Place, Report, Severity, gathered, one_line};
 use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, round_name};
 use crate::watch::bytes_of;
@@ -31,7 +32,26 @@ use crate::watch::bytes_of;
 /// # Errors
 /// What the command returns; the variant decides the exit code.
 pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
-    match cli.command {
+    outputs::judge(&cli.command)?;
+    let code = carry_out(cli.command, cancel)?;
+    match UNSAID.get() {
+        // The word of a command that ended otherwise stands.
+        Some(why) if code <= 1 => Err(unsaid(why)),
+        _ => Ok(code),
+    }
+}
+
+/// Why standard output did not take all that was said.
+static UNSAID: OnceLock<String> = OnceLock::new();
+
+/// The error of a standard output that takes nothing, but for a closed pipe, which is the reader's wish.
+pub fn unsaid(why: &str) -> Error {
+    let place = Place::file("standard output");
+    Error::environment("standard-output", place, format!("{why}; what was to be said there is not whole"))
+}
+
+fn carry_out(command: Command, cancel: &Cancel) -> Result<u8, Error> {
+    match command {
         Command::Check(args) => check(&args),
         Command::Analyse(args) => analyse(&args, cancel),
         Command::Resolution(args) => resolution(&args, cancel),
@@ -645,13 +665,19 @@ fn exit_code(report: &Report) -> u8 {
     u8::from(report.is_degraded())
 }
 
+/// One line: line ends in names are shown, not obeyed.
 fn say(line: &str) {
-    print(&format!("{}\n", printable(line.trim_end_matches('\n'))));
+    print(&format!("{}\n", one_line(line.trim_end_matches('\n'))));
 }
 
-/// Standard output may be a closed pipe: that is no reason to fail.
+/// Standard output may be a closed pipe: that is no reason to fail. Anything else is kept for the end.
 fn print(text: &str) {
-    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+    let mut out = std::io::stdout().lock();
+    if let Err(e) = out.write_all(text.as_bytes()).and_then(|()| out.flush())
+        && e.kind() != std::io::ErrorKind::BrokenPipe
+    {
+        let _ = UNSAID.set(e.to_string());
+    }
 }
 
 #[cfg(test)]

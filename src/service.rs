@@ -14,6 +14,7 @@ use service_manager::{
 };
 
 use crate::report::{Error, Place};
+use crate::store::{Disk as _, SystemDisk};
 
 /// Name of the service.
 const NAME: &str = "enfilade";
@@ -56,13 +57,15 @@ impl Folders {
 /// Installs the daemon for these folders, with these options of `watch`, and starts it. Says what was done.
 ///
 /// # Errors
-/// [`Error::Environment`] where the system has no service manager, or it refuses.
+/// [`Error::Environment`] where the system has no service manager, or it refuses; it says what lies there since.
 pub fn install(folders: &[PathBuf], options: &[OsString]) -> Result<String, Error> {
     let program = std::env::current_exe().map_err(|e| failed(&e.to_string()))?;
     let args = arguments(folders, options, &Folders::of_user()?.log());
     if cfg!(windows) {
         return call("schtasks", &windows_task(&program, &args)).map(|()| "a task at logon was made".into());
     }
+    let before = unit_of_user().and_then(|file| std::fs::read_to_string(file).ok());
+    let instead = before.map_or_else(String::new, |unit| instead_of(&unit));
     let (manager, label) = manager()?;
     let contents = cfg!(target_os = "linux").then(|| systemd_unit(&program, &args));
     let restart_policy = RestartPolicy::OnFailure {
@@ -75,49 +78,94 @@ pub fn install(folders: &[PathBuf], options: &[OsString]) -> Result<String, Erro
             label: label.clone(),
             program,
             args,
-            contents,
+            contents: contents.clone(),
             username: None,
             working_directory: None,
             environment: None,
             autostart: true,
             restart_policy,
         })
-        .map_err(|e| failed(&e.to_string()))?;
+        .map_err(|e| not_installed(&one_line_of(&e), contents.as_deref(), &instead))?;
     manager.start(ServiceStartCtx { label }).map_err(|e| {
-        let why = e.to_string();
+        let why = one_line_of(&e);
         failed(&format!(
-            "installed, and starts with your next session, but could not be started now: {}",
-            why.trim()
+            "installed{instead}, and starts with your next session, but could not be started now: {why}"
         ))
     })?;
-    Ok("the service is installed and started; it starts again with your session".into())
+    Ok(format!("the service is installed and started{instead}; it starts again with your session"))
+}
+
+/// What a refusal left behind: the unit may lie there although nobody took it in.
+fn not_installed(why: &str, unit: Option<&str>, instead: &str) -> Error {
+    let Some(file) = unit_of_user() else { return failed(why) };
+    let is_written = unit.is_some() && std::fs::read_to_string(&file).ok().as_deref() == unit;
+    let at = file.display();
+    failed(&if is_written {
+        format!(
+            "{at} is written{instead}, but no service manager took it in ({why}): nothing watches now; \
+             `enfilade service uninstall` takes it away"
+        )
+    } else {
+        format!("{at}: {why}; nothing was installed")
+    })
+}
+
+/// The words of an error in one line.
+fn one_line_of(error: &std::io::Error) -> String {
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Says which folders the service watched until now, by its unit.
+fn instead_of(unit: &str) -> String {
+    let line = unit.lines().find_map(|l| l.strip_prefix("ExecStart=")).unwrap_or_default();
+    match line.split_once(" \"--\" ") {
+        Some((_, folders)) => format!(" in place of the one that watched {folders}"),
+        None => " in place of an earlier one".into(),
+    }
 }
 
 /// Whether it is installed and runs, in words.
 ///
 /// # Errors
-/// As [`install`].
+/// As [`install`]; on Linux only where there is no home folder.
 pub fn status() -> Result<String, Error> {
     if cfg!(windows) {
         let is_there = call("schtasks", &["/Query", "/TN", NAME].map(OsString::from)).is_ok();
         return Ok(if is_there { "installed" } else { NOT_INSTALLED }.into());
     }
-    let (manager, label) = manager()?;
-    let found = manager.status(ServiceStatusCtx { label }).map_err(|e| failed(&e.to_string()))?;
-    Ok(match found {
-        ServiceStatus::NotInstalled => NOT_INSTALLED.into(),
-        ServiceStatus::Running => "running".into(),
-        ServiceStatus::Stopped(why) => format!("stopped {}", why.unwrap_or_default()).trim().into(),
-    })
+    let asked = manager().and_then(|(manager, label)| {
+        manager.status(ServiceStatusCtx { label }).map_err(|e| failed(&one_line_of(&e)))
+    });
+    match asked {
+        Ok(ServiceStatus::NotInstalled) => Ok(NOT_INSTALLED.into()),
+        Ok(ServiceStatus::Running) => Ok("running".into()),
+        Ok(ServiceStatus::Stopped(why)) => {
+            Ok(format!("installed, stopped {}", why.unwrap_or_default()).trim().into())
+        }
+        // Nobody can be asked: what lies there can be said all the same.
+        Err(_) if cfg!(target_os = "linux") => Ok(without_manager(is_installed()?)),
+        Err(e) => Err(e),
+    }
+}
+
+fn without_manager(is_installed: bool) -> String {
+    let state = if is_installed { "installed, but nothing starts it" } else { NOT_INSTALLED };
+    format!("{state}: no service manager answers here; `enfilade watch` does the same in a terminal")
 }
 
 /// Whether it is installed: where its unit lies on Linux, even without a session to ask; else as [`status`].
 fn is_installed() -> Result<bool, Error> {
     if cfg!(target_os = "linux") {
-        let dirs = directories::BaseDirs::new().ok_or_else(|| failed("no home folder; set HOME"))?;
-        return Ok(unit_file(dirs.config_dir()).symlink_metadata().is_ok());
+        let file = unit_of_user().ok_or_else(|| failed("no home folder; set HOME"))?;
+        return Ok(file.symlink_metadata().is_ok());
     }
     status().map(|said| said != NOT_INSTALLED)
+}
+
+/// Where the unit of this user lies; `None` where the system has no units or the user no home folder.
+fn unit_of_user() -> Option<PathBuf> {
+    let dirs = cfg!(target_os = "linux").then(directories::BaseDirs::new)?;
+    dirs.map(|dirs| unit_file(dirs.config_dir()))
 }
 
 /// Where `service-manager` puts the unit of the user.
@@ -140,9 +188,23 @@ pub fn uninstall() -> Result<String, Error> {
         let (manager, label) = manager()?;
         // It may not run just now.
         let _ = manager.stop(ServiceStopCtx { label: label.clone() });
-        manager.uninstall(ServiceUninstallCtx { label }).map_err(|e| failed(&e.to_string()))?;
+        if let Err(e) = manager.uninstall(ServiceUninstallCtx { label }) {
+            return withdrawn(&one_line_of(&e));
+        }
     }
     Ok("the service is removed; results and settings stay".into())
+}
+
+/// Takes the unit away where no service manager can be told.
+fn withdrawn(why: &str) -> Result<String, Error> {
+    let Some(file) = unit_of_user() else { return Err(failed(why)) };
+    match SystemDisk.remove_file(&file) {
+        Ok(()) => Ok(format!(
+            "{} is removed, but no service manager could be told ({why}); results and settings stay",
+            file.display()
+        )),
+        Err(e) => Err(failed(&format!("{}: {e}; {why}", file.display()))),
+    }
 }
 
 fn manager() -> Result<(TypedServiceManager, ServiceLabel), Error> {
@@ -250,6 +312,20 @@ mod tests {
         let line = unit.lines().find(|l| l.starts_with("ExecStart=")).unwrap();
         assert!(line.ends_with(r#""--" "/plans/My \"best\" 100%% $$HOME" "-x""#), "{line}");
         assert_eq!(systemd_word("a\nb\\"), "\"a\\nb\\\\\"");
+    }
+
+    #[test]
+    fn a_second_install_names_what_it_replaces() {
+        let args = arguments(&["/plans/a".into(), "/b c".into()], &[], Path::new("/log/watch.log"));
+        let unit = systemd_unit(Path::new("/bin/enfilade"), &args);
+        assert_eq!(instead_of(&unit), r#" in place of the one that watched "/plans/a" "/b c""#);
+        assert_eq!(instead_of("[Unit]"), " in place of an earlier one");
+    }
+
+    #[test]
+    fn what_is_installed_is_said_without_a_service_manager() {
+        assert!(without_manager(false).starts_with("not installed: no service manager"));
+        assert!(without_manager(true).starts_with("installed, but nothing starts it"));
     }
 
     #[cfg(target_os = "linux")]

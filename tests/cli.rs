@@ -232,6 +232,49 @@ fn exit_codes_and_messages() {
     }
 }
 
+/// What could not be said is not done in silence; a reader that has gone is no fault.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_output_is_said() {
+    let plan = sample("gallery.dxf");
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path().to_string_lossy().into_owned();
+    for args in [
+        vec!["jobs", &plan],
+        vec!["status", &here],
+        vec!["status", "--json", &here],
+        vec!["man"],
+        vec!["completions", "bash"],
+        vec!["--help"],
+    ] {
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let program = env!("CARGO_BIN_EXE_enfilade");
+        let output = Command::new(program).args(&args).stdout(full).output().unwrap();
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(4), "{args:?}: {said}");
+        assert!(said.contains("standard output"), "{args:?}: {said}");
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = Command::new(program).args(&args).stdout(writer).output().unwrap();
+        assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), String::new()), "{args:?}");
+    }
+}
+
+/// A name with line ends forges no line of what is said.
+#[cfg(unix)]
+#[test]
+fn a_name_is_one_line_of_the_status() {
+    let folder = tempfile::tempdir().unwrap();
+    let state = folder.path().join(".enfilade");
+    std::fs::create_dir(&state).unwrap();
+    let forged = "a\n/plans/b.dxf: running\t\u{1b}[2J.dxf";
+    let overview = serde_json::json!({"waiting": [forged], "waiting_count": 1, "failed": [], "ignored": []});
+    std::fs::write(state.join("status.json"), overview.to_string()).unwrap();
+    let said = text(&enfilade(&["status", &folder.path().to_string_lossy()]).stdout);
+    assert_eq!(said.lines().count(), 2, "{said}");
+    assert!(said.contains(r"a\n/plans/b.dxf: running\t\u{1b}[2J.dxf: waiting"), "{said}");
+}
+
 /// Whoever may write into a shared folder decides nothing outside of it (hazards, section 3).
 #[test]
 fn settings_files_send_results_below_themselves_alone() {

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use enfilade::server::BODY_BYTES_MAX;
+use enfilade::server::{BODY_BYTES_MAX, BODY_TIME_MAX, CONNECTIONS_MAX, HEAD_TIME_MAX};
 use rand::{RngExt, SeedableRng};
 use serde_json::{Value, json};
 
@@ -258,6 +258,7 @@ fn strangers_get_nothing() {
         |method: &str, path: &str, heads: &[(&str, &str)]| daemon.raw(method, path, heads, "").status;
     assert_eq!(status("GET", "/", &[("Host", "evil.test"), known]), 403);
     assert_eq!(status("GET", "/", &[own]), 403);
+    assert_eq!(status("GET", "http://evil.test/api/drawings", &[own, known]), 403);
     assert_eq!(status("GET", "/api/log", &[own, ("Authorization", "Bearer no")]), 403);
     let order = format!("/api/drawings/{id}/cancel");
     assert_eq!(status("POST", &order, &[own, known]), 403);
@@ -296,6 +297,46 @@ fn strangers_get_nothing() {
     assert!(!welcome.head.contains("access-control"), "{}", welcome.head);
     assert_loopback_only(daemon.port);
     assert_door_is_closed(daemon.folder.path());
+}
+
+/// Whoever holds connections open without the token keeps nobody out and stops no watching; each ends in its time.
+#[test]
+fn half_open_connections_keep_nobody_out() {
+    let daemon = start();
+    let id = daemon.until_done("gallery.dxf");
+    let open = |text: &str| {
+        let mut stream = TcpStream::connect(("127.0.0.1", daemon.port)).unwrap();
+        stream.set_read_timeout(Some(HEAD_TIME_MAX + Duration::from_secs(60))).unwrap();
+        // The oldest are closed while the newer ones come.
+        let _ = stream.write_all(text.as_bytes());
+        stream
+    };
+    let ended = |mut stream: &TcpStream| {
+        let mut rest = Vec::new();
+        let _ = stream.read_to_end(&mut rest);
+        String::from_utf8_lossy(&rest).into_owned()
+    };
+    let since = Instant::now();
+    let held: Vec<TcpStream> = (0..CONNECTIONS_MAX + 20).map(|_| open("GET / HTTP/1.1\r\nX:")).collect();
+    assert_eq!(daemon.ask("GET", "/api/drawings", "").status, 200);
+    ended(&held[0]);
+    assert!(since.elapsed() < HEAD_TIME_MAX, "the oldest goes at once, as there are too many");
+    fs::copy(daemon.plans().join("gallery.dxf"), daemon.plans().join("second.dxf")).unwrap();
+    daemon.until_done("second.dxf");
+    held.iter().for_each(|stream| drop(ended(stream)));
+
+    let head = format!(
+        "POST /api/drawings/{id}/again HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nAuthorization: Bearer {}\r\n\
+         X-Enfilade: 1\r\nContent-Length: 1000\r\n\r\n{{",
+        daemon.port, daemon.token
+    );
+    let since = Instant::now();
+    let said = ended(&open(&head));
+    assert!(said.starts_with("HTTP/1.1 408"), "{said}");
+    assert!(since.elapsed() >= BODY_TIME_MAX, "a slow body has its time");
+    assert_eq!(daemon.ask("GET", "/api/drawings", "").status, 200);
+    let log = fs::read_to_string(daemon.folder.path().join("watch.log")).unwrap();
+    assert!(!log.contains("out of reach"), "{log}");
 }
 
 /// How long the interface is thrown at; longer by `ENFILADE_FUZZ_SECS`.

@@ -38,7 +38,9 @@ pub(super) fn jobs(args: &JobsArgs) -> Result<u8, Error> {
         Some(to) => {
             super::write(to, lines.as_bytes())?;
             if !args.common.quiet {
-                super::say(&format!("{}: {} jobs", to.display(), lines.lines().count()));
+                let count = lines.lines().count();
+                let jobs = if count == 1 { "job" } else { "jobs" };
+                super::say(&format!("{}: {count} {jobs}", to.display()));
             }
         }
     }

@@ -27,6 +27,10 @@ const FREE_BYTES_MIN: u64 = 50 << 20;
 const WATCHES_MIN: u64 = 8192;
 
 pub(super) fn open(args: &OpenArgs) -> Result<u8, Error> {
+    if !args.folder.is_dir() {
+        let text = "found no folder there, expected one that is watched; nothing was done";
+        return Err(Error::usage("no-folder", Place::file(args.folder.display().to_string()), text));
+    }
     let Some(door) = Door::find(&args.folder) else {
         let text = "no page of a daemon here; `enfilade watch --page DIR` opens one";
         return Err(Error::usage("no-page", Place::file(args.folder.display().to_string()), text));
@@ -101,7 +105,7 @@ pub(super) fn doctor(folders: &[PathBuf]) -> Result<u8, Error> {
         watches(std::fs::read_to_string("/proc/sys/fs/inotify/max_user_watches").ok().as_deref()),
     );
     judge("user", user(is_root()));
-    let state = service::status().unwrap_or_else(|_| "no service manager here".into());
+    let state = service::status().unwrap_or_else(|e| e.to_string());
     judge("service", Ok(state));
     for folder in folders {
         judge(&folder.display().to_string(), watched(folder));

@@ -18,7 +18,8 @@ use crate::formats;
 use crate::overlay::result::to_json;
 use crate::report::{Cancel, Error, Place, Problem, Severity};
 use crate::server::Page;
-use crate::store::Log;
+use crate::service::Folders;
+use crate::store::{Disk as _, Log, SystemDisk};
 use crate::watch::{Completeness, canonical_roots};
 
 /// A job may use this share of the machine's memory unless the settings say otherwise.
@@ -49,6 +50,7 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
         Ok(Some(settings))
     };
     let (quiet, json) = (args.common.quiet, args.common.progress == Some(ProgressArg::Json));
+    let log = args.log.as_deref().map(open_log).transpose()?;
     let (orders, ordered) = mpsc::channel();
     let accepted = |drawing: &Path, results: &Path, round: u32, number: usize| {
         accept_option(drawing, results, Which::Round(round), number).map(|a| a.next)
@@ -58,7 +60,6 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
         args.looking.folders.iter().try_for_each(|root| page.door().write(root))?;
         say(&format!("page: {}", page.link()));
     }
-    let log = args.log.as_deref().map(Log::open).transpose()?;
     let mut show = |notice: Notice| {
         if let Some(page) = &page {
             page.take(&notice);
@@ -92,6 +93,16 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
         Err(Error::Stopped) => Ok(Error::Stopped.exit_code()),
         other => other.map(|()| 0),
     }
+}
+
+/// The log that the service writes lies in a folder of the program, which is made with all above it.
+fn open_log(path: &Path) -> Result<Log, Error> {
+    if let Some(own) = Folders::of_user().ok().filter(|f| f.log() == path) {
+        let place = || Place::file(own.state.to_string_lossy());
+        let made = SystemDisk.create_folders(&own.state);
+        made.map_err(|e| Error::environment("folder", place(), format!("making failed: {e}")))?;
+    }
+    Log::open(path)
 }
 
 fn show_notice(notice: &Notice, quiet: bool, json: bool) {

@@ -16,8 +16,8 @@ use crate::formats::gltf::outer_files;
 use crate::report::{Cancel, Error};
 use crate::store::{Journal, Placing, Step, Written};
 use crate::watch::{
-    Action, Checked, Event, Eyes, Identity, Seen, Stat, bytes_of, identity_of, is_output_name, read_settled,
-    read_whole, sha256_hex, stat_of,
+    Action, Checked, Event, Eyes, Identity, Seen, Stat, bytes_of, identity_of, is_out_of_files,
+    is_output_name, read_settled, read_whole, sha256_hex, stat_of,
 };
 
 pub(super) enum Message {
@@ -34,6 +34,8 @@ pub(super) enum Looked {
     Checked(PathBuf, Checked, String),
     Scanned(PathBuf, Option<Vec<(PathBuf, Stat)>>),
     Root(PathBuf, Option<Identity>),
+    /// The root could not be looked into for want of files that may be open, in the system's words.
+    Strained(PathBuf, String),
 }
 
 pub(super) enum Outcome {
@@ -93,11 +95,7 @@ pub(super) fn start_looker(
                     Looked::Checked(path, checked, key)
                 }
                 Action::Scan(root) => Looked::Scanned(root.clone(), eyes.scan(&root)),
-                Action::LookRoot(root) => {
-                    // One that may not be looked into is out of reach like one that is gone.
-                    let identity = identity_of(&root).filter(|_| fs::read_dir(&root).is_ok());
-                    Looked::Root(root, identity)
-                }
+                Action::LookRoot(root) => look_at_root(root),
                 Action::Rearm(root) => {
                     eyes.rearm(&root);
                     continue;
@@ -110,6 +108,17 @@ pub(super) fn start_looker(
         }
     });
     to_looker
+}
+
+/// One that may not be looked into is out of reach like one that is gone.
+fn look_at_root(root: PathBuf) -> Looked {
+    match fs::read_dir(&root) {
+        Err(e) if is_out_of_files(&e) => Looked::Strained(root, e.to_string()),
+        entries => {
+            let identity = identity_of(&root).filter(|_| entries.is_ok());
+            Looked::Root(root, identity)
+        }
+    }
 }
 
 /// The thread that runs the jobs, one after the other. It ends with its sender.

@@ -260,6 +260,7 @@ impl Heart {
             Message::Looked(_, Looked::Seen(path, seen)) => self.settle.on_stat(now, &path, seen),
             Message::Looked(_, Looked::Scanned(root, found)) => self.settle.on_scan(now, &root, found),
             Message::Looked(_, Looked::Root(root, identity)) => self.settle.on_root(now, &root, identity),
+            Message::Looked(_, Looked::Strained(root, why)) => self.settle.on_strain(now, &root, &why),
             Message::Looked(_, Looked::Checked(path, checked, key)) => {
                 self.keys.insert(path.clone(), key);
                 self.settle.on_check(now, &path, checked);
@@ -507,8 +508,11 @@ impl Heart {
             return;
         }
         let now = Instant::now();
-        let can_start =
-            |w: &Waiting| w.not_before.is_none_or(|t| t <= now) && self.journal_of(&w.drawing).is_some();
+        // Those of a root that is away wait for it: each would fail with a line of its own.
+        let is_there = |w: &Waiting| self.root_of(&w.drawing).is_some_and(|r| !r.is_offline);
+        let can_start = |w: &Waiting| {
+            w.not_before.is_none_or(|t| t <= now) && is_there(w) && self.journal_of(&w.drawing).is_some()
+        };
         let Some(index) = self.queue.iter().position(can_start) else { return };
         let Some(what) = self.queue.remove(index) else { return };
         let Some(journal) = self.journal_of(&what.drawing) else { return };

@@ -55,6 +55,7 @@ pub(super) fn perform(
         since: rfc3339(SystemTime::now()),
         written: None,
         refused: None,
+        is_measured_told: false,
         tell,
         cancel,
     };
@@ -108,6 +109,8 @@ struct Desk<'a> {
     written: Option<Instant>,
     /// Why the disk refused early results: the job was stopped, as it could only fail in the end.
     refused: Option<Error>,
+    /// Whether it was said that the present layout is measured: of a building the pictures come later.
+    is_measured_told: bool,
     tell: &'a mut dyn FnMut(Told),
     cancel: &'a Cancel,
 }
@@ -126,6 +129,7 @@ impl Desk<'_> {
             }
             JobEvent::Analysis(_) if self.cancel.is_stopped() => {}
             JobEvent::Analysis(files) => match self.home.publish_analysis(&files) {
+                Ok(_) if std::mem::replace(&mut self.is_measured_told, true) => {}
                 Ok(folder) => (self.tell)(Told::Analysis(folder)),
                 Err(error) => {
                     self.refused = Some(error);

@@ -6,12 +6,14 @@
 
 use std::sync::Arc;
 
+use axum::body::{Body, to_bytes};
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-use super::Shared;
+use super::connections::{BODY_TIME_MAX, Known};
+use super::{BODY_BYTES_MAX, Shared};
 
 /// Header of every request that changes something.
 pub const ORDER_HEADER: &str = "x-enfilade";
@@ -64,6 +66,10 @@ impl Access {
         {
             return Verdict::Refuse("unknown host");
         }
+        // A request may name its host a second time, in its address.
+        if uri.authority().is_some_and(|named| !self.is_own_host(named.as_str())) {
+            return Verdict::Refuse("unknown host");
+        }
         let is_own_origin = |o: &str| o.strip_prefix("http://").is_some_and(|h| self.is_own_host(h));
         if text("origin").is_some_and(|o| !is_own_origin(o)) {
             return Verdict::Refuse("foreign origin");
@@ -102,7 +108,13 @@ fn is_equal(a: &str, b: &str) -> bool {
 pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
     let access = &shared.access;
     let mut response = match access.judge(request.method(), request.uri(), request.headers()) {
-        Verdict::Pass => next.run(request).await,
+        Verdict::Pass => {
+            request.extensions().get::<Known>().iter().for_each(|known| known.set());
+            match whole(request).await {
+                Ok(request) => next.run(request).await,
+                Err(refusal) => refusal,
+            }
+        }
         Verdict::Refuse(why) => super::api::said(StatusCode::FORBIDDEN, why),
         Verdict::Welcome => {
             let cookie =
@@ -119,6 +131,28 @@ pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, n
     headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
     headers.insert("cross-origin-resource-policy", HeaderValue::from_static("same-origin"));
     response
+}
+
+/// A request with all of its body; of one that only reads, none is asked for.
+async fn whole(request: Request) -> Result<Request, Response> {
+    if matches!(*request.method(), Method::GET | Method::HEAD) {
+        return Ok(request);
+    }
+    let (head, body) = request.into_parts();
+    match tokio::time::timeout(BODY_TIME_MAX, to_bytes(body, BODY_BYTES_MAX)).await {
+        Ok(Ok(bytes)) => Ok(Request::from_parts(head, Body::from(bytes))),
+        Ok(Err(_)) => {
+            let why = format!(
+                "the request is not whole, or has more than {BODY_BYTES_MAX} bytes; nothing was done"
+            );
+            Err(super::api::said(StatusCode::PAYLOAD_TOO_LARGE, &why))
+        }
+        Err(_) => {
+            let why =
+                format!("the request was not whole within {} s; nothing was done", BODY_TIME_MAX.as_secs());
+            Err(super::api::said(StatusCode::REQUEST_TIMEOUT, &why))
+        }
+    }
 }
 
 #[cfg(test)]
@@ -155,6 +189,10 @@ mod tests {
         assert!(!pass("GET", "/", &[own, ("host", "evil.test"), auth]));
         for origin in ["http://evil.test", "null", "https://127.0.0.1:4711", "http://127.0.0.1:4712"] {
             assert!(!pass("POST", "/api/x", &[own, auth, order, ("origin", origin)]), "{origin}");
+        }
+        assert!(pass("GET", "http://localhost:4711/api/x", &[own, auth]));
+        for address in ["http://evil.test/api/x", "http://127.0.0.1:80/api/x", "http://a@127.0.0.1:4711/"] {
+            assert!(!pass("GET", address, &[own, auth]), "{address}");
         }
         assert!(!pass("POST", "/api/x", &[own, auth]));
         assert!(!pass("DELETE", "/api/x", &[own, auth]));

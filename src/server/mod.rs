@@ -5,6 +5,7 @@
 
 mod api;
 mod board;
+mod connections;
 mod files;
 mod guard;
 
@@ -13,15 +14,16 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, mpsc};
 use std::thread;
 
+use axum::Router;
 use axum::extract::{DefaultBodyLimit, State};
 use axum::http::{StatusCode, header};
 use axum::middleware;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
-use axum::{Router, serve};
 use serde::{Deserialize, Serialize};
 
 pub use board::Board;
+pub use connections::{BODY_TIME_MAX, CONNECTIONS_MAX, HEAD_BYTES_MAX, HEAD_TIME_MAX};
 pub use guard::Access;
 
 use crate::daemon::{Notice, Order};
@@ -86,8 +88,7 @@ impl Page {
             .spawn(move || {
                 runtime.block_on(async move {
                     if let Ok(listener) = tokio::net::TcpListener::from_std(listener) {
-                        // Ends only with the process.
-                        let _ = serve(listener, app).await;
+                        connections::serve(listener, app).await;
                     }
                 });
             })

@@ -1,9 +1,11 @@
 //! A log of lines that never grows without end.
 
+use std::fs::File;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use super::{Disk, SystemDisk, disk_error};
-use crate::report::{Error, printable};
+use crate::report::{Error, Place, printable};
 
 /// Size from which a log is put aside, bytes.
 pub const LOG_BYTES_MAX: u64 = 2 << 20;
@@ -16,14 +18,16 @@ pub struct Log {
 }
 
 impl Log {
-    /// Makes the log's folder where needed.
+    /// Makes the log's folder where needed, but none above it.
     ///
     /// # Errors
-    /// From the disk.
+    /// `not-a-log` where something else lies there; else from the disk.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        if let Some(folder) = path.parent() {
-            SystemDisk.create_folders(folder).map_err(|e| disk_error("making", folder, &e))?;
+        let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|f| !f.is_dir()) {
+            SystemDisk.create_folder(folder).map_err(|e| disk_error("making", folder, &e))?;
         }
+        refuse_other(path)?;
         SystemDisk.append(path, b"", false).map_err(|e| disk_error("writing", path, &e))?;
         Ok(Self { path: path.into() })
     }
@@ -57,6 +61,28 @@ impl Log {
     }
 }
 
+/// A line begins with its time: `2026-01-31T12:00:00Z `.
+const TIME_OF_LINE: &[u8] = b"0000-00-00T00:00:00Z ";
+
+/// What lies there and is no log of ours is never written to: it may be a drawing.
+fn refuse_other(path: &Path) -> Result<(), Error> {
+    let Ok(found) = std::fs::metadata(path) else { return Ok(()) };
+    let is_other = found.is_file() && found.len() > 0 && !begins_with_a_time(path);
+    if is_other || (!found.is_file() && !found.is_dir()) {
+        let text = "--log: found something that is no log of this program, expected one or no file; nothing was done";
+        return Err(Error::usage("not-a-log", Place::file(path.to_string_lossy()), text));
+    }
+    Ok(())
+}
+
+fn begins_with_a_time(path: &Path) -> bool {
+    let mut head = [0; TIME_OF_LINE.len()];
+    let read = File::open(path).and_then(|mut file| file.read_exact(&mut head));
+    let is_like =
+        |(found, like): (&u8, &u8)| if *like == b'0' { found.is_ascii_digit() } else { found == like };
+    read.is_ok() && head.iter().zip(TIME_OF_LINE).all(is_like)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,6 +93,30 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         assert!(Log::open(dir.path()).is_err());
         assert!(Log::open(&dir.path().join("watch.log")).is_ok());
+        let far = dir.path().join("a/b/watch.log");
+        assert!(Log::open(&far).is_err() && !dir.path().join("a").exists(), "only the last folder is made");
+    }
+
+    #[test]
+    fn only_a_log_of_ours_is_added_to() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("watch.log");
+        let table: [(&str, bool); 6] = [
+            ("", true),
+            ("2026-01-31T12:00:00Z watching /plans\n", true),
+            ("0\nSECTION\n2\nHEADER\n", false),
+            ("2026-01-31T12:00:00Z", false),
+            ("my own notes", false),
+            ("x", false),
+        ];
+        for (text, is_ours) in table {
+            fs::write(&path, text).unwrap();
+            match Log::open(&path) {
+                Ok(_) => assert!(is_ours, "{text:?}"),
+                Err(e) => assert!(!is_ours && e.problem().unwrap().code == "not-a-log", "{text:?}: {e}"),
+            }
+            assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        }
     }
 
     #[test]

@@ -327,6 +327,15 @@ fn device_of(_: &Metadata) -> u64 {
     0
 }
 
+/// Whether a call failed as this program, or the whole system, may open no more files.
+pub fn is_out_of_files(error: &io::Error) -> bool {
+    const ENFILE: i32 = 23;
+    const EMFILE: i32 = 24;
+    const ERROR_TOO_MANY_OPEN_FILES: i32 = 4;
+    let codes = if cfg!(windows) { [ERROR_TOO_MANY_OPEN_FILES; 2] } else { [ENFILE, EMFILE] };
+    error.raw_os_error().is_some_and(|code| codes.contains(&code))
+}
+
 /// Reads a file through one handle and makes sure that nobody wrote meanwhile (hazard 25). A link is
 /// followed: whoever names a file means what it leads to; watched folders do not offer links.
 ///

@@ -10,7 +10,10 @@ mod settle;
 
 use std::path::{Path, PathBuf};
 
-pub use eyes::{Eyes, bytes_of, identity_of, network_reason, read_settled, read_whole, sha256_hex, stat_of};
+pub use eyes::{
+    Eyes, bytes_of, identity_of, is_out_of_files, network_reason, read_settled, read_whole, sha256_hex,
+    stat_of,
+};
 pub use names::{IgnoreRule, Names, OUTPUT_SUFFIX, Verdict, builtin_ignores, is_data, is_output_name};
 pub use settle::{Action, Event, Now, Settle};
 

@@ -113,6 +113,8 @@ struct Root {
     offline_pause: Duration,
     is_scanning: bool,
     is_looking: bool,
+    /// Whether the newest look failed for want of files that may be open.
+    is_strained: bool,
 }
 
 #[derive(Debug)]
@@ -178,6 +180,7 @@ impl Settle {
                 offline_pause: Duration::from_secs_f64(ROOT_LOOK_SECS),
                 is_scanning: false,
                 is_looking: false,
+                is_strained: false,
             })
         };
         Ok(Self {
@@ -577,6 +580,10 @@ impl Settle {
         let max = Duration::from_secs_f64(self.settings.rescan_secs.max(ROOT_LOOK_SECS));
         let r = &mut self.roots[i];
         r.is_looking = false;
+        if std::mem::take(&mut r.is_strained) {
+            self.out.push(Action::Resolved(root.into()));
+        }
+        let r = &mut self.roots[i];
         let Some(identity) = identity else {
             r.next_look = now + r.offline_pause;
             r.offline_pause = (r.offline_pause * 2).min(max);
@@ -597,6 +604,19 @@ impl Settle {
         if is_another || is_back {
             self.roots[i].scan_for_cause(now);
             self.out.push(Action::Rearm(root.into()));
+        }
+    }
+
+    /// Takes in that [`Action::LookRoot`] could not be answered: this program may open no more files. The folder is
+    /// not the less there; said once, and tried again.
+    pub fn on_strain(&mut self, now: Duration, root: &Path, why: &str) {
+        let Some(r) = self.roots.iter_mut().find(|r| r.path == root) else { return };
+        r.is_looking = false;
+        r.next_look = now + Duration::from_secs_f64(ROOT_LOOK_SECS);
+        if !std::mem::replace(&mut r.is_strained, true) {
+            let text =
+                format!("cannot be looked into just now, as too many files are open ({why}); tried again");
+            self.tell(root, "files-used-up", text);
         }
     }
 

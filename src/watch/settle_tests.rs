@@ -384,3 +384,27 @@ fn a_crowded_folder_is_named_with_its_limit() {
     };
     assert!(actions.iter().any(says), "{actions:?}");
 }
+
+/// Too many open files are no word on the folder: it stays, is looked at again, and is said once (hazard 15).
+#[test]
+fn want_of_open_files_is_not_out_of_reach() {
+    let root = PathBuf::from("/plans");
+    let settings = WatchSettings { extensions: vec!["dxf".into()], ..WatchSettings::default() };
+    let mut settle = Settle::new(std::slice::from_ref(&root), &[false], &settings).unwrap();
+    let at = |secs| Now { mono: Duration::from_secs(secs), wall: Duration::from_secs(secs) };
+    let identity = Identity { device: 1, inode: 1, born_ns: 1 };
+    settle.on_tick(at(0));
+    settle.on_root(at(0).mono, &root, Some(identity));
+    for secs in 1..4 {
+        let actions = settle.on_tick(at(secs));
+        assert!(actions.iter().any(|a| matches!(a, Action::LookRoot(_))), "{secs}: {actions:?}");
+        settle.on_strain(at(secs).mono, &root, "too many");
+        let said = settle.on_tick(at(secs));
+        let problems = said.iter().filter(|a| matches!(a, Action::Problem { .. })).count();
+        assert_eq!(problems, usize::from(secs == 1), "{said:?}");
+        assert!(!said.iter().any(|a| matches!(a, Action::Offline(_))), "{said:?}");
+    }
+    settle.on_root(at(4).mono, &root, Some(identity));
+    let said = settle.on_tick(at(4));
+    assert!(said.iter().any(|a| matches!(a, Action::Resolved(p) if *p == root)), "{said:?}");
+}

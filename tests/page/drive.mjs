@@ -223,8 +223,14 @@ try {
   await said("these stay: 1");
   await page.waitForFunction(() => document.querySelector("#round option")?.value === "round-03", { timeout: 240000 });
   await idle();
+  // The plain button keeps what is pinned too, and what is shown stays shown while the round is made.
+  await press("#show-1");
+  await press("#pin-0");
   await press("#again");
+  await said("as the settings say; these stay: 1");
+  assert.deepEqual(sent.at(-1), { round: 3, pin: [1] });
   await page.waitForFunction(() => document.getElementById("cancel")?.disabled === false, { timeout: 60000 });
+  await page.waitForFunction(() => document.getElementById("words")?.textContent.startsWith("Option 2"));
   await check("working");
   await idle();
   // A round may be over before it is called off: then the next one is.

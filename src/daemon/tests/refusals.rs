@@ -26,6 +26,35 @@ fn a_refusing_disk_is_said_once() {
     assert_eq!(daemon.status("plan")["state"], "waiting");
 }
 
+/// Hazard 11: what waits when its folder goes waits for it; nothing is begun, and fails, meanwhile.
+#[test]
+fn what_waits_in_a_folder_that_is_away_is_not_begun() {
+    let may_end = Arc::new(std::sync::atomic::AtomicBool::new(false));
+    let ends = may_end.clone();
+    let daemon = Daemon::start(
+        settings(),
+        |_| {},
+        move |request, _, cancel| {
+            while !ends.load(Ordering::SeqCst) && !cancel.is_stopped() {
+                thread::sleep(Duration::from_millis(5));
+            }
+            Ok(echo(request))
+        },
+    );
+    let names = ["a", "b", "c", "d"];
+    names.iter().for_each(|name| daemon.save(&format!("{name}.dxf"), name));
+    daemon.await_said("Queued {", names.len());
+    let away = daemon.root.with_extension("away");
+    fs::rename(&daemon.root, &away).unwrap();
+    daemon.await_said("Offline", 1);
+    may_end.store(true, Ordering::SeqCst);
+    daemon.await_said("Failed {", 1);
+    daemon.rest();
+    assert_eq!((daemon.count_said("Started"), daemon.count_said("Failed {")), (1, 1));
+    fs::rename(&away, &daemon.root).unwrap();
+    daemon.await_round("d", 1);
+}
+
 /// Hazard 22: what a job kept is given back to the next that is started on the drawing, until one is done.
 #[test]
 fn what_a_job_keeps_is_given_back_after_a_stop() {

@@ -91,14 +91,32 @@ function problems(result) {
 
 /** Numbers of the pinned options by drawing and round: they outlive that the page is drawn anew. */
 const pinsOf = new Map();
+/** The option and the measure that are shown, by drawing and round: they outlive it too. */
+const viewOf = new Map();
+/** The round that is shown of a drawing, and the newest one then: a newer one takes its place. */
+const roundOf = new Map();
 
-/** Shows the newest round, and a choice of the others. */
+/** What another round of a drawing is asked with where options of the round shown are pinned. */
+export function keeping(id) {
+  const set = roundOf.get(id)?.set;
+  const pin = pinsOf.get(`${id}/${set}`) ?? [];
+  return pin.length ? { round: Number(set.slice(6)), pin } : {};
+}
+
+/** Shows the newest round, or an earlier one that was chosen since it came, and a choice of the others. */
 export async function showOptions(main, d, rounds) {
+  const newest = rounds.at(-1);
+  const before = roundOf.get(d.id);
+  const set = before?.newest === newest ? before.set : newest;
   const place = el("div", { id: "options" });
-  const choice = el("select", { id: "round", onchange: () => round(place, d, choice.value) },
-    ...rounds.toReversed().map((r) => el("option", { value: r }, `Round ${Number(r.slice(6))}`)));
+  const show = (set) => {
+    roundOf.set(d.id, { set, newest });
+    return round(place, d, set);
+  };
+  const choice = el("select", { id: "round", onchange: () => show(choice.value) },
+    ...rounds.toReversed().map((r) => el("option", { value: r, selected: r === set }, `Round ${Number(r.slice(6))}`)));
   main.append(el("div", { class: "bar" }, el("label", { for: "round" }, "Shown"), choice), place);
-  await round(place, d, choice.value);
+  await show(set);
 }
 
 async function round(place, d, set) {
@@ -108,8 +126,10 @@ async function round(place, d, set) {
     return;
   }
   const [columns, shown] = [columnsOf(result), shownOf(names)];
-  let [chosen, measure, axes] = [0, shown[0], [columns[0], columns[1] ?? columns[0]]];
   const key = `${d.id}/${set}`;
+  const view = viewOf.get(key);
+  let [chosen, measure, axes] = [Math.min(view?.chosen ?? 0, result.candidates.length - 1),
+    shown.includes(view?.measure) ? view.measure : shown[0], [columns[0], columns[1] ?? columns[0]]];
   const pinned = new Set((pinsOf.get(key) ?? []).map((n) => result.candidates[n - 1]).filter(Boolean));
   const numbers = () => [...pinned].map((c) => result.candidates.indexOf(c) + 1).sort((a, b) => a - b);
   const next = nextRound(d, set, result, numbers);
@@ -131,6 +151,7 @@ async function round(place, d, set) {
 
   function pictures() {
     const c = result.candidates[chosen];
+    viewOf.set(key, { chosen, measure });
     words.textContent = plain(`Option ${chosen + 1}${c.within_threshold ? "" : " (below a threshold)"}: ${c.words}`);
     deeds.pin.textContent = `Pin option ${chosen + 1}`;
     deeds.like.textContent = `More like option ${chosen + 1}`;
@@ -214,7 +235,7 @@ async function round(place, d, set) {
   };
   place.replaceChildren(
     el("div", { class: "card" }, words, el("div", { class: "bar" }, deeds.pin, deeds.like, deeds.accept), shown.length ? el("div", { class: "bar" },
-      ...pick("measure", "Heat map of", shown, 0, (v) => { measure = shown[v]; pictures(); })) : "", picture),
+      ...pick("measure", "Heat map of", shown, shown.indexOf(measure), (v) => { measure = shown[v]; pictures(); })) : "", picture),
     el("h3", {}, "Compare"), count, views[0],
     el("p", { class: "quiet" }, "Draw along an axis to keep a range; click the axis to take it off."),
     el("div", { class: "bar" }, ...pick("scatter-x", "Across", titles, 0, (v) => { axes = [columns[v], axes[1]]; compare(); }),

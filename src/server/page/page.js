@@ -1,5 +1,5 @@
 // What the daemon does, live. All names come from files: they become text, never markup.
-import { showOptions } from "/options.js";
+import { keeping, showOptions } from "/options.js";
 
 export const $ = (id) => document.getElementById(id);
 
@@ -130,6 +130,13 @@ function curve(points) {
   return el("figure", {}, svg, el("figcaption", { class: "quiet" }, svg.getAttribute("aria-label")));
 }
 
+/** Another round as the settings say; options pinned in the round that is shown stay. */
+function another(id) {
+  const asked = keeping(id);
+  const stay = asked.pin ? `; these stay: ${asked.pin.join(", ")}` : "";
+  return ask(`drawings/${id}/again`, asked).then(() => say(`another round is asked for, as the settings say${stay}`));
+}
+
 function standing(d) {
   const p = d.progress;
   // What a finished job said is of the round before.
@@ -148,7 +155,7 @@ function standing(d) {
   if (d.curve) out.append(curve(d.curve) ?? "");
   out.append(el("div", { class: "bar" },
     el("button", { id: "cancel", disabled: !isBusy, onclick: () => ask(`drawings/${d.id}/cancel`, {}).then(() => say("cancelling")) }, "Cancel"),
-    el("button", { id: "again", disabled: isBusy, onclick: () => ask(`drawings/${d.id}/again`, {}).then(() => say("another round is asked for, as the settings say")) }, "Another round")));
+    el("button", { id: "again", disabled: isBusy, onclick: () => another(d.id) }, "Another round")));
   return out;
 }
 
@@ -186,16 +193,27 @@ async function open(id) {
   }
 }
 
-/** A running job changes only its own card, so that nobody loses the focus. */
-let refreshed = 0;
+/** A running job changes only its own card, but for the buttons, so that nobody loses the focus. */
+let [refreshed, later] = [0, 0];
 async function refresh(d, before) {
   if (d.id !== shown) return;
-  if (d.state === before && Date.now() - refreshed < PAUSE_MS) return;
+  const wait = refreshed + PAUSE_MS - Date.now();
+  if (d.state === before && wait > 0) {
+    // What is said last counts: nothing may follow it for long.
+    later ||= setTimeout(() => {
+      later = 0;
+      const now = drawings.get(shown);
+      if (now) refresh(now, now.state);
+    }, wait);
+    return;
+  }
   refreshed = Date.now();
   if (d.state === "running" && before === "running" && $("standing")) {
     const full = await ask(`drawings/${d.id}`);
-    if (full.id !== shown || !$("standing") || $("standing").contains(document.activeElement)) return;
-    $("standing").replaceWith(standing(full));
+    if (full.id !== shown || full.state !== "running" || !$("standing")) return;
+    const [bar, fresh] = [$("standing").lastElementChild, standing(full)];
+    fresh.lastElementChild.remove();
+    $("standing").replaceChildren(...fresh.childNodes, bar);
   } else if (d.state !== before) await open(d.id);
 }
 
