@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use enfilade::server::{BODY_BYTES_MAX, BODY_TIME_MAX, CONNECTIONS_MAX, HEAD_TIME_MAX};
+use enfilade::server::{BODY_BYTES_MAX, BODY_TIME_MAX, CONNECTIONS_MAX, HEAD_BYTES_MAX, HEAD_TIME_MAX};
 use rand::{RngExt, SeedableRng};
 use serde_json::{Value, json};
 
@@ -335,6 +335,9 @@ fn half_open_connections_keep_nobody_out() {
     assert!(said.starts_with("HTTP/1.1 408"), "{said}");
     assert!(since.elapsed() >= BODY_TIME_MAX, "a slow body has its time");
     assert_eq!(daemon.ask("GET", "/api/drawings", "").status, 200);
+    let long = format!("GET / HTTP/1.1\r\nX: {}", "x".repeat(HEAD_BYTES_MAX));
+    let said = ended(&open(&long));
+    assert!(said.starts_with("HTTP/1.1 431"), "{said}");
     let log = fs::read_to_string(daemon.folder.path().join("watch.log")).unwrap();
     assert!(!log.contains("out of reach"), "{log}");
 }
