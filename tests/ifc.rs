@@ -790,3 +790,27 @@ fn marks_that_contradict_each_other_are_told() {
     let alike = told(&(both(90000, "x -2 2", a) + &both(90010, "x -2 2", b)));
     assert!(!alike.iter().any(|t| t.contains("are both named")), "{alike:?}");
 }
+
+#[test]
+fn a_mark_that_cannot_be_read_holds_its_wall_alone() {
+    let text = pavilion();
+    let marked = pipeline::check(
+        &Input::new("house.ifc", text.as_bytes(), 1),
+        &Settings::new(Partial::default()).unwrap(),
+    );
+    let groups = marked.unwrap().result.moves.len();
+    let line = text.lines().find(|l| l.contains("IFCPROPERTYSINGLEVALUE('Move'")).unwrap();
+    let stated = line.split('\'').nth(3).unwrap();
+    for (mark, says) in [("hello", "\"hello\": expected `x LOW HIGH`"), ("rotate 5 -5", "\"rotate 5 -5\"")] {
+        let bad = text.replace(line, &line.replace(stated, mark));
+        let input = Input::new("house.ifc", bad.as_bytes(), 1);
+        let outcome = pipeline::check(&input, &Settings::new(Partial::default()).unwrap()).unwrap();
+        let told: Vec<String> =
+            outcome.report.problems.iter().filter(|p| p.code == "move-mark").map(|p| p.to_string()).collect();
+        assert_eq!(told.len(), 1, "{:?}", outcome.report);
+        assert!(told[0].contains("house.ifc:") && told[0].contains("IfcWall"), "{told:?}");
+        assert!(told[0].contains("Pset_Enfilade states the move") && told[0].contains(says), "{told:?}");
+        let left = outcome.result.moves.len();
+        assert!(0 < left && left < groups, "{left} of {groups}");
+    }
+}

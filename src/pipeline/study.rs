@@ -2,6 +2,7 @@
 
 mod card;
 mod carrying;
+mod named;
 mod parts;
 mod seen;
 mod written;
@@ -17,7 +18,7 @@ use super::spacing;
 use crate::analysis::evaluator::Scratch;
 use crate::analysis::lattice::{CellIndex, Ground};
 use crate::analysis::{Lattice, Obstacles, Tally};
-use crate::config::{Aggregate, Aim, Level, Measure, MoveTable, PairName, Penalty, Settings};
+use crate::config::{Aggregate, Aim, Level, Measure, PairName, Penalty, Settings};
 use crate::formats::{self, ifc};
 use crate::moves::{Layout, Moves, defaults};
 use crate::penalties::{
@@ -31,7 +32,6 @@ use crate::plan::frame::unit_by_name;
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
-use crate::plan::markers::{self, Group};
 use crate::plan::outline::SOLID_ACROSS_M;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
@@ -264,12 +264,13 @@ fn moves(
 ) -> Result<Moves, Error> {
     let Known { plan, graph, axes, interior, fittings, infill } = *known;
     if !settings.moves.is_empty() {
-        let groups = side_car_groups(drawing, plan, graph, &settings.moves, report)?;
-        return Ok(Moves::new(plan, graph, axes, &groups, report));
+        let (groups, records) = named::groups(drawing, plan, graph, &settings.moves, report)?;
+        return Ok(Moves::of_records(plan, graph, axes, (&groups, &records), report));
     }
     if !drawing.marked.is_empty() && !settings.ignore_move_markers {
-        let groups = side_car_groups(drawing, plan, graph, &building::marked_moves(drawing), report)?;
-        return Ok(Moves::new(plan, graph, axes, &groups, report));
+        let tables = named::readable(drawing, plan, report);
+        let (groups, records) = named::groups(drawing, plan, graph, &tables, report)?;
+        return Ok(Moves::of_records(plan, graph, axes, (&groups, &records), report));
     }
     if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
         return Ok(Moves::from_markers(plan, graph, axes, report));
@@ -289,62 +290,6 @@ fn moves(
         }
         _ => Ok(Moves::default()),
     }
-}
-
-/// Side-car nodes are found again within this distance.
-pub const SIDE_CAR_NODE_M: f64 = 0.005;
-
-fn side_car_groups(
-    drawing: &Drawing,
-    plan: &Plan,
-    graph: &Graph,
-    moves: &[MoveTable],
-    report: &mut Report,
-) -> Result<Vec<(Group, Vec<u32>)>, Error> {
-    let mut out = Vec::new();
-    let is_dxf = drawing.format == Format::Dxf;
-    for (i, table) in moves.iter().enumerate() {
-        let name = table.name.clone().unwrap_or_else(|| format!("move-{}", i + 1));
-        let nodes =
-            markers::nodes_of(table.nodes.iter().map(|p| DVec2::from(*p)), plan, graph, SIDE_CAR_NODE_M);
-        let mut nodes = nodes.unwrap_or_else(|p| {
-            let text = format!(
-                "[[move]] {name:?}: no wall end within {} mm of {:?}, {:?}; that node is left out",
-                SIDE_CAR_NODE_M * 1e3,
-                p.x,
-                p.y
-            );
-            report.warn("move-node", Place::file(&plan.file), text);
-            Vec::new()
-        });
-        let layers = crate::plan::layers::WallLayers::new(&table.layers)?;
-        for (w, wall) in plan.walls.iter().enumerate() {
-            let by_handle =
-                wall.source.handle.as_ref().is_some_and(|h| {
-                    table.handles.iter().any(|t| t == h || is_dxf && t.eq_ignore_ascii_case(h))
-                });
-            if by_handle || (layers.is_by_user() && layers.reason(&wall.source.layer).is_some()) {
-                nodes.extend(&graph.control_nodes[w]);
-            }
-        }
-        nodes.sort_unstable();
-        nodes.dedup();
-        let clauses = markers::read_clauses(&table.moves, drawing, &plan.frame).map_err(|why| {
-            Error::usage("move", Place::default(), format!("[[move]] {name:?}: {why}; nothing was done"))
-        })?;
-        let Some(first) = nodes.first() else {
-            report.warn(
-                "move-empty",
-                Place::file(&plan.file),
-                format!("[[move]] {name:?} names no wall of the drawing; nothing moves here"),
-            );
-            continue;
-        };
-        let wall = graph.handles[*first as usize][0].0;
-        let source = plan.walls[wall as usize].source.clone();
-        out.push((Group { name, outline: Region::Ring(Vec::new()), clauses, source }, nodes));
-    }
-    Ok(out)
 }
 
 /// Everything that one layout is worth.
