@@ -120,13 +120,14 @@ fn gap(plan: &Plan, a: &Body, b: &Body) -> f64 {
     nearest(a, b).min(nearest(b, a))
 }
 
-/// How far a point is from some outlines, metres; 0 within a closed one.
+/// How far a point is from the outlines of one record, metres; 0 within it, an outline within another being a hole.
 fn distance(plan: &Plan, p: PointUm, outlines: &[Trace]) -> f64 {
     let at = |p: PointUm| plan.frame.plan_from_um(p);
+    let holds = |t: &&Trace| t.is_closed && side_of_ring(&t.points, p) == Side::Inside;
+    if outlines.iter().filter(holds).count() % 2 == 1 {
+        return 0.0;
+    }
     let to = |t: &Trace| {
-        if t.is_closed && side_of_ring(&t.points, p) == Side::Inside {
-            return 0.0;
-        }
         let ways = t.segments().map(|(.., s)| distance_to_segment(at(p), [at(s.a), at(s.b)]));
         ways.fold(f64::INFINITY, f64::min)
     };
