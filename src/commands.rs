@@ -275,7 +275,8 @@ fn hold(partial: &mut Partial, results: &Path, asked: &Asked, which: Which) -> R
     }
     let (round, result) = round_result(results, asked.round.map_or(which, Which::Round))?;
     let of = |n: &usize| option_of(&result, round, *n);
-    let pinned: Vec<Vec<f64>> = asked.pin.iter().map(of).collect::<Result<_, _>>()?;
+    let once = asked.pin.iter().enumerate().filter(|(i, n)| !asked.pin[..*i].contains(n));
+    let pinned: Vec<Vec<f64>> = once.map(|(_, n)| of(n)).collect::<Result<_, _>>()?;
     partial.pin = Some(pinned).filter(|p| !p.is_empty());
     partial.like = asked.like.as_ref().map(of).transpose()?;
     partial.pin_moves = pipeline::moves_of(&result.moves);
@@ -348,7 +349,8 @@ fn summary(result: &RoundResult, folder: &Path) {
         result.stopped_by,
         options_of(result)
     ));
-    say(&format!("compare them: {}", folder.join("report.html").display()));
+    let what = if result.candidates.is_empty() { "the present layout" } else { "compare them" };
+    say(&format!("{what}: {}", folder.join("report.html").display()));
 }
 
 fn accept(args: &AcceptArgs) -> Result<u8, Error> {

@@ -566,6 +566,15 @@ impl Settings {
             let expected = format!("fewer than the {members} members wanted");
             return Err(bad("pin", &format!("{} options", pinned.len()), &expected));
         }
+        let one_or_paper = match (p.mode.unwrap_or_default(), p.method.unwrap_or_default()) {
+            (Mode::Best, _) => Some("mode best, which gives one layout"),
+            (_, Method::Paper) => Some("method paper, whose algorithms keep none"),
+            _ => None,
+        };
+        if let Some(what) = one_or_paper.filter(|_| !pinned.is_empty()) {
+            let expected = format!("none with {what}");
+            return Err(bad("pin", &format!("{} options", pinned.len()), &expected));
+        }
         let points = p.seed_point.iter().flatten().chain(&p.lattice_centre);
         if let Some(v) = points.flatten().find(|v| !v.is_finite()) {
             return Err(bad("seed-point, lattice-centre", &v.to_string(), "finite coordinates"));

@@ -11,6 +11,7 @@ mod joined;
 mod mitre;
 pub mod opened;
 mod partitions;
+mod things;
 
 use std::collections::{BTreeMap, BTreeSet};
 

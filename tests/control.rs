@@ -347,6 +347,43 @@ fn a_written_option_is_measured_as_it_was_found() {
     assert!(measured > 0);
 }
 
+/// Cells whose centres a moved wall touches are no floor that is cut off.
+#[test]
+fn a_wall_may_stand_on_the_centres_of_cells() {
+    let plan = Plan::default().room([0.0, 0.0, 20.0, 10.0]);
+    let desk = Desk::new(&plan.moving([4.5, 2.0, 4.5, 8.0], "x 0 1.5; name a"));
+    let rules = ["--spacing", "1", "--lattice-centre", "0,0", "--snap", "1.5 m", "--evaluations", "10"];
+    let moved = |objective: &str, round: u32| {
+        let at = desk.run(round, &[&rules[..], &["--objective", objective]].concat());
+        let result = json(&at.join("result.json"));
+        let options = result["candidates"].as_array().unwrap().clone();
+        options
+            .iter()
+            .any(|c| c["parameters"][0].as_f64() == Some(1.5) && !c["changes"].as_array().unwrap().is_empty())
+    };
+    assert_ne!(
+        moved("degree max 0", 1),
+        moved("degree min 0", 2),
+        "it is better or worse, and may stand there"
+    );
+}
+
+/// What cannot be kept is said before anything is done.
+#[test]
+fn pins_and_likes_that_cannot_be_kept_are_refused() {
+    let desk = Desk::new(&hall(["x -1 1", "x -1 1", "x -1 1"]));
+    desk.run(1, &["--objective", "degree max 0.3"]);
+    for (asked, says) in [
+        (&["--pin", "1", "--mode", "best"][..], "mode best"),
+        (&["--pin", "1", "--method", "paper"], "method paper"),
+        (&["--like", "1", "--most-moves", "1"], "at most 1 may move"),
+    ] {
+        let done = desk.call("run", asked);
+        assert!(done.status.code() > Some(1), "{asked:?}");
+        assert!(text(&done.stderr).contains(says), "{asked:?}: {}", text(&done.stderr));
+    }
+}
+
 #[test]
 fn every_measure_of_the_engine_can_be_an_objective() {
     let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
@@ -379,10 +416,11 @@ fn every_measure_of_the_engine_can_be_an_objective() {
         ("Visual Clustering Coefficient", "clustering"),
     ] {
         let at = head.iter().position(|h| *h == column).unwrap();
-        // −1 stands where a cell has no such value; the mean leaves it out.
+        // −1 stands where a cell has no such value, and what a wall stands on has no degree; the mean leaves both out.
         let values: Vec<f64> = table
             .lines()
             .skip(1)
+            .filter(|l| !l.ends_with(",,,"))
             .map(|l| l.split(',').nth(at).unwrap().parse().unwrap())
             .filter(|v| *v != -1.0)
             .collect();

@@ -354,6 +354,29 @@ fn a_node_that_hangs_in_the_scene_twice_does_not_move() {
     assert!(moves.len() >= 2 && !moves.iter().any(|m| *m), "{moves:?}");
 }
 
+/// Twenty levels, each naming the next twice, would be a million nodes.
+#[test]
+fn nodes_that_hang_twice_do_not_add_up() {
+    let of = |levels: usize| {
+        let scene = with_json(PAVILION, |json| {
+            let nodes = json["nodes"].as_array_mut().unwrap();
+            let first = nodes.len();
+            for k in 0..levels {
+                let child = if k + 1 < levels { first + k + 1 } else { node("IfcWall/screen-1") };
+                nodes.push(serde_json::json!({ "name": "twice", "children": [child, child] }));
+            }
+            json["scenes"][0]["nodes"].as_array_mut().unwrap().push(first.into());
+        });
+        let (drawing, report) = read_as("house.glb", &scene);
+        let said = report.problems.iter().any(|p| p.text.contains("hang in several nodes each"));
+        (drawing.unwrap().entities.len(), said)
+    };
+    let (few, said) = of(3);
+    assert!(!said && few > read(PAVILION).entities.len());
+    let (many, said) = of(20);
+    assert!(said && many < 2_000, "{many}");
+}
+
 /// A bad text: what is changed in the sample, what must be said, whether the whole file is refused.
 fn hazards() -> Vec<(&'static str, String, &'static str, bool)> {
     let text = embedded();

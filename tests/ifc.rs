@@ -732,6 +732,28 @@ fn a_part_of_itself_is_shown_and_named() {
     assert!(report.problems.iter().any(|p| p.text.starts_with(&said)), "{report:?}");
 }
 
+/// A body that shows everything twice at each of thirty levels would never be cut.
+#[test]
+fn bodies_that_double_at_every_level_are_left_out() {
+    let text = pavilion();
+    let whole = read(text.as_bytes()).entities.len();
+    let solid = text.lines().find(|l| l.contains("=IFCEXTRUDEDAREASOLID(")).unwrap();
+    let solid: u64 = solid[1..].split('=').next().unwrap().parse().unwrap();
+    let shown = format!(",(#{solid}));");
+    assert_eq!(text.matches(&shown).count(), 1);
+    for (levels, is_shown) in [(3, true), (30, false)] {
+        let of = |k: u64| if k == 0 { solid } else { 90_000 + k };
+        let booleans: String = (0..levels)
+            .map(|k| format!("#{}=IFCBOOLEANRESULT(.UNION.,#{},#{});\n", of(k + 1), of(k), of(k)))
+            .collect();
+        let changed = text.replace(&shown, &format!(",(#{}));", of(levels)));
+        let (drawing, report) =
+            read_with(with_instances(&changed, &booleans).as_bytes(), &ReadOptions::default());
+        let said = report.problems.iter().any(|p| p.text.contains("items, those that are shown again"));
+        assert_eq!((drawing.unwrap().entities.len() == whole, said), (is_shown, !is_shown), "{levels}");
+    }
+}
+
 #[test]
 fn a_ring_of_placements_above_the_storey_is_told_as_such() {
     let text = pavilion().replace("#12=IFCLOCALPLACEMENT($,#11);", "#12=IFCLOCALPLACEMENT(#17,#11);");
@@ -789,28 +811,4 @@ fn marks_that_contradict_each_other_are_told() {
     assert!(named.iter().any(|t| t.contains("are both named \"both\"")), "{named:?}");
     let alike = told(&(both(90000, "x -2 2", a) + &both(90010, "x -2 2", b)));
     assert!(!alike.iter().any(|t| t.contains("are both named")), "{alike:?}");
-}
-
-#[test]
-fn a_mark_that_cannot_be_read_holds_its_wall_alone() {
-    let text = pavilion();
-    let marked = pipeline::check(
-        &Input::new("house.ifc", text.as_bytes(), 1),
-        &Settings::new(Partial::default()).unwrap(),
-    );
-    let groups = marked.unwrap().result.moves.len();
-    let line = text.lines().find(|l| l.contains("IFCPROPERTYSINGLEVALUE('Move'")).unwrap();
-    let stated = line.split('\'').nth(3).unwrap();
-    for (mark, says) in [("hello", "\"hello\": expected `x LOW HIGH`"), ("rotate 5 -5", "\"rotate 5 -5\"")] {
-        let bad = text.replace(line, &line.replace(stated, mark));
-        let input = Input::new("house.ifc", bad.as_bytes(), 1);
-        let outcome = pipeline::check(&input, &Settings::new(Partial::default()).unwrap()).unwrap();
-        let told: Vec<String> =
-            outcome.report.problems.iter().filter(|p| p.code == "move-mark").map(|p| p.to_string()).collect();
-        assert_eq!(told.len(), 1, "{:?}", outcome.report);
-        assert!(told[0].contains("house.ifc:") && told[0].contains("IfcWall"), "{told:?}");
-        assert!(told[0].contains("Pset_Enfilade states the move") && told[0].contains(says), "{told:?}");
-        let left = outcome.result.moves.len();
-        assert!(0 < left && left < groups, "{left} of {groups}");
-    }
 }

@@ -91,6 +91,58 @@ fn without_walls_the_layers_are_listed() {
     );
 }
 
+/// Where walls are drawn as something else than lines, or on a sheet of paper, that is said with what to do.
+#[test]
+fn what_is_drawn_otherwise_is_listed_where_no_walls_are_found() {
+    let others = "0|HATCH|8|WALL|92|1|72|0|0|MLINE|8|WALL|0|MLINE|8|A-WALL|0|3DFACE|8|WALL\
+        |0|LINE|67|1|8|WALL|10|0|20|0|11|5|21|0|0|LINE|67|1|8|WALL|10|0|20|0|11|0|21|5|0|ENDSEC|0|EOF\n";
+    let text = drawing(METRES, "", &[]).replacen("0\nENDSEC\n0\nEOF\n", &others.replace('|', "\n"), 1);
+    assert_eq!(
+        refusal(&text, &PlanOptions::default()),
+        "plan.dxf: no entity on a wall layer, layers present: none; not lines: 1 MLINE on A-WALL, 1 3DFACE on WALL, 1 HATCH \
+         on WALL, 1 MLINE on WALL; on a sheet of paper: 2 LINE on WALL; nothing was measured; explode filled areas, \
+         multilines and faces, or draw their outlines as lines; copy what is drawn on a sheet of paper to model space; \
+         name the layer of the walls with --wall-layer NAME"
+    );
+}
+
+/// Who marks a wall means all the others to stay: where a mark cannot be read, nothing moves by default.
+#[test]
+fn marks_that_cannot_be_read_let_nothing_move() {
+    let mut lines = room("WALL");
+    lines.extend([("WALL", [4.0, 4.0, 6.0, 4.0]), ("WALL", [4.0, 5.0, 6.0, 5.0])]);
+    let ring = "0|LWPOLYLINE|8|EF-MOVE|90|4|70|1|10|3.5|20|3.5|10|6.5|20|3.5|10|6.5|20|5.5|10|3.5|20|5.5";
+    let says = |text: &str| format!("{ring}|0|TEXT|8|EF-MOVE|10|4.0|20|4.5|40|0.1|1|{text}");
+    let cases = [
+        (String::new(), true, ""),
+        ("0|LINE|8|WALL|10|9.0|20|9.0|11|9.0|21|8.0".into(), true, ""),
+        (ring.into(), false, "move-without-text"),
+        (says("z -1 1"), false, "move-clause"),
+        (says("x 1 -1"), false, "move-clause"),
+        (says("x nan 1"), false, "move-clause"),
+        (says("x -1e9 1e9"), false, "move-clause"),
+        (says("x -1 1").replacen("70|1", "70|0", 1), false, "marker-open"),
+        ("0|TEXT|8|EF-MOVE|10|4.0|20|4.5|40|0.1|1|x -1 1".into(), false, "move-text-alone"),
+        ("0|POINT|8|EF-MOVE|10|4.0|20|4.5".into(), false, "moves-unread"),
+        ("0|LWPOLYLINE|8|EF-MOVE|90|1|70|1|10|nan|20|0".into(), false, "dxf-bad-coordinate"),
+        (says("x -1 1"), true, ""),
+    ];
+    for (mark, moves, said) in cases {
+        let mut text = drawing(METRES, "", &lines);
+        if !mark.is_empty() {
+            let end = format!("{mark}|0|ENDSEC|0|EOF\n").replace('|', "\n");
+            text = text.replacen("0\nENDSEC\n0\nEOF\n", &end, 1);
+        }
+        let settings = Settings::new(Partial::default()).unwrap();
+        let done = pipeline::check(&Input::new("plan.dxf", text.as_bytes(), 1), &settings).unwrap();
+        assert_eq!(!done.result.moves.is_empty(), moves, "{mark}: {:?}", done.report);
+        let codes: Vec<&str> = done.report.problems.iter().map(|p| p.code).collect();
+        assert_eq!(codes.contains(&"moves-unread"), !moves, "{mark}: {codes:?}");
+        assert!(said.is_empty() || codes.contains(&said), "{mark}: {codes:?}");
+        assert!(moves || !codes.contains(&"default-moves"), "{mark}: {codes:?}");
+    }
+}
+
 /// Hazard 30: walls that are off or frozen are not taken, and that is said; locked ones are measured and
 /// stay; of a bound drawing the name after its prefix counts; the user's wildcards go before all names.
 #[test]
@@ -272,7 +324,9 @@ fn units_are_decided_by_what_is_drawn() {
     assert_eq!(plan.unwrap().unit.unit.name, "cm");
     assert_eq!(
         problems,
-        ["unit Info plan.dxf: unit: cm as you said (the file: $INSUNITS 4, no $MEASUREMENT)"]
+        [
+            "unit Info plan.dxf: unit: cm as --unit or the settings file says (the file: $INSUNITS 4, no $MEASUREMENT)"
+        ]
     );
 }
 
@@ -344,6 +398,8 @@ fn annotation_of_a_moved_wall_is_named() {
         |0|DIMENSION|5|C1|8|DIM|13|0.0|23|0.0|14|9.0|24|0.0\
         |0|HATCH|5|C2|8|FILL|91|1|92|0|93|1|72|0|10|4.0|20|4.5|97|0|75|0\
         |0|LEADER|5|C3|8|NOTE|10|4.0|20|6.0|10|7.0|20|7.0\
+        |0|HATCH|5|C6|8|FILL|91|1|92|0|93|1|72|0|10|4.0|20|4.0|97|0|75|0\
+        |0|HATCH|5|C7|8|FILL|91|1|92|0|93|1|72|0|10|4.0|20|3.5|97|0|75|0\
         |0|LWPOLYLINE|5|C4|8|EF-MOVE|90|4|70|1|10|3.5|20|2.5|10|4.5|20|2.5|10|4.5|20|6.5|10|3.5|20|6.5\
         |0|TEXT|5|C5|8|EF-MOVE|10|4.0|20|4.0|40|0.1|1|x -1 1|0|ENDSEC|0|EOF\n";
     let text = text.replacen("0\nENDSEC\n0\nEOF\n", &annotation.replace('|', "\n"), 1);
@@ -364,12 +420,15 @@ fn annotation_of_a_moved_wall_is_named() {
         .map(ToString::to_string)
         .collect();
     let stale = "is tied to a wall that moves in an option; its bytes are kept and may be stale there";
-    let expected = ["DIMENSION C0 layer DIM", "HATCH C2 layer FILL", "LEADER C3 layer NOTE"]
-        .map(|e| format!("plan.dxf:{} {e}: {stale}", line(e.split(' ').nth(1).unwrap())));
+    let alike = "and 2 more HATCH of the layer (C6, C7) are tied to walls that move in an option; their bytes are kept \
+                 and may be stale there";
+    let expected =
+        [("DIMENSION C0 layer DIM", stale), ("HATCH C2 layer FILL", alike), ("LEADER C3 layer NOTE", stale)]
+            .map(|(e, what)| format!("plan.dxf:{} {e}: {what}", line(e.split(' ').nth(1).unwrap())));
     assert_eq!(said, expected);
     let written = done.files.iter().find(|f| f.path.ends_with("candidate-1.dxf")).unwrap();
     let written = String::from_utf8_lossy(&written.bytes).into_owned();
-    for record in annotation.split("|0|").take(4) {
+    for record in annotation.split("|0|").take(6) {
         let record = record.trim_start_matches("0|").replace('|', "\n");
         assert!(written.contains(&record), "{record}");
     }

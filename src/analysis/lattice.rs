@@ -439,11 +439,67 @@ impl CellIndex {
             }
         });
     }
+
+    /// Appends the vertices that a segment touches: they see nothing.
+    pub fn vertices_on(&self, s: Segment, out: &mut Vec<u32>) {
+        let [a, b] = [s.a, s.b].map(|p| [0, 1].map(|k| i128::from(p[k]) - i128::from(self.origin_um[k])));
+        let step = i128::from(self.spacing_um);
+        // Along the axis on which it reaches farther there is at most one vertex a line.
+        let k = usize::from((b[1] - a[1]).abs() > (b[0] - a[0]).abs());
+        let (lo, hi) = (a[k].min(b[k]), a[k].max(b[k]));
+        let first = (lo + step - 1).div_euclid(step).max(0);
+        let last = hi.div_euclid(step).min(self.size[k] as i128 - 1);
+        for line in first..=last {
+            let way = b[k] - a[k];
+            let rise = (b[1 - k] - a[1 - k]) * (line * step - a[k]);
+            let is_whole = way == 0 || rise % way == 0;
+            let across = a[1 - k] + if way == 0 { 0 } else { rise / way };
+            let other = across.div_euclid(step);
+            if is_whole && across.rem_euclid(step) == 0 && (0..self.size[1 - k] as i128).contains(&other) {
+                let cell = if k == 0 { [line, other] } else { [other, line] }.map(|i| i as usize);
+                let v = self.vertex[cell[0] * self.size[1] + cell[1]];
+                if v != u32::MAX {
+                    out.push(v);
+                }
+            }
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::visibility::visibility_graph;
+    use crate::analysis::{Obstacles, fixtures};
+
+    /// What a segment touches is what sees nothing because of it.
+    #[test]
+    fn vertices_that_a_segment_touches_are_found() {
+        let cells: Vec<[i32; 2]> =
+            (0..9).flat_map(|c| (0..7).map(move |r| [c, r])).filter(|c| *c != [4, 4]).collect();
+        let lattice = fixtures::lattice(12, [5, -7], cells);
+        let index = CellIndex::new(&lattice);
+        let at = |c: i64, r: i64| [5 + 12 * c, -7 + 12 * r];
+        let segments = [
+            (at(1, 1), at(1, 5)),
+            (at(6, 2), at(2, 2)),
+            (at(0, 0), at(6, 6)),
+            (at(8, 1), at(2, 4)),
+            ([5 + 12 * 3, -7 - 100], [5 + 12 * 3, -7 + 1000]),
+            ([5 - 500, -7 + 3], [5 + 500, -7 + 3]),
+            (at(3, 3), at(3, 3)),
+            ([5 + 1, -7 + 1], [5 + 25, -7 + 49]),
+        ];
+        for (a, b) in segments {
+            let wall = Segment { a, b };
+            let mut found = Vec::new();
+            index.vertices_on(wall, &mut found);
+            found.sort_unstable();
+            let graph = visibility_graph(&lattice, &Obstacles { segments: vec![wall], blind: vec![] });
+            let deaf: Vec<u32> = (0..lattice.cells.len() as u32).filter(|v| graph.degree(*v) == 0).collect();
+            assert_eq!(found, deaf, "{wall:?}");
+        }
+    }
 
     fn ring(points: &[[i64; 2]]) -> Vec<Segment> {
         (0..points.len()).map(|i| Segment { a: points[i], b: points[(i + 1) % points.len()] }).collect()

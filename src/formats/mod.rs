@@ -12,6 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::plan::drawing::{Addition, Drawing, Edit, Format, SourceRef, Unit};
+use crate::plan::giants;
 use crate::report::{Error, Place, Report};
 pub use dxf::{ChangedRecord, Completeness};
 
@@ -115,14 +116,16 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         let text = format!("the file, found {what}, expected a building (IFC or glTF); not read. {hint}");
         return Err(Error::input("other-format", Place::file(file), text));
     }
-    match format {
+    let mut drawing = match format {
         Format::Dxf => dxf::read(file, bytes, &options.dxf(), report),
         Format::Ifc if ifc::is_zip(bytes) => {
             ifc::read(file, &ifc::unzip(file, bytes)?, &options.ifc(), report)
         }
         Format::Ifc => ifc::read(file, bytes, &options.ifc(), report),
         Format::Gltf | Format::Glb => gltf::read(file, bytes, &options.gltf(), report),
-    }
+    }?;
+    giants::leave_out(&mut drawing, report);
+    Ok(drawing)
 }
 
 /// A drawing taken apart once, to be read as often as wanted.
@@ -152,10 +155,10 @@ impl<'a> Opened<'a> {
     /// # Errors
     /// As the function [`read`].
     pub fn read(&self, options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
-        match &self.ifc {
-            Some(ifc) => ifc.read(&options.ifc(), report),
-            None => read(self.file, self.bytes, options, report),
-        }
+        let Some(ifc) = &self.ifc else { return read(self.file, self.bytes, options, report) };
+        let mut drawing = ifc.read(&options.ifc(), report)?;
+        giants::leave_out(&mut drawing, report);
+        Ok(drawing)
     }
 
     /// Reads one drawing for each of the options, each with a report of its own.
@@ -165,7 +168,11 @@ impl<'a> Opened<'a> {
     pub fn read_all(&self, options: &[ReadOptions]) -> Vec<(Result<Drawing, Error>, Report)> {
         if let Some(ifc) = &self.ifc {
             let options: Vec<ifc::ReadOptions> = options.iter().map(ReadOptions::ifc).collect();
-            return ifc.read_all(&options);
+            let mut read = ifc.read_all(&options);
+            for (drawing, report) in &mut read {
+                drawing.iter_mut().for_each(|d| giants::leave_out(d, report));
+            }
+            return read;
         }
         let one = |o: &ReadOptions| {
             let mut report = Report::default();

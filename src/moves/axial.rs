@@ -12,6 +12,7 @@ use glam::DVec2;
 use super::defaults::{DOOR_WIDTH_M, Neighbours, Piece, SLIDE_M, SLIDE_MIN_M};
 use super::mitre::CROSSING_MIN_RAD;
 use super::partitions::PARTITION_SLIDE_M;
+use super::things::{AT_WALL_M, Things};
 use crate::plan::axes::{AxisGraph, Edge, FaceRef, Jamb, NodeKind, Opening, OpeningKind};
 use crate::plan::curve::control_points;
 use crate::plan::drawing::{Editable, Shape};
@@ -19,11 +20,22 @@ use crate::plan::fittings::jambs_of;
 use crate::plan::graph::{Graph, Handle};
 use crate::plan::interior::Interior;
 use crate::plan::markers::{Clause, Group, Kind};
+use crate::plan::obstacles::ObstacleKind;
 use crate::plan::structure::{end_handles, face_handles, handle_at};
 use crate::plan::{Plan, Region, box_of, distance_to_segment};
 
 /// Thickest wall that is a partition; thicker ones carry.
 const PARTITION_THICKNESS_MAX_M: f64 = 0.3;
+
+/// A wall that is so many times as thick as the drawing's inner walls mostly are carries too, if it is thicker than
+/// [`CARRYING_MIN_M`].
+const CARRYING_RATIO: f64 = 2.0;
+
+/// No wall up to this thickness is taken to carry.
+const CARRYING_MIN_M: f64 = 0.2;
+
+/// A partition has the interior on both sides wherever it is looked at: every so many metres, but this far from its ends.
+const LOOK_M: f64 = 0.5;
 
 /// Shortest partition.
 const PARTITION_LENGTH_MIN_M: f64 = 0.8;
@@ -33,9 +45,6 @@ const REST_M: f64 = 0.1;
 
 /// What stays free between a sliding partition and the next thing beside it.
 const PASSAGE_M: f64 = 0.8;
-
-/// Stairs and sanitary objects nearer to a partition than this stand at it, and hold it.
-const THING_AT_WALL_M: f64 = 0.05;
 
 /// Pieces whose direction differs by less than this sine run in one direction.
 const PARALLEL_SIN: f64 = 0.02;
@@ -50,6 +59,9 @@ const BESIDE_M: f64 = 0.06;
 /// The end of a wall stands at a column that is no farther away than this, beyond half the wall's thickness.
 const AT_COLUMN_M: f64 = 0.05;
 
+/// What lies this far between a wall's faces stands in it.
+const IN_WALL_M: f64 = 0.005;
+
 /// How far inside both sides of a wall must lie to be interior.
 const INSIDE_M: f64 = 0.3;
 
@@ -58,7 +70,7 @@ const INSIDE_M: f64 = 0.3;
 pub(super) enum Stays {
     /// One side of it lies outside.
     Outer,
-    /// Thicker than [`PARTITION_THICKNESS_MAX_M`]: it carries.
+    /// Too thick for a partition: it carries.
     Thick,
     /// It ends at no wall along which it could slide.
     Unheld,
@@ -66,6 +78,8 @@ pub(super) enum Stays {
     Joined,
     /// One of its lines cannot be changed point by point.
     Unwritable,
+    /// A part of a door or window in it would stay behind.
+    Torn,
     /// Something stands in it or at it.
     Occupied,
     /// The next wall or joint is too near.
@@ -81,6 +95,7 @@ impl Stays {
             Self::Unheld => "without a wall to slide along",
             Self::Joined => "whose joints would open or bend",
             Self::Unwritable => "that cannot be changed (locked, or in a block)",
+            Self::Torn => "with a door or window that could not go along",
             Self::Occupied => "with something standing at them",
             Self::Narrow => "with too little room beside them",
         }
@@ -136,6 +151,11 @@ pub(super) struct Axial<'a> {
     interior: &'a Interior,
     pieces: &'a [Piece],
     neighbours: &'a Neighbours,
+    things: &'a Things<'a>,
+    /// Walls thicker than this carry, metres of a person.
+    carrying_m: f64,
+    /// Whether the drawing shows how thick its partitions are.
+    has_partitions: bool,
     /// Edges at every node of the axes.
     at_node: Vec<Vec<u32>>,
     /// Doors and windows of which the side of an edge is a jamb: edge, opening.
@@ -173,7 +193,7 @@ impl<'a> Axial<'a> {
         graph: &'a Graph,
         axes: &'a AxisGraph,
         interior: &'a Interior,
-        (pieces, neighbours): (&'a [Piece], &'a Neighbours),
+        (pieces, neighbours, things): (&'a [Piece], &'a Neighbours, &'a Things<'a>),
     ) -> Self {
         let mut at_node = vec![Vec::new(); axes.nodes.len()];
         for (i, e) in axes.edges.iter().enumerate() {
@@ -182,7 +202,46 @@ impl<'a> Axial<'a> {
         let filled = (0u32..).zip(&axes.openings).filter(|(_, o)| o.kind != OpeningKind::Passage);
         let jamb_sides =
             filled.flat_map(|(i, o)| o.jambs.iter().filter_map(move |j| Some((j.edge?, i)))).collect();
-        Self { plan, graph, axes, interior, pieces, neighbours, at_node, jamb_sides }
+        let (carrying_m, has_partitions) = (PARTITION_THICKNESS_MAX_M, false);
+        let mut out = Self {
+            plan,
+            graph,
+            axes,
+            interior,
+            pieces,
+            neighbours,
+            things,
+            carrying_m,
+            has_partitions,
+            at_node,
+            jamb_sides,
+        };
+        if let Some(usual) = out.usual_thickness() {
+            out.has_partitions = true;
+            out.carrying_m = carrying_m.min((CARRYING_RATIO * usual).max(CARRYING_MIN_M));
+        }
+        out
+    }
+
+    /// The thickness that half the length of the inner walls does not exceed.
+    fn usual_thickness(&self) -> Option<f64> {
+        let inner = self.axes.edges.iter().filter(|e| {
+            let [a, b] = self.axes.ends(e);
+            let out = (b - a).normalize_or_zero().perp() * (e.thickness_m / 2.0 + 0.35);
+            let is_partition = e.thickness_m > 0.0 && e.thickness_m <= PARTITION_THICKNESS_MAX_M;
+            is_partition && [out, -out].iter().all(|o| self.is_inside(a.midpoint(b) + *o))
+        });
+        let mut inner: Vec<[f64; 2]> = inner.map(|e| [e.thickness_m, self.length(e)]).collect();
+        inner.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let half = inner.iter().map(|e| e[1]).sum::<f64>() / 2.0;
+        let mut sum = 0.0;
+        inner
+            .iter()
+            .find(|e| {
+                sum += e[1];
+                sum >= half
+            })
+            .map(|e| e[0])
     }
 
     /// The edges at a node.
@@ -204,7 +263,8 @@ impl<'a> Axial<'a> {
         (out, stays)
     }
 
-    /// Door gaps that may slide along their wall, from left to right.
+    /// Door gaps that may slide along their wall, from left to right; none in a wall that is thicker than
+    /// the drawing's partitions.
     pub fn doors(&self) -> Vec<Sliding> {
         let doors = self.axes.openings.iter().filter(|o| o.kind != OpeningKind::Window);
         let wide = doors.filter(|o| (DOOR_WIDTH_M[0]..=DOOR_WIDTH_M[1]).contains(&o.width_m));
@@ -214,6 +274,9 @@ impl<'a> Axial<'a> {
     }
 
     fn door(&self, opening: &Opening) -> Option<Sliding> {
+        if self.has_partitions && opening.thickness_m > self.carrying_m {
+            return None;
+        }
         let [a, b] = opening.jambs.map(|j| j.node);
         let along = (opening.jambs[1].at - opening.jambs[0].at).try_normalize()?;
         let (first, second) = (self.wall_at(a?, -along)?, self.wall_at(b?, along)?);
@@ -222,11 +285,15 @@ impl<'a> Axial<'a> {
         handles.extend(opening.faces.iter().flat_map(|f| face_handles(self.plan, *f)));
         let is_inside =
             [-1.0, 1.0].iter().all(|s| self.is_inside(opening.centre + along.perp() * (*s * 0.8)));
+        if self.things.tears(opening) {
+            return None;
+        }
+        let room = self.things.room_along(opening, &handles, SLIDE_M);
         let nodes = self.nodes(&handles)?;
         let along = self.along_stretched(&nodes, along);
         let [lo, hi] = self.stretch(&nodes, along, &BTreeSet::new())?;
         let behind = |e: &Edge| self.length(e) - REST_M - self.joint_half(e);
-        let (lo, hi) = (lo.max(-behind(first)).max(-SLIDE_M), hi.min(behind(second)).min(SLIDE_M));
+        let (lo, hi) = (lo.max(-behind(first)).max(room[0]), hi.min(behind(second)).min(room[1]));
         let way = (hi.min(-lo) * 1e3).floor() / 1e3;
         (is_inside && way >= SLIDE_MIN_M).then(|| {
             let direction = upright(along).0;
@@ -263,14 +330,10 @@ impl<'a> Axial<'a> {
 
     fn partition(&self, chain: &Chain) -> Result<Sliding, Stays> {
         let length = chain.to - chain.from;
-        if chain.thickness > PARTITION_THICKNESS_MAX_M {
+        if chain.thickness > self.carrying_m {
             return Err(Stays::Thick);
         }
-        let side = chain.thickness / 2.0 + 0.35;
-        let is_inside = [0.2, 0.5, 0.8]
-            .iter()
-            .all(|t| [-side, side].iter().all(|y| self.is_inside(chain.world(chain.from + length * t, *y))));
-        if !is_inside {
+        if !self.is_inner(chain) {
             return Err(Stays::Outer);
         }
         let direction = chain.along.perp();
@@ -282,9 +345,15 @@ impl<'a> Axial<'a> {
         if self.tears_a_door(chain, &nodes) {
             return Err(Stays::Joined);
         }
+        if self.along_with(chain).any(|o| self.things.tears(o)) {
+            return Err(Stays::Torn);
+        }
         let direction = self.along_stretched(&nodes, direction);
         let stretch = self.stretch(&nodes, direction, &oblique).ok_or(Stays::Joined)?;
-        let free = self.free_way(chain, &nodes, &oblique).ok_or(Stays::Occupied)?;
+        let mut free = self.free_way(chain, &nodes, &oblique).ok_or(Stays::Occupied)?;
+        if !self.keep_off_things(chain, &handles, &mut free) {
+            return Err(Stays::Occupied);
+        }
         let lo = stretch[0].max(free[0]).max(joint[0]).max(beside[0]).max(-PARTITION_SLIDE_M);
         let hi = stretch[1].min(free[1]).min(joint[1]).min(beside[1]).min(PARTITION_SLIDE_M);
         let (lo, hi) = ((lo.min(0.0) * 1e2).ceil() / 1e2, (hi.max(0.0) * 1e2).floor() / 1e2);
@@ -300,6 +369,24 @@ impl<'a> Axial<'a> {
             at: chain.world(f64::midpoint(chain.from, chain.to), 0.0),
             size: length,
         })
+    }
+
+    /// Whether both sides of a chain lie inside wherever one looks, and no window is in it.
+    fn is_inner(&self, chain: &Chain) -> bool {
+        let length = chain.to - chain.from;
+        let side = chain.thickness / 2.0 + 0.35;
+        let looks = ((length / LOOK_M) as u32).saturating_sub(1);
+        let looks = (0..looks).map(|i| LOOK_M * f64::from(i + 1));
+        let mut looks = looks.chain([0.2, 0.5, 0.8].map(|t| length * t));
+        let is_window = |o: &u32| self.axes.openings[*o as usize].kind == OpeningKind::Window;
+        !chain.openings.iter().any(is_window)
+            && looks.all(|x| [-side, side].iter().all(|y| self.is_inside(chain.world(chain.from + x, *y))))
+    }
+
+    /// The openings that go along with a chain: those in it, and those that end at its side.
+    fn along_with<'c>(&'c self, chain: &'c Chain) -> impl Iterator<Item = &'c Opening> {
+        let beside = self.jamb_sides.iter().filter(|(e, _)| chain.edges.contains(e)).map(|(_, o)| o);
+        chain.openings.iter().chain(beside).map(|o| &self.axes.openings[*o as usize])
     }
 
     /// Straight thick walls on one line that hang together.
@@ -609,25 +696,30 @@ impl<'a> Axial<'a> {
             let room = |gap: f64| (gap - own - PASSAGE_M).max(0.0);
             if lo > 0.0 { way[1] = way[1].min(room(lo)) } else { way[0] = way[0].max(-room(-hi)) }
         }
-        self.keep_off_things(chain, &mut way).then_some(way)
+        Some(way)
     }
 
-    /// Bounds a way by the stairs and sanitary objects on it. `false` where one stands at the wall: it stays.
-    fn keep_off_things(&self, chain: &Chain, way: &mut [f64; 2]) -> bool {
+    /// Bounds a way by the things on it; `false` where one stands in the wall or at it: the wall stays. What is part of
+    /// a door that goes along is no hindrance; what is part of another only ends the way.
+    fn keep_off_things(&self, chain: &Chain, moving: &BTreeSet<Handle>, way: &mut [f64; 2]) -> bool {
         let own = chain.thickness / 2.0;
-        let at = |p| self.plan.frame.plan_from_um(p) / self.plan.human_scale;
-        for s in &self.plan.obstacles {
-            let [a, b] = [s.a, s.b].map(|p| chain.local(at(p)));
-            let Some([lo, hi]) = clipped(a, b, chain.from, chain.to) else { continue };
-            if lo < 0.0 && hi > 0.0 {
-                continue;
+        let reach = own + PARTITION_SLIDE_M + AT_WALL_M;
+        let corners = [(chain.from, -reach), (chain.to, -reach), (chain.from, reach), (chain.to, reach)];
+        let Some(around) = box_of(corners.into_iter().map(|(x, y)| chain.world(x, y))) else { return true };
+        for thing in self.things.near(around).filter(|t| !self.things.goes_along(t, moving)) {
+            let is_of_door = thing.kind == ObstacleKind::Door || self.things.is_fitted(thing);
+            let inset = if is_of_door { own + BESIDE_M } else { 0.0 };
+            for [a, b] in &thing.pieces {
+                let [a, b] = [a, b].map(|p| chain.local(*p));
+                let Some([lo, hi]) = clipped(a, b, chain.from + inset, chain.to - inset) else { continue };
+                let gap = lo.max(-hi) - own;
+                let is_held = if is_of_door { gap < -IN_WALL_M } else { gap < AT_WALL_M };
+                if is_held {
+                    return false;
+                }
+                let room = (gap - AT_WALL_M).max(0.0);
+                if lo > -hi { way[1] = way[1].min(room) } else { way[0] = way[0].max(-room) }
             }
-            let gap = if lo >= 0.0 { lo - own } else { -hi - own };
-            if gap < THING_AT_WALL_M {
-                return false;
-            }
-            let room = (gap - THING_AT_WALL_M).max(0.0);
-            if lo >= 0.0 { way[1] = way[1].min(room) } else { way[0] = way[0].max(-room) }
         }
         true
     }

@@ -2,12 +2,12 @@
 
 use glam::DVec2;
 
-use super::{Layout, moved_shape, rigid_shape};
-use crate::plan::Plan;
+use super::{Layout, MovedWall, moved_shape, rigid_shape};
 use crate::plan::curve::control_points;
 use crate::plan::drawing::{Editable, RigidMotion, Shape};
 use crate::plan::fittings::Fitting;
 use crate::plan::graph::Handle;
+use crate::plan::{Plan, Wall};
 
 /// Corners of a wall's ends may differ by this much from one rigid motion: rounding to micrometres.
 const RIGID_M: f64 = 2e-5;
@@ -37,6 +37,9 @@ pub fn carried(plan: &Plan, fitting: &Fitting, layout: &Layout) -> Carried {
         return Carried::Stays;
     }
     let Some(motion) = rigid_motion(&before, &after) else {
+        if fitting.is_loose {
+            return Carried::Stays;
+        }
         return Carried::Stale("the two sides of its opening move apart".into());
     };
     match &fitting.editable {
@@ -52,14 +55,29 @@ pub fn carried(plan: &Plan, fitting: &Fitting, layout: &Layout) -> Carried {
     }
 }
 
-/// A fitting of which the file says in which wall it sits goes with that wall.
+/// A fitting of which the file says in which wall it sits goes with that wall; a line drawn once more on a wall's is
+/// drawn on it again.
 fn with_host(plan: &Plan, fitting: &Fitting, layout: &Layout, host: u32) -> Carried {
-    let moved = layout.walls.iter().find(|w| w.wall == host).and_then(|w| w.motion);
+    let moved = layout.walls.iter().find(|w| w.wall == host);
+    if plan.walls[host as usize].editable == Editable::Free {
+        return moved
+            .filter(|w| w.is_changed)
+            .map_or(Carried::Stays, |w| again_on(fitting, &plan.walls[host as usize], w));
+    }
+    let moved = moved.and_then(|w| w.motion);
     match (moved, &fitting.editable) {
         (None, _) => Carried::Stays,
         (Some(_), Editable::No(why)) => Carried::Stale(why.clone()),
         (Some(motion), _) => Carried::Moves(moved_shape(plan, &fitting.shape, &motion), motion),
     }
+}
+
+fn again_on(fitting: &Fitting, wall: &Wall, moved: &MovedWall) -> Carried {
+    let shape = match &moved.shape {
+        Shape::Line { a, b } if fitting.shape != wall.shape => Shape::Line { a: *b, b: *a },
+        other => other.clone(),
+    };
+    Carried::Moves(shape, moved.motion.unwrap_or(RigidMotion { turn_rad: 0.0, shift: DVec2::ZERO }))
 }
 
 /// A control point as drawn and in the layout, plan frame, metres.

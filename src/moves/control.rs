@@ -150,6 +150,12 @@ impl Control {
             ties,
             free,
         };
+        if let (Some(like), Some(most)) = (&rules.like, rules.most_groups) {
+            let moved = out.moved_groups(&out.reduce(like));
+            if moved > most {
+                return Err(format!("the option to stay like moves {moved} groups, at most {most} may move"));
+            }
+        }
         out.pinned = rules.pinned.iter().map(|whole| (out.reduce(whole), whole.clone())).collect();
         Ok(out)
     }

@@ -6,13 +6,15 @@ use glam::DVec2;
 
 use super::axial::{Axial, Sliding, Stays, told};
 use super::doorways::Doorways;
+use super::things::Things;
 use crate::plan::axes::{AxisGraph, Jamb, NodeKind, OpeningKind};
 use crate::plan::drawing::{Editable, SourceRef};
+use crate::plan::fittings::{Fitting, jambs_of};
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M, segments_touch};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{Clause, Group, Kind};
-use crate::plan::{Plan, Region, box_of};
+use crate::plan::{Plan, Region, box_of, distance_to_segment};
 use crate::report::{Place, Report};
 
 /// How far a free-standing element shifts in x and y.
@@ -29,6 +31,8 @@ pub const TOUCH_M: f64 = 0.05;
 pub const WALL_THICKNESS_MAX_M: f64 = 0.6;
 /// How far an element must stay inside the building to count as free-standing.
 const INSIDE_MARGIN_M: f64 = 0.3;
+/// No other wall, door, window or glass is nearer than this to what stands free.
+pub const STANDS_FREE_M: f64 = 0.3;
 /// A free-standing element is at most this share of the building's longer side.
 const ELEMENT_SHARE_MAX: f64 = 0.5;
 /// What is no larger is a post, or a pair of them: it carries.
@@ -45,6 +49,8 @@ pub(super) const SLIDE_MIN_M: f64 = 0.1;
 pub const PARAMETERS_MAX: usize = 30;
 /// Most wall pieces looked at pairwise for doors and neighbours.
 pub const PIECES_MAX: usize = 20_000;
+/// Most squares in the boxes of all wall pieces that are looked at for neighbours: beyond, looking takes seconds.
+pub const SQUARES_MAX: f64 = 5e6;
 
 /// A straight piece of a wall with its node ids.
 pub(super) struct Piece {
@@ -58,13 +64,13 @@ pub(super) struct Piece {
 }
 
 /// Groups for [`super::Moves::new`]: elements, the largest first, walls that slide between others, the
-/// longest first, then doors from left to right. `infill`: what is drawn between walls, drawing frame; a wall at
-/// which such a line ends holds it, and is no element.
+/// longest first, then doors from left to right. `infill`: what is drawn between walls, drawing frame; a wall near
+/// which such a line ends is no element. `fittings`: the parts of doors and windows, which go with their walls.
 pub fn groups(
     plan: &Plan,
     graph: &Graph,
     axes: &AxisGraph,
-    (interior, infill): (&Interior, &[Segment]),
+    (interior, infill, fittings): (&Interior, &[Segment], &[Fitting]),
     report: &mut Report,
 ) -> Vec<(Group, Vec<u32>)> {
     let pieces = pieces(plan, graph);
@@ -77,14 +83,26 @@ pub fn groups(
         report.info("default-moves", place, text);
         return Vec::new();
     }
+    let squares = Neighbours::squares(&pieces);
+    if squares > SQUARES_MAX {
+        let text = format!(
+            "the wall pieces reach over {squares:.0e} squares of {} m, expected at most {SQUARES_MAX:.0e} for default moves; \
+             draw EF-MOVE to say what may move",
+            Neighbours::SIZE_M
+        );
+        report.info("default-moves", place, text);
+        return Vec::new();
+    }
     let neighbours = Neighbours::new(&pieces);
     let mut at_openings = walls_at_openings(axes);
     at_openings.extend(walls_at_infill(plan, infill, &pieces, &neighbours));
     let held = Held { walls: at_openings, columns: columns(axes) };
-    let (elements, posts) = elements(plan, graph, interior, &held, &pieces, &neighbours);
-    let axial = Axial::new(plan, graph, axes, interior, (&pieces, &neighbours));
+    let things = Things::new(plan, fittings);
+    let (elements, posts) = elements(plan, graph, axes, interior, &held, &pieces, &neighbours);
+    let axial = Axial::new(plan, graph, axes, interior, (&pieces, &neighbours, &things));
     let mut doors = axial.doors();
-    let taken: BTreeSet<u32> = doors.iter().flat_map(|d| d.nodes.clone()).collect();
+    // What was looked at in thick walls was found or refused there.
+    let taken = nodes_at_openings(plan, graph, axes);
     let simple = simple_doors(plan, graph, axes, interior, (&pieces, &neighbours));
     doors.extend(simple.into_iter().filter(|d| d.nodes.iter().all(|n| !taken.contains(n))));
     let (sliding, stays) = axial.partitions();
@@ -95,7 +113,7 @@ pub fn groups(
     let (found, mut walls) = ((elements.len(), doors.len()), named(sliding, "wall"));
     walls.extend(super::partitions::partitions(plan, graph, interior));
     let sliding = walls.len();
-    let (mut taken, mut doorways) = (Taken::default(), Doorways::new(plan, graph, axes));
+    let (mut taken, mut doorways) = (Taken::default(), Doorways::new(plan, graph, axes, &things));
     let mut out: Vec<(Group, Vec<u32>)> = Vec::new();
     let mut parameters = 0;
     for (group, nodes) in elements.into_iter().chain(walls).chain(named(doors, "door")) {
@@ -110,7 +128,7 @@ pub fn groups(
     }
     let standing = match posts {
         0 => String::new(),
-        n => format!("; {n} posts up to {} m stay", POST_MAX_M * plan.human_scale),
+        n => format!("; {n} posts up to {} m stay", (POST_MAX_M * plan.human_scale * 1e4).round() / 1e4),
     };
     let text = match found {
         (0, 0) if sliding == 0 => nothing_moves(&stays) + &standing,
@@ -141,7 +159,7 @@ fn nothing_moves(stays: &[Stays]) -> String {
     };
     format!(
         "nothing may move, the present layout is measured: draw a closed polyline on layer EF-MOVE round the wall ends \
-         that may move, with a text inside it such as `x -1 1; y -1 1` (no EF-MOVE in the drawing, no free-standing \
+         that may move, with a text inside it such as `x -1m 1m; y -1m 1m` (no EF-MOVE in the drawing, no free-standing \
          element or door gap in it; {why})"
     )
 }
@@ -202,8 +220,17 @@ pub(super) struct Neighbours {
 }
 
 impl Neighbours {
+    /// Side of a bucket.
+    const SIZE_M: f64 = DOOR_WIDTH_M[1].max(WALL_THICKNESS_MAX_M);
+
+    /// How many buckets the boxes of all pieces cover: what looking at the neighbours of each costs.
+    fn squares(pieces: &[Piece]) -> f64 {
+        let of = |p: &Piece| ((p.b - p.a).abs() / Self::SIZE_M + 1.0).element_product();
+        pieces.iter().map(of).sum()
+    }
+
     fn new(pieces: &[Piece]) -> Self {
-        let size = DOOR_WIDTH_M[1].max(WALL_THICKNESS_MAX_M);
+        let size = Self::SIZE_M;
         let mut buckets: BTreeMap<[i64; 2], Vec<u32>> = BTreeMap::new();
         for (i, p) in pieces.iter().enumerate() {
             let steps = ((p.b - p.a).length() / size).ceil().max(1.0) as usize;
@@ -298,7 +325,14 @@ fn walls_at_openings(axes: &AxisGraph) -> BTreeSet<u32> {
     of_edges.chain(of_nodes).map(|f| f.0).collect()
 }
 
-/// Walls at which glass, a window or a leaf ends.
+/// Nodes at the jambs of all openings in thick walls.
+fn nodes_at_openings(plan: &Plan, graph: &Graph, axes: &AxisGraph) -> BTreeSet<u32> {
+    let thick = axes.openings.iter().filter(|o| o.thickness_m > 0.0);
+    let handles = thick.flat_map(|o| jambs_of(plan, axes, o)).flatten();
+    handles.map(|(w, c)| graph.control_nodes[w as usize][c as usize]).collect()
+}
+
+/// Walls near which glass, a window or a leaf ends.
 fn walls_at_infill<'a>(
     plan: &Plan,
     infill: &[Segment],
@@ -311,7 +345,7 @@ fn walls_at_infill<'a>(
     ends.into_iter().flat_map(move |p| {
         let end = Piece { wall: u32::MAX, nodes: [u32::MAX; 2], a: p, b: p };
         let near = neighbours.around(p, p).map(|j| &pieces[j as usize]);
-        near.filter(move |q| distance(&end, q) <= TOUCH_M).map(|q| q.wall).collect::<Vec<_>>()
+        near.filter(move |q| distance(&end, q) <= STANDS_FREE_M).map(|q| q.wall).collect::<Vec<_>>()
     })
 }
 
@@ -319,6 +353,7 @@ fn walls_at_infill<'a>(
 fn elements(
     plan: &Plan,
     graph: &Graph,
+    axes: &AxisGraph,
     interior: &Interior,
     held: &Held,
     pieces: &[Piece],
@@ -375,6 +410,9 @@ fn elements(
             posts += 1;
             continue;
         }
+        if !stands_free(walls, axes, pieces, neighbours) {
+            continue;
+        }
         let mut nodes: Vec<u32> =
             walls.iter().flat_map(|w| graph.control_nodes[*w as usize].clone()).collect();
         nodes.sort_unstable();
@@ -400,6 +438,24 @@ fn elements(
         (group, nodes)
     });
     (named.collect(), posts)
+}
+
+/// Whether neither another wall nor a door or window is near the ends of an element's pieces.
+fn stands_free(walls: &[u32], axes: &AxisGraph, pieces: &[Piece], neighbours: &Neighbours) -> bool {
+    let own: BTreeSet<u32> = walls.iter().copied().collect();
+    let filled: Vec<[DVec2; 2]> = axes
+        .openings
+        .iter()
+        .filter(|o| o.kind != OpeningKind::Passage)
+        .map(|o| o.jambs.map(|j| j.at))
+        .collect();
+    let mut ends = pieces.iter().filter(|p| own.contains(&p.wall)).flat_map(|p| [p.a, p.b]);
+    ends.all(|p| {
+        let end = Piece { wall: u32::MAX, nodes: [u32::MAX; 2], a: p, b: p };
+        let mut near = neighbours.around(p, p).map(|j| &pieces[j as usize]);
+        near.all(|q| own.contains(&q.wall) || distance(&end, q) > STANDS_FREE_M)
+            && filled.iter().all(|o| distance_to_segment(p, *o) > STANDS_FREE_M)
+    })
 }
 
 fn element_clauses(is_round: bool, scale: f64) -> Vec<Clause> {

@@ -10,6 +10,7 @@ use glam::DVec2;
 
 use super::axial::clipped;
 use super::defaults::{DOOR_WIDTH_M, SLIDE_MIN_M};
+use super::things::{AT_WALL_M, Piece, Things, gap};
 use super::{Layout, Moves};
 use crate::plan::axes::{AxisGraph, Opening, OpeningKind};
 use crate::plan::curve::{Trace, control_points};
@@ -40,9 +41,6 @@ const BETWEEN_M: f64 = 0.3;
 
 /// Least turn that is worth a parameter, degrees.
 const TURN_MIN_DEG: f64 = 1.0;
-
-/// A straight piece, metres of a person.
-type Piece = [DVec2; 2];
 
 /// What a door goes along with.
 enum Hangs {
@@ -135,6 +133,7 @@ pub(super) struct Doorways<'a> {
     plan: &'a Plan,
     graph: &'a Graph,
     axes: &'a AxisGraph,
+    things: &'a Things<'a>,
     doors: Vec<Doorway>,
     /// All pieces as drawn, with their walls.
     drawn: Vec<(u32, Piece)>,
@@ -147,13 +146,14 @@ pub(super) struct Doorways<'a> {
 
 impl<'a> Doorways<'a> {
     /// The doors of a plan.
-    pub fn new(plan: &'a Plan, graph: &'a Graph, axes: &'a AxisGraph) -> Self {
+    pub fn new(plan: &'a Plan, graph: &'a Graph, axes: &'a AxisGraph, things: &'a Things<'a>) -> Self {
         let of_wall =
             |(w, t): (usize, &Trace)| pieces_of(plan, t).map(move |p| (w as u32, p)).collect::<Vec<_>>();
         Self {
             plan,
             graph,
             axes,
+            things,
             doors: if plan.doors.is_empty() { seen_doors(plan, axes) } else { named_doors(plan) },
             drawn: plan.walls.iter().map(|w| &w.trace).enumerate().flat_map(of_wall).collect(),
             places: BTreeMap::new(),
@@ -164,7 +164,8 @@ impl<'a> Doorways<'a> {
 
     /// The group with its ways shortened so that the space before doors stays free; `None` where nothing is left.
     pub fn shortened(&mut self, group: &Group, nodes: &[u32]) -> Option<Group> {
-        if self.doors.is_empty() {
+        let is_element = group.clauses.len() > 1;
+        if self.doors.is_empty() && (self.things.is_empty() || !is_element) {
             return Some(group.clone());
         }
         let alone = Moves::new(
@@ -176,12 +177,21 @@ impl<'a> Doorways<'a> {
         );
         let grid = Grid::new(&alone);
         let trial = Trial::new(self, &alone, &grid);
+        // What slides was kept off things when it was found.
+        let around = if is_element { self.things_near(trial.hull) } else { Vec::new() };
+        if around.iter().any(|t| trial.start.iter().any(|p| gap(*p, *t) < AT_WALL_M)) {
+            self.told[1] += 1;
+            return None;
+        }
         let (mut lo, mut hi) = grid.all();
-        if !trial.is_far() {
+        if !(trial.is_far() && around.is_empty()) {
             let bad: Vec<Vec<usize>> = grid
                 .points(&lo, &hi)
                 .into_iter()
-                .filter(|at| !self.is_clear(&trial, &grid.values(at)))
+                .filter(|at| {
+                    let p = grid.values(at);
+                    !self.is_clear(&trial, &p) || self.runs_into(&trial, &p, &around)
+                })
                 .collect();
             grid.shrink(&bad, &mut lo, &mut hi);
         }
@@ -205,9 +215,24 @@ impl<'a> Doorways<'a> {
         };
         match self.told {
             [0, 0] => String::new(),
-            [_, 0] => format!("{shorter} so that the space before doors stays free"),
-            [_, n] => format!("{shorter}; {n} more stay so that the space before doors stays free"),
+            [_, 0] => format!("{shorter} so that doors and what stands there stay free"),
+            [_, n] => format!("{shorter}; {n} more stay so that doors and what stands there stay free"),
         }
+    }
+
+    /// The pieces of things that may reach into a box.
+    fn things_near(&self, hull: [DVec2; 2]) -> Vec<Piece> {
+        let pieces = self.things.near(hull).flat_map(|t| &t.pieces).copied();
+        pieces.filter(|[a, b]| meet([a.min(*b), a.max(*b)], hull)).collect()
+    }
+
+    /// Whether a wall of a group comes to stand at one of some pieces.
+    fn runs_into(&self, trial: &Trial<'_>, p: &[f64], around: &[Piece]) -> bool {
+        if around.is_empty() {
+            return false;
+        }
+        let layout = trial.moves.apply(self.plan, self.graph, p);
+        walls_of(self.plan, &layout).any(|(_, own)| around.iter().any(|t| gap(own, *t) < AT_WALL_M))
     }
 
     /// Whether a group leaves the space before all doors free at one place.
@@ -272,6 +297,8 @@ struct Trial<'m> {
     near: Vec<usize>,
     /// Doors that go along with it.
     along: Vec<usize>,
+    /// Box round all its outermost places.
+    hull: [DVec2; 2],
 }
 
 impl<'m> Trial<'m> {
@@ -316,6 +343,7 @@ impl<'m> Trial<'m> {
             others,
             near: rest.into_iter().filter(is_near).collect(),
             along,
+            hull,
         }
     }
 

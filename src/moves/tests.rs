@@ -6,6 +6,8 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
+mod beside;
+
 use super::control::{Control, Rules};
 use super::defaults::{self, PARAMETERS_MAX, PIECES_MAX, SHIFT_M, SLIDE_M, WALL_THICKNESS_MAX_M};
 use super::{Layout, MOVE_MIN_M, Moves, NodeGroup};
@@ -14,7 +16,7 @@ use crate::plan::drawing::{Drawing, Editable, Entity, Format, Shape, SourceRef, 
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{Clause, Group, Kind};
-use crate::plan::{DOOR_LAYER, Plan, PlanOptions, structure, understand};
+use crate::plan::{DOOR_LAYER, Plan, PlanOptions, fittings, structure, understand};
 use crate::report::Report;
 
 fn source(record: usize, layer: &str) -> SourceRef {
@@ -34,6 +36,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         texts: Vec::new(),
         marked: Vec::new(),
         hosts: Default::default(),
+        undrawn: Vec::new(),
         fills: Vec::new(),
     }
 }
@@ -87,8 +90,9 @@ fn by_default(drawing: &Drawing) -> (Plan, Graph, Moves) {
     let graph = Graph::new(&plan);
     let walls: Vec<_> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
     let interior = Interior::new(&walls, &[], plan.human_scale).unwrap();
-    let (axes, _) = structure::axes(&plan, drawing);
-    let groups = defaults::groups(&plan, &graph, &axes, (&interior, &[]), &mut report);
+    let (axes, marked) = structure::axes(&plan, drawing);
+    let fittings = fittings::fittings(&plan, drawing, &axes, &marked);
+    let groups = defaults::groups(&plan, &graph, &axes, (&interior, &[], &fittings), &mut report);
     let moves = Moves::new(&plan, &graph, &axes, &groups, &mut report);
     (plan, graph, moves)
 }
@@ -751,4 +755,20 @@ fn a_way_too_short_is_no_move() {
             assert_eq!(control.permit(&[way * sign]) != [0.0], is_move, "{way}");
         }
     }
+}
+
+/// One wall that reaches as far as the earth takes neither time nor memory.
+#[test]
+fn walls_that_reach_too_far_have_no_default_moves() {
+    let plan = |far: f64| {
+        let mut d = drawing("m", 1.0);
+        d.room(10.0, 10.0);
+        d.line(4.0, 5.0, 6.0, 5.0);
+        d.line(0.0, 20.0, far, 20.0 + far);
+        by_default(&d)
+    };
+    let near = (defaults::SQUARES_MAX * 0.5).sqrt();
+    assert!(!plan(near).2.parameters.is_empty());
+    assert!(plan(near * 10.0).2.parameters.is_empty());
+    assert!(plan(1e9).2.parameters.is_empty());
 }

@@ -317,9 +317,10 @@ fn found(
         stopped_by.push_str("; no layout keeps every hard limit");
         text
     });
-    let is_best_better = explain::is_better(&shown, &outcome.best.values, is_firm(settings));
+    let best = best_in_all(settings, &outcome, &shown);
+    let is_best_better = explain::is_better(&shown, &best.values, is_firm(settings));
     let best = (!is_unmet && is_best_better).then(|| {
-        let parameters = whole(&outcome.best.parameters);
+        let parameters = whole(&best.parameters);
         let worth = study.measure(&parameters, &mut study.bench());
         Best {
             option: members.iter().position(|m| m.parameters == parameters).map(|i| i + 1),
@@ -344,6 +345,27 @@ fn found(
         archive: outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values.clone()).collect(),
         members,
     }
+}
+
+/// The layout that keeps hard limits and thresholds and gains most in all, as options are ordered; the paper's
+/// algorithms and a single objective have their own.
+fn best_in_all<'a>(
+    settings: &Settings,
+    outcome: &'a search::Outcome<'_>,
+    objectives: &[Objective],
+) -> &'a search::Point {
+    let aims = objectives.iter().filter(|o| o.name != "penalty").count();
+    if settings.method == Method::Paper || aims < 2 {
+        return &outcome.best;
+    }
+    let keeps = |p: &search::Point| {
+        let sides = objectives.iter().zip(&p.values).zip(&outcome.thresholds);
+        p.violation == 0.0
+            && sides.into_iter().all(|((o, v), t)| if o.sense == ShownSense::Max { v >= t } else { v <= t })
+    };
+    let gain = |p: &search::Point| explain::total_gain(objectives, &p.values);
+    let kept = outcome.archive.iter().filter(|p| keeps(p));
+    kept.fold(&outcome.best, |best, p| if gain(p) > gain(best) { p } else { best })
 }
 
 /// Leaves out the members that are as drawn or no better than the present layout, and says how many are no better;
@@ -561,10 +583,7 @@ fn state_stale(
     report: &mut Report,
 ) -> Result<(), Error> {
     let options = study::read_options(settings);
-    for source in formats::dependents(input.file(), &input.bytes, &options, moved)? {
-        let text = "is tied to a wall that moves in an option; its bytes are kept and may be stale there";
-        report.info("stale-annotation", place_in(input.file(), &source), text);
-    }
+    told::say_stale(report, input.file(), &formats::dependents(input.file(), &input.bytes, &options, moved)?);
     Ok(())
 }
 
@@ -644,7 +663,8 @@ fn candidate(
             &told(study, initial),
             &told(study, &mean),
             explanation,
-        ) + &told::stays_words(&made.report),
+        ) + &told::goes_along_words(&study.base, &made.layout)
+            + &told::stays_words(&made.report),
         explanation: explanation.clone(),
         mean,
         penalty: show::penalty_numbers(&made.worth),

@@ -2,7 +2,7 @@
 
 mod card;
 mod carrying;
-mod named;
+mod marked;
 mod parts;
 mod seen;
 mod written;
@@ -32,11 +32,13 @@ use crate::plan::frame::unit_by_name;
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
+use crate::plan::markers;
 use crate::plan::outline::SOLID_ACROSS_M;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, box_of, layers, understand};
 use crate::report::{Error, Place, Problem, Report, Severity};
+use marked::{side_car_groups, state_held, state_unread_marks};
 use parts::{closed_that_stay, fixed_parts, moving_segments, piece_moves, pieces_of};
 use seen::Scene;
 pub use seen::{Pair, Seen};
@@ -157,7 +159,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let infill = structure::infill_lines(&plan, drawing, &axes);
     closings.extend(&infill);
     let has_moves = !settings.moves.is_empty()
-        || !(settings.ignore_move_markers || plan.markers.groups.is_empty() && drawing.marked.is_empty());
+        || !(settings.ignore_move_markers || !plan.markers.is_move_drawn && drawing.marked.is_empty());
     let needs_inside = plan.markers.needs_interior();
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
     let interior = if needs_interior { Interior::new(&all, &closings, plan.human_scale) } else { None };
@@ -264,16 +266,23 @@ fn moves(
 ) -> Result<Moves, Error> {
     let Known { plan, graph, axes, interior, fittings, infill } = *known;
     if !settings.moves.is_empty() {
-        let (groups, records) = named::groups(drawing, plan, graph, &settings.moves, report)?;
+        let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
         return Ok(Moves::of_records(plan, graph, axes, (&groups, &records), report));
     }
     if !drawing.marked.is_empty() && !settings.ignore_move_markers {
-        let tables = named::readable(drawing, plan, report);
-        let (groups, records) = named::groups(drawing, plan, graph, &tables, report)?;
+        let stated = building::marked_moves(drawing);
+        let (groups, records) = side_car_groups(drawing, plan, graph, (&stated, false), report)?;
+        if groups.is_empty() {
+            state_unread_marks("Pset_Enfilade", plan, report);
+        }
         return Ok(Moves::of_records(plan, graph, axes, (&groups, &records), report));
     }
     if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
         return Ok(Moves::from_markers(plan, graph, axes, report));
+    }
+    if plan.markers.is_move_drawn && !settings.ignore_move_markers {
+        state_unread_marks(markers::MOVE, plan, report);
+        return Ok(Moves::default());
     }
     if settings.only_marked {
         let text = "nothing is marked to move, and only what is marked may: the present layout is measured";
@@ -282,10 +291,11 @@ fn moves(
     }
     match interior {
         Some(interior) if !settings.ignore_move_markers => {
-            let groups = defaults::groups(plan, graph, axes, (interior, infill), report);
+            let groups = defaults::groups(plan, graph, axes, (interior, infill, fittings), report);
             let groups = carrying::whole_moves(plan, graph, axes, fittings, groups, report);
             let mut moves = Moves::new(plan, graph, axes, &groups, report);
             moves.are_default = true;
+            state_held(&moves, &groups, (plan, graph), report);
             Ok(moves)
         }
         _ => Ok(Moves::default()),
@@ -438,12 +448,9 @@ impl Study {
             piece_ranges,
         };
         let initial = |scene: &Scene| {
-            let obstacles = || study.obstacles(&identity, &scene.cells);
-            scene.seen(
-                scene.evaluator.initial().clone(),
-                &blind(&study.base, &identity, &scene.cells),
-                obstacles,
-            )
+            let obstacles = study.obstacles(&identity, &scene.cells);
+            let blind = obstacles.blind.clone();
+            scene.seen(scene.evaluator.initial().clone(), &blind, || obstacles)
         };
         let named = study.pairs.iter().map(|p| initial(&p.scene)).collect();
         study.initial = study.worth(initial(&study.main), named, &study.pieces);
@@ -493,10 +500,8 @@ impl Study {
     }
 
     fn moving(&self, layout: &Layout) -> Obstacles {
-        Obstacles {
-            segments: moving_segments(&self.base, layout, &self.piece_moves),
-            blind: blind(&self.base, layout, &self.main.cells),
-        }
+        let segments = moving_segments(&self.base, layout, &self.piece_moves);
+        Obstacles { blind: blind(&self.base, layout, &self.main.cells, &segments), segments }
     }
 
     fn place_all(&self, layout: &Layout, pieces: &mut [WallPiece]) {
@@ -594,8 +599,8 @@ impl Study {
         let walls = traces.into_iter().enumerate();
         let pieces = walls.flat_map(|(w, t)| pieces_of(t, None).map(move |p| (w as u32, p)));
         let blocking = pieces.flat_map(|(w, (s, part, _))| self.base.sight.blocking((w, part), s));
-        let segments = blocking.chain(closed_that_stay(&self.base)).collect();
-        Obstacles { segments, blind: blind(&self.base, layout, cells) }
+        let segments: Vec<Segment> = blocking.chain(closed_that_stay(&self.base)).collect();
+        Obstacles { blind: blind(&self.base, layout, cells, &segments), segments }
     }
 
     /// All pieces of the present layout that can move or not, as segments to show.
@@ -655,14 +660,16 @@ fn near(centre_um: PointUm, spacing_um: i64, plan: &Plan) -> PointUm {
     [0, 1].map(|k| centre_um[k] + (o[k] - centre_um[k]).div_euclid(spacing_um) * spacing_um)
 }
 
-/// Vertices covered by what can move and has a body: solids and thick walls.
-fn blind(base: &Understood, layout: &Layout, cells: &CellIndex) -> Vec<u32> {
+/// Vertices covered by what can move and has a body, solids and thick walls, and those that its lines touch: they
+/// are no floor, so they count in no mean and are not cut off. What stays touches none, or its vertices were dropped.
+fn blind(base: &Understood, layout: &Layout, cells: &CellIndex, segments: &[Segment]) -> Vec<u32> {
     let shapes: BTreeMap<u32, &Shape> = layout.walls.iter().map(|w| (w.wall, &w.shape)).collect();
     let mut out = Vec::new();
     for wall in layout.walls.iter().filter(|w| base.plan.walls[w.wall as usize].is_solid) {
         cells.vertices_in(&wall.trace.points, &mut out);
     }
     cover_bodies(base, &|w| shapes.get(&w).copied(), cells, &mut out);
+    segments.iter().for_each(|s| cells.vertices_on(*s, &mut out));
     out.sort_unstable();
     out.dedup();
     out

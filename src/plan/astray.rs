@@ -142,7 +142,7 @@ impl Search<'_> {
             open.contains(e.layer.as_str())
                 && !layers::is_own(&e.layer)
                 && !hidden.entity(e)
-                && e.blocks.is_empty()
+                && e.insert().is_none()
         };
         let all = self.drawing.entities.iter().enumerate().filter(|(_, e)| is_open(e)).map(|(i, _)| i);
         let mut by_layer: BTreeMap<&str, Vec<usize>> = BTreeMap::new();

@@ -36,12 +36,12 @@ impl Format {
 /// The bytes an entity came from: the join between the plan and the file.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct SourceRef {
-    /// Which group-0 record of the file it is, from 0 (for an entity of a block: the INSERT in model
-    /// space that shows it).
+    /// Which group-0 record of the file it is, from 0 (for an entity of a block that moves as a whole: the
+    /// INSERT that shows it; of one that is shown once: its own in the definition).
     pub record: usize,
     /// The entity's handle as written (upper case), if it has one.
     pub handle: Option<String>,
-    /// Line of the file where the record starts, from 1.
+    /// Line of the file where the record starts, from 1; 0 where the file has no lines.
     pub line: usize,
     /// Record name: `LINE`, `LWPOLYLINE`, `INSERT`.
     pub kind: String,
@@ -141,6 +141,13 @@ pub struct Entity {
     pub blocks: Vec<String>,
 }
 
+impl Entity {
+    /// Record of the INSERT with which it moves, where one shows it and it is not edited by itself.
+    pub fn insert(&self) -> Option<usize> {
+        (!self.blocks.is_empty() && self.source.kind == "INSERT").then_some(self.source.record)
+    }
+}
+
 /// A TEXT or MTEXT of model space, formatting codes removed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Text {
@@ -176,6 +183,19 @@ pub struct Unit {
     pub metres: f64,
 }
 
+/// Records of one kind on one layer that are drawn in the file and are no lines of the plan.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Undrawn {
+    /// Layer, decoded.
+    pub layer: String,
+    /// Record name: `MLINE`.
+    pub kind: String,
+    /// Whether they stand on a sheet of paper instead of in model space.
+    pub is_on_paper: bool,
+    /// How many.
+    pub count: usize,
+}
+
 /// A drawing as read, before anything is understood. See the module page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
@@ -205,6 +225,8 @@ pub struct Drawing {
     pub marked: Vec<MarkedMove>,
     /// Records of doors and windows of which the file says in which record's wall they sit.
     pub hosts: BTreeMap<usize, usize>,
+    /// What else is drawn, by layer and kind.
+    pub undrawn: Vec<Undrawn>,
 }
 
 /// A move that the file states of one of its elements (`Pset_Enfilade` of a building).
@@ -328,6 +350,7 @@ impl Drawing {
             texts: Vec::new(),
             marked: Vec::new(),
             hosts: BTreeMap::new(),
+            undrawn: Vec::new(),
         }
     }
 }

@@ -205,23 +205,20 @@ mod tests {
     #[test]
     fn too_many_areas_are_none() {
         let one = entity("COLS", square([3.0, 3.0], 0.4));
-        let lines = 8;
-        let most = COMPARED_MAX / lines;
-        let mut d = house(vec![one; 2]);
-        assert_eq!(walls_of(&d).len(), 5);
-        d.fills = vec![d.fills[0].clone(); 3];
-        let mut picked = vec![0; most / 2];
+        let squares = 650;
+        let mut d = house(vec![one; COMPARED_MAX / (4 * squares) + 1]);
+        let mut picked = vec![0; squares];
         let mut chosen = Chosen { walls: vec![], layers: vec![] };
         let before = picked.len();
-        let taken = take(
-            Cow::Borrowed(&d),
-            &PlanOptions::default(),
-            &mut chosen,
-            &mut picked,
-            1.0,
-            &mut Report::default(),
-        );
-        assert!(matches!(taken, Ok(Cow::Borrowed(_))));
-        assert_eq!(picked.len(), before);
+        let mut taken = |d: &Drawing| {
+            let drawing = Cow::Borrowed(d);
+            let options = PlanOptions::default();
+            let taken =
+                take(drawing, &options, &mut chosen, &mut picked, 1.0, &mut Report::default()).unwrap();
+            (matches!(taken, Cow::Borrowed(_)), picked.len() - before)
+        };
+        assert_eq!(taken(&d), (true, 0));
+        d.fills.truncate(2);
+        assert_eq!(taken(&d), (false, 2));
     }
 }

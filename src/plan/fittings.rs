@@ -1,15 +1,17 @@
 //! Doors and windows as drawn: which entities sit in which opening, so that they move with its wall.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use glam::DVec2;
 
 use super::Plan;
-use super::axes::{AxisGraph, Opening};
-use super::curve::control_points;
+use super::axes::{AxisGraph, Opening, OpeningKind};
+use super::curve::{self, control_points};
 use super::drawing::{Drawing, Editable, Entity, Shape, SourceRef};
+use super::geometry::PointUm;
 use super::graph::Handle;
-use super::structure::{end_handles, face_handles};
+use super::roles::{Role, role_by_name};
+use super::structure::{DrawnWalls, end_handles, face_handles};
 
 /// One drawn part of a door or window.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,15 +25,38 @@ pub struct Fitting {
     /// Control points of the walls' ends that it sits between: those of one jamb, those of the other;
     /// empty where a jamb is the side of a wall.
     pub jambs: [Vec<Handle>; 2],
-    /// The wall that it sits in, where the file says so: an index into [`Plan::walls`]. It goes where that goes.
+    /// The wall that it sits in, where the file says so, or on whose line it is drawn once more: an index into
+    /// [`Plan::walls`]. It goes where that goes.
     pub host: Option<u32>,
+    /// Whether it lies in a plain passage and no name says that it is a door or window: a joint of the floor, a
+    /// threshold. Where the sides of the passage part, it stays.
+    pub is_loose: bool,
+}
+
+/// A door's or window's parts lie no farther from its middle than this share of its width, and this many metres besides:
+/// a leaf that slides along its wall, a leaf that stands open.
+const REACH_SHARE: f64 = 1.6;
+const REACH_M: f64 = 0.3;
+
+/// How far from the middle of an opening its parts lie at most, metres of a person.
+pub fn reach_m(opening: &Opening) -> f64 {
+    REACH_SHARE * opening.width_m + REACH_M
+}
+
+/// Whether an entity lies all near an opening: what reaches farther is no part of a door or window.
+fn is_near(plan: &Plan, e: &Entity, opening: &Opening) -> bool {
+    let points = curve::trace(&e.shape, &plan.frame).points;
+    let at = |p: &PointUm| plan.frame.plan_from_um(*p) / plan.human_scale;
+    points.iter().all(|p| at(p).distance(opening.centre) <= reach_m(opening))
 }
 
 /// The fittings of all openings, and what the file says sits in a wall. `marked`: the entity of every [`super::axes::Mark`].
 pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usize]) -> Vec<Fitting> {
     let mut by_record: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (i, e) in drawing.entities.iter().enumerate().filter(|(_, e)| !e.blocks.is_empty()) {
-        by_record.entry(e.source.record).or_default().push(i);
+    for (i, e) in drawing.entities.iter().enumerate() {
+        if let Some(record) = e.insert() {
+            by_record.entry(record).or_default().push(i);
+        }
     }
     // What one INSERT shows together with walls moves with them already.
     let walls: BTreeSet<usize> = plan.walls.iter().map(|w| w.source.record).collect();
@@ -46,17 +71,27 @@ pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usiz
             let entity = marked[*mark as usize];
             let record = drawing.entities[entity].source.record;
             let of_block = by_record.get(&record);
+            let whole_mark = of_block.map_or(std::slice::from_ref(&entity), Vec::as_slice);
+            if !whole_mark.iter().all(|i| is_near(plan, &drawing.entities[*i], opening)) {
+                continue;
+            }
             let is_told = drawing.hosts.contains_key(&record);
             if walls.contains(&record) || is_told || of_block.is_some() && !whole.insert(record) {
                 continue;
             }
             let together = of_block.map_or_else(|| vec![entity], Clone::clone);
             for i in together {
-                out.entry(i).or_insert_with(|| fitting(&drawing.entities[i], &jambs));
+                let e = &drawing.entities[i];
+                let is_loose = opening.kind == OpeningKind::Passage && !is_named(e);
+                out.entry(i).or_insert_with(|| Fitting { is_loose, ..fitting(e, &jambs) });
             }
         }
     }
     add_leaves(drawing, &walls, &mut out);
+    let twin = |(i, wall): (usize, u32)| {
+        (i, Fitting { host: Some(wall), ..fitting(&drawing.entities[i], &Default::default()) })
+    };
+    out.extend(twins(plan, drawing).into_iter().map(twin));
     out.into_values().collect()
 }
 
@@ -72,6 +107,12 @@ fn hosted(plan: &Plan, drawing: &Drawing) -> BTreeMap<usize, Fitting> {
     told.filter_map(of).collect()
 }
 
+/// Whether the name of its layer or of a block around it says that it is a door, a window or glass.
+fn is_named(e: &Entity) -> bool {
+    let mut names = e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]);
+    names.any(|n| matches!(role_by_name(n).0, Role::Door | Role::Window | Role::Glazing))
+}
+
 fn fitting(e: &Entity, jambs: &[Vec<Handle>; 2]) -> Fitting {
     Fitting {
         source: e.source.clone(),
@@ -79,7 +120,28 @@ fn fitting(e: &Entity, jambs: &[Vec<Handle>; 2]) -> Fitting {
         shape: e.shape.clone(),
         jambs: jambs.clone(),
         host: None,
+        is_loose: false,
     }
+}
+
+/// Lines that are drawn once more on a wall's line, to the last digit and on its layer, and are no walls: a view under
+/// its section. Each with its wall, without which it would stay where that was.
+fn twins(plan: &Plan, drawing: &Drawing) -> Vec<(usize, u32)> {
+    let bits = |p: DVec2| [p.x.to_bits(), p.y.to_bits()];
+    let line = |shape: &Shape| match shape {
+        Shape::Line { a, b } => Some([bits(*a).min(bits(*b)), bits(*a).max(bits(*b))]),
+        _ => None,
+    };
+    let is_free = |editable: &Editable| *editable == Editable::Free;
+    let free = plan.walls.iter().enumerate().filter(|(_, w)| is_free(&w.editable));
+    let wall_of: HashMap<_, u32> =
+        free.filter_map(|(i, w)| Some(((line(&w.shape)?, w.source.layer.as_str()), i as u32))).collect();
+    let walls = DrawnWalls::new(plan, drawing);
+    let others =
+        drawing.entities.iter().enumerate().filter(|(i, e)| is_free(&e.editable) && !walls.contains(*i, e));
+    others
+        .filter_map(|(i, e)| Some((i, *wall_of.get(&(line(&e.shape)?, e.source.layer.as_str()))?)))
+        .collect()
 }
 
 /// How far a leaf reaches beyond the sector that its door swings over, as a share of its width: its thickness.
@@ -89,7 +151,7 @@ const LEAF_SHARE: f64 = 0.1;
 /// to the same door.
 fn add_leaves(drawing: &Drawing, walls: &BTreeSet<usize>, out: &mut BTreeMap<usize, Fitting>) {
     let is_swing = |i: &usize| {
-        drawing.entities[*i].blocks.is_empty() && matches!(drawing.entities[*i].shape, Shape::Arc { .. })
+        drawing.entities[*i].insert().is_none() && matches!(drawing.entities[*i].shape, Shape::Arc { .. })
     };
     let swings: Vec<usize> = out.keys().copied().filter(is_swing).collect();
     let layers: BTreeSet<&str> = swings.iter().map(|i| drawing.entities[*i].layer.as_str()).collect();
@@ -97,7 +159,7 @@ fn add_leaves(drawing: &Drawing, walls: &BTreeSet<usize>, out: &mut BTreeMap<usi
     let mut loose: BTreeMap<&str, Vec<(f64, usize)>> = BTreeMap::new();
     for (i, e) in drawing.entities.iter().enumerate() {
         let is_line = matches!(e.shape, Shape::Line { .. } | Shape::Polyline { .. });
-        let is_free = e.blocks.is_empty() && !walls.contains(&e.source.record) && !out.contains_key(&i);
+        let is_free = e.insert().is_none() && !walls.contains(&e.source.record) && !out.contains_key(&i);
         if is_line && is_free && layers.contains(e.layer.as_str()) {
             let first = control_points(&e.shape).first().map(|p| p.x).filter(|x| x.is_finite());
             loose.entry(&e.layer).or_default().extend(first.map(|x| (x, i)));

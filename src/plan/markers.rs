@@ -118,6 +118,8 @@ pub struct Markers {
     pub keep: Vec<Region>,
     /// `EF-MOVE`, in the order of their outlines in the file.
     pub groups: Vec<Group>,
+    /// Whether anything at all is drawn on `EF-MOVE`, also where none of it can be read.
+    pub is_move_drawn: bool,
     /// Named pairs of regions, by name.
     pub pairs: Vec<Pair>,
 }
@@ -192,7 +194,15 @@ pub fn read(drawing: &Drawing, options: &PlanOptions, frame: &Frame, report: &mu
         }
     }
     out.groups = groups(drawing, &outlines, frame, report);
+    out.is_move_drawn = is_drawn_on(drawing, MOVE);
     out
+}
+
+/// Whether a layer holds anything, read or not.
+fn is_drawn_on(drawing: &Drawing, layer: &str) -> bool {
+    let entities = drawing.entities.iter().chain(&drawing.fills).map(|e| &e.layer);
+    let others = drawing.texts.iter().map(|t| &t.layer).chain(drawing.undrawn.iter().map(|u| &u.layer));
+    entities.chain(others).any(|l| l.eq_ignore_ascii_case(layer))
 }
 
 /// `LWPOLYLINE 2F3 layer EF-MOVE` at its line.
@@ -203,7 +213,8 @@ pub fn place(drawing: &Drawing, source: &SourceRef) -> Place {
 /// The place of an entity in a file shown as `file`.
 pub fn place_in(file: &str, source: &SourceRef) -> Place {
     let handle = source.handle.as_deref().map(|h| format!(" {h}")).unwrap_or_default();
-    Place::line(file, source.line).entity(format!("{}{handle} layer {}", source.kind, source.layer))
+    let place = if source.line == 0 { Place::file(file) } else { Place::line(file, source.line) };
+    place.entity(format!("{}{handle} layer {}", source.kind, source.layer))
 }
 
 fn region_of(entity: &Entity, frame: &Frame) -> Option<Region> {
@@ -254,7 +265,7 @@ fn groups(
             }
         }
         if group.clauses.is_empty() {
-            let words = "found no text inside that can be read and says how the group moves, expected for example `x -1 1; rotate -15 15`; \
+            let words = "found no text inside that can be read and says how the group moves, expected for example `x -1m 1m; rotate -15 15`; \
                          the group stays";
             report.warn("move-without-text", place(drawing, &entity.source), words);
         } else {

@@ -14,12 +14,13 @@ pub mod fittings;
 mod fixtures;
 pub mod frame;
 pub mod geometry;
+pub mod giants;
 pub mod graph;
 mod infill;
 pub mod interior;
 pub mod layers;
 pub mod markers;
-mod obstacles;
+pub mod obstacles;
 pub mod outline;
 pub mod parallels;
 mod paving;
@@ -34,13 +35,15 @@ pub mod units;
 pub mod view_names;
 pub mod views;
 
+use std::collections::BTreeMap;
+
 use glam::DVec2;
 
 use crate::report::{Error, Place, Report};
 use curve::Trace;
 use drawing::{Drawing, Editable, Entity, Shape, SourceRef, Unit};
 use frame::{BUILT_SIZE_M, Frame, PLAUSIBLE_SIZE_M, UnitChoice};
-use geometry::{PointUm, Segment};
+use geometry::PointUm;
 use markers::Markers;
 use views::View;
 
@@ -168,8 +171,8 @@ pub struct Plan {
     pub plugs: Vec<Plug>,
     /// The doors of a building, where the file calls them so.
     pub doors: Vec<NamedDoor>,
-    /// Pieces of stairs and sanitary objects, drawing frame: what slides must not run into them.
-    pub obstacles: Vec<Segment>,
+    /// What stands in the rooms: what slides must not run into it.
+    pub obstacles: Vec<obstacles::Obstacle>,
 }
 
 /// The user's word on how to read a drawing.
@@ -281,8 +284,8 @@ fn no_walls(drawing: &Drawing, layers: &[LayerUse]) -> Error {
         layers.iter().filter(|l| l.role != "own" && l.role != "marker").collect();
     by_size.sort_by_key(|l| std::cmp::Reverse(l.entities));
     let shown: Vec<String> =
-        by_size.iter().take(12).map(|l| format!("{} ({})", l.name, l.entities)).collect();
-    let more = by_size.len().saturating_sub(12);
+        by_size.iter().take(LISTED_MAX).map(|l| format!("{} ({})", l.name, l.entities)).collect();
+    let more = by_size.len().saturating_sub(LISTED_MAX);
     let mut list = if shown.is_empty() { "none".to_string() } else { shown.join(", ") };
     if more > 0 {
         list.push_str(&format!(" and {more} more"));
@@ -290,12 +293,46 @@ fn no_walls(drawing: &Drawing, layers: &[LayerUse]) -> Error {
     let hidden: Vec<&str> = layers.iter().filter(|l| l.role == "hidden").map(|l| l.name.as_str()).collect();
     let hint =
         if hidden.is_empty() { String::new() } else { format!(" (off or frozen: {})", hidden.join(", ")) };
+    let (others, help) = undrawn_words(drawing);
     let text = format!(
-        "no entity on a wall layer{hint}, layers present: {list}; nothing was measured; \
-         name the layer of the walls with --wall-layer NAME"
+        "no entity on a wall layer{hint}, layers present: {list}{others}; nothing was measured; \
+         {help}name the layer of the walls with --wall-layer NAME"
     );
     Error::input("no-walls", Place::file(&drawing.file), text)
 }
+
+/// What is drawn and gives no lines of walls, by layer and kind, and what to do about it; empty where there is nothing.
+fn undrawn_words(drawing: &Drawing) -> (String, String) {
+    let mut counts: BTreeMap<(bool, &str, &str), usize> = BTreeMap::new();
+    for u in &drawing.undrawn {
+        *counts.entry((u.is_on_paper, &u.layer, &u.kind)).or_default() += u.count;
+    }
+    for fill in drawing.fills.iter().filter(|f| !layers::is_own(&f.layer)) {
+        *counts.entry((false, &fill.layer, &fill.source.kind)).or_default() += 1;
+    }
+    let (mut words, mut help) = (String::new(), String::new());
+    let told = [
+        (false, "not lines", "explode filled areas, multilines and faces, or draw their outlines as lines; "),
+        (true, "on a sheet of paper", "copy what is drawn on a sheet of paper to model space; "),
+    ];
+    for (on_paper, what, todo) in told {
+        let of = counts.iter().filter(|((p, ..), _)| *p == on_paper);
+        let list: Vec<String> = of.map(|((_, layer, kind), n)| format!("{n} {kind} on {layer}")).collect();
+        if list.is_empty() {
+            continue;
+        }
+        let more = list.len().saturating_sub(LISTED_MAX);
+        words += &format!("; {what}: {}", list[..list.len() - more].join(", "));
+        if more > 0 {
+            words += &format!(" and {more} more kinds");
+        }
+        help += todo;
+    }
+    (words, help)
+}
+
+/// Most layers, or kinds on them, that are listed where no walls are found.
+const LISTED_MAX: usize = 12;
 
 /// A wall on a locked layer is measured and stays: the user locked it against changes.
 fn wall_of(entity: &Entity, frame: &Frame, is_locked: bool) -> Wall {

@@ -1,10 +1,14 @@
-//! What stands in a room and is no wall: stairs and sanitary objects. A wall that slides must not run into them.
+//! What stands in a room and is no wall: stairs, sanitary objects, crosses over lifts, counters, machines, and the
+//! parts of doors. A wall that slides must not run into them.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
+use glam::DVec2;
+
+use super::box_of;
 use super::choice::Hidden;
 use super::curve;
-use super::drawing::{Drawing, Entity, Shape};
+use super::drawing::{Drawing, Entity, Format, Shape};
 use super::frame::Frame;
 use super::geometry::Segment;
 use super::layers::{self, words};
@@ -55,47 +59,176 @@ const LINES_MAX: usize = 20_000;
 /// Most pieces kept.
 const PIECES_MAX: usize = 20_000;
 
-/// The pieces of stairs and sanitary objects, drawing frame, micrometres. `standing`: entities that were found
-/// on the layers of walls; `walls`: those that are walls.
+/// A closed outline over more floor than this is a room, square metres.
+pub const OUTLINE_MAX_M2: f64 = 5.0;
+
+/// A line that reaches farther than this is no part of a thing, metres.
+pub const LINE_MAX_M: f64 = 5.0;
+
+/// Shortest arm of a cross over a lift, metres, and how exactly its arms halve each other and are equal.
+const CROSS_ARM_MIN_M: f64 = 1.0;
+const CROSS_M: f64 = 0.02;
+
+/// The arms of a cross meet at an angle of which the sine is no smaller.
+const CROSS_SIN: f64 = 0.17;
+
+/// Where more lines have one middle they are a hatch or a star.
+const MIDDLES_MAX: usize = 8;
+
+/// What something that stands in the way is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ObstacleKind {
+    /// A stair, a sanitary object, a cross over a lift: it cannot stand elsewhere.
+    Fixed,
+    /// Something that stands on the floor.
+    Standing,
+    /// Part of a door or window, by its layer.
+    Door,
+}
+
+/// Something drawn that is no wall and stands in the way of walls.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// The record of its entity.
+    pub record: usize,
+    /// What it is.
+    pub kind: ObstacleKind,
+    /// Its pieces, drawing frame, micrometres.
+    pub pieces: Vec<Segment>,
+}
+
+/// What stands in the way, what is fixed first. `standing`: entities that were found
+/// on the layers of walls; `walls`: those that are walls; `metres_per_unit`: of a person.
 pub(super) fn find(
     drawing: &Drawing,
     standing: &[usize],
     walls: &[usize],
     metres_per_unit: f64,
     frame: &Frame,
-) -> Vec<Segment> {
+) -> Vec<Obstacle> {
     let hidden = Hidden::new(drawing);
     let is_wall: BTreeSet<usize> = walls.iter().copied().collect();
     let mut found: BTreeSet<usize> = standing.iter().copied().collect();
     let mut lines: Vec<Straight> = Vec::new();
+    let mut others: Vec<(usize, ObstacleKind)> = Vec::new();
     for (i, e) in drawing.entities.iter().enumerate() {
         if is_wall.contains(&i) || layers::is_own(&e.layer) || hidden.entity(e) {
             continue;
         }
         match said(e) {
-            Some(true) => drop(found.insert(i)),
-            Some(false) => {}
-            None => lines.extend(straight(i, e, metres_per_unit)),
+            Said::Fixed => drop(found.insert(i)),
+            Said::Other => {}
+            Said::Door => others.push((i, ObstacleKind::Door)),
+            Said::Nothing => {
+                lines.extend(straight(i, e, metres_per_unit));
+                others.push((i, ObstacleKind::Standing));
+            }
         }
     }
     if lines.len() <= LINES_MAX {
         found.extend(stairs::find(&lines).into_iter().map(|l| lines[l].entity));
     }
-    let traces = found.into_iter().map(|i| curve::trace(&drawing.entities[i].shape, frame));
-    traces.flat_map(|t| t.segments().map(|s| s.2).collect::<Vec<_>>()).take(PIECES_MAX).collect()
+    // A building's other elements are told apart by their kinds, not by layers and sizes.
+    let is_drawn = drawing.format == Format::Dxf;
+    others.retain(|(i, _)| {
+        is_drawn && !found.contains(i) && is_small(&drawing.entities[*i].shape, metres_per_unit)
+    });
+    let shafts = if is_drawn && lines.len() <= LINES_MAX { crosses(&lines) } else { Vec::new() };
+    let all = found.into_iter().map(|i| (i, ObstacleKind::Fixed)).chain(others);
+    let mut left = PIECES_MAX;
+    let mut obstacle = |(i, kind): (usize, ObstacleKind)| {
+        let e = &drawing.entities[i];
+        let trace = curve::trace(&e.shape, frame);
+        let pieces: Vec<Segment> = trace.segments().map(|s| s.2).take(left).collect();
+        left -= pieces.len();
+        (!pieces.is_empty()).then_some(Obstacle { record: e.source.record, kind, pieces })
+    };
+    let mut out: Vec<Obstacle> =
+        shafts.into_iter().map(|s| shaft(drawing, s, metres_per_unit, frame)).collect();
+    out.extend(all.filter_map(&mut obstacle));
+    out
 }
 
-/// Whether names say that an entity stands in the way, or not; `None` where they leave it open.
-fn said(e: &Entity) -> Option<bool> {
+/// Pairs of lines that halve each other and are equal: crosses over lifts and shafts. The lines' ends, round the
+/// shaft, and the entity of the first.
+fn crosses(lines: &[Straight]) -> Vec<(usize, [DVec2; 4])> {
+    let cell = |p: DVec2| (p / CROSS_M).floor().as_i64vec2().to_array();
+    let mut by_middle: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
+    for (i, l) in lines.iter().enumerate().filter(|(_, l)| l.a.distance(l.b) >= CROSS_ARM_MIN_M) {
+        by_middle.entry(cell(l.a.midpoint(l.b))).or_default().push(i);
+    }
+    let mut out = Vec::new();
+    for ([x, y], here) in &by_middle {
+        let around = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| [x + dx, y + dy]));
+        let near: Vec<usize> = around.filter_map(|c| by_middle.get(&c)).flatten().copied().collect();
+        if near.len() > MIDDLES_MAX {
+            continue;
+        }
+        for (i, j) in here.iter().flat_map(|i| near.iter().map(move |j| (*i, *j))).filter(|(i, j)| i < j) {
+            let (p, q) = (&lines[i], &lines[j]);
+            let (u, v) = (p.b - p.a, q.b - q.a);
+            let sine = u.normalize_or_zero().perp_dot(v.normalize_or_zero()).abs();
+            let is_one = p.a.midpoint(p.b).distance(q.a.midpoint(q.b)) <= CROSS_M;
+            if is_one && (u.length() - v.length()).abs() <= CROSS_M && sine >= CROSS_SIN {
+                out.push((p.entity, [p.a, q.a, p.b, q.b]));
+            }
+        }
+    }
+    out
+}
+
+/// The floor below a cross.
+fn shaft(
+    drawing: &Drawing,
+    (entity, corners): (usize, [DVec2; 4]),
+    metres_per_unit: f64,
+    frame: &Frame,
+) -> Obstacle {
+    let at = |i: usize| frame.um_from_file(corners[i % 4] / metres_per_unit);
+    Obstacle {
+        record: drawing.entities[entity].source.record,
+        kind: ObstacleKind::Fixed,
+        pieces: (0..4).map(|i| Segment { a: at(i), b: at(i + 1) }).collect(),
+    }
+}
+
+/// Whether a drawn thing is no larger than what stands in a room.
+fn is_small(shape: &Shape, metres_per_unit: f64) -> bool {
+    if let Shape::Circle { radius, .. } | Shape::Arc { radius, .. } = shape {
+        return std::f64::consts::PI * (radius * metres_per_unit).powi(2) <= OUTLINE_MAX_M2;
+    }
+    let points = curve::control_points(shape);
+    let Some([lo, hi]) = box_of(points.iter().copied()) else { return false };
+    let size = (hi - lo) * metres_per_unit;
+    let is_closed = matches!(shape, Shape::Polyline { closed: true, .. })
+        || points.len() > 3 && points.first() == points.last();
+    if is_closed { size.x * size.y <= OUTLINE_MAX_M2 } else { size.length() <= LINE_MAX_M }
+}
+
+/// What names say of an entity.
+enum Said {
+    Fixed,
+    Door,
+    /// It is something that does not stand on the floor, or a wall.
+    Other,
+    Nothing,
+}
+
+fn said(e: &Entity) -> Said {
     let names = || e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]);
     if names().any(|n| words(n).iter().any(|w| SANITARY.contains(&w.as_str()))) {
-        return Some(true);
+        return Said::Fixed;
     }
     let roles: Vec<Role> = names().map(|n| role_by_name(n).0).collect();
     if roles.contains(&Role::Stair) {
-        return Some(true);
+        return Said::Fixed;
     }
-    roles.iter().any(|r| !matches!(r, Role::Unknown | Role::Furniture)).then_some(false)
+    let is_door = |r: &Role| matches!(r, Role::Door | Role::Window);
+    match roles.iter().find(|r| !matches!(r, Role::Unknown | Role::Furniture) && !is_door(r)) {
+        Some(_) => Said::Other,
+        None if roles.iter().any(is_door) => Said::Door,
+        None => Said::Nothing,
+    }
 }
 
 fn straight(entity: usize, e: &Entity, metres_per_unit: f64) -> Option<Straight> {
@@ -113,7 +246,6 @@ fn straight(entity: usize, e: &Entity, metres_per_unit: f64) -> Option<Straight>
 mod tests {
     use super::*;
     use crate::plan::drawing::{Editable, SourceRef};
-    use glam::DVec2;
 
     /// Pieces found among `count` equal lines on a layer, 0.28 m apart.
     fn pieces(layer: &str, count: usize) -> usize {
@@ -126,7 +258,8 @@ mod tests {
             blocks: Vec::new(),
         };
         let drawing = Drawing::of((0..count).map(line).collect());
-        find(&drawing, &[], &[], 1.0, &Frame::new(1.0, [DVec2::ZERO, DVec2::splat(10.0)])).len()
+        let found = find(&drawing, &[], &[], 1.0, &Frame::new(1.0, [DVec2::ZERO, DVec2::splat(10.0)]));
+        found.iter().filter(|o| o.kind == ObstacleKind::Fixed).map(|o| o.pieces.len()).sum()
     }
 
     #[test]

@@ -86,35 +86,61 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     for (w, wall) in plan.walls.iter().enumerate() {
         out.faces.extend(faces_of(&wall.shape, w as u32, place));
     }
-    let is_wall: BTreeSet<(usize, &str)> =
-        plan.walls.iter().map(|w| (w.source.record, w.source.layer.as_str())).collect();
+    let walls = DrawnWalls::new(plan, drawing);
     for (i, entity) in drawing.entities.iter().enumerate() {
-        if is_wall.contains(&(entity.source.record, entity.source.layer.as_str()))
-            || layers::is_own(&entity.layer)
-        {
+        if walls.contains(i, entity) || layers::is_own(&entity.layer) {
             continue;
         }
         let paths = swing_or(paths_of(&entity.shape, place));
         if let Some((role, word)) = mark_role(entity, &paths) {
-            let group =
-                if entity.blocks.is_empty() { i } else { drawing.entities.len() + entity.source.record };
+            let group = walls.fitting_block(entity).map_or(i, |record| drawing.entities.len() + record);
             out.marks.push(Mark { paths, role, group: group as u32, word });
             marked.push(i);
         }
     }
     leave_paving(&mut out.marks, &mut marked);
-    join_swings(drawing, &mut out.marks, &marked);
+    join_swings(drawing, &walls, &mut out.marks, &marked);
     (out, marked)
 }
 
+/// Which entities of a drawing the walls of its plan are.
+pub(super) struct DrawnWalls<'a> {
+    entities: BTreeSet<usize>,
+    records: BTreeSet<(usize, &'a str)>,
+}
+
+impl<'a> DrawnWalls<'a> {
+    /// Finds them.
+    pub fn new(plan: &'a Plan, drawing: &Drawing) -> Self {
+        let foreign: Vec<usize> =
+            (0..drawing.entities.len()).filter(|i| !layers::is_own(&drawing.entities[*i].layer)).collect();
+        Self {
+            entities: plan.picked.iter().filter_map(|p| foreign.get(*p).copied()).collect(),
+            records: plan.walls.iter().map(|w| (w.source.record, w.source.layer.as_str())).collect(),
+        }
+    }
+
+    /// Whether an entity is one of them, or of the same element; what a block shows beside its walls is not.
+    pub fn contains(&self, i: usize, e: &Entity) -> bool {
+        self.entities.contains(&i)
+            || e.blocks.is_empty() && self.records.contains(&(e.source.record, e.source.layer.as_str()))
+    }
+
+    /// The INSERT that shows an entity, unless it shows walls too: then it is no door and no window.
+    fn fitting_block(&self, e: &Entity) -> Option<usize> {
+        let holds_walls =
+            |record: usize| self.records.range((record, "")..).next().is_some_and(|r| r.0 == record);
+        e.insert().filter(|record| !holds_walls(*record))
+    }
+}
+
 /// Gives every part of a swing that is drawn in parts, in one block or on one layer, the whole swing's arc.
-fn join_swings(drawing: &Drawing, marks: &mut [Mark], marked: &[usize]) {
+fn join_swings(drawing: &Drawing, walls: &DrawnWalls<'_>, marks: &mut [Mark], marked: &[usize]) {
     let mut together: BTreeMap<(Option<usize>, &str), Vec<usize>> = BTreeMap::new();
     for (m, mark) in marks.iter().enumerate() {
         let entity = &drawing.entities[marked[m]];
         if matches!(mark.role, Role::Door | Role::Unknown) {
-            let block = (!entity.blocks.is_empty()).then_some(entity.source.record);
-            together.entry((block, &entity.layer)).or_default().push(m);
+            together.entry((walls.fitting_block(entity), &entity.layer)).or_default().push(m);
         }
     }
     for of_one in together.into_values() {
@@ -179,15 +205,13 @@ pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Seg
         drawing.layers.iter().filter(|l| l.is_off || l.is_frozen).map(|l| l.name.as_str()).collect();
     let of_layers = drawing.entities.iter().map(|e| e.layer.as_str());
     let role_of: BTreeMap<&str, roles::Role> = of_layers.map(|l| (l, role_by_name(l).0)).collect();
-    let walls: BTreeSet<(usize, &str)> =
-        plan.walls.iter().map(|w| (w.source.record, w.source.layer.as_str())).collect();
+    let walls = DrawnWalls::new(plan, drawing);
     let lies_within = |s: &[DVec2; 2], beyond: f64| {
         s.iter().all(|p| p.cmpge(lo - beyond).all() && p.cmple(hi + beyond).all())
     };
     let widest = BEYOND_WALLS_M.max(BEYOND_SHARE * (hi - lo).max_element());
     let mut out: Vec<[DVec2; 2]> = Vec::new();
-    let shown =
-        drawing.entities.iter().filter(|e| !walls.contains(&(e.source.record, e.source.layer.as_str())));
+    let shown = drawing.entities.iter().enumerate().filter(|(i, e)| !walls.contains(*i, e)).map(|(_, e)| e);
     for e in shown.filter(|e| !hidden.contains(e.layer.as_str())) {
         let role = role_of[e.layer.as_str()];
         let by_name = fills(role) || e.blocks.iter().any(|b| fills(role_by_name(b).0));

@@ -259,7 +259,7 @@ pub fn choose(drawing: &Drawing, user: Option<Unit>, walls: &[&Entity], extent_u
             "units" => format!("one drawing unit is {} m", unit.metres),
             name => name.into(),
         };
-        let reason = format!("{what} as you said (the file: {said})");
+        let reason = format!("{what} as --unit or the settings file says (the file: {said})");
         return UnitChoice { unit, reason, is_assumed: false };
     }
     let seen = Witnesses::new(drawing, walls, extent_units);

@@ -385,9 +385,14 @@ impl Search {
             violation: f64::INFINITY,
         };
         let senses = self.study.objectives.iter().enumerate();
+        let pinned = if self.study.method == Method::Default { self.study.pinned } else { 0 };
         Outcome {
             best: best.map_or_else(unknown, |i| self.archive.points()[i].clone()),
-            members: members.into_iter().map(|i| self.member(limits, i)).collect(),
+            members: members
+                .into_iter()
+                .enumerate()
+                .map(|(k, i)| self.member(limits, i, k < pinned))
+                .collect(),
             alike,
             thresholds: senses.clone().map(|(j, o)| o.sense.gain(limits.limit(j, 0.0))).collect(),
             reachable: senses.map(|(j, o)| limits.best_gain(j).map(|g| o.sense.gain(g))).collect(),
@@ -452,10 +457,12 @@ impl Search {
         limits.best.last().copied().flatten().or_else(nearest)
     }
 
-    fn member(&self, limits: &Limits, i: usize) -> Member {
+    /// A pinned member may break a hard limit and keep all thresholds.
+    fn member(&self, limits: &Limits, i: usize, is_pinned: bool) -> Member {
         let Point { parameters, values, violation } = self.archive.points()[i].clone();
         let count = self.study.objectives.len();
-        let within_threshold = violation == 0.0 && limits.admits(self.archive.gains(i), count, 0.0);
+        let within_threshold =
+            (violation == 0.0 || is_pinned) && limits.admits(self.archive.gains(i), count, 0.0);
         Member { parameters, values, violation, within_threshold }
     }
 }

@@ -564,7 +564,9 @@ pub struct Revision {
 /// As [`write_new`].
 pub fn write_revision(disk: &dyn Disk, drawing: &Path, bytes: &[u8]) -> Result<Revision, Error> {
     let (base, first) = revision_of(drawing);
-    let extension = drawing.extension().unwrap_or_default();
+    // What is written of an archive is the file in it.
+    let is_archive = drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("ifczip"));
+    let extension = if is_archive { OsStr::new("ifc") } else { drawing.extension().unwrap_or_default() };
     for number in first.. {
         let mut name = base.clone();
         name.push(format!("-r{number:02}."));

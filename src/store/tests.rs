@@ -503,6 +503,7 @@ fn revisions_take_the_next_free_name() {
     // A building of the same name and settings that somebody wrote keep theirs.
     assert_eq!(write("plan.ifc", b"house"), new("plan-r06.ifc"));
     assert_eq!(write("plan.ifc", b"house"), ("plan-r06.ifc".into(), false));
+    assert_eq!(write("packed.ifczip", b"house"), new("packed-r02.ifc"));
     fs::write(dir.path().join("plan-r07.enfilade.toml"), b"# mine").unwrap();
     assert_eq!(write("plan.dxf", b"three"), new("plan-r08.dxf"));
     assert_eq!(fs::read(dir.path().join("plan-r03.dxf")).unwrap(), b"mine");

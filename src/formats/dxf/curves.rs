@@ -60,7 +60,7 @@ pub(super) fn ocs_to_world(extrusion: DVec3, elevation: f64) -> DAffine2 {
 }
 
 /// Whether a map keeps angles; then its scale, negative if it mirrors.
-fn similarity(map: &DAffine2) -> Option<f64> {
+pub(super) fn similarity(map: &DAffine2) -> Option<f64> {
     let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
     let size = x.length_squared().max(y.length_squared());
     let is_similar = (x.length_squared() - y.length_squared()).abs() <= SIMILARITY_TOLERANCE * size

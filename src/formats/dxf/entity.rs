@@ -61,6 +61,10 @@ pub(super) struct Insert {
 const SILENT: [&[u8]; 8] =
     [b"ATTRIB", b"ATTDEF", b"SEQEND", b"VIEWPORT", b"POINT", b"VERTEX", b"ENDSEC", b"ENDBLK"];
 
+/// Kinds that belong to another record or end something, and show nothing themselves.
+const PARTS: [&[u8]; 8] =
+    [b"ATTRIB", b"ATTDEF", b"SEQEND", b"VIEWPORT", b"VERTEX", b"ENDSEC", b"ENDBLK", b"BLOCK"];
+
 /// Why an entity is left out: code and text.
 type Skip = (&'static str, String);
 
@@ -82,13 +86,23 @@ impl<'a> Reader<'a, '_> {
                 next = polyline_records(tokens, record).1;
             }
             self.check_handle(&fields);
-            let is_drawn = self.int(&fields, 67, 0)? == 0 && self.int(&fields, 60, 0)? == 0;
-            if is_drawn && let Some(body) = self.body(name, &fields)? {
-                let layer = self.layer(&fields);
-                match body {
-                    Ok(body) => out.push(Item { record, layer, body }),
-                    Err((code, text)) => self.warn(code, record, text),
+            let is_on_paper = self.int(&fields, 67, 0)? != 0;
+            let is_drawn = !is_on_paper && self.int(&fields, 60, 0)? == 0;
+            let body = if is_drawn { self.body(name, &fields)? } else { None };
+            let is_undrawn = matches!(body, None | Some(Err(_))) && (is_drawn || is_on_paper);
+            match body {
+                Some(Ok(body)) => {
+                    let layer = self.layer(&fields);
+                    out.push(Item { record, layer, body });
                 }
+                Some(Err((code, text))) => {
+                    self.layer(&fields);
+                    self.warn(code, record, text);
+                }
+                None => {}
+            }
+            if is_undrawn && !PARTS.contains(&name) {
+                self.count_undrawn(&fields, is_on_paper);
             }
             record = next;
         }
@@ -182,7 +196,7 @@ impl<'a> Reader<'a, '_> {
         Body::Shape(mapped(&shape, &map, self.five_mm), editable)
     }
 
-    fn lwpolyline(&self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
+    fn lwpolyline(&mut self, fields: &Fields<'_, '_>) -> Result<Result<Body, Skip>, Error> {
         let record = fields.record;
         let slots = lwpolyline_vertices(self.tokens, record);
         let number = |index: usize| self.number(&self.tokens.pairs[index], record);
@@ -196,6 +210,15 @@ impl<'a> Reader<'a, '_> {
         }
         if let Err(fault) = self.check_vertices(&vertices) {
             return Ok(Err(fault));
+        }
+        let stated = own_pairs(self.tokens, record).find(|(_, p)| p.code == 90);
+        let stated = stated.and_then(|(_, p)| self.tokens.integer(p));
+        if let Some(stated) = stated.filter(|n| *n != vertices.len() as i64) {
+            let text = format!(
+                "group 90, found {stated}, expected {}, the number of its vertices; read with those that are there",
+                vertices.len()
+            );
+            self.note("dxf-vertices-stated", Severity::Info, record, text);
         }
         let closed = self.int(fields, 70, 0)? & 1 != 0;
         let elevation = self.float(fields, 38, 0.0)?;

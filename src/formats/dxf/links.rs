@@ -4,13 +4,17 @@ use std::collections::HashSet;
 
 use glam::DVec2;
 
+use super::ReadOptions;
+use super::blocks::Blocks;
 use super::fields::{handle_of, own_pairs};
 use super::header::Header;
 use super::limits::Limits;
+use super::opened::Place;
 use super::patch::tokens_of;
+use super::reader::Reader;
 use super::tokens::{Tokens, shown, tokenize};
 use crate::plan::drawing::{Drawing, Shape, SourceRef};
-use crate::report::Error;
+use crate::report::{Error, Report};
 
 /// Distance, in parts of the moved entities' largest coordinate, at which a point still is "on" one.
 const ON_ENTITY: f64 = 1e-7;
@@ -19,9 +23,9 @@ const ON_ENTITY: f64 = 1e-7;
 const ANNOTATION: [&[u8]; 6] =
     [b"DIMENSION", b"ARC_DIMENSION", b"LARGE_RADIAL_DIMENSION", b"LEADER", b"MULTILEADER", b"HATCH"];
 
-/// Dimensions, leaders and hatches of model space that refer to an entity of `records`, by handle
-/// (associative) or by a defining point on its shape in `drawing`; in file order. They keep their bytes
-/// when the entity moves and may be stale then.
+/// Dimensions, leaders and hatches that refer to an entity of `records`, by handle (associative) or by a defining
+/// point on its shape in `drawing`; in file order. They stand in model space, or in a block where one of `records`
+/// does. They keep their bytes when the entity moves and may be stale then.
 ///
 /// # Errors
 /// [`Error::Input`] where the bytes are no DXF.
@@ -42,19 +46,35 @@ pub fn dependents(
         .filter_map(|&r| handle_of(&tokens, r))
         .collect();
     let associated = associated_dimensions(&tokens, &handles);
-    let refers = |record: usize| {
+    let section = tokens.section(b"ENTITIES").unwrap_or(0..0);
+    // Of the blocks only where something is changed there.
+    let defined = tokens.section(b"BLOCKS").filter(|d| records.iter().any(|r| d.contains(r))).unwrap_or(0..0);
+    let (header, mut unsaid) = (Header::read(&tokens), Report::default());
+    let options = ReadOptions::default();
+    let mut reader = Reader::new(file, &tokens, &header, &options, &mut unsaid);
+    let blocks = if defined.is_empty() { None } else { Some(Blocks::find(&reader)?) };
+    let mut refers = |record: usize| {
         handle_of(&tokens, record).is_some_and(|handle| associated.contains(&handle))
             || own_pairs(&tokens, record)
                 .any(|(_, p)| matches!(p.code, 330..=349) && handles.contains(&upper(tokens.value(p))))
-            || defining_points(&tokens, record).into_iter().any(|p| outline.holds(p))
+            || {
+                let place = blocks.as_ref().filter(|_| defined.contains(&record));
+                let place = place.map(|blocks| Place::of(&mut reader, blocks, record));
+                let points = defining_points(&tokens, record);
+                match place {
+                    None => points.into_iter().any(|p| outline.holds(p)),
+                    Some(place) => {
+                        place.is_some_and(|place| points.into_iter().any(|p| outline.holds(place.at(p))))
+                    }
+                }
+            }
     };
-    let section = tokens.section(b"ENTITIES").unwrap_or(0..0);
-    let found = section.filter(|&r| ANNOTATION.contains(&tokens.name(r)) && refers(r));
+    let found = defined.clone().chain(section).filter(|&r| ANNOTATION.contains(&tokens.name(r)) && refers(r));
     Ok(found
         .map(|record| SourceRef {
             record,
             handle: handle_of(&tokens, record),
-            line: tokens.line(tokens.span(record).start),
+            line: tokens.source_line(record),
             kind: shown(tokens.name(record)),
             layer: own_pairs(&tokens, record)
                 .find(|(_, p)| p.code == 8)

@@ -6,8 +6,8 @@
 //! it again. ASCII R10 to R2018 and binary DXF; blocks are unfolded, curves that no plan can hold become
 //! polylines within 5 mm.
 //!
-//! Records are counted as the group-0 pairs of the file from 0 ([`SourceRef::record`]); lines of a binary
-//! file are those it would have in ASCII.
+//! Records are counted as the group-0 pairs of the file from 0 ([`SourceRef::record`]); a binary file has no lines, so
+//! its places are bytes.
 //!
 //! [`SourceRef::record`]: crate::plan::drawing::SourceRef::record
 
@@ -22,6 +22,7 @@ mod fill;
 mod header;
 mod limits;
 mod links;
+mod opened;
 mod patch;
 mod read;
 mod reader;

@@ -1,21 +1,26 @@
 //! Edits and additions to bytes: only the values that differ are replaced.
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use glam::DVec2;
 
 use super::ReadOptions;
 use super::additions;
+use super::blocks::Blocks;
 use super::curves::is_upright;
 use super::fields::{
     Fields, attributes, handle_of, has_embedded_object, lwpolyline_vertices, point_slots, polyline_records,
 };
+use super::header::Header;
 use super::limits::Limits;
+use super::opened::Place as Placed;
 use super::read::fault_error;
+use super::reader::Reader;
 use super::tokens::{Form, Kind, Tokens, kind_of, tokenize, trim};
 use crate::formats::splice::{Splice, apply};
 use crate::plan::drawing::{Addition, Edit, RigidMotion, Shape, Vertex};
-use crate::report::{Error, Place};
+use crate::report::{Error, Place, Report};
 
 /// Differences below this many times the rounding step of an entity's largest coordinate are what
 /// changing frames leaves behind, no move.
@@ -83,12 +88,15 @@ type RecordSplices = Vec<(usize, Splice)>;
 
 fn edit_splices(file: &str, tokens: &Tokens<'_>, edits: &[Edit]) -> Result<Vec<RecordSplices>, Error> {
     let section = tokens.section(b"ENTITIES").unwrap_or(0..0);
+    let edits = definition_edits(file, tokens, edits)?;
+    let edits = edits.as_ref();
+    let defined = tokens.section(b"BLOCKS").unwrap_or(0..0);
     edits
         .iter()
         .map(|edit| {
             let record = &edit.record();
             let mut editor = Editor { file, tokens, record: *record, noise: 0.0, out: Vec::new() };
-            if !section.contains(record) {
+            if !section.contains(record) && !defined.contains(record) {
                 return Err(editor.fault("no entity of model space stands there"));
             }
             match edit {
@@ -99,6 +107,48 @@ fn edit_splices(file: &str, tokens: &Tokens<'_>, edits: &[Edit]) -> Result<Vec<R
             Ok(editor.out)
         })
         .collect()
+}
+
+/// The edits, those of what a block shows once as edits of its definition.
+fn definition_edits<'e>(
+    file: &str,
+    tokens: &Tokens<'_>,
+    edits: &'e [Edit],
+) -> Result<Cow<'e, [Edit]>, Error> {
+    let Some(defined) = tokens.section(b"BLOCKS") else { return Ok(Cow::Borrowed(edits)) };
+    if !edits.iter().any(|e| defined.contains(&e.record())) {
+        return Ok(Cow::Borrowed(edits));
+    }
+    let (header, mut report) = (Header::read(tokens), Report::default());
+    let options = ReadOptions::default();
+    let mut reader = Reader::new(file, tokens, &header, &options, &mut report);
+    let blocks = Blocks::find(&reader)?;
+    let mut inner = |edit: &Edit| {
+        let record = edit.record();
+        if !defined.contains(&record) {
+            return Ok(edit.clone());
+        }
+        let editor = Editor { file, tokens, record, noise: 0.0, out: Vec::new() };
+        let place = Placed::of(&mut reader, &blocks, record);
+        let place = place.ok_or_else(|| editor.fault("no entity stands there that is shown exactly once"))?;
+        let changed = match edit {
+            Edit::Shape { shape, .. } => {
+                let drawn = Placed::drawn(&mut reader, record);
+                let back = drawn.and_then(|drawn| place.shape_back(shape, &drawn));
+                let back = back.ok_or_else(|| editor.fault("its kind and the new shape differ"))?;
+                Edit::Shape { record, shape: back }
+            }
+            Edit::Insert { motion, .. } => {
+                let motion = place.motion_back(motion);
+                let motion =
+                    motion.ok_or_else(|| editor.fault("what shows it stretches it: it does not turn"))?;
+                Edit::Insert { record, motion }
+            }
+            Edit::Ends { .. } => edit.clone(),
+        };
+        Ok(changed)
+    };
+    Ok(Cow::Owned(edits.iter().map(&mut inner).collect::<Result<_, Error>>()?))
 }
 
 /// One edit of one entity.

@@ -29,7 +29,9 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         return Err(Error::input("dxf-no-entities", Place::file(file), text));
     };
     let items = reader.items(section)?;
+    let undrawn = reader.take_undrawn();
     let mut blocks = Blocks::find(&reader)?;
+    blocks.measure(&mut reader, &items)?;
     let (mut entities, mut texts) = (Vec::with_capacity(items.len()), Vec::new());
     for item in items {
         if let Body::Insert(_) = item.body {
@@ -62,6 +64,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         texts,
         marked: Vec::new(),
         hosts: Default::default(),
+        undrawn,
     })
 }
 
@@ -78,12 +81,15 @@ fn checked_tokens<'a>(
     match is_complete(bytes) {
         Completeness::Whole => {}
         Completeness::Empty => {
-            let text =
-                "the file is empty, found 0 bytes of content, expected a DXF drawing; nothing was read";
+            let found = match bytes.len() {
+                0 => "0 bytes".to_owned(),
+                n => format!("{n} bytes, all of them blanks"),
+            };
+            let text = format!("the file is empty, found {found}, expected a DXF drawing; nothing was read");
             return Err(Error::input("dxf-empty", Place::file(file), text));
         }
         Completeness::Incomplete(reason) if !options.accept_missing_eof => {
-            return Err(Error::input("dxf-incomplete", Place::file(file), incomplete_words(&reason)));
+            return Err(Error::input("dxf-incomplete", end_of(file, bytes), incomplete_words(&reason)));
         }
         Completeness::Incomplete(_) => {}
     }
@@ -92,16 +98,16 @@ fn checked_tokens<'a>(
     if !tokens.has_eof {
         if !options.accept_missing_eof {
             let reason = "no 0/EOF where a group code stands";
-            return Err(Error::input("dxf-incomplete", Place::file(file), incomplete_words(reason)));
+            return Err(Error::input("dxf-incomplete", end_of(file, bytes), incomplete_words(reason)));
         }
-        let place = Place::line(file, tokens.line(tokens.pairs.len()));
+        let place = tokens.place(file, tokens.pairs.len());
         let text =
             "its end, found no 0/EOF, expected one; read nevertheless because accept_missing_eof is set";
         report.warn("dxf-missing-eof", place, text);
     }
     let tail = &bytes[tokens.end..];
     if tokens.has_eof && tail.iter().any(|b| !b.is_ascii_whitespace() && *b != 0x1a) {
-        let place = Place::line(file, tokens.line(tokens.pairs.len()));
+        let place = tokens.place(file, tokens.pairs.len());
         let text = format!(
             "after 0/EOF, found {} more bytes, expected none; not read, kept in every output",
             tail.len()
@@ -114,8 +120,16 @@ fn checked_tokens<'a>(
 fn incomplete_words(reason: &str) -> String {
     format!(
         "the drawing is incomplete: {reason}, expected 0/EOF at the end; not read. Save or export it again; if \
-         its program never writes EOF, set accept-missing-eof = true"
+         its program never writes EOF, say --accept-missing-eof or set accept-missing-eof = true"
     )
+}
+
+/// The last line of a file that holds anything; of a binary one its end.
+fn end_of(file: &str, bytes: &[u8]) -> Place {
+    if super::tokens::form_of(bytes) != Form::Ascii || super::tokens::BINARY_SENTINEL.starts_with(bytes) {
+        return Place::file(file).entity(format!("byte {}", bytes.len()));
+    }
+    Place::line(file, super::tokens::lines_of(bytes.trim_ascii_end()))
 }
 
 /// A tokeniser's complaint with its place.

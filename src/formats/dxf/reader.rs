@@ -9,7 +9,7 @@ use super::header::{Header, is_sane};
 use super::limits::Limits;
 use super::text::CodePage;
 use super::tokens::{Pair, Tokens, shown};
-use crate::plan::drawing::{Entity, Layer, SourceRef};
+use crate::plan::drawing::{Entity, Layer, SourceRef, Undrawn};
 use crate::report::{Error, Place, Report, Severity};
 
 /// One reading of one file.
@@ -34,6 +34,8 @@ pub(super) struct Reader<'a, 'r> {
     pub fills: Vec<Entity>,
     /// Record kinds left out, with their numbers.
     pub left_out: BTreeMap<String, usize>,
+    /// What is drawn and no line of the plan, by layer, kind and whether it stands on paper.
+    pub undrawn: BTreeMap<(&'a [u8], &'a [u8], bool), usize>,
     report: &'r mut Report,
     note_counts: BTreeMap<&'static str, usize>,
 }
@@ -90,6 +92,7 @@ impl<'a, 'r> Reader<'a, 'r> {
             handles: HashMap::new(),
             fills: Vec::new(),
             left_out: BTreeMap::new(),
+            undrawn: BTreeMap::new(),
             report,
             note_counts: BTreeMap::new(),
         }
@@ -105,7 +108,11 @@ impl<'a, 'r> Reader<'a, 'r> {
         if let Some(layer) = fields.value(8) {
             words += &format!(" layer {}", self.page.decode(layer));
         }
-        Place::line(self.file, self.tokens.line(self.tokens.span(record).start)).entity(words)
+        let place = self.tokens.place(self.file, self.tokens.span(record).start);
+        if !place.entity.is_empty() {
+            words = format!("{} {words}", place.entity);
+        }
+        place.entity(words)
     }
 
     /// A finding at a record; of one kind only the first few are listed.
@@ -179,7 +186,7 @@ impl<'a, 'r> Reader<'a, 'r> {
     fn bad(&self, pair: &Pair, record: usize, expected: &str) -> Error {
         let index = (pair as *const Pair as usize - self.tokens.pairs.as_ptr() as usize) / size_of::<Pair>();
         let mut place = self.place(record);
-        place.line = Some(self.tokens.line(index) + 1);
+        place.line = place.line.map(|_| self.tokens.line(index) + 1);
         let found = shown(self.tokens.value(pair));
         let text = format!(
             "group {}, found `{found}`, expected {expected}; the file was not read, because a guess could \
@@ -199,14 +206,35 @@ impl<'a, 'r> Reader<'a, 'r> {
         self.layers.index(fields.value(8).unwrap_or(b"0"), self.page)
     }
 
+    /// Counts a record that is drawn and gives no line of the plan.
+    pub fn count_undrawn(&mut self, fields: &Fields<'_, 'a>, is_on_paper: bool) {
+        let (layer, name) = (fields.value(8).unwrap_or(b"0"), self.tokens.name(fields.record));
+        *self.undrawn.entry((layer, name, is_on_paper)).or_default() += 1;
+    }
+
+    /// What was counted so far, by layer and kind; the counts start again.
+    pub fn take_undrawn(&mut self) -> Vec<Undrawn> {
+        let counted = std::mem::take(&mut self.undrawn).into_iter();
+        let of = |((layer, name, is_on_paper), count)| Undrawn {
+            layer: self.page.decode(layer),
+            kind: shown(name),
+            is_on_paper,
+            count,
+        };
+        let mut out: Vec<Undrawn> = counted.map(of).collect();
+        out.sort();
+        out
+    }
+
     /// Says so where a handle stands a second time.
     pub fn check_handle(&mut self, fields: &Fields<'_, 'a>) {
         let Some(handle) = fields.value(5) else { return };
         let first = *self.handles.entry(handle).or_insert(fields.record);
         if first != fields.record {
-            let line = self.tokens.line(self.tokens.span(first).start);
+            let other = self.tokens.place("", self.tokens.span(first).start);
+            let other = other.line.map_or(other.entity, |line| format!("line {line}"));
             let text = format!(
-                "its handle, found also at line {line}, expected each once; both are kept, told apart by their lines"
+                "its handle, found also at {other}, expected each once; both are kept, told apart by their lines"
             );
             self.note("dxf-duplicate-handle", Severity::Info, fields.record, text);
         }
@@ -217,7 +245,7 @@ impl<'a, 'r> Reader<'a, 'r> {
         SourceRef {
             record,
             handle: handle_of(self.tokens, record),
-            line: self.tokens.line(self.tokens.span(record).start),
+            line: self.tokens.source_line(record),
             kind: shown(self.tokens.name(record)),
             layer: self.layers.name(layer).to_owned(),
         }

@@ -6,6 +6,7 @@
 use std::ops::Range;
 
 use super::limits::Limits;
+use crate::report::Place;
 
 /// First 22 bytes of a binary DXF.
 pub(super) const BINARY_SENTINEL: &[u8] = b"AutoCAD Binary DXF\r\n\x1a\0";
@@ -158,6 +159,16 @@ fn line_end(bytes: &[u8], pos: usize) -> (usize, usize) {
     (end, next)
 }
 
+/// How many lines the bytes are.
+pub(super) fn lines_of(bytes: &[u8]) -> usize {
+    let (mut pos, mut lines) = (0, 0);
+    while pos < bytes.len() {
+        pos = line_end(bytes, pos).1;
+        lines += 1;
+    }
+    lines
+}
+
 fn group_code(line: &[u8]) -> Option<i32> {
     let line = trim(line);
     let (negative, digits) = match line {
@@ -299,6 +310,20 @@ impl<'a> Tokens<'a> {
     /// Line of a pair's group code, from 1; for a binary file the line it would have in ASCII.
     pub fn line(&self, pair: usize) -> usize {
         2 * pair + 1
+    }
+
+    /// Where a pair starts: its line, or its byte in a binary file, which has no lines.
+    pub fn place(&self, file: &str, pair: usize) -> Place {
+        if self.form == Form::Ascii {
+            return Place::line(file, self.line(pair));
+        }
+        let byte = if pair == 0 { self.head() } else { self.pair_end(pair - 1) };
+        Place::file(file).entity(format!("byte {byte}"))
+    }
+
+    /// [`SourceRef::line`](crate::plan::drawing::SourceRef::line) of a record.
+    pub fn source_line(&self, record: usize) -> usize {
+        if self.form == Form::Ascii { self.line(self.span(record).start) } else { 0 }
     }
 
     /// The value as a number; `None` where it is none. NaN and infinities are numbers here.

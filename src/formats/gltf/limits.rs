@@ -9,6 +9,10 @@ pub const DEPTH_MAX: usize = 10_000;
 /// Nodes shown, instances of one mesh counted each time.
 pub const NODES_MAX: usize = 500_000;
 
+/// Nodes shown again because they hang in several others, which the standard forbids: where each names its child
+/// twice, a few levels would be millions.
+pub const REPEATS_MAX: usize = 1_000;
+
 /// Triangles cut in one scene.
 pub const TRIANGLES_MAX: usize = 20_000_000;
 

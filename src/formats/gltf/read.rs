@@ -102,6 +102,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         texts,
         marked,
         hosts: BTreeMap::new(),
+        undrawn: Vec::new(),
         fills: Vec::new(),
     })
 }

@@ -8,7 +8,7 @@ use base64::Engine;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 use super::json::{Json, parse};
-use super::limits::{DATA_MAX, DEPTH_MAX, NODES_MAX, OUTER_MAX};
+use super::limits::{DATA_MAX, DEPTH_MAX, NODES_MAX, OUTER_MAX, REPEATS_MAX};
 use crate::report::{Error, Place};
 
 /// A chunk of a GLB file: its kind and where its data stands.
@@ -181,6 +181,7 @@ impl<'a> File<'a> {
                 .collect(),
         };
         let (mut out, mut odd) = (Vec::new(), Vec::new());
+        let (mut seen, mut repeats) = (vec![false; nodes.len()], 0);
         let mut open: Vec<(usize, DAffine3, Vec<String>, Vec<usize>)> =
             roots.into_iter().rev().map(|n| (n, DAffine3::IDENTITY, Vec::new(), Vec::new())).collect();
         while let Some((n, parent, mut names, mut path)) = open.pop() {
@@ -197,6 +198,14 @@ impl<'a> File<'a> {
                     path.iter().skip_while(|p| **p != n).chain([&n]).map(ToString::to_string).collect();
                 odd.push(format!("nodes are children of each other in a ring: {}", ring.join(">")));
                 continue;
+            }
+            repeats += usize::from(std::mem::replace(&mut seen[n], true));
+            if repeats > REPEATS_MAX {
+                odd.push(format!(
+                    "/nodes/{n} and others hang in several nodes each, shown {REPEATS_MAX} times more than there are, \
+                     expected one; the rest is left out"
+                ));
+                break;
             }
             if out.len() >= NODES_MAX {
                 odd.push(format!("more than {NODES_MAX} nodes are shown"));

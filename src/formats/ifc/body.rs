@@ -1,9 +1,11 @@
 //! Bodies cut by a horizontal plane.
 
+use std::collections::HashMap;
+
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::geo::{Geo, UPRIGHT, Why};
-use super::limits::{BODY_DEPTH_MAX, FACES_MAX};
+use super::limits::{BODY_DEPTH_MAX, BODY_ITEMS_MAX, FACES_MAX};
 use super::step::Arg;
 use crate::formats::region::{Region, Rule, clip, slice};
 
@@ -24,12 +26,49 @@ impl Geo<'_, '_> {
     pub fn cut_items(&self, items: &[u64], to: &DAffine3, z: f64) -> Cut {
         let mut out = Cut::default();
         for item in items {
-            match self.cut(*item, to, z, 0) {
+            match self.light(*item).and_then(|()| self.cut(*item, to, z, 0)) {
                 Ok(region) => out.region = std::mem::take(&mut out.region).combine(&region, Rule::Union),
                 Err(why) => out.missing.push(why),
             }
         }
         out
+    }
+
+    /// Refuses an item that shows too many others.
+    fn light(&self, id: u64) -> Result<(), Why> {
+        match self.weight(id, 0, &mut HashMap::new()) {
+            n if n > BODY_ITEMS_MAX => Err(format!(
+                "{} shows {n} items, those that are shown again counted again, expected at most {BODY_ITEMS_MAX}",
+                self.named(id)
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Items that one shows, as often as it shows them; what holds itself counts once, [`Geo::cut`] names it.
+    fn weight(&self, id: u64, depth: usize, known: &mut HashMap<u64, u64>) -> u64 {
+        let inner: Vec<u64> = match &*self.step.keyword(id) {
+            "IFCBOOLEANCLIPPINGRESULT" | "IFCBOOLEANRESULT" => {
+                self.step.args(id).iter().skip(1).take(2).filter_map(Arg::id).collect()
+            }
+            "IFCMAPPEDITEM" => {
+                let of = |id: u64, k: usize| self.step.args(id).get(k).and_then(Arg::id);
+                let shape = of(id, 0).and_then(|map| of(map, 1));
+                shape.and_then(|s| self.step.args(s).get(3).map(Arg::ids)).unwrap_or_default()
+            }
+            "IFCCSGSOLID" => self.step.args(id).first().and_then(Arg::id).into_iter().collect(),
+            _ => return 1,
+        };
+        if let Some(weight) = known.get(&id) {
+            return *weight;
+        }
+        known.insert(id, 1);
+        if depth > BODY_DEPTH_MAX {
+            return 1;
+        }
+        let sum = inner.into_iter().fold(1u64, |s, i| s.saturating_add(self.weight(i, depth + 1, known)));
+        known.insert(id, sum);
+        sum
     }
 
     /// Cuts one representation item.
@@ -287,6 +326,9 @@ impl Geo<'_, '_> {
     pub fn reach(&self, id: u64, to: &DAffine3, depth: usize) -> Result<[f64; 2], Why> {
         if depth > BODY_DEPTH_MAX {
             return Err(format!("{} holds itself", self.named(id)));
+        }
+        if depth == 0 {
+            self.light(id)?;
         }
         let args = self.args(id)?;
         let keyword = self.step.keyword(id);

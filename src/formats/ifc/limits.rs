@@ -9,6 +9,10 @@ pub const PLACEMENT_CHAIN_MAX: usize = 1_000;
 /// Mapped items and boolean operands inside each other.
 pub const BODY_DEPTH_MAX: usize = 200;
 
+/// Mapped items and boolean operands of one shape, each counted as often as it is shown: a shape that shows everything
+/// twice at each of a few levels would never end.
+pub const BODY_ITEMS_MAX: u64 = 10_000;
+
 /// Corners of one cut, so that a sculpture does not stand in for a wall.
 pub const OUTLINE_POINTS_MAX: usize = 20_000;
 

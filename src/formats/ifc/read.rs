@@ -630,6 +630,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             texts: self.texts,
             fills: Vec::new(),
             marked: self.marked,
+            undrawn: Vec::new(),
         }
     }
 

@@ -171,10 +171,17 @@ fn lead(result: &RoundResult) -> String {
                 result.stopped_by
             );
         }
-        return "The present layout was measured. Nothing in the drawing may move yet: draw a closed \
-                line on the layer EF-MOVE round the ends of a wall and put a text in it such as \
-                “x -1.5 2”, then save."
-            .to_owned();
+        let said = |code: &str| result.problems.iter().any(|p| p.code == code);
+        let why = if said("moves-unread") {
+            "Nothing moves, because no mark of what may move can be used as it stands: what is wrong with each stands \
+             below. Correct them, or take them away and walls move by default."
+        } else if said("move-kept") {
+            "Nothing moves, because EF-KEEP holds what may."
+        } else {
+            "Nothing in the drawing may move yet: draw a closed line on the layer EF-MOVE round the ends of a wall and put \
+             a text in it such as “x -1.5m 2m”, then save."
+        };
+        return format!("The present layout was measured. {why}");
     };
     if result.problems.iter().any(|p| p.code == "none-better") {
         return "No layout that was measured is better than the present one; the best of them is shown."

@@ -1,10 +1,16 @@
 //! What the report says of the options of a round: why there are fewer than wanted, why they are alike.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::Found;
 use crate::config::{Mode, Settings};
+use crate::moves::Layout;
+use crate::moves::carried::{Carried, carried};
 use crate::overlay::measure::{plain_name, sentence_case};
 use crate::overlay::result::{Explanation, Objective, Sense};
-use crate::pipeline::study::Study;
+use crate::pipeline::study::{Study, Understood};
+use crate::plan::drawing::SourceRef;
+use crate::plan::markers::place_in;
 use crate::report::{Place, Report};
 
 /// Code of what says that no option is better than the present layout.
@@ -127,6 +133,61 @@ pub(super) fn say_alikeness(report: &mut Report, file: &str, share: f64, nearest
              little room together; lower thresholds, fewer objectives or --objective \"score max 0.7\" give more different options"
         );
         report.info("options-alike", place, text);
+    }
+}
+
+/// Most handles of annotation of one kind on one layer that are listed.
+const HANDLES_MAX: usize = 200;
+
+/// Names the annotation that does not follow the moved walls: of one kind on one layer together.
+pub(super) fn say_stale(report: &mut Report, file: &str, found: &[SourceRef]) {
+    let mut alike: Vec<Vec<&SourceRef>> = Vec::new();
+    for s in found {
+        match alike.iter_mut().find(|of| of[0].kind == s.kind && of[0].layer == s.layer) {
+            Some(of) => of.push(s),
+            None => alike.push(vec![s]),
+        }
+    }
+    for of in alike {
+        let text = match &of[1..] {
+            [] => "is tied to a wall that moves in an option; its bytes are kept and may be stale there"
+                .to_owned(),
+            others => format!(
+                "and {} more {} of the layer ({}) are tied to walls that move in an option; their bytes are kept and may \
+                 be stale there",
+                others.len(),
+                of[0].kind,
+                named(others)
+            ),
+        };
+        report.info("stale-annotation", place_in(file, of[0]), text);
+    }
+}
+
+/// Records by their handles, else by their lines.
+fn named(records: &[&SourceRef]) -> String {
+    let name = |s: &&SourceRef| s.handle.clone().unwrap_or_else(|| format!("line {}", s.line));
+    let mut names: Vec<String> = records.iter().take(HANDLES_MAX).map(name).collect();
+    if records.len() > HANDLES_MAX {
+        names.push(format!("and {} not listed", records.len() - HANDLES_MAX));
+    }
+    names.join(", ")
+}
+
+/// What goes along with the walls of an option, by layer; empty for nothing.
+pub(super) fn goes_along_words(base: &Understood, layout: &Layout) -> String {
+    let goes = base.fittings.iter().filter(|f| matches!(carried(&base.plan, f, layout), Carried::Moves(..)));
+    let records: BTreeMap<usize, &str> = goes.map(|f| (f.source.record, f.source.layer.as_str())).collect();
+    let layers: BTreeSet<&str> = records.values().copied().collect();
+    let layers: Vec<&str> = layers.into_iter().collect();
+    let on = match layers.as_slice() {
+        [layer] => format!("layer {layer}"),
+        all => format!("layers {}", all.join(", ")),
+    };
+    match records.len() {
+        0 => String::new(),
+        1 => format!(" One part of a door or window goes along ({on})."),
+        n => format!(" {n} parts of doors and windows go along ({on})."),
     }
 }
 

@@ -71,7 +71,8 @@ impl Scene {
     ) -> Result<Self, Error> {
         let lattice = Arc::new(lattice(ground, report)?);
         let cells = CellIndex::new(&lattice);
-        let moving = Obstacles { blind: blind(base, identity, &cells), segments: ground.movable.to_vec() };
+        let segments = ground.movable.to_vec();
+        let moving = Obstacles { blind: blind(base, identity, &cells, &segments), segments };
         let evaluator = Evaluator::new(Arc::clone(&lattice), ground.fixed, &moving);
         let mut all = moving;
         all.segments.extend(ground.fixed);
@@ -219,7 +220,7 @@ impl Study {
         scratches: &mut [Scratch],
     ) -> (Seen, Vec<Seen>) {
         let of = |(pair, scratch): (&Pair, &mut Scratch)| {
-            let blind = blind(&self.base, layout, &pair.scene.cells);
+            let blind = blind(&self.base, layout, &pair.scene.cells, &moving.segments);
             let moving = Obstacles { segments: moving.segments.clone(), blind };
             let tally = pair.scene.evaluator.evaluate(&moving, scratch);
             pair.scene.seen(tally, &moving.blind, || self.obstacles(layout, &pair.scene.cells))

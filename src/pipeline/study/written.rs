@@ -47,7 +47,7 @@ impl Study {
         let seen = |scene: &super::seen::Scene| -> Seen {
             let obstacles = Obstacles {
                 segments: segments.clone(),
-                blind: self.blind_again(&again, &meant, &scene.cells),
+                blind: self.blind_again(&again, &meant, &scene.cells, &segments),
             };
             let graph = visibility_graph(&scene.lattice, &obstacles);
             let initial = Initial { components: &scene.components, covered: &obstacles.blind };
@@ -76,8 +76,14 @@ impl Study {
         Ok(again)
     }
 
-    /// Vertices that what can move covers in a plan read again.
-    fn blind_again(&self, again: &Plan, meant: &BTreeMap<u32, &Shape>, cells: &CellIndex) -> Vec<u32> {
+    /// Vertices that what can move covers or touches in a plan read again.
+    fn blind_again(
+        &self,
+        again: &Plan,
+        meant: &BTreeMap<u32, &Shape>,
+        cells: &CellIndex,
+        segments: &[Segment],
+    ) -> Vec<u32> {
         let mut out = Vec::new();
         for w in &self.base.moves.walls {
             if self.base.plan.walls[*w as usize].is_solid {
@@ -87,6 +93,7 @@ impl Study {
         let shape =
             |w: u32| Some(as_cornered(&self.base.plan, &again.walls.get(w as usize)?.shape, meant.get(&w)?));
         cover_bodies(&self.base, &shape, cells, &mut out);
+        segments.iter().for_each(|s| cells.vertices_on(*s, &mut out));
         out.sort_unstable();
         out.dedup();
         out

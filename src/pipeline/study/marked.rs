@@ -1,0 +1,129 @@
+//! Moves that somebody states: a side-car's, a building's; and what is said where marks hold everything.
+
+use std::collections::BTreeSet;
+
+use glam::DVec2;
+
+use crate::config::MoveTable;
+use crate::moves::Moves;
+use crate::plan::drawing::{Drawing, Format};
+use crate::plan::graph::Graph;
+use crate::plan::layers::WallLayers;
+use crate::plan::markers::{self, Group, place_in};
+use crate::plan::{Plan, Region};
+use crate::report::{Error, Place, Report};
+
+/// Says so where marks were made and none can be used: nobody who marks a wall means all the others.
+pub(super) fn state_unread_marks(marks: &str, plan: &Plan, report: &mut Report) {
+    let text = format!(
+        "nothing moves, the present layout is measured: what may move is said by {marks} here, and none of it can be used \
+         as it stands (see the warnings); correct it, or take it away and walls move by default"
+    );
+    report.warn("moves-unread", Place::file(&plan.file), text);
+}
+
+/// Says so where `EF-KEEP` holds what would move by default.
+pub(super) fn state_held(
+    moves: &Moves,
+    groups: &[(Group, Vec<u32>)],
+    (plan, graph): (&Plan, &Graph),
+    report: &mut Report,
+) {
+    let is_kept = |n: &u32| {
+        let at = plan.frame.um_from_plan(graph.nodes[*n as usize]);
+        plan.markers.keep.iter().any(|r| r.contains(at))
+    };
+    let held = groups.iter().filter(|(_, nodes)| nodes.iter().all(is_kept)).count();
+    let told = report.problems.iter_mut().rev().find(|p| p.code == "default-moves");
+    let Some(told) = told.filter(|_| held > 0) else { return };
+    if moves.parameters.is_empty() {
+        told.text = format!(
+            "nothing may move, the present layout is measured: no EF-MOVE, and EF-KEEP holds all {held} elements, walls \
+             and doors that would move by default"
+        );
+    } else {
+        told.text +=
+            &format!("; it holds {held} of them here, {} parameters are left", moves.parameters.len());
+    }
+}
+
+/// Side-car nodes are found again within this distance.
+pub const SIDE_CAR_NODE_M: f64 = 0.005;
+
+/// By group its nodes, and the records that alone move with it, where elements of a building are named.
+type Named = (Vec<(Group, Vec<u32>)>, Vec<Option<BTreeSet<usize>>>);
+
+pub(super) fn side_car_groups(
+    drawing: &Drawing,
+    plan: &Plan,
+    graph: &Graph,
+    (moves, is_side_car): (&[MoveTable], bool),
+    report: &mut Report,
+) -> Result<Named, Error> {
+    let mut out = Named::default();
+    let is_dxf = drawing.format == Format::Dxf;
+    for (i, table) in moves.iter().enumerate() {
+        let name = table.name.clone().unwrap_or_else(|| format!("move-{}", i + 1));
+        let nodes =
+            markers::nodes_of(table.nodes.iter().map(|p| DVec2::from(*p)), plan, graph, SIDE_CAR_NODE_M);
+        let mut nodes = nodes.unwrap_or_else(|p| {
+            let text = format!(
+                "[[move]] {name:?}: no wall end within {} mm of {:?}, {:?}; that node is left out",
+                SIDE_CAR_NODE_M * 1e3,
+                p.x,
+                p.y
+            );
+            report.warn("move-node", Place::file(&plan.file), text);
+            Vec::new()
+        });
+        let layers = WallLayers::new(&table.layers)?;
+        let mut records = BTreeSet::new();
+        for (w, wall) in plan.walls.iter().enumerate() {
+            let by_handle =
+                wall.source.handle.as_ref().is_some_and(|h| {
+                    table.handles.iter().any(|t| t == h || is_dxf && t.eq_ignore_ascii_case(h))
+                });
+            if by_handle || (layers.is_by_user() && layers.reason(&wall.source.layer).is_some()) {
+                nodes.extend(&graph.control_nodes[w]);
+                records.insert(wall.source.record);
+            }
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
+        let clauses = match markers::read_clauses(&table.moves, drawing, &plan.frame) {
+            Ok(clauses) => clauses,
+            Err(why) if is_side_car => {
+                let text = format!("[[move]] {name:?}: {why}; nothing was done");
+                return Err(Error::usage("move", Place::default(), text));
+            }
+            Err(why) => {
+                say_unreadable(drawing, table, &why, report);
+                continue;
+            }
+        };
+        let Some(first) = nodes.first() else {
+            report.warn(
+                "move-empty",
+                Place::file(&plan.file),
+                format!("[[move]] {name:?} names no wall of the drawing; nothing moves here"),
+            );
+            continue;
+        };
+        let first = graph.handles[*first as usize][0].0;
+        let own = plan.walls.iter().find(|w| records.contains(&w.source.record));
+        let source = own.unwrap_or(&plan.walls[first as usize]).source.clone();
+        out.0.push((Group { name, outline: Region::Ring(Vec::new()), clauses, source }, nodes));
+        out.1.push(Some(records).filter(|_| !is_dxf && table.nodes.is_empty()));
+    }
+    Ok(out)
+}
+
+/// Names the elements that bear a mark that cannot be read.
+fn say_unreadable(drawing: &Drawing, table: &MoveTable, why: &str, report: &mut Report) {
+    let states = if drawing.format == Format::Ifc { "Pset_Enfilade" } else { "extras.enfilade" };
+    let is_of_it = |h: &Option<String>| table.handles.contains(h.as_ref().unwrap_or(&String::new()));
+    for mark in drawing.marked.iter().filter(|m| m.text == table.moves && is_of_it(&m.source.handle)) {
+        let text = format!("Move of {states}: {why}; it stays");
+        report.warn("move-clause", place_in(&drawing.file, &mark.source), text);
+    }
+}
