@@ -9,6 +9,7 @@ pub mod defaults;
 mod doorways;
 mod joined;
 mod mitre;
+pub mod opened;
 mod partitions;
 mod things;
 
@@ -18,7 +19,7 @@ use glam::DVec2;
 
 use bars::Moving;
 use joined::Joined;
-use mitre::{Mitre, Refusal};
+use mitre::{Mitre, Refusal, Stuck};
 
 use crate::plan::Plan;
 use crate::plan::axes::AxisGraph;
@@ -126,17 +127,25 @@ impl Moves {
         groups: &[(Group, Vec<u32>)],
         report: &mut Report,
     ) -> Self {
-        let held = held(plan, graph, groups, report);
+        Self::of_records(plan, graph, axes, (groups, &[]), report)
+    }
+
+    /// The same, where the file names by group which records alone move with it: what merely shares a corner with them
+    /// is not carried. No such list for a group: all that its nodes show.
+    pub fn of_records(
+        plan: &Plan,
+        graph: &Graph,
+        axes: &AxisGraph,
+        (groups, records): (&[(Group, Vec<u32>)], &[Option<BTreeSet<usize>>]),
+        report: &mut Report,
+    ) -> Self {
+        let held = held(plan, graph, (groups, records), report);
         let mut held: Vec<(&Group, NodeGroup)> =
             held.into_iter().map(|(i, group)| (&groups[i].0, group)).collect();
         loop {
             match Self::mitred(plan, graph, axes, &held) {
                 Ok(out) => {
-                    for (w, why) in &out.mitre.stuck {
-                        let place = place_in(&plan.file, &plan.walls[*w as usize].source);
-                        let text = format!("is joined to a wall that turns, but {why}; it stays as drawn");
-                        report.warn("joint-stays", place, text);
-                    }
+                    out.mitre.stuck.iter().for_each(|stuck| say_stuck(plan, stuck, report));
                     return out;
                 }
                 Err(refusal) => {
@@ -310,13 +319,16 @@ const CORNER_PARAMETERS_MAX: usize = 6;
 fn held(
     plan: &Plan,
     graph: &Graph,
-    groups: &[(Group, Vec<u32>)],
+    (groups, records): (&[(Group, Vec<u32>)], &[Option<BTreeSet<usize>>]),
     report: &mut Report,
 ) -> Vec<(usize, NodeGroup)> {
     let mut out = Vec::new();
     for (i, (marker, nodes)) in groups.iter().enumerate() {
         let nodes: Vec<u32> = nodes.iter().copied().filter(|n| !is_kept(plan, graph, *n)).collect();
-        let handles = writable_handles(plan, graph, marker, &nodes, report);
+        let only = records.get(i).and_then(Option::as_ref);
+        let is_own = |h: &Handle| only.is_none_or(|r| r.contains(&plan.walls[h.0 as usize].source.record));
+        let shown = nodes.iter().flat_map(|n| graph.handles[*n as usize].iter().copied());
+        let handles = writable_handles(plan, graph, marker, shown.filter(is_own).collect(), report);
         if !handles.is_empty() {
             out.push((i, NodeGroup { nodes, handles }));
         }
@@ -328,6 +340,18 @@ fn held(
 fn is_kept(plan: &Plan, graph: &Graph, node: u32) -> bool {
     let at = plan.frame.um_from_plan(graph.nodes[node as usize]);
     plan.markers.keep.iter().any(|r| r.contains(at))
+}
+
+/// Says which wall at a joint does not follow. Beside one that shifts, in a building, most joints hold nevertheless: those
+/// that open are told with the options.
+fn say_stuck(plan: &Plan, stuck: &Stuck, report: &mut Report) {
+    let place = place_in(&plan.file, &plan.walls[stuck.wall as usize].source);
+    let may = if stuck.turns { "turn" } else { "shift" };
+    let text = format!("is joined to a wall that may {may}, but {}; it stays as drawn", stuck.why);
+    match plan.format != Format::Dxf && !stuck.turns {
+        true => report.info("joint-stays", place, text),
+        false => report.warn("joint-stays", place, text),
+    }
 }
 
 /// Says which nodes of a marked group stay because `EF-KEEP` holds them.
@@ -388,16 +412,14 @@ fn moves_whole(plan: &Plan, wall: u32) -> bool {
     matches!(wall.shape, Shape::Arc { .. }) || wall.editable.moves_whole()
 }
 
-/// Control points of the group's nodes that can be written back; the others are reported.
+/// Those of a group's control points that can be written back; the others are reported.
 fn writable_handles(
     plan: &Plan,
     graph: &Graph,
     group: &Group,
-    nodes: &[u32],
+    mut handles: BTreeSet<Handle>,
     report: &mut Report,
 ) -> Vec<Handle> {
-    let mut handles: BTreeSet<Handle> =
-        nodes.iter().flat_map(|n| graph.handles[*n as usize].iter().copied()).collect();
     let walls: BTreeSet<u32> = handles.iter().map(|h| h.0).collect();
     for w in walls {
         if let Some(why) = refusal(plan, graph, group, w, &handles) {

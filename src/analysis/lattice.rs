@@ -48,6 +48,12 @@ pub struct Ground<'a> {
 /// [`Error::Input`] when a limit is passed or no cell is left in either region.
 pub fn lattice(ground: &Ground<'_>, report: &mut Report) -> Result<Lattice, Error> {
     let needs_inside = ground.query.is_empty() || ground.reference.is_empty();
+    // Under walls that may move there are cells; they are no room.
+    if needs_inside && ground.seeds_um.is_empty() && ground.interior.is_some_and(|i| !i.has_room()) {
+        let text = "the walls enclose no room, and no region says where people stand; nothing was measured; draw \
+                    EF-QUERY and EF-REFERENCE, or write [[region]] tables in the side-car";
+        return Err(Error::input("no-room", Place::file(ground.file), text));
+    }
     let field = Field::new(ground)?;
     let mut inside = if needs_inside { field.inside(ground, report) } else { Vec::new() };
     if ground.interior.is_some() && ground.seeds_um.is_empty() {
@@ -99,16 +105,7 @@ fn check(lattice: &Lattice, ground: &Ground<'_>) -> Result<(), Error> {
         );
     }
     if lattice.query.is_empty() || !lattice.is_reference.contains(&true) {
-        let (which, drawn) = match lattice.query.is_empty() {
-            true => ("query", ground.query),
-            false => ("reference", ground.reference),
-        };
-        if drawn.is_empty() && ground.seeds_um.is_empty() && ground.interior.is_some_and(|i| !i.has_room()) {
-            let text = "the walls enclose no room, and no region says where people stand; nothing was measured; draw \
-                        EF-QUERY and EF-REFERENCE, or write [[region]] tables in the side-car"
-                .into();
-            return fail("no-room", text);
-        }
+        let which = if lattice.query.is_empty() { "query" } else { "reference" };
         return fail(
             "no-cells",
             format!(
@@ -578,6 +575,16 @@ mod tests {
         let outline = |w: i64, h: i64| ring(&[[M / 10, M / 10], [w, M / 10], [w, h], [M / 10, h]]);
         assert_eq!(code(&outline(5 * M, 3 * M / 10)), "no-room");
         assert_eq!(code(&outline(9 * M / 10, 9 * M / 10)), "no-cells");
+        // A thick wall that may move: there are cells under it, and no room.
+        let wall = outline(5 * M, 3 * M / 10);
+        let interior = Interior::new(&wall, &[], 1.0);
+        let under = |seeds_um: &[PointUm]| {
+            let ground = Ground { spacing_um: M / 20, seeds_um, movable: &wall, ..ground(&[]) };
+            lattice(&Ground { interior: interior.as_ref(), ..ground }, &mut Report::default())
+        };
+        let code = under(&[]).unwrap_err();
+        assert_eq!(code.problem().map(|p| p.code), Some("no-room"));
+        assert!(under(&[[M, 2 * M / 10]]).is_ok(), "a seed says where people stand");
     }
 
     #[test]

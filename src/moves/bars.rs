@@ -102,6 +102,11 @@ impl Moving<'_> {
         self.kinds(groups).filter_map(shift_of).any(|d| d.perp_dot(direction).abs() > sin)
     }
 
+    /// Whether some groups only shift.
+    pub fn only_shifts(&self, groups: &[usize]) -> bool {
+        self.kinds(groups).all(|k| shift_of(k).is_some())
+    }
+
     fn scales(&self, groups: &[usize]) -> bool {
         self.kinds(groups).any(|k| matches!(k, Kind::Scale(_)))
     }

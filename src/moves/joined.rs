@@ -16,7 +16,7 @@ use crate::plan::markers::Kind;
 use crate::plan::{Plan, Plug, Wall};
 
 /// An end of a wall this near to another wall is joined to it.
-const JOINT_M: f64 = 0.02;
+pub(super) const JOINT_M: f64 = 0.02;
 
 /// Pieces whose direction differs by more than this sine from that of their wall are no sides of it.
 const SIDE_SIN: f64 = 0.02;
@@ -178,6 +178,9 @@ impl Joined {
                 }
                 let at = end.corners(plan);
                 let Some(wall) = walls.iter().find(|w| w.is_joined_at(&at)) else { continue };
+                if wall.holds_both_ends(end, &ends, plan) {
+                    continue;
+                }
                 let follower = Follower { group, normal: wall.normal, ..end.clone() };
                 if follower.is_moved(moving) {
                     out.followers.push(follower);
@@ -371,6 +374,14 @@ impl Followed {
             box_um[1][k] = box_um[1][k].max(p[k] + (JOINT_M * UM_PER_M) as i64);
         }
         Some(Self { normal: longest.try_normalize()?.perp(), box_um, pieces })
+    }
+
+    /// Whether a wall in line with this one stands with both its ends at it, in one of its openings: both following would
+    /// carry it, and nobody said so.
+    fn holds_both_ends(&self, end: &Follower, ends: &[Follower], plan: &Plan) -> bool {
+        let is_in_line = self.normal.dot(end.along).abs() < CROSSING_MIN_RAD.sin();
+        let mut others = ends.iter().filter(|e| e.record == end.record && e.end != end.end);
+        is_in_line && others.any(|e| self.is_joined_at(&e.corners(plan)))
     }
 
     /// Whether an end with these corners stands at this wall.

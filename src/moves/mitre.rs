@@ -64,8 +64,19 @@ pub(super) struct Mitre {
     faces: Vec<([Handle; 2], usize)>,
     /// Control points that follow although no group holds them, ascending.
     pub followers: Vec<Handle>,
-    /// Walls with a corner that would have to follow and cannot be written, each with the reason.
-    pub stuck: Vec<(u32, String)>,
+    /// Walls with a corner that would have to follow and cannot be written.
+    pub stuck: Vec<Stuck>,
+}
+
+/// A wall with a corner that would have to follow.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Stuck {
+    /// Index into [`Plan::walls`].
+    pub wall: u32,
+    /// Whether what it is joined to may turn, or change its length unevenly; else it shifts alone.
+    pub turns: bool,
+    /// Why it cannot follow.
+    pub why: String,
 }
 
 /// Why a group cannot move as it says.
@@ -102,7 +113,7 @@ impl Mitre {
                 let is_own = !moving.of(h).is_empty();
                 match cannot_follow(plan, *h).or_else(|| is_kept(node).then(|| "EF-KEEP holds it".into())) {
                     Some(_) if is_own || follows.contains(h) => {}
-                    Some(why) => out.stuck.push((h.0, why)),
+                    Some(why) => out.stuck.push(Stuck { wall: h.0, turns: finder.turns(rule), why }),
                     None => {
                         handles.push(*h);
                         if !is_own {
@@ -300,6 +311,14 @@ struct Piece {
 }
 
 impl Finder<'_> {
+    /// Whether a bar of a corner turns, as a whole or because its ends go different ways.
+    fn turns(&self, rule: Rule) -> bool {
+        rule.bars().into_iter().map(|b| self.bar(b)).any(|b| {
+            let shifts = b.groups.iter().all(|own| self.moving.only_shifts(own));
+            b.motion == Motion::Turning || !shifts
+        })
+    }
+
     fn bar(&self, b: usize) -> &Bar {
         &self.bars.list[b]
     }

@@ -1,5 +1,7 @@
 //! Parameters move what they say, where they say, and nothing else.
 
+mod joints;
+
 use std::collections::BTreeSet;
 
 use glam::DVec2;

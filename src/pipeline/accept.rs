@@ -3,6 +3,8 @@
 //! The drawing gets the moves and nothing else; what the next round needs to know (moves with the
 //! bounds that are left, settings, where it came from) stands in its side-car.
 
+use std::collections::BTreeSet;
+
 use toml::{Table, Value};
 
 use super::Input;
@@ -13,7 +15,8 @@ use crate::config::{Beside, KnownMove, LineageTable, Method, Mode, Partial, Sett
 use crate::formats;
 use crate::moves::Parameter;
 use crate::overlay::result::{Numbers, RoundResult};
-use crate::plan::drawing::Unit;
+use crate::plan::Wall;
+use crate::plan::drawing::{Format, Unit};
 use crate::plan::frame::unit_by_name;
 use crate::plan::markers::Kind;
 use crate::report::{Error, Place, Report};
@@ -270,8 +273,27 @@ fn group_table(base: &Understood, group: usize, parameters: &[f64], nodes: &[[f6
     let mut out = Table::new();
     out.insert("name".into(), name.into());
     out.insert("moves".into(), clauses.join("; ").into());
-    out.insert("nodes".into(), points(nodes).into());
+    match handles(base, group) {
+        Some(handles) => out.insert("handles".into(), handles.into()),
+        None => out.insert("nodes".into(), points(nodes).into()),
+    };
     out
+}
+
+/// The elements of a building that a group moves, where their ids name nothing else: what merely shares a corner with
+/// them stays in the next round too.
+fn handles(base: &Understood, group: usize) -> Option<Vec<String>> {
+    let walls = &base.plan.walls;
+    if base.plan.format == Format::Dxf {
+        return None;
+    }
+    let own: BTreeSet<usize> =
+        base.moves.groups[group].handles.iter().map(|h| walls[h.0 as usize].source.record).collect();
+    let named = walls.iter().filter(|w| own.contains(&w.source.record)).map(|w| w.source.handle.clone());
+    let handles: BTreeSet<String> = named.collect::<Option<_>>()?;
+    let is_named = |w: &&Wall| w.source.handle.as_ref().is_some_and(|h| handles.contains(h));
+    let are_own = walls.iter().filter(is_named).all(|w| own.contains(&w.source.record));
+    are_own.then(|| handles.into_iter().collect())
 }
 
 /// The clause with the bounds that are left once `value` is the new zero.

@@ -1,6 +1,7 @@
 //! One round: search, verify, write.
 
 mod files;
+mod joints;
 mod judged;
 mod told;
 
@@ -99,6 +100,7 @@ fn round(
     for m in &made {
         report.extend(m.report.clone());
     }
+    joints::say_opened(&mut report, input.file(), study, &made);
     if let Some(found) = found {
         told::say_pinned(&mut report, input.file(), &found.explanations);
         if is_firm(settings) && !made.is_empty() {

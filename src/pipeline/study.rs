@@ -266,16 +266,16 @@ fn moves(
 ) -> Result<Moves, Error> {
     let Known { plan, graph, axes, interior, fittings, infill } = *known;
     if !settings.moves.is_empty() {
-        let groups = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
-        return Ok(Moves::new(plan, graph, axes, &groups, report));
+        let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
+        return Ok(Moves::of_records(plan, graph, axes, (&groups, &records), report));
     }
     if !drawing.marked.is_empty() && !settings.ignore_move_markers {
         let stated = building::marked_moves(drawing);
-        let groups = side_car_groups(drawing, plan, graph, (&stated, false), report)?;
+        let (groups, records) = side_car_groups(drawing, plan, graph, (&stated, false), report)?;
         if groups.is_empty() {
             state_unread_marks("Pset_Enfilade", plan, report);
         }
-        return Ok(Moves::new(plan, graph, axes, &groups, report));
+        return Ok(Moves::of_records(plan, graph, axes, (&groups, &records), report));
     }
     if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
         return Ok(Moves::from_markers(plan, graph, axes, report));

@@ -74,6 +74,9 @@ pub struct Plug {
 /// Layer of the doors of a building.
 pub const DOOR_LAYER: &str = "IfcDoor";
 
+/// Layer of a building's openings that nothing fills.
+pub const OPENING_LAYER: &str = "IfcOpeningElement";
+
 /// A door that the file calls so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedDoor {
@@ -252,11 +255,12 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     })
 }
 
-/// What closes the openings of walls that the file names.
+/// What closes the openings of walls that the file names. An opening that nothing fills is shown under its wall.
 fn plugs(drawing: &Drawing, frame: &Frame) -> Vec<Plug> {
     let of = |e: &Entity| {
-        let host = drawing.hosts.get(&e.source.record)?;
-        Some(Plug { host: *host, outline: curve::trace(&e.shape, frame) })
+        let unfilled = || (e.layer == OPENING_LAYER).then_some(e.source.record);
+        let host = drawing.hosts.get(&e.source.record).copied().or_else(unfilled)?;
+        Some(Plug { host, outline: curve::trace(&e.shape, frame) })
     };
     drawing.entities.iter().filter_map(of).collect()
 }

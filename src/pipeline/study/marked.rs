@@ -1,5 +1,7 @@
 //! Moves that somebody states: a side-car's, a building's; and what is said where marks hold everything.
 
+use std::collections::BTreeSet;
+
 use glam::DVec2;
 
 use crate::config::MoveTable;
@@ -7,7 +9,7 @@ use crate::moves::Moves;
 use crate::plan::drawing::{Drawing, Format};
 use crate::plan::graph::Graph;
 use crate::plan::layers::WallLayers;
-use crate::plan::markers::{self, Group};
+use crate::plan::markers::{self, Group, place_in};
 use crate::plan::{Plan, Region};
 use crate::report::{Error, Place, Report};
 
@@ -48,14 +50,17 @@ pub(super) fn state_held(
 /// Side-car nodes are found again within this distance.
 pub const SIDE_CAR_NODE_M: f64 = 0.005;
 
+/// By group its nodes, and the records that alone move with it, where elements of a building are named.
+type Named = (Vec<(Group, Vec<u32>)>, Vec<Option<BTreeSet<usize>>>);
+
 pub(super) fn side_car_groups(
     drawing: &Drawing,
     plan: &Plan,
     graph: &Graph,
     (moves, is_side_car): (&[MoveTable], bool),
     report: &mut Report,
-) -> Result<Vec<(Group, Vec<u32>)>, Error> {
-    let mut out = Vec::new();
+) -> Result<Named, Error> {
+    let mut out = Named::default();
     let is_dxf = drawing.format == Format::Dxf;
     for (i, table) in moves.iter().enumerate() {
         let name = table.name.clone().unwrap_or_else(|| format!("move-{}", i + 1));
@@ -72,6 +77,7 @@ pub(super) fn side_car_groups(
             Vec::new()
         });
         let layers = WallLayers::new(&table.layers)?;
+        let mut records = BTreeSet::new();
         for (w, wall) in plan.walls.iter().enumerate() {
             let by_handle =
                 wall.source.handle.as_ref().is_some_and(|h| {
@@ -79,6 +85,7 @@ pub(super) fn side_car_groups(
                 });
             if by_handle || (layers.is_by_user() && layers.reason(&wall.source.layer).is_some()) {
                 nodes.extend(&graph.control_nodes[w]);
+                records.insert(wall.source.record);
             }
         }
         nodes.sort_unstable();
@@ -90,9 +97,7 @@ pub(super) fn side_car_groups(
                 return Err(Error::usage("move", Place::default(), text));
             }
             Err(why) => {
-                let of = table.handles.join(", ");
-                let text = format!("Move of Pset_Enfilade of {name:?}: {why}; it stays");
-                report.warn("move-clause", Place::file(&plan.file).entity(of), text);
+                say_unreadable(drawing, table, &why, report);
                 continue;
             }
         };
@@ -104,9 +109,21 @@ pub(super) fn side_car_groups(
             );
             continue;
         };
-        let wall = graph.handles[*first as usize][0].0;
-        let source = plan.walls[wall as usize].source.clone();
-        out.push((Group { name, outline: Region::Ring(Vec::new()), clauses, source }, nodes));
+        let first = graph.handles[*first as usize][0].0;
+        let own = plan.walls.iter().find(|w| records.contains(&w.source.record));
+        let source = own.unwrap_or(&plan.walls[first as usize]).source.clone();
+        out.0.push((Group { name, outline: Region::Ring(Vec::new()), clauses, source }, nodes));
+        out.1.push(Some(records).filter(|_| !is_dxf && table.nodes.is_empty()));
     }
     Ok(out)
+}
+
+/// Names the elements that bear a mark that cannot be read.
+fn say_unreadable(drawing: &Drawing, table: &MoveTable, why: &str, report: &mut Report) {
+    let states = if drawing.format == Format::Ifc { "Pset_Enfilade" } else { "extras.enfilade" };
+    let is_of_it = |h: &Option<String>| table.handles.contains(h.as_ref().unwrap_or(&String::new()));
+    for mark in drawing.marked.iter().filter(|m| m.text == table.moves && is_of_it(&m.source.handle)) {
+        let text = format!("Move of {states}: {why}; it stays");
+        report.warn("move-clause", place_in(&drawing.file, &mark.source), text);
+    }
 }
