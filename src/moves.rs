@@ -136,7 +136,7 @@ impl Moves {
         plan: &Plan,
         graph: &Graph,
         axes: &AxisGraph,
-        (groups, records): (&[(Group, Vec<u32>)], &[Option<BTreeSet<usize>>]),
+        (groups, records): (&[Marked], &[Option<BTreeSet<usize>>]),
         report: &mut Report,
     ) -> Self {
         let held = held(plan, graph, (groups, records), report);
@@ -312,6 +312,9 @@ struct Placed {
     lengths: joined::Lengths,
 }
 
+/// A group as it is marked, with the nodes in it.
+pub type Marked = (Group, Vec<u32>);
+
 /// Most parameters of one group whose bounds are tried in every combination.
 const CORNER_PARAMETERS_MAX: usize = 6;
 
@@ -319,7 +322,7 @@ const CORNER_PARAMETERS_MAX: usize = 6;
 fn held(
     plan: &Plan,
     graph: &Graph,
-    (groups, records): (&[(Group, Vec<u32>)], &[Option<BTreeSet<usize>>]),
+    (groups, records): (&[Marked], &[Option<BTreeSet<usize>>]),
     report: &mut Report,
 ) -> Vec<(usize, NodeGroup)> {
     let mut out = Vec::new();

@@ -568,7 +568,12 @@ mod tests {
             };
             let like = near.then(|| vec![0.3, 0.1, 0.2, 0.0, -0.4, 0.2]);
             let rules = Rules { links, length_m: module, most_groups: most, like, ..Rules::default() };
-            let control = Control::new(&moves, &rules).unwrap();
+            let control = Control::new(&moves, &rules);
+            if near && most.is_some_and(|m| m < 3) {
+                prop_assert!(control.is_err_and(|why| why.contains("moves 3 groups")));
+                return Ok(());
+            }
+            let control = control.unwrap();
             let q = control.permit(&q[..control.start().len()]);
             let p = control.expand(&q);
             for (v, [lo, hi]) in p.iter().zip(moves.bounds()) {
