@@ -53,7 +53,11 @@ impl<'a> Things<'a> {
         for f in fittings {
             fitted.entry(f.source.record).or_default().push(f);
         }
-        Self { all: plan.obstacles.iter().filter_map(thing).collect(), fitted }
+        // What is drawn on a wall's own line goes where that goes: a view under its section.
+        let is_hosted =
+            |record: &usize| fitted.get(record).is_some_and(|f| f.iter().any(|f| f.host.is_some()));
+        let others = plan.obstacles.iter().filter(|o| !is_hosted(&o.record));
+        Self { all: others.filter_map(thing).collect(), fitted }
     }
 
     /// Whether there are none.

@@ -13,6 +13,7 @@ use super::frame::Frame;
 use super::geometry::Segment;
 use super::layers::{self, words};
 use super::parallels::Straight;
+use super::paving;
 use super::roles::{Role, role_by_name};
 use super::stairs;
 
@@ -127,6 +128,12 @@ pub(super) fn find(
     }
     if lines.len() <= LINES_MAX {
         found.extend(stairs::find(&lines).into_iter().map(|l| lines[l].entity));
+    }
+    // The joints of a floor stand in nobody's way.
+    if lines.len() <= LINES_MAX {
+        let joints: BTreeSet<usize> =
+            paving::find_joints(&lines).into_iter().map(|l| lines[l].entity).collect();
+        others.retain(|(i, _)| !joints.contains(i));
     }
     // A building's other elements are told apart by their kinds, not by layers and sizes.
     let is_drawn = drawing.format == Format::Dxf;
@@ -260,6 +267,31 @@ mod tests {
         let drawing = Drawing::of((0..count).map(line).collect());
         let found = find(&drawing, &[], &[], 1.0, &Frame::new(1.0, [DVec2::ZERO, DVec2::splat(10.0)]));
         found.iter().filter(|o| o.kind == ObstacleKind::Fixed).map(|o| o.pieces.len()).sum()
+    }
+
+    /// Slabs of a metre: their joints are no thing that a wall must not come near.
+    #[test]
+    fn the_joints_of_a_floor_stand_in_nobodys_way() {
+        let entity = |a: [f64; 2], b: [f64; 2]| Entity {
+            source: SourceRef { record: 0, handle: None, line: 0, kind: "LINE".into(), layer: "0".into() },
+            layer: "0".into(),
+            shape: Shape::Line { a: DVec2::from(a), b: DVec2::from(b) },
+            editable: Editable::Free,
+            blocks: Vec::new(),
+        };
+        let mut lines = Vec::new();
+        for (x, y) in (0..6).flat_map(|x| (0..6).map(move |y| (f64::from(x), f64::from(y)))) {
+            lines.push(entity([x, y], [x + 1.0, y]));
+            lines.push(entity([x, y], [x, y + 1.0]));
+        }
+        let bench = entity([20.0, 0.0], [22.0, 0.0]);
+        let count = |lines: Vec<Entity>| {
+            let frame = Frame::new(1.0, [DVec2::ZERO, DVec2::splat(10.0)]);
+            find(&Drawing::of(lines), &[], &[], 1.0, &frame).len()
+        };
+        assert_eq!(count(lines.clone()), 0);
+        lines.push(bench);
+        assert_eq!(count(lines), 1);
     }
 
     #[test]

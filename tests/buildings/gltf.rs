@@ -139,7 +139,14 @@ fn nodes_triangles_nesting_and_data_are_bounded() {
         nodes.push(json!({}));
         j["scenes"][0]["nodes"] = json!([0, first]);
     };
-    assert_says(&said(doubled), &[&format!("more than {} nodes", gltf::NODES_MAX)]);
+    assert_says(&said(doubled), &[&format!("shown {} times more", gltf::REPEATS_MAX)]);
+    let wide = |j: &mut Value| {
+        let nodes = j["nodes"].as_array_mut().unwrap();
+        let first = nodes.len();
+        nodes.extend((0..gltf::NODES_MAX).map(|_| json!({})));
+        j["scenes"][0]["nodes"] = (0..first + gltf::NODES_MAX).filter(|n| *n == 0 || *n >= first).collect();
+    };
+    assert_says(&said(wide), &[&format!("more than {} nodes", gltf::NODES_MAX)]);
     let many = |j: &mut Value| {
         j["accessors"][1] =
             json!({"componentType": 5125, "type": "SCALAR", "count": gltf::TRIANGLES_MAX + 1});
