@@ -234,10 +234,13 @@ pub fn patch(
     let next = mover.next_id();
     let (mut splices, mut added) = (mover.splices, mover.added);
     let end = line_end(bytes);
-    if !own.is_empty() {
-        added.extend_from_slice(OWN_MARK);
-        added.extend_from_slice(end);
-        added.extend(additions::text(&building, options, next, edits, own)?);
+    let text = match own {
+        [] => Vec::new(),
+        _ => additions::text(&building, options, next, edits, own)?,
+    };
+    if !text.is_empty() {
+        added.extend([OWN_MARK, end].concat());
+        added.extend(text);
     }
     // Before whatever stands between the last instance and ENDSEC: a comment there stays with ENDSEC.
     let at = instances_end(&step);
@@ -334,9 +337,10 @@ pub fn tags(bytes: &[u8], ids: &[usize]) -> Vec<Option<String>> {
     ids.iter().map(tag).collect()
 }
 
-/// Where the last instance ends, behind its semicolon; where there is none, the end of the data.
+/// Where the last instance before the end of the data ends, behind its semicolon; where there is none, that end.
 fn instances_end(step: &Step<'_>) -> usize {
-    step.instances.last().map_or(step.data_end, |i| i.span.end)
+    let inside = step.instances.iter().rev().find(|i| i.span.end <= step.data_end);
+    inside.map_or(step.data_end, |i| i.span.end)
 }
 
 /// The bytes without what [`patch`] added.
@@ -349,7 +353,9 @@ pub fn strip_own(bytes: &[u8]) -> Cow<'_, [u8]> {
     if end <= at {
         return Cow::Borrowed(bytes);
     }
-    let before = bytes[..at].strip_suffix(line_end(bytes)).unwrap_or(&bytes[..at]);
+    // Behind a semicolon stands the one line end that was added, whichever is the file's: some mix them.
+    let before = bytes[..at].strip_suffix(b"\n").unwrap_or(&bytes[..at]);
+    let before = before.strip_suffix(b"\r").unwrap_or(before);
     Cow::Owned([before, &bytes[end..]].concat())
 }
 
