@@ -217,7 +217,7 @@ try {
   await idle();
   await unfold();
   await press("#pin-0");
-  await page.$eval("details.card fieldset input[max='1']", (i) => { i.value = "0.5"; });
+  await page.$eval("details.card fieldset input[max='1']", (i) => { i.value = "0.5"; i.dispatchEvent(new Event("input")); });
   await press("#again-with");
   await said("0.5");
   await said("these stay: 1");

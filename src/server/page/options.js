@@ -60,8 +60,12 @@ const staying = (pin) => (pin.length ? `; these stay: ${pin.join(", ")}` : "");
 /** The card of the next round; its last line says which options stay. */
 function nextRound(d, set, result, numbers) {
   const rows = (result.objectives ?? []).filter((o) => o.name !== "penalty");
+  const key = `${d.id}/${set}`;
+  const typed = typedOf.get(key) ?? {};
+  typedOf.set(key, typed);
   const fields = rows.map((o) => {
-    const input = el("input", { type: "number", min: 0, max: 1, step: "any", value: Number(o.threshold.toPrecision(3)) });
+    const input = el("input", { type: "number", min: 0, max: 1, step: "any", value: typed[o.name] ?? Number(o.threshold.toPrecision(3)) });
+    input.addEventListener("input", () => { typed[o.name] = input.value; });
     return { o, input, row: el("label", {}, `${o.name}: share of its optimum that an option must reach`, input) };
   });
   const stays = el("p", { id: "stays" });
@@ -73,6 +77,8 @@ function nextRound(d, set, result, numbers) {
   const card = el("details", { class: "card" }, el("summary", {}, "Another round with other thresholds or pinned options"),
     el("fieldset", {}, el("legend", {}, "Thresholds, from 0 to 1"), ...fields.map((f) => f.row)), stays,
     el("div", { class: "bar" }, el("button", { id: "again-with", onclick: go }, "Start this round")));
+  card.open = typed.isOpen ?? false;
+  card.addEventListener("toggle", () => { typed.isOpen = card.open; });
   const show = () => {
     stays.textContent = numbers().length ? `Pinned options stay, and others unlike them are found: ${numbers().join(", ")}.`
       : "No option is pinned: pin those that the next round is to keep.";
@@ -93,6 +99,8 @@ function problems(result) {
 const pinsOf = new Map();
 /** The option and the measure that are shown, by drawing and round: they outlive it too. */
 const viewOf = new Map();
+/** What is typed for another round, by drawing and round, and whether its card is open: it outlives it as well. */
+const typedOf = new Map();
 /** The round that is shown of a drawing, and the newest one then: a newer one takes its place. */
 const roundOf = new Map();
 
