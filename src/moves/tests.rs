@@ -442,21 +442,7 @@ fn a_door_at_a_partitions_side_goes_along_with_its_width() {
 #[test]
 fn a_part_of_a_partition_stays_where_a_line_is_drawn_into_its_doorway() {
     let sliding = |into_doorway: Option<f64>| {
-        let mut d = drawing("m", 1.0);
-        d.ring("WALLS", &[[0.0, 0.0], [12.0, 0.0], [12.0, 6.0], [0.0, 6.0]]);
-        for x in [0.2, 11.8] {
-            d.line(x, 0.2, x, 5.8);
-        }
-        for (y, [a, b]) in [0.2, 5.8].iter().flat_map(|y| [(*y, [0.2, 5.95]), (*y, [6.05, 11.8])]) {
-            d.line(a, y, b, y);
-        }
-        for x in [5.95, 6.05] {
-            d.line(x, 0.2, x, 2.0);
-            d.line(x, 2.9, x, 5.8);
-        }
-        for y in [2.0, 2.9] {
-            d.line(5.95, y, 6.05, y);
-        }
+        let mut d = beside::house_with_gap();
         let quarter = std::f64::consts::FRAC_PI_2;
         let centre = DVec2::new(6.05, 2.0);
         d.add("DOORS", Shape::Arc { centre, radius: 0.9, start_rad: 0.0, end_rad: quarter });

@@ -99,7 +99,7 @@ fn what_is_far_thicker_than_the_other_partitions_carries() {
 }
 
 /// A building of 12 by 6 m with a partition at x = 6 that has a gap from y = 2 to 2.9.
-fn house_with_gap() -> Drawing {
+pub(super) fn house_with_gap() -> Drawing {
     let mut d = drawing("m", 1.0);
     d.room(12.0, 6.0);
     for x in [0.2, 11.8] {
