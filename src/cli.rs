@@ -140,7 +140,7 @@ pub struct Common {
     /// Colours of the heat maps.
     #[arg(long, value_enum)]
     pub colours: Option<ColoursArg>,
-    /// Storey of a building; by default the one with most walls.
+    /// Storey of a building, by name or number from the lowest; by default the one with most walls.
     #[arg(long, value_name = "NAME")]
     pub storey: Option<String>,
     /// Spaces of a building that are the region of query: space:NAME or zone:NAME, * and ? may stand in NAME.
@@ -463,7 +463,7 @@ pub struct JobsArgs {
     /// Seeds, one job each: 1..20, or 1,5,9.
     #[arg(long, value_name = "LIST")]
     pub seeds: Option<String>,
-    /// Storeys, one job each: all, or names separated by commas.
+    /// Storeys, one job each: all, or names or numbers separated by commas.
     #[arg(long, value_name = "all|LIST")]
     pub storeys: Option<String>,
     /// Put the drawings' bytes into the jobs, for machines that share no folder.

@@ -18,6 +18,7 @@ use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchS
 use crate::formats;
 use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
 use crate::overlay::words::headline;
+use crate::pipeline::accept::Origin;
 use crate::pipeline::cells::CellOptions;
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::progress::Display;
@@ -250,8 +251,12 @@ fn tell_resolution(result: &resolution::ResolutionResult, folder: &Path) {
 fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
     let mut partial = args.common.partial(Some(&args.search));
     let asked = Asked { pin: args.pin.clone(), like: args.like, ..Asked::default() };
+    if args.so_far && asked == Asked::default() {
+        let text = "--so-far says where --pin and --like count their options; without them a run begins anew; nothing was done";
+        return Err(Error::usage("so-far", Place::default(), text));
+    }
     if asked != Asked::default() {
-        let which = if args.so_far { Which::SoFar } else { Which::Newest };
+        let which = if args.so_far { Which::SoFar(None) } else { Which::Newest };
         hold(&mut partial, &results_of(&args.file, args.common.out.clone())?, &asked, which)?;
     }
     let (settings, out) = settings_for(&args.file, partial)?;
@@ -293,8 +298,13 @@ fn hold(partial: &mut Partial, results: &Path, asked: &Asked, which: Which) -> R
     if asked.pin.is_empty() && asked.like.is_none() {
         return Ok(());
     }
-    let (round, result) = round_result(results, asked.round.map_or(which, Which::Round))?;
-    let of = |n: &usize| option_of(&result, round, *n);
+    let which = match asked {
+        Asked { so_far: Some(n), .. } => Which::SoFar(Some(*n)),
+        Asked { round: Some(n), .. } => Which::Round(*n),
+        _ => which,
+    };
+    let (origin, result) = round_result(results, which)?;
+    let of = |n: &usize| option_of(&result, origin, *n);
     let once = asked.pin.iter().enumerate().filter(|(i, n)| !asked.pin[..*i].contains(n));
     let pinned: Vec<Vec<f64>> = once.map(|(_, n)| of(n)).collect::<Result<_, _>>()?;
     partial.pin = Some(pinned).filter(|p| !p.is_empty());
@@ -360,7 +370,7 @@ fn summary(result: &RoundResult, folder: &Path) {
         say(&format!("option {}{mark}: {}", i + 1, c.words));
     }
     if result.best.as_ref().is_some_and(|b| b.option.is_none()) {
-        say("the best layout found is too like the options to be one of them: `accept FILE 0` takes it");
+        say("the best layout found is not one of the options: `accept FILE 0` takes it");
     }
     say(&format!(
         "{} layouts measured in {:.1} s: {}; {}",
@@ -374,7 +384,7 @@ fn summary(result: &RoundResult, folder: &Path) {
 }
 
 fn accept(args: &AcceptArgs) -> Result<u8, Error> {
-    let asked = if args.so_far { Which::SoFar } else { args.round.map_or(Which::Newest, Which::Round) };
+    let asked = if args.so_far { Which::SoFar(None) } else { args.round.map_or(Which::Newest, Which::Round) };
     let results = results_of(&args.file, args.out.clone())?;
     let Accepted { of, next, side_car, is_new } = accept_option(&args.file, &results, asked, args.number)?;
     let what = if args.number == 0 { "the best layout".into() } else { format!("option {}", args.number) };
@@ -411,11 +421,9 @@ fn results_of(file: &Path, out: Option<PathBuf>) -> Result<PathBuf, Error> {
 /// Makes an option in the folder `results` a new drawing.
 fn accept_option(file: &Path, results: &Path, which: Which, number: usize) -> Result<Accepted, Error> {
     let (path, bytes) = open(file)?;
-    let (round, result) = round_result(results, which)?;
-    let is_finished = store::finished_rounds(results).contains(&round);
-    let of = if is_finished { format!("round {round}") } else { "the best so far".into() };
+    let (origin, result) = round_result(results, which)?;
     let accepted =
-        pipeline::accept::accept(&Input::new(&path, &bytes, 1), beside(file), &result, round, number)?;
+        pipeline::accept::accept(&Input::new(&path, &bytes, 1), beside(file), &result, origin, number)?;
     let store::Revision { path: next, is_new } =
         store::write_revision(&SystemDisk, &absolute(file), &accepted.drawing)?;
     let side_car = settings_files(&next)[0].clone();
@@ -423,7 +431,7 @@ fn accept_option(file: &Path, results: &Path, which: Which, number: usize) -> Re
     if is_new || !side_car.exists() {
         store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
     }
-    Ok(Accepted { of, next, side_car, is_new })
+    Ok(Accepted { of: origin.to_string(), next, side_car, is_new })
 }
 
 /// Which of the results of a drawing are meant.
@@ -432,21 +440,25 @@ enum Which {
     /// The newest round; where there is none, what a search has found so far.
     Newest,
     Round(u32),
-    /// What a search that goes on, or was stopped, has found so far.
-    SoFar,
+    /// What a search that goes on, or was stopped, has found so far; after so many evaluations, where that is said.
+    SoFar(Option<u64>),
 }
 
-/// A result in a result folder, and the number of its round; of the best so far the number that its round would have.
-fn round_result(folder: &Path, which: Which) -> Result<(u32, RoundResult), Error> {
+/// A result in a result folder.
+fn round_result(folder: &Path, which: Which) -> Result<(Origin, RoundResult), Error> {
     let last = store::finished_rounds(folder).last().copied();
     let has_so_far = || folder.join(store::SO_FAR).join("result.json").is_file();
     let next = last.map_or(1, |n| n.saturating_add(1));
-    let (round, name) = match (which, last) {
-        (Which::Round(n), _) | (Which::Newest, Some(n)) => (n, round_name(n)),
-        (Which::SoFar | Which::Newest, _) if has_so_far() => (next, store::SO_FAR.to_owned()),
-        (Which::Newest | Which::SoFar, _) => {
+    let (origin, name) = match (which, last) {
+        (Which::Round(n), _) | (Which::Newest, Some(n)) => {
+            (Origin { round: n, is_so_far: false }, round_name(n))
+        }
+        (Which::SoFar(_) | Which::Newest, _) if has_so_far() => {
+            (Origin { round: next, is_so_far: true }, store::SO_FAR.to_owned())
+        }
+        (Which::Newest | Which::SoFar(_), _) => {
             let text = match which {
-                Which::SoFar => {
+                Which::SoFar(_) => {
                     "nothing is kept of a stopped search; `enfilade run --write-every 10` keeps the best so far"
                 }
                 _ => "no round yet; `enfilade run` makes one",
@@ -460,23 +472,35 @@ fn round_result(folder: &Path, which: Which) -> Result<(u32, RoundResult), Error
         Error::usage(
             "no-round",
             place(),
-            format!("{e}; expected the result of round {round}; nothing was written"),
+            match e.kind() {
+                std::io::ErrorKind::NotFound => format!("there is no {origin}; nothing was written"),
+                _ => format!("{e}; expected the result of {origin}; nothing was written"),
+            },
         )
     })?;
-    let result = serde_json::from_slice(&json)
+    let result: RoundResult = serde_json::from_slice(&json)
         .map_err(|e| Error::input("result", place(), format!("{e}; nothing was written")))?;
-    Ok((round, result))
+    if let Which::SoFar(Some(seen)) = which
+        && seen != result.evaluations
+    {
+        let text = format!(
+            "the best so far is another by now, of {} layouts, expected that of {seen}; look at it again; nothing was done",
+            result.evaluations
+        );
+        return Err(Error::usage("so-far", place(), text));
+    }
+    Ok((origin, result))
 }
 
 /// Parameters of an option of a round, from 1.
-fn option_of(result: &RoundResult, round: u32, number: usize) -> Result<Vec<f64>, Error> {
+fn option_of(result: &RoundResult, origin: Origin, number: usize) -> Result<Vec<f64>, Error> {
     let found = number.checked_sub(1).and_then(|i| result.candidates.get(i));
     found.map(|c| c.parameters.clone()).ok_or_else(|| {
         let has = match result.candidates.len() {
             0 => "no options".into(),
             _ => options_of(result),
         };
-        let text = format!("round {round} has {has}, found number {number}; nothing was done");
+        let text = format!("{origin} has {has}, found number {number}; nothing was done");
         Error::usage("candidate", Place::default(), text)
     })
 }
@@ -567,8 +591,16 @@ fn data_beside(drawing: &Path, name: &str, most: u64) -> Option<Arc<[u8]>> {
 
 /// The IFC of the same name beside a glTF.
 fn twin(drawing: &Path) -> Option<Arc<[u8]>> {
-    let bytes = is_scene(drawing).then(|| bytes_of(&drawing.with_extension("ifc")))??;
-    Some(bytes.into())
+    let own = is_scene(drawing).then(|| bytes_of(&drawing.with_extension("ifc")))?;
+    Some(own.or_else(|| twin_of_before(drawing))?.into())
+}
+
+/// The IFC beside the drawing that an accepted one was made of.
+fn twin_of_before(drawing: &Path) -> Option<Vec<u8>> {
+    let said = settings_partial(drawing, Partial::default()).ok()?;
+    let is_here = |name: &&str| Path::new(name).file_name().is_some_and(|n| n == *name);
+    let before = said.lineage.iter().rev().map(|l| l.drawing.as_str()).filter(is_here);
+    before.map(|name| drawing.with_file_name(name).with_extension("ifc")).find_map(|file| bytes_of(&file))
 }
 
 fn settings_partial(drawing: &Path, command_line: Partial) -> Result<Partial, Error> {

@@ -243,10 +243,16 @@ pub struct KnownMove {
 pub struct LineageTable {
     /// Name of the drawing measured in that round.
     pub drawing: String,
-    /// Round number.
+    /// Round number; of the best so far of a stopped search the number that its round would have had.
     pub round: u32,
-    /// Candidate that was accepted, from 1.
+    /// Whether it was no finished round but the best so far.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub so_far: bool,
+    /// Candidate that was accepted, from 1; 0: the best layout.
     pub candidate: u32,
+    /// Mark of spacing and regions: values of others are not compared. Empty where it is not known.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub ruler: String,
     /// Means of the present layout of that round.
     pub initial: BTreeMap<String, f64>,
     /// Means of the accepted candidate.
@@ -517,6 +523,9 @@ pub struct Settings {
     /// Files beside the drawing that were meant as its settings and are not read: name found, name that is read.
     #[serde(skip)]
     pub unread: Vec<(String, String)>,
+    /// Why `storey` was taken, where nobody named it.
+    #[serde(skip)]
+    pub storey_taken: Option<String>,
 }
 
 /// Bytes of files beside a glTF.
@@ -629,6 +638,7 @@ impl Settings {
             accept_missing_eof: p.accept_missing_eof.unwrap_or(false),
             beside: Beside::default(),
             unread: Vec::new(),
+            storey_taken: None,
             ignore_move_markers: p.ignore_move_markers.unwrap_or(false),
             moves: p.moves,
             regions: p.regions,
@@ -702,6 +712,9 @@ fn objectives(text: &str) -> Result<Vec<ObjectiveSetting>, Error> {
 }
 
 fn score_terms(text: &str) -> Result<Vec<(Aim, f64)>, Error> {
+    if text.trim().is_empty() {
+        return Err(bad("score", "nothing", "measures with weights: `degree +1, depth -1`"));
+    }
     let mut out = Vec::new();
     for clause in clauses(text) {
         let term = clause.split_once(char::is_whitespace).and_then(|(name, weight)| {
@@ -762,7 +775,13 @@ fn links(texts: &[String]) -> Result<Vec<Link>, Error> {
 }
 
 fn snap(text: &str) -> Result<Snap, Error> {
-    text.parse().map_err(|_| bad("snap", &format!("{text:?}"), "`0.1 m`, `5 deg` or both, above 0"))
+    text.parse().map_err(|_| {
+        bad(
+            "snap",
+            &format!("{text:?}"),
+            "`0.1 m`, `brick` (0.125 m), `module` (0.1 m), `5 deg`, or a length and an angle, above 0",
+        )
+    })
 }
 
 fn clauses(text: &str) -> impl Iterator<Item = &str> {

@@ -9,7 +9,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # wall-layer = ["A-WALL*"]          # layers of the walls, * and ? may stand in them
 # query-layer = "EF-QUERY"          # where people stand
 # reference-layer = "EF-REFERENCE"  # what they should see
-# storey = "Level 1"                # of a building; by default the one with most walls
+# storey = "Level 1"                # of a building, or its number from the lowest; by default the one with most walls
 # query = "space:Gallery*"           # spaces of a building that are the region of query
 # accept-missing-eof = false        # read a DXF that ends without its end mark
 

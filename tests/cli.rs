@@ -180,6 +180,24 @@ fn an_accepted_option_keeps_a_unit_without_a_name() {
     assert_eq!(told["unit"]["metres"], 0.9144, "{}", told["unit"]);
 }
 
+/// A scene that was read by the building beside it is read by it again once an option is accepted.
+#[test]
+fn an_accepted_scene_keeps_its_building() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["pavilion.glb", "pavilion.ifc"] {
+        std::fs::copy(sample(name), folder.path().join(name)).unwrap();
+    }
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let brief = ["--evaluations", "12", "--members", "1", "-q"];
+    let first = enfilade(&[&["run", &path("pavilion.glb"), "--storey", "2"], &brief[..]].concat());
+    assert!(matches!(first.status.code(), Some(0 | 1)), "{}", text(&first.stderr));
+    assert_eq!(enfilade(&["accept", &path("pavilion.glb"), "1"]).status.code(), Some(0));
+    let next = enfilade(&[&["run", &path("pavilion-r02.glb")], &brief[..]].concat());
+    assert!(matches!(next.status.code(), Some(0 | 1)), "{}", text(&next.stderr));
+    let of = |name: &str| json(&folder.path().join(format!("{name}.enfilade/round-01/result.json")));
+    assert_eq!(of("pavilion")["counts"]["vertices"], of("pavilion-r02")["counts"]["vertices"]);
+}
+
 #[test]
 fn a_zone_is_a_region_of_query() {
     let folder = tempfile::tempdir().unwrap();
@@ -200,7 +218,11 @@ fn a_zone_is_a_region_of_query() {
     assert!(matches!(areas[..], [a] if (a - 75.24).abs() < 0.01), "{}", told["regions"]);
     let done = enfilade(&["check", &at, "--query", "zone:private"]);
     assert_eq!(done.status.code(), Some(3));
-    assert!(text(&done.stderr).contains("no such zone, zones present: Public"), "{}", text(&done.stderr));
+    assert!(
+        text(&done.stderr).contains("no such zone, zones present on \"Ground floor\": Public"),
+        "{}",
+        text(&done.stderr)
+    );
     let done = enfilade(&["check", &at, "--query", "room:1"]);
     assert!(text(&done.stderr).contains("expected space:NAME or zone:NAME"), "{}", text(&done.stderr));
 }

@@ -316,6 +316,63 @@ fn passages_stay_as_wide_as_asked() {
     assert!(!result["candidates"].as_array().unwrap().is_empty());
 }
 
+/// `passage@NAME` holds where a region of that name is drawn, and nowhere else.
+#[test]
+fn passages_are_kept_wide_where_it_is_asked() {
+    let plan = Plan::default().room([0.0, 0.0, 10.0, 6.0]).wall([6.0, 0.0, 6.0, 4.0]);
+    let plan = plan.moving([4.0, 1.5, 4.0, 6.0], "x -1 1.9; name screen");
+    let wish = ["--objective", "degree max 0", "--distance", "0.05", "--limit"];
+    let nearest = |at: [f64; 4]| {
+        let desk = Desk::new(&plan.clone().ring("EF-QUERY-here", at));
+        let round = desk.run(1, &[&wish[..], &["passage@here 1.2 m"]].concat());
+        let result = json(&round.join("result.json"));
+        let options = result["candidates"].as_array().unwrap().clone();
+        let gap = |c: &Value| 6.0 - walls(&round.join(c["file"].as_str().unwrap()))[5][0];
+        options.iter().map(gap).fold(f64::INFINITY, f64::min)
+    };
+    assert!(nearest([4.5, 2.0, 5.8, 3.5]) >= 1.2 - 1e-5, "the region lies in the passage");
+    assert!(nearest([0.5, 0.5, 2.0, 2.0]) < 1.2, "it lies elsewhere");
+    let desk = Desk::new(&plan.ring("EF-QUERY-there", [0.5, 0.5, 2.0, 2.0]));
+    let refused = desk.call("run", &["--limit", "passage@here 1.2 m"]);
+    let said = text(&refused.stderr);
+    assert!(
+        said.contains("passage@here 1.2 m: no pair of regions of this name, pairs drawn: there"),
+        "{said}"
+    );
+}
+
+/// A layout that hides all of what an objective looks at is none, however few the views to what is not seen.
+#[test]
+fn what_is_looked_at_stays_in_sight() {
+    let plan = Plan::default().room([0.0, 0.0, 20.0, 10.0]);
+    let plan = plan.wall([10.0, 0.0, 10.0, 4.25]).wall([10.0, 5.75, 10.0, 10.0]);
+    let plan = plan.moving([9.6, 1.0, 9.6, 4.0], "y 0 3; name screen");
+    let plan =
+        plan.ring("EF-REFERENCE-nook", [12.0, 1.0, 19.0, 9.0]).ring("EF-QUERY-nook", [1.0, 3.0, 3.0, 7.0]);
+    let round = Desk::new(&plan);
+    let result = json(&round.run(1, &["--objective", "depth@nook min 0.5"]).join("result.json"));
+    assert!(result["initial"]["mean"]["degree@nook"].as_f64().unwrap() > 0.0);
+    for c in result["candidates"].as_array().unwrap() {
+        assert!(c["mean"]["degree@nook"].as_f64().unwrap() > 0.0, "{}", c["words"]);
+    }
+}
+
+/// Where few walls may move at once, options are asked to stand only so far apart as two such layouts can.
+#[test]
+fn few_moves_leave_less_room_between_options() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    let wanted = |round: u32, more: &[&str]| {
+        let round =
+            desk.run(round, &[&["--distance", "0.8", "--objective", "degree max 0.5"][..], more].concat());
+        let problems = json(&round.join("result.json"))["problems"].clone();
+        let alike = problems.as_array().unwrap().iter().find(|p| p["code"] == "options-alike").cloned();
+        alike.expect("so far apart no two options stand")["text"].as_str().unwrap().to_owned()
+    };
+    assert!(wanted(1, &[]).contains("1.386 was wanted"));
+    assert!(wanted(2, &["--most-moves", "1"]).contains("0.800 was wanted"));
+    assert!(wanted(3, &["--most-moves", "2"]).contains("1.131 was wanted"));
+}
+
 /// Floor that a moved thick wall covers is no floor: an option is worth what its drawing is found to be worth.
 #[test]
 fn a_written_option_is_measured_as_it_was_found() {
@@ -566,6 +623,27 @@ fn the_best_so_far_can_be_taken() {
         assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
         assert!(said.contains("option 1 of the best so far") && said.contains("before") != is_new, "{said}");
     }
+    let car = std::fs::read_to_string(desk.folder.path().join("plan-r02.enfilade.toml")).unwrap();
+    assert!(car.contains("so-far = true"), "{car}");
+    let next = enfilade(&["run", &drawing.replace("plan.dxf", "plan-r02.dxf"), "--evaluations", "20", "-q"]);
+    assert!(next.status.success(), "{}", text(&next.stderr));
+    let page = desk.folder.path().join("plan-r02.enfilade/round-01/report.html");
+    assert!(std::fs::read_to_string(page).unwrap().contains("Best so far of a stopped search: plan.dxf"));
+    let other = enfilade(&[
+        "run",
+        &drawing.replace("plan.dxf", "plan-r02.dxf"),
+        "--evaluations",
+        "20",
+        "-q",
+        "--spacing",
+        "0.6",
+    ]);
+    assert!(other.status.success(), "{}", text(&other.stderr));
+    let [same, changed] = [1, 2].map(|n| {
+        let at = desk.folder.path().join(format!("plan-r02.enfilade/round-0{n}/report.html"));
+        std::fs::read_to_string(at).unwrap().contains("Spacing or regions have changed")
+    });
+    assert_eq!((same, changed), (false, true));
     let pinned = parameters(&so_far);
     let next = desk.run(1, &["--pin", "1", "--so-far", "--evaluations", "20"]);
     assert_eq!(parameters(&next), pinned);
@@ -650,7 +728,7 @@ fn what_is_found_so_far_is_a_whole_round_and_disturbs_nothing() {
         let of = |name: &str| files.iter().find(|f| f.path.as_os_str() == name);
         let result: Value = serde_json::from_slice(&of("result.json").unwrap().bytes).unwrap();
         assert_eq!(result["evaluations"].as_u64(), Some(*evaluations));
-        assert_eq!(result["stopped_by"], "the search goes on; this is the best so far");
+        assert_eq!(result["stopped_by"], "the search had not ended; this is the best so far");
         assert!(of("report.html").is_some() && of("initial.dxf").is_some());
     }
     let drawings = |files: &[OutFile]| -> Vec<OutFile> {

@@ -90,8 +90,65 @@ fn classes_and_storeys_come_from_the_ifc_beside_it() {
     let count = |d: &Drawing| d.entities.iter().filter(|e| e.layer == "IfcWall").count();
     assert_eq!(count(&read(None)), 21);
     assert_eq!(count(&read(Some("Upper floor"))), 16);
+    for (beside, why) in [
+        (b"garbage".to_vec(), "cannot be read, or holds no element"),
+        (twin.to_vec().replace_ids(), "it is of another building"),
+    ] {
+        let mut report = Report::default();
+        let other = ReadOptions { twin: Some(beside.into()), ..ReadOptions::default() };
+        let _ = formats::read("house.gltf", json.as_bytes(), &other, &mut report);
+        let said = report.problems.iter().find(|p| p.code == "gltf-ifc").map(|p| p.text.clone());
+        assert!(said.as_ref().is_some_and(|s| s.contains(why)), "{said:?}");
+    }
     let names = formats::storeys("house.gltf", json.as_bytes(), &options(None));
     assert_eq!(names.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(), ["Ground floor", "Upper floor"]);
+}
+
+/// A door is in the wall that the IFC says, and goes with it.
+#[test]
+fn the_ifc_beside_it_says_in_which_wall_a_door_sits() {
+    let [door, wall] = ["IfcWall/screen-1", "IfcWall/hall"];
+    let options = formats::gltf::ReadOptions {
+        has_twin: true,
+        classes: [(door.into(), "IfcDoor".into()), (wall.into(), "IfcWall".into())].into(),
+        hosts: [(door.into(), wall.into()), ("IfcWall/hall".into(), "IfcWall/nowhere".into())].into(),
+        ..Default::default()
+    };
+    let drawing = formats::gltf::read("house.glb", PAVILION, &options, &mut Report::default()).unwrap();
+    assert_eq!(drawing.hosts, [(node(door), node(wall))].into());
+}
+
+/// The hosts of a building by name, as a scene beside it needs them.
+#[test]
+fn a_building_tells_hosts_by_name() {
+    let told = formats::ifc::inventory(include_bytes!("../samples/pavilion.ifc"), None);
+    assert!(!told.hosts.is_empty());
+    for (filler, wall) in &told.hosts {
+        assert!(["IfcDoor", "IfcWindow"].contains(&told.classes[filler].as_str()), "{filler}");
+        assert!(told.classes[wall].starts_with("IfcWall"), "{wall}");
+    }
+}
+
+/// An IFC with other `GlobalId`s.
+trait OtherIds {
+    fn replace_ids(self) -> Vec<u8>;
+}
+
+impl OtherIds for Vec<u8> {
+    fn replace_ids(self) -> Vec<u8> {
+        let text = String::from_utf8(self).unwrap();
+        let other = |l: &str| match l.split_once("('") {
+            Some((head, rest)) if rest.as_bytes().get(22) == Some(&b'\'') => {
+                format!(
+                    "{head}('3{}{}\n",
+                    rest[..21].to_lowercase().replace(['0', '1', '2'], "z"),
+                    &rest[22..]
+                )
+            }
+            _ => format!("{l}\n"),
+        };
+        text.lines().map(other).collect::<String>().into_bytes()
+    }
 }
 
 /// `Wall/screen-1` → `GlobalId`, of walls whose name is unique.

@@ -14,6 +14,8 @@ mod sample;
 
 #[path = "ifc/rings.rs"]
 mod rings;
+#[path = "ifc/storeys.rs"]
+mod storeys;
 
 use std::io::Write;
 
@@ -144,7 +146,12 @@ fn storeys_by_name_and_at_the_height_of_the_knees() {
     assert_eq!((on(&drawing, "IfcWall").len(), on(&drawing, "IfcWindow").len()), (12 + 3 + 1, 8));
     let wrong = ReadOptions { storey: Some("attic".into()), ..ReadOptions::default() };
     let error = read_with(text.as_bytes(), &wrong).0.unwrap_err().to_string();
-    assert!(error.contains("no such storey, storeys present: \"Ground floor\" (floor 0.000 m, "), "{error}");
+    assert!(
+        error.contains(
+            "no such storey, storeys present, by number and name: 1 \"Ground floor\" (floor 0.000 m, "
+        ),
+        "{error}"
+    );
     let knee = ReadOptions { sight: ifc::Sight::Knee, ..ReadOptions::default() };
     let drawing = read_with(text.as_bytes(), &knee).0.unwrap();
     assert_eq!((on(&drawing, "IfcWindow").len(), on(&drawing, "IfcDoor").len()), (0, 4));

@@ -115,7 +115,12 @@ fn storeys_are_jobs_and_what_cannot_be_listed_is_refused() {
     let output = enfilade(&["jobs", text(&pavilion), "--storeys", "Ground floor,Attic"], "");
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{said}");
-    assert!(said.contains("\"Attic\"") && said.contains("\"Ground floor\", \"Upper floor\""), "{said}");
+    assert!(
+        said.contains("\"Attic\"")
+            && said.contains("1 \"Ground floor\"")
+            && said.contains("2 \"Upper floor\""),
+        "{said}"
+    );
     let listed = dir.path().join("jobs.jsonl");
     fs::write(&listed, "{\"schema\": \"enfilade.job/1\"}\n").unwrap();
     let output = enfilade(&["jobs", text(&listed)], "");

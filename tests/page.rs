@@ -195,6 +195,21 @@ fn the_interface_shows_and_obeys() {
     assert_eq!(daemon.round_settings("round-02")["pinned"], json!([result["candidates"][1]["parameters"]]));
 
     daemon.until_done("gallery.dxf");
+    copy_round(&daemon.plans().join("gallery.enfilade"), "so-far");
+    assert_eq!(daemon.json(&at(""))["sets"], json!(["analysis", "so-far", "round-01", "round-02"]));
+    let layouts = result["evaluations"].as_u64().unwrap();
+    for (wrong, why) in [
+        (json!({"candidate": 1}), "one of them"),
+        (json!({"round": 1, "so_far": layouts, "candidate": 1}), "one of them"),
+        (json!({"so_far": layouts + 1, "candidate": 1}), "another by now"),
+        (json!({"so_far": layouts, "candidate": 9}), "the best so far has options 1 to"),
+    ] {
+        let answer = daemon.ask("POST", &at("/accept"), &wrong.to_string());
+        let said = String::from_utf8_lossy(&answer.body);
+        assert!(answer.status == 400 && said.contains(why), "{wrong}: {said}");
+    }
+    let of_so_far = json!({"so_far": layouts, "candidate": 1}).to_string();
+    assert_eq!(daemon.ask("POST", &at("/accept"), &of_so_far).status, 200);
     let accepted = daemon.ask("POST", &at("/accept"), r#"{"round": 1, "candidate": 1}"#);
     assert_eq!(accepted.status, 200, "{}", String::from_utf8_lossy(&accepted.body));
     assert!(daemon.plans().join("gallery-r02.dxf").is_file());
@@ -452,12 +467,18 @@ fn assert_door_is_closed(home: &Path) {
 }
 
 /// A round with the first one's pictures and ten thousand options.
-fn plant_ten_thousand(home: &Path) {
-    let [from, to] = ["round-01", "round-00"].map(|r| home.join(r));
+/// The first round under another name.
+fn copy_round(home: &Path, name: &str) {
+    let to = home.join(name);
     fs::create_dir(&to).unwrap();
-    for entry in fs::read_dir(&from).unwrap().map(|e| e.unwrap()) {
+    for entry in fs::read_dir(home.join("round-01")).unwrap().map(|e| e.unwrap()) {
         fs::copy(entry.path(), to.join(entry.file_name())).unwrap();
     }
+}
+
+fn plant_ten_thousand(home: &Path) {
+    let [from, to] = ["round-01", "round-00"].map(|r| home.join(r));
+    copy_round(home, "round-00");
     let mut result: Value = serde_json::from_slice(&fs::read(from.join("result.json")).unwrap()).unwrap();
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(10);
     let shaken = |value: &mut Value, rng: &mut rand_chacha::ChaCha8Rng| {
@@ -491,6 +512,7 @@ fn a_browser_does_every_action() {
         .unwrap();
     daemon.until_done("gallery.dxf");
     plant_ten_thousand(&daemon.plans().join("gallery.enfilade"));
+    copy_round(&daemon.plans().join("gallery.enfilade"), "so-far");
     fs::write(daemon.plans().join("#<b>.dxf"), "").unwrap();
     // A list longer than a phone, a name in two folders, and one that would turn the direction of writing.
     fs::create_dir(daemon.plans().join("<i>wing")).unwrap();

@@ -9,7 +9,7 @@ use std::time::Instant;
 use enfilade::config::{Partial, Settings};
 use enfilade::formats::dxf::{ReadOptions, patch, read};
 use enfilade::pipeline::{self, Input};
-use enfilade::plan::axes::AxisGraph;
+use enfilade::plan::axes::{AxisGraph, NodeKind, OpeningKind};
 use enfilade::plan::drawing::{Edit, Shape};
 use enfilade::plan::interior::Interior;
 use enfilade::plan::{Plan, PlanOptions, structure, understand};
@@ -460,6 +460,96 @@ fn lines_between_columns_are_walls() {
                 to column; taken as walls; --wall-layer overrides it";
     assert!(problems.contains(&said.to_string()), "{problems:?}");
     assert!(problems.iter().all(|p| !p.starts_with("columns-only")), "{problems:?}");
+    // The lines end 2 cm from the posts' corners: the posts are columns all the same, and the walls no windows.
+    let text = drawing(METRES, "", &lines);
+    let mut report = Report::default();
+    let drawn = read("plan.dxf", text.as_bytes(), &ReadOptions::default(), &mut report).unwrap();
+    let graph = AxisGraph::new(&structure::drawn(&plan, &drawn).0);
+    let columns = graph.nodes.iter().filter(|n| matches!(n.kind, NodeKind::Column(_))).count();
+    let windows = graph.openings.iter().filter(|o| o.kind == OpeningKind::Window).count();
+    assert_eq!((columns, windows), (6, 0), "{graph:#?}");
+}
+
+/// Posts every 2 m round `[x, y]` to `[x + w, y + h]`, and the two faces of the walls between them.
+fn timber_storey([x, y]: [f64; 2], [w, h]: [i32; 2]) -> Vec<(&'static str, [f64; 4])> {
+    let round = (0..w / 2).map(|i| [2 * i, 0]).chain((0..h / 2).map(|j| [w, 2 * j]));
+    let round = round.chain((0..w / 2).map(|i| [w - 2 * i, h])).chain((0..h / 2).map(|j| [0, h - 2 * j]));
+    let posts: Vec<DVec2> = round.map(|[i, j]| DVec2::new(x + f64::from(i), y + f64::from(j))).collect();
+    let mut lines = Vec::new();
+    for (i, p) in posts.iter().enumerate() {
+        let corners =
+            [[-0.06, -0.06], [0.06, -0.06], [0.06, 0.06], [-0.06, 0.06]].map(|c| *p + DVec2::from(c));
+        lines.extend((0..4).map(|k| {
+            let (a, b) = (corners[k], corners[(k + 1) % 4]);
+            ("_0-3_柱", [a.x, a.y, b.x, b.y])
+        }));
+        let q = posts[(i + 1) % posts.len()];
+        let along = (q - *p).normalize() * 0.06;
+        lines.extend([-0.04, 0.04].map(|s| {
+            let (a, b) = (*p + along + along.perp() * s / 0.06, q - along + along.perp() * s / 0.06);
+            ("_0-2_", [a.x, a.y, b.x, b.y])
+        }));
+    }
+    lines
+}
+
+/// Two storeys near each other are two drawings however large the elevations below them are, and the plan is where
+/// columns are cut.
+#[test]
+fn storeys_over_one_another_are_told_apart() {
+    let mut lines = timber_storey([0.0, 12.0], [12, 8]);
+    lines.extend(timber_storey([4.0, 2.0], [8, 6]));
+    for k in 0..150 {
+        let x = 0.4 * f64::from(k);
+        lines.extend([[x, -30.0, x, -14.0], [x, -30.0, x + 0.4, -30.0]].map(|l| ("_0-9_壁", l)));
+    }
+    let text = drawing(METRES, "", &lines);
+    let views = |view: Option<&str>| {
+        let options = PlanOptions { view: view.map(Into::into), ..PlanOptions::default() };
+        let plan = plan_of(text.as_bytes(), &options).0.unwrap();
+        let chosen: Vec<usize> = plan.views.iter().filter(|v| v.is_chosen).map(|v| v.number).collect();
+        let on = |layer: &str| plan.walls.iter().filter(|w| w.source.layer == layer).count();
+        (plan.views.len(), chosen, on("_0-3_柱"), on("_0-2_"), on("_0-9_壁") > 0)
+    };
+    assert_eq!(views(None), (3, vec![1], 80, 40, false));
+    assert_eq!(views(Some("2")), (3, vec![2], 56, 28, false));
+    assert_eq!(views(Some("3")), (3, vec![3], 0, 0, true));
+}
+
+/// The border of a sheet with its title block, on the layer of the walls because there is no other, is no wall; a hall
+/// of the same kind is.
+#[test]
+fn the_border_of_a_sheet_is_no_wall() {
+    let ring = |x0: f64, y0: f64, x1: f64, y1: f64| {
+        [[x0, y0, x1, y0], [x1, y0, x1, y1], [x1, y1, x0, y1], [x0, y1, x0, y0]]
+    };
+    let mut inside = [ring(0.0, 0.0, 10.0, 8.0), ring(0.3, 0.3, 9.7, 7.7)].concat();
+    inside.extend([[5.9, 0.3, 5.9, 5.0], [6.1, 0.3, 6.1, 5.0], [5.9, 5.0, 6.1, 5.0]]);
+    let title = [[9.0, -1.4, 15.0, -1.4], [9.0, -2.9, 9.0, -1.4], [9.0, -2.2, 15.0, -2.2]];
+    let walls = |border: &[[f64; 4]], words: &str, wall_layers: &[&str]| {
+        let lines: Vec<(&str, [f64; 4])> = inside.iter().chain(border).map(|l| ("0", *l)).collect();
+        let text = format!("0\nTEXT\n8\n0\n10\n9.5\n20\n-2.7\n40\n0.2\n1\n{words}\n0\nENDSEC\n0\nEOF");
+        let text = drawing(METRES, "", &lines).replacen("0\nENDSEC\n0\nEOF", &text, 1);
+        let wall_layers = wall_layers.iter().map(ToString::to_string).collect();
+        let (plan, said) = plan_of(text.as_bytes(), &PlanOptions { wall_layers, ..PlanOptions::default() });
+        (plan.unwrap().walls.len() - inside.len(), said.into_iter().find(|s| s.starts_with("sheet-border")))
+    };
+    let margin = ring(-5.0, -2.9, 15.0, 10.95);
+    let cut = ring(-5.4, -3.3, 15.4, 11.35);
+    let paper = ring(-5.5, -3.4, 15.5, 11.45);
+    let (left, said) = walls(&[cut, margin].concat(), "House", &[]);
+    assert_eq!((left, said), (8, None), "no sheet and no title block");
+    let titled = [&cut[..], &margin, &title].concat();
+    let (left, said) = walls(&titled, "Scale 1:50", &[]);
+    let expected = "sheet-border Info plan.dxf: 11 lines draw the border of a sheet and what hangs on it; a title block with \
+                    \"Scale 1:50\" hangs on it; left out of the walls, --wall-layer takes them in";
+    assert_eq!((left, said.as_deref()), (0, Some(expected)));
+    assert_eq!(walls(&titled, "Kitchen", &[]), (11, None), "rooms along a hall");
+    assert_eq!(walls(&titled, "Scale 1:50", &["0"]).0, 11, "the user's word");
+    let (left, said) = walls(&[paper, margin].concat(), "House", &[]);
+    assert!(left == 0 && said.is_some(), "A3 at 1:50: {left}");
+    let joined = [&paper[..], &[[5.0, 8.0, 5.0, 11.45]]].concat();
+    assert_eq!(walls(&joined, "House", &[]), (5, None), "the house hangs on it");
 }
 
 /// Two faces of a wall 10 cm apart, beside the line from `a` to `b`.

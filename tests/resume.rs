@@ -170,7 +170,8 @@ fn drawings(root: &Path) -> Vec<PathBuf> {
 fn newest(path: &Path) -> Option<(PathBuf, String)> {
     let home = path.with_extension("enfilade");
     let names = fs::read_dir(&home).ok()?.map(|e| e.unwrap().file_name().into_string().unwrap());
-    let name = names.filter(|n| n.starts_with("round-")).max()?;
+    let number = |n: &String| n.strip_prefix("round-")?.parse::<u32>().ok();
+    let name = names.filter(|n| number(n).is_some()).max_by_key(number)?;
     let result: Value = serde_json::from_slice(&fs::read(home.join(&name).join("result.json")).ok()?).ok()?;
     let is_of_it = result["input"]["sha256"] == enfilade::watch::sha256_hex(&fs::read(path).ok()?).as_str();
     is_of_it.then_some((home, name))
@@ -338,7 +339,7 @@ fn garbage_saved_over_a_drawing_is_named() {
     }
     kill(child);
     let said = said();
-    assert!(said.contains("gallery.dxf stopped: a newer save takes its place"), "{said}");
+    assert!(said.contains("gallery.dxf stopped: a newer save, or other settings, take its place"), "{said}");
     assert!(!said.contains('\u{fffd}') && !said.contains(|c: char| c.is_control() && c != '\n'), "{said:?}");
 }
 

@@ -24,8 +24,8 @@ pub struct Means {
     pub entropy: f64,
 }
 
-/// Means of a tally over the query vertices that no body covers, summed in vertex order; `covered` of them
-/// see nothing because nobody can stand there. All 0 without such vertices.
+/// Means of a tally over the query vertices but the `covered`, summed in vertex order: those see nothing because a
+/// wall stands on them. All 0 without other vertices.
 pub fn means(tally: &Tally, covered: usize) -> Means {
     let n = tally.depth.len().saturating_sub(covered).max(1) as f64;
     let mean = |values: &[u32]| values.iter().map(|&v| u64::from(v)).sum::<u64>() as f64 / n;

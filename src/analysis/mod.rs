@@ -77,6 +77,6 @@ pub struct Tally {
 pub struct Obstacles {
     /// Segments that block sight, touch counts.
     pub segments: Vec<Segment>,
-    /// Vertices that see nothing because a solid covers them.
+    /// Vertices that see nothing because a solid covers them or a wall that moves stands on them.
     pub blind: Vec<u32>,
 }

@@ -91,12 +91,12 @@ fn is_drawing(file: &Path, shown: &str, bytes: &[u8]) -> Result<(), Error> {
 fn named_storeys(shown: &str, bytes: &[u8], list: &str) -> Result<Vec<String>, Error> {
     let there = formats::storeys(shown, bytes, &formats::ReadOptions::default());
     let find = |name: &str| {
-        let found = there.iter().find(|s| s.name.eq_ignore_ascii_case(name));
-        found.map(|s| s.name.clone()).ok_or_else(|| {
-            let present: Vec<String> = there.iter().map(|s| format!("{:?}", s.name)).collect();
-            let present = if present.is_empty() { "none".to_owned() } else { present.join(", ") };
-            let text =
-                format!("--storeys {name:?}: no such storey, storeys present: {present}; nothing was done");
+        let found = formats::storey_at(there.iter().map(|s| s.name.as_str()), name);
+        found.map(|i| there[i].name.clone()).ok_or_else(|| {
+            let present = if there.is_empty() { "none".to_owned() } else { formats::listed(&there) };
+            let text = format!(
+                "--storeys \"{name}\": no such storey, storeys present, by number and name: {present}; nothing was done"
+            );
             Error::usage("storeys", Place::file(shown), text)
         })
     };

@@ -17,7 +17,7 @@ use crate::daemon::{self, JobEvent, JobRequest, Notice, RunJob, WatchSettings};
 use crate::formats;
 use crate::overlay::result::to_json;
 use crate::report::{Cancel, Error, Place, Problem, Severity};
-use crate::server::Page;
+use crate::server::{Page, Taken};
 use crate::service::Folders;
 use crate::store::{Disk as _, Log, SystemDisk};
 use crate::watch::{Completeness, canonical_roots};
@@ -52,8 +52,12 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
     let (quiet, json) = (args.common.quiet, args.common.progress == Some(ProgressArg::Json));
     let log = args.log.as_deref().map(open_log).transpose()?;
     let (orders, ordered) = mpsc::channel();
-    let accepted = |drawing: &Path, results: &Path, round: u32, number: usize| {
-        accept_option(drawing, results, Which::Round(round), number).map(|a| a.next)
+    let accepted = |drawing: &Path, results: &Path, of: Taken, number: usize| {
+        let which = match of {
+            Taken::Round(n) => Which::Round(n),
+            Taken::SoFar(n) => Which::SoFar(Some(n)),
+        };
+        accept_option(drawing, results, which, number).map(|a| a.next)
     };
     let page = args.page.map(|port| Page::open(port, orders, Box::new(accepted))).transpose()?;
     if let Some(page) = &page {
@@ -72,7 +76,7 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
             crate::service::tell_user(&format!("{name}: options are ready"), &done.summary);
         }
         if let Some(log) = &log
-            && !matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. })
+            && !matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. } | Notice::Results { .. })
         {
             // A full disk shows in the jobs; the log is no reason to end.
             let _ = log.line(&format!("{} {notice}", daemon::rfc3339(SystemTime::now())));
@@ -108,7 +112,7 @@ fn open_log(path: &Path) -> Result<Log, Error> {
 fn show_notice(notice: &Notice, quiet: bool, json: bool) {
     match notice {
         Notice::Progress { value, .. } if json => eprintln!("{value}"),
-        Notice::Progress { .. } | Notice::UpToDate { .. } => {}
+        Notice::Progress { .. } | Notice::UpToDate { .. } | Notice::Results { .. } => {}
         Notice::Problem { problem, .. } if problem.severity == Severity::Info && !quiet => {
             eprintln!("note: {notice}");
         }

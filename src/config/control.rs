@@ -107,7 +107,7 @@ pub enum Bound {
     Change(f64),
 }
 
-/// A hard limit: no option passes it. `wall-length -5%`, `clearance 3`, `passage 0.9 m`, `degree >= 40`.
+/// A hard limit: no option passes it. `wall-length -5%`, `clearance 3`, `passage@lobby 1.2 m`, `degree >= 40`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Limit {
@@ -117,6 +117,8 @@ pub struct Limit {
     pub is_least: bool,
     /// The bound.
     pub bound: Bound,
+    /// Of a passage: only those that reach into the regions of this name; `None`: everywhere.
+    pub place: Option<PairName>,
 }
 
 impl fmt::Display for Limit {
@@ -124,6 +126,9 @@ impl fmt::Display for Limit {
         match self.held {
             Held::Aim(aim) => write!(f, "{aim}")?,
             Held::Penalty(p) => f.write_str(p.name())?,
+        }
+        if let Some(place) = self.place {
+            write!(f, "@{place}")?;
         }
         match self.bound {
             Bound::Change(share) => {
@@ -147,7 +152,11 @@ impl FromStr for Limit {
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong = || format!("{text:?} is no limit");
         let (name, rest) = text.trim().split_once(char::is_whitespace).ok_or_else(wrong)?;
-        let penalty = Penalty::ALL.into_iter().find(|p| p.name() == name);
+        let (what, place) = match name.split_once('@') {
+            Some(("passage", place)) => ("passage", Some(place.parse::<PairName>()?)),
+            _ => (name, None),
+        };
+        let penalty = Penalty::ALL.into_iter().find(|p| p.name() == what);
         let held = match penalty {
             Some(p) => Held::Penalty(p),
             None => Held::Aim(name.parse().map_err(|_| wrong())?),
@@ -157,7 +166,7 @@ impl FromStr for Limit {
         if held == Held::Penalty(Penalty::Passage) {
             let (width, unit) = quantity(rest).ok_or_else(wrong)?;
             let width_m = metres(unit).map(|m| width * m).filter(|w| *w > 0.0).ok_or_else(wrong)?;
-            return Ok(Self { held, is_least: true, bound: Bound::At(width_m) });
+            return Ok(Self { held, is_least: true, bound: Bound::At(width_m), place });
         }
         let (way, value) = match (rest.strip_prefix(">="), rest.strip_prefix("<=")) {
             (Some(v), _) => (Some(true), v),
@@ -168,7 +177,7 @@ impl FromStr for Limit {
             // As written: no more than 5 % lost, no more than 5 % gained.
             let is_least = way.unwrap_or(percent.trim_start().starts_with('-'));
             let share = number(percent).ok_or_else(wrong)? / 100.0;
-            return Ok(Self { held, is_least, bound: Bound::Change(share) });
+            return Ok(Self { held, is_least, bound: Bound::Change(share), place: None });
         }
         let (is_least, value) = match way {
             Some(is_least) => (is_least, value),
@@ -181,7 +190,7 @@ impl FromStr for Limit {
         if penalty.is_some() && value < 0.0 {
             return Err(wrong());
         }
-        Ok(Self { held, is_least, bound: Bound::At(value) })
+        Ok(Self { held, is_least, bound: Bound::At(value), place: None })
     }
 }
 
@@ -243,7 +252,7 @@ impl FromStr for Link {
     }
 }
 
-/// Modules that shifts and turns keep to, counted from the drawing as it is: `0.1 m, 5 deg`.
+/// Modules that shifts and turns keep to, counted from the drawing as it is: `0.1 m, 5 deg`, `brick`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Snap {
@@ -268,6 +277,8 @@ impl FromStr for Snap {
         let wrong = || format!("{text:?} is no module");
         let mut out = Self::default();
         for clause in text.split(',').map(str::trim).filter(|c| !c.is_empty()) {
+            let clause =
+                MODULES.into_iter().find(|m| m.0.eq_ignore_ascii_case(clause)).map_or(clause, |m| m.1);
             let (value, unit) = quantity(clause).filter(|q| q.0 > 0.0).ok_or_else(wrong)?;
             let slot = if unit == "deg" { &mut out.angle_deg } else { &mut out.length_m };
             let size = if unit == "deg" { value } else { value * metres(unit).ok_or_else(wrong)? };
@@ -278,6 +289,9 @@ impl FromStr for Snap {
         Ok(out)
     }
 }
+
+/// Modules by name: half a brick with its joint (DIN 4172), the basic module (ISO 2848).
+const MODULES: [(&str, &str); 2] = [("brick", "0.125 m"), ("module", "0.1 m")];
 
 /// A number and the unit behind it, `m` where there is none.
 fn quantity(text: &str) -> Option<(f64, &str)> {
@@ -333,6 +347,7 @@ mod tests {
             "wall-length +2.5%",
             "clearance <= 3",
             "passage 0.9 m",
+            "passage@main-hall 1.2 m",
             "room-area -5%",
             "room-area <= 2",
             "degree-p10 >= 40",
@@ -348,6 +363,9 @@ mod tests {
             assert_eq!(text.parse::<Link>().unwrap().to_string(), text);
         }
         assert_eq!("100mm, 5 deg".parse::<Snap>().unwrap().to_string(), "0.1 m, 5 deg");
+        assert_eq!("Brick, 5 deg".parse::<Snap>().unwrap().to_string(), "0.125 m, 5 deg");
+        assert_eq!("module".parse(), "100 mm".parse::<Snap>());
+        assert!("brick, 0.1 m".parse::<Snap>().is_err());
         assert_eq!("passage 900mm".parse::<Limit>().unwrap().bound, Bound::At(0.9));
         assert_eq!("degree@Main".parse::<Aim>().unwrap().to_string(), "degree@main");
         assert_eq!("clearance 3".parse(), "clearance <= 3".parse::<Limit>());
@@ -373,6 +391,9 @@ mod tests {
             "degree 40",
             "passage",
             "passage -1",
+            "passage@ 1 m",
+            "overlap@hall <= 0",
+            "clearance@hall 3",
             "passage 3 deg",
             "clearance",
             "depth >= x",

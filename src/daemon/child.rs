@@ -431,6 +431,7 @@ mod tests {
             asked: Asked {
                 objective: Some("degree max".into()),
                 round: Some(2),
+                so_far: None,
                 pin: vec![1, 3],
                 like: Some(2),
             },

@@ -18,7 +18,7 @@ use words::{how_watched, hung, retry_pause, shown, taken, too_long};
 use super::hands::{
     Looked, Message, Outcome, Task, Waiting, open_journal, reporter, start_looker, start_worker,
 };
-use super::status::{SharedDisk, Standing, content_of_results, rfc3339, write_standing};
+use super::status::{SharedDisk, Standing, content_of_results, rfc3339, settle, write_standing};
 use super::{Asked, Done, Notice, Order, Reread, RunJob, WatchSettings};
 use crate::config::settings_files;
 use crate::report::{Cancel, Error, Problem, Severity};
@@ -47,9 +47,9 @@ const HANG_PATIENCE: Duration = Duration::from_secs(5);
 /// The overview is not rewritten more often.
 const OVERVIEW_PAUSE: Duration = Duration::from_secs(1);
 /// Why a job was given up, as the user reads it.
-const NEWER_SAVE: &str = "a newer save takes its place";
+const NEWER_SAVE: &str = "a newer save, or other settings, take its place";
 const REMOVED: &str = "the drawing was removed";
-const BY_THE_USER: &str = "cancelled";
+pub(crate) const BY_THE_USER: &str = "cancelled";
 const NOTHING_WHOLE: &str = "no whole file lies there to work on";
 const DAEMON_ENDS: &str = "the daemon ends; the next start goes on with it";
 const TOO_LONG: &str = "it ran too long";
@@ -376,10 +376,18 @@ impl Heart {
             show(Notice::Watching { root: path.clone(), how: root.how.clone() });
         }
         self.fail(&path, &problem);
+        self.say_results(&path, show);
         if is_running {
             problem.text.push_str("; the job that runs is of the content before");
         }
         show(Notice::Problem { path, problem });
+    }
+
+    /// Says where results of before lie.
+    fn say_results(&self, drawing: &Path, show: &mut dyn FnMut(Notice)) {
+        if let Some(folder) = present_folder(drawing, &self.placing_of(drawing)) {
+            show(Notice::Results { drawing: drawing.into(), folder });
+        }
     }
 
     fn fail(&mut self, path: &Path, problem: &Problem) {
@@ -433,11 +441,14 @@ impl Heart {
     fn ended_before(&mut self, drawing: PathBuf, end: Ended, show: &mut dyn FnMut(Notice)) {
         match end {
             Ended::Finished(summary) => {
-                let folder = present_folder(&drawing, &self.placing_of(&drawing));
+                let (placing, content) = (self.placing_of(&drawing), self.contents.get(&drawing));
+                settle(&*self.disk, &drawing, &placing, content.map_or("", |c| &c.0), &summary);
+                let folder = present_folder(&drawing, &placing);
                 show(Notice::UpToDate { drawing, folder, summary });
             }
             Ended::Failed(problem) => {
                 self.fail(&drawing, &problem);
+                self.say_results(&drawing, show);
                 show(Notice::Failed { drawing, problem, retry_secs: None });
             }
         }
@@ -751,7 +762,11 @@ impl Heart {
         Placing { out_dir: at(&self.settings.out_dir), fallback_dir: at(&self.settings.fallback_dir) }
     }
 
+    /// Nothing of a round with wishes of its own: it is not asked for again after a kill.
     fn note(&self, what: &Waiting, step: &Step, show: &mut dyn FnMut(Notice)) {
+        if what.asked != Asked::default() {
+            return;
+        }
         let Some(journal) = self.journal_of(&what.drawing) else { return };
         let time = rfc3339(SystemTime::now());
         let below = self.below(&what.drawing);

@@ -21,6 +21,7 @@ use serde_json::Value;
 
 pub use crate::store::OutFile;
 pub use crate::watch::WatchSettings;
+pub(crate) use heart::BY_THE_USER;
 pub use status::{rfc3339, status};
 
 use crate::report::{Cancel, Error, Place, Problem, one_line, printable};
@@ -54,6 +55,8 @@ pub struct Asked {
     pub objective: Option<String>,
     /// The round whose options `pin` and `like` name; `None`: the newest.
     pub round: Option<u32>,
+    /// Their options are those of the best so far, after so many evaluations: later it has others.
+    pub so_far: Option<u64>,
     /// Options that stay, counted from 1; the others are found unlike them.
     pub pin: Vec<usize>,
     /// More like this option, counted from 1.
@@ -169,6 +172,13 @@ pub enum Notice {
         /// What came of it, as far as it is remembered.
         summary: String,
     },
+    /// Where the results of a drawing lie that is not worked on.
+    Results {
+        /// The drawing.
+        drawing: PathBuf,
+        /// Its result folder.
+        folder: PathBuf,
+    },
     /// A drawing is gone; its results stay where they are.
     Removed(PathBuf),
     /// The job of a drawing began.
@@ -230,6 +240,7 @@ impl fmt::Display for Notice {
             Self::Ignored { path, why } => write!(f, "{} is left alone: {why}", name(path)),
             Self::Queued { drawing, waiting } => write!(f, "{} waits ({waiting} waiting)", name(drawing)),
             Self::UpToDate { drawing, .. } => write!(f, "{} is up to date", name(drawing)),
+            Self::Results { drawing, .. } => write!(f, "{} has results of before", name(drawing)),
             Self::Removed(drawing) => write!(f, "{} is gone", name(drawing)),
             Self::Started(drawing) => write!(f, "{} started", name(drawing)),
             Self::Progress { drawing, value } => write!(f, "{} {value}", name(drawing)),

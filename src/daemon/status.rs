@@ -7,7 +7,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde_json::{Value, json};
 
 use crate::report::{Error, Problem};
-use crate::store::{Disk, Placing, STATE_FOLDER, SystemDisk, find_folder, is_held, read_lease, write_json};
+use crate::store::{
+    Disk, Placing, STATE_FOLDER, SystemDisk, find_folder, finished_rounds, is_held, present_folder,
+    read_lease, round_name, write_json,
+};
 
 /// What the status of a drawing says besides its progress.
 #[derive(Clone, Debug, Default)]
@@ -49,6 +52,20 @@ pub(super) fn write_standing(disk: &dyn Disk, drawing: &Path, placing: &Placing,
     if let Ok(folder) = find_folder(disk, drawing, placing) {
         let status = drawing_status(drawing, &rfc3339(SystemTime::now()), standing, None);
         let _ = write_json(disk, &folder.join("status.json"), &status);
+    }
+}
+
+/// Puts right what says of a content that is done that it is worked on or waits: a round that was asked for with wishes of
+/// its own and not finished is not asked for again.
+pub(super) fn settle(disk: &dyn Disk, drawing: &Path, placing: &Placing, sha256: &str, summary: &str) {
+    let Some(folder) = present_folder(drawing, placing) else { return };
+    let status = std::fs::read(folder.join("status.json")).ok();
+    let status: Value = status.and_then(|s| serde_json::from_slice(&s).ok()).unwrap_or_default();
+    let is_stale = ["running", "waiting", "stopped"].iter().any(|s| status["state"] == *s);
+    if let (true, Some(newest)) = (is_stale, finished_rounds(&folder).last()) {
+        let round = round_name(*newest);
+        let done = Standing { state: "done", sha256, round: Some(&round), ..Standing::default() };
+        write_standing(disk, drawing, placing, &Standing { summary: Some(summary), ..done });
     }
 }
 
@@ -123,6 +140,33 @@ pub(super) type SharedDisk = Arc<dyn Disk>;
 mod tests {
     use super::*;
     use std::time::Duration;
+
+    #[test]
+    fn a_killed_order_leaves_no_word_that_it_goes_on() {
+        let dir = tempfile::tempdir().unwrap();
+        let (drawing, placing) = (dir.path().join("plan.dxf"), Placing::default());
+        let folder = dir.path().join("plan.enfilade");
+        std::fs::write(&drawing, "EOF").unwrap();
+        let says = || -> Value {
+            serde_json::from_slice(&std::fs::read(folder.join("status.json")).unwrap()).unwrap()
+        };
+        for (state, rounds, settled) in [
+            ("running", 0, "running"),
+            ("failed", 1, "failed"),
+            ("running", 2, "done"),
+            ("waiting", 2, "done"),
+            ("stopped", 2, "done"),
+        ] {
+            (1..=rounds).for_each(|n| std::fs::create_dir_all(folder.join(round_name(n))).unwrap());
+            write_standing(&SystemDisk, &drawing, &placing, &Standing { state, ..Standing::default() });
+            settle(&SystemDisk, &drawing, &placing, "ab", "5 options");
+            assert_eq!(says()["state"], settled, "{state}");
+        }
+        assert_eq!(
+            (says()["round"].as_str(), says()["summary"].as_str()),
+            (Some("round-02"), Some("5 options"))
+        );
+    }
 
     #[test]
     fn a_full_disk_makes_what_is_told_doubtful() {

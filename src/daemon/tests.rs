@@ -231,7 +231,7 @@ fn rename_saves_are_seen_and_cancel_nothing_by_vanishing() {
     fs::rename(daemon.path("sav123.tmp"), daemon.path("plan.dxf")).unwrap();
     assert_eq!(daemon.await_round("plan", 1), "new EOF\n");
     assert_eq!((daemon.jobs(), daemon.count_said("Stopped {")), (2, 1));
-    assert_eq!(daemon.count_said("a newer save takes its place"), 1);
+    assert_eq!(daemon.count_said("a newer save, or other settings, take its place"), 1);
 }
 
 /// Hazards 1 and 27: what is saved over a drawing while its job runs, and is not whole, ends no job; but whose results

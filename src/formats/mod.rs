@@ -29,6 +29,8 @@ pub struct ReadOptions {
     pub unit: Option<Unit>,
     /// Whether the user names the layers that carry walls.
     pub is_by_user: bool,
+    /// Whether the glass of curtain walls stops sight: the user names them as walls.
+    pub is_glass_wall: bool,
     /// The IFC that a glTF was made from: it knows classes and storeys by `GlobalId`.
     pub twin: Option<Arc<[u8]>>,
     /// Files of data beside a scene, by name ([`gltf::outer_files`]).
@@ -48,6 +50,28 @@ pub struct StoreyInfo {
     pub walls: usize,
 }
 
+/// Which of the storeys is meant, names from the lowest: by its name to the letter, else by its name whatever its
+/// case, blanks and STEP escapes, else by its number from 1 or its folder (`storey-1`).
+pub fn storey_at<'n>(names: impl Iterator<Item = &'n str>, wanted: &str) -> Option<usize> {
+    let names: Vec<&str> = names.collect();
+    let exact = names.iter().position(|n| *n == wanted);
+    let plain = |name: &str| name.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase();
+    let by_name = |wanted: &str| names.iter().position(|n| plain(n) == plain(wanted));
+    let number = || {
+        let number = plain(wanted).trim_start_matches("storey-").parse::<usize>().ok()?;
+        number.checked_sub(1).filter(|i| *i < names.len())
+    };
+    exact.or_else(|| by_name(wanted)).or_else(|| by_name(&ifc::decoded(wanted))).or_else(number)
+}
+
+/// Storeys as a message lists them: the number and the name, both as `--storey` takes them.
+pub fn listed(storeys: &[StoreyInfo]) -> String {
+    let of = |(i, s): (usize, &StoreyInfo)| {
+        format!("{} \"{}\" (floor {:.3} m, {} walls)", i + 1, s.name, s.floor_m, s.walls)
+    };
+    storeys.iter().enumerate().map(of).collect::<Vec<_>>().join(", ")
+}
+
 impl ReadOptions {
     fn dxf(&self) -> dxf::ReadOptions {
         dxf::ReadOptions { accept_missing_eof: self.accept_missing_eof, ..Default::default() }
@@ -60,7 +84,9 @@ impl ReadOptions {
             is_by_user: self.is_by_user,
             storey: self.storey.clone(),
             unit: self.unit,
+            has_twin: self.twin.is_some(),
             classes: twin.classes,
+            hosts: twin.hosts,
             storeys: twin.storeys,
             buffers: self.buffers.clone(),
             pictures: self.pictures.clone(),
@@ -68,7 +94,12 @@ impl ReadOptions {
     }
 
     fn ifc(&self) -> ifc::ReadOptions {
-        ifc::ReadOptions { storey: self.storey.clone(), sight: self.sight, unit: self.unit }
+        ifc::ReadOptions {
+            storey: self.storey.clone(),
+            sight: self.sight,
+            unit: self.unit,
+            is_glass_wall: self.is_glass_wall,
+        }
     }
 }
 

@@ -293,12 +293,15 @@ impl<'a> Axial<'a> {
         let along = self.along_stretched(&nodes, along);
         let [lo, hi] = self.stretch(&nodes, along, &BTreeSet::new())?;
         let behind = |e: &Edge| self.length(e) - REST_M - self.joint_half(e);
-        let (lo, hi) = (lo.max(-behind(first)).max(room[0]), hi.min(behind(second)).min(room[1]));
-        let way = (hi.min(-lo) * 1e3).floor() / 1e3;
-        (is_inside && way >= SLIDE_MIN_M).then(|| {
-            let direction = upright(along).0;
-            let way = way * self.plan.human_scale;
-            Sliding { nodes, direction, way: [-way, way], at: opening.centre, size: opening.width_m }
+        let lo = lo.max(-behind(first)).max(room[0]).min(0.0);
+        let hi = hi.min(behind(second)).min(room[1]).max(0.0);
+        let (lo, hi) = (-whole_mm(-lo), whole_mm(hi));
+        (is_inside && hi - lo >= 2.0 * SLIDE_MIN_M).then(|| {
+            let (direction, is_turned) = upright(along);
+            let way = if is_turned { [-hi, -lo] } else { [lo, hi] };
+            // No −0: it would be told so.
+            let way = way.map(|v| v * self.plan.human_scale + 0.0);
+            Sliding { nodes, direction, way, at: opening.centre, size: opening.width_m }
         })
     }
 
@@ -342,6 +345,9 @@ impl<'a> Axial<'a> {
         let mut handles = self.corners(chain).ok_or(Stays::Joined)?;
         let beside = self.take_doors_beside(chain, &mut handles).ok_or(Stays::Occupied)?;
         let nodes = self.nodes(&handles).ok_or(Stays::Unwritable)?;
+        if self.stretches_carrying(&nodes) {
+            return Err(Stays::Thick);
+        }
         if self.tears_a_door(chain, &nodes) {
             return Err(Stays::Joined);
         }
@@ -369,6 +375,18 @@ impl<'a> Axial<'a> {
             at: chain.world(f64::midpoint(chain.from, chain.to), 0.0),
             size: length,
         })
+    }
+
+    /// Whether a wall that carries would grow longer or shorter: both its sides are stretched.
+    fn stretches_carrying(&self, nodes: &[u32]) -> bool {
+        let is_stretched = |faces: &[FaceRef]| {
+            faces.iter().any(|f| match face_handles(self.plan, *f)[..] {
+                [a, b] => self.has(nodes, a) != self.has(nodes, b),
+                _ => false,
+            })
+        };
+        let carrying = self.axes.edges.iter().filter(|e| e.thickness_m > self.carrying_m);
+        carrying.into_iter().any(|e| is_stretched(&e.left) && is_stretched(&e.right))
     }
 
     /// Whether both sides of a chain lie inside wherever one looks, and no window is in it.
@@ -737,8 +755,13 @@ pub(super) fn clipped(p: DVec2, q: DVec2, from: f64, to: f64) -> Option<[f64; 2]
     Some([a.y.min(b.y), a.y.max(b.y)])
 }
 
+/// A way in whole millimetres, metres; never longer by more than a nanometre, which is how exactly it is known.
+pub(super) fn whole_mm(way: f64) -> f64 {
+    (way * 1e3 + 1e-6).floor() / 1e3
+}
+
 /// The direction that points right or up, and whether it was turned.
-fn upright(d: DVec2) -> (DVec2, bool) {
+pub(super) fn upright(d: DVec2) -> (DVec2, bool) {
     let is_turned = d.x < -1e-9 || (d.x.abs() <= 1e-9 && d.y < 0.0);
     (if is_turned { -d } else { d }, is_turned)
 }

@@ -67,6 +67,8 @@ pub struct Control {
 /// What an option does that the rules do not allow.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Breach {
+    /// These parameters lie beyond their bounds.
+    Bounds(Vec<usize>),
     /// These parameters stand between the steps of their module.
     Module(Vec<usize>),
     /// So many groups move, more than may.
@@ -240,17 +242,20 @@ impl Control {
         let q = self.reduce(p);
         let mut snapped = q.clone();
         self.snap(&mut snapped);
+        let is_beyond = |i: usize| is_off(i, p[i], p[i].clamp(self.bounds[i][0], self.bounds[i][1]));
+        let beyond: Vec<usize> = (0..p.len()).filter(|&i| is_beyond(i)).collect();
         let off_module = (0..q.len())
             .map(|k| (k, self.free[k]))
-            .filter(|&(k, i)| self.steps[k] > 0.0 && is_off(i, q[k], snapped[k]));
+            .filter(|&(k, i)| self.steps[k] > 0.0 && !is_beyond(i) && is_off(i, q[k], snapped[k]));
         let tied = self.tied(&q);
-        let astray = (0..p.len()).filter(|&i| is_off(i, p[i], tied[i]));
+        let astray = (0..p.len()).filter(|&i| !is_beyond(i) && is_off(i, p[i], tied[i]));
         let mut still = q.clone();
         self.hold_still(&mut still);
         let mut out = Vec::new();
         if still != q {
             out.push(Breach::Moves(self.moved_groups(&q)));
         }
+        out.extend((!beyond.is_empty()).then_some(Breach::Bounds(beyond)));
         let modules: Vec<usize> = off_module.map(|(_, i)| i).collect();
         let links: Vec<usize> = astray.collect();
         out.extend((!modules.is_empty()).then_some(Breach::Module(modules)));
@@ -515,6 +520,11 @@ mod tests {
         assert!(control.pinned_breaks(&q) && !control.pinned_breaks(&control.start()));
         let kept = control.expand(&control.permit(&[0.31, 0.1, 0.0, 0.0]));
         assert_eq!(control.breaches(&kept), []);
+        let beyond = [1.5, 0.0, 0.0, 0.0, 0.0, 0.0];
+        assert_eq!(
+            Control::new(&three(), &Rules::default()).unwrap().breaches(&beyond),
+            [Breach::Bounds(vec![0])]
+        );
     }
 
     #[test]

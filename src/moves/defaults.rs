@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::axial::{Axial, Sliding, Stays, told};
+use super::axial::{Axial, Sliding, Stays, told, upright, whole_mm};
 use super::doorways::Doorways;
 use super::things::Things;
 use crate::plan::axes::{AxisGraph, Jamb, NodeKind, OpeningKind};
@@ -35,6 +35,8 @@ const INSIDE_MARGIN_M: f64 = 0.3;
 pub const STANDS_FREE_M: f64 = 0.3;
 /// A free-standing element is at most this share of the building's longer side.
 const ELEMENT_SHARE_MAX: f64 = 0.5;
+/// What is larger than this both ways is no element but a block of rooms, metres of a person.
+const ELEMENT_DEPTH_MAX_M: f64 = 6.0;
 /// What is no larger is a post, or a pair of them: it carries.
 const POST_MAX_M: f64 = 0.6;
 /// Nor does a column move that is no larger.
@@ -403,7 +405,9 @@ fn elements(
         let is_inside = points().all(|p| interior.depth_m(*p) > INSIDE_MARGIN_M * plan.human_scale);
         let size = (hi - lo) / plan.human_scale;
         let is_held = held.holds(walls);
-        if encloses || is_held || !is_inside || size.max_element() > ELEMENT_SHARE_MAX * longest {
+        let is_block =
+            size.max_element() > ELEMENT_SHARE_MAX * longest || size.min_element() > ELEMENT_DEPTH_MAX_M;
+        if encloses || is_held || !is_inside || is_block {
             continue;
         }
         if size.max_element() <= if held.is_column(walls) { COLUMN_MAX_M } else { POST_MAX_M } {
@@ -548,17 +552,17 @@ fn simple_doors(
         if j <= i || !is_inside || !is_free(e, f, plan, pieces, neighbours) {
             continue;
         }
-        let room = e.behind_m.min(f.behind_m) - WALL_REST_M;
-        let slide = SLIDE_M.min((room * 1e3).floor() / 1e3);
-        if slide >= SLIDE_MIN_M {
+        let room = |behind_m: f64| whole_mm(SLIDE_M.min(behind_m - WALL_REST_M).max(0.0));
+        let (back, forth) = (room(e.behind_m), room(f.behind_m));
+        if back + forth >= 2.0 * SLIDE_MIN_M {
             let mut nodes: Vec<u32> = e.nodes.iter().chain(&f.nodes).copied().collect();
             nodes.sort_unstable();
             nodes.dedup();
-            let direction =
-                if e.out.x < -1e-9 || (e.out.x.abs() <= 1e-9 && e.out.y < 0.0) { -e.out } else { e.out };
-            let way = slide * plan.human_scale;
+            let (direction, is_turned) = upright(e.out);
+            let way = if is_turned { [-forth, back] } else { [-back, forth] };
+            let way = way.map(|v| v * plan.human_scale + 0.0);
             let size = e.at.distance(f.at);
-            found.push(Sliding { nodes, direction, way: [-way, way], at: middle, size });
+            found.push(Sliding { nodes, direction, way, at: middle, size });
         }
     }
     found.sort_by(|a, b| a.at.x.total_cmp(&b.at.x).then(a.at.y.total_cmp(&b.at.y)));

@@ -1,5 +1,6 @@
 //! Parameters move what they say, where they say, and nothing else.
 
+mod doors;
 mod joints;
 
 use std::collections::BTreeSet;

@@ -305,12 +305,16 @@ pub struct Objective {
     pub initial: f64,
     /// Best value of all layouts that keep the hard limits; `null` where none does.
     pub best: Option<f64>,
-    /// Best value of those that keep the thresholds of the objectives before this one too: what `threshold` is a
-    /// share of. `null` where none does.
+    /// What `threshold` is a share of: the best value of those that keep the thresholds of the objectives before this
+    /// one too; unless thresholds are firm, as known when options began to differ and with thresholds as asked. `null`
+    /// where none does.
     #[serde(default)]
     pub reachable: Option<f64>,
     /// The value members must not fall short of; `null` where nothing is reachable.
     pub limit: Option<f64>,
+    /// Of `penalty`: a sum up to this counts as none, since written coordinates are rounded. Absent for others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub free: Option<f64>,
 }
 
 /// An earlier round of the same drawing.
@@ -318,9 +322,16 @@ pub struct Objective {
 pub struct LineageEntry {
     /// File the round started from.
     pub drawing: String,
-    /// Its number, from 1.
+    /// Its number, from 1; of the best so far of a stopped search the number that its round would have had.
     pub round: u64,
-    /// Which candidate the user accepted; `null` for the first drawing.
+    /// Whether it was no finished round but the best so far; absent otherwise.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub so_far: bool,
+    /// Whether it was measured with another spacing or other regions than this round: not to be compared. Absent
+    /// otherwise.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub other_ruler: bool,
+    /// Which candidate the user accepted, 0 for the best layout; `null` for the first drawing.
     pub candidate: Option<u64>,
     /// Means of the layout the round started from.
     pub mean: Numbers,

@@ -1,7 +1,7 @@
 //! What moved and what it gains, in plain words: EF-NOTE, the report and `words` in result.json.
 
 use super::measure::{
-    fixed, is_told, parts as base, percent_change, plain_name, sentence_case, short, wording,
+    fixed, is_told, number, parts as base, percent_change, plain_name, sentence_case, short, wording,
 };
 use super::result::{Explanation, MoveEntry, MoveKind, Numbers};
 
@@ -161,10 +161,13 @@ pub fn moved(moves: &[MoveEntry], parameters: &[f64]) -> String {
 pub fn gains(initial: &Numbers, now: &Numbers) -> String {
     let gain = |(key, from): &(String, f64)| {
         let to = now.get(key)?;
-        let change = percent_change(*from, to)?;
+        let from_none = || (*from == 0.0 && to != 0.0).then(|| format!("from 0 to {}", number(to)));
+        let change = percent_change(*from, to).or_else(from_none)?;
         let known = wording(base(key).0).filter(|w| is_told(w.key))?;
         let name = told_name(key);
         let why = if to > *from { known.more_less[0] } else { known.more_less[1] };
+        let of_pair = key.split_once('@').map_or("degree".to_owned(), |(_, pair)| format!("degree@{pair}"));
+        let why = if now.get(&of_pair) == Some(0.0) { "nothing is seen" } else { why };
         let why = if change.starts_with('±') || base(key).0 == "degree" { "" } else { why };
         let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
         Some(format!("{name} {change}{why}"))
@@ -296,7 +299,7 @@ fn metres(unit: &str) -> Option<f64> {
     }
 }
 
-/// A length for people: metres or centimetres, feet and inches, or a unit that is not known.
+/// A length for people: metres, centimetres or millimetres, feet and inches, or a unit that is not known.
 fn length(size: f64, unit: &str, system: System) -> String {
     let Some(per_unit) = metres(unit).filter(|_| system != System::Own) else {
         return format!("{} {unit}", short(size)).trim_end().to_owned();
@@ -305,11 +308,18 @@ fn length(size: f64, unit: &str, system: System) -> String {
     if system == System::Imperial {
         return feet(metres / METRES_PER_INCH);
     }
-    if metres >= 0.995 { format!("{} m", short(metres)) } else { format!("{} cm", fixed(metres * 100.0, 0)) }
+    match metres {
+        m if m >= 0.995 => format!("{} m", short(m)),
+        m if m >= 0.0095 => format!("{} cm", fixed(m * 100.0, 0)),
+        m => format!("{} mm", short((m * 1e4).round() / 10.0)),
+    }
 }
 
 /// `16 ft 2 in`, `9 in`, `1.5 in`.
 fn feet(inches: f64) -> String {
+    if inches < 0.095 {
+        return format!("{} in", short((inches * 1e3).round() / 1e3));
+    }
     if inches < TENTHS_BELOW_INCHES {
         return format!("{} in", short((inches * 10.0).round() / 10.0));
     }
@@ -341,6 +351,21 @@ mod tests {
             elements: Vec::new(),
             geometry: String::new(),
         }
+    }
+
+    #[test]
+    fn what_begins_at_nothing_is_told_as_it_is() {
+        let of = |v: f64| Numbers::of([("degree-p10@exit", v), ("depth", 8.0)]);
+        assert_eq!(gains(&of(0.0), &of(2.0)), "visibility, lowest 10 % (exit) from 0 to 2.00, depth ±0 %");
+        assert_eq!(gains(&of(0.0), &of(0.0)), "depth ±0 %");
+    }
+
+    #[test]
+    fn no_length_is_told_as_nothing() {
+        let metric = |m: f64| length(m, "m", System::Metric);
+        let told = [0.0005, 0.004, 0.0096, 0.014, 0.99, 1.0].map(metric);
+        assert_eq!(told, ["0.5 mm", "4 mm", "1 cm", "1 cm", "99 cm", "1 m"]);
+        assert_eq!(length(0.0005 / 0.3048, "ft", System::Imperial), "0.02 in");
     }
 
     #[test]

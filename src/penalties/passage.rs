@@ -2,6 +2,7 @@
 
 use super::pairs::{Aabb, BoxGrid, sweep};
 use super::{Layout, Meeting, TOUCH_M, WallPiece, distance_to_m, meeting, through_m};
+use crate::plan::is_inside_ring;
 use glam::DVec2;
 
 /// Metres by which passages have become too narrow, over all pairs of walls of which one may move.
@@ -13,6 +14,7 @@ use glam::DVec2;
 #[derive(Clone, Debug)]
 pub struct Passage {
     width_m: f64,
+    within: Option<Vec<Vec<DVec2>>>,
     initial: Vec<WallPiece>,
     moving: Vec<usize>,
     fixed: Vec<usize>,
@@ -20,12 +22,13 @@ pub struct Passage {
 }
 
 impl Passage {
-    /// For a wanted width, metres, > 0.
-    pub fn new(initial: &Layout<'_>, width_m: f64) -> Self {
+    /// For a wanted width, metres, > 0; `within`: outlines, metres, plan frame, in one of which a passage must lie or
+    /// reach to count.
+    pub fn new(initial: &Layout<'_>, width_m: f64, within: Option<Vec<Vec<DVec2>>>) -> Self {
         let pieces = initial.pieces;
         let (moving, fixed): (Vec<_>, Vec<_>) = (0..pieces.len()).partition(|&i| pieces[i].is_moving);
         let boxes = fixed.iter().map(|&i| Aabb::of_segment(pieces[i].ends(), width_m)).collect();
-        Self { width_m, initial: pieces.to_vec(), moving, fixed, fixed_grid: BoxGrid::new(boxes) }
+        Self { width_m, within, initial: pieces.to_vec(), moving, fixed, fixed_grid: BoxGrid::new(boxes) }
     }
 
     /// The penalty, metres, ≥ 0. `now` lists the pieces of the initial layout in the same order.
@@ -55,7 +58,38 @@ impl Passage {
             _ => 0.0,
         };
         let missing_m = was_m.min(self.width_m) - gap_m;
-        if missing_m > TOUCH_M && self.is_free(now, i, j) { missing_m } else { 0.0 }
+        if missing_m > TOUCH_M && self.counts(p.ends(), q.ends()) && self.is_free(now, i, j) {
+            missing_m
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether the narrow stretch between two walls lies in the outlines or reaches into one.
+    fn counts(&self, p: [DVec2; 2], q: [DVec2; 2]) -> bool {
+        let Some(outlines) = &self.within else { return true };
+        let stretch = self.stretch(p, q);
+        let reaches = |ring: &Vec<DVec2>| {
+            let meets = |s: [DVec2; 2]| sides(ring).any(|r| !matches!(meeting(s, r), Meeting::Apart(_)));
+            sides(&stretch).any(meets)
+                || is_inside_ring(ring, stretch[0])
+                || is_inside_ring(&stretch, ring[0])
+        };
+        outlines.iter().filter(|ring| !ring.is_empty()).any(reaches)
+    }
+
+    /// Where two walls stand nearer than the wanted width, as the ring of the shortest lines from their ends.
+    fn stretch(&self, p: [DVec2; 2], q: [DVec2; 2]) -> [DVec2; 4] {
+        let from = [(p[0], q), (p[1], q), (q[0], p), (q[1], p)].map(|(x, s)| (x, nearest(x, s)));
+        let lines = [from[0], from[1], (from[2].1, from[2].0), (from[3].1, from[3].0)];
+        let along = |line: &(DVec2, DVec2)| line.0.dot(p[1] - p[0]);
+        let narrow = lines.into_iter().filter(|l| l.0.distance(l.1) < self.width_m);
+        let mut narrow: Vec<(DVec2, DVec2)> = narrow.collect();
+        narrow.sort_by(|a, b| along(a).total_cmp(&along(b)));
+        let shortest = shortest(p, q);
+        let first = narrow.first().copied().unwrap_or((shortest[0], shortest[1]));
+        let last = narrow.last().copied().unwrap_or(first);
+        [first.0, last.0, last.1, first.1]
     }
 
     /// Whether no third wall stands across the shortest line between two.
@@ -72,16 +106,23 @@ impl Passage {
 
 /// The shortest line between two segments that do not meet: one of its ends is an end of a segment.
 fn shortest(p: [DVec2; 2], q: [DVec2; 2]) -> [DVec2; 2] {
-    let to = |x: DVec2, s: [DVec2; 2]| {
-        let along = s[1] - s[0];
-        let square = along.length_squared();
-        let t = if square > 0.0 { ((x - s[0]).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
-        [x, s[0] + along * t]
-    };
     let lines = [(p[0], q), (p[1], q), (q[0], p), (q[1], p)];
-    let nearest =
+    let shorter =
         lines.iter().reduce(|a, b| if distance_to_m(b.1, b.0) < distance_to_m(a.1, a.0) { b } else { a });
-    nearest.map_or([p[0], q[0]], |(x, s)| to(*x, *s))
+    shorter.map_or([p[0], q[0]], |(x, s)| [*x, nearest(*x, *s)])
+}
+
+/// The point of a segment that is nearest to `x`.
+fn nearest(x: DVec2, s: [DVec2; 2]) -> DVec2 {
+    let along = s[1] - s[0];
+    let square = along.length_squared();
+    let t = if square > 0.0 { ((x - s[0]).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
+    s[0] + along * t
+}
+
+/// The sides of a ring that is not closed by a repeated point.
+fn sides(ring: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> {
+    (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]])
 }
 
 #[cfg(test)]
@@ -98,7 +139,7 @@ mod tests {
     }
 
     fn missing(initial: &[WallPiece], now: &[WallPiece]) -> f64 {
-        Passage::new(&Layout { pieces: initial }, 0.9).measure_m(&Layout { pieces: now })
+        Passage::new(&Layout { pieces: initial }, 0.9, None).measure_m(&Layout { pieces: now })
     }
 
     #[test]
@@ -109,6 +150,34 @@ mod tests {
         assert_eq!(missing(&door(0.7), &door(0.7)), 0.0, "as drawn");
         assert_eq!(missing(&door(0.7), &door(0.8)), 0.0, "wider than drawn");
         assert!((missing(&door(0.7), &door(0.6)) - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn where_a_place_is_named_passages_elsewhere_do_not_count() {
+        let missing = |place: [f64; 4]| {
+            let [x0, y0, x1, y1] = place;
+            let ring = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(DVec2::from).to_vec();
+            let (initial, now) = (door(1.0), door(0.7));
+            let passage = Passage::new(&Layout { pieces: &initial }, 0.9, Some(vec![ring]));
+            passage.measure_m(&Layout { pieces: &now })
+        };
+        for (place, counts) in [
+            ([-1.0, -1.0, 2.0, 1.0], true),
+            ([0.3, -1.0, 0.4, 1.0], true),
+            ([0.6, -1.0, 2.0, 1.0], true),
+            ([0.8, -1.0, 2.0, 1.0], false),
+            ([-1.0, 0.5, 2.0, 1.0], false),
+        ] {
+            assert_eq!(missing(place) > 0.19, counts, "{place:?}");
+        }
+        // Along two walls side by side the passage is as long as they are.
+        let corridor =
+            |x: f64| vec![wall([0.0, 0.0], [0.0, 9.0], 0, false), wall([x, 9.0], [x, 0.0], 2, true)];
+        for (y, counts) in [(0.2, true), (4.0, true), (8.5, true), (9.5, false)] {
+            let ring = vec![DVec2::new(0.3, y), DVec2::new(0.4, y), DVec2::new(0.4, y + 0.1)];
+            let passage = Passage::new(&Layout { pieces: &corridor(1.0) }, 0.9, Some(vec![ring]));
+            assert_eq!(passage.measure_m(&Layout { pieces: &corridor(0.7) }) > 0.19, counts, "{y}");
+        }
     }
 
     #[test]

@@ -10,6 +10,7 @@ use toml::{Table, Value};
 use super::Input;
 use super::fits;
 use super::round::edits_of;
+use super::ruler::ruler;
 use super::study::{self, Understood};
 use crate::config::{Beside, KnownMove, LineageTable, Method, Mode, Partial, Settings, Thresholds};
 use crate::formats;
@@ -30,6 +31,21 @@ pub struct Accepted {
     pub side_car: String,
 }
 
+/// What is accepted of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Origin {
+    /// Its round; of the best so far the number that its round would have.
+    pub round: u32,
+    /// Whether it is the best so far of a search that goes on or was stopped.
+    pub is_so_far: bool,
+}
+
+impl std::fmt::Display for Origin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.is_so_far { f.write_str("the best so far") } else { write!(f, "round {}", self.round) }
+    }
+}
+
 /// Makes the drawing of candidate `number` (from 1) of a round, or of the best layout found (0); `beside` as in
 /// [`Settings::beside`].
 ///
@@ -40,7 +56,7 @@ pub fn accept(
     input: &Input<'_>,
     beside: Beside,
     result: &RoundResult,
-    round: u32,
+    origin: Origin,
     number: usize,
 ) -> Result<Accepted, Error> {
     let place = || Place::file(input.file());
@@ -51,19 +67,19 @@ pub fn accept(
     let Some((parameters, mean)) = chosen else {
         let n = result.candidates.len();
         let text = match number {
-            0 => format!("round {round} found no layout better than the present one; nothing was written"),
+            0 => format!("{origin} found no layout better than the present one; nothing was written"),
             _ if n == 0 => {
-                format!("round {round} has no options, found number {number}; nothing was written")
+                format!("{origin} has no options, found number {number}; nothing was written")
             }
             _ => format!(
-                "round {round} has options 1 to {n} (0 is the best layout found), found number {number}; nothing was written"
+                "{origin} has options 1 to {n} (0 is the best layout found), found number {number}; nothing was written"
             ),
         };
         return Err(Error::usage("candidate", place(), text));
     };
     if input.sha256() != result.input.sha256 {
         let text = format!(
-            "the drawing has changed since round {round} was made; nothing was written; run it again and accept from the new round"
+            "the drawing has changed since {origin} was made; nothing was written; run it again and accept from the new round"
         );
         return Err(Error::input("drawing-changed", place(), text));
     }
@@ -72,7 +88,7 @@ pub fn accept(
             Error::input(
                 "result-settings",
                 place(),
-                format!("result.json of round {round}: {e}; nothing was written"),
+                format!("result.json of {origin}: {e}; nothing was written"),
             )
         })?;
     let settings = Settings { beside, ..settings };
@@ -80,7 +96,7 @@ pub fn accept(
     let base = study::read(input.file(), &input.bytes, &settings, &mut report)?;
     if base.moves.parameters.len() != parameters.len() {
         let text = format!(
-            "round {round} has {} parameters, the drawing {}; run it again",
+            "{origin} has {} parameters, the drawing {}; run it again",
             parameters.len(),
             base.moves.parameters.len()
         );
@@ -91,7 +107,9 @@ pub fn accept(
     let drawing = formats::patch(input.file(), &input.bytes, &options, &edits_of(&base, &layout), &[])?;
     let lineage = LineageTable {
         drawing: input.file().into(),
-        round,
+        round: origin.round,
+        so_far: origin.is_so_far,
+        ruler: ruler(&base.plan.markers, result.spacing_m),
         candidate: number as u32,
         initial: pairs(&result.initial.mean),
         accepted: pairs(mean),

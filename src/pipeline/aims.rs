@@ -2,7 +2,7 @@
 
 use super::study::{Seen, Study, Worth, divisor};
 use crate::analysis::measures::{UNDEFINED, global_row};
-use crate::config::{Aggregate, Aim, Bound, Held, Limit, Measure, Penalty, Settings};
+use crate::config::{Aggregate, Aim, Bound, Held, Limit, Measure, PairName, Penalty, Settings};
 
 /// A limit passed by less than this share of it is kept: written coordinates are rounded to 1 µm.
 pub const LIMIT_TOLERANCE: f64 = 1e-6;
@@ -24,15 +24,15 @@ pub fn aims(settings: &Settings) -> Vec<Aim> {
     out
 }
 
-/// Widths of passages that the settings ask for, metres: of the penalty first, then of every limit.
-pub fn passage_widths_m(settings: &Settings, penalty_m: f64) -> Vec<f64> {
+/// Widths of passages that the settings ask for, metres, and where: of the penalty first, then of every limit.
+pub fn passages(settings: &Settings, penalty_m: f64) -> Vec<(f64, Option<PairName>)> {
     let passage = |l: &Limit| match (l.held, l.bound) {
-        (Held::Penalty(Penalty::Passage), Bound::At(width_m)) => Some(width_m),
+        (Held::Penalty(Penalty::Passage), Bound::At(width_m)) => Some((width_m, l.place)),
         _ => None,
     };
-    let limits: Vec<f64> = settings.limits.iter().filter_map(passage).collect();
+    let limits: Vec<_> = settings.limits.iter().filter_map(passage).collect();
     let is_asked = !limits.is_empty() || settings.penalties.iter().any(|p| p.0 == Penalty::Passage);
-    is_asked.then_some(penalty_m).into_iter().chain(limits).collect()
+    is_asked.then_some((penalty_m, None)).into_iter().chain(limits).collect()
 }
 
 /// Whether the settings ask for the areas of rooms.

@@ -67,8 +67,7 @@ fn parts(
     values: &[f64],
     measured: &Measured<'_>,
 ) -> Vec<Part> {
-    let gain =
-        |values: &[f64]| -> f64 { objectives.iter().zip(values).filter_map(|(o, v)| gained(o, *v)).sum() };
+    let gain = |values: &[f64]| total_gain(objectives, values);
     let whole = gain(values);
     if whole <= 0.0 {
         return Vec::new();
@@ -119,7 +118,10 @@ pub fn total_gain(objectives: &[Objective], values: &[f64]) -> f64 {
 pub fn is_better(objectives: &[Objective], values: &[f64], is_firm: bool) -> bool {
     let gains_somewhere = relative_gains(objectives, values).any(|g| g >= LEAST_GAIN);
     let has_aims = objectives.iter().any(|o| o.name != "penalty");
-    !has_aims || gains_somewhere && (is_firm || total_gain(objectives, values) > 0.0)
+    let aims = objectives.iter().filter(|o| o.name != "penalty");
+    // Who is content with anything that is no worse gets it.
+    let is_all_wanted = is_firm && aims.into_iter().all(|o| o.threshold == 0.0);
+    !has_aims || is_all_wanted || gains_somewhere && (is_firm || total_gain(objectives, values) > 0.0)
 }
 
 #[cfg(test)]
@@ -134,6 +136,7 @@ mod tests {
             threshold: 0.7,
             initial,
             best: Some(initial),
+            free: None,
             reachable: Some(initial),
             limit: Some(initial),
         };

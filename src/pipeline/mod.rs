@@ -14,6 +14,7 @@ mod memory;
 mod page;
 pub mod resolution;
 mod round;
+mod ruler;
 mod rules;
 mod show;
 mod spacing;
@@ -155,6 +156,7 @@ pub fn on_threads<T: Send>(
 /// # Errors
 /// [`Error::Input`] when the drawing cannot be read.
 pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResult>, Error> {
+    let settings = &*building::on_storey_of_query(input, settings)?;
     let mut report = Report::default();
     state_unread(input, settings, &mut report);
     let opened = Opened::new(input.file(), &input.bytes)?;
@@ -167,8 +169,12 @@ pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResu
     Ok(Outcome { result, files, report })
 }
 
-/// Says what lies beside the drawing, was meant as its settings, and is not read.
+/// Says what lies beside the drawing, was meant as its settings, and is not read; and which storey was taken for the
+/// settings.
 fn state_unread(input: &Input<'_>, settings: &Settings, report: &mut Report) {
+    if let Some(why) = &settings.storey_taken {
+        report.info("storey-of-query", Place::file(input.file()), why.as_str());
+    }
     for (found, right) in &settings.unread {
         let text = format!(
             "{found} lies beside it and is not read: settings of this drawing are read from a file named {right}; \
@@ -199,6 +205,7 @@ pub fn analyse(
     settings: &Settings,
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
+    let settings = &*building::on_storey_of_query(input, settings)?;
     let (mut outcome, study) = analyse_storey(input, settings, cancel)?;
     add_storeys(input, settings, &study, &mut outcome, cancel)?;
     Ok((outcome, study))
@@ -367,6 +374,7 @@ pub fn run(
     cancel: &Cancel,
 ) -> Result<Outcome<result::RoundResult>, Error> {
     show(Event::Progress(Progress { stage: "read".into(), ..Default::default() }));
+    let settings = &*building::on_storey_of_query(input, settings)?;
     let (mut analysis, study) = analyse_storey(input, settings, cancel)?;
     show(Event::Analysis(analysis.files.clone()));
     if add_storeys(input, settings, &study, &mut analysis, cancel)? {

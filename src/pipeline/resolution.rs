@@ -96,6 +96,7 @@ pub fn resolution(
     show: &mut (dyn FnMut(Event) + Send),
     cancel: &Cancel,
 ) -> Result<Outcome<ResolutionResult>, Error> {
+    let settings = &*super::building::on_storey_of_query(input, settings)?;
     let mut report = Report::default();
     super::state_unread(input, settings, &mut report);
     let base = study::read(input.file(), &input.bytes, settings, &mut report)?;

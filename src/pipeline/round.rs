@@ -11,15 +11,16 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::memory::{Clock, Memory, Pace};
+use super::ruler::ruler;
 use super::show;
 use super::study::{self, Study, Understood, Worth};
 use super::{Event, Input, Outcome, Progress};
 use super::{explain, fits, rules};
 use crate::config::{Aim, Method, Mode, Settings, Thresholds};
-use crate::formats;
-use crate::moves::Layout;
+use crate::formats::{self, gltf};
 use crate::moves::carried::{Carried, carried};
 use crate::moves::control::{Control, LIKE_SHARE};
+use crate::moves::{Layout, Parameter};
 use crate::overlay::Series;
 use crate::overlay::measure::plain_name;
 use crate::overlay::result::{
@@ -31,6 +32,7 @@ use crate::plan::drawing::Edit;
 use crate::plan::markers::place_in;
 use crate::report::{Cancel, Error, OutFile, Place, Report};
 use crate::search::{self, Evaluation, Search, normalised_distance};
+pub(super) use judged::hidden;
 use judged::{apart, evaluation, is_firm, moves_visibly, objectives, pinned};
 
 /// Layouts that are asked for at once. Part of the search's definition, not of the machine: the same
@@ -108,9 +110,15 @@ fn round(
         }
         told::say_options(&mut report, input.file(), study, settings, (found, made.len()));
     }
-    let wanted = distance(settings) * (study.base.moves.parameters.len() as f64).sqrt();
+    let wanted = distance(study, settings) * (study.base.moves.parameters.len() as f64).sqrt();
     let share = found.filter(|_| !made.is_empty()).map_or(1.0, |f| f.threshold_share);
-    told::say_alikeness(&mut report, input.file(), share, distances(study, &made).min_distance, wanted);
+    told::say_alikeness(
+        &mut report,
+        input.file(),
+        settings,
+        share,
+        (distances(study, &made).min_distance, wanted),
+    );
     let result = round_result(input, settings, study, &report, found, &made, started);
     let mut files = files::pictures(input, settings, study, &made)?;
     files.extend(files::drawings(input, settings, study, &made, &result)?);
@@ -173,7 +181,7 @@ fn optimise(
         start: control.start(),
         objectives: objectives.iter().map(|o| o.1.clone()).collect(),
         members: settings.members,
-        d_min: distance(settings),
+        d_min: distance(study, settings),
         least_share: if settings.thresholds == Thresholds::Yielding { YIELDING_LEAST_SHARE } else { 1.0 },
         seed: settings.seed,
         evaluations: Some(budget(study, settings)),
@@ -280,10 +288,12 @@ fn found(
         initial: initial.values[i],
         best: best_of(&outcome, i, o.sense),
         reachable: outcome.reachable[i],
-        limit: outcome.reachable[i].map(|_| outcome.thresholds[i]),
+        // No −0, which would be written so.
+        limit: outcome.reachable[i].map(|_| outcome.thresholds[i] + 0.0),
+        free: o.is_penalty.then_some(PENALTY_FREE),
     });
     let shown: Vec<Objective> = shown.collect();
-    let goes_on = || "the search goes on; this is the best so far".to_owned();
+    let goes_on = || "the search had not ended; this is the best so far".to_owned();
     let mut stopped_by = search.stop_reason().map_or_else(goes_on, |s| s.to_string());
     let whole = |p: &[f64]| control.expand(p);
     let mut members = outcome.members.clone();
@@ -377,6 +387,9 @@ fn keep_better(
     members: &mut Vec<search::Member>,
 ) -> usize {
     if settings.method == Method::Paper {
+        members.retain(|m| moves_visibly(study, &m.parameters));
+        let gain = |m: &search::Member| explain::total_gain(objectives, &m.values);
+        members.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
         return 0;
     }
     let pinned = pinned(settings).min(members.len());
@@ -480,10 +493,33 @@ fn progress(search: &Search, control: &Control, begun: Instant) -> Progress {
     }
 }
 
-/// How far apart options should stand, as a share of √n: where all stay near one, the same share of the room there is.
-fn distance(settings: &Settings) -> f64 {
-    let room = if settings.like.is_some() { 2.0 * LIKE_SHARE } else { 1.0 };
-    settings.distance * room
+/// How far apart options should stand, as a share of √n: where all stay near one, or few walls may move at once, the
+/// same share of the room there is.
+fn distance(study: &Study, settings: &Settings) -> f64 {
+    let near = if settings.like.is_some() { 2.0 * LIKE_SHARE } else { 1.0 };
+    let few = settings.most_moves.map_or(1.0, |most| share_of_two(study, most));
+    settings.distance * near * few
+}
+
+/// The largest distance of two layouts that move at most so many groups each, as a share of the largest of all: in a
+/// group that both move they may stand at opposite ends of its ranges, in others one of them stands as drawn.
+fn share_of_two(study: &Study, most: usize) -> f64 {
+    let parameters = &study.base.moves.parameters;
+    // Largest squares with so many of the moves of both used up.
+    let mut best = vec![0.0_f64; 2 * most.min(parameters.len()) + 1];
+    for of in parameters.chunk_by(|a, b| a.group_name == b.group_name) {
+        let from_drawn = |p: &Parameter| {
+            let (identity, range) = (p.clause.kind.identity(), p.clause.upper - p.clause.lower);
+            let most = (p.clause.upper - identity).max(identity - p.clause.lower);
+            if range > 0.0 { (most / range).powi(2) } else { 0.0 }
+        };
+        let (both, one) = (of.len() as f64, of.iter().map(from_drawn).sum::<f64>());
+        for used in (1..best.len()).rev() {
+            let with_both = if used > 1 { best[used - 2] + both } else { 0.0 };
+            best[used] = best[used].max(best[used - 1] + one).max(with_both);
+        }
+    }
+    (best.last().copied().unwrap_or(0.0) / parameters.len().max(1) as f64).sqrt().min(1.0)
 }
 
 fn budget(study: &Study, settings: &Settings) -> u64 {
@@ -531,10 +567,10 @@ fn make(
     state_stale(input, settings, &records, &mut report)?;
     state_left_behind(&study.base, &layout, &mut report);
     let searched = study.measure(&member.parameters, &mut study.bench());
-    if worth != searched {
-        let differs = worth.differences(&searched).into_iter();
+    let differs = worth.differences(&searched);
+    if !differs.is_empty() {
         let differs: Vec<String> =
-            differs.map(|(what, new, old)| format!("{what} {new} instead of {old}")).collect();
+            differs.into_iter().map(|(what, new, old)| format!("{what} {new} instead of {old}")).collect();
         let text = format!(
             "{name} read again does not measure as in the search: {}; the values of the file are reported",
             differs.join(", ")
@@ -640,7 +676,7 @@ fn round_result(
         seconds: started.elapsed().as_secs_f64(),
         stopped_by: found
             .map_or("nothing may move: the present layout was measured".into(), |f| f.stopped_by.clone()),
-        lineage: settings.lineage.iter().map(lineage).collect(),
+        lineage: lineage(settings, &ruler(&study.base.plan.markers, study.spacing_m)),
         problems: report.problems.iter().map(Into::into).collect(),
     }
 }
@@ -678,6 +714,13 @@ fn candidate(
 fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
     let mut out = show::changes(&study.base, &made.layout);
     for change in &mut out {
+        if let ElementRef::Gltf { path } = &change.element {
+            let fitted = study.base.fittings.iter().map(|f| &f.source);
+            let all = study.base.plan.walls.iter().map(|w| &w.source).chain(fitted);
+            let named = all.filter(|s| s.handle.as_deref() == Some(path)).map(|s| &s.kind);
+            change.host_id = named.into_iter().find(|name| gltf::is_global_id(name)).cloned();
+            continue;
+        }
         let (ElementRef::Dxf { record, .. } | ElementRef::Ifc { id: record, .. }) = change.element else {
             continue;
         };
@@ -706,14 +749,18 @@ fn told(study: &Study, mean: &Numbers) -> Numbers {
     Numbers(mean.0.iter().filter(|(name, _)| is_told(name)).cloned().collect())
 }
 
-fn lineage(entry: &crate::config::LineageTable) -> LineageEntry {
-    LineageEntry {
+/// The rounds before, as this one, whose mark of spacing and regions is `ruler`, has them.
+fn lineage(settings: &Settings, ruler: &str) -> Vec<LineageEntry> {
+    let entry = |entry: &crate::config::LineageTable| LineageEntry {
         drawing: entry.drawing.clone(),
         round: u64::from(entry.round),
+        so_far: entry.so_far,
+        other_ruler: !entry.ruler.is_empty() && entry.ruler != ruler,
         candidate: Some(u64::from(entry.candidate)),
         mean: Numbers::of(entry.initial.iter().map(|(k, v)| (k.clone(), *v))),
         score: None,
-    }
+    };
+    settings.lineage.iter().map(entry).collect()
 }
 
 fn distances(study: &Study, made: &[Made]) -> Diversity {

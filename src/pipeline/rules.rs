@@ -2,7 +2,7 @@
 
 use super::aims;
 use super::study::{Study, Understood, Worth};
-use crate::config::{Bound, Follow, Held, Settings};
+use crate::config::{Bound, Follow, Held, PairName, Settings};
 use crate::moves::control::{Breach, Control, Link, Rules};
 use crate::overlay::measure::sentence_case;
 use crate::report::{Error, Place, Report};
@@ -122,7 +122,11 @@ pub fn broken(
     if worth.seen.tally.disconnected > 0 {
         all.push("that no space is cut off".into());
     }
+    let of = |pair: Option<PairName>| pair.map_or_else(|| "reference".into(), |name| format!("{name}"));
+    let hidden = super::round::hidden(study, settings, worth).into_iter();
+    all.extend(hidden.map(|pair| format!("that something of the region {} is seen", of(pair))));
     let rule = |breach: Breach| match breach {
+        Breach::Bounds(which) => format!("its bounds (beyond them: {})", listed(&study.base, &which)),
         Breach::Module(which) => {
             let snap = settings.snap.map_or(String::new(), |s| s.to_string());
             format!("`snap {snap}` (off the module: {})", listed(&study.base, &which))

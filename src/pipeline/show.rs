@@ -1,5 +1,7 @@
 //! From a study to what the overlay shows: strokes, cells, result entries.
 
+use glam::DVec2;
+
 use super::aims::cell_values;
 use super::building;
 use super::study::{Seen, Study, Understood, Worth, divisor};
@@ -79,26 +81,50 @@ pub fn picture(base: &Understood) -> PlanPicture {
     PlanPicture { bounds: bounds_of(points), strokes, regions }
 }
 
-/// A wall that stays or moves with all its corners is one stroke; of others each piece is one.
+/// How much of a piece that is stretched is shown as moving, from the end that moves; metres of a person.
+const STRETCH_SHOWN_M: f64 = 0.6;
+
+/// A wall that stays or moves with all its corners is one stroke; of others each piece is one, and of a piece that is
+/// stretched what lies at the end that moves.
 fn wall_strokes(base: &Understood, w: usize) -> Vec<Stroke> {
     let wall = &base.plan.walls[w];
     let moves = |c: u32| base.moves.handles().any(|h| *h == (w as u32, c));
     let corners = base.graph.control_nodes[w].len() as u32;
     let is_moving = base.moves.walls.binary_search(&(w as u32)).is_ok();
     let moving = if is_moving { (0..corners).filter(|c| moves(*c)).count() as u32 } else { 0 };
-    if moving == 0 || moving == corners || corners < 3 {
+    if moving == 0 || moving == corners || corners < 3 && wall.trace.points.len() != 2 {
         let kind = if moving == 0 { StrokeKind::Fixed } else { StrokeKind::Movable };
         return vec![stroke_of(&base.plan, &wall.trace, wall.is_solid, kind)];
     }
     let mut control = 0;
-    let at = |p: PointUm| base.plan.frame.plan_from_um(p).to_array();
-    let pieces = wall.trace.segments().map(|(i, _, s)| {
+    let at = |p: PointUm| base.plan.frame.plan_from_um(p);
+    let mut out = Vec::new();
+    for (i, j, s) in wall.trace.segments() {
         control = wall.trace.control[i].unwrap_or(control);
-        let is_moving = moves(control) && moves((control + 1) % corners);
-        let kind = if is_moving { StrokeKind::Movable } else { StrokeKind::Fixed };
-        Stroke { points: vec![at(s.a), at(s.b)], closed: false, filled: false, kind }
-    });
-    pieces.collect()
+        let is_straight = wall.trace.control[i].is_some() && wall.trace.control[j].is_some();
+        let ends = [at(s.a), at(s.b)];
+        match [control, (control + 1) % corners].map(moves) {
+            [true, true] => out.push(piece(ends, StrokeKind::Movable)),
+            [true, false] if is_straight => out.extend(stretched(ends, base.plan.human_scale)),
+            [false, true] if is_straight => out.extend(stretched([ends[1], ends[0]], base.plan.human_scale)),
+            _ => out.push(piece(ends, StrokeKind::Fixed)),
+        }
+    }
+    out
+}
+
+fn piece(ends: [DVec2; 2], kind: StrokeKind) -> Stroke {
+    Stroke { points: ends.map(|p| p.to_array()).to_vec(), closed: false, filled: false, kind }
+}
+
+/// A piece of which the first end moves: what of it is shown as moving, and the rest.
+fn stretched([a, b]: [DVec2; 2], human_scale: f64) -> Vec<Stroke> {
+    let reach = STRETCH_SHOWN_M * human_scale;
+    if a.distance(b) <= reach {
+        return vec![piece([a, b], StrokeKind::Movable)];
+    }
+    let to = a + (b - a).normalize() * reach;
+    vec![piece([a, to], StrokeKind::Movable), piece([to, b], StrokeKind::Fixed)]
 }
 
 /// The plan as understood: also its openings, and what was left out.
@@ -445,5 +471,26 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
         building: None,
         storeys: Vec::new(),
         problems: report.problems.iter().map(Into::into).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A façade along which a partition slides is not shown as moving from end to end.
+    #[test]
+    fn a_stretched_piece_moves_at_its_end() {
+        for (length, scale, expected) in [(5.0, 1.0, 0.6), (5.0, 0.1, 0.06), (0.5, 1.0, 0.5)] {
+            let ends = [DVec2::new(1.0, 2.0), DVec2::new(1.0, 2.0 + length)];
+            let strokes = stretched(ends, scale);
+            let length_of = |kind: StrokeKind| -> f64 {
+                let of_kind = strokes.iter().filter(|s| s.kind == kind);
+                of_kind.map(|s| DVec2::from(s.points[0]).distance(DVec2::from(s.points[1]))).sum()
+            };
+            assert!((length_of(StrokeKind::Movable) - expected).abs() < 1e-12, "{length} {scale}");
+            assert!((length_of(StrokeKind::Fixed) - (length - expected)).abs() < 1e-12, "{length} {scale}");
+            assert_eq!(strokes[0].points[0], ends[0].to_array(), "from the end that moves");
+        }
     }
 }

@@ -13,7 +13,7 @@ use crate::report::{Cancel, Error, OutFile};
 pub const STOREYS_MAX: usize = 64;
 
 /// Codes of what is left out of a storey.
-const OF_ELEMENTS: [&str; 3] = ["ifc-element", "ifc-not-cut", "ifc-space"];
+const OF_ELEMENTS: [&str; 5] = ["ifc-element", "ifc-not-cut", "ifc-space", "gltf-mesh", "gltf-not-cut"];
 
 /// Of the storeys found those with walls, each with its folder (`storey-1` is the lowest) and the settings that read it; none
 /// where the settings name one, or there is only one.

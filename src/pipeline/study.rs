@@ -32,6 +32,7 @@ use crate::plan::frame::unit_by_name;
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
+use crate::plan::layers::WallLayers;
 use crate::plan::markers;
 use crate::plan::outline::SOLID_ACROSS_M;
 use crate::plan::sight::Sight;
@@ -83,10 +84,17 @@ pub fn read_options(settings: &Settings) -> formats::ReadOptions {
         sight,
         unit: settings.unit.as_deref().and_then(unit_by_name),
         is_by_user: !settings.wall_layers.is_empty(),
+        is_glass_wall: is_glass_wall(settings),
         twin: settings.beside.twin.clone(),
         buffers: settings.beside.buffers.clone(),
         pictures: settings.beside.pictures.keys().cloned().collect(),
     }
+}
+
+/// Whether the user names curtain walls as walls.
+fn is_glass_wall(settings: &Settings) -> bool {
+    let layers = WallLayers::new(&settings.wall_layers).ok().filter(WallLayers::is_by_user);
+    layers.is_some_and(|l| l.reason("IfcCurtainWall").is_some())
 }
 
 /// Reads and understands a drawing.
@@ -104,7 +112,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &Settings, report: &mut Report) 
 
 /// Where no wall was read, says why the first could not be, rather than how to name a layer.
 fn with_cause(error: Error, report: &Report) -> Error {
-    const CAUSES: [&str; 2] = ["ifc-element", "gltf-mesh"];
+    const CAUSES: [&str; 3] = ["ifc-element", "gltf-mesh", "unit-doubt"];
     let mut causes =
         report.problems.iter().filter(|p| CAUSES.contains(&p.code) && p.severity == Severity::Warning);
     match (error, causes.next()) {
@@ -334,18 +342,27 @@ impl Worth {
 
     /// The names of what differs in another measurement, each with both values; empty where nothing does.
     pub fn differences(&self, other: &Self) -> Vec<(String, f64, f64)> {
-        let means = [
-            ("degree", self.seen.means.degree, other.seen.means.degree),
-            ("depth", self.seen.means.depth, other.seen.means.depth),
-            ("entropy", self.seen.means.entropy, other.seen.means.entropy),
-            ("disconnection", self.disconnection, other.disconnection),
-        ];
+        let seen = |a: &Seen, b: &Seen| {
+            let (a, b) = (&a.means, &b.means);
+            [("degree", a.degree, b.degree), ("depth", a.depth, b.depth), ("entropy", a.entropy, b.entropy)]
+        };
+        let of_pairs = self.pairs.iter().zip(&other.pairs).flat_map(|(a, b)| seen(a, b));
+        let counted = seen(&self.seen, &other.seen).into_iter().chain(of_pairs);
+        let counted = counted.chain([("disconnection", self.disconnection, other.disconnection)]);
         let penalties = Penalty::ALL.map(|p| (p.name(), self.penalty(p), other.penalty(p)));
         let aims = self.aims.iter().zip(&other.aims).map(|(a, b)| ("aim", *a, *b));
-        let all = means.into_iter().chain(penalties).chain(aims);
-        all.filter(|(_, a, b)| a != b).map(|(name, a, b)| (name.to_string(), a, b)).collect()
+        let measured = penalties.into_iter().chain(aims);
+        let is_other = |a: f64, b: f64| (a - b).abs() > ROUNDING_SHARE * a.abs().max(b.abs()) + ROUNDING;
+        let counted = counted.filter(|(_, a, b)| a != b);
+        let all = counted.chain(measured.filter(|(_, a, b)| is_other(*a, *b)));
+        all.map(|(name, a, b)| (name.to_string(), a, b)).collect()
     }
 }
+
+/// Lengths, areas and angles of a file differ by less where its numbers have seven digits, as those of a GLB do: a share,
+/// and what stands for it beside zero.
+const ROUNDING_SHARE: f64 = 1e-5;
+const ROUNDING: f64 = 1e-6;
 
 /// A study: one drawing with its lattice, ready to measure any layout of its moves.
 pub struct Study {
@@ -428,9 +445,11 @@ impl Study {
             wall_length: WallLength::new(&layout),
             alignment: Alignment::new(&layout),
             overlap: Overlap::new(&layout),
-            passages: aims::passage_widths_m(settings, PASSAGE_WIDTH_M * base.plan.human_scale)
+            passages: aims::passages(settings, PASSAGE_WIDTH_M * base.plan.human_scale)
                 .into_iter()
-                .map(|width_m| Passage::new(&layout, width_m))
+                .map(|(width_m, place)| {
+                    Passage::new(&layout, width_m, place.map(|name| outlines_of(&base.plan, name)))
+                })
                 .collect(),
             rooms: aims::asks_for_rooms(settings).then(|| rooms(&base, &layout, report)),
             aims: aims::aims(settings),
@@ -609,6 +628,13 @@ impl Study {
     }
 }
 
+/// Outlines of the regions of a name as they are drawn, metres, plan frame.
+fn outlines_of(plan: &Plan, name: PairName) -> Vec<Vec<DVec2>> {
+    let is_own = |pair: &&markers::Pair| pair.name.parse() == Ok(name);
+    let drawn = plan.markers.pairs.iter().filter(is_own).flat_map(|p| p.query.iter().chain(&p.reference));
+    drawn.map(|r| r.outline().into_iter().map(|p| plan.frame.plan_from_um(p)).collect()).collect()
+}
+
 /// |f⁰|, or 1 where it is 0.
 pub fn divisor(initial: f64) -> f64 {
     if initial == 0.0 { 1.0 } else { initial.abs() }
@@ -718,4 +744,28 @@ fn pieces(
         }
     }
     (out, ranges)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_of_a_file_is_no_difference() {
+        let of = |length: f64, degree: f64, of_pair: f64| {
+            let mut worth = Worth { pairs: vec![Seen::default()], ..Worth::default() };
+            worth.penalties[1] = length;
+            worth.seen.means.degree = degree;
+            worth.pairs[0].means.degree = of_pair;
+            worth
+        };
+        let named = |a: Worth| -> Vec<String> {
+            a.differences(&of(0.382, 40.0, 7.0)).into_iter().map(|(name, ..)| name).collect()
+        };
+        assert!(named(of(0.382 + 7e-7, 40.0, 7.0)).is_empty(), "seven digits of a scene");
+        assert_eq!(named(of(0.382 + 1e-4, 40.0, 7.0)), [Penalty::ALL[1].name()]);
+        // What is counted is the same or it is not.
+        assert_eq!(named(of(0.382, 40.0 + 1e-9, 7.0)), ["degree"]);
+        assert_eq!(named(of(0.382, 40.0, 7.0 + 1e-9)), ["degree"]);
+    }
 }

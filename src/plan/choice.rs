@@ -10,7 +10,7 @@ use super::layers::{self, WallLayers};
 use super::roles::{Role, role_by_name};
 use super::scores::{Score, wall_scores};
 use super::views::{STRAY, Sheet, View, split, strays};
-use super::{LayerUse, PlanOptions, clutter, markers};
+use super::{LayerUse, PlanOptions, borders, clutter, markers};
 use crate::report::{Error, Place, Report};
 
 /// The walls of all views, and what became of the layers.
@@ -84,6 +84,7 @@ pub(super) fn choose_walls(
     if !assumed.is_empty() {
         state_assumed(drawing, &assumed, report);
         clutter::leave_section(drawing, &mut walls, report);
+        borders::leave_out(drawing, &mut walls, report);
         clutter::leave_out(drawing, &mut walls, report);
     }
     Ok(Chosen { walls, layers })

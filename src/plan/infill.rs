@@ -10,7 +10,7 @@ use super::choice::{Chosen, Hidden};
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::roles::{Role, role_by_name};
-use super::{PlanOptions, layers};
+use super::{PlanOptions, box_of, layers};
 use crate::report::{Place, Report};
 
 /// A line that ends this near to a corner of a column ends at it, metres.
@@ -19,7 +19,7 @@ const AT_COLUMN_M: f64 = 0.15;
 /// Shorter lines are no infill, metres.
 const LENGTH_MIN_M: f64 = 0.3;
 
-/// A layer of infill has at least this many lines, of which this share runs from column to column.
+/// A layer of infill has at least this many lines among the columns, of which this share runs from one to the next.
 const LINES_MIN: usize = 8;
 const BETWEEN_SHARE: f64 = 0.6;
 
@@ -38,13 +38,17 @@ pub(super) fn take(
         return;
     }
     let columns = Corners::new(drawing, picked, AT_COLUMN_M / metres_per_unit);
+    let corners = picked.iter().flat_map(|i| control_points(&drawing.entities[*i].shape));
+    let Some([lo, hi]) = box_of(corners) else { return };
+    // What another drawing of the sheet shows says nothing of this one.
+    let is_among = |a: DVec2, b: DVec2| a.midpoint(b).cmpge(lo).all() && a.midpoint(b).cmple(hi).all();
     let hidden = Hidden::new(drawing);
     let mut found: BTreeMap<&str, (usize, Vec<usize>)> = BTreeMap::new();
     for (i, e) in drawing.entities.iter().enumerate() {
         let is_open = role_by_name(&e.layer).0 == Role::Unknown && !layers::is_own(&e.layer);
         let Some([a, b]) = ends(e).filter(|_| is_open && !hidden.entity(e)) else { continue };
         let layer = found.entry(&e.layer).or_default();
-        if a.distance(b) * metres_per_unit >= LENGTH_MIN_M {
+        if a.distance(b) * metres_per_unit >= LENGTH_MIN_M && is_among(a, b) {
             layer.0 += 1;
             if columns.has(a) && columns.has(b) {
                 layer.1.push(i);

@@ -35,6 +35,12 @@ pub fn pair_of(layer: &str, kind: &str) -> Option<String> {
     (head.eq_ignore_ascii_case(kind) && !folded.is_empty()).then_some(folded)
 }
 
+/// Whether a layer begins like those of pairs and names none.
+fn is_without_name(layer: &str, kind: &str) -> bool {
+    let rest = layer.split_at_checked(kind.len()).filter(|(head, _)| head.eq_ignore_ascii_case(kind));
+    rest.and_then(|(_, rest)| rest.strip_prefix(['-', ':', '_'])).is_some_and(|name| name.trim().is_empty())
+}
+
 /// A transformation `g_i` of the parametrisation (spec 2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
@@ -166,11 +172,19 @@ pub fn read(drawing: &Drawing, options: &PlanOptions, frame: &Frame, report: &mu
     let reference = options.reference_layer.as_deref().unwrap_or(REFERENCE);
     let mut out = Markers::default();
     let mut outlines: Vec<(Region, &Entity)> = Vec::new();
+    let mut nameless: BTreeSet<&str> = BTreeSet::new();
     for e in &drawing.entities {
         let on = |layer: &str| layer.eq_ignore_ascii_case(&e.layer);
         let is_unnamed = on(query) || on(reference) || on(KEEP) || on(MOVE);
         let named = [QUERY, REFERENCE].map(|kind| pair_of(&e.layer, kind).filter(|_| !is_unnamed));
         if !is_unnamed && named.iter().all(Option::is_none) {
+            if [QUERY, REFERENCE].iter().any(|kind| is_without_name(&e.layer, kind))
+                && nameless.insert(&e.layer)
+            {
+                let text = "found a layer of regions with a separator and no name behind it, expected EF-QUERY, or \
+                            EF-QUERY-NAME; ignored";
+                report.warn("marker-name", place(drawing, &e.source), text);
+            }
             continue;
         }
         let Some(region) = region_of(e, frame) else {

@@ -5,6 +5,7 @@
 
 mod astray;
 pub mod axes;
+mod borders;
 mod choice;
 mod clutter;
 pub mod curve;
@@ -29,7 +30,9 @@ pub mod rooms;
 mod rounds;
 mod scores;
 pub mod sight;
+pub mod sizes;
 mod stairs;
+mod storeys;
 pub mod structure;
 pub mod units;
 pub mod view_names;
@@ -224,6 +227,9 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let drawing = fills::take(drawing, options, &mut chosen, &mut picked, unit.unit.metres, report)?;
     let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
     choice::state_columns_only(&drawing, options, &walls, report);
+    if is_our_choice && drawing.format == drawing::Format::Dxf {
+        storeys::warn(&drawing, &walls, report);
+    }
     let extent = extent_of(&walls).unwrap_or(extent);
     let frame = Frame::new(unit.unit.metres, extent);
     let size_m = (extent[1] - extent[0]).max_element() * unit.unit.metres;
@@ -392,6 +398,19 @@ pub fn box_of(points: impl Iterator<Item = DVec2>) -> Option<[DVec2; 2]> {
         None => Some([p, p]),
         Some([lo, hi]) => Some([lo.min(p), hi.max(p)]),
     })
+}
+
+/// Whether a point lies inside a ring (even-odd) that is not closed by a repeated point; on the outline
+/// either.
+pub fn is_inside_ring(ring: &[DVec2], p: DVec2) -> bool {
+    let mut inside = false;
+    for (i, a) in ring.iter().enumerate() {
+        let b = ring[(i + 1) % ring.len()];
+        if (a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x {
+            inside = !inside;
+        }
+    }
+    inside
 }
 
 /// Distance of a point from a segment.

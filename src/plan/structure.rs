@@ -83,8 +83,15 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     let mut marked = Vec::new();
     let place = |p: DVec2| plan.frame.plan_from_file(p) / plan.human_scale;
     let mut out = Drawn::default();
+    let layers_used: BTreeSet<&str> = plan.walls.iter().map(|w| w.source.layer.as_str()).collect();
+    let of_columns: BTreeSet<&str> =
+        layers_used.into_iter().filter(|l| role_by_name(l).0 == roles::Role::Column).collect();
     for (w, wall) in plan.walls.iter().enumerate() {
-        out.faces.extend(faces_of(&wall.shape, w as u32, place));
+        let mut faces = faces_of(&wall.shape, w as u32, place);
+        if of_columns.contains(wall.source.layer.as_str()) {
+            faces.iter_mut().for_each(|f| f.role = Role::Column);
+        }
+        out.faces.extend(faces);
     }
     let walls = DrawnWalls::new(plan, drawing);
     for (i, entity) in drawing.entities.iter().enumerate() {
@@ -447,15 +454,25 @@ pub fn handle_at(plan: &Plan, (wall, control): Handle) -> DVec2 {
 /// How far from a node the corners of a wall's end may lie along the wall.
 const END_REACH_M: f64 = 0.06;
 
-/// The control points of an edge's faces that stand at one of its nodes; none where the faces run on.
+/// The control points of an edge's faces that stand at one of its nodes; none where the faces run on. Of a short face
+/// both ends lie near the node: the nearer one stands at it.
 pub fn end_handles(plan: &Plan, axes: &AxisGraph, edge: &Edge, node: u32) -> Vec<Handle> {
     let [a, b] = axes.ends(edge);
     let at = axes.nodes[node as usize].at;
     let along = (b - a).normalize_or_zero();
     let reach = END_REACH_M + edge.thickness_m / 2.0;
+    let far = |h: &Handle| (handle_at(plan, *h) - at).dot(along).abs();
     let faces = edge.left.iter().chain(&edge.right).chain(&edge.inner);
-    let ends = faces.flat_map(|f| face_handles(plan, *f));
-    ends.filter(|h| (handle_at(plan, *h) - at).dot(along).abs() <= reach).collect()
+    let standing = faces.flat_map(|f| {
+        let mut ends = face_handles(plan, *f);
+        if let [Some(a), Some(b)] = [0, 1].map(|k| ends.get(k).map(far))
+            && (a - b).abs() > CLOSED_M
+        {
+            ends.swap_remove(usize::from(a < b));
+        }
+        ends
+    });
+    standing.filter(|h| far(h) <= reach).collect()
 }
 
 /// The control points at the ends of a straight drawn piece.

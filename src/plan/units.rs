@@ -184,7 +184,7 @@ impl Witnesses {
 }
 
 /// Heights of walls, metres: those of which a stated unit is believed, and those by which one is found.
-const HEIGHT_BELIEVED_M: [f64; 2] = [0.3, 60.0];
+pub(super) const HEIGHT_BELIEVED_M: [f64; 2] = [0.3, 60.0];
 const HEIGHT_USUAL_M: [f64; 2] = [2.0, 6.0];
 
 /// The height that walls have where none of the units makes them as high as usual.

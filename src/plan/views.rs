@@ -11,6 +11,7 @@ use super::box_of;
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Shape};
 use super::parallels::pieces;
+use super::roles::{Role, role_by_name};
 use super::view_names::{Title, title_of};
 
 /// Side of a cell, metres: drawings on a sheet stand farther apart than one to two of these, the parts
@@ -24,8 +25,8 @@ const CELLS_MAX: f64 = 4_000.0;
 const OWN_PIECES: usize = 8;
 const OWN_SIZE_M: f64 = 3.0;
 
-/// What is smaller than this share of the largest drawing and nearer than this to one is a part of it
-/// (a garage beside the house), unless a title of its own stands by it.
+/// What is smaller than this share of the drawing that it is nearer to than this is a part of it (a garage
+/// beside the house), unless a title of its own stands by it.
 const PART_SHARE: f64 = 0.25;
 const NEAR_M: f64 = 8.0;
 
@@ -34,6 +35,11 @@ const FRAME_SHARE: f64 = 0.3;
 
 /// Titles are looked for this far around a drawing, metres.
 const TITLE_M: f64 = 4.0;
+
+/// Columns are cut in plans alone: where so many pieces of them are drawn in one view, an untitled view without any is
+/// worth less by [`NO_COLUMNS`].
+const COLUMN_PIECES_MIN: usize = 16;
+const NO_COLUMNS: f64 = 1.0;
 
 /// Stands for no view.
 pub const STRAY: usize = usize::MAX;
@@ -49,6 +55,8 @@ pub struct View {
     pub extent: [DVec2; 2],
     /// Straight pieces of walls in it.
     pub wall_pieces: usize,
+    /// Those of them that lie on layers named after columns.
+    pub column_pieces: usize,
     /// What it was judged to be.
     pub kind: Title,
     /// Whether the plan was read from it.
@@ -201,12 +209,11 @@ fn groups(drawing: &Drawing, parts: Vec<Part>, metres_per_unit: f64) -> Vec<[DVe
         return box_of(parts.iter().flat_map(|p| p.extent)).into_iter().collect();
     }
     let area = |b: &[DVec2; 2]| (b[1] - b[0]).element_product();
-    let largest = boxes.iter().map(area).fold(0.0, f64::max);
     loop {
         let joined = (0..boxes.len()).find_map(|i| {
             let other = (0..boxes.len()).find(|&j| {
                 let gap = gap(&boxes[i], &boxes[j]);
-                let is_part = area(&boxes[i]) < PART_SHARE * largest
+                let is_part = area(&boxes[i]) < PART_SHARE * area(&boxes[j])
                     && gap < near
                     && title_near(drawing, &boxes[i], metres_per_unit).is_none();
                 i != j && (gap <= 0.0 || is_part)
@@ -250,18 +257,20 @@ fn views(drawing: &Drawing, boxes: &[[DVec2; 2]], metres_per_unit: f64) -> Vec<V
     for extent in boxes {
         let (kind, name) = title(extent).unwrap_or((Title::Unknown, String::new()));
         let why = if name.is_empty() { "no title by it".into() } else { format!("titled {name:?}") };
-        let (number, wall_pieces, is_chosen) = (0, 0, false);
-        out.push(View { number, name, extent: *extent, wall_pieces, kind, is_chosen, why });
+        let (number, wall_pieces, column_pieces, is_chosen) = (0, 0, 0, false);
+        out.push(View { number, name, extent: *extent, wall_pieces, column_pieces, kind, is_chosen, why });
     }
     out
 }
 
 /// Numbers the views in reading order and counts their walls.
 fn count_walls(sheet: &mut Sheet, walls: &[&Entity]) {
+    let is_column: Vec<bool> = walls.iter().map(|w| role_by_name(&w.layer).0 == Role::Column).collect();
     for piece in pieces(walls.iter().copied()) {
         let view = sheet.of_wall[piece.entity];
         if view != STRAY {
             sheet.views[view].wall_pieces += 1;
+            sheet.views[view].column_pieces += usize::from(is_column[piece.entity]);
         }
     }
     let mut order: Vec<usize> = (0..sheet.views.len()).collect();
@@ -301,7 +310,11 @@ fn count_walls(sheet: &mut Sheet, walls: &[&Entity]) {
 /// Marks the view to take: the one with the user's marks, else the best plan.
 fn choose(sheet: &mut Sheet, mark: Option<&DVec2>) {
     let most = sheet.views.iter().map(|v| v.wall_pieces).max().unwrap_or(0) as f64;
-    let score = |v: &View| v.wall_pieces as f64 / most.max(1.0) + v.kind.worth();
+    let has_columns = sheet.views.iter().any(|v| v.column_pieces >= COLUMN_PIECES_MIN);
+    let score = |v: &View| {
+        let lacks_columns = has_columns && v.column_pieces == 0 && v.kind == Title::Unknown;
+        v.wall_pieces as f64 / most.max(1.0) + v.kind.worth() - if lacks_columns { NO_COLUMNS } else { 0.0 }
+    };
     let boxes: Vec<[DVec2; 2]> = sheet.views.iter().map(|v| v.extent).collect();
     let best = match mark {
         Some(p) => nearest(&boxes, *p),
@@ -313,5 +326,33 @@ fn choose(sheet: &mut Sheet, mark: Option<&DVec2>) {
     };
     if let Some(view) = sheet.views.get_mut(best) {
         view.is_chosen = true;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_view_without_columns_is_worth_less_where_enough_are_drawn() {
+        let chosen = |columns: usize, kind: Title| {
+            let view = |number: usize, wall_pieces: usize, column_pieces: usize, kind: Title| View {
+                number,
+                name: String::new(),
+                extent: [DVec2::ZERO, DVec2::ONE],
+                wall_pieces,
+                column_pieces,
+                kind,
+                is_chosen: false,
+                why: String::new(),
+            };
+            let views = vec![view(1, 60, columns, Title::Unknown), view(2, 100, 0, kind)];
+            let mut sheet = Sheet { views, of_wall: Vec::new() };
+            choose(&mut sheet, None);
+            sheet.views.iter().position(|v| v.is_chosen)
+        };
+        assert_eq!(chosen(COLUMN_PIECES_MIN, Title::Unknown), Some(0));
+        assert_eq!(chosen(COLUMN_PIECES_MIN - 1, Title::Unknown), Some(1));
+        assert_eq!(chosen(COLUMN_PIECES_MIN, Title::Plan), Some(1), "what its title says goes first");
     }
 }

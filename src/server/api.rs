@@ -12,18 +12,19 @@ use serde_json::{Value, json};
 use tokio_stream::StreamExt as _;
 use tokio_stream::wrappers::BroadcastStream;
 
-use super::{Shared, files};
+use super::{Shared, Taken, files};
 use crate::config::{Partial, Settings};
 use crate::daemon::{Asked, Order};
 use crate::report::Error;
-use crate::store::round_name;
+use crate::store::{SO_FAR, round_name};
 
 type Page = State<Arc<Shared>>;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Accepted {
-    round: u32,
+    round: Option<u32>,
+    so_far: Option<u64>,
     candidate: usize,
 }
 
@@ -92,12 +93,18 @@ pub(super) async fn again(State(page): Page, Path(id): Path<String>, body: Strin
         Err(e) => return refused(&e.to_string()),
     };
     let home = page.board.paths(&id).and_then(|(_, folder)| folder);
+    if let Some(seen) = asked.so_far
+        && let Some(why) = not_so_far(&page, &id, home.as_deref(), &asked, seen)
+    {
+        return refused(&why);
+    }
     if let Some(round) = asked.round
         && !home.as_ref().is_some_and(|home| files::sets(home).contains(&round_name(round)))
     {
         return refused(&format!("there is no round {round}; nothing was done"));
     }
-    let known = home.map_or(0, |home| options_of(&home, asked.round));
+    let set = asked.so_far.map(|_| SO_FAR.to_owned()).or(asked.round.map(round_name));
+    let known = home.map_or(0, |home| options_of(&home, set));
     if let Some(n) = asked.pin.iter().chain(&asked.like).find(|n| !(1..=known).contains(*n)) {
         return refused(&format!("the round has {known} options, found number {n}; nothing was done"));
     }
@@ -110,16 +117,43 @@ pub(super) async fn again(State(page): Page, Path(id): Path<String>, body: Strin
     order(&page, Order::Again { drawing, asked })
 }
 
+/// Why options of the best so far cannot be asked for, if they cannot.
+fn not_so_far(
+    page: &Shared,
+    id: &str,
+    home: Option<&std::path::Path>,
+    asked: &Asked,
+    seen: u64,
+) -> Option<String> {
+    if asked.round.is_some() {
+        return Some("round or so_far is wanted, one of them; nothing was done".into());
+    }
+    if page.board.is_busy(id) {
+        return Some("the search goes on: cancel it, and its best so far stays; nothing was done".into());
+    }
+    let result = home.and_then(|home| files::read(home, SO_FAR, "result.json"));
+    let result: Option<Value> = result.and_then(|bytes| serde_json::from_slice(&bytes).ok());
+    match result.and_then(|r| r["evaluations"].as_u64()) {
+        None => Some("nothing is kept of a stopped search; nothing was done".into()),
+        Some(n) if n != seen => Some(format!(
+            "the best so far is another by now, of {n} layouts, expected that of {seen}; nothing was done"
+        )),
+        Some(_) => None,
+    }
+}
+
 pub(super) async fn accept(State(page): Page, Path(id): Path<String>, body: String) -> Response {
     let Some((drawing, home)) = page.board.paths(&id) else { return not_found() };
-    let Accepted { round, candidate } = match object(&body) {
-        Ok(asked) => asked,
+    let (which, candidate) = match object(&body) {
+        Ok(Accepted { round: Some(n), so_far: None, candidate }) => (Taken::Round(n), candidate),
+        Ok(Accepted { round: None, so_far: Some(n), candidate }) => (Taken::SoFar(n), candidate),
+        Ok(_) => return refused("round or so_far is wanted, one of them; nothing was done"),
         Err(e) => return refused(&e.to_string()),
     };
     let Some(home) = home else { return refused("no round yet; nothing was done") };
     let accepting = page.clone();
     let done =
-        tokio::task::spawn_blocking(move || (accepting.accept)(&drawing, &home, round, candidate)).await;
+        tokio::task::spawn_blocking(move || (accepting.accept)(&drawing, &home, which, candidate)).await;
     match done {
         Ok(Ok(path)) => answer(
             &json!({"drawing": path.file_name().map(|n| super::board::shown(std::path::Path::new(n)))}),
@@ -130,10 +164,10 @@ pub(super) async fn accept(State(page): Page, Path(id): Path<String>, body: Stri
     }
 }
 
-/// How many options a round has, by its own word; 0 where there is no such round.
-fn options_of(home: &std::path::Path, round: Option<u32>) -> usize {
+/// How many options a set has, by its own word, the newest round where none is named; 0 where there is no such set.
+fn options_of(home: &std::path::Path, set: Option<String>) -> usize {
     let newest = || files::sets(home).into_iter().rfind(|s| s.starts_with("round-"));
-    let Some(set) = round.map(round_name).or_else(newest) else { return 0 };
+    let Some(set) = set.or_else(newest) else { return 0 };
     let result = files::read(home, &set, "result.json");
     let result: Option<Value> = result.and_then(|bytes| serde_json::from_slice(&bytes).ok());
     result.map_or(0, |r| r["candidates"].as_array().map_or(0, Vec::len))

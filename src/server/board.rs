@@ -8,8 +8,9 @@ use std::time::SystemTime;
 use serde_json::{Value, json};
 use tokio::sync::broadcast;
 
-use crate::daemon::{Notice, rfc3339};
+use crate::daemon::{BY_THE_USER, Notice, rfc3339};
 use crate::report::one_line;
+use crate::store::SO_FAR;
 use crate::watch::builtin_ignores;
 
 /// Lines of the log that are kept.
@@ -48,6 +49,10 @@ struct Entry {
     summary: String,
     problem: Value,
     progress: Value,
+    /// Whether a job of it waits, also while one runs.
+    is_queued: bool,
+    /// After how many layouts the running search last wrote its best so far.
+    so_far: Option<u64>,
     /// Layouts measured and the best value, by stage.
     curve: Vec<(String, u64, f64)>,
 }
@@ -71,7 +76,7 @@ impl Board {
             Notice::Removed(path) | Notice::Ignored { path, .. } => state.drawings.contains_key(&id_of(path)),
             _ => false,
         };
-        if !matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. }) {
+        if !matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. } | Notice::Results { .. }) {
             let line = json!({"time": rfc3339(SystemTime::now()), "text": notice.to_string()});
             if state.log.len() >= LOG_LINES_MAX {
                 state.log.pop_front();
@@ -134,6 +139,11 @@ impl Board {
         Some(out)
     }
 
+    /// Whether a job of the drawing runs or waits.
+    pub(super) fn is_busy(&self, id: &str) -> bool {
+        self.state().drawings.get(id).is_some_and(|e| e.state == "running" || e.is_queued)
+    }
+
     /// Where a drawing and its results lie.
     pub(super) fn paths(&self, id: &str) -> Option<(PathBuf, Option<PathBuf>)> {
         self.state().drawings.get(id).map(|e| (e.path.clone(), e.folder.clone()))
@@ -189,6 +199,7 @@ impl State {
                 None
             }
             Notice::UpToDate { drawing, folder, summary } => self.at(drawing, |e| {
+                e.is_queued = false;
                 e.set("done");
                 e.folder.clone_from(folder);
                 e.summary.clone_from(summary);
@@ -197,8 +208,16 @@ impl State {
                 self.drawings.remove(&id_of(drawing));
                 None
             }
-            Notice::Queued { drawing, .. } => self.at(drawing, |e| e.set("waiting")),
+            Notice::Results { drawing, .. } if self.roots.contains_key(drawing) => None,
+            Notice::Results { drawing, folder } => self.at(drawing, |e| e.folder = Some(folder.clone())),
+            Notice::Queued { drawing, .. } => self.at(drawing, |e| {
+                e.is_queued = true;
+                if e.state != "running" {
+                    e.set("waiting");
+                }
+            }),
             Notice::Started(drawing) => self.at(drawing, |e| {
+                e.is_queued = false;
                 e.set("running");
                 e.curve.clear();
             }),
@@ -211,10 +230,13 @@ impl State {
                 e.summary.clone_from(&done.summary);
                 let round = done.round.and_then(|_| done.folder.parent());
                 e.folder = Some(round.unwrap_or(&done.folder).to_path_buf());
+                e.wait_if_queued();
             }),
             Notice::Stopped { drawing, why } => self.at(drawing, |e| {
                 e.set("stopped");
                 e.summary = (*why).into();
+                e.is_queued &= *why != BY_THE_USER;
+                e.wait_if_queued();
             }),
             Notice::Failed { drawing, problem, retry_secs } => self.at(drawing, |e| {
                 e.set(if retry_secs.is_some() { "waiting" } else { "failed" });
@@ -242,6 +264,8 @@ impl Entry {
             summary: String::new(),
             problem: Value::Null,
             progress: Value::Null,
+            is_queued: false,
+            so_far: None,
             curve: Vec::new(),
         }
     }
@@ -254,12 +278,24 @@ impl Entry {
         }
         self.since = rfc3339(SystemTime::now());
         self.progress = Value::Null;
+        self.so_far = None;
         self.problem = Value::Null;
+    }
+
+    /// What ended makes room for the job that waits.
+    fn wait_if_queued(&mut self) {
+        if self.is_queued {
+            self.set("waiting");
+        }
     }
 
     fn go_on(&mut self, value: &Value) {
         self.progress = value.clone();
         let stage = value["stage"].as_str().unwrap_or_default();
+        if stage == SO_FAR {
+            self.so_far = value["evaluations"].as_u64();
+            return;
+        }
         if let (Some(n), Some(best)) = (value["evaluations"].as_u64(), value["best"].as_f64()) {
             if self.curve.len() >= CURVE_POINTS_MAX {
                 let mut nth = 0;
@@ -282,6 +318,7 @@ impl Entry {
             "summary": self.summary,
             "problem": self.problem,
             "progress": self.progress,
+            "so_far": self.so_far,
         })
     }
 }

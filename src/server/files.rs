@@ -3,11 +3,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Sets of results there: `analysis`, `round-01` …, in the order of their names. Links are left out.
+use crate::store::SO_FAR;
+
+/// Sets of results there: `analysis`, `round-01` …, `so-far`, rounds in the order of their numbers. Links are left out.
 pub(super) fn sets(home: &Path) -> Vec<String> {
     let mut names: Vec<String> = entries(home, true).into_iter().map(|(name, _)| name).collect();
-    names.retain(|n| n == "analysis" || n.strip_prefix("round-").is_some_and(is_number));
-    names.sort();
+    names.retain(|n| n == "analysis" || n == SO_FAR || n.strip_prefix("round-").is_some_and(is_number));
+    let number = |n: &String| n.strip_prefix("round-").and_then(|n| n.parse::<u64>().ok());
+    names.sort_by(|a, b| number(a).cmp(&number(b)).then(a.cmp(b)));
     names
 }
 
@@ -74,6 +77,10 @@ mod tests {
         fs::write(home.join("status.json"), "1").unwrap();
         fs::write(dir.path().join("secret"), "1").unwrap();
         assert_eq!(sets(&home), ["round-01"]);
+        for more in ["round-100", "round-99", "analysis", "so-far"] {
+            fs::create_dir(home.join(more)).unwrap();
+        }
+        assert_eq!(sets(&home), ["analysis", "so-far", "round-01", "round-99", "round-100"]);
         assert_eq!(read(&home, "round-01", "result.json"), Some(b"1".to_vec()));
         for (set, name) in [
             ("round-01", "../status.json"),

@@ -35,8 +35,17 @@ const TOKEN_BYTES: usize = 32;
 /// Largest request body, bytes: orders are short.
 pub const BODY_BYTES_MAX: usize = 16 << 10;
 
-/// Makes an accepted option a new drawing: drawing, result folder, round, candidate from 1 → the new drawing.
-pub type Accept = dyn Fn(&Path, &Path, u32, usize) -> Result<PathBuf, Error> + Send + Sync;
+/// What an option is accepted of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Taken {
+    /// A finished round.
+    Round(u32),
+    /// The best so far, after so many evaluations.
+    SoFar(u64),
+}
+
+/// Makes an accepted option a new drawing: drawing, result folder, of what, candidate from 1 → the new drawing.
+pub type Accept = dyn Fn(&Path, &Path, Taken, usize) -> Result<PathBuf, Error> + Send + Sync;
 
 /// A running page; it ends with the process.
 pub struct Page {

@@ -1,7 +1,7 @@
 //! glTF: bad input has a JSON pointer and a reason, limits hold, and nothing but moved nodes changes.
 
 use enfilade::formats::gltf::{self, ReadOptions};
-use enfilade::plan::drawing::{Drawing, Edit, RigidMotion, Shape};
+use enfilade::plan::drawing::{Drawing, Edit, Editable, RigidMotion, Shape};
 use enfilade::report::Report;
 use glam::DVec2;
 use serde_json::{Value, json};
@@ -210,4 +210,341 @@ fn a_moved_node_changes_its_transform_alone() {
     for p in was {
         assert!(is.iter().any(|q| q.distance(go(p)) < 1e-6), "{p} not in {is:?}");
     }
+}
+
+/// What cannot be read is left out with its node, its name and the reason, whatever is wrong with it.
+#[test]
+fn every_element_left_out_is_named() {
+    type Change = fn(&mut Value);
+    let cases: [(Change, &str); 16] = [
+        (
+            |j| j["accessors"][0]["count"] = 4_000_000_000_u64.into(),
+            "mesh 0 cannot be read: /bufferViews/0: is shorter",
+        ),
+        (
+            |j| j["accessors"][0]["byteOffset"] = "x".into(),
+            "/accessors/0: has byteOffset \"x\", expected a whole number",
+        ),
+        (|j| j["accessors"][0]["bufferView"] = (-1).into(), "/accessors/0: has bufferView -1"),
+        (|j| j["accessors"][0]["normalized"] = 1.into(), "/accessors/0: has a `normalized` that is neither"),
+        (
+            |j| j["accessors"][1]["componentType"] = 5126.into(),
+            "/accessors/1: has indices of component type 5126",
+        ),
+        (|j| j["bufferViews"][0]["byteOffset"] = 9e18.into(), "/bufferViews/0: has byteOffset 9e18"),
+        (|j| j["bufferViews"][0]["byteLength"] = Value::Null, "/bufferViews/0: has byteLength null"),
+        (
+            |j| j["bufferViews"][0]["byteStride"] = 1.into(),
+            "/bufferViews/0: has byteStride 1, expected at least 12",
+        ),
+        (|j| j["meshes"][0]["primitives"][0]["mode"] = 1.into(), "points and lines alone"),
+        (
+            |j| j["meshes"][0]["primitives"][0]["mode"] = 7.into(),
+            "/meshes/0/primitives/0: has mode 7, expected 0 to 6",
+        ),
+        (|j| j["meshes"][0]["primitives"][0]["mode"] = "x".into(), "has mode \"x\""),
+        (|j| j["meshes"][0]["primitives"][0]["indices"] = "x".into(), "has indices \"x\""),
+        (|j| j["meshes"][0]["primitives"] = json!([]), "/meshes/0: has no primitives"),
+        (|j| j["nodes"][0]["mesh"] = 777.into(), "/meshes/777: does not exist"),
+        (|j| j["nodes"][0]["scale"] = json!([0, 0, 0]), "it has no size"),
+        (|j| j["nodes"][0]["translation"] = json!([1e308, 1e308, 0]), "it stands beyond all buildings"),
+    ];
+    for (change, why) in cases {
+        let text = file(change);
+        let (drawing, said) = read(&text).unwrap();
+        assert!(drawing.entities.iter().all(|e| e.source.record != 0), "{why}: it was shown");
+        let line = said.lines().find(|l| l.contains("/nodes/0 IfcWall/W: ")).unwrap_or_default();
+        assert!(line.contains(why) && line.contains("left out"), "{why:?} is not in:\n{said}");
+        assert!(read_report(&text).is_degraded(), "{why}");
+    }
+    let many = said(|j| {
+        j["meshes"][0]["primitives"][0]["mode"] = 7.into();
+        let nodes = j["nodes"].as_array_mut().unwrap();
+        let first = nodes.len();
+        nodes.extend((0..24).map(|_| json!({"name": "IfcWall/more", "mesh": 0})));
+        j["scenes"][0]["nodes"] = (0..first + 24).collect();
+    });
+    assert_eq!(many.lines().filter(|l| l.contains("it is left out")).count(), 20, "{many}");
+    assert_says(&many, &["5 more elements cannot be read and are left out"]);
+}
+
+fn read_report(text: &str) -> Report {
+    let mut report = Report::default();
+    let _ = gltf::read("w.gltf", text.as_bytes(), &ReadOptions::default(), &mut report);
+    report
+}
+
+/// A value that is read as something else is said with what it is read as; the wall is there.
+#[test]
+fn a_value_read_as_something_else_is_named() {
+    type Change = fn(&mut Value);
+    let cases: [(Change, &str, bool); 15] = [
+        (
+            |j| j["nodes"][0]["translation"] = "x".into(),
+            "/nodes/0/translation IfcWall/W: found \"x\", expected 3 numbers; read as if it were not there",
+            true,
+        ),
+        (
+            |j| j["nodes"][0]["scale"] = json!([1]),
+            "/nodes/0/scale IfcWall/W: found [1], expected 3 numbers",
+            true,
+        ),
+        (
+            |j| j["nodes"][0]["matrix"] = json!([1, 1, 1]),
+            "/nodes/0/matrix IfcWall/W: found [1, 1, 1], expected 16 numbers",
+            true,
+        ),
+        (|j| j["nodes"][0]["rotation"] = json!([0, 0, 0, 0]), "read as no rotation", true),
+        (|j| j["nodes"][0]["rotation"] = json!([0, 0, 0, 2]), "read as the same turn of length one", false),
+        (
+            |j| j["nodes"][0]["children"] = json!([0.5]),
+            "/nodes/0/children/0 IfcWall/W: found 0.5, expected the number of a node; left out",
+            true,
+        ),
+        (|j| j["nodes"][0]["children"] = 7.into(), "expected a list of nodes; nothing hangs there", true),
+        (
+            |j| j["nodes"][1]["mesh"] = "x".into(),
+            "/nodes/1/mesh IfcColumn/Column: found \"x\", expected the number of a mesh; the node shows nothing",
+            true,
+        ),
+        (
+            |j| j["nodes"][1]["name"] = 5.into(),
+            "/nodes/1/name: found 5, expected a text; the node has no name",
+            false,
+        ),
+        (
+            |j| j["scene"] = 9.into(),
+            "/scene: found 9, expected a scene of the file; every node that hangs in no other is shown",
+            true,
+        ),
+        (|j| j["scene"] = "x".into(), "the first scene is shown", true),
+        (
+            |j| j["buffers"][0]["byteLength"] = 1e18.into(),
+            "/buffers/0/byteLength: found 1e18, expected a number of bytes",
+            false,
+        ),
+        (
+            |j| j["bufferViews"][0]["byteStride"] = 0.into(),
+            "/bufferViews/0/byteStride: found 0, expected 4 to 252",
+            false,
+        ),
+        (
+            |j| j["extensionsRequired"] = json!(["KHR_texture_transform", "VENDOR_x"]),
+            "/extensionsRequired/1: found \"VENDOR_x\", expected an extension that is known here; read without it",
+            true,
+        ),
+        (
+            |j| j["asset"]["minVersion"] = "2.1".into(),
+            "/asset/minVersion: found \"2.1\", expected 2.0 at most",
+            true,
+        ),
+    ];
+    let plain = read(&file(|_| ())).unwrap();
+    assert!(!plain.1.contains("expected"), "{}", plain.1);
+    for (change, words, is_warned) in cases {
+        let text = file(change);
+        let (drawing, said) = read(&text).unwrap();
+        assert_says(&said, &[words]);
+        assert_eq!(read_report(&text).is_degraded(), is_warned, "{words}");
+        let wall = drawing.entities.iter().find(|e| e.source.record == 0).unwrap();
+        let is_kept = words.contains("/translation") || words.contains("/matrix");
+        assert_eq!(matches!(wall.editable, Editable::No(_)), is_kept, "{words}");
+    }
+    let twice = said(|j| j["nodes"][0]["children"] = json!([1]));
+    let words = "/nodes/1 IfcColumn/Column: hangs in several nodes, expected one, and so do 0 more; shown at every place";
+    assert_says(&twice, &[words]);
+    let odd = said(|j| {
+        let nodes = j["nodes"].as_array_mut().unwrap();
+        let first = nodes.len();
+        nodes.extend((0..25).map(|_| json!({"name": 5})));
+        j["scenes"][0]["nodes"] = (0..first + 25).collect();
+    });
+    assert_says(&odd, &["5 more values are not what the standard allows"]);
+}
+
+/// A wall that ends below the cut is named as it is in an IFC.
+#[test]
+fn a_wall_below_the_cut_is_named() {
+    let low = said(|j| {
+        j["nodes"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!({"name": "IfcWall/low", "mesh": 0, "scale": [1, 0.3, 1]}))
+    });
+    assert!(!low.contains("do not reach"), "it is in no scene: {low}");
+    let low = said(|j| {
+        j["nodes"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!({"name": "IfcWall/low", "mesh": 0, "scale": [1, 0.3, 1]}));
+        j["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    });
+    assert_says(
+        &low,
+        &["1 walls do not reach the height of the cut and do not block sight: /nodes/2 IfcWall/low"],
+    );
+}
+
+/// Marks on a node are those of all that hangs on it, and it moves as one.
+#[test]
+fn a_mark_holds_for_what_hangs_on_the_node() {
+    let moved = json!({"enfilade": {"move": "x -1 1", "name": "screen"}});
+    let nested = |marks: Value, inner: Value| {
+        file(move |j| {
+            j["nodes"][0] =
+                json!({"name": "IfcWall/W", "extras": marks, "translation": [0, 0, 0], "children": [2, 3]});
+            let parts = [
+                json!({"mesh": 0, "extras": inner}),
+                json!({"mesh": 0, "translation": [0, 9, 0], "name": "IfcWall/over"}),
+            ];
+            j["nodes"].as_array_mut().unwrap().extend(parts);
+        })
+    };
+    let text = nested(moved.clone(), json!({}));
+    let (drawing, _) = read(&text).unwrap();
+    let marked: Vec<_> =
+        drawing.marked.iter().map(|m| (m.name.as_str(), m.text.as_str(), m.record)).collect();
+    assert_eq!(marked, [("screen", "x -1 1", 0)]);
+    let wall = drawing.entities.iter().find(|e| e.source.record == 0).unwrap();
+    assert_eq!((wall.layer.as_str(), wall.source.handle.as_deref()), ("IfcWall", Some("/nodes/0")));
+    assert!(wall.editable.moves_whole());
+    let motion = RigidMotion { turn_rad: 0.0, shift: DVec2::new(0.5, 0.25) };
+    let edits = [Edit::Insert { record: 0, motion }];
+    let bytes = gltf::patch("w.gltf", text.as_bytes(), &ReadOptions::default(), &edits, &[]).unwrap();
+    let written: Value = serde_json::from_slice(&bytes).unwrap();
+    assert_eq!(written["nodes"][0]["translation"], json!([0.5, 0, -0.25]));
+    let rest = |v: &Value| (v["nodes"][2].clone(), v["nodes"][3].clone());
+    assert_eq!(
+        rest(&written),
+        rest(&serde_json::from_str(&text).unwrap()),
+        "what hangs on it stays as written"
+    );
+
+    let (drawing, _) = read(&nested(moved.clone(), json!({"enfilade": {"keep": true}}))).unwrap();
+    let wall = drawing.entities.iter().find(|e| e.source.record == 0).unwrap();
+    assert_eq!(
+        wall.editable,
+        Editable::No("extras.enfilade says keep".into()),
+        "a part that stays holds the whole"
+    );
+
+    let (drawing, said) = read(&nested(moved.clone(), json!({"enfilade": {"move": "y -1 1"}}))).unwrap();
+    assert_eq!(drawing.marked.len(), 1);
+    assert_says(
+        &said,
+        &["/nodes/2: the move that extras.enfilade states is not used: it hangs on /nodes/0 IfcWall/W"],
+    );
+
+    let kept = json!({"enfilade": {"keep": true}});
+    let (drawing, _) = read(&nested(kept, json!({}))).unwrap();
+    let wall = drawing.entities.iter().find(|e| e.source.record == 2).unwrap();
+    assert_eq!(
+        wall.editable,
+        Editable::No("extras.enfilade says keep".into()),
+        "keep holds for what hangs on it"
+    );
+
+    // A group that two walls hang on: both move with it, and the mark alone names it.
+    let group = file(|j| {
+        j["nodes"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!({"children": [0, 1], "extras": {"enfilade": "x -1 1"}}));
+        j["scenes"][0]["nodes"] = json!([2]);
+    });
+    let (drawing, said) = read(&group).unwrap();
+    assert!(drawing.entities.iter().all(|e| e.source.record == 2), "{said}");
+    assert_eq!(drawing.marked.iter().map(|m| m.text.as_str()).collect::<Vec<_>>(), ["x -1 1"]);
+}
+
+#[test]
+fn marks_that_cannot_be_read_are_named() {
+    let with = |marks: Value| read(&file(|j| j["nodes"][0]["extras"] = json!({"enfilade": marks}))).unwrap();
+    for (marks, words) in [
+        (
+            json!(5),
+            "extras.enfilade: found 5, expected an object such as {\"move\": \"x -1 1\"}; nothing is marked by it",
+        ),
+        (
+            json!({"keep": "yes"}),
+            "extras.enfilade.keep: found \"yes\", expected true or false; it is not used",
+        ),
+        (json!({"name": 7}), "extras.enfilade.name: found 7, expected a text; it is not used"),
+        (
+            json!({"query": 1}),
+            "extras.enfilade.query: found 1, expected true, false or the name of a pair; it is not used",
+        ),
+        (
+            json!({"foo": 1}),
+            "extras.enfilade says \"foo\", expected one of move, name, keep, query, reference; it is not used",
+        ),
+    ] {
+        assert_says(&with(marks).1, &[&format!("/nodes/0 IfcWall/W: {words}")]);
+    }
+    // What is no text goes on as it stands, to be refused where moves are read.
+    let (drawing, _) = with(json!({"move": 5}));
+    assert_eq!(drawing.marked.iter().map(|m| m.text.as_str()).collect::<Vec<_>>(), ["5"]);
+    let high = said(|j| {
+        j["nodes"].as_array_mut().unwrap().push(
+            json!({"name": "IfcWall/over", "mesh": 0, "translation": [0, 9, 0], "extras": {"enfilade": {"move": "x -1 1"}}}),
+        );
+        j["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    });
+    let words =
+        "the moves that extras.enfilade states of /nodes/2 IfcWall/over are not used: nothing of them stands";
+    assert_says(&high, &[words]);
+}
+
+/// Where nodes bear GlobalIds alone, what is missing is said.
+#[test]
+fn a_scene_of_global_ids_says_what_it_lacks() {
+    let ids = |j: &mut Value| {
+        j["nodes"][0]["name"] = "0BTBFw6f90Nfh9rP1dlXr2".into();
+        j["nodes"][1]["name"] = "0BTBFw6f90Nfh9rP1dlXr$".into();
+    };
+    assert_says(
+        &said(ids),
+        &[
+            "everything that is cut blocks sight; 2 of 2 nodes are named by GlobalIds of an IFC",
+            "that .ifc beside it",
+        ],
+    );
+    let names = said(|j| {
+        j["nodes"][0]["name"] = "Cube".into();
+        j["nodes"][1]["name"] = "Box".into();
+    });
+    assert!(names.contains("everything that is cut blocks sight") && !names.contains("GlobalId"), "{names}");
+}
+
+/// A scene whose numbers can be no metres says so with the option that helps, and one that says nothing of walls is
+/// believed.
+#[test]
+fn a_scene_in_an_unlikely_unit_is_named() {
+    let scaled = |times: f64, names: [&'static str; 2]| {
+        read(&file(move |j| {
+            j["nodes"]
+                .as_array_mut()
+                .unwrap()
+                .push(json!({"scale": [times, times, times], "children": [0, 1]}));
+            j["scenes"][0]["nodes"] = json!([2]);
+            names.iter().enumerate().for_each(|(i, n)| j["nodes"][i]["name"] = (*n).into());
+        }))
+        .unwrap()
+    };
+    let named = ["IfcWall/W", "IfcColumn/Column"];
+    let (drawing, _) = scaled(1000.0, named);
+    assert_eq!(drawing.unit_by_heights.map(|u| u.name), Some("mm"));
+    assert_says(&drawing.declared_unit_words, &["in which it has walls 3000 m high"]);
+    let (drawing, said) = scaled(0.001, named);
+    assert_eq!(drawing.unit_by_heights, None);
+    assert_says(
+        &said,
+        &["unit: walls 0.00300 m high in m, expected walls 2 to 6 m high; --unit 1000m reads it"],
+    );
+    let unnamed = ["Cube", "Box"];
+    assert_says(
+        &scaled(1000.0, unnamed).1,
+        &["all of it is 3000 m high and ", "--unit mm reads it 3.00 m high"],
+    );
+    assert!(!scaled(1.0, unnamed).1.contains("--unit"));
 }

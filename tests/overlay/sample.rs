@@ -259,6 +259,8 @@ fn result() -> RoundResult {
             format!("hôtel-particulier-r0{round}.dxf")
         },
         round,
+        so_far: false,
+        other_ruler: false,
         candidate,
         mean: Numbers::of([
             ("degree", 51.2 * k),
@@ -275,6 +277,7 @@ fn result() -> RoundResult {
         best: Some(best),
         reachable: Some(best),
         limit: Some(limit),
+        free: None,
     };
     RoundResult {
         schema: RESULT_SCHEMA.to_owned(),

@@ -203,10 +203,20 @@ try {
   await page.select("#round", "round-01");
   await page.waitForFunction(() => document.querySelector("#options [role=status]")?.textContent.startsWith("5 of 5"));
 
+  // What a search that goes on has found so far is shown and taken like a round.
+  await page.select("#round", "so-far");
+  await page.waitForFunction(() => document.querySelector("#round").selectedOptions[0].textContent === "Best so far");
+  await page.waitForFunction(() => document.querySelector("#options [role=status]")?.textContent.startsWith("5 of 5"));
+  await press("#accept-1");
+  await said("gallery-r02.dxf");
+  assert.ok(sent.at(-1).so_far > 0 && sent.at(-1).candidate === 2 && !("round" in sent.at(-1)), JSON.stringify(sent.at(-1)));
+  await page.select("#round", "round-01");
+  await page.waitForFunction(() => document.querySelector("#options [role=status]")?.textContent.startsWith("5 of 5"));
+
   // Accept, more like one, another round with other thresholds and a pinned option, cancel.
   await press("#accept-0");
-  await said("gallery-r02.dxf");
-  await page.waitForFunction(() => [...document.querySelectorAll("#drawings a")].some((a) => a.textContent.startsWith("gallery-r02.dxf")));
+  await said("gallery-r03.dxf");
+  await page.waitForFunction(() => [...document.querySelectorAll("#drawings a")].some((a) => a.textContent.startsWith("gallery-r03.dxf")));
   await idle();
   await press("#show-2");
   await press("#pin-0");

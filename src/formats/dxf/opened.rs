@@ -6,10 +6,10 @@ use super::blocks::{Blocks, copies, placement};
 use super::curves::{mapped, similarity};
 use super::entity::{Body, Item};
 use super::reader::Reader;
-use crate::plan::box_of;
 use crate::plan::curve::control_points;
 use crate::plan::drawing::{Editable, RigidMotion, Shape, Vertex};
 use crate::plan::markers::MOVE;
+use crate::plan::{box_of, is_inside_ring};
 
 /// What is at most this long beside all that model space shows, and draws less than [`THING_PIECES`] of it, is a thing:
 /// a door, a column, a cupboard. It moves as a whole.
@@ -94,12 +94,7 @@ pub(super) fn encloses(outline: &Shape, p: DVec2) -> bool {
     match outline {
         Shape::Circle { centre, radius } => centre.distance(p) <= *radius,
         Shape::Polyline { vertices, .. } => {
-            let next = vertices.iter().cycle().skip(1);
-            let crossed = vertices.iter().zip(next).filter(|(a, b)| {
-                let (a, b) = (a.at, b.at);
-                (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
-            });
-            crossed.count() % 2 == 1
+            is_inside_ring(&vertices.iter().map(|v| v.at).collect::<Vec<_>>(), p)
         }
         Shape::Line { .. } | Shape::Arc { .. } => false,
     }

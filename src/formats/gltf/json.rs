@@ -4,6 +4,9 @@ use std::ops::Range;
 
 use super::limits::NESTING_MAX;
 
+/// Letters of a text that a message shows.
+const WORDS_MAX: usize = 40;
+
 /// A value with its bytes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Json {
@@ -48,10 +51,31 @@ impl Json {
         if let Value::Number(n) = self.value { Some(n) } else { None }
     }
 
+    /// A number that is an index or a count.
+    pub fn as_index(&self) -> Option<usize> {
+        let n = self.number()?;
+        (n >= 0.0 && n.fract() == 0.0 && n < 9e15).then_some(n as usize)
+    }
+
     /// A member that is an index or a count.
     pub fn index(&self, key: &str) -> Option<usize> {
-        let n = self.get(key)?.number()?;
-        (n >= 0.0 && n.fract() == 0.0 && n < 9e15).then_some(n as usize)
+        self.get(key)?.as_index()
+    }
+
+    /// The value in a message: short, whatever it is.
+    pub fn words(&self) -> String {
+        match &self.value {
+            Value::Null => "null".into(),
+            Value::Bool(b) => b.to_string(),
+            Value::Number(n) => format!("{n:?}").trim_end_matches(".0").to_string(),
+            Value::Text(t) => format!("{:?}", t.chars().take(WORDS_MAX).collect::<String>()),
+            Value::Array(items) if items.len() <= 4 && items.iter().all(|i| i.items().is_empty()) => {
+                let items: Vec<String> = items.iter().map(Json::words).collect();
+                format!("[{}]", items.join(", "))
+            }
+            Value::Array(items) => format!("a list of {}", items.len()),
+            Value::Object(_) => "an object".into(),
+        }
     }
 
     /// A text member.

@@ -19,6 +19,9 @@ impl File<'_> {
             .get(mesh)
             .ok_or_else(|| (pointer.clone(), "does not exist".to_string()))?;
         let mut out = Vec::new();
+        if found.list("primitives").is_empty() {
+            return Err((pointer, "has no primitives".into()));
+        }
         for (i, primitive) in found.list("primitives").iter().enumerate() {
             let pointer = format!("{pointer}/primitives/{i}");
             let packed =
@@ -33,11 +36,14 @@ impl File<'_> {
                 return Err((pointer, why.into()));
             };
             let points = self.points(position)?;
-            let indices = match primitive.index("indices") {
+            let indices = match stated(primitive, "indices").map_err(|why| (pointer.clone(), why))? {
                 Some(accessor) => self.indices(accessor)?,
                 None => (0..points.len()).collect(),
             };
-            let mode = primitive.index("mode").unwrap_or(4);
+            let mode = stated(primitive, "mode").map_err(|why| (pointer.clone(), why))?.unwrap_or(TRIANGLES);
+            if mode > FAN {
+                return Err((pointer, format!("has mode {mode}, expected 0 to {FAN}")));
+            }
             if out.len() + indices.len() / 3 > TRIANGLES_MAX {
                 return Err((pointer, format!("has more than {TRIANGLES_MAX} triangles")));
             }
@@ -65,6 +71,11 @@ impl File<'_> {
     }
 
     fn indices(&self, accessor: usize) -> Result<Vec<usize>, Why> {
+        let kind = self.json.list("accessors").get(accessor).and_then(|a| a.index("componentType"));
+        if let Some(kind) = kind.filter(|k| ![5121, 5123, 5125].contains(k)) {
+            let why = format!("has indices of component type {kind}, expected 5121, 5123 or 5125");
+            return Err((format!("/accessors/{accessor}"), why));
+        }
         Ok(self.numbers(accessor, 1)?.into_iter().map(|v| v as usize).collect())
     }
 
@@ -73,28 +84,26 @@ impl File<'_> {
         let pointer = format!("/accessors/{accessor}");
         let why = |text: &str| (pointer.clone(), text.to_string());
         let found = self.json.list("accessors").get(accessor).ok_or_else(|| why("does not exist"))?;
-        let stated = match found.text("type") {
+        let of_type = match found.text("type") {
             Some("SCALAR") => 1,
             Some("VEC2") => 2,
             Some("VEC3") => 3,
             Some("VEC4") => 4,
             _ => 0,
         };
-        if stated != width {
+        if of_type != width {
             return Err(why("is of another type than its use needs"));
         }
         let count = found.index("count").ok_or_else(|| why("has no count"))?;
         let kind = found.index("componentType").unwrap_or(0);
-        let normalised =
-            matches!(found.get("normalized").map(|n| &n.value), Some(super::json::Value::Bool(true)));
-        let mut out = match found.index("bufferView") {
+        let normalised = match found.get("normalized").map(|n| &n.value) {
+            None => false,
+            Some(super::json::Value::Bool(b)) => *b,
+            Some(_) => return Err(why("has a `normalized` that is neither true nor false")),
+        };
+        let mut out = match stated(found, "bufferView").map_err(|text| why(&text))? {
             Some(view) => {
-                let offset = match found.get("byteOffset") {
-                    None => 0,
-                    Some(_) => found
-                        .index("byteOffset")
-                        .ok_or_else(|| why("has a byteOffset that is no place in a file"))?,
-                };
+                let offset = stated(found, "byteOffset").map_err(|text| why(&text))?.unwrap_or(0);
                 self.view(view, offset, count, width, kind, normalised)?
             }
             None if count > TRIANGLES_MAX => return Err(why("counts more than any scene has")),
@@ -121,7 +130,8 @@ impl File<'_> {
             let of = sparse.get(key).ok_or_else(|| why("is incomplete"))?;
             let view = of.index("bufferView").ok_or_else(|| why("is incomplete"))?;
             let kind = of.index("componentType").unwrap_or(kind);
-            self.view(view, of.index("byteOffset").unwrap_or(0), count, width, kind, normalised)
+            let offset = stated(of, "byteOffset").map_err(|text| why(&text))?.unwrap_or(0);
+            self.view(view, offset, count, width, kind, normalised)
         };
         let indices = part("indices", 1, 0, false)?;
         let values = part("values", width, kind, normalised)?;
@@ -158,10 +168,16 @@ impl File<'_> {
             5125 | 5126 => 4,
             _ => return Err(why("is read with an unknown component type")),
         };
-        let start = found.index("byteOffset").unwrap_or(0);
-        let end = start.checked_add(found.index("byteLength").unwrap_or(0)).filter(|e| *e <= data.len());
+        let start = stated(found, "byteOffset").map_err(|text| why(&text))?.unwrap_or(0);
+        let length = stated(found, "byteLength").map_err(|text| why(&text))?;
+        let length = length.ok_or_else(|| why("has no byteLength"))?;
+        let end = start.checked_add(length).filter(|e| *e <= data.len());
         let end = end.ok_or_else(|| why("reaches beyond its buffer"))?;
-        let stride = found.index("byteStride").filter(|s| *s > 0).unwrap_or(size * width);
+        let stride = stated(found, "byteStride").map_err(|text| why(&text))?;
+        let stride = stride.filter(|s| *s > 0).unwrap_or(size * width);
+        if stride < size * width {
+            return Err(why(&format!("has byteStride {stride}, expected at least {}", size * width)));
+        }
         let last = count
             .checked_sub(1)
             .map_or(Some(0), |n| n.checked_mul(stride)?.checked_add(size * width)?.checked_add(offset));
@@ -192,7 +208,18 @@ fn component(bytes: &[u8], kind: usize, normalised: bool) -> f64 {
     if normalised { (value / most).max(-1.0) } else { value }
 }
 
-/// Corners of every triangle.
+/// Modes of a primitive: what a list of triangles is where none is stated, and the last.
+const TRIANGLES: usize = 4;
+const FAN: usize = 6;
+
+/// A member that is an index or a count, if it is stated; what it is where it is something else.
+fn stated(json: &Json, key: &str) -> Result<Option<usize>, String> {
+    let Some(value) = json.get(key) else { return Ok(None) };
+    let number = value.as_index();
+    number.map(Some).ok_or_else(|| format!("has {key} {}, expected a whole number", value.words()))
+}
+
+/// Corners of every triangle; points and lines have none.
 fn corners(mode: usize, indices: &[usize]) -> Vec<[usize; 3]> {
     match mode {
         4 => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),

@@ -16,16 +16,18 @@ mod additions;
 mod dangling;
 mod json;
 mod limits;
+mod marks;
 mod meshes;
 mod outer;
 mod patch;
 mod pieces;
 mod read;
 mod scene;
+mod values;
 
 pub use limits::*;
 pub use outer::{Outer, outer_files};
-pub use read::read;
+pub use read::{is_global_id, read};
 pub use scene::is_glb;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -54,8 +56,12 @@ pub struct ReadOptions {
     pub storey: Option<String>,
     /// The user's word for the unit, which then stands above the standard's metre.
     pub unit: Option<Unit>,
+    /// Whether there is an IFC beside the scene.
+    pub has_twin: bool,
     /// Node name → class, from the IFC that the scene was made from.
     pub classes: BTreeMap<String, String>,
+    /// Name of a door's or window's node → name of that of the wall in which it sits, from the same IFC.
+    pub hosts: BTreeMap<String, String>,
     /// Storeys of that IFC from the lowest.
     pub storeys: Vec<StoreyInfo>,
     /// Files of data beside the scene, by name ([`outer_files`]).

@@ -1,20 +1,21 @@
 //! A scene as a plan: meshes cut at the height of the eyes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use super::json::{Json, Value};
+use super::json::Json;
+use super::meshes::Why;
 use super::pieces::{of_record, record};
 use super::scene::{File, Shown};
-use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions};
-use crate::formats::StoreyInfo;
+use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, marks, values};
 use crate::formats::region::{Region, slice};
+use crate::formats::{listed, storey_at};
 use crate::plan::drawing::{
     Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
 use crate::plan::layers::{self, WallLayers};
-use crate::plan::units::implausible_by_heights;
+use crate::plan::sizes::{Sizes, Verdict};
 use crate::report::{Error, Place, Report};
 
 /// Layer of everything where no name says what is a wall.
@@ -25,6 +26,10 @@ const METRE: Unit = Unit { name: "m", metres: 1.0 };
 
 /// Floors nearer than this are one.
 const FLOOR_M: f64 = 0.05;
+
+/// Coordinates beyond this are slips or damage, units of the scene: a scene in millimetres that stands at its place on
+/// the map has 1e10.
+const COORDINATE_MAX: f64 = 1e12;
 
 /// What is this high may be a wall.
 const STOREY_HIGH_M: f64 = 2.0;
@@ -41,8 +46,10 @@ pub(super) fn z_up() -> DAffine3 {
 /// A mesh shown in the scene, Z up, or one piece of it.
 struct Body<'f> {
     shown: &'f Shown,
-    /// Whether the node hangs in the scene at one place alone, as the standard wants.
-    is_once: bool,
+    /// What moves with it: the node itself, or the one that it hangs on and that says how it moves.
+    element: &'f Shown,
+    /// Why the element cannot move.
+    held: Option<String>,
     /// The piece, where several walls share the mesh.
     piece: Option<usize>,
     layer: String,
@@ -59,8 +66,23 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     let scene = File::open(file, bytes, &options.buffers)?;
     let (shown, odd) = scene.shown();
     for text in odd {
-        report.warn("gltf-nodes", Place::file(file), format!("{text}; left out"));
+        report.warn("gltf-nodes", Place::file(file), text);
     }
+    values::state(&scene, &shown, report);
+    let has = |is_it: &dyn Fn(&str) -> bool| shown.iter().any(|s| s.names(&scene).any(is_it));
+    let is_other = has(&is_global_id) && !has(&|n| options.classes.contains_key(n));
+    let other = (options.has_twin && (options.classes.is_empty() || is_other)).then(|| {
+        let why = if options.classes.is_empty() {
+            "cannot be read, or holds no element"
+        } else {
+            "has none of the GlobalIds that its nodes are named by: it is of another building"
+        };
+        let text = format!("the .ifc of the same name beside it {why}; the scene was read without it");
+        report.warn("gltf-ifc", Place::file(file), text);
+        let (classes, hosts, storeys) = Default::default();
+        ReadOptions { classes, hosts, storeys, ..options.clone() }
+    });
+    let options = other.as_ref().unwrap_or(options);
     let bodies = named_bodies(&scene, &shown, options, report);
     let missing = scene.buffers.iter().enumerate().find_map(|(i, b)| Some((i, b.as_ref().err()?)));
     if let (Some((i, why)), true) = (missing, bodies.is_empty()) {
@@ -77,13 +99,23 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         report.info("gltf-version", Place::file(file).entity("/asset/version"), text);
     }
     let scale = Scale::of(&bodies, options);
+    if let Some(doubt) = &scale.doubt {
+        report.warn(
+            "unit-doubt",
+            Place::file(file),
+            format!("unit: {doubt}; read in metres as the standard says"),
+        );
+    }
     let above = above(options) / scale.metres;
     let floor = chosen_floor(file, &bodies, options, &scale, report)?;
     let mut entities = Vec::new();
     for body in &bodies {
         show(&scene, body, floor + above, options, &mut entities);
     }
-    let (texts, marked) = (space_names(&bodies, &entities), marked_moves(&scene, &entities));
+    state_low(&scene, &bodies, [floor, floor + above], report);
+    let (texts, marked) = (space_names(&scene, &bodies, &entities), marked_moves(&scene, &entities));
+    let moved: Vec<usize> = marked.iter().map(|m| of_record(m.record).0).collect();
+    marks::state(&scene, &shown, &moved, report);
     let mut names: Vec<Layer> = Vec::new();
     for e in &entities {
         if names.iter().all(|l| l.name != e.layer) {
@@ -95,16 +127,35 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         format: if scene.chunks.is_empty() { Format::Gltf } else { Format::Glb },
         version: "glTF 2.0".into(),
         declared_unit: Some(METRE),
-        declared_unit_words: "the standard (metres, Y up)".into(),
+        declared_unit_words: scale.words,
         unit_by_heights: scale.by_heights,
         layers: names,
         entities,
         texts,
         marked,
-        hosts: BTreeMap::new(),
+        hosts: hosts(&scene, &bodies, options),
         undrawn: Vec::new(),
         fills: Vec::new(),
     })
+}
+
+/// Doors and windows by the wall in which they sit, records: where the IFC beside the scene says so, and the wall is a node
+/// of its own, which moves as a whole.
+fn hosts(scene: &File<'_>, bodies: &[Body<'_>], options: &ReadOptions) -> BTreeMap<usize, usize> {
+    let of = |body: &Body<'_>| record(body.element.node, body.piece);
+    let mut wall_of: BTreeMap<&str, usize> = BTreeMap::new();
+    let is_host: BTreeSet<&str> = options.hosts.values().map(String::as_str).collect();
+    for body in bodies.iter().filter(|b| b.piece.is_none()) {
+        for name in body.element.names(scene).filter(|n| is_host.contains(n)) {
+            wall_of.entry(name).or_insert(of(body));
+        }
+    }
+    let host = |body: &Body<'_>| {
+        let wall = body.shown.names(scene).find_map(|n| options.hosts.get(n))?;
+        wall_of.get(wall.as_str()).copied()
+    };
+    let told = bodies.iter().filter_map(|b| Some((of(b), host(b)?)));
+    told.filter(|(filler, wall)| filler != wall).collect()
 }
 
 /// In what a scene measures.
@@ -113,18 +164,50 @@ struct Scale {
     metres: f64,
     /// The unit, where the walls cannot be as high as they are in metres.
     by_heights: Option<Unit>,
+    /// The standard's words for its unit, and what stands against it.
+    words: String,
+    /// Why metres are doubted.
+    doubt: Option<String>,
 }
 
 impl Scale {
     fn of(bodies: &[Body<'_>], options: &ReadOptions) -> Self {
+        let words = "the standard (metres, Y up)".to_string();
+        let believed = Self { metres: 1.0, by_heights: None, words: words.clone(), doubt: None };
         if let Some(unit) = options.unit {
-            return Self { metres: unit.metres, by_heights: None };
+            return Self { metres: unit.metres, ..believed };
         }
-        let by_name = WallLayers::new(&[]).ok();
-        let is_wall = |b: &&Body<'_>| by_name.as_ref().is_some_and(|w| w.reason(&b.layer).is_some());
-        let heights: Vec<f64> = bodies.iter().filter(is_wall).map(|b| b.high - b.low).collect();
-        let by_heights = implausible_by_heights(&heights, METRE);
-        Self { metres: by_heights.unwrap_or(METRE).metres, by_heights }
+        match sizes(bodies).verdict(METRE) {
+            Verdict::Believed => believed,
+            Verdict::Instead(unit, against) => Self {
+                metres: unit.metres,
+                by_heights: Some(unit),
+                words: format!("{words}, in which it has {against}"),
+                ..believed
+            },
+            Verdict::Doubted(text) => Self { doubt: Some(text), ..believed },
+        }
+    }
+}
+
+/// What elements measure, units of the scene.
+fn sizes(bodies: &[Body<'_>]) -> Sizes {
+    let by_name = WallLayers::new(&[]).ok();
+    let is_wall = |b: &&Body<'_>| by_name.as_ref().is_some_and(|w| w.reason(&b.layer).is_some());
+    let is_scene = bodies.iter().any(|b| b.layer == SCENE_LAYER);
+    let points = || bodies.iter().flat_map(|b| b.triangles.iter().flatten());
+    let low = points().fold(DVec3::INFINITY, |lo, p| lo.min(*p));
+    let size = points().fold(DVec3::NEG_INFINITY, |hi, p| hi.max(*p)) - low;
+    // The width of a door is the diagonal of its box, whichever way it stands; its depth is little beside it.
+    let width = |b: &Body<'_>| {
+        let points = b.triangles.iter().flatten().map(|p| p.truncate());
+        crate::plan::box_of(points).map(|[lo, hi]| hi.distance(lo))
+    };
+    Sizes {
+        wall_heights: bodies.iter().filter(is_wall).map(|b| b.high - b.low).collect(),
+        door_widths: bodies.iter().filter(|b| b.layer == "IfcDoor").filter_map(width).collect(),
+        scene: is_scene.then_some([size.z, size.x.max(size.y)]),
+        ..Sizes::default()
     }
 }
 
@@ -138,11 +221,12 @@ fn chosen_floor(
     report: &mut Report,
 ) -> Result<f64, Error> {
     let above = above(options);
-    let shown = |s: &StoreyInfo| format!("{:?} (floor {:.3} m, {} walls)", s.name, s.floor_m, s.walls);
-    let names = options.storeys.iter().map(shown).collect::<Vec<_>>().join(", ");
+    let names = listed(&options.storeys);
     let wanted = options.storey.as_deref();
     let found = match wanted {
-        Some(name) => options.storeys.iter().find(|s| s.name.eq_ignore_ascii_case(name)),
+        Some(name) => {
+            storey_at(options.storeys.iter().map(|s| s.name.as_str()), name).map(|i| &options.storeys[i])
+        }
         None => options.storeys.iter().rev().max_by_key(|s| s.walls),
     };
     if let (None, Some(name)) = (found, wanted) {
@@ -151,13 +235,15 @@ fn chosen_floor(
         } else {
             &names
         };
-        let text = format!("--storey {name:?}: no such storey, storeys present: {names}; nothing was done");
+        let text = format!(
+            "--storey \"{name}\": no such storey, storeys present, by number and name: {names}; nothing was done"
+        );
         return Err(Error::usage("storey", Place::file(file), text));
     }
     Ok(match found {
         Some(storey) => {
             let text = format!(
-                "storeys by the IFC beside it: {names}; {:?} cut {above} m above its floor at {:.3} m",
+                "storeys by the IFC beside it: {names}; \"{}\" cut {above} m above its floor at {:.3} m",
                 storey.name, storey.floor_m
             );
             report.info("storey-cut", Place::file(file), text);
@@ -176,13 +262,14 @@ fn chosen_floor(
 }
 
 /// Names of spaces, each at the middle of its outline.
-fn space_names(bodies: &[Body<'_>], entities: &[Entity]) -> Vec<Text> {
+fn space_names(scene: &File<'_>, bodies: &[Body<'_>], entities: &[Entity]) -> Vec<Text> {
     let mut out = Vec::new();
     for body in bodies.iter().filter(|b| b.layer == "IfcSpace") {
         let Some(own) = entities.iter().find(|e| e.source.record == body.shown.node) else { continue };
         let Shape::Polyline { vertices, .. } = &own.shape else { continue };
         let Some([lo, hi]) = crate::plan::box_of(vertices.iter().map(|v| v.at)) else { continue };
-        let name = body.shown.names.last().map_or("", |n| n.strip_prefix("IfcSpace/").unwrap_or(n));
+        let name = body.shown.names(scene).next_back().unwrap_or_default();
+        let name = name.strip_prefix("IfcSpace/").unwrap_or(name);
         out.push(Text {
             source: own.source.clone(),
             layer: "IfcSpace".into(),
@@ -193,32 +280,17 @@ fn space_names(bodies: &[Body<'_>], entities: &[Entity]) -> Vec<Text> {
     out
 }
 
-/// What a node says of itself in `extras.enfilade`.
-fn told(node: &Json) -> Option<&Json> {
-    node.get("extras")?.get("enfilade")
-}
-
-fn is_set(told: Option<&Json>, key: &str) -> bool {
-    told.and_then(|t| t.get(key)).is_some_and(|v| v.value == Value::Bool(true))
-}
-
 /// Moves that nodes state of themselves: `"extras": {"enfilade": {"move": "x -1 1", "name": "screen"}}`.
 fn marked_moves(scene: &File<'_>, entities: &[Entity]) -> Vec<MarkedMove> {
-    let nodes = scene.json.list("nodes");
     let mut out: Vec<MarkedMove> = Vec::new();
     for e in entities {
-        let told = told(&nodes[of_record(e.source.record).0]);
-        let Some(text) = told.and_then(|t| t.text("move")).filter(|t| !t.trim().is_empty()) else { continue };
+        let node = of_record(e.source.record).0;
+        let Some(text) = marks::own_move(scene, node) else { continue };
         if out.iter().any(|m| m.record == e.source.record) {
             continue;
         }
-        let name = told.and_then(|t| t.text("name")).unwrap_or(&e.source.kind);
-        out.push(MarkedMove {
-            name: name.into(),
-            text: text.into(),
-            record: e.source.record,
-            source: e.source.clone(),
-        });
+        let name = marks::own_name(scene, node).unwrap_or(&e.source.kind);
+        out.push(MarkedMove { name: name.into(), text, record: e.source.record, source: e.source.clone() });
     }
     out
 }
@@ -258,40 +330,199 @@ fn bodies<'f>(
     report: &mut Report,
 ) -> Vec<Body<'f>> {
     let nodes = scene.json.list("nodes");
-    let mut meshes: BTreeMap<usize, Vec<[DVec3; 3]>> = BTreeMap::new();
+    let mut meshes: BTreeMap<usize, Result<Vec<[DVec3; 3]>, Why>> = BTreeMap::new();
     let mut out = Vec::new();
-    let mut times: BTreeMap<usize, usize> = BTreeMap::new();
-    shown.iter().for_each(|s| *times.entry(s.node).or_default() += 1);
+    let mut lost = Lost::default();
+    let elements = Elements::new(scene, shown);
     for s in shown {
-        let Some(mesh) = nodes[s.node].index("mesh") else { continue };
-        if s.names.iter().any(|n| layers::is_own(n)) {
+        let Some(mesh) = nodes[s.node].index("mesh").filter(|_| !s.names(scene).any(layers::is_own)) else {
+            continue;
+        };
+        let layer = layer(scene, s, options);
+        let triangles = match meshes.entry(mesh).or_insert_with(|| scene.triangles(mesh)) {
+            Ok(triangles) => triangles,
+            Err((pointer, why)) => {
+                lost.unread.push((s.node, format!("mesh {mesh} cannot be read: {pointer}: {why}")));
+                continue;
+            }
+        };
+        if triangles.is_empty() {
+            lost.lines.push((s.node, layer));
             continue;
         }
-        if let std::collections::btree_map::Entry::Vacant(slot) = meshes.entry(mesh) {
-            match scene.triangles(mesh) {
-                Ok(t) => drop(slot.insert(t)),
-                Err((pointer, why)) => {
-                    let place = Place::file(scene.name).entity(pointer);
-                    report.warn("gltf-mesh", place, format!("{why}; mesh {mesh} is left out"));
-                    slot.insert(Vec::new());
-                }
-            }
-        }
-        let layer = layer(scene, s, options);
+        let (element, is_whole) = elements.of(s);
         let m = z_up() * s.world;
-        for (piece, triangles) in in_pieces(scene, s.node, &layer, &meshes[&mesh]) {
+        for (piece, triangles) in in_pieces(scene, s.node, &layer, is_whole, triangles) {
             let triangles: Vec<[DVec3; 3]> =
                 triangles.into_iter().map(|t| t.map(|p| m.transform_point3(p))).collect();
+            if let Some(why) = without_place(&triangles) {
+                lost.unread.push((s.node, why.into()));
+                continue;
+            }
             let heights = || triangles.iter().flatten().map(|p| p.z);
             let (low, high) =
                 (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
-            if low.is_finite() && high.is_finite() {
-                let is_once = times[&s.node] == 1;
-                out.push(Body { shown: s, is_once, piece, layer: layer.clone(), triangles, low, high });
-            }
+            let held = elements.held(element).cloned();
+            out.push(Body { shown: s, element, held, piece, layer: layer.clone(), triangles, low, high });
         }
     }
+    lost.state(scene, report);
     out
+}
+
+/// Why what was read of an element stands nowhere.
+fn without_place(triangles: &[[DVec3; 3]]) -> Option<&'static str> {
+    let mut points = triangles.iter().flatten();
+    let first = points.next()?;
+    if triangles.iter().flatten().any(|p| !p.is_finite() || p.abs().max_element() > COORDINATE_MAX) {
+        return Some("it stands beyond all buildings (a coordinate or a transform is too large)");
+    }
+    points.all(|p| p == first).then_some("it has no size (a transform scales it to nothing)")
+}
+
+/// Elements of which nothing is shown.
+#[derive(Default)]
+struct Lost {
+    /// Each with the reason.
+    unread: Vec<(usize, String)>,
+    /// Points and lines alone, each with its layer.
+    lines: Vec<(usize, String)>,
+}
+
+impl Lost {
+    fn state(self, scene: &File<'_>, report: &mut Report) {
+        let by_name = WallLayers::new(&[]).ok();
+        let is_wall = |layer: &str| by_name.as_ref().is_some_and(|w| w.reason(layer).is_some());
+        let (walls, others): (Vec<_>, Vec<_>) = self.lines.into_iter().partition(|(_, l)| is_wall(l));
+        let walls =
+            walls.into_iter().map(|(n, _)| (n, "its mesh has points and lines alone, no faces".into()));
+        let told: Vec<(usize, String)> = self.unread.into_iter().chain(walls).collect();
+        let more = told.len().saturating_sub(values::TOLD);
+        for (node, why) in told.into_iter().take(values::TOLD) {
+            let place = Place::file(scene.name).entity(scene.named(node));
+            report.warn("gltf-mesh", place, format!("{why}; it is left out"));
+        }
+        if more > 0 {
+            let text = format!("{more} more elements cannot be read and are left out");
+            report.warn("gltf-mesh", Place::file(scene.name), text);
+        }
+        if let Some((first, _)) = others.first() {
+            let text = format!(
+                "{} nodes have points and lines alone and are not shown, {} is the first",
+                others.len(),
+                scene.named(*first)
+            );
+            report.info("gltf-lines", Place::file(scene.name), text);
+        }
+    }
+}
+
+/// Names the walls of the storey that end below the cut.
+fn state_low(scene: &File<'_>, bodies: &[Body<'_>], [floor, cut]: [f64; 2], report: &mut Report) {
+    let by_name = WallLayers::new(&[]).ok();
+    let is_wall = |b: &&Body<'_>| by_name.as_ref().is_some_and(|w| w.reason(&b.layer).is_some());
+    let is_low = |b: &&Body<'_>| b.low < cut && b.high > floor && b.high <= cut;
+    let low: Vec<&Body<'_>> = bodies.iter().filter(is_wall).filter(is_low).collect();
+    if low.is_empty() {
+        return;
+    }
+    let named: Vec<String> = low.iter().take(values::TOLD).map(|b| scene.named(b.shown.node)).collect();
+    let more = if low.len() > named.len() { ", …" } else { "" };
+    let text = format!(
+        "{} walls do not reach the height of the cut and do not block sight: {}{more}",
+        low.len(),
+        named.join(", ")
+    );
+    report.info("gltf-not-cut", Place::file(scene.name), text);
+}
+
+/// What moves together: a node that says how it moves, with all that hangs on it, else every node for itself.
+struct Elements<'f> {
+    /// Node → where it is shown, and how often.
+    places: BTreeMap<usize, (&'f Shown, usize)>,
+    /// Node with a mesh → the node that it moves with.
+    movers: BTreeMap<usize, usize>,
+    /// Movers of more than themselves.
+    wholes: BTreeSet<usize>,
+    /// Elements that cannot move, and why.
+    held: BTreeMap<usize, String>,
+}
+
+impl<'f> Elements<'f> {
+    fn new(scene: &File<'_>, shown: &'f [Shown]) -> Self {
+        let nodes = scene.json.list("nodes");
+        let mut out = Self {
+            places: BTreeMap::new(),
+            movers: BTreeMap::new(),
+            wholes: BTreeSet::new(),
+            held: BTreeMap::new(),
+        };
+        for s in shown {
+            out.places.entry(s.node).or_insert((s, 0)).1 += 1;
+            if nodes[s.node].index("mesh").is_none() {
+                continue;
+            }
+            let mover = marks::mover(scene, &s.path).unwrap_or(s.node);
+            if mover != s.node {
+                out.wholes.insert(mover);
+            }
+            out.movers.insert(s.node, mover);
+        }
+        let animated: BTreeSet<usize> = animated(&scene.json);
+        for s in shown {
+            let Some(mover) = out.movers.get(&s.node) else { continue };
+            if [s.node, *mover].iter().any(|n| out.places.get(n).is_some_and(|p| p.1 > 1)) {
+                out.held.insert(*mover, "its node hangs in the scene more than once".into());
+            }
+            let from = s.path.iter().position(|n| n == mover).unwrap_or(0);
+            if let Some(why) = held(scene, &s.path, from, &animated) {
+                out.held.entry(*mover).or_insert(why);
+            }
+        }
+        out
+    }
+
+    /// The element that a node belongs to, and whether it moves as a whole.
+    fn of(&self, s: &'f Shown) -> (&'f Shown, bool) {
+        let mover = self.movers.get(&s.node).copied().unwrap_or(s.node);
+        let place = self.places.get(&mover).map_or(s, |p| p.0);
+        (place, self.wholes.contains(&mover))
+    }
+
+    fn held(&self, element: &Shown) -> Option<&String> {
+        self.held.get(&element.node)
+    }
+}
+
+/// Nodes that an animation moves.
+fn animated(json: &Json) -> BTreeSet<usize> {
+    let channels = json.list("animations").iter().flat_map(|a| a.list("channels"));
+    channels.filter_map(|c| c.get("target")?.index("node")).collect()
+}
+
+/// Why what is shown at the end of a path cannot move with the node at `from` of it.
+fn held(scene: &File<'_>, path: &[usize], from: usize, animated: &BTreeSet<usize>) -> Option<String> {
+    let nodes = scene.json.list("nodes");
+    let of_element = || path[from..].iter().map(|n| &nodes[*n]);
+    let is_many = |n: &Json| n.get("extensions").is_some_and(|e| e.get("EXT_mesh_gpu_instancing").is_some());
+    let is_unread = |n: &Json| {
+        let odd =
+            |key: &str, count: usize| n.get(key).is_some() && n.numbers(key).is_none_or(|v| v.len() != count);
+        odd("matrix", 16) || odd("translation", 3) || odd("rotation", 4)
+    };
+    if marks::is_set(scene, path, "keep") {
+        Some("extras.enfilade says keep".into())
+    } else if path[from..].iter().any(|n| animated.contains(n)) {
+        Some("it is animated".into())
+    } else if of_element().any(|n| n.get("skin").is_some()) {
+        Some("it follows a skeleton".into())
+    } else if of_element().any(is_many) {
+        Some("it is drawn many times by one node".into())
+    } else if is_unread(&nodes[path[from]]) {
+        Some("its transform cannot be read".into())
+    } else {
+        None
+    }
 }
 
 /// A mesh whole, or, where it is named after walls and no class says that it is one element, its pieces.
@@ -299,10 +530,12 @@ fn in_pieces(
     scene: &File<'_>,
     node: usize,
     layer: &str,
+    is_whole: bool,
     triangles: &[[DVec3; 3]],
 ) -> Vec<(Option<usize>, Vec<[DVec3; 3]>)> {
     let by_name = WallLayers::new(&[]).ok();
-    let is_walls = !layer.starts_with("Ifc") && by_name.is_some_and(|w| w.reason(layer).is_some());
+    let is_walls =
+        !is_whole && !layer.starts_with("Ifc") && by_name.is_some_and(|w| w.reason(layer).is_some());
     let Some(pieces) = is_walls.then(|| scene.pieces(node, triangles)).flatten() else {
         return vec![(None, triangles.to_vec())];
     };
@@ -318,23 +551,27 @@ fn in_pieces(
 
 /// What a node's name, its mesh's, its material's or its extras say it is.
 fn layer(scene: &File<'_>, shown: &Shown, options: &ReadOptions) -> String {
-    if let Some(class) = shown.names.iter().rev().find_map(|n| options.classes.get(n)) {
+    if let Some(class) = shown.names(scene).rev().find_map(|n| options.classes.get(n)) {
         return class_of(class);
     }
     let node = &scene.json.list("nodes")[shown.node];
     let mesh = node.index("mesh").and_then(|m| scene.json.list("meshes").get(m));
-    let extras = ["ifcClass", "ifc_class", "IfcClass", "class", "type", "layer", "category"];
-    let told = extras.iter().find_map(|k| node.get("extras")?.text(k));
-    if let Some(told) = told {
-        return class_of(told);
+    let extras = |n: &usize| {
+        let keys = ["ifcClass", "ifc_class", "IfcClass", "class", "type", "layer", "category"];
+        let told = scene.json.list("nodes").get(*n)?.get("extras")?;
+        keys.iter().find_map(|k| told.text(k)).map(class_of)
+    };
+    if let Some(told) = extras(&shown.node) {
+        return told;
     }
-    let named = shown.names.iter().rev().filter(|n| !n.is_empty()).map(|n| class_of(n));
+    let named = shown.names(scene).rev().filter(|n| !n.is_empty()).map(class_of);
     let mesh_name = mesh.and_then(|m| m.text("name")).map(class_of);
     let materials =
         mesh.map(|m| m.list("primitives")).unwrap_or_default().iter().filter_map(|p| {
             scene.json.list("materials").get(p.index("material")?)?.text("name").map(class_of)
         });
-    let all: Vec<String> = named.chain(mesh_name).chain(materials).collect();
+    let of_wholes = shown.path.iter().rev().filter_map(extras);
+    let all: Vec<String> = named.chain(mesh_name).chain(materials).chain(of_wholes).collect();
     let by_name = WallLayers::new(&[]).ok();
     let says = |n: &&String| {
         opening(n).is_some()
@@ -371,9 +608,34 @@ fn choose_layers(scene: &File<'_>, bodies: &mut [Body<'_>], options: &ReadOption
     if options.is_by_user || bodies.iter().any(is_wall) {
         return;
     }
-    let text = "no node, mesh or material is named after walls; everything that is cut blocks sight; --wall-layer NAME picks by name";
-    report.info("walls-assumed", Place::file(scene.name), text);
+    let is_id = |b: &&Body<'_>| b.shown.names(scene).any(is_global_id);
+    let ids = bodies.iter().filter(is_id).count();
+    let lacking = if 2 * ids > bodies.len() && options.classes.is_empty() {
+        format!(
+            "; {ids} of {} nodes are named by GlobalIds of an IFC and by nothing else: with that .ifc beside it under the same \
+             name walls, doors, windows, spaces and storeys are known, without it none of them",
+            bodies.len()
+        )
+    } else {
+        String::new()
+    };
+    let text = format!(
+        "no node, mesh or material is named after walls; everything that is cut blocks sight{lacking}; --wall-layer NAME picks \
+         by name"
+    );
+    let place = Place::file(scene.name);
+    if lacking.is_empty() {
+        report.info("walls-assumed", place, text);
+    } else {
+        report.warn("walls-assumed", place, text);
+    }
     bodies.iter_mut().for_each(|b| b.layer = SCENE_LAYER.into());
+}
+
+/// Whether a name is the `GlobalId` of an element of an IFC: 22 letters of its own 64, the first of two bits.
+pub fn is_global_id(name: &str) -> bool {
+    let is_letter = |c: char| c.is_ascii_alphanumeric() || "_$".contains(c);
+    name.len() == 22 && name.starts_with(['0', '1', '2', '3']) && name.chars().all(is_letter)
 }
 
 /// The height above which most walls are cut: where walls start most often; `above` in units of the scene.
@@ -415,11 +677,12 @@ fn show(scene: &File<'_>, body: &Body<'_>, z: f64, options: &ReadOptions, out: &
     } else {
         &body.layer
     };
+    let names = body.element.names(scene).rev();
     let source = SourceRef {
-        record: record(body.shown.node, body.piece),
-        handle: Some(format!("/nodes/{}", body.shown.node)),
+        record: record(body.element.node, body.piece),
+        handle: Some(format!("/nodes/{}", body.element.node)),
         line: 0,
-        kind: body.shown.names.iter().rev().find(|n| !n.is_empty()).cloned().unwrap_or_default(),
+        kind: { names }.find(|n| !n.is_empty()).unwrap_or_default().into(),
         layer: layer.into(),
     };
     let (editable, first) = (editable(scene, body), out.len());
@@ -434,15 +697,14 @@ fn show(scene: &File<'_>, body: &Body<'_>, z: f64, options: &ReadOptions, out: &
             blocks: Vec::new(),
         });
     }
-    let (marks, shown) = (told(&scene.json.list("nodes")[body.shown.node]), first..out.len());
+    let (path, shown) = (&body.shown.path, first..out.len());
     for (key, mark) in [("query", "EF-QUERY"), ("reference", "EF-REFERENCE"), ("keep", "EF-KEEP")] {
-        if is_set(marks, key) && (key != "keep" || body.layer == "IfcSpace") {
+        if marks::is_set(scene, path, key) && (key != "keep" || body.layer == "IfcSpace") {
             let copies = out[shown.clone()].iter().map(|e| Entity { layer: mark.into(), ..e.clone() });
             let copies: Vec<Entity> = copies.collect();
             out.extend(copies);
         }
-        let pair = marks.and_then(|t| t.text(key)).map(str::trim).filter(|n| !n.is_empty() && key != "keep");
-        if let Some(name) = pair {
+        if let Some(name) = marks::text(scene, path, key).filter(|_| key != "keep") {
             let layer = format!("{mark}-{name}");
             let copies = out[shown.clone()].iter().map(|e| Entity { layer: layer.clone(), ..e.clone() });
             let copies: Vec<Entity> = copies.collect();
@@ -452,36 +714,18 @@ fn show(scene: &File<'_>, body: &Body<'_>, z: f64, options: &ReadOptions, out: &
 }
 
 fn editable(scene: &File<'_>, body: &Body<'_>) -> Editable {
-    let node = &scene.json.list("nodes")[body.shown.node];
-    let animated = scene
-        .json
-        .list("animations")
-        .iter()
-        .flat_map(|a| a.list("channels"))
-        .any(|c| c.get("target").and_then(|t| t.index("node")) == Some(body.shown.node));
-    if is_set(told(node), "keep") {
-        return Editable::No("extras.enfilade says keep".into());
-    }
-    if !body.is_once {
-        return Editable::No("its node hangs in the scene more than once".into());
-    }
-    if animated {
-        return Editable::No("it is animated".into());
-    }
-    if node.get("skin").is_some() {
-        return Editable::No("it follows a skeleton".into());
-    }
-    if node.get("extensions").is_some_and(|e| e.get("EXT_mesh_gpu_instancing").is_some()) {
-        return Editable::No("it is drawn many times by one node".into());
+    if let Some(why) = &body.held {
+        return Editable::No(why.clone());
     }
     if body.piece.is_some() {
         return Editable::WithInsert { turnable: true };
     }
-    let m = body.shown.parent.matrix3;
+    let m = body.element.parent.matrix3;
     let det = m.determinant();
     if det == 0.0 || !det.is_finite() {
         return Editable::No("its parent has no size".into());
     }
+    let node = &scene.json.list("nodes")[body.element.node];
     Editable::WithInsert { turnable: node.get("matrix").is_some() || is_similar(&m) }
 }
 

@@ -47,8 +47,16 @@ pub(super) struct Shown {
     pub parent: DAffine3,
     /// Its own world transform, Y up.
     pub world: DAffine3,
-    /// Names from the root, its own last.
-    pub names: Vec<String>,
+    /// Nodes from the root, itself last.
+    pub path: Vec<usize>,
+}
+
+impl Shown {
+    /// Names from the root, its own last; empty where a node has none.
+    pub fn names<'j>(&'j self, scene: &'j File<'_>) -> impl DoubleEndedIterator<Item = &'j str> {
+        let nodes = scene.json.list("nodes");
+        self.path.iter().map(move |n| nodes[*n].text("name").unwrap_or_default())
+    }
 }
 
 /// Members of the root that are lists; ours are put behind what is in them.
@@ -182,21 +190,24 @@ impl<'a> File<'a> {
         };
         let (mut out, mut odd) = (Vec::new(), Vec::new());
         let (mut seen, mut repeats) = (vec![false; nodes.len()], 0);
-        let mut open: Vec<(usize, DAffine3, Vec<String>, Vec<usize>)> =
-            roots.into_iter().rev().map(|n| (n, DAffine3::IDENTITY, Vec::new(), Vec::new())).collect();
-        while let Some((n, parent, mut names, mut path)) = open.pop() {
+        let mut open: Vec<(usize, DAffine3, Vec<usize>)> =
+            roots.into_iter().rev().map(|n| (n, DAffine3::IDENTITY, Vec::new())).collect();
+        while let Some((n, parent, mut path)) = open.pop() {
             let Some(node) = nodes.get(n) else {
-                odd.push(format!("/nodes/{n} does not exist"));
+                odd.push(format!("/nodes/{n} does not exist; left out"));
                 continue;
             };
             if path.len() > DEPTH_MAX {
-                odd.push(format!("nodes hang deeper than {DEPTH_MAX} in each other; /nodes/{n} is left out"));
+                odd.push(format!(
+                    "nodes hang deeper than {DEPTH_MAX} in each other; {} is left out",
+                    self.named(n)
+                ));
                 continue;
             }
             if path.contains(&n) {
                 let ring: Vec<String> =
                     path.iter().skip_while(|p| **p != n).chain([&n]).map(ToString::to_string).collect();
-                odd.push(format!("nodes are children of each other in a ring: {}", ring.join(">")));
+                odd.push(format!("nodes are children of each other in a ring: {}; left out", ring.join(">")));
                 continue;
             }
             repeats += usize::from(std::mem::replace(&mut seen[n], true));
@@ -208,24 +219,29 @@ impl<'a> File<'a> {
                 break;
             }
             if out.len() >= NODES_MAX {
-                odd.push(format!("more than {NODES_MAX} nodes are shown"));
+                odd.push(format!("more than {NODES_MAX} nodes are shown; the rest is left out"));
                 break;
             }
             let world = parent * local(node);
             path.push(n);
-            names.push(node.text("name").unwrap_or_default().to_string());
             for child in node.list("children").iter().filter_map(index).rev() {
-                open.push((child, world, names.clone(), path.clone()));
+                open.push((child, world, path.clone()));
             }
-            out.push(Shown { node: n, parent, world, names });
+            out.push(Shown { node: n, parent, world, path });
         }
         out.sort_by_key(|s| s.node);
         (out, odd)
     }
+
+    /// A node as messages name it: `/nodes/3 IfcWall/south`.
+    pub fn named(&self, node: usize) -> String {
+        let name = self.json.list("nodes").get(node).and_then(|n| n.text("name")).unwrap_or_default();
+        format!("/nodes/{node} {name}").trim_end().to_string()
+    }
 }
 
 fn index(json: &Json) -> Option<usize> {
-    json.number().filter(|n| *n >= 0.0).map(|n| n as usize)
+    json.as_index()
 }
 
 /// A node's own transform.

@@ -71,6 +71,8 @@ pub struct ReadOptions {
     pub sight: Sight,
     /// The user's word for the unit, which then stands above the file's.
     pub unit: Option<Unit>,
+    /// Whether the glass of curtain walls stops sight.
+    pub is_glass_wall: bool,
 }
 
 /// A product that an edit moves.
@@ -308,11 +310,13 @@ pub struct Inventory {
     pub elements: Elements,
     /// `GlobalId` → class.
     pub classes: BTreeMap<String, String>,
+    /// `GlobalId` of a door or window → that of the wall in whose opening it sits.
+    pub hosts: BTreeMap<String, String>,
     /// Storeys from the lowest.
     pub storeys: Vec<StoreyInfo>,
 }
 
-/// Classes and storeys of a building; nothing of a file that cannot be read.
+/// Classes, hosts and storeys of a building; nothing of a file that cannot be read.
 pub fn inventory(bytes: &[u8], unit: Option<Unit>) -> Inventory {
     let Ok(step) = open("", bytes) else { return Inventory::default() };
     let building = Building::new("", &step, unit);
@@ -324,15 +328,27 @@ pub fn inventory(bytes: &[u8], unit: Option<Unit>) -> Inventory {
         }
     }
     classes.extend(products.map(|p| (p.global_id.clone(), p.class.to_string())));
-    Inventory { elements: Elements::of(&step), classes, storeys: storeys(&building) }
+    let by_id: BTreeMap<u64, &str> = {
+        let all = building.model.products.iter().chain(&building.model.fillers);
+        all.map(|p| (p.id, p.global_id.as_str())).collect()
+    };
+    let name = |id: &u64| by_id.get(id).map(|n| (*n).to_owned());
+    let hosts = building.model.hosts();
+    let hosts = hosts.iter().filter_map(|(filler, wall)| Some((name(filler)?, name(wall)?))).collect();
+    Inventory { elements: Elements::of(&step), classes, hosts, storeys: storeys(&building) }
 }
 
-/// `Tag` of products: the element's id in the program that wrote the file.
+/// A text with the escapes of a STEP file, as somebody copies it out of one.
+pub fn decoded(text: &str) -> String {
+    text::decode(text.as_bytes())
+}
+
+/// `Tag` of products: the element's id in the program that wrote the file; the `GlobalId` where there is none.
 pub fn tags(bytes: &[u8], ids: &[usize]) -> Vec<Option<String>> {
     let Ok(step) = Step::read(bytes) else { return vec![None; ids.len()] };
     let tag = |id: &usize| {
         let args = step.args(*id as u64);
-        args.get(7).and_then(|a| step.text(a)).filter(|t| !t.is_empty())
+        [7, 0].iter().find_map(|i| args.get(*i).and_then(|a| step.text(a)).filter(|t| !t.trim().is_empty()))
     };
     ids.iter().map(tag).collect()
 }

@@ -116,6 +116,18 @@ pub(super) struct Model {
 }
 
 impl Model {
+    /// Doors and windows by the wall in whose opening they sit, instances; of several the first.
+    pub fn hosts(&self) -> BTreeMap<u64, u64> {
+        let mut out = BTreeMap::new();
+        for (wall, openings) in &self.openings {
+            for filler in openings.iter().filter_map(|o| self.fillings.get(o)).flatten() {
+                let host = out.entry(*filler).or_insert(*wall);
+                *host = (*host).min(*wall);
+            }
+        }
+        out
+    }
+
     /// Reads relations, products and storeys.
     pub fn read(step: &Step<'_>, geo: &Geo<'_, '_>) -> Self {
         let mut out = Self::default();

@@ -1,6 +1,6 @@
 //! One storey of a building as a plan: every element cut at the height of the eyes.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::HashSet;
 
 use glam::{DAffine3, DVec2};
 use rayon::prelude::*;
@@ -13,9 +13,11 @@ use super::step::Step;
 use super::units::{Units, units};
 use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, Sight};
 use crate::formats::region::{Region, Rule};
+use crate::formats::{listed, storey_at};
 use crate::plan::drawing::{
     Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
+use crate::plan::sizes::{Sizes, Verdict};
 use crate::plan::units::by_heights;
 use crate::report::{Error, Place, Report};
 
@@ -34,6 +36,12 @@ const SLIVER_M: f64 = 0.01;
 /// Corners of a cut this near to an end of the wall belong to it.
 const END_M: f64 = 1e-5;
 
+/// Elements of a kind by whose sizes a stated unit is judged: the middle of so many is that of all.
+const SIZED_MAX: usize = 200;
+
+/// Where a door states its width (`OverallWidth`).
+const DOOR_WIDTH: usize = 9;
+
 /// Walls that keep their length and are told one by one.
 const STIFF_TOLD: usize = 4;
 
@@ -49,8 +57,10 @@ pub(super) struct Building<'s, 'a> {
     pub model: Model,
     /// Its units.
     pub units: Units,
-    /// Its unit of length by the heights of its walls, where nobody says one.
+    /// Its unit of length by the heights of its walls, where nobody says one or they cannot be so high in it.
     pub unit_by_heights: Option<Unit>,
+    /// Why the unit that the file states is doubted.
+    unit_doubt: Option<String>,
 }
 
 impl<'s, 'a> Building<'s, 'a> {
@@ -61,13 +71,31 @@ impl<'s, 'a> Building<'s, 'a> {
         let known = wanted.or(units.length);
         let geo = Geo::new(step, known.map_or(1.0, |u| u.metres), units.radians);
         let model = Model::read(step, &geo);
-        let mut out = Self { file, step, geo, model, units, unit_by_heights: None };
-        if known.is_none() {
-            let heights: Vec<f64> = wall_spans(&out).iter().map(|s| s[1] - s[0]).collect();
-            out.unit_by_heights = by_heights(&heights);
-            out.geo.metres = out.unit_by_heights.map_or(1.0, |u| u.metres);
+        let mut out = Self { file, step, geo, model, units, unit_by_heights: None, unit_doubt: None };
+        match (wanted, out.units.length) {
+            (Some(_), _) => {}
+            (None, None) => {
+                let heights: Vec<f64> = wall_spans(&out, usize::MAX).iter().map(|s| s[1] - s[0]).collect();
+                out.unit_by_heights = by_heights(&heights);
+                out.geo.metres = out.unit_by_heights.map_or(1.0, |u| u.metres);
+            }
+            (None, Some(stated)) => out.hold_against_sizes(stated),
         }
         out
+    }
+
+    /// Whether what the building's elements measure can be in the unit that the file states; else takes the one in which
+    /// it can.
+    fn hold_against_sizes(&mut self, stated: Unit) {
+        match sizes(self).verdict(stated) {
+            Verdict::Believed => {}
+            Verdict::Instead(unit, against) => {
+                self.units.length_words += &format!(", in which it has {against}");
+                self.unit_by_heights = Some(unit);
+                self.geo.metres = unit.metres;
+            }
+            Verdict::Doubted(text) => self.unit_doubt = Some(text),
+        }
     }
 
     /// `house.ifc:12 #4711 IfcWall 2O2F…`.
@@ -79,19 +107,14 @@ impl<'s, 'a> Building<'s, 'a> {
     /// The storey that is meant, and why. `None` in a building without storeys.
     pub fn storey(&self, wanted: Option<&str>, report: &mut Report) -> Result<Option<&Storey>, Error> {
         let list = &self.model.storeys;
-        let shown = |s: &Storey| {
-            format!("{:?} (floor {:.3} m, {} walls)", s.name, s.floor * self.geo.metres, s.walls)
-        };
-        let names = list.iter().map(shown).collect::<Vec<_>>().join(", ");
+        let names = listed(&super::storeys(self));
         if let Some(name) = wanted {
-            let found = list
-                .iter()
-                .find(|s| s.name == name)
-                .or_else(|| list.iter().find(|s| s.name.eq_ignore_ascii_case(name)));
-            return found.map(Some).ok_or_else(|| {
+            let found = storey_at(list.iter().map(|s| s.name.as_str()), name);
+            return found.map(|i| Some(&list[i])).ok_or_else(|| {
                 let names = if names.is_empty() { "none".into() } else { names };
-                let text =
-                    format!("--storey {name:?}: no such storey, storeys present: {names}; nothing was done");
+                let text = format!(
+                    "--storey \"{name}\": no such storey, storeys present, by number and name: {names}; nothing was done"
+                );
                 Error::usage("storey", Place::file(self.file), text)
             });
         }
@@ -100,7 +123,7 @@ impl<'s, 'a> Building<'s, 'a> {
             && list.len() > 1
         {
             let text = format!(
-                "storeys: {names}; {:?} has the most walls and was taken, --storey NAME takes another",
+                "storeys: {names}; \"{}\" has the most walls and was taken, --storey NAME takes another",
                 chosen.name
             );
             report.info("storey", Place::file(self.file), text);
@@ -134,6 +157,10 @@ pub(super) fn read_storey(
         );
         report.warn("ifc-part-ring", place, text);
     }
+    if let Some(doubt) = &building.unit_doubt {
+        let text = format!("unit: {doubt}; read as the file says");
+        report.warn("unit-doubt", Place::file(file), text);
+    }
     let storey = building.storey(options.storey.as_deref(), report)?;
     let mut reader = Reader::new(building, storey, options);
     reader.walls(report);
@@ -142,7 +169,7 @@ pub(super) fn read_storey(
     let height = reader.cut - reader.floor;
     if let Some(storey) = storey {
         let text = format!(
-            "storey {:?} cut {:.2} m above its floor at {:.3} m",
+            "storey \"{}\" cut {:.2} m above its floor at {:.3} m",
             storey.name,
             height * building.geo.metres,
             storey.floor * building.geo.metres
@@ -329,7 +356,15 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         let mut failed: Vec<(u64, Why)> = Vec::new();
         for part in &self.b.model.parts_of(p.id) {
             let class = self.b.model.product(*part).map(|q| q.class);
-            let is_glass = class == Some("IfcPlate") && self.options.sight == Sight::Eye;
+            let is_wall = self.options.is_glass_wall && p.class == "IfcCurtainWall";
+            let is_seen_through = self.options.sight == Sight::Eye && !is_wall;
+            let is_glass = class == Some("IfcPlate") && is_seen_through;
+            // A door in it is shown by itself, and a window as long as it is seen through.
+            match self.b.model.filler(*part).map(|f| f.class) {
+                Some("IfcDoor") => continue,
+                Some(_) if is_seen_through => continue,
+                _ => {}
+            }
             let cut = match self.part(*part) {
                 Ok(cut) => cut,
                 Err(why) => {
@@ -605,7 +640,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     }
 
     fn drawing(self) -> Drawing {
-        let hosts = self.hosts();
+        let hosts = self.b.model.hosts().iter().map(|(f, w)| (*f as usize, *w as usize)).collect();
         let mut layers: Vec<Layer> = Vec::new();
         for e in &self.entities {
             if layers.iter().all(|l| l.name != e.layer) {
@@ -633,19 +668,6 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             undrawn: Vec::new(),
         }
     }
-
-    /// Doors and windows by the wall in whose opening they sit.
-    fn hosts(&self) -> BTreeMap<usize, usize> {
-        let model = &self.b.model;
-        let mut out = BTreeMap::new();
-        for (wall, openings) in &model.openings {
-            for filler in openings.iter().filter_map(|o| model.fillings.get(o)).flatten() {
-                let host = out.entry(*filler as usize).or_insert(*wall as usize);
-                *host = (*host).min(*wall as usize);
-            }
-        }
-        out
-    }
 }
 
 /// Whether it is a wall, a column or a curtain wall.
@@ -666,16 +688,31 @@ pub(super) fn heights(b: &Building<'_, '_>, storey: Option<&Storey>, sight: Sigh
 /// The floor of a building without storeys: of all heights at which walls start, the one above which most
 /// walls are cut.
 fn lowest(b: &Building<'_, '_>, above: f64) -> f64 {
-    let spans = wall_spans(b);
+    let spans = wall_spans(b, usize::MAX);
     let cut = |floor: f64| spans.iter().filter(|s| s[0] < floor + above && s[1] > floor + above).count();
     let floors = spans.iter().map(|s| s[0]);
     floors.max_by(|a, b| cut(*a).cmp(&cut(*b)).then(b.total_cmp(a))).unwrap_or(0.0)
 }
 
-/// Lowest and highest point of every wall with a body, file units.
-fn wall_spans(b: &Building<'_, '_>) -> Vec<[f64; 2]> {
+/// What elements measure, file units.
+fn sizes(b: &Building<'_, '_>) -> Sizes {
+    let walls = b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")).take(SIZED_MAX);
+    let thickness = |p: &Product| layer_reach(b.step, &b.model, p.id).map(|[left, right]| right - left);
+    let doors = b.model.fillers.iter().filter(|p| p.class == "IfcDoor").take(SIZED_MAX);
+    let width = |p: &Product| b.step.args(p.id).get(DOOR_WIDTH)?.number();
+    Sizes {
+        wall_heights: wall_spans(b, SIZED_MAX).iter().map(|s| s[1] - s[0]).collect(),
+        door_widths: doors.filter_map(width).collect(),
+        storey_heights: b.model.storeys.windows(2).map(|s| s[1].floor - s[0].floor).collect(),
+        thicknesses: walls.filter_map(thickness).collect(),
+        scene: None,
+    }
+}
+
+/// Lowest and highest point of the first walls with a body, file units.
+fn wall_spans(b: &Building<'_, '_>, most: usize) -> Vec<[f64; 2]> {
     let mut spans: Vec<[f64; 2]> = Vec::new();
-    for p in b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")) {
+    for p in b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")).take(most) {
         let world = p.placement.map_or(Ok(DAffine3::IDENTITY), |m| b.geo.placement(m));
         let items = p.shape.and_then(|s| body_items(b.step, s).ok());
         if let (Ok(world), Some(items)) = (world, items) {

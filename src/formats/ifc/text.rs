@@ -1,45 +1,67 @@
 //! Texts of a STEP file: the escapes `\X2\…\X0\`, `\X4\…\X0\`, `\X\hh`, `\S\c`, `''` and `\\`.
 
-/// Decodes the bytes between the quotes; bytes that are no ASCII are taken as UTF-8, else as Latin-1.
+/// Decodes the bytes between the quotes; bytes that are no ASCII are taken as UTF-8, else as Latin-1 or Shift-JIS.
 pub(super) fn decode(raw: &[u8]) -> String {
     let mut out = String::new();
+    // What stands byte for byte, some of it escaped: only together it tells which code page it is.
+    let mut run = Run::default();
     let mut at = 0;
     while at < raw.len() {
         let rest = &raw[at..];
         match rest {
-            [b'\'', b'\'', ..] => {
-                out.push('\'');
-                at += 2;
-            }
-            [b'\\', b'\\', ..] => {
-                out.push('\\');
+            [b'\'', b'\'', ..] | [b'\\', b'\\', ..] => {
+                run.bytes.push(rest[0]);
                 at += 2;
             }
             [b'\\', b'S', b'\\', c, ..] => {
-                out.push(char::from(c.wrapping_add(128)));
+                run.is_escaped = true;
+                run.bytes.push(c.wrapping_add(128));
                 at += 4;
             }
             [b'\\', b'X', b'\\', a, b, ..] => {
-                out.extend(hex(&[*a, *b]).and_then(char::from_u32));
+                if let Some(code) = hex(&[*a, *b]) {
+                    run.is_escaped = true;
+                    run.bytes.push(code as u8);
+                }
                 at += 5;
             }
             [b'\\', b'X', n @ (b'2' | b'4'), b'\\', ..] => {
+                run.end(&mut out);
                 let end = rest.windows(4).position(|w| w == b"\\X0\\").unwrap_or(rest.len());
                 wide(&rest[4..end.max(4)], if *n == b'2' { 4 } else { 8 }, &mut out);
                 at += (end + 4).min(rest.len());
             }
-            [b'\\', b'P', _, b'\\', ..] => at += 4,
+            [b'\\', b'P', _, b'\\', ..] => {
+                run.end(&mut out);
+                at += 4;
+            }
             _ => {
                 let len = rest[1..].iter().position(|b| b"\\'".contains(b)).map_or(rest.len(), |i| i + 1);
-                match std::str::from_utf8(&rest[..len]) {
-                    Ok(text) => out.push_str(text),
-                    Err(_) => out.push_str(&illegal(&rest[..len])),
-                }
+                run.bytes.extend_from_slice(&rest[..len]);
                 at += len;
             }
         }
     }
+    run.end(&mut out);
     out
+}
+
+/// Bytes that follow each other.
+#[derive(Default)]
+struct Run {
+    bytes: Vec<u8>,
+    /// Whether one of them stands as `\X\hh` or `\S\c`, which is Latin-1 by the standard and never UTF-8.
+    is_escaped: bool,
+}
+
+impl Run {
+    fn end(&mut self, out: &mut String) {
+        match std::str::from_utf8(&self.bytes) {
+            Ok(text) if !self.is_escaped || self.bytes.is_ascii() => out.push_str(text),
+            _ => out.push_str(&illegal(&self.bytes)),
+        }
+        *self = Self::default();
+    }
 }
 
 /// Bytes that the standard forbids and programs write: Shift-JIS where Latin-1 would be control codes.
@@ -97,6 +119,10 @@ mod tests {
             (b"\\X4\\0001F3DB\\X0\\", "\u{1f3db}"),
             (b"a\\\\b", "a\\b"),
             (b"1\x8aK", "1階"),
+            (b"1\\X\\8aK", "1階"),
+            (b"\\X\\89\\S\\.\\X\\8D\\S\\* - Story", "屋根 - Story"),
+            (b"\\X\\89\\X\\AE\\X\\8D\\X\\AA - Story", "屋根 - Story"),
+            (b"\\X\\C3\\X\\A4", "Ã¤"),
             ("plain ä".as_bytes(), "plain ä"),
             (b"\\X2\\00E4", "ä"),
         ] {

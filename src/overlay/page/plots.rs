@@ -3,7 +3,7 @@
 use super::super::html::Html;
 use super::super::measure::{is_told, number, plain_name, tick_labels, ticks};
 use super::super::palette::{hex, option_style};
-use super::super::result::{Numbers, RoundResult};
+use super::super::result::{LineageEntry, Numbers, RoundResult};
 use super::cards::delta;
 use super::{ArchivePoint, Fitted, is_by_score, names, option_name, wanted};
 
@@ -224,25 +224,30 @@ pub fn lineage(html: &mut Html, result: &RoundResult) {
     if result.lineage.is_empty() {
         return;
     }
-    let mut stops: Vec<Stop<'_>> = result
-        .lineage
-        .iter()
-        .map(|l| Stop { what: from_words(&l.drawing, l.round, l.candidate), mean: &l.mean, score: l.score })
-        .collect();
+    let mut stops: Vec<Stop<'_>> =
+        result.lineage.iter().map(|l| Stop { what: from_words(l), mean: &l.mean, score: l.score }).collect();
     stops.push(Stop { what: "This round’s drawing".to_owned(), mean: &result.initial.mean, score: None });
     if let Some(best) = result.candidates.first() {
         stops.push(Stop { what: "Option 1 of this round".to_owned(), mean: &best.mean, score: best.score });
     }
     html.raw("<section>\n<h2>The course over the rounds</h2>\n");
-    lineage_plot(html, &stops);
-    lineage_table(html, result, &stops);
+    let is_one_ruler = result.lineage.iter().all(|l| !l.other_ruler);
+    if is_one_ruler {
+        lineage_plot(html, &stops);
+    } else {
+        html.raw("<p class=\"note\">Spacing or regions have changed since: values of earlier rounds are means over other places, and are not compared.</p>\n");
+    }
+    lineage_table(html, result, &stops, is_one_ruler);
     html.raw("</section>\n");
 }
 
-fn from_words(drawing: &str, round: u64, candidate: Option<u64>) -> String {
-    match candidate {
-        Some(c) => format!("Round {round}: {drawing} (option {c} accepted)"),
-        None => format!("Round {round}: {drawing}"),
+fn from_words(l: &LineageEntry) -> String {
+    let (drawing, round) = (&l.drawing, l.round);
+    let of = if l.so_far { "Best so far of a stopped search".to_owned() } else { format!("Round {round}") };
+    match l.candidate {
+        Some(0) => format!("{of}: {drawing} (best layout accepted)"),
+        Some(c) => format!("{of}: {drawing} (option {c} accepted)"),
+        None => format!("{of}: {drawing}"),
     }
 }
 
@@ -303,9 +308,14 @@ fn course_name(html: &mut Html, key: &str, i: usize, end: [f64; 2], taken: &mut 
     html.raw(" <tspan>").text(&technical).raw("</tspan>").close("text");
 }
 
-fn lineage_table(html: &mut Html, result: &RoundResult, stops: &[Stop<'_>]) {
+fn lineage_table(html: &mut Html, result: &RoundResult, stops: &[Stop<'_>], is_one_ruler: bool) {
     html.raw("<div class=\"scroll\"><table class=\"numbers\">\n<thead><tr><th></th><th></th>");
-    let keys: Vec<&String> = stops[0].mean.0.iter().map(|(key, _)| key).collect();
+    let mut keys: Vec<&String> = Vec::new();
+    for (key, _) in stops.iter().flat_map(|s| &s.mean.0) {
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
     for key in &keys {
         html.element("th", &[("scope", "col")], &plain_name(key));
     }
@@ -320,7 +330,7 @@ fn lineage_table(html: &mut Html, result: &RoundResult, stops: &[Stop<'_>]) {
         for key in &keys {
             let (value, first) = (stop.mean.get(key), stops[0].mean.get(key));
             html.raw("<td>").text(&value.map_or_else(|| "–".to_owned(), number));
-            if let (Some(value), Some(first), true) = (value, first, i > 0) {
+            if let (Some(value), Some(first), true) = (value, first, i > 0 && is_one_ruler) {
                 html.raw(" ");
                 delta(html, first, value, wanted(result, key));
             }

@@ -96,13 +96,18 @@ pub fn thresholds(html: &mut Html, result: &RoundResult) {
         html.element("th", &[("scope", "col"), ("class", "tick")], &option_name(o));
     }
     html.raw("</tr></thead>\n<tbody>\n");
+    let is_firm = result.settings.get("thresholds").is_some_and(|t| t == "firm");
     for objective in &result.objectives {
-        threshold_row(html, objective, &result.candidates);
+        threshold_row(html, objective, &result.candidates, is_firm);
     }
-    html.raw("</tbody>\n</table></div>\n<p class=\"note\">A threshold keeps a share of the way from the present layout to the best one found that keeps the objectives above it; options may differ freely as long as they stay on its good side.</p>\n</section>\n");
+    html.raw("</tbody>\n</table></div>\n<p class=\"note\">A threshold keeps a share of the way from the present layout to the best one found that keeps the objectives above it; options may differ freely as long as they stay on its good side.");
+    if !is_firm {
+        html.raw(" It is set when the search turns to options that differ: what is found later turns none of them out.");
+    }
+    html.raw("</p>\n</section>\n");
 }
 
-fn threshold_row(html: &mut Html, objective: &Objective, candidates: &[Candidate]) {
+fn threshold_row(html: &mut Html, objective: &Objective, candidates: &[Candidate], is_firm: bool) {
     let (plain, technical) = names(&objective.name);
     html.raw("<tr><th scope=\"row\">").text(&plain).raw(" <small>").text(&technical).raw("</small></th>");
     let (wanted, bound) = match objective.sense {
@@ -114,7 +119,8 @@ fn threshold_row(html: &mut Html, objective: &Objective, candidates: &[Candidate
     let or_none = |value: Option<f64>| value.map_or_else(|| "–".into(), number);
     html.raw("<td>").text(&or_none(objective.best));
     if let Some(reachable) = objective.reachable.filter(|r| objective.best.is_some_and(|b| b != *r)) {
-        html.raw(" <small>").text(&number(reachable)).raw(" with the objectives above kept</small>");
+        let what = if is_firm { "with the objectives above kept" } else { "when the threshold was set" };
+        html.raw(" <small>").text(&number(reachable)).raw(" ").raw(what).raw("</small>");
     }
     html.raw("</td>");
     match objective.limit {
@@ -138,11 +144,16 @@ fn share_words(objective: &Objective) -> String {
         Sense::Max => objective.limit.is_some_and(|limit| limit < objective.initial),
         Sense::Min => objective.limit.is_some_and(|limit| limit > objective.initial),
     };
-    let share = short(objective.threshold * 100.0);
+    let of_gain = objective
+        .limit
+        .zip(objective.reachable)
+        .map(|(limit, reachable)| (limit - objective.initial) / (reachable - objective.initial));
+    let [asked, kept] = [objective.threshold, of_gain.unwrap_or(f64::NAN)].map(|share| short(share * 100.0));
     match (objective.threshold == 0.0, is_below_present) {
         (true, _) => "about as it is".into(),
-        (false, true) => format!("{share} % of the room that the objectives above leave; less than today"),
-        (false, false) => format!("{share} % of the gain"),
+        (false, true) => format!("{asked} % of the room that the objectives above leave; less than today"),
+        (false, false) if of_gain.is_some_and(f64::is_finite) => format!("{kept} % of the gain"),
+        (false, false) => format!("{asked} % of the gain"),
     }
 }
 

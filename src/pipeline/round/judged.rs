@@ -3,7 +3,7 @@
 use super::super::study::{Study, Understood, Worth};
 use super::super::{aims, explain};
 use super::{PENALTY_FREE, edits_of};
-use crate::config::{Aim, Measure, Method, Mode, Penalty, Settings, Thresholds};
+use crate::config::{Aim, Measure, Method, Mode, PairName, Penalty, Settings, Thresholds};
 use crate::overlay::words;
 use crate::plan::drawing::Edit;
 use crate::plan::geometry::{PointUm, Segment};
@@ -52,9 +52,22 @@ pub(super) fn evaluation(
         violation: worth.seen.tally.disconnected as f64 / pairs
             + missed
             + crossing_m(study, worth)
+            + hidden(study, settings, worth).len() as f64
             + loss(study, settings, objectives, worth),
         at: None,
     }
+}
+
+/// The pairs of regions of objectives of which nothing is seen any more, though it is at present; the unnamed one is
+/// `None`. Measures of what is seen say nothing there: nobody who sees nothing is a view away from anything.
+pub(in super::super) fn hidden(study: &Study, settings: &Settings, worth: &Worth) -> Vec<Option<PairName>> {
+    let sees = |worth: &Worth, pair: Option<PairName>| study.seen_of(worth, pair).means.degree > 0.0;
+    let aims = settings.objectives.iter().map(|o| o.measure).filter(|a| a.measure.is_of_cells());
+    let mut pairs: Vec<Option<PairName>> = aims.map(|a| a.pair).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs.retain(|p| sees(&study.initial, *p) && !sees(worth, *p));
+    pairs
 }
 
 /// Corners that are written to the micrometre and mitred anew may run through each other by so much, metres.

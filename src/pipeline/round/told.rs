@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Found;
-use crate::config::{Mode, Settings};
+use crate::config::{Method, Mode, Settings};
 use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
 use crate::overlay::measure::{plain_name, sentence_case};
@@ -78,8 +78,20 @@ pub(super) fn say_options(
         );
         report.info("options-no-better", place(), text);
     }
+    if settings.method == Method::Paper {
+        let inside = found.members.iter().filter(|m| m.within_threshold).count();
+        if inside < settings.members {
+            let text = format!(
+                "{} options wanted, the published method returned {made} that move something, {inside} of them inside all \
+                 thresholds; the default method leaves out what is not",
+                settings.members
+            );
+            report.warn("few-options", place(), text);
+        }
+        return;
+    }
     if found.alike > 0 {
-        report.info("options-left-out", place(), left_out_words(study, made, found.alike));
+        report.info("options-left-out", place(), left_out_words(study, settings, made));
     } else if found.unworthy == 0 && settings.mode == Mode::Diverse && made < settings.members {
         let text = format!(
             "{} options wanted, {made} found inside all thresholds; more --evaluations, wider bounds or lower thresholds find more",
@@ -93,7 +105,7 @@ pub(super) fn say_options(
 const GROUPS_TOLD: usize = 3;
 
 /// Why there are fewer options than wanted, and how to get more.
-fn left_out_words(study: &Study, made: usize, alike: usize) -> String {
+fn left_out_words(study: &Study, settings: &Settings, made: usize) -> String {
     let mut names: Vec<String> = vec![];
     for p in &study.base.moves.parameters {
         let name = sentence_case(&p.group_name);
@@ -101,7 +113,9 @@ fn left_out_words(study: &Study, made: usize, alike: usize) -> String {
             names.push(name);
         }
     }
+    let rules = rules_words(settings);
     let why = match names.as_slice() {
+        _ if !rules.is_empty() => format!("{rules} leave little room inside the thresholds"),
         [only] => format!("only {only} may move, and not far without falling below the thresholds"),
         few if few.len() <= GROUPS_TOLD => {
             format!("only {} may move, and not far without falling below the thresholds", few.join(", "))
@@ -110,14 +124,34 @@ fn left_out_words(study: &Study, made: usize, alike: usize) -> String {
     };
     let options = if made == 1 { "1 option" } else { &format!("{made} options") };
     format!(
-        "{options} instead of {}: the others were almost the same as a better one, because {why}; EF-MOVE boxes round \
-         more walls, or wider bounds in them, make room for options that differ",
-        made + alike
+        "{options} instead of {}: what else was found is almost the same as a better one, because {why}; {} make room for \
+         options that differ",
+        settings.members,
+        if rules.is_empty() {
+            "EF-MOVE boxes round more walls, or wider bounds in them,"
+        } else {
+            "looser ones"
+        }
     )
 }
 
+/// The rules of the user that narrow what options may do, as they are stated; empty without any.
+fn rules_words(settings: &Settings) -> String {
+    let most = settings.most_moves.map(|n| format!("--most-moves {n}"));
+    let snap = settings.snap.map(|s| format!("--snap \"{s}\""));
+    let limits = settings.limits.iter().map(|l| format!("--limit \"{l}\""));
+    let like = settings.like.as_ref().map(|_| "--like".to_owned());
+    most.into_iter().chain(snap).chain(limits).chain(like).collect::<Vec<_>>().join(", ")
+}
+
 /// Says where the options are more alike than wanted, and what was done about it.
-pub(super) fn say_alikeness(report: &mut Report, file: &str, share: f64, nearest: Option<f64>, wanted: f64) {
+pub(super) fn say_alikeness(
+    report: &mut Report,
+    file: &str,
+    settings: &Settings,
+    share: f64,
+    (nearest, wanted): (Option<f64>, f64),
+) {
     let place = Place::file(file);
     if share < 1.0 {
         let text = format!(
@@ -129,10 +163,26 @@ pub(super) fn say_alikeness(report: &mut Report, file: &str, share: f64, nearest
     }
     if let Some(nearest) = nearest.filter(|d| *d < wanted) {
         let text = format!(
-            "the two options most alike stand {nearest:.3} apart, {wanted:.3} was wanted: the thresholds of the objectives leave \
-             little room together; lower thresholds, fewer objectives or --objective \"score max 0.7\" give more different options"
+            "the two options most alike stand {nearest:.3} apart, {wanted:.3} was wanted: {} give more different options",
+            remedy(settings)
         );
         report.info("options-alike", place, text);
+    }
+}
+
+/// What makes options differ more, by what is asked for now.
+fn remedy(settings: &Settings) -> &'static str {
+    match settings.objectives.as_slice() {
+        all if all.iter().all(|o| o.threshold == 0.0) => {
+            "more --evaluations, or wider bounds in EF-MOVE boxes,"
+        }
+        [_] => {
+            "little room is left inside the threshold; a lower one, more --evaluations, or wider bounds in EF-MOVE boxes,"
+        }
+        _ => {
+            "the thresholds of the objectives leave little room together; lower thresholds, fewer objectives or \
+             --objective \"score max 0.7\""
+        }
     }
 }
 

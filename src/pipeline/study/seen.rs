@@ -184,7 +184,9 @@ pub(super) fn state_asked(
 ) -> Result<(), Error> {
     let aims = super::aims::aims(settings);
     let is_drawn = |name: PairName| pairs.iter().any(|p| p.name == name);
-    if let Some(aim) = aims.iter().find(|a| a.pair.is_some_and(|name| !is_drawn(name))) {
+    let places = || settings.limits.iter().filter_map(|l| Some((l.to_string(), l.place?)));
+    let asked = aims.iter().filter_map(|a| Some((a.to_string(), a.pair?))).chain(places());
+    if let Some((aim, _)) = asked.into_iter().find(|(_, name)| !is_drawn(*name)) {
         let names: Vec<String> = pairs.iter().map(|p| p.name.to_string()).collect();
         let there = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
         let text = format!(
@@ -193,7 +195,9 @@ pub(super) fn state_asked(
         );
         return Err(Error::usage("pair", Place::file(&base.plan.file), text));
     }
-    for pair in pairs.iter().filter(|p| aims.iter().all(|a| a.pair != Some(p.name))) {
+    let is_asked =
+        |name: PairName| aims.iter().any(|a| a.pair == Some(name)) || places().any(|l| l.1 == name);
+    for pair in pairs.iter().filter(|p| !is_asked(p.name)) {
         let text = format!(
             "the regions named {} are measured and shown; no objective, score or limit names them: degree@{} would",
             pair.name, pair.name

@@ -166,7 +166,8 @@ fn is_part(path: &Path) -> bool {
         }
 }
 
-/// Walks from piece to piece until the ring closes after three to eight of them.
+/// Walks from piece to piece until the ring closes after three to eight of them. What is drawn on a layer of columns
+/// closes a ring whatever else ends at its corners.
 fn box_from(drawn: &Drawn, buckets: &Buckets, first: u32) -> Option<Ring> {
     let ends = |f: u32| drawn.faces[f as usize].path.ends();
     let is_twin = |f: u32, g: u32| {
@@ -175,6 +176,8 @@ fn box_from(drawn: &Drawn, buckets: &Buckets, first: u32) -> Option<Ring> {
             || (p[0].distance(q[0]) < TWIN_M && p[1].distance(q[1]) < TWIN_M)
             || (p[0].distance(q[1]) < TWIN_M && p[1].distance(q[0]) < TWIN_M)
     };
+    let role = |f: u32| drawn.faces[f as usize].role;
+    let is_other = |g: u32| role(first) == Role::Column && role(g) != Role::Column;
     let mut ring = vec![first];
     let mut twins = Vec::new();
     let mut at = ends(first)[1];
@@ -182,7 +185,7 @@ fn box_from(drawn: &Drawn, buckets: &Buckets, first: u32) -> Option<Ring> {
         let last = ring[ring.len() - 1];
         let mut next: Option<u32> = None;
         for g in buckets.near(at, at) {
-            if !ends(g).iter().any(|e| e.distance(at) < ERROR_GAP_M) || g == last {
+            if !ends(g).iter().any(|e| e.distance(at) < ERROR_GAP_M) || g == last || is_other(g) {
                 continue;
             }
             if is_twin(last, g) || (g != first && is_twin(first, g)) || next.is_some_and(|n| is_twin(n, g)) {

@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 
 use super::assembly::{Axes, Axis};
-use super::evidence::{BESIDE_M, Evidence, PANES, ordered};
+use super::evidence::{BESIDE_M, Evidence, PANES, ordered, trace};
 use super::joints::{FreeEnd, Joined};
 use super::near::Buckets;
+use super::spans::{self, Span};
 use super::tolerances::{
     CROSSING_MIN_RAD, ERROR_GAP_M, OPENING_MAX_M, OPENING_MIN_M, PASSAGE_MAX_M, SIDE_OPENING_MAX_M,
 };
@@ -19,6 +20,14 @@ const SQUARE_SIN: f64 = 0.97;
 const IN_LINE_M: f64 = 0.03;
 /// See [`IN_LINE_M`].
 const IN_LINE_SHARE: f64 = 0.5;
+
+/// Nobody walks through a gap before which a wall is drawn nearer than this on both sides: metres beyond its faces, from
+/// where thresholds may lie.
+const CLEAR_MAX_M: f64 = 0.35;
+/// See [`CLEAR_MAX_M`].
+const CLEAR_MIN_M: f64 = 0.04;
+/// Where one looks across a gap, as shares of its width.
+const LOOKS: [f64; 3] = [0.25, 0.5, 0.75];
 
 /// What a gap ends at.
 struct Facing {
@@ -65,12 +74,13 @@ struct Scene<'a> {
     axes_near: Buckets,
     ends_near: Buckets,
     columns_near: Buckets,
+    faces_near: Buckets,
     evidence: Evidence<'a>,
 }
 
 impl<'a> Scene<'a> {
     fn new(drawn: &'a Drawn, all: &'a Axes, joined: &'a Joined, graph: &'a AxisGraph) -> Self {
-        let mut near: [Buckets; 3] = [1.0, 1.0, 1.0].map(Buckets::new);
+        let mut near: [Buckets; 4] = [1.0, 1.0, 1.0, 1.0].map(Buckets::new);
         for (i, a) in all.axes.iter().enumerate() {
             near[0].add(i as u32, &a.carrier.points(a.span));
         }
@@ -80,7 +90,10 @@ impl<'a> Scene<'a> {
         for (i, (_, c)) in joined.columns.iter().enumerate() {
             near[2].add(i as u32, &c.ring);
         }
-        let [axes_near, ends_near, columns_near] = near;
+        for (i, f) in drawn.faces.iter().enumerate() {
+            near[3].add(i as u32, &trace(&f.path));
+        }
+        let [axes_near, ends_near, columns_near, faces_near] = near;
         Self {
             drawn,
             axes: &all.axes,
@@ -89,6 +102,7 @@ impl<'a> Scene<'a> {
             axes_near,
             ends_near,
             columns_near,
+            faces_near,
             evidence: Evidence::new(drawn, &all.spares),
         }
     }
@@ -199,6 +213,9 @@ impl<'a> Scene<'a> {
         if to.width > limit {
             return None;
         }
+        if kind == OpeningKind::Passage && self.is_blocked(a, gap) {
+            return None;
+        }
         let other = to.other.map(|o| &self.axes[self.joined.free[o].axis as usize]);
         let sides = a.sides.iter().flatten().chain(&a.inner);
         let both = sides.filter(|f| other.is_some_and(|b| b.has_face(**f))).copied().collect::<Vec<u32>>();
@@ -216,6 +233,22 @@ impl<'a> Scene<'a> {
             marks: seen.marks,
             faces: self.drawn.refs(&seen.faces),
             through: self.drawn.refs(&through),
+        })
+    }
+
+    /// Whether drawn walls run across the way through a gap on both sides of it: the gap lies in a pier or a niche.
+    fn is_blocked(&self, wall: &Axis, gap: Span) -> bool {
+        let half = wall.thickness / 2.0;
+        let looks = LOOKS.map(|share| gap[0] + spans::length(gap) * share);
+        [1.0, -1.0].into_iter().all(|side| {
+            looks.into_iter().all(|s| {
+                let out = wall.carrier.tangent(s).perp() * side;
+                let way = [half + CLEAR_MIN_M, half + CLEAR_MAX_M].map(|d| wall.carrier.at(s) + out * d);
+                self.faces_near.along(&way, 0.0).into_iter().any(|f| {
+                    let trace = trace(&self.drawn.faces[f as usize].path);
+                    trace.windows(2).any(|w| shell::cross(way[0], way[1], [w[0], w[1]]))
+                })
+            })
         })
     }
 

@@ -73,7 +73,7 @@ impl Shell {
 }
 
 /// Whether two segments share a point.
-fn cross(a: DVec2, b: DVec2, [c, d]: [DVec2; 2]) -> bool {
+pub fn cross(a: DVec2, b: DVec2, [c, d]: [DVec2; 2]) -> bool {
     let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p) >= 0.0;
     side(a, b, c) != side(a, b, d) && side(c, d, a) != side(c, d, b)
 }

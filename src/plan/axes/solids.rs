@@ -8,6 +8,7 @@ use super::carrier::Carrier;
 use super::runs::Run;
 use super::tolerances::ZERO_M;
 use super::{Drawn, Path};
+use crate::plan::is_inside_ring;
 
 /// Outlines whose area is at most this times half their length are walls; rooms are wider.
 const WIDTH_MAX_M: f64 = 0.5;
@@ -64,7 +65,7 @@ impl Solids {
             let here = run.faces.iter().filter(|(_, span)| span[0] <= s && s <= span[1]);
             here.map(|(f, _)| drawn.faces[*f as usize].wall).collect::<Vec<u32>>()
         });
-        let holds = |w: &u32| self.rings.get(w).is_some_and(|ring| is_inside(ring, p));
+        let holds = |w: &u32| self.rings.get(w).is_some_and(|ring| is_inside_ring(ring, p));
         if walls[0].iter().any(|w| walls[1].contains(w) && holds(w)) {
             return Known::Wall;
         }
@@ -79,16 +80,4 @@ fn is_thin(ring: &[DVec2]) -> bool {
     let area: f64 = (0..ring.len()).map(|i| (ring[i] - base).perp_dot(next(i) - base) / 2.0).sum();
     let length: f64 = (0..ring.len()).map(|i| ring[i].distance(next(i))).sum();
     area.abs() <= WIDTH_MAX_M * length / 2.0
-}
-
-/// Whether a point lies inside a ring that is not closed by a repeated point.
-pub(super) fn is_inside(ring: &[DVec2], p: DVec2) -> bool {
-    let mut inside = false;
-    for (i, a) in ring.iter().enumerate() {
-        let b = ring[(i + 1) % ring.len()];
-        if (a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x {
-            inside = !inside;
-        }
-    }
-    inside
 }

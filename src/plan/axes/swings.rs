@@ -9,11 +9,10 @@ use glam::DVec2;
 use super::carrier::Carrier;
 use super::evidence::{Evidence, tips, trace};
 use super::near::Buckets;
-use super::solids::is_inside;
 use super::tolerances::{LEAF_M, OPENING_MIN_M, SWING_MAX_RAD};
 use super::{AxisGraph, Drawn, Edge, Jamb, NodeKind, Opening, OpeningKind, Path};
 use crate::plan::curve::bulge_arc;
-use crate::plan::distance_to_segment;
+use crate::plan::{distance_to_segment, is_inside_ring};
 
 /// How far beyond a hinge or a tip its jamb may stand: the frame.
 const FRAME_M: f64 = 0.2;
@@ -303,7 +302,7 @@ impl<'a> Scene<'a> {
             let p = a.lerp(b, t);
             near.iter().all(|i| {
                 let ring = &self.bodies[*i as usize].1;
-                !is_inside(ring, p) && sides(ring).all(|s| distance_to_segment(p, s) > CLEAR_M)
+                !is_inside_ring(ring, p) && sides(ring).all(|s| distance_to_segment(p, s) > CLEAR_M)
             })
         })
     }

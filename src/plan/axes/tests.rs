@@ -156,3 +156,25 @@ fn nothing_drawn_gives_nothing() {
     let graph = AxisGraph::new(&Drawn::default());
     assert_eq!((graph.nodes.len(), graph.edges.len()), (0, 0));
 }
+
+/// A gap that lies in a pier leads nowhere; one before which a wall stands on one side alone may be a way round it.
+#[test]
+fn a_gap_in_a_pier_is_no_passage() {
+    let gap = |beside: &[f64]| {
+        let mut all = vec![
+            [0.0, 0.0, 3.0, 0.0],
+            [0.0, 0.2, 3.0, 0.2],
+            [3.9, 0.0, 7.0, 0.0],
+            [3.9, 0.2, 7.0, 0.2],
+            [3.0, 0.0, 3.0, 0.2],
+            [3.9, 0.0, 3.9, 0.2],
+        ];
+        all.extend(beside.iter().map(|y| [2.9, *y, 4.0, *y]));
+        let graph = AxisGraph::new(&lines(&all));
+        graph.openings.iter().filter(|o| (o.centre.x - 3.45).abs() < 0.1).count()
+    };
+    assert_eq!(gap(&[]), 1);
+    assert_eq!(gap(&[-0.34, 0.54]), 0);
+    assert_eq!(gap(&[-0.34]), 1);
+    assert_eq!(gap(&[-0.36, 0.54]), 1);
+}

@@ -58,9 +58,8 @@ function pair(d, set, number, measure) {
 const staying = (pin) => (pin.length ? `; these stay: ${pin.join(", ")}` : "");
 
 /** The card of the next round; its last line says which options stay. */
-function nextRound(d, set, result, numbers) {
+function nextRound(d, key, order, result, numbers, isHeld) {
   const rows = (result.objectives ?? []).filter((o) => o.name !== "penalty");
-  const key = `${d.id}/${set}`;
   const typed = typedOf.get(key) ?? {};
   typedOf.set(key, typed);
   const fields = rows.map((o) => {
@@ -71,12 +70,12 @@ function nextRound(d, set, result, numbers) {
   const stays = el("p", { id: "stays" });
   const go = () => {
     const objective = fields.map((f) => `${f.o.name} ${f.o.sense} ${f.input.value}`).join(", ");
-    const asked = { objective: objective || null, round: Number(set.slice(6)), pin: numbers() };
+    const asked = { objective: objective || null, ...order, pin: numbers() };
     ask(`drawings/${d.id}/again`, asked).then(() => say(`another round is asked for: ${objective}${staying(asked.pin)}`));
   };
   const card = el("details", { class: "card" }, el("summary", {}, "Another round with other thresholds or pinned options"),
     el("fieldset", {}, el("legend", {}, "Thresholds, from 0 to 1"), ...fields.map((f) => f.row)), stays,
-    el("div", { class: "bar" }, el("button", { id: "again-with", onclick: go }, "Start this round")));
+    el("div", { class: "bar" }, el("button", { id: "again-with", disabled: isHeld, onclick: go }, "Start this round")));
   card.open = typed.isOpen ?? false;
   card.addEventListener("toggle", () => { typed.isOpen = card.open; });
   const show = () => {
@@ -101,46 +100,68 @@ const pinsOf = new Map();
 const viewOf = new Map();
 /** What is typed for another round, by drawing and round, and whether its card is open: it outlives it as well. */
 const typedOf = new Map();
-/** The round that is shown of a drawing, and the newest one then: a newer one takes its place. */
+/** What is shown of a drawing: its set, the key of its pins, what it is in orders; and the newest set then: a newer one
+ * takes its place. */
 const roundOf = new Map();
+
+/** What the best so far is called: no round yet. */
+const SO_FAR = "so-far";
+const titleOf = (set) => (set === SO_FAR ? "Best so far" : `Round ${Number(set.slice(6))}`);
+/** How an order names the options of a set; those of the best so far change with the layouts that it was found in. */
+const orderOf = (set, result) => (set === SO_FAR ? { so_far: result.evaluations } : { round: Number(set.slice(6)) });
+const keyOf = (d, set, result) => `${d.id}/${set}${set === SO_FAR ? `/${result.evaluations}` : ""}`;
 
 /** What another round of a drawing is asked with where options of the round shown are pinned. */
 export function keeping(id) {
-  const set = roundOf.get(id)?.set;
-  const pin = pinsOf.get(`${id}/${set}`) ?? [];
-  return pin.length ? { round: Number(set.slice(6)), pin } : {};
+  const at = roundOf.get(id);
+  const pin = pinsOf.get(at?.key) ?? [];
+  return pin.length ? { ...at.order, pin } : {};
 }
 
-/** Shows the newest round, or an earlier one that was chosen since it came, and a choice of the others. */
-export async function showOptions(main, d, rounds) {
+/** Offers the best so far anew where the search has found another since. */
+export function newer(d) {
+  const at = roundOf.get(d.id);
+  const button = $("newer");
+  if (button && at?.set === SO_FAR) button.hidden = d.so_far == null || d.so_far === at.order?.so_far;
+}
+
+/** Shows the newest round, or another that was chosen since it came, and a choice of the others; the best so far of a
+ * search where there is no round. */
+export async function showOptions(main, d, sets) {
+  const rounds = [...sets.filter((s) => s === SO_FAR), ...sets.filter((s) => s !== SO_FAR)];
   const newest = rounds.at(-1);
   const before = roundOf.get(d.id);
-  const set = before?.newest === newest ? before.set : newest;
+  const set = before?.newest === newest && rounds.includes(before.set) ? before.set : newest;
+  const again = el("button", { id: "newer", hidden: true, onclick: () => show(SO_FAR) }, "Show what was found since");
   const place = el("div", { id: "options" });
   const show = (set) => {
     roundOf.set(d.id, { set, newest });
+    again.hidden = true;
     return round(place, d, set);
   };
   const choice = el("select", { id: "round", onchange: () => show(choice.value) },
-    ...rounds.toReversed().map((r) => el("option", { value: r, selected: r === set }, `Round ${Number(r.slice(6))}`)));
-  main.append(el("div", { class: "bar" }, el("label", { for: "round" }, "Shown"), choice), place);
+    ...rounds.toReversed().map((r) => el("option", { value: r, selected: r === set }, titleOf(r))));
+  main.append(el("div", { class: "bar" }, el("label", { for: "round" }, "Shown"), choice, again), place);
   await show(set);
 }
 
 async function round(place, d, set) {
   const [result, names] = await Promise.all([ask(`drawings/${d.id}/${set}/result.json`), ask(`drawings/${d.id}/${set}`)]);
+  const [key, order] = [keyOf(d, set, result), orderOf(set, result)];
+  if (roundOf.get(d.id)?.set === set) Object.assign(roundOf.get(d.id), { key, order });
   if (!result.candidates.length) {
     place.replaceChildren(el("p", {}, `No option: ${result.stopped_by}.`), problems(result) ?? "");
     return;
   }
   const [columns, shown] = [columnsOf(result), shownOf(names)];
-  const key = `${d.id}/${set}`;
   const view = viewOf.get(key);
   let [chosen, measure, axes] = [Math.min(view?.chosen ?? 0, result.candidates.length - 1),
     shown.includes(view?.measure) ? view.measure : shown[0], [columns[0], columns[1] ?? columns[0]]];
   const pinned = new Set((pinsOf.get(key) ?? []).map((n) => result.candidates[n - 1]).filter(Boolean));
   const numbers = () => [...pinned].map((c) => result.candidates.indexOf(c) + 1).sort((a, b) => a - b);
-  const next = nextRound(d, set, result, numbers);
+  // While the search goes on its best so far changes: an order could mean another option.
+  const isHeld = set === SO_FAR && (d.state === "running" || d.state === "waiting");
+  const next = nextRound(d, key, order, result, numbers, isHeld);
   const views = [canvas("Parallel coordinates of the options; the filters and the table below have the same numbers"),
     canvas("Scatter of the options; the table below has the same numbers")];
   const lines = new Parallel(views[0], columns, soon, () => { showRanges(); soon(); });
@@ -148,9 +169,9 @@ async function round(place, d, set) {
   const picture = el("div", { id: "picture" });
   const words = el("p", { id: "words" });
   const deeds = {
-    pin: el("button", { id: "chosen-pin", onclick: () => pin(result.candidates[chosen]) }),
-    like: el("button", { id: "chosen-like", onclick: () => like(chosen) }),
-    accept: el("button", { id: "chosen-accept", onclick: () => accept(chosen) }),
+    pin: el("button", { id: "chosen-pin", disabled: isHeld, onclick: () => pin(result.candidates[chosen]) }),
+    like: el("button", { id: "chosen-like", disabled: isHeld, onclick: () => like(chosen) }),
+    accept: el("button", { id: "chosen-accept", disabled: isHeld, onclick: () => accept(chosen) }),
   };
   const body = el("tbody");
   const count = el("p", { role: "status" });
@@ -180,12 +201,12 @@ async function round(place, d, set) {
     compare();
   }
   function accept(i) {
-    ask(`drawings/${d.id}/accept`, { round: Number(set.slice(6)), candidate: i + 1 })
+    ask(`drawings/${d.id}/accept`, { ...order, candidate: i + 1 })
       .then((a) => say(`option ${i + 1} is now ${a.drawing}`));
   }
   function like(i) {
     const pin = numbers();
-    ask(`drawings/${d.id}/again`, { round: Number(set.slice(6)), pin, like: i + 1 })
+    ask(`drawings/${d.id}/again`, { ...order, pin, like: i + 1 })
       .then(() => say(`another round is asked for, with more like option ${i + 1}${staying(pin)}`));
   }
   function plots(isQuick) {
@@ -203,9 +224,9 @@ async function round(place, d, set) {
         el("th", { scope: "row" }, String(i + 1)),
         el("td", {}, el("div", { class: "bar" },
           el("button", { id: `show-${i}`, "aria-pressed": String(i === chosen), onclick: () => choose(i) }, `Show ${i + 1}`),
-          el("button", { id: `pin-${i}`, "aria-pressed": String(pinned.has(c)), onclick: () => pin(c) }, `Pin ${i + 1}`),
-          el("button", { id: `like-${i}`, onclick: () => like(i) }, `More like ${i + 1}`),
-          el("button", { id: `accept-${i}`, onclick: () => accept(i) }, `Accept ${i + 1}`),
+          el("button", { id: `pin-${i}`, disabled: isHeld, "aria-pressed": String(pinned.has(c)), onclick: () => pin(c) }, `Pin ${i + 1}`),
+          el("button", { id: `like-${i}`, disabled: isHeld, onclick: () => like(i) }, `More like ${i + 1}`),
+          el("button", { id: `accept-${i}`, disabled: isHeld, onclick: () => accept(i) }, `Accept ${i + 1}`),
           el("a", { href: `/api/drawings/${d.id}/${set}/${encodeURIComponent(c.file)}` }, `File ${i + 1}`))),
         ...columns.slice(0, TABLE_COLUMNS).map((k) => el("td", {}, Number.isFinite(k.of(c)) ? k.of(c).toPrecision(4) : "–")));
     }));
@@ -242,6 +263,7 @@ async function round(place, d, set) {
     compare();
   };
   place.replaceChildren(
+    isHeld ? el("p", { class: "note", id: "held" }, "The search goes on, and this list changes with it. Cancel it to take one of these: they stay.") : "",
     el("div", { class: "card" }, words, el("div", { class: "bar" }, deeds.pin, deeds.like, deeds.accept), shown.length ? el("div", { class: "bar" },
       ...pick("measure", "Heat map of", shown, shown.indexOf(measure), (v) => { measure = shown[v]; pictures(); })) : "", picture),
     el("h3", {}, "Compare"), count, views[0],

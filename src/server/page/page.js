@@ -1,5 +1,5 @@
 // What the daemon does, live. All names come from files: they become text, never markup.
-import { keeping, showOptions } from "/options.js";
+import { keeping, newer, showOptions } from "/options.js";
 
 export const $ = (id) => document.getElementById(id);
 
@@ -182,8 +182,8 @@ async function open(id) {
   const isAtTitle = document.activeElement?.id === "title";
   main.replaceChildren(...head(d), standing(d));
   if (isAtTitle) $("title").focus({ preventScroll: true });
-  const rounds = d.sets.filter((s) => s.startsWith("round-"));
-  if (rounds.length) await showOptions(main, d, rounds);
+  const found = d.sets.filter((s) => s.startsWith("round-") || s === "so-far");
+  if (found.length) await showOptions(main, d, found);
   else if (d.sets.includes("analysis")) {
     main.append(el("h3", {}, "The present layout"));
     const maps = (await ask(`drawings/${id}/analysis`)).filter((n) => n.endsWith(".png") && n !== "check.png");
@@ -214,6 +214,8 @@ async function refresh(d, before) {
     const [bar, fresh] = [$("standing").lastElementChild, standing(full)];
     fresh.lastElementChild.remove();
     $("standing").replaceChildren(...fresh.childNodes, bar);
+    if (full.so_far != null && !$("options")) await open(full.id);
+    else newer(full);
   } else if (d.state !== before) await open(d.id);
 }
 

@@ -1,0 +1,161 @@
+//! Storeys by what somebody can type, spaces wherever they are, units that cannot be, and what bears no `Tag`.
+
+use super::*;
+use enfilade::formats::storey_at;
+
+/// The sample with an umlaut and doubled blanks in the name of its ground floor, as STEP writes it.
+fn sharp() -> String {
+    let text = pavilion().replacen("'Ground floor'", r"'Erdgescho\X2\00DF\X0\  1'", 1);
+    assert!(text.contains("X2"));
+    text
+}
+
+#[test]
+fn a_storey_is_chosen_by_any_way_of_typing_it() {
+    let text = sharp();
+    let walls = |name: &str| {
+        let options = ReadOptions { storey: Some(name.into()), ..ReadOptions::default() };
+        read_with(text.as_bytes(), &options).0.map(|d| on(&d, "IfcWall").len())
+    };
+    for name in
+        ["Erdgeschoß  1", "erdgeschoß 1", " ERDGESCHOß 1 ", r"Erdgescho\X2\00DF\X0\ 1", "1", "storey-1"]
+    {
+        assert_eq!(walls(name).ok(), Some(12 + 3 + 2 + 4), "{name}");
+    }
+    assert_eq!(walls("2").ok(), Some(12 + 3 + 1));
+    for name in ["3", "0", "storey-3", "Erdgeschoss 1", ""] {
+        let error = walls(name).unwrap_err().to_string();
+        let listed = "storeys present, by number and name: 1 \"Erdgeschoß  1\" (floor 0.000 m, ";
+        assert!(error.contains(listed) && error.contains("2 \"Upper floor\" (floor 3.200 m, "), "{error}");
+    }
+    // A name that is a number is a name first.
+    assert_eq!(storey_at(["2", "1"].into_iter(), "1"), Some(1));
+    assert_eq!(storey_at(["a", "A", "b"].into_iter(), "A"), Some(1));
+}
+
+#[test]
+fn a_space_of_another_storey_is_found() {
+    let text = pavilion();
+    let input = Input::new("house.ifc", text.as_bytes(), 1);
+    let check = |query: &str, storey: Option<&str>| {
+        let partial =
+            Partial { query: Some(query.into()), storey: storey.map(Into::into), ..Partial::default() };
+        pipeline::check(&input, &Settings::new(partial).unwrap())
+    };
+    let regions = |query: &str, storey| {
+        let done = check(query, storey).unwrap();
+        let areas = done.result.regions.iter().filter(|r| r.kind == "query").map(|r| r.area_m2);
+        (areas.collect::<Vec<f64>>(), done.report)
+    };
+    let (found, report) = regions("space:upper*", None);
+    assert_eq!(found, regions("space:Upper gallery", Some("Upper floor")).0);
+    let said = report.problems.iter().find(|p| p.code == "storey-of-query").unwrap();
+    assert!(
+        said.text.contains("of storey \"Upper floor\", which is taken; \"Ground floor\""),
+        "{}",
+        said.text
+    );
+    let (own, report) = regions("space:Gallery", None);
+    assert!(!own.is_empty() && report.problems.iter().all(|p| p.code != "storey-of-query"), "{report:?}");
+    let refused = |query: &str, storey| check(query, storey).unwrap_err().to_string();
+    let elsewhere = refused("space:upper*", Some("1"));
+    assert!(
+        elsewhere.contains("it is on \"Upper floor\": --storey \"Upper floor\"; nothing was done"),
+        "{elsewhere}"
+    );
+    let nowhere = refused("space:kitchen", None);
+    assert!(
+        nowhere.contains(
+            "spaces present on \"Ground floor\": Foyer / Foyer, Gallery / Gallery; on \"Upper floor\": "
+        ),
+        "{nowhere}"
+    );
+}
+
+/// Metres that the file calls millimetres, and the other way round: the unit in which walls can stand is taken, and said.
+#[test]
+fn a_unit_that_cannot_be_is_told_and_replaced() {
+    let text = pavilion();
+    let whole = shapes(&read(text.as_bytes()), 1e-3);
+    let metres = text.replace(".LENGTHUNIT.,.MILLI.,.METRE.", ".LENGTHUNIT.,$,.METRE.");
+    let (drawing, report) = read_with(metres.as_bytes(), &ReadOptions::default());
+    let drawing = drawing.unwrap();
+    assert_eq!(drawing.unit_by_heights.map(|u| u.name), Some("mm"));
+    assert!(
+        drawing.declared_unit_words.contains(", in which it has walls "),
+        "{}",
+        drawing.declared_unit_words
+    );
+    assert!(report.problems.iter().any(|p| p.text.contains("cut 1.50 m above")), "{report:?}");
+    assert_eq!(shapes(&drawing, 1e-3), whole);
+    // The user's word stands above what walls can be.
+    let options = ReadOptions { unit: Some(Unit { name: "m", metres: 1.0 }), ..ReadOptions::default() };
+    assert_eq!(read_with(metres.as_bytes(), &options).0.unwrap().unit_by_heights, None);
+    // Feet might be: walls of a metre and doors of a foot are believed, and doubted.
+    let feet = text.replace(
+        "=IFCSIUNIT(*,.LENGTHUNIT.,.MILLI.,.METRE.)",
+        "=IFCCONVERSIONBASEDUNIT(#90000,.LENGTHUNIT.,'SPAN',#90001)",
+    );
+    let feet = with_instances(
+        &feet,
+        "#90000=IFCDIMENSIONALEXPONENTS(1,0,0,0,0,0,0);\n#90001=IFCMEASUREWITHUNIT(IFCLENGTHMEASURE(0.0003),#90002);\n\
+         #90002=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);\n",
+    );
+    let (drawing, report) = read_with(feet.as_bytes(), &ReadOptions::default());
+    assert_eq!(drawing.unwrap().unit_by_heights, None);
+    let doubt = report.problems.iter().find(|p| p.code == "unit-doubt").unwrap();
+    assert!(doubt.text.contains("--unit mm reads it with walls "), "{}", doubt.text);
+}
+
+#[test]
+fn an_element_without_a_tag_is_known_by_its_global_id() {
+    let text = pavilion();
+    let id = named(&text, "screen-1");
+    let bare = text.replacen("'screen-1',$,$,#385,#396,'1056',$)", "'screen-1',$,$,#385,#396,$,$)", 1);
+    assert_ne!(bare, text);
+    let ids = |text: &str| formats::host_ids("house.ifc", text.as_bytes(), &[id, 1]);
+    assert_eq!(ids(&text), [Some("1056".to_string()), None]);
+    assert_eq!(ids(&bare), [Some("0PavilionOfEnfilade057".to_string()), None]);
+}
+
+/// A curtain wall of a frame and a pane, its door an element of its own.
+#[test]
+fn a_curtain_wall_named_as_a_wall_shows_its_panes() {
+    let text = pavilion();
+    let of_wall = |n: u64, class: &str, name: &str| {
+        let wall = text.lines().find(|l| l.contains(&format!("'{name}',$,$,"))).unwrap();
+        let (placement, shape) = wall.split("$,$,").nth(1).and_then(|w| w.split_once(',')).unwrap();
+        let shape = shape.split(',').next().unwrap();
+        format!("#{n}={class}('C{n}',$,'p{n}',$,$,{placement},{shape},$,$);\n")
+    };
+    let door = of_wall(91003, "IFCDOOR", "screen-3").replace(",$,$);", ",$,$,$);");
+    let added = [
+        "#91000=IFCCURTAINWALL('C91000',$,'glass',$,$,$,$,$,$);\n".to_string(),
+        of_wall(91001, "IFCMEMBER", "screen-1"),
+        of_wall(91002, "IFCPLATE", "screen-2"),
+        door,
+        "#91004=IFCRELAGGREGATES('C91004',$,$,$,#91000,(#91001,#91002,#91003));\n".to_string(),
+    ];
+    let text = with_instances(&text, &added.concat());
+    let cut = |is_glass_wall: bool| {
+        let options = ReadOptions { is_glass_wall, ..ReadOptions::default() };
+        read_with(text.as_bytes(), &options).0.unwrap()
+    };
+    let (seen_through, closed) = (cut(false), cut(true));
+    assert_eq!(on(&seen_through, "IfcCurtainWall").len(), 1, "the frame alone");
+    assert_eq!(on(&closed, "IfcCurtainWall").len(), 2, "the frame and the pane");
+    let windows = |d: &Drawing| on(d, "IfcWindow").iter().filter(|e| e.source.record == 91000).count();
+    assert_eq!((windows(&seen_through), windows(&closed)), (1, 0));
+    for drawing in [&seen_through, &closed] {
+        assert_eq!(on(drawing, "IfcDoor").iter().filter(|e| e.source.record == 91003).count(), 1);
+    }
+    let input = Input::new("house.ifc", text.as_bytes(), 1);
+    let walls = |layers: &[&str]| {
+        let partial = Partial {
+            wall_layer: Some(layers.iter().map(ToString::to_string).collect()),
+            ..Partial::default()
+        };
+        pipeline::check(&input, &Settings::new(partial).unwrap()).unwrap().result.walls
+    };
+    assert_eq!(walls(&["IfcWall", "ifccurtain*"]), walls(&["IfcWall"]) + 2);
+}
