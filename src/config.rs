@@ -757,7 +757,13 @@ fn penalties(text: &str) -> Result<Vec<(Penalty, f64)>, Error> {
 
 fn limits(text: &str) -> Result<Vec<Limit>, Error> {
     let expected = "`wall-length -5%`, `room-area -5%`, `clearance <= 3` (0 or more), `passage 0.9 m`, `degree-p10 >= 40` or `degree >= +10%`, separated by commas";
-    clauses(text).map(|c| c.parse().map_err(|_| bad("limit", &format!("{c:?}"), expected))).collect()
+    let parsed = clauses(text).map(|c| c.parse().map_err(|_| bad("limit", &format!("{c:?}"), expected)));
+    let out: Vec<Limit> = parsed.collect::<Result<_, _>>()?;
+    let clash = |a: &Limit| out.iter().find(|b| a.contradicts(b)).map(|b| format!("{a} and {b}"));
+    match out.iter().find_map(clash) {
+        Some(both) => Err(bad("limit", &format!("{both}, which no layout keeps"), "bounds that leave a range")),
+        None => Ok(out),
+    }
 }
 
 fn links(texts: &[String]) -> Result<Vec<Link>, Error> {

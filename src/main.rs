@@ -29,6 +29,9 @@ fn main() -> ExitCode {
     if let Err(e) = handler {
         eprintln!("note: Ctrl-C cannot be handled: {e}");
     }
+    if let Err(e) = refuse_too_large_files_by_error() {
+        eprintln!("note: a limit on the size of files will end the program without a word: {e}");
+    }
     match execute(cli, &cancel) {
         Ok(code) => ExitCode::from(code),
         Err(Error::Stopped) => {
@@ -40,4 +43,17 @@ fn main() -> ExitCode {
             ExitCode::from(e.exit_code())
         }
     }
+}
+
+/// By default the system ends a program that writes beyond `ulimit -f`; with the signal taken the write fails
+/// instead, and is told and cleaned up after like on a full disk.
+#[cfg(unix)]
+fn refuse_too_large_files_by_error() -> std::io::Result<()> {
+    let seen = std::sync::Arc::default();
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, seen).map(drop)
+}
+
+#[cfg(not(unix))]
+fn refuse_too_large_files_by_error() -> std::io::Result<()> {
+    Ok(())
 }

@@ -282,6 +282,26 @@ fn a_full_standard_output_is_said() {
     }
 }
 
+/// A limit on the size of files is told like a full disk; the system would end the program without a word.
+#[cfg(unix)]
+#[test]
+fn a_limit_on_the_size_of_files_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = folder.path().join("plan.dxf");
+    std::fs::copy(sample("gallery.dxf"), &plan).unwrap();
+    let output = Command::new("sh")
+        .args(["-c", "ulimit -f 8; exec \"$0\" analyse \"$1\"", env!("CARGO_BIN_EXE_enfilade")])
+        .arg(&plan)
+        .output()
+        .unwrap();
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{:?}: {said}", output.status);
+    assert!(said.contains("free some space"), "{said}");
+    let home = folder.path().join("plan.enfilade");
+    let left: Vec<_> = std::fs::read_dir(home).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert!(left.iter().all(|n| !n.to_string_lossy().starts_with(".tmp-")), "{left:?}");
+}
+
 /// A name with line ends forges no line of what is said.
 #[cfg(unix)]
 #[test]

@@ -72,15 +72,15 @@ impl Daemon {
     }
 
     /// One request as it stands, with the heads given.
-    fn raw(&self, method: &str, path: &str, heads: &[(&str, &str)], body: &str) -> Answer {
+    fn raw(&self, method: &str, path: &str, heads: &[(&str, &str)], body: impl AsRef<[u8]>) -> Answer {
+        let body = body.as_ref();
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
         stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
         let heads: String = heads.iter().map(|(n, v)| format!("{n}: {v}\r\n")).collect();
         let length = body.len();
-        let text = format!(
-            "{method} {path} HTTP/1.1\r\n{heads}Connection: close\r\nContent-Length: {length}\r\n\r\n{body}"
-        );
-        stream.write_all(text.as_bytes()).unwrap();
+        let head =
+            format!("{method} {path} HTTP/1.1\r\n{heads}Connection: close\r\nContent-Length: {length}\r\n\r\n");
+        stream.write_all(&[head.as_bytes(), body].concat()).unwrap();
         let mut bytes = Vec::new();
         stream.read_to_end(&mut bytes).unwrap();
         let split = bytes.windows(4).position(|w| w == b"\r\n\r\n").unwrap();
@@ -89,7 +89,7 @@ impl Daemon {
         Answer { status, head, body: bytes[split + 4..].to_vec() }
     }
 
-    fn ask(&self, method: &str, path: &str, body: &str) -> Answer {
+    fn ask(&self, method: &str, path: &str, body: impl AsRef<[u8]>) -> Answer {
         let host = format!("127.0.0.1:{}", self.port);
         let auth = format!("Bearer {}", self.token);
         self.raw(method, path, &[("Host", &host), ("Authorization", &auth), ("X-Enfilade", "1")], body)
@@ -169,12 +169,16 @@ fn the_interface_shows_and_obeys() {
         ("GET", "/api/nowhere".into(), 404),
         ("GET", "/nowhere".into(), 404),
         ("POST", at("/again"), 400),
+        ("GET", "/api/drawings/%ff".into(), 400),
+        ("POST", "/api/drawings/%ff/cancel".into(), 400),
     ] {
         let answer = daemon.ask(method, &path, "");
         let why: Value = serde_json::from_slice(&answer.body).unwrap();
         let is_said = why["error"].as_str().is_some_and(|w| !w.is_empty());
         assert_eq!((answer.status, is_said), (status, true), "{method} {path}: {}", answer.head);
     }
+    let answer = daemon.ask("POST", &at("/again"), b"{\"pin\": \xff}");
+    assert!(answer.status == 400 && String::from_utf8_lossy(&answer.body).contains("UTF-8"), "{}", answer.head);
     let names = daemon.json(&at("/round-01"));
     assert!(names.as_array().unwrap().contains(&json!("initial-degree.png")), "{names}");
     assert_eq!(daemon.ask("GET", &at("/round-09"), "").status, 404);

@@ -146,6 +146,20 @@ impl fmt::Display for Limit {
     }
 }
 
+impl Limit {
+    /// Whether no value keeps both: at least more than at most.
+    pub fn contradicts(&self, other: &Self) -> bool {
+        let (least, most) = if self.is_least { (self, other) } else { (other, self) };
+        let is_pair = self.is_least != other.is_least && self.held == other.held && self.place == other.place;
+        let is_empty = match (least.bound, most.bound) {
+            (Bound::At(least), Bound::At(most)) | (Bound::Change(least), Bound::Change(most)) => least > most,
+            // How the present value stands to a fixed one is known by the drawing alone.
+            _ => false,
+        };
+        is_pair && is_empty
+    }
+}
+
 impl FromStr for Limit {
     type Err = String;
 
@@ -369,6 +383,23 @@ mod tests {
         assert_eq!("passage 900mm".parse::<Limit>().unwrap().bound, Bound::At(0.9));
         assert_eq!("degree@Main".parse::<Aim>().unwrap().to_string(), "degree@main");
         assert_eq!("clearance 3".parse(), "clearance <= 3".parse::<Limit>());
+    }
+
+    #[test]
+    fn limits_that_nothing_keeps_are_known() {
+        for (a, b, want) in [
+            ("degree >= 40", "degree <= 30", true),
+            ("degree <= 30", "degree >= 40", true),
+            ("degree >= +20%", "degree <= +10%", true),
+            ("degree >= 30", "degree <= 30", false),
+            ("degree >= 40", "depth <= 30", false),
+            ("degree >= 40", "degree@exit <= 30", false),
+            ("degree >= 40", "degree <= +10%", false),
+            ("degree >= 40", "degree >= 30", false),
+        ] {
+            let [a, b] = [a, b].map(|t| t.parse::<Limit>().unwrap());
+            assert_eq!(a.contradicts(&b), want, "{a}, {b}");
+        }
     }
 
     #[test]

@@ -418,7 +418,12 @@ pub fn fixed(value: f64, decimals: usize) -> String {
 /// A number without needless zeros: two decimals below 10, one below 100, none above.
 pub fn short(value: f64) -> String {
     let size = value.abs();
-    let text = fixed(value, usize::from(size < 9.995) + usize::from(size < 99.95));
+    trimmed(value, usize::from(size < 9.995) + usize::from(size < 99.95))
+}
+
+/// A number with at most so many decimals, none of them a zero that ends it.
+pub fn trimmed(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 

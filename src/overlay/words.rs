@@ -1,7 +1,7 @@
 //! What moved and what it gains, in plain words: EF-NOTE, the report and `words` in result.json.
 
 use super::measure::{
-    fixed, is_told, number, parts as base, percent_change, plain_name, sentence_case, short, wording,
+    fixed, is_told, number, parts as base, percent_change, plain_name, sentence_case, short, trimmed, wording,
 };
 use super::result::{Explanation, MoveEntry, MoveKind, Numbers};
 
@@ -282,6 +282,8 @@ impl System {
     }
 }
 
+/// Nearer than this to a whole number of millimetres, in millimetres, a length is one.
+const WHOLE_MM: f64 = 1e-6;
 const METRES_PER_INCH: f64 = 0.0254;
 const INCHES_PER_FOOT: f64 = 12.0;
 /// Lengths below are told in tenths of an inch, longer ones in whole inches.
@@ -308,7 +310,12 @@ fn length(size: f64, unit: &str, system: System) -> String {
     if system == System::Imperial {
         return feet(metres / METRES_PER_INCH);
     }
+    // A module's steps are told as they are, 12.5 cm.
+    let millimetres = (metres * 1e3).round();
+    let is_whole = (metres * 1e3 - millimetres).abs() < WHOLE_MM;
     match metres {
+        _ if is_whole && millimetres >= 1e3 => format!("{} m", trimmed(millimetres / 1e3, 3)),
+        _ if is_whole && millimetres >= 10.0 => format!("{} cm", trimmed(millimetres / 10.0, 1)),
         m if m >= 0.995 => format!("{} m", short(m)),
         m if m >= 0.0095 => format!("{} cm", fixed(m * 100.0, 0)),
         m => format!("{} mm", short((m * 1e4).round() / 10.0)),
@@ -364,7 +371,10 @@ mod tests {
     fn no_length_is_told_as_nothing() {
         let metric = |m: f64| length(m, "m", System::Metric);
         let told = [0.0005, 0.004, 0.0096, 0.014, 0.99, 1.0].map(metric);
-        assert_eq!(told, ["0.5 mm", "4 mm", "1 cm", "1 cm", "99 cm", "1 m"]);
+        assert_eq!(told, ["0.5 mm", "4 mm", "1 cm", "1.4 cm", "99 cm", "1 m"]);
+        // Steps of a module, also where they come of a sum.
+        let steps = [0.125, 0.1 + 0.2, 1.125, 0.1251, 1.1251].map(metric);
+        assert_eq!(steps, ["12.5 cm", "30 cm", "1.125 m", "13 cm", "1.13 m"]);
         assert_eq!(length(0.0005 / 0.3048, "ft", System::Imperial), "0.02 in");
     }
 

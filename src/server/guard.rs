@@ -55,7 +55,8 @@ impl Access {
     }
 
     fn is_own_host(&self, host: &str) -> bool {
-        ["127.0.0.1", "localhost", "[::1]"].iter().any(|name| host == format!("{name}:{}", self.port))
+        let is_own = |name: &&str| host.eq_ignore_ascii_case(&format!("{name}:{}", self.port));
+        ["127.0.0.1", "localhost", "[::1]"].iter().any(is_own)
     }
 
     /// Judges a request by its head.
@@ -89,8 +90,9 @@ impl Access {
     }
 
     fn is_known(&self, authorization: Option<&str>, headers: &HeaderMap) -> bool {
-        if let Some(token) = authorization.and_then(|a| a.strip_prefix("Bearer ")) {
-            return is_equal(token, &self.token);
+        let bearer = authorization.and_then(|a| a.split_once(' ')).filter(|(s, _)| s.eq_ignore_ascii_case("bearer"));
+        if let Some((_, token)) = bearer {
+            return is_equal(token.trim_start_matches(' '), &self.token);
         }
         let name = self.cookie_name();
         let cookies = headers.get_all(header::COOKIE).iter().filter_map(|v| v.to_str().ok());
@@ -135,11 +137,19 @@ pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, n
 
 /// A request with all of its body; of one that only reads, none is asked for.
 async fn whole(request: Request) -> Result<Request, Response> {
+    let no_text = |what: &str| {
+        let why = format!("the {what} is not UTF-8, expected UTF-8; nothing was done");
+        Err(super::api::said(StatusCode::BAD_REQUEST, &why))
+    };
+    if percent_encoding::percent_decode_str(request.uri().path()).decode_utf8().is_err() {
+        return no_text("address");
+    }
     if matches!(*request.method(), Method::GET | Method::HEAD) {
         return Ok(request);
     }
     let (head, body) = request.into_parts();
     match tokio::time::timeout(BODY_TIME_MAX, to_bytes(body, BODY_BYTES_MAX)).await {
+        Ok(Ok(bytes)) if std::str::from_utf8(&bytes).is_err() => no_text("body"),
         Ok(Ok(bytes)) => Ok(Request::from_parts(head, Body::from(bytes))),
         Ok(Err(_)) => {
             let why = format!(
@@ -180,6 +190,10 @@ mod tests {
         let pass = |m, u, h: &[(&str, &str)]| judge(m, u, h) == Verdict::Pass;
         assert!(pass("GET", "/api/drawings", &[own, auth]));
         assert!(pass("GET", "/api/drawings", &[("host", "localhost:4711"), ("cookie", &cookie)]));
+        // Names of hosts and of schemes know no case (RFC 9110, 4.2.3 and 11.1).
+        let lower = format!("bearer {t}");
+        assert!(pass("GET", "/api/drawings", &[("host", "LocalHost:4711"), ("authorization", &lower)]));
+        assert!(!pass("GET", "/api/drawings", &[own, ("authorization", &format!("Basic {t}"))]));
         assert!(pass("POST", "/api/x", &[own, auth, order, ("origin", "http://127.0.0.1:4711")]));
         for host in
             ["evil.test", "evil.test:4711", "127.0.0.1", "127.0.0.1:80", "localhost.evil.test:4711", ""]

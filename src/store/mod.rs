@@ -35,6 +35,8 @@ pub const OUTPUT_SUFFIX: &str = ".enfilade";
 pub const STATE_FOLDER: &str = ".enfilade";
 /// Longest file name of the file systems in use, bytes (ext4, NTFS, APFS; hazard 17).
 pub const MAX_NAME_BYTES: usize = 255;
+/// Length of a side-car's extension, bytes: its drawing's name leaves room for it.
+const SIDE_CAR_BYTES: usize = "enfilade.toml".len();
 /// Free space wanted before a set is written, as a multiple of its size (hazard 20).
 pub const FREE_SPACE_FACTOR: u64 = 2;
 /// Free space left alone whatever is written, bytes (hazard 20).
@@ -558,7 +560,8 @@ pub struct Revision {
 
 /// Writes an accepted candidate beside its drawing: `plan-r02.dxf`, `-r03`, … whichever is free, or has these
 /// bytes already: what was accepted before is not written twice. A name is free when nothing of that name lies
-/// there, whatever its extension: `plan-r02.ifc` and a side-car `plan-r02.enfilade.toml` are somebody else's.
+/// there, whatever its extension: `plan-r02.ifc` and a side-car `plan-r02.enfilade.toml` are somebody else's. A name
+/// so long that drawing or side-car would have none that the system takes is cut.
 ///
 /// # Errors
 /// As [`write_new`].
@@ -568,8 +571,10 @@ pub fn write_revision(disk: &dyn Disk, drawing: &Path, bytes: &[u8]) -> Result<R
     let is_archive = drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("ifczip"));
     let extension = if is_archive { OsStr::new("ifc") } else { drawing.extension().unwrap_or_default() };
     for number in first.. {
-        let mut name = base.clone();
-        name.push(format!("-r{number:02}."));
+        let suffix = format!("-r{number:02}.");
+        let ending = suffix.len() + extension.len().max(SIDE_CAR_BYTES);
+        let mut name = cut(&base, MAX_NAME_BYTES.saturating_sub(ending));
+        name.push(suffix);
         let stem = name.clone();
         name.push(extension);
         let path = drawing.with_file_name(name);
@@ -586,6 +591,15 @@ pub fn write_revision(disk: &dyn Disk, drawing: &Path, bytes: &[u8]) -> Result<R
         }
     }
     Err(Error::environment("no-free-name", shown(drawing), "has too many revisions"))
+}
+
+/// The beginning of a name, in at most so many bytes.
+fn cut(name: &OsStr, bytes: usize) -> OsString {
+    if name.len() <= bytes {
+        return name.into();
+    }
+    let name = name.to_string_lossy();
+    name[..name.floor_char_boundary(bytes)].into()
 }
 
 /// Whether a file begins with these letters (`plan-r02.`, in any case) where a new one would lie.

@@ -748,3 +748,20 @@ fn a_name_as_long_as_the_system_takes_gets_a_folder_it_takes_too() {
     let name = home.folder().file_name().unwrap().len();
     assert!(name <= MAX_NAME_BYTES && home.folder().is_dir(), "{name} bytes");
 }
+
+#[test]
+fn a_name_as_long_as_the_system_takes_has_revisions_with_side_cars() {
+    let folder = tempfile::tempdir().unwrap();
+    for stem in ["p".repeat(MAX_NAME_BYTES - 4), "é".repeat((MAX_NAME_BYTES - 4) / 2)] {
+        let mut drawing = folder.path().join(format!("{stem}.dxf"));
+        for bytes in [b"one", b"two"] {
+            let next = write_revision(&SystemDisk, &drawing, bytes).unwrap().path;
+            let beside = next.with_extension("enfilade.toml");
+            fs::write(&beside, "").unwrap();
+            assert!(beside.file_name().unwrap().len() >= MAX_NAME_BYTES - 1, "cut no further than needed");
+            assert_eq!(fs::read(&next).unwrap(), bytes);
+            drawing = next;
+        }
+        assert!(drawing.to_string_lossy().ends_with("-r03.dxf"), "{drawing:?}");
+    }
+}
