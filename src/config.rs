@@ -761,7 +761,9 @@ fn limits(text: &str) -> Result<Vec<Limit>, Error> {
     let out: Vec<Limit> = parsed.collect::<Result<_, _>>()?;
     let clash = |a: &Limit| out.iter().find(|b| a.contradicts(b)).map(|b| format!("{a} and {b}"));
     match out.iter().find_map(clash) {
-        Some(both) => Err(bad("limit", &format!("{both}, which no layout keeps"), "bounds that leave a range")),
+        Some(both) => {
+            Err(bad("limit", &format!("{both}, which no layout keeps"), "bounds that leave a range"))
+        }
         None => Ok(out),
     }
 }

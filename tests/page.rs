@@ -78,8 +78,9 @@ impl Daemon {
         stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
         let heads: String = heads.iter().map(|(n, v)| format!("{n}: {v}\r\n")).collect();
         let length = body.len();
-        let head =
-            format!("{method} {path} HTTP/1.1\r\n{heads}Connection: close\r\nContent-Length: {length}\r\n\r\n");
+        let head = format!(
+            "{method} {path} HTTP/1.1\r\n{heads}Connection: close\r\nContent-Length: {length}\r\n\r\n"
+        );
         stream.write_all(&[head.as_bytes(), body].concat()).unwrap();
         let mut bytes = Vec::new();
         stream.read_to_end(&mut bytes).unwrap();
@@ -178,7 +179,11 @@ fn the_interface_shows_and_obeys() {
         assert_eq!((answer.status, is_said), (status, true), "{method} {path}: {}", answer.head);
     }
     let answer = daemon.ask("POST", &at("/again"), b"{\"pin\": \xff}");
-    assert!(answer.status == 400 && String::from_utf8_lossy(&answer.body).contains("UTF-8"), "{}", answer.head);
+    assert!(
+        answer.status == 400 && String::from_utf8_lossy(&answer.body).contains("UTF-8"),
+        "{}",
+        answer.head
+    );
     let names = daemon.json(&at("/round-01"));
     assert!(names.as_array().unwrap().contains(&json!("initial-degree.png")), "{names}");
     assert_eq!(daemon.ask("GET", &at("/round-09"), "").status, 404);

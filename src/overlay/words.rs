@@ -469,7 +469,7 @@ mod tests {
         let metric: Vec<MoveEntry> = moves.into_iter().rev().collect();
         assert_eq!(
             moved(&metric, &[-0.45, 0.0, 10.0, 2.0]),
-            "Wall 3-4 slides 25 cm north and 61 cm east, Door 1 slides 45 cm west"
+            "Wall 3-4 slides 25.4 cm north and 61 cm east, Door 1 slides 45 cm west"
         );
     }
 

@@ -90,7 +90,8 @@ impl Access {
     }
 
     fn is_known(&self, authorization: Option<&str>, headers: &HeaderMap) -> bool {
-        let bearer = authorization.and_then(|a| a.split_once(' ')).filter(|(s, _)| s.eq_ignore_ascii_case("bearer"));
+        let bearer =
+            authorization.and_then(|a| a.split_once(' ')).filter(|(s, _)| s.eq_ignore_ascii_case("bearer"));
         if let Some((_, token)) = bearer {
             return is_equal(token.trim_start_matches(' '), &self.token);
         }
