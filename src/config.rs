@@ -570,7 +570,13 @@ impl Settings {
             return Err(bad("pin, like, warm", &v.to_string(), "finite parameters"));
         }
         let members = count("members", p.members.unwrap_or(MEMBERS_DEFAULT), 1, MEMBERS_MAX)?;
-        let pinned = p.pin.unwrap_or_default();
+        let mut pinned: Vec<Vec<f64>> = Vec::new();
+        for one in p.pin.into_iter().flatten() {
+            // A layout pinned twice is one option; empty ones stand for options not looked up yet.
+            if one.is_empty() || !pinned.contains(&one) {
+                pinned.push(one);
+            }
+        }
         if !pinned.is_empty() && pinned.len() >= members {
             let expected = format!("fewer than the {members} members wanted");
             return Err(bad("pin", &format!("{} options", pinned.len()), &expected));
@@ -622,9 +628,9 @@ impl Settings {
             penalties,
             distance: in_range("distance", Some(p.distance.unwrap_or(D_MIN_DEFAULT)), 0.0, 1.0)?
                 .unwrap_or(D_MIN_DEFAULT),
-            limits: limits(p.limit.as_deref().unwrap_or_default())?,
-            links: links(&p.link.unwrap_or_default())?,
-            snap: p.snap.map(|t| snap(&t)).transpose()?,
+            limits: control::limits(p.limit.as_deref().unwrap_or_default())?,
+            links: control::links(&p.link.unwrap_or_default())?,
+            snap: p.snap.map(|t| control::snap(&t)).transpose()?,
             most_moves: p.most_moves.map(|n| count("most-moves", n, 1, usize::MAX)).transpose()?,
             only_marked: p.only_marked.unwrap_or(false),
             pinned,
@@ -753,43 +759,6 @@ fn penalties(text: &str) -> Result<Vec<(Penalty, f64)>, Error> {
         }
     }
     Ok(out)
-}
-
-fn limits(text: &str) -> Result<Vec<Limit>, Error> {
-    let expected = "`wall-length -5%`, `room-area -5%`, `clearance <= 3` (0 or more), `passage 0.9 m`, `degree-p10 >= 40` or `degree >= +10%`, separated by commas";
-    let parsed = clauses(text).map(|c| c.parse().map_err(|_| bad("limit", &format!("{c:?}"), expected)));
-    let out: Vec<Limit> = parsed.collect::<Result<_, _>>()?;
-    let clash = |a: &Limit| out.iter().find(|b| a.contradicts(b)).map(|b| format!("{a} and {b}"));
-    match out.iter().find_map(clash) {
-        Some(both) => {
-            Err(bad("limit", &format!("{both}, which no layout keeps"), "bounds that leave a range"))
-        }
-        None => Ok(out),
-    }
-}
-
-fn links(texts: &[String]) -> Result<Vec<Link>, Error> {
-    let expected = "`same: door-1, door-2`, `mirror-x: a, b`, `mirror-y: a, b` or `equal: a, b, c`, each group in one link";
-    let out: Vec<Link> = texts
-        .iter()
-        .map(|t| t.parse().map_err(|_| bad("link", &format!("{t:?}"), expected)))
-        .collect::<Result<_, _>>()?;
-    let mut names: Vec<&String> = out.iter().flat_map(|l| &l.groups).collect();
-    names.sort();
-    match names.windows(2).find(|w| w[0] == w[1]) {
-        Some(twice) => Err(bad("link", &format!("{:?} twice", twice[0]), expected)),
-        None => Ok(out),
-    }
-}
-
-fn snap(text: &str) -> Result<Snap, Error> {
-    text.parse().map_err(|_| {
-        bad(
-            "snap",
-            &format!("{text:?}"),
-            "`0.1 m`, `brick` (0.125 m), `module` (0.1 m), `5 deg`, or a length and an angle, above 0",
-        )
-    })
 }
 
 fn clauses(text: &str) -> impl Iterator<Item = &str> {

@@ -6,7 +6,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Measure, PairName, Penalty};
+use super::{Measure, PairName, Penalty, bad, clauses};
+use crate::report::Error;
 
 /// How the values of the cells become one number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -336,6 +337,46 @@ macro_rules! text_form {
     )+};
 }
 text_form!(Aim, Limit, Link, Snap);
+
+/// Hard limits of `--limit`.
+pub(super) fn limits(text: &str) -> Result<Vec<Limit>, Error> {
+    let expected = "`wall-length -5%`, `room-area -5%`, `clearance <= 3` (0 or more), `passage 0.9 m`, `degree-p10 >= 40` or `degree >= +10%`, separated by commas";
+    let parsed = clauses(text).map(|c| c.parse().map_err(|_| bad("limit", &format!("{c:?}"), expected)));
+    let out: Vec<Limit> = parsed.collect::<Result<_, _>>()?;
+    let clash = |a: &Limit| out.iter().find(|b| a.contradicts(b)).map(|b| format!("{a} and {b}"));
+    match out.iter().find_map(clash) {
+        Some(both) => {
+            Err(bad("limit", &format!("{both}, which no layout keeps"), "bounds that leave a range"))
+        }
+        None => Ok(out),
+    }
+}
+
+/// Links of `--link`.
+pub(super) fn links(texts: &[String]) -> Result<Vec<Link>, Error> {
+    let expected = "`same: door-1, door-2`, `mirror-x: a, b`, `mirror-y: a, b` or `equal: a, b, c`, each group in one link";
+    let out: Vec<Link> = texts
+        .iter()
+        .map(|t| t.parse().map_err(|_| bad("link", &format!("{t:?}"), expected)))
+        .collect::<Result<_, _>>()?;
+    let mut names: Vec<&String> = out.iter().flat_map(|l| &l.groups).collect();
+    names.sort();
+    match names.windows(2).find(|w| w[0] == w[1]) {
+        Some(twice) => Err(bad("link", &format!("{:?} twice", twice[0]), expected)),
+        None => Ok(out),
+    }
+}
+
+/// The modules of `--snap`.
+pub(super) fn snap(text: &str) -> Result<Snap, Error> {
+    text.parse().map_err(|_| {
+        bad(
+            "snap",
+            &format!("{text:?}"),
+            "`0.1 m`, `brick` (0.125 m), `module` (0.1 m), `5 deg`, or a length and an angle, above 0",
+        )
+    })
+}
 
 #[cfg(test)]
 mod tests {

@@ -20,6 +20,10 @@ fn what_is_wrong_is_named() {
         Settings::new(p).unwrap_err().to_string()
     };
     for (message, part) in [
+        (
+            with(|p| p.limit = Some("degree >= 40, depth <= 9, degree <= 30".into())),
+            "degree >= 40 and degree <= 30",
+        ),
         (with(|p| p.objective = Some("beauty max 1".into())), "beauty"),
         (with(|p| p.objective = Some("degree max 1.5".into())), "from 0 to 1"),
         (with(|p| p.objective = Some("score max, degree max".into())), "alone"),
@@ -29,7 +33,7 @@ fn what_is_wrong_is_named() {
         (with(|p| p.link = Some(vec!["same: a, b".into(), "equal: b, c, d".into()])), "twice"),
         (with(|p| p.snap = Some("0".into())), "snap"),
         (with(|p| p.most_moves = Some(0)), "most-moves"),
-        (with(|p| p.pin = Some(vec![vec![0.0]; 5])), "pin"),
+        (with(|p| p.pin = Some(vec![vec![]; 5])), "pin"),
         (with(|p| p.like = Some(vec![f64::NAN])), "finite"),
         (with(|p| p.write_every = Some(0.5)), "write-every"),
         (with(|p| p.objective = Some("degree@a@b max".into())), "degree@a@b"),
@@ -95,4 +99,15 @@ fn a_side_car_that_is_named_otherwise_is_told_apart() {
     assert_eq!(found(&["Enfilade.toml"]), [("Enfilade.toml".to_string(), "enfilade.toml".to_string())]);
     let read = ["plan.glb", "plan.enfilade.toml", "enfilade.toml", "other.glb.enfilade.toml", "plan.toml"];
     assert_eq!(found(&read), []);
+}
+
+#[test]
+fn a_layout_pinned_twice_is_one() {
+    let pinned = |pin: &[&[f64]]| {
+        let pin = Some(pin.iter().map(|p| p.to_vec()).collect());
+        Settings::new(Partial { pin, ..Partial::default() }).unwrap().pinned
+    };
+    assert_eq!(pinned(&[&[1.0, 2.0], &[0.5, 2.0], &[1.0, 2.0]]), [[1.0, 2.0], [0.5, 2.0]]);
+    // Options that are not looked up yet are as many as are named.
+    assert_eq!(pinned(&[&[], &[]]).len(), 2);
 }

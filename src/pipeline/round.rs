@@ -386,17 +386,15 @@ fn keep_better(
     objectives: &[Objective],
     members: &mut Vec<search::Member>,
 ) -> usize {
-    if settings.method == Method::Paper {
-        members.retain(|m| moves_visibly(study, &m.parameters));
-        let gain = |m: &search::Member| explain::total_gain(objectives, &m.values);
-        members.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
-        return 0;
-    }
     let pinned = pinned(settings).min(members.len());
     let mut free = members.split_off(pinned);
     free.retain(|m| moves_visibly(study, &m.parameters));
     let gain = |m: &search::Member| explain::total_gain(objectives, &m.values);
     free.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+    if settings.method == Method::Paper {
+        members.append(&mut free);
+        return 0;
+    }
     let worthy = free.iter().filter(|m| explain::is_better(objectives, &m.values, is_firm(settings)));
     let better: Vec<search::Member> = worthy.cloned().collect();
     let unworthy = free.len() - better.len();
