@@ -188,11 +188,12 @@ impl Job {
         Home::at(Arc::new(SystemDisk), &self.out.join(&self.id))
     }
 
-    /// What an earlier run of the same job left, if it did.
+    /// What an earlier run of the same job left, if it did and every file is there as it was written.
     pub fn finished(&self, home: &Home) -> Option<Finished> {
         let text = fs::read(home.folder().join(RESULT).join(FINISHED)).ok()?;
         let found: Finished = serde_json::from_slice(&text).ok()?;
-        (found.id == self.id).then_some(found)
+        let is_whole = || digest_of(&home.folder().join(RESULT)).is_some_and(|d| d == found.digest);
+        (found.id == self.id && is_whole()).then_some(found)
     }
 
     /// Stores a finished job.
@@ -222,6 +223,27 @@ impl Job {
         home.publish_folder(RESULT, &files)?;
         Ok(finished)
     }
+}
+
+/// Digest of what lies in a job's result folder; `None` where it cannot be read.
+fn digest_of(folder: &Path) -> Option<String> {
+    let mut files = Vec::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).ok()? {
+            let path = entry.ok()?.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let name = path.strip_prefix(folder).ok()?.to_path_buf();
+                files.push(OutFile { bytes: fs::read(&path).ok()?, path: name });
+            }
+        }
+    }
+    files.retain(|f| f.path.as_os_str() != FINISHED);
+    let result = files.iter().find(|f| f.path.as_os_str() == "result.json")?;
+    let result: RoundResult = serde_json::from_slice(&result.bytes).ok()?;
+    digest(&files, &result).ok()
 }
 
 /// Digest of a round that does not depend on the time it took.

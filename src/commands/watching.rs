@@ -289,6 +289,11 @@ fn status_lines(status: &Value, is_running: bool) -> Vec<String> {
     out.extend(status["running"].as_str().map(|d| format!("{d}: {running}")));
     out.extend(list("waiting").iter().map(|d| format!("{}: waiting", text(d))));
     out.extend(beyond(status, "waiting").map(|n| format!("and {n} more waiting")));
+    let stopped = list("cancelled").into_iter().map(|d| {
+        format!("{}: cancelled; its next save, or another round asked for, takes it up", text(&d))
+    });
+    out.extend(stopped);
+    out.extend(beyond(status, "cancelled").map(|n| format!("and {n} more cancelled")));
     for entry in list("failed") {
         let (drawing, problem) = (text(&entry["drawing"]), &entry["problem"]);
         let state = if problem["severity"] == "error" { "failed" } else { "not ready" };
@@ -340,12 +345,15 @@ mod tests {
                 {"drawing": "/w/c.dxf", "problem": problem("error", "no wall")},
                 {"drawing": "/w/d.dxf", "problem": problem("info", "no EOF yet")},
             ],
+            "cancelled": ["/w/f.dxf"], "cancelled_count": 2,
             "ignored": [{"file": "/w/#e.dxf", "why": "a lock"}],
         });
         let want = [
             "/away: out of reach; waiting for it",
             "/w/a.dxf: running",
             "/w/b.dxf: waiting",
+            "/w/f.dxf: cancelled; its next save, or another round asked for, takes it up",
+            "and 1 more cancelled",
             "/w/c.dxf: failed: no wall (c)",
             "/w/d.dxf: not ready: no EOF yet (c)",
             "and 800 more failed or not ready: each has its reason in status.json of its own results",

@@ -20,6 +20,9 @@ use serde_json::Value;
 use super::{Asked, JobEvent, JobOutput, JobRequest, OutFile, RunJob};
 use crate::report::{Cancel, Error, Place, Problem, Severity};
 
+/// Code of a job whose process was ended from outside.
+pub(super) const JOB_KILLED: &str = "job-killed";
+
 /// A stop is seen within this time.
 const LOOK: Duration = Duration::from_millis(20);
 /// Of what a child says on standard error, the last bytes are kept.
@@ -253,6 +256,9 @@ fn end_of(name: &str, limits: &Limits, status: io::Result<ExitStatus>, words: &s
                 "the job needs more than {limit} s of processor time (job-limit-secs a core) and was ended"
             ),
         )
+    } else if is_killed(&how) {
+        let text = "the job's process was killed from outside, as the system does where memory is short";
+        return Error::environment(JOB_KILLED, Place::file(name), text);
     } else if let Some(panic) = words.lines().position(|l| l.contains("panicked at")) {
         let said: Vec<&str> = words.lines().skip(panic + 1).take(1).collect();
         let text = "this is an error of the program, please report it with the drawing";
@@ -267,6 +273,11 @@ fn end_of(name: &str, limits: &Limits, status: io::Result<ExitStatus>, words: &s
 /// Whether a process ended by SIGXCPU, in the words of the standard library.
 fn is_out_of_time(how: &str) -> bool {
     how.contains("SIGXCPU")
+}
+
+/// Whether a process ended by SIGKILL, which comes from outside only.
+fn is_killed(how: &str) -> bool {
+    how.contains("SIGKILL")
 }
 
 /// An [`Error`] by its exit code, the one number that both ends know it by.

@@ -181,8 +181,10 @@ pub(super) fn open_journal(journal: &Mutex<Journal>) -> MutexGuard<'_, Journal> 
 /// the drawing and of its folder say of results, and the data that a scene keeps beside it.
 fn config_key(drawing: &Path, settings_key: &str) -> String {
     let mut text = format!("{}\n{settings_key}\n", env!("CARGO_PKG_VERSION"));
+    let mut mark = "";
     for path in settings_files(drawing) {
         let said = what_decides(&bytes_of(&path).unwrap_or_default());
+        mark = if said.starts_with(UNREADABLE) { UNREADABLE } else { mark };
         text.push_str(&format!("{said}\n"));
     }
     let is_scene = drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf"));
@@ -192,7 +194,15 @@ fn config_key(drawing: &Path, settings_key: &str) -> String {
             bytes_of(&drawing.with_file_name(name)).map_or_else(|| "-".into(), |bytes| sha256_hex(&bytes));
         text.push_str(&format!("{digest}\n"));
     }
-    sha256_hex(text.as_bytes())
+    format!("{mark}{}", sha256_hex(text.as_bytes()))
+}
+
+/// Before the key of settings that cannot be read.
+const UNREADABLE: &str = "unreadable-";
+
+/// Whether a key is of settings that cannot be read.
+pub(super) fn is_unreadable(config: &str) -> bool {
+    config.starts_with(UNREADABLE)
 }
 
 /// Words for what a settings file says of results. One that cannot be read fails its jobs, each version anew;
@@ -206,7 +216,7 @@ fn what_decides(bytes: &[u8]) -> String {
     let read = |text| Partial::from_toml("", text).ok().or_else(|| without_watch(text));
     let read = std::str::from_utf8(bytes).ok().and_then(read);
     read.map_or_else(
-        || sha256_hex(bytes),
+        || format!("{UNREADABLE}{}", sha256_hex(bytes)),
         |partial| sha256_hex(format!("{:?}", partial.deciding()).as_bytes()),
     )
 }

@@ -1,7 +1,7 @@
 //! The daemon's loop: it decides and never waits. A looker thread touches the watched folders, a worker
 //! thread runs the jobs; both answer by messages, so that a slow disk or job never delays a stop.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, SyncSender};
@@ -10,13 +10,16 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
+mod orders;
+mod overview;
 mod renewal;
 mod words;
 
-use words::{how_watched, hung, retry_pause, shown, taken, too_long};
+use words::{how_watched, hung, killed_too_often, retry_pause, shown, taken, told_to_end, too_long};
 
+use super::child::JOB_KILLED;
 use super::hands::{
-    Looked, Message, Outcome, Task, Waiting, open_journal, reporter, start_looker, start_worker,
+    Looked, Message, Outcome, Task, Waiting, is_unreadable, open_journal, reporter, start_looker, start_worker,
 };
 use super::status::{SharedDisk, Standing, content_of_results, rfc3339, settle, write_standing};
 use super::{Asked, Done, Notice, Order, Reread, RunJob, WatchSettings};
@@ -46,10 +49,15 @@ const STOP_PATIENCE: Duration = Duration::from_millis(120);
 const HANG_PATIENCE: Duration = Duration::from_secs(5);
 /// The overview is not rewritten more often.
 const OVERVIEW_PAUSE: Duration = Duration::from_secs(1);
+/// A job whose process is killed from outside is tried so often in all.
+const KILLS_MAX: u32 = 3;
 /// Why a job was given up, as the user reads it.
 const NEWER_SAVE: &str = "a newer save, or other settings, take its place";
-const REMOVED: &str = "the drawing was removed";
+const NEWER_CONTENT: &str =
+    "the drawing or its settings changed, and what was asked for is of the options before; ask for it again";
+const REMOVED: &str = "the drawing was removed or has another name";
 pub(crate) const BY_THE_USER: &str = "cancelled";
+const CANCELLED_BEFORE: &str = "cancelled before; its next save, or another round asked for, takes it up";
 const NOTHING_WHOLE: &str = "no whole file lies there to work on";
 const DAEMON_ENDS: &str = "the daemon ends; the next start goes on with it";
 const TOO_LONG: &str = "it ran too long";
@@ -94,6 +102,8 @@ pub(super) struct Heart {
     queue: VecDeque<Waiting>,
     running: Option<Running>,
     failed: BTreeMap<PathBuf, Problem>,
+    /// Given up by the user, until their next job.
+    cancelled: BTreeSet<PathBuf>,
     /// The first of those left alone, and why.
     ignored: BTreeMap<PathBuf, String>,
     ignored_count: u64,
@@ -147,6 +157,7 @@ impl Heart {
             queue: VecDeque::new(),
             running: None,
             failed: BTreeMap::new(),
+            cancelled: BTreeSet::new(),
             ignored: BTreeMap::new(),
             ignored_count: 0,
             done_count: 0,
@@ -414,13 +425,16 @@ impl Heart {
         if self.queue.iter().any(|w| is_it(w) && w.not_before.is_none()) {
             return;
         }
-        self.queue.retain(|w| w.drawing != drawing);
+        self.drop_waiting(&drawing, NEWER_CONTENT, show);
         if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
-            if running.what.sha256 == sha256 && running.what.config == config && !running.cancel.is_stopped()
-            {
+            let is_same_content = running.what.sha256 == sha256 && !running.cancel.is_stopped();
+            if is_same_content && running.what.config == config {
                 return;
             }
-            running.stop(NEWER_SAVE);
+            // Settings that cannot be read, half saved perhaps, fail in their turn and end nothing.
+            if !(is_same_content && is_unreadable(&config)) {
+                running.stop(NEWER_SAVE);
+            }
         } else if let Some(end) = open_journal(&journal).end_of(&below, &sha256, &config)
             && !self.has_results_of_another(&drawing, &sha256)
         {
@@ -446,6 +460,11 @@ impl Heart {
                 let folder = present_folder(&drawing, &placing);
                 show(Notice::UpToDate { drawing, folder, summary });
             }
+            Ended::Cancelled => {
+                self.cancelled.insert(drawing.clone());
+                self.say_results(&drawing, show);
+                show(Notice::Stopped { drawing, why: CANCELLED_BEFORE });
+            }
             Ended::Failed(problem) => {
                 self.fail(&drawing, &problem);
                 self.say_results(&drawing, show);
@@ -454,57 +473,14 @@ impl Heart {
         }
     }
 
-    fn obey(&mut self, order: Order, show: &mut dyn FnMut(Notice)) {
-        match order {
-            Order::Cancel(drawing) => {
-                let waited = self.queue.len();
-                self.queue.retain(|w| w.drawing != drawing);
-                match self.running.as_mut().filter(|r| r.what.drawing == drawing) {
-                    Some(running) => running.stop(BY_THE_USER),
-                    None if self.queue.len() < waited => show(Notice::Stopped { drawing, why: BY_THE_USER }),
-                    None => {}
-                }
-                self.is_overview_stale = true;
-            }
-            Order::Again { drawing, asked } => {
-                let Some((sha256, config)) = self.contents.get(&drawing).cloned() else {
-                    return show(Notice::Stopped { drawing, why: NOTHING_WHOLE });
-                };
-                // What was asked before in other words is done too, in its turn.
-                let is_other = |w: &Waiting| w.asked != Asked::default() && w.asked != asked;
-                self.queue.retain(|w| w.drawing != drawing || is_other(w));
-                let waiting = Waiting { drawing, sha256, config, asked, not_before: None, failures: 0 };
-                self.enqueue(waiting, show);
-            }
-        }
-    }
-
-    fn enqueue(&mut self, waiting: Waiting, show: &mut dyn FnMut(Notice)) {
-        let drawing = waiting.drawing.clone();
-        if self.queue.len() >= MAX_QUEUE {
-            let later = self.start.elapsed() + Duration::from_secs_f64(self.settings.rescan_secs);
-            return self.settle.again(later, &drawing);
-        }
-        self.note(&waiting, &Step::Queued, show);
-        if self.running.is_some() && !self.is_running(&drawing) {
-            let standing = Standing { state: "waiting", sha256: &waiting.sha256, ..Standing::default() };
-            write_standing(&*self.disk, &drawing, &self.placing_of(&drawing), &standing);
-        }
-        if self.settings.newest_first {
-            self.queue.push_front(waiting);
-        } else {
-            self.queue.push_back(waiting);
-        }
-        show(Notice::Queued { drawing, waiting: self.queue.len() });
-    }
-
     fn is_running(&self, drawing: &Path) -> bool {
         self.running.as_ref().is_some_and(|r| r.what.drawing == drawing)
     }
 
     fn removed(&mut self, drawing: &Path, show: &mut dyn FnMut(Notice)) {
-        self.queue.retain(|w| w.drawing != drawing);
+        self.drop_waiting(drawing, REMOVED, show);
         self.failed.remove(drawing);
+        self.cancelled.remove(drawing);
         self.keys.remove(drawing);
         self.contents.remove(drawing);
         self.is_overview_stale = true;
@@ -529,6 +505,7 @@ impl Heart {
         let Some(journal) = self.journal_of(&what.drawing) else { return };
         // Why it failed before is over; what is told from here on is of the file while it is worked on.
         self.failed.remove(&what.drawing);
+        self.cancelled.remove(&what.drawing);
         self.note(&what, &Step::Started, show);
         self.next_id += 1;
         let (id, cancel) = (self.next_id, Cancel::default());
@@ -555,7 +532,15 @@ impl Heart {
                 let error = too_long(&what.drawing, self.settings.job_limit_secs);
                 self.failed_for_good(what, error, show);
             }
+            Outcome::Ended(Err(Error::Stopped)) if running.why.is_empty() => {
+                self.retry(what.clone(), told_to_end(&what.drawing), show);
+            }
             Outcome::Ended(Err(Error::Stopped)) => self.stopped(&what, running.why, show),
+            Outcome::Ended(Err(Error::Environment(problem)))
+                if problem.code == JOB_KILLED && what.failures + 1 >= KILLS_MAX =>
+            {
+                self.failed_for_good(what, killed_too_often(problem, KILLS_MAX), show);
+            }
             Outcome::Ended(Err(Error::Environment(problem))) => self.retry(what, problem, show),
             Outcome::Ended(Err(error)) => self.failed_for_good(what, error, show),
         }
@@ -588,12 +573,16 @@ impl Heart {
     }
 
     fn stopped(&mut self, what: &Waiting, why: &'static str, show: &mut dyn FnMut(Notice)) {
-        self.note(what, &Step::Stopped, show);
+        let is_cancelled = why == BY_THE_USER;
+        self.note(what, if is_cancelled { &Step::Cancelled } else { &Step::Stopped }, show);
         let newer = self.queue.iter().find(|w| w.drawing == what.drawing);
         let (state, sha256) = newer.map_or(("stopped", &what.sha256), |w| ("waiting", &w.sha256));
         let standing = Standing { state, sha256, summary: Some(why), ..Standing::default() };
         if what.drawing.exists() {
             write_standing(&*self.disk, &what.drawing, &self.placing_of(&what.drawing), &standing);
+        }
+        if is_cancelled && newer.is_none() {
+            self.cancelled.insert(what.drawing.clone());
         }
         show(Notice::Stopped { drawing: what.drawing.clone(), why });
     }
@@ -700,40 +689,6 @@ impl Heart {
                 let _ = write_json(&*self.disk, &state.folder.join("status.json"), &overview);
             }
         }
-    }
-
-    fn overview(&self, is_leaving: bool) -> Value {
-        let name = |p: &Path| p.display().to_string();
-        let roots: Vec<Value> = self
-            .roots
-            .iter()
-            .map(|r| json!({"root": name(&r.path), "watched": r.how, "is_offline": r.is_offline}))
-            .collect();
-        let failed = self.failed.iter().take(MAX_LISTED);
-        let failed: Vec<Value> =
-            failed.map(|(p, problem)| json!({"drawing": name(p), "problem": problem})).collect();
-        let ignored: Vec<Value> =
-            self.ignored.iter().map(|(p, why)| json!({"file": name(p), "why": why})).collect();
-        let rules: Vec<Value> =
-            builtin_ignores().iter().map(|r| json!({"glob": r.glob, "why": r.why})).collect();
-        json!({
-            "schema": "enfilade.daemon/1",
-            "state": if is_leaving { "stopped" } else { "running" },
-            "host": host_name(),
-            "pid": std::process::id(),
-            "since": self.since,
-            "roots": roots,
-            "running": self.running.as_ref().map(|r| name(&r.what.drawing)),
-            "waiting": self.queue.iter().take(MAX_LISTED).map(|w| name(&w.drawing)).collect::<Vec<_>>(),
-            "waiting_count": self.queue.len(),
-            "settling_count": self.settle.pending_count(),
-            "done_count": self.done_count,
-            "failed": failed,
-            "failed_count": self.failed.len(),
-            "ignored": ignored,
-            "ignored_count": self.ignored_count,
-            "ignore_rules": rules,
-        })
     }
 
     fn root_of(&self, path: &Path) -> Option<&Root> {

@@ -31,8 +31,10 @@ pub enum Step {
     Finished(String),
     /// The content cannot be used; it is not tried again.
     Failed(Problem),
-    /// The job was given up: a newer save, the drawing removed, or the user.
+    /// The job was given up: a newer save, the drawing removed, or the end of the daemon.
     Stopped,
+    /// The user gave the job up: this content is taken up again only when asked for.
+    Cancelled,
 }
 
 /// The journal of one watched root.
@@ -63,6 +65,8 @@ pub enum Ended {
     Finished(String),
     /// The content cannot be used.
     Failed(Problem),
+    /// The user gave it up.
+    Cancelled,
 }
 
 impl Journal {
@@ -158,6 +162,7 @@ impl Journal {
             Step::Finished(summary) => ("finished", json!({"summary": summary})),
             Step::Failed(problem) => ("failed", json!({"problem": problem})),
             Step::Stopped => ("stopped", json!({})),
+            Step::Cancelled => ("cancelled", json!({})),
         };
         let mut line = json!({
             "time": time, "event": event, "drawing": path_to_json(drawing), "sha256": sha256, "config": config,
@@ -181,6 +186,7 @@ impl Journal {
         let last = self.last.get(drawing).filter(|l| l.sha256 == sha256 && l.config == config)?;
         match last.event.as_str() {
             "finished" => Some(Ended::Finished(last.words.clone())),
+            "cancelled" => Some(Ended::Cancelled),
             "failed" => Some(Ended::Failed(Problem {
                 code: "failed-before",
                 severity: Severity::Error,

@@ -11,7 +11,7 @@ impl Heart {
         let Some(path) = self.roots.first().map(|r| r.path.clone()) else { return };
         let found = match reread() {
             Ok(None) => return,
-            Ok(Some(settings)) => self.take_up(settings),
+            Ok(Some(settings)) => self.take_up(settings, show),
             Err(error) => Err(error),
         };
         match found {
@@ -32,7 +32,7 @@ impl Heart {
     }
 
     /// All files are looked at anew by the new settings; the journal knows what is done.
-    fn take_up(&mut self, settings: WatchSettings) -> Result<(), Error> {
+    fn take_up(&mut self, settings: WatchSettings, show: &mut dyn FnMut(Notice)) -> Result<(), Error> {
         let paths: Vec<PathBuf> = self.roots.iter().map(|r| r.path.clone()).collect();
         let is_network: Vec<bool> = self.roots.iter().map(|r| r.unheard.is_some()).collect();
         let own: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
@@ -56,18 +56,18 @@ impl Heart {
         self.keys.clear();
         self.ignored.clear();
         self.ignored_count = 0;
-        self.leave_alone();
+        self.leave_alone(show);
         Ok(())
     }
 
     /// Drawings that the new settings leave alone are no longer waited for, nor worked on.
-    fn leave_alone(&mut self) {
+    fn leave_alone(&mut self, show: &mut dyn FnMut(Notice)) {
         let known: Vec<PathBuf> = self.contents.keys().chain(self.failed.keys()).cloned().collect();
         for drawing in known {
             if !self.settle.leaves_alone(&drawing) {
                 continue;
             }
-            self.queue.retain(|w| w.drawing != drawing);
+            self.drop_waiting(&drawing, LEFT_ALONE, show);
             self.contents.remove(&drawing);
             self.failed.remove(&drawing);
             if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::super::WatchSettings;
-use crate::report::{Error, Place};
+use super::super::child::JOB_KILLED;
+use crate::report::{Error, Place, Problem, Severity};
 use crate::store::{STATE_FOLDER, read_lease};
 
 /// Longest pause before a job that failed for want of disk or permission is tried again.
@@ -37,6 +38,22 @@ pub(super) fn too_long(drawing: &Path, limit_secs: f64) -> Error {
 pub(super) fn hung(drawing: &Path) -> Error {
     let text = "the job did not stop when asked to and was left behind; the next drawing is taken up";
     Error::input("job-hung", shown(drawing), text)
+}
+
+/// Why a job ended that nobody here told to end.
+pub(super) fn told_to_end(drawing: &Path) -> Problem {
+    let text = "the job's process was told to end, and not by the daemon".to_owned();
+    Problem { code: JOB_KILLED, severity: Severity::Error, place: shown(drawing), text }
+}
+
+/// A job that is killed each time is not tried for ever.
+pub(super) fn killed_too_often(problem: Problem, times: u32) -> Error {
+    let text = format!(
+        "{}, {times} times in a row; it is not tried again before its next save: free memory, give jobs less of it \
+         (job-memory-mb) or a wider spacing",
+        problem.text
+    );
+    Error::Input(Problem { text, ..problem })
 }
 
 pub(super) fn taken(root: &Path) -> Error {
