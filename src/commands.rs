@@ -301,6 +301,7 @@ fn hold(partial: &mut Partial, results: &Path, asked: &Asked, which: Which) -> R
     let which = match asked {
         Asked { so_far: Some(n), .. } => Which::SoFar(Some(*n)),
         Asked { round: Some(n), .. } => Which::Round(*n),
+        _ if which == Which::Newest => newest_with_options(results).map_or(which, Which::Round),
         _ => which,
     };
     let (origin, result) = round_result(results, which)?;
@@ -311,6 +312,14 @@ fn hold(partial: &mut Partial, results: &Path, asked: &Asked, which: Which) -> R
     partial.like = asked.like.as_ref().map(of).transpose()?;
     partial.pin_moves = pipeline::moves_of(&result.moves);
     Ok(())
+}
+
+/// The newest round that has options: one that found none leaves those of before to be named.
+fn newest_with_options(results: &Path) -> Option<u32> {
+    let has_options = |n: &u32| {
+        round_result(results, Which::Round(*n)).is_ok_and(|(_, result)| !result.candidates.is_empty())
+    };
+    store::finished_rounds(results).into_iter().rev().find(has_options)
 }
 
 /// One round of a drawing, on the threads of the settings; what it says goes to `tell` on this thread.

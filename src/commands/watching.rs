@@ -289,9 +289,9 @@ fn status_lines(status: &Value, is_running: bool) -> Vec<String> {
     out.extend(status["running"].as_str().map(|d| format!("{d}: {running}")));
     out.extend(list("waiting").iter().map(|d| format!("{}: waiting", text(d))));
     out.extend(beyond(status, "waiting").map(|n| format!("and {n} more waiting")));
-    let stopped = list("cancelled").into_iter().map(|d| {
-        format!("{}: cancelled; its next save, or another round asked for, takes it up", text(&d))
-    });
+    let stopped = list("cancelled")
+        .into_iter()
+        .map(|d| format!("{}: cancelled; its next save, or another round asked for, takes it up", text(&d)));
     out.extend(stopped);
     out.extend(beyond(status, "cancelled").map(|n| format!("and {n} more cancelled")));
     for entry in list("failed") {

@@ -19,7 +19,8 @@ use words::{how_watched, hung, killed_too_often, retry_pause, shown, taken, told
 
 use super::child::JOB_KILLED;
 use super::hands::{
-    Looked, Message, Outcome, Task, Waiting, is_unreadable, open_journal, reporter, start_looker, start_worker,
+    Looked, Message, Outcome, Task, Waiting, is_unreadable, open_journal, reporter, start_looker,
+    start_worker,
 };
 use super::status::{SharedDisk, Standing, content_of_results, rfc3339, settle, write_standing};
 use super::{Asked, Done, Notice, Order, Reread, RunJob, WatchSettings};

@@ -135,7 +135,11 @@ impl Control {
                 let reach = LIKE_SHARE * (hi - lo);
                 [(v - reach).clamp(*lo, *hi), (v + reach).clamp(*lo, *hi)]
             };
-            pick(like).into_iter().zip(&free_bounds).map(around).collect()
+            let all = like.iter().copied().zip(&moves.bounds()).map(around).collect::<Vec<[f64; 2]>>();
+            let windows = pick(like).into_iter().zip(&free_bounds).map(around).enumerate();
+            windows
+                .map(|(k, own)| followed(k, own, &all, &ties, &free, &moves.identity()))
+                .collect::<Vec<_>>()
         });
         let rows = draft.rows.iter().map(|r| Row { first: number(r.first), last: number(r.last), ..*r });
         let mut out = Self {
@@ -152,6 +156,9 @@ impl Control {
             ties,
             free,
         };
+        if let Some(like) = &rules.like {
+            out.window_in_steps(&out.reduce(like));
+        }
         if let (Some(like), Some(most)) = (&rules.like, rules.most_groups) {
             let moved = out.moved_groups(&out.reduce(like));
             if moved > most {
@@ -160,6 +167,21 @@ impl Control {
         }
         out.pinned = rules.pinned.iter().map(|whole| (out.reduce(whole), whole.clone())).collect();
         Ok(out)
+    }
+
+    /// Brings the window to the steps of the modules in it; where none is, to the one nearest to the option itself.
+    fn window_in_steps(&mut self, like: &[f64]) {
+        let Some(mut window) = self.window.take() else { return };
+        for (k, own) in window.iter_mut().enumerate() {
+            let (step, identity) = (self.steps[k], self.identity[self.free[k]]);
+            if step == 0.0 {
+                continue;
+            }
+            let [least, most] = steps_between(*own, identity, step);
+            let nearest = self.snapped(k, like[k]);
+            *own = if least > most { [nearest; 2] } else { [least, most].map(|n| identity + n * step) };
+        }
+        self.window = Some(window);
     }
 
     /// Bounds of the free parameters, each in its own unit.
@@ -266,11 +288,10 @@ impl Control {
     /// Parameters with room to move that has no step of their module in it.
     pub fn without_a_step(&self) -> Vec<usize> {
         let is_stuck = |k: &usize| {
-            let ([lo, hi], identity) = (self.free_bounds[*k], self.identity[self.free[*k]]);
-            hi > lo
-                && self.steps[*k] > 0.0
-                && identity - lo < self.steps[*k]
-                && hi - identity < self.steps[*k]
+            let ([lo, hi], step) = (self.free_bounds[*k], self.steps[*k]);
+            let is_none =
+                || steps_between([lo, hi], self.identity[self.free[*k]], step).iter().all(|n| n.abs() < 1.0);
+            hi > lo && step > 0.0 && is_none()
         };
         (0..self.free.len()).filter(is_stuck).map(|k| self.free[k]).collect()
     }
@@ -296,8 +317,7 @@ impl Control {
             let is_none = (value - identity).abs() < self.least[k] && (lo..=hi).contains(&identity);
             return if is_none { identity } else { value.clamp(lo, hi) };
         }
-        let most = ((hi - identity) / step).floor();
-        let least = ((lo - identity) / step).ceil();
+        let [least, most] = steps_between([lo, hi], identity, step);
         identity + ((value - identity) / step).round().clamp(least, most) * step
     }
 
@@ -407,7 +427,10 @@ impl<'a> Draft<'a> {
                 known.push(&p.group_name);
             }
         }
-        format!("no group {name:?} that may move; there are {}", known.join(", "))
+        match known.as_slice() {
+            [] => format!("no group {name:?} that may move; there is none at all"),
+            known => format!("no group {name:?} that may move; there are {}", known.join(", ")),
+        }
     }
 
     /// For every parameter of the leader the one of a group that follows it, with the factor from the
@@ -475,6 +498,34 @@ fn direction(kind: Kind) -> Option<DVec2> {
         Kind::Along(rad) => Some(DVec2::from_angle(rad)),
         Kind::Rotate(_) | Kind::Scale(_) => None,
     }
+}
+
+/// A bound that a step misses by less than this share of it is reached: bounds are differences of rounded numbers.
+const STEP_SLACK: f64 = 1e-9;
+
+/// The fewest and the most steps from `identity` within bounds; the fewest are more where there is none.
+fn steps_between([lo, hi]: [f64; 2], identity: f64, step: f64) -> [f64; 2] {
+    [((lo - identity) / step - STEP_SLACK).ceil(), ((hi - identity) / step + STEP_SLACK).floor()]
+}
+
+/// The part of a free parameter's window in which all that follow it alone stay in theirs; all of it where there is none.
+fn followed(
+    free: usize,
+    own: [f64; 2],
+    windows: &[[f64; 2]],
+    ties: &[Vec<(usize, f64)>],
+    parameters: &[usize],
+    identity: &[f64],
+) -> [f64; 2] {
+    let still = identity[parameters[free]];
+    let narrowed = ties.iter().enumerate().fold(own, |[lo, hi], (i, tie)| match tie[..] {
+        [(k, factor)] if k == free && factor != 0.0 => {
+            let [a, b] = windows[i].map(|v| still + (v - identity[i]) / factor);
+            [lo.max(a.min(b)), hi.min(a.max(b))]
+        }
+        _ => [lo, hi],
+    });
+    if narrowed[0] <= narrowed[1] { narrowed } else { own }
 }
 
 #[cfg(test)]
@@ -558,6 +609,43 @@ mod tests {
         assert!(Control::new(&moves, &rules).unwrap_err().contains("cannot follow"));
         let rules = Rules { like: Some(vec![0.0]), ..Rules::default() };
         assert!(Control::new(&three(), &rules).is_err());
+    }
+
+    /// Bounds left over by an accepted option are differences of rounded numbers.
+    #[test]
+    fn a_step_that_ends_at_a_bound_fits() {
+        let mut moves = three();
+        moves.parameters[0].clause.upper = 0.3 - 0.2;
+        let rules = Rules { length_m: Some(0.1), ..Rules::default() };
+        let control = Control::new(&moves, &rules).unwrap();
+        assert!((control.permit(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0])[0] - 0.1).abs() < 1e-12);
+        assert!(!control.without_a_step().contains(&0));
+    }
+
+    #[test]
+    fn what_follows_and_what_keeps_a_module_stays_like_the_option_too() {
+        let moves = three();
+        let like = vec![0.3, 0.0, 0.3, 0.0, 0.0, 0.0];
+        let is_near = |p: &[f64], i: usize| {
+            let [lo, hi] = moves.bounds()[i];
+            (p[i] - like[i]).abs() <= LIKE_SHARE * (hi - lo) + 1e-12
+        };
+        let links = vec![link(&["a", "b"], [1.0, 1.0], false)];
+        let linked = Rules { links, like: Some(like.clone()), ..Rules::default() };
+        let wide = Rules { length_m: Some(0.7), like: Some(like.clone()), ..Rules::default() };
+        let snapped = Rules { length_m: Some(0.05), ..wide.clone() };
+        for rules in [linked, snapped] {
+            let control = Control::new(&moves, &rules).unwrap();
+            for far in [-3.0, 3.0] {
+                let p = control.expand(&control.permit(&vec![far; control.start().len()]));
+                assert!((0..6).all(|i| is_near(&p, i)), "{p:?}");
+            }
+        }
+        // No step of so wide a module lies near: the nearest is taken, whatever is asked for.
+        let control = Control::new(&moves, &wide).unwrap();
+        for far in [-3.0, 3.0] {
+            assert_eq!(control.permit(&[far; 6])[0], 0.0);
+        }
     }
 
     proptest! {

@@ -303,6 +303,12 @@ fn found(
     for m in &mut members {
         m.parameters = whole(&m.parameters);
     }
+    if settings.mode == Mode::Best && settings.method != Method::Paper && !members.is_empty() {
+        let best = best_in_all(settings, &outcome, &shown);
+        if outcome.members.iter().all(|m| m.parameters != best.parameters) {
+            members = vec![the_best(best, &whole)];
+        }
+    }
     let found = members.len();
     members = apart(study, members);
     let alike = outcome.alike + found - members.len();
@@ -357,15 +363,15 @@ fn found(
     }
 }
 
-/// The layout that keeps hard limits and thresholds and gains most in all, as options are ordered; the paper's
-/// algorithms and a single objective have their own.
+/// The layout that keeps hard limits and thresholds and gains most in all, as options are ordered; a single objective has
+/// its own. The paper's algorithms do not look for it among what they measure after their first stages.
 fn best_in_all<'a>(
     settings: &Settings,
     outcome: &'a search::Outcome<'_>,
     objectives: &[Objective],
 ) -> &'a search::Point {
     let aims = objectives.iter().filter(|o| o.name != "penalty").count();
-    if settings.method == Method::Paper || aims < 2 {
+    if settings.method != Method::Paper && aims < 2 {
         return &outcome.best;
     }
     let keeps = |p: &search::Point| {
@@ -376,6 +382,16 @@ fn best_in_all<'a>(
     let gain = |p: &search::Point| explain::total_gain(objectives, &p.values);
     let kept = outcome.archive.iter().filter(|p| keeps(p));
     kept.fold(&outcome.best, |best, p| if gain(p) > gain(best) { p } else { best })
+}
+
+/// The one option of mode best.
+fn the_best(point: &search::Point, whole: &dyn Fn(&[f64]) -> Vec<f64>) -> search::Member {
+    search::Member {
+        parameters: whole(&point.parameters),
+        values: point.values.clone(),
+        violation: point.violation,
+        within_threshold: true,
+    }
 }
 
 /// Leaves out the members that are as drawn or no better than the present layout, and says how many are no better;
