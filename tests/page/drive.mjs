@@ -252,6 +252,14 @@ try {
     await idle();
   }
   await page.waitForFunction(() => document.querySelector("#standing p").textContent.includes("cancelled"));
+  // Whoever pressed the button by keyboard is not thrown back to the beginning of the page.
+  await page.waitForFunction(() => document.activeElement !== document.body, { timeout: 10000 });
+  // A link to what is no longer watched says so.
+  const address = await page.evaluate(() => location.hash);
+  await page.evaluate(() => { location.hash = "#gone"; });
+  await page.waitForFunction(() => document.getElementById("title")?.textContent === "No such drawing");
+  await page.evaluate((a) => { location.hash = a; }, address);
+  await page.waitForSelector("#standing");
   assert.ok(await page.$$eval("#log li", (l) => l.length) > 2);
   // A drawing that failed says where.
   await page.evaluate(() => [...document.querySelectorAll("#drawings a")].find((a) => a.textContent.startsWith("broken.dxf")).click());

@@ -171,24 +171,36 @@ const head = (d) => [el("h2", { id: "title", tabindex: -1 }, name(d.name)), el("
 async function open(id) {
   shown = id;
   list();
-  if (!drawings.has(id)) return;
-  const turn = ++detail;
   const main = $("main");
+  if (!drawings.has(id)) {
+    if (id && drawings.size) main.replaceChildren(el("h2", { id: "title", tabindex: -1 }, "No such drawing"),
+      el("p", {}, "Nothing that is watched now has this address: choose from the list."));
+    return;
+  }
+  const turn = ++detail;
   const d = await ask(`drawings/${id}`).catch((why) => {
     if (turn === detail) main.replaceChildren(...head(drawings.get(id)), el("p", { class: "problem" }, `Not shown: ${why.message}.`));
     throw why;
   });
   if (turn !== detail) return;
-  const isAtTitle = document.activeElement?.id === "title";
+  // Whoever works by keyboard stays where the same button is again, else at the head.
+  const held = main.contains(document.activeElement) ? document.activeElement.id : null;
   main.replaceChildren(...head(d), standing(d));
-  if (isAtTitle) $("title").focus({ preventScroll: true });
+  await below(main, d);
+  if (held === null || turn !== detail || document.activeElement !== document.body) return;
+  const again = held && $(held);
+  (again && !again.disabled ? again : $("title")).focus({ preventScroll: true });
+}
+
+/** What is known of a drawing, below its state: options, or the present layout. */
+async function below(main, d) {
   const found = d.sets.filter((s) => s.startsWith("round-") || s === "so-far");
   if (found.length) await showOptions(main, d, found);
   else if (d.sets.includes("analysis")) {
     main.append(el("h3", {}, "The present layout"));
-    const maps = (await ask(`drawings/${id}/analysis`)).filter((n) => n.endsWith(".png") && n !== "check.png");
+    const maps = (await ask(`drawings/${d.id}/analysis`)).filter((n) => n.endsWith(".png") && n !== "check.png");
     main.append(el("div", { class: "maps" }, ...maps.map((n) => el("figure", {},
-      el("img", { src: `/api/drawings/${id}/analysis/${encodeURIComponent(n)}`, alt: `Heat map of ${n.slice(0, -4)}, as drawn` }),
+      el("img", { src: `/api/drawings/${d.id}/analysis/${encodeURIComponent(n)}`, alt: `Heat map of ${n.slice(0, -4)}, as drawn` }),
       el("figcaption", {}, n.slice(0, -4))))));
   }
 }
