@@ -111,6 +111,8 @@ impl Used {
 pub(super) fn state(scene: &File<'_>, shown: &[Shown], used: &Used, report: &mut Report) {
     let mut odd: Vec<(String, String)> = elsewhere(scene);
     let mut away: Vec<usize> = Vec::new();
+    let is_lost = |s: &&Shown| used.lost.contains(&s.node);
+    let lost: BTreeSet<usize> = shown.iter().filter(is_lost).flat_map(|s| s.path.iter().copied()).collect();
     let mut seen = BTreeSet::new();
     for s in shown.iter().filter(|s| !s.names(scene).any(layers::is_own) && seen.insert(s.node)) {
         let texts = tellers(scene, s.node).flat_map(unreadable).chain(idle_regions(scene, s, used));
@@ -128,8 +130,7 @@ pub(super) fn state(scene: &File<'_>, shown: &[Shown], used: &Used, report: &mut
             )),
             None if used.standing.contains(&s.node) => away.push(s.node),
             None => {
-                let is_lost = shown.iter().any(|t| used.lost.contains(&t.node) && t.path.contains(&s.node));
-                let why = match is_lost {
+                let why = match lost.contains(&s.node) {
                     true => "what it shows is left out",
                     false => "neither it nor what hangs on it shows a mesh",
                 };
