@@ -47,8 +47,9 @@ fn of_primitive(scene: &File<'_>, pointer: &str, primitive: &Json) -> Vec<(Strin
     let position = accessor(primitive.get("attributes").and_then(|a| a.index("POSITION")));
     let indices = accessor(primitive.index("indices"));
     let mut out = Vec::new();
-    let corners = indices.or(position).and_then(|(_, a)| a.index("count"));
-    let what = if indices.is_some() { "indices" } else { "vertices" };
+    let is_indexed = primitive.get("indices").is_some();
+    let corners = if is_indexed { indices } else { position }.and_then(|(_, a)| a.index("count"));
+    let what = if is_indexed { "indices" } else { "vertices" };
     let mode = primitive.index("mode").unwrap_or(TRIANGLES);
     match corners {
         Some(n) if mode == TRIANGLES && n % 3 != 0 => {
