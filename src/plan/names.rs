@@ -12,7 +12,10 @@ pub fn folded(name: &str) -> String {
 
 /// Names with `*` and `?` in them.
 #[derive(Clone, Debug)]
-pub struct Pattern(GlobMatcher);
+pub struct Pattern {
+    glob: GlobMatcher,
+    letters: Letters,
+}
 
 impl Pattern {
     /// Reads a pattern; `\` takes what follows it to the letter.
@@ -20,13 +23,45 @@ impl Pattern {
     /// # Errors
     /// Where it is none, as `[`.
     pub fn new(glob: &str) -> Result<Self, Error> {
-        let built = GlobBuilder::new(&folded(glob)).backslash_escape(true).build()?;
-        Ok(Self(built.compile_matcher()))
+        let glob = folded(glob);
+        let letters = Letters::of(&glob);
+        let built = GlobBuilder::new(&letters.plain(&glob)).backslash_escape(true).build()?;
+        Ok(Self { glob: built.compile_matcher(), letters })
     }
 
     /// Whether a name fits.
     pub fn is_match(&self, name: &str) -> bool {
-        self.0.is_match(folded(name))
+        self.glob.is_match(self.letters.plain(&folded(name)))
+    }
+}
+
+/// Letters of a pattern beyond ASCII, by code point: globs count bytes, and `?` is one letter.
+#[derive(Clone, Debug)]
+struct Letters(Vec<char>);
+
+/// What stands for letters beyond ASCII: one each for those of the pattern, one for all others. No name has any of them.
+const STAND_INS: usize = 31;
+const OTHER: char = '\u{7f}';
+
+impl Letters {
+    fn of(pattern: &str) -> Self {
+        let mut letters: Vec<char> = pattern.chars().filter(|c| !c.is_ascii()).collect();
+        letters.sort_unstable();
+        letters.dedup();
+        Self(letters)
+    }
+
+    /// A text in which every letter is one byte; as it is where the pattern has more letters than there are stand-ins.
+    fn plain(&self, text: &str) -> String {
+        if self.0.len() > STAND_INS {
+            return text.to_string();
+        }
+        let stand_in = |c: char| match self.0.binary_search(&c) {
+            _ if c.is_ascii() => c,
+            Ok(at) => char::from(at as u8 + 1),
+            Err(_) => OTHER,
+        };
+        text.chars().map(stand_in).collect()
     }
 }
 
@@ -49,6 +84,12 @@ mod tests {
         ] {
             assert!(Pattern::new(pattern).unwrap().is_match(name), "{pattern} {name}");
         }
+        let many: String = (0..40).filter_map(|i| char::from_u32('а' as u32 + i)).collect();
+        assert!(Pattern::new(&format!("{many}*")).unwrap().is_match(&format!("{many} 1")));
+        assert!(
+            !Pattern::new("s?d").unwrap().is_match("suüd") && Pattern::new("s?d").unwrap().is_match("SÜD")
+        );
+        assert!(!Pattern::new("süd").unwrap().is_match("söd"));
         assert!(!Pattern::new("kuche*").unwrap().is_match(composed));
         assert!(Pattern::new("[").is_err());
     }
