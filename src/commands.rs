@@ -598,18 +598,38 @@ fn data_beside(drawing: &Path, name: &str, most: u64) -> Option<Arc<[u8]>> {
     Some(is_taken.then(|| std::fs::read(&file).ok())??.into())
 }
 
-/// The IFC of the same name beside a glTF.
+/// The IFC of the same name beside a glTF, unpacked.
 fn twin(drawing: &Path) -> Option<Arc<[u8]>> {
-    let own = is_scene(drawing).then(|| bytes_of(&drawing.with_extension("ifc")))?;
+    let own = is_scene(drawing).then(|| building_like(drawing))?;
     Some(own.or_else(|| twin_of_before(drawing))?.into())
+}
+
+/// The building beside a file that bears its name: `.ifc` in any case, else packed.
+fn building_like(file: &Path) -> Option<Vec<u8>> {
+    let plain = file.with_extension("ifc");
+    let mut found: Vec<(usize, PathBuf)> = Vec::new();
+    for name in files_beside(file) {
+        let path = file.with_file_name(&name);
+        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+        let rank = ["ifc", "ifczip"].iter().position(|e| *e == ending);
+        found.extend(
+            rank.filter(|_| path.file_stem() == file.file_stem() && path != plain).map(|r| (r, path)),
+        );
+    }
+    found.sort();
+    let bytes =
+        std::iter::once(plain).chain(found.into_iter().map(|f| f.1)).find_map(|path| bytes_of(&path))?;
+    // What cannot be unpacked goes on as it is, to be told where it is read.
+    let unpacked = formats::ifc::is_zip(&bytes).then(|| formats::ifc::unzip("", &bytes).ok()).flatten();
+    Some(unpacked.unwrap_or(bytes))
 }
 
 /// The IFC beside the drawing that an accepted one was made of.
 fn twin_of_before(drawing: &Path) -> Option<Vec<u8>> {
     let said = settings_partial(drawing, Partial::default()).ok()?;
     let is_here = |name: &&str| Path::new(name).file_name().is_some_and(|n| n == *name);
-    let before = said.lineage.iter().rev().map(|l| l.drawing.as_str()).filter(is_here);
-    before.map(|name| drawing.with_file_name(name).with_extension("ifc")).find_map(|file| bytes_of(&file))
+    let mut before = said.lineage.iter().rev().map(|l| l.drawing.as_str()).filter(is_here);
+    before.find_map(|name| building_like(&drawing.with_file_name(name)))
 }
 
 fn settings_partial(drawing: &Path, command_line: Partial) -> Result<Partial, Error> {

@@ -665,3 +665,34 @@ fn a_scene_whose_data_lie_beside_it_takes_them_along() {
         assert!(!said.contains("walls 1.bin"), "{name}: {said}");
     }
 }
+
+/// The building beside a scene is found whatever the case of its ending, packed too.
+#[test]
+fn the_building_beside_a_scene_is_found_in_any_dress() {
+    let (name, data) = (b"house.ifc", std::fs::read(sample("pavilion.ifc")).unwrap());
+    let of = |start: &[u8], fields: &[(u32, usize)]| {
+        let numbers = fields.iter().flat_map(|(v, n)| v.to_le_bytes()[..*n].to_vec());
+        [start.to_vec(), numbers.collect()].concat()
+    };
+    let n = data.len() as u32;
+    // Stored as it is: version, flags, method, time, check, sizes, lengths of names.
+    let about = [(20, 2), (0, 2), (0, 2), (0, 4), (0, 4), (n, 4), (n, 4), (9, 2), (0, 2)];
+    let local = of(b"PK\x03\x04", &about);
+    let entry =
+        of(b"PK\x01\x02", &[&[(20, 2)], &about[..], &[(0, 2), (0, 2), (0, 2), (0, 4), (0, 4)]].concat());
+    let at = (local.len() + name.len()) as u32 + n;
+    let size = (entry.len() + name.len()) as u32;
+    let end = of(b"PK\x05\x06", &[(0, 4), (1, 2), (1, 2), (size, 4), (at, 4), (0, 2)]);
+    let zip = [&local[..], name, &data, &entry, name, &end].concat();
+    for (file, bytes) in
+        [("house.IFC", &data), ("house.Ifc", &data), ("house.ifczip", &zip), ("house.IFCZIP", &zip)]
+    {
+        let folder = tempfile::tempdir().unwrap();
+        let glb = folder.path().join("house.glb");
+        std::fs::copy(sample("pavilion.glb"), &glb).unwrap();
+        std::fs::write(folder.path().join(file), bytes).unwrap();
+        std::fs::write(folder.path().join("other.ifc"), b"nothing").unwrap();
+        let said = text(&enfilade(&["check", &glb.to_string_lossy()]).stderr);
+        assert!(said.contains("storeys by the IFC beside it: 1 \"Ground floor\""), "{file}: {said}");
+    }
+}

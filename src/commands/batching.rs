@@ -55,7 +55,8 @@ fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> R
         None => vec![settings.storey.clone()],
         Some("all") => {
             let found = formats::storeys(&shown, &bytes, &formats::ReadOptions::default());
-            let found: Vec<String> = found.into_iter().filter(|s| s.walls > 0).map(|s| s.name).collect();
+            let walled = (0..found.len()).filter(|i| found[*i].walls > 0);
+            let found: Vec<String> = walled.map(|i| formats::storey_key(&found, i)).collect();
             if found.is_empty() { vec![None] } else { found.into_iter().map(Some).collect() }
         }
         Some(list) => named_storeys(&shown, &bytes, list)?.into_iter().map(Some).collect(),

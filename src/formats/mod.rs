@@ -13,6 +13,7 @@ use std::sync::Arc;
 
 use crate::plan::drawing::{Addition, Drawing, Edit, Format, SourceRef, Unit};
 use crate::plan::giants;
+use crate::plan::names::folded;
 use crate::report::{Error, Place, Report};
 pub use dxf::{ChangedRecord, Completeness};
 
@@ -50,18 +51,66 @@ pub struct StoreyInfo {
     pub walls: usize,
 }
 
+/// What a space is called.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SpaceNames {
+    /// Its own names, the short one first.
+    pub names: Vec<String>,
+    /// Those of the zones that it is in.
+    pub zones: Vec<String>,
+}
+
 /// Which of the storeys is meant, names from the lowest: by its name to the letter, else by its name whatever its
-/// case, blanks and STEP escapes, else by its number from 1 or its folder (`storey-1`).
+/// case, blanks, way of storing accents and STEP escapes, else by its number from 1 or its folder (`storey-1`). Of several
+/// of one name the lowest, see [`storeys_at`].
 pub fn storey_at<'n>(names: impl Iterator<Item = &'n str>, wanted: &str) -> Option<usize> {
-    let names: Vec<&str> = names.collect();
-    let exact = names.iter().position(|n| *n == wanted);
-    let plain = |name: &str| name.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase();
-    let by_name = |wanted: &str| names.iter().position(|n| plain(n) == plain(wanted));
-    let number = || {
-        let number = plain(wanted).trim_start_matches("storey-").parse::<usize>().ok()?;
-        number.checked_sub(1).filter(|i| *i < names.len())
+    storeys_at(&names.collect::<Vec<_>>(), wanted).first().copied()
+}
+
+/// All the storeys that a name or number fits as [`storey_at`] finds them, from the lowest: several where they have one
+/// name.
+pub fn storeys_at(names: &[&str], wanted: &str) -> Vec<usize> {
+    let all = |fits: &dyn Fn(&str) -> bool| -> Vec<usize> {
+        (0..names.len()).filter(|i| fits(names[*i])).collect()
     };
-    exact.or_else(|| by_name(wanted)).or_else(|| by_name(&ifc::decoded(wanted))).or_else(number)
+    let by_name = |wanted: &str| {
+        let wanted = folded(wanted);
+        all(&|n| folded(n) == wanted)
+    };
+    let number = || {
+        let number = folded(wanted).trim_start_matches("storey-").parse::<usize>().ok();
+        number.and_then(|n| n.checked_sub(1)).filter(|i| *i < names.len()).into_iter().collect()
+    };
+    let exact = all(&|n| n == wanted);
+    let mut ways = [exact, by_name(wanted), by_name(&ifc::decoded(wanted))].into_iter();
+    ways.find(|found| !found.is_empty()).unwrap_or_else(number)
+}
+
+/// How `--storey` names one of the storeys and no other: by its name, by its number where others have the same name.
+pub fn storey_key(storeys: &[StoreyInfo], index: usize) -> String {
+    let names: Vec<&str> = storeys.iter().map(|s| s.name.as_str()).collect();
+    let name = names.get(index).copied().unwrap_or_default();
+    let ways = [name.to_string(), format!("storey-{}", index + 1), (index + 1).to_string()];
+    ways.into_iter().find(|way| storeys_at(&names, way) == [index]).unwrap_or_else(|| name.into())
+}
+
+/// Says so where a storey was named that others share the name of.
+fn state_shared_name(file: &str, storeys: &[StoreyInfo], wanted: &str, report: &mut Report) {
+    let names: Vec<&str> = storeys.iter().map(|s| s.name.as_str()).collect();
+    let found = storeys_at(&names, wanted);
+    if found.len() < 2 {
+        return;
+    }
+    let keys: Vec<String> = found
+        .iter()
+        .map(|i| format!("{} (floor {:.3} m)", storey_key(storeys, *i), storeys[*i].floor_m))
+        .collect();
+    let text = format!(
+        "--storey \"{wanted}\": found {} storeys of that name, expected one; the lowest was taken; by number: {}",
+        found.len(),
+        keys.join(", ")
+    );
+    report.warn("storey-name", Place::file(file), text);
 }
 
 /// Storeys as a message lists them: the number and the name, both as `--storey` takes them.
@@ -88,6 +137,7 @@ impl ReadOptions {
             classes: twin.classes,
             hosts: twin.hosts,
             storeys: twin.storeys,
+            spaces: twin.spaces,
             buffers: self.buffers.clone(),
             pictures: self.pictures.clone(),
         }
@@ -221,7 +271,11 @@ impl<'a> Opened<'a> {
         }
         let found = match (format_of(self.file, self.bytes), options.twin.as_deref()) {
             (Format::Ifc, _) => ifc::inventory(&plain(self.file, self.bytes), options.unit),
-            (Format::Gltf | Format::Glb, Some(twin)) => ifc::inventory(twin, None),
+            (Format::Gltf | Format::Glb, Some(twin))
+                if gltf::uses_twin(self.file, self.bytes, &options.gltf()) =>
+            {
+                ifc::inventory(twin, None)
+            }
             _ => return (Vec::new(), None),
         };
         (found.storeys, Some(found.elements))

@@ -1,18 +1,18 @@
 //! What a building's file knows beyond outlines: spaces, openings, moves stated of its elements.
 
 use std::borrow::Cow;
-use std::collections::BTreeSet;
-
-use globset::{GlobBuilder, GlobMatcher};
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Input, study};
 use crate::config::{MoveTable, Settings};
 use crate::formats::ifc::{CLOSING_LAYERS, ZONE_LAYER};
-use crate::formats::{self, Opened, StoreyInfo};
+use crate::formats::{self, Opened};
 use crate::plan::curve::Trace;
 use crate::plan::drawing::{Drawing, Entity};
 use crate::plan::geometry::{PointUm, Segment};
-use crate::plan::{DOOR_LAYER, Plan, Region, Wall, curve};
+use crate::plan::names::Pattern;
+use crate::plan::views::FAR_M;
+use crate::plan::{DOOR_LAYER, Plan, Region, Wall, box_of, curve};
 use crate::report::{Error, Place, Report};
 
 /// Layer of spaces.
@@ -24,7 +24,7 @@ const NAMED: [(&str, &str, &str); 2] = [("space:", "space", SPACE_LAYER), ("zone
 /// What `--query` asks for.
 struct Asked {
     /// Names that are meant.
-    glob: GlobMatcher,
+    names: Pattern,
     /// A space or a zone, in words.
     what: &'static str,
     /// The layer of their names.
@@ -41,15 +41,19 @@ impl Asked {
                 "--query {query:?}: expected space:NAME or zone:NAME, * and ? may stand in NAME; nothing was done"
             )));
         };
-        let glob = GlobBuilder::new(pattern).case_insensitive(true).build();
-        let glob = glob.map_err(|e| usage(format!("--query {query:?}: {e}; nothing was done")))?;
-        Ok(Self { glob: glob.compile_matcher(), what, layer })
+        let names = match pattern.contains(r"\X") {
+            // As somebody copies a name out of a STEP file.
+            true => Pattern::new(&formats::ifc::decoded(pattern)),
+            false => Pattern::new(pattern),
+        };
+        let names = names.map_err(|e| usage(format!("--query {query:?}: {e}; nothing was done")))?;
+        Ok(Self { names, what, layer })
     }
 
     /// Records of the spaces that are meant.
     fn hits(&self, drawing: &Drawing) -> Vec<usize> {
         let named = drawing.texts.iter().filter(|t| t.layer == self.layer);
-        let meant = named.filter(|t| t.text.lines().any(|l| self.glob.is_match(l)));
+        let meant = named.filter(|t| t.text.lines().any(|l| self.names.is_match(l)));
         meant.map(|t| t.source.record).collect()
     }
 
@@ -102,19 +106,20 @@ pub(super) fn on_storey_of_query<'s>(
         None => (0..storeys.len()).rev().max_by_key(|i| storeys[*i].walls),
     };
     let Some(own) = own.filter(|_| storeys.len() > 1) else { return same };
-    let of = |s: &StoreyInfo| formats::ReadOptions { storey: Some(s.name.clone()), ..options.clone() };
+    let key = |i: usize| formats::storey_key(&storeys, i);
+    let of = |i: usize| formats::ReadOptions { storey: Some(key(i)), ..options.clone() };
     let has = |(drawing, _): &(Result<Drawing, Error>, Report)| {
         drawing.as_ref().is_ok_and(|d| !asked.hits(d).is_empty())
     };
-    if opened.read_all(&[of(&storeys[own])]).iter().any(has) {
+    if opened.read_all(&[of(own)]).iter().any(has) {
         return same;
     }
-    let read = opened.read_all(&storeys.iter().map(of).collect::<Vec<_>>());
-    let (what, here) = (asked.what, &storeys[own].name);
+    let read = opened.read_all(&(0..storeys.len()).map(of).collect::<Vec<_>>());
+    let (what, here) = (asked.what, key(own));
     let usage = |text: String| Error::usage("query", Place::file(input.file()), text + "; nothing was done");
-    let Some(other) = read.iter().position(has).map(|i| &storeys[i].name) else {
-        let names = storeys.iter().zip(&read).filter_map(|(s, (drawing, _))| {
-            Some(format!("on \"{}\": {}", s.name, asked.names(drawing.as_ref().ok()?)))
+    let Some(other) = read.iter().position(has).map(key) else {
+        let names = read.iter().enumerate().filter_map(|(i, (drawing, _))| {
+            Some(format!("on \"{}\": {}", key(i), asked.names(drawing.as_ref().ok()?)))
         });
         let names = names.collect::<Vec<_>>().join("; ");
         return Err(usage(format!("--query {query:?}: no such {what}, {what}s present {names}")));
@@ -136,11 +141,19 @@ fn ring(entity: &Entity, plan: &Plan) -> Option<Region> {
     (points.len() > 2).then_some(Region::Ring(points))
 }
 
-/// What closes doors and windows: for finding out what lies inside a building, not for sight.
+/// What closes doors and windows: for finding out what lies inside a building, not for sight. What belongs to a wall far off
+/// closes nothing.
 pub(super) fn closings(drawing: &Drawing, plan: &Plan) -> Vec<Segment> {
     let plugs = drawing.entities.iter().filter(|e| CLOSING_LAYERS.contains(&e.layer.as_str()));
+    let walls = plan.walls.iter().flat_map(|w| w.trace.points.iter().map(|p| plan.frame.plan_from_um(*p)));
+    let extent = box_of(walls);
+    let is_near = |s: &Segment| {
+        let p = plan.frame.plan_from_um(s.a);
+        extent.is_none_or(|[lo, hi]| p.distance(p.clamp(lo, hi)) <= FAR_M)
+    };
     plugs
         .flat_map(|e| curve::trace(&e.shape, &plan.frame).segments().map(|s| s.2).collect::<Vec<_>>())
+        .filter(is_near)
         .collect()
 }
 
@@ -182,24 +195,36 @@ pub(super) fn count(openings: &[NamedOpening], are_doors: bool) -> u64 {
     of_kind.map(|o| o.record).collect::<BTreeSet<usize>>().len() as u64
 }
 
-/// The moves that elements state of themselves, those of one name together.
+/// The moves that elements state of themselves: those that state one name and one move go together, every other by itself,
+/// under a name of its own.
 pub(super) fn marked_moves(drawing: &Drawing) -> Vec<MoveTable> {
     let mut out: Vec<MoveTable> = Vec::new();
+    let mut together: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    let given: BTreeSet<&str> = drawing.marked.iter().map(|m| m.name.as_str()).collect();
+    let mut taken: BTreeSet<String> = BTreeSet::new();
     for marked in &drawing.marked {
         let handle = marked.source.handle.clone().unwrap_or_default();
-        let same = |t: &&mut MoveTable| {
-            t.name.as_deref() == Some(&marked.name) && !marked.name.is_empty() && t.moves == marked.text
-        };
-        match out.iter_mut().find(same) {
-            Some(table) => table.handles.push(handle),
-            None => out.push(MoveTable {
-                name: Some(marked.name.clone()).filter(|n| !n.is_empty()),
-                moves: marked.text.clone(),
-                nodes: Vec::new(),
-                handles: vec![handle],
-                layers: Vec::new(),
-            }),
+        let key = (marked.name.as_str(), marked.text.as_str());
+        if let Some(at) = together.get(&key).filter(|_| marked.is_named) {
+            out[*at].handles.push(handle);
+            continue;
         }
+        if marked.is_named {
+            together.insert(key, out.len());
+        }
+        let mut name = marked.name.clone();
+        if taken.contains(&name) {
+            let mut others = (2..).map(|k| format!("{} {k}", marked.name));
+            name = others.find(|n| !given.contains(n.as_str()) && !taken.contains(n)).unwrap_or(name);
+        }
+        taken.insert(name.clone());
+        out.push(MoveTable {
+            name: Some(name).filter(|n| !n.is_empty()),
+            moves: marked.text.clone(),
+            nodes: Vec::new(),
+            handles: vec![handle],
+            layers: Vec::new(),
+        });
     }
     out
 }

@@ -1,7 +1,5 @@
 //! The other storeys of a building: each checked and measured by itself, in a folder of its own.
 
-use std::collections::BTreeSet;
-
 use super::study::Understood;
 use super::{Input, Study, analyse_storey, building, check_picture, show, study};
 use crate::config::Settings;
@@ -17,17 +15,15 @@ const OF_ELEMENTS: [&str; 5] = ["ifc-element", "ifc-not-cut", "ifc-space", "gltf
 
 /// Of the storeys found those with walls, each with its folder (`storey-1` is the lowest) and the settings that read it; none
 /// where the settings name one, or there is only one.
-fn others(found: Vec<StoreyInfo>, settings: &Settings) -> Vec<(StoreyInfo, String, Settings)> {
+fn others(found: &[StoreyInfo], settings: &Settings) -> Vec<(StoreyInfo, String, Settings)> {
     if settings.storey.is_some() {
         return Vec::new();
     }
-    let of = |(i, s): (usize, StoreyInfo)| {
-        let own = Settings { storey: Some(s.name.clone()), ..settings.clone() };
-        (s, format!("storey-{}", i + 1), own)
+    let of = |(i, s): (usize, &StoreyInfo)| {
+        let own = Settings { storey: Some(formats::storey_key(found, i)), ..settings.clone() };
+        (s.clone(), format!("storey-{}", i + 1), own)
     };
-    // Storeys of one name are one: `--storey` takes the lowest.
-    let mut names = BTreeSet::new();
-    let walled = found.into_iter().enumerate().filter(|(_, s)| s.walls > 0 && names.insert(s.name.clone()));
+    let walled = found.iter().enumerate().filter(|(_, s)| s.walls > 0);
     let out: Vec<_> = walled.map(of).take(STOREYS_MAX).collect();
     if out.len() < 2 { Vec::new() } else { out }
 }
@@ -67,7 +63,7 @@ pub(super) fn check(
     files: &mut Vec<OutFile>,
 ) -> (Option<BuildingEntry>, Vec<StoreyEntry>) {
     let (found, elements) = opened.building(&study::read_options(settings));
-    let list = others(found, settings);
+    let list = others(&found, settings);
     let main = main_of(&list);
     let others = list.iter().enumerate().filter(|(i, _)| Some(*i) != main).map(|(_, (_, _, own))| own);
     let options: Vec<_> = others.clone().map(study::read_options).collect();
@@ -124,7 +120,7 @@ pub(super) fn analyse(
     cancel: &Cancel,
 ) -> Result<Vec<StoreyEntry>, Error> {
     let found = formats::storeys(input.file(), &input.bytes, &study::read_options(settings));
-    let list = others(found, settings);
+    let list = others(&found, settings);
     let main = main_of(&list);
     let mut out = Vec::new();
     for (i, (storey, folder, own)) in list.iter().enumerate() {
@@ -184,7 +180,7 @@ mod tests {
         let settings = Settings::new(Partial::default()).unwrap();
         let found =
             |n: usize| formats::storeys("t.ifc", tower(n).as_bytes(), &study::read_options(&settings));
-        let count = |n: usize| others(found(n), &settings).len();
+        let count = |n: usize| others(&found(n), &settings).len();
         assert_eq!((count(1), count(3), count(STOREYS_MAX + 2)), (0, 3, STOREYS_MAX));
     }
 }

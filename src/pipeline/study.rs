@@ -281,7 +281,7 @@ fn moves(
         let stated = building::marked_moves(drawing);
         let (groups, records) = side_car_groups(drawing, plan, graph, (&stated, false), report)?;
         if groups.is_empty() {
-            state_unread_marks("Pset_Enfilade", plan, report);
+            state_unread_marks(marked::marks_of(drawing.format), plan, report);
         }
         return Ok(Moves::of_records(plan, graph, axes, (&groups, &records), report));
     }

@@ -9,7 +9,7 @@ use super::drawing::{Drawing, Entity, Format};
 use super::layers::{self, WallLayers};
 use super::roles::{Role, role_by_name};
 use super::scores::{Score, wall_scores};
-use super::views::{STRAY, Sheet, View, split, strays};
+use super::views::{STRAY, Sheet, View, far_off, split, strays};
 use super::{LayerUse, PlanOptions, borders, clutter, markers};
 use crate::report::{Error, Place, Report};
 
@@ -57,6 +57,7 @@ pub(super) fn choose_walls(
     report: &mut Report,
 ) -> Result<Chosen, Error> {
     let by_name = WallLayers::new(&options.wall_layers)?;
+    let by_name = if drawing.format == Format::Dxf { by_name } else { by_name.of_building() };
     let hidden = Hidden::new(drawing);
     let counts = counts(drawing);
     let assumed = assumed_layers(drawing, &counts, &by_name, &hidden);
@@ -195,30 +196,15 @@ pub(super) fn choose_view(
     metres_per_unit: f64,
     report: &mut Report,
 ) -> Result<(Vec<usize>, Vec<View>), Error> {
-    let hidden = Hidden::new(drawing);
-    let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
-    let passive: BTreeSet<&str> = chosen
-        .layers
-        .iter()
-        .filter(|l| {
-            let role = role_by_name(&l.name).0;
-            l.role != "wall" && matches!(role, Role::Text | Role::Dimension | Role::Site)
-                || layers::is_own(&l.name)
-        })
-        .map(|l| l.name.as_str())
-        .collect();
-    let is_seen = |e: &Entity| !hidden.entity(e) && !passive.contains(e.layer.as_str());
-    let Sheet { mut views, of_wall } = split(drawing, &walls, &is_seen, &marks(drawing), metres_per_unit);
     if drawing.format != Format::Dxf {
-        // A storey is one plan, however many buildings stand on it.
-        views.truncate(1);
-        say_unused_view(drawing, &views, options, report);
-        return Ok((chosen.walls.clone(), views));
+        return Ok(of_building(drawing, options, chosen, metres_per_unit, report));
     }
+    let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
+    let Sheet { mut views, of_wall } = sheet(drawing, chosen, &walls, metres_per_unit);
     if options.picked.is_some() {
         return Ok((chosen.walls.clone(), views));
     }
-    let takes_all = options.view.as_deref().is_some_and(|v| v.trim().eq_ignore_ascii_case("all"));
+    let takes_all = takes_all(options);
     if views.len() < 2 {
         say_unused_view(drawing, &views, options, report);
         let far = strays(&walls, metres_per_unit);
@@ -243,6 +229,68 @@ pub(super) fn choose_view(
     let picked = walls.filter(|(_, v)| is_taken(**v)).map(|w| *w.0).collect();
     Ok((picked, views))
 }
+
+/// The drawings of a sheet.
+fn sheet(drawing: &Drawing, chosen: &Chosen, walls: &[&Entity], metres_per_unit: f64) -> Sheet {
+    let hidden = Hidden::new(drawing);
+    let passive: BTreeSet<&str> = chosen
+        .layers
+        .iter()
+        .filter(|l| {
+            let role = role_by_name(&l.name).0;
+            l.role != "wall" && matches!(role, Role::Text | Role::Dimension | Role::Site)
+                || layers::is_own(&l.name)
+        })
+        .map(|l| l.name.as_str())
+        .collect();
+    let is_seen = |e: &Entity| !hidden.entity(e) && !passive.contains(e.layer.as_str());
+    split(drawing, walls, &is_seen, &marks(drawing), metres_per_unit)
+}
+
+/// Whether everything on the sheet is to be read.
+fn takes_all(options: &PlanOptions) -> bool {
+    options.view.as_deref().is_some_and(|v| v.trim().eq_ignore_ascii_case("all"))
+}
+
+/// A storey is one plan, however many buildings stand on it; without the walls that stand where none of them is.
+fn of_building(
+    drawing: &Drawing,
+    options: &PlanOptions,
+    chosen: &Chosen,
+    metres_per_unit: f64,
+    report: &mut Report,
+) -> (Vec<usize>, Vec<View>) {
+    let all: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
+    let far = match options.picked.is_some() || takes_all(options) {
+        true => vec![false; all.len()],
+        false => far_off(&all, metres_per_unit),
+    };
+    let mut named = BTreeSet::new();
+    let slips: Vec<&Entity> = all
+        .iter()
+        .zip(&far)
+        .filter(|(e, far)| **far && named.insert(e.source.record))
+        .map(|(e, _)| *e)
+        .collect();
+    for e in slips.iter().take(FAR_TOLD) {
+        let text = "it stands far from all the others; left out of the plan, kept in the file; --view all takes it in";
+        report.warn("far-wall", markers::place(drawing, &e.source), text);
+    }
+    if slips.len() > FAR_TOLD {
+        let text = format!("{} more walls stand as far off and are left out", slips.len() - FAR_TOLD);
+        report.warn("far-wall", Place::file(&drawing.file), text);
+    }
+    let taken: Vec<usize> =
+        chosen.walls.iter().zip(&far).filter(|(_, far)| !**far).map(|(i, _)| *i).collect();
+    let walls: Vec<&Entity> = taken.iter().map(|i| &drawing.entities[*i]).collect();
+    let mut views = sheet(drawing, chosen, &walls, metres_per_unit).views;
+    views.truncate(1);
+    say_unused_view(drawing, &views, options, report);
+    (taken, views)
+}
+
+/// Most walls far off that are named one by one.
+const FAR_TOLD: usize = 20;
 
 fn state_strays(drawing: &Drawing, count: usize, report: &mut Report) {
     if count > 0 {

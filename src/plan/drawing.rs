@@ -232,8 +232,10 @@ pub struct Drawing {
 /// A move that the file states of one of its elements (`Pset_Enfilade` of a building).
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkedMove {
-    /// Name of the group; elements of one name move together.
+    /// Name of the group; elements that state one name and one move go together.
     pub name: String,
+    /// Whether the name is stated with the move, else it is the element's own.
+    pub is_named: bool,
     /// Clauses as on the `EF-MOVE` layer: `x -1 1; rotate -15 15`.
     pub text: String,
     /// [`SourceRef::record`] of the element.

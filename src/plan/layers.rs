@@ -1,7 +1,6 @@
 //! Which layers carry walls, by name.
 
-use globset::{GlobBuilder, GlobMatcher};
-
+use super::names::Pattern;
 use super::roles::{Role, role_by_name};
 use crate::report::{Error, Place};
 
@@ -11,8 +10,13 @@ pub const OWN_PREFIX: &str = "EF-";
 /// Decides by name which layers carry walls.
 #[derive(Clone, Debug)]
 pub struct WallLayers {
-    user: Vec<(String, GlobMatcher)>,
+    user: Vec<(String, Pattern)>,
+    keeps_classes: bool,
 }
+
+/// Classes of a building that are walls unless the user chooses among them.
+const WALL_CLASSES: [&str; 5] =
+    ["IfcWall", "IfcWallStandardCase", "IfcWallElementedCase", "IfcColumn", "IfcColumnStandardCase"];
 
 impl WallLayers {
     /// `globs`: the user's patterns (case-insensitive, `*` and `?`); empty for the default words.
@@ -21,14 +25,21 @@ impl WallLayers {
     /// [`Error::Usage`] for a pattern that cannot be read.
     pub fn new(globs: &[String]) -> Result<Self, Error> {
         let compile = |glob: &String| {
-            let built = GlobBuilder::new(glob).case_insensitive(true).backslash_escape(true).build();
-            built.map(|g| (glob.clone(), g.compile_matcher())).map_err(|e| {
+            Pattern::new(glob).map(|p| (glob.clone(), p)).map_err(|e| {
                 let text =
                     format!("--wall-layer {glob:?}: {e}; expected a layer name in which * and ? may stand");
                 Error::usage("wall-layer-pattern", Place::default(), text)
             })
         };
-        Ok(Self { user: globs.iter().map(compile).collect::<Result<_, _>>()? })
+        Ok(Self { user: globs.iter().map(compile).collect::<Result<_, _>>()?, keeps_classes: false })
+    }
+
+    /// The same for a building, whose file says outright what is a wall: walls and columns stay walls beside what the user
+    /// names, unless that is one of their own classes.
+    #[must_use]
+    pub fn of_building(self) -> Self {
+        let names_one = self.user.iter().any(|(_, m)| WALL_CLASSES.iter().any(|c| m.is_match(c)));
+        Self { keeps_classes: !names_one, ..self }
     }
 
     /// Whether the user chose the layers.
@@ -42,11 +53,14 @@ impl WallLayers {
             return None;
         }
         if self.is_by_user() {
-            let is_named = |m: &GlobMatcher| {
-                [layer, base_name(layer), class_name(layer)].into_iter().any(|n| m.is_match(n))
-            };
+            let is_named =
+                |m: &Pattern| [layer, base_name(layer), class_name(layer)].into_iter().any(|n| m.is_match(n));
             let hit = self.user.iter().find(|(_, m)| is_named(m));
-            return hit.map(|(glob, _)| format!("matches --wall-layer {glob}"));
+            let own = || {
+                let is_own = self.keeps_classes && WALL_CLASSES.contains(&class_name(layer));
+                is_own.then(|| "a wall by its class, beside what --wall-layer names".to_string())
+            };
+            return hit.map(|(glob, _)| format!("matches --wall-layer {glob}")).or_else(own);
         }
         let (role, why) = role_by_name(layer);
         matches!(role, Role::Wall | Role::Column).then_some(why)
@@ -141,5 +155,36 @@ mod tests {
         let of_class = WallLayers::new(&["IfcWall".into(), "plan".into()]).unwrap();
         assert!(of_class.reason("IfcWall (window at knee height)").is_some());
         assert!(of_class.reason("IfcWallStandardCase").is_none() && of_class.reason("Plan (old)").is_none());
+    }
+
+    /// Who names glass or furniture in a building does not say that its walls are none; who names walls chooses among them.
+    #[test]
+    fn walls_of_a_building_stay_walls_beside_what_the_user_names() {
+        let walls = |globs: &[&str], is_building: bool| -> Vec<&str> {
+            let chosen = WallLayers::new(&globs.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap();
+            let chosen = if is_building { chosen.of_building() } else { chosen };
+            let all = [
+                "IfcWall",
+                "IfcWall (window at knee height)",
+                "IfcColumn",
+                "IfcCurtainWall",
+                "IfcDoor",
+                "Wall",
+            ];
+            all.into_iter().filter(|l| chosen.reason(l).is_some()).collect()
+        };
+        let kept = ["IfcWall", "IfcWall (window at knee height)", "IfcColumn"];
+        assert_eq!(walls(&["ifccurtain*"], true), [&kept[..], &["IfcCurtainWall"]].concat());
+        assert_eq!(
+            walls(&["IfcDoor", "IfcCurtainWall"], true),
+            [&kept[..], &["IfcCurtainWall", "IfcDoor"]].concat()
+        );
+        assert_eq!(walls(&["IfcCurtainWall"], false), ["IfcCurtainWall"]);
+        assert_eq!(
+            walls(&["IfcWall", "IfcDoor"], true),
+            ["IfcWall", "IfcWall (window at knee height)", "IfcDoor"]
+        );
+        assert_eq!(walls(&["IfcColumn"], true), ["IfcColumn"]);
+        assert_eq!(walls(&["AUSSENWÄNDE", "wall"], true), [&kept[..], &["Wall"]].concat());
     }
 }

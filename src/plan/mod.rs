@@ -21,6 +21,7 @@ mod infill;
 pub mod interior;
 pub mod layers;
 pub mod markers;
+pub mod names;
 pub mod obstacles;
 pub mod outline;
 pub mod parallels;

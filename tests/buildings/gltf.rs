@@ -351,7 +351,7 @@ fn a_value_read_as_something_else_is_named() {
         assert_eq!(matches!(wall.editable, Editable::No(_)), is_kept, "{words}");
     }
     let twice = said(|j| j["nodes"][0]["children"] = json!([1]));
-    let words = "/nodes/1 IfcColumn/Column: hangs in several nodes, expected one, and so do 0 more; shown at every place";
+    let words = "/nodes/1 IfcColumn/Column: hangs in several nodes, expected one; shown at every place, it does not move";
     assert_says(&twice, &[words]);
     let odd = said(|j| {
         let nodes = j["nodes"].as_array_mut().unwrap();
@@ -490,9 +490,167 @@ fn marks_that_cannot_be_read_are_named() {
         );
         j["scenes"][0]["nodes"] = json!([0, 1, 2]);
     });
-    let words =
-        "the moves that extras.enfilade states of /nodes/2 IfcWall/over are not used: nothing of them stands";
+    let words = "the move that extras.enfilade states of /nodes/2 IfcWall/over is not used: nothing of it reaches the height";
     assert_says(&high, &[words]);
+    let marks = json!({"enfilade": {"move": "x -1 1"}});
+    for (node, words) in [
+        (
+            json!({"name": "empty", "extras": marks}),
+            "empty: the move that extras.enfilade states is not used: neither it",
+        ),
+        (
+            json!({"name": "IfcWall/0", "mesh": 0, "scale": [0, 0, 0], "extras": marks}),
+            "used: what it shows is left out",
+        ),
+    ] {
+        let told = said(|j| {
+            j["nodes"].as_array_mut().unwrap().push(node);
+            j["scenes"][0]["nodes"] = json!([0, 1, 2]);
+        });
+        assert_says(&told, &[words]);
+        assert!(!told.contains("height of the cut and"), "{told}");
+    }
+}
+
+/// What a mesh says holds for the nodes that show it; what says it elsewhere, or where it means nothing, is told.
+#[test]
+fn marks_that_mean_nothing_where_they_stand_are_named() {
+    let moved = json!({"enfilade": {"move": "x -1 1", "name": "screen"}});
+    let (drawing, told) = read(&file(|j| j["meshes"][0]["extras"] = moved.clone())).unwrap();
+    let marked: Vec<_> = drawing.marked.iter().map(|m| (m.name.as_str(), m.is_named, m.record)).collect();
+    assert_eq!(marked, [("screen", true, 0)], "{told}");
+    // The node's own word is nearer.
+    let (drawing, _) = read(&file(|j| {
+        j["meshes"][0]["extras"] = moved.clone();
+        j["nodes"][0]["extras"] = json!({"enfilade": "y -1 1"});
+    }))
+    .unwrap();
+    assert_eq!(drawing.marked.iter().map(|m| m.text.as_str()).collect::<Vec<_>>(), ["y -1 1"]);
+    let kept = read(&file(|j| j["meshes"][0]["extras"] = json!({"enfilade": {"keep": true}}))).unwrap().0;
+    let wall = kept.entities.iter().find(|e| e.source.record == 0).unwrap();
+    assert_eq!(wall.editable, Editable::No("extras.enfilade says keep".into()));
+
+    let elsewhere = said(|j| {
+        j["materials"] = json!([{"extras": {"enfilade": {"keep": true}}}]);
+        j["scenes"][0]["extras"] = json!({"enfilade": {"query": true}});
+        j["meshes"][0]["primitives"][0]["extras"] = moved.clone();
+    });
+    let words = "found extras.enfilade, expected it on a node or on its mesh; nothing is marked by it";
+    for place in ["/materials/0", "/scenes/0", "/meshes/0/primitives/0"] {
+        assert_says(&elsewhere, &[&format!("{place}: {words}")]);
+    }
+
+    let asked = json!({"enfilade": {"query": true}});
+    let (drawing, told) = read(&file(|j| j["nodes"][0]["extras"] = asked.clone())).unwrap();
+    assert!(
+        drawing.entities.iter().all(|e| e.layer != "EF-QUERY"),
+        "the inside of a wall is no place to stand"
+    );
+    assert_says(
+        &told,
+        &["/nodes/0 IfcWall/W: the query that extras.enfilade states is not used: it is a wall"],
+    );
+    // A group asks for its spaces, not for its walls.
+    let group = |name: &str| {
+        read(&file(|j| {
+            j["nodes"][1]["name"] = name.into();
+            j["nodes"].as_array_mut().unwrap().push(json!({"children": [0, 1], "extras": asked}));
+            j["scenes"][0]["nodes"] = json!([2]);
+        }))
+        .unwrap()
+    };
+    let (drawing, told) = group("IfcSpace/Hall");
+    let asked_of: Vec<_> =
+        drawing.entities.iter().filter(|e| e.layer == "EF-QUERY").map(|e| e.source.record).collect();
+    assert_eq!((asked_of, told.contains("is not used")), (vec![1], false), "{told}");
+    assert_says(&group("IfcColumn/C").1, &["nothing of it is a space at the height of the cut"]);
+
+    let both = said(|j| {
+        for (n, way) in [(0, "x -1 1"), (1, "y -1 1")] {
+            j["nodes"][n]["extras"] = json!({"enfilade": {"move": way, "name": "both"}});
+        }
+    });
+    assert_says(
+        &both,
+        &["are both named \"both\" by extras.enfilade and move differently, \"x -1 1\" and \"y -1 1\""],
+    );
+}
+
+/// What a mesh states and is read otherwise is told with the node that shows it.
+#[test]
+fn odd_values_of_meshes_are_named_with_their_node() {
+    type Change = fn(&mut Value);
+    let cases: [(Change, &str, bool); 9] = [
+        (
+            |j| j["accessors"][1]["count"] = (j["accessors"][1]["count"].as_u64().unwrap() - 1).into(),
+            "/meshes/0/primitives/0: found 35 indices, expected a multiple of 3; the last two are left out",
+            true,
+        ),
+        (
+            |j| {
+                j["meshes"][0]["primitives"][0]["mode"] = 5.into();
+                j["accessors"][1]["count"] = 2.into();
+            },
+            "/meshes/0/primitives/0: found 2 indices, expected 3 at least; it shows nothing",
+            true,
+        ),
+        (
+            |j| j["accessors"][0]["normalized"] = true.into(),
+            "/accessors/0: found `normalized` on component type 5126, expected it on whole numbers",
+            false,
+        ),
+        (
+            |j| j["accessors"][1]["normalized"] = true.into(),
+            "/accessors/1: found `normalized` on indices, expected plain numbers",
+            false,
+        ),
+        (
+            |j| j["accessors"][0]["max"] = json!([9, 9, 9]),
+            "/accessors/0: found max [9.0, 9.0, 9.0], expected [",
+            false,
+        ),
+        (
+            |j| j["accessors"][0]["min"] = json!([9, 9, 9]),
+            "/accessors/0: found min [9.0, 9.0, 9.0], expected [",
+            false,
+        ),
+        (
+            |j| j["nodes"][0]["matrix"] = json!([1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
+            "found a last row of 0.5, 0, 0, 1, expected 0, 0, 0, 1; read as if it were so, it stays where it is",
+            true,
+        ),
+        (
+            |j| j["buffers"][0]["byteLength"] = 7.into(),
+            "/buffers/0/byteLength: found 7, expected at least the ",
+            false,
+        ),
+        (
+            |j| {
+                j["nodes"].as_array_mut().unwrap().push(Value::Null);
+                j["scenes"][0]["nodes"] = json!([0, 1, 2]);
+            },
+            "/nodes/2: found null, expected a node; it shows nothing",
+            true,
+        ),
+    ];
+    for (change, words, is_warned) in cases {
+        let text = file(change);
+        let (drawing, told) = read(&text).unwrap();
+        assert_says(&told, &[words]);
+        let line = told.lines().find(|l| l.contains(words)).unwrap();
+        assert!(line.contains("/nodes/") || line.contains("/buffers/"), "{line}");
+        assert_eq!(read_report(&text).is_degraded(), is_warned, "{told}");
+        let wall = drawing.entities.iter().find(|e| e.source.record == 0);
+        assert_eq!(wall.is_none(), words.contains("it shows nothing") && words.contains("meshes"), "{words}");
+        if words.contains("last row") {
+            assert!(
+                matches!(wall.unwrap().editable, Editable::No(_)),
+                "it would be written as what it is not"
+            );
+        }
+    }
+    let point = said(|j| j["accessors"][1]["count"] = 0.into());
+    assert!(!point.contains("multiple of 3"), "{point}");
 }
 
 /// Where nodes bear GlobalIds alone, what is missing is said.

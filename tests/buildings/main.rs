@@ -6,6 +6,7 @@ mod building;
 mod gltf;
 mod ifc;
 mod lengths;
+mod pavilion;
 
 use enfilade::config::{Partial, RegionTable, Settings};
 use enfilade::pipeline::{self, Input, Study};

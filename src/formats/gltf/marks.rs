@@ -1,8 +1,13 @@
 //! What nodes say of themselves in `extras.enfilade`, and for all that hangs on them.
 
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::bodies::Body;
 use super::json::{Json, Value};
+use super::pieces::of_record;
 use super::scene::{File, Shown};
 use super::values::TOLD;
+use crate::plan::drawing::{Entity, MarkedMove};
 use crate::plan::layers;
 use crate::report::{Place, Report};
 
@@ -18,44 +23,49 @@ const KEYS: [(&str, &str); 5] = [
 /// Members of what we write on nodes of ours.
 const OWN_KEYS: [&str; 2] = ["layer", "note"];
 
-/// What a node itself says.
-fn told<'j>(scene: &'j File<'_>, node: usize) -> Option<&'j Json> {
-    scene.json.list("nodes").get(node)?.get("extras")?.get("enfilade")
+/// What a node itself says, then what its mesh does: programs write marks of an object's data there.
+fn tellers<'j>(scene: &'j File<'_>, node: usize) -> impl Iterator<Item = &'j Json> {
+    let node = scene.json.list("nodes").get(node);
+    let mesh = node.and_then(|n| scene.json.list("meshes").get(n.index("mesh")?));
+    [node, mesh].into_iter().flatten().filter_map(|j| j.get("extras")?.get("enfilade"))
 }
 
-/// One thing that a node says: the nearest word on the way from the node to the root counts.
-fn nearest<'j>(scene: &'j File<'_>, path: &[usize], key: &str) -> Option<&'j Json> {
-    path.iter().rev().find_map(|n| told(scene, *n)?.get(key))
+/// One thing that a node says, and that node: the nearest word on the way from the node to the root counts.
+fn nearest<'j>(scene: &'j File<'_>, path: &[usize], key: &str) -> Option<(usize, &'j Json)> {
+    path.iter().rev().find_map(|n| Some((*n, tellers(scene, *n).find_map(|t| t.get(key))?)))
 }
 
 /// Whether a node, or what it hangs on, says yes.
 pub(super) fn is_set(scene: &File<'_>, path: &[usize], key: &str) -> bool {
-    nearest(scene, path, key).is_some_and(|v| v.value == Value::Bool(true))
+    nearest(scene, path, key).is_some_and(|(_, v)| v.value == Value::Bool(true))
 }
 
-/// The text that a node, or what it hangs on, says.
-pub(super) fn text<'j>(scene: &'j File<'_>, path: &[usize], key: &str) -> Option<&'j str> {
-    let Value::Text(text) = &nearest(scene, path, key)?.value else { return None };
-    Some(text.trim()).filter(|t| !t.is_empty())
+/// Whether a node, or what it hangs on, makes it a region: the node that says so, and the name of the pair.
+pub(super) fn region<'j>(scene: &'j File<'_>, path: &[usize], key: &str) -> Option<(usize, Option<&'j str>)> {
+    let (node, said) = nearest(scene, path, key)?;
+    match &said.value {
+        Value::Bool(true) => Some((node, None)),
+        Value::Text(text) => Some(text.trim()).filter(|t| !t.is_empty()).map(|t| (node, Some(t))),
+        _ => None,
+    }
 }
 
 /// How a node itself says that it moves. A text in place of the object is the move: programs whose properties are
 /// flat can say it so. Something else than a text is told as it stands, so that it is named and not made up for.
 pub(super) fn own_move(scene: &File<'_>, node: usize) -> Option<String> {
-    let told = told(scene, node)?;
-    let said = match &told.value {
-        Value::Text(text) => text.clone(),
+    let said = tellers(scene, node).find_map(|told| match &told.value {
+        Value::Text(text) => Some(text.clone()),
         _ => match &told.get("move")?.value {
-            Value::Text(text) => text.clone(),
-            _ => told.get("move")?.words(),
+            Value::Text(text) => Some(text.clone()),
+            _ => Some(told.get("move")?.words()),
         },
-    };
+    })?;
     Some(said).filter(|t| !t.trim().is_empty())
 }
 
 /// The name that a node gives its move.
 pub(super) fn own_name<'j>(scene: &'j File<'_>, node: usize) -> Option<&'j str> {
-    told(scene, node)?.text("name").filter(|t| !t.trim().is_empty())
+    tellers(scene, node).find_map(|t| t.text("name")).map(str::trim).filter(|t| !t.is_empty())
 }
 
 /// The first node on the way from the root that says how it moves: all that hangs on it moves with it.
@@ -63,43 +73,77 @@ pub(super) fn mover(scene: &File<'_>, path: &[usize]) -> Option<usize> {
     path.iter().copied().find(|n| own_move(scene, *n).is_some())
 }
 
-/// Says which marks cannot be read, and which are not used; `moved`: nodes whose moves are.
-pub(super) fn state(scene: &File<'_>, shown: &[Shown], moved: &[usize], report: &mut Report) {
-    let mut odd: Vec<(usize, String)> = Vec::new();
-    let mut elsewhere: Vec<usize> = Vec::new();
-    for s in shown.iter().filter(|s| !s.names(scene).any(layers::is_own)) {
-        let Some(found) = told(scene, s.node) else { continue };
-        match &found.value {
-            Value::Object(members) => members.iter().for_each(|(key, value)| {
-                odd.extend(unread(key, value).map(|text| (s.node, text)));
-            }),
-            Value::Text(_) => {}
-            _ => odd.push((
-                s.node,
-                format!(
-                    "extras.enfilade: found {}, expected an object such as {{\"move\": \"x -1 1\"}}; nothing is marked by it",
-                    found.words()
-                ),
-            )),
+/// What became of the marks.
+pub(super) struct Used {
+    /// Nodes whose moves are used.
+    moved: BTreeSet<usize>,
+    /// Nodes that show something, by themselves or by what hangs on them, at whatever height.
+    standing: BTreeSet<usize>,
+    /// Those of them that are cut.
+    cut: BTreeSet<usize>,
+    /// Nodes of which what is shown cannot be read.
+    lost: BTreeSet<usize>,
+    /// Nodes that say that they are regions, each with the word, of which regions were made.
+    regions: BTreeSet<(usize, &'static str)>,
+}
+
+impl Used {
+    /// Gathers it.
+    pub fn new(
+        bodies: &[Body<'_>],
+        lost: BTreeSet<usize>,
+        entities: &[Entity],
+        marked: &[MarkedMove],
+        regions: BTreeSet<(usize, &'static str)>,
+    ) -> Self {
+        let node = |record: usize| of_record(record).0;
+        Self {
+            moved: marked.iter().map(|m| node(m.record)).collect(),
+            standing: bodies.iter().flat_map(|b| b.shown.path.iter().copied()).collect(),
+            cut: entities.iter().map(|e| node(e.source.record)).collect(),
+            lost,
+            regions,
         }
-        if own_move(scene, s.node).is_none() || moved.contains(&s.node) {
+    }
+}
+
+/// Says which marks cannot be read, and which are not used.
+pub(super) fn state(scene: &File<'_>, shown: &[Shown], used: &Used, report: &mut Report) {
+    let mut odd: Vec<(String, String)> = elsewhere(scene);
+    let mut away: Vec<usize> = Vec::new();
+    let is_lost = |s: &&Shown| used.lost.contains(&s.node);
+    let lost: BTreeSet<usize> = shown.iter().filter(is_lost).flat_map(|s| s.path.iter().copied()).collect();
+    let mut seen = BTreeSet::new();
+    for s in shown.iter().filter(|s| !s.names(scene).any(layers::is_own) && seen.insert(s.node)) {
+        let texts = tellers(scene, s.node).flat_map(unreadable).chain(idle_regions(scene, s, used));
+        odd.extend(texts.map(|text| (scene.named(s.node), text)));
+        if own_move(scene, s.node).is_none() || used.moved.contains(&s.node) {
             continue;
         }
         match mover(scene, &s.path).filter(|m| *m != s.node) {
             Some(other) => odd.push((
-                s.node,
+                scene.named(s.node),
                 format!(
                     "the move that extras.enfilade states is not used: it hangs on {}, which moves by a mark of its own",
                     scene.named(other)
                 ),
             )),
-            None => elsewhere.push(s.node),
+            None if used.standing.contains(&s.node) => away.push(s.node),
+            None => {
+                let why = match lost.contains(&s.node) {
+                    true => "what it shows is left out",
+                    false => "neither it nor what hangs on it shows a mesh",
+                };
+                let text = format!("the move that extras.enfilade states is not used: {why}");
+                odd.push((scene.named(s.node), text));
+            }
         }
     }
-    state_elsewhere(scene, &elsewhere, moved.is_empty(), report);
+    state_away(scene, &away, used.moved.is_empty(), report);
+    odd.extend(same_names(scene, used));
     let more = odd.len().saturating_sub(TOLD);
-    for (node, text) in odd.into_iter().take(TOLD) {
-        report.warn("gltf-marks", Place::file(scene.name).entity(scene.named(node)), text);
+    for (place, text) in odd.into_iter().take(TOLD) {
+        report.warn("gltf-marks", Place::file(scene.name).entity(place), text);
     }
     if more > 0 {
         let text = format!("{more} more marks in extras.enfilade cannot be used");
@@ -107,15 +151,86 @@ pub(super) fn state(scene: &File<'_>, shown: &[Shown], moved: &[usize], report: 
     }
 }
 
+/// What of a node's marks cannot be read.
+fn unreadable(told: &Json) -> Vec<String> {
+    match &told.value {
+        Value::Object(members) => members.iter().filter_map(|(key, value)| unread(key, value)).collect(),
+        Value::Text(_) => Vec::new(),
+        _ => vec![format!(
+            "extras.enfilade: found {}, expected an object such as {{\"move\": \"x -1 1\"}}; nothing is marked by it",
+            told.words()
+        )],
+    }
+}
+
+/// Marks on what is neither a node nor a mesh.
+fn elsewhere(scene: &File<'_>) -> Vec<(String, String)> {
+    let mut out = Vec::new();
+    for list in ["scenes", "materials", "cameras", "skins", "animations", "textures", "images"] {
+        let all = scene.json.list(list).iter().enumerate();
+        let marked = all.filter(|(_, j)| j.get("extras").and_then(|e| e.get("enfilade")).is_some());
+        out.extend(marked.map(|(i, _)| format!("/{list}/{i}")));
+    }
+    for (i, mesh) in scene.json.list("meshes").iter().enumerate() {
+        let all = mesh.list("primitives").iter().enumerate();
+        let marked = all.filter(|(_, p)| p.get("extras").and_then(|e| e.get("enfilade")).is_some());
+        out.extend(marked.map(|(k, _)| format!("/meshes/{i}/primitives/{k}")));
+    }
+    let text = "found extras.enfilade, expected it on a node or on its mesh; nothing is marked by it";
+    out.into_iter().map(|place| (place, text.to_string())).collect()
+}
+
+/// Regions that a node states and that there are none of.
+fn idle_regions(scene: &File<'_>, shown: &Shown, used: &Used) -> Vec<String> {
+    let mut out = Vec::new();
+    for key in ["query", "reference"] {
+        let own = [shown.node];
+        let is_stated = region(scene, &own, key).is_some_and(|(n, _)| !used.regions.contains(&(n, key)));
+        if !is_stated {
+            continue;
+        }
+        let why = match () {
+            () if used.cut.contains(&shown.node) => "it is a wall, a door or a window, expected a space",
+            () if used.standing.contains(&shown.node) => "nothing of it is a space at the height of the cut",
+            () => "neither it nor what hangs on it shows a space that can be read",
+        };
+        out.push(format!("the {key} that extras.enfilade states is not used: {why}"));
+    }
+    out
+}
+
+/// Nodes that give one name to different moves.
+fn same_names(scene: &File<'_>, used: &Used) -> Vec<(String, String)> {
+    let mut by_name: BTreeMap<&str, Vec<(usize, String)>> = BTreeMap::new();
+    for n in &used.moved {
+        if let (Some(name), Some(text)) = (own_name(scene, *n), own_move(scene, *n)) {
+            by_name.entry(name).or_default().push((*n, text));
+        }
+    }
+    let differs = |(name, nodes): (&str, Vec<(usize, String)>)| {
+        let (first, text) = nodes.first()?;
+        let (other, differs) = nodes.iter().find(|(_, t)| t != text)?;
+        let words = format!(
+            "it and {} are both named {name:?} by extras.enfilade and move differently, {text:?} and {differs:?}; each moves \
+             for itself",
+            scene.named(*other)
+        );
+        Some((scene.named(*first), words))
+    };
+    by_name.into_iter().filter_map(differs).collect()
+}
+
 /// Names the nodes whose moves are not used because nothing of them stands at the cut: those of another storey, or all.
-fn state_elsewhere(scene: &File<'_>, nodes: &[usize], are_all: bool, report: &mut Report) {
+fn state_away(scene: &File<'_>, nodes: &[usize], are_all: bool, report: &mut Report) {
     if nodes.is_empty() {
         return;
     }
     let named: Vec<String> = nodes.iter().take(TOLD).map(|n| scene.named(*n)).collect();
     let more = if nodes.len() > named.len() { ", …" } else { "" };
+    let what = if nodes.len() == 1 { "the move" } else { "the moves" };
+    let are = if nodes.len() == 1 { "is" } else { "are" };
     let text = format!(
-        "the moves that extras.enfilade states of {}{more} are not used: nothing of them stands as a wall at the height of the cut",
+        "{what} that extras.enfilade states of {}{more} {are} not used: nothing of it reaches the height of the cut",
         named.join(", ")
     );
     let place = Place::file(scene.name);

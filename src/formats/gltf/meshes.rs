@@ -62,8 +62,9 @@ impl File<'_> {
         self.json.list("accessors").get(accessor).is_some_and(|a| a.index("bufferView").is_some())
     }
 
-    fn points(&self, accessor: usize) -> Result<Vec<DVec3>, Why> {
-        let flat = self.numbers(accessor, 3)?;
+    /// Corners of an accessor of positions.
+    pub fn points(&self, accessor: usize) -> Result<Vec<DVec3>, Why> {
+        let flat = self.numbers(accessor, 3, true)?;
         if flat.iter().any(|v| !v.is_finite()) {
             return Err((format!("/accessors/{accessor}"), "has coordinates that are no numbers".into()));
         }
@@ -76,11 +77,11 @@ impl File<'_> {
             let why = format!("has indices of component type {kind}, expected 5121, 5123 or 5125");
             return Err((format!("/accessors/{accessor}"), why));
         }
-        Ok(self.numbers(accessor, 1)?.into_iter().map(|v| v as usize).collect())
+        Ok(self.numbers(accessor, 1, false)?.into_iter().map(|v| v as usize).collect())
     }
 
-    /// All components of an accessor, sparse values put in.
-    fn numbers(&self, accessor: usize, width: usize) -> Result<Vec<f64>, Why> {
+    /// All components of an accessor, sparse values put in; normalised where it says so and they may be.
+    fn numbers(&self, accessor: usize, width: usize, may_be_normalised: bool) -> Result<Vec<f64>, Why> {
         let pointer = format!("/accessors/{accessor}");
         let why = |text: &str| (pointer.clone(), text.to_string());
         let found = self.json.list("accessors").get(accessor).ok_or_else(|| why("does not exist"))?;
@@ -98,7 +99,7 @@ impl File<'_> {
         let kind = found.index("componentType").unwrap_or(0);
         let normalised = match found.get("normalized").map(|n| &n.value) {
             None => false,
-            Some(super::json::Value::Bool(b)) => *b,
+            Some(super::json::Value::Bool(b)) => *b && may_be_normalised,
             Some(_) => return Err(why("has a `normalized` that is neither true nor false")),
         };
         let mut out = match stated(found, "bufferView").map_err(|text| why(&text))? {
@@ -209,8 +210,8 @@ fn component(bytes: &[u8], kind: usize, normalised: bool) -> f64 {
 }
 
 /// Modes of a primitive: what a list of triangles is where none is stated, and the last.
-const TRIANGLES: usize = 4;
-const FAN: usize = 6;
+pub(super) const TRIANGLES: usize = 4;
+pub(super) const FAN: usize = 6;
 
 /// A member that is an index or a count, if it is stated; what it is where it is something else.
 fn stated(json: &Json, key: &str) -> Result<Option<usize>, String> {

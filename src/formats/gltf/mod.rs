@@ -13,6 +13,7 @@
 //! [`SourceRef::handle`]: crate::plan::drawing::SourceRef::handle
 
 mod additions;
+mod bodies;
 mod dangling;
 mod json;
 mod limits;
@@ -21,20 +22,24 @@ mod meshes;
 mod outer;
 mod patch;
 mod pieces;
+mod primitives;
 mod read;
 mod scene;
+mod twin;
 mod values;
 
+pub use bodies::is_global_id;
 pub use limits::*;
 pub use outer::{Outer, outer_files};
-pub use read::{is_global_id, read};
+pub use read::read;
 pub use scene::is_glb;
+pub use twin::uses_twin;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use crate::formats::StoreyInfo;
 use crate::formats::splice::{self, Splice};
+use crate::formats::{SpaceNames, StoreyInfo};
 use crate::plan::drawing::{Addition, Edit, Unit};
 use crate::report::{Error, Report};
 use scene::File;
@@ -64,6 +69,8 @@ pub struct ReadOptions {
     pub hosts: BTreeMap<String, String>,
     /// Storeys of that IFC from the lowest.
     pub storeys: Vec<StoreyInfo>,
+    /// `GlobalId` of a space → what it is called in that IFC.
+    pub spaces: BTreeMap<String, SpaceNames>,
     /// Files of data beside the scene, by name ([`outer_files`]).
     pub buffers: BTreeMap<String, Arc<[u8]>>,
     /// Pictures beside the scene, by name.

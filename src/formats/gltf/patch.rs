@@ -2,9 +2,9 @@
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
+use super::bodies::z_up;
 use super::json::{Json, Value};
 use super::pieces::of_record;
-use super::read::z_up;
 use super::scene::{File, Shown, local, parts};
 use crate::formats::splice::Splice;
 use crate::plan::drawing::{Edit, RigidMotion};

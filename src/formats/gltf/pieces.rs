@@ -4,10 +4,10 @@ use std::collections::{BTreeSet, HashMap};
 
 use glam::{DAffine3, DVec3};
 
-use super::json::{Json, Value};
+use super::json::Value;
 use super::limits::PIECES_MAX;
 use super::patch::{fault, numbers, world_motion};
-use super::scene::{File, Shown};
+use super::scene::{File, Shown, VERTEX_DATA};
 use crate::formats::splice::Splice;
 use crate::plan::drawing::RigidMotion;
 use crate::report::Error;
@@ -128,24 +128,16 @@ impl File<'_> {
             };
             out.push([Some(of("POSITION", 3)??), of("NORMAL", 3)?, of("TANGENT", 4)?]);
         }
-        let used = |m: &Json| -> Vec<usize> {
-            let all = m.list("primitives").iter().filter_map(|p| p.get("attributes"));
-            all.flat_map(|a| ["POSITION", "NORMAL", "TANGENT"].map(|n| a.index(n))).flatten().collect()
-        };
-        let ours = used(own);
-        let meshes = self.json.list("meshes").iter().enumerate();
-        let is_shared =
-            meshes.filter(|(i, _)| *i != mesh).any(|(_, m)| used(m).iter().any(|a| ours.contains(a)));
-        (!is_shared).then_some(out)
+        let all = own.list("primitives").iter().filter_map(|p| p.get("attributes"));
+        let mut used = all.flat_map(|a| VERTEX_DATA.map(|n| a.index(n))).flatten();
+        used.all(|a| self.meshes_of_accessor(a) == 1).then_some(out)
     }
 
     /// The pieces of a node's mesh where each can be moved by itself: plain vertices of its own in a GLB.
     pub fn pieces(&self, node: usize, triangles: &[[DVec3; 3]]) -> Option<Pieces> {
         let nodes = self.json.list("nodes");
         let mesh = nodes.get(node)?.index("mesh")?;
-        if nodes.iter().filter(|n| n.index("mesh") == Some(mesh)).count() != 1
-            || nodes[node].get("skin").is_some()
-        {
+        if self.nodes_of_mesh(mesh) != 1 || nodes[node].get("skin").is_some() {
             return None;
         }
         self.vertices(mesh)?;

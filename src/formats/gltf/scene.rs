@@ -1,8 +1,8 @@
 //! A file taken apart: JSON, binary data, nodes with their place in the world.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::{Arc, OnceLock};
 
 use base64::Engine;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
@@ -36,7 +36,19 @@ pub(super) struct File<'a> {
     pub json: Json,
     /// Data of every buffer, or why there is none.
     pub buffers: Vec<Data<'a>>,
+    /// Who uses what, counted when it is first asked for.
+    uses: OnceLock<Uses>,
 }
+
+/// How often meshes are shown, and by how many meshes vertex data is used.
+#[derive(Clone, Debug, Default)]
+struct Uses {
+    nodes_of_mesh: HashMap<usize, usize>,
+    meshes_of_accessor: HashMap<usize, usize>,
+}
+
+/// Vertex data that moves with a piece of a mesh.
+pub(super) const VERTEX_DATA: [&str; 3] = ["POSITION", "NORMAL", "TANGENT"];
 
 /// A node shown in the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,7 +105,7 @@ impl<'a> File<'a> {
         let json = parse(&bytes[span.clone()]).map_err(|(at, text)| {
             fault(name, "gltf-json", "", &format!("byte {}: found {text}", span.start + at))
         })?;
-        let mut out = Self { name, bytes, chunks, json, buffers: Vec::new() };
+        let mut out = Self { name, bytes, chunks, json, buffers: Vec::new(), uses: OnceLock::new() };
         out.check()?;
         out.buffers = out.read_buffers(beside)?;
         Ok(out)
@@ -182,11 +194,11 @@ impl<'a> File<'a> {
         let scene = self.json.index("scene").unwrap_or(0);
         let roots: Vec<usize> = match self.json.list("scenes").get(scene) {
             Some(s) => s.list("nodes").iter().filter_map(index).collect(),
-            None => (0..nodes.len())
-                .filter(|n| {
-                    !nodes.iter().any(|p| p.list("children").iter().filter_map(index).any(|c| c == *n))
-                })
-                .collect(),
+            None => {
+                let children: HashSet<usize> =
+                    nodes.iter().flat_map(|p| p.list("children").iter().filter_map(index)).collect();
+                (0..nodes.len()).filter(|n| !children.contains(n)).collect()
+            }
         };
         let (mut out, mut odd) = (Vec::new(), Vec::new());
         let (mut seen, mut repeats) = (vec![false; nodes.len()], 0);
@@ -231,6 +243,33 @@ impl<'a> File<'a> {
         }
         out.sort_by_key(|s| s.node);
         (out, odd)
+    }
+
+    fn uses(&self) -> &Uses {
+        self.uses.get_or_init(|| {
+            let mut out = Uses::default();
+            for mesh in self.json.list("nodes").iter().filter_map(|n| n.index("mesh")) {
+                *out.nodes_of_mesh.entry(mesh).or_default() += 1;
+            }
+            for mesh in self.json.list("meshes") {
+                let of = |p: &Json| p.get("attributes").map(|a| VERTEX_DATA.map(|n| a.index(n)));
+                let used = mesh.list("primitives").iter().filter_map(of).flatten().flatten();
+                for accessor in used.collect::<HashSet<usize>>() {
+                    *out.meshes_of_accessor.entry(accessor).or_default() += 1;
+                }
+            }
+            out
+        })
+    }
+
+    /// How many nodes show a mesh.
+    pub fn nodes_of_mesh(&self, mesh: usize) -> usize {
+        self.uses().nodes_of_mesh.get(&mesh).copied().unwrap_or(0)
+    }
+
+    /// How many meshes use an accessor for vertex data.
+    pub fn meshes_of_accessor(&self, accessor: usize) -> usize {
+        self.uses().meshes_of_accessor.get(&accessor).copied().unwrap_or(0)
     }
 
     /// A node as messages name it: `/nodes/3 IfcWall/south`.

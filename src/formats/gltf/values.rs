@@ -25,6 +25,7 @@ pub(super) fn state(scene: &File<'_>, shown: &[Shown], report: &mut Report) {
     nodes.into_iter().for_each(|n| odd.node(n));
     odd.views();
     odd.twice(shown);
+    odd.told.extend(super::primitives::odd(scene, shown));
     let more = odd.told.len().saturating_sub(TOLD);
     for (place, text, is_harmless) in odd.told.into_iter().take(TOLD) {
         let place = Place::file(scene.name).entity(place);
@@ -74,10 +75,15 @@ impl Odd<'_, '_> {
             self.indices(&format!("/scenes/{shown}/nodes"), "", nodes);
         }
         for (i, buffer) in json.list("buffers").iter().enumerate() {
-            if let Some(length) = buffer.get("byteLength").filter(|l| l.as_index().is_none()) {
-                let place = format!("/buffers/{i}/byteLength");
-                self.say(place, length, "a number of bytes", "all the data there is counts", true);
-            }
+            let Some(length) = buffer.get("byteLength") else { continue };
+            let needed = needed(json, i);
+            let expected = match length.as_index() {
+                None => "a number of bytes".to_string(),
+                Some(stated) if stated < needed => format!("at least the {needed} bytes that its views take"),
+                Some(_) => continue,
+            };
+            let place = format!("/buffers/{i}/byteLength");
+            self.say(place, length, &expected, "all the data there is counts", true);
         }
         for (i, required) in json.list("extensionsRequired").iter().enumerate() {
             let is_known =
@@ -103,6 +109,10 @@ impl Odd<'_, '_> {
 
     fn node(&mut self, n: usize) {
         let node = &self.scene.json.list("nodes")[n];
+        if !matches!(node.value, Value::Object(_)) {
+            self.say(format!("/nodes/{n}"), node, "a node", "it shows nothing", false);
+            return;
+        }
         let name = node.text("name").unwrap_or_default();
         let place = |key: &str| named(&format!("/nodes/{n}/{key}"), name);
         if let Some(found) = node.get("name").filter(|v| !matches!(v.value, Value::Text(_))) {
@@ -117,6 +127,13 @@ impl Odd<'_, '_> {
         let is_read = node.numbers("matrix").is_some_and(|m| m.len() == 16);
         if let Some(found) = node.get("matrix").filter(|_| !is_read) {
             self.say(place("matrix"), found, "16 numbers", "read as if it were not there", false);
+        }
+        if let Some(row) = odd_row(node) {
+            let text = format!(
+                "found a last row of {}, {}, {}, {}, expected 0, 0, 0, 1; read as if it were so, it stays where it is",
+                row[0], row[1], row[2], row[3]
+            );
+            self.told.push((place("matrix"), text, false));
         }
         for (key, count) in [("translation", 3), ("rotation", 4), ("scale", 3)] {
             let Some(found) = node.get(key) else { continue };
@@ -152,10 +169,13 @@ impl Odd<'_, '_> {
         let again: BTreeSet<usize> =
             shown.windows(2).filter(|s| s[0].node == s[1].node).map(|s| s[0].node).collect();
         if let Some(first) = again.first() {
-            let text = format!(
-                "hangs in several nodes, expected one, and so do {} more; shown at every place, none of them moves",
-                again.len() - 1
-            );
+            let more = again.len() - 1;
+            let text = match more {
+                0 => "hangs in several nodes, expected one; shown at every place, it does not move".into(),
+                _ => format!(
+                    "hangs in several nodes, expected one, and so do {more} more; shown at every place, none of them moves"
+                ),
+            };
             self.told.push((self.scene.named(*first), text, false));
         }
     }
@@ -169,6 +189,27 @@ impl Odd<'_, '_> {
         }
     }
 }
+
+/// How many bytes of a buffer its views take.
+fn needed(json: &Json, buffer: usize) -> usize {
+    let of = |view: &Json| {
+        let start = view.index("byteOffset").unwrap_or(0);
+        start.saturating_add(view.index("byteLength").unwrap_or(0))
+    };
+    let views = json.list("bufferViews").iter().filter(|v| v.index("buffer") == Some(buffer));
+    views.map(of).max().unwrap_or(0)
+}
+
+/// The last row of a node's matrix, where it is not that of a turn, a scale and a shift.
+pub(super) fn odd_row(node: &Json) -> Option<[f64; 4]> {
+    let m = node.numbers("matrix").filter(|m| m.len() == 16)?;
+    let row = [m[3], m[7], m[11], m[15]];
+    let is_odd = row.iter().zip([0.0, 0.0, 0.0, 1.0]).any(|(v, meant)| (v - meant).abs() > ROW_SLACK);
+    is_odd.then_some(row)
+}
+
+/// How far the last row of a matrix may be from 0, 0, 0, 1 by rounding.
+const ROW_SLACK: f64 = 1e-6;
 
 /// A pointer and the name of what it points into.
 fn named(pointer: &str, name: &str) -> String {

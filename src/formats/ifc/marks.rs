@@ -1,6 +1,6 @@
 //! What the marks of `Pset_Enfilade` say twice, or where it means nothing.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::model::Product;
 use super::read::Building;
@@ -13,6 +13,11 @@ const TOLD: usize = 20;
 const YES: [&str; 4] = ["t", "true", "1", "yes"];
 const NO: [&str; 7] = ["", "f", "false", "0", "no", "u", "unknown"];
 
+/// Whether a set of properties is ours.
+pub(super) fn is_ours(name: &str) -> bool {
+    name.eq_ignore_ascii_case("Pset_Enfilade")
+}
+
 /// Whether a mark says yes; `None` where it says something else.
 pub(super) fn is_yes(value: &str) -> Option<bool> {
     let value = value.trim().to_lowercase();
@@ -22,12 +27,96 @@ pub(super) fn is_yes(value: &str) -> Option<bool> {
     NO.contains(&value.as_str()).then_some(false)
 }
 
+/// What marks are for, by the class of their element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Use {
+    /// `Move` and `Keep`: walls, and what may be named as one.
+    Moves,
+    /// `Query`, `Reference` and `Keep`: spaces.
+    Region,
+    /// `Keep`: doors and windows hold the wall that they sit in.
+    Keeps,
+    /// None.
+    Nothing,
+}
+
+impl Use {
+    /// Of a class that is read.
+    pub fn of(class: &str) -> Self {
+        match class {
+            "IfcSpace" => Self::Region,
+            "IfcDoor" | "IfcWindow" => Self::Keeps,
+            _ => Self::Moves,
+        }
+    }
+
+    /// Marks that mean nothing there.
+    fn idle(self) -> &'static [&'static str] {
+        match self {
+            Self::Moves => &["query", "reference"],
+            Self::Region => &["move"],
+            Self::Keeps => &["move", "query", "reference"],
+            Self::Nothing => &["move", "keep", "query", "reference"],
+        }
+    }
+}
+
+/// Why marks hold an element: its own, or those of a door or window in it.
+pub(super) fn kept(b: &Building<'_, '_>, id: u64) -> Option<String> {
+    let says = |id: u64| b.model.marks(b.step, id).get("keep").is_some_and(|v| is_yes(v) != Some(false));
+    if says(id) {
+        return Some("Pset_Enfilade says Keep".into());
+    }
+    let openings = b.model.openings.get(&id).into_iter().flatten();
+    let mut fillers = openings.filter_map(|o| b.model.fillings.get(o)).flatten();
+    let held = fillers.find(|f| b.model.properties.contains_key(f) && says(**f))?;
+    let class = b.model.filler(*held).map_or("element", |f| f.class);
+    Some(format!("Pset_Enfilade says Keep of its {class} #{held}"))
+}
+
+/// An element with marks: its instance, class, place, and what they are for.
+struct Marked {
+    id: u64,
+    class: String,
+    place: Place,
+    used: Use,
+}
+
+/// All elements of a storey that bear properties, in the order of the file; of what is not read those of all storeys.
+fn marked(b: &Building<'_, '_>, storey: Option<u64>) -> Vec<Marked> {
+    let of =
+        |p: &Product| Marked { id: p.id, class: p.class.into(), place: b.place(p), used: Use::of(p.class) };
+    let read = || b.model.products.iter().chain(&b.model.fillers);
+    let sets: BTreeSet<u64> = b
+        .step
+        .all("IFCPROPERTYSET")
+        .filter(|i| b.step.args_of(i).get(2).and_then(|a| b.step.text(a)).is_some_and(|n| is_ours(&n)))
+        .map(|i| i.id)
+        .collect();
+    if sets.is_empty() {
+        return Vec::new();
+    }
+    let hosts = b.model.hosts();
+    let storey_of = |id: u64| b.model.storey_of(id).or_else(|| b.model.storey_of(*hosts.get(&id)?));
+    let known: BTreeSet<u64> = read().map(|p| p.id).collect();
+    let has = |id: u64| b.model.properties.get(&id).is_some_and(|of| of.iter().any(|s| sets.contains(s)));
+    let mut out: Vec<Marked> = read().filter(|p| has(p.id) && storey_of(p.id) == storey).map(of).collect();
+    let is_other = |id: &u64| has(*id) && !known.contains(id) && !b.model.is_zone(*id);
+    let mut others: Vec<u64> = b.model.properties.keys().copied().filter(is_other).collect();
+    others.sort_unstable();
+    for id in others {
+        let line = b.step.get(id).map(|i| b.step.line(i.span.start));
+        let place = Place { file: b.file.into(), line, entity: b.geo.named(id) };
+        out.push(Marked { id, class: b.step.keyword(id).to_string(), place, used: Use::Nothing });
+    }
+    out
+}
+
 /// Says which marks of a storey's elements contradict each other or are not used.
 pub(super) fn state(b: &Building<'_, '_>, storey: Option<u64>, report: &mut Report) {
-    let here = |p: &&Product| b.model.storey_of(p.id) == storey;
     let mut told: Vec<(Place, String)> = Vec::new();
     let mut named: BTreeMap<String, Vec<(u64, String)>> = BTreeMap::new();
-    for p in b.model.products.iter().filter(here).filter(|p| b.model.properties.contains_key(&p.id)) {
+    for p in marked(b, storey) {
         let stated = b.model.stated_marks(b.step, p.id);
         let mut by_key: BTreeMap<&str, Vec<(u64, &str)>> = BTreeMap::new();
         for (set, key, value) in &stated {
@@ -40,7 +129,7 @@ pub(super) fn state(b: &Building<'_, '_>, storey: Option<u64>, report: &mut Repo
                 && let Some(other) = values.iter().find(|v| v.1.trim() != value.trim())
             {
                 told.push((
-                    b.place(p),
+                    p.place.clone(),
                     format!(
                         "Pset_Enfilade states {key} twice, {:?} in #{} and {value:?} in #{set}; the last counts",
                         other.1, other.0
@@ -48,23 +137,26 @@ pub(super) fn state(b: &Building<'_, '_>, storey: Option<u64>, report: &mut Repo
                 ));
             }
         }
-        let is_wall = p.class.starts_with("IfcWall") || p.class.starts_with("IfcColumn");
-        let keeps = said("keep").is_some_and(|v| is_yes(v) != Some(false));
-        if is_wall && keeps && said("move").is_some() {
-            told.push((b.place(p), "Pset_Enfilade states both Move and Keep; it stays".into()));
+        let moves = p.used == Use::Moves;
+        if let Some(why) = kept(b, p.id).filter(|_| moves && said("move").is_some()) {
+            let text = match said("keep").is_some_and(|v| is_yes(v) != Some(false)) {
+                true => "Pset_Enfilade states both Move and Keep; it stays".into(),
+                false => format!("Pset_Enfilade states Move, and {why}; it stays"),
+            };
+            told.push((p.place.clone(), text));
         }
-        let idle = if is_wall { ["query", "reference"].as_slice() } else { &["move"] };
+        let idle = p.used.idle().iter().copied();
         let idle: Vec<&str> =
-            idle.iter().copied().filter(|k| said(k).is_some_and(|v| is_yes(v) != Some(false))).collect();
+            idle.filter(|k| said(k).is_some_and(|v| *k == "move" || is_yes(v) != Some(false))).collect();
         if !idle.is_empty() {
             let text = format!(
                 "Pset_Enfilade states {} of an {}, where it means nothing",
                 idle.join(" and "),
                 p.class
             );
-            told.push((b.place(p), text));
+            told.push((p.place.clone(), text));
         }
-        if let (true, Some(name), Some(text)) = (is_wall, said("name"), said("move")) {
+        if let (true, Some(name), Some(text)) = (moves, said("name"), said("move")) {
             named.entry(name.into()).or_default().push((p.id, text.into()));
         }
     }

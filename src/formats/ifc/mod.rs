@@ -36,8 +36,8 @@ use rayon::prelude::*;
 pub use read::{CLOSING_LAYERS, ZONE_LAYER};
 pub use zip::{is_zip, unzip};
 
-use crate::formats::StoreyInfo;
 use crate::formats::splice::{self, Splice};
+use crate::formats::{SpaceNames, StoreyInfo};
 use crate::plan::drawing::{Addition, Drawing, Edit, Unit};
 use crate::report::{Error, Place, Report};
 use read::Building;
@@ -314,6 +314,8 @@ pub struct Inventory {
     pub hosts: BTreeMap<String, String>,
     /// Storeys from the lowest.
     pub storeys: Vec<StoreyInfo>,
+    /// `GlobalId` of a space → what it is called.
+    pub spaces: BTreeMap<String, SpaceNames>,
 }
 
 /// Classes, hosts and storeys of a building; nothing of a file that cannot be read.
@@ -335,7 +337,9 @@ pub fn inventory(bytes: &[u8], unit: Option<Unit>) -> Inventory {
     let name = |id: &u64| by_id.get(id).map(|n| (*n).to_owned());
     let hosts = building.model.hosts();
     let hosts = hosts.iter().filter_map(|(filler, wall)| Some((name(filler)?, name(wall)?))).collect();
-    Inventory { elements: Elements::of(&step), classes, hosts, storeys: storeys(&building) }
+    let spaces = building.model.products.iter().filter(|p| p.class == "IfcSpace");
+    let spaces = spaces.map(|p| (p.global_id.clone(), building.space_names(p))).collect();
+    Inventory { elements: Elements::of(&step), classes, hosts, storeys: storeys(&building), spaces }
 }
 
 /// A text with the escapes of a STEP file, as somebody copies it out of one.

@@ -240,6 +240,11 @@ impl Model {
         }
     }
 
+    /// Whether an instance gathers spaces.
+    pub fn is_zone(&self, id: u64) -> bool {
+        self.zones.values().any(|zones| zones.contains(&id))
+    }
+
     /// Whether an element is a part of another element.
     pub fn is_part(&self, id: u64) -> bool {
         self.whole.get(&id).is_some_and(|w| !self.storey_ids.contains(w))
@@ -327,7 +332,7 @@ impl Model {
         for set in self.properties.get(&id).into_iter().flatten() {
             let args = step.args(*set);
             let name = args.get(2).and_then(|a| step.text(a)).unwrap_or_default();
-            if !name.eq_ignore_ascii_case("Pset_Enfilade") {
+            if !super::marks::is_ours(&name) {
                 continue;
             }
             for property in args.get(4).map(Arg::ids).unwrap_or_default() {

@@ -13,7 +13,7 @@ use super::step::Step;
 use super::units::{Units, units};
 use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, Sight};
 use crate::formats::region::{Region, Rule};
-use crate::formats::{listed, storey_at};
+use crate::formats::{SpaceNames, listed, state_shared_name, storey_at};
 use crate::plan::drawing::{
     Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
@@ -104,11 +104,24 @@ impl<'s, 'a> Building<'s, 'a> {
         Place { file: self.file.into(), line, entity: format!("#{} {} {}", p.id, p.class, p.global_id) }
     }
 
+    /// What a space is called, and its zones.
+    pub fn space_names(&self, p: &Product) -> SpaceNames {
+        let args_of = |zone: &u64| self.step.args(*zone);
+        let name_of = |zone: &u64| args_of(zone).get(2).and_then(|a| self.step.text(a)).unwrap_or_default();
+        let some = |names: Vec<String>| {
+            let names = names.iter().map(|n| n.trim()).filter(|n| !n.is_empty());
+            names.map(String::from).collect()
+        };
+        let zones = self.model.zones_of(p.id).iter().map(name_of).collect();
+        SpaceNames { names: some(vec![p.name.clone(), p.long_name.clone()]), zones: some(zones) }
+    }
+
     /// The storey that is meant, and why. `None` in a building without storeys.
     pub fn storey(&self, wanted: Option<&str>, report: &mut Report) -> Result<Option<&Storey>, Error> {
         let list = &self.model.storeys;
         let names = listed(&super::storeys(self));
         if let Some(name) = wanted {
+            state_shared_name(self.file, &super::storeys(self), name, report);
             let found = storey_at(list.iter().map(|s| s.name.as_str()), name);
             return found.map(|i| Some(&list[i])).ok_or_else(|| {
                 let names = if names.is_empty() { "none".into() } else { names };
@@ -499,14 +512,8 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         let Some([lo, hi]) = region.extent() else { return };
         self.emit(p, "IfcSpace", region);
         let zones = self.b.model.zones_of(p.id);
-        let args_of = |zone: &u64| self.b.step.args(*zone);
-        let name_of = |zone: &u64| args_of(zone).get(2).and_then(|a| self.b.step.text(a)).unwrap_or_default();
-        let named = [
-            ("IfcSpace", vec![p.name.clone(), p.long_name.clone()]),
-            (ZONE_LAYER, zones.iter().map(name_of).collect()),
-        ];
-        for (layer, names) in named {
-            let names: Vec<&str> = names.iter().map(|n| n.trim()).filter(|n| !n.is_empty()).collect();
+        let SpaceNames { names, zones: of_zones } = self.b.space_names(p);
+        for (layer, names) in [("IfcSpace", names), (ZONE_LAYER, of_zones)] {
             if layer == "IfcSpace" || !names.is_empty() {
                 let (source, text) = (self.source(p, layer), names.join("\n"));
                 self.texts.push(Text { source, layer: layer.into(), at: lo.midpoint(hi), text });
@@ -541,21 +548,22 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     fn emit(&mut self, p: &Product, layer: &str, region: &Region) {
         let source = self.source(p, layer);
         let mut editable = self.editable(p);
-        if p.class.starts_with("IfcWall") || p.class.starts_with("IfcColumn") {
+        if super::marks::Use::of(p.class) == super::marks::Use::Moves {
             let marks = self.b.model.marks(self.b.step, p.id);
             if let Some(text) = marks.get("move").filter(|t| !t.trim().is_empty())
                 && self.marked.iter().all(|m| m.record != source.record)
             {
-                let name = marks.get("name").cloned().unwrap_or_else(|| p.name.clone());
+                let own = marks.get("name").map(|n| n.trim()).filter(|n| !n.is_empty());
                 self.marked.push(MarkedMove {
-                    name,
+                    name: own.unwrap_or(p.name.trim()).into(),
+                    is_named: own.is_some(),
                     text: text.clone(),
                     record: source.record,
                     source: source.clone(),
                 });
             }
-            if marks.get("keep").is_some_and(|v| super::marks::is_yes(v) != Some(false)) {
-                editable = Editable::No("Pset_Enfilade says Keep".into());
+            if let Some(why) = super::marks::kept(self.b, p.id) {
+                editable = Editable::No(why);
             }
         }
         let bar = self.bar.clone().filter(|_| layer == p.class && editable.moves_whole());
@@ -689,7 +697,16 @@ pub(super) fn heights(b: &Building<'_, '_>, storey: Option<&Storey>, sight: Sigh
 /// walls are cut.
 fn lowest(b: &Building<'_, '_>, above: f64) -> f64 {
     let spans = wall_spans(b, usize::MAX);
-    let cut = |floor: f64| spans.iter().filter(|s| s[0] < floor + above && s[1] > floor + above).count();
+    let sorted = |k: usize| {
+        let mut values: Vec<f64> = spans.iter().filter(|s| s[0] < s[1]).map(|s| s[k]).collect();
+        values.sort_by(f64::total_cmp);
+        values
+    };
+    let (lows, highs) = (sorted(0), sorted(1));
+    let cut = |floor: f64| {
+        let z = floor + above;
+        lows.partition_point(|v| *v < z) - highs.partition_point(|v| *v <= z)
+    };
     let floors = spans.iter().map(|s| s[0]);
     floors.max_by(|a, b| cut(*a).cmp(&cut(*b)).then(b.total_cmp(a))).unwrap_or(0.0)
 }

@@ -97,16 +97,18 @@ pub(super) fn side_car_groups(
                 return Err(Error::usage("move", Place::default(), text));
             }
             Err(why) => {
-                say_unreadable(drawing, table, &why, report);
+                say_of_marks(drawing, table, ("move-clause", &format!("{why}; it stays")), report);
                 continue;
             }
         };
         let Some(first) = nodes.first() else {
-            report.warn(
-                "move-empty",
-                Place::file(&plan.file),
-                format!("[[move]] {name:?} names no wall of the drawing; nothing moves here"),
-            );
+            if is_side_car {
+                let text = format!("[[move]] {name:?} names no wall of the drawing; nothing moves here");
+                report.warn("move-empty", Place::file(&plan.file), text);
+            } else {
+                let text = "it is no wall of this plan, expected a wall or a column; nothing moves by it";
+                say_of_marks(drawing, table, ("move-empty", text), report);
+            }
             continue;
         };
         let first = graph.handles[*first as usize][0].0;
@@ -118,12 +120,22 @@ pub(super) fn side_car_groups(
     Ok(out)
 }
 
-/// Names the elements that bear a mark that cannot be read.
-fn say_unreadable(drawing: &Drawing, table: &MoveTable, why: &str, report: &mut Report) {
-    let states = if drawing.format == Format::Ifc { "Pset_Enfilade" } else { "extras.enfilade" };
+/// What the marks of a building's elements are called in its format.
+pub(super) fn marks_of(format: Format) -> &'static str {
+    if format == Format::Ifc { "Pset_Enfilade" } else { "extras.enfilade" }
+}
+
+/// Says something of every element that states a move, at its place.
+fn say_of_marks(
+    drawing: &Drawing,
+    table: &MoveTable,
+    (code, why): (&'static str, &str),
+    report: &mut Report,
+) {
+    let states = marks_of(drawing.format);
     let is_of_it = |h: &Option<String>| table.handles.contains(h.as_ref().unwrap_or(&String::new()));
     for mark in drawing.marked.iter().filter(|m| m.text == table.moves && is_of_it(&m.source.handle)) {
-        let text = format!("Move of {states}: {why}; it stays");
-        report.warn("move-clause", place_in(&drawing.file, &mark.source), text);
+        let text = format!("Move of {states}: {why}");
+        report.warn(code, place_in(&drawing.file, &mark.source), text);
     }
 }
