@@ -63,7 +63,44 @@ fn area(ring: &[PointUm]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::is_outdoors;
+    use glam::DVec2;
+
+    use super::*;
+    use crate::plan::drawing::{Editable, SourceRef, Vertex};
+
+    const METRES: Frame = Frame { metres_per_unit: 1.0, origin_um: [0, 0] };
+
+    /// A square on a layer of terraces.
+    fn square(side: f64) -> Entity {
+        let corners = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]];
+        let source = SourceRef {
+            record: 0,
+            handle: None,
+            line: 0,
+            kind: "LWPOLYLINE".into(),
+            layer: "Terrace".into(),
+        };
+        Entity {
+            source,
+            layer: "Terrace".into(),
+            shape: Shape::Polyline {
+                vertices: corners.map(|p| Vertex { at: DVec2::from(p), bulge: 0.0 }).to_vec(),
+                closed: true,
+            },
+            editable: Editable::Free,
+            blocks: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn pots_are_no_terraces_and_more_outlines_than_the_limit_are_not_looked_at() {
+        let least = AREA_MIN_M2.sqrt();
+        let drawing = Drawing::of(vec![square(0.99 * least), square(1.01 * least), square(9.0)]);
+        assert_eq!(find(&drawing, |i| i == 2, &METRES, 1.0).len(), 1);
+        assert_eq!(find(&drawing, |_| false, &METRES, 1.0).len(), 2);
+        let many = Drawing::of(vec![square(3.0); RINGS_MAX + 1]);
+        assert_eq!(find(&many, |_| false, &METRES, 1.0).len(), RINGS_MAX);
+    }
 
     #[test]
     fn layers_of_open_air_are_known_by_their_names() {
