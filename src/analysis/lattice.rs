@@ -285,8 +285,31 @@ impl Field {
                 let is_cavity = || self.flags[i] & ON_WALL == 0 && interior.is_cavity(p);
                 inside[i] = enclosed && (self.beside_movable[i] || !is_cavity());
             }
+            if !interior.is_as_drawn() {
+                self.leave_outer_side(interior, &mut inside);
+            }
         }
         inside
+    }
+
+    /// Takes out cells just beyond the outer side of a wall: nearer to it than the interior tells its sides apart,
+    /// joined with the outside and with nothing that surely lies inside.
+    fn leave_outer_side(&self, interior: &Interior, inside: &mut [bool]) {
+        let is_at_wall = |c: usize, r: usize| interior.is_at_wall(self.centre(c, r));
+        let lies_outside = |i: &usize| {
+            let (col, row) = (i / self.rows, i % self.rows);
+            let (mut is_sure, mut meets_outside) = (false, false);
+            self.for_each_linked(col, row, |c, r| {
+                let is_inside = inside[self.index(c, r)];
+                meets_outside |= !is_inside;
+                is_sure |= is_inside && !is_at_wall(c, r);
+            });
+            meets_outside && !is_sure
+        };
+        let near = (0..inside.len()).filter(|i| inside[*i] && self.flags[*i] & ON_WALL == 0);
+        let near = near.filter(|i| is_at_wall(i / self.rows, i % self.rows));
+        let beyond: Vec<usize> = near.filter(lies_outside).collect();
+        beyond.into_iter().for_each(|i| inside[i] = false);
     }
 
     /// Takes small spots that fixed walls seal out of the inside, as solid outlines are (spec 3).
@@ -562,6 +585,25 @@ mod tests {
         assert_eq!(of(&fixed, &[], M), 45, "wider than allowed");
         assert_eq!(of(&walls, &pier, 2 * M), 45, "it may open");
         assert_eq!(of(&walls, &[], 99 * M), 45, "so much is no pier");
+    }
+
+    /// Cells a hair beyond a wall's outer side are no floor, however coarsely the interior is known; those in a doorway
+    /// and beside inner walls are.
+    #[test]
+    fn cells_that_touch_the_outer_side_of_a_wall_almost_are_outside() {
+        let (hair, wide) = (M / 2000, 6 * M - M / 2000);
+        let mut walls = ring(&[[hair, hair], [wide, hair], [wide, 4 * M - M / 2], [hair, 4 * M - M / 2]]);
+        let door = Segment { a: [wide, M + M / 2], b: [wide, 2 * M + M / 2] };
+        walls[1].b = door.a;
+        walls.push(Segment { a: door.b, b: [wide, 4 * M - M / 2] });
+        walls.push(Segment { a: [3 * M + hair, M + M / 2], b: [3 * M + hair, 4 * M - M / 2] });
+        let interior = Interior::new(&walls, &[door], 1.0);
+        let ground = Ground { interior: interior.as_ref(), centre_um: [0, 0], ..ground(&walls) };
+        let l = lattice(&ground, &mut Report::default()).unwrap();
+        let mut expected: Vec<[i32; 2]> = (1..6).flat_map(|c| (1..4).map(move |r| [c, r])).collect();
+        // In the doorway.
+        expected.push([6, 2]);
+        assert_eq!(l.cells, expected);
     }
 
     #[test]

@@ -37,6 +37,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         texts: Vec::new(),
         marked: Vec::new(),
         hosts: Default::default(),
+        widths: Default::default(),
         undrawn: Vec::new(),
         fills: Vec::new(),
     }

@@ -17,9 +17,9 @@ use crate::overlay::result::{
 use crate::plan::axes::OpeningKind;
 use crate::plan::curve::{Trace, control_points};
 use crate::plan::drawing::{Addition, Format, Mark, Shape, SourceRef};
-use crate::plan::geometry::PointUm;
+use crate::plan::geometry::{PointUm, Segment};
 use crate::plan::markers::{Kind, place_in};
-use crate::plan::{Plan, Region};
+use crate::plan::{Plan, Region, Wall};
 use crate::report::Report;
 
 /// The measures of which heat maps are always made, in the order in which they are shown.
@@ -113,6 +113,15 @@ fn wall_strokes(base: &Understood, w: usize) -> Vec<Stroke> {
     out
 }
 
+/// The ground that a wall drawn as a wide polyline covers, piece by piece.
+fn wide_strokes(plan: &Plan, wall: &Wall) -> Vec<Stroke> {
+    let of = |s: Segment| {
+        let points = wall.ground(s)?.map(|p| plan.frame.plan_from_um(p).to_array()).to_vec();
+        Some(Stroke { points, closed: true, filled: true, kind: StrokeKind::Fixed })
+    };
+    wall.trace.segments().filter_map(|(_, _, s)| of(s)).collect()
+}
+
 fn piece(ends: [DVec2; 2], kind: StrokeKind) -> Stroke {
     Stroke { points: ends.map(|p| p.to_array()).to_vec(), closed: false, filled: false, kind }
 }
@@ -131,6 +140,7 @@ fn stretched([a, b]: [DVec2; 2], human_scale: f64) -> Vec<Stroke> {
 pub fn check_picture(base: &Understood) -> PlanPicture {
     let mut out = picture(base);
     out.strokes = (0..base.plan.walls.len()).flat_map(|w| wall_strokes(base, w)).collect();
+    out.strokes.extend(base.plan.walls.iter().flat_map(|w| wide_strokes(&base.plan, w)));
     let scale = base.plan.human_scale;
     for opening in &base.axes.openings {
         let kind = match opening.kind {

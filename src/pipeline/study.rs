@@ -37,10 +37,10 @@ use crate::plan::markers;
 use crate::plan::outline::SOLID_ACROSS_M;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
-use crate::plan::{Plan, PlanOptions, Region, box_of, layers, understand};
+use crate::plan::{Plan, PlanOptions, Region, Wall, box_of, layers, understand};
 use crate::report::{Error, Place, Problem, Report, Severity};
 use marked::{side_car_groups, state_held, state_unread_marks};
-use parts::{closed_that_stay, fixed_parts, moving_segments, piece_moves, pieces_of};
+use parts::{closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of};
 use seen::Scene;
 pub use seen::{Pair, Seen};
 
@@ -161,7 +161,8 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let mut sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
     sight.close(|wall| building::closes(&plan.walls[wall as usize]));
     let fittings = fittings::fittings(&plan, drawing, &axes, &marked);
-    let all: Vec<Segment> = plan.walls.iter().flat_map(|w| w.trace.segments().map(|s| s.2)).collect();
+    let sided = |w: &'_ Wall| w.trace.segments().flat_map(|s| w.with_sides(s.2)).collect::<Vec<_>>();
+    let all: Vec<Segment> = plan.walls.iter().flat_map(sided).collect();
     let mut closings = building::closings(drawing, &plan);
     closings.extend(opening_lines(&plan, &axes));
     let infill = structure::infill_lines(&plan, drawing, &axes);
@@ -171,6 +172,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let needs_inside = plan.markers.needs_interior();
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
     let interior = if needs_interior { Interior::new(&all, &closings, plan.human_scale) } else { None };
+    let interior = interior.map(|i| i.without(&plan.outdoors));
     let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
     let known = Known {
         plan: &plan,
@@ -672,8 +674,12 @@ fn state_interior(base: &Understood, settings: &Settings, report: &mut Report) {
             0.0 => "its doors and windows".to_string(),
             half => format!("gaps up to {} m wide", half * 2.0),
         };
+        let open = match base.plan.outdoors.len() {
+            0 => String::new(),
+            n => format!(", {n} outlines on layers named after terraces, balconies or yards as outdoors"),
+        };
         let text = format!(
-            "no region drawn and the outline is open: {wide} were taken as closed to find the interior; \
+            "no region drawn and the outline is open: {wide} were taken as closed to find the interior{open}; \
              EF-QUERY or --seed-point says it exactly"
         );
         report.info("interior-closed", Place::file(&base.plan.file), text);
@@ -695,6 +701,7 @@ fn blind(base: &Understood, layout: &Layout, cells: &CellIndex, segments: &[Segm
         cells.vertices_in(&wall.trace.points, &mut out);
     }
     cover_bodies(base, &|w| shapes.get(&w).copied(), cells, &mut out);
+    layout.walls.iter().for_each(|w| cover_wide(base, w.wall, &w.trace, cells, &mut out));
     segments.iter().for_each(|s| cells.vertices_on(*s, &mut out));
     out.sort_unstable();
     out.dedup();

@@ -225,6 +225,9 @@ pub struct Drawing {
     pub marked: Vec<MarkedMove>,
     /// Records of doors and windows of which the file says in which record's wall they sit.
     pub hosts: BTreeMap<usize, usize>,
+    /// Records of polylines that are drawn in one width all along, with that width in the units of the model space or
+    /// the block they stand in, > 0.
+    pub widths: BTreeMap<usize, f64>,
     /// What else is drawn, by layer and kind.
     pub undrawn: Vec<Undrawn>,
 }
@@ -352,6 +355,7 @@ impl Drawing {
             texts: Vec::new(),
             marked: Vec::new(),
             hosts: BTreeMap::new(),
+            widths: BTreeMap::new(),
             undrawn: Vec::new(),
         }
     }

@@ -4,7 +4,7 @@
 //! outline is closed for a disc that is too wide for doors: the smallest of [`CLOSING_M`] that encloses
 //! a building. Computed on a raster of its own, because a lattice may be far coarser than a door.
 
-use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
+use crate::plan::geometry::{PointUm, Segment, Side, UM_PER_M, side_of_ring};
 
 /// Half widths of the openings that count as closed, metres, tried in order; 0 is the exact flood.
 pub const CLOSING_M: [f64; 4] = [0.0, 0.6, 1.25, 2.0];
@@ -30,6 +30,7 @@ pub struct Interior {
     rows: usize,
     is_as_drawn: bool,
     closing_m: f64,
+    wall: Vec<bool>,
     inside: Vec<bool>,
     cavity: Vec<bool>,
     outside_far: Vec<f32>,
@@ -66,6 +67,7 @@ impl Interior {
             rows: raster.rows,
             is_as_drawn,
             closing_m,
+            wall: raster.wall,
             inside,
             cavity,
             outside_far,
@@ -76,6 +78,36 @@ impl Interior {
     /// Whether the walls as drawn enclose the building, without any gap taken as closed.
     pub fn is_as_drawn(&self) -> bool {
         self.is_as_drawn
+    }
+
+    /// The same without the ground in some rings (drawing frame, micrometres), which is told to be outdoors.
+    #[must_use]
+    pub fn without(mut self, rings: &[Vec<PointUm>]) -> Self {
+        let before = self.inside.iter().filter(|i| **i).count();
+        for ring in rings {
+            let bound = |k: usize, far: bool| {
+                let ordinates = ring.iter().map(|p| p[k] - self.origin_um[k]);
+                let end = if far { ordinates.max() } else { ordinates.min() };
+                let last = if k == 0 { self.cols } else { self.rows } as i64 - 1;
+                end.unwrap_or(0).div_euclid(self.pixel_um).clamp(0, last) as usize
+            };
+            let (cols, rows) = (bound(0, false)..=bound(0, true), bound(1, false)..=bound(1, true));
+            for (c, r) in cols.flat_map(|c| rows.clone().map(move |r| (c, r))) {
+                let middle =
+                    |k: usize, i: usize| self.origin_um[k] + i as i64 * self.pixel_um + self.pixel_um / 2;
+                if side_of_ring(ring, [middle(0, c), middle(1, r)]) == Side::Inside {
+                    self.inside[c * self.rows + r] = false;
+                }
+            }
+        }
+        if self.inside.iter().filter(|i| **i).count() < before {
+            let outside: Vec<bool> = self.inside.iter().map(|i| !i).collect();
+            self.outside_far = distance_px(&outside, self.cols, self.rows);
+            self.has_room =
+                (0..self.inside.len()).any(|i| self.inside[i] && !self.cavity[i] && !self.wall[i]);
+            self.is_as_drawn = false;
+        }
+        self
     }
 
     /// The same, where parts of the drawn walls stop no sight: doors and windows that are drawn through.
@@ -92,6 +124,12 @@ impl Interior {
     /// Whether the point lies inside the building (walls included).
     pub fn contains(&self, p: PointUm) -> bool {
         self.pixel(p).is_some_and(|i| self.inside[i])
+    }
+
+    /// Whether the point lies so near to a wall, or to what closes a gap in one, that [`Self::contains`] does not tell
+    /// its two sides apart.
+    pub fn is_at_wall(&self, p: PointUm) -> bool {
+        self.pixel(p).is_some_and(|i| self.wall[i])
     }
 
     /// Whether the point lies in a cavity inside a wall.

@@ -23,6 +23,7 @@ pub mod layers;
 pub mod markers;
 pub mod names;
 pub mod obstacles;
+mod outdoors;
 pub mod outline;
 pub mod parallels;
 mod paving;
@@ -38,6 +39,7 @@ pub mod structure;
 pub mod units;
 pub mod view_names;
 pub mod views;
+pub mod wide;
 
 use std::collections::BTreeMap;
 
@@ -64,6 +66,8 @@ pub struct Wall {
     pub trace: Trace,
     /// Whether its closed outline is filled: a column, or a wall drawn as an outline (spec 3).
     pub is_solid: bool,
+    /// Width of a polyline that is drawn as wide as a wall is thick, micrometres; 0 of anything else ([`wide`]).
+    pub width_um: i64,
 }
 
 /// What closes an opening of a wall.
@@ -177,6 +181,8 @@ pub struct Plan {
     pub doors: Vec<NamedDoor>,
     /// What stands in the rooms: what slides must not run into it.
     pub obstacles: Vec<obstacles::Obstacle>,
+    /// Ground that layers say is outdoors, rings in the drawing frame, micrometres: no interior.
+    pub outdoors: Vec<Vec<PointUm>>,
 }
 
 /// The user's word on how to read a drawing.
@@ -238,12 +244,16 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     state_unit(&drawing, &unit, size_m, human_scale, report);
     let markers = markers::read(&drawing, options, &frame, report);
     let obstacles = obstacles::find(&drawing, &standing, &picked, unit.unit.metres / human_scale, &frame);
+    let is_wall = |i: usize| picked.binary_search(&i).is_ok();
+    let outdoors = outdoors::find(&drawing, is_wall, &frame, human_scale);
     let is_locked = |e: &Entity| drawing.layers.iter().any(|l| l.is_locked && l.name == e.layer);
-    let mut walls: Vec<Wall> = walls.iter().map(|e| wall_of(e, &frame, is_locked(e))).collect();
+    let entities = walls;
+    let mut walls: Vec<Wall> = entities.iter().map(|e| wall_of(e, &frame, is_locked(e))).collect();
     match drawing.format {
         drawing::Format::Dxf => outline::mark_solids(&mut walls, &markers),
         _ => outline::mark_bodies(&mut walls),
     }
+    wide::mark(&mut walls, &entities, &drawing, (&frame, human_scale), report);
     Ok(Plan {
         file: drawing.file.clone(),
         format: drawing.format,
@@ -259,6 +269,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         plugs: plugs(&drawing, &frame),
         doors: doors(&drawing, &frame),
         obstacles,
+        outdoors,
     })
 }
 
@@ -354,6 +365,7 @@ fn wall_of(entity: &Entity, frame: &Frame, is_locked: bool) -> Wall {
         shape: entity.shape.clone(),
         trace: curve::trace(&entity.shape, frame),
         is_solid: false,
+        width_um: 0,
     }
 }
 

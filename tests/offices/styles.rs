@@ -274,6 +274,7 @@ impl Sheet {
             entities,
             marked: Vec::new(),
             hosts: Default::default(),
+            widths: Default::default(),
             undrawn: Vec::new(),
             fills: Vec::new(),
             texts: Vec::new(),

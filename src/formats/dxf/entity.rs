@@ -4,7 +4,8 @@ use glam::{DVec2, DVec3};
 
 use super::curves::{self, is_upright, mapped, ocs_to_world};
 use super::fields::{
-    Fields, attributes, has_embedded_object, lwpolyline_vertices, own_pairs, point_slots, polyline_records,
+    Fields, attributes, constant_width, has_embedded_object, lwpolyline_vertices, own_pairs, point_slots,
+    polyline_records,
 };
 use super::reader::Reader;
 use super::text::{plain_mtext, plain_text};
@@ -92,6 +93,9 @@ impl<'a> Reader<'a, '_> {
             let is_undrawn = matches!(body, None | Some(Err(_))) && (is_drawn || is_on_paper);
             match body {
                 Some(Ok(body)) => {
+                    if matches!(name, b"LWPOLYLINE" | b"POLYLINE") {
+                        self.widths.extend(constant_width(tokens, record).map(|width| (record, width)));
+                    }
                     let layer = self.layer(&fields);
                     out.push(Item { record, layer, body });
                 }

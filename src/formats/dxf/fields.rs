@@ -95,6 +95,33 @@ pub(super) fn lwpolyline_vertices(tokens: &Tokens<'_>, record: usize) -> Vec<Ver
     out
 }
 
+/// The width in which a polyline is drawn all along, drawing units, where it has one: group 43 of an LWPOLYLINE, else
+/// groups 40 and 41 of every vertex, for which those of a POLYLINE stand where a vertex has none.
+pub(super) fn constant_width(tokens: &Tokens<'_>, record: usize) -> Option<f64> {
+    let of = |record: usize, code: i32| -> Vec<f64> {
+        let own = own_pairs(tokens, record).filter(|(_, p)| p.code == code);
+        own.filter_map(|(_, p)| tokens.number(p)).collect()
+    };
+    let widths: Vec<f64> = match tokens.name(record) {
+        b"POLYLINE" => {
+            let stated = [40, 41].map(|code| of(record, code).last().copied().unwrap_or(0.0));
+            let vertices = polyline_records(tokens, record).0;
+            let own = |v: usize| [0, 1].map(|k| of(v, 40 + k).last().copied().unwrap_or(stated[k as usize]));
+            vertices.flat_map(own).collect()
+        }
+        _ => match of(record, 43)[..] {
+            [.., width] if width != 0.0 => vec![width],
+            _ => {
+                let count = lwpolyline_vertices(tokens, record).len();
+                let both = [of(record, 40), of(record, 41)];
+                if both.iter().any(|w| w.len() != count) { Vec::new() } else { both.concat() }
+            }
+        },
+    };
+    let first = *widths.first()?;
+    (first.is_finite() && first > 0.0 && widths.iter().all(|w| *w == first)).then_some(first)
+}
+
 /// The VERTEX records of the POLYLINE at `record`, the first record after it and its SEQEND, and
 /// whether the SEQEND is there.
 pub(super) fn polyline_records(tokens: &Tokens<'_>, record: usize) -> (std::ops::Range<usize>, usize, bool) {

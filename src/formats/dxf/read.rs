@@ -64,6 +64,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         texts,
         marked: Vec::new(),
         hosts: Default::default(),
+        widths: reader.widths,
         undrawn,
     })
 }

@@ -32,6 +32,8 @@ pub(super) struct Reader<'a, 'r> {
     pub handles: HashMap<&'a [u8], usize>,
     /// Filled areas met so far.
     pub fills: Vec<Entity>,
+    /// Widths of polylines met so far, by record.
+    pub widths: BTreeMap<usize, f64>,
     /// Record kinds left out, with their numbers.
     pub left_out: BTreeMap<String, usize>,
     /// What is drawn and no line of the plan, by layer, kind and whether it stands on paper.
@@ -91,6 +93,7 @@ impl<'a, 'r> Reader<'a, 'r> {
             layers: Layers::default(),
             handles: HashMap::new(),
             fills: Vec::new(),
+            widths: BTreeMap::new(),
             left_out: BTreeMap::new(),
             undrawn: BTreeMap::new(),
             report,

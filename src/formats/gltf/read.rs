@@ -90,6 +90,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         texts,
         marked,
         hosts: hosts(&scene, &bodies, options),
+        widths: Default::default(),
         undrawn: Vec::new(),
         fills: Vec::new(),
     })

@@ -673,6 +673,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             texts: self.texts,
             fills: Vec::new(),
             marked: self.marked,
+            widths: Default::default(),
             undrawn: Vec::new(),
         }
     }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use glam::DVec2;
 
 use super::Understood;
+use crate::analysis::lattice::CellIndex;
 use crate::moves::Layout;
 use crate::plan::axes::FaceRef;
 use crate::plan::curve::Trace;
@@ -29,9 +30,10 @@ pub(super) fn fixed_parts(base: &Understood, piece_moves: &[Vec<bool>]) -> (Vec<
     let (mut segments, mut solids) = (Vec::new(), Vec::new());
     for (w, wall) in base.plan.walls.iter().enumerate() {
         let moving = base.moves.walls.binary_search(&(w as u32)).ok().map(|i| &piece_moves[i]);
-        for (s, part, moves) in pieces_of(&wall.trace, moving) {
-            if !moves {
-                segments.extend(base.sight.blocking((w as u32, part), s));
+        for (s, part, _) in pieces_of(&wall.trace, moving).filter(|p| !p.2) {
+            for s in base.sight.blocking((w as u32, part), s) {
+                segments.extend(wall.with_sides(s));
+                solids.extend(wall.ground(s).map(|ring| ring.to_vec()));
             }
         }
         if wall.is_solid && moving.is_none() {
@@ -79,8 +81,19 @@ pub(super) fn moving_segments(base: &Understood, layout: &Layout, piece_moves: &
     let mut out = Vec::new();
     for (wall, moving) in layout.walls.iter().zip(piece_moves) {
         for (s, part, _) in pieces_of(&wall.trace, Some(moving)).filter(|p| p.2) {
-            out.extend(base.sight.blocking((wall.wall, part), s));
+            let drawn = &base.plan.walls[wall.wall as usize];
+            out.extend(base.sight.blocking((wall.wall, part), s).flat_map(|s| drawn.with_sides(s)));
         }
     }
     out
+}
+
+/// Adds the vertices that a wall drawn as a wide polyline covers where it stands.
+pub(super) fn cover_wide(base: &Understood, wall: u32, trace: &Trace, cells: &CellIndex, out: &mut Vec<u32>) {
+    let drawn = &base.plan.walls[wall as usize];
+    for (s, part, _) in pieces_of(trace, None).filter(|_| drawn.width_um > 0) {
+        for ring in base.sight.blocking((wall, part), s).filter_map(|s| drawn.ground(s)) {
+            cells.vertices_in(&ring, out);
+        }
+    }
 }

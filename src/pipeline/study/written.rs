@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::{Seen, Study, Worth, closed_that_stay, cover_bodies, pieces_of, plan_options, read_options};
+use super::{
+    Seen, Study, Worth, closed_that_stay, cover_bodies, cover_wide, pieces_of, plan_options, read_options,
+};
 use crate::analysis::Obstacles;
 use crate::analysis::forest::{Initial, tally};
 use crate::analysis::lattice::CellIndex;
@@ -34,7 +36,9 @@ impl Study {
         let mut segments: Vec<Segment> = Vec::new();
         for (w, wall) in again.walls.iter().enumerate() {
             for (s, part, _) in pieces_of(&wall.trace, None) {
-                segments.extend(self.base.sight.blocking((w as u32, part), s));
+                let drawn = &plan.walls[w];
+                let parts = self.base.sight.blocking((w as u32, part), s);
+                segments.extend(parts.flat_map(|s| drawn.with_sides(s)));
             }
         }
         segments.extend(closed_that_stay(&self.base));
@@ -93,6 +97,9 @@ impl Study {
         let shape =
             |w: u32| Some(as_cornered(&self.base.plan, &again.walls.get(w as usize)?.shape, meant.get(&w)?));
         cover_bodies(&self.base, &shape, cells, &mut out);
+        for w in &self.base.moves.walls {
+            cover_wide(&self.base, *w, &again.walls[*w as usize].trace, cells, &mut out);
+        }
         segments.iter().for_each(|s| cells.vertices_on(*s, &mut out));
         out.sort_unstable();
         out.dedup();
