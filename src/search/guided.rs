@@ -48,6 +48,9 @@ pub(super) struct Guided {
     enough: Option<u64>,
 }
 
+/// Surrogates of the climbing: around its centre and around the best point.
+const CLIMB_MODELS: usize = 2;
+
 /// How much of them is left after each step that thresholds yield.
 const YIELD_STEP: f64 = 0.85;
 /// Share of the spreading after which they may yield for the first time: members need some to part.
@@ -145,7 +148,7 @@ impl Guided {
             climb: Climb::new(&tuning, climbed[0]),
             climbed,
             spread: Spread::new(study.members, (1..=study.pinned).collect()),
-            climb_models: Models::new(1, tuning.neighbours),
+            climb_models: Models::new(CLIMB_MODELS, tuning.neighbours),
             spread_models: Models::new(study.members, tuning.spread_neighbours),
             limits: Limits::default(),
             standing: None,

@@ -55,7 +55,7 @@ pub struct Tuning {
 impl Default for Tuning {
     fn default() -> Self {
         Self {
-            climb_share: 0.6,
+            climb_share: 0.75,
             late_climb: 0.35,
             fade_from: 0.7,
             margin: 0.043,
@@ -64,7 +64,7 @@ impl Default for Tuning {
             candidates: 500,
             spread_candidates: 400,
             raw_share: 0.25,
-            polish: 0.3,
+            polish: 0.1,
             late_polish: 0.6,
             nugget: 1e-4,
             coordinate_share: 0.2,
@@ -75,7 +75,7 @@ impl Default for Tuning {
             keep_best: false,
             acceptance: 0.3,
             differences: 0.3,
-            fresh: 0.4,
+            fresh: 0.7,
             patience: 1.4,
         }
     }
