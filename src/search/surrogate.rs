@@ -122,8 +122,7 @@ impl Surrogate {
             self.factor = vec![0.0; capacity * capacity];
         }
         let anchors: Vec<Vec<f64>> = (0..=dims).map(|j| self.anchor(j)).collect();
-        self.between_anchors =
-            anchors.iter().flat_map(|a| anchors.iter().map(|b| radial(a, b))).collect();
+        self.between_anchors = anchors.iter().flat_map(|a| anchors.iter().map(|b| radial(a, b))).collect();
     }
 
     fn anchor(&self, j: usize) -> Vec<f64> {
