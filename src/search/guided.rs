@@ -177,7 +177,8 @@ impl Guided {
     }
 
     /// Whether a climb that begins after that many evaluations begins anywhere: as long as the stage has room for
-    /// half of another one like those so far: what it found is climbed on beside the spread. Without a budget every other one.
+    /// half of another one like those so far, since what is begun is climbed on beside the spread. Without a
+    /// budget every other one.
     fn is_fresh(&self, evaluations: usize) -> bool {
         let Some(budget) = self.budget else {
             return self.climb.restarts().is_multiple_of(2);
