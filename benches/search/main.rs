@@ -297,7 +297,6 @@ fn set(tuning: &mut Tuning, assignment: &str) {
         "late_polish" => tuning.late_polish = number,
         "nugget" => tuning.nugget = number,
         "differences" => tuning.differences = number,
-        "fresh" => tuning.fresh = number,
         "patience" => tuning.patience = number,
         other => panic!("no setting {other}"),
     }

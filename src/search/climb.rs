@@ -2,11 +2,12 @@
 //!
 //! A surrogate screens sparse Gaussian steps from the best point of the present climb; a quarter of
 //! the proposals are jumps that no model screens, because the objective has cliffs no model sees.
-//! A climb whose step has become small has converged; its end is kept. The next ones start anywhere; later, by
-//! turns, they widen the step again at the best point, with all that is known, or start from a crossover of
-//! ends. All but the former learn from their own points alone: the objective has many optima, and
-//! whoever borrows from the best falls back to where the best lies. Meanwhile some proposals polish the
-//! best point: one or two coordinates by steps of any size, since the objective is made of stairs.
+//! A climb whose step has become small has converged; its end is kept. The next ones start anywhere and keep
+//! away from the ends known: the model knows all points, and would lead every climb back to the best one. They
+//! borrow from their own points alone. After each, the best point is mixed with the ends: parameters that do not
+//! act together are each as good there as anywhere. Later climbs, by turns, widen the step again at the best
+//! point, or start from a crossover of ends. Meanwhile some proposals polish the best point: one or two
+//! coordinates by steps of any size, since the objective is made of stairs.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -28,10 +29,16 @@ const LEAST_PATIENCE: usize = 4;
 /// Gain, relative to the range, that counts as a success.
 const SUCCESS_GAIN: f64 = 1e-3;
 /// Ends of climbs that are remembered.
-const ENDS_KEPT: usize = 8;
+const ENDS_KEPT: usize = 24;
 /// Least distance of a restart from the known ends.
 const RESTART_DISTANCE: f64 = 0.1;
-/// Crossovers among which the model chooses a restart.
+/// A climb that begins anywhere keeps this far from the ends of earlier ones, in √n with n parameters.
+const END_DISTANCE: f64 = 0.1;
+/// Mixtures of the best point and the ends that are tried after each climb but the first.
+const MIXTURES: usize = 12;
+/// Least distance of a mixture from all that is known or pending.
+const MIXTURE_NEWS: f64 = 1e-3;
+/// Crossovers among which the model chooses a restart or a mixture.
 const RESTART_CANDIDATES: usize = 200;
 /// Distance from the centre beyond which a good point serves for a raw crossover.
 const CROSSOVER_DISTANCE: f64 = 0.3;
@@ -45,7 +52,7 @@ pub(super) enum Step {
     Screened,
     Raw,
     Restart,
-    /// Near this archive point, whichever climb is under way.
+    /// From this archive point, whichever climb is under way: near it, or mixed with an end.
     Polish(usize),
 }
 
@@ -63,6 +70,12 @@ pub(super) struct Climb {
     weight: usize,
     /// The first archive point that the present climb learns from.
     begun: usize,
+    /// Whether it keeps away from the ends known.
+    is_apart: bool,
+    /// Points since then that came from another than its centre.
+    aside: Vec<usize>,
+    /// Mixtures of the best point and the ends that are still to be tried.
+    mixtures: usize,
     good: Good,
 }
 
@@ -141,6 +154,9 @@ impl Climb {
             restarts: 0,
             weight: 0,
             begun: 0,
+            is_apart: false,
+            aside: vec![],
+            mixtures: 0,
             good: Good::default(),
         }
     }
@@ -150,13 +166,21 @@ impl Climb {
         self.stage = stage;
         self.ends.clear();
         self.restart_pending = false;
-        self.begun = 0;
-        self.begin(view.tuning, best_of(view, stage));
+        self.mixtures = 0;
+        self.go_on(view.tuning, best_of(view, stage));
     }
 
     /// Climbs begun after the first.
     pub(super) fn restarts(&self) -> usize {
         self.restarts
+    }
+
+    /// Begins from a known point, with all that is known.
+    fn go_on(&mut self, tuning: &Tuning, centre: Option<usize>) {
+        self.begun = 0;
+        self.aside.clear();
+        self.is_apart = false;
+        self.begin(tuning, centre);
     }
 
     fn begin(&mut self, tuning: &Tuning, centre: Option<usize>) {
@@ -173,10 +197,16 @@ impl Climb {
         rng: &mut ChaCha8Rng,
     ) -> (Vec<f64>, Step) {
         let dims = view.archive.dims();
-        if let Some(best) = view.limits.best.get(self.stage).copied().flatten()
-            && rng.random::<f64>() < self.polish_share(view)
-        {
-            return (polish(view.archive.unit(best), rng), Step::Polish(best));
+        if let Some(best) = view.limits.best.get(self.stage).copied().flatten() {
+            if rng.random::<f64>() < self.polish_share(view) {
+                return (polish(view.archive.unit(best), rng), Step::Polish(best));
+            }
+            if self.mixtures > 0 {
+                self.mixtures -= 1;
+                if let Some(mixture) = self.mixture(view, models, best, rng) {
+                    return (mixture, Step::Polish(best));
+                }
+            }
         }
         if self.centre.is_none() && !self.restart_pending {
             self.turn(view);
@@ -222,8 +252,16 @@ impl Climb {
         self.weight += 1;
         let (merit, distance) = (scaled(&merit), scaled(&distance));
         let score = |i: usize| weight * merit[i] + (1.0 - weight) * distance[i];
-        let best = (0..merit.len()).reduce(|a, b| if score(b) > score(a) { b } else { a });
-        best.map_or_else(|| random_point(at.len(), rng), |b| candidates[b * at.len()..][..at.len()].to_vec())
+        let point = |i: usize| &candidates[i * at.len()..][..at.len()];
+        let allowed = (0..merit.len()).filter(|&i| !self.is_apart || self.is_off_ends(view, point(i)));
+        let best = allowed.reduce(|a, b| if score(b) > score(a) { b } else { a });
+        best.map_or_else(|| random_point(at.len(), rng), |b| point(b).to_vec())
+    }
+
+    /// Whether no end known is near: then another optimum may be.
+    fn is_off_ends(&self, view: &View<'_>, x: &[f64]) -> bool {
+        let least = END_DISTANCE * END_DISTANCE * x.len() as f64;
+        self.ends.iter().all(|&e| square_distance(x, view.archive.unit(e)) > least)
     }
 
     /// Predicted merit and distance to the nearest point known or pending, per candidate; candidates stand one
@@ -261,6 +299,7 @@ impl Climb {
         }
         let mut ranked: Vec<(f64, usize)> = (self.begun..archive.len())
             .filter(|&i| archive.hard(i) == 0.0)
+            .filter(|i| !self.is_apart || self.aside.binary_search(i).is_err())
             .map(|i| (view.merit_of(i, stage), i))
             .collect();
         let tenth = ranked.len().div_ceil(10);
@@ -288,14 +327,15 @@ impl Climb {
             && self.restarts % 2 == 1
             && let Some(best) = view.limits.best.get(self.stage).copied().flatten()
         {
-            self.begun = 0;
-            self.begin(view.tuning, Some(best));
+            self.go_on(view.tuning, Some(best));
         }
     }
 
     /// Where a climb apart from the best point starts: anywhere (later near a member), or between two ends.
     fn restart(&mut self, view: &View<'_>, models: &mut Models, rng: &mut ChaCha8Rng) -> Vec<f64> {
         let best = view.limits.best.get(self.stage).copied().flatten();
+        self.is_apart = view.fresh && view.members.is_empty();
+        self.aside.clear();
         match best {
             _ if !view.fresh && self.ends.len() > 1 => self.restart_between_ends(view, models, rng),
             Some(best) if !view.fresh => reset(view.archive.unit(best), rng),
@@ -305,6 +345,32 @@ impl Climb {
             }
             _ => random_point(view.archive.dims(), rng),
         }
+    }
+
+    /// The best point with some coordinates of an end or a member: the one that the model holds to be best.
+    fn mixture(
+        &self,
+        view: &View<'_>,
+        models: &mut Models,
+        best: usize,
+        rng: &mut ChaCha8Rng,
+    ) -> Option<Vec<f64>> {
+        let at = view.archive.unit(best);
+        let away = |&e: &usize| view.archive.distance(e, best) > RESTART_DISTANCE;
+        let donors: Vec<usize> = self.ends.iter().chain(view.members).copied().filter(away).collect();
+        if donors.is_empty() {
+            return None;
+        }
+        let mut candidates = vec![];
+        for _ in 0..RESTART_CANDIDATES {
+            let donor = donors[rng.random_range(0..donors.len())];
+            candidates.extend(crossover(at, view.archive.unit(donor), rng));
+        }
+        let surrogate = models.around(view, at, self.stage + 1);
+        let (merit, distance) = self.judge(view, surrogate, &candidates);
+        let new = (0..merit.len()).filter(|&i| distance[i] > MIXTURE_NEWS);
+        let chosen = new.reduce(|a, b| if merit[b] > merit[a] { b } else { a })?;
+        Some(candidates[chosen * at.len()..][..at.len()].to_vec())
     }
 
     fn restart_between_ends(
@@ -335,6 +401,9 @@ impl Climb {
 
     /// Learns from the evaluated point `i`.
     pub(super) fn absorb(&mut self, view: &View<'_>, i: usize, step: Step) {
+        if matches!(step, Step::Polish(base) if Some(base) != self.centre) {
+            self.aside.push(i);
+        }
         let Some(centre) = self.centre else {
             if step == Step::Restart {
                 self.restart_pending = false;
@@ -376,6 +445,7 @@ impl Climb {
                 self.drop_worst_end(view);
             }
             self.begin(view.tuning, None);
+            self.mixtures = if self.ends.len() > 1 { MIXTURES } else { 0 };
         }
     }
 
@@ -506,4 +576,88 @@ fn scaled(values: &[f64]) -> Vec<f64> {
     let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let width = most - least;
     values.iter().map(|v| if width > 0.0 { (v - least) / width } else { 1.0 }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+
+    use super::*;
+    use crate::search::{Evaluation, Objective, Sense};
+
+    const DIMS: usize = 6;
+
+    fn objective() -> Objective {
+        Objective {
+            name: "f".into(),
+            sense: Sense::Maximise,
+            threshold: 0.7,
+            is_score: true,
+            is_penalty: false,
+        }
+    }
+
+    /// A hill in the middle, measured at random places, at its top and somewhat aside of it.
+    fn hill() -> Archive {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut archive = Archive::new(DIMS, 1);
+        let mut points: Vec<Vec<f64>> = (0..80).map(|_| random_point(DIMS, &mut rng)).collect();
+        points.extend([vec![0.5; DIMS], [vec![0.8], vec![0.5; DIMS - 1]].concat()]);
+        for u in points {
+            let value = 3.0 - u.iter().map(|v| (v - 0.5).powi(2)).sum::<f64>();
+            let told = Evaluation { values: vec![value], violation: 0.0, ..Evaluation::default() };
+            archive.push(&u, u.clone(), &told, &[objective()]);
+        }
+        archive
+    }
+
+    fn view<'a>(archive: &'a Archive, limits: &'a Limits, tuning: &'a Tuning) -> View<'a> {
+        View { archive, limits, tuning, fresh: true, members: &[], pending: &[] }
+    }
+
+    #[test]
+    fn a_climb_that_begins_anywhere_is_not_led_back_to_a_known_end() {
+        let (archive, tuning) = (hill(), Tuning { raw_share: 0.0, polish: 0.0, ..Tuning::default() });
+        let limits = Limits::of(&archive, &[objective()], true);
+        let view = view(&archive, &limits, &tuning);
+        let (end, start) = (archive.len() - 2, archive.len() - 1);
+        let nearest = |is_apart: bool| {
+            let mut climb =
+                Climb { ends: vec![end], centre: Some(start), is_apart, ..Climb::new(&tuning, 0) };
+            let (mut models, mut rng) = (Models::new(2, 100), ChaCha8Rng::seed_from_u64(1));
+            let mut ask = || climb.propose(&view, &mut models, &mut rng).0;
+            let distances = (0..40).map(|_| square_distance(&ask(), archive.unit(end)).sqrt());
+            distances.fold(f64::INFINITY, f64::min)
+        };
+        let least = END_DISTANCE * (DIMS as f64).sqrt();
+        assert!(
+            nearest(true) > least && nearest(false) < least,
+            "{} {} {least}",
+            nearest(true),
+            nearest(false)
+        );
+    }
+
+    #[test]
+    fn the_best_point_is_mixed_with_an_end_that_is_better_in_some_parameters() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut archive = Archive::new(DIMS, 1);
+        // One end is at the top of the first half of the parameters, the other at that of the second.
+        let ends = [[0.5, 0.5, 0.5, 0.2, 0.2, 0.2], [0.1, 0.1, 0.1, 0.5, 0.5, 0.5]];
+        let mut points: Vec<Vec<f64>> = (0..80).map(|_| random_point(DIMS, &mut rng)).collect();
+        points.extend(ends.map(|end| end.to_vec()));
+        for u in &points {
+            let value = 3.0 - u.iter().map(|v| (v - 0.5).powi(2)).sum::<f64>();
+            let told = Evaluation { values: vec![value], violation: 0.0, ..Evaluation::default() };
+            archive.push(u, u.clone(), &told, &[objective()]);
+        }
+        let (tuning, first) = (Tuning::default(), archive.len() - 2);
+        let limits = Limits::of(&archive, &[objective()], true);
+        let view = view(&archive, &limits, &tuning);
+        let climb = Climb { ends: vec![first, first + 1], ..Climb::new(&tuning, 0) };
+        let mixture = climb.mixture(&view, &mut Models::new(2, 100), first, &mut rng).unwrap();
+        assert!(square_distance(&mixture, &[0.5; DIMS]) < 1e-12, "{mixture:?}");
+        let alone = Climb { ends: vec![first], ..Climb::new(&tuning, 0) };
+        assert!(alone.mixture(&view, &mut Models::new(2, 100), first, &mut rng).is_none());
+    }
 }

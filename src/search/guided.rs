@@ -48,6 +48,12 @@ pub(super) struct Guided {
     enough: Option<u64>,
 }
 
+/// Surrogates of the climbing: around its centre and around the best point.
+const CLIMB_MODELS: usize = 2;
+
+/// Room that a climb which begins anywhere needs, in mean lengths of the climbs so far.
+const CLIMB_ROOM: f64 = 0.5;
+
 /// How much of them is left after each step that thresholds yield.
 const YIELD_STEP: f64 = 0.85;
 /// Share of the spreading after which they may yield for the first time: members need some to part.
@@ -145,7 +151,7 @@ impl Guided {
             climb: Climb::new(&tuning, climbed[0]),
             climbed,
             spread: Spread::new(study.members, (1..=study.pinned).collect()),
-            climb_models: Models::new(1, tuning.neighbours),
+            climb_models: Models::new(CLIMB_MODELS, tuning.neighbours),
             spread_models: Models::new(study.members, tuning.spread_neighbours),
             limits: Limits::default(),
             standing: None,
@@ -170,12 +176,17 @@ impl Guided {
         if self.spreads { self.tuning.climb_share } else { 1.0 }
     }
 
-    /// Whether a climb that begins after that many evaluations begins anywhere. Without a budget every other one.
+    /// Whether a climb that begins after that many evaluations begins anywhere: as long as the stage has room for
+    /// half of another one like those so far, since what is begun is climbed on beside the spread. Without a
+    /// budget every other one.
     fn is_fresh(&self, evaluations: usize) -> bool {
-        if self.budget.is_none() {
+        let Some(budget) = self.budget else {
             return self.climb.restarts().is_multiple_of(2);
-        }
-        self.used(evaluations) < self.tuning.fresh * self.climb_share()
+        };
+        let now = self.climbed.iter().position(|&j| j == self.stage).unwrap_or(0);
+        let until = self.climb_share() * (now + 1) as f64 / self.climbed.len() as f64;
+        let mean = evaluations as f64 / (self.climb.restarts() + 1) as f64;
+        evaluations as f64 + CLIMB_ROOM * mean <= until * budget as f64
     }
 
     /// Whether evaluation number `n` climbs.

@@ -36,9 +36,10 @@ dispatched!(
     add_multiple, add_multiple_body, (to: &mut [f64], factor: f64, of: &[f64])
 );
 dispatched!(
-    /// Cubes of distances into `out`: the squares are `base + Σ factor · column + shift`, each slice a
-    /// multiple of [`LANES`] long. Returns the least square.
-    cubes, cubes_body, (base: &[f64], moved: &[(f64, &[f64])], shift: f64, out: &mut [f64]) -> f64
+    /// Radial functions into `out`: cubes of distances, and of the differences in each coordinate. `[squares, cubes]`
+    /// hold both for a point, `moved` by how much coordinates move away from it and their differences there, `shift`
+    /// the square of that way; each slice is a multiple of [`LANES`] long. Returns the least squared distance.
+    radials, radials_body, (from: [&[f64]; 2], moved: &[(f64, &[f64])], shift: f64, out: &mut [f64]) -> f64
 );
 
 #[inline(always)]
@@ -62,22 +63,24 @@ fn add_multiple_body(to: &mut [f64], factor: f64, of: &[f64]) {
 }
 
 #[inline(always)]
-fn cubes_body(base: &[f64], moved: &[(f64, &[f64])], shift: f64, out: &mut [f64]) -> f64 {
+fn radials_body(from: [&[f64]; 2], moved: &[(f64, &[f64])], shift: f64, out: &mut [f64]) -> f64 {
     let mut least = [f64::INFINITY; LANES];
-    let (base, _) = base.as_chunks::<LANES>();
+    let [squares, cubes] = from.map(|slice| slice.as_chunks::<LANES>().0);
     let (out, _) = out.as_chunks_mut::<LANES>();
-    for (c, (start, cube)) in base.iter().zip(out).enumerate() {
-        let mut square = *start;
-        for &(factor, column) in moved {
+    for (c, ((square, cube), out)) in squares.iter().zip(cubes).zip(out).enumerate() {
+        let (mut square, mut cube) = (*square, *cube);
+        for &(step, column) in moved {
             let column = &column[c * LANES..][..LANES];
             for l in 0..LANES {
-                square[l] += factor * column[l];
+                let (before, after) = (column[l].abs(), (column[l] + step).abs());
+                square[l] += 2.0 * step * column[l];
+                cube[l] += after * after * after - before * before * before;
             }
         }
         for l in 0..LANES {
             let s = (square[l] + shift).max(0.0);
             least[l] = least[l].min(s);
-            cube[l] = s * s.sqrt();
+            out[l] = s * s.sqrt() + cube[l];
         }
     }
     least.into_iter().fold(f64::INFINITY, f64::min)
@@ -94,11 +97,14 @@ mod tests {
         assert_eq!(dot(&a, &b).to_bits(), dot_body(&a, &b).to_bits());
         let (mut x, mut y) = ([0.0; 80], [0.0; 80]);
         let squares: Vec<f64> = a[..80].iter().map(|v| v * v + 1.0).collect();
-        let moved = [(0.25, &b[..80]), (-0.5, &a[..80])];
-        let least = cubes(&squares, &moved, 0.125, &mut x);
-        assert_eq!(least.to_bits(), cubes_body(&squares, &moved, 0.125, &mut y).to_bits());
+        let cubes = [0.5; 80];
+        let moved = [(0.125, &b[..80]), (-0.25, &a[..80])];
+        let least = radials([&squares, &cubes], &moved, 0.125, &mut x);
+        assert_eq!(least.to_bits(), radials_body([&squares, &cubes], &moved, 0.125, &mut y).to_bits());
         assert_eq!(x.map(f64::to_bits), y.map(f64::to_bits));
         let far = squares.iter().zip(&b).zip(&a).map(|((s, b), a)| s + 0.25 * b - 0.5 * a + 0.125);
-        assert!(far.zip(x).all(|(s, cube)| (cube - s.powf(1.5)).abs() < 1e-12));
+        let alone = |v: f64, step: f64| (v + step).abs().powi(3) - v.abs().powi(3);
+        let alone = a.iter().zip(&b).map(|(&a, &b)| 0.5 + alone(b, 0.125) + alone(a, -0.25));
+        assert!(far.zip(alone).zip(x).all(|((far, alone), out)| (far.powf(1.5) + alone - out).abs() < 1e-12));
     }
 }

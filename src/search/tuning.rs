@@ -45,9 +45,6 @@ pub struct Tuning {
     pub acceptance: f64,
     /// Share of the screened candidates that follow the difference of two good points of the climb.
     pub differences: f64,
-    /// Share of the climbing during which climbs begin anywhere; later ones begin by turns at the best point and
-    /// between the ends known.
-    pub fresh: f64,
     /// Failures in a row that halve the step, a dimension.
     pub patience: f64,
 }
@@ -55,7 +52,7 @@ pub struct Tuning {
 impl Default for Tuning {
     fn default() -> Self {
         Self {
-            climb_share: 0.6,
+            climb_share: 0.7,
             late_climb: 0.35,
             fade_from: 0.7,
             margin: 0.043,
@@ -64,7 +61,7 @@ impl Default for Tuning {
             candidates: 500,
             spread_candidates: 400,
             raw_share: 0.25,
-            polish: 0.3,
+            polish: 0.1,
             late_polish: 0.6,
             nugget: 1e-4,
             coordinate_share: 0.2,
@@ -75,7 +72,6 @@ impl Default for Tuning {
             keep_best: false,
             acceptance: 0.3,
             differences: 0.3,
-            fresh: 0.4,
             patience: 1.4,
         }
     }
