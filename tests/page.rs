@@ -187,7 +187,7 @@ fn the_interface_shows_and_obeys() {
     let names = daemon.json(&at("/round-01"));
     assert!(names.as_array().unwrap().contains(&json!("initial-degree.png")), "{names}");
     assert_eq!(daemon.ask("GET", &at("/round-09"), "").status, 404);
-    assert_eq!(daemon.ask("POST", &at("/again"), &"x".repeat(BODY_BYTES_MAX + 1)).status, 413);
+    assert_eq!(daemon.ask("POST", &at("/again"), "x".repeat(BODY_BYTES_MAX + 1)).status, 413);
     assert_eq!(
         daemon
             .ask("POST", &at("/again"), r#"{"objective": "entropy max 0.5", "pin": [2], "round": 1}"#)
@@ -213,7 +213,7 @@ fn the_interface_shows_and_obeys() {
         (json!({"so_far": layouts + 1, "candidate": 1}), "another by now"),
         (json!({"so_far": layouts, "candidate": 9}), "the best so far has options 1 to"),
     ] {
-        let answer = daemon.ask("POST", &at("/accept"), &wrong.to_string());
+        let answer = daemon.ask("POST", &at("/accept"), wrong.to_string());
         let said = String::from_utf8_lossy(&answer.body);
         assert!(answer.status == 400 && said.contains(why), "{wrong}: {said}");
     }

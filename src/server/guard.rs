@@ -140,17 +140,17 @@ pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, n
 async fn whole(request: Request) -> Result<Request, Response> {
     let no_text = |what: &str| {
         let why = format!("the {what} is not UTF-8, expected UTF-8; nothing was done");
-        Err(super::api::said(StatusCode::BAD_REQUEST, &why))
+        super::api::said(StatusCode::BAD_REQUEST, &why)
     };
     if percent_encoding::percent_decode_str(request.uri().path()).decode_utf8().is_err() {
-        return no_text("address");
+        return Err(no_text("address"));
     }
     if matches!(*request.method(), Method::GET | Method::HEAD) {
         return Ok(request);
     }
     let (head, body) = request.into_parts();
     match tokio::time::timeout(BODY_TIME_MAX, to_bytes(body, BODY_BYTES_MAX)).await {
-        Ok(Ok(bytes)) if std::str::from_utf8(&bytes).is_err() => no_text("body"),
+        Ok(Ok(bytes)) if std::str::from_utf8(&bytes).is_err() => Err(no_text("body")),
         Ok(Ok(bytes)) => Ok(Request::from_parts(head, Body::from(bytes))),
         Ok(Err(_)) => {
             let why = format!(
