@@ -238,6 +238,9 @@ pub struct SearchArgs {
     /// Budget: seconds (the result then depends on the machine).
     #[arg(long, value_name = "S")]
     pub seconds: Option<f64>,
+    /// End when about 95 % of what the search would converge to is reached; --evaluations and --seconds are the most.
+    #[arg(long)]
+    pub until_converged: bool,
     /// Write what was found so far every S seconds, into the folder so-far.
     #[arg(long, value_name = "S")]
     pub write_every: Option<f64>,
@@ -606,6 +609,7 @@ impl Common {
             snap: s.snap.clone(),
             most_moves: s.most_moves,
             only_marked: s.only_marked.then_some(true),
+            until_converged: s.until_converged.then_some(true),
             ..Partial::default()
         }
     }

@@ -293,6 +293,7 @@ pub struct Partial {
     pub snap: Option<String>,
     pub most_moves: Option<usize>,
     pub only_marked: Option<bool>,
+    pub until_converged: Option<bool>,
     pub pin: Option<Vec<Vec<f64>>>,
     pub like: Option<Vec<f64>>,
     pub warm: Option<Vec<Vec<f64>>>,
@@ -398,6 +399,7 @@ impl Partial {
             snap: self.snap.or(base.snap),
             most_moves: self.most_moves.or(base.most_moves),
             only_marked: self.only_marked.or(base.only_marked),
+            until_converged: self.until_converged.or(base.until_converged),
             pin: self.pin.or(base.pin),
             like: self.like.or(base.like),
             warm: self.warm.or(base.warm),
@@ -484,6 +486,10 @@ pub struct Settings {
     pub most_moves: Option<usize>,
     /// Whether nothing moves where nothing is marked, instead of the default moves.
     pub only_marked: bool,
+    /// Whether the search ends when about 95 % of what it would converge to is reached; evaluations and seconds are
+    /// then the most that it may take.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub until_converged: bool,
     /// Parameters of options that stay; the others are found unlike them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pinned: Vec<Vec<f64>>,
@@ -633,6 +639,7 @@ impl Settings {
             snap: p.snap.map(|t| control::snap(&t)).transpose()?,
             most_moves: p.most_moves.map(|n| count("most-moves", n, 1, usize::MAX)).transpose()?,
             only_marked: p.only_marked.unwrap_or(false),
+            until_converged: p.until_converged.unwrap_or(false),
             pinned,
             like: p.like,
             warm: p.warm.unwrap_or_default(),
@@ -679,6 +686,10 @@ impl Settings {
     pub fn is_by_score(&self) -> bool {
         self.objectives.iter().any(|o| o.measure.measure == Measure::Score)
     }
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 fn bad(key: &str, found: &str, expected: &str) -> Error {

@@ -36,6 +36,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # link = ["same: door-1, door-2", "mirror-x: left, right", "equal: a, b, c"]   # groups that move together
 # snap = "0.1 m, 5 deg"             # modules that moves keep to
 # most-moves = 4                    # groups that an option may move
+# until-converged = true            # end at about 95 % of what would be found; evaluations and seconds are the most
 # only-marked = true                # nothing moves where nothing is marked
 # pin = [[0.5, 0.0]]                # parameters of options that stay; others are found unlike them
 # like = [0.5, 0.0]                 # look near this one only

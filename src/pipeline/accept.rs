@@ -250,6 +250,7 @@ fn control(settings: &Settings) -> Vec<(&'static str, Value)> {
         ("link", (!links.is_empty()).then(|| links.into())),
         ("snap", settings.snap.map(|s| s.to_string().into())),
         ("most-moves", settings.most_moves.map(|n| (n as i64).into())),
+        ("until-converged", settings.until_converged.then(|| true.into())),
     ];
     found.into_iter().filter_map(|(key, value)| Some((key, value?))).collect()
 }

@@ -122,6 +122,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     if settings.only_marked {
         out.push_str(" --only-marked");
     }
+    if settings.until_converged {
+        out.push_str(" --until-converged");
+    }
     let mut add = |key: &str, value: String| out.push_str(&format!(" --{key} {}", quoted(&value)));
     if settings.mode == Mode::Best {
         add("mode", "best".into());

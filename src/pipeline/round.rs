@@ -1,5 +1,6 @@
 //! One round: search, verify, write.
 
+mod budget;
 mod files;
 mod joints;
 mod judged;
@@ -32,17 +33,13 @@ use crate::plan::drawing::Edit;
 use crate::plan::markers::place_in;
 use crate::report::{Cancel, Error, OutFile, Place, Report};
 use crate::search::{self, Evaluation, Search, normalised_distance};
+use budget::{budget, most};
 pub(super) use judged::hidden;
 use judged::{apart, evaluation, is_firm, moves_visibly, objectives, pinned};
 
 /// Layouts that are asked for at once. Part of the search's definition, not of the machine: the same
 /// on any number of threads.
 pub const BATCH: usize = 2;
-
-/// Evaluations of a study whose user names no budget: this many query–vertex pairs in all …
-const PAIRS_BUDGET: f64 = 3.0e9;
-/// … but within these bounds.
-const EVALUATIONS: [f64; 2] = [200.0, 1_000.0];
 
 /// A sum of penalties up to this counts as none when it is an objective of its own: written coordinates are
 /// rounded to 1 µm, so that a turned wall never keeps its length exactly, and a drawing without any penalty
@@ -184,7 +181,7 @@ fn optimise(
         d_min: distance(study, settings),
         least_share: if settings.thresholds == Thresholds::Yielding { YIELDING_LEAST_SHARE } else { 1.0 },
         seed: settings.seed,
-        evaluations: Some(budget(study, settings)),
+        evaluations: (!settings.until_converged).then(|| budget(study, settings)),
         method: if settings.method == Method::Paper {
             search::Method::Paper
         } else {
@@ -210,7 +207,12 @@ fn optimise(
                 search.finish(search::Stop::Time);
             }
             fit = remembered.map_or_else(|| clock.fit(search.progress().evaluations, seconds), |p| p.fit);
-            search.set_evaluations(settings.evaluations.map_or(fit, |limit| limit.min(fit)));
+            if !settings.until_converged {
+                search.set_evaluations(settings.evaluations.map_or(fit, |limit| limit.min(fit)));
+            }
+        }
+        if settings.until_converged && search.progress().evaluations >= most(settings) {
+            search.finish(search::Stop::Budget);
         }
         let asked = search.ask();
         if asked.is_empty() {
@@ -534,11 +536,6 @@ fn share_of_two(study: &Study, most: usize) -> f64 {
         }
     }
     (best.last().copied().unwrap_or(0.0) / parameters.len().max(1) as f64).sqrt().min(1.0)
-}
-
-fn budget(study: &Study, settings: &Settings) -> u64 {
-    let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
-    settings.evaluations.unwrap_or((PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]) as u64)
 }
 
 /// To what share of themselves yielding thresholds are lowered at most: options must stay better than the
