@@ -434,13 +434,25 @@ fn accept_option(file: &Path, results: &Path, which: Which, number: usize) -> Re
     let accepted =
         pipeline::accept::accept(&Input::new(&path, &bytes, 1), beside(file), &result, origin, number)?;
     let store::Revision { path: next, is_new } =
-        store::write_revision(&SystemDisk, &absolute(file), &accepted.drawing)?;
+        store::write_revision(&SystemDisk, &absolute(file), &accepted.drawing)
+            .map_err(|e| not_beside(e, results))?;
     let side_car = settings_files(&next)[0].clone();
     // The user may have changed the settings of an option accepted before.
     if is_new || !side_car.exists() {
         store::replace_file(&SystemDisk, &side_car, accepted.side_car.as_bytes())?;
     }
     Ok(Accepted { of: origin.to_string(), next, side_car, is_new })
+}
+
+/// What to do where nothing may be written beside a drawing: results lie elsewhere then, an accepted drawing cannot.
+fn not_beside(error: Error, results: &Path) -> Error {
+    let Some(problem) = error.problem().filter(|p| p.code == "no-permission") else { return error };
+    let text = format!(
+        "an accepted drawing is written beside the one it follows, where nothing may be written; allow it, or take the \
+         option's own file from {}",
+        results.display()
+    );
+    Error::environment("no-permission", problem.place.clone(), text)
 }
 
 /// Which of the results of a drawing are meant.
