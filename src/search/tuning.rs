@@ -52,7 +52,7 @@ pub struct Tuning {
 impl Default for Tuning {
     fn default() -> Self {
         Self {
-            climb_share: 0.7,
+            climb_share: 0.8,
             late_climb: 0.35,
             fade_from: 0.7,
             margin: 0.043,
