@@ -225,18 +225,21 @@ impl Job {
     }
 }
 
-/// Digest of what lies in a job's result folder; `None` where it cannot be read.
+/// Digest of what lies in a job's result folder; `None` where it cannot be read or a link is planted.
 fn digest_of(folder: &Path) -> Option<String> {
     let mut files = Vec::new();
     let mut folders = vec![folder.to_path_buf()];
     while let Some(next) = folders.pop() {
         for entry in fs::read_dir(next).ok()? {
-            let path = entry.ok()?.path();
-            if path.is_dir() {
+            let entry = entry.ok()?;
+            let (kind, path) = (entry.file_type().ok()?, entry.path());
+            if kind.is_dir() {
                 folders.push(path);
-            } else {
+            } else if kind.is_file() {
                 let name = path.strip_prefix(folder).ok()?.to_path_buf();
                 files.push(OutFile { bytes: fs::read(&path).ok()?, path: name });
+            } else {
+                return None;
             }
         }
     }

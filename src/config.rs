@@ -488,7 +488,7 @@ pub struct Settings {
     pub only_marked: bool,
     /// Whether the search ends when about 95 % of what it would converge to is reached; evaluations and seconds are
     /// then the most that it may take.
-    #[serde(default, skip_serializing_if = "is_false")]
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub until_converged: bool,
     /// Parameters of options that stay; the others are found unlike them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -686,10 +686,6 @@ impl Settings {
     pub fn is_by_score(&self) -> bool {
         self.objectives.iter().any(|o| o.measure.measure == Measure::Score)
     }
-}
-
-fn is_false(value: &bool) -> bool {
-    !value
 }
 
 fn bad(key: &str, found: &str, expected: &str) -> Error {

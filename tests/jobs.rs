@@ -56,6 +56,14 @@ fn a_job_is_done_once_and_the_same_wherever_it_is_done() {
     // Again: nothing is done, the same is said.
     assert_eq!(finished(&enfilade(&["run-job", "-"], &jobs[0])), first);
     assert_eq!(fs::metadata(result.join("report.html")).unwrap().modified().unwrap(), report);
+    // What is gone or was changed is made again, as it was.
+    let option = result.join("candidate-1.dxf");
+    let bytes = fs::read(&option).unwrap();
+    for spoil in [|p: &Path| fs::remove_file(p), |p: &Path| fs::write(p, "junk")] {
+        spoil(&option).unwrap();
+        assert_eq!(finished(&enfilade(&["run-job", &jobs[0]], ""))["digest"], first["digest"]);
+        assert_eq!(fs::read(&option).unwrap(), bytes);
+    }
     // Another machine: other folders, other threads, no drawing.
     let moved = jobs[0].replace(text(sample().parent().unwrap()), "/nowhere");
     assert_ne!(moved, jobs[0]);

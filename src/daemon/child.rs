@@ -513,6 +513,7 @@ mod tests {
             ("printf \"thread 'x' panicked at a.rs:1:\\nwall 7\\n\" >&2; exit 101", "job-panicked", "wall 7"),
             ("echo tired >&2; kill -SEGV $$", "job-died", "tired"),
             ("exit 0", "job-died", "without a word"),
+            ("kill -KILL $$", JOB_KILLED, "from outside"),
             ("echo 'no frame'; exit 1", "job-died", "exit status: 1"),
         ] {
             let (found, text) = end(script);

@@ -1,6 +1,7 @@
 //! The daemon over real folders, with jobs made up by the tests. Time-outs are generous: they end a
 //! test that failed, none waits for one to pass.
 
+mod endings;
 mod owners;
 mod refusals;
 mod renewal;

@@ -595,6 +595,10 @@ fn the_journal_survives_a_restart() {
     let end = open().end_of(plan, "b", "c");
     assert!(matches!(end, Some(Ended::Failed(p)) if p.text == "bad"));
     assert_eq!(open().end_of(plan, "a", "c"), None);
+    journal.append(plan, "b", "c", TIME, &Step::Cancelled).unwrap();
+    assert_eq!(open().end_of(plan, "b", "c"), Some(Ended::Cancelled));
+    journal.append(plan, "b", "c", TIME, &Step::Queued).unwrap();
+    assert_eq!(open().end_of(plan, "b", "c"), None, "asked for again");
 }
 
 /// The journal cut at every byte: what was whole before the cut counts, and writing goes on.

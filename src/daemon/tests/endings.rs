@@ -1,0 +1,80 @@
+//! Jobs that end otherwise than by themselves: killed, told to end from outside, cancelled, or beside settings half saved.
+
+use super::*;
+use crate::daemon::child::JOB_KILLED;
+
+/// A job that the system kills each time is tried again, and not for ever.
+#[test]
+fn a_job_that_is_killed_is_tried_three_times() {
+    let killed = || Error::environment(JOB_KILLED, Place::default(), "killed from outside");
+    let daemon = Daemon::start(settings(), |_| {}, move |_, _, _| Err(killed()));
+    daemon.save("plan.dxf", "one");
+    daemon.await_said("3 times in a row", 1);
+    daemon.rest();
+    assert_eq!((daemon.jobs(), daemon.count_said("Failed {")), (3, 3));
+    assert_eq!(daemon.status("plan")["state"], "failed");
+}
+
+/// A job that ends as if it was told to, and was not, is tried again with a reason.
+#[test]
+fn a_job_that_nobody_stopped_is_tried_again() {
+    let attempts = AtomicUsize::new(0);
+    let run = move |request: &JobRequest, _: &mut dyn FnMut(JobEvent), _: &Cancel| {
+        let is_first = attempts.fetch_add(1, Ordering::SeqCst) == 0;
+        if is_first { Err(Error::Stopped) } else { Ok(echo(request)) }
+    };
+    let daemon = Daemon::start(settings(), |_| {}, run);
+    daemon.save("plan.dxf", "one");
+    daemon.await_round("plan", 1);
+    assert_eq!((daemon.count_said("not by the daemon"), daemon.count_said("Stopped {")), (1, 0));
+}
+
+/// Settings that cannot be read, half saved perhaps, end no job that runs; others do.
+#[test]
+fn settings_half_saved_end_no_job() {
+    let daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
+    daemon.save("plan.dxf", "slow");
+    daemon.await_said("Started", 1);
+    fs::write(daemon.path("plan.enfilade.toml"), "members = [").unwrap();
+    daemon.await_said("Queued {", 2);
+    daemon.rest();
+    assert_eq!((daemon.count_said("Stopped {"), daemon.jobs()), (0, 1));
+    fs::write(daemon.path("plan.enfilade.toml"), "members = 3\n").unwrap();
+    daemon.await_said("take its place", 1);
+}
+
+/// What the user cancels stays so at the next start, until it is saved anew.
+#[test]
+fn what_is_cancelled_stays_so() {
+    let kept = tempfile::tempdir().unwrap();
+    let root = fs::canonicalize(kept.path()).unwrap();
+    let drawing = root.join("plan.dxf");
+    fs::write(&drawing, "slow EOF\n").unwrap();
+    // Watches until something is said; cancels as soon as a job starts.
+    let watch_until = |word: &str| {
+        let (orders, ordered) = mpsc::channel();
+        let (stop, mut said) = (Cancel::default(), Vec::new());
+        let run: Arc<RunJob> =
+            Arc::new(|r: &JobRequest, _: &mut dyn FnMut(JobEvent), cancel: &Cancel| slow(r, cancel));
+        let mut show = |notice: Notice| {
+            if matches!(notice, Notice::Started(_)) {
+                orders.send(Order::Cancel(drawing.clone())).unwrap();
+            }
+            said.push(format!("{notice:?}"));
+            if said.last().is_some_and(|s| s.contains(word)) {
+                stop.stop();
+            }
+        };
+        let roots = [root.clone()];
+        let mut reread = || Ok(None);
+        let _ = watch_with_orders(&roots, &settings(), &mut reread, run, ordered, &mut show, &stop);
+        said.concat()
+    };
+    assert!(watch_until("Stopped {").contains("Started"));
+    let told = &status(std::slice::from_ref(&root))[0]["status"]["cancelled"];
+    assert_eq!(*told, serde_json::json!([drawing.display().to_string()]));
+    let again = watch_until("Stopped {");
+    assert!(again.contains("cancelled before") && !again.contains("Started"), "{again}");
+    fs::write(&drawing, "quick EOF\n").unwrap();
+    assert!(watch_until("Started").contains("Queued"));
+}
