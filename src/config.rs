@@ -711,6 +711,10 @@ fn objectives(text: &str) -> Result<Vec<ObjectiveSetting>, Error> {
             {
                 out.push(ObjectiveSetting { measure, is_max: sense == "max", threshold });
             }
+            (Some(_), Some("max" | "min"), Some(wrong)) if words.len() <= 3 => {
+                let found = format!("the threshold {wrong} in {clause:?}");
+                return Err(bad("objective", &found, "a share from 0 to 1 of the gain that is reachable"));
+            }
             _ => return Err(bad("objective", &format!("{clause:?}"), &expected)),
         }
     }

@@ -294,7 +294,9 @@ impl FromStr for Snap {
         for clause in text.split(',').map(str::trim).filter(|c| !c.is_empty()) {
             let clause =
                 MODULES.into_iter().find(|m| m.0.eq_ignore_ascii_case(clause)).map_or(clause, |m| m.1);
-            let (value, unit) = quantity(clause).filter(|q| q.0 > 0.0).ok_or_else(wrong)?;
+            // A bare 5 may be millimetres, metres or degrees.
+            let has_unit = clause.ends_with(|c: char| c.is_ascii_alphabetic());
+            let (value, unit) = quantity(clause).filter(|q| has_unit && q.0 > 0.0).ok_or_else(wrong)?;
             let slot = if unit == "deg" { &mut out.angle_deg } else { &mut out.length_m };
             let size = if unit == "deg" { value } else { value * metres(unit).ok_or_else(wrong)? };
             if slot.replace(size).is_some() {
@@ -373,7 +375,7 @@ pub(super) fn snap(text: &str) -> Result<Snap, Error> {
         bad(
             "snap",
             &format!("{text:?}"),
-            "`0.1 m`, `brick` (0.125 m), `module` (0.1 m), `5 deg`, or a length and an angle, above 0",
+            "`0.1 m`, `brick` (0.125 m), `module` (0.1 m), `5 deg`, or a length and an angle, each above 0 with its unit",
         )
     })
 }

@@ -406,7 +406,8 @@ impl<'a> Draft<'a> {
         for (name, group) in link.groups[1..].iter().zip(others) {
             partners.push(self.partners(first, group, link).ok_or_else(|| {
                 let leader = &link.groups[0];
-                format!("{name:?} cannot follow {leader:?}: their moves are not of the same kinds")
+                let why = self.unlike(first, group, link);
+                format!("{name:?} cannot follow {leader:?}: {why}")
             })?);
         }
         for (m, &leader) in first.iter().enumerate() {
@@ -444,6 +445,27 @@ impl<'a> Draft<'a> {
             out.push((i, self.factor(l, i, link)?));
         }
         left.is_empty().then_some(out)
+    }
+
+    /// Why the moves of a group have no partners among those of the leader.
+    fn unlike(&self, leader: &[usize], group: &[usize], link: &Link) -> &'static str {
+        let kinds = |of: &[usize]| {
+            let kind = |&i: &usize| match self.parameters[i].clause.kind {
+                Kind::Rotate(_) => 1,
+                Kind::Scale(_) => 2,
+                _ => 0,
+            };
+            let mut kinds: Vec<u8> = of.iter().map(kind).collect();
+            kinds.sort_unstable();
+            kinds
+        };
+        if kinds(leader) != kinds(group) {
+            "their moves are not of the same kinds"
+        } else if link.mirror == [1.0, 1.0] {
+            "they shift in different directions"
+        } else {
+            "the directions in which they shift are not mirror images"
+        }
     }
 
     fn factor(&self, leader: usize, follower: usize, link: &Link) -> Option<f64> {
@@ -606,7 +628,15 @@ mod tests {
         let mut moves = three();
         moves.parameters[2].clause.kind = Kind::Y;
         let rules = Rules { links: vec![link(&["a", "b"], [1.0, 1.0], false)], ..Rules::default() };
-        assert!(Control::new(&moves, &rules).unwrap_err().contains("cannot follow"));
+        let why = Control::new(&moves, &rules).unwrap_err();
+        assert!(why.ends_with("cannot follow \"a\": they shift in different directions"), "{why}");
+        moves.parameters[2].clause.kind = Kind::Rotate(None);
+        let why = Control::new(&moves, &rules).unwrap_err();
+        assert!(why.ends_with("their moves are not of the same kinds"), "{why}");
+        moves.parameters[2].clause.kind = Kind::Along(0.5);
+        let rules = Rules { links: vec![link(&["a", "b"], [1.0, -1.0], false)], ..Rules::default() };
+        let why = Control::new(&moves, &rules).unwrap_err();
+        assert!(why.ends_with("are not mirror images"), "{why}");
         let rules = Rules { like: Some(vec![0.0]), ..Rules::default() };
         assert!(Control::new(&three(), &rules).is_err());
     }

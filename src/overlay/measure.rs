@@ -391,6 +391,9 @@ pub fn sentence_case(name: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
+/// Figures below are the rounding of coordinates.
+const NOISE: f64 = 1e-6;
+
 /// A number with about three significant digits, thin spaces between thousands and a true minus;
 /// `–` if it does not exist.
 pub fn number(value: f64) -> String {
@@ -401,7 +404,9 @@ pub fn number(value: f64) -> String {
         s if s >= 9.995 => 1,
         s if s >= 0.0995 => 2,
         s if s >= 0.000_995 => 4,
-        _ => return if size < 1e-12 { "0".to_owned() } else { format!("{value:.1e}").replace('-', "−") },
+        // Less than a micrometre, in every unit: what rounding to micrometres leaves.
+        s if s < NOISE => return "0".to_owned(),
+        _ => return format!("{value:.1e}").replace('-', "−"),
     };
     fixed(value, decimals)
 }
@@ -515,7 +520,8 @@ mod tests {
             (12_345.6, "12\u{202f}346"),
             (1_234_567.0, "1\u{202f}234\u{202f}567"),
             (0.05, "0.0500"),
-            (2e-7, "2.0e−7"),
+            (2e-5, "2.0e−5"),
+            (-1.6e-7, "0"),
             (f64::NAN, "–"),
         ];
         for (value, expected) in cases {

@@ -119,7 +119,7 @@ fn kept(explanation: &Explanation) -> String {
 }
 
 /// `a, b or c`.
-fn listed(names: &[String], word: &str) -> String {
+pub fn listed(names: &[String], word: &str) -> String {
     match names {
         [before @ .., last] if !before.is_empty() => format!("{} {word} {last}", before.join(", ")),
         _ => names.concat(),

@@ -125,7 +125,7 @@ fn refit(
                 continue;
             }
             let Some(j) = *place else {
-                say(format!("{} ({}) may not move any more", known.name, known.kind));
+                say(format!("{} ({}) {}", known.name, known.kind, why_not(now, known)));
                 continue;
             };
             if now[j].geometry != known.geometry {
@@ -144,6 +144,22 @@ fn refit(
         out.push(fitted);
     }
     (out, wrong)
+}
+
+/// Why a move of then has no place among those of now.
+fn why_not(now: &[KnownMove], then: &KnownMove) -> String {
+    let same = |m: &&KnownMove| m.name == then.name && m.kind == then.kind;
+    match (now.iter().find(same), then.direction_deg) {
+        (Some(m), Some(was)) if m.direction_deg.is_some_and(|d| d != was) => {
+            let deg = m.direction_deg.map_or(was, f64::from);
+            format!("moved along {was}°, and may now move along {deg}°")
+        }
+        (Some(m), _) if m.unit != then.unit => {
+            format!("was measured in {}, and is now in {}", then.unit, m.unit)
+        }
+        (Some(_), _) => "has fewer moves than then".into(),
+        (None, _) => "may not move any more".into(),
+    }
 }
 
 /// For every move of then the one of now that is the same by name, kind, direction and unit; of several
@@ -179,5 +195,10 @@ mod tests {
         assert_eq!(places(&now, &then), [None, Some(2), Some(0), Some(3)]);
         let along = |deg| KnownMove { direction_deg: Some(deg), ..known("a", "along") };
         assert_eq!(places(&[along(30.0)], &[along(31.0), along(30.0)]), [None, Some(0)]);
+        assert_eq!(why_not(&[along(30.0)], &along(31.0)), "moved along 31°, and may now move along 30°");
+        let feet = KnownMove { unit: "ft".into(), ..known("a", "x") };
+        assert_eq!(why_not(&[feet], &known("a", "x")), "was measured in m, and is now in ft");
+        assert_eq!(why_not(&[known("b", "x")], &known("b", "x")), "has fewer moves than then");
+        assert_eq!(why_not(&[known("b", "x")], &known("a", "x")), "may not move any more");
     }
 }

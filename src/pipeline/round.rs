@@ -25,17 +25,17 @@ use crate::moves::{Layout, Parameter};
 use crate::overlay::Series;
 use crate::overlay::measure::plain_name;
 use crate::overlay::result::{
-    self, Best, Candidate, Diversity, ElementRef, Explanation, LineageEntry, MoveEntry, Numbers, Objective,
-    RoundResult, Sense as ShownSense,
+    self, Best, Candidate, ElementRef, Explanation, LineageEntry, MoveEntry, Numbers, Objective, RoundResult,
+    Sense as ShownSense,
 };
 use crate::overlay::words;
 use crate::plan::drawing::Edit;
 use crate::plan::markers::place_in;
 use crate::report::{Cancel, Error, OutFile, Place, Report};
-use crate::search::{self, Evaluation, Search, normalised_distance};
+use crate::search::{self, Evaluation, Search};
 use budget::{budget, most};
 pub(super) use judged::hidden;
-use judged::{apart, evaluation, is_firm, moves_visibly, objectives, pinned};
+use judged::{apart, distances, evaluation, is_firm, moves_visibly, nearest, objectives, pinned};
 
 /// Layouts that are asked for at once. Part of the search's definition, not of the machine: the same
 /// on any number of threads.
@@ -109,13 +109,14 @@ fn round(
     }
     let wanted = distance(study, settings) * (study.base.moves.parameters.len() as f64).sqrt();
     let share = found.filter(|_| !made.is_empty()).map_or(1.0, |f| f.threshold_share);
-    told::say_alikeness(
-        &mut report,
-        input.file(),
-        settings,
-        share,
-        (distances(study, &made).min_distance, wanted),
-    );
+    let nearest = nearest(study, &made).map(|(pair, distance)| told::Nearest {
+        distance,
+        wanted,
+        are_pinned: pair.into_iter().all(|i| i < pinned(settings)),
+        has_ended: found.is_none_or(|f| f.has_ended),
+    });
+    told::say_alikeness(&mut report, input.file(), settings, share, nearest.as_ref());
+    told::say_free_of_modules(&mut report, input.file(), study, settings);
     let result = round_result(input, settings, study, &report, found, &made, started);
     let mut files = files::pictures(input, settings, study, &made)?;
     files.extend(files::drawings(input, settings, study, &made, &result)?);
@@ -150,6 +151,8 @@ pub(super) struct Found {
     threshold_share: f64,
     pub(super) evaluations: u64,
     pub(super) stopped_by: String,
+    /// Whether the search had ended, and not merely been looked at on its way.
+    has_ended: bool,
     pub(super) series: Vec<Series>,
     /// Objective values of every layout measured that keeps the hard limits and does not lose far more than it gains.
     pub(super) archive: Vec<Vec<f64>>,
@@ -338,10 +341,16 @@ fn found(
     let best = best_in_all(settings, &outcome, &shown);
     let is_best_better = explain::is_better(&shown, &best.values, is_firm(settings));
     let best = (!is_unmet && is_best_better).then(|| {
-        let parameters = whole(&best.parameters);
+        let mut parameters = whole(&best.parameters);
+        // Another layout that measures the same is no better: the best is among the options then.
+        let option = members.iter().position(|m| m.parameters == parameters);
+        let option = option.or_else(|| members.iter().position(|m| m.values == best.values));
+        if let Some(i) = option {
+            parameters.clone_from(&members[i].parameters);
+        }
         let worth = study.measure(&parameters, &mut study.bench());
         Best {
-            option: members.iter().position(|m| m.parameters == parameters).map(|i| i + 1),
+            option: option.map(|i| i + 1),
             mean: show::mean_numbers(study, &worth),
             penalty: show::penalty_numbers(&worth),
             score: Some(study.score(&worth, settings)),
@@ -359,6 +368,7 @@ fn found(
         threshold_share: outcome.threshold_share,
         evaluations: outcome.evaluations,
         stopped_by,
+        has_ended: search.stop_reason().is_some(),
         series: series(&outcome, objectives),
         archive: outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values.clone()).collect(),
         members,
@@ -772,17 +782,4 @@ fn lineage(settings: &Settings, ruler: &str) -> Vec<LineageEntry> {
         score: None,
     };
     settings.lineage.iter().map(entry).collect()
-}
-
-fn distances(study: &Study, made: &[Made]) -> Diversity {
-    let bounds = study.base.moves.bounds();
-    let mut all = Vec::new();
-    for (i, a) in made.iter().enumerate() {
-        for b in &made[i + 1..] {
-            all.push(normalised_distance(&bounds, &a.member.parameters, &b.member.parameters));
-        }
-    }
-    let min_distance = all.iter().copied().reduce(f64::min);
-    let mean_distance = (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
-    Diversity { min_distance, mean_distance }
 }

@@ -2,12 +2,13 @@
 
 use super::super::study::{Study, Understood, Worth};
 use super::super::{aims, explain};
-use super::{PENALTY_FREE, edits_of};
+use super::{Made, PENALTY_FREE, edits_of};
 use crate::config::{Aim, Measure, Method, Mode, PairName, Penalty, Settings, Thresholds};
+use crate::overlay::result::Diversity;
 use crate::overlay::words;
 use crate::plan::drawing::Edit;
 use crate::plan::geometry::{PointUm, Segment};
-use crate::search::{self, Evaluation};
+use crate::search::{self, Evaluation, normalised_distance};
 
 /// Threshold of the implied penalty objective: no option has more of it than the present layout. To ask
 /// for less would pin every option to the few places where the penalty is least.
@@ -145,4 +146,26 @@ fn lines_mm(base: &Understood, parameters: &[f64]) -> (Vec<[PointUm; 2]>, Vec<Ed
     lines.sort_unstable();
     let is_fitting = |e: &Edit| base.fittings.iter().any(|f| f.source.record == e.record());
     (lines, edits_of(base, &layout).into_iter().filter(is_fitting).collect())
+}
+
+/// How far apart the options stand, every pair once.
+fn pairs(study: &Study, made: &[Made]) -> Vec<([usize; 2], f64)> {
+    let bounds = study.base.moves.bounds();
+    let apart = |i: usize, j: usize| {
+        normalised_distance(&bounds, &made[i].member.parameters, &made[j].member.parameters)
+    };
+    let after = |i: usize| (i + 1..made.len()).map(move |j| ([i, j], apart(i, j)));
+    (0..made.len()).flat_map(after).collect()
+}
+
+pub(super) fn distances(study: &Study, made: &[Made]) -> Diversity {
+    let all: Vec<f64> = pairs(study, made).into_iter().map(|(_, apart)| apart).collect();
+    let min_distance = all.iter().copied().reduce(f64::min);
+    let mean_distance = (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
+    Diversity { min_distance, mean_distance }
+}
+
+/// The two options most alike, and how far apart they stand.
+pub(super) fn nearest(study: &Study, made: &[Made]) -> Option<([usize; 2], f64)> {
+    pairs(study, made).into_iter().min_by(|a, b| a.1.total_cmp(&b.1))
 }

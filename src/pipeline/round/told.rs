@@ -3,14 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Found;
-use crate::config::{Method, Mode, Settings};
-use crate::moves::Layout;
+use crate::config::{Method, Mode, Settings, Snap};
 use crate::moves::carried::{Carried, carried};
+use crate::moves::{Layout, Parameter};
 use crate::overlay::measure::{plain_name, sentence_case};
 use crate::overlay::result::{Explanation, Objective, Sense};
+use crate::overlay::words::listed;
 use crate::pipeline::study::{Study, Understood};
 use crate::plan::drawing::SourceRef;
-use crate::plan::markers::place_in;
+use crate::plan::markers::{Kind, place_in};
 use crate::report::{Place, Report};
 
 /// Code of what says that no option is better than the present layout.
@@ -144,13 +145,24 @@ fn rules_words(settings: &Settings) -> String {
     most.into_iter().chain(snap).chain(limits).chain(like).collect::<Vec<_>>().join(", ")
 }
 
+/// The two options most alike.
+pub(super) struct Nearest {
+    /// Their normalised distance, and what was wanted.
+    pub(super) distance: f64,
+    pub(super) wanted: f64,
+    /// Whether the user pinned both.
+    pub(super) are_pinned: bool,
+    /// Whether the search had its time to spread them.
+    pub(super) has_ended: bool,
+}
+
 /// Says where the options are more alike than wanted, and what was done about it.
 pub(super) fn say_alikeness(
     report: &mut Report,
     file: &str,
     settings: &Settings,
     share: f64,
-    (nearest, wanted): (Option<f64>, f64),
+    nearest: Option<&Nearest>,
 ) {
     let place = Place::file(file);
     if share < 1.0 {
@@ -161,27 +173,57 @@ pub(super) fn say_alikeness(
         );
         report.info("thresholds-lowered", place.clone(), text);
     }
-    if let Some(nearest) = nearest.filter(|d| *d < wanted) {
+    if let Some(nearest) = nearest.filter(|n| n.distance < n.wanted) {
         let text = format!(
-            "the two options most alike stand {nearest:.3} apart, {wanted:.3} was wanted: {} give more different options",
-            remedy(settings)
+            "the two options most alike stand {:.3} apart, {:.3} was wanted: {}",
+            nearest.distance,
+            nearest.wanted,
+            remedy(settings, nearest)
         );
         report.info("options-alike", place, text);
     }
 }
 
+/// Names what moves on no module although one was asked for.
+pub(super) fn say_free_of_modules(report: &mut Report, file: &str, study: &Study, settings: &Settings) {
+    let Some(snap) = settings.snap else { return };
+    let free = free_of(&study.base.moves.parameters, snap);
+    if !free.is_empty() {
+        let text = format!("--snap \"{snap}\" says nothing of {}: moved by any amount", listed(&free, "and"));
+        report.info("snap-free", Place::file(file), text);
+    }
+}
+
+/// What has no module of its own, each once.
+fn free_of(parameters: &[Parameter], snap: Snap) -> Vec<String> {
+    let is_free = |p: &&Parameter| match p.clause.kind {
+        Kind::Scale(_) => true,
+        Kind::Rotate(_) => snap.angle_deg.is_none(),
+        _ => snap.length_m.is_none(),
+    };
+    let named = |p: &Parameter| format!("{} ({})", sentence_case(&p.group_name), p.clause.kind.name());
+    let free: BTreeSet<String> = parameters.iter().filter(is_free).map(named).collect();
+    free.into_iter().collect()
+}
+
 /// What makes options differ more, by what is asked for now.
-fn remedy(settings: &Settings) -> &'static str {
+fn remedy(settings: &Settings, nearest: &Nearest) -> &'static str {
+    if nearest.are_pinned {
+        return "both are pinned; the others keep their distance from them";
+    }
+    if !nearest.has_ended {
+        return "the search goes on, and spreads them as it ends";
+    }
     match settings.objectives.as_slice() {
         all if all.iter().all(|o| o.threshold == 0.0) => {
-            "more --evaluations, or wider bounds in EF-MOVE boxes,"
+            "more --evaluations, or wider bounds in EF-MOVE boxes, give more different options"
         }
         [_] => {
-            "little room is left inside the threshold; a lower one, more --evaluations, or wider bounds in EF-MOVE boxes,"
+            "little room is left inside the threshold; a lower one, more --evaluations, or wider bounds in EF-MOVE boxes, give more different options"
         }
         _ => {
             "the thresholds of the objectives leave little room together; lower thresholds, fewer objectives or \
-             --objective \"score max 0.7\""
+             --objective \"score max 0.7\" give more different options"
         }
     }
 }
@@ -255,3 +297,42 @@ pub(super) fn stays_words(report: &Report) -> String {
 
 /// Code of what says that a part of a door or window stays as drawn.
 pub(super) const OPENING_STAYS: &str = "opening-stays";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Partial;
+    use crate::plan::markers::Clause;
+
+    #[test]
+    fn what_is_alike_is_told_with_what_can_be_done_about_it() {
+        let settings = Settings::new(Partial::default()).unwrap();
+        let told = |are_pinned: bool, has_ended: bool| {
+            let nearest = Nearest { distance: 0.1, wanted: 0.5, are_pinned, has_ended };
+            let mut report = Report::default();
+            say_alikeness(&mut report, "plan.dxf", &settings, 1.0, Some(&nearest));
+            report.problems[0].text.clone()
+        };
+        assert!(told(true, true).ends_with("both are pinned; the others keep their distance from them"));
+        assert!(told(false, false).ends_with("the search goes on, and spreads them as it ends"));
+        assert!(told(false, true).ends_with("give more different options"));
+        let mut report = Report::default();
+        let far = Nearest { distance: 0.6, wanted: 0.5, are_pinned: true, has_ended: true };
+        say_alikeness(&mut report, "plan.dxf", &settings, 1.0, Some(&far));
+        assert!(report.problems.is_empty());
+    }
+
+    #[test]
+    fn what_keeps_to_no_module_is_named() {
+        let moved = |name: &str, kind: Kind| Parameter {
+            group_name: name.into(),
+            group: 0,
+            clause: Clause { kind, lower: -1.0, upper: 1.0, unit: "m".into(), si_per_unit: 1.0 },
+        };
+        let all =
+            [moved("door-1", Kind::X), moved("kiosk", Kind::Rotate(None)), moved("kiosk", Kind::Scale(None))];
+        assert_eq!(free_of(&all, "0.1 m".parse().unwrap()), ["Kiosk (rotate)", "Kiosk (scale)"]);
+        assert_eq!(free_of(&all, "5 deg".parse().unwrap()), ["Door 1 (x)", "Kiosk (scale)"]);
+        assert_eq!(free_of(&all[..2], "0.1 m, 5 deg".parse().unwrap()), [""; 0]);
+    }
+}
