@@ -59,7 +59,7 @@ impl Default for Tuning {
             neighbours: 300,
             spread_neighbours: 300,
             candidates: 500,
-            spread_candidates: 400,
+            spread_candidates: 600,
             raw_share: 0.25,
             polish: 0.1,
             late_polish: 0.6,
