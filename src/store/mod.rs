@@ -5,6 +5,7 @@
 //! [`Disk`] is the seam at which tests make every single write fail. Inputs are never written.
 
 mod disk;
+mod elsewhere;
 mod journal;
 mod log;
 mod owner;
@@ -20,15 +21,18 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 pub use disk::{Disk, SystemDisk};
+pub use elsewhere::{Claim, Records};
 pub use journal::{Ended, Journal, Step};
 pub use log::{LOG_BYTES_MAX, Log};
 pub use owner::{
-    FOLDER_OWNED, Lease, LeaseVerdict, Ownership, is_held, judge_lease, read_lease, refuse_nested,
+    FOLDER_OWNED, Lease, LeaseVerdict, Ownership, host_name, is_held, judge_lease, read_lease, refuse_nested,
 };
 
 pub use crate::report::OutFile;
 use crate::report::{Error, Place};
 
+/// Code of the problem that a disk has no room.
+pub const DISK_FULL: &str = "disk-full";
 /// Suffix of the folder that holds a drawing's results.
 pub const OUTPUT_SUFFIX: &str = ".enfilade";
 /// Name of the state folder of a watched root.
@@ -187,7 +191,7 @@ impl Home {
                     free >> 20,
                     wanted.div_ceil(1 << 20)
                 );
-                Err(Error::environment("disk-full", shown(&self.folder), text))
+                Err(Error::environment(DISK_FULL, shown(&self.folder), text))
             }
             // Where the system does not say, the write itself will.
             _ => Ok(()),
@@ -719,7 +723,7 @@ pub fn disk_error(doing: &str, path: &Path, error: &io::Error) -> Error {
     use io::ErrorKind as K;
     let (code, remedy) = match error.kind() {
         K::StorageFull | K::QuotaExceeded | K::FileTooLarge => {
-            ("disk-full", "free some space or send results elsewhere with --out")
+            (DISK_FULL, "free some space or send results elsewhere with --out")
         }
         K::PermissionDenied | K::ReadOnlyFilesystem => {
             ("no-permission", "allow writing there or send results elsewhere with --out")

@@ -26,6 +26,35 @@ fn a_refusing_disk_is_said_once() {
     assert_eq!(daemon.status("plan")["state"], "waiting");
 }
 
+/// Hazards 19 and 20: want of disk or permission passes.
+#[test]
+fn environment_failures_are_tried_again() {
+    let attempts = AtomicUsize::new(0);
+    let daemon = Daemon::start(
+        settings(),
+        |_| {},
+        move |request, _, _| {
+            if attempts.fetch_add(1, Ordering::SeqCst) < 2 {
+                return Err(Error::environment("disk-full", Place::default(), "no space"));
+            }
+            Ok(echo(request))
+        },
+    );
+    daemon.save("plan.dxf", "one");
+    daemon.await_round("plan", 1);
+    daemon.await_said("Done {", 1);
+    assert_eq!((daemon.jobs(), daemon.count_said("Failed {")), (3, 2));
+    assert_eq!(daemon.count_said("results-of-earlier-content"), 0, "the content never changed");
+    let aloud = |word: &str| daemon.said.lock().unwrap().iter().filter(|s| s.starts_with(word)).count();
+    assert_eq!(
+        (aloud("Failed {"), aloud("Started("), daemon.count_said("room for results again")),
+        (1, 1, 1)
+    );
+    daemon.await_true("no failure left", || {
+        status(std::slice::from_ref(&daemon.root), None)[0]["status"]["failed"] == serde_json::json!([])
+    });
+}
+
 /// Hazard 11: what waits when its folder goes waits for it; nothing is begun, and fails, meanwhile.
 #[test]
 fn what_waits_in_a_folder_that_is_away_is_not_begun() {
