@@ -364,7 +364,11 @@ fn pages_of_ended_daemons_are_forgotten() {
     second.wait().unwrap();
     assert_eq!(left.len(), 2, "{left:?}");
     assert!(!left.contains("page-dead.json") && !left.contains("page-stranger.json"), "{left:?}");
-    assert!(by_user(&["open", "--print"], &daemon.plans()).output().unwrap().status.success());
+    // One that is turned away does not hide the page of the daemon that watches.
+    let refused = by_user(&["watch", "--page"], &daemon.plans()).output().unwrap();
+    assert_eq!(refused.status.code(), Some(4), "{refused:?}");
+    let open = by_user(&["open", "--print"], &daemon.plans()).output().unwrap();
+    assert!(String::from_utf8_lossy(&open.stdout).contains(&daemon.token), "{open:?}");
     let gone = by_user(&["open", "--print"], &other).output().unwrap();
     assert!(String::from_utf8_lossy(&gone.stderr).contains("no page of a daemon"), "{gone:?}");
 }

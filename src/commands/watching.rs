@@ -60,13 +60,15 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
         accept_option(drawing, results, which, number).map(|a| a.next)
     };
     let page = args.page.map(|port| Page::open(port, orders, Box::new(accepted))).transpose()?;
-    if let Some(page) = &page {
+    if page.is_some() {
         Door::sweep();
-        args.looking.folders.iter().try_for_each(|root| page.door().write(root))?;
-        say(&format!("page: {}", page.link()));
     }
+    let mut is_page_said = false;
     let mut show = |notice: Notice| {
         if let Some(page) = &page {
+            if let Notice::Watching { root, .. } = &notice {
+                announce(page, root, !std::mem::replace(&mut is_page_said, true));
+            }
             page.take(&notice);
         }
         if args.desktop
@@ -97,6 +99,16 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
     ) {
         Err(Error::Stopped) => Ok(Error::Stopped.exit_code()),
         other => other.map(|()| 0),
+    }
+}
+
+/// Says where the page is, once the folder is ours: a daemon that is turned away must not hide the page of the other.
+fn announce(page: &Page, root: &Path, is_first: bool) {
+    if let Err(error) = page.door().write(root) {
+        eprintln!("warning: {error}; `enfilade open` will not find the page");
+    }
+    if is_first {
+        say(&format!("page: {}", page.link()));
     }
 }
 
