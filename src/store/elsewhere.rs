@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::owner::{FOLDER_OWNED, Lease, Ownership, host_name, is_held, read_lease, who};
-use super::{Disk, STATE_FOLDER, disk_error, path_from_bytes, replace_file, sha256_hex, shown};
+use super::{Disk, STATE_FOLDER, disk_error, path_from_bytes, read_own, replace_file, sha256_hex, shown};
 use crate::report::{Cancel, Error, Problem};
 
 /// How the name of a record begins.
@@ -147,7 +147,7 @@ fn record_of(
 }
 
 fn place_in(record: &Path) -> Option<PathBuf> {
-    fs::read(record.join(PLACE)).ok().map(|bytes| path_from_bytes(&bytes))
+    read_own(&record.join(PLACE)).ok().map(|bytes| path_from_bytes(&bytes))
 }
 
 fn owned(root: &Path, state: &Path, lease: Option<&Lease>) -> Error {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Disk, Records, disk_error, refuse_link, replace_file, shown};
+use super::{Disk, Records, disk_error, read_own, refuse_planted, replace_file, shown};
 use crate::report::{Cancel, Error};
 
 /// A lease whose beat stands still for this many heartbeats is stale.
@@ -134,8 +134,8 @@ impl Drop for Ownership {
 /// The lock file, and whether it could be locked; where locks are unknown the lease alone decides.
 fn lock(folder: &Path, owner: &Path) -> Result<(File, bool), Error> {
     let path = folder.join("lock");
-    refuse_link(&path)?;
-    refuse_link(owner)?;
+    refuse_planted(&path)?;
+    refuse_planted(owner)?;
     let open = File::options().create(true).truncate(false).write(true).open(&path);
     let file = open.map_err(|e| disk_error("locking", &path, &e))?;
     match file.try_lock() {
@@ -148,7 +148,7 @@ fn lock(folder: &Path, owner: &Path) -> Result<(File, bool), Error> {
 
 /// The lease in a state folder, if there is one that can be read.
 pub fn read_lease(folder: &Path) -> Option<Lease> {
-    serde_json::from_slice(&fs::read(folder.join("owner.json")).ok()?).ok()
+    serde_json::from_slice(&read_own(&folder.join("owner.json")).ok()?).ok()
 }
 
 /// Refuses a root within a folder that another process of this machine watches deep enough to meet it, or with
@@ -179,6 +179,9 @@ fn nested(root: &Path, how: &str, folder: &Path, lease: &Lease) -> Error {
 /// Whether a process of this machine, this one included, holds the lock of a state folder.
 pub fn is_held(folder: &Path) -> bool {
     let path = folder.join("lock");
+    if !fs::metadata(&path).is_ok_and(|m| m.is_file()) {
+        return false;
+    }
     // One that may only be read can be locked all the same.
     match File::options().write(true).open(&path).or_else(|_| File::open(&path)) {
         Ok(lock) => matches!(lock.try_lock(), Err(TryLockError::WouldBlock)),

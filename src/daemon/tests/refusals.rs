@@ -221,6 +221,43 @@ fn pipes_and_links_hold_up_nobody() {
     }
 }
 
+/// Hazard 30: pipes in the place of files of ours, as anybody may plant in a shared folder, are not waited for.
+#[cfg(unix)]
+#[test]
+fn planted_pipes_hold_up_nobody() {
+    let pipe = |path: &Path| {
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
+    };
+    let plant = move |root: &Path| {
+        for (name, file) in [("a", ".drawing"), ("b", ".lock"), ("c", "status.json")] {
+            pipe(&root.join(format!("{name}.enfilade/{file}")));
+            fs::write(root.join(format!("{name}.dxf")), "one EOF\n").unwrap();
+        }
+        pipe(&root.join(".enfilade/status.json"));
+    };
+    let settings = WatchSettings { retry_secs: 600.0, ..settings() };
+    let daemon = Daemon::start(settings.clone(), plant, |request, _, _| Ok(echo(request)));
+    daemon.save("z.dxf", "one");
+    daemon.await_round("z", 1);
+    daemon.await_said("Failed {", 3);
+    assert_eq!(daemon.count_said("output-is-special"), 3);
+    let told = status(std::slice::from_ref(&daemon.root), None)[0].clone();
+    assert_eq!((&told["is_running"], &told["status"]), (&Value::Bool(true), &Value::Null));
+    for file in ["lock", "owner.json", "journal.jsonl"] {
+        let root = daemon.path(file);
+        pipe(&root.join(".enfilade").join(file));
+        let (settings, roots, (send, ended)) = (settings.clone(), [root.clone()], mpsc::channel());
+        thread::spawn(move || {
+            let run: Arc<RunJob> =
+                Arc::new(|r: &JobRequest, _: &mut dyn FnMut(JobEvent), _: &Cancel| Ok(echo(r)));
+            send.send(watch(&roots, &settings, run, &mut |_| {}, &Cancel::default()).is_err())
+        });
+        assert_eq!(ended.recv_timeout(PATIENCE), Ok(true), "{file}");
+        assert_eq!(status(&[root], None)[0]["is_running"], false, "{file}");
+    }
+}
+
 /// Hazard 10: a file that is written under another of its names changes without an event. The next look through finds
 /// it, says that the events cannot be trusted, and the folder is polled.
 #[cfg(unix)]
