@@ -423,19 +423,39 @@ pub fn completions(shell: ShellArg) -> String {
     String::from_utf8_lossy(&out).into_owned()
 }
 
-/// The manual page, and those of the commands after it.
+/// The manual page: the program, and a section for each of its commands.
 ///
 /// # Errors
 /// Only where memory does not take them.
 pub fn man() -> std::io::Result<String> {
     let mut command = Cli::command();
     command.build();
+    let page = clap_mangen::Man::new(command.clone());
     let mut out = Vec::new();
-    clap_mangen::Man::new(command.clone()).render(&mut out)?;
-    for sub in command.get_subcommands().filter(|c| c.get_name() != "help") {
-        clap_mangen::Man::new(sub.clone()).render(&mut out)?;
-    }
+    page.render_title(&mut out)?;
+    page.render_name_section(&mut out)?;
+    page.render_synopsis_section(&mut out)?;
+    page.render_description_section(&mut out)?;
+    page.render_options_section(&mut out)?;
+    sections_of_commands(&command, &mut out)?;
+    page.render_version_section(&mut out)?;
     Ok(String::from_utf8_lossy(&out).into_owned())
+}
+
+/// Of each command that is shown what a page of its own would say; there is none, so nothing refers to one.
+fn sections_of_commands(of: &clap::Command, out: &mut Vec<u8>) -> std::io::Result<()> {
+    for command in of.get_subcommands().filter(|c| !c.is_hide_set() && c.get_name() != "help") {
+        let (name, page) =
+            (command.get_bin_name().unwrap_or_default(), clap_mangen::Man::new(command.clone()));
+        let mut text = Vec::new();
+        page.render_synopsis_section(&mut text)?;
+        page.render_description_section(&mut text)?;
+        page.render_options_section(&mut text)?;
+        let text = String::from_utf8_lossy(&text).replace("\n.SH ", "\n.SS ");
+        writeln!(out, ".SH \"{}\"\n{text}", name.to_uppercase())?;
+        sections_of_commands(command, out)?;
+    }
+    Ok(())
 }
 
 /// `accept`.
@@ -629,6 +649,22 @@ fn point(text: &str) -> Result<[f64; 2], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// One page that refers to no other, with every command that is shown and none that is not.
+    #[test]
+    fn the_manual_is_one_page() {
+        let page = man().unwrap();
+        assert_eq!(page.lines().filter(|l| l.starts_with(".TH")).count(), 1);
+        assert!(!page.contains("(1)") && !page.contains("job-child") && !page.contains("JOB-CHILD"));
+        let sections: Vec<&str> = page.lines().filter_map(|l| l.strip_prefix(".SH ")).collect();
+        let commands = Cli::command();
+        for command in commands.get_subcommands().filter(|c| !c.is_hide_set()) {
+            let name = format!("\"ENFILADE {}\"", command.get_name().to_uppercase());
+            assert!(sections.contains(&name.as_str()), "{name}: {sections:?}");
+        }
+        assert!(sections.contains(&"\"ENFILADE SERVICE INSTALL\""), "{sections:?}");
+        assert!(page.contains(".SS OPTIONS") && page.contains(r"\-\-fallback"), "options of the commands");
+    }
 
     #[test]
     fn the_command_line_is_sound() {

@@ -20,6 +20,8 @@ use crate::store::{Disk as _, SystemDisk};
 const NAME: &str = "enfilade";
 /// What [`status`] says where there is none.
 const NOT_INSTALLED: &str = "not installed";
+/// Takes a unit in that lies there already, and starts it.
+const LATER: &str = "systemctl --user daemon-reload && systemctl --user enable --now enfilade";
 /// Pause before a daemon that ended badly is started again.
 const RESTART_SECS: u32 = 10;
 
@@ -86,12 +88,7 @@ pub fn install(folders: &[PathBuf], options: &[OsString]) -> Result<String, Erro
             restart_policy,
         })
         .map_err(|e| not_installed(&one_line_of(&e), contents.as_deref(), &instead))?;
-    manager.start(ServiceStartCtx { label }).map_err(|e| {
-        let why = one_line_of(&e);
-        failed(&format!(
-            "installed{instead}, and starts with your next session, but could not be started now: {why}"
-        ))
-    })?;
+    manager.start(ServiceStartCtx { label }).map_err(|e| not_started(&one_line_of(&e), &instead))?;
     Ok(format!("the service is installed and started{instead}; it starts again with your session"))
 }
 
@@ -99,15 +96,29 @@ pub fn install(folders: &[PathBuf], options: &[OsString]) -> Result<String, Erro
 fn not_installed(why: &str, unit: Option<&str>, instead: &str) -> Error {
     let Some(file) = unit_of_user() else { return failed(why) };
     let is_written = unit.is_some() && std::fs::read_to_string(&file).ok().as_deref() == unit;
-    let at = file.display();
-    failed(&if is_written {
-        format!(
-            "{at} is written{instead}, but no service manager took it in ({why}): nothing watches now; \
-             `enfilade service uninstall` takes it away"
-        )
-    } else {
-        format!("{at}: {why}; nothing was installed")
-    })
+    if !is_written {
+        return failed(&format!("{}: {why}; nothing was written or installed", file.display()));
+    }
+    half_done(&file, instead, "neither made to start with your sessions nor started", why)
+}
+
+/// The unit lies there and is taken in, and the service manager did not start it.
+fn not_started(why: &str, instead: &str) -> Error {
+    match unit_of_user() {
+        Some(file) => half_done(&file, instead, "not started; it starts with your next session", why),
+        None => failed(&format!(
+            "installed{instead}; it starts with your next session, but was not started now: {why}"
+        )),
+    }
+}
+
+/// What was done, what was not and why, and how to do it later.
+fn half_done(file: &Path, instead: &str, undone: &str, why: &str) -> Error {
+    failed(&format!(
+        "the service's unit is written to {}{instead}, but the service is {undone}: the service manager says \"{why}\". \
+         Nothing watches now. When it can be reached: `{LATER}`. `enfilade service uninstall` takes the unit away",
+        file.display()
+    ))
 }
 
 /// The words of an error in one line.
@@ -320,6 +331,18 @@ mod tests {
         let unit = systemd_unit(Path::new("/bin/enfilade"), &args);
         assert_eq!(instead_of(&unit), r#" in place of the one that watched "/plans/a" "/b c""#);
         assert_eq!(instead_of("[Unit]"), " in place of an earlier one");
+    }
+
+    #[test]
+    fn a_service_that_is_half_installed_says_what_is_left_to_do() {
+        let file = Path::new("/c/systemd/user/enfilade.service");
+        let error = half_done(file, " in place of an earlier one", "not started", "no bus");
+        let said = error.to_string();
+        for part in ["written to /c/systemd/user/enfilade.service in place", "not started", "no bus", LATER] {
+            assert!(said.contains(part), "{part}: {said}");
+        }
+        assert!(said.contains("Nothing watches now") && LATER.ends_with(NAME), "{said}");
+        assert_eq!(error.exit_code(), 4);
     }
 
     #[test]

@@ -282,6 +282,40 @@ fn a_full_standard_output_is_said() {
     }
 }
 
+/// A folder that takes no state of the daemon's is found by whoever asks, and has one daemon.
+#[test]
+fn a_daemon_with_its_state_elsewhere_is_found() {
+    use std::io::BufRead as _;
+    let dir = tempfile::tempdir().unwrap();
+    let plans = dir.path().join("plans");
+    std::fs::create_dir(&plans).unwrap();
+    std::fs::write(plans.join(".enfilade"), "").unwrap();
+    let call = |args: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_enfilade"));
+        command.args(args).arg(&plans).env("HOME", dir.path()).env_remove("XDG_STATE_HOME");
+        command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
+        command
+    };
+    let at = |name: &str| dir.path().join(name).to_string_lossy().into_owned();
+    let mut daemon = call(&["watch", "--fallback", &at("first")]).spawn().unwrap();
+    let mut lines = std::io::BufReader::new(daemon.stdout.take().unwrap()).lines();
+    assert!(lines.any(|l| l.unwrap().starts_with("watching")));
+    let said = [
+        call(&["status"]).output().unwrap(),
+        call(&["doctor"]).output().unwrap(),
+        call(&["watch", "--fallback", &at("second")]).output().unwrap(),
+    ];
+    daemon.kill().unwrap();
+    daemon.wait().unwrap();
+    let [status, doctor, second] = &said;
+    let (status, doctor) = (text(&status.stdout), text(&doctor.stdout));
+    assert!(status.contains(": watched\n") && status.contains(&at("first")), "{status}");
+    assert!(doctor.contains("watched now") && doctor.contains(&at("first")), "{doctor}");
+    let refusal = text(&second.stderr);
+    assert_eq!(second.status.code(), Some(4), "{refusal}");
+    assert!(refusal.contains(&at("first")) && !dir.path().join("second").exists(), "{refusal}");
+}
+
 /// A limit on the size of files is told like a full disk; the system would end the program without a word.
 #[cfg(unix)]
 #[test]

@@ -166,6 +166,8 @@ fn the_interface_shows_and_obeys() {
     for (method, path, status) in [
         ("GET", at("/cancel"), 405),
         ("DELETE", at("/cancel"), 405),
+        ("POST", at("/cancel"), 409),
+        ("POST", "/api/drawings/0123456789abcdef/cancel".into(), 404),
         ("POST", "/api/drawings".into(), 405),
         ("GET", "/api/nowhere".into(), 404),
         ("GET", "/nowhere".into(), 404),
@@ -291,6 +293,12 @@ fn strangers_get_nothing() {
         403
     );
     assert_eq!(status("GET", &order, &[own, known]), 405);
+    for method in ["DELETE", "PUT", "OPTIONS", "BREW"] {
+        let answer = daemon.raw(method, &order, &[own, known], "");
+        assert!(answer.status == 405 && answer.head.contains("allow: post"), "{method}: {}", answer.head);
+        assert_eq!(status(method, "/api/nowhere", &[own, known]), 404, "{method}");
+        assert_eq!(status(method, &order, &[own]), 403, "{method}");
+    }
 
     let plans = daemon.plans();
     fs::write(daemon.folder.path().join("secret"), "secret").unwrap();
@@ -321,6 +329,48 @@ fn strangers_get_nothing() {
     assert!(!welcome.head.contains("access-control"), "{}", welcome.head);
     assert_loopback_only(daemon.port);
     assert_door_is_closed(daemon.folder.path());
+}
+
+/// Pages of ended daemons are forgotten at the next start, also where somebody else listens on their port by now; that
+/// of a daemon that runs stays.
+#[test]
+fn pages_of_ended_daemons_are_forgotten() {
+    let (daemon, mut ended) = (start(), start());
+    let state = |of: &Daemon| of.folder.path().join(".local/state/enfilade");
+    let doors = |of: &Daemon| {
+        let entries = fs::read_dir(state(of)).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+        entries.filter(|name| name.starts_with("page-")).collect::<std::collections::BTreeSet<String>>()
+    };
+    ended.child.kill().unwrap();
+    ended.child.wait().unwrap();
+    let dead = doors(&ended).pop_first().unwrap();
+    fs::copy(state(&ended).join(&dead), state(&daemon).join("page-dead.json")).unwrap();
+    let stranger = json!({"address": format!("http://127.0.0.1:{}/", daemon.port), "token": "x", "pid": 1});
+    fs::write(state(&daemon).join("page-stranger.json"), stranger.to_string()).unwrap();
+    assert_eq!(doors(&daemon).len(), 3);
+    let other = daemon.folder.path().join("other");
+    fs::create_dir(&other).unwrap();
+    let by_user = |args: &[&str], folder: &Path| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_enfilade"));
+        command.args(args).arg(folder).env("HOME", daemon.folder.path()).env_remove("XDG_STATE_HOME");
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    };
+    let mut second = by_user(&["watch", "--page"], &other).spawn().unwrap();
+    let mut lines = BufReader::new(second.stdout.take().unwrap()).lines();
+    assert!(lines.any(|l| l.unwrap().starts_with("page: ")));
+    let left = doors(&daemon);
+    second.kill().unwrap();
+    second.wait().unwrap();
+    assert_eq!(left.len(), 2, "{left:?}");
+    assert!(!left.contains("page-dead.json") && !left.contains("page-stranger.json"), "{left:?}");
+    // One that is turned away does not hide the page of the daemon that watches.
+    let refused = by_user(&["watch", "--page"], &daemon.plans()).output().unwrap();
+    assert_eq!(refused.status.code(), Some(4), "{refused:?}");
+    let open = by_user(&["open", "--print"], &daemon.plans()).output().unwrap();
+    assert!(String::from_utf8_lossy(&open.stdout).contains(&daemon.token), "{open:?}");
+    let gone = by_user(&["open", "--print"], &other).output().unwrap();
+    assert!(String::from_utf8_lossy(&gone.stderr).contains("no page of a daemon"), "{gone:?}");
 }
 
 /// Whoever holds connections open without the token keeps nobody out and stops no watching; each ends in its time.

@@ -183,15 +183,21 @@ fn watched(folder: &Path) -> Result<String, String> {
     if !meta.is_dir() {
         return Err("is no folder; name the folder of the drawings".into());
     }
-    let faults: Vec<String> = unwritable(folder).into_iter().chain(unreadable(folder)).collect();
+    let records = Folders::of_user().ok().map(|own| own.state);
+    let found = crate::daemon::status(&[folder.to_path_buf()], records.as_deref());
+    let is_running = found[0]["is_running"] == true;
+    // A daemon that keeps its state elsewhere was told where results go.
+    let elsewhere = super::watching::elsewhere(&found[0], folder).filter(|_| is_running);
+    let unwritable = unwritable(folder).filter(|_| elsewhere.is_none());
+    let faults: Vec<String> = unwritable.into_iter().chain(unreadable(folder)).collect();
     if !faults.is_empty() {
         return Err(faults.join("; "));
     }
-    let found = crate::daemon::status(&[folder.to_path_buf()]);
-    let runs = if found[0]["is_running"] == true { "watched now" } else { "not watched now" };
+    let runs = if is_running { "watched now" } else { "not watched now" };
     let how = network_reason(folder).map_or("events".to_owned(), |why| format!("polling, as {why}"));
     let page = if Door::find(folder).is_some() { "; its page is open" } else { "" };
-    let said = format!("{runs}; watched by {how}{page}");
+    let state = elsewhere.map_or_else(String::new, |state| format!("; its state lies in {state}"));
+    let said = format!("{runs}; watched by {how}{state}{page}");
     match failing(&found[0]["status"]).into_iter().chain(full(folder)).reduce(|a, b| format!("{a}; {b}")) {
         Some(faults) => Err(format!("{said}; {faults}")),
         None => Ok(said),
@@ -216,10 +222,13 @@ fn full(folder: &Path) -> Option<String> {
 /// Results lie beside the drawings, unless the settings name another folder for them.
 fn unwritable(folder: &Path) -> Option<String> {
     let settings = super::read_settings(&folder.join("enfilade.toml")).ok().flatten();
-    if may_write(folder) || settings.is_some_and(|s| s.out.is_some()) {
+    let names_a_place = |s: &crate::config::Partial| {
+        s.out.is_some() || s.watch.as_ref().is_some_and(|w| w.fallback.is_some())
+    };
+    if may_write(folder) || settings.is_some_and(|s| names_a_place(&s)) {
         return None;
     }
-    Some("cannot be written, so results find no place: allow it to the user of the daemon, or name another folder with --out".into())
+    Some("cannot be written, so results find no place: allow it to the user of the daemon, or name another folder with --out or --fallback".into())
 }
 
 #[cfg(unix)]

@@ -17,7 +17,7 @@ use crate::daemon::{self, JobEvent, JobRequest, Notice, RunJob, WatchSettings};
 use crate::formats;
 use crate::overlay::result::to_json;
 use crate::report::{Cancel, Error, Place, Problem, Severity};
-use crate::server::{Page, Taken};
+use crate::server::{Door, Page, Taken};
 use crate::service::Folders;
 use crate::store::{Disk as _, Log, SystemDisk};
 use crate::watch::{Completeness, canonical_roots};
@@ -60,12 +60,15 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
         accept_option(drawing, results, which, number).map(|a| a.next)
     };
     let page = args.page.map(|port| Page::open(port, orders, Box::new(accepted))).transpose()?;
-    if let Some(page) = &page {
-        args.looking.folders.iter().try_for_each(|root| page.door().write(root))?;
-        say(&format!("page: {}", page.link()));
+    if page.is_some() {
+        Door::sweep();
     }
+    let mut is_page_said = false;
     let mut show = |notice: Notice| {
         if let Some(page) = &page {
+            if let Notice::Watching { root, .. } = &notice {
+                announce(page, root, !std::mem::replace(&mut is_page_said, true));
+            }
             page.take(&notice);
         }
         if args.desktop
@@ -76,7 +79,7 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
             crate::service::tell_user(&format!("{name}: options are ready"), &done.summary);
         }
         if let Some(log) = &log
-            && !matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. } | Notice::Results { .. })
+            && !is_for_the_page_alone(&notice)
         {
             // A full disk shows in the jobs; the log is no reason to end.
             let _ = log.line(&format!("{} {notice}", daemon::rfc3339(SystemTime::now())));
@@ -99,6 +102,16 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
     }
 }
 
+/// Says where the page is, once the folder is ours: a daemon that is turned away must not hide the page of the other.
+fn announce(page: &Page, root: &Path, is_first: bool) {
+    if let Err(error) = page.door().write(root) {
+        eprintln!("warning: {error}; `enfilade open` will not find the page");
+    }
+    if is_first {
+        say(&format!("page: {}", page.link()));
+    }
+}
+
 /// The log that the service writes lies in a folder of the program, which is made with all above it.
 fn open_log(path: &Path) -> Result<Log, Error> {
     if let Some(own) = Folders::of_user().ok().filter(|f| f.log() == path) {
@@ -109,10 +122,17 @@ fn open_log(path: &Path) -> Result<Log, Error> {
     Log::open(path)
 }
 
+fn is_for_the_page_alone(notice: &Notice) -> bool {
+    matches!(
+        notice,
+        Notice::Progress { .. } | Notice::UpToDate { .. } | Notice::Results { .. } | Notice::Again(_)
+    )
+}
+
 fn show_notice(notice: &Notice, quiet: bool, json: bool) {
     match notice {
         Notice::Progress { value, .. } if json => eprintln!("{value}"),
-        Notice::Progress { .. } | Notice::UpToDate { .. } | Notice::Results { .. } => {}
+        _ if is_for_the_page_alone(notice) => {}
         Notice::Problem { problem, .. } if problem.severity == Severity::Info && !quiet => {
             eprintln!("note: {notice}");
         }
@@ -182,6 +202,7 @@ fn watch_settings(args: &WatchArgs, partial: &Partial, said: Said) -> WatchSetti
             .clone()
             .or(table.fallback.map(PathBuf::from))
             .map(|folder| absolute(&folder)),
+        records_dir: Folders::of_user().ok().map(|own| own.state),
         newest_first: table.newest_first.unwrap_or(base.newest_first),
         force: args.looking.force,
         job_limit_secs: table.job_limit_secs.unwrap_or(base.job_limit_secs),
@@ -262,19 +283,28 @@ pub(super) fn status(args: &StatusArgs) -> Result<u8, Error> {
             format!("cannot be looked into ({e}), so what its daemon does is not known; nothing was done");
         return Err(Error::environment("unreadable", Place::file(folder.to_string_lossy()), text));
     }
-    let found = daemon::status(folders);
+    let records = Folders::of_user().ok().map(|own| own.state);
+    let found = daemon::status(folders, records.as_deref());
     if args.json {
         print(&to_json(&found)?);
         return Ok(0);
     }
-    for root in &found {
+    for (root, folder) in found.iter().zip(folders) {
         let is_running = root["is_running"] == true;
         let runs = if is_running { "watched" } else { "not watched now" };
         say(&format!("{}: {runs}", root["root"].as_str().unwrap_or("?")));
+        elsewhere(root, folder).iter().for_each(|state| say(&format!("  its state lies in {state}")));
         root["doubt"].as_str().iter().for_each(|why| say(&format!("  {why}")));
         status_lines(&root["status"], is_running).iter().for_each(|line| say(&format!("  {line}")));
     }
     Ok(0)
+}
+
+/// Where the state of a root lies, unless it lies in it.
+pub(super) fn elsewhere(found: &Value, root: &Path) -> Option<String> {
+    let root = std::fs::canonicalize(root).unwrap_or_else(|_| root.into());
+    let state = found["state_folder"].as_str()?;
+    (!Path::new(state).starts_with(root)).then(|| state.to_owned())
 }
 
 /// The daemon's overview in words: what it works on, what waits, what it waits for and why, what failed.

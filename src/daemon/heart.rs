@@ -13,8 +13,11 @@ use serde_json::{Value, json};
 mod orders;
 mod overview;
 mod renewal;
+mod room;
+mod state;
 mod words;
 
+use state::State;
 use words::{how_watched, hung, killed_too_often, retry_pause, shown, taken, told_to_end, too_long};
 
 use super::child::JOB_KILLED;
@@ -25,10 +28,10 @@ use super::hands::{
 use super::status::{SharedDisk, Standing, content_of_results, rfc3339, settle, write_standing};
 use super::{Asked, Done, Notice, Order, Reread, RunJob, WatchSettings};
 use crate::config::settings_files;
-use crate::report::{Cancel, Error, Problem, Severity};
+use crate::report::{Cancel, Error, Place, Problem, Severity};
 use crate::store::{
-    Ended, FOLDER_OWNED, Journal, Lease, Ownership, Placing, Step, SystemDisk, present_folder, refuse_nested,
-    round_name, state_folder, write_json,
+    Ended, FOLDER_OWNED, Journal, Placing, Records, Step, SystemDisk, host_name, present_folder,
+    refuse_nested, round_name, write_json,
 };
 use crate::watch::{
     Action, Event, Eyes, Now, Settle, builtin_ignores, is_data, is_output_name, network_reason,
@@ -75,12 +78,6 @@ struct Running {
     why: &'static str,
 }
 
-struct State {
-    folder: PathBuf,
-    ownership: Ownership,
-    journal: Arc<Mutex<Journal>>,
-}
-
 struct Root {
     path: PathBuf,
     /// Why its events cannot be trusted; `None`: they can.
@@ -92,6 +89,7 @@ struct Root {
 
 pub(super) struct Heart {
     settings: WatchSettings,
+    records: Records,
     disk: SharedDisk,
     run: Arc<RunJob>,
     settle: Settle,
@@ -124,8 +122,10 @@ pub(super) struct Heart {
     last_beat: Instant,
     last_overview: Option<Instant>,
     is_overview_stale: bool,
-    /// Folders that could not be taken at the start, and why.
-    not_taken: Vec<(PathBuf, Problem)>,
+    /// What is to be said of folders at the start: that they could not be taken, say.
+    first_words: Vec<(PathBuf, Problem)>,
+    /// Since when the disk of a root's results is full, as the user was told.
+    full_since: BTreeMap<PathBuf, Instant>,
 }
 
 impl Heart {
@@ -149,6 +149,7 @@ impl Heart {
         let mut heart = Self {
             settle: Settle::new(roots, &is_network, settings)?,
             settings: settings.clone(),
+            records: Records::new(settings.records_dir.clone()),
             disk,
             run,
             roots: Vec::new(),
@@ -175,14 +176,20 @@ impl Heart {
             last_beat: Instant::now(),
             last_overview: None,
             is_overview_stale: true,
-            not_taken: Vec::new(),
+            first_words: Vec::new(),
+            full_since: BTreeMap::new(),
         };
+        heart.records.sweep(&*heart.disk);
         for (path, reason) in roots.iter().zip(reasons) {
             let state = match heart.take(path, stop) {
-                Ok(state) => Some(state),
+                Ok(mut state) => {
+                    let unrecorded = state.unrecorded.take();
+                    heart.first_words.extend(unrecorded.map(|problem| (path.clone(), problem)));
+                    Some(state)
+                }
                 // One folder that cannot be written holds up no other; every heartbeat tries it again.
                 Err(Error::Environment(problem)) if roots.len() > 1 && problem.code != FOLDER_OWNED => {
-                    heart.not_taken.push((path.clone(), problem));
+                    heart.first_words.push((path.clone(), problem));
                     None
                 }
                 Err(error) => return Err(error),
@@ -191,19 +198,6 @@ impl Heart {
             heart.roots.push(Root { path: path.clone(), unheard: reason, how, is_offline: false, state });
         }
         Ok(heart)
-    }
-
-    fn take(&self, root: &Path, stop: &Cancel) -> Result<State, Error> {
-        let placing = self.placing(root, root);
-        let own: Vec<&Path> = self.roots.iter().map(|r| r.path.as_path()).collect();
-        refuse_nested(root, self.settings.depth, &own)?;
-        let folder = state_folder(&*self.disk, root, &placing)?;
-        let (host, pid, since) = (host_name(), std::process::id(), self.since.clone());
-        let me = Lease { host, pid, since, beat: 0, depth: self.settings.depth };
-        let heartbeat = Duration::from_secs_f64(self.settings.heartbeat_secs);
-        let ownership = Ownership::take(self.disk.clone(), &folder, me, heartbeat, stop)?;
-        let journal = Arc::new(Mutex::new(Journal::open(self.disk.clone(), &folder)?));
-        Ok(State { folder, ownership, journal })
     }
 
     /// The loop, until `stop` or until another daemon has taken a folder.
@@ -216,7 +210,7 @@ impl Heart {
         for root in &self.roots {
             show(Notice::Watching { root: root.path.clone(), how: root.how.clone() });
         }
-        for (path, problem) in std::mem::take(&mut self.not_taken) {
+        for (path, problem) in std::mem::take(&mut self.first_words) {
             show(Notice::Problem { path, problem });
         }
         while !stop.is_stopped() {
@@ -259,7 +253,7 @@ impl Heart {
         }
         self.watch_running(show);
         self.start_next(show);
-        self.give_sign_of_life(stop)?;
+        self.give_sign_of_life(show, stop)?;
         self.write_overview(false);
         Ok(())
     }
@@ -279,7 +273,8 @@ impl Heart {
             }
             Message::Told(id, told) => {
                 if let Some(running) = self.running.as_ref().filter(|r| r.id == id) {
-                    show(told.notice(&running.what.drawing));
+                    let notice = told.notice(&running.what.drawing);
+                    self.tell(notice, show);
                 }
             }
             Message::Ended(id, outcome) => {
@@ -355,9 +350,7 @@ impl Heart {
     fn retake(&mut self, path: &Path, show: &mut dyn FnMut(Notice), stop: &Cancel) {
         let Some(i) = self.roots.iter().position(|r| r.path == path) else { return };
         let is_same = self.roots[i].state.as_mut().is_some_and(|s| {
-            s.folder.starts_with(path)
-                && s.folder.join("lock").exists()
-                && s.ownership.beat().unwrap_or(false)
+            s.folder.starts_with(path) && s.folder.join("lock").exists() && s.beat().unwrap_or(false)
         });
         if is_same {
             return;
@@ -511,7 +504,8 @@ impl Heart {
         self.next_id += 1;
         let (id, cancel) = (self.next_id, Cancel::default());
         let (below, placing) = (self.below(&what.drawing), self.placing_of(&what.drawing));
-        show(Notice::Started(what.drawing.clone()));
+        let started = Notice::Started(what.drawing.clone());
+        show(if self.waits_for_room(&what) { Notice::Again(Box::new(started)) } else { started });
         let task = Task { id, what: what.clone(), below, placing, cancel: cancel.clone(), journal };
         let _ = self.to_worker.send(task);
         self.running = Some(Running { id, what, cancel, since: now, stopped: None, why: "" });
@@ -525,6 +519,7 @@ impl Heart {
             Outcome::Ended(Ok(done)) => {
                 self.done_count += 1;
                 let drawing = what.drawing.clone();
+                self.has_room(&drawing, running.since, show);
                 show(Notice::Done { drawing, done: done.clone() });
                 self.say_what_it_is_of(&what, &done, show);
             }
@@ -599,7 +594,7 @@ impl Heart {
     fn retry(&mut self, mut what: Waiting, problem: Problem, show: &mut dyn FnMut(Notice)) {
         let pause = retry_pause(self.settings.retry_secs, what.failures);
         self.write_failure("waiting", &what, &problem);
-        show(Notice::Failed { drawing: what.drawing.clone(), problem, retry_secs: Some(pause) });
+        self.tell(Notice::Failed { drawing: what.drawing.clone(), problem, retry_secs: Some(pause) }, show);
         if self.queue.iter().all(|w| w.drawing != what.drawing) {
             what.failures += 1;
             what.not_before = Some(Instant::now() + Duration::from_secs_f64(pause));
@@ -631,11 +626,12 @@ impl Heart {
         }
     }
 
-    fn give_sign_of_life(&mut self, stop: &Cancel) -> Result<(), Error> {
+    fn give_sign_of_life(&mut self, show: &mut dyn FnMut(Notice), stop: &Cancel) -> Result<(), Error> {
         if self.last_beat.elapsed().as_secs_f64() < self.settings.heartbeat_secs {
             return Ok(());
         }
         self.last_beat = Instant::now();
+        self.forget_full_disks(show);
         for i in 0..self.roots.len() {
             let root = &mut self.roots[i];
             if root.is_offline {
@@ -644,8 +640,8 @@ impl Heart {
             match &mut root.state {
                 // A failing write is the disk's matter and shows elsewhere; a foreign lease is ours.
                 Some(state) => {
-                    if let Ok(false) = state.ownership.beat() {
-                        return Err(taken(&root.path));
+                    if let Ok(false) = state.beat() {
+                        return Err(taken(&root.path, &state.folder));
                     }
                 }
                 None => {
@@ -719,7 +715,7 @@ impl Heart {
     }
 
     /// Nothing of a round with wishes of its own: it is not asked for again after a kill.
-    fn note(&self, what: &Waiting, step: &Step, show: &mut dyn FnMut(Notice)) {
+    fn note(&mut self, what: &Waiting, step: &Step, show: &mut dyn FnMut(Notice)) {
         if what.asked != Asked::default() {
             return;
         }
@@ -730,7 +726,7 @@ impl Heart {
         if let Err(error) = outcome
             && let Some(problem) = error.problem()
         {
-            show(Notice::Problem { path: what.drawing.clone(), problem: problem.clone() });
+            self.tell(Notice::Problem { path: what.drawing.clone(), problem: problem.clone() }, show);
         }
     }
 }
@@ -743,14 +739,4 @@ impl Running {
             (self.stopped, self.why) = (Some(Instant::now()), why);
         }
     }
-}
-
-#[cfg(unix)]
-fn host_name() -> String {
-    rustix::system::uname().nodename().to_string_lossy().into_owned()
-}
-
-#[cfg(not(unix))]
-fn host_name() -> String {
-    std::env::var("COMPUTERNAME").unwrap_or_else(|_| "this machine".into())
 }

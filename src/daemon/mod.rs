@@ -220,6 +220,8 @@ pub enum Notice {
         /// Seconds until it is tried again; `None`: at its next save.
         retry_secs: Option<f64>,
     },
+    /// What was told before, as that a disk is still full: for the page alone.
+    Again(Box<Notice>),
     /// Something worth knowing; the work goes on.
     Problem {
         /// The file or folder.
@@ -251,6 +253,7 @@ impl fmt::Display for Notice {
                 write!(f, "{} failed: {problem}", name(drawing))?;
                 retry_secs.map_or(Ok(()), |s| write!(f, "; tried again in {s:.0} s"))
             }
+            Self::Again(notice) => notice.fmt(f),
             Self::Problem { problem, .. } => write!(f, "{problem}"),
         }
     }

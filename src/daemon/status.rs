@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 
 use crate::report::{Error, Problem};
 use crate::store::{
-    Disk, Placing, STATE_FOLDER, SystemDisk, find_folder, finished_rounds, is_held, present_folder,
-    read_lease, round_name, write_json,
+    Disk, Placing, Records, SystemDisk, find_folder, finished_rounds, is_held, present_folder, read_lease,
+    read_own, round_name, write_json,
 };
 
 /// What the status of a drawing says besides its progress.
@@ -59,7 +59,7 @@ pub(super) fn write_standing(disk: &dyn Disk, drawing: &Path, placing: &Placing,
 /// its own and not finished is not asked for again.
 pub(super) fn settle(disk: &dyn Disk, drawing: &Path, placing: &Placing, sha256: &str, summary: &str) {
     let Some(folder) = present_folder(drawing, placing) else { return };
-    let status = std::fs::read(folder.join("status.json")).ok();
+    let status = read_own(&folder.join("status.json")).ok();
     let status: Value = status.and_then(|s| serde_json::from_slice(&s).ok()).unwrap_or_default();
     let is_stale = ["running", "waiting", "stopped"].iter().any(|s| status["state"] == *s);
     if let (true, Some(newest)) = (is_stale, finished_rounds(&folder).last()) {
@@ -71,7 +71,7 @@ pub(super) fn settle(disk: &dyn Disk, drawing: &Path, placing: &Placing, sha256:
 
 /// Of which content the newest results in a result folder are, by its SHA-256; `None` where none is known.
 pub(super) fn content_of_results(folder: &Path) -> Option<String> {
-    let status: Value = serde_json::from_slice(&std::fs::read(folder.join("status.json")).ok()?).ok()?;
+    let status: Value = serde_json::from_slice(&read_own(&folder.join("status.json")).ok()?).ok()?;
     (status["state"] == "done").then(|| status["sha256"].as_str().map(str::to_owned))?
 }
 
@@ -86,19 +86,22 @@ pub(super) fn write_end(disk: &dyn Disk, drawing: &Path, placing: &Placing, sha2
 /// With fewer bytes left a daemon cannot write its overview.
 const OVERVIEW_BYTES: u64 = 64 << 10;
 
-/// What daemons tell about these roots: one object a root, `{root, is_running, owner, status, doubt}`; `status`
+/// What daemons tell about these roots: one object a root, `{root, is_running, owner, state_folder, status, doubt}`; `status`
 /// is the daemon's overview (`enfilade.daemon/1`), null where none ever ran; `doubt` says why what it tells may be of
-/// an earlier time, null where nothing speaks against it. A root that cannot be
-/// written keeps its state elsewhere and shows as never watched here.
-pub fn status(roots: &[PathBuf]) -> Vec<Value> {
+/// an earlier time, null where nothing speaks against it. Of a root that cannot be
+/// written the records in `records` say where its state lies.
+pub fn status(roots: &[PathBuf], records: Option<&Path>) -> Vec<Value> {
+    let records = Records::new(records.map(Path::to_path_buf));
     let one = |root: &PathBuf| {
-        let folder = std::fs::canonicalize(root).unwrap_or_else(|_| root.clone()).join(STATE_FOLDER);
-        let text = std::fs::read(folder.join("status.json")).ok();
+        let real = std::fs::canonicalize(root).unwrap_or_else(|_| root.clone());
+        let folder = records.state_of(&real);
+        let text = read_own(&folder.join("status.json")).ok();
         let status: Value = text.and_then(|t| serde_json::from_slice(&t).ok()).unwrap_or_default();
         json!({
             "root": root.display().to_string(),
-            "is_running": is_held(&folder),
+            "is_running": is_held(&folder) || records.is_watched(&real),
             "owner": read_lease(&folder).map(|l| json!(l)),
+            "state_folder": folder.display().to_string(),
             "status": status,
             "doubt": doubt(SystemDisk.free_bytes(&folder).ok()),
         })

@@ -1,6 +1,7 @@
 //! The daemon over real folders, with jobs made up by the tests. Time-outs are generous: they end a
 //! test that failed, none waits for one to pass.
 
+mod elsewhere;
 mod endings;
 mod owners;
 mod refusals;
@@ -51,6 +52,7 @@ struct Daemon {
     stop: Cancel,
     said: Arc<Mutex<Vec<String>>>,
     jobs: Arc<AtomicUsize>,
+    orders: mpsc::Sender<Order>,
     thread: Option<JoinHandle<Result<(), Error>>>,
 }
 
@@ -89,13 +91,13 @@ impl Daemon {
                 run(request, tell, cancel)
             });
         let (roots, words, stopping) = ([root.clone()], said.clone(), stop.clone());
+        let (orders, ordered) = mpsc::channel();
         let thread = thread::spawn(move || {
             let mut show = |notice: Notice| words.lock().unwrap().push(format!("{notice:?}"));
             let mut reread = || reread(&roots[0]);
-            let orders = mpsc::channel().1;
-            watch_with_orders(&roots, &settings, &mut reread, run, orders, &mut show, &stopping)
+            watch_with_orders(&roots, &settings, &mut reread, run, ordered, &mut show, &stopping)
         });
-        let daemon = Self { root, _dir: dir, stop, said, jobs, thread: Some(thread) };
+        let daemon = Self { root, _dir: dir, stop, said, jobs, orders, thread: Some(thread) };
         daemon.await_said("Watching", 1);
         daemon
     }
@@ -398,30 +400,6 @@ fn a_failing_and_a_panicking_job_stop_nobody() {
     assert_eq!(daemon.jobs(), 4);
 }
 
-/// Hazards 19 and 20: want of disk or permission passes.
-#[test]
-fn environment_failures_are_tried_again() {
-    let attempts = AtomicUsize::new(0);
-    let daemon = Daemon::start(
-        settings(),
-        |_| {},
-        move |request, _, _| {
-            if attempts.fetch_add(1, Ordering::SeqCst) < 2 {
-                return Err(Error::environment("disk-full", Place::default(), "no space"));
-            }
-            Ok(echo(request))
-        },
-    );
-    daemon.save("plan.dxf", "one");
-    daemon.await_round("plan", 1);
-    daemon.await_said("Done {", 1);
-    assert_eq!((daemon.jobs(), daemon.count_said("Failed {")), (3, 2));
-    assert_eq!(daemon.count_said("results-of-earlier-content"), 0, "the content never changed");
-    daemon.await_true("no failure left", || {
-        status(std::slice::from_ref(&daemon.root))[0]["status"]["failed"] == serde_json::json!([])
-    });
-}
-
 /// Hazard 23.
 #[test]
 fn a_job_that_hangs_is_left_behind() {
@@ -487,7 +465,7 @@ fn the_second_daemon_is_turned_away() {
     let problem = second.unwrap_err().problem().unwrap().clone();
     assert_eq!((problem.code, problem.severity), ("folder-owned", Severity::Error));
     assert!(problem.text.contains(&std::process::id().to_string()), "{problem}");
-    let told = status(std::slice::from_ref(&daemon.root));
+    let told = status(std::slice::from_ref(&daemon.root), None);
     assert_eq!(told[0]["is_running"], true);
 }
 

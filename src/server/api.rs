@@ -83,6 +83,10 @@ pub(super) async fn events(State(page): Page) -> Response {
 
 pub(super) async fn cancel(State(page): Page, Path(id): Path<String>) -> Response {
     let Some((drawing, _)) = page.board.paths(&id) else { return not_found() };
+    if !page.board.is_busy(&id) {
+        let why = "no job of the drawing runs or waits, so there is none to cancel; nothing was done";
+        return said(StatusCode::CONFLICT, why);
+    }
     order(&page, Order::Cancel(drawing))
 }
 

@@ -70,13 +70,19 @@ impl Board {
 
     /// Takes a notice in.
     pub fn take(&self, notice: &Notice) {
+        let (notice, is_known) = match notice {
+            Notice::Again(told) => (&**told, true),
+            notice => (notice, false),
+        };
         let mut state = self.state();
         let mut news = Vec::new();
         let goes = match notice {
             Notice::Removed(path) | Notice::Ignored { path, .. } => state.drawings.contains_key(&id_of(path)),
             _ => false,
         };
-        if !matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. } | Notice::Results { .. }) {
+        let is_quiet =
+            matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. } | Notice::Results { .. });
+        if !is_known && !is_quiet {
             let line = json!({"time": rfc3339(SystemTime::now()), "text": notice.to_string()});
             if state.log.len() >= LOG_LINES_MAX {
                 state.log.pop_front();
@@ -238,7 +244,9 @@ impl State {
                 e.is_queued &= *why != BY_THE_USER;
                 e.wait_if_queued();
             }),
+            Notice::Again(told) => self.note(told),
             Notice::Failed { drawing, problem, retry_secs } => self.at(drawing, |e| {
+                e.is_queued |= retry_secs.is_some();
                 e.set(if retry_secs.is_some() { "waiting" } else { "failed" });
                 e.problem = json!(problem);
             }),
@@ -397,6 +405,29 @@ mod tests {
         board.take(&Notice::Renewed("/plans/enfilade.toml".into()));
         assert_eq!(board.overview()["ignored_count"], 0, "they are said again");
         assert_eq!(board.paths("no such id"), None);
+    }
+
+    #[test]
+    fn what_was_told_before_shows_and_is_not_logged() {
+        let board = Board::default();
+        let drawing = PathBuf::from("/plans/a.dxf");
+        let problem = Problem {
+            code: "disk-full",
+            severity: Severity::Error,
+            place: Place::default(),
+            text: "no room".into(),
+        };
+        let failed =
+            || Notice::Failed { drawing: drawing.clone(), problem: problem.clone(), retry_secs: Some(1.0) };
+        board.take(&failed());
+        let id = id_of(&drawing);
+        assert!(board.is_busy(&id), "it waits to be tried again");
+        board.take(&Notice::Again(Box::new(Notice::Started(drawing.clone()))));
+        assert_eq!(board.drawing(&id).unwrap()["state"], "running");
+        board.take(&Notice::Again(Box::new(failed())));
+        let found = board.drawing(&id).unwrap();
+        assert_eq!((&found["state"], &found["problem"]["code"]), (&json!("waiting"), &json!("disk-full")));
+        assert_eq!(board.log().as_array().unwrap().len(), 1);
     }
 
     #[test]

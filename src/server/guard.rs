@@ -34,6 +34,8 @@ pub enum Verdict {
     Pass,
     /// 403, and why.
     Refuse(&'static str),
+    /// It goes on as of a method that no route takes: the answer is 405, with those that the address takes, or 404.
+    NoRoute,
     /// The token in the address is exchanged for a cookie, and vanishes from the address.
     Welcome,
 }
@@ -83,6 +85,9 @@ impl Access {
         if !self.is_known(text("authorization"), headers) {
             return Verdict::Refuse("no valid token: open the page with `enfilade open`");
         }
+        if !is_read && *method != Method::POST {
+            return Verdict::NoRoute;
+        }
         if !is_read && text(ORDER_HEADER) != Some("1") {
             return Verdict::Refuse("the header X-Enfilade: 1 is missing");
         }
@@ -118,6 +123,7 @@ pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, n
                 Err(refusal) => refusal,
             }
         }
+        Verdict::NoRoute => next.run(unroutable(request)).await,
         Verdict::Refuse(why) => super::api::said(StatusCode::FORBIDDEN, why),
         Verdict::Welcome => {
             let cookie =
@@ -134,6 +140,13 @@ pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, n
     headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
     headers.insert("cross-origin-resource-policy", HeaderValue::from_static("same-origin"));
     response
+}
+
+/// The request under a method that no route can take, now or ever: it needs no header of orders, as it changes nothing.
+fn unroutable(request: Request) -> Request {
+    let (mut head, _) = request.into_parts();
+    head.method = Method::from_bytes(b"NONE").unwrap_or(Method::TRACE);
+    Request::from_parts(head, Body::empty())
 }
 
 /// A request with all of its body; of one that only reads, none is asked for.
@@ -210,7 +223,13 @@ mod tests {
             assert!(!pass("GET", address, &[own, auth]), "{address}");
         }
         assert!(!pass("POST", "/api/x", &[own, auth]));
-        assert!(!pass("DELETE", "/api/x", &[own, auth]));
+        for method in ["DELETE", "PUT", "PATCH", "OPTIONS", "TRACE", "BREW"] {
+            assert_eq!(judge(method, "/api/x", &[own, auth]), Verdict::NoRoute, "{method}");
+            assert_eq!(judge(method, "/api/x", &[own, auth, order]), Verdict::NoRoute, "{method}");
+            assert!(matches!(judge(method, "/api/x", &[own, order]), Verdict::Refuse(_)), "{method}");
+            let foreign = [own, auth, ("origin", "http://evil.test")];
+            assert!(matches!(judge(method, "/api/x", &foreign), Verdict::Refuse(_)), "{method}");
+        }
         assert!(!pass("GET", "/api/drawings", &[own]));
         assert!(!pass("GET", "/api/drawings", &[own, ("authorization", "Bearer ttt")]));
         assert!(!pass("GET", "/api/drawings", &[own, ("cookie", "enfilade-4711=no; enfilade-4712=s")]));

@@ -9,10 +9,12 @@ mod connections;
 mod files;
 mod guard;
 
-use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::io::{ErrorKind, Read as _, Write as _};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, mpsc};
 use std::thread;
+use std::time::Duration;
 
 use axum::Router;
 use axum::extract::{DefaultBodyLimit, State};
@@ -28,12 +30,17 @@ pub use guard::Access;
 
 use crate::daemon::{Notice, Order};
 use crate::report::{Error, Place};
-use crate::store::write_secret;
+use crate::store::{Disk as _, SystemDisk, write_secret};
 
 /// Bytes of a token before they are written in hexadecimal.
 const TOKEN_BYTES: usize = 32;
 /// Largest request body, bytes: orders are short.
 pub const BODY_BYTES_MAX: usize = 16 << 10;
+
+/// How long a page may take to say that it is there.
+const PROBE_TIME: Duration = Duration::from_secs(1);
+/// Names of the files that say where pages are: this, a digest of the folder, and the ending.
+const DOOR_NAME: (&str, &str) = ("page-", ".json");
 
 /// What an option is accepted of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -141,24 +148,79 @@ impl Door {
         write_secret(&door_file(root)?, text.as_bytes())
     }
 
-    /// The page of a watched folder, if its daemon still listens.
+    /// The page of a watched folder, if its daemon still answers.
     pub fn find(root: &Path) -> Option<Self> {
-        let text = std::fs::read(door_file(root).ok()?).ok()?;
-        let door: Self = serde_json::from_slice(&text).ok()?;
-        let address: SocketAddr = door.address.strip_prefix("http://")?.strip_suffix('/')?.parse().ok()?;
-        if !address.ip().is_loopback() {
-            return None;
-        }
-        std::net::TcpStream::connect_timeout(&address, std::time::Duration::from_secs(1)).ok()?;
-        Some(door)
+        Self::read(&door_file(root).ok()?).filter(|door| door.life() == Life::Lives)
     }
+
+    /// Removes the word of pages whose daemons have ended.
+    pub fn sweep() {
+        let state = crate::service::Folders::of_user().ok().map(|own| own.state);
+        let entries = state.and_then(|folder| std::fs::read_dir(folder).ok());
+        for entry in entries.into_iter().flatten().flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let is_one = name.starts_with(DOOR_NAME.0) && name.ends_with(DOOR_NAME.1);
+            if is_one && Self::read(&entry.path()).is_some_and(|door| door.life() == Life::Ended) {
+                // One that stays is passed over by whoever reads it.
+                let _ = SystemDisk.remove_file(&entry.path());
+            }
+        }
+    }
+
+    fn read(file: &Path) -> Option<Self> {
+        serde_json::from_slice(&std::fs::read(file).ok()?).ok()
+    }
+
+    /// Asks who listens there: by now it may be somebody else, to whom this token means nothing.
+    fn life(&self) -> Life {
+        let address = self.address.strip_prefix("http://").and_then(|a| a.strip_suffix('/')?.parse().ok());
+        let Some(address) = address.filter(|a: &SocketAddr| a.ip().is_loopback()) else { return Life::Ended };
+        let mut stream = match TcpStream::connect_timeout(&address, PROBE_TIME) {
+            Ok(stream) => stream,
+            Err(e) if e.kind() == ErrorKind::ConnectionRefused => return Life::Ended,
+            Err(_) => return Life::Unknown,
+        };
+        let ask = format!(
+            "GET /page.css HTTP/1.1\r\nHost: {address}\r\nAuthorization: Bearer {}\r\nConnection: close\r\n\r\n",
+            self.token
+        );
+        let mut answer = [0; ALIVE.len()];
+        let asked = stream
+            .set_read_timeout(Some(PROBE_TIME))
+            .and_then(|()| stream.set_write_timeout(Some(PROBE_TIME)))
+            .and_then(|()| stream.write_all(ask.as_bytes()))
+            .and_then(|()| stream.read_exact(&mut answer));
+        match asked {
+            Ok(()) if &answer == ALIVE => Life::Lives,
+            Ok(()) => Life::Ended,
+            Err(_) => Life::Unknown,
+        }
+    }
+}
+
+/// How a page answers its own token.
+const ALIVE: &[u8; 12] = b"HTTP/1.1 200";
+
+/// Whether the daemon of a page still runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Life {
+    Lives,
+    /// Nobody listens there, or somebody else.
+    Ended,
+    /// Somebody listens and says nothing.
+    Unknown,
 }
 
 /// In the user's own state folder: watched folders may be shared with others.
 fn door_file(root: &Path) -> Result<PathBuf, Error> {
     let root = std::fs::canonicalize(root).unwrap_or_else(|_| root.into());
     let digest = crate::watch::sha256_hex(root.as_os_str().as_encoded_bytes());
-    Ok(crate::service::Folders::of_user()?.state.join(format!("page-{}.json", &digest[..16])))
+    Ok(crate::service::Folders::of_user()?.state.join(format!(
+        "{}{}{}",
+        DOOR_NAME.0,
+        &digest[..16],
+        DOOR_NAME.1
+    )))
 }
 
 /// A new secret, hexadecimal.

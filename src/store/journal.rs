@@ -1,13 +1,12 @@
 //! What was made from which content, across crashes: one JSON object a line, only ever appended.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde_json::{Value, json};
 
-use super::{Disk, disk_error, path_from_bytes, replace_file};
+use super::{Disk, disk_error, path_from_bytes, read_own, replace_file};
 use crate::report::{Error, Place, Problem, Severity};
 
 /// A journal longer than this is rewritten at the next start with what still counts.
@@ -76,7 +75,7 @@ impl Journal {
     /// From the disk, when the journal is there but cannot be read.
     pub fn open(disk: Arc<dyn Disk>, folder: &Path) -> Result<Self, Error> {
         let path = folder.join("journal.jsonl");
-        let text = match fs::read(&path) {
+        let text = match read_own(&path) {
             Ok(bytes) => bytes,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
             Err(e) => return Err(disk_error("reading", &path, &e)),

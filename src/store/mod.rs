@@ -5,6 +5,7 @@
 //! [`Disk`] is the seam at which tests make every single write fail. Inputs are never written.
 
 mod disk;
+mod elsewhere;
 mod journal;
 mod log;
 mod owner;
@@ -20,15 +21,18 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 pub use disk::{Disk, SystemDisk};
+pub use elsewhere::{Claim, Records};
 pub use journal::{Ended, Journal, Step};
 pub use log::{LOG_BYTES_MAX, Log};
 pub use owner::{
-    FOLDER_OWNED, Lease, LeaseVerdict, Ownership, is_held, judge_lease, read_lease, refuse_nested,
+    FOLDER_OWNED, Lease, LeaseVerdict, Ownership, host_name, is_held, judge_lease, read_lease, refuse_nested,
 };
 
 pub use crate::report::OutFile;
 use crate::report::{Error, Place};
 
+/// Code of the problem that a disk has no room.
+pub const DISK_FULL: &str = "disk-full";
 /// Suffix of the folder that holds a drawing's results.
 pub const OUTPUT_SUFFIX: &str = ".enfilade";
 /// Name of the state folder of a watched root.
@@ -108,7 +112,7 @@ impl Home {
 
     fn lock(disk: Arc<dyn Disk>, folder: PathBuf, meant: &Path) -> Result<Self, Error> {
         let path = folder.join(".lock");
-        refuse_link(&path)?;
+        refuse_planted(&path)?;
         let open = File::options().create(true).truncate(false).write(true).open(&path);
         let lock = open.map_err(|e| disk_error("locking", &path, &e))?;
         match lock.try_lock() {
@@ -187,7 +191,7 @@ impl Home {
                     free >> 20,
                     wanted.div_ceil(1 << 20)
                 );
-                Err(Error::environment("disk-full", shown(&self.folder), text))
+                Err(Error::environment(DISK_FULL, shown(&self.folder), text))
             }
             // Where the system does not say, the write itself will.
             _ => Ok(()),
@@ -263,10 +267,10 @@ impl Home {
     /// As [`replace_file`].
     pub fn remember(&self, bytes: &[u8], is_anew: bool) -> Result<(), Error> {
         let path = self.folder.join(MEMORY);
+        refuse_planted(&path)?;
         if is_anew {
             return replace_file(&*self.disk, &path, bytes);
         }
-        refuse_link(&path)?;
         self.disk.append(&path, bytes, false).map_err(writing(&path))
     }
 
@@ -398,7 +402,7 @@ pub fn present_folder(drawing: &Path, placing: &Placing) -> Option<PathBuf> {
     let is_ours = |base: &Path, folder: &Path| {
         let claim = if drawing.parent() == Some(base) { name } else { drawing.as_os_str() };
         refuse_link(folder).is_ok()
-            && fs::read(folder.join(CLAIM)).is_ok_and(|c| c == claim.as_encoded_bytes())
+            && read_own(&folder.join(CLAIM)).is_ok_and(|c| c == claim.as_encoded_bytes())
     };
     let folders = bases
         .into_iter()
@@ -456,8 +460,8 @@ fn folder_names(drawing: &Path) -> Vec<OsString> {
 /// gone, is taken over.
 fn is_claimed_by(disk: &dyn Disk, folder: &Path, claim: &[u8], base: &Path) -> Result<bool, Error> {
     let path = folder.join(CLAIM);
-    refuse_link(&path)?;
-    let present = fs::read(&path).unwrap_or_default();
+    refuse_planted(&path)?;
+    let present = read_own(&path).unwrap_or_default();
     if present == claim {
         return Ok(true);
     }
@@ -527,8 +531,9 @@ pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 /// Replaces a JSON file of ours, indented, with a line end.
 ///
 /// # Errors
-/// As [`replace_file`].
+/// As [`replace_file`]; `output-is-special` where somebody planted a pipe.
 pub fn write_json(disk: &dyn Disk, path: &Path, value: &Value) -> Result<(), Error> {
+    refuse_planted(path)?;
     replace_file(disk, path, format!("{value:#}\n").as_bytes())
 }
 
@@ -706,6 +711,27 @@ fn refuse_link(path: &Path) -> Result<(), Error> {
     Ok(())
 }
 
+/// As [`refuse_link`], for files that are ours alone: whoever opens a pipe waits for its other end.
+fn refuse_planted(path: &Path) -> Result<(), Error> {
+    refuse_link(path)?;
+    if fs::symlink_metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+        let text = "is a pipe or a device in the place of a file of ours, and was not opened: remove it";
+        return Err(Error::environment("output-is-special", shown(path), text));
+    }
+    Ok(())
+}
+
+/// Reads a file of ours; anything else of its name, as a planted pipe, is not waited for.
+///
+/// # Errors
+/// The system's; `InvalidInput` for what is no file.
+pub fn read_own(path: &Path) -> io::Result<Vec<u8>> {
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "found no file, expected one"));
+    }
+    fs::read(path)
+}
+
 fn shown(path: &Path) -> Place {
     Place::file(path.display().to_string())
 }
@@ -719,7 +745,7 @@ pub fn disk_error(doing: &str, path: &Path, error: &io::Error) -> Error {
     use io::ErrorKind as K;
     let (code, remedy) = match error.kind() {
         K::StorageFull | K::QuotaExceeded | K::FileTooLarge => {
-            ("disk-full", "free some space or send results elsewhere with --out")
+            (DISK_FULL, "free some space or send results elsewhere with --out")
         }
         K::PermissionDenied | K::ReadOnlyFilesystem => {
             ("no-permission", "allow writing there or send results elsewhere with --out")

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Disk, STATE_FOLDER, disk_error, refuse_link, replace_file, shown};
+use super::{Disk, Records, disk_error, read_own, refuse_planted, replace_file, shown};
 use crate::report::{Cancel, Error};
 
 /// A lease whose beat stands still for this many heartbeats is stale.
@@ -134,8 +134,8 @@ impl Drop for Ownership {
 /// The lock file, and whether it could be locked; where locks are unknown the lease alone decides.
 fn lock(folder: &Path, owner: &Path) -> Result<(File, bool), Error> {
     let path = folder.join("lock");
-    refuse_link(&path)?;
-    refuse_link(owner)?;
+    refuse_planted(&path)?;
+    refuse_planted(owner)?;
     let open = File::options().create(true).truncate(false).write(true).open(&path);
     let file = open.map_err(|e| disk_error("locking", &path, &e))?;
     match file.try_lock() {
@@ -148,22 +148,23 @@ fn lock(folder: &Path, owner: &Path) -> Result<(File, bool), Error> {
 
 /// The lease in a state folder, if there is one that can be read.
 pub fn read_lease(folder: &Path) -> Option<Lease> {
-    serde_json::from_slice(&fs::read(folder.join("owner.json")).ok()?).ok()
+    serde_json::from_slice(&read_own(&folder.join("owner.json")).ok()?).ok()
 }
 
 /// Refuses a root within a folder that another process of this machine watches deep enough to meet it, or with
-/// such a folder within its own `depth`. `own` are the roots of this process.
+/// such a folder within its own `depth`. `own` are the roots of this process; `records` say who watches roots that
+/// may not be written.
 ///
 /// # Errors
 /// `folder-owned` names that folder and its owner.
-pub fn refuse_nested(root: &Path, depth: usize, own: &[&Path]) -> Result<(), Error> {
+pub fn refuse_nested(root: &Path, depth: usize, own: &[&Path], records: &Records) -> Result<(), Error> {
     let above = root.ancestors().enumerate().skip(1).filter(|(_, folder)| !own.contains(folder));
     for (levels, folder) in above {
-        if let Some(lease) = held(folder).filter(|l| l.depth >= levels) {
+        if let Some(lease) = records.held(folder).filter(|l| l.depth >= levels) {
             return Err(nested(root, "lies in", folder, &lease));
         }
     }
-    match held_below(root, depth, own) {
+    match held_below(root, depth, own, records) {
         Some((folder, lease)) => Err(nested(root, "holds", &folder, &lease)),
         None => Ok(()),
     }
@@ -175,29 +176,28 @@ fn nested(root: &Path, how: &str, folder: &Path, lease: &Lease) -> Error {
     Error::environment(FOLDER_OWNED, shown(root), text)
 }
 
-/// The lease of a root that is held.
-fn held(root: &Path) -> Option<Lease> {
-    let folder = root.join(STATE_FOLDER);
-    is_held(&folder).then(|| read_lease(&folder)).flatten()
-}
-
 /// Whether a process of this machine, this one included, holds the lock of a state folder.
 pub fn is_held(folder: &Path) -> bool {
-    match File::options().write(true).open(folder.join("lock")) {
+    let path = folder.join("lock");
+    if !fs::metadata(&path).is_ok_and(|m| m.is_file()) {
+        return false;
+    }
+    // One that may only be read can be locked all the same.
+    match File::options().write(true).open(&path).or_else(|_| File::open(&path)) {
         Ok(lock) => matches!(lock.try_lock(), Err(TryLockError::WouldBlock)),
         Err(_) => false,
     }
 }
 
-fn held_below(root: &Path, depth: usize, own: &[&Path]) -> Option<(PathBuf, Lease)> {
+fn held_below(root: &Path, depth: usize, own: &[&Path], records: &Records) -> Option<(PathBuf, Lease)> {
     if depth == 0 {
         return None;
     }
     let below = fs::read_dir(root).ok()?.filter_map(Result::ok);
     let folders = below.filter(|e| e.file_type().is_ok_and(|t| t.is_dir())).map(|e| e.path());
     folders.into_iter().find_map(|folder| {
-        let lease = if own.contains(&folder.as_path()) { None } else { held(&folder) };
-        lease.map(|l| (folder.clone(), l)).or_else(|| held_below(&folder, depth - 1, own))
+        let lease = if own.contains(&folder.as_path()) { None } else { records.held(&folder) };
+        lease.map(|l| (folder.clone(), l)).or_else(|| held_below(&folder, depth - 1, own, records))
     })
 }
 
@@ -210,7 +210,19 @@ fn owned(folder: &Path, lease: Option<&Lease>) -> Error {
     )
 }
 
-fn who(lease: Option<&Lease>) -> String {
+/// Name of this machine.
+#[cfg(unix)]
+pub fn host_name() -> String {
+    rustix::system::uname().nodename().to_string_lossy().into_owned()
+}
+
+/// Name of this machine.
+#[cfg(not(unix))]
+pub fn host_name() -> String {
+    std::env::var("COMPUTERNAME").unwrap_or_else(|_| "this machine".into())
+}
+
+pub(super) fn who(lease: Option<&Lease>) -> String {
     lease.map_or("another enfilade process".to_owned(), |l| {
         format!("enfilade process {} on {} (since {})", l.pid, l.host, l.since)
     })

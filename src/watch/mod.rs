@@ -85,6 +85,9 @@ pub struct WatchSettings {
     pub out_dir: Option<PathBuf>,
     /// Results go here where the place beside the drawing cannot be written (hazard 19).
     pub fallback_dir: Option<PathBuf>,
+    /// The user's folder in which daemons say where the state of roots lies that may not be written; `None`: nobody is
+    /// told.
+    pub records_dir: Option<PathBuf>,
     /// Watch even `/` or the home folder itself.
     pub force: bool,
     /// Newest saves first; otherwise in the order in which they settled (hazard 26).
@@ -117,6 +120,7 @@ impl Default for WatchSettings {
             ignore: Vec::new(),
             out_dir: None,
             fallback_dir: None,
+            records_dir: None,
             force: false,
             newest_first: false,
             settings_key: String::new(),

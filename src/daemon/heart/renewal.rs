@@ -36,7 +36,7 @@ impl Heart {
         let paths: Vec<PathBuf> = self.roots.iter().map(|r| r.path.clone()).collect();
         let is_network: Vec<bool> = self.roots.iter().map(|r| r.unheard.is_some()).collect();
         let own: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
-        paths.iter().try_for_each(|root| refuse_nested(root, settings.depth, &own))?;
+        paths.iter().try_for_each(|root| refuse_nested(root, settings.depth, &own, &self.records))?;
         let settle = Settle::new(&paths, &is_network, &settings)?;
         let report = reporter(self.send.clone(), self.is_flooded.clone());
         let eyes = Eyes::new(&paths, &is_network, &settings, report)?;
@@ -47,9 +47,9 @@ impl Heart {
             root.how = how_watched(&settings, root.unheard.as_deref());
             root.is_offline = false;
             if let Some(state) = &mut root.state {
-                state.ownership.reach(settings.depth);
+                state.reach(settings.depth);
                 // Should it fail, the next sign of life says so.
-                let _ = state.ownership.beat();
+                let _ = state.beat();
             }
         }
         self.settings = settings;

@@ -1,11 +1,12 @@
 //! What the daemon says of roots and jobs, and how long it waits before it tries again.
 
 use std::path::Path;
+use std::time::Duration;
 
 use super::super::WatchSettings;
 use super::super::child::JOB_KILLED;
 use crate::report::{Error, Place, Problem, Severity};
-use crate::store::{STATE_FOLDER, read_lease};
+use crate::store::read_lease;
 
 /// Longest pause before a job that failed for want of disk or permission is tried again.
 const MAX_RETRY_SECS: f64 = 600.0;
@@ -56,16 +57,30 @@ pub(super) fn killed_too_often(problem: Problem, times: u32) -> Error {
     Error::Input(Problem { text, ..problem })
 }
 
-pub(super) fn taken(root: &Path) -> Error {
-    let folder = root.join(STATE_FOLDER);
-    let who = read_lease(&folder).map_or_else(String::new, |l| format!(" (process {} on {})", l.pid, l.host));
+pub(super) fn taken(root: &Path, state: &Path) -> Error {
+    let who = read_lease(state).map_or_else(String::new, |l| format!(" (process {} on {})", l.pid, l.host));
     let text = format!("another daemon{who} has taken this folder; this one leaves it");
     Error::environment("folder-taken", Place::file(root.display().to_string()), text)
+}
+
+/// A time in words, to the unit that says enough.
+pub(super) fn lasting(time: Duration) -> String {
+    match time.as_secs() {
+        secs @ 0..120 => format!("{secs} s"),
+        secs @ 120..7200 => format!("{} min", secs / 60),
+        secs => format!("{} h", secs / 3600),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_are_said_in_a_unit_that_says_enough() {
+        let said = [0, 119, 120, 7199, 7200, 200_000].map(|secs| lasting(Duration::from_secs(secs)));
+        assert_eq!(said, ["0 s", "119 s", "2 min", "119 min", "2 h", "55 h"]);
+    }
 
     #[test]
     fn pauses_double_up_to_the_limit() {

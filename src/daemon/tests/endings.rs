@@ -43,6 +43,30 @@ fn settings_half_saved_end_no_job() {
     daemon.await_said("take its place", 1);
 }
 
+/// A round that was asked for of what lies there no more is not done, and whoever asked is told so.
+#[test]
+fn an_order_that_a_save_makes_void_is_told() {
+    let daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
+    let drawing = daemon.path("plan.dxf");
+    let ask = || {
+        let asked = Asked { objective: Some("degree max 0.5".into()), ..Asked::default() };
+        daemon.orders.send(Order::Again { drawing: drawing.clone(), asked }).unwrap();
+    };
+    daemon.save("plan.dxf", "slow one");
+    daemon.await_said("Started", 1);
+    ask();
+    daemon.await_said("Queued {", 2);
+    daemon.save("plan.dxf", "slow two");
+    daemon.await_said("ask for it again", 1);
+    daemon.await_said("Started", 2);
+    ask();
+    daemon.await_said("Queued {", 4);
+    fs::remove_file(&drawing).unwrap();
+    daemon.await_said("Stopped { drawing", 4);
+    assert_eq!(daemon.count_said("removed or has another name"), 2, "the job and the order");
+    assert_eq!((daemon.count_said("ask for it again"), daemon.jobs()), (1, 2));
+}
+
 /// What the user cancels stays so at the next start, until it is saved anew.
 #[test]
 fn what_is_cancelled_stays_so() {
@@ -71,7 +95,7 @@ fn what_is_cancelled_stays_so() {
         said.concat()
     };
     assert!(watch_until("Stopped {").contains("Started"));
-    let told = &status(std::slice::from_ref(&root))[0]["status"]["cancelled"];
+    let told = &status(std::slice::from_ref(&root), None)[0]["status"]["cancelled"];
     assert_eq!(*told, serde_json::json!([drawing.display().to_string()]));
     let again = watch_until("Stopped {");
     assert!(again.contains("cancelled before") && !again.contains("Started"), "{again}");

@@ -26,6 +26,35 @@ fn a_refusing_disk_is_said_once() {
     assert_eq!(daemon.status("plan")["state"], "waiting");
 }
 
+/// Hazards 19 and 20: want of disk or permission passes.
+#[test]
+fn environment_failures_are_tried_again() {
+    let attempts = AtomicUsize::new(0);
+    let daemon = Daemon::start(
+        settings(),
+        |_| {},
+        move |request, _, _| {
+            if attempts.fetch_add(1, Ordering::SeqCst) < 2 {
+                return Err(Error::environment("disk-full", Place::default(), "no space"));
+            }
+            Ok(echo(request))
+        },
+    );
+    daemon.save("plan.dxf", "one");
+    daemon.await_round("plan", 1);
+    daemon.await_said("Done {", 1);
+    assert_eq!((daemon.jobs(), daemon.count_said("Failed {")), (3, 2));
+    assert_eq!(daemon.count_said("results-of-earlier-content"), 0, "the content never changed");
+    let aloud = |word: &str| daemon.said.lock().unwrap().iter().filter(|s| s.starts_with(word)).count();
+    assert_eq!(
+        (aloud("Failed {"), aloud("Started("), daemon.count_said("room for results again")),
+        (1, 1, 1)
+    );
+    daemon.await_true("no failure left", || {
+        status(std::slice::from_ref(&daemon.root), None)[0]["status"]["failed"] == serde_json::json!([])
+    });
+}
+
 /// Hazard 11: what waits when its folder goes waits for it; nothing is begun, and fails, meanwhile.
 #[test]
 fn what_waits_in_a_folder_that_is_away_is_not_begun() {
@@ -189,6 +218,43 @@ fn pipes_and_links_hold_up_nobody() {
         let said = daemon.said.lock().unwrap().clone();
         let is_named = |s: &&String| s.starts_with("Ignored") && s.contains(name) && s.contains(why);
         assert_eq!(said.iter().filter(is_named).count(), 1, "{name}: {said:#?}");
+    }
+}
+
+/// Hazard 30: pipes in the place of files of ours, as anybody may plant in a shared folder, are not waited for.
+#[cfg(unix)]
+#[test]
+fn planted_pipes_hold_up_nobody() {
+    let pipe = |path: &Path| {
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
+    };
+    let plant = move |root: &Path| {
+        for (name, file) in [("a", ".drawing"), ("b", ".lock"), ("c", "status.json")] {
+            pipe(&root.join(format!("{name}.enfilade/{file}")));
+            fs::write(root.join(format!("{name}.dxf")), "one EOF\n").unwrap();
+        }
+        pipe(&root.join(".enfilade/status.json"));
+    };
+    let settings = WatchSettings { retry_secs: 600.0, ..settings() };
+    let daemon = Daemon::start(settings.clone(), plant, |request, _, _| Ok(echo(request)));
+    daemon.save("z.dxf", "one");
+    daemon.await_round("z", 1);
+    daemon.await_said("Failed {", 3);
+    assert_eq!(daemon.count_said("output-is-special"), 3);
+    let told = status(std::slice::from_ref(&daemon.root), None)[0].clone();
+    assert_eq!((&told["is_running"], &told["status"]), (&Value::Bool(true), &Value::Null));
+    for file in ["lock", "owner.json", "journal.jsonl"] {
+        let root = daemon.path(file);
+        pipe(&root.join(".enfilade").join(file));
+        let (settings, roots, (send, ended)) = (settings.clone(), [root.clone()], mpsc::channel());
+        thread::spawn(move || {
+            let run: Arc<RunJob> =
+                Arc::new(|r: &JobRequest, _: &mut dyn FnMut(JobEvent), _: &Cancel| Ok(echo(r)));
+            send.send(watch(&roots, &settings, run, &mut |_| {}, &Cancel::default()).is_err())
+        });
+        assert_eq!(ended.recv_timeout(PATIENCE), Ok(true), "{file}");
+        assert_eq!(status(&[root], None)[0]["is_running"], false, "{file}");
     }
 }
 
