@@ -56,7 +56,7 @@ pub fn bytes_beyond(lattice: &Lattice, obstacles: &Obstacles, limit: u64) -> Opt
     let seen = some.par_iter().map_init(|| Sweep::new(&strips, &tiles), look).reduce(|| [0; 2], add);
     let [squares, entries] = seen.map(|n| n as f64 * count / some.len() as f64);
     // Who is seen above sees below.
-    let needed = peak_bytes(squares, 2.0 * entries);
+    let needed = peak_bytes(squares, 2.0 * entries).min(open);
     (needed > limit).then_some(needed)
 }
 

@@ -296,7 +296,7 @@ mod tests {
 
     #[test]
     fn a_graph_beyond_graph_bytes_max_is_refused_before_it_is_made() {
-        assert_eq!(hall(317), Ok(()), "100,000 vertices that all see each other");
+        assert!(hall(317).is_ok(), "100,000 vertices that all see each other");
         let said = hall(400).unwrap_err().to_string();
         for words in [
             "hall.dxf",
