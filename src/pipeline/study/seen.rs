@@ -301,7 +301,7 @@ mod tests {
         for words in [
             "hall.dxf",
             "spacing 1 m gives 160000 vertices",
-            "GiB, expected at most 6 GiB",
+            &format!("GiB, expected at most {} GiB", GRAPH_BYTES_MAX >> 30),
             "nothing was measured; choose a larger --spacing (about 1.2 m would do)",
         ] {
             assert!(said.contains(words), "{said}");
