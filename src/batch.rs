@@ -4,6 +4,8 @@
 //! and the settings. The same id means the same result, so that it is done once wherever results are shared,
 //! and may be done again anywhere without harm. Results lie in `OUT/<id>/result/`, whole or not at all.
 
+mod beside;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,11 +16,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-use crate::config::{Partial, Settings};
+use crate::config::{Beside, Partial, Settings};
 use crate::overlay::result::{RoundResult, to_json};
 use crate::pipeline::Outcome;
 use crate::report::{Error, OutFile, Place};
 use crate::store::{Home, SystemDisk};
+pub use beside::{FileBeside, Kind};
 
 /// `schema` of a [`Job`].
 pub const JOB_SCHEMA: &str = "enfilade.job/1";
@@ -50,6 +53,9 @@ pub struct Job {
     /// The drawing's bytes in base64, where machines share no folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub content: Option<String>,
+    /// What lies beside a scene and is read with it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub beside: Vec<FileBeside>,
 }
 
 /// What a finished job says of itself: one line on standard output, and `job.json` among its results.
@@ -106,9 +112,35 @@ impl Job {
             settings,
             out: out.into(),
             content: embed.then(|| BASE64.encode(bytes)),
+            beside: Vec::new(),
         };
         job.id = job.id_of();
         Ok(job)
+    }
+
+    /// The job with what lies beside its drawing, which decides its result too.
+    pub fn with_beside(mut self, beside: &Beside) -> Self {
+        self.beside = beside::listed(beside, self.content.is_some());
+        self.id = self.id_of();
+        self
+    }
+
+    /// What lies beside the drawing: what the job carries, else `found` there, which must be what was meant.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where it is missing or is other.
+    pub fn beside(&self, found: impl FnOnce() -> Beside) -> Result<Beside, Error> {
+        let place = || Place::file(self.drawing.to_string_lossy());
+        if self.content.is_some() {
+            return beside::carried(&self.beside).map_err(|text| Error::input("job", place(), text));
+        }
+        let found = found();
+        if beside::listed(&found, false) != self.beside {
+            let text = "what lies beside it (an .ifc of its name, files of data, pictures) is not what was meant: it \
+                        changed since the job was made; nothing was done";
+            return Err(Error::input("drawing-changed", place(), text));
+        }
+        Ok(found)
     }
 
     /// Reads a job.
@@ -145,7 +177,9 @@ impl Job {
     fn id_of(&self) -> String {
         // Values of JSON with preserved order: the fields stand as declared.
         let settings = serde_json::to_string(&self.settings).unwrap_or_default();
-        let parts = [env!("CARGO_PKG_VERSION"), &self.name(), &self.sha256, &settings];
+        let name = self.name();
+        let mut parts = vec![env!("CARGO_PKG_VERSION"), &name, &self.sha256, &settings];
+        parts.extend(self.beside.iter().flat_map(|f| [f.kind.name(), &f.name, &f.sha256]));
         sha256_hex(parts.join("\n").as_bytes())
     }
 

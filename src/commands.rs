@@ -13,7 +13,7 @@ use std::time::Instant;
 use crate::cli::{
     AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ResolutionArgs, RunArgs, SearchArgs,
 };
-use crate::config::{Beside, Partial, Settings, settings_files, unread_side_cars};
+use crate::config::{Beside, Partial, Settings, Twin, settings_files, unread_side_cars};
 use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
 use crate::formats;
 use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
@@ -611,9 +611,9 @@ fn data_beside(drawing: &Path, name: &str, most: u64) -> Option<Arc<[u8]>> {
 }
 
 /// The IFC of the same name beside a glTF, unpacked.
-fn twin(drawing: &Path) -> Option<Arc<[u8]>> {
+fn twin(drawing: &Path) -> Option<Twin> {
     let own = is_scene(drawing).then(|| building_like(drawing))?;
-    Some(own.or_else(|| twin_of_before(drawing))?.into())
+    Some(Twin::from(own.or_else(|| twin_of_before(drawing))?))
 }
 
 /// The building beside a file that bears its name: `.ifc` in any case, else packed.

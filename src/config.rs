@@ -3,6 +3,7 @@
 //! The same keys stand on the command line, in `<drawing>.enfilade.toml` and in `enfilade.toml` of the
 //! folder; the first of them that names a key wins. Unknown keys are errors with line and column.
 
+mod beside;
 mod control;
 mod measure;
 mod pair;
@@ -13,11 +14,11 @@ mod wording;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use crate::report::{Error, Place};
+pub use beside::{Beside, Twin};
 pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
 pub use measure::{Measure, Source};
 pub use pair::{PAIR_NAME_BYTES, PairName};
@@ -532,17 +533,6 @@ pub struct Settings {
     /// Why `storey` was taken, where nobody named it.
     #[serde(skip)]
     pub storey_taken: Option<String>,
-}
-
-/// Bytes of files beside a glTF.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Beside {
-    /// The IFC of the same name: it knows the classes of the nodes.
-    pub twin: Option<Arc<[u8]>>,
-    /// Files that its buffers name, by name.
-    pub buffers: BTreeMap<String, Arc<[u8]>>,
-    /// Pictures that its textures name, by name.
-    pub pictures: BTreeMap<String, Arc<[u8]>>,
 }
 
 impl Settings {

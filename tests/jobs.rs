@@ -134,3 +134,39 @@ fn storeys_are_jobs_and_what_cannot_be_listed_is_refused() {
     let output = enfilade(&["jobs", text(&listed)], "");
     assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+/// A scene has the storeys of the IFC beside it, and is worked on with it wherever that is; another IFC is another job.
+#[test]
+fn a_scene_is_listed_and_worked_on_with_the_ifc_beside_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let [out, far] = ["out", "far"].map(|name| dir.path().join(name));
+    let here = |name: &str| dir.path().join(name);
+    let (scene, twin) = (here("house.glb"), here("house.ifc"));
+    fs::copy(sample().with_file_name("pavilion.glb"), &scene).unwrap();
+    let of =
+        |jobs: &[String]| -> Vec<Value> { jobs.iter().map(|j| serde_json::from_str(j).unwrap()).collect() };
+    let alone = of(&list(&[&scene], &["--storeys", "all"], &out));
+    assert!(alone.len() == 1 && alone[0].get("beside").is_none(), "{alone:?}");
+    let building = fs::read_to_string(sample().with_file_name("pavilion.ifc")).unwrap();
+    fs::write(&twin, &building).unwrap();
+    let jobs = list(&[&scene], &["--storeys", "all"], &out);
+    let storeys: Vec<Value> = of(&jobs).iter().map(|j| j["settings"]["storey"].clone()).collect();
+    assert_eq!(storeys, ["Ground floor", "Upper floor"]);
+    let embedded = list(&[&scene], &["--storeys", "2", "--embed"], &out);
+    assert_eq!(of(&embedded)[0]["id"], of(&jobs)[1]["id"], "the same job, carried");
+    let first = finished(&enfilade(&["run-job", &jobs[1]], ""));
+    assert_eq!(first["storey"], "Upper floor");
+    // Storeys of one name are named by number.
+    fs::write(&twin, building.replace("'Upper floor'", "'Ground floor'")).unwrap();
+    let same = of(&list(&[&scene], &["--storeys", "1,2"], &out));
+    let storeys: Vec<Value> = same.iter().map(|j| j["settings"]["storey"].clone()).collect();
+    assert_eq!(storeys, ["storey-1", "storey-2"]);
+    let output = enfilade(&["run-job", &jobs[0]], "");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && said.contains("what lies beside it"), "{said}");
+    // A job that carries all needs neither file.
+    fs::remove_file(&scene).unwrap();
+    fs::remove_file(&twin).unwrap();
+    let away = finished(&enfilade(&["run-job", &embedded[0], "--out", text(&far)], ""));
+    assert_eq!(away["digest"], first["digest"]);
+}

@@ -1,6 +1,7 @@
-//! The building as glTF 2.0: a node and a mesh for every wall, marks in `extras.enfilade`.
+//! The building as glTF 2.0: a node and a mesh for every wall, its doors and windows hanging on it, marks in
+//! `extras.enfilade`.
 
-use super::building::{Space, Wall, storeys};
+use super::building::{Opening, Space, Wall, storeys};
 use super::dxf::Point;
 
 /// A box in the coordinates of its node: along the wall, up, and towards the reader.
@@ -12,7 +13,24 @@ struct Writer {
     views: Vec<String>,
     accessors: Vec<String>,
     meshes: Vec<String>,
-    nodes: Vec<String>,
+    nodes: Vec<Node>,
+}
+
+/// A node without its braces, and what hangs on it.
+struct Node {
+    text: String,
+    children: Vec<usize>,
+    is_child: bool,
+}
+
+impl Node {
+    fn json(&self) -> String {
+        let children: Vec<String> = self.children.iter().map(|c| c.to_string()).collect();
+        match children.len() {
+            0 => format!("{{{}}}", self.text),
+            _ => format!(r#"{{{},"children":[{}]}}"#, self.text, children.join(",")),
+        }
+    }
 }
 
 const FACES: [[u32; 6]; 6] = [
@@ -79,10 +97,19 @@ impl Writer {
         } else {
             format!(r#","rotation":[0,{},0,{}]"#, turn.sin(), turn.cos())
         };
-        self.nodes.push(format!(
-            r#"{{"name":"{name}","mesh":{mesh},"translation":[{x},{z},{}]{rotation}{extras}}}"#,
-            -y
-        ));
+        let text =
+            format!(r#""name":"{name}","mesh":{mesh},"translation":[{x},{z},{}]{rotation}{extras}"#, -y);
+        self.nodes.push(Node { text, children: Vec::new(), is_child: false });
+    }
+
+    /// A door or a window on the node of its wall, as deep as that, as a frame is.
+    fn filler(&mut self, wall: usize, name: &str, o: &Opening, half: f64) {
+        let mesh = self.mesh(name, &[[[0.0, o.width], [0.0, o.height], [-half, half]]]);
+        let class = if o.is_door { "IfcDoor" } else { "IfcWindow" };
+        self.node(&format!("{class}/{name}"), (o.at, 0.0), o.sill, (1.0, 0.0), mesh, "");
+        let own = self.nodes.len() - 1;
+        self.nodes[own].is_child = true;
+        self.nodes[wall].children.push(own);
     }
 
     fn wall(&mut self, w: &Wall, floor: f64) {
@@ -128,19 +155,31 @@ impl Writer {
 /// The building in the binary container.
 pub fn building() -> Vec<u8> {
     let mut w = Writer::default();
+    let mut filled: Vec<(usize, Wall)> = Vec::new();
     for storey in storeys() {
-        storey.walls.iter().for_each(|wall| w.wall(wall, storey.floor));
+        for wall in storey.walls {
+            filled.push((w.nodes.len(), wall));
+            w.wall(&filled[filled.len() - 1].1, storey.floor);
+        }
         storey.spaces.iter().for_each(|space| w.space(space, storey.floor));
     }
-    let all: Vec<String> = (0..w.nodes.len()).map(|i| i.to_string()).collect();
+    for (node, wall) in &filled {
+        for (i, o) in wall.openings.iter().enumerate() {
+            let kind = if o.is_door { "door" } else { "window" };
+            w.filler(*node, &format!("{}-{kind}-{}", wall.name, i + 1), o, wall.thickness / 2.0);
+        }
+    }
+    let roots = (0..w.nodes.len()).filter(|i| !w.nodes[*i].is_child);
+    let roots: Vec<String> = roots.map(|i| i.to_string()).collect();
+    let nodes: Vec<String> = w.nodes.iter().map(Node::json).collect();
     let mut json = format!(
         concat!(
             r#"{{"asset":{{"version":"2.0","generator":"Enfilade samples"}},"scene":0,"#,
             r#""scenes":[{{"nodes":[{}]}}],"nodes":[{}],"meshes":[{}],"accessors":[{}],"#,
             r#""bufferViews":[{}],"buffers":[{{"byteLength":{}}}]}}"#
         ),
-        all.join(","),
-        w.nodes.join(","),
+        roots.join(","),
+        nodes.join(","),
         w.meshes.join(","),
         w.accessors.join(","),
         w.views.join(","),

@@ -19,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import zipfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -64,8 +65,34 @@ def with_content(job: dict) -> dict:
     """The same job carrying its drawing's bytes, for machines that share no folder."""
     if job.get("content"):
         return job
-    content = Path(job["drawing"]).read_bytes()
-    return job | {"content": base64.b64encode(content).decode("ascii")}
+    drawing = Path(job["drawing"])
+    carried = job | {"content": base64.b64encode(drawing.read_bytes()).decode("ascii")}
+    if job.get("beside"):
+        carried["beside"] = [file | beside_content(file, drawing) for file in job["beside"]]
+    return carried
+
+
+def beside_content(file: dict, drawing: Path) -> dict:
+    """The bytes of a file beside a scene, known by their hash; none where they are no longer there: `run-job` says so."""
+    if file["kind"] == "twin":
+        found = (data for path in sorted(drawing.parent.iterdir()) for data in buildings_in(path))
+    else:
+        path = drawing.parent / file["name"]
+        found = iter([path.read_bytes()] if path.is_file() else [])
+    for data in found:
+        if hashlib.sha256(data).hexdigest() == file["sha256"]:
+            return {"content": base64.b64encode(data).decode("ascii")}
+    return {}
+
+
+def buildings_in(path: Path) -> list[bytes]:
+    """An IFC, or those that a packed one holds."""
+    if path.suffix.lower() not in (".ifc", ".ifczip") or not path.is_file():
+        return []
+    if not zipfile.is_zipfile(path):
+        return [path.read_bytes()]
+    with zipfile.ZipFile(path) as packed:
+        return [packed.read(name) for name in packed.namelist() if name.lower().endswith(".ifc")]
 
 
 def work(job: dict, program: str, threads: int | None, hand_back: bool) -> dict:

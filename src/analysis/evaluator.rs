@@ -39,10 +39,14 @@ impl Evaluator {
     /// against which cut-off vertices are counted.
     pub fn new(lattice: Arc<Lattice>, fixed: &[Segment], initial_moving: &Obstacles) -> Self {
         let mut scratch = Scratch { obstacles: Obstacles::default(), dense: DenseScratch::default() };
-        let under_fixed = Obstacles { segments: fixed.to_vec(), blind: Vec::new() };
-        let under_fixed = visibility_graph_serial(&lattice, &under_fixed);
-        let dense = Dense::new(&lattice, &under_fixed);
-        let broad = if dense.is_none() { Broad::new(&lattice, &under_fixed) } else { None };
+        let (mut dense, mut broad) = (None, None);
+        // What nothing is prepared for needs no graph, which may be large.
+        if Broad::fits(&lattice) {
+            let under_fixed = Obstacles { segments: fixed.to_vec(), blind: Vec::new() };
+            let under_fixed = visibility_graph_serial(&lattice, &under_fixed);
+            dense = Dense::new(&lattice, &under_fixed);
+            broad = if dense.is_none() { Broad::new(&lattice, &under_fixed) } else { None };
+        }
         let dense = dense.and_then(|mut d| d.set_initial(initial_moving, &mut scratch.dense).then_some(d));
         let mut new = Self {
             lattice,

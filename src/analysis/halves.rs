@@ -30,6 +30,12 @@ impl Half {
         self.squares[place as usize][usize::from(viewer & 63)] = mask;
     }
 
+    /// Squares, and rows of them that are not empty.
+    pub fn sizes(&self) -> [u64; 2] {
+        let rows = self.squares.iter().flatten().filter(|row| **row != 0).count();
+        [self.squares.len() as u64, rows as u64]
+    }
+
     /// Sorts the tiles and takes them off `places`.
     pub fn finish(&mut self, places: &mut [u32]) {
         self.tiles.sort_unstable();

@@ -35,6 +35,39 @@ pub fn visibility_graph(lattice: &Lattice, obstacles: &Obstacles) -> Graph {
     Graph::from_chunks(tiles, chunks)
 }
 
+/// Tiles whose views are looked at to foresee how large a graph becomes.
+const FORESEEN_TILES: usize = 96;
+
+/// About how much memory making the graph takes at its peak, bytes, where that is more than `limit`: from the views of
+/// some tiles, so to a tenth or two where a plan is much the same everywhere. A lattice that fits even without an obstacle
+/// is not looked at.
+pub fn bytes_beyond(lattice: &Lattice, obstacles: &Obstacles, limit: u64) -> Option<u64> {
+    let tiles = Tiles::new(lattice);
+    let (vertices, count) = (lattice.cells.len() as f64, tiles.count() as f64);
+    let open = peak_bytes(count * (count + 1.0) / 2.0, vertices * count);
+    if open <= limit {
+        return None;
+    }
+    let Some(strips) = Strips::new(lattice, &tiles, obstacles) else { return Some(open) };
+    let step = tiles.count().div_ceil(FORESEEN_TILES);
+    let some: Vec<usize> = (step / 2..tiles.count()).step_by(step).collect();
+    let look = |sweep: &mut Sweep<'_>, t: &usize| sweep.half(*t).sizes();
+    let add = |a: [u64; 2], b: [u64; 2]| [a[0] + b[0], a[1] + b[1]];
+    let seen = some.par_iter().map_init(|| Sweep::new(&strips, &tiles), look).reduce(|| [0; 2], add);
+    let [squares, entries] = seen.map(|n| n as f64 * count / some.len() as f64);
+    // Who is seen above sees below.
+    let needed = peak_bytes(squares, 2.0 * entries).min(open);
+    (needed > limit).then_some(needed)
+}
+
+/// Memory for the halves of a graph, the rows made of them, and the graph made of these, bytes; the larger of the two that
+/// are there at a time. What grows by doubling is on average half as large again.
+fn peak_bytes(squares: f64, entries: f64) -> u64 {
+    let halves = 1.5 * squares * (64 * size_of::<u64>()) as f64;
+    let entries = entries * (size_of::<u32>() + size_of::<u64>()) as f64;
+    (1.5 * entries + halves.max(entries)) as u64
+}
+
 /// [`visibility_graph`] on the calling thread alone.
 pub(super) fn visibility_graph_serial(lattice: &Lattice, obstacles: &Obstacles) -> Graph {
     let tiles = Tiles::new(lattice);

@@ -103,3 +103,30 @@ fn components_are_labelled_by_their_smallest_vertex() {
     let graph = visibility_graph(&fixtures::lattice(10, [0, 0], cells), &obstacles);
     assert_eq!(graph.components(), [0, 0, 0, 3, 4, 3]);
 }
+
+/// What a graph takes is foreseen from some of its tiles, and what fits in any case is not looked at.
+#[test]
+fn memory_of_a_graph_is_foreseen() {
+    let cells: Vec<[i32; 2]> = (0..200).flat_map(|c| (0..200).map(move |r| [c, r])).collect();
+    let lattice = fixtures::lattice(10, [0, 0], cells);
+    // Rooms of 40 × 40 cells.
+    let wall = |k: i64, turned: bool| {
+        let [a, b] = [[-5, 400 * k - 5], [1995, 400 * k - 5]];
+        let turn = |p: [i64; 2]| if turned { [p[1], p[0]] } else { p };
+        Segment { a: turn(a), b: turn(b) }
+    };
+    let rooms: Vec<Segment> = (0..=5).flat_map(|k| [wall(k, false), wall(k, true)]).collect();
+    let mut taken = Vec::new();
+    for (segments, is_open) in [(Vec::new(), true), (rooms, false)] {
+        let obstacles = Obstacles { segments, blind: Vec::new() };
+        let entries = visibility_graph(&lattice, &obstacles).entry_tile.len() as f64;
+        let needed = bytes_beyond(&lattice, &obstacles, 1).unwrap();
+        // Chunks with room to grow, and the graph or the halves beside them.
+        let least = 2.5 * entries * 12.0;
+        assert!((0.8..1.3).contains(&(needed as f64 / least)), "{is_open}: {needed} for {least}");
+        assert_eq!(bytes_beyond(&lattice, &obstacles, needed), None);
+        assert_eq!(bytes_beyond(&lattice, &obstacles, needed - 1), Some(needed));
+        taken.push(needed);
+    }
+    assert!(taken[0] > 10 * taken[1], "{taken:?}");
+}

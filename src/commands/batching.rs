@@ -7,9 +7,10 @@ use std::sync::Arc;
 
 use crate::batch::{self, Finished, Job};
 use crate::cli::{JobsArgs, RunJobArgs};
-use crate::config::{Partial, Settings};
+use crate::config::{Beside, Partial, Settings};
 use crate::daemon::{Asked, JobEvent, JobRequest};
-use crate::formats;
+use crate::formats::{self, StoreyInfo};
+use crate::pipeline;
 use crate::progress::Display;
 use crate::report::{Cancel, Error, Place, Report};
 
@@ -51,22 +52,25 @@ fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> R
     let (shown, bytes) = super::open(file)?;
     is_drawing(file, &shown, &bytes)?;
     let settings = super::settings_partial(file, args.common.partial(Some(&args.search)))?;
+    let beside = super::beside(file);
+    let building = || storeys_of(&shown, &bytes, &settings, &beside);
     let storeys: Vec<Option<String>> = match args.storeys.as_deref() {
         None => vec![settings.storey.clone()],
         Some("all") => {
-            let found = formats::storeys(&shown, &bytes, &formats::ReadOptions::default());
+            let found = building()?;
             let walled = (0..found.len()).filter(|i| found[*i].walls > 0);
             let found: Vec<String> = walled.map(|i| formats::storey_key(&found, i)).collect();
             if found.is_empty() { vec![None] } else { found.into_iter().map(Some).collect() }
         }
-        Some(list) => named_storeys(&shown, &bytes, list)?.into_iter().map(Some).collect(),
+        Some(list) => named_storeys(&shown, &building()?, list)?.into_iter().map(Some).collect(),
     };
     let own = [Settings::new(settings.clone())?.seed];
     let seeds = seeds.unwrap_or(&own);
     // A drawing with a budget of seconds would differ from machine to machine; that is the user's choice.
     let of = |storey: &Option<String>, seed: u64| {
         let settings = Partial { storey: storey.clone(), seed: Some(seed), ..settings.clone() };
-        Job::new(&super::absolute(file), &bytes, settings, &super::absolute(out), args.embed)
+        let job = Job::new(&super::absolute(file), &bytes, settings, &super::absolute(out), args.embed)?;
+        Ok(job.with_beside(&beside))
     };
     storeys.iter().flat_map(|storey| seeds.iter().map(move |seed| of(storey, *seed))).collect()
 }
@@ -88,13 +92,23 @@ fn is_drawing(file: &Path, shown: &str, bytes: &[u8]) -> Result<(), Error> {
     })
 }
 
-/// The storeys of a list as the building writes them; it must have each.
-fn named_storeys(shown: &str, bytes: &[u8], list: &str) -> Result<Vec<String>, Error> {
-    let there = formats::storeys(shown, bytes, &formats::ReadOptions::default());
+/// The storeys that a job of these settings would find.
+fn storeys_of(
+    shown: &str,
+    bytes: &[u8],
+    settings: &Partial,
+    beside: &Beside,
+) -> Result<Vec<StoreyInfo>, Error> {
+    let settings = Settings { beside: beside.clone(), ..Settings::new(settings.clone())? };
+    Ok(formats::storeys(shown, bytes, &pipeline::read_options(&settings)))
+}
+
+/// The storeys of a list as the building writes them, by number where names are shared; it must have each.
+fn named_storeys(shown: &str, there: &[StoreyInfo], list: &str) -> Result<Vec<String>, Error> {
     let find = |name: &str| {
         let found = formats::storey_at(there.iter().map(|s| s.name.as_str()), name);
-        found.map(|i| there[i].name.clone()).ok_or_else(|| {
-            let present = if there.is_empty() { "none".to_owned() } else { formats::listed(&there) };
+        found.map(|i| formats::storey_key(there, i)).ok_or_else(|| {
+            let present = if there.is_empty() { "none".to_owned() } else { formats::listed(there) };
             let text = format!(
                 "--storeys \"{name}\": no such storey, storeys present, by number and name: {present}; nothing was done"
             );
@@ -129,7 +143,8 @@ fn done(args: &RunJobArgs, cancel: &Cancel) -> Result<Finished, Error> {
         job.out = super::absolute(out);
     }
     let partial = Partial { threads: args.threads, ..job.settings.clone() };
-    let settings = Settings::new(partial)?;
+    let beside = job.beside(|| super::beside(&job.drawing))?;
+    let settings = Settings { beside, ..Settings::new(partial)? };
     let home = job.home()?;
     if let Some(finished) = job.finished(&home) {
         return Ok(finished);

@@ -32,8 +32,8 @@ pub struct ReadOptions {
     pub is_by_user: bool,
     /// Whether the glass of curtain walls stops sight: the user names them as walls.
     pub is_glass_wall: bool,
-    /// The IFC that a glTF was made from: it knows classes and storeys by `GlobalId`.
-    pub twin: Option<Arc<[u8]>>,
+    /// What the IFC that a glTF was made from knows: classes and storeys by `GlobalId`.
+    pub twin: Option<Arc<ifc::Inventory>>,
     /// Files of data beside a scene, by name ([`gltf::outer_files`]).
     pub buffers: BTreeMap<String, Arc<[u8]>>,
     /// Pictures beside a scene, by name.
@@ -127,17 +127,12 @@ impl ReadOptions {
     }
 
     fn gltf(&self) -> gltf::ReadOptions {
-        let twin = self.twin.as_deref().map(|twin| ifc::inventory(twin, None)).unwrap_or_default();
         gltf::ReadOptions {
             is_knee: self.sight == ifc::Sight::Knee,
             is_by_user: self.is_by_user,
             storey: self.storey.clone(),
             unit: self.unit,
-            has_twin: self.twin.is_some(),
-            classes: twin.classes,
-            hosts: twin.hosts,
-            storeys: twin.storeys,
-            spaces: twin.spaces,
+            twin: self.twin.clone(),
             buffers: self.buffers.clone(),
             pictures: self.pictures.clone(),
         }
@@ -269,16 +264,18 @@ impl<'a> Opened<'a> {
             let (storeys, elements) = ifc.building(options.unit);
             return (storeys, Some(elements));
         }
-        let found = match (format_of(self.file, self.bytes), options.twin.as_deref()) {
-            (Format::Ifc, _) => ifc::inventory(&plain(self.file, self.bytes), options.unit),
+        match (format_of(self.file, self.bytes), &options.twin) {
+            (Format::Ifc, _) => {
+                let found = ifc::inventory(&plain(self.file, self.bytes), options.unit);
+                (found.storeys, Some(found.elements))
+            }
             (Format::Gltf | Format::Glb, Some(twin))
                 if gltf::uses_twin(self.file, self.bytes, &options.gltf()) =>
             {
-                ifc::inventory(twin, None)
+                (twin.storeys.clone(), Some(twin.elements))
             }
-            _ => return (Vec::new(), None),
-        };
-        (found.storeys, Some(found.elements))
+            _ => (Vec::new(), None),
+        }
     }
 }
 

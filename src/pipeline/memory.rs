@@ -16,7 +16,7 @@ use sha2::{Digest, Sha256};
 
 use super::Input;
 use super::round::BATCH;
-use crate::config::Settings;
+use crate::config::{Settings, Twin};
 use crate::search::Evaluation;
 
 /// What a remembered search starts with; followed by its key.
@@ -197,7 +197,8 @@ fn key(input: &Input<'_>, settings: &Settings) -> [u8; 32] {
         hash.update(part);
         hash.update([0]);
     }
-    for part in settings.beside.twin.iter().chain(settings.beside.buffers.values()) {
+    let data = settings.beside.buffers.values().map(AsRef::as_ref);
+    for part in settings.beside.twin.iter().map(Twin::bytes).chain(data) {
         hash.update(part);
     }
     hash.finalize().into()

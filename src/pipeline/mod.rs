@@ -38,7 +38,7 @@ use crate::overlay::{HeatMap, PlanPicture, Scale, check_png, heat_map_png};
 use crate::report::{Cancel, Error, OutFile, Place, Report};
 pub use fits::moves_of;
 pub use memory::Keep;
-pub use study::Study;
+pub use study::{Study, read_options};
 
 /// A drawing to work on.
 #[derive(Clone, Debug)]

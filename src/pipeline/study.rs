@@ -85,7 +85,7 @@ pub fn read_options(settings: &Settings) -> formats::ReadOptions {
         unit: settings.unit.as_deref().and_then(unit_by_name),
         is_by_user: !settings.wall_layers.is_empty(),
         is_glass_wall: is_glass_wall(settings),
-        twin: settings.beside.twin.clone(),
+        twin: settings.beside.twin.as_ref().map(|t| t.known(|bytes| ifc::inventory(bytes, None))),
         buffers: settings.beside.buffers.clone(),
         pictures: settings.beside.pictures.keys().cloned().collect(),
     }

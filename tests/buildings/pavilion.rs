@@ -1,10 +1,12 @@
 //! The sample building, changed: what is far off, names that are typed otherwise, names given twice, the IFC beside a scene.
 
-use enfilade::config::{Beside, Partial, Settings};
+use std::sync::Arc;
+
+use enfilade::config::{Beside, Partial, Settings, Twin};
 use enfilade::formats::{self, ReadOptions};
-use enfilade::overlay::result::CheckResult;
+use enfilade::overlay::result::{AnalysisResult, CheckResult};
 use enfilade::pipeline::{self, Input, Outcome};
-use enfilade::report::{Error, Report};
+use enfilade::report::{Cancel, Error, Report};
 use serde_json::{Value, json};
 
 const IFC: &str = include_str!("../../samples/pavilion.ifc");
@@ -32,7 +34,7 @@ fn check(
     partial: Partial,
     twin: Option<&[u8]>,
 ) -> Result<Outcome<CheckResult>, Error> {
-    let beside = Beside { twin: twin.map(Into::into), ..Beside::default() };
+    let beside = Beside { twin: twin.map(Twin::from), ..Beside::default() };
     let settings = Settings { beside, ..Settings::new(partial).unwrap() };
     pipeline::check(&Input::new(file, bytes, 1), &settings)
 }
@@ -59,18 +61,19 @@ fn a_wall_far_off_is_left_out_by_name() {
     let plain = check("p.ifc", IFC.as_bytes(), Partial::default(), None).unwrap().result;
     for (km, is_far) in [(0.1, false), (0.4, true), (1e3, true)] {
         let ifc = with(&wall(km * 1e6));
+        let mut far_node = String::new();
         let glb = scene(|j| {
             let n = j["nodes"].as_array().unwrap().len();
+            far_node = format!("IfcWall/far /nodes/{n}");
             j["nodes"]
                 .as_array_mut()
                 .unwrap()
                 .push(json!({"name": "IfcWall/far", "mesh": 6, "translation": [km * 1e3, 0, -5]}));
             j["scenes"][0]["nodes"].as_array_mut().unwrap().push(n.into());
         });
-        for (file, bytes, name) in [
-            ("p.ifc", ifc.as_bytes(), "IfcWall 0FarWallOfThePavilion1"),
-            ("p.glb", &glb, "IfcWall/far /nodes/21"),
-        ] {
+        for (file, bytes, name) in
+            [("p.ifc", ifc.as_bytes(), "IfcWall 0FarWallOfThePavilion1"), ("p.glb", &glb, &far_node)]
+        {
             let done = check(file, bytes, Partial::default(), None).unwrap();
             let said = told(&done.report, "far-wall");
             assert_eq!(said.len(), usize::from(is_far), "{km} {said:?}");
@@ -167,7 +170,10 @@ fn an_ifc_of_another_building_gives_no_storeys() {
             node["name"] = format!("1AnotherBuildingNode{i:02}").into();
         }
     });
-    let options = ReadOptions { twin: Some(IFC.as_bytes().into()), ..ReadOptions::default() };
+    let options = ReadOptions {
+        twin: Some(Arc::new(formats::ifc::inventory(IFC.as_bytes(), None))),
+        ..ReadOptions::default()
+    };
     assert!(formats::storeys("p.glb", &glb, &options).is_empty());
     assert_eq!(formats::storeys("p.glb", GLB, &options).len(), 2);
     let done = check("p.glb", &glb, Partial::default(), Some(IFC.as_bytes())).unwrap();
@@ -232,4 +238,50 @@ fn only_a_stated_name_joins_moves() {
     let own = same.replace("'Name',$,IFCLABEL('screen-2')", "'Nick',$,IFCLABEL('-')");
     let own = own.replace("'Name',$,IFCLABEL('screen-1')", "'Nick',$,IFCLABEL('-')");
     assert_eq!(names(&own), ["screen-1", "screen-1 2"]);
+}
+
+/// The IFC beside a scene is understood once, however often the scene is read and changed.
+#[test]
+fn the_ifc_beside_a_scene_is_read_once() {
+    let beside = Beside { twin: Some(Twin::from(IFC.as_bytes())), ..Beside::default() };
+    let settings = Settings { beside, ..Settings::new(Partial::default()).unwrap() };
+    let [first, again] = [&settings, &settings.clone()].map(|s| pipeline::read_options(s).twin.unwrap());
+    assert!(Arc::ptr_eq(&first, &again), "read again");
+    assert_eq!(*first, formats::ifc::inventory(IFC.as_bytes(), None));
+    let done = pipeline::check(&Input::new("p.glb", GLB, 1), &settings).unwrap();
+    assert_eq!(done.result.storeys.len(), 2);
+    assert!(Arc::strong_count(&first) > 2, "the settings keep what was read");
+}
+
+fn measured(file: &str, bytes: &[u8], storey: Option<&str>) -> AnalysisResult {
+    let partial = Partial {
+        storey: storey.map(str::to_string),
+        spacing: Some(0.5),
+        lattice_centre: Some([0.25, 0.25]),
+        only_marked: Some(true),
+        ..Partial::default()
+    };
+    let beside =
+        Beside { twin: file.ends_with("glb").then(|| Twin::from(IFC.as_bytes())), ..Beside::default() };
+    let settings = Settings { beside, ..Settings::new(partial).unwrap() };
+    pipeline::analyse(&Input::new(file, bytes, 1), &settings, &Cancel::default()).unwrap().0.result
+}
+
+/// The three files of the sample show one building: every storey measures the same in each of them.
+#[test]
+fn the_samples_of_one_building_measure_the_same() {
+    let dxf = measured("pavilion.dxf", include_bytes!("../../samples/pavilion.dxf"), None);
+    for storey in ["Ground floor", "Upper floor"] {
+        let ifc = measured("pavilion.ifc", IFC.as_bytes(), Some(storey));
+        let glb = measured("pavilion.glb", GLB, Some(storey));
+        let others = [Some(&glb), (storey == "Ground floor").then_some(&dxf)];
+        for other in others.into_iter().flatten() {
+            let name = format!("{storey}: {} {}", ifc.input.path, other.input.path);
+            assert_eq!(ifc.counts.vertices, other.counts.vertices, "{name}");
+            for key in ["degree", "depth", "entropy"] {
+                let [a, b] = [&ifc, other].map(|r| r.mean.get(key).unwrap());
+                assert!((a - b).abs() <= 1e-9 * a.abs(), "{name}: {key} {a} {b}");
+            }
+        }
+    }
 }

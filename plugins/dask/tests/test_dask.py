@@ -207,3 +207,24 @@ def test_no_workers_and_no_scheduler_are_one_sentence(tmp_path, capsys, monkeypa
         assert enfilade_dask.main([str(listed), *more]) == 2, more
         said = capsys.readouterr().err
         assert said.count("\n") == 1 and more[1] in said, said
+
+
+def test_what_lies_beside_a_scene_travels_with_its_job(tmp_path):
+    import hashlib
+    import zipfile
+
+    def beside(kind, data, **more):
+        return {"kind": kind, "sha256": hashlib.sha256(data).hexdigest(), **more}
+
+    (tmp_path / "house.glb").write_bytes(b"scene")
+    (tmp_path / "walls.bin").write_bytes(b"data")
+    (tmp_path / "other.ifc").write_bytes(b"another")
+    with zipfile.ZipFile(tmp_path / "house.ifczip", "w") as packed:
+        packed.writestr("house.ifc", b"building")
+    files = [beside("twin", b"building"), beside("buffer", b"data", name="walls.bin"), beside("picture", b"", name="no.png")]
+    job = {"drawing": str(tmp_path / "house.glb"), "beside": files}
+    carried = enfilade_dask.with_content(job)
+    contents = [file.get("content") for file in carried["beside"]]
+    # What is gone is left for `run-job` to name.
+    assert contents == ["YnVpbGRpbmc=", "ZGF0YQ==", None]
+    assert all("content" not in file for file in files)

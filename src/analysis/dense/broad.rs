@@ -24,13 +24,18 @@ impl Broad {
     /// `graph` is that under the fixed walls; `None` without vertices, with lines of more than [`MAX_COLUMNS`] cells
     /// or a table of more than [`MAX_WORDS`].
     pub fn new(lattice: &Lattice, graph: &Graph) -> Option<Self> {
-        let size = graph.tiles.size_cells;
-        if graph.is_empty() || size[0].max(size[1]) > MAX_COLUMNS {
-            return None;
-        }
-        let words = graph.len().checked_mul(Dense::view_words_of(size))?;
-        let fits = words <= MAX_WORDS;
+        let fits = Self::has_room(graph.len(), graph.tiles.size_cells);
         fits.then(|| Self { dense: Dense::prepared(lattice, graph), tiles: graph.tiles.clone() })
+    }
+
+    /// Whether [`new`](Self::new) takes the graph of a lattice; it does where [`Dense::new`] does.
+    pub fn fits(lattice: &Lattice) -> bool {
+        Self::has_room(lattice.cells.len(), Tiles::new(lattice).size_cells)
+    }
+
+    fn has_room(vertices: usize, size: [usize; 2]) -> bool {
+        let words = || vertices.checked_mul(Dense::view_words_of(size));
+        vertices > 0 && size[0].max(size[1]) <= MAX_COLUMNS && words().is_some_and(|w| w <= MAX_WORDS)
     }
 
     /// The graph with the `moving` walls too, on the calling thread; `None` if a coordinate is beyond the

@@ -291,7 +291,11 @@ fn in_pieces(
 
 /// What a node's name, its mesh's, its material's or its extras say it is.
 fn layer(scene: &File<'_>, shown: &Shown, options: &ReadOptions, walls: &mut Names) -> String {
-    if let Some(class) = shown.names(scene).rev().find_map(|n| options.classes.get(n)) {
+    // What hangs on a wall and says itself what it is belongs to no class of the wall.
+    let mut says_itself = false;
+    let mut told =
+        shown.names(scene).rev().take_while(|n| !std::mem::replace(&mut says_itself, n.starts_with("Ifc")));
+    if let Some(class) = told.find_map(|n| options.known().classes.get(n)) {
         return class_of(class);
     }
     let node = &scene.json.list("nodes")[shown.node];
@@ -343,7 +347,7 @@ fn choose_layers(scene: &File<'_>, bodies: &mut [Body<'_>], options: &ReadOption
     }
     let is_id = |b: &&Body<'_>| b.shown.names(scene).any(is_global_id);
     let ids = bodies.iter().filter(is_id).count();
-    let lacking = if 2 * ids > bodies.len() && options.classes.is_empty() {
+    let lacking = if 2 * ids > bodies.len() && options.known().classes.is_empty() {
         format!(
             "; {ids} of {} nodes are named by GlobalIds of an IFC and by nothing else: with that .ifc beside it under the same \
              name walls, doors, windows, spaces and storeys are known, without it none of them",

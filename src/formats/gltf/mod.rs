@@ -38,8 +38,8 @@ pub use twin::uses_twin;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use crate::formats::ifc::Inventory;
 use crate::formats::splice::{self, Splice};
-use crate::formats::{SpaceNames, StoreyInfo};
 use crate::plan::drawing::{Addition, Edit, Unit};
 use crate::report::{Error, Report};
 use scene::File;
@@ -57,20 +57,12 @@ pub struct ReadOptions {
     pub is_knee: bool,
     /// Whether the user names the walls: then layers keep their names.
     pub is_by_user: bool,
-    /// Name of the storey, of those in `storeys`; `None`: the one with most walls.
+    /// Name of the storey, of those that `twin` knows; `None`: the one with most walls.
     pub storey: Option<String>,
     /// The user's word for the unit, which then stands above the standard's metre.
     pub unit: Option<Unit>,
-    /// Whether there is an IFC beside the scene.
-    pub has_twin: bool,
-    /// Node name → class, from the IFC that the scene was made from.
-    pub classes: BTreeMap<String, String>,
-    /// Name of a door's or window's node → name of that of the wall in which it sits, from the same IFC.
-    pub hosts: BTreeMap<String, String>,
-    /// Storeys of that IFC from the lowest.
-    pub storeys: Vec<StoreyInfo>,
-    /// `GlobalId` of a space → what it is called in that IFC.
-    pub spaces: BTreeMap<String, SpaceNames>,
+    /// What the IFC beside the scene knows of its nodes by their names.
+    pub twin: Option<Arc<Inventory>>,
     /// Files of data beside the scene, by name ([`outer_files`]).
     pub buffers: BTreeMap<String, Arc<[u8]>>,
     /// Pictures beside the scene, by name.

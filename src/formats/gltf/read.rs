@@ -101,14 +101,14 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
 fn hosts(scene: &File<'_>, bodies: &[Body<'_>], options: &ReadOptions) -> BTreeMap<usize, usize> {
     let of = |body: &Body<'_>| record(body.element.node, body.piece);
     let mut wall_of: BTreeMap<&str, usize> = BTreeMap::new();
-    let is_host: BTreeSet<&str> = options.hosts.values().map(String::as_str).collect();
+    let is_host: BTreeSet<&str> = options.known().hosts.values().map(String::as_str).collect();
     for body in bodies.iter().filter(|b| b.piece.is_none()) {
         for name in body.element.names(scene).filter(|n| is_host.contains(n)) {
             wall_of.entry(name).or_insert(of(body));
         }
     }
     let host = |body: &Body<'_>| {
-        let wall = body.shown.names(scene).find_map(|n| options.hosts.get(n))?;
+        let wall = body.shown.names(scene).find_map(|n| options.known().hosts.get(n))?;
         wall_of.get(wall.as_str()).copied()
     };
     let told = bodies.iter().filter_map(|b| Some((of(b), host(b)?)));
@@ -176,17 +176,18 @@ fn chosen_floor(
     report: &mut Report,
 ) -> Result<f64, Error> {
     let above = above(options);
-    let names = listed(&options.storeys);
+    let names = listed(&options.known().storeys);
     let wanted = options.storey.as_deref();
     let found = match wanted {
         Some(name) => {
-            state_shared_name(file, &options.storeys, name, report);
-            storey_at(options.storeys.iter().map(|s| s.name.as_str()), name).map(|i| &options.storeys[i])
+            state_shared_name(file, &options.known().storeys, name, report);
+            storey_at(options.known().storeys.iter().map(|s| s.name.as_str()), name)
+                .map(|i| &options.known().storeys[i])
         }
-        None => options.storeys.iter().rev().max_by_key(|s| s.walls),
+        None => options.known().storeys.iter().rev().max_by_key(|s| s.walls),
     };
     if let (None, Some(name)) = (found, wanted) {
-        let names = match (names.is_empty(), options.has_twin) {
+        let names = match (names.is_empty(), options.twin.is_some()) {
             (false, _) => names.as_str(),
             (true, false) => "none (glTF has none; the .ifc of the same name beside it has)",
             (true, true) => {
@@ -238,7 +239,7 @@ fn space_names(
         let Some([lo, hi]) = crate::plan::box_of(vertices.iter().map(|v| v.at)) else { continue };
         let name = body.shown.names(scene).rev().find(|n| !n.is_empty()).unwrap_or_default();
         let name = name.strip_prefix("IfcSpace/").unwrap_or(name);
-        let known = body.shown.names(scene).rev().find_map(|n| options.spaces.get(n));
+        let known = body.shown.names(scene).rev().find_map(|n| options.known().spaces.get(n));
         let known = known.or_else(|| options.space_of_name(name));
         let mut names = vec![name];
         names.extend(known.iter().flat_map(|k| &k.names).map(String::as_str));

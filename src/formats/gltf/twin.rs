@@ -1,22 +1,26 @@
 //! The IFC beside a scene: whether it is of the same building, and how it is used.
 
 use std::borrow::Cow;
+use std::sync::{Arc, LazyLock};
 
+use super::ReadOptions;
 use super::bodies::is_global_id;
 use super::scene::{File, Shown};
-use super::{ReadOptions, SpaceNames};
+use crate::formats::SpaceNames;
+use crate::formats::ifc::Inventory;
 use crate::report::{Place, Report};
+
+/// What no IFC beside a scene knows.
+static NOTHING: LazyLock<Inventory> = LazyLock::new(Inventory::default);
 
 /// Why the IFC beside a scene is not used; `None` where it is, or where there is none.
 fn refusal(scene: &File<'_>, shown: &[Shown], options: &ReadOptions) -> Option<&'static str> {
-    if !options.has_twin {
-        return None;
-    }
-    if options.classes.is_empty() {
+    let twin = options.twin.as_deref()?;
+    if twin.classes.is_empty() {
         return Some("cannot be read, or holds no element");
     }
     let has = |is_it: &dyn Fn(&str) -> bool| shown.iter().any(|s| s.names(scene).any(is_it));
-    let is_other = has(&is_global_id) && !has(&|n| options.classes.contains_key(n));
+    let is_other = has(&is_global_id) && !has(&|n| twin.classes.contains_key(n));
     is_other.then_some("has none of the GlobalIds that its nodes are named by: it is of another building")
 }
 
@@ -30,20 +34,24 @@ pub(super) fn taken<'o>(
     let Some(why) = refusal(scene, shown, options) else { return Cow::Borrowed(options) };
     let text = format!("the .ifc of the same name beside it {why}; the scene was read without it");
     report.warn("gltf-ifc", Place::file(scene.name), text);
-    let (classes, hosts, storeys, spaces) = Default::default();
-    Cow::Owned(ReadOptions { classes, hosts, storeys, spaces, ..options.clone() })
+    Cow::Owned(ReadOptions { twin: Some(Arc::default()), ..options.clone() })
 }
 
 /// Whether the IFC beside a scene is used.
 pub fn uses_twin(file: &str, bytes: &[u8], options: &ReadOptions) -> bool {
     let Ok(scene) = File::open(file, bytes, &options.buffers) else { return false };
-    options.has_twin && refusal(&scene, &scene.shown().0, options).is_none()
+    options.twin.is_some() && refusal(&scene, &scene.shown().0, options).is_none()
 }
 
 impl ReadOptions {
+    /// What the IFC beside a scene knows.
+    pub(super) fn known(&self) -> &Inventory {
+        self.twin.as_deref().unwrap_or(&NOTHING)
+    }
+
     /// What the IFC beside a scene knows of the one space of a name.
     pub(super) fn space_of_name(&self, name: &str) -> Option<&SpaceNames> {
-        let mut found = self.spaces.values().filter(|s| s.names.first().is_some_and(|n| n == name));
+        let mut found = self.known().spaces.values().filter(|s| s.names.first().is_some_and(|n| n == name));
         found.next().filter(|_| found.next().is_none())
     }
 }

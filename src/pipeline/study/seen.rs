@@ -11,11 +11,37 @@ use crate::analysis::lattice::{CellIndex, Ground, lattice};
 use crate::analysis::measures::{Column, Means, local_columns, means};
 use crate::analysis::paths::{Paths, Turning};
 use crate::analysis::through::through_vision_column;
-use crate::analysis::visibility::{Graph, visibility_graph};
+use crate::analysis::visibility::{Graph, bytes_beyond, visibility_graph};
 use crate::analysis::{Lattice, Obstacles, Tally};
 use crate::config::{Measure, PairName, Settings, Source};
 use crate::moves::Layout;
+use crate::plan::geometry::UM_PER_M;
 use crate::report::{Error, Place, Report};
+
+/// Most memory that making a visibility graph may take, bytes: 100,000 vertices fit that all see each other, and
+/// a million where few do. More would be taken from the machine until it stops.
+pub const GRAPH_BYTES_MAX: u64 = 6 << 30;
+
+/// Refuses a lattice whose graph under what never moves would take more memory than [`GRAPH_BYTES_MAX`].
+fn refuse_dense(lattice: &Lattice, ground: &Ground<'_>) -> Result<(), Error> {
+    let fixed = Obstacles { segments: ground.fixed.to_vec(), blind: Vec::new() };
+    let Some(bytes) = bytes_beyond(lattice, &fixed, GRAPH_BYTES_MAX) else { return Ok(()) };
+    let gib = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
+    let spacing_m = lattice.spacing_um as f64 / UM_PER_M;
+    // Vertices grow with the square of the fineness, and so does what each of them sees.
+    let wider = spacing_m * (bytes as f64 / GRAPH_BYTES_MAX as f64).powf(0.25);
+    let digit = 10f64.powf(wider.log10().floor() - 1.0);
+    let text = format!(
+        "spacing {spacing_m} m gives {} vertices that see so many others that their visibility graph would take about \
+         {:.1} GiB, expected at most {} GiB; nothing was measured; choose a larger --spacing (about {} m would do) or \
+         smaller regions (EF-QUERY and EF-REFERENCE, --query)",
+        lattice.cells.len(),
+        gib(bytes),
+        gib(GRAPH_BYTES_MAX),
+        format!("{:.3}", (wider / digit).ceil() * digit).trim_end_matches('0').trim_end_matches('.')
+    );
+    Err(Error::input("graph-bytes-max", Place::file(ground.file), text))
+}
 
 /// What a region of query has in one layout.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -70,6 +96,7 @@ impl Scene {
         report: &mut Report,
     ) -> Result<Self, Error> {
         let lattice = Arc::new(lattice(ground, report)?);
+        refuse_dense(&lattice, ground)?;
         let cells = CellIndex::new(&lattice);
         let segments = ground.movable.to_vec();
         let moving = Obstacles { blind: blind(base, identity, &cells, &segments), segments };
@@ -237,5 +264,47 @@ impl Study {
     pub fn seen_of<'a>(&self, worth: &'a super::Worth, pair: Option<PairName>) -> &'a Seen {
         let named = pair.and_then(|name| self.pairs.iter().position(|p| p.name == name));
         named.and_then(|i| worth.pairs.get(i)).unwrap_or(&worth.seen)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Region;
+
+    /// An empty hall of some metres each way, at a spacing of one.
+    fn hall(side: i64) -> Result<(), Error> {
+        let far = side * 1_000_000;
+        let ring = [Region::Ring(vec![[0, 0], [far, 0], [far, far], [0, far]])];
+        let ground = Ground {
+            file: "hall.dxf",
+            spacing_um: 1_000_000,
+            centre_um: [500_000, 500_000],
+            query: &ring,
+            reference: &ring,
+            seeds_um: &[],
+            fixed: &[],
+            movable: &[],
+            fixed_solids: &[],
+            interior: None,
+            solid_across_um: 0,
+        };
+        let lattice = lattice(&ground, &mut Report::default())?;
+        assert_eq!(lattice.cells.len() as i64, side * side);
+        refuse_dense(&lattice, &ground)
+    }
+
+    #[test]
+    fn a_graph_beyond_graph_bytes_max_is_refused_before_it_is_made() {
+        assert!(hall(317).is_ok(), "100,000 vertices that all see each other");
+        let said = hall(400).unwrap_err().to_string();
+        for words in [
+            "hall.dxf",
+            "spacing 1 m gives 160000 vertices",
+            &format!("GiB, expected at most {} GiB", GRAPH_BYTES_MAX >> 30),
+            "nothing was measured; choose a larger --spacing (about 1.2 m would do)",
+        ] {
+            assert!(said.contains(words), "{said}");
+        }
     }
 }
