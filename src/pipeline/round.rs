@@ -2,6 +2,7 @@
 
 mod budget;
 mod files;
+mod grid;
 mod joints;
 mod judged;
 mod told;
@@ -116,6 +117,9 @@ fn round(
         has_ended: found.is_none_or(|f| f.has_ended),
     });
     told::say_alikeness(&mut report, input.file(), settings, share, nearest.as_ref());
+    if found.is_some_and(|f| f.has_ended) {
+        grid::say_gridded(&mut report, input.file(), settings, study, &made);
+    }
     told::say_free_of_modules(&mut report, input.file(), study, settings);
     let result = round_result(input, settings, study, &report, found, &made, started);
     let mut files = files::pictures(input, settings, study, &made)?;
