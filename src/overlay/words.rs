@@ -3,7 +3,7 @@
 use super::measure::{
     fixed, is_told, number, parts as base, percent_change, plain_name, sentence_case, short, trimmed, wording,
 };
-use super::result::{Explanation, MoveEntry, MoveKind, Numbers};
+use super::result::{Explanation, MoveEntry, MoveKind, Numbers, Part};
 
 /// Moves told one by one; the rest is counted.
 const MOVES_TOLD: usize = 4;
@@ -24,7 +24,7 @@ pub fn words(
     now: &Numbers,
     explanation: &Explanation,
 ) -> String {
-    let first = note_lines(moves, parameters, initial, now).join("; ");
+    let first = note_lines(moves, parameters, initial, now, &explanation.parts).join("; ");
     let sentences = std::iter::once(first).chain(explained(explanation));
     sentences.filter(|s| !s.is_empty()).map(|s| s + ".").collect::<Vec<_>>().join(" ")
 }
@@ -36,8 +36,14 @@ pub fn headline<'a>(words: &'a str, explanation: &Explanation) -> &'a str {
 }
 
 /// The same in lines: what moved, then what it gains.
-pub fn note_lines(moves: &[MoveEntry], parameters: &[f64], initial: &Numbers, now: &Numbers) -> Vec<String> {
-    [moved(moves, parameters), gains(initial, now)].into_iter().filter(|l| !l.is_empty()).collect()
+pub fn note_lines(
+    moves: &[MoveEntry],
+    parameters: &[f64],
+    initial: &Numbers,
+    now: &Numbers,
+    bringing: &[Part],
+) -> Vec<String> {
+    [moved(moves, parameters, bringing), gains(initial, now)].into_iter().filter(|l| !l.is_empty()).collect()
 }
 
 /// Why the option is good, in lines: which moves bring the gain, what it gave up, how unlike it is.
@@ -143,15 +149,19 @@ fn percent(share: f64) -> String {
     format!("{} %", fixed(share * 100.0, 0))
 }
 
-/// What moved, the largest moves (as a share of their range) first.
-pub fn moved(moves: &[MoveEntry], parameters: &[f64]) -> String {
-    let mut groups = grouped(moves, parameters);
+/// What moved, the largest moves (as a share of their range) first; those that bring the gain are told however small.
+pub fn moved(moves: &[MoveEntry], parameters: &[f64], bringing: &[Part]) -> String {
+    let names: Vec<String> = bringing.iter().map(|p| sentence_case(&p.name)).collect();
+    let mut groups = grouped(moves, parameters, &names);
     groups.sort_by(|a, b| b.share.total_cmp(&a.share));
     let told = if groups.len() == MOVES_TOLD + 1 { MOVES_TOLD + 1 } else { MOVES_TOLD };
+    let (shown, left): (Vec<_>, Vec<_>) =
+        groups.iter().enumerate().partition(|(i, g)| *i < told || names.contains(&g.name));
     let mut parts: Vec<String> =
-        groups.iter().take(told).map(|g| format!("{} {}", g.name, listed(&g.clauses, "and"))).collect();
-    match groups.len().saturating_sub(told) {
+        shown.iter().map(|(_, g)| format!("{} {}", g.name, listed(&g.clauses, "and"))).collect();
+    match left.len() {
         0 => {}
+        1 => parts.push("and 1 smaller move".into()),
         more => parts.push(format!("and {more} smaller moves")),
     }
     if parts.is_empty() { "Nothing moves".to_owned() } else { parts.join(", ") }
@@ -183,15 +193,16 @@ struct Group {
 }
 
 /// Clauses that do something, joined by the names of their groups, in order of appearance.
-fn grouped(moves: &[MoveEntry], parameters: &[f64]) -> Vec<Group> {
+fn grouped(moves: &[MoveEntry], parameters: &[f64], bringing: &[String]) -> Vec<Group> {
     let mut out: Vec<Group> = Vec::new();
     let system = System::of(moves);
     for (entry, &value) in moves.iter().zip(parameters) {
         let share = (value - entry.kind.identity()).abs() / (entry.upper - entry.lower).abs();
-        if !share.is_finite() || share < SMALLEST_SHARE {
+        let name = sentence_case(&entry.name);
+        let least = if bringing.contains(&name) { f64::MIN_POSITIVE } else { SMALLEST_SHARE };
+        if !share.is_finite() || share < least {
             continue;
         }
-        let name = sentence_case(&entry.name);
         let clause = clause(entry, value, system);
         match out.iter_mut().find(|g| g.name == name) {
             Some(group) => {
@@ -400,11 +411,21 @@ mod tests {
             (1..=9).map(|i| entry(&format!("wall {i}"), MoveKind::X, [-1.0, 1.0], "m")).collect();
         let values = [0.1, 0.9, 0.0, 0.2, 0.3, 1e-4, 0.4, 0.5, 0.6];
         assert_eq!(
-            moved(&moves, &values),
+            moved(&moves, &values, &[]),
             "Wall 2 slides 90 cm east, Wall 9 slides 60 cm east, Wall 8 slides 50 cm east, \
              Wall 7 slides 40 cm east, and 3 smaller moves"
         );
-        assert_eq!(moved(&moves, &[0.0; 9]), "Nothing moves");
+        assert_eq!(moved(&moves, &[0.0; 9], &[]), "Nothing moves");
+        // What brings the gain is told, however little it moves.
+        let bring = |name: &str| Part { name: name.into(), groups: 1, lost: 0.5 };
+        let bringing = [bring("wall 6"), bring("wall 1")];
+        let mut values = values;
+        values[5] = 0.004;
+        assert_eq!(
+            moved(&moves, &values, &bringing),
+            "Wall 2 slides 90 cm east, Wall 9 slides 60 cm east, Wall 8 slides 50 cm east, \
+             Wall 7 slides 40 cm east, Wall 1 slides 10 cm east, Wall 6 slides 4 mm east, and 2 smaller moves"
+        );
     }
 
     #[test]
@@ -438,7 +459,7 @@ mod tests {
         let told = words(&moves, &[1.2], &Numbers::default(), &Numbers::default(), &e);
         assert_eq!(
             headline(&told, &e),
-            note_lines(&moves, &[1.2], &Numbers::default(), &Numbers::default()).join("; ")
+            note_lines(&moves, &[1.2], &Numbers::default(), &Numbers::default(), &[]).join("; ")
         );
         e.parts = vec![part("wall-2", 1, 1.7), part("door-4", 1, 1.2), part("door-1", 1, 0.08)];
         e.kept = Numbers::of([("degree", -0.1), ("entropy", -0.2)]);
@@ -463,12 +484,12 @@ mod tests {
             entry("door-1", MoveKind::X, [-5.0, 5.0], "m"),
         ];
         assert_eq!(
-            moved(&moves, &[16.17, 1.54, 10.0, -0.45]),
+            moved(&moves, &[16.17, 1.54, 10.0, -0.45], &[]),
             "Wall 3-4 slides 16 ft 2 in east, 1.5 in north and turns 10° anticlockwise, Door 1 slides 1 ft 6 in west"
         );
         let metric: Vec<MoveEntry> = moves.into_iter().rev().collect();
         assert_eq!(
-            moved(&metric, &[-0.45, 0.0, 10.0, 2.0]),
+            moved(&metric, &[-0.45, 0.0, 10.0, 2.0], &[]),
             "Wall 3-4 slides 25.4 cm north and 61 cm east, Door 1 slides 45 cm west"
         );
     }

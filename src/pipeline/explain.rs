@@ -72,6 +72,22 @@ fn parts(
     if whole <= 0.0 {
         return Vec::new();
     }
+    let mut out: Vec<Part> = if control.expand(&control.reduce(p)) == p {
+        without_units(study, control, p)
+    } else {
+        without_groups(study, p)
+    }
+    .into_par_iter()
+    .map(|(name, groups, rest)| Part { name, groups, lost: (whole - gain(&measured(&rest))) / whole })
+    .collect();
+    out.retain(|part| part.lost >= SMALLEST_SHARE);
+    out.sort_by(|a, b| b.lost.total_cmp(&a.lost));
+    out.truncate(TOLD);
+    out
+}
+
+/// Name, number of groups, and the layout without them, of every unit that moves, what is linked together, the largest first.
+fn without_units(study: &Study, control: &Control, p: &[f64]) -> Vec<(String, u64, Vec<f64>)> {
     let (q, start, bounds) = (control.reduce(p), control.start(), control.bounds());
     let share = |unit: &(Vec<usize>, usize)| {
         let of = |&k: &usize| (q[k] - start[k]).abs() / (bounds[k][1] - bounds[k][0]).max(f64::MIN_POSITIVE);
@@ -84,13 +100,33 @@ fn parts(
         let mut rest = q.clone();
         unit.0.iter().for_each(|&k| rest[k] = start[k]);
         let name = study.base.moves.parameters[control.parameter(unit.0[0])].group_name.clone();
-        Part { name, groups: unit.1 as u64, lost: (whole - gain(&measured(&control.expand(&rest)))) / whole }
+        (name, unit.1 as u64, control.expand(&rest))
     };
-    let mut out: Vec<Part> = moved.par_iter().map(without).collect();
-    out.retain(|part| part.lost >= SMALLEST_SHARE);
-    out.sort_by(|a, b| b.lost.total_cmp(&a.lost));
-    out.truncate(TOLD);
-    out
+    moved.iter().map(without).collect()
+}
+
+/// The same of every group by itself: of a pinned layout that does not keep the links, which would put what follows elsewhere.
+fn without_groups(study: &Study, p: &[f64]) -> Vec<(String, u64, Vec<f64>)> {
+    let moves = &study.base.moves;
+    let (identity, bounds) = (moves.identity(), moves.bounds());
+    let mut groups: Vec<usize> = moves.parameters.iter().map(|m| m.group).collect();
+    groups.dedup();
+    let of = |group: usize| (0..p.len()).filter(move |&k| moves.parameters[k].group == group);
+    let share = |group: usize| {
+        let part =
+            |k: usize| (p[k] - identity[k]).abs() / (bounds[k][1] - bounds[k][0]).max(f64::MIN_POSITIVE);
+        of(group).map(part).fold(0.0, f64::max)
+    };
+    groups.retain(|&g| share(g) > 0.0);
+    groups.sort_by(|&a, &b| share(b).total_cmp(&share(a)));
+    groups.truncate(TRIED);
+    let without = |&group: &usize| {
+        let mut rest = p.to_vec();
+        of(group).for_each(|k| rest[k] = identity[k]);
+        let name = of(group).next().map_or_else(String::new, |k| moves.parameters[k].group_name.clone());
+        (name, 1, rest)
+    };
+    groups.iter().map(without).collect()
 }
 
 /// What is smaller, as a share of the present value, nobody would call a gain.

@@ -104,7 +104,10 @@ fn round(
     if let Some(found) = found {
         told::say_pinned(&mut report, input.file(), &found.explanations);
         if is_firm(settings) && !made.is_empty() {
-            told::say_out_of_reach(&mut report, input.file(), &found.objectives);
+            told::say_out_of_reach(&mut report, input.file(), settings, &found.objectives);
+        }
+        if !made.is_empty() {
+            told::say_below_present(&mut report, input.file(), &found.objectives);
         }
         told::say_options(&mut report, input.file(), study, settings, (found, made.len()));
     }

@@ -39,7 +39,7 @@ use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, Wall, box_of, layers, understand};
 use crate::report::{Error, Place, Problem, Report, Severity};
-use marked::{side_car_groups, state_held, state_unread_marks};
+use marked::{side_car_groups, state_held, state_passed_over, state_unread_marks};
 use parts::{closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of};
 use seen::Scene;
 pub use seen::{Pair, Seen};
@@ -276,6 +276,7 @@ fn moves(
 ) -> Result<Moves, Error> {
     let Known { plan, graph, axes, interior, fittings, infill } = *known;
     if !settings.moves.is_empty() {
+        state_passed_over(drawing, plan, report);
         let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
         return Ok(Moves::of_records(plan, graph, axes, (&groups, &records), report));
     }

@@ -199,7 +199,25 @@ fn lead(result: &RoundResult) -> String {
     };
     let options =
         if count == 1 { "One other layout".to_owned() } else { format!("{} other layouts", spelled(count)) };
-    format!("{options} for this plan. Option 1 gains most in all: {gains}.{all}")
+    let broken: Vec<String> = (1..)
+        .zip(&result.candidates)
+        .filter(|(_, c)| !c.explanation.breaks.is_empty())
+        .map(|(i, _)| i.to_string())
+        .collect();
+    let broken = match broken.as_slice() {
+        [] => String::new(),
+        some => format!(
+            " Option {} is pinned and kept though it breaks what is asked for now.",
+            super::words::listed(some, "and")
+        ),
+    };
+    // What was pinned stands first, whatever it gains.
+    let gains = if !best.explanation.breaks.is_empty() {
+        format!("Option 1 was pinned: {gains}.")
+    } else {
+        format!("Option 1 gains most in all: {gains}.")
+    };
+    format!("{options} for this plan. {gains}{all}{broken}")
 }
 
 fn spelled(count: usize) -> String {

@@ -105,6 +105,7 @@ pub(super) fn drawings(
                     &m.member.parameters,
                     &told(study, &result.initial.mean),
                     &told(study, &candidate.mean),
+                    &candidate.explanation.parts,
                 ));
                 lines.extend(explained(&candidate.explanation));
                 additions.extend(moved_additions(&now, &before, &lines, bounds));

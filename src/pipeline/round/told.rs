@@ -6,7 +6,7 @@ use super::Found;
 use crate::config::{Method, Mode, Settings, Snap};
 use crate::moves::carried::{Carried, carried};
 use crate::moves::{Layout, Parameter};
-use crate::overlay::measure::{plain_name, sentence_case};
+use crate::overlay::measure::{number, plain_name, sentence_case};
 use crate::overlay::result::{Explanation, Objective, Sense};
 use crate::overlay::words::listed;
 use crate::pipeline::study::{Study, Understood};
@@ -30,7 +30,12 @@ pub(super) fn say_pinned(report: &mut Report, file: &str, explanations: &[Explan
 }
 
 /// Says which objectives nothing is gained in without falling short of those before them.
-pub(super) fn say_out_of_reach(report: &mut Report, file: &str, objectives: &[Objective]) {
+pub(super) fn say_out_of_reach(
+    report: &mut Report,
+    file: &str,
+    settings: &Settings,
+    objectives: &[Objective],
+) {
     let is_lost = |o: &&Objective| {
         let gain = o.reachable.map(|r| if o.sense == Sense::Max { r - o.initial } else { o.initial - r });
         o.name != "penalty" && o.threshold > 0.0 && gain.is_some_and(|g| g <= 0.0)
@@ -38,10 +43,47 @@ pub(super) fn say_out_of_reach(report: &mut Report, file: &str, objectives: &[Ob
     for o in objectives.iter().filter(is_lost) {
         let text = format!(
             "{}: no layout that keeps the objectives before it gains anything on the present one, so its threshold keeps \
-             options near the best there is; put it before the others, or lower their thresholds",
-            plain_name(&o.name)
+             options near the best there is; put it before the others, or lower their thresholds{}",
+            plain_name(&o.name),
+            held_back(settings)
         );
         report.warn("out-of-reach", Place::file(file), text);
+    }
+}
+
+/// What may hold layouts back besides thresholds, where anything does: rules that are asked for here or were taken over from
+/// the round before, and weights of penalties beside them.
+fn held_back(settings: &Settings) -> String {
+    let rules = rules_words(settings);
+    if rules.is_empty() {
+        return rules;
+    }
+    let penalties = settings.penalty_text();
+    let also =
+        if penalties == "none" { String::new() } else { format!(", beside --penalty \"{penalties}\"") };
+    format!(
+        "; what is asked for besides, on the command line or in the file of settings beside the drawing, may be what holds them back: {rules}{also}"
+    )
+}
+
+/// Says which thresholds let options be worse than the present layout: so little is reachable, or so much do the objectives
+/// before them cost.
+pub(super) fn say_below_present(report: &mut Report, file: &str, objectives: &[Objective]) {
+    for o in objectives.iter().filter(|o| o.name != "penalty" && o.name != "score" && o.threshold > 0.0) {
+        let (Some(limit), Some(reachable)) = (o.limit, o.reachable) else { continue };
+        let worse = if o.sense == Sense::Max { limit < o.initial } else { limit > o.initial };
+        let gains = if o.sense == Sense::Max { reachable > o.initial } else { reachable < o.initial };
+        if worse && gains {
+            let text = format!(
+                "{}: options need only keep {}, worse than the present {}, since {} is the best in reach of layouts that keep \
+                 the objectives before it; put it before the others to have it improved",
+                plain_name(&o.name),
+                number(limit),
+                number(o.initial),
+                number(reachable)
+            );
+            report.info("limit-below-present", Place::file(file), text);
+        }
     }
 }
 
@@ -60,9 +102,10 @@ pub(super) fn say_options(
     }
     if found.is_none_better {
         let text = format!(
-            "none of the {} layouts measured that keep thresholds and penalties is better than the present one; the best of them is shown; EF-MOVE boxes \
-             round more walls, or wider bounds in them, give the search more to work with",
-            found.evaluations
+            "none of the {} layouts measured that keep thresholds and penalties is better than the present one; the best of them is shown; more --evaluations, \
+             EF-MOVE boxes round more walls, or wider bounds in them, give the search more to work with{}",
+            found.evaluations,
+            held_back(settings)
         );
         report.warn(NONE_BETTER, place(), text);
         return;
@@ -114,26 +157,24 @@ fn left_out_words(study: &Study, settings: &Settings, made: usize) -> String {
             names.push(name);
         }
     }
-    let rules = rules_words(settings);
-    let why = match names.as_slice() {
-        _ if !rules.is_empty() => format!("{rules} leave little room inside the thresholds"),
-        [only] => format!("only {only} may move, and not far without falling below the thresholds"),
-        few if few.len() <= GROUPS_TOLD => {
-            format!("only {} may move, and not far without falling below the thresholds", few.join(", "))
-        }
-        many => format!("the {} groups that may move have little room inside the thresholds", many.len()),
-    };
     let options = if made == 1 { "1 option" } else { &format!("{made} options") };
+    let who = match names.as_slice() {
+        few if few.len() <= GROUPS_TOLD => format!("only {} may move", listed(few, "and")),
+        many => format!("{} groups may move", many.len()),
+    };
     format!(
-        "{options} instead of {}: what else was found is almost the same as a better one, because {why}; {} make room for \
-         options that differ",
+        "{options} instead of {}: what else was found inside the thresholds is almost the same as a better one; {who}{}; \
+         more --evaluations find more, and EF-MOVE boxes round more walls or wider bounds in them make room for options \
+         that differ",
         settings.members,
-        if rules.is_empty() {
-            "EF-MOVE boxes round more walls, or wider bounds in them,"
-        } else {
-            "looser ones"
-        }
+        rules_clause(settings)
     )
+}
+
+/// What is asked for besides and narrows what options may do: a part of a sentence; empty without any.
+fn rules_clause(settings: &Settings) -> String {
+    let rules = rules_words(settings);
+    if rules.is_empty() { rules } else { format!(", and what is asked for narrows it ({rules})") }
 }
 
 /// The rules of the user that narrow what options may do, as they are stated; empty without any.
@@ -168,7 +209,7 @@ pub(super) fn say_alikeness(
     if share < 1.0 {
         let text = format!(
             "inside the thresholds the options were too alike; all thresholds were lowered to {:.0} % of what was \
-             asked; --thresholds firm keeps them",
+             asked (`limit` of an objective in result.json is what options keep); --thresholds firm keeps them",
             share * 100.0
         );
         report.info("thresholds-lowered", place.clone(), text);
@@ -320,6 +361,50 @@ mod tests {
         let far = Nearest { distance: 0.6, wanted: 0.5, are_pinned: true, has_ended: true };
         say_alikeness(&mut report, "plan.dxf", &settings, 1.0, Some(&far));
         assert!(report.problems.is_empty());
+    }
+
+    #[test]
+    fn what_may_hold_layouts_back_is_named_as_no_more_than_that() {
+        let with = |edit: &dyn Fn(&mut Partial)| {
+            let mut p = Partial::default();
+            edit(&mut p);
+            Settings::new(p).unwrap()
+        };
+        assert_eq!((held_back(&with(&|_| ())), rules_clause(&with(&|_| ()))), (String::new(), String::new()));
+        let ruled = with(&|p| {
+            p.limit = Some("degree -50%".into());
+            p.penalty = Some("clearance 1".into());
+        });
+        assert!(held_back(&ruled).ends_with(
+            "may be what holds them back: --limit \"degree -50%\", beside --penalty \"clearance 1\""
+        ));
+        assert_eq!(rules_clause(&ruled), ", and what is asked for narrows it (--limit \"degree -50%\")");
+    }
+
+    #[test]
+    fn a_limit_that_is_worse_than_the_present_is_told() {
+        let of = |sense, initial, limit, reachable| Objective {
+            name: "degree-min".into(),
+            sense,
+            threshold: 0.3,
+            initial,
+            best: Some(reachable),
+            free: None,
+            reachable: Some(reachable),
+            limit: Some(limit),
+        };
+        let told = |o: Objective| {
+            let mut report = Report::default();
+            say_below_present(&mut report, "plan.dxf", &[o]);
+            report.problems.first().map(|p| p.text.clone())
+        };
+        let text = told(of(Sense::Max, 242.0, 240.6, 244.0)).unwrap();
+        assert!(
+            text.contains("need only keep 241, worse than the present 242, since 244 is the best in reach"),
+            "{text}"
+        );
+        assert!(told(of(Sense::Min, 2.0, 2.1, 1.9)).is_some());
+        assert_eq!(told(of(Sense::Max, 242.0, 243.0, 244.0)), None);
     }
 
     #[test]

@@ -22,6 +22,18 @@ pub(super) fn state_unread_marks(marks: &str, plan: &Plan, report: &mut Report) 
     report.warn("moves-unread", Place::file(&plan.file), text);
 }
 
+/// Says so where marks of what may move are passed over, since the file of settings beside the drawing says it.
+pub(super) fn state_passed_over(drawing: &Drawing, plan: &Plan, report: &mut Report) {
+    if !drawing.marked.is_empty() || plan.markers.is_move_drawn {
+        let marks = marks_of(drawing.format);
+        let text = format!(
+            "{marks} is passed over here: the [[move]] tables of the file of settings beside the drawing say what may move, and how \
+             far; change them there, or delete them, and ignore-move-markers with them, to have {marks} read again"
+        );
+        report.info("marks-passed-over", Place::file(&plan.file), text);
+    }
+}
+
 /// Says so where `EF-KEEP` holds what would move by default.
 pub(super) fn state_held(
     moves: &Moves,
