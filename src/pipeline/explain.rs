@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::study::{Study, divisor};
-use crate::moves::control::Control;
+use crate::moves::control::{Breach, Control};
 use crate::overlay::result::{Explanation, Numbers, Objective, Part, Sense};
 use crate::search::normalised_distance;
 
@@ -72,14 +72,12 @@ fn parts(
     if whole <= 0.0 {
         return Vec::new();
     }
-    let mut out: Vec<Part> = if control.expand(&control.reduce(p)) == p {
-        without_units(study, control, p)
-    } else {
-        without_groups(study, p)
-    }
-    .into_par_iter()
-    .map(|(name, groups, rest)| Part { name, groups, lost: (whole - gain(&measured(&rest))) / whole })
-    .collect();
+    let is_unlinked = control.breaches(p).iter().any(|b| matches!(b, Breach::Links(_)));
+    let mut out: Vec<Part> =
+        if is_unlinked { without_groups(study, p) } else { without_units(study, control, p) }
+            .into_par_iter()
+            .map(|(name, groups, rest)| Part { name, groups, lost: (whole - gain(&measured(&rest))) / whole })
+            .collect();
     out.retain(|part| part.lost >= SMALLEST_SHARE);
     out.sort_by(|a, b| b.lost.total_cmp(&a.lost));
     out.truncate(TOLD);

@@ -1,0 +1,283 @@
+//! From round to round: pinned options, options to stay near, what is found so far, accepted drawings.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::path::Path;
+use std::time::Instant;
+
+use enfilade::config::{Partial, Settings};
+use enfilade::pipeline::{self, Event, Input};
+use enfilade::report::{Cancel, OutFile};
+use serde_json::Value;
+
+mod desk;
+
+use desk::{Desk, Plan, enfilade, hall, json, text};
+
+#[test]
+fn a_pinned_option_that_no_longer_fits_is_named() {
+    let drawn = hall(["x -2 2", "x -2 2", "x -2 2"]);
+    let desk = Desk::new(&drawn);
+    desk.run(1, &["--objective", "degree max 0.3"]);
+    let refused = |plan: Plan, what: &str| {
+        desk.draw(&plan);
+        let done = desk.call("run", &["--pin", "1", "--evaluations", "20"]);
+        let said = text(&done.stderr);
+        assert_eq!(done.status.code(), Some(3), "{said}");
+        assert!(said.contains(what), "{said}");
+    };
+    refused(hall(["y -2 2", "x -2 2", "x -2 2"]), "a (x) may not move any more");
+    refused(hall(["x -2 2; name d", "x 0 0.001", "x -2 2"]), "and may now be between 0 and 0.001 m");
+    let elsewhere = Plan(drawn.0.replace("10\n5\n20\n2\n11\n5\n21\n8", "10\n5.05\n20\n2\n11\n5.05\n21\n8"));
+    refused(elsewhere, "a (x) moves other corners than then");
+    let more = drawn.clone().moving([2.0, 2.0, 2.0, 4.0], "x -0.5 0.5; name new");
+    desk.draw(&more);
+    let round = desk.run(2, &["--pin", "1", "--like", "1", "--evaluations", "20"]);
+    let then = json(&desk.folder.path().join("plan.enfilade/round-01/result.json"));
+    let now = json(&round.join("result.json"));
+    let [then, now] = [then, now].map(|r| r["candidates"][0]["parameters"].as_array().unwrap().clone());
+    assert_eq!((&then[..], &now[3]), (&now[..3], &Value::from(0.0)), "a new move stays as drawn");
+}
+
+/// A pinned option is kept as it was, whatever is asked now, and everything says what it breaks.
+#[test]
+fn a_pinned_option_that_breaks_what_is_asked_now_is_kept_and_named() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    let first = json(&desk.run(1, &["--objective", "degree max 0.3"]).join("result.json"));
+    let option = first["candidates"][0].clone();
+    assert!(option["explanation"].get("breaks").is_none());
+    let degree = option["mean"]["degree"].as_f64().unwrap();
+    let more = format!("degree >= {}", degree * 2.0);
+    let asked = |round: u32, rules: &[&str], word: &str| {
+        let at = desk.run(round, &[&["--pin", "1", "--evaluations", "40"], rules].concat());
+        let result = json(&at.join("result.json"));
+        let kept = &result["candidates"][0];
+        assert_eq!(kept["parameters"], option["parameters"], "{rules:?}");
+        assert_eq!(kept["within_threshold"], false);
+        let breaks = kept["explanation"]["breaks"].to_string();
+        let problems = result["problems"].to_string();
+        let [page, note] =
+            ["report.html", "candidate-1.dxf"].map(|f| text(&std::fs::read(at.join(f)).unwrap()));
+        assert!(breaks.contains(word) && problems.contains(word), "{rules:?}: {breaks} {problems}");
+        assert!(kept["words"].as_str().unwrap().contains("Kept because it is pinned, though it breaks"));
+        assert!(page.contains("Kept because it is pinned") && note.contains("pinned"), "{rules:?}");
+        for other in result["candidates"].as_array().unwrap().iter().skip(1) {
+            assert!(other["explanation"].get("breaks").is_none(), "{rules:?}");
+        }
+        desk.run(round + 1, &["--objective", "degree max 0.3"]);
+        let again =
+            json(&desk.folder.path().join(format!("plan.enfilade/round-{:02}/result.json", round + 1)));
+        assert_eq!(again["candidates"], first["candidates"], "the same again, to pin from");
+    };
+    asked(2, &["--most-moves", "1"], "most-moves 1");
+    asked(4, &["--snap", "0.7 m"], "snap 0.7 m");
+    asked(6, &["--link", "mirror-x: a, b"], "linked");
+    asked(8, &["--limit", &more], "degree");
+}
+
+/// A round without options answers whatever is asked of it in plain words.
+#[test]
+fn a_round_without_options_can_be_asked_for_them() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    let result = json(&desk.run(1, &["--limit", "degree >= +500%"]).join("result.json"));
+    assert_eq!(result["candidates"].as_array().unwrap().len(), 0);
+    let objective = &result["objectives"][1];
+    assert!(["best", "reachable", "limit"].iter().all(|k| objective[k].is_null()), "{objective}");
+    let problems = result["problems"].to_string();
+    assert!(problems.contains("keeps every hard limit") && problems.contains("it has"), "{problems}");
+    let drawing = desk.drawing().to_string_lossy().into_owned();
+    for (arguments, words) in [
+        (&["accept", &drawing, "0"][..], "found no layout better than the present one"),
+        (&["accept", &drawing, "1"], "has no options"),
+        (&["run", &drawing, "--pin", "1"], "has no options"),
+        (&["run", &drawing, "--like", "1"], "has no options"),
+    ] {
+        let done = enfilade(arguments);
+        let said = text(&done.stderr);
+        assert_eq!(done.status.code(), Some(3), "{said}");
+        assert!(said.contains(words) && !said.contains("null"), "{arguments:?}: {said}");
+    }
+}
+
+/// What a stopped search leaves in so-far/ can be accepted, pinned and liked.
+#[test]
+fn the_best_so_far_can_be_taken() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    let round = desk.run(1, &["--objective", "degree max 0.3"]);
+    let so_far = round.with_file_name("so-far");
+    let drawing = desk.drawing().to_string_lossy().into_owned();
+    let refused = enfilade(&["accept", &drawing, "1", "--so-far"]);
+    assert_eq!(refused.status.code(), Some(3), "{}", text(&refused.stderr));
+    assert!(text(&refused.stderr).contains("--write-every"), "{}", text(&refused.stderr));
+    // As a stop leaves it: no round, its files in so-far.
+    std::fs::rename(&round, &so_far).unwrap();
+    let parameters = |at: &Path| json(&at.join("result.json"))["candidates"][0]["parameters"].clone();
+    for (arguments, is_new) in
+        [(&["accept", &drawing, "1"][..], true), (&["accept", &drawing, "1", "--so-far"], false)]
+    {
+        let done = enfilade(arguments);
+        let said = text(&done.stdout);
+        assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+        assert!(said.contains("option 1 of the best so far") && said.contains("before") != is_new, "{said}");
+    }
+    let car = std::fs::read_to_string(desk.folder.path().join("plan-r02.enfilade.toml")).unwrap();
+    assert!(car.contains("so-far = true"), "{car}");
+    let next = enfilade(&["run", &drawing.replace("plan.dxf", "plan-r02.dxf"), "--evaluations", "20", "-q"]);
+    assert!(next.status.success(), "{}", text(&next.stderr));
+    let page = desk.folder.path().join("plan-r02.enfilade/round-01/report.html");
+    assert!(std::fs::read_to_string(page).unwrap().contains("Best so far of a stopped search: plan.dxf"));
+    let other = enfilade(&[
+        "run",
+        &drawing.replace("plan.dxf", "plan-r02.dxf"),
+        "--evaluations",
+        "20",
+        "-q",
+        "--spacing",
+        "0.6",
+    ]);
+    assert!(other.status.success(), "{}", text(&other.stderr));
+    let [same, changed] = [1, 2].map(|n| {
+        let at = desk.folder.path().join(format!("plan-r02.enfilade/round-0{n}/report.html"));
+        std::fs::read_to_string(at).unwrap().contains("Spacing or regions have changed")
+    });
+    assert_eq!((same, changed), (false, true));
+    let pinned = parameters(&so_far);
+    let next = desk.run(1, &["--pin", "1", "--so-far", "--evaluations", "20"]);
+    assert_eq!(parameters(&next), pinned);
+    assert!(!so_far.exists(), "the finished round takes its place");
+}
+
+/// What nobody stated is not stated in the side-car, so that what is stated later is firm.
+#[test]
+fn an_accepted_drawing_leaves_open_what_nobody_stated() {
+    for (stated, objective, thresholds) in [
+        (&[][..], None, None),
+        (&["--objective", "degree max 0.5"], Some("degree max 0.5"), Some("firm")),
+        (&["--thresholds", "firm"], Some("degree max 0.7, depth min 0.7, entropy max 0.7"), Some("firm")),
+        (
+            &["--objective", "degree max 0.5", "--thresholds", "yielding"],
+            Some("degree max 0.5"),
+            Some("yielding"),
+        ),
+    ] {
+        let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+        desk.run(1, &[stated, &["--evaluations", "40"]].concat());
+        let drawing = desk.drawing().to_string_lossy().into_owned();
+        assert!(enfilade(&["accept", &drawing, "1"]).status.success(), "{stated:?}");
+        let car = std::fs::read_to_string(desk.folder.path().join("plan-r02.enfilade.toml")).unwrap();
+        let car: toml::Table = car.parse().unwrap();
+        let has = |key: &str| car.get(key).map(|v| v.as_str().unwrap().to_owned());
+        assert_eq!((has("objective").as_deref(), has("thresholds").as_deref()), (objective, thresholds));
+    }
+}
+
+#[test]
+fn an_accepted_option_begins_with_what_survives() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    desk.run(1, &["--objective", "degree max 0.3"]);
+    let drawing = desk.drawing().to_string_lossy().into_owned();
+    assert!(enfilade(&["accept", &drawing, "1"]).status.success());
+    let next = desk.folder.path().join("plan-r02.dxf").to_string_lossy().into_owned();
+    let car = desk.folder.path().join("plan-r02.enfilade.toml");
+    let told = |want: bool| {
+        let done = enfilade(&["run", &next, "--evaluations", "20"]);
+        let said = text(&done.stderr);
+        assert!(matches!(done.status.code(), Some(0 | 1)), "{said}");
+        assert_eq!(said.contains("do not fit the drawing as a whole"), want, "{said}");
+    };
+    told(false);
+    let side_car = std::fs::read_to_string(&car).unwrap();
+    assert!(side_car.contains("[[warm-move]]"), "{side_car}");
+    let at = side_car.find("[[move]]\n").unwrap();
+    let changed =
+        format!("{}{}", &side_car[..at], side_car[at..].replacen("name = \"a\"", "name = \"door\"", 1));
+    std::fs::write(&car, changed).unwrap();
+    told(true);
+}
+
+#[test]
+fn what_is_found_so_far_is_a_whole_round_and_disturbs_nothing() {
+    let plan = hall(["x -2 2", "x -2 2", "x -2 2"]).text();
+    let run = |every: Option<f64>| {
+        let partial = Partial {
+            unit: Some("m".into()),
+            spacing: Some(1.0),
+            evaluations: Some(5),
+            ..Partial::default()
+        };
+        let settings = Settings { write_every_secs: every, ..Settings::new(partial).unwrap() };
+        let input = Input::new("plan.dxf", plan.as_bytes(), 1);
+        let mut so_far: Vec<(Vec<OutFile>, u64)> = Vec::new();
+        let mut show = |event: Event| {
+            if let Event::SoFar { files, progress } = event {
+                assert_eq!(progress.stage, "so-far");
+                so_far.push((files, progress.evaluations));
+            }
+        };
+        let done = pipeline::run(&input, &settings, Instant::now(), &mut show, &Cancel::default()).unwrap();
+        (so_far, done)
+    };
+    let (written, done) = run(Some(0.0));
+    let (none, same) = run(None);
+    assert!(none.is_empty());
+    assert!(written.len() >= 2, "{}", written.len());
+    for (files, evaluations) in &written {
+        let of = |name: &str| files.iter().find(|f| f.path.as_os_str() == name);
+        let result: Value = serde_json::from_slice(&of("result.json").unwrap().bytes).unwrap();
+        assert_eq!(result["evaluations"].as_u64(), Some(*evaluations));
+        assert_eq!(result["stopped_by"], "the search had not ended; this is the best so far");
+        assert!(of("report.html").is_some() && of("initial.dxf").is_some());
+    }
+    let drawings = |files: &[OutFile]| -> Vec<OutFile> {
+        files
+            .iter()
+            .filter(|f| f.path.extension().is_some_and(|e| e == "dxf" || e == "html"))
+            .cloned()
+            .collect()
+    };
+    assert_eq!(drawings(&done.files), drawings(&same.files));
+}
+
+/// A round without options leaves those of the round before to be pinned.
+#[test]
+fn options_of_the_round_before_an_empty_one_are_pinned() {
+    let desk = Desk::new(&hall(["x -2 2"; 3]));
+    let result = |round: u32, more: &[&str]| json(&desk.run(round, more).join("result.json"));
+    let first = result(1, &["--spacing", "1"]);
+    let none = result(2, &["--spacing", "1", "--limit", "degree >= 1000"])["candidates"].clone();
+    let third = result(3, &["--spacing", "1", "--pin", "1"])["candidates"][0].clone();
+    assert!(none == Value::Array(vec![]) && third["parameters"] == first["candidates"][0]["parameters"]);
+}
+
+/// Parts of a pinned option are those of the option itself, also where the links asked for now would put its walls
+/// elsewhere.
+#[test]
+fn a_pinned_option_that_breaks_a_link_is_explained_as_it_is() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    let asked = ["--objective", "degree max 0.3", "--penalty", "none"];
+    let parts = |round: &Path| {
+        let first = json(&round.join("result.json"))["candidates"][0]["explanation"]["parts"].clone();
+        assert!(first.as_array().is_some_and(|p| !p.is_empty()), "{first}");
+        first
+    };
+    desk.run(1, &asked);
+    let pinned = |round: u32, more: &[&str]| {
+        desk.run(round, &[&asked[..], &["--pin", "1", "--evaluations", "20"], more].concat())
+    };
+    let free = parts(&pinned(2, &[]));
+    assert_eq!(parts(&pinned(3, &["--link", "same: a, c"])), free);
+}
+
+/// Who draws new marks in an accepted drawing hears that its file of settings says what moves.
+#[test]
+fn marks_that_settings_pass_over_are_told() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    let is_told = |round: &Path| {
+        let problems = json(&round.join("result.json"))["problems"].clone();
+        problems.as_array().unwrap().iter().any(|p| p["code"] == "marks-passed-over")
+    };
+    assert!(!is_told(&desk.run(1, &["--evaluations", "20"])));
+    desk.side_car("[[move]]\nnodes = [[5, 2], [5, 8]]\nmoves = \"x -1 1\"\n");
+    let done = desk.call("check", &["--json"]);
+    assert!(text(&done.stdout).contains("marks-passed-over"), "{}", text(&done.stdout) + &text(&done.stderr));
+}
