@@ -4,6 +4,7 @@ mod budget;
 mod files;
 mod joints;
 mod judged;
+mod overlaps;
 mod told;
 
 use std::collections::BTreeMap;
@@ -100,6 +101,7 @@ fn round(
         report.extend(m.report.clone());
     }
     joints::say_opened(&mut report, input.file(), study, &made);
+    overlaps::say_overlaps(&mut report, input.file(), study, settings, &made);
     if let Some(found) = found {
         told::say_pinned(&mut report, input.file(), &found.explanations);
         if is_firm(settings) && !made.is_empty() {
