@@ -7,6 +7,7 @@ pub mod carried;
 pub mod control;
 pub mod defaults;
 mod doorways;
+pub mod idle;
 mod joined;
 mod mitre;
 pub mod opened;
@@ -60,6 +61,8 @@ pub struct Moves {
     pub are_default: bool,
     /// Parameters in the order in which they apply.
     pub parameters: Vec<Parameter>,
+    /// Parameters that move nothing and were left out.
+    pub left_out: Vec<Parameter>,
     /// Groups, in the order of their outlines in the file.
     pub groups: Vec<NodeGroup>,
     /// Walls any of whose control points can move, ascending.
@@ -281,6 +284,15 @@ impl Moves {
         }
         self.mitre.place(&self.start, &ends, &mut at);
         Placed { at, ends, motions, lengths }
+    }
+
+    /// Leaves out some parameters; they are remembered, so that an option of an earlier round still fits.
+    pub fn leave_out(&mut self, dropped: &[usize]) {
+        let all = std::mem::take(&mut self.parameters);
+        for (i, p) in all.into_iter().enumerate() {
+            let list = if dropped.contains(&i) { &mut self.left_out } else { &mut self.parameters };
+            list.push(p);
+        }
     }
 
     /// Whether a step takes nothing as far as a move is.

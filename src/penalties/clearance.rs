@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::pairs::{Aabb, BoxGrid, sweep};
 use super::rounded::{hull_overlap_m2, ring_overlap_m2};
-use super::{Layout, Meeting, TOUCH_M, WallPiece, is_inside, meeting};
+use super::{Layout, Meeting, TOUCH_M, WallPiece, is_convex, is_inside, meeting};
 
 /// The paper's radius r of the disc that widens each wall, metres.
 pub const RADIUS_M: f64 = 0.5;
@@ -214,13 +214,7 @@ impl Wall {
     /// Whether no corner turns inwards, but for rounding.
     fn is_convex(&self) -> bool {
         let Form::Solid(corners) = &self.form else { return true };
-        let at = |i: usize| corners[i % corners.len()];
-        let bends = (0..corners.len()).map(|i| {
-            let (from, to) = (at(i + 1) - at(i), at(i + 2) - at(i + 1));
-            from.perp_dot(to) / from.length().max(to.length()).max(TOUCH_M)
-        });
-        let (least, most) = bends.fold((0.0f64, 0.0f64), |(lo, hi), b| (lo.min(b), hi.max(b)));
-        least > -TOUCH_M || most < TOUCH_M
+        is_convex(corners)
     }
 }
 

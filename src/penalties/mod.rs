@@ -6,6 +6,7 @@
 
 pub mod alignment;
 pub mod clearance;
+pub mod covered;
 pub mod disconnection;
 pub mod overlap;
 pub mod pairs;
@@ -109,6 +110,17 @@ fn is_inside(ring: &[DVec2], p: DVec2) -> bool {
         is_between && ((*b - *a).perp_dot(p - *a) > 0.0) == (b.y > a.y)
     });
     crossed.count() % 2 == 1
+}
+
+/// Whether a ring turns one way at every corner, straight corners included.
+fn is_convex(ring: &[DVec2]) -> bool {
+    let at = |i: usize| ring[i % ring.len()];
+    let bends = (0..ring.len()).map(|i| {
+        let (from, to) = (at(i + 1) - at(i), at(i + 2) - at(i + 1));
+        from.perp_dot(to) / from.length().max(to.length()).max(TOUCH_M)
+    });
+    let (least, most) = bends.fold((0.0f64, 0.0f64), |(lo, hi), b| (lo.min(b), hi.max(b)));
+    least > -TOUCH_M || most < TOUCH_M
 }
 
 /// Distance from a point to a segment, metres.

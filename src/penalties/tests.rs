@@ -466,6 +466,44 @@ fn overlap_counts_walls_that_newly_run_through_each_other() {
     assert_eq!(measure([5.0, -1.0, 5.0, 1.0], [6.0, -1.0, 6.0, 1.0]), 0.0, "crossed from the start");
 }
 
+/// A solid that hides another crosses none of its faces, and stands in it all the same.
+#[test]
+fn overlap_counts_what_stands_in_a_solid() {
+    let block = |x: f64, y: f64, w: f64, h: f64| [[x, y], [x + w, y], [x + w, y + h], [x, y + h]];
+    let column = block(0.0, 0.0, 0.4, 0.4);
+    let measure = |other: &[[f64; 2]], shift: [f64; 2], now: &[[f64; 2]]| {
+        let away: Vec<[f64; 2]> = other.iter().map(|p| [p[0] + shift[0], p[1] + shift[1]]).collect();
+        let (start, now) = (solids(&[&column, &away]), solids(&[&column, now]));
+        Overlap::new(&Layout { pieces: &start }).measure_m(&Layout { pieces: &now })
+    };
+    let screen = |x: f64, y: f64| block(x, y, 1.6, 0.8);
+    let far = [10.0, 0.0];
+    let at = |x: f64, y: f64| measure(&screen(x, y), far, &screen(x, y));
+    assert_eq!(at(-1.6, 0.0), 0.0, "touching");
+    assert_near(at(-0.6, -0.2), 0.6, 1e-12);
+    assert_near(measure(&column, far, &column), 0.4, 1e-12);
+    // From touching to wholly hidden there is no jump, whichever moves.
+    let ways: Vec<f64> = (0..=1000).map(|i| at(-1.6 + f64::from(i) * 1e-3, -0.2)).collect();
+    assert!(ways.windows(2).all(|w| (w[1] - w[0]).abs() < 0.01), "{ways:?}");
+    assert!(ways[1..].iter().all(|m| *m > 0.0));
+    // In the nook of an angle stands nothing; in its leg it does.
+    let angle = |x: f64, y: f64| {
+        [[0.0, 0.0], [3.0, 0.0], [3.0, 0.6], [0.6, 0.6], [0.6, 3.0], [0.0, 3.0]].map(|[u, v]| [u + x, v + y])
+    };
+    assert_eq!(measure(&angle(-1.0, -1.0), far, &angle(-1.0, -1.0)), 0.0);
+    assert!(measure(&angle(-2.0, -0.1), far, &angle(-2.0, -0.1)) > 0.1);
+    // What was hidden from the start is drawn so.
+    assert_eq!(measure(&screen(-0.6, -0.2), [0.0, 0.0], &screen(-0.7, -0.2)), 0.0);
+    // A wall of one line may be hidden too.
+    let with_line = |y: f64| {
+        let mut all = solids(&[&screen(0.0, 0.0)]);
+        all.extend(moving(&[[0.4, y, 0.6, y]]).into_iter().map(|p| WallPiece { nodes: [90, 91], ..p }));
+        all
+    };
+    let (start, now) = (with_line(5.0), with_line(0.3));
+    assert_near(Overlap::new(&Layout { pieces: &start }).measure_m(&Layout { pieces: &now }), 0.3, 1e-12);
+}
+
 #[test]
 fn meetings_have_names() {
     let s = |x0, y0, x1, y1| [dvec2(x0, y0), dvec2(x1, y1)];

@@ -125,6 +125,12 @@ fn refit(
                 continue;
             }
             let Some(j) = *place else {
+                // What never moved anything is the same without it.
+                let is_same =
+                    |p: &&Parameter| p.group_name == known.name && p.clause.kind.name() == known.kind;
+                if base.moves.left_out.iter().any(|p| is_same(&p)) {
+                    continue;
+                }
                 say(format!("{} ({}) {}", known.name, known.kind, why_not(now, known)));
                 continue;
             };

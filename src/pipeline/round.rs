@@ -5,6 +5,7 @@ mod files;
 mod grid;
 mod joints;
 mod judged;
+mod overlaps;
 mod told;
 
 use std::collections::BTreeMap;
@@ -101,6 +102,7 @@ fn round(
         report.extend(m.report.clone());
     }
     joints::say_opened(&mut report, input.file(), study, &made);
+    overlaps::say_overlaps(&mut report, input.file(), study, settings, &made);
     if let Some(found) = found {
         told::say_pinned(&mut report, input.file(), &found.explanations);
         if is_firm(settings) && !made.is_empty() {

@@ -2,6 +2,7 @@
 
 mod card;
 mod carrying;
+mod idle;
 mod marked;
 mod parts;
 mod seen;
@@ -39,6 +40,7 @@ use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, Wall, box_of, layers, understand};
 use crate::report::{Error, Place, Problem, Report, Severity};
+use idle::without_idle;
 use marked::{side_car_groups, state_held, state_passed_over, state_unread_marks};
 use parts::{closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of};
 use seen::Scene;
@@ -278,7 +280,8 @@ fn moves(
     if !settings.moves.is_empty() {
         state_passed_over(drawing, plan, report);
         let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
-        return Ok(Moves::of_records(plan, graph, axes, (&groups, &records), report));
+        let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
+        return Ok(without_idle(moves, groups.iter().map(|g| &g.0), (plan, graph), settings, report));
     }
     if !drawing.marked.is_empty() && !settings.ignore_move_markers {
         let stated = building::marked_moves(drawing);
@@ -286,10 +289,12 @@ fn moves(
         if groups.is_empty() {
             state_unread_marks(marked::marks_of(drawing.format), plan, report);
         }
-        return Ok(Moves::of_records(plan, graph, axes, (&groups, &records), report));
+        let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
+        return Ok(without_idle(moves, groups.iter().map(|g| &g.0), (plan, graph), settings, report));
     }
     if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
-        return Ok(Moves::from_markers(plan, graph, axes, report));
+        let moves = Moves::from_markers(plan, graph, axes, report);
+        return Ok(without_idle(moves, plan.markers.groups.iter(), (plan, graph), settings, report));
     }
     if plan.markers.is_move_drawn && !settings.ignore_move_markers {
         state_unread_marks(markers::MOVE, plan, report);

@@ -72,7 +72,7 @@ pub(in super::super) fn hidden(study: &Study, settings: &Settings, worth: &Worth
 }
 
 /// Corners that are written to the micrometre and mitred anew may run through each other by so much, metres.
-const CROSSING_FREE_M: f64 = 0.02;
+pub(super) const CROSSING_FREE_M: f64 = 0.02;
 
 /// By how much walls run through each other only now, metres, where nobody said what moves: such an option is none.
 fn crossing_m(study: &Study, worth: &Worth) -> f64 {

@@ -1,16 +1,33 @@
 //! What of a study's walls stays and what moves, piece by piece.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::Understood;
+use super::{Study, Understood};
 use crate::analysis::lattice::CellIndex;
 use crate::moves::Layout;
+use crate::penalties;
 use crate::plan::axes::FaceRef;
 use crate::plan::curve::Trace;
 use crate::plan::geometry::{PointUm, Segment};
 use crate::plan::structure;
+
+impl Study {
+    /// The walls that a layout runs through each other, and by how many metres, as the penalty counts them.
+    pub fn overlapping(&self, layout: &Layout) -> Vec<([u32; 2], f64)> {
+        let mut pieces = self.pieces.clone();
+        self.place_all(layout, &mut pieces);
+        let walls = self.base.plan.walls.iter().enumerate();
+        let of_piece: Vec<u32> =
+            walls.flat_map(|(w, wall)| wall.trace.segments().map(move |_| w as u32)).collect();
+        let mut out: BTreeMap<[u32; 2], f64> = BTreeMap::new();
+        for (pair, by_m) in self.overlap.pairs_m(&penalties::Layout { pieces: &pieces }) {
+            *out.entry(pair.map(|p| of_piece[p])).or_default() += by_m;
+        }
+        out.into_iter().collect()
+    }
+}
 
 /// For every moving wall and control point: whether the piece that starts there moves.
 pub(super) fn piece_moves(base: &Understood) -> Vec<Vec<bool>> {

@@ -1,0 +1,129 @@
+//! What marks ask for and cannot have, or have at a price, is told: clauses that move nothing, walls that run through
+//! others, solids that stand in solids.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
+
+use std::fmt::Write;
+use std::process::Command;
+
+use serde_json::Value;
+
+/// An R12 drawing in metres, put together piece by piece.
+#[derive(Default)]
+struct Plan(String);
+
+impl Plan {
+    fn line(mut self, [x, y, u, v]: [f64; 4]) -> Self {
+        write!(self.0, "0\nLINE\n8\nWALL\n10\n{x}\n20\n{y}\n11\n{u}\n21\n{v}\n").unwrap();
+        self
+    }
+
+    fn ring(mut self, layer: &str, [x, y, u, v]: [f64; 4]) -> Self {
+        write!(self.0, "0\nPOLYLINE\n8\n{layer}\n66\n1\n70\n1\n").unwrap();
+        for [x, y] in [[x, y], [u, y], [u, v], [x, v]] {
+            write!(self.0, "0\nVERTEX\n8\n{layer}\n10\n{x}\n20\n{y}\n").unwrap();
+        }
+        write!(self.0, "0\nSEQEND\n8\n{layer}\n").unwrap();
+        self
+    }
+
+    fn mark(self, ring: [f64; 4], how: &str) -> Self {
+        let mut out = self.ring("EF-MOVE", ring);
+        let at = [f64::midpoint(ring[0], ring[2]), f64::midpoint(ring[1], ring[3])];
+        write!(out.0, "0\nTEXT\n8\nEF-MOVE\n10\n{}\n20\n{}\n40\n0.2\n1\n{how}\n", at[0], at[1]).unwrap();
+        out
+    }
+
+    /// A round of this drawing: its result.
+    fn run(&self, more: &[&str]) -> Value {
+        let folder = tempfile::tempdir().unwrap();
+        let drawing = folder.path().join("plan.dxf");
+        std::fs::write(&drawing, format!("0\nSECTION\n2\nENTITIES\n{}0\nENDSEC\n0\nEOF\n", self.0)).unwrap();
+        let drawing = drawing.to_string_lossy().into_owned();
+        let common = ["run", &drawing, "--unit", "m", "-q", "--spacing", "0.5"];
+        let done =
+            Command::new(env!("CARGO_BIN_EXE_enfilade")).args([&common[..], more].concat()).output().unwrap();
+        let result = folder.path().join("plan.enfilade/round-01/result.json");
+        let words = String::from_utf8_lossy(&done.stderr).into_owned();
+        serde_json::from_slice(&std::fs::read(result).expect(&words)).unwrap()
+    }
+}
+
+/// The texts of one code.
+fn told(result: &Value, code: &str) -> Vec<String> {
+    let problems = result["problems"].as_array().unwrap().iter().filter(|p| p["code"] == code);
+    problems.map(|p| format!("{}", p)).collect()
+}
+
+/// Two screens in a hall, each above a column that it can hide.
+fn columns(is_marked: bool) -> Plan {
+    let mut plan = Plan::default().ring("WALL", [0.0, 0.0, 12.0, 8.0]);
+    plan = plan.ring("WALL", [0.3, 0.3, 11.7, 7.7]);
+    for x in [3.0, 8.0] {
+        plan = plan.ring("COLUMN", [x - 0.2, 2.8, x + 0.2, 3.2]);
+        let screen = [x - 0.8, 3.55, x + 0.8, 4.35];
+        plan = plan.ring("WALL", screen);
+        if is_marked {
+            plan = plan.mark([x - 0.9, 3.5, x + 0.9, 4.4], "y -1.2 0.1");
+        }
+    }
+    plan
+}
+
+/// A screen on a column hides it and opens the view: an option all the same only where nobody minds, and then told.
+#[test]
+fn a_screen_that_hides_a_column_is_told() {
+    let wish = ["--evaluations", "80", "--penalty", "none"];
+    let result = columns(true).run(&wish);
+    let hides = |o: &&Value| o["parameters"].as_array().unwrap().iter().any(|p| p.as_f64().unwrap() < -0.4);
+    let options = result["candidates"].as_array().unwrap();
+    assert!(options.iter().any(|o| hides(&o)), "{result}");
+    for (i, option) in options.iter().enumerate() {
+        let overlap = option["penalty"]["overlap"].as_f64().unwrap();
+        assert_eq!(hides(&option), overlap > 0.02, "{option}");
+        let of = format!("option {} runs it through plan.dxf:", i + 1);
+        let told = told(&result, "options-overlap");
+        assert_eq!(told.iter().any(|t| t.contains(&of) && t.contains("COLUMN")), overlap > 0.02, "{told:?}");
+    }
+    let held = columns(true).run(&[&wish[..], &["--limit", "overlap <= 0"]].concat());
+    assert!(held["candidates"].as_array().unwrap().iter().all(|o| !hides(&o)), "{held}");
+    assert!(told(&held, "options-overlap").is_empty());
+}
+
+/// A partition between two walls, drawn face by face, its ends where they are.
+fn partition(how: &[&str]) -> Plan {
+    let faces = [
+        [0.3, 0.3, 6.0, 0.3],
+        [6.1, 0.3, 11.7, 0.3],
+        [11.7, 0.3, 11.7, 7.7],
+        [11.7, 7.7, 6.1, 7.7],
+        [6.0, 7.7, 0.3, 7.7],
+        [0.3, 7.7, 0.3, 0.3],
+        [6.0, 0.3, 6.0, 7.7],
+        [6.1, 0.3, 6.1, 7.7],
+    ];
+    let plan = Plan::default().ring("WALL", [0.0, 0.0, 12.0, 8.0]);
+    let plan = faces.into_iter().fold(plan, Plan::line);
+    how.iter().fold(plan, |plan, how| plan.mark([5.8, 0.2, 6.3, 7.8], how))
+}
+
+/// What the user asked for and nothing follows is no parameter: options differ in what moves.
+#[test]
+fn a_clause_that_moves_nothing_is_named() {
+    let wish = ["--evaluations", "20"];
+    let result = partition(&["x -1 1; y -1 1"]).run(&wish);
+    let idle = told(&result, "move-idle");
+    assert!(idle.len() == 1 && idle[0].contains("`y -1 m to 1 m` moves nothing: corners"), "{idle:?}");
+    assert!(idle[0].contains("EF-MOVE") && !idle[0].contains("nothing moves here"), "{idle:?}");
+    let kinds = |r: &Value| -> Vec<String> {
+        r["moves"].as_array().unwrap().iter().map(|m| m["kind"].as_str().unwrap().into()).collect()
+    };
+    assert_eq!(kinds(&result), ["x"]);
+    // A turn and a shift together move what the shift alone does not.
+    let turned = partition(&["y -1 1; rotate -5 5"]).run(&wish);
+    assert_eq!(kinds(&turned), ["y", "rotate"]);
+    let none = partition(&["scale 0.8 1.2"]).run(&wish);
+    let idle = told(&none, "move-idle");
+    assert!(idle.len() == 1 && idle[0].contains("nothing moves here"), "{idle:?}");
+    assert_eq!(none["candidates"], Value::Array(vec![]));
+}
