@@ -37,7 +37,7 @@ use crate::plan::markers;
 use crate::plan::outline::SOLID_ACROSS_M;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
-use crate::plan::{Plan, PlanOptions, Region, Wall, box_of, layers, understand};
+use crate::plan::{Plan, PlanOptions, Region, Wall, box_of, own_layers, understand};
 use crate::report::{Error, Place, Problem, Report, Severity};
 use marked::{side_car_groups, state_held, state_unread_marks};
 use parts::{closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of};
@@ -218,7 +218,7 @@ fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<(Trace, bool)> {
     let is_hidden = |name: &str| drawing.layers.iter().any(|l| l.name == name && (l.is_off || l.is_frozen));
     let hidden: BTreeSet<&str> =
         drawing.layers.iter().map(|l| l.name.as_str()).filter(|n| is_hidden(n)).collect();
-    let foreign = drawing.entities.iter().filter(|e| !layers::is_own(&e.layer)).enumerate();
+    let foreign = drawing.entities.iter().filter(|e| !own_layers::is_own(&e.layer)).enumerate();
     let free =
         foreign.filter(|(k, e)| plan.picked.binary_search(k).is_err() && !hidden.contains(e.layer.as_str()));
     let traces = free.map(|(_, e)| (trace(&e.shape, &plan.frame), structure::is_glass(e)));

@@ -25,6 +25,7 @@ pub mod names;
 pub mod obstacles;
 mod outdoors;
 pub mod outline;
+pub mod own_layers;
 pub mod parallels;
 mod paving;
 pub mod roles;
@@ -325,7 +326,7 @@ fn undrawn_words(drawing: &Drawing) -> (String, String) {
     for u in &drawing.undrawn {
         *counts.entry((u.is_on_paper, &u.layer, &u.kind)).or_default() += u.count;
     }
-    for fill in drawing.fills.iter().filter(|f| !layers::is_own(&f.layer)) {
+    for fill in drawing.fills.iter().filter(|f| !own_layers::is_own(&f.layer)) {
         *counts.entry((false, &fill.layer, &fill.source.kind)).or_default() += 1;
     }
     let (mut words, mut help) = (String::new(), String::new());

@@ -376,9 +376,14 @@ impl AxisGraph {
         self.statements.iter_mut().filter(|s| s.contains(UNDERSTOOD)).for_each(|s| s.clone_from(&counted));
     }
 
+    /// How many columns there are.
+    pub fn columns(&self) -> usize {
+        self.nodes.iter().filter(|n| matches!(n.kind, NodeKind::Column(_))).count()
+    }
+
     fn counted(&self) -> String {
         let count = |kind| self.openings.iter().filter(|o| o.kind == kind).count();
-        let columns = self.nodes.iter().filter(|n| matches!(n.kind, NodeKind::Column(_))).count();
+        let columns = self.columns();
         format!(
             "{} walls and {columns} columns{UNDERSTOOD}{} doors, {} windows, {} passages",
             self.edges.len(),
