@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use enfilade::config::{Partial, Settings};
 use enfilade::formats::dxf::{ReadOptions, patch, read, strip_own};
-use enfilade::overlay::result::CheckResult;
+use enfilade::overlay::result::{CheckResult, MoveEntry};
 use enfilade::pipeline::{self, Input};
 use enfilade::plan::drawing::{Addition, Mark};
 use enfilade::plan::own_layers::{BEFORE, BEFORE_RGB, MOVED, MOVED_RGB, NOTE, NOTE_RGB};
@@ -128,4 +128,84 @@ fn what_others_drew_on_our_layers_stays() {
             read("plan.dxf", without.as_bytes(), &ReadOptions::default(), &mut Report::default()).unwrap();
         assert!(texts.texts.iter().any(|t| t.text == "my own note"), "{version}");
     }
+}
+
+/// A drawing with blocks before its entities.
+fn with_blocks(blocks: &str, entities: &str) -> String {
+    let blocks = format!("0|SECTION|2|BLOCKS|{blocks}0|ENDSEC|").replace('|', "\n");
+    let entities_begin = "0\nSECTION\n2\nENTITIES\n";
+    drawing(entities).replacen(entities_begin, &(blocks + entities_begin), 1)
+}
+
+fn block(name: &str, inside: &str) -> String {
+    format!("0|BLOCK|8|0|2|{name}|70|0|10|0|20|0|{inside}0|ENDBLK|8|0|")
+}
+
+fn insert(name: &str, [x, y]: [f64; 2]) -> String {
+    format!("0|INSERT|8|WALL|2|{name}|10|{x}|20|{y}|")
+}
+
+/// Walls that only a block shows which includes itself: that is the reason, and its place.
+#[test]
+fn a_block_that_includes_itself_is_the_reason() {
+    let inside = |other: &str| line("WALL", [0.0, 0.0, 5.0, 0.0]) + &insert(other, [0.0, 0.0]);
+    let file = with_blocks(&(block("A", &inside("B")) + &block("B", &inside("A"))), &insert("A", [0.0, 0.0]));
+    let settings = Settings::new(Partial::default()).unwrap();
+    let error = pipeline::check(&Input::new("plan.dxf", file.as_bytes(), 1), &settings).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "plan.dxf:101 INSERT layer WALL: a block includes itself: A > B > A; the INSERT is left out; besides it no \
+         entity on a wall layer, layers present: none; nothing was measured; name the layer of the walls with \
+         --wall-layer NAME"
+    );
+}
+
+/// A clause that one wall cannot follow is left out alone. Minus signs are read as word processors set them.
+#[test]
+fn a_turn_that_a_block_cannot_take_is_left_out_alone() {
+    let faces = line("WALL", [0.0, 0.0, 2.0, 0.0]) + &line("WALL", [0.0, 0.1, 2.0, 0.1]);
+    let moves = |clauses: &str| {
+        let mark = ring("EF-MOVE", [3.5, 5.5, 6.5, 6.5]) + &text("EF-MOVE", [4.0, 6.3], clauses);
+        let entities = room() + &insert("S", [4.0, 6.0]) + &insert("S", [7.5, 6.0]) + &mark;
+        let done = check(&with_blocks(&block("S", &faces), &entities));
+        let told = |m: &MoveEntry| format!("{:?} {} {}", m.kind, m.lower, m.upper);
+        (done.result.moves.iter().map(told).collect::<Vec<_>>(), done.report)
+    };
+    let (kinds, report) = moves("x −1 1; y -1 1; rotate –15 15");
+    assert_eq!(kinds, ["X -1 1", "Y -1 1"], "{report:?}");
+    let why = said(&report, "move-clause-unused");
+    assert!(
+        matches!(&why[..], [one] if one.ends_with("its turn is left out, its other moves stay")),
+        "{why:?}"
+    );
+    assert!(said(&report, "wall-stays").is_empty());
+    let (kinds, report) = moves("rotate -15 15");
+    assert!(kinds.is_empty() && !said(&report, "wall-stays").is_empty(), "{report:?}");
+}
+
+/// An outline that crosses itself is named; one that merely touches itself is not.
+#[test]
+fn an_outline_that_crosses_itself_is_named() {
+    let outline = |points: &[[f64; 2]]| {
+        let head = format!("0|LWPOLYLINE|8|EF-QUERY|90|{}|70|1|", points.len());
+        let mark = points.iter().fold(head, |out, [x, y]| out + &format!("10|{x}|20|{y}|"));
+        said(&check(&drawing(&(room() + &mark))).report, "marker-crossed").len()
+    };
+    assert_eq!(outline(&[[1.0, 1.0], [3.0, 3.0], [3.0, 1.0], [1.0, 3.0]]), 1);
+    assert_eq!(outline(&[[1.0, 1.0], [3.0, 1.0], [3.0, 3.0], [1.0, 3.0]]), 0);
+    let touching = [[1.0, 1.0], [3.0, 1.0], [2.0, 2.0], [3.0, 3.0], [1.0, 3.0], [2.0, 2.0]];
+    assert_eq!(outline(&touching), 0);
+}
+
+/// What is drawn at an unknown scale is told in the metres that its unit states.
+#[test]
+fn thicknesses_are_told_in_the_drawings_metres() {
+    let thick = |scale: f64| {
+        let outline = |faces: [f64; 4]| ring("WALL", faces.map(|v| v * scale));
+        let result =
+            check(&drawing(&(outline([0.0, 0.0, 10.0, 8.0]) + &outline([0.3, 0.3, 9.7, 7.7])))).result;
+        result.statements.into_iter().find(|s| s.starts_with("wall thicknesses")).unwrap()
+    };
+    assert!(thick(1.0).starts_with("wall thicknesses: 0.30 m ("), "{}", thick(1.0));
+    assert!(thick(0.05).starts_with("wall thicknesses: 0.015 m ("), "{}", thick(0.05));
 }

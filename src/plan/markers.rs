@@ -186,6 +186,11 @@ pub fn read(drawing: &Drawing, options: &PlanOptions, frame: &Frame, report: &mu
             report.warn("marker-open", place(drawing, &e.source), text);
             continue;
         };
+        if region.crosses_itself() {
+            let text = "found an outline that crosses itself, expected one that does not; what lies between its lines by turns \
+                        inside and outside is taken so";
+            report.warn("marker-crossed", place(drawing, &e.source), text);
+        }
         if let [Some(name), _] = &named {
             out.pair(name).query.push(region);
             continue;
@@ -383,6 +388,8 @@ fn extent(entity: &Entity) -> f64 {
 }
 
 fn read_clause(clause: &str, frame: &Frame, drawing: &Drawing, group: &mut Group) -> Result<(), String> {
+    // Minus signs and dashes as word processors set them.
+    let clause = clause.replace(['−', '–', '‒', '‐', '‑', '﹣', '－'], "-");
     let words: Vec<&str> = clause.split_whitespace().collect();
     let expected = "expected `x LOW HIGH`, `y LOW HIGH`, `along DEGREES LOW HIGH`, `rotate LOW HIGH [about X,Y]`, \
                     `scale LOW HIGH [about X,Y]` or `name WORD`";
