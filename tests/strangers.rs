@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
 
 use std::fmt::Write;
+use std::time::Instant;
 
 use enfilade::config::{Partial, Settings};
 use enfilade::formats::dxf::{ReadOptions, patch, read, strip_own};
@@ -10,7 +11,7 @@ use enfilade::overlay::result::{CheckResult, MoveEntry};
 use enfilade::pipeline::{self, Input};
 use enfilade::plan::drawing::{Addition, Mark};
 use enfilade::plan::own_layers::{BEFORE, BEFORE_RGB, MOVED, MOVED_RGB, NOTE, NOTE_RGB};
-use enfilade::report::Report;
+use enfilade::report::{Cancel, Report};
 use glam::DVec2;
 
 /// A drawing in metres with `entities`, in lines joined by `|`.
@@ -201,11 +202,41 @@ fn an_outline_that_crosses_itself_is_named() {
 #[test]
 fn thicknesses_are_told_in_the_drawings_metres() {
     let thick = |scale: f64| {
-        let outline = |faces: [f64; 4]| ring("WALL", faces.map(|v| v * scale));
+        let side = |s: [f64; 4]| line("WALL", s.map(|v| v * scale));
+        let wall = |[a, b, c, d]: [f64; 4]| {
+            [[a, b, c, b], [c, b, c, d], [c, d, a, d], [a, d, a, b]].map(side).concat()
+        };
+        let walls =
+            [[0.0, 0.0, 12.0, 0.2], [0.0, 7.8, 12.0, 8.0], [0.0, 0.2, 0.2, 7.8], [11.8, 0.2, 12.0, 7.8]];
+        let partition =
+            [3.0, 6.0, 9.0].into_iter().flat_map(|x| [[x, 0.2, x + 0.2, 3.0], [x, 3.9, x + 0.2, 7.8]]);
         let result =
-            check(&drawing(&(outline([0.0, 0.0, 10.0, 8.0]) + &outline([0.3, 0.3, 9.7, 7.7])))).result;
-        result.statements.into_iter().find(|s| s.starts_with("wall thicknesses")).unwrap()
+            check(&drawing(&walls.into_iter().chain(partition).map(wall).collect::<String>())).result;
+        assert!(!result.statements.is_empty());
+        result.statements.join("\n")
     };
-    assert!(thick(1.0).starts_with("wall thicknesses: 0.30 m ("), "{}", thick(1.0));
-    assert!(thick(0.05).starts_with("wall thicknesses: 0.015 m ("), "{}", thick(0.05));
+    assert!(thick(1.0).contains("wall thicknesses: 0.20 m ("), "{}", thick(1.0));
+    assert!(thick(0.05).contains("wall thicknesses: 0.010 m ("), "{}", thick(0.05));
+}
+
+/// A text at a door that goes along with its wall is named: it stays.
+#[test]
+fn texts_at_a_door_that_moves_are_named() {
+    let wall = |[a, b, c, d]: [f64; 4]| {
+        [[a, b, c, b], [c, b, c, d], [c, d, a, d], [a, d, a, b]].map(|s| line("WALL", s)).concat()
+    };
+    let outer = [[0.0, 0.0, 10.0, 0.3], [0.0, 7.7, 10.0, 8.0], [0.0, 0.3, 0.3, 7.7], [9.7, 0.3, 10.0, 7.7]];
+    let partition = [[5.0, 0.3, 5.1, 3.0], [5.0, 3.9, 5.1, 7.7]];
+    let walls: String = outer.into_iter().chain(partition).map(wall).collect();
+    let door = line("DOOR", [5.1, 3.0, 6.0, 3.0]) + "0|ARC|8|DOOR|10|5.1|20|3.0|40|0.9|50|0|51|90|";
+    let mark = ring("EF-MOVE", [4.8, 0.2, 5.2, 7.8]) + &text("EF-MOVE", [4.9, 1.0], "x 0 1");
+    let words = text("TEXT", [5.4, 3.2], "D1") + &text("TEXT", [8.0, 6.0], "Room");
+    let file = drawing(&(walls + &door + &mark + &words));
+    let partial = Partial { spacing: Some(0.5), evaluations: Some(40), ..Partial::default() };
+    let settings = Settings::new(partial).unwrap();
+    let input = Input::new("plan.dxf", file.as_bytes(), 1);
+    let done = pipeline::run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default()).unwrap();
+    let told = said(&done.report, "stale-annotation");
+    let end = "TEXT layer TEXT: stands at a door or window that moves in an option; it stays as drawn and may be stale there";
+    assert!(matches!(&told[..], [one] if one.ends_with(end)), "{told:?} {:?}", done.report);
 }

@@ -32,6 +32,7 @@ use crate::plan::frame::unit_by_name;
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
+use crate::plan::labels::{self, Label};
 use crate::plan::layers::WallLayers;
 use crate::plan::markers;
 use crate::plan::outline::SOLID_ACROSS_M;
@@ -67,6 +68,8 @@ pub struct Understood {
     pub fittings: Vec<Fitting>,
     /// Shapes that were not taken as walls, for the picture; whether they are windows or glass by name.
     pub left_out: Vec<(Trace, bool)>,
+    /// Texts at parts of doors and windows.
+    pub labels: Vec<Label>,
     /// What may move.
     pub moves: Moves,
     /// The building's interior, where it was needed.
@@ -185,7 +188,8 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let moves = moves(drawing, &known, settings, report)?;
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
-    Ok(Understood { plan, graph, axes, bodies, sight, fittings, left_out, moves, interior, openings })
+    let labels = labels::labels(&plan, drawing, &fittings);
+    Ok(Understood { plan, graph, axes, bodies, sight, fittings, left_out, labels, moves, interior, openings })
 }
 
 /// What is known of a plan before its moves.

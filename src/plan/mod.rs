@@ -19,6 +19,7 @@ pub mod giants;
 pub mod graph;
 mod infill;
 pub mod interior;
+pub mod labels;
 pub mod layers;
 pub mod markers;
 pub mod names;
