@@ -87,7 +87,7 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
         return Ok(exit_code(&outcome.report));
     }
     if !args.common.quiet {
-        let solid = if result.columns == 1 { "1 solid".into() } else { format!("{} solid", result.columns) };
+        let solid = if result.solids == 1 { "1 solid".into() } else { format!("{} solid", result.solids) };
         say(&format!("{}: {}, {} wall elements ({solid})", result.file, result.version, result.walls));
         say(&format!("unit: {}", result.unit.reason));
         result.statements.iter().for_each(|s| say(s));

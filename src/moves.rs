@@ -142,6 +142,7 @@ impl Moves {
         (groups, records): (&[Marked], &[Option<BTreeSet<usize>>]),
         report: &mut Report,
     ) -> Self {
+        let groups = &usable(plan, graph, (groups, records), report);
         let held = held(plan, graph, (groups, records), report);
         let mut held: Vec<(&Group, NodeGroup)> =
             held.into_iter().map(|(i, group)| (&groups[i].0, group)).collect();
@@ -340,12 +341,59 @@ fn held(
     let mut out = Vec::new();
     for (i, (marker, nodes)) in groups.iter().enumerate() {
         let nodes: Vec<u32> = nodes.iter().copied().filter(|n| !is_kept(plan, graph, *n)).collect();
-        let only = records.get(i).and_then(Option::as_ref);
-        let is_own = |h: &Handle| only.is_none_or(|r| r.contains(&plan.walls[h.0 as usize].source.record));
-        let shown = nodes.iter().flat_map(|n| graph.handles[*n as usize].iter().copied());
-        let handles = writable_handles(plan, graph, marker, shown.filter(is_own).collect(), report);
+        let shown = shown_by(plan, graph, &nodes, records.get(i).and_then(Option::as_ref));
+        let handles = writable_handles(plan, graph, marker, shown, report);
         if !handles.is_empty() {
             out.push((i, NodeGroup { nodes, handles }));
+        }
+    }
+    out
+}
+
+/// Control points at some nodes, of all records or of some alone.
+fn shown_by(plan: &Plan, graph: &Graph, nodes: &[u32], only: Option<&BTreeSet<usize>>) -> BTreeSet<Handle> {
+    let is_own = |h: &Handle| only.is_none_or(|r| r.contains(&plan.walls[h.0 as usize].source.record));
+    let shown = nodes.iter().flat_map(|n| graph.handles[*n as usize].iter().copied());
+    shown.filter(is_own).collect()
+}
+
+/// The groups without turns and scalings that hold a wall of theirs back which could go along with the rest; where
+/// nothing would be left, they stay as they are. What is dropped is said.
+fn usable(
+    plan: &Plan,
+    graph: &Graph,
+    (groups, records): (&[Marked], &[Option<BTreeSet<usize>>]),
+    report: &mut Report,
+) -> Vec<Marked> {
+    let mut out = groups.to_vec();
+    for (i, (marker, nodes)) in out.iter_mut().enumerate() {
+        let free: Vec<u32> = nodes.iter().copied().filter(|n| !is_kept(plan, graph, *n)).collect();
+        let handles = shown_by(plan, graph, &free, records.get(i).and_then(Option::as_ref));
+        let walls: BTreeSet<u32> = handles.iter().map(|h| h.0).collect();
+        let is_turn = |c: &Clause| matches!(c.kind, Kind::Rotate(_));
+        let is_scale = |c: &Clause| matches!(c.kind, Kind::Scale(_));
+        for (is_such, what) in [(&is_turn as &dyn Fn(&Clause) -> bool, "turn"), (&is_scale, "scaling")] {
+            let mut rest = marker.clone();
+            rest.clauses.retain(|c| !is_such(c));
+            if rest.clauses.is_empty() || rest.clauses.len() == marker.clauses.len() {
+                continue;
+            }
+            let why = |group: &Group, w: u32| refusal(plan, graph, group, w, &handles);
+            let stopped = walls.iter().find_map(|w| {
+                why(marker, *w)
+                    .filter(|why| !why.is_empty())
+                    .filter(|_| why(&rest, *w).is_none())
+                    .map(|why| (*w, why))
+            });
+            if let Some((w, why)) = stopped {
+                let text = format!(
+                    "group {:?} would {what_verb} it, but {why}; its {what} is left out, its other moves stay",
+                    marker.name,
+                    what_verb = if what == "turn" { "turn" } else { "scale" }
+                );
+                report.warn("move-clause-unused", place_in(&plan.file, &plan.walls[w as usize].source), text);
+                *marker = rest;
+            }
         }
     }
     out

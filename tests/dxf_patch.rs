@@ -8,9 +8,10 @@ mod support;
 use std::collections::HashSet;
 
 use enfilade::formats::dxf::{
-    Completeness, changed_records, dependents, host_ids, is_complete, is_result_layer, patch, strip_own,
+    Completeness, changed_records, dependents, host_ids, is_complete, patch, strip_own,
 };
 use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape, Vertex};
+use enfilade::plan::own_layers::is_result;
 use glam::DVec2;
 use proptest::prelude::*;
 use support::{additions_for, edits_of, moved_shape, read_whole};
@@ -299,7 +300,7 @@ fn additions_come_and_go() {
         let (after, report) = read_whole(&name, &patched);
         assert_eq!(report.problems, [], "{name}");
         assert!(after.fills.is_empty(), "{name}: ours are no walls");
-        let (ours, theirs): (Vec<_>, Vec<_>) = after.entities.iter().partition(|e| is_result_layer(&e.layer));
+        let (ours, theirs): (Vec<_>, Vec<_>) = after.entities.iter().partition(|e| is_result(&e.layer));
         assert_eq!(theirs.len(), before.entities.len(), "{name}");
         let layers: Vec<&str> = ours.iter().map(|e| e.layer.as_str()).collect();
         assert_eq!(layers, ["EF-MOVED", "EF-BEFORE"], "{name}");

@@ -10,23 +10,14 @@ use super::measure::number;
 use super::palette::{Palette, Rgb, Scale};
 use super::picture::{Cell, Stroke, bounds_of};
 use crate::plan::drawing::{Addition, Mark};
-
-/// Moved elements traced.
-pub const MOVED_LAYER: &str = "EF-MOVED";
-/// Where they stood.
-pub const BEFORE_LAYER: &str = "EF-BEFORE";
-/// What moved and what it gains, in plain words.
-pub const NOTE_LAYER: &str = "EF-NOTE";
-/// Start of the names of the layers with coloured cells.
-pub const HEAT_LAYER_PREFIX: &str = "EF-HEAT-";
+use crate::plan::own_layers::{
+    BEFORE as BEFORE_LAYER, BEFORE_RGB, HEAT_PREFIX as HEAT_LAYER_PREFIX, MOVED as MOVED_LAYER, MOVED_RGB,
+    NOTE as NOTE_LAYER, NOTE_RGB,
+};
 
 /// Colours a heat map is reduced to in a drawing: neighbouring cells of one colour become one
 /// rectangle, so that 10,000 cells stay a few thousand entities. More are hard to tell apart.
 pub const MAX_HEAT_COLOURS: usize = 16;
-
-const MOVED_RGB: Rgb = [0xd5, 0x00, 0x5f];
-const BEFORE_RGB: Rgb = [0x8c, 0x90, 0x98];
-const NOTE_RGB: Rgb = [0x00, 0x50, 0x82];
 
 /// Letter height of notes as a share of the plan's diagonal: about 4 mm on an A3 sheet.
 const NOTE_HEIGHT_SHARE: f64 = 0.011;

@@ -448,7 +448,7 @@ pub struct StoreyEntry {
     pub walls: u64,
     /// Doors and windows cut.
     pub openings: u64,
-    /// Solids cut.
+    /// Columns understood of what is cut.
     pub columns: u64,
     /// Means over its region of query; empty where it was not measured.
     pub mean: Numbers,
@@ -528,16 +528,25 @@ pub struct CheckResult {
     pub version: String,
     /// Unit and why.
     pub unit: UnitEntry,
-    /// Walls found.
+    /// Elements that draw walls, as `wall_elements`: the two faces of a wall may be two of them.
     pub walls: u64,
+    /// Elements that draw walls.
+    #[serde(default)]
+    pub wall_elements: u64,
+    /// Walls understood from them, from joint to joint, as `statements` counts them.
+    #[serde(default)]
+    pub walls_understood: u64,
     /// Openings found: doors, windows and passages.
     pub openings: u64,
     /// Doors among them.
     pub doors: u64,
     /// Windows among them.
     pub windows: u64,
-    /// Columns and other solids found.
+    /// Columns understood, as `statements` counts them.
     pub columns: u64,
+    /// Elements whose outline is solid, among `wall_elements`.
+    #[serde(default)]
+    pub solids: u64,
     /// Regions.
     pub regions: Vec<RegionEntry>,
     /// Moves.

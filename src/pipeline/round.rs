@@ -663,6 +663,7 @@ fn state_left_behind(base: &Understood, layout: &Layout, report: &mut Report) {
             report.info(told::OPENING_STAYS, place_in(&base.plan.file, &fitting.source), text);
         }
     }
+    told::say_labels(base, layout, report);
 }
 
 fn round_result(

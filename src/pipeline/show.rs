@@ -14,7 +14,7 @@ use crate::overlay::picture::{Cell, PlanPicture, RegionKind, RegionOutline, Stro
 use crate::overlay::result::{
     self, Change, Counts, ElementRef, Input, LayerEntry, MoveEntry, MoveKind, Numbers, RegionEntry, UnitEntry,
 };
-use crate::plan::axes::OpeningKind;
+use crate::plan::axes::{OpeningKind, THICKNESSES};
 use crate::plan::curve::{Trace, control_points};
 use crate::plan::drawing::{Addition, Format, Mark, Shape, SourceRef};
 use crate::plan::geometry::{PointUm, Segment};
@@ -180,6 +180,7 @@ fn statements(base: &Understood) -> Vec<String> {
         Some((walls, _)) if !base.openings.is_empty() => {
             format!("{walls} understood; {doors} doors, {windows} windows, {passages} passages")
         }
+        _ if s.starts_with(THICKNESSES) => base.axes.thickness_words(base.plan.human_scale),
         _ => s.clone(),
     };
     base.axes.statements.iter().map(told).collect()
@@ -461,10 +462,13 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
             reason: plan.unit.reason.clone(),
         },
         walls: plan.walls.len() as u64,
+        wall_elements: plan.walls.len() as u64,
+        walls_understood: base.axes.edges.len() as u64,
         openings: (doors + windows).max(base.axes.openings.len() as u64),
         doors,
         windows,
-        columns: plan.walls.iter().filter(|w| w.is_solid).count() as u64,
+        columns: base.axes.columns() as u64,
+        solids: plan.walls.iter().filter(|w| w.is_solid).count() as u64,
         regions: shown,
         moves: move_entries(base),
         layers: plan

@@ -40,7 +40,7 @@ fn entry(storey: &StoreyInfo, base: &Understood, folder: &str, mean: Numbers) ->
         folder: Some(folder.into()),
         walls: base.plan.walls.len() as u64,
         openings: [true, false].map(|d| building::count(&base.openings, d)).iter().sum(),
-        columns: base.plan.walls.iter().filter(|w| w.is_solid).count() as u64,
+        columns: base.axes.columns() as u64,
         mean,
         ..StoreyEntry::default()
     }

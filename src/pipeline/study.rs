@@ -33,12 +33,13 @@ use crate::plan::frame::unit_by_name;
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
+use crate::plan::labels::{self, Label};
 use crate::plan::layers::WallLayers;
 use crate::plan::markers;
 use crate::plan::outline::SOLID_ACROSS_M;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
-use crate::plan::{Plan, PlanOptions, Region, Wall, box_of, layers, understand};
+use crate::plan::{Plan, PlanOptions, Region, Wall, box_of, own_layers, understand};
 use crate::report::{Error, Place, Problem, Report, Severity};
 use idle::without_idle;
 use marked::{side_car_groups, state_held, state_passed_over, state_unread_marks};
@@ -69,6 +70,8 @@ pub struct Understood {
     pub fittings: Vec<Fitting>,
     /// Shapes that were not taken as walls, for the picture; whether they are windows or glass by name.
     pub left_out: Vec<(Trace, bool)>,
+    /// Texts at parts of doors and windows.
+    pub labels: Vec<Label>,
     /// What may move.
     pub moves: Moves,
     /// The building's interior, where it was needed.
@@ -187,7 +190,8 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let moves = moves(drawing, &known, settings, report)?;
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
-    Ok(Understood { plan, graph, axes, bodies, sight, fittings, left_out, moves, interior, openings })
+    let labels = labels::labels(&plan, drawing, &fittings);
+    Ok(Understood { plan, graph, axes, bodies, sight, fittings, left_out, labels, moves, interior, openings })
 }
 
 /// What is known of a plan before its moves.
@@ -220,7 +224,7 @@ fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<(Trace, bool)> {
     let is_hidden = |name: &str| drawing.layers.iter().any(|l| l.name == name && (l.is_off || l.is_frozen));
     let hidden: BTreeSet<&str> =
         drawing.layers.iter().map(|l| l.name.as_str()).filter(|n| is_hidden(n)).collect();
-    let foreign = drawing.entities.iter().filter(|e| !layers::is_own(&e.layer)).enumerate();
+    let foreign = drawing.entities.iter().filter(|e| !own_layers::is_own(&e.layer)).enumerate();
     let free =
         foreign.filter(|(k, e)| plan.picked.binary_search(k).is_err() && !hidden.contains(e.layer.as_str()));
     let traces = free.map(|(_, e)| (trace(&e.shape, &plan.frame), structure::is_glass(e)));

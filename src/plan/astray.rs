@@ -12,7 +12,7 @@ use super::drawing::{Drawing, Entity, Shape};
 use super::parallels::{Piece, nearest_parallels, pieces};
 use super::roles::{Role, role_by_name};
 use super::structure::{faces_of, is_of_windows_too};
-use super::{box_of, layers};
+use super::{box_of, own_layers};
 use crate::report::{Place, Report};
 
 /// Distances of a partition's faces, metres: leaves of doors are thinner, cupboards deeper.
@@ -140,7 +140,7 @@ impl Search<'_> {
         let open: BTreeSet<&str> = open.into_iter().filter(|l| may_hold(l)).collect();
         let is_open = |e: &Entity| {
             open.contains(e.layer.as_str())
-                && !layers::is_own(&e.layer)
+                && !own_layers::is_own(&e.layer)
                 && !hidden.entity(e)
                 && e.insert().is_none()
         };

@@ -6,7 +6,8 @@ use glam::DVec2;
 
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Format};
-use super::layers::{self, WallLayers};
+use super::layers::WallLayers;
+use super::own_layers;
 use super::roles::{Role, role_by_name};
 use super::scores::{Score, wall_scores};
 use super::views::{STRAY, Sheet, View, far_off, split, strays};
@@ -69,8 +70,9 @@ pub(super) fn choose_walls(
         })
         .collect();
     if let Some(picked) = &options.picked {
-        let all: Vec<usize> =
-            (0..drawing.entities.len()).filter(|i| !layers::is_own(&drawing.entities[*i].layer)).collect();
+        let all: Vec<usize> = (0..drawing.entities.len())
+            .filter(|i| !own_layers::is_own(&drawing.entities[*i].layer))
+            .collect();
         let walls = picked.iter().filter_map(|k| all.get(*k).copied()).collect();
         return Ok(Chosen { walls, layers });
     }
@@ -115,10 +117,13 @@ fn layer_use(
     if options.reference_layer.as_deref() == Some(name) {
         return ("marker", "--reference-layer".into());
     }
-    if markers::is_marker(name) {
+    if own_layers::is_marker(name) {
         return ("marker", "our marker layer".into());
     }
-    if layers::is_own(name) {
+    if let Some(right) = own_layers::meant(name) {
+        return ("ignored", format!("looks like our marker layer {right}, and is not spelt so"));
+    }
+    if own_layers::is_own(name) {
         return ("own", "our result layer".into());
     }
     if let Some(why) = by_name.reason(name).or_else(|| assumed.get(name).cloned()) {
@@ -152,7 +157,7 @@ fn assumed_layers(
     }
     let drawn: Vec<&str> = counts
         .iter()
-        .filter(|(l, (shapes, _))| *shapes > 0 && !layers::is_own(l) && !hidden.layer(l) && !is_class(l))
+        .filter(|(l, (shapes, _))| *shapes > 0 && !own_layers::is_own(l) && !hidden.layer(l) && !is_class(l))
         .map(|(l, _)| *l)
         .collect();
     if let [only] = drawn[..] {
@@ -239,7 +244,7 @@ fn sheet(drawing: &Drawing, chosen: &Chosen, walls: &[&Entity], metres_per_unit:
         .filter(|l| {
             let role = role_by_name(&l.name).0;
             l.role != "wall" && matches!(role, Role::Text | Role::Dimension | Role::Site)
-                || layers::is_own(&l.name)
+                || own_layers::is_own(&l.name)
         })
         .map(|l| l.name.as_str())
         .collect();
@@ -317,7 +322,7 @@ pub(super) fn state_columns_only(
 
 /// Points of the user's marks: they lie in the drawing that is meant.
 fn marks(drawing: &Drawing) -> Vec<DVec2> {
-    let marked = drawing.entities.iter().filter(|e| markers::is_marker(&e.layer));
+    let marked = drawing.entities.iter().filter(|e| own_layers::is_marker(&e.layer));
     marked.flat_map(|e| control_points(&e.shape)).collect()
 }
 
@@ -379,7 +384,7 @@ fn state_views(drawing: &Drawing, views: &[View], metres_per_unit: f64, report: 
 pub(super) fn ordinals(drawing: &Drawing, picked: &[usize]) -> Vec<usize> {
     let mut next = picked.iter().copied().peekable();
     let mut out = Vec::with_capacity(picked.len());
-    let foreign = drawing.entities.iter().enumerate().filter(|(_, e)| !layers::is_own(&e.layer));
+    let foreign = drawing.entities.iter().enumerate().filter(|(_, e)| !own_layers::is_own(&e.layer));
     for (ordinal, (i, _)) in foreign.enumerate() {
         if next.next_if_eq(&i).is_some() {
             out.push(ordinal);

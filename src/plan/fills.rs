@@ -10,7 +10,7 @@ use super::choice::{Chosen, Hidden};
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Shape};
 use super::parallels::{Piece, pieces};
-use super::{PlanOptions, box_of, layers};
+use super::{PlanOptions, box_of, layers, own_layers};
 use crate::report::{Error, Place, Report};
 
 /// Widest column, metres: larger areas are floors, or what walls are filled with.
@@ -24,7 +24,7 @@ const COMPARED_MAX: usize = 50_000_000;
 
 /// The drawing with its filled areas behind what it draws: where an earlier reading picked some of them.
 pub(super) fn joined<'a>(drawing: &'a Drawing, options: &PlanOptions) -> Cow<'a, Drawing> {
-    let foreign = drawing.entities.iter().filter(|e| !layers::is_own(&e.layer)).count();
+    let foreign = drawing.entities.iter().filter(|e| !own_layers::is_own(&e.layer)).count();
     let picks_fills = options.picked.as_ref().is_some_and(|p| p.last().is_some_and(|last| *last >= foreign));
     if picks_fills { Cow::Owned(with_fills(drawing)) } else { Cow::Borrowed(drawing) }
 }

@@ -9,8 +9,8 @@ use glam::DVec2;
 use super::box_of;
 use super::curve::{bulge_arc, control_points, sweep_rad};
 use super::drawing::{Drawing, Entity, Shape, Undrawn};
-use super::layers::is_own;
 use super::markers::place;
+use super::own_layers::is_own;
 use crate::report::{Place, Report};
 
 /// A shape is a giant where it is this many times as large as [`REACHED_SHARE`] of the drawing reaches: ten

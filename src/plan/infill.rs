@@ -10,7 +10,7 @@ use super::choice::{Chosen, Hidden};
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::roles::{Role, role_by_name};
-use super::{PlanOptions, box_of, layers};
+use super::{PlanOptions, box_of, own_layers};
 use crate::report::{Place, Report};
 
 /// A line that ends this near to a corner of a column ends at it, metres.
@@ -45,7 +45,7 @@ pub(super) fn take(
     let hidden = Hidden::new(drawing);
     let mut found: BTreeMap<&str, (usize, Vec<usize>)> = BTreeMap::new();
     for (i, e) in drawing.entities.iter().enumerate() {
-        let is_open = role_by_name(&e.layer).0 == Role::Unknown && !layers::is_own(&e.layer);
+        let is_open = role_by_name(&e.layer).0 == Role::Unknown && !own_layers::is_own(&e.layer);
         let Some([a, b]) = ends(e).filter(|_| is_open && !hidden.entity(e)) else { continue };
         let layer = found.entry(&e.layer).or_default();
         if a.distance(b) * metres_per_unit >= LENGTH_MIN_M && is_among(a, b) {

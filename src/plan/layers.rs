@@ -1,11 +1,9 @@
 //! Which layers carry walls, by name.
 
 use super::names::Pattern;
+use super::own_layers::is_own;
 use super::roles::{Role, role_by_name};
 use crate::report::{Error, Place};
-
-/// Layers of ours start with this.
-pub const OWN_PREFIX: &str = "EF-";
 
 /// Decides by name which layers carry walls.
 #[derive(Clone, Debug)]
@@ -65,11 +63,6 @@ impl WallLayers {
         let (role, why) = role_by_name(layer);
         matches!(role, Role::Wall | Role::Column).then_some(why)
     }
-}
-
-/// Whether a layer is one of ours.
-pub fn is_own(layer: &str) -> bool {
-    layer.get(..OWN_PREFIX.len()).is_some_and(|p| p.eq_ignore_ascii_case(OWN_PREFIX))
 }
 
 /// The layer's name without the prefix of a bound (`xref$0$A-WALL`) or attached (`xref|A-WALL`)
@@ -150,7 +143,7 @@ mod tests {
     fn the_users_pattern_replaces_the_words() {
         let chosen = WallLayers::new(&["0".into(), "*open*".into()]).unwrap();
         assert!(chosen.reason("0").is_some() && chosen.reason("x$0$A-OPENING").is_some());
-        assert!(chosen.reason("WALLS").is_none() && chosen.reason("EF-open").is_none());
+        assert!(chosen.reason("WALLS").is_none() && chosen.reason("EF-MOVE-open").is_none());
         assert!(WallLayers::new(&["[".into()]).is_err());
         let of_class = WallLayers::new(&["IfcWall".into(), "plan".into()]).unwrap();
         assert!(of_class.reason("IfcWall (window at knee height)").is_some());

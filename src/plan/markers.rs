@@ -1,6 +1,6 @@
 //! What the user drew on our layers: regions, moves, what to keep (spec 9).
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
@@ -8,7 +8,7 @@ use super::curve::{self, control_points};
 use super::drawing::{Drawing, Entity, Shape, SourceRef, Text, Unit};
 use super::frame::{Frame, unit_by_name};
 use super::geometry::{PointUm, Side, side_of_ring};
-use super::{PlanOptions, Region};
+use super::{PlanOptions, Region, own_layers};
 use crate::report::{Place, Report};
 
 /// Region of query.
@@ -19,12 +19,6 @@ pub const REFERENCE: &str = "EF-REFERENCE";
 pub const MOVE: &str = "EF-MOVE";
 /// What must stay.
 pub const KEEP: &str = "EF-KEEP";
-
-/// Whether a layer holds marks of the user's.
-pub fn is_marker(layer: &str) -> bool {
-    [QUERY, REFERENCE, MOVE, KEEP].iter().any(|m| m.eq_ignore_ascii_case(layer))
-        || [QUERY, REFERENCE].iter().any(|m| pair_of(layer, m).is_some())
-}
 
 /// The pair that a layer's name says, lower case: `EF-QUERY-Entrance` is the region of query of `entrance`.
 /// CAD programs that allow it may write `EF-QUERY:Entrance`.
@@ -124,7 +118,8 @@ pub struct Markers {
     pub keep: Vec<Region>,
     /// `EF-MOVE`, in the order of their outlines in the file.
     pub groups: Vec<Group>,
-    /// Whether anything at all is drawn on `EF-MOVE`, also where none of it can be read.
+    /// Whether anything at all is drawn on `EF-MOVE`, or on a layer that was meant to be it or `EF-KEEP`, also where none
+    /// of it can be read.
     pub is_move_drawn: bool,
     /// Named pairs of regions, by name.
     pub pairs: Vec<Pair>,
@@ -174,13 +169,12 @@ pub fn read(drawing: &Drawing, options: &PlanOptions, frame: &Frame, report: &mu
     let mut outlines: Vec<(Region, &Entity)> = Vec::new();
     let mut nameless: BTreeSet<&str> = BTreeSet::new();
     for e in &drawing.entities {
-        let on = |layer: &str| layer.eq_ignore_ascii_case(&e.layer);
+        let own = own_layers::bare(&e.layer);
+        let on = |layer: &str| layer.eq_ignore_ascii_case(own) || layer.eq_ignore_ascii_case(&e.layer);
         let is_unnamed = on(query) || on(reference) || on(KEEP) || on(MOVE);
-        let named = [QUERY, REFERENCE].map(|kind| pair_of(&e.layer, kind).filter(|_| !is_unnamed));
+        let named = [QUERY, REFERENCE].map(|kind| pair_of(own, kind).filter(|_| !is_unnamed));
         if !is_unnamed && named.iter().all(Option::is_none) {
-            if [QUERY, REFERENCE].iter().any(|kind| is_without_name(&e.layer, kind))
-                && nameless.insert(&e.layer)
-            {
+            if [QUERY, REFERENCE].iter().any(|kind| is_without_name(own, kind)) && nameless.insert(&e.layer) {
                 let text = "found a layer of regions with a separator and no name behind it, expected EF-QUERY, or \
                             EF-QUERY-NAME; ignored";
                 report.warn("marker-name", place(drawing, &e.source), text);
@@ -192,6 +186,11 @@ pub fn read(drawing: &Drawing, options: &PlanOptions, frame: &Frame, report: &mu
             report.warn("marker-open", place(drawing, &e.source), text);
             continue;
         };
+        if region.crosses_itself() {
+            let text = "found an outline that crosses itself, expected one that does not; what lies between its lines by turns \
+                        inside and outside is taken so";
+            report.warn("marker-crossed", place(drawing, &e.source), text);
+        }
         if let [Some(name), _] = &named {
             out.pair(name).query.push(region);
             continue;
@@ -208,15 +207,44 @@ pub fn read(drawing: &Drawing, options: &PlanOptions, frame: &Frame, report: &mu
         }
     }
     out.groups = groups(drawing, &outlines, frame, report);
-    out.is_move_drawn = is_drawn_on(drawing, MOVE);
+    let misnamed = say_misnamed(drawing, [query, reference], report);
+    out.is_move_drawn =
+        misnamed || layers_drawn_on(drawing).any(|l| own_layers::bare(l).eq_ignore_ascii_case(MOVE));
     out
 }
 
-/// Whether a layer holds anything, read or not.
-fn is_drawn_on(drawing: &Drawing, layer: &str) -> bool {
-    let entities = drawing.entities.iter().chain(&drawing.fills).map(|e| &e.layer);
+/// Layers of all that is drawn, read or not.
+fn layers_drawn_on(drawing: &Drawing) -> impl Iterator<Item = &str> {
+    let entities = drawing.entities.iter().chain(&drawing.fills).map(|e| e.layer.as_str());
     let others = drawing.texts.iter().map(|t| &t.layer).chain(drawing.undrawn.iter().map(|u| &u.layer));
-    entities.chain(others).any(|l| l.eq_ignore_ascii_case(layer))
+    entities.chain(others.map(String::as_str))
+}
+
+/// Names layers that were meant to be marks, each with the first that is drawn on it; whether one of them was meant to
+/// say what moves or stays.
+fn say_misnamed(drawing: &Drawing, chosen: [&str; 2], report: &mut Report) -> bool {
+    let entities = drawing.entities.iter().chain(&drawing.fills).map(|e| (&e.layer, Some(&e.source)));
+    let texts = drawing.texts.iter().map(|t| (&t.layer, Some(&t.source)));
+    let undrawn = drawing.undrawn.iter().map(|u| (&u.layer, None));
+    let mut first: BTreeMap<&str, Option<&SourceRef>> = BTreeMap::new();
+    for (layer, source) in entities.chain(texts).chain(undrawn) {
+        first.entry(layer).or_insert(source);
+    }
+    let mut holds_moves = false;
+    for (layer, source) in
+        first.into_iter().filter(|(l, _)| !chosen.iter().any(|c| c.eq_ignore_ascii_case(l)))
+    {
+        let nameless = [QUERY, REFERENCE].iter().any(|kind| is_without_name(own_layers::bare(layer), kind));
+        let Some(right) = own_layers::meant(layer).filter(|_| !nameless) else { continue };
+        let decides = [MOVE, KEEP].contains(&right);
+        holds_moves |= decides;
+        let then = if decides { "not read, and nothing moves by default" } else { "not read" };
+        let text =
+            format!("found the layer {layer:?}, expected {right}, spelt so; what is drawn there is {then}");
+        let place = source.map_or_else(|| Place::file(&drawing.file), |s| place(drawing, s));
+        report.warn("marker-misnamed", place, text);
+    }
+    holds_moves
 }
 
 /// `LWPOLYLINE 2F3 layer EF-MOVE` at its line.
@@ -251,7 +279,7 @@ fn groups(
     report: &mut Report,
 ) -> Vec<Group> {
     let mut texts: Vec<Vec<&Text>> = vec![Vec::new(); outlines.len()];
-    for text in drawing.texts.iter().filter(|t| t.layer.eq_ignore_ascii_case(MOVE)) {
+    for text in drawing.texts.iter().filter(|t| own_layers::bare(&t.layer).eq_ignore_ascii_case(MOVE)) {
         let at = frame.um_from_file(text.at);
         let holder = (0..outlines.len()).filter(|i| outlines[*i].0.contains(at));
         match holder.min_by(|a, b| extent(outlines[*a].1).total_cmp(&extent(outlines[*b].1))) {
@@ -360,6 +388,8 @@ fn extent(entity: &Entity) -> f64 {
 }
 
 fn read_clause(clause: &str, frame: &Frame, drawing: &Drawing, group: &mut Group) -> Result<(), String> {
+    // Minus signs and dashes as word processors set them.
+    let clause = clause.replace(['−', '–', '‒', '‐', '‑', '﹣', '－'], "-");
     let words: Vec<&str> = clause.split_whitespace().collect();
     let expected = "expected `x LOW HIGH`, `y LOW HIGH`, `along DEGREES LOW HIGH`, `rotate LOW HIGH [about X,Y]`, \
                     `scale LOW HIGH [about X,Y]` or `name WORD`";
@@ -521,6 +551,7 @@ mod tests {
         ] {
             assert_eq!(pair_of(layer, QUERY).as_deref(), name, "{layer}");
         }
+        let is_marker = own_layers::is_marker;
         assert!(is_marker("EF-Reference-exit") && !is_marker("EF-MOVE-exit") && !is_marker("EF-HEAT-DEGREE"));
     }
 

@@ -19,12 +19,14 @@ pub mod giants;
 pub mod graph;
 mod infill;
 pub mod interior;
+pub mod labels;
 pub mod layers;
 pub mod markers;
 pub mod names;
 pub mod obstacles;
 mod outdoors;
 pub mod outline;
+pub mod own_layers;
 pub mod parallels;
 mod paving;
 pub mod roles;
@@ -108,6 +110,9 @@ pub enum Region {
     },
 }
 
+/// Most corners of an outline of which it is asked whether it crosses itself.
+const CROSSED_MAX: usize = 1000;
+
 impl Region {
     /// Whether `p` lies in the region or on its outline. Exact.
     pub fn contains(&self, p: PointUm) -> bool {
@@ -118,6 +123,20 @@ impl Region {
                 dx * dx + dy * dy <= i128::from(*radius_um) * i128::from(*radius_um)
             }
         }
+    }
+
+    /// Whether two sides cross; not looked for in an outline of more than [`CROSSED_MAX`] corners.
+    pub fn crosses_itself(&self) -> bool {
+        let Self::Ring(ring) = self else { return false };
+        if ring.len() > CROSSED_MAX {
+            return false;
+        }
+        let side = |i: usize| [ring[i], ring[(i + 1) % ring.len()]];
+        let parts = |[a, b]: [PointUm; 2], [p, q]: [PointUm; 2]| {
+            geometry::cross_um(a, b, p).signum() * geometry::cross_um(a, b, q).signum() < 0
+        };
+        let crosses = |s, t| parts(s, t) && parts(t, s);
+        (0..ring.len()).any(|i| (0..i).any(|j| crosses(side(i), side(j))))
     }
 
     /// The outline as points to draw, drawing frame.
@@ -214,7 +233,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let mut chosen = choice::choose_walls(&drawing, options, report)?;
     let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
     let Some(extent) = extent_of(&walls) else {
-        return Err(no_walls(&drawing, &chosen.layers));
+        return Err(no_walls(&drawing, &chosen.layers, report));
     };
     let unit = units::choose(&drawing, options.unit, &walls, (extent[1] - extent[0]).max_element());
     let (mut picked, views) = choice::choose_view(&drawing, options, &chosen, unit.unit.metres, report)?;
@@ -297,7 +316,10 @@ fn extent_of(walls: &[&Entity]) -> Option<[DVec2; 2]> {
     box_of(walls.iter().flat_map(|e| curve::control_points(&e.shape)))
 }
 
-fn no_walls(drawing: &Drawing, layers: &[LayerUse]) -> Error {
+/// Problems of readers by which whole blocks are left out.
+const BLOCKS_LEFT_OUT: [&str; 3] = ["dxf-block-cycle", "dxf-block-depth", "dxf-expansion-budget"];
+
+fn no_walls(drawing: &Drawing, layers: &[LayerUse], report: &Report) -> Error {
     let mut by_size: Vec<&LayerUse> =
         layers.iter().filter(|l| l.role != "own" && l.role != "marker").collect();
     by_size.sort_by_key(|l| std::cmp::Reverse(l.entities));
@@ -312,11 +334,14 @@ fn no_walls(drawing: &Drawing, layers: &[LayerUse]) -> Error {
     let hint =
         if hidden.is_empty() { String::new() } else { format!(" (off or frozen: {})", hidden.join(", ")) };
     let (others, help) = undrawn_words(drawing);
+    let left_out = report.problems.iter().find(|p| BLOCKS_LEFT_OUT.contains(&p.code));
+    let why = left_out.map(|p| format!("{}; besides it ", p.text)).unwrap_or_default();
+    let place = left_out.map_or_else(|| Place::file(&drawing.file), |p| p.place.clone());
     let text = format!(
-        "no entity on a wall layer{hint}, layers present: {list}{others}; nothing was measured; \
+        "{why}no entity on a wall layer{hint}, layers present: {list}{others}; nothing was measured; \
          {help}name the layer of the walls with --wall-layer NAME"
     );
-    Error::input("no-walls", Place::file(&drawing.file), text)
+    Error::input("no-walls", place, text)
 }
 
 /// What is drawn and gives no lines of walls, by layer and kind, and what to do about it; empty where there is nothing.
@@ -325,7 +350,7 @@ fn undrawn_words(drawing: &Drawing) -> (String, String) {
     for u in &drawing.undrawn {
         *counts.entry((u.is_on_paper, &u.layer, &u.kind)).or_default() += u.count;
     }
-    for fill in drawing.fills.iter().filter(|f| !layers::is_own(&f.layer)) {
+    for fill in drawing.fills.iter().filter(|f| !own_layers::is_own(&f.layer)) {
         *counts.entry((false, &fill.layer, &fill.source.kind)).or_default() += 1;
     }
     let (mut words, mut help) = (String::new(), String::new());

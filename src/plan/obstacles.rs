@@ -11,7 +11,8 @@ use super::curve;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::frame::Frame;
 use super::geometry::Segment;
-use super::layers::{self, words};
+use super::layers::words;
+use super::own_layers;
 use super::parallels::Straight;
 use super::paving;
 use super::roles::{Role, role_by_name};
@@ -113,7 +114,7 @@ pub(super) fn find(
     let mut lines: Vec<Straight> = Vec::new();
     let mut others: Vec<(usize, ObstacleKind)> = Vec::new();
     for (i, e) in drawing.entities.iter().enumerate() {
-        if is_wall.contains(&i) || layers::is_own(&e.layer) || hidden.entity(e) {
+        if is_wall.contains(&i) || own_layers::is_own(&e.layer) || hidden.entity(e) {
             continue;
         }
         match said(e) {

@@ -12,12 +12,12 @@ use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::geometry::{PointUm, Segment, UM_PER_M};
 use super::graph::Handle;
-use super::layers;
 use super::parallels::Straight;
 use super::paving;
 use super::roles::{self, role_by_name};
 use super::rooms;
 use super::rounds;
+use super::{layers, own_layers};
 
 /// Words of layers that hold doors and windows alike, lower case.
 const OPENING_WORDS: &[&str] = &[
@@ -95,7 +95,7 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     }
     let walls = DrawnWalls::new(plan, drawing);
     for (i, entity) in drawing.entities.iter().enumerate() {
-        if walls.contains(i, entity) || layers::is_own(&entity.layer) {
+        if walls.contains(i, entity) || own_layers::is_own(&entity.layer) {
             continue;
         }
         let paths = swing_or(paths_of(&entity.shape, place));
@@ -119,8 +119,9 @@ pub(super) struct DrawnWalls<'a> {
 impl<'a> DrawnWalls<'a> {
     /// Finds them.
     pub fn new(plan: &'a Plan, drawing: &Drawing) -> Self {
-        let foreign: Vec<usize> =
-            (0..drawing.entities.len()).filter(|i| !layers::is_own(&drawing.entities[*i].layer)).collect();
+        let foreign: Vec<usize> = (0..drawing.entities.len())
+            .filter(|i| !own_layers::is_own(&drawing.entities[*i].layer))
+            .collect();
         Self {
             entities: plan.picked.iter().filter_map(|p| foreign.get(*p).copied()).collect(),
             records: plan.walls.iter().map(|w| (w.source.record, w.source.layer.as_str())).collect(),

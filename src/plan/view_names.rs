@@ -205,6 +205,11 @@ const PHRASES: &[(Title, &[&str])] = &[
     ),
 ];
 
+/// Whether a title that means the ground floor by itself calls it the first one, which is another where both are drawn.
+pub fn is_first_floor(title: &str) -> bool {
+    title.to_lowercase().contains("first floor")
+}
+
 /// What a text says of the drawing it stands by; `None` if it is no title.
 pub fn title_of(text: &str) -> Option<Title> {
     let text = text.trim();
@@ -242,6 +247,7 @@ mod tests {
             ("南立面図", Some(Title::NoPlan)),
             ("Roof plan", Some(Title::Outside)),
             ("FLOOR PLAN", Some(Title::Plan)),
+            ("FIRST FLOOR PLAN", Some(Title::GroundFloor)),
             ("Kitchen", None),
             ("", None),
         ] {

@@ -12,7 +12,7 @@ use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Shape};
 use super::parallels::pieces;
 use super::roles::{Role, role_by_name};
-use super::view_names::{Title, title_of};
+use super::view_names::{Title, is_first_floor, title_of};
 
 /// Side of a cell, metres: drawings on a sheet stand farther apart than one to two of these, the parts
 /// of one building that do are joined by [`NEAR_M`].
@@ -291,7 +291,16 @@ fn views(drawing: &Drawing, boxes: &[[DVec2; 2]], metres_per_unit: f64) -> Vec<V
         let (number, wall_pieces, column_pieces, is_chosen) = (0, 0, 0, false);
         out.push(View { number, name, extent: *extent, wall_pieces, column_pieces, kind, is_chosen, why });
     }
+    tell_first_floor(&mut out);
     out
+}
+
+/// Where a ground floor is drawn too, the first floor lies above it.
+fn tell_first_floor(views: &mut [View]) {
+    let is_first = |v: &View| v.kind == Title::GroundFloor && is_first_floor(&v.name);
+    if views.iter().any(|v| v.kind == Title::GroundFloor && !is_first(v)) {
+        views.iter_mut().filter(|v| is_first(v)).for_each(|v| v.kind = Title::Plan);
+    }
 }
 
 /// Numbers the views in reading order and counts their walls.
@@ -364,19 +373,40 @@ fn choose(sheet: &mut Sheet, mark: Option<&DVec2>) {
 mod tests {
     use super::*;
 
+    fn view(number: usize, wall_pieces: usize, column_pieces: usize, kind: Title) -> View {
+        View {
+            number,
+            name: String::new(),
+            extent: [DVec2::ZERO, DVec2::ONE],
+            wall_pieces,
+            column_pieces,
+            kind,
+            is_chosen: false,
+            why: String::new(),
+        }
+    }
+
+    /// In America the first floor is the ground floor; not where the ground floor is drawn beside it.
+    #[test]
+    fn the_first_floor_lies_above_a_ground_floor() {
+        let kinds = |names: [&str; 2]| {
+            let titled = |name: &str| View {
+                name: name.into(),
+                ..view(1, 60, 0, title_of(name).unwrap_or(Title::Unknown))
+            };
+            let mut views = names.map(titled);
+            tell_first_floor(&mut views);
+            views.map(|v| v.kind)
+        };
+        let both = kinds(["FIRST FLOOR PLAN 1:100", "GROUND FLOOR PLAN 1:100"]);
+        assert_eq!(both, [Title::Plan, Title::GroundFloor]);
+        let american = kinds(["FIRST FLOOR PLAN", "SECOND FLOOR PLAN"]);
+        assert_eq!(american, [Title::GroundFloor, Title::Plan]);
+    }
+
     #[test]
     fn a_view_without_columns_is_worth_less_where_enough_are_drawn() {
         let chosen = |columns: usize, kind: Title| {
-            let view = |number: usize, wall_pieces: usize, column_pieces: usize, kind: Title| View {
-                number,
-                name: String::new(),
-                extent: [DVec2::ZERO, DVec2::ONE],
-                wall_pieces,
-                column_pieces,
-                kind,
-                is_chosen: false,
-                why: String::new(),
-            };
             let views = vec![view(1, 60, columns, Title::Unknown), view(2, 100, 0, kind)];
             let mut sheet = Sheet { views, of_wall: Vec::new() };
             choose(&mut sheet, None);

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use enfilade::formats::dxf::{ReadOptions, read};
 use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape, Vertex};
+use enfilade::plan::own_layers::{BEFORE_RGB, MOVED_RGB, NOTE_RGB};
 use enfilade::report::Report;
 use glam::DVec2;
 
@@ -95,10 +96,10 @@ pub fn additions_for(drawing: &Drawing) -> Vec<Addition> {
     let at = |x: f64, y: f64| lo + DVec2::new(x, y) * s;
     let add = |layer: &str, rgb: [u8; 3], mark: Mark| Addition { layer: layer.into(), rgb, mark };
     vec![
-        add("EF-MOVED", [213, 94, 0], Mark::Path { points: vec![at(0.0, 0.0), at(5.0, 0.0)], closed: false }),
+        add("EF-MOVED", MOVED_RGB, Mark::Path { points: vec![at(0.0, 0.0), at(5.0, 0.0)], closed: false }),
         add(
             "EF-BEFORE",
-            [0, 0, 0],
+            BEFORE_RGB,
             Mark::Path { points: vec![at(0.0, 0.0), at(5.0, 0.0), at(5.0, 5.0)], closed: true },
         ),
         add(
@@ -108,7 +109,7 @@ pub fn additions_for(drawing: &Drawing) -> Vec<Addition> {
         ),
         add(
             "EF-NOTE",
-            [30, 30, 30],
+            NOTE_RGB,
             Mark::Text {
                 at: at(0.0, 9.0),
                 height: s,

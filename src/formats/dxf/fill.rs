@@ -6,7 +6,7 @@ use super::entity::Body;
 use super::fields::{Fields, own_pairs};
 use super::reader::Reader;
 use crate::plan::drawing::{Editable, Entity, Shape, SourceRef, Vertex};
-use crate::plan::layers;
+use crate::plan::own_layers;
 
 /// Most corners of a filled area that is looked at: columns have fewer.
 const FILL_CORNERS_MAX: usize = 64;
@@ -35,7 +35,7 @@ impl Reader<'_, '_> {
 
     /// Keeps a filled area; none of our own layers, and no more than [`FILLS_MAX`].
     pub(super) fn add_fill(&mut self, source: SourceRef, layer: String, shape: Shape, blocks: Vec<String>) {
-        if layers::is_own(&layer) || self.fills.len() >= FILLS_MAX {
+        if own_layers::is_own(&layer) || self.fills.len() >= FILLS_MAX {
             return;
         }
         let editable = Editable::No("it is drawn as a filled area, without a line".into());

@@ -35,7 +35,7 @@ pub use limits::*;
 pub use links::{dependents, host_ids};
 pub use patch::{ChangedRecord, changed_records, patch};
 pub use read::read;
-pub use strip::{is_result_layer, strip_own};
+pub use strip::strip_own;
 
 pub(super) use header::release_of;
 

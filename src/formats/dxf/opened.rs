@@ -9,6 +9,7 @@ use super::reader::Reader;
 use crate::plan::curve::control_points;
 use crate::plan::drawing::{Editable, RigidMotion, Shape, Vertex};
 use crate::plan::markers::MOVE;
+use crate::plan::own_layers::bare;
 use crate::plan::{box_of, is_inside_ring};
 
 /// What is at most this long beside all that model space shows, and draws less than [`THING_PIECES`] of it, is a thing:
@@ -54,7 +55,7 @@ pub(super) struct Sheet {
 impl Sheet {
     /// Adds a shape that stands in model space itself.
     pub fn add_drawn(&mut self, layer: &str, shape: &Shape) {
-        if layer.eq_ignore_ascii_case(MOVE) {
+        if bare(layer).eq_ignore_ascii_case(MOVE) {
             self.moves.push(shape.clone());
             return;
         }

@@ -8,7 +8,8 @@ use super::json::Json;
 use super::meshes::Why;
 use super::scene::{File, Shown};
 use super::{ReadOptions, marks, values};
-use crate::plan::layers::{self, WallLayers};
+use crate::plan::layers::WallLayers;
+use crate::plan::own_layers;
 use crate::report::{Place, Report};
 
 /// Layer of everything where no name says what is a wall.
@@ -88,7 +89,8 @@ pub(super) fn bodies<'f>(
     let (mut lost, mut names) = (Lost::default(), Names::default());
     let elements = Elements::new(scene, shown);
     for s in shown {
-        let Some(mesh) = nodes[s.node].index("mesh").filter(|_| !s.names(scene).any(layers::is_own)) else {
+        let Some(mesh) = nodes[s.node].index("mesh").filter(|_| !s.names(scene).any(own_layers::is_own))
+        else {
             continue;
         };
         let layer = layer(scene, s, options, &mut names);

@@ -8,7 +8,7 @@ use super::pieces::of_record;
 use super::scene::{File, Shown};
 use super::values::TOLD;
 use crate::plan::drawing::{Entity, MarkedMove};
-use crate::plan::layers;
+use crate::plan::own_layers;
 use crate::report::{Place, Report};
 
 /// What may be said there, and as what.
@@ -114,7 +114,7 @@ pub(super) fn state(scene: &File<'_>, shown: &[Shown], used: &Used, report: &mut
     let is_lost = |s: &&Shown| used.lost.contains(&s.node);
     let lost: BTreeSet<usize> = shown.iter().filter(is_lost).flat_map(|s| s.path.iter().copied()).collect();
     let mut seen = BTreeSet::new();
-    for s in shown.iter().filter(|s| !s.names(scene).any(layers::is_own) && seen.insert(s.node)) {
+    for s in shown.iter().filter(|s| !s.names(scene).any(own_layers::is_own) && seen.insert(s.node)) {
         let texts = tellers(scene, s.node).flat_map(unreadable).chain(idle_regions(scene, s, used));
         odd.extend(texts.map(|text| (scene.named(s.node), text)));
         if own_move(scene, s.node).is_none() || used.moved.contains(&s.node) {

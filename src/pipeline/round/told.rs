@@ -297,6 +297,17 @@ pub(super) fn say_stale(report: &mut Report, file: &str, found: &[SourceRef]) {
     }
 }
 
+/// Names the texts at doors and windows that go with their wall: nobody can tell whether a text is the door's.
+pub(super) fn say_labels(base: &Understood, layout: &Layout, report: &mut Report) {
+    for label in &base.labels {
+        let fitting = &base.fittings[label.fitting];
+        if matches!(carried(&base.plan, fitting, layout), Carried::Moves(..)) {
+            let text = "stands at a door or window that moves in an option; it stays as drawn and may be stale there";
+            report.info("stale-annotation", place_in(&base.plan.file, &label.source), text);
+        }
+    }
+}
+
 /// Records by their handles, else by their lines.
 fn named(records: &[&SourceRef]) -> String {
     let name = |s: &&SourceRef| s.handle.clone().unwrap_or_else(|| format!("line {}", s.line));

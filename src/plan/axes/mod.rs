@@ -349,6 +349,9 @@ pub struct AxisGraph {
 /// What the statement that counts walls and openings has between the two.
 const UNDERSTOOD: &str = " understood; ";
 
+/// What the statement about thicknesses begins with.
+pub const THICKNESSES: &str = "wall thicknesses: ";
+
 impl AxisGraph {
     /// Understands drawn walls.
     pub fn new(drawn: &Drawn) -> Self {
@@ -376,9 +379,22 @@ impl AxisGraph {
         self.statements.iter_mut().filter(|s| s.contains(UNDERSTOOD)).for_each(|s| s.clone_from(&counted));
     }
 
+    /// How many columns there are.
+    pub fn columns(&self) -> usize {
+        self.nodes.iter().filter(|n| matches!(n.kind, NodeKind::Column(_))).count()
+    }
+
+    /// How thick the walls are, and how long those of each thickness; `scale`: metres of the drawing in one of these.
+    pub fn thickness_words(&self, scale: f64) -> String {
+        let decimals = if scale < 1.0 { 3 } else { 2 };
+        let one = |(t, l): &(f64, f64)| format!("{:.decimals$} m ({:.0} m long)", t * scale, l * scale);
+        let thick: Vec<String> = self.thicknesses.iter().map(one).collect();
+        format!("{THICKNESSES}{}", thick.join(", "))
+    }
+
     fn counted(&self) -> String {
         let count = |kind| self.openings.iter().filter(|o| o.kind == kind).count();
-        let columns = self.nodes.iter().filter(|n| matches!(n.kind, NodeKind::Column(_))).count();
+        let columns = self.columns();
         format!(
             "{} walls and {columns} columns{UNDERSTOOD}{} doors, {} windows, {} passages",
             self.edges.len(),
@@ -390,10 +406,8 @@ impl AxisGraph {
 
     fn state(&mut self) {
         let mut said = vec![self.counted()];
-        let thick: Vec<String> =
-            self.thicknesses.iter().map(|(t, l)| format!("{t:.2} m ({l:.0} m long)")).collect();
-        if !thick.is_empty() {
-            said.push(format!("wall thicknesses: {}", thick.join(", ")));
+        if !self.thicknesses.is_empty() {
+            said.push(self.thickness_words(1.0));
         }
         if !self.closures.is_empty() {
             let limit = tolerances::ERROR_GAP_M;

@@ -1,0 +1,242 @@
+//! What strangers do with the program: names that are almost right, drawings of their own on our layers, texts at doors.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
+
+use std::fmt::Write;
+use std::time::Instant;
+
+use enfilade::config::{Partial, Settings};
+use enfilade::formats::dxf::{ReadOptions, patch, read, strip_own};
+use enfilade::overlay::result::{CheckResult, MoveEntry};
+use enfilade::pipeline::{self, Input};
+use enfilade::plan::drawing::{Addition, Mark};
+use enfilade::plan::own_layers::{BEFORE, BEFORE_RGB, MOVED, MOVED_RGB, NOTE, NOTE_RGB};
+use enfilade::report::{Cancel, Report};
+use glam::DVec2;
+
+/// A drawing in metres with `entities`, in lines joined by `|`.
+fn drawing(entities: &str) -> String {
+    let text = format!(
+        "0|SECTION|2|HEADER|9|$ACADVER|1|AC1024|9|$INSUNITS|70|6|0|ENDSEC|0|SECTION|2|ENTITIES|{entities}0|ENDSEC|0|EOF|"
+    );
+    text.replace('|', "\n")
+}
+
+fn line(layer: &str, [x0, y0, x1, y1]: [f64; 4]) -> String {
+    format!("0|LINE|8|{layer}|10|{x0}|20|{y0}|11|{x1}|21|{y1}|")
+}
+
+fn ring(layer: &str, [x0, y0, x1, y1]: [f64; 4]) -> String {
+    let mut out = format!("0|LWPOLYLINE|8|{layer}|90|4|70|1|");
+    for [x, y] in [[x0, y0], [x1, y0], [x1, y1], [x0, y1]] {
+        write!(out, "10|{x}|20|{y}|").unwrap();
+    }
+    out
+}
+
+fn text(layer: &str, [x, y]: [f64; 2], words: &str) -> String {
+    format!("0|TEXT|8|{layer}|10|{x}|20|{y}|40|0.1|1|{words}|")
+}
+
+/// A room of 10 x 8 m with a wall of two faces that stands free.
+fn room() -> String {
+    let walls = [[0.0, 0.0, 10.0, 0.0], [10.0, 0.0, 10.0, 8.0], [10.0, 8.0, 0.0, 8.0], [0.0, 8.0, 0.0, 0.0]];
+    let free = [[4.0, 4.0, 6.0, 4.0], [4.0, 4.1, 6.0, 4.1]];
+    walls.into_iter().chain(free).map(|w| line("WALL", w)).collect()
+}
+
+fn check(file: &str) -> pipeline::Outcome<CheckResult> {
+    let settings = Settings::new(Partial::default()).unwrap();
+    pipeline::check(&Input::new("plan.dxf", file.as_bytes(), 1), &settings).unwrap()
+}
+
+fn said(report: &Report, code: &str) -> Vec<String> {
+    report.problems.iter().filter(|p| p.code == code).map(ToString::to_string).collect()
+}
+
+/// One count of columns for people and for programs, and walls told apart from what draws them.
+#[test]
+fn json_counts_what_the_text_counts() {
+    let column = |x: f64| {
+        let [a, b] = [x, x + 0.3];
+        let sides = [[a, 2.0, b, 2.0], [b, 2.0, b, 2.3], [b, 2.3, a, 2.3], [a, 2.3, a, 2.0]];
+        sides.map(|s| line("COLUMNS", s)).concat()
+    };
+    let result = check(&drawing(&(room() + &column(2.0) + &column(7.0)))).result;
+    assert_eq!((result.walls, result.wall_elements, result.columns), (14, 14, 2), "{:?}", result.statements);
+    let told = format!("{} walls and {} columns understood", result.walls_understood, result.columns);
+    assert!(result.statements.iter().any(|s| s.starts_with(&told)), "{told}: {:?}", result.statements);
+}
+
+/// A mark on a layer with a name that is almost right: a bound drawing's is the layer itself; of any other it is said
+/// where, and how it is spelt, and nothing moves by default.
+#[test]
+fn marks_on_misnamed_layers_are_not_passed_over() {
+    let marked = |layer: &str| {
+        let mark = ring(layer, [3.5, 3.5, 6.5, 4.5]) + &text(layer, [4.0, 4.3], "x -1 1");
+        check(&drawing(&(room() + &mark)))
+    };
+    for layer in ["EF-MOVE", "ef-move ", "xref$0$EF-MOVE", "xref$0$ef-move"] {
+        let done = marked(layer);
+        assert_eq!(done.result.moves.len(), 1, "{layer}: {:?}", done.report);
+        assert_eq!(said(&done.report, "marker-misnamed"), [""; 0]);
+    }
+    for layer in ["EF_MOVE", "EF MOVE", "EFMOVE", "EF-MOVE-1", "xref$0$EF_MOVE"] {
+        let done = marked(layer);
+        assert!(done.result.moves.is_empty(), "{layer}: {:?}", done.report);
+        let expected = format!(
+            "plan.dxf:91 LWPOLYLINE layer {layer}: found the layer {layer:?}, expected EF-MOVE, spelt so; what is drawn \
+             there is not read, and nothing moves by default"
+        );
+        assert_eq!(said(&done.report, "marker-misnamed"), [expected]);
+        assert_eq!(said(&done.report, "moves-unread").len(), 1);
+    }
+    let done = marked("EF-FURN");
+    assert!(said(&done.report, "marker-misnamed").is_empty());
+    let furniture = done.result.layers.iter().find(|l| l.name == "EF-FURN").unwrap();
+    assert_eq!(furniture.taken_as, "ignored", "{}", furniture.reason);
+    assert!(!furniture.reason.contains("our "), "{}", furniture.reason);
+}
+
+/// Only what we drew comes off our layers.
+#[test]
+fn what_others_drew_on_our_layers_stays() {
+    let own = text(NOTE, [1.0, 1.0], "my own note")
+        + &line(NOTE, [1.0, 1.0, 2.0, 1.0])
+        + &ring(MOVED, [1.0, 1.0, 2.0, 2.0])
+        + "0|TEXT|8|EF-NOTE|62|1|10|1|20|2|40|0.1|1|in red|"
+        + &ring("EF-HEAT-DEGREE", [1.0, 1.0, 2.0, 2.0]);
+    let file = drawing(&(room() + &own));
+    assert_eq!(strip_own(file.as_bytes()), file.as_bytes());
+    let path = |x: f64| Mark::Path { points: vec![DVec2::ZERO, DVec2::new(x, 1.0)], closed: false };
+    let add = |layer: &str, rgb, mark| Addition { layer: layer.into(), rgb, mark };
+    let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
+    let words = || Mark::Text { at: DVec2::ZERO, height: 0.1, text: "a\nb".into() };
+    let ours = [
+        add(MOVED, MOVED_RGB, path(1.0)),
+        add(BEFORE, BEFORE_RGB, path(2.0)),
+        add(NOTE, NOTE_RGB, words()),
+        add("EF-HEAT-DEGREE", [1, 2, 3], Mark::Fill { corners }),
+        add("EF-HEAT-DEGREE", NOTE_RGB, words()),
+    ];
+    for version in ["AC1009", "AC1024"] {
+        let file = file.replace("AC1024", version);
+        let with = patch("plan.dxf", file.as_bytes(), &[], &ours).unwrap();
+        assert!(with.len() > file.len());
+        let without = String::from_utf8(strip_own(&with)).unwrap();
+        assert_eq!(without, file, "{version}");
+        let texts =
+            read("plan.dxf", without.as_bytes(), &ReadOptions::default(), &mut Report::default()).unwrap();
+        assert!(texts.texts.iter().any(|t| t.text == "my own note"), "{version}");
+    }
+}
+
+/// A drawing with blocks before its entities.
+fn with_blocks(blocks: &str, entities: &str) -> String {
+    let blocks = format!("0|SECTION|2|BLOCKS|{blocks}0|ENDSEC|").replace('|', "\n");
+    let entities_begin = "0\nSECTION\n2\nENTITIES\n";
+    drawing(entities).replacen(entities_begin, &(blocks + entities_begin), 1)
+}
+
+fn block(name: &str, inside: &str) -> String {
+    format!("0|BLOCK|8|0|2|{name}|70|0|10|0|20|0|{inside}0|ENDBLK|8|0|")
+}
+
+fn insert(name: &str, [x, y]: [f64; 2]) -> String {
+    format!("0|INSERT|8|WALL|2|{name}|10|{x}|20|{y}|")
+}
+
+/// Walls that only a block shows which includes itself: that is the reason, and its place.
+#[test]
+fn a_block_that_includes_itself_is_the_reason() {
+    let inside = |other: &str| line("WALL", [0.0, 0.0, 5.0, 0.0]) + &insert(other, [0.0, 0.0]);
+    let file = with_blocks(&(block("A", &inside("B")) + &block("B", &inside("A"))), &insert("A", [0.0, 0.0]));
+    let settings = Settings::new(Partial::default()).unwrap();
+    let error = pipeline::check(&Input::new("plan.dxf", file.as_bytes(), 1), &settings).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "plan.dxf:101 INSERT layer WALL: a block includes itself: A > B > A; the INSERT is left out; besides it no \
+         entity on a wall layer, layers present: none; nothing was measured; name the layer of the walls with \
+         --wall-layer NAME"
+    );
+}
+
+/// A clause that one wall cannot follow is left out alone. Minus signs are read as word processors set them.
+#[test]
+fn a_turn_that_a_block_cannot_take_is_left_out_alone() {
+    let faces = line("WALL", [0.0, 0.0, 2.0, 0.0]) + &line("WALL", [0.0, 0.1, 2.0, 0.1]);
+    let moves = |clauses: &str| {
+        let mark = ring("EF-MOVE", [3.5, 5.5, 6.5, 6.5]) + &text("EF-MOVE", [4.0, 6.3], clauses);
+        let entities = room() + &insert("S", [4.0, 6.0]) + &insert("S", [7.5, 6.0]) + &mark;
+        let done = check(&with_blocks(&block("S", &faces), &entities));
+        let told = |m: &MoveEntry| format!("{:?} {} {}", m.kind, m.lower, m.upper);
+        (done.result.moves.iter().map(told).collect::<Vec<_>>(), done.report)
+    };
+    let (kinds, report) = moves("x −1 1; y -1 1; rotate –15 15");
+    assert_eq!(kinds, ["X -1 1", "Y -1 1"], "{report:?}");
+    let why = said(&report, "move-clause-unused");
+    assert!(
+        matches!(&why[..], [one] if one.ends_with("its turn is left out, its other moves stay")),
+        "{why:?}"
+    );
+    assert!(said(&report, "wall-stays").is_empty());
+    let (kinds, report) = moves("rotate -15 15");
+    assert!(kinds.is_empty() && !said(&report, "wall-stays").is_empty(), "{report:?}");
+}
+
+/// An outline that crosses itself is named; one that merely touches itself is not.
+#[test]
+fn an_outline_that_crosses_itself_is_named() {
+    let outline = |points: &[[f64; 2]]| {
+        let head = format!("0|LWPOLYLINE|8|EF-QUERY|90|{}|70|1|", points.len());
+        let mark = points.iter().fold(head, |out, [x, y]| out + &format!("10|{x}|20|{y}|"));
+        said(&check(&drawing(&(room() + &mark))).report, "marker-crossed").len()
+    };
+    assert_eq!(outline(&[[1.0, 1.0], [3.0, 3.0], [3.0, 1.0], [1.0, 3.0]]), 1);
+    assert_eq!(outline(&[[1.0, 1.0], [3.0, 1.0], [3.0, 3.0], [1.0, 3.0]]), 0);
+    let touching = [[1.0, 1.0], [3.0, 1.0], [2.0, 2.0], [3.0, 3.0], [1.0, 3.0], [2.0, 2.0]];
+    assert_eq!(outline(&touching), 0);
+}
+
+/// What is drawn at an unknown scale is told in the metres that its unit states.
+#[test]
+fn thicknesses_are_told_in_the_drawings_metres() {
+    let thick = |scale: f64| {
+        let side = |s: [f64; 4]| line("WALL", s.map(|v| v * scale));
+        let wall = |[a, b, c, d]: [f64; 4]| {
+            [[a, b, c, b], [c, b, c, d], [c, d, a, d], [a, d, a, b]].map(side).concat()
+        };
+        let walls =
+            [[0.0, 0.0, 12.0, 0.2], [0.0, 7.8, 12.0, 8.0], [0.0, 0.2, 0.2, 7.8], [11.8, 0.2, 12.0, 7.8]];
+        let partition =
+            [3.0, 6.0, 9.0].into_iter().flat_map(|x| [[x, 0.2, x + 0.2, 3.0], [x, 3.9, x + 0.2, 7.8]]);
+        let result =
+            check(&drawing(&walls.into_iter().chain(partition).map(wall).collect::<String>())).result;
+        assert!(!result.statements.is_empty());
+        result.statements.join("\n")
+    };
+    assert!(thick(1.0).contains("wall thicknesses: 0.20 m ("), "{}", thick(1.0));
+    assert!(thick(0.05).contains("wall thicknesses: 0.010 m ("), "{}", thick(0.05));
+}
+
+/// A text at a door that goes along with its wall is named: it stays.
+#[test]
+fn texts_at_a_door_that_moves_are_named() {
+    let wall = |[a, b, c, d]: [f64; 4]| {
+        [[a, b, c, b], [c, b, c, d], [c, d, a, d], [a, d, a, b]].map(|s| line("WALL", s)).concat()
+    };
+    let outer = [[0.0, 0.0, 10.0, 0.3], [0.0, 7.7, 10.0, 8.0], [0.0, 0.3, 0.3, 7.7], [9.7, 0.3, 10.0, 7.7]];
+    let partition = [[5.0, 0.3, 5.1, 3.0], [5.0, 3.9, 5.1, 7.7]];
+    let walls: String = outer.into_iter().chain(partition).map(wall).collect();
+    let door = line("DOOR", [5.1, 3.0, 6.0, 3.0]) + "0|ARC|8|DOOR|10|5.1|20|3.0|40|0.9|50|0|51|90|";
+    let mark = ring("EF-MOVE", [4.8, 0.2, 5.2, 7.8]) + &text("EF-MOVE", [4.9, 1.0], "x 0 1");
+    let words = text("TEXT", [5.4, 3.2], "D1") + &text("TEXT", [8.0, 6.0], "Room");
+    let file = drawing(&(walls + &door + &mark + &words));
+    let partial = Partial { spacing: Some(0.5), evaluations: Some(40), ..Partial::default() };
+    let settings = Settings::new(partial).unwrap();
+    let input = Input::new("plan.dxf", file.as_bytes(), 1);
+    let done = pipeline::run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default()).unwrap();
+    let told = said(&done.report, "stale-annotation");
+    let end = "TEXT layer TEXT: stands at a door or window that moves in an option; it stays as drawn and may be stale there";
+    assert!(matches!(&told[..], [one] if one.ends_with(end)), "{told:?} {:?}", done.report);
+}
