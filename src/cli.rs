@@ -325,7 +325,7 @@ pub struct LookingArgs {
     /// Names to leave alone, * and ? may stand in them; repeatable.
     #[arg(long, value_name = "GLOB")]
     pub ignore: Vec<String>,
-    /// Results go below this folder where the place beside a drawing cannot be written.
+    /// Results go below this folder where nothing may be written beside a drawing; a full disk is waited for.
     #[arg(long, value_name = "DIR")]
     pub fallback: Option<PathBuf>,
     /// Watch even a root or home folder.

@@ -446,13 +446,17 @@ fn accept_option(file: &Path, results: &Path, which: Which, number: usize) -> Re
 
 /// What to do where nothing may be written beside a drawing: results lie elsewhere then, an accepted drawing cannot.
 fn not_beside(error: Error, results: &Path) -> Error {
-    let Some(problem) = error.problem().filter(|p| p.code == "no-permission") else { return error };
+    let Some(problem) = error.problem() else { return error };
+    let (why, remedy) = match problem.code {
+        "no-permission" => ("where nothing may be written", "allow it"),
+        store::DISK_FULL => ("where the disk is full", "free some space"),
+        _ => return error,
+    };
     let text = format!(
-        "an accepted drawing is written beside the one it follows, where nothing may be written; allow it, or take the \
-         option's own file from {}",
+        "an accepted drawing is written beside the one it follows, {why}; {remedy}, or take the option's own file from {}",
         results.display()
     );
-    Error::environment("no-permission", problem.place.clone(), text)
+    Error::environment(problem.code, problem.place.clone(), text)
 }
 
 /// Which of the results of a drawing are meant.
@@ -769,7 +773,8 @@ mod tests {
             assert!(said.contains(part), "{part}: {said}");
         }
         let full = refused(std::io::ErrorKind::StorageFull);
-        assert!(full.contains("free some space") && !full.contains("/elsewhere"), "{full}");
+        assert!(full.contains("free some space, or take") && !full.contains("--out"), "{full}");
+        assert!(!refused(std::io::ErrorKind::NotFound).contains("/elsewhere"));
     }
 
     /// Whoever may write to a shared folder must not decide where else this user's programs write.

@@ -81,7 +81,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # depth = 0                         # folders below
 # ignore = ["*-backup.dxf"]
 # newest-first = false              # of many drawings waiting
-# fallback = "results"              # results go there where the place beside a drawing cannot be written
+# fallback = "results"              # results go there where nothing may be written beside a drawing
 # job-limit-secs = 3600.0           # a job that runs longer is ended and reported
 # job-memory-mb = 4096              # the same for memory; without it, three quarters of the machine's
 "#;

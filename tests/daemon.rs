@@ -39,6 +39,46 @@ fn settings() -> WatchSettings {
     }
 }
 
+/// A disk that is full at the start is waited for: a limit on the size of files, lifted while the daemon runs.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_full_from_the_start_is_waited_for() {
+    use std::io::{BufRead, BufReader};
+    let dir = tempfile::tempdir().unwrap();
+    let root = dir.path().join("w");
+    fs::create_dir(&root).unwrap();
+    fs::write(root.join("broken.dxf"), "no drawing\n  0\nEOF\n").unwrap();
+    let mut watcher = Command::new("sh")
+        .args(["-c", "ulimit -S -f 0; exec \"$0\" watch \"$1\" 2>&1", env!("CARGO_BIN_EXE_enfilade")])
+        .arg(&root)
+        .env("HOME", dir.path())
+        .env("XDG_STATE_HOME", dir.path().join("state"))
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let pid = watcher.id().to_string();
+    // One that never says what is waited for is ended, so that this test fails instead of waiting for ever.
+    let (over, is_over) = std::sync::mpsc::channel::<()>();
+    let late = pid.clone();
+    let patience = thread::spawn(move || {
+        if is_over.recv_timeout(PATIENCE) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
+            let _ = Command::new("kill").args(["-9", &late]).status();
+        }
+    });
+    let mut lines = BufReader::new(watcher.stdout.take().unwrap()).lines();
+    let mut until = |word: &str| lines.find_map(|l| l.ok().filter(|l| l.contains(word)));
+    let full = until("free some space");
+    let lift = Command::new("prlimit").args(["--pid", &pid, "--fsize=unlimited:unlimited"]).status().unwrap();
+    let taken = until("its state can be kept by now");
+    let worked_on = until("broken.dxf");
+    drop(over);
+    let _ = watcher.kill();
+    watcher.wait().unwrap();
+    patience.join().unwrap();
+    assert!(full.is_some() && lift.success(), "{full:?} {lift:?}");
+    assert!(taken.is_some() && worked_on.is_some(), "{taken:?} {worked_on:?}");
+}
+
 /// A set whose every file is told from every other's, large enough to be caught half-written.
 fn files(request_sha256: &str, what: &str, count: usize) -> Vec<OutFile> {
     let file = |i: usize| OutFile {

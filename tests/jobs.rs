@@ -95,6 +95,24 @@ fn bad_jobs_end_with_2_and_a_busy_one_asks_for_another_try() {
     assert_eq!(code(&job), Some(2));
 }
 
+/// No further try takes a link out of the place of results.
+#[cfg(unix)]
+#[test]
+fn a_link_in_the_place_of_results_asks_for_no_other_try() {
+    let dir = tempfile::tempdir().unwrap();
+    let (out, elsewhere) = (dir.path().join("out"), dir.path().join("elsewhere"));
+    fs::create_dir(&elsewhere).unwrap();
+    let job = list(&[&sample()], &[], &out).remove(0);
+    let id: Value = serde_json::from_str(&job).unwrap();
+    let folder = out.join(id["id"].as_str().unwrap());
+    fs::create_dir_all(&folder).unwrap();
+    std::os::unix::fs::symlink(&elsewhere, folder.join("result")).unwrap();
+    let ended = enfilade(&["run-job", &job], "");
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert!(ended.status.code() == Some(4) && said.contains("link"), "{ended:?}");
+    assert_eq!(fs::read_dir(&elsewhere).unwrap().count(), 0);
+}
+
 #[test]
 fn a_job_named_twice_is_listed_once() {
     let dir = tempfile::tempdir().unwrap();

@@ -13,6 +13,7 @@ use crate::formats::{self, StoreyInfo};
 use crate::pipeline;
 use crate::progress::Display;
 use crate::report::{Cancel, Error, Place, Report};
+use crate::store;
 
 /// Try again later: the exit code of `sysexits.h` that batch systems know.
 const TRY_AGAIN: u8 = 75;
@@ -129,7 +130,8 @@ pub(super) fn run_job(args: &RunJobArgs, cancel: &Cancel) -> Result<u8, Error> {
         }
         // To a batch system wrong settings in a job are a bad job.
         Err(Error::Usage(problem)) => Err(Error::Input(problem)),
-        Err(Error::Environment(problem)) => {
+        // A link in the place of results stays until somebody removes it: no further try mends that.
+        Err(Error::Environment(problem)) if problem.code != store::OUTPUT_IS_LINK => {
             eprintln!("error: {problem}");
             Ok(TRY_AGAIN)
         }

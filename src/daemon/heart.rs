@@ -17,7 +17,7 @@ mod room;
 mod state;
 mod words;
 
-use state::State;
+use state::{State, is_waited_for};
 use words::{how_watched, hung, killed_too_often, retry_pause, shown, taken, told_to_end, too_long};
 
 use super::child::JOB_KILLED;
@@ -25,7 +25,7 @@ use super::hands::{
     Looked, Message, Outcome, Task, Waiting, is_unreadable, open_journal, reporter, start_looker,
     start_worker,
 };
-use super::status::{SharedDisk, Standing, content_of_results, rfc3339, settle, write_standing};
+use super::status::{SharedDisk, Standing, content_of_results, rfc3339, settle, settle_gone, write_standing};
 use super::{Asked, Done, Notice, Order, Reread, RunJob, WatchSettings};
 use crate::config::settings_files;
 use crate::report::{Cancel, Error, Place, Problem, Severity};
@@ -187,8 +187,8 @@ impl Heart {
                     heart.first_words.extend(unrecorded.map(|problem| (path.clone(), problem)));
                     Some(state)
                 }
-                // One folder that cannot be written holds up no other; every heartbeat tries it again.
-                Err(Error::Environment(problem)) if roots.len() > 1 && problem.code != FOLDER_OWNED => {
+                // One folder that cannot be written holds up no other, and a full disk passes; every heartbeat tries again.
+                Err(Error::Environment(problem)) if is_waited_for(roots.len(), problem.code) => {
                     heart.first_words.push((path.clone(), problem));
                     None
                 }
@@ -481,6 +481,7 @@ impl Heart {
         if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
             running.stop(REMOVED);
         }
+        settle_gone(&*self.disk, drawing, &self.placing_of(drawing), REMOVED);
         show(Notice::Removed(drawing.into()));
     }
 
@@ -574,8 +575,11 @@ impl Heart {
         let newer = self.queue.iter().find(|w| w.drawing == what.drawing);
         let (state, sha256) = newer.map_or(("stopped", &what.sha256), |w| ("waiting", &w.sha256));
         let standing = Standing { state, sha256, summary: Some(why), ..Standing::default() };
+        let placing = self.placing_of(&what.drawing);
         if what.drawing.exists() {
-            write_standing(&*self.disk, &what.drawing, &self.placing_of(&what.drawing), &standing);
+            write_standing(&*self.disk, &what.drawing, &placing, &standing);
+        } else {
+            settle_gone(&*self.disk, &what.drawing, &placing, why);
         }
         if is_cancelled && newer.is_none() {
             self.cancelled.insert(what.drawing.clone());
@@ -644,10 +648,7 @@ impl Heart {
                         return Err(taken(&root.path, &state.folder));
                     }
                 }
-                None => {
-                    let path = root.path.clone();
-                    self.roots[i].state = self.take(&path, stop).ok();
-                }
+                None => self.take_at_last(i, show, stop),
             }
         }
         Ok(())

@@ -59,14 +59,29 @@ pub(super) fn write_standing(disk: &dyn Disk, drawing: &Path, placing: &Placing,
 /// its own and not finished is not asked for again.
 pub(super) fn settle(disk: &dyn Disk, drawing: &Path, placing: &Placing, sha256: &str, summary: &str) {
     let Some(folder) = present_folder(drawing, placing) else { return };
-    let status = read_own(&folder.join("status.json")).ok();
-    let status: Value = status.and_then(|s| serde_json::from_slice(&s).ok()).unwrap_or_default();
+    let status = status_in(&folder);
     let is_stale = ["running", "waiting", "stopped"].iter().any(|s| status["state"] == *s);
     if let (true, Some(newest)) = (is_stale, finished_rounds(&folder).last()) {
         let round = round_name(*newest);
         let done = Standing { state: "done", sha256, round: Some(&round), ..Standing::default() };
         write_standing(disk, drawing, placing, &Standing { summary: Some(summary), ..done });
     }
+}
+
+/// What waited, or was worked on, of a drawing that is gone does so no more.
+pub(super) fn settle_gone(disk: &dyn Disk, drawing: &Path, placing: &Placing, why: &str) {
+    let Some(folder) = present_folder(drawing, placing) else { return };
+    let status = status_in(&folder);
+    if ["settling", "waiting", "running"].iter().any(|s| status["state"] == *s) {
+        let sha256 = status["sha256"].as_str().unwrap_or_default();
+        let gone = Standing { state: "stopped", sha256, summary: Some(why), ..Standing::default() };
+        write_standing(disk, drawing, placing, &gone);
+    }
+}
+
+fn status_in(folder: &Path) -> Value {
+    let status = read_own(&folder.join("status.json")).ok();
+    status.and_then(|s| serde_json::from_slice(&s).ok()).unwrap_or_default()
 }
 
 /// Of which content the newest results in a result folder are, by its SHA-256; `None` where none is known.

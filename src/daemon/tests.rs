@@ -71,7 +71,7 @@ impl Daemon {
     /// One whose own settings can change; they are read from its root.
     fn start_reading(
         settings: WatchSettings,
-        mut reread: impl FnMut(&Path) -> Result<Option<WatchSettings>, Error> + Send + 'static,
+        reread: impl FnMut(&Path) -> Result<Option<WatchSettings>, Error> + Send + 'static,
         prepare: impl FnOnce(&Path),
         run: impl Fn(&JobRequest, &mut dyn FnMut(JobEvent), &Cancel) -> Result<JobOutput, Error>
         + Send
@@ -82,6 +82,20 @@ impl Daemon {
         let root = fs::canonicalize(dir.path()).unwrap().join("w");
         fs::create_dir(&root).unwrap();
         prepare(&root);
+        Self::start_at(dir, root, settings, reread, run)
+    }
+
+    /// One on a root that is there; `dir` goes with it.
+    fn start_at(
+        dir: tempfile::TempDir,
+        root: PathBuf,
+        settings: WatchSettings,
+        mut reread: impl FnMut(&Path) -> Result<Option<WatchSettings>, Error> + Send + 'static,
+        run: impl Fn(&JobRequest, &mut dyn FnMut(JobEvent), &Cancel) -> Result<JobOutput, Error>
+        + Send
+        + Sync
+        + 'static,
+    ) -> Self {
         let (stop, said, jobs) =
             (Cancel::default(), Arc::new(Mutex::new(Vec::new())), Arc::new(AtomicUsize::new(0)));
         let count = jobs.clone();

@@ -100,7 +100,7 @@ impl Records {
             return Err(owned(root, &other, read_lease(&keeper).as_ref()));
         }
         let Some(record) = self.of(root) else { return Ok(Claim::Plain) };
-        if state.starts_with(root) {
+        if state == root.join(STATE_FOLDER) {
             // The last word on a root that could not be written is no longer true.
             if record.exists() && !is_held(&record) {
                 let _ = disk.remove_folder(&record);
@@ -151,7 +151,7 @@ fn place_in(record: &Path) -> Option<PathBuf> {
 }
 
 fn owned(root: &Path, state: &Path, lease: Option<&Lease>) -> Error {
-    let place = if state.starts_with(root) {
+    let place = if state == root.join(STATE_FOLDER) {
         String::new()
     } else {
         format!(", which keeps its state in {}", state.display())

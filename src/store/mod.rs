@@ -33,6 +33,8 @@ use crate::report::{Error, Place};
 
 /// Code of the problem that a disk has no room.
 pub const DISK_FULL: &str = "disk-full";
+/// Code of the error where a link lies in the place of results.
+pub const OUTPUT_IS_LINK: &str = "output-is-link";
 /// Suffix of the folder that holds a drawing's results.
 pub const OUTPUT_SUFFIX: &str = ".enfilade";
 /// Name of the state folder of a watched root.
@@ -187,9 +189,12 @@ impl Home {
         match self.disk.free_bytes(&self.folder) {
             Ok(free) if free < wanted => {
                 let text = format!(
-                    "{} MB are free and {} MB are wanted; free some space or send results elsewhere with --out",
+                    "{} MB are free and {} MB are wanted, {FREE_SPACE_FACTOR} times the {:.1} MB of the results and {} MB in \
+                     reserve; free some space or send results elsewhere with --out",
                     free >> 20,
-                    wanted.div_ceil(1 << 20)
+                    wanted.div_ceil(1 << 20),
+                    size as f64 / f64::from(1 << 20),
+                    FREE_SPACE_FLOOR >> 20
                 );
                 Err(Error::environment(DISK_FULL, shown(&self.folder), text))
             }
@@ -706,7 +711,7 @@ fn unique() -> String {
 fn refuse_link(path: &Path) -> Result<(), Error> {
     if fs::symlink_metadata(path).is_ok_and(|m| m.is_symlink()) {
         let text = "is a link; results are never written through links: remove it";
-        return Err(Error::environment("output-is-link", shown(path), text));
+        return Err(Error::environment(OUTPUT_IS_LINK, shown(path), text));
     }
     Ok(())
 }

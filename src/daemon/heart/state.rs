@@ -1,7 +1,7 @@
 //! What the daemon holds of a root: its lock, its journal, and the word where they lie.
 
 use super::*;
-use crate::store::{Claim, Lease, Ownership, state_folder};
+use crate::store::{Claim, DISK_FULL, Lease, Ownership, state_folder};
 
 pub(super) struct State {
     pub(super) folder: PathBuf,
@@ -31,7 +31,24 @@ impl State {
     }
 }
 
+/// Whether a root whose state cannot be kept at the start is tried again at every heartbeat: so that one folder holds up
+/// no other, and because a full disk passes. What only the user can mend ends a daemon that has nothing else to watch.
+pub(super) fn is_waited_for(root_count: usize, code: &str) -> bool {
+    code != FOLDER_OWNED && (root_count > 1 || code == DISK_FULL)
+}
+
 impl Heart {
+    /// Takes a root whose state could not be kept before, if it can be by now.
+    pub(super) fn take_at_last(&mut self, i: usize, show: &mut dyn FnMut(Notice), stop: &Cancel) {
+        let path = self.roots[i].path.clone();
+        let Ok(state) = self.take(&path, stop) else { return };
+        self.roots[i].state = Some(state);
+        let text = "its state can be kept by now; its drawings are taken up".into();
+        let place = Place::file(path.to_string_lossy());
+        let problem = Problem { code: "watch-taken", severity: Severity::Info, place, text };
+        show(Notice::Problem { path, problem });
+    }
+
     pub(super) fn take(&self, root: &Path, stop: &Cancel) -> Result<State, Error> {
         let placing = self.placing(root, root);
         let own: Vec<&Path> = self.roots.iter().map(|r| r.path.as_path()).collect();
@@ -61,4 +78,21 @@ fn hidden(state: &Path, problem: Problem) -> Problem {
         problem.text
     );
     Problem { code: "watch-unrecorded", severity: Severity::Warning, text, ..problem }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_passes_by_itself_is_waited_for() {
+        for (count, code, is_waited) in [
+            (1, DISK_FULL, true),
+            (1, "no-permission", false),
+            (2, "no-permission", true),
+            (2, FOLDER_OWNED, false),
+        ] {
+            assert_eq!(is_waited_for(count, code), is_waited, "{count} {code}");
+        }
+    }
 }

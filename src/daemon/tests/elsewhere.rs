@@ -66,6 +66,30 @@ fn a_root_with_its_state_elsewhere_is_found_and_has_one_daemon() {
     assert_eq!(fs::read_dir(&records).unwrap().count(), 0, "the record is over");
 }
 
+/// A fallback within the root is elsewhere too: the daemon beside it would keep its state at another place.
+#[test]
+fn a_fallback_within_the_root_is_found_too() {
+    let (dir, aside) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let records = aside.path().join("records");
+    let with = |fallback: &Path| WatchSettings {
+        fallback_dir: Some(fallback.to_path_buf()),
+        records_dir: Some(records.clone()),
+        ..settings()
+    };
+    let root = fs::canonicalize(dir.path()).unwrap();
+    nowhere(&root);
+    let within = root.join("fallback");
+    let run = |request: &JobRequest, _: &mut dyn FnMut(JobEvent), _: &Cancel| Ok(echo(request));
+    let daemon = Daemon::start_at(dir, root.clone(), with(&within), |_| Ok(None), run);
+    daemon.save("plan.dxf", "one");
+    daemon.await_round("plan", 1);
+    let told = status(std::slice::from_ref(&root), Some(&records))[0].clone();
+    let state = told["state_folder"].as_str().unwrap();
+    assert!(told["is_running"] == true && Path::new(state).starts_with(&within), "{told}");
+    let (code, said) = turned_away(&root, &with(&aside.path().join("b"))).unwrap();
+    assert!(code == "folder-owned" && said.contains(state), "{said}");
+}
+
 /// A root that another daemon watches from within is not taken with the state elsewhere.
 #[test]
 fn a_root_with_its_state_within_is_not_taken_from_elsewhere() {

@@ -39,8 +39,27 @@ fn settings_half_saved_end_no_job() {
     daemon.await_said("Queued {", 2);
     daemon.rest();
     assert_eq!((daemon.count_said("Stopped {"), daemon.jobs()), (0, 1));
+    // Taken back, they are those of the job that runs.
+    fs::remove_file(daemon.path("plan.enfilade.toml")).unwrap();
+    daemon.rest();
+    assert_eq!((daemon.count_said("Stopped {"), daemon.jobs()), (0, 1));
     fs::write(daemon.path("plan.enfilade.toml"), "members = 3\n").unwrap();
     daemon.await_said("take its place", 1);
+}
+
+/// Beside a drawing that is gone nothing says that it waits or is worked on.
+#[test]
+fn what_is_gone_waits_no_more() {
+    let daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
+    daemon.save("runs.dxf", "slow");
+    daemon.await_said("Started", 1);
+    daemon.save("waits.dxf", "slow");
+    daemon.await_true("waits", || daemon.path("waits.enfilade/status.json").exists());
+    for name in ["waits", "runs"] {
+        fs::remove_file(daemon.path(&format!("{name}.dxf"))).unwrap();
+        daemon.await_true(name, || daemon.status(name)["state"] == "stopped");
+        assert_eq!(daemon.status(name)["summary"], "the drawing was removed or has another name");
+    }
 }
 
 /// A round that was asked for of what lies there no more is not done, and whoever asked is told so.

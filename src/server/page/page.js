@@ -133,7 +133,7 @@ function curve(points) {
 /** Another round as the settings say; options pinned in the round that is shown stay. */
 function another(id) {
   const asked = keeping(id);
-  const stay = asked.pin ? `; these stay: ${asked.pin.join(", ")}` : "";
+  const stay = asked.pin ? `; these stay: ${asked.pin.join(", ")}` : "; where nothing has changed it finds the same options";
   return ask(`drawings/${id}/again`, asked).then(() => say(`another round is asked for, as the settings say${stay}`));
 }
 
