@@ -125,7 +125,7 @@ impl Region {
         }
     }
 
-    /// Whether two sides cross; not looked for in an outline of more than [`CROSSED_MAX`] corners.
+    /// Whether two sides cross; not looked for in an outline of more than `CROSSED_MAX` corners.
     pub fn crosses_itself(&self) -> bool {
         let Self::Ring(ring) = self else { return false };
         if ring.len() > CROSSED_MAX {
