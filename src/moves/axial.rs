@@ -94,7 +94,7 @@ impl Stays {
             Self::Thick => "thick enough to carry",
             Self::Unheld => "without a wall to slide along",
             Self::Joined => "whose joints would open or bend",
-            Self::Unwritable => "that cannot be changed (locked, or in a block)",
+            Self::Unwritable => "that cannot be changed (locked, in a block, or a multiline)",
             Self::Torn => "with a door or window that could not go along",
             Self::Occupied => "with something standing at them",
             Self::Narrow => "with too little room beside them",

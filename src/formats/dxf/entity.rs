@@ -67,7 +67,7 @@ const PARTS: [&[u8]; 8] =
     [b"ATTRIB", b"ATTDEF", b"SEQEND", b"VIEWPORT", b"VERTEX", b"ENDSEC", b"ENDBLK", b"BLOCK"];
 
 /// Why an entity is left out: code and text.
-type Skip = (&'static str, String);
+pub(super) type Skip = (&'static str, String);
 
 fn skip<T>(code: &'static str, text: impl Into<String>) -> Result<Result<T, Skip>, Error> {
     Ok(Err((code, text.into())))
@@ -89,6 +89,11 @@ impl<'a> Reader<'a, '_> {
             self.check_handle(&fields);
             let is_on_paper = self.int(&fields, 67, 0)? != 0;
             let is_drawn = !is_on_paper && self.int(&fields, 60, 0)? == 0;
+            if is_drawn && name == b"MLINE" {
+                self.add_multiline(&fields, &mut out)?;
+                record = next;
+                continue;
+            }
             let body = if is_drawn { self.body(name, &fields)? } else { None };
             let is_undrawn = matches!(body, None | Some(Err(_))) && (is_drawn || is_on_paper);
             match body {
@@ -111,6 +116,18 @@ impl<'a> Reader<'a, '_> {
             record = next;
         }
         Ok(out)
+    }
+
+    fn add_multiline(&mut self, fields: &Fields<'_, 'a>, out: &mut Vec<Item>) -> Result<(), Error> {
+        let (record, layer) = (fields.record, self.layer(fields));
+        match self.multiline(fields)? {
+            Ok(bodies) => out.extend(bodies.into_iter().map(|body| Item { record, layer, body })),
+            Err((code, text)) => {
+                self.warn(code, record, text);
+                self.count_undrawn(fields, false);
+            }
+        }
+        Ok(())
     }
 
     fn body(&mut self, name: &[u8], fields: &Fields<'_, 'a>) -> Result<Option<Result<Body, Skip>>, Error> {
@@ -137,7 +154,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// Leaves out shapes with NaN, infinite or absurd coordinates.
-    fn checked(&self, body: Body) -> Result<Body, Skip> {
+    pub(super) fn checked(&self, body: Body) -> Result<Body, Skip> {
         let bad = match &body {
             Body::Shape(shape, _) | Body::Fill(shape) => self.insane_point(shape),
             Body::Text(at, _) => Some(*at).filter(|&p| !self.is_sane(p)),

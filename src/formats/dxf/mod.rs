@@ -22,6 +22,7 @@ mod fill;
 mod header;
 mod limits;
 mod links;
+mod multiline;
 mod opened;
 mod patch;
 mod read;

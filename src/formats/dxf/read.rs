@@ -181,8 +181,8 @@ pub(super) fn fault_error(file: &str, bytes: &[u8], fault: Fault, options: &Read
 }
 
 /// Geometry that may be a wall and that this reader does not draw.
-const SOLID_KINDS: [&str; 9] =
-    ["MLINE", "3DFACE", "3DSOLID", "BODY", "REGION", "MESH", "SURFACE", "EXTRUDEDSURFACE", "PLANESURFACE"];
+const SOLID_KINDS: [&str; 8] =
+    ["3DFACE", "3DSOLID", "BODY", "REGION", "MESH", "SURFACE", "EXTRUDEDSURFACE", "PLANESURFACE"];
 
 /// Whether a record is an object of a vertical product, which only that product can draw.
 fn is_proxy(kind: &str) -> bool {
