@@ -1,6 +1,7 @@
 //! One round: search, verify, write.
 
 mod budget;
+mod doors;
 mod files;
 mod grid;
 mod joints;
@@ -102,6 +103,7 @@ fn round(
         report.extend(m.report.clone());
     }
     joints::say_opened(&mut report, input.file(), study, &made);
+    doors::say_narrowed(&mut report, input.file(), study, &made);
     overlaps::say_overlaps(&mut report, input.file(), study, settings, &made);
     if let Some(found) = found {
         told::say_pinned(&mut report, input.file(), &found.explanations);
@@ -731,6 +733,7 @@ fn candidate(
             &told(study, &mean),
             explanation,
         ) + &told::goes_along_words(&study.base, &made.layout)
+            + &doors::narrowed_words(&study.base, &made.layout)
             + &told::stays_words(&made.report),
         explanation: explanation.clone(),
         mean,
