@@ -169,3 +169,19 @@ fn a_door_is_not_made_narrower_in_silence() {
         assert!(option["words"].as_str().unwrap().contains(&left), "{option}");
     }
 }
+
+/// A link of walls none of which moves does nothing, and is named.
+#[test]
+fn a_link_of_what_does_not_move_is_named() {
+    let mut plan = Plan::default().ring("WALL", [0.0, 0.0, 20.0, 10.0]);
+    for (x, how) in [(5.0, "x 0 0.0001; name a"), (10.0, "x 0 0.0001; name b"), (15.0, "x -1 1; name c")] {
+        plan = plan.line([x, 2.0, x, 8.0]).mark([x - 0.2, 1.8, x + 0.2, 8.2], how);
+    }
+    let result = plan.run(&["--evaluations", "20", "--link", "same: a, b"]);
+    let links = told(&result, "link-idle");
+    assert!(
+        links.len() == 1 && links[0].contains("link `same: a, b`: nothing that it names moves"),
+        "{links:?}"
+    );
+    assert_eq!(result["moves"].as_array().unwrap().len(), 1);
+}

@@ -3,7 +3,7 @@
 mod card;
 mod carrying;
 mod idle;
-mod marked;
+pub(super) mod marked;
 mod parts;
 mod seen;
 mod written;
@@ -282,7 +282,7 @@ fn moves(
 ) -> Result<Moves, Error> {
     let Known { plan, graph, axes, interior, fittings, infill } = *known;
     if !settings.moves.is_empty() {
-        state_passed_over(drawing, plan, report);
+        state_passed_over(drawing, plan, &settings.moves, report);
         let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
         return Ok(without_idle(moves, groups.iter().map(|g| &g.0), (plan, graph, axes), settings, report));

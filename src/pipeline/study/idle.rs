@@ -10,7 +10,8 @@ use crate::plan::graph::Graph;
 use crate::plan::markers::{Clause, Group, place_in};
 use crate::report::{Place, Report};
 
-/// The moves without the parameters that move nothing, ways ending at the jambs of doors. Those of linked groups stay, since others follow them.
+/// The moves without the parameters that move nothing, ways ending at the jambs of doors. Those of linked groups stay, since others
+/// follow them; where nothing that is linked moves, the link is named.
 pub(super) fn without_idle<'a>(
     mut moves: Moves,
     groups: impl Iterator<Item = &'a Group> + Clone,
@@ -40,7 +41,18 @@ pub(super) fn without_idle<'a>(
             format!("group {:?}: `{}` moves nothing: {}{rest}", p.group_name, clause(&p.clause), words(*why));
         report.warn("move-idle", place(&p.group_name), text);
     }
-    let is_linked = |p: &Parameter| settings.links.iter().any(|l| l.groups.contains(&p.group_name));
+    let is_idle = |name: &String| {
+        let mut own =
+            (0..moves.parameters.len()).filter(|i| moves.parameters[*i].group_name == *name).peekable();
+        own.peek().is_some() && own.all(|i| idle.iter().any(|(j, _)| *j == i))
+    };
+    let (without_effect, links): (Vec<_>, Vec<_>) =
+        settings.links.iter().partition(|l| l.groups.iter().all(is_idle));
+    for link in without_effect {
+        let text = format!("link `{link}`: nothing that it names moves (see `move-idle`); it has no effect");
+        report.warn("link-idle", Place::file(&plan.file), text);
+    }
+    let is_linked = |p: &Parameter| links.iter().any(|l| l.groups.contains(&p.group_name));
     let dropped: Vec<usize> =
         idle.iter().map(|(i, _)| *i).filter(|i| !is_linked(&moves.parameters[*i])).collect();
     moves.leave_out(&dropped);
@@ -61,7 +73,7 @@ fn jamb_words(p: &Parameter, shorter: &Shortened) -> String {
 }
 
 /// A clause as it is written.
-fn clause(c: &Clause) -> String {
+pub(super) fn clause(c: &Clause) -> String {
     let unit = if c.unit.is_empty() { String::new() } else { format!(" {}", c.unit) };
     format!("{} {}{unit} to {}{unit}", c.kind.name(), c.lower, c.upper)
 }
