@@ -22,7 +22,7 @@ use crate::pipeline::accept::Origin;
 use crate::pipeline::cells::CellOptions;
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::progress::Display;
-use crate::report::{Cancel, Error, Place, Report, Severity, gathered, one_line};
+use crate::report::{Cancel, Error, Place, Report, Severity, counted, gathered, one_line};
 use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, round_name};
 use crate::watch::bytes_of;
@@ -357,10 +357,7 @@ fn round(
 }
 
 fn options_of(result: &RoundResult) -> String {
-    match result.candidates.len() {
-        1 => "1 option".into(),
-        n => format!("{n} options"),
-    }
+    counted(result.candidates.len() as u64, "option")
 }
 
 fn output_of(outcome: &Outcome<RoundResult>) -> JobOutput {
@@ -375,15 +372,19 @@ fn output_of(outcome: &Outcome<RoundResult>) -> JobOutput {
 
 fn summary(result: &RoundResult, folder: &Path) {
     for (i, c) in result.candidates.iter().enumerate() {
-        let mark = if c.within_threshold { "" } else { " (below a threshold)" };
+        let mark = match (c.explanation.breaks.is_empty(), c.within_threshold) {
+            (false, _) => " (pinned; breaks a rule)",
+            (true, true) => "",
+            (true, false) => " (below a threshold)",
+        };
         say(&format!("option {}{mark}: {}", i + 1, c.words));
     }
     if result.best.as_ref().is_some_and(|b| b.option.is_none()) {
         say("the best layout found is not one of the options: `accept FILE 0` takes it");
     }
     say(&format!(
-        "{} layouts measured in {:.1} s: {}; {}",
-        result.evaluations,
+        "{} measured in {:.1} s: {}; {}",
+        counted(result.evaluations, "layout"),
         result.seconds,
         result.stopped_by,
         options_of(result)
@@ -509,8 +510,8 @@ fn round_result(folder: &Path, which: Which) -> Result<(Origin, RoundResult), Er
         && seen != result.evaluations
     {
         let text = format!(
-            "the best so far is another by now, of {} layouts, expected that of {seen}; look at it again; nothing was done",
-            result.evaluations
+            "the best so far is another by now, of {}, expected that of {seen}; look at it again; nothing was done",
+            counted(result.evaluations, "layout")
         );
         return Err(Error::usage("so-far", place(), text));
     }

@@ -206,6 +206,9 @@ pub struct MoveTable {
     /// Layers (globs) whose wall entities belong to the group.
     #[serde(default)]
     pub layers: Vec<String>,
+    /// What the group's marker in the drawing says that `moves` replaces, as `accept` found it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub marker: Option<String>,
 }
 
 /// A region named in a side-car.

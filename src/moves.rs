@@ -10,6 +10,7 @@ mod doorways;
 pub mod idle;
 mod joined;
 mod mitre;
+pub mod narrowed;
 pub mod opened;
 mod partitions;
 mod things;

@@ -21,6 +21,11 @@ pub fn printable(text: &str) -> String {
         .collect()
 }
 
+/// A number of things in words: `1 layout`, `2 layouts`.
+pub fn counted(n: u64, one: &str) -> String {
+    if n == 1 { format!("1 {one}") } else { format!("{n} {one}s") }
+}
+
 /// As [`printable`], with line ends and tabs shown too: a name that tries to look like more lines does not.
 pub fn one_line(text: &str) -> String {
     text.chars().map(|c| if is_obeyed(c) { c.escape_default().to_string() } else { c.to_string() }).collect()
@@ -279,6 +284,11 @@ impl OutFile {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_is_no_plural() {
+        assert_eq!([0, 1, 2].map(|n| counted(n, "layout")), ["0 layouts", "1 layout", "2 layouts"]);
+    }
 
     #[test]
     fn many_findings_alike_are_gathered_behind_the_third() {

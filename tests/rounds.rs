@@ -61,6 +61,7 @@ fn a_pinned_option_that_breaks_what_is_asked_now_is_kept_and_named() {
         assert!(breaks.contains(word) && problems.contains(word), "{rules:?}: {breaks} {problems}");
         assert!(kept["words"].as_str().unwrap().contains("Kept because it is pinned, though it breaks"));
         assert!(page.contains("Kept because it is pinned") && note.contains("pinned"), "{rules:?}");
+        assert!(page.contains("<p class=\"badge missed\">✗ breaks "), "the badge says what");
         for other in result["candidates"].as_array().unwrap().iter().skip(1) {
             assert!(other["explanation"].get("breaks").is_none(), "{rules:?}");
         }
@@ -280,4 +281,50 @@ fn marks_that_settings_pass_over_are_told() {
     desk.side_car("[[move]]\nnodes = [[5, 2], [5, 8]]\nmoves = \"x -1 1\"\n");
     let done = desk.call("check", &["--json"]);
     assert!(text(&done.stdout).contains("marks-passed-over"), "{}", text(&done.stdout) + &text(&done.stderr));
+}
+
+/// A marker that was changed in an accepted drawing does not count, and is named with what counts instead; one that was not
+/// touched is no trouble.
+#[test]
+fn markers_changed_in_an_accepted_drawing_are_named() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    desk.run(1, &["--objective", "degree max 0.3"]);
+    assert!(enfilade(&["accept", &desk.drawing().to_string_lossy(), "1"]).status.success());
+    let accepted = desk.folder.path().join("plan-r02.dxf");
+    let told = || {
+        let done = enfilade(&["check", &accepted.to_string_lossy(), "-q", "--json"]);
+        let result: Value = serde_json::from_slice(&done.stdout).unwrap();
+        let problems = result["problems"].as_array().unwrap().iter().filter(|p| p["code"] == "marks-edited");
+        problems.map(Value::to_string).collect::<Vec<_>>()
+    };
+    assert_eq!(told(), [""; 0]);
+    let drawn = std::fs::read_to_string(&accepted).unwrap();
+    std::fs::write(&accepted, drawn.replace("x -2 2; name b", "x -3 1; name b")).unwrap();
+    let [one] = told().try_into().unwrap();
+    assert!(one.contains("\\\"b\\\" says `x -3 m to 1 m`") && one.contains("layer EF-MOVE"), "{one}");
+    assert!(one.contains("delete all [[move]] tables"), "{one}");
+    std::fs::write(&accepted, drawn.replace("name b", "name new")).unwrap();
+    assert!(matches!(told().as_slice(), [new] if new.contains("no [[move]] table is of that name")));
+    let side_car = std::fs::read_to_string(desk.folder.path().join("plan-r02.enfilade.toml")).unwrap();
+    let moves: Vec<&str> = side_car.lines().filter(|l| l.starts_with("moves = ")).collect();
+    assert_eq!(moves.len(), 3);
+    let decimals = |w: &str| w.trim_end_matches(['m', '"']).split_once('.').map_or(0, |d| d.1.len());
+    assert!(moves.iter().all(|l| l.split_whitespace().all(|w| decimals(w) <= 6)), "{moves:?}");
+}
+
+/// What a limit does to a round without a better option is told in numbers.
+#[test]
+fn limits_are_told_by_what_they_do() {
+    let desk = Desk::new(&hall(["x -2 2"; 3]));
+    let problems =
+        |round: u32, more: &[&str]| json(&desk.run(round, more).join("result.json"))["problems"].to_string();
+    let none = problems(1, &["--limit", "wall-length <= -5%"]);
+    let present = "the present layout misses `wall-length <= -5%` (at least 5 % less than at present: it has 78, the limit is 74.1)";
+    assert!(none.contains("keeps every hard limit") && none.contains(present), "{none}");
+    let worse = problems(2, &["--limit", "degree >= +0%", "--objective", "degree min 0.3"]);
+    assert!(worse.contains("; the present layout keeps every hard limit; "), "{worse}");
+    assert!(worse.contains(" of the 60 layouts measured keep every hard limit"), "{worse}");
+    let narrow = Desk::new(&hall(["x -0.2 0.2"; 3]));
+    let snapped = json(&narrow.run(1, &["--snap", "2 ft"]).join("result.json"))["problems"].to_string();
+    assert!(snapped.contains("snap 2 ft (0.6096 m): no step"), "{snapped}");
 }

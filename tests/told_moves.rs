@@ -127,3 +127,61 @@ fn a_clause_that_moves_nothing_is_named() {
     assert!(idle.len() == 1 && idle[0].contains("nothing moves here"), "{idle:?}");
     assert_eq!(none["candidates"], Value::Array(vec![]));
 }
+
+/// A corridor wall with a door of 1 m from x = 5 on, and a partition that meets it at x = 3.5.
+fn corridor(mark: [f64; 4], how: &str) -> Plan {
+    let walls = [[0.0, 4.0, 3.5, 4.0], [3.5, 4.0, 5.0, 4.0], [6.0, 4.0, 12.0, 4.0], [3.5, 0.0, 3.5, 4.0]];
+    let mut plan = walls.into_iter().fold(Plan::default().ring("WALL", [0.0, 0.0, 12.0, 8.0]), Plan::line);
+    write!(plan.0, "0\nARC\n8\nDOOR\n10\n5\n20\n4\n40\n1\n50\n0\n51\n90\n").unwrap();
+    write!(plan.0, "0\nLINE\n8\nDOOR\n10\n5\n20\n4\n11\n5\n21\n5\n").unwrap();
+    plan.mark(mark, how)
+}
+
+/// A joint stays on its side of a door's jamb, and the marker is told; a jamb marked by itself narrows its door, and
+/// every option that does says so.
+#[test]
+fn a_door_is_not_made_narrower_in_silence() {
+    let wish = ["--evaluations", "40", "--objective", "degree min 0.5"];
+    let result = corridor([3.3, -0.1, 3.8, 4.1], "name part; x -1.5 1.8").run(&wish);
+    let shorter = told(&result, "move-shortened");
+    assert!(shorter.len() == 1 && shorter[0].contains("`x -1.5 m to 1.8 m` would take"), "{shorter:?}");
+    assert!(
+        shorter[0].contains("the door at 5.5, 4, 1.00 m wide") && shorter[0].contains("EF-MOVE"),
+        "{shorter:?}"
+    );
+    let upper = result["moves"][0]["upper"].as_f64().unwrap();
+    assert!(
+        upper < 1.5 && upper > 1.45 && shorter[0].contains(&format!("to {upper} m` alone")),
+        "{shorter:?}"
+    );
+    assert!(told(&result, "options-door").is_empty());
+
+    let result = corridor([4.9, 3.9, 5.1, 4.1], "name jamb; x 0 0.5").run(&wish);
+    assert!(told(&result, "move-shortened").is_empty());
+    let doors = told(&result, "options-door");
+    let options = result["candidates"].as_array().unwrap();
+    assert!(!options.is_empty());
+    for (i, option) in options.iter().enumerate() {
+        let left =
+            format!("is left {:.2} m wide, it was 1.00 m", 1.0 - option["parameters"][0].as_f64().unwrap());
+        let of = format!("option {}: the door at 5.5, 4 {left}", i + 1);
+        assert!(doors.iter().any(|d| d.contains(&of)), "{of}: {doors:?}");
+        assert!(option["words"].as_str().unwrap().contains(&left), "{option}");
+    }
+}
+
+/// A link of walls none of which moves does nothing, and is named.
+#[test]
+fn a_link_of_what_does_not_move_is_named() {
+    let mut plan = Plan::default().ring("WALL", [0.0, 0.0, 20.0, 10.0]);
+    for (x, how) in [(5.0, "x 0 0.0001; name a"), (10.0, "x 0 0.0001; name b"), (15.0, "x -1 1; name c")] {
+        plan = plan.line([x, 2.0, x, 8.0]).mark([x - 0.2, 1.8, x + 0.2, 8.2], how);
+    }
+    let result = plan.run(&["--evaluations", "20", "--link", "same: a, b"]);
+    let links = told(&result, "link-idle");
+    assert!(
+        links.len() == 1 && links[0].contains("link `same: a, b`: nothing that it names moves"),
+        "{links:?}"
+    );
+    assert_eq!(result["moves"].as_array().unwrap().len(), 1);
+}

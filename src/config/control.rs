@@ -148,6 +148,20 @@ impl fmt::Display for Limit {
 }
 
 impl Limit {
+    /// What a change in per cent allows, in words: `at most 20 % less than at present`.
+    pub fn change_words(&self) -> Option<String> {
+        let Bound::Change(share) = self.bound else { return None };
+        let percent = (share.abs() * 1e8).round() / 1e6;
+        Some(match (self.is_least, share) {
+            (true, 0.0) => "no less than at present".into(),
+            (false, 0.0) => "no more than at present".into(),
+            (true, s) if s < 0.0 => format!("at most {percent} % less than at present"),
+            (true, _) => format!("at least {percent} % more than at present"),
+            (false, s) if s < 0.0 => format!("at least {percent} % less than at present"),
+            (false, _) => format!("at most {percent} % more than at present"),
+        })
+    }
+
     /// Whether no value keeps both: at least more than at most.
     pub fn contradicts(&self, other: &Self) -> bool {
         let (least, most) = if self.is_least { (self, other) } else { (other, self) };
@@ -268,18 +282,35 @@ impl FromStr for Link {
 }
 
 /// Modules that shifts and turns keep to, counted from the drawing as it is: `0.1 m, 5 deg`, `brick`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Snap {
     /// Of shifts, metres, > 0.
     pub length_m: Option<f64>,
     /// Of turns, degrees, > 0.
     pub angle_deg: Option<f64>,
+    /// The length as it was stated, where that was not in metres: the number and its unit.
+    stated: Option<(f64, &'static str)>,
+}
+
+impl PartialEq for Snap {
+    fn eq(&self, other: &Self) -> bool {
+        self.length_m == other.length_m && self.angle_deg == other.angle_deg
+    }
+}
+
+impl Snap {
+    /// The metres of a length that was stated in another unit, in brackets behind it: ` (0.6096 m)`; else empty.
+    pub fn metres_words(&self) -> String {
+        let other = self.length_m.filter(|_| self.stated.is_some());
+        other.map_or_else(String::new, |m| format!(" ({} m)", (m * 1e6).round() / 1e6))
+    }
 }
 
 impl fmt::Display for Snap {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let length = self.length_m.map(|v| format!("{v} m"));
+        let in_metres = || self.length_m.map(|v| format!("{v} m"));
+        let length = self.stated.map(|(v, unit)| format!("{v} {unit}")).or_else(in_metres);
         let angle = self.angle_deg.map(|v| format!("{v} deg"));
         f.write_str(&length.into_iter().chain(angle).collect::<Vec<_>>().join(", "))
     }
@@ -299,6 +330,10 @@ impl FromStr for Snap {
             let (value, unit) = quantity(clause).filter(|q| has_unit && q.0 > 0.0).ok_or_else(wrong)?;
             let slot = if unit == "deg" { &mut out.angle_deg } else { &mut out.length_m };
             let size = if unit == "deg" { value } else { value * metres(unit).ok_or_else(wrong)? };
+            if unit != "deg" {
+                let known = UNITS.into_iter().find(|u| u.0 == unit && u.0 != "m");
+                out.stated = known.map(|u| (value, u.0));
+            }
             if slot.replace(size).is_some() {
                 return Err(wrong());
             }
@@ -318,9 +353,11 @@ fn quantity(text: &str) -> Option<(f64, &str)> {
     Some((value, if unit.is_empty() { "m" } else { unit }))
 }
 
+/// Units of length, metres each.
+const UNITS: [(&str, f64); 5] = [("mm", 0.001), ("cm", 0.01), ("m", 1.0), ("in", 0.0254), ("ft", 0.3048)];
+
 fn metres(unit: &str) -> Option<f64> {
-    let units = [("mm", 0.001), ("cm", 0.01), ("m", 1.0), ("in", 0.0254), ("ft", 0.3048)];
-    units.into_iter().find(|u| u.0 == unit).map(|u| u.1)
+    UNITS.into_iter().find(|u| u.0 == unit).map(|u| u.1)
 }
 
 macro_rules! text_form {
@@ -416,10 +453,24 @@ mod tests {
         ] {
             assert_eq!(text.parse::<Limit>().unwrap().to_string(), text);
         }
+        for (text, words) in [
+            ("depth -20%", Some("at most 20 % less than at present")),
+            ("depth <= -20%", Some("at least 20 % less than at present")),
+            ("depth +12.5%", Some("at most 12.5 % more than at present")),
+            ("degree >= +10%", Some("at least 10 % more than at present")),
+            ("depth +0%", Some("no more than at present")),
+            ("degree >= 40", None),
+        ] {
+            assert_eq!(text.parse::<Limit>().unwrap().change_words().as_deref(), words, "{text}");
+        }
         for text in ["same: door-1, door 2", "mirror-x: a, b", "mirror-y: a, b", "equal: a, b, c"] {
             assert_eq!(text.parse::<Link>().unwrap().to_string(), text);
         }
-        assert_eq!("100mm, 5 deg".parse::<Snap>().unwrap().to_string(), "0.1 m, 5 deg");
+        assert_eq!("100mm, 5 deg".parse::<Snap>().unwrap().to_string(), "100 mm, 5 deg");
+        let feet: Snap = "2 ft".parse().unwrap();
+        assert_eq!((feet.to_string(), feet.metres_words()), ("2 ft".into(), " (0.6096 m)".into()));
+        assert_eq!(feet.to_string().parse::<Snap>().unwrap().to_string(), "2 ft");
+        assert_eq!("0.1 m".parse::<Snap>().unwrap().metres_words(), "");
         assert_eq!("Brick, 5 deg".parse::<Snap>().unwrap().to_string(), "0.125 m, 5 deg");
         assert_eq!("module".parse(), "100 mm".parse::<Snap>());
         assert!("brick, 0.1 m".parse::<Snap>().is_err());

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use crate::plan::drawing::{Addition, Drawing, Edit, Format, SourceRef, Unit};
 use crate::plan::giants;
 use crate::plan::names::folded;
-use crate::report::{Error, Place, Report};
+use crate::report::{Error, Place, Report, counted};
 pub use dxf::{ChangedRecord, Completeness};
 
 /// How to read a drawing of any format.
@@ -116,7 +116,7 @@ fn state_shared_name(file: &str, storeys: &[StoreyInfo], wanted: &str, report: &
 /// Storeys as a message lists them: the number and the name, both as `--storey` takes them.
 pub fn listed(storeys: &[StoreyInfo]) -> String {
     let of = |(i, s): (usize, &StoreyInfo)| {
-        format!("{} \"{}\" (floor {:.3} m, {} walls)", i + 1, s.name, s.floor_m, s.walls)
+        format!("{} \"{}\" (floor {:.3} m, {})", i + 1, s.name, s.floor_m, counted(s.walls as u64, "wall"))
     };
     storeys.iter().enumerate().map(of).collect::<Vec<_>>().join(", ")
 }

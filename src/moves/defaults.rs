@@ -15,7 +15,7 @@ use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{Clause, Group, Kind};
 use crate::plan::{Plan, Region, box_of, distance_to_segment};
-use crate::report::{Place, Report};
+use crate::report::{Place, Report, counted};
 
 /// How far a free-standing element shifts in x and y.
 pub const SHIFT_M: f64 = 1.0;
@@ -143,7 +143,7 @@ pub fn groups(
             if sliding == 0 {
                 String::new()
             } else {
-                format!(" and {sliding} walls that can slide between others")
+                format!(" and {} that can slide between others", counted(sliding as u64, "wall"))
             },
             out.len(),
             doorways.words()

@@ -12,7 +12,7 @@ use super::axial::clipped;
 use super::defaults::{DOOR_WIDTH_M, SLIDE_MIN_M};
 use super::things::{AT_WALL_M, Piece, Things, gap};
 use super::{Layout, Moves};
-use crate::plan::axes::{AxisGraph, Opening, OpeningKind};
+use crate::plan::axes::{AxisGraph, FaceRef, Opening, OpeningKind};
 use crate::plan::curve::{Trace, control_points};
 use crate::plan::fittings::jambs_of;
 use crate::plan::graph::{Graph, Handle};
@@ -53,15 +53,17 @@ enum Hangs {
 }
 
 /// A door and what is to stay free before it; metres of a person.
-struct Doorway {
+pub(super) struct Doorway {
     /// Both jambs on the axis.
-    at: Piece,
+    pub at: Piece,
     /// What it goes along with.
     hangs: Hangs,
     /// Half the thickness of its wall.
-    half: f64,
+    pub half: f64,
     /// Depth that is to stay free on each side.
     wanted: f64,
+    /// Drawn pieces that lie in it or run through it and are no wall there.
+    drawn_in: Vec<FaceRef>,
 }
 
 impl Doorway {
@@ -89,8 +91,28 @@ impl Doorway {
         [at[0].min(at[1]) - far, at[0].max(at[1]) + far]
     }
 
+    /// Whether a piece of a wall, drawn where the door is, is no wall there.
+    pub fn is_own_piece(&self, piece: FaceRef) -> bool {
+        self.drawn_in.contains(&piece)
+    }
+
+    /// Whether the file says that it sits in this wall.
+    pub fn is_own_wall(&self, plan: &Plan, wall: u32) -> bool {
+        let record = |w: u32| plan.walls[w as usize].source.record;
+        matches!(self.hangs, Hangs::Wall(host) if record(host) == record(wall))
+    }
+
+    /// The walls that end at its jambs.
+    pub fn jamb_walls(&self) -> impl Iterator<Item = u32> + '_ {
+        let jambs = match &self.hangs {
+            Hangs::Jambs(jambs) => jambs.as_slice(),
+            Hangs::Wall(_) | Hangs::Free => &[],
+        };
+        jambs.iter().flatten().map(|h| h.0)
+    }
+
     /// Where its jambs stand in a layout.
-    fn place(&self, plan: &Plan, layout: &Layout) -> Piece {
+    pub fn place(&self, plan: &Plan, layout: &Layout) -> Piece {
         let jambs = match &self.hangs {
             Hangs::Jambs(jambs) => jambs,
             Hangs::Free => return self.at,
@@ -154,7 +176,7 @@ impl<'a> Doorways<'a> {
             graph,
             axes,
             things,
-            doors: if plan.doors.is_empty() { seen_doors(plan, axes) } else { named_doors(plan) },
+            doors: doors(plan, axes),
             drawn: plan.walls.iter().map(|w| &w.trace).enumerate().flat_map(of_wall).collect(),
             places: BTreeMap::new(),
             taken: Vec::new(),
@@ -448,6 +470,11 @@ impl<'m> Grid<'m> {
     }
 }
 
+/// The doors that the file names, else those that are understood from what is drawn.
+pub(super) fn doors(plan: &Plan, axes: &AxisGraph) -> Vec<Doorway> {
+    if plan.doors.is_empty() { seen_doors(plan, axes) } else { named_doors(plan) }
+}
+
 /// The doors that the file calls so, each along the longest side of its wall, else of its own.
 fn named_doors(plan: &Plan) -> Vec<Doorway> {
     let of = |d: &NamedDoor| {
@@ -470,6 +497,7 @@ fn named_doors(plan: &Plan) -> Vec<Doorway> {
             },
             half: size.y / 2.0,
             wanted: size.x.clamp(CLEAR_MIN_M, DOOR_WIDTH_M[1]),
+            drawn_in: Vec::new(),
         })
     };
     plan.doors.iter().filter_map(of).collect()
@@ -483,12 +511,13 @@ fn seen_doors(plan: &Plan, axes: &AxisGraph) -> Vec<Doorway> {
         hangs: Hangs::Jambs(jambs_of(plan, axes, o)),
         half: o.thickness_m / 2.0,
         wanted: o.width_m.clamp(CLEAR_MIN_M, DOOR_WIDTH_M[1]),
+        drawn_in: [o.faces.as_slice(), &o.through].concat(),
     };
     doors.map(of).collect()
 }
 
 /// Whether two boxes meet.
-fn meet([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
+pub(super) fn meet([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
     a.cmple(d).all() && c.cmple(b).all()
 }
 

@@ -4,7 +4,7 @@ use super::canvas::{Canvas, Pen};
 use super::frame::{Frame, Key};
 use super::palette::{Rgb, option_style};
 use super::picture::{Look, PlanPicture, Stroke, StrokeKind, draw_alike, draw_strokes};
-use crate::report::Error;
+use crate::report::{Error, counted};
 
 /// How far apart the options are drawn, in line widths, so that none hides another.
 const ASIDE: f32 = 0.8;
@@ -38,7 +38,7 @@ pub fn diversity_png(
             Look::solid(rgb, 1.0, 0.2).dashed(dash),
         );
     }
-    let title = format!("{} options over the present layout", members.len());
+    let title = format!("{} over the present layout", counted(members.len() as u64, "option"));
     frame.head(&mut canvas, &title, "What moves is in colour. Lines that coincide are drawn side by side.");
     draw_foot(&mut canvas, &frame, members.len(), labels);
     canvas.into_png()

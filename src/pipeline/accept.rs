@@ -11,7 +11,7 @@ use super::Input;
 use super::fits;
 use super::round::edits_of;
 use super::ruler::ruler;
-use super::study::{self, Understood};
+use super::study::{self, Understood, marked};
 use crate::config::{Beside, KnownMove, LineageTable, Method, Mode, Partial, Settings, Thresholds};
 use crate::formats;
 use crate::moves::Parameter;
@@ -19,7 +19,7 @@ use crate::overlay::result::{Numbers, RoundResult};
 use crate::plan::Wall;
 use crate::plan::drawing::{Format, Unit};
 use crate::plan::frame::unit_by_name;
-use crate::plan::markers::Kind;
+use crate::plan::markers::{Clause, Kind};
 use crate::report::{Error, Place, Report};
 
 /// A new drawing with its side-car.
@@ -290,8 +290,11 @@ fn group_table(base: &Understood, group: usize, parameters: &[f64], nodes: &[[f6
         clauses.push(clause(p, *value));
     }
     let mut out = Table::new();
-    out.insert("name".into(), name.into());
     out.insert("moves".into(), clauses.join("; ").into());
+    if let Some(marker) = base.plan.markers.groups.iter().find(|g| g.name == name) {
+        out.insert("marker".into(), marked::marker_words(&base.plan, marker).into());
+    }
+    out.insert("name".into(), name.into());
     match handles(base, group) {
         Some(handles) => out.insert("handles".into(), handles.into()),
         None => out.insert("nodes".into(), points(nodes).into()),
@@ -315,11 +318,32 @@ fn handles(base: &Understood, group: usize) -> Option<Vec<String>> {
     are_own.then(|| handles.into_iter().collect())
 }
 
+/// What a bound is rounded to, in its own unit, as a number of decimals: a micrometre or less of a shift, what takes a corner
+/// 50 m away no farther than that in a turn or a scaling.
+fn finest(c: &Clause) -> i32 {
+    const SHIFT_M: f64 = 1e-6;
+    const SHARE: f64 = 2e-8;
+    let step = if matches!(c.kind, Kind::Rotate(_) | Kind::Scale(_)) { SHARE } else { SHIFT_M };
+    (c.si_per_unit / step).log10().ceil().clamp(0.0, DECIMALS_MAX) as i32
+}
+
+/// Decimals beyond which no number of a drawing says anything.
+const DECIMALS_MAX: f64 = 12.0;
+
+/// The number of so many decimals that is nearest, never −0.
+fn shortest(value: f64, decimals: i32) -> f64 {
+    let by = 10_f64.powi(decimals);
+    (value * by).round() / by + 0.0
+}
+
 /// The clause with the bounds that are left once `value` is the new zero.
 fn clause(p: &Parameter, value: f64) -> String {
     let c = &p.clause;
     let identity = c.kind.identity();
-    let left = |bound: f64| if matches!(c.kind, Kind::Scale(_)) { bound / value } else { bound - value };
+    let left = |bound: f64| {
+        let left = if matches!(c.kind, Kind::Scale(_)) { bound / value } else { bound - value };
+        shortest(left, finest(c))
+    };
     let (low, high) = (left(c.lower).min(identity), left(c.upper).max(identity));
     let about = |at: Option<glam::DVec2>| at.map_or(String::new(), |p| format!(" about {},{}", p.x, p.y));
     let named = unit_by_name(&c.unit).is_some();
@@ -330,5 +354,26 @@ fn clause(p: &Parameter, value: f64) -> String {
         Kind::Along(rad) => format!("along {} {low}{unit} {high}{unit}", rad.to_degrees()),
         Kind::Rotate(at) => format!("rotate {low} {high}{}", about(at)),
         Kind::Scale(at) => format!("scale {low} {high}{}", about(at)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is left of the bounds is written short, and read back as what it was to a micrometre.
+    #[test]
+    fn bounds_are_written_as_short_as_they_are() {
+        let of = |kind, unit: &str, si_per_unit, [lower, upper]: [f64; 2], value| {
+            let clause = Clause { kind, lower, upper, unit: unit.into(), si_per_unit };
+            super::clause(&Parameter { group_name: "a".into(), group: 0, clause }, value)
+        };
+        assert_eq!(of(Kind::X, "m", 1.0, [-1.2, 1.2], -1.0), "x -0.2m 2.2m");
+        assert_eq!(of(Kind::X, "m", 1.0, [-1.2, 1.2], 0.1234567891), "x -1.323457m 1.076543m");
+        assert_eq!(of(Kind::Y, "mm", 0.001, [-300.0, 300.0], 299.9999999), "y -600mm 0mm");
+        assert_eq!(of(Kind::X, "ft", 0.3048, [-1.0, 1.0], 0.7), "x -1.7ft 0.3ft");
+        let degree = 1.0_f64.to_radians();
+        assert_eq!(of(Kind::Rotate(None), "deg", degree, [-15.0, 15.0], 4.9), "rotate -19.9 10.1");
+        assert_eq!(of(Kind::Scale(None), "", 1.0, [0.8, 1.2], 1.1), "scale 0.72727273 1.09090909");
     }
 }

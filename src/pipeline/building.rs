@@ -224,6 +224,7 @@ pub(super) fn marked_moves(drawing: &Drawing) -> Vec<MoveTable> {
             nodes: Vec::new(),
             handles: vec![handle],
             layers: Vec::new(),
+            marker: None,
         });
     }
     out

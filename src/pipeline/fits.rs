@@ -69,6 +69,7 @@ pub fn fitted(base: &Understood, settings: &Settings, report: &mut Report) -> Re
             );
             return Err(Error::usage("pin", place(), text));
         }
+        say_idle_pins(settings, &pinned, base, report);
         out.pinned = pinned;
         let like: Vec<Vec<f64>> = settings.like.iter().cloned().collect();
         let (like, wrong) = refit(base, &now, &settings.pin_moves, &like);
@@ -95,6 +96,25 @@ pub fn fitted(base: &Understood, settings: &Settings, report: &mut Report) -> Re
         out.warm_moves = now;
     }
     Ok(out)
+}
+
+/// Names pinned options that move only what moves nothing: they are the present layout.
+fn say_idle_pins(settings: &Settings, fitted: &[Vec<f64>], base: &Understood, report: &mut Report) {
+    let still = base.moves.identity();
+    for (i, (then, now)) in settings.pinned.iter().zip(fitted).enumerate() {
+        let identity = |m: &KnownMove| if m.kind == "scale" { 1.0 } else { 0.0 };
+        let moved = settings.pin_moves.iter().zip(then).filter(|(m, v)| **v != identity(m));
+        let names: Vec<String> = moved.map(|(m, _)| format!("{} ({})", m.name, m.kind)).collect();
+        if !names.is_empty() && *now == still {
+            let text = format!(
+                "pin: of the pinned options number {} moves {} alone, which moves nothing (see `move-idle`); it is the present \
+                 layout, and pinning it has no effect",
+                i + 1,
+                names.join(", ")
+            );
+            report.warn("pin-idle", Place::file(&base.plan.file), text);
+        }
+    }
 }
 
 /// Vectors over the moves of an earlier round as vectors over those of the drawing, and what of them does

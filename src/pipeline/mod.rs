@@ -35,7 +35,7 @@ use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::measure::wording;
 use crate::overlay::result::{self, AnalysisResult, CheckResult};
 use crate::overlay::{HeatMap, PlanPicture, Scale, check_png, heat_map_png};
-use crate::report::{Cancel, Error, OutFile, Place, Report};
+use crate::report::{Cancel, Error, OutFile, Place, Report, counted};
 pub use fits::moves_of;
 pub use memory::Keep;
 pub use study::{Study, read_options};
@@ -186,11 +186,11 @@ fn state_unread(input: &Input<'_>, settings: &Settings, report: &mut Report) {
 
 fn check_picture(base: &study::Understood, result: &CheckResult) -> Result<Vec<u8>, Error> {
     let subtitle = format!(
-        "{} wall elements, {} doors, {} windows, {} moves; unit {}",
-        result.walls,
-        result.doors,
-        result.windows,
-        result.moves.len(),
+        "{}, {}, {}, {}; unit {}",
+        counted(result.walls as u64, "wall element"),
+        counted(result.doors as u64, "door"),
+        counted(result.windows as u64, "window"),
+        counted(result.moves.len() as u64, "move"),
         result.unit.name
     );
     check_png(&show::check_picture(base), &result.file, &subtitle, DEFAULT_SIDE_PX)

@@ -1,6 +1,7 @@
 //! One round: search, verify, write.
 
 mod budget;
+mod doors;
 mod files;
 mod grid;
 mod joints;
@@ -33,7 +34,7 @@ use crate::overlay::result::{
 use crate::overlay::words;
 use crate::plan::drawing::Edit;
 use crate::plan::markers::place_in;
-use crate::report::{Cancel, Error, OutFile, Place, Report};
+use crate::report::{Cancel, Error, OutFile, Place, Report, counted};
 use crate::search::{self, Evaluation, Search};
 use budget::{budget, most};
 pub(super) use judged::hidden;
@@ -102,11 +103,12 @@ fn round(
         report.extend(m.report.clone());
     }
     joints::say_opened(&mut report, input.file(), study, &made);
+    doors::say_narrowed(&mut report, input.file(), study, &made);
     overlaps::say_overlaps(&mut report, input.file(), study, settings, &made);
     if let Some(found) = found {
         told::say_pinned(&mut report, input.file(), &found.explanations);
         if is_firm(settings) && !made.is_empty() {
-            told::say_out_of_reach(&mut report, input.file(), settings, &found.objectives);
+            told::say_out_of_reach(&mut report, input.file(), (study, settings), found);
         }
         if !made.is_empty() {
             told::say_below_present(&mut report, input.file(), &found.objectives);
@@ -333,8 +335,8 @@ fn found(
     let no_option = (members.is_empty() || is_unmet).then(|| {
         if !is_unmet {
             return format!(
-                "none of the {} layouts measured that keep thresholds and penalties is better than the present one",
-                outcome.evaluations
+                "none of the {} measured that keep thresholds and penalties is better than the present one",
+                counted(outcome.evaluations, "layout")
             );
         }
         let nearest = whole(&outcome.best.parameters);
@@ -731,6 +733,7 @@ fn candidate(
             &told(study, &mean),
             explanation,
         ) + &told::goes_along_words(&study.base, &made.layout)
+            + &doors::narrowed_words(&study.base, &made.layout)
             + &told::stays_words(&made.report),
         explanation: explanation.clone(),
         mean,

@@ -3,6 +3,7 @@
 use super::aims;
 use super::study::{Study, Understood, Worth};
 use crate::config::{Bound, Follow, Held, PairName, Settings};
+use crate::moves::Parameter;
 use crate::moves::control::{Breach, Control, Link, Rules};
 use crate::overlay::measure::sentence_case;
 use crate::report::{Error, Place, Report};
@@ -23,7 +24,7 @@ pub fn control(base: &Understood, settings: &Settings) -> Result<Control, Error>
     };
     let snap = settings.snap.unwrap_or_default();
     let rules = Rules {
-        links: settings.links.iter().map(link).collect(),
+        links: settings.links.iter().filter(|l| !is_idle(base, l)).map(link).collect(),
         length_m: snap.length_m,
         angle_rad: snap.angle_deg.map(f64::to_radians),
         most_groups: settings.most_moves,
@@ -40,6 +41,12 @@ pub fn control(base: &Understood, settings: &Settings) -> Result<Control, Error>
     })
 }
 
+/// Whether nothing that a link names moves: every group was left out as a whole.
+fn is_idle(base: &Understood, link: &crate::config::Link) -> bool {
+    let among = |list: &[Parameter], name: &String| list.iter().any(|p| p.group_name == *name);
+    link.groups.iter().all(|g| among(&base.moves.left_out, g) && !among(&base.moves.parameters, g))
+}
+
 /// Says which rules cannot do what they seem to ask.
 ///
 /// # Errors
@@ -48,7 +55,7 @@ pub fn say_odd(base: &Understood, settings: &Settings, report: &mut Report) -> R
     let place = || Place::file(&base.plan.file);
     let stuck = control(base, settings)?.without_a_step();
     if !stuck.is_empty() {
-        let snap = settings.snap.map_or(String::new(), |s| s.to_string());
+        let snap = settings.snap.map_or(String::new(), |s| format!("{s}{}", s.metres_words()));
         let text = format!(
             "snap {snap}: no step of the module fits within the bounds of {}; they stay as drawn",
             listed(base, &stuck)
@@ -103,7 +110,24 @@ pub fn missed_words(
     nearest: (&[f64], &Worth),
 ) -> String {
     let all = broken(study, settings, control, nearest);
-    if all.is_empty() { "a limit".into() } else { all.join(" and ") }
+    let missed = if all.is_empty() { "a limit".into() } else { all.join(" and ") };
+    let present = broken_limits(study, settings, &study.initial);
+    match present.as_slice() {
+        [] => format!("{missed}; the present layout keeps every limit"),
+        all => format!("{missed}; the present layout misses {}", all.join(" and ")),
+    }
+}
+
+/// The limits that a layout breaks, each with what it has.
+pub fn broken_limits(study: &Study, settings: &Settings, worth: &Worth) -> Vec<String> {
+    let missed = aims::missed(study, settings, worth);
+    let words = |i: usize| {
+        let (value, bound) = aims::held(study, settings, worth, i);
+        let limit = settings.limits[i];
+        let means = limit.change_words().map_or_else(String::new, |words| format!("{words}: "));
+        format!("`{limit}` ({means}it has {}, the limit is {})", rounded(value), rounded(bound))
+    };
+    (0..missed.len()).filter(|&i| missed[i] != 0.0).map(words).collect()
 }
 
 /// What of the limits and rules a layout breaks, each in words: its parameters and what it is worth.
@@ -113,12 +137,7 @@ pub fn broken(
     control: &Control,
     (parameters, worth): (&[f64], &Worth),
 ) -> Vec<String> {
-    let missed = aims::missed(study, settings, worth);
-    let words = |i: usize| {
-        let (value, bound) = aims::held(study, settings, worth, i);
-        format!("`{}` (it has {}, the limit is {})", settings.limits[i], rounded(value), rounded(bound))
-    };
-    let mut all: Vec<String> = (0..missed.len()).filter(|&i| missed[i] != 0.0).map(words).collect();
+    let mut all = broken_limits(study, settings, worth);
     if worth.seen.tally.disconnected > 0 {
         all.push("that no space is cut off".into());
     }
@@ -128,8 +147,8 @@ pub fn broken(
     let rule = |breach: Breach| match breach {
         Breach::Bounds(which) => format!("its bounds (beyond them: {})", listed(&study.base, &which)),
         Breach::Module(which) => {
-            let snap = settings.snap.map_or(String::new(), |s| s.to_string());
-            format!("`snap {snap}` (off the module: {})", listed(&study.base, &which))
+            let snap = settings.snap.map_or(String::new(), |s| format!("`snap {s}`{}", s.metres_words()));
+            format!("{snap} (off the module: {})", listed(&study.base, &which))
         }
         Breach::Moves(moved) => {
             let most = settings.most_moves.unwrap_or_default();

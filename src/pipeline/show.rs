@@ -20,7 +20,7 @@ use crate::plan::drawing::{Addition, Format, Mark, Shape, SourceRef};
 use crate::plan::geometry::{PointUm, Segment};
 use crate::plan::markers::{Kind, place_in};
 use crate::plan::{Plan, Region, Wall};
-use crate::report::Report;
+use crate::report::{Report, counted};
 
 /// The measures of which heat maps are always made, in the order in which they are shown.
 const SHOWN: [Measure; 4] = [Measure::Degree, Measure::Depth, Measure::Entropy, Measure::Score];
@@ -178,7 +178,12 @@ fn statements(base: &Understood) -> Vec<String> {
     let passages = base.axes.openings.iter().filter(|o| o.kind == OpeningKind::Passage).count();
     let told = |s: &String| match s.split_once(" understood; ") {
         Some((walls, _)) if !base.openings.is_empty() => {
-            format!("{walls} understood; {doors} doors, {windows} windows, {passages} passages")
+            format!(
+                "{walls} understood; {}, {}, {}",
+                counted(doors, "door"),
+                counted(windows, "window"),
+                counted(passages as u64, "passage")
+            )
         }
         _ if s.starts_with(THICKNESSES) => base.axes.thickness_words(base.plan.human_scale),
         _ => s.clone(),

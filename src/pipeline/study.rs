@@ -3,7 +3,7 @@
 mod card;
 mod carrying;
 mod idle;
-mod marked;
+pub(super) mod marked;
 mod parts;
 mod seen;
 mod written;
@@ -282,10 +282,10 @@ fn moves(
 ) -> Result<Moves, Error> {
     let Known { plan, graph, axes, interior, fittings, infill } = *known;
     if !settings.moves.is_empty() {
-        state_passed_over(drawing, plan, report);
+        state_passed_over(drawing, plan, &settings.moves, report);
         let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
-        return Ok(without_idle(moves, groups.iter().map(|g| &g.0), (plan, graph), settings, report));
+        return Ok(without_idle(moves, groups.iter().map(|g| &g.0), (plan, graph, axes), settings, report));
     }
     if !drawing.marked.is_empty() && !settings.ignore_move_markers {
         let stated = building::marked_moves(drawing);
@@ -294,11 +294,11 @@ fn moves(
             state_unread_marks(marked::marks_of(drawing.format), plan, report);
         }
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
-        return Ok(without_idle(moves, groups.iter().map(|g| &g.0), (plan, graph), settings, report));
+        return Ok(without_idle(moves, groups.iter().map(|g| &g.0), (plan, graph, axes), settings, report));
     }
     if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
         let moves = Moves::from_markers(plan, graph, axes, report);
-        return Ok(without_idle(moves, plan.markers.groups.iter(), (plan, graph), settings, report));
+        return Ok(without_idle(moves, plan.markers.groups.iter(), (plan, graph, axes), settings, report));
     }
     if plan.markers.is_move_drawn && !settings.ignore_move_markers {
         state_unread_marks(markers::MOVE, plan, report);

@@ -43,9 +43,11 @@ pub(super) fn mark(
             false => format!("{thinnest:.2}"),
         };
         let text = format!(
-            "{} walls are polylines drawn {wide} m wide: they stop sight at their sides and cover the ground between \
-             them",
-            found.len()
+            "{} drawn {wide} m wide: its sides stop sight, and the ground between them is covered",
+            match found.len() {
+                1 => "1 wall is a polyline".to_owned(),
+                n => format!("{n} walls are polylines, each"),
+            }
         );
         report.info("wide-polylines", Place::file(&drawing.file), text);
     }

@@ -15,7 +15,7 @@ use tokio_stream::wrappers::BroadcastStream;
 use super::{Shared, Taken, files};
 use crate::config::{Partial, Settings};
 use crate::daemon::{Asked, Order};
-use crate::report::Error;
+use crate::report::{Error, counted};
 use crate::store::{SO_FAR, round_name};
 
 type Page = State<Arc<Shared>>;
@@ -140,7 +140,8 @@ fn not_so_far(
     match result.and_then(|r| r["evaluations"].as_u64()) {
         None => Some("nothing is kept of a stopped search; nothing was done".into()),
         Some(n) if n != seen => Some(format!(
-            "the best so far is another by now, of {n} layouts, expected that of {seen}; nothing was done"
+            "the best so far is another by now, of {}, expected that of {seen}; nothing was done",
+            counted(n, "layout")
         )),
         Some(_) => None,
     }

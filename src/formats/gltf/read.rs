@@ -302,8 +302,13 @@ fn state_low(scene: &File<'_>, bodies: &[Body<'_>], [floor, cut]: [f64; 2], repo
     let named: Vec<String> = low.iter().take(values::TOLD).map(|b| scene.named(b.shown.node)).collect();
     let more = if low.len() > named.len() { ", …" } else { "" };
     let text = format!(
-        "{} walls do not reach the height of the cut and do not block sight: {}{more}",
-        low.len(),
+        "{} the height of the cut and {} not block sight: {}{more}",
+        if low.len() == 1 {
+            "1 wall does not reach".into()
+        } else {
+            format!("{} walls do not reach", low.len())
+        },
+        if low.len() == 1 { "does" } else { "do" },
         named.join(", ")
     );
     report.info("gltf-not-cut", Place::file(scene.name), text);

@@ -1,6 +1,9 @@
 //! Doors slide to the side on which there is room, and blocks of rooms are no free-standing elements.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::*;
+use crate::moves::narrowed::{Doors, Narrowed};
 use crate::plan::curve::control_points;
 
 /// A house whose partition at x = 6 has a gap of 0.9 m that begins `stub` beyond the south wall.
@@ -87,4 +90,68 @@ fn a_partition_at_the_end_of_a_carrying_wall_stays() {
         moves.parameters.iter().filter(|p| p.clause.kind == Kind::Y).count()
     };
     assert_eq!((with(0.1), with(0.5)), (1, 0));
+}
+
+/// A corridor wall at y = 4 with a door of 1 m from x = 5 on, and a partition that meets it at x = 3.5.
+fn partition_beside_a_door(is_joined: bool, (lo, hi): ([f64; 2], [f64; 2]), how: &str) -> Drawing {
+    let mut d = drawing("m", 1.0);
+    d.room(12.0, 8.0);
+    match is_joined {
+        true => {
+            d.line(0.0, 4.0, 3.5, 4.0);
+            d.line(3.5, 4.0, 5.0, 4.0);
+        }
+        false => d.line(0.0, 4.0, 5.0, 4.0),
+    }
+    d.line(6.0, 4.0, 12.0, 4.0);
+    d.line(3.5, 0.0, 3.5, 4.0);
+    let start = DVec2::new(5.0, 4.0);
+    d.add("DOOR", Shape::Arc { centre: start, radius: 1.0, start_rad: 0.0, end_rad: FRAC_PI_2 });
+    d.add("DOOR", Shape::Line { a: start, b: start + DVec2::Y });
+    d.group(lo, hi, how);
+    d
+}
+
+fn kept_wide(drawing: &Drawing) -> (Vec<[f64; 2]>, Vec<Narrowed>) {
+    let mut report = Report::default();
+    let plan = understand(drawing, &PlanOptions::default(), &mut report).unwrap();
+    let graph = Graph::new(&plan);
+    let (axes, _) = structure::axes(&plan, drawing);
+    let mut moves = Moves::from_markers(&plan, &graph, &axes, &mut report);
+    let upper: Vec<f64> = moves.bounds().iter().map(|b| b[1]).collect();
+    let told = moves.keep_doors_wide(&plan, &graph, &axes);
+    let doors = Doors::new(&plan, &axes);
+    assert_eq!(told.is_empty(), moves.bounds().iter().map(|b| b[1]).eq(upper.iter().copied()));
+    for end in [0, 1] {
+        let at: Vec<f64> = moves.bounds().iter().map(|b| b[end]).collect();
+        let entered = doors.narrowed(&moves.apply(&plan, &graph, &at)).into_iter().any(|n| n.is_entered);
+        assert!(!entered, "at its bounds");
+    }
+    (moves.bounds(), doors.narrowed(&moves.apply(&plan, &graph, &upper)))
+}
+
+/// A joint that slides along a wall with a door ends before the door, be it drawn as a joint or not; so it would leave
+/// the door 0.7 m wide.
+#[test]
+fn a_joint_does_not_pass_a_jamb() {
+    let wall = ([3.3, -0.1], [3.8, 4.1]);
+    for is_joined in [true, false] {
+        let (bounds, beyond) = kept_wide(&partition_beside_a_door(is_joined, wall, "x -1.5 1.8"));
+        assert_eq!(bounds[0][0], -1.5);
+        assert!((bounds[0][1] - 1.5).abs() < 0.02 && bounds[0][1] < 1.5, "{bounds:?}");
+        let [door] = beyond.as_slice() else { panic!("{beyond:?}") };
+        assert!((door.was_m - 1.0).abs() < 1e-9 && (door.is_m - 0.7).abs() < 1e-6, "{door:?}");
+        assert_eq!(door.place_words(), "the door at 5.5, 4");
+    }
+    let (bounds, beyond) = kept_wide(&partition_beside_a_door(true, wall, "x -1.5 1.2"));
+    assert_eq!((bounds, beyond), (vec![[-1.5, 1.2]], vec![]));
+}
+
+/// Whoever marks a jamb alone has the door made narrower; the options say it.
+#[test]
+fn a_jamb_that_is_marked_itself_moves_as_it_says() {
+    let jamb = ([4.9, 3.9], [5.1, 4.1]);
+    let (bounds, beyond) = kept_wide(&partition_beside_a_door(true, jamb, "x -0.3 0.3"));
+    assert_eq!(bounds, [[-0.3, 0.3]]);
+    assert!(matches!(beyond.as_slice(), [d] if !d.is_entered && (d.is_m - 0.7).abs() < 1e-6), "{beyond:?}");
 }

@@ -3,7 +3,7 @@
 use super::super::html::Html;
 use super::super::measure::{number, percent_change, plain_name};
 use super::super::result::{Candidate, Sense};
-use super::super::words::explained;
+use super::super::words::{explained, listed};
 use super::{Fitted, View, is_by_score, names, option_name, wanted};
 
 /// The switches of the page: which measure is shown, which option is compared. They stand before
@@ -198,7 +198,11 @@ pub fn delta(html: &mut Html, from: f64, to: f64, sense: Option<Sense>) {
 }
 
 fn badge(html: &mut Html, candidate: &Candidate) {
-    if candidate.within_threshold {
+    let breaks = &candidate.explanation.breaks;
+    if !breaks.is_empty() {
+        // Pinned: what it breaks says more than a threshold, which it may well keep.
+        html.element("p", &[("class", "badge missed")], &format!("✗ breaks {}", listed(breaks, "and")));
+    } else if candidate.within_threshold {
         html.raw("<p class=\"badge met\">✓ within the thresholds</p>\n");
     } else {
         html.raw("<p class=\"badge missed\">✗ misses a threshold</p>\n");

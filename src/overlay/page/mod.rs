@@ -146,7 +146,10 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
         fixed(counts.query as f64, 0)
     );
     // The time it took stands in result.json alone: the page is the same for the same seed.
-    let searched = format!("{} layouts", fixed(result.evaluations as f64, 0));
+    let searched = match result.evaluations {
+        1 => "1 layout".to_owned(),
+        n => format!("{} layouts", fixed(n as f64, 0)),
+    };
     let facts = [
         // Its folder may be moved with its rounds: what it is called does not change.
         ("Drawing", file_name(&result.input.path).to_owned()),

@@ -9,10 +9,11 @@ use crate::moves::{Layout, Parameter};
 use crate::overlay::measure::{number, plain_name, sentence_case};
 use crate::overlay::result::{Explanation, Objective, Sense};
 use crate::overlay::words::listed;
+use crate::pipeline::rules::broken_limits;
 use crate::pipeline::study::{Study, Understood};
 use crate::plan::drawing::SourceRef;
 use crate::plan::markers::{Kind, place_in};
-use crate::report::{Place, Report};
+use crate::report::{Place, Report, counted};
 
 /// Code of what says that no option is better than the present layout.
 pub(super) const NONE_BETTER: &str = "none-better";
@@ -33,19 +34,19 @@ pub(super) fn say_pinned(report: &mut Report, file: &str, explanations: &[Explan
 pub(super) fn say_out_of_reach(
     report: &mut Report,
     file: &str,
-    settings: &Settings,
-    objectives: &[Objective],
+    (study, settings): (&Study, &Settings),
+    found: &Found,
 ) {
     let is_lost = |o: &&Objective| {
         let gain = o.reachable.map(|r| if o.sense == Sense::Max { r - o.initial } else { o.initial - r });
         o.name != "penalty" && o.threshold > 0.0 && gain.is_some_and(|g| g <= 0.0)
     };
-    for o in objectives.iter().filter(is_lost) {
+    for o in found.objectives.iter().filter(is_lost) {
         let text = format!(
             "{}: no layout that keeps the objectives before it gains anything on the present one, so its threshold keeps \
              options near the best there is; put it before the others, or lower their thresholds{}",
             plain_name(&o.name),
-            held_back(settings)
+            held_back(settings) + &limits_words(study, settings, found)
         );
         report.warn("out-of-reach", Place::file(file), text);
     }
@@ -63,6 +64,37 @@ fn held_back(settings: &Settings) -> String {
         if penalties == "none" { String::new() } else { format!(", beside --penalty \"{penalties}\"") };
     format!(
         "; what is asked for besides, on the command line or in the file of settings beside the drawing, may be what holds them back: {rules}{also}"
+    )
+}
+
+/// What the hard limits do, as numbers: how the present layout stands to them, how many layouts keep them, and what the
+/// penalties cost there at least. Empty without limits, and where no layout keeps them, which is told by itself.
+fn limits_words(study: &Study, settings: &Settings, found: &Found) -> String {
+    if settings.limits.is_empty() || found.archive.is_empty() {
+        return String::new();
+    }
+    let missed = broken_limits(study, settings, &study.initial);
+    let present = match missed.as_slice() {
+        [] => "the present layout keeps every hard limit".to_owned(),
+        all => format!("the present layout misses {}", all.join(" and ")),
+    };
+    let penalty = found.objectives.iter().position(|o| o.name == "penalty");
+    let least = penalty.map(|i| found.archive.iter().map(|v| v[i]).fold(f64::INFINITY, f64::min));
+    let cost = match (least, penalty.map(|i| found.objectives[i].initial)) {
+        (Some(least), Some(initial)) if least > initial => format!(
+            "; each of them costs penalties: at least {}, the present layout {} (--penalty weighs them, --penalty none \
+             counts none)",
+            number(least),
+            number(initial)
+        ),
+        _ => String::new(),
+    };
+    let kept = found.archive.len();
+    format!(
+        "; {present}; {kept} of the {} measured {} every hard limit and {} not far more than gained{cost}",
+        counted(found.evaluations, "layout"),
+        if kept == 1 { "keeps" } else { "keep" },
+        if kept == 1 { "loses" } else { "lose" }
     )
 }
 
@@ -97,15 +129,15 @@ pub(super) fn say_options(
 ) {
     let place = || Place::file(file);
     if let Some(why) = &found.no_option {
-        report.warn("no-option", place(), why.clone());
+        report.warn("no-option", place(), why.clone() + &limits_words(study, settings, found));
         return;
     }
     if found.is_none_better {
         let text = format!(
-            "none of the {} layouts measured that keep thresholds and penalties is better than the present one; the best of them is shown; more --evaluations, \
+            "none of the {} measured that keep thresholds and penalties is better than the present one; the best of them is shown; more --evaluations, \
              EF-MOVE boxes round more walls, or wider bounds in them, give the search more to work with{}",
-            found.evaluations,
-            held_back(settings)
+            counted(found.evaluations, "layout"),
+            held_back(settings) + &limits_words(study, settings, found)
         );
         report.warn(NONE_BETTER, place(), text);
         return;
@@ -126,9 +158,9 @@ pub(super) fn say_options(
         let inside = found.members.iter().filter(|m| m.within_threshold).count();
         if inside < settings.members {
             let text = format!(
-                "{} options wanted, the published method returned {made} that move something, {inside} of them inside all \
+                "{} wanted, the published method returned {made} that move something, {inside} of them inside all \
                  thresholds; the default method leaves out what is not",
-                settings.members
+                counted(settings.members as u64, "option")
             );
             report.warn("few-options", place(), text);
         }
@@ -138,8 +170,8 @@ pub(super) fn say_options(
         report.info("options-left-out", place(), left_out_words(study, settings, made));
     } else if found.unworthy == 0 && settings.mode == Mode::Diverse && made < settings.members {
         let text = format!(
-            "{} options wanted, {made} found inside all thresholds; more --evaluations, wider bounds or lower thresholds find more",
-            settings.members
+            "{} wanted, {made} found inside all thresholds; more --evaluations, wider bounds or lower thresholds find more",
+            counted(settings.members as u64, "option")
         );
         report.warn("few-options", place(), text);
     }
@@ -157,7 +189,7 @@ fn left_out_words(study: &Study, settings: &Settings, made: usize) -> String {
             names.push(name);
         }
     }
-    let options = if made == 1 { "1 option" } else { &format!("{made} options") };
+    let options = counted(made as u64, "option");
     let who = match names.as_slice() {
         few if few.len() <= GROUPS_TOLD => format!("only {} may move", listed(few, "and")),
         many => format!("{} groups may move", many.len()),
@@ -180,7 +212,7 @@ fn rules_clause(settings: &Settings) -> String {
 /// The rules of the user that narrow what options may do, as they are stated; empty without any.
 fn rules_words(settings: &Settings) -> String {
     let most = settings.most_moves.map(|n| format!("--most-moves {n}"));
-    let snap = settings.snap.map(|s| format!("--snap \"{s}\""));
+    let snap = settings.snap.map(|s| format!("--snap \"{s}\"{}", s.metres_words()));
     let limits = settings.limits.iter().map(|l| format!("--limit \"{l}\""));
     let like = settings.like.as_ref().map(|_| "--like".to_owned());
     most.into_iter().chain(snap).chain(limits).chain(like).collect::<Vec<_>>().join(", ")
@@ -230,7 +262,11 @@ pub(super) fn say_free_of_modules(report: &mut Report, file: &str, study: &Study
     let Some(snap) = settings.snap else { return };
     let free = free_of(&study.base.moves.parameters, snap);
     if !free.is_empty() {
-        let text = format!("--snap \"{snap}\" says nothing of {}: moved by any amount", listed(&free, "and"));
+        let text = format!(
+            "--snap \"{snap}\"{} says nothing of {}: moved by any amount",
+            snap.metres_words(),
+            listed(&free, "and")
+        );
         report.info("snap-free", Place::file(file), text);
     }
 }

@@ -1,26 +1,33 @@
-//! Clauses of the user's that move nothing: they are named, and no parameters.
+//! Clauses of the user's that move nothing: they are named, and no parameters; and those that would pass a door's jamb.
 
 use crate::config::Settings;
 use crate::moves::idle::Idle;
+use crate::moves::narrowed::Shortened;
 use crate::moves::{MOVE_MIN_M, Moves, Parameter};
 use crate::plan::Plan;
+use crate::plan::axes::AxisGraph;
 use crate::plan::graph::Graph;
-use crate::plan::markers::{Group, place_in};
+use crate::plan::markers::{Clause, Group, place_in};
 use crate::report::{Place, Report};
 
-/// The moves without the parameters that move nothing. Those of linked groups stay, since others follow them.
+/// The moves without the parameters that move nothing, ways ending at the jambs of doors. Those of linked groups stay, since others
+/// follow them; where nothing that is linked moves, the link is named.
 pub(super) fn without_idle<'a>(
     mut moves: Moves,
     groups: impl Iterator<Item = &'a Group> + Clone,
-    (plan, graph): (&Plan, &Graph),
+    (plan, graph, axes): (&Plan, &Graph, &AxisGraph),
     settings: &Settings,
     report: &mut Report,
 ) -> Moves {
-    let idle = moves.idle(plan, graph);
     let place = |name: &str| {
         let group = groups.clone().find(|g| g.name == name);
         group.map_or_else(|| Place::file(&plan.file), |g| place_in(&plan.file, &g.source))
     };
+    for shorter in moves.keep_doors_wide(plan, graph, axes) {
+        let p = &moves.parameters[shorter.parameter];
+        report.warn("move-shortened", place(&p.group_name), jamb_words(p, &shorter));
+    }
+    let idle = moves.idle(plan, graph);
     let count = |group: usize| moves.parameters.iter().filter(|p| p.group == group).count();
     let idle_of = |group: usize| idle.iter().filter(|(i, _)| moves.parameters[*i].group == group).count();
     for (k, (i, why)) in idle.iter().enumerate() {
@@ -30,19 +37,43 @@ pub(super) fn without_idle<'a>(
             true if is_last => "; nothing moves here",
             _ => "",
         };
-        let text = format!("group {:?}: `{}` moves nothing: {}{rest}", p.group_name, clause(p), words(*why));
+        let text =
+            format!("group {:?}: `{}` moves nothing: {}{rest}", p.group_name, clause(&p.clause), words(*why));
         report.warn("move-idle", place(&p.group_name), text);
     }
-    let is_linked = |p: &Parameter| settings.links.iter().any(|l| l.groups.contains(&p.group_name));
+    let is_idle = |name: &String| {
+        let mut own =
+            (0..moves.parameters.len()).filter(|i| moves.parameters[*i].group_name == *name).peekable();
+        own.peek().is_some() && own.all(|i| idle.iter().any(|(j, _)| *j == i))
+    };
+    let (without_effect, links): (Vec<_>, Vec<_>) =
+        settings.links.iter().partition(|l| l.groups.iter().all(is_idle));
+    for link in without_effect {
+        let text = format!("link `{link}`: nothing that it names moves (see `move-idle`); it has no effect");
+        report.warn("link-idle", Place::file(&plan.file), text);
+    }
+    let is_linked = |p: &Parameter| links.iter().any(|l| l.groups.contains(&p.group_name));
     let dropped: Vec<usize> =
         idle.iter().map(|(i, _)| *i).filter(|i| !is_linked(&moves.parameters[*i])).collect();
     moves.leave_out(&dropped);
     moves
 }
 
+/// What a way is shortened to, and by which door.
+fn jamb_words(p: &Parameter, shorter: &Shortened) -> String {
+    format!(
+        "group {:?}: `{}` would take a wall past a jamb of {}, {:.2} m wide, and leave it narrower; it moves by `{}` alone; \
+         an outline that takes the door's jambs in too moves the door along",
+        p.group_name,
+        clause(&shorter.stated),
+        shorter.door.place_words(),
+        shorter.door.was_m,
+        clause(&p.clause)
+    )
+}
+
 /// A clause as it is written.
-fn clause(p: &Parameter) -> String {
-    let c = &p.clause;
+pub(super) fn clause(c: &Clause) -> String {
     let unit = if c.unit.is_empty() { String::new() } else { format!(" {}", c.unit) };
     format!("{} {}{unit} to {}{unit}", c.kind.name(), c.lower, c.upper)
 }

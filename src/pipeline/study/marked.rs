@@ -4,13 +4,14 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
+use super::idle::clause;
 use crate::config::MoveTable;
 use crate::moves::Moves;
 use crate::plan::drawing::{Drawing, Format};
 use crate::plan::graph::Graph;
 use crate::plan::layers::WallLayers;
 use crate::plan::markers::{self, Group, place_in};
-use crate::plan::{Plan, Region};
+use crate::plan::{Plan, Region, box_of};
 use crate::report::{Error, Place, Report};
 
 /// Says so where marks were made and none can be used: nobody who marks a wall means all the others.
@@ -23,7 +24,8 @@ pub(super) fn state_unread_marks(marks: &str, plan: &Plan, report: &mut Report) 
 }
 
 /// Says so where marks of what may move are passed over, since the file of settings beside the drawing says it.
-pub(super) fn state_passed_over(drawing: &Drawing, plan: &Plan, report: &mut Report) {
+pub(super) fn state_passed_over(drawing: &Drawing, plan: &Plan, moves: &[MoveTable], report: &mut Report) {
+    state_edited(plan, moves, report);
     if !drawing.marked.is_empty() || plan.markers.is_move_drawn {
         let marks = marks_of(drawing.format);
         let text = format!(
@@ -32,6 +34,44 @@ pub(super) fn state_passed_over(drawing: &Drawing, plan: &Plan, report: &mut Rep
         );
         report.info("marks-passed-over", Place::file(&plan.file), text);
     }
+}
+
+/// Names the markers that were drawn or changed since the drawing was accepted: what the side-car says of them wins.
+fn state_edited(plan: &Plan, moves: &[MoveTable], report: &mut Report) {
+    // Without any, a person wrote the tables and knows what they say.
+    if moves.iter().all(|m| m.marker.is_none()) {
+        return;
+    }
+    for group in &plan.markers.groups {
+        let says = marker_words(plan, group);
+        let own = moves.iter().find(|m| m.name.as_ref() == Some(&group.name));
+        if own.is_some_and(|m| m.marker.as_ref().is_none_or(|known| *known == says)) {
+            continue;
+        }
+        let instead = match own {
+            Some(table) => format!("moves as the [[move]] table of that name says, `{}`", table.moves),
+            None => "no [[move]] table is of that name, so it does not move".into(),
+        };
+        let text = format!(
+            "group {:?} says {says} on layer {}: drawn or changed since the drawing was accepted, and not counted, since the \
+             file of settings beside it wins: {instead}; change that table, or delete all [[move]] tables and \
+             ignore-move-markers there to have the markers count",
+            group.name, group.source.layer
+        );
+        report.warn("marks-edited", place_in(&plan.file, &group.source), text);
+    }
+}
+
+/// What a marker says and where it is drawn, in its own unit and the drawing's coordinates.
+pub fn marker_words(plan: &Plan, group: &Group) -> String {
+    let clauses: Vec<String> = group.clauses.iter().map(clause).collect();
+    let corners = group.outline.outline().into_iter().map(|p| plan.frame.file_from_um(p));
+    let rounded = |v: f64| (v * 1e3).round() / 1e3 + 0.0;
+    let round = box_of(corners).map_or_else(String::new, |[lo, hi]| {
+        let [a, b, c, d] = [lo.x, lo.y, hi.x, hi.y].map(rounded);
+        format!(" in {a}, {b} to {c}, {d}")
+    });
+    format!("`{}`{round}", clauses.join("; "))
 }
 
 /// Says so where `EF-KEEP` holds what would move by default.

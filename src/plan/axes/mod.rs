@@ -37,6 +37,7 @@ use glam::DVec2;
 
 use super::curve::{bulge_arc, sweep_rad};
 use super::drawing::Shape;
+use crate::report::counted;
 
 /// A straight or round piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -393,14 +394,15 @@ impl AxisGraph {
     }
 
     fn counted(&self) -> String {
-        let count = |kind| self.openings.iter().filter(|o| o.kind == kind).count();
+        let count = |kind| self.openings.iter().filter(|o| o.kind == kind).count() as u64;
         let columns = self.columns();
         format!(
-            "{} walls and {columns} columns{UNDERSTOOD}{} doors, {} windows, {} passages",
-            self.edges.len(),
-            count(OpeningKind::Door),
-            count(OpeningKind::Window),
-            count(OpeningKind::Passage),
+            "{} and {}{UNDERSTOOD}{}, {}, {}",
+            counted(self.edges.len() as u64, "wall"),
+            counted(columns as u64, "column"),
+            counted(count(OpeningKind::Door), "door"),
+            counted(count(OpeningKind::Window), "window"),
+            counted(count(OpeningKind::Passage), "passage"),
         )
     }
 

@@ -181,7 +181,7 @@ async function round(place, d, set) {
   function pictures() {
     const c = result.candidates[chosen];
     viewOf.set(key, { chosen, measure });
-    words.textContent = plain(`Option ${chosen + 1}${c.within_threshold ? "" : " (below a threshold)"}: ${c.words}`);
+    words.textContent = plain(`Option ${chosen + 1}${c.explanation?.breaks?.length ? " (pinned; breaks a rule)" : c.within_threshold ? "" : " (below a threshold)"}: ${c.words}`);
     deeds.pin.textContent = `Pin option ${chosen + 1}`;
     deeds.like.textContent = `More like option ${chosen + 1}`;
     deeds.accept.textContent = `Accept option ${chosen + 1}`;
