@@ -98,12 +98,13 @@ pub(super) fn bodies<'f>(
         let triangles = match meshes.entry(mesh).or_insert_with(|| scene.triangles(mesh)) {
             Ok(triangles) => triangles,
             Err((pointer, why)) => {
-                lost.unread.push((s.node, format!("mesh {mesh} cannot be read: {pointer}: {why}")));
+                let why = format!("mesh {mesh} cannot be read: {pointer}: {why}");
+                lost.unread.push((s, why));
                 continue;
             }
         };
         if triangles.is_empty() {
-            lost.lines.push((s.node, is_wall));
+            lost.lines.push((s, is_wall));
             continue;
         }
         let (element, is_whole) = elements.of(s);
@@ -113,7 +114,7 @@ pub(super) fn bodies<'f>(
             let placed: Vec<[DVec3; 3]> =
                 triangles.iter().map(|t| t.map(|p| m.transform_point3(p))).collect();
             if let Some(why) = without_place(&triangles, &placed) {
-                lost.unread.push((s.node, why.into()));
+                lost.unread.push((s, why.into()));
                 continue;
             }
             let heights = || placed.iter().flatten().map(|p| p.z);
@@ -125,7 +126,7 @@ pub(super) fn bodies<'f>(
         }
     }
     choose_layers(scene, &mut out, options, report);
-    Bodies { list: out, lost: lost.state(scene, report) }
+    Bodies { list: out, lost: lost.state(scene, options, report) }
 }
 
 /// Why what was read of an element stands nowhere.
@@ -145,24 +146,25 @@ fn without_place(own: &[[DVec3; 3]], placed: &[[DVec3; 3]]) -> Option<&'static s
 
 /// Elements of which nothing is shown.
 #[derive(Default)]
-struct Lost {
+struct Lost<'f> {
     /// Each with the reason.
-    unread: Vec<(usize, String)>,
+    unread: Vec<(&'f Shown, String)>,
     /// Points and lines alone, each with whether it is a wall.
-    lines: Vec<(usize, bool)>,
+    lines: Vec<(&'f Shown, bool)>,
 }
 
-impl Lost {
-    /// Names them; returns their nodes.
-    fn state(self, scene: &File<'_>, report: &mut Report) -> BTreeSet<usize> {
-        let nodes = self.unread.iter().map(|l| l.0).chain(self.lines.iter().map(|l| l.0)).collect();
+impl Lost<'_> {
+    /// Names those that stand in the storey that is read, or in none that is known; returns the nodes of all.
+    fn state(self, scene: &File<'_>, options: &ReadOptions, report: &mut Report) -> BTreeSet<usize> {
+        let nodes = self.unread.iter().map(|l| l.0.node).chain(self.lines.iter().map(|l| l.0.node)).collect();
         let (walls, others): (Vec<_>, Vec<_>) = self.lines.into_iter().partition(|(_, is_wall)| *is_wall);
         let walls =
-            walls.into_iter().map(|(n, _)| (n, "its mesh has points and lines alone, no faces".into()));
-        let told: Vec<(usize, String)> = self.unread.into_iter().chain(walls).collect();
+            walls.into_iter().map(|(s, _)| (s, "its mesh has points and lines alone, no faces".into()));
+        let told: Vec<(&Shown, String)> =
+            self.unread.into_iter().chain(walls).filter(|l| !options.is_elsewhere(scene, l.0)).collect();
         let more = told.len().saturating_sub(values::TOLD);
-        for (node, why) in told.into_iter().take(values::TOLD) {
-            let place = Place::file(scene.name).entity(scene.named(node));
+        for (shown, why) in told.into_iter().take(values::TOLD) {
+            let place = Place::file(scene.name).entity(scene.named(shown.node));
             report.warn("gltf-mesh", place, format!("{why}; it is left out"));
         }
         if more > 0 {
@@ -173,7 +175,7 @@ impl Lost {
             let text = format!(
                 "{} nodes have points and lines alone and are not shown, {} is the first",
                 others.len(),
-                scene.named(*first)
+                scene.named(first.node)
             );
             report.info("gltf-lines", Place::file(scene.name), text);
         }

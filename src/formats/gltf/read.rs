@@ -11,7 +11,7 @@ use super::scene::{File, Shown};
 use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, marks, twin, values};
 use crate::formats::ifc::ZONE_LAYER;
 use crate::formats::region::{Region, slice};
-use crate::formats::{listed, state_shared_name, storey_at};
+use crate::formats::{listed, state_shared_name};
 use crate::plan::drawing::{
     Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
@@ -68,7 +68,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     for body in &bodies {
         show(&scene, body, floor + above, options, &mut entities, &mut regions);
     }
-    state_low(&scene, &bodies, [floor, floor + above], report);
+    state_low(&scene, &bodies, [floor, floor + above], options, report);
     let (texts, marked) = (space_names(&scene, &bodies, &entities, options), marked_moves(&scene, &entities));
     marks::state(&scene, &shown, &marks::Used::new(&bodies, lost, &entities, &marked, regions), report);
     let mut names: Vec<Layer> = Vec::new();
@@ -178,14 +178,10 @@ fn chosen_floor(
     let above = above(options);
     let names = listed(&options.known().storeys);
     let wanted = options.storey.as_deref();
-    let found = match wanted {
-        Some(name) => {
-            state_shared_name(file, &options.known().storeys, name, report);
-            storey_at(options.known().storeys.iter().map(|s| s.name.as_str()), name)
-                .map(|i| &options.known().storeys[i])
-        }
-        None => options.known().storeys.iter().rev().max_by_key(|s| s.walls),
-    };
+    if let Some(name) = wanted {
+        state_shared_name(file, &options.known().storeys, name, report);
+    }
+    let found = options.chosen_storey().map(|i| &options.known().storeys[i]);
     if let (None, Some(name)) = (found, wanted) {
         let names = match (names.is_empty(), options.twin.is_some()) {
             (false, _) => names.as_str(),
@@ -293,9 +289,16 @@ pub(super) fn floor_of(
 }
 
 /// Names the walls of the storey that end below the cut.
-fn state_low(scene: &File<'_>, bodies: &[Body<'_>], [floor, cut]: [f64; 2], report: &mut Report) {
+fn state_low(
+    scene: &File<'_>,
+    bodies: &[Body<'_>],
+    [floor, cut]: [f64; 2],
+    options: &ReadOptions,
+    report: &mut Report,
+) {
     let is_low = |b: &&Body<'_>| b.low < cut && b.high > floor && b.high <= cut;
-    let low: Vec<&Body<'_>> = bodies.iter().filter(|b| b.is_wall).filter(is_low).collect();
+    let low = bodies.iter().filter(|b| b.is_wall).filter(is_low);
+    let low: Vec<&Body<'_>> = low.filter(|b| !options.is_elsewhere(scene, b.shown)).collect();
     if low.is_empty() {
         return;
     }

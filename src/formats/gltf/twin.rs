@@ -6,8 +6,8 @@ use std::sync::{Arc, LazyLock};
 use super::ReadOptions;
 use super::bodies::is_global_id;
 use super::scene::{File, Shown};
-use crate::formats::SpaceNames;
 use crate::formats::ifc::Inventory;
+use crate::formats::{SpaceNames, storey_at};
 use crate::report::{Place, Report};
 
 /// What no IFC beside a scene knows.
@@ -47,6 +47,21 @@ impl ReadOptions {
     /// What the IFC beside a scene knows.
     pub(super) fn known(&self) -> &Inventory {
         self.twin.as_deref().unwrap_or(&NOTHING)
+    }
+
+    /// The storey that is read, of those that the IFC beside a scene knows.
+    pub(super) fn chosen_storey(&self) -> Option<usize> {
+        let storeys = &self.known().storeys;
+        match self.storey.as_deref() {
+            Some(name) => storey_at(storeys.iter().map(|s| s.name.as_str()), name),
+            None => (0..storeys.len()).rev().max_by_key(|i| storeys[*i].walls),
+        }
+    }
+
+    /// Whether the IFC beside a scene knows what is shown, and has it in another storey than the one that is read.
+    pub(super) fn is_elsewhere(&self, scene: &File<'_>, shown: &Shown) -> bool {
+        let of = || shown.names(scene).rev().find_map(|n| self.known().storey_of.get(n));
+        self.chosen_storey().is_some_and(|chosen| of().is_some_and(|of| *of != chosen))
     }
 
     /// What the IFC beside a scene knows of the one space of a name.

@@ -29,7 +29,7 @@ mod unseen;
 mod zip;
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 pub use limits::*;
 use rayon::prelude::*;
@@ -314,6 +314,8 @@ pub struct Inventory {
     pub hosts: BTreeMap<String, String>,
     /// Storeys from the lowest.
     pub storeys: Vec<StoreyInfo>,
+    /// `GlobalId` of an element → the storey in which it stands, its place in `storeys`.
+    pub storey_of: BTreeMap<String, usize>,
     /// `GlobalId` of a space → what it is called.
     pub spaces: BTreeMap<String, SpaceNames>,
 }
@@ -339,7 +341,22 @@ pub fn inventory(bytes: &[u8], unit: Option<Unit>) -> Inventory {
     let hosts = hosts.iter().filter_map(|(filler, wall)| Some((name(filler)?, name(wall)?))).collect();
     let spaces = building.model.products.iter().filter(|p| p.class == "IfcSpace");
     let spaces = spaces.map(|p| (p.global_id.clone(), building.space_names(p))).collect();
-    Inventory { elements: Elements::of(&step), classes, hosts, storeys: storeys(&building), spaces }
+    let place: HashMap<u64, usize> =
+        building.model.storeys.iter().enumerate().map(|(i, s)| (s.id, i)).collect();
+    let standing = |p: &model::Product| {
+        let of = building.model.storey_of(p.id)?;
+        Some((p.global_id.clone(), *place.get(&of)?))
+    };
+    let storey_of =
+        building.model.products.iter().chain(&building.model.fillers).filter_map(standing).collect();
+    Inventory {
+        elements: Elements::of(&step),
+        classes,
+        hosts,
+        storeys: storeys(&building),
+        storey_of,
+        spaces,
+    }
 }
 
 /// A text with the escapes of a STEP file, as somebody copies it out of one.
