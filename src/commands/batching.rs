@@ -108,11 +108,8 @@ fn named_storeys(shown: &str, there: &[StoreyInfo], list: &str) -> Result<Vec<St
     let find = |name: &str| {
         let found = formats::storey_at(there.iter().map(|s| s.name.as_str()), name);
         found.map(|i| formats::storey_key(there, i)).ok_or_else(|| {
-            let present = if there.is_empty() { "none".to_owned() } else { formats::listed(there) };
-            let text = format!(
-                "--storeys \"{name}\": no such storey, storeys present, by number and name: {present}; nothing was done"
-            );
-            Error::usage("storeys", Place::file(shown), text)
+            let why = formats::no_storey(there, name, "none");
+            Error::usage("storeys", Place::file(shown), format!("--storeys \"{name}\": {why}"))
         })
     };
     list.split(',').map(|name| find(name.trim())).collect()

@@ -11,7 +11,7 @@ use super::scene::{File, Shown};
 use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, marks, twin, values};
 use crate::formats::ifc::ZONE_LAYER;
 use crate::formats::region::{Region, slice};
-use crate::formats::{listed, state_shared_name};
+use crate::formats::{listed, no_storey, state_shared_name};
 use crate::plan::drawing::{
     Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
@@ -183,16 +183,12 @@ fn chosen_floor(
     }
     let found = options.chosen_storey().map(|i| &options.known().storeys[i]);
     if let (None, Some(name)) = (found, wanted) {
-        let names = match (names.is_empty(), options.twin.is_some()) {
-            (false, _) => names.as_str(),
-            (true, false) => "none (glTF has none; the .ifc of the same name beside it has)",
-            (true, true) => {
-                "none (glTF has none, and the .ifc of the same name beside it is not used or has none)"
-            }
+        let none = match options.twin.is_some() {
+            false => "none (glTF has none; the .ifc of the same name beside it has)",
+            true => "none (glTF has none, and the .ifc of the same name beside it is not used or has none)",
         };
-        let text = format!(
-            "--storey \"{name}\": no such storey, storeys present, by number and name: {names}; nothing was done"
-        );
+        let why = no_storey(&options.known().storeys, name, none);
+        let text = format!("--storey \"{name}\": {why}");
         return Err(Error::usage("storey", Place::file(file), text));
     }
     Ok(match found {

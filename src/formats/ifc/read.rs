@@ -15,7 +15,7 @@ use super::step::Step;
 use super::units::{Units, units};
 use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, Sight};
 use crate::formats::region::{Region, Rule};
-use crate::formats::{SpaceNames, listed, state_shared_name, storey_at};
+use crate::formats::{SpaceNames, listed, no_storey, state_shared_name, storey_at};
 use crate::plan::drawing::{
     Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
@@ -124,11 +124,8 @@ impl<'s, 'a> Building<'s, 'a> {
             state_shared_name(self.file, &super::storeys(self), name, report);
             let found = storey_at(list.iter().map(|s| s.name.as_str()), name);
             return found.map(|i| Some(&list[i])).ok_or_else(|| {
-                let names = if names.is_empty() { "none".into() } else { names };
-                let text = format!(
-                    "--storey \"{name}\": no such storey, storeys present, by number and name: {names}; nothing was done"
-                );
-                Error::usage("storey", Place::file(self.file), text)
+                let why = no_storey(&super::storeys(self), name, "none");
+                Error::usage("storey", Place::file(self.file), format!("--storey \"{name}\": {why}"))
             });
         }
         let most = list.iter().rev().max_by_key(|s| s.walls);

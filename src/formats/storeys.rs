@@ -1,0 +1,100 @@
+//! Storeys of a building, and which of them is meant by what somebody types.
+
+use super::ifc;
+use crate::plan::names::{Found, Pattern, folded};
+use crate::report::{Place, Report};
+
+/// A storey of a building.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoreyInfo {
+    /// Its name, as `--storey` takes it.
+    pub name: String,
+    /// Height of its floor, metres.
+    pub floor_m: f64,
+    /// Walls that stand in it.
+    pub walls: usize,
+}
+
+/// Which of the storeys is meant, names from the lowest: by its name to the letter, else by its name whatever its
+/// case, way of storing accents and STEP escapes, else by its number from 1 or its folder (`storey-1`), else by its name
+/// without accents and blanks where that is only one's. Of several of one name the lowest, see [`storeys_at`].
+pub fn storey_at<'n>(names: impl Iterator<Item = &'n str>, wanted: &str) -> Option<usize> {
+    storeys_at(&names.collect::<Vec<_>>(), wanted).first().copied()
+}
+
+/// All the storeys that a name or number fits as [`storey_at`] finds them, from the lowest: several where they have one
+/// name.
+pub fn storeys_at(names: &[&str], wanted: &str) -> Vec<usize> {
+    let all = |fits: &dyn Fn(&str) -> bool| -> Vec<usize> {
+        (0..names.len()).filter(|i| fits(names[*i])).collect()
+    };
+    let by_name = |wanted: &str| {
+        let wanted = folded(wanted);
+        all(&|n| folded(n) == wanted)
+    };
+    let number = || -> Vec<usize> {
+        let number = folded(wanted).trim_start_matches("storey-").parse::<usize>().ok();
+        number.and_then(|n| n.checked_sub(1)).filter(|i| *i < names.len()).into_iter().collect()
+    };
+    let exact = all(&|n| n == wanted);
+    let mut ways = [exact, by_name(wanted), by_name(&ifc::decoded(wanted)), number()].into_iter();
+    ways.find(|found| !found.is_empty()).unwrap_or_else(|| alike(names, wanted).hits)
+}
+
+/// The storeys whose names are those wanted but for accents and blanks.
+fn alike(names: &[&str], wanted: &str) -> Found {
+    let all: Vec<Vec<&str>> = names.iter().map(|n| vec![*n]).collect();
+    Pattern::name(&ifc::decoded(wanted)).map_or_else(|_| Found::default(), |p| Found::of(&all, &p))
+}
+
+/// Why no storey is meant by a name, with those that there are; `none` where there are none.
+pub fn no_storey(storeys: &[StoreyInfo], wanted: &str, none: &str) -> String {
+    let names: Vec<&str> = storeys.iter().map(|s| s.name.as_str()).collect();
+    let rivals = alike(&names, wanted).rivals;
+    let found = match rivals.is_empty() {
+        true => "no such storey".to_string(),
+        false => format!("found several that are so called without accents and blanks ({})", quoted(&rivals)),
+    };
+    let present = if storeys.is_empty() { none.to_string() } else { listed(storeys) };
+    format!("{found}, storeys present, by number and name: {present}; nothing was done")
+}
+
+/// Names in quotes, one after the other.
+pub fn quoted(names: &[String]) -> String {
+    names.iter().map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(", ")
+}
+
+/// How `--storey` names one of the storeys and no other: by its name, by its number where others have the same name.
+pub fn storey_key(storeys: &[StoreyInfo], index: usize) -> String {
+    let names: Vec<&str> = storeys.iter().map(|s| s.name.as_str()).collect();
+    let name = names.get(index).copied().unwrap_or_default();
+    let ways = [name.to_string(), format!("storey-{}", index + 1), (index + 1).to_string()];
+    ways.into_iter().find(|way| storeys_at(&names, way) == [index]).unwrap_or_else(|| name.into())
+}
+
+/// Says so where a storey was named that others share the name of.
+pub(super) fn state_shared_name(file: &str, storeys: &[StoreyInfo], wanted: &str, report: &mut Report) {
+    let names: Vec<&str> = storeys.iter().map(|s| s.name.as_str()).collect();
+    let found = storeys_at(&names, wanted);
+    if found.len() < 2 {
+        return;
+    }
+    let keys: Vec<String> = found
+        .iter()
+        .map(|i| format!("{} (floor {:.3} m)", storey_key(storeys, *i), storeys[*i].floor_m))
+        .collect();
+    let text = format!(
+        "--storey \"{wanted}\": found {} storeys of that name, expected one; the lowest was taken; by number: {}",
+        found.len(),
+        keys.join(", ")
+    );
+    report.warn("storey-name", Place::file(file), text);
+}
+
+/// Storeys as a message lists them: the number and the name, both as `--storey` takes them.
+pub fn listed(storeys: &[StoreyInfo]) -> String {
+    let of = |(i, s): (usize, &StoreyInfo)| {
+        format!("{} \"{}\" (floor {:.3} m, {} walls)", i + 1, s.name, s.floor_m, s.walls)
+    };
+    storeys.iter().enumerate().map(of).collect::<Vec<_>>().join(", ")
+}
