@@ -9,7 +9,6 @@ use super::meshes::Why;
 use super::scene::{File, Shown};
 use super::{ReadOptions, marks, values};
 use crate::plan::layers::WallLayers;
-use crate::plan::own_layers;
 use crate::report::{Place, Report};
 
 /// Layer of everything where no name says what is a wall.
@@ -89,8 +88,7 @@ pub(super) fn bodies<'f>(
     let (mut lost, mut names) = (Lost::default(), Names::default());
     let elements = Elements::new(scene, shown);
     for s in shown {
-        let Some(mesh) = nodes[s.node].index("mesh").filter(|_| !s.names(scene).any(own_layers::is_own))
-        else {
+        let Some(mesh) = nodes[s.node].index("mesh").filter(|_| !s.is_own()) else {
             continue;
         };
         let layer = layer(scene, s, options, &mut names);
@@ -160,8 +158,9 @@ impl Lost<'_> {
         let (walls, others): (Vec<_>, Vec<_>) = self.lines.into_iter().partition(|(_, is_wall)| *is_wall);
         let walls =
             walls.into_iter().map(|(s, _)| (s, "its mesh has points and lines alone, no faces".into()));
+        let is_elsewhere = options.elsewhere(scene);
         let told: Vec<(&Shown, String)> =
-            self.unread.into_iter().chain(walls).filter(|l| !options.is_elsewhere(scene, l.0)).collect();
+            self.unread.into_iter().chain(walls).filter(|l| !is_elsewhere(l.0)).collect();
         let more = told.len().saturating_sub(values::TOLD);
         for (shown, why) in told.into_iter().take(values::TOLD) {
             let place = Place::file(scene.name).entity(scene.named(shown.node));
@@ -209,7 +208,7 @@ impl<'f> Elements<'f> {
             if nodes[s.node].index("mesh").is_none() {
                 continue;
             }
-            let mover = marks::mover(scene, &s.path).unwrap_or(s.node);
+            let mover = marks::mover(scene, &s.path()).unwrap_or(s.node);
             if mover != s.node {
                 out.wholes.insert(mover);
             }
@@ -221,8 +220,9 @@ impl<'f> Elements<'f> {
             if [s.node, *mover].iter().any(|n| out.places.get(n).is_some_and(|p| p.1 > 1)) {
                 out.held.insert(*mover, "its node hangs in the scene more than once".into());
             }
-            let from = s.path.iter().position(|n| n == mover).unwrap_or(0);
-            if let Some(why) = held(scene, &s.path, from, &animated) {
+            let path = s.path();
+            let from = path.iter().position(|n| n == mover).unwrap_or(0);
+            if let Some(why) = held(scene, &path, from, &animated) {
                 out.held.entry(*mover).or_insert(why);
             }
         }
@@ -318,7 +318,8 @@ fn layer(scene: &File<'_>, shown: &Shown, options: &ReadOptions, walls: &mut Nam
         mesh.map(|m| m.list("primitives")).unwrap_or_default().iter().filter_map(|p| {
             scene.json.list("materials").get(p.index("material")?)?.text("name").map(class_of)
         });
-    let of_wholes = shown.path.iter().rev().filter_map(extras);
+    let path = shown.path();
+    let of_wholes = path.iter().rev().filter_map(extras);
     let all: Vec<String> = named.chain(mesh_name).chain(materials).chain(of_wholes).collect();
     let mut says = |n: &&String| opening(n).is_some() || n.starts_with("Ifc") || walls.is_wall(n);
     all.iter().find(|n| says(n)).or(all.first()).cloned().unwrap_or_else(|| "unnamed".into())
@@ -371,7 +372,8 @@ fn choose_layers(scene: &File<'_>, bodies: &mut [Body<'_>], options: &ReadOption
         report.warn("walls-assumed", place, text);
     }
     for body in bodies {
-        let is_region = |key| marks::region(scene, &body.shown.path, key).is_some();
+        let path = body.shown.path();
+        let is_region = |key| marks::region(scene, &path, key).is_some();
         let is_room = ["query", "reference"].into_iter().any(is_region);
         body.layer = if is_room { SPACE_LAYER } else { SCENE_LAYER }.into();
     }

@@ -65,12 +65,19 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     let above = above(options) / scale.metres;
     let floor = chosen_floor(file, &bodies, options, &scale, report)?;
     let (mut entities, mut regions) = (Vec::new(), BTreeSet::new());
+    let is_elsewhere = options.elsewhere(&scene);
+    let mut flat: Vec<(usize, &str)> = Vec::new();
     for body in &bodies {
+        let before = entities.len();
         show(&scene, body, floor + above, options, &mut entities, &mut regions);
+        let why = without_extent(body, floor + above, entities.len() > before);
+        flat.extend(why.filter(|_| !is_elsewhere(body.shown)).map(|why| (body.shown.node, why)));
     }
-    state_low(&scene, &bodies, [floor, floor + above], options, report);
+    state_flat(&scene, flat, report);
+    state_low(&scene, &bodies, [floor, floor + above], &is_elsewhere, report);
     let (texts, marked) = (space_names(&scene, &bodies, &entities, options), marked_moves(&scene, &entities));
-    marks::state(&scene, &shown, &marks::Used::new(&bodies, lost, &entities, &marked, regions), report);
+    let used = marks::Used::new(&bodies, lost, &entities, &marked, regions);
+    marks::state(&scene, &shown, &used, &is_elsewhere, report);
     let mut names: Vec<Layer> = Vec::new();
     let mut seen = BTreeSet::new();
     for e in &entities {
@@ -284,17 +291,50 @@ pub(super) fn floor_of(
     Ok((chosen_floor(scene.name, &bodies, options, &scale, report)?, scale.metres))
 }
 
+/// Why a wall that should stand at a height shows nothing there: it is flat.
+fn without_extent(body: &Body<'_>, z: f64, is_shown: bool) -> Option<&'static str> {
+    let is_scaled = body.shown.world.matrix3.determinant() == 0.0;
+    if is_shown || !body.is_wall {
+        None
+    } else if body.low == body.high {
+        is_scaled.then_some("it has no height (a transform scales it by 0 in one direction)")
+    } else if body.low >= z || body.high <= z {
+        None
+    } else if is_scaled {
+        Some("it has no width (a transform scales it by 0 in one direction)")
+    } else {
+        Some("its cut encloses nothing: its faces lie on one another")
+    }
+}
+
+/// Names the walls that are flat, each node once.
+fn state_flat(scene: &File<'_>, mut flat: Vec<(usize, &str)>, report: &mut Report) {
+    flat.dedup();
+    let more = flat.len().saturating_sub(values::TOLD);
+    for (node, why) in flat.into_iter().take(values::TOLD) {
+        let place = Place::file(scene.name).entity(scene.named(node));
+        report.warn("gltf-mesh", place, format!("{why}, expected a solid or a face; it is left out"));
+    }
+    if more > 0 {
+        report.warn(
+            "gltf-mesh",
+            Place::file(scene.name),
+            format!("{more} more walls are flat and are left out"),
+        );
+    }
+}
+
 /// Names the walls of the storey that end below the cut.
 fn state_low(
     scene: &File<'_>,
     bodies: &[Body<'_>],
     [floor, cut]: [f64; 2],
-    options: &ReadOptions,
+    is_elsewhere: &dyn Fn(&Shown) -> bool,
     report: &mut Report,
 ) {
-    let is_low = |b: &&Body<'_>| b.low < cut && b.high > floor && b.high <= cut;
+    let is_low = |b: &&Body<'_>| b.low < b.high && b.low < cut && b.high > floor && b.high <= cut;
     let low = bodies.iter().filter(|b| b.is_wall).filter(is_low);
-    let low: Vec<&Body<'_>> = low.filter(|b| !options.is_elsewhere(scene, b.shown)).collect();
+    let low: Vec<&Body<'_>> = low.filter(|b| !is_elsewhere(b.shown)).collect();
     if low.is_empty() {
         return;
     }
@@ -386,7 +426,7 @@ fn show(
             blocks: Vec::new(),
         });
     }
-    let (path, shown) = (&body.shown.path, first..out.len());
+    let (path, shown) = (&body.shown.path(), first..out.len());
     let is_room = !body.is_wall && !is_opening && body.layer != SCENE_LAYER;
     for (key, mark) in [("query", "EF-QUERY"), ("reference", "EF-REFERENCE")] {
         let Some((node, name)) = marks::region(scene, path, key).filter(|_| is_room && !shown.is_empty())

@@ -19,7 +19,10 @@ fn refusal(scene: &File<'_>, shown: &[Shown], options: &ReadOptions) -> Option<&
     if twin.classes.is_empty() {
         return Some("cannot be read, or holds no element");
     }
-    let has = |is_it: &dyn Fn(&str) -> bool| shown.iter().any(|s| s.names(scene).any(is_it));
+    // What a node hangs on is shown too.
+    let nodes = scene.json.list("nodes");
+    let name = |s: &Shown| nodes[s.node].text("name").unwrap_or_default();
+    let has = |is_it: &dyn Fn(&str) -> bool| shown.iter().any(|s| is_it(name(s)));
     let is_other = has(&is_global_id) && !has(&|n| twin.classes.contains_key(n));
     is_other.then_some("has none of the GlobalIds that its nodes are named by: it is of another building")
 }
@@ -58,10 +61,13 @@ impl ReadOptions {
         }
     }
 
-    /// Whether the IFC beside a scene knows what is shown, and has it in another storey than the one that is read.
-    pub(super) fn is_elsewhere(&self, scene: &File<'_>, shown: &Shown) -> bool {
-        let of = || shown.names(scene).rev().find_map(|n| self.known().storey_of.get(n));
-        self.chosen_storey().is_some_and(|chosen| of().is_some_and(|of| *of != chosen))
+    /// Says of what is shown whether the IFC beside the scene has it in another storey than the one that is read.
+    pub(super) fn elsewhere<'f>(&'f self, scene: &'f File<'_>) -> impl Fn(&Shown) -> bool + 'f {
+        let chosen = self.chosen_storey();
+        move |shown| {
+            let of = || shown.names(scene).rev().find_map(|n| self.known().storey_of.get(n));
+            chosen.is_some_and(|chosen| of().is_some_and(|of| *of != chosen))
+        }
     }
 
     /// What the IFC beside a scene knows of the one space of a name.
