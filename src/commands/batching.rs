@@ -58,7 +58,9 @@ fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> R
         None => vec![settings.storey.clone()],
         Some("all") => {
             let found = building()?;
-            let walled = (0..found.len()).filter(|i| found[*i].walls > 0);
+            let cut_m = pipeline::read_options(&Settings::new(settings.clone())?).cut_m();
+            let is_own = |i: &usize| formats::shown_instead(&found, *i, cut_m).is_none();
+            let walled = (0..found.len()).filter(|i| found[*i].walls > 0).filter(is_own);
             let found: Vec<String> = walled.map(|i| formats::storey_key(&found, i)).collect();
             if found.is_empty() { vec![None] } else { found.into_iter().map(Some).collect() }
         }

@@ -55,6 +55,11 @@ impl ReadOptions {
         dxf::ReadOptions { accept_missing_eof: self.accept_missing_eof, ..Default::default() }
     }
 
+    /// Height of the cut above a storey's floor, metres.
+    pub fn cut_m(&self) -> f64 {
+        self.sight.above_m()
+    }
+
     fn gltf(&self) -> gltf::ReadOptions {
         gltf::ReadOptions {
             is_knee: self.sight == ifc::Sight::Knee,

@@ -2,7 +2,7 @@
 
 use super::ifc;
 use crate::plan::names::{Found, Pattern, folded};
-use crate::report::{Place, Report};
+use crate::report::{Error, Place, Report};
 
 /// A storey of a building.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +13,58 @@ pub struct StoreyInfo {
     pub floor_m: f64,
     /// Walls that stand in it.
     pub walls: usize,
+    /// Height of the highest point of its own walls and columns, metres, below everything where it has none; none where that
+    /// is not known or no other storey begins below the eyes of who stands in it.
+    pub top_m: Option<f64>,
+}
+
+/// A storey that begins so near above another one is that one.
+const SAME_FLOOR_M: f64 = 0.05;
+
+/// The storey that begins so low above the floor of another one that a cut at `above_m` shows it, and none of that one's own
+/// walls: footings, a crawl space.
+pub fn shown_instead(storeys: &[StoreyInfo], index: usize, above_m: f64) -> Option<&StoreyInfo> {
+    let own = storeys.get(index)?;
+    let cut = own.floor_m + above_m;
+    own.top_m.filter(|top| *top <= cut)?;
+    storeys.iter().find(|s| s.walls > 0 && is_over(own.floor_m, s.floor_m, above_m))
+}
+
+/// Whether a floor lies over another one, and below a cut above that.
+pub(super) fn is_over(floor_m: f64, other_m: f64, above_m: f64) -> bool {
+    other_m > floor_m + SAME_FLOOR_M && other_m <= floor_m + above_m
+}
+
+/// The storey that is read where none is named: of those whose own walls are cut the one with most, the highest of several.
+pub fn main_storey(storeys: &[StoreyInfo], above_m: f64) -> Option<usize> {
+    let worth = |i: &usize| (shown_instead(storeys, *i, above_m).is_none(), storeys[*i].walls);
+    (0..storeys.len()).rev().max_by_key(worth)
+}
+
+/// Refuses a storey of which a cut at `above_m` shows another one alone.
+pub(super) fn refuse_without_own(
+    file: &str,
+    storeys: &[StoreyInfo],
+    index: usize,
+    above_m: f64,
+) -> Result<(), Error> {
+    let Some((own, other)) = storeys.get(index).zip(shown_instead(storeys, index, above_m)) else {
+        return Ok(());
+    };
+    let lacks = match own.top_m.filter(|t| t.is_finite()) {
+        Some(top) => format!("its own walls end at {top:.2} m and do not reach"),
+        None => "it has no walls of its own at".into(),
+    };
+    let text = format!(
+        "storey \"{}\": {lacks} the cut at {:.2} m, {above_m:.2} m above its floor; what stands there is of \"{}\", whose floor is \
+         at {:.2} m; nothing was measured; --storey \"{}\" shows that one",
+        own.name,
+        own.floor_m + above_m,
+        other.name,
+        other.floor_m,
+        storey_key(storeys, storeys.iter().position(|s| s == other).unwrap_or(index))
+    );
+    Err(Error::input("no-walls", Place::file(file), text))
 }
 
 /// Which of the storeys is meant, names from the lowest: by its name to the letter, else by its name whatever its

@@ -123,7 +123,7 @@ pub(super) fn on_storey_of_query<'s>(
     let storeys = opened.building(&options).0;
     let own = match &settings.storey {
         Some(name) => formats::storey_at(storeys.iter().map(|s| s.name.as_str()), name),
-        None => (0..storeys.len()).rev().max_by_key(|i| storeys[*i].walls),
+        None => formats::main_storey(&storeys, options.cut_m()),
     };
     let Some(own) = own.filter(|_| storeys.len() > 1) else { return same };
     let key = |i: usize| formats::storey_key(&storeys, i);

@@ -22,7 +22,7 @@ fn others(found: &[StoreyInfo], settings: &Settings) -> Vec<(StoreyInfo, String,
     }
     let of = |(i, s): (usize, &StoreyInfo)| {
         let own = Settings { storey: Some(formats::storey_key(found, i)), ..settings.clone() };
-        (s.clone(), format!("storey-{}", i + 1), own)
+        (s.clone(), folder_of(i), own)
     };
     let walled = found.iter().enumerate().filter(|(_, s)| s.walls > 0);
     let out: Vec<_> = walled.map(of).take(STOREYS_MAX).collect();
@@ -30,8 +30,18 @@ fn others(found: &[StoreyInfo], settings: &Settings) -> Vec<(StoreyInfo, String,
 }
 
 /// The storey that is read where none is named.
-fn main_of(list: &[(StoreyInfo, String, Settings)]) -> Option<usize> {
-    (0..list.len()).rev().max_by_key(|i| list[*i].0.walls)
+fn main_of(
+    found: &[StoreyInfo],
+    list: &[(StoreyInfo, String, Settings)],
+    settings: &Settings,
+) -> Option<usize> {
+    let main = formats::main_storey(found, study::read_options(settings).cut_m())?;
+    let folder = folder_of(main);
+    list.iter().position(|(_, own, _)| *own == folder)
+}
+
+fn folder_of(index: usize) -> String {
+    format!("storey-{}", index + 1)
 }
 
 fn entry(storey: &StoreyInfo, base: &Understood, folder: &str, mean: Numbers) -> StoreyEntry {
@@ -75,7 +85,7 @@ pub(super) fn check(
 ) -> (Option<BuildingEntry>, Vec<StoreyEntry>) {
     let (found, elements) = opened.building(&study::read_options(settings));
     let list = others(&found, settings);
-    let main = main_of(&list);
+    let main = main_of(&found, &list, settings);
     let others = list.iter().enumerate().filter(|(i, _)| Some(*i) != main).map(|(_, (_, _, own))| own);
     let options: Vec<_> = others.clone().map(study::read_options).collect();
     let drawings = opened.read_all(&options);
@@ -132,7 +142,7 @@ pub(super) fn analyse(
 ) -> Result<Vec<StoreyEntry>, Error> {
     let found = formats::storeys(input.file(), &input.bytes, &study::read_options(settings));
     let list = others(&found, settings);
-    let main = main_of(&list);
+    let main = main_of(&found, &list, settings);
     let mut out = Vec::new();
     for (i, (storey, folder, own)) in list.iter().enumerate() {
         cancel.check()?;

@@ -145,3 +145,38 @@ fn a_wall_that_is_missing_is_missed_on_its_own_storey() {
         assert_eq!(warned[0].contains("storey \"Upper\": "), own == 1, "{warned:?}");
     }
 }
+
+/// A storey of footings below one that begins 1 m above it: a cut at eye height would show the other one's walls.
+#[test]
+fn a_storey_of_footings_does_not_show_the_one_above() {
+    let low = Broken { data: "#$7=IFCEXTRUDEDAREASOLID(#$8,$,#8,0.8);", says: "" };
+    let bare = Broken { data: "#$7=IFCEXTRUDEDAREASOLID(#$8,$,#8,-3.);\n#$5=", says: "" };
+    let lowered = |last: &Broken| {
+        let text = house(&[(100, &low), (200, &low), (300, &low), (400, last)]);
+        let above = "#61=IFCCARTESIANPOINT((0.,0.,3.0));";
+        assert!(text.contains(above));
+        text.replace(above, &above.replace("3.0", "1.0"))
+    };
+    let text = lowered(&low);
+    let done = check(&text);
+    let said = done.result.storeys[0].problem.clone().unwrap_or_default();
+    for part in [
+        "its own walls end at 0.80 m and do not reach the cut at 1.50 m",
+        "what stands there is of \"Upper\", whose floor is at 1.00 m",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    assert_eq!((done.result.storeys[0].walls, done.result.storeys[1].walls), (0, 4));
+    assert_eq!(done.result.storeys[1].folder.as_deref(), Some("."), "what is shown where none is named");
+    let walls = |text: &str, sight: ifc::Sight| {
+        let options = ReadOptions { storey: Some("Lower".into()), sight, ..ReadOptions::default() };
+        read_with(text.as_bytes(), &options).0.map(|d| on(&d, "IfcWall").len()).map_err(|e| e.to_string())
+    };
+    assert!(walls(&text, ifc::Sight::Eye).unwrap_err().contains("--storey \"Upper\" shows that one"));
+    assert_eq!(walls(&text, ifc::Sight::Knee), Ok(4), "below the other storey");
+    // Of a wall that cannot be read nobody knows how high it is.
+    assert!(walls(&lowered(&bare), ifc::Sight::Eye).is_ok());
+    // Where the own walls reach the cut both storeys are shown: a split level.
+    let split = Broken { data: "#$7=IFCEXTRUDEDAREASOLID(#$8,$,#8,2.);", says: "" };
+    assert!(walls(&lowered(&split), ifc::Sight::Eye).is_ok());
+}

@@ -8,10 +8,11 @@ use glam::{DMat3, DVec2, DVec3};
 use super::bodies::{Bodies, Body, SCENE_LAYER, SPACE_LAYER, bodies};
 use super::pieces::{of_record, record};
 use super::scene::{File, Shown};
-use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, marks, twin, values};
+use super::{ReadOptions, marks, twin, values};
 use crate::formats::ifc::ZONE_LAYER;
 use crate::formats::region::{Region, slice};
-use crate::formats::{listed, no_storey, state_shared_name};
+use crate::formats::storeys::{refuse_without_own, state_shared_name};
+use crate::formats::{listed, no_storey};
 use crate::plan::drawing::{
     Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
@@ -62,7 +63,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
             format!("unit: {doubt}; read in metres as the standard says"),
         );
     }
-    let above = above(options) / scale.metres;
+    let above = options.above_m() / scale.metres;
     let floor = chosen_floor(file, &bodies, options, &scale, report)?;
     let (mut entities, mut regions) = (Vec::new(), BTreeSet::new());
     let is_elsewhere = options.elsewhere(&scene);
@@ -182,13 +183,17 @@ fn chosen_floor(
     scale: &Scale,
     report: &mut Report,
 ) -> Result<f64, Error> {
-    let above = above(options);
+    let above = options.above_m();
     let names = listed(&options.known().storeys);
     let wanted = options.storey.as_deref();
     if let Some(name) = wanted {
         state_shared_name(file, &options.known().storeys, name, report);
     }
-    let found = options.chosen_storey().map(|i| &options.known().storeys[i]);
+    let chosen = options.chosen_storey();
+    if let Some(chosen) = chosen {
+        refuse_without_own(file, &options.known().storeys, chosen, above)?;
+    }
+    let found = chosen.map(|i| &options.known().storeys[i]);
     if let (None, Some(name)) = (found, wanted) {
         let none = match options.twin.is_some() {
             false => "none (glTF has none; the .ifc of the same name beside it has)",
@@ -271,11 +276,6 @@ fn marked_moves(scene: &File<'_>, entities: &[Entity]) -> Vec<MarkedMove> {
         });
     }
     out
-}
-
-/// Height of the cut above the floor, metres.
-fn above(options: &ReadOptions) -> f64 {
-    if options.is_knee { CUT_KNEE_M } else { CUT_EYE_M }
 }
 
 /// Height of the floor that the walls stand on, units of the scene; and metres in one of these.

@@ -3,11 +3,11 @@
 use std::borrow::Cow;
 use std::sync::{Arc, LazyLock};
 
-use super::ReadOptions;
 use super::bodies::is_global_id;
 use super::scene::{File, Shown};
+use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions};
 use crate::formats::ifc::Inventory;
-use crate::formats::{SpaceNames, storey_at};
+use crate::formats::{SpaceNames, main_storey, storey_at};
 use crate::report::{Place, Report};
 
 /// What no IFC beside a scene knows.
@@ -52,12 +52,17 @@ impl ReadOptions {
         self.twin.as_deref().unwrap_or(&NOTHING)
     }
 
+    /// Height of the cut above the floor, metres.
+    pub(super) fn above_m(&self) -> f64 {
+        if self.is_knee { CUT_KNEE_M } else { CUT_EYE_M }
+    }
+
     /// The storey that is read, of those that the IFC beside a scene knows.
     pub(super) fn chosen_storey(&self) -> Option<usize> {
         let storeys = &self.known().storeys;
         match self.storey.as_deref() {
             Some(name) => storey_at(storeys.iter().map(|s| s.name.as_str()), name),
-            None => (0..storeys.len()).rev().max_by_key(|i| storeys[*i].walls),
+            None => main_storey(storeys, self.above_m()),
         }
     }
 

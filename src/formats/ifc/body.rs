@@ -180,9 +180,14 @@ impl Geo<'_, '_> {
             None => *to,
         };
         let direction = self.direction(self.reference(args, 2, id)?)?;
-        let depth = args.get(3).and_then(Arg::number).filter(|d| *d > 0.0);
-        let depth = depth.ok_or_else(|| format!("{} has no depth", self.named(id)))?;
+        let depth = self.depth(id, args)?;
         Ok(prism(&profile, &at, direction * depth, 0.0, z))
+    }
+
+    /// How far an extrusion goes.
+    fn depth(&self, id: u64, args: &[Arg]) -> Result<f64, Why> {
+        let depth = args.get(3).and_then(Arg::number).filter(|d| *d > 0.0);
+        depth.ok_or_else(|| format!("{} has no depth", self.named(id)))
     }
 
     fn block(&self, id: u64, args: &[Arg], to: &DAffine3, z: f64) -> Result<Region, Why> {
@@ -372,7 +377,7 @@ impl Geo<'_, '_> {
                     Some(position) => *to * self.axis_placement(position)?,
                     None => *to,
                 };
-                let depth = args.get(3).and_then(Arg::number).unwrap_or(0.0);
+                let depth = self.depth(id, &args)?;
                 let way = at.matrix3 * (self.direction(self.reference(&args, 2, id)?)? * depth);
                 let profile = self.profile(self.reference(&args, 0, id)?)?;
                 let low = profile.points().map(|p| at.transform_point3(p.extend(0.0)).z);

@@ -62,6 +62,16 @@ pub enum Sight {
     Knee,
 }
 
+impl Sight {
+    /// Height of the cut above a storey's floor, metres.
+    pub fn above_m(self) -> f64 {
+        match self {
+            Self::Eye => CUT_EYE_M,
+            Self::Knee => CUT_KNEE_M,
+        }
+    }
+}
+
 /// How to read a building.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
@@ -142,8 +152,12 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
 
 fn storeys(building: &Building<'_, '_>) -> Vec<StoreyInfo> {
     let metres = building.geo.metres;
-    let storey =
-        |s: &model::Storey| StoreyInfo { name: s.name.clone(), floor_m: s.floor * metres, walls: s.walls };
+    let storey = |s: &model::Storey| StoreyInfo {
+        name: s.name.clone(),
+        floor_m: s.floor * metres,
+        walls: s.walls,
+        top_m: s.top.map(|top| top * metres),
+    };
     building.model.storeys.iter().map(storey).collect()
 }
 

@@ -72,6 +72,10 @@ pub(super) struct Storey {
     pub floor: f64,
     /// Walls that stand in it.
     pub walls: usize,
+    /// Highest point of its own walls and columns, file units, see [`StoreyInfo::top_m`].
+    ///
+    /// [`StoreyInfo::top_m`]: crate::formats::StoreyInfo::top_m
+    pub top: Option<f64>,
 }
 
 /// Relations of one file.
@@ -281,7 +285,13 @@ impl Model {
                 let placed = args.get(5).and_then(Arg::id).and_then(|p| geo.placement(p).ok());
                 let stated = args.get(9).and_then(Arg::number);
                 let floor = placed.map(|m| m.translation.z).or(stated).unwrap_or(0.0);
-                Storey { id: i.id, name: name.unwrap_or_else(|| format!("#{}", i.id)), floor, walls: 0 }
+                Storey {
+                    id: i.id,
+                    name: name.unwrap_or_else(|| format!("#{}", i.id)),
+                    floor,
+                    walls: 0,
+                    top: None,
+                }
             })
             .collect();
         out.sort_by(|a, b| a.floor.total_cmp(&b.floor));

@@ -13,9 +13,10 @@ use super::limits::OUTLINE_POINTS_MAX;
 use super::model::{Model, Product, Storey, axis_item, body_items, layer_reach};
 use super::step::Step;
 use super::units::{Units, units};
-use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, Sight};
+use super::{CUT_EYE_M, ReadOptions, Sight};
 use crate::formats::region::{Region, Rule};
-use crate::formats::{SpaceNames, listed, no_storey, state_shared_name, storey_at};
+use crate::formats::storeys::{is_over, refuse_without_own, state_shared_name};
+use crate::formats::{SpaceNames, listed, main_storey, no_storey, storey_at};
 use crate::plan::drawing::{
     Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
@@ -81,7 +82,28 @@ impl<'s, 'a> Building<'s, 'a> {
             }
             (None, Some(stated)) => out.hold_against_sizes(stated),
         }
+        out.measure_tops();
         out
+    }
+
+    /// Measures how high the own walls of those storeys reach over which another one begins below the eyes.
+    fn measure_tops(&mut self) {
+        let storeys = super::storeys(self);
+        let has_other_over = |i: usize| {
+            let floor = storeys[i].floor_m;
+            storeys.iter().any(|s| s.walls > 0 && is_over(floor, s.floor_m, CUT_EYE_M))
+        };
+        let tops = (0..storeys.len()).map(|i| if has_other_over(i) { self.top(i) } else { None });
+        let tops: Vec<Option<f64>> = tops.collect();
+        self.model.storeys.iter_mut().zip(tops).for_each(|(s, top)| s.top = top);
+    }
+
+    /// The highest point of a storey's own walls and columns; none where it is not known.
+    fn top(&self, storey: usize) -> Option<f64> {
+        let id = self.model.storeys[storey].id;
+        let own =
+            self.model.products.iter().filter(|p| told::is_wall(p) && self.model.storey_of(p.id) == Some(id));
+        own.map(|p| self.high(p)).try_fold(f64::NEG_INFINITY, |top, high| Some(top.max(high?)))
     }
 
     /// Whether what the building's elements measure can be in the unit that the file states; else takes the one in which
@@ -96,6 +118,14 @@ impl<'s, 'a> Building<'s, 'a> {
             }
             Verdict::Doubted(text) => self.unit_doubt = Some(text),
         }
+    }
+
+    /// The highest point of an element's body; none where a part of it cannot be read.
+    fn high(&self, p: &Product) -> Option<f64> {
+        let world = p.placement.map_or(Ok(DAffine3::IDENTITY), |m| self.geo.placement(m)).ok()?;
+        let items = body_items(self.step, p.shape?).ok()?;
+        let high = |item: &u64| self.geo.reach(*item, &world, 0).ok().map(|r| r[1]).filter(|z| z.is_finite());
+        items.iter().map(high).try_fold(f64::NEG_INFINITY, |top, z| Some(top.max(z?)))
     }
 
     /// `house.ifc:12 #4711 IfcWall 2O2F…`.
@@ -117,7 +147,12 @@ impl<'s, 'a> Building<'s, 'a> {
     }
 
     /// The storey that is meant, and why. `None` in a building without storeys.
-    pub fn storey(&self, wanted: Option<&str>, report: &mut Report) -> Result<Option<&Storey>, Error> {
+    pub fn storey(
+        &self,
+        wanted: Option<&str>,
+        sight: Sight,
+        report: &mut Report,
+    ) -> Result<Option<&Storey>, Error> {
         let list = &self.model.storeys;
         let names = listed(&super::storeys(self));
         if let Some(name) = wanted {
@@ -128,7 +163,7 @@ impl<'s, 'a> Building<'s, 'a> {
                 Error::usage("storey", Place::file(self.file), format!("--storey \"{name}\": {why}"))
             });
         }
-        let most = list.iter().rev().max_by_key(|s| s.walls);
+        let most = main_storey(&super::storeys(self), sight.above_m()).map(|i| &list[i]);
         if let Some(chosen) = most
             && list.len() > 1
         {
@@ -171,7 +206,11 @@ pub(super) fn read_storey(
         let text = format!("unit: {doubt}; read as the file says");
         report.warn("unit-doubt", Place::file(file), text);
     }
-    let storey = building.storey(options.storey.as_deref(), report)?;
+    let storey = building.storey(options.storey.as_deref(), options.sight, report)?;
+    if let Some(index) = building.model.storeys.iter().position(|s| storey.is_some_and(|own| own.id == s.id))
+    {
+        refuse_without_own(file, &super::storeys(building), index, options.sight.above_m())?;
+    }
     let mut reader = Reader::new(building, storey, options);
     reader.walls(report);
     reader.spaces(report);
@@ -642,10 +681,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
 
 /// Heights of a storey's floor and of its cut, file units.
 pub(super) fn heights(b: &Building<'_, '_>, storey: Option<&Storey>, sight: Sight) -> (f64, f64) {
-    let above = match sight {
-        Sight::Eye => CUT_EYE_M,
-        Sight::Knee => CUT_KNEE_M,
-    } / b.geo.metres;
+    let above = sight.above_m() / b.geo.metres;
     let floor = storey.map_or_else(|| lowest(b, above), |s| s.floor);
     (floor, floor + above)
 }
