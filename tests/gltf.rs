@@ -108,6 +108,71 @@ fn classes_and_storeys_come_from_the_ifc_beside_it() {
     assert_eq!(names.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(), ["Ground floor", "Upper floor"]);
 }
 
+/// The sample with a member of a node more.
+fn with_member(name: &str, member: &str) -> String {
+    let named = format!("\"name\":\"{name}\"");
+    let text = embedded();
+    assert!(text.contains(&named));
+    text.replacen(&named, &format!("{named},{member}"), 1)
+}
+
+/// A wall that a transform makes flat has no width or no height; it is not lower than the cut.
+#[test]
+fn a_wall_without_extent_is_told_as_such() {
+    for (scale, says) in [("[0,1,1]", "no width"), ("[1,1,0]", "no width"), ("[1,0,1]", "no height")] {
+        let text = with_member("IfcWall/screen-1", &format!("\"scale\":{scale}"));
+        let (drawing, report) = read_as("house.gltf", text.as_bytes());
+        assert_eq!(drawing.unwrap().entities.iter().filter(|e| e.layer == "IfcWall").count(), 20);
+        let told: Vec<String> = report
+            .problems
+            .iter()
+            .filter(|p| p.place.entity.contains("screen-1"))
+            .map(ToString::to_string)
+            .collect();
+        assert!(
+            told.len() == 1 && told[0].contains(says) && told[0].contains("left out"),
+            "{scale} {told:?}"
+        );
+        assert!(!report.problems.iter().any(|p| p.code == "gltf-not-cut"), "{scale} {:?}", report.problems);
+    }
+    let low = with_member("IfcWall/screen-1", "\"scale\":[1,0.1,1]");
+    let problems = read_as("house.gltf", low.as_bytes()).1.problems;
+    assert!(
+        problems.iter().any(|p| p.code == "gltf-not-cut") && problems.iter().all(|p| p.code != "gltf-mesh")
+    );
+}
+
+/// With the building beside it, what is said of a node is said on the storey in which its element stands, and storeys are
+/// found without their blanks.
+#[test]
+fn a_node_is_told_on_its_own_storey() {
+    let twin: &[u8] = include_bytes!("../samples/pavilion.ifc");
+    let ids = global_ids(twin);
+    for (name, own) in [("Wall/screen-1", "groundfloor"), ("Wall/screen-5", "upperfloor")] {
+        let Some((_, global_id)) = ids.iter().find(|(n, _)| n == name) else { panic!("{ids:?}") };
+        let mut text = with_member(&format!("Ifc{name}"), "\"scale\":[0,0,0]");
+        for (name, global_id) in &ids {
+            text = text.replace(&format!("\"Ifc{name}\""), &format!("\"{global_id}\""));
+        }
+        for storey in ["groundfloor", "upperfloor"] {
+            let options = ReadOptions {
+                twin: Some(Arc::new(formats::ifc::inventory(twin, None))),
+                storey: Some(storey.into()),
+                ..ReadOptions::default()
+            };
+            let mut report = Report::default();
+            formats::read("house.gltf", text.as_bytes(), &options, &mut report).unwrap();
+            let told = |code: &str| {
+                let of = report.problems.iter().filter(|p| p.to_string().contains(global_id));
+                of.filter(|p| p.code == code).count()
+            };
+            let expected = usize::from(storey == own);
+            let found = (told("gltf-mesh"), told("gltf-marks"));
+            assert_eq!(found, (expected, expected), "{name} on {storey}: {:?}", report.problems);
+        }
+    }
+}
+
 /// A door is in the wall that the IFC says, and goes with it.
 #[test]
 fn the_ifc_beside_it_says_in_which_wall_a_door_sits() {

@@ -16,6 +16,8 @@ mod sample;
 mod rings;
 #[path = "ifc/storeys.rs"]
 mod storeys;
+#[path = "ifc/told.rs"]
+mod told;
 
 use std::io::Write;
 

@@ -59,7 +59,9 @@ fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> R
         None => vec![settings.storey.clone()],
         Some("all") => {
             let found = building()?;
-            let walled = (0..found.len()).filter(|i| found[*i].walls > 0);
+            let cut_m = pipeline::read_options(&Settings::new(settings.clone())?).cut_m();
+            let is_own = |i: &usize| formats::shown_instead(&found, *i, cut_m).is_none();
+            let walled = (0..found.len()).filter(|i| found[*i].walls > 0).filter(is_own);
             let found: Vec<String> = walled.map(|i| formats::storey_key(&found, i)).collect();
             if found.is_empty() { vec![None] } else { found.into_iter().map(Some).collect() }
         }
@@ -109,11 +111,8 @@ fn named_storeys(shown: &str, there: &[StoreyInfo], list: &str) -> Result<Vec<St
     let find = |name: &str| {
         let found = formats::storey_at(there.iter().map(|s| s.name.as_str()), name);
         found.map(|i| formats::storey_key(there, i)).ok_or_else(|| {
-            let present = if there.is_empty() { "none".to_owned() } else { formats::listed(there) };
-            let text = format!(
-                "--storeys \"{name}\": no such storey, storeys present, by number and name: {present}; nothing was done"
-            );
-            Error::usage("storeys", Place::file(shown), text)
+            let why = formats::no_storey(there, name, "none");
+            Error::usage("storeys", Place::file(shown), format!("--storeys \"{name}\": {why}"))
         })
     };
     list.split(',').map(|name| find(name.trim())).collect()

@@ -6,6 +6,7 @@ pub mod gltf;
 pub mod ifc;
 mod region;
 mod splice;
+mod storeys;
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,9 +14,9 @@ use std::sync::Arc;
 
 use crate::plan::drawing::{Addition, Drawing, Edit, Format, SourceRef, Unit};
 use crate::plan::giants;
-use crate::plan::names::folded;
-use crate::report::{Error, Place, Report, counted};
+use crate::report::{Error, Place, Report};
 pub use dxf::{ChangedRecord, Completeness};
+pub use storeys::*;
 
 /// How to read a drawing of any format.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -40,17 +41,6 @@ pub struct ReadOptions {
     pub pictures: BTreeSet<String>,
 }
 
-/// A storey of a building.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StoreyInfo {
-    /// Its name, as `--storey` takes it.
-    pub name: String,
-    /// Height of its floor, metres.
-    pub floor_m: f64,
-    /// Walls that stand in it.
-    pub walls: usize,
-}
-
 /// What a space is called.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SpaceNames {
@@ -60,70 +50,14 @@ pub struct SpaceNames {
     pub zones: Vec<String>,
 }
 
-/// Which of the storeys is meant, names from the lowest: by its name to the letter, else by its name whatever its
-/// case, blanks, way of storing accents and STEP escapes, else by its number from 1 or its folder (`storey-1`). Of several
-/// of one name the lowest, see [`storeys_at`].
-pub fn storey_at<'n>(names: impl Iterator<Item = &'n str>, wanted: &str) -> Option<usize> {
-    storeys_at(&names.collect::<Vec<_>>(), wanted).first().copied()
-}
-
-/// All the storeys that a name or number fits as [`storey_at`] finds them, from the lowest: several where they have one
-/// name.
-pub fn storeys_at(names: &[&str], wanted: &str) -> Vec<usize> {
-    let all = |fits: &dyn Fn(&str) -> bool| -> Vec<usize> {
-        (0..names.len()).filter(|i| fits(names[*i])).collect()
-    };
-    let by_name = |wanted: &str| {
-        let wanted = folded(wanted);
-        all(&|n| folded(n) == wanted)
-    };
-    let number = || {
-        let number = folded(wanted).trim_start_matches("storey-").parse::<usize>().ok();
-        number.and_then(|n| n.checked_sub(1)).filter(|i| *i < names.len()).into_iter().collect()
-    };
-    let exact = all(&|n| n == wanted);
-    let mut ways = [exact, by_name(wanted), by_name(&ifc::decoded(wanted))].into_iter();
-    ways.find(|found| !found.is_empty()).unwrap_or_else(number)
-}
-
-/// How `--storey` names one of the storeys and no other: by its name, by its number where others have the same name.
-pub fn storey_key(storeys: &[StoreyInfo], index: usize) -> String {
-    let names: Vec<&str> = storeys.iter().map(|s| s.name.as_str()).collect();
-    let name = names.get(index).copied().unwrap_or_default();
-    let ways = [name.to_string(), format!("storey-{}", index + 1), (index + 1).to_string()];
-    ways.into_iter().find(|way| storeys_at(&names, way) == [index]).unwrap_or_else(|| name.into())
-}
-
-/// Says so where a storey was named that others share the name of.
-fn state_shared_name(file: &str, storeys: &[StoreyInfo], wanted: &str, report: &mut Report) {
-    let names: Vec<&str> = storeys.iter().map(|s| s.name.as_str()).collect();
-    let found = storeys_at(&names, wanted);
-    if found.len() < 2 {
-        return;
-    }
-    let keys: Vec<String> = found
-        .iter()
-        .map(|i| format!("{} (floor {:.3} m)", storey_key(storeys, *i), storeys[*i].floor_m))
-        .collect();
-    let text = format!(
-        "--storey \"{wanted}\": found {} storeys of that name, expected one; the lowest was taken; by number: {}",
-        found.len(),
-        keys.join(", ")
-    );
-    report.warn("storey-name", Place::file(file), text);
-}
-
-/// Storeys as a message lists them: the number and the name, both as `--storey` takes them.
-pub fn listed(storeys: &[StoreyInfo]) -> String {
-    let of = |(i, s): (usize, &StoreyInfo)| {
-        format!("{} \"{}\" (floor {:.3} m, {})", i + 1, s.name, s.floor_m, counted(s.walls as u64, "wall"))
-    };
-    storeys.iter().enumerate().map(of).collect::<Vec<_>>().join(", ")
-}
-
 impl ReadOptions {
     fn dxf(&self) -> dxf::ReadOptions {
         dxf::ReadOptions { accept_missing_eof: self.accept_missing_eof, ..Default::default() }
+    }
+
+    /// Height of the cut above a storey's floor, metres.
+    pub fn cut_m(&self) -> f64 {
+        self.sight.above_m()
     }
 
     fn gltf(&self) -> gltf::ReadOptions {

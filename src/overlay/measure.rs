@@ -411,6 +411,18 @@ pub fn number(value: f64) -> String {
     fixed(value, decimals)
 }
 
+/// Decimals beyond which numbers are not told apart.
+const APART_DECIMALS_MAX: usize = 9;
+
+/// Numbers as [`number`] writes them, with as many decimals more as it takes to tell each from the next.
+pub fn numbers_apart<const N: usize>(values: [f64; N]) -> [String; N] {
+    let differ = |texts: &[String; N]| (1..N).all(|i| values[i - 1] == values[i] || texts[i - 1] != texts[i]);
+    let plain = values.map(number);
+    let mut ways =
+        std::iter::once(plain.clone()).chain((0..=APART_DECIMALS_MAX).map(|d| values.map(|v| fixed(v, d))));
+    ways.find(differ).unwrap_or(plain)
+}
+
 /// A number with that many decimals, thin spaces between thousands and a true minus.
 pub fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{:.decimals$}", value.abs());

@@ -10,7 +10,7 @@ use crate::formats::{self, Opened};
 use crate::plan::curve::Trace;
 use crate::plan::drawing::{Drawing, Entity};
 use crate::plan::geometry::{PointUm, Segment};
-use crate::plan::names::Pattern;
+use crate::plan::names::{Found, Pattern};
 use crate::plan::views::FAR_M;
 use crate::plan::{DOOR_LAYER, Plan, Region, Wall, box_of, curve};
 use crate::report::{Error, Place, Report};
@@ -50,11 +50,29 @@ impl Asked {
         Ok(Self { names, what, layer })
     }
 
+    /// What of a drawing is meant, its places among the names there.
+    fn found(&self, drawing: &Drawing) -> Found {
+        let named = drawing.texts.iter().filter(|t| t.layer == self.layer);
+        let all: Vec<Vec<&str>> = named.map(|t| t.text.lines().collect()).collect();
+        Found::of(&all, &self.names)
+    }
+
     /// Records of the spaces that are meant.
     fn hits(&self, drawing: &Drawing) -> Vec<usize> {
-        let named = drawing.texts.iter().filter(|t| t.layer == self.layer);
-        let meant = named.filter(|t| t.text.lines().any(|l| self.names.is_match(l)));
-        meant.map(|t| t.source.record).collect()
+        let hits = self.found(drawing).hits;
+        let named: Vec<_> = drawing.texts.iter().filter(|t| t.layer == self.layer).collect();
+        hits.into_iter().map(|i| named[i].source.record).collect()
+    }
+
+    /// Why none is meant though several are called so, where that is so.
+    fn several(&self, rivals: &[String]) -> Option<String> {
+        let what = self.what;
+        (rivals.len() > 1).then(|| {
+            format!(
+                "found several {what}s that are so called without accents and blanks ({}), expected one; name it as it stands there",
+                formats::quoted(rivals)
+            )
+        })
     }
 
     /// Names that there are, each once.
@@ -79,7 +97,9 @@ pub(super) fn add_spaces(drawing: &Drawing, plan: &mut Plan, settings: &Settings
     let regions: Vec<Region> = rings.filter_map(|e| ring(e, plan)).collect();
     if regions.is_empty() {
         let (what, names) = (asked.what, asked.names(drawing));
-        let text = format!("--query {query:?}: no such {what}, {what}s present: {names}; nothing was done");
+        let why = asked.several(&asked.found(drawing).rivals);
+        let why = why.unwrap_or_else(|| format!("no such {what}, {what}s present: {names}"));
+        let text = format!("--query {query:?}: {why}; nothing was done");
         return Err(Error::usage("query", Place::file(&drawing.file), text));
     }
     plan.markers.query = regions;
@@ -103,21 +123,33 @@ pub(super) fn on_storey_of_query<'s>(
     let storeys = opened.building(&options).0;
     let own = match &settings.storey {
         Some(name) => formats::storey_at(storeys.iter().map(|s| s.name.as_str()), name),
-        None => (0..storeys.len()).rev().max_by_key(|i| storeys[*i].walls),
+        None => formats::main_storey(&storeys, options.cut_m()),
     };
     let Some(own) = own.filter(|_| storeys.len() > 1) else { return same };
     let key = |i: usize| formats::storey_key(&storeys, i);
     let of = |i: usize| formats::ReadOptions { storey: Some(key(i)), ..options.clone() };
-    let has = |(drawing, _): &(Result<Drawing, Error>, Report)| {
-        drawing.as_ref().is_ok_and(|d| !asked.hits(d).is_empty())
+    let found = |(drawing, _): &(Result<Drawing, Error>, Report)| {
+        drawing.as_ref().map_or_else(|_| Found::default(), |d| asked.found(d))
     };
-    if opened.read_all(&[of(own)]).iter().any(has) {
+    let here = opened.read_all(&[of(own)]).first().map(found).unwrap_or_default();
+    if !here.hits.is_empty() && (!here.is_bare || settings.storey.is_some()) {
         return same;
     }
     let read = opened.read_all(&(0..storeys.len()).map(of).collect::<Vec<_>>());
+    let all: Vec<Found> = read.iter().map(found).collect();
+    let is_same = |f: &&Found| !f.hits.is_empty() && !f.is_bare;
+    let is_elsewhere = all.iter().any(|f| is_same(&f));
+    // The same name on another storey stands before one that is only like it here.
+    if !is_elsewhere && (!here.hits.is_empty() || !here.rivals.is_empty()) {
+        return same;
+    }
+    let position = all.iter().position(|f| if is_elsewhere { is_same(&f) } else { !f.hits.is_empty() });
     let (what, here) = (asked.what, key(own));
     let usage = |text: String| Error::usage("query", Place::file(input.file()), text + "; nothing was done");
-    let Some(other) = read.iter().position(has).map(key) else {
+    let Some(other) = position.map(key) else {
+        if let Some(why) = all.iter().find_map(|f| asked.several(&f.rivals)) {
+            return Err(usage(format!("--query {query:?}: {why}")));
+        }
         let names = read.iter().enumerate().filter_map(|(i, (drawing, _))| {
             Some(format!("on \"{}\": {}", key(i), asked.names(drawing.as_ref().ok()?)))
         });

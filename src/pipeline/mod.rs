@@ -164,7 +164,7 @@ pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResu
     let base = study::understood(&drawing, settings, &mut report)?;
     let mut result = show::check(&base, &report);
     let mut files = vec![OutFile::new("check.png", check_picture(&base, &result)?)];
-    (result.building, result.storeys) = storeys::check(&opened, settings, &base, &mut files);
+    (result.building, result.storeys) = storeys::check(&opened, settings, &base, &mut files, &mut report);
     files.push(OutFile::new("check.json", result::to_json(&result)?));
     Ok(Outcome { result, files, report })
 }
@@ -219,7 +219,8 @@ fn add_storeys(
     outcome: &mut Outcome<AnalysisResult>,
     cancel: &Cancel,
 ) -> Result<bool, Error> {
-    outcome.result.storeys = storeys::analyse(input, settings, study, &mut outcome.files, cancel)?;
+    let Outcome { result, files, report } = outcome;
+    result.storeys = storeys::analyse(input, settings, study, files, report, cancel)?;
     if outcome.result.storeys.is_empty() {
         return Ok(false);
     }

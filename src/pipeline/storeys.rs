@@ -5,13 +5,14 @@ use super::{Input, Study, analyse_storey, building, check_picture, show, study};
 use crate::config::Settings;
 use crate::formats::{self, Opened, StoreyInfo};
 use crate::overlay::result::{BuildingEntry, Numbers, ProblemEntry, StoreyEntry};
-use crate::report::{Cancel, Error, OutFile};
+use crate::report::{Cancel, Error, OutFile, Report, Severity};
 
 /// Most storeys of one building that are measured.
 pub const STOREYS_MAX: usize = 64;
 
 /// Codes of what is left out of a storey.
-const OF_ELEMENTS: [&str; 5] = ["ifc-element", "ifc-not-cut", "ifc-space", "gltf-mesh", "gltf-not-cut"];
+const OF_ELEMENTS: [&str; 7] =
+    ["ifc-element", "ifc-other-element", "ifc-axis", "ifc-not-cut", "ifc-space", "gltf-mesh", "gltf-not-cut"];
 
 /// Of the storeys found those with walls, each with its folder (`storey-1` is the lowest) and the settings that read it; none
 /// where the settings name one, or there is only one.
@@ -21,7 +22,7 @@ fn others(found: &[StoreyInfo], settings: &Settings) -> Vec<(StoreyInfo, String,
     }
     let of = |(i, s): (usize, &StoreyInfo)| {
         let own = Settings { storey: Some(formats::storey_key(found, i)), ..settings.clone() };
-        (s.clone(), format!("storey-{}", i + 1), own)
+        (s.clone(), folder_of(i), own)
     };
     let walled = found.iter().enumerate().filter(|(_, s)| s.walls > 0);
     let out: Vec<_> = walled.map(of).take(STOREYS_MAX).collect();
@@ -29,8 +30,18 @@ fn others(found: &[StoreyInfo], settings: &Settings) -> Vec<(StoreyInfo, String,
 }
 
 /// The storey that is read where none is named.
-fn main_of(list: &[(StoreyInfo, String, Settings)]) -> Option<usize> {
-    (0..list.len()).rev().max_by_key(|i| list[*i].0.walls)
+fn main_of(
+    found: &[StoreyInfo],
+    list: &[(StoreyInfo, String, Settings)],
+    settings: &Settings,
+) -> Option<usize> {
+    let main = formats::main_storey(found, study::read_options(settings).cut_m())?;
+    let folder = folder_of(main);
+    list.iter().position(|(_, own, _)| *own == folder)
+}
+
+fn folder_of(index: usize) -> String {
+    format!("storey-{}", index + 1)
 }
 
 fn entry(storey: &StoreyInfo, base: &Understood, folder: &str, mean: Numbers) -> StoreyEntry {
@@ -44,6 +55,15 @@ fn entry(storey: &StoreyInfo, base: &Understood, folder: &str, mean: Numbers) ->
         mean,
         ..StoreyEntry::default()
     }
+}
+
+/// What is said of a storey's elements; warnings of it go to the report on the whole building too.
+fn of_elements(storey: &StoreyInfo, own: &Report, whole: &mut Report) -> Vec<ProblemEntry> {
+    let told = || own.problems.iter().filter(|p| OF_ELEMENTS.contains(&p.code));
+    for p in told().filter(|p| p.severity == Severity::Warning) {
+        whole.warn(p.code, p.place.clone(), format!("storey {:?}: {}", storey.name, p.text));
+    }
+    told().map(ProblemEntry::from).collect()
 }
 
 fn failed(storey: &StoreyInfo, error: &Error) -> StoreyEntry {
@@ -61,10 +81,11 @@ pub(super) fn check(
     settings: &Settings,
     shown: &Understood,
     files: &mut Vec<OutFile>,
+    report: &mut Report,
 ) -> (Option<BuildingEntry>, Vec<StoreyEntry>) {
     let (found, elements) = opened.building(&study::read_options(settings));
     let list = others(&found, settings);
-    let main = main_of(&list);
+    let main = main_of(&found, &list, settings);
     let others = list.iter().enumerate().filter(|(i, _)| Some(*i) != main).map(|(_, (_, _, own))| own);
     let options: Vec<_> = others.clone().map(study::read_options).collect();
     let drawings = opened.read_all(&options);
@@ -84,10 +105,9 @@ pub(super) fn check(
             continue;
         }
         out.push(match made.next() {
-            Some(Ok((png, base, report))) => {
+            Some(Ok((png, base, own))) => {
                 files.push(OutFile::new(format!("{folder}/check.png"), png));
-                let problems = report.problems.iter().filter(|p| OF_ELEMENTS.contains(&p.code));
-                let problems = problems.map(ProblemEntry::from).collect();
+                let problems = of_elements(storey, &own, report);
                 StoreyEntry { problems, ..entry(storey, &base, folder, Numbers::default()) }
             }
             Some(Err(error)) => failed(storey, &error),
@@ -117,11 +137,12 @@ pub(super) fn analyse(
     settings: &Settings,
     shown: &Study,
     files: &mut Vec<OutFile>,
+    report: &mut Report,
     cancel: &Cancel,
 ) -> Result<Vec<StoreyEntry>, Error> {
     let found = formats::storeys(input.file(), &input.bytes, &study::read_options(settings));
     let list = others(&found, settings);
-    let main = main_of(&list);
+    let main = main_of(&found, &list, settings);
     let mut out = Vec::new();
     for (i, (storey, folder, own)) in list.iter().enumerate() {
         cancel.check()?;
@@ -134,7 +155,9 @@ pub(super) fn analyse(
                 let inside =
                     |f: OutFile| OutFile { path: format!("{folder}/{}", f.path.display()).into(), ..f };
                 files.extend(outcome.files.into_iter().map(inside));
-                entry(storey, &study.base, folder, show::mean_numbers(&study, &study.initial))
+                let problems = of_elements(storey, &outcome.report, report);
+                let means = show::mean_numbers(&study, &study.initial);
+                StoreyEntry { problems, ..entry(storey, &study.base, folder, means) }
             }
             Err(error @ Error::Stopped) => return Err(error),
             Err(error) => failed(storey, &error),

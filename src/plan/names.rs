@@ -2,6 +2,7 @@
 
 use globset::{Error, GlobBuilder, GlobMatcher};
 use unicode_normalization::UnicodeNormalization;
+use unicode_normalization::char::is_combining_mark;
 
 /// A name in the one form in which names are held against each other: accents joined to their letters (a Mac writes them
 /// apart), lower case, one blank where there are several, none at the ends.
@@ -10,11 +11,83 @@ pub fn folded(name: &str) -> String {
     lower.nfc().collect::<String>().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
+/// Letters that no accent makes of plain ones, and how they are typed without them.
+const PLAIN: [(char, &str); 9] = [
+    ('ß', "ss"),
+    ('æ', "ae"),
+    ('œ', "oe"),
+    ('ø', "o"),
+    ('ł', "l"),
+    ('đ', "d"),
+    ('ð', "d"),
+    ('þ', "th"),
+    ('ı', "i"),
+];
+
+/// A name as somebody types it who has neither its accents nor its blanks at hand: `Erdgeschoß 1` is `erdgeschoss1`.
+/// Names that differ may be one in this form, see [`Found`].
+pub fn bare(name: &str) -> String {
+    let letters =
+        folded(name).nfkd().filter(|c| !is_combining_mark(*c) && !c.is_whitespace()).collect::<Vec<_>>();
+    let mut out = String::with_capacity(name.len());
+    for letter in letters.into_iter().flat_map(char::to_lowercase) {
+        match PLAIN.iter().find(|(from, _)| *from == letter) {
+            Some((_, to)) => out.push_str(to),
+            None => out.push(letter),
+        }
+    }
+    out
+}
+
+/// Which names somebody means: those that are the same as [`folded`], else those that are the same [`bare`].
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Found {
+    /// Places of the names that are meant.
+    pub hits: Vec<usize>,
+    /// Whether they are the same but for accents and blanks only.
+    pub is_bare: bool,
+    /// Different names that are one without accents and blanks: none of them is meant.
+    pub rivals: Vec<String>,
+}
+
+impl Found {
+    /// Looks for names; each of `all` is one thing with all that it is called.
+    pub fn of(all: &[Vec<&str>], pattern: &Pattern) -> Self {
+        let fits = |fits: &dyn Fn(&str) -> bool| -> Vec<(usize, String)> {
+            let first =
+                |(i, names): (usize, &Vec<&str>)| Some((i, (*names.iter().find(|n| fits(n))?).to_string()));
+            all.iter().enumerate().filter_map(first).collect()
+        };
+        let same = fits(&|n| pattern.is_match(n));
+        if !same.is_empty() {
+            return Self { hits: same.into_iter().map(|f| f.0).collect(), ..Self::default() };
+        }
+        let alike = fits(&|n| pattern.is_bare_match(n));
+        let mut rivals: Vec<String> = Vec::new();
+        for (_, name) in &alike {
+            if rivals.iter().all(|r| folded(r) != folded(name)) {
+                rivals.push(name.clone());
+            }
+        }
+        if rivals.len() > 1 && !pattern.is_many {
+            return Self { rivals, ..Self::default() };
+        }
+        Self {
+            is_bare: !alike.is_empty(),
+            hits: alike.into_iter().map(|f| f.0).collect(),
+            rivals: Vec::new(),
+        }
+    }
+}
+
 /// Names with `*` and `?` in them.
 #[derive(Clone, Debug)]
 pub struct Pattern {
     glob: GlobMatcher,
     letters: Letters,
+    bare: Option<(GlobMatcher, Letters)>,
+    /// Whether it may mean several names.
+    is_many: bool,
 }
 
 impl Pattern {
@@ -23,16 +96,36 @@ impl Pattern {
     /// # Errors
     /// Where it is none, as `[`.
     pub fn new(glob: &str) -> Result<Self, Error> {
-        let glob = folded(glob);
-        let letters = Letters::of(&glob);
-        let built = GlobBuilder::new(&letters.plain(&glob)).backslash_escape(true).build()?;
-        Ok(Self { glob: built.compile_matcher(), letters })
+        let (given, glob) = (glob, folded(glob));
+        let (is_many, bare) = (glob.contains(['*', '?', '[', '{']), matcher(&bare(given)).ok());
+        let (glob, letters) = matcher(&glob)?;
+        Ok(Self { glob, letters, bare, is_many })
+    }
+
+    /// The pattern that only this name fits.
+    ///
+    /// # Errors
+    /// Never: every sign of a pattern is escaped.
+    pub fn name(name: &str) -> Result<Self, Error> {
+        Ok(Self { is_many: false, ..Self::new(&globset::escape(name))? })
+    }
+
+    /// Whether a name fits but for accents and blanks.
+    fn is_bare_match(&self, name: &str) -> bool {
+        self.bare.as_ref().is_some_and(|(glob, letters)| glob.is_match(letters.plain(&bare(name))))
     }
 
     /// Whether a name fits.
     pub fn is_match(&self, name: &str) -> bool {
         self.glob.is_match(self.letters.plain(&folded(name)))
     }
+}
+
+/// The matcher of a pattern in one form of names, and its letters.
+fn matcher(glob: &str) -> Result<(GlobMatcher, Letters), Error> {
+    let letters = Letters::of(glob);
+    let built = GlobBuilder::new(&letters.plain(glob)).backslash_escape(true).build()?;
+    Ok((built.compile_matcher(), letters))
 }
 
 /// Letters of a pattern beyond ASCII, by code point: globs count bytes, and `?` is one letter.
@@ -92,5 +185,35 @@ mod tests {
         assert!(!Pattern::new("süd").unwrap().is_match("söd"));
         assert!(!Pattern::new("kuche*").unwrap().is_match(composed));
         assert!(Pattern::new("[").is_err());
+    }
+
+    #[test]
+    fn names_without_accents_and_blanks_are_found_where_none_is_the_same() {
+        for (typed, name) in [
+            ("gallerywest", "Gallery West"),
+            ("erdgeschoss1", "Erdgeschoß  1"),
+            ("ERDGESCHOß1", "Erdgeschoss 1"),
+            ("buro", "Bu\u{308}ro"),
+            ("SMORREBROD", "Smørrebrød"),
+            ("etage2", "Étage\u{a0}２"),
+        ] {
+            assert_eq!(bare(typed), bare(name));
+        }
+        let found = |all: &[&str], typed: &str| {
+            let all: Vec<Vec<&str>> = all.iter().map(|n| vec![*n]).collect();
+            let found = Found::of(&all, &Pattern::new(typed).unwrap());
+            (found.hits, found.rivals)
+        };
+        let none = Vec::<String>::new;
+        assert_eq!(found(&["Büro", "Buro", "BÜRO"], "büro"), (vec![0, 2], none()));
+        assert_eq!(found(&["Büro", "Buro"], "buro"), (vec![1], none()), "the same before the like");
+        assert_eq!(found(&["Büro", "Flur"], "BURO"), (vec![0], none()));
+        assert_eq!(found(&["Büro", "Burô"], "buro"), (vec![], vec!["Büro".into(), "Burô".into()]));
+        assert_eq!(found(&["Büro 1", "Büro 2", "Flur"], "buro*"), (vec![0, 1], none()));
+        assert_eq!(found(&["Büro", "Flur"], "bureau"), (vec![], none()));
+        let (all, pattern) = (vec![vec!["101", "Büro"], vec!["102", "büro"]], Pattern::new("buro").unwrap());
+        assert_eq!(Found::of(&all, &pattern).hits, [0, 1], "one name of two rooms");
+        assert!(Pattern::name("a*[1]").unwrap().is_match("A*[1]"));
+        assert!(!Pattern::name("a*").unwrap().is_match("ab"));
     }
 }

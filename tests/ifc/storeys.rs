@@ -17,13 +17,21 @@ fn a_storey_is_chosen_by_any_way_of_typing_it() {
         let options = ReadOptions { storey: Some(name.into()), ..ReadOptions::default() };
         read_with(text.as_bytes(), &options).0.map(|d| on(&d, "IfcWall").len())
     };
-    for name in
-        ["Erdgeschoß  1", "erdgeschoß 1", " ERDGESCHOß 1 ", r"Erdgescho\X2\00DF\X0\ 1", "1", "storey-1"]
-    {
+    for name in [
+        "Erdgeschoß  1",
+        "erdgeschoß 1",
+        " ERDGESCHOß 1 ",
+        r"Erdgescho\X2\00DF\X0\ 1",
+        "1",
+        "storey-1",
+        "Erdgeschoss 1",
+        "erdgeschoß1",
+        "ERDGESCHOSS1",
+    ] {
         assert_eq!(walls(name).ok(), Some(12 + 3 + 2 + 4), "{name}");
     }
     assert_eq!(walls("2").ok(), Some(12 + 3 + 1));
-    for name in ["3", "0", "storey-3", "Erdgeschoss 1", ""] {
+    for name in ["3", "0", "storey-3", "Erdgeschoss", ""] {
         let error = walls(name).unwrap_err().to_string();
         let listed = "storeys present, by number and name: 1 \"Erdgeschoß  1\" (floor 0.000 m, ";
         assert!(error.contains(listed) && error.contains("2 \"Upper floor\" (floor 3.200 m, "), "{error}");
@@ -31,6 +39,55 @@ fn a_storey_is_chosen_by_any_way_of_typing_it() {
     // A name that is a number is a name first.
     assert_eq!(storey_at(["2", "1"].into_iter(), "1"), Some(1));
     assert_eq!(storey_at(["a", "A", "b"].into_iter(), "A"), Some(1));
+    // A number is one before a name is like it, and names that are only alike are no choice.
+    assert_eq!(storey_at(["Storey - 1", "b"].into_iter(), "storey-1"), Some(0));
+    assert_eq!(storey_at(["b", "Storey -1"].into_iter(), "storey-1"), Some(0));
+    assert_eq!(storey_at(["Büro", "Buro"].into_iter(), "buro"), Some(1));
+    assert_eq!(storey_at(["Büro", "Burô"].into_iter(), "buro"), None);
+}
+
+#[test]
+fn names_that_are_alike_are_no_choice() {
+    let text = pavilion();
+    assert!(text.contains("'Upper floor'"));
+    let text = text.replacen("'Upper floor'", r"'Gr\X2\00F6\X0\und floor'", 1).replacen(
+        "'Ground floor'",
+        r"'Gr\X2\00F4\X0\und floor'",
+        1,
+    );
+    let options = ReadOptions { storey: Some("groundfloor".into()), ..ReadOptions::default() };
+    let error = read_with(text.as_bytes(), &options).0.unwrap_err().to_string();
+    let said = "found several that are so called without accents and blanks (\"Grôund floor\", \"Gröund floor\"), storeys present";
+    assert!(error.contains(said), "{error}");
+}
+
+/// A space by its name without blanks and accents, on whichever storey; the same name stands before one that is like it.
+#[test]
+fn a_space_is_found_without_its_blanks_and_accents() {
+    let text = pavilion();
+    let area = |text: &str, query: &str| {
+        let input = Input::new("house.ifc", text.as_bytes(), 1);
+        let partial = Partial { query: Some(query.into()), ..Partial::default() };
+        let done = pipeline::check(&input, &Settings::new(partial).unwrap()).map_err(|e| e.to_string())?;
+        Ok::<Vec<f64>, String>(
+            done.result.regions.iter().filter(|r| r.kind == "query").map(|r| r.area_m2).collect(),
+        )
+    };
+    let [upper, ground] = ["space:Upper gallery", "space:Gallery"].map(|q| area(&text, q).unwrap());
+    assert_ne!(upper, ground);
+    assert_eq!(area(&text, "space:uppergallery").unwrap(), upper);
+    assert_eq!(area(&text, "space:Gállery").unwrap(), ground);
+    // "Gállery" is the upper one's name to the letter, and the ground floor's but for the accent.
+    let both = text.replace("'Upper gallery'", r"'G\X2\00E1\X0\llery'");
+    assert_eq!(area(&both, "space:gállery").unwrap(), upper);
+    assert_eq!(area(&both, "space:gallery").unwrap(), ground);
+    let rivals =
+        text.replace("'Foyer'", r"'G\X2\00E1\X0\llery'").replace("'Gallery'", r"'Gall\X2\00E9\X0\ry'");
+    let refused = area(&rivals, "space:gallery").unwrap_err();
+    assert!(
+        refused.contains("without accents and blanks (\"Gállery\", \"Galléry\"), expected one"),
+        "{refused}"
+    );
 }
 
 #[test]

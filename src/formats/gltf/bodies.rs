@@ -9,7 +9,6 @@ use super::meshes::Why;
 use super::scene::{File, Shown};
 use super::{ReadOptions, marks, values};
 use crate::plan::layers::WallLayers;
-use crate::plan::own_layers;
 use crate::report::{Place, Report};
 
 /// Layer of everything where no name says what is a wall.
@@ -89,8 +88,7 @@ pub(super) fn bodies<'f>(
     let (mut lost, mut names) = (Lost::default(), Names::default());
     let elements = Elements::new(scene, shown);
     for s in shown {
-        let Some(mesh) = nodes[s.node].index("mesh").filter(|_| !s.names(scene).any(own_layers::is_own))
-        else {
+        let Some(mesh) = nodes[s.node].index("mesh").filter(|_| !s.is_own()) else {
             continue;
         };
         let layer = layer(scene, s, options, &mut names);
@@ -98,12 +96,13 @@ pub(super) fn bodies<'f>(
         let triangles = match meshes.entry(mesh).or_insert_with(|| scene.triangles(mesh)) {
             Ok(triangles) => triangles,
             Err((pointer, why)) => {
-                lost.unread.push((s.node, format!("mesh {mesh} cannot be read: {pointer}: {why}")));
+                let why = format!("mesh {mesh} cannot be read: {pointer}: {why}");
+                lost.unread.push((s, why));
                 continue;
             }
         };
         if triangles.is_empty() {
-            lost.lines.push((s.node, is_wall));
+            lost.lines.push((s, is_wall));
             continue;
         }
         let (element, is_whole) = elements.of(s);
@@ -113,7 +112,7 @@ pub(super) fn bodies<'f>(
             let placed: Vec<[DVec3; 3]> =
                 triangles.iter().map(|t| t.map(|p| m.transform_point3(p))).collect();
             if let Some(why) = without_place(&triangles, &placed) {
-                lost.unread.push((s.node, why.into()));
+                lost.unread.push((s, why.into()));
                 continue;
             }
             let heights = || placed.iter().flatten().map(|p| p.z);
@@ -125,7 +124,7 @@ pub(super) fn bodies<'f>(
         }
     }
     choose_layers(scene, &mut out, options, report);
-    Bodies { list: out, lost: lost.state(scene, report) }
+    Bodies { list: out, lost: lost.state(scene, options, report) }
 }
 
 /// Why what was read of an element stands nowhere.
@@ -145,24 +144,26 @@ fn without_place(own: &[[DVec3; 3]], placed: &[[DVec3; 3]]) -> Option<&'static s
 
 /// Elements of which nothing is shown.
 #[derive(Default)]
-struct Lost {
+struct Lost<'f> {
     /// Each with the reason.
-    unread: Vec<(usize, String)>,
+    unread: Vec<(&'f Shown, String)>,
     /// Points and lines alone, each with whether it is a wall.
-    lines: Vec<(usize, bool)>,
+    lines: Vec<(&'f Shown, bool)>,
 }
 
-impl Lost {
-    /// Names them; returns their nodes.
-    fn state(self, scene: &File<'_>, report: &mut Report) -> BTreeSet<usize> {
-        let nodes = self.unread.iter().map(|l| l.0).chain(self.lines.iter().map(|l| l.0)).collect();
+impl Lost<'_> {
+    /// Names those that stand in the storey that is read, or in none that is known; returns the nodes of all.
+    fn state(self, scene: &File<'_>, options: &ReadOptions, report: &mut Report) -> BTreeSet<usize> {
+        let nodes = self.unread.iter().map(|l| l.0.node).chain(self.lines.iter().map(|l| l.0.node)).collect();
         let (walls, others): (Vec<_>, Vec<_>) = self.lines.into_iter().partition(|(_, is_wall)| *is_wall);
         let walls =
-            walls.into_iter().map(|(n, _)| (n, "its mesh has points and lines alone, no faces".into()));
-        let told: Vec<(usize, String)> = self.unread.into_iter().chain(walls).collect();
+            walls.into_iter().map(|(s, _)| (s, "its mesh has points and lines alone, no faces".into()));
+        let is_elsewhere = options.elsewhere(scene);
+        let told: Vec<(&Shown, String)> =
+            self.unread.into_iter().chain(walls).filter(|l| !is_elsewhere(l.0)).collect();
         let more = told.len().saturating_sub(values::TOLD);
-        for (node, why) in told.into_iter().take(values::TOLD) {
-            let place = Place::file(scene.name).entity(scene.named(node));
+        for (shown, why) in told.into_iter().take(values::TOLD) {
+            let place = Place::file(scene.name).entity(scene.named(shown.node));
             report.warn("gltf-mesh", place, format!("{why}; it is left out"));
         }
         if more > 0 {
@@ -173,7 +174,7 @@ impl Lost {
             let text = format!(
                 "{} nodes have points and lines alone and are not shown, {} is the first",
                 others.len(),
-                scene.named(*first)
+                scene.named(first.node)
             );
             report.info("gltf-lines", Place::file(scene.name), text);
         }
@@ -207,7 +208,7 @@ impl<'f> Elements<'f> {
             if nodes[s.node].index("mesh").is_none() {
                 continue;
             }
-            let mover = marks::mover(scene, &s.path).unwrap_or(s.node);
+            let mover = marks::mover(scene, &s.path()).unwrap_or(s.node);
             if mover != s.node {
                 out.wholes.insert(mover);
             }
@@ -219,8 +220,9 @@ impl<'f> Elements<'f> {
             if [s.node, *mover].iter().any(|n| out.places.get(n).is_some_and(|p| p.1 > 1)) {
                 out.held.insert(*mover, "its node hangs in the scene more than once".into());
             }
-            let from = s.path.iter().position(|n| n == mover).unwrap_or(0);
-            if let Some(why) = held(scene, &s.path, from, &animated) {
+            let path = s.path();
+            let from = path.iter().position(|n| n == mover).unwrap_or(0);
+            if let Some(why) = held(scene, &path, from, &animated) {
                 out.held.entry(*mover).or_insert(why);
             }
         }
@@ -316,7 +318,8 @@ fn layer(scene: &File<'_>, shown: &Shown, options: &ReadOptions, walls: &mut Nam
         mesh.map(|m| m.list("primitives")).unwrap_or_default().iter().filter_map(|p| {
             scene.json.list("materials").get(p.index("material")?)?.text("name").map(class_of)
         });
-    let of_wholes = shown.path.iter().rev().filter_map(extras);
+    let path = shown.path();
+    let of_wholes = path.iter().rev().filter_map(extras);
     let all: Vec<String> = named.chain(mesh_name).chain(materials).chain(of_wholes).collect();
     let mut says = |n: &&String| opening(n).is_some() || n.starts_with("Ifc") || walls.is_wall(n);
     all.iter().find(|n| says(n)).or(all.first()).cloned().unwrap_or_else(|| "unnamed".into())
@@ -369,7 +372,8 @@ fn choose_layers(scene: &File<'_>, bodies: &mut [Body<'_>], options: &ReadOption
         report.warn("walls-assumed", place, text);
     }
     for body in bodies {
-        let is_region = |key| marks::region(scene, &body.shown.path, key).is_some();
+        let path = body.shown.path();
+        let is_region = |key| marks::region(scene, &path, key).is_some();
         let is_room = ["query", "reference"].into_iter().any(is_region);
         body.layer = if is_room { SPACE_LAYER } else { SCENE_LAYER }.into();
     }

@@ -8,7 +8,6 @@ use super::pieces::of_record;
 use super::scene::{File, Shown};
 use super::values::TOLD;
 use crate::plan::drawing::{Entity, MarkedMove};
-use crate::plan::own_layers;
 use crate::report::{Place, Report};
 
 /// What may be said there, and as what.
@@ -99,7 +98,7 @@ impl Used {
         let node = |record: usize| of_record(record).0;
         Self {
             moved: marked.iter().map(|m| node(m.record)).collect(),
-            standing: bodies.iter().flat_map(|b| b.shown.path.iter().copied()).collect(),
+            standing: bodies.iter().flat_map(|b| b.shown.path()).collect(),
             cut: entities.iter().map(|e| node(e.source.record)).collect(),
             lost,
             regions,
@@ -107,20 +106,29 @@ impl Used {
     }
 }
 
-/// Says which marks cannot be read, and which are not used.
-pub(super) fn state(scene: &File<'_>, shown: &[Shown], used: &Used, report: &mut Report) {
+/// Says which marks cannot be read, and which are not used, of what does not stand in another storey.
+pub(super) fn state(
+    scene: &File<'_>,
+    shown: &[Shown],
+    used: &Used,
+    is_elsewhere: &dyn Fn(&Shown) -> bool,
+    report: &mut Report,
+) {
     let mut odd: Vec<(String, String)> = elsewhere(scene);
     let mut away: Vec<usize> = Vec::new();
     let is_lost = |s: &&Shown| used.lost.contains(&s.node);
-    let lost: BTreeSet<usize> = shown.iter().filter(is_lost).flat_map(|s| s.path.iter().copied()).collect();
+    let lost: BTreeSet<usize> = shown.iter().filter(is_lost).flat_map(Shown::path).collect();
     let mut seen = BTreeSet::new();
-    for s in shown.iter().filter(|s| !s.names(scene).any(own_layers::is_own) && seen.insert(s.node)) {
+    for s in shown.iter().filter(|s| !s.is_own() && seen.insert(s.node)) {
+        if tellers(scene, s.node).next().is_none() || is_elsewhere(s) {
+            continue;
+        }
         let texts = tellers(scene, s.node).flat_map(unreadable).chain(idle_regions(scene, s, used));
         odd.extend(texts.map(|text| (scene.named(s.node), text)));
         if own_move(scene, s.node).is_none() || used.moved.contains(&s.node) {
             continue;
         }
-        match mover(scene, &s.path).filter(|m| *m != s.node) {
+        match mover(scene, &s.path()).filter(|m| *m != s.node) {
             Some(other) => odd.push((
                 scene.named(s.node),
                 format!(

@@ -8,10 +8,11 @@ use glam::{DMat3, DVec2, DVec3};
 use super::bodies::{Bodies, Body, SCENE_LAYER, SPACE_LAYER, bodies};
 use super::pieces::{of_record, record};
 use super::scene::{File, Shown};
-use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, marks, twin, values};
+use super::{ReadOptions, marks, twin, values};
 use crate::formats::ifc::ZONE_LAYER;
 use crate::formats::region::{Region, slice};
-use crate::formats::{listed, state_shared_name, storey_at};
+use crate::formats::storeys::{refuse_without_own, state_shared_name};
+use crate::formats::{listed, no_storey};
 use crate::plan::drawing::{
     Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
@@ -62,15 +63,22 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
             format!("unit: {doubt}; read in metres as the standard says"),
         );
     }
-    let above = above(options) / scale.metres;
+    let above = options.above_m() / scale.metres;
     let floor = chosen_floor(file, &bodies, options, &scale, report)?;
     let (mut entities, mut regions) = (Vec::new(), BTreeSet::new());
+    let is_elsewhere = options.elsewhere(&scene);
+    let mut flat: Vec<(usize, &str)> = Vec::new();
     for body in &bodies {
+        let before = entities.len();
         show(&scene, body, floor + above, options, &mut entities, &mut regions);
+        let why = without_extent(body, floor + above, entities.len() > before);
+        flat.extend(why.filter(|_| !is_elsewhere(body.shown)).map(|why| (body.shown.node, why)));
     }
-    state_low(&scene, &bodies, [floor, floor + above], report);
+    state_flat(&scene, flat, report);
+    state_low(&scene, &bodies, [floor, floor + above], &is_elsewhere, report);
     let (texts, marked) = (space_names(&scene, &bodies, &entities, options), marked_moves(&scene, &entities));
-    marks::state(&scene, &shown, &marks::Used::new(&bodies, lost, &entities, &marked, regions), report);
+    let used = marks::Used::new(&bodies, lost, &entities, &marked, regions);
+    marks::state(&scene, &shown, &used, &is_elsewhere, report);
     let mut names: Vec<Layer> = Vec::new();
     let mut seen = BTreeSet::new();
     for e in &entities {
@@ -175,28 +183,24 @@ fn chosen_floor(
     scale: &Scale,
     report: &mut Report,
 ) -> Result<f64, Error> {
-    let above = above(options);
+    let above = options.above_m();
     let names = listed(&options.known().storeys);
     let wanted = options.storey.as_deref();
-    let found = match wanted {
-        Some(name) => {
-            state_shared_name(file, &options.known().storeys, name, report);
-            storey_at(options.known().storeys.iter().map(|s| s.name.as_str()), name)
-                .map(|i| &options.known().storeys[i])
-        }
-        None => options.known().storeys.iter().rev().max_by_key(|s| s.walls),
-    };
+    if let Some(name) = wanted {
+        state_shared_name(file, &options.known().storeys, name, report);
+    }
+    let chosen = options.chosen_storey();
+    if let Some(chosen) = chosen {
+        refuse_without_own(file, &options.known().storeys, chosen, above)?;
+    }
+    let found = chosen.map(|i| &options.known().storeys[i]);
     if let (None, Some(name)) = (found, wanted) {
-        let names = match (names.is_empty(), options.twin.is_some()) {
-            (false, _) => names.as_str(),
-            (true, false) => "none (glTF has none; the .ifc of the same name beside it has)",
-            (true, true) => {
-                "none (glTF has none, and the .ifc of the same name beside it is not used or has none)"
-            }
+        let none = match options.twin.is_some() {
+            false => "none (glTF has none; the .ifc of the same name beside it has)",
+            true => "none (glTF has none, and the .ifc of the same name beside it is not used or has none)",
         };
-        let text = format!(
-            "--storey \"{name}\": no such storey, storeys present, by number and name: {names}; nothing was done"
-        );
+        let why = no_storey(&options.known().storeys, name, none);
+        let text = format!("--storey \"{name}\": {why}");
         return Err(Error::usage("storey", Place::file(file), text));
     }
     Ok(match found {
@@ -274,11 +278,6 @@ fn marked_moves(scene: &File<'_>, entities: &[Entity]) -> Vec<MarkedMove> {
     out
 }
 
-/// Height of the cut above the floor, metres.
-fn above(options: &ReadOptions) -> f64 {
-    if options.is_knee { CUT_KNEE_M } else { CUT_EYE_M }
-}
-
 /// Height of the floor that the walls stand on, units of the scene; and metres in one of these.
 pub(super) fn floor_of(
     scene: &File<'_>,
@@ -292,10 +291,50 @@ pub(super) fn floor_of(
     Ok((chosen_floor(scene.name, &bodies, options, &scale, report)?, scale.metres))
 }
 
+/// Why a wall that should stand at a height shows nothing there: it is flat.
+fn without_extent(body: &Body<'_>, z: f64, is_shown: bool) -> Option<&'static str> {
+    let is_scaled = body.shown.world.matrix3.determinant() == 0.0;
+    if is_shown || !body.is_wall {
+        None
+    } else if body.low == body.high {
+        is_scaled.then_some("it has no height (a transform scales it by 0 in one direction)")
+    } else if body.low >= z || body.high <= z {
+        None
+    } else if is_scaled {
+        Some("it has no width (a transform scales it by 0 in one direction)")
+    } else {
+        Some("its cut encloses nothing: its faces lie on one another")
+    }
+}
+
+/// Names the walls that are flat, each node once.
+fn state_flat(scene: &File<'_>, mut flat: Vec<(usize, &str)>, report: &mut Report) {
+    flat.dedup();
+    let more = flat.len().saturating_sub(values::TOLD);
+    for (node, why) in flat.into_iter().take(values::TOLD) {
+        let place = Place::file(scene.name).entity(scene.named(node));
+        report.warn("gltf-mesh", place, format!("{why}, expected a solid or a face; it is left out"));
+    }
+    if more > 0 {
+        report.warn(
+            "gltf-mesh",
+            Place::file(scene.name),
+            format!("{more} more walls are flat and are left out"),
+        );
+    }
+}
+
 /// Names the walls of the storey that end below the cut.
-fn state_low(scene: &File<'_>, bodies: &[Body<'_>], [floor, cut]: [f64; 2], report: &mut Report) {
-    let is_low = |b: &&Body<'_>| b.low < cut && b.high > floor && b.high <= cut;
-    let low: Vec<&Body<'_>> = bodies.iter().filter(|b| b.is_wall).filter(is_low).collect();
+fn state_low(
+    scene: &File<'_>,
+    bodies: &[Body<'_>],
+    [floor, cut]: [f64; 2],
+    is_elsewhere: &dyn Fn(&Shown) -> bool,
+    report: &mut Report,
+) {
+    let is_low = |b: &&Body<'_>| b.low < b.high && b.low < cut && b.high > floor && b.high <= cut;
+    let low = bodies.iter().filter(|b| b.is_wall).filter(is_low);
+    let low: Vec<&Body<'_>> = low.filter(|b| !is_elsewhere(b.shown)).collect();
     if low.is_empty() {
         return;
     }
@@ -392,7 +431,7 @@ fn show(
             blocks: Vec::new(),
         });
     }
-    let (path, shown) = (&body.shown.path, first..out.len());
+    let (path, shown) = (&body.shown.path(), first..out.len());
     let is_room = !body.is_wall && !is_opening && body.layer != SCENE_LAYER;
     for (key, mark) in [("query", "EF-QUERY"), ("reference", "EF-REFERENCE")] {
         let Some((node, name)) = marks::region(scene, path, key).filter(|_| is_room && !shown.is_empty())

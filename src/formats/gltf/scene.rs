@@ -9,6 +9,7 @@ use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 use super::json::{Json, parse};
 use super::limits::{DATA_MAX, DEPTH_MAX, NODES_MAX, OUTER_MAX, REPEATS_MAX};
+use crate::plan::own_layers;
 use crate::report::{Error, Place};
 
 /// A chunk of a GLB file: its kind and where its data stands.
@@ -51,7 +52,7 @@ struct Uses {
 pub(super) const VERTEX_DATA: [&str; 3] = ["POSITION", "NORMAL", "TANGENT"];
 
 /// A node shown in the scene.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct Shown {
     /// Its index.
     pub node: usize,
@@ -59,15 +60,60 @@ pub(super) struct Shown {
     pub parent: DAffine3,
     /// Its own world transform, Y up.
     pub world: DAffine3,
-    /// Nodes from the root, itself last.
-    pub path: Vec<usize>,
+    /// The ways of all that is shown, and where its own ends: what hangs on one node shares the way to it.
+    ways: Arc<Vec<Link>>,
+    at: usize,
+}
+
+/// One node on the way from a root.
+#[derive(Clone, Debug)]
+struct Link {
+    node: usize,
+    /// The link of what it hangs on.
+    above: Option<usize>,
+    /// Whether it, or what it hangs on, is ours by its name.
+    is_own: bool,
 }
 
 impl Shown {
+    /// Nodes from the root, itself last.
+    pub fn path(&self) -> Vec<usize> {
+        let mut next = Some(self.at);
+        let up = std::iter::from_fn(|| {
+            let link = &self.ways[next?];
+            next = link.above;
+            Some(link.node)
+        });
+        let mut out: Vec<usize> = up.collect();
+        out.reverse();
+        out
+    }
+
+    /// Whether it, or what it hangs on, is ours by its name.
+    pub fn is_own(&self) -> bool {
+        self.ways[self.at].is_own
+    }
+
     /// Names from the root, its own last; empty where a node has none.
     pub fn names<'j>(&'j self, scene: &'j File<'_>) -> impl DoubleEndedIterator<Item = &'j str> {
         let nodes = scene.json.list("nodes");
-        self.path.iter().map(move |n| nodes[*n].text("name").unwrap_or_default())
+        self.path().into_iter().map(move |n| nodes[n].text("name").unwrap_or_default())
+    }
+}
+
+/// A node that is still to be looked at.
+struct Open {
+    node: usize,
+    parent: DAffine3,
+    /// The link of what it hangs on.
+    above: Option<usize>,
+    /// Nodes above it.
+    depth: usize,
+}
+
+impl Open {
+    fn root(node: usize) -> Self {
+        Self { node, parent: DAffine3::IDENTITY, above: None, depth: 0 }
     }
 }
 
@@ -200,23 +246,26 @@ impl<'a> File<'a> {
                 (0..nodes.len()).filter(|n| !children.contains(n)).collect()
             }
         };
-        let (mut out, mut odd) = (Vec::new(), Vec::new());
+        let (mut out, mut odd): (Vec<(usize, DAffine3, DAffine3)>, _) = (Vec::new(), Vec::new());
         let (mut seen, mut repeats) = (vec![false; nodes.len()], 0);
-        let mut open: Vec<(usize, DAffine3, Vec<usize>)> =
-            roots.into_iter().rev().map(|n| (n, DAffine3::IDENTITY, Vec::new())).collect();
-        while let Some((n, parent, mut path)) = open.pop() {
+        let mut ways: Vec<Link> = Vec::new();
+        let mut open: Vec<Open> = roots.into_iter().rev().map(Open::root).collect();
+        // The way to what is looked at, and which nodes are on it.
+        let (mut path, mut is_on_path): (Vec<usize>, Vec<bool>) = (Vec::new(), vec![false; nodes.len()]);
+        while let Some(Open { node: n, parent, above, depth }) = open.pop() {
             let Some(node) = nodes.get(n) else {
                 odd.push(format!("/nodes/{n} does not exist; left out"));
                 continue;
             };
-            if path.len() > DEPTH_MAX {
+            if depth > DEPTH_MAX {
                 odd.push(format!(
                     "nodes hang deeper than {DEPTH_MAX} in each other; {} is left out",
                     self.named(n)
                 ));
                 continue;
             }
-            if path.contains(&n) {
+            path.drain(depth..).for_each(|left| is_on_path[left] = false);
+            if is_on_path[n] {
                 let ring: Vec<String> =
                     path.iter().skip_while(|p| **p != n).chain([&n]).map(ToString::to_string).collect();
                 odd.push(format!("nodes are children of each other in a ring: {}; left out", ring.join(">")));
@@ -236,11 +285,23 @@ impl<'a> File<'a> {
             }
             let world = parent * local(node);
             path.push(n);
-            for child in node.list("children").iter().filter_map(index).rev() {
-                open.push((child, world, path.clone()));
-            }
-            out.push(Shown { node: n, parent, world, path });
+            is_on_path[n] = true;
+            let at = ways.len();
+            let is_own = own_layers::is_own(node.text("name").unwrap_or_default())
+                || above.is_some_and(|link: usize| ways[link].is_own);
+            ways.push(Link { node: n, above, is_own });
+            let children = node.list("children").iter().filter_map(index).rev();
+            open.extend(children.map(|child| Open {
+                node: child,
+                parent: world,
+                above: Some(at),
+                depth: depth + 1,
+            }));
+            out.push((n, parent, world));
         }
+        let ways = Arc::new(ways);
+        let of = |(at, (node, parent, world))| Shown { node, parent, world, ways: Arc::clone(&ways), at };
+        let mut out: Vec<Shown> = out.into_iter().enumerate().map(of).collect();
         out.sort_by_key(|s| s.node);
         (out, odd)
     }
@@ -371,4 +432,39 @@ fn chunks(name: &str, bytes: &[u8]) -> Result<Vec<Chunk>, Error> {
         return Err(fault(name, "gltf-glb", "", "no chunk, expected JSON"));
     }
     Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown_of(nodes: &str) -> (Vec<Shown>, Vec<String>) {
+        let text = format!(r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{nodes}]}}"#);
+        File::open("a.gltf", text.as_bytes(), &BTreeMap::new()).unwrap().shown()
+    }
+
+    /// Every node of a deep chain is kept once, whatever hangs on it, and knows its way.
+    #[test]
+    fn ways_take_as_much_as_there_are_nodes() {
+        let chain: Vec<String> = (1..=DEPTH_MAX).map(|i| format!(r#"{{"children":[{i}]}}"#)).collect();
+        let (shown, odd) = shown_of(&format!("{},{{}}", chain.join(",")));
+        assert_eq!((shown.len(), odd), (DEPTH_MAX + 1, Vec::new()));
+        assert!(shown.iter().all(|s| Arc::ptr_eq(&s.ways, &shown[0].ways)));
+        assert_eq!(shown[0].ways.len(), DEPTH_MAX + 1);
+        assert_eq!(shown[DEPTH_MAX].path(), (0..=DEPTH_MAX).collect::<Vec<usize>>());
+        let (shown, odd) = shown_of(&format!("{},{{\"children\":[0]}}", chain[..3].join(",")));
+        assert_eq!((shown.len(), odd.len()), (4, 1));
+        assert!(odd[0].contains("in a ring: 0>1>2>3>0"), "{odd:?}");
+    }
+
+    /// What hangs in two nodes has two ways, and is ours where either is.
+    #[test]
+    fn a_node_has_a_way_for_each_that_it_hangs_on() {
+        let (shown, _) =
+            shown_of(r#"{"children":[1,2]},{"children":[3]},{"name":"EF-MOVE","children":[3]},{"name":"a"}"#);
+        let of: Vec<(Vec<usize>, bool)> = shown.iter().map(|s| (s.path(), s.is_own())).collect();
+        let ways = [vec![0], vec![0, 1], vec![0, 2], vec![0, 1, 3], vec![0, 2, 3]];
+        assert_eq!(of.iter().map(|o| o.0.clone()).collect::<Vec<_>>(), ways);
+        assert_eq!(of.iter().map(|o| o.1).collect::<Vec<_>>(), [false, false, true, false, true]);
+    }
 }

@@ -3,11 +3,11 @@
 use std::borrow::Cow;
 use std::sync::{Arc, LazyLock};
 
-use super::ReadOptions;
 use super::bodies::is_global_id;
 use super::scene::{File, Shown};
-use crate::formats::SpaceNames;
+use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions};
 use crate::formats::ifc::Inventory;
+use crate::formats::{SpaceNames, main_storey, storey_at};
 use crate::report::{Place, Report};
 
 /// What no IFC beside a scene knows.
@@ -19,7 +19,10 @@ fn refusal(scene: &File<'_>, shown: &[Shown], options: &ReadOptions) -> Option<&
     if twin.classes.is_empty() {
         return Some("cannot be read, or holds no element");
     }
-    let has = |is_it: &dyn Fn(&str) -> bool| shown.iter().any(|s| s.names(scene).any(is_it));
+    // What a node hangs on is shown too.
+    let nodes = scene.json.list("nodes");
+    let name = |s: &Shown| nodes[s.node].text("name").unwrap_or_default();
+    let has = |is_it: &dyn Fn(&str) -> bool| shown.iter().any(|s| is_it(name(s)));
     let is_other = has(&is_global_id) && !has(&|n| twin.classes.contains_key(n));
     is_other.then_some("has none of the GlobalIds that its nodes are named by: it is of another building")
 }
@@ -47,6 +50,29 @@ impl ReadOptions {
     /// What the IFC beside a scene knows.
     pub(super) fn known(&self) -> &Inventory {
         self.twin.as_deref().unwrap_or(&NOTHING)
+    }
+
+    /// Height of the cut above the floor, metres.
+    pub(super) fn above_m(&self) -> f64 {
+        if self.is_knee { CUT_KNEE_M } else { CUT_EYE_M }
+    }
+
+    /// The storey that is read, of those that the IFC beside a scene knows.
+    pub(super) fn chosen_storey(&self) -> Option<usize> {
+        let storeys = &self.known().storeys;
+        match self.storey.as_deref() {
+            Some(name) => storey_at(storeys.iter().map(|s| s.name.as_str()), name),
+            None => main_storey(storeys, self.above_m()),
+        }
+    }
+
+    /// Says of what is shown whether the IFC beside the scene has it in another storey than the one that is read.
+    pub(super) fn elsewhere<'f>(&'f self, scene: &'f File<'_>) -> impl Fn(&Shown) -> bool + 'f {
+        let chosen = self.chosen_storey();
+        move |shown| {
+            let of = || shown.names(scene).rev().find_map(|n| self.known().storey_of.get(n));
+            chosen.is_some_and(|chosen| of().is_some_and(|of| *of != chosen))
+        }
     }
 
     /// What the IFC beside a scene knows of the one space of a name.

@@ -28,7 +28,7 @@ pub(super) fn text(
     edits: &[Edit],
     own: &[Addition],
 ) -> Result<Vec<u8>, Error> {
-    let storey = building.storey(options.storey.as_deref(), &mut Report::default())?;
+    let storey = building.storey(options.storey.as_deref(), options.sight, &mut Report::default())?;
     let lift = LIFT_M / building.geo.metres;
     let mut writer = Writer {
         b: building,

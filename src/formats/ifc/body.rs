@@ -12,6 +12,9 @@ use crate::formats::region::{Region, Rule, clip, slice};
 /// A half-space without an outline is taken to reach this far, file units times this many metres.
 const FAR_M: f64 = 10_000.0;
 
+/// Area beside the square of the size up to which a profile is a line.
+const FLAT_MAX: f64 = 1e-9;
+
 /// A cut through a body: what is found, and from where to where the body reaches.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cut {
@@ -32,6 +35,28 @@ impl Geo<'_, '_> {
             }
         }
         out
+    }
+
+    /// Why an item shows nothing at any height: its profile has no width or no length.
+    pub fn without_width(&self, id: u64, depth: usize) -> Option<Why> {
+        let of = |id: u64, k: usize| self.step.args(id).get(k).and_then(Arg::id);
+        if depth > BODY_DEPTH_MAX {
+            return None;
+        }
+        match &*self.step.keyword(id) {
+            "IFCEXTRUDEDAREASOLID" => {
+                let profile = of(id, 0)?;
+                let why = || format!("{} has no width or no length, expected an area", self.named(profile));
+                encloses_nothing(&self.profile(profile).ok()?).then(why)
+            }
+            "IFCBOOLEANCLIPPINGRESULT" | "IFCBOOLEANRESULT" => self.without_width(of(id, 1)?, depth + 1),
+            "IFCMAPPEDITEM" => {
+                let shape = of(of(id, 0)?, 1)?;
+                let items = self.step.args(shape).get(3).map(Arg::ids).unwrap_or_default();
+                items.into_iter().find_map(|item| self.without_width(item, depth + 1))
+            }
+            _ => None,
+        }
     }
 
     /// Refuses an item that shows too many others.
@@ -155,9 +180,14 @@ impl Geo<'_, '_> {
             None => *to,
         };
         let direction = self.direction(self.reference(args, 2, id)?)?;
-        let depth = args.get(3).and_then(Arg::number).filter(|d| *d > 0.0);
-        let depth = depth.ok_or_else(|| format!("{} has no depth", self.named(id)))?;
+        let depth = self.depth(id, args)?;
         Ok(prism(&profile, &at, direction * depth, 0.0, z))
+    }
+
+    /// How far an extrusion goes.
+    fn depth(&self, id: u64, args: &[Arg]) -> Result<f64, Why> {
+        let depth = args.get(3).and_then(Arg::number).filter(|d| *d > 0.0);
+        depth.ok_or_else(|| format!("{} has no depth", self.named(id)))
     }
 
     fn block(&self, id: u64, args: &[Arg], to: &DAffine3, z: f64) -> Result<Region, Why> {
@@ -269,6 +299,12 @@ impl Geo<'_, '_> {
     }
 }
 
+/// Whether a region has no area to speak of beside its size.
+fn encloses_nothing(region: &Region) -> bool {
+    let Some([lo, hi]) = region.extent() else { return true };
+    region.area() <= FLAT_MAX * (hi - lo).length_squared()
+}
+
 /// A profile drawn along a direction from `start` times it, cut at a height.
 fn prism(profile: &Region, at: &DAffine3, along: DVec3, start: f64, z: f64) -> Region {
     let offset = if start == 0.0 { DVec3::ZERO } else { along.normalize_or_zero() * start };
@@ -341,7 +377,7 @@ impl Geo<'_, '_> {
                     Some(position) => *to * self.axis_placement(position)?,
                     None => *to,
                 };
-                let depth = args.get(3).and_then(Arg::number).unwrap_or(0.0);
+                let depth = self.depth(id, &args)?;
                 let way = at.matrix3 * (self.direction(self.reference(&args, 2, id)?)? * depth);
                 let profile = self.profile(self.reference(&args, 0, id)?)?;
                 let low = profile.points().map(|p| at.transform_point3(p.extend(0.0)).z);

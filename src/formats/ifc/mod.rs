@@ -29,7 +29,7 @@ mod unseen;
 mod zip;
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 pub use limits::*;
 use rayon::prelude::*;
@@ -60,6 +60,16 @@ pub enum Sight {
     Eye,
     /// Windows block.
     Knee,
+}
+
+impl Sight {
+    /// Height of the cut above a storey's floor, metres.
+    pub fn above_m(self) -> f64 {
+        match self {
+            Self::Eye => CUT_EYE_M,
+            Self::Knee => CUT_KNEE_M,
+        }
+    }
 }
 
 /// How to read a building.
@@ -142,8 +152,12 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
 
 fn storeys(building: &Building<'_, '_>) -> Vec<StoreyInfo> {
     let metres = building.geo.metres;
-    let storey =
-        |s: &model::Storey| StoreyInfo { name: s.name.clone(), floor_m: s.floor * metres, walls: s.walls };
+    let storey = |s: &model::Storey| StoreyInfo {
+        name: s.name.clone(),
+        floor_m: s.floor * metres,
+        walls: s.walls,
+        top_m: s.top.map(|top| top * metres),
+    };
     building.model.storeys.iter().map(storey).collect()
 }
 
@@ -314,6 +328,8 @@ pub struct Inventory {
     pub hosts: BTreeMap<String, String>,
     /// Storeys from the lowest.
     pub storeys: Vec<StoreyInfo>,
+    /// `GlobalId` of an element → the storey in which it stands, its place in `storeys`.
+    pub storey_of: BTreeMap<String, usize>,
     /// `GlobalId` of a space → what it is called.
     pub spaces: BTreeMap<String, SpaceNames>,
 }
@@ -339,7 +355,22 @@ pub fn inventory(bytes: &[u8], unit: Option<Unit>) -> Inventory {
     let hosts = hosts.iter().filter_map(|(filler, wall)| Some((name(filler)?, name(wall)?))).collect();
     let spaces = building.model.products.iter().filter(|p| p.class == "IfcSpace");
     let spaces = spaces.map(|p| (p.global_id.clone(), building.space_names(p))).collect();
-    Inventory { elements: Elements::of(&step), classes, hosts, storeys: storeys(&building), spaces }
+    let place: HashMap<u64, usize> =
+        building.model.storeys.iter().enumerate().map(|(i, s)| (s.id, i)).collect();
+    let standing = |p: &model::Product| {
+        let of = building.model.storey_of(p.id)?;
+        Some((p.global_id.clone(), *place.get(&of)?))
+    };
+    let storey_of =
+        building.model.products.iter().chain(&building.model.fillers).filter_map(standing).collect();
+    Inventory {
+        elements: Elements::of(&step),
+        classes,
+        hosts,
+        storeys: storeys(&building),
+        storey_of,
+        spaces,
+    }
 }
 
 /// A text with the escapes of a STEP file, as somebody copies it out of one.

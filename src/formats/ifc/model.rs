@@ -72,6 +72,10 @@ pub(super) struct Storey {
     pub floor: f64,
     /// Walls that stand in it.
     pub walls: usize,
+    /// Highest point of its own walls and columns, file units, see [`StoreyInfo::top_m`].
+    ///
+    /// [`StoreyInfo::top_m`]: crate::formats::StoreyInfo::top_m
+    pub top: Option<f64>,
 }
 
 /// Relations of one file.
@@ -281,7 +285,13 @@ impl Model {
                 let placed = args.get(5).and_then(Arg::id).and_then(|p| geo.placement(p).ok());
                 let stated = args.get(9).and_then(Arg::number);
                 let floor = placed.map(|m| m.translation.z).or(stated).unwrap_or(0.0);
-                Storey { id: i.id, name: name.unwrap_or_else(|| format!("#{}", i.id)), floor, walls: 0 }
+                Storey {
+                    id: i.id,
+                    name: name.unwrap_or_else(|| format!("#{}", i.id)),
+                    floor,
+                    walls: 0,
+                    top: None,
+                }
             })
             .collect();
         out.sort_by(|a, b| a.floor.total_cmp(&b.floor));
@@ -407,6 +417,9 @@ const NO_BODY: &[&str] = &[
 
 /// Items of a product's body, or why there is none.
 pub(super) fn body_items(step: &Step<'_>, shape: u64) -> Result<Vec<u64>, Why> {
+    if step.get(shape).is_none() {
+        return Err(format!("#{shape}, named as its representation, does not exist"));
+    }
     let lists = representations(step, shape);
     let body = lists.iter().find(|(name, kind, _)| name == "Body" && !NO_BODY.contains(&kind.as_str()));
     let other = || {
@@ -417,7 +430,14 @@ pub(super) fn body_items(step: &Step<'_>, shape: u64) -> Result<Vec<u64>, Why> {
         lists.iter().find(is_body)
     };
     let found = body.or_else(other).map(|(_, _, items)| items.clone());
-    found.filter(|i| !i.is_empty()).ok_or_else(|| format!("#{shape} has no body"))
+    let dangling = || {
+        let listed = step.args(shape).get(2).map(Arg::ids).unwrap_or_default();
+        listed.into_iter().find(|id| step.get(*id).is_none())
+    };
+    found.filter(|i| !i.is_empty()).ok_or_else(|| match dangling() {
+        Some(id) => format!("#{id}, named as a representation in #{shape}, does not exist"),
+        None => format!("#{shape} has no body"),
+    })
 }
 
 /// The item of a product's axis.

@@ -1,5 +1,7 @@
 //! One storey of a building as a plan: every element cut at the height of the eyes.
 
+mod told;
+
 use std::collections::HashSet;
 
 use glam::{DAffine3, DVec2};
@@ -11,15 +13,17 @@ use super::limits::OUTLINE_POINTS_MAX;
 use super::model::{Model, Product, Storey, axis_item, body_items, layer_reach};
 use super::step::Step;
 use super::units::{Units, units};
-use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions, Sight};
+use super::{CUT_EYE_M, ReadOptions, Sight};
 use crate::formats::region::{Region, Rule};
-use crate::formats::{SpaceNames, listed, state_shared_name, storey_at};
+use crate::formats::storeys::{is_over, refuse_without_own, state_shared_name};
+use crate::formats::{SpaceNames, listed, main_storey, no_storey, storey_at};
 use crate::plan::drawing::{
     Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
 use crate::plan::sizes::{Sizes, Verdict};
 use crate::plan::units::by_heights;
 use crate::report::{Error, Place, Report};
+use told::Standing;
 
 /// Layer of everything that closes a gap without blocking sight: plugs of door and window openings.
 pub const CLOSING_LAYERS: [&str; 4] = ["IfcDoor", "IfcWindow", "IfcOpeningElement", "IfcCurtainWall"];
@@ -41,9 +45,6 @@ const SIZED_MAX: usize = 200;
 
 /// Where a door states its width (`OverallWidth`).
 const DOOR_WIDTH: usize = 9;
-
-/// Walls that keep their length and are told one by one.
-const STIFF_TOLD: usize = 4;
 
 /// A file ready to be cut.
 pub(super) struct Building<'s, 'a> {
@@ -81,7 +82,28 @@ impl<'s, 'a> Building<'s, 'a> {
             }
             (None, Some(stated)) => out.hold_against_sizes(stated),
         }
+        out.measure_tops();
         out
+    }
+
+    /// Measures how high the own walls of those storeys reach over which another one begins below the eyes.
+    fn measure_tops(&mut self) {
+        let storeys = super::storeys(self);
+        let has_other_over = |i: usize| {
+            let floor = storeys[i].floor_m;
+            storeys.iter().any(|s| s.walls > 0 && is_over(floor, s.floor_m, CUT_EYE_M))
+        };
+        let tops = (0..storeys.len()).map(|i| if has_other_over(i) { self.top(i) } else { None });
+        let tops: Vec<Option<f64>> = tops.collect();
+        self.model.storeys.iter_mut().zip(tops).for_each(|(s, top)| s.top = top);
+    }
+
+    /// The highest point of a storey's own walls and columns; none where it is not known.
+    fn top(&self, storey: usize) -> Option<f64> {
+        let id = self.model.storeys[storey].id;
+        let own =
+            self.model.products.iter().filter(|p| told::is_wall(p) && self.model.storey_of(p.id) == Some(id));
+        own.map(|p| self.high(p)).try_fold(f64::NEG_INFINITY, |top, high| Some(top.max(high?)))
     }
 
     /// Whether what the building's elements measure can be in the unit that the file states; else takes the one in which
@@ -96,6 +118,14 @@ impl<'s, 'a> Building<'s, 'a> {
             }
             Verdict::Doubted(text) => self.unit_doubt = Some(text),
         }
+    }
+
+    /// The highest point of an element's body; none where a part of it cannot be read.
+    fn high(&self, p: &Product) -> Option<f64> {
+        let world = p.placement.map_or(Ok(DAffine3::IDENTITY), |m| self.geo.placement(m)).ok()?;
+        let items = body_items(self.step, p.shape?).ok()?;
+        let high = |item: &u64| self.geo.reach(*item, &world, 0).ok().map(|r| r[1]).filter(|z| z.is_finite());
+        items.iter().map(high).try_fold(f64::NEG_INFINITY, |top, z| Some(top.max(z?)))
     }
 
     /// `house.ifc:12 #4711 IfcWall 2O2F…`.
@@ -117,21 +147,23 @@ impl<'s, 'a> Building<'s, 'a> {
     }
 
     /// The storey that is meant, and why. `None` in a building without storeys.
-    pub fn storey(&self, wanted: Option<&str>, report: &mut Report) -> Result<Option<&Storey>, Error> {
+    pub fn storey(
+        &self,
+        wanted: Option<&str>,
+        sight: Sight,
+        report: &mut Report,
+    ) -> Result<Option<&Storey>, Error> {
         let list = &self.model.storeys;
         let names = listed(&super::storeys(self));
         if let Some(name) = wanted {
             state_shared_name(self.file, &super::storeys(self), name, report);
             let found = storey_at(list.iter().map(|s| s.name.as_str()), name);
             return found.map(|i| Some(&list[i])).ok_or_else(|| {
-                let names = if names.is_empty() { "none".into() } else { names };
-                let text = format!(
-                    "--storey \"{name}\": no such storey, storeys present, by number and name: {names}; nothing was done"
-                );
-                Error::usage("storey", Place::file(self.file), text)
+                let why = no_storey(&super::storeys(self), name, "none");
+                Error::usage("storey", Place::file(self.file), format!("--storey \"{name}\": {why}"))
             });
         }
-        let most = list.iter().rev().max_by_key(|s| s.walls);
+        let most = main_storey(&super::storeys(self), sight.above_m()).map(|i| &list[i]);
         if let Some(chosen) = most
             && list.len() > 1
         {
@@ -174,7 +206,11 @@ pub(super) fn read_storey(
         let text = format!("unit: {doubt}; read as the file says");
         report.warn("unit-doubt", Place::file(file), text);
     }
-    let storey = building.storey(options.storey.as_deref(), report)?;
+    let storey = building.storey(options.storey.as_deref(), options.sight, report)?;
+    if let Some(index) = building.model.storeys.iter().position(|s| storey.is_some_and(|own| own.id == s.id))
+    {
+        refuse_without_own(file, &super::storeys(building), index, options.sight.above_m())?;
+    }
     let mut reader = Reader::new(building, storey, options);
     reader.walls(report);
     reader.spaces(report);
@@ -235,6 +271,8 @@ struct Reader<'b, 's, 'a> {
     bar: Option<(length::Bar, Vec<DVec2>)>,
     /// Walls that keep their length, and why.
     stiff: Vec<(u64, Why)>,
+    /// Walls and columns of other storeys of which a part cannot be read.
+    elsewhere: Vec<u64>,
 }
 
 /// An element cut at the height of the eyes, world coordinates.
@@ -244,6 +282,8 @@ struct ElementCut<'p> {
     region: Region,
     /// Why a part of it is missing.
     missing: Vec<Why>,
+    /// What stands for a body that cannot be read, and why.
+    instead: Option<Why>,
     /// What closes its openings without blocking sight: of which product, on which layer.
     closings: Vec<(&'p Product, &'static str, Region)>,
     /// Doors and windows that stand in one of its openings.
@@ -277,6 +317,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             plugged: HashSet::new(),
             bar: None,
             stiff: Vec::new(),
+            elsewhere: Vec::new(),
         }
     }
 
@@ -311,6 +352,9 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         for why in cut.missing {
             self.state_missing(p, &why, report);
         }
+        if let Some(text) = cut.instead {
+            report.warn("ifc-axis", self.b.place(p), text);
+        }
         let size = cut.region.size();
         if cut.region.is_empty() {
             self.below.insert(p.id);
@@ -329,20 +373,6 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         }
     }
 
-    fn is_wall_here(&self, p: &Product) -> bool {
-        is_wall(p) && self.b.model.storey_of(p.id) == self.storey
-    }
-
-    fn state_missing(&self, p: &Product, why: &str, report: &mut Report) {
-        let code = if is_wall(p) { "ifc-element" } else { "ifc-other-element" };
-        let text = format!("{why}; this part of it is left out");
-        if self.is_wall_here(p) {
-            report.warn(code, self.b.place(p), text);
-        } else {
-            report.info(code, self.b.place(p), text);
-        }
-    }
-
     /// Members and plates of a curtain wall are shown with it.
     fn is_part_of_shown(&self, p: &Product) -> bool {
         let whole = self.b.model.whole.get(&p.id);
@@ -357,7 +387,13 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             Some(shape) => match self.body(p, shape, &frame) {
                 Ok((body, whys)) => (out.region, out.missing) = (body, whys),
                 Err(why) => match self.strip_along_axis(p, shape, &frame) {
-                    Some(strip) => out.region = strip,
+                    Some((strip, thick)) => {
+                        out.region = strip;
+                        let thick = told::metres(thick * self.b.geo.metres);
+                        out.instead = Some(format!(
+                            "{why}, expected a body to cut; taken from its axis and layers, {thick} m thick, as if it reached the height of the cut"
+                        ));
+                    }
                     None => return Err(why),
                 },
             },
@@ -418,18 +454,25 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         let items = body_items(self.b.step, shape)?;
         let cut = self.b.geo.cut_items(&items, &frame.to, frame.z);
         if cut.region.is_empty() && !cut.missing.is_empty() {
-            return Err(format!("{} ({})", cut.missing[0], p.class));
+            return Err(cut.missing[0].clone());
+        }
+        if cut.region.is_empty() && self.standing(p) == Standing::Here {
+            let mut whys = items.iter().filter_map(|i| self.b.geo.without_width(*i, 0));
+            if let Some(why) = whys.next() {
+                return Err(why);
+            }
         }
         Ok((cut.region, cut.missing))
     }
 
-    /// A strip along the axis, as thick as the material layers.
-    fn strip_along_axis(&self, p: &Product, shape: u64, frame: &Frame) -> Option<Region> {
+    /// A strip along the axis, as thick as the material layers, and how thick that is.
+    fn strip_along_axis(&self, p: &Product, shape: u64, frame: &Frame) -> Option<(Region, f64)> {
         let axis = self.b.geo.curve(axis_item(self.b.step, shape)?, 0).ok()?;
         let [left, right] = layer_reach(self.b.step, &self.b.model, p.id)?;
         let is_here = self.b.model.storey_of(p.id) == self.storey;
         let region = super::body::strip(&axis, left, right);
-        is_here.then(|| region.map(|q| plan_point(&frame.to, q)))
+        let is_shown = is_here && !region.is_empty();
+        is_shown.then(|| (region.map(|q| plan_point(&frame.to, q)), right - left))
     }
 
     /// Takes the openings out; what closes them is shown on the layer of its class.
@@ -604,49 +647,6 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         }
     }
 
-    fn state_left_out(&self, report: &mut Report) {
-        let place = Place::file(self.b.file);
-        let here = |p: &&Product| self.b.model.storey_of(p.id) == self.storey;
-        let shown: HashSet<usize> = self.entities.iter().map(|e| e.source.record).collect();
-        let walls = self
-            .b
-            .model
-            .products
-            .iter()
-            .filter(|p| p.class.contains("Wall") || p.class.starts_with("IfcColumn"));
-        let short: Vec<String> = walls
-            .filter(here)
-            .filter(|p| !shown.contains(&(p.id as usize)) && self.below.contains(&p.id))
-            .map(|p| format!("#{}", p.id))
-            .collect();
-        if !short.is_empty() {
-            let text = format!(
-                "{} walls or columns of the storey do not reach the height of the cut and do not block sight: {}",
-                short.len(),
-                short.join(", ")
-            );
-            report.info("ifc-not-cut", place.clone(), text);
-        }
-        self.state_stiff(place, report);
-    }
-
-    fn state_stiff(&self, place: Place, report: &mut Report) {
-        if self.stiff.is_empty() {
-            return;
-        }
-        let told = self.stiff.iter().take(STIFF_TOLD).map(|(id, why)| format!("#{id} ({why})"));
-        let more = if self.stiff.len() > STIFF_TOLD { ", …" } else { "" };
-        let text = format!(
-            "{} where another that it ends at moves: {}{more}",
-            match self.stiff.len() {
-                1 => "1 wall keeps its length".to_string(),
-                n => format!("{n} walls keep their length, each"),
-            },
-            told.collect::<Vec<_>>().join(", ")
-        );
-        report.info("ifc-length", place, text);
-    }
-
     fn drawing(self) -> Drawing {
         let hosts = self.b.model.hosts().iter().map(|(f, w)| (*f as usize, *w as usize)).collect();
         let mut layers: Vec<Layer> = Vec::new();
@@ -679,17 +679,9 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     }
 }
 
-/// Whether it is a wall, a column or a curtain wall.
-fn is_wall(p: &Product) -> bool {
-    ["IfcWall", "IfcColumn", "IfcCurtainWall"].iter().any(|c| p.class.starts_with(c))
-}
-
 /// Heights of a storey's floor and of its cut, file units.
 pub(super) fn heights(b: &Building<'_, '_>, storey: Option<&Storey>, sight: Sight) -> (f64, f64) {
-    let above = match sight {
-        Sight::Eye => CUT_EYE_M,
-        Sight::Knee => CUT_KNEE_M,
-    } / b.geo.metres;
+    let above = sight.above_m() / b.geo.metres;
     let floor = storey.map_or_else(|| lowest(b, above), |s| s.floor);
     (floor, floor + above)
 }

@@ -28,7 +28,9 @@ pub(super) type Tails = BTreeMap<u64, Vec<(u64, [f64; 2])>>;
 pub(super) fn tails(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit]) -> Tails {
     let edited: BTreeSet<u64> = edits.iter().map(|e| e.record() as u64).collect();
     let shifts: BTreeMap<u64, DVec2> = edits.iter().filter_map(shift).collect();
-    let Ok(storey) = b.storey(options.storey.as_deref(), &mut Report::default()) else { return Tails::new() };
+    let Ok(storey) = b.storey(options.storey.as_deref(), options.sight, &mut Report::default()) else {
+        return Tails::new();
+    };
     let (_, cut) = heights(b, storey, options.sight);
     // By the wall that goes along: its bar, who takes it, how far its ends go.
     let mut found: BTreeMap<u64, (Bar, u64, [Option<f64>; 2])> = BTreeMap::new();

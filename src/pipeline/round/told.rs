@@ -6,7 +6,7 @@ use super::Found;
 use crate::config::{Method, Mode, Settings, Snap};
 use crate::moves::carried::{Carried, carried};
 use crate::moves::{Layout, Parameter};
-use crate::overlay::measure::{number, plain_name, sentence_case};
+use crate::overlay::measure::{number, numbers_apart, plain_name, sentence_case};
 use crate::overlay::result::{Explanation, Objective, Sense};
 use crate::overlay::words::listed;
 use crate::pipeline::rules::broken_limits;
@@ -106,13 +106,11 @@ pub(super) fn say_below_present(report: &mut Report, file: &str, objectives: &[O
         let worse = if o.sense == Sense::Max { limit < o.initial } else { limit > o.initial };
         let gains = if o.sense == Sense::Max { reachable > o.initial } else { reachable < o.initial };
         if worse && gains {
+            let [kept, present, reachable] = numbers_apart([limit, o.initial, reachable]);
             let text = format!(
-                "{}: options need only keep {}, worse than the present {}, since {} is the best in reach of layouts that keep \
-                 the objectives before it; put it before the others to have it improved",
+                "{}: options need only keep {kept}, worse than the present {present}, since {reachable} is the best in reach of \
+                 layouts that keep the objectives before it; put it before the others to have it improved",
                 plain_name(&o.name),
-                number(limit),
-                number(o.initial),
-                number(reachable)
             );
             report.info("limit-below-present", Place::file(file), text);
         }
@@ -450,6 +448,8 @@ mod tests {
             text.contains("need only keep 241, worse than the present 242, since 244 is the best in reach"),
             "{text}"
         );
+        let near = told(of(Sense::Max, 561.2, 560.9, 564.0)).unwrap();
+        assert!(near.contains("keep 560.9, worse than the present 561.2, since 564.0 is"), "{near}");
         assert!(told(of(Sense::Min, 2.0, 2.1, 1.9)).is_some());
         assert_eq!(told(of(Sense::Max, 242.0, 243.0, 244.0)), None);
     }
