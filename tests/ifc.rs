@@ -345,7 +345,7 @@ fn syntax() -> Vec<Hazard> {
         hazard(
             "39 huge number",
             added("#99999999999999999999=IFCWALL($);"),
-            "found no number after `#`, expected a positive whole number; the instance is left out",
+            "found a number after `#` of 19 digits or more, expected at most 4611686018427387902; export the file with smaller numbers; the instance is left out",
             false,
         ),
         hazard(

@@ -65,6 +65,21 @@ pub(super) fn kind_of(bytes: &[u8]) -> Option<(String, &'static str)> {
     named.or_else(|| is_binary(bytes).then(|| ("binary data that is no drawing".into(), EXPORT)))
 }
 
+/// Letters of two bytes by which a text without a byte order mark is known.
+const WIDE_LETTERS: usize = 4;
+
+/// Whether a text has two bytes a letter, as Windows writes "Unicode", and what helps.
+pub(super) fn as_utf16(bytes: &[u8]) -> Option<(String, &'static str)> {
+    let has_mark = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    let head = bytes.get(..2 * WIDE_LETTERS).unwrap_or_default();
+    let is_wide = |zero: usize| {
+        let of = |p: &[u8]| p[zero] == 0 && p[1 - zero].is_ascii() && p[1 - zero] != 0;
+        !head.is_empty() && head.chunks_exact(2).all(of)
+    };
+    let hint = "Save it as UTF-8 or ASCII in a text editor, or export it again";
+    (has_mark || is_wide(0) || is_wide(1)).then(|| ("text as UTF-16 (two bytes a letter)".into(), hint))
+}
+
 /// Whether a mark of two letters may be the start of a text.
 fn is_short_mark_of_text(mark: &[u8], bytes: &[u8]) -> bool {
     mark.len() < 3 && mark.is_ascii() && bytes.iter().take(HEAD_BYTES).all(|b| b.is_ascii() && *b != 0)
@@ -98,6 +113,24 @@ mod tests {
             read(file, bytes, &ReadOptions::default(), &mut Report::default()).unwrap_err().to_string()
         };
         kind_of(bytes).map(|_| ["plan.dxf", "plan.ifc", "plan.gltf", "plan.glb"].map(one))
+    }
+
+    #[test]
+    fn a_building_as_utf16_is_called_so() {
+        let text = "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n";
+        let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+        for bytes in [&little, &big, &[b"\xff\xfe", &little[..]].concat(), &[b"\xfe\xff", &big[..]].concat()]
+        {
+            for name in ["plan.ifc", "plan.gltf"] {
+                let error = read(name, bytes, &ReadOptions::default(), &mut Report::default()).unwrap_err();
+                let said = error.to_string();
+                assert!(said.contains("found text as UTF-16") && said.contains("Save it as UTF-8"), "{said}");
+                assert_eq!(is_complete(name, bytes), Completeness::Whole, "nothing makes it one");
+            }
+        }
+        assert_eq!(as_utf16(text.as_bytes()), None);
+        assert_eq!(as_utf16(b""), None);
     }
 
     #[test]

@@ -300,7 +300,9 @@ fn no_building(format: Format, bytes: &[u8]) -> Option<(String, &'static str)> {
         Format::Dxf => None,
         Format::Glb if gltf::is_glb(bytes) => None,
         Format::Ifc if ifc::is_zip(bytes) || ifc::is_xml(bytes) => None,
-        Format::Ifc | Format::Gltf | Format::Glb => foreign::kind_of(bytes),
+        Format::Ifc | Format::Gltf | Format::Glb => {
+            foreign::as_utf16(bytes).or_else(|| foreign::kind_of(bytes))
+        }
     }
 }
 

@@ -194,7 +194,8 @@ pub struct MoveEntry {
 pub struct Change {
     /// Which element.
     pub element: ElementRef,
-    /// The host program's own id, where a plugin gave one.
+    /// The element's id in the program that wrote the file: of an IFC its `Tag`, else its `GlobalId`; of a node of a glTF its
+    /// name where that is a `GlobalId`; of a DXF where a plugin gave one.
     pub host_id: Option<String>,
     /// Axis points before, metres, drawing frame.
     pub from: Vec<[f64; 2]>,

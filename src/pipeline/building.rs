@@ -3,16 +3,19 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
+use glam::DVec2;
+
 use super::{Input, study};
 use crate::config::{MoveTable, Settings};
 use crate::formats::ifc::{CLOSING_LAYERS, ZONE_LAYER};
 use crate::formats::{self, Opened};
+use crate::plan::axes::Opening;
 use crate::plan::curve::Trace;
 use crate::plan::drawing::{Drawing, Entity};
 use crate::plan::geometry::{PointUm, Segment};
 use crate::plan::names::{Found, Pattern};
 use crate::plan::views::FAR_M;
-use crate::plan::{DOOR_LAYER, Plan, Region, Wall, box_of, curve};
+use crate::plan::{DOOR_LAYER, Plan, Region, Wall, box_of, curve, distance_to_segment, is_inside_ring};
 use crate::report::{Error, Place, Report};
 
 /// Layer of spaces.
@@ -219,6 +222,20 @@ pub(super) fn named_openings(drawing: &Drawing, plan: &Plan) -> Vec<NamedOpening
         })
     };
     drawing.entities.iter().filter_map(of).collect()
+}
+
+/// How far before a wall's face a door or window in a gap of it may stand.
+const BEFORE_M: f64 = 0.06;
+
+/// Whether a gap in a wall is that of a door or window which the file calls so: it is counted by that name.
+pub(super) fn is_named(gap: &Opening, named: &[NamedOpening], plan: &Plan) -> bool {
+    let near = gap.thickness_m / 2.0 + BEFORE_M;
+    named.iter().any(|o| {
+        let points: Vec<DVec2> =
+            o.outline.points.iter().map(|p| plan.frame.plan_from_um(*p) / plan.human_scale).collect();
+        let sides = points.windows(2).any(|s| distance_to_segment(gap.centre, [s[0], s[1]]) <= near);
+        sides || is_inside_ring(&points, gap.centre)
+    })
 }
 
 /// How many different doors, or windows, there are among them.

@@ -175,7 +175,8 @@ fn doors_and_windows(base: &Understood) -> [u64; 2] {
 /// What was understood, in words; with the doors and windows that the file calls so instead of those understood.
 fn statements(base: &Understood) -> Vec<String> {
     let [doors, windows] = doors_and_windows(base);
-    let passages = base.axes.openings.iter().filter(|o| o.kind == OpeningKind::Passage).count();
+    let passages = base.axes.openings.iter().filter(|o| o.kind == OpeningKind::Passage);
+    let passages = passages.filter(|o| !building::is_named(o, &base.openings, &base.plan)).count();
     let told = |s: &String| match s.split_once(" understood; ") {
         Some((walls, _)) if !base.openings.is_empty() => {
             format!(

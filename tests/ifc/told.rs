@@ -180,3 +180,38 @@ fn a_storey_of_footings_does_not_show_the_one_above() {
     let split = Broken { data: "#$7=IFCEXTRUDEDAREASOLID(#$8,$,#8,2.);", says: "" };
     assert!(walls(&lowered(&split), ifc::Sight::Eye).is_ok());
 }
+
+/// Numbers that no program could read, in front of an instance and within one.
+#[test]
+fn a_number_too_large_is_called_so() {
+    let text = house(&[]);
+    let said =
+        "a number after `#` of 19 digits or more, expected at most 4611686018427387902; export the file";
+    for large in ["4611686018427387903", "18446744073709551616", "99999999999999999999999999"] {
+        let (_, report) =
+            read_with(text.replace("#1008=", &format!("#{large}=")).as_bytes(), &ReadOptions::default());
+        assert!(report.problems.iter().any(|p| p.text.contains(said)), "{large} {:?}", report.problems);
+    }
+    let within = text.replace("(#1008,", "(#99999999999999999999999999,");
+    let (_, report) = read_with(within.as_bytes(), &ReadOptions::default());
+    assert!(report.problems.iter().any(|p| p.text.contains(said)), "{:?}", report.problems);
+}
+
+/// Sizes and places of an archive that stand in records of ZIP64.
+#[test]
+fn sizes_as_zip64_are_called_so() {
+    let plain = zipped(house(&[]).as_bytes(), None);
+    let at = |mark: &[u8]| plain.windows(4).rposition(|w| w == mark).unwrap();
+    let (entry, end) = (at(b"PK\x01\x02"), at(b"PK\x05\x06"));
+    for (place, len, says) in [
+        (entry + 20, 4, "with its sizes as ZIP64"),
+        (entry + 24, 4, "with its sizes as ZIP64"),
+        (end + 10, 2, "with its directory as ZIP64"),
+        (end + 16, 4, "with its directory as ZIP64"),
+    ] {
+        let mut bytes = plain.clone();
+        bytes[place..place + len].fill(0xff);
+        let error = read_with(&bytes, &ReadOptions::default()).0.unwrap_err().to_string();
+        assert!(error.contains(says) && error.contains("unpack it and take the .ifc inside"), "{error}");
+    }
+}

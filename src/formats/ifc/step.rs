@@ -20,6 +20,12 @@ const PART_BYTES_MIN: usize = 64 << 10;
 /// Bytes that an instance has at least, nearly always.
 const INSTANCE_BYTES: usize = 40;
 
+/// Numbers of instances below this are read: there must be room for those that are added.
+const ID_MAX: u64 = u64::MAX / 4;
+
+/// What is said of one that is not.
+const LARGE_ID: &str = "a number after `#` of 19 digits or more, expected at most 4611686018427387902; export the file with smaller numbers";
+
 /// Bytes for which line ends are counted together.
 const LINE_BLOCK: usize = 16 << 10;
 
@@ -579,8 +585,10 @@ fn head(bytes: &[u8], span: Range<usize>) -> Result<(u64, Range<usize>, usize), 
     if bytes[at..span.end].starts_with(b"+") {
         at += 1;
     }
-    let id = whole_number(&bytes[..span.end], &mut at).filter(|id| *id < u64::MAX / 4);
-    let id = id.ok_or_else(|| fault(span.start, "no number after `#`, expected a positive whole number"))?;
+    let has_digits = bytes[at..span.end].first().is_some_and(u8::is_ascii_digit);
+    let id = whole_number(&bytes[..span.end], &mut at).filter(|id| *id < ID_MAX);
+    let why = if has_digits { LARGE_ID } else { "no number after `#`, expected a positive whole number" };
+    let id = id.ok_or_else(|| fault(span.start, why))?;
     blank(bytes, &mut at, span.end);
     if bytes.get(at) != Some(&b'=') {
         return Err(fault(at, "no `=` after the number of an instance"));
@@ -683,8 +691,9 @@ fn value<const KEEP: bool>(bytes: &[u8], at: &mut usize, end: usize, depth: usiz
         }
         Some(b'#') => {
             *at += 1;
+            let has_digits = bytes[*at..end].first().is_some_and(u8::is_ascii_digit);
             let id = whole_number(&bytes[..end], at);
-            Value::Ref(id.ok_or((start, "a `#` without a number"))?)
+            Value::Ref(id.ok_or((start, if has_digits { LARGE_ID } else { "a `#` without a number" }))?)
         }
         Some(b'\'') => {
             *at =

@@ -11,6 +11,18 @@ pub fn is_zip(bytes: &[u8]) -> bool {
     bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06")
 }
 
+/// What is expected in place of sizes for archives of more than 4 GiB, and what helps.
+const PLAIN_ZIP: &str = "expected a plain ZIP file; unpack it and take the .ifc inside, or pack that again";
+
+/// Whether the directory of an archive leaves its place or its length to a ZIP64 record.
+fn is_zip64(bytes: &[u8]) -> bool {
+    let Some(end) = directory_end(bytes) else { return false };
+    let is_full = |at: usize, len: usize, full: u64| number(bytes, end + at, len) == Some(full);
+    is_full(10, 2, u64::from(u16::MAX))
+        || is_full(12, 4, u64::from(u32::MAX))
+        || is_full(16, 4, u64::from(u32::MAX))
+}
+
 /// A file of an archive.
 struct Entry {
     name: String,
@@ -35,6 +47,9 @@ pub(super) fn completeness(bytes: &[u8]) -> Incomplete {
 /// [`UNZIPPED_MAX`] bytes or [`ZIP_RATIO_MAX`] times its size.
 pub fn unzip(file: &str, bytes: &[u8]) -> Result<Vec<u8>, Error> {
     let fault = |text: String| Error::input("ifczip", Place::file(file), format!("{text}; nothing was done"));
+    if is_zip64(bytes) {
+        return Err(fault(format!("found an archive with its directory as ZIP64, {PLAIN_ZIP}")));
+    }
     let entries =
         entries(bytes).ok_or_else(|| fault("found a damaged archive, expected a ZIP file".into()))?;
     let is_ifc = |e: &&Entry| e.name.to_lowercase().ends_with(".ifc");
@@ -43,6 +58,9 @@ pub fn unzip(file: &str, bytes: &[u8]) -> Result<Vec<u8>, Error> {
         let n = entries.iter().filter(is_ifc).count();
         return Err(fault(format!("found {n} .ifc files in the archive, expected one")));
     };
+    if [entry.packed, entry.unpacked, entry.at as u64].contains(&u64::from(u32::MAX)) {
+        return Err(fault(format!("found {} with its sizes as ZIP64, {PLAIN_ZIP}", entry.name)));
+    }
     if entry.unpacked > UNZIPPED_MAX
         || entry.unpacked > entry.packed.saturating_mul(ZIP_RATIO_MAX).max(1 << 20)
     {

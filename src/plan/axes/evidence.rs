@@ -8,6 +8,7 @@ use super::near::Buckets;
 use super::spans::{self, Span};
 use super::tolerances::{BOTH_WAYS_RAD, ERROR_GAP_M, LEAF_M, SWING_MAX_RAD};
 use super::{Drawn, Mark, OpeningKind, Path, Role};
+use crate::plan::is_inside_ring;
 
 /// How far beside the wall's faces something still lies in an opening.
 pub const BESIDE_M: f64 = 0.06;
@@ -216,6 +217,15 @@ fn folds(mark: &Mark, band: &Band) -> bool {
         && shared >= FOLDED_COVER * spans::length(band.gap)
 }
 
+/// Whether a door is drawn round the middle of a gap: its frame is let into the jambs and stands before both faces.
+fn encloses(mark: &Mark, band: &Band) -> bool {
+    let ring: Vec<DVec2> = mark.paths.iter().map(|p| p.ends()[0]).collect();
+    let middle = band.carrier.at((band.gap[0] + band.gap[1]) / 2.0);
+    ring.len() > 2
+        && mark.paths.iter().all(|p| matches!(p, Path::Line { .. }))
+        && is_inside_ring(&ring, middle)
+}
+
 impl Seen {
     /// Takes a mark as evidence; whether it belongs to the opening.
     fn look_at(&mut self, mark: &Mark, band: &Band) -> bool {
@@ -226,7 +236,7 @@ impl Seen {
                 && p.ends().iter().any(|e| band.has(*e, ERROR_GAP_M))
         };
         let inside = mark.paths.iter().any(|p| band.holds(p) || closes(p))
-            || mark.role == Role::Door && folds(mark, band);
+            || mark.role == Role::Door && (folds(mark, band) || encloses(mark, band));
         let panes = mark.paths.iter().any(|p| band.has_pane(p));
         self.swing |= swing;
         if mark.role == Role::Door && (inside || swing) {

@@ -178,3 +178,28 @@ fn a_gap_in_a_pier_is_no_passage() {
     assert_eq!(gap(&[-0.34]), 1);
     assert_eq!(gap(&[-0.36, 0.54]), 1);
 }
+
+/// A door whose frame is let into both jambs and stands before both faces is a door, however thick its wall is.
+#[test]
+fn a_door_drawn_round_its_gap_is_no_passage() {
+    for thick in [0.2, 0.3, 0.5] {
+        let (a, b) = (3.0, 4.0);
+        let mut drawn = lines(&[
+            [0.0, 0.0, a, 0.0],
+            [0.0, thick, a, thick],
+            [a, 0.0, a, thick],
+            [b, 0.0, 8.0, 0.0],
+            [b, thick, 8.0, thick],
+            [b, 0.0, b, thick],
+        ]);
+        let kinds = |drawn: &Drawn| AxisGraph::new(drawn).openings.iter().map(|o| o.kind).collect::<Vec<_>>();
+        assert_eq!(kinds(&drawn), [OpeningKind::Passage]);
+        let corners = [[a, 0.0], [b, 0.0], [b, thick], [a, thick]];
+        let outer = [[-0.05, -0.05], [0.05, -0.05], [0.05, 0.05], [-0.05, 0.05]];
+        let corner = |i: usize| DVec2::from(corners[i % 4]) + DVec2::from(outer[i % 4]);
+        let mut door = mark(Path::Line { a: corner(0), b: corner(1) }, Role::Door);
+        door.paths.extend((1..4).map(|i| Path::Line { a: corner(i), b: corner(i + 1) }));
+        drawn.marks = vec![door];
+        assert_eq!(kinds(&drawn), [OpeningKind::Door], "{thick}");
+    }
+}
