@@ -318,7 +318,8 @@ impl Control {
             return if is_none { identity } else { value.clamp(lo, hi) };
         }
         let [least, most] = steps_between([lo, hi], identity, step);
-        identity + ((value - identity) / step).round().clamp(least, most) * step
+        // A step that reaches a bound may pass it by the last digit.
+        (identity + ((value - identity) / step).round().clamp(least, most) * step).clamp(lo, hi)
     }
 
     /// The last of a row where every space between keeps the module.
@@ -331,7 +332,11 @@ impl Control {
         let first = moved(row.first) * row.ratio;
         let each = step * row.parts;
         let spaces = (moved(row.last) - first) / each;
-        self.identity[self.free[row.last]] + first + (spaces + spaces.signum() * 1e-9).trunc() * each
+        let [lo, hi] = self.free_bounds[row.last];
+        let even =
+            self.identity[self.free[row.last]] + first + (spaces + spaces.signum() * 1e-9).trunc() * each;
+        let is_noise = |bound: f64| (even - bound).abs() <= STEP_SLACK * each.abs();
+        if is_noise(lo) || is_noise(hi) { even.clamp(lo, hi) } else { even }
     }
 
     /// Leaves all but the farthest moved groups as drawn.
@@ -574,6 +579,24 @@ mod tests {
         moves
     }
 
+    /// 17 steps of 0.1 are more than 1.7 by the last digit: no layout lies beyond its bounds for that.
+    #[test]
+    fn a_step_that_reaches_a_bound_stays_within_it() {
+        let mut moves = three();
+        for (n, p) in moves.parameters.iter_mut().enumerate() {
+            let reach = (n as f64 + 12.0) / 10.0;
+            (p.clause.lower, p.clause.upper) = (-reach, reach);
+        }
+        let rules = Rules { length_m: Some(0.1), angle_rad: Some(0.1), ..Rules::default() };
+        let control = Control::new(&moves, &rules).unwrap();
+        for far in [-9.0, 9.0] {
+            let q = control.permit(&vec![far; control.start().len()]);
+            for (v, [lo, hi]) in q.iter().zip(control.bounds()) {
+                assert!((lo..=hi).contains(v), "{v} beyond {lo} .. {hi}");
+            }
+        }
+    }
+
     #[test]
     fn a_pinned_option_stays_as_it_is_and_what_it_breaks_is_told() {
         let pinned = vec![0.25, 0.1, 0.3, 0.0, 0.4, 0.0];
@@ -703,6 +726,9 @@ mod tests {
             }
             let control = control.unwrap();
             let q = control.permit(&q[..control.start().len()]);
+            for (v, [lo, hi]) in q.iter().zip(control.bounds()) {
+                prop_assert!((lo..=hi).contains(v), "{q:?} beyond {lo} .. {hi}");
+            }
             let p = control.expand(&q);
             for (v, [lo, hi]) in p.iter().zip(moves.bounds()) {
                 prop_assert!((lo - 1e-12..=hi + 1e-12).contains(v), "{p:?}");

@@ -46,6 +46,8 @@ pub struct Narrowed {
     pub by: u32,
     /// Whether its jambs stand as far apart as drawn: something comes to stand between them.
     pub is_entered: bool,
+    /// Whether it stands elsewhere than drawn.
+    pub has_moved: bool,
 }
 
 impl Narrowed {
@@ -112,6 +114,7 @@ impl<'a> Doors<'a> {
             is_m: is * scale,
             by: by.or_else(|| now.keys().next().copied())?,
             is_entered: (span - door.at[0].distance(door.at[1])).abs() <= SAME_M,
+            has_moved: (0..2).any(|i| at[i].distance(door.at[i]) > SAME_M),
         })
     }
 
@@ -192,7 +195,7 @@ pub struct Shortened {
 
 impl Moves {
     /// Shortens shifts of the user's that, all else as drawn, would take something between the jambs of a door: a joint
-    /// may not pass the jamb. Where it is a jamb itself that moves, that is what was asked for.
+    /// may not pass the jamb. Where the door or a jamb of it moves, that is what was asked for.
     pub fn keep_doors_wide(&mut self, plan: &Plan, graph: &Graph, axes: &AxisGraph) -> Vec<Shortened> {
         let doors = Doors::new(plan, axes);
         if doors.doors.is_empty() {
@@ -234,7 +237,8 @@ impl Moves {
             p[i] = value;
             self.apply(plan, graph, &p)
         };
-        let entered = |value: f64| doors.narrowed(&layout(value)).into_iter().find(|n| n.is_entered);
+        let entered =
+            |value: f64| doors.narrowed(&layout(value)).into_iter().find(|n| n.is_entered && !n.has_moved);
         if !doors.is_near(&layout(end)) {
             return None;
         }

@@ -117,6 +117,9 @@ fn say_idle_pins(settings: &Settings, fitted: &[Vec<f64>], base: &Understood, re
     }
 }
 
+/// A share of the room of a move that is rounding, not a place beyond it.
+const ROUNDING: f64 = 1e-9;
+
 /// Vectors over the moves of an earlier round as vectors over those of the drawing, and what of them does
 /// not fit, in words. What may not move any more, or not so far, is left as drawn or at its bound.
 fn refit(
@@ -158,7 +161,8 @@ fn refit(
                 say(format!("{} ({}) moves other corners than then", known.name, known.kind));
             }
             let clause = &base.moves.parameters[j].clause;
-            if !(clause.lower..=clause.upper).contains(&value) {
+            let noise = ROUNDING * (clause.upper - clause.lower);
+            if !(clause.lower - noise..=clause.upper + noise).contains(&value) {
                 let unit = &clause.unit;
                 say(format!(
                     "{} ({}) stood at {value} {unit}, and may now be between {} and {} {unit}",

@@ -124,7 +124,10 @@ fn kept_wide(drawing: &Drawing) -> (Vec<[f64; 2]>, Vec<Narrowed>) {
     assert_eq!(told.is_empty(), moves.bounds().iter().map(|b| b[1]).eq(upper.iter().copied()));
     for end in [0, 1] {
         let at: Vec<f64> = moves.bounds().iter().map(|b| b[end]).collect();
-        let entered = doors.narrowed(&moves.apply(&plan, &graph, &at)).into_iter().any(|n| n.is_entered);
+        let entered = doors
+            .narrowed(&moves.apply(&plan, &graph, &at))
+            .into_iter()
+            .any(|n| n.is_entered && !n.has_moved);
         assert!(!entered, "at its bounds");
     }
     (moves.bounds(), doors.narrowed(&moves.apply(&plan, &graph, &upper)))
@@ -145,6 +148,14 @@ fn a_joint_does_not_pass_a_jamb() {
     }
     let (bounds, beyond) = kept_wide(&partition_beside_a_door(true, wall, "x -1.5 1.2"));
     assert_eq!((bounds, beyond), (vec![[-1.5, 1.2]], vec![]));
+}
+
+/// A door that is marked with both its jambs goes as far as it is told, over the end of a partition too.
+#[test]
+fn a_marked_door_goes_as_far_as_it_is_told() {
+    let both = ([4.9, 3.9], [6.1, 4.1]);
+    let (bounds, _) = kept_wide(&partition_beside_a_door(true, both, "x -2 0.3"));
+    assert_eq!(bounds, [[-2.0, 0.3]]);
 }
 
 /// Whoever marks a jamb alone has the door made narrower; the options say it.
