@@ -187,9 +187,9 @@ fn state_unread(input: &Input<'_>, settings: &Settings, report: &mut Report) {
 fn check_picture(base: &study::Understood, result: &CheckResult) -> Result<Vec<u8>, Error> {
     let subtitle = format!(
         "{}, {}, {}, {}; unit {}",
-        counted(result.walls as u64, "wall element"),
-        counted(result.doors as u64, "door"),
-        counted(result.windows as u64, "window"),
+        counted(result.walls, "wall element"),
+        counted(result.doors, "door"),
+        counted(result.windows, "window"),
         counted(result.moves.len() as u64, "move"),
         result.unit.name
     );
