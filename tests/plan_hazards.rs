@@ -382,8 +382,8 @@ fn pieces_forgotten_on_the_sheet_are_left_out() {
     lines.push(("WALL", [69.0, 0.0, 69.5, 0.2]));
     let (plan, problems) = plain(&drawing(METRES, "", &lines));
     assert_eq!(plan.unwrap().walls.len(), 120);
-    let said = "stray-walls Info plan.dxf: 1 wall elements lie far from the plan and are left out; --view all takes \
-                them in";
+    let said = "stray-walls Info plan.dxf: 1 wall element lies far from the plan and is left out; --view all takes \
+                it in";
     assert!(problems.contains(&said.to_string()), "{problems:?}");
 }
 

@@ -299,8 +299,12 @@ const FAR_TOLD: usize = 20;
 
 fn state_strays(drawing: &Drawing, count: usize, report: &mut Report) {
     if count > 0 {
-        let text =
-            format!("{count} wall elements lie far from the plan and are left out; --view all takes them in");
+        let text = match count {
+            1 => "1 wall element lies far from the plan and is left out; --view all takes it in".to_owned(),
+            n => {
+                format!("{n} wall elements lie far from the plan and are left out; --view all takes them in")
+            }
+        };
         report.info("stray-walls", Place::file(&drawing.file), text);
     }
 }

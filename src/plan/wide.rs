@@ -42,13 +42,15 @@ pub(super) fn mark(
             true => format!("{thinnest:.2} to {thickest:.2}"),
             false => format!("{thinnest:.2}"),
         };
-        let text = format!(
-            "{} drawn {wide} m wide: its sides stop sight, and the ground between them is covered",
-            match found.len() {
-                1 => "1 wall is a polyline".to_owned(),
-                n => format!("{n} walls are polylines, each"),
-            }
-        );
+        let text = match found.len() {
+            1 => format!(
+                "1 wall is a polyline drawn {wide} m wide: it stops sight at its sides and covers the ground between them"
+            ),
+            n => format!(
+                "{n} walls are polylines drawn {wide} m wide: they stop sight at their sides and cover the ground between \
+                 them"
+            ),
+        };
         report.info("wide-polylines", Place::file(&drawing.file), text);
     }
 }

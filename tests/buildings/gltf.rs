@@ -381,7 +381,7 @@ fn a_wall_below_the_cut_is_named() {
     });
     assert_says(
         &low,
-        &["1 walls do not reach the height of the cut and do not block sight: /nodes/2 IfcWall/low"],
+        &["1 wall does not reach the height of the cut and does not block sight: /nodes/2 IfcWall/low"],
     );
 }
 
