@@ -187,6 +187,11 @@ fn a_number_too_large_is_called_so() {
     let text = house(&[]);
     let said =
         "a number after `#` of 19 digits or more, expected at most 4611686018427387902; export the file";
+    let largest = ifc::INSTANCE_MAX.to_string();
+    assert!(said.contains(&largest));
+    let last = text.replace("#1008=", &format!("#{largest}=")).replace("(#1008,", &format!("(#{largest},"));
+    let (_, report) = read_with(last.as_bytes(), &ReadOptions::default());
+    assert!(!report.is_degraded(), "{:?}", report.problems);
     for large in ["4611686018427387903", "18446744073709551616", "99999999999999999999999999"] {
         let (_, report) =
             read_with(text.replace("#1008=", &format!("#{large}=")).as_bytes(), &ReadOptions::default());

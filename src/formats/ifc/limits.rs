@@ -27,3 +27,9 @@ pub const ZIP_RATIO_MAX: u64 = 200;
 
 /// Bytes of an instance's text: face sets of large sites have megabytes, nothing has more.
 pub const INSTANCE_BYTES_MAX: usize = 64 << 20;
+
+/// Largest number of an instance: there must be room for those that are added.
+pub const INSTANCE_MAX: u64 = u64::MAX / 4 - 1;
+
+/// What is said of a larger one.
+pub(super) const LARGE_ID: &str = "a number after `#` of 19 digits or more, expected at most 4611686018427387902; export the file with smaller numbers";

@@ -8,7 +8,7 @@ use std::ops::Range;
 use memchr::{memchr, memchr_iter, memchr2, memchr3};
 use rayon::prelude::*;
 
-use super::limits::{INSTANCE_BYTES_MAX, NESTING_MAX};
+use super::limits::{INSTANCE_BYTES_MAX, INSTANCE_MAX, LARGE_ID, NESTING_MAX};
 use super::plain;
 
 /// Parts of a large file that are taken apart at once: the same on every machine.
@@ -19,12 +19,6 @@ const PART_BYTES_MIN: usize = 64 << 10;
 
 /// Bytes that an instance has at least, nearly always.
 const INSTANCE_BYTES: usize = 40;
-
-/// Numbers of instances below this are read: there must be room for those that are added.
-const ID_MAX: u64 = u64::MAX / 4;
-
-/// What is said of one that is not.
-const LARGE_ID: &str = "a number after `#` of 19 digits or more, expected at most 4611686018427387902; export the file with smaller numbers";
 
 /// Bytes for which line ends are counted together.
 const LINE_BLOCK: usize = 16 << 10;
@@ -586,7 +580,7 @@ fn head(bytes: &[u8], span: Range<usize>) -> Result<(u64, Range<usize>, usize), 
         at += 1;
     }
     let has_digits = bytes[at..span.end].first().is_some_and(u8::is_ascii_digit);
-    let id = whole_number(&bytes[..span.end], &mut at).filter(|id| *id < ID_MAX);
+    let id = whole_number(&bytes[..span.end], &mut at).filter(|id| *id <= INSTANCE_MAX);
     let why = if has_digits { LARGE_ID } else { "no number after `#`, expected a positive whole number" };
     let id = id.ok_or_else(|| fault(span.start, why))?;
     blank(bytes, &mut at, span.end);
