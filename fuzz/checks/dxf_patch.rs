@@ -3,6 +3,7 @@
 
 use enfilade::formats::dxf::{Limits, ReadOptions, changed_records, patch, read, strip_own};
 use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Mark, RigidMotion, Shape};
+use enfilade::plan::own_layers::{MOVED, MOVED_RGB, NOTE, NOTE_RGB};
 use enfilade::report::Report;
 use glam::DVec2;
 
@@ -54,10 +55,10 @@ pub fn check(bytes: &[u8]) -> bool {
         assert!(changed.is_ok(), "a movable INSERT cannot be moved: {changed:?}");
     }
 
-    let add = |layer: &str, mark| Addition { layer: layer.into(), rgb: [200, 30, 30], mark };
+    let add = |layer: &str, rgb, mark| Addition { layer: layer.into(), rgb, mark };
     let additions = [
-        add("EF-NOTE", Mark::Text { at: DVec2::ZERO, height: 1.0, text: "ä 壁\nb".into() }),
-        add("EF-MOVED", Mark::Path { points: vec![DVec2::ZERO, DVec2::X], closed: false }),
+        add(NOTE, NOTE_RGB, Mark::Text { at: DVec2::ZERO, height: 1.0, text: "ä 壁\nb".into() }),
+        add(MOVED, MOVED_RGB, Mark::Path { points: vec![DVec2::ZERO, DVec2::X], closed: false }),
     ];
     if let Ok(added) = patch("fuzz.dxf", bytes, &[], &additions) {
         let after = drawing_of(&added).unwrap_or_else(|| panic!("with additions it cannot be read"));
