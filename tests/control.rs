@@ -416,6 +416,7 @@ fn a_search_ends_when_little_is_to_come() {
     assert!((120..8000).contains(&enough["evaluations"].as_u64().unwrap()), "{}", enough["evaluations"]);
     assert!(enough["stopped_by"].as_str().unwrap().contains("about 95 %"), "{}", enough["stopped_by"]);
     assert!(cut["stopped_by"].as_str().unwrap().contains("used up"), "{}", cut["stopped_by"]);
+    assert_eq!(cut["evaluations"], 50, "the most it may take");
 }
 
 /// What is reported as the best gains no less than any option, whichever method found them.

@@ -34,7 +34,7 @@ use crate::overlay::result::{
 use crate::overlay::words;
 use crate::plan::drawing::Edit;
 use crate::plan::markers::place_in;
-use crate::report::{Cancel, Error, OutFile, Place, Report, counted};
+use crate::report::{Cancel, Error, OutFile, Place, Report};
 use crate::search::{self, Evaluation, Search};
 use budget::{budget, most};
 pub(super) use judged::hidden;
@@ -111,7 +111,7 @@ fn round(
             told::say_out_of_reach(&mut report, input.file(), (study, settings), found);
         }
         if !made.is_empty() {
-            told::say_below_present(&mut report, input.file(), &found.objectives);
+            told::say_below_present(&mut report, input.file(), &found.objectives, is_firm(settings));
         }
         told::say_options(&mut report, input.file(), study, settings, (found, made.len()));
     }
@@ -206,6 +206,9 @@ fn optimise(
         pinned: pinned(settings),
         seeds,
     })?;
+    if settings.until_converged {
+        search.set_most(most(settings));
+    }
     let mut memory = Memory::new(input, settings, objectives.len());
     let begun = Instant::now();
     let mut clock = Clock::new(started);
@@ -332,12 +335,11 @@ fn found(
     let is_none_better =
         unworthy > 0 && members.iter().all(|m| !explain::is_better(&shown, &m.values, is_firm(settings)));
     let is_unmet = outcome.best.violation > 0.0;
+    let best = best_in_all(settings, &outcome, &shown);
+    let is_best_better = explain::is_better(&shown, &best.values, is_firm(settings));
     let no_option = (members.is_empty() || is_unmet).then(|| {
         if !is_unmet {
-            return format!(
-                "none of the {} measured that keep thresholds and penalties is better than the present one",
-                counted(outcome.evaluations, "layout")
-            );
+            return told::nothing_returned(settings, outcome.evaluations, is_best_better);
         }
         let nearest = whole(&outcome.best.parameters);
         let worth = study.measure(&nearest, &mut study.bench());
@@ -349,8 +351,6 @@ fn found(
         stopped_by.push_str("; no layout keeps every hard limit");
         text
     });
-    let best = best_in_all(settings, &outcome, &shown);
-    let is_best_better = explain::is_better(&shown, &best.values, is_firm(settings));
     let best = (!is_unmet && is_best_better).then(|| {
         let mut parameters = whole(&best.parameters);
         // Another layout that measures the same is no better: the best is among the options then.

@@ -244,6 +244,8 @@ pub struct Search {
     asked: Vec<(Vec<f64>, Vec<f64>)>,
     stop: Option<Stop>,
     history: Vec<Milestone>,
+    /// No more evaluations are asked for than this, whatever the study spends.
+    most: u64,
 }
 
 impl Search {
@@ -264,7 +266,7 @@ impl Search {
         check(&study)?;
         let archive = Archive::new(space.dims(), study.objectives.len());
         let engine = Engine::new(&study, &space, tuning);
-        Ok(Self { study, space, archive, engine, asked: vec![], stop: None, history: vec![] })
+        Ok(Self { study, space, archive, engine, asked: vec![], stop: None, history: vec![], most: u64::MAX })
     }
 
     /// The next batch of parameter vectors, always inside the bounds; empty when stopped. The first
@@ -274,10 +276,8 @@ impl Search {
             return vec![];
         }
         if self.asked.is_empty() {
-            let left = self
-                .study
-                .evaluations
-                .map_or(usize::MAX, |b| (b as usize).saturating_sub(self.archive.len()));
+            let most = self.study.evaluations.map_or(self.most, |b| b.min(self.most));
+            let left = usize::try_from(most).unwrap_or(usize::MAX).saturating_sub(self.archive.len());
             let count = self.study.batch.min(left);
             self.asked =
                 if self.archive.len() == 0 { self.first_batch(left) } else { self.next_batch(count) };
@@ -345,6 +345,12 @@ impl Search {
     pub fn finish(&mut self, why: Stop) {
         self.stop.get_or_insert(why);
         self.asked.clear();
+    }
+
+    /// Asks for no more than so many evaluations in all of a search that ends when it has converged; when they are
+    /// spent nothing more is asked for, and the caller says why it ends.
+    pub fn set_most(&mut self, evaluations: u64) {
+        self.most = evaluations;
     }
 
     /// Changes the evaluations to spend, for callers whose budget is time and who learn as they go how

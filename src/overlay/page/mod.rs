@@ -168,6 +168,13 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
 /// The outcome in one or two sentences.
 fn lead(result: &RoundResult) -> String {
     let Some(best) = result.candidates.first() else {
+        if !result.moves.is_empty() && result.best.is_some() {
+            return format!(
+                "No option was made, but the best layout found is better than the present one: `accept {} 0` takes it ({}).",
+                file_name(&result.input.path),
+                result.stopped_by
+            );
+        }
         if !result.moves.is_empty() {
             return format!(
                 "The present layout was measured; no better layout was found ({}).",

@@ -37,11 +37,23 @@ pub(super) fn say_out_of_reach(
     (study, settings): (&Study, &Settings),
     found: &Found,
 ) {
-    let is_lost = |o: &&Objective| {
-        let gain = o.reachable.map(|r| if o.sense == Sense::Max { r - o.initial } else { o.initial - r });
-        o.name != "penalty" && o.threshold > 0.0 && gain.is_some_and(|g| g <= 0.0)
+    let gains =
+        |o: &Objective, value: f64| if o.sense == Sense::Max { value > o.initial } else { value < o.initial };
+    let keeps = |o: &Objective, value: f64| {
+        o.limit.is_none_or(|limit| if o.sense == Sense::Max { value >= limit } else { value <= limit })
     };
-    for o in found.objectives.iter().filter(is_lost) {
+    // What was in reach when its stage began may have been surpassed since.
+    let is_gained = |i: usize| {
+        let before = |v: &Vec<f64>| (0..i).all(|j| keeps(&found.objectives[j], v[j]));
+        found.archive.iter().any(|v| before(v) && gains(&found.objectives[i], v[i]))
+    };
+    let is_lost = |(i, o): &(usize, &Objective)| {
+        o.name != "penalty"
+            && o.threshold > 0.0
+            && o.reachable.is_some_and(|reachable| !gains(o, reachable))
+            && !is_gained(*i)
+    };
+    for (_, o) in found.objectives.iter().enumerate().filter(is_lost) {
         let text = format!(
             "{}: no layout that keeps the objectives before it gains anything on the present one, so its threshold keeps \
              options near the best there is; put it before the others, or lower their thresholds{}",
@@ -99,22 +111,45 @@ fn limits_words(study: &Study, settings: &Settings, found: &Found) -> String {
 }
 
 /// Says which thresholds let options be worse than the present layout: so little is reachable, or so much do the objectives
-/// before them cost.
-pub(super) fn say_below_present(report: &mut Report, file: &str, objectives: &[Objective]) {
+/// before them cost. Firm thresholds beyond which nothing is gained are told by [`say_out_of_reach`].
+pub(super) fn say_below_present(report: &mut Report, file: &str, objectives: &[Objective], is_firm: bool) {
     for o in objectives.iter().filter(|o| o.name != "penalty" && o.name != "score" && o.threshold > 0.0) {
         let (Some(limit), Some(reachable)) = (o.limit, o.reachable) else { continue };
         let worse = if o.sense == Sense::Max { limit < o.initial } else { limit > o.initial };
         let gains = if o.sense == Sense::Max { reachable > o.initial } else { reachable < o.initial };
-        if worse && gains {
+        if worse && (gains || !is_firm) {
             let [kept, present, reachable] = numbers_apart([limit, o.initial, reachable]);
             let text = format!(
-                "{}: options need only keep {kept}, worse than the present {present}, since {reachable} is the best in reach of \
-                 layouts that keep the objectives before it; put it before the others to have it improved",
+                "{}: options need only keep {kept}, worse than the present {present}, since {reachable} was the best in reach \
+                 of layouts that keep the objectives before it when its threshold was set; put it before the others to have \
+                 it {}",
                 plain_name(&o.name),
+                if gains { "improved" } else { "kept" }
             );
             report.info("limit-below-present", Place::file(file), text);
         }
     }
+}
+
+/// Why there is no option although layouts keep every hard limit: nothing measured is better, or what is better was not
+/// returned.
+pub(super) fn nothing_returned(settings: &Settings, evaluations: u64, is_best_better: bool) -> String {
+    let measured = counted(evaluations, "layout");
+    if !is_best_better {
+        return format!(
+            "none of the {measured} measured that keep thresholds and penalties is better than the present one"
+        );
+    }
+    let method = if settings.method == Method::Paper { "the published method" } else { "the search" };
+    format!(
+        "{method} returned nothing that moves, though the best of the {measured} measured is better than the present one: \
+         candidate 0 of `accept` is that layout{}",
+        if settings.method == Method::Paper {
+            "; the default method makes options of what it measures"
+        } else {
+            ""
+        }
+    )
 }
 
 /// Says why there are fewer options than wanted, where there are.
@@ -438,19 +473,23 @@ mod tests {
             reachable: Some(reachable),
             limit: Some(limit),
         };
-        let told = |o: Objective| {
+        let told_if = |o: Objective, is_firm: bool| {
             let mut report = Report::default();
-            say_below_present(&mut report, "plan.dxf", &[o]);
+            say_below_present(&mut report, "plan.dxf", &[o], is_firm);
             report.problems.first().map(|p| p.text.clone())
         };
+        let told = |o: Objective| told_if(o, true);
         let text = told(of(Sense::Max, 242.0, 240.6, 244.0)).unwrap();
         assert!(
-            text.contains("need only keep 241, worse than the present 242, since 244 is the best in reach"),
+            text.contains("need only keep 241, worse than the present 242, since 244 was the best in reach"),
             "{text}"
         );
         let near = told(of(Sense::Max, 561.2, 560.9, 564.0)).unwrap();
-        assert!(near.contains("keep 560.9, worse than the present 561.2, since 564.0 is"), "{near}");
+        assert!(near.contains("keep 560.9, worse than the present 561.2, since 564.0 was"), "{near}");
         assert!(told(of(Sense::Min, 2.0, 2.1, 1.9)).is_some());
+        let far = of(Sense::Min, 2.82, 3.83, 3.5);
+        assert!(told_if(far.clone(), false).unwrap().ends_with("put it before the others to have it kept"));
+        assert_eq!(told(far), None, "told otherwise");
         assert_eq!(told(of(Sense::Max, 242.0, 243.0, 244.0)), None);
     }
 
