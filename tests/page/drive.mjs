@@ -35,12 +35,13 @@ const text = (selector) => page.$eval(selector, (e) => e.textContent);
 const said = (part) => page.waitForFunction((p) => document.getElementById("said").textContent.includes(p), {}, part);
 /** No job runs or waits: another may be asked for. */
 const idle = () => page.waitForFunction(() => document.getElementById("again")?.disabled === false, { timeout: 240000 });
-/** Clicks; the page may draw a part anew between finding it and clicking it: then again. */
+/** Clicks what is there, or comes; the page may draw a part anew between finding it and clicking it: then again. */
 const press = async (selector, tries = 20) => {
+  await page.waitForSelector(selector, { timeout: 60000 });
   try {
     await page.click(selector);
   } catch (e) {
-    if (tries === 0 || !/detached/.test(e.message)) throw e;
+    if (tries === 0 || !/detached|No element found/.test(e.message)) throw e;
     await press(selector, tries - 1);
   }
 };
