@@ -343,6 +343,17 @@ fn a_round_follows_one_with_a_module() {
     let done = enfilade(&["accept", first.to_str().unwrap(), "1"]);
     assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
     call(&["run", "--evaluations", "20", "--spacing", "0.8"], &second);
+    let said = text(&enfilade(&["check", second.to_str().unwrap()]).stderr);
+    assert!(said.contains("EF-MOVE is passed over here") && !said.contains("extras"), "{said}");
+    // What is known from the round before is no end of a search by the clock.
+    call(&["run", "--seconds", "3", "--spacing", "0.8"], &second);
+    let result = json(&folder.path().join("gallery-r02.enfilade/round-02/result.json"));
+    assert!(
+        result["evaluations"].as_u64().unwrap() > 30,
+        "{}: {}",
+        result["evaluations"],
+        result["stopped_by"]
+    );
 }
 
 /// Where the published method returns nothing that moves, what it measured is not told to be worse than it is.

@@ -187,6 +187,7 @@ fn optimise(
     let objectives = objectives(settings);
     let control = rules::control(&study.base, settings)?;
     let seeds = rules::seeds(&control, settings);
+    let known = (1 + seeds.len() + BATCH) as u64;
     let mut search = Search::new(search::Study {
         bounds: control.bounds(),
         start: control.start(),
@@ -223,7 +224,8 @@ fn optimise(
             if remembered.is_none() && clock.spent_secs() >= seconds && search.progress().evaluations > 0 {
                 search.finish(search::Stop::Time);
             }
-            fit = remembered.map_or_else(|| clock.fit(search.progress().evaluations, seconds), |p| p.fit);
+            fit = remembered
+                .map_or_else(|| clock.fit(search.progress().evaluations, seconds).max(known), |p| p.fit);
             if !settings.until_converged {
                 search.set_evaluations(settings.evaluations.map_or(fit, |limit| limit.min(fit)));
             }

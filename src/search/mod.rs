@@ -517,8 +517,12 @@ fn check(study: &Study) -> Result<(), Error> {
             study.pinned, study.members
         ));
     }
-    if study.evaluations == Some(0) {
-        return bad("evaluations, found 0, expected at least 1".into());
+    // The present layout and the pinned ones are measured in any case.
+    let least = 1 + study.pinned as u64;
+    if let Some(evaluations) = study.evaluations.filter(|e| *e < least) {
+        let why =
+            if study.pinned > 0 { ": the present layout and the pinned ones are measured first" } else { "" };
+        return bad(format!("evaluations, found {evaluations}, expected at least {least}{why}"));
     }
     Ok(())
 }

@@ -64,6 +64,19 @@ fn assert_sound(search: &Search, study: &Study) {
     }
 }
 
+/// What is pinned is measured and kept whatever is spent: fewer evaluations are refused, not taken from the pins.
+#[test]
+fn fewer_evaluations_than_pinned_members_are_refused() {
+    let with = |evaluations| {
+        let base = study(4, evaluations);
+        let seeds = vec![base.start.clone(); 3];
+        Search::new(Study { seeds, pinned: 3, ..base })
+    };
+    let refused = with(3).err().and_then(|e| e.problem().map(|p| p.text.clone())).unwrap();
+    assert!(refused.contains("expected at least 4: the present layout and the pinned ones"), "{refused}");
+    assert!(with(4).is_ok());
+}
+
 #[test]
 fn the_first_ask_is_the_start_and_the_budget_is_kept_exactly() {
     for (method, batch) in

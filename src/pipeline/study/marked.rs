@@ -172,9 +172,13 @@ pub(super) fn side_car_groups(
     Ok(out)
 }
 
-/// What the marks of a building's elements are called in its format.
+/// What marks of what may move are called in a format.
 pub(super) fn marks_of(format: Format) -> &'static str {
-    if format == Format::Ifc { "Pset_Enfilade" } else { "extras.enfilade" }
+    match format {
+        Format::Dxf => markers::MOVE,
+        Format::Ifc => "Pset_Enfilade",
+        Format::Gltf | Format::Glb => "extras.enfilade",
+    }
 }
 
 /// Says something of every element that states a move, at its place.
