@@ -91,7 +91,9 @@ fn case(seed: u64) -> Case {
     let rule = [Rule::Nothing, Rule::HalfSpace(part), Rule::Ball(part), Rule::All, Rule::Unmeasurable(part)]
         [rng.random_range(0..5usize)];
     let module = if rng.random::<f64>() < 0.2 { 0.25 } else { 0.0 };
-    Case { study, rule, module }
+    // What is pinned is measured in any case: fewer evaluations are refused.
+    let evaluations = study.evaluations.map(|e| e.max(1 + study.pinned as u64));
+    Case { study: Study { evaluations, ..study }, rule, module }
 }
 
 impl Case {
