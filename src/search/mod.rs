@@ -92,7 +92,7 @@ pub struct Study {
     pub least_share: f64,
     /// Seed of all randomness.
     pub seed: u64,
-    /// Evaluations to spend; `None`: until converged.
+    /// Evaluations to spend, at least one more than are pinned; `None`: until converged.
     pub evaluations: Option<u64>,
     /// How to search.
     pub method: Method,
