@@ -12,7 +12,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -25,6 +25,8 @@ pub(super) const JOB_KILLED: &str = "job-killed";
 
 /// A stop is seen within this time.
 const LOOK: Duration = Duration::from_millis(20);
+/// A child whose answers have ended is given this long to end by itself, so that the reason told is its own.
+const ENDING: Duration = Duration::from_secs(5);
 /// Of what a child says on standard error, the last bytes are kept.
 const WORDS_BYTES_MAX: usize = 8 << 10;
 /// Most bytes of one line of a frame.
@@ -119,15 +121,28 @@ pub fn run(
     let words = thread::spawn(move || stderr.map_or_else(Vec::new, last_words));
     let outcome = attend(&frames, tell, cancel);
     drop(frames);
-    // It has answered, or ended, or talks nonsense, or nobody wants an answer any more. One that ended keeps its
-    // own exit status.
+    // It has answered, or nobody wants an answer any more, or no answer can come: then its own end has the reason.
+    let its_end = if matches!(outcome, Ok(None)) { own_end(&mut child, ENDING) } else { None };
     let _ = child.kill();
-    let status = child.wait();
+    let _ = child.wait();
     let _ = (writer.join(), reader.join());
     let words = words.join().unwrap_or_default();
     match outcome? {
         Some(output) => Ok(output),
-        None => Err(end_of(&name, limits, status, &String::from_utf8_lossy(&words))),
+        None => Err(end_of(&name, limits, its_end, &String::from_utf8_lossy(&words))),
+    }
+}
+
+/// How a child ended by itself; `None` where it still runs after `patience`.
+fn own_end(child: &mut Child, patience: Duration) -> Option<io::Result<ExitStatus>> {
+    let began = Instant::now();
+    loop {
+        match child.try_wait() {
+            Ok(Some(status)) => return Some(Ok(status)),
+            Err(e) => return Some(Err(e)),
+            Ok(None) if began.elapsed() >= patience => return None,
+            Ok(None) => thread::sleep(LOOK),
+        }
     }
 }
 
@@ -238,9 +253,14 @@ fn last_words(mut from: impl Read) -> Vec<u8> {
     kept
 }
 
-/// Why a process ended without an answer.
-fn end_of(name: &str, limits: &Limits, status: io::Result<ExitStatus>, words: &str) -> Error {
+/// Why a process ended without an answer; `status` is that of its own end, `None` where it had to be ended.
+fn end_of(name: &str, limits: &Limits, status: Option<io::Result<ExitStatus>>, words: &str) -> Error {
     let last = words.lines().rev().find(|l| !l.trim().is_empty()).unwrap_or("without a word").trim();
+    let Some(status) = status else {
+        let text = "the job's process gave no answer that is understood and was ended";
+        let text = format!("{text}: {last}; please report it with the drawing; the next drawing is taken up");
+        return Error::input("job-died", Place::file(name), text);
+    };
     if status.as_ref().ok().and_then(ExitStatus::code) == Some(i32::from(Error::Stopped.exit_code())) {
         return Error::Stopped;
     }
@@ -425,7 +445,6 @@ fn limit(_: &Request) {}
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Instant;
 
     fn shell(script: &str) -> Limits {
         let args = ["-c", script, "job"].map(OsString::from).to_vec();
@@ -515,6 +534,9 @@ mod tests {
             ("exit 0", "job-died", "without a word"),
             ("kill -KILL $$", JOB_KILLED, "from outside"),
             ("echo 'no frame'; exit 1", "job-died", "exit status: 1"),
+            // What it does after its last frame is its own end still.
+            ("exec >&-; sleep 0.2; echo tired >&2; exit 3", "job-died", "exit status: 3): tired"),
+            ("echo 'no frame'; sleep 0.2; kill -XCPU $$", "job-too-long", "7 s"),
         ] {
             let (found, text) = end(script);
             assert_eq!(found, code, "{script}: {text}");
@@ -526,6 +548,16 @@ mod tests {
         let lost = Limits { program: "/no/such/program".into(), ..shell("") };
         let error = run(&lost, &request(), &mut |_| {}, &Cancel::default()).unwrap_err();
         assert_eq!(error.exit_code(), 4);
+    }
+
+    /// A child without an answer that does not end is ended, which nobody outside did.
+    #[test]
+    fn a_child_that_stays_without_an_answer_is_ended() {
+        let began = Instant::now();
+        let (code, text) = end("exec >&-; echo waiting >&2; exec sleep 600");
+        assert_eq!(code, "job-died", "{text}");
+        assert!(text.contains("was ended: waiting"), "{text}");
+        assert!(began.elapsed() >= ENDING, "it was given no time");
     }
 
     /// A child that hears nothing is ended, and everything that waits for it goes on.
