@@ -270,14 +270,14 @@ pub struct SearchArgs {
     /// How far apart options should be, as a fraction of the largest distance.
     #[arg(long, value_name = "0..1")]
     pub distance: Option<f64>,
-    /// Hard limits: "wall-length -5%, room-area -5%, clearance 3, passage 0.9 m, degree-p10 >= 40".
+    /// Hard limits: "wall-length -5%, room-area -5%, clearance 3, passage 0.9 m, degree-p10 >= 40", or "none".
     #[arg(long, value_name = "LIST")]
     pub limit: Option<String>,
     /// Groups that move together: "same: door-1, door-2", "mirror-x: a, b", "mirror-y: a, b",
-    /// "equal: a, b, c"; repeatable.
+    /// "equal: a, b, c"; repeatable; "none" for no link.
     #[arg(long, value_name = "LINK")]
     pub link: Vec<String>,
-    /// Modules that moves keep to: "0.1 m, 5 deg".
+    /// Modules that moves keep to: "0.1 m, 5 deg", or "none".
     #[arg(long, value_name = "LIST")]
     pub snap: Option<String>,
     /// Most groups that an option may move.

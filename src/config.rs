@@ -627,9 +627,11 @@ impl Settings {
             penalties,
             distance: in_range("distance", Some(p.distance.unwrap_or(D_MIN_DEFAULT)), 0.0, 1.0)?
                 .unwrap_or(D_MIN_DEFAULT),
-            limits: control::limits(p.limit.as_deref().unwrap_or_default())?,
-            links: control::links(&p.link.unwrap_or_default())?,
-            snap: p.snap.map(|t| control::snap(&t)).transpose()?,
+            limits: control::limits(p.limit.as_deref().filter(|t| !is_none(t)).unwrap_or_default())?,
+            links: control::links(
+                p.link.as_deref().filter(|l| !l.iter().all(|t| is_none(t))).unwrap_or_default(),
+            )?,
+            snap: p.snap.filter(|t| !is_none(t)).map(|t| control::snap(&t)).transpose()?,
             most_moves: p.most_moves.map(|n| count("most-moves", n, 1, usize::MAX)).transpose()?,
             only_marked: p.only_marked.unwrap_or(false),
             until_converged: p.until_converged.unwrap_or(false),
@@ -763,6 +765,11 @@ fn penalties(text: &str) -> Result<Vec<(Penalty, f64)>, Error> {
         }
     }
     Ok(out)
+}
+
+/// Whether a rule taken over from a source farther off is lifted.
+fn is_none(text: &str) -> bool {
+    matches!(text.trim(), "" | "none")
 }
 
 fn clauses(text: &str) -> impl Iterator<Item = &str> {

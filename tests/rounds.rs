@@ -76,6 +76,44 @@ fn a_pinned_option_that_breaks_what_is_asked_now_is_kept_and_named() {
     asked(8, &["--limit", &more], "degree");
 }
 
+/// What is pinned is not counted as found inside thresholds that it misses.
+#[test]
+fn few_options_are_counted_as_they_are() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    desk.run(1, &["--objective", "degree max 0.3"]);
+    let narrow = ["--pin", "1", "--pin", "2", "--evaluations", "5", "--objective", "depth max 0.99"];
+    let result = json(&desk.run(2, &narrow).join("result.json"));
+    let options = result["candidates"].as_array().unwrap();
+    let inside = options.iter().filter(|c| c["within_threshold"] == true).count();
+    assert!(inside < options.len() && options.len() < 5, "{inside} of {}", options.len());
+    let problems = result["problems"].to_string();
+    let words = format!(
+        "5 options wanted, {inside} found inside all thresholds, {} kept as pinned",
+        options.len() - inside
+    );
+    assert!(problems.contains(&words), "{words}: {problems}");
+}
+
+/// A change in per cent counts from the drawing that it is asked of, and an accepted one says so.
+#[test]
+fn limits_that_begin_anew_are_told() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    let first = json(&desk.run(1, &["--limit", "wall-length -5%, degree >= 1"]).join("result.json"));
+    assert!(!first["problems"].to_string().contains("limit-anew"), "{first}");
+    assert!(enfilade(&["accept", &desk.drawing().to_string_lossy(), "1"]).status.success());
+    let again = |more: &[&str]| {
+        let drawing = desk.folder.path().join("plan-r02.dxf");
+        let drawing = drawing.to_string_lossy();
+        let done = enfilade(&[&["run", &*drawing, "--evaluations", "9"], more].concat());
+        text(&done.stderr)
+    };
+    let words = "`wall-length -5%` counts from this drawing, as round 1 left it, not from the first of all";
+    let said = again(&[]);
+    assert!(said.contains(words), "{said}");
+    let lifted = again(&["--limit", "none"]);
+    assert!(!lifted.contains("counts from this drawing"), "{lifted}");
+}
+
 /// A round without options answers whatever is asked of it in plain words.
 #[test]
 fn a_round_without_options_can_be_asked_for_them() {
@@ -88,7 +126,7 @@ fn a_round_without_options_can_be_asked_for_them() {
     assert!(problems.contains("keeps every hard limit") && problems.contains("it has"), "{problems}");
     let drawing = desk.drawing().to_string_lossy().into_owned();
     for (arguments, words) in [
-        (&["accept", &drawing, "0"][..], "found no layout better than the present one"),
+        (&["accept", &drawing, "0"][..], "keeps every hard limit"),
         (&["accept", &drawing, "1"], "has no options"),
         (&["run", &drawing, "--pin", "1"], "has no options"),
         (&["run", &drawing, "--like", "1"], "has no options"),

@@ -69,6 +69,26 @@ fn the_nearer_source_wins() {
 }
 
 #[test]
+fn rules_of_a_source_farther_off_are_lifted() {
+    let carried = || {
+        let text = "limit = \"wall-length -5%\"\nlink = [\"same: a, b\"]\nsnap = \"0.1 m\"\n";
+        Partial::from_toml("plan.enfilade.toml", text).unwrap()
+    };
+    for none in ["none", " none ", ""] {
+        let lift = Partial {
+            limit: Some(none.into()),
+            link: Some(vec![none.into()]),
+            snap: Some(none.into()),
+            ..Partial::default()
+        };
+        let s = Settings::new(lift.over(carried())).unwrap();
+        assert_eq!((s.limits.len(), s.links.len(), s.snap), (0, 0, None), "{none:?}");
+    }
+    let both = Partial { link: Some(vec!["none".into(), "same: a, b".into()]), ..Partial::default() };
+    assert!(Settings::new(both).is_err(), "none, and one");
+}
+
+#[test]
 fn a_value_that_makes_no_sense_names_file_and_line() {
     let e = Partial::from_toml("plan.enfilade.toml", "seed = 3\nobjective = \"degree up\"\n").unwrap_err();
     assert!(e.to_string().starts_with("plan.enfilade.toml:2: objective: found \"degree up\""), "{e}");

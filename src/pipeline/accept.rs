@@ -66,7 +66,12 @@ pub fn accept(
     };
     let Some((parameters, mean)) = chosen else {
         let n = result.candidates.len();
+        let none = result.problems.iter().find(|p| p.code == "no-option");
         let text = match number {
+            0 if none.is_some() => {
+                let why = none.map_or("", |p| p.text.as_str());
+                format!("{origin} has no best layout: {why}; nothing was written")
+            }
             0 => format!("{origin} found no layout better than the present one; nothing was written"),
             _ if n == 0 => {
                 format!("{origin} has no options, found number {number}; nothing was written")

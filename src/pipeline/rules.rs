@@ -2,10 +2,11 @@
 
 use super::aims;
 use super::study::{Study, Understood, Worth};
-use crate::config::{Bound, Follow, Held, PairName, Settings};
+use crate::config::{Bound, Follow, Held, Limit, PairName, Settings};
 use crate::moves::Parameter;
 use crate::moves::control::{Breach, Control, Link, Rules};
 use crate::overlay::measure::sentence_case;
+use crate::overlay::words::listed as listed_and;
 use crate::report::{Error, Place, Report};
 
 /// The parameters under the rules of the settings.
@@ -72,6 +73,17 @@ pub fn say_odd(base: &Understood, settings: &Settings, report: &mut Report) -> R
             );
             report.info("limit-read", place(), text);
         }
+    }
+    let is_change = |l: &&Limit| matches!(l.bound, Bound::Change(_));
+    let changes: Vec<String> = settings.limits.iter().filter(is_change).map(|l| format!("`{l}`")).collect();
+    if let (Some(last), false) = (settings.lineage.last(), changes.is_empty()) {
+        let text = format!(
+            "{} {} from this drawing, as {} left it, not from the first of all",
+            listed_and(&changes, "and"),
+            if changes.len() == 1 { "counts" } else { "count" },
+            if last.so_far { "the best so far".into() } else { format!("round {}", last.round) }
+        );
+        report.info("limit-anew", place(), text);
     }
     Ok(())
 }

@@ -494,7 +494,8 @@ impl Study {
         let all = std::iter::once((String::new(), &self.initial.seen)).chain(named);
         for (name, _) in all.filter(|(_, seen)| seen.means.degree == 0.0) {
             let text = format!(
-                "nobody in the region of query sees any of the region of reference: every measure is 0 or undefined; \
+                "nobody in the region of query sees any of the region of reference: its degree is 0, and nothing that counts \
+                 what is seen tells layouts apart; \
                  check where EF-QUERY{name} and EF-REFERENCE{name} stand"
             );
             report.warn("query-sees-nothing", Place::file(&self.base.plan.file), text);

@@ -1,22 +1,77 @@
-//! How many layouts a search may measure.
+//! How many layouts a search may measure: by the number stated, by the clock, or until it has converged.
 
-use super::{Settings, Study};
+use std::time::Instant;
+
+use super::super::memory::{Clock, Pace};
+use super::{BATCH, Settings, Study};
+use crate::search::{Search, Stop};
 
 /// Evaluations of a study whose user names no budget: this many query–vertex pairs in all …
 const PAIRS_BUDGET: f64 = 3.0e9;
 /// … but within these bounds.
 const EVALUATIONS: [f64; 2] = [200.0, 1_000.0];
 
-/// The number stated, else by how much measuring one costs.
-pub(super) fn budget(study: &Study, settings: &Settings) -> u64 {
-    let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
-    settings.evaluations.unwrap_or((PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]) as u64)
-}
-
 /// Most layouts of a search that ends when it has converged, where no number is stated.
 const CONVERGING_MAX: u64 = 20_000;
 
-/// The most of a search that ends when it has converged.
-pub(super) fn most(settings: &Settings) -> u64 {
-    settings.evaluations.unwrap_or(CONVERGING_MAX)
+/// The evaluations that a search plans with: the number stated, else by how much measuring one costs; none where it
+/// ends when it has converged.
+pub(super) fn stated(study: &Study, settings: &Settings) -> Option<u64> {
+    let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
+    let by_cost = || (PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]) as u64;
+    (!settings.until_converged).then(|| settings.evaluations.unwrap_or_else(by_cost))
+}
+
+/// What a search may still measure.
+pub(super) struct Allowance<'a> {
+    settings: &'a Settings,
+    clock: Clock,
+    /// Evaluations thought to fit into the seconds stated.
+    fit: u64,
+    /// Evaluations that are measured whatever the clock says.
+    least: u64,
+}
+
+impl<'a> Allowance<'a> {
+    /// Of a search that first measures `known` layouts, in a round that began at `started`.
+    pub(super) fn new(settings: &'a Settings, search: &mut Search, known: u64, started: Instant) -> Self {
+        let out = Self { settings, clock: Clock::new(started), fit: 0, least: known + BATCH as u64 };
+        if settings.until_converged {
+            search.set_most(out.most());
+        }
+        out
+    }
+
+    fn most(&self) -> u64 {
+        self.settings.evaluations.unwrap_or(CONVERGING_MAX)
+    }
+
+    /// Before a batch is asked for: a search whose time or number is spent ends, another plans with what fits. The pace
+    /// of a batch that is remembered counts instead of the clock.
+    pub(super) fn turn(&mut self, search: &mut Search, remembered: Option<Pace>) {
+        let done = search.progress().evaluations;
+        if let Some(seconds) = self.settings.seconds {
+            if remembered.is_none() && done > 0 && self.clock.spent_secs() >= seconds {
+                search.finish(Stop::Time);
+            }
+            self.fit = remembered.map_or_else(|| self.clock.fit(done, seconds).max(self.least), |p| p.fit);
+            if !self.settings.until_converged {
+                search.set_evaluations(self.settings.evaluations.map_or(self.fit, |most| most.min(self.fit)));
+            }
+        }
+        if self.settings.until_converged && done >= self.most() {
+            search.finish(Stop::Budget);
+        }
+    }
+
+    /// The clock goes on from where a remembered batch left it.
+    pub(super) fn go_on(&mut self, from: Pace) {
+        self.clock.set(from.spent_secs);
+    }
+
+    /// Where the clock stands; nothing where no seconds are stated, so that nothing kept depends on it.
+    pub(super) fn pace(&self) -> Pace {
+        let pace = self.settings.seconds.map(|_| Pace { fit: self.fit, spent_secs: self.clock.spent_secs() });
+        pace.unwrap_or_default()
+    }
 }

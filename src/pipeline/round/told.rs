@@ -202,9 +202,11 @@ pub(super) fn say_options(
     if found.alike > 0 {
         report.info("options-left-out", place(), left_out_words(study, settings, made));
     } else if found.unworthy == 0 && settings.mode == Mode::Diverse && made < settings.members {
+        let inside = found.members.iter().filter(|m| m.within_threshold).count();
         let text = format!(
-            "{} wanted, {made} found inside all thresholds; more --evaluations, wider bounds or lower thresholds find more",
-            counted(settings.members as u64, "option")
+            "{} wanted, {inside} found inside all thresholds{}; more --evaluations, wider bounds or lower thresholds find more",
+            counted(settings.members as u64, "option"),
+            if inside < made { format!(", {} kept as pinned", made - inside) } else { String::new() }
         );
         report.warn("few-options", place(), text);
     }

@@ -1,0 +1,265 @@
+//! What a search found, in our terms: options, the best layout, the course of the search.
+
+use rayon::prelude::*;
+
+use super::super::study::Study;
+use super::super::{explain, rules, show};
+use super::judged::{apart, evaluation, is_firm, moves_visibly, pinned};
+use super::{PENALTY_FREE, told};
+use crate::config::{Aim, Method, Mode, Settings};
+use crate::moves::control::Control;
+use crate::overlay::Series;
+use crate::overlay::measure::plain_name;
+use crate::overlay::result::{self, Best, Explanation, Objective, Sense as ShownSense};
+use crate::search::{self, Search};
+
+/// What a search found, in our terms.
+pub(in crate::pipeline) struct Found {
+    pub(in crate::pipeline) members: Vec<search::Member>,
+    /// Of every member.
+    pub(super) explanations: Vec<Explanation>,
+    /// Members left out because they were almost the same as a better one.
+    pub(super) alike: usize,
+    /// Members left out because they were no better than the present layout.
+    pub(super) unworthy: usize,
+    /// Whether what is left is no better either.
+    pub(super) is_none_better: bool,
+    pub(super) best: Option<Best>,
+    /// Why there is no option, where there is none.
+    pub(super) no_option: Option<String>,
+    pub(in crate::pipeline) objectives: Vec<Objective>,
+    /// What is left of the thresholds stated.
+    pub(super) threshold_share: f64,
+    pub(in crate::pipeline) evaluations: u64,
+    pub(in crate::pipeline) stopped_by: String,
+    /// Whether the search had ended, and not merely been looked at on its way.
+    pub(super) has_ended: bool,
+    pub(in crate::pipeline) series: Vec<Series>,
+    /// Objective values of every layout measured that keeps the hard limits and does not lose far more than it gains.
+    pub(in crate::pipeline) archive: Vec<Vec<f64>>,
+}
+
+/// What a finished search found: options and best layout with all their parameters, explained.
+pub(super) fn found(
+    study: &Study,
+    settings: &Settings,
+    control: &Control,
+    objectives: &[(Aim, search::Objective)],
+    search: &Search,
+) -> Found {
+    let outcome = search.outcome();
+    let initial = evaluation(study, settings, objectives, &study.initial);
+    let shown = objectives.iter().enumerate().map(|(i, (_, o))| Objective {
+        name: o.name.clone(),
+        sense: if o.sense == search::Sense::Maximise { ShownSense::Max } else { ShownSense::Min },
+        threshold: o.threshold * outcome.threshold_share,
+        initial: initial.values[i],
+        best: best_of(&outcome, i, o.sense),
+        reachable: outcome.reachable[i],
+        // No −0, which would be written so.
+        limit: outcome.reachable[i].map(|_| outcome.thresholds[i] + 0.0),
+        free: o.is_penalty.then_some(PENALTY_FREE),
+    });
+    let shown: Vec<Objective> = shown.collect();
+    let goes_on = || "the search had not ended; this is the best so far".to_owned();
+    let mut stopped_by = search.stop_reason().map_or_else(goes_on, |s| s.to_string());
+    let whole = |p: &[f64]| control.expand(p);
+    let mut members = outcome.members.clone();
+    let pinned = pinned(settings).min(members.len());
+    let mut at = 0..;
+    members.retain(|m| at.next().is_some_and(|i: usize| i < pinned) || m.violation == 0.0);
+    for m in &mut members {
+        m.parameters = whole(&m.parameters);
+    }
+    if settings.mode == Mode::Best && settings.method != Method::Paper && !members.is_empty() {
+        let best = best_in_all(settings, &outcome, &shown);
+        if outcome.members.iter().all(|m| m.parameters != best.parameters) {
+            members = vec![the_best(best, &whole)];
+        }
+    }
+    let found = members.len();
+    members = apart(study, members);
+    let alike = outcome.alike + found - members.len();
+    let unworthy = keep_better(study, settings, &shown, &mut members);
+    let is_none_better =
+        unworthy > 0 && members.iter().all(|m| !explain::is_better(&shown, &m.values, is_firm(settings)));
+    let is_unmet = outcome.best.violation > 0.0;
+    let best = best_in_all(settings, &outcome, &shown);
+    let is_best_better = explain::is_better(&shown, &best.values, is_firm(settings));
+    let no_option = (members.is_empty() || is_unmet).then(|| {
+        if !is_unmet {
+            return told::nothing_returned(settings, outcome.evaluations, is_best_better);
+        }
+        let nearest = whole(&outcome.best.parameters);
+        let worth = study.measure(&nearest, &mut study.bench());
+        let missed = rules::missed_words(study, settings, control, (&nearest, &worth));
+        let text = format!(
+            "no layout of the {} measured keeps every hard limit; the one that comes nearest misses {missed}",
+            outcome.evaluations
+        );
+        stopped_by.push_str("; no layout keeps every hard limit");
+        text
+    });
+    let best = (!is_unmet && is_best_better).then(|| {
+        let mut parameters = whole(&best.parameters);
+        // Another layout that measures the same is no better: the best is among the options then.
+        let option = members.iter().position(|m| m.parameters == parameters);
+        let option = option.or_else(|| members.iter().position(|m| m.values == best.values));
+        if let Some(i) = option {
+            parameters.clone_from(&members[i].parameters);
+        }
+        let worth = study.measure(&parameters, &mut study.bench());
+        Best {
+            option: option.map(|i| i + 1),
+            mean: show::mean_numbers(study, &worth),
+            penalty: show::penalty_numbers(&worth),
+            score: Some(study.score(&worth, settings)),
+            parameters,
+        }
+    });
+    Found {
+        explanations: explanations(study, settings, control, objectives, &shown, &members),
+        best,
+        alike,
+        unworthy,
+        is_none_better,
+        no_option,
+        objectives: shown,
+        threshold_share: outcome.threshold_share,
+        evaluations: outcome.evaluations,
+        stopped_by,
+        has_ended: search.stop_reason().is_some(),
+        series: series(&outcome, objectives),
+        archive: outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values.clone()).collect(),
+        members,
+    }
+}
+
+/// The layout that keeps hard limits and thresholds and gains most in all, as options are ordered; a single objective has
+/// its own. The paper's algorithms do not look for it among what they measure after their first stages.
+fn best_in_all<'a>(
+    settings: &Settings,
+    outcome: &'a search::Outcome<'_>,
+    objectives: &[Objective],
+) -> &'a search::Point {
+    let aims = objectives.iter().filter(|o| o.name != "penalty").count();
+    if settings.method != Method::Paper && aims < 2 {
+        return &outcome.best;
+    }
+    let keeps = |p: &search::Point| {
+        let sides = objectives.iter().zip(&p.values).zip(&outcome.thresholds);
+        p.violation == 0.0
+            && sides.into_iter().all(|((o, v), t)| if o.sense == ShownSense::Max { v >= t } else { v <= t })
+    };
+    let gain = |p: &search::Point| explain::total_gain(objectives, &p.values);
+    let kept = outcome.archive.iter().filter(|p| keeps(p));
+    kept.fold(&outcome.best, |best, p| if gain(p) > gain(best) { p } else { best })
+}
+
+/// The one option of mode best.
+fn the_best(point: &search::Point, whole: &dyn Fn(&[f64]) -> Vec<f64>) -> search::Member {
+    search::Member {
+        parameters: whole(&point.parameters),
+        values: point.values.clone(),
+        violation: point.violation,
+        within_threshold: true,
+    }
+}
+
+/// Leaves out the members that are as drawn or no better than the present layout, and says how many are no better;
+/// the best of the others come first, after those that were pinned, which all stay.
+fn keep_better(
+    study: &Study,
+    settings: &Settings,
+    objectives: &[Objective],
+    members: &mut Vec<search::Member>,
+) -> usize {
+    let pinned = pinned(settings).min(members.len());
+    let mut free = members.split_off(pinned);
+    free.retain(|m| moves_visibly(study, &m.parameters));
+    let gain = |m: &search::Member| explain::total_gain(objectives, &m.values);
+    free.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+    if settings.method == Method::Paper {
+        members.append(&mut free);
+        return 0;
+    }
+    let worthy = free.iter().filter(|m| explain::is_better(objectives, &m.values, is_firm(settings)));
+    let better: Vec<search::Member> = worthy.cloned().collect();
+    let unworthy = free.len() - better.len();
+    if better.is_empty() && pinned == 0 {
+        // Where nothing is better, the best there is shows how little these moves can do.
+        free.truncate(1);
+        members.append(&mut free);
+    } else {
+        members.extend(better);
+    }
+    unworthy
+}
+
+fn explanations(
+    study: &Study,
+    settings: &Settings,
+    control: &Control,
+    objectives: &[(Aim, search::Objective)],
+    shown: &[Objective],
+    members: &[search::Member],
+) -> Vec<Explanation> {
+    let options: Vec<Vec<f64>> = members.iter().map(|m| m.parameters.clone()).collect();
+    let measured = |p: &[f64]| {
+        let worth = study.measure(p, &mut study.bench());
+        evaluation(study, settings, objectives, &worth).values
+    };
+    let one = |i: usize| {
+        let mut out = explain::explain(study, control, shown, &options, i, &measured);
+        if i < pinned(settings) {
+            let worth = study.measure(&options[i], &mut study.bench());
+            out.breaks = rules::broken(study, settings, control, (&options[i], &worth));
+            if !out.breaks.is_empty() {
+                // What may be gained without keeping the limits was not looked for: no share to tell.
+                out.kept = result::Numbers::default();
+            }
+        }
+        out
+    };
+    (0..options.len()).into_par_iter().map(one).collect()
+}
+
+/// Best value of one objective among all layouts that keep the hard limits, if any does.
+fn best_of(outcome: &search::Outcome<'_>, objective: usize, sense: search::Sense) -> Option<f64> {
+    let values = outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values[objective]);
+    let better = |a: f64, b: f64| if sense == search::Sense::Maximise { a.max(b) } else { a.min(b) };
+    values.reduce(better)
+}
+
+/// The course of the search: the best value of every objective among the layouts that keep the hard limits,
+/// and, once options spread, how far the two most alike stand apart.
+fn series(outcome: &search::Outcome<'_>, objectives: &[(Aim, search::Objective)]) -> Vec<Series> {
+    let mut out: Vec<Series> = objectives
+        .iter()
+        .enumerate()
+        .map(|(j, (_, o))| Series {
+            name: format!("{}: best found", plain_name(&o.name)),
+            points: course(outcome, j, o.sense),
+        })
+        .collect();
+    let apart = outcome.stages.iter().filter(|s| s.min_distance > 0.0);
+    let points: Vec<(u64, f64)> = apart.map(|s| (s.evaluations, s.min_distance)).collect();
+    if !points.is_empty() {
+        out.push(Series { name: "Distance of the two options most alike".into(), points });
+    }
+    out
+}
+
+/// Where the best value of an objective rose, and to what.
+fn course(outcome: &search::Outcome<'_>, objective: usize, sense: search::Sense) -> Vec<(u64, f64)> {
+    let mut points: Vec<(u64, f64)> = vec![];
+    for (i, p) in outcome.archive.iter().enumerate().filter(|(_, p)| p.violation == 0.0) {
+        let value = p.values[objective];
+        let is_better =
+            |best: f64| if sense == search::Sense::Maximise { value > best } else { value < best };
+        if value.is_finite() && points.last().is_none_or(|(_, best)| is_better(*best)) {
+            points.push((i as u64 + 1, value));
+        }
+    }
+    points
+}

@@ -1,0 +1,150 @@
+//! Options made real: the drawing patched, read again, and what differs in it.
+
+use std::collections::BTreeMap;
+
+use super::super::study::{self, Study, Understood, Worth};
+use super::super::{Input, show};
+use super::told;
+use crate::config::Settings;
+use crate::formats::{self, gltf};
+use crate::moves::Layout;
+use crate::moves::carried::{Carried, carried};
+use crate::overlay::result::{self, ElementRef};
+use crate::plan::drawing::Edit;
+use crate::plan::markers::place_in;
+use crate::report::{Error, Place, Report};
+use crate::search;
+
+/// A member made real: its layout, its bytes without our layers, and what these are worth.
+pub(in crate::pipeline) struct Made {
+    pub(super) layout: Layout,
+    pub(super) member: search::Member,
+    pub(super) worth: Worth,
+    pub(super) edits: Vec<Edit>,
+    /// For every edit the records it changes.
+    pub(super) changed: Vec<Vec<formats::ChangedRecord>>,
+    /// Ids of the host program, by record.
+    pub(super) host_ids: BTreeMap<u64, String>,
+    pub(super) report: Report,
+    pub(super) name: String,
+}
+
+/// Patches the drawing, reads it again and measures from scratch: what is reported is what is written.
+pub(super) fn make(
+    input: &Input<'_>,
+    settings: &Settings,
+    study: &Study,
+    index: usize,
+    member: &search::Member,
+) -> Result<Made, Error> {
+    let layout = study.base.moves.apply(&study.base.plan, &study.base.graph, &member.parameters);
+    let edits = edits_of(&study.base, &layout);
+    let options = study::read_options(settings);
+    let changed = formats::changed_records(input.file(), &input.bytes, &options, &edits)?;
+    let bytes = formats::patch(input.file(), &input.bytes, &options, &edits, &[])?;
+    let worth = study.measure_written(&bytes, &layout, settings)?;
+    let name = format!("candidate-{}", index + 1);
+    let mut report = Report::default();
+    let records: Vec<usize> = edits.iter().map(Edit::record).collect();
+    let ids = formats::host_ids(input.file(), &input.bytes, &records);
+    let host_ids = records.iter().zip(ids).filter_map(|(r, id)| Some((*r as u64, id?))).collect();
+    state_stale(input, settings, &records, &mut report)?;
+    state_left_behind(&study.base, &layout, &mut report);
+    let searched = study.measure(&member.parameters, &mut study.bench());
+    let differs = worth.differences(&searched);
+    if !differs.is_empty() {
+        let differs: Vec<String> =
+            differs.into_iter().map(|(what, new, old)| format!("{what} {new} instead of {old}")).collect();
+        let text = format!(
+            "{name} read again does not measure as in the search: {}; the values of the file are reported",
+            differs.join(", ")
+        );
+        report.warn("written-differs", Place::file(input.file()), text);
+    }
+    Ok(Made { layout, member: member.clone(), worth, edits, changed, host_ids, report, name })
+}
+
+/// The changes of the file that make a layout; blocks once for all that they show.
+pub(in crate::pipeline) fn edits_of(base: &Understood, layout: &Layout) -> Vec<Edit> {
+    let mut out: Vec<Edit> = Vec::new();
+    for moved in layout.walls.iter().filter(|w| w.is_changed) {
+        let wall = &base.plan.walls[moved.wall as usize];
+        let record = wall.source.record;
+        if !wall.editable.moves_whole() {
+            out.push(Edit::Shape { record, shape: moved.shape.clone() });
+            continue;
+        }
+        let motion = moved.motion.map(|motion| Edit::Insert { record, motion });
+        for edit in motion.into_iter().chain(moved.ends.map(|by| Edit::Ends { record, by })) {
+            if !out.contains(&edit) {
+                out.push(edit);
+            }
+        }
+    }
+    for fitting in &base.fittings {
+        let record = fitting.source.record;
+        let Carried::Moves(shape, motion) = carried(&base.plan, fitting, layout) else { continue };
+        let edit = match fitting.editable.moves_whole() {
+            true => Edit::Insert { record, motion },
+            false => Edit::Shape { record, shape },
+        };
+        if !out.contains(&edit) {
+            out.push(edit);
+        }
+    }
+    out
+}
+
+/// Names the annotation that does not follow the moved walls.
+fn state_stale(
+    input: &Input<'_>,
+    settings: &Settings,
+    moved: &[usize],
+    report: &mut Report,
+) -> Result<(), Error> {
+    let options = study::read_options(settings);
+    told::say_stale(report, input.file(), &formats::dependents(input.file(), &input.bytes, &options, moved)?);
+    Ok(())
+}
+
+/// Doors and windows that cannot go with their wall.
+fn state_left_behind(base: &Understood, layout: &Layout, report: &mut Report) {
+    for fitting in &base.fittings {
+        if let Carried::Stale(why) = carried(&base.plan, fitting, layout) {
+            let text = format!(
+                "is part of a door or window whose wall moves in an option, but {why}; it stays as drawn"
+            );
+            report.info(told::OPENING_STAYS, place_in(&base.plan.file, &fitting.source), text);
+        }
+    }
+    told::say_labels(base, layout, report);
+}
+
+/// `changes` of a candidate, each with the records of the file that differ.
+pub(super) fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
+    let mut out = show::changes(&study.base, &made.layout);
+    for change in &mut out {
+        if let ElementRef::Gltf { path } = &change.element {
+            let fitted = study.base.fittings.iter().map(|f| &f.source);
+            let all = study.base.plan.walls.iter().map(|w| &w.source).chain(fitted);
+            let named = all.filter(|s| s.handle.as_deref() == Some(path)).map(|s| &s.kind);
+            change.host_id = named.into_iter().find(|name| gltf::is_global_id(name)).cloned();
+            continue;
+        }
+        let (ElementRef::Dxf { record, .. } | ElementRef::Ifc { id: record, .. }) = change.element else {
+            continue;
+        };
+        change.host_id = made.host_ids.get(&record).cloned();
+        let edit = made.edits.iter().position(|e| e.record() as u64 == record);
+        let Some(changed) = edit.and_then(|i| made.changed.get(i)).filter(|c| c.len() != 1) else { continue };
+        let mut all = vec![change.element.clone()];
+        for c in changed {
+            let element = show::element_of(study.base.plan.format, c.handle.clone(), c.record);
+            if !all.contains(&element) {
+                all.push(element);
+            }
+        }
+        change.element = ElementRef::Several(all);
+    }
+    out
+}
