@@ -391,8 +391,8 @@ pub fn sentence_case(name: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Figures below are the rounding of coordinates.
-const NOISE: f64 = 1e-6;
+/// Figures below are the rounding of coordinates, a micrometre each, added up over the walls of a layout.
+const NOISE: f64 = 1e-5;
 
 /// A number with about three significant digits, thin spaces between thousands and a true minus;
 /// `–` if it does not exist.
@@ -404,7 +404,6 @@ pub fn number(value: f64) -> String {
         s if s >= 9.995 => 1,
         s if s >= 0.0995 => 2,
         s if s >= 0.000_995 => 4,
-        // Less than a micrometre, in every unit: what rounding to micrometres leaves.
         s if s < NOISE => return "0".to_owned(),
         _ => return format!("{value:.1e}").replace('-', "−"),
     };
@@ -534,6 +533,7 @@ mod tests {
             (0.05, "0.0500"),
             (2e-5, "2.0e−5"),
             (-1.6e-7, "0"),
+            (1.4e-6, "0"),
             (f64::NAN, "–"),
         ];
         for (value, expected) in cases {
