@@ -146,6 +146,39 @@ fn a_wall_that_is_missing_is_missed_on_its_own_storey() {
     }
 }
 
+/// An opening that cannot be read leaves its wall closed there, which the wall says.
+#[test]
+fn an_opening_that_cannot_be_read_is_told() {
+    let hole = "#900=IFCOPENINGELEMENT('O000000000000000000001',$,'gap',$,$,#2003,#901,$,$);\n\
+         #901=IFCPRODUCTDEFINITIONSHAPE($,$,(#902));\n\
+         #902=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#903));\n\
+         #903=IFCEXTRUDEDAREASOLID(#904,$,#8,2.);\n#904=IFCRECTANGLEPROFILEDEF(.AREA.,$,#15,1.,1.);\n\
+         #905=IFCRELVOIDSELEMENT('V000000000000000000001',$,$,$,#200,#900);\n";
+    let told = |from: &str, to: &str| {
+        let data = hole.replace(from, to);
+        let text = house(&[]).replace("ENDSEC;\nEND-ISO", &format!("{data}ENDSEC;\nEND-ISO"));
+        let (drawing, report) = read_with(text.as_bytes(), &ReadOptions::default());
+        let said: Vec<String> = report.problems.iter().map(ToString::to_string).collect();
+        (on(&drawing.unwrap(), "IfcOpeningElement").len(), said.join("\n"))
+    };
+    let (gaps, said) = told("", "");
+    assert!(gaps > 0 && !said.contains("its opening"), "{gaps} {said}");
+    for (from, to, why) in [
+        ("#901=IFCPRODUCTDEFINITIONSHAPE($,$,(#902));\n", "", "901"),
+        (
+            "IFCEXTRUDEDAREASOLID(#904,$,#8,2.)",
+            "IFCSURFACECURVESWEPTAREASOLID(#904,$)",
+            "a kind of body that is not read",
+        ),
+        ("#2003,#901", "#2003,$", "it has no shape"),
+    ] {
+        let (gaps, said) = told(from, to);
+        assert_eq!(gaps, 0, "{said}");
+        let line = said.lines().find(|l| l.contains("#200 IfcWall")).unwrap_or_default();
+        assert!(line.contains("its opening #900: ") && line.contains(why), "{said}");
+    }
+}
+
 /// A storey of footings below one that begins 1 m above it: a cut at eye height would show the other one's walls.
 #[test]
 fn a_storey_of_footings_does_not_show_the_one_above() {

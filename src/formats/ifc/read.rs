@@ -478,7 +478,9 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     /// Takes the openings out; what closes them is shown on the layer of its class.
     fn take_openings_out(&self, p: &'b Product, frame: &Frame, out: &mut ElementCut<'b>) {
         for opening in self.b.model.openings.get(&p.id).into_iter().flatten() {
-            let Ok(hole) = self.opening(*opening, p, frame) else { continue };
+            let (hole, whys) =
+                self.opening(*opening, p, frame).unwrap_or_else(|why| (Region::default(), vec![why]));
+            out.missing.extend(whys.iter().map(|why| format!("its opening #{opening}: {why}")));
             let filler = self.filler(*opening);
             let hole = hole.through(&out.region, SLIVER_M / self.b.geo.metres);
             let plug = out.region.clone().combine(&hole, Rule::Intersection);
@@ -501,8 +503,8 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         ids.iter().find_map(|id| self.b.model.filler(*id))
     }
 
-    /// An opening in the frame of its wall.
-    fn opening(&self, id: u64, wall: &Product, frame: &Frame) -> Result<Region, Why> {
+    /// An opening in the frame of its wall, and why parts of it are missing.
+    fn opening(&self, id: u64, wall: &Product, frame: &Frame) -> Result<(Region, Vec<Why>), Why> {
         let p = super::model::product(self.b.step, id, "IfcOpeningElement");
         let shape = p.shape.ok_or("it has no shape")?;
         let m = match (p.placement, wall.placement) {
@@ -511,7 +513,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             (None, _) => frame.world.inverse(),
         };
         let cut = self.b.geo.cut_items(&body_items(self.b.step, shape)?, &(frame.to * m), frame.z);
-        Ok(cut.region)
+        Ok((cut.region, cut.missing))
     }
 
     /// Doors and windows that fill no opening: a box round their cut.
