@@ -605,7 +605,7 @@ impl Settings {
             seed_points: p.seed_point.unwrap_or_default(),
             backend: p.backend.unwrap_or_default(),
             threads: p.threads.map(|t| count("threads", t, 1, THREADS_MAX)).transpose()?,
-            seed: p.seed.unwrap_or(1),
+            seed: seed(p.seed.unwrap_or(1))?,
             evaluations: p.evaluations,
             seconds: in_range("seconds", p.seconds, 0.1, 1e6)?,
             write_every_secs: in_range(
@@ -765,6 +765,16 @@ fn penalties(text: &str) -> Result<Vec<(Penalty, f64)>, Error> {
         }
     }
     Ok(out)
+}
+
+/// Largest seed: the largest whole number of a settings file, in which `accept` writes it down.
+pub const SEED_MAX: u64 = i64::MAX as u64;
+
+fn seed(value: u64) -> Result<u64, Error> {
+    match value {
+        0..=SEED_MAX => Ok(value),
+        _ => Err(bad("seed", &value.to_string(), &format!("at most {SEED_MAX}"))),
+    }
 }
 
 /// Whether a rule taken over from a source farther off is lifted.

@@ -104,14 +104,18 @@ pub struct Layout {
     pub walls: Vec<MovedWall>,
 }
 
+/// The nodes within the outline of a marker.
+pub fn enclosed(plan: &Plan, graph: &Graph, group: &Group) -> Vec<u32> {
+    let is_within = |n: &u32| group.outline.contains(plan.frame.um_from_plan(graph.nodes[*n as usize]));
+    (0..graph.nodes.len() as u32).filter(is_within).collect()
+}
+
 impl Moves {
     /// Takes the groups that the user marked; what cannot move is reported.
     pub fn from_markers(plan: &Plan, graph: &Graph, axes: &AxisGraph, report: &mut Report) -> Self {
         let mut groups = Vec::new();
         for group in &plan.markers.groups {
-            let nodes: Vec<u32> = (0..graph.nodes.len() as u32)
-                .filter(|n| group.outline.contains(plan.frame.um_from_plan(graph.nodes[*n as usize])))
-                .collect();
+            let nodes = enclosed(plan, graph, group);
             if nodes.is_empty() {
                 let text = "encloses no wall end, junction or column; nothing moves here";
                 report.warn("move-empty", place_in(&plan.file, &group.source), text);

@@ -114,6 +114,72 @@ fn limits_that_begin_anew_are_told() {
     assert!(!lifted.contains("counts from this drawing"), "{lifted}");
 }
 
+/// What decides the outcome of a round decides that of the next one too, and the command on the page.
+#[test]
+fn an_accepted_drawing_is_measured_as_before() {
+    let drawn = hall(["x -2 2", "x -2 2", "x -2 2"]).ring("EF-MOVE", [1.0, 1.0, 1.4, 1.4]);
+    let drawn = Plan(drawn.0 + "0\nTEXT\n8\nEF-MOVE\n10\n1.2\n20\n1.2\n40\n0.2\n1\nname spare; x -1 1\n");
+    let desk = Desk::new(&drawn.moving([2.0, 2.0, 2.0, 4.0], "x 0 0.0001; name stuck"));
+    let asked = [
+        "--level",
+        "knee",
+        "--only-marked",
+        "--colours",
+        "blue-to-red",
+        "--distance",
+        "0.1",
+        "--view",
+        "1",
+        "--evaluations",
+        "30",
+        "--accept-missing-eof",
+        "--members",
+        "3",
+        "--until-converged",
+    ];
+    let drawing = desk.drawing().to_string_lossy().into_owned();
+    let complete = std::fs::read_to_string(&drawing).unwrap();
+    std::fs::write(&drawing, complete.trim_end().strip_suffix("0\nEOF").unwrap()).unwrap();
+    let run = |drawing: &str, more: &[&str]| {
+        let done = enfilade(&[&["run", drawing], more].concat());
+        assert!([0, 1].contains(&done.status.code().unwrap()), "{}", text(&done.stderr));
+        text(&done.stderr)
+    };
+    run(&drawing, &asked);
+    let first = json(&desk.folder.path().join("plan.enfilade/round-01/result.json"));
+    let accepted = enfilade(&["accept", &drawing, "1"]);
+    assert!(accepted.status.success(), "{}", text(&accepted.stderr));
+    let said = run(&drawing.replace(".dxf", "-r02.dxf"), &[]);
+    assert!(!said.contains("drawn or changed since"), "{said}");
+    let second = json(&desk.folder.path().join("plan-r02.enfilade/round-01/result.json"));
+    let of_one_round = ["lineage", "warm", "warm_moves", "moves", "ignore_move_markers", "spacing_m", "unit"];
+    for (key, value) in first["settings"].as_object().unwrap() {
+        if !of_one_round.contains(&key.as_str()) {
+            assert_eq!(second["settings"][key], *value, "{key}");
+        }
+    }
+    assert_eq!(first["candidates"][0]["mean"], second["initial"]["mean"]);
+    let rounds = second["lineage"].as_array().unwrap();
+    assert!(rounds.iter().all(|r| r["other_ruler"] != true), "{rounds:?}");
+    let page =
+        std::fs::read_to_string(desk.folder.path().join("plan-r02.enfilade/round-01/report.html")).unwrap();
+    for said in [
+        "--level knee",
+        "--only-marked",
+        "--colours blue-to-red",
+        "--distance 0.1",
+        "--view 1",
+        "--accept-missing-eof",
+        "--limit none",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
+    // Another height of sight is another ruler.
+    run(&drawing.replace(".dxf", "-r02.dxf"), &["--level", "eye"]);
+    let third = json(&desk.folder.path().join("plan-r02.enfilade/round-02/result.json"));
+    assert_eq!(third["lineage"][0]["other_ruler"], true, "{}", third["lineage"]);
+}
+
 /// A round without options answers whatever is asked of it in plain words.
 #[test]
 fn a_round_without_options_can_be_asked_for_them() {

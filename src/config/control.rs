@@ -141,7 +141,10 @@ impl fmt::Display for Limit {
                 // Shortest digits of the per cent, not of the share.
                 write!(f, "{way} {:+}%", (share * 1e8).round() / 1e6)
             }
-            Bound::At(v) if self.held == Held::Penalty(Penalty::Passage) => write!(f, " {v} m"),
+            Bound::At(v) if self.held == Held::Penalty(Penalty::Passage) => {
+                // Feet and inches as metres, without the last digits.
+                write!(f, " {} m", (v * 1e6).round() / 1e6)
+            }
             Bound::At(v) => write!(f, " {} {v}", if self.is_least { ">=" } else { "<=" }),
         }
     }
@@ -380,7 +383,9 @@ text_form!(Aim, Limit, Link, Snap);
 /// Hard limits of `--limit`.
 pub(super) fn limits(text: &str) -> Result<Vec<Limit>, Error> {
     let expected = "`wall-length -5%`, `room-area -5%`, `clearance <= 3` (0 or more), `passage 0.9 m`, `degree-p10 >= 40` or `degree >= +10%`, separated by commas";
-    let parsed = clauses(text).map(|c| c.parse().map_err(|_| bad("limit", &format!("{c:?}"), expected)));
+    // The minus that reports print.
+    let text = text.replace('\u{2212}', "-");
+    let parsed = clauses(&text).map(|c| c.parse().map_err(|_| bad("limit", &format!("{c:?}"), expected)));
     let out: Vec<Limit> = parsed.collect::<Result<_, _>>()?;
     let clash = |a: &Limit| out.iter().find(|b| a.contradicts(b)).map(|b| format!("{a} and {b}"));
     match out.iter().find_map(clash) {
@@ -474,6 +479,8 @@ mod tests {
         assert_eq!("Brick, 5 deg".parse::<Snap>().unwrap().to_string(), "0.125 m, 5 deg");
         assert_eq!("module".parse(), "100 mm".parse::<Snap>());
         assert!("brick, 0.1 m".parse::<Snap>().is_err());
+        assert_eq!("passage 3 ft".parse::<Limit>().unwrap().to_string(), "passage 0.9144 m");
+        assert_eq!(limits("degree \u{2212}5%").unwrap(), limits("degree -5%").unwrap());
         assert_eq!("passage 900mm".parse::<Limit>().unwrap().bound, Bound::At(0.9));
         assert_eq!("degree@Main".parse::<Aim>().unwrap().to_string(), "degree@main");
         assert_eq!("clearance 3".parse(), "clearance <= 3".parse::<Limit>());

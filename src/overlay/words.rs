@@ -199,7 +199,7 @@ fn grouped(moves: &[MoveEntry], parameters: &[f64], bringing: &[String]) -> Vec<
     for (entry, &value) in moves.iter().zip(parameters) {
         let share = (value - entry.kind.identity()).abs() / (entry.upper - entry.lower).abs();
         let name = sentence_case(&entry.name);
-        let least = if bringing.contains(&name) { f64::MIN_POSITIVE } else { SMALLEST_SHARE };
+        let least = if bringing.contains(&name) { ROUNDING_SHARE } else { SMALLEST_SHARE };
         if !share.is_finite() || share < least {
             continue;
         }
@@ -217,6 +217,9 @@ fn grouped(moves: &[MoveEntry], parameters: &[f64], bringing: &[String]) -> Vec<
     }
     out
 }
+
+/// What is left of a range when a bound of an earlier round is read again.
+const ROUNDING_SHARE: f64 = 1e-6;
 
 const SLIDES: &str = "slides ";
 

@@ -52,7 +52,8 @@ impl Overlap {
 
     /// The penalty, metres, ≥ 0. `now` lists the pieces of the initial layout in the same order.
     pub fn measure_m(&self, now: &Layout<'_>) -> f64 {
-        self.by_pair(now).values().sum()
+        // The sum of nothing is −0.
+        self.by_pair(now).values().sum::<f64>() + 0.0
     }
 
     /// What the penalty counts, pair by pair: a piece of either wall (of a solid the first), and metres.

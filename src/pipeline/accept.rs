@@ -12,14 +12,15 @@ use super::fits;
 use super::round::edits_of;
 use super::ruler::ruler;
 use super::study::{self, Understood, marked};
-use crate::config::{Beside, KnownMove, LineageTable, Method, Mode, Partial, Settings, Thresholds};
+use crate::config::{Beside, Colours, KnownMove, Level, LineageTable, Partial, Settings, Thresholds};
 use crate::formats;
-use crate::moves::Parameter;
+use crate::moves::{Layout, NodeGroup, Parameter, enclosed};
 use crate::overlay::result::{Numbers, RoundResult};
 use crate::plan::Wall;
 use crate::plan::drawing::{Format, Unit};
 use crate::plan::frame::unit_by_name;
-use crate::plan::markers::{Clause, Kind};
+use crate::plan::graph::Handle;
+use crate::plan::markers::{Clause, Group, Kind};
 use crate::report::{Error, Place, Report};
 
 /// A new drawing with its side-car.
@@ -114,13 +115,12 @@ pub fn accept(
         drawing: input.file().into(),
         round: origin.round,
         so_far: origin.is_so_far,
-        ruler: ruler(&base.plan.markers, result.spacing_m),
+        ruler: ruler(&base.plan.markers, &settings, result.spacing_m),
         candidate: number as u32,
         initial: pairs(&result.initial.mean),
         accepted: pairs(mean),
     };
-    let positions = positions(&base, &layout);
-    let mut table = side_car(&base, &settings, result, parameters, &positions, lineage)?;
+    let mut table = side_car(&base, &settings, result, (parameters, &layout), lineage)?;
     if table.contains_key("warm") {
         let known = moves_again(input, &drawing, &table, &settings)?;
         let known = known.into_iter().map(Value::try_from).collect::<Result<Vec<_>, _>>();
@@ -153,91 +153,109 @@ fn pairs(numbers: &Numbers) -> std::collections::BTreeMap<String, f64> {
     numbers.0.iter().cloned().collect()
 }
 
-/// Where every group's nodes stand after the move, drawing units.
-fn positions(base: &Understood, layout: &crate::moves::Layout) -> Vec<Vec<[f64; 2]>> {
-    let of_node = |group: &crate::moves::NodeGroup, n: &u32| {
+/// Where nodes stand after the move, drawing units.
+fn positions(base: &Understood, layout: &Layout, group: &[Handle], nodes: &[u32]) -> Vec<[f64; 2]> {
+    let of_node = |n: &u32| {
         let handles = &base.graph.handles[*n as usize];
-        let (w, c) = handles.iter().find(|h| group.handles.binary_search(h).is_ok()).or(handles.first())?;
+        let (w, c) = handles.iter().find(|h| group.binary_search(h).is_ok()).or(handles.first())?;
         let moved = base.moves.walls.binary_search(w).ok().map(|i| &layout.walls[i].shape);
         let shape = moved.unwrap_or(&base.plan.walls[*w as usize].shape);
         crate::plan::curve::control_points(shape).get(*c as usize).map(|p| p.to_array())
     };
-    base.moves.groups.iter().map(|g| g.nodes.iter().filter_map(|n| of_node(g, n)).collect()).collect()
+    nodes.iter().filter_map(of_node).collect()
 }
 
+/// What the next round needs to know. Every key of the settings stands here, so that none is forgotten: `None` is what
+/// decides no outcome, belongs to one round alone, or is the default that objectives stated later replace.
 fn side_car(
     base: &Understood,
     settings: &Settings,
     result: &RoundResult,
-    parameters: &[f64],
-    positions: &[Vec<[f64; 2]>],
+    (parameters, layout): (&[f64], &Layout),
     last: LineageTable,
 ) -> Result<Table, Error> {
-    let mut out = Table::new();
-    let mut set = |key: &str, value: Value| out.insert(key.into(), value);
-    set("unit", unit_words(base.plan.unit.unit).into());
-    set("spacing", result.spacing_m.into());
-    if let Some(c) = settings.lattice_centre_m {
-        set("lattice-centre", points(&[c])[0].clone());
-    }
-    let optional = [
-        ("query-layer", &settings.query_layer),
-        ("reference-layer", &settings.reference_layer),
-        ("storey", &settings.storey),
-        ("query", &settings.query),
-    ];
-    for (key, value) in optional {
-        if let Some(v) = value {
-            set(key, v.clone().into());
-        }
-    }
-    if !settings.wall_layers.is_empty() {
-        set(
-            "wall-layer",
-            settings.wall_layers.iter().map(|l| Value::from(l.clone())).collect::<Vec<_>>().into(),
-        );
-    }
-    if !settings.seed_points.is_empty() {
-        set("seed-point", points(&settings.seed_points).into());
-    }
-    if let Some(n) = settings.evaluations {
-        set("evaluations", (n as i64).into());
-    }
-    if let Some(s) = settings.seconds {
-        set("seconds", s.into());
-    }
-    set("seed", (settings.seed as i64).into());
-    set("members", (settings.members as i64).into());
-    set("distance", settings.distance.into());
-    set("mode", if settings.mode == Mode::Best { "best" } else { "diverse" }.into());
-    set("method", if settings.method == Method::Paper { "paper" } else { "default" }.into());
-    // What nobody stated stays unstated, so that objectives stated later are firm as they would be at first.
     let is_default = settings.thresholds == Thresholds::Yielding
         && Settings::new(Partial::default()).is_ok_and(|s| s.objectives == settings.objectives);
-    if !is_default {
-        set("objective", settings.objective_text().into());
-        let is_firm = settings.thresholds == Thresholds::Firm;
-        set("thresholds", if is_firm { "firm" } else { "yielding" }.into());
-    }
-    set("score", settings.score_text().into());
-    set("penalty", settings.penalty_text().into());
-    control(settings).into_iter().for_each(|(key, value)| drop(set(key, value)));
     let known = others(base, result, parameters);
-    if !known.is_empty() {
-        set("warm", known.into());
-    }
-    set("ignore-move-markers", true.into());
-    let groups = base.moves.groups.iter().enumerate();
-    let tables = groups.map(|(g, _)| group_table(base, g, parameters, &positions[g]));
-    set("move", tables.map(Value::Table).collect::<Vec<_>>().into());
-    let regions =
-        settings.regions.iter().map(Value::try_from).collect::<Result<Vec<_>, _>>().map_err(toml_failed)?;
-    if !regions.is_empty() {
-        set("region", regions.into());
-    }
-    let rounds = settings.lineage.iter().chain(std::iter::once(&last)).map(Value::try_from);
-    set("lineage", rounds.collect::<Result<Vec<_>, _>>().map_err(toml_failed)?.into());
+    let some = |list: &Vec<String>| (!list.is_empty()).then(|| list.clone());
+    let links: Vec<String> = settings.links.iter().map(ToString::to_string).collect();
+    let said = Partial {
+        unit: Some(unit_words(base.plan.unit.unit)),
+        wall_layer: some(&settings.wall_layers),
+        query_layer: settings.query_layer.clone(),
+        reference_layer: settings.reference_layer.clone(),
+        view: settings.view.clone(),
+        level: (settings.level != Level::default()).then_some(settings.level),
+        spacing: Some(result.spacing_m),
+        lattice_centre: settings.lattice_centre_m,
+        seed_point: (!settings.seed_points.is_empty()).then(|| settings.seed_points.clone()),
+        backend: None,
+        threads: None,
+        out: None,
+        seed: Some(settings.seed),
+        evaluations: settings.evaluations,
+        seconds: settings.seconds,
+        write_every: None,
+        members: Some(settings.members),
+        mode: Some(settings.mode),
+        method: Some(settings.method),
+        objective: (!is_default).then(|| settings.objective_text()),
+        thresholds: (!is_default).then_some(settings.thresholds),
+        score: Some(settings.score_text()),
+        penalty: Some(settings.penalty_text()),
+        distance: Some(settings.distance),
+        limit: Some(settings.limit_text()).filter(|t| !t.is_empty()),
+        link: some(&links),
+        snap: settings.snap.map(|s| s.to_string()),
+        most_moves: settings.most_moves,
+        only_marked: settings.only_marked.then_some(true),
+        until_converged: settings.until_converged.then_some(true),
+        pin: None,
+        like: None,
+        warm: (!known.is_empty()).then_some(known),
+        colours: (settings.colours != Colours::default()).then_some(settings.colours),
+        storey: settings.storey.clone(),
+        query: settings.query.clone(),
+        accept_missing_eof: settings.accept_missing_eof.then_some(true),
+        ignore_move_markers: Some(true),
+        moves: Vec::new(),
+        regions: settings.regions.clone(),
+        lineage: settings.lineage.iter().cloned().chain(std::iter::once(last)).collect(),
+        pin_moves: Vec::new(),
+        warm_moves: Vec::new(),
+        watch: None,
+        host: None,
+    };
+    let mut out = Table::try_from(said).map_err(toml_failed)?;
+    out.retain(|_, value| value.as_array().is_none_or(|list| !list.is_empty()));
+    let mut tables: Vec<Table> =
+        (0..base.moves.groups.len()).map(|g| group_table(base, g, parameters, layout)).collect();
+    tables.extend(tables_that_stay(base, settings, layout)?);
+    out.insert("move".into(), tables.into_iter().map(Value::Table).collect::<Vec<_>>().into());
     Ok(out)
+}
+
+/// The tables of what was stated and moves nothing: what is said of it is said in the next round too.
+fn tables_that_stay(base: &Understood, settings: &Settings, layout: &Layout) -> Result<Vec<Table>, Error> {
+    let all = base.moves.parameters.iter().chain(&base.moves.left_out);
+    let known: BTreeSet<&String> = all.map(|p| &p.group_name).collect();
+    if !settings.moves.is_empty() {
+        let others = settings.moves.iter().filter(|m| m.name.as_ref().is_none_or(|n| !known.contains(n)));
+        return others.map(|m| Table::try_from(m).map_err(toml_failed)).collect();
+    }
+    let is_stated = !settings.ignore_move_markers && !base.moves.are_default;
+    let others = base.plan.markers.groups.iter().filter(|g| is_stated && !known.contains(&g.name));
+    let table = |marker: &Group| {
+        let nodes = positions(base, layout, &[], &enclosed(&base.plan, &base.graph, marker));
+        let clauses: Vec<String> = marker.clauses.iter().map(stated).collect();
+        Table::from_iter([
+            ("moves".into(), clauses.join("; ").into()),
+            ("marker".into(), marked::marker_words(&base.plan, marker).into()),
+            ("name".into(), marker.name.clone().into()),
+            ("nodes".into(), points(&nodes).into()),
+        ])
+    };
+    Ok(others.map(table).collect())
 }
 
 /// A unit as `--unit` takes it: by its name, else by its length.
@@ -246,23 +264,9 @@ fn unit_words(unit: Unit) -> String {
     if is_known { unit.name.into() } else { format!("{}m", unit.metres) }
 }
 
-/// What the architect decided beyond objectives.
-fn control(settings: &Settings) -> Vec<(&'static str, Value)> {
-    let links: Vec<Value> = settings.links.iter().map(|l| l.to_string().into()).collect();
-    let limit = Some(settings.limit_text()).filter(|t| !t.is_empty());
-    let found = [
-        ("limit", limit.map(Value::from)),
-        ("link", (!links.is_empty()).then(|| links.into())),
-        ("snap", settings.snap.map(|s| s.to_string().into())),
-        ("most-moves", settings.most_moves.map(|n| (n as i64).into())),
-        ("until-converged", settings.until_converged.then(|| true.into())),
-    ];
-    found.into_iter().filter_map(|(key, value)| Some((key, value?))).collect()
-}
-
 /// The other options of the round and the best layout, as they stand from the accepted one: where the
 /// next search may begin.
-fn others(base: &Understood, result: &RoundResult, accepted: &[f64]) -> Vec<Value> {
+fn others(base: &Understood, result: &RoundResult, accepted: &[f64]) -> Vec<Vec<f64>> {
     let best = result.best.iter().map(|b| &b.parameters);
     let all = result.candidates.iter().map(|c| &c.parameters).chain(best);
     let mut known: Vec<Vec<f64>> = Vec::new();
@@ -276,7 +280,7 @@ fn others(base: &Understood, result: &RoundResult, accepted: &[f64]) -> Vec<Valu
             known.push(vector);
         }
     }
-    known.into_iter().map(Value::from).collect()
+    known
 }
 
 fn toml_failed(e: impl std::fmt::Display) -> Error {
@@ -287,13 +291,17 @@ fn points(list: &[[f64; 2]]) -> Vec<Value> {
     list.iter().map(|p| Value::from(vec![Value::from(p[0]), Value::from(p[1])])).collect()
 }
 
-fn group_table(base: &Understood, group: usize, parameters: &[f64], nodes: &[[f64; 2]]) -> Table {
-    let of_group = base.moves.parameters.iter().zip(parameters).filter(|(p, _)| p.group == group);
+fn group_table(base: &Understood, group: usize, parameters: &[f64], layout: &Layout) -> Table {
+    let moving =
+        base.moves.parameters.iter().zip(parameters).map(|(p, value)| (p, clause(&p.clause, *value)));
+    let idle = base.moves.left_out.iter().map(|p| (p, stated(&p.clause)));
     let (mut name, mut clauses) = (String::new(), Vec::new());
-    for (p, value) in of_group {
+    for (p, clause) in moving.chain(idle).filter(|(p, _)| p.group == group) {
         name.clone_from(&p.group_name);
-        clauses.push(clause(p, *value));
+        clauses.push(clause);
     }
+    let NodeGroup { nodes, handles: own, .. } = &base.moves.groups[group];
+    let nodes = positions(base, layout, own, nodes);
     let mut out = Table::new();
     out.insert("moves".into(), clauses.join("; ").into());
     if let Some(marker) = base.plan.markers.groups.iter().find(|g| g.name == name) {
@@ -302,7 +310,7 @@ fn group_table(base: &Understood, group: usize, parameters: &[f64], nodes: &[[f6
     out.insert("name".into(), name.into());
     match handles(base, group) {
         Some(handles) => out.insert("handles".into(), handles.into()),
-        None => out.insert("nodes".into(), points(nodes).into()),
+        None => out.insert("nodes".into(), points(&nodes).into()),
     };
     out
 }
@@ -341,9 +349,13 @@ fn shortest(value: f64, decimals: i32) -> f64 {
     (value * by).round() / by + 0.0
 }
 
+/// A clause with the bounds that it has.
+fn stated(c: &Clause) -> String {
+    clause(c, c.kind.identity())
+}
+
 /// The clause with the bounds that are left once `value` is the new zero.
-fn clause(p: &Parameter, value: f64) -> String {
-    let c = &p.clause;
+fn clause(c: &Clause, value: f64) -> String {
     let identity = c.kind.identity();
     let left = |bound: f64| {
         let left = if matches!(c.kind, Kind::Scale(_)) { bound / value } else { bound - value };
@@ -370,8 +382,7 @@ mod tests {
     #[test]
     fn bounds_are_written_as_short_as_they_are() {
         let of = |kind, unit: &str, si_per_unit, [lower, upper]: [f64; 2], value| {
-            let clause = Clause { kind, lower, upper, unit: unit.into(), si_per_unit };
-            super::clause(&Parameter { group_name: "a".into(), group: 0, clause }, value)
+            super::clause(&Clause { kind, lower, upper, unit: unit.into(), si_per_unit }, value)
         };
         assert_eq!(of(Kind::X, "m", 1.0, [-1.2, 1.2], -1.0), "x -0.2m 2.2m");
         assert_eq!(of(Kind::X, "m", 1.0, [-1.2, 1.2], 0.1234567891), "x -1.323457m 1.076543m");

@@ -148,11 +148,14 @@ pub fn total_gain(objectives: &[Objective], values: &[f64]) -> f64 {
 }
 
 /// Whether a layout is worth showing: it gains something in an objective, and, unless the user's own
-/// thresholds decide (`is_firm`), not less than it loses in the others.
-pub fn is_better(objectives: &[Objective], values: &[f64], is_firm: bool) -> bool {
-    let gains_somewhere = relative_gains(objectives, values).any(|g| g >= LEAST_GAIN);
-    let has_aims = objectives.iter().any(|o| o.name != "penalty");
+/// thresholds decide (`is_firm`), not less than it loses in the others. A score is as large as `score_weight`, the
+/// largest of its weights, makes it.
+pub fn is_better(objectives: &[Objective], values: &[f64], is_firm: bool, score_weight: f64) -> bool {
+    let least = |o: &Objective| LEAST_GAIN * if o.name == "score" { score_weight.min(1.0) } else { 1.0 };
     let aims = objectives.iter().filter(|o| o.name != "penalty");
+    let mut gains = relative_gains(objectives, values).zip(aims.clone());
+    let gains_somewhere = gains.any(|(g, o)| g > 0.0 && g >= least(o));
+    let has_aims = objectives.iter().any(|o| o.name != "penalty");
     // Who is content with anything that is no worse gets it.
     let is_all_wanted = is_firm && aims.into_iter().all(|o| o.threshold == 0.0);
     !has_aims || is_all_wanted || gains_somewhere && (is_firm || total_gain(objectives, values) > 0.0)
@@ -187,12 +190,14 @@ mod tests {
             (380.0, 2.1, false, false),
         ] {
             let values = [1e9, degree, depth];
-            assert_eq!(is_better(&three, &values, false), better, "{values:?}");
-            assert_eq!(is_better(&three, &values, true), firm, "{values:?}");
+            assert_eq!(is_better(&three, &values, false, 1.0), better, "{values:?}");
+            assert_eq!(is_better(&three, &values, true, 1.0), firm, "{values:?}");
         }
         let score = [of("score", Sense::Max, 0.0)];
-        assert!(is_better(&score, &[0.3], false) && !is_better(&score, &[-0.1], true));
-        assert!(is_better(&three[..1], &[5.0], false), "nothing but a penalty: nothing to judge by");
+        assert!(is_better(&score, &[0.3], false, 1.0) && !is_better(&score, &[-0.1], true, 1.0));
+        let small = |value, weight| is_better(&score, &[value], false, weight);
+        assert!(!small(0.004, 1.0) && small(0.004, 0.02) && !small(0.0, 0.0), "as large as its weights");
+        assert!(is_better(&three[..1], &[5.0], false, 1.0), "nothing but a penalty: nothing to judge by");
         assert!(total_gain(&three, &[0.0, 440.0, 1.9]) > total_gain(&three, &[0.0, 440.0, 2.0]));
     }
 }

@@ -165,8 +165,12 @@ fn refit(
             if !(clause.lower - noise..=clause.upper + noise).contains(&value) {
                 let unit = &clause.unit;
                 say(format!(
-                    "{} ({}) stood at {value} {unit}, and may now be between {} and {} {unit}",
-                    known.name, known.kind, clause.lower, clause.upper
+                    "{} ({}) stood at {} {unit}, and may now be between {} and {} {unit}",
+                    known.name,
+                    known.kind,
+                    (value * 1e6).round() / 1e6,
+                    clause.lower,
+                    clause.upper
                 ));
             }
             fitted[j] = value.clamp(clause.lower, clause.upper);

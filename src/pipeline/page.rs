@@ -3,7 +3,7 @@
 use super::Input;
 use super::round::Found;
 use super::show::Map;
-use crate::config::{Backend, Level, Method, Mode, Settings, Thresholds};
+use crate::config::{Backend, Colours, Level, Method, Mode, Settings, Thresholds};
 use crate::overlay::page::{ArchivePoint, ReportInput, View, report_html};
 use crate::overlay::result::{RoundResult, Sense};
 use crate::report::OutFile;
@@ -84,6 +84,8 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
         ("query-layer", &settings.query_layer),
         ("reference-layer", &settings.reference_layer),
         ("view", &settings.view),
+        ("storey", &settings.storey),
+        ("query", &settings.query),
     ];
     for (key, value) in optional {
         if let Some(v) = value {
@@ -108,16 +110,24 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     }
     add("score", settings.score_text());
     add("penalty", settings.penalty_text());
-    let limits = settings.limit_text();
-    if !limits.is_empty() {
-        add("limit", limits);
-    }
-    settings.links.iter().for_each(|l| add("link", l.to_string()));
-    if let Some(snap) = settings.snap {
-        add("snap", snap.to_string());
+    // What an accepted drawing carries in its side-car is lifted where it did not hold.
+    let lifted =
+        |text: String| if text.is_empty() && !settings.lineage.is_empty() { "none".into() } else { text };
+    let some = |key: &'static str, text: String| (key, lifted(text));
+    let links: Vec<String> = settings.links.iter().map(ToString::to_string).collect();
+    let links = if links.is_empty() { vec![String::new()] } else { links };
+    let snap = settings.snap.map_or_else(String::new, |s| s.to_string());
+    let rules = links.into_iter().map(|l| some("link", l)).chain([some("snap", snap)]);
+    for (key, text) in std::iter::once(some("limit", settings.limit_text())).chain(rules) {
+        if !text.is_empty() {
+            add(key, text);
+        }
     }
     if let Some(most) = settings.most_moves {
         add("most-moves", most.to_string());
+    }
+    if settings.accept_missing_eof {
+        out.push_str(" --accept-missing-eof");
     }
     if settings.only_marked {
         out.push_str(" --only-marked");
@@ -133,7 +143,13 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
         add("method", "paper".into());
     }
     add("members", settings.members.to_string());
-    add("evaluations", result.evaluations.to_string());
+    add("distance", settings.distance.to_string());
+    if settings.colours == Colours::BlueToRed {
+        add("colours", "blue-to-red".into());
+    }
+    if result.evaluations > 0 {
+        add("evaluations", result.evaluations.to_string());
+    }
     add("seed", settings.seed.to_string());
     out + &in_a_settings_file(settings)
 }

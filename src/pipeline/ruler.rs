@@ -2,14 +2,17 @@
 
 use sha2::{Digest, Sha256};
 
+use crate::config::Settings;
 use crate::plan::Region;
 use crate::plan::markers::Markers;
 
-/// A mark of the spacing and of the regions drawn: other marks, other means. What is measured where no region is drawn,
-/// the interior, follows the walls and is no part of it.
-pub(super) fn ruler(markers: &Markers, spacing_m: f64) -> String {
+/// A mark of the spacing, of the height of sight, of the drawing on the sheet and the storey asked for, and of the regions
+/// drawn: other marks, other means. What is measured where no region is drawn, the interior, follows the walls and is no
+/// part of it.
+pub(super) fn ruler(markers: &Markers, settings: &Settings, spacing_m: f64) -> String {
     let mut hash = Sha256::new();
     hash.update(spacing_m.to_le_bytes());
+    hash.update(format!("{:?}", (settings.level, &settings.view, &settings.storey, &settings.query)));
     let mut add = |what: &str, regions: &[Region]| {
         hash.update(what.as_bytes());
         for region in regions {
@@ -30,13 +33,21 @@ pub(super) fn ruler(markers: &Markers, spacing_m: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::{Level, Partial};
 
     #[test]
     fn spacing_and_regions_make_the_ruler() {
         let region = |x: i64| Region::Ring(vec![[x, 0], [x + 10, 0], [x, 10]]);
         let of = |query: Vec<Region>, reference: Vec<Region>, spacing: f64| {
-            ruler(&Markers { query, reference, ..Markers::default() }, spacing)
+            let settings = Settings::new(Partial::default()).unwrap();
+            ruler(&Markers { query, reference, ..Markers::default() }, &settings, spacing)
         };
+        let asked = |said: Partial| ruler(&Markers::default(), &Settings::new(said).unwrap(), 0.5);
+        let plain = asked(Partial::default());
+        assert_ne!(plain, asked(Partial { level: Some(Level::Knee), ..Partial::default() }));
+        assert_ne!(plain, asked(Partial { view: Some("3".into()), ..Partial::default() }));
+        assert_ne!(plain, asked(Partial { storey: Some("Upper".into()), ..Partial::default() }));
+        assert_eq!(plain, asked(Partial { seed: Some(7), ..Partial::default() }));
         let first = of(vec![region(0)], vec![], 0.5);
         assert_eq!(first, of(vec![region(0)], vec![], 0.5));
         for other in [

@@ -2,7 +2,7 @@
 
 use super::aims;
 use super::study::{Study, Understood, Worth};
-use crate::config::{Bound, Follow, Held, Limit, PairName, Settings};
+use crate::config::{Bound, Follow, Held, Limit, PairName, Penalty, Settings};
 use crate::moves::Parameter;
 use crate::moves::control::{Breach, Control, Link, Rules};
 use crate::overlay::measure::sentence_case;
@@ -63,6 +63,20 @@ pub fn say_odd(base: &Understood, settings: &Settings, report: &mut Report) -> R
         );
         report.warn("snap-too-wide", place(), text);
     }
+    for limit in settings.limits.iter().filter(|l| l.is_least && holds_less(l, settings)) {
+        if let Bound::Change(share) = limit.bound
+            && share < 0.0
+        {
+            let percent = (-share * 1e8).round() / 1e6;
+            let what = limit.to_string();
+            let what = what.split_whitespace().next().unwrap_or_default();
+            let text = format!(
+                "`{limit}` is read as a least: no option has over {percent} % less, although less of it is better; \
+                 `{what} <= -{percent}%` asks for at least so much less, `{what} +{percent}%` for no more than so much more"
+            );
+            report.info("limit-read", place(), text);
+        }
+    }
     for limit in &settings.limits {
         if let (Held::Aim(aim), Bound::Change(share), false) = (limit.held, limit.bound, limit.is_least)
             && share > 0.0
@@ -86,6 +100,19 @@ pub fn say_odd(base: &Understood, settings: &Settings, report: &mut Report) -> R
         report.info("limit-anew", place(), text);
     }
     Ok(())
+}
+
+/// Whether less of what a limit holds is better, by what it is or by what is asked for.
+fn holds_less(limit: &Limit, settings: &Settings) -> bool {
+    match limit.held {
+        // Of what walls and rooms lose.
+        Held::Penalty(Penalty::WallLength | Penalty::RoomArea) => false,
+        Held::Penalty(_) => true,
+        Held::Aim(aim) => {
+            settings.objectives.iter().any(|o| o.measure == aim && !o.is_max)
+                || settings.is_by_score() && settings.score.iter().any(|(a, w)| *a == aim && *w < 0.0)
+        }
+    }
 }
 
 /// What moves with each of some parameters, as `Screen 1 (x, y), Door 2 (along)`.
@@ -175,5 +202,5 @@ pub fn broken(
 }
 
 fn rounded(value: f64) -> f64 {
-    (value * 1e3).round() / 1e3
+    (value * 1e3).round() / 1e3 + 0.0
 }

@@ -221,13 +221,23 @@ fn lead(result: &RoundResult) -> String {
             super::words::listed(some, "and")
         ),
     };
-    // What was pinned stands first, whatever it gains.
-    let gains = if !best.explanation.breaks.is_empty() {
-        format!("Option 1 was pinned: {gains}.")
-    } else {
-        format!("Option 1 gains most in all: {gains}.")
+    // What was pinned stands first, whatever it gains; the others follow by what they gain.
+    let free = result.candidates.get(pinned(result));
+    let gains = match (pinned(result), free) {
+        (0, _) => format!("Option 1 gains most in all: {gains}."),
+        (_, None) => format!("Option 1 was pinned: {gains}."),
+        (n, Some(first)) => format!(
+            "Option 1 was pinned: {gains}. Of those that were not, option {} gains most in all: {}.",
+            n + 1,
+            super::words::gains(&result.initial.mean, &first.mean)
+        ),
     };
     format!("{options} for this plan. {gains}{all}{broken}")
+}
+
+/// How many of the first options were pinned.
+fn pinned(result: &RoundResult) -> usize {
+    result.settings.get("pinned").and_then(|v| v.as_array()).map_or(0, Vec::len)
 }
 
 fn spelled(count: usize) -> String {

@@ -81,11 +81,10 @@ pub(super) fn found(
     members = apart(study, members);
     let alike = outcome.alike + found - members.len();
     let unworthy = keep_better(study, settings, &shown, &mut members);
-    let is_none_better =
-        unworthy > 0 && members.iter().all(|m| !explain::is_better(&shown, &m.values, is_firm(settings)));
+    let is_none_better = unworthy > 0 && members.iter().all(|m| !is_better(settings, &shown, &m.values));
     let is_unmet = outcome.best.violation > 0.0;
     let best = best_in_all(settings, &outcome, &shown);
-    let is_best_better = explain::is_better(&shown, &best.values, is_firm(settings));
+    let is_best_better = is_better(settings, &shown, &best.values);
     let no_option = (members.is_empty() || is_unmet).then(|| {
         if !is_unmet {
             return told::nothing_returned(settings, outcome.evaluations, is_best_better);
@@ -133,6 +132,11 @@ pub(super) fn found(
         archive: outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values.clone()).collect(),
         members,
     }
+}
+
+fn is_better(settings: &Settings, objectives: &[Objective], values: &[f64]) -> bool {
+    let weight = settings.score.iter().map(|(_, w)| w.abs()).fold(0.0, f64::max);
+    explain::is_better(objectives, values, is_firm(settings), weight)
 }
 
 /// The layout that keeps hard limits and thresholds and gains most in all, as options are ordered; a single objective has
@@ -183,7 +187,7 @@ fn keep_better(
         members.append(&mut free);
         return 0;
     }
-    let worthy = free.iter().filter(|m| explain::is_better(objectives, &m.values, is_firm(settings)));
+    let worthy = free.iter().filter(|m| is_better(settings, objectives, &m.values));
     let better: Vec<search::Member> = worthy.cloned().collect();
     let unworthy = free.len() - better.len();
     if better.is_empty() && pinned == 0 {

@@ -3,7 +3,7 @@
 use super::super::study::{Study, Understood, Worth};
 use super::super::{aims, explain};
 use super::{Made, PENALTY_FREE, edits_of};
-use crate::config::{Aim, Measure, Method, Mode, PairName, Penalty, Settings, Thresholds};
+use crate::config::{Aim, Held, Measure, Method, Mode, PairName, Penalty, Settings, Thresholds};
 use crate::overlay::result::Diversity;
 use crate::overlay::words;
 use crate::plan::drawing::Edit;
@@ -59,12 +59,19 @@ pub(super) fn evaluation(
     }
 }
 
-/// The pairs of regions of objectives of which nothing is seen any more, though it is at present; the unnamed one is
+/// The pairs of regions of objectives, of the score where it is one, and of limits, of which nothing is seen any more, though it is at present; the unnamed one is
 /// `None`. Measures of what is seen say nothing there: nobody who sees nothing is a view away from anything.
 pub(in super::super) fn hidden(study: &Study, settings: &Settings, worth: &Worth) -> Vec<Option<PairName>> {
     let sees = |worth: &Worth, pair: Option<PairName>| study.seen_of(worth, pair).means.degree > 0.0;
-    let aims = settings.objectives.iter().map(|o| o.measure).filter(|a| a.measure.is_of_cells());
-    let mut pairs: Vec<Option<PairName>> = aims.map(|a| a.pair).collect();
+    let is_scored = settings.objectives.iter().any(|o| o.measure.measure == Measure::Score)
+        || settings.limits.iter().any(|l| l.held == Held::Aim(Aim::mean(Measure::Score)));
+    let scored = settings.score.iter().filter(|(_, weight)| is_scored && *weight != 0.0).map(|(aim, _)| *aim);
+    let limited = settings.limits.iter().filter_map(|l| match l.held {
+        Held::Aim(aim) => Some(aim),
+        Held::Penalty(_) => None,
+    });
+    let aims = settings.objectives.iter().map(|o| o.measure).chain(scored).chain(limited);
+    let mut pairs: Vec<Option<PairName>> = aims.filter(|a| a.measure.is_of_cells()).map(|a| a.pair).collect();
     pairs.sort_unstable();
     pairs.dedup();
     pairs.retain(|p| sees(&study.initial, *p) && !sees(worth, *p));

@@ -189,11 +189,12 @@ pub(super) fn say_options(
     }
     if settings.method == Method::Paper {
         let inside = found.members.iter().filter(|m| m.within_threshold).count();
-        if inside < settings.members {
+        let wanted = if settings.mode == Mode::Best { 1 } else { settings.members };
+        if inside < wanted {
             let text = format!(
                 "{} wanted, the published method returned {made} that move something, {inside} of them inside all \
                  thresholds; the default method leaves out what is not",
-                counted(settings.members as u64, "option")
+                counted(wanted as u64, "option")
             );
             report.warn("few-options", place(), text);
         }
