@@ -219,11 +219,36 @@ fn what_is_looked_at_stays_in_sight() {
     let plan = plan.moving([9.6, 1.0, 9.6, 4.0], "y 0 3; name screen");
     let plan =
         plan.ring("EF-REFERENCE-nook", [12.0, 1.0, 19.0, 9.0]).ring("EF-QUERY-nook", [1.0, 3.0, 3.0, 7.0]);
-    let round = Desk::new(&plan);
-    let result = json(&round.run(1, &["--objective", "depth@nook min 0.5"]).join("result.json"));
-    assert!(result["initial"]["mean"]["degree@nook"].as_f64().unwrap() > 0.0);
-    for c in result["candidates"].as_array().unwrap() {
-        assert!(c["mean"]["degree@nook"].as_f64().unwrap() > 0.0, "{}", c["words"]);
+    let desk = Desk::new(&plan);
+    for (round, asked) in [
+        (1, &["--objective", "depth@nook min 0.5"][..]),
+        (2, &["--objective", "score max 0.5", "--score", "depth@nook -1"]),
+        (3, &["--objective", "degree max 0.5", "--limit", "depth@nook <= 1.9"]),
+    ] {
+        let result = json(&desk.run(round, asked).join("result.json"));
+        assert!(result["initial"]["mean"]["degree@nook"].as_f64().unwrap() > 0.0);
+        for c in result["candidates"].as_array().unwrap() {
+            assert!(c["mean"]["degree@nook"].as_f64().unwrap() > 0.0, "{asked:?} {}", c["words"]);
+        }
+    }
+}
+
+/// A change in per cent of what is better less is read as a least, which may be what nobody meant: it is told with what
+/// would say the other.
+#[test]
+fn a_least_of_what_is_better_less_is_told() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    for (round, limit, asked, is_told) in [
+        (1, "clearance -5%", "degree max 0.5", true),
+        (2, "depth -5%", "depth min 0.5", true),
+        (3, "depth -5%", "degree max 0.5", false),
+        (4, "wall-length -5%", "depth min 0.5", false),
+        (5, "clearance <= -5%", "degree max 0.5", false),
+    ] {
+        desk.call("run", &["--limit", limit, "--objective", asked, "--evaluations", "6", "--spacing", "1"]);
+        let result = json(&desk.folder.path().join(format!("plan.enfilade/round-{round:02}/result.json")));
+        let told = result["problems"].to_string().contains("is read as a least: no option has over 5 % less");
+        assert_eq!(told, is_told, "{limit} {asked}: {}", result["problems"]);
     }
 }
 

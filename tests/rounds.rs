@@ -87,6 +87,9 @@ fn few_options_are_counted_as_they_are() {
     let inside = options.iter().filter(|c| c["within_threshold"] == true).count();
     assert!(inside < options.len() && options.len() < 5, "{inside} of {}", options.len());
     let problems = result["problems"].to_string();
+    let page =
+        std::fs::read_to_string(desk.folder.path().join("plan.enfilade/round-02/report.html")).unwrap();
+    assert!(page.contains("Option 1 was pinned: ") && !page.contains("Option 1 gains most in all"));
     let words = format!(
         "5 options wanted, {inside} found inside all thresholds, {} kept as pinned",
         options.len() - inside
@@ -480,6 +483,18 @@ fn what_the_published_method_leaves_out_is_not_belittled() {
     let (said, page) = better.expect("one of eight seeds returns nothing that moves");
     assert!(said.contains("better than the present one: candidate 0 of `accept`"), "{said}");
     assert!(!said.contains("none of the") && !page.contains("no better layout was found"), "{said}");
+}
+
+/// The single best of the published method is one option, and one is wanted.
+#[test]
+fn one_best_of_the_published_method_is_enough() {
+    let desk = Desk::new(&hall(["x -2 2; y -1 1", "x -2 2", "x -2 2"]));
+    desk.call("run", &["--method", "paper", "--mode", "best", "--spacing", "1", "--evaluations", "60"]);
+    let result = json(&desk.folder.path().join("plan.enfilade/round-01/result.json"));
+    let inside =
+        result["candidates"].as_array().unwrap().iter().filter(|c| c["within_threshold"] == true).count();
+    let said = result["problems"].to_string();
+    assert!(inside == 1 && !said.contains("few-options"), "{inside} {said}");
 }
 
 /// That nothing is gained in an objective is told only where no layout measured gains in it.

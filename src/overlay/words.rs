@@ -457,6 +457,11 @@ mod tests {
         for part in ["Putting Door 3 back", "Of the largest gains", "Stands 0.76 from option 2"] {
             assert!(told.contains(part), "{told}");
         }
+        // What rounding left of a bound over rounds is no move.
+        let turned =
+            [entry("a", MoveKind::X, [-2.0, 2.0], "m"), entry("a", MoveKind::Rotate, [-15.0, 15.0], "deg")];
+        let bring = [part("a", 1, 0.5)];
+        assert_eq!(moved(&turned, &[1.2, 3.55e-15], &bring), "A slides 1.2 m east");
         // A name may hold what looks like the end of a sentence.
         let moves = [entry("St. Luke", MoveKind::X, [-2.0, 2.0], "m")];
         let told = words(&moves, &[1.2], &Numbers::default(), &Numbers::default(), &e);
