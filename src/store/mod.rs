@@ -588,15 +588,22 @@ pub fn write_revision(disk: &dyn Disk, drawing: &Path, bytes: &[u8]) -> Result<R
         let stem = name.clone();
         name.push(extension);
         let path = drawing.with_file_name(name);
-        if fs::read(&path).is_ok_and(|there| there == bytes) {
+        // The bytes are looked at last each time: somebody may accept the same at this moment.
+        let is_there = |path: &Path| fs::read(path).is_ok_and(|there| there == bytes);
+        let is_taken = is_taken(&path, &stem);
+        if is_there(&path) {
             return Ok(Revision { path, is_new: false });
         }
-        if is_taken(&path, &stem) {
+        if is_taken {
             continue;
         }
         match write_new(disk, &path, bytes) {
             Ok(()) => return Ok(Revision { path, is_new: true }),
-            Err(error) if error.problem().is_some_and(|p| p.code == "file-exists") => {}
+            Err(error) if error.problem().is_some_and(|p| p.code == "file-exists") => {
+                if is_there(&path) {
+                    return Ok(Revision { path, is_new: false });
+                }
+            }
             Err(error) => return Err(error),
         }
     }

@@ -483,6 +483,21 @@ fn a_read_only_place_has_a_fallback() {
     assert!(state.starts_with(dir.path().join("else")));
 }
 
+/// The same option accepted by several at one moment is one drawing, new to one of them.
+#[test]
+fn what_is_accepted_at_once_is_one_drawing() {
+    for _ in 0..50 {
+        let dir = tempfile::tempdir().unwrap();
+        let accept = || write_revision(&SystemDisk, &dir.path().join("plan.dxf"), &[7; 9_000]).unwrap();
+        let all: Vec<Revision> = std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..4).map(|_| scope.spawn(accept)).collect();
+            threads.into_iter().map(|t| t.join().unwrap()).collect()
+        });
+        assert!(all.iter().all(|r| r.path.ends_with("plan-r02.dxf")), "{all:?}");
+        assert_eq!(all.iter().filter(|r| r.is_new).count(), 1);
+    }
+}
+
 #[test]
 fn revisions_take_the_next_free_name() {
     let dir = tempfile::tempdir().unwrap();
