@@ -166,3 +166,123 @@ fn a_jamb_that_is_marked_itself_moves_as_it_says() {
     assert_eq!(bounds, [[-0.3, 0.3]]);
     assert!(matches!(beyond.as_slice(), [d] if !d.is_entered && (d.is_m - 0.7).abs() < 1e-6), "{beyond:?}");
 }
+
+/// Default moves before and after they are kept from narrowing doors.
+fn as_drawn(drawing: &Drawing) -> (Vec<(String, [f64; 2])>, Vec<(String, [f64; 2])>, Vec<String>) {
+    let (plan, graph, mut moves) = by_default(drawing);
+    let (axes, _) = structure::axes(&plan, drawing);
+    let all = |moves: &Moves| -> Vec<(String, [f64; 2])> {
+        moves.parameters.iter().map(|p| (p.group_name.clone(), [p.clause.lower, p.clause.upper])).collect()
+    };
+    let before = all(&moves);
+    let kept = moves.keep_doors_as_drawn(&plan, &graph, &axes);
+    let out = kept.without_way.iter().map(|i| moves.parameters[*i].group_name.clone()).collect();
+    println!("{before:?}\n{:?} {kept:?}", all(&moves));
+    let doors = Doors::new(&plan, &axes);
+    for (k, d) in doors.doors.iter().enumerate() {
+        println!(
+            "  door {k} at {:?} jambs {:?}",
+            d.at,
+            axes.openings.iter().map(|o| o.jambs).collect::<Vec<_>>()
+        );
+        for i in 0..before.len() {
+            for e in 0..2 {
+                let mut at = moves.identity();
+                at[i] = before[i].1[e];
+                let l = moves.apply(&plan, &graph, &at);
+                println!(
+                    "   {} {:?} {:?} -> {:?}",
+                    moves.parameters[i].group_name,
+                    moves.parameters[i].clause.kind,
+                    at[i],
+                    d.place(&plan, &l)
+                );
+            }
+        }
+    }
+    for i in 0..before.len() {
+        for j in 0..before.len() {
+            for b in 0..4 {
+                let mut at = moves.identity();
+                at[i] = before[i].1[b & 1];
+                at[j] = before[j].1[b >> 1];
+                for n in doors.narrowed(&moves.apply(&plan, &graph, &at)) {
+                    println!("{i} {j} {b} {n:?}");
+                }
+            }
+        }
+    }
+    (before, all(&moves), out)
+}
+
+#[test]
+fn probe_defaults() {
+    // a: building, door of the file in the wall at the north.
+    for east in [8.6, 8.5, 8.45, 8.31, 8.25, 8.2] {
+        let mut d = building(&[(1, [8.0, 8.2], [0.0, 10.0])]);
+        d.ring(DOOR_LAYER, &[[east, 9.9], [east + 0.9, 9.9], [east + 0.9, 10.1], [east, 10.1]]);
+        d.entities.last_mut().unwrap().source.record = 70;
+        println!("A {east}");
+        as_drawn(&d);
+    }
+    // b: corner door
+    for gap in [0.9, 1.6] {
+        let mut d = drawing("m", 1.0);
+        d.ring("WALLS", &[[0.0, 0.0], [12.0, 0.0], [12.0, 6.0], [0.0, 6.0]]);
+        d.line(0.2, 0.2, 0.2, 5.8);
+        for [a, b] in [[0.2, 5.95], [6.05, 11.8]] {
+            d.line(a, 0.2, b, 0.2);
+            d.line(a, 5.8, b, 5.8);
+        }
+        d.line(5.95, 0.2, 5.95, 5.8);
+        d.line(6.05, 0.2, 6.05, 5.8);
+        let e = 6.05 + gap;
+        d.line(11.8, 0.2, 11.8, 2.95);
+        d.line(11.8, 3.05, 11.8, 5.8);
+        d.line(e, 2.95, 11.8, 2.95);
+        d.line(e, 3.05, 11.8, 3.05);
+        d.line(e, 2.95, e, 3.05);
+        d.add(
+            "DOOR",
+            Shape::Arc {
+                centre: DVec2::new(e, 3.0),
+                radius: gap,
+                start_rad: FRAC_PI_2,
+                end_rad: 2.0 * FRAC_PI_2,
+            },
+        );
+        d.add("DOOR", Shape::Line { a: DVec2::new(e, 3.0), b: DVec2::new(e, 3.0 + gap) });
+        println!("B {gap}");
+        as_drawn(&d);
+    }
+    // c: door in partition and T-joint
+    for (from, yw) in [(3.5, 2.0), (3.5, 2.5), (3.3, 2.6)] {
+        let mut d = drawing("m", 1.0);
+        d.ring("WALLS", &[[0.0, 0.0], [12.0, 0.0], [12.0, 6.0], [0.0, 6.0]]);
+        d.line(11.8, 0.2, 11.8, 5.8);
+        d.line(6.05, 0.2, 11.8, 0.2);
+        d.line(6.05, 5.8, 11.8, 5.8);
+        let to = from + 0.9;
+        let (a, b) = (yw - 0.05, yw + 0.05);
+        d.line(0.2, 0.2, 5.95, 0.2);
+        d.line(5.95, 0.2, 5.95, a);
+        d.line(5.95, a, 0.2, a);
+        d.line(0.2, a, 0.2, 0.2);
+        d.line(0.2, 5.8, 5.95, 5.8);
+        d.line(0.2, 5.8, 0.2, b);
+        d.line(0.2, b, 5.95, b);
+        d.line(5.95, b, 5.95, from);
+        d.line(5.95, to, 5.95, 5.8);
+        d.line(6.05, 0.2, 6.05, from);
+        d.line(6.05, to, 6.05, 5.8);
+        d.line(5.95, from, 6.05, from);
+        d.line(5.95, to, 6.05, to);
+        d.add(
+            "DOOR",
+            Shape::Arc { centre: DVec2::new(6.0, to), radius: 0.9, start_rad: -FRAC_PI_2, end_rad: 0.0 },
+        );
+        d.add("DOOR", Shape::Line { a: DVec2::new(6.0, to), b: DVec2::new(6.9, to) });
+        println!("C {from} {yw}");
+        as_drawn(&d);
+    }
+}
