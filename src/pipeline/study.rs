@@ -36,15 +36,14 @@ use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::labels::{self, Label};
 use crate::plan::layers::WallLayers;
-use crate::plan::markers::{self, Group};
+use crate::plan::markers;
 use crate::plan::outline::SOLID_ACROSS_M;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, Wall, box_of, own_layers, understand};
 use crate::report::{Error, Place, Problem, Report, Severity};
-use idle::without_idle;
-use jambs::{ending_at_jambs, keeping_doors};
-use marked::{side_car_groups, state_held, state_passed_over, state_unread_marks};
+use jambs::keeping_doors;
+use marked::{side_car_groups, state_held, state_passed_over, state_unread_marks, taken_up};
 use parts::{closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of};
 use seen::Scene;
 pub use seen::{Pair, Seen};
@@ -207,20 +206,6 @@ struct Known<'a> {
     infill: &'a [Segment],
 }
 
-impl Known<'_> {
-    /// The moves of marks as they are taken up: ways end at the jambs of doors, what moves nothing is no parameter.
-    fn marked<'g>(
-        &self,
-        moves: Moves,
-        groups: impl Iterator<Item = &'g Group> + Clone,
-        settings: &Settings,
-        report: &mut Report,
-    ) -> Moves {
-        let moves = ending_at_jambs(moves, groups.clone(), (self.plan, self.graph, self.axes), report);
-        without_idle(moves, groups, (self.plan, self.graph), settings, report)
-    }
-}
-
 /// What closes doors, windows and passages: for finding out what lies inside, not for sight.
 fn opening_lines(plan: &Plan, axes: &AxisGraph) -> Vec<Segment> {
     let um = |p: DVec2| plan.frame.um_from_plan(p * plan.human_scale);
@@ -301,7 +286,7 @@ fn moves(
         state_passed_over(drawing, plan, &settings.moves, report);
         let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
-        return Ok(known.marked(moves, groups.iter().map(|g| &g.0), settings, report));
+        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), (plan, graph, axes), settings, report));
     }
     if !drawing.marked.is_empty() && !settings.ignore_move_markers {
         let stated = building::marked_moves(drawing);
@@ -310,11 +295,11 @@ fn moves(
             state_unread_marks(marked::marks_of(drawing.format), plan, report);
         }
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
-        return Ok(known.marked(moves, groups.iter().map(|g| &g.0), settings, report));
+        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), (plan, graph, axes), settings, report));
     }
     if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
         let moves = Moves::from_markers(plan, graph, axes, report);
-        return Ok(known.marked(moves, plan.markers.groups.iter(), settings, report));
+        return Ok(taken_up(moves, plan.markers.groups.iter(), (plan, graph, axes), settings, report));
     }
     if plan.markers.is_move_drawn && !settings.ignore_move_markers {
         state_unread_marks(markers::MOVE, plan, report);

@@ -114,7 +114,7 @@ mod tests {
             return;
         };
         let drawings = [
-            ("dxf/ensal.dxf", 27, "4 of the default moves end earlier (wall-3, wall-4, door-2, door-11), so"),
+            ("dxf/ensal.dxf", 27, "2 of the default moves end earlier (door-2, door-11), so"),
             ("ifc/ac11_institute_var2.ifc", 15, "wall-1, wall-4, wall-5, wall-9, wall-10, wall-11, …"),
             ("ifc/duplex_a.ifc", 9, "1 of the default moves stay (wall-9), so"),
             ("ifc/archilogic_fl39.ifc", 24, "end earlier (wall-7, wall-10, wall-13), 1 stay (wall-12), so"),
