@@ -209,7 +209,7 @@ fn no_default_move_makes_a_door_narrower() {
     assert!((door["lower"].as_f64().unwrap() + 0.34).abs() < 0.0015, "{door}");
     let lines = told(&result, "default-moves-doors");
     assert!(
-        matches!(lines.as_slice(), [line] if line.contains("1 of the default moves end earlier (door-1)")),
+        matches!(lines.as_slice(), [line] if line.contains("1 default move ends earlier (door-1)")),
         "{lines:?}"
     );
     assert!(!result["candidates"].as_array().unwrap().is_empty());

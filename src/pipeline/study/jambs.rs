@@ -7,7 +7,7 @@ use crate::plan::Plan;
 use crate::plan::axes::AxisGraph;
 use crate::plan::graph::Graph;
 use crate::plan::markers::{Group, place_in};
-use crate::report::{Place, Report};
+use crate::report::{Place, Report, counted};
 
 /// Names that are told one by one.
 const TOLD: usize = 6;
@@ -81,13 +81,15 @@ fn say_kept(drawn: &[Marked], groups: &[Marked], plan: &Plan, report: &mut Repor
     };
     let (shorter, names_shorter) = named(&|g| now(g).is_some_and(|c| *c != g.clauses));
     let (stay, names_stay) = named(&|g| now(g).is_none());
+    let verb = |n: usize, one: &'static str, more: &'static str| if n == 1 { one } else { more };
+    let moves = |n: usize| counted(n as u64, "default move");
+    let end = verb(shorter, "ends", "end");
+    let remain = verb(stay, "stays", "stay");
     let told = match [shorter, stay] {
         [0, 0] => return,
-        [_, 0] => format!("{shorter} of the default moves end earlier ({names_shorter})"),
-        [0, _] => format!("{stay} of the default moves stay ({names_stay})"),
-        _ => format!(
-            "{shorter} of the default moves end earlier ({names_shorter}), {stay} stay ({names_stay})"
-        ),
+        [_, 0] => format!("{} {end} earlier ({names_shorter})", moves(shorter)),
+        [0, _] => format!("{} {remain} ({names_stay})", moves(stay)),
+        _ => format!("{} {end} earlier ({names_shorter}), {stay} {remain} ({names_stay})", moves(shorter)),
     };
     let text = format!("{told}, so that no door becomes narrower than it is drawn");
     report.info("default-moves-doors", Place::file(&plan.file), text);
@@ -114,10 +116,10 @@ mod tests {
             return;
         };
         let drawings = [
-            ("dxf/ensal.dxf", 27, "2 of the default moves end earlier (door-2, door-11), so"),
+            ("dxf/ensal.dxf", 27, "2 default moves end earlier (door-2, door-11), so"),
             ("ifc/ac11_institute_var2.ifc", 15, "wall-1, wall-4, wall-5, wall-9, wall-10, wall-11, …"),
-            ("ifc/duplex_a.ifc", 9, "1 of the default moves stay (wall-9), so"),
-            ("ifc/archilogic_fl39.ifc", 24, "end earlier (wall-7, wall-10, wall-13), 1 stay (wall-12), so"),
+            ("ifc/duplex_a.ifc", 9, "1 default move stays (wall-9), so"),
+            ("ifc/archilogic_fl39.ifc", 24, "end earlier (wall-7, wall-10, wall-13), 1 stays (wall-12), so"),
             ("dxf/gama_house_librecad.dxf", 3, ""),
         ];
         for (name, parameters, says) in drawings {
