@@ -8,6 +8,7 @@ pub mod control;
 pub mod defaults;
 mod doorways;
 pub mod idle;
+pub mod jambs;
 mod joined;
 mod mitre;
 pub mod narrowed;
@@ -213,16 +214,23 @@ impl Moves {
 
     /// Whether a joint breaks where all parameters of one group stand at a bound, in any combination.
     fn broken(&self, plan: &Plan, graph: &Graph, group: usize) -> Option<Refusal> {
+        self.corners_of(group).find_map(|p| {
+            let placed = self.placed(plan, graph, &p);
+            self.mitre.trouble(&self.start, &placed.ends, &placed.at).map(|why| Refusal { group, why })
+        })
+    }
+
+    /// The places where all parameters of one group stand at a bound, in any combination.
+    fn corners_of(&self, group: usize) -> impl Iterator<Item = Vec<f64>> + '_ {
         let own = |i: &usize| self.parameters[*i].group == group;
         let own: Vec<usize> = (0..self.parameters.len()).filter(own).take(CORNER_PARAMETERS_MAX).collect();
-        (0..1u32 << own.len()).find_map(|bits| {
+        (0..1u32 << own.len()).map(move |bits| {
             let mut p = self.identity();
             for (k, i) in own.iter().enumerate() {
                 let clause = &self.parameters[*i].clause;
                 p[*i] = if bits >> k & 1 == 0 { clause.lower } else { clause.upper };
             }
-            let placed = self.placed(plan, graph, &p);
-            self.mitre.trouble(&self.start, &placed.ends, &placed.at).map(|why| Refusal { group, why })
+            p
         })
     }
 

@@ -18,9 +18,13 @@ impl Plan {
         self
     }
 
-    fn ring(mut self, layer: &str, [x, y, u, v]: [f64; 4]) -> Self {
+    fn ring(self, layer: &str, [x, y, u, v]: [f64; 4]) -> Self {
+        self.outline(layer, &[[x, y], [u, y], [u, v], [x, v]])
+    }
+
+    fn outline(mut self, layer: &str, corners: &[[f64; 2]]) -> Self {
         write!(self.0, "0\nPOLYLINE\n8\n{layer}\n66\n1\n70\n1\n").unwrap();
-        for [x, y] in [[x, y], [u, y], [u, v], [x, v]] {
+        for [x, y] in corners {
             write!(self.0, "0\nVERTEX\n8\n{layer}\n10\n{x}\n20\n{y}\n").unwrap();
         }
         write!(self.0, "0\nSEQEND\n8\n{layer}\n").unwrap();
@@ -184,4 +188,30 @@ fn a_link_of_what_does_not_move_is_named() {
         "{links:?}"
     );
     assert_eq!(result["moves"].as_array().unwrap().len(), 1);
+}
+
+/// A partition with a door of 0.9 m from y = 3.5 on, and a wall that ends at it 0.95 m south of the door.
+fn door_beside_a_wall() -> Plan {
+    let west = [[5.95, 4.4], [5.95, 5.8], [0.2, 5.8], [0.2, 2.55], [5.95, 2.55], [5.95, 3.5]];
+    let east = [[6.05, 3.5], [6.05, 0.2], [11.8, 0.2], [11.8, 5.8], [6.05, 5.8], [6.05, 4.4]];
+    let mut plan = Plan::default().ring("WALL", [0.0, 0.0, 12.0, 6.0]);
+    plan = plan.outline("WALL", &[west, east].concat()).ring("WALL", [0.2, 0.2, 5.95, 2.45]);
+    write!(plan.0, "0\nARC\n8\nDOOR\n10\n6\n20\n4.4\n40\n0.9\n50\n270\n51\n0\n").unwrap();
+    write!(plan.0, "0\nLINE\n8\nDOOR\n10\n6\n20\n4.4\n11\n6.9\n21\n4.4\n").unwrap();
+    plan
+}
+
+/// Where nothing is marked no option leaves a door narrower, whatever moves together; one line says what goes less far.
+#[test]
+fn no_default_move_makes_a_door_narrower() {
+    let result = door_beside_a_wall().run(&["--evaluations", "60", "--objective", "degree min 0.5"]);
+    let door = result["moves"].as_array().unwrap().iter().find(|m| m["name"] == "door-1").unwrap();
+    assert!((door["lower"].as_f64().unwrap() + 0.34).abs() < 0.0015, "{door}");
+    let lines = told(&result, "default-moves-doors");
+    assert!(
+        matches!(lines.as_slice(), [line] if line.contains("1 default move ends earlier (door-1)")),
+        "{lines:?}"
+    );
+    assert!(!result["candidates"].as_array().unwrap().is_empty());
+    assert!(told(&result, "options-door").is_empty());
 }

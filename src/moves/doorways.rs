@@ -12,11 +12,12 @@ use super::axial::clipped;
 use super::defaults::{DOOR_WIDTH_M, SLIDE_MIN_M};
 use super::things::{AT_WALL_M, Piece, Things, gap};
 use super::{Layout, Moves};
-use crate::plan::axes::{AxisGraph, FaceRef, Opening, OpeningKind};
+use crate::plan::axes::{AxisGraph, FaceRef, Jamb, Opening, OpeningKind};
 use crate::plan::curve::{Trace, control_points};
 use crate::plan::fittings::jambs_of;
 use crate::plan::graph::{Graph, Handle};
 use crate::plan::markers::{Clause, Group, Kind};
+use crate::plan::structure::{face_handles, handle_at};
 use crate::plan::{NamedDoor, Plan, Wall, box_of};
 use crate::report::Report;
 
@@ -42,10 +43,66 @@ const BETWEEN_M: f64 = 0.3;
 /// Least turn that is worth a parameter, degrees.
 const TURN_MIN_DEG: f64 = 1.0;
 
+/// One side of a door in a drawn wall.
+enum Side {
+    /// The control points of the wall that ends there.
+    End(Vec<Handle>),
+    /// The wall runs past: the piece on which the jamb stands, by its control points, where on it, and what is across it.
+    Face { ends: [Handle; 2], share: f64, across: DVec2 },
+}
+
+impl Side {
+    fn new(plan: &Plan, axes: &AxisGraph, jamb: &Jamb, handles: Vec<Handle>) -> Self {
+        let edge = jamb.edge.filter(|_| handles.is_empty()).map(|e| &axes.edges[e as usize]);
+        let faces = edge.into_iter().flat_map(|e| e.left.iter().chain(&e.right).chain(&e.inner));
+        let found = faces.filter_map(|f| {
+            let ends: [Handle; 2] = face_handles(plan, *f).try_into().ok()?;
+            let [a, b] = ends.map(|h| handle_at(plan, h));
+            let along = (b - a).try_normalize()?;
+            let share = ((jamb.at - a).dot(along) / a.distance(b)).clamp(0.0, 1.0);
+            Some((a.lerp(b, share).distance(jamb.at), Self::Face { ends, share, across: along.perp() }))
+        });
+        found.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(Self::End(handles), |f| f.1)
+    }
+
+    /// The control points of a wall that ends there.
+    fn handles(&self) -> &[Handle] {
+        match self {
+            Self::End(handles) => handles,
+            Self::Face { .. } => &[],
+        }
+    }
+
+    /// Its walls.
+    fn walls(&self) -> impl Iterator<Item = u32> + '_ {
+        let face = match self {
+            Self::End(_) => None,
+            Self::Face { ends, .. } => Some(ends[0].0),
+        };
+        self.handles().iter().map(|h| h.0).chain(face)
+    }
+
+    /// How far it goes when its control points go as far as `moved` says. A jamb on a face goes with the face, across it;
+    /// along the face it goes with the other jamb.
+    fn step(&self, moved: &impl Fn(&Handle) -> Option<DVec2>, other: Option<&Self>) -> DVec2 {
+        match self {
+            Self::End(handles) => {
+                let steps = handles.iter().filter_map(moved);
+                steps.max_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or_default()
+            }
+            Self::Face { ends, share, across } => {
+                let [a, b] = ends.each_ref().map(|h| moved(h).unwrap_or_default());
+                let along = other.map(|o| o.step(moved, None)).unwrap_or_default().reject_from(*across);
+                a.lerp(b, *share).project_onto(*across) + along
+            }
+        }
+    }
+}
+
 /// What a door goes along with.
 enum Hangs {
-    /// The control points of its two jambs.
-    Jambs([Vec<Handle>; 2]),
+    /// Its two jambs.
+    Jambs([Side; 2]),
     /// The wall that the file says it sits in.
     Wall(u32),
     /// Nothing that is known.
@@ -102,13 +159,13 @@ impl Doorway {
         matches!(self.hangs, Hangs::Wall(host) if record(host) == record(wall))
     }
 
-    /// The walls that end at its jambs.
+    /// The walls that end at its jambs, or on which they stand.
     pub fn jamb_walls(&self) -> impl Iterator<Item = u32> + '_ {
         let jambs = match &self.hangs {
             Hangs::Jambs(jambs) => jambs.as_slice(),
             Hangs::Wall(_) | Hangs::Free => &[],
         };
-        jambs.iter().flatten().map(|h| h.0)
+        jambs.iter().flat_map(Side::walls)
     }
 
     /// Where its jambs stand in a layout.
@@ -127,15 +184,13 @@ impl Doorway {
                 });
             }
         };
-        let by = |side: usize| {
-            let moved = jambs[side].iter().filter_map(|(w, c)| {
-                let wall = layout.walls.iter().find(|m| m.wall == *w)?;
-                let at = |s| plan.frame.plan_from_file(control_points(s)[*c as usize]);
-                Some((at(&wall.shape) - at(&plan.walls[*w as usize].shape)) / plan.human_scale)
-            });
-            moved.max_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or_default()
+        let moved = |(w, c): &Handle| {
+            let wall = layout.walls.iter().find(|m| m.wall == *w)?;
+            let at = |s| plan.frame.plan_from_file(control_points(s)[*c as usize]);
+            Some((at(&wall.shape) - at(&plan.walls[*w as usize].shape)) / plan.human_scale)
         };
-        [self.at[0] + by(0), self.at[1] + by(1)]
+        let [a, b] = jambs;
+        [self.at[0] + a.step(&moved, Some(b)), self.at[1] + b.step(&moved, Some(a))]
     }
 }
 
@@ -327,7 +382,7 @@ impl<'m> Trial<'m> {
     fn new(of: &Doorways<'_>, moves: &'m Moves, grid: &Grid<'_>) -> Self {
         let handles: BTreeSet<&Handle> = moves.handles().collect();
         let is_along = |d: &Doorway| match &d.hangs {
-            Hangs::Jambs(jambs) => jambs.iter().flatten().any(|h| handles.contains(h)),
+            Hangs::Jambs(jambs) => jambs.iter().flat_map(Side::handles).any(|h| handles.contains(h)),
             Hangs::Wall(host) => moves.groups.iter().flat_map(|g| &g.handles).any(|h| h.0 == *host),
             Hangs::Free => false,
         };
@@ -458,16 +513,20 @@ impl<'m> Grid<'m> {
                 clause.upper = self.value(self.parameters[k], hi[k]);
             }
         }
-        let least =
-            |c: &Clause| if matches!(c.kind, Kind::Rotate(_)) { TURN_MIN_DEG } else { SLIDE_MIN_M * scale };
-        let was_less = |k: usize| group.clauses[k].upper - group.clauses[k].lower < least(&group.clauses[k]);
+        let was_less = |k: usize| !is_worth_moving(&group.clauses[k], scale);
         let mut k = 0;
         out.clauses.retain(|c| {
             k += 1;
-            c.upper - c.lower >= least(c) || was_less(k - 1)
+            is_worth_moving(c, scale) || was_less(k - 1)
         });
         (!out.clauses.is_empty()).then_some(out)
     }
+}
+
+/// Whether the way of a default clause is worth a parameter.
+pub(super) fn is_worth_moving(clause: &Clause, human_scale: f64) -> bool {
+    let least = if matches!(clause.kind, Kind::Rotate(_)) { TURN_MIN_DEG } else { SLIDE_MIN_M * human_scale };
+    clause.upper - clause.lower >= least
 }
 
 /// The doors that the file names, else those that are understood from what is drawn.
@@ -508,12 +567,18 @@ fn seen_doors(plan: &Plan, axes: &AxisGraph) -> Vec<Doorway> {
     let doors = axes.openings.iter().filter(|o| o.kind == OpeningKind::Door);
     let of = |o: &Opening| Doorway {
         at: o.jambs.map(|j| j.at),
-        hangs: Hangs::Jambs(jambs_of(plan, axes, o)),
+        hangs: Hangs::Jambs(sides_of(plan, axes, o)),
         half: o.thickness_m / 2.0,
         wanted: o.width_m.clamp(CLEAR_MIN_M, DOOR_WIDTH_M[1]),
         drawn_in: [o.faces.as_slice(), &o.through].concat(),
     };
     doors.map(of).collect()
+}
+
+fn sides_of(plan: &Plan, axes: &AxisGraph, opening: &Opening) -> [Side; 2] {
+    let [a, b] = jambs_of(plan, axes, opening);
+    let [on_a, on_b] = &opening.jambs;
+    [Side::new(plan, axes, on_a, a), Side::new(plan, axes, on_b, b)]
 }
 
 /// Whether two boxes meet.

@@ -1,37 +1,25 @@
-//! Doors that a layout leaves narrower than they are drawn, and ways that end where a joint would pass a door's jamb.
+//! Doors that a layout leaves narrower than they are drawn.
 
 use std::collections::BTreeMap;
 
 use glam::DVec2;
 
+use super::Layout;
 use super::axial::clipped;
 use super::doorways::{Doorway, doors, meet};
-use super::{Layout, Moves};
 use crate::plan::axes::AxisGraph;
 use crate::plan::curve::Trace;
 use crate::plan::geometry::PointUm;
-use crate::plan::graph::Graph;
-use crate::plan::markers::{Clause, Kind};
 use crate::plan::{Plan, Wall, box_of};
 
 /// A door counts as narrower where it loses more than this, metres of a person.
 pub const NARROWER_M: f64 = 0.005;
-
-/// What stays between a joint and the jamb that it may not pass, metres of a person.
-pub const JAMB_REST_M: f64 = 0.01;
 
 /// What lies this far beyond a wall's faces still stands in its door: an end that only touches.
 const TOUCH_M: f64 = 0.005;
 
 /// Widths of a door's span that differ by less are one.
 const SAME_M: f64 = 1e-3;
-
-/// Places of a way lie no farther apart than this, metres, and are no more than so many.
-const STEP_M: f64 = 0.25;
-const STEPS_MAX: usize = 40;
-
-/// Halvings between the last good place and the first bad one: to less than a micrometre.
-const HALVINGS: usize = 20;
 
 /// A door that a layout leaves narrower.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +49,7 @@ impl Narrowed {
 /// The doors of a plan.
 pub struct Doors<'a> {
     plan: &'a Plan,
-    doors: Vec<Doorway>,
+    pub(super) doors: Vec<Doorway>,
     /// Boxes of all walls as drawn, metres of a person.
     boxes: Vec<[DVec2; 2]>,
 }
@@ -74,7 +62,7 @@ impl<'a> Doors<'a> {
     }
 
     /// Whether what a layout changes comes near a door on its way from where it is drawn.
-    fn is_near(&self, layout: &Layout) -> bool {
+    pub(super) fn is_near(&self, layout: &Layout) -> bool {
         let Some(hull) = self.hull(layout) else { return false };
         let places = |d: &Doorway| [d.at, d.place(self.plan, layout)];
         self.doors.iter().any(|d| places(d).into_iter().any(|at| meet(box_round(d, at), hull)))
@@ -82,10 +70,15 @@ impl<'a> Doors<'a> {
 
     /// The doors that a layout leaves narrower, in their order.
     pub fn narrowed(&self, layout: &Layout) -> Vec<Narrowed> {
+        self.narrowed_of(layout, 0..self.doors.len())
+    }
+
+    /// The same of some doors.
+    pub(super) fn narrowed_of(&self, layout: &Layout, which: impl Iterator<Item = usize>) -> Vec<Narrowed> {
         let Some(hull) = self.hull(layout) else { return Vec::new() };
         let now: BTreeMap<u32, &Trace> =
             layout.walls.iter().filter(|w| w.is_changed).map(|w| (w.wall, &w.trace)).collect();
-        let near = self.doors.iter().filter_map(|d| {
+        let near = which.map(|d| &self.doors[d]).filter_map(|d| {
             let at = d.place(self.plan, layout);
             (meet(box_round(d, d.at), hull) || meet(box_round(d, at), hull)).then_some((d, at))
         });
@@ -160,12 +153,12 @@ impl<'a> Doors<'a> {
 }
 
 /// A point in metres of a person.
-fn at_m(plan: &Plan, p: PointUm) -> DVec2 {
+pub(super) fn at_m(plan: &Plan, p: PointUm) -> DVec2 {
     plan.frame.plan_from_um(p) / plan.human_scale
 }
 
 /// Box round a door at one place.
-fn box_round(door: &Doorway, [a, b]: [DVec2; 2]) -> [DVec2; 2] {
+pub(super) fn box_round(door: &Doorway, [a, b]: [DVec2; 2]) -> [DVec2; 2] {
     let far = DVec2::splat(door.half + TOUCH_M);
     [a.min(b) - far, a.max(b) + far]
 }
@@ -180,83 +173,4 @@ fn widest(inside: &[(u32, [f64; 2])], width: f64) -> f64 {
         reached = reached.max(hi);
     }
     free.max(width - reached)
-}
-
-/// A way that was shortened so that a joint does not pass a door's jamb.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Shortened {
-    /// Index into [`Moves::parameters`].
-    pub parameter: usize,
-    /// The clause as it was stated.
-    pub stated: Clause,
-    /// The door it would have narrowed first, as at the first place tried beyond.
-    pub door: Narrowed,
-}
-
-impl Moves {
-    /// Shortens shifts of the user's that, all else as drawn, would take something between the jambs of a door: a joint
-    /// may not pass the jamb. Where the door or a jamb of it moves, that is what was asked for.
-    pub fn keep_doors_wide(&mut self, plan: &Plan, graph: &Graph, axes: &AxisGraph) -> Vec<Shortened> {
-        let doors = Doors::new(plan, axes);
-        if doors.doors.is_empty() {
-            return Vec::new();
-        }
-        let mut out = Vec::new();
-        for i in 0..self.parameters.len() {
-            let stated = self.parameters[i].clause.clone();
-            if !matches!(stated.kind, Kind::X | Kind::Y | Kind::Along(_)) {
-                continue;
-            }
-            let mut clause = stated.clone();
-            let mut met = None;
-            for (bound, end) in [(&mut clause.lower, stated.lower), (&mut clause.upper, stated.upper)] {
-                if let Some((way, door)) = self.way_to_jamb((plan, graph), &doors, i, end) {
-                    (*bound, met) = (way, Some(door));
-                }
-            }
-            if let Some(door) = met {
-                self.parameters[i].clause = clause;
-                out.push(Shortened { parameter: i, stated, door });
-            }
-        }
-        out
-    }
-
-    /// How far one shift may go towards a bound before something stands between the jambs of a door, with that door;
-    /// `None` where nothing does, or where a jamb itself goes.
-    fn way_to_jamb(
-        &self,
-        (plan, graph): (&Plan, &Graph),
-        doors: &Doors<'_>,
-        i: usize,
-        end: f64,
-    ) -> Option<(f64, Narrowed)> {
-        let per_unit = self.parameters[i].clause.si_per_unit / plan.human_scale;
-        let layout = |value: f64| {
-            let mut p = self.identity();
-            p[i] = value;
-            self.apply(plan, graph, &p)
-        };
-        let entered =
-            |value: f64| doors.narrowed(&layout(value)).into_iter().find(|n| n.is_entered && !n.has_moved);
-        if !doors.is_near(&layout(end)) {
-            return None;
-        }
-        let steps = ((end * per_unit).abs() / STEP_M).ceil().clamp(1.0, STEPS_MAX as f64) as usize;
-        let at = |k: usize| end * k as f64 / steps as f64;
-        let first = (1..=steps).find_map(|k| entered(at(k)).map(|door| (k, door)));
-        let (k, door) = first?;
-        let (mut good, mut bad) = (at(k - 1), at(k));
-        for _ in 0..HALVINGS {
-            let middle = f64::midpoint(good, bad);
-            *(if entered(middle).is_some() { &mut bad } else { &mut good }) = middle;
-        }
-        let far_m = (good * per_unit).abs() - NARROWER_M - JAMB_REST_M;
-        if far_m <= 0.0 {
-            return None;
-        }
-        // Whole millimetres of a person.
-        let way = (far_m * 1e3).floor() / 1e3 / per_unit;
-        Some((way.copysign(end), door))
-    }
 }

@@ -3,6 +3,7 @@
 mod card;
 mod carrying;
 mod idle;
+mod jambs;
 pub(super) mod marked;
 mod parts;
 mod seen;
@@ -41,8 +42,8 @@ use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, Wall, box_of, own_layers, understand};
 use crate::report::{Error, Place, Problem, Report, Severity};
-use idle::without_idle;
-use marked::{side_car_groups, state_held, state_passed_over, state_unread_marks};
+use jambs::keeping_doors;
+use marked::{side_car_groups, state_held, state_passed_over, state_unread_marks, taken_up};
 use parts::{closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of};
 use seen::Scene;
 pub use seen::{Pair, Seen};
@@ -285,7 +286,7 @@ fn moves(
         state_passed_over(drawing, plan, &settings.moves, report);
         let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
-        return Ok(without_idle(moves, groups.iter().map(|g| &g.0), (plan, graph, axes), settings, report));
+        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), (plan, graph, axes), settings, report));
     }
     if !drawing.marked.is_empty() && !settings.ignore_move_markers {
         let stated = building::marked_moves(drawing);
@@ -294,11 +295,11 @@ fn moves(
             state_unread_marks(marked::marks_of(drawing.format), plan, report);
         }
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
-        return Ok(without_idle(moves, groups.iter().map(|g| &g.0), (plan, graph, axes), settings, report));
+        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), (plan, graph, axes), settings, report));
     }
     if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
         let moves = Moves::from_markers(plan, graph, axes, report);
-        return Ok(without_idle(moves, plan.markers.groups.iter(), (plan, graph, axes), settings, report));
+        return Ok(taken_up(moves, plan.markers.groups.iter(), (plan, graph, axes), settings, report));
     }
     if plan.markers.is_move_drawn && !settings.ignore_move_markers {
         state_unread_marks(markers::MOVE, plan, report);
@@ -313,6 +314,7 @@ fn moves(
         Some(interior) if !settings.ignore_move_markers => {
             let groups = defaults::groups(plan, graph, axes, (interior, infill, fittings), report);
             let groups = carrying::whole_moves(plan, graph, axes, fittings, groups, report);
+            let groups = keeping_doors(groups, (plan, graph, axes), report);
             let mut moves = Moves::new(plan, graph, axes, &groups, report);
             moves.are_default = true;
             state_held(&moves, &groups, (plan, graph), report);

@@ -1,8 +1,9 @@
 //! Doors slide to the side on which there is room, and blocks of rooms are no free-standing elements.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::*;
+use crate::moves::Parameter;
 use crate::moves::narrowed::{Doors, Narrowed};
 use crate::plan::curve::control_points;
 
@@ -165,4 +166,145 @@ fn a_jamb_that_is_marked_itself_moves_as_it_says() {
     let (bounds, beyond) = kept_wide(&partition_beside_a_door(true, jamb, "x -0.3 0.3"));
     assert_eq!(bounds, [[-0.3, 0.3]]);
     assert!(matches!(beyond.as_slice(), [d] if !d.is_entered && (d.is_m - 0.7).abs() < 1e-6), "{beyond:?}");
+}
+
+/// A partition at x = 8 that ends at a corridor wall with doors of 0.9 m, each from such an x on.
+fn partition_at_a_corridor(doors: &[f64]) -> Drawing {
+    let mut d = building(&[(1, [8.0, 8.2], [0.0, 6.0]), (2, [0.0, 20.0], [6.0, 6.2])]);
+    for (from, record) in doors.iter().zip(70..) {
+        d.ring(DOOR_LAYER, &[[*from, 6.0], [from + 0.9, 6.0], [from + 0.9, 6.2], [*from, 6.2]]);
+        d.entities.last_mut().unwrap().source.record = record;
+        d.hosts.insert(record, 2);
+    }
+    d
+}
+
+/// A door of 1 m between the side of a partition at x = 6 and the end of a wall east of it.
+fn door_in_a_corner() -> Drawing {
+    let mut d = drawing("m", 1.0);
+    d.ring("WALLS", &[[0.0, 0.0], [12.0, 0.0], [12.0, 6.0], [0.0, 6.0]]);
+    d.line(0.2, 0.2, 0.2, 5.8);
+    for [a, b] in [[0.2, 5.95], [6.05, 11.8]] {
+        d.line(a, 0.2, b, 0.2);
+        d.line(a, 5.8, b, 5.8);
+    }
+    for x in [5.95, 6.05] {
+        d.line(x, 0.2, x, 5.8);
+    }
+    for [a, b] in [[0.2, 2.95], [3.05, 5.8]] {
+        d.line(11.8, a, 11.8, b);
+    }
+    for y in [2.95, 3.05] {
+        d.line(7.05, y, 11.8, y);
+    }
+    d.line(7.05, 2.95, 7.05, 3.05);
+    let hinge = DVec2::new(7.05, 3.0);
+    d.add("DOOR", Shape::Arc { centre: hinge, radius: 1.0, start_rad: FRAC_PI_2, end_rad: PI });
+    d.add("DOOR", Shape::Line { a: hinge, b: hinge + DVec2::Y });
+    d
+}
+
+/// A partition with a door at x = 6 and a wall that ends at it from the west, all of them but one line.
+fn door_beside_a_sliding_wall(from: f64, y: f64) -> Drawing {
+    let mut d = drawing("m", 1.0);
+    let (to, a, b) = (from + 0.9, y - 0.05, y + 0.05);
+    d.ring("WALLS", &[[0.0, 0.0], [12.0, 0.0], [12.0, 6.0], [0.0, 6.0]]);
+    let corners = [
+        [5.95, to],
+        [5.95, 5.8],
+        [0.2, 5.8],
+        [0.2, b],
+        [5.95, b],
+        [5.95, from],
+        [6.05, from],
+        [6.05, 0.2],
+        [11.8, 0.2],
+        [11.8, 5.8],
+        [6.05, 5.8],
+        [6.05, to],
+    ];
+    d.ring("WALLS", &corners);
+    d.ring("WALLS", &[[0.2, 0.2], [5.95, 0.2], [5.95, a], [0.2, a]]);
+    let hinge = DVec2::new(6.0, to);
+    d.add("DOOR", Shape::Arc { centre: hinge, radius: 0.9, start_rad: -FRAC_PI_2, end_rad: 0.0 });
+    d.add("DOOR", Shape::Line { a: hinge, b: hinge + DVec2::X * 0.9 });
+    d
+}
+
+/// Bounds by name.
+type Ways = Vec<(String, [f64; 2])>;
+
+/// The ways of a drawing's default moves as they are made, and as they are once no door becomes narrower at the bounds of
+/// any two of them; and the names of those without way.
+fn kept_as_drawn(drawing: &Drawing) -> (Ways, Ways, Vec<String>) {
+    let (plan, graph, mut moves) = by_default(drawing);
+    let (axes, _) = structure::axes(&plan, drawing);
+    let ways = |moves: &Moves| -> Ways {
+        let of = |p: &Parameter| (p.group_name.clone(), [p.clause.lower, p.clause.upper]);
+        moves.parameters.iter().map(of).collect()
+    };
+    let made = ways(&moves);
+    let kept = moves.keep_doors_as_drawn(&plan, &graph, &axes);
+    let now = ways(&moves);
+    assert!(kept.without_way.is_subset(&kept.shorter));
+    assert!((0..now.len()).all(|i| kept.shorter.contains(&i) == (made[i] != now[i])), "{made:?} {now:?}");
+    let doors = Doors::new(&plan, &axes);
+    let ends = || (0..now.len()).flat_map(|i| [(i, 0), (i, 1)]);
+    for (a, b) in ends().flat_map(|a| ends().map(move |b| (a, b))) {
+        let mut at = moves.identity();
+        [a, b].iter().for_each(|(i, end)| at[*i] = now[*i].1[*end]);
+        assert_eq!(doors.narrowed(&moves.apply(&plan, &graph, &at)), [], "{at:?}");
+    }
+    let out = kept.without_way.iter().map(|i| now[*i].0.clone()).collect();
+    (made, now, out)
+}
+
+fn way_of(ways: &Ways, name: &str) -> [f64; 2] {
+    ways.iter().find(|w| w.0 == name).map(|w| w.1.map(|v| (v * 1e3).round() / 1e3)).unwrap()
+}
+
+/// A partition that moves by default ends before the jamb of a door in the wall it slides along, also where it stands at
+/// the jamb from the start; with too little way left it stays.
+#[test]
+fn a_default_move_ends_before_a_jamb() {
+    let at = |doors: &[f64]| {
+        let (made, now, out) = kept_as_drawn(&partition_at_a_corridor(doors));
+        // The corridor wall, which takes its doors along, loses nothing.
+        assert_eq!(made[0], now[0]);
+        assert!(out.iter().all(|name| name == "wall-2"), "{out:?}");
+        (way_of(&made, "wall-2"), way_of(&now, "wall-2"), out.is_empty())
+    };
+    assert_eq!(at(&[8.6]), ([-0.6, 0.42], [-0.6, 0.389], true));
+    assert_eq!(at(&[8.41]), ([-0.6, 0.21], [-0.6, 0.21], true));
+    assert_eq!(at(&[8.31]), ([-0.6, 0.12], [-0.6, 0.1], true));
+    assert_eq!(at(&[8.21]), ([-0.6, 0.03], [-0.6, 0.0], true));
+    assert_eq!(at(&[8.21, 7.01]), ([-0.09, 0.03], [-0.09, 0.0], false));
+}
+
+/// A door whose one jamb stands on the side of the partition that moves goes along with it, as wide as it is; marked alone,
+/// the partition leaves it wider or narrower.
+#[test]
+fn a_jamb_on_the_side_of_a_wall_goes_with_it() {
+    let d = door_in_a_corner();
+    let (made, now, out) = kept_as_drawn(&d);
+    assert_eq!((way_of(&made, "wall-1"), &out), ([-0.6, 0.6], &vec![]));
+    assert_eq!(made, now);
+    let mut alone = d;
+    alone.group([5.9, 0.1], [6.1, 5.9], "x -0.3 0.4");
+    let (bounds, beyond) = kept_wide(&alone);
+    assert_eq!(bounds, [[-0.3, 0.4]]);
+    assert!(matches!(beyond.as_slice(), [d] if !d.is_entered && (d.is_m - 0.6).abs() < 1e-6), "{beyond:?}");
+}
+
+/// A door and a wall that slide towards each other: neither alone leaves the door narrower, the door gives way.
+#[test]
+fn two_default_moves_do_not_meet_in_a_door() {
+    let (made, now, out) = kept_as_drawn(&door_beside_a_sliding_wall(3.5, 2.5));
+    assert_eq!((way_of(&made, "wall-1"), way_of(&made, "door-1")), ([-0.6, 0.6], [-0.45, 0.5]));
+    let door = way_of(&now, "door-1");
+    assert!((door[0] + 0.34).abs() < 0.0015 && door[1] == 0.5 && out.is_empty(), "{door:?}");
+    assert_eq!(made[..2], now[..2]);
+    // What cannot come together keeps its way.
+    let (made, now, _) = kept_as_drawn(&door_beside_a_sliding_wall(3.5, 2.0));
+    assert_eq!(made, now);
 }

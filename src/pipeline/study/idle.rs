@@ -1,21 +1,19 @@
-//! Clauses of the user's that move nothing: they are named, and no parameters; and those that would pass a door's jamb.
+//! Clauses of the user's that move nothing: they are named, and no parameters.
 
 use crate::config::Settings;
 use crate::moves::idle::Idle;
-use crate::moves::narrowed::Shortened;
 use crate::moves::{MOVE_MIN_M, Moves, Parameter};
 use crate::plan::Plan;
-use crate::plan::axes::AxisGraph;
 use crate::plan::graph::Graph;
 use crate::plan::markers::{Clause, Group, place_in};
 use crate::report::{Place, Report};
 
-/// The moves without the parameters that move nothing, ways ending at the jambs of doors. Those of linked groups stay, since others
-/// follow them; where nothing that is linked moves, the link is named.
+/// The moves without the parameters that move nothing. Those of linked groups stay, since others follow them; where nothing
+/// that is linked moves, the link is named.
 pub(super) fn without_idle<'a>(
     mut moves: Moves,
     groups: impl Iterator<Item = &'a Group> + Clone,
-    (plan, graph, axes): (&Plan, &Graph, &AxisGraph),
+    (plan, graph): (&Plan, &Graph),
     settings: &Settings,
     report: &mut Report,
 ) -> Moves {
@@ -23,10 +21,6 @@ pub(super) fn without_idle<'a>(
         let group = groups.clone().find(|g| g.name == name);
         group.map_or_else(|| Place::file(&plan.file), |g| place_in(&plan.file, &g.source))
     };
-    for shorter in moves.keep_doors_wide(plan, graph, axes) {
-        let p = &moves.parameters[shorter.parameter];
-        report.warn("move-shortened", place(&p.group_name), jamb_words(p, &shorter));
-    }
     let idle = moves.idle(plan, graph);
     let count = |group: usize| moves.parameters.iter().filter(|p| p.group == group).count();
     let idle_of = |group: usize| idle.iter().filter(|(i, _)| moves.parameters[*i].group == group).count();
@@ -57,19 +51,6 @@ pub(super) fn without_idle<'a>(
         idle.iter().map(|(i, _)| *i).filter(|i| !is_linked(&moves.parameters[*i])).collect();
     moves.leave_out(&dropped);
     moves
-}
-
-/// What a way is shortened to, and by which door.
-fn jamb_words(p: &Parameter, shorter: &Shortened) -> String {
-    format!(
-        "group {:?}: `{}` would take a wall past a jamb of {}, {:.2} m wide, and leave it narrower; it moves by `{}` alone; \
-         an outline that takes the door's jambs in too moves the door along",
-        p.group_name,
-        clause(&shorter.stated),
-        shorter.door.place_words(),
-        shorter.door.was_m,
-        clause(&p.clause)
-    )
 }
 
 /// A clause as it is written.

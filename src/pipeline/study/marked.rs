@@ -4,9 +4,11 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
-use super::idle::clause;
-use crate::config::MoveTable;
+use super::idle::{clause, without_idle};
+use super::jambs::ending_at_jambs;
+use crate::config::{MoveTable, Settings};
 use crate::moves::Moves;
+use crate::plan::axes::AxisGraph;
 use crate::plan::drawing::{Drawing, Format};
 use crate::plan::graph::Graph;
 use crate::plan::layers::WallLayers;
@@ -97,6 +99,18 @@ pub(super) fn state_held(
         told.text +=
             &format!("; it holds {held} of them here, {} parameters are left", moves.parameters.len());
     }
+}
+
+/// The moves of marks as they are taken up: ways end at the jambs of doors, and what moves nothing is no parameter.
+pub(super) fn taken_up<'a>(
+    moves: Moves,
+    groups: impl Iterator<Item = &'a Group> + Clone,
+    (plan, graph, axes): (&Plan, &Graph, &AxisGraph),
+    settings: &Settings,
+    report: &mut Report,
+) -> Moves {
+    let moves = ending_at_jambs(moves, groups.clone(), (plan, graph, axes), report);
+    without_idle(moves, groups, (plan, graph), settings, report)
 }
 
 /// Side-car nodes are found again within this distance.
