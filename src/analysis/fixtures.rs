@@ -9,16 +9,21 @@ use crate::plan::geometry::{Segment, segments_touch};
 
 use super::{Lattice, Obstacles};
 
-/// The folder of reference values, if it is there.
-pub fn reference() -> Option<PathBuf> {
+/// A folder of shared material, by `ENFILADE_SHARED` or beside the repository, if it is there.
+pub fn shared(name: &str) -> Option<PathBuf> {
     let shared = std::env::var_os("ENFILADE_SHARED")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
-    let folder = shared.join("reference");
+    let folder = shared.join(name);
     if folder.is_dir() {
         return Some(folder);
     }
-    eprintln!("skipped: no reference values at {}", folder.display());
+    eprintln!("skipped: nothing at {}", folder.display());
     None
+}
+
+/// The folder of reference values, if it is there.
+pub fn reference() -> Option<PathBuf> {
+    shared("reference")
 }
 
 /// LINEs of layer WALLS of an R12 drawing in metres.

@@ -11,7 +11,7 @@ mod corners;
 mod dense;
 pub mod evaluator;
 #[cfg(test)]
-mod fixtures;
+pub(crate) mod fixtures;
 pub mod forest;
 pub mod gpu;
 mod graph;

@@ -1,6 +1,5 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
-use std::path::PathBuf;
 
 use cavalier_contours::polyline::{BooleanOp, PlineSource, PlineSourceMut, Polyline};
 use glam::{DVec2, dvec2};
@@ -553,13 +552,7 @@ fn reference_pieces(dxf: &str) -> Vec<WallPiece> {
 
 #[test]
 fn reference_plans_have_the_reference_penalties() {
-    let shared = std::env::var_os("ENFILADE_SHARED")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared")), PathBuf::from);
-    let folder = shared.join("reference");
-    if !folder.is_dir() {
-        println!("skipped: no reference plans at {}", folder.display());
-        return;
-    }
+    let Some(folder) = crate::analysis::fixtures::reference() else { return };
     for name in ["maze_a", "simple_room", "large_room", "art_gallery"] {
         let read = |ext: &str| std::fs::read_to_string(folder.join(format!("{name}.{ext}"))).unwrap();
         let json: serde_json::Value = serde_json::from_str(&read("expected.json")).unwrap();

@@ -82,28 +82,24 @@ fn corners(moves: &Moves) -> Vec<Vec<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::PathBuf;
-
     use super::*;
+    use crate::analysis::fixtures;
     use crate::config::{Partial, Settings};
     use crate::pipeline::study;
 
     /// Whatever moves by default takes its doors and windows along, to both ends of its way.
     #[test]
     fn default_moves_leave_no_door_behind() {
-        let Some(shared) = std::env::var_os("ENFILADE_SHARED") else {
-            eprintln!("skipped: ENFILADE_SHARED names no folder with the drawings");
-            return;
-        };
+        let Some(data) = fixtures::shared("data") else { return };
         let drawings = [
             ("us_house_bishop", 4, false),
             ("gama_house_librecad", 1, true),
-            ("potynobg_pianta_house", 1, true),
+            ("potynobg_pianta_house", 3, false),
             ("pms_building001_floor3_aia", 10, true),
         ];
         for (name, may_move, some_stay) in drawings {
             let file = format!("{name}.dxf");
-            let bytes = std::fs::read(PathBuf::from(&shared).join("data/dxf").join(&file)).unwrap();
+            let bytes = std::fs::read(data.join("dxf").join(&file)).unwrap();
             let settings = Settings::new(Partial::default()).unwrap();
             let mut report = Report::default();
             let base = study::read(&file, &bytes, &settings, &mut report).unwrap();

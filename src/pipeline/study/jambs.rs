@@ -97,9 +97,8 @@ fn say_kept(drawn: &[Marked], groups: &[Marked], plan: &Plan, report: &mut Repor
 
 #[cfg(test)]
 mod tests {
-    use std::path::PathBuf;
-
     use super::*;
+    use crate::analysis::fixtures;
     use crate::config::{Partial, Settings};
     use crate::moves::narrowed::Doors;
     use crate::pipeline::study;
@@ -111,10 +110,7 @@ mod tests {
     /// anywhere; what narrows nothing moves on.
     #[test]
     fn default_moves_leave_no_door_narrower() {
-        let Some(shared) = std::env::var_os("ENFILADE_SHARED") else {
-            eprintln!("skipped: ENFILADE_SHARED names no folder with the drawings");
-            return;
-        };
+        let Some(data) = fixtures::shared("data") else { return };
         let drawings = [
             ("dxf/ensal.dxf", 27, "2 default moves end earlier (door-2, door-11), so"),
             ("ifc/ac11_institute_var2.ifc", 15, "wall-1, wall-4, wall-5, wall-9, wall-10, wall-11, …"),
@@ -123,7 +119,7 @@ mod tests {
             ("dxf/gama_house_librecad.dxf", 3, ""),
         ];
         for (name, parameters, says) in drawings {
-            let bytes = std::fs::read(PathBuf::from(&shared).join("data").join(name)).unwrap();
+            let bytes = std::fs::read(data.join(name)).unwrap();
             let settings = Settings::new(Partial::default()).unwrap();
             let mut report = Report::default();
             let base = study::read(name, &bytes, &settings, &mut report).unwrap();
