@@ -97,6 +97,22 @@ fn few_options_are_counted_as_they_are() {
     assert!(problems.contains(&words), "{words}: {problems}");
 }
 
+/// Fewer options than wanted end with 1, whether there are no others or these are almost the same.
+#[test]
+fn fewer_options_than_wanted_are_a_request_left_out() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/maze.dxf");
+    let drawing = desk.drawing().to_string_lossy().into_owned();
+    std::fs::copy(sample, &drawing).unwrap();
+    for (members, code) in [("3", "options-left-out"), ("5", "few-options")] {
+        let done = enfilade(&["run", &drawing, "--evaluations", "40", "--members", members]);
+        assert_eq!(done.status.code(), Some(1), "{}", text(&done.stderr));
+        let round = if members == "3" { "round-01" } else { "round-02" };
+        let result = json(&desk.folder.path().join("plan.enfilade").join(round).join("result.json"));
+        assert!(result["problems"].to_string().contains(code), "{}", result["problems"]);
+    }
+}
+
 /// A change in per cent counts from the drawing that it is asked of, and an accepted one says so.
 #[test]
 fn limits_that_begin_anew_are_told() {

@@ -201,7 +201,7 @@ pub(super) fn say_options(
         return;
     }
     if found.alike > 0 {
-        report.info("options-left-out", place(), left_out_words(study, settings, made));
+        report.warn("options-left-out", place(), left_out_words(study, settings, made));
     } else if found.unworthy == 0 && settings.mode == Mode::Diverse && made < settings.members {
         let inside = found.members.iter().filter(|m| m.within_threshold).count();
         let text = format!(
