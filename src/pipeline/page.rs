@@ -110,19 +110,7 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     }
     add("score", settings.score_text());
     add("penalty", settings.penalty_text());
-    // What an accepted drawing carries in its side-car is lifted where it did not hold.
-    let lifted =
-        |text: String| if text.is_empty() && !settings.lineage.is_empty() { "none".into() } else { text };
-    let some = |key: &'static str, text: String| (key, lifted(text));
-    let links: Vec<String> = settings.links.iter().map(ToString::to_string).collect();
-    let links = if links.is_empty() { vec![String::new()] } else { links };
-    let snap = settings.snap.map_or_else(String::new, |s| s.to_string());
-    let rules = links.into_iter().map(|l| some("link", l)).chain([some("snap", snap)]);
-    for (key, text) in std::iter::once(some("limit", settings.limit_text())).chain(rules) {
-        if !text.is_empty() {
-            add(key, text);
-        }
-    }
+    rules(settings).into_iter().for_each(|(key, text)| add(key, text));
     if let Some(most) = settings.most_moves {
         add("most-moves", most.to_string());
     }
@@ -152,6 +140,22 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     }
     add("seed", settings.seed.to_string());
     out + &in_a_settings_file(settings)
+}
+
+/// Limits, links and modules; what an accepted drawing carries in its side-car is lifted where it did not hold.
+fn rules(settings: &Settings) -> Vec<(&'static str, String)> {
+    let links = settings.links.iter().map(|l| ("link", l.to_string()));
+    let one = [
+        ("limit", Some(settings.limit_text()).filter(|t| !t.is_empty())),
+        ("snap", settings.snap.map(|s| s.to_string())),
+        // Of links there may be several.
+        ("link", None),
+    ];
+    let lifted = |key: &str| !settings.lineage.is_empty() && (key != "link" || settings.links.is_empty());
+    let of = |(key, text): (_, Option<String>)| {
+        text.or_else(|| lifted(key).then(|| "none".into())).map(|t| (key, t))
+    };
+    links.chain(one.into_iter().filter_map(of)).collect()
 }
 
 /// What the command line cannot say: layouts by their parameters.

@@ -63,31 +63,34 @@ pub fn say_odd(base: &Understood, settings: &Settings, report: &mut Report) -> R
         );
         report.warn("snap-too-wide", place(), text);
     }
-    for limit in settings.limits.iter().filter(|l| l.is_least && holds_less(l, settings)) {
-        if let Bound::Change(share) = limit.bound
-            && share < 0.0
-        {
-            let percent = (-share * 1e8).round() / 1e6;
-            let what = limit.to_string();
-            let what = what.split_whitespace().next().unwrap_or_default();
-            let text = format!(
+    say_how_read(settings, &place, report);
+    say_anew(settings, &place, report);
+    Ok(())
+}
+
+/// Says how changes in per cent are read that could mean the other way as well.
+fn say_how_read(settings: &Settings, place: &dyn Fn() -> Place, report: &mut Report) {
+    for limit in &settings.limits {
+        let Bound::Change(share) = limit.bound else { continue };
+        let percent = (share.abs() * 1e8).round() / 1e6;
+        let text = limit.to_string();
+        let what = text.split_whitespace().next().unwrap_or_default();
+        let text = match (limit.is_least, limit.held) {
+            (true, _) if share < 0.0 && holds_less(limit, settings) => format!(
                 "`{limit}` is read as a least: no option has over {percent} % less, although less of it is better; \
                  `{what} <= -{percent}%` asks for at least so much less, `{what} +{percent}%` for no more than so much more"
-            );
-            report.info("limit-read", place(), text);
-        }
+            ),
+            (false, Held::Aim(_)) if share > 0.0 => format!(
+                "`{limit}` is read as a most: no option has over {percent} % more; `{what} >= +{percent}%` asks for at least so much"
+            ),
+            _ => continue,
+        };
+        report.info("limit-read", place(), text);
     }
-    for limit in &settings.limits {
-        if let (Held::Aim(aim), Bound::Change(share), false) = (limit.held, limit.bound, limit.is_least)
-            && share > 0.0
-        {
-            let percent = (share * 1e8).round() / 1e6;
-            let text = format!(
-                "`{limit}` is read as a most: no option has over {percent} % more; `{aim} >= +{percent}%` asks for at least so much"
-            );
-            report.info("limit-read", place(), text);
-        }
-    }
+}
+
+/// Says that changes in per cent count from an accepted drawing anew.
+fn say_anew(settings: &Settings, place: &dyn Fn() -> Place, report: &mut Report) {
     let is_change = |l: &&Limit| matches!(l.bound, Bound::Change(_));
     let changes: Vec<String> = settings.limits.iter().filter(is_change).map(|l| format!("`{l}`")).collect();
     if let (Some(last), false) = (settings.lineage.last(), changes.is_empty()) {
@@ -99,7 +102,6 @@ pub fn say_odd(base: &Understood, settings: &Settings, report: &mut Report) -> R
         );
         report.info("limit-anew", place(), text);
     }
-    Ok(())
 }
 
 /// Whether less of what a limit holds is better, by what it is or by what is asked for.
