@@ -42,7 +42,25 @@ pub fn parse() -> Result<Cli, u8> {
 
 /// What the command line may say. A negative number is a value, if one out of range, and not an option.
 fn grammar() -> clap::Command {
-    Cli::command().mut_subcommands(|c| c.allow_negative_numbers(true))
+    shown().mut_subcommands(|c| c.allow_negative_numbers(true))
+}
+
+/// Shared options that a command refuses, since it would do nothing with them.
+const REFUSED: [(&str, &[&str]); 2] = [("watch", &["json"]), ("jobs", &["json", "threads", "write_every"])];
+
+/// The commands as help and manual show them: without what they refuse.
+fn shown() -> clap::Command {
+    let hide = |c: clap::Command, names: &[&str]| names.iter().fold(c, |c, n| c.mut_arg(n, |a| a.hide(true)));
+    REFUSED.iter().fold(Cli::command(), |all, (name, refused)| all.mut_subcommand(name, |c| hide(c, refused)))
+}
+
+/// The same for completions, which would name hidden options too.
+fn completed() -> clap::Command {
+    let without_hidden = |command: clap::Command, name: &'static str| {
+        let kept = command.get_arguments().filter(|a| !a.is_hide_set());
+        clap::Command::new(name).args(kept).about(command.get_about().cloned().unwrap_or_default())
+    };
+    REFUSED.iter().fold(shown(), |all, (name, _)| all.mut_subcommand(name, |c| without_hidden(c, name)))
 }
 
 /// The commands.
@@ -419,7 +437,7 @@ pub fn completions(shell: ShellArg) -> String {
         ShellArg::Zsh => clap_complete::Shell::Zsh,
     };
     let mut out = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), "enfilade", &mut out);
+    clap_complete::generate(shell, &mut completed(), "enfilade", &mut out);
     String::from_utf8_lossy(&out).into_owned()
 }
 
@@ -428,7 +446,7 @@ pub fn completions(shell: ShellArg) -> String {
 /// # Errors
 /// Only where memory does not take them.
 pub fn man() -> std::io::Result<String> {
-    let mut command = Cli::command();
+    let mut command = shown();
     command.build();
     let page = clap_mangen::Man::new(command.clone());
     let mut out = Vec::new();
@@ -438,8 +456,39 @@ pub fn man() -> std::io::Result<String> {
     page.render_description_section(&mut out)?;
     page.render_options_section(&mut out)?;
     sections_of_commands(&command, &mut out)?;
+    list_section("\"EXIT STATUS\"", &EXIT_STATUS, &mut out)?;
+    list_section("FILES", &FILES, &mut out)?;
     page.render_version_section(&mut out)?;
     Ok(String::from_utf8_lossy(&out).into_owned())
+}
+
+/// What the manual says besides of exit codes.
+const EXIT_STATUS: [(&str, &str); 7] = [
+    ("0", "Done."),
+    ("1", r"Done, with something left out: it says what. Of \fBdoctor\fR: something is wrong."),
+    ("2", "Bad input."),
+    ("3", "Bad usage or settings."),
+    ("4", "The environment failed: disk, permission, device."),
+    ("75", r"Try again later (\fBrun\-job\fR)."),
+    ("130", "Stopped by the user."),
+];
+/// What it says of files.
+const FILES: [(&str, &str); 4] = [
+    (
+        "enfilade.toml",
+        r"Settings of the drawings in its folder and of its daemon; \fBinit\fR writes one, all of it comments.",
+    ),
+    ("NAME.enfilade.toml", "Settings of the drawing NAME beside it; they go before those of the folder."),
+    (
+        "NAME.enfilade/",
+        r"Results of the drawing NAME: analysis/, round\-01/ and so on, so\-far/ of a search that goes on or was stopped.",
+    ),
+    (r"\&.enfilade/", "State of a watched folder."),
+];
+
+fn list_section(title: &str, rows: &[(&str, &str)], out: &mut Vec<u8>) -> std::io::Result<()> {
+    writeln!(out, ".SH {title}")?;
+    rows.iter().try_for_each(|(name, text)| writeln!(out, ".TP\n{name}\n{text}"))
 }
 
 /// Of each command that is shown what a page of its own would say; there is none, so nothing refers to one.
@@ -484,7 +533,7 @@ pub struct JobsArgs {
     #[arg(required = true, value_name = "PLAN")]
     pub files: Vec<PathBuf>,
     /// Seeds, one job each: 1..20, or 1,5,9.
-    #[arg(long, value_name = "LIST")]
+    #[arg(long, value_name = "LIST", conflicts_with = "seed")]
     pub seeds: Option<String>,
     /// Storeys, one job each: all, or names or numbers separated by commas.
     #[arg(long, value_name = "all|LIST")]
@@ -649,6 +698,7 @@ fn point(text: &str) -> Result<[f64; 2], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::{Error, Place};
 
     /// One page that refers to no other, with every command that is shown and none that is not.
     #[test]
@@ -667,8 +717,44 @@ mod tests {
     }
 
     #[test]
+    fn the_manual_has_exit_codes_and_files() {
+        let page = man().unwrap();
+        let section = |name: &str| {
+            let rest = page.split_once(&format!(".SH {name}\n")).map(|(_, rest)| rest).unwrap();
+            rest.split("\n.SH ").next().unwrap().to_owned()
+        };
+        let errors = [Error::input, Error::usage, Error::environment].map(|e| e("c", Place::default(), ""));
+        let own = errors.iter().chain(&[Error::Stopped]).map(|e| e.exit_code().to_string());
+        for code in own.chain(["0", "1", "75"].map(String::from)) {
+            assert!(section("\"EXIT STATUS\"").contains(&format!(".TP\n{code}\n")), "{code}");
+        }
+        for file in ["enfilade.toml", "NAME.enfilade.toml", "NAME.enfilade/"] {
+            assert!(section("FILES").contains(&format!(".TP\n{file}\n")), "{file}");
+        }
+    }
+
+    /// What a command refuses stands neither in its help nor in the manual.
+    #[test]
+    fn refused_options_are_not_shown() {
+        let help =
+            |command: &str| grammar().find_subcommand_mut(command).unwrap().render_long_help().to_string();
+        for (command, option) in
+            [("watch", "--json"), ("jobs", "--json"), ("jobs", "--threads"), ("jobs", "--write-every")]
+        {
+            assert!(!help(command).contains(option), "{command} {option}");
+            assert!(help("run").contains(option), "run {option}");
+        }
+        let page = man().unwrap();
+        let jobs = page.split(".SH \"ENFILADE JOBS\"").nth(1).unwrap().split("\n.SH ").next().unwrap();
+        assert!(!jobs.contains(r"\-\-threads") && jobs.contains(r"\-\-embed"), "{jobs}");
+        let completed = completions(ShellArg::Bash);
+        let mut known = completed.lines().filter(|l| l.contains("opts=") && l.contains("--seeds"));
+        assert!(known.all(|l| l.contains("--embed") && !l.contains("--threads")), "{completed}");
+    }
+
+    #[test]
     fn the_command_line_is_sound() {
-        Cli::command().debug_assert();
+        shown().debug_assert();
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What each command does: reads files, runs the job, stores what it hands out, says how it went.
 
 mod batching;
+mod idle;
 mod installing;
 mod outputs;
 mod watching;
@@ -27,13 +28,12 @@ use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, round_name};
 use crate::watch::bytes_of;
 
-/// Runs one command line. The number is the exit code of a finished command: 0, or 1 when something was
-/// left out.
+/// Runs one command line. The exit code of a finished command is 0, or 1 when something was left out.
 ///
 /// # Errors
 /// What the command returns; the variant decides the exit code.
 pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
-    outputs::judge(&cli.command)?;
+    idle::judge(&cli.command).and_then(|()| outputs::judge(&cli.command))?;
     let code = carry_out(cli.command, cancel)?;
     match UNSAID.get() {
         // The word of a command that ended otherwise stands.

@@ -235,13 +235,15 @@ fn arguments(folders: &[PathBuf], options: &[OsString], log: &Path) -> Vec<OsStr
 }
 
 /// A unit of our own: the crate joins arguments by spaces, and folders may have spaces in their names. The daemon is
-/// started again for as long as it takes, since a folder may lie on a drive that comes later.
+/// started again for as long as it takes, since a folder may lie on a drive that comes later; one that is told to stop
+/// has not failed.
 fn systemd_unit(program: &Path, args: &[OsString]) -> String {
+    let stopped = Error::Stopped.exit_code();
     let words = std::iter::once(program.as_os_str()).chain(args.iter().map(OsString::as_os_str));
     let line: Vec<String> = words.map(|w| systemd_word(&w.to_string_lossy())).collect();
     format!(
         "[Unit]\nDescription=Enfilade watches folders of drawings\nStartLimitIntervalSec=0\n\n[Service]\nExecStart={}\nRestart=on-failure\n\
-         RestartSec={RESTART_SECS}\nNoNewPrivileges=true\nNice=10\n\n\
+         RestartSec={RESTART_SECS}\nSuccessExitStatus={stopped}\nNoNewPrivileges=true\nNice=10\n\n\
          [Install]\nWantedBy=default.target\n",
         line.join(" ")
     )
@@ -322,6 +324,7 @@ mod tests {
         let unit = systemd_unit(Path::new("/bin/enfilade"), &args);
         let line = unit.lines().find(|l| l.starts_with("ExecStart=")).unwrap();
         assert!(line.ends_with(r#""--" "/plans/My \"best\" 100%% $$HOME" "-x""#), "{line}");
+        assert!(unit.lines().any(|l| l == "SuccessExitStatus=130"), "a stop is no failure: {unit}");
         assert_eq!(systemd_word("a\nb\\"), "\"a\\nb\\\\\"");
     }
 

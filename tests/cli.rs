@@ -250,6 +250,12 @@ fn exit_codes_and_messages() {
         (vec!["run", &sample("gallery.dxf"), "--objective", "beauty max 1"], 3, "beauty"),
         (vec!["run", &sample("gallery.dxf"), "--nonsense"], 3, "--nonsense"),
         (vec!["analyse", &sample("gallery.dxf"), "--unit", "yard"], 3, "yard"),
+        (vec!["init", "no-such-folder"], 4, "the folder is not there: make it\n"),
+        (vec!["watch", "--json", "x.json", "."], 3, "`enfilade status --json`"),
+        (vec!["jobs", "--json", "x.json", &sample("gallery.dxf")], 3, "--output"),
+        (vec!["jobs", "--threads", "2", &sample("gallery.dxf")], 3, "`run-job`"),
+        (vec!["jobs", "--write-every", "9", &sample("gallery.dxf")], 3, "when it ends"),
+        (vec!["jobs", "--seed", "9", "--seeds", "1,2", &sample("gallery.dxf")], 3, "--seed"),
         (vec!["--version"], 0, ""),
     ] {
         let output = enfilade(&args);

@@ -284,6 +284,25 @@ fn strangers_get_nothing() {
         |method: &str, path: &str, heads: &[(&str, &str)]| daemon.raw(method, path, heads, "").status;
     assert_eq!(status("GET", "/", &[("Host", "evil.test"), known]), 403);
     assert_eq!(status("GET", "/", &[own]), 403);
+    // A browser that waits for the page gets words for a person, and nothing else of the daemon.
+    let html = ("Accept", "text/html,application/xhtml+xml;q=0.9,*/*;q=0.8");
+    for (path, heads, is_page) in [
+        ("/", vec![own, html], true),
+        ("/?token=0123", vec![own, html, ("Cookie", "enfilade-1=2")], true),
+        ("/", vec![own], false),
+        ("/", vec![own, ("Accept", "application/json")], false),
+        ("/", vec![("Host", "evil.test"), html], false),
+        ("/", vec![own, html, ("Origin", "http://evil.test")], false),
+        ("/api/log", vec![own, html], false),
+    ] {
+        let answer = daemon.raw("GET", path, &heads, "");
+        let said = String::from_utf8_lossy(&answer.body);
+        let kind = if is_page { "content-type: text/html" } else { "content-type: application/json" };
+        assert!(answer.status == 403 && answer.head.contains(kind), "{path} {heads:?}: {}", answer.head);
+        assert!(answer.head.contains("content-security-policy") && answer.head.contains("no-store"));
+        assert!(is_page == said.contains("The daemon was started again") && !said.contains(&daemon.token));
+        assert!(!is_page || said.contains("enfilade open"), "{said}");
+    }
     assert_eq!(status("GET", "http://evil.test/api/drawings", &[own, known]), 403);
     assert_eq!(status("GET", "/api/log", &[own, ("Authorization", "Bearer no")]), 403);
     let order = format!("/api/drawings/{id}/cancel");
@@ -555,17 +574,48 @@ fn plant_ten_thousand(home: &Path) {
     fs::write(to.join("result.json"), result.to_string()).unwrap();
 }
 
-/// Chromium with every action of the page, and axe: needs node and the modules named in `tests/page/README.md`.
-#[test]
-fn a_browser_does_every_action() {
-    let Some(modules) = std::env::var_os("ENFILADE_NODE_MODULES") else {
+/// Where the modules named in `tests/page/README.md` are; `None`, and said, where browsers need not be tested.
+fn modules() -> Option<std::ffi::OsString> {
+    let modules = std::env::var_os("ENFILADE_NODE_MODULES");
+    if modules.is_none() {
         assert!(
             std::env::var_os("ENFILADE_HOSTS").is_none_or(|v| v != "required"),
             "no puppeteer-core and axe-core; scripts/setup installs them"
         );
         println!("skipped: ENFILADE_NODE_MODULES names no folder with puppeteer-core and axe-core");
-        return;
-    };
+    }
+    modules
+}
+
+/// A script of `tests/page` with the page's address and what else it is to know; it must find no fault.
+fn browse(daemon: &Daemon, modules: std::ffi::OsString, script: &str, told: &str) {
+    let out = Command::new("node")
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page").join(script))
+        .arg(format!("http://127.0.0.1:{}/?token={}", daemon.port, daemon.token))
+        .arg(told)
+        .env("HOME", daemon.folder.path())
+        .env_remove("XDG_STATE_HOME")
+        .env("NODE_PATH", modules)
+        .output()
+        .unwrap();
+    let [said, faults] = [&out.stdout, &out.stderr].map(|b| String::from_utf8_lossy(b));
+    assert!(out.status.success(), "{said}\n{faults}");
+    println!("{said}");
+}
+
+/// What was the only drawing is not shown on, with buttons, once it is gone.
+#[test]
+fn a_browser_shows_no_drawing_that_is_gone() {
+    let Some(modules) = modules() else { return };
+    let daemon = start();
+    daemon.until_done("gallery.dxf");
+    browse(&daemon, modules, "gone.mjs", daemon.plans().join("gallery.dxf").to_str().unwrap());
+}
+
+/// Chromium with every action of the page, and axe.
+#[test]
+fn a_browser_does_every_action() {
+    let Some(modules) = modules() else { return };
     let daemon = start_with("gallery.dxf", "[watch]\ndepth = 1\n");
     fs::copy(daemon.plans().join("gallery.dxf"), daemon.plans().join("<img src=x onerror=alert(1)>.dxf"))
         .unwrap();
@@ -589,22 +639,7 @@ fn a_browser_does_every_action() {
         "program": env!("CARGO_BIN_EXE_enfilade"),
         "args": ["watch", format!("--page={}", daemon.port), daemon.plans().display().to_string()],
     });
-    let out = Command::new("node")
-        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page/drive.mjs"))
-        .arg(format!("http://127.0.0.1:{}/?token={}", daemon.port, daemon.token))
-        .arg(restart.to_string())
-        .env("HOME", daemon.folder.path())
-        .env_remove("XDG_STATE_HOME")
-        .env("NODE_PATH", modules)
-        .output()
-        .unwrap();
-    assert!(
-        out.status.success(),
-        "{}\n{}",
-        String::from_utf8_lossy(&out.stdout),
-        String::from_utf8_lossy(&out.stderr)
-    );
-    println!("{}", String::from_utf8_lossy(&out.stdout));
+    browse(&daemon, modules, "drive.mjs", &restart.to_string());
     assert!(daemon.plans().join("gallery-r02.dxf").is_file(), "nothing was accepted");
     assert_eq!(daemon.round_settings("round-02")["like"].as_array().map(Vec::is_empty), Some(false));
     assert_eq!(daemon.round_settings("round-02")["pinned"].as_array().map(Vec::len), Some(1));

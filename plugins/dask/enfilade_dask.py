@@ -364,6 +364,8 @@ def main(argv: list[str] | None = None) -> int:
         jobs = read_jobs(args.jobs)
     except (OSError, ValueError) as error:
         return _refused(f"{args.jobs} cannot be read as a list of jobs: {error}")
+    if not jobs:
+        return _refused(f"{args.jobs} has no job in it, expected one a line, as `enfilade jobs` writes them")
     if args.workers is not None and args.workers < 1:
         return _refused(f"--workers {args.workers}: expected 1 or more")
     if args.scheduler:
@@ -382,9 +384,8 @@ def main(argv: list[str] | None = None) -> int:
             client, jobs, program=args.program, share=not args.no_share, threads=threads_of(args), resources=resources,
             retries=args.retries, on_row=show,
         )
-    if jobs:
-        write_summary(rows, jobs[0]["out"])
-        print(Path(jobs[0]["out"]) / "summary.html")
+    write_summary(rows, jobs[0]["out"])
+    print(Path(jobs[0]["out"]) / "summary.html")
     print(digest_of(rows))
     return DONE if all(row.finished for row in rows) else LEFT_OUT
 

@@ -319,9 +319,12 @@ fn status_lines(status: &Value, is_running: bool) -> Vec<String> {
     out.extend(status["running"].as_str().map(|d| format!("{d}: {running}")));
     out.extend(list("waiting").iter().map(|d| format!("{}: waiting", text(d))));
     out.extend(beyond(status, "waiting").map(|n| format!("and {n} more waiting")));
-    let stopped = list("cancelled")
-        .into_iter()
-        .map(|d| format!("{}: cancelled; its next save, or another round asked for, takes it up", text(&d)));
+    let stopped = list("cancelled").into_iter().map(|d| {
+        format!(
+            "{}: cancelled; a change of it or of its settings, or another round asked for, takes it up",
+            text(&d)
+        )
+    });
     out.extend(stopped);
     out.extend(beyond(status, "cancelled").map(|n| format!("and {n} more cancelled")));
     for entry in list("failed") {
@@ -382,7 +385,7 @@ mod tests {
             "/away: out of reach; waiting for it",
             "/w/a.dxf: running",
             "/w/b.dxf: waiting",
-            "/w/f.dxf: cancelled; its next save, or another round asked for, takes it up",
+            "/w/f.dxf: cancelled; a change of it or of its settings, or another round asked for, takes it up",
             "and 1 more cancelled",
             "/w/c.dxf: failed: no wall (c)",
             "/w/d.dxf: not ready: no EOF yet (c)",

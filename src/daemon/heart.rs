@@ -61,7 +61,8 @@ const NEWER_CONTENT: &str =
     "the drawing or its settings changed, and what was asked for is of the options before; ask for it again";
 const REMOVED: &str = "the drawing was removed or has another name";
 pub(crate) const BY_THE_USER: &str = "cancelled";
-const CANCELLED_BEFORE: &str = "cancelled before; its next save, or another round asked for, takes it up";
+const CANCELLED_BEFORE: &str =
+    "cancelled before; a change of it or of its settings, or another round asked for, takes it up";
 const NOTHING_WHOLE: &str = "no whole file lies there to work on";
 const DAEMON_ENDS: &str = "the daemon ends; the next start goes on with it";
 const TOO_LONG: &str = "it ran too long";
@@ -85,6 +86,10 @@ struct Root {
     how: String,
     is_offline: bool,
     state: Option<State>,
+    /// The first of those left alone, and why.
+    ignored: BTreeMap<PathBuf, String>,
+    ignored_count: u64,
+    done_count: u64,
 }
 
 pub(super) struct Heart {
@@ -103,10 +108,6 @@ pub(super) struct Heart {
     failed: BTreeMap<PathBuf, Problem>,
     /// Given up by the user, until their next job.
     cancelled: BTreeSet<PathBuf>,
-    /// The first of those left alone, and why.
-    ignored: BTreeMap<PathBuf, String>,
-    ignored_count: u64,
-    done_count: u64,
     next_id: u64,
     send: SyncSender<Message>,
     inbox: Receiver<Message>,
@@ -160,9 +161,6 @@ impl Heart {
             running: None,
             failed: BTreeMap::new(),
             cancelled: BTreeSet::new(),
-            ignored: BTreeMap::new(),
-            ignored_count: 0,
-            done_count: 0,
             next_id: 0,
             send,
             inbox,
@@ -195,7 +193,16 @@ impl Heart {
                 Err(error) => return Err(error),
             };
             let how = how_watched(settings, reason.as_deref());
-            heart.roots.push(Root { path: path.clone(), unheard: reason, how, is_offline: false, state });
+            heart.roots.push(Root {
+                path: path.clone(),
+                unheard: reason,
+                how,
+                is_offline: false,
+                state,
+                ignored: BTreeMap::new(),
+                ignored_count: 0,
+                done_count: 0,
+            });
         }
         Ok(heart)
     }
@@ -299,17 +306,18 @@ impl Heart {
             Action::SettingsChanged(path) => self.settings_changed(&path),
             Action::Removed(path) => self.removed(&path, show),
             Action::Ignored { path, why } => {
-                if self.ignored.len() < MAX_LISTED {
-                    self.ignored.insert(path.clone(), why.clone());
-                }
-                self.ignored_count += 1;
                 self.is_overview_stale = true;
+                if let Some(root) = self.root_of_mut(&path) {
+                    root.leave_alone(&path, &why);
+                }
                 show(Notice::Ignored { path, why });
             }
             Action::IgnoredGone(path) => {
-                self.ignored.remove(&path);
-                self.ignored_count = self.ignored_count.saturating_sub(1);
                 self.is_overview_stale = true;
+                if let Some(root) = self.root_of_mut(&path) {
+                    root.ignored.remove(&path);
+                    root.ignored_count = root.ignored_count.saturating_sub(1);
+                }
             }
             Action::Offline(root) => self.set_offline(root, true, show),
             Action::Online(root) => self.set_offline(root, false, show),
@@ -518,7 +526,9 @@ impl Heart {
         let what = running.what;
         match outcome {
             Outcome::Ended(Ok(done)) => {
-                self.done_count += 1;
+                if let Some(root) = self.root_of_mut(&what.drawing) {
+                    root.done_count += 1;
+                }
                 let drawing = what.drawing.clone();
                 self.has_room(&drawing, running.since, show);
                 show(Notice::Done { drawing, done: done.clone() });
@@ -680,17 +690,25 @@ impl Heart {
         }
         self.is_overview_stale = false;
         self.last_overview = Some(Instant::now());
-        let overview = self.overview(is_leaving);
         for root in self.roots.iter().filter(|r| !r.is_offline) {
             if let Some(state) = &root.state {
                 // Where this fails the jobs fail too, and say so.
-                let _ = write_json(&*self.disk, &state.folder.join("status.json"), &overview);
+                let _ = write_json(
+                    &*self.disk,
+                    &state.folder.join("status.json"),
+                    &self.overview(root, is_leaving),
+                );
             }
         }
     }
 
     fn root_of(&self, path: &Path) -> Option<&Root> {
         let holds = self.roots.iter().filter(|r| path.starts_with(&r.path));
+        holds.max_by_key(|r| r.path.as_os_str().len())
+    }
+
+    fn root_of_mut(&mut self, path: &Path) -> Option<&mut Root> {
+        let holds = self.roots.iter_mut().filter(|r| path.starts_with(&r.path));
         holds.max_by_key(|r| r.path.as_os_str().len())
     }
 
@@ -728,6 +746,15 @@ impl Heart {
             && let Some(problem) = error.problem()
         {
             self.tell(Notice::Problem { path: what.drawing.clone(), problem: problem.clone() }, show);
+        }
+    }
+}
+
+impl Root {
+    fn leave_alone(&mut self, file: &Path, why: &str) {
+        self.ignored_count += 1;
+        if self.ignored.len() < MAX_LISTED {
+            self.ignored.insert(file.into(), why.into());
         }
     }
 }

@@ -66,7 +66,7 @@ pub struct Asked {
 /// What a user asks of a running daemon.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// Give up the job of this drawing, running or waiting; its next save is a new job.
+    /// Give up the job of this drawing, running or waiting; another content, or other settings, are a new job.
     Cancel(PathBuf),
     /// Another round of the drawing as it lies there, whatever was done before.
     Again {

@@ -18,6 +18,9 @@ use super::{BODY_BYTES_MAX, Shared};
 /// Header of every request that changes something.
 pub const ORDER_HEADER: &str = "x-enfilade";
 
+/// Why a request without the token of this start is refused.
+const NO_TOKEN: &str = "no valid token: open the page with `enfilade open`";
+
 /// What this start of the page accepts.
 #[derive(Clone, Debug)]
 pub struct Access {
@@ -83,7 +86,7 @@ impl Access {
             return Verdict::Welcome;
         }
         if !self.is_known(text("authorization"), headers) {
-            return Verdict::Refuse("no valid token: open the page with `enfilade open`");
+            return Verdict::Refuse(NO_TOKEN);
         }
         if !is_read && *method != Method::POST {
             return Verdict::NoRoute;
@@ -115,6 +118,7 @@ fn is_equal(a: &str, b: &str) -> bool {
 /// Judges, and puts the headers on every answer that keep foreign text from becoming code.
 pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
     let access = &shared.access;
+    let is_page = asks_for_the_page(&request);
     let mut response = match access.judge(request.method(), request.uri(), request.headers()) {
         Verdict::Pass => {
             request.extensions().get::<Known>().iter().for_each(|known| known.set());
@@ -124,6 +128,7 @@ pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, n
             }
         }
         Verdict::NoRoute => next.run(unroutable(request)).await,
+        Verdict::Refuse(NO_TOKEN) if is_page => super::locked().await,
         Verdict::Refuse(why) => super::api::said(StatusCode::FORBIDDEN, why),
         Verdict::Welcome => {
             let cookie =
@@ -140,6 +145,15 @@ pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, n
     headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
     headers.insert("cross-origin-resource-policy", HeaderValue::from_static("same-origin"));
     response
+}
+
+/// Whether somebody looks at the answer, and waits for the page itself.
+fn asks_for_the_page(request: &Request) -> bool {
+    let accepted = request.headers().get_all(header::ACCEPT).iter().filter_map(|v| v.to_str().ok());
+    let mut kinds = accepted.flat_map(|v| v.split(',')).filter_map(|k| k.split(';').next());
+    *request.method() == Method::GET
+        && request.uri().path() == "/"
+        && kinds.any(|k| k.trim().eq_ignore_ascii_case("text/html"))
 }
 
 /// The request under a method that no route can take, now or ever: it needs no header of orders, as it changes nothing.

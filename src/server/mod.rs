@@ -261,6 +261,12 @@ async fn index(State(_): State<Arc<Shared>>) -> Response {
     asset("text/html; charset=utf-8", include_str!("page/index.html")).await
 }
 
+/// For a browser without the token, as after another start of the daemon: it holds nothing of the daemon's.
+async fn locked() -> Response {
+    let page = asset("text/html; charset=utf-8", include_str!("page/locked.html")).await;
+    (StatusCode::FORBIDDEN, page).into_response()
+}
+
 async fn asset(kind: &'static str, text: &'static str) -> Response {
     (StatusCode::OK, [(header::CONTENT_TYPE, kind)], text).into_response()
 }

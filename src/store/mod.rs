@@ -555,7 +555,7 @@ pub fn write_new(disk: &dyn Disk, path: &Path, bytes: &[u8]) -> Result<(), Error
     }
     outcome.map_err(|e| {
         let _ = disk.remove_file(&temp);
-        disk_error("writing", path, &e)
+        disk_error_here("writing", path, &e, "")
     })
 }
 
@@ -754,22 +754,24 @@ fn writing(path: &Path) -> impl FnOnce(io::Error) -> Error + '_ {
 
 /// An error of the disk in the user's words, with the remedy.
 pub fn disk_error(doing: &str, path: &Path, error: &io::Error) -> Error {
+    disk_error_here(doing, path, error, " or send results elsewhere with --out")
+}
+
+/// The same of a file that can lie nowhere else, or elsewhere by what `or_elsewhere` says.
+fn disk_error_here(doing: &str, path: &Path, error: &io::Error, or_elsewhere: &str) -> Error {
     use io::ErrorKind as K;
-    let (code, remedy) = match error.kind() {
-        K::StorageFull | K::QuotaExceeded | K::FileTooLarge => {
-            (DISK_FULL, "free some space or send results elsewhere with --out")
-        }
-        K::PermissionDenied | K::ReadOnlyFilesystem => {
-            ("no-permission", "allow writing there or send results elsewhere with --out")
-        }
-        K::AlreadyExists => ("file-exists", "the name is taken; what is there stays as it is"),
-        K::InvalidFilename => ("name-too-long", "shorten the drawing's name"),
+    let (code, remedy, or_elsewhere) = match error.kind() {
+        K::StorageFull | K::QuotaExceeded | K::FileTooLarge => (DISK_FULL, "free some space", or_elsewhere),
+        K::PermissionDenied | K::ReadOnlyFilesystem => ("no-permission", "allow writing there", or_elsewhere),
+        K::AlreadyExists => ("file-exists", "the name is taken; what is there stays as it is", ""),
+        K::InvalidFilename => ("name-too-long", "shorten the drawing's name", ""),
         K::NotFound | K::NotADirectory | K::StaleNetworkFileHandle => {
-            ("folder-vanished", "the folder is not there: make it again or send results elsewhere with --out")
+            ("folder-vanished", "the folder is not there: make it", or_elsewhere)
         }
-        _ => ("disk-error", "look at the disk or send results elsewhere with --out"),
+        _ => ("disk-error", "look at the disk", or_elsewhere),
     };
-    Error::environment(code, shown(path), format!("{doing} failed: {error}; {remedy}"))
+    let text = format!("{doing} failed: {error}; {remedy}{or_elsewhere}");
+    Error::environment(code, shown(path), text)
 }
 
 #[cfg(test)]

@@ -758,6 +758,17 @@ fn disk_errors_have_a_remedy() {
     }
 }
 
+/// Results may go elsewhere; a file that the user asks for by its place may not, and no option is named that is not there.
+#[test]
+fn a_new_file_that_cannot_be_written_sends_no_results_elsewhere() {
+    let dir = tempfile::tempdir().unwrap();
+    let kind = io::ErrorKind::PermissionDenied;
+    let disk = FaultyDisk { calls: Mutex::new(0), fail_at: 1, kind, is_dead_after: false };
+    let said = write_new(&disk, &dir.path().join("enfilade.toml"), b"x").unwrap_err().to_string();
+    assert!(said.ends_with("; allow writing there"), "{said}");
+    assert!(disk_error("writing", dir.path(), &kind.into()).to_string().ends_with("--out"));
+}
+
 #[test]
 fn a_name_as_long_as_the_system_takes_gets_a_folder_it_takes_too() {
     let folder = tempfile::tempdir().unwrap();

@@ -285,6 +285,9 @@ try {
   await press("#chosen-accept");
   await said("nothing was done: the daemon was started again");
   if (shots) await page.screenshot({ path: `${shots}/again.png` });
+  // Whoever loads the page anew reads what helps.
+  await page.reload();
+  assert.match(await text("main"), /started again.*enfilade open/s);
 } catch (e) {
   faults.push(e.stack ?? String(e), await page.$eval("body", (b) => b.innerText.slice(0, 1500)).catch(() => ""));
 } finally {

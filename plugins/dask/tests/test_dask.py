@@ -228,3 +228,12 @@ def test_what_lies_beside_a_scene_travels_with_its_job(tmp_path):
     # What is gone is left for `run-job` to name.
     assert contents == ["YnVpbGRpbmc=", "ZGF0YQ==", None]
     assert all("content" not in file for file in files)
+
+
+@pytest.mark.parametrize("text", ["", "\n", " \n\n"])
+def test_a_list_without_a_job_is_refused(tmp_path, capsys, text):
+    jobs = tmp_path / "jobs.jsonl"
+    jobs.write_text(text)
+    assert enfilade_dask.main([str(jobs), "--workers", "1"]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and err.count("\n") == 1 and "no job" in err and err.count("nothing was done") == 1

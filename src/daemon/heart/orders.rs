@@ -48,6 +48,8 @@ impl Heart {
             let later = self.start.elapsed() + Duration::from_secs_f64(self.settings.rescan_secs);
             return self.settle.again(later, &drawing);
         }
+        self.cancelled.remove(&drawing);
+        self.is_overview_stale = true;
         self.note(&waiting, &Step::Queued, show);
         if self.running.is_some() && !self.is_running(&drawing) {
             let standing = Standing { state: "waiting", sha256: &waiting.sha256, ..Standing::default() };

@@ -46,6 +46,8 @@ impl Heart {
         for root in &mut self.roots {
             root.how = how_watched(&settings, root.unheard.as_deref());
             root.is_offline = false;
+            root.ignored.clear();
+            root.ignored_count = 0;
             if let Some(state) = &mut root.state {
                 state.reach(settings.depth);
                 // Should it fail, the next sign of life says so.
@@ -54,8 +56,6 @@ impl Heart {
         }
         self.settings = settings;
         self.keys.clear();
-        self.ignored.clear();
-        self.ignored_count = 0;
         self.leave_alone(show);
         Ok(())
     }

@@ -121,3 +121,21 @@ fn what_is_cancelled_stays_so() {
     fs::write(&drawing, "quick EOF\n").unwrap();
     assert!(watch_until("Started").contains("Queued"));
 }
+
+/// What was cancelled and is asked for again waits, and is no longer called cancelled.
+#[test]
+fn what_waits_is_not_called_cancelled() {
+    let daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
+    let told = || status(std::slice::from_ref(&daemon.root), None)[0]["status"].clone();
+    daemon.save("first.dxf", "slow");
+    daemon.await_said("Started", 1);
+    daemon.save("plan.dxf", "quick");
+    daemon.await_said("Queued {", 2);
+    let (drawing, asked) = (daemon.path("plan.dxf"), Asked::default());
+    let named = serde_json::json!([drawing.display().to_string()]);
+    daemon.orders.send(Order::Cancel(drawing.clone())).unwrap();
+    daemon.await_true("cancelled", || told()["cancelled"] == named);
+    daemon.orders.send(Order::Again { drawing, asked }).unwrap();
+    daemon.await_true("waiting", || told()["waiting"] == named);
+    assert_eq!((&told()["cancelled"], &told()["cancelled_count"]), (&serde_json::json!([]), &0.into()));
+}

@@ -146,3 +146,52 @@ fn the_overview_is_bounded() {
         assert_eq!(overview[kind].as_array().unwrap().len(), LISTED, "{kind}");
     }
 }
+
+/// Of several folders of one daemon each tells of its own drawings alone.
+#[test]
+fn each_folder_tells_of_its_own_drawings() {
+    let kept = tempfile::tempdir().unwrap();
+    let root = fs::canonicalize(kept.path()).unwrap();
+    let roots = ["a", "b"].map(|name| root.join(name));
+    for root in &roots {
+        fs::create_dir(root).unwrap();
+        for (name, text) in
+            [("bad.dxf", "bad EOF\n"), ("good.dxf", "good EOF\n"), ("#left.dxf", ""), ("z.dxf", "slow EOF\n")]
+        {
+            fs::write(root.join(name), text).unwrap();
+        }
+    }
+    let run: Arc<RunJob> = Arc::new(|request: &JobRequest, _: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+        if request.bytes.starts_with(b"bad") {
+            return Err(Error::input("dxf-bad-number", Place::line("bad.dxf", 57), "found x"));
+        }
+        slow(request, cancel)
+    });
+    // The first slow one runs for ever; of the other folder's, all that begin later wait.
+    let (stop, watched) = (Cancel::default(), roots.clone());
+    thread::scope(|scope| {
+        scope.spawn(|| watch(&watched, &settings(), run, &mut |_| {}, &stop));
+        let settled = |told: &Value| {
+            let is_listed = |kind: &str| told["status"][kind].as_array().is_some_and(|l| !l.is_empty());
+            let is_at_work = told["status"]["running"].is_string() || is_listed("waiting");
+            is_at_work && is_listed("ignored")
+        };
+        let start = std::time::Instant::now();
+        while !status(&roots, None).iter().all(settled) && start.elapsed() < PATIENCE {
+            thread::sleep(Duration::from_millis(20));
+        }
+        let told = status(&roots, None);
+        stop.stop();
+        assert!(told.iter().all(settled), "{told:#?}");
+        assert_eq!(told.iter().filter(|t| t["status"]["running"].is_string()).count(), 1, "{told:#?}");
+        for (told, (own, other)) in told.iter().zip([("a", "b"), ("b", "a")]) {
+            let mut told = told["status"].clone();
+            assert_eq!(told["roots"].as_array().map(Vec::len), Some(2), "what is watched is told of all");
+            told["roots"] = Value::Null;
+            let text = told.to_string();
+            let of = |name: &str| root.join(name).join("").display().to_string();
+            assert!(text.contains(&of(own)) && !text.contains(&of(other)), "{own}: {text}");
+            assert_eq!(told["ignored_count"], 1, "{own}: {text}");
+        }
+    });
+}

@@ -67,6 +67,7 @@ const STAGES = { read: "reading", write: "writing the results", "so-far": "writi
 /** The card of a running job is not made anew more often. */
 const PAUSE_MS = 500;
 const drawings = new Map();
+let isLoaded = false;
 let shown = null;
 let detail = 0;
 
@@ -172,12 +173,13 @@ async function open(id) {
   shown = id;
   list();
   const main = $("main");
+  const turn = ++detail;
   if (!drawings.has(id)) {
-    if (id && drawings.size) main.replaceChildren(el("h2", { id: "title", tabindex: -1 }, "No such drawing"),
-      el("p", {}, "Nothing that is watched now has this address: choose from the list."));
+    const choice = drawings.size ? ": choose from the list." : ".";
+    if (id && isLoaded) main.replaceChildren(el("h2", { id: "title", tabindex: -1 }, "No such drawing"),
+      el("p", {}, "Nothing that is watched now has this address" + choice));
     return;
   }
-  const turn = ++detail;
   const d = await ask(`drawings/${id}`).catch((why) => {
     if (turn === detail) main.replaceChildren(...head(drawings.get(id)), el("p", { class: "problem" }, `Not shown: ${why.message}.`));
     throw why;
@@ -257,6 +259,7 @@ async function load() {
   const [found, log] = await Promise.all([ask("drawings"), ask("log")]);
   drawings.clear();
   found.drawings.forEach((d) => drawings.set(d.id, d));
+  isLoaded = true;
   folders(found);
   $("log").replaceChildren(...log.reverse().map(logLine));
   list();
