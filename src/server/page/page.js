@@ -111,9 +111,11 @@ function list() {
 }
 
 function curve(points) {
-  if (points.length < 2) return null;
-  const stage = points.at(-1)[0];
-  const own = points.filter((p) => p[0] === stage);
+  const of = (stage) => points.filter((p) => p[0] === stage);
+  // One point is no course: a short search says little in its last stage.
+  const stage = points.findLast((p) => of(p[0]).length > 1)?.[0];
+  if (!stage) return null;
+  const own = of(stage);
   const [xs, ys] = [own.map((p) => p[1]), own.map((p) => p[2])];
   const [x0, x1, y0, y1] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
   const at = (p) => `${10 + 580 * (p[1] - x0) / (x1 - x0 || 1)},${150 - 140 * (p[2] - y0) / (y1 - y0 || 1)}`;
