@@ -201,7 +201,7 @@ def test_what_is_no_list_of_jobs_is_one_sentence(tmp_path, capsys, content):
 
 def test_no_workers_and_no_scheduler_are_one_sentence(tmp_path, capsys, monkeypatch):
     listed = tmp_path / "jobs.jsonl"
-    listed.write_text("")
+    listed.write_text(json.dumps({"id": "a", "drawing": "plan.dxf", "out": str(tmp_path)}) + "\n")
     monkeypatch.setattr(enfilade_dask, "SCHEDULER_SECS", 1)
     for more in (["--workers", "0"], ["--scheduler", "tcp://127.0.0.1:9"], ["--scheduler", "nonsense://x"]):
         assert enfilade_dask.main([str(listed), *more]) == 2, more
