@@ -777,9 +777,11 @@ fn seed(value: u64) -> Result<u64, Error> {
     }
 }
 
-/// Whether a rule taken over from a source farther off is lifted.
+/// What lifts a rule taken over from a source farther off.
+pub const NONE: &str = "none";
+
 fn is_none(text: &str) -> bool {
-    matches!(text.trim(), "" | "none")
+    matches!(text.trim(), "" | NONE)
 }
 
 fn clauses(text: &str) -> impl Iterator<Item = &str> {

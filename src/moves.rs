@@ -430,8 +430,8 @@ fn say_stuck(plan: &Plan, stuck: &Stuck, report: &mut Report) {
     }
 }
 
-/// Says which nodes of a marked group stay because `EF-KEEP` holds them.
-fn say_kept(plan: &Plan, graph: &Graph, group: &Group, nodes: &[u32], report: &mut Report) {
+/// Says which ends of a group's walls `EF-KEEP` holds.
+pub fn say_kept(plan: &Plan, graph: &Graph, group: &Group, nodes: &[u32], report: &mut Report) {
     let kept = nodes.iter().filter(|n| is_kept(plan, graph, **n)).count();
     let place = || place_in(&plan.file, &group.source);
     if kept > 0 && kept == nodes.len() {

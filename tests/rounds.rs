@@ -84,16 +84,16 @@ fn few_options_are_counted_as_they_are() {
     let narrow = ["--pin", "1", "--pin", "2", "--evaluations", "5", "--objective", "depth max 0.99"];
     let result = json(&desk.run(2, &narrow).join("result.json"));
     let options = result["candidates"].as_array().unwrap();
-    let inside = options.iter().filter(|c| c["within_threshold"] == true).count();
-    assert!(inside < options.len() && options.len() < 5, "{inside} of {}", options.len());
+    let inside = options.iter().skip(2).filter(|c| c["within_threshold"] == true).count();
+    assert!(options.len() < 5, "{inside} of {}", options.len());
     let problems = result["problems"].to_string();
     let page =
         std::fs::read_to_string(desk.folder.path().join("plan.enfilade/round-02/report.html")).unwrap();
-    assert!(page.contains("Option 1 was pinned: ") && !page.contains("Option 1 gains most in all"));
-    let words = format!(
-        "5 options wanted, {inside} found inside all thresholds, {} kept as pinned",
-        options.len() - inside
+    assert!(
+        page.contains("Options 1 to 2 were pinned; the first: ")
+            && !page.contains("Option 1 gains most in all")
     );
+    let words = format!("5 options wanted, {inside} found inside all thresholds beside 2 pinned");
     assert!(problems.contains(&words), "{words}: {problems}");
 }
 
@@ -138,7 +138,12 @@ fn limits_that_begin_anew_are_told() {
 fn an_accepted_drawing_is_measured_as_before() {
     let drawn = hall(["x -2 2", "x -2 2", "x -2 2"]).ring("EF-MOVE", [1.0, 1.0, 1.4, 1.4]);
     let drawn = Plan(drawn.0 + "0\nTEXT\n8\nEF-MOVE\n10\n1.2\n20\n1.2\n40\n0.2\n1\nname spare; x -1 1\n");
-    let desk = Desk::new(&drawn.moving([2.0, 2.0, 2.0, 4.0], "x 0 0.0001; name stuck"));
+    let desk = Desk::new(
+        &drawn
+            .moving([2.0, 2.0, 2.0, 4.0], "x 0 0.0001; name stuck")
+            .moving([18.0, 2.0, 18.0, 4.0], "x -1 1; name kept")
+            .ring("EF-KEEP", [17.5, 1.5, 18.5, 4.5]),
+    );
     let asked = [
         "--level",
         "knee",
@@ -170,6 +175,11 @@ fn an_accepted_drawing_is_measured_as_before() {
     assert!(accepted.status.success(), "{}", text(&accepted.stderr));
     let said = run(&drawing.replace(".dxf", "-r02.dxf"), &[]);
     assert!(!said.contains("drawn or changed since"), "{said}");
+    for (name, why) in
+        [("kept", "lie inside EF-KEEP"), ("spare", "names no wall"), ("stuck", "moves nothing")]
+    {
+        assert!(said.lines().any(|l| l.contains(name) && l.contains(why)), "{name}: {said}");
+    }
     let second = json(&desk.folder.path().join("plan-r02.enfilade/round-01/result.json"));
     let of_one_round = ["lineage", "warm", "warm_moves", "moves", "ignore_move_markers", "spacing_m", "unit"];
     for (key, value) in first["settings"].as_object().unwrap() {
@@ -197,6 +207,38 @@ fn an_accepted_drawing_is_measured_as_before() {
     run(&drawing.replace(".dxf", "-r02.dxf"), &["--level", "eye"]);
     let third = json(&desk.folder.path().join("plan-r02.enfilade/round-02/result.json"));
     assert_eq!(third["lineage"][0]["other_ruler"], true, "{}", third["lineage"]);
+}
+
+/// What is set back to the default or lifted stays so, whatever the folder's settings ask for; and the command on the page
+/// says it.
+#[test]
+fn what_is_lifted_stays_lifted_in_an_accepted_drawing() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    let folder = "level = \"knee\"\nlimit = \"degree +2%\"\nsnap = \"0.5 m\"\nlink = [\"same: a, b\"]\ncolours = \"blue-to-red\"\nonly-marked = true\n";
+    std::fs::write(desk.folder.path().join("enfilade.toml"), folder).unwrap();
+    let drawing = desk.drawing().to_string_lossy().into_owned();
+    let lifted =
+        ["--level", "eye", "--limit", "none", "--snap", "none", "--link", "none", "--colours", "safe"];
+    let run = |drawing: &str, more: &[&str]| {
+        let done = enfilade(&[&["run", drawing, "--spacing", "1"], more].concat());
+        assert!([0, 1].contains(&done.status.code().unwrap()), "{}", text(&done.stderr));
+    };
+    run(&drawing, &[&lifted[..], &["--evaluations", "30"]].concat());
+    assert!(enfilade(&["accept", &drawing, "1"]).status.success());
+    run(&drawing.replace(".dxf", "-r02.dxf"), &["--seconds", "0.3"]);
+    for name in ["plan", "plan-r02"] {
+        let round = desk.folder.path().join(format!("{name}.enfilade/round-01"));
+        let settings = json(&round.join("result.json"))["settings"].clone();
+        assert_eq!([&settings["level"], &settings["colours"]], ["eye", "safe"], "{name}");
+        for key in ["limits", "snap", "links"] {
+            assert!(settings.get(key).is_none_or(Value::is_null), "{name} {key}: {settings}");
+        }
+        let page = std::fs::read_to_string(round.join("report.html")).unwrap();
+        for said in lifted.chunks(2) {
+            assert!(page.contains(&said.join(" ")), "{name} {said:?}");
+        }
+        assert_eq!(page.contains("planned by the clock (--seconds 0.3)"), name == "plan-r02");
+    }
 }
 
 /// A round without options answers whatever is asked of it in plain words.
@@ -247,7 +289,8 @@ fn the_best_so_far_can_be_taken() {
     let car = std::fs::read_to_string(desk.folder.path().join("plan-r02.enfilade.toml")).unwrap();
     assert!(car.contains("so-far = true"), "{car}");
     let next = enfilade(&["run", &drawing.replace("plan.dxf", "plan-r02.dxf"), "--evaluations", "20", "-q"]);
-    assert!(next.status.success(), "{}", text(&next.stderr));
+    // 1: so few layouts hold fewer options than wanted.
+    assert!([0, 1].contains(&next.status.code().unwrap()), "{}", text(&next.stderr));
     let page = desk.folder.path().join("plan-r02.enfilade/round-01/report.html");
     assert!(std::fs::read_to_string(page).unwrap().contains("Best so far of a stopped search: plan.dxf"));
     let other = enfilade(&[
@@ -259,7 +302,7 @@ fn the_best_so_far_can_be_taken() {
         "--spacing",
         "0.6",
     ]);
-    assert!(other.status.success(), "{}", text(&other.stderr));
+    assert!([0, 1].contains(&other.status.code().unwrap()), "{}", text(&other.stderr));
     let [same, changed] = [1, 2].map(|n| {
         let at = desk.folder.path().join(format!("plan-r02.enfilade/round-0{n}/report.html"));
         std::fs::read_to_string(at).unwrap().contains("Spacing or regions have changed")

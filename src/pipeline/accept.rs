@@ -12,7 +12,7 @@ use super::fits;
 use super::round::edits_of;
 use super::ruler::ruler;
 use super::study::{self, Understood, marked};
-use crate::config::{Beside, Colours, KnownMove, Level, LineageTable, Partial, Settings, Thresholds};
+use crate::config::{Beside, KnownMove, LineageTable, NONE, Partial, Settings, Thresholds};
 use crate::formats;
 use crate::moves::{Layout, NodeGroup, Parameter, enclosed};
 use crate::overlay::result::{Numbers, RoundResult};
@@ -115,7 +115,7 @@ pub fn accept(
         drawing: input.file().into(),
         round: origin.round,
         so_far: origin.is_so_far,
-        ruler: ruler(&base.plan.markers, &settings, result.spacing_m),
+        ruler: ruler(&base.plan, &settings, result.spacing_m),
         candidate: number as u32,
         initial: pairs(&result.initial.mean),
         accepted: pairs(mean),
@@ -165,8 +165,9 @@ fn positions(base: &Understood, layout: &Layout, group: &[Handle], nodes: &[u32]
     nodes.iter().filter_map(of_node).collect()
 }
 
-/// What the next round needs to know. Every key of the settings stands here, so that none is forgotten: `None` is what
-/// decides no outcome, belongs to one round alone, or is the default that objectives stated later replace.
+/// What the next round needs to know. Every key of the settings stands here, so that none is forgotten, also where it is
+/// the default or nothing, since the folder's settings may say otherwise: `None` is what decides no outcome, belongs to one
+/// round alone, or is the default that objectives stated later replace.
 fn side_car(
     base: &Understood,
     settings: &Settings,
@@ -179,13 +180,14 @@ fn side_car(
     let known = others(base, result, parameters);
     let some = |list: &Vec<String>| (!list.is_empty()).then(|| list.clone());
     let links: Vec<String> = settings.links.iter().map(ToString::to_string).collect();
+    let none = || NONE.to_owned();
     let said = Partial {
         unit: Some(unit_words(base.plan.unit.unit)),
         wall_layer: some(&settings.wall_layers),
         query_layer: settings.query_layer.clone(),
         reference_layer: settings.reference_layer.clone(),
         view: settings.view.clone(),
-        level: (settings.level != Level::default()).then_some(settings.level),
+        level: Some(settings.level),
         spacing: Some(result.spacing_m),
         lattice_centre: settings.lattice_centre_m,
         seed_point: (!settings.seed_points.is_empty()).then(|| settings.seed_points.clone()),
@@ -204,19 +206,19 @@ fn side_car(
         score: Some(settings.score_text()),
         penalty: Some(settings.penalty_text()),
         distance: Some(settings.distance),
-        limit: Some(settings.limit_text()).filter(|t| !t.is_empty()),
-        link: some(&links),
-        snap: settings.snap.map(|s| s.to_string()),
+        limit: Some(settings.limit_text()).filter(|t| !t.is_empty()).or_else(|| Some(none())),
+        link: some(&links).or_else(|| Some(vec![none()])),
+        snap: Some(settings.snap.map_or_else(none, |s| s.to_string())),
         most_moves: settings.most_moves,
-        only_marked: settings.only_marked.then_some(true),
-        until_converged: settings.until_converged.then_some(true),
+        only_marked: Some(settings.only_marked),
+        until_converged: Some(settings.until_converged),
         pin: None,
         like: None,
         warm: (!known.is_empty()).then_some(known),
-        colours: (settings.colours != Colours::default()).then_some(settings.colours),
+        colours: Some(settings.colours),
         storey: settings.storey.clone(),
         query: settings.query.clone(),
-        accept_missing_eof: settings.accept_missing_eof.then_some(true),
+        accept_missing_eof: Some(settings.accept_missing_eof),
         ignore_move_markers: Some(true),
         moves: Vec::new(),
         regions: settings.regions.clone(),

@@ -3,7 +3,7 @@
 use super::Input;
 use super::round::Found;
 use super::show::Map;
-use crate::config::{Backend, Colours, Level, Method, Mode, Settings, Thresholds};
+use crate::config::{Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds};
 use crate::overlay::page::{ArchivePoint, ReportInput, View, report_html};
 use crate::overlay::result::{RoundResult, Sense};
 use crate::report::OutFile;
@@ -74,8 +74,8 @@ fn front<'a>(among: &[&'a Vec<f64>], signs: &[f64]) -> Vec<&'a Vec<f64>> {
     among.iter().filter(|v| !among.iter().any(|other| beats(other, v))).copied().collect()
 }
 
-/// The command line that gives the same round again in the drawing's folder, wherever that has been moved to: what
-/// differs from the defaults, and the budget.
+/// The command line that gives the same round again in the drawing's folder, wherever that has been moved to, whatever the
+/// settings there say; of a search by the clock, what comes nearest to it.
 fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> String {
     let mut out = format!("enfilade run {}", quoted(&as_an_argument(input.file())));
     let mut add = |key: &str, value: String| out.push_str(&format!(" --{key} {}", quoted(&value)));
@@ -98,16 +98,12 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
         add("lattice-centre", format!("{},{}", c[0], c[1]));
     }
     settings.seed_points.iter().for_each(|p| add("seed-point", format!("{},{}", p[0], p[1])));
-    if settings.level == Level::Knee {
-        add("level", "knee".into());
-    }
+    add("level", if settings.level == Level::Knee { "knee" } else { "eye" }.into());
     if settings.backend == Backend::Gpu {
         add("backend", "gpu".into());
     }
     add("objective", settings.objective_text());
-    if settings.thresholds == Thresholds::Yielding {
-        add("thresholds", "yielding".into());
-    }
+    add("thresholds", if settings.thresholds == Thresholds::Yielding { "yielding" } else { "firm" }.into());
     add("score", settings.score_text());
     add("penalty", settings.penalty_text());
     rules(settings).into_iter().for_each(|(key, text)| add(key, text));
@@ -124,38 +120,35 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
         out.push_str(" --until-converged");
     }
     let mut add = |key: &str, value: String| out.push_str(&format!(" --{key} {}", quoted(&value)));
-    if settings.mode == Mode::Best {
-        add("mode", "best".into());
-    }
-    if settings.method == Method::Paper {
-        add("method", "paper".into());
-    }
+    add("mode", if settings.mode == Mode::Best { "best" } else { "diverse" }.into());
+    add("method", if settings.method == Method::Paper { "paper" } else { "default" }.into());
     add("members", settings.members.to_string());
     add("distance", settings.distance.to_string());
-    if settings.colours == Colours::BlueToRed {
-        add("colours", "blue-to-red".into());
-    }
+    add("colours", if settings.colours == Colours::BlueToRed { "blue-to-red" } else { "safe" }.into());
     if result.evaluations > 0 {
         add("evaluations", result.evaluations.to_string());
     }
     add("seed", settings.seed.to_string());
-    out + &in_a_settings_file(settings)
+    let by_clock = settings.seconds.is_some() && !settings.until_converged;
+    let clock = match settings.seconds.filter(|_| by_clock) {
+        Some(seconds) => format!(
+            "\n# the round planned by the clock (--seconds {seconds}), as far as it came: planned by a number it may find other options"
+        ),
+        None => String::new(),
+    };
+    out + &clock + &in_a_settings_file(settings)
 }
 
-/// Limits, links and modules; what an accepted drawing carries in its side-car is lifted where it did not hold.
+/// Limits, links and modules; what a file of settings may ask for is lifted where it did not hold.
 fn rules(settings: &Settings) -> Vec<(&'static str, String)> {
-    let links = settings.links.iter().map(|l| ("link", l.to_string()));
-    let one = [
-        ("limit", Some(settings.limit_text()).filter(|t| !t.is_empty())),
-        ("snap", settings.snap.map(|s| s.to_string())),
-        // Of links there may be several.
-        ("link", None),
-    ];
-    let lifted = |key: &str| !settings.lineage.is_empty() && (key != "link" || settings.links.is_empty());
-    let of = |(key, text): (_, Option<String>)| {
-        text.or_else(|| lifted(key).then(|| "none".into())).map(|t| (key, t))
-    };
-    links.chain(one.into_iter().filter_map(of)).collect()
+    let none = || NONE.to_owned();
+    let limit = Some(settings.limit_text()).filter(|t| !t.is_empty()).unwrap_or_else(none);
+    let mut links: Vec<String> = settings.links.iter().map(ToString::to_string).collect();
+    if links.is_empty() {
+        links.push(none());
+    }
+    let snap = settings.snap.map_or_else(none, |s| s.to_string());
+    [("limit", limit), ("snap", snap)].into_iter().chain(links.into_iter().map(|l| ("link", l))).collect()
 }
 
 /// What the command line cannot say: layouts by their parameters.

@@ -333,7 +333,7 @@ fn round_result(
         seconds: started.elapsed().as_secs_f64(),
         stopped_by: found
             .map_or("nothing may move: the present layout was measured".into(), |f| f.stopped_by.clone()),
-        lineage: lineage(settings, &ruler(&study.base.plan.markers, settings, study.spacing_m)),
+        lineage: lineage(settings, &ruler(&study.base.plan, settings, study.spacing_m)),
         problems: report.problems.iter().map(Into::into).collect(),
     }
 }

@@ -3,16 +3,22 @@
 use sha2::{Digest, Sha256};
 
 use crate::config::Settings;
-use crate::plan::Region;
 use crate::plan::markers::Markers;
+use crate::plan::{Plan, Region};
 
-/// A mark of the spacing, of the height of sight, of the drawing on the sheet and the storey asked for, and of the regions
-/// drawn: other marks, other means. What is measured where no region is drawn, the interior, follows the walls and is no
-/// part of it.
-pub(super) fn ruler(markers: &Markers, settings: &Settings, spacing_m: f64) -> String {
+/// A mark of the unit, of the lattice, of the height of sight, of the drawing on the sheet and the storey asked for, and of the
+/// regions drawn or flooded: other marks, other means. What is measured where no region is drawn, the interior, follows the
+/// walls and is no part of it.
+pub(super) fn ruler(plan: &Plan, settings: &Settings, spacing_m: f64) -> String {
+    mark(&plan.markers, plan.unit.unit.metres, settings, spacing_m)
+}
+
+fn mark(markers: &Markers, metres: f64, settings: &Settings, spacing_m: f64) -> String {
     let mut hash = Sha256::new();
     hash.update(spacing_m.to_le_bytes());
+    hash.update(metres.to_le_bytes());
     hash.update(format!("{:?}", (settings.level, &settings.view, &settings.storey, &settings.query)));
+    hash.update(format!("{:?}", (settings.lattice_centre_m, &settings.seed_points)));
     let mut add = |what: &str, regions: &[Region]| {
         hash.update(what.as_bytes());
         for region in regions {
@@ -40,13 +46,17 @@ mod tests {
         let region = |x: i64| Region::Ring(vec![[x, 0], [x + 10, 0], [x, 10]]);
         let of = |query: Vec<Region>, reference: Vec<Region>, spacing: f64| {
             let settings = Settings::new(Partial::default()).unwrap();
-            ruler(&Markers { query, reference, ..Markers::default() }, &settings, spacing)
+            mark(&Markers { query, reference, ..Markers::default() }, 1.0, &settings, spacing)
         };
-        let asked = |said: Partial| ruler(&Markers::default(), &Settings::new(said).unwrap(), 0.5);
+        let of_unit = |metres, said| mark(&Markers::default(), metres, &Settings::new(said).unwrap(), 0.5);
+        let asked = |said: Partial| of_unit(1.0, said);
         let plain = asked(Partial::default());
         assert_ne!(plain, asked(Partial { level: Some(Level::Knee), ..Partial::default() }));
         assert_ne!(plain, asked(Partial { view: Some("3".into()), ..Partial::default() }));
         assert_ne!(plain, asked(Partial { storey: Some("Upper".into()), ..Partial::default() }));
+        assert_ne!(plain, asked(Partial { lattice_centre: Some([0.5, 0.5]), ..Partial::default() }));
+        assert_ne!(plain, asked(Partial { seed_point: Some(vec![[0.5, 0.5]]), ..Partial::default() }));
+        assert_ne!(plain, of_unit(0.3048, Partial::default()));
         assert_eq!(plain, asked(Partial { seed: Some(7), ..Partial::default() }));
         let first = of(vec![region(0)], vec![], 0.5);
         assert_eq!(first, of(vec![region(0)], vec![], 0.5));

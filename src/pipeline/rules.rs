@@ -2,7 +2,7 @@
 
 use super::aims;
 use super::study::{Study, Understood, Worth};
-use crate::config::{Bound, Follow, Held, Limit, PairName, Penalty, Settings};
+use crate::config::{Aim, Bound, Follow, Held, Limit, Measure, PairName, Penalty, Settings};
 use crate::moves::Parameter;
 use crate::moves::control::{Breach, Control, Link, Rules};
 use crate::overlay::measure::sentence_case;
@@ -110,6 +110,7 @@ fn holds_less(limit: &Limit, settings: &Settings) -> bool {
         // Of what walls and rooms lose.
         Held::Penalty(Penalty::WallLength | Penalty::RoomArea) => false,
         Held::Penalty(_) => true,
+        Held::Aim(Aim { measure: Measure::Penalty, .. }) => true,
         Held::Aim(aim) => {
             settings.objectives.iter().any(|o| o.measure == aim && !o.is_max)
                 || settings.is_by_score() && settings.score.iter().any(|(a, w)| *a == aim && *w < 0.0)

@@ -22,7 +22,7 @@ use crate::analysis::lattice::{CellIndex, Ground};
 use crate::analysis::{Lattice, Obstacles, Tally};
 use crate::config::{Aggregate, Aim, Level, Measure, PairName, Penalty, Settings};
 use crate::formats::{self, ifc};
-use crate::moves::{Layout, Moves, defaults};
+use crate::moves::{Layout, Moves, defaults, say_kept};
 use crate::penalties::{
     self, Alignment, Clearance, Overlap, Passage, RoomArea, WallLength, WallPiece, disconnection,
 };
@@ -285,6 +285,7 @@ fn moves(
     if !settings.moves.is_empty() {
         state_passed_over(drawing, plan, &settings.moves, report);
         let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
+        groups.iter().for_each(|(group, nodes)| say_kept(plan, graph, group, nodes, report));
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
         return Ok(taken_up(moves, groups.iter().map(|g| &g.0), (plan, graph, axes), settings, report));
     }
@@ -313,11 +314,12 @@ fn moves(
     match interior {
         Some(interior) if !settings.ignore_move_markers => {
             let groups = defaults::groups(plan, graph, axes, (interior, infill, fittings), report);
+            let found = groups.iter().map(|(g, _)| g.clauses.len()).sum();
             let groups = carrying::whole_moves(plan, graph, axes, fittings, groups, report);
             let groups = keeping_doors(groups, (plan, graph, axes), report);
             let mut moves = Moves::new(plan, graph, axes, &groups, report);
             moves.are_default = true;
-            state_held(&moves, &groups, (plan, graph), report);
+            state_held(&moves, (&groups, found), (plan, graph), report);
             Ok(moves)
         }
         _ => Ok(Moves::default()),

@@ -217,17 +217,26 @@ fn lead(result: &RoundResult) -> String {
     let broken = match broken.as_slice() {
         [] => String::new(),
         some => format!(
-            " Option {} is pinned and kept though it breaks what is asked for now.",
-            super::words::listed(some, "and")
+            " {} pinned and kept though {} what is asked for now.",
+            if some.len() == 1 {
+                format!("Option {} is", some[0])
+            } else {
+                format!("Options {} are", super::words::listed(some, "and"))
+            },
+            if some.len() == 1 { "it breaks" } else { "they break" }
         ),
     };
     // What was pinned stands first, whatever it gains; the others follow by what they gain.
     let free = result.candidates.get(pinned(result));
+    let kept = match pinned(result).min(count) {
+        1 => format!("Option 1 was pinned: {gains}."),
+        n => format!("Options 1 to {n} were pinned; the first: {gains}."),
+    };
     let gains = match (pinned(result), free) {
         (0, _) => format!("Option 1 gains most in all: {gains}."),
-        (_, None) => format!("Option 1 was pinned: {gains}."),
+        (_, None) => kept,
         (n, Some(first)) => format!(
-            "Option 1 was pinned: {gains}. Of those that were not, option {} gains most in all: {}.",
+            "{kept} Of those that were not, option {} gains most in all: {}.",
             n + 1,
             super::words::gains(&result.initial.mean, &first.mean)
         ),

@@ -235,7 +235,7 @@ pub fn lineage(html: &mut Html, result: &RoundResult) {
     if is_one_ruler {
         lineage_plot(html, &stops);
     } else {
-        html.raw("<p class=\"note\">Spacing or regions have changed since: values of earlier rounds are means over other places, and are not compared.</p>\n");
+        html.raw("<p class=\"note\">Spacing or regions have changed since, or grid, unit, storey, height or drawing on the sheet are asked for otherwise: values of earlier rounds are means over other places, and are not compared.</p>\n");
     }
     lineage_table(html, result, &stops, is_one_ruler);
     html.raw("</section>\n");

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Found;
+use super::judged::pinned;
 use crate::config::{Method, Mode, Settings, Snap};
 use crate::moves::carried::{Carried, carried};
 use crate::moves::{Layout, Parameter};
@@ -58,7 +59,7 @@ pub(super) fn say_out_of_reach(
             "{}: no layout that keeps the objectives before it gains anything on the present one, so its threshold keeps \
              options near the best there is; put it before the others, or lower their thresholds{}",
             plain_name(&o.name),
-            held_back(settings) + &limits_words(study, settings, found)
+            held_back(settings, group_names(study).len()) + &limits_words(study, settings, found)
         );
         report.warn("out-of-reach", Place::file(file), text);
     }
@@ -66,8 +67,8 @@ pub(super) fn say_out_of_reach(
 
 /// What may hold layouts back besides thresholds, where anything does: rules that are asked for here or were taken over from
 /// the round before, and weights of penalties beside them.
-fn held_back(settings: &Settings) -> String {
-    let rules = rules_words(settings);
+fn held_back(settings: &Settings, groups: usize) -> String {
+    let rules = rules_words(settings, groups);
     if rules.is_empty() {
         return rules;
     }
@@ -170,7 +171,7 @@ pub(super) fn say_options(
             "none of the {} measured that keep thresholds and penalties is better than the present one; the best of them is shown; more --evaluations, \
              EF-MOVE boxes round more walls, or wider bounds in them, give the search more to work with{}",
             counted(found.evaluations, "layout"),
-            held_back(settings) + &limits_words(study, settings, found)
+            held_back(settings, group_names(study).len()) + &limits_words(study, settings, found)
         );
         report.warn(NONE_BETTER, place(), text);
         return;
@@ -203,11 +204,12 @@ pub(super) fn say_options(
     if found.alike > 0 {
         report.warn("options-left-out", place(), left_out_words(study, settings, made));
     } else if found.unworthy == 0 && settings.mode == Mode::Diverse && made < settings.members {
-        let inside = found.members.iter().filter(|m| m.within_threshold).count();
+        let kept = pinned(settings).min(made);
+        let inside = found.members.iter().skip(kept).filter(|m| m.within_threshold).count();
         let text = format!(
             "{} wanted, {inside} found inside all thresholds{}; more --evaluations, wider bounds or lower thresholds find more",
             counted(settings.members as u64, "option"),
-            if inside < made { format!(", {} kept as pinned", made - inside) } else { String::new() }
+            if kept > 0 { format!(" beside {kept} pinned") } else { String::new() }
         );
         report.warn("few-options", place(), text);
     }
@@ -218,13 +220,7 @@ const GROUPS_TOLD: usize = 3;
 
 /// Why there are fewer options than wanted, and how to get more.
 fn left_out_words(study: &Study, settings: &Settings, made: usize) -> String {
-    let mut names: Vec<String> = vec![];
-    for p in &study.base.moves.parameters {
-        let name = sentence_case(&p.group_name);
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
+    let names = group_names(study);
     let options = counted(made as u64, "option");
     let who = match names.as_slice() {
         few if few.len() <= GROUPS_TOLD => format!("only {} may move", listed(few, "and")),
@@ -235,19 +231,32 @@ fn left_out_words(study: &Study, settings: &Settings, made: usize) -> String {
          more --evaluations find more, and EF-MOVE boxes round more walls or wider bounds in them make room for options \
          that differ",
         settings.members,
-        rules_clause(settings)
+        rules_clause(settings, names.len())
     )
 }
 
+/// The groups that may move, each once.
+fn group_names(study: &Study) -> Vec<String> {
+    let mut names: Vec<String> = vec![];
+    for p in &study.base.moves.parameters {
+        let name = sentence_case(&p.group_name);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
 /// What is asked for besides and narrows what options may do: a part of a sentence; empty without any.
-fn rules_clause(settings: &Settings) -> String {
-    let rules = rules_words(settings);
+fn rules_clause(settings: &Settings, groups: usize) -> String {
+    let rules = rules_words(settings, groups);
     if rules.is_empty() { rules } else { format!(", and what is asked for narrows it ({rules})") }
 }
 
-/// The rules of the user that narrow what options may do, as they are stated; empty without any.
-fn rules_words(settings: &Settings) -> String {
-    let most = settings.most_moves.map(|n| format!("--most-moves {n}"));
+/// The rules of the user that narrow what options may do, as they are stated; empty without any. So many moves as there are
+/// groups narrow nothing.
+fn rules_words(settings: &Settings, groups: usize) -> String {
+    let most = settings.most_moves.filter(|n| *n < groups).map(|n| format!("--most-moves {n}"));
     let snap = settings.snap.map(|s| format!("--snap \"{s}\"{}", s.metres_words()));
     let limits = settings.limits.iter().map(|l| format!("--limit \"{l}\""));
     let like = settings.like.as_ref().map(|_| "--like".to_owned());
@@ -453,15 +462,20 @@ mod tests {
             edit(&mut p);
             Settings::new(p).unwrap()
         };
-        assert_eq!((held_back(&with(&|_| ())), rules_clause(&with(&|_| ()))), (String::new(), String::new()));
+        assert_eq!(
+            (held_back(&with(&|_| ()), 3), rules_clause(&with(&|_| ()), 3)),
+            (String::new(), String::new())
+        );
         let ruled = with(&|p| {
             p.limit = Some("degree -50%".into());
             p.penalty = Some("clearance 1".into());
         });
-        assert!(held_back(&ruled).ends_with(
+        assert!(held_back(&ruled, 3).ends_with(
             "may be what holds them back: --limit \"degree -50%\", beside --penalty \"clearance 1\""
         ));
-        assert_eq!(rules_clause(&ruled), ", and what is asked for narrows it (--limit \"degree -50%\")");
+        let few = with(&|p| p.most_moves = Some(3));
+        assert_eq!((rules_clause(&few, 3), rules_clause(&few, 4).is_empty()), (String::new(), false));
+        assert_eq!(rules_clause(&ruled, 3), ", and what is asked for narrows it (--limit \"degree -50%\")");
     }
 
     #[test]

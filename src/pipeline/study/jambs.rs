@@ -131,6 +131,10 @@ mod tests {
                 .collect();
             assert!(told.concat().contains(says) && told.is_empty() == says.is_empty(), "{name}: {told:?}");
             assert_eq!(base.moves.parameters.len(), parameters, "{name}");
+            let said =
+                report.problems.iter().find(|p| p.code == "default-moves").map_or("", |p| p.text.as_str());
+            let stay = ["duplex", "archilogic", "gama"].iter().any(|n| name.contains(n));
+            assert_eq!(said.contains(&format!("{parameters} parameters are left")), stay, "{name}: {said}");
             let doors = Doors::new(&base.plan, &base.axes);
             for at in places(&base.moves) {
                 let found = doors.narrowed(&base.moves.apply(&base.plan, &base.graph, &at));

@@ -76,10 +76,11 @@ pub fn marker_words(plan: &Plan, group: &Group) -> String {
     format!("`{}`{round}", clauses.join("; "))
 }
 
-/// Says so where `EF-KEEP` holds what would move by default.
+/// Says so where `EF-KEEP` holds what would move by default, and how many of the parameters `found` are left where anything
+/// stays.
 pub(super) fn state_held(
     moves: &Moves,
-    groups: &[(Group, Vec<u32>)],
+    (groups, found): (&[(Group, Vec<u32>)], usize),
     (plan, graph): (&Plan, &Graph),
     report: &mut Report,
 ) {
@@ -89,8 +90,11 @@ pub(super) fn state_held(
     };
     let held = groups.iter().filter(|(_, nodes)| nodes.iter().all(is_kept)).count();
     let told = report.problems.iter_mut().rev().find(|p| p.code == "default-moves");
-    let Some(told) = told.filter(|_| held > 0) else { return };
-    if moves.parameters.is_empty() {
+    let Some(told) = told.filter(|_| moves.parameters.len() < found) else { return };
+    if held == 0 {
+        told.text +=
+            &format!("; some of them stay all the same, {} parameters are left", moves.parameters.len());
+    } else if moves.parameters.is_empty() {
         told.text = format!(
             "nothing may move, the present layout is measured: no EF-MOVE, and EF-KEEP holds all {held} elements, walls \
              and doors that would move by default"
