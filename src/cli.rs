@@ -45,7 +45,7 @@ fn grammar() -> clap::Command {
     shown().mut_subcommands(|c| c.allow_negative_numbers(true))
 }
 
-/// Shared options that a command refuses, since it would do nothing with them.
+/// Shared options that a command refuses, since it would do nothing with them; `commands::idle` says what serves instead.
 const REFUSED: [(&str, &[&str]); 2] = [("watch", &["json"]), ("jobs", &["json", "threads", "write_every"])];
 
 /// The commands as help and manual show them: without what they refuse.

@@ -780,6 +780,7 @@ fn seed(value: u64) -> Result<u64, Error> {
 /// What lifts a rule taken over from a source farther off.
 pub const NONE: &str = "none";
 
+/// Whether a rule is stated as lifted.
 fn is_none(text: &str) -> bool {
     matches!(text.trim(), "" | NONE)
 }

@@ -43,7 +43,7 @@ use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, Wall, box_of, own_layers, understand};
 use crate::report::{Error, Place, Problem, Report, Severity};
 use jambs::keeping_doors;
-use marked::{side_car_groups, state_held, state_passed_over, state_unread_marks, taken_up};
+use marked::{side_car_groups, state_left, state_passed_over, state_unread_marks, taken_up};
 use parts::{closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of};
 use seen::Scene;
 pub use seen::{Pair, Seen};
@@ -319,7 +319,7 @@ fn moves(
             let groups = keeping_doors(groups, (plan, graph, axes), report);
             let mut moves = Moves::new(plan, graph, axes, &groups, report);
             moves.are_default = true;
-            state_held(&moves, (&groups, found), (plan, graph), report);
+            state_left(&moves, (&groups, found), (plan, graph), report);
             Ok(moves)
         }
         _ => Ok(Moves::default()),

@@ -78,7 +78,7 @@ pub fn marker_words(plan: &Plan, group: &Group) -> String {
 
 /// Says so where `EF-KEEP` holds what would move by default, and how many of the parameters `found` are left where anything
 /// stays.
-pub(super) fn state_held(
+pub(super) fn state_left(
     moves: &Moves,
     (groups, found): (&[(Group, Vec<u32>)], usize),
     (plan, graph): (&Plan, &Graph),
