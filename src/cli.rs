@@ -1,5 +1,7 @@
 //! The command line: the only file that says clap.
 
+mod idle;
+
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -23,44 +25,34 @@ pub struct Cli {
 /// # Errors
 /// The exit code: 0 where help or the version was asked for, 3 for wrong usage, 4 where help could not be said.
 pub fn parse() -> Result<Cli, u8> {
-    grammar().try_get_matches().and_then(|m| Cli::from_arg_matches(&m)).map_err(|e| {
-        let said = e.print().and_then(|()| std::io::stdout().flush());
-        if e.use_stderr() {
-            return 3;
+    let matches = grammar().try_get_matches().map_err(|e| end_of(&e))?;
+    idle::judge(&matches).map_err(|error| {
+        eprintln!("error: {error}");
+        error.exit_code()
+    })?;
+    Cli::from_arg_matches(&matches).map_err(|e| end_of(&e))
+}
+
+/// Says help, version or what is wrong, and with what code that ends.
+fn end_of(e: &clap::Error) -> u8 {
+    let said = e.print().and_then(|()| std::io::stdout().flush());
+    if e.use_stderr() {
+        return 3;
+    }
+    match said {
+        // A closed pipe is no reason to fail.
+        Err(fault) if fault.kind() != std::io::ErrorKind::BrokenPipe => {
+            let error = unsaid(&fault.to_string());
+            eprintln!("error: {error}");
+            error.exit_code()
         }
-        match said {
-            // A closed pipe is no reason to fail.
-            Err(fault) if fault.kind() != std::io::ErrorKind::BrokenPipe => {
-                let error = unsaid(&fault.to_string());
-                eprintln!("error: {error}");
-                error.exit_code()
-            }
-            _ => 0,
-        }
-    })
+        _ => 0,
+    }
 }
 
 /// What the command line may say. A negative number is a value, if one out of range, and not an option.
 fn grammar() -> clap::Command {
-    shown().mut_subcommands(|c| c.allow_negative_numbers(true))
-}
-
-/// Shared options that a command refuses, since it would do nothing with them; `commands::idle` says what serves instead.
-const REFUSED: [(&str, &[&str]); 2] = [("watch", &["json"]), ("jobs", &["json", "threads", "write_every"])];
-
-/// The commands as help and manual show them: without what they refuse.
-fn shown() -> clap::Command {
-    let hide = |c: clap::Command, names: &[&str]| names.iter().fold(c, |c, n| c.mut_arg(n, |a| a.hide(true)));
-    REFUSED.iter().fold(Cli::command(), |all, (name, refused)| all.mut_subcommand(name, |c| hide(c, refused)))
-}
-
-/// The same for completions, which would name hidden options too.
-fn completed() -> clap::Command {
-    let without_hidden = |command: clap::Command, name: &'static str| {
-        let kept = command.get_arguments().filter(|a| !a.is_hide_set());
-        clap::Command::new(name).args(kept).about(command.get_about().cloned().unwrap_or_default())
-    };
-    REFUSED.iter().fold(shown(), |all, (name, _)| all.mut_subcommand(name, |c| without_hidden(c, name)))
+    idle::hidden(Cli::command()).mut_subcommands(|c| c.allow_negative_numbers(true))
 }
 
 /// The commands.
@@ -437,7 +429,7 @@ pub fn completions(shell: ShellArg) -> String {
         ShellArg::Zsh => clap_complete::Shell::Zsh,
     };
     let mut out = Vec::new();
-    clap_complete::generate(shell, &mut completed(), "enfilade", &mut out);
+    clap_complete::generate(shell, &mut idle::left_out(Cli::command()), "enfilade", &mut out);
     String::from_utf8_lossy(&out).into_owned()
 }
 
@@ -446,7 +438,7 @@ pub fn completions(shell: ShellArg) -> String {
 /// # Errors
 /// Only where memory does not take them.
 pub fn man() -> std::io::Result<String> {
-    let mut command = shown();
+    let mut command = idle::hidden(Cli::command());
     command.build();
     let page = clap_mangen::Man::new(command.clone());
     let mut out = Vec::new();
@@ -738,9 +730,13 @@ mod tests {
     fn refused_options_are_not_shown() {
         let help =
             |command: &str| grammar().find_subcommand_mut(command).unwrap().render_long_help().to_string();
-        for (command, option) in
-            [("watch", "--json"), ("jobs", "--json"), ("jobs", "--threads"), ("jobs", "--write-every")]
-        {
+        for (command, option) in [
+            ("watch", "--json"),
+            ("jobs", "--json"),
+            ("jobs", "--threads"),
+            ("jobs", "--write-every"),
+            ("jobs", "--progress"),
+        ] {
             assert!(!help(command).contains(option), "{command} {option}");
             assert!(help("run").contains(option), "run {option}");
         }
@@ -754,7 +750,8 @@ mod tests {
 
     #[test]
     fn the_command_line_is_sound() {
-        shown().debug_assert();
+        idle::hidden(Cli::command()).debug_assert();
+        idle::left_out(Cli::command()).debug_assert();
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! What each command does: reads files, runs the job, stores what it hands out, says how it went.
 
 mod batching;
-mod idle;
 mod installing;
 mod outputs;
 mod watching;
@@ -33,7 +32,7 @@ use crate::watch::bytes_of;
 /// # Errors
 /// What the command returns; the variant decides the exit code.
 pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
-    idle::judge(&cli.command).and_then(|()| outputs::judge(&cli.command))?;
+    outputs::judge(&cli.command)?;
     let code = carry_out(cli.command, cancel)?;
     match UNSAID.get() {
         // The word of a command that ended otherwise stands.

@@ -255,6 +255,7 @@ fn exit_codes_and_messages() {
         (vec!["jobs", "--json", "x.json", &sample("gallery.dxf")], 3, "--output"),
         (vec!["jobs", "--threads", "2", &sample("gallery.dxf")], 3, "`run-job`"),
         (vec!["jobs", "--write-every", "9", &sample("gallery.dxf")], 3, "when it ends"),
+        (vec!["jobs", "--progress", "json", &sample("gallery.dxf")], 3, "`run-job --progress`"),
         (vec!["jobs", "--seed", "9", "--seeds", "1,2", &sample("gallery.dxf")], 3, "--seed"),
         (vec!["--version"], 0, ""),
     ] {

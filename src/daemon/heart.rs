@@ -61,7 +61,7 @@ const NEWER_CONTENT: &str =
     "the drawing or its settings changed, and what was asked for is of the options before; ask for it again";
 const REMOVED: &str = "the drawing was removed or has another name";
 pub(crate) const BY_THE_USER: &str = "cancelled";
-const CANCELLED_BEFORE: &str =
+pub(crate) const CANCELLED_BEFORE: &str =
     "cancelled before; a change of it or of its settings, or another round asked for, takes it up";
 const NOTHING_WHOLE: &str = "no whole file lies there to work on";
 const DAEMON_ENDS: &str = "the daemon ends; the next start goes on with it";
@@ -481,16 +481,21 @@ impl Heart {
 
     fn removed(&mut self, drawing: &Path, show: &mut dyn FnMut(Notice)) {
         self.drop_waiting(drawing, REMOVED, show);
-        self.failed.remove(drawing);
-        self.cancelled.remove(drawing);
-        self.keys.remove(drawing);
-        self.contents.remove(drawing);
-        self.is_overview_stale = true;
+        self.forget(drawing);
         if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
             running.stop(REMOVED);
         }
         settle_gone(&*self.disk, drawing, &self.placing_of(drawing), REMOVED);
         show(Notice::Removed(drawing.into()));
+    }
+
+    /// Nothing is listed any more of a drawing that is gone or left alone.
+    fn forget(&mut self, drawing: &Path) {
+        self.failed.remove(drawing);
+        self.cancelled.remove(drawing);
+        self.keys.remove(drawing);
+        self.contents.remove(drawing);
+        self.is_overview_stale = true;
     }
 
     fn start_next(&mut self, show: &mut dyn FnMut(Notice)) {
@@ -535,14 +540,15 @@ impl Heart {
                 self.say_what_it_is_of(&what, &done, show);
             }
             Outcome::Changed => self.settle.again(self.start.elapsed(), &what.drawing),
-            Outcome::Ended(Err(Error::Stopped)) if running.why == TOO_LONG => {
+            Outcome::Ended(Err(_)) if running.why == TOO_LONG => {
                 let error = too_long(&what.drawing, self.settings.job_limit_secs);
                 self.failed_for_good(what, error, show);
             }
-            Outcome::Ended(Err(Error::Stopped)) if running.why.is_empty() => {
+            // Whatever a job that was told to end fails of by then, it is not tried again.
+            Outcome::Ended(Err(_)) if !running.why.is_empty() => self.stopped(&what, running.why, show),
+            Outcome::Ended(Err(Error::Stopped)) => {
                 self.retry(what.clone(), told_to_end(&what.drawing), show);
             }
-            Outcome::Ended(Err(Error::Stopped)) => self.stopped(&what, running.why, show),
             Outcome::Ended(Err(Error::Environment(problem)))
                 if problem.code == JOB_KILLED && what.failures + 1 >= KILLS_MAX =>
             {
@@ -591,7 +597,7 @@ impl Heart {
         } else {
             settle_gone(&*self.disk, &what.drawing, &placing, why);
         }
-        if is_cancelled && newer.is_none() {
+        if is_cancelled && newer.is_none() && self.contents.contains_key(&what.drawing) {
             self.cancelled.insert(what.drawing.clone());
         }
         show(Notice::Stopped { drawing: what.drawing.clone(), why });

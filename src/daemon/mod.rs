@@ -21,7 +21,7 @@ use serde_json::Value;
 
 pub use crate::store::OutFile;
 pub use crate::watch::WatchSettings;
-pub(crate) use heart::BY_THE_USER;
+pub(crate) use heart::{BY_THE_USER, CANCELLED_BEFORE};
 pub use status::{rfc3339, status};
 
 use crate::report::{Cancel, Error, Place, Problem, one_line, printable};

@@ -8,7 +8,7 @@ use std::time::SystemTime;
 use serde_json::{Value, json};
 use tokio::sync::broadcast;
 
-use crate::daemon::{BY_THE_USER, Notice, rfc3339};
+use crate::daemon::{BY_THE_USER, CANCELLED_BEFORE, Notice, rfc3339};
 use crate::report::one_line;
 use crate::store::SO_FAR;
 use crate::watch::builtin_ignores;
@@ -227,18 +227,23 @@ impl State {
                 e.set("running");
                 e.curve.clear();
             }),
-            Notice::Progress { drawing, value } => self.at(drawing, |e| e.go_on(value)),
+            Notice::Progress { drawing, value } => self.at_known(drawing, |e| e.go_on(value)),
             Notice::Analysis { drawing, folder } => {
-                self.at(drawing, |e| e.folder = folder.parent().map(Path::to_path_buf))
+                self.at_known(drawing, |e| e.folder = folder.parent().map(Path::to_path_buf))
             }
-            Notice::Done { drawing, done } => self.at(drawing, |e| {
+            Notice::Done { drawing, done } => self.at_known(drawing, |e| {
                 e.set("done");
                 e.summary.clone_from(&done.summary);
                 let round = done.round.and_then(|_| done.folder.parent());
                 e.folder = Some(round.unwrap_or(&done.folder).to_path_buf());
                 e.wait_if_queued();
             }),
-            Notice::Stopped { drawing, why } => self.at(drawing, |e| {
+            // The first word on a drawing after a start.
+            Notice::Stopped { drawing, why } if *why == CANCELLED_BEFORE => self.at(drawing, |e| {
+                e.set("stopped");
+                e.summary = (*why).into();
+            }),
+            Notice::Stopped { drawing, why } => self.at_known(drawing, |e| {
                 e.set("stopped");
                 e.summary = (*why).into();
                 e.is_queued &= *why != BY_THE_USER;
@@ -258,6 +263,13 @@ impl State {
     fn at(&mut self, path: &Path, change: impl FnOnce(&mut Entry)) -> Option<String> {
         let id = id_of(path);
         change(self.drawings.entry(id.clone()).or_insert_with(|| Entry::new(path)));
+        Some(id)
+    }
+
+    /// What a job still says of a drawing that is gone or left alone by then brings it not back.
+    fn at_known(&mut self, path: &Path, change: impl FnOnce(&mut Entry)) -> Option<String> {
+        let id = id_of(path);
+        self.drawings.get_mut(&id).map(change)?;
         Some(id)
     }
 }
@@ -430,10 +442,31 @@ mod tests {
         assert_eq!(board.log().as_array().unwrap().len(), 1);
     }
 
+    /// What a job says after its drawing was removed, or left alone by new settings, brings it not back.
+    #[test]
+    fn what_is_gone_stays_gone() {
+        let board = Board::default();
+        let drawing = PathBuf::from("/p.dxf");
+        let gone = [
+            Notice::Removed(drawing.clone()),
+            Notice::Ignored { path: drawing.clone(), why: "the settings say so".into() },
+        ];
+        for going in gone {
+            board.take(&Notice::Started(drawing.clone()));
+            board.take(&going);
+            board.take(&Notice::Progress { drawing: drawing.clone(), value: json!({}) });
+            board.take(&Notice::Stopped { drawing: drawing.clone(), why: BY_THE_USER });
+            assert_eq!(board.overview()["drawings"], json!([]), "{going:?}");
+        }
+        board.take(&Notice::Stopped { drawing: drawing.clone(), why: CANCELLED_BEFORE });
+        assert_eq!(board.overview()["drawings"][0]["state"], "stopped");
+    }
+
     #[test]
     fn log_curve_and_listeners_are_bounded() {
         let board = Board::default();
         let drawing = PathBuf::from("/p.dxf");
+        board.take(&Notice::Started(drawing.clone()));
         for n in 0..3 * CURVE_POINTS_MAX as u64 {
             let value = json!({"stage": "s", "evaluations": n, "best": 1.0});
             board.take(&Notice::Progress { drawing: drawing.clone(), value });

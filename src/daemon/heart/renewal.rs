@@ -68,8 +68,7 @@ impl Heart {
                 continue;
             }
             self.drop_waiting(&drawing, LEFT_ALONE, show);
-            self.contents.remove(&drawing);
-            self.failed.remove(&drawing);
+            self.forget(&drawing);
             if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
                 running.stop(LEFT_ALONE);
             }

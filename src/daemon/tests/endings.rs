@@ -139,3 +139,25 @@ fn what_waits_is_not_called_cancelled() {
     daemon.await_true("waiting", || told()["waiting"] == named);
     assert_eq!((&told()["cancelled"], &told()["cancelled_count"]), (&serde_json::json!([]), &0.into()));
 }
+
+/// A job that is given up and fails of something else by then is not tried again, nor is its drawing listed.
+#[test]
+fn what_is_given_up_fails_no_more() {
+    let run = |request: &JobRequest, _: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+        let stopped = slow(request, cancel);
+        stopped.map_err(|_| Error::environment("disk-full", Place::default(), "no room"))
+    };
+    let daemon = Daemon::start(settings(), |_| {}, run);
+    for (name, why) in [("gone", "removed or has another name"), ("given-up", "why: \"cancelled\"")] {
+        let drawing = daemon.path(&format!("{name}.dxf"));
+        daemon.save(&format!("{name}.dxf"), "slow");
+        daemon.await_said(&format!("Started({drawing:?}"), 1);
+        match name {
+            "gone" => fs::remove_file(&drawing).unwrap(),
+            _ => daemon.orders.send(Order::Cancel(drawing)).unwrap(),
+        }
+        daemon.await_said(why, 1);
+    }
+    daemon.rest();
+    assert_eq!((daemon.count_said("Failed {"), daemon.jobs()), (0, 2));
+}

@@ -87,3 +87,17 @@ fn changed_settings_leave_the_running_job_alone() {
     assert!(!daemon.path("plan.enfilade/round-01").exists());
     assert_eq!(daemon.count_said("Done {"), 1);
 }
+
+/// What was cancelled and is left alone from then on is no longer listed.
+#[test]
+fn what_is_left_alone_is_not_called_cancelled() {
+    let daemon = Daemon::start_reading(settings(), read, |_| {}, |request, _, cancel| slow(request, cancel));
+    let drawing = daemon.path("plan.dxf");
+    let told = || status(std::slice::from_ref(&daemon.root), None)[0]["status"]["cancelled_count"].clone();
+    daemon.save("plan.dxf", "slow");
+    daemon.await_said("Started(", 1);
+    daemon.orders.send(Order::Cancel(drawing)).unwrap();
+    daemon.await_true("cancelled", || told() == 1);
+    fs::write(daemon.path("enfilade.toml"), "[watch]\nignore = [\"plan*\"]\n").unwrap();
+    daemon.await_true("forgotten", || told() == 0);
+}
