@@ -32,6 +32,8 @@ const LAYER_EVEN_M: f64 = 0.006;
 const CONCENTRIC_M: f64 = 0.06;
 /// A stub of wall is at least this long for its thickness.
 const STUB_ASPECT: f64 = 0.2;
+/// No strip is shorter.
+const SHORTEST_M: f64 = 0.01;
 /// The thinnest strip between two lines by themselves: a pane.
 const PANE_MIN_M: f64 = 0.006;
 /// The shortest pane.
@@ -93,7 +95,7 @@ pub fn pair(drawn: &Drawn, runs: Vec<Run>) -> Paired {
     for c in order.iter().filter(|c| cells[**c].known == Known::Wall) {
         choice.take(*c, STUB_ASPECT);
     }
-    for c in order.iter().filter(|c| spans::length(cells[**c].span) >= cells[**c].t) {
+    for c in order.iter().filter(|c| is_as_long(cells[**c].span, cells[**c].t)) {
         choice.take(*c, 1.0);
     }
     choice.mark_caps();
@@ -108,6 +110,12 @@ pub fn pair(drawn: &Drawn, runs: Vec<Run>) -> Paired {
     let used = used.into_iter().map(|[a, b]| a.into_iter().chain(b).collect()).collect();
     let thicknesses = thicknesses(&strips);
     Paired { runs, strips, used, is_cap, in_row, thicknesses }
+}
+
+/// Whether a span has a length, as far as drawing by hand tells: a stub as long as it is thick counts as such wherever
+/// it stands.
+fn is_as_long(span: Span, length: f64) -> bool {
+    spans::length(span) >= length - COLLINEAR_M
 }
 
 fn cells(runs: &[Run]) -> Vec<Cell> {
@@ -278,7 +286,7 @@ impl<'a> Choice<'a> {
             return;
         }
         for span in self.open(&cell) {
-            if spans::length(span) >= (aspect * cell.t).max(0.01) {
+            if is_as_long(span, aspect * cell.t) && spans::length(span) >= SHORTEST_M {
                 self.make(&cell, span);
             }
         }

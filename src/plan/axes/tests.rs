@@ -203,3 +203,29 @@ fn a_door_drawn_round_its_gap_is_no_passage() {
         assert_eq!(kinds(&drawn), [OpeningKind::Door], "{thick}");
     }
 }
+
+/// Stubs as long as they are thick, between two doors at a tee: both are wall wherever they stand on the sheet, though
+/// their length is then a hair more or less than their thickness.
+#[test]
+fn stubs_as_long_as_thick_are_wall_wherever_they_stand() {
+    let plan = [
+        [0.0, 0.0, 2.0, 0.0],
+        [0.0, 0.1, 2.0, 0.1],
+        [2.0, 0.0, 2.0, 0.1],
+        [2.7, 0.0, 2.7, 0.1],
+        [2.7, 0.1, 2.8, 0.1],
+        [2.7, 0.0, 3.0, 0.0],
+        [2.8, 0.1, 2.8, 3.0],
+        [2.9, 0.1, 2.9, 3.0],
+        [2.9, 0.1, 3.0, 0.1],
+        [3.0, 0.0, 3.0, 0.1],
+        [3.7, 0.0, 3.7, 0.1],
+        [3.7, 0.0, 6.0, 0.0],
+        [3.7, 0.1, 6.0, 0.1],
+    ];
+    for k in 0..200 {
+        let (x, y) = (f64::from(k).mul_add(0.917, -61.3), f64::from(k).mul_add(-1.303, 88.7));
+        let graph = AxisGraph::new(&lines(&plan.map(|[a, b, c, d]| [a + x, b + y, c + x, d + y])));
+        assert_eq!(graph.openings.len(), 2, "{x} {y}: {:?}", graph.openings);
+    }
+}
