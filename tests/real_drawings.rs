@@ -7,8 +7,11 @@
 use std::path::PathBuf;
 
 use enfilade::formats::dxf;
-use enfilade::plan::{Plan, PlanOptions, understand};
+use enfilade::plan::axes::{AxisGraph, Drawn, Path};
+use enfilade::plan::drawing::Drawing;
+use enfilade::plan::{Plan, PlanOptions, structure, understand};
 use enfilade::report::Report;
+use glam::DVec2;
 
 /// File, metres in a unit where it is known, layers of the walls, drawings on the sheet.
 const DRAWINGS: &[(&str, Option<f64>, &[&str], usize)] = &[
@@ -35,12 +38,17 @@ const DRAWINGS: &[(&str, Option<f64>, &[&str], usize)] = &[
 ];
 
 fn read(name: &str) -> Option<Plan> {
+    Some(opened(name)?.0)
+}
+
+fn opened(name: &str) -> Option<(Plan, Drawing)> {
     let shared = PathBuf::from(std::env::var_os("ENFILADE_SHARED")?);
     let file = format!("{name}.dxf");
     let bytes = std::fs::read(shared.join("data/dxf").join(&file)).expect("the drawing is there");
     let mut report = Report::default();
     let drawing = dxf::read(&file, &bytes, &dxf::ReadOptions::default(), &mut report).expect("it is read");
-    Some(understand(&drawing, &PlanOptions::default(), &mut report).expect("it is understood"))
+    let plan = understand(&drawing, &PlanOptions::default(), &mut report).expect("it is understood");
+    Some((plan, drawing))
 }
 
 #[test]
@@ -60,4 +68,41 @@ fn walls_units_and_views_of_real_drawings() {
         assert_eq!((plan.views.len(), taken.len()), (*views, layers.len()), "{name}: {taken:?}");
         assert!(plan.views.iter().any(|v| v.is_chosen), "{name}");
     }
+}
+
+/// The same drawing elsewhere on its sheet has the same walls and openings: nothing hangs on errors of rounding.
+#[test]
+fn walls_are_the_same_wherever_they_stand() {
+    for (name, ..) in DRAWINGS {
+        let Some((plan, drawing)) = opened(name) else { return };
+        let (drawn, _) = structure::drawn(&plan, &drawing);
+        let here = AxisGraph::new(&drawn);
+        for by in [DVec2::new(-4.383, 6.467), DVec2::new(713.09, -1_291.7), DVec2::new(0.1, 1.0 / 3.0)] {
+            let there = AxisGraph::new(&shifted(&drawn, by));
+            let near = |p: DVec2, q: DVec2| (q - p - by).length() < 1e-5;
+            assert_eq!(
+                (here.edges.len(), here.openings.len()),
+                (there.edges.len(), there.openings.len()),
+                "{name}"
+            );
+            let pairs = here.openings.iter().zip(&there.openings);
+            for (a, b) in pairs {
+                assert!(a.kind == b.kind && near(a.centre, b.centre), "{name}: {a:?} {b:?}");
+            }
+            let pairs = here.nodes.iter().zip(&there.nodes);
+            assert!(pairs.into_iter().all(|(a, b)| near(a.at, b.at)), "{name}");
+        }
+    }
+}
+
+fn shifted(drawn: &Drawn, by: DVec2) -> Drawn {
+    let mut out = drawn.clone();
+    let faces = out.faces.iter_mut().map(|f| &mut f.path);
+    for path in faces.chain(out.marks.iter_mut().flat_map(|m| &mut m.paths)) {
+        match path {
+            Path::Line { a, b } => (*a, *b) = (*a + by, *b + by),
+            Path::Arc { centre, .. } => *centre += by,
+        }
+    }
+    out
 }

@@ -243,7 +243,7 @@ fn row_of(members: Vec<Axis>, row: usize) -> Vec<Axis> {
             Axis { carrier, span, row, ..a }
         })
         .collect();
-    all.sort_by(|a, b| a.span[0].total_cmp(&b.span[0]));
+    all.sort_by(|a, b| spans::tidy(a.span[0]).total_cmp(&spans::tidy(b.span[0])));
     let mut out: Vec<Axis> = Vec::new();
     for a in all {
         match out.last_mut() {
@@ -325,8 +325,9 @@ fn fit_ends_to_caps(axes: &mut [Axis], spares: &[Spare]) {
             let end = a.carrier.at(a.span[e]);
             let reach = DVec2::splat(2.0 * ERROR_GAP_M);
             let at = buckets.near(end - reach, end + reach).into_iter().map(|s| middle(&spares[s as usize]));
-            let at = at.filter(|p| p.distance(end) < 1.2 * ERROR_GAP_M);
-            if let Some(p) = at.min_by(|p, q| p.distance(end).total_cmp(&q.distance(end))) {
+            let far = |p: &DVec2| spans::tidy(p.distance(end));
+            let at = at.filter(|p| far(p) < 1.2 * ERROR_GAP_M);
+            if let Some(p) = at.min_by(|p, q| far(p).total_cmp(&far(q))) {
                 a.span[e] = a.carrier.s_of(p);
             }
         }

@@ -116,7 +116,7 @@ fn add_axis(
         }
     }
     stations.extend(met.iter().map(|m| (m.0, m.1)));
-    stations.sort_by(|p, q| p.0.total_cmp(&q.0));
+    stations.sort_by(|p, q| spans::tidy(p.0).total_cmp(&spans::tidy(q.0)));
     stations.dedup_by_key(|s| s.1);
     let mut edges = Vec::new();
     for w in stations.windows(2) {
@@ -261,9 +261,9 @@ fn group(axes: &[Axis], contacts: &[Contact]) -> Groups {
     }
     for (a, mut met) in by_axis.into_iter().enumerate() {
         let near = NODE_MERGE_M.max(MERGE_SHARE * axes[a].thickness);
-        met.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+        met.sort_by(|p, q| spans::tidy(p.0).total_cmp(&spans::tidy(q.0)).then(p.1.cmp(&q.1)));
         for w in met.windows(2) {
-            if w[1].0 - w[0].0 < near {
+            if spans::length([w[0].0, w[1].0]) < near {
                 groups.join(w[0].1, w[1].1);
             }
         }
@@ -299,7 +299,7 @@ fn add_caps(drawn: &Drawn, all: &Axes, out: &mut AxisGraph) {
         let middle = cap.carrier.at((cap.span[0] + cap.span[1]) / 2.0);
         let reach = spans::length(cap.span).max(ZERO_M) + ERROR_GAP_M;
         let near = buckets.near(middle - reach, middle + reach).into_iter();
-        let distance = |n: &u32| out.nodes[*n as usize].at.distance(middle);
+        let distance = |n: &u32| spans::tidy(out.nodes[*n as usize].at.distance(middle));
         let nearest = near.filter(|n| distance(n) < reach).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         if let Some(n) = nearest {
             out.nodes[n as usize].faces.extend(drawn.refs(&cap.faces));

@@ -62,7 +62,28 @@ pub enum Path {
     },
 }
 
+/// What a metre has of the grains that places are rounded to, counted from the corner of the walls: coordinates of
+/// the same walls then carry the same errors of rounding wherever they stand.
+const GRAINS_PER_M: f64 = 1e9;
+
 impl Path {
+    /// The points that say where it lies: both ends, or the centre.
+    fn places(&self) -> [DVec2; 2] {
+        match *self {
+            Self::Line { a, b } => [a, b],
+            Self::Arc { centre, .. } => [centre; 2],
+        }
+    }
+
+    fn placed(&self, at: impl Fn(DVec2) -> DVec2) -> Self {
+        match *self {
+            Self::Line { a, b } => Self::Line { a: at(a), b: at(b) },
+            Self::Arc { centre, radius, start_rad, sweep_rad } => {
+                Self::Arc { centre: at(centre), radius, start_rad, sweep_rad }
+            }
+        }
+    }
+
     /// Both ends, in order.
     pub fn ends(&self) -> [DVec2; 2] {
         match *self {
@@ -140,6 +161,20 @@ pub struct Drawn {
 }
 
 impl Drawn {
+    /// The lower left corner of the walls' places; `None` without walls, or where one lies nowhere.
+    fn corner(&self) -> Option<DVec2> {
+        let places = self.faces.iter().flat_map(|f| f.path.places());
+        places.reduce(DVec2::min).filter(|p| p.is_finite())
+    }
+
+    /// The same with every place put elsewhere.
+    fn placed(&self, at: impl Fn(DVec2) -> DVec2) -> Self {
+        let mut out = self.clone();
+        let faces = out.faces.iter_mut().map(|f| &mut f.path);
+        faces.chain(out.marks.iter_mut().flat_map(|m| &mut m.paths)).for_each(|p| *p = p.placed(&at));
+        out
+    }
+
     fn face_ref(&self, face: u32) -> FaceRef {
         let f = &self.faces[face as usize];
         (f.wall, f.part)
@@ -354,8 +389,19 @@ const UNDERSTOOD: &str = " understood; ";
 pub const THICKNESSES: &str = "wall thicknesses: ";
 
 impl AxisGraph {
-    /// Understands drawn walls.
+    /// Understands drawn walls, in the same way wherever they stand on the sheet.
     pub fn new(drawn: &Drawn) -> Self {
+        let Some(corner) = drawn.corner() else { return Self::of(drawn) };
+        let grained = |p: DVec2| {
+            let rounded = (p * GRAINS_PER_M).round() / GRAINS_PER_M;
+            if rounded.is_finite() { rounded } else { p }
+        };
+        let mut out = Self::of(&drawn.placed(|p| grained(p - corner)));
+        out.place(|p| p + corner);
+        out
+    }
+
+    fn of(drawn: &Drawn) -> Self {
         let mut out = Self::default();
         let (boxes, rest) = columns::take(drawn, &mut out);
         let rest = curves::find(drawn, rest);
@@ -367,6 +413,22 @@ impl AxisGraph {
         openings::find(drawn, &axes, &joined, &mut out);
         out.state();
         out
+    }
+
+    fn place(&mut self, at: impl Fn(DVec2) -> DVec2) {
+        for node in &mut self.nodes {
+            node.at = at(node.at);
+            if let NodeKind::Column(ring) = &mut node.kind {
+                ring.iter_mut().for_each(|p| *p = at(*p));
+            }
+        }
+        for opening in &mut self.openings {
+            opening.centre = at(opening.centre);
+            opening.jambs.iter_mut().for_each(|j| j.at = at(j.at));
+        }
+        for closure in &mut self.closures {
+            (closure.a, closure.b) = (at(closure.a), at(closure.b));
+        }
     }
 
     /// Position of the ends of an edge.

@@ -115,7 +115,7 @@ impl<'a> Scene<'a> {
         let ray = axis.carrier.points(ordered(from, from + sign * OPENING_MAX_M));
         let mut best: Option<Facing> = None;
         let mut offer = |found: Facing| {
-            if best.as_ref().is_none_or(|b| found.width < b.width - 1e-9) {
+            if best.as_ref().is_none_or(|b| found.width < b.width) {
                 best = Some(found);
             }
         };
@@ -141,7 +141,7 @@ impl<'a> Scene<'a> {
         let out = b.carrier.tangent(b.span[g.end]) * if g.end == 1 { 1.0 } else { -1.0 };
         let ahead = a.carrier.tangent(s) * sign;
         let half = a.thickness.max(b.thickness) / 2.0;
-        let width = (s - a.span[f.end]) * sign;
+        let width = spans::tidy((s - a.span[f.end]) * sign);
         let faces = (g.axis, g.end) != (f.axis, f.end)
             && width > 0.0
             && a.carrier.offset_of(at).abs() <= half.max(ERROR_GAP_M)
@@ -166,7 +166,7 @@ impl<'a> Scene<'a> {
             let (s, t) = (a.carrier.s_of(p), b.carrier.s_of(p));
             let sin = a.carrier.tangent(s).perp_dot(b.carrier.tangent(t)).abs();
             let reach = a.thickness / 2.0 + ERROR_GAP_M;
-            let width = (s - a.span[f.end]) * sign - b.thickness / 2.0 / sin.max(0.1);
+            let width = spans::tidy((s - a.span[f.end]) * sign - b.thickness / 2.0 / sin.max(0.1));
             let meets = sin > 0.5 && t > first.0 - reach && t < last.0 + reach;
             if meets && width > -b.thickness && best.as_ref().is_none_or(|x| width < x.width) {
                 let edges = &self.joined.edges[other as usize];
@@ -188,7 +188,7 @@ impl<'a> Scene<'a> {
         let offsets = column.ring.iter().map(|p| a.carrier.offset_of(*p));
         let (lo, hi) = offsets.fold((f64::MAX, f64::MIN), |b, o| (b.0.min(o), b.1.max(o)));
         let ahead = column.ring.iter().map(|p| (a.carrier.s_of(*p) - a.span[f.end]) * sign);
-        let width = ahead.fold(f64::MAX, f64::min);
+        let width = spans::tidy(ahead.fold(f64::MAX, f64::min));
         if lo > half || hi < -half || width < -ERROR_GAP_M {
             return None;
         }

@@ -99,7 +99,7 @@ fn run_of(drawn: &Drawn, pieces: &[Loose], members: &[usize], out: &mut AxisGrap
         faces.extend(pieces[*m].faces.iter().map(|f| (*f, s)));
         parts.push(s);
     }
-    faces.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]).then(a.0.cmp(&b.0)));
+    faces.sort_by(|a, b| spans::tidy(a.1[0]).total_cmp(&spans::tidy(b.1[0])).then(a.0.cmp(&b.0)));
     let parts = spans::joined(parts, ZERO_M);
     for w in parts.windows(2) {
         out.closures.push(Closure { a: carrier.at(w[0][1]), b: carrier.at(w[1][0]) });

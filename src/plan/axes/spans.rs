@@ -3,15 +3,24 @@
 /// From, to; from < to.
 pub type Span = [f64; 2];
 
-/// Length.
+/// What a metre has of the smallest lengths that are told apart.
+const HAIRS_PER_M: f64 = 1e7;
+
+/// A length to a tenth of a micrometre: what differs by less is one, so that equal walls are understood in the same
+/// way wherever they stand, though their coordinates carry other errors of rounding there.
+pub fn tidy(length_m: f64) -> f64 {
+    (length_m * HAIRS_PER_M).round() / HAIRS_PER_M
+}
+
+/// Length, to a tenth of a micrometre.
 pub fn length(s: Span) -> f64 {
-    s[1] - s[0]
+    tidy(s[1] - s[0])
 }
 
 /// What two spans share, if it has a length.
 pub fn overlap(a: Span, b: Span) -> Option<Span> {
     let out = [a[0].max(b[0]), a[1].min(b[1])];
-    (out[1] > out[0]).then_some(out)
+    (length(out) > 0.0).then_some(out)
 }
 
 /// `from` without `taken` (in any order), pieces in order.
@@ -24,10 +33,10 @@ pub fn without(from: Span, taken: &[Span]) -> Vec<Span> {
 }
 
 fn cut(s: Span, t: Span) -> [Option<Span>; 2] {
-    if t[1] <= s[0] || t[0] >= s[1] {
+    if overlap(s, t).is_none() {
         return [Some(s), None];
     }
-    [(t[0] > s[0]).then_some([s[0], t[0]]), (t[1] < s[1]).then_some([t[1], s[1]])]
+    [[s[0], t[0]], [t[1], s[1]]].map(|left| (length(left) > 0.0).then_some(left))
 }
 
 /// How much of `s` the spans cover together.
@@ -37,7 +46,7 @@ pub fn covered(s: Span, by: &[Span]) -> f64 {
 
 /// Spans that touch within `gap` joined, in order.
 pub fn joined(mut spans: Vec<Span>, gap: f64) -> Vec<Span> {
-    spans.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    spans.sort_by(|a, b| tidy(a[0]).total_cmp(&tidy(b[0])));
     let mut out: Vec<Span> = Vec::new();
     for s in spans {
         match out.last_mut() {

@@ -178,7 +178,7 @@ fn facing_cell(i: u32, p: &Run, j: u32, q: &Run) -> Option<Cell> {
     let span = spans::overlap(p.span, on_p)?;
     let middle = (span[0] + span[1]) / 2.0;
     let foot = q.carrier.at(q.carrier.s_of(p.carrier.at(middle)));
-    let offset = p.carrier.offset_of(foot);
+    let offset = spans::tidy(p.carrier.offset_of(foot));
     if !(COLLINEAR_M..=THICKNESS_MAX_M).contains(&offset.abs()) {
         return None;
     }
@@ -438,7 +438,7 @@ fn strip_of(runs: &[Run], made: &Made) -> Strip {
     let middle = (made.span[0] + made.span[1]) / 2.0;
     let upper = carrier.offset_of(foot(&p, middle)) > 0.0;
     let sides = if upper { made.runs } else { [made.runs[1], made.runs[0]] };
-    let thickness = foot(&p, middle).distance(foot(&q, middle));
+    let thickness = spans::tidy(foot(&p, middle).distance(foot(&q, middle)));
     let [a, b] = made.more.clone();
     let more = if upper { [a, b] } else { [b, a] };
     Strip { carrier, span, thickness, sides, more, inner: made.inner.clone() }
