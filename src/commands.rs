@@ -1,6 +1,7 @@
 //! What each command does: reads files, runs the job, stores what it hands out, says how it went.
 
 mod batching;
+mod beside;
 mod installing;
 mod outputs;
 mod watching;
@@ -13,9 +14,8 @@ use std::time::Instant;
 use crate::cli::{
     AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ResolutionArgs, RunArgs, SearchArgs,
 };
-use crate::config::{Beside, Partial, Settings, Twin, settings_files, unread_side_cars};
+use crate::config::{Partial, Settings, settings_files};
 use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
-use crate::formats;
 use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
 use crate::overlay::words::headline;
 use crate::pipeline::accept::Origin;
@@ -25,7 +25,8 @@ use crate::progress::Display;
 use crate::report::{Cancel, Error, Place, Report, Severity, counted, gathered, one_line};
 use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, round_name};
-use crate::watch::bytes_of;
+pub use beside::settings_for;
+use beside::{beside, read_settings, settings_partial};
 
 /// Runs one command line. The exit code of a finished command is 0, or 1 when something was left out.
 ///
@@ -552,153 +553,6 @@ fn open(file: &Path) -> Result<(String, Vec<u8>), Error> {
     Ok((shown, bytes))
 }
 
-/// Settings of a drawing: the command line, its side-car, its folder's file, the defaults; and where the
-/// results go.
-///
-/// # Errors
-/// [`Error::Usage`] with the place of what is wrong.
-pub fn settings_for(drawing: &Path, command_line: Partial) -> Result<(Settings, Option<PathBuf>), Error> {
-    let partial = settings_partial(drawing, command_line)?;
-    let out = partial.out.clone().map(PathBuf::from);
-    // Where names differ by case alone and the file system does not mind, it was read.
-    let was_read = |(found, right): &(String, String)| {
-        found.eq_ignore_ascii_case(right) && drawing.with_file_name(right).is_file()
-    };
-    let mut unread = unread_side_cars(drawing, &files_beside(drawing));
-    unread.retain(|u| !was_read(u));
-    Ok((Settings { beside: beside(drawing), unread, ..Settings::new(partial)? }, out))
-}
-
-/// Names of the files in a drawing's folder.
-fn files_beside(drawing: &Path) -> Vec<String> {
-    let folder = drawing.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
-    let files = entries.flatten().filter(|e| e.file_type().is_ok_and(|t| t.is_file()));
-    files.map(|e| e.file_name().to_string_lossy().into_owned()).collect()
-}
-
-/// What is read of files beside a drawing.
-fn beside(drawing: &Path) -> Beside {
-    let scene = if is_scene(drawing) { std::fs::read(drawing).unwrap_or_default() } else { Vec::new() };
-    let named = formats::gltf::outer_files(&scene);
-    let mut left = formats::gltf::PICTURES_MAX;
-    let mut picture = |name: String| {
-        let data = data_beside(drawing, &name, left)?;
-        left -= data.len() as u64;
-        Some((name, data))
-    };
-    let most = formats::gltf::OUTER_MAX;
-    Beside {
-        twin: twin(drawing),
-        buffers: named
-            .data
-            .into_iter()
-            .filter_map(|n| Some((n.clone(), data_beside(drawing, &n, most)?)))
-            .collect(),
-        pictures: named.pictures.into_iter().filter_map(&mut picture).collect(),
-    }
-}
-
-fn is_scene(drawing: &Path) -> bool {
-    drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf"))
-}
-
-/// A file in or below a drawing's own folder; none where it is no file, lies elsewhere by a link, or has more bytes
-/// than `most`.
-fn data_beside(drawing: &Path, name: &str, most: u64) -> Option<Arc<[u8]>> {
-    let file = std::fs::canonicalize(drawing.with_file_name(name)).ok()?;
-    let scene = std::fs::canonicalize(drawing).ok()?;
-    let is_here = file.starts_with(scene.parent()?);
-    let size = std::fs::metadata(&file).ok().filter(std::fs::Metadata::is_file)?.len();
-    let is_taken = is_here && size <= most;
-    Some(is_taken.then(|| std::fs::read(&file).ok())??.into())
-}
-
-/// The IFC of the same name beside a glTF, unpacked.
-fn twin(drawing: &Path) -> Option<Twin> {
-    let own = is_scene(drawing).then(|| building_like(drawing))?;
-    Some(Twin::from(own.or_else(|| twin_of_before(drawing))?))
-}
-
-/// The building beside a file that bears its name: `.ifc` in any case, else packed.
-fn building_like(file: &Path) -> Option<Vec<u8>> {
-    let plain = file.with_extension("ifc");
-    let mut found: Vec<(usize, PathBuf)> = Vec::new();
-    for name in files_beside(file) {
-        let path = file.with_file_name(&name);
-        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-        let rank = ["ifc", "ifczip"].iter().position(|e| *e == ending);
-        found.extend(
-            rank.filter(|_| path.file_stem() == file.file_stem() && path != plain).map(|r| (r, path)),
-        );
-    }
-    found.sort();
-    let bytes =
-        std::iter::once(plain).chain(found.into_iter().map(|f| f.1)).find_map(|path| bytes_of(&path))?;
-    // What cannot be unpacked goes on as it is, to be told where it is read.
-    let unpacked = formats::ifc::is_zip(&bytes).then(|| formats::ifc::unzip("", &bytes).ok()).flatten();
-    Some(unpacked.unwrap_or(bytes))
-}
-
-/// The IFC beside the drawing that an accepted one was made of.
-fn twin_of_before(drawing: &Path) -> Option<Vec<u8>> {
-    let said = settings_partial(drawing, Partial::default()).ok()?;
-    let is_here = |name: &&str| Path::new(name).file_name().is_some_and(|n| n == *name);
-    let mut before = said.lineage.iter().rev().map(|l| l.drawing.as_str()).filter(is_here);
-    before.find_map(|name| building_like(&drawing.with_file_name(name)))
-}
-
-fn settings_partial(drawing: &Path, command_line: Partial) -> Result<Partial, Error> {
-    let mut out = command_line;
-    for file in settings_files(drawing) {
-        if let Some(more) = read_settings(&file)? {
-            out = out.over(more);
-        }
-    }
-    Ok(out)
-}
-
-fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
-    use std::io::ErrorKind;
-    let place = || Place::file(file.to_string_lossy());
-    if std::fs::metadata(file).is_ok_and(|found| !found.is_file()) {
-        let text = "found no file of that name but a folder, a pipe or a device; nothing was done";
-        return Err(Error::environment("settings-unreadable", place(), text));
-    }
-    match std::fs::read_to_string(file) {
-        Ok(text) => {
-            let mut read = Partial::from_toml(&file.to_string_lossy(), &text)?;
-            let fallback = read.watch.as_mut().and_then(|w| w.fallback.as_mut());
-            for folder in read.out.as_mut().into_iter().chain(fallback) {
-                *folder = below_of(file, folder)?;
-            }
-            Ok(Some(read))
-        }
-        // Beside a drawing with the longest of names no side-car can lie.
-        Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::InvalidFilename) => Ok(None),
-        Err(e) if e.kind() == ErrorKind::InvalidData => {
-            let text = "found letters that are not UTF-8, expected text saved as UTF-8; nothing was done";
-            Err(Error::usage("settings-unreadable", place(), text))
-        }
-        Err(e) => Err(Error::environment("settings-unreadable", place(), format!("{e}; nothing was done"))),
-    }
-}
-
-/// A folder that a settings file names, below the file's own. Whoever may write to a shared folder must not decide
-/// where else this user's programs write.
-fn below_of(file: &Path, folder: &str) -> Result<String, Error> {
-    use std::path::Component::{CurDir, Normal};
-    if !Path::new(folder).components().all(|c| matches!(c, Normal(_) | CurDir)) {
-        let text = format!(
-            "found results to go to `{folder}`, expected a folder below that of this file; any other is named on the \
-             command line (--out, --fallback); nothing was done"
-        );
-        return Err(Error::usage("settings-outside", Place::file(file.to_string_lossy()), text));
-    }
-    let own = file.parent().filter(|p| !p.as_os_str().is_empty());
-    Ok(own.map_or_else(|| folder.into(), |own| own.join(folder).to_string_lossy().into_owned()))
-}
-
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     store::replace_file(&SystemDisk, &absolute(path), bytes)
 }
@@ -775,25 +629,5 @@ mod tests {
         let full = refused(std::io::ErrorKind::StorageFull);
         assert!(full.contains("free some space, or take") && !full.contains("--out"), "{full}");
         assert!(!refused(std::io::ErrorKind::NotFound).contains("/elsewhere"));
-    }
-
-    /// Whoever may write to a shared folder must not decide where else this user's programs write.
-    #[test]
-    fn settings_name_no_folder_elsewhere() {
-        let below = |folder| below_of(Path::new("/shared/enfilade.toml"), folder);
-        assert_eq!(below("results/./a").unwrap(), "/shared/results/./a");
-        for folder in ["../results", "/results", "a/../../results", ".."] {
-            assert_eq!(below(folder).unwrap_err().problem().unwrap().code, "settings-outside", "{folder}");
-        }
-    }
-
-    /// A pipe in a side-car's place would be waited for.
-    #[test]
-    fn a_side_car_that_is_no_file_is_refused() {
-        let dir = tempfile::tempdir().unwrap();
-        assert!(read_settings(&dir.path().join("enfilade.toml")).unwrap().is_none());
-        let error = read_settings(dir.path()).unwrap_err();
-        assert_eq!(error.problem().unwrap().code, "settings-unreadable");
-        assert!(error.to_string().contains("no file"), "{error}");
     }
 }

@@ -180,13 +180,14 @@ pub(super) fn open_journal(journal: &Mutex<Journal>) -> MutexGuard<'_, Journal> 
 /// What besides its bytes decides a drawing's results: the program, the command line, what the settings files of
 /// the drawing and of its folder say of results, and the data that a scene keeps beside it.
 fn config_key(drawing: &Path, settings_key: &str) -> String {
-    let mut text = format!("{}\n{settings_key}\n", env!("CARGO_PKG_VERSION"));
-    let mut mark = "";
-    for path in settings_files(drawing) {
-        let said = what_decides(&bytes_of(&path).unwrap_or_default());
-        mark = if said.starts_with(UNREADABLE) { UNREADABLE } else { mark };
-        text.push_str(&format!("{said}\n"));
-    }
+    let said = settings_files(drawing).map(|path| what_decides(&bytes_of(&path).unwrap_or_default()));
+    let (mark, said) = match said {
+        [Ok(own), Ok(folder)] => ("", format!("{:?}", own.over(folder).deciding())),
+        said => {
+            (UNREADABLE, said.map(|s| s.map_or_else(|e| e, |p| format!("{:?}", p.deciding()))).join("\n"))
+        }
+    };
+    let mut text = format!("{}\n{settings_key}\n{said}\n", env!("CARGO_PKG_VERSION"));
     let is_scene = drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf"));
     let scene = if is_scene { bytes_of(drawing).unwrap_or_default() } else { Vec::new() };
     for name in outer_files(&scene).data {
@@ -205,9 +206,9 @@ pub(super) fn is_unreadable(config: &str) -> bool {
     config.starts_with(UNREADABLE)
 }
 
-/// Words for what a settings file says of results. One that cannot be read fails its jobs, each version anew;
-/// where a fault lies in `[watch]` alone, what is done stays done.
-fn what_decides(bytes: &[u8]) -> String {
+/// What a settings file says. One that cannot be read fails its jobs, each version anew: its digest; where a fault
+/// lies in `[watch]` alone, what is done stays done.
+fn what_decides(bytes: &[u8]) -> Result<Partial, String> {
     let without_watch = |text: &str| {
         let mut table: toml::Table = text.parse().ok()?;
         table.remove("watch")?;
@@ -215,10 +216,7 @@ fn what_decides(bytes: &[u8]) -> String {
     };
     let read = |text| Partial::from_toml("", text).ok().or_else(|| without_watch(text));
     let read = std::str::from_utf8(bytes).ok().and_then(read);
-    read.map_or_else(
-        || format!("{UNREADABLE}{}", sha256_hex(bytes)),
-        |partial| sha256_hex(format!("{:?}", partial.deciding()).as_bytes()),
-    )
+    read.ok_or_else(|| sha256_hex(bytes))
 }
 
 #[cfg(test)]
@@ -246,8 +244,8 @@ mod tests {
         let drawing = dir.path().join("sub/plan.dxf");
         fs::create_dir(dir.path().join("sub")).unwrap();
         let mut keys = vec![config_key(&drawing, ""), config_key(&drawing, "--seed 2")];
-        for file in ["sub/enfilade.toml", "sub/plan.enfilade.toml"] {
-            fs::write(dir.path().join(file), b"seed = 1").unwrap();
+        for (file, text) in [("sub/enfilade.toml", "seed = 1"), ("sub/plan.enfilade.toml", "seed = 2")] {
+            fs::write(dir.path().join(file), text).unwrap();
             keys.push(config_key(&drawing, ""));
         }
         let last = keys.last().cloned();
@@ -258,6 +256,11 @@ mod tests {
         fs::write(dir.path().join("sub/other.enfilade.toml"), b"seed = 1").unwrap();
         fs::write(dir.path().join("enfilade.toml"), b"seed = 1").unwrap();
         assert_eq!(Some(config_key(&drawing, "")), last);
+        // What says in its own file what holds anyway says nothing new.
+        fs::write(dir.path().join("sub/plan.enfilade.toml"), b"seed = 1").unwrap();
+        let repeated = config_key(&drawing, "");
+        fs::remove_file(dir.path().join("sub/plan.enfilade.toml")).unwrap();
+        assert_eq!(config_key(&drawing, ""), repeated);
     }
 
     /// What tells only how the folder is watched, how fast and where to makes no drawing new.

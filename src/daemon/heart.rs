@@ -10,6 +10,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
+mod earlier;
 mod orders;
 mod overview;
 mod renewal;
@@ -25,7 +26,10 @@ use super::hands::{
     Looked, Message, Outcome, Task, Waiting, is_unreadable, open_journal, reporter, start_looker,
     start_worker,
 };
-use super::status::{SharedDisk, Standing, content_of_results, rfc3339, settle, settle_gone, write_standing};
+use super::status::{
+    SharedDisk, Standing, UNFINISHED, UNFINISHED_OR_FAILED, content_of_results, rfc3339, settle, settle_gone,
+    settle_stopped, write_standing,
+};
 use super::{Asked, Done, Notice, Order, Reread, RunJob, WatchSettings};
 use crate::config::settings_files;
 use crate::report::{Cancel, Error, Place, Problem, Severity};
@@ -422,7 +426,7 @@ impl Heart {
             let why = "copy of a result of ours; give it another name to work on it".into();
             return show(Notice::Ignored { path: drawing, why });
         }
-        self.contents.insert(drawing.clone(), (sha256.clone(), config.clone()));
+        let before = self.contents.insert(drawing.clone(), (sha256.clone(), config.clone()));
         let is_it = |w: &Waiting| w.drawing == drawing && w.sha256 == sha256 && w.config == config;
         if self.queue.iter().any(|w| is_it(w) && w.not_before.is_none()) {
             return;
@@ -440,39 +444,12 @@ impl Heart {
         } else if let Some(end) = open_journal(&journal).end_of(&below, &sha256, &config)
             && !self.has_results_of_another(&drawing, &sha256)
         {
-            return self.ended_before(drawing, end, show);
+            let is_mended = before.is_some_and(|(_, config)| is_unreadable(&config));
+            return self.ended_before(drawing, end, is_mended, show);
         }
         let asked = Asked::default();
         let waiting = Waiting { drawing, sha256, config, asked, not_before: None, failures: 0 };
         self.enqueue(waiting, show);
-    }
-
-    /// Whether the newest results beside a drawing are of another content, made while its folder lay elsewhere or by
-    /// hand: what the journal knows of the drawing is older.
-    fn has_results_of_another(&self, drawing: &Path, sha256: &str) -> bool {
-        let folder = present_folder(drawing, &self.placing_of(drawing));
-        folder.and_then(|f| content_of_results(&f)).is_some_and(|of| of != sha256)
-    }
-
-    fn ended_before(&mut self, drawing: PathBuf, end: Ended, show: &mut dyn FnMut(Notice)) {
-        match end {
-            Ended::Finished(summary) => {
-                let (placing, content) = (self.placing_of(&drawing), self.contents.get(&drawing));
-                settle(&*self.disk, &drawing, &placing, content.map_or("", |c| &c.0), &summary);
-                let folder = present_folder(&drawing, &placing);
-                show(Notice::UpToDate { drawing, folder, summary });
-            }
-            Ended::Cancelled => {
-                self.cancelled.insert(drawing.clone());
-                self.say_results(&drawing, show);
-                show(Notice::Stopped { drawing, why: CANCELLED_BEFORE });
-            }
-            Ended::Failed(problem) => {
-                self.fail(&drawing, &problem);
-                self.say_results(&drawing, show);
-                show(Notice::Failed { drawing, problem, retry_secs: None });
-            }
-        }
     }
 
     fn is_running(&self, drawing: &Path) -> bool {
@@ -539,7 +516,15 @@ impl Heart {
                 show(Notice::Done { drawing, done: done.clone() });
                 self.say_what_it_is_of(&what, &done, show);
             }
-            Outcome::Changed => self.settle.again(self.start.elapsed(), &what.drawing),
+            Outcome::Changed => {
+                let why = match running.why {
+                    "" if what.asked != Asked::default() => NEWER_CONTENT,
+                    "" => NEWER_SAVE,
+                    why => why,
+                };
+                self.stopped(&what, why, show);
+                self.settle.again(self.start.elapsed(), &what.drawing);
+            }
             Outcome::Ended(Err(_)) if running.why == TOO_LONG => {
                 let error = too_long(&what.drawing, self.settings.job_limit_secs);
                 self.failed_for_good(what, error, show);
@@ -739,9 +724,10 @@ impl Heart {
         Placing { out_dir: at(&self.settings.out_dir), fallback_dir: at(&self.settings.fallback_dir) }
     }
 
-    /// Nothing of a round with wishes of its own: it is not asked for again after a kill.
+    /// Nothing of a round with wishes of its own, which is not asked for again after a kill, and nothing of settings
+    /// that cannot be read: what ended before with those of before stays so once they are mended.
     fn note(&mut self, what: &Waiting, step: &Step, show: &mut dyn FnMut(Notice)) {
-        if what.asked != Asked::default() {
+        if what.asked != Asked::default() || is_unreadable(&what.config) {
             return;
         }
         let Some(journal) = self.journal_of(&what.drawing) else { return };

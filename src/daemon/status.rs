@@ -55,12 +55,22 @@ pub(super) fn write_standing(disk: &dyn Disk, drawing: &Path, placing: &Placing,
     }
 }
 
-/// Puts right what says of a content that is done that it is worked on or waits: a round that was asked for with wishes of
-/// its own and not finished is not asked for again.
-pub(super) fn settle(disk: &dyn Disk, drawing: &Path, placing: &Placing, sha256: &str, summary: &str) {
+/// States of a round that was not finished. One that was asked for with wishes of its own is not asked for again.
+pub(super) const UNFINISHED: [&str; 3] = ["running", "waiting", "stopped"];
+/// The state of settings that could not be read, besides.
+pub(super) const UNFINISHED_OR_FAILED: [&str; 4] = ["running", "waiting", "stopped", "failed"];
+
+/// Puts right what says of a content that is done that it is in one of some states.
+pub(super) fn settle(
+    disk: &dyn Disk,
+    drawing: &Path,
+    placing: &Placing,
+    states: &[&str],
+    (sha256, summary): (&str, &str),
+) {
     let Some(folder) = present_folder(drawing, placing) else { return };
     let status = status_in(&folder);
-    let is_stale = ["running", "waiting", "stopped"].iter().any(|s| status["state"] == *s);
+    let is_stale = states.iter().any(|s| status["state"] == *s);
     if let (true, Some(newest)) = (is_stale, finished_rounds(&folder).last()) {
         let round = round_name(*newest);
         let done = Standing { state: "done", sha256, round: Some(&round), ..Standing::default() };
@@ -70,9 +80,14 @@ pub(super) fn settle(disk: &dyn Disk, drawing: &Path, placing: &Placing, sha256:
 
 /// What waited, or was worked on, of a drawing that is gone does so no more.
 pub(super) fn settle_gone(disk: &dyn Disk, drawing: &Path, placing: &Placing, why: &str) {
+    settle_stopped(disk, drawing, placing, &["settling", "waiting", "running"], why);
+}
+
+/// Says of a drawing that it is stopped, and why, where it is said to be in one of some states.
+pub(super) fn settle_stopped(disk: &dyn Disk, drawing: &Path, placing: &Placing, states: &[&str], why: &str) {
     let Some(folder) = present_folder(drawing, placing) else { return };
     let status = status_in(&folder);
-    if ["settling", "waiting", "running"].iter().any(|s| status["state"] == *s) {
+    if states.iter().any(|s| status["state"] == *s) {
         let sha256 = status["sha256"].as_str().unwrap_or_default();
         let gone = Standing { state: "stopped", sha256, summary: Some(why), ..Standing::default() };
         write_standing(disk, drawing, placing, &gone);
@@ -177,7 +192,7 @@ mod tests {
         ] {
             (1..=rounds).for_each(|n| std::fs::create_dir_all(folder.join(round_name(n))).unwrap());
             write_standing(&SystemDisk, &drawing, &placing, &Standing { state, ..Standing::default() });
-            settle(&SystemDisk, &drawing, &placing, "ab", "5 options");
+            settle(&SystemDisk, &drawing, &placing, &UNFINISHED, ("ab", "5 options"));
             assert_eq!(says()["state"], settled, "{state}");
         }
         assert_eq!(

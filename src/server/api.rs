@@ -118,6 +118,7 @@ pub(super) async fn again(State(page): Page, Path(id): Path<String>, body: Strin
     if let Err(e) = Settings::new(stated) {
         return refused(&e.to_string());
     }
+    page.board.expect(&id);
     order(&page, Order::Again { drawing, asked })
 }
 

@@ -51,6 +51,8 @@ struct Entry {
     progress: Value,
     /// Whether a job of it waits, also while one runs.
     is_queued: bool,
+    /// Ordered through the page, and no word of the daemon on it yet.
+    is_ordered: bool,
     /// After how many layouts the running search last wrote its best so far.
     so_far: Option<u64>,
     /// Layouts measured and the best value, by stage.
@@ -145,9 +147,16 @@ impl Board {
         Some(out)
     }
 
-    /// Whether a job of the drawing runs or waits.
+    /// Whether a job of the drawing runs, waits, or is ordered and on its way.
     pub(super) fn is_busy(&self, id: &str) -> bool {
-        self.state().drawings.get(id).is_some_and(|e| e.state == "running" || e.is_queued)
+        self.state().drawings.get(id).is_some_and(|e| e.state == "running" || e.is_queued || e.is_ordered)
+    }
+
+    /// A round of the drawing is about to be ordered; the daemon's next word on the drawing answers it.
+    pub(super) fn expect(&self, id: &str) {
+        if let Some(entry) = self.state().drawings.get_mut(id) {
+            entry.is_ordered = true;
+        }
     }
 
     /// Where a drawing and its results lie.
@@ -217,7 +226,7 @@ impl State {
             Notice::Results { drawing, .. } if self.roots.contains_key(drawing) => None,
             Notice::Results { drawing, folder } => self.at(drawing, |e| e.folder = Some(folder.clone())),
             Notice::Queued { drawing, .. } => self.at(drawing, |e| {
-                e.is_queued = true;
+                (e.is_queued, e.is_ordered) = (true, false);
                 if e.state != "running" {
                     e.set("waiting");
                 }
@@ -244,6 +253,7 @@ impl State {
                 e.summary = (*why).into();
             }),
             Notice::Stopped { drawing, why } => self.at_known(drawing, |e| {
+                e.is_ordered = false;
                 e.set("stopped");
                 e.summary = (*why).into();
                 e.is_queued &= *why != BY_THE_USER;
@@ -285,6 +295,7 @@ impl Entry {
             problem: Value::Null,
             progress: Value::Null,
             is_queued: false,
+            is_ordered: false,
             so_far: None,
             curve: Vec::new(),
         }
@@ -440,6 +451,20 @@ mod tests {
         let found = board.drawing(&id).unwrap();
         assert_eq!((&found["state"], &found["problem"]["code"]), (&json!("waiting"), &json!("disk-full")));
         assert_eq!(board.log().as_array().unwrap().len(), 1);
+    }
+
+    /// What was ordered can be cancelled before the daemon has said a word on it.
+    #[test]
+    fn what_is_ordered_is_busy() {
+        let board = Board::default();
+        let drawing = PathBuf::from("/p.dxf");
+        let id = id_of(&drawing);
+        board.take(&Notice::UpToDate { drawing: drawing.clone(), folder: None, summary: String::new() });
+        assert!(!board.is_busy(&id));
+        board.expect(&id);
+        assert!(board.is_busy(&id));
+        board.take(&Notice::Stopped { drawing, why: BY_THE_USER });
+        assert!(!board.is_busy(&id));
     }
 
     /// What a job says after its drawing was removed, or left alone by new settings, brings it not back.

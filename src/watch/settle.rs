@@ -249,6 +249,8 @@ impl Settle {
     /// Asks for the file to be judged anew although nothing happened to it.
     pub fn again(&mut self, now: Duration, path: &Path) {
         self.settled.remove(path);
+        // What was said of it before is no word on what is found now.
+        self.pending.remove(path);
         self.touched(now, path.into());
     }
 

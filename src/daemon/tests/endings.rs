@@ -161,3 +161,57 @@ fn what_is_given_up_fails_no_more() {
     daemon.rest();
     assert_eq!((daemon.count_said("Failed {"), daemon.jobs()), (0, 2));
 }
+
+/// A round asked for of a drawing that is just being saved is dropped and told; that the file is not whole is told anew.
+#[test]
+fn an_order_of_half_a_save_is_told() {
+    let daemon = Daemon::echo();
+    let drawing = daemon.path("plan.dxf");
+    daemon.save("plan.dxf", "one");
+    daemon.await_said("Done {", 1);
+    fs::write(&drawing, "half of tw").unwrap();
+    daemon.await_said("is not whole yet", 1);
+    let asked = Asked { objective: Some("degree max 0.5".into()), ..Asked::default() };
+    daemon.orders.send(Order::Again { drawing: drawing.clone(), asked }).unwrap();
+    daemon.await_said("ask for it again", 1);
+    daemon.await_said("is not whole yet", 2);
+    assert_eq!((daemon.jobs(), daemon.status("plan")["state"].as_str()), (1, Some("stopped")));
+    daemon.save("plan.dxf", "two");
+    assert_eq!(daemon.await_round("plan", 2), "two EOF\n");
+}
+
+/// Settings that cannot be read for a while fail what is done and what was cancelled; once they are mended, both are as
+/// they were.
+#[test]
+fn mended_settings_do_nothing_again() {
+    let run = |request: &JobRequest, _: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+        let settings = fs::read_to_string(request.drawing.with_file_name("enfilade.toml"));
+        match settings {
+            Ok(text) if text.contains('[') => {
+                Err(Error::usage("settings", Place::default(), "cannot be read"))
+            }
+            _ => slow(request, cancel),
+        }
+    };
+    let daemon = Daemon::start(settings(), |_| {}, run);
+    let say = |text: &str| fs::write(daemon.path("enfilade.toml"), text).unwrap();
+    say("members = 3\n");
+    daemon.save("done.dxf", "one");
+    daemon.await_said("Done {", 1);
+    daemon.save("given-up.dxf", "slow");
+    daemon.await_said("Started(", 2);
+    daemon.orders.send(Order::Cancel(daemon.path("given-up.dxf"))).unwrap();
+    daemon.await_said("why: \"cancelled\"", 1);
+    say("members = [\n");
+    daemon.await_said("Failed {", 2);
+    say("members = 3\n");
+    daemon.await_said("UpToDate {", 1);
+    daemon.await_said("cancelled before", 1);
+    daemon.rest();
+    assert_eq!((daemon.jobs(), daemon.count_said("Done {")), (4, 1), "two jobs, and two that failed");
+    assert_eq!(
+        (&daemon.status("done")["state"], &daemon.status("given-up")["state"]),
+        (&"done".into(), &"stopped".into())
+    );
+    assert!(!daemon.path("done.enfilade/round-02").exists());
+}
