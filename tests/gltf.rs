@@ -609,7 +609,10 @@ fn containers_that_lie_are_refused() {
         with(&|b| b[12..16].copy_from_slice(&u32::MAX.to_le_bytes())).contains("byte 12: a chunk is cut off")
     );
     let first = with(&|b| b[4] = 1);
-    assert!(first.contains("found version 1 of GLB") && first.contains("export it again as glTF 2.0"), "{first}");
+    assert!(
+        first.contains("found version 1 of GLB") && first.contains("export it again as glTF 2.0"),
+        "{first}"
+    );
     assert!(with(&|b| b[16..20].copy_from_slice(b"BIN\0")).contains("the first chunk is not JSON"));
     for cut in (0..PAVILION.len()).step_by(301) {
         assert_ne!(formats::is_complete("house.glb", &PAVILION[..cut]), Completeness::Whole, "{cut}");
