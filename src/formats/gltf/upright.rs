@@ -7,8 +7,8 @@ use crate::report::{Place, Report};
 
 /// Fewer walls say nothing.
 const WALLS_MIN: usize = 4;
-/// So many of the walls are as deep as the middle one, as walls of a storey are alike in height.
-const ALIKE_SHARE: f64 = 0.8;
+/// So many of the walls are as deep as the middle one, as walls of a storey are alike in height; and fewer as high.
+const ALIKE_SHARE: f64 = 0.6;
 /// They differ from it by less than this share.
 const ALIKE_WITHIN: f64 = 0.1;
 /// At least so many of the walls lie like plates, and as many stand.
@@ -52,10 +52,11 @@ fn lying(walls: &[DVec3], levels: &[DVec3]) -> Option<f64> {
     if walls.len() < WALLS_MIN {
         return None;
     }
-    let mut depths: Vec<f64> = walls.iter().map(|e| e.y).collect();
-    depths.sort_by(f64::total_cmp);
-    let depth = depths[depths.len() / 2];
-    let alike: Vec<&DVec3> = walls.iter().filter(|e| (e.y - depth).abs() < ALIKE_WITHIN * depth).collect();
+    let depth = middle(walls.iter().map(|e| e.y));
+    let height = middle(walls.iter().map(|e| e.z));
+    let is_near = |v: f64, middle: f64| (v - middle).abs() < ALIKE_WITHIN * middle;
+    let alike: Vec<&DVec3> = walls.iter().filter(|e| is_near(e.y, depth)).collect();
+    let as_high = walls.iter().filter(|e| is_near(e.z, height)).count();
     let is_plate = |e: &DVec3| e.z < THIN_SHARE * e.x.min(e.y) && e.x >= LENGTH_SHARE * depth;
     let stands = |e: &DVec3| e.x < THIN_SHARE * e.y.min(e.z);
     let share = |n: usize, of: usize| n as f64 / of as f64;
@@ -65,9 +66,16 @@ fn lying(walls: &[DVec3], levels: &[DVec3]) -> Option<f64> {
     let is_upright = |e: &&DVec3| e.y < THIN_SHARE * e.x.min(e.z);
     let upright = levels.iter().filter(is_upright).count();
     let is_plain = share(alike.len(), walls.len()) >= ALIKE_SHARE
+        && as_high < alike.len()
         && plates.min(standing) >= EACH_WAY_SHARE
         && 2 * upright >= levels.len();
     is_plain.then_some(depth)
+}
+
+fn middle(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or_default()
 }
 
 #[cfg(test)]
