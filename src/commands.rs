@@ -372,12 +372,7 @@ fn output_of(outcome: &Outcome<RoundResult>) -> JobOutput {
 
 fn summary(result: &RoundResult, folder: &Path) {
     for (i, c) in result.candidates.iter().enumerate() {
-        let mark = match (c.explanation.breaks.is_empty(), c.within_threshold) {
-            (false, _) => " (pinned; breaks a rule)",
-            (true, true) => "",
-            (true, false) => " (below a threshold)",
-        };
-        say(&format!("option {}{mark}: {}", i + 1, c.words));
+        say(&format!("option {}{}: {}", i + 1, result.mark(i), c.words));
     }
     if result.best.as_ref().is_some_and(|b| b.option.is_none()) {
         say("the best layout found is not one of the options: `accept FILE 0` takes it");

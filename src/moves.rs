@@ -529,10 +529,17 @@ fn refusal(plan: &Plan, graph: &Graph, group: &Group, w: u32, handles: &BTreeSet
                 return Some("its block moves only as a whole and the group encloses a part of it".into());
             }
             if scales {
-                return Some("a block is not scaled".into());
+                return Some(
+                    if plan.format == Format::Dxf {
+                        "a block is not scaled"
+                    } else {
+                        "an element is not scaled"
+                    }
+                    .into(),
+                );
             }
             if turns && wall.editable == (Editable::WithInsert { turnable: false }) {
-                return Some("its INSERT has no rotation value to change".into());
+                return Some(plan.format.why_no_turn().into());
             }
         }
         Editable::Free => {}

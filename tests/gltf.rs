@@ -556,7 +556,7 @@ fn hazards() -> Vec<(&'static str, String, &'static str, bool)> {
         ("44 not a number", swap("\"translation\":[0,0,-0.15]", "\"translation\":[NaN,0,-0.15]"), "found something that is no JSON value", true),
         ("44 nested 200,000 deep", swap("{\"asset\"", &format!("{{\"extras\":{}{},\"asset\"", "[".repeat(200_000), "]".repeat(200_000))), "JSON nested deeper than any scene is", true),
         ("a list that is none", swap("{\"asset\"", "{\"materials\":0,\"asset\""), "/materials: found something else, expected a list", true),
-        ("version 1.0", swap("\"version\":\"2.0\"", "\"version\":\"1.0\""), "/asset/version: found version \"1.0\", expected glTF 2.0", true),
+        ("version 1.0", swap("\"version\":\"2.0\"", "\"version\":\"1.0\""), "/asset/version: found version \"1.0\", expected glTF 2.0; export it again as glTF 2.0", true),
     ]);
     out
 }
@@ -607,6 +607,11 @@ fn containers_that_lie_are_refused() {
     assert!(with(&|b| b.extend([0; 4])).contains("the file is damaged or not finished"));
     assert!(
         with(&|b| b[12..16].copy_from_slice(&u32::MAX.to_le_bytes())).contains("byte 12: a chunk is cut off")
+    );
+    let first = with(&|b| b[4] = 1);
+    assert!(
+        first.contains("found version 1 of GLB") && first.contains("export it again as glTF 2.0"),
+        "{first}"
     );
     assert!(with(&|b| b[16..20].copy_from_slice(b"BIN\0")).contains("the first chunk is not JSON"));
     for cut in (0..PAVILION.len()).step_by(301) {

@@ -190,12 +190,10 @@ fn the_interface_shows_and_obeys() {
     assert!(names.as_array().unwrap().contains(&json!("initial-degree.png")), "{names}");
     assert_eq!(daemon.ask("GET", &at("/round-09"), "").status, 404);
     assert_eq!(daemon.ask("POST", &at("/again"), "x".repeat(BODY_BYTES_MAX + 1)).status, 413);
-    assert_eq!(
-        daemon
-            .ask("POST", &at("/again"), r#"{"objective": "entropy max 0.5", "pin": [2], "round": 1}"#)
-            .status,
-        202
-    );
+    // A threshold that is left out is said with the order.
+    let taken = daemon.ask("POST", &at("/again"), r#"{"objective": "entropy max", "pin": [2], "round": 1}"#);
+    let said = String::from_utf8_lossy(&taken.body);
+    assert_eq!((taken.status, &*said), (202, r#"{"objective":"entropy max 0.7"}"#));
     daemon.until("round 2", || {
         daemon.json(&at(""))["sets"].as_array().unwrap().contains(&json!("round-02")).then_some(())
     });
@@ -255,6 +253,30 @@ fn results_elsewhere_are_found_again() {
     assert_eq!(accepted.status, 200, "{}", String::from_utf8_lossy(&accepted.body));
     assert!(daemon.plans().join("sub/gallery-r02.dxf").is_file());
     assert!(!daemon.plans().join("sub/gallery.enfilade").exists());
+}
+
+/// Where the page's own file cannot be written, what is said helps: results sent elsewhere would not.
+#[test]
+fn a_page_that_cannot_be_found_again_says_what_helps() {
+    let folder = tempfile::tempdir().unwrap();
+    let [plans, taken] = ["plans", "taken"].map(|name| folder.path().join(name));
+    fs::create_dir(&plans).unwrap();
+    fs::write(&taken, "").unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_enfilade"))
+        .args(["watch", "--page"])
+        .arg(&plans)
+        .env("HOME", folder.path())
+        .env("XDG_STATE_HOME", &taken)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let said = lines.find_map(|l| l.ok().filter(|l| l.contains("will not find the page")));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let said = said.unwrap();
+    assert!(said.contains("XDG_STATE_HOME") && !said.contains("--out"), "{said}");
 }
 
 /// What is left alone is shown with its reason, and what changes of it without a start.
@@ -610,6 +632,18 @@ fn a_browser_shows_no_drawing_that_is_gone() {
     let daemon = start();
     daemon.until_done("gallery.dxf");
     browse(&daemon, modules, "gone.mjs", daemon.plans().join("gallery.dxf").to_str().unwrap());
+}
+
+/// Another drawing that goes changes the list alone: what is open, filtered, typed and chosen stays.
+#[test]
+fn a_browser_keeps_what_is_looked_at_when_another_drawing_goes() {
+    let Some(modules) = modules() else { return };
+    let daemon = start();
+    let other = daemon.plans().join("other.dxf");
+    fs::write(&other, "0\nSECTION\n2\nENTITIES\nx\n0\n0\nEOF\n").unwrap();
+    daemon.until_done("gallery.dxf");
+    daemon.until("the other", || daemon.drawing("other.dxf").filter(|d| d["state"] == "failed"));
+    browse(&daemon, modules, "another.mjs", other.to_str().unwrap());
 }
 
 /// Chromium with every action of the page, and axe.

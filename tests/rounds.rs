@@ -93,6 +93,7 @@ fn few_options_are_counted_as_they_are() {
         page.contains("Options 1 to 2 were pinned; the first: ")
             && !page.contains("Option 1 gains most in all")
     );
+    assert_eq!(page.matches("<p class=\"badge\">pinned</p>").count(), 2, "each card says it");
     let words = format!("5 options wanted, {inside} found inside all thresholds beside 2 pinned");
     assert!(problems.contains(&words), "{words}: {problems}");
 }

@@ -12,6 +12,7 @@ import csv
 import hashlib
 import html
 import json
+import math
 import os
 import shutil
 import socket
@@ -347,6 +348,30 @@ def threads_of(args) -> int | None:
     return max(1, cores // (args.workers or cores))
 
 
+def resources_of(texts: list[str]) -> dict[str, float] | None:
+    """What workers must offer, by `--resource NAME=N`. `ValueError` with a sentence where a text says no such thing."""
+    resources = {}
+    for text in texts:
+        name, _, number = text.partition("=")
+        try:
+            amount = float(number)
+        except ValueError:
+            amount = math.nan
+        if not name.strip() or not 0 < amount < math.inf:
+            raise ValueError(f"--resource {text}: expected NAME=N with a number above 0, such as GPU=1")
+        resources[name.strip()] = amount
+    return resources or None
+
+
+def _wrong_number(args) -> str | None:
+    """Which option has a number that makes no sense."""
+    for name, least in (("workers", 1), ("threads", 1), ("retries", 0)):
+        found = getattr(args, name)
+        if found is not None and found < least:
+            return f"--{name} {found}: expected {least} or more"
+    return None
+
+
 def main(argv: list[str] | None = None) -> int:
     """The command: `python -m enfilade_dask jobs.jsonl --scheduler tcp://…`."""
     parser = argparse.ArgumentParser(prog="enfilade_dask", description="Does the jobs of `enfilade jobs` with Dask.")
@@ -357,7 +382,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--no-share", action="store_true", help="machines share no folder: bytes travel with the jobs")
     parser.add_argument("--threads", type=int, default=None, help="threads a job; workers on this machine share its cores")
     parser.add_argument("--resource", action="append", default=[], metavar="NAME=N", help="what a worker must offer")
-    parser.add_argument("--retries", type=int, default=RETRIES)
+    parser.add_argument("--retries", type=int, default=RETRIES, help=f"how often a job is tried again; {RETRIES} without it")
     parser.add_argument("--tls-ca"), parser.add_argument("--tls-cert"), parser.add_argument("--tls-key")
     args = parser.parse_args(argv)
     try:
@@ -366,14 +391,18 @@ def main(argv: list[str] | None = None) -> int:
         return _refused(f"{args.jobs} cannot be read as a list of jobs: {error}")
     if not jobs:
         return _refused(f"{args.jobs} has no job in it, expected one a line, as `enfilade jobs` writes them")
-    if args.workers is not None and args.workers < 1:
-        return _refused(f"--workers {args.workers}: expected 1 or more")
+    wrong = _wrong_number(args)
+    if wrong:
+        return _refused(wrong)
+    try:
+        resources = resources_of(args.resource)
+    except ValueError as error:
+        return _refused(str(error))
     if args.scheduler:
         try:
             reach(args.scheduler, SCHEDULER_SECS)
         except (OSError, ValueError) as error:
             return _refused(f"no scheduler takes calls at {args.scheduler} within {SCHEDULER_SECS} s: {error}")
-    resources = {name: float(n) for name, n in (r.split("=", 1) for r in args.resource)} or None
 
     def show(row, n, total):
         words = row.error or row.finished.get("words", "")

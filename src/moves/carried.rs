@@ -45,7 +45,7 @@ pub fn carried(plan: &Plan, fitting: &Fitting, layout: &Layout) -> Carried {
     match &fitting.editable {
         Editable::No(why) => return Carried::Stale(why.clone()),
         Editable::WithInsert { turnable: false } if motion.turn_rad != 0.0 => {
-            return Carried::Stale("its INSERT has no rotation value to change".into());
+            return Carried::Stale(plan.format.why_no_turn().into());
         }
         _ => {}
     }

@@ -411,6 +411,26 @@ pub struct RoundResult {
     pub problems: Vec<ProblemEntry>,
 }
 
+impl RoundResult {
+    /// How many of the first options were pinned.
+    pub fn pinned_count(&self) -> usize {
+        let pinned = self.settings.get("pinned").and_then(|v| v.as_array());
+        pinned.map_or(0, Vec::len).min(self.candidates.len())
+    }
+
+    /// What there is to say of the option at `i` before its words, in brackets behind its number; else empty.
+    pub fn mark(&self, i: usize) -> &'static str {
+        let Some(option) = self.candidates.get(i) else { return "" };
+        match (i < self.pinned_count(), option.explanation.breaks.is_empty(), option.within_threshold) {
+            (_, false, _) => " (pinned; breaks a rule)",
+            (true, true, false) => " (pinned; below a threshold)",
+            (true, true, true) => " (pinned)",
+            (false, true, false) => " (below a threshold)",
+            (false, true, true) => "",
+        }
+    }
+}
+
 /// `analyse --json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AnalysisResult {

@@ -8,6 +8,7 @@ mod grid;
 mod joints;
 mod judged;
 mod made;
+mod named;
 mod overlaps;
 mod told;
 

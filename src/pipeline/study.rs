@@ -1,5 +1,6 @@
 //! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
 
+mod alike;
 mod card;
 mod carrying;
 mod idle;
@@ -355,30 +356,7 @@ impl Worth {
     pub fn penalty(&self, penalty: Penalty) -> f64 {
         self.penalties[Penalty::ALL.iter().position(|p| *p == penalty).unwrap_or(0)]
     }
-
-    /// The names of what differs in another measurement, each with both values; empty where nothing does.
-    pub fn differences(&self, other: &Self) -> Vec<(String, f64, f64)> {
-        let seen = |a: &Seen, b: &Seen| {
-            let (a, b) = (&a.means, &b.means);
-            [("degree", a.degree, b.degree), ("depth", a.depth, b.depth), ("entropy", a.entropy, b.entropy)]
-        };
-        let of_pairs = self.pairs.iter().zip(&other.pairs).flat_map(|(a, b)| seen(a, b));
-        let counted = seen(&self.seen, &other.seen).into_iter().chain(of_pairs);
-        let counted = counted.chain([("disconnection", self.disconnection, other.disconnection)]);
-        let penalties = Penalty::ALL.map(|p| (p.name(), self.penalty(p), other.penalty(p)));
-        let aims = self.aims.iter().zip(&other.aims).map(|(a, b)| ("aim", *a, *b));
-        let measured = penalties.into_iter().chain(aims);
-        let is_other = |a: f64, b: f64| (a - b).abs() > ROUNDING_SHARE * a.abs().max(b.abs()) + ROUNDING;
-        let counted = counted.filter(|(_, a, b)| a != b);
-        let all = counted.chain(measured.filter(|(_, a, b)| is_other(*a, *b)));
-        all.map(|(name, a, b)| (name.to_string(), a, b)).collect()
-    }
 }
-
-/// Lengths, areas and angles of a file differ by less where its numbers have seven digits, as those of a GLB do: a share,
-/// and what stands for it beside zero.
-const ROUNDING_SHARE: f64 = 1e-5;
-const ROUNDING: f64 = 1e-6;
 
 /// A study: one drawing with its lattice, ready to measure any layout of its moves.
 pub struct Study {
@@ -766,28 +744,4 @@ fn pieces(
         }
     }
     (out, ranges)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rounding_of_a_file_is_no_difference() {
-        let of = |length: f64, degree: f64, of_pair: f64| {
-            let mut worth = Worth { pairs: vec![Seen::default()], ..Worth::default() };
-            worth.penalties[1] = length;
-            worth.seen.means.degree = degree;
-            worth.pairs[0].means.degree = of_pair;
-            worth
-        };
-        let named = |a: Worth| -> Vec<String> {
-            a.differences(&of(0.382, 40.0, 7.0)).into_iter().map(|(name, ..)| name).collect()
-        };
-        assert!(named(of(0.382 + 7e-7, 40.0, 7.0)).is_empty(), "seven digits of a scene");
-        assert_eq!(named(of(0.382 + 1e-4, 40.0, 7.0)), [Penalty::ALL[1].name()]);
-        // What is counted is the same or it is not.
-        assert_eq!(named(of(0.382, 40.0 + 1e-9, 7.0)), ["degree"]);
-        assert_eq!(named(of(0.382, 40.0, 7.0 + 1e-9)), ["degree"]);
-    }
 }

@@ -31,6 +31,17 @@ impl Format {
             Self::Glb => "glb",
         }
     }
+
+    /// Why what [`Editable::WithInsert`] says is not turnable does not turn.
+    pub fn why_no_turn(self) -> &'static str {
+        match self {
+            Self::Dxf => "its INSERT has no rotation value to change",
+            Self::Ifc => "its placement has no direction to change",
+            Self::Gltf | Self::Glb => {
+                "its node hangs below one that scales unevenly, under which a turn would skew it"
+            }
+        }
+    }
 }
 
 /// The bytes an entity came from: the join between the plan and the file.
@@ -103,7 +114,7 @@ pub enum Editable {
     /// Its own coordinates can be spliced, vertex by vertex.
     Free,
     /// It is shown through one INSERT: it moves rigidly with everything that INSERT shows.
-    /// `turnable` is false where the file has no rotation value to splice.
+    /// `turnable` is false where the file has no rotation value to splice, or one would skew it.
     WithInsert {
         /// Whether the INSERT's rotation can be spliced.
         turnable: bool,

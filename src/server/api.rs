@@ -87,7 +87,7 @@ pub(super) async fn cancel(State(page): Page, Path(id): Path<String>) -> Respons
         let why = "no job of the drawing runs or waits, so there is none to cancel; nothing was done";
         return said(StatusCode::CONFLICT, why);
     }
-    order(&page, Order::Cancel(drawing))
+    order(&page, Order::Cancel(drawing), &json!({}))
 }
 
 pub(super) async fn again(State(page): Page, Path(id): Path<String>, body: String) -> Response {
@@ -115,11 +115,15 @@ pub(super) async fn again(State(page): Page, Path(id): Path<String>, body: Strin
     // As many vectors as are pinned: whether so many may be is the settings' matter.
     let pin = (!asked.pin.is_empty()).then(|| vec![Vec::new(); asked.pin.len()]);
     let stated = Partial { objective: asked.objective.clone(), pin, ..Partial::default() };
-    if let Err(e) = Settings::new(stated) {
-        return refused(&e.to_string());
-    }
+    let settings = match Settings::new(stated) {
+        Ok(settings) => settings,
+        Err(e) => return refused(&e.to_string()),
+    };
+    // With the thresholds that were left out.
+    let taken =
+        asked.objective.as_ref().map_or(json!({}), |_| json!({"objective": settings.objective_text()}));
     page.board.expect(&id);
-    order(&page, Order::Again { drawing, asked })
+    order(&page, Order::Again { drawing, asked }, &taken)
 }
 
 /// Why options of the best so far cannot be asked for, if they cannot.
@@ -195,9 +199,10 @@ pub(super) async fn unknown_method() -> Response {
     said(StatusCode::METHOD_NOT_ALLOWED, "the address takes another method, see the header Allow")
 }
 
-fn order(page: &Shared, order: Order) -> Response {
+/// Passes an order on; `taken`: what there is to say of it.
+fn order(page: &Shared, order: Order, taken: &Value) -> Response {
     match page.orders.send(order) {
-        Ok(()) => (StatusCode::ACCEPTED, [(header::CONTENT_TYPE, "application/json")], "{}").into_response(),
+        Ok(()) => (StatusCode::ACCEPTED, answer(taken)).into_response(),
         Err(_) => said(StatusCode::SERVICE_UNAVAILABLE, "the daemon is ending"),
     }
 }

@@ -33,11 +33,24 @@ pub struct Board {
 #[derive(Default)]
 struct State {
     drawings: BTreeMap<String, Entry>,
-    roots: BTreeMap<PathBuf, String>,
+    roots: BTreeMap<PathBuf, Watched>,
     log: VecDeque<Value>,
     /// Files left alone, and why.
     ignored: BTreeMap<PathBuf, String>,
     ignored_count: usize,
+}
+
+/// A watched folder: by what means, and whether it is out of reach just now.
+#[derive(Default)]
+struct Watched {
+    how: String,
+    is_away: bool,
+}
+
+impl Watched {
+    fn words(&self) -> &str {
+        if self.is_away { "out of reach" } else { &self.how }
+    }
 }
 
 struct Entry {
@@ -78,10 +91,11 @@ impl Board {
         };
         let mut state = self.state();
         let mut news = Vec::new();
-        let goes = match notice {
-            Notice::Removed(path) | Notice::Ignored { path, .. } => state.drawings.contains_key(&id_of(path)),
-            _ => false,
+        let gone = match notice {
+            Notice::Removed(path) | Notice::Ignored { path, .. } => Some(id_of(path)),
+            _ => None,
         };
+        let gone = gone.filter(|id| state.drawings.contains_key(id));
         let is_quiet =
             matches!(notice, Notice::Progress { .. } | Notice::UpToDate { .. } | Notice::Results { .. });
         if !is_known && !is_quiet {
@@ -95,8 +109,8 @@ impl Board {
         if let Some(id) = state.note(notice) {
             news.push(json!({"kind": "drawing", "drawing": state.drawings.get(&id).map(|e| e.brief(&id))}));
         }
-        if goes {
-            news.push(json!({"kind": "reload"}));
+        if let Some(id) = gone {
+            news.push(json!({"kind": "gone", "id": id}));
         }
         if is_of_folders(notice) {
             news.push(json!({"kind": "folders"}));
@@ -118,7 +132,7 @@ impl Board {
         let state = self.state();
         let drawings: Vec<Value> = state.drawings.iter().map(|(id, e)| e.brief(id)).collect();
         let roots: Vec<Value> =
-            state.roots.iter().map(|(r, how)| json!({"root": shown(r), "how": how})).collect();
+            state.roots.iter().map(|(r, w)| json!({"root": shown(r), "how": w.words()})).collect();
         let ignored: Vec<Value> =
             state.ignored.iter().map(|(path, why)| json!({"file": shown(path), "why": why})).collect();
         let rules: Vec<Value> =
@@ -192,12 +206,11 @@ impl State {
     fn note(&mut self, notice: &Notice) -> Option<String> {
         match notice {
             Notice::Watching { root, how } => {
-                self.roots.insert(root.clone(), how.clone());
+                self.roots.entry(root.clone()).or_default().how.clone_from(how);
                 None
             }
             Notice::Offline(root) | Notice::Online(root) => {
-                let how = if matches!(notice, Notice::Offline(_)) { "out of reach" } else { "back" };
-                self.roots.insert(root.clone(), how.into());
+                self.roots.entry(root.clone()).or_default().is_away = matches!(notice, Notice::Offline(_));
                 None
             }
             Notice::Renewed(_) => {
@@ -465,6 +478,40 @@ mod tests {
         assert!(board.is_busy(&id));
         board.take(&Notice::Stopped { drawing, why: BY_THE_USER });
         assert!(!board.is_busy(&id));
+    }
+
+    /// A drawing that goes is news of that drawing alone: whoever looks at another need not load everything again.
+    #[test]
+    fn what_goes_is_named() {
+        let board = Board::default();
+        let drawing = PathBuf::from("/p.dxf");
+        board.take(&Notice::Started(drawing.clone()));
+        let mut news = board.listen().unwrap();
+        board.take(&Notice::Removed(drawing.clone()));
+        board.take(&Notice::Removed(drawing.clone()));
+        let said: Vec<Value> =
+            std::iter::from_fn(|| news.try_recv().ok()).map(|n| serde_json::from_str(&n).unwrap()).collect();
+        let others: Vec<&Value> = said.iter().filter(|n| n["kind"] != "log").collect();
+        assert_eq!(others, [&json!({"kind": "gone", "id": id_of(&drawing)})]);
+    }
+
+    /// A folder that was away and came back is watched as before, or as was said meanwhile.
+    #[test]
+    fn a_folder_that_is_back_says_how_it_is_watched() {
+        let board = Board::default();
+        let root = PathBuf::from("/plans");
+        let how = || board.overview()["roots"][0]["how"].as_str().unwrap().to_owned();
+        let watching = |how: &str| Notice::Watching { root: root.clone(), how: how.into() };
+        board.take(&watching("by events"));
+        board.take(&Notice::Offline(root.clone()));
+        assert_eq!(how(), "out of reach");
+        board.take(&Notice::Online(root.clone()));
+        assert_eq!(how(), "by events");
+        board.take(&Notice::Offline(root.clone()));
+        board.take(&watching("polled every 2 s"));
+        assert_eq!(how(), "out of reach");
+        board.take(&Notice::Online(root.clone()));
+        assert_eq!(how(), "polled every 2 s");
     }
 
     /// What a job says after its drawing was removed, or left alone by new settings, brings it not back.

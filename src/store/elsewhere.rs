@@ -7,7 +7,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::owner::{FOLDER_OWNED, Lease, Ownership, host_name, is_held, read_lease, who};
-use super::{Disk, STATE_FOLDER, disk_error, path_from_bytes, read_own, replace_file, sha256_hex, shown};
+use super::{
+    Disk, OR_OWN_STATE, STATE_FOLDER, disk_error_here, path_from_bytes, read_own, replace_file, sha256_hex,
+    shown,
+};
 use crate::report::{Cancel, Error, Problem};
 
 /// How the name of a record begins.
@@ -140,7 +143,7 @@ fn record_of(
     heartbeat: Duration,
     stop: &Cancel,
 ) -> Result<Ownership, Error> {
-    disk.create_folders(record).map_err(|e| disk_error("making", record, &e))?;
+    disk.create_folders(record).map_err(|e| disk_error_here("making", record, &e, OR_OWN_STATE))?;
     let ownership = Ownership::take(disk.clone(), record, me, heartbeat, stop)?;
     replace_file(&**disk, &record.join(PLACE), state.as_os_str().as_encoded_bytes())?;
     Ok(ownership)

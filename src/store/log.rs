@@ -4,13 +4,16 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use super::{Disk, SystemDisk, disk_error};
+use super::{Disk, SystemDisk, disk_error_here};
 use crate::report::{Error, Place, printable};
 
 /// Size from which a log is put aside, bytes.
 pub const LOG_BYTES_MAX: u64 = 2 << 20;
 /// Logs put aside that are kept: `watch.log.1` is the newest.
 const KEPT: usize = 4;
+
+/// What else helps where a log cannot be written: only `--log` says where it is.
+const OR_OTHER_LOG: &str = " or name another file with --log";
 
 /// An open log.
 pub struct Log {
@@ -25,10 +28,14 @@ impl Log {
     pub fn open(path: &Path) -> Result<Self, Error> {
         let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
         if let Some(folder) = folder.filter(|f| !f.is_dir()) {
-            SystemDisk.create_folder(folder).map_err(|e| disk_error("making", folder, &e))?;
+            SystemDisk
+                .create_folder(folder)
+                .map_err(|e| disk_error_here("making", folder, &e, OR_OTHER_LOG))?;
         }
         refuse_other(path)?;
-        SystemDisk.append(path, b"", false).map_err(|e| disk_error("writing", path, &e))?;
+        SystemDisk
+            .append(path, b"", false)
+            .map_err(|e| disk_error_here("writing", path, &e, OR_OTHER_LOG))?;
         Ok(Self { path: path.into() })
     }
 
@@ -42,7 +49,7 @@ impl Log {
         }
         let line = format!("{}\n", printable(&text.replace(['\n', '\r'], " ")));
         let added = SystemDisk.append(&self.path, line.as_bytes(), false);
-        added.map_err(|e| disk_error("writing", &self.path, &e))
+        added.map_err(|e| disk_error_here("writing", &self.path, &e, OR_OTHER_LOG))
     }
 
     /// Where this fails the log goes on in the same file.
@@ -91,7 +98,8 @@ mod tests {
     #[test]
     fn a_log_that_cannot_be_written_is_no_log() {
         let dir = tempfile::tempdir().unwrap();
-        assert!(Log::open(dir.path()).is_err());
+        let said = Log::open(dir.path()).err().unwrap().to_string();
+        assert!(said.contains("--log") && !said.contains("--out"), "{said}");
         assert!(Log::open(&dir.path().join("watch.log")).is_ok());
         let far = dir.path().join("a/b/watch.log");
         assert!(Log::open(&far).is_err() && !dir.path().join("a").exists(), "only the last folder is made");

@@ -35,6 +35,8 @@ use crate::report::{Error, Place};
 pub const DISK_FULL: &str = "disk-full";
 /// Code of the error where a link lies in the place of results.
 pub const OUTPUT_IS_LINK: &str = "output-is-link";
+/// What else helps where the program's own files of the user cannot be written: no option sends them elsewhere.
+const OR_OWN_STATE: &str = ", or set XDG_STATE_HOME to a folder that may be written";
 /// Suffix of the folder that holds a drawing's results.
 pub const OUTPUT_SUFFIX: &str = ".enfilade";
 /// Name of the state folder of a watched root.
@@ -519,7 +521,7 @@ pub fn replace_file(disk: &dyn Disk, path: &Path, bytes: &[u8]) -> Result<(), Er
 pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     refuse_link(path)?;
     let folder = path.parent().unwrap_or(Path::new("."));
-    fs::create_dir_all(folder).map_err(|e| disk_error("making", folder, &e))?;
+    fs::create_dir_all(folder).map_err(|e| disk_error_here("making", folder, &e, OR_OWN_STATE))?;
     let temp = path.with_file_name(format!("{TEMP_PREFIX}{}", unique()));
     let mut options = File::options();
     options.write(true).create_new(true);
@@ -529,7 +531,7 @@ pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), Error> {
         options.open(&temp).and_then(|mut f| f.write_all(bytes)).and_then(|()| fs::rename(&temp, path));
     outcome.map_err(|e| {
         let _ = fs::remove_file(&temp);
-        disk_error("writing", path, &e)
+        disk_error_here("writing", path, &e, OR_OWN_STATE)
     })
 }
 

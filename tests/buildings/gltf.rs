@@ -1,8 +1,10 @@
 //! glTF: bad input has a JSON pointer and a reason, limits hold, and nothing but moved nodes changes.
 
+use enfilade::config::{Partial, Settings};
 use enfilade::formats::gltf::{self, ReadOptions};
+use enfilade::pipeline::{self, Input};
 use enfilade::plan::drawing::{Drawing, Edit, Editable, RigidMotion, Shape};
-use enfilade::report::Report;
+use enfilade::report::{Cancel, Report};
 use glam::DVec2;
 use serde_json::{Value, json};
 
@@ -209,6 +211,91 @@ fn a_moved_node_changes_its_transform_alone() {
     assert!(!was.is_empty());
     for p in was {
         assert!(is.iter().any(|q| q.distance(go(p)) < 1e-6), "{p} not in {is:?}");
+    }
+}
+
+/// The scene hung below nodes that scale it, each below the next.
+fn below(json: &mut Value, scales: &[[f64; 3]]) {
+    for scale in scales {
+        let nodes = json["nodes"].as_array().unwrap().len();
+        let children = json["scenes"][0]["nodes"].clone();
+        json["nodes"].as_array_mut().unwrap().push(json!({"scale": scale, "children": children}));
+        json["scenes"][0]["nodes"] = json!([nodes]);
+    }
+}
+
+/// What hangs below a mirror turns; what a turn would skew says so in words of a scene.
+#[test]
+fn what_hangs_below_scaled_nodes_turns_unless_it_would_be_skewed() {
+    let motion = RigidMotion { turn_rad: 0.5, shift: DVec2::new(0.25, -0.5) };
+    let edits = [Edit::Insert { record: 0, motion }];
+    let points = |drawing: &Drawing| -> Vec<DVec2> {
+        let shapes = drawing.entities.iter().filter(|e| e.source.record == 0).map(|e| e.shape.clone());
+        let of = |shape| match shape {
+            Shape::Polyline { vertices, .. } => vertices.iter().map(|v| v.at).collect(),
+            _ => Vec::new(),
+        };
+        shapes.flat_map(of).collect()
+    };
+    for (scales, turnable) in [
+        (&[[2.0, 2.0, 2.0], [-1.0, 1.0, 1.0]][..], true),
+        (&[[1.0, 1.0, -1.0]], true),
+        (&[[1.0, 2.0, 1.0]], true),
+        (&[[1.0, 1.0, 2.0]], false),
+        (&[[-2.0, 2.0, 1.0]], false),
+    ] {
+        let text = file(|j| below(j, scales));
+        let before = read(&text).unwrap().0;
+        let wall = before.entities.iter().find(|e| e.source.record == 0).unwrap();
+        assert_eq!(wall.editable, Editable::WithInsert { turnable }, "{scales:?}");
+        if !turnable {
+            continue;
+        }
+        let moved = gltf::patch("w.gltf", text.as_bytes(), &ReadOptions::default(), &edits, &[]).unwrap();
+        let after = read(std::str::from_utf8(&moved).unwrap()).unwrap().0;
+        let after = points(&after);
+        for p in points(&before) {
+            let told = DVec2::from_angle(0.5).rotate(p) + motion.shift;
+            assert!(after.iter().any(|q| q.distance(told) < 1e-6), "{scales:?}: {told} not in {after:?}");
+        }
+    }
+    let glb = building::glb(&building::house());
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let mut json: Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
+    below(&mut json, &[[1.0, 1.0, 1.5]]);
+    json["buffers"][0]["uri"] =
+        format!("data:application/octet-stream;base64,{}", base64(&glb[28 + length..])).into();
+    let text = json.to_string();
+    let settings = Settings::new(Partial::default()).unwrap();
+    let input = Input::new("h.gltf", text.as_bytes(), 1);
+    let told = pipeline::analyse(&input, &settings, &Cancel::default()).unwrap().0.report;
+    let told: Vec<String> = told.problems.iter().map(ToString::to_string).collect();
+    assert_says(&told.join("\n"), &["would turn it, but its node hangs below one that scales unevenly"]);
+    assert!(!told.iter().any(|t| t.contains("INSERT")), "{told:?}");
+}
+
+/// A scene exported with Z up is read as it stands, and told.
+#[test]
+fn a_scene_with_z_up_is_told() {
+    let glb = building::glb(&building::house());
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let told = |turn: Value| {
+        let mut json: Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
+        let children = json["scenes"][0]["nodes"].clone();
+        let nodes = json["nodes"].as_array_mut().unwrap();
+        nodes.push(json!({"rotation": turn, "children": children}));
+        json["scenes"][0]["nodes"] = json!([nodes.len() - 1]);
+        json["buffers"][0]["uri"] =
+            format!("data:application/octet-stream;base64,{}", base64(&glb[28 + length..])).into();
+        read(&json.to_string()).map_or_else(|e| e, |r| r.1)
+    };
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    assert_says(
+        &told(json!([half, 0, 0, half])),
+        &["the scene looks as if Z were up", "measure 3.00 along Z", "export it again with +Y up"],
+    );
+    for turn in [json!([0, 0, 0, 1]), json!([0, half, 0, half])] {
+        assert!(!told(turn.clone()).contains("Z were up"), "{turn}");
     }
 }
 

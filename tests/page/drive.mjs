@@ -228,12 +228,27 @@ try {
   await idle();
   await unfold();
   await press("#pin-0");
-  await page.$eval("details.card fieldset input[max='1']", (i) => { i.value = "0.5"; i.dispatchEvent(new Event("input")); });
+  const threshold = (value) => page.$eval("details.card fieldset input[max='1']", (i, v) => { i.value = v; i.dispatchEvent(new Event("input")); }, value);
+  // A threshold that is no share is refused, and none at all is not taken for another.
+  const orders = sent.length;
+  for (const [wrong, found] of [["", "found nothing"], ["2", "found 2"], ["-1", "found -1"]]) {
+    await threshold(wrong);
+    await press("#again-with");
+    await said(`${found}, expected a share from 0 to 1; nothing was done`);
+  }
+  assert.equal(sent.length, orders);
+  await threshold("0.5");
   await press("#again-with");
   await said("0.5");
   await said("these stay: 1");
   await page.waitForFunction(() => document.querySelector("#round option")?.value === "round-03", { timeout: 240000 });
   await idle();
+  // The round says which of its options it was told to keep.
+  await press("#show-0");
+  assert.match(await text("#words"), /^Option 1 \(pinned[;)]/);
+  assert.match(await page.$eval("#options .scroll:not(details *) tbody th", (t) => t.textContent), /pinned before$/);
+  await press("#show-1");
+  assert.doesNotMatch(await text("#words"), /^Option 2 \(pinned/);
   // The plain button keeps what is pinned too, and what is shown stays shown while the round is made.
   await press("#show-1");
   await press("#pin-0");

@@ -209,6 +209,24 @@ def test_no_workers_and_no_scheduler_are_one_sentence(tmp_path, capsys, monkeypa
         assert said.count("\n") == 1 and more[1] in said, said
 
 
+@pytest.mark.parametrize("option", [
+    "--resource=GPU=x", "--resource=GPU", "--resource==1", "--resource=GPU=-1", "--resource=GPU=0", "--resource=GPU=nan",
+    "--resource=GPU=inf", "--threads=0", "--threads=-2", "--retries=-1", "--workers=0",
+])
+def test_options_that_make_no_sense_are_one_sentence(tmp_path, capsys, option):
+    listed = tmp_path / "jobs.jsonl"
+    listed.write_text(json.dumps({"id": "a", "drawing": "plan.dxf", "out": str(tmp_path)}) + "\n")
+    # No scheduler is looked for.
+    assert enfilade_dask.main([str(listed), option, "--scheduler", "tcp://127.0.0.1:9"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and option.replace("=", " ", 1) in said and "expected" in said, said
+
+
+def test_resources_are_names_with_numbers():
+    assert enfilade_dask.resources_of(["GPU=1", "memory=2.5e9"]) == {"GPU": 1, "memory": 2.5e9}
+    assert enfilade_dask.resources_of([]) is None
+
+
 def test_what_lies_beside_a_scene_travels_with_its_job(tmp_path):
     import hashlib
     import zipfile

@@ -26,6 +26,7 @@ mod primitives;
 mod read;
 mod scene;
 mod twin;
+mod upright;
 mod values;
 
 pub use bodies::is_global_id;

@@ -46,18 +46,40 @@ fn has_ending(name: &str, endings: &[&str]) -> bool {
 /// A relative path that stays below where it starts, or why it does not.
 fn contained(uri: &str) -> Result<String, &'static str> {
     const ELSEWHERE: &str = "which lies elsewhere, expected a file in or below the drawing's own folder";
+    const ROUNDABOUT: &str = "a roundabout way, expected the names of folders and of a file alone";
     let path = percent_decode_str(uri).decode_utf8().map_err(|_| "which is no text")?;
     let is_address =
         path.find(':').is_some_and(|colon| path[..colon].chars().all(|c| c.is_ascii_alphanumeric()));
     if is_address {
         return Err("an address, expected a file in or below the drawing's own folder");
     }
-    let path = path.strip_prefix("./").unwrap_or(&path);
-    let is_odd = |part: &str| part.is_empty() || part == "." || part == "..";
-    if path.contains(['\\', '\0', ':']) || path.split('/').any(is_odd) {
+    if path.is_empty() || path.contains(['\0', ':']) {
+        return Err("which names no file");
+    }
+    // Whichever way slashes lean, some system goes up or to the root by them.
+    let slashes = ['/', '\\'];
+    if path.starts_with(slashes) || leaves(path.split(slashes)) {
         return Err(ELSEWHERE);
     }
+    let path = path.strip_prefix("./").unwrap_or(&path);
+    if path.contains('\\') || path.split('/').any(|part| ["", ".", ".."].contains(&part)) {
+        return Err(ROUNDABOUT);
+    }
     Ok(path.to_owned())
+}
+
+/// Whether a way goes above where it starts.
+fn leaves<'p>(parts: impl Iterator<Item = &'p str>) -> bool {
+    let mut depth = 0usize;
+    for part in parts {
+        match part {
+            "" | "." => {}
+            ".." if depth == 0 => return true,
+            ".." => depth -= 1,
+            _ => depth += 1,
+        }
+    }
+    false
 }
 
 /// Names of files in or below the drawing's own folder that a scene wants to have beside it.
@@ -124,15 +146,17 @@ mod tests {
             ("../walls.bin", "lies elsewhere"),
             ("%2e%2e/a.bin", "lies elsewhere"),
             ("%2e%2e%2fa.bin", "lies elsewhere"),
-            ("sub/../a.bin", "lies elsewhere"),
+            ("sub/../a.bin", "a roundabout way"),
             ("sub/%2E%2E/../a.bin", "lies elsewhere"),
-            ("sub//a.bin", "lies elsewhere"),
-            ("././a.bin", "lies elsewhere"),
-            (".//etc/a.bin", "lies elsewhere"),
+            ("sub//a.bin", "a roundabout way"),
+            ("././a.bin", "a roundabout way"),
+            ("sub\\a.bin", "a roundabout way"),
+            (".//etc/a.bin", "a roundabout way"),
             ("..\\a.bin", "lies elsewhere"),
             ("/etc/passwd", "lies elsewhere"),
-            ("a%00.bin", "lies elsewhere"),
-            ("", "lies elsewhere"),
+            ("\\\\host\\a.bin", "lies elsewhere"),
+            ("a%00.bin", "names no file"),
+            ("", "names no file"),
             ("file:///etc/a.bin", "an address"),
             ("http://example.org/a.bin", "an address"),
             ("C:a.bin", "an address"),

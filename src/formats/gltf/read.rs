@@ -8,7 +8,7 @@ use glam::{DMat3, DVec2, DVec3};
 use super::bodies::{Bodies, Body, SCENE_LAYER, SPACE_LAYER, bodies};
 use super::pieces::{of_record, record};
 use super::scene::{File, Shown};
-use super::{ReadOptions, marks, twin, values};
+use super::{ReadOptions, marks, twin, upright, values};
 use crate::formats::ifc::ZONE_LAYER;
 use crate::formats::region::{Region, slice};
 use crate::formats::storeys::{refuse_without_own, state_shared_name};
@@ -55,6 +55,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         );
         report.info("gltf-version", Place::file(file).entity("/asset/version"), text);
     }
+    upright::state(file, &bodies, report);
     let scale = Scale::of(&bodies, options);
     if let Some(doubt) = &scale.doubt {
         report.warn(
@@ -466,14 +467,15 @@ fn editable(scene: &File<'_>, body: &Body<'_>) -> Editable {
         return Editable::No("its parent has no size".into());
     }
     let node = &scene.json.list("nodes")[body.element.node];
-    Editable::WithInsert { turnable: node.get("matrix").is_some() || is_similar(&m) }
+    Editable::WithInsert { turnable: node.get("matrix").is_some() || takes_turns(&m) }
 }
 
-/// Whether a matrix turns and scales alike in all directions.
-fn is_similar(m: &DMat3) -> bool {
-    let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
-    let size = x.length();
-    let even = (y.length() - size).abs() < 1e-9 * size && (z.length() - size).abs() < 1e-9 * size;
-    let square = [x.dot(y), y.dot(z), z.dot(x)].iter().all(|d| d.abs() < 1e-9 * size * size);
-    even && square && m.determinant() > 0.0
+/// Whether what hangs below a matrix, mirrored or not, can turn about the height and is not skewed: all that lies level is
+/// scaled alike in all directions.
+fn takes_turns(m: &DMat3) -> bool {
+    let spread = *m * m.transpose();
+    let size = spread.x_axis.x;
+    let is_nothing = |v: f64| v.abs() < 1e-9 * size;
+    is_nothing(spread.z_axis.z - size)
+        && [spread.y_axis.x, spread.z_axis.x, spread.z_axis.y].into_iter().all(is_nothing)
 }

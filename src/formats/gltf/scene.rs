@@ -130,6 +130,12 @@ const LISTS: [&str; 9] = [
     "scenes",
 ];
 
+/// The container of glTF 2.0; that of 1.0 is laid out otherwise.
+const GLB_VERSION: usize = 2;
+
+/// What helps where a file is of another version.
+const AGAIN: &str = "export it again as glTF 2.0";
+
 /// Compressions that are not unpacked.
 const PACKED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
 
@@ -160,7 +166,7 @@ impl<'a> File<'a> {
     fn check(&self) -> Result<(), Error> {
         let version = self.json.get("asset").and_then(|a| a.text("version")).unwrap_or_default();
         if !version.starts_with("2.") && self.odd_version().is_none() {
-            let text = format!("found version {version:?}, expected glTF 2.0");
+            let text = format!("found version {version:?}, expected glTF 2.0; {AGAIN}");
             return Err(fault(self.name, "gltf-version", "/asset/version", &text));
         }
         let scenes = self
@@ -411,8 +417,12 @@ fn chunks(name: &str, bytes: &[u8]) -> Result<Vec<Chunk>, Error> {
     if !is_glb(bytes) {
         return Ok(Vec::new());
     }
+    if let Some(version) = u32_at(bytes, 4).filter(|v| *v != GLB_VERSION) {
+        let text = format!("byte 4: found version {version} of GLB, expected glTF 2.0; {AGAIN}");
+        return Err(fault(name, "gltf-version", "", &text));
+    }
     let stated = stated_length(bytes).unwrap_or(0);
-    if u32_at(bytes, 4) != Some(2) || stated != bytes.len() {
+    if stated != bytes.len() {
         let text = format!(
             "the header states {stated} bytes, found {}; the file is damaged or not finished",
             bytes.len()

@@ -114,6 +114,9 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
         let rest = told.iter().filter(|l| !candidate.words.contains(*l)).map(|l| format!("{l}."));
         html.element("p", &[("class", "words")], &prose(&rest.collect::<Vec<_>>().join(" ")));
         measures(html, input, Some(candidate));
+        if o < result.pinned_count() {
+            html.raw("<p class=\"badge\">pinned</p>\n");
+        }
         badge(html, candidate);
         html.open("p", &[("class", "note")]);
         html.element("a", &[("href", &candidate.file)], &candidate.file).close("p");

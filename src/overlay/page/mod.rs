@@ -227,12 +227,13 @@ fn lead(result: &RoundResult) -> String {
         ),
     };
     // What was pinned stands first, whatever it gains; the others follow by what they gain.
-    let free = result.candidates.get(pinned(result));
-    let kept = match pinned(result).min(count) {
+    let pinned = result.pinned_count();
+    let free = result.candidates.get(pinned);
+    let kept = match pinned {
         1 => format!("Option 1 was pinned: {gains}."),
         n => format!("Options 1 to {n} were pinned; the first: {gains}."),
     };
-    let gains = match (pinned(result), free) {
+    let gains = match (pinned, free) {
         (0, _) => format!("Option 1 gains most in all: {gains}."),
         (_, None) => kept,
         (n, Some(first)) => format!(
@@ -242,11 +243,6 @@ fn lead(result: &RoundResult) -> String {
         ),
     };
     format!("{options} for this plan. {gains}{all}{broken}")
-}
-
-/// How many of the first options were pinned.
-fn pinned(result: &RoundResult) -> usize {
-    result.settings.get("pinned").and_then(|v| v.as_array()).map_or(0, Vec::len)
 }
 
 fn spelled(count: usize) -> String {

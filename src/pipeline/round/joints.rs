@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::Made;
+use super::{Made, named};
 use crate::moves::opened::{Opened, opened};
 use crate::pipeline::study::Study;
-use crate::plan::markers::place_in;
+use crate::plan::Plan;
 use crate::report::{Place, Report};
 
 /// Joints that are told one by one.
@@ -27,7 +27,7 @@ pub(super) fn say_opened(report: &mut Report, file: &str, study: &Study, made: &
     }
     for (worst, options) in found.values().take(TOLD) {
         let Some(wall) = plan.walls.iter().find(|w| w.source.record == worst.record) else { continue };
-        report.warn("joint-opens", place_in(file, &wall.source), words(worst, options));
+        report.warn("joint-opens", named::place(file, plan, wall), words(plan, worst, options));
     }
     if found.len() > TOLD {
         let text = format!("{} more joints between walls open in the options", found.len() - TOLD);
@@ -35,7 +35,7 @@ pub(super) fn say_opened(report: &mut Report, file: &str, study: &Study, made: &
     }
 }
 
-fn words(worst: &Opened, options: &[usize]) -> String {
+fn words(plan: &Plan, worst: &Opened, options: &[usize]) -> String {
     let list: Vec<String> = options.iter().map(usize::to_string).collect();
     let options = match list.as_slice() {
         [one] => format!("option {one}"),
@@ -43,11 +43,12 @@ fn words(worst: &Opened, options: &[usize]) -> String {
     };
     let up_to = if list.len() > 1 { "up to " } else { "" };
     let Opened { other, by_m, is_through, .. } = worst;
+    let other = named::words(plan, *other);
     let what = match is_through {
         true => {
-            format!("it and the wall #{other}, joined as drawn, run through each other by {up_to}{by_m:.2} m")
+            format!("it and {other}, joined as drawn, run through each other by {up_to}{by_m:.2} m")
         }
-        false => format!("its joint with the wall #{other} opens by {up_to}{by_m:.2} m"),
+        false => format!("its joint with {other} opens by {up_to}{by_m:.2} m"),
     };
     format!("in {options} {what}; narrower bounds, or a mark of one name on both, hold it")
 }

@@ -1,10 +1,9 @@
 //! What the report says of options that run walls through each other although nobody asked them not to.
 
-use super::Made;
 use super::judged::CROSSING_FREE_M;
+use super::{Made, named};
 use crate::config::{Held, Penalty, Settings};
 use crate::pipeline::study::Study;
-use crate::plan::markers::place_in;
 use crate::report::Report;
 
 /// Names for each option the walls that run through each other, unless overlap is weighed or limited.
@@ -29,7 +28,8 @@ pub(super) fn say_overlaps(
         let ([a, b], by_m) = found[0];
         let is_moved = |w: u32| m.layout.walls.iter().any(|moved| moved.wall == w && moved.is_changed);
         let (mover, other) = if is_moved(a) { (a, b) } else { (b, a) };
-        let place = |w: u32| place_in(file, &study.base.plan.walls[w as usize].source);
+        let plan = &study.base.plan;
+        let place = |w: u32| named::place(file, plan, &plan.walls[w as usize]);
         let rest = match found.len() - 1 {
             0 => String::new(),
             1 => "; 1 more pair of walls does".into(),

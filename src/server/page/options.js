@@ -57,6 +57,25 @@ function pair(d, set, number, measure) {
 
 const staying = (pin) => (pin.length ? `; these stay: ${pin.join(", ")}` : "");
 
+/** How many of the first options this round was told to keep. */
+const keptCount = (result) => Math.min(result.settings?.pinned?.length ?? 0, result.candidates.length);
+
+/** What there is to say of an option before its words: whether it was pinned, and what it misses. */
+function markOf(result, i) {
+  const c = result.candidates[i];
+  const breaks = c.explanation?.breaks?.length;
+  const parts = [i < keptCount(result) || breaks ? "pinned" : "", breaks ? "breaks a rule" : c.within_threshold ? "" : "below a threshold"];
+  const said = parts.filter(Boolean).join("; ");
+  return said && ` (${said})`;
+}
+
+/** What is wrong with a threshold as it is typed; `null` where nothing is. */
+function wrongThreshold(o, text) {
+  const n = Number(text);
+  if (text.trim() !== "" && n >= 0 && n <= 1) return null;
+  return `the threshold of ${o.name}: found ${text.trim() === "" ? "nothing" : text}, expected a share from 0 to 1; nothing was done`;
+}
+
 /** The card of the next round; its last line says which options stay. */
 function nextRound(d, key, order, result, numbers, isHeld) {
   const rows = (result.objectives ?? []).filter((o) => o.name !== "penalty");
@@ -69,9 +88,15 @@ function nextRound(d, key, order, result, numbers, isHeld) {
   });
   const stays = el("p", { id: "stays" });
   const go = () => {
+    const wrong = fields.find((f) => wrongThreshold(f.o, f.input.value));
+    if (wrong) {
+      say(wrongThreshold(wrong.o, wrong.input.value));
+      wrong.input.focus();
+      return;
+    }
     const objective = fields.map((f) => `${f.o.name} ${f.o.sense} ${f.input.value}`).join(", ");
     const asked = { objective: objective || null, ...order, pin: numbers() };
-    ask(`drawings/${d.id}/again`, asked).then(() => say(`another round is asked for: ${objective}${staying(asked.pin)}`));
+    ask(`drawings/${d.id}/again`, asked).then((a) => say(`another round is asked for: ${a.objective}${staying(asked.pin)}`));
   };
   const card = el("details", { class: "card" }, el("summary", {}, "Another round with other thresholds or pinned options"),
     el("fieldset", {}, el("legend", {}, "Thresholds, from 0 to 1"), ...fields.map((f) => f.row)), stays,
@@ -181,7 +206,7 @@ async function round(place, d, set) {
   function pictures() {
     const c = result.candidates[chosen];
     viewOf.set(key, { chosen, measure });
-    words.textContent = plain(`Option ${chosen + 1}${c.explanation?.breaks?.length ? " (pinned; breaks a rule)" : c.within_threshold ? "" : " (below a threshold)"}: ${c.words}`);
+    words.textContent = plain(`Option ${chosen + 1}${markOf(result, chosen)}: ${c.words}`);
     deeds.pin.textContent = `Pin option ${chosen + 1}`;
     deeds.like.textContent = `More like option ${chosen + 1}`;
     deeds.accept.textContent = `Accept option ${chosen + 1}`;
@@ -221,7 +246,7 @@ async function round(place, d, set) {
     body.replaceChildren(...first.map((c) => {
       const i = result.candidates.indexOf(c);
       return el("tr", { class: pinned.has(c) ? "pinned" : "" },
-        el("th", { scope: "row" }, String(i + 1)),
+        el("th", { scope: "row" }, String(i + 1), i < keptCount(result) ? el("small", {}, " pinned before") : null),
         el("td", {}, el("div", { class: "bar" },
           el("button", { id: `show-${i}`, "aria-pressed": String(i === chosen), onclick: () => choose(i) }, `Show ${i + 1}`),
           el("button", { id: `pin-${i}`, disabled: isHeld, "aria-pressed": String(pinned.has(c)), onclick: () => pin(c) }, `Pin ${i + 1}`),

@@ -104,9 +104,12 @@ function list() {
     const folders = alike.length > 1 ? differing(alike.map((d) => d.folder)) : [];
     folders.forEach((f, i) => places.set(alike[i].id, f));
   }
+  // Whoever works by keyboard stays on the same row.
+  const held = $("drawings").contains(document.activeElement) ? document.activeElement.hash.slice(1) : null;
   rows.clear();
   sorted.forEach((d) => rows.set(d.id, row(d)));
   $("drawings").replaceChildren(...rows.values());
+  rows.get(held)?.firstChild.focus({ preventScroll: true });
   if (!sorted.length) $("drawings").replaceChildren(el("li", { class: "quiet" }, "No drawing yet: save one into a watched folder."));
 }
 
@@ -276,11 +279,18 @@ function soon(id) {
   stale.add(id);
 }
 
+/** Whoever looks at another drawing keeps what is open, typed and filtered there. */
+function gone(id) {
+  drawings.delete(id);
+  soon(id);
+  if (id === shown) open(id);
+}
+
 function renew() {
-  const ids = [...stale].filter((id) => drawings.has(id));
+  const ids = [...stale];
   stale.clear();
-  if (ids.some((id) => !rows.has(id))) return list();
-  for (const id of ids) {
+  if (ids.some((id) => drawings.has(id) !== rows.has(id))) return list();
+  for (const id of ids.filter((id) => drawings.has(id))) {
     const fresh = row(drawings.get(id));
     rows.get(id).firstChild.replaceChildren(...fresh.firstChild.childNodes);
   }
@@ -302,9 +312,10 @@ function listen() {
     if (answer) link(answer.status === 403 ? LOCKED : AWAY);
   };
   news.onmessage = (message) => {
-    const { kind, drawing, line } = JSON.parse(message.data);
+    const { kind, drawing, line, id } = JSON.parse(message.data);
     if (kind === "reload") return load();
     if (kind === "folders") return soonFolders();
+    if (kind === "gone") return gone(id);
     if (kind === "log") {
       $("log").prepend(logLine(line));
       while ($("log").childElementCount > 500) $("log").lastElementChild.remove();
