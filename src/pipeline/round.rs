@@ -356,7 +356,7 @@ fn candidate(
             &told(study, initial),
             &told(study, &mean),
             explanation,
-        ) + &told::goes_along_words(&study.base, &made.layout)
+        ) + &told::goes_along_words(&study.base, made)
             + &doors::narrowed_words(&study.base, &made.layout)
             + &told::stays_words(&made.report),
         explanation: explanation.clone(),

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use glam::{DAffine3, DVec2, DVec3};
 
-use super::geo::{UPRIGHT, Why, is_upright};
+use super::geo::{UPRIGHT, Why, is_upright, plan_point};
 use super::patch::real;
 use super::read::Building;
 use super::step::Arg;
@@ -40,6 +40,16 @@ pub(super) enum Change {
     Instance(Node),
 }
 
+impl Change {
+    /// The instance that changes.
+    pub fn instance(&self) -> Option<u64> {
+        match self {
+            Self::Text(_) => None,
+            Self::Instance(node) => Some(node.id),
+        }
+    }
+}
+
 /// A wall whose ends can go along its axis.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Bar {
@@ -47,6 +57,8 @@ pub(super) struct Bar {
     pub along: DVec2,
     /// Places along it up to where the first end reaches and from where the second does, file units.
     pub inner: [f64; 2],
+    /// The corners of both ends in the world's plan, each in the order in which they lie round the outline.
+    pub ends: [Vec<DVec2>; 2],
     body: Body,
 }
 
@@ -109,6 +121,7 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
     Ok(Bar {
         along,
         inner: outline.inner.map(|v| v + shift),
+        ends: outline.ends.map(|end| end.iter().map(|p| plan_point(&m, *p)).collect()),
         body: Body {
             shape,
             body,
@@ -137,6 +150,8 @@ struct Outline {
     along: DVec2,
     /// Places along it from the plane's zero: as [`Bar::inner`].
     inner: [f64; 2],
+    /// The corners of both ends.
+    ends: [Vec<DVec2>; 2],
     /// As [`Body::corners`].
     corners: Option<[Vec<usize>; 2]>,
 }
@@ -194,8 +209,9 @@ fn outline(
         let closing = (is_closed && list.contains(&0)).then_some(corners.len());
         list.into_iter().chain(closing).collect()
     };
+    let ends = [&first, &second].map(|list| list.iter().map(|i| corners[*i]).collect());
     let corners = (!is_rectangle).then(|| [again(first), again(second)]);
-    Ok(Outline { along, inner: [top, low], corners })
+    Ok(Outline { along, inner: [top, low], ends, corners })
 }
 
 fn longest_side(ring: &[DVec2]) -> Option<DVec2> {

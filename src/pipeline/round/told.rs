@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::Found;
 use super::judged::pinned;
+use super::{Found, Made};
 use crate::config::{Method, Mode, Settings, Snap};
 use crate::moves::carried::{Carried, carried};
 use crate::moves::{Layout, Parameter};
@@ -399,16 +399,28 @@ fn named(records: &[&SourceRef]) -> String {
     names.join(", ")
 }
 
-/// What goes along with the walls of an option, by layer; empty for nothing.
-pub(super) fn goes_along_words(base: &Understood, layout: &Layout) -> String {
-    let goes = base.fittings.iter().filter(|f| matches!(carried(&base.plan, f, layout), Carried::Moves(..)));
-    let records: BTreeMap<usize, &str> = goes.map(|f| (f.source.record, f.source.layer.as_str())).collect();
+/// What goes along with the walls of an option, by layer, also what the plan does not show of a building; empty for
+/// nothing.
+pub(super) fn goes_along_words(base: &Understood, made: &Made) -> String {
+    let goes =
+        base.fittings.iter().filter(|f| matches!(carried(&base.plan, f, &made.layout), Carried::Moves(..)));
+    let mut records: BTreeMap<usize, &str> =
+        goes.map(|f| (f.source.record, f.source.layer.as_str())).collect();
+    let shown = records.len();
+    let changed = made.changed.records.iter().flatten();
+    for (record, class) in changed.filter_map(|c| Some((c.of.record, c.filler?))) {
+        records.entry(record).or_insert(class);
+    }
     let layers: BTreeSet<&str> = records.values().copied().collect();
     let layers: Vec<&str> = layers.into_iter().collect();
-    let on = match layers.as_slice() {
+    let mut on = match layers.as_slice() {
         [layer] => format!("layer {layer}"),
         all => format!("layers {}", all.join(", ")),
     };
+    match records.len() - shown {
+        0 => {}
+        unseen => on += &format!("; {unseen} of them not shown in this plan"),
+    }
     match records.len() {
         0 => String::new(),
         1 => format!(" One part of a door or window goes along ({on})."),
