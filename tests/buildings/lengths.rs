@@ -137,6 +137,22 @@ fn a_wall_grows_at_either_end_and_its_window_stays() {
     }
 }
 
+/// A profile whose plane looks down, extruded upwards in the wall's frame, is as upright as any.
+#[test]
+fn a_wall_extruded_from_above_changes_its_length_too() {
+    let along = DVec2::new(0.6, 0.8);
+    for profile in [RECTANGLE, RING] {
+        let down = "#97=IFCAXIS2PLACEMENT3D(#98,#99,#100);\n#98=IFCCARTESIANPOINT((4.,0.,3.));\n\
+                    #99=IFCDIRECTION((0.,0.,-1.));\n#100=IFCDIRECTION((-1.,0.,0.));\n";
+        let text = wall(&format!("{profile}{down}")).replace("(#33,#4,#12,3.)", "(#33,#97,#12,3.)");
+        let before = read(&text);
+        for by in [[-0.5, 0.0], [0.0, 0.75], [0.25, -0.5]] {
+            let drawing = read(&patched(&text, &[Edit::Ends { record: 10, by }], &[]));
+            assert_at(&corners(&drawing, 10), &expected(&before, 10, along, by));
+        }
+    }
+}
+
 #[test]
 fn what_others_use_is_copied_with_its_style() {
     // A second wall on the same profile, and a third on the same shape.
@@ -251,6 +267,16 @@ fn what_is_not_certain_moves_as_a_whole_alone() {
         (
             with("#33=IFCRECTANGLEPROFILEDEF(", "#33=IFCROUNDEDRECTANGLEPROFILEDEF("),
             "neither a rectangle nor",
+        ),
+        (
+            with("'SweptSolid',(#37))", "'SweptSolid',(#37,#98))")
+                .replace("#57=", "#98=IFCEXTRUDEDAREASOLID(#33,#4,#12,0.2);\n#57="),
+            "its representation \"Body\" has 2 items instead of one",
+        ),
+        (
+            with("(#31,#36));", "(#31,#36,#99));")
+                .replace("#57=", "#99=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#37));\n#57="),
+            "it has more than one representation \"Body\"",
         ),
         (
             with("#32=IFCPOLYLINE((#38,#39))", "#32=IFCPOLYLINE((#38,#35,#39))"),

@@ -99,6 +99,10 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
         match (name.as_str(), items.as_slice()) {
             ("Body", [item]) if body.is_none() => body = Some((representation, *item)),
             ("Axis", [item]) if axis.is_none() => axis = Some((representation, *item)),
+            ("Body" | "Axis", [_]) => return Err(format!("it has more than one representation {name:?}")),
+            ("Body" | "Axis", items) => {
+                return Err(format!("its representation {name:?} has {} items instead of one", items.len()));
+            }
             _ => return Err(format!("it has a representation {name:?} beside axis and body")),
         }
     }
@@ -110,7 +114,7 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
     let position = of.get(1).and_then(Arg::id).map_or(Ok(DAffine3::IDENTITY), |p| b.geo.axis_placement(p))?;
     let way = b.geo.direction(b.geo.reference(&of, 2, solid)?)?;
     let profile = b.geo.reference(&of, 0, solid)?;
-    if !is_upright(&world) || !is_upright(&position) || way.truncate().length() > UPRIGHT {
+    if !is_upright(&world) || !is_plumb(&position) || way.truncate().length() > UPRIGHT {
         return Err("it does not stand upright".into());
     }
     let ends = axis.map(|(_, line)| axis_ends(b, line)).transpose()?;
@@ -133,6 +137,11 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
             along: position.matrix3 * outline.along.extend(0.0),
         },
     })
+}
+
+/// Whether a profile lies flat, whichever side of it is up.
+fn is_plumb(m: &DAffine3) -> bool {
+    m.matrix3.z_axis.normalize_or_zero().truncate().length() < UPRIGHT
 }
 
 /// The two points of a straight axis, in the wall's own frame.
