@@ -351,7 +351,7 @@ fn candidate(
         file: format!("{}.{}", made.name, study.base.plan.format.name()),
         parameters: made.member.parameters.clone(),
         words: words::words(
-            moves,
+            &words::by_north(moves, study.base.plan.north_deg),
             &made.member.parameters,
             &told(study, initial),
             &told(study, &mean),
