@@ -365,7 +365,8 @@ fn walls_that_share_a_mesh_move_one_by_one() {
         let most = if motion.turn_rad == 0.0 { 8 * 3 } else { 8 * 6 };
         assert!((16..=most).contains(&words), "{words} numbers changed");
         assert_eq!(
-            formats::changed_records("house.glb", &bytes, &ReadOptions::default(), &edit).unwrap()[0][0]
+            formats::changes("house.glb", &bytes, &ReadOptions::default(), &edit).unwrap().records[0][0]
+                .of
                 .handle
                 .as_deref(),
             Some("/nodes/0")

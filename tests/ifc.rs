@@ -18,6 +18,8 @@ mod rings;
 mod storeys;
 #[path = "ifc/told.rs"]
 mod told;
+#[path = "ifc/unseen.rs"]
+mod unseen;
 
 use std::io::Write;
 
@@ -25,7 +27,7 @@ use enfilade::config::{Partial, Settings};
 use enfilade::formats::{self, Completeness, ReadOptions, ifc};
 use enfilade::pipeline::{self, Input};
 use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape, Unit};
-use enfilade::report::{Error, Report};
+use enfilade::report::{Cancel, Error, Report};
 use glam::DVec2;
 use proptest::prelude::*;
 
@@ -183,9 +185,9 @@ fn doors_follow_their_wall_wherever_they_are_placed() {
         assert_eq!(moved, 3, "two pieces of the wall and its door");
         let edits = [shift(wall, 1.0, 0.0)];
         let products =
-            formats::changed_records("house.ifc", text.as_bytes(), &ReadOptions::default(), &edits).unwrap();
+            formats::changes("house.ifc", text.as_bytes(), &ReadOptions::default(), &edits).unwrap().records;
         assert_eq!(products[0].len(), 3, "wall, opening, door: {products:?}");
-        assert!(products[0].iter().all(|p| p.handle.as_ref().is_some_and(|h| h.len() == 22)));
+        assert!(products[0].iter().all(|p| p.of.handle.as_ref().is_some_and(|h| h.len() == 22)));
     }
 }
 

@@ -1,6 +1,6 @@
 //! What holds of any bytes read as a building, whatever the format.
 
-use enfilade::formats::{ReadOptions, changed_records, is_complete, patch, plain, read, storeys};
+use enfilade::formats::{ReadOptions, changes, is_complete, patch, plain, read, storeys};
 use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape};
 use enfilade::report::Report;
 use glam::DVec2;
@@ -42,7 +42,7 @@ pub fn move_one(file: &str, bytes: &[u8], drawing: &Drawing) {
         );
         let edit = edit(DVec2::new(0.5, -0.25));
         let moved = patch(file, bytes, &options, &edit, &[]);
-        let named = changed_records(file, bytes, &options, &edit);
+        let named = changes(file, bytes, &options, &edit);
         assert!(named.is_err() || moved.is_ok(), "{moved:?}");
         if let Ok(moved) = moved {
             let after = read(file, &moved, &options, &mut Report::default());

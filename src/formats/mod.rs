@@ -12,6 +12,8 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use crate::plan::drawing::{Addition, Drawing, Edit, Format, SourceRef, Unit};
 use crate::plan::giants;
 use crate::report::{Error, Place, Report};
@@ -239,31 +241,53 @@ pub fn patch(
     }
 }
 
-/// What each edit changes: records of a DXF, products of a building.
+/// A record that differs, as results name it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Changed {
+    /// Its number and name.
+    pub of: ChangedRecord,
+    /// Its class where it is a door or a window of a building.
+    pub filler: Option<&'static str>,
+    /// Of a wall that the plan does not show, its outline before and after, drawing units.
+    pub outlines: Option<[Vec<DVec2>; 2]>,
+}
+
+/// What edits change: for every edit the records of a DXF or the products of a building, and joints with walls that the
+/// plan does not show and that stay.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Changes {
+    /// For every edit what differs.
+    pub records: Vec<Vec<Changed>>,
+    /// Joints of walls that the plan does not show.
+    pub unseen: Vec<ifc::UnseenJoint>,
+}
+
+/// What edits change.
 ///
 /// # Errors
 /// As [`patch`].
-pub fn changed_records(
-    file: &str,
-    bytes: &[u8],
-    options: &ReadOptions,
-    edits: &[Edit],
-) -> Result<Vec<Vec<ChangedRecord>>, Error> {
-    match format_of(file, bytes) {
-        Format::Dxf => dxf::changed_records(file, bytes, edits),
+pub fn changes(file: &str, bytes: &[u8], options: &ReadOptions, edits: &[Edit]) -> Result<Changes, Error> {
+    let plain = |of: ChangedRecord| Changed { of, filler: None, outlines: None };
+    let records = match format_of(file, bytes) {
+        Format::Dxf => {
+            let found = dxf::changed_records(file, bytes, edits)?;
+            found.into_iter().map(|list| list.into_iter().map(plain).collect()).collect()
+        }
         Format::Ifc => {
-            let named =
-                |p: ifc::MovedProduct| ChangedRecord { record: p.id as usize, handle: Some(p.global_id) };
-            let moved = ifc::moved_products(file, bytes, &options.ifc(), edits)?;
-            Ok(moved.into_iter().map(|list| list.into_iter().map(named).collect()).collect())
+            let found = ifc::effects(file, bytes, &options.ifc(), edits)?;
+            let named = |p: ifc::MovedProduct| {
+                let of = ChangedRecord { record: p.id as usize, handle: Some(p.global_id) };
+                Changed { of, filler: p.filler, outlines: p.outlines }
+            };
+            let records = found.moved.into_iter().map(|list| list.into_iter().map(named).collect());
+            return Ok(Changes { records: records.collect(), unseen: found.unseen });
         }
         Format::Gltf | Format::Glb => {
-            let of = |e: &Edit| {
-                vec![ChangedRecord { record: e.record(), handle: Some(gltf::path_of(e.record())) }]
-            };
-            Ok(edits.iter().map(of).collect())
+            let of = |e: &Edit| ChangedRecord { record: e.record(), handle: Some(gltf::path_of(e.record())) };
+            edits.iter().map(|e| vec![plain(of(e))]).collect()
         }
-    }
+    };
+    Ok(Changes { records, unseen: Vec::new() })
 }
 
 /// Ids of elements in the program that wrote the file.

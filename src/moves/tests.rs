@@ -38,6 +38,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         marked: Vec::new(),
         hosts: Default::default(),
         widths: Default::default(),
+        north_deg: 0.0,
         undrawn: Vec::new(),
         fills: Vec::new(),
     }

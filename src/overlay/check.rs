@@ -34,7 +34,8 @@ pub fn check_png(
     let samples = samples_of(picture);
     let words: Vec<&str> = samples.iter().map(|s| s.word).collect();
     let rows = Frame::key_rows(draft.size_px[0] as f32, draft.unit_px, &words);
-    let frame = Frame::fit(picture.bounds, longest_px, true, 80.0 + 36.0 * rows as f32)?;
+    let frame = Frame::fit(picture.bounds, longest_px, true, 80.0 + 36.0 * rows as f32)?
+        .with_north(picture.north_deg);
     let mut canvas = frame.sheet()?;
     draw_plan(&mut canvas, &frame, picture);
     frame.head(&mut canvas, title, subtitle);

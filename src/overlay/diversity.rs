@@ -25,7 +25,8 @@ pub fn diversity_png(
     let words: Vec<&str> =
         std::iter::once("present layout").chain(labels.iter().map(String::as_str)).collect();
     let rows = Frame::key_rows(draft.size_px[0] as f32, draft.unit_px, &words);
-    let frame = Frame::fit(present.bounds, longest_px, true, 80.0 + 36.0 * rows as f32)?;
+    let frame = Frame::fit(present.bounds, longest_px, true, 80.0 + 36.0 * rows as f32)?
+        .with_north(present.north_deg);
     let mut canvas = frame.sheet()?;
     draw_strokes(&mut canvas, &frame, &present.strokes, present_look);
     for (i, member) in members.iter().enumerate() {

@@ -36,6 +36,7 @@ pub struct Frame {
     /// The plan's box: left, top, right, bottom, px.
     pub plan_px: [f32; 4],
     origin_m: [f64; 2],
+    north_deg: f64,
 }
 
 impl Frame {
@@ -74,6 +75,7 @@ impl Frame {
             line_px,
             px_per_m,
             plan_px: [left, top, left + plan[0], top + plan[1]],
+            north_deg: 0.0,
             origin_m: [
                 (bounds[0][0] + bounds[1][0]) / 2.0 - extent[0] / 2.0,
                 (bounds[0][1] + bounds[1][1]) / 2.0 + extent[1] / 2.0,
@@ -157,20 +159,30 @@ impl Frame {
         left
     }
 
-    /// North arrow: its right end at `right`, its foot at `bottom`; returns its left end, px.
+    /// The same frame of a plan whose north is turned, degrees anticlockwise from up.
+    pub fn with_north(self, north_deg: f64) -> Self {
+        Self { north_deg, ..self }
+    }
+
+    /// North arrow: its right end at `right`, its foot at `bottom` where it points up; returns its left end, px.
     pub fn north(&self, canvas: &mut Canvas, right: f32, bottom: f32) -> f32 {
         let u = self.unit_px;
-        let x = right - 12.0 * u;
-        let half = [[x, bottom - 46.0 * u], [x + 12.0 * u, bottom], [x, bottom - 9.0 * u]];
-        let other = half.map(|p| [2.0 * x - p[0], p[1]]);
+        let (sin, cos) = (self.north_deg.to_radians().sin() as f32, self.north_deg.to_radians().cos() as f32);
+        // Turned, it needs as much room on every side as it has in length.
+        let (size, beside) = if self.north_deg == 0.0 { (u, 12.0) } else { (0.75 * u, 30.0) };
+        let (x, y) = (right - beside * u, bottom - 23.0 * u);
+        let at = |[a, b]: [f32; 2]| [x + size * (a * cos + b * sin), y + size * (b * cos - a * sin)];
+        let half = [[0.0, -23.0], [12.0, 23.0], [0.0, 14.0]];
+        let other = half.map(|p| at([-p[0], p[1]]));
+        let half = half.map(at);
         if let Some(path) = path_of([(&half[..], true)]) {
             canvas.fill(&path, INK, 1.0);
         }
         let pen = Pen::solid(INK, 1.6 * u);
         canvas.line(&[other[0], other[1], other[2]], pen);
-        let at = [x, bottom - 54.0 * u];
-        canvas.text("N", at, Anchor::Middle, (20.0 * u, Weight::Bold, INK));
-        x - 12.0 * u
+        let [nx, ny] = at([0.0, -38.0]);
+        canvas.text("N", [nx, ny + 7.0 * u], Anchor::Middle, (20.0 * size, Weight::Bold, INK));
+        x - beside * u
     }
 
     /// Keys in rows from the left; each is drawn by its function into the box it is given (left, top,
@@ -276,6 +288,22 @@ mod tests {
         }
         let large = Frame::fit([[0.0, 0.0], [1.0, 1.0]], MAX_SIDE_PX + 1, true, 0.0);
         assert!(matches!(large, Err(Error::Usage(p)) if p.code == "picture-size"));
+    }
+
+    #[test]
+    fn the_arrow_points_where_north_is() {
+        let frame = Frame::fit([[0.0, 0.0], [8.0, 5.0]], 800, true, 180.0).unwrap();
+        let drawn = |north_deg: f64| {
+            let mut canvas = frame.sheet().unwrap();
+            let left = frame.clone().with_north(north_deg).north(&mut canvas, 700.0, 400.0);
+            (left, canvas.into_png().unwrap())
+        };
+        let up = drawn(0.0);
+        assert_eq!(drawn(0.0), up);
+        for (a, b) in [(17.0, -17.0), (90.0, -90.0), (180.0, 0.0)] {
+            assert_ne!(drawn(a).1, drawn(b).1, "{a} {b}");
+        }
+        assert!(drawn(90.0).0 < up.0, "it needs more room");
     }
 
     #[test]

@@ -45,7 +45,7 @@ pub struct HeatMap<'a> {
 /// `picture-size`, `picture-bounds`: a size or coordinates out of range; `png` if the encoder fails.
 pub fn heat_map_png(map: &HeatMap<'_>, longest_px: u32) -> Result<Vec<u8>, Error> {
     let titled = !(map.title.is_empty() && map.subtitle.is_empty());
-    let frame = Frame::fit(shown_box(map), longest_px, titled, FOOT_PX)?;
+    let frame = Frame::fit(shown_box(map), longest_px, titled, FOOT_PX)?.with_north(map.picture.north_deg);
     let mut canvas = frame.sheet()?;
     draw_cells(&mut canvas, &frame, map);
     for region in &map.picture.regions {

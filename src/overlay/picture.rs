@@ -83,6 +83,8 @@ pub struct PlanPicture {
     /// Lower left and upper right corner of what is shown. Pictures that are laid over each other
     /// share their bounds.
     pub bounds: [[f64; 2]; 2],
+    /// Where north is: degrees anticlockwise from up.
+    pub north_deg: f64,
 }
 
 /// A cell of the lattice with its value.

@@ -79,6 +79,14 @@ pub struct Input {
     pub unit: String,
     /// Why that unit.
     pub unit_reason: String,
+    /// Where the file says that north is: degrees anticlockwise from the plan's up; absent where that is up.
+    #[serde(default, skip_serializing_if = "is_up")]
+    pub north_deg: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_up(north_deg: &f64) -> bool {
+    *north_deg == 0.0
 }
 
 /// How much there is of what.

@@ -1,5 +1,7 @@
 //! What moved and what it gains, in plain words: EF-NOTE, the report and `words` in result.json.
 
+use std::borrow::Cow;
+
 use super::measure::{
     fixed, is_told, number, parts as base, percent_change, plain_name, sentence_case, short, trimmed, wording,
 };
@@ -27,6 +29,28 @@ pub fn words(
     let first = note_lines(moves, parameters, initial, now, &explanation.parts).join("; ");
     let sentences = std::iter::once(first).chain(explained(explanation));
     sentences.filter(|s| !s.is_empty()).map(|s| s + ".").collect::<Vec<_>>().join(" ")
+}
+
+/// The same moves with directions by where north is, `north_deg` anticlockwise from the plan's up, as words tell them.
+pub fn by_north(moves: &[MoveEntry], north_deg: f64) -> Cow<'_, [MoveEntry]> {
+    if north_deg == 0.0 {
+        return Cow::Borrowed(moves);
+    }
+    let turned = |m: &MoveEntry| {
+        let deg = match m.kind {
+            MoveKind::X => Some(0.0),
+            MoveKind::Y => Some(90.0),
+            MoveKind::Along => m.direction_deg,
+            MoveKind::Rotate | MoveKind::Scale => return m.clone(),
+        };
+        MoveEntry { kind: MoveKind::Along, direction_deg: deg.map(|d| d - north_deg), ..m.clone() }
+    };
+    Cow::Owned(moves.iter().map(turned).collect())
+}
+
+/// Which way a positive value of a shift goes, and which way a negative one.
+pub fn directions(deg: f64) -> [&'static str; 2] {
+    [compass(deg), compass(deg + 180.0)]
 }
 
 /// What moved and what it gains: `words` without the sentences on why, for one line of a log or a message.
@@ -500,6 +524,21 @@ mod tests {
             moved(&metric, &[-0.45, 0.0, 10.0, 2.0], &[]),
             "Wall 3-4 slides 25.4 cm north and 61 cm east, Door 1 slides 45 cm west"
         );
+    }
+
+    #[test]
+    fn directions_follow_the_north_of_the_plan() {
+        let mut along = entry("c", MoveKind::Along, [-1.0, 1.0], "m");
+        along.direction_deg = Some(45.0);
+        let moves =
+            [entry("a", MoveKind::X, [-1.0, 1.0], "m"), entry("b", MoveKind::Y, [-1.0, 1.0], "m"), along];
+        let told = |north_deg: f64| moved(&by_north(&moves, north_deg), &[0.5, -0.5, 0.5], &[]);
+        assert_eq!(told(0.0), "A slides 50 cm east, B slides 50 cm south, C slides 50 cm north-east");
+        assert_eq!(told(-17.2), told(0.0), "nearest of eight");
+        // North is to the left: what goes to the right goes south.
+        assert_eq!(told(90.0), "A slides 50 cm south, B slides 50 cm west, C slides 50 cm south-east");
+        assert_eq!(told(-50.0), "A slides 50 cm north-east, B slides 50 cm south-east, C slides 50 cm north");
+        assert_eq!(directions(90.0 - 180.0), ["south", "north"]);
     }
 
     #[test]

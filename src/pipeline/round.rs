@@ -352,12 +352,12 @@ fn candidate(
         file: format!("{}.{}", made.name, study.base.plan.format.name()),
         parameters: made.member.parameters.clone(),
         words: words::words(
-            moves,
+            &words::by_north(moves, study.base.plan.north_deg),
             &made.member.parameters,
             &told(study, initial),
             &told(study, &mean),
             explanation,
-        ) + &told::goes_along_words(&study.base, &made.layout)
+        ) + &told::goes_along_words(&study.base, made)
             + &doors::narrowed_words(&study.base, &made.layout)
             + &told::stays_words(&made.report),
         explanation: explanation.clone(),

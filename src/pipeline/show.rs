@@ -78,7 +78,7 @@ pub fn picture(base: &Understood) -> PlanPicture {
     let regions = regions(&base.plan);
     let points =
         strokes.iter().flat_map(|s| s.points.clone()).chain(regions.iter().flat_map(|r| r.points.clone()));
-    PlanPicture { bounds: bounds_of(points), strokes, regions }
+    PlanPicture { bounds: bounds_of(points), strokes, regions, north_deg: base.plan.north_deg }
 }
 
 /// How much of a piece that is stretched is shown as moving, from the end that moves; metres of a person.
@@ -378,6 +378,7 @@ pub fn input(plan: &Plan, path: &str, sha256: &str) -> Input {
         format: plan.format.name().into(),
         unit: plan.unit.unit.name.into(),
         unit_reason: plan.unit.reason.clone(),
+        north_deg: plan.north_deg,
     }
 }
 

@@ -42,7 +42,8 @@ pub fn state(base: &Understood, settings: &Settings, spacing_m: f64, cells: usiz
     if settings.spacing_m.is_some() {
         return;
     }
-    let area_m2 = area_m2(base);
+    // What query and reference share is measured once.
+    let area_m2 = cells as f64 * spacing_m * spacing_m;
     let text = format!(
         "spacing {spacing_m} m: {cells} vertices are measured on {area_m2:.0} m²; --spacing overrides it"
     );
@@ -55,8 +56,8 @@ pub fn state(base: &Understood, settings: &Settings, spacing_m: f64, cells: usiz
     }
 }
 
-/// Area that will be measured, m²: the regions drawn (of the largest pair, where some are named), the
-/// interior, or the drawing's box.
+/// Area by which a spacing is chosen, m²: the regions drawn (of the largest pair, where some are named), the
+/// interior, or the drawing's box. Floor that lies in two regions counts twice.
 pub(super) fn area_m2(base: &Understood) -> f64 {
     let markers = &base.plan.markers;
     let area = |regions: [&[Region]; 2]| {

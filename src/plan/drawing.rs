@@ -241,6 +241,8 @@ pub struct Drawing {
     pub widths: BTreeMap<usize, f64>,
     /// What else is drawn, by layer and kind.
     pub undrawn: Vec<Undrawn>,
+    /// Where the file says that north is: degrees anticlockwise from the drawing's up; 0 where it says nothing.
+    pub north_deg: f64,
 }
 
 /// A move that the file states of one of its elements (`Pset_Enfilade` of a building).
@@ -368,6 +370,7 @@ impl Drawing {
             hosts: BTreeMap::new(),
             widths: BTreeMap::new(),
             undrawn: Vec::new(),
+            north_deg: 0.0,
         }
     }
 }

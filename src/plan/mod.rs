@@ -202,6 +202,8 @@ pub struct Plan {
     pub obstacles: Vec<obstacles::Obstacle>,
     /// Ground that layers say is outdoors, rings in the drawing frame, micrometres: no interior.
     pub outdoors: Vec<Vec<PointUm>>,
+    /// Where north is: degrees anticlockwise from up.
+    pub north_deg: f64,
 }
 
 /// The user's word on how to read a drawing.
@@ -289,6 +291,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         doors: doors(&drawing, &frame),
         obstacles,
         outdoors,
+        north_deg: drawing.north_deg,
     })
 }
 

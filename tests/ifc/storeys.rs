@@ -216,3 +216,81 @@ fn a_curtain_wall_named_as_a_wall_shows_its_panes() {
     };
     assert_eq!(walls(&["IfcWall", "ifccurtain*"]), walls(&["IfcWall"]) + 2);
 }
+
+/// North as the file states it: to the right of up by 0.3 rad, of the model rather than of its plan.
+#[test]
+fn true_north_is_read_of_the_model() {
+    let text = pavilion();
+    let context = "#6=IFCGEOMETRICREPRESENTATIONCONTEXT($,'Model',3,1.E-5,#5,$);";
+    assert!(text.contains(context));
+    let with = |ratios: &str, kind: &str, more: &str| {
+        let stated = format!(
+            "#6=IFCGEOMETRICREPRESENTATIONCONTEXT($,'{kind}',3,1.E-5,#5,#90001);\n#90001=IFCDIRECTION(({ratios}));{more}"
+        );
+        let (drawing, report) = read_with(text.replace(context, &stated).as_bytes(), &ReadOptions::default());
+        let said = report.problems.iter().find(|p| p.code == "true-north").map(|p| p.text.clone());
+        (drawing.unwrap().north_deg, said.unwrap_or_default())
+    };
+    assert_eq!(read(text.as_bytes()).north_deg, 0.0);
+    let plan = "\n#90002=IFCGEOMETRICREPRESENTATIONCONTEXT($,'Plan',2,1.E-5,#5,#90003);\n#90003=IFCDIRECTION((1.,0.));";
+    for (ratios, kind, more, deg) in [
+        ("0.29552020666134,0.955336489125606", "Model", "", -0.3_f64.to_degrees()),
+        ("-2.,0.,0.", "Model", plan, 90.0),
+        ("0.,-1.", "Model", "", 180.0),
+        ("-1.,1.", "Design", plan, 45.0),
+        ("0.,1.", "Model", plan, 0.0),
+        ("0.,0.,1.", "Model", "", 0.0),
+    ] {
+        let (found, said) = with(ratios, kind, more);
+        assert!(
+            (found.abs() - deg.abs()).abs() < 1e-6 && (deg == 180.0 || found * deg >= 0.0),
+            "{ratios}: {found}"
+        );
+        assert_eq!(said.is_empty(), deg == 0.0, "{said}");
+    }
+    assert!(with("0.29552020666134,0.955336489125606", "Model", "").1.contains("17.2° to the right"));
+}
+
+/// The regions of query and reference of the sample share much of their floor.
+#[test]
+fn the_floor_that_is_measured_counts_once() {
+    let done = pipeline::analyse(
+        &Input::new("house.ifc", pavilion().as_bytes(), 1),
+        &Settings::new(Partial::default()).unwrap(),
+        &Cancel::default(),
+    );
+    let (done, _) = done.unwrap();
+    let said = done.report.problems.iter().find(|p| p.code == "spacing").unwrap().text.clone();
+    let number = |after: &str| -> f64 {
+        said.split(after).nth(1).unwrap().trim_start().split(' ').next().unwrap().parse().unwrap()
+    };
+    let (spacing, area) = (number("spacing"), number("measured on"));
+    let vertices = number(&format!("spacing {spacing} m:"));
+    assert!((area - vertices * spacing * spacing).abs() <= 0.5 && area < 200.0, "{said}");
+}
+
+#[test]
+fn a_mark_of_what_cannot_be_read_is_named_by_its_kind() {
+    let told = |id: usize| {
+        let text = with_instances(
+            &pavilion(),
+            &format!(
+                "#90002=IFCPROPERTYSINGLEVALUE('Move',$,IFCLABEL('x -1 1'),$);\n\
+                 #90000=IFCPROPERTYSET('S90000',$,'Pset_Enfilade',$,(#90002));\n\
+                 #90001=IFCRELDEFINESBYPROPERTIES('D90000',$,$,$,(#{id}),#90000);\n#91000 = IFCSLAB('x',$,(#1;\n"
+            ),
+        );
+        let (_, report) = read_with(text.as_bytes(), &ReadOptions::default());
+        let told: Vec<String> =
+            report.problems.into_iter().filter(|p| p.code == "ifc-marks").map(|p| p.to_string()).collect();
+        assert_eq!(told.len(), 1, "{told:?}");
+        (told[0].clone(), text.lines().position(|l| l.starts_with("#91000")).unwrap() + 1)
+    };
+    let (said, line) = told(91_000);
+    let start = format!("house.ifc:{line} #91000 IFCSLAB: ");
+    assert!(
+        said.contains(&start) && said.contains("states move of an IFCSLAB that cannot be read"),
+        "{said}"
+    );
+    assert!(told(91_001).0.contains("#91001: Pset_Enfilade states move of an instance that does not exist"));
+}

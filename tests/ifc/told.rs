@@ -3,7 +3,7 @@
 use super::*;
 
 /// A wall whose body, profile or direction is not what it should be.
-struct Broken {
+pub(super) struct Broken {
     /// Instances that replace those of the wall, `$` for its number.
     data: &'static str,
     /// What is said.
@@ -11,7 +11,7 @@ struct Broken {
 }
 
 /// Two storeys, 3 m high, of four walls of 6 m each; of those with a number in `broken` the instances are others.
-fn house(broken: &[(u64, &Broken)]) -> String {
+pub(super) fn house(broken: &[(u64, &Broken)]) -> String {
     let mut data = String::from(
         "#1=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);\n#2=IFCUNITASSIGNMENT((#1));\n\
          #3=IFCCARTESIANPOINT((0.,0.,0.));\n#4=IFCAXIS2PLACEMENT3D(#3,$,$);\n\

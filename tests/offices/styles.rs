@@ -275,6 +275,7 @@ impl Sheet {
             marked: Vec::new(),
             hosts: Default::default(),
             widths: Default::default(),
+            north_deg: 0.0,
             undrawn: Vec::new(),
             fills: Vec::new(),
             texts: Vec::new(),

@@ -287,6 +287,7 @@ fn result() -> RoundResult {
             format: "dxf".to_owned(),
             unit: "m".to_owned(),
             unit_reason: "$INSUNITS 6".to_owned(),
+            north_deg: 0.0,
         },
         settings: serde_json::from_str(
             r#"{"seed": 1, "mode": "diverse", "members": 5, "budget": {"evaluations": 2000, "seconds": null},

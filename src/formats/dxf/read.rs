@@ -65,6 +65,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         marked: Vec::new(),
         hosts: Default::default(),
         widths: reader.widths,
+        north_deg: 0.0,
         undrawn,
     })
 }

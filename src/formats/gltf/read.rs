@@ -100,6 +100,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         marked,
         hosts: hosts(&scene, &bodies, options),
         widths: Default::default(),
+        north_deg: 0.0,
         undrawn: Vec::new(),
         fills: Vec::new(),
     })

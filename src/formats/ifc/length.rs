@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use glam::{DAffine3, DVec2, DVec3};
 
-use super::geo::{UPRIGHT, Why, is_upright};
+use super::geo::{UPRIGHT, Why, is_upright, plan_point};
 use super::patch::real;
 use super::read::Building;
 use super::step::Arg;
@@ -40,6 +40,16 @@ pub(super) enum Change {
     Instance(Node),
 }
 
+impl Change {
+    /// The instance that changes.
+    pub fn instance(&self) -> Option<u64> {
+        match self {
+            Self::Text(_) => None,
+            Self::Instance(node) => Some(node.id),
+        }
+    }
+}
+
 /// A wall whose ends can go along its axis.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Bar {
@@ -47,6 +57,8 @@ pub(super) struct Bar {
     pub along: DVec2,
     /// Places along it up to where the first end reaches and from where the second does, file units.
     pub inner: [f64; 2],
+    /// The corners of both ends in the world's plan, each in the order in which they lie round the outline.
+    pub ends: [Vec<DVec2>; 2],
     body: Body,
 }
 
@@ -87,6 +99,10 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
         match (name.as_str(), items.as_slice()) {
             ("Body", [item]) if body.is_none() => body = Some((representation, *item)),
             ("Axis", [item]) if axis.is_none() => axis = Some((representation, *item)),
+            ("Body" | "Axis", [_]) => return Err(format!("it has more than one representation {name:?}")),
+            ("Body" | "Axis", items) => {
+                return Err(format!("its representation {name:?} has {} items instead of one", items.len()));
+            }
             _ => return Err(format!("it has a representation {name:?} beside axis and body")),
         }
     }
@@ -98,7 +114,7 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
     let position = of.get(1).and_then(Arg::id).map_or(Ok(DAffine3::IDENTITY), |p| b.geo.axis_placement(p))?;
     let way = b.geo.direction(b.geo.reference(&of, 2, solid)?)?;
     let profile = b.geo.reference(&of, 0, solid)?;
-    if !is_upright(&world) || !is_upright(&position) || way.truncate().length() > UPRIGHT {
+    if !is_upright(&world) || !is_plumb(&position) || way.truncate().length() > UPRIGHT {
         return Err("it does not stand upright".into());
     }
     let ends = axis.map(|(_, line)| axis_ends(b, line)).transpose()?;
@@ -109,6 +125,7 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
     Ok(Bar {
         along,
         inner: outline.inner.map(|v| v + shift),
+        ends: outline.ends.map(|end| end.iter().map(|p| plan_point(&m, *p)).collect()),
         body: Body {
             shape,
             body,
@@ -120,6 +137,11 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
             along: position.matrix3 * outline.along.extend(0.0),
         },
     })
+}
+
+/// Whether a profile lies flat, whichever side of it is up.
+fn is_plumb(m: &DAffine3) -> bool {
+    m.matrix3.z_axis.normalize_or_zero().truncate().length() < UPRIGHT
 }
 
 /// The two points of a straight axis, in the wall's own frame.
@@ -137,6 +159,8 @@ struct Outline {
     along: DVec2,
     /// Places along it from the plane's zero: as [`Bar::inner`].
     inner: [f64; 2],
+    /// The corners of both ends.
+    ends: [Vec<DVec2>; 2],
     /// As [`Body::corners`].
     corners: Option<[Vec<usize>; 2]>,
 }
@@ -194,8 +218,9 @@ fn outline(
         let closing = (is_closed && list.contains(&0)).then_some(corners.len());
         list.into_iter().chain(closing).collect()
     };
+    let ends = [&first, &second].map(|list| list.iter().map(|i| corners[*i]).collect());
     let corners = (!is_rectangle).then(|| [again(first), again(second)]);
-    Ok(Outline { along, inner: [top, low], corners })
+    Ok(Outline { along, inner: [top, low], ends, corners })
 }
 
 fn longest_side(ring: &[DVec2]) -> Option<DVec2> {

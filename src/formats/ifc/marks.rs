@@ -105,11 +105,26 @@ fn marked(b: &Building<'_, '_>, storey: Option<u64>) -> Vec<Marked> {
     let mut others: Vec<u64> = b.model.properties.keys().copied().filter(is_other).collect();
     others.sort_unstable();
     for id in others {
-        let line = b.step.get(id).map(|i| b.step.line(i.span.start));
-        let place = Place { file: b.file.into(), line, entity: b.geo.named(id) };
-        out.push(Marked { id, class: b.step.keyword(id).to_string(), place, used: Use::Nothing });
+        let at =
+            b.step.get(id).map(|i| (i.span.start, b.step.keyword(id).to_string())).or_else(|| raw(b, id));
+        let (line, class) = at.map_or((None, String::new()), |(at, class)| (Some(b.step.line(at)), class));
+        let place = Place { file: b.file.into(), line, entity: format!("#{id} {class}").trim_end().into() };
+        out.push(Marked { id, class, place, used: Use::Nothing });
     }
     out
+}
+
+/// Where an instance that cannot be read begins, and what it is called.
+fn raw(b: &Building<'_, '_>, id: u64) -> Option<(usize, String)> {
+    let (bytes, name) = (b.step.bytes, format!("#{id}"));
+    let blank = |from: usize| from + bytes[from..].iter().take_while(|c| c.is_ascii_whitespace()).count();
+    memchr::memmem::find_iter(bytes, name.as_bytes()).find_map(|at| {
+        let equals = blank(at + name.len());
+        let from = blank(equals + 1).min(bytes.len());
+        let class = bytes[from..].iter().take_while(|c| c.is_ascii_alphanumeric() || **c == b'_');
+        let class = class.map(|c| char::from(c.to_ascii_uppercase())).collect::<String>();
+        (bytes.get(equals) == Some(&b'=') && !class.is_empty()).then_some((at, class))
+    })
 }
 
 /// Says which marks of a storey's elements contradict each other or are not used.
@@ -150,9 +165,13 @@ pub(super) fn state(b: &Building<'_, '_>, storey: Option<u64>, report: &mut Repo
             idle.filter(|k| said(k).is_some_and(|v| *k == "move" || is_yes(v) != Some(false))).collect();
         if !idle.is_empty() {
             let text = format!(
-                "Pset_Enfilade states {} of an {}, where it means nothing",
+                "Pset_Enfilade states {} of {}",
                 idle.join(" and "),
-                p.class
+                match (b.step.get(p.id).is_some(), p.class.as_str()) {
+                    (true, class) => format!("an {class}, where it means nothing"),
+                    (false, "") => "an instance that does not exist".into(),
+                    (false, class) => format!("an {class} that cannot be read and is left out"),
+                }
             );
             told.push((p.place.clone(), text));
         }

@@ -13,6 +13,7 @@
 
 mod additions;
 mod body;
+mod footprint;
 mod geo;
 mod length;
 mod limits;
@@ -31,9 +32,12 @@ mod zip;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 
+pub use footprint::Parting;
+use glam::DVec2;
 pub use limits::*;
 use rayon::prelude::*;
 pub use read::{CLOSING_LAYERS, ZONE_LAYER};
+pub use unseen::UnseenJoint;
 pub use zip::{is_zip, unzip};
 
 use crate::formats::splice::{self, Splice};
@@ -86,12 +90,26 @@ pub struct ReadOptions {
 }
 
 /// A product that an edit moves.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MovedProduct {
     /// Instance number.
     pub id: u64,
     /// Its `GlobalId`.
     pub global_id: String,
+    /// Its class where it is a door or a window.
+    pub filler: Option<&'static str>,
+    /// Of a wall that is not in the plan and only changes its length, its outline before and after, file units.
+    pub outlines: Option<[Vec<DVec2>; 2]>,
+}
+
+/// What edits change beside what they name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Effects {
+    /// For every edit the products it moves, the edited one first. Of several edits of one wall the first names the
+    /// unseen walls that go along.
+    pub moved: Vec<Vec<MovedProduct>>,
+    /// Joints with walls that are not in the plan and stay.
+    pub unseen: Vec<UnseenJoint>,
 }
 
 /// Schemas that are read.
@@ -265,25 +283,25 @@ pub fn patch(
     splice::apply(file, "ifc-edit-twice", bytes, splices)
 }
 
-/// The products each edit moves, the edited one first. Of several edits of one wall the first names the unseen walls
-/// that go along.
+/// What edits change beside what they name.
 ///
 /// # Errors
 /// As [`patch`].
-pub fn moved_products(
-    file: &str,
-    bytes: &[u8],
-    options: &ReadOptions,
-    edits: &[Edit],
-) -> Result<Vec<Vec<MovedProduct>>, Error> {
+pub fn effects(file: &str, bytes: &[u8], options: &ReadOptions, edits: &[Edit]) -> Result<Effects, Error> {
     let step = open(file, bytes)?;
     let building = Building::new(file, &step, options.unit);
     let mut mover = patch::Mover::new(&building, options, edits);
-    let named = |id: u64| {
+    let named = |id: u64, outlines: Option<[Vec<DVec2>; 2]>| {
         let global_id = step.args(id).first().and_then(|a| step.text(a)).unwrap_or_default();
-        MovedProduct { id, global_id }
+        MovedProduct { id, global_id, filler: building.model.filler(id).map(|f| f.class), outlines }
     };
-    edits.iter().map(|e| Ok(mover.edit(e)?.products.into_iter().map(named).collect())).collect()
+    let mut moved = Vec::new();
+    for edit in edits {
+        let found = mover.edit(edit)?;
+        let tails = found.tails.into_iter().map(|t| named(t.id, Some(t.outlines)));
+        moved.push(found.products.into_iter().map(|id| named(id, None)).chain(tails).collect());
+    }
+    Ok(Effects { moved, unseen: unseen::left(&building, options, edits) })
 }
 
 /// How many elements of a kind a whole file has, subtypes counted in.

@@ -10,7 +10,7 @@ use super::geo::Why;
 use super::length::{self, Change, Node};
 use super::read::Building;
 use super::step::{Arg, Step};
-use super::unseen::{Tails, tails};
+use super::unseen::{Tail, Tails, taken};
 use crate::formats::splice::Splice;
 use crate::plan::drawing::{Edit, RigidMotion};
 use crate::report::{Error, Place};
@@ -40,10 +40,12 @@ pub(super) fn refusal(b: &Building<'_, '_>, id: u64) -> Option<String> {
 }
 
 /// What an edit changes.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Moved {
     /// Products that stand elsewhere or have another length afterwards, the moved one first.
     pub products: Vec<u64>,
+    /// Unseen walls that it takes along.
+    pub tails: Vec<Tail>,
 }
 
 /// Splices of existing bytes, new instances, and what moved.
@@ -67,8 +69,8 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
     /// Starts without a change; `edits`: those that will be made.
     pub fn new(b: &'b Building<'s, 'a>, options: &ReadOptions, edits: &[Edit]) -> Self {
         let longer = edits.iter().filter(|e| matches!(e, Edit::Ends { .. })).map(|e| e.record() as u64);
-        let tails = tails(b, options, edits);
-        let longer = longer.chain(tails.values().flatten().map(|(id, _)| *id));
+        let tails = taken(b, options, edits).tails;
+        let longer = longer.chain(tails.values().flatten().map(|t| t.id));
         Self {
             b,
             users: users(b.step, longer),
@@ -106,7 +108,7 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
             Edit::Insert { motion, .. } => motion,
             Edit::Ends { by, .. } => {
                 self.lengthen(id, *by).map_err(|why| self.fault(id, &why))?;
-                return Ok(Moved { products: vec![id] });
+                return Ok(Moved { products: vec![id], tails: Vec::new() });
             }
             Edit::Shape { .. } => return Err(self.fault(id, "an element of a building moves as a whole")),
         };
@@ -122,13 +124,9 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
                     .map_err(|why| self.fault(*follower, &why))?;
             }
         }
-        let mut products = follows;
-        for (tail, by) in self.tails.remove(&id).unwrap_or_default() {
-            if self.lengthen(tail, by).is_ok() {
-                products.push(tail);
-            }
-        }
-        Ok(Moved { products })
+        let mut tails = self.tails.remove(&id).unwrap_or_default();
+        tails.retain(|t| self.lengthen(t.id, t.by).is_ok());
+        Ok(Moved { products: follows, tails })
     }
 
     /// Moves the ends of a wall along its axis.
@@ -151,13 +149,14 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         for (span, change) in &node.changes {
             match change {
                 Change::Text(text) => self.splices.push(Splice::new(span.clone(), text.as_str())),
-                Change::Instance(child) if self.is_own(child.id) => {
+                Change::Instance(child) if self.is_own(child.id, node.id) => {
                     if self.changed.insert(child.id) {
                         self.in_place_below(child);
                     }
                 }
                 Change::Instance(child) => {
                     let copy = self.copied(child);
+                    self.release(child.id, node.id);
                     self.splices.push(Splice::new(span.clone(), format!("#{copy}")));
                 }
             }
@@ -180,6 +179,7 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         let text = self.written_with(node.id, with);
         let copy = self.add(&text);
         self.copies.push((node.clone(), copy));
+        self.use_also(node, copy);
         let mut labels = self.users.get(&node.id).cloned().unwrap_or_default();
         labels.retain(|l| self.is_label(*l));
         for label in labels {
@@ -212,10 +212,28 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         LABELS.contains(&&*self.b.step.keyword(id))
     }
 
-    /// Whether one instance alone is made with this one.
-    fn is_own(&self, id: u64) -> bool {
+    /// Whether one instance alone is made with this one. Of several that change the last keeps what they shared: nothing
+    /// is left that nobody uses, as rules of the schema forbid of shapes and representations.
+    fn is_own(&self, id: u64, by: u64) -> bool {
         let users = self.users.get(&id).map(Vec::as_slice).unwrap_or_default();
-        users.iter().filter(|u| !self.is_label(**u)).count() == 1
+        users.iter().filter(|u| !self.is_label(**u)).eq([&by])
+    }
+
+    /// An instance uses a copy from now on.
+    fn release(&mut self, id: u64, by: u64) {
+        self.users.entry(id).or_default().retain(|u| *u != by);
+    }
+
+    /// What a copy has in common with its original has one user more.
+    fn use_also(&mut self, node: &Node, copy: u64) {
+        let replaced: HashSet<u64> = node.changes.iter().filter_map(|(_, c)| c.instance()).collect();
+        for used in self.b.step.args(node.id) {
+            for id in used.id().map_or_else(|| used.ids(), |id| vec![id]) {
+                if !replaced.contains(&id) {
+                    self.users.entry(id).or_default().push(copy);
+                }
+            }
+        }
     }
 
     fn product(
@@ -247,9 +265,14 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
             return self.in_place(placement, &own, &new);
         }
         let axes = self.new_axes(&new);
+        let parent_id = parent;
         let parent = parent.map_or("$".to_string(), |p| format!("#{p}"));
         let made = self.add(&format!("IFCLOCALPLACEMENT({parent},#{axes})"));
         self.splices.push(Splice::new(slot.span.clone(), format!("#{made}")));
+        self.release(placement, id);
+        if let Some(parent) = parent_id {
+            self.users.entry(parent).or_default().push(made);
+        }
         Ok(())
     }
 

@@ -4,60 +4,188 @@
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 
-use glam::{DAffine3, DVec2};
+use glam::DVec2;
 
 use super::ReadOptions;
+use super::footprint::{self, Footprint, Parting};
 use super::length::{self, Bar};
-use super::model::body_items;
 use super::read::{Building, heights};
 use super::step::{Arg, Step};
-use crate::plan::drawing::Edit;
+use crate::plan::drawing::{Edit, RigidMotion};
 use crate::report::Report;
 
 /// Walls that meet at an angle with a smaller sine do not follow each other.
 const CROSSING_MIN_SIN: f64 = 0.2;
 
+/// Corners of an outline this near to those of an end are the same.
+const END_M: f64 = 1e-5;
+
 /// What must remain of a wall.
 const REST_M: f64 = 0.1;
 
-/// By the wall that shifts: unseen walls joined to it, and how far their two ends go along them, file units.
-pub(super) type Tails = BTreeMap<u64, Vec<(u64, [f64; 2])>>;
+/// An unseen wall that goes along.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Tail {
+    /// The wall.
+    pub id: u64,
+    /// How far its two ends go along it, file units.
+    pub by: [f64; 2],
+    /// Its outline as drawn and afterwards: the corners of its first end, then those of its second, world, file units.
+    pub outlines: [Vec<DVec2>; 2],
+}
 
-/// The unseen walls that follow what edits shift. A wall that an opening is cut out of stays, and so does one that
-/// would be left shorter than [`REST_M`], has no axis that says where it starts, or cannot change its length.
-pub(super) fn tails(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit]) -> Tails {
+/// By the wall that shifts: the unseen walls that it takes along.
+pub(super) type Tails = BTreeMap<u64, Vec<Tail>>;
+
+/// The unseen walls that edits take along, and the joints with a wall that shifts that hold so.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Taken {
+    /// The walls.
+    pub tails: Tails,
+    /// Who shifts, and who follows it.
+    held: BTreeSet<[u64; 2]>,
+}
+
+/// A joint that the file states between a wall that moves and one that stays and is not in the plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnseenJoint {
+    /// Instance of the wall that moves.
+    pub id: u64,
+    /// Instance of the other one.
+    pub other: u64,
+    /// The storey of the other one.
+    pub storey: Option<String>,
+    /// What becomes of it.
+    pub parting: Parting,
+}
+
+/// An unseen wall whose ends are being looked at.
+struct Candidate {
+    bar: Bar,
+    /// The first of those that take it.
+    taker: Option<u64>,
+    takers: BTreeSet<u64>,
+    ways: [Option<f64>; 2],
+}
+
+/// The unseen walls that follow what edits shift: each end that stands at a wall that shifts and that the file joins
+/// to it. A wall that an opening is cut out of stays, and so does one that would be left shorter than [`REST_M`], has
+/// no axis that says where it starts, or cannot change its length.
+pub(super) fn taken(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit]) -> Taken {
     let edited: BTreeSet<u64> = edits.iter().map(|e| e.record() as u64).collect();
     let shifts: BTreeMap<u64, DVec2> = edits.iter().filter_map(shift).collect();
-    let Ok(storey) = b.storey(options.storey.as_deref(), options.sight, &mut Report::default()) else {
-        return Tails::new();
-    };
-    let (_, cut) = heights(b, storey, options.sight);
-    // By the wall that goes along: its bar, who takes it, how far its ends go.
-    let mut found: BTreeMap<u64, (Bar, u64, [Option<f64>; 2])> = BTreeMap::new();
+    let Some(cut) = cut_height(b, options) else { return Taken::default() };
+    let mut found: BTreeMap<u64, Candidate> = BTreeMap::new();
     for (wall, other, end) in joints(b.step) {
         let Some(shift) = shifts.get(&wall).filter(|_| !edited.contains(&other)) else { continue };
         let Ok(at) = length::bar(b, wall) else { continue };
-        let (bar, _, ways) = match found.entry(other) {
+        let one = match found.entry(other) {
             Entry::Occupied(entry) => entry.into_mut(),
             Entry::Vacant(entry) => match unseen(b, other, cut) {
-                Some(bar) => entry.insert((bar, wall, [None; 2])),
+                Some(bar) => {
+                    entry.insert(Candidate { bar, taker: None, takers: BTreeSet::new(), ways: [None; 2] })
+                }
                 None => continue,
             },
         };
-        let across = at.along.perp().dot(bar.along);
-        if across.abs() >= CROSSING_MIN_SIN {
-            ways[end].get_or_insert(shift.dot(at.along.perp()) / across);
+        let across = at.along.perp().dot(one.bar.along);
+        let Some(end) = standing_end(b, wall, &one.bar, end) else { continue };
+        if across.abs() >= CROSSING_MIN_SIN && one.ways[end].is_none() {
+            one.ways[end] = Some(shift.dot(at.along.perp()) / across);
+            one.taker.get_or_insert(wall);
+            one.takers.insert(wall);
         }
     }
-    let mut out = Tails::new();
-    for (id, (bar, wall, ways)) in found {
+    let mut out = Taken::default();
+    for (id, Candidate { bar, taker, takers, ways }) in found {
         let by = ways.map(|w| w.unwrap_or(0.0));
         let rest = bar.inner[1] + by[1] - bar.inner[0] - by[0];
-        if by != [0.0; 2] && rest * b.geo.metres >= REST_M {
-            out.entry(wall).or_default().push((id, by));
+        let Some(taker) = taker.filter(|_| by != [0.0; 2] && rest * b.geo.metres >= REST_M) else { continue };
+        let outlines = [[0.0; 2], by].map(|by| {
+            let end = |k: usize| bar.ends[k].iter().map(|p| p + bar.along * by[k]).collect::<Vec<_>>();
+            [end(0), end(1)].concat()
+        });
+        out.held.extend(takers.into_iter().map(|w| [w, id]));
+        out.tails.entry(taker).or_default().push(Tail { id, by, outlines });
+    }
+    out
+}
+
+/// The end of a wall that stands at another: the one that the file names, else the other one.
+fn standing_end(b: &Building<'_, '_>, wall: u64, bar: &Bar, stated: usize) -> Option<usize> {
+    let at = Footprint::of(b, wall)?;
+    [stated, 1 - stated].into_iter().find(|end| at.is_at(&bar.ends[*end], b.geo.metres))
+}
+
+/// The joints with walls that the plan does not show that edits open, or of which nobody can tell, each once.
+pub(super) fn left(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit]) -> Vec<UnseenJoint> {
+    let edited: BTreeSet<u64> = edits.iter().map(|e| e.record() as u64).collect();
+    let ways = ways(edits);
+    let Some(cut) = cut_height(b, options) else { return Vec::new() };
+    let held = taken(b, options, edits).held;
+    let mut out = Vec::new();
+    for (id, other) in stated(b.step) {
+        let Some(way) = ways.get(&id).filter(|_| !edited.contains(&other)) else { continue };
+        if held.contains(&[id, other]) || footprint::reach(b, other).is_some_and(|r| is_cut(r, cut)) {
+            continue;
+        }
+        let parting = match (Footprint::of(b, id), Footprint::of(b, other)) {
+            (Some(from), Some(stays)) => {
+                footprint::parting(&from, &gone(b, id, &from, way), &stays, b.geo.metres)
+            }
+            _ => Some(Parting::Unknown),
+        };
+        let named = |s: u64| b.model.storeys.iter().find(|of| of.id == s).map(|of| of.name.clone());
+        let storey = b.model.storey_of(other).and_then(named);
+        out.extend(parting.map(|parting| UnseenJoint { id, other, storey, parting }));
+    }
+    out
+}
+
+/// Where the storey that is read is cut.
+fn cut_height(b: &Building<'_, '_>, options: &ReadOptions) -> Option<f64> {
+    let storey = b.storey(options.storey.as_deref(), options.sight, &mut Report::default()).ok()?;
+    Some(heights(b, storey, options.sight).1)
+}
+
+fn is_cut([low, high]: [f64; 2], cut: f64) -> bool {
+    (low..=high).contains(&cut)
+}
+
+/// How what moves goes: as a whole, and its ends along it before that.
+type Ways = BTreeMap<u64, (RigidMotion, [f64; 2])>;
+
+fn ways(edits: &[Edit]) -> Ways {
+    let mut out = Ways::new();
+    for edit in edits {
+        let still = RigidMotion { turn_rad: 0.0, shift: DVec2::ZERO };
+        let (motion, ends) = out.entry(edit.record() as u64).or_insert((still, [0.0; 2]));
+        match edit {
+            Edit::Insert { motion: by, .. } => *motion = *by,
+            Edit::Ends { by, .. } => *ends = *by,
+            Edit::Shape { .. } => {}
         }
     }
     out
+}
+
+/// Where a wall stands afterwards.
+fn gone(
+    b: &Building<'_, '_>,
+    id: u64,
+    from: &Footprint,
+    (motion, ends): &(RigidMotion, [f64; 2]),
+) -> Footprint {
+    let bar = length::bar(b, id).ok().filter(|_| *ends != [0.0; 2]);
+    let turn = DVec2::from_angle(motion.turn_rad);
+    let near = END_M / b.geo.metres;
+    from.moved(|p| {
+        let along = bar.iter().flat_map(|bar| {
+            let is_of = |k: &usize| bar.ends[*k].iter().any(|q| q.distance(p) <= near);
+            (0..2).filter(is_of).map(|k| bar.along * ends[k])
+        });
+        turn.rotate(p + along.sum::<DVec2>()) + motion.shift
+    })
 }
 
 /// A wall that is shifted and not turned, and how far.
@@ -83,15 +211,25 @@ fn joints(step: &Step<'_>) -> Vec<(u64, u64, usize)> {
     out
 }
 
+/// Pairs of walls that the file joins, either way round, each once.
+fn stated(step: &Step<'_>) -> BTreeSet<(u64, u64)> {
+    let mut out = BTreeSet::new();
+    for i in step.all("IFCRELCONNECTSPATHELEMENTS") {
+        let args = step.args_of(i);
+        let wall = |k: usize| args.get(k).and_then(Arg::id);
+        if let (Some(a), Some(b)) = (wall(5), wall(6)) {
+            out.extend([(a, b), (b, a)]);
+        }
+    }
+    out
+}
+
 /// How a wall without openings that the cut misses changes its length.
 fn unseen(b: &Building<'_, '_>, id: u64, cut: f64) -> Option<Bar> {
-    let product = b.model.product(id).filter(|p| p.class.starts_with("IfcWall"))?;
+    b.model.product(id).filter(|p| p.class.starts_with("IfcWall"))?;
     if b.model.openings.contains_key(&id) || super::patch::refusal(b, id).is_some() {
         return None;
     }
-    let world = product.placement.map_or(Ok(DAffine3::IDENTITY), |p| b.geo.placement(p)).ok()?;
-    let items = body_items(b.step, product.shape?).ok()?;
-    let reaches: Option<Vec<[f64; 2]>> = items.iter().map(|i| b.geo.reach(*i, &world, 0).ok()).collect();
-    let is_seen = reaches?.iter().any(|[low, high]| (*low..=*high).contains(&cut));
+    let is_seen = is_cut(footprint::reach(b, id)?, cut);
     length::bar(b, id).ok().filter(|bar| !is_seen && bar.has_axis())
 }

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use super::super::html::Html;
 use super::super::measure::{number, parts, plain_name, sentence_case, short, wording};
 use super::super::result::{Candidate, MoveEntry, Objective, ProblemEntry, RoundResult, Sense};
-use super::super::words::{parameter, range};
+use super::super::words::{directions, parameter, range};
 use super::cards::delta;
 use super::{ReportInput, is_by_score, names, option_name, wanted};
 use crate::report::gathered;
@@ -190,7 +190,7 @@ pub fn moves(html: &mut Html, result: &RoundResult) {
     html.raw("</tr></thead>\n<tbody>\n");
     for (i, entry) in result.moves.iter().enumerate() {
         html.raw("<tr><th scope=\"row\">").text(&sentence_case(&entry.name)).raw(" <small>");
-        html.raw(way(entry)).raw("</small></th>");
+        html.text(&way(entry, result.input.north_deg)).raw("</small></th>");
         html.element("td", &[("class", "range")], &range(entry));
         for candidate in &result.candidates {
             gauge(html, entry, candidate.parameters.get(i).copied());
@@ -200,14 +200,18 @@ pub fn moves(html: &mut Html, result: &RoundResult) {
     html.raw("</tbody>\n</table></div>\n").raw(if folded { "</details>\n" } else { "" }).raw("</section>\n");
 }
 
-fn way(entry: &MoveEntry) -> &'static str {
+fn way(entry: &MoveEntry, north_deg: f64) -> String {
     use super::super::result::MoveKind;
+    let toward = |deg: f64| {
+        let [there, back] = directions(deg - north_deg);
+        format!("{there} (+) or {back} (−)")
+    };
     match entry.kind {
-        MoveKind::X => "east (+) or west (−)",
-        MoveKind::Y => "north (+) or south (−)",
-        MoveKind::Along => "along its line",
-        MoveKind::Rotate => "turns, anticlockwise (+)",
-        MoveKind::Scale => "grows or shrinks",
+        MoveKind::X => toward(0.0),
+        MoveKind::Y => toward(90.0),
+        MoveKind::Along => "along its line".into(),
+        MoveKind::Rotate => "turns, anticlockwise (+)".into(),
+        MoveKind::Scale => "grows or shrinks".into(),
     }
 }
 

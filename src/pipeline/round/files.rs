@@ -11,7 +11,7 @@ use crate::formats;
 use crate::overlay::additions::heat_layer;
 use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::result::RoundResult;
-use crate::overlay::words::{explained, note_lines};
+use crate::overlay::words::{by_north, explained, note_lines};
 use crate::overlay::{Scale, convergence_png, diversity_png, heat_additions, moved_additions};
 use crate::plan::drawing::Addition;
 use crate::report::{Error, OutFile};
@@ -101,7 +101,7 @@ pub(super) fn drawings(
                 let candidate = &result.candidates[*i];
                 let mut lines = vec![format!("Option {} of {}", i + 1, input.file())];
                 lines.extend(note_lines(
-                    &result.moves,
+                    &by_north(&result.moves, result.input.north_deg),
                     &m.member.parameters,
                     &told(study, &result.initial.mean),
                     &told(study, &candidate.mean),

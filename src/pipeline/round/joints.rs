@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{Made, named};
+use crate::formats::ifc::{Parting, UnseenJoint};
 use crate::moves::opened::{Opened, opened};
 use crate::pipeline::study::Study;
 use crate::plan::Plan;
@@ -33,15 +34,70 @@ pub(super) fn say_opened(report: &mut Report, file: &str, study: &Study, made: &
         let text = format!("{} more joints between walls open in the options", found.len() - TOLD);
         report.warn("joint-opens", Place::file(file), text);
     }
+    say_unseen(report, file, study, made);
+}
+
+/// The same of joints with walls that the plan does not show and that stay.
+fn say_unseen(report: &mut Report, file: &str, study: &Study, made: &[Made]) {
+    let mut found: BTreeMap<(u64, u64), (&UnseenJoint, Vec<usize>)> = BTreeMap::new();
+    for (i, m) in made.iter().enumerate() {
+        for joint in &m.changed.unseen {
+            let (worst, options) =
+                found.entry((joint.id, joint.other)).or_insert_with(|| (joint, Vec::new()));
+            if by_m(joint) > by_m(worst) {
+                *worst = joint;
+            }
+            options.push(i + 1);
+        }
+    }
+    for (worst, options) in found.values().take(TOLD) {
+        let Some(wall) = study.base.plan.walls.iter().find(|w| w.source.record as u64 == worst.id) else {
+            continue;
+        };
+        report.warn("joint-opens", named::place(file, &study.base.plan, wall), unseen_words(worst, options));
+    }
+    if found.len() > TOLD {
+        let text = format!("{} more joints with walls that are not shown open", found.len() - TOLD);
+        report.warn("joint-opens", Place::file(file), text);
+    }
+}
+
+fn by_m(joint: &UnseenJoint) -> f64 {
+    match joint.parting {
+        Parting::Gap(by_m) | Parting::Through(by_m) => by_m,
+        Parting::Unknown => 0.0,
+    }
+}
+
+fn unseen_words(worst: &UnseenJoint, options: &[usize]) -> String {
+    let storey = worst.storey.as_ref().map_or("no storey".into(), |name| format!("storey {name:?}"));
+    let other = format!("the wall #{} on {storey} (not shown in this plan; it stays)", worst.other);
+    let (of, up_to) = options_words(options);
+    match worst.parting {
+        Parting::Gap(by_m) => {
+            format!("in {of} its joint with {other} opens by {up_to}{by_m:.2} m; narrower bounds hold it")
+        }
+        Parting::Through(by_m) => format!(
+            "in {of} it and {other}, joined as drawn, run through each other by {up_to}{by_m:.2} m; narrower bounds \
+             hold it"
+        ),
+        Parting::Unknown => format!(
+            "in {of} it moves, and the file joins it to {other}; no end of either is found at the other: the joint may open"
+        ),
+    }
+}
+
+/// The names of options, and a word where they differ.
+fn options_words(options: &[usize]) -> (String, &'static str) {
+    let list: Vec<String> = options.iter().map(usize::to_string).collect();
+    match list.as_slice() {
+        [one] => (format!("option {one}"), ""),
+        many => (format!("options {}", many.join(", ")), "up to "),
+    }
 }
 
 fn words(plan: &Plan, worst: &Opened, options: &[usize]) -> String {
-    let list: Vec<String> = options.iter().map(usize::to_string).collect();
-    let options = match list.as_slice() {
-        [one] => format!("option {one}"),
-        many => format!("options {}", many.join(", ")),
-    };
-    let up_to = if list.len() > 1 { "up to " } else { "" };
+    let (options, up_to) = options_words(options);
     let Opened { other, by_m, is_through, .. } = worst;
     let other = named::words(plan, *other);
     let what = match is_through {

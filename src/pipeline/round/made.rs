@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use glam::DVec2;
+
 use super::super::study::{self, Study, Understood, Worth};
 use super::super::{Input, show};
 use super::told;
@@ -11,6 +13,7 @@ use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
 use crate::overlay::result::{self, ElementRef};
 use crate::plan::drawing::Edit;
+use crate::plan::geometry::UM_PER_M;
 use crate::plan::markers::place_in;
 use crate::report::{Error, Place, Report};
 use crate::search;
@@ -21,8 +24,8 @@ pub(in crate::pipeline) struct Made {
     pub(super) member: search::Member,
     pub(super) worth: Worth,
     pub(super) edits: Vec<Edit>,
-    /// For every edit the records it changes.
-    pub(super) changed: Vec<Vec<formats::ChangedRecord>>,
+    /// What the edits change in the file.
+    pub(super) changed: formats::Changes,
     /// Ids of the host program, by record.
     pub(super) host_ids: BTreeMap<u64, String>,
     pub(super) report: Report,
@@ -40,14 +43,16 @@ pub(super) fn make(
     let layout = study.base.moves.apply(&study.base.plan, &study.base.graph, &member.parameters);
     let edits = edits_of(&study.base, &layout);
     let options = study::read_options(settings);
-    let changed = formats::changed_records(input.file(), &input.bytes, &options, &edits)?;
+    let changed = formats::changes(input.file(), &input.bytes, &options, &edits)?;
     let bytes = formats::patch(input.file(), &input.bytes, &options, &edits, &[])?;
     let worth = study.measure_written(&bytes, &layout, settings)?;
     let name = format!("candidate-{}", index + 1);
     let mut report = Report::default();
     let records: Vec<usize> = edits.iter().map(Edit::record).collect();
-    let ids = formats::host_ids(input.file(), &input.bytes, &records);
-    let host_ids = records.iter().zip(ids).filter_map(|(r, id)| Some((*r as u64, id?))).collect();
+    let unseen = changed.records.iter().flatten().filter(|c| c.outlines.is_some()).map(|c| c.of.record);
+    let named: Vec<usize> = records.iter().copied().chain(unseen).collect();
+    let ids = formats::host_ids(input.file(), &input.bytes, &named);
+    let host_ids = named.iter().zip(ids).filter_map(|(r, id)| Some((*r as u64, id?))).collect();
     state_stale(input, settings, &records, &mut report)?;
     state_left_behind(&study.base, &layout, &mut report);
     let searched = study.measure(&member.parameters, &mut study.bench());
@@ -136,15 +141,36 @@ pub(super) fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
         };
         change.host_id = made.host_ids.get(&record).cloned();
         let edit = made.edits.iter().position(|e| e.record() as u64 == record);
-        let Some(changed) = edit.and_then(|i| made.changed.get(i)).filter(|c| c.len() != 1) else { continue };
+        let Some(changed) = edit.and_then(|i| made.changed.records.get(i)) else { continue };
+        if changed.len() == 1 {
+            continue;
+        }
         let mut all = vec![change.element.clone()];
-        for c in changed {
-            let element = show::element_of(study.base.plan.format, c.handle.clone(), c.record);
+        for c in changed.iter().filter(|c| c.outlines.is_none()) {
+            let element = show::element_of(study.base.plan.format, c.of.handle.clone(), c.of.record);
             if !all.contains(&element) {
                 all.push(element);
             }
         }
-        change.element = ElementRef::Several(all);
+        if all.len() != 1 {
+            change.element = ElementRef::Several(all);
+        }
     }
+    out.extend(unseen_changes(study, made));
     out
+}
+
+/// Walls that the plan does not show and that go along by their length: each with its own places.
+fn unseen_changes(study: &Study, made: &Made) -> Vec<result::Change> {
+    let plan = &study.base.plan;
+    let metres = |points: &Vec<DVec2>| -> Vec<[f64; 2]> {
+        points.iter().map(|p| plan.frame.um_from_file(*p).map(|v| v as f64 / UM_PER_M)).collect()
+    };
+    let of = |c: &formats::Changed| {
+        let [from, to] = c.outlines.as_ref()?;
+        let element = show::element_of(plan.format, c.of.handle.clone(), c.of.record);
+        let host_id = made.host_ids.get(&(c.of.record as u64)).cloned();
+        Some(result::Change { element, host_id, from: metres(from), to: metres(to), follows: false })
+    };
+    made.changed.records.iter().flatten().filter_map(of).collect()
 }

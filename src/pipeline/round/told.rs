@@ -2,14 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::Found;
-use super::judged::pinned;
+use super::judged::{is_firm, pinned};
+use super::{Found, Made};
 use crate::config::{Method, Mode, Settings, Snap};
 use crate::moves::carried::{Carried, carried};
 use crate::moves::{Layout, Parameter};
-use crate::overlay::measure::{number, numbers_apart, plain_name, sentence_case};
+use crate::overlay::measure::{fixed, number, numbers_apart, plain_name, sentence_case};
 use crate::overlay::result::{Explanation, Objective, Sense};
 use crate::overlay::words::listed;
+use crate::pipeline::explain::LEAST_GAIN;
 use crate::pipeline::rules::broken_limits;
 use crate::pipeline::study::{Study, Understood};
 use crate::plan::drawing::SourceRef;
@@ -132,14 +133,22 @@ pub(super) fn say_below_present(report: &mut Report, file: &str, objectives: &[O
     }
 }
 
+/// That nothing measured is better, and what would be called so: the best may well gain less than that.
+fn none_better(measured: &str, is_firm: bool) -> String {
+    let least = fixed(LEAST_GAIN * 100.0, 1);
+    let others = if is_firm { "" } else { ", and by more than it loses in the others" };
+    format!(
+        "none of the {measured} measured that keep thresholds and penalties is better than the present one to speak of \
+         (by {least} % or more in an objective{others})"
+    )
+}
+
 /// Why there is no option although layouts keep every hard limit: nothing measured is better, or what is better was not
 /// returned.
 pub(super) fn nothing_returned(settings: &Settings, evaluations: u64, is_best_better: bool) -> String {
     let measured = counted(evaluations, "layout");
     if !is_best_better {
-        return format!(
-            "none of the {measured} measured that keep thresholds and penalties is better than the present one"
-        );
+        return none_better(&measured, is_firm(settings));
     }
     let method = if settings.method == Method::Paper { "the published method" } else { "the search" };
     format!(
@@ -168,9 +177,9 @@ pub(super) fn say_options(
     }
     if found.is_none_better {
         let text = format!(
-            "none of the {} measured that keep thresholds and penalties is better than the present one; the best of them is shown; more --evaluations, \
-             EF-MOVE boxes round more walls, or wider bounds in them, give the search more to work with{}",
-            counted(found.evaluations, "layout"),
+            "{}; the best of them is shown; more --evaluations, EF-MOVE boxes round more walls, or wider bounds in them, \
+             give the search more to work with{}",
+            none_better(&counted(found.evaluations, "layout"), is_firm(settings)),
             held_back(settings, group_names(study).len()) + &limits_words(study, settings, found)
         );
         report.warn(NONE_BETTER, place(), text);
@@ -399,16 +408,28 @@ fn named(records: &[&SourceRef]) -> String {
     names.join(", ")
 }
 
-/// What goes along with the walls of an option, by layer; empty for nothing.
-pub(super) fn goes_along_words(base: &Understood, layout: &Layout) -> String {
-    let goes = base.fittings.iter().filter(|f| matches!(carried(&base.plan, f, layout), Carried::Moves(..)));
-    let records: BTreeMap<usize, &str> = goes.map(|f| (f.source.record, f.source.layer.as_str())).collect();
+/// What goes along with the walls of an option, by layer, also what the plan does not show of a building; empty for
+/// nothing.
+pub(super) fn goes_along_words(base: &Understood, made: &Made) -> String {
+    let goes =
+        base.fittings.iter().filter(|f| matches!(carried(&base.plan, f, &made.layout), Carried::Moves(..)));
+    let mut records: BTreeMap<usize, &str> =
+        goes.map(|f| (f.source.record, f.source.layer.as_str())).collect();
+    let shown = records.len();
+    let changed = made.changed.records.iter().flatten();
+    for (record, class) in changed.filter_map(|c| Some((c.of.record, c.filler?))) {
+        records.entry(record).or_insert(class);
+    }
     let layers: BTreeSet<&str> = records.values().copied().collect();
     let layers: Vec<&str> = layers.into_iter().collect();
-    let on = match layers.as_slice() {
+    let mut on = match layers.as_slice() {
         [layer] => format!("layer {layer}"),
         all => format!("layers {}", all.join(", ")),
     };
+    match records.len() - shown {
+        0 => {}
+        unseen => on += &format!("; {unseen} of them not shown in this plan"),
+    }
     match records.len() {
         0 => String::new(),
         1 => format!(" One part of a door or window goes along ({on})."),
@@ -453,6 +474,21 @@ mod tests {
         let far = Nearest { distance: 0.6, wanted: 0.5, are_pinned: true, has_ended: true };
         say_alikeness(&mut report, "plan.dxf", &settings, 1.0, Some(&far));
         assert!(report.problems.is_empty());
+    }
+
+    #[test]
+    fn none_better_says_what_better_would_be() {
+        let settings = Settings::new(Partial::default()).unwrap();
+        let text = nothing_returned(&settings, 80, false);
+        assert!(text.starts_with("none of the 80 layouts measured"), "{text}");
+        assert!(
+            text.contains("better than the present one to speak of (by 0.5 % or more in an objective"),
+            "{text}"
+        );
+        assert_eq!(
+            [true, false].map(|firm| none_better("9 layouts", firm).contains("than it loses in the others")),
+            [false, true]
+        );
     }
 
     #[test]

@@ -1,0 +1,120 @@
+//! Walls of other storeys at a wall that moves: they go along where they stand at it, and what opens is told.
+
+use enfilade::overlay::result::{ElementRef, RoundResult};
+
+use super::told::house;
+use super::*;
+
+/// A house of two storeys with a wall (9000) across the middle of both that slides, and on the lower storey a spur (9100)
+/// of 2 m that starts `from` metres east of that wall and is joined to it `as stated`. With a door in the wall, low down.
+fn spurred(from: f64, way: f64, stated: &str, opening: &str) -> String {
+    let data = format!(
+        "#9000=IFCWALL('W000000000000000009000',$,'tall',$,$,#9003,#9004,$,$);\n\
+         #9001=IFCCARTESIANPOINT((3.,0.1,0.));\n#9002=IFCAXIS2PLACEMENT3D(#9001,#8,#9);\n\
+         #9003=IFCLOCALPLACEMENT(#53,#9002);\n#9004=IFCPRODUCTDEFINITIONSHAPE($,$,(#9006));\n\
+         #9006=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#9007));\n\
+         #9007=IFCEXTRUDEDAREASOLID(#9008,$,#8,5.8);\n#9008=IFCRECTANGLEPROFILEDEF(.AREA.,$,#9009,4.,0.2);\n\
+         #9009=IFCAXIS2PLACEMENT2D(#9010,$);\n#9010=IFCCARTESIANPOINT((2.,0.));\n\
+         #9100=IFCWALL('W000000000000000009100',$,'spur',$,$,#9103,#9104,'T9100',$);\n\
+         #9101=IFCCARTESIANPOINT(({from:?},3.,0.));\n#9102=IFCAXIS2PLACEMENT3D(#9101,#8,#9111);\n\
+         #9103=IFCLOCALPLACEMENT(#53,#9102);\n#9104=IFCPRODUCTDEFINITIONSHAPE($,$,(#9105,#9106));\n\
+         #9105=IFCSHAPEREPRESENTATION(#5,'Axis','Curve2D',(#9112));\n#9112=IFCPOLYLINE((#11,#9113));\n\
+         #9113=IFCCARTESIANPOINT((2.,0.));\n#9111=IFCDIRECTION(({way:?},0.,0.));\n\
+         #9106=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#9107));\n\
+         #9107=IFCEXTRUDEDAREASOLID(#9108,$,#8,2.8);\n#9108=IFCRECTANGLEPROFILEDEF(.AREA.,$,#9109,2.,0.2);\n\
+         #9109=IFCAXIS2PLACEMENT2D(#9110,$);\n#9110=IFCCARTESIANPOINT((1.,0.));\n\
+         #9120=IFCRELCONTAINEDINSPATIALSTRUCTURE('R000000000000000000009',$,$,$,(#9000,#9100),#50);\n\
+         #9121=IFCRELCONNECTSPATHELEMENTS('R000000000000000000010',$,$,$,$,#9000,#9100,(),(),{stated},.ATPATH.);\n\
+         #9122=IFCPROPERTYSINGLEVALUE('Move',$,IFCLABEL('x -0.5m 0.5m'),$);\n\
+         #9123=IFCPROPERTYSET('R000000000000000000011',$,'Pset_Enfilade',$,(#9122));\n\
+         #9124=IFCRELDEFINESBYPROPERTIES('R000000000000000000012',$,$,$,(#9000),#9123);\n\
+         #9130=IFCOPENINGELEMENT('W000000000000000009130',$,$,$,$,#9131,#9134,$,$);\n\
+         #9131=IFCLOCALPLACEMENT(#9003,#9132);\n#9132=IFCAXIS2PLACEMENT3D(#9133,$,$);\n\
+         #9133=IFCCARTESIANPOINT((1.,0.,0.));\n#9134=IFCPRODUCTDEFINITIONSHAPE($,$,(#9135));\n\
+         #9135=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#9136));\n\
+         #9136=IFCEXTRUDEDAREASOLID(#9137,$,#8,2.);\n#9137=IFCRECTANGLEPROFILEDEF(.AREA.,$,$,0.9,0.4);\n\
+         #9138=IFCRELVOIDSELEMENT('R000000000000000000013',$,$,$,#9000,#9130);\n\
+         #9139=IFCDOOR('W000000000000000009139',$,'door',$,$,#9140,$,$,2.,0.9,$,$,$);\n\
+         #9140=IFCLOCALPLACEMENT(#9131,#4);\n\
+         #9141=IFCRELFILLSELEMENT('R000000000000000000014',$,$,$,#9130,#9139);\n{opening}"
+    );
+    with_instances(&house(&[]), &data)
+}
+
+fn run(text: &str) -> pipeline::Outcome<RoundResult> {
+    let with = Partial {
+        storey: Some("Upper".into()),
+        evaluations: Some(20),
+        spacing: Some(0.5),
+        seed: Some(2),
+        members: Some(1),
+        objective: Some("degree max 0.01".into()),
+        penalty: Some("none".into()),
+        ..Partial::default()
+    };
+    let silent = &mut |_| ();
+    let (input, settings) = (Input::new("house.ifc", text.as_bytes(), 1), Settings::new(with).unwrap());
+    pipeline::run(&input, &settings, std::time::Instant::now(), silent, &Cancel::default()).unwrap()
+}
+
+fn told(done: &pipeline::Outcome<RoundResult>) -> Vec<String> {
+    let opened = done.report.problems.iter().filter(|p| p.code == "joint-opens");
+    opened.map(ToString::to_string).collect()
+}
+
+#[test]
+fn an_unseen_wall_follows_by_the_end_that_stands_at_the_wall() {
+    // The file names the right end, the wrong one, and the right one of a wall drawn the other way round.
+    for (from, way, stated) in [(3.1, 1.0, ".ATSTART."), (3.1, 1.0, ".ATEND."), (5.1, -1.0, ".ATEND.")] {
+        let done = run(&spurred(from, way, stated, ""));
+        assert_eq!(told(&done), [""; 0]);
+        let option = &done.result.candidates[0];
+        let is_spur =
+            |e: &ElementRef| serde_json::to_string(e).is_ok_and(|t| t.contains("W000000000000000009100"));
+        let own: Vec<_> = option.changes.iter().filter(|c| is_spur(&c.element)).collect();
+        assert_eq!(own.len(), 1, "named once, by itself: {:?}", option.changes);
+        let ElementRef::Ifc { id: 9100, .. } = own[0].element else { panic!("{:?}", own[0]) };
+        assert_eq!(own[0].host_id.as_deref(), Some("T9100"));
+        let span = |at: &[[f64; 2]]| {
+            let xs = at.iter().map(|p| p[0]);
+            [xs.clone().fold(f64::INFINITY, f64::min), xs.fold(f64::NEG_INFINITY, f64::max)]
+        };
+        let (was, is) = (span(&own[0].from), span(&own[0].to));
+        assert_eq!(was.map(|v| (v * 1e6).round()), [3_100_000.0, 5_100_000.0]);
+        let tall = option.changes.iter().find(|c| !is_spur(&c.element)).unwrap();
+        let by = tall.to[0][0] - tall.from[0][0];
+        assert!(
+            by.abs() > 0.05 && (is[0] - was[0] - by).abs() < 1e-6 && is[1] == was[1],
+            "{by} {was:?} {is:?}"
+        );
+        assert!(option.words.contains("layer IfcDoor; 1 of them not shown in this plan"), "{}", option.words);
+    }
+}
+
+#[test]
+fn a_joint_with_an_unseen_wall_that_stays_is_told() {
+    // A wall that is cut by an opening cannot follow; one that stands elsewhere is joined by the file's word alone.
+    let cut = "#9150=IFCOPENINGELEMENT('W000000000000000009150',$,$,$,$,$,$,$,$);\n\
+               #9151=IFCRELVOIDSELEMENT('R000000000000000000015',$,$,$,#9100,#9150);\n";
+    let gap = told(&run(&spurred(3.1, 1.0, ".ATSTART.", cut)));
+    assert_eq!(gap.len(), 1, "{gap:?}");
+    for part in [
+        "IfcWall",
+        "in option 1 it",
+        "the wall #9100 on storey \"Lower\" (not shown in this plan; it stays)",
+        "0.",
+    ] {
+        assert!(gap[0].contains(part), "{part}: {gap:?}");
+    }
+    let apart = spurred(3.5, 1.0, ".ATSTART.", "");
+    let told = told(&run(&apart));
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(
+        told[0].contains("no end of either is found at the other") && told[0].contains("may open"),
+        "{told:?}"
+    );
+    let shift = [shift(9000, 0.45, 0.0)];
+    let options = ifc::ReadOptions { storey: Some("Upper".into()), ..ifc::ReadOptions::default() };
+    let after = ifc::patch("house.ifc", apart.as_bytes(), &options, &shift, &[]).unwrap();
+    assert!(String::from_utf8(after).unwrap().contains(",#9109,2.,0.2)"), "it keeps its length");
+}
