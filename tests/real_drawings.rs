@@ -5,6 +5,7 @@
 #![allow(clippy::expect_used)]
 
 use std::path::PathBuf;
+use std::process::Command;
 
 use enfilade::formats::dxf;
 use enfilade::plan::axes::{AxisGraph, Drawn, Path};
@@ -105,4 +106,17 @@ fn shifted(drawn: &Drawn, by: DVec2) -> Drawn {
         }
     }
     out
+}
+
+/// Files of one building in two formats measure within 2 % of each other.
+#[test]
+fn twins_agree() {
+    let Some(shared) = std::env::var_os("ENFILADE_SHARED") else { return };
+    let script = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scripts/compare-twins");
+    let data = PathBuf::from(shared).join("data");
+    let program = env!("CARGO_BIN_EXE_enfilade");
+    let done = Command::new("python3").arg(script).arg(program).arg(data).output().expect("Python is there");
+    let said = String::from_utf8_lossy(&done.stdout);
+    assert!(done.status.success(), "{said}{}", String::from_utf8_lossy(&done.stderr));
+    assert!(said.contains("pavilion: "), "{said}");
 }

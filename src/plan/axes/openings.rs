@@ -8,7 +8,8 @@ use super::joints::{FreeEnd, Joined};
 use super::near::Buckets;
 use super::spans::{self, Span};
 use super::tolerances::{
-    CROSSING_MIN_RAD, ERROR_GAP_M, OPENING_MAX_M, OPENING_MIN_M, PASSAGE_MAX_M, SIDE_OPENING_MAX_M,
+    COLLINEAR_M, CROSSING_MIN_RAD, ERROR_GAP_M, OPENING_MAX_M, OPENING_MIN_M, PASSAGE_MAX_M,
+    SIDE_OPENING_MAX_M, THICKNESS_MAX_M,
 };
 use super::{AxisGraph, Drawn, FaceRef, Jamb, Opening, OpeningKind, shell, swings};
 
@@ -26,6 +27,8 @@ const IN_LINE_SHARE: f64 = 0.5;
 const CLEAR_MAX_M: f64 = 0.35;
 /// See [`CLEAR_MAX_M`].
 const CLEAR_MIN_M: f64 = 0.04;
+/// Share of a gap along which a wall beside it runs if the gap leads nowhere.
+const BESIDE_SHARE: f64 = 0.9;
 /// Where one looks across a gap, as shares of its width.
 const LOOKS: [f64; 3] = [0.25, 0.5, 0.75];
 
@@ -213,7 +216,7 @@ impl<'a> Scene<'a> {
         if to.width > limit {
             return None;
         }
-        if kind == OpeningKind::Passage && self.is_blocked(a, gap) {
+        if self.is_beside_wall(f.axis, gap) || (kind == OpeningKind::Passage && self.is_blocked(a, gap)) {
             return None;
         }
         let other = to.other.map(|o| &self.axes[self.joined.free[o].axis as usize]);
@@ -233,6 +236,21 @@ impl<'a> Scene<'a> {
             marks: seen.marks,
             faces: self.drawn.refs(&seen.faces),
             through: self.drawn.refs(&through),
+        })
+    }
+
+    /// Whether a thicker wall runs along a gap and touches what would stand in it: the gap leads nowhere.
+    fn is_beside_wall(&self, axis: u32, gap: Span) -> bool {
+        let a = &self.axes[axis as usize];
+        let near = self.axes_near.along(&a.carrier.points(gap), THICKNESS_MAX_M);
+        near.into_iter().map(|b| &self.axes[b as usize]).filter(|b| b.thickness > a.thickness).any(|b| {
+            let middle = a.carrier.at((gap[0] + gap[1]) / 2.0);
+            let turn = b.carrier.tangent(b.carrier.s_of(middle)).perp_dot(a.carrier.tangent(gap[0]));
+            let apart = b.carrier.offset_of(middle).abs() - (a.thickness + b.thickness) / 2.0;
+            let along = spans::covered(b.carrier.span_of(&a.carrier, gap), &[b.span]);
+            turn.abs() < CROSSING_MIN_RAD
+                && apart <= COLLINEAR_M
+                && along >= BESIDE_SHARE * spans::length(gap)
         })
     }
 

@@ -229,3 +229,26 @@ fn stubs_as_long_as_thick_are_wall_wherever_they_stand() {
         assert_eq!(graph.openings.len(), 2, "{x} {y}: {:?}", graph.openings);
     }
 }
+
+/// A post before a wall and a lining at the wall's end leave no door between them along the wall's face.
+#[test]
+fn a_gap_along_the_face_of_a_wall_is_no_opening() {
+    let faces = [
+        [0.0, 0.0, 0.0, 5.0],
+        [0.1, 0.0, 0.1, 5.0],
+        [0.0, 0.0, 0.1, 0.0],
+        [0.0, 5.0, 0.1, 5.0],
+        [0.1, 0.5, 0.13, 0.5],
+        [0.13, 0.5, 0.13, 0.9],
+        [0.1, 0.9, 0.13, 0.9],
+        [0.1, 2.5, 0.13, 2.5],
+        [0.13, 2.5, 0.13, 2.9],
+        [0.1, 2.9, 0.13, 2.9],
+        [0.1, 0.5, 0.1, 0.9],
+        [0.1, 2.5, 0.1, 2.9],
+    ];
+    let beside = AxisGraph::new(&lines(&faces));
+    assert_eq!(beside.openings, []);
+    let free = AxisGraph::new(&lines(&faces[4..]));
+    assert_eq!(free.openings.len(), 1, "without the wall it is one");
+}
