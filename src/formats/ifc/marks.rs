@@ -104,9 +104,12 @@ fn marked(b: &Building<'_, '_>, storey: Option<u64>) -> Vec<Marked> {
     let is_other = |id: &u64| has(*id) && !known.contains(id) && !b.model.is_zone(*id);
     let mut others: Vec<u64> = b.model.properties.keys().copied().filter(is_other).collect();
     others.sort_unstable();
+    // No more are looked for through the whole file than are told one by one.
+    let unread: BTreeSet<u64> =
+        others.iter().copied().filter(|id| b.step.get(*id).is_none()).take(TOLD).collect();
     for id in others {
-        let at =
-            b.step.get(id).map(|i| (i.span.start, b.step.keyword(id).to_string())).or_else(|| raw(b, id));
+        let read = b.step.get(id).map(|i| (i.span.start, b.step.keyword(id).to_string()));
+        let at = read.or_else(|| unread.contains(&id).then(|| raw(b, id))?);
         let (line, class) = at.map_or((None, String::new()), |(at, class)| (Some(b.step.line(at)), class));
         let place = Place { file: b.file.into(), line, entity: format!("#{id} {class}").trim_end().into() };
         out.push(Marked { id, class, place, used: Use::Nothing });
