@@ -180,14 +180,20 @@ pub(super) fn open_journal(journal: &Mutex<Journal>) -> MutexGuard<'_, Journal> 
 /// What besides its bytes decides a drawing's results: the program, the command line, what the settings files of
 /// the drawing and of its folder say of results, and the data that a scene keeps beside it.
 fn config_key(drawing: &Path, settings_key: &str) -> String {
-    let said = settings_files(drawing).map(|path| what_decides(&bytes_of(&path).unwrap_or_default()));
-    let (mark, said) = match said {
+    let [own, folder] = settings_files(drawing).map(|path| bytes_of(&path).unwrap_or_default());
+    let (mark, said) = match [what_it_decides(&own), what_decides(&folder)] {
         [Ok(own), Ok(folder)] => ("", format!("{:?}", own.over(folder).deciding())),
         said => {
             (UNREADABLE, said.map(|s| s.map_or_else(|e| e, |p| format!("{:?}", p.deciding()))).join("\n"))
         }
     };
     let mut text = format!("{}\n{settings_key}\n{said}\n", env!("CARGO_PKG_VERSION"));
+    for building in buildings_beside(drawing) {
+        text.push_str(&format!(
+            "{}\n",
+            bytes_of(&building).map_or_else(|| "-".into(), |bytes| sha256_hex(&bytes))
+        ));
+    }
     let is_scene = drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf"));
     let scene = if is_scene { bytes_of(drawing).unwrap_or_default() } else { Vec::new() };
     for name in outer_files(&scene).data {
@@ -204,6 +210,40 @@ const UNREADABLE: &str = "unreadable-";
 /// Whether a key is of settings that cannot be read.
 pub(super) fn is_unreadable(config: &str) -> bool {
     config.starts_with(UNREADABLE)
+}
+
+/// The buildings of the same name beside a scene, in the order of their names; none beside another drawing.
+fn buildings_beside(drawing: &Path) -> Vec<PathBuf> {
+    if !is_scene(drawing) {
+        return Vec::new();
+    }
+    let entries = drawing.parent().and_then(|folder| std::fs::read_dir(folder).ok()).into_iter().flatten();
+    let mut found: Vec<PathBuf> =
+        entries.flatten().map(|e| e.path()).filter(|path| is_building_of(path, drawing)).collect();
+    found.sort();
+    found
+}
+
+fn has_ending(path: &Path, endings: [&str; 2]) -> bool {
+    path.extension().is_some_and(|e| endings.iter().any(|ending| e.eq_ignore_ascii_case(ending)))
+}
+
+fn is_scene(drawing: &Path) -> bool {
+    has_ending(drawing, ["glb", "gltf"])
+}
+
+/// Whether a file is the building that a scene is understood with.
+pub(super) fn is_building_of(path: &Path, scene: &Path) -> bool {
+    has_ending(path, ["ifc", "ifczip"])
+        && is_scene(scene)
+        && path.parent() == scene.parent()
+        && path.file_stem() == scene.file_stem()
+}
+
+/// The same of the settings of one drawing, which are refused where they speak of watching.
+fn what_it_decides(bytes: &[u8]) -> Result<Partial, String> {
+    let read = std::str::from_utf8(bytes).ok().and_then(|text| Partial::from_toml("", text).ok());
+    read.filter(|p| p.watch.is_none()).ok_or_else(|| sha256_hex(bytes))
 }
 
 /// What a settings file says. One that cannot be read fails its jobs, each version anew: its digest; where a fault
@@ -284,6 +324,36 @@ mod tests {
         let others = ["seed = 2", "seed = 1\nspacing = 0.5", "seed = ", "seed = x", ""];
         let keys: std::collections::BTreeSet<String> = others.iter().map(|t| key(t)).collect();
         assert!(keys.len() == others.len() && !keys.contains(&key("seed = 1")));
+    }
+
+    /// A building that comes beside a scene, or changes, is a new job of it; one of another name is not.
+    #[test]
+    fn the_key_of_a_scene_holds_the_building_beside_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let put = |name: &str, text: &str| fs::write(dir.path().join(name), text).unwrap();
+        for scene in ["house.glb", "house.gltf"] {
+            let key = || config_key(&dir.path().join(scene), "");
+            put("house.IFC", "a");
+            let first = key();
+            put("house.IFC", "b");
+            assert_ne!(key(), first);
+            put("house.IFC", "a");
+            put("other.ifc", "c");
+            put("house.dxf", "c");
+            assert_eq!(key(), first);
+            fs::remove_file(dir.path().join("house.IFC")).unwrap();
+            assert_ne!(key(), first);
+        }
+    }
+
+    /// Settings of one drawing that speak of watching are refused: they are as such that cannot be read.
+    #[test]
+    fn the_key_of_a_job_says_that_its_settings_are_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let drawing = dir.path().join("plan.dxf");
+        let without = config_key(&drawing, "");
+        fs::write(dir.path().join("plan.enfilade.toml"), "[watch]\nignore = [\"x\"]\n").unwrap();
+        assert!(is_unreadable(&config_key(&drawing, "")) && !is_unreadable(&without));
     }
 
     /// Data that come after their scene, or change, are a new job of it.

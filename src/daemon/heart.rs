@@ -23,8 +23,8 @@ use words::{how_watched, hung, killed_too_often, retry_pause, shown, taken, told
 
 use super::child::JOB_KILLED;
 use super::hands::{
-    Looked, Message, Outcome, Task, Waiting, is_unreadable, open_journal, reporter, start_looker,
-    start_worker,
+    Looked, Message, Outcome, Task, Waiting, is_building_of, is_unreadable, open_journal, reporter,
+    start_looker, start_worker,
 };
 use super::status::{
     SharedDisk, Standing, UNFINISHED, UNFINISHED_OR_FAILED, content_of_results, rfc3339, settle, settle_gone,
@@ -416,6 +416,7 @@ impl Heart {
     fn ready(&mut self, drawing: PathBuf, sha256: String, show: &mut dyn FnMut(Notice)) {
         self.failed.remove(&drawing);
         self.is_overview_stale = true;
+        self.look_again_at_scenes(&drawing);
         let config = self.keys.remove(&drawing).unwrap_or_default();
         let below = self.below(&drawing);
         let Some(journal) = self.journal_of(&drawing) else {
@@ -456,7 +457,16 @@ impl Heart {
         self.running.as_ref().is_some_and(|r| r.what.drawing == drawing)
     }
 
+    /// A building is read with the scenes of its name: they are taken up again when it comes, changes or goes.
+    fn look_again_at_scenes(&mut self, building: &Path) {
+        let drawings = self.settle.settled_drawings();
+        for scene in drawings.iter().filter(|d| is_building_of(building, d)) {
+            self.settle.again(self.start.elapsed(), scene);
+        }
+    }
+
     fn removed(&mut self, drawing: &Path, show: &mut dyn FnMut(Notice)) {
+        self.look_again_at_scenes(drawing);
         self.drop_waiting(drawing, REMOVED, show);
         self.forget(drawing);
         if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {

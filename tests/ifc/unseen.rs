@@ -118,3 +118,41 @@ fn a_joint_with_an_unseen_wall_that_stays_is_told() {
     let after = ifc::patch("house.ifc", apart.as_bytes(), &options, &shift, &[]).unwrap();
     assert!(String::from_utf8(after).unwrap().contains(",#9109,2.,0.2)"), "it keeps its length");
 }
+
+/// A wall of 1 m by 0.2 m on the lower storey, northwards from a place.
+fn standing_at(x: f64, y: f64) -> String {
+    format!(
+        "#9200=IFCWALL('W000000000000000009200',$,'tail',$,$,#9203,#9204,$,$);\n\
+         #9201=IFCCARTESIANPOINT(({x:?},{y:?},0.));\n#9202=IFCAXIS2PLACEMENT3D(#9201,#8,#9);\n\
+         #9203=IFCLOCALPLACEMENT(#53,#9202);\n#9204=IFCPRODUCTDEFINITIONSHAPE($,$,(#9206));\n\
+         #9206=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#9207));\n\
+         #9207=IFCEXTRUDEDAREASOLID(#9208,$,#8,2.8);\n#9208=IFCRECTANGLEPROFILEDEF(.AREA.,$,#9209,1.,0.2);\n\
+         #9209=IFCAXIS2PLACEMENT2D(#9210,$);\n#9210=IFCCARTESIANPOINT((0.5,0.));\n\
+         #9220=IFCRELCONTAINEDINSPATIALSTRUCTURE('R000000000000000000020',$,$,$,(#9200),#50);\n"
+    )
+}
+
+/// No end of a wall that is not shown is drawn back behind a wall that stands at it, nor through one, nor moved at all
+/// where a mark keeps it.
+#[test]
+fn an_unseen_wall_that_is_barred_or_kept_stays() {
+    let keep = "#9230=IFCPROPERTYSINGLEVALUE('Keep',$,IFCBOOLEAN(.T.),$);\n\
+                #9231=IFCPROPERTYSET('R000000000000000000021',$,'Pset_Enfilade',$,(#9230));\n\
+                #9232=IFCRELDEFINESBYPROPERTIES('R000000000000000000022',$,$,$,(#9100),#9231);\n";
+    let options = ifc::ReadOptions { storey: Some("Upper".into()), ..ifc::ReadOptions::default() };
+    for (by, with, stays) in [
+        (0.45, String::new(), false),
+        (-0.45, String::new(), false),
+        (0.45, keep.into(), true),
+        (0.45, standing_at(3.4, 3.1), true),
+        (-0.45, standing_at(3.4, 3.1), false),
+        (-0.45, standing_at(2.8, 2.5), true),
+        (0.45, standing_at(2.8, 2.5), false),
+        (0.45, standing_at(4.5, 3.1), false),
+    ] {
+        let text = spurred(3.1, 1.0, ".ATSTART.", &with);
+        let after = ifc::patch("house.ifc", text.as_bytes(), &options, &[shift(9000, by, 0.0)], &[]).unwrap();
+        let is_kept = String::from_utf8(after).unwrap().contains(",#9109,2.,0.2)");
+        assert_eq!(is_kept, stays, "{by} {with}");
+    }
+}

@@ -215,3 +215,24 @@ fn mended_settings_do_nothing_again() {
     );
     assert!(!daemon.path("done.enfilade/round-02").exists());
 }
+
+/// A scene is taken up again when the building beside it comes, changes or goes, and for no other.
+#[test]
+fn a_scene_is_taken_up_again_with_its_building() {
+    let extensions = ["dxf", "ifc", "glb"].map(String::from).into();
+    let settings = WatchSettings { extensions, ..settings() };
+    let daemon = Daemon::start(settings, |_| {}, |request, _, _| Ok(echo(request)));
+    daemon.save("house.glb", "scene");
+    daemon.await_true("the scene", || daemon.jobs() == 1);
+    let building = |text: &str| daemon.save("house.ifc", text);
+    building("one");
+    daemon.await_true("both", || daemon.jobs() == 3);
+    daemon.save("other.ifc", "one");
+    daemon.await_true("the other one", || daemon.jobs() == 4);
+    building("two");
+    daemon.await_true("both again", || daemon.jobs() == 6);
+    fs::remove_file(daemon.path("house.ifc")).unwrap();
+    daemon.await_true("the scene alone", || daemon.jobs() == 7);
+    daemon.rest();
+    assert_eq!(daemon.jobs(), 7);
+}

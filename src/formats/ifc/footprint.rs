@@ -51,6 +51,23 @@ impl Footprint {
         (!rings.is_empty()).then_some(Self { rings })
     }
 
+    /// What an end of a wall passes over, its corners in order.
+    pub fn swept(end: &[DVec2], by: DVec2) -> Self {
+        let ring = end.iter().copied().chain(end.iter().rev().map(|p| p + by)).collect();
+        Self { rings: vec![ring] }
+    }
+
+    /// Whether it has a corner at another or in it.
+    pub fn stands_at(&self, other: &Self, metres: f64) -> bool {
+        other.is_at(&self.corners().collect::<Vec<_>>(), metres)
+    }
+
+    /// Whether both cover some ground.
+    pub fn runs_through(&self, other: &Self) -> bool {
+        let middle = |f: &Self| f.corners().sum::<DVec2>() / f.corners().count().max(1) as f64;
+        self.crosses(other) || other.distance(middle(self)) == 0.0 || self.distance(middle(other)) == 0.0
+    }
+
     /// The same after a motion.
     pub fn moved(&self, go: impl Fn(DVec2) -> DVec2) -> Self {
         Self { rings: self.rings.iter().map(|r| r.iter().map(|p| go(*p)).collect()).collect() }

@@ -20,6 +20,9 @@ const CROSSING_MIN_SIN: f64 = 0.2;
 /// Corners of an outline this near to those of an end are the same.
 const END_M: f64 = 1e-5;
 
+/// Walls bar each other where they share more than this of their heights, metres.
+const BESIDE_M: f64 = 0.05;
+
 /// What must remain of a wall.
 const REST_M: f64 = 0.1;
 
@@ -68,9 +71,63 @@ struct Candidate {
     ways: [Option<f64>; 2],
 }
 
+impl Candidate {
+    /// How far its ends go along it, file units.
+    fn by(&self) -> [f64; 2] {
+        self.ways.map(|w| w.unwrap_or(0.0))
+    }
+
+    /// What remains of it, file units.
+    fn rest(&self) -> f64 {
+        let by = self.by();
+        self.bar.inner[1] + by[1] - self.bar.inner[0] - by[0]
+    }
+
+    /// Whether another wall stands where it would be drawn back from, or in its way where it grows.
+    fn is_barred_by(&self, other: &Footprint, metres: f64) -> bool {
+        let by = self.by();
+        (0..2).filter(|k| by[*k] != 0.0).any(|k| {
+            let slice = Footprint::swept(&self.bar.ends[k], self.bar.along * by[k]);
+            let is_shorter = (by[k] > 0.0) == (k == 0);
+            if is_shorter { other.stands_at(&slice, metres) } else { slice.runs_through(other) }
+        })
+    }
+}
+
+/// Leaves out the walls that others bar, of the same heights: an end is never drawn back behind a wall that stands at it,
+/// nor through one.
+fn leave_barred(b: &Building<'_, '_>, edited: &BTreeSet<u64>, found: &mut BTreeMap<u64, Candidate>) {
+    if found.is_empty() {
+        return;
+    }
+    let is_other = |id: &u64| !edited.contains(id) && !found.contains_key(id);
+    let walls = b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")).map(|p| p.id);
+    let standing = |id: u64| Some((footprint::reach(b, id)?, Footprint::of(b, id)?));
+    let mut others: Vec<([f64; 2], Footprint)> = walls.filter(is_other).filter_map(standing).collect();
+    loop {
+        let is_barred = |id: u64, one: &Candidate| {
+            let Some(own) = footprint::reach(b, id) else { return true };
+            let is_near = |r: &[f64; 2]| is_level(own, *r, b.geo.metres);
+            others.iter().any(|(reach, at)| is_near(reach) && one.is_barred_by(at, b.geo.metres))
+        };
+        let barred: Vec<u64> =
+            found.iter().filter(|(id, one)| is_barred(**id, one)).map(|(id, _)| *id).collect();
+        if barred.is_empty() {
+            return;
+        }
+        barred.iter().for_each(|id| drop(found.remove(id)));
+        others.extend(barred.into_iter().filter_map(standing));
+    }
+}
+
+/// Whether two share enough of their heights to bar each other.
+fn is_level(a: [f64; 2], b: [f64; 2], metres: f64) -> bool {
+    (a[1].min(b[1]) - a[0].max(b[0])) * metres > BESIDE_M
+}
+
 /// The unseen walls that follow what edits shift: each end that stands at a wall that shifts and that the file joins
-/// to it. A wall that an opening is cut out of stays, and so does one that would be left shorter than [`REST_M`], has
-/// no axis that says where it starts, or cannot change its length.
+/// to it. A wall that an opening is cut out of or that a mark keeps stays, and so does one that would be left shorter than
+/// [`REST_M`], has no axis that says where it starts, cannot change its length, or is barred by another.
 pub(super) fn taken(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit]) -> Taken {
     let edited: BTreeSet<u64> = edits.iter().map(|e| e.record() as u64).collect();
     let shifts: BTreeMap<u64, DVec2> = edits.iter().filter_map(shift).collect();
@@ -96,11 +153,12 @@ pub(super) fn taken(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit])
             one.takers.insert(wall);
         }
     }
+    found.retain(|_, c| c.by() != [0.0; 2] && c.rest() * b.geo.metres >= REST_M);
+    leave_barred(b, &edited, &mut found);
     let mut out = Taken::default();
-    for (id, Candidate { bar, taker, takers, ways }) in found {
-        let by = ways.map(|w| w.unwrap_or(0.0));
-        let rest = bar.inner[1] + by[1] - bar.inner[0] - by[0];
-        let Some(taker) = taker.filter(|_| by != [0.0; 2] && rest * b.geo.metres >= REST_M) else { continue };
+    for (id, one) in found {
+        let by = one.by();
+        let Candidate { bar, taker: Some(taker), takers, .. } = one else { continue };
         let outlines = [[0.0; 2], by].map(|by| {
             let end = |k: usize| bar.ends[k].iter().map(|p| p + bar.along * by[k]).collect::<Vec<_>>();
             [end(0), end(1)].concat()
@@ -129,11 +187,17 @@ pub(super) fn left(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit]) 
         if held.contains(&[id, other]) || footprint::reach(b, other).is_some_and(|r| is_cut(r, cut)) {
             continue;
         }
+        let shares = || Some(is_level(footprint::reach(b, id)?, footprint::reach(b, other)?, b.geo.metres));
         let parting = match (Footprint::of(b, id), Footprint::of(b, other)) {
             (Some(from), Some(stays)) => {
                 footprint::parting(&from, &gone(b, id, &from, way), &stays, b.geo.metres)
             }
             _ => Some(Parting::Unknown),
+        };
+        // One above the other they run through nothing.
+        let parting = match parting {
+            Some(Parting::Through(by_m)) if shares() == Some(false) => Some(Parting::Gap(by_m)),
+            parting => parting,
         };
         let named = |s: u64| b.model.storeys.iter().find(|of| of.id == s).map(|of| of.name.clone());
         let storey = b.model.storey_of(other).and_then(named);
@@ -224,10 +288,11 @@ fn stated(step: &Step<'_>) -> BTreeSet<(u64, u64)> {
     out
 }
 
-/// How a wall without openings that the cut misses changes its length.
+/// How a wall without openings and without a mark that keeps it, which the cut misses, changes its length.
 fn unseen(b: &Building<'_, '_>, id: u64, cut: f64) -> Option<Bar> {
     b.model.product(id).filter(|p| p.class.starts_with("IfcWall"))?;
-    if b.model.openings.contains_key(&id) || super::patch::refusal(b, id).is_some() {
+    let is_held = super::marks::kept(b, id).is_some();
+    if is_held || b.model.openings.contains_key(&id) || super::patch::refusal(b, id).is_some() {
         return None;
     }
     let is_seen = is_cut(footprint::reach(b, id)?, cut);
