@@ -9,6 +9,7 @@ use super::axes::near::Buckets;
 use super::axes::{Path, paths_of};
 use super::distance_to_segment;
 use super::drawing::{Entity, Shape};
+use super::leaves;
 use super::rounds::as_arc;
 
 /// Radii of leaves, metres.
@@ -181,7 +182,16 @@ impl Scene<'_> {
             out.insert(i);
             out.extend(which.into_iter().flat_map(|k| leaves[k].iter().copied()));
         }
+        out.extend(self.leaves_alone(&out));
         out
+    }
+
+    /// Leaves without swings.
+    fn leaves_alone(&self, taken: &BTreeSet<usize>) -> Vec<usize> {
+        let others = (0..self.items.len()).filter(|i| !taken.contains(i));
+        let of = |i: usize| self.items[i].points.windows(2).map(move |w| ([w[0], w[1]], i));
+        let pieces = leaves::Pieces::new(others.clone().flat_map(of));
+        others.filter(|i| pieces.swing(&self.items[*i].paths, *i).is_some()).collect()
     }
 
     /// The lines of a leaf from its hinge to its tip; it may begin `behind_m` behind the hinge, drawn twice.
