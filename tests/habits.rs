@@ -187,3 +187,17 @@ fn the_outer_wall_of_a_gallery_stays() {
         assert!(check(&entities).wall_elements == 5);
     }
 }
+
+/// Faces that a hand drew some millimetres askew: doors go along by default nonetheless.
+#[test]
+fn slips_of_the_hand_hold_no_door_back() {
+    let slip = |k: usize| ((k * 7919 % 101) as f64 / 50.0 - 1.0) * 0.003;
+    let askew = |(i, f): (usize, Rect)| line("A-WALL", [0, 1, 2, 3].map(|k| f[k] + slip(4 * i + k)));
+    let house: String = corridor::faces().into_iter().enumerate().map(askew).collect();
+    let entities = house + &panes("A-GLAZ") + &swings("A-DOOR");
+    let result = check(&entities);
+    assert_eq!(understood(&result), WHOLE);
+    assert_eq!(result.moves.len(), 13);
+    let problems = try_check(&entities).unwrap().report.problems;
+    assert!(problems.iter().all(|p| p.code != "default-moves-stay"), "{problems:?}");
+}

@@ -27,6 +27,9 @@ const LEAF_SHARE: f64 = 0.75;
 /// What is short is part of a leaf only beyond this share of it: before lies the wall's end.
 const CAP_SHARE: f64 = 0.3;
 
+/// Fewest leaves without swings: a house has more than one door, and one line may be the stub of a wall.
+const LEAVES_MIN: usize = 2;
+
 /// Shortest cross over a shaft, metres.
 const CROSS_MIN_M: f64 = 0.3;
 
@@ -189,9 +192,14 @@ impl Scene<'_> {
     /// Leaves without swings.
     fn leaves_alone(&self, taken: &BTreeSet<usize>) -> Vec<usize> {
         let others = (0..self.items.len()).filter(|i| !taken.contains(i));
-        let of = |i: usize| self.items[i].points.windows(2).map(move |w| ([w[0], w[1]], i));
+        let of = |i: usize| {
+            let pieces = self.items[i].points.windows(2);
+            pieces.map(move |w| leaves::Piece { ends: [w[0], w[1]], thing: i, is_wall: true })
+        };
         let pieces = leaves::Pieces::new(others.clone().flat_map(of));
-        others.filter(|i| pieces.swing(&self.items[*i].paths, *i).is_some()).collect()
+        let found: Vec<usize> =
+            others.filter(|i| pieces.swing(&self.items[*i].paths, *i).is_some()).collect();
+        if found.len() >= LEAVES_MIN { found } else { Vec::new() }
     }
 
     /// The lines of a leaf from its hinge to its tip; it may begin `behind_m` behind the hinge, drawn twice.

@@ -10,7 +10,7 @@ use super::axes::near::Buckets;
 use super::distance_to_segment;
 
 /// Widths of leaves, metres of a person.
-pub const LEAF_M: [f64; 2] = [0.55, 1.3];
+const LEAF_M: [f64; 2] = [0.55, 1.3];
 
 /// Thickest leaf, metres.
 const THICK_M: f64 = 0.07;
@@ -33,28 +33,42 @@ const FACE_MIN_M: f64 = 0.05;
 /// How much of a gap beside its jambs is not looked at, metres.
 const FRAME_M: f64 = 0.06;
 
+/// A straight piece.
+#[derive(Clone, Copy)]
+pub(super) struct Piece {
+    pub ends: [DVec2; 2],
+    /// The number of the thing that draws it.
+    pub thing: usize,
+    /// Whether it may be the face of a wall.
+    pub is_wall: bool,
+}
+
 /// Straight pieces by place.
 pub(super) struct Pieces {
-    /// Ends, and the number of the thing that draws it.
-    all: Vec<([DVec2; 2], usize)>,
+    all: Vec<Piece>,
     near: Buckets,
 }
 
 impl Pieces {
-    /// Files them, each with the number of the thing that draws it.
-    pub fn new(pieces: impl Iterator<Item = ([DVec2; 2], usize)>) -> Self {
+    /// Files them.
+    pub fn new(pieces: impl Iterator<Item = Piece>) -> Self {
         let mut out = Self { all: Vec::new(), near: Buckets::new(0.5) };
-        for (ends, thing) in pieces.filter(|(ends, _)| ends.iter().all(|p| p.is_finite())) {
-            out.near.add(out.all.len() as u32, &ends);
-            out.all.push((ends, thing));
+        for piece in pieces.filter(|p| p.ends.iter().all(|e| e.is_finite())) {
+            out.near.add(out.all.len() as u32, &piece.ends);
+            out.all.push(piece);
         }
         out
     }
 
     /// Those near a box that another thing draws.
-    fn others(&self, lo: DVec2, hi: DVec2, own: usize) -> impl Iterator<Item = [DVec2; 2]> + '_ {
+    fn others(&self, lo: DVec2, hi: DVec2, own: usize) -> impl Iterator<Item = Piece> + '_ {
         let near = self.near.near(lo, hi).into_iter().map(|i| self.all[i as usize]);
-        near.filter(move |(_, thing)| *thing != own).map(|(ends, _)| ends)
+        near.filter(move |p| p.thing != own)
+    }
+
+    /// Those of them that are walls.
+    fn walls(&self, lo: DVec2, hi: DVec2, own: usize) -> impl Iterator<Item = [DVec2; 2]> + '_ {
+        self.others(lo, hi, own).filter(|p| p.is_wall).map(|p| p.ends)
     }
 
     /// The swing of the leaf that a thing draws, from where it stands open to where it closes.
@@ -64,7 +78,7 @@ impl Pieces {
         ways.into_iter().find_map(|[hinge, end]| {
             let length = hinge.distance(end);
             let is_free =
-                !self.others(end - AT_M, end + AT_M, own).any(|s| distance_to_segment(end, s) <= AT_M);
+                !self.others(end - AT_M, end + AT_M, own).any(|p| distance_to_segment(end, p.ends) <= AT_M);
             let tip = if is_free { self.tip(hinge, end, own)? } else { return None };
             let turn = (end - hinge).angle_to(tip - hinge);
             let start = if turn > 0.0 { end - hinge } else { tip - hinge };
@@ -76,12 +90,12 @@ impl Pieces {
     /// Where a leaf closes: at the other jamb of the gap that begins at its hinge.
     fn tip(&self, hinge: DVec2, end: DVec2, own: usize) -> Option<DVec2> {
         let length = hinge.distance(end);
-        let jambs = self.others(hinge - AT_M, hinge + AT_M, own);
+        let jambs = self.walls(hinge - AT_M, hinge + AT_M, own);
         let outs = jambs.filter_map(|s| out_of(s, hinge, AT_M));
         outs.into_iter().find_map(|out| {
             let open = out.angle_to(end - hinge).abs();
             let at = hinge + out * length;
-            let faces = self.others(at - WIDTH_M, at + WIDTH_M, own);
+            let faces = self.walls(at - WIDTH_M, at + WIDTH_M, own);
             let goes_on = faces.filter_map(|s| out_of(s, at, WIDTH_M)).any(|back| back.dot(out) < -ALONG_COS);
             let is_leaf = (OPEN_RAD[0]..=OPEN_RAD[1]).contains(&open) && goes_on;
             (is_leaf && self.is_clear(hinge + out * FRAME_M, at - out * FRAME_M, own)).then_some(at)
@@ -95,7 +109,7 @@ impl Pieces {
         // What lies along the gap is its wall's face.
         let runs_along =
             |[c, d]: [DVec2; 2]| [c, d].iter().all(|p| (b - a).normalize().perp_dot(*p - a).abs() <= AT_M);
-        let mut others = self.others(a.min(b), a.max(b), own).filter(|s| !runs_along(*s));
+        let mut others = self.walls(a.min(b), a.max(b), own).filter(|s| !runs_along(*s));
         !others.any(|s| parts([a, b], s) && parts(s, [a, b]))
     }
 }
@@ -132,12 +146,16 @@ mod tests {
 
     /// The two faces of a wall along x with a gap of 0.9 m, and what is given beside them, number 9 last.
     fn closes(leaf: &[[f64; 4]], others: &[[f64; 4]]) -> Option<[i64; 2]> {
-        let ends = |[x0, y0, x1, y1]: [f64; 4]| [DVec2::new(x0, y0), DVec2::new(x1, y1)];
+        let piece = |[x0, y0, x1, y1]: [f64; 4], thing: usize| Piece {
+            ends: [DVec2::new(x0, y0), DVec2::new(x1, y1)],
+            thing,
+            is_wall: thing == 0,
+        };
         let wall = [[0.0, 0.0, 2.0, 0.0], [2.9, 0.0, 5.0, 0.0], [0.0, 0.1, 2.0, 0.1], [2.9, 0.1, 5.0, 0.1]];
         let caps = [[2.0, 0.0, 2.0, 0.1], [2.9, 0.0, 2.9, 0.1]];
-        let fixed = wall.into_iter().chain(caps).chain(others.iter().copied()).map(|s| (ends(s), 0));
-        let own = leaf.iter().map(|s| (ends(*s), 9));
-        let paths: Vec<Path> = own.clone().map(|([a, b], _)| Path::Line { a, b }).collect();
+        let fixed = wall.into_iter().chain(caps).chain(others.iter().copied()).map(|s| piece(s, 0));
+        let own = leaf.iter().map(|s| piece(*s, 9));
+        let paths: Vec<Path> = own.clone().map(|p| Path::Line { a: p.ends[0], b: p.ends[1] }).collect();
         let Path::Arc { centre, sweep_rad, .. } = Pieces::new(fixed.chain(own)).swing(&paths, 9)? else {
             return None;
         };

@@ -338,7 +338,7 @@ fn extent_of(walls: &[&Entity]) -> Option<[DVec2; 2]> {
 }
 
 /// What lies on the layers of walls and is smaller altogether, metres, draws none: control points of a millimetre are one.
-pub const WALLS_MIN_M: f64 = 0.001;
+const WALLS_MIN_M: f64 = 0.001;
 
 /// Problems of readers by which whole blocks are left out.
 const BLOCKS_LEFT_OUT: [&str; 3] = ["dxf-block-cycle", "dxf-block-depth", "dxf-expansion-budget"];
@@ -358,14 +358,19 @@ fn no_walls(drawing: &Drawing, chosen: &choice::Chosen, report: &Report) -> Erro
     let hidden: Vec<&str> = layers.iter().filter(|l| l.role == "hidden").map(|l| l.name.as_str()).collect();
     let hint =
         if hidden.is_empty() { String::new() } else { format!(" (off or frozen: {})", hidden.join(", ")) };
+    let remedy = match hidden[..] {
+        [] => "name the layer of the walls with --wall-layer NAME",
+        _ => {
+            "switch what is off on and thaw what is frozen in the drawing, or name another layer with --wall-layer NAME"
+        }
+    };
     let (others, help) = undrawn_words(drawing);
     let left_out = report.problems.iter().find(|p| BLOCKS_LEFT_OUT.contains(&p.code));
     let why = left_out.map(|p| format!("{}; besides it ", p.text)).unwrap_or_default();
     let place = left_out.map_or_else(|| Place::file(&drawing.file), |p| p.place.clone());
     let longer = if chosen.walls.is_empty() { "" } else { "longer than a millimetre " };
     let text = format!(
-        "{why}no entity {longer}on a wall layer{hint}, layers present: {list}{others}; nothing was measured; \
-         {help}name the layer of the walls with --wall-layer NAME"
+        "{why}no entity {longer}on a wall layer{hint}, layers present: {list}{others}; nothing was measured; {help}{remedy}"
     );
     Error::input("no-walls", place, text)
 }

@@ -27,10 +27,10 @@ const SAME_SHARE: f64 = 1e-4;
 const BORDERS_MAX: usize = 3;
 
 /// A line nearer than this is the second face of a wall, metres.
-pub const SECOND_FACE_M: f64 = 0.45;
+const SECOND_FACE_M: f64 = 0.45;
 
 /// The building keeps farther than this from the border round it, metres: no wall is so thick.
-pub const CLEAR_M: f64 = 0.8;
+const CLEAR_M: f64 = 0.8;
 
 /// Least ground that a building encloses, square metres.
 const GROUND_MIN_M2: f64 = 10.0;

@@ -13,7 +13,7 @@ use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::geometry::{PointUm, Segment, UM_PER_M};
 use super::graph::Handle;
-use super::leaves::Pieces;
+use super::leaves;
 use super::parallels::Straight;
 use super::paving;
 use super::roles::{self, role_by_name};
@@ -119,9 +119,13 @@ const OWN_SWING_M: f64 = 0.15;
 
 /// The swings of leaves that are drawn without them, by entity.
 fn leaves_alone(faces: &[Face], others: &[(usize, &Entity, Vec<Path>)]) -> BTreeMap<usize, Path> {
-    let of_face =
-        |f: &Face| trace(&f.path).windows(2).map(|w| ([w[0], w[1]], usize::MAX)).collect::<Vec<_>>();
-    let pieces = Pieces::new(faces.iter().flat_map(of_face));
+    let lines = |p: &Path, thing: usize, is_wall: bool| -> Vec<leaves::Piece> {
+        trace(p).windows(2).map(|w| leaves::Piece { ends: [w[0], w[1]], thing, is_wall }).collect()
+    };
+    let of_walls = faces.iter().flat_map(|f| lines(&f.path, usize::MAX, true));
+    let beside = others.iter().flat_map(|(i, _, paths)| paths.iter().map(move |p| (*i, p)));
+    let beside = beside.filter(|(_, p)| matches!(p, Path::Line { .. })).flat_map(|(i, p)| lines(p, i, false));
+    let pieces = leaves::Pieces::new(of_walls.chain(beside));
     let drawn: Vec<&Path> = others.iter().flat_map(|o| &o.2).filter(|p| is_swing(p)).collect();
     let is_like = |p: &Path, q: &Path| match (p, q) {
         (Path::Arc { centre, radius, .. }, Path::Arc { centre: at, radius: other, .. }) => {
