@@ -277,11 +277,19 @@ fn has_title_near(drawing: &Drawing, extent: &[DVec2; 2], metres_per_unit: f64) 
     drawing.texts.iter().any(|t| gap(extent, &[t.at, t.at]) <= reach && title_of(&t.text).is_some())
 }
 
+/// The box of what is drawn in a box of cells.
+fn tight(drawing: &Drawing, [lo, hi]: &[DVec2; 2]) -> [DVec2; 2] {
+    let is_in = |p: &DVec2| p.cmpge(*lo).all() && p.cmple(*hi).all();
+    let points = drawing.entities.iter().flat_map(|e| control_points(&e.shape));
+    box_of(points.filter(is_in)).unwrap_or([*lo, *hi])
+}
+
 /// The title of every drawing, if one stands in it or beside it: the nearest pairs first, each title for one drawing.
 fn titles(drawing: &Drawing, boxes: &[[DVec2; 2]], metres_per_unit: f64) -> Vec<Option<(Title, String)>> {
     let reach = TITLE_M / metres_per_unit;
     let texts: Vec<(Title, &Text)> =
         drawing.texts.iter().filter_map(|t| Some((title_of(&t.text)?, t))).collect();
+    let boxes: Vec<[DVec2; 2]> = boxes.iter().map(|b| tight(drawing, b)).collect();
     let far = |b: usize, t: usize| gap(&boxes[b], &[texts[t].1.at, texts[t].1.at]);
     let pairs = (0..boxes.len()).flat_map(|b| (0..texts.len()).map(move |t| (b, t)));
     let mut near: Vec<(f64, usize, usize)> =
