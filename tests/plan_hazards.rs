@@ -153,7 +153,8 @@ fn layers_are_taken_as_a_cad_user_expects() {
     assert_eq!(
         refusal(&drawing(METRES, &off, &lines), &PlanOptions::default()),
         "plan.dxf: no entity on a wall layer (off or frozen: A-WALL, WAND), layers present: A-WALL (4), WAND (4), \
-         EAVES (1), ROOF (1); nothing was measured; name the layer of the walls with --wall-layer NAME"
+         EAVES (1), ROOF (1); nothing was measured; switch what is off on and thaw what is frozen in the drawing, or \
+         name another layer with --wall-layer NAME"
     );
     let locked = layer("house$0$A-WALL", 4, 7);
     let lines =

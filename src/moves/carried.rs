@@ -12,6 +12,10 @@ use crate::plan::{Plan, Wall};
 /// Corners of a wall's ends may differ by this much from one rigid motion: rounding to micrometres.
 const RIGID_M: f64 = 2e-5;
 
+/// Faces that a hand drew a little askew slide along their own lines: corners whose shifts differ by less than this,
+/// metres of a person, go together. Half of what makes control points one.
+pub const ASKEW_M: f64 = 5e-4;
+
 /// Ends that shift by less than this stay.
 const STILL_M: f64 = 1e-9;
 
@@ -36,7 +40,7 @@ pub fn carried(plan: &Plan, fitting: &Fitting, layout: &Layout) -> Carried {
     if before.iter().zip(&after).all(|(p, q)| p.distance(*q) < STILL_M) {
         return Carried::Stays;
     }
-    let Some(motion) = rigid_motion(&before, &after) else {
+    let Some(motion) = motion_of(&before, &after, ASKEW_M * plan.human_scale) else {
         if fitting.is_loose {
             return Carried::Stays;
         }
@@ -48,6 +52,9 @@ pub fn carried(plan: &Plan, fitting: &Fitting, layout: &Layout) -> Carried {
             return Carried::Stale(plan.format.why_no_turn().into());
         }
         _ => {}
+    }
+    if motion.turn_rad == 0.0 && motion.shift == DVec2::ZERO {
+        return Carried::Stays;
     }
     match rigid_shape(plan, &fitting.shape, &motion) {
         (shape, Some(motion)) => Carried::Moves(shape, motion),
@@ -88,6 +95,18 @@ fn places(plan: &Plan, layout: &Layout, (wall, control): Handle) -> (DVec2, DVec
     (at(drawn), at(moved))
 }
 
+/// The motion that carries all points, or the shift that carries them but for `askew`.
+fn motion_of(before: &[DVec2], after: &[DVec2], askew: f64) -> Option<RigidMotion> {
+    rigid_motion(before, after).or_else(|| {
+        let steps = || before.iter().zip(after).map(|(p, q)| *q - *p);
+        let shift = steps().sum::<DVec2>() / before.len() as f64;
+        let worst = steps().map(|s| s.distance(shift)).fold(0.0, f64::max);
+        // Where they do no more than differ, nothing moves.
+        let shift = if shift.length() <= worst { DVec2::ZERO } else { shift };
+        (worst <= askew).then_some(RigidMotion { turn_rad: 0.0, shift })
+    })
+}
+
 /// The turn and shift that carry all points, if one does.
 fn rigid_motion(before: &[DVec2], after: &[DVec2]) -> Option<RigidMotion> {
     let mean = |points: &[DVec2]| points.iter().sum::<DVec2>() / points.len() as f64;
@@ -120,5 +139,22 @@ mod tests {
         assert_eq!(rigid_motion(&corners, &shifted).unwrap().turn_rad, 0.0);
         let apart = [corners[0], corners[1], corners[2] + DVec2::X * 0.1];
         assert!(rigid_motion(&corners, &apart).is_none());
+    }
+
+    /// Corners drawn a little askew: the sides of the opening move alike, or not at all.
+    #[test]
+    fn corners_that_differ_by_a_hair_go_together() {
+        let before =
+            [DVec2::new(12.0, 5.6), DVec2::new(12.0, 5.7), DVec2::new(12.9, 5.7), DVec2::new(12.9, 5.6)];
+        let go = |by: f64, askew: f64| -> Option<DVec2> {
+            let shifts = [-askew, askew, 0.0, 0.0].map(|d| DVec2::new(by + d, 0.0));
+            let after: Vec<DVec2> = before.iter().zip(shifts).map(|(p, s)| *p + s).collect();
+            motion_of(&before, &after, ASKEW_M).map(|m| m.shift)
+        };
+        for askew in [4e-5, ASKEW_M - 1e-6] {
+            assert!(go(0.5, askew).unwrap().distance(DVec2::X * 0.5) < 1e-9, "{askew}");
+            assert_eq!(go(0.0, askew), Some(DVec2::ZERO));
+        }
+        assert_eq!(go(0.5, ASKEW_M + 1e-6), None);
     }
 }

@@ -5,12 +5,13 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use glam::DVec2;
 
 use super::Plan;
-use super::axes::{AxisGraph, Opening, OpeningKind};
+use super::axes::{AxisGraph, Opening, OpeningKind, Path, paths_of};
 use super::curve::{self, control_points};
 use super::drawing::{Drawing, Editable, Entity, Shape, SourceRef};
 use super::geometry::PointUm;
 use super::graph::Handle;
 use super::roles::{Role, role_by_name};
+use super::rounds::as_arc;
 use super::structure::{DrawnWalls, end_handles, face_handles};
 
 /// One drawn part of a door or window.
@@ -150,11 +151,13 @@ const LEAF_SHARE: f64 = 0.1;
 /// Leaves drawn as lines of their own: what lies on the layer of a door's swing and wholly in its sector belongs
 /// to the same door.
 fn add_leaves(drawing: &Drawing, walls: &BTreeSet<usize>, out: &mut BTreeMap<usize, Fitting>) {
-    let is_swing = |i: &usize| {
-        drawing.entities[*i].insert().is_none() && matches!(drawing.entities[*i].shape, Shape::Arc { .. })
+    let swing = |i: &usize| {
+        let e = &drawing.entities[*i];
+        let arc = swing_of(&e.shape).filter(|_| e.insert().is_none())?;
+        Some((*i, arc))
     };
-    let swings: Vec<usize> = out.keys().copied().filter(is_swing).collect();
-    let layers: BTreeSet<&str> = swings.iter().map(|i| drawing.entities[*i].layer.as_str()).collect();
+    let swings: Vec<(usize, Shape)> = out.keys().filter_map(swing).collect();
+    let layers: BTreeSet<&str> = swings.iter().map(|(i, _)| drawing.entities[*i].layer.as_str()).collect();
     // By layer, ascending along x.
     let mut loose: BTreeMap<&str, Vec<(f64, usize)>> = BTreeMap::new();
     for (i, e) in drawing.entities.iter().enumerate() {
@@ -166,9 +169,9 @@ fn add_leaves(drawing: &Drawing, walls: &BTreeSet<usize>, out: &mut BTreeMap<usi
         }
     }
     loose.values_mut().for_each(|list| list.sort_by(|a, b| a.0.total_cmp(&b.0)));
-    for swing in swings {
+    for (swing, arc) in swings {
         let e = &drawing.entities[swing];
-        let Shape::Arc { centre, radius, .. } = e.shape else { continue };
+        let Shape::Arc { centre, radius, .. } = arc else { continue };
         let (Some(near), Some(jambs)) =
             (loose.get(e.layer.as_str()), out.get(&swing).map(|f| f.jambs.clone()))
         else {
@@ -178,10 +181,21 @@ fn add_leaves(drawing: &Drawing, walls: &BTreeSet<usize>, out: &mut BTreeMap<usi
         let from = near.partition_point(|n| n.0 < centre.x - reach);
         for (_, i) in near[from..].iter().take_while(|n| n.0 <= centre.x + reach) {
             let leaf = &drawing.entities[*i];
-            if control_points(&leaf.shape).into_iter().all(|p| is_in_sector(&e.shape, p)) {
+            if control_points(&leaf.shape).into_iter().all(|p| is_in_sector(&arc, p)) {
                 out.entry(*i).or_insert_with(|| fitting(leaf, &jambs));
             }
         }
+    }
+}
+
+/// The arc that a swing is, or that the chords of one trace.
+fn swing_of(shape: &Shape) -> Option<Shape> {
+    match (shape, as_arc(&paths_of(shape, |p| p))?) {
+        (Shape::Circle { .. }, _) => None,
+        (_, Path::Arc { centre, radius, start_rad, sweep_rad }) => {
+            Some(Shape::Arc { centre, radius, start_rad, end_rad: start_rad + sweep_rad })
+        }
+        _ => None,
     }
 }
 

@@ -9,6 +9,7 @@ use super::axes::near::Buckets;
 use super::axes::{Path, paths_of};
 use super::distance_to_segment;
 use super::drawing::{Entity, Shape};
+use super::leaves;
 use super::rounds::as_arc;
 
 /// Radii of leaves, metres.
@@ -25,6 +26,9 @@ const LEAF_SHARE: f64 = 0.75;
 
 /// What is short is part of a leaf only beyond this share of it: before lies the wall's end.
 const CAP_SHARE: f64 = 0.3;
+
+/// Fewest leaves without swings: a house has more than one door, and one line may be the stub of a wall.
+const LEAVES_MIN: usize = 2;
 
 /// Shortest cross over a shaft, metres.
 const CROSS_MIN_M: f64 = 0.3;
@@ -181,7 +185,21 @@ impl Scene<'_> {
             out.insert(i);
             out.extend(which.into_iter().flat_map(|k| leaves[k].iter().copied()));
         }
+        out.extend(self.leaves_alone(&out));
         out
+    }
+
+    /// Leaves without swings.
+    fn leaves_alone(&self, taken: &BTreeSet<usize>) -> Vec<usize> {
+        let others = (0..self.items.len()).filter(|i| !taken.contains(i));
+        let of = |i: usize| {
+            let pieces = self.items[i].points.windows(2);
+            pieces.map(move |w| leaves::Piece { ends: [w[0], w[1]], thing: i, is_wall: true })
+        };
+        let pieces = leaves::Pieces::new(others.clone().flat_map(of));
+        let found: Vec<usize> =
+            others.filter(|i| pieces.swing(&self.items[*i].paths, *i).is_some()).collect();
+        if found.len() >= LEAVES_MIN { found } else { Vec::new() }
     }
 
     /// The lines of a leaf from its hinge to its tip; it may begin `behind_m` behind the hinge, drawn twice.

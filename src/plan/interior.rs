@@ -194,7 +194,7 @@ impl Raster {
             return None;
         }
         let long = (hi[0] - lo[0]).max(hi[1] - lo[1]) as f64;
-        let pixel_um = (long / PIXELS_ALONG).max(PIXEL_MIN_M * human_scale * UM_PER_M) as i64;
+        let pixel_um = (long / PIXELS_ALONG).max(PIXEL_MIN_M * human_scale * UM_PER_M).max(1.0) as i64;
         // Room for the widest disc all round.
         let pad = (CLOSING_M[CLOSING_M.len() - 1] * human_scale * UM_PER_M) as i64 / pixel_um + 3;
         let size = |k: usize| ((hi[k] - lo[k]) / pixel_um + 2 * pad + 1) as usize;

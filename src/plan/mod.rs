@@ -21,6 +21,7 @@ mod infill;
 pub mod interior;
 pub mod labels;
 pub mod layers;
+mod leaves;
 pub mod markers;
 pub mod names;
 pub mod obstacles;
@@ -29,6 +30,7 @@ pub mod outline;
 pub mod own_layers;
 pub mod parallels;
 mod paving;
+mod plots;
 pub mod roles;
 pub mod rooms;
 mod rounds;
@@ -233,11 +235,10 @@ pub struct PlanOptions {
 pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report) -> Result<Plan, Error> {
     let drawing = fills::joined(drawing, options);
     let mut chosen = choice::choose_walls(&drawing, options, report)?;
-    let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
-    let Some(extent) = extent_of(&walls) else {
-        return Err(no_walls(&drawing, &chosen.layers, report));
-    };
-    let unit = units::choose(&drawing, options.unit, &walls, (extent[1] - extent[0]).max_element());
+    let (mut extent, mut unit) = sized(&drawing, options, &chosen, report)?;
+    if plots::leave_out(&drawing, options, &mut chosen, unit.unit.metres, report) {
+        (extent, unit) = sized(&drawing, options, &chosen, report)?;
+    }
     let (mut picked, views) = choice::choose_view(&drawing, options, &chosen, unit.unit.metres, report)?;
     infill::take(&drawing, options, &mut chosen, &mut picked, unit.unit.metres, report);
     let is_our_choice = options.picked.is_none() && options.wall_layers.is_empty();
@@ -295,6 +296,23 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     })
 }
 
+/// The box of the walls, drawing units, and the unit.
+fn sized(
+    drawing: &Drawing,
+    options: &PlanOptions,
+    chosen: &choice::Chosen,
+    report: &Report,
+) -> Result<([DVec2; 2], UnitChoice), Error> {
+    let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
+    let Some(extent) = extent_of(&walls) else { return Err(no_walls(drawing, chosen, report)) };
+    let size = (extent[1] - extent[0]).max_element();
+    let unit = units::choose(drawing, options.unit, &walls, size);
+    match size * unit.unit.metres < WALLS_MIN_M {
+        true => Err(no_walls(drawing, chosen, report)),
+        false => Ok((extent, unit)),
+    }
+}
+
 /// What closes the openings of walls that the file names. An opening that nothing fills is shown under its wall.
 fn plugs(drawing: &Drawing, frame: &Frame) -> Vec<Plug> {
     let of = |e: &Entity| {
@@ -319,10 +337,14 @@ fn extent_of(walls: &[&Entity]) -> Option<[DVec2; 2]> {
     box_of(walls.iter().flat_map(|e| curve::control_points(&e.shape)))
 }
 
+/// What lies on the layers of walls and is smaller altogether, metres, draws none: control points of a millimetre are one.
+const WALLS_MIN_M: f64 = 0.001;
+
 /// Problems of readers by which whole blocks are left out.
 const BLOCKS_LEFT_OUT: [&str; 3] = ["dxf-block-cycle", "dxf-block-depth", "dxf-expansion-budget"];
 
-fn no_walls(drawing: &Drawing, layers: &[LayerUse], report: &Report) -> Error {
+fn no_walls(drawing: &Drawing, chosen: &choice::Chosen, report: &Report) -> Error {
+    let layers = &chosen.layers;
     let mut by_size: Vec<&LayerUse> =
         layers.iter().filter(|l| l.role != "own" && l.role != "marker").collect();
     by_size.sort_by_key(|l| std::cmp::Reverse(l.entities));
@@ -336,13 +358,19 @@ fn no_walls(drawing: &Drawing, layers: &[LayerUse], report: &Report) -> Error {
     let hidden: Vec<&str> = layers.iter().filter(|l| l.role == "hidden").map(|l| l.name.as_str()).collect();
     let hint =
         if hidden.is_empty() { String::new() } else { format!(" (off or frozen: {})", hidden.join(", ")) };
+    let remedy = match hidden[..] {
+        [] => "name the layer of the walls with --wall-layer NAME",
+        _ => {
+            "switch what is off on and thaw what is frozen in the drawing, or name another layer with --wall-layer NAME"
+        }
+    };
     let (others, help) = undrawn_words(drawing);
     let left_out = report.problems.iter().find(|p| BLOCKS_LEFT_OUT.contains(&p.code));
     let why = left_out.map(|p| format!("{}; besides it ", p.text)).unwrap_or_default();
     let place = left_out.map_or_else(|| Place::file(&drawing.file), |p| p.place.clone());
+    let longer = if chosen.walls.is_empty() { "" } else { "longer than a millimetre " };
     let text = format!(
-        "{why}no entity on a wall layer{hint}, layers present: {list}{others}; nothing was measured; \
-         {help}name the layer of the walls with --wall-layer NAME"
+        "{why}no entity {longer}on a wall layer{hint}, layers present: {list}{others}; nothing was measured; {help}{remedy}"
     );
     Error::input("no-walls", place, text)
 }

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::Plan;
+use super::axes::evidence::trace;
 use super::axes::tolerances::{BOTH_WAYS_RAD, SWING_MAX_RAD};
 use super::axes::{AxisGraph, Drawn, Edge, Face, FaceRef, Mark, Opening, Path, Role, paths_of};
 use super::box_of;
@@ -12,6 +13,7 @@ use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::geometry::{PointUm, Segment, UM_PER_M};
 use super::graph::Handle;
+use super::leaves;
 use super::parallels::Straight;
 use super::paving;
 use super::roles::{self, role_by_name};
@@ -94,11 +96,13 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
         out.faces.extend(faces);
     }
     let walls = DrawnWalls::new(plan, drawing);
-    for (i, entity) in drawing.entities.iter().enumerate() {
-        if walls.contains(i, entity) || own_layers::is_own(&entity.layer) {
-            continue;
-        }
-        let paths = swing_or(paths_of(&entity.shape, place));
+    let is_other = |(i, e): &(usize, &Entity)| !walls.contains(*i, e) && !own_layers::is_own(&e.layer);
+    let others = drawing.entities.iter().enumerate().filter(is_other);
+    let others: Vec<(usize, &Entity, Vec<Path>)> =
+        others.map(|(i, e)| (i, e, swing_or(paths_of(&e.shape, place)))).collect();
+    let leaves = leaves_alone(&out.faces, &others);
+    for (i, entity, paths) in others {
+        let paths = leaves.get(&i).map_or(paths, |swing| vec![*swing]);
         if let Some((role, word)) = mark_role(entity, &paths) {
             let group = walls.fitting_block(entity).map_or(i, |record| drawing.entities.len() + record);
             out.marks.push(Mark { paths, role, group: group as u32, word });
@@ -108,6 +112,35 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     leave_paving(&mut out.marks, &mut marked);
     join_swings(drawing, &walls, &mut out.marks, &marked);
     (out, marked)
+}
+
+/// How far the hinge and the radius of a swing lie from those of its leaf at most, metres of a person.
+const OWN_SWING_M: f64 = 0.15;
+
+/// The swings of leaves that are drawn without them, by entity.
+fn leaves_alone(faces: &[Face], others: &[(usize, &Entity, Vec<Path>)]) -> BTreeMap<usize, Path> {
+    let lines = |p: &Path, thing: usize, is_wall: bool| -> Vec<leaves::Piece> {
+        trace(p).windows(2).map(|w| leaves::Piece { ends: [w[0], w[1]], thing, is_wall }).collect()
+    };
+    let of_walls = faces.iter().flat_map(|f| lines(&f.path, usize::MAX, true));
+    let beside = others.iter().flat_map(|(i, _, paths)| paths.iter().map(move |p| (*i, p)));
+    let beside = beside.filter(|(_, p)| matches!(p, Path::Line { .. })).flat_map(|(i, p)| lines(p, i, false));
+    let pieces = leaves::Pieces::new(of_walls.chain(beside));
+    let drawn: Vec<&Path> = others.iter().flat_map(|o| &o.2).filter(|p| is_swing(p)).collect();
+    let is_like = |p: &Path, q: &Path| match (p, q) {
+        (Path::Arc { centre, radius, .. }, Path::Arc { centre: at, radius: other, .. }) => {
+            centre.distance(*at) <= OWN_SWING_M && (radius - other).abs() <= OWN_SWING_M
+        }
+        _ => false,
+    };
+    let may_hang = others.iter().filter(|o| may_be_leaf(&o.1.layer));
+    let swings = may_hang.filter_map(|(i, _, paths)| Some((*i, pieces.swing(paths, *i)?)));
+    swings.filter(|(_, swing)| !drawn.iter().any(|p| is_like(p, swing))).collect()
+}
+
+/// Whether a leaf without its swing may lie on a layer.
+fn may_be_leaf(layer: &str) -> bool {
+    matches!(role_by_name(layer).0, roles::Role::Door | roles::Role::Wall | roles::Role::Unknown)
 }
 
 /// Which entities of a drawing the walls of its plan are.

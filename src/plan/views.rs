@@ -9,7 +9,7 @@ use glam::DVec2;
 
 use super::box_of;
 use super::curve::control_points;
-use super::drawing::{Drawing, Entity, Shape};
+use super::drawing::{Drawing, Entity, Shape, Text};
 use super::parallels::pieces;
 use super::roles::{Role, role_by_name};
 use super::view_names::{Title, is_first_floor, title_of};
@@ -246,7 +246,7 @@ fn groups(drawing: &Drawing, parts: Vec<Part>, metres_per_unit: f64) -> Vec<[DVe
                 let gap = gap(&boxes[i], &boxes[j]);
                 let is_part = area(&boxes[i]) < PART_SHARE * area(&boxes[j])
                     && gap < near
-                    && title_near(drawing, &boxes[i], metres_per_unit).is_none();
+                    && !has_title_near(drawing, &boxes[i], metres_per_unit);
                 i != j && (gap <= 0.0 || is_part)
             })?;
             Some((i, other))
@@ -271,22 +271,49 @@ fn middle(shape: &Shape) -> DVec2 {
     box_of(control_points(shape).into_iter()).map_or(DVec2::ZERO, |b| (b[0] + b[1]) / 2.0)
 }
 
-/// The title nearest to a drawing's box, if one stands in it or beside it.
-fn title_near(drawing: &Drawing, extent: &[DVec2; 2], metres_per_unit: f64) -> Option<(Title, String)> {
+/// Whether a title stands in a drawing's box or beside it.
+fn has_title_near(drawing: &Drawing, extent: &[DVec2; 2], metres_per_unit: f64) -> bool {
     let reach = TITLE_M / metres_per_unit;
-    let titled = drawing.texts.iter().filter_map(|t| {
-        let distance = gap(extent, &[t.at, t.at]);
-        (distance <= reach).then(|| title_of(&t.text).map(|kind| (distance, kind, t.text.trim())))?
-    });
-    let best = titled.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some((best.1, best.2.lines().next().unwrap_or_default().to_owned()))
+    drawing.texts.iter().any(|t| gap(extent, &[t.at, t.at]) <= reach && title_of(&t.text).is_some())
+}
+
+/// The box of what is drawn in a box of cells.
+fn tight(drawing: &Drawing, [lo, hi]: &[DVec2; 2]) -> [DVec2; 2] {
+    let is_in = |p: &DVec2| p.cmpge(*lo).all() && p.cmple(*hi).all();
+    let points = drawing.entities.iter().flat_map(|e| control_points(&e.shape));
+    box_of(points.filter(is_in)).unwrap_or([*lo, *hi])
+}
+
+/// The title of every drawing, if one stands in it or beside it: the nearest pairs first, each title for one drawing.
+fn titles(drawing: &Drawing, boxes: &[[DVec2; 2]], metres_per_unit: f64) -> Vec<Option<(Title, String)>> {
+    let reach = TITLE_M / metres_per_unit;
+    let texts: Vec<(Title, &Text)> =
+        drawing.texts.iter().filter_map(|t| Some((title_of(&t.text)?, t))).collect();
+    let boxes: Vec<[DVec2; 2]> = boxes.iter().map(|b| tight(drawing, b)).collect();
+    let far = |b: usize, t: usize| gap(&boxes[b], &[texts[t].1.at, texts[t].1.at]);
+    let pairs = (0..boxes.len()).flat_map(|b| (0..texts.len()).map(move |t| (b, t)));
+    let mut near: Vec<(f64, usize, usize)> =
+        pairs.map(|(b, t)| (far(b, t), b, t)).filter(|p| p.0 <= reach).collect();
+    // Where two drawings are as near, it stands under one of them.
+    let is_over = |b: usize, t: usize| texts[t].1.at.y > boxes[b][0].midpoint(boxes[b][1]).y;
+    near.sort_by(|p, q| p.0.total_cmp(&q.0).then(is_over(p.1, p.2).cmp(&is_over(q.1, q.2))));
+    let mut out = vec![None; boxes.len()];
+    let mut is_taken = vec![false; texts.len()];
+    for (_, b, t) in near {
+        if out[b].is_none() && !is_taken[t] {
+            is_taken[t] = true;
+            let (kind, text) = texts[t];
+            out[b] = Some((kind, text.text.trim().lines().next().unwrap_or_default().to_owned()));
+        }
+    }
+    out
 }
 
 fn views(drawing: &Drawing, boxes: &[[DVec2; 2]], metres_per_unit: f64) -> Vec<View> {
-    let title = |b: &[DVec2; 2]| (boxes.len() > 1).then(|| title_near(drawing, b, metres_per_unit)).flatten();
+    let titles = if boxes.len() > 1 { titles(drawing, boxes, metres_per_unit) } else { vec![None] };
     let mut out: Vec<View> = Vec::new();
-    for extent in boxes {
-        let (kind, name) = title(extent).unwrap_or((Title::Unknown, String::new()));
+    for (extent, title) in boxes.iter().zip(titles) {
+        let (kind, name) = title.unwrap_or((Title::Unknown, String::new()));
         let why = if name.is_empty() { "no title by it".into() } else { format!("titled {name:?}") };
         let (number, wall_pieces, column_pieces, is_chosen) = (0, 0, 0, false);
         out.push(View { number, name, extent: *extent, wall_pieces, column_pieces, kind, is_chosen, why });
@@ -372,6 +399,7 @@ fn choose(sheet: &mut Sheet, mark: Option<&DVec2>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::drawing::SourceRef;
 
     fn view(number: usize, wall_pieces: usize, column_pieces: usize, kind: Title) -> View {
         View {
@@ -415,5 +443,30 @@ mod tests {
         assert_eq!(chosen(COLUMN_PIECES_MIN, Title::Unknown), Some(0));
         assert_eq!(chosen(COLUMN_PIECES_MIN - 1, Title::Unknown), Some(1));
         assert_eq!(chosen(COLUMN_PIECES_MIN, Title::Plan), Some(1), "what its title says goes first");
+    }
+
+    /// Two plans one above the other, each with its title below it: the lower one lies nearer to the title of the upper.
+    #[test]
+    fn a_title_is_that_of_one_drawing() {
+        let source = SourceRef { record: 0, handle: None, line: 0, kind: "TEXT".into(), layer: "0".into() };
+        let text = |words: &str, y: f64| Text {
+            source: source.clone(),
+            layer: "0".into(),
+            at: DVec2::new(4.0, y),
+            text: words.into(),
+        };
+        let boxes = [[0.0, 9.0], [12.0, 21.0]].map(|[lo, hi]| [DVec2::new(0.0, lo), DVec2::new(14.0, hi)]);
+        let named = |texts: &[(&str, f64)]| {
+            let texts = texts.iter().map(|(words, y)| text(words, *y)).collect();
+            let drawing = Drawing { texts, ..Drawing::of(Vec::new()) };
+            titles(&drawing, &boxes, 1.0)
+                .into_iter()
+                .map(|t| t.map_or(String::new(), |t| t.1))
+                .collect::<Vec<_>>()
+        };
+        let both = named(&[("GROUND FLOOR", -2.5), ("UPPER FLOOR", 11.0)]);
+        assert_eq!(both, ["GROUND FLOOR", "UPPER FLOOR"]);
+        assert_eq!(named(&[("UPPER FLOOR", 11.0)]), ["", "UPPER FLOOR"]);
+        assert_eq!(named(&[("GROUND FLOOR", -2.5), ("UPPER FLOOR", 10.5)]), both, "as near to both");
     }
 }

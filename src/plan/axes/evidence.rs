@@ -148,6 +148,13 @@ impl Band {
         self.has(middle, ERROR_GAP_M)
     }
 
+    /// Whether a piece lies on a jamb, across the wall: it closes a window beside the gap as well as one in it.
+    fn is_on_jamb(&self, path: &Path) -> bool {
+        let along = path.ends().map(|e| self.carrier.s_of(e));
+        matches!(path, Path::Line { .. })
+            && self.gap.iter().any(|jamb| along.iter().all(|s| (s - jamb).abs() <= ERROR_GAP_M))
+    }
+
     /// What a piece reaches along the gap.
     fn reach_of(&self, path: &Path) -> Option<Span> {
         let along = trace(path).into_iter().map(|p| self.carrier.s_of(p));
@@ -238,13 +245,14 @@ impl Seen {
         let inside = mark.paths.iter().any(|p| band.holds(p) || closes(p))
             || mark.role == Role::Door && (folds(mark, band) || encloses(mark, band));
         let panes = mark.paths.iter().any(|p| band.has_pane(p));
+        let shows_window = mark.paths.iter().any(|p| band.holds(p) && !band.is_on_jamb(p));
         self.swing |= swing;
         if mark.role == Role::Door && (inside || swing) {
             self.door_spans.extend(mark.paths.iter().filter_map(|p| band.reach_of(p)));
         }
         match mark.role {
             Role::Door if inside || swing => self.door.get_or_insert(mark.word.clone()),
-            Role::Window | Role::Glazing if inside => self.window.get_or_insert(mark.word.clone()),
+            Role::Window | Role::Glazing if shows_window => self.window.get_or_insert(mark.word.clone()),
             Role::Unknown if panes => {
                 self.panes = true;
                 return true;

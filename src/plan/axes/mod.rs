@@ -16,7 +16,7 @@ mod carrier;
 mod columns;
 mod curves;
 mod cuts;
-mod evidence;
+pub(super) mod evidence;
 mod joints;
 #[cfg(test)]
 mod limits_tests;

@@ -1,0 +1,203 @@
+//! One house in the habits of offices: swings of many chords, windows as rectangles, leaves without swings, frames on the
+//! walls' layer, slips of the hand. Each is understood like the others.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
+
+mod corridor;
+
+use corridor::{Rect, SIZE, WINDOWS, corners, doors, drawing, leaf, line, panes, polyline, swings, walls};
+use enfilade::config::{Partial, Settings};
+use enfilade::formats::dxf::{ReadOptions, read};
+use enfilade::overlay::result::CheckResult;
+use enfilade::pipeline::{self, Input, Outcome};
+use enfilade::plan::{PlanOptions, fittings, structure, understand};
+use enfilade::report::Error;
+use enfilade::report::Report;
+
+fn try_check(entities: &str) -> Result<Outcome<CheckResult>, Error> {
+    let settings = Settings::new(Partial::default()).unwrap();
+    pipeline::check(&Input::new("plan.dxf", drawing(entities).as_bytes(), 1), &settings)
+}
+
+fn check(entities: &str) -> CheckResult {
+    try_check(entities).unwrap().result
+}
+
+/// What is understood of the house drawn as it should be.
+const WHOLE: &str = "40 walls and 0 columns understood; 8 doors, 7 windows, 0 passages";
+
+fn understood(result: &CheckResult) -> &str {
+    result.statements.iter().find(|s| s.contains("understood")).unwrap()
+}
+
+#[test]
+fn the_house_as_it_should_be() {
+    let result = check(&(walls("A-WALL") + &panes("A-GLAZ") + &swings("A-DOOR")));
+    assert_eq!(understood(&result), WHOLE);
+    assert_eq!(result.moves.len(), 13);
+}
+
+/// All that lies on the layer of the walls is smaller than what can be measured.
+#[test]
+fn specks_are_no_walls() {
+    let rest = panes("A-GLAZ") + &swings("A-DOOR");
+    for (x, y) in [(0.0003, 0.0), (0.0, 0.0), (0.0009, 0.0009)] {
+        let speck = line("A-WALL", [3.0, 3.0, 3.0 + x, 3.0 + y]);
+        for entities in [speck.clone(), speck + &rest] {
+            let error = try_check(&entities).unwrap_err();
+            let told = "plan.dxf: no entity longer than a millimetre on a wall layer, layers present: ";
+            assert!(error.to_string().starts_with(told), "{error}");
+            assert_eq!(error.exit_code(), 2);
+        }
+    }
+    assert!(try_check(&line("A-WALL", [3.0, 3.0, 3.0011, 3.0])).is_ok());
+}
+
+/// The lines of a window on its jambs are no window of the pier beside it.
+#[test]
+fn windows_drawn_as_rectangles_are_all_found() {
+    for share in [[0.0, 1.0], [0.4, 0.6], [0.0, 0.3]] {
+        let boxes = WINDOWS.map(|[x0, y0, x1, y1]| {
+            let [low, high] = share.map(|s| y0 + s * (y1 - y0));
+            corners([x0, low, x1, high])
+        });
+        let rings: String = boxes.iter().map(|b| polyline("A-GLAZ", b, true)).collect();
+        let side = |b: &[[f64; 2]; 4], k: usize| {
+            let ([x0, y0], [x1, y1]) = (b[k], b[(k + 1) % 4]);
+            line("A-GLAZ", [x0, y0, x1, y1])
+        };
+        let sides: String = boxes.iter().flat_map(|b| (0..4).map(move |k| side(b, k))).collect();
+        for windows in [rings, sides] {
+            let result = check(&(walls("A-WALL") + &windows + &swings("A-DOOR")));
+            assert_eq!(understood(&result), WHOLE, "{share:?}");
+            assert_eq!(result.moves.len(), 13);
+        }
+    }
+}
+
+/// How many parts of doors and windows go along with walls.
+fn carried(entities: &str) -> usize {
+    let mut report = Report::default();
+    let drawing =
+        read("plan.dxf", drawing(entities).as_bytes(), &ReadOptions::default(), &mut report).unwrap();
+    let plan = understand(&drawing, &PlanOptions::default(), &mut report).unwrap();
+    let (axes, marked) = structure::axes(&plan, &drawing);
+    fittings::fittings(&plan, &drawing, &axes, &marked).len()
+}
+
+/// Leaf and swing go along together, whatever the swing is drawn as and wherever.
+#[test]
+fn a_swing_of_chords_goes_with_its_leaf() {
+    let leaves: String = doors().iter().map(|d| leaf("A-WALL", d, 1.0)).collect();
+    let house = walls("A-WALL") + &panes("A-GLAZ");
+    for chords in [6, 24] {
+        let swings: String = doors().iter().map(|d| polyline("A-WALL", &d.swing(chords), false)).collect();
+        let entities = house.clone() + &swings + &leaves;
+        assert_eq!(understood(&check(&entities)), WHOLE, "{chords}");
+        assert_eq!(carried(&entities), 3 * WINDOWS.len() + 2 * doors().len(), "{chords}");
+    }
+}
+
+/// A leaf alone is a door where it is as long as the gap at whose jamb it hangs.
+#[test]
+fn leaves_without_swings_are_doors() {
+    let slip = |layer: &str| -> String {
+        let ring = |d: &corridor::Door| {
+            let ([hx, hy], [ex, ey]) = (d.hinge, d.leaf_end(1.0));
+            let [tx, ty] = [0, 1].map(|k| 0.04 * (d.tip[k] - d.hinge[k]) / d.width());
+            polyline(layer, &[[hx, hy], [ex, ey], [ex + tx, ey + ty], [hx + tx, hy + ty]], true)
+        };
+        doors().iter().map(ring).collect()
+    };
+    let open =
+        |layer: &str, share: f64| -> String { doors().iter().map(|d| leaf(layer, d, share)).collect() };
+    for [wall, glass, door] in
+        [["A-WALL", "A-GLAZ", "A-DOOR"], ["A-WALL", "A-GLAZ", "A-WALL"], ["0", "0", "0"]]
+    {
+        let house = walls(wall) + &panes(glass);
+        for leaves in [open(door, 1.0), open(door, 0.5), slip(door)] {
+            let entities = house.clone() + &leaves;
+            let result = check(&entities);
+            assert_eq!(understood(&result), WHOLE, "{door}");
+            assert_eq!(result.moves.len(), 13, "{door}");
+            if glass != "0" {
+                assert_eq!(carried(&entities), 3 * WINDOWS.len() + doors().len(), "{door}");
+            }
+        }
+    }
+}
+
+/// A rectangle so far round the house.
+fn round(by: f64) -> [[f64; 2]; 4] {
+    corners([-by, -by, SIZE[0] + by, SIZE[1] + by])
+}
+
+fn borders(entities: &str) -> Vec<String> {
+    let told = try_check(entities).unwrap().report.problems;
+    told.iter().filter(|p| p.code == "plot-border").map(ToString::to_string).collect()
+}
+
+/// One line round a building that touches nothing is the border of a sheet or of a plot.
+#[test]
+fn a_line_round_the_house_is_no_wall() {
+    for [wall, glass, door] in [["0", "0", "0"], ["A-WALL", "A-GLAZ", "A-DOOR"]] {
+        let house = walls(wall) + &panes(glass) + &swings(door);
+        let alone = check(&house);
+        let ring = |by: f64| polyline(wall, &round(by), true);
+        let side = |k: usize| -> Rect {
+            let ([x0, y0], [x1, y1]) = (round(2.0)[k], round(2.0)[(k + 1) % 4]);
+            [x0, y0, x1, y1]
+        };
+        let sides: String = (0..4).map(|k| line(wall, side(k))).collect();
+        for (border, count) in
+            [(ring(0.9), 1), (ring(1.0), 1), (ring(30.0), 1), (sides, 1), (ring(2.0) + &ring(2.5), 2)]
+        {
+            let entities = house.clone() + &border;
+            let result = check(&entities);
+            assert_eq!(understood(&result), WHOLE);
+            assert_eq!((result.moves.len(), result.wall_elements), (13, alone.wall_elements));
+            let told = borders(&entities);
+            assert_eq!(told.len(), count, "{told:?}");
+        }
+    }
+}
+
+/// A wall round the plot has two faces; one that the house touches, or stands too near to, is its own.
+#[test]
+fn a_wall_round_the_house_stays() {
+    let house = walls("0") + &panes("0") + &swings("0");
+    let ring = |by: f64| polyline("0", &round(by), true);
+    for border in [ring(2.0) + &ring(2.25), ring(0.7), ring(2.0) + &line("0", [-2.0, 4.0, 0.0, 4.0])] {
+        assert_eq!(borders(&(house.clone() + &border)), [""; 0]);
+    }
+}
+
+/// A rectangle with screens in it is the outer wall of a gallery.
+#[test]
+fn the_outer_wall_of_a_gallery_stays() {
+    let outer = polyline("0", &corners([0.0, 0.0, 20.0, 14.0]), true);
+    let single =
+        [[4.0, 4.0, 4.0, 10.0], [8.0, 4.0, 14.0, 4.0], [16.0, 4.0, 16.0, 10.0], [8.0, 10.0, 14.0, 10.0]];
+    let lines: String = single.into_iter().map(|s| line("0", s)).collect();
+    let thick = single
+        .map(|[x0, y0, x1, y1]| polyline("0", &corners([x0, y0, x1.max(x0 + 0.2), y1.max(y0 + 0.2)]), true));
+    for screens in [lines, thick.concat()] {
+        let entities = outer.clone() + &screens;
+        assert_eq!(borders(&entities), [""; 0]);
+        assert!(check(&entities).wall_elements == 5);
+    }
+}
+
+/// Faces that a hand drew some millimetres askew: doors go along by default nonetheless.
+#[test]
+fn slips_of_the_hand_hold_no_door_back() {
+    let slip = |k: usize| ((k * 7919 % 101) as f64 / 50.0 - 1.0) * 0.003;
+    let askew = |(i, f): (usize, Rect)| line("A-WALL", [0, 1, 2, 3].map(|k| f[k] + slip(4 * i + k)));
+    let house: String = corridor::faces().into_iter().enumerate().map(askew).collect();
+    let entities = house + &panes("A-GLAZ") + &swings("A-DOOR");
+    let result = check(&entities);
+    assert_eq!(understood(&result), WHOLE);
+    assert_eq!(result.moves.len(), 13);
+    let problems = try_check(&entities).unwrap().report.problems;
+    assert!(problems.iter().all(|p| p.code != "default-moves-stay"), "{problems:?}");
+}
