@@ -120,3 +120,17 @@ fn twins_agree() {
     assert!(done.status.success(), "{said}{}", String::from_utf8_lossy(&done.stderr));
     assert!(said.contains("pavilion: "), "{said}");
 }
+
+/// Two windows of a round wall with a pier between them are not one window that closes a room.
+#[test]
+fn a_round_wall_alone_encloses_no_room() {
+    let Some(shared) = std::env::var_os("ENFILADE_SHARED") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let drawing = folder.path().join("round.ifc");
+    std::fs::copy(PathBuf::from(shared).join("data/ifc/vectorworks_curved_wall.ifc"), &drawing)
+        .expect("it is there");
+    let done =
+        Command::new(env!("CARGO_BIN_EXE_enfilade")).arg("analyse").arg(&drawing).output().expect("it runs");
+    let said = String::from_utf8_lossy(&done.stderr);
+    assert!(done.status.code() == Some(2) && said.contains("the walls enclose no room"), "{said}");
+}

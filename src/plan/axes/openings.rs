@@ -1,6 +1,8 @@
 //! Openings: gaps between wall ends, and what the drawing shows in them.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::DVec2;
 
 use super::assembly::{Axes, Axis};
 use super::evidence::{BESIDE_M, Evidence, PANES, ordered, trace};
@@ -27,6 +29,10 @@ const IN_LINE_SHARE: f64 = 0.5;
 const CLEAR_MAX_M: f64 = 0.35;
 /// See [`CLEAR_MAX_M`].
 const CLEAR_MIN_M: f64 = 0.04;
+/// Shortest pier in a gap: frames and mullions are shorter.
+const PIER_MIN_M: f64 = 0.5;
+/// What covers more of a gap is the frame of what stands in it.
+const PIER_MAX_SHARE: f64 = 0.9;
 /// Share of a gap along which a wall beside it runs if the gap leads nowhere.
 const BESIDE_SHARE: f64 = 0.9;
 /// Where one looks across a gap, as shares of its width.
@@ -216,7 +222,10 @@ impl<'a> Scene<'a> {
         if to.width > limit {
             return None;
         }
-        if self.is_beside_wall(f.axis, gap) || (kind == OpeningKind::Passage && self.is_blocked(a, gap)) {
+        if self.is_beside_wall(f.axis, gap)
+            || self.holds_pier(a, gap)
+            || (kind == OpeningKind::Passage && self.is_blocked(a, gap))
+        {
             return None;
         }
         let other = to.other.map(|o| &self.axes[self.joined.free[o].axis as usize]);
@@ -252,6 +261,23 @@ impl<'a> Scene<'a> {
                 && apart <= COLLINEAR_M
                 && along >= BESIDE_SHARE * spans::length(gap)
         })
+    }
+
+    /// Whether a piece of wall with an outline of its own, as thick as the wall, stands in a gap and leaves some of it.
+    fn holds_pier(&self, wall: &Axis, gap: Span) -> bool {
+        let half = wall.thickness / 2.0;
+        let mut flush: BTreeMap<u32, Vec<Span>> = BTreeMap::new();
+        for f in self.faces_near.along(&wall.carrier.points(gap), half + COLLINEAR_M) {
+            let face = &self.drawn.faces[f as usize];
+            let ends = face.path.ends();
+            let is_flush = |p: DVec2| (wall.carrier.offset_of(p).abs() - half).abs() <= COLLINEAR_M;
+            let [s, t] = ends.map(|p| wall.carrier.s_of(p));
+            if face.is_closed && ends.into_iter().all(is_flush) && (s - t).abs() > wall.thickness / 2.0 {
+                flush.entry(face.wall).or_default().push(ordered(s, t));
+            }
+        }
+        let reach = PIER_MIN_M..PIER_MAX_SHARE * spans::length(gap);
+        flush.values().any(|of| reach.contains(&spans::covered(gap, of)))
     }
 
     /// Whether drawn walls run across the way through a gap on both sides of it: the gap lies in a pier or a niche.
