@@ -1,4 +1,4 @@
-//! The command line: the only file that says clap.
+//! The command line: with `idle` the only place that says clap.
 
 mod idle;
 

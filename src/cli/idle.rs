@@ -13,6 +13,7 @@ struct Idle {
     instead: &'static str,
 }
 
+/// Every such option; help, manual, completions and the refusal all go by it.
 const IDLE: [Idle; 5] = [
     Idle {
         command: "watch",

@@ -105,6 +105,11 @@ fn twin_of_before(drawing: &Path) -> Option<Vec<u8>> {
     before.find_map(|name| building_like(&drawing.with_file_name(name)))
 }
 
+/// What the command line says of a drawing, then its own settings, then those of its folder; each where those before say
+/// nothing.
+///
+/// # Errors
+/// [`Error::Usage`] and [`Error::Environment`] with the file, and the line where there is one.
 pub(super) fn settings_partial(drawing: &Path, command_line: Partial) -> Result<Partial, Error> {
     let mut out = command_line;
     let [own, folder] = settings_files(drawing);
@@ -128,6 +133,10 @@ fn no_watch_in(side_car: &Path, said: &Partial) -> Result<(), Error> {
     Err(Error::usage("watch-of-one-drawing", Place::file(side_car.to_string_lossy()), text))
 }
 
+/// What one settings file says, its folders for results as paths; `None` where there is no such file.
+///
+/// # Errors
+/// As [`settings_partial`].
 pub(super) fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
     use std::io::ErrorKind;
     let place = || Place::file(file.to_string_lossy());

@@ -57,7 +57,7 @@ pub(super) fn write_standing(disk: &dyn Disk, drawing: &Path, placing: &Placing,
 
 /// States of a round that was not finished. One that was asked for with wishes of its own is not asked for again.
 pub(super) const UNFINISHED: [&str; 3] = ["running", "waiting", "stopped"];
-/// The state of settings that could not be read, besides.
+/// The same and that of a job whose settings could not be read, which says nothing once they are mended.
 pub(super) const UNFINISHED_OR_FAILED: [&str; 4] = ["running", "waiting", "stopped", "failed"];
 
 /// Puts right what says of a content that is done that it is in one of some states.

@@ -10,7 +10,8 @@ impl Heart {
         folder.and_then(|f| content_of_results(&f)).is_some_and(|of| of != sha256)
     }
 
-    /// `is_mended`: settings that could not be read were the last that failed.
+    /// Says how the job of this content and these settings ended, instead of doing it again; `is_mended`: the settings
+    /// seen last could not be read, and what failed for that is over.
     pub(super) fn ended_before(
         &mut self,
         drawing: PathBuf,
