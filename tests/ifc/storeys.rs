@@ -266,7 +266,9 @@ fn the_floor_that_is_measured_counts_once() {
     };
     let (spacing, area) = (number("spacing"), number("measured on"));
     let vertices = number(&format!("spacing {spacing} m:"));
-    assert!((area - vertices * spacing * spacing).abs() <= 0.5 && area < 200.0, "{said}");
+    assert!((area - vertices * spacing * spacing).abs() <= 0.5 && area < 210.0, "{said}");
+    // At 0.3 m they would be more than the budget: with what is shared counted twice 0.4 m seemed too fine.
+    assert!(spacing == 0.4 && area / (0.3 * 0.3) > 1_500.0, "{said}");
 }
 
 #[test]

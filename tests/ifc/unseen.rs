@@ -156,3 +156,29 @@ fn an_unseen_wall_that_is_barred_or_kept_stays() {
         assert_eq!(is_kept, stays, "{by} {with}");
     }
 }
+
+/// As many programs write them: without `IfcRelConnectsPathElements`.
+#[test]
+fn an_unseen_wall_that_stands_at_the_wall_follows_without_a_stated_joint() {
+    let options = ifc::ReadOptions { storey: Some("Upper".into()), ..ifc::ReadOptions::default() };
+    let unstated = |from: f64, way: f64, with: &str| {
+        let text = spurred(from, way, ".ATSTART.", with);
+        text.lines().filter(|l| !l.starts_with("#9121=")).collect::<Vec<_>>().join("\n")
+    };
+    for (from, way, follows) in [(3.1, 1.0, true), (5.1, -1.0, true), (3.5, 1.0, false)] {
+        let text = unstated(from, way, "");
+        let after =
+            ifc::patch("house.ifc", text.as_bytes(), &options, &[shift(9000, 0.45, 0.0)], &[]).unwrap();
+        let is_shorter = String::from_utf8(after).unwrap().contains(",1.55,0.2)");
+        assert_eq!(is_shorter, follows, "{from} {way}");
+        assert_eq!(told(&run(&text)), [""; 0], "{from} {way}");
+    }
+    let cut = "#9150=IFCOPENINGELEMENT('W000000000000000009150',$,$,$,$,$,$,$,$);\n\
+               #9151=IFCRELVOIDSELEMENT('R000000000000000000015',$,$,$,#9100,#9150);\n";
+    let told = told(&run(&unstated(3.1, 1.0, cut)));
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(
+        told[0].contains("the wall #9100 on storey \"Lower\" (not shown in this plan; it stays)"),
+        "{told:?}"
+    );
+}

@@ -1,6 +1,9 @@
 //! Where elements stand in the plan, whether or not the cut shows them.
 
+use std::collections::BTreeMap;
+
 use glam::{DAffine3, DVec2};
+use rayon::prelude::*;
 
 use super::model::body_items;
 use super::read::Building;
@@ -16,6 +19,25 @@ const OPEN_M: f64 = 0.01;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Footprint {
     rings: Vec<Vec<DVec2>>,
+    /// Two corners of the box round it.
+    extent: [DVec2; 2],
+}
+
+/// A wall as it stands.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct StandingWall {
+    /// Its lowest and its highest point.
+    pub reach: [f64; 2],
+    /// What it covers.
+    pub at: Footprint,
+}
+
+/// Every wall that has a body that can be cut, by its instance.
+pub(super) fn standing(b: &Building<'_, '_>) -> BTreeMap<u64, StandingWall> {
+    let walls: Vec<u64> =
+        b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")).map(|p| p.id).collect();
+    let one = |id: &u64| Some((*id, StandingWall { reach: reach(b, *id)?, at: Footprint::of(b, *id)? }));
+    walls.par_iter().filter_map(one).collect()
 }
 
 /// What becomes of a joint.
@@ -48,18 +70,29 @@ impl Footprint {
             b.geo.cut_items(&body_items(b.step, product.shape?).ok()?, &world, f64::midpoint(low, high));
         let rings: Vec<Vec<DVec2>> =
             cut.region.rings().map(|r| r.iter().map(|p| DVec2::from(*p)).collect()).collect();
-        (!rings.is_empty()).then_some(Self { rings })
+        Self::new(rings)
+    }
+
+    fn new(rings: Vec<Vec<DVec2>>) -> Option<Self> {
+        let extent = crate::plan::box_of(rings.iter().flatten().copied())?;
+        Some(Self { rings, extent })
     }
 
     /// What an end of a wall passes over, its corners in order.
-    pub fn swept(end: &[DVec2], by: DVec2) -> Self {
-        let ring = end.iter().copied().chain(end.iter().rev().map(|p| p + by)).collect();
-        Self { rings: vec![ring] }
+    pub fn swept(end: &[DVec2], by: DVec2) -> Option<Self> {
+        Self::new(vec![end.iter().copied().chain(end.iter().rev().map(|p| p + by)).collect()])
+    }
+
+    /// Whether the boxes round both are no further apart than walls that stand at each other.
+    pub fn is_near(&self, other: &Self, metres: f64) -> bool {
+        let margin = DVec2::splat(JOINT_M / metres);
+        let [lo, hi] = self.extent;
+        (other.extent[0] - margin).cmple(hi).all() && (other.extent[1] + margin).cmpge(lo).all()
     }
 
     /// Whether it has a corner at another or in it.
     pub fn stands_at(&self, other: &Self, metres: f64) -> bool {
-        other.is_at(&self.corners().collect::<Vec<_>>(), metres)
+        self.is_near(other, metres) && other.is_at(&self.corners().collect::<Vec<_>>(), metres)
     }
 
     /// Whether both cover some ground.
@@ -70,7 +103,8 @@ impl Footprint {
 
     /// The same after a motion.
     pub fn moved(&self, go: impl Fn(DVec2) -> DVec2) -> Self {
-        Self { rings: self.rings.iter().map(|r| r.iter().map(|p| go(*p)).collect()).collect() }
+        let rings = self.rings.iter().map(|r| r.iter().map(|p| go(*p)).collect()).collect();
+        Self::new(rings).unwrap_or_else(|| self.clone())
     }
 
     /// Whether one of some corners stands at it or in it.
@@ -95,6 +129,10 @@ impl Footprint {
 
     /// Whether its sides cross those of another.
     fn crosses(&self, other: &Self) -> bool {
+        let [lo, hi] = self.extent;
+        if !(other.extent[0].cmple(hi).all() && other.extent[1].cmpge(lo).all()) {
+            return false;
+        }
         let parts =
             |[a, b]: [DVec2; 2], [p, q]: [DVec2; 2]| (b - a).perp_dot(p - a) * (b - a).perp_dot(q - a) < 0.0;
         self.sides().any(|s| other.sides().any(|o| parts(s, o) && parts(o, s)))

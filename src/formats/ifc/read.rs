@@ -2,11 +2,13 @@
 
 mod told;
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
+use std::sync::OnceLock;
 
 use glam::{DAffine3, DVec2};
 use rayon::prelude::*;
 
+use super::footprint::{self, StandingWall};
 use super::geo::{Geo, Why, is_upright, plan_point};
 use super::length;
 use super::limits::OUTLINE_POINTS_MAX;
@@ -65,6 +67,8 @@ pub(super) struct Building<'s, 'a> {
     pub unit_by_heights: Option<Unit>,
     /// Why the unit that the file states is doubted.
     unit_doubt: Option<String>,
+    /// See [`Self::standing`].
+    standing: OnceLock<BTreeMap<u64, StandingWall>>,
 }
 
 impl<'s, 'a> Building<'s, 'a> {
@@ -75,7 +79,8 @@ impl<'s, 'a> Building<'s, 'a> {
         let known = wanted.or(units.length);
         let geo = Geo::new(step, known.map_or(1.0, |u| u.metres), units.radians);
         let model = Model::read(step, &geo);
-        let mut out = Self { file, step, geo, model, units, unit_by_heights: None, unit_doubt: None };
+        let (unit_by_heights, unit_doubt, standing) = (None, None, OnceLock::new());
+        let mut out = Self { file, step, geo, model, units, unit_by_heights, unit_doubt, standing };
         match (wanted, out.units.length) {
             (Some(_), _) => {}
             (None, None) => {
@@ -87,6 +92,11 @@ impl<'s, 'a> Building<'s, 'a> {
         }
         out.measure_tops();
         out
+    }
+
+    /// Every wall as it stands, whatever its storey; measured when first asked for.
+    pub fn standing(&self) -> &BTreeMap<u64, StandingWall> {
+        self.standing.get_or_init(|| footprint::standing(self))
     }
 
     /// Measures how high the own walls of those storeys reach over which another one begins below the eyes.

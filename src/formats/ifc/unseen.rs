@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::ReadOptions;
-use super::footprint::{self, Footprint, Parting};
+use super::footprint::{Footprint, Parting, StandingWall, parting};
 use super::length::{self, Bar};
 use super::read::{Building, heights};
 use super::step::{Arg, Step};
@@ -87,9 +87,12 @@ impl Candidate {
     fn is_barred_by(&self, other: &Footprint, metres: f64) -> bool {
         let by = self.by();
         (0..2).filter(|k| by[*k] != 0.0).any(|k| {
-            let slice = Footprint::swept(&self.bar.ends[k], self.bar.along * by[k]);
             let is_shorter = (by[k] > 0.0) == (k == 0);
-            if is_shorter { other.stands_at(&slice, metres) } else { slice.runs_through(other) }
+            let is_barred = |slice: Footprint| {
+                slice.is_near(other, metres)
+                    && if is_shorter { other.stands_at(&slice, metres) } else { slice.runs_through(other) }
+            };
+            Footprint::swept(&self.bar.ends[k], self.bar.along * by[k]).is_some_and(is_barred)
         })
     }
 }
@@ -101,22 +104,19 @@ fn leave_barred(b: &Building<'_, '_>, edited: &BTreeSet<u64>, found: &mut BTreeM
         return;
     }
     let is_other = |id: &u64| !edited.contains(id) && !found.contains_key(id);
-    let walls = b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")).map(|p| p.id);
-    let standing = |id: u64| Some((footprint::reach(b, id)?, Footprint::of(b, id)?));
-    let mut others: Vec<([f64; 2], Footprint)> = walls.filter(is_other).filter_map(standing).collect();
-    loop {
+    let mut others: Vec<&StandingWall> =
+        b.standing().iter().filter(|(id, _)| is_other(id)).map(|(_, s)| s).collect();
+    // What stays bars as well, so once more with that alone.
+    while !others.is_empty() {
         let is_barred = |id: u64, one: &Candidate| {
-            let Some(own) = footprint::reach(b, id) else { return true };
-            let is_near = |r: &[f64; 2]| is_level(own, *r, b.geo.metres);
-            others.iter().any(|(reach, at)| is_near(reach) && one.is_barred_by(at, b.geo.metres))
+            let Some(own) = b.standing().get(&id) else { return true };
+            let is_near = |other: &StandingWall| is_level(own.reach, other.reach, b.geo.metres);
+            others.iter().any(|other| is_near(other) && one.is_barred_by(&other.at, b.geo.metres))
         };
         let barred: Vec<u64> =
             found.iter().filter(|(id, one)| is_barred(**id, one)).map(|(id, _)| *id).collect();
-        if barred.is_empty() {
-            return;
-        }
         barred.iter().for_each(|id| drop(found.remove(id)));
-        others.extend(barred.into_iter().filter_map(standing));
+        others = barred.iter().filter_map(|id| b.standing().get(id)).collect();
     }
 }
 
@@ -133,7 +133,8 @@ pub(super) fn taken(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit])
     let shifts: BTreeMap<u64, DVec2> = edits.iter().filter_map(shift).collect();
     let Some(cut) = cut_height(b, options) else { return Taken::default() };
     let mut found: BTreeMap<u64, Candidate> = BTreeMap::new();
-    for (wall, other, end) in joints(b.step) {
+    let beside = beside(b, shifts.keys().copied(), cut);
+    for (wall, other, end) in joints(b.step).into_iter().chain(beside.into_iter().map(|(w, o)| (w, o, 0))) {
         let Some(shift) = shifts.get(&wall).filter(|_| !edited.contains(&other)) else { continue };
         let Ok(at) = length::bar(b, wall) else { continue };
         let one = match found.entry(other) {
@@ -171,8 +172,8 @@ pub(super) fn taken(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit])
 
 /// The end of a wall that stands at another: the one that the file names, else the other one.
 fn standing_end(b: &Building<'_, '_>, wall: u64, bar: &Bar, stated: usize) -> Option<usize> {
-    let at = Footprint::of(b, wall)?;
-    [stated, 1 - stated].into_iter().find(|end| at.is_at(&bar.ends[*end], b.geo.metres))
+    let wall = b.standing().get(&wall)?;
+    [stated, 1 - stated].into_iter().find(|end| wall.at.is_at(&bar.ends[*end], b.geo.metres))
 }
 
 /// The joints with walls that the plan does not show that edits open, or of which nobody can tell, each once.
@@ -182,22 +183,26 @@ pub(super) fn left(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit]) 
     let Some(cut) = cut_height(b, options) else { return Vec::new() };
     let held = taken(b, options, edits).held;
     let mut out = Vec::new();
-    for (id, other) in stated(b.step) {
+    let mut joined = stated(b.step);
+    joined.extend(beside(b, ways.keys().copied(), cut));
+    for (id, other) in joined {
         let Some(way) = ways.get(&id).filter(|_| !edited.contains(&other)) else { continue };
-        if held.contains(&[id, other]) || footprint::reach(b, other).is_some_and(|r| is_cut(r, cut)) {
+        let [from, stays] = [id, other].map(|id| b.standing().get(&id));
+        if held.contains(&[id, other]) || stays.is_some_and(|s| is_cut(s.reach, cut)) {
             continue;
         }
-        let shares = || Some(is_level(footprint::reach(b, id)?, footprint::reach(b, other)?, b.geo.metres));
-        let parting = match (Footprint::of(b, id), Footprint::of(b, other)) {
+        let parting = match (from, stays) {
             (Some(from), Some(stays)) => {
-                footprint::parting(&from, &gone(b, id, &from, way), &stays, b.geo.metres)
+                let to = gone(b, id, &from.at, way);
+                // One above the other they run through nothing.
+                match parting(&from.at, &to, &stays.at, b.geo.metres) {
+                    Some(Parting::Through(by_m)) if !is_level(from.reach, stays.reach, b.geo.metres) => {
+                        Some(Parting::Gap(by_m))
+                    }
+                    parting => parting,
+                }
             }
             _ => Some(Parting::Unknown),
-        };
-        // One above the other they run through nothing.
-        let parting = match parting {
-            Some(Parting::Through(by_m)) if shares() == Some(false) => Some(Parting::Gap(by_m)),
-            parting => parting,
         };
         let named = |s: u64| b.model.storeys.iter().find(|of| of.id == s).map(|of| of.name.clone());
         let storey = b.model.storey_of(other).and_then(named);
@@ -288,6 +293,21 @@ fn stated(step: &Step<'_>) -> BTreeSet<(u64, u64)> {
     out
 }
 
+/// Pairs of some walls that shift and the walls of their height that stand at them and that the cut misses, whatever
+/// the file says of joints.
+fn beside(b: &Building<'_, '_>, shifting: impl Iterator<Item = u64>, cut: f64) -> BTreeSet<(u64, u64)> {
+    let metres = b.geo.metres;
+    let meet = |a: &StandingWall, o: &StandingWall| {
+        is_level(a.reach, o.reach, metres) && (o.at.stands_at(&a.at, metres) || a.at.stands_at(&o.at, metres))
+    };
+    let of = |id: u64| {
+        let own = b.standing().get(&id);
+        let others = b.standing().iter().filter(move |(other, o)| **other != id && !is_cut(o.reach, cut));
+        others.filter(move |(_, o)| own.is_some_and(|a| meet(a, o))).map(move |(other, _)| (id, *other))
+    };
+    shifting.flat_map(of).collect()
+}
+
 /// How a wall without openings and without a mark that keeps it, which the cut misses, changes its length.
 fn unseen(b: &Building<'_, '_>, id: u64, cut: f64) -> Option<Bar> {
     b.model.product(id).filter(|p| p.class.starts_with("IfcWall"))?;
@@ -295,6 +315,6 @@ fn unseen(b: &Building<'_, '_>, id: u64, cut: f64) -> Option<Bar> {
     if is_held || b.model.openings.contains_key(&id) || super::patch::refusal(b, id).is_some() {
         return None;
     }
-    let is_seen = is_cut(footprint::reach(b, id)?, cut);
+    let is_seen = is_cut(b.standing().get(&id)?.reach, cut);
     length::bar(b, id).ok().filter(|bar| !is_seen && bar.has_axis())
 }
