@@ -14,7 +14,12 @@ struct Idle {
 }
 
 /// Every such option; help, manual, completions and the refusal all go by it.
-const IDLE: [Idle; 5] = [
+const IDLE: [Idle; 6] = [
+    Idle {
+        command: "check",
+        option: "out",
+        instead: "it writes nothing but the picture that --preview names",
+    },
     Idle {
         command: "watch",
         option: "json",

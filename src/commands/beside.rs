@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::config::{Beside, Partial, Settings, Twin, settings_files, unread_side_cars};
 use crate::formats;
 use crate::report::{Error, Place};
-use crate::watch::bytes_of;
+use crate::watch::{bytes_of, is_scene};
 
 /// Settings of a drawing: the command line, its side-car, its folder's file, the defaults; and where the
 /// results go.
@@ -54,10 +54,6 @@ pub(super) fn beside(drawing: &Path) -> Beside {
             .collect(),
         pictures: named.pictures.into_iter().filter_map(&mut picture).collect(),
     }
-}
-
-fn is_scene(drawing: &Path) -> bool {
-    drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf"))
 }
 
 /// A file in or below a drawing's own folder; none where it is no file, lies elsewhere by a link, or has more bytes

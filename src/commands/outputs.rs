@@ -195,7 +195,7 @@ mod tests {
             ("check @/plan.dxf --json=@/drawing.txt", "a drawing there"),
             ("check @/plan.dxf --json=@/plan.enfilade.toml", "settings"),
             ("check @/plan.dxf --json=@/a --preview @/a", "the file of --preview too"),
-            ("check @/plan.dxf --out @/plan.dxf", "itself"),
+            ("analyse @/plan.dxf --out @/plan.dxf", "itself"),
             ("analyse @/plan.dxf --cells @/a.ifc", "name of a drawing"),
             ("analyse @/plan.dxf --edges @/enfilade.toml", "settings"),
             ("analyse @/plan.dxf --json=@/x.glb", "name of a drawing"),

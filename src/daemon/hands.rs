@@ -16,8 +16,8 @@ use crate::formats::gltf::outer_files;
 use crate::report::{Cancel, Error};
 use crate::store::{Journal, Placing, Step, Written};
 use crate::watch::{
-    Action, Checked, Event, Eyes, Identity, Seen, Stat, bytes_of, identity_of, is_out_of_files,
-    is_output_name, read_settled, read_whole, sha256_hex, stat_of,
+    Action, Checked, Event, Eyes, Identity, Seen, Stat, bytes_of, has_data_beside, identity_of,
+    is_building_of, is_out_of_files, is_output_name, is_scene, read_settled, read_whole, sha256_hex, stat_of,
 };
 
 pub(super) enum Message {
@@ -194,8 +194,7 @@ fn config_key(drawing: &Path, settings_key: &str) -> String {
             bytes_of(&building).map_or_else(|| "-".into(), |bytes| sha256_hex(&bytes))
         ));
     }
-    let is_scene = drawing.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf"));
-    let scene = if is_scene { bytes_of(drawing).unwrap_or_default() } else { Vec::new() };
+    let scene = if has_data_beside(drawing) { bytes_of(drawing).unwrap_or_default() } else { Vec::new() };
     for name in outer_files(&scene).data {
         let digest =
             bytes_of(&drawing.with_file_name(name)).map_or_else(|| "-".into(), |bytes| sha256_hex(&bytes));
@@ -222,22 +221,6 @@ fn buildings_beside(drawing: &Path) -> Vec<PathBuf> {
         entries.flatten().map(|e| e.path()).filter(|path| is_building_of(path, drawing)).collect();
     found.sort();
     found
-}
-
-fn has_ending(path: &Path, endings: [&str; 2]) -> bool {
-    path.extension().is_some_and(|e| endings.iter().any(|ending| e.eq_ignore_ascii_case(ending)))
-}
-
-fn is_scene(drawing: &Path) -> bool {
-    has_ending(drawing, ["glb", "gltf"])
-}
-
-/// Whether a file is the building that a scene is understood with.
-pub(super) fn is_building_of(path: &Path, scene: &Path) -> bool {
-    has_ending(path, ["ifc", "ifczip"])
-        && is_scene(scene)
-        && path.parent() == scene.parent()
-        && path.file_stem() == scene.file_stem()
 }
 
 /// The same of the settings of one drawing, which are refused where they speak of watching.

@@ -23,8 +23,8 @@ use words::{how_watched, hung, killed_too_often, retry_pause, shown, taken, told
 
 use super::child::JOB_KILLED;
 use super::hands::{
-    Looked, Message, Outcome, Task, Waiting, is_building_of, is_unreadable, open_journal, reporter,
-    start_looker, start_worker,
+    Looked, Message, Outcome, Task, Waiting, is_unreadable, open_journal, reporter, start_looker,
+    start_worker,
 };
 use super::status::{
     SharedDisk, Standing, UNFINISHED, UNFINISHED_OR_FAILED, content_of_results, rfc3339, settle, settle_gone,
@@ -38,14 +38,15 @@ use crate::store::{
     refuse_nested, round_name, write_json,
 };
 use crate::watch::{
-    Action, Event, Eyes, Now, Settle, builtin_ignores, is_data, is_output_name, network_reason,
+    Action, Event, Eyes, Now, Settle, builtin_ignores, has_data_beside, is_building_of, is_data,
+    is_output_name, network_reason,
 };
 
 /// Reports of the system waiting to be read; more mean "look at everything" (hazards 8 and 15).
 /// The room for them is taken at once, so it is part of what an idle daemon holds.
 const INBOX: usize = 8_192;
 /// Drawings waiting for their turn; further ones are found again by the next scan (hazard 26).
-const MAX_QUEUE: usize = 10_000;
+pub(super) const MAX_QUEUE: usize = if cfg!(test) { 250 } else { 10_000 };
 /// The loop turns at least this often while something is under way: settle times and stops are answered
 /// this fast.
 const BUSY_TICK: Duration = Duration::from_millis(50);
@@ -67,6 +68,7 @@ const REMOVED: &str = "the drawing was removed or has another name";
 pub(crate) const BY_THE_USER: &str = "cancelled";
 pub(crate) const CANCELLED_BEFORE: &str =
     "cancelled before; a change of it or of its settings, or another round asked for, takes it up";
+const TOO_MANY_WAIT: &str = "too much waits already; ask again when some of it is done";
 const NOTHING_WHOLE: &str = "no whole file lies there to work on";
 const DAEMON_ENDS: &str = "the daemon ends; the next start goes on with it";
 const TOO_LONG: &str = "it ran too long";
@@ -339,8 +341,7 @@ impl Heart {
         let is_of_root = |r: &Root| settings_files(&r.path.join("any"))[1] == path;
         self.is_settings_stale |= self.roots.iter().any(is_of_root);
         let is_above = |d: &Path| d.parent().is_some_and(|folder| path.starts_with(folder));
-        let is_scene = |d: &Path| d.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf"));
-        let is_its_data = |d: &Path| is_data(path) && is_scene(d) && is_above(d);
+        let is_its_data = |d: &Path| is_data(path) && has_data_beside(d) && is_above(d);
         let drawings = self.settle.settled_drawings();
         for drawing in
             drawings.iter().filter(|d| is_its_data(d) || settings_files(d).iter().any(|f| f == path))

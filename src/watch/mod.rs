@@ -14,7 +14,10 @@ pub use eyes::{
     Eyes, bytes_of, identity_of, is_out_of_files, network_reason, read_settled, read_whole, sha256_hex,
     stat_of,
 };
-pub use names::{IgnoreRule, Names, OUTPUT_SUFFIX, Verdict, builtin_ignores, is_data, is_output_name};
+pub use names::{
+    IgnoreRule, Names, OUTPUT_SUFFIX, Verdict, builtin_ignores, has_data_beside, is_building_of, is_data,
+    is_output_name, is_scene,
+};
 pub use settle::{Action, Event, Now, Settle};
 
 use crate::report::{Error, Place};

@@ -234,8 +234,34 @@ fn is_settings(name: &OsStr) -> bool {
 
 /// Whether a `.gltf` may keep its data in a file of that name.
 pub fn is_data(path: &Path) -> bool {
-    let ending = path.extension().and_then(OsStr::to_str);
-    ending.is_some_and(|e| DATA_ENDINGS.iter().any(|d| e.eq_ignore_ascii_case(d)))
+    has_ending(path, &DATA_ENDINGS)
+}
+
+/// Whether a drawing is a glTF that may keep its data in files beside it.
+pub fn has_data_beside(drawing: &Path) -> bool {
+    has_ending(drawing, &["gltf"])
+}
+
+/// Whether a drawing is a scene: a glTF or a GLB.
+pub fn is_scene(drawing: &Path) -> bool {
+    has_ending(drawing, &["glb", "gltf"])
+}
+
+/// Whether a file is a building by its ending.
+pub fn is_building(path: &Path) -> bool {
+    has_ending(path, &["ifc", "ifczip"])
+}
+
+/// Whether a file is the building that a scene beside it is understood with.
+pub fn is_building_of(path: &Path, scene: &Path) -> bool {
+    is_building(path)
+        && is_scene(scene)
+        && path.parent() == scene.parent()
+        && path.file_stem() == scene.file_stem()
+}
+
+fn has_ending(path: &Path, endings: &[&str]) -> bool {
+    path.extension().is_some_and(|e| endings.iter().any(|ending| e.eq_ignore_ascii_case(ending)))
 }
 
 /// Whether a name is one that we give to drawings inside a round (`candidate-3.dxf`, `initial.dxf`).

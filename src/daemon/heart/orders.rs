@@ -45,6 +45,10 @@ impl Heart {
     pub(super) fn enqueue(&mut self, waiting: Waiting, show: &mut dyn FnMut(Notice)) {
         let drawing = waiting.drawing.clone();
         if self.queue.len() >= MAX_QUEUE {
+            // Nobody asks for wishes again.
+            if waiting.asked != Asked::default() {
+                return show(Notice::Stopped { drawing, why: TOO_MANY_WAIT });
+            }
             let later = self.start.elapsed() + Duration::from_secs_f64(self.settings.rescan_secs);
             return self.settle.again(later, &drawing);
         }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::daemon::child::JOB_KILLED;
+use crate::daemon::heart::MAX_QUEUE;
 
 /// A job that the system kills each time is tried again, and not for ever.
 #[test]
@@ -235,4 +236,22 @@ fn a_scene_is_taken_up_again_with_its_building() {
     daemon.await_true("the scene alone", || daemon.jobs() == 7);
     daemon.rest();
     assert_eq!(daemon.jobs(), 7);
+}
+
+/// Nobody asks for wishes again, so those for which there is no room are told; what waits is done.
+#[test]
+fn orders_beyond_the_queue_are_told() {
+    let daemon = Daemon::start(settings(), |_| {}, |request, _, cancel| slow(request, cancel));
+    let drawing = daemon.path("plan.dxf");
+    daemon.save("plan.dxf", "slow");
+    daemon.await_said("Started(", 1);
+    for i in 0..MAX_QUEUE + 2 {
+        let asked = Asked { objective: Some(format!("degree max 0.{i}")), ..Asked::default() };
+        daemon.orders.send(Order::Again { drawing: drawing.clone(), asked }).unwrap();
+    }
+    daemon.await_said("too much waits already", 2);
+    daemon.orders.send(Order::Cancel(drawing)).unwrap();
+    daemon.await_said("why: \"cancelled\"", MAX_QUEUE + 1);
+    daemon.rest();
+    assert_eq!((daemon.count_said("too much waits already"), daemon.jobs()), (2, 1));
 }
