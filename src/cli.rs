@@ -732,6 +732,7 @@ mod tests {
             |command: &str| grammar().find_subcommand_mut(command).unwrap().render_long_help().to_string();
         for (command, option) in [
             ("watch", "--json"),
+            ("check", "--out "),
             ("jobs", "--json"),
             ("jobs", "--threads"),
             ("jobs", "--write-every"),
