@@ -15,6 +15,19 @@ const ENOUGH: f64 = 0.7;
 /// An enclosed part that is nowhere farther than this from a wall is a cavity inside a wall.
 pub const CAVITY_HALF_WIDTH_M: f64 = 0.3;
 
+/// A mass is nowhere farther than this from its outline: no room is so narrow that nothing says how it is entered.
+pub const MASS_HALF_WIDTH_M: f64 = 0.8;
+
+/// Share of the lines round the rooms behind which there is a wall's thickness, from which on a plan draws its walls
+/// with two faces; in others a line is a wall, and what lines enclose is a room.
+const TWO_FACED: f64 = 0.6;
+
+/// Share of a mass's outline beyond which there is a room, or the outside, at once.
+const BARE: f64 = 0.9;
+
+/// Pixels that a line is thick at most, however it runs.
+const LINE_PX: usize = 3;
+
 /// Finest pixel, metres of a person.
 const PIXEL_MIN_M: f64 = 0.05;
 
@@ -55,7 +68,9 @@ impl Interior {
         let is_as_drawn = is_enough(&as_drawn);
         let (closing_m, inside) =
             if is_as_drawn { (0.0, as_drawn) } else { closed.into_iter().find(|e| is_enough(&e.1))? };
-        let cavity = raster.cavities(&inside, &to_wall, CAVITY_HALF_WIDTH_M * human_scale);
+        let mut cavity = raster.cavities(&inside, &to_wall, CAVITY_HALF_WIDTH_M * human_scale);
+        let masses = raster.masses(&to_wall, MASS_HALF_WIDTH_M * human_scale);
+        cavity.iter_mut().zip(masses).for_each(|(c, is_mass)| *c |= is_mass);
         let is_room = |i: usize| inside[i] && !cavity[i] && to_wall[i] > 0.0;
         let has_room = (0..inside.len()).any(is_room);
         let outside: Vec<bool> = inside.iter().map(|i| !i).collect();
@@ -226,24 +241,11 @@ impl Raster {
         let mut stack = vec![0usize];
         outside[0] = true;
         while let Some(i) = stack.pop() {
-            let (c, r) = (i / self.rows, i % self.rows);
-            let mut visit = |j: usize| {
+            for (j, _) in around(i, self.cols, self.rows) {
                 if !outside[j] && free(j) {
                     outside[j] = true;
                     stack.push(j);
                 }
-            };
-            if c > 0 {
-                visit(i - self.rows);
-            }
-            if c + 1 < self.cols {
-                visit(i + self.rows);
-            }
-            if r > 0 {
-                visit(i - 1);
-            }
-            if r + 1 < self.rows {
-                visit(i + 1);
             }
         }
         if closing_m == 0.0 {
@@ -269,14 +271,7 @@ impl Raster {
                 let i = part[next];
                 next += 1;
                 widest = widest.max(to_wall[i]);
-                let (c, r) = (i / self.rows, i % self.rows);
-                let around = [
-                    (c > 0, i.wrapping_sub(self.rows)),
-                    (c + 1 < self.cols, i + self.rows),
-                    (r > 0, i.wrapping_sub(1)),
-                    (r + 1 < self.rows, i + 1),
-                ];
-                for (_, j) in around.into_iter().filter(|a| a.0) {
+                for (j, _) in around(i, self.cols, self.rows) {
                     if !seen[j] && open(j) {
                         seen[j] = true;
                         part.push(j);
@@ -289,6 +284,76 @@ impl Raster {
         }
         cavity
     }
+
+    /// Narrow parts that bare lines enclose in a plan whose walls have two faces: thick walls where they meet, piers,
+    /// chimneys. What lies beyond their outline is a room or the outside and not a wall's thickness.
+    fn masses(&self, to_wall: &[f32], half_width_m: f64) -> Vec<bool> {
+        let reach = (half_width_m * UM_PER_M / self.pixel_um as f64) as f32;
+        let (label, widest) = self.parts(to_wall);
+        let is_wide = |part: u32| widest[part as usize] > reach;
+        // Of every part, how much of its outline is looked at, and how much of that leads to a wide part.
+        let mut outline = vec![[0_u32; 2]; widest.len()];
+        for i in (0..self.wall.len()).filter(|i| !self.wall[*i]) {
+            for (j, step) in around(i, self.cols, self.rows).filter(|(j, _)| self.wall[*j]) {
+                let beyond = self.beyond(j, step).map(|k| label[k]);
+                if beyond != Some(label[i]) {
+                    let [all, wide] = &mut outline[label[i] as usize];
+                    *all += 1;
+                    *wide += u32::from(beyond.is_some_and(is_wide));
+                }
+            }
+        }
+        // The outside is the first part, and says nothing of how walls are drawn.
+        let rooms = outline.iter().enumerate().skip(1).filter(|(part, _)| is_wide(*part as u32));
+        let [all, bare] =
+            rooms.fold([0.0; 2], |[all, bare], (_, o)| [all + f64::from(o[0]), bare + f64::from(o[1])]);
+        if bare > (1.0 - TWO_FACED) * all {
+            return vec![false; self.wall.len()];
+        }
+        let is_mass = |part: u32| {
+            let [all, wide] = outline[part as usize];
+            !is_wide(part) && f64::from(wide) >= BARE * f64::from(all)
+        };
+        (0..self.wall.len()).map(|i| !self.wall[i] && is_mass(label[i])).collect()
+    }
+
+    /// The first pixel behind a line that a step leads onto; none where it is thicker than a line.
+    fn beyond(&self, onto: usize, step: isize) -> Option<usize> {
+        let at = |n: usize| onto.checked_add_signed(step * n as isize).filter(|i| *i < self.wall.len());
+        (1..=LINE_PX).map_while(at).find(|i| !self.wall[*i])
+    }
+
+    /// The part between lines that each pixel lies in, the outside first, and how far each reaches from the nearest line,
+    /// pixels.
+    fn parts(&self, to_wall: &[f32]) -> (Vec<u32>, Vec<f32>) {
+        let (mut label, mut widest) = (vec![u32::MAX; self.wall.len()], Vec::new());
+        for start in 0..label.len() {
+            if self.wall[start] || label[start] != u32::MAX {
+                continue;
+            }
+            let part = widest.len() as u32;
+            let (mut stack, mut far) = (vec![start], 0.0_f32);
+            label[start] = part;
+            while let Some(i) = stack.pop() {
+                far = far.max(to_wall[i]);
+                for (j, _) in around(i, self.cols, self.rows) {
+                    if !self.wall[j] && label[j] == u32::MAX {
+                        label[j] = part;
+                        stack.push(j);
+                    }
+                }
+            }
+            widest.push(far);
+        }
+        (label, widest)
+    }
+}
+
+/// The neighbours of a pixel, each with the step that leads on from there.
+fn around(i: usize, cols: usize, rows: usize) -> impl Iterator<Item = (usize, isize)> {
+    let (c, r, row) = (i / rows, i % rows, rows as isize);
+    let all = [(c > 0, -row), (c + 1 < cols, row), (r > 0, -1), (r + 1 < rows, 1)];
+    all.into_iter().filter(|a| a.0).map(move |(_, step)| (i.wrapping_add_signed(step), step))
 }
 
 /// Distance of every pixel to the nearest marked one, in pixels (Felzenszwalb & Huttenlocher 2012).
@@ -339,4 +404,46 @@ fn lower_envelope(f: &[f64]) -> Vec<f64> {
             (q as f64 - v[k] as f64).powi(2) + f[v[k]]
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const M: i64 = 1_000_000;
+
+    /// The sides of a rectangle, its corner and its extent in centimetres.
+    fn rectangle(x: i64, y: i64, w: i64, h: i64) -> Vec<Segment> {
+        let at = |x: i64, y: i64| [x * M / 100, y * M / 100];
+        let ring = [at(x, y), at(x + w, y), at(x + w, y + h), at(x, y + h)];
+        (0..4).map(|i| Segment { a: ring[i], b: ring[(i + 1) % 4] }).collect()
+    }
+
+    fn is_cavity(walls: &[Vec<Segment>], x: i64, y: i64) -> bool {
+        let interior = Interior::new(&walls.concat(), &[], 1.0).unwrap();
+        let at = [x * M / 100, y * M / 100];
+        assert!(interior.contains(at));
+        interior.is_cavity(at)
+    }
+
+    #[test]
+    fn a_pier_wider_than_a_wall_is_a_mass_where_walls_have_two_faces() {
+        let [outer, inner] = [rectangle(0, 0, 900, 700), rectangle(40, 40, 820, 620)];
+        let pier = rectangle(300, 200, 130, 320);
+        let room = [outer.clone(), inner.clone(), pier.clone()];
+        assert!(is_cavity(&room, 360, 300) && !is_cavity(&room, 200, 300));
+        // In a plan of single lines it may be a room, and so it may where it is as wide as one.
+        assert!(!is_cavity(&[inner.clone(), pier], 360, 300));
+        assert!(!is_cavity(&[outer.clone(), inner.clone(), rectangle(300, 200, 180, 320)], 390, 300));
+        // A closet as narrow behind walls of its own.
+        let closet = [rectangle(300, 200, 130, 320), rectangle(285, 185, 160, 350)];
+        assert!(!is_cavity(&[vec![outer, inner], closet.to_vec()].concat(), 360, 300));
+    }
+
+    /// Half a metre thick, walls are wider than a cavity where they meet, and cells in them are no floor.
+    #[test]
+    fn thick_walls_are_no_room_where_they_meet() {
+        let walls = [rectangle(0, 0, 900, 700), rectangle(55, 55, 790, 590)];
+        assert!(is_cavity(&walls, 27, 27) && !is_cavity(&walls, 300, 300));
+    }
 }
