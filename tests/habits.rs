@@ -12,7 +12,7 @@ use enfilade::overlay::result::CheckResult;
 use enfilade::pipeline::{self, Input, Outcome};
 use enfilade::plan::{PlanOptions, fittings, structure, understand};
 use enfilade::report::Error;
-use enfilade::report::Report;
+use enfilade::report::{Cancel, Report};
 
 fn try_check(entities: &str) -> Result<Outcome<CheckResult>, Error> {
     let settings = Settings::new(Partial::default()).unwrap();
@@ -200,4 +200,42 @@ fn slips_of_the_hand_hold_no_door_back() {
     assert_eq!(result.moves.len(), 13);
     let problems = try_check(&entities).unwrap().report.problems;
     assert!(problems.iter().all(|p| p.code != "default-moves-stay"), "{problems:?}");
+}
+
+/// A free-standing column is no floor, and moves as far, whether it is one outline or four lines.
+#[test]
+fn a_column_of_lines_is_one_drawn_as_an_outline() {
+    let ring = corners([2.0, 1.6, 2.8, 2.4]);
+    let sides: String = (0..4)
+        .map(|k| {
+            let ([x0, y0], [x1, y1]) = (ring[k], ring[(k + 1) % 4]);
+            line("A-WALL", [x0, y0, x1, y1])
+        })
+        .collect();
+    let settings = |more: Partial| {
+        Settings::new(Partial { spacing: Some(0.4), penalty: Some("none".into()), ..more }).unwrap()
+    };
+    let [of_lines, of_outline] = [sides, polyline("A-WALL", &ring, true)].map(|column| {
+        let house = walls("A-WALL") + &panes("A-GLAZ") + &swings("A-DOOR") + &column;
+        // Without a region and with one, which the column stands in.
+        let region = polyline("EF-QUERY", &corners([0.5, 0.5, 4.7, 3.7]), true);
+        [house.clone(), house + &region].map(|entities| {
+            let text = drawing(&entities);
+            let input = Input::new("plan.dxf", text.as_bytes(), 1);
+            let done = pipeline::analyse(&input, &settings(Partial::default()), &Cancel::default()).unwrap();
+            let search = settings(Partial {
+                evaluations: Some(15),
+                seed: Some(1),
+                members: Some(2),
+                objective: Some("degree max 0.01".into()),
+                ..Partial::default()
+            });
+            let now = std::time::Instant::now();
+            let found = pipeline::run(&input, &search, now, &mut |_| (), &Cancel::default()).unwrap();
+            let parameters: Vec<_> = found.result.candidates.iter().map(|c| c.parameters.clone()).collect();
+            (done.0.result.mean, parameters)
+        })
+    });
+    assert_eq!(of_lines, of_outline);
+    assert!(of_lines.iter().all(|of| !of.1.is_empty()));
 }

@@ -57,6 +57,8 @@ impl Interior {
         let mut raster = Raster::new(walls, closings, human_scale)?;
         raster.draw(walls);
         let as_drawn = raster.enclosed(&[], 0.0);
+        // What glass or a door closes is no mass.
+        let masses = raster.masses(MASS_HALF_WIDTH_M * human_scale);
         raster.draw(closings);
         let to_wall = distance_px(&raster.wall, raster.cols, raster.rows);
         let steps = CLOSING_M.iter().map(|c| c * human_scale);
@@ -69,7 +71,6 @@ impl Interior {
         let (closing_m, inside) =
             if is_as_drawn { (0.0, as_drawn) } else { closed.into_iter().find(|e| is_enough(&e.1))? };
         let mut cavity = raster.cavities(&inside, &to_wall, CAVITY_HALF_WIDTH_M * human_scale);
-        let masses = raster.masses(&to_wall, MASS_HALF_WIDTH_M * human_scale);
         cavity.iter_mut().zip(masses).for_each(|(c, is_mass)| *c |= is_mass);
         let is_room = |i: usize| inside[i] && !cavity[i] && to_wall[i] > 0.0;
         let has_room = (0..inside.len()).any(is_room);
@@ -287,9 +288,9 @@ impl Raster {
 
     /// Narrow parts that bare lines enclose in a plan whose walls have two faces: thick walls where they meet, piers,
     /// chimneys. What lies beyond their outline is a room or the outside and not a wall's thickness.
-    fn masses(&self, to_wall: &[f32], half_width_m: f64) -> Vec<bool> {
+    fn masses(&self, half_width_m: f64) -> Vec<bool> {
         let reach = (half_width_m * UM_PER_M / self.pixel_um as f64) as f32;
-        let (label, widest) = self.parts(to_wall);
+        let (label, widest) = self.parts(&distance_px(&self.wall, self.cols, self.rows));
         let is_wide = |part: u32| widest[part as usize] > reach;
         // Of every part, how much of its outline is looked at, and how much of that leads to a wide part.
         let mut outline = vec![[0_u32; 2]; widest.len()];
@@ -438,6 +439,17 @@ mod tests {
         // A closet as narrow behind walls of its own.
         let closet = [rectangle(300, 200, 130, 320), rectangle(285, 185, 160, 350)];
         assert!(!is_cavity(&[vec![outer, inner], closet.to_vec()].concat(), 360, 300));
+    }
+
+    /// A slot behind glass is open to the eye.
+    #[test]
+    fn what_glass_closes_is_no_mass() {
+        let [outer, inner] = [rectangle(0, 0, 900, 700), rectangle(40, 40, 820, 620)];
+        let mut slot = rectangle(300, 200, 130, 320);
+        let glass = slot.remove(1);
+        let walls = [outer, inner, slot].concat();
+        let interior = Interior::new(&walls, &[glass], 1.0).unwrap();
+        assert!(!interior.is_cavity([3_600_000, 3_000_000]));
     }
 
     /// Half a metre thick, walls are wider than a cavity where they meet, and cells in them are no floor.

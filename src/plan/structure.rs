@@ -6,8 +6,8 @@ use glam::DVec2;
 
 use super::Plan;
 use super::axes::evidence::trace;
-use super::axes::tolerances::{BOTH_WAYS_RAD, SWING_MAX_RAD};
-use super::axes::{AxisGraph, Drawn, Edge, Face, FaceRef, Mark, Opening, Path, Role, paths_of};
+use super::axes::tolerances::{BOTH_WAYS_RAD, ERROR_GAP_M, SWING_MAX_RAD};
+use super::axes::{AxisGraph, Drawn, Edge, Face, FaceRef, Mark, NodeKind, Opening, Path, Role, paths_of};
 use super::box_of;
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Format, Shape};
@@ -42,13 +42,14 @@ const OPENING_WORDS: &[&str] = &[
 /// Radii of arcs that may be door swings, metres of a person.
 pub const SWING_RADIUS_M: [f64; 2] = [0.5, 1.6];
 
-/// A thick straight wall: the two ends of its left face and of its right face, in ring order.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What covers ground by its lines: a thick straight wall, by the two ends of its left face and of its right face in ring
+/// order, or a column.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// Its corners.
-    pub corners: [Handle; 4],
-    /// Distance of its faces, micrometres.
-    pub thickness_um: f64,
+    /// Its corners, in order round it.
+    pub corners: Vec<Handle>,
+    /// Of a wall the distance of its faces, micrometres; a column has none.
+    pub thickness_um: Option<f64>,
 }
 
 /// A body's ends are at most this many times as wide as it is thick: mitred, not two faces torn apart.
@@ -58,10 +59,13 @@ impl Body {
     /// The ring of its corners; `at` says where a control point stands. `None` where its faces do not end
     /// side by side: one of them runs on beyond the wall, and what lies between them is no body.
     pub fn ring(&self, at: impl FnMut(Handle) -> PointUm) -> Option<Vec<PointUm>> {
-        let ring = self.corners.map(at);
-        let width = |p: PointUm, q: PointUm| ((p[0] - q[0]) as f64).hypot((p[1] - q[1]) as f64);
-        let is_wide = |w: f64| w > END_WIDTH_MAX * self.thickness_um;
-        (!is_wide(width(ring[0], ring[3])) && !is_wide(width(ring[1], ring[2]))).then(|| ring.to_vec())
+        let ring: Vec<PointUm> = self.corners.iter().copied().map(at).collect();
+        let (Some(thickness_um), [p, q, r, s]) = (self.thickness_um, ring.as_slice()) else {
+            return Some(ring);
+        };
+        let width = |p: &PointUm, q: &PointUm| ((p[0] - q[0]) as f64).hypot((p[1] - q[1]) as f64);
+        let is_wide = |w: f64| w > END_WIDTH_MAX * thickness_um;
+        (!is_wide(width(p, s)) && !is_wide(width(q, r))).then_some(ring)
     }
 }
 
@@ -369,13 +373,32 @@ fn mark_role(entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
     paths.iter().any(tells).then(|| (Role::Unknown, String::new()))
 }
 
-/// The thick straight walls of an axis graph.
+/// The thick straight walls of an axis graph, and its columns that are drawn by single lines.
 pub fn bodies(plan: &Plan, axes: &AxisGraph) -> Vec<Body> {
-    axes.edges
-        .iter()
-        .filter(|e| e.thickness_m > 0.0 && e.bulge == 0.0)
-        .filter_map(|e| body(plan, axes, e))
-        .collect()
+    let walls = axes.edges.iter().filter(|e| e.thickness_m > 0.0 && e.bulge == 0.0);
+    let walls = walls.filter_map(|e| body(plan, axes, e));
+    walls.chain(columns(plan, axes).filter_map(|(ring, faces)| column(plan, ring, faces))).collect()
+}
+
+/// Rings and faces of the columns of which no outline says by itself that it is solid.
+fn columns<'a>(plan: &'a Plan, axes: &'a AxisGraph) -> impl Iterator<Item = (&'a [DVec2], &'a [FaceRef])> {
+    axes.nodes.iter().filter_map(|node| match &node.kind {
+        NodeKind::Column(ring) if !node.faces.iter().any(|f| plan.walls[f.0 as usize].is_solid) => {
+            Some((ring.as_slice(), node.faces.as_slice()))
+        }
+        _ => None,
+    })
+}
+
+fn column(plan: &Plan, ring: &[DVec2], faces: &[FaceRef]) -> Option<Body> {
+    let handles: Vec<(DVec2, Handle)> =
+        faces.iter().flat_map(|f| face_handles(plan, *f)).map(|h| (handle_at(plan, h), h)).collect();
+    let corner = |p: &DVec2| {
+        let near = handles.iter().map(|(at, h)| (at.distance(*p), *h)).filter(|h| h.0 <= ERROR_GAP_M);
+        Some(near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?.1)
+    };
+    let corners: Option<Vec<Handle>> = ring.iter().map(corner).collect();
+    Some(Body { corners: corners?, thickness_um: None })
 }
 
 fn body(plan: &Plan, axes: &AxisGraph, edge: &Edge) -> Option<Body> {
@@ -389,7 +412,7 @@ fn body(plan: &Plan, axes: &AxisGraph, edge: &Edge) -> Option<Body> {
     };
     let ([l0, l1], [r0, r1]) = (side(&edge.left)?, side(&edge.right)?);
     let thickness_um = edge.thickness_m * plan.human_scale * UM_PER_M;
-    Some(Body { corners: [l0, l1, r1, r0], thickness_um })
+    Some(Body { corners: vec![l0, l1, r1, r0], thickness_um: Some(thickness_um) })
 }
 
 /// Walls thicker than this are bodies only if they are [`SLENDER`]: two faces so far apart may be a small room.
@@ -398,13 +421,15 @@ const STOUT_M: f64 = 0.45;
 /// A slender wall is at least this many times as long as thick.
 const SLENDER: f64 = 2.5;
 
-/// The ground that straight thick walls stand on, openings left out: rings in the drawing frame, micrometres.
+/// The ground that straight thick walls stand on, openings left out, and columns of single lines: rings in the drawing
+/// frame, micrometres.
 ///
 /// Only walls of which one side stays, all its drawn pieces, are taken: where the other side moves, it is a joint
-/// that slides along the wall.
+/// that slides along the wall. Of a column all stay.
 pub fn footprints(plan: &Plan, axes: &AxisGraph, stays: impl Fn(FaceRef) -> bool) -> Vec<Vec<PointUm>> {
     let um = |p: DVec2| plan.frame.um_from_plan(p * plan.human_scale);
-    let mut out = Vec::new();
+    let still = columns(plan, axes).filter(|(_, faces)| faces.iter().all(|f| stays(*f)));
+    let mut out: Vec<Vec<PointUm>> = still.map(|(ring, _)| ring.iter().map(|p| um(*p)).collect()).collect();
     for edge in axes.edges.iter().filter(|e| e.thickness_m > 0.0 && e.bulge == 0.0) {
         let holds = |side: &[FaceRef]| side.iter().all(|f| stays(*f));
         if edge.left.is_empty() || edge.right.is_empty() || !(holds(&edge.left) || holds(&edge.right)) {
