@@ -240,6 +240,9 @@ fn tell_resolution(result: &resolution::ResolutionResult, folder: &Path) {
             "from {s} m on, a finer lattice changes no measure by more than {} %",
             100.0 * result.tolerance
         ),
+        None if result.rows.len() < 2 => {
+            "fewer than two spacings could be studied: nothing was compared".into()
+        }
         None => format!(
             "no spacing studied is fine enough: measures still change by more than {} %",
             100.0 * result.tolerance

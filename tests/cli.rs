@@ -253,6 +253,7 @@ fn exit_codes_and_messages() {
         (vec!["init", "no-such-folder"], 4, "the folder is not there: make it\n"),
         (vec!["watch", "--json", "x.json", "."], 3, "`enfilade status --json`"),
         (vec!["check", "--out", "x", &sample("gallery.dxf")], 3, "--preview"),
+        (vec!["resolution", "--spacing", "1", &sample("gallery.dxf")], 3, "--spacings"),
         (vec!["jobs", "--json", "x.json", &sample("gallery.dxf")], 3, "--output"),
         (vec!["jobs", "--threads", "2", &sample("gallery.dxf")], 3, "`run-job`"),
         (vec!["jobs", "--write-every", "9", &sample("gallery.dxf")], 3, "when it ends"),

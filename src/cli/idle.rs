@@ -14,12 +14,13 @@ struct Idle {
 }
 
 /// Every such option; help, manual, completions and the refusal all go by it.
-const IDLE: [Idle; 6] = [
+const IDLE: [Idle; 7] = [
     Idle {
         command: "check",
         option: "out",
         instead: "it writes nothing but the picture that --preview names",
     },
+    Idle { command: "resolution", option: "spacing", instead: "--spacings names those that are studied" },
     Idle {
         command: "watch",
         option: "json",

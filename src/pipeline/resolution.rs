@@ -28,6 +28,9 @@ const VERTICES_MAX: f64 = 16_000.0;
 /// Change of a measure between neighbouring spacings, relative, that is called a jump.
 const JUMP: f64 = 0.15;
 
+/// A floor that changes by more than this between two lattices explains what changes with it.
+const FLOOR_CHANGE: f64 = 0.05;
+
 /// What is studied.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -57,6 +60,8 @@ pub struct Row {
     pub spacing_m: f64,
     /// Vertices of the lattice.
     pub vertices: usize,
+    /// Areas of the present layout that no view joins, cells that see no other left out.
+    pub areas: usize,
     /// Area seen from a vertex, m²: degree × spacing².
     pub visible_m2: Spread,
     /// Depth, steps.
@@ -79,7 +84,7 @@ pub struct ResolutionResult {
     /// Coarsest spacing from which no measure changes by more than the tolerance; none where only the
     /// finest is left.
     pub critical_m: Option<f64>,
-    /// What narrow passages do: jumps between neighbouring spacings, in words.
+    /// Jumps between neighbouring spacings, in words, with what the lattice makes of the plan there.
     pub jumps: Vec<String>,
     /// What was left out or assumed.
     pub problems: Vec<ProblemEntry>,
@@ -200,6 +205,7 @@ fn row(study: &Study, samples: &[Vec<f64>], cancel: &Cancel) -> Result<Row, Erro
     Ok(Row {
         spacing_m: study.spacing_m,
         vertices: study.lattice.cells.len(),
+        areas: study.cut_off().areas + 1,
         visible_m2: spread(0),
         depth: spread(1),
         entropy: spread(2),
@@ -238,14 +244,37 @@ fn jumps(rows: &[Row]) -> Vec<String> {
         for (k, name) in NAMES.iter().enumerate() {
             let (a, b) = (pair[0].spreads()[k].initial, pair[1].spreads()[k].initial);
             if change(a, b) > JUMP {
-                out.push(format!(
-                    "{name} jumps from {a:.3} at {} m to {b:.3} at {} m: a passage that the coarser lattice misses opens or closes",
-                    pair[0].spacing_m, pair[1].spacing_m
-                ));
+                let [from, to] = [pair[0].spacing_m, pair[1].spacing_m];
+                let why = why_it_jumps(&pair[0], &pair[1]);
+                out.push(format!("{name} jumps from {a:.3} at {from} m to {b:.3} at {to} m: {why}"));
             }
         }
     }
     out
+}
+
+/// What differs between two lattices of one plan, as far as it is known.
+fn why_it_jumps(coarse: &Row, fine: &Row) -> String {
+    let floor = |r: &Row| r.vertices as f64 * r.spacing_m * r.spacing_m;
+    if coarse.areas != fine.areas {
+        return format!(
+            "what no view joins is {} at the coarser and {} at the finer: one of them misses a passage, or a wall",
+            areas(coarse.areas),
+            areas(fine.areas)
+        );
+    }
+    if change(floor(coarse), floor(fine)) > FLOOR_CHANGE {
+        return format!(
+            "the coarser lattice measures {:.1} m² of floor, the finer {:.1} m², since whole cells count",
+            floor(coarse),
+            floor(fine)
+        );
+    }
+    "cells of the coarser one are wide beside what stands in the way".into()
+}
+
+fn areas(count: usize) -> String {
+    if count == 1 { "1 area".into() } else { format!("{count} areas") }
 }
 
 fn panels(rows: &[Row]) -> Vec<Panel> {
@@ -284,7 +313,14 @@ mod tests {
 
     fn at(spacing_m: f64, depth: f64) -> Row {
         let spread = |v: f64| Spread { initial: v, mean: v, deviation: 0.0 };
-        Row { spacing_m, vertices: 1, visible_m2: spread(10.0), depth: spread(depth), entropy: spread(1.0) }
+        Row {
+            spacing_m,
+            vertices: (8.0 / spacing_m / spacing_m) as usize,
+            areas: 1,
+            visible_m2: spread(10.0),
+            depth: spread(depth),
+            entropy: spread(1.0),
+        }
     }
 
     #[test]
@@ -293,9 +329,24 @@ mod tests {
         assert_eq!(critical(&rows, 0.02), Some(1.0));
         assert_eq!(critical(&rows, 0.001), None);
         assert_eq!(jumps(&rows).len(), 1);
+        assert!(jumps(&rows)[0].ends_with("stands in the way"), "{:?}", jumps(&rows));
         // An agreement that a finer spacing breaks again is none.
         let rows = [at(2.0, 2.0), at(1.0, 3.0), at(0.5, 2.0), at(0.25, 2.0)];
         assert_eq!(critical(&rows, 0.02), Some(0.5));
+    }
+
+    #[test]
+    fn a_jump_is_explained_by_what_the_lattices_make_of_the_plan() {
+        let rows = [at(2.0, 3.0), Row { areas: 2, ..at(1.0, 2.0) }, Row { vertices: 100, ..at(0.5, 3.0) }];
+        let [parted, joined] = [&jumps(&rows)[0], &jumps(&rows)[1]];
+        assert!(parted.contains("1 area at the coarser and 2 areas at the finer"), "{parted}");
+        assert!(joined.contains("2 areas at the coarser and 1 area at the finer"), "{joined}");
+        let rows = [at(1.0, 3.0), Row { vertices: 100, ..at(0.5, 2.0) }];
+        assert!(
+            jumps(&rows)[0].contains("measures 8.0 m² of floor, the finer 25.0 m²"),
+            "{:?}",
+            jumps(&rows)
+        );
     }
 
     #[test]
