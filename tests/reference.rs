@@ -172,3 +172,16 @@ fn depthmapx_cell_by_cell() {
     assert_eq!(ours.len(), 27_839);
     assert!(ours == sorted(&edges));
 }
+
+/// Drawn with single lines and without a unit: the width of their rooms is no thickness of walls.
+#[test]
+fn plans_without_a_unit_are_read_in_metres() {
+    for file in ["bench/b40_r12.dxf", "bench/b67_r12.dxf", "bench/b133_r12.dxf", "bench/b267_r12.dxf"] {
+        let Some(path) = reference(file) else { return };
+        let bytes = std::fs::read(path).unwrap();
+        let settings = Settings::new(Partial::default()).unwrap();
+        let done = pipeline::check(&Input::new(file, &bytes, 1), &settings).unwrap();
+        let reason = done.result.unit.reason;
+        assert!(reason.starts_with("m assumed"), "{file}: {reason}");
+    }
+}

@@ -47,6 +47,9 @@ const PAIRS_SHARE: f64 = 0.25;
 /// drawn with one line and tell no thickness.
 const THICK_SHARE_MAX: f64 = 0.06;
 
+/// Nor are they those of walls where more than this share of the plan lies between them.
+const BETWEEN_SHARE_MAX: f64 = 0.3;
+
 /// A swing sweeps about a quarter turn.
 const SWING_RAD: [f64; 2] = [1.0, 1.75];
 
@@ -76,6 +79,8 @@ pub struct Witnesses {
     pub beyond: Vec<Vec<f64>>,
     /// Share of the walls' length that has a second face.
     pub paired_share: f64,
+    /// Share of the walls' box that lies between neighbouring faces.
+    pub between_share: f64,
     /// Longer side of the walls.
     pub extent: f64,
 }
@@ -97,11 +102,15 @@ impl Witnesses {
         }
         let paired: f64 = thicknesses.iter().map(|t| t.1).sum();
         let paired_share = if total > 0.0 { paired / total } else { 0.0 };
+        let ends = found.iter().flat_map(|p| [p.a, p.b]);
+        let ground = super::box_of(ends).map_or(0.0, |[lo, hi]| (hi - lo).element_product());
+        let between = thicknesses.iter().map(|(d, length)| d * length).sum::<f64>() / 2.0;
+        let between_share = if ground > 0.0 { between / ground } else { 0.0 };
         let swings = swings(drawing);
         // Where there are many, each need not be looked at.
         let is_hung = swings.len() < SWINGS_SURE && swings.iter().any(|s| s.is_hung(&found));
         let leaves = swings.iter().map(|s| s.radius).collect();
-        Self { leaves, is_hung, thicknesses, beyond, paired_share, extent }
+        Self { leaves, is_hung, thicknesses, beyond, paired_share, between_share, extent }
     }
 
     fn doors(&self, unit: Unit) -> Option<f64> {
@@ -132,7 +141,8 @@ impl Witnesses {
         let total: f64 = self.thicknesses.iter().map(|t| t.1).sum();
         let walls = (0..self.thicknesses.len()).filter(|i| self.is_wall(*i, unit));
         let fit: f64 = walls.map(|i| self.thicknesses[i].1).sum();
-        let is_thickness = self.middle_thickness().is_some_and(|t| t <= THICK_SHARE_MAX * self.extent);
+        let is_thickness = self.between_share <= BETWEEN_SHARE_MAX
+            && self.middle_thickness().is_some_and(|t| t <= THICK_SHARE_MAX * self.extent);
         let speaks = is_thickness && self.thicknesses.len() >= PAIRS_MIN && self.paired_share >= PAIRS_SHARE;
         speaks.then(|| fit / total)
     }
@@ -463,6 +473,20 @@ mod tests {
         let doubted = |h: f64| implausible_by_heights(&[h], unit("m")).map(|u| u.name);
         assert_eq!((doubted(2700.0), doubted(1.0), doubted(40.0)), (Some("mm"), None, None));
         assert_eq!(doubted(0.027), None, "no unit makes a model as high as a house");
+    }
+
+    /// Rooms of 5 m drawn with single lines, 267 m long: their width is no thickness in inches.
+    #[test]
+    fn what_covers_much_of_the_plan_is_no_wall() {
+        let rooms = |between_share: f64| Witnesses {
+            thicknesses: vec![(5.0, 20.0); 30],
+            paired_share: 0.56,
+            between_share,
+            extent: 267.0,
+            ..Witnesses::default()
+        };
+        assert_eq!(best(&rooms(0.36), "no $INSUNITS").name, "m");
+        assert_eq!(best(&rooms(0.1), "no $INSUNITS").name, "in");
     }
 
     #[test]
