@@ -253,6 +253,8 @@ fn exit_codes_and_messages() {
         (vec!["init", "no-such-folder"], 4, "the folder is not there: make it\n"),
         (vec!["watch", "--json", "x.json", "."], 3, "`enfilade status --json`"),
         (vec!["check", "--out", "x", &sample("gallery.dxf")], 3, "--preview"),
+        (vec!["check", "--query-layer", "NOPE", &sample("gallery.dxf")], 1, "found no such layer drawn on"),
+        (vec!["check", "--reference-layer", "0", &sample("gallery.dxf")], 1, "--reference-layer \"0\""),
         (vec!["resolution", "--spacing", "1", &sample("gallery.dxf")], 3, "--spacings"),
         (vec!["jobs", "--json", "x.json", &sample("gallery.dxf")], 3, "--output"),
         (vec!["jobs", "--threads", "2", &sample("gallery.dxf")], 3, "`run-job`"),

@@ -365,6 +365,14 @@ impl Field {
         extent(&|i| i / self.rows).hypot(extent(&|i| i % self.rows)).round() as i64
     }
 
+    /// Whether a seed lies outside the box round all walls.
+    fn has_seed_outside(ground: &Ground<'_>) -> bool {
+        let ends = || ground.fixed.iter().chain(ground.movable).flat_map(|w| [w.a, w.b]);
+        let is_beyond =
+            |seed: &PointUm, k: usize| ends().all(|p| p[k] < seed[k]) || ends().all(|p| p[k] > seed[k]);
+        ground.seeds_um.iter().any(|seed| is_beyond(seed, 0) || is_beyond(seed, 1))
+    }
+
     fn flood_from_seeds(&self, ground: &Ground<'_>, report: &mut Report) -> Vec<bool> {
         let mut seeds = Vec::new();
         for p in ground.seeds_um {
@@ -382,8 +390,13 @@ impl Field {
         let border = |c: usize, r: usize| c == 0 || r == 0 || c + 1 == self.cols || r + 1 == self.rows;
         let leaks = (0..self.cols).any(|c| (0..self.rows).any(|r| border(c, r) && reached[self.index(c, r)]));
         if leaks {
-            let text = "the flood from the seed point leaves the building through a gap and fills the drawing's box; \
-                        close the outline or draw EF-QUERY";
+            let text = if Self::has_seed_outside(ground) {
+                "a seed point lies outside the walls, and the flood from there fills the drawing's box; move --seed-point \
+                 into the building or draw EF-QUERY"
+            } else {
+                "the flood from the seed point fills the drawing's box: it starts outside the building, or leaves it through \
+                 a gap; move --seed-point, close the outline or draw EF-QUERY"
+            };
             report.warn("seed-leaks", Place::file(ground.file), text);
         }
         reached
@@ -604,6 +617,20 @@ mod tests {
         // In the doorway.
         expected.push([6, 2]);
         assert_eq!(l.cells, expected);
+    }
+
+    #[test]
+    fn why_a_flood_fills_the_box_is_told() {
+        let walls = ring(&[[0, 0], [9 * M, 0], [9 * M, 5 * M], [0, 5 * M]]);
+        let said = |walls: &[Segment], seed: PointUm| {
+            let (mut report, seeds_um) = (Report::default(), [seed]);
+            let _ = lattice(&Ground { seeds_um: &seeds_um, ..ground(walls) }, &mut report);
+            report.problems.iter().map(ToString::to_string).collect::<String>()
+        };
+        assert_eq!(said(&walls, [4 * M, 2 * M]), "");
+        assert!(said(&walls, [20 * M, 2 * M]).contains("lies outside the walls"));
+        assert!(said(&walls, [-M, 2 * M]).contains("lies outside the walls"));
+        assert!(said(&walls[..3], [4 * M, 2 * M]).contains("leaves it through a gap"));
     }
 
     #[test]

@@ -207,6 +207,14 @@ pub fn read(drawing: &Drawing, options: &PlanOptions, frame: &Frame, report: &mu
         }
     }
     out.groups = groups(drawing, &outlines, frame, report);
+    for (option, layer, found) in [
+        ("--query-layer", &options.query_layer, !out.query.is_empty()),
+        ("--reference-layer", &options.reference_layer, !out.reference.is_empty()),
+    ] {
+        if let Some(layer) = layer.as_deref().filter(|_| !found) {
+            say_no_region(drawing, option, layer, report);
+        }
+    }
     let misnamed = say_misnamed(drawing, [query, reference], report);
     out.is_move_drawn =
         misnamed || layers_drawn_on(drawing).any(|l| own_layers::bare(l).eq_ignore_ascii_case(MOVE));
@@ -218,6 +226,29 @@ fn layers_drawn_on(drawing: &Drawing) -> impl Iterator<Item = &str> {
     let entities = drawing.entities.iter().chain(&drawing.fills).map(|e| e.layer.as_str());
     let others = drawing.texts.iter().map(|t| &t.layer).chain(drawing.undrawn.iter().map(|u| &u.layer));
     entities.chain(others.map(String::as_str))
+}
+
+/// Layers named where one that was asked for holds no region.
+const LAYERS_SHOWN: usize = 12;
+
+/// Says that a layer which the user named holds no region, and which layers are drawn on.
+fn say_no_region(drawing: &Drawing, option: &str, layer: &str, report: &mut Report) {
+    let layers: BTreeSet<&str> = layers_drawn_on(drawing).collect();
+    let is_drawn = layers.iter().any(|l| l.eq_ignore_ascii_case(layer));
+    let found =
+        if is_drawn { "found no closed outline on that layer" } else { "found no such layer drawn on" };
+    let shown: Vec<&str> = layers.iter().copied().take(LAYERS_SHOWN).collect();
+    let more = if layers.len() > shown.len() {
+        format!(" and {} more", layers.len() - shown.len())
+    } else {
+        String::new()
+    };
+    let text = format!(
+        "{option} {layer:?}: {found}, expected a closed polyline or a circle there; nothing is left out for it, and the \
+         interior is measured; layers drawn on: {}{more}",
+        shown.join(", ")
+    );
+    report.warn("region-layer", Place::file(&drawing.file), text);
 }
 
 /// Names layers that were meant to be marks, each with the first that is drawn on it; whether one of them was meant to
