@@ -24,12 +24,12 @@ use bars::Moving;
 use joined::Joined;
 use mitre::{Mitre, Refusal, Stuck};
 
-use crate::plan::Plan;
 use crate::plan::axes::AxisGraph;
 use crate::plan::curve::{self, Trace};
 use crate::plan::drawing::{Editable, Format, RigidMotion, Shape, Vertex};
 use crate::plan::graph::{Graph, Handle};
 use crate::plan::markers::{Clause, Group, Kind, place_in};
+use crate::plan::{Plan, Wall};
 use crate::report::Report;
 
 /// What would move by less stays, to the byte; metres of a person. Nobody builds to half a millimetre, and corners this
@@ -510,6 +510,15 @@ fn writable_handles(
     handles.into_iter().collect()
 }
 
+/// What moves as a whole where a wall does, in words.
+fn whole_of(wall: &Wall) -> &'static str {
+    match wall.source.kind.as_str() {
+        "MLINE" => "a multiline",
+        "SPLINE" | "ELLIPSE" => "a curve",
+        _ => "its block",
+    }
+}
+
 /// Why a wall cannot move with a group; an empty reason where nobody asked for it.
 fn refusal(plan: &Plan, graph: &Graph, group: &Group, w: u32, handles: &BTreeSet<Handle>) -> Option<String> {
     let wall = &plan.walls[w as usize];
@@ -526,17 +535,12 @@ fn refusal(plan: &Plan, graph: &Graph, group: &Group, w: u32, handles: &BTreeSet
                 if plan.format != Format::Dxf {
                     return Some(String::new());
                 }
-                return Some("its block moves only as a whole and the group encloses a part of it".into());
+                let what = whole_of(wall);
+                return Some(format!("{what} moves only as a whole and the group encloses a part of it"));
             }
             if scales {
-                return Some(
-                    if plan.format == Format::Dxf {
-                        "a block is not scaled"
-                    } else {
-                        "an element is not scaled"
-                    }
-                    .into(),
-                );
+                let what = if plan.format == Format::Dxf { whole_of(wall) } else { "an element" };
+                return Some(format!("{what} is not scaled"));
             }
             if turns && wall.editable == (Editable::WithInsert { turnable: false }) {
                 return Some(plan.format.why_no_turn().into());

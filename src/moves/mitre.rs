@@ -285,7 +285,7 @@ fn cannot_follow(plan: &Plan, (w, _): Handle) -> Option<String> {
     match (&wall.editable, &wall.shape) {
         (Editable::No(why), _) => Some(why.clone()),
         (Editable::WithInsert { .. } | Editable::Wall { .. }, _) => {
-            Some("its block moves only as a whole".into())
+            Some(format!("{} moves only as a whole", super::whole_of(wall)))
         }
         (Editable::Free, Shape::Arc { .. } | Shape::Circle { .. }) => {
             Some("an arc moves only as a whole".into())

@@ -487,7 +487,7 @@ impl<'a> Reader<'a, '_> {
     }
 }
 
-/// A curve that was read as a polyline: it moves as a whole, and turns where its plane lies flat.
-fn as_a_whole(extrusion: DVec3) -> Editable {
+/// What was read as polylines and is written otherwise: it moves as a whole, and turns where its plane lies flat.
+pub(super) fn as_a_whole(extrusion: DVec3) -> Editable {
     Editable::WithInsert { turnable: is_upright(extrusion) }
 }

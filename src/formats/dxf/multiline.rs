@@ -3,18 +3,13 @@
 use glam::DVec2;
 
 use super::curves::polyline;
-use super::entity::{Body, Skip};
+use super::entity::{Body, Skip, as_a_whole};
 use super::fields::{Fields, own_pairs};
 use super::reader::Reader;
-use crate::plan::drawing::Editable;
 use crate::report::Error;
 
 /// Most lines of one multiline; the programs that draw them allow as many.
 const ELEMENTS_MAX: usize = 16;
-
-/// Why it stays as it is: its lines are computed from its path, and both would have to change.
-const STAYS: &str =
-    "it is a multiline (MLINE), whose lines do not move one by one; explode it to move its walls";
 
 /// A corner of the path.
 #[derive(Default)]
@@ -27,7 +22,7 @@ struct Corner {
 }
 
 impl Reader<'_, '_> {
-    /// The lines of a multiline, each between its breaks.
+    /// The lines of a multiline, each between its breaks. They are computed from its path and move as a whole.
     pub(super) fn multiline(&self, fields: &Fields<'_, '_>) -> Result<Result<Vec<Body>, Skip>, Error> {
         let corners = match self.corners(fields)? {
             Ok(corners) => corners,
@@ -36,9 +31,9 @@ impl Reader<'_, '_> {
         let is_closed = self.int(fields, 71, 0)? & 2 != 0;
         let lines = 0..corners[0].lines.len();
         let pieces = lines.flat_map(|line| pieces(&corners, line, is_closed));
-        let bodies = pieces.map(|(points, is_ring)| {
-            self.checked(Body::Shape(polyline(points, is_ring), Editable::No(STAYS.into())))
-        });
+        let editable = as_a_whole(self.extrusion(fields)?);
+        let bodies = pieces
+            .map(|(points, is_ring)| self.checked(Body::Shape(polyline(points, is_ring), editable.clone())));
         Ok(bodies.collect())
     }
 
@@ -108,7 +103,9 @@ fn pieces(corners: &[Corner], line: usize, is_closed: bool) -> Vec<(Vec<DVec2>, 
             marks.push(length);
         }
         for drawn in marks.chunks(2).filter(|d| d[1] > d[0]) {
-            let (from, to) = (a + along * drawn[0], a + along * drawn[1]);
+            // At the corner itself, without the rounding of the way there: the next stretch goes on from it.
+            let (from, to) =
+                (a + along * drawn[0], if drawn[1] == length { b } else { a + along * drawn[1] });
             match out.last_mut().filter(|(piece, _)| drawn[0] == 0.0 && piece.last() == Some(&from)) {
                 Some((piece, _)) => piece.push(to),
                 None => out.push((vec![from, to], false)),
@@ -121,8 +118,8 @@ fn pieces(corners: &[Corner], line: usize, is_closed: bool) -> Vec<(Vec<DVec2>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::dxf::{ReadOptions, read};
-    use crate::plan::drawing::{Drawing, Shape};
+    use crate::formats::dxf::{ReadOptions, patch, read};
+    use crate::plan::drawing::{Drawing, Edit, Editable, RigidMotion, Shape};
     use crate::report::Report;
 
     /// A corner at x and y with its mitre, and the numbers of each of its lines.
@@ -138,15 +135,19 @@ mod tests {
         out
     }
 
-    /// What a drawing of this multiline is read as, and the codes of what is said of it.
-    fn drawn(flags: i32, corners: &str) -> (Drawing, Vec<&'static str>) {
+    fn text(flags: i32, corners: &str) -> String {
         let text = format!(
             "0|SECTION|2|ENTITIES|0|LINE|8|0|10|0|20|0|11|1|21|0|0|MLINE|5|2F3|8|A-WALL|40|1|70|0|71|{flags}|10|0|20|0|\
              {corners}0|ENDSEC|0|EOF|"
         );
+        text.replace('|', "\n")
+    }
+
+    /// What a drawing of this multiline is read as, and the codes of what is said of it.
+    fn drawn(flags: i32, corners: &str) -> (Drawing, Vec<&'static str>) {
         let mut report = Report::default();
         let drawing =
-            read("a.dxf", text.replace('|', "\n").as_bytes(), &ReadOptions::default(), &mut report).unwrap();
+            read("a.dxf", text(flags, corners).as_bytes(), &ReadOptions::default(), &mut report).unwrap();
         (drawing, report.problems.iter().map(|p| p.code).filter(|c| c.starts_with("dxf-bad")).collect())
     }
 
@@ -164,7 +165,7 @@ mod tests {
 
     /// As another library draws the same multilines.
     #[test]
-    fn both_faces_are_drawn_and_stay_as_they_are() {
+    fn both_faces_are_drawn_and_move_as_a_whole() {
         let faces: &[&[f64]] = &[&[0.075, 0.0], &[-0.075, 0.0]];
         let mitred: &[&[f64]] = &[&[0.106_066_017_177_982_13, 0.0], &[-0.106_066_017_177_982_13, 0.0]];
         let half = std::f64::consts::FRAC_1_SQRT_2;
@@ -186,10 +187,42 @@ mod tests {
             assert!(points.len() == 3 && !is_closed && off.fold(0.0, f64::max) < 1e-12, "{points:?}");
         }
         assert_eq!(said, Vec::<&str>::new());
-        let own = path.entities.iter().filter(|e| e.source.kind == "MLINE");
-        assert!(
-            own.into_iter().all(|e| matches!(&e.editable, Editable::No(why) if why.contains("explode it")))
-        );
+        let mut own = path.entities.iter().filter(|e| e.source.kind == "MLINE");
+        assert!(own.all(|e| e.editable == Editable::WithInsert { turnable: true }));
+    }
+
+    /// All that is written of it goes along: where it starts, its corners, the ways of its stretches and mitres.
+    #[test]
+    fn what_is_moved_reads_as_moved() {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let faces: &[&[f64]] = &[&[0.1, 0.0], &[-0.1, 0.0]];
+        let corners = [
+            corner([0.0, 0.0], [0.0, 1.0], faces),
+            corner([4.0, 0.0], [-half, half], &[&[0.2, 0.0, 1.0, 2.0], &[-0.2, 0.0]]),
+            corner([4.0, 3.0], [-1.0, 0.0], faces),
+        ]
+        .concat();
+        for turn_rad in [0.0, 0.4] {
+            let motion = RigidMotion { turn_rad, shift: DVec2::new(0.75, -0.5) };
+            let (before, bytes) = (drawn(1, &corners).0, text(1, &corners).into_bytes());
+            let record = before.entities.iter().find(|e| e.source.kind == "MLINE").unwrap().source.record;
+            let edits = [Edit::Insert { record, motion }];
+            let written = patch("a.dxf", &bytes, &edits, &[]).unwrap();
+            let after = read("a.dxf", &written, &ReadOptions::default(), &mut Report::default()).unwrap();
+            let (was, is) = (lines(&before), lines(&after));
+            assert_eq!(was.len(), is.len());
+            let turn = DVec2::from_angle(turn_rad);
+            for (was, is) in was.iter().zip(&is) {
+                for (p, q) in was.0.iter().zip(&is.0) {
+                    let meant = turn.rotate(DVec2::from(*p)) + motion.shift;
+                    assert!(meant.distance(DVec2::from(*q)) < 1e-9, "{meant} {q:?}");
+                }
+            }
+            let text = String::from_utf8(written).unwrap();
+            assert!(text.contains("\n10\n0.75\n20\n-0.5\n"), "where it starts: {text}");
+            let way = format!("\n12\n{}", turn.x);
+            assert!(text.contains(way.trim_end_matches(".0")), "{way}: {text}");
+        }
     }
 
     #[test]

@@ -359,7 +359,7 @@ impl Editor<'_, '_> {
                 }
                 Ok(())
             }
-            b"SPLINE" => self.rigid(record, motion, &[10, 11], &[12, 13]),
+            b"SPLINE" | b"MLINE" => self.rigid(record, motion, &[10, 11], &[12, 13]),
             b"ELLIPSE" => self.rigid(record, motion, &[10], &[11]),
             b"POLYLINE" => {
                 let fields = Fields::of(self.tokens, record);
@@ -383,18 +383,19 @@ impl Editor<'_, '_> {
         directions: &[i32],
     ) -> Result<(), Error> {
         let fields = Fields::of(self.tokens, record);
-        let is_world = matches!(self.tokens.name(record), b"SPLINE" | b"ELLIPSE");
+        let is_world = matches!(self.tokens.name(record), b"SPLINE" | b"ELLIPSE" | b"MLINE");
+        let has_many = matches!(self.tokens.name(record), b"SPLINE" | b"MLINE");
         let is_mirrored = match self.tokens.name(record) {
             b"VERTEX" => false,
             // World coordinates whatever the plane; only to turn them it must lie flat.
-            b"SPLINE" | b"ELLIPSE" if motion.turn_rad == 0.0 => false,
+            _ if is_world && motion.turn_rad == 0.0 => false,
             _ => self.is_mirrored(&fields)? && !is_world,
         };
         let side = if is_mirrored { -1.0 } else { 1.0 };
         let turn = DVec2::from_angle(motion.turn_rad);
         for &code in codes.iter().chain(directions) {
             let slots = match fields.index(code) {
-                _ if self.tokens.name(record) == b"SPLINE" => point_slots(self.tokens, record, code),
+                _ if has_many => point_slots(self.tokens, record, code),
                 Some(x) => vec![(x, fields.index(code + 10))],
                 None if code == 10 => return Err(self.fault("it has no insertion point to change")),
                 None => Vec::new(),
