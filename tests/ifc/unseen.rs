@@ -182,3 +182,43 @@ fn an_unseen_wall_that_stands_at_the_wall_follows_without_a_stated_joint() {
         "{told:?}"
     );
 }
+
+/// A space of the lower storey, `from` to `to` along x and 2 m wide, with marks.
+fn space(from: f64, to: f64, mark: &str) -> String {
+    format!(
+        "#9300=IFCSPACE('W000000000000000009300',$,'K',$,$,#9303,#9304,$,.ELEMENT.,.INTERNAL.,$);\n\
+         #9301=IFCCARTESIANPOINT(({from:?},2.,0.));\n#9302=IFCAXIS2PLACEMENT3D(#9301,$,$);\n\
+         #9303=IFCLOCALPLACEMENT(#53,#9302);\n#9304=IFCPRODUCTDEFINITIONSHAPE($,$,(#9306));\n\
+         #9306=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#9307));\n\
+         #9307=IFCEXTRUDEDAREASOLID(#9308,$,#8,2.8);\n\
+         #9308=IFCRECTANGLEPROFILEDEF(.AREA.,$,#9309,{:?},2.);\n\
+         #9309=IFCAXIS2PLACEMENT2D(#9310,$);\n#9310=IFCCARTESIANPOINT(({:?},1.));\n\
+         #9320=IFCRELAGGREGATES('R000000000000000000030',$,$,$,#50,(#9300));\n\
+         #9321=IFCPROPERTYSINGLEVALUE('{mark}',$,IFCBOOLEAN(.T.),$);\n\
+         #9322=IFCPROPERTYSET('R000000000000000000031',$,'Pset_Enfilade',$,(#9321));\n\
+         #9323=IFCRELDEFINESBYPROPERTIES('R000000000000000000032',$,$,$,(#9300),#9322);\n",
+        to - from,
+        (to - from) / 2.0
+    )
+}
+
+/// Nothing inside a space that a mark keeps moves, whether or not the cut shows it, and the joint that opens is told.
+#[test]
+fn an_unseen_wall_in_a_kept_space_stays() {
+    let options = ifc::ReadOptions { storey: Some("Upper".into()), ..ifc::ReadOptions::default() };
+    for (from, to, mark, stays) in [
+        (3.1, 5.5, "Keep", true),
+        (2.8, 5.5, "Keep", true),
+        (3.1, 5.5, "Query", false),
+        (4.0, 5.5, "Keep", false),
+    ] {
+        let text = spurred(3.1, 1.0, ".ATSTART.", &space(from, to, mark));
+        let after =
+            ifc::patch("house.ifc", text.as_bytes(), &options, &[shift(9000, 0.45, 0.0)], &[]).unwrap();
+        let is_kept = String::from_utf8(after).unwrap().contains(",#9109,2.,0.2)");
+        assert_eq!(is_kept, stays, "{from} {to} {mark}");
+        let shifted = [shift(9000, 0.45, 0.0)];
+        let effects = ifc::effects("house.ifc", text.as_bytes(), &options, &shifted).unwrap();
+        assert_eq!(effects.unseen.iter().any(|u| u.other == 9100), stays, "{from} {to} {mark}");
+    }
+}

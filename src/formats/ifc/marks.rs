@@ -61,6 +61,15 @@ impl Use {
     }
 }
 
+/// The marks of a space: what a zone says holds for its spaces, where they say nothing else.
+pub(super) fn of_space(b: &Building<'_, '_>, id: u64) -> BTreeMap<String, String> {
+    let mut marks = b.model.marks(b.step, id);
+    for (key, value) in b.model.zones_of(id).iter().flat_map(|z| b.model.marks(b.step, *z)) {
+        marks.entry(key).or_insert(value);
+    }
+    marks
+}
+
 /// Why marks hold an element: its own, or those of a door or window in it.
 pub(super) fn kept(b: &Building<'_, '_>, id: u64) -> Option<String> {
     let says = |id: u64| b.model.marks(b.step, id).get("keep").is_some_and(|v| is_yes(v) != Some(false));

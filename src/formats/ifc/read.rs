@@ -578,7 +578,6 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     fn space(&mut self, p: &Product, region: &Region) {
         let Some([lo, hi]) = region.extent() else { return };
         self.emit(p, "IfcSpace", region);
-        let zones = self.b.model.zones_of(p.id);
         let SpaceNames { names, zones: of_zones } = self.b.space_names(p);
         for (layer, names) in [("IfcSpace", names), (ZONE_LAYER, of_zones)] {
             if layer == "IfcSpace" || !names.is_empty() {
@@ -586,11 +585,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 self.texts.push(Text { source, layer: layer.into(), at: lo.midpoint(hi), text });
             }
         }
-        // What a zone says holds for its spaces, where they say nothing else.
-        let mut marks = self.b.model.marks(self.b.step, p.id);
-        for (key, value) in zones.iter().flat_map(|z| self.b.model.marks(self.b.step, *z)) {
-            marks.entry(key).or_insert(value);
-        }
+        let marks = super::marks::of_space(self.b, p.id);
         let said = |key: &str| marks.get(key).map_or_else(String::new, |v| v.trim().to_lowercase());
         for (key, layer) in [("query", "EF-QUERY"), ("reference", "EF-REFERENCE"), ("keep", "EF-KEEP")] {
             match (super::marks::is_yes(&said(key)), key) {
