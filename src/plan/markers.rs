@@ -17,6 +17,10 @@ pub const QUERY: &str = "EF-QUERY";
 pub const REFERENCE: &str = "EF-REFERENCE";
 /// Groups that may move.
 pub const MOVE: &str = "EF-MOVE";
+/// Words that clauses of moves begin with.
+pub const CLAUSES: [&str; 6] = ["x", "y", "along", "rotate", "scale", "name"];
+/// Kind of a wish to move on [`MOVE`] that another storey's own plan takes up.
+pub const ELSEWHERE: &str = "move of another storey";
 /// What must stay.
 pub const KEEP: &str = "EF-KEEP";
 

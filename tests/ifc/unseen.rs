@@ -222,3 +222,137 @@ fn an_unseen_wall_in_a_kept_space_stays() {
         assert_eq!(effects.unseen.iter().any(|u| u.other == 9100), stays, "{from} {to} {mark}");
     }
 }
+
+/// The same house and wall, with the wish to move stated of a low wall instead.
+fn marked_unseen(storey: u64, key: &str) -> String {
+    let text = spurred(3.1, 1.0, ".ATSTART.", &standing_at(1.5, 2.0));
+    let text =
+        text.replace("(#9000),#9123", "(#9200),#9123").replace("(#9200),#50", &format!("(#9200),#{storey}"));
+    text.replace("IFCPROPERTYSINGLEVALUE('Move'", key)
+}
+
+/// Nobody who marks a wall means all the others, also where the plan does not show that wall or the mark is not read.
+#[test]
+fn a_wish_to_move_that_the_plan_does_not_show_is_told_and_holds_the_others() {
+    let as_stated = "IFCPROPERTYSINGLEVALUE('Move'";
+    let low = Partial { storey: Some("Lower".into()), ..Partial::default() };
+    let high = Partial { storey: Some("Upper".into()), ..Partial::default() };
+    for (text, with, code, says) in [
+        (
+            marked_unseen(60, as_stated),
+            &high,
+            "ifc-marks",
+            "states move of it, and nothing of it of storey \"Upper\" is shown",
+        ),
+        (
+            marked_unseen(50, as_stated),
+            &high,
+            "marks-elsewhere",
+            "on storey \"Lower\", which this plan does not show: --storey \"Lower\" takes it",
+        ),
+        (
+            marked_unseen(50, "IFCPROPERTYSINGLEVALUE('Moves'"),
+            &low,
+            "ifc-marks",
+            "says \"moves\", expected one of Move,",
+        ),
+        (
+            marked_unseen(50, "IFCPROPERTYSINGLEVALUE('Shift'"),
+            &low,
+            "ifc-marks",
+            "says \"shift\", expected one of Move,",
+        ),
+        (
+            marked_unseen(50, "IFCPROPERTYLISTVALUE('Move'"),
+            &low,
+            "ifc-marks",
+            "states Move as IFCPROPERTYLISTVALUE, expected",
+        ),
+    ] {
+        let settings = Settings::new(with.clone()).unwrap();
+        let done = pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap();
+        let told: Vec<String> =
+            done.report.problems.iter().filter(|p| p.code == code).map(ToString::to_string).collect();
+        let line = text.lines().position(|l| l.starts_with("#9200=")).unwrap() + 1;
+        assert!(
+            told.iter().any(|t| t.contains(says) && t.contains(&format!("house.ifc:{line} "))),
+            "{says}: {told:?} {:?}",
+            done.report
+        );
+        assert!(done.result.moves.is_empty(), "{says}: {:?}", done.result.moves);
+        assert!(done.report.problems.iter().all(|p| p.code != "default-moves"), "{says}");
+        let is_fault = code == "ifc-marks";
+        assert_eq!(done.report.problems.iter().any(|p| p.code == "moves-unread"), is_fault, "{says}");
+    }
+    // What is marked elsewhere for looking alone holds nothing.
+    let asks = marked_unseen(50, "IFCPROPERTYSINGLEVALUE('Quary'");
+    let settings = Settings::new(low.clone()).unwrap();
+    let done = pipeline::check(
+        &Input::new("house.ifc", asks.replace("x -0.5m 0.5m", "hall").as_bytes(), 1),
+        &settings,
+    );
+    let done = done.unwrap();
+    assert!(done.report.problems.iter().any(|p| p.text.contains("says \"quary\", expected one of")));
+    assert!(done.report.problems.iter().any(|p| p.code == "default-moves"), "{:?}", done.report);
+}
+
+/// Two walls of one name and one move, of which the plan shows one.
+#[test]
+fn a_partner_that_the_plan_does_not_show_is_named() {
+    let named = "#9240=IFCPROPERTYSINGLEVALUE('Name',$,IFCLABEL('pair'),$);\n";
+    let text = spurred(3.1, 1.0, ".ATSTART.", &(standing_at(1.5, 2.0) + named));
+    let text = text.replace("(#9000),#9123", "(#9000,#9200),#9123").replace("(#9122));", "(#9122,#9240));");
+    let with = Partial { storey: Some("Upper".into()), ..Partial::default() };
+    let done =
+        pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap()).unwrap();
+    let told: Vec<String> =
+        done.report.problems.iter().filter(|p| p.code == "ifc-marks").map(ToString::to_string).collect();
+    assert!(told.len() == 1 && told[0].contains("#9200 IfcWall"), "{told:?}");
+    assert!(
+        told[0].contains("named \"pair\" by Pset_Enfilade as #9000 is, and stands on storey \"Lower\""),
+        "{told:?}"
+    );
+    assert!(!done.result.moves.is_empty());
+}
+
+/// What a type says holds for its elements, unless these say something else.
+#[test]
+fn marks_of_a_type_hold_for_its_elements() {
+    let of_type = "#9250=IFCWALLTYPE('W000000000000000009250',$,'T',$,$,(#9123),$,$,$,.STANDARD.);\n\
+                   #9251=IFCRELDEFINESBYTYPE('R000000000000000000040',$,$,$,(#9000),#9250);\n";
+    let other = "#9260=IFCPROPERTYSINGLEVALUE('Move',$,IFCLABEL('x -0.2m 0m'),$);\n\
+                 #9261=IFCPROPERTYSET('R000000000000000000041',$,'Pset_Enfilade',$,(#9260));\n\
+                 #9262=IFCRELDEFINESBYPROPERTIES('R000000000000000000042',$,$,$,(#9000),#9261);\n";
+    for (with, lower) in [(of_type.to_owned(), -0.5), (format!("{of_type}{other}"), -0.2)] {
+        let text = spurred(3.1, 1.0, ".ATSTART.", &with);
+        let text: String =
+            text.lines().filter(|l| !l.starts_with("#9124=")).map(|l| format!("{l}\n")).collect();
+        let with = Partial { storey: Some("Upper".into()), ..Partial::default() };
+        let done =
+            pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap())
+                .unwrap();
+        let moves: Vec<(String, f64)> = done.result.moves.iter().map(|m| (m.name.clone(), m.lower)).collect();
+        assert_eq!(moves.len(), 1, "{moves:?} {:?}", done.report);
+        assert_eq!(moves[0].1, lower);
+        assert!(done.report.problems.iter().all(|p| p.code != "ifc-marks"), "{:?}", done.report);
+    }
+}
+
+/// What is no wall would not move anyway.
+#[test]
+fn a_mark_that_keeps_what_is_no_wall_is_told() {
+    let keep = "#9230=IFCPROPERTYSINGLEVALUE('Keep',$,IFCBOOLEAN(.T.),$);\n\
+                #9231=IFCPROPERTYSET('R000000000000000000021',$,'Pset_Enfilade',$,(#9230));\n\
+                #9232=IFCRELDEFINESBYPROPERTIES('R000000000000000000022',$,$,$,(#9200),#9231);\n";
+    let text = spurred(3.1, 1.0, ".ATSTART.", &(standing_at(1.5, 2.0) + keep));
+    let text = text.replace("#9200=IFCWALL(", "#9200=IFCMEMBER(");
+    let with = Partial { storey: Some("Lower".into()), ..Partial::default() };
+    let done =
+        pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap()).unwrap();
+    let told = done.report.problems.iter().filter(|p| p.code == "ifc-marks").map(ToString::to_string);
+    let told: Vec<String> = told.collect();
+    assert!(
+        told.len() == 1 && told[0].contains("IfcMember") && told[0].contains("it is no wall of this plan"),
+        "{told:?}"
+    );
+}

@@ -200,9 +200,7 @@ pub(super) fn parting(from: &Footprint, to: &Footprint, stays: &Footprint, metre
         let was = was_at.distance(p);
         (was <= near).then(|| {
             let sides = was_at.sides_at(p, near);
-            let depth = |f: &Footprint, p: DVec2| {
-                sides.iter().map(|s| f.behind(*s, p)).fold(f64::INFINITY, f64::min).max(0.0)
-            };
+            let depth = |f: &Footprint, p: DVec2| sides.iter().map(|s| f.behind(*s, p)).fold(0.0, f64::max);
             let deepest = was_at.width().max(depth(was_at, p));
             [was, is_at.distance(q), deepest, depth(is_at, q)].map(|d| d * metres)
         })

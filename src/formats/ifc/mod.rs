@@ -35,6 +35,7 @@ use std::collections::{BTreeMap, HashMap};
 pub use footprint::Parting;
 use glam::DVec2;
 pub use limits::*;
+pub use marks::KEEPS;
 use rayon::prelude::*;
 pub use read::{CLOSING_LAYERS, ZONE_LAYER};
 pub use unseen::UnseenJoint;

@@ -20,7 +20,7 @@ use crate::formats::region::{Region, Rule};
 use crate::formats::storeys::{is_over, refuse_without_own, state_shared_name};
 use crate::formats::{SpaceNames, listed, main_storey, no_storey, storey_at};
 use crate::plan::drawing::{
-    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
+    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Undrawn, Unit, Vertex,
 };
 use crate::plan::sizes::{Sizes, Verdict};
 use crate::plan::units::by_heights;
@@ -227,7 +227,8 @@ pub(super) fn read_storey(
     let mut reader = Reader::new(building, storey, options);
     reader.walls(report);
     reader.spaces(report);
-    super::marks::state(building, reader.storey, report);
+    let shown: HashSet<u64> = reader.entities.iter().map(|e| e.source.record as u64).collect();
+    reader.wishes = super::marks::state(building, reader.storey, &shown, report);
     let height = reader.cut - reader.floor;
     if let Some(storey) = storey {
         let text = format!(
@@ -287,6 +288,8 @@ struct Reader<'b, 's, 'a> {
     entities: Vec<Entity>,
     texts: Vec<Text>,
     marked: Vec<MarkedMove>,
+    /// Moves that are stated of elements that are not shown, or in a way that is not read.
+    wishes: Vec<Undrawn>,
     below: HashSet<u64>,
     plugged: HashSet<u64>,
     /// The element shown now where it can change its length, and the corners of what closes its openings, world.
@@ -335,6 +338,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             entities: Vec::new(),
             texts: Vec::new(),
             marked: Vec::new(),
+            wishes: Vec::new(),
             below: HashSet::new(),
             plugged: HashSet::new(),
             bar: None,
@@ -693,7 +697,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             fills: Vec::new(),
             marked: self.marked,
             widths: Default::default(),
-            undrawn: Vec::new(),
+            undrawn: self.wishes,
             north_deg: north_deg(self.b),
         }
     }
