@@ -422,8 +422,7 @@ fn is_kept(plan: &Plan, graph: &Graph, node: u32) -> bool {
 /// that open are told with the options.
 fn say_stuck(plan: &Plan, stuck: &Stuck, report: &mut Report) {
     let place = place_in(&plan.file, &plan.walls[stuck.wall as usize].source);
-    let may = if stuck.turns { "turn" } else { "shift" };
-    let text = format!("is joined to a wall that may {may}, but {}; it stays as drawn", stuck.why);
+    let text = format!("is joined to a wall that may {}, but {}; it stays as drawn", stuck.may, stuck.why);
     match plan.format != Format::Dxf && !stuck.turns {
         true => report.info("joint-stays", place, text),
         false => report.warn("joint-stays", place, text),

@@ -358,6 +358,7 @@ fn candidate(
             &told(study, &mean),
             explanation,
         ) + &told::goes_along_words(&study.base, made)
+            + &told::unseen_words(made)
             + &doors::narrowed_words(&study.base, &made.layout)
             + &told::stays_words(&made.report),
         explanation: explanation.clone(),

@@ -88,6 +88,8 @@ fn an_unseen_wall_follows_by_the_end_that_stands_at_the_wall() {
             "{by} {was:?} {is:?}"
         );
         assert!(option.words.contains("layer IfcDoor; 1 of them not shown in this plan"), "{}", option.words);
+        let unseen = " One wall that this plan does not show (storey Lower) changes its length with them.";
+        assert!(option.words.contains(unseen), "{}", option.words);
     }
 }
 
@@ -355,4 +357,67 @@ fn a_mark_that_keeps_what_is_no_wall_is_told() {
         told.len() == 1 && told[0].contains("IfcMember") && told[0].contains("it is no wall of this plan"),
         "{told:?}"
     );
+}
+
+/// Axis and outline as lists of points, as IFC4 has them, and placements on their head: read and written back.
+#[test]
+fn ends_follow_whatever_says_how_long_a_wall_is() {
+    let options = ifc::ReadOptions { storey: Some("Upper".into()), ..ifc::ReadOptions::default() };
+    let axis = "#9112=IFCINDEXEDPOLYCURVE(#9114,$,.F.);\n#9114=IFCCARTESIANPOINTLIST2D(((0.,0.),(2.,0.)));\n";
+    let by_index = axis
+        .replace("#9114,$,", "#9114,(IFCLINEINDEX((2,1))),")
+        .replace("(0.,0.),(2.,0.)", "(2.,0.),(0.,0.)");
+    let outline = "#9108=IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#9115);\n\
+                   #9115=IFCINDEXEDPOLYCURVE(#9116,(IFCLINEINDEX((1,2,3)),IFCLINEINDEX((3,4,1))),.F.);\n\
+                   #9116=IFCCARTESIANPOINTLIST2D(((0.,-0.1),(2.,-0.1),(2.,0.1),(0.,0.1)));\n";
+    let shared = "#9118=IFCINDEXEDPOLYCURVE(#9114,$,.F.);\n#9119=IFCTRIMMEDCURVE(#9118);\n";
+    let on_its_head = "#9102=IFCAXIS2PLACEMENT3D(#9101,#9117,#9111);\n#9117=IFCDIRECTION((0.,0.,-1.));\n\
+                       #9101=IFCCARTESIANPOINT((3.1,3.,2.8));\n";
+    for (other, says, kept) in [
+        (axis.to_owned(), vec!["LIST2D(((0.45,0.),(2.,0.)))", ",1.55,0.2)"], None),
+        (by_index, vec!["LIST2D(((2.,0.),(0.45,0.)))"], None),
+        (format!("{axis}{outline}"), vec!["((0.45,-0.1),(2.,-0.1),(2.,0.1),(0.45,0.1))"], None),
+        (format!("{axis}{shared}"), vec!["LIST2D(((0.45,0.),(2.,0.)))"], Some("LIST2D(((0.,0.),(2.,0.)))")),
+        (on_its_head.into(), vec!["IFCCARTESIANPOINT((0.45,0.))", ",1.55,0.2)"], None),
+    ] {
+        let plain = spurred(3.1, 1.0, ".ATSTART.", "");
+        let key = |l: &str| l.split('=').next().unwrap().to_string();
+        let mut text = plain.clone();
+        for line in other.lines() {
+            let own = format!("{}=", key(line));
+            text = text.lines().filter(|l| !l.starts_with(&own)).map(|l| format!("{l}\n")).collect();
+        }
+        let text = with_instances(&text, &other);
+        let after =
+            ifc::patch("house.ifc", text.as_bytes(), &options, &[shift(9000, 0.45, 0.0)], &[]).unwrap();
+        let after = String::from_utf8(after).unwrap();
+        for part in says.into_iter().chain(kept) {
+            assert!(after.contains(part), "{part} {other}: {after}");
+        }
+        let reach = |text: &str| {
+            let low = ifc::ReadOptions { storey: Some("Lower".into()), ..ifc::ReadOptions::default() };
+            let (drawing, _) =
+                read_with(text.as_bytes(), &ReadOptions { storey: low.storey, ..ReadOptions::default() });
+            let drawing = drawing.unwrap();
+            let spur = drawing.entities.iter().filter(|e| e.source.record == 9100);
+            let xs: Vec<f64> = spur.flat_map(points).map(|p| p.x).collect();
+            [
+                xs.iter().copied().fold(f64::INFINITY, f64::min),
+                xs.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            ]
+            .map(|v| (v * 1e6).round() / 1e6)
+        };
+        assert_eq!([reach(&text), reach(&after)], [[3.1, 5.1], [3.55, 5.1]], "{other}");
+    }
+}
+
+/// The wall of an assembly keeps its length, for that reason.
+#[test]
+fn a_part_of_an_assembly_is_called_so() {
+    let whole = "#9150=IFCELEMENTASSEMBLY('W000000000000000009150',$,$,$,$,$,$,$,$,$);\n\
+                 #9151=IFCRELAGGREGATES('R000000000000000000015',$,$,$,#9150,(#9100));\n";
+    let options = ReadOptions { storey: Some("Lower".into()), ..ReadOptions::default() };
+    let (_, report) = read_with(spurred(3.1, 1.0, ".ATSTART.", whole).as_bytes(), &options);
+    let told = report.problems.iter().find(|p| p.code == "ifc-length").unwrap();
+    assert!(told.text.contains("it is a part of #9150 IFCELEMENTASSEMBLY"), "{told}");
 }

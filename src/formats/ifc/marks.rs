@@ -279,8 +279,7 @@ fn faults(b: &Building<'_, '_>, p: &Marked, stated: &Stated, odd: &[(String, Str
     };
     let unseen: Vec<&str> = shown.iter().copied().filter(|k| !p.is_shown && says(k)).collect();
     if !unseen.is_empty() {
-        let of = b.model.storey_of(p.id).and_then(|s| b.model.storeys.iter().find(|of| of.id == s));
-        let of = of.map_or_else(String::new, |s| format!(" of storey \"{}\"", s.name));
+        let of = b.storey_name(p.id).map_or_else(String::new, |s| format!(" of storey \"{s}\""));
         let then = if p.used == Use::Moves { "nothing moves by it" } else { "it is not used" };
         out.push(format!(
             "Pset_Enfilade states {} of it, and nothing of it{of} is shown at the height of the cut; {then}",

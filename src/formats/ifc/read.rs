@@ -99,6 +99,12 @@ impl<'s, 'a> Building<'s, 'a> {
         self.standing.get_or_init(|| footprint::standing(self))
     }
 
+    /// The name of the storey in which an element stands.
+    pub fn storey_name(&self, id: u64) -> Option<String> {
+        let of = self.model.storey_of(id)?;
+        self.model.storeys.iter().find(|s| s.id == of).map(|s| s.name.clone())
+    }
+
     /// Measures how high the own walls of those storeys reach over which another one begins below the eyes.
     fn measure_tops(&mut self) {
         let storeys = super::storeys(self);

@@ -223,8 +223,7 @@ pub(super) fn left(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit]) 
             }
             _ => Some(Parting::Unknown),
         };
-        let named = |s: u64| b.model.storeys.iter().find(|of| of.id == s).map(|of| of.name.clone());
-        let storey = b.model.storey_of(other).and_then(named);
+        let storey = b.storey_name(other);
         out.extend(parting.map(|parting| UnseenJoint { id, other, storey, parting }));
     }
     out
