@@ -421,3 +421,22 @@ fn a_part_of_an_assembly_is_called_so() {
     let told = report.problems.iter().find(|p| p.code == "ifc-length").unwrap();
     assert!(told.text.contains("it is a part of #9150 IFCELEMENTASSEMBLY"), "{told}");
 }
+
+/// A wall stays for the reason that holds it, beside one that can do no more than shift.
+#[test]
+fn what_stays_says_what_holds_it() {
+    let with = Partial { storey: Some("Lower".into()), ..Partial::default() };
+    let settings = Settings::new(with).unwrap();
+    for (added, wall, says) in [
+        (space(3.1, 5.5, "Keep"), 9100, "a space that says Keep holds it"),
+        (standing_at(3.0, 4.1), 9200, "is joined to a wall that may shift, but it moves only as a whole"),
+    ] {
+        let text = spurred(3.1, 1.0, ".ATSTART.", &added);
+        let done = pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap();
+        let line = text.lines().position(|l| l.starts_with(&format!("#{wall}="))).unwrap() + 1;
+        let told = done.report.problems.iter().filter(|p| p.code == "joint-stays").map(ToString::to_string);
+        let told: Vec<String> = told.collect();
+        let own = told.iter().find(|t| t.contains(&format!("house.ifc:{line} ")));
+        assert!(own.is_some_and(|t| t.contains(says)), "{says}: {told:?}");
+    }
+}
