@@ -3,6 +3,7 @@
 mod alike;
 mod card;
 mod carrying;
+mod far;
 mod idle;
 mod jambs;
 pub(super) mod marked;

@@ -440,3 +440,66 @@ fn what_stays_says_what_holds_it() {
         assert!(own.is_some_and(|t| t.contains(says)), "{says}: {told:?}");
     }
 }
+
+fn checked(text: &str) -> pipeline::Outcome<enfilade::overlay::result::CheckResult> {
+    let with = Partial { storey: Some("Upper".into()), ..Partial::default() };
+    pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap()).unwrap()
+}
+
+fn said(problems: &[enfilade::report::Problem], code: &str) -> Vec<String> {
+    problems.iter().filter(|p| p.code == code).map(ToString::to_string).collect()
+}
+
+/// A point to turn about that is meant in other coordinates takes a wall out of the building.
+#[test]
+fn a_turn_about_a_point_far_off_is_told() {
+    let turning = |about: &str| {
+        spurred(3.1, 1.0, ".ATSTART.", "").replace("x -0.5m 0.5m", &format!("rotate -30 30 about {about}"))
+    };
+    assert_eq!(said(&checked(&turning("3,2")).report.problems, "move-far-centre"), [""; 0]);
+    let told = said(&checked(&turning("-1000,3")).report.problems, "move-far-centre");
+    assert_eq!(told.len(), 1, "{told:?}");
+    for part in ["IfcWall", "about -1000, 3, which is 1000 m west of the building", "whose middle is at 3, 3"]
+    {
+        assert!(told[0].contains(part), "{part}: {told:?}");
+    }
+    let done = run(&turning("-1000,3"));
+    let far: Vec<String> = said(&done.report.problems, "options-leaving");
+    assert!(!far.is_empty(), "{:?}", done.report);
+    let words = &done.result.candidates[0].words;
+    assert!(words.contains("What moves is thrown out of the building"), "{words}");
+}
+
+/// `name WORD` among the clauses of a `Move` names its group, where `Name` says nothing.
+#[test]
+fn a_name_within_a_move_names_its_group() {
+    let named = "#9240=IFCPROPERTYSINGLEVALUE('Name',$,IFCLABEL('bar'),$);\n";
+    for (own, name, is_told) in [("", "foo", false), (named, "bar", true)] {
+        let text = spurred(3.1, 1.0, ".ATSTART.", own).replace("x -0.5m 0.5m", "x -0.5m 0.5m; name foo");
+        let text = if own.is_empty() { text } else { text.replace("(#9122));", "(#9122,#9240));") };
+        let done = checked(&text);
+        assert_eq!(done.result.moves[0].name, name);
+        let told = said(&done.report.problems, "ifc-marks");
+        let is_named = told.iter().any(|t| t.contains("names it \"bar\" as Name and \"foo\" within Move"));
+        assert_eq!(is_named, is_told, "{told:?}");
+    }
+}
+
+/// A north that is no direction in the plan is told.
+#[test]
+fn a_north_that_is_none_is_told() {
+    let plain = spurred(3.1, 1.0, ".ATSTART.", "");
+    let with = |way: &str| {
+        let text = plain.replace(
+            "#5=IFCGEOMETRICREPRESENTATIONCONTEXT($,'Model',3,1.E-5,#4,$)",
+            "#5=IFCGEOMETRICREPRESENTATIONCONTEXT($,'Model',3,1.E-5,#4,#9400)",
+        );
+        assert_ne!(text, plain);
+        let text = with_instances(&text, &format!("#9400=IFCDIRECTION({way});\n"));
+        let told = said(&checked(&text).report.problems, "true-north");
+        told.iter()
+            .filter(|t| t.contains("found #9400 IFCDIRECTION as TrueNorth, expected a direction"))
+            .count()
+    };
+    assert_eq!(["(0.,0.)", "(0.,0.,1.)", "(0.,1.)", "(1.,0.,0.)"].map(with), [1, 1, 0, 0]);
+}

@@ -6,7 +6,7 @@ use super::model::Product;
 use super::read::Building;
 use crate::formats::storey_key;
 use crate::plan::drawing::Undrawn;
-use crate::plan::markers::{CLAUSES, ELSEWHERE, KEEP, MOVE};
+use crate::plan::markers::{CLAUSES, ELSEWHERE, KEEP, MOVE, name_in};
 use crate::plan::own_layers;
 use crate::report::{Place, Report};
 
@@ -253,6 +253,13 @@ fn faults(b: &Building<'_, '_>, p: &Marked, stated: &Stated, odd: &[(String, Str
         ));
     }
     let moves = p.used == Use::Moves;
+    if let (true, Some(name), Some(other)) = (
+        moves,
+        said(stated, "name"),
+        said(stated, "move").and_then(name_in).filter(|n| said(stated, "name") != Some(n)),
+    ) {
+        out.push(format!("Pset_Enfilade names it {name:?} as Name and {other:?} within Move; Name counts"));
+    }
     if let Some(why) = kept(b, p.id).filter(|_| moves && said(stated, "move").is_some()) {
         out.push(match said(stated, "keep").is_some_and(|v| is_yes(v) != Some(false)) {
             true => "Pset_Enfilade states both Move and Keep; it stays".into(),

@@ -1,5 +1,6 @@
 //! One storey of a building as a plan: every element cut at the height of the eyes.
 
+mod north;
 mod told;
 
 use std::collections::{BTreeMap, HashSet};
@@ -13,7 +14,7 @@ use super::geo::{Geo, Why, is_upright, plan_point};
 use super::length;
 use super::limits::OUTLINE_POINTS_MAX;
 use super::model::{Model, Product, Storey, axis_item, body_items, layer_reach};
-use super::step::{Arg, Instance, Step};
+use super::step::Step;
 use super::units::{Units, units};
 use super::{CUT_EYE_M, ReadOptions, Sight};
 use crate::formats::region::{Region, Rule};
@@ -25,6 +26,7 @@ use crate::plan::drawing::{
 use crate::plan::sizes::{Sizes, Verdict};
 use crate::plan::units::by_heights;
 use crate::report::{Error, Place, Report};
+use north::{north_deg, state_north};
 use told::Standing;
 
 /// Layer of everything that closes a gap without blocking sight: plugs of door and window openings.
@@ -41,9 +43,6 @@ const SLIVER_M: f64 = 0.01;
 
 /// Corners of a cut this near to an end of the wall belong to it.
 const END_M: f64 = 1e-5;
-
-/// A north that is turned by less is up, degrees.
-const NORTH_NOISE_DEG: f64 = 0.05;
 
 /// Elements of a kind by whose sizes a stated unit is judged: the middle of so many is that of all.
 const SIZED_MAX: usize = 200;
@@ -251,6 +250,7 @@ pub(super) fn read_storey(
         report.info("ifc-cut", Place::file(file), text);
     }
     reader.state_left_out(report);
+    state_north(building, report);
     let drawing = reader.drawing();
     if drawing.north_deg != 0.0 {
         let way = if drawing.north_deg > 0.0 { "left" } else { "right" };
@@ -707,22 +707,6 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             north_deg: north_deg(self.b),
         }
     }
-}
-
-/// `TrueNorth` of the context of the model, of which sub-contexts have theirs: degrees anticlockwise from the plan's up.
-/// Where that context states none, what another one states.
-fn north_deg(b: &Building<'_, '_>) -> f64 {
-    let stated = |i: &Instance| {
-        let args = b.step.args_of(i);
-        let way = b.geo.direction(args.get(5).and_then(Arg::id)?).ok()?.truncate().try_normalize()?;
-        let is_model = args.get(1).and_then(|a| b.step.text(a)).is_some_and(|t| t == "Model");
-        Some((is_model, way))
-    };
-    let all: Vec<(bool, DVec2)> =
-        b.step.all("IFCGEOMETRICREPRESENTATIONCONTEXT").filter_map(stated).collect();
-    let found = all.iter().find(|s| s.0).or(all.first());
-    let deg = found.map_or(0.0, |(_, way)| DVec2::Y.angle_to(*way).to_degrees());
-    if deg.abs() < NORTH_NOISE_DEG { 0.0 } else { deg }
 }
 
 /// Heights of a storey's floor and of its cut, file units.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
+use super::far::state_far_centres;
 use super::idle::{clause, without_idle};
 use super::jambs::ending_at_jambs;
 use crate::config::{MoveTable, Settings};
@@ -141,6 +142,7 @@ pub(super) fn taken_up<'a>(
     settings: &Settings,
     report: &mut Report,
 ) -> Moves {
+    state_far_centres(groups.clone(), plan, report);
     let moves = ending_at_jambs(moves, groups.clone(), (plan, graph, axes), report);
     without_idle(moves, groups, (plan, graph), settings, report)
 }
