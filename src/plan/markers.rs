@@ -362,8 +362,8 @@ pub fn read_clauses(text: &str, drawing: &Drawing, frame: &Frame) -> Result<Vec<
 /// The last name that the clauses of a move give: `name WORD`.
 pub fn name_in(text: &str) -> Option<String> {
     let clauses = text.split([';', '\n']).map(|c| c.split_whitespace().collect::<Vec<_>>());
-    let named = clauses.filter(|words| words.len() > 1 && words[0].eq_ignore_ascii_case("name"));
-    named.last().map(|words| words[1..].join(" "))
+    let mut named = clauses.filter(|words| words.len() > 1 && words[0].eq_ignore_ascii_case("name"));
+    named.next_back().map(|words| words[1..].join(" "))
 }
 
 /// Nodes of the graph at the given points (drawing units), ascending.
