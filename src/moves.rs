@@ -422,8 +422,7 @@ fn is_kept(plan: &Plan, graph: &Graph, node: u32) -> bool {
 /// that open are told with the options.
 fn say_stuck(plan: &Plan, stuck: &Stuck, report: &mut Report) {
     let place = place_in(&plan.file, &plan.walls[stuck.wall as usize].source);
-    let may = if stuck.turns { "turn" } else { "shift" };
-    let text = format!("is joined to a wall that may {may}, but {}; it stays as drawn", stuck.why);
+    let text = format!("is joined to a wall that may {}, but {}; it stays as drawn", stuck.may, stuck.why);
     match plan.format != Format::Dxf && !stuck.turns {
         true => report.info("joint-stays", place, text),
         false => report.warn("joint-stays", place, text),
@@ -511,8 +510,9 @@ fn writable_handles(
 }
 
 /// What moves as a whole where a wall does, in words.
-fn whole_of(wall: &Wall) -> &'static str {
+fn whole_of(plan: &Plan, wall: &Wall) -> &'static str {
     match wall.source.kind.as_str() {
+        _ if plan.format != Format::Dxf => "it",
         "MLINE" => "a multiline",
         "SPLINE" | "ELLIPSE" => "a curve",
         _ => "its block",
@@ -535,11 +535,11 @@ fn refusal(plan: &Plan, graph: &Graph, group: &Group, w: u32, handles: &BTreeSet
                 if plan.format != Format::Dxf {
                     return Some(String::new());
                 }
-                let what = whole_of(wall);
+                let what = whole_of(plan, wall);
                 return Some(format!("{what} moves only as a whole and the group encloses a part of it"));
             }
             if scales {
-                let what = if plan.format == Format::Dxf { whole_of(wall) } else { "an element" };
+                let what = if plan.format == Format::Dxf { whole_of(plan, wall) } else { "an element" };
                 return Some(format!("{what} is not scaled"));
             }
             if turns && wall.editable == (Editable::WithInsert { turnable: false }) {

@@ -88,6 +88,8 @@ fn a_screen_that_hides_a_column_is_told() {
         let of = format!("option {} runs it through plan.dxf:", i + 1);
         let told = told(&result, "options-overlap");
         assert_eq!(told.iter().any(|t| t.contains(&of) && t.contains("COLUMN")), overlap > 0.02, "{told:?}");
+        // What the penalty counts is no depth.
+        assert!(told.iter().all(|t| !t.contains(" m;") && t.contains("overlap <= 0")), "{told:?}");
     }
     let held = columns(true).run(&[&wish[..], &["--limit", "overlap <= 0"]].concat());
     assert!(held["candidates"].as_array().unwrap().iter().all(|o| !hides(&o)), "{held}");

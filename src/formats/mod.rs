@@ -250,6 +250,8 @@ pub struct Changed {
     pub filler: Option<&'static str>,
     /// Of a wall that the plan does not show, its outline before and after, drawing units.
     pub outlines: Option<[Vec<DVec2>; 2]>,
+    /// The storey of such a wall.
+    pub storey: Option<String>,
 }
 
 /// What edits change: for every edit the records of a DXF or the products of a building, and joints with walls that the
@@ -267,7 +269,7 @@ pub struct Changes {
 /// # Errors
 /// As [`patch`].
 pub fn changes(file: &str, bytes: &[u8], options: &ReadOptions, edits: &[Edit]) -> Result<Changes, Error> {
-    let plain = |of: ChangedRecord| Changed { of, filler: None, outlines: None };
+    let plain = |of: ChangedRecord| Changed { of, filler: None, outlines: None, storey: None };
     let records = match format_of(file, bytes) {
         Format::Dxf => {
             let found = dxf::changed_records(file, bytes, edits)?;
@@ -277,7 +279,7 @@ pub fn changes(file: &str, bytes: &[u8], options: &ReadOptions, edits: &[Edit]) 
             let found = ifc::effects(file, bytes, &options.ifc(), edits)?;
             let named = |p: ifc::MovedProduct| {
                 let of = ChangedRecord { record: p.id as usize, handle: Some(p.global_id) };
-                Changed { of, filler: p.filler, outlines: p.outlines }
+                Changed { of, filler: p.filler, outlines: p.outlines, storey: p.storey }
             };
             let records = found.moved.into_iter().map(|list| list.into_iter().map(named).collect());
             return Ok(Changes { records: records.collect(), unseen: found.unseen });

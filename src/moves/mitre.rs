@@ -9,7 +9,7 @@ use super::bars::{Bar, Bars, Motion, Moving};
 use crate::plan::Plan;
 use crate::plan::axes::tolerances::ERROR_GAP_M;
 use crate::plan::axes::{AxisGraph, FaceRef};
-use crate::plan::drawing::{Editable, Shape};
+use crate::plan::drawing::{Editable, Format, Shape};
 use crate::plan::graph::{Graph, Handle};
 use crate::plan::structure::{face_handles, handle_at};
 
@@ -75,6 +75,8 @@ pub(super) struct Stuck {
     pub wall: u32,
     /// Whether what it is joined to may turn, or change its length unevenly; else it shifts alone.
     pub turns: bool,
+    /// What that one may do, in a word: turn or shift.
+    pub may: &'static str,
     /// Why it cannot follow.
     pub why: String,
 }
@@ -111,9 +113,13 @@ impl Mitre {
             let mut handles = Vec::new();
             for h in &graph.handles[node as usize] {
                 let is_own = !moving.of(h).is_empty();
-                match cannot_follow(plan, *h).or_else(|| is_kept(node).then(|| "EF-KEEP holds it".into())) {
+                let why = is_kept(node).then(|| kept_words(plan).into()).or_else(|| cannot_follow(plan, *h));
+                match why {
                     Some(_) if is_own || follows.contains(h) => {}
-                    Some(why) => out.stuck.push(Stuck { wall: h.0, turns: finder.turns(rule), why }),
+                    Some(why) => {
+                        let (turns, may) = (finder.turns(rule), finder.may(rule));
+                        out.stuck.push(Stuck { wall: h.0, turns, may, why });
+                    }
                     None => {
                         handles.push(*h);
                         if !is_own {
@@ -279,13 +285,18 @@ impl Turn {
     }
 }
 
+/// What holds what lies in a region of Keep.
+fn kept_words(plan: &Plan) -> &'static str {
+    if plan.format == Format::Dxf { "EF-KEEP holds it" } else { "a space that says Keep holds it" }
+}
+
 /// Why a control point cannot be written where it should go.
 fn cannot_follow(plan: &Plan, (w, _): Handle) -> Option<String> {
     let wall = &plan.walls[w as usize];
     match (&wall.editable, &wall.shape) {
         (Editable::No(why), _) => Some(why.clone()),
         (Editable::WithInsert { .. } | Editable::Wall { .. }, _) => {
-            Some(format!("{} moves only as a whole", super::whole_of(wall)))
+            Some(format!("{} moves only as a whole", super::whole_of(plan, wall)))
         }
         (Editable::Free, Shape::Arc { .. } | Shape::Circle { .. }) => {
             Some("an arc moves only as a whole".into())
@@ -317,6 +328,13 @@ impl Finder<'_> {
             let shifts = b.groups.iter().all(|own| self.moving.only_shifts(own));
             b.motion == Motion::Turning || !shifts
         })
+    }
+
+    /// What the walls of a corner may do, in a word: where all that moves them shifts, one in line with them is only drawn
+    /// out of line.
+    fn may(&self, rule: Rule) -> &'static str {
+        let mut groups = rule.bars().into_iter().flat_map(|b| &self.bar(b).groups);
+        if groups.all(|own| self.moving.only_shifts(own)) { "shift" } else { "turn" }
     }
 
     fn bar(&self, b: usize) -> &Bar {

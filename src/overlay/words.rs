@@ -377,7 +377,8 @@ fn feet(inches: f64) -> String {
     }
 }
 
-fn compass(deg: f64) -> &'static str {
+/// The eighth of the compass of a direction, degrees anticlockwise from east.
+pub fn compass(deg: f64) -> &'static str {
     EIGHTHS[((deg / 45.0).round() as i64).rem_euclid(8) as usize]
 }
 

@@ -11,8 +11,9 @@ use crate::formats::ifc::{CLOSING_LAYERS, ZONE_LAYER};
 use crate::formats::{self, Opened};
 use crate::plan::axes::Opening;
 use crate::plan::curve::Trace;
-use crate::plan::drawing::{Drawing, Entity};
+use crate::plan::drawing::{Drawing, Entity, MarkedMove};
 use crate::plan::geometry::{PointUm, Segment};
+use crate::plan::markers::name_in;
 use crate::plan::names::{Found, Pattern};
 use crate::plan::views::FAR_M;
 use crate::plan::{DOOR_LAYER, Plan, Region, Wall, box_of, curve, distance_to_segment, is_inside_ring};
@@ -249,21 +250,28 @@ pub(super) fn count(openings: &[NamedOpening], are_doors: bool) -> u64 {
 pub(super) fn marked_moves(drawing: &Drawing) -> Vec<MoveTable> {
     let mut out: Vec<MoveTable> = Vec::new();
     let mut together: BTreeMap<(&str, &str), usize> = BTreeMap::new();
-    let given: BTreeSet<&str> = drawing.marked.iter().map(|m| m.name.as_str()).collect();
+    // A name that is stated by itself stands before one among the clauses.
+    let own = |m: &MarkedMove| name_in(&m.text).filter(|_| !m.is_named);
+    let names: Vec<(String, bool)> = drawing
+        .marked
+        .iter()
+        .map(|m| own(m).map_or_else(|| (m.name.clone(), m.is_named), |name| (name, true)))
+        .collect();
+    let given: BTreeSet<&str> = names.iter().map(|n| n.0.as_str()).collect();
     let mut taken: BTreeSet<String> = BTreeSet::new();
-    for marked in &drawing.marked {
+    for (marked, (own, is_named)) in drawing.marked.iter().zip(&names) {
         let handle = marked.source.handle.clone().unwrap_or_default();
-        let key = (marked.name.as_str(), marked.text.as_str());
-        if let Some(at) = together.get(&key).filter(|_| marked.is_named) {
+        let key = (own.as_str(), marked.text.as_str());
+        if let Some(at) = together.get(&key).filter(|_| *is_named) {
             out[*at].handles.push(handle);
             continue;
         }
-        if marked.is_named {
+        if *is_named {
             together.insert(key, out.len());
         }
-        let mut name = marked.name.clone();
+        let mut name = own.clone();
         if taken.contains(&name) {
-            let mut others = (2..).map(|k| format!("{} {k}", marked.name));
+            let mut others = (2..).map(|k| format!("{own} {k}"));
             name = others.find(|n| !given.contains(n.as_str()) && !taken.contains(n)).unwrap_or(name);
         }
         taken.insert(name.clone());

@@ -7,6 +7,7 @@ mod found;
 mod grid;
 mod joints;
 mod judged;
+mod leaving;
 mod made;
 mod named;
 mod overlaps;
@@ -102,6 +103,7 @@ fn round(
     joints::say_opened(&mut report, input.file(), study, &made);
     doors::say_narrowed(&mut report, input.file(), study, &made);
     overlaps::say_overlaps(&mut report, input.file(), study, settings, &made);
+    leaving::say_leaving(&mut report, input.file(), study, &made);
     if let Some(found) = found {
         told::say_pinned(&mut report, input.file(), &found.explanations);
         if is_firm(settings) && !made.is_empty() {
@@ -358,6 +360,8 @@ fn candidate(
             &told(study, &mean),
             explanation,
         ) + &told::goes_along_words(&study.base, made)
+            + &told::unseen_words(made)
+            + &leaving::leaving_words(&study.base.plan, &made.layout)
             + &doors::narrowed_words(&study.base, &made.layout)
             + &told::stays_words(&made.report),
         explanation: explanation.clone(),

@@ -3,6 +3,7 @@
 mod alike;
 mod card;
 mod carrying;
+mod far;
 mod idle;
 mod jambs;
 pub(super) mod marked;
@@ -44,7 +45,9 @@ use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, Wall, box_of, own_layers, understand};
 use crate::report::{Error, Place, Problem, Report, Severity};
 use jambs::keeping_doors;
-use marked::{side_car_groups, state_left, state_passed_over, state_unread_marks, taken_up};
+use marked::{
+    side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves, taken_up,
+};
 use parts::{closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of};
 use seen::Scene;
 pub use seen::{Pair, Seen};
@@ -189,6 +192,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         fittings: &fittings,
         infill: &infill,
     };
+    marked::state_idle_keeps(drawing, &plan, report);
     let moves = moves(drawing, &known, settings, report)?;
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
@@ -304,7 +308,7 @@ fn moves(
         return Ok(taken_up(moves, plan.markers.groups.iter(), (plan, graph, axes), settings, report));
     }
     if plan.markers.is_move_drawn && !settings.ignore_move_markers {
-        state_unread_marks(markers::MOVE, plan, report);
+        state_unread_moves(drawing, plan, report);
         return Ok(Moves::default());
     }
     if settings.only_marked {

@@ -17,6 +17,10 @@ pub const QUERY: &str = "EF-QUERY";
 pub const REFERENCE: &str = "EF-REFERENCE";
 /// Groups that may move.
 pub const MOVE: &str = "EF-MOVE";
+/// Words that clauses of moves begin with.
+pub const CLAUSES: [&str; 6] = ["x", "y", "along", "rotate", "scale", "name"];
+/// Kind of a wish to move on [`MOVE`] that another storey's own plan takes up.
+pub const ELSEWHERE: &str = "move of another storey";
 /// What must stay.
 pub const KEEP: &str = "EF-KEEP";
 
@@ -384,6 +388,13 @@ pub fn read_clauses(text: &str, drawing: &Drawing, frame: &Frame) -> Result<Vec<
         read_clause(clause, frame, drawing, &mut group).map_err(|why| format!("{clause:?}: {why}"))?;
     }
     if group.clauses.is_empty() { Err("`moves` is empty".into()) } else { Ok(group.clauses) }
+}
+
+/// The last name that the clauses of a move give: `name WORD`.
+pub fn name_in(text: &str) -> Option<String> {
+    let clauses = text.split([';', '\n']).map(|c| c.split_whitespace().collect::<Vec<_>>());
+    let mut named = clauses.filter(|words| words.len() > 1 && words[0].eq_ignore_ascii_case("name"));
+    named.next_back().map(|words| words[1..].join(" "))
 }
 
 /// Nodes of the graph at the given points (drawing units), ascending.

@@ -88,6 +88,8 @@ fn an_unseen_wall_follows_by_the_end_that_stands_at_the_wall() {
             "{by} {was:?} {is:?}"
         );
         assert!(option.words.contains("layer IfcDoor; 1 of them not shown in this plan"), "{}", option.words);
+        let unseen = " One wall that this plan does not show (storey Lower) changes its length with them.";
+        assert!(option.words.contains(unseen), "{}", option.words);
     }
 }
 
@@ -181,4 +183,323 @@ fn an_unseen_wall_that_stands_at_the_wall_follows_without_a_stated_joint() {
         told[0].contains("the wall #9100 on storey \"Lower\" (not shown in this plan; it stays)"),
         "{told:?}"
     );
+}
+
+/// A space of the lower storey, `from` to `to` along x and 2 m wide, with marks.
+fn space(from: f64, to: f64, mark: &str) -> String {
+    format!(
+        "#9300=IFCSPACE('W000000000000000009300',$,'K',$,$,#9303,#9304,$,.ELEMENT.,.INTERNAL.,$);\n\
+         #9301=IFCCARTESIANPOINT(({from:?},2.,0.));\n#9302=IFCAXIS2PLACEMENT3D(#9301,$,$);\n\
+         #9303=IFCLOCALPLACEMENT(#53,#9302);\n#9304=IFCPRODUCTDEFINITIONSHAPE($,$,(#9306));\n\
+         #9306=IFCSHAPEREPRESENTATION(#5,'Body','SweptSolid',(#9307));\n\
+         #9307=IFCEXTRUDEDAREASOLID(#9308,$,#8,2.8);\n\
+         #9308=IFCRECTANGLEPROFILEDEF(.AREA.,$,#9309,{:?},2.);\n\
+         #9309=IFCAXIS2PLACEMENT2D(#9310,$);\n#9310=IFCCARTESIANPOINT(({:?},1.));\n\
+         #9320=IFCRELAGGREGATES('R000000000000000000030',$,$,$,#50,(#9300));\n\
+         #9321=IFCPROPERTYSINGLEVALUE('{mark}',$,IFCBOOLEAN(.T.),$);\n\
+         #9322=IFCPROPERTYSET('R000000000000000000031',$,'Pset_Enfilade',$,(#9321));\n\
+         #9323=IFCRELDEFINESBYPROPERTIES('R000000000000000000032',$,$,$,(#9300),#9322);\n",
+        to - from,
+        (to - from) / 2.0
+    )
+}
+
+/// Nothing inside a space that a mark keeps moves, whether or not the cut shows it, and the joint that opens is told.
+#[test]
+fn an_unseen_wall_in_a_kept_space_stays() {
+    let options = ifc::ReadOptions { storey: Some("Upper".into()), ..ifc::ReadOptions::default() };
+    for (from, to, mark, stays) in [
+        (3.1, 5.5, "Keep", true),
+        (2.8, 5.5, "Keep", true),
+        (3.1, 5.5, "Query", false),
+        (4.0, 5.5, "Keep", false),
+    ] {
+        let text = spurred(3.1, 1.0, ".ATSTART.", &space(from, to, mark));
+        let after =
+            ifc::patch("house.ifc", text.as_bytes(), &options, &[shift(9000, 0.45, 0.0)], &[]).unwrap();
+        let is_kept = String::from_utf8(after).unwrap().contains(",#9109,2.,0.2)");
+        assert_eq!(is_kept, stays, "{from} {to} {mark}");
+        let shifted = [shift(9000, 0.45, 0.0)];
+        let effects = ifc::effects("house.ifc", text.as_bytes(), &options, &shifted).unwrap();
+        assert_eq!(effects.unseen.iter().any(|u| u.other == 9100), stays, "{from} {to} {mark}");
+    }
+}
+
+/// The same house and wall, with the wish to move stated of a low wall instead.
+fn marked_unseen(storey: u64, key: &str) -> String {
+    let text = spurred(3.1, 1.0, ".ATSTART.", &standing_at(1.5, 2.0));
+    let text =
+        text.replace("(#9000),#9123", "(#9200),#9123").replace("(#9200),#50", &format!("(#9200),#{storey}"));
+    text.replace("IFCPROPERTYSINGLEVALUE('Move'", key)
+}
+
+/// Nobody who marks a wall means all the others, also where the plan does not show that wall or the mark is not read.
+#[test]
+fn a_wish_to_move_that_the_plan_does_not_show_is_told_and_holds_the_others() {
+    let as_stated = "IFCPROPERTYSINGLEVALUE('Move'";
+    let low = Partial { storey: Some("Lower".into()), ..Partial::default() };
+    let high = Partial { storey: Some("Upper".into()), ..Partial::default() };
+    for (text, with, code, says) in [
+        (
+            marked_unseen(60, as_stated),
+            &high,
+            "ifc-marks",
+            "states move of it, and nothing of it of storey \"Upper\" is shown",
+        ),
+        (
+            marked_unseen(50, as_stated),
+            &high,
+            "marks-elsewhere",
+            "on storey \"Lower\", which this plan does not show: --storey \"Lower\" takes it",
+        ),
+        (
+            marked_unseen(50, "IFCPROPERTYSINGLEVALUE('Moves'"),
+            &low,
+            "ifc-marks",
+            "says \"moves\", expected one of Move,",
+        ),
+        (
+            marked_unseen(50, "IFCPROPERTYSINGLEVALUE('Shift'"),
+            &low,
+            "ifc-marks",
+            "says \"shift\", expected one of Move,",
+        ),
+        (
+            marked_unseen(50, "IFCPROPERTYLISTVALUE('Move'"),
+            &low,
+            "ifc-marks",
+            "states Move as IFCPROPERTYLISTVALUE, expected",
+        ),
+    ] {
+        let settings = Settings::new(with.clone()).unwrap();
+        let done = pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap();
+        let told: Vec<String> =
+            done.report.problems.iter().filter(|p| p.code == code).map(ToString::to_string).collect();
+        let line = text.lines().position(|l| l.starts_with("#9200=")).unwrap() + 1;
+        assert!(
+            told.iter().any(|t| t.contains(says) && t.contains(&format!("house.ifc:{line} "))),
+            "{says}: {told:?} {:?}",
+            done.report
+        );
+        assert!(done.result.moves.is_empty(), "{says}: {:?}", done.result.moves);
+        assert!(done.report.problems.iter().all(|p| p.code != "default-moves"), "{says}");
+        let is_fault = code == "ifc-marks";
+        assert_eq!(done.report.problems.iter().any(|p| p.code == "moves-unread"), is_fault, "{says}");
+    }
+    // What is marked elsewhere for looking alone holds nothing.
+    let asks = marked_unseen(50, "IFCPROPERTYSINGLEVALUE('Quary'");
+    let settings = Settings::new(low.clone()).unwrap();
+    let done = pipeline::check(
+        &Input::new("house.ifc", asks.replace("x -0.5m 0.5m", "hall").as_bytes(), 1),
+        &settings,
+    );
+    let done = done.unwrap();
+    assert!(done.report.problems.iter().any(|p| p.text.contains("says \"quary\", expected one of")));
+    assert!(done.report.problems.iter().any(|p| p.code == "default-moves"), "{:?}", done.report);
+}
+
+/// Two walls of one name and one move, of which the plan shows one.
+#[test]
+fn a_partner_that_the_plan_does_not_show_is_named() {
+    let named = "#9240=IFCPROPERTYSINGLEVALUE('Name',$,IFCLABEL('pair'),$);\n";
+    let text = spurred(3.1, 1.0, ".ATSTART.", &(standing_at(1.5, 2.0) + named));
+    let text = text.replace("(#9000),#9123", "(#9000,#9200),#9123").replace("(#9122));", "(#9122,#9240));");
+    let with = Partial { storey: Some("Upper".into()), ..Partial::default() };
+    let done =
+        pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap()).unwrap();
+    let told: Vec<String> =
+        done.report.problems.iter().filter(|p| p.code == "ifc-marks").map(ToString::to_string).collect();
+    assert!(told.len() == 1 && told[0].contains("#9200 IfcWall"), "{told:?}");
+    assert!(
+        told[0].contains("named \"pair\" by Pset_Enfilade as #9000 is, and stands on storey \"Lower\""),
+        "{told:?}"
+    );
+    assert!(!done.result.moves.is_empty());
+}
+
+/// What a type says holds for its elements, unless these say something else.
+#[test]
+fn marks_of_a_type_hold_for_its_elements() {
+    let of_type = "#9250=IFCWALLTYPE('W000000000000000009250',$,'T',$,$,(#9123),$,$,$,.STANDARD.);\n\
+                   #9251=IFCRELDEFINESBYTYPE('R000000000000000000040',$,$,$,(#9000),#9250);\n";
+    let other = "#9260=IFCPROPERTYSINGLEVALUE('Move',$,IFCLABEL('x -0.2m 0m'),$);\n\
+                 #9261=IFCPROPERTYSET('R000000000000000000041',$,'Pset_Enfilade',$,(#9260));\n\
+                 #9262=IFCRELDEFINESBYPROPERTIES('R000000000000000000042',$,$,$,(#9000),#9261);\n";
+    for (with, lower) in [(of_type.to_owned(), -0.5), (format!("{of_type}{other}"), -0.2)] {
+        let text = spurred(3.1, 1.0, ".ATSTART.", &with);
+        let text: String =
+            text.lines().filter(|l| !l.starts_with("#9124=")).map(|l| format!("{l}\n")).collect();
+        let with = Partial { storey: Some("Upper".into()), ..Partial::default() };
+        let done =
+            pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap())
+                .unwrap();
+        let moves: Vec<(String, f64)> = done.result.moves.iter().map(|m| (m.name.clone(), m.lower)).collect();
+        assert_eq!(moves.len(), 1, "{moves:?} {:?}", done.report);
+        assert_eq!(moves[0].1, lower);
+        assert!(done.report.problems.iter().all(|p| p.code != "ifc-marks"), "{:?}", done.report);
+    }
+}
+
+/// What is no wall would not move anyway.
+#[test]
+fn a_mark_that_keeps_what_is_no_wall_is_told() {
+    let keep = "#9230=IFCPROPERTYSINGLEVALUE('Keep',$,IFCBOOLEAN(.T.),$);\n\
+                #9231=IFCPROPERTYSET('R000000000000000000021',$,'Pset_Enfilade',$,(#9230));\n\
+                #9232=IFCRELDEFINESBYPROPERTIES('R000000000000000000022',$,$,$,(#9200),#9231);\n";
+    let text = spurred(3.1, 1.0, ".ATSTART.", &(standing_at(1.5, 2.0) + keep));
+    let text = text.replace("#9200=IFCWALL(", "#9200=IFCMEMBER(");
+    let with = Partial { storey: Some("Lower".into()), ..Partial::default() };
+    let done =
+        pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap()).unwrap();
+    let told = done.report.problems.iter().filter(|p| p.code == "ifc-marks").map(ToString::to_string);
+    let told: Vec<String> = told.collect();
+    assert!(
+        told.len() == 1 && told[0].contains("IfcMember") && told[0].contains("it is no wall of this plan"),
+        "{told:?}"
+    );
+}
+
+/// Axis and outline as lists of points, as IFC4 has them, and placements on their head: read and written back.
+#[test]
+fn ends_follow_whatever_says_how_long_a_wall_is() {
+    let options = ifc::ReadOptions { storey: Some("Upper".into()), ..ifc::ReadOptions::default() };
+    let axis = "#9112=IFCINDEXEDPOLYCURVE(#9114,$,.F.);\n#9114=IFCCARTESIANPOINTLIST2D(((0.,0.),(2.,0.)));\n";
+    let by_index = axis
+        .replace("#9114,$,", "#9114,(IFCLINEINDEX((2,1))),")
+        .replace("(0.,0.),(2.,0.)", "(2.,0.),(0.,0.)");
+    let outline = "#9108=IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#9115);\n\
+                   #9115=IFCINDEXEDPOLYCURVE(#9116,(IFCLINEINDEX((1,2,3)),IFCLINEINDEX((3,4,1))),.F.);\n\
+                   #9116=IFCCARTESIANPOINTLIST2D(((0.,-0.1),(2.,-0.1),(2.,0.1),(0.,0.1)));\n";
+    let shared = "#9118=IFCINDEXEDPOLYCURVE(#9114,$,.F.);\n#9119=IFCTRIMMEDCURVE(#9118);\n";
+    let on_its_head = "#9102=IFCAXIS2PLACEMENT3D(#9101,#9117,#9111);\n#9117=IFCDIRECTION((0.,0.,-1.));\n\
+                       #9101=IFCCARTESIANPOINT((3.1,3.,2.8));\n";
+    for (other, says, kept) in [
+        (axis.to_owned(), vec!["LIST2D(((0.45,0.),(2.,0.)))", ",1.55,0.2)"], None),
+        (by_index, vec!["LIST2D(((2.,0.),(0.45,0.)))"], None),
+        (format!("{axis}{outline}"), vec!["((0.45,-0.1),(2.,-0.1),(2.,0.1),(0.45,0.1))"], None),
+        (format!("{axis}{shared}"), vec!["LIST2D(((0.45,0.),(2.,0.)))"], Some("LIST2D(((0.,0.),(2.,0.)))")),
+        (on_its_head.into(), vec!["IFCCARTESIANPOINT((0.45,0.))", ",1.55,0.2)"], None),
+    ] {
+        let plain = spurred(3.1, 1.0, ".ATSTART.", "");
+        let key = |l: &str| l.split('=').next().unwrap().to_string();
+        let mut text = plain.clone();
+        for line in other.lines() {
+            let own = format!("{}=", key(line));
+            text = text.lines().filter(|l| !l.starts_with(&own)).map(|l| format!("{l}\n")).collect();
+        }
+        let text = with_instances(&text, &other);
+        let after =
+            ifc::patch("house.ifc", text.as_bytes(), &options, &[shift(9000, 0.45, 0.0)], &[]).unwrap();
+        let after = String::from_utf8(after).unwrap();
+        for part in says.into_iter().chain(kept) {
+            assert!(after.contains(part), "{part} {other}: {after}");
+        }
+        let reach = |text: &str| {
+            let low = ifc::ReadOptions { storey: Some("Lower".into()), ..ifc::ReadOptions::default() };
+            let (drawing, _) =
+                read_with(text.as_bytes(), &ReadOptions { storey: low.storey, ..ReadOptions::default() });
+            let drawing = drawing.unwrap();
+            let spur = drawing.entities.iter().filter(|e| e.source.record == 9100);
+            let xs: Vec<f64> = spur.flat_map(points).map(|p| p.x).collect();
+            [
+                xs.iter().copied().fold(f64::INFINITY, f64::min),
+                xs.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            ]
+            .map(|v| (v * 1e6).round() / 1e6)
+        };
+        assert_eq!([reach(&text), reach(&after)], [[3.1, 5.1], [3.55, 5.1]], "{other}");
+    }
+}
+
+/// The wall of an assembly keeps its length, for that reason.
+#[test]
+fn a_part_of_an_assembly_is_called_so() {
+    let whole = "#9150=IFCELEMENTASSEMBLY('W000000000000000009150',$,$,$,$,$,$,$,$,$);\n\
+                 #9151=IFCRELAGGREGATES('R000000000000000000015',$,$,$,#9150,(#9100));\n";
+    let options = ReadOptions { storey: Some("Lower".into()), ..ReadOptions::default() };
+    let (_, report) = read_with(spurred(3.1, 1.0, ".ATSTART.", whole).as_bytes(), &options);
+    let told = report.problems.iter().find(|p| p.code == "ifc-length").unwrap();
+    assert!(told.text.contains("it is a part of #9150 IFCELEMENTASSEMBLY"), "{told}");
+}
+
+/// A wall stays for the reason that holds it, beside one that can do no more than shift.
+#[test]
+fn what_stays_says_what_holds_it() {
+    let with = Partial { storey: Some("Lower".into()), ..Partial::default() };
+    let settings = Settings::new(with).unwrap();
+    for (added, wall, says) in [
+        (space(3.1, 5.5, "Keep"), 9100, "a space that says Keep holds it"),
+        (standing_at(3.0, 4.1), 9200, "is joined to a wall that may shift, but it moves only as a whole"),
+    ] {
+        let text = spurred(3.1, 1.0, ".ATSTART.", &added);
+        let done = pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap();
+        let line = text.lines().position(|l| l.starts_with(&format!("#{wall}="))).unwrap() + 1;
+        let told = done.report.problems.iter().filter(|p| p.code == "joint-stays").map(ToString::to_string);
+        let told: Vec<String> = told.collect();
+        let own = told.iter().find(|t| t.contains(&format!("house.ifc:{line} ")));
+        assert!(own.is_some_and(|t| t.contains(says)), "{says}: {told:?}");
+    }
+}
+
+fn checked(text: &str) -> pipeline::Outcome<enfilade::overlay::result::CheckResult> {
+    let with = Partial { storey: Some("Upper".into()), ..Partial::default() };
+    pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap()).unwrap()
+}
+
+fn said(problems: &[enfilade::report::Problem], code: &str) -> Vec<String> {
+    problems.iter().filter(|p| p.code == code).map(ToString::to_string).collect()
+}
+
+/// A point to turn about that is meant in other coordinates takes a wall out of the building.
+#[test]
+fn a_turn_about_a_point_far_off_is_told() {
+    let turning = |about: &str| {
+        spurred(3.1, 1.0, ".ATSTART.", "").replace("x -0.5m 0.5m", &format!("rotate -30 30 about {about}"))
+    };
+    assert_eq!(said(&checked(&turning("3,2")).report.problems, "move-far-centre"), [""; 0]);
+    let told = said(&checked(&turning("-1000,3")).report.problems, "move-far-centre");
+    assert_eq!(told.len(), 1, "{told:?}");
+    for part in ["IfcWall", "about -1000, 3, which is 1000 m west of the building", "whose middle is at 3, 3"]
+    {
+        assert!(told[0].contains(part), "{part}: {told:?}");
+    }
+    let done = run(&turning("-1000,3"));
+    let far: Vec<String> = said(&done.report.problems, "options-leaving");
+    assert!(!far.is_empty(), "{:?}", done.report);
+    let words = &done.result.candidates[0].words;
+    assert!(words.contains("What moves is thrown out of the building"), "{words}");
+}
+
+/// `name WORD` among the clauses of a `Move` names its group, where `Name` says nothing.
+#[test]
+fn a_name_within_a_move_names_its_group() {
+    let named = "#9240=IFCPROPERTYSINGLEVALUE('Name',$,IFCLABEL('bar'),$);\n";
+    for (own, name, is_told) in [("", "foo", false), (named, "bar", true)] {
+        let text = spurred(3.1, 1.0, ".ATSTART.", own).replace("x -0.5m 0.5m", "x -0.5m 0.5m; name foo");
+        let text = if own.is_empty() { text } else { text.replace("(#9122));", "(#9122,#9240));") };
+        let done = checked(&text);
+        assert_eq!(done.result.moves[0].name, name);
+        let told = said(&done.report.problems, "ifc-marks");
+        let is_named = told.iter().any(|t| t.contains("names it \"bar\" as Name and \"foo\" within Move"));
+        assert_eq!(is_named, is_told, "{told:?}");
+    }
+}
+
+/// A north that is no direction in the plan is told.
+#[test]
+fn a_north_that_is_none_is_told() {
+    let plain = spurred(3.1, 1.0, ".ATSTART.", "");
+    let with = |way: &str| {
+        let text = plain.replace(
+            "#5=IFCGEOMETRICREPRESENTATIONCONTEXT($,'Model',3,1.E-5,#4,$)",
+            "#5=IFCGEOMETRICREPRESENTATIONCONTEXT($,'Model',3,1.E-5,#4,#9400)",
+        );
+        assert_ne!(text, plain);
+        let text = with_instances(&text, &format!("#9400=IFCDIRECTION({way});\n"));
+        let told = said(&checked(&text).report.problems, "true-north");
+        told.iter()
+            .filter(|t| t.contains("found #9400 IFCDIRECTION as TrueNorth, expected a direction"))
+            .count()
+    };
+    assert_eq!(["(0.,0.)", "(0.,0.,1.)", "(0.,1.)", "(1.,0.,0.)"].map(with), [1, 1, 0, 0]);
 }

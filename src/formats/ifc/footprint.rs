@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use glam::{DAffine3, DVec2};
 use rayon::prelude::*;
 
-use super::model::body_items;
+use super::marks::is_yes;
+use super::model::{Product, body_items};
 use super::read::Building;
 use crate::plan::distance_to_segment;
 
@@ -14,6 +15,9 @@ const JOINT_M: f64 = 0.02;
 
 /// A joint counts as opened where its walls part by more than this, metres: less is rounding.
 const OPEN_M: f64 = 0.01;
+
+/// What is this near to an outline is on it, metres: coordinates of a plan are whole micrometres.
+const OUTLINE_M: f64 = 1e-6;
 
 /// What an element covers half way up its body, world, file units.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +42,15 @@ pub(super) fn standing(b: &Building<'_, '_>) -> BTreeMap<u64, StandingWall> {
         b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")).map(|p| p.id).collect();
     let one = |id: &u64| Some((*id, StandingWall { reach: reach(b, *id)?, at: Footprint::of(b, *id)? }));
     walls.par_iter().filter_map(one).collect()
+}
+
+/// Every space that a mark keeps, on whichever storey.
+pub(super) fn kept_spaces(b: &Building<'_, '_>) -> Vec<StandingWall> {
+    let spaces = b.model.products.iter().filter(|p| p.class == "IfcSpace");
+    let is_kept =
+        |p: &Product| super::marks::of_space(b, p.id).get("keep").is_some_and(|v| is_yes(v) == Some(true));
+    let one = |p: &Product| Some(StandingWall { reach: reach(b, p.id)?, at: Footprint::of(b, p.id)? });
+    spaces.filter(|p| is_kept(p)).filter_map(one).collect()
 }
 
 /// What becomes of a joint.
@@ -123,8 +136,41 @@ impl Footprint {
         self.sides().map(|s| distance_to_segment(p, s)).fold(f64::INFINITY, f64::min)
     }
 
+    /// Whether a point lies in it or on its outline.
+    pub fn holds(&self, p: DVec2, metres: f64) -> bool {
+        self.distance(p) * metres <= OUTLINE_M
+    }
+
     fn sides(&self) -> impl Iterator<Item = [DVec2; 2]> {
         self.rings.iter().flat_map(|r| (0..r.len()).map(|i| [r[i], r[(i + 1) % r.len()]]))
+    }
+
+    /// The sides nearest to a point.
+    fn sides_at(&self, p: DVec2, near: f64) -> Vec<usize> {
+        let far: Vec<f64> = self.sides().map(|s| distance_to_segment(p, s)).collect();
+        let least = far.iter().copied().fold(f64::INFINITY, f64::min);
+        (0..far.len()).filter(|s| far[*s] <= least + near).collect()
+    }
+
+    /// How deep a point is behind one of its sides; below 0 before it.
+    fn behind(&self, side: usize, p: DVec2) -> f64 {
+        let sides = self.rings.iter().flat_map(|r| {
+            let turns: f64 = (0..r.len()).map(|i| r[i].perp_dot(r[(i + 1) % r.len()])).sum();
+            (0..r.len()).map(move |i| (r[i], r[(i + 1) % r.len()], turns.signum()))
+        });
+        let of = sides.skip(side).map(|(a, b, turn)| (b - a).normalize_or_zero().perp_dot(p - a) * turn);
+        of.take(1).sum()
+    }
+
+    /// How thick it is: the least it measures across one of its sides.
+    fn width(&self) -> f64 {
+        let across = |[a, b]: [DVec2; 2]| {
+            let normal = (b - a).try_normalize()?.perp();
+            let places = self.corners().map(|p| p.dot(normal));
+            let (lo, hi) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |s, v| (s.0.min(v), s.1.max(v)));
+            Some(hi - lo)
+        };
+        self.sides().filter_map(across).fold(f64::INFINITY, f64::min)
     }
 
     /// Whether its sides cross those of another.
@@ -143,16 +189,79 @@ impl Footprint {
     }
 }
 
-/// What becomes of the joint of a wall that goes from one place to another with one that stays; `None` where it holds.
+/// What becomes of the joint of a wall that goes from one place to another with one that stays; `None` where it holds: a
+/// corner that stood at the other one still does, and no deeper behind the same side of it than it was or than the
+/// other one is thick.
 pub(super) fn parting(from: &Footprint, to: &Footprint, stays: &Footprint, metres: f64) -> Option<Parting> {
-    let mine = from.corners().zip(to.corners()).map(|(p, q)| [stays.distance(p), stays.distance(q)]);
-    let others = stays.corners().map(|p| [from.distance(p), to.distance(p)]);
-    let joined = mine.chain(others).map(|d| d.map(|d| d * metres)).filter(|d| d[0] <= JOINT_M);
-    let joined: Vec<[f64; 2]> = joined.collect();
-    if joined.iter().any(|[was, is]| *is <= JOINT_M.max(was + OPEN_M)) {
-        return None;
+    let near = JOINT_M / metres;
+    let mine = from.corners().zip(to.corners()).map(|(p, q)| ([stays, stays], [p, q]));
+    let others = stays.corners().map(|p| ([from, to], [p, p]));
+    let ends = mine.chain(others).filter_map(|([was_at, is_at], [p, q])| {
+        let was = was_at.distance(p);
+        (was <= near).then(|| {
+            let sides = was_at.sides_at(p, near);
+            let depth = |f: &Footprint, p: DVec2| sides.iter().map(|s| f.behind(*s, p)).fold(0.0, f64::max);
+            let deepest = was_at.width().max(depth(was_at, p));
+            [was, is_at.distance(q), deepest, depth(is_at, q)].map(|d| d * metres)
+        })
+    });
+    let mut nearest: Option<f64> = None;
+    let mut is_inside = false;
+    for [was, is, deepest, depth] in ends {
+        let is_at = is <= JOINT_M.max(was + OPEN_M);
+        if is_at && depth <= deepest + OPEN_M {
+            return None;
+        }
+        is_inside |= is_at;
+        let by_m = if is_at { depth } else { is };
+        nearest = Some(nearest.map_or(by_m, |n| n.min(by_m)));
     }
-    let nearest = joined.iter().map(|d| d[1]).reduce(f64::min);
-    let kind = if to.crosses(stays) { Parting::Through } else { Parting::Gap };
+    let kind = if is_inside || to.crosses(stays) { Parting::Through } else { Parting::Gap };
     Some(nearest.map_or(Parting::Unknown, kind))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn slab(x: [f64; 2], y: [f64; 2]) -> Footprint {
+        let ring = [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]];
+        Footprint::new(vec![ring.map(DVec2::from).to_vec()]).unwrap()
+    }
+
+    #[test]
+    fn a_joint_holds_no_deeper_than_the_other_wall_is_thick() {
+        let through = |by: f64| Some(Parting::Through(by));
+        let gap = |by: f64| Some(Parting::Gap(by));
+        let cases = [
+            // In line, end to end.
+            (slab([3.0, 6.0], [0.0, 0.12]), slab([1.0, 3.0], [0.0, 0.12]), [-0.8, 0.0], through(0.8)),
+            (slab([3.0, 6.0], [0.0, 0.12]), slab([1.0, 3.0], [0.0, 0.12]), [-0.1, 0.0], None),
+            (slab([3.0, 6.0], [0.0, 0.12]), slab([1.0, 3.0], [0.0, 0.12]), [0.5, 0.0], gap(0.5)),
+            // A wall that slides along the one at whose face, or in which, it ends.
+            (slab([3.0, 3.2], [0.2, 4.0]), slab([0.0, 9.0], [0.0, 0.2]), [0.8, 0.0], None),
+            (slab([3.0, 3.2], [0.1, 4.0]), slab([0.0, 9.0], [0.0, 0.2]), [0.8, 0.0], None),
+            (slab([3.0, 3.2], [0.0, 4.0]), slab([0.0, 9.0], [0.0, 0.2]), [-0.8, 0.0], None),
+            // One that leaves the end at which it stands, and stays in the other.
+            (slab([5.0, 5.12], [4.0, 8.0]), slab([5.12, 8.0], [3.9, 4.1]), [0.7, 0.0], through(0.58)),
+        ];
+        for (from, stays, by, expected) in cases {
+            let to = from.moved(|p| p + DVec2::from(by));
+            let found = parting(&from, &to, &stays, 1.0);
+            let rounded = |v: f64| (v * 1e6).round() / 1e6;
+            let found = found.map(|p| match p {
+                Parting::Gap(v) => Parting::Gap(rounded(v)),
+                Parting::Through(v) => Parting::Through(rounded(v)),
+                Parting::Unknown => p,
+            });
+            assert_eq!(found, expected, "{from:?} {by:?}");
+        }
+    }
+
+    #[test]
+    fn an_outline_is_as_thick_as_its_narrowest_way() {
+        assert!((slab([0.0, 5.0], [1.0, 1.3]).width() - 0.3).abs() < 1e-12);
+        let turned = slab([0.0, 5.0], [1.0, 1.3]).moved(|p| DVec2::from_angle(0.7).rotate(p));
+        assert!((turned.width() - 0.3).abs() < 1e-12);
+    }
 }

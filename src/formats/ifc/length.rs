@@ -1,17 +1,18 @@
 //! Walls that change their length: which can, and what of the file says how long they are.
 //!
 //! Certain is a wall whose body is one upright extrusion of a rectangle or a closed polyline with two long sides along
-//! the wall, and that has nothing but this body and, if any, a straight axis of two points. Its placement stays, and so
+//! the wall, and that has nothing but this body and, if any, a straight axis of two points; either line may be indexed. Its placement stays, and so
 //! do the openings that stand in its frame.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use glam::{DAffine3, DVec2, DVec3};
 
-use super::geo::{UPRIGHT, Why, is_upright, plan_point};
+use super::geo::{UPRIGHT, Why, plan_point};
 use super::patch::real;
 use super::read::Building;
-use super::step::Arg;
+use super::step::{Arg, Value};
 
 /// Directions whose sine is smaller are one.
 const SAME_WAY_SIN: f64 = 1e-6;
@@ -83,8 +84,14 @@ struct Body {
 pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
     let args = b.geo.args(id)?;
     let shape = args.get(6).and_then(Arg::id).ok_or("it has no shape")?;
-    if b.model.parts.contains_key(&id) || b.model.coverings.contains_key(&id) || b.model.is_part(id) {
+    if b.model.parts.contains_key(&id) || b.model.coverings.contains_key(&id) {
         return Err("it has parts or coverings, which would not grow with it".into());
+    }
+    if let Some(whole) = b.model.whole.get(&id).filter(|_| b.model.is_part(id)) {
+        return Err(format!(
+            "it is a part of {}, of which the rest would not grow with it",
+            b.geo.named(*whole)
+        ));
     }
     if b.model.aspects.contains(&shape) {
         return Err("its shape has aspects of their own".into());
@@ -114,7 +121,7 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
     let position = of.get(1).and_then(Arg::id).map_or(Ok(DAffine3::IDENTITY), |p| b.geo.axis_placement(p))?;
     let way = b.geo.direction(b.geo.reference(&of, 2, solid)?)?;
     let profile = b.geo.reference(&of, 0, solid)?;
-    if !is_upright(&world) || !is_plumb(&position) || way.truncate().length() > UPRIGHT {
+    if !is_plumb(&world) || !is_plumb(&position) || way.truncate().length() > UPRIGHT {
         return Err("it does not stand upright".into());
     }
     let ends = axis.map(|(_, line)| axis_ends(b, line)).transpose()?;
@@ -139,18 +146,66 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
     })
 }
 
-/// Whether a profile lies flat, whichever side of it is up.
+/// Whether a frame stands upright or on its head: a profile lies flat in it, whichever side of it is up.
 fn is_plumb(m: &DAffine3) -> bool {
     m.matrix3.z_axis.normalize_or_zero().truncate().length() < UPRIGHT
 }
 
 /// The two points of a straight axis, in the wall's own frame.
 fn axis_ends(b: &Building<'_, '_>, line: u64) -> Result<[DVec2; 2], Why> {
-    let points = b.geo.first_ids(line)?;
-    match (&*b.step.keyword(line), points.as_slice()) {
-        ("IFCPOLYLINE", [p, q]) => Ok([b.geo.point2(*p)?.into(), b.geo.point2(*q)?.into()]),
+    match line_points(b, line)?.as_deref() {
+        Some([p, q]) => Ok([*p, *q]),
         _ => Err(format!("{} is no axis of two points", b.geo.named(line))),
     }
+}
+
+/// The points of a polyline or of an indexed curve of straight pieces, one after the other; `None` for another curve.
+fn line_points(b: &Building<'_, '_>, line: u64) -> Result<Option<Vec<DVec2>>, Why> {
+    match &*b.step.keyword(line) {
+        "IFCPOLYLINE" => {
+            let points = b.geo.first_ids(line)?;
+            points
+                .into_iter()
+                .map(|p| Ok(DVec2::from(b.geo.point2(p)?)))
+                .collect::<Result<_, Why>>()
+                .map(Some)
+        }
+        "IFCINDEXEDPOLYCURVE" => {
+            let list = b.geo.reference(&b.geo.args(line)?, 0, line)?;
+            let points = b.geo.point_list(list)?;
+            let Some(order) = straight_order(b, line, points.len())? else { return Ok(None) };
+            let at = |i: &usize| points.get(*i).map(|p| p.truncate());
+            let all: Option<Vec<DVec2>> = order.iter().map(at).collect();
+            all.map(Some)
+                .ok_or_else(|| format!("{} names a point that is not in its list", b.geo.named(line)))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// The places in its list of the points of an indexed curve, one after the other; `None` where it is not of straight
+/// pieces, each from where the one before ends.
+fn straight_order(b: &Building<'_, '_>, line: u64, points: usize) -> Result<Option<Vec<usize>>, Why> {
+    let args = b.geo.args(line)?;
+    let segments = args.get(1).map(Arg::list).unwrap_or_default();
+    if segments.is_empty() {
+        return Ok(Some((0..points).collect()));
+    }
+    let mut out: Vec<usize> = Vec::new();
+    for segment in segments {
+        let Value::Typed(kind, inner) = &segment.value else { return Ok(None) };
+        let indices = inner.first().and_then(Arg::numbers).unwrap_or_default();
+        let places: Option<Vec<usize>> = indices.iter().map(|i| (*i as usize).checked_sub(1)).collect();
+        let Some(places) = places.filter(|_| kind.eq_ignore_ascii_case("IFCLINEINDEX")) else {
+            return Ok(None);
+        };
+        if out.last().is_some_and(|last| places.first() != Some(last)) {
+            return Ok(None);
+        }
+        let skip = usize::from(!out.is_empty());
+        out.extend(places.into_iter().skip(skip));
+    }
+    Ok(Some(out))
 }
 
 /// The outline of a wall in the plane of its profile.
@@ -183,11 +238,7 @@ fn outline(
         }
         "IFCARBITRARYCLOSEDPROFILEDEF" => {
             let line = b.geo.reference(&args, 2, profile)?;
-            if b.step.keyword(line) != "IFCPOLYLINE" {
-                return Err(format!("{} is no polyline", b.geo.named(line)));
-            }
-            let points = b.geo.first_ids(line)?;
-            points.into_iter().map(|p| Ok(DVec2::from(b.geo.point2(p)?))).collect::<Result<_, Why>>()?
+            line_points(b, line)?.ok_or_else(|| format!("{} is no polyline", b.geo.named(line)))?
         }
         _ => return Err(format!("{} is neither a rectangle nor a polyline", b.geo.named(profile))),
     };
@@ -272,7 +323,7 @@ impl Bar {
                 shape.push((i, Change::Instance(self.body_change(b, by)?)));
             } else if let Some((axis, line)) = own.axis.filter(|a| a.0 == representation) {
                 let shift = [0, 1].map(|k| own.along * by[k]);
-                let line = Node { id: line, changes: moved_points(b, line, &[vec![0], vec![1]], shift)? };
+                let line = moved_line(b, line, &[vec![0], vec![1]], shift)?;
                 let slot = list_of(b, axis, 3)?.into_iter().next().ok_or("its axis is gone")?.0;
                 let node = Node { id: axis, changes: vec![(slot, Change::Instance(line))] };
                 shape.push((i, Change::Instance(node)));
@@ -291,7 +342,7 @@ impl Bar {
                 let line = b.geo.args(own.profile)?;
                 let slot = line.get(2).ok_or("its outline is gone")?;
                 let id = slot.id().ok_or("its outline is gone")?;
-                let line = Node { id, changes: moved_points(b, id, corners, inner)? };
+                let line = moved_line(b, id, corners, inner)?;
                 Node { id: own.profile, changes: vec![(slot.span.clone(), Change::Instance(line))] }
             }
             None => self.rectangle_change(b, by, (inner[0] + inner[1]) / 2.0)?,
@@ -334,13 +385,11 @@ fn list_of(b: &Building<'_, '_>, id: u64, at: usize) -> Result<Vec<(Range<usize>
     Ok(list.iter().filter_map(|a| Some((a.span.clone(), a.id()?))).collect())
 }
 
-/// Points of a polyline that go with either end.
-fn moved_points(
-    b: &Building<'_, '_>,
-    line: u64,
-    ends: &[Vec<usize>; 2],
-    by: [DVec3; 2],
-) -> Result<Vec<(Range<usize>, Change)>, Why> {
+/// A polyline or indexed curve with the points that go with either end.
+fn moved_line(b: &Building<'_, '_>, line: u64, ends: &[Vec<usize>; 2], by: [DVec3; 2]) -> Result<Node, Why> {
+    if b.step.keyword(line) == "IFCINDEXEDPOLYCURVE" {
+        return moved_indexed(b, line, ends, by);
+    }
     let list = list_of(b, line, 0)?;
     let mut out = Vec::new();
     for (corners, by) in ends.iter().zip(by) {
@@ -349,17 +398,50 @@ fn moved_points(
             out.push((slot.clone(), Change::Instance(moved_point(b, *point, by)?)));
         }
     }
-    Ok(out)
+    Ok(Node { id: line, changes: out })
+}
+
+/// The same of an indexed curve: coordinates change in its list of points.
+fn moved_indexed(
+    b: &Building<'_, '_>,
+    line: u64,
+    ends: &[Vec<usize>; 2],
+    by: [DVec3; 2],
+) -> Result<Node, Why> {
+    let gone = || "a corner of its outline is gone";
+    let args = b.geo.args(line)?;
+    let (slot, id) = args.first().and_then(|a| Some((a.span.clone(), a.id()?))).ok_or_else(gone)?;
+    let points = b.geo.point_list(id)?;
+    let order = straight_order(b, line, points.len())?.ok_or_else(gone)?;
+    let list = b.geo.args(id)?;
+    let rows = list.first().map(Arg::list).unwrap_or_default();
+    let mut changes: Vec<(Range<usize>, Change)> = Vec::new();
+    for (corners, by) in ends.iter().zip(by) {
+        // A closed curve names its first point once more.
+        let places: BTreeSet<usize> = corners.iter().filter_map(|c| order.get(*c).copied()).collect();
+        for place in places {
+            let (old, row) = points.get(place).zip(rows.get(place)).ok_or_else(gone)?;
+            changes.extend(moved_coordinates(*old, row, by));
+        }
+    }
+    let node = Node { id, changes };
+    Ok(Node { id: line, changes: vec![(slot, Change::Instance(node))] })
 }
 
 /// A point with the coordinates that differ after a shift.
 fn moved_point(b: &Building<'_, '_>, id: u64, by: DVec3) -> Result<Node, Why> {
     let old = b.geo.point(id)?;
     let args = b.geo.args(id)?;
-    let slots = args.first().map(Arg::list).unwrap_or_default();
+    let changes = args.first().map(|row| moved_coordinates(old, row, by)).unwrap_or_default();
+    Ok(Node { id, changes })
+}
+
+/// The coordinates of a list that differ after a shift.
+fn moved_coordinates(old: DVec3, row: &Arg, by: DVec3) -> Vec<(Range<usize>, Change)> {
+    let slots = row.list();
     // A shift across the axis as small as rounding leaves it is none.
     let noise = UPRIGHT * by.length();
     let is_moved = |i: &usize| by[*i].abs() > noise;
     let change = |i: usize| (slots[i].span.clone(), Change::Text(real(old[i] + by[i])));
-    Ok(Node { id, changes: (0..slots.len().min(3)).filter(is_moved).map(change).collect() })
+    (0..slots.len().min(3)).filter(is_moved).map(change).collect()
 }

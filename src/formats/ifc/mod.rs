@@ -35,6 +35,7 @@ use std::collections::{BTreeMap, HashMap};
 pub use footprint::Parting;
 use glam::DVec2;
 pub use limits::*;
+pub use marks::KEEPS;
 use rayon::prelude::*;
 pub use read::{CLOSING_LAYERS, ZONE_LAYER};
 pub use unseen::UnseenJoint;
@@ -100,6 +101,8 @@ pub struct MovedProduct {
     pub filler: Option<&'static str>,
     /// Of a wall that is not in the plan and only changes its length, its outline before and after, file units.
     pub outlines: Option<[Vec<DVec2>; 2]>,
+    /// The storey of such a wall, where it stands in one.
+    pub storey: Option<String>,
 }
 
 /// What edits change beside what they name.
@@ -293,7 +296,9 @@ pub fn effects(file: &str, bytes: &[u8], options: &ReadOptions, edits: &[Edit]) 
     let mut mover = patch::Mover::new(&building, options, edits);
     let named = |id: u64, outlines: Option<[Vec<DVec2>; 2]>| {
         let global_id = step.args(id).first().and_then(|a| step.text(a)).unwrap_or_default();
-        MovedProduct { id, global_id, filler: building.model.filler(id).map(|f| f.class), outlines }
+        let filler = building.model.filler(id).map(|f| f.class);
+        let storey = outlines.as_ref().and_then(|_| building.storey_name(id));
+        MovedProduct { id, global_id, filler, outlines, storey }
     };
     let mut moved = Vec::new();
     for edit in edits {

@@ -99,6 +99,8 @@ pub(super) struct Model {
     pub coverings: HashMap<u64, Vec<u64>>,
     /// Element → property sets.
     pub properties: HashMap<u64, Vec<u64>>,
+    /// Element → property sets of its type.
+    pub of_types: HashMap<u64, Vec<u64>>,
     /// Space or zone → the zones it is in.
     zones: HashMap<u64, Vec<u64>>,
     /// Element → materials.
@@ -173,6 +175,10 @@ impl Model {
         }
         for (set, many) in pairs(step, "IFCRELDEFINESBYPROPERTIES", 5, 4) {
             many.iter().for_each(|m| self.properties.entry(*m).or_default().push(set));
+        }
+        for (kind, many) in pairs(step, "IFCRELDEFINESBYTYPE", 5, 4) {
+            let sets = step.args(kind).get(5).map(Arg::ids).unwrap_or_default();
+            many.iter().for_each(|m| self.of_types.entry(*m).or_default().extend(&sets));
         }
         let in_groups = pairs(step, "IFCRELASSIGNSTOGROUP", 6, 4);
         let in_spatial = pairs(step, "IFCRELREFERENCEDINSPATIALSTRUCTURE", 5, 4);
@@ -336,25 +342,51 @@ impl Model {
         self.stated_marks(step, id).into_iter().map(|(_, key, value)| (key, value)).collect()
     }
 
-    /// The same one by one, each with its set.
+    /// The same one by one, each with its set; first those of its type that it does not state itself.
     pub fn stated_marks(&self, step: &Step<'_>, id: u64) -> Vec<(u64, String, String)> {
+        let own = self.marks_in(step, self.properties.get(&id));
+        let mut out = self.marks_in(step, self.of_types.get(&id));
+        out.retain(|(_, key, _)| own.iter().all(|(_, k, _)| k != key));
+        out.extend(own);
+        out
+    }
+
+    fn marks_in(&self, step: &Step<'_>, sets: Option<&Vec<u64>>) -> Vec<(u64, String, String)> {
         let mut out = Vec::new();
-        for set in self.properties.get(&id).into_iter().flatten() {
-            let args = step.args(*set);
-            let name = args.get(2).and_then(|a| step.text(a)).unwrap_or_default();
-            if !super::marks::is_ours(&name) {
-                continue;
-            }
-            for property in args.get(4).map(Arg::ids).unwrap_or_default() {
+        for set in sets.into_iter().flatten() {
+            for property in own_properties(step, *set) {
                 let of = step.args(property);
-                let name = of.first().and_then(|a| step.text(a)).unwrap_or_default().to_lowercase();
-                let value =
-                    of.get(2).map(|v| step.text(v).unwrap_or_else(|| enum_text(v))).unwrap_or_default();
+                let name = of.first().and_then(|a| step.text(a)).unwrap_or_default().trim().to_lowercase();
+                let value = of.get(2).filter(|_| step.keyword(property) == ONE_VALUE);
+                let value = value.map(|v| step.text(v).unwrap_or_else(|| enum_text(v))).unwrap_or_default();
                 out.push((*set, name, value));
             }
         }
         out
     }
+
+    /// Properties of `Pset_Enfilade` on an element or its type that are of another kind than one value, by name, with that
+    /// kind.
+    pub fn odd_marks(&self, step: &Step<'_>, id: u64) -> Vec<(String, String)> {
+        let sets = [&self.of_types, &self.properties].into_iter().filter_map(|of| of.get(&id)).flatten();
+        let odd = sets.flat_map(|set| own_properties(step, *set)).filter_map(|property| {
+            let name = step.args(property).first().and_then(|a| step.text(a)).unwrap_or_default();
+            let kind = step.keyword(property).to_string();
+            (kind != ONE_VALUE && !kind.is_empty()).then_some((name, kind))
+        });
+        odd.collect()
+    }
+}
+
+/// The one kind of property that marks are read from.
+const ONE_VALUE: &str = "IFCPROPERTYSINGLEVALUE";
+
+/// The properties of a set, if it is ours.
+fn own_properties(step: &Step<'_>, set: u64) -> Vec<u64> {
+    let args = step.args(set);
+    let name = args.get(2).and_then(|a| step.text(a)).unwrap_or_default();
+    let is_ours = super::marks::is_ours(&name);
+    args.get(4).filter(|_| is_ours).map(Arg::ids).unwrap_or_default()
 }
 
 fn enum_text(arg: &Arg) -> String {

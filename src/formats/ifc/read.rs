@@ -1,5 +1,6 @@
 //! One storey of a building as a plan: every element cut at the height of the eyes.
 
+mod north;
 mod told;
 
 use std::collections::{BTreeMap, HashSet};
@@ -13,18 +14,19 @@ use super::geo::{Geo, Why, is_upright, plan_point};
 use super::length;
 use super::limits::OUTLINE_POINTS_MAX;
 use super::model::{Model, Product, Storey, axis_item, body_items, layer_reach};
-use super::step::{Arg, Instance, Step};
+use super::step::Step;
 use super::units::{Units, units};
 use super::{CUT_EYE_M, ReadOptions, Sight};
 use crate::formats::region::{Region, Rule};
 use crate::formats::storeys::{is_over, refuse_without_own, state_shared_name};
 use crate::formats::{SpaceNames, listed, main_storey, no_storey, storey_at};
 use crate::plan::drawing::{
-    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
+    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Undrawn, Unit, Vertex,
 };
 use crate::plan::sizes::{Sizes, Verdict};
 use crate::plan::units::by_heights;
 use crate::report::{Error, Place, Report};
+use north::{north_deg, state_north};
 use told::Standing;
 
 /// Layer of everything that closes a gap without blocking sight: plugs of door and window openings.
@@ -41,9 +43,6 @@ const SLIVER_M: f64 = 0.01;
 
 /// Corners of a cut this near to an end of the wall belong to it.
 const END_M: f64 = 1e-5;
-
-/// A north that is turned by less is up, degrees.
-const NORTH_NOISE_DEG: f64 = 0.05;
 
 /// Elements of a kind by whose sizes a stated unit is judged: the middle of so many is that of all.
 const SIZED_MAX: usize = 200;
@@ -97,6 +96,12 @@ impl<'s, 'a> Building<'s, 'a> {
     /// Every wall as it stands, whatever its storey; measured when first asked for.
     pub fn standing(&self) -> &BTreeMap<u64, StandingWall> {
         self.standing.get_or_init(|| footprint::standing(self))
+    }
+
+    /// The name of the storey in which an element stands.
+    pub fn storey_name(&self, id: u64) -> Option<String> {
+        let of = self.model.storey_of(id)?;
+        self.model.storeys.iter().find(|s| s.id == of).map(|s| s.name.clone())
     }
 
     /// Measures how high the own walls of those storeys reach over which another one begins below the eyes.
@@ -227,7 +232,8 @@ pub(super) fn read_storey(
     let mut reader = Reader::new(building, storey, options);
     reader.walls(report);
     reader.spaces(report);
-    super::marks::state(building, reader.storey, report);
+    let shown: HashSet<u64> = reader.entities.iter().map(|e| e.source.record as u64).collect();
+    reader.wishes = super::marks::state(building, reader.storey, &shown, report);
     let height = reader.cut - reader.floor;
     if let Some(storey) = storey {
         let text = format!(
@@ -244,6 +250,7 @@ pub(super) fn read_storey(
         report.info("ifc-cut", Place::file(file), text);
     }
     reader.state_left_out(report);
+    state_north(building, report);
     let drawing = reader.drawing();
     if drawing.north_deg != 0.0 {
         let way = if drawing.north_deg > 0.0 { "left" } else { "right" };
@@ -287,6 +294,8 @@ struct Reader<'b, 's, 'a> {
     entities: Vec<Entity>,
     texts: Vec<Text>,
     marked: Vec<MarkedMove>,
+    /// Moves that are stated of elements that are not shown, or in a way that is not read.
+    wishes: Vec<Undrawn>,
     below: HashSet<u64>,
     plugged: HashSet<u64>,
     /// The element shown now where it can change its length, and the corners of what closes its openings, world.
@@ -335,6 +344,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             entities: Vec::new(),
             texts: Vec::new(),
             marked: Vec::new(),
+            wishes: Vec::new(),
             below: HashSet::new(),
             plugged: HashSet::new(),
             bar: None,
@@ -578,7 +588,6 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     fn space(&mut self, p: &Product, region: &Region) {
         let Some([lo, hi]) = region.extent() else { return };
         self.emit(p, "IfcSpace", region);
-        let zones = self.b.model.zones_of(p.id);
         let SpaceNames { names, zones: of_zones } = self.b.space_names(p);
         for (layer, names) in [("IfcSpace", names), (ZONE_LAYER, of_zones)] {
             if layer == "IfcSpace" || !names.is_empty() {
@@ -586,11 +595,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 self.texts.push(Text { source, layer: layer.into(), at: lo.midpoint(hi), text });
             }
         }
-        // What a zone says holds for its spaces, where they say nothing else.
-        let mut marks = self.b.model.marks(self.b.step, p.id);
-        for (key, value) in zones.iter().flat_map(|z| self.b.model.marks(self.b.step, *z)) {
-            marks.entry(key).or_insert(value);
-        }
+        let marks = super::marks::of_space(self.b, p.id);
         let said = |key: &str| marks.get(key).map_or_else(String::new, |v| v.trim().to_lowercase());
         for (key, layer) in [("query", "EF-QUERY"), ("reference", "EF-REFERENCE"), ("keep", "EF-KEEP")] {
             match (super::marks::is_yes(&said(key)), key) {
@@ -698,26 +703,10 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             fills: Vec::new(),
             marked: self.marked,
             widths: Default::default(),
-            undrawn: Vec::new(),
+            undrawn: self.wishes,
             north_deg: north_deg(self.b),
         }
     }
-}
-
-/// `TrueNorth` of the context of the model, of which sub-contexts have theirs: degrees anticlockwise from the plan's up.
-/// Where that context states none, what another one states.
-fn north_deg(b: &Building<'_, '_>) -> f64 {
-    let stated = |i: &Instance| {
-        let args = b.step.args_of(i);
-        let way = b.geo.direction(args.get(5).and_then(Arg::id)?).ok()?.truncate().try_normalize()?;
-        let is_model = args.get(1).and_then(|a| b.step.text(a)).is_some_and(|t| t == "Model");
-        Some((is_model, way))
-    };
-    let all: Vec<(bool, DVec2)> =
-        b.step.all("IFCGEOMETRICREPRESENTATIONCONTEXT").filter_map(stated).collect();
-    let found = all.iter().find(|s| s.0).or(all.first());
-    let deg = found.map_or(0.0, |(_, way)| DVec2::Y.angle_to(*way).to_degrees());
-    if deg.abs() < NORTH_NOISE_DEG { 0.0 } else { deg }
 }
 
 /// Heights of a storey's floor and of its cut, file units.

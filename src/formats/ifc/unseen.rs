@@ -120,13 +120,31 @@ fn leave_barred(b: &Building<'_, '_>, edited: &BTreeSet<u64>, found: &mut BTreeM
     }
 }
 
+/// Leaves out the walls of which an end that would go stands in a space that a mark keeps, or at its outline.
+fn leave_kept(b: &Building<'_, '_>, found: &mut BTreeMap<u64, Candidate>) {
+    if found.is_empty() {
+        return;
+    }
+    let metres = b.geo.metres;
+    let spaces = super::footprint::kept_spaces(b);
+    let holds = |space: &StandingWall, own: &StandingWall, one: &Candidate| {
+        let goes = (0..2).filter(|k| one.by()[*k] != 0.0);
+        is_level(space.reach, own.reach, metres)
+            && goes.flat_map(|k| &one.bar.ends[k]).any(|p| space.at.holds(*p, metres))
+    };
+    found.retain(|id, one| {
+        let own = b.standing().get(id);
+        own.is_some_and(|own| !spaces.iter().any(|space| holds(space, own, one)))
+    });
+}
+
 /// Whether two share enough of their heights to bar each other.
 fn is_level(a: [f64; 2], b: [f64; 2], metres: f64) -> bool {
     (a[1].min(b[1]) - a[0].max(b[0])) * metres > BESIDE_M
 }
 
 /// The unseen walls that follow what edits shift: each end that stands at a wall that shifts and that the file joins
-/// to it. A wall that an opening is cut out of or that a mark keeps stays, and so does one that would be left shorter than
+/// to it. A wall that an opening is cut out of or that a mark keeps, its own or that of a space, stays, and so does one that would be left shorter than
 /// [`REST_M`], has no axis that says where it starts, cannot change its length, or is barred by another.
 pub(super) fn taken(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit]) -> Taken {
     let edited: BTreeSet<u64> = edits.iter().map(|e| e.record() as u64).collect();
@@ -155,6 +173,7 @@ pub(super) fn taken(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit])
         }
     }
     found.retain(|_, c| c.by() != [0.0; 2] && c.rest() * b.geo.metres >= REST_M);
+    leave_kept(b, &mut found);
     leave_barred(b, &edited, &mut found);
     let mut out = Taken::default();
     for (id, one) in found {
@@ -204,8 +223,7 @@ pub(super) fn left(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit]) 
             }
             _ => Some(Parting::Unknown),
         };
-        let named = |s: u64| b.model.storeys.iter().find(|of| of.id == s).map(|of| of.name.clone());
-        let storey = b.model.storey_of(other).and_then(named);
+        let storey = b.storey_name(other);
         out.extend(parting.map(|parting| UnseenJoint { id, other, storey, parting }));
     }
     out

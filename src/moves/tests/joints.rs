@@ -95,7 +95,11 @@ fn what_does_not_follow_is_told_as_it_is() {
     let mut said = |format: Format, turns: bool| {
         plan.format = format;
         let mut report = Report::default();
-        say_stuck(&plan, &Stuck { wall: 0, turns, why: "it cannot".into() }, &mut report);
+        say_stuck(
+            &plan,
+            &Stuck { wall: 0, turns, may: if turns { "turn" } else { "shift" }, why: "it cannot".into() },
+            &mut report,
+        );
         let p = report.problems.remove(0);
         (p.severity, p.text.contains("may turn"), p.text.contains("may shift"))
     };

@@ -185,6 +185,8 @@ fn lead(result: &RoundResult) -> String {
         let why = if said("moves-unread") {
             "Nothing moves, because no mark of what may move can be used as it stands: what is wrong with each stands \
              below. Correct them, or take them away and walls move by default."
+        } else if said("moves-elsewhere") {
+            "Nothing moves on this storey, because what may move is said of other storeys alone."
         } else if said("move-kept") {
             "Nothing moves, because EF-KEEP holds what may."
         } else {

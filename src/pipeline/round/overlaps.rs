@@ -25,7 +25,8 @@ pub(super) fn say_overlaps(
             continue;
         }
         found.sort_by(|a, b| b.1.total_cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
-        let ([a, b], by_m) = found[0];
+        // What the penalty counts is no depth, so no number is told.
+        let ([a, b], _) = found[0];
         let is_moved = |w: u32| m.layout.walls.iter().any(|moved| moved.wall == w && moved.is_changed);
         let (mover, other) = if is_moved(a) { (a, b) } else { (b, a) };
         let plan = &study.base.plan;
@@ -36,7 +37,7 @@ pub(super) fn say_overlaps(
             n => format!("; {n} more pairs of walls do"),
         };
         let text = format!(
-            "option {} runs it through {} by {by_m:.2} m{rest}; --limit \"overlap <= 0\" allows none of it",
+            "option {} runs it through {}{rest}; --limit \"overlap <= 0\" allows none of it",
             i + 1,
             place(other)
         );

@@ -437,6 +437,25 @@ pub(super) fn goes_along_words(base: &Understood, made: &Made) -> String {
     }
 }
 
+/// The walls of a building that the plan does not show and that change their length with those of an option; empty for
+/// none.
+pub(super) fn unseen_words(made: &Made) -> String {
+    let unseen = made.changed.records.iter().flatten().filter(|c| c.outlines.is_some());
+    let walls: BTreeMap<usize, Option<&String>> = unseen.map(|c| (c.of.record, c.storey.as_ref())).collect();
+    let storeys: BTreeSet<&String> = walls.values().flatten().copied().collect();
+    let storeys: Vec<String> = storeys.into_iter().cloned().collect();
+    let on = match storeys.as_slice() {
+        [] => String::new(),
+        [one] => format!(" (storey {one})"),
+        all => format!(" (storeys {})", all.join(", ")),
+    };
+    match walls.len() {
+        0 => String::new(),
+        1 => format!(" One wall that this plan does not show{on} changes its length with them."),
+        n => format!(" {n} walls that this plan does not show{on} change their length with them."),
+    }
+}
+
 /// What somebody must look at before taking an option: parts of doors and windows that do not go with their wall.
 pub(super) fn stays_words(report: &Report) -> String {
     match report.problems.iter().filter(|p| p.code == OPENING_STAYS).count() {

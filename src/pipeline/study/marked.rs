@@ -4,15 +4,17 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
+use super::far::state_far_centres;
 use super::idle::{clause, without_idle};
 use super::jambs::ending_at_jambs;
 use crate::config::{MoveTable, Settings};
+use crate::formats::ifc::KEEPS;
 use crate::moves::Moves;
 use crate::plan::axes::AxisGraph;
-use crate::plan::drawing::{Drawing, Format};
+use crate::plan::drawing::{Drawing, Editable, Format};
 use crate::plan::graph::Graph;
 use crate::plan::layers::WallLayers;
-use crate::plan::markers::{self, Group, place_in};
+use crate::plan::markers::{self, ELSEWHERE, Group, place_in};
 use crate::plan::{Plan, Region, box_of};
 use crate::report::{Error, Place, Report};
 
@@ -23,6 +25,33 @@ pub(super) fn state_unread_marks(marks: &str, plan: &Plan, report: &mut Report) 
          as it stands (see the warnings); correct it, or take it away and walls move by default"
     );
     report.warn("moves-unread", Place::file(&plan.file), text);
+}
+
+/// The same where not even one could be taken up; where all that is marked stands on other storeys, that is no fault.
+pub(super) fn state_unread_moves(drawing: &Drawing, plan: &Plan, report: &mut Report) {
+    let mut wishes = drawing.undrawn.iter().filter(|u| u.layer == markers::MOVE).peekable();
+    if drawing.format == Format::Dxf || wishes.peek().is_none() || !wishes.all(|u| u.kind == ELSEWHERE) {
+        return state_unread_marks(marks_of(drawing.format), plan, report);
+    }
+    let text = format!(
+        "nothing moves on this storey, the present layout is measured: what may move is said by {} of other storeys",
+        marks_of(drawing.format)
+    );
+    report.info("moves-elsewhere", Place::file(&plan.file), text);
+}
+
+/// Names what a mark of a building keeps and what could not move anyway, since it is no wall of the plan.
+pub(super) fn state_idle_keeps(drawing: &Drawing, plan: &Plan, report: &mut Report) {
+    let mut seen: BTreeSet<usize> = plan.walls.iter().map(|w| w.source.record).collect();
+    for e in &drawing.entities {
+        let is_kept = matches!(&e.editable, Editable::No(why) if why == KEEPS) && e.layer == e.source.kind;
+        let is_wall = ["Wall", "Column"].iter().any(|k| e.source.kind.contains(k));
+        if is_kept && !is_wall && seen.insert(e.source.record) {
+            let text = "Keep of Pset_Enfilade: it is no wall of this plan, expected a wall, a column or a space; it would \
+                        not move anyway";
+            report.warn("ifc-marks", place_in(&drawing.file, &e.source), text);
+        }
+    }
 }
 
 /// Says so where marks of what may move are passed over, since the file of settings beside the drawing says it.
@@ -113,6 +142,7 @@ pub(super) fn taken_up<'a>(
     settings: &Settings,
     report: &mut Report,
 ) -> Moves {
+    state_far_centres(groups.clone(), plan, report);
     let moves = ending_at_jambs(moves, groups.clone(), (plan, graph, axes), report);
     without_idle(moves, groups, (plan, graph), settings, report)
 }
