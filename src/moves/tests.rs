@@ -36,6 +36,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         entities: Vec::new(),
         texts: Vec::new(),
         marked: Vec::new(),
+        has_idle_marks: false,
         hosts: Default::default(),
         widths: Default::default(),
         north_deg: 0.0,

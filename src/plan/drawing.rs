@@ -234,6 +234,8 @@ pub struct Drawing {
     pub texts: Vec<Text>,
     /// Moves that the file states of its own elements.
     pub marked: Vec<MarkedMove>,
+    /// Whether the file says besides what should move or stay, and that cannot be used: it was named where it was read.
+    pub has_idle_marks: bool,
     /// Records of doors and windows of which the file says in which record's wall they sit.
     pub hosts: BTreeMap<usize, usize>,
     /// Records of polylines that are drawn in one width all along, with that width in the units of the model space or
@@ -367,6 +369,7 @@ impl Drawing {
             fills: Vec::new(),
             texts: Vec::new(),
             marked: Vec::new(),
+            has_idle_marks: false,
             hosts: BTreeMap::new(),
             widths: BTreeMap::new(),
             undrawn: Vec::new(),

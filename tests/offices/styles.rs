@@ -273,6 +273,7 @@ impl Sheet {
             layers,
             entities,
             marked: Vec::new(),
+            has_idle_marks: false,
             hosts: Default::default(),
             widths: Default::default(),
             north_deg: 0.0,

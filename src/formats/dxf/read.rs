@@ -63,6 +63,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         fills: reader.fills,
         texts,
         marked: Vec::new(),
+        has_idle_marks: false,
         hosts: Default::default(),
         widths: reader.widths,
         north_deg: 0.0,

@@ -79,7 +79,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     state_low(&scene, &bodies, [floor, floor + above], &is_elsewhere, report);
     let (texts, marked) = (space_names(&scene, &bodies, &entities, options), marked_moves(&scene, &entities));
     let used = marks::Used::new(&bodies, lost, &entities, &marked, regions);
-    marks::state(&scene, &shown, &used, &is_elsewhere, report);
+    let has_idle_marks = marks::state(&scene, &shown, &used, &is_elsewhere, report);
     let mut names: Vec<Layer> = Vec::new();
     let mut seen = BTreeSet::new();
     for e in &entities {
@@ -98,6 +98,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         entities,
         texts,
         marked,
+        has_idle_marks,
         hosts: hosts(&scene, &bodies, options),
         widths: Default::default(),
         north_deg: 0.0,

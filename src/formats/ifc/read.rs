@@ -697,6 +697,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             texts: self.texts,
             fills: Vec::new(),
             marked: self.marked,
+            has_idle_marks: false,
             widths: Default::default(),
             undrawn: Vec::new(),
             north_deg: north_deg(self.b),

@@ -16,6 +16,11 @@ use crate::plan::markers::{self, Group, place_in};
 use crate::plan::{Plan, Region, box_of};
 use crate::report::{Error, Place, Report};
 
+/// Whether anybody said in the drawing what moves or stays, so that it can be used or not: then nothing moves by default.
+pub(super) fn is_any(drawing: &Drawing, plan: &Plan) -> bool {
+    plan.markers.is_move_drawn || !drawing.marked.is_empty() || drawing.has_idle_marks
+}
+
 /// Says so where marks were made and none can be used: nobody who marks a wall means all the others.
 pub(super) fn state_unread_marks(marks: &str, plan: &Plan, report: &mut Report) {
     let text = format!(
@@ -28,7 +33,7 @@ pub(super) fn state_unread_marks(marks: &str, plan: &Plan, report: &mut Report) 
 /// Says so where marks of what may move are passed over, since the file of settings beside the drawing says it.
 pub(super) fn state_passed_over(drawing: &Drawing, plan: &Plan, moves: &[MoveTable], report: &mut Report) {
     state_edited(plan, moves, report);
-    if !drawing.marked.is_empty() || plan.markers.is_move_drawn {
+    if is_any(drawing, plan) {
         let marks = marks_of(drawing.format);
         let text = format!(
             "{marks} is passed over here: the [[move]] tables of the file of settings beside the drawing say what may move, and how \
