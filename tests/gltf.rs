@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "gltf/pieces.rs"]
+mod pieces;
+
 use std::sync::Arc;
 
 use base64::Engine;
@@ -410,35 +413,6 @@ fn a_mesh_that_cannot_be_written_in_parts_moves_as_a_whole() {
     });
     for bytes in [classed, twice] {
         assert!(read(&bytes).entities.iter().all(|e| e.source.record < 2));
-    }
-}
-
-/// The pieces of its mesh are no elements of their own, at the cut or not, named or not.
-#[test]
-fn a_node_that_says_how_it_moves_is_one_group() {
-    let bytes = walls_of_one_mesh();
-    let (nameless, named) =
-        (serde_json::json!("x -0.5 0.5"), serde_json::json!({"move": "x -0.5 0.5", "name": "a"}));
-    let of_node = |mark: &serde_json::Value| {
-        with_json(&bytes, |json| json["nodes"][0]["extras"] = serde_json::json!({"enfilade": mark}))
-    };
-    let of_mesh =
-        with_json(&bytes, |json| json["meshes"][0]["extras"] = serde_json::json!({"enfilade": nameless}));
-    for bytes in [of_node(&nameless), of_node(&named), of_mesh] {
-        let before = read(&bytes);
-        assert_eq!(before.entities.len(), 3);
-        assert!(before.entities.iter().all(|e| e.source.record == 0), "{before:?}");
-        assert_eq!(before.marked.iter().map(|m| m.record).collect::<Vec<_>>(), [0]);
-        let motion = RigidMotion { turn_rad: 0.25, shift: DVec2::new(0.5, 0.0) };
-        let moved = patch(&bytes, &[Edit::Insert { record: 0, motion }], &[]).unwrap();
-        // Turned, the rings of one node may begin elsewhere.
-        let after: Vec<DVec2> = read(&moved).entities.iter().flat_map(points).collect();
-        for p in before.entities.iter().flat_map(points) {
-            let told = DVec2::from_angle(motion.turn_rad).rotate(p) + motion.shift;
-            assert!(after.iter().any(|q| (*q - told).length() < 2e-6), "{p} is not at {told} in {after:?}");
-        }
-        let data = |bytes: &[u8]| bytes[28 + u32_at(bytes, 12)..].to_vec();
-        assert_eq!(data(&moved), data(&bytes), "the node moves, its vertices stay");
     }
 }
 

@@ -39,6 +39,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         has_idle_marks: false,
         hosts: Default::default(),
         widths: Default::default(),
+        singles: Default::default(),
         north_deg: 0.0,
         undrawn: Vec::new(),
         fills: Vec::new(),

@@ -276,6 +276,7 @@ impl Sheet {
             has_idle_marks: false,
             hosts: Default::default(),
             widths: Default::default(),
+            singles: Default::default(),
             north_deg: 0.0,
             undrawn: Vec::new(),
             fills: Vec::new(),

@@ -66,6 +66,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         has_idle_marks: false,
         hosts: Default::default(),
         widths: reader.widths,
+        singles: Default::default(),
         north_deg: 0.0,
         undrawn,
     })

@@ -699,6 +699,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             marked: self.marked,
             has_idle_marks: false,
             widths: Default::default(),
+            singles: Default::default(),
             undrawn: Vec::new(),
             north_deg: north_deg(self.b),
         }
