@@ -40,6 +40,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     }
     values::state(&scene, &shown, report);
     let options = &*twin::taken(&scene, &shown, options, report);
+    twin::state_marks(file, options, report);
     let Bodies { list: bodies, lost } = bodies(&scene, &shown, options, report);
     let missing = scene.buffers.iter().enumerate().find_map(|(i, b)| Some((i, b.as_ref().err()?)));
     if let (Some((i, why)), true) = (missing, bodies.is_empty()) {
