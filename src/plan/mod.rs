@@ -163,7 +163,7 @@ impl Region {
 pub struct LayerUse {
     /// Decoded name.
     pub name: String,
-    /// Shapes and texts on it.
+    /// Shapes and texts on it; of a building its elements.
     pub entities: usize,
     /// `wall`, `low`, `marker`, `own`, `hidden` or `ignored`.
     pub role: &'static str,
