@@ -21,6 +21,7 @@ use crate::overlay::words::headline;
 use crate::pipeline::accept::Origin;
 use crate::pipeline::cells::CellOptions;
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
+use crate::plan::drawing::Format;
 use crate::progress::Display;
 use crate::report::{Cancel, Error, Place, Report, Severity, counted, gathered, one_line};
 use crate::sample_settings;
@@ -88,12 +89,15 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
     }
     if !args.common.quiet {
         let solid = if result.solids == 1 { "1 solid".into() } else { format!("{} solid", result.solids) };
-        say(&format!("{}: {}, {} wall elements ({solid})", result.file, result.version, result.walls));
+        let is_building = result.format != Format::Dxf.name();
+        let [walls, entities] =
+            if is_building { [WALL_PIECES, "elements"] } else { ["wall elements", "entities"] };
+        say(&format!("{}: {}, {} {walls} ({solid})", result.file, result.version, result.walls));
         say(&format!("unit: {}", result.unit.reason));
         result.statements.iter().for_each(|s| say(s));
         for layer in &result.layers {
             say(&format!(
-                "layer {:<24} {:>6} entities  {}: {}",
+                "layer {:<24} {:>6} {entities}  {}: {}",
                 layer.name, layer.entities, layer.taken_as, layer.reason
             ));
         }
@@ -159,6 +163,9 @@ fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
     Ok(exit_code(&outcome.report))
 }
 
+/// What `walls` of a building counts: a wall with a door at the cut is two of them.
+const WALL_PIECES: &str = "pieces of walls at the cut";
+
 /// One storey of a building with several, in a line.
 fn storey_line(s: &StoreyEntry) -> String {
     let name = format!("storey {:?} at {:.2} m", s.name, s.floor_m);
@@ -173,7 +180,7 @@ fn storey_line(s: &StoreyEntry) -> String {
         mean("entropy")
     );
     let means = if s.mean.0.is_empty() { "" } else { &means };
-    format!("{name}, {} wall elements, {} doors and windows{means}", s.walls, s.openings)
+    format!("{name}, {} {WALL_PIECES}, {} doors and windows{means}", s.walls, s.openings)
 }
 
 fn cell_options(args: &AnalyseArgs, settings: &Settings) -> CellOptions {

@@ -26,7 +26,7 @@ use mitre::{Mitre, Refusal, Stuck};
 
 use crate::plan::axes::AxisGraph;
 use crate::plan::curve::{self, Trace};
-use crate::plan::drawing::{Editable, Format, RigidMotion, Shape, Vertex};
+use crate::plan::drawing::{Editable, Format, RigidMotion, Shape, Single, Vertex};
 use crate::plan::graph::{Graph, Handle};
 use crate::plan::markers::{Clause, Group, Kind, place_in};
 use crate::plan::{Plan, Wall};
@@ -572,13 +572,23 @@ fn moved_wall(
         })
         .collect();
     let (shape, motion) = match motion {
-        Some(m) => rigid_shape(plan, &wall.shape, m),
+        Some(m) => held_shape(wall.single.as_ref(), rigid_shape(plan, &wall.shape, m)),
         None => (with_points(&wall.shape, &points), None),
     };
     let shape = ends.as_ref().map_or(shape.clone(), |e| e.lengthened(wall, motion.as_ref(), shape));
     let is_changed = shape != wall.shape;
     let trace = if is_changed { curve::trace(&shape, frame) } else { wall.trace.clone() };
     MovedWall { wall: w, shape, trace, motion, ends: ends.map(|e| e.by), is_changed }
+}
+
+/// A moved shape as the file holds it.
+fn held_shape(
+    single: Option<&Single>,
+    (shape, motion): (Shape, Option<RigidMotion>),
+) -> (Shape, Option<RigidMotion>) {
+    let Some(single) = single.filter(|_| motion.is_some()) else { return (shape, motion) };
+    let points: Vec<DVec2> = curve::control_points(&shape).into_iter().map(|p| single.held(p)).collect();
+    (with_points(&shape, &points), motion)
 }
 
 /// The shape after a rigid motion of the plan frame, and that motion in drawing units.

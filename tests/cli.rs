@@ -203,6 +203,25 @@ fn an_accepted_scene_keeps_its_building() {
     assert_eq!(of("pavilion")["counts"]["vertices"], of("pavilion-r02")["counts"]["vertices"]);
 }
 
+/// A building has elements, each counted once whatever it shows on a layer; its walls fall to pieces where it is cut.
+#[test]
+fn check_says_what_it_counts() {
+    let folder = tempfile::tempdir().unwrap();
+    let says = |name: &str| {
+        let file = folder.path().join(name);
+        std::fs::copy(sample(name), &file).unwrap();
+        text(&enfilade(&["check", &file.to_string_lossy()]).stdout)
+    };
+    for name in ["pavilion.ifc", "pavilion.glb"] {
+        let said = says(name);
+        let spaces = said.lines().find(|l| l.starts_with("layer IfcSpace ")).unwrap();
+        assert!(spaces.contains("  2 elements  ignored"), "{said}");
+        assert!(said.contains(" pieces of walls at the cut (") && !said.contains("wall elements"), "{said}");
+    }
+    let drawn = says("gallery.dxf");
+    assert!(drawn.contains(" wall elements (") && drawn.contains(" entities  "), "{drawn}");
+}
+
 #[test]
 fn a_zone_is_a_region_of_query() {
     let folder = tempfile::tempdir().unwrap();

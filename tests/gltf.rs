@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "gltf/pieces.rs"]
+mod pieces;
+
 use std::sync::Arc;
 
 use base64::Engine;
@@ -93,6 +96,18 @@ fn classes_and_storeys_come_from_the_ifc_beside_it() {
     let count = |d: &Drawing| d.entities.iter().filter(|e| e.layer == "IfcWall").count();
     assert_eq!(count(&read(None)), 21);
     assert_eq!(count(&read(Some("Upper floor"))), 16);
+    let mut report = Report::default();
+    let _ = formats::read("house.gltf", json.as_bytes(), &options(None), &mut report);
+    let marks = report.problems.iter().find(|p| p.code == "gltf-ifc-marks").map(|p| p.text.clone());
+    let bearing =
+        twin.split(|b| *b == b';').filter(|i| i.windows(16).any(|w| w == b"'Pset_Enfilade',")).count();
+    let told = format!(
+        "{bearing} elements in the .ifc of the same name beside it bear Pset_Enfilade, and none of these marks"
+    );
+    assert!(
+        bearing > 1 && marks.as_ref().is_some_and(|m| m.starts_with(&told)),
+        "{marks:?}, expected {told}"
+    );
     for (beside, why) in [
         (b"garbage".to_vec(), "cannot be read, or holds no element"),
         (twin.to_vec().replace_ids(), "it is of another building"),

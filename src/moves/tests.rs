@@ -13,7 +13,9 @@ use super::control::{Control, Rules};
 use super::defaults::{self, PARAMETERS_MAX, PIECES_MAX, SHIFT_M, SLIDE_M, WALL_THICKNESS_MAX_M};
 use super::{Layout, MOVE_MIN_M, Moves, NodeGroup};
 use crate::plan::curve;
-use crate::plan::drawing::{Drawing, Editable, Entity, Format, Shape, SourceRef, Text, Unit, Vertex};
+use crate::plan::drawing::{
+    Drawing, Editable, Entity, Format, IdleMarks, Shape, SourceRef, Text, Unit, Vertex,
+};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{Clause, Group, Kind};
@@ -36,8 +38,10 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         entities: Vec::new(),
         texts: Vec::new(),
         marked: Vec::new(),
+        idle_marks: IdleMarks::None,
         hosts: Default::default(),
         widths: Default::default(),
+        singles: Default::default(),
         north_deg: 0.0,
         undrawn: Vec::new(),
         fills: Vec::new(),

@@ -522,7 +522,7 @@ pub struct UnitEntry {
 pub struct LayerEntry {
     /// Name.
     pub name: String,
-    /// Entities on it.
+    /// Entities on it; of a building its elements.
     pub entities: u64,
     /// `wall`, `marker`, `ignored`, …
     pub taken_as: String,

@@ -177,8 +177,8 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     closings.extend(opening_lines(&plan, &axes));
     let infill = structure::infill_lines(&plan, drawing, &axes);
     closings.extend(&infill);
-    let has_moves = !settings.moves.is_empty()
-        || !(settings.ignore_move_markers || !plan.markers.is_move_drawn && drawing.marked.is_empty());
+    let has_moves =
+        !settings.moves.is_empty() || !settings.ignore_move_markers && marked::is_any(drawing, &plan);
     let needs_inside = plan.markers.needs_interior();
     let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
     let interior = if needs_interior { Interior::new(&all, &closings, plan.human_scale) } else { None };
@@ -307,7 +307,7 @@ fn moves(
         let moves = Moves::from_markers(plan, graph, axes, report);
         return Ok(taken_up(moves, plan.markers.groups.iter(), (plan, graph, axes), settings, report));
     }
-    if plan.markers.is_move_drawn && !settings.ignore_move_markers {
+    if marked::is_any(drawing, plan) && !settings.ignore_move_markers {
         state_unread_moves(drawing, plan, report);
         return Ok(Moves::default());
     }

@@ -48,6 +48,17 @@ impl<'a> Hidden<'a> {
     }
 }
 
+/// Of a building the records on every layer: an element may show several outlines there, and its name.
+fn elements(drawing: &Drawing) -> BTreeMap<&str, BTreeSet<usize>> {
+    let shapes = drawing.entities.iter().map(|e| (&e.layer, e.source.record));
+    let texts = drawing.texts.iter().map(|t| (&t.layer, t.source.record));
+    let mut out: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
+    for (layer, record) in shapes.chain(texts).filter(|_| drawing.format != Format::Dxf) {
+        out.entry(layer).or_default().insert(record);
+    }
+    out
+}
+
 /// Chooses the walls.
 ///
 /// # Errors
@@ -61,12 +72,14 @@ pub(super) fn choose_walls(
     let by_name = if drawing.format == Format::Dxf { by_name } else { by_name.of_building() };
     let hidden = Hidden::new(drawing);
     let counts = counts(drawing);
+    let elements = elements(drawing);
     let assumed = assumed_layers(drawing, &counts, &by_name, &hidden);
     let layers: Vec<LayerUse> = counts
         .iter()
         .map(|(name, (shapes, texts))| {
             let (role, why) = layer_use(name, options, &by_name, &hidden, &assumed);
-            LayerUse { name: (*name).to_string(), entities: shapes + texts, role, why }
+            let entities = elements.get(name).map_or(shapes + texts, BTreeSet::len);
+            LayerUse { name: (*name).to_string(), entities, role, why }
         })
         .collect();
     if let Some(picked) = &options.picked {

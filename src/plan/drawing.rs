@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec2;
+use glam::{DAffine2, DVec2};
 
 /// A file format a drawing can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -207,6 +207,18 @@ pub struct Undrawn {
     pub count: usize,
 }
 
+/// What a file states of moves that the plan read of it cannot use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum IdleMarks {
+    /// Nothing.
+    #[default]
+    None,
+    /// Of other storeys alone, whose own plans use it.
+    Elsewhere,
+    /// Of this plan.
+    Unusable,
+}
+
 /// A drawing as read, before anything is understood. See the module page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
@@ -234,15 +246,39 @@ pub struct Drawing {
     pub texts: Vec<Text>,
     /// Moves that the file states of its own elements.
     pub marked: Vec<MarkedMove>,
+    /// What the file says besides of what should move or stay; it was named where it was read.
+    pub idle_marks: IdleMarks,
     /// Records of doors and windows of which the file says in which record's wall they sit.
     pub hosts: BTreeMap<usize, usize>,
     /// Records of polylines that are drawn in one width all along, with that width in the units of the model space or
     /// the block they stand in, > 0.
     pub widths: BTreeMap<usize, f64>,
+    /// Records whose corners, once moved, the file holds in single precision.
+    pub singles: BTreeMap<usize, Single>,
     /// What else is drawn, by layer and kind.
     pub undrawn: Vec<Undrawn>,
     /// Where the file says that north is: degrees anticlockwise from the drawing's up; 0 where it says nothing.
     pub north_deg: f64,
+}
+
+/// A frame of its own in which a file holds places in numbers of single precision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Single {
+    to_file: DAffine2,
+    from_file: DAffine2,
+}
+
+impl Single {
+    /// `to_file`: from the frame to drawing units; `None` where it has no way back.
+    pub fn new(to_file: DAffine2) -> Option<Self> {
+        let from_file = to_file.inverse();
+        (to_file.is_finite() && from_file.is_finite()).then_some(Self { to_file, from_file })
+    }
+
+    /// Where a point is once the file holds it, drawing units.
+    pub fn held(&self, p: DVec2) -> DVec2 {
+        self.to_file.transform_point2(self.from_file.transform_point2(p).as_vec2().as_dvec2())
+    }
 }
 
 /// A move that the file states of one of its elements (`Pset_Enfilade` of a building).
@@ -367,8 +403,10 @@ impl Drawing {
             fills: Vec::new(),
             texts: Vec::new(),
             marked: Vec::new(),
+            idle_marks: IdleMarks::None,
             hosts: BTreeMap::new(),
             widths: BTreeMap::new(),
+            singles: BTreeMap::new(),
             undrawn: Vec::new(),
             north_deg: 0.0,
         }

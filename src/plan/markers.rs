@@ -19,8 +19,6 @@ pub const REFERENCE: &str = "EF-REFERENCE";
 pub const MOVE: &str = "EF-MOVE";
 /// Words that clauses of moves begin with.
 pub const CLAUSES: [&str; 6] = ["x", "y", "along", "rotate", "scale", "name"];
-/// Kind of a wish to move on [`MOVE`] that another storey's own plan takes up.
-pub const ELSEWHERE: &str = "move of another storey";
 /// What must stay.
 pub const KEEP: &str = "EF-KEEP";
 

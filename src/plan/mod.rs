@@ -72,6 +72,8 @@ pub struct Wall {
     pub is_solid: bool,
     /// Width of a polyline that is drawn as wide as a wall is thick, micrometres; 0 of anything else ([`wide`]).
     pub width_um: i64,
+    /// Where the file holds its corners in single precision once they move: in what frame.
+    pub single: Option<drawing::Single>,
 }
 
 /// What closes an opening of a wall.
@@ -161,7 +163,7 @@ impl Region {
 pub struct LayerUse {
     /// Decoded name.
     pub name: String,
-    /// Shapes and texts on it.
+    /// Shapes and texts on it; of a building its elements.
     pub entities: usize,
     /// `wall`, `low`, `marker`, `own`, `hidden` or `ignored`.
     pub role: &'static str,
@@ -271,6 +273,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let is_locked = |e: &Entity| drawing.layers.iter().any(|l| l.is_locked && l.name == e.layer);
     let entities = walls;
     let mut walls: Vec<Wall> = entities.iter().map(|e| wall_of(e, &frame, is_locked(e))).collect();
+    walls.iter_mut().for_each(|w| w.single = drawing.singles.get(&w.source.record).copied());
     match drawing.format {
         drawing::Format::Dxf => outline::mark_solids(&mut walls, &markers),
         _ => outline::mark_bodies(&mut walls),
@@ -422,6 +425,7 @@ fn wall_of(entity: &Entity, frame: &Frame, is_locked: bool) -> Wall {
         trace: curve::trace(&entity.shape, frame),
         is_solid: false,
         width_um: 0,
+        single: None,
     }
 }
 

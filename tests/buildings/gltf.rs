@@ -1,5 +1,7 @@
 //! glTF: bad input has a JSON pointer and a reason, limits hold, and nothing but moved nodes changes.
 
+mod marks;
+
 use enfilade::config::{Partial, Settings};
 use enfilade::formats::gltf::{self, ReadOptions};
 use enfilade::pipeline::{self, Input};

@@ -7,7 +7,7 @@ use super::entity::Body;
 use super::header::Header;
 use super::reader::Reader;
 use super::tokens::{Fault, Form, Tokens, tokenize};
-use crate::plan::drawing::{Drawing, Entity, Format, Text};
+use crate::plan::drawing::{Drawing, Entity, Format, IdleMarks, Text};
 use crate::report::{Error, Place, Report, Severity};
 
 /// Reads a drawing.
@@ -63,8 +63,10 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         fills: reader.fills,
         texts,
         marked: Vec::new(),
+        idle_marks: IdleMarks::None,
         hosts: Default::default(),
         widths: reader.widths,
+        singles: Default::default(),
         north_deg: 0.0,
         undrawn,
     })

@@ -188,7 +188,7 @@ struct Elements<'f> {
     places: BTreeMap<usize, (&'f Shown, usize)>,
     /// Node with a mesh → the node that it moves with.
     movers: BTreeMap<usize, usize>,
-    /// Movers of more than themselves.
+    /// Nodes that say how they move: each moves as one, whether its mesh has pieces or others hang on it.
     wholes: BTreeSet<usize>,
     /// Elements that cannot move, and why.
     held: BTreeMap<usize, String>,
@@ -208,11 +208,9 @@ impl<'f> Elements<'f> {
             if nodes[s.node].index("mesh").is_none() {
                 continue;
             }
-            let mover = marks::mover(scene, &s.path()).unwrap_or(s.node);
-            if mover != s.node {
-                out.wholes.insert(mover);
-            }
-            out.movers.insert(s.node, mover);
+            let mover = marks::mover(scene, &s.path());
+            out.wholes.extend(mover);
+            out.movers.insert(s.node, mover.unwrap_or(s.node));
         }
         let animated: BTreeSet<usize> = animated(&scene.json);
         for s in shown {

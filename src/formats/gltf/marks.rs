@@ -7,7 +7,8 @@ use super::json::{Json, Value};
 use super::pieces::of_record;
 use super::scene::{File, Shown};
 use super::values::TOLD;
-use crate::plan::drawing::{Entity, MarkedMove};
+use crate::plan::drawing::{Entity, IdleMarks, MarkedMove};
+use crate::plan::own_layers;
 use crate::report::{Place, Report};
 
 /// What may be said there, and as what.
@@ -26,7 +27,7 @@ const OWN_KEYS: [&str; 2] = ["layer", "note"];
 fn tellers<'j>(scene: &'j File<'_>, node: usize) -> impl Iterator<Item = &'j Json> {
     let node = scene.json.list("nodes").get(node);
     let mesh = node.and_then(|n| scene.json.list("meshes").get(n.index("mesh")?));
-    [node, mesh].into_iter().flatten().filter_map(|j| j.get("extras")?.get("enfilade"))
+    [node, mesh].into_iter().flatten().filter_map(teller)
 }
 
 /// One thing that a node says, and that node: the nearest word on the way from the node to the root counts.
@@ -106,48 +107,29 @@ impl Used {
     }
 }
 
-/// Says which marks cannot be read, and which are not used, of what does not stand in another storey.
+/// Says which marks cannot be read, and which are not used, of what does not stand in another storey; whether one of
+/// them says, or was meant to say, what moves or stays and cannot be used.
 pub(super) fn state(
     scene: &File<'_>,
     shown: &[Shown],
     used: &Used,
     is_elsewhere: &dyn Fn(&Shown) -> bool,
     report: &mut Report,
-) {
-    let mut odd: Vec<(String, String)> = elsewhere(scene);
-    let mut away: Vec<usize> = Vec::new();
+) -> IdleMarks {
+    let mut idle = Idle::default();
+    idle.add_elsewhere(scene);
+    idle.add_unshown(scene, shown);
+    idle.add_misspelt(scene);
     let is_lost = |s: &&Shown| used.lost.contains(&s.node);
     let lost: BTreeSet<usize> = shown.iter().filter(is_lost).flat_map(Shown::path).collect();
     let mut seen = BTreeSet::new();
     for s in shown.iter().filter(|s| !s.is_own() && seen.insert(s.node)) {
-        if tellers(scene, s.node).next().is_none() || is_elsewhere(s) {
-            continue;
-        }
-        let texts = tellers(scene, s.node).flat_map(unreadable).chain(idle_regions(scene, s, used));
-        odd.extend(texts.map(|text| (scene.named(s.node), text)));
-        if own_move(scene, s.node).is_none() || used.moved.contains(&s.node) {
-            continue;
-        }
-        match mover(scene, &s.path()).filter(|m| *m != s.node) {
-            Some(other) => odd.push((
-                scene.named(s.node),
-                format!(
-                    "the move that extras.enfilade states is not used: it hangs on {}, which moves by a mark of its own",
-                    scene.named(other)
-                ),
-            )),
-            None if used.standing.contains(&s.node) => away.push(s.node),
-            None => {
-                let why = match lost.contains(&s.node) {
-                    true => "what it shows is left out",
-                    false => "neither it nor what hangs on it shows a mesh",
-                };
-                let text = format!("the move that extras.enfilade states is not used: {why}");
-                odd.push((scene.named(s.node), text));
-            }
+        if tellers(scene, s.node).next().is_some() && !is_elsewhere(s) {
+            idle.add_node(scene, s, used, &lost);
         }
     }
-    state_away(scene, &away, used.moved.is_empty(), report);
+    state_away(scene, &idle.away, used.moved.is_empty(), report);
+    let mut odd = idle.odd;
     odd.extend(same_names(scene, used));
     let more = odd.len().saturating_sub(TOLD);
     for (place, text) in odd.into_iter().take(TOLD) {
@@ -157,6 +139,127 @@ pub(super) fn state(
         let text = format!("{more} more marks in extras.enfilade cannot be used");
         report.warn("gltf-marks", Place::file(scene.name), text);
     }
+    if idle.decides { IdleMarks::Unusable } else { IdleMarks::None }
+}
+
+/// Marks that are not used.
+#[derive(Default)]
+struct Idle {
+    /// Places, each with what is wrong there.
+    odd: Vec<(String, String)>,
+    /// Nodes that say how they move and of which nothing is cut.
+    away: Vec<usize>,
+    /// Whether one of all these says what moves or stays, or was meant to.
+    decides: bool,
+}
+
+impl Idle {
+    fn add(&mut self, place: String, text: String, decides: bool) {
+        self.odd.push((place, text));
+        self.decides |= decides;
+    }
+
+    /// What a node says and what is not used of it.
+    fn add_node(&mut self, scene: &File<'_>, s: &Shown, used: &Used, lost: &BTreeSet<usize>) {
+        for told in tellers(scene, s.node) {
+            self.decides |= is_unclear(told);
+            self.odd.extend(unreadable(told).into_iter().map(|text| (scene.named(s.node), text)));
+        }
+        self.odd.extend(idle_regions(scene, s, used).into_iter().map(|text| (scene.named(s.node), text)));
+        if own_move(scene, s.node).is_none() || used.moved.contains(&s.node) {
+            return;
+        }
+        self.decides = true;
+        let why = match mover(scene, &s.path()).filter(|m| *m != s.node) {
+            Some(other) => {
+                format!("it hangs on {}, which moves by a mark of its own", scene.named(other))
+            }
+            None if used.standing.contains(&s.node) => {
+                self.away.push(s.node);
+                return;
+            }
+            None if lost.contains(&s.node) => "what it shows is left out".into(),
+            None => "neither it nor what hangs on it shows a mesh".into(),
+        };
+        let text = format!("the move that extras.enfilade states is not used: {why}");
+        self.odd.push((scene.named(s.node), text));
+    }
+
+    /// Marks on what is neither a node nor a mesh.
+    fn add_elsewhere(&mut self, scene: &File<'_>) {
+        let mut found: Vec<(String, &Json)> = Vec::new();
+        for list in ["scenes", "materials", "cameras", "skins", "animations", "textures", "images"] {
+            let all = scene.json.list(list).iter().enumerate();
+            found.extend(all.filter_map(|(i, j)| Some((format!("/{list}/{i}"), teller(j)?))));
+        }
+        for (i, mesh) in scene.json.list("meshes").iter().enumerate() {
+            let all = mesh.list("primitives").iter().enumerate();
+            let place = |k: usize| format!("/meshes/{i}/primitives/{k}");
+            found.extend(all.filter_map(|(k, p)| Some((place(k), teller(p)?))));
+        }
+        let text = "found extras.enfilade, expected it on a node or on its mesh; nothing is marked by it";
+        found.into_iter().for_each(|(place, told)| self.add(place, text.into(), decides(told)));
+    }
+
+    /// Marks on nodes and meshes that the scene does not show.
+    fn add_unshown(&mut self, scene: &File<'_>, shown: &[Shown]) {
+        let nodes = scene.json.list("nodes");
+        let of_scene: BTreeSet<usize> = shown.iter().map(|s| s.node).collect();
+        let meshes: BTreeSet<usize> = of_scene.iter().filter_map(|n| nodes[*n].index("mesh")).collect();
+        let text = "found extras.enfilade where the scene shows nothing; nothing is marked by it";
+        for (i, told) in nodes.iter().enumerate().filter_map(|(i, n)| Some((i, teller(n)?))) {
+            if !of_scene.contains(&i) && !own_layers::is_own(nodes[i].text("name").unwrap_or_default()) {
+                self.add(scene.named(i), text.into(), decides(told));
+            }
+        }
+        let all = scene.json.list("meshes").iter().enumerate().filter(|(i, _)| !meshes.contains(i));
+        for (i, told) in all.filter_map(|(i, m)| Some((i, teller(m)?))) {
+            self.add(format!("/meshes/{i}"), text.into(), decides(told));
+        }
+    }
+
+    /// Members of `extras` that were meant to be ours: `Enfilade`, `enfilade_move`.
+    fn add_misspelt(&mut self, scene: &File<'_>) {
+        for list in ["nodes", "meshes"] {
+            for (i, j) in scene.json.list(list).iter().enumerate() {
+                let Some(Value::Object(members)) = j.get("extras").map(|e| &e.value) else { continue };
+                let own = |key: &&String| *key != "enfilade" && is_meant(key);
+                for key in members.iter().map(|(key, _)| key).filter(own) {
+                    let place = if list == "nodes" { scene.named(i) } else { format!("/meshes/{i}") };
+                    let text =
+                        format!("extras says {key:?}, expected \"enfilade\", spelt so; it is not read");
+                    self.add(place, text, true);
+                }
+            }
+        }
+    }
+}
+
+/// What something itself says.
+fn teller(json: &Json) -> Option<&Json> {
+    json.get("extras")?.get("enfilade")
+}
+
+/// Whether a key was meant to be ours.
+fn is_meant(key: &str) -> bool {
+    let letters: String = key.chars().filter(|c| c.is_alphanumeric()).collect();
+    letters.to_lowercase().starts_with("enfilade")
+}
+
+/// Whether what cannot be read may have been meant to say what moves or stays.
+fn is_unclear(told: &Json) -> bool {
+    let is_of_moves = |key: &str| !["name", "query", "reference"].contains(&key);
+    match &told.value {
+        Value::Object(members) => members.iter().any(|(k, v)| is_of_moves(k) && unread(k, v).is_some()),
+        Value::Text(_) => false,
+        _ => true,
+    }
+}
+
+/// Whether something says, or was meant to say, what moves or stays.
+fn decides(told: &Json) -> bool {
+    let is_said = matches!(&told.value, Value::Text(text) if !text.trim().is_empty());
+    is_said || ["move", "keep"].iter().any(|key| told.get(key).is_some()) || is_unclear(told)
 }
 
 /// What of a node's marks cannot be read.
@@ -169,23 +272,6 @@ fn unreadable(told: &Json) -> Vec<String> {
             told.words()
         )],
     }
-}
-
-/// Marks on what is neither a node nor a mesh.
-fn elsewhere(scene: &File<'_>) -> Vec<(String, String)> {
-    let mut out = Vec::new();
-    for list in ["scenes", "materials", "cameras", "skins", "animations", "textures", "images"] {
-        let all = scene.json.list(list).iter().enumerate();
-        let marked = all.filter(|(_, j)| j.get("extras").and_then(|e| e.get("enfilade")).is_some());
-        out.extend(marked.map(|(i, _)| format!("/{list}/{i}")));
-    }
-    for (i, mesh) in scene.json.list("meshes").iter().enumerate() {
-        let all = mesh.list("primitives").iter().enumerate();
-        let marked = all.filter(|(_, p)| p.get("extras").and_then(|e| e.get("enfilade")).is_some());
-        out.extend(marked.map(|(k, _)| format!("/meshes/{i}/primitives/{k}")));
-    }
-    let text = "found extras.enfilade, expected it on a node or on its mesh; nothing is marked by it";
-    out.into_iter().map(|place| (place, text.to_string())).collect()
 }
 
 /// Regions that a node states and that there are none of.

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DAffine2, DAffine3, DMat2, DMat3, DVec2, DVec3};
 
-use super::bodies::{Bodies, Body, SCENE_LAYER, SPACE_LAYER, bodies};
+use super::bodies::{Bodies, Body, SCENE_LAYER, SPACE_LAYER, bodies, z_up};
 use super::pieces::{of_record, record};
 use super::scene::{File, Shown};
 use super::{ReadOptions, marks, twin, upright, values};
@@ -14,7 +14,7 @@ use crate::formats::region::{Region, slice};
 use crate::formats::storeys::{refuse_without_own, state_shared_name};
 use crate::formats::{listed, no_storey};
 use crate::plan::drawing::{
-    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
+    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, Single, SourceRef, Text, Unit, Vertex,
 };
 use crate::plan::sizes::{Sizes, Verdict};
 use crate::report::{Error, Place, Report};
@@ -40,6 +40,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     }
     values::state(&scene, &shown, report);
     let options = &*twin::taken(&scene, &shown, options, report);
+    twin::state_marks(file, options, report);
     let Bodies { list: bodies, lost } = bodies(&scene, &shown, options, report);
     let missing = scene.buffers.iter().enumerate().find_map(|(i, b)| Some((i, b.as_ref().err()?)));
     if let (Some((i, why)), true) = (missing, bodies.is_empty()) {
@@ -79,7 +80,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     state_low(&scene, &bodies, [floor, floor + above], &is_elsewhere, report);
     let (texts, marked) = (space_names(&scene, &bodies, &entities, options), marked_moves(&scene, &entities));
     let used = marks::Used::new(&bodies, lost, &entities, &marked, regions);
-    marks::state(&scene, &shown, &used, &is_elsewhere, report);
+    let idle_marks = marks::state(&scene, &shown, &used, &is_elsewhere, report);
     let mut names: Vec<Layer> = Vec::new();
     let mut seen = BTreeSet::new();
     for e in &entities {
@@ -98,8 +99,10 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         entities,
         texts,
         marked,
+        idle_marks,
         hosts: hosts(&scene, &bodies, options),
         widths: Default::default(),
+        singles: singles(&bodies),
         north_deg: 0.0,
         undrawn: Vec::new(),
         fills: Vec::new(),
@@ -124,6 +127,26 @@ fn hosts(scene: &File<'_>, bodies: &[Body<'_>], options: &ReadOptions) -> BTreeM
     let told = bodies.iter().filter_map(|b| Some((of(b), host(b)?)));
     told.filter(|(filler, wall)| filler != wall).collect()
 }
+
+/// Pieces of meshes, records: their vertices are written anew, each by itself.
+fn singles(bodies: &[Body<'_>]) -> BTreeMap<usize, Single> {
+    let of = |b: &Body<'_>| Some((record(b.element.node, b.piece), single(&(z_up() * b.shown.world))?));
+    bodies.iter().filter(|b| b.piece.is_some()).filter_map(of).collect()
+}
+
+/// The frame in the plan of vertices that `placed` takes to the world, Z up, where one of their axes is upright: what is
+/// cut of an upright edge is then a vertex, seen from above.
+fn single(placed: &DAffine3) -> Option<Single> {
+    let columns = [placed.x_axis, placed.y_axis, placed.z_axis];
+    let is_upright = |c: &DVec3| c.truncate().length() <= UPRIGHT_SHARE * c.length();
+    let upright = columns.iter().position(is_upright)?;
+    let mut level = (0..3).filter(|k| *k != upright).map(|k| columns[k].truncate());
+    let axes = DMat2::from_cols(level.next()?, level.next()?);
+    Single::new(DAffine2::from_mat2_translation(axes, placed.translation.truncate()))
+}
+
+/// An axis is upright that goes aside by no more than this share of its length: what turns of double precision leave.
+const UPRIGHT_SHARE: f64 = 1e-12;
 
 /// In what a scene measures.
 struct Scale {

@@ -8,7 +8,7 @@ use super::scene::{File, Shown};
 use super::{CUT_EYE_M, CUT_KNEE_M, ReadOptions};
 use crate::formats::ifc::Inventory;
 use crate::formats::{SpaceNames, main_storey, storey_at};
-use crate::report::{Place, Report};
+use crate::report::{Place, Report, counted};
 
 /// What no IFC beside a scene knows.
 static NOTHING: LazyLock<Inventory> = LazyLock::new(Inventory::default);
@@ -38,6 +38,21 @@ pub(super) fn taken<'o>(
     let text = format!("the .ifc of the same name beside it {why}; the scene was read without it");
     report.warn("gltf-ifc", Place::file(scene.name), text);
     Cow::Owned(ReadOptions { twin: Some(Arc::default()), ..options.clone() })
+}
+
+/// Says so where the IFC beside a scene has marks: nobody who made them sees else why they do nothing.
+pub(super) fn state_marks(file: &str, options: &ReadOptions, report: &mut Report) {
+    let count = options.known().marked;
+    if count == 0 {
+        return;
+    }
+    let text = format!(
+        "{} in the .ifc of the same name beside it {} Pset_Enfilade, and none of these marks is read here: those of a scene are \
+         extras.enfilade of its own nodes; say them there, or run the .ifc itself",
+        counted(count as u64, "element"),
+        if count == 1 { "bears" } else { "bear" }
+    );
+    report.info("gltf-ifc-marks", Place::file(file), text);
 }
 
 /// Whether the IFC beside a scene is used.

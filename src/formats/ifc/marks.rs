@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use super::model::Product;
 use super::read::Building;
 use crate::formats::storey_key;
-use crate::plan::drawing::Undrawn;
-use crate::plan::markers::{CLAUSES, ELSEWHERE, KEEP, MOVE, name_in};
+use crate::plan::drawing::IdleMarks;
+use crate::plan::markers::{CLAUSES, KEEP, MOVE, name_in};
 use crate::plan::own_layers;
 use crate::report::{Place, Report};
 
@@ -184,24 +184,23 @@ fn is_known(key: &str) -> bool {
 }
 
 /// Says which marks of a storey's elements contradict each other, are not used or not shown, and on which other storeys there
-/// are more. Returns wishes to move that no element of the plan bears, as what is drawn there and is not read.
+/// are more. Returns what wishes to move no element of the plan bears.
 pub(super) fn state(
     b: &Building<'_, '_>,
     storey: Option<u64>,
     shown: &HashSet<u64>,
     report: &mut Report,
-) -> Vec<Undrawn> {
+) -> IdleMarks {
     let mut told: Vec<(Place, String)> = Vec::new();
     let mut here: Vec<(Marked, Stated)> = Vec::new();
     let mut elsewhere: BTreeMap<u64, Vec<(Marked, Stated)>> = BTreeMap::new();
-    let mut wishes = Vec::new();
+    let mut wishes = IdleMarks::None;
     for p in marked(b, shown) {
         let stated = b.model.stated_marks(b.step, p.id);
         let odd = b.model.odd_marks(b.step, p.id);
         let is_away = !p.is_shown && p.storey.is_some() && p.storey != storey;
         if is_wish(&stated, &odd) {
-            let kind = if is_away { ELSEWHERE } else { "Move" };
-            wishes.push(Undrawn { layer: MOVE.into(), kind: kind.into(), is_on_paper: false, count: 1 });
+            wishes = wishes.max(if is_away { IdleMarks::Elsewhere } else { IdleMarks::Unusable });
         }
         if let Some(of) = p.storey.filter(|_| is_away) {
             elsewhere.entry(of).or_default().push((p, stated));

@@ -30,7 +30,7 @@ mod unseen;
 mod zip;
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 pub use footprint::Parting;
 use glam::DVec2;
@@ -355,6 +355,18 @@ pub struct Inventory {
     pub storey_of: BTreeMap<String, usize>,
     /// `GlobalId` of a space → what it is called.
     pub spaces: BTreeMap<String, SpaceNames>,
+    /// How many elements, spaces and zones bear marks.
+    pub marked: usize,
+}
+
+/// How many elements, spaces and zones bear a `Pset_Enfilade`.
+fn count_marked(building: &Building<'_, '_>) -> usize {
+    let step = building.step;
+    let is_ours = |i: &&step::Instance| {
+        step.args_of(i).get(2).and_then(|a| step.text(a)).is_some_and(|n| marks::is_ours(&n))
+    };
+    let sets: BTreeSet<u64> = step.all("IFCPROPERTYSET").filter(is_ours).map(|i| i.id).collect();
+    building.model.properties.values().filter(|of| of.iter().any(|s| sets.contains(s))).count()
 }
 
 /// Classes, hosts and storeys of a building; nothing of a file that cannot be read.
@@ -393,6 +405,7 @@ pub fn inventory(bytes: &[u8], unit: Option<Unit>) -> Inventory {
         storeys: storeys(&building),
         storey_of,
         spaces,
+        marked: count_marked(&building),
     }
 }
 

@@ -21,7 +21,7 @@ use crate::formats::region::{Region, Rule};
 use crate::formats::storeys::{is_over, refuse_without_own, state_shared_name};
 use crate::formats::{SpaceNames, listed, main_storey, no_storey, storey_at};
 use crate::plan::drawing::{
-    Drawing, Editable, Entity, Format, Layer, MarkedMove, Shape, SourceRef, Text, Undrawn, Unit, Vertex,
+    Drawing, Editable, Entity, Format, IdleMarks, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
 };
 use crate::plan::sizes::{Sizes, Verdict};
 use crate::plan::units::by_heights;
@@ -233,7 +233,7 @@ pub(super) fn read_storey(
     reader.walls(report);
     reader.spaces(report);
     let shown: HashSet<u64> = reader.entities.iter().map(|e| e.source.record as u64).collect();
-    reader.wishes = super::marks::state(building, reader.storey, &shown, report);
+    reader.idle_marks = super::marks::state(building, reader.storey, &shown, report);
     let height = reader.cut - reader.floor;
     if let Some(storey) = storey {
         let text = format!(
@@ -295,7 +295,7 @@ struct Reader<'b, 's, 'a> {
     texts: Vec<Text>,
     marked: Vec<MarkedMove>,
     /// Moves that are stated of elements that are not shown, or in a way that is not read.
-    wishes: Vec<Undrawn>,
+    idle_marks: IdleMarks,
     below: HashSet<u64>,
     plugged: HashSet<u64>,
     /// The element shown now where it can change its length, and the corners of what closes its openings, world.
@@ -344,7 +344,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             entities: Vec::new(),
             texts: Vec::new(),
             marked: Vec::new(),
-            wishes: Vec::new(),
+            idle_marks: IdleMarks::None,
             below: HashSet::new(),
             plugged: HashSet::new(),
             bar: None,
@@ -702,8 +702,10 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             texts: self.texts,
             fills: Vec::new(),
             marked: self.marked,
+            idle_marks: self.idle_marks,
             widths: Default::default(),
-            undrawn: self.wishes,
+            singles: Default::default(),
+            undrawn: Vec::new(),
             north_deg: north_deg(self.b),
         }
     }

@@ -11,12 +11,17 @@ use crate::config::{MoveTable, Settings};
 use crate::formats::ifc::KEEPS;
 use crate::moves::Moves;
 use crate::plan::axes::AxisGraph;
-use crate::plan::drawing::{Drawing, Editable, Format};
+use crate::plan::drawing::{Drawing, Editable, Format, IdleMarks};
 use crate::plan::graph::Graph;
 use crate::plan::layers::WallLayers;
-use crate::plan::markers::{self, ELSEWHERE, Group, place_in};
+use crate::plan::markers::{self, Group, place_in};
 use crate::plan::{Plan, Region, box_of};
 use crate::report::{Error, Place, Report};
+
+/// Whether anybody said in the drawing what moves or stays, so that it can be used or not: then nothing moves by default.
+pub(super) fn is_any(drawing: &Drawing, plan: &Plan) -> bool {
+    plan.markers.is_move_drawn || !drawing.marked.is_empty() || drawing.idle_marks != IdleMarks::None
+}
 
 /// Says so where marks were made and none can be used: nobody who marks a wall means all the others.
 pub(super) fn state_unread_marks(marks: &str, plan: &Plan, report: &mut Report) {
@@ -29,8 +34,7 @@ pub(super) fn state_unread_marks(marks: &str, plan: &Plan, report: &mut Report) 
 
 /// The same where not even one could be taken up; where all that is marked stands on other storeys, that is no fault.
 pub(super) fn state_unread_moves(drawing: &Drawing, plan: &Plan, report: &mut Report) {
-    let mut wishes = drawing.undrawn.iter().filter(|u| u.layer == markers::MOVE).peekable();
-    if drawing.format == Format::Dxf || wishes.peek().is_none() || !wishes.all(|u| u.kind == ELSEWHERE) {
+    if plan.markers.is_move_drawn || drawing.idle_marks != IdleMarks::Elsewhere {
         return state_unread_marks(marks_of(drawing.format), plan, report);
     }
     let text = format!(
@@ -57,7 +61,7 @@ pub(super) fn state_idle_keeps(drawing: &Drawing, plan: &Plan, report: &mut Repo
 /// Says so where marks of what may move are passed over, since the file of settings beside the drawing says it.
 pub(super) fn state_passed_over(drawing: &Drawing, plan: &Plan, moves: &[MoveTable], report: &mut Report) {
     state_edited(plan, moves, report);
-    if !drawing.marked.is_empty() || plan.markers.is_move_drawn {
+    if is_any(drawing, plan) {
         let marks = marks_of(drawing.format);
         let text = format!(
             "{marks} is passed over here: the [[move]] tables of the file of settings beside the drawing say what may move, and how \
