@@ -390,7 +390,7 @@ fn hit(wall: [Point; 2], towards: f64) -> Point {
     };
     let along = minus(wall[1], wall[0]);
     let leaves = cross(ray, along);
-    if leaves.abs() < EDGE_ON * length(along)
+    if leaves.abs() < EDGE_ON * (along[0].abs() + along[1].abs())
         && let Some(&end) = wall.iter().find(|p| direction(**p) == towards)
     {
         return end;

@@ -83,6 +83,14 @@ impl Measured {
             None => column.to_owned(),
         }
     }
+
+    /// What a cell without a value is called in its legend.
+    pub fn no_value(&self, column: &str) -> &'static str {
+        match self.roots {
+            Some(_) if is_estimated(column) => "no value: sees all roots at once, or nothing",
+            _ => glossary::no_value(column),
+        }
+    }
 }
 
 /// The columns asked for.
@@ -349,6 +357,8 @@ mod tests {
         assert_eq!(measured.title("Visual Mean Depth"), "Visual Mean Depth (estimated from 20 roots)");
         assert_eq!(measured.title("Visual Node Count"), "Visual Node Count");
         assert_eq!(measured.title("Isovist Area"), "Isovist Area");
+        assert!(measured.no_value("Visual Integration [HH]").contains("all roots at once"));
+        assert_eq!(measured.no_value("Isovist Area"), glossary::no_value("Isovist Area"));
         assert_eq!(Measured::default().title("Visual Mean Depth"), "Visual Mean Depth");
     }
 

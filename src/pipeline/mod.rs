@@ -383,7 +383,7 @@ pub fn column_pictures(
             title: &measured.title(&column.name),
             subtitle: &subtitle,
             unit,
-            no_value: glossary::no_value(&column.name),
+            no_value: measured.no_value(&column.name),
             palette: if is_angle { Palette::Cyclic } else { show::palette(settings) },
         };
         Ok(OutFile::new(format!("{}.png", show::slug(&column.name)), heat_map_png(&map, DEFAULT_SIDE_PX)?))
