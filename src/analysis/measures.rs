@@ -70,16 +70,18 @@ pub fn columns(lattice: &Lattice, graph: &Graph, radius: Option<u32>) -> Vec<Col
     all
 }
 
+/// Columns of the graph near a vertex.
+pub const LOCAL_NAMES: [&str; 6] = [
+    "Connectivity",
+    "Point First Moment",
+    "Point Second Moment",
+    "Visual Clustering Coefficient",
+    "Visual Control",
+    "Visual Controllability",
+];
+
 /// Connectivity, point moments (metres, square metres), clustering coefficient, control, controllability.
 pub fn local_columns(lattice: &Lattice, graph: &Graph) -> Vec<Column> {
-    let names = [
-        "Connectivity",
-        "Point First Moment",
-        "Point Second Moment",
-        "Visual Clustering Coefficient",
-        "Visual Control",
-        "Visual Controllability",
-    ];
     let all: Vec<u32> = (0..graph.len() as u32).collect();
     let levels = level_counts(graph, &all, 2);
     let common = common_neighbours(graph);
@@ -96,7 +98,7 @@ pub fn local_columns(lattice: &Lattice, graph: &Graph) -> Vec<Column> {
     let spacing_m = lattice.spacing_um as f64 / UM_PER_M;
     let row = |&v: &u32| local_row(graph, &share, spacing_m, v, near(v));
     let rows: Vec<[f64; 6]> = all.par_iter().map(row).collect();
-    transpose(names.map(String::from), &rows)
+    transpose(LOCAL_NAMES.map(String::from), &rows)
 }
 
 /// By rank: neighbours in common with its neighbours, summed over them, and the neighbours that have any.
@@ -203,7 +205,7 @@ fn local_row(
 }
 
 /// Columns of the breadth-first trees.
-pub(super) const GLOBAL_NAMES: [&str; 7] = [
+pub const GLOBAL_NAMES: [&str; 7] = [
     "Visual Entropy",
     "Visual Integration [HH]",
     "Visual Integration [P-value]",

@@ -6,7 +6,9 @@ use glam::DVec2;
 
 use super::study::Study;
 use crate::analysis::isovist::isovist_columns;
-use crate::analysis::measures::{Column, entropy_bits, global_columns, global_columns_beside, local_columns};
+use crate::analysis::measures::{
+    Column, GLOBAL_NAMES, LOCAL_NAMES, entropy_bits, global_columns, global_columns_beside, local_columns,
+};
 use crate::analysis::paths::{Paths, Turning};
 use crate::analysis::sampled::{is_estimated, sampled_columns};
 use crate::analysis::through::through_vision_column;
@@ -129,8 +131,10 @@ fn all_columns(
     asked: impl Fn(&str) -> bool,
 ) -> Measured {
     let (mut all, mut drawn) = (Vec::new(), None);
-    if asked("graph") {
+    if asked("graph") && !names_only(&options.measures, &GLOBAL_NAMES) {
         all.extend(local_columns(lattice, graph));
+    }
+    if asked("graph") && !names_only(&options.measures, &LOCAL_NAMES) {
         all.extend(match (options.roots, known, options.radius) {
             (Some(roots), ..) => {
                 let sampled = sampled_columns(graph, roots, options.seed);
@@ -155,6 +159,12 @@ fn all_columns(
         all.push(through_vision_column(lattice, graph));
     }
     Measured { columns: all, roots: drawn }
+}
+
+/// Whether all that is asked for of the graph are columns of some names: the others need not be made.
+fn names_only(measures: &[String], names: &[&str]) -> bool {
+    let mut of_graph = measures.iter().filter(|m| family_of(m) == "graph").peekable();
+    of_graph.peek().is_some() && of_graph.all(|m| names.iter().any(|n| m.eq_ignore_ascii_case(n)))
 }
 
 fn chosen(all: Vec<Column>, measures: &[String]) -> Result<Vec<Column>, Error> {
@@ -349,6 +359,21 @@ mod tests {
         assert_eq!(at([3300, 100]), Ok([3, 1]), "its own cell sees nothing");
         assert_eq!(at([9000, 0]), Err("no measured cell there"));
         assert!(at([1400, 0]).is_err_and(|why| why.contains("wall between")));
+    }
+
+    /// Naming a column that needs no trees spares them, and the other way round.
+    #[test]
+    fn only_what_is_named_is_made() {
+        let only = |measures: &[&str], names: &[&str]| {
+            names_only(&measures.iter().map(ToString::to_string).collect::<Vec<_>>(), names)
+        };
+        assert!(only(&["visual mean depth", "isovist"], &GLOBAL_NAMES));
+        assert!(only(&["Connectivity"], &LOCAL_NAMES) && !only(&["Connectivity"], &GLOBAL_NAMES));
+        for both in
+            [&["graph"][..], &["all"], &[], &["Connectivity", "Visual Entropy"], &["foo"], &["metric"]]
+        {
+            assert!(!only(both, &GLOBAL_NAMES) && !only(both, &LOCAL_NAMES), "{both:?}");
+        }
     }
 
     #[test]
