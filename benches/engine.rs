@@ -26,7 +26,7 @@ use std::time::Instant;
 use enfilade::analysis::evaluator::Evaluator;
 use enfilade::analysis::paths::{Paths, Turning};
 use enfilade::analysis::visibility::{Graph, visibility_graph};
-use enfilade::analysis::{Lattice, Obstacles, forest, isovist, measures};
+use enfilade::analysis::{Lattice, Obstacles, forest, isovist, measures, sampled};
 use enfilade::plan::geometry::{Segment, segments_touch};
 use rayon::prelude::*;
 use rustix::time::{ClockId, clock_gettime};
@@ -129,7 +129,7 @@ fn million_row() {
     let started = Instant::now();
     let graph = visibility_graph(&lattice, &obstacles);
     let graph_secs = started.elapsed().as_secs_f64();
-    let columns = measures::sampled_columns(&graph, 5_120, 1);
+    let columns = sampled::sampled_columns(&graph, 5_120, 1).columns;
     println!(
         "million{:>29} vertices, degree {:.1}: graph {graph_secs:.2} s wall, with sampled measures {:.2} s wall, peak {} MB, first interval {:.3}",
         graph.len(),

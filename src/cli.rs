@@ -197,16 +197,16 @@ pub struct AnalyseArgs {
     /// metres of the metric ones.
     #[arg(long, value_name = "R", value_parser = whole::<u32>)]
     pub radius: Option<u32>,
-    /// Estimate the measures of the whole graph from N cells, with a confidence interval.
+    /// Estimate depth, entropy and integration from about N cells, with confidence intervals.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..))]
     pub roots: Option<u64>,
     /// Step depth from this point of the drawing, drawing units; repeatable.
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     pub step_from: Vec<[f64; 2]>,
-    /// Every cell with all its measures as CSV.
+    /// Every cell with all its measures as CSV; - is standard output.
     #[arg(long, value_name = "OUT.csv")]
     pub cells: Option<PathBuf>,
-    /// Every pair of cells that see each other as CSV.
+    /// Every pair of cells that see each other as CSV; - is standard output.
     #[arg(long, value_name = "OUT.csv")]
     pub edges: Option<PathBuf>,
     #[command(flatten)]

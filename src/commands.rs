@@ -126,26 +126,37 @@ fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
     let placing = Placing { out_dir: out, fallback_dir: None };
     let home = Home::open(Arc::new(SystemDisk), &absolute(&args.file), &placing)?;
     let input = Input::new(&path, &bytes, 1);
-    let (mut outcome, study) =
-        pipeline::on_threads(&settings, || pipeline::analyse(&input, &settings, cancel))?;
+    let (mut outcome, study) = pipeline::on_threads(&settings, || {
+        pipeline::analyse_from(&input, &settings, roots_of(args), cancel)
+    })?;
     let wants_pictures = !args.measures.is_empty() || !args.step_from.is_empty();
+    let mut tables = Vec::new();
     if args.cells.is_some() || wants_pictures {
-        let columns = pipeline::on_threads(&settings, || {
+        let measured = pipeline::on_threads(&settings, || {
             pipeline::cells::measure_cells(&study, &cell_options(args, &settings))
         })?;
         if wants_pictures {
-            outcome.files.extend(pipeline::column_pictures(&input, &settings, &study, &columns)?);
+            outcome.files.extend(pipeline::column_pictures(&input, &settings, &study, &measured)?);
         }
         if let Some(to) = &args.cells {
-            write(to, pipeline::cells::cells_csv(&study, &columns).as_bytes())?;
+            tables.push((to, pipeline::cells::cells_csv(&study, &measured.columns)));
         }
     }
     if let Some(to) = &args.edges {
-        write(to, pipeline::cells::edges_csv(&study).as_bytes())?;
+        tables.push((to, pipeline::cells::edges_csv(&study)));
     }
     cancel.check()?;
     let folder = home.publish_analysis(&outcome.files)?;
-    if !hand_json(&args.common, &outcome.result)? && !args.common.quiet {
+    // Not before: they may be meant for that folder, which has just taken the place of another.
+    for (to, table) in &tables {
+        if is_standard_output(to) {
+            print(table);
+        } else {
+            write(to, table.as_bytes())?;
+        }
+    }
+    let is_quiet = args.common.quiet || tables.iter().any(|(to, _)| is_standard_output(to));
+    if !hand_json(&args.common, &outcome.result)? && !is_quiet {
         let r = &outcome.result;
         let mean = |key| r.mean.get(key).unwrap_or(f64::NAN);
         say(&format!(
@@ -156,6 +167,15 @@ fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
             mean("depth"),
             mean("entropy")
         ));
+        if let Some(roots) = r.estimated_from_roots {
+            let off = |key| r.mean_ci95.get(key).unwrap_or(f64::NAN);
+            say(&format!(
+                "depth and entropy estimated from {}: ± {:.3} steps, ± {:.4} bits (95 %)",
+                counted(roots, "root"),
+                off("depth"),
+                off("entropy")
+            ));
+        }
         r.storeys.iter().for_each(|s| say(&storey_line(s)));
         say(&format!("heat maps: {}", folder.display()));
     }
@@ -183,11 +203,15 @@ fn storey_line(s: &StoreyEntry) -> String {
     format!("{name}, {} {WALL_PIECES}, {} doors and windows{means}", s.walls, s.openings)
 }
 
+fn roots_of(args: &AnalyseArgs) -> Option<usize> {
+    args.roots.map(|n| usize::try_from(n).unwrap_or(usize::MAX))
+}
+
 fn cell_options(args: &AnalyseArgs, settings: &Settings) -> CellOptions {
     CellOptions {
         measures: args.measures.iter().map(|m| m.trim().to_string()).filter(|m| !m.is_empty()).collect(),
         radius: args.radius,
-        roots: args.roots.map(|n| usize::try_from(n).unwrap_or(usize::MAX)),
+        roots: roots_of(args),
         step_from: args.step_from.clone(),
         seed: settings.seed,
     }
@@ -566,10 +590,14 @@ fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.into())
 }
 
+fn is_standard_output(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
 fn hand_json<T: serde::Serialize>(common: &Common, result: &T) -> Result<bool, Error> {
     match &common.json {
         None => Ok(false),
-        Some(to) if to.as_os_str() == "-" => {
+        Some(to) if is_standard_output(to) => {
             print(&to_json(result)?);
             Ok(true)
         }

@@ -34,6 +34,8 @@ pub const THRESHOLD_DEFAULT: f64 = 0.7;
 pub const D_MIN_DEFAULT: f64 = 0.2;
 /// Spacings that can be asked for, metres.
 pub const SPACING_M: [f64; 2] = [0.001, 1000.0];
+/// Farthest centre of a cell, metres: as far as coordinates of drawings go.
+pub const LATTICE_CENTRE_MAX_M: f64 = 1e9;
 /// Most evaluations of one study.
 pub const EVALUATIONS_MAX: u64 = 100_000_000;
 /// How often what was found so far may be written, seconds: a round takes about one to write.
@@ -592,6 +594,9 @@ impl Settings {
         let points = p.seed_point.iter().flatten().chain(&p.lattice_centre);
         if let Some(v) = points.flatten().find(|v| !v.is_finite()) {
             return Err(bad("seed-point, lattice-centre", &v.to_string(), "finite coordinates"));
+        }
+        if let Some(v) = p.lattice_centre.iter().flatten().find(|v| v.abs() > LATTICE_CENTRE_MAX_M) {
+            return Err(bad("lattice-centre", &format!("{v:e}"), "metres, at most 1e9 from 0"));
         }
         Ok(Self {
             unit: p.unit,

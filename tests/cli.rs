@@ -457,6 +457,8 @@ fn every_measure_has_a_column_and_a_heat_map() {
     }
     for (args, code, says) in [
         (["--measures", "daylight"], 3, "expected all, graph"),
+        (["--measures", "daylight"], 3, "Isovist Area, "),
+        (["--lattice-centre", "1e300,0"], 3, "found 1e300"),
         (["--step-from", "900,2"], 3, "no measured cell there"),
     ] {
         let refused = analyse(&args);

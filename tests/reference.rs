@@ -134,7 +134,7 @@ fn depthmapx_cell_by_cell() {
     let theirs = rows(&std::fs::read_to_string(reference("depthmapx-n900/cells.csv").unwrap()).unwrap());
     let ours = rows(&pipeline::cells::cells_csv(
         &study,
-        &pipeline::cells::measure_cells(&study, &pipeline::cells::CellOptions::default()).unwrap(),
+        &pipeline::cells::measure_cells(&study, &pipeline::cells::CellOptions::default()).unwrap().columns,
     ));
     assert_eq!(ours.len(), theirs.len());
     let column = |table: &[Vec<String>], name: &str| table[0].iter().position(|n| n == name).unwrap();

@@ -5,9 +5,11 @@ use std::sync::Arc;
 use crate::plan::geometry::Segment;
 
 use super::dense::{Broad, Dense, DenseScratch};
-use super::forest::{Initial, tally};
+use super::forest::{Initial, tally_of};
 use super::gpu::Gpu;
 use super::gpu::forest::CardForest;
+use super::graph::Graph;
+use super::sampled::Sample;
 use super::visibility::visibility_graph_serial;
 use super::{Lattice, Obstacles, Tally};
 
@@ -25,6 +27,8 @@ pub struct Evaluator {
     broad: Option<Broad>,
     initial: Tally,
     initial_components: Vec<u32>,
+    /// Whose trees alone are walked; none: everyone's.
+    sample: Option<Sample>,
     card: Option<CardForest>,
 }
 
@@ -55,14 +59,50 @@ impl Evaluator {
             broad,
             initial: Tally::default(),
             initial_components: Vec::new(),
+            sample: None,
             card: None,
         };
-        new.fill(initial_moving, &mut scratch);
-        let graph = visibility_graph_serial(&new.lattice, &scratch.obstacles);
-        new.initial_components = graph.components();
-        let initial = Initial { components: &new.initial_components, covered: &initial_moving.blind };
-        new.initial = tally(&new.lattice, &graph, Some(initial));
+        new.begin(initial_moving, None);
         new
+    }
+
+    /// An evaluator for a look at the initial layout alone: trees of about so many roots, drawn by a seed.
+    pub fn sampled(
+        lattice: Arc<Lattice>,
+        fixed: &[Segment],
+        initial_moving: &Obstacles,
+        roots: (usize, u64),
+    ) -> Self {
+        let mut new = Self {
+            lattice,
+            fixed: fixed.to_vec(),
+            dense: None,
+            broad: None,
+            initial: Tally::default(),
+            initial_components: Vec::new(),
+            sample: None,
+            card: None,
+        };
+        new.begin(initial_moving, Some(roots));
+        new
+    }
+
+    /// Measures the initial layout.
+    fn begin(&mut self, moving: &Obstacles, roots: Option<(usize, u64)>) {
+        let mut scratch = self.scratch();
+        self.fill(moving, &mut scratch);
+        let graph = visibility_graph_serial(&self.lattice, &scratch.obstacles);
+        self.initial_components = graph.components();
+        let draw =
+            |(roots, seed)| Sample::draw(&self.lattice, &self.initial_components, &moving.blind, roots, seed);
+        self.sample = roots.map(draw);
+        self.initial = self.tally(&graph, moving);
+    }
+
+    fn tally(&self, graph: &Graph, moving: &Obstacles) -> Tally {
+        let initial = Initial { components: &self.initial_components, covered: &moving.blind };
+        let places = self.sample.as_ref().map(|s| s.places.as_slice());
+        tally_of(&self.lattice, graph, places, Some(initial))
     }
 
     /// Buffers for one thread.
@@ -70,12 +110,17 @@ impl Evaluator {
         Scratch { obstacles: Obstacles::default(), dense: DenseScratch::default() }
     }
 
+    /// Whose trees are walked, where not everyone's are.
+    pub fn sample(&self) -> Option<&Sample> {
+        self.sample.as_ref()
+    }
+
     /// The initial layout.
     pub fn initial(&self) -> &Tally {
         &self.initial
     }
 
-    /// The same bits as [`tally`] of the whole layout's visibility graph; single-threaded.
+    /// The same bits as [`tally`](super::forest::tally) of the whole layout's visibility graph; single-threaded.
     pub fn evaluate(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
         let dense = self.dense.as_ref().and_then(|d| d.evaluate(moving, &mut scratch.dense));
         dense.unwrap_or_else(|| self.evaluate_whole(moving, scratch))
@@ -117,8 +162,7 @@ impl Evaluator {
             self.fill(moving, scratch);
             visibility_graph_serial(&self.lattice, &scratch.obstacles)
         });
-        let initial = Initial { components: &self.initial_components, covered: &moving.blind };
-        tally(&self.lattice, &graph, Some(initial))
+        self.tally(&graph, moving)
     }
 
     fn fill(&self, moving: &Obstacles, scratch: &mut Scratch) {

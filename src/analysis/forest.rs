@@ -109,6 +109,16 @@ fn walking_order(graph: &Graph, roots: &[u32]) -> Vec<(u32, u32)> {
 ///
 /// `initial` is the layout against which cut-off vertices are counted; without it `disconnected` is 0.
 pub fn tally(lattice: &Lattice, graph: &Graph, initial: Option<Initial<'_>>) -> Tally {
+    tally_of(lattice, graph, None, initial)
+}
+
+/// [`tally`] with trees of some positions in the region of query alone, ascending; the others have no levels.
+pub fn tally_of(
+    lattice: &Lattice,
+    graph: &Graph,
+    places: Option<&[u32]>,
+    initial: Option<Initial<'_>>,
+) -> Tally {
     let reference = graph.tile_masks(|v| lattice.is_reference[v as usize]);
     let mut tally = Tally::default();
     for &v in &lattice.query {
@@ -117,9 +127,21 @@ pub fn tally(lattice: &Lattice, graph: &Graph, initial: Option<Initial<'_>>) -> 
         tally.degree.push(seen);
         tally.degree_all.push(graph.degree(v));
     }
-    for levels in level_counts(graph, &lattice.query, u32::MAX) {
-        tally.depth.push(levels.len() as u32);
-        tally.levels.extend(levels);
+    match places {
+        None => {
+            for levels in level_counts(graph, &lattice.query, u32::MAX) {
+                tally.depth.push(levels.len() as u32);
+                tally.levels.extend(levels);
+            }
+        }
+        Some(places) => {
+            let roots: Vec<u32> = places.iter().map(|&i| lattice.query[i as usize]).collect();
+            tally.depth = vec![0; lattice.query.len()];
+            for (&i, levels) in places.iter().zip(level_counts(graph, &roots, u32::MAX)) {
+                tally.depth[i as usize] = levels.len() as u32;
+                tally.levels.extend(levels);
+            }
+        }
     }
     if let Some(initial) = initial {
         tally.disconnected = disconnected(&lattice.query, &initial, &graph.components());

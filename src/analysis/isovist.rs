@@ -3,6 +3,10 @@
 //! The obstacles stand in a tree of half planes, visited from near to far; each takes its part of the
 //! directions that nothing nearer has taken, until none is left. The box of everything closes the view
 //! where the plan is open.
+//!
+//! Coordinates are whole micrometres, so differences are exact and [`direction`] never turns the order of
+//! two of them over; on which side of a wall a viewer stands is decided exactly. A wall that a viewer sees
+//! edge-on hides nothing.
 
 use rayon::prelude::*;
 
@@ -12,9 +16,17 @@ use super::measures::{Column, UNDEFINED, transpose};
 use super::visibility::seeing_cells;
 use super::{Lattice, Obstacles};
 
-/// Directions nearer to each other than this count as one; a full turn is 4. A gap of 1 µm seen from
-/// 200 m is wider; two walls that meet in a corner leave less.
-const SAME_DIRECTION: f64 = 1e-9;
+/// Where two walls cross is known to this, micrometres.
+const CROSSING_UM: f64 = 1e-3;
+
+/// A cross product of exact differences is right to this part of its two products' sum.
+const CROSS_ERROR: f64 = 4e-16;
+
+/// A ray that leaves a wall by less than this part of its length meets it nowhere in particular.
+const EDGE_ON: f64 = 1e-6;
+
+/// A wall takes less than half a turn, 2: ends in the wrong order by less than this were rounded.
+const ROUNDED_TURN: f64 = 1.0;
 
 /// Radial edges shorter than this, metres, come from rounding.
 const SAME_PLACE_M: f64 = 1e-7;
@@ -22,8 +34,8 @@ const SAME_PLACE_M: f64 = 1e-7;
 /// Walls tried as the splitter of a half of the tree.
 const SPLITTERS: usize = 8;
 
-/// Distance of the closing box from everything, metres.
-const MARGIN_M: f64 = 1.0;
+/// Distance of the closing box from everything, micrometres.
+const MARGIN_UM: f64 = UM_PER_M;
 
 const NONE: u32 = u32::MAX;
 
@@ -50,7 +62,7 @@ pub fn isovist_columns(lattice: &Lattice, obstacles: &Obstacles) -> Vec<Column> 
 /// isovists of the query vertices, in their order; 0 for those that see nothing.
 pub fn query_isovists(lattice: &Lattice, obstacles: &Obstacles) -> Vec<[f64; 7]> {
     let rows = isovists(lattice, obstacles, &lattice.query);
-    let value = |v: f64| if v == UNDEFINED || !v.is_finite() { 0.0 } else { v };
+    let value = |v: f64| if v == UNDEFINED { 0.0 } else { v };
     rows.into_iter().map(|r| [r[0], r[7], r[1], r[6], r[3], r[4], r[5]].map(value)).collect()
 }
 
@@ -58,7 +70,7 @@ pub fn query_isovists(lattice: &Lattice, obstacles: &Obstacles) -> Vec<[f64; 7]>
 fn isovists(lattice: &Lattice, obstacles: &Obstacles, vertices: &[u32]) -> Vec<[f64; 8]> {
     let sees = seeing_cells(lattice, obstacles);
     let origin = lattice.cells.first().map_or([0, 0], |_| lattice.centre_um(0));
-    let local = |p: [i64; 2]| [0, 1].map(|k| (p[k] - origin[k]) as f64 / UM_PER_M);
+    let local = |p: [i64; 2]| [0, 1].map(|k| (p[k] - origin[k]) as f64);
     let centres: Vec<Point> = (0..lattice.cells.len()).map(|v| local(lattice.centre_um(v))).collect();
     let tree = Tree::new(obstacles.segments.iter().map(|s: &Segment| [local(s.a), local(s.b)]), &centres);
     let row = |view: &mut View, v: &u32| {
@@ -67,12 +79,22 @@ fn isovists(lattice: &Lattice, obstacles: &Obstacles, vertices: &[u32]) -> Vec<[
     vertices.par_iter().map_init(View::default, row).collect()
 }
 
-/// A wall or a part of one, and what stands on either side of its line.
-struct Node {
+/// A wall, or what crossings have left of it.
+#[derive(Clone, Copy)]
+struct Piece {
+    /// The whole wall, between whole micrometres.
     wall: [Point; 2],
+    ends: [Point; 2],
+    /// The wall whose line an end was cut at: that end is rounded.
+    cut_at: [Option<[Point; 2]>; 2],
+}
+
+/// A piece of a wall and what stands on either side of the wall's line.
+struct Node {
+    piece: Piece,
     left: u32,
     right: u32,
-    /// Box of the whole subtree.
+    /// Box of the whole subtree, whole micrometres.
     low: Point,
     high: Point,
 }
@@ -88,35 +110,30 @@ impl Tree {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for p in walls.iter().flatten().chain(centres) {
             for k in 0..2 {
-                low[k] = low[k].min(p[k] - MARGIN_M);
-                high[k] = high[k].max(p[k] + MARGIN_M);
+                low[k] = low[k].min(p[k] - MARGIN_UM);
+                high[k] = high[k].max(p[k] + MARGIN_UM);
             }
         }
         let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
         walls.extend((0..4).map(|i| [corners[i], corners[(i + 1) % 4]]));
         let mut tree = Self { nodes: Vec::with_capacity(walls.len() * 2), root: NONE };
-        tree.root = tree.grow(walls);
+        let whole = |wall| Piece { wall, ends: wall, cut_at: [None; 2] };
+        tree.root = tree.grow(walls.into_iter().map(whole).collect());
         tree
     }
 
-    fn grow(&mut self, walls: Vec<[Point; 2]>) -> u32 {
-        let Some(at) = splitter(&walls) else { return NONE };
-        let wall = walls[at];
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for p in walls.iter().flatten() {
-            for k in 0..2 {
-                low[k] = low[k].min(p[k]);
-                high[k] = high[k].max(p[k]);
-            }
-        }
+    fn grow(&mut self, pieces: Vec<Piece>) -> u32 {
+        let Some(at) = splitter(&pieces) else { return NONE };
+        let piece = pieces[at];
+        let (low, high) = bounds(&pieces);
         let (mut left, mut right) = (Vec::new(), Vec::new());
-        for (i, other) in walls.into_iter().enumerate() {
+        for (i, other) in pieces.into_iter().enumerate() {
             if i != at {
-                split(wall, other, &mut left, &mut right);
+                split(piece.wall, other, &mut left, &mut right);
             }
         }
         let node = self.nodes.len();
-        self.nodes.push(Node { wall, left: NONE, right: NONE, low, high });
+        self.nodes.push(Node { piece, left: NONE, right: NONE, low, high });
         let (left, right) = (self.grow(left), self.grow(right));
         self.nodes[node].left = left;
         self.nodes[node].right = right;
@@ -124,15 +141,30 @@ impl Tree {
     }
 }
 
-/// The wall, of a few spread over the list, whose line cuts fewest and halves best.
-fn splitter(walls: &[[Point; 2]]) -> Option<usize> {
-    let tried = walls.len().min(SPLITTERS);
-    (0..tried).map(|i| i * walls.len() / tried).min_by_key(|&at| {
+/// The box of some pieces, wider by a micrometre at crossings: no rounding takes a piece out of it.
+fn bounds(pieces: &[Piece]) -> (Point, Point) {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for piece in pieces {
+        for (p, cut_at) in piece.ends.iter().zip(piece.cut_at) {
+            let spare = f64::from(u8::from(cut_at.is_some()));
+            for k in 0..2 {
+                low[k] = low[k].min(p[k].floor() - spare);
+                high[k] = high[k].max(p[k].ceil() + spare);
+            }
+        }
+    }
+    (low, high)
+}
+
+/// The piece, of a few spread over the list, whose line cuts fewest and halves best.
+fn splitter(pieces: &[Piece]) -> Option<usize> {
+    let tried = pieces.len().min(SPLITTERS);
+    (0..tried).map(|i| i * pieces.len() / tried).min_by_key(|&at| {
         let (mut left, mut right, mut cut) = (0i64, 0i64, 0i64);
-        for other in walls.iter().take(256) {
-            match sides(walls[at], *other) {
-                (l, r) if l && r => cut += 1,
-                (true, _) => left += 1,
+        for other in pieces.iter().take(256) {
+            match offsets(pieces[at].wall, other) {
+                [a, b] if a.max(b) > 0.0 && a.min(b) < 0.0 => cut += 1,
+                [a, b] if a.max(b) > 0.0 => left += 1,
                 _ => right += 1,
             }
         }
@@ -140,31 +172,35 @@ fn splitter(walls: &[[Point; 2]]) -> Option<usize> {
     })
 }
 
-/// On which sides of a wall's line another reaches.
-fn sides(wall: [Point; 2], other: [Point; 2]) -> (bool, bool) {
-    let [a, b] = other.map(|p| offset(wall, p));
-    (a.max(b) > SAME_PLACE_M, a.min(b) < -SAME_PLACE_M)
-}
-
-/// Distance of a point from the wall's line, positive on its left.
-fn offset(wall: [Point; 2], p: Point) -> f64 {
+/// How far the ends of a piece lie to the left of a wall's line: exactly 0, or of the right sign.
+fn offsets(wall: [Point; 2], piece: &Piece) -> [f64; 2] {
     let along = minus(wall[1], wall[0]);
-    cross(along, minus(p, wall[0])) / along[0].hypot(along[1])
+    let whole = piece.wall.map(|p| exact_cross(along, minus(p, wall[0])));
+    let least = CROSSING_UM * length(along);
+    let offset = |k: usize| {
+        if piece.cut_at[k].is_none() {
+            return whole[k];
+        }
+        let rounded = cross(along, minus(piece.ends[k], wall[0]));
+        let (low, high) = (whole[0].min(whole[1]), whole[0].max(whole[1]));
+        if rounded.abs() < least { 0.0 } else { rounded.clamp(low, high) }
+    };
+    [offset(0), offset(1)]
 }
 
-fn split(wall: [Point; 2], other: [Point; 2], left: &mut Vec<[Point; 2]>, right: &mut Vec<[Point; 2]>) {
-    match sides(wall, other) {
-        (true, true) => {
-            let [a, b] = other.map(|p| offset(wall, p));
-            let t = a / (a - b);
-            let middle = [0, 1].map(|k| other[0][k] + (other[1][k] - other[0][k]) * t);
-            let parts = if a > 0.0 { [left, right] } else { [right, left] };
-            let [first, second] = parts;
-            first.push([other[0], middle]);
-            second.push([middle, other[1]]);
-        }
-        (_, true) => right.push(other),
-        _ => left.push(other),
+fn split(wall: [Point; 2], other: Piece, left: &mut Vec<Piece>, right: &mut Vec<Piece>) {
+    let [a, b] = offsets(wall, &other);
+    if a.max(b) <= 0.0 {
+        right.push(other);
+    } else if a.min(b) >= 0.0 {
+        left.push(other);
+    } else {
+        let [start, end] = other.ends;
+        let t = a / (a - b);
+        let middle = [0, 1].map(|k| start[k] + (end[k] - start[k]) * t);
+        let [first, second] = if a > 0.0 { [left, right] } else { [right, left] };
+        first.push(Piece { ends: [start, middle], cut_at: [other.cut_at[0], Some(wall)], ..other });
+        second.push(Piece { ends: [middle, end], cut_at: [Some(wall), other.cut_at[1]], ..other });
     }
 }
 
@@ -186,8 +222,8 @@ impl View {
         self.visit(tree, tree.root, viewer);
         self.seen.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let edges = self.seen.iter().map(|&(from, to, node)| {
-            let wall = tree.nodes[node as usize].wall.map(|p| minus(p, viewer));
-            [hit(wall, from), hit(wall, to)]
+            let wall = tree.nodes[node as usize].piece.wall.map(|p| minus(p, viewer));
+            [from, to].map(|direction| hit(wall, direction).map(|um| um / UM_PER_M))
         });
         polygon_measures(edges)
     }
@@ -200,16 +236,21 @@ impl View {
         if self.hides(minus(node.low, viewer), minus(node.high, viewer)) {
             return;
         }
-        let [a, b] = node.wall.map(|p| minus(p, viewer));
-        let side = cross(a, b);
+        let [a, b] = node.piece.wall.map(|p| minus(p, viewer));
+        let side = exact_cross(a, b);
         let (near, far) = if side > 0.0 { (node.left, node.right) } else { (node.right, node.left) };
         self.visit(tree, near, viewer);
-        let (from, to) = if side > 0.0 { (direction(a), direction(b)) } else { (direction(b), direction(a)) };
-        if side != 0.0 && from <= to {
-            self.take(from, to, at);
-        } else if side != 0.0 {
-            self.take(from, 4.0, at);
-            self.take(0.0, to, at);
+        if side != 0.0 {
+            let [mut from, mut to] = directions(&node.piece, viewer);
+            if side < 0.0 {
+                std::mem::swap(&mut from, &mut to);
+            }
+            if from <= to {
+                self.take(from, to, at);
+            } else if from - to > ROUNDED_TURN {
+                self.take(from, 4.0, at);
+                self.take(0.0, to, at);
+            }
         }
         self.visit(tree, far, viewer);
     }
@@ -244,10 +285,10 @@ impl View {
                 continue;
             }
             self.seen.push((start, end, wall));
-            if start - lo > SAME_DIRECTION {
+            if start > lo {
                 self.next_gaps.push([lo, start]);
             }
-            if hi - end > SAME_DIRECTION {
+            if hi > end {
                 self.next_gaps.push([end, hi]);
             }
         }
@@ -273,10 +314,10 @@ fn polygon_measures(edges: impl Iterator<Item = [Point; 2]> + Clone) -> [f64; 8]
         min_radial = min_radial.min(distance_to(p, q));
         last = q;
     }
-    let drift = centroid.map(|c| c / area);
+    let drift = centroid.map(|c| if area > 0.0 { c / area } else { 0.0 });
     let angle = drift[1].atan2(drift[0]).to_degrees();
     let compactness = 4.0 * std::f64::consts::PI * area / (perimeter * perimeter);
-    let angle = if angle < 0.0 { angle + 360.0 } else { angle };
+    let angle = if angle < 0.0 { (angle + 360.0) % 360.0 } else { angle };
     [area, compactness, angle, length(drift), max_radial, min_radial, occlusivity, perimeter]
 }
 
@@ -305,17 +346,68 @@ fn direction([x, y]: Point) -> f64 {
     }
 }
 
-/// Where the ray of a direction meets the wall's line.
-fn hit(wall: [Point; 2], direction: f64) -> Point {
-    let ray = match direction {
+/// The directions of a piece's ends; crossings lie between the ends of the wall, whatever rounding says.
+fn directions(piece: &Piece, viewer: Point) -> [f64; 2] {
+    if piece.cut_at == [None; 2] {
+        return piece.ends.map(|p| direction(minus(p, viewer)));
+    }
+    let [a, b] = piece.wall.map(|p| direction(minus(p, viewer)));
+    let (low, high) = (a.min(b), a.max(b));
+    [0, 1].map(|k| {
+        let d = end_direction(piece, k, viewer);
+        if high - low <= 2.0 {
+            d.clamp(low, high)
+        } else if d <= low || d >= high {
+            d
+        } else if d - low < high - d {
+            low
+        } else {
+            high
+        }
+    })
+}
+
+/// The direction of an end; where a viewer stands in line with the wall that cut it, exactly that wall's.
+fn end_direction(piece: &Piece, end: usize, viewer: Point) -> f64 {
+    let own = direction(minus(piece.ends[end], viewer));
+    let Some([a, b]) = piece.cut_at[end].map(|wall| wall.map(|p| minus(p, viewer))) else { return own };
+    if exact_cross(a, b) != 0.0 {
+        return own;
+    }
+    let along = minus(b, a);
+    let [ahead, behind] = [along, along.map(|v| -v)].map(direction);
+    let off = (own - ahead).abs();
+    if off.min(4.0 - off) < 1.0 { ahead } else { behind }
+}
+
+/// Where the ray of a direction meets a wall that takes it.
+fn hit(wall: [Point; 2], towards: f64) -> Point {
+    let ray = match towards {
         d if d < 1.0 => [1.0 - d, d],
         d if d < 2.0 => [1.0 - d, 2.0 - d],
         d if d < 3.0 => [d - 3.0, 2.0 - d],
         d => [d - 3.0, d - 4.0],
     };
     let along = minus(wall[1], wall[0]);
-    let t = cross(wall[0], along) / cross(ray, along);
-    ray.map(|r| r * t)
+    let leaves = cross(ray, along);
+    if leaves.abs() < EDGE_ON * (along[0].abs() + along[1].abs())
+        && let Some(&end) = wall.iter().find(|p| direction(**p) == towards)
+    {
+        return end;
+    }
+    let part = (cross(wall[0], ray) / leaves).clamp(0.0, 1.0);
+    if part.is_nan() { wall[0] } else { [0, 1].map(|k| wall[0][k] + along[k] * part) }
+}
+
+/// The cross product of whole numbers: 0 only if it is, else of the right sign.
+fn exact_cross(a: Point, b: Point) -> f64 {
+    let (plus, less) = (a[0] * b[1], a[1] * b[0]);
+    let value = plus - less;
+    if value.abs() > CROSS_ERROR * (plus.abs() + less.abs()) {
+        return value;
+    }
+    let whole = |v: f64| v as i128;
+    (whole(a[0]) * whole(b[1]) - whole(a[1]) * whole(b[0])) as f64
 }
 
 fn minus(a: Point, b: Point) -> Point {
@@ -332,6 +424,8 @@ fn length(a: Point) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::super::fixtures;
     use super::*;
 
@@ -375,6 +469,131 @@ mod tests {
         assert!((value(&columns, "Isovist Area", 0) - (32.0 - hidden)).abs() < 1e-9);
         assert!((value(&columns, "Isovist Occlusivity", 0) - 2.0 * 5f64.sqrt()).abs() < 1e-9);
         assert_eq!(value(&columns, "Isovist Area", 1), UNDEFINED);
+    }
+
+    /// Side of a cell of the drawings below, micrometres.
+    const GRID_UM: i64 = 100_000;
+
+    const ROOM: [[i64; 4]; 4] = [[0, 0, 13, 0], [13, 0, 13, 11], [13, 11, 0, 11], [0, 11, 0, 0]];
+
+    type Whole = [i128; 2];
+
+    fn turn(a: Whole, b: Whole) -> i128 {
+        a[0] * b[1] - a[1] * b[0]
+    }
+
+    /// Measures of one isovist by whole numbers, with all that any two walls do to each other.
+    fn slow_measures(walls: &[[i64; 4]], viewer: [i64; 2]) -> [f64; 8] {
+        let [x, y] = viewer.map(i128::from);
+        let near = |w: &[i64; 4]| {
+            let [a, b, c, d] = w.map(i128::from);
+            [[a - x, b - y], [c - x, d - y]]
+        };
+        let walls: Vec<[Whole; 2]> = walls.iter().map(near).collect();
+        let along = |w: &[Whole; 2]| [w[1][0] - w[0][0], w[1][1] - w[0][1]];
+        let mut ends: Vec<Whole> = walls.iter().flatten().copied().collect();
+        for (v, w) in walls.iter().flat_map(|v| walls.iter().map(move |w| (v, w))) {
+            // Where the lines cross, times `whole`.
+            let (d, e) = (along(v), along(w));
+            let whole = turn(d, e);
+            let part = turn([w[0][0] - v[0][0], w[0][1] - v[0][1]], e);
+            if whole != 0 {
+                ends.push([0, 1].map(|k| (v[0][k] * whole + d[k] * part) * whole.signum()));
+            }
+        }
+        let upper = |d: &Whole| d[1] > 0 || (d[1] == 0 && d[0] > 0);
+        ends.retain(|d| *d != [0, 0]);
+        ends.sort_by(|a, b| upper(b).cmp(&upper(a)).then(turn(*b, *a).cmp(&0)));
+        ends.dedup_by(|a, b| upper(a) == upper(b) && turn(*a, *b) == 0);
+        let mut edges = Vec::new();
+        for (i, &from) in ends.iter().enumerate() {
+            let to = ends[(i + 1) % ends.len()];
+            let size = |d: Whole| d[0].abs() + d[1].abs();
+            let ray = [0, 1].map(|k| from[k] * size(to) + to[k] * size(from));
+            let seen = walls.iter().filter(|w| {
+                let (a, b) = (turn(ray, w[0]), turn(ray, w[1]));
+                let side = turn(w[0], w[1]);
+                (a < 0 && b > 0 && side > 0) || (a > 0 && b < 0 && side < 0)
+            });
+            // The nearest: least side ÷ turn of the ray and the wall, both of one sign.
+            let reach = |w: &[Whole; 2]| (turn(w[0], w[1]), turn(ray, along(w)));
+            let wall = seen.min_by(|v, w| {
+                let ((a, b), (c, d)) = (reach(v), reach(w));
+                (a * d * (b * d).signum()).cmp(&(c * b * (b * d).signum()))
+            });
+            let wall = wall.expect("the room is closed");
+            let place = |d: Whole| {
+                let (side, leaves) = (turn(wall[0], wall[1]), turn(d, along(wall)));
+                d.map(|k| (k * side) as f64 / leaves as f64 * GRID_UM as f64 / UM_PER_M)
+            };
+            edges.push([place(from), place(to)]);
+        }
+        polygon_measures(edges.into_iter())
+    }
+
+    fn close(a: f64, b: f64) -> bool {
+        (a - b).abs() <= 1e-6 * a.abs().max(1.0)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(96))]
+
+        /// Cells in line with oblique walls, at their ends and where they cross, at two scales.
+        #[test]
+        fn isovists_equal_whole_numbers(
+            walls in prop::collection::vec(prop::array::uniform4(0i64..12), 1..7),
+        ) {
+            let walls: Vec<_> = ROOM.into_iter().chain(walls).collect();
+            let cells: Vec<[i32; 2]> = (1..12).flat_map(|x| (1..11).map(move |y| [x, y])).collect();
+            let columns = |um: i64| {
+                let segment = |w: &[i64; 4]| Segment { a: [w[0] * um, w[1] * um], b: [w[2] * um, w[3] * um] };
+                let obstacles = Obstacles { segments: walls.iter().map(segment).collect(), blind: vec![] };
+                let lattice = fixtures::lattice(um, [0, 0], cells.clone());
+                let rows = isovists(&lattice, &obstacles, &lattice.query);
+                (lattice, rows)
+            };
+            let (lattice, rows) = columns(GRID_UM);
+            let (_, larger) = columns(GRID_UM * 10);
+            for (v, row) in rows.iter().enumerate().filter(|(_, row)| row[0] != UNDEFINED) {
+                let at = lattice.centre_um(v).map(|um| um / GRID_UM);
+                let slow = slow_measures(&walls, at);
+                let scales = [100.0, 1.0, 1.0, 10.0, 10.0, 10.0, 10.0, 10.0];
+                for k in 0..8 {
+                    if k == 2 {
+                        // No angle where the drift is nothing; a full turn is none.
+                        let off = (row[2] - slow[2]).abs();
+                        prop_assert!((0.0..360.0).contains(&row[2]));
+                        prop_assert!(row[3] < 1e-6 || off.min(360.0 - off) < 1e-3, "{at:?}: {row:?} {slow:?}");
+                        continue;
+                    }
+                    prop_assert!(row[k].is_finite() && close(row[k], slow[k]), "{k} at {at:?}: {row:?} {slow:?}");
+                    prop_assert!(close(row[k] * scales[k], larger[v][k]), "{k} at {at:?}: {row:?}");
+                }
+            }
+        }
+    }
+
+    /// A wall that cells stand in line with, in a room that no cell grid fits.
+    #[test]
+    fn a_wall_seen_edge_on_hides_nothing() {
+        let room = [[0, 0, 117, 0], [117, 0, 117, 83], [117, 83, 0, 83], [0, 83, 0, 0], [100, 40, 110, 30]];
+        let segment = |w: &[i64; 4]| {
+            let [a, b, c, d] = w.map(|v| v * GRID_UM);
+            Segment { a: [a, b], b: [c, d] }
+        };
+        let obstacles = Obstacles { segments: room.iter().map(segment).collect(), blind: vec![] };
+        let cells = (0..16).flat_map(|x| (0..11).map(move |y| [x, y])).collect();
+        let lattice = fixtures::lattice(700_000, [700_000, 700_000], cells);
+        for (v, row) in isovists(&lattice, &obstacles, &lattice.query).iter().enumerate() {
+            let [x, y] = lattice.centre_um(v);
+            if x + y == 14_000_000 && row[0] != UNDEFINED {
+                assert!(
+                    (row[0] - 11.7 * 8.3).abs() < 1e-9 && (row[7] - 40.0).abs() < 1e-9,
+                    "{x} {y}: {row:?}"
+                );
+            }
+            assert!(row.iter().all(|v| v.is_finite()), "{x} {y}: {row:?}");
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::plan::geometry::UM_PER_M;
 
-use super::forest::{level_counts, level_counts_by_rank};
+use super::forest::level_counts;
 use super::graph::Graph;
 use super::{Lattice, Tally};
 
@@ -50,7 +50,8 @@ pub fn entropy_bits(levels: &[u32]) -> f64 {
         let p = f64::from(n) / total as f64;
         if n == 0 { 0.0 } else { -p * p.log2() }
     };
-    levels.iter().map(term).sum()
+    // A sum of nothing but −0 is −0.
+    levels.iter().map(term).sum::<f64>() + 0.0
 }
 
 /// One measure of every vertex.
@@ -69,16 +70,18 @@ pub fn columns(lattice: &Lattice, graph: &Graph, radius: Option<u32>) -> Vec<Col
     all
 }
 
+/// Columns of the graph near a vertex.
+pub const LOCAL_NAMES: [&str; 6] = [
+    "Connectivity",
+    "Point First Moment",
+    "Point Second Moment",
+    "Visual Clustering Coefficient",
+    "Visual Control",
+    "Visual Controllability",
+];
+
 /// Connectivity, point moments (metres, square metres), clustering coefficient, control, controllability.
 pub fn local_columns(lattice: &Lattice, graph: &Graph) -> Vec<Column> {
-    let names = [
-        "Connectivity",
-        "Point First Moment",
-        "Point Second Moment",
-        "Visual Clustering Coefficient",
-        "Visual Control",
-        "Visual Controllability",
-    ];
     let all: Vec<u32> = (0..graph.len() as u32).collect();
     let levels = level_counts(graph, &all, 2);
     let common = common_neighbours(graph);
@@ -95,7 +98,7 @@ pub fn local_columns(lattice: &Lattice, graph: &Graph) -> Vec<Column> {
     let spacing_m = lattice.spacing_um as f64 / UM_PER_M;
     let row = |&v: &u32| local_row(graph, &share, spacing_m, v, near(v));
     let rows: Vec<[f64; 6]> = all.par_iter().map(row).collect();
-    transpose(names.map(String::from), &rows)
+    transpose(LOCAL_NAMES.map(String::from), &rows)
 }
 
 /// By rank: neighbours in common with its neighbours, summed over them, and the neighbours that have any.
@@ -202,7 +205,7 @@ fn local_row(
 }
 
 /// Columns of the breadth-first trees.
-const GLOBAL_NAMES: [&str; 7] = [
+pub const GLOBAL_NAMES: [&str; 7] = [
     "Visual Entropy",
     "Visual Integration [HH]",
     "Visual Integration [P-value]",
@@ -221,57 +224,21 @@ pub fn global_columns(graph: &Graph, radius: Option<u32>) -> Vec<Column> {
     transpose(GLOBAL_NAMES.map(|n| format!("{n}{suffix}")), &rows)
 }
 
-/// [`global_columns`] estimated from `roots` vertices drawn without replacement, for graphs too large
-/// to walk from everywhere, and `Visual Mean Depth CI95`: half the width of the 95 % confidence
-/// interval of the mean depth. Node counts are exact. The same seed draws the same roots.
-pub fn sampled_columns(graph: &Graph, roots: usize, seed: u64) -> Vec<Column> {
-    let mut drawn: Vec<u32> = (0..graph.len() as u32).collect();
-    drawn.sort_unstable_by_key(|&v| (mix(seed ^ mix(u64::from(v))), v));
-    drawn.truncate(roots);
-    let by_rank = level_counts_by_rank(graph, &drawn);
-    let component = graph.rank_components();
-    let mut size = vec![0u32; graph.len()];
-    component.iter().for_each(|&c| size[c as usize] += 1);
-    let row = |v: usize| {
-        let rank = graph.tiles.rank_of[v] as usize;
-        let mut levels: Vec<u32> = by_rank.iter().map(|level| level[rank]).collect();
-        while levels.last() == Some(&0) {
-            levels.pop();
-        }
-        sampled_row(&levels, size[component[rank] as usize])
-    };
-    let rows: Vec<[f64; 8]> = (0..graph.len()).into_par_iter().map(row).collect();
-    let mut names = GLOBAL_NAMES.map(String::from).to_vec();
-    names.push("Visual Mean Depth CI95".into());
-    let column = |(k, name)| Column { name, values: rows.iter().map(|row: &[f64; 8]| row[k]).collect() };
-    names.into_iter().enumerate().map(column).collect()
-}
-
-/// One vertex from the levels of a sample of its component's `size` vertices.
-fn sampled_row(levels: &[u32], size: u32) -> [f64; 8] {
-    let sum = |power: i32| {
-        levels.iter().zip(1..).map(|(&n, l)| f64::from(n) * f64::from(l).powi(power)).sum::<f64>()
-    };
-    let (sample, others) = (sum(0), f64::from(size) - 1.0);
-    if sample == 0.0 {
-        let undefined = UNDEFINED;
-        return [undefined, undefined, undefined, undefined, undefined, others + 1.0, undefined, undefined];
+/// [`global_columns`] without a radius, where the trees of the query vertices are known.
+pub fn global_columns_beside(graph: &Graph, query: &[u32], tally: &Tally) -> Vec<Column> {
+    let mut rows = vec![[UNDEFINED; 7]; graph.len()];
+    let mut is_known = vec![false; graph.len()];
+    let mut at = 0;
+    for (&v, &depth) in query.iter().zip(&tally.depth) {
+        rows[v as usize] = global_row(&tally.levels[at..at + depth as usize]);
+        is_known[v as usize] = true;
+        at += depth as usize;
     }
-    let depth = sum(1) / sample;
-    let spread = (sum(2) / sample - depth * depth).max(0.0) * sample / (sample - 1.0).max(1.0);
-    let left_out = ((others - sample) / (others - 1.0).max(1.0)).max(0.0);
-    let half_width = 1.96 * (spread / sample * left_out).sqrt();
-    let [hh, p, tekl] = integration(others + 1.0, depth * others);
-    let relativised = relativised_entropy(levels, depth);
-    [entropy_bits(levels), hh, p, tekl, depth, others + 1.0, relativised, half_width]
-}
-
-/// splitmix64: a number that looks drawn, the same on every machine.
-fn mix(seed: u64) -> u64 {
-    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
+    let rest: Vec<u32> = (0..graph.len() as u32).filter(|&v| !is_known[v as usize]).collect();
+    for (&v, levels) in rest.iter().zip(level_counts(graph, &rest, u32::MAX)) {
+        rows[v as usize] = global_row(&levels);
+    }
+    transpose(GLOBAL_NAMES.map(String::from), &rows)
 }
 
 /// One vertex from its level counts, in the order of [`global_columns`]: entropy, integration (HH, P-value,
@@ -290,7 +257,7 @@ pub fn global_row(levels: &[u32]) -> [f64; 7] {
 
 /// Integration by the D-value, the P-value and Teklenburg's formula, of a vertex in a system of `n`
 /// vertices whose depths add up to `total`.
-fn integration(n: f64, total: f64) -> [f64; 3] {
+pub(super) fn integration(n: f64, total: f64) -> [f64; 3] {
     let others = n - 1.0;
     if n <= 2.0 || total <= others {
         return [UNDEFINED; 3];
@@ -305,7 +272,7 @@ fn integration(n: f64, total: f64) -> [f64; 3] {
 }
 
 /// `Σ p_k log2(p_k / q_k)`, `q_k = d^k / (k+1)! · e^−d`, as depthmapX computes it.
-fn relativised_entropy(levels: &[u32], depth: f64) -> f64 {
+pub(super) fn relativised_entropy(levels: &[u32], depth: f64) -> f64 {
     let total: u64 = levels.iter().map(|&n| u64::from(n)).sum();
     let mut log_q = -depth * std::f64::consts::LOG2_E;
     let mut sum = 0.0;

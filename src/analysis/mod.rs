@@ -21,6 +21,7 @@ mod lanes;
 pub mod measures;
 pub mod paths;
 mod relays;
+pub mod sampled;
 mod strips;
 pub mod through;
 mod tiles;

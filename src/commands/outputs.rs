@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Command, Common, ServiceCommand};
+use super::is_standard_output;
+use crate::cli::{AnalyseArgs, Command, Common, ServiceCommand};
 use crate::config::settings_files;
 use crate::formats::{self, ENDINGS};
 use crate::report::{Error, Place, Report};
@@ -37,10 +38,29 @@ pub(super) fn judge(command: &Command) -> Result<(), Error> {
             return Err(Error::usage("output-taken", Place::file(output.path.to_string_lossy()), text));
         }
     }
+    if let Command::Analyse(args) = command {
+        judge_standard_output(args)?;
+    }
     if let Command::Watch(args) = command
         && let Some(log) = &args.log
     {
         judge_log(log, &args.looking.folders)?;
+    }
+    Ok(())
+}
+
+/// Standard output takes one of the tables or the result, not several.
+fn judge_standard_output(args: &AnalyseArgs) -> Result<(), Error> {
+    let named =
+        [("--cells", &args.cells), ("--edges", &args.edges), ("--json", &args.common.json)].into_iter();
+    let there: Vec<&str> =
+        named.filter(|(_, to)| to.as_deref().is_some_and(is_standard_output)).map(|n| n.0).collect();
+    if there.len() > 1 {
+        let text = format!(
+            "{}: found standard output (-) for each, expected it for one; nothing was done",
+            there.join(", ")
+        );
+        return Err(Error::usage("output-taken", Place::default(), text));
     }
     Ok(())
 }
@@ -124,7 +144,7 @@ fn outputs_of(command: &Command) -> Vec<Output<'_>> {
 }
 
 fn push<'a>(out: &mut Vec<Output<'a>>, option: &'static str, path: Option<&'a Path>, is_folder: bool) {
-    let named = path.filter(|p| *p != Path::new("-"));
+    let named = path.filter(|p| !is_standard_output(p));
     out.extend(named.map(|path| Output { option, path, is_folder }));
 }
 
@@ -200,6 +220,8 @@ mod tests {
             ("analyse @/plan.dxf --edges @/enfilade.toml", "settings"),
             ("analyse @/plan.dxf --json=@/x.glb", "name of a drawing"),
             ("resolution @/plan.dxf --json=@/x.gltf", "name of a drawing"),
+            ("analyse @/plan.dxf --cells - --json=-", "--cells, --json: found standard output"),
+            ("analyse @/plan.dxf --cells - --edges @/e.csv", ""),
             ("run @/plan.dxf --json=@/plan.dxf", "itself"),
             ("run @/plan.dxf --out @/new.dxf", "name of a drawing"),
             ("jobs @/plan.dxf -o @/plan.dxf", "itself"),

@@ -133,3 +133,14 @@ fn a_layout_pinned_twice_is_one() {
     // Options that are not looked up yet are as many as are named.
     assert_eq!(pinned(&[&[], &[]]).len(), 2);
 }
+
+/// Beyond what coordinates can be, a centre would silently become another.
+#[test]
+fn a_lattice_centre_lies_where_drawings_can() {
+    let at = |x: f64| Settings::new(Partial { lattice_centre: Some([0.0, x]), ..Partial::default() });
+    assert!(at(-LATTICE_CENTRE_MAX_M).is_ok());
+    for far in [LATTICE_CENTRE_MAX_M * 1.01, -1e300] {
+        let Err(Error::Usage(refused)) = at(far) else { panic!("{far}") };
+        assert!(refused.text.contains("lattice-centre") && refused.text.len() < 120, "{}", refused.text);
+    }
+}

@@ -13,6 +13,9 @@ pub struct Entry {
     pub meaning: &'static str,
 }
 
+/// Unit of a direction.
+pub const DEGREES: &str = "°";
+
 const fn entry(name: &'static str, unit: &'static str, meaning: &'static str) -> Entry {
     Entry { name, unit, meaning }
 }
@@ -61,7 +64,7 @@ pub const ENTRIES: &[Entry] = &[
     entry(
         "Visual Mean Depth CI95",
         "views",
-        "Half the width of the interval that holds the mean depth in 95 of 100 cases, where it was estimated from a sample.",
+        "Half the width of the interval that holds the mean depth in about 95 of 100 cases, where it was estimated from some cells of its area (Student's factor by how many; where all say the same, as if one more were a view off). −1: from one of several, which says nothing of the others.",
     ),
     entry(
         "Visual Node Count",
@@ -81,7 +84,7 @@ pub const ENTRIES: &[Entry] = &[
     ),
     entry(
         "Isovist Drift Angle",
-        "°",
+        DEGREES,
         "The direction, anticlockwise from the right, in which most of the visible area lies.",
     ),
     entry(
@@ -100,18 +103,26 @@ pub const ENTRIES: &[Entry] = &[
     entry(
         "Metric Mean Shortest-Path Angle",
         "right angles",
-        "How much one turns on the shortest way to a cell, on average.",
+        "How much one turns on the shortest way to a cell, on average; shortest as below.",
     ),
-    entry("Metric Mean Shortest-Path Distance", "m", "The length of the shortest way to a cell, on average."),
+    entry(
+        "Metric Mean Shortest-Path Distance",
+        "m",
+        "The length of the shortest way to a cell, on average. Ways turn at centres of cells alone and are kept one a cell, as in depthmapX, so this is an upper bound: about 1 % too long at most on coarse lattices, less on fine ones.",
+    ),
     entry("Metric Mean Straight-Line Distance", "m", "The distance to a cell as the crow flies, on average."),
     entry("Metric Node Count", "cells", "How many cells the mean was taken over, this one included."),
     entry(
         "Angular Mean Depth",
         "right angles",
-        "How much one has to turn at least on the way to a cell, on average.",
+        "How much one has to turn at least on the way to a cell, on average. Ways turn at centres of cells alone and one is kept a cell, as in depthmapX, so this is an upper bound: up to 7 % too much on coarse lattices, less on fine ones.",
     ),
     entry("Angular Node Count", "cells", "How many cells the mean was taken over, this one included."),
-    entry("Angular Total Depth", "right angles", "The least turns to all cells, added up."),
+    entry(
+        "Angular Total Depth",
+        "right angles",
+        "The least turns to all cells, added up: an upper bound, as the mean is.",
+    ),
     entry(
         "Through vision",
         "lines",
@@ -139,6 +150,16 @@ pub const CUT_OFF: &str = "Cells that no view joins to the rest have the values 
     Node Count. −1 stands where a measure has no value: a cell that sees no other (under a wall, or walled in alone) has no \
     depth and no integration, nor has an area all of which is seen at once any integration; a cell that cannot be reached \
     from the chosen points has no step depth.";
+
+/// What a cell without a value of a column is called.
+pub fn no_value(column: &str) -> &'static str {
+    match column {
+        c if c.contains("Step") => "cannot be reached from there",
+        c if c.starts_with("Visual Integration") => "no value: all seen at once, or nothing",
+        c if c.starts_with("Isovist") => "under a wall",
+        _ => "no value: sees too few cells",
+    }
+}
 
 /// The entry of a column, its radius left out.
 pub fn entry_of(column: &str) -> Option<&'static Entry> {
@@ -171,6 +192,23 @@ mod tests {
         assert_eq!(entry_of("Metric Node Count R1.5").map(|e| e.name), Some("Metric Node Count"));
         assert_eq!(entry_of("Visual Mean Depth CI95").map(|e| e.name), Some("Visual Mean Depth CI95"));
         assert_eq!(entry_of("Visual Node Count Range"), None);
+    }
+
+    /// A measured cell without a value is not called unmeasured.
+    #[test]
+    fn why_a_cell_has_no_value() {
+        let reached = "cannot be reached from there";
+        assert_eq!(no_value("Visual Step Depth"), reached);
+        assert_eq!(no_value("Metric Step Shortest-Path Length"), reached);
+        assert!(no_value("Visual Integration [HH] R3").contains("all seen at once"));
+        assert!(ENTRIES.iter().all(|e| no_value(e.name) != "not measured"));
+    }
+
+    #[test]
+    fn what_is_least_is_an_upper_bound() {
+        for name in ["Angular Mean Depth", "Angular Total Depth", "Metric Mean Shortest-Path Distance"] {
+            assert!(entry_of(name).unwrap().meaning.contains("upper bound"), "{name}");
+        }
     }
 
     #[test]

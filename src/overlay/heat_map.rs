@@ -34,6 +34,8 @@ pub struct HeatMap<'a> {
     pub subtitle: &'a str,
     /// What the numbers of the legend count: `cells seen`, `steps`, `bits`, `score`.
     pub unit: &'a str,
+    /// What a cell without a value is called in the legend: `not measured`.
+    pub no_value: &'a str,
     /// Colours.
     pub palette: Palette,
 }
@@ -156,7 +158,7 @@ fn keys_of<'a>(frame: &Frame, map: &HeatMap<'_>) -> Vec<Key<'a>> {
         keys.push(Key::line("stood here before", Pen { dash_px: dash, ..Pen::solid(INK, 2.4 * u) }));
     }
     if map.cells.iter().any(|c| c.value.is_none()) {
-        keys.push(Key::patch("not measured", unmeasured));
+        keys.push(Key::patch(map.no_value, unmeasured));
     }
     keys
 }

@@ -11,6 +11,8 @@ pub enum Palette {
     Viridis,
     /// Blue (low) to red (high), as in the paper's figures.
     BlueToRed,
+    /// The same colour at both ends: for directions.
+    Cyclic,
 }
 
 /// Viridis at eighths (van der Walt and Smith, matplotlib 2.0, CC0).
@@ -36,19 +38,33 @@ const BLUE_TO_RED: [Rgb; 7] = [
     [0xc8, 0x1a, 0x1f],
 ];
 
+/// Light, blue, dark, red, light: four quarters of a turn that grey print tells apart by pairs.
+const CYCLIC: [Rgb; 9] = [
+    [0xe6, 0xe0, 0xe8],
+    [0x9a, 0xbc, 0xd4],
+    [0x4f, 0x7f, 0xc0],
+    [0x4a, 0x44, 0x98],
+    [0x2e, 0x16, 0x3c],
+    [0x86, 0x26, 0x4c],
+    [0xc4, 0x5a, 0x48],
+    [0xdc, 0xa8, 0x90],
+    [0xe6, 0xe0, 0xe8],
+];
+
 impl Palette {
     /// The colour at a fraction of the scale, clamped to `[0, 1]`.
     pub fn at(self, fraction: f64) -> Rgb {
         match self {
             Self::Viridis => blend(&VIRIDIS, fraction),
             Self::BlueToRed => blend(&BLUE_TO_RED, fraction),
+            Self::Cyclic => blend(&CYCLIC, fraction),
         }
     }
 
     /// A colour for what moved that stands out on every colour of the palette (with a white rim).
     pub fn accent(self) -> Rgb {
         match self {
-            Self::Viridis => [0xd5, 0x00, 0x5f],
+            Self::Viridis | Self::Cyclic => [0xd5, 0x00, 0x5f],
             Self::BlueToRed => [0x8a, 0x00, 0xc8],
         }
     }
@@ -133,6 +149,18 @@ mod tests {
     fn viridis_gets_lighter_all_the_way() {
         let steps: Vec<f64> = (0..=64).map(|i| luminance(Palette::Viridis.at(f64::from(i) / 64.0))).collect();
         assert!(steps.windows(2).all(|w| w[0] < w[1]), "{steps:?}");
+    }
+
+    /// 359° and 1° look alike, opposite directions do not.
+    #[test]
+    fn a_full_turn_ends_in_the_colour_it_began_with() {
+        let far = |a: f64, b: f64| {
+            let [a, b] = [a, b].map(|degrees| Palette::Cyclic.at(degrees / 360.0));
+            (0..3).map(|k| a[k].abs_diff(b[k]) as u32).sum::<u32>()
+        };
+        assert_eq!(far(0.0, 360.0), 0);
+        assert!(far(359.0, 1.0) < 12, "{}", far(359.0, 1.0));
+        assert!((0..180).all(|d| far(f64::from(d), f64::from(d + 180)) > 90));
     }
 
     #[test]

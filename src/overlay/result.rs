@@ -30,6 +30,11 @@ impl Numbers {
         Self(pairs.into_iter().map(|(name, value)| (name.into(), value)).collect())
     }
 
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// The number of that name, if present.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.0.iter().find(|(n, _)| n == name).map(|(_, v)| *v)
@@ -454,6 +459,12 @@ pub struct AnalysisResult {
     pub counts: Counts,
     /// Means over the query region.
     pub mean: Numbers,
+    /// From how many breadth-first trees depth and entropy are estimated, where not from all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimated_from_roots: Option<u64>,
+    /// Half the widths of the 95 % confidence intervals of the means that are estimated.
+    #[serde(default, skip_serializing_if = "Numbers::is_empty")]
+    pub mean_ci95: Numbers,
     /// Penalties of the layout.
     pub penalty: Numbers,
     /// Every storey of a building that has several.

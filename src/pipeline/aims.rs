@@ -2,7 +2,7 @@
 
 use super::study::{Seen, Study, Worth, divisor};
 use crate::analysis::measures::{UNDEFINED, global_row};
-use crate::config::{Aggregate, Aim, Bound, Held, Limit, Measure, PairName, Penalty, Settings};
+use crate::config::{Aggregate, Aim, Bound, Held, Limit, Measure, PairName, Penalty, Settings, Source};
 
 /// A limit passed by less than this share of it is kept: written coordinates are rounded to 1 µm.
 pub const LIMIT_TOLERANCE: f64 = 1e-6;
@@ -50,7 +50,16 @@ pub fn cell_values(seen: &Seen, measure: Measure) -> Vec<f64> {
             *v = f64::NAN;
         }
     }
+    if let Some(known) = seen.estimated.as_ref().filter(|_| is_of_trees(measure)) {
+        let unknown = |i: &usize| known.places.binary_search(&(*i as u32)).is_err();
+        (0..values.len()).filter(unknown).for_each(|i| values[i] = f64::NAN);
+    }
     values
+}
+
+/// Whether a measure of a cell takes its breadth-first tree.
+pub fn is_of_trees(measure: Measure) -> bool {
+    measure.source() == Source::Forest && !matches!(measure, Measure::Degree | Measure::Connectivity)
 }
 
 fn all_values(seen: &Seen, measure: Measure) -> Vec<f64> {

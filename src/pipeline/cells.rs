@@ -6,12 +6,17 @@ use glam::DVec2;
 
 use super::study::Study;
 use crate::analysis::isovist::isovist_columns;
-use crate::analysis::measures::{Column, entropy_bits, global_columns, local_columns, sampled_columns};
+use crate::analysis::measures::{
+    Column, GLOBAL_NAMES, LOCAL_NAMES, entropy_bits, global_columns, global_columns_beside, local_columns,
+};
 use crate::analysis::paths::{Paths, Turning};
+use crate::analysis::sampled::{is_estimated, sampled_columns};
 use crate::analysis::through::through_vision_column;
 use crate::analysis::visibility::{Graph, visibility_graph};
-use crate::analysis::{Lattice, Obstacles};
-use crate::report::{Error, Place};
+use crate::analysis::{Lattice, Obstacles, Tally};
+use crate::overlay::glossary;
+use crate::plan::geometry::{PointUm, Segment, segments_touch};
+use crate::report::{Error, Place, counted};
 
 /// depthmapX's `Ref`: `(column << 16) + row`, counted from the cell at or below the drawing's lower left
 /// corner.
@@ -55,16 +60,46 @@ const FAMILIES: [(&str, &str); 5] = [
     ("through", "through"),
 ];
 
+/// Columns that stand in every table.
+const ALWAYS: [&str; 3] = ["Degree", "Depth", "Entropy"];
+
 fn family_of(column: &str) -> &'static str {
     let name = column.to_lowercase();
     FAMILIES[1..].iter().find(|(_, start)| name.starts_with(start)).map_or("graph", |f| f.0)
 }
 
-/// The columns asked for, depthmapX's names, values by vertex.
+/// What was measured per cell.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// depthmapX's names, values by vertex.
+    pub columns: Vec<Column>,
+    /// How many breadth-first trees their columns are estimated from; none: all.
+    pub roots: Option<usize>,
+}
+
+impl Measured {
+    /// Headline of a column's heat map.
+    pub fn title(&self, column: &str) -> String {
+        match self.roots.filter(|_| is_estimated(column)) {
+            Some(roots) => format!("{column} (estimated from {})", counted(roots as u64, "root")),
+            None => column.to_owned(),
+        }
+    }
+
+    /// What a cell without a value is called in its legend.
+    pub fn no_value(&self, column: &str) -> &'static str {
+        match self.roots {
+            Some(_) if is_estimated(column) => "no value: sees all roots at once, or nothing",
+            _ => glossary::no_value(column),
+        }
+    }
+}
+
+/// The columns asked for.
 ///
 /// # Errors
 /// [`Error::Usage`] for a measure that does not exist and a step point that no vertex is near.
-pub fn measure_cells(study: &Study, options: &CellOptions) -> Result<Vec<Column>, Error> {
+pub fn measure_cells(study: &Study, options: &CellOptions) -> Result<Measured, Error> {
     let graph = graph(study);
     let asked = |family: &str| {
         let named = options.measures.iter().any(|m| {
@@ -77,27 +112,37 @@ pub fn measure_cells(study: &Study, options: &CellOptions) -> Result<Vec<Column>
     let obstacles = study.initial_obstacles();
     let lattice = &study.lattice;
     let paths = || Paths::new(lattice, &graph, &obstacles, Turning::default());
-    let all = all_columns((lattice, &graph, &obstacles), options, asked);
-    let mut kept = chosen(all, &options.measures)?;
+    let known = study.roots.is_none().then_some(&study.initial.seen.tally);
+    let mut measured = all_columns((lattice, &graph, &obstacles), known, options, asked);
+    measured.columns = chosen(measured.columns, &options.measures)?;
     if !options.step_from.is_empty() {
-        let from: Result<Vec<u32>, Error> = options.step_from.iter().map(|p| vertex_at(study, *p)).collect();
-        kept.extend(paths().step_columns(&from?));
+        let from: Result<Vec<u32>, Error> =
+            options.step_from.iter().map(|p| vertex_at(study, &obstacles, *p)).collect();
+        measured.columns.extend(paths().step_columns(&from?));
     }
-    Ok(kept)
+    Ok(measured)
 }
 
-/// The columns of the families asked for, all of them.
+/// The columns of the families asked for, all of them; `known` are the trees of the query vertices.
 fn all_columns(
     (lattice, graph, obstacles): (&Lattice, &Graph, &Obstacles),
+    known: Option<&Tally>,
     options: &CellOptions,
     asked: impl Fn(&str) -> bool,
-) -> Vec<Column> {
-    let mut all = Vec::new();
-    if asked("graph") {
+) -> Measured {
+    let (mut all, mut drawn) = (Vec::new(), None);
+    if asked("graph") && !names_only(&options.measures, &GLOBAL_NAMES) {
         all.extend(local_columns(lattice, graph));
-        all.extend(match options.roots {
-            Some(roots) => sampled_columns(graph, roots, options.seed),
-            None => global_columns(graph, options.radius),
+    }
+    if asked("graph") && !names_only(&options.measures, &LOCAL_NAMES) {
+        all.extend(match (options.roots, known, options.radius) {
+            (Some(roots), ..) => {
+                let sampled = sampled_columns(graph, roots, options.seed);
+                drawn = Some(sampled.roots);
+                sampled.columns
+            }
+            (None, Some(known), None) => global_columns_beside(graph, &lattice.query, known),
+            (None, _, radius) => global_columns(graph, radius),
         });
     }
     if asked("isovist") {
@@ -113,7 +158,13 @@ fn all_columns(
     if asked("through") {
         all.push(through_vision_column(lattice, graph));
     }
-    all
+    Measured { columns: all, roots: drawn }
+}
+
+/// Whether all that is asked for of the graph are columns of some names: the others need not be made.
+fn names_only(measures: &[String], names: &[&str]) -> bool {
+    let mut of_graph = measures.iter().filter(|m| family_of(m) == "graph").peekable();
+    of_graph.peek().is_some() && of_graph.all(|m| names.iter().any(|n| m.eq_ignore_ascii_case(n)))
 }
 
 fn chosen(all: Vec<Column>, measures: &[String]) -> Result<Vec<Column>, Error> {
@@ -124,16 +175,20 @@ fn chosen(all: Vec<Column>, measures: &[String]) -> Result<Vec<Column>, Error> {
             || (column.len() > m.len()
                 && column.is_char_boundary(m.len())
                 && column[..m.len()].eq_ignore_ascii_case(m)
-                && column[m.len()..].starts_with(" R"))
+                && [" R", " CI95"].iter().any(|end| column[m.len()..].starts_with(end)))
     };
     for m in measures.iter().filter(|m| !is_family(m)) {
         if !all.iter().any(|c| fits(&c.name, m)) {
-            let names: Vec<&str> =
-                all.iter().map(|c| c.name.as_str()).filter(|c| family_of(c) == family_of(m)).collect();
+            let of_family: Vec<&str> = glossary::ENTRIES
+                .iter()
+                .map(|e| e.name)
+                .filter(|n| !n.contains("Step") && !ALWAYS.contains(n) && !n.ends_with("CI95"))
+                .filter(|n| family_of(m) == "graph" || family_of(n) == family_of(m))
+                .collect();
             let text = format!(
                 "--measures: found {m:?}, expected all, graph, isovist, metric, angular, through or one of {}; \
                  nothing was done",
-                names.join(", ")
+                of_family.join(", ")
             );
             return Err(Error::usage("measures", Place::default(), text));
         }
@@ -149,30 +204,52 @@ fn chosen(all: Vec<Column>, measures: &[String]) -> Result<Vec<Column>, Error> {
     Ok(all.into_iter().filter(wanted).collect())
 }
 
-/// The vertex whose cell holds a point of the drawing.
-fn vertex_at(study: &Study, at: [f64; 2]) -> Result<u32, Error> {
+/// How far from a step point its cell may be, spacings: as far as the cells beside the one that holds it.
+const STEP_REACH: f64 = 1.5;
+
+/// The nearest vertex that sees a point of the drawing.
+fn vertex_at(study: &Study, obstacles: &Obstacles, at: [f64; 2]) -> Result<u32, Error> {
     let um = study.base.plan.frame.um_from_file(DVec2::from(at));
-    let lattice = &study.lattice;
-    let half = lattice.spacing_um / 2 + 1;
-    let inside = |&v: &usize| {
-        let centre = lattice.centre_um(v);
-        (centre[0] - um[0]).abs() <= half && (centre[1] - um[1]).abs() <= half
-    };
-    let found = (0..lattice.cells.len()).find(inside);
-    found.map(|v| v as u32).ok_or_else(|| {
-        let text = format!(
-            "--step-from {},{}: no measured cell there (drawing units); nothing was done",
-            at[0], at[1]
-        );
+    let reach_um = study.lattice.spacing_um as f64 * STEP_REACH;
+    seen_vertex(&study.lattice, obstacles, um, reach_um).map_err(|why| {
+        let text = format!("--step-from {},{}: {why} (drawing units); nothing was done", at[0], at[1]);
         Error::usage("step-from", Place::file(&study.base.plan.file), text)
     })
 }
 
+/// The nearest vertex within reach to which nothing stands in the way; of several the first.
+fn seen_vertex(
+    lattice: &Lattice,
+    obstacles: &Obstacles,
+    um: PointUm,
+    reach_um: f64,
+) -> Result<u32, &'static str> {
+    let distance_um = |v: u32| {
+        let centre = lattice.centre_um(v as usize);
+        (centre[0] as f64 - um[0] as f64).hypot(centre[1] as f64 - um[1] as f64)
+    };
+    let all = (0..lattice.cells.len() as u32).filter(|v| obstacles.blind.binary_search(v).is_err());
+    let mut near: Vec<(f64, u32)> =
+        all.map(|v| (distance_um(v), v)).filter(|(d, _)| *d <= reach_um).collect();
+    if near.is_empty() {
+        return Err("no measured cell there");
+    }
+    near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let is_free = |&(_, v): &(f64, u32)| {
+        let way = Segment { a: um, b: lattice.centre_um(v as usize) };
+        !obstacles.segments.iter().any(|s| segments_touch(way, *s))
+    };
+    let seen = near.into_iter().find(is_free).map(|(_, v)| v);
+    seen.ok_or("no measured cell there without a wall between, expected a point that a cell beside it sees")
+}
+
 /// One line a vertex: `Ref,x,y` (drawing units), the columns, then Degree, Depth, Entropy (empty
-/// outside the region of query and under a wall that can move). Values depthmapX leaves undefined are −1.
+/// outside the region of query and under a wall that can move; Depth and Entropy also where no tree was walked
+/// because they are estimated). Values depthmapX leaves undefined are −1.
 pub fn cells_csv(study: &Study, columns: &[Column]) -> String {
     let mut own = vec![None; study.lattice.cells.len()];
     let tally = &study.initial.seen.tally;
+    let places = study.initial.seen.estimated.as_ref().map(|e| &e.places);
     let mut at = 0;
     for (i, v) in study.lattice.query.iter().enumerate() {
         let depth = tally.depth[i];
@@ -181,7 +258,8 @@ pub fn cells_csv(study: &Study, columns: &[Column]) -> String {
         if study.initial.seen.covered.binary_search(&(i as u32)).is_ok() {
             continue;
         }
-        own[*v as usize] = Some((tally.degree[i], depth, entropy_bits(levels)));
+        let is_walked = places.is_none_or(|p| p.binary_search(&(i as u32)).is_ok());
+        own[*v as usize] = Some((tally.degree[i], is_walked.then(|| (depth, entropy_bits(levels)))));
     }
     let mut out = String::from("Ref,x,y,");
     for column in columns {
@@ -195,7 +273,8 @@ pub fn cells_csv(study: &Study, columns: &[Column]) -> String {
             let _ = write!(out, ",{}", column.values[v]);
         }
         let _ = match own[v] {
-            Some((degree, depth, entropy)) => writeln!(out, ",{degree},{depth},{entropy}"),
+            Some((degree, Some((depth, entropy)))) => writeln!(out, ",{degree},{depth},{entropy}"),
+            Some((degree, None)) => writeln!(out, ",{degree},,"),
             None => writeln!(out, ",,,"),
         };
     }
@@ -231,8 +310,6 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::overlay::glossary;
-    use crate::plan::geometry::Segment;
 
     /// Every column that can be made has an entry in plain words, and every entry a column.
     #[test]
@@ -251,13 +328,74 @@ mod tests {
         let mut names = vec!["Degree".to_string(), "Depth".into(), "Entropy".into()];
         for (radius, roots) in [(None, None), (Some(3), None), (None, Some(9))] {
             let options = CellOptions { radius, roots, ..CellOptions::default() };
-            let columns = all_columns((&lattice, &graph, &obstacles), &options, |_| true);
-            names.extend(columns.into_iter().map(|c| c.name));
+            let made = all_columns((&lattice, &graph, &obstacles), None, &options, |_| true);
+            names.extend(made.columns.into_iter().map(|c| c.name));
         }
         let paths = Paths::new(&lattice, &graph, &obstacles, Turning::default());
         names.extend(paths.step_columns(&[0]).into_iter().map(|c| c.name));
         let explained: BTreeSet<&str> =
             names.iter().map(|n| glossary::entry_of(n).unwrap_or_else(|| panic!("{n}")).name).collect();
         assert_eq!(explained, glossary::ENTRIES.iter().map(|e| e.name).collect());
+    }
+
+    /// A step point starts on its own side of a wall, beside cells if it is in none.
+    #[test]
+    fn a_step_point_takes_the_nearest_cell_that_sees_it() {
+        let cells: Vec<[i32; 2]> = (0..4).flat_map(|c| (0..2).map(move |r| [c, r])).collect();
+        let is_reference = vec![true; cells.len()];
+        let lattice = Lattice {
+            spacing_um: 1000,
+            origin_um: [0, 0],
+            query: vec![],
+            is_reference,
+            cells: cells.clone(),
+        };
+        let wall = Segment { a: [1400, -500], b: [1400, 1500] };
+        let obstacles = Obstacles { segments: vec![wall], blind: vec![6] };
+        let at = |p: PointUm| seen_vertex(&lattice, &obstacles, p, 1500.0).map(|v| cells[v as usize]);
+        assert_eq!(at([1390, 100]), Ok([1, 0]));
+        assert_eq!(at([1410, 100]), Ok([2, 0]), "the wall is between it and the cell that holds it");
+        assert_eq!(at([-900, -900]), Ok([0, 0]), "in no cell, but beside one");
+        assert_eq!(at([3300, 100]), Ok([3, 1]), "its own cell sees nothing");
+        assert_eq!(at([9000, 0]), Err("no measured cell there"));
+        assert!(at([1400, 0]).is_err_and(|why| why.contains("wall between")));
+    }
+
+    /// Naming a column that needs no trees spares them, and the other way round.
+    #[test]
+    fn only_what_is_named_is_made() {
+        let only = |measures: &[&str], names: &[&str]| {
+            names_only(&measures.iter().map(ToString::to_string).collect::<Vec<_>>(), names)
+        };
+        assert!(only(&["visual mean depth", "isovist"], &GLOBAL_NAMES));
+        assert!(only(&["Connectivity"], &LOCAL_NAMES) && !only(&["Connectivity"], &GLOBAL_NAMES));
+        for both in
+            [&["graph"][..], &["all"], &[], &["Connectivity", "Visual Entropy"], &["foo"], &["metric"]]
+        {
+            assert!(!only(both, &GLOBAL_NAMES) && !only(both, &LOCAL_NAMES), "{both:?}");
+        }
+    }
+
+    #[test]
+    fn an_estimate_is_called_so_in_its_title() {
+        let measured = Measured { roots: Some(20), ..Measured::default() };
+        assert_eq!(measured.title("Visual Mean Depth"), "Visual Mean Depth (estimated from 20 roots)");
+        assert_eq!(measured.title("Visual Node Count"), "Visual Node Count");
+        assert_eq!(measured.title("Isovist Area"), "Isovist Area");
+        assert!(measured.no_value("Visual Integration [HH]").contains("all roots at once"));
+        assert_eq!(measured.no_value("Isovist Area"), glossary::no_value("Isovist Area"));
+        assert_eq!(Measured::default().title("Visual Mean Depth"), "Visual Mean Depth");
+    }
+
+    #[test]
+    fn intervals_go_with_what_they_are_of() {
+        let column = |name: &str| Column { name: name.into(), values: vec![] };
+        let all = || ["Visual Mean Depth", "Visual Mean Depth CI95", "Connectivity"].map(column).to_vec();
+        let kept = chosen(all(), &["visual mean depth".into()]).unwrap();
+        assert_eq!(kept.len(), 2);
+        let Err(Error::Usage(refused)) = chosen(all(), &["foo".into()]) else { panic!("foo is measured") };
+        for name in ["Visual Mean Depth", "Isovist Area", "Angular Mean Depth", "Through vision"] {
+            assert!(refused.text.contains(name), "{}", refused.text);
+        }
     }
 }

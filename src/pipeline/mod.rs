@@ -29,12 +29,13 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::analysis::measures::Column;
+use crate::analysis::sampled::AREA_ROOTS;
 use crate::config::Settings;
 use crate::formats::{self, Opened};
 use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::measure::wording;
 use crate::overlay::result::{self, AnalysisResult, CheckResult};
-use crate::overlay::{HeatMap, PlanPicture, Scale, check_png, heat_map_png};
+use crate::overlay::{HeatMap, Palette, PlanPicture, Scale, check_png, glossary, heat_map_png};
 use crate::report::{Cancel, Error, OutFile, Place, Report, counted};
 pub use fits::moves_of;
 pub use memory::Keep;
@@ -205,8 +206,21 @@ pub fn analyse(
     settings: &Settings,
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
+    analyse_from(input, settings, None, cancel)
+}
+
+/// [`analyse`] with breadth-first trees of about so many roots: what is told of depth and entropy is estimated.
+///
+/// # Errors
+/// As [`analyse`].
+pub fn analyse_from(
+    input: &Input<'_>,
+    settings: &Settings,
+    roots: Option<usize>,
+    cancel: &Cancel,
+) -> Result<(Outcome<AnalysisResult>, Study), Error> {
     let settings = &*building::on_storey_of_query(input, settings)?;
-    let (mut outcome, study) = analyse_storey(input, settings, cancel)?;
+    let (mut outcome, study) = analyse_storey(input, settings, roots, cancel)?;
     add_storeys(input, settings, &study, &mut outcome, cancel)?;
     Ok((outcome, study))
 }
@@ -233,18 +247,32 @@ fn add_storeys(
 fn analyse_storey(
     input: &Input<'_>,
     settings: &Settings,
+    roots: Option<usize>,
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
     let mut report = Report::default();
     state_unread(input, settings, &mut report);
     let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
     cancel.check()?;
-    let mut study = Study::new(base, settings, &mut report)?;
-    backend::choose(&mut study, settings.backend, input, &mut report);
+    let mut study = Study::from_roots(base, settings, roots, &mut report)?;
+    match roots {
+        None => backend::choose(&mut study, settings.backend, input, &mut report),
+        Some(asked) => state_estimated(&study, asked, input, &mut report),
+    }
     state_cut_off(&study, input, &mut report);
     cancel.check()?;
     let outcome = analysis_of(input, settings, &study, report)?;
     Ok((outcome, study))
+}
+
+fn state_estimated(study: &Study, asked: usize, input: &Input<'_>, report: &mut Report) {
+    let Some(estimated) = &study.initial.seen.estimated else { return };
+    let text = format!(
+        "depth and entropy are estimated from {} ({asked} asked for; every area that no view joins to the rest has at \
+         least {AREA_ROOTS}, or all its cells); no map of either was made: --measures graph shows estimates for every cell",
+        counted(estimated.places.len() as u64, "root")
+    );
+    report.info("estimated", Place::file(input.file()), text);
 }
 
 fn state_cut_off(study: &Study, input: &Input<'_>, report: &mut Report) {
@@ -269,7 +297,7 @@ fn analysis_of(
     let picture = show::picture(&study.base);
     let mut files = vec![OutFile::new("analysis.json", result::to_json(&result)?)];
     let mut jobs = show::maps(study);
-    jobs.retain(|m| m.measure.is_of_cells());
+    jobs.retain(|m| m.measure.is_of_cells() && (study.roots.is_none() || !aims::is_of_trees(m.measure)));
     let pictures = rayon_map(&jobs, |m| {
         let values = show::values(study, &study.initial, *m, settings);
         let scale = Scale::of(values.iter().copied().filter(|v| v.is_finite()));
@@ -291,6 +319,8 @@ fn analysis_result(input: &Input<'_>, study: &Study, report: &Report) -> Analysi
         lattice_centre: lattice_centre(study),
         counts: show::counts(study, study.edges),
         mean: show::mean_numbers(study, &study.initial),
+        estimated_from_roots: study.initial.seen.estimated.as_ref().map(|e| e.places.len() as u64),
+        mean_ci95: show::mean_half_widths(study),
         penalty: show::penalty_numbers(&study.initial),
         storeys: Vec::new(),
         problems: report.problems.iter().map(Into::into).collect(),
@@ -322,6 +352,7 @@ fn heat_map(
         title: &title,
         subtitle,
         unit: words.map_or("", |w| w.unit),
+        no_value: "not measured",
         palette: show::palette(settings),
     };
     heat_map_png(&map, DEFAULT_SIDE_PX)
@@ -335,25 +366,29 @@ pub fn column_pictures(
     input: &Input<'_>,
     settings: &Settings,
     study: &Study,
-    columns: &[Column],
+    measured: &cells::Measured,
 ) -> Result<Vec<OutFile>, Error> {
     let picture = show::picture(&study.base);
     let subtitle = format!("{}, as drawn", input.file());
     let one = |column: &Column| {
         let cells = show::column_cells(study, column);
+        let unit = glossary::entry_of(&column.name).map_or("", |e| e.unit);
+        let is_angle = unit == glossary::DEGREES;
+        let full_turn = Scale { lo: 0.0, hi: 360.0 };
         let map = HeatMap {
             picture: &picture,
-            scale: Scale::of(cells.iter().filter_map(|c| c.value)),
+            scale: if is_angle { full_turn } else { Scale::of(cells.iter().filter_map(|c| c.value)) },
             cells: &cells,
             spacing_m: study.spacing_m,
-            title: &column.name,
+            title: &measured.title(&column.name),
             subtitle: &subtitle,
-            unit: "",
-            palette: show::palette(settings),
+            unit,
+            no_value: measured.no_value(&column.name),
+            palette: if is_angle { Palette::Cyclic } else { show::palette(settings) },
         };
         Ok(OutFile::new(format!("{}.png", show::slug(&column.name)), heat_map_png(&map, DEFAULT_SIDE_PX)?))
     };
-    rayon_map(columns, one).into_iter().collect()
+    rayon_map(&measured.columns, one).into_iter().collect()
 }
 
 fn rayon_map<A: Sync, B: Send>(items: &[A], f: impl Fn(&A) -> B + Sync + Send) -> Vec<B> {
@@ -376,7 +411,7 @@ pub fn run(
 ) -> Result<Outcome<result::RoundResult>, Error> {
     show(Event::Progress(Progress { stage: "read".into(), ..Default::default() }));
     let settings = &*building::on_storey_of_query(input, settings)?;
-    let (mut analysis, study) = analyse_storey(input, settings, cancel)?;
+    let (mut analysis, study) = analyse_storey(input, settings, None, cancel)?;
     show(Event::Analysis(analysis.files.clone()));
     if add_storeys(input, settings, &study, &mut analysis, cancel)? {
         show(Event::Analysis(analysis.files));

@@ -414,6 +414,17 @@ pub fn mean_numbers(study: &Study, worth: &Worth) -> Numbers {
     out
 }
 
+/// Half the widths of the 95 % intervals of the means that are estimated, by the name of the mean.
+pub fn mean_half_widths(study: &Study) -> Numbers {
+    let pairs = study.pairs.iter().zip(&study.initial.pairs).map(|(p, s)| (format!("@{}", p.name), s));
+    let all = std::iter::once((String::new(), &study.initial.seen)).chain(pairs);
+    let of = |(name, seen): (String, &Seen)| {
+        let [depth, entropy] = seen.estimated.as_ref()?.half_widths;
+        Some([(format!("depth{name}"), depth), (format!("entropy{name}"), entropy)])
+    };
+    Numbers(all.filter_map(of).flatten().collect())
+}
+
 /// Penalties of a layout by name.
 pub fn penalty_numbers(worth: &Worth) -> Numbers {
     let mut out = Numbers::of([

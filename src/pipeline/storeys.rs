@@ -150,7 +150,7 @@ pub(super) fn analyse(
             out.push(entry(storey, &shown.base, ".", show::mean_numbers(shown, &shown.initial)));
             continue;
         }
-        out.push(match analyse_storey(input, own, cancel) {
+        out.push(match analyse_storey(input, own, shown.roots, cancel) {
             Ok((outcome, study)) => {
                 let inside =
                     |f: OutFile| OutFile { path: format!("{folder}/{}", f.path.display()).into(), ..f };

@@ -370,6 +370,8 @@ pub struct Study {
     pub lattice: Arc<Lattice>,
     /// Spacing of the cells, metres.
     pub spacing_m: f64,
+    /// How many roots of trees were asked for; none: every cell is one.
+    pub roots: Option<usize>,
     /// The present layout.
     pub initial: Worth,
     /// Edges of its visibility graph, each pair once.
@@ -409,6 +411,20 @@ impl Study {
     /// # Errors
     /// [`Error::Input`] when no cell is left or a limit is passed.
     pub fn new(base: Understood, settings: &Settings, report: &mut Report) -> Result<Self, Error> {
+        Self::from_roots(base, settings, None, report)
+    }
+
+    /// [`Study::new`] for a look at the present layout alone, with breadth-first trees of about so many roots.
+    ///
+    /// # Errors
+    /// As [`Study::new`].
+    pub fn from_roots(
+        base: Understood,
+        settings: &Settings,
+        roots: Option<usize>,
+        report: &mut Report,
+    ) -> Result<Self, Error> {
+        let drawn = roots.map(|n| (n, settings.seed));
         let piece_moves = piece_moves(&base);
         let (fixed, fixed_solids) = fixed_parts(&base, &piece_moves);
         let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
@@ -431,10 +447,10 @@ impl Study {
             interior: base.interior.as_ref(),
             solid_across_um: (SOLID_ACROSS_M * base.plan.human_scale * UM_PER_M).round() as i64,
         };
-        let main = Scene::new(&ground, &base, &identity, seen::asked(settings, None), report)?;
+        let main = Scene::new(&ground, &base, &identity, seen::asked(settings, None), drawn, report)?;
         spacing::state(&base, settings, spacing_m, main.lattice.cells.len(), report);
         state_interior(&base, settings, report);
-        let pairs = seen::pairs(&base, &ground, &identity, settings, report)?;
+        let pairs = seen::pairs(&base, &ground, &identity, settings, drawn, report)?;
         seen::state_asked(&base, &pairs, settings, report)?;
         let (pieces, piece_ranges) = pieces(&base, &identity, &piece_moves);
         let layout = penalties::Layout { pieces: &pieces };
@@ -458,6 +474,7 @@ impl Study {
             pairs,
             base,
             spacing_m,
+            roots,
             card_trouble: OnceLock::new(),
             benches: Mutex::default(),
             piece_moves,

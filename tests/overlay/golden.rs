@@ -40,6 +40,7 @@ fn a_heat_map() {
         title: "Visibility",
         subtitle: "hall.dxf · option 1",
         unit: "cells seen",
+        no_value: "not measured",
         palette: Palette::Viridis,
     };
     compare("heat-map.png", &heat_map_png(&map, SIDE_PX).unwrap());

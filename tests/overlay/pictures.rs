@@ -16,6 +16,7 @@ fn heat<'a>(picture: &'a PlanPicture, cells: &'a [Cell], spacing_m: f64) -> Heat
         title: "Visibility",
         subtitle: "plan.dxf · present layout · how much of the reference region each spot sees",
         unit: "cells seen",
+        no_value: "not measured",
         palette: Palette::Viridis,
     }
 }

@@ -85,6 +85,7 @@ fn heat(
         title: &title,
         subtitle: &subtitle,
         unit,
+        no_value: "not measured",
         palette: Palette::Viridis,
     };
     heat_map_png(&map, side_px()).unwrap()

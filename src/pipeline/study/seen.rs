@@ -53,12 +53,23 @@ pub struct Seen {
     pub covered: Vec<u32>,
     /// Means over the query vertices that are not covered.
     pub means: Means,
+    /// Where trees were walked from some roots alone: what the tally has of them, and how sure the means are.
+    pub estimated: Option<Estimated>,
     /// Area, perimeter, compactness, occlusivity, drift, longest and shortest radial of the isovist of every
     /// query vertex; empty unless asked for.
     pub isovists: Vec<[f64; 7]>,
     /// Measures of the stored graph that were asked for, one value a query vertex, [`UNDEFINED`](crate::analysis::measures::UNDEFINED) where there is
     /// none: so that two measurements can be compared.
     pub columns: Vec<(Measure, Vec<f64>)>,
+}
+
+/// What is known where trees were walked from some roots alone.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Estimated {
+    /// Positions of the roots within the region of query, ascending.
+    pub places: Vec<u32>,
+    /// Half the widths of the 95 % intervals of mean depth and mean entropy.
+    pub half_widths: [f64; 2],
 }
 
 /// A pair of regions made ready to be measured.
@@ -93,6 +104,7 @@ impl Scene {
         base: &Understood,
         identity: &Layout,
         asked: Vec<Measure>,
+        roots: Option<(usize, u64)>,
         report: &mut Report,
     ) -> Result<Self, Error> {
         let lattice = Arc::new(lattice(ground, report)?);
@@ -100,7 +112,10 @@ impl Scene {
         let cells = CellIndex::new(&lattice);
         let segments = ground.movable.to_vec();
         let moving = Obstacles { blind: blind(base, identity, &cells, &segments), segments };
-        let evaluator = Evaluator::new(Arc::clone(&lattice), ground.fixed, &moving);
+        let evaluator = match roots {
+            Some(roots) => Evaluator::sampled(Arc::clone(&lattice), ground.fixed, &moving, roots),
+            None => Evaluator::new(Arc::clone(&lattice), ground.fixed, &moving),
+        };
         let mut all = moving;
         all.segments.extend(ground.fixed);
         let graph = visibility_graph(&lattice, &all);
@@ -112,7 +127,12 @@ impl Scene {
     /// `obstacles` those of the whole layout.
     pub fn seen(&self, tally: Tally, blind: &[u32], obstacles: impl FnOnce() -> Obstacles) -> Seen {
         let covered = self.covered(blind);
-        let mut out = Seen { means: means(&tally, covered.len()), tally, covered, ..Seen::default() };
+        let sample = self.evaluator.sample();
+        let (means, estimated) = match sample.map(|s| (s.means(&tally, covered.len()), s.places.clone())) {
+            Some(((means, half_widths), places)) => (means, Some(Estimated { places, half_widths })),
+            None => (means(&tally, covered.len()), None),
+        };
+        let mut out = Seen { means, estimated, tally, covered, ..Seen::default() };
         if self.asked.is_empty() {
             return out;
         }
@@ -162,6 +182,7 @@ pub(super) fn pairs(
     ground: &Ground<'_>,
     identity: &Layout,
     settings: &Settings,
+    roots: Option<(usize, u64)>,
     report: &mut Report,
 ) -> Result<Vec<Pair>, Error> {
     let markers = &base.plan.markers;
@@ -178,7 +199,7 @@ pub(super) fn pairs(
         let own = Ground { query, reference, ..ground.clone() };
         let asked = asked(settings, Some(name));
         // What there is to say of the interior was said of the unnamed pair.
-        let scene = Scene::new(&own, base, identity, asked, &mut Report::default());
+        let scene = Scene::new(&own, base, identity, asked, roots, &mut Report::default());
         let scene = scene.map_err(|e| {
             let text = format!("the regions named {name}: {e}");
             Error::input("pair", Place::file(&base.plan.file), text)
