@@ -54,6 +54,8 @@ fn estimates_are_called_estimates() {
         ["", "cells.csv", "a.json"].map(|n| folder.path().join(n).to_string_lossy().into_owned());
     let gallery = sample("gallery.dxf");
     let args = ["analyse", &gallery, "--spacing", "0.5", "--out", &out, "--cells", &csv];
+    let on_card = enfilade(&[&args[..], &["--roots", "20", "--backend", "gpu"]].concat());
+    assert!(text(&on_card.stderr).contains("no graphics card was asked"), "{}", text(&on_card.stderr));
     let json_to = format!("--json={result}");
     let roots = ["--roots", "20", "--measures", "Visual Mean Depth", &json_to];
     let told = enfilade(&[&args[..], &roots].concat());

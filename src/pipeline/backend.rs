@@ -8,6 +8,14 @@ use crate::report::{Place, Report};
 /// Cells from which `auto` asks for a graphics card: with fewer, a core is done before a card has answered.
 pub const AUTO_CELLS_MIN: usize = 512;
 
+/// Says that no graphics card is asked where one was wanted and estimates are made.
+pub(super) fn state_unused(backend: Backend, input: &Input<'_>, report: &mut Report) {
+    if backend == Backend::Gpu {
+        let text = "--roots walks few trees, on the cores: no graphics card was asked; leave --roots away for all trees on it";
+        report.info("backend-gpu", Place::file(input.file()), text);
+    }
+}
+
 /// Gives the study a graphics card where one is wanted, there is one and it agrees with the cores.
 pub(super) fn choose(study: &mut Study, backend: Backend, input: &Input<'_>, report: &mut Report) {
     let is_auto = backend == Backend::Auto;

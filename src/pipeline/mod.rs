@@ -257,7 +257,10 @@ fn analyse_storey(
     let mut study = Study::from_roots(base, settings, roots, &mut report)?;
     match roots {
         None => backend::choose(&mut study, settings.backend, input, &mut report),
-        Some(asked) => state_estimated(&study, asked, input, &mut report),
+        Some(asked) => {
+            backend::state_unused(settings.backend, input, &mut report);
+            state_estimated(&study, asked, input, &mut report);
+        }
     }
     state_cut_off(&study, input, &mut report);
     cancel.check()?;

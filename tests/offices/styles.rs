@@ -1,7 +1,9 @@
 //! How offices draw: a plan to a drawing.
 
 use enfilade::plan::axes::{Drawn, Face, Mark, Role, paths_of};
-use enfilade::plan::drawing::{Drawing, Editable, Entity, Format, Layer, Shape, SourceRef, Unit, Vertex};
+use enfilade::plan::drawing::{
+    Drawing, Editable, Entity, Format, IdleMarks, Layer, Shape, SourceRef, Unit, Vertex,
+};
 use glam::DVec2;
 
 use super::Dice;
@@ -273,7 +275,7 @@ impl Sheet {
             layers,
             entities,
             marked: Vec::new(),
-            has_idle_marks: false,
+            idle_marks: IdleMarks::None,
             hosts: Default::default(),
             widths: Default::default(),
             singles: Default::default(),

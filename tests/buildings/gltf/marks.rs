@@ -2,6 +2,7 @@
 
 use enfilade::config::{Partial, Settings};
 use enfilade::pipeline::{self, Input};
+use enfilade::plan::drawing::IdleMarks;
 use enfilade::report::Cancel;
 use serde_json::{Value, json};
 
@@ -63,7 +64,7 @@ fn a_mark_that_is_not_used_may_have_meant_what_moves() {
         let (drawing, said) = read(&text).unwrap();
         assert_says(&said, &[words]);
         assert!(drawing.marked.is_empty(), "{words}");
-        assert_eq!(drawing.has_idle_marks, decides, "{words}: {said}");
+        assert_eq!(drawing.idle_marks == IdleMarks::Unusable, decides, "{words}: {said}");
     }
 }
 
