@@ -18,6 +18,9 @@ pub const CAVITY_HALF_WIDTH_M: f64 = 0.3;
 /// A mass is nowhere farther than this from its outline: no room is so narrow that nothing says how it is entered.
 pub const MASS_HALF_WIDTH_M: f64 = 0.8;
 
+/// Half the width of a thick wall where it turns a corner: what is nowhere wider is a wall and no room.
+const CORNER_HALF_WIDTH_M: f64 = 0.36;
+
 /// Share of the lines round the rooms behind which there is a wall's thickness, from which on a plan draws its walls
 /// with two faces; in others a line is a wall, and what lines enclose is a room.
 const TWO_FACED: f64 = 0.6;
@@ -58,7 +61,7 @@ impl Interior {
         raster.draw(walls);
         let as_drawn = raster.enclosed(&[], 0.0);
         // What glass or a door closes is no mass.
-        let masses = raster.masses(MASS_HALF_WIDTH_M * human_scale);
+        let masses = raster.masses(human_scale);
         raster.draw(closings);
         let to_wall = distance_px(&raster.wall, raster.cols, raster.rows);
         let steps = CLOSING_M.iter().map(|c| c * human_scale);
@@ -288,32 +291,32 @@ impl Raster {
 
     /// Narrow parts that bare lines enclose in a plan whose walls have two faces: thick walls where they meet, piers,
     /// chimneys. What lies beyond their outline is a room or the outside and not a wall's thickness.
-    fn masses(&self, half_width_m: f64) -> Vec<bool> {
-        let reach = (half_width_m * UM_PER_M / self.pixel_um as f64) as f32;
+    fn masses(&self, human_scale: f64) -> Vec<bool> {
         let (label, widest) = self.parts(&distance_px(&self.wall, self.cols, self.rows));
-        let is_wide = |part: u32| widest[part as usize] > reach;
-        // Of every part, how much of its outline is looked at, and how much of that leads to a wide part.
-        let mut outline = vec![[0_u32; 2]; widest.len()];
+        let reaches = |half_width_m: f64, part: u32| {
+            let reach = (half_width_m * human_scale * UM_PER_M / self.pixel_um as f64) as f32;
+            widest[part as usize] > reach
+        };
+        let is_wide = |part: u32| reaches(MASS_HALF_WIDTH_M, part);
+        let is_wall = |part: u32| !reaches(CORNER_HALF_WIDTH_M, part);
+        let mut outlines = vec![Outline::default(); widest.len()];
         for i in (0..self.wall.len()).filter(|i| !self.wall[*i]) {
             for (j, step) in around(i, self.cols, self.rows).filter(|(j, _)| self.wall[*j]) {
                 let beyond = self.beyond(j, step).map(|k| label[k]);
                 if beyond != Some(label[i]) {
-                    let [all, wide] = &mut outline[label[i] as usize];
-                    *all += 1;
-                    *wide += u32::from(beyond.is_some_and(is_wide));
+                    let outline = &mut outlines[label[i] as usize];
+                    outline.all += 1;
+                    outline.wide += u64::from(beyond.is_some_and(is_wide));
+                    outline.wall += u64::from(beyond.is_some_and(is_wall));
                 }
             }
         }
-        // The outside is the first part, and says nothing of how walls are drawn.
-        let rooms = outline.iter().enumerate().skip(1).filter(|(part, _)| is_wide(*part as u32));
-        let [all, bare] =
-            rooms.fold([0.0; 2], |[all, bare], (_, o)| [all + f64::from(o[0]), bare + f64::from(o[1])]);
-        if bare > (1.0 - TWO_FACED) * all {
+        if !is_two_faced(&outlines, is_wide) {
             return vec![false; self.wall.len()];
         }
         let is_mass = |part: u32| {
-            let [all, wide] = outline[part as usize];
-            !is_wide(part) && f64::from(wide) >= BARE * f64::from(all)
+            let outline = outlines[part as usize];
+            !is_wide(part) && outline.wide as f64 >= BARE * outline.all as f64
         };
         (0..self.wall.len()).map(|i| !self.wall[i] && is_mass(label[i])).collect()
     }
@@ -347,6 +350,29 @@ impl Raster {
             widest.push(far);
         }
         (label, widest)
+    }
+}
+
+/// What lies beyond the outline of a part between lines, pixels.
+#[derive(Clone, Copy, Debug, Default)]
+struct Outline {
+    /// Its length.
+    all: u64,
+    /// How much of it leads to what is as wide as a room.
+    wide: u64,
+    /// How much of it leads to what is as thin as a wall.
+    wall: u64,
+}
+
+/// Whether a plan draws its walls with two faces: rooms lead to their thickness. Where none is enclosed the outside
+/// tells, the first part.
+fn is_two_faced(outlines: &[Outline], is_wide: impl Fn(u32) -> bool) -> bool {
+    let rooms = outlines.iter().enumerate().skip(1).filter(|(part, _)| is_wide(*part as u32));
+    let [all, wide] = rooms.fold([0, 0], |[all, wide], (_, o)| [all + o.all, wide + o.wide]);
+    match outlines.first() {
+        _ if all > 0 => wide as f64 <= (1.0 - TWO_FACED) * all as f64,
+        Some(outside) => outside.wall as f64 >= TWO_FACED * outside.all.max(1) as f64,
+        None => false,
     }
 }
 
@@ -436,6 +462,14 @@ mod tests {
         // In a plan of single lines it may be a room, and so it may where it is as wide as one.
         assert!(!is_cavity(&[inner.clone(), pier], 360, 300));
         assert!(!is_cavity(&[outer.clone(), inner.clone(), rectangle(300, 200, 180, 320)], 390, 300));
+        // Where no room is enclosed the walls beside it tell.
+        let bars = [rectangle(0, 0, 600, 30), rectangle(700, 0, 30, 500), rectangle(0, 200, 130, 320)];
+        let lone = |walls: &[Vec<Segment>]| {
+            let mut interior = Interior::new(&walls.concat(), &[], 1.0).unwrap();
+            interior.inside.fill(true);
+            interior.is_cavity([600_000, 3_600_000])
+        };
+        assert!(lone(&bars) && !lone(&bars[2..]));
         // A closet as narrow behind walls of its own.
         let closet = [rectangle(300, 200, 130, 320), rectangle(285, 185, 160, 350)];
         assert!(!is_cavity(&[vec![outer, inner], closet.to_vec()].concat(), 360, 300));
