@@ -446,3 +446,39 @@ fn host_ids_are_repeated() {
         assert_eq!(ids, [Some("8".to_owned()), None, Some("3f2a-wall-7".to_owned()), None]);
     }
 }
+
+/// What fills the ground between the faces of a wall would stay where the wall was.
+#[test]
+fn what_fills_a_moved_wall_is_named() {
+    let line = |handle: &str, [x0, y0, x1, y1]: [f64; 4]| {
+        format!("0|LINE|5|{handle}|8|A-WALL|10|{x0}|20|{y0}|11|{x1}|21|{y1}|")
+    };
+    let quad = |kind: &str, handle: &str, [x0, y0, x1, y1]: [f64; 4]| {
+        format!("0|{kind}|5|{handle}|8|FILL|10|{x0}|20|{y0}|11|{x1}|21|{y0}|12|{x0}|22|{y1}|13|{x1}|23|{y1}|")
+    };
+    let wide = |handle: &str, x: f64, width: f64| {
+        format!("0|LWPOLYLINE|5|{handle}|8|FILL|90|2|70|0|43|{width}|10|{x}|20|0.05|10|{x}|20|3.95|")
+    };
+    let text = [
+        line("A0", [2.0, 0.0, 2.0, 4.0]),
+        line("A1", [2.1, 0.0, 2.1, 4.0]),
+        line("A2", [7.0, 0.0, 7.0, 4.0]),
+        line("A3", [7.1, 0.0, 7.1, 4.0]),
+        quad("SOLID", "B0", [2.0, 0.0, 2.1, 4.0]),
+        quad("TRACE", "B1", [2.02, 0.0, 2.08, 3.98]),
+        wide("B2", 2.05, 0.09),
+        quad("SOLID", "B3", [7.0, 0.0, 7.1, 4.0]),
+        wide("B4", 7.05, 0.1),
+        quad("SOLID", "B5", [2.1, 0.0, 7.0, 0.1]),
+        quad("SOLID", "B6", [3.0, 1.0, 3.1, 2.0]),
+    ]
+    .concat();
+    let bytes = format!("0|SECTION|2|ENTITIES|{text}0|ENDSEC|0|EOF|").replace('|', "\n").into_bytes();
+    let (read, _) = read_whole("plan.dxf", &bytes);
+    let record = |handle: &str| {
+        read.entities.iter().find(|e| e.source.handle.as_deref() == Some(handle)).unwrap().source.record
+    };
+    let found = dependents("plan.dxf", &bytes, &read, &[record("A0"), record("A1")]).unwrap();
+    let handles: Vec<&str> = found.iter().filter_map(|source| source.handle.as_deref()).collect();
+    assert_eq!(handles, ["B0", "B1", "B2"]);
+}

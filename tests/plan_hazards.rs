@@ -420,8 +420,8 @@ fn annotation_of_a_moved_wall_is_named() {
         .filter(|p| p.code == "stale-annotation")
         .map(ToString::to_string)
         .collect();
-    let stale = "is tied to a wall that moves in an option; its bytes are kept and may be stale there";
-    let alike = "and 2 more HATCH of the layer (C6, C7) are tied to walls that move in an option; their bytes are kept \
+    let stale = "it is tied to a wall that moves in an option; its bytes are kept and may be stale there";
+    let alike = "it and 2 more HATCH of the layer (C6, C7) are tied to walls that move in an option; their bytes are kept \
                  and may be stale there";
     let expected =
         [("DIMENSION C0 layer DIM", stale), ("HATCH C2 layer FILL", alike), ("LEADER C3 layer NOTE", stale)]

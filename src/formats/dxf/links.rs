@@ -13,7 +13,8 @@ use super::opened::Place;
 use super::patch::tokens_of;
 use super::reader::Reader;
 use super::tokens::{Tokens, shown, tokenize};
-use crate::plan::drawing::{Drawing, Shape, SourceRef};
+use crate::plan::distance_to_segment;
+use crate::plan::drawing::{Drawing, Entity, Shape, SourceRef};
 use crate::report::{Error, Report};
 
 /// Distance, in parts of the moved entities' largest coordinate, at which a point still is "on" one.
@@ -23,8 +24,12 @@ const ON_ENTITY: f64 = 1e-7;
 const ANNOTATION: [&[u8]; 6] =
     [b"DIMENSION", b"ARC_DIMENSION", b"LARGE_RADIAL_DIMENSION", b"LEADER", b"MULTILEADER", b"HATCH"];
 
+/// A corner of a fill lies this near to the faces that it fills, in parts of the fill's own width.
+const FILL_INSET: f64 = 0.5;
+
 /// Dimensions, leaders and hatches that refer to an entity of `records`, by handle (associative) or by a defining
-/// point on its shape in `drawing`; in file order. They stand in model space, or in a block where one of `records`
+/// point on its shape in `drawing`, and what fills the ground between them: SOLID, TRACE, HATCH and wide polylines all of
+/// whose corners lie at such shapes; in file order. They stand in model space, or in a block where one of `records`
 /// does. They keep their bytes when the entity moves and may be stale then.
 ///
 /// # Errors
@@ -70,7 +75,7 @@ pub fn dependents(
             }
     };
     let found = defined.clone().chain(section).filter(|&r| ANNOTATION.contains(&tokens.name(r)) && refers(r));
-    Ok(found
+    let mut out: Vec<SourceRef> = found
         .map(|record| SourceRef {
             record,
             handle: handle_of(&tokens, record),
@@ -80,7 +85,38 @@ pub fn dependents(
                 .find(|(_, p)| p.code == 8)
                 .map_or_else(|| "0".into(), |(_, p)| page.decode(tokens.value(p))),
         })
-        .collect())
+        .collect();
+    let fills = fills(drawing, &records).filter(|(fill, reach)| {
+        let points = corners(&fill.shape);
+        !points.is_empty() && points.iter().all(|p| outline.distance(*p) <= *reach)
+    });
+    out.extend(fills.map(|(fill, _)| fill.source.clone()));
+    out.sort_by_key(|s| s.record);
+    out.dedup_by_key(|s| s.record);
+    Ok(out)
+}
+
+/// What fills ground and is none of `records`, with how far the faces that it fills lie from its corners at most: filled
+/// outlines, and polylines as wide as a wall.
+fn fills<'d>(drawing: &'d Drawing, records: &HashSet<usize>) -> impl Iterator<Item = (&'d Entity, f64)> {
+    let across = |e: &Entity| {
+        let points = corners(&e.shape);
+        let sides = (0..points.len()).map(|i| points[i].distance(points[(i + 1) % points.len()]));
+        sides.filter(|side| *side > 0.0).fold(f64::INFINITY, f64::min)
+    };
+    let filled = drawing.fills.iter().map(move |e| (e, FILL_INSET * across(e)));
+    let wide = drawing.entities.iter().filter_map(|e| Some((e, *drawing.widths.get(&e.source.record)?)));
+    let wide = wide.map(|(e, width)| (e, (0.5 + FILL_INSET) * width));
+    let others: HashSet<usize> = records.clone();
+    filled.chain(wide).filter(move |(e, _)| !others.contains(&e.source.record))
+}
+
+fn corners(shape: &Shape) -> Vec<DVec2> {
+    match shape {
+        Shape::Line { a, b } => vec![*a, *b],
+        Shape::Polyline { vertices, .. } => vertices.iter().map(|v| v.at).collect(),
+        Shape::Circle { .. } | Shape::Arc { .. } => Vec::new(),
+    }
 }
 
 fn upper(value: &[u8]) -> String {
@@ -170,11 +206,11 @@ impl Outline {
     }
 
     fn holds(&self, p: DVec2) -> bool {
-        self.pieces.iter().any(|&[a, b]| {
-            let chord = b - a;
-            let along = (p - a).dot(chord) / chord.length_squared().max(f64::MIN_POSITIVE);
-            p.distance(a + chord * along.clamp(0.0, 1.0)) <= self.tolerance
-        })
+        self.distance(p) <= self.tolerance
+    }
+
+    fn distance(&self, p: DVec2) -> f64 {
+        self.pieces.iter().map(|s| distance_to_segment(p, *s)).fold(f64::INFINITY, f64::min)
     }
 }
 

@@ -373,10 +373,10 @@ pub(super) fn say_stale(report: &mut Report, file: &str, found: &[SourceRef]) {
     }
     for of in alike {
         let text = match &of[1..] {
-            [] => "is tied to a wall that moves in an option; its bytes are kept and may be stale there"
+            [] => "it is tied to a wall that moves in an option; its bytes are kept and may be stale there"
                 .to_owned(),
             others => format!(
-                "and {} more {} of the layer ({}) are tied to walls that move in an option; their bytes are kept and may \
+                "it and {} more {} of the layer ({}) are tied to walls that move in an option; their bytes are kept and may \
                  be stale there",
                 others.len(),
                 of[0].kind,
@@ -392,7 +392,7 @@ pub(super) fn say_labels(base: &Understood, layout: &Layout, report: &mut Report
     for label in &base.labels {
         let fitting = &base.fittings[label.fitting];
         if matches!(carried(&base.plan, fitting, layout), Carried::Moves(..)) {
-            let text = "stands at a door or window that moves in an option; it stays as drawn and may be stale there";
+            let text = "it stands at a door or window that moves in an option, stays as drawn and may be stale there";
             report.info("stale-annotation", place_in(&base.plan.file, &label.source), text);
         }
     }
