@@ -392,7 +392,7 @@ pub(super) fn say_labels(base: &Understood, layout: &Layout, report: &mut Report
     for label in &base.labels {
         let fitting = &base.fittings[label.fitting];
         if matches!(carried(&base.plan, fitting, layout), Carried::Moves(..)) {
-            let text = "it stands at a door or window that moves in an option, stays as drawn and may be stale there";
+            let text = "stands at a door or window that moves in an option; it stays as drawn and may be stale there";
             report.info("stale-annotation", place_in(&base.plan.file, &label.source), text);
         }
     }
