@@ -4,7 +4,7 @@
 //! directions that nothing nearer has taken, until none is left. The box of everything closes the view
 //! where the plan is open.
 //!
-//! Coordinates are whole micrometres, so differences are exact and [`direction`] never turns the order of
+//! Coordinates are whole micrometres, so differences are exact and `direction` never turns the order of
 //! two of them over; on which side of a wall a viewer stands is decided exactly. A wall that a viewer sees
 //! edge-on hides nothing.
 
