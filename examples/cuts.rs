@@ -21,7 +21,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for name in wanted {
         let mut report = Report::default();
         let options = ReadOptions { storey: name.clone(), ..base.clone() };
-        let drawing = formats::read(&file, &bytes, &options, &mut report)?;
+        let floor_m = all.iter().find(|s| Some(&s.name) == name.as_ref()).map(|s| s.floor_m);
+        let drawing = match formats::read(&file, &bytes, &options, &mut report) {
+            Ok(drawing) => drawing,
+            // A storey without walls at its cut shows none.
+            Err(e) if e.problem().is_some_and(|p| p.code == "no-walls") => {
+                let nothing: [u8; 0] = [];
+                storeys.push(
+                    json!({"name": name, "floor_m": floor_m, "cuts": nothing, "refused": e.to_string()}),
+                );
+                continue;
+            }
+            Err(e) => return Err(e.into()),
+        };
         let metres = drawing.declared_unit.map_or(1.0, |u| u.metres);
         let ring = |shape: &Shape| match shape {
             Shape::Polyline { vertices, .. } => {
@@ -34,7 +46,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .iter()
             .map(|e| json!({"global_id": e.source.handle, "layer": e.layer, "ring": ring(&e.shape)}))
             .collect();
-        let floor_m = all.iter().find(|s| Some(&s.name) == name.as_ref()).map(|s| s.floor_m);
         let problems: Vec<String> = report.problems.iter().map(ToString::to_string).collect();
         storeys.push(json!({"name": name, "floor_m": floor_m, "cuts": cuts, "problems": problems}));
     }
