@@ -1,5 +1,5 @@
-//! Walls of another height: what the file joins to a wall that shifts and the cut does not show goes along on its own
-//! axis, as walls that are shown do by moves of their own.
+//! Walls of another height: what stands at a wall that shifts and the cut does not show goes along on its own axis, as
+//! walls that are shown do by moves of their own. Walls that share no height follow where the file joins them.
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
@@ -49,7 +49,7 @@ pub(super) struct Taken {
     held: BTreeSet<[u64; 2]>,
 }
 
-/// A joint that the file states between a wall that moves and one that stays and is not in the plan.
+/// A joint, stated by the file or seen in the plan, between a wall that moves and one that stays and is not in the plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnseenJoint {
     /// Instance of the wall that moves.
@@ -143,9 +143,10 @@ fn is_level(a: [f64; 2], b: [f64; 2], metres: f64) -> bool {
     (a[1].min(b[1]) - a[0].max(b[0])) * metres > BESIDE_M
 }
 
-/// The unseen walls that follow what edits shift: each end that stands at a wall that shifts and that the file joins
-/// to it. A wall that an opening is cut out of or that a mark keeps, its own or that of a space, stays, and so does one that would be left shorter than
-/// [`REST_M`], has no axis that says where it starts, cannot change its length, or is barred by another.
+/// The unseen walls that follow what edits shift: each end that stands at a wall that shifts, where the file joins both
+/// or they share some height. A wall that an opening is cut out of or that a mark keeps, its own or that of a space, stays,
+/// and so does one that would be left shorter than [`REST_M`], has no axis that says where it starts, cannot change its
+/// length, or is barred by another.
 pub(super) fn taken(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit]) -> Taken {
     let edited: BTreeSet<u64> = edits.iter().map(|e| e.record() as u64).collect();
     let shifts: BTreeMap<u64, DVec2> = edits.iter().filter_map(shift).collect();
