@@ -8,7 +8,7 @@ mod support;
 use std::collections::HashSet;
 
 use enfilade::formats::dxf::{
-    Completeness, changed_records, dependents, host_ids, is_complete, patch, strip_own,
+    Completeness, Tied, changed_records, host_ids, is_complete, patch, strip_own, tied,
 };
 use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape, Vertex};
 use enfilade::plan::own_layers::is_result;
@@ -426,11 +426,11 @@ fn what_hangs_on_a_wall_is_named() {
     let bytes = ascii(&pairs_of, "\n");
     let (read, _) = read_whole("plan.dxf", &bytes);
     let wall = read.entities[0].source.record;
-    let found = dependents("plan.dxf", &bytes, &read, &[wall]).unwrap();
+    let found = tied_to(&bytes, &read, &[wall], DVec2::X).stale;
     let handles: Vec<&str> = found.iter().filter_map(|source| source.handle.as_deref()).collect();
     assert_eq!(handles, ["C0", "C2", "C3", "C5", "C7"]);
     assert_eq!((found[0].kind.as_str(), found[0].layer.as_str()), ("DIMENSION", "DIM"));
-    assert_eq!(dependents("plan.dxf", &bytes, &read, &[]).unwrap(), []);
+    assert_eq!(tied_to(&bytes, &read, &[], DVec2::X), Tied::default());
 }
 
 #[test]
@@ -478,7 +478,133 @@ fn what_fills_a_moved_wall_is_named() {
     let record = |handle: &str| {
         read.entities.iter().find(|e| e.source.handle.as_deref() == Some(handle)).unwrap().source.record
     };
-    let found = dependents("plan.dxf", &bytes, &read, &[record("A0"), record("A1")]).unwrap();
-    let handles: Vec<&str> = found.iter().filter_map(|source| source.handle.as_deref()).collect();
-    assert_eq!(handles, ["B0", "B1", "B2"]);
+    let found = tied_to(&bytes, &read, &[record("A0"), record("A1")], DVec2::X);
+    let handles: Vec<&str> = found.stale.iter().filter_map(|source| source.handle.as_deref()).collect();
+    assert_eq!(handles, ["B1", "B2"]);
+    let corners = [[2.0, 0.0], [2.1, 0.0], [2.1, 4.0], [2.0, 4.0]].map(DVec2::from);
+    // What lies between walls ends at the moved face.
+    let shifts =
+        found.following.iter().map(|f| f.corners[1].iter().zip(&f.corners[0]).map(|(q, p)| q.x - p.x));
+    let shifts: Vec<Vec<f64>> = shifts.map(Iterator::collect).collect();
+    assert_eq!(shifts, [[1.0; 4], [1.0, 0.0, 0.0, 1.0]]);
+    assert_eq!(found.following[0].corners, [corners.to_vec(), corners.map(|p| p + DVec2::X).to_vec()]);
+}
+
+/// What hangs on lines that are shifted.
+fn tied_to(bytes: &[u8], read: &Drawing, records: &[usize], shift: DVec2) -> Tied {
+    let edit = |&record: &usize| {
+        let shape = match &read.entities.iter().find(|e| e.source.record == record).unwrap().shape {
+            Shape::Line { a, b } => Shape::Line { a: *a + shift, b: *b + shift },
+            other => panic!("{other:?}"),
+        };
+        Edit::Shape { record, shape }
+    };
+    let edits: Vec<Edit> = records.iter().map(edit).collect();
+    tied("plan.dxf", bytes, read, &edits, &HashSet::new()).unwrap()
+}
+
+/// A wall between two others, of which the left one ends at it, and a column, all filled in every way: each fill goes with
+/// what bounds it as far as that says where, and keeps its bytes otherwise.
+#[test]
+fn what_fills_a_wall_goes_with_it() {
+    let line = |handle: &str, [x0, y0, x1, y1]: [f64; 4]| {
+        format!("0|LINE|5|{handle}|8|A-WALL|10|{x0}|20|{y0}|11|{x1}|21|{y1}|")
+    };
+    let ring = |points: &[[f64; 2]]| {
+        let corners: String = points.iter().map(|[x, y]| format!("10|{x}|20|{y}|")).collect();
+        format!("92|2|72|0|73|1|93|{}|{corners}97|0|", points.len())
+    };
+    let edges = |points: &[[f64; 2]]| {
+        let next = points.iter().cycle().skip(1);
+        let each = points.iter().zip(next);
+        let edges: String =
+            each.map(|([a, b], [c, d])| format!("72|1|10|{a}|20|{b}|11|{c}|21|{d}|")).collect();
+        format!("92|0|93|{}|{edges}97|1|330|A0|", points.len())
+    };
+    let hatch = |handle: &str, kind: &str, outlines: &[String]| {
+        let paths = outlines.concat();
+        format!(
+            "0|HATCH|5|{handle}|8|FILL|10|0.0|20|0.0|30|0.0|2|ANSI31|70|{kind}|71|1|91|{}|{paths}75|0|76|1|98|1|10|4.05|20|1.0|",
+            outlines.len()
+        )
+    };
+    // The wall at x 4.0 to 4.1; the left one from 1.0 to its face, at y 2.0 to 2.2; static lines at y 0 and 4.
+    let wall = [[4.0, 0.0], [4.1, 0.0], [4.1, 4.0], [4.0, 4.0]];
+    let left = [[1.0, 2.0], [4.0, 2.0], [4.0, 2.2], [1.0, 2.2]];
+    let off = [[4.0, 0.0], [4.1, 0.0], [4.1, 3.9], [4.05, 4.3]];
+    let other = [[8.0, 0.0], [9.0, 0.0], [9.0, 4.0]];
+    let whole = |r: f64| format!("92|0|93|1|72|2|10|12.0|20|2.0|40|{r}|50|0.0|51|360.0|73|1|97|0|");
+    let bulged = |points: &[[f64; 2]], y: &str| ring(points).replacen(y, &format!("{y}42|0.5|"), 1);
+    let text = [
+        line("A0", [4.0, 0.0, 4.0, 4.0]),
+        line("A1", [4.1, 0.0, 4.1, 4.0]),
+        line("A2", [1.0, 2.0, 4.0, 2.0]),
+        line("A3", [1.0, 2.2, 4.0, 2.2]),
+        line("A4", [0.0, 0.0, 9.0, 0.0]),
+        line("A5", [0.0, 4.0, 9.0, 4.0]),
+        line("A6", [1.0, 2.0, 1.0, 2.2]),
+        line("A7", [9.0, 0.0, 9.0, 4.0]),
+        "0|CIRCLE|5|A8|8|A-WALL|10|12.0|20|2.0|40|0.2|".into(),
+        hatch("B0", "0", &[ring(&wall)]),
+        hatch("B1", "1", &[edges(&wall), ring(&left)]),
+        hatch("B2", "1", &[whole(0.2)]),
+        hatch("B3", "1", &[bulged(&wall, "20|0|")]),
+        hatch("B4", "1", &[ring(&off)]),
+        hatch("B5", "1", &[ring(&other)]),
+        hatch("B6", "1", &[whole(0.15)]),
+        hatch("B7", "1", &[ring(&wall).replace("10|4", "10|-4")]) + "210|0.0|220|0.0|230|-1.0|",
+        hatch("B8", "1", &[ring(&wall)]).replace("8|FILL", "8|EF-HEAT-DEGREE"),
+        hatch("BA", "1", &[bulged(&left, "20|2|")]),
+        "0|SOLID|5|B9|8|FILL|10|4.0|20|0.0|11|4.1|21|0.0|12|4.0|22|4.0|13|4.1|23|4.0|".into(),
+    ]
+    .concat();
+    let bytes = format!("0|SECTION|2|ENTITIES|{text}0|ENDSEC|0|EOF|").replace('|', "\n").into_bytes();
+    let (read, _) = read_whole("plan.dxf", &bytes);
+    let record = |handle: &str| {
+        read.entities.iter().find(|e| e.source.handle.as_deref() == Some(handle)).unwrap().source.record
+    };
+    let to = |handle: &str, [x0, y0, x1, y1]: [f64; 4]| Edit::Shape {
+        record: record(handle),
+        shape: Shape::Line { a: DVec2::new(x0, y0), b: DVec2::new(x1, y1) },
+    };
+    let aside = RigidMotion { turn_rad: 0.0, shift: DVec2::new(0.0, 1.0) };
+    let mut edits = vec![
+        to("A0", [4.5, 0.0, 4.5, 4.0]),
+        to("A1", [4.6, 0.0, 4.6, 4.0]),
+        to("A2", [1.0, 2.0, 4.5, 2.0]),
+        to("A3", [1.0, 2.2, 4.5, 2.2]),
+        Edit::Insert { record: record("A8"), motion: aside },
+    ];
+    let found = tied("plan.dxf", &bytes, &read, &edits, &HashSet::new()).unwrap();
+    let stale: Vec<&str> = found.stale.iter().filter_map(|s| s.handle.as_deref()).collect();
+    assert_eq!(stale, ["B4", "B6", "BA"], "a corner on nothing, another radius, a bulge that would change");
+    assert_eq!(found.following.len(), 6);
+    edits.pop();
+    edits.push(Edit::Shape {
+        record: record("A8"),
+        shape: Shape::Circle { centre: DVec2::new(12.0, 3.0), radius: 0.2 },
+    });
+    edits.extend(found.following.iter().map(|f| f.edit.clone()));
+    let written = String::from_utf8(patch("plan.dxf", &bytes, &edits, &[]).unwrap()).unwrap();
+    let moved = |points: &[[f64; 2]]| {
+        points.iter().map(|[x, y]| [if *x >= 4.0 { x + 0.5 } else { *x }, *y]).collect()
+    };
+    let (wall, left): (Vec<[f64; 2]>, Vec<[f64; 2]>) = (moved(&wall), moved(&left));
+    let seed = "10|4.05|20|1.0|";
+    let expected = [
+        hatch("B0", "0", &[ring(&wall)]).replace(seed, "10|4.55|20|1.0|"),
+        hatch("B1", "1", &[edges(&wall), ring(&left)]),
+        hatch("B2", "1", &[whole(0.2).replace("20|2.0", "20|3.0")]).replace(seed, "10|4.05|20|2.0|"),
+        hatch("B3", "1", &[bulged(&wall, "20|0|")]).replace(seed, "10|4.55|20|1.0|"),
+        hatch("B7", "1", &[ring(&wall).replace("10|4", "10|-4")]).replace(seed, "10|3.55|20|1.0|")
+            + "210|0.0|220|0.0|230|-1.0|",
+        "0|SOLID|5|B9|8|FILL|10|4.5|20|0.0|11|4.6|21|0.0|12|4.5|22|4.0|13|4.6|23|4.0|".into(),
+    ];
+    for record in expected {
+        assert!(written.contains(&record.replace('|', "\n")), "{record}\n{written}");
+    }
+    let unmoved: HashSet<usize> = found.following.iter().map(|f| f.edit.record()).take(1).collect();
+    let held = tied("plan.dxf", &bytes, &read, &edits[..5], &unmoved).unwrap();
+    assert_eq!(held.following.len(), 5);
+    assert!(held.stale.iter().any(|s| s.handle.as_deref() == Some("B0")));
 }

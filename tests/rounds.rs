@@ -575,3 +575,39 @@ fn what_is_gained_is_not_told_to_be_out_of_reach() {
         |p: &Value| p["code"] == "out-of-reach" && p["text"].as_str().unwrap().contains("Organisation");
     assert!(!result["problems"].as_array().unwrap().iter().any(is_told), "{}", result["problems"]);
 }
+
+/// What fills the ground between walls goes with them in every option and in the accepted drawing.
+#[test]
+fn what_fills_walls_goes_along() {
+    let hall = hall(["x -2 2", "x -2 2", "x 0 0.0001"]);
+    let drawn = hall.0 + "0\nSOLID\n8\nFILL\n10\n5\n20\n2\n11\n10\n21\n2\n12\n5\n22\n8\n13\n10\n23\n8\n";
+    let desk = Desk::new(&Plan(drawn));
+    let round = desk.run(1, &["--objective", "degree max", "--evaluations", "60"]);
+    let result = json(&round.join("result.json"));
+    let option = &result["candidates"][0];
+    let changes = option["changes"].as_array().unwrap();
+    let [fill] = &changes.iter().filter(|c| c["follows"] == true).collect::<Vec<_>>()[..] else {
+        panic!("{changes:?}")
+    };
+    let walls: Vec<&Value> = changes.iter().filter(|c| c["follows"] != true).collect();
+    // Corner by corner: where a wall that ends there goes.
+    for (from, to) in fill["from"].as_array().unwrap().iter().zip(fill["to"].as_array().unwrap()) {
+        let ends = |w: &Value| {
+            let at = w["from"].as_array().unwrap().iter().position(|p| p == from);
+            at.map(|i| w["to"][i].clone())
+        };
+        let expected = walls.iter().find_map(|w| ends(w)).unwrap_or_else(|| from.clone());
+        assert_eq!(*to, expected);
+    }
+    assert_ne!(fill["from"], fill["to"]);
+    assert!(!result["problems"].to_string().contains("stale"), "{result}");
+    assert!(enfilade(&["accept", &desk.drawing().to_string_lossy(), "1"]).status.success());
+    let written = |path: &Path| {
+        let text = text(&std::fs::read(path).unwrap());
+        let from = text.find("SOLID\n8\nFILL").unwrap();
+        text[from..].split("\n0\n").next().unwrap().to_owned()
+    };
+    let accepted = written(&desk.folder.path().join("plan-r02.dxf"));
+    assert_eq!(accepted, written(&round.join("candidate-1.dxf")));
+    assert!(!accepted.contains("\n10\n5\n") || !accepted.contains("\n11\n10\n"), "{accepted}");
+}

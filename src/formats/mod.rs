@@ -9,12 +9,12 @@ mod splice;
 mod storeys;
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::Arc;
 
 use glam::DVec2;
 
-use crate::plan::drawing::{Addition, Drawing, Edit, Format, SourceRef, Unit};
+use crate::plan::drawing::{Addition, Drawing, Edit, Format, Unit};
 use crate::plan::giants;
 use crate::report::{Error, Place, Report};
 pub use dxf::{ChangedRecord, Completeness};
@@ -301,22 +301,24 @@ pub fn host_ids(file: &str, bytes: &[u8], records: &[usize]) -> Vec<Option<Strin
     }
 }
 
-/// Annotation that is tied to moved records and does not follow them.
+/// What is tied to the records that `edits` change: filled areas that go along, none of `held`, and annotation that does not
+/// follow. Buildings and scenes have none.
 ///
 /// # Errors
 /// As reading.
-pub fn dependents(
+pub fn tied(
     file: &str,
     bytes: &[u8],
     options: &ReadOptions,
-    moved: &[usize],
-) -> Result<Vec<SourceRef>, Error> {
+    edits: &[Edit],
+    held: &HashSet<usize>,
+) -> Result<dxf::Tied, Error> {
     match format_of(file, bytes) {
         Format::Dxf => {
             let drawing = dxf::read(file, bytes, &options.dxf(), &mut Report::default())?;
-            dxf::dependents(file, bytes, &drawing, moved)
+            dxf::tied(file, bytes, &drawing, edits, held)
         }
-        Format::Ifc | Format::Gltf | Format::Glb => Ok(Vec::new()),
+        Format::Ifc | Format::Gltf | Format::Glb => Ok(dxf::Tied::default()),
     }
 }
 

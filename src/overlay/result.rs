@@ -214,7 +214,7 @@ pub struct Change {
     pub from: Vec<[f64; 2]>,
     /// Axis points after.
     pub to: Vec<[f64; 2]>,
-    /// Whether it is a door or window that goes with its wall, as hosts carry it along by themselves.
+    /// Whether it goes with its wall, as hosts carry it along by themselves: a door, a window, a filled area.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub follows: bool,
 }

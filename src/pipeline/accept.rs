@@ -9,7 +9,7 @@ use toml::{Table, Value};
 
 use super::Input;
 use super::fits;
-use super::round::edits_of;
+use super::round::{edits_of, tied};
 use super::ruler::ruler;
 use super::study::{self, Understood, marked};
 use crate::config::{Beside, KnownMove, LineageTable, NONE, Partial, Settings, Thresholds};
@@ -110,7 +110,9 @@ pub fn accept(
     }
     let layout = base.moves.apply(&base.plan, &base.graph, parameters);
     let options = study::read_options(&settings);
-    let drawing = formats::patch(input.file(), &input.bytes, &options, &edits_of(&base, &layout), &[])?;
+    let mut edits = edits_of(&base, &layout);
+    edits.extend(tied(input, &settings, &base, &edits)?.following.into_iter().map(|f| f.edit));
+    let drawing = formats::patch(input.file(), &input.bytes, &options, &edits, &[])?;
     let lineage = LineageTable {
         drawing: input.file().into(),
         round: origin.round,

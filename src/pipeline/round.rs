@@ -35,8 +35,8 @@ pub(super) use found::Found;
 use found::found;
 pub(super) use judged::hidden;
 use judged::{distances, evaluation, is_firm, nearest, objectives, pinned};
-pub(super) use made::edits_of;
 use made::{Made, changes, make};
+pub(super) use made::{edits_of, tied};
 
 /// Layouts that are asked for at once. Part of the search's definition, not of the machine: the same
 /// on any number of threads.

@@ -330,20 +330,30 @@ pub enum Edit {
         /// How far its first and its second end go, drawing units, positive from the first towards the second.
         by: [f64; 2],
     },
+    /// New places of the points of the filled area at `record`, which goes along with the walls that it fills.
+    Points {
+        /// [`SourceRef::record`].
+        record: usize,
+        /// All that the file states: corners, centres of arcs and points inside, in its order.
+        points: Vec<DVec2>,
+    },
 }
 
 impl Edit {
     /// [`SourceRef::record`] of what it changes.
     pub fn record(&self) -> usize {
         match self {
-            Self::Shape { record, .. } | Self::Insert { record, .. } | Self::Ends { record, .. } => *record,
+            Self::Shape { record, .. }
+            | Self::Insert { record, .. }
+            | Self::Ends { record, .. }
+            | Self::Points { record, .. } => *record,
         }
     }
 
     /// Whether it moves something by nothing.
     pub fn is_still(&self) -> bool {
         match self {
-            Self::Shape { .. } => false,
+            Self::Shape { .. } | Self::Points { .. } => false,
             Self::Insert { motion, .. } => motion.turn_rad == 0.0 && motion.shift == DVec2::ZERO,
             Self::Ends { by, .. } => *by == [0.0; 2],
         }

@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::boundary::{Piece, boundary};
 use super::entity::Body;
 use super::fields::{Fields, own_pairs};
 use super::reader::Reader;
@@ -66,96 +67,18 @@ impl Reader<'_, '_> {
         if !is_solid_with_one_outline {
             return None;
         }
-        let path = self.hatch_path(fields.record)?;
-        match path.edges[..] {
-            [Edge::Arc { centre, radius, sweep_deg }] if sweep_deg.abs() >= 360.0 - 1e-6 && radius > 0.0 => {
-                Some(Shape::Circle { centre, radius })
-            }
-            [] if path.vertices.len() > 2 => Some(ring(path.vertices)),
-            ref edges => {
-                let starts = edges.iter().map(|e| match e {
-                    Edge::Line { start } => Some(Vertex { at: *start, bulge: 0.0 }),
-                    Edge::Arc { .. } => None,
-                });
-                starts.collect::<Option<Vec<_>>>().filter(|v| v.len() > 2).map(ring)
-            }
+        let found = boundary(self.tokens, fields.record, FILL_CORNERS_MAX)?;
+        let [outline] = &found.outlines[..] else { return None };
+        if let [Piece::Arc { centre, radius, angles_deg: [from, to], .. }] = outline[..] {
+            let is_round = (to - from).abs() >= 360.0 - 1e-6 && radius > 0.0;
+            return is_round.then_some(Shape::Circle { centre: centre.point(self.tokens)?, radius });
         }
-    }
-
-    /// The one outline of a hatch; `None` where it has more corners than are looked at, or curves of other kinds.
-    fn hatch_path(&self, record: usize) -> Option<Path> {
-        let mut path = Path::default();
-        let (mut is_polyline, mut edge, mut x, mut is_open) = (false, Open::default(), None, false);
-        for (_, pair) in own_pairs(self.tokens, record) {
-            if !is_open {
-                is_open = pair.code == 91;
-                continue;
-            }
-            let value = || self.tokens.number(pair);
-            match pair.code {
-                92 => is_polyline = value()? as i64 & 2 != 0,
-                75 | 97 => break,
-                72 if !is_polyline => {
-                    path.close(&mut edge);
-                    edge.kind = value()? as i64;
-                    if !matches!(edge.kind, 1 | 2) {
-                        return None;
-                    }
-                }
-                10 => x = Some(value()?),
-                20 => {
-                    let Some(x) = x.take() else { continue };
-                    let at = DVec2::new(x, value()?);
-                    if is_polyline { path.vertices.push(Vertex { at, bulge: 0.0 }) } else { edge.at = at }
-                }
-                42 if is_polyline => {
-                    if let Some(last) = path.vertices.last_mut() {
-                        last.bulge = value()?;
-                    }
-                }
-                40 => edge.radius = value()?,
-                50 => edge.angles_deg[0] = value()?,
-                51 => edge.angles_deg[1] = value()?,
-                _ => {}
-            }
-            if path.vertices.len() + path.edges.len() > FILL_CORNERS_MAX {
-                return None;
-            }
-        }
-        path.close(&mut edge);
-        Some(path)
-    }
-}
-
-/// An outline as it is read: corners of a polyline, or edges.
-#[derive(Default)]
-struct Path {
-    vertices: Vec<Vertex>,
-    edges: Vec<Edge>,
-}
-
-enum Edge {
-    Line { start: DVec2 },
-    Arc { centre: DVec2, radius: f64, sweep_deg: f64 },
-}
-
-/// The edge that is being read: 0 none, 1 a line, 2 an arc.
-#[derive(Default)]
-struct Open {
-    kind: i64,
-    at: DVec2,
-    radius: f64,
-    angles_deg: [f64; 2],
-}
-
-impl Path {
-    fn close(&mut self, edge: &mut Open) {
-        let Open { kind, at, radius, angles_deg: [from, to] } = std::mem::take(edge);
-        match kind {
-            1 => self.edges.push(Edge::Line { start: at }),
-            2 => self.edges.push(Edge::Arc { centre: at, radius, sweep_deg: to - from }),
-            _ => {}
-        }
+        let corner = |piece: &Piece| match *piece {
+            Piece::Corner { at, bulge } => Some(Vertex { at: at.point(self.tokens)?, bulge }),
+            Piece::Line { start, .. } => Some(Vertex { at: start.point(self.tokens)?, bulge: 0.0 }),
+            Piece::Arc { .. } | Piece::Curve => None,
+        };
+        outline.iter().map(corner).collect::<Option<Vec<_>>>().filter(|v| v.len() > 2).map(ring)
     }
 }
 

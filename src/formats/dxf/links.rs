@@ -11,10 +11,12 @@ use super::header::Header;
 use super::limits::Limits;
 use super::opened::Place;
 use super::patch::tokens_of;
+use super::poche::{Following, following};
 use super::reader::Reader;
 use super::tokens::{Tokens, shown, tokenize};
 use crate::plan::distance_to_segment;
-use crate::plan::drawing::{Drawing, Entity, Shape, SourceRef};
+use crate::plan::drawing::{Drawing, Edit, Entity, Shape, SourceRef};
+use crate::plan::own_layers::is_own;
 use crate::report::{Error, Report};
 
 /// Distance, in parts of the moved entities' largest coordinate, at which a point still is "on" one.
@@ -27,45 +29,67 @@ const ANNOTATION: [&[u8]; 6] =
 /// A corner of a fill lies this near to the faces that it fills, in parts of the fill's own width.
 const FILL_INSET: f64 = 0.5;
 
-/// Dimensions, leaders and hatches that refer to an entity of `records`, by handle (associative) or by a defining
-/// point on its shape in `drawing`, and what fills the ground between them: SOLID, TRACE, HATCH and wide polylines all of
-/// whose corners lie at such shapes; in file order. They stand in model space, or in a block where one of `records`
-/// does. They keep their bytes when the entity moves and may be stale then.
+/// What hangs on moved entities.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tied {
+    /// Filled areas that go along, in file order.
+    pub following: Vec<Following>,
+    /// What keeps its bytes and may be stale, in file order.
+    pub stale: Vec<SourceRef>,
+}
+
+/// What hangs on the entities that `edits` change in `drawing`. HATCH, SOLID and TRACE whose corners all lie on their shapes
+/// or on what stands go along, but none of the records `held`. Stale are dimensions, leaders and hatches that refer to one by
+/// handle (associative) or by a defining point on its shape, and what else fills the ground between them: SOLID, TRACE, HATCH
+/// and wide polylines all of whose corners lie at such shapes. They stand in model space, or in a block where one of the changed
+/// entities does.
 ///
 /// # Errors
 /// [`Error::Input`] where the bytes are no DXF.
-pub fn dependents(
+pub fn tied(
     file: &str,
     bytes: &[u8],
     drawing: &Drawing,
-    records: &[usize],
-) -> Result<Vec<SourceRef>, Error> {
+    edits: &[Edit],
+    held: &HashSet<usize>,
+) -> Result<Tied, Error> {
     let tokens = tokens_of(file, bytes)?;
-    let page = Header::read(&tokens).page(&tokens);
-    let records: HashSet<usize> = records.iter().copied().collect();
+    let following = following(&tokens, drawing, edits, held);
+    let records: HashSet<usize> = edits.iter().map(Edit::record).collect();
+    let goes: HashSet<usize> = following.iter().map(|f| f.edit.record()).collect();
+    let mut stale = stale(file, &tokens, drawing, &records)?;
+    stale.retain(|s| !goes.contains(&s.record) && !is_own(&s.layer));
+    Ok(Tied { following, stale })
+}
+
+/// What refers to `records` or fills the ground between them and keeps its bytes.
+fn stale(
+    file: &str,
+    tokens: &Tokens<'_>,
+    drawing: &Drawing,
+    records: &HashSet<usize>,
+) -> Result<Vec<SourceRef>, Error> {
+    let page = Header::read(tokens).page(tokens);
     let shapes = drawing.entities.iter().filter(|e| records.contains(&e.source.record)).map(|e| &e.shape);
     let outline = Outline::of(shapes);
-    let handles: HashSet<String> = records
-        .iter()
-        .filter(|&&r| r < tokens.records.len())
-        .filter_map(|&r| handle_of(&tokens, r))
-        .collect();
-    let associated = associated_dimensions(&tokens, &handles);
+    let handles: HashSet<String> =
+        records.iter().filter(|&&r| r < tokens.records.len()).filter_map(|&r| handle_of(tokens, r)).collect();
+    let associated = associated_dimensions(tokens, &handles);
     let section = tokens.section(b"ENTITIES").unwrap_or(0..0);
     // Of the blocks only where something is changed there.
     let defined = tokens.section(b"BLOCKS").filter(|d| records.iter().any(|r| d.contains(r))).unwrap_or(0..0);
-    let (header, mut unsaid) = (Header::read(&tokens), Report::default());
+    let (header, mut unsaid) = (Header::read(tokens), Report::default());
     let options = ReadOptions::default();
-    let mut reader = Reader::new(file, &tokens, &header, &options, &mut unsaid);
+    let mut reader = Reader::new(file, tokens, &header, &options, &mut unsaid);
     let blocks = if defined.is_empty() { None } else { Some(Blocks::find(&reader)?) };
     let mut refers = |record: usize| {
-        handle_of(&tokens, record).is_some_and(|handle| associated.contains(&handle))
-            || own_pairs(&tokens, record)
+        handle_of(tokens, record).is_some_and(|handle| associated.contains(&handle))
+            || own_pairs(tokens, record)
                 .any(|(_, p)| matches!(p.code, 330..=349) && handles.contains(&upper(tokens.value(p))))
             || {
                 let place = blocks.as_ref().filter(|_| defined.contains(&record));
                 let place = place.map(|blocks| Place::of(&mut reader, blocks, record));
-                let points = defining_points(&tokens, record);
+                let points = defining_points(tokens, record);
                 match place {
                     None => points.into_iter().any(|p| outline.holds(p)),
                     Some(place) => {
@@ -78,15 +102,15 @@ pub fn dependents(
     let mut out: Vec<SourceRef> = found
         .map(|record| SourceRef {
             record,
-            handle: handle_of(&tokens, record),
+            handle: handle_of(tokens, record),
             line: tokens.source_line(record),
             kind: shown(tokens.name(record)),
-            layer: own_pairs(&tokens, record)
+            layer: own_pairs(tokens, record)
                 .find(|(_, p)| p.code == 8)
                 .map_or_else(|| "0".into(), |(_, p)| page.decode(tokens.value(p))),
         })
         .collect();
-    let fills = fills(drawing, &records).filter(|(fill, reach)| {
+    let fills = fills(drawing, records).filter(|(fill, reach)| {
         let points = corners(&fill.shape);
         !points.is_empty() && points.iter().all(|p| outline.distance(*p) <= *reach)
     });

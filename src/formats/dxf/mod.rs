@@ -13,6 +13,7 @@
 
 mod additions;
 mod blocks;
+mod boundary;
 mod colour;
 mod complete;
 mod curves;
@@ -25,6 +26,7 @@ mod links;
 mod multiline;
 mod opened;
 mod patch;
+mod poche;
 mod read;
 mod reader;
 mod strip;
@@ -33,8 +35,9 @@ mod tokens;
 
 pub use complete::{Completeness, is_complete};
 pub use limits::*;
-pub use links::{dependents, host_ids};
+pub use links::{Tied, host_ids, tied};
 pub use patch::{ChangedRecord, changed_records, patch};
+pub use poche::Following;
 pub use read::read;
 pub use strip::strip_own;
 

@@ -15,6 +15,7 @@ use super::fields::{
 use super::header::Header;
 use super::limits::Limits;
 use super::opened::Place as Placed;
+use super::poche::points_of;
 use super::read::fault_error;
 use super::reader::Reader;
 use super::tokens::{Form, Kind, Tokens, kind_of, tokenize, trim};
@@ -102,6 +103,7 @@ fn edit_splices(file: &str, tokens: &Tokens<'_>, edits: &[Edit]) -> Result<Vec<R
             match edit {
                 Edit::Shape { shape, .. } => editor.shape(shape)?,
                 Edit::Insert { motion, .. } => editor.insert(motion)?,
+                Edit::Points { points, .. } => editor.points(points)?,
                 Edit::Ends { .. } => return Err(editor.fault("no entity has ends of its own to move")),
             }
             Ok(editor.out)
@@ -144,7 +146,7 @@ fn definition_edits<'e>(
                     motion.ok_or_else(|| editor.fault("what shows it stretches it: it does not turn"))?;
                 Edit::Insert { record, motion }
             }
-            Edit::Ends { .. } => edit.clone(),
+            Edit::Ends { .. } | Edit::Points { .. } => edit.clone(),
         };
         Ok(changed)
     };
@@ -371,6 +373,21 @@ impl Editor<'_, '_> {
             }
             _ => Err(self.fault("it is nothing that moves as a whole")),
         }
+    }
+
+    /// Writes the points of a filled area.
+    fn points(&mut self, points: &[DVec2]) -> Result<(), Error> {
+        let slots = points_of(self.tokens, self.record).unwrap_or_default();
+        if slots.is_empty() || slots.len() != points.len() {
+            return Err(self.fault("it is no filled area of so many points"));
+        }
+        let side = if self.is_mirrored(&Fields::of(self.tokens, self.record))? { -1.0 } else { 1.0 };
+        self.listen(points.iter().copied())?;
+        for (slot, p) in slots.iter().zip(points) {
+            self.length(self.record, Some(slot.x), p.x * side)?;
+            self.length(self.record, Some(slot.y), p.y)?;
+        }
+        Ok(())
     }
 
     /// Moves all points at `codes` (where present), turns the directions at `directions`, and turns the

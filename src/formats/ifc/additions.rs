@@ -57,7 +57,7 @@ pub(super) fn text(
         told.entry(id).or_default().extend(match edit {
             Edit::Insert { motion, .. } => writer.moved(id, motion),
             Edit::Ends { by, .. } => lengthened(*by),
-            Edit::Shape { .. } => Vec::new(),
+            Edit::Shape { .. } | Edit::Points { .. } => Vec::new(),
         });
     }
     for (id, values) in told.into_iter().filter(|t| !t.1.is_empty()) {

@@ -110,7 +110,9 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
                 self.lengthen(id, *by).map_err(|why| self.fault(id, &why))?;
                 return Ok(Moved { products: vec![id], tails: Vec::new() });
             }
-            Edit::Shape { .. } => return Err(self.fault(id, "an element of a building moves as a whole")),
+            Edit::Shape { .. } | Edit::Points { .. } => {
+                return Err(self.fault(id, "an element of a building moves as a whole"));
+            }
         };
         if !motion.turn_rad.is_finite() || !motion.shift.is_finite() {
             return Err(self.fault(id, "the motion is not finite"));

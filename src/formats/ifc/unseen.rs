@@ -251,7 +251,7 @@ fn ways(edits: &[Edit]) -> Ways {
         match edit {
             Edit::Insert { motion: by, .. } => *motion = *by,
             Edit::Ends { by, .. } => *ends = *by,
-            Edit::Shape { .. } => {}
+            Edit::Shape { .. } | Edit::Points { .. } => {}
         }
     }
     out

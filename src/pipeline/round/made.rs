@@ -1,6 +1,6 @@
 //! Options made real: the drawing patched, read again, and what differs in it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use glam::DVec2;
 
@@ -12,6 +12,7 @@ use crate::formats::{self, gltf};
 use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
 use crate::overlay::result::{self, ElementRef};
+use crate::plan::Plan;
 use crate::plan::drawing::Edit;
 use crate::plan::geometry::UM_PER_M;
 use crate::plan::markers::place_in;
@@ -24,6 +25,8 @@ pub(in crate::pipeline) struct Made {
     pub(super) member: search::Member,
     pub(super) worth: Worth,
     pub(super) edits: Vec<Edit>,
+    /// Those of filled areas that go along.
+    pub(super) following: Vec<formats::dxf::Following>,
     /// What the edits change in the file.
     pub(super) changed: formats::Changes,
     /// Ids of the host program, by record.
@@ -41,8 +44,10 @@ pub(super) fn make(
     member: &search::Member,
 ) -> Result<Made, Error> {
     let layout = study.base.moves.apply(&study.base.plan, &study.base.graph, &member.parameters);
-    let edits = edits_of(&study.base, &layout);
     let options = study::read_options(settings);
+    let mut edits = edits_of(&study.base, &layout);
+    let tied = tied(input, settings, &study.base, &edits)?;
+    edits.extend(tied.following.iter().map(|f| f.edit.clone()));
     let changed = formats::changes(input.file(), &input.bytes, &options, &edits)?;
     let bytes = formats::patch(input.file(), &input.bytes, &options, &edits, &[])?;
     let worth = study.measure_written(&bytes, &layout, settings)?;
@@ -53,7 +58,7 @@ pub(super) fn make(
     let named: Vec<usize> = records.iter().copied().chain(unseen).collect();
     let ids = formats::host_ids(input.file(), &input.bytes, &named);
     let host_ids = named.iter().zip(ids).filter_map(|(r, id)| Some((*r as u64, id?))).collect();
-    state_stale(input, settings, &records, &mut report)?;
+    told::say_stale(&mut report, input.file(), &tied.stale);
     state_left_behind(&study.base, &layout, &mut report);
     let searched = study.measure(&member.parameters, &mut study.bench());
     let differs = worth.differences(&searched);
@@ -66,7 +71,8 @@ pub(super) fn make(
         );
         report.warn("written-differs", Place::file(input.file()), text);
     }
-    Ok(Made { layout, member: member.clone(), worth, edits, changed, host_ids, report, name })
+    let following = tied.following;
+    Ok(Made { layout, member: member.clone(), worth, edits, following, changed, host_ids, report, name })
 }
 
 /// The changes of the file that make a layout; blocks once for all that they show.
@@ -100,16 +106,16 @@ pub(in crate::pipeline) fn edits_of(base: &Understood, layout: &Layout) -> Vec<E
     out
 }
 
-/// Names the annotation that does not follow the moved walls.
-fn state_stale(
+/// What hangs on what the edits of a layout change; what the plan understood otherwise stays as that has it.
+pub(in crate::pipeline) fn tied(
     input: &Input<'_>,
     settings: &Settings,
-    moved: &[usize],
-    report: &mut Report,
-) -> Result<(), Error> {
-    let options = study::read_options(settings);
-    told::say_stale(report, input.file(), &formats::dependents(input.file(), &input.bytes, &options, moved)?);
-    Ok(())
+    base: &Understood,
+    edits: &[Edit],
+) -> Result<formats::dxf::Tied, Error> {
+    let walls = base.plan.walls.iter().map(|w| w.source.record);
+    let held: HashSet<usize> = walls.chain(base.fittings.iter().map(|f| f.source.record)).collect();
+    formats::tied(input.file(), &input.bytes, &study::read_options(settings), edits, &held)
 }
 
 /// Doors and windows that cannot go with their wall.
@@ -157,20 +163,36 @@ pub(super) fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
         }
     }
     out.extend(unseen_changes(study, made));
+    out.extend(following_changes(study, made));
     out
+}
+
+/// Filled areas that go along with their walls.
+fn following_changes(study: &Study, made: &Made) -> Vec<result::Change> {
+    let plan = &study.base.plan;
+    let of = |(f, changed): (&formats::dxf::Following, &Vec<formats::Changed>)| {
+        let of = &changed.first()?.of;
+        let [from, to] = f.corners.each_ref().map(|c| metres(plan, c));
+        let element = show::element_of(plan.format, of.handle.clone(), of.record);
+        Some(result::Change { element, host_id: None, from, to, follows: true })
+    };
+    let first = made.edits.len() - made.following.len();
+    made.following.iter().zip(&made.changed.records[first..]).filter_map(of).collect()
+}
+
+/// Points of a file in metres of the drawing frame.
+fn metres(plan: &Plan, points: &[DVec2]) -> Vec<[f64; 2]> {
+    points.iter().map(|p| plan.frame.um_from_file(*p).map(|v| v as f64 / UM_PER_M)).collect()
 }
 
 /// Walls that the plan does not show and that go along by their length: each with its own places.
 fn unseen_changes(study: &Study, made: &Made) -> Vec<result::Change> {
     let plan = &study.base.plan;
-    let metres = |points: &Vec<DVec2>| -> Vec<[f64; 2]> {
-        points.iter().map(|p| plan.frame.um_from_file(*p).map(|v| v as f64 / UM_PER_M)).collect()
-    };
     let of = |c: &formats::Changed| {
-        let [from, to] = c.outlines.as_ref()?;
+        let [from, to] = c.outlines.as_ref()?.each_ref().map(|points| metres(plan, points));
         let element = show::element_of(plan.format, c.of.handle.clone(), c.of.record);
         let host_id = made.host_ids.get(&(c.of.record as u64)).cloned();
-        Some(result::Change { element, host_id, from: metres(from), to: metres(to), follows: false })
+        Some(result::Change { element, host_id, from, to, follows: false })
     };
     made.changed.records.iter().flatten().filter_map(of).collect()
 }
