@@ -1,11 +1,14 @@
 //! Curves that were traced by chords: arcs fitted to chains of short pieces.
 
+use std::collections::HashSet;
+
 use glam::DVec2;
 
 use super::carrier::Carrier;
 use super::near::{Buckets, Squares};
+use super::offset::{Chord, Guides};
 use super::runs::Loose;
-use super::spans::Span;
+use super::spans::{self, Span};
 use super::tolerances::{
     CHORD_MAX_M, CHORD_TURN_MAX_RAD, CIRCLE_FIT_M, COLLINEAR_M, OPENING_MAX_M, SAGITTA_MAX_M, ZERO_M,
 };
@@ -21,7 +24,7 @@ const RADIUS_MAX_M: f64 = 300.0;
 /// Turns faces into loose pieces, chains of chords into arcs. `faces` are indices of [`Drawn::faces`].
 pub fn find(drawn: &Drawn, faces: Vec<u32>) -> Vec<Loose> {
     let mut out = Vec::new();
-    let mut chords: Vec<(u32, [DVec2; 2])> = Vec::new();
+    let mut chords: Vec<Chord> = Vec::new();
     for f in faces {
         let path = &drawn.faces[f as usize].path;
         match path {
@@ -40,8 +43,16 @@ pub fn find(drawn: &Drawn, faces: Vec<u32>) -> Vec<Loose> {
         }
     }
     let mut used = vec![false; chords.len()];
-    for chain in chains(&chords) {
-        fit_chain(&chords, &chain, &mut used, &mut out);
+    let mut guides = Guides::new();
+    for chain in longest_first(&chords, chains(&chords)) {
+        let fitted = fit_chain(&chords, &chain);
+        let pieces = with_chords(&chords, &chain, &fitted);
+        let cut = guides.follow(&stretched(&chords, &chain), &pieces);
+        guides.add(cut.as_ref().unwrap_or(&pieces));
+        let kept = cut.unwrap_or(fitted);
+        let taken: HashSet<u32> = kept.iter().flat_map(|l| l.faces.iter().copied()).collect();
+        chain.iter().filter(|s| taken.contains(&chords[s.0].0)).for_each(|s| used[s.0] = true);
+        out.extend(kept);
     }
     adopt(&chords, &mut used, &mut out);
     for ((f, [a, b]), _) in chords.iter().zip(&used).filter(|(_, used)| !**used) {
@@ -50,9 +61,42 @@ pub fn find(drawn: &Drawn, faces: Vec<u32>) -> Vec<Loose> {
     out
 }
 
+/// Chains by their length, in an order that their numbers do not change.
+fn longest_first(chords: &[Chord], mut chains: Vec<Vec<Step>>) -> Vec<Vec<Step>> {
+    let length = |chain: &Vec<Step>| {
+        spans::tidy(chain.iter().map(|s| chords[s.0].1[0].distance(chords[s.0].1[1])).sum::<f64>())
+    };
+    let place = |chain: &Vec<Step>| {
+        let at = chain.iter().flat_map(|s| chords[s.0].1).reduce(DVec2::min).unwrap_or_default();
+        [at.x, at.y].map(spans::tidy)
+    };
+    chains.sort_by(|a, b| {
+        let [p, q] = [a, b].map(place);
+        length(b).total_cmp(&length(a)).then(p[0].total_cmp(&q[0])).then(p[1].total_cmp(&q[1]))
+    });
+    chains
+}
+
+/// The chords of a chain in its direction.
+fn stretched(chords: &[Chord], chain: &[Step]) -> Vec<Chord> {
+    chain.iter().map(|s| (chords[s.0].0, [0, 1].map(|end| point(chords, *s, end)))).collect()
+}
+
+/// Arcs of a chain, and its other chords each for itself.
+fn with_chords(chords: &[Chord], chain: &[Step], arcs: &[Loose]) -> Vec<Loose> {
+    let taken: HashSet<u32> = arcs.iter().flat_map(|l| l.faces.iter().copied()).collect();
+    let rest = chain.iter().map(|s| &chords[s.0]).filter(|c| !taken.contains(&c.0));
+    let straight = rest.map(|(f, [a, b])| Loose {
+        faces: vec![*f],
+        carrier: Carrier::line(*a, *b),
+        span: [0.0, a.distance(*b)],
+    });
+    arcs.iter().cloned().chain(straight).collect()
+}
+
 /// Chords too few for a circle of their own that lie on one that was found: the rest of a wall beyond a
 /// window.
-fn adopt(chords: &[(u32, [DVec2; 2])], used: &mut [bool], out: &mut Vec<Loose>) {
+fn adopt(chords: &[Chord], used: &mut [bool], out: &mut Vec<Loose>) {
     let circles: Vec<(Carrier, Span)> =
         out.iter().filter(|l| l.faces.len() >= CHORDS_MIN).map(|l| (l.carrier, l.span)).collect();
     let mut places = Buckets::new(CHORD_MAX_M);
@@ -82,13 +126,13 @@ fn adopt(chords: &[(u32, [DVec2; 2])], used: &mut [bool], out: &mut Vec<Loose>) 
 /// A step of a chain: which chord, and whether it is walked from its second end.
 type Step = (usize, bool);
 
-fn point(chords: &[(u32, [DVec2; 2])], (c, turned): Step, end: usize) -> DVec2 {
+fn point(chords: &[Chord], (c, turned): Step, end: usize) -> DVec2 {
     chords[c].1[if turned { 1 - end } else { end }]
 }
 
 /// Ends of chords by place.
 struct Ends<'a> {
-    chords: &'a [(u32, [DVec2; 2])],
+    chords: &'a [Chord],
     squares: Squares<(usize, usize)>,
 }
 
@@ -97,7 +141,7 @@ impl<'a> Ends<'a> {
         [(p.x / COLLINEAR_M).floor() as i64, (p.y / COLLINEAR_M).floor() as i64]
     }
 
-    fn new(chords: &'a [(u32, [DVec2; 2])]) -> Self {
+    fn new(chords: &'a [Chord]) -> Self {
         let mut squares: Squares<(usize, usize)> = Squares::default();
         for (i, (_, ends)) in chords.iter().enumerate() {
             for (e, p) in ends.iter().enumerate() {
@@ -142,7 +186,7 @@ impl<'a> Ends<'a> {
 }
 
 /// Chains of chords that turn little from one to the next.
-fn chains(chords: &[(u32, [DVec2; 2])]) -> Vec<Vec<Step>> {
+fn chains(chords: &[Chord]) -> Vec<Vec<Step>> {
     let ends = Ends::new(chords);
     let mut seen = vec![false; chords.len()];
     let mut out = Vec::new();
@@ -178,7 +222,8 @@ fn walk(ends: &Ends<'_>, from: Step, seen: &mut [bool]) -> Vec<Step> {
 }
 
 /// Cuts a chain into the longest arcs that fit.
-fn fit_chain(chords: &[(u32, [DVec2; 2])], chain: &[Step], used: &mut [bool], out: &mut Vec<Loose>) {
+fn fit_chain(chords: &[Chord], chain: &[Step]) -> Vec<Loose> {
+    let mut out = Vec::new();
     let mut corners: Vec<(DVec2, usize)> = vec![(point(chords, chain[0], 0), 0)];
     for (k, pair) in chain.windows(2).enumerate() {
         let [u, v] = [pair[0], pair[1]].map(|s| point(chords, s, 1) - point(chords, s, 0));
@@ -194,11 +239,11 @@ fn fit_chain(chords: &[(u32, [DVec2; 2])], chain: &[Step], used: &mut [bool], ou
             continue;
         };
         let steps = &chain[corners[i].1..corners[i + n].1];
-        steps.iter().for_each(|s| used[s.0] = true);
         let faces = steps.iter().map(|s| chords[s.0].0).collect();
         out.push(arc_of(carrier, &corners[i..=i + n], faces));
         i += n;
     }
+    out
 }
 
 /// The circle through the most corners from the first one on, and how many chords it takes.

@@ -21,6 +21,7 @@ mod joints;
 #[cfg(test)]
 mod limits_tests;
 pub(super) mod near;
+mod offset;
 mod openings;
 mod rows;
 mod runs;

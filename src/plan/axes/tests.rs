@@ -252,3 +252,48 @@ fn a_gap_along_the_face_of_a_wall_is_no_opening() {
     let free = AxisGraph::new(&lines(&faces[4..]));
     assert_eq!(free.openings.len(), 1, "without the wall it is one");
 }
+
+/// A wall that swings like a wave, each face traced by chords of its own, in either direction and in any order: one chain
+/// of thick walls from end to end without an opening.
+#[test]
+fn a_free_curve_is_one_wall_however_its_faces_were_traced() {
+    let wave = |u: f64| {
+        let turn = std::f64::consts::TAU * u;
+        let slope = DVec2::new(14.0, 2.0 * std::f64::consts::TAU * turn.cos());
+        (DVec2::new(14.0 * u, 2.0 * turn.sin()), slope.normalize().perp())
+    };
+    let face = |side: f64, chords: usize, shift: f64| {
+        let share = |k: usize| if k == 0 || k == chords { k as f64 } else { k as f64 + shift };
+        let at = |k: usize| {
+            let (p, out) = wave(share(k) / chords as f64);
+            p + out * (0.1 * side)
+        };
+        (0..chords).map(|k| [at(k).x, at(k).y, at(k + 1).x, at(k + 1).y]).collect::<Vec<_>>()
+    };
+    let length_m: f64 =
+        (0..1000).map(|k| wave(k as f64 / 1e3).0.distance(wave((k + 1) as f64 / 1e3).0)).sum();
+    for (chords, other, shift) in [(36, 36, 0.3), (36, 31, 0.0), (40, 29, 0.4), (70, 41, 0.3), (90, 40, 0.0)]
+    {
+        let mut drawn = face(1.0, chords, 0.0);
+        drawn.extend(face(-1.0, other, shift).into_iter().rev().map(|[a, b, c, d]| [c, d, a, b]));
+        for turned in [false, true] {
+            if turned {
+                drawn.reverse();
+            }
+            let graph = AxisGraph::new(&lines(&drawn));
+            let what = format!("{chords} and {other} chords, {shift}");
+            assert!(graph.openings.is_empty() && graph.leftovers.is_empty(), "{what}");
+            assert!(graph.edges.iter().all(|e| (e.thickness_m - 0.2).abs() < 0.013), "{what}");
+            let ends = graph.nodes.iter().filter(|n| n.kind == NodeKind::End).count();
+            assert_eq!((ends, graph.nodes.len()), (2, graph.edges.len() + 1), "{what}");
+            let of = |e: &Edge| {
+                let [a, b] = graph.ends(e);
+                let half_sweep = 2.0 * e.bulge.atan();
+                let bent = if e.bulge == 0.0 { 1.0 } else { half_sweep / half_sweep.sin() };
+                a.distance(b) * bent
+            };
+            let walls_m: f64 = graph.edges.iter().map(of).sum();
+            assert!((walls_m / length_m - 1.0).abs() < 0.01, "{walls_m} of {length_m}: {what}");
+        }
+    }
+}
