@@ -7,6 +7,10 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
+mod corridor;
+
+use corridor::{SIZE, drawing, panes, polyline, swings, walls};
+
 fn enfilade(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_enfilade")).args(args).output().unwrap()
 }
@@ -77,4 +81,29 @@ fn estimates_are_called_estimates() {
         assert!(off <= 2.0 * found["mean_ci95"][key].as_f64().unwrap(), "{key}: {off}");
     }
     assert_eq!(found["mean"]["degree"], exact["mean"]["degree"]);
+}
+
+/// Ground under a wall is no floor, whether the wall may move or not, and however many others join it.
+#[test]
+fn what_may_move_changes_nothing_that_is_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let house = walls("A-WALL") + &panes("A-GLAZ") + &swings("A-DOOR");
+    let [w, h] = SIZE;
+    let around = [[-1.0, -1.0], [w + 1.0, -1.0], [w + 1.0, h + 1.0], [-1.0, h + 1.0]];
+    let kept = house.clone() + &polyline("EF-KEEP", &around, true);
+    let measured = |name: &str, entities: &str| {
+        let [plan, out, csv] = ["dxf", "out", "csv"]
+            .map(|e| folder.path().join(format!("{name}.{e}")).to_string_lossy().into_owned());
+        std::fs::write(&plan, drawing(entities)).unwrap();
+        // A row of cells in the middle of a wall that three others join.
+        let done = enfilade(&["analyse", &plan, "--spacing", "0.395", "--out", &out, "--cells", &csv]);
+        let result = json(&folder.path().join(format!("{name}.out/{name}.enfilade/analysis/analysis.json")));
+        assert!(!text(&done.stderr).contains("no view joins"), "{}", text(&done.stderr));
+        (result["mean"].clone(), std::fs::read_to_string(csv).unwrap())
+    };
+    let (free, held) = (measured("free", &house), measured("held", &kept));
+    assert_eq!(free.0, held.0);
+    let degrees =
+        |csv: &str| -> Vec<String> { csv.lines().map(|l| l.split_once(',').unwrap().1.to_owned()).collect() };
+    assert_eq!(degrees(&free.1), degrees(&held.1));
 }

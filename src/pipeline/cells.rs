@@ -243,9 +243,9 @@ fn seen_vertex(
     seen.ok_or("no measured cell there without a wall between, expected a point that a cell beside it sees")
 }
 
-/// One line a vertex: `Ref,x,y` (drawing units), the columns, then Degree, Depth, Entropy (empty
-/// outside the region of query and under a wall that can move; Depth and Entropy also where no tree was walked
-/// because they are estimated). Values depthmapX leaves undefined are −1.
+/// One line a vertex, without those that a wall that may move covers: `Ref,x,y` (drawing units), the columns, then
+/// Degree, Depth, Entropy (empty outside the region of query; Depth and Entropy also where no tree was walked because
+/// they are estimated). Values depthmapX leaves undefined are −1.
 pub fn cells_csv(study: &Study, columns: &[Column]) -> String {
     let mut own = vec![None; study.lattice.cells.len()];
     let tally = &study.initial.seen.tally;
@@ -266,7 +266,9 @@ pub fn cells_csv(study: &Study, columns: &[Column]) -> String {
         let _ = write!(out, "{},", column.name);
     }
     out.push_str("Degree,Depth,Entropy\n");
-    for (v, reference) in references(study).into_iter().enumerate() {
+    let blind = study.initial_obstacles().blind;
+    let is_floor = |(v, _): &(usize, _)| blind.binary_search(&(*v as u32)).is_err();
+    for (v, reference) in references(study).into_iter().enumerate().filter(is_floor) {
         let at = study.base.plan.frame.file_from_um(study.lattice.centre_um(v));
         let _ = write!(out, "{reference},{},{}", at.x, at.y);
         for column in columns {

@@ -41,15 +41,26 @@ pub fn choose_m(base: &Understood, settings: &Settings) -> f64 {
     by_budget.min(by_doors.max(for_doors))
 }
 
-/// Says which spacing was chosen and how many of its cells are measured; nothing where the user named it.
-pub fn state(base: &Understood, settings: &Settings, spacing_m: f64, cells: usize, report: &mut Report) {
+/// Says which spacing was chosen and how many of its cells are measured, of which walls that may move cover `blind`
+/// now; nothing where the user named it.
+pub fn state(
+    base: &Understood,
+    settings: &Settings,
+    spacing_m: f64,
+    [cells, blind]: [usize; 2],
+    report: &mut Report,
+) {
     if settings.spacing_m.is_some() {
         return;
     }
     // What query and reference share is measured once.
     let area_m2 = cells as f64 * spacing_m * spacing_m;
+    let under = match blind {
+        0 => String::new(),
+        n => format!(", {n} of them now under walls that may move"),
+    };
     let text = format!(
-        "spacing {spacing_m} m: {cells} vertices are measured on {area_m2:.0} m²; --spacing overrides it"
+        "spacing {spacing_m} m: {cells} vertices are measured on {area_m2:.0} m²{under}; --spacing overrides it"
     );
     report.info("spacing", Place::file(&base.plan.file), text);
     if spacing_m > DOOR_SPACING_M {

@@ -448,7 +448,8 @@ impl Study {
             solid_across_um: (SOLID_ACROSS_M * base.plan.human_scale * UM_PER_M).round() as i64,
         };
         let main = Scene::new(&ground, &base, &identity, seen::asked(settings, None), drawn, report)?;
-        spacing::state(&base, settings, spacing_m, main.lattice.cells.len(), report);
+        let under = blind(&base, &identity, &main.cells, &movable);
+        spacing::state(&base, settings, spacing_m, [main.lattice.cells.len(), under.len()], report);
         state_interior(&base, settings, report);
         let pairs = seen::pairs(&base, &ground, &identity, settings, drawn, report)?;
         seen::state_asked(&base, &pairs, settings, report)?;

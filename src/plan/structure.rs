@@ -373,11 +373,43 @@ fn mark_role(entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
     paths.iter().any(tells).then(|| (Role::Unknown, String::new()))
 }
 
-/// The thick straight walls of an axis graph, and its columns that are drawn by single lines.
+/// The thick straight walls of an axis graph, and its columns that are drawn by single lines. What another wall's joint
+/// divides into edges, while a face runs on past it, is one wall.
 pub fn bodies(plan: &Plan, axes: &AxisGraph) -> Vec<Body> {
-    let walls = axes.edges.iter().filter(|e| e.thickness_m > 0.0 && e.bulge == 0.0);
-    let walls = walls.filter_map(|e| body(plan, axes, e));
+    let walls = lengths(axes).into_iter().filter_map(|edges| body(plan, axes, &edges));
     walls.chain(columns(plan, axes).filter_map(|(ring, faces)| column(plan, ring, faces))).collect()
+}
+
+/// Thick straight edges that go on in one line past a node with one face: each list is one wall.
+fn lengths(axes: &AxisGraph) -> Vec<Vec<&Edge>> {
+    let straight: Vec<&Edge> = axes.edges.iter().filter(|e| e.thickness_m > 0.0 && e.bulge == 0.0).collect();
+    let mut at_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (i, e) in straight.iter().enumerate() {
+        e.nodes.iter().for_each(|n| at_node.entry(*n).or_default().push(i));
+    }
+    let goes_on = |e: &Edge, f: &Edge| {
+        e.nodes[1] == f.nodes[0]
+            && (e.left.iter().any(|s| f.left.contains(s)) || e.right.iter().any(|s| f.right.contains(s)))
+    };
+    let mut is_begun = vec![false; straight.len()];
+    let mut out = Vec::new();
+    let has_before = |i: usize| {
+        at_node[&straight[i].nodes[0]].iter().any(|&j| j != i && goes_on(straight[j], straight[i]))
+    };
+    for first in (0..straight.len()).filter(|&i| !has_before(i)).chain(0..straight.len()) {
+        let mut wall = Vec::new();
+        let mut next = Some(first).filter(|&i| !is_begun[i]);
+        while let Some(i) = next {
+            is_begun[i] = true;
+            wall.push(straight[i]);
+            let beyond = at_node[&straight[i].nodes[1]].iter();
+            next = beyond.copied().find(|&j| !is_begun[j] && goes_on(straight[i], straight[j]));
+        }
+        if !wall.is_empty() {
+            out.push(wall);
+        }
+    }
+    out
 }
 
 /// Rings and faces of the columns of which no outline says by itself that it is solid.
@@ -401,17 +433,19 @@ fn column(plan: &Plan, ring: &[DVec2], faces: &[FaceRef]) -> Option<Body> {
     Some(Body { corners: corners?, thickness_um: None })
 }
 
-fn body(plan: &Plan, axes: &AxisGraph, edge: &Edge) -> Option<Body> {
-    let [a, b] = axes.ends(edge);
+fn body(plan: &Plan, axes: &AxisGraph, edges: &[&Edge]) -> Option<Body> {
+    let (first, last) = (edges.first()?, edges.last()?);
+    let [a, b] = [axes.ends(first)[0], axes.ends(last)[1]];
     let along = |p: DVec2| (p - a).dot(b - a);
-    let side = |faces: &[FaceRef]| -> Option<[Handle; 2]> {
-        let ends = faces.iter().flat_map(|f| face_handles(plan, *f));
+    let side = |faces: fn(&Edge) -> &Vec<FaceRef>| -> Option<[Handle; 2]> {
+        let ends = edges.iter().flat_map(|e| faces(e)).flat_map(|f| face_handles(plan, *f));
         let mut ends: Vec<(f64, Handle)> = ends.map(|h| (along(handle_at(plan, h)), h)).collect();
         ends.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
         Some([ends.first()?.1, ends.last()?.1])
     };
-    let ([l0, l1], [r0, r1]) = (side(&edge.left)?, side(&edge.right)?);
-    let thickness_um = edge.thickness_m * plan.human_scale * UM_PER_M;
+    let ([l0, l1], [r0, r1]) = (side(|e| &e.left)?, side(|e| &e.right)?);
+    let thickest_m = edges.iter().map(|e| e.thickness_m).fold(0.0, f64::max);
+    let thickness_um = thickest_m * plan.human_scale * UM_PER_M;
     Some(Body { corners: vec![l0, l1, r1, r0], thickness_um: Some(thickness_um) })
 }
 

@@ -1,5 +1,7 @@
 //! A house of two rows of rooms along a corridor, drawn in many ways.
 
+// Every suite uses some of it.
+#![allow(dead_code)]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
 
 use std::fmt::Write;

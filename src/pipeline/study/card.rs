@@ -69,7 +69,8 @@ impl Study {
         let largest = sizes.iter().copied().max().unwrap_or(0);
         let areas = sizes.iter().filter(|n| **n > 1).count().saturating_sub(1);
         let together: usize = sizes.iter().filter(|n| **n > 1).sum();
-        let alone = sizes.iter().filter(|n| **n == 1).count();
+        // What a wall that may move covers is no floor now.
+        let alone = sizes.iter().filter(|n| **n == 1).count() - self.initial_obstacles().blind.len();
         CutOff { areas, cells: together - largest.min(together), alone }
     }
 
