@@ -169,6 +169,21 @@ const LOW: &[&str] =
 const LOW_ALONE: &[&str] =
     &["parapet", "parapets", "brüstung", "brüstungen", "muret", "murets", "murete", "muretto", "腰壁"];
 
+/// What a layer of walls holds besides walls, by a word after the one for walls: minor groups of the AIA and NCS lists,
+/// in full as well (`A-WALL-CNTR`, `WALL CENTERLINE`).
+const BESIDE_WALLS: &[(Role, &str)] = &[
+    (Role::Grid, "cntr center centre centerline centreline centerlines centrelines mittellinie mittelachse"),
+    (Role::LowWall, "prht"),
+    (Role::Door, "head"),
+];
+
+/// The minor group that a name has after its word for walls, and what it stands for.
+fn beside_walls<'w>(words: &'w [String], wall: &str) -> Option<(Role, &'w String)> {
+    let after = words.iter().skip_while(|w| *w != wall).skip(1);
+    let role = |w: &str| BESIDE_WALLS.iter().find(|(_, list)| list.split_ascii_whitespace().any(|x| x == w));
+    after.filter_map(|w| Some((role(w)?.0, w))).next()
+}
+
 /// What a layer's name says it is for, and why. [`Role::Unknown`] where it says nothing.
 pub fn role_by_name(layer: &str) -> (Role, String) {
     if let Some((class, role)) = by_class(layer) {
@@ -184,6 +199,11 @@ pub fn role_by_name(layer: &str) -> (Role, String) {
     // Of equals the first: the order of the words in the name.
     if let Some((first, word)) = ranks.min_by_key(|(rank, _)| *rank) {
         let role = WORDS[first].0;
+        if role == Role::Wall
+            && let Some((role, minor)) = beside_walls(&words, word)
+        {
+            return (role, format!("its name has the words {word:?} and {minor:?} ({})", role.words()));
+        }
         if role == Role::Wall
             && let Some(low) = has(LOW)
         {
@@ -294,6 +314,15 @@ mod tests {
             ("IfcSpace", Room),
             ("IfcBuildingElementProxy", Unknown),
             ("A-WALL-PATT", Hatch),
+            ("A-WALL-CNTR", Grid),
+            ("xref$0$A-WALL-CENTER-N", Grid),
+            ("Wall Centerline", Grid),
+            ("Center Wall", Wall),
+            ("CENTRE-WALLS", Wall),
+            ("A-WALL-PRHT", LowWall),
+            ("A-WALL-HEAD", Door),
+            ("Headwall", Unknown),
+            ("A-WALL-JAMB", Wall),
             ("A-325G - Internal Doors 6", Door),
             ("doorswindows", Door),
             ("xref$0$S-STEM-WALL", Foundation),
