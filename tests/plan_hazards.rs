@@ -672,3 +672,25 @@ fn glass_lies_inside(glass: &[[f64; 4]], more: &[([f64; 2], [f64; 2])], area_m2:
     let size = [0, 1].map(|k| (hi[k] - lo[k]) as f64 / 1e6);
     assert!((size[0] - 12.1).abs() < 0.2 && (size[1] - 8.55).abs() < 0.2, "{size:?}");
 }
+
+/// Layers of walls that are off or frozen are named, aloud where no other is.
+#[test]
+fn layers_of_walls_that_are_hidden_are_named() {
+    let mut lines = room("WALL");
+    lines.extend(room("A-MISC"));
+    for (flags, colour) in [(1, 7), (0, -7)] {
+        let layers = layer("WALL", flags, colour) + &layer("A-MISC", 0, 7);
+        let (plan, said) = plain(&drawing(METRES, &layers, &lines));
+        assert!(plan.is_ok());
+        let hidden = "plan.dxf: 1 layer of walls is off or frozen and left out: \"WALL\" (4 elements); switch on or thaw what \
+                      should be measured";
+        let assumed = "plan.dxf: no layer that is on and thawed is named after walls; all lines of layer \"A-MISC\" taken as \
+                       walls; --wall-layer overrides it";
+        assert!(said.contains(&format!("walls-hidden Warning {hidden}")), "{said:#?}");
+        assert!(said.contains(&format!("walls-assumed Info {assumed}")), "{said:#?}");
+        lines.extend(room("WALL-2"));
+        let (_, said) = plain(&drawing(METRES, &layers, &lines));
+        assert!(said.contains(&format!("walls-hidden Info {hidden}")), "{said:#?}");
+        lines.truncate(8);
+    }
+}

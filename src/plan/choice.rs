@@ -12,7 +12,7 @@ use super::roles::{Role, role_by_name};
 use super::scores::{Score, wall_scores};
 use super::views::{STRAY, Sheet, View, far_off, split, strays};
 use super::{LayerUse, PlanOptions, borders, clutter, markers};
-use crate::report::{Error, Place, Report};
+use crate::report::{Error, Place, Report, counted};
 
 /// The walls of all views, and what became of the layers.
 pub(super) struct Chosen {
@@ -21,6 +21,9 @@ pub(super) struct Chosen {
     /// What became of every layer.
     pub layers: Vec<LayerUse>,
 }
+
+/// What the reason of a layer begins with that is taken for its lines.
+const ASSUMED: &str = "no layer shown is named after walls";
 
 /// Layers that are off or frozen.
 pub(super) struct Hidden<'a> {
@@ -97,8 +100,9 @@ pub(super) fn choose_walls(
             taken.contains(e.layer.as_str()) && !hidden.entity(e)
         })
         .collect();
+    state_hidden(drawing, &layers, report);
     if !assumed.is_empty() {
-        state_assumed(drawing, &assumed, report);
+        state_assumed(drawing, &layers, &assumed, report);
         clutter::leave_section(drawing, &mut walls, report);
         borders::leave_out(drawing, &mut walls, report);
         clutter::leave_out(drawing, &mut walls, report);
@@ -174,15 +178,14 @@ fn assumed_layers(
         .map(|(l, _)| *l)
         .collect();
     if let [only] = drawn[..] {
-        let why = "no layer is named after walls and this is the only one with lines";
-        out.insert(only.to_string(), why.into());
+        out.insert(only.to_string(), format!("{ASSUMED} and this is the only one with lines"));
         return out;
     }
     let open: Vec<&str> = drawn.into_iter().filter(|l| role_by_name(l).0 == Role::Unknown).collect();
     let scores = wall_scores(drawing, &open);
     let best = scores.values().map(Score::total).fold(0.0, f64::max);
     for (layer, score) in scores.iter().filter(|(_, s)| s.is_taken(best)) {
-        let why = format!("no layer is named after walls; its lines look like walls: {}", score.words());
+        let why = format!("{ASSUMED}; its lines look like walls: {}", score.words());
         out.insert((*layer).to_string(), why);
     }
     out
@@ -193,14 +196,51 @@ fn is_class(layer: &str) -> bool {
     layer.starts_with("Ifc")
 }
 
-fn state_assumed(drawing: &Drawing, assumed: &BTreeMap<String, String>, report: &mut Report) {
+fn state_assumed(
+    drawing: &Drawing,
+    layers: &[LayerUse],
+    assumed: &BTreeMap<String, String>,
+    report: &mut Report,
+) {
     let names: Vec<String> = assumed.keys().map(|n| format!("{n:?}")).collect();
     let layer = if names.len() == 1 { "layer" } else { "layers" };
+    let shown = if hidden_walls(layers).next().is_some() { " that is on and thawed" } else { "" };
     let text = format!(
-        "no layer is named after walls; all lines of {layer} {} taken as walls; --wall-layer overrides it",
+        "no layer{shown} is named after walls; all lines of {layer} {} taken as walls; --wall-layer overrides it",
         names.join(", ")
     );
     report.info("walls-assumed", Place::file(&drawing.file), text);
+}
+
+/// Layers of walls that are off or frozen, with something on them.
+fn hidden_walls(layers: &[LayerUse]) -> impl Iterator<Item = &LayerUse> {
+    layers.iter().filter(|l| l.role == "hidden" && l.entities > 0)
+}
+
+/// Names the layers of walls that are left out because they are off or frozen: aloud where nothing else is named after walls.
+fn state_hidden(drawing: &Drawing, layers: &[LayerUse], report: &mut Report) {
+    let hidden: Vec<String> = hidden_walls(layers)
+        .map(|l| format!("{:?} ({})", l.name, counted(l.entities as u64, "element")))
+        .collect();
+    if hidden.is_empty() {
+        return;
+    }
+    let is = if hidden.len() == 1 { "layer of walls is" } else { "layers of walls are" };
+    let text = format!(
+        "{} {is} off or frozen and left out: {}; switch on or thaw what should be measured",
+        hidden.len(),
+        hidden.join(", ")
+    );
+    if by_name_shown(layers) {
+        report.info("walls-hidden", Place::file(&drawing.file), text);
+    } else {
+        report.warn("walls-hidden", Place::file(&drawing.file), text);
+    }
+}
+
+/// Whether a layer that is shown was taken for its name or by the user.
+fn by_name_shown(layers: &[LayerUse]) -> bool {
+    layers.iter().any(|l| l.role == "wall" && !l.why.starts_with(ASSUMED))
 }
 
 /// The walls of the view to read, and all views.
