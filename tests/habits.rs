@@ -239,3 +239,32 @@ fn a_column_of_lines_is_one_drawn_as_an_outline() {
     assert_eq!(of_lines, of_outline);
     assert!(of_lines.iter().all(|of| !of.1.is_empty()));
 }
+
+/// A window drawn on the layer of the walls between their faces, which run through: two lines across and two along, however
+/// far apart, be it as far as a partition is thick.
+#[test]
+fn windows_in_walls_drawn_through_are_found() {
+    let house = |apart: Option<f64>| {
+        let mut out = String::new();
+        for [x0, y0, x1, y1] in [[0.0, 0.0, 10.0, 7.0], [0.3, 0.3, 9.7, 6.7]] {
+            let ring = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]];
+            out += &ring
+                .windows(2)
+                .map(|w| line("A-WALL", [w[0][0], w[0][1], w[1][0], w[1][1]]))
+                .collect::<String>();
+        }
+        out += &line("A-WALL", [3.94, 0.3, 3.94, 6.7]);
+        out += &line("A-WALL", [4.06, 0.3, 4.06, 6.7]);
+        for half in apart.map(|a| a / 2.0).into_iter() {
+            out += &line("A-WALL", [9.7, 2.5, 10.0, 2.5]);
+            out += &line("A-WALL", [9.7, 4.0, 10.0, 4.0]);
+            out += &line("A-WALL", [9.85 - half, 2.5, 9.85 - half, 4.0]);
+            out += &line("A-WALL", [9.85 + half, 2.5, 9.85 + half, 4.0]);
+        }
+        check(&out).windows
+    };
+    assert_eq!(house(None), 0);
+    for apart in [0.04, 0.05, 0.06, 0.07, 0.1, 0.12] {
+        assert_eq!(house(Some(apart)), 1, "{apart}");
+    }
+}

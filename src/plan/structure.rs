@@ -7,7 +7,9 @@ use glam::DVec2;
 use super::Plan;
 use super::axes::evidence::trace;
 use super::axes::tolerances::{BOTH_WAYS_RAD, ERROR_GAP_M, SWING_MAX_RAD};
-use super::axes::{AxisGraph, Drawn, Edge, Face, FaceRef, Mark, NodeKind, Opening, Path, Role, paths_of};
+use super::axes::{
+    AxisGraph, Drawn, Edge, Face, FaceRef, Mark, NodeKind, Opening, OpeningKind, Path, Role, paths_of,
+};
 use super::box_of;
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Format, Shape};
@@ -74,7 +76,8 @@ pub fn axes(plan: &Plan, drawing: &Drawing) -> (AxisGraph, Vec<usize>) {
     let (drawn, marked) = drawn(plan, drawing);
     let mut axes = AxisGraph::new(&drawn);
     // Where wall lines run through and nothing shows a door or a window, there is no gap.
-    axes.openings.retain(|o| o.through.is_empty() || !o.marks.is_empty());
+    let has_panes = |o: &Opening| o.kind == OpeningKind::Window && !o.faces.is_empty();
+    axes.openings.retain(|o| o.through.is_empty() || !o.marks.is_empty() || has_panes(o));
     rooms::open_touching(plan, &mut axes);
     axes.count_again();
     (axes, marked)

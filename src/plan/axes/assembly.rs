@@ -84,6 +84,7 @@ pub fn axes(drawn: &Drawn, paired: Paired, out: &mut AxisGraph) -> Axes {
     let mut axes = rows(axes);
     take_panes(&mut axes, &mut spares);
     fit_ends_to_caps(&mut axes, &spares);
+    cuts::free_panes(drawn, &mut axes, &mut spares);
     let axes = cuts::cut(axes, &spares, &Evidence::new(drawn, &spares));
     for f in stood_in_rows {
         let reason = "it stands in a row of equal lines, such as treads of a stair";

@@ -9,7 +9,7 @@ use super::evidence::{Band, Evidence, ordered, tips, trace};
 use super::near::Buckets;
 use super::spans::{self, Span};
 use super::tolerances::{COLLINEAR_M, ERROR_GAP_M, LEAF_M, OPENING_MIN_M, SWING_MAX_RAD};
-use super::{Mark, OpeningKind, Path, Role, swings};
+use super::{Drawn, Mark, OpeningKind, Path, Role, swings};
 
 /// Widest opening between two lines across a wall.
 const CUT_MAX_M: f64 = 5.0;
@@ -25,10 +25,7 @@ const REST_M: f64 = 0.02;
 /// Cuts axes where openings show; pieces of one axis keep its row.
 pub fn cut(axes: Vec<Axis>, spares: &[Spare], evidence: &Evidence<'_>) -> Vec<Axis> {
     let mut gaps: Vec<Vec<Span>> = vec![Vec::new(); axes.len()];
-    let mut near = Buckets::new(1.0);
-    for (i, a) in axes.iter().enumerate() {
-        near.add(i as u32, &a.carrier.points(a.span));
-    }
+    let near = places(&axes);
     between_jambs(&axes, spares, evidence, &near, &mut gaps);
     at_marks(&axes, evidence, &near, &mut gaps);
     let mut out = Vec::new();
@@ -45,14 +42,8 @@ pub fn cut(axes: Vec<Axis>, spares: &[Spare], evidence: &Evidence<'_>) -> Vec<Ax
     out
 }
 
-/// Between two lines across a wall with something of a door or window between them.
-fn between_jambs(
-    axes: &[Axis],
-    spares: &[Spare],
-    evidence: &Evidence<'_>,
-    near: &Buckets,
-    gaps: &mut [Vec<Span>],
-) {
+/// Where lines across them stand on axes, in order.
+fn jambs(axes: &[Axis], spares: &[Spare], near: &Buckets) -> Vec<Vec<f64>> {
     let mut jambs: Vec<Vec<f64>> = vec![Vec::new(); axes.len()];
     for spare in spares.iter().filter(|s| s.is_cap) {
         let middle = spare.carrier.at((spare.span[0] + spare.span[1]) / 2.0);
@@ -66,15 +57,57 @@ fn between_jambs(
             }
         }
     }
-    for (a, mut at) in jambs.into_iter().enumerate() {
-        at.sort_by(f64::total_cmp);
-        for w in at.windows(2) {
-            let gap = [w[0], w[1]];
-            let is_wide = (OPENING_MIN_M..=CUT_MAX_M).contains(&spans::length(gap));
+    jambs.iter_mut().for_each(|at| at.sort_by(f64::total_cmp));
+    jambs
+}
+
+/// What lies between neighbouring jambs and is as wide as an opening.
+fn between(jambs: &[f64]) -> impl Iterator<Item = Span> {
+    let gaps = jambs.windows(2).map(|w| [w[0], w[1]]);
+    gaps.filter(|gap| (OPENING_MIN_M..=CUT_MAX_M).contains(&spans::length(*gap)))
+}
+
+/// Layers that begin and end at two lines across a wall which goes on beyond both are no layers: the panes of a window, drawn
+/// as far apart as layers or partitions.
+pub fn free_panes(drawn: &Drawn, axes: &mut [Axis], spares: &mut Vec<Spare>) {
+    let jambs = jambs(axes, spares, &places(axes));
+    for (axis, at) in axes.iter_mut().zip(jambs) {
+        let goes_on = |gap: &Span| axis.span[0] < gap[0] - ERROR_GAP_M && axis.span[1] > gap[1] + ERROR_GAP_M;
+        for gap in between(&at).filter(goes_on) {
+            let (panes, layers): (Vec<u32>, Vec<u32>) = axis.inner.iter().partition(|f| {
+                let (carrier, span) = Carrier::of(&drawn.faces[**f as usize].path);
+                let own = axis.carrier.span_of(&carrier, span);
+                (0..2).all(|k| (own[k] - gap[k]).abs() <= ERROR_GAP_M)
+            });
+            axis.inner = layers;
+            spares.extend(panes.into_iter().map(|f| {
+                let (carrier, span) = Carrier::of(&drawn.faces[f as usize].path);
+                Spare { carrier, span, faces: vec![f], is_cap: false }
+            }));
+        }
+    }
+}
+
+fn places(axes: &[Axis]) -> Buckets {
+    let mut near = Buckets::new(1.0);
+    for (i, a) in axes.iter().enumerate() {
+        near.add(i as u32, &a.carrier.points(a.span));
+    }
+    near
+}
+
+/// Between two lines across a wall with something of a door or window between them.
+fn between_jambs(
+    axes: &[Axis],
+    spares: &[Spare],
+    evidence: &Evidence<'_>,
+    near: &Buckets,
+    gaps: &mut [Vec<Span>],
+) {
+    for (a, at) in jambs(axes, spares, near).into_iter().enumerate() {
+        for gap in between(&at) {
             let axis = &axes[a];
-            if is_wide
-                && evidence.look(&axis.carrier, axis.thickness, gap).verdict().0 != OpeningKind::Passage
-            {
+            if evidence.look(&axis.carrier, axis.thickness, gap).verdict().0 != OpeningKind::Passage {
                 gaps[a].push(gap);
             }
         }
