@@ -54,6 +54,10 @@ pub(super) const ROW: usize = 8;
 pub(super) trait Rows {
     /// Bit `i`: `a[i] < b[i]`.
     fn less(a: &[f32; ROW], b: &[f32; ROW]) -> u32;
+    /// The same in double precision.
+    fn less_wide(a: &[f64; ROW], b: &[f32; ROW]) -> u32;
+    /// Writes `first` plus the number of every one of eight bits, without a branch, and whatever behind them.
+    fn list(bits: u32, first: u32, to: &mut [u32; ROW]);
 }
 
 impl Rows for Portable {
@@ -64,6 +68,22 @@ impl Rows for Portable {
             less |= u32::from(a[i] < b[i]) << i;
         }
         less
+    }
+    #[inline(always)]
+    fn less_wide(a: &[f64; ROW], b: &[f32; ROW]) -> u32 {
+        let mut less = 0;
+        for i in 0..ROW {
+            less |= u32::from(a[i] < f64::from(b[i])) << i;
+        }
+        less
+    }
+    #[inline(always)]
+    fn list(bits: u32, first: u32, to: &mut [u32; ROW]) {
+        let mut count = 0;
+        for i in 0..ROW {
+            to[count & (ROW - 1)] = first + i as u32;
+            count += (bits >> i & 1) as usize;
+        }
     }
 }
 
@@ -219,6 +239,24 @@ pub(super) mod x86 {
             unsafe {
                 let (a, b) = (_mm256_loadu_ps(a.as_ptr()), _mm256_loadu_ps(b.as_ptr()));
                 _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32
+            }
+        }
+        #[inline(always)]
+        fn less_wide(a: &[f64; ROW], b: &[f32; ROW]) -> u32 {
+            let half = |a: &[f64], b: &[f32]| unsafe {
+                let (a, b) = (_mm256_loadu_pd(a.as_ptr()), _mm256_cvtps_pd(_mm_loadu_ps(b.as_ptr())));
+                _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) as u32
+            };
+            half(&a[..4], &b[..4]) | half(&a[4..], &b[4..]) << 4
+        }
+        #[inline(always)]
+        fn list(bits: u32, first: u32, to: &mut [u32; ROW]) {
+            unsafe {
+                let bytes = _pdep_u64(u64::from(bits), 0x0101_0101_0101_0101) * 0xff;
+                let ones = _pext_u64(0x0706_0504_0302_0100, bytes);
+                let ones = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(ones as i64));
+                let all = _mm256_add_epi32(ones, _mm256_set1_epi32(first as i32));
+                _mm256_storeu_si256(to.as_mut_ptr().cast(), all);
             }
         }
     }

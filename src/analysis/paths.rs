@@ -9,11 +9,12 @@ use rayon::prelude::*;
 
 use crate::plan::geometry::UM_PER_M;
 
-use super::corners::Corners;
+use super::corners::{Corners, STRAIGHTEST_MAX};
 use super::graph::Graph;
-use super::lanes::Path;
+use super::lanes::{Path, ROW};
 use super::measures::{Column, UNDEFINED, transpose};
-use super::walk::{Offsets, Walk, parts};
+use super::tiles::Tiles;
+use super::walk::{Offsets, Walk, direction_of, length_of};
 use super::{Lattice, Obstacles};
 
 /// Where a path may turn.
@@ -35,6 +36,8 @@ pub struct Paths<'a> {
     /// Cells at which paths may turn, by tile.
     pub(super) turns: Vec<u64>,
     pub(super) offsets: Offsets,
+    /// By slot, see [`Offsets::place`].
+    place: Vec<u32>,
     pub(super) vertex_of_slot: Vec<u32>,
     pub(super) slot_of_vertex: Vec<u32>,
 }
@@ -61,12 +64,15 @@ impl<'a> Paths<'a> {
         for (v, &slot) in slot_of_vertex.iter().enumerate() {
             vertex_of_slot[slot as usize] = v as u32;
         }
+        let offsets = Offsets::new(tiles.size_cells.map(|n| n as i32));
+        let places = (0..tiles.count() as u32 * 64).map(|slot| offsets.place(cell(tiles, slot)));
         Self {
             lattice,
             graph,
             path: Path::best(),
             turns: graph.tile_masks(turns_at),
-            offsets: Offsets::new(tiles.size_cells.map(|n| n as i32)),
+            place: places.collect(),
+            offsets,
             vertex_of_slot,
             slot_of_vertex,
         }
@@ -82,21 +88,18 @@ impl<'a> Paths<'a> {
             "Metric Node Count",
         ];
         let limit = self.radius(radius_m);
-        let corners = Corners::new(self);
+        let corners = Corners::shortest(self);
+        let in_metres = |cells: f64| (cells * self.spacing_m()) as f32;
         let row = |walk: &mut Walk, v: usize| {
             let root = self.slot_of_vertex[v];
-            walk.metric(self, Some(&corners), &[root], limit);
+            walk.metric(self, corners.as_ref(), &[root], limit);
             let mut sums = [0f32; 3];
-            walk.sort_reached(self, limit);
-            let reached = &walk.reached;
-            let n = reached.len() as f64;
-            for &key in reached {
-                let (cost, v) = parts(key);
-                let slot = self.slot_of_vertex[v as usize];
-                sums[0] += walk.turned(self, slot);
-                sums[1] += (f64::from(cost) * self.spacing_m()) as f32;
-                sums[2] += (self.offsets.length(self.offset(root, slot)) * self.spacing_m()) as f32;
+            for &(cost, slot) in &walk.reached {
+                sums[0] += walk.angle[slot as usize];
+                sums[1] += in_metres(f64::from(cost));
+                sums[2] += in_metres(self.length(root, slot));
             }
+            let n = walk.reached.len() as f64;
             let [angle, length, straight] = sums.map(|sum| f64::from(sum) / n);
             [angle, length, straight, n]
         };
@@ -108,12 +111,11 @@ impl<'a> Paths<'a> {
     pub fn angular_columns(&self, radius: Option<f64>) -> Vec<Column> {
         let names = ["Angular Mean Depth", "Angular Node Count", "Angular Total Depth"];
         let limit = radius.unwrap_or(f64::INFINITY);
+        let corners = Corners::straightest(self, STRAIGHTEST_MAX);
         let row = |walk: &mut Walk, v: usize| {
-            walk.angular(self, &[self.slot_of_vertex[v]], limit);
-            walk.sort_reached(self, limit);
-            let reached = &walk.reached;
-            let total = f64::from(reached.iter().map(|&key| parts(key).0).sum::<f32>());
-            let n = reached.len() as f64;
+            walk.angular(self, corners.as_ref(), &[self.slot_of_vertex[v]], limit);
+            let total = f64::from(walk.reached.iter().map(|&(cost, _)| cost).sum::<f32>());
+            let n = walk.reached.len() as f64;
             [total / n, n, total]
         };
         self.all(names, radius, row)
@@ -138,11 +140,11 @@ impl<'a> Paths<'a> {
             let cost = f64::from(walk.cost[slot as usize]);
             if cost.is_finite() { value(slot, cost) } else { UNDEFINED }
         };
-        let turned = |slot: u32, _: f64| f64::from(walk.turned(self, slot));
+        let turned = |slot: u32, _: f64| f64::from(walk.angle[slot as usize]);
         columns.push(column("Metric Step Shortest-Path Angle", &|v| defined(&walk, v, &turned)));
         let length = |_: u32, cost: f64| cost * self.spacing_m();
         columns.push(column("Metric Step Shortest-Path Length", &|v| defined(&walk, v, &length)));
-        walk.angular(self, &roots, f64::INFINITY);
+        walk.angular(self, None, &roots, f64::INFINITY);
         columns.push(column("Angular Step Depth", &|v| defined(&walk, v, &|_, cost| cost)));
         columns
     }
@@ -188,18 +190,49 @@ impl<'a> Paths<'a> {
         self.graph.tiles.rank(slot >> 6, slot & 63)
     }
 
-    /// Column and row from the lower left vertex.
+    /// Cells between two slots.
     #[inline(always)]
-    pub(super) fn cell(&self, slot: u32) -> [i32; 2] {
-        let [column, row] = self.graph.tiles.tile_at[slot as usize >> 6].map(|c| c as i32 * 8);
-        [column + (slot & 7) as i32, row + (slot >> 3 & 7) as i32]
+    pub(super) fn length(&self, from: u32, to: u32) -> f64 {
+        let found = self.offsets.lengths.get(self.entry(from, to)).copied();
+        found.unwrap_or_else(|| length_of(self.offset(from, to)))
+    }
+
+    /// Right angles from +x, anticlockwise.
+    #[inline(always)]
+    pub(super) fn direction(&self, from: u32, to: u32) -> f64 {
+        let found = self.offsets.directions.get(self.entry(from, to)).copied();
+        found.unwrap_or_else(|| direction_of(self.offset(from, to)))
+    }
+
+    /// A table at eight slots from one on, along x, or what stands there where it is empty.
+    #[inline(always)]
+    pub(super) fn row(&self, table: &[f64], from: u32, first: u32, value: fn([i32; 2]) -> f64) -> [f64; ROW] {
+        let found = table.get(self.entry(from, first)..).and_then(|t| t.first_chunk::<ROW>());
+        if let Some(found) = found { *found } else { self.computed_row(from, first, value) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn computed_row(&self, from: u32, first: u32, value: fn([i32; 2]) -> f64) -> [f64; ROW] {
+        let [x, y] = self.offset(from, first);
+        std::array::from_fn(|i| value([x + i as i32, y]))
     }
 
     #[inline(always)]
-    pub(super) fn offset(&self, from: u32, to: u32) -> [i32; 2] {
-        let (a, b) = (self.cell(from), self.cell(to));
+    fn entry(&self, from: u32, to: u32) -> usize {
+        self.offsets.origin(self.place[from as usize]).wrapping_add(self.place[to as usize]) as usize
+    }
+
+    fn offset(&self, from: u32, to: u32) -> [i32; 2] {
+        let (a, b) = (cell(&self.graph.tiles, from), cell(&self.graph.tiles, to));
         [b[0] - a[0], b[1] - a[1]]
     }
+}
+
+/// Column and row from the lower left vertex.
+fn cell(tiles: &Tiles, slot: u32) -> [i32; 2] {
+    let [column, row] = tiles.tile_at[slot as usize >> 6].map(|c| c as i32 * 8);
+    [column + (slot & 7) as i32, row + (slot >> 3 & 7) as i32]
 }
 
 /// Cells whose closed square a wall touches, around the lattice.
@@ -386,6 +419,33 @@ mod tests {
             for path in Path::available() {
                 paths.path = path;
                 prop_assert_eq!(&paths.angular_columns(None), &best);
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
+
+        /// Graphs too large for lists of straightest paths have the same angles, every instruction set.
+        #[test]
+        fn straightest_paths_need_no_lists((lattice, obstacles) in plans(), everywhere in any::<bool>()) {
+            let turning = if everywhere { Turning::Everywhere } else { Turning::AtWalls };
+            let graph = visibility::visibility_graph(&lattice, &obstacles);
+            let mut paths = Paths::new(&lattice, &graph, &obstacles, turning);
+            let corners = Corners::straightest(&paths, usize::MAX);
+            let cells = corners.as_ref().map_or(0, Corners::cells);
+            prop_assert!(cells == 0 || Corners::straightest(&paths, cells - 1).is_none());
+            prop_assert!(cells == 0 || cells > STRAIGHTEST_MAX || Corners::straightest(&paths, cells).is_some());
+            let mut walk = Walk::new(&graph);
+            for root in (0..lattice.cells.len() as u32).step_by(37) {
+                let slot = [paths.slot_of_vertex[root as usize]];
+                for path in Path::available() {
+                    paths.path = path;
+                    walk.angular(&paths, None, &slot, f64::INFINITY);
+                    let plain = walk.reached.clone();
+                    walk.angular(&paths, corners.as_ref(), &slot, f64::INFINITY);
+                    prop_assert_eq!(&walk.reached, &plain);
+                }
             }
         }
     }

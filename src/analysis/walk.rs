@@ -1,13 +1,14 @@
 //! Walks from one cell to all others in the order of their cost: shortest and straightest paths.
 //!
-//! Costs lie by slot (64 to a tile), so that a row of eight cells of a tile is one register: a cell
-//! offers a way to the cells it sees row by row, with lengths and angles from tables whose rows run
-//! along the same cells.
+//! A cell offers a way to the cells to which the way there leads on, by the lists of [`Corners`]. Where there
+//! are none it goes through what it sees and its predecessor does not: costs lie by slot (64 to a tile), so that a
+//! row of eight cells of a tile is one register, with lengths and angles from tables whose rows run along the
+//! same cells.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::corners::Corners;
+use super::corners::{Corners, List, Turned, next_row};
 use super::graph::Graph;
 use super::lanes::Path;
 #[cfg(target_arch = "x86_64")]
@@ -19,8 +20,8 @@ use super::paths::Paths;
 pub(super) const START: u32 = u32::MAX;
 
 /// Bands of cost to one cell of length, and to one right angle.
-const BANDS_PER_CELL: f32 = 2.0;
-const BANDS_PER_RIGHT_ANGLE: f32 = 64.0;
+const BANDS_PER_CELL: f32 = 1.0;
+const BANDS_PER_RIGHT_ANGLE: f32 = 32.0;
 
 /// Bands that are told apart; what costs more waits in the last one.
 const BANDS_MAX: usize = 1 << 16;
@@ -30,19 +31,20 @@ const MAX_OFFSETS: i64 = 1 << 22;
 
 /// Length (cells) and direction (right angles from +x, anticlockwise) of every offset between two cells.
 pub(super) struct Offsets {
-    /// Largest offset each way.
-    size: [i32; 2],
     stride: usize,
+    /// The entry of no offset.
+    centre: u32,
     /// By row, then column, with room for a row of eight on both sides; empty if there are too many.
     pub lengths: Vec<f64>,
-    directions: Vec<f64>,
+    pub directions: Vec<f64>,
 }
 
 impl Offsets {
     pub fn new(size: [i32; 2]) -> Self {
         let [w, h] = size.map(i64::from);
         let wide = 2 * (w + ROW as i64) + 1;
-        let mut new = Self { size, stride: wide as usize, lengths: Vec::new(), directions: Vec::new() };
+        let centre = (h * wide + w) as u32 + ROW as u32;
+        let mut new = Self { stride: wide as usize, centre, lengths: Vec::new(), directions: Vec::new() };
         if wide.saturating_mul(2 * h + 1) <= MAX_OFFSETS {
             let reach = size[0] + ROW as i32;
             let all = || (-size[1]..=size[1]).flat_map(|y| (-reach..=reach).map(move |x| [x, y]));
@@ -52,27 +54,15 @@ impl Offsets {
         new
     }
 
-    #[inline(always)]
-    fn at(&self, [x, y]: [i32; 2]) -> usize {
-        let [x, y] = [i64::from(x) + i64::from(self.size[0]), i64::from(y) + i64::from(self.size[1])];
-        y as usize * self.stride + x as usize + ROW
+    /// Where a cell lies among the offsets: two places differ by what lies between the entries of their offsets.
+    pub fn place(&self, [x, y]: [i32; 2]) -> u32 {
+        (y as u32).wrapping_mul(self.stride as u32).wrapping_add(x as u32)
     }
 
+    /// What is added to a place for the entry of the offset there.
     #[inline(always)]
-    pub fn length(&self, offset: [i32; 2]) -> f64 {
-        self.lengths.get(self.at(offset)).copied().unwrap_or_else(|| length_of(offset))
-    }
-
-    #[inline(always)]
-    pub fn direction(&self, offset: [i32; 2]) -> f64 {
-        self.directions.get(self.at(offset)).copied().unwrap_or_else(|| direction_of(offset))
-    }
-
-    /// Eight offsets from one on, along x.
-    #[inline(always)]
-    pub fn row(&self, table: &[f64], offset: [i32; 2], value: fn([i32; 2]) -> f64) -> [f64; ROW] {
-        let found = table.get(self.at(offset)..).and_then(|t| t.first_chunk::<ROW>());
-        found.copied().unwrap_or_else(|| std::array::from_fn(|i| value([offset[0] + i as i32, offset[1]])))
+    pub fn origin(&self, from: u32) -> u32 {
+        self.centre.wrapping_sub(from)
     }
 }
 
@@ -81,167 +71,219 @@ pub(super) fn length_of([x, y]: [i32; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-fn direction_of([x, y]: [i32; 2]) -> f64 {
+pub(super) fn direction_of([x, y]: [i32; 2]) -> f64 {
     f64::from(y).atan2(f64::from(x)) / std::f64::consts::FRAC_PI_2
 }
 
 /// How far a path turns from one direction to another, in right angles.
 #[inline(always)]
-fn turn(before: f64, after: f64) -> f32 {
+pub(super) fn turn(before: f64, after: f64) -> f32 {
     let apart = (after - before).abs();
     let other = 4.0 - apart;
     (if apart < other { apart } else { other }) as f32
 }
 
 /// Cost in the bits of a non-negative f32 above the vertex: sorts by cost, then vertex.
-pub(super) type Key = u64;
+type Key = u64;
 
 fn cost_of(key: Key) -> f32 {
     f32::from_bits((key >> 32) as u32)
 }
 
-/// Cost and vertex of something reached.
-pub(super) fn parts(key: Key) -> (f32, u32) {
-    (cost_of(key), key as u32)
-}
+/// From here on single-precision numbers are whole.
+const WHOLE: f32 = (1 << (f32::MANTISSA_DIGITS - 1)) as f32;
 
-/// Relays in the order of their cost. Only those of the band at hand are sorted; what a better way has
-/// overtaken by then is never sorted at all.
+/// Cells in the order of their cost. Only those of the band at hand are sorted; what a better way has
+/// overtaken by then is never sorted at all. Hardly a branch here can be foreseen, so there are few.
 #[derive(Default)]
 struct Queue {
-    /// The band at hand: sorted, up to `at`, and what came to it since.
+    /// The band at hand: sorted, from `at` to `end`, and what came to it since.
     now: Vec<Key>,
     at: usize,
-    late: BinaryHeap<Reverse<Key>>,
-    later: Vec<Vec<Key>>,
-    /// Cells that lead nowhere, by the band in which they were reached: closed once it is over.
-    others: Vec<Vec<u32>>,
-    band: usize,
-    /// Bands that hold anything end before this one.
     end: usize,
+    late: BinaryHeap<Reverse<Key>>,
+    waiting: Vec<Waiting>,
+    /// The last that waits in each band, where the band holds any.
+    last: Vec<u32>,
+    /// Bands that hold any, bit by bit.
+    filled: Vec<u64>,
+    band: usize,
     bands_per_cost: f32,
 }
 
+/// A cell at the cost it had when it came, and what came to its band before.
+#[derive(Clone, Copy)]
+struct Waiting {
+    cost: f32,
+    slot: u32,
+    before: u32,
+}
+
+/// Nothing came before.
+const END: u32 = u32::MAX;
+
 impl Queue {
     fn clear(&mut self, bands_per_cost: f32) {
-        self.now.clear();
         self.late.clear();
-        self.later[..self.end].iter_mut().for_each(Vec::clear);
-        self.others[..self.end].iter_mut().for_each(Vec::clear);
-        (self.at, self.band, self.end, self.bands_per_cost) = (0, 0, 0, bands_per_cost);
+        self.waiting.clear();
+        self.filled.fill(0);
+        (self.at, self.end, self.band, self.bands_per_cost) = (0, 0, 0, bands_per_cost);
     }
 
     #[inline(always)]
-    fn push(&mut self, cost: f32, vertex: u32) {
-        let key = u64::from(cost.to_bits()) << 32 | u64::from(vertex);
-        let band = self.band_of(cost);
+    fn push(&mut self, paths: &Paths<'_>, cost: f32, slot: u32) {
+        // Whole numbers of this size are the last bits of a single-precision number.
+        let band = (cost * self.bands_per_cost).min((BANDS_MAX - 1) as f32) + WHOLE;
+        let band = (band.to_bits() - WHOLE.to_bits()) as usize;
         if band <= self.band {
-            self.late.push(Reverse(key));
-        } else {
+            self.late.push(Reverse(key(paths, cost, slot)));
+            return;
+        }
+        if band >= self.last.len() {
             self.make_room(band);
-            self.later[band].push(key);
         }
+        let (filled, bit) = (&mut self.filled[band / 64], 1 << (band % 64));
+        let before = if *filled & bit == 0 { END } else { self.last[band] };
+        *filled |= bit;
+        self.last[band] = self.waiting.len() as u32;
+        self.waiting.push(Waiting { cost, slot, before });
     }
 
-    /// A cell that leads nowhere was reached.
-    #[inline(always)]
-    fn push_other(&mut self, cost: f32, slot: u32) {
-        let band = self.band_of(cost);
-        self.make_room(band);
-        self.others[band].push(slot);
-    }
-
-    #[inline(always)]
-    fn band_of(&self, cost: f32) -> usize {
-        ((cost * self.bands_per_cost) as usize).min(BANDS_MAX - 1)
-    }
-
-    #[inline(always)]
+    #[cold]
     fn make_room(&mut self, band: usize) {
-        if band >= self.end {
-            self.end = band + 1;
-            if self.later.len() < self.end {
-                self.later.resize_with(self.end, Vec::new);
-                self.others.resize_with(self.end, Vec::new);
-            }
-        }
+        let words = band / 64 + 1;
+        self.filled.resize(words, 0);
+        self.last.resize(words * 64, END);
     }
 
     /// The cheapest of the band at hand.
     #[inline(always)]
     fn pop(&mut self) -> Option<Key> {
-        let sorted = self.now.get(self.at).copied();
-        match (sorted, self.late.peek()) {
-            (Some(key), late) if late.is_none_or(|l| key < l.0) => {
-                self.at += 1;
-                Some(key)
-            }
-            _ => self.late.pop().map(|l| l.0),
+        let now = &self.now[self.at..self.end];
+        if self.late.is_empty() {
+            self.at += 1;
+            return now.first().copied();
         }
+        self.pop_late()
     }
 
-    /// Goes on to the next band that holds any relay for which `is_current` holds; `false` at the end.
-    /// Closes what leads nowhere and is no dearer than the bands left behind.
-    #[inline(always)]
-    fn advance(&mut self, costs: &[f32], open: &mut [u64], mut is_current: impl FnMut(Key) -> bool) -> bool {
-        self.now.clear();
-        self.at = 0;
-        while self.now.is_empty() {
-            while let Some(slot) = self.others.get_mut(self.band).and_then(Vec::pop) {
-                if self.band_of(costs[slot as usize]) <= self.band {
-                    open[slot as usize >> 6] &= !(1 << (slot & 63));
-                }
-            }
-            self.band += 1;
-            if self.band >= self.end {
-                return false;
-            }
-            let Self { now, later, band, .. } = self;
-            now.extend(later[*band].drain(..).filter(|&key| is_current(key)));
+    #[cold]
+    fn pop_late(&mut self) -> Option<Key> {
+        if self.at >= self.end {
+            self.now.clear();
+            self.now.extend(self.late.drain().map(|late| late.0));
+            self.now.sort_unstable();
+            (self.at, self.end) = (1, self.now.len());
+            return self.now.first().copied();
         }
-        self.now.sort_unstable();
+        let key = self.now[self.at];
+        if self.late.peek().is_some_and(|late| late.0 < key) {
+            return self.late.pop().map(|late| late.0);
+        }
+        self.at += 1;
+        Some(key)
+    }
+
+    /// Goes on to the next band that holds any cell whose cost is still that at which it came; `false` at the end.
+    #[inline(always)]
+    fn advance(&mut self, paths: &Paths<'_>, costs: &[f32]) -> bool {
+        if self.now.len() <= self.waiting.len() {
+            self.now.resize(2 * self.waiting.len() + 1, 0);
+        }
+        (self.at, self.end) = (0, 0);
+        while self.end == 0 {
+            let Some(band) = self.next_band() else { return false };
+            self.band = band;
+            let mut next = self.last[band];
+            while let Some(&Waiting { cost, slot, before }) = self.waiting.get(next as usize) {
+                self.now[self.end] = key(paths, cost, slot);
+                self.end += usize::from(costs[slot as usize] == cost);
+                next = before;
+            }
+        }
+        self.now[..self.end].sort_unstable();
         true
     }
+
+    /// The next band that holds any.
+    #[inline(always)]
+    fn next_band(&self) -> Option<usize> {
+        let from = self.band + 1;
+        let mut word = from / 64;
+        let mut bits = self.filled.get(word)? & (u64::MAX << (from % 64));
+        while bits == 0 {
+            word += 1;
+            bits = *self.filled.get(word)?;
+        }
+        Some(word * 64 + bits.trailing_zeros() as usize)
+    }
+}
+
+#[inline(always)]
+fn key(paths: &Paths<'_>, cost: f32, slot: u32) -> Key {
+    u64::from(cost.to_bits()) << 32 | u64::from(paths.vertex_of_slot[slot as usize])
+}
+
+/// How a cell was reached.
+#[derive(Clone, Copy)]
+struct Arrival {
+    /// The slot before, on the way here.
+    before: u32,
+    /// What is offered from here.
+    list: List,
 }
 
 /// Buffers of one worker, by slot.
 pub(super) struct Walk {
     /// Infinite where there is no way.
     pub cost: Vec<f32>,
-    /// The slot before, on the way here.
-    before: Vec<u32>,
-    /// Angle turned along the metric path, and direction of its last piece, at cells that were left.
-    angle: Vec<f32>,
+    arrival: Vec<Arrival>,
+    /// Angle turned along the metric path, at cells that were left.
+    pub angle: Vec<f32>,
+    /// Direction of the last piece of the way, at cells that were left.
     heading: Vec<f64>,
-    /// What is offered from here, see [`Corners`].
-    list: Vec<u32>,
     /// Cells that have not been left, by tile.
     open: Vec<u64>,
     queue: Queue,
-    /// See [`sort_reached`](Self::sort_reached).
-    pub reached: Vec<Key>,
-    bins: Vec<u32>,
+    /// Places of the better ones of some cells.
+    found: Vec<u32>,
+    hits: Vec<Hit>,
+    /// What was reached, by cost, then vertex: cost and slot.
+    pub reached: Vec<(f32, u32)>,
 }
 
-/// First slot of a row of a tile, the cells of it that are meant, and the offset of the first.
-type Row = (u32, u32, [i32; 2]);
+/// A row of eight with better ways to some cells: its first slot, the cells, the costs, and the place of the
+/// first cell of its tile, with all cells of the tile, among the neighbours of the cell that leads there.
+#[derive(Clone, Copy, Default)]
+struct Hit {
+    first: u32,
+    better: u32,
+    costs: [f32; ROW],
+    place: u32,
+    mask: u64,
+}
 
-/// Bins into which what was reached is sorted first.
-const BINS: usize = 4096;
+/// A cell that is left: its cost, its slot, that before, and the direction in which it was reached, if it was.
+struct Leaving {
+    cost: f32,
+    at: u32,
+    before: u32,
+    heading: Option<f64>,
+}
 
 impl Walk {
     pub fn new(graph: &Graph) -> Self {
         let slots = graph.tiles.count() * 64;
         Self {
             cost: vec![f32::INFINITY; slots],
-            before: vec![START; slots],
+            arrival: vec![Arrival { before: START, list: List::NONE }; slots],
             angle: vec![0.0; slots],
             heading: vec![0.0; slots],
-            list: vec![0; slots],
             open: Vec::new(),
             queue: Queue::default(),
+            found: Vec::new(),
+            hits: Vec::new(),
             reached: Vec::new(),
-            bins: Vec::new(),
         }
     }
 
@@ -251,57 +293,9 @@ impl Walk {
         self.walk::<true>(paths, corners, roots, radius);
     }
 
-    /// Straightest paths from some slots, costs in right angles.
-    pub fn angular(&mut self, paths: &Paths<'_>, roots: &[u32], radius: f64) {
-        self.walk::<false>(paths, None, roots, radius);
-    }
-
-    /// Angle turned along the metric path to a slot that was reached, right angles.
-    #[inline(always)]
-    pub fn turned(&self, paths: &Paths<'_>, slot: u32) -> f32 {
-        let from = self.before[slot as usize];
-        if from == START || self.before[from as usize] == START {
-            return 0.0;
-        }
-        let heading = paths.offsets.direction(paths.offset(from, slot));
-        self.angle[from as usize] + turn(self.heading[from as usize], heading)
-    }
-
-    /// Lists what was reached within a radius in `reached`, by cost, then vertex; see [`parts`].
-    pub fn sort_reached(&mut self, paths: &Paths<'_>, radius: f64) {
-        let mut most = 0f32;
-        let mut found = 0;
-        for &slot in &paths.slot_of_vertex {
-            let cost = self.cost[slot as usize];
-            if cost < f32::INFINITY && f64::from(cost) <= radius {
-                most = most.max(cost);
-                found += 1;
-            }
-        }
-        let per_cost = if most > 0.0 { (BINS - 1) as f32 / most } else { 0.0 };
-        self.bins.clear();
-        self.bins.resize(BINS + 1, 0);
-        let within = |cost: f32| cost < f32::INFINITY && f64::from(cost) <= radius;
-        for &slot in &paths.slot_of_vertex {
-            let cost = self.cost[slot as usize];
-            if within(cost) {
-                self.bins[(cost * per_cost) as usize + 1] += 1;
-            }
-        }
-        for bin in 0..BINS {
-            self.bins[bin + 1] += self.bins[bin];
-        }
-        self.reached.clear();
-        self.reached.resize(found, 0);
-        for (v, &slot) in (0u64..).zip(&paths.slot_of_vertex) {
-            let cost = self.cost[slot as usize];
-            if within(cost) {
-                let at = &mut self.bins[(cost * per_cost) as usize];
-                self.reached[*at as usize] = u64::from(cost.to_bits()) << 32 | v;
-                *at += 1;
-            }
-        }
-        insertion_sort(&mut self.reached);
+    /// Straightest paths from some slots, costs in right angles. Corners pay where many roots share them.
+    pub fn angular(&mut self, paths: &Paths<'_>, corners: Option<&Corners>, roots: &[u32], radius: f64) {
+        self.walk::<false>(paths, corners, roots, radius);
     }
 
     fn walk<const METRIC: bool>(
@@ -359,24 +353,18 @@ impl Walk {
         loop {
             while let Some(key) = self.queue.pop() {
                 let at = paths.slot_of_vertex[key as u32 as usize];
-                let (cost, bit) = (cost_of(key), 1u64 << (at & 63));
-                if self.cost[at as usize] != cost || self.open[at as usize >> 6] & bit == 0 {
+                let cost = cost_of(key);
+                if self.cost[at as usize] != cost {
                     continue;
                 }
                 if f64::from(cost) > radius {
                     return;
                 }
-                self.open[at as usize >> 6] &= !bit;
-                self.head(paths, at);
-                if METRIC {
-                    self.leave_metric(paths, corners, cost, at);
-                } else {
-                    self.leave_angular::<R>(paths, cost, at);
-                }
+                self.open[at as usize >> 6] &= !(1 << (at & 63));
+                self.reached.push((cost, at));
+                self.leave::<METRIC, R>(paths, corners, cost, at);
             }
-            let Self { cost, open, queue, .. } = self;
-            let is_current = |key| cost[paths.slot_of_vertex[key as u32 as usize] as usize] == cost_of(key);
-            if !queue.advance(cost, open, is_current) {
+            if !self.queue.advance(paths, &self.cost) {
                 return;
             }
         }
@@ -387,141 +375,230 @@ impl Walk {
         self.cost.fill(f32::INFINITY);
         self.open.clone_from(&paths.graph.tiles.occupied);
         self.queue.clear(bands_per_cost);
+        self.reached.clear();
         for &root in roots {
-            self.cost[root as usize] = 0.0;
-            self.before[root as usize] = START;
-            self.queue.push(0.0, paths.vertex_of_slot[root as usize]);
-        }
-    }
-
-    /// Direction and angle on leaving a cell.
-    #[inline(always)]
-    fn head(&mut self, paths: &Paths<'_>, at: u32) {
-        self.angle[at as usize] = self.turned(paths, at);
-        let from = self.before[at as usize];
-        if from != START {
-            self.heading[at as usize] = paths.offsets.direction(paths.offset(from, at));
-        }
-    }
-
-    /// Offers a way through `at` to those cells to which the way there leads on; without corners to all
-    /// that it sees and its predecessor does not: the straight way there is no longer.
-    #[inline(always)]
-    fn leave_metric(&mut self, paths: &Paths<'_>, corners: Option<&Corners>, cost: f32, at: u32) {
-        let (graph, rank, from) = (paths.graph, paths.rank(at), self.before[at as usize]);
-        let list = corners.filter(|_| from != START).map(|c| c.list(self.list[at as usize]));
-        let (tiles, masks) = list.map_or_else(|| graph.row(rank), |l| (l.tiles, l.masks));
-        let known = if from == START || corners.is_some() { NOTHING } else { graph.row(paths.rank(from)) };
-        let [x, y] = paths.cell(at);
-        let mut next = 0;
-        for (i, (&t, &mask)) in tiles.iter().zip(masks).enumerate() {
-            let mut bits = mask & self.open[t as usize] & !known_in(known, t, &mut next);
-            if bits == 0 {
-                continue;
+            if self.cost[root as usize] != 0.0 {
+                self.cost[root as usize] = 0.0;
+                self.arrival[root as usize] = Arrival { before: START, list: List::ALL };
+                self.queue.push(paths, 0.0, root);
             }
-            let entry = list.map_or(graph.start[rank] + i, |l| l.entries[i] as usize);
-            let (live, first_list) = corners.map_or((paths.turns[t as usize], 0), |c| c.live(entry));
-            let [tx, ty] = graph.tiles.tile_at[t as usize].map(|c| c as i32 * ROW as i32);
-            while bits != 0 {
-                let bit = bits.trailing_zeros();
-                bits &= bits - 1;
-                let slot = t << 6 | bit;
-                let apart = paths.offsets.length([tx + (bit & 7) as i32 - x, ty + (bit >> 3) as i32 - y]);
-                if f64::from(cost) + apart < f64::from(self.cost[slot as usize]) {
-                    let new = cost + apart as f32;
-                    self.cost[slot as usize] = new;
-                    self.before[slot as usize] = at;
-                    if live >> bit & 1 == 1 {
-                        self.list[slot as usize] = first_list + (live & ((1 << bit) - 1)).count_ones();
-                        self.queue.push(new, paths.vertex_of_slot[slot as usize]);
-                    }
+        }
+    }
+
+    /// Offers a way through `at` to those cells to which the way there leads on; without corners to all that
+    /// it sees and its predecessor does not: the straight way there is no longer and turns no more.
+    #[inline(always)]
+    fn leave<const METRIC: bool, R: Rows>(
+        &mut self,
+        paths: &Paths<'_>,
+        corners: Option<&Corners>,
+        cost: f32,
+        at: u32,
+    ) {
+        let Arrival { before, list } = self.arrival[at as usize];
+        let heading = (before != START && (METRIC || list.count > 0)).then(|| paths.direction(before, at));
+        if METRIC {
+            self.head(before, at, heading);
+        }
+        if list.count == 0 {
+            return;
+        }
+        let leaving = Leaving { cost, at, before, heading };
+        match corners {
+            Some(corners) if list != List::ALL => {
+                self.offer::<METRIC, R>(paths, corners, &leaving, list);
+            }
+            _ => {
+                self.find_all::<METRIC, R>(paths, &leaving);
+                for i in 0..self.hits.len() {
+                    self.take_row::<METRIC, R>(paths, corners, &leaving, self.hits[i]);
                 }
             }
         }
     }
 
-    /// Offers a way through `at` to the cells it sees. Those its predecessor sees as well are passed
-    /// over: the way there without the detour turns no more.
+    /// Offers a way to the cells of a list: first to all, without a branch, as nobody can tell which take it.
     #[inline(always)]
-    fn leave_angular<R: Rows>(&mut self, paths: &Paths<'_>, cost: f32, at: u32) {
-        let graph = paths.graph;
-        let from = self.before[at as usize];
-        let known = if from == START { NOTHING } else { graph.row(paths.rank(from)) };
-        let heading = (from != START).then(|| self.heading[at as usize]);
-        let [x, y] = paths.cell(at);
-        let (tiles, masks) = graph.row(paths.rank(at));
-        let mut next = 0;
-        for (&t, &mask) in tiles.iter().zip(masks) {
-            let mut bits = mask & self.open[t as usize] & !known_in(known, t, &mut next);
-            let [tx, ty] = graph.tiles.tile_at[t as usize].map(|c| c as i32 * ROW as i32);
-            while bits != 0 {
-                let row = bits.trailing_zeros() & !7;
-                let some = (bits >> row) as u32 & 0xff;
-                bits &= !(0xff << row);
-                let offset = [tx - x, ty - y + (row / 8) as i32];
-                self.offer_turn::<R>(paths, cost, at, (t << 6 | row, some, offset), heading);
+    fn offer<const METRIC: bool, R: Rows>(
+        &mut self,
+        paths: &Paths<'_>,
+        corners: &Corners,
+        leaving: &Leaving,
+        list: List,
+    ) {
+        let Self { cost: costs, found, .. } = self;
+        if found.len() < list.count as usize + ROW {
+            found.resize(2 * (list.count as usize + ROW), 0);
+        }
+        let count = if METRIC {
+            let cost = f64::from(leaving.cost);
+            let mut count = 0;
+            for (to, i) in corners.by_length(list).iter().zip(0..) {
+                found[count] = i;
+                count += usize::from(cost + to.length < f64::from(costs[to.slot as usize]));
             }
+            count
+        } else {
+            find_straighter::<R>(costs, corners.by_turn(list), leaving.cost, found)
+        };
+        for i in 0..count {
+            let k = self.found[i] as usize;
+            let (slot, way, by) = if METRIC {
+                let to = corners.by_length(list)[k];
+                (to.slot, to.way, to.length as f32)
+            } else {
+                let to = corners.by_turn(list)[k];
+                (to.slot, to.way, to.turn)
+            };
+            self.take::<METRIC>(paths, slot, leaving.cost + by, leaving.at, corners.list_to(way));
+        }
+    }
+
+    /// Takes a better way to a cell.
+    #[inline(always)]
+    fn take<const METRIC: bool>(
+        &mut self,
+        paths: &Paths<'_>,
+        slot: u32,
+        cost: f32,
+        before: u32,
+        mut list: List,
+    ) {
+        let at = slot as usize;
+        if METRIC && self.cost[at] == cost {
+            // Shorter by less than single precision holds: it waits at this cost, and leads at least where it led.
+            list = if list.count == 0 { self.arrival[at].list } else { list };
+            self.arrival[at] = Arrival { before, list };
+            return;
+        }
+        if !METRIC && cost == 0.0 && paths.turns[at >> 6] >> (at & 63) & 1 == 0 {
+            list = List::ALL;
+        }
+        self.cost[at] = cost;
+        self.arrival[at] = Arrival { before, list };
+        self.queue.push(paths, cost, slot);
+    }
+
+    /// Lists the rows with better ways among all that a cell sees and its predecessor does not.
+    #[inline(always)]
+    fn find_all<const METRIC: bool, R: Rows>(&mut self, paths: &Paths<'_>, leaving: &Leaving) {
+        let (graph, rank) = (paths.graph, paths.rank(leaving.at));
+        let known =
+            if leaving.before == START { (&[][..], &[][..]) } else { graph.row(paths.rank(leaving.before)) };
+        let (tiles, masks) = graph.row(rank);
+        let costs: &[[f32; ROW]] = self.cost.as_chunks().0;
+        let (mut next, mut place) = (0, 0);
+        self.hits.clear();
+        for (&tile, &mask) in tiles.iter().zip(masks) {
+            let mut bits = mask & self.open[tile as usize] & !known_in(known, tile, &mut next);
+            while let Some((row, cells)) = next_row(&mut bits) {
+                let first = tile << 6 | row;
+                let old = &costs[first as usize / ROW];
+                let (new, better) = ways::<METRIC, R>(paths, leaving, first, old);
+                if better & cells != 0 {
+                    self.hits.push(Hit { first, better: better & cells, costs: new, place, mask });
+                }
+            }
+            place += mask.count_ones();
         }
     }
 
     #[inline(always)]
-    fn offer_turn<R: Rows>(
+    fn take_row<const METRIC: bool, R: Rows>(
         &mut self,
         paths: &Paths<'_>,
-        cost: f32,
-        at: u32,
-        (first, some, offset): Row,
-        heading: Option<f64>,
+        corners: Option<&Corners>,
+        leaving: &Leaving,
+        hit: Hit,
     ) {
-        let Some(old) = self.cost.get(first as usize..).and_then(|c| c.first_chunk::<ROW>()) else { return };
-        let mut better = R::less(&[cost; ROW], old) & some;
-        if better == 0 {
-            return;
-        }
-        let mut new = [cost; ROW];
-        if let Some(heading) = heading {
-            let directions = paths.offsets.row(&paths.offsets.directions, offset, direction_of);
-            for i in 0..ROW {
-                new[i] = cost + turn(heading, directions[i]);
-            }
-            better &= R::less(&new, old);
-        }
+        let mut better = hit.better;
         while better != 0 {
-            let bit = better.trailing_zeros();
+            let i = better.trailing_zeros();
             better &= better - 1;
-            let (slot, cost) = (first + bit, new[bit as usize]);
-            self.cost[slot as usize] = cost;
-            self.before[slot as usize] = at;
-            if cost == 0.0 || paths.turns[slot as usize >> 6] >> (slot & 63) & 1 == 1 {
-                self.queue.push(cost, paths.vertex_of_slot[slot as usize]);
-            } else {
-                self.queue.push_other(cost, slot);
+            let slot = hit.first + i;
+            let bit = 1u64 << (slot & 63);
+            let list = match corners {
+                Some(corners) => {
+                    let place = hit.place + (hit.mask & (bit - 1)).count_ones();
+                    corners.list_to(corners.first_way(paths.rank(leaving.at)) + place)
+                }
+                None if paths.turns[slot as usize >> 6] & bit != 0 => List::ALL,
+                None => List::NONE,
+            };
+            self.take::<METRIC>(paths, slot, hit.costs[i as usize & 7], leaving.at, list);
+        }
+    }
+
+    /// Angle turned on leaving a cell.
+    #[inline(always)]
+    fn head(&mut self, before: u32, at: u32, heading: Option<f64>) {
+        let mut angle = 0.0;
+        if let Some(heading) = heading {
+            self.heading[at as usize] = heading;
+            if self.arrival[before as usize].before != START {
+                angle = self.angle[before as usize] + turn(self.heading[before as usize], heading);
             }
         }
+        self.angle[at as usize] = angle;
     }
 }
 
-/// An empty row of the graph.
-const NOTHING: (&[u32], &[u64]) = (&[], &[]);
+/// Lists the places of those cells to which a way is straighter than theirs: so many.
+#[inline(always)]
+fn find_straighter<R: Rows>(costs: &[f32], cells: &[Turned], cost: f32, found: &mut [u32]) -> usize {
+    let mut count = 0;
+    let (eights, rest) = cells.as_chunks::<ROW>();
+    for (eight, first) in eights.iter().zip((0..).step_by(ROW)) {
+        let (mut new, mut old) = ([cost; ROW], [0.0; ROW]);
+        for i in 0..ROW {
+            new[i] += eight[i].turn;
+            old[i] = costs[eight[i].slot as usize];
+        }
+        let better = R::less(&new, &old);
+        if let Some(to) = found.get_mut(count..).and_then(|f| f.first_chunk_mut()) {
+            R::list(better, first, to);
+        }
+        count += better.count_ones() as usize;
+    }
+    for (to, i) in rest.iter().zip(cells.len() - rest.len()..) {
+        found[count] = i as u32;
+        count += usize::from(cost + to.turn < costs[to.slot as usize]);
+    }
+    count
+}
+
+/// The costs of a row of eight after a cell, and which are better than the old ones.
+#[inline(always)]
+fn ways<const METRIC: bool, R: Rows>(
+    paths: &Paths<'_>,
+    leaving: &Leaving,
+    first: u32,
+    old: &[f32; ROW],
+) -> ([f32; ROW], u32) {
+    let mut new = [leaving.cost; ROW];
+    if METRIC {
+        let lengths = paths.row(&paths.offsets.lengths, leaving.at, first, length_of);
+        let mut exact = [f64::from(leaving.cost); ROW];
+        for i in 0..ROW {
+            exact[i] += lengths[i];
+            new[i] += lengths[i] as f32;
+        }
+        return (new, R::less_wide(&exact, old));
+    }
+    if let Some(heading) = leaving.heading {
+        let directions = paths.row(&paths.offsets.directions, leaving.at, first, direction_of);
+        for i in 0..ROW {
+            new[i] += turn(heading, directions[i]);
+        }
+    }
+    (new, R::less(&new, old))
+}
 
 /// The mask of a tile in a row of the graph, tiles asked for in ascending order.
 #[inline(always)]
-pub(super) fn known_in((tiles, masks): (&[u32], &[u64]), tile: u32, next: &mut usize) -> u64 {
+fn known_in((tiles, masks): (&[u32], &[u64]), tile: u32, next: &mut usize) -> u64 {
     while *next < tiles.len() && tiles[*next] < tile {
         *next += 1;
     }
     if tiles.get(*next) == Some(&tile) { masks[*next] } else { 0 }
-}
-
-/// Sorts what is almost in order.
-fn insertion_sort(keys: &mut [Key]) {
-    for i in 1..keys.len() {
-        let key = keys[i];
-        let mut at = i;
-        while at > 0 && keys[at - 1] > key {
-            keys[at] = keys[at - 1];
-            at -= 1;
-        }
-        keys[at] = key;
-    }
 }
