@@ -7,6 +7,7 @@ use glam::DVec2;
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity};
 use super::parallels::{Piece, pieces};
+use super::view_names::says_scale_or_author;
 use super::{box_of, distance_to_segment};
 use crate::report::{Place, Report};
 
@@ -36,27 +37,6 @@ const SCALES: &[f64] = &[1.0, 1.25, 1.5, 2.0, 2.5, 5.0, 7.5];
 
 /// How exactly a border is a sheet at a scale.
 const SHEET_SHARE: f64 = 0.002;
-
-/// Words that stand in title blocks and in no room.
-const TITLE_WORDS: &[&str] = &[
-    "scale",
-    "drawn",
-    "maßstab",
-    "massstab",
-    "gezeichnet",
-    "echelle",
-    "échelle",
-    "dessiné",
-    "escala",
-    "dibujado",
-    "scala",
-    "disegnato",
-    "schaal",
-    "getekend",
-    "масштаб",
-    "縮尺",
-    "比例",
-];
 
 /// Takes borders of the sheet, and what hangs on them, out of `walls` (indices of the drawing's entities) and says so.
 ///
@@ -198,15 +178,7 @@ fn is_paper(size: DVec2) -> bool {
 /// What a title block that hangs on a border says: a scale, or a word that stands in no room.
 fn title(drawing: &Drawing, border: &Border) -> Option<String> {
     let is_in = |p: DVec2| border.blocks.iter().any(|[lo, hi]| p.cmpge(*lo).all() && p.cmple(*hi).all());
-    let says = |text: &str| {
-        let lower = text.to_lowercase();
-        let is_scale = |w: &str| {
-            w.split_once(':').is_some_and(|(a, b)| a == "1" && b.parse::<u32>().is_ok_and(|n| n >= 5))
-        };
-        let mut words = lower.split(|c: char| c.is_whitespace() || ",;()".contains(c));
-        words.any(|w| is_scale(w) || TITLE_WORDS.contains(&w.trim_end_matches([':', '.'])))
-    };
-    let found = drawing.texts.iter().find(|t| is_in(t.at) && says(&t.text))?;
+    let found = drawing.texts.iter().find(|t| is_in(t.at) && says_scale_or_author(&t.text))?;
     Some(found.text.trim().lines().next().unwrap_or_default().to_owned())
 }
 
