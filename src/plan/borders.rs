@@ -74,17 +74,18 @@ pub(super) fn leave_out(drawing: &Drawing, walls: &mut Vec<usize>, report: &mut 
 }
 
 /// A rectangle round everything, and what hangs on it.
-struct Border {
+pub(super) struct Border {
     extent: [DVec2; 2],
     /// Its entities and those joined to it, by their places in the list.
     entities: BTreeSet<usize>,
     /// Boxes of what hangs together without the border itself.
-    blocks: Vec<[DVec2; 2]>,
+    pub blocks: Vec<[DVec2; 2]>,
     same: f64,
 }
 
 impl Border {
-    fn find(entities: &[&Entity]) -> Option<Self> {
+    /// Looks for one round everything.
+    pub fn find(entities: &[&Entity]) -> Option<Self> {
         let pieces = pieces(entities.iter().copied());
         let extent = box_of(entities.iter().flat_map(|e| control_points(&e.shape)))?;
         let [lo, hi] = extent;
@@ -120,7 +121,7 @@ impl Border {
     }
 
     /// Whether an entity belongs to the border, or is drawn in its title block.
-    fn takes(&self, index: usize, e: &Entity) -> bool {
+    pub fn takes(&self, index: usize, e: &Entity) -> bool {
         let is_in = |b: &[DVec2; 2]| {
             let points = control_points(&e.shape);
             points.iter().all(|p| p.cmpge(b[0] - self.same).all() && p.cmple(b[1] + self.same).all())
