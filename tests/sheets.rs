@@ -91,6 +91,12 @@ fn house(at: [f64; 2], title: &str) -> String {
     house_on(["A-WALL", "A-GLAZ", "A-DOOR"], at, title)
 }
 
+/// A house a fifth as large.
+fn small_house([x, y]: [f64; 2], title: &str) -> String {
+    let walls = WALLS.map(|l| l.map(|v| v / 5.0));
+    lines("A-WALL", [x, y], &walls) + &text("TEXT", [x, y - 0.2], title)
+}
+
 /// A front of four lines with windows.
 fn elevation([x, y]: [f64; 2], title: &str) -> String {
     let windows = [1.0, 4.0, 7.0].map(|w| ring("A-GLAZ", [x + w, y + 1.0, x + w + 1.0, y + 2.4]));
@@ -195,6 +201,27 @@ fn what_nobody_can_enter_is_no_floor() {
     assert_eq!(walls(&lines("A-WALL", [14.0, 0.0], &open)), 4, "it is open");
 }
 
+/// What stands a metre from the plan, with a title of its own, is told from it too.
+#[test]
+fn what_stands_near_is_told_by_its_title() {
+    let plan = house([0.0, 0.0], "FLOOR PLAN");
+    for (other, name) in [
+        (elevation([0.0, -7.8], "NORTH ELEVATION"), "NORTH ELEVATION"),
+        (title_block([11.0, 0.0]), "SCALE: 1:100"),
+        (small_house([11.0, 5.0], "KEY PLAN"), "KEY PLAN"),
+    ] {
+        let read = Read::of(&(plan.clone() + &other), None);
+        let mut names = read.names();
+        names.sort_unstable();
+        let mut expected = vec!["FLOOR PLAN", name];
+        expected.sort_unstable();
+        assert_eq!((names, read.taken()), (expected, vec!["FLOOR PLAN"]));
+        assert_eq!(read.plan.walls.len(), WALLS.len(), "{name}");
+    }
+    let wing = Read::of(&(plan + &elevation([0.0, -7.8], "")), None);
+    assert_eq!(wing.plan.views.len(), 1, "without a title it is a part");
+}
+
 /// The clean plan is read where another drawing has an elevation, a legend and a title block round it.
 #[test]
 fn a_full_sheet_falls_into_its_drawings() {
@@ -273,7 +300,9 @@ fn regions_go_before_moves_and_these_before_what_stays() {
     let region = marked("EF-QUERY", [20.4, 0.4, 29.0, 6.6], "");
     let read = Read::of(&floors(&(moves.clone() + &region)), None);
     assert_eq!((read.taken(), read.plan.markers.query.len()), (vec!["FIRST FLOOR PLAN"], 1));
-    assert!(read.plan.markers.groups.is_empty() && !read.plan.markers.is_move_drawn);
+    assert!(read.plan.markers.groups.is_empty() && read.plan.markers.is_move_drawn, "nothing moves unasked");
+    let read = Read::of(&floors(&(moves.clone() + &region)), Some("2"));
+    assert!(!read.plan.markers.is_move_drawn, "the other floor is not spoken of");
     let keep = [19.5, 25.0].map(|x| marked("EF-KEEP", [x, -0.5, x + 5.0, 7.5], "")).concat();
     let read = Read::of(&floors(&(keep.clone() + &moves)), None);
     assert_eq!((read.taken(), read.plan.markers.keep.len()), (vec!["GROUND FLOOR PLAN"], 0));

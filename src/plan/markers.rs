@@ -173,6 +173,10 @@ pub fn read(
     report: &mut Report,
 ) -> Markers {
     let rest = (!unused.is_empty()).then(|| without(drawing, unused, frame));
+    // Who asks for one drawing of the sheet does not speak of the moves on the others.
+    let is_move_on = |l: &str| own_layers::bare(l).eq_ignore_ascii_case(MOVE);
+    let moves_elsewhere = options.view.is_none()
+        && drawing.entities.iter().any(|e| unused.contains(&e.source.record) && is_move_on(&e.layer));
     let drawing = rest.as_ref().unwrap_or(drawing);
     let query = options.query_layer.as_deref().unwrap_or(QUERY);
     let reference = options.reference_layer.as_deref().unwrap_or(REFERENCE);
@@ -227,8 +231,7 @@ pub fn read(
         }
     }
     let misnamed = say_misnamed(drawing, [query, reference], report);
-    out.is_move_drawn =
-        misnamed || layers_drawn_on(drawing).any(|l| own_layers::bare(l).eq_ignore_ascii_case(MOVE));
+    out.is_move_drawn = misnamed || moves_elsewhere || layers_drawn_on(drawing).any(is_move_on);
     out
 }
 

@@ -19,6 +19,9 @@ use super::{box_of, distance_to_segment};
 /// of one building that do are joined by [`NEAR_M`].
 const CELL_M: f64 = 1.5;
 
+/// How many times smaller the cells are in which drawings are told apart where titles say that there are several.
+const NEARER: f64 = 4.0;
+
 /// Cells along the longer side at most; keeps the raster small where the drawing is huge.
 const CELLS_MAX: f64 = 4_000.0;
 
@@ -254,15 +257,82 @@ fn parts(
     let Some([lo, hi]) = box_of(all) else { return Vec::new() };
     let extent = (hi - lo).max_element();
     let cell = (CELL_M / metres_per_unit).max(extent / CELLS_MAX);
-    let mut raster = Raster { lo, cell, cells: BTreeMap::new() };
-    for piece in pieces(walls.iter().copied()) {
-        raster.draw(piece.a, piece.b, 1);
-    }
     let frame = extent * FRAME_SHARE;
-    for piece in pieces(seen.iter().copied()).into_iter().filter(|p| p.length() < frame) {
-        raster.draw(piece.a, piece.b, 0);
-    }
+    let drawn = pieces(walls.iter().copied()).into_iter().map(|p| (p, 1));
+    let others = pieces(seen.iter().copied()).into_iter().filter(|p| p.length() < frame).map(|p| (p, 0));
+    let drawn: Vec<(Piece, usize)> = drawn.chain(others).collect();
+    let parts = rastered(drawn.iter(), lo, cell);
+    parts.into_iter().flat_map(|p| parted(drawing, p, &drawn, (lo, cell), metres_per_unit)).collect()
+}
+
+fn rastered<'a>(drawn: impl Iterator<Item = &'a (Piece, usize)>, lo: DVec2, cell: f64) -> Vec<Part> {
+    let mut raster = Raster { lo, cell, cells: BTreeMap::new() };
+    drawn.for_each(|(piece, walls)| raster.draw(piece.a, piece.b, *walls));
     raster.parts()
+}
+
+/// A part, or what stands so near together in it that it seemed one: where a title says that some of it is no plan, it is
+/// looked at in smaller cells.
+fn parted(
+    drawing: &Drawing,
+    part: Part,
+    drawn: &[(Piece, usize)],
+    (lo, cell): (DVec2, f64),
+    metres_per_unit: f64,
+) -> Vec<Part> {
+    let reach = TITLE_M / metres_per_unit;
+    let says = |t: &Text| {
+        matches!(title_of(&t.text), Some(Title::NoPlan | Title::Beside)) || is_of_title_block(&t.text)
+    };
+    if !drawing.texts.iter().any(|t| gap(&part.extent, &[t.at, t.at]) <= reach && says(t)) {
+        return vec![part];
+    }
+    let is_in = |p: DVec2| p.cmpge(part.extent[0]).all() && p.cmple(part.extent[1]).all();
+    let inside = drawn.iter().filter(|(p, _)| is_in(p.a) && is_in(p.b));
+    let mut rest = overlapping_joined(rastered(inside, lo, cell / NEARER));
+    let mut out = Vec::new();
+    while let Some(i) = (0..rest.len()).find(|i| is_other(drawing, &rest, *i, metres_per_unit)) {
+        out.push(rest.swap_remove(i));
+    }
+    let wall_pieces = rest.iter().map(|p| p.wall_pieces).sum();
+    let extent = match out.is_empty() {
+        true => Some(part.extent),
+        false => box_of(rest.iter().flat_map(|p| p.extent)),
+    };
+    out.extend(extent.map(|extent| Part { extent, wall_pieces }));
+    out
+}
+
+/// Whether one of some parts stands clear of the others and is by its own title what they are not.
+fn is_other(drawing: &Drawing, parts: &[Part], i: usize, metres_per_unit: f64) -> bool {
+    let others = parts.iter().enumerate().filter(|(j, _)| *j != i);
+    let Some(rest) = box_of(others.flat_map(|(_, p)| p.extent)) else { return false };
+    let own = &parts[i].extent;
+    if parts[i].wall_pieces < APART_PIECES || gap(own, &rest) <= 0.0 || area(own) > area(&rest) {
+        return false;
+    }
+    let is_room = ((own[1] - own[0]) * metres_per_unit).min_element() >= OWN_SIZE_M;
+    let kind = |title: &Option<(Title, String)>| title.as_ref().map(|t| t.0);
+    let titles = titles(drawing, &[*own, rest], metres_per_unit);
+    match (kind(&titles[0]), kind(&titles[1])) {
+        (_, Some(Title::NoPlan | Title::Beside)) => false,
+        (Some(Title::Beside), _) => true,
+        (Some(Title::NoPlan), _) => is_room,
+        _ => false,
+    }
+}
+
+/// Joins parts whose boxes overlap.
+fn overlapping_joined(mut parts: Vec<Part>) -> Vec<Part> {
+    loop {
+        let over = (0..parts.len())
+            .find_map(|i| (0..i).find(|j| gap(&parts[i].extent, &parts[*j].extent) <= 0.0).map(|j| (i, j)));
+        let Some((i, j)) = over else { return parts };
+        let gone = parts.swap_remove(i);
+        let joined = &mut parts[j];
+        joined.extent = [joined.extent[0].min(gone.extent[0]), joined.extent[1].max(gone.extent[1])];
+        joined.wall_pieces += gone.wall_pieces;
+    }
 }
 
 struct Raster {
