@@ -203,7 +203,17 @@ fn state_assumed(drawing: &Drawing, assumed: &BTreeMap<String, String>, report: 
     report.info("walls-assumed", Place::file(&drawing.file), text);
 }
 
-/// The walls of the view to read, all views, and the records of marks on others: these are not used.
+/// What is read of a sheet.
+pub(super) struct Taken {
+    /// Indices of [`Drawing::entities`] that are walls of it, ascending.
+    pub walls: Vec<usize>,
+    /// All drawings.
+    pub views: Vec<View>,
+    /// Records of the marks on drawings that are not read: these are not used.
+    pub unused_marks: BTreeSet<usize>,
+}
+
+/// The walls of the view to read, all views, and which marks are not used.
 ///
 /// # Errors
 /// [`Error::Usage`] for a view that is not there.
@@ -213,18 +223,18 @@ pub(super) fn choose_view(
     chosen: &Chosen,
     metres_per_unit: f64,
     report: &mut Report,
-) -> Result<(Vec<usize>, Vec<View>, BTreeSet<usize>), Error> {
-    let unused = BTreeSet::new();
+) -> Result<Taken, Error> {
+    let all_used = |walls, views| Ok(Taken { walls, views, unused_marks: BTreeSet::new() });
     if drawing.format != Format::Dxf {
-        let (taken, views) = of_building(drawing, options, chosen, metres_per_unit, report);
-        return Ok((taken, views, unused));
+        let (walls, views) = of_building(drawing, options, chosen, metres_per_unit, report);
+        return all_used(walls, views);
     }
     let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
     let marks = marks(drawing, options);
     let Sheet { mut views, of_wall, of_mark } =
         sheet(drawing, (options, chosen), &walls, &marks, metres_per_unit);
     if options.picked.is_some() {
-        return Ok((chosen.walls.clone(), views, unused));
+        return all_used(chosen.walls.clone(), views);
     }
     let takes_all = takes_all(options);
     if views.len() < 2 {
@@ -233,7 +243,7 @@ pub(super) fn choose_view(
         let is_near = |i: &usize| takes_all || of_wall[*i] != STRAY && !far[*i];
         let near: Vec<usize> = (0..walls.len()).filter(is_near).map(|i| chosen.walls[i]).collect();
         state_strays(drawing, chosen.walls.len() - near.len(), report);
-        return Ok((near, views, unused));
+        return all_used(near, views);
     }
     match options.view.as_deref().map(str::trim) {
         None => {}
@@ -252,8 +262,8 @@ pub(super) fn choose_view(
     let elsewhere: Vec<(&UserMark, usize)> =
         marks.iter().zip(of_mark).filter(|(_, v)| !views[*v].is_chosen).collect();
     state_marks(drawing, &views, &elsewhere, options.view.is_some(), report);
-    let unused = elsewhere.iter().map(|(m, _)| m.record).collect();
-    Ok((picked, views, unused))
+    let unused_marks = elsewhere.iter().map(|(m, _)| m.record).collect();
+    Ok(Taken { walls: picked, views, unused_marks })
 }
 
 /// The drawings of a sheet.
