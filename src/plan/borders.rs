@@ -7,6 +7,7 @@ use glam::DVec2;
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity};
 use super::parallels::{Piece, pieces};
+use super::view_names::says_scale_or_author;
 use super::{box_of, distance_to_segment};
 use crate::report::{Place, Report};
 
@@ -36,27 +37,6 @@ const SCALES: &[f64] = &[1.0, 1.25, 1.5, 2.0, 2.5, 5.0, 7.5];
 
 /// How exactly a border is a sheet at a scale.
 const SHEET_SHARE: f64 = 0.002;
-
-/// Words that stand in title blocks and in no room.
-const TITLE_WORDS: &[&str] = &[
-    "scale",
-    "drawn",
-    "maßstab",
-    "massstab",
-    "gezeichnet",
-    "echelle",
-    "échelle",
-    "dessiné",
-    "escala",
-    "dibujado",
-    "scala",
-    "disegnato",
-    "schaal",
-    "getekend",
-    "масштаб",
-    "縮尺",
-    "比例",
-];
 
 /// Takes borders of the sheet, and what hangs on them, out of `walls` (indices of the drawing's entities) and says so.
 ///
@@ -94,17 +74,18 @@ pub(super) fn leave_out(drawing: &Drawing, walls: &mut Vec<usize>, report: &mut 
 }
 
 /// A rectangle round everything, and what hangs on it.
-struct Border {
+pub(super) struct Border {
     extent: [DVec2; 2],
     /// Its entities and those joined to it, by their places in the list.
     entities: BTreeSet<usize>,
     /// Boxes of what hangs together without the border itself.
-    blocks: Vec<[DVec2; 2]>,
+    pub blocks: Vec<[DVec2; 2]>,
     same: f64,
 }
 
 impl Border {
-    fn find(entities: &[&Entity]) -> Option<Self> {
+    /// Looks for one round everything.
+    pub fn find(entities: &[&Entity]) -> Option<Self> {
         let pieces = pieces(entities.iter().copied());
         let extent = box_of(entities.iter().flat_map(|e| control_points(&e.shape)))?;
         let [lo, hi] = extent;
@@ -140,7 +121,7 @@ impl Border {
     }
 
     /// Whether an entity belongs to the border, or is drawn in its title block.
-    fn takes(&self, index: usize, e: &Entity) -> bool {
+    pub fn takes(&self, index: usize, e: &Entity) -> bool {
         let is_in = |b: &[DVec2; 2]| {
             let points = control_points(&e.shape);
             points.iter().all(|p| p.cmpge(b[0] - self.same).all() && p.cmple(b[1] + self.same).all())
@@ -198,15 +179,7 @@ fn is_paper(size: DVec2) -> bool {
 /// What a title block that hangs on a border says: a scale, or a word that stands in no room.
 fn title(drawing: &Drawing, border: &Border) -> Option<String> {
     let is_in = |p: DVec2| border.blocks.iter().any(|[lo, hi]| p.cmpge(*lo).all() && p.cmple(*hi).all());
-    let says = |text: &str| {
-        let lower = text.to_lowercase();
-        let is_scale = |w: &str| {
-            w.split_once(':').is_some_and(|(a, b)| a == "1" && b.parse::<u32>().is_ok_and(|n| n >= 5))
-        };
-        let mut words = lower.split(|c: char| c.is_whitespace() || ",;()".contains(c));
-        words.any(|w| is_scale(w) || TITLE_WORDS.contains(&w.trim_end_matches([':', '.'])))
-    };
-    let found = drawing.texts.iter().find(|t| is_in(t.at) && says(&t.text))?;
+    let found = drawing.texts.iter().find(|t| is_in(t.at) && says_scale_or_author(&t.text))?;
     Some(found.text.trim().lines().next().unwrap_or_default().to_owned())
 }
 

@@ -5,13 +5,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::curve::control_points;
-use super::drawing::{Drawing, Entity, Format};
+use super::drawing::{Drawing, Entity, Format, Shape};
 use super::layers::WallLayers;
 use super::own_layers;
 use super::roles::{Role, role_by_name};
 use super::scores::{Score, wall_scores};
-use super::views::{STRAY, Sheet, View, far_off, split, strays};
-use super::{LayerUse, PlanOptions, borders, clutter, markers};
+use super::views::{MarkKind, STRAY, Sheet, SheetMark, View, far_off, split, strays};
+use super::{LayerUse, PlanOptions, borders, box_of, clutter, markers};
 use crate::report::{Error, Place, Report, counted};
 
 /// The walls of all views, and what became of the layers.
@@ -243,7 +243,17 @@ fn by_name_shown(layers: &[LayerUse]) -> bool {
     layers.iter().any(|l| l.role == "wall" && !l.why.starts_with(ASSUMED))
 }
 
-/// The walls of the view to read, and all views.
+/// What is read of a sheet.
+pub(super) struct Taken {
+    /// Indices of [`Drawing::entities`] that are walls of it, ascending.
+    pub walls: Vec<usize>,
+    /// All drawings.
+    pub views: Vec<View>,
+    /// Records of the marks on drawings that are not read: these are not used.
+    pub unused_marks: BTreeSet<usize>,
+}
+
+/// The walls of the view to read, all views, and which marks are not used.
 ///
 /// # Errors
 /// [`Error::Usage`] for a view that is not there.
@@ -253,14 +263,18 @@ pub(super) fn choose_view(
     chosen: &Chosen,
     metres_per_unit: f64,
     report: &mut Report,
-) -> Result<(Vec<usize>, Vec<View>), Error> {
+) -> Result<Taken, Error> {
+    let all_used = |walls, views| Ok(Taken { walls, views, unused_marks: BTreeSet::new() });
     if drawing.format != Format::Dxf {
-        return Ok(of_building(drawing, options, chosen, metres_per_unit, report));
+        let (walls, views) = of_building(drawing, options, chosen, metres_per_unit, report);
+        return all_used(walls, views);
     }
     let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
-    let Sheet { mut views, of_wall } = sheet(drawing, chosen, &walls, metres_per_unit);
+    let marks = marks(drawing, options);
+    let Sheet { mut views, of_wall, of_mark } =
+        sheet(drawing, (options, chosen), &walls, &marks, metres_per_unit);
     if options.picked.is_some() {
-        return Ok((chosen.walls.clone(), views));
+        return all_used(chosen.walls.clone(), views);
     }
     let takes_all = takes_all(options);
     if views.len() < 2 {
@@ -269,7 +283,7 @@ pub(super) fn choose_view(
         let is_near = |i: &usize| takes_all || of_wall[*i] != STRAY && !far[*i];
         let near: Vec<usize> = (0..walls.len()).filter(is_near).map(|i| chosen.walls[i]).collect();
         state_strays(drawing, chosen.walls.len() - near.len(), report);
-        return Ok((near, views));
+        return all_used(near, views);
     }
     match options.view.as_deref().map(str::trim) {
         None => {}
@@ -285,11 +299,21 @@ pub(super) fn choose_view(
     let walls = chosen.walls.iter().zip(&of_wall);
     let is_taken = |v: usize| takes_all || views.get(v).is_some_and(|v| v.is_chosen);
     let picked = walls.filter(|(_, v)| is_taken(**v)).map(|w| *w.0).collect();
-    Ok((picked, views))
+    let elsewhere: Vec<(&UserMark, usize)> =
+        marks.iter().zip(of_mark).filter(|(_, v)| !views[*v].is_chosen).collect();
+    state_marks(drawing, &views, &elsewhere, options.view.is_some(), report);
+    let unused_marks = elsewhere.iter().map(|(m, _)| m.record).collect();
+    Ok(Taken { walls: picked, views, unused_marks })
 }
 
 /// The drawings of a sheet.
-fn sheet(drawing: &Drawing, chosen: &Chosen, walls: &[&Entity], metres_per_unit: f64) -> Sheet {
+fn sheet(
+    drawing: &Drawing,
+    (options, chosen): (&PlanOptions, &Chosen),
+    walls: &[&Entity],
+    marks: &[UserMark],
+    metres_per_unit: f64,
+) -> Sheet {
     let hidden = Hidden::new(drawing);
     let passive: BTreeSet<&str> = chosen
         .layers
@@ -302,7 +326,8 @@ fn sheet(drawing: &Drawing, chosen: &Chosen, walls: &[&Entity], metres_per_unit:
         .map(|l| l.name.as_str())
         .collect();
     let is_seen = |e: &Entity| !hidden.entity(e) && !passive.contains(e.layer.as_str());
-    split(drawing, walls, &is_seen, &marks(drawing), metres_per_unit)
+    let marks: Vec<SheetMark> = marks.iter().map(|m| m.mark.clone()).collect();
+    split(drawing, walls, &is_seen, (&marks, options.view.is_some()), metres_per_unit)
 }
 
 /// Whether everything on the sheet is to be read.
@@ -341,7 +366,8 @@ fn of_building(
     let taken: Vec<usize> =
         chosen.walls.iter().zip(&far).filter(|(_, far)| !**far).map(|(i, _)| *i).collect();
     let walls: Vec<&Entity> = taken.iter().map(|i| &drawing.entities[*i]).collect();
-    let mut views = sheet(drawing, chosen, &walls, metres_per_unit).views;
+    let marks = marks(drawing, options);
+    let mut views = sheet(drawing, (options, chosen), &walls, &marks, metres_per_unit).views;
     views.truncate(1);
     say_unused_view(drawing, &views, options, report);
     (taken, views)
@@ -377,13 +403,76 @@ pub(super) fn state_columns_only(
     }
 }
 
-/// Points of the user's marks: they lie in the drawing that is meant.
-fn marks(drawing: &Drawing) -> Vec<DVec2> {
-    let marked = drawing.entities.iter().filter(|e| own_layers::is_marker(&e.layer));
-    marked.flat_map(|e| control_points(&e.shape)).collect()
+/// A mark of the user on the sheet.
+struct UserMark {
+    mark: SheetMark,
+    layer: String,
+    record: usize,
 }
 
-/// Number of the view of this number or name: the whole name, else a part of it.
+/// The user's marks: they lie in the drawing that is meant.
+fn marks(drawing: &Drawing, options: &PlanOptions) -> Vec<UserMark> {
+    let named: Vec<&str> =
+        [&options.query_layer, &options.reference_layer].into_iter().filter_map(|l| l.as_deref()).collect();
+    let of = |e: &Entity| {
+        let is_named = named.iter().any(|l| l.eq_ignore_ascii_case(&e.layer));
+        let bare = own_layers::bare(&e.layer);
+        let kind = match () {
+            () if is_named => MarkKind::Region,
+            () if !own_layers::is_marker(&e.layer) => return None,
+            () if bare.eq_ignore_ascii_case(markers::MOVE) => MarkKind::Move,
+            () if bare.eq_ignore_ascii_case(markers::KEEP) => MarkKind::Keep,
+            () => MarkKind::Region,
+        };
+        let extent = extent(e)?;
+        Some(UserMark { mark: SheetMark { extent, kind }, layer: bare.to_owned(), record: e.source.record })
+    };
+    drawing.entities.iter().filter_map(of).collect()
+}
+
+/// The box of an entity, a circle's too.
+fn extent(e: &Entity) -> Option<[DVec2; 2]> {
+    let round = match e.shape {
+        Shape::Circle { centre, radius } => vec![centre - radius, centre + radius],
+        _ => Vec::new(),
+    };
+    box_of(control_points(&e.shape).into_iter().chain(round))
+}
+
+/// Names the drawings that are not read although something is marked on them.
+fn state_marks(
+    drawing: &Drawing,
+    views: &[View],
+    elsewhere: &[(&UserMark, usize)],
+    is_told: bool,
+    report: &mut Report,
+) {
+    if elsewhere.is_empty() {
+        return;
+    }
+    let mut counts: BTreeMap<(usize, &str), usize> = BTreeMap::new();
+    elsewhere.iter().for_each(|(m, v)| *counts.entry((*v, m.layer.as_str())).or_default() += 1);
+    let of = |v: usize| {
+        let own = counts.iter().filter(|((view, _), _)| *view == v);
+        own.map(|((_, layer), n)| format!("{n} on {layer}")).collect::<Vec<_>>().join(", ")
+    };
+    let marked: BTreeSet<usize> = elsewhere.iter().map(|(_, v)| *v).collect();
+    let named: Vec<String> =
+        marked.into_iter().map(|v| format!("{} {:?} ({})", views[v].number, views[v].name, of(v))).collect();
+    let read: Vec<String> =
+        views.iter().filter(|v| v.is_chosen).map(|v| format!("{} {:?}", v.number, v.name)).collect();
+    let text = format!(
+        "found marks on a drawing that is not read: {}; they are not used; read: {}; --view NAME reads another drawing, \
+         --view all reads all as one",
+        named.join("; "),
+        read.join(", ")
+    );
+    match is_told {
+        true => report.info("marks-elsewhere", Place::file(&drawing.file), text),
+        false => report.warn("marks-elsewhere", Place::file(&drawing.file), text),
+    }
+}
+
 /// Says that a view was asked for where there is but one plan, unless it is that one.
 fn say_unused_view(drawing: &Drawing, views: &[View], options: &PlanOptions, report: &mut Report) {
     let Some(word) = options.view.as_deref().map(str::trim) else { return };
@@ -394,6 +483,7 @@ fn say_unused_view(drawing: &Drawing, views: &[View], options: &PlanOptions, rep
     }
 }
 
+/// Number of the view of this number or name: the whole name, else a part of it.
 fn find(views: &[View], word: &str) -> Option<usize> {
     if let Ok(number) = word.parse::<usize>() {
         return views.iter().find(|v| v.number == number).map(|v| v.number);

@@ -163,8 +163,21 @@ impl Markers {
     }
 }
 
-/// Reads all marks; what cannot be used is reported and left out.
-pub fn read(drawing: &Drawing, options: &PlanOptions, frame: &Frame, report: &mut Report) -> Markers {
+/// Reads all marks but those of some records, which belong to drawings that are not read; what cannot be used is
+/// reported and left out.
+pub fn read(
+    drawing: &Drawing,
+    options: &PlanOptions,
+    unused: &BTreeSet<usize>,
+    frame: &Frame,
+    report: &mut Report,
+) -> Markers {
+    let rest = (!unused.is_empty()).then(|| without(drawing, unused, frame));
+    // Who asks for one drawing of the sheet does not speak of the moves on the others.
+    let is_move_on = |l: &str| own_layers::bare(l).eq_ignore_ascii_case(MOVE);
+    let moves_elsewhere = options.view.is_none()
+        && drawing.entities.iter().any(|e| unused.contains(&e.source.record) && is_move_on(&e.layer));
+    let drawing = rest.as_ref().unwrap_or(drawing);
     let query = options.query_layer.as_deref().unwrap_or(QUERY);
     let reference = options.reference_layer.as_deref().unwrap_or(REFERENCE);
     let mut out = Markers::default();
@@ -218,8 +231,25 @@ pub fn read(drawing: &Drawing, options: &PlanOptions, frame: &Frame, report: &mu
         }
     }
     let misnamed = say_misnamed(drawing, [query, reference], report);
-    out.is_move_drawn =
-        misnamed || layers_drawn_on(drawing).any(|l| own_layers::bare(l).eq_ignore_ascii_case(MOVE));
+    out.is_move_drawn = misnamed || moves_elsewhere || layers_drawn_on(drawing).any(is_move_on);
+    out
+}
+
+/// A drawing without the marks of some records, nor the texts that stand in outlines of moves among them.
+fn without(drawing: &Drawing, unused: &BTreeSet<usize>, frame: &Frame) -> Drawing {
+    let mut out = drawing.clone();
+    let is_mark = |layer: &str| own_layers::bare(layer).eq_ignore_ascii_case(MOVE);
+    let goes = |e: &Entity| unused.contains(&e.source.record);
+    let own = drawing.entities.iter().filter(|e| is_mark(&e.layer));
+    let (gone, left): (Vec<&Entity>, Vec<&Entity>) = own.partition(|e| goes(e));
+    let [gone, left]: [Vec<Region>; 2] =
+        [gone, left].map(|list| list.into_iter().filter_map(|e| region_of(e, frame)).collect());
+    out.texts.retain(|t| {
+        let at = frame.um_from_file(t.at);
+        let lies_in = |list: &[Region]| list.iter().any(|r| r.contains(at));
+        !is_mark(&t.layer) || !lies_in(&gone) || lies_in(&left)
+    });
+    out.entities.retain(|e| !goes(e));
     out
 }
 

@@ -241,7 +241,8 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     if plots::leave_out(&drawing, options, &mut chosen, unit.unit.metres, report) {
         (extent, unit) = sized(&drawing, options, &chosen, report)?;
     }
-    let (mut picked, views) = choice::choose_view(&drawing, options, &chosen, unit.unit.metres, report)?;
+    let choice::Taken { walls: mut picked, views, unused_marks } =
+        choice::choose_view(&drawing, options, &chosen, unit.unit.metres, report)?;
     infill::take(&drawing, options, &mut chosen, &mut picked, unit.unit.metres, report);
     let is_our_choice = options.picked.is_none() && options.wall_layers.is_empty();
     let mut standing = Vec::new();
@@ -266,7 +267,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let size_m = (extent[1] - extent[0]).max_element() * unit.unit.metres;
     let human_scale = units::person_scale(&drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
     state_unit(&drawing, &unit, size_m, human_scale, report);
-    let markers = markers::read(&drawing, options, &frame, report);
+    let markers = markers::read(&drawing, options, &unused_marks, &frame, report);
     let obstacles = obstacles::find(&drawing, &standing, &picked, unit.unit.metres / human_scale, &frame);
     let is_wall = |i: usize| picked.binary_search(&i).is_ok();
     let outdoors = outdoors::find(&drawing, is_wall, &frame, human_scale);

@@ -6,7 +6,8 @@
 use glam::DVec2;
 
 use super::PlanOptions;
-use super::axes::{AxisGraph, Drawn, Mark, OpeningKind, Role, paths_of};
+use super::axes::{AxisGraph, Drawn, Mark, OpeningKind, paths_of};
+use super::borders::Border;
 use super::box_of;
 use super::choice::Chosen;
 use super::curve::{control_points, trace};
@@ -14,9 +15,10 @@ use super::drawing::{Drawing, Entity, Format};
 use super::frame::Frame;
 use super::geometry::Segment;
 use super::interior::Interior;
-use super::own_layers;
+use super::own_layers::is_own;
 use super::parallels::{Piece, pieces};
-use super::structure::{faces_of, is_glass};
+use super::structure::{faces_of, mark_role, swing_or};
+use super::views::gap;
 use crate::plan::markers;
 use crate::report::Report;
 
@@ -56,23 +58,40 @@ pub(super) fn leave_out(
     // The innermost one may be a wall of the building: then those round it are looked at alone.
     let least = |k: usize, count: usize| if k + 1 == count { CLEAR_M } else { SECOND_FACE_M };
     let is_clear = |count: usize| (0..count).all(|k| borders[k].clear * metres_per_unit > least(k, count));
-    for count in (1..=borders.len()).rev().filter(|n| is_clear(*n)) {
+    let rest = |count: usize| -> Vec<usize> {
         let is_border = |i: &usize| borders[..count].iter().any(|b| b.entities.contains(i));
-        let rest: Vec<usize> = chosen.walls.iter().copied().filter(|i| !is_border(i)).collect();
-        if is_building(drawing, &rest, metres_per_unit) {
+        chosen.walls.iter().copied().filter(|i| !is_border(i)).collect()
+    };
+    let mut doubted = None;
+    for count in (1..=borders.len()).rev() {
+        let innermost = &borders[count - 1];
+        if innermost.clear * metres_per_unit <= CLEAR_M {
+            continue;
+        }
+        let within = rest(count);
+        let found = building(drawing, &within, metres_per_unit);
+        if found == Building::Whole && is_clear(count) {
             borders[..count].iter().for_each(|b| b.say(drawing, metres_per_unit, report));
-            chosen.walls = rest;
+            chosen.walls = within;
             return true;
         }
+        if found != Building::None {
+            doubted.get_or_insert(innermost);
+        }
+    }
+    if let Some(border) = doubted {
+        border.doubt(drawing, metres_per_unit, report);
     }
     false
 }
 
-/// A rectangle of single lines round all other walls, which touches none of them.
+/// A rectangle of single lines round all other walls, which touches none of them, and the block of a title that hangs on it.
 struct Rectangle {
     size: DVec2,
-    /// One polyline, or four lines.
+    /// One polyline, or four lines, and what hangs on them.
     entities: Vec<usize>,
+    /// How many hang on it.
+    hanging: usize,
     /// How far from it the next line is, drawing units.
     clear: f64,
 }
@@ -98,47 +117,86 @@ impl Rectangle {
                 entities.push(*i);
             }
         }
-        let others = walls.iter().filter(|i| !entities.contains(i));
-        let [low, high] = box_of(others.flat_map(|i| control_points(&drawing.entities[*i].shape)))?;
+        let sides_alone = entities.len();
+        let all: Vec<&Entity> = walls.iter().map(|i| &drawing.entities[*i]).collect();
+        let block = Border::find(&all).filter(|b| !b.blocks.is_empty());
+        if let Some(block) = &block {
+            let takes = |k: &usize| block.takes(*k, all[*k]) && !entities.contains(&walls[*k]);
+            let hanging: Vec<usize> = (0..walls.len()).filter(takes).map(|k| walls[k]).collect();
+            entities.extend(hanging);
+        }
+        let others = || walls.iter().filter(|i| !entities.contains(i)).map(|i| &drawing.entities[*i]);
+        let [low, high] = box_of(others().flat_map(|e| control_points(&e.shape)))?;
         let clear = (low - lo).min_element().min((hi - high).min_element());
-        (sides == [1; 4]).then_some(Self { size: hi - lo, entities, clear })
+        let clear = others()
+            .filter_map(|e| box_of(control_points(&e.shape).into_iter()))
+            .flat_map(|e| block.iter().flat_map(|b| &b.blocks).map(move |b| gap(&e, b)))
+            .fold(clear, f64::min);
+        let hanging = entities.len() - sides_alone;
+        (sides == [1; 4]).then_some(Self { size: hi - lo, entities, hanging, clear })
     }
 
     fn say(&self, drawing: &Drawing, metres_per_unit: f64, report: &mut Report) {
         let Some(first) = self.entities.first() else { return };
         let size = self.size * metres_per_unit;
-        let what = if self.entities.len() == 1 { "it draws" } else { "it and three lines more draw" };
+        let what =
+            if self.entities.len() - self.hanging == 1 { "it draws" } else { "it and three lines more draw" };
+        let hanging = match self.hanging {
+            0 => String::new(),
+            1 => ", left out with 1 line that hangs on it".to_owned(),
+            n => format!(", left out with {n} lines that hang on it"),
+        };
         let text = format!(
             "{what} a rectangle of {:.1} x {:.1} m round the building, which touches no wall and has no second face: the \
-             border of a sheet or a plot; left out of the walls, --wall-layer takes it in",
+             border of a sheet or a plot{hanging}; left out of the walls, --wall-layer takes it in",
             size.x, size.y
         );
         report.info("plot-border", markers::place(drawing, &drawing.entities[*first].source), text);
     }
+
+    /// Says that it may be a border, and how to say so.
+    fn doubt(&self, drawing: &Drawing, metres_per_unit: f64, report: &mut Report) {
+        let Some(first) = self.entities.first() else { return };
+        let size = self.size * metres_per_unit;
+        let text = format!(
+            "found a closed outline of {:.1} x {:.1} m round a building that it does not touch, with no way through; it is \
+             taken as a wall, and what it encloses as floor; if it is the border of a sheet or a plot, put it on a layer of \
+             its own and name that of the walls with --wall-layer, or draw EF-QUERY round the rooms",
+            size.x, size.y
+        );
+        report.warn("border-or-wall", markers::place(drawing, &drawing.entities[*first].source), text);
+    }
 }
 
-/// Whether walls make a building by themselves: they have two faces and windows, and enclose rooms.
-fn is_building(drawing: &Drawing, walls: &[usize], metres_per_unit: f64) -> bool {
+/// What walls make by themselves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Building {
+    /// No walls of two faces that enclose rooms.
+    None,
+    /// Such walls without windows.
+    Blind,
+    /// Such walls with windows.
+    Whole,
+}
+
+fn building(drawing: &Drawing, walls: &[usize], metres_per_unit: f64) -> Building {
     let entities: Vec<&Entity> = walls.iter().map(|i| &drawing.entities[*i]).collect();
-    let Some(extent) = box_of(entities.iter().flat_map(|e| control_points(&e.shape))) else { return false };
+    let Some(extent) = box_of(entities.iter().flat_map(|e| control_points(&e.shape))) else {
+        return Building::None;
+    };
     let frame = Frame::new(metres_per_unit, extent);
     let place = |p: DVec2| frame.plan_from_file(p);
     let faces = entities.iter().enumerate().flat_map(|(w, e)| faces_of(&e.shape, w as u32, place)).collect();
-    let is_other = |i: &usize| walls.binary_search(i).is_err();
-    let glass = (0..drawing.entities.len()).filter(is_other).filter_map(|i| {
+    let is_other = |i: &usize| walls.binary_search(i).is_err() && !is_own(&drawing.entities[*i].layer);
+    let marks = (0..drawing.entities.len()).filter(is_other).filter_map(|i| {
         let e = &drawing.entities[i];
-        let is_glass = is_glass(e) && !own_layers::is_own(&e.layer);
-        is_glass.then(|| Mark {
-            paths: paths_of(&e.shape, place),
-            role: Role::Window,
-            group: i as u32,
-            word: e.layer.clone(),
-        })
+        let paths = swing_or(paths_of(&e.shape, place));
+        let (role, word) = mark_role(e, &paths)?;
+        Some(Mark { paths, role, group: i as u32, word })
     });
-    let axes = AxisGraph::new(&Drawn { faces, marks: glass.collect() });
-    let has_windows = axes.openings.iter().any(|o| o.kind == OpeningKind::Window);
-    if axes.thicknesses.is_empty() || !has_windows {
-        return false;
+    let axes = AxisGraph::new(&Drawn { faces, marks: marks.collect() });
+    if axes.thicknesses.is_empty() {
+        return Building::None;
     }
     let um = |p: DVec2| frame.um_from_plan(p);
     let openings: Vec<Segment> =
@@ -146,5 +204,10 @@ fn is_building(drawing: &Drawing, walls: &[usize], metres_per_unit: f64) -> bool
     let traces: Vec<_> = entities.iter().map(|e| trace(&e.shape, &frame)).collect();
     let lines: Vec<Segment> = traces.iter().flat_map(|t| t.segments().map(|s| s.2)).collect();
     let inside = Interior::new(&lines, &openings, 1.0);
-    inside.is_some_and(|i| i.closing_m() == 0.0 && i.area_m2() >= GROUND_MIN_M2)
+    let encloses = inside.is_some_and(|i| i.closing_m() == 0.0 && i.area_m2() >= GROUND_MIN_M2);
+    match axes.openings.iter().any(|o| o.kind == OpeningKind::Window) {
+        _ if !encloses => Building::None,
+        true => Building::Whole,
+        false => Building::Blind,
+    }
 }

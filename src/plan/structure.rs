@@ -337,7 +337,7 @@ pub fn is_glass(e: &Entity) -> bool {
 }
 
 /// The arc of a door's swing where chords trace one, else the pieces as they are.
-fn swing_or(paths: Vec<Path>) -> Vec<Path> {
+pub(super) fn swing_or(paths: Vec<Path>) -> Vec<Path> {
     match rounds::as_arc(&paths) {
         Some(arc) if is_swing(&arc) => vec![arc],
         _ => paths,
@@ -358,7 +358,7 @@ pub(super) fn is_of_windows_too(name: &str) -> bool {
 
 /// What an entity says about an opening: by the name of its block or layer, else by its shape if the name
 /// says nothing.
-fn mark_role(entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
+pub(super) fn mark_role(entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
     let mut is_open = false;
     for name in entity.blocks.iter().map(String::as_str).chain([entity.layer.as_str()]) {
         match role_by_name(name).0 {

@@ -7,8 +7,12 @@ pub enum Title {
     GroundFloor,
     /// Another plan.
     Plan,
+    /// A plan of the same rooms that shows something else: ceilings, foundations, services.
+    Services,
     /// A roof plan or a site plan: no rooms in it.
     Outside,
+    /// What stands small beside the drawings: a legend, a key plan, a title block.
+    Beside,
     /// A section, an elevation, a detail, a view in space.
     NoPlan,
     /// No title.
@@ -21,9 +25,10 @@ impl Title {
         match self {
             Self::GroundFloor => 1.2,
             Self::Plan => 1.0,
+            Self::Services => 0.5,
             Self::Unknown => 0.0,
-            Self::Outside => -0.5,
-            Self::NoPlan => -2.0,
+            Self::Outside => -1.0,
+            Self::NoPlan | Self::Beside => -2.0,
         }
     }
 
@@ -32,7 +37,9 @@ impl Title {
         match self {
             Self::GroundFloor => "plan of the ground floor",
             Self::Plan => "plan",
+            Self::Services => "plan of ceilings, foundations or services",
             Self::Outside => "roof or site plan",
+            Self::Beside => "legend, key plan or title block",
             Self::NoPlan => "section, elevation or detail",
             Self::Unknown => "no title",
         }
@@ -49,7 +56,9 @@ const PHRASES: &[(Title, &[&str])] = &[
         Title::NoPlan,
         &[
             "section",
+            "sections",
             "elevation",
+            "elevations",
             "detail",
             "details",
             "facade",
@@ -114,6 +123,54 @@ const PHRASES: &[(Title, &[&str])] = &[
             "屋根伏",
             "配置図",
             "屋顶平面",
+        ],
+    ),
+    (
+        Title::Beside,
+        &[
+            "legend",
+            "legende",
+            "légende",
+            "leyenda",
+            "leggenda",
+            "legenda",
+            "key plan",
+            "keyplan",
+            "plan de repérage",
+            "title block",
+            "凡例",
+            "图例",
+        ],
+    ),
+    (
+        Title::Services,
+        &[
+            "ceiling plan",
+            "reflected ceiling",
+            "rcp",
+            "deckenspiegel",
+            "plan de plafond",
+            "faux plafond",
+            "controsoffitti",
+            "foundation plan",
+            "footing plan",
+            "fundamentplan",
+            "plan de fondation",
+            "plan de fondations",
+            "plan des fondations",
+            "planta de cimentación",
+            "pianta fondazioni",
+            "framing plan",
+            "electrical plan",
+            "lighting plan",
+            "power plan",
+            "plumbing plan",
+            "mechanical plan",
+            "hvac plan",
+            "demolition plan",
+            "abbruchplan",
+            "天井伏",
+            "基礎伏",
         ],
     ),
     (
@@ -205,6 +262,72 @@ const PHRASES: &[(Title, &[&str])] = &[
     ),
 ];
 
+/// Words that stand in title blocks and in no room.
+const TITLE_WORDS: &[&str] = &[
+    "scale",
+    "drawn",
+    "maßstab",
+    "massstab",
+    "gezeichnet",
+    "echelle",
+    "échelle",
+    "dessiné",
+    "escala",
+    "dibujado",
+    "scala",
+    "disegnato",
+    "schaal",
+    "getekend",
+    "масштаб",
+    "縮尺",
+    "比例",
+];
+
+/// Whether a text stands in a title block and in no room: a scale, or a word that none is called by.
+pub fn says_scale_or_author(text: &str) -> bool {
+    let lower = text.to_lowercase();
+    let is_scale =
+        |w: &str| w.split_once(':').is_some_and(|(a, b)| a == "1" && b.parse::<u32>().is_ok_and(|n| n >= 5));
+    let mut words = lower.split(|c: char| c.is_whitespace() || ",;()".contains(c));
+    words.any(|w| is_scale(w) || is_title_word(w))
+}
+
+/// Whether a text alone says that what it stands in is a title block: such a word and what it introduces. A stair may
+/// be called by one of the words, and a ramp may fall by 1:12.
+pub fn is_of_title_block(text: &str) -> bool {
+    text.contains([':', '=']) && text.to_lowercase().split_whitespace().any(is_title_word)
+}
+
+fn is_title_word(word: &str) -> bool {
+    TITLE_WORDS.contains(&word.trim_end_matches([':', '.']))
+}
+
+/// Endings of compounds that name sections and elevations, and compounds that do not.
+const ENDINGS: &[&str] =
+    &["schnitt", "ansicht", "ansichten", "snitt", "doorsnede", "gevel", "fasad", "fasade"];
+const NO_SECTIONS: &[&str] = &["abschnitt", "avsnitt"];
+
+/// What an elevation is called by beside `elev`, which is a lift otherwise.
+const SIDES: &[&str] =
+    &["north", "south", "east", "west", "front", "rear", "back", "side", "left", "right", "street"];
+
+/// Words that point to another drawing.
+const POINTERS: &[&str] = &["see", "refer", "siehe", "voir", "vedi", "zie"];
+
+/// Whether words of a title, lower case, name a section or an elevation by a compound or by a short form.
+fn is_section(words: &[&str]) -> bool {
+    let is_compound =
+        |w: &&str| ENDINGS.iter().any(|e| w.ends_with(e)) && !NO_SECTIONS.iter().any(|n| w.ends_with(n));
+    // `SEC. A-A`, but not the room of a guard.
+    let is_cut = |w: &str| match w.split_once('-') {
+        Some((a, b)) => a == b && !a.is_empty() && a.chars().count() <= 2,
+        None => w.chars().count() == 1,
+    };
+    let cuts = words.windows(2).any(|w| w[0] == "sec" && is_cut(w[1]));
+    let sides = words.contains(&"elev") && words.iter().any(|w| SIDES.contains(w));
+    words.iter().any(is_compound) || cuts || sides
+}
+
 /// Whether a title that means the ground floor by itself calls it the first one, which is another where both are drawn.
 pub fn is_first_floor(title: &str) -> bool {
     title.to_lowercase().contains("first floor")
@@ -220,7 +343,14 @@ pub fn title_of(text: &str) -> Option<Title> {
     let words: String =
         lower.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { ' ' }).collect();
     // `1.OG` and `EG` as words of their own, `1 og` too.
-    let words = format!(" {} ", words.split_whitespace().collect::<Vec<_>>().join(" "));
+    let list: Vec<&str> = words.split_whitespace().collect();
+    if list.first().is_some_and(|w| POINTERS.contains(w)) {
+        return None;
+    }
+    if is_section(&list) {
+        return Some(Title::NoPlan);
+    }
+    let words = format!(" {} ", list.join(" "));
     let has = |phrase: &str| {
         let is_ideographic = phrase.chars().any(|c| c >= '\u{3000}');
         if is_ideographic { lower.contains(phrase) } else { words.contains(&format!(" {phrase} ")) }
@@ -231,6 +361,26 @@ pub fn title_of(text: &str) -> Option<Title> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn title_blocks_are_known_by_their_words() {
+        for (text, of_block, of_either) in [
+            ("SCALE: 1/4\" = 1'-0\"", true, true),
+            ("Drawn by: AB", true, true),
+            ("Scala 1:50", true, true),
+            ("Scala", false, true),
+            ("1:100", false, true),
+            ("ramp 1:12", false, true),
+            ("1:2", false, false),
+            ("A-101", false, false),
+        ] {
+            assert_eq!(
+                (is_of_title_block(text), says_scale_or_author(text)),
+                (of_block, of_either),
+                "{text}"
+            );
+        }
+    }
 
     #[test]
     fn titles_of_many_languages() {
@@ -248,6 +398,23 @@ mod tests {
             ("Roof plan", Some(Title::Outside)),
             ("FLOOR PLAN", Some(Title::Plan)),
             ("FIRST FLOOR PLAN", Some(Title::GroundFloor)),
+            ("Längsschnitt", Some(Title::NoPlan)),
+            ("Grundriss Bauabschnitt 2", Some(Title::Plan)),
+            ("Voorgevel", Some(Title::NoPlan)),
+            ("SEC. A-A", Some(Title::NoPlan)),
+            ("SEC. 1", Some(Title::NoPlan)),
+            ("SEC. OFFICE", None),
+            ("ELEV. NORTH", Some(Title::NoPlan)),
+            ("ELEV.", None),
+            ("ELEV. LOBBY", None),
+            ("ELEV. +3.20", None),
+            ("See detail 4", None),
+            ("LEGEND", Some(Title::Beside)),
+            ("KEY PLAN", Some(Title::Beside)),
+            ("REFLECTED CEILING PLAN", Some(Title::Services)),
+            ("FOUNDATION PLAN", Some(Title::Services)),
+            ("FURNITURE PLAN", Some(Title::Plan)),
+            ("Lageplan", Some(Title::Outside)),
             ("Kitchen", None),
             ("", None),
         ] {
