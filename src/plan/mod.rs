@@ -461,7 +461,15 @@ fn state_unit(drawing: &Drawing, unit: &UnitChoice, size_m: f64, human_scale: f6
             "read as stated, doors and default moves taken in proportion (a person's metre as {human_scale} m)"
         ),
     };
-    let text = format!("{seen}; {done}; --unit overrides it (--unit 25m: one drawing unit is 25 m)");
+    // What one unit is at the scale that was found: a person would say it so.
+    let scale = (1.0 / human_scale).round();
+    let example = match (drawing.format, units::is_printed(unit.unit, scale)) {
+        (drawing::Format::Dxf, true) => {
+            format!("--unit {scale}{0}: one drawing unit is {scale} {0}, as at 1:{scale}", unit.unit.name)
+        }
+        _ => "--unit 25m: one drawing unit is 25 m".into(),
+    };
+    let text = format!("{seen}; {done}; --unit overrides it ({example})");
     report.info("unit-implausible", place, text);
 }
 
