@@ -274,3 +274,37 @@ fn what_would_stay_behind_is_said_at_the_mark() {
     assert_eq!(told("50|0|", "rotate -25 25"), [""; 0]);
     assert_eq!(told("", "x -0.5 0.5"), [""; 0]);
 }
+
+/// Where all that is drawn lies beyond the limit of coordinates, that is what is said, and where.
+#[test]
+fn walls_beyond_the_limit_are_said_to_be_too_far() {
+    let far = [[3e12, 0.0, 3e12, 8.0], [3e12, 8.0, 3.1e12, 8.0]];
+    let file = drawing(&far.into_iter().map(|w| line("WALL", w)).collect::<String>());
+    let settings = Settings::new(Partial::default()).unwrap();
+    let e = pipeline::check(&Input::new("plan.dxf", file.as_bytes(), 1), &settings).unwrap_err().to_string();
+    assert!(e.starts_with("plan.dxf:19 LINE layer WALL: its coordinates, found 3000000000000 0"), "{e}");
+    assert!(e.contains("and so are others") && e.ends_with("move the drawing near its zero point"), "{e}");
+}
+
+/// What stays because a part of it is held is not said to stay for its doors.
+#[test]
+fn what_is_held_by_keep_is_said_to_be_held() {
+    let faces = [[0.3, 0.3, 3.94, 6.7], [4.06, 3.56, 9.7, 6.7]];
+    let lower = [[4.06, 0.3, 9.7, 0.3], [9.7, 0.3, 9.7, 3.44], [4.06, 0.3, 4.06, 3.44]];
+    let doors =
+        [[4.06, 3.44, 5.5, 3.44], [6.4, 3.44, 9.7, 3.44], [5.5, 3.44, 5.5, 3.56], [6.4, 3.44, 6.4, 3.56]];
+    let split = [[4.06, 3.56, 5.5, 3.56], [6.4, 3.56, 9.7, 3.56]];
+    let sides = [[4.06, 3.56, 4.06, 6.7], [4.06, 6.7, 9.7, 6.7], [9.7, 6.7, 9.7, 3.56]];
+    let lines = lower.iter().chain(&doors).chain(&split).chain(&sides).map(|w| line("A-WALL", *w));
+    let walls = room_of(&[[0.0, 0.0, 10.0, 7.0], faces[0]]) + &lines.collect::<String>();
+    let swing =
+        "0|ARC|8|A-DOOR|10|5.5|20|3.56|40|0.9|50|0|51|90|0|LINE|8|A-DOOR|10|5.5|20|3.56|11|5.5|21|4.46|";
+    let kept =
+        |keep: &str| said(&check(&drawing(&(walls.clone() + swing + keep))).report, "default-moves-stay");
+    assert_eq!(kept(""), [""; 0]);
+    let held = kept(&ring("EF-KEEP", [3.0, 0.2, 5.0, 7.5]));
+    assert!(
+        matches!(held.as_slice(), [one] if one.contains("because EF-KEEP holds a part of them")),
+        "{held:?}"
+    );
+}

@@ -156,7 +156,7 @@ fn within_storey(error: Error, settings: &Settings) -> Error {
 pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -> Result<Understood, Error> {
     let unit = match &settings.unit {
         Some(name) => Some(unit_by_name(name).ok_or_else(|| {
-            let text = format!("--unit {name:?}: expected mm, cm, m, in or ft; nothing was done");
+            let text = format!("unit, by --unit or a settings file: found {name:?}, expected mm, cm, m, in or ft; nothing was done");
             Error::usage("unit", Place::default(), text)
         })?),
         None => None,
