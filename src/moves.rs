@@ -14,6 +14,7 @@ mod mitre;
 pub mod narrowed;
 pub mod opened;
 mod partitions;
+mod sides;
 mod things;
 
 use std::collections::{BTreeMap, BTreeSet};

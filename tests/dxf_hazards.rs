@@ -100,6 +100,7 @@ fn entities_that_cannot_be_trusted_are_left_out_by_name() {
         ("13 negative array", "0|INSERT|5|2F4|8|W|2|B|10|0|20|0|70|-5".into(), "dxf-bad-array Warning plan.dxf:39 INSERT 2F4 layer W: its columns and rows, found -5 and 1, expected 1 or more; left out".into()),
         ("17 missing block", "0|INSERT|5|2F4|8|W|2|NONE|10|0|20|0".into(), "dxf-missing-block Warning plan.dxf:39 INSERT 2F4 layer W: block NONE, found no such block; the INSERT shows nothing, kept in the file".into()),
         ("18 zero scale", "0|INSERT|5|2F4|8|W|2|B|10|0|20|0|41|0".into(), "dxf-zero-scale Warning plan.dxf:39 INSERT 2F4 layer W: its scale, found 0, expected another factor; left out".into()),
+        ("18 scale of almost nothing", "0|INSERT|5|2F4|8|W|2|B|10|0|20|0|41|1e-12".into(), "dxf-zero-scale Warning plan.dxf:39 INSERT 2F4 layer W: its scale, found 0.000000000001, expected another factor; left out".into()),
         ("18 tilted", "0|INSERT|5|2F4|8|W|2|B|10|0|20|0|210|1|220|0|230|0".into(), "dxf-tilted-insert Warning plan.dxf:39 INSERT 2F4 layer W: its extrusion, found [1, 0, 0], expected up or down; left out".into()),
         ("20 no vertices", "0|LWPOLYLINE|5|2F4|8|W|90|4|70|1".into(), "dxf-vertex-count Warning plan.dxf:39 LWPOLYLINE 2F4 layer W: its vertices, found 0, expected 1 to 5000000; left out of the plan".into()),
         ("21 bulge", "0|LWPOLYLINE|5|2F4|8|W|90|2|70|0|10|0|20|0|42|1e9|10|1|20|0".into(), format!("dxf-bad-bulge Warning plan.dxf:39 LWPOLYLINE 2F4 layer W: group 42, found a bulge of 1000000000, expected at most 1e6; {kept}")),

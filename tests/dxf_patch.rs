@@ -608,3 +608,65 @@ fn what_fills_a_wall_goes_with_it() {
     assert_eq!(held.following.len(), 5);
     assert!(held.stale.iter().any(|s| s.handle.as_deref() == Some("B0")));
 }
+
+/// The outline of a room goes with the walls it is drawn on where every corner is certain, and is named where several corners
+/// are on what moves away; what is drawn elsewhere, or is no room, keeps still.
+#[test]
+fn outlines_of_rooms_go_with_their_walls() {
+    let line = |handle: &str, [x0, y0, x1, y1]: [f64; 4]| {
+        format!("0|LINE|5|{handle}|8|A-WALL|10|{x0}|20|{y0}|11|{x1}|21|{y1}|")
+    };
+    let ring = |handle: &str, layer: &str, points: &[[f64; 2]]| {
+        let corners: String = points.iter().map(|[x, y]| format!("10|{x}|20|{y}|")).collect();
+        format!("0|LWPOLYLINE|5|{handle}|8|{layer}|90|{}|70|1|43|0.0|{corners}", points.len())
+    };
+    let room = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+    let beside = [[4.1, 0.0], [9.0, 0.0], [9.0, 4.0], [4.1, 4.0]];
+    let off = [[0.0, 0.5], [4.0, 0.5], [4.0, 4.0], [0.3, 3.9]];
+    let free = [[1.0, 1.0], [4.0, 1.0], [2.0, 2.0]];
+    let leader = "0|MULTILEADER|5|C0|8|NOTE|300|CONTEXT_DATA{|10|7|20|7|302|LEADER{|10|8|20|8|304|LEADER_LINE{|10|4|20|1|30|0|\
+                  91|0|305|}|303|}|301|}|";
+    let far = leader.replace("5|C0", "5|C1").replace("10|4|20|1", "10|5|20|1");
+    let text = [
+        line("A0", [4.0, 0.0, 4.0, 4.0]),
+        line("A1", [4.1, 0.0, 4.1, 4.0]),
+        line("A2", [0.0, 0.0, 9.0, 0.0]),
+        line("A3", [0.0, 4.0, 9.0, 4.0]),
+        line("A4", [0.0, 0.0, 0.0, 4.0]),
+        line("A5", [9.0, 0.0, 9.0, 4.0]),
+        ring("B0", "AREA-ASSIGN", &room),
+        ring("B1", "AREA-ASSIGN", &beside),
+        ring("B2", "AREA-ASSIGN", &off),
+        ring("B3", "AREA-ASSIGN", &free),
+        ring("B4", "A-FURN", &room),
+        ring("B5", "EF-QUERY", &room),
+        leader.into(),
+        far,
+    ];
+    let bytes =
+        format!("0|SECTION|2|ENTITIES|{}0|ENDSEC|0|EOF|", text.concat()).replace('|', "\n").into_bytes();
+    let (read, _) = read_whole("plan.dxf", &bytes);
+    let on_walls = read.entities.iter().filter(|e| e.layer == "A-WALL").map(|e| e.source.record);
+    let held: HashSet<usize> = on_walls.collect();
+    let shifted = |handle: &str| {
+        let e = read.entities.iter().find(|e| e.source.handle.as_deref() == Some(handle)).unwrap();
+        let Shape::Line { a, b } = e.shape else { panic!("{e:?}") };
+        Edit::Shape {
+            record: e.source.record,
+            shape: Shape::Line { a: a + DVec2::X * 0.5, b: b + DVec2::X * 0.5 },
+        }
+    };
+    let mut edits = vec![shifted("A0"), shifted("A1")];
+    let found = tied("plan.dxf", &bytes, &read, &edits, &held).unwrap();
+    let stale: Vec<&str> = found.stale.iter().filter_map(|s| s.handle.as_deref()).collect();
+    assert_eq!(stale, ["B2", "B4", "C0"]);
+    edits.extend(found.following.iter().map(|f| f.edit.clone()));
+    let written = String::from_utf8(patch("plan.dxf", &bytes, &edits, &[]).unwrap()).unwrap();
+    let moved = [
+        ring("B0", "AREA-ASSIGN", &[[0.0, 0.0], [4.5, 0.0], [4.5, 4.0], [0.0, 4.0]]),
+        ring("B1", "AREA-ASSIGN", &[[4.6, 0.0], [9.0, 0.0], [9.0, 4.0], [4.6, 4.0]]),
+    ];
+    for record in text[8..].iter().chain(&moved) {
+        assert!(written.contains(&record.replace('|', "\n")), "{record}\n{written}");
+    }
+}

@@ -240,3 +240,71 @@ fn texts_at_a_door_that_moves_are_named() {
     let end = "TEXT layer TEXT: stands at a door or window that moves in an option; it stays as drawn and may be stale there";
     assert!(matches!(&told[..], [one] if one.ends_with(end)), "{told:?} {:?}", done.report);
 }
+
+/// A wall that stands free, with a door as a block in it.
+fn walls_with_a_block(rotation: &str, how: &str) -> String {
+    let block = "0|SECTION|2|BLOCKS|0|BLOCK|8|0|2|DR|70|0|10|0|20|0|30|0|3|DR|0|LINE|8|0|10|0|20|0|11|0|21|0.9|\
+                 0|ARC|8|0|10|0|20|0|40|0.9|50|0|51|90|0|ENDBLK|0|ENDSEC|";
+    let walls =
+        room_of(&[[0.0, 0.0, 12.0, 8.0], [0.3, 0.3, 11.7, 7.7], [3.0, 3.4, 5.0, 3.6], [5.9, 3.4, 8.0, 3.6]]);
+    let door = format!("0|INSERT|8|A-DOOR|2|DR|10|5|20|3.6|30|0|{rotation}");
+    let mark = ring("EF-MOVE", [2.8, 2.4, 8.2, 4.9]) + &text("EF-MOVE", [3.0, 4.4], how);
+    let file = drawing(&(walls + &door + &mark));
+    file.replacen("0\nSECTION\n2\nENTITIES", &(block.replace('|', "\n") + "0\nSECTION\n2\nENTITIES"), 1)
+}
+
+fn room_of(rings: &[[f64; 4]]) -> String {
+    rings.iter().map(|r| ring("A-WALL", *r)).collect()
+}
+
+/// A door whose block has no rotation to change stays behind where its wall turns: that is said at the mark beforehand.
+#[test]
+fn what_would_stay_behind_is_said_at_the_mark() {
+    let told = |rotation: &str, how: &str| {
+        let done = check(&walls_with_a_block(rotation, how));
+        assert_eq!(done.result.moves.len(), 1, "{:?}", done.report);
+        said(&done.report, "move-leaves-behind")
+    };
+    let [behind] = told("", "rotate -25 25").try_into().unwrap();
+    for words in
+        ["LWPOLYLINE layer EF-MOVE: group", "INSERT of layer A-DOOR in line", "no rotation value", "0.001°"]
+    {
+        assert!(behind.contains(words), "{words}: {behind}");
+    }
+    assert_eq!(told("50|0|", "rotate -25 25"), [""; 0]);
+    assert_eq!(told("", "x -0.5 0.5"), [""; 0]);
+}
+
+/// Where all that is drawn lies beyond the limit of coordinates, that is what is said, and where.
+#[test]
+fn walls_beyond_the_limit_are_said_to_be_too_far() {
+    let far = [[3e12, 0.0, 3e12, 8.0], [3e12, 8.0, 3.1e12, 8.0]];
+    let file = drawing(&far.into_iter().map(|w| line("WALL", w)).collect::<String>());
+    let settings = Settings::new(Partial::default()).unwrap();
+    let e = pipeline::check(&Input::new("plan.dxf", file.as_bytes(), 1), &settings).unwrap_err().to_string();
+    assert!(e.starts_with("plan.dxf:19 LINE layer WALL: its coordinates, found 3000000000000 0"), "{e}");
+    assert!(e.contains("and so are others") && e.ends_with("move the drawing near its zero point"), "{e}");
+}
+
+/// What stays because a part of it is held is not said to stay for its doors.
+#[test]
+fn what_is_held_by_keep_is_said_to_be_held() {
+    let faces = [[0.3, 0.3, 3.94, 6.7], [4.06, 3.56, 9.7, 6.7]];
+    let lower = [[4.06, 0.3, 9.7, 0.3], [9.7, 0.3, 9.7, 3.44], [4.06, 0.3, 4.06, 3.44]];
+    let doors =
+        [[4.06, 3.44, 5.5, 3.44], [6.4, 3.44, 9.7, 3.44], [5.5, 3.44, 5.5, 3.56], [6.4, 3.44, 6.4, 3.56]];
+    let split = [[4.06, 3.56, 5.5, 3.56], [6.4, 3.56, 9.7, 3.56]];
+    let sides = [[4.06, 3.56, 4.06, 6.7], [4.06, 6.7, 9.7, 6.7], [9.7, 6.7, 9.7, 3.56]];
+    let lines = lower.iter().chain(&doors).chain(&split).chain(&sides).map(|w| line("A-WALL", *w));
+    let walls = room_of(&[[0.0, 0.0, 10.0, 7.0], faces[0]]) + &lines.collect::<String>();
+    let swing =
+        "0|ARC|8|A-DOOR|10|5.5|20|3.56|40|0.9|50|0|51|90|0|LINE|8|A-DOOR|10|5.5|20|3.56|11|5.5|21|4.46|";
+    let kept =
+        |keep: &str| said(&check(&drawing(&(walls.clone() + swing + keep))).report, "default-moves-stay");
+    assert_eq!(kept(""), [""; 0]);
+    let held = kept(&ring("EF-KEEP", [3.0, 0.2, 5.0, 7.5]));
+    assert!(
+        matches!(held.as_slice(), [one] if one.contains("because EF-KEEP holds a part of them")),
+        "{held:?}"
+    );
+}

@@ -10,14 +10,14 @@ use glam::DVec2;
 
 use super::axial::clipped;
 use super::defaults::{DOOR_WIDTH_M, SLIDE_MIN_M};
+use super::sides::Side;
 use super::things::{AT_WALL_M, Piece, Things, gap};
 use super::{Layout, Moves};
-use crate::plan::axes::{AxisGraph, FaceRef, Jamb, Opening, OpeningKind};
+use crate::plan::axes::{AxisGraph, FaceRef, Opening, OpeningKind};
 use crate::plan::curve::{Trace, control_points};
 use crate::plan::fittings::jambs_of;
 use crate::plan::graph::{Graph, Handle};
 use crate::plan::markers::{Clause, Group, Kind};
-use crate::plan::structure::{face_handles, handle_at};
 use crate::plan::{NamedDoor, Plan, Wall, box_of};
 use crate::report::Report;
 
@@ -42,62 +42,6 @@ const BETWEEN_M: f64 = 0.3;
 
 /// Least turn that is worth a parameter, degrees.
 const TURN_MIN_DEG: f64 = 1.0;
-
-/// One side of a door in a drawn wall.
-enum Side {
-    /// The control points of the wall that ends there.
-    End(Vec<Handle>),
-    /// The wall runs past: the piece on which the jamb stands, by its control points, where on it, and what is across it.
-    Face { ends: [Handle; 2], share: f64, across: DVec2 },
-}
-
-impl Side {
-    fn new(plan: &Plan, axes: &AxisGraph, jamb: &Jamb, handles: Vec<Handle>) -> Self {
-        let edge = jamb.edge.filter(|_| handles.is_empty()).map(|e| &axes.edges[e as usize]);
-        let faces = edge.into_iter().flat_map(|e| e.left.iter().chain(&e.right).chain(&e.inner));
-        let found = faces.filter_map(|f| {
-            let ends: [Handle; 2] = face_handles(plan, *f).try_into().ok()?;
-            let [a, b] = ends.map(|h| handle_at(plan, h));
-            let along = (b - a).try_normalize()?;
-            let share = ((jamb.at - a).dot(along) / a.distance(b)).clamp(0.0, 1.0);
-            Some((a.lerp(b, share).distance(jamb.at), Self::Face { ends, share, across: along.perp() }))
-        });
-        found.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(Self::End(handles), |f| f.1)
-    }
-
-    /// The control points of a wall that ends there.
-    fn handles(&self) -> &[Handle] {
-        match self {
-            Self::End(handles) => handles,
-            Self::Face { .. } => &[],
-        }
-    }
-
-    /// Its walls.
-    fn walls(&self) -> impl Iterator<Item = u32> + '_ {
-        let face = match self {
-            Self::End(_) => None,
-            Self::Face { ends, .. } => Some(ends[0].0),
-        };
-        self.handles().iter().map(|h| h.0).chain(face)
-    }
-
-    /// How far it goes when its control points go as far as `moved` says. A jamb on a face goes with the face, across it;
-    /// along the face it goes with the other jamb.
-    fn step(&self, moved: &impl Fn(&Handle) -> Option<DVec2>, other: Option<&Self>) -> DVec2 {
-        match self {
-            Self::End(handles) => {
-                let steps = handles.iter().filter_map(moved);
-                steps.max_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or_default()
-            }
-            Self::Face { ends, share, across } => {
-                let [a, b] = ends.each_ref().map(|h| moved(h).unwrap_or_default());
-                let along = other.map(|o| o.step(moved, None)).unwrap_or_default().reject_from(*across);
-                a.lerp(b, *share).project_onto(*across) + along
-            }
-        }
-    }
-}
 
 /// What a door goes along with.
 enum Hangs {
@@ -190,7 +134,7 @@ impl Doorway {
             Some((at(&wall.shape) - at(&plan.walls[*w as usize].shape)) / plan.human_scale)
         };
         let [a, b] = jambs;
-        [self.at[0] + a.step(&moved, Some(b)), self.at[1] + b.step(&moved, Some(a))]
+        [self.at[0] + a.step(&moved, b), self.at[1] + b.step(&moved, a)]
     }
 }
 
@@ -382,7 +326,7 @@ impl<'m> Trial<'m> {
     fn new(of: &Doorways<'_>, moves: &'m Moves, grid: &Grid<'_>) -> Self {
         let handles: BTreeSet<&Handle> = moves.handles().collect();
         let is_along = |d: &Doorway| match &d.hangs {
-            Hangs::Jambs(jambs) => jambs.iter().flat_map(Side::handles).any(|h| handles.contains(h)),
+            Hangs::Jambs(jambs) => jambs.iter().any(|j| j.ends_in(&handles)),
             Hangs::Wall(host) => moves.groups.iter().flat_map(|g| &g.handles).any(|h| h.0 == *host),
             Hangs::Free => false,
         };

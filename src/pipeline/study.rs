@@ -1,6 +1,7 @@
 //! A drawing made ready to be measured: plan, graph, moves, lattice, evaluator, penalties.
 
 mod alike;
+mod behind;
 mod card;
 mod carrying;
 mod far;
@@ -155,7 +156,7 @@ fn within_storey(error: Error, settings: &Settings) -> Error {
 pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -> Result<Understood, Error> {
     let unit = match &settings.unit {
         Some(name) => Some(unit_by_name(name).ok_or_else(|| {
-            let text = format!("--unit {name:?}: expected mm, cm, m, in or ft; nothing was done");
+            let text = format!("unit, by --unit or a settings file: found {name:?}, expected mm, cm, m, in or ft; nothing was done");
             Error::usage("unit", Place::default(), text)
         })?),
         None => None,
@@ -287,12 +288,13 @@ fn moves(
     report: &mut Report,
 ) -> Result<Moves, Error> {
     let Known { plan, graph, axes, interior, fittings, infill } = *known;
+    let all = (plan, graph, axes, fittings);
     if !settings.moves.is_empty() {
         state_passed_over(drawing, plan, &settings.moves, report);
         let (groups, records) = side_car_groups(drawing, plan, graph, (&settings.moves, true), report)?;
         groups.iter().for_each(|(group, nodes)| say_kept(plan, graph, group, nodes, report));
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
-        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), (plan, graph, axes), settings, report));
+        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), all, settings, report));
     }
     if !drawing.marked.is_empty() && !settings.ignore_move_markers {
         let stated = building::marked_moves(drawing);
@@ -301,11 +303,11 @@ fn moves(
             state_unread_marks(marked::marks_of(drawing.format), plan, report);
         }
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
-        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), (plan, graph, axes), settings, report));
+        return Ok(taken_up(moves, groups.iter().map(|g| &g.0), all, settings, report));
     }
     if !plan.markers.groups.is_empty() && !settings.ignore_move_markers {
         let moves = Moves::from_markers(plan, graph, axes, report);
-        return Ok(taken_up(moves, plan.markers.groups.iter(), (plan, graph, axes), settings, report));
+        return Ok(taken_up(moves, plan.markers.groups.iter(), all, settings, report));
     }
     if marked::is_any(drawing, plan) && !settings.ignore_move_markers {
         state_unread_moves(drawing, plan, report);

@@ -32,8 +32,8 @@ pub fn human_scale(size_m: f64) -> f64 {
 
 /// Rounded to two digits, so that what is derived from it reads well.
 pub(super) fn two_digits(exact: f64) -> f64 {
-    let unit = 10f64.powf(exact.log10().floor() - 1.0);
-    (exact / unit).round() * unit
+    // By its digits: a product would read 0.0013000000000000002.
+    format!("{exact:.1e}").parse().unwrap_or(exact)
 }
 
 /// Units the user can name, and the order in which a missing one is tried.
@@ -137,6 +137,15 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_digits_read_as_two_digits() {
+        for (exact, read) in
+            [(0.05 / 40.0, "0.0013"), (0.00251, "0.0025"), (0.0999, "0.1"), (0.2, "0.2"), (123.0, "120")]
+        {
+            assert_eq!(two_digits(exact).to_string(), read);
+        }
+    }
 
     /// What lies beyond whole micrometres ends at their last one.
     #[test]

@@ -472,12 +472,11 @@ fn read_clause(clause: &str, frame: &Frame, drawing: &Drawing, group: &mut Group
         ("x", [low, high]) => shift(Kind::X, low, high, frame, drawing, group),
         ("y", [low, high]) => shift(Kind::Y, low, high, frame, drawing, group),
         ("along", [angle, low, high]) => {
-            shift(Kind::Along(number(angle)?.to_radians()), low, high, frame, drawing, group)
+            shift(Kind::Along(degrees(angle)?.to_radians()), low, high, frame, drawing, group)
         }
         ("rotate", [low, high, about @ ..]) => {
             let unit = ("deg".to_string(), 1f64.to_radians());
-            let turn = |s: &str| number(s.trim_end_matches("deg").trim_end_matches('°'));
-            push(Kind::Rotate(centre(about)?), turn(low)?, turn(high)?, unit, group)
+            push(Kind::Rotate(centre(about)?), degrees(low)?, degrees(high)?, unit, group)
         }
         ("scale", [low, high, about @ ..]) => {
             let (low, high) = (number(low)?, number(high)?);
@@ -501,7 +500,11 @@ fn shift(
     let own = drawing_unit(frame, drawing);
     let (low, low_unit) = length(low)?;
     let (high, high_unit) = length(high)?;
-    let unit = high_unit.or(low_unit).unwrap_or(own);
+    let unit = match (low_unit, high_unit) {
+        // Two units: the drawing's own shows both alike.
+        (Some(a), Some(b)) if a.metres != b.metres => own,
+        _ => high_unit.or(low_unit).unwrap_or(own),
+    };
     let to_unit =
         |v: f64, u: Option<Unit>| u.map_or(v * own.metres / unit.metres, |u| v * u.metres / unit.metres);
     let same = |u: Option<Unit>| u.unwrap_or(own).metres == unit.metres;
@@ -555,6 +558,11 @@ fn centre(about: &[&str]) -> Result<Option<DVec2>, String> {
         }
         _ => Err(format!("found {:?}, expected `about X,Y`", about.join(" "))),
     }
+}
+
+/// An angle: `45`, `45°`, `45deg`.
+fn degrees(s: &str) -> Result<f64, String> {
+    number(s.trim_end_matches("deg").trim_end_matches('°'))
 }
 
 fn number(s: &str) -> Result<f64, String> {
@@ -638,6 +646,26 @@ mod tests {
         assert!(marks.needs_interior());
         marks.query.push(disc(9));
         assert!(!marks.needs_interior());
+    }
+
+    /// Degrees are written alike after every word, and bounds in two units are shown in the drawing's.
+    #[test]
+    fn angles_and_mixed_units_are_read_as_people_write_them() {
+        let drawing = Drawing::of(Vec::new());
+        let frame = Frame::new(0.001, [DVec2::ZERO; 2]);
+        let read = |text: &str| read_clauses(text, &drawing, &frame).unwrap().remove(0);
+        for angle in ["45", "45°", "45deg"] {
+            let clause = read(&format!("along {angle} -100 100"));
+            assert!(
+                matches!(clause.kind, Kind::Along(rad) if (rad - 45f64.to_radians()).abs() < 1e-12),
+                "{angle}"
+            );
+        }
+        let mixed = read("x -0.5m 2'-6\"");
+        assert_eq!((mixed.unit.as_str(), mixed.lower), ("mm", -500.0));
+        assert!((mixed.upper - 762.0).abs() < 1e-9, "{}", mixed.upper);
+        let one = read("x -1' 2'-6\"");
+        assert_eq!((one.unit.as_str(), one.lower, one.upper), ("ft", -1.0, 2.5));
     }
 
     #[test]

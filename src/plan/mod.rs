@@ -347,6 +347,9 @@ const WALLS_MIN_M: f64 = 0.001;
 /// Problems of readers by which whole blocks are left out.
 const BLOCKS_LEFT_OUT: [&str; 3] = ["dxf-block-cycle", "dxf-block-depth", "dxf-expansion-budget"];
 
+/// What is said of an entity with coordinates that no plan can have.
+const TOO_FAR: &str = "dxf-bad-coordinate";
+
 fn no_walls(drawing: &Drawing, chosen: &choice::Chosen, report: &Report) -> Error {
     let layers = &chosen.layers;
     let mut by_size: Vec<&LayerUse> =
@@ -370,6 +373,15 @@ fn no_walls(drawing: &Drawing, chosen: &choice::Chosen, report: &Report) -> Erro
     };
     let (others, help) = undrawn_words(drawing);
     let left_out = report.problems.iter().find(|p| BLOCKS_LEFT_OUT.contains(&p.code));
+    let mut far = report.problems.iter().filter(|p| p.code == TOO_FAR);
+    if let (None, Some(first)) = (left_out, far.next()) {
+        let others = if far.next().is_some() { ", and so are others" } else { "" };
+        let text = format!(
+            "{}{others}; nothing was measured, since no other walls were found; move the drawing near its zero point",
+            first.text
+        );
+        return Error::input("no-walls", first.place.clone(), text);
+    }
     let why = left_out.map(|p| format!("{}; besides it ", p.text)).unwrap_or_default();
     let place = left_out.map_or_else(|| Place::file(&drawing.file), |p| p.place.clone());
     let longer = if chosen.walls.is_empty() { "" } else { "longer than a millimetre " };
@@ -462,7 +474,15 @@ fn state_unit(drawing: &Drawing, unit: &UnitChoice, size_m: f64, human_scale: f6
             "read as stated, doors and default moves taken in proportion (a person's metre as {human_scale} m)"
         ),
     };
-    let text = format!("{seen}; {done}; --unit overrides it (--unit 25m: one drawing unit is 25 m)");
+    // What one unit is at the scale that was found: a person would say it so.
+    let scale = (1.0 / human_scale).round();
+    let example = match (drawing.format, units::is_printed(unit.unit, scale)) {
+        (drawing::Format::Dxf, true) => {
+            format!("--unit {scale}{0}: one drawing unit is {scale} {0}, as at 1:{scale}", unit.unit.name)
+        }
+        _ => "--unit 25m: one drawing unit is 25 m".into(),
+    };
+    let text = format!("{seen}; {done}; --unit overrides it ({example})");
     report.info("unit-implausible", place, text);
 }
 

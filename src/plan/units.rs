@@ -47,6 +47,11 @@ const PAIRS_SHARE: f64 = 0.25;
 /// drawn with one line and tell no thickness.
 const THICK_SHARE_MAX: f64 = 0.06;
 
+/// Walls thicker than this are none in the unit that makes them so, if so large a share of all length has a second face
+/// that they are no rooms drawn with single lines.
+const MASONRY_MAX_M: f64 = 2.5;
+const PAIRS_SURE_SHARE: f64 = 0.75;
+
 /// Nor are they those of walls where more than this share of the plan lies between them.
 const BETWEEN_SHARE_MAX: f64 = 0.3;
 
@@ -176,6 +181,27 @@ impl Witnesses {
         middle.map(|t| t.0)
     }
 
+    /// The scale at which a plan that is drawn as large as its paper is printed, where doors speak: the one that makes
+    /// their leaves as wide as usual, if walls and size are then those of a building.
+    fn printed_at(&self, unit: Unit) -> Option<f64> {
+        let mut leaves = self.leaves.clone();
+        leaves.sort_by(f64::total_cmp);
+        let leaf_m = leaves.get(leaves.len() / 2)? * unit.metres;
+        let off = |scale: &f64| (leaf_m * scale / USUAL_LEAF_M).ln().abs();
+        let scale = scales(unit).into_iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let full = Unit { name: unit.name, metres: unit.metres * scale };
+        let is_right = self.doors(full)? >= FOR && self.supports(full).iter().all(|s| *s >= FOR);
+        is_right.then_some(scale)
+    }
+
+    /// Whether the walls have two faces for sure, and are thicker in this unit than any masonry.
+    fn is_too_thick(&self, unit: Unit) -> bool {
+        let is_thick = |t: f64| t * unit.metres > MASONRY_MAX_M;
+        self.walls(unit).is_some_and(|s| s <= AGAINST)
+            && self.paired_share >= PAIRS_SURE_SHARE
+            && self.middle_thickness().is_some_and(is_thick)
+    }
+
     /// What speaks for a unit, in plain words.
     fn words(&self, unit: Unit) -> String {
         let size = self.extent * unit.metres;
@@ -230,13 +256,21 @@ const THIN_M: f64 = 0.03;
 /// The thickness that walls drawn at another scale are taken to have.
 const USUAL_WALL_M: f64 = 0.15;
 
+/// Scales at which plans are printed: how many metres one metre on paper stands for, in metric and in imperial countries.
+const SCALES_METRIC: [f64; 9] = [10.0, 20.0, 25.0, 50.0, 100.0, 200.0, 250.0, 500.0, 1000.0];
+const SCALES_IMPERIAL: [f64; 9] = [12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 96.0, 128.0, 192.0];
+
+/// The width that a leaf is taken to have where the scale is found by it.
+const USUAL_LEAF_M: f64 = 0.9;
+
 /// Faces in pairs, and their share of all length, by which even a small drawing shows how thick its walls are.
 const PAIRS_FEW: usize = 4;
 const PAIRS_FEW_SHARE: f64 = 0.6;
 
 /// Metres of the plan in one metre of a person, for plans drawn at an unknown scale (illustrations): decided by
-/// the thickness of the walls where they are drawn with one, else by the plan's size ([`human_scale`]). What an IFC
-/// or a glTF says is believed from the length of one wall on.
+/// the scale at which its doors are as wide as doors in a plan smaller than a building, by the thickness of the walls
+/// where they are drawn with one, else by the plan's size ([`human_scale`]). What an IFC or a glTF says is believed
+/// from the length of one wall on.
 pub fn person_scale(drawing: &Drawing, walls: &[&Entity], extent_units: f64, unit: Unit) -> f64 {
     let size_m = extent_units * unit.metres;
     let is_stated = drawing.format != Format::Dxf && size_m >= BUILT_SIZE_M[0];
@@ -244,6 +278,11 @@ pub fn person_scale(drawing: &Drawing, walls: &[&Entity], extent_units: f64, uni
         return 1.0;
     }
     let seen = Witnesses::new(drawing, walls, extent_units);
+    if let Some(scale) =
+        seen.printed_at(unit).filter(|_| size_m < SMALL_PLAN_M && drawing.format == Format::Dxf)
+    {
+        return 1.0 / scale;
+    }
     let is_thick = seen.thicknesses.len() >= PAIRS_FEW && seen.paired_share >= PAIRS_FEW_SHARE;
     let has_thickness = is_thick || seen.walls(unit).is_some();
     let thickness_m = seen.middle_thickness().filter(|_| has_thickness).map(|t| t * unit.metres);
@@ -252,6 +291,15 @@ pub fn person_scale(drawing: &Drawing, walls: &[&Entity], extent_units: f64, uni
         Some(t) if t > 0.0 && t < THIN_M && size_m >= SMALL_PLAN_M => two_digits(t / USUAL_WALL_M),
         _ => human_scale(size_m),
     }
+}
+
+/// Whether plans drawn in this unit are printed at this scale.
+pub(super) fn is_printed(unit: Unit, scale: f64) -> bool {
+    unit.name != "units" && scales(unit).contains(&scale)
+}
+
+fn scales(unit: Unit) -> [f64; 9] {
+    if matches!(unit.name, "in" | "ft") { SCALES_IMPERIAL } else { SCALES_METRIC }
 }
 
 fn is_in(value: f64, range: [f64; 2]) -> bool {
@@ -347,11 +395,12 @@ fn system(unit: Unit, said: &str) -> Option<bool> {
 }
 
 /// The unit that what is drawn speaks for, where it speaks strongly against the declared one: two
-/// witnesses against it, or several door leaves of an impossible width; and nothing against the other.
+/// witnesses against it, several door leaves of an impossible width, or walls thicker than any; and nothing against the
+/// other.
 fn overruled(seen: &Witnesses, declared: Unit, said: &str) -> Option<Unit> {
     let against = seen.supports(declared).iter().filter(|s| **s <= AGAINST).count();
     let impossible_doors = seen.has_sure_doors() && seen.doors(declared).is_some_and(|s| s <= AGAINST);
-    if against < 2 && !impossible_doors {
+    if against < 2 && !impossible_doors && !seen.is_too_thick(declared) {
         return None;
     }
     let unit = best(seen, said);
@@ -487,6 +536,44 @@ mod tests {
         };
         assert_eq!(best(&rooms(0.36), "no $INSUNITS").name, "m");
         assert_eq!(best(&rooms(0.1), "no $INSUNITS").name, "in");
+    }
+
+    /// A plan without doors, its walls in millimetres: in inches or centimetres they would be thicker than any masonry.
+    #[test]
+    fn walls_thicker_than_any_speak_against_a_unit() {
+        let plan = |paired_share: f64| Witnesses {
+            thicknesses: vec![(300.0, 9000.0); 12],
+            paired_share,
+            extent: 10_000.0,
+            ..Witnesses::default()
+        };
+        for declared in ["in", "cm", "ft"] {
+            let found =
+                |paired_share: f64| overruled(&plan(paired_share), unit(declared), "").map(|u| u.name);
+            assert_eq!(found(0.9), Some("mm"), "{declared}");
+        }
+        // Rooms of 3 m in a large plan of single lines; walls of a castle.
+        assert_eq!(overruled(&plan(0.6), unit("cm"), ""), None);
+        let castle = Witnesses {
+            thicknesses: vec![(2.4, 20.0); 12],
+            paired_share: 0.9,
+            extent: 60.0,
+            ..Witnesses::default()
+        };
+        assert_eq!(overruled(&castle, unit("m"), ""), None);
+    }
+
+    /// A plan in the millimetres of its paper: the scale is that which makes doors as wide as doors.
+    #[test]
+    fn doors_tell_the_scale_of_a_printed_plan() {
+        for (scale, name) in
+            [(50.0, "mm"), (100.0, "mm"), (200.0, "mm"), (100.0, "cm"), (96.0, "in"), (48.0, "in")]
+        {
+            let mut seen = house(Unit { name: "units", metres: unit(name).metres * scale });
+            assert_eq!(seen.printed_at(unit(name)), Some(scale), "{scale} {name}");
+            seen.leaves.clear();
+            assert_eq!(seen.printed_at(unit(name)), None);
+        }
     }
 
     #[test]

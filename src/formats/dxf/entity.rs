@@ -36,6 +36,9 @@ pub(super) struct Item {
     pub body: Body,
 }
 
+/// An INSERT smaller than this shows nothing: a millimetre of a kilometre is a millionth.
+const SCALE_MIN: f64 = 1e-9;
+
 /// An INSERT, in its own object coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct Insert {
@@ -440,8 +443,10 @@ impl<'a> Reader<'a, '_> {
             );
         }
         let scale = DVec2::new(self.float(fields, 41, 1.0)?, self.float(fields, 42, 1.0)?);
-        if scale.x == 0.0 || scale.y == 0.0 {
-            return skip("dxf-zero-scale", "its scale, found 0, expected another factor; left out");
+        if scale.abs().min_element() < SCALE_MIN {
+            let found = if scale.x.abs() < SCALE_MIN { scale.x } else { scale.y };
+            let text = format!("its scale, found {found}, expected another factor; left out");
+            return skip("dxf-zero-scale", text);
         }
         let count = [self.int(fields, 70, 1)?, self.int(fields, 71, 1)?];
         if count.iter().any(|&n| n < 0) {

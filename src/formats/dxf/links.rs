@@ -11,7 +11,7 @@ use super::header::Header;
 use super::limits::Limits;
 use super::opened::Place;
 use super::patch::tokens_of;
-use super::poche::{Following, following};
+use super::poche::{Following, following, left_on_faces};
 use super::reader::Reader;
 use super::tokens::{Tokens, shown, tokenize};
 use crate::plan::distance_to_segment;
@@ -23,8 +23,15 @@ use crate::report::{Error, Report};
 const ON_ENTITY: f64 = 1e-7;
 
 /// Kinds whose drawn picture does not follow what they refer to.
-const ANNOTATION: [&[u8]; 6] =
-    [b"DIMENSION", b"ARC_DIMENSION", b"LARGE_RADIAL_DIMENSION", b"LEADER", b"MULTILEADER", b"HATCH"];
+const ANNOTATION: [&[u8]; 7] = [
+    b"DIMENSION",
+    b"ARC_DIMENSION",
+    b"LARGE_RADIAL_DIMENSION",
+    b"LEADER",
+    b"MULTILEADER",
+    b"MLEADER",
+    b"HATCH",
+];
 
 /// A corner of a fill lies this near to the faces that it fills, in parts of the fill's own width.
 const FILL_INSET: f64 = 0.5;
@@ -41,7 +48,8 @@ pub struct Tied {
 /// What hangs on the entities that `edits` change in `drawing`. HATCH, SOLID and TRACE whose corners all lie on their shapes
 /// or on what stands go along, but none of the records `held`. Stale are dimensions, leaders and hatches that refer to one by
 /// handle (associative) or by a defining point on its shape, and what else fills the ground between them: SOLID, TRACE, HATCH
-/// and wide polylines all of whose corners lie at such shapes. They stand in model space, or in a block where one of the changed
+/// and wide polylines all of whose corners lie at such shapes, and closed polylines with several corners on what moves away:
+/// the outlines of rooms. They stand in model space, or in a block where one of the changed
 /// entities does.
 ///
 /// # Errors
@@ -58,6 +66,9 @@ pub fn tied(
     let records: HashSet<usize> = edits.iter().map(Edit::record).collect();
     let goes: HashSet<usize> = following.iter().map(|f| f.edit.record()).collect();
     let mut stale = stale(file, &tokens, drawing, &records)?;
+    stale.extend(left_on_faces(drawing, edits, held).cloned());
+    stale.sort_by_key(|s| s.record);
+    stale.dedup_by_key(|s| s.record);
     stale.retain(|s| !goes.contains(&s.record) && !is_own(&s.layer));
     Ok(Tied { following, stale })
 }
@@ -170,8 +181,11 @@ fn associated_dimensions(tokens: &Tokens<'_>, handles: &HashSet<String>) -> Hash
 /// corners of a hatch boundary.
 fn defining_points(tokens: &Tokens<'_>, record: usize) -> Vec<DVec2> {
     let name = tokens.name(record);
+    if matches!(name, b"MULTILEADER" | b"MLEADER") {
+        return tips(tokens, record);
+    }
     let codes: &[i32] = match name {
-        b"LEADER" | b"MULTILEADER" => &[10],
+        b"LEADER" => &[10],
         b"HATCH" => &[10, 11],
         _ => &[13, 14, 15, 16],
     };
@@ -194,8 +208,26 @@ fn defining_points(tokens: &Tokens<'_>, record: usize) -> Vec<DVec2> {
             }
         }
     }
-    if matches!(name, b"LEADER" | b"MULTILEADER") {
+    if name == b"LEADER" {
         out.truncate(1);
+    }
+    out
+}
+
+/// The points of a MULTILEADER's lines: they stand in the lists of lines in its context data, between `LEADER_LINE{` and `}`.
+fn tips(tokens: &Tokens<'_>, record: usize) -> Vec<DVec2> {
+    let (mut out, mut is_line, mut x) = (Vec::new(), false, None);
+    for pair in tokens.record(record) {
+        match pair.code {
+            304 => is_line = tokens.value(pair).starts_with(b"LEADER_LINE"),
+            305 => is_line = false,
+            10 if is_line => x = tokens.number(pair),
+            20 if is_line => {
+                let y = tokens.number(pair);
+                out.extend(x.take().zip(y).map(|(x, y)| DVec2::new(x, y)));
+            }
+            _ => {}
+        }
     }
     out
 }

@@ -1,4 +1,5 @@
-//! Poché: what fills the ground between the faces of a wall goes along with it, corner by corner.
+//! Poché: what fills the ground between the faces of a wall goes along with it, corner by corner, and so does what is drawn
+//! round a room.
 
 use std::collections::HashSet;
 
@@ -6,12 +7,13 @@ use glam::DVec2;
 
 use super::boundary::{At, Boundary, Piece, boundary, quad};
 use super::curves::is_upright;
-use super::fields::{Fields, own_pairs};
-use super::tokens::Tokens;
+use super::fields::{Fields, VertexSlots, lwpolyline_vertices, own_pairs};
+use super::tokens::{Pair, Tokens};
 use crate::plan::curve::control_points;
 use crate::plan::distance_to_segment;
-use crate::plan::drawing::{Drawing, Edit, RigidMotion, Shape};
+use crate::plan::drawing::{Drawing, Edit, Entity, RigidMotion, Shape, SourceRef};
 use crate::plan::own_layers::is_own;
+use crate::plan::roles::{Role, role_by_name};
 
 /// A corner is on what lies within this much of it, in parts of the smaller side of the box round the fill.
 const ON_SHARE: f64 = 1e-4;
@@ -22,7 +24,10 @@ const PIECES_MAX: usize = 4096;
 /// Kinds of filled areas.
 const FILLS: [&[u8]; 3] = [b"HATCH", b"SOLID", b"TRACE"];
 
-/// A filled area that goes along with what an edit moves.
+/// Corners of a closed polyline on faces that moved that make it the outline of a room.
+const CORNERS_LEFT_MIN: usize = 2;
+
+/// A filled area, or the outline of a room, that goes along with what an edit moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Following {
     /// New places of its points.
@@ -32,7 +37,8 @@ pub struct Following {
 }
 
 /// The HATCH, SOLID and TRACE of model space of which every corner lies on what `edits` move or on what stands, and for
-/// which both say where it is afterwards; in file order, none of `held`. An outline that would turn over stays.
+/// which both say where it is afterwards; in file order, none of `held`. An outline that would turn over stays. The closed
+/// LWPOLYLINE of a layer of rooms goes along in the same way, with what is `held` alone: rooms do not hold each other.
 pub(super) fn following(
     tokens: &Tokens<'_>,
     drawing: &Drawing,
@@ -45,13 +51,60 @@ pub(super) fn following(
     }
     let edited: HashSet<usize> = edits.iter().map(Edit::record).collect();
     let is_free = |record: &usize| !held.contains(record) && !edited.contains(record);
-    let is_theirs = |&record: &usize| {
+    let is_area = |&record: &usize| {
         let layer = own_pairs(tokens, record).find(|(_, p)| p.code == 8);
-        !layer.is_some_and(|(_, p)| is_own(&String::from_utf8_lossy(tokens.value(p))))
+        let layer =
+            layer.map_or_else(String::new, |(_, p)| String::from_utf8_lossy(tokens.value(p)).into_owned());
+        let is_room = || is_closed_polyline(tokens, record) && role_by_name(&layer).0 == Role::Room;
+        !is_own(&layer) && (FILLS.contains(&tokens.name(record)) || is_room())
     };
+    let others: HashSet<usize> = drawing
+        .entities
+        .iter()
+        .map(|e| e.source.record)
+        .filter(|r| !held.contains(r))
+        .chain(edited.clone())
+        .collect();
     let section = tokens.section(b"ENTITIES").unwrap_or(0..0);
-    let areas = section.filter(|r| FILLS.contains(&tokens.name(*r))).filter(is_free).filter(is_theirs);
-    areas.filter_map(|record| Area::read(tokens, record)?.following(&moved, drawing, &edited)).collect()
+    let areas = section.filter(is_free).filter(is_area);
+    let of = |record: usize| {
+        let passed_over = if FILLS.contains(&tokens.name(record)) { &edited } else { &others };
+        Area::read(tokens, record)?.following(&moved, drawing, passed_over)
+    };
+    areas.filter_map(of).collect()
+}
+
+fn is_closed_polyline(tokens: &Tokens<'_>, record: usize) -> bool {
+    let is_closed =
+        |(_, p): (usize, &Pair)| p.code == 70 && tokens.integer(p).is_some_and(|flags| flags & 1 != 0);
+    tokens.name(record) == b"LWPOLYLINE" && own_pairs(tokens, record).any(is_closed)
+}
+
+/// The closed polylines, none of `held`, of which several corners lie on faces that `edits` take from under them: rooms, and
+/// what else is drawn round the floor. Those of doors and windows are theirs.
+pub(super) fn left_on_faces<'d>(
+    drawing: &'d Drawing,
+    edits: &[Edit],
+    held: &HashSet<usize>,
+) -> impl Iterator<Item = &'d SourceRef> {
+    let moved = Ground::moved(drawing, edits);
+    let edited: HashSet<usize> = edits.iter().map(Edit::record).collect();
+    let is_free = |e: &Entity| {
+        let record = e.source.record;
+        let is_part = matches!(role_by_name(&e.layer).0, Role::Door | Role::Window | Role::Wall);
+        e.insert().is_none() && !held.contains(&record) && !edited.contains(&record) && !is_part
+    };
+    let is_left = |e: &Entity| {
+        let Shape::Polyline { vertices, closed: true } = &e.shape else { return false };
+        let corners: Vec<DVec2> = vertices.iter().map(|v| v.at).collect();
+        let (Some(around), Some(ground)) = (box_of(&corners), moved.bounds()) else { return false };
+        let tolerance = ON_SHARE * (around[1] - around[0]).min_element();
+        let left = || corners.iter().filter(|p| moved.leaves(**p, tolerance)).count();
+        overlap(around, ground) && left() >= CORNERS_LEFT_MIN
+    };
+    let found: Vec<&SourceRef> =
+        drawing.entities.iter().filter(|e| is_free(e) && is_left(e)).map(|e| &e.source).collect();
+    found.into_iter()
 }
 
 /// Pairs of the points of the filled area at `record`, in the order in which [`Edit::Points`] names them.
@@ -59,8 +112,21 @@ pub(super) fn points_of(tokens: &Tokens<'_>, record: usize) -> Option<Vec<At>> {
     match tokens.name(record) {
         b"SOLID" | b"TRACE" => Some(quad(tokens, record)),
         b"HATCH" => Some(Area::of_hatch(&boundary(tokens, record, PIECES_MAX)?).0),
+        b"LWPOLYLINE" => Some(Area::of_hatch(&ring(tokens, record)?).0),
         _ => None,
     }
+}
+
+/// The vertices of a polyline as an outline.
+fn ring(tokens: &Tokens<'_>, record: usize) -> Option<Boundary> {
+    let corner = |v: VertexSlots| {
+        let bulge = v.bulge.map_or(Some(0.0), |i| tokens.number(&tokens.pairs[i]))?;
+        Some(Piece::Corner { at: At { x: v.x, y: v.y? }, bulge })
+    };
+    let vertices = lwpolyline_vertices(tokens, record);
+    let outline: Vec<Piece> = vertices.into_iter().map(corner).collect::<Option<_>>()?;
+    let is_ring = (3..=PIECES_MAX).contains(&outline.len());
+    is_ring.then(|| Boundary { outlines: vec![outline], seeds: Vec::new() })
 }
 
 /// Places of the points of a filled area, and what its outlines are made of.
@@ -106,6 +172,7 @@ impl Area {
                 (slots, vec![Outline { corners, ..Outline::default() }], Vec::new())
             }
             b"HATCH" => Self::of_hatch(&boundary(tokens, record, PIECES_MAX)?),
+            b"LWPOLYLINE" => Self::of_hatch(&ring(tokens, record)?),
             _ => return None,
         };
         let side = side_of(tokens, record)?;
@@ -350,6 +417,16 @@ impl Ground {
             _ => {}
         }
         self.nodes.extend(places());
+    }
+
+    /// Whether a point lies on it as drawn and not afterwards.
+    fn leaves(&self, p: DVec2, tolerance: f64) -> bool {
+        let mut nodes = self.nodes.iter().filter(|n| n.from.distance(p) <= tolerance).peekable();
+        if nodes.peek().is_some() {
+            return nodes.any(|n| n.from.distance(n.to) > tolerance);
+        }
+        let on = |f: &&Face| distance_to_segment(p, f.from) <= tolerance;
+        self.faces.iter().filter(on).any(|f| distance_to_line(p, f.to) > tolerance)
     }
 
     fn bounds(&self) -> Option<[DVec2; 2]> {

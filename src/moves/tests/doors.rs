@@ -308,3 +308,39 @@ fn two_default_moves_do_not_meet_in_a_door() {
     let (made, now, _) = kept_as_drawn(&door_beside_a_sliding_wall(3.5, 2.0));
     assert_eq!(made, now);
 }
+
+/// A wall with a door that turns as one leaves its door as wide as it is, however thick it is and wherever the middle of
+/// the turn stands, also where the one jamb is the side of a wall that turns along.
+#[test]
+fn a_rigid_turn_keeps_a_door_as_wide() {
+    for (thick, about, is_corner) in
+        [(0.06, "6.5,3.5", false), (0.12, "7.8,3.1", false), (0.25, "6.5,3.5", false), (0.12, "5,4", true)]
+    {
+        let mut d = drawing("m", 1.0);
+        d.room(13.0, 9.0);
+        let (low, high) = (3.5 - thick / 2.0, 3.5 + thick / 2.0);
+        let ring = |x0: f64, x1: f64| [[x0, low], [x1, low], [x1, high], [x0, high]];
+        match is_corner {
+            false => d.ring("WALLS", &ring(4.0, 6.05)),
+            true => d.ring("WALLS", &[[5.93, 2.5], [6.05, 2.5], [6.05, 4.5], [5.93, 4.5]]),
+        }
+        d.ring("WALLS", &ring(6.95, 9.0));
+        let hinge = DVec2::new(6.95, high);
+        d.add("DOOR", Shape::Arc { centre: hinge, radius: 0.9, start_rad: FRAC_PI_2, end_rad: PI });
+        d.add("DOOR", Shape::Line { a: hinge, b: hinge + DVec2::Y * 0.9 });
+        d.group([3.8, 2.3], [9.2, 4.9], &format!("rotate -40 40 about {about}"));
+        let plan = understand(&d, &PlanOptions::default(), &mut Report::default()).unwrap();
+        let graph = Graph::new(&plan);
+        let (axes, _) = structure::axes(&plan, &d);
+        let moves = Moves::from_markers(&plan, &graph, &axes, &mut Report::default());
+        let doors = Doors::new(&plan, &axes);
+        assert_eq!((doors.doors.len(), moves.parameters.len()), (1, 1), "{thick}");
+        for turn in [-40.0, -25.0, 3.0, 25.0, 40.0] {
+            let layout = moves.apply(&plan, &graph, &[turn]);
+            assert_eq!(doors.narrowed(&layout), [], "{thick} {turn}");
+            let [a, b] = doors.doors[0].place(&plan, &layout);
+            let was = doors.doors[0].at[0].distance(doors.doors[0].at[1]);
+            assert!((a.distance(b) - was).abs() < 1e-4, "{thick} {turn}: {} {was}", a.distance(b));
+        }
+    }
+}

@@ -389,9 +389,12 @@ pub(super) fn say_stale(report: &mut Report, file: &str, found: &[SourceRef]) {
 
 /// Names the texts at doors and windows that go with their wall: nobody can tell whether a text is the door's.
 pub(super) fn say_labels(base: &Understood, layout: &Layout, report: &mut Report) {
+    // A text between two doors is the label of both.
+    let mut told = BTreeSet::new();
     for label in &base.labels {
         let fitting = &base.fittings[label.fitting];
-        if matches!(carried(&base.plan, fitting, layout), Carried::Moves(..)) {
+        let goes = matches!(carried(&base.plan, fitting, layout), Carried::Moves(..));
+        if goes && told.insert(label.source.record) {
             let text = "stands at a door or window that moves in an option; it stays as drawn and may be stale there";
             report.info("stale-annotation", place_in(&base.plan.file, &label.source), text);
         }

@@ -14,6 +14,9 @@ use crate::report::{Place, Report};
 /// Most groups whose bounds are tried in every combination.
 const GROUPS_TRIED: usize = 4;
 
+/// Why what is partly held stays.
+const HELD: &str = "EF-KEEP holds a part of them, and the doors and windows beside them would not go along";
+
 /// Names that are told one by one.
 const TOLD: usize = 6;
 
@@ -39,7 +42,12 @@ pub(super) fn whole_moves(
         let is_at = |f: &Fitting| f.jambs.iter().flatten().any(|h| handles.contains(h));
         (0..fittings.len()).filter(|i| is_at(&fittings[*i])).collect()
     };
-    let mut stay: Vec<Group> = Vec::new();
+    let is_kept = |n: &u32| {
+        let at = plan.frame.um_from_plan(graph.nodes[*n as usize]);
+        plan.markers.keep.iter().any(|r| r.contains(at))
+    };
+    // What is held, and what a door or window holds.
+    let mut stay: [Vec<Group>; 2] = Default::default();
     let mut move_whole: Vec<(Group, Vec<u32>)> = Vec::new();
     let mut taken: Vec<BTreeSet<usize>> = Vec::new();
     for group in groups {
@@ -50,24 +58,33 @@ pub(super) fn whole_moves(
                 !own.is_disjoint(theirs) && leaves_behind(&moves(&[other.clone(), group.clone()]))
             });
         if tears {
-            stay.push(group.0);
+            stay[usize::from(!group.1.iter().any(is_kept))].push(group.0);
         } else {
             move_whole.push(group);
             taken.push(own);
         }
     }
-    if !stay.is_empty() {
-        let names: Vec<&str> = stay.iter().take(TOLD).map(|g| g.name.as_str()).collect();
-        let more = if stay.len() > TOLD { ", …" } else { "" };
-        let text = format!(
-            "{} of the walls and doors that could move by default stay, because a door or window beside them could not \
-             go along ({}{more}); EF-MOVE moves them all the same",
-            stay.len(),
-            names.join(", ")
-        );
-        report.info("default-moves-stay", Place::file(&plan.file), text);
+    let [held, torn] = stay;
+    let whys = [(held, HELD), (torn, "a door or window beside them could not go along")];
+    for (stay, why) in whys.into_iter().filter(|(stay, _)| !stay.is_empty()) {
+        state_staying(&stay, why, plan, report);
     }
     move_whole
+}
+
+fn state_staying(stay: &[Group], why: &str, plan: &Plan, report: &mut Report) {
+    let names: Vec<&str> = stay.iter().take(TOLD).map(|g| g.name.as_str()).collect();
+    let more = if stay.len() > TOLD { ", …" } else { "" };
+    let instead = match why {
+        HELD => "without that EF-KEEP they move",
+        _ => "EF-MOVE moves them all the same",
+    };
+    let text = format!(
+        "{} of the walls and doors that could move by default stay, because {why} ({}{more}); {instead}",
+        stay.len(),
+        names.join(", ")
+    );
+    report.info("default-moves-stay", Place::file(&plan.file), text);
 }
 
 /// The places where every group stands with all its parameters at their lower or their upper bounds, in any combination.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
+use super::behind::state_left_behind;
 use super::far::state_far_centres;
 use super::idle::{clause, without_idle};
 use super::jambs::ending_at_jambs;
@@ -12,6 +13,7 @@ use crate::formats::ifc::KEEPS;
 use crate::moves::Moves;
 use crate::plan::axes::AxisGraph;
 use crate::plan::drawing::{Drawing, Editable, Format, IdleMarks};
+use crate::plan::fittings::Fitting;
 use crate::plan::graph::Graph;
 use crate::plan::layers::WallLayers;
 use crate::plan::markers::{self, Group, place_in};
@@ -142,13 +144,15 @@ pub(super) fn state_left(
 pub(super) fn taken_up<'a>(
     moves: Moves,
     groups: impl Iterator<Item = &'a Group> + Clone,
-    (plan, graph, axes): (&Plan, &Graph, &AxisGraph),
+    (plan, graph, axes, fittings): (&Plan, &Graph, &AxisGraph, &[Fitting]),
     settings: &Settings,
     report: &mut Report,
 ) -> Moves {
     state_far_centres(groups.clone(), plan, report);
     let moves = ending_at_jambs(moves, groups.clone(), (plan, graph, axes), report);
-    without_idle(moves, groups, (plan, graph), settings, report)
+    let moves = without_idle(moves, groups.clone(), (plan, graph), settings, report);
+    state_left_behind(&moves, groups, (plan, graph), fittings, report);
+    moves
 }
 
 /// Side-car nodes are found again within this distance.

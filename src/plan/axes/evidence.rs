@@ -24,6 +24,11 @@ const FOLDED_M: f64 = 0.1;
 const FOLDED_COVER: f64 = 0.25;
 /// Share of the gap that a door known by its layer or block alone reaches along.
 const DOOR_COVER: f64 = 0.4;
+/// How far from the jambs the ends of a bay window lie, along the wall and beside its faces; how far from one another the
+/// pieces of one end; and how far it reaches from the middle of its gap, as a share of the gap.
+const BAY_AT_M: f64 = 0.06;
+const BAY_JOINT_M: f64 = 0.01;
+const BAY_REACH_SHARE: f64 = 1.2;
 /// Half the width in which things lie in the gap of a wall drawn as one line.
 const SINGLE_HALF_M: f64 = 0.21;
 
@@ -68,6 +73,10 @@ impl<'a> Evidence<'a> {
                 seen.marks.push(m);
             }
         }
+        for m in self.bay(&around, &band) {
+            seen.window.get_or_insert(self.drawn.marks[m as usize].word.clone());
+            seen.marks.push(m);
+        }
         seen.marks.sort_unstable();
         seen.marks.dedup();
         for s in self.spares_near.along(&around, band.half + LEAF_M[1]) {
@@ -83,6 +92,39 @@ impl<'a> Evidence<'a> {
         seen.faces.sort_unstable();
         seen.faces.dedup();
         seen
+    }
+
+    /// What is a bay window before a gap: pieces of windows and glass that hang together from one jamb to the other.
+    fn bay(&self, around: &[DVec2], band: &Band) -> Vec<u32> {
+        let middle = band.carrier.at((band.gap[0] + band.gap[1]) / 2.0);
+        let reach = BAY_REACH_SHARE * spans::length(band.gap);
+        let is_glass = |m: &u32| {
+            let mark = &self.drawn.marks[*m as usize];
+            let mut points = mark.paths.iter().flat_map(trace);
+            matches!(mark.role, Role::Window | Role::Glazing) && points.all(|p| p.distance(middle) <= reach)
+        };
+        let near = self.marks_near.along(around, band.half + LEAF_M[1]);
+        let ends_of = |m: u32| {
+            let paths = &self.drawn.marks[m as usize].paths;
+            (m, paths.iter().flat_map(Path::ends).collect::<Vec<DVec2>>())
+        };
+        let mut rest: Vec<(u32, Vec<DVec2>)> = near.into_iter().filter(is_glass).map(ends_of).collect();
+        let mut out = Vec::new();
+        while let Some(first) = rest.pop() {
+            let mut chain = vec![first];
+            let mut from = 0;
+            while let Some((_, ends)) = chain.get(from).cloned() {
+                let hangs =
+                    |o: &[DVec2]| o.iter().any(|p| ends.iter().any(|q| p.distance(*q) <= BAY_JOINT_M));
+                chain.extend(rest.extract_if(.., |(_, other)| hangs(other.as_slice())));
+                from += 1;
+            }
+            let at_jamb = |k: usize| chain.iter().flat_map(|c| &c.1).any(|p| band.is_at_jamb(*p, k));
+            if at_jamb(0) && at_jamb(1) {
+                out.extend(chain.iter().map(|c| c.0));
+            }
+        }
+        out
     }
 }
 
@@ -138,6 +180,12 @@ impl Band {
         s > self.gap[0] - more
             && s < self.gap[1] + more
             && self.carrier.offset_of(p).abs() <= self.half + more
+    }
+
+    /// Whether a point lies at the first or the second jamb.
+    fn is_at_jamb(&self, p: DVec2, jamb: usize) -> bool {
+        (self.carrier.s_of(p) - self.gap[jamb]).abs() <= BAY_AT_M
+            && self.carrier.offset_of(p).abs() <= self.half + BAY_AT_M
     }
 
     /// Whether the middle of a piece lies in the gap.

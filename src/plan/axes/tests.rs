@@ -96,6 +96,36 @@ fn lines_across_a_wall_are_jambs_only_with_a_window_between_them() {
     assert!(opening.centre.distance(DVec2::new(2.6, 0.1)) < 1e-6);
 }
 
+/// Glass that hangs together from one jamb to the other before the wall is a bay window, in one piece or in several; what
+/// ends at one jamb alone, or lies before the gap without reaching it, is none.
+#[test]
+fn glass_before_a_gap_from_jamb_to_jamb_is_a_bay_window() {
+    let corners = [[2.0, 0.2], [2.3, 0.8], [3.7, 0.8], [4.0, 0.2]].map(DVec2::from);
+    let sides: Vec<Path> = corners.windows(2).map(|w| Path::Line { a: w[0], b: w[1] }).collect();
+    let found = |marks: Vec<Mark>| {
+        let mut drawn = lines(&[
+            [0.0, 0.0, 2.0, 0.0],
+            [0.0, 0.2, 2.0, 0.2],
+            [2.0, 0.0, 2.0, 0.2],
+            [4.0, 0.0, 4.0, 0.2],
+            [4.0, 0.0, 6.0, 0.0],
+            [4.0, 0.2, 6.0, 0.2],
+        ]);
+        drawn.marks = marks;
+        let graph = AxisGraph::new(&drawn);
+        let [opening] = graph.openings.as_slice() else { panic!("{:?}", graph.openings) };
+        (opening.kind, opening.marks.clone())
+    };
+    let of = |paths: &[Path], role: Role| Mark { paths: paths.to_vec(), ..mark(paths[0], role) };
+    let apart: Vec<Mark> =
+        sides.iter().enumerate().map(|(i, s)| Mark { group: i as u32, ..mark(*s, Role::Glazing) }).collect();
+    assert_eq!(found(vec![of(&sides, Role::Glazing)]), (OpeningKind::Window, vec![0]));
+    assert_eq!(found(apart.clone()), (OpeningKind::Window, vec![0, 1, 2]));
+    assert_eq!(found(apart[..2].to_vec()), (OpeningKind::Passage, vec![]));
+    assert_eq!(found(apart[1..2].to_vec()), (OpeningKind::Passage, vec![]));
+    assert_eq!(found(vec![of(&sides, Role::Unknown)]), (OpeningKind::Passage, vec![]));
+}
+
 #[test]
 fn a_swing_makes_a_door_of_a_gap_and_of_a_wall_drawn_through() {
     let swing = Path::Arc {
