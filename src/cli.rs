@@ -62,7 +62,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Measure the present layout; heat maps go to plan.enfilade/analysis/.
     Analyse(AnalyseArgs),
-    /// Measure over a series of lattice spacings: how fine the lattice must be.
+    /// Measure over a series of lattice spacings, the drawing as it is and layouts moved at random: how fine the lattice
+    /// must be.
     Resolution(ResolutionArgs),
     /// Do the whole job once: measure, optimise, write the next round.
     Run(RunArgs),
@@ -225,7 +226,7 @@ pub struct ResolutionArgs {
     /// Change, relative to the finest lattice, up to which a measure counts as unchanged.
     #[arg(long, value_name = "0..1", default_value_t = resolution::TOLERANCE)]
     pub tolerance: f64,
-    /// Layouts sampled within the bounds of the moves.
+    /// Layouts sampled within the bounds of the moves; their means stand beside the drawing as it is.
     #[arg(long, value_name = "N", default_value_t = resolution::SAMPLES, value_parser = whole::<usize>)]
     pub samples: usize,
     /// Seed of the samples.

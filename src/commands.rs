@@ -259,26 +259,7 @@ fn resolution(args: &ResolutionArgs, cancel: &Cancel) -> Result<u8, Error> {
 }
 
 fn tell_resolution(result: &resolution::ResolutionResult, folder: &Path) {
-    say("spacing m   vertices   visible m²      depth    entropy");
-    for r in &result.rows {
-        let means = [r.visible_m2.mean, r.depth.mean, r.entropy.mean];
-        let [visible, depth, entropy] = means;
-        say(&format!("{:>9}  {:>9}  {visible:>11.2}  {depth:>9.3}  {entropy:>9.4}", r.spacing_m, r.vertices));
-    }
-    result.jumps.iter().for_each(|j| say(j));
-    say(&match result.critical_m {
-        Some(s) => format!(
-            "from {s} m on, a finer lattice changes no measure by more than {} %",
-            100.0 * result.tolerance
-        ),
-        None if result.rows.len() < 2 => {
-            "fewer than two spacings could be studied: nothing was compared".into()
-        }
-        None => format!(
-            "no spacing studied is fine enough: measures still change by more than {} %",
-            100.0 * result.tolerance
-        ),
-    });
+    resolution::words(result).iter().for_each(|line| say(line));
     say(&format!("plot and table: {}", folder.display()));
 }
 

@@ -3,6 +3,9 @@
 //! Cells that touch or lie inside something that cannot move are dropped once; where no region is
 //! drawn the region is the interior of the building, or what a flood from seed points reaches.
 
+use std::collections::HashSet;
+use std::ops::Range;
+
 use super::Lattice;
 use crate::plan::Region;
 use crate::plan::geometry::{PointUm, Segment, Side, segments_touch, side_of_ring};
@@ -478,26 +481,63 @@ impl CellIndex {
 
     /// Appends the vertices that a segment touches: they see nothing.
     pub fn vertices_on(&self, s: Segment, out: &mut Vec<u32>) {
-        let [a, b] = [s.a, s.b].map(|p| [0, 1].map(|k| i128::from(p[k]) - i128::from(self.origin_um[k])));
-        let step = i128::from(self.spacing_um);
-        // Along the axis on which it reaches farther there is at most one vertex a line.
-        let k = usize::from((b[1] - a[1]).abs() > (b[0] - a[0]).abs());
-        let (lo, hi) = (a[k].min(b[k]), a[k].max(b[k]));
-        let first = (lo + step - 1).div_euclid(step).max(0);
-        let last = hi.div_euclid(step).min(self.size[k] as i128 - 1);
-        for line in first..=last {
-            let way = b[k] - a[k];
-            let rise = (b[1 - k] - a[1 - k]) * (line * step - a[k]);
-            let is_whole = way == 0 || rise % way == 0;
-            let across = a[1 - k] + if way == 0 { 0 } else { rise / way };
-            let other = across.div_euclid(step);
-            if is_whole && across.rem_euclid(step) == 0 && (0..self.size[1 - k] as i128).contains(&other) {
-                let cell = if k == 0 { [line, other] } else { [other, line] }.map(|i| i as usize);
-                let v = self.vertex[cell[0] * self.size[1] + cell[1]];
-                if v != u32::MAX {
-                    out.push(v);
-                }
+        let [cols, rows] = self.size.map(|n| n as i64);
+        for_each_cell_on(s, self.spacing_um, self.origin_um, [cols, rows].map(|n| 0..n), |cell| {
+            let v = self.vertex[cell[0] as usize * self.size[1] + cell[1] as usize];
+            if v != u32::MAX {
+                out.push(v);
             }
+        });
+    }
+}
+
+/// How many cells have their centre on one of the segments and are vertices or stand beside one: floor that cannot be
+/// measured.
+pub fn floor_on_walls(lattice: &Lattice, segments: &[Segment]) -> usize {
+    let floor: HashSet<[i64; 2]> = lattice.cells.iter().map(|c| c.map(i64::from)).collect();
+    let range = |k: usize| {
+        let all = || lattice.cells.iter().map(|c| i64::from(c[k]));
+        all().min().unwrap_or(0) - 1..all().max().unwrap_or(0) + 2
+    };
+    let bounds = [range(0), range(1)];
+    let is_floor =
+        |c: [i64; 2]| (-1..=1).any(|dx| (-1..=1).any(|dy| floor.contains(&[c[0] + dx, c[1] + dy])));
+    let mut found = HashSet::new();
+    for s in segments {
+        for_each_cell_on(*s, lattice.spacing_um, lattice.origin_um, bounds.clone(), |cell| {
+            if is_floor(cell) {
+                found.insert(cell);
+            }
+        });
+    }
+    found.len()
+}
+
+/// Calls `visit` for the cells within bounds whose centre lies on a segment. Exact.
+fn for_each_cell_on(
+    s: Segment,
+    spacing_um: i64,
+    origin_um: PointUm,
+    bounds: [Range<i64>; 2],
+    mut visit: impl FnMut([i64; 2]),
+) {
+    let [a, b] = [s.a, s.b].map(|p| [0, 1].map(|k| i128::from(p[k]) - i128::from(origin_um[k])));
+    let step = i128::from(spacing_um);
+    // Along the axis on which it reaches farther there is at most one cell a line.
+    let k = usize::from((b[1] - a[1]).abs() > (b[0] - a[0]).abs());
+    let (lo, hi) = (a[k].min(b[k]), a[k].max(b[k]));
+    let first = (lo + step - 1).div_euclid(step).max(i128::from(bounds[k].start));
+    let last = hi.div_euclid(step).min(i128::from(bounds[k].end) - 1);
+    for line in first..=last {
+        let way = b[k] - a[k];
+        let rise = (b[1 - k] - a[1 - k]) * (line * step - a[k]);
+        let is_whole = way == 0 || rise % way == 0;
+        let across = a[1 - k] + if way == 0 { 0 } else { rise / way };
+        let other = across.div_euclid(step);
+        let other_bounds = i128::from(bounds[1 - k].start)..i128::from(bounds[1 - k].end);
+        if is_whole && across.rem_euclid(step) == 0 && other_bounds.contains(&other) {
+            let cell = if k == 0 { [line, other] } else { [other, line] };
+            visit(cell.map(|i| i as i64));
         }
     }
 }
@@ -535,6 +575,20 @@ mod tests {
             let deaf: Vec<u32> = (0..lattice.cells.len() as u32).filter(|v| graph.degree(*v) == 0).collect();
             assert_eq!(found, deaf, "{wall:?}");
         }
+    }
+
+    #[test]
+    fn floor_under_walls_on_lattice_lines_is_counted() {
+        let cells: Vec<[i32; 2]> =
+            (0..9).filter(|c| *c != 4).flat_map(|c| (0..7).map(move |r| [c, r])).collect();
+        let lattice = fixtures::lattice(12, [5, -7], cells);
+        let at = |c: i64, r: i64| [5 + 12 * c, -7 + 12 * r];
+        let wall = |a, b| Segment { a, b };
+        let count = |walls: &[Segment]| floor_on_walls(&lattice, walls);
+        assert_eq!(count(&[wall(at(4, -3), at(4, 20))]), 9, "all of the column, and a cell beside each end");
+        assert_eq!(count(&[wall(at(4, 0), at(4, 3)), wall(at(2, 3), at(6, 3))]), 8, "each once");
+        assert_eq!(count(&[wall([5 + 49, -100], [5 + 49, 100])]), 0, "between the lines");
+        assert_eq!(count(&[wall(at(20, 0), at(20, 6))]), 0, "far from the floor");
     }
 
     fn ring(points: &[[i64; 2]]) -> Vec<Segment> {
