@@ -9,7 +9,7 @@ use serde_json::Value;
 
 mod corridor;
 
-use corridor::{SIZE, drawing, panes, polyline, swings, walls};
+use corridor::{SIZE, drawing, line, panes, polyline, swings, walls};
 
 fn enfilade(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_enfilade")).args(args).output().unwrap()
@@ -81,6 +81,39 @@ fn estimates_are_called_estimates() {
         assert!(off <= 2.0 * found["mean_ci95"][key].as_f64().unwrap(), "{key}: {off}");
     }
     assert_eq!(found["mean"]["degree"], exact["mean"]["degree"]);
+}
+
+/// Two rooms of 6 by 8 m with a wall between that has a gap of some metres, and a door that nothing closes.
+fn two_rooms(gap: f64) -> String {
+    let walls = [
+        [0.0, 0.0, 12.0, 0.0],
+        [12.0, 0.0, 12.0, 8.0],
+        [12.0, 8.0, 0.0, 8.0],
+        [0.0, 8.0, 0.0, 0.0],
+        [6.0, 0.0, 6.0, 4.0],
+        [6.0, 4.0 + gap, 6.0, 7.1],
+    ];
+    drawing(&walls.map(|w| line("WALLS", w)).concat())
+}
+
+/// A gap that is closed for sight is told wherever something is measured, with its place.
+#[test]
+fn closed_gaps_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_string_lossy().into_owned();
+    let plan = folder.path().join("slit.dxf").to_string_lossy().into_owned();
+    let told = |gap: f64, args: &[&str]| {
+        std::fs::write(&plan, two_rooms(gap)).unwrap();
+        let done = enfilade(&[args, &[&plan, "--spacing", "0.5", "--out", &out]].concat());
+        text(&done.stderr) + &text(&done.stdout)
+    };
+    let place = "1 gap between walls in line, up to 0.032 m wide, taken as drawing error and closed for sight: at 6,4.01 ";
+    for args in [&["analyse"][..], &["run", "--evaluations", "20"], &["check"]] {
+        let said = told(0.02, args);
+        assert!(said.contains(place), "{args:?}: {said}");
+    }
+    assert!(told(0.02, &["check"]).contains("1 gap of drawing error (up to 0.032 m) closed"));
+    assert!(!told(0.04, &["analyse"]).contains("closed for sight"));
 }
 
 /// Ground under a wall is no floor, whether the wall may move or not, and however many others join it.

@@ -10,7 +10,7 @@ use super::Lattice;
 use crate::plan::Region;
 use crate::plan::geometry::{PointUm, Segment, Side, segments_touch, side_of_ring};
 use crate::plan::interior::Interior;
-use crate::report::{Error, Place, Report};
+use crate::report::{Error, Place, Report, counted};
 
 /// Most cells of the lattice's box; more means a spacing far too small for the drawing.
 pub const CELLS_MAX: usize = 40_000_000;
@@ -352,9 +352,10 @@ impl Field {
         filled.iter().for_each(|i| inside[*i] = false);
         let across_m = ground.solid_across_um as f64 / 1e6;
         let text = format!(
-            "{spots} spots that walls seal, at most {across_m} m across, with {} cells, were taken as solid; \
+            "{} that walls seal, at most {across_m} m across, with {}, taken as solid; \
              EF-QUERY says exactly what is measured",
-            filled.len()
+            counted(spots, "spot"),
+            counted(filled.len() as u64, "cell")
         );
         report.info("sealed-spots", Place::file(ground.file), text);
     }

@@ -4,6 +4,7 @@ mod alike;
 mod card;
 mod carrying;
 mod far;
+mod gaps;
 mod idle;
 mod jambs;
 pub(super) mod marked;
@@ -43,7 +44,7 @@ use crate::plan::outline::SOLID_ACROSS_M;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Region, Wall, box_of, own_layers, understand};
-use crate::report::{Error, Place, Problem, Report, Severity};
+use crate::report::{Error, Place, Problem, Report, Severity, counted};
 use jambs::keeping_doors;
 use marked::{
     side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves, taken_up,
@@ -129,6 +130,7 @@ fn with_cause(error: Error, report: &Report) -> Error {
         (Error::Input(problem), Some(first)) if problem.code == "no-walls" => {
             let others = match causes.count() {
                 0 => String::new(),
+                1 => "; 1 more element cannot be read either".into(),
                 n => format!("; {n} more elements cannot be read either"),
             };
             let text = format!("no wall can be read: {}{others}; nothing was measured", first.text);
@@ -197,6 +199,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
     let labels = labels::labels(&plan, drawing, &fittings);
+    gaps::state_closed(&plan, &axes, report);
     Ok(Understood { plan, graph, axes, bodies, sight, fittings, left_out, labels, moves, interior, openings })
 }
 
@@ -691,7 +694,10 @@ fn state_interior(base: &Understood, settings: &Settings, report: &mut Report) {
         };
         let open = match base.plan.outdoors.len() {
             0 => String::new(),
-            n => format!(", {n} outlines on layers named after terraces, balconies or yards as outdoors"),
+            n => format!(
+                ", {} on layers named after terraces, balconies or yards as outdoors",
+                counted(n as u64, "outline")
+            ),
         };
         let text = format!(
             "no region drawn and the outline is open: {wide} were taken as closed to find the interior{open}; \
