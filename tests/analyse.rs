@@ -104,7 +104,8 @@ fn closed_gaps_are_told() {
     let plan = folder.path().join("slit.dxf").to_string_lossy().into_owned();
     let told = |gap: f64, args: &[&str]| {
         std::fs::write(&plan, two_rooms(gap)).unwrap();
-        let done = enfilade(&[args, &[&plan, "--spacing", "0.5", "--out", &out]].concat());
+        let more: &[&str] = if args == ["check"] { &[] } else { &["--spacing", "0.5", "--out", &out] };
+        let done = enfilade(&[args, &[&plan], more].concat());
         text(&done.stderr) + &text(&done.stdout)
     };
     let place = "1 gap between walls in line, up to 0.032 m wide, taken as drawing error and closed for sight: at 6,4.01 ";
@@ -114,6 +115,38 @@ fn closed_gaps_are_told() {
     }
     assert!(told(0.02, &["check"]).contains("1 gap of drawing error (up to 0.032 m) closed"));
     assert!(!told(0.04, &["analyse"]).contains("closed for sight"));
+}
+
+/// A name that is no measure is refused, whatever begins like it; decimals of a radius are metres or right angles.
+#[test]
+fn measures_and_radii_are_taken_by_their_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let [out, csv, plan] =
+        ["", "c.csv", "two.dxf"].map(|n| folder.path().join(n).to_string_lossy().into_owned());
+    std::fs::write(&plan, two_rooms(2.0)).unwrap();
+    let analyse = |more: &[&str]| {
+        let args = ["analyse", &plan, "--spacing", "1", "--out", &out, "--cells", &csv];
+        let done = enfilade(&[&args[..], more].concat());
+        let header = std::fs::read_to_string(&csv).unwrap_or_default().lines().next().map(str::to_owned);
+        (done.status.code(), text(&done.stderr), header.unwrap_or_default())
+    };
+    let visual = analyse(&["--measures", "visual"]);
+    assert_eq!(visual.0, Some(0), "{}", visual.1);
+    assert_eq!(visual.2, analyse(&["--measures", "graph"]).2);
+    assert!(
+        visual.2.contains("Visual Integration [HH]") && visual.2.contains("Connectivity"),
+        "{}",
+        visual.2
+    );
+    let (code, said, _) = analyse(&["--measures", "visual node"]);
+    assert!(code == Some(3) && said.contains("expected all, graph (or visual)"), "{said}");
+    let (code, said, header) = analyse(&["--measures", "metric,angular", "--radius", "2.5"]);
+    assert!(code == Some(0) && header.contains("Metric Node Count R2.5,"), "{said} {header}");
+    let (code, said, _) = analyse(&["--radius", "2.5"]);
+    assert!(
+        code == Some(3) && said.contains("expected a whole number: graph measures count steps"),
+        "{said}"
+    );
 }
 
 /// Ground under a wall is no floor, whether the wall may move or not, and however many others join it.
