@@ -149,6 +149,35 @@ fn measures_and_radii_are_taken_by_their_word() {
     );
 }
 
+/// A seed where nobody can stand is named with the reason, and so is one that regions make useless.
+#[test]
+fn seeds_that_do_nothing_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let [out, plan, drawn] =
+        ["", "two.dxf", "drawn.dxf"].map(|n| folder.path().join(n).to_string_lossy().into_owned());
+    std::fs::write(&plan, two_rooms(2.0)).unwrap();
+    let region = [[1.0, 1.0], [5.0, 1.0], [5.0, 7.0], [1.0, 7.0]];
+    let marks = polyline("EF-QUERY", &region, true) + &polyline("EF-REFERENCE", &region, true);
+    let walls = [[0.0, 0.0, 12.0, 0.0], [12.0, 0.0, 12.0, 8.0], [12.0, 8.0, 0.0, 8.0], [0.0, 8.0, 0.0, 0.0]];
+    std::fs::write(&drawn, drawing(&(walls.map(|w| line("WALLS", w)).concat() + &marks))).unwrap();
+    let said = |plan: &str, seeds: &[&str]| {
+        let seeds: Vec<String> = seeds.iter().map(|s| format!("--seed-point={s}")).collect();
+        let seeds: Vec<&str> = seeds.iter().map(String::as_str).collect();
+        let done = enfilade(&[&["analyse", plan, "--spacing", "0.7", "--out", &out], &seeds[..]].concat());
+        (done.status.code(), text(&done.stderr))
+    };
+    let (code, told) = said(&plan, &["6,2"]);
+    assert!(
+        code == Some(2) && told.contains("two.dxf: --seed-point 6,2 lies on a wall; nothing was measured"),
+        "{told}"
+    );
+    let (code, told) = said(&plan, &["3,3", "6,2"]);
+    assert!(code == Some(1) && told.contains("--seed-point 6,2 lies on a wall; it is left out"), "{told}");
+    assert_eq!(said(&plan, &["3,3"]).0, Some(0));
+    let (code, told) = said(&drawn, &["3,3"]);
+    assert!(code == Some(1) && told.contains("the seed changes nothing"), "{told}");
+}
+
 /// Ground under a wall is no floor, whether the wall may move or not, and however many others join it.
 #[test]
 fn what_may_move_changes_nothing_that_is_measured() {

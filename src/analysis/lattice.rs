@@ -3,6 +3,8 @@
 //! Cells that touch or lie inside something that cannot move are dropped once; where no region is
 //! drawn the region is the interior of the building, or what a flood from seed points reaches.
 
+mod seeds;
+
 use std::collections::HashSet;
 use std::ops::Range;
 
@@ -33,6 +35,8 @@ pub struct Ground<'a> {
     pub reference: &'a [Region],
     /// Where a flood starts instead of the interior.
     pub seeds_um: &'a [PointUm],
+    /// What the user calls each seed: its coordinates as they were typed.
+    pub seed_names: &'a [String],
     /// Sight-blocking pieces that cannot move.
     pub fixed: &'a [Segment],
     /// Sight-blocking pieces that can move, where they stand now.
@@ -58,7 +62,7 @@ pub fn lattice(ground: &Ground<'_>, report: &mut Report) -> Result<Lattice, Erro
         return Err(Error::input("no-room", Place::file(ground.file), text));
     }
     let field = Field::new(ground)?;
-    let mut inside = if needs_inside { field.inside(ground, report) } else { Vec::new() };
+    let mut inside = if needs_inside { field.inside(ground, report)? } else { Vec::new() };
     if ground.interior.is_some() && ground.seeds_um.is_empty() {
         field.fill_sealed_spots(ground, &mut inside, report);
     }
@@ -273,7 +277,7 @@ impl Field {
         reached
     }
 
-    fn inside(&self, ground: &Ground<'_>, report: &mut Report) -> Vec<bool> {
+    fn inside(&self, ground: &Ground<'_>, report: &mut Report) -> Result<Vec<bool>, Error> {
         if !ground.seeds_um.is_empty() {
             return self.flood_from_seeds(ground, report);
         }
@@ -292,7 +296,7 @@ impl Field {
                 self.leave_outer_side(interior, &mut inside);
             }
         }
-        inside
+        Ok(inside)
     }
 
     /// Takes out cells just beyond the outer side of a wall: nearer to it than the interior tells its sides apart,
@@ -367,43 +371,6 @@ impl Field {
             (hi + 1 - lo) as f64 * self.spacing_um as f64
         };
         extent(&|i| i / self.rows).hypot(extent(&|i| i % self.rows)).round() as i64
-    }
-
-    /// Whether a seed lies outside the box round all walls.
-    fn has_seed_outside(ground: &Ground<'_>) -> bool {
-        let ends = || ground.fixed.iter().chain(ground.movable).flat_map(|w| [w.a, w.b]);
-        let is_beyond =
-            |seed: &PointUm, k: usize| ends().all(|p| p[k] < seed[k]) || ends().all(|p| p[k] > seed[k]);
-        ground.seeds_um.iter().any(|seed| is_beyond(seed, 0) || is_beyond(seed, 1))
-    }
-
-    fn flood_from_seeds(&self, ground: &Ground<'_>, report: &mut Report) -> Vec<bool> {
-        let mut seeds = Vec::new();
-        for p in ground.seeds_um {
-            let k = |v: i64, o: i64| (v - o + self.spacing_um / 2).div_euclid(self.spacing_um);
-            let (c, r) = (k(p[0], self.origin_um[0]), k(p[1], self.origin_um[1]));
-            if c >= 0 && r >= 0 && (c as usize) < self.cols && (r as usize) < self.rows {
-                seeds.push((c as usize, r as usize));
-            }
-        }
-        let reached = self.flood(seeds.into_iter());
-        if !reached.contains(&true) {
-            let text = "no seed point lies on a free cell inside the drawing's box; move --seed-point away from the walls";
-            report.warn("seed-on-wall", Place::file(ground.file), text);
-        }
-        let border = |c: usize, r: usize| c == 0 || r == 0 || c + 1 == self.cols || r + 1 == self.rows;
-        let leaks = (0..self.cols).any(|c| (0..self.rows).any(|r| border(c, r) && reached[self.index(c, r)]));
-        if leaks {
-            let text = if Self::has_seed_outside(ground) {
-                "a seed point lies outside the walls, and the flood from there fills the drawing's box; move --seed-point \
-                 into the building or draw EF-QUERY"
-            } else {
-                "the flood from the seed point fills the drawing's box: it starts outside the building, or leaves it through \
-                 a gap; move --seed-point, close the outline or draw EF-QUERY"
-            };
-            report.warn("seed-leaks", Place::file(ground.file), text);
-        }
-        reached
     }
 }
 
@@ -592,11 +559,11 @@ mod tests {
         assert_eq!(count(&[wall(at(20, 0), at(20, 6))]), 0, "far from the floor");
     }
 
-    fn ring(points: &[[i64; 2]]) -> Vec<Segment> {
+    pub(super) fn ring(points: &[[i64; 2]]) -> Vec<Segment> {
         (0..points.len()).map(|i| Segment { a: points[i], b: points[(i + 1) % points.len()] }).collect()
     }
 
-    fn ground(fixed: &[Segment]) -> Ground<'_> {
+    pub(super) fn ground(fixed: &[Segment]) -> Ground<'_> {
         Ground {
             file: "plan.dxf",
             spacing_um: 1_000_000,
@@ -604,6 +571,7 @@ mod tests {
             query: &[],
             reference: &[],
             seeds_um: &[],
+            seed_names: &[],
             fixed,
             movable: &[],
             fixed_solids: &[],
@@ -612,7 +580,7 @@ mod tests {
         }
     }
 
-    const M: i64 = 1_000_000;
+    pub(super) const M: i64 = 1_000_000;
 
     #[test]
     fn the_interior_is_what_the_outside_does_not_reach() {
@@ -672,20 +640,6 @@ mod tests {
         // In the doorway.
         expected.push([6, 2]);
         assert_eq!(l.cells, expected);
-    }
-
-    #[test]
-    fn why_a_flood_fills_the_box_is_told() {
-        let walls = ring(&[[0, 0], [9 * M, 0], [9 * M, 5 * M], [0, 5 * M]]);
-        let said = |walls: &[Segment], seed: PointUm| {
-            let (mut report, seeds_um) = (Report::default(), [seed]);
-            let _ = lattice(&Ground { seeds_um: &seeds_um, ..ground(walls) }, &mut report);
-            report.problems.iter().map(ToString::to_string).collect::<String>()
-        };
-        assert_eq!(said(&walls, [4 * M, 2 * M]), "");
-        assert!(said(&walls, [20 * M, 2 * M]).contains("lies outside the walls"));
-        assert!(said(&walls, [-M, 2 * M]).contains("lies outside the walls"));
-        assert!(said(&walls[..3], [4 * M, 2 * M]).contains("leaves it through a gap"));
     }
 
     #[test]

@@ -304,6 +304,7 @@ mod tests {
             query: &ring,
             reference: &ring,
             seeds_um: &[],
+            seed_names: &[],
             fixed: &[],
             movable: &[],
             fixed_solids: &[],
