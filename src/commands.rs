@@ -208,8 +208,7 @@ fn storey_line(s: &StoreyEntry) -> String {
         mean("entropy")
     );
     let means = if s.mean.0.is_empty() { "" } else { &means };
-    let openings =
-        counted(s.openings as u64, if s.openings == 1 { "door or window" } else { "doors and window" });
+    let openings = counted(s.openings, if s.openings == 1 { "door or window" } else { "doors and window" });
     format!("{name}, {}, {openings}{means}", wall_pieces(s.walls))
 }
 

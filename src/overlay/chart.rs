@@ -11,6 +11,8 @@ const GRID: Rgb = [0xe4, 0xe6, 0xea];
 const CRITICAL: Rgb = INK;
 /// Height of one panel over the width.
 const PANEL_ASPECT: f32 = 0.22;
+/// Width of a sheet that its letters and lines are made for.
+const SHEET_PX: f32 = 1600.0;
 /// Panels of a sheet at most: what fits a sheet.
 pub const MAX_PANELS: usize = 8;
 
@@ -122,6 +124,10 @@ pub fn resolution_png(
 /// What the lines are, in a row below the subtitle.
 fn draw_legend(canvas: &mut Canvas, names: &[String], has_critical: bool) {
     let u = unit_px(canvas);
+    // On a sheet whose letters are wider than its lines there is no room for it.
+    if u * SHEET_PX > canvas.size()[0] as f32 {
+        return;
+    }
     let (y, size_px) = (138.0 * u, 22.0 * u);
     let critical = has_critical.then_some(("coarsest that is fine enough", CRITICAL, vec![8.0 * u, 6.0 * u]));
     let lines = names.iter().enumerate().map(|(i, name)| {
@@ -200,7 +206,7 @@ fn sheet(width: u32, aspect: f32) -> Result<Canvas, Error> {
 }
 
 fn unit_px(canvas: &Canvas) -> f32 {
-    (canvas.size()[0] as f32 / 1600.0).max(0.38)
+    (canvas.size()[0] as f32 / SHEET_PX).max(0.38)
 }
 
 fn heading(canvas: &mut Canvas, text: &str) {
