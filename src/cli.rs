@@ -1,6 +1,7 @@
 //! The command line: with `idle` the only place that says clap.
 
 mod idle;
+mod values;
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -10,6 +11,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use crate::commands::unsaid;
 use crate::config::{Backend, Colours, Level, Method, Mode, Partial, Thresholds};
 use crate::pipeline::resolution;
+use values::{point, radius, whole};
 
 /// From an architect's drawing to a diverse set of better layouts, and back.
 #[derive(Debug, Parser)]
@@ -62,7 +64,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Measure the present layout; heat maps go to plan.enfilade/analysis/.
     Analyse(AnalyseArgs),
-    /// Measure over a series of lattice spacings: how fine the lattice must be.
+    /// Measure over a series of lattice spacings, the drawing as it is and layouts moved at random: how fine the lattice
+    /// must be.
     Resolution(ResolutionArgs),
     /// Do the whole job once: measure, optimise, write the next round.
     Run(RunArgs),
@@ -188,15 +191,15 @@ pub struct CheckArgs {
 pub struct AnalyseArgs {
     /// The drawing.
     pub file: PathBuf,
-    /// Measures of every cell: graph, isovist, metric, angular, through, all, or depthmapX's names of
+    /// Measures of every cell: graph (or visual), isovist, metric, angular, through, all, or depthmapX's names of
     /// columns, separated by commas. They stand in --cells, and each gets a heat map. Default: graph,
     /// in --cells only.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub measures: Vec<String>,
-    /// Nothing farther than this counts: steps of the graph measures, right angles of the angular,
+    /// Nothing farther than this counts: steps of the graph measures (whole), right angles of the angular,
     /// metres of the metric ones.
-    #[arg(long, value_name = "R", value_parser = whole::<u32>)]
-    pub radius: Option<u32>,
+    #[arg(long, value_name = "R", value_parser = radius)]
+    pub radius: Option<f64>,
     /// Estimate depth, entropy and integration from about N cells, with confidence intervals.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..))]
     pub roots: Option<u64>,
@@ -225,7 +228,7 @@ pub struct ResolutionArgs {
     /// Change, relative to the finest lattice, up to which a measure counts as unchanged.
     #[arg(long, value_name = "0..1", default_value_t = resolution::TOLERANCE)]
     pub tolerance: f64,
-    /// Layouts sampled within the bounds of the moves.
+    /// Layouts sampled within the bounds of the moves; their means stand beside the drawing as it is.
     #[arg(long, value_name = "N", default_value_t = resolution::SAMPLES, value_parser = whole::<usize>)]
     pub samples: usize,
     /// Seed of the samples.
@@ -674,17 +677,6 @@ impl Common {
             ..Partial::default()
         }
     }
-}
-
-fn whole<T: std::str::FromStr>(text: &str) -> Result<T, String> {
-    text.trim().parse().map_err(|_| format!("found {text:?}, expected a whole number from 0"))
-}
-
-fn point(text: &str) -> Result<[f64; 2], String> {
-    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-    text.split_once(',')
-        .and_then(|(x, y)| Some([number(x)?, number(y)?]))
-        .ok_or_else(|| format!("found {text:?}, expected X,Y"))
 }
 
 #[cfg(test)]

@@ -90,9 +90,10 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
     if !args.common.quiet {
         let solid = if result.solids == 1 { "1 solid".into() } else { format!("{} solid", result.solids) };
         let is_building = result.format != Format::Dxf.name();
-        let [walls, entities] =
-            if is_building { [WALL_PIECES, "elements"] } else { ["wall elements", "entities"] };
-        say(&format!("{}: {}, {} {walls} ({solid})", result.file, result.version, result.walls));
+        let walls =
+            if is_building { wall_pieces(result.walls) } else { counted(result.walls, "wall element") };
+        let entities = if is_building { "elements" } else { "entities" };
+        say(&format!("{}: {}, {walls} ({solid})", result.file, result.version));
         say(&format!("unit: {}", result.unit.reason));
         result.statements.iter().for_each(|s| say(s));
         for layer in &result.layers {
@@ -159,8 +160,9 @@ fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
     if !hand_json(&args.common, &outcome.result)? && !is_quiet {
         let r = &outcome.result;
         let mean = |key| r.mean.get(key).unwrap_or(f64::NAN);
+        let vertices = if r.counts.vertices == 1 { "vertex" } else { "vertices" };
         say(&format!(
-            "{} vertices, spacing {} m: visibility {:.2} cells, depth {:.3} steps, entropy {:.4} bits",
+            "{} {vertices}, spacing {} m: visibility {:.2} cells, depth {:.3} steps, entropy {:.4} bits",
             r.counts.vertices,
             r.spacing_m,
             mean("degree"),
@@ -184,7 +186,13 @@ fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
 }
 
 /// What `walls` of a building counts: a wall with a door at the cut is two of them.
-const WALL_PIECES: &str = "pieces of walls at the cut";
+fn wall_pieces(count: u64) -> String {
+    if count == 1 {
+        "1 piece of wall at the cut".into()
+    } else {
+        format!("{count} pieces of walls at the cut")
+    }
+}
 
 /// One storey of a building with several, in a line.
 fn storey_line(s: &StoreyEntry) -> String {
@@ -200,7 +208,8 @@ fn storey_line(s: &StoreyEntry) -> String {
         mean("entropy")
     );
     let means = if s.mean.0.is_empty() { "" } else { &means };
-    format!("{name}, {} {WALL_PIECES}, {} doors and windows{means}", s.walls, s.openings)
+    let openings = counted(s.openings, if s.openings == 1 { "door or window" } else { "doors and window" });
+    format!("{name}, {}, {openings}{means}", wall_pieces(s.walls))
 }
 
 fn roots_of(args: &AnalyseArgs) -> Option<usize> {
@@ -259,26 +268,7 @@ fn resolution(args: &ResolutionArgs, cancel: &Cancel) -> Result<u8, Error> {
 }
 
 fn tell_resolution(result: &resolution::ResolutionResult, folder: &Path) {
-    say("spacing m   vertices   visible m²      depth    entropy");
-    for r in &result.rows {
-        let means = [r.visible_m2.mean, r.depth.mean, r.entropy.mean];
-        let [visible, depth, entropy] = means;
-        say(&format!("{:>9}  {:>9}  {visible:>11.2}  {depth:>9.3}  {entropy:>9.4}", r.spacing_m, r.vertices));
-    }
-    result.jumps.iter().for_each(|j| say(j));
-    say(&match result.critical_m {
-        Some(s) => format!(
-            "from {s} m on, a finer lattice changes no measure by more than {} %",
-            100.0 * result.tolerance
-        ),
-        None if result.rows.len() < 2 => {
-            "fewer than two spacings could be studied: nothing was compared".into()
-        }
-        None => format!(
-            "no spacing studied is fine enough: measures still change by more than {} %",
-            100.0 * result.tolerance
-        ),
-    });
+    resolution::words(result).iter().for_each(|line| say(line));
     say(&format!("plot and table: {}", folder.display()));
 }
 

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::report::{Error, Place};
+use crate::report::{Error, Place, counted};
 pub use beside::{Beside, Twin};
 pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
 pub use measure::{Measure, Source};
@@ -580,7 +580,7 @@ impl Settings {
         }
         if !pinned.is_empty() && pinned.len() >= members {
             let expected = format!("fewer than the {members} members wanted");
-            return Err(bad("pin", &format!("{} options", pinned.len()), &expected));
+            return Err(bad("pin", &counted(pinned.len() as u64, "option"), &expected));
         }
         let one_or_paper = match (p.mode.unwrap_or_default(), p.method.unwrap_or_default()) {
             (Mode::Best, _) => Some("mode best, which gives one layout"),
@@ -589,7 +589,7 @@ impl Settings {
         };
         if let Some(what) = one_or_paper.filter(|_| !pinned.is_empty()) {
             let expected = format!("none with {what}");
-            return Err(bad("pin", &format!("{} options", pinned.len()), &expected));
+            return Err(bad("pin", &counted(pinned.len() as u64, "option"), &expected));
         }
         let points = p.seed_point.iter().flatten().chain(&p.lattice_centre);
         if let Some(v) = points.flatten().find(|v| !v.is_finite()) {

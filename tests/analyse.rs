@@ -9,7 +9,7 @@ use serde_json::Value;
 
 mod corridor;
 
-use corridor::{SIZE, drawing, panes, polyline, swings, walls};
+use corridor::{SIZE, drawing, line, panes, polyline, swings, walls};
 
 fn enfilade(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_enfilade")).args(args).output().unwrap()
@@ -81,6 +81,101 @@ fn estimates_are_called_estimates() {
         assert!(off <= 2.0 * found["mean_ci95"][key].as_f64().unwrap(), "{key}: {off}");
     }
     assert_eq!(found["mean"]["degree"], exact["mean"]["degree"]);
+}
+
+/// Two rooms of 6 by 8 m with a wall between that has a gap of some metres, and a door that nothing closes.
+fn two_rooms(gap: f64) -> String {
+    let walls = [
+        [0.0, 0.0, 12.0, 0.0],
+        [12.0, 0.0, 12.0, 8.0],
+        [12.0, 8.0, 0.0, 8.0],
+        [0.0, 8.0, 0.0, 0.0],
+        [6.0, 0.0, 6.0, 4.0],
+        [6.0, 4.0 + gap, 6.0, 7.1],
+    ];
+    drawing(&walls.map(|w| line("WALLS", w)).concat())
+}
+
+/// A gap that is closed for sight is told wherever something is measured, with its place.
+#[test]
+fn closed_gaps_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_string_lossy().into_owned();
+    let plan = folder.path().join("slit.dxf").to_string_lossy().into_owned();
+    let told = |gap: f64, args: &[&str]| {
+        std::fs::write(&plan, two_rooms(gap)).unwrap();
+        let more: &[&str] = if args == ["check"] { &[] } else { &["--spacing", "0.5", "--out", &out] };
+        let done = enfilade(&[args, &[&plan], more].concat());
+        text(&done.stderr) + &text(&done.stdout)
+    };
+    let place = "1 gap between walls in line, up to 0.032 m wide, taken as drawing error and closed for sight: at 6,4.01 ";
+    for args in [&["analyse"][..], &["run", "--evaluations", "20"], &["check"]] {
+        let said = told(0.02, args);
+        assert!(said.contains(place), "{args:?}: {said}");
+    }
+    assert!(told(0.02, &["check"]).contains("1 gap of drawing error (up to 0.032 m) closed"));
+    assert!(!told(0.04, &["analyse"]).contains("closed for sight"));
+}
+
+/// A name that is no measure is refused, whatever begins like it; decimals of a radius are metres or right angles.
+#[test]
+fn measures_and_radii_are_taken_by_their_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let [out, csv, plan] =
+        ["", "c.csv", "two.dxf"].map(|n| folder.path().join(n).to_string_lossy().into_owned());
+    std::fs::write(&plan, two_rooms(2.0)).unwrap();
+    let analyse = |more: &[&str]| {
+        let args = ["analyse", &plan, "--spacing", "1", "--out", &out, "--cells", &csv];
+        let done = enfilade(&[&args[..], more].concat());
+        let header = std::fs::read_to_string(&csv).unwrap_or_default().lines().next().map(str::to_owned);
+        (done.status.code(), text(&done.stderr), header.unwrap_or_default())
+    };
+    let visual = analyse(&["--measures", "visual"]);
+    assert_eq!(visual.0, Some(0), "{}", visual.1);
+    assert_eq!(visual.2, analyse(&["--measures", "graph"]).2);
+    assert!(
+        visual.2.contains("Visual Integration [HH]") && visual.2.contains("Connectivity"),
+        "{}",
+        visual.2
+    );
+    let (code, said, _) = analyse(&["--measures", "visual node"]);
+    assert!(code == Some(3) && said.contains("expected all, graph (or visual)"), "{said}");
+    let (code, said, header) = analyse(&["--measures", "metric,angular", "--radius", "2.5"]);
+    assert!(code == Some(0) && header.contains("Metric Node Count R2.5,"), "{said} {header}");
+    let (code, said, _) = analyse(&["--radius", "2.5"]);
+    assert!(
+        code == Some(3) && said.contains("expected a whole number: graph measures count steps"),
+        "{said}"
+    );
+}
+
+/// A seed where nobody can stand is named with the reason, and so is one that regions make useless.
+#[test]
+fn seeds_that_do_nothing_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let [out, plan, drawn] =
+        ["", "two.dxf", "drawn.dxf"].map(|n| folder.path().join(n).to_string_lossy().into_owned());
+    std::fs::write(&plan, two_rooms(2.0)).unwrap();
+    let region = [[1.0, 1.0], [5.0, 1.0], [5.0, 7.0], [1.0, 7.0]];
+    let marks = polyline("EF-QUERY", &region, true) + &polyline("EF-REFERENCE", &region, true);
+    let walls = [[0.0, 0.0, 12.0, 0.0], [12.0, 0.0, 12.0, 8.0], [12.0, 8.0, 0.0, 8.0], [0.0, 8.0, 0.0, 0.0]];
+    std::fs::write(&drawn, drawing(&(walls.map(|w| line("WALLS", w)).concat() + &marks))).unwrap();
+    let said = |plan: &str, seeds: &[&str]| {
+        let seeds: Vec<String> = seeds.iter().map(|s| format!("--seed-point={s}")).collect();
+        let seeds: Vec<&str> = seeds.iter().map(String::as_str).collect();
+        let done = enfilade(&[&["analyse", plan, "--spacing", "0.7", "--out", &out], &seeds[..]].concat());
+        (done.status.code(), text(&done.stderr))
+    };
+    let (code, told) = said(&plan, &["6,2"]);
+    assert!(
+        code == Some(2) && told.contains("two.dxf: --seed-point 6,2 lies on a wall; nothing was measured"),
+        "{told}"
+    );
+    let (code, told) = said(&plan, &["3,3", "6,2"]);
+    assert!(code == Some(1) && told.contains("--seed-point 6,2 lies on a wall; it is left out"), "{told}");
+    assert_eq!(said(&plan, &["3,3"]).0, Some(0));
+    let (code, told) = said(&drawn, &["3,3"]);
+    assert!(code == Some(1) && told.contains("the seed changes nothing"), "{told}");
 }
 
 /// Ground under a wall is no floor, whether the wall may move or not, and however many others join it.

@@ -367,7 +367,7 @@ fn slips_of_the_hand_change_no_wall() {
     assert_eq!(shape(&clean), shape(&slips));
     assert_eq!(clean.edges.len(), 6);
     let said = &slips.statements[slips.statements.len() - 1];
-    assert_eq!(said, "1 wall pieces left out: 1 (it has no length)");
+    assert_eq!(said, "1 wall piece left out: 1 (it has no length)");
 }
 
 /// A piece of wall forgotten far off is no part of the plan, whatever else is drawn between.

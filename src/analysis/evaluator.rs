@@ -10,7 +10,7 @@ use super::gpu::Gpu;
 use super::gpu::forest::CardForest;
 use super::graph::Graph;
 use super::sampled::Sample;
-use super::visibility::visibility_graph_serial;
+use super::visibility::{visibility_graph, visibility_graph_serial};
 use super::{Lattice, Obstacles, Tally};
 
 /// Evaluates layouts that share a lattice and the walls that do not move; share it between threads
@@ -27,6 +27,7 @@ pub struct Evaluator {
     broad: Option<Broad>,
     initial: Tally,
     initial_components: Vec<u32>,
+    initial_edges: u64,
     /// Whose trees alone are walked; none: everyone's.
     sample: Option<Sample>,
     card: Option<CardForest>,
@@ -59,6 +60,7 @@ impl Evaluator {
             broad,
             initial: Tally::default(),
             initial_components: Vec::new(),
+            initial_edges: 0,
             sample: None,
             card: None,
         };
@@ -80,6 +82,7 @@ impl Evaluator {
             broad: None,
             initial: Tally::default(),
             initial_components: Vec::new(),
+            initial_edges: 0,
             sample: None,
             card: None,
         };
@@ -91,8 +94,9 @@ impl Evaluator {
     fn begin(&mut self, moving: &Obstacles, roots: Option<(usize, u64)>) {
         let mut scratch = self.scratch();
         self.fill(moving, &mut scratch);
-        let graph = visibility_graph_serial(&self.lattice, &scratch.obstacles);
+        let graph = visibility_graph(&self.lattice, &scratch.obstacles);
         self.initial_components = graph.components();
+        self.initial_edges = graph.edge_count();
         let draw =
             |(roots, seed)| Sample::draw(&self.lattice, &self.initial_components, &moving.blind, roots, seed);
         self.sample = roots.map(draw);
@@ -103,6 +107,16 @@ impl Evaluator {
         let initial = Initial { components: &self.initial_components, covered: &moving.blind };
         let places = self.sample.as_ref().map(|s| s.places.as_slice());
         tally_of(&self.lattice, graph, places, Some(initial))
+    }
+
+    /// Edges of the initial layout's visibility graph, each pair once.
+    pub fn initial_edges(&self) -> u64 {
+        self.initial_edges
+    }
+
+    /// Component of every vertex in the initial layout.
+    pub fn initial_components(&self) -> &[u32] {
+        &self.initial_components
     }
 
     /// Buffers for one thread.

@@ -3,11 +3,16 @@
 //! Cells that touch or lie inside something that cannot move are dropped once; where no region is
 //! drawn the region is the interior of the building, or what a flood from seed points reaches.
 
+mod seeds;
+
+use std::collections::HashSet;
+use std::ops::Range;
+
 use super::Lattice;
 use crate::plan::Region;
 use crate::plan::geometry::{PointUm, Segment, Side, segments_touch, side_of_ring};
 use crate::plan::interior::Interior;
-use crate::report::{Error, Place, Report};
+use crate::report::{Error, Place, Report, counted};
 
 /// Most cells of the lattice's box; more means a spacing far too small for the drawing.
 pub const CELLS_MAX: usize = 40_000_000;
@@ -30,6 +35,8 @@ pub struct Ground<'a> {
     pub reference: &'a [Region],
     /// Where a flood starts instead of the interior.
     pub seeds_um: &'a [PointUm],
+    /// What the user calls each seed: its coordinates as they were typed.
+    pub seed_names: &'a [String],
     /// Sight-blocking pieces that cannot move.
     pub fixed: &'a [Segment],
     /// Sight-blocking pieces that can move, where they stand now.
@@ -55,7 +62,7 @@ pub fn lattice(ground: &Ground<'_>, report: &mut Report) -> Result<Lattice, Erro
         return Err(Error::input("no-room", Place::file(ground.file), text));
     }
     let field = Field::new(ground)?;
-    let mut inside = if needs_inside { field.inside(ground, report) } else { Vec::new() };
+    let mut inside = if needs_inside { field.inside(ground, report)? } else { Vec::new() };
     if ground.interior.is_some() && ground.seeds_um.is_empty() {
         field.fill_sealed_spots(ground, &mut inside, report);
     }
@@ -270,7 +277,7 @@ impl Field {
         reached
     }
 
-    fn inside(&self, ground: &Ground<'_>, report: &mut Report) -> Vec<bool> {
+    fn inside(&self, ground: &Ground<'_>, report: &mut Report) -> Result<Vec<bool>, Error> {
         if !ground.seeds_um.is_empty() {
             return self.flood_from_seeds(ground, report);
         }
@@ -289,7 +296,7 @@ impl Field {
                 self.leave_outer_side(interior, &mut inside);
             }
         }
-        inside
+        Ok(inside)
     }
 
     /// Takes out cells just beyond the outer side of a wall: nearer to it than the interior tells its sides apart,
@@ -349,9 +356,10 @@ impl Field {
         filled.iter().for_each(|i| inside[*i] = false);
         let across_m = ground.solid_across_um as f64 / 1e6;
         let text = format!(
-            "{spots} spots that walls seal, at most {across_m} m across, with {} cells, were taken as solid; \
+            "{} that walls seal, at most {across_m} m across, with {}, taken as solid; \
              EF-QUERY says exactly what is measured",
-            filled.len()
+            counted(spots, "spot"),
+            counted(filled.len() as u64, "cell")
         );
         report.info("sealed-spots", Place::file(ground.file), text);
     }
@@ -363,43 +371,6 @@ impl Field {
             (hi + 1 - lo) as f64 * self.spacing_um as f64
         };
         extent(&|i| i / self.rows).hypot(extent(&|i| i % self.rows)).round() as i64
-    }
-
-    /// Whether a seed lies outside the box round all walls.
-    fn has_seed_outside(ground: &Ground<'_>) -> bool {
-        let ends = || ground.fixed.iter().chain(ground.movable).flat_map(|w| [w.a, w.b]);
-        let is_beyond =
-            |seed: &PointUm, k: usize| ends().all(|p| p[k] < seed[k]) || ends().all(|p| p[k] > seed[k]);
-        ground.seeds_um.iter().any(|seed| is_beyond(seed, 0) || is_beyond(seed, 1))
-    }
-
-    fn flood_from_seeds(&self, ground: &Ground<'_>, report: &mut Report) -> Vec<bool> {
-        let mut seeds = Vec::new();
-        for p in ground.seeds_um {
-            let k = |v: i64, o: i64| (v - o + self.spacing_um / 2).div_euclid(self.spacing_um);
-            let (c, r) = (k(p[0], self.origin_um[0]), k(p[1], self.origin_um[1]));
-            if c >= 0 && r >= 0 && (c as usize) < self.cols && (r as usize) < self.rows {
-                seeds.push((c as usize, r as usize));
-            }
-        }
-        let reached = self.flood(seeds.into_iter());
-        if !reached.contains(&true) {
-            let text = "no seed point lies on a free cell inside the drawing's box; move --seed-point away from the walls";
-            report.warn("seed-on-wall", Place::file(ground.file), text);
-        }
-        let border = |c: usize, r: usize| c == 0 || r == 0 || c + 1 == self.cols || r + 1 == self.rows;
-        let leaks = (0..self.cols).any(|c| (0..self.rows).any(|r| border(c, r) && reached[self.index(c, r)]));
-        if leaks {
-            let text = if Self::has_seed_outside(ground) {
-                "a seed point lies outside the walls, and the flood from there fills the drawing's box; move --seed-point \
-                 into the building or draw EF-QUERY"
-            } else {
-                "the flood from the seed point fills the drawing's box: it starts outside the building, or leaves it through \
-                 a gap; move --seed-point, close the outline or draw EF-QUERY"
-            };
-            report.warn("seed-leaks", Place::file(ground.file), text);
-        }
-        reached
     }
 }
 
@@ -478,26 +449,63 @@ impl CellIndex {
 
     /// Appends the vertices that a segment touches: they see nothing.
     pub fn vertices_on(&self, s: Segment, out: &mut Vec<u32>) {
-        let [a, b] = [s.a, s.b].map(|p| [0, 1].map(|k| i128::from(p[k]) - i128::from(self.origin_um[k])));
-        let step = i128::from(self.spacing_um);
-        // Along the axis on which it reaches farther there is at most one vertex a line.
-        let k = usize::from((b[1] - a[1]).abs() > (b[0] - a[0]).abs());
-        let (lo, hi) = (a[k].min(b[k]), a[k].max(b[k]));
-        let first = (lo + step - 1).div_euclid(step).max(0);
-        let last = hi.div_euclid(step).min(self.size[k] as i128 - 1);
-        for line in first..=last {
-            let way = b[k] - a[k];
-            let rise = (b[1 - k] - a[1 - k]) * (line * step - a[k]);
-            let is_whole = way == 0 || rise % way == 0;
-            let across = a[1 - k] + if way == 0 { 0 } else { rise / way };
-            let other = across.div_euclid(step);
-            if is_whole && across.rem_euclid(step) == 0 && (0..self.size[1 - k] as i128).contains(&other) {
-                let cell = if k == 0 { [line, other] } else { [other, line] }.map(|i| i as usize);
-                let v = self.vertex[cell[0] * self.size[1] + cell[1]];
-                if v != u32::MAX {
-                    out.push(v);
-                }
+        let [cols, rows] = self.size.map(|n| n as i64);
+        for_each_cell_on(s, self.spacing_um, self.origin_um, [cols, rows].map(|n| 0..n), |cell| {
+            let v = self.vertex[cell[0] as usize * self.size[1] + cell[1] as usize];
+            if v != u32::MAX {
+                out.push(v);
             }
+        });
+    }
+}
+
+/// How many cells have their centre on one of the segments and are vertices or stand beside one: floor that cannot be
+/// measured.
+pub fn floor_on_walls(lattice: &Lattice, segments: &[Segment]) -> usize {
+    let floor: HashSet<[i64; 2]> = lattice.cells.iter().map(|c| c.map(i64::from)).collect();
+    let range = |k: usize| {
+        let all = || lattice.cells.iter().map(|c| i64::from(c[k]));
+        all().min().unwrap_or(0) - 1..all().max().unwrap_or(0) + 2
+    };
+    let bounds = [range(0), range(1)];
+    let is_floor =
+        |c: [i64; 2]| (-1..=1).any(|dx| (-1..=1).any(|dy| floor.contains(&[c[0] + dx, c[1] + dy])));
+    let mut found = HashSet::new();
+    for s in segments {
+        for_each_cell_on(*s, lattice.spacing_um, lattice.origin_um, bounds.clone(), |cell| {
+            if is_floor(cell) {
+                found.insert(cell);
+            }
+        });
+    }
+    found.len()
+}
+
+/// Calls `visit` for the cells within bounds whose centre lies on a segment. Exact.
+fn for_each_cell_on(
+    s: Segment,
+    spacing_um: i64,
+    origin_um: PointUm,
+    bounds: [Range<i64>; 2],
+    mut visit: impl FnMut([i64; 2]),
+) {
+    let [a, b] = [s.a, s.b].map(|p| [0, 1].map(|k| i128::from(p[k]) - i128::from(origin_um[k])));
+    let step = i128::from(spacing_um);
+    // Along the axis on which it reaches farther there is at most one cell a line.
+    let k = usize::from((b[1] - a[1]).abs() > (b[0] - a[0]).abs());
+    let (lo, hi) = (a[k].min(b[k]), a[k].max(b[k]));
+    let first = (lo + step - 1).div_euclid(step).max(i128::from(bounds[k].start));
+    let last = hi.div_euclid(step).min(i128::from(bounds[k].end) - 1);
+    for line in first..=last {
+        let way = b[k] - a[k];
+        let rise = (b[1 - k] - a[1 - k]) * (line * step - a[k]);
+        let is_whole = way == 0 || rise % way == 0;
+        let across = a[1 - k] + if way == 0 { 0 } else { rise / way };
+        let other = across.div_euclid(step);
+        let other_bounds = i128::from(bounds[1 - k].start)..i128::from(bounds[1 - k].end);
+        if is_whole && across.rem_euclid(step) == 0 && other_bounds.contains(&other) {
+            let cell = if k == 0 { [line, other] } else { [other, line] };
+            visit(cell.map(|i| i as i64));
         }
     }
 }
@@ -537,11 +545,25 @@ mod tests {
         }
     }
 
-    fn ring(points: &[[i64; 2]]) -> Vec<Segment> {
+    #[test]
+    fn floor_under_walls_on_lattice_lines_is_counted() {
+        let cells: Vec<[i32; 2]> =
+            (0..9).filter(|c| *c != 4).flat_map(|c| (0..7).map(move |r| [c, r])).collect();
+        let lattice = fixtures::lattice(12, [5, -7], cells);
+        let at = |c: i64, r: i64| [5 + 12 * c, -7 + 12 * r];
+        let wall = |a, b| Segment { a, b };
+        let count = |walls: &[Segment]| floor_on_walls(&lattice, walls);
+        assert_eq!(count(&[wall(at(4, -3), at(4, 20))]), 9, "all of the column, and a cell beside each end");
+        assert_eq!(count(&[wall(at(4, 0), at(4, 3)), wall(at(2, 3), at(6, 3))]), 8, "each once");
+        assert_eq!(count(&[wall([5 + 49, -100], [5 + 49, 100])]), 0, "between the lines");
+        assert_eq!(count(&[wall(at(20, 0), at(20, 6))]), 0, "far from the floor");
+    }
+
+    pub(super) fn ring(points: &[[i64; 2]]) -> Vec<Segment> {
         (0..points.len()).map(|i| Segment { a: points[i], b: points[(i + 1) % points.len()] }).collect()
     }
 
-    fn ground(fixed: &[Segment]) -> Ground<'_> {
+    pub(super) fn ground(fixed: &[Segment]) -> Ground<'_> {
         Ground {
             file: "plan.dxf",
             spacing_um: 1_000_000,
@@ -549,6 +571,7 @@ mod tests {
             query: &[],
             reference: &[],
             seeds_um: &[],
+            seed_names: &[],
             fixed,
             movable: &[],
             fixed_solids: &[],
@@ -557,7 +580,7 @@ mod tests {
         }
     }
 
-    const M: i64 = 1_000_000;
+    pub(super) const M: i64 = 1_000_000;
 
     #[test]
     fn the_interior_is_what_the_outside_does_not_reach() {
@@ -617,20 +640,6 @@ mod tests {
         // In the doorway.
         expected.push([6, 2]);
         assert_eq!(l.cells, expected);
-    }
-
-    #[test]
-    fn why_a_flood_fills_the_box_is_told() {
-        let walls = ring(&[[0, 0], [9 * M, 0], [9 * M, 5 * M], [0, 5 * M]]);
-        let said = |walls: &[Segment], seed: PointUm| {
-            let (mut report, seeds_um) = (Report::default(), [seed]);
-            let _ = lattice(&Ground { seeds_um: &seeds_um, ..ground(walls) }, &mut report);
-            report.problems.iter().map(ToString::to_string).collect::<String>()
-        };
-        assert_eq!(said(&walls, [4 * M, 2 * M]), "");
-        assert!(said(&walls, [20 * M, 2 * M]).contains("lies outside the walls"));
-        assert!(said(&walls, [-M, 2 * M]).contains("lies outside the walls"));
-        assert!(said(&walls[..3], [4 * M, 2 * M]).contains("leaves it through a gap"));
     }
 
     #[test]

@@ -5,6 +5,7 @@ use glam::DVec2;
 
 use super::{Moves, Parameter};
 use crate::plan::markers::Kind;
+use crate::report::counted;
 
 /// How far an option may stand from the one it shall be like, as a share of each parameter's width.
 pub const LIKE_SHARE: f64 = 0.15;
@@ -100,7 +101,10 @@ impl Control {
         let count = moves.parameters.len();
         let vectors = rules.pinned.iter().chain(&rules.like);
         if let Some(v) = vectors.into_iter().find(|v| v.len() != count) {
-            return Err(format!("an option of {} parameters, the drawing has {count}", v.len()));
+            return Err(format!(
+                "an option of {}, the drawing has {count}",
+                counted(v.len() as u64, "parameter")
+            ));
         }
         let mut draft = Draft::new(&moves.parameters);
         for link in &rules.links {
@@ -162,7 +166,10 @@ impl Control {
         if let (Some(like), Some(most)) = (&rules.like, rules.most_groups) {
             let moved = out.moved_groups(&out.reduce(like));
             if moved > most {
-                return Err(format!("the option to stay like moves {moved} groups, at most {most} may move"));
+                return Err(format!(
+                    "the option to stay like moves {}, at most {most} may move",
+                    counted(moved as u64, "group")
+                ));
             }
         }
         out.pinned = rules.pinned.iter().map(|whole| (out.reduce(whole), whole.clone())).collect();

@@ -130,15 +130,18 @@ pub fn groups(
     }
     let standing = match posts {
         0 => String::new(),
+        1 => format!("; 1 post up to {} m stays", (POST_MAX_M * plan.human_scale * 1e4).round() / 1e4),
         n => format!("; {n} posts up to {} m stay", (POST_MAX_M * plan.human_scale * 1e4).round() / 1e4),
     };
     let text = match found {
         (0, 0) if sliding == 0 => nothing_moves(&stays) + &standing,
         (e, d) => format!(
-            "no EF-MOVE: {e} free-standing elements (±{} m, ±{TURN_DEG}°) and {d} door gaps (±{} m along their wall){} \
-             were found, {} of them with {parameters} parameters may move (at most {PARAMETERS_MAX}), none through another \
+            "no EF-MOVE: {} (±{} m, ±{TURN_DEG}°) and {} (±{} m along their wall){} \
+             were found, {} of them with {} may move (at most {PARAMETERS_MAX}), none through another \
              wall{}{standing}; EF-MOVE says it better, EF-KEEP holds things still",
+            counted(e as u64, "free-standing element"),
             SHIFT_M * plan.human_scale,
+            counted(d as u64, "door gap"),
             SLIDE_M * plan.human_scale,
             if sliding == 0 {
                 String::new()
@@ -146,6 +149,7 @@ pub fn groups(
                 format!(" and {} that can slide between others", counted(sliding as u64, "wall"))
             },
             out.len(),
+            counted(parameters as u64, "parameter"),
             doorways.words()
         ),
     };

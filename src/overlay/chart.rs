@@ -8,9 +8,11 @@ use super::picture::{GREY, INK, PAPER};
 use crate::report::Error;
 
 const GRID: Rgb = [0xe4, 0xe6, 0xea];
-const CRITICAL: Rgb = [0xd5, 0x5e, 0x00];
+const CRITICAL: Rgb = INK;
 /// Height of one panel over the width.
 const PANEL_ASPECT: f32 = 0.22;
+/// Width of a sheet that its letters and lines are made for.
+const SHEET_PX: f32 = 1600.0;
 /// Panels of a sheet at most: what fits a sheet.
 pub const MAX_PANELS: usize = 8;
 
@@ -65,22 +67,37 @@ fn stairs(points: &[(u64, f64)], last: u64) -> Vec<[f64; 2]> {
 pub struct Panel {
     /// Name: `Visibility (degree)`.
     pub name: String,
-    /// Spacing (metres, > 0), mean, and deviation over the sampled layouts (0 for one layout).
+    /// Spacing (metres, > 0), value and deviation (0 for one layout).
     pub points: Vec<[f64; 3]>,
+    /// The same of layouts beside it, if there are any.
+    pub sampled: Vec<[f64; 3]>,
+}
+
+impl Panel {
+    /// Both lines, the one that is named second below.
+    fn lines(&self) -> [&[[f64; 3]]; 2] {
+        [&self.points, &self.sampled]
+    }
 }
 
 /// The measures over the spacing of the lattice (logarithmic), one panel each, with deviations as
-/// bars, as PNG. `critical_m` is the coarsest spacing from which they no longer change, if any.
+/// bars, as PNG. `legend` names the lines, in the order of a panel; `critical_m` is the coarsest spacing from which
+/// they no longer change, if any.
 ///
 /// # Errors
 /// `picture-size` for a size out of range or more than [`MAX_PANELS`] panels, `png` if the encoder
 /// fails.
-pub fn resolution_png(panels: &[Panel], critical_m: Option<f64>, longest_px: u32) -> Result<Vec<u8>, Error> {
+pub fn resolution_png(
+    panels: &[Panel],
+    legend: &[String],
+    critical_m: Option<f64>,
+    longest_px: u32,
+) -> Result<Vec<u8>, Error> {
     if panels.len() > MAX_PANELS {
         return Err(size_error(u32::MAX));
     }
     let count = panels.len().max(1) as f32;
-    let (head, foot) = (0.09, 0.075);
+    let (head, foot) = (0.115, 0.075);
     let aspect = head + count * PANEL_ASPECT + foot;
     let wide = (longest_px as f32 / aspect.max(1.0)) as u32;
     let mut canvas = sheet(wide, aspect)?;
@@ -93,6 +110,7 @@ pub fn resolution_png(panels: &[Panel], critical_m: Option<f64>, longest_px: u32
     heading(&mut canvas, "Critical resolution");
     let subtitle = fitted(&subtitle, 22.0 * u, Weight::Regular, width - 88.0 * u);
     canvas.text(&subtitle, [44.0 * u, 96.0 * u], Anchor::Left, (22.0 * u, Weight::Regular, GREY));
+    draw_legend(&mut canvas, legend, critical_m.is_some());
     let x = log_range(panels);
     for (i, panel) in panels.iter().enumerate() {
         let top = (head + i as f32 * PANEL_ASPECT) * width;
@@ -103,8 +121,32 @@ pub fn resolution_png(panels: &[Panel], critical_m: Option<f64>, longest_px: u32
     canvas.into_png()
 }
 
+/// What the lines are, in a row below the subtitle.
+fn draw_legend(canvas: &mut Canvas, names: &[String], has_critical: bool) {
+    let u = unit_px(canvas);
+    // On a sheet whose letters are wider than its lines there is no room for it.
+    if u * SHEET_PX > canvas.size()[0] as f32 {
+        return;
+    }
+    let (y, size_px) = (138.0 * u, 22.0 * u);
+    let critical = has_critical.then_some(("coarsest that is fine enough", CRITICAL, vec![8.0 * u, 6.0 * u]));
+    let lines = names.iter().enumerate().map(|(i, name)| {
+        let (colour, dash) = option_style(i);
+        (name.as_str(), colour, dash_px(dash, 4.0 * u))
+    });
+    let mut x = 44.0 * u;
+    for (name, colour, dash) in lines.chain(critical) {
+        let pen = Pen { dash_px: &dash, ..Pen::solid(colour, 4.0 * u) };
+        canvas.line(&[[x, y - 8.0 * u], [x + 48.0 * u, y - 8.0 * u]], pen);
+        x += 60.0 * u;
+        canvas.text(name, [x, y], Anchor::Left, (size_px, Weight::Regular, INK));
+        x += width_px(name, size_px, Weight::Regular) + 40.0 * u;
+    }
+}
+
 fn log_range(panels: &[Panel]) -> [f64; 2] {
-    let spacings = panels.iter().flat_map(|p| &p.points).map(|p| p[0].log10()).filter(|v| v.is_finite());
+    let spacings =
+        panels.iter().flat_map(|p| p.lines()).flatten().map(|p| p[0].log10()).filter(|v| v.is_finite());
     let [lo, hi] = range(spacings);
     let pad = (hi - lo) * 0.03;
     [lo - pad, hi + pad]
@@ -119,8 +161,9 @@ fn draw_panel(
     is_last: bool,
 ) {
     let u = unit_px(canvas);
-    let ends = panel.points.iter().flat_map(|p| [[p[0].log10(), p[1] - p[2]], [p[0].log10(), p[1] + p[2]]]);
-    let ends: Vec<[f64; 2]> = ends.collect();
+    let ends = panel.lines().into_iter().flatten();
+    let ends: Vec<[f64; 2]> =
+        ends.flat_map(|p| [[p[0].log10(), p[1] - p[2]], [p[0].log10(), p[1] + p[2]]]).collect();
     let axes = Axes { x, ..Axes::over(ends.iter(), area, u) };
     axes.draw(canvas, 4);
     canvas.text(&panel.name, [area[0], area[1] - 16.0 * u], Anchor::Left, (22.0 * u, Weight::Bold, INK));
@@ -138,12 +181,21 @@ fn draw_panel(
     for bar in ends.chunks_exact(2) {
         canvas.line(&[axes.to_px(bar[0]), axes.to_px(bar[1])], Pen::solid(GREY, 2.0 * u));
     }
-    let line: Vec<[f64; 2]> = panel.points.iter().map(|p| [p[0].log10(), p[1]]).collect();
-    axes.draw_line(canvas, &line, option_style(0));
-    for p in &line {
-        let [px, py] = axes.to_px(*p);
-        canvas.line(&[[px - 2.0 * u, py], [px + 2.0 * u, py]], Pen::solid(option_style(0).0, 9.0 * u));
+    // The drawing as it is lies on top.
+    for (i, points) in panel.lines().into_iter().enumerate().rev() {
+        let line: Vec<[f64; 2]> = points.iter().map(|p| [p[0].log10(), p[1]]).collect();
+        let colour = option_style(i).0;
+        axes.draw_line(canvas, &line, option_style(i));
+        for p in &line {
+            let [px, py] = axes.to_px(*p);
+            canvas.line(&[[px - 2.0 * u, py], [px + 2.0 * u, py]], Pen::solid(colour, 9.0 * u));
+        }
     }
+}
+
+/// Dashes of a line of some width.
+fn dash_px(dash: &[f32], width_px: f32) -> Vec<f32> {
+    dash.iter().map(|d| d * width_px * 0.7).collect()
 }
 
 fn sheet(width: u32, aspect: f32) -> Result<Canvas, Error> {
@@ -154,7 +206,7 @@ fn sheet(width: u32, aspect: f32) -> Result<Canvas, Error> {
 }
 
 fn unit_px(canvas: &Canvas) -> f32 {
-    (canvas.size()[0] as f32 / 1600.0).max(0.38)
+    (canvas.size()[0] as f32 / SHEET_PX).max(0.38)
 }
 
 fn heading(canvas: &mut Canvas, text: &str) {
@@ -232,7 +284,7 @@ impl Axes {
 
     fn draw_line(&self, canvas: &mut Canvas, line: &[[f64; 2]], (rgb, dash): (Rgb, &[f32])) {
         let width_px = 4.0 * self.unit;
-        let dash: Vec<f32> = dash.iter().map(|d| d * width_px * 0.7).collect();
+        let dash = dash_px(dash, width_px);
         let pen = Pen { dash_px: &dash, ..Pen::solid(rgb, width_px) };
         for run in line.split(|p| !p[1].is_finite()).filter(|run| !run.is_empty()) {
             let px: Vec<[f32; 2]> = run.iter().map(|p| self.to_px(*p)).collect();

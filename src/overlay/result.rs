@@ -101,6 +101,9 @@ pub struct Counts {
     pub vertices: u64,
     /// Those in the region of query.
     pub query: u64,
+    /// Of these, those that a wall which may move covers now: they have no value and count in no mean.
+    #[serde(default)]
+    pub covered: u64,
     /// Those in the region of reference.
     pub reference: u64,
     /// Edges of the visibility graph, each pair once.

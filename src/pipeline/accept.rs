@@ -21,7 +21,7 @@ use crate::plan::drawing::{Format, Unit};
 use crate::plan::frame::unit_by_name;
 use crate::plan::graph::Handle;
 use crate::plan::markers::{Clause, Group, Kind};
-use crate::report::{Error, Place, Report};
+use crate::report::{Error, Place, Report, counted};
 
 /// A new drawing with its side-car.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,8 +102,8 @@ pub fn accept(
     let base = study::read(input.file(), &input.bytes, &settings, &mut report)?;
     if base.moves.parameters.len() != parameters.len() {
         let text = format!(
-            "{origin} has {} parameters, the drawing {}; run it again",
-            parameters.len(),
+            "{origin} has {}, the drawing {}; run it again",
+            counted(parameters.len() as u64, "parameter"),
             base.moves.parameters.len()
         );
         return Err(Error::input("parameters", place(), text));

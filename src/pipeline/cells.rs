@@ -7,7 +7,8 @@ use glam::DVec2;
 use super::study::Study;
 use crate::analysis::isovist::isovist_columns;
 use crate::analysis::measures::{
-    Column, GLOBAL_NAMES, LOCAL_NAMES, entropy_bits, global_columns, global_columns_beside, local_columns,
+    Column, GLOBAL_NAMES, LOCAL_NAMES, UNDEFINED, entropy_bits, global_columns, global_columns_beside,
+    local_columns,
 };
 use crate::analysis::paths::{Paths, Turning};
 use crate::analysis::sampled::{is_estimated, sampled_columns};
@@ -38,11 +39,11 @@ fn references(study: &Study) -> Vec<i64> {
 /// What is measured per cell, beside Degree, Depth and Entropy.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellOptions {
-    /// Families (`graph`, `isovist`, `metric`, `angular`, `through`), `all`, or names of columns; empty:
+    /// Families (`graph` or `visual`, `isovist`, `metric`, `angular`, `through`), `all`, or names of columns; empty:
     /// `graph`.
     pub measures: Vec<String>,
-    /// Steps (graph), right angles (angular) and metres (metric) beyond which nothing counts.
-    pub radius: Option<u32>,
+    /// Steps (graph: a whole number), right angles (angular) and metres (metric) beyond which nothing counts.
+    pub radius: Option<f64>,
     /// Estimate the measures of the breadth-first trees from this many roots.
     pub roots: Option<usize>,
     /// Points to measure step depth from, drawing units.
@@ -59,6 +60,9 @@ const FAMILIES: [(&str, &str); 5] = [
     ("angular", "angular"),
     ("through", "through"),
 ];
+
+/// Another name of the graph's family, after how most of its columns begin.
+const VISUAL: &str = "visual";
 
 /// Columns that stand in every table.
 const ALWAYS: [&str; 3] = ["Degree", "Depth", "Entropy"];
@@ -98,8 +102,9 @@ impl Measured {
 /// The columns asked for.
 ///
 /// # Errors
-/// [`Error::Usage`] for a measure that does not exist and a step point that no vertex is near.
+/// [`Error::Usage`] for a measure that does not exist, a radius of no whole steps and a step point that no vertex is near.
 pub fn measure_cells(study: &Study, options: &CellOptions) -> Result<Measured, Error> {
+    let options = &CellOptions { measures: by_family(&options.measures), ..options.clone() };
     let graph = graph(study);
     let asked = |family: &str| {
         let named = options.measures.iter().any(|m| {
@@ -109,6 +114,16 @@ pub fn measure_cells(study: &Study, options: &CellOptions) -> Result<Measured, E
         });
         named || (options.measures.is_empty() && family == "graph")
     };
+    if let Some(radius) = options.radius.filter(|r| r.fract() != 0.0)
+        && asked("graph")
+        && !names_only(&options.measures, &LOCAL_NAMES)
+    {
+        let text = format!(
+            "--radius: found {radius}, expected a whole number: graph measures count steps (--measures metric or angular \
+             takes metres or right angles, with decimals); nothing was done"
+        );
+        return Err(Error::usage("radius", Place::default(), text));
+    }
     let obstacles = study.initial_obstacles();
     let lattice = &study.lattice;
     let paths = || Paths::new(lattice, &graph, &obstacles, Turning::default());
@@ -120,8 +135,38 @@ pub fn measure_cells(study: &Study, options: &CellOptions) -> Result<Measured, E
             options.step_from.iter().map(|p| vertex_at(study, &obstacles, *p)).collect();
         measured.columns.extend(paths().step_columns(&from?));
     }
+    leave_out(&mut measured.columns, &obstacles.blind);
     Ok(measured)
 }
+
+/// Measures asked for, with families by their first name.
+fn by_family(measures: &[String]) -> Vec<String> {
+    let name = |m: &String| if m.eq_ignore_ascii_case(VISUAL) { FAMILIES[0].0.to_owned() } else { m.clone() };
+    measures.iter().map(name).collect()
+}
+
+/// Takes the values from vertices that a wall which may move covers: they are no floor.
+fn leave_out(columns: &mut [Column], blind: &[u32]) {
+    for column in columns {
+        blind.iter().for_each(|v| column.values[*v as usize] = UNDEFINED);
+    }
+}
+
+/// What a family has of one way to every cell: without a value where a cell reaches itself alone, since no way to
+/// oneself is a mean, and the shortest of all.
+fn of_ways(mut columns: Vec<Column>) -> Vec<Column> {
+    let Some(count) = columns.iter().position(|c| c.name.contains(NODE_COUNT)) else { return columns };
+    let is_alone: Vec<bool> = columns[count].values.iter().map(|n| *n <= 1.0).collect();
+    for column in columns.iter_mut().filter(|c| !c.name.contains(NODE_COUNT)) {
+        for (value, _) in column.values.iter_mut().zip(&is_alone).filter(|(_, is_alone)| **is_alone) {
+            *value = UNDEFINED;
+        }
+    }
+    columns
+}
+
+/// What every column that counts the cells of its family's means has in its name.
+const NODE_COUNT: &str = "Node Count";
 
 /// The columns of the families asked for, all of them; `known` are the trees of the query vertices.
 fn all_columns(
@@ -142,7 +187,8 @@ fn all_columns(
                 sampled.columns
             }
             (None, Some(known), None) => global_columns_beside(graph, &lattice.query, known),
-            (None, _, radius) => global_columns(graph, radius),
+            // Whole, or it was refused.
+            (None, _, radius) => global_columns(graph, radius.map(|r| r as u32)),
         });
     }
     if asked("isovist") {
@@ -150,10 +196,10 @@ fn all_columns(
     }
     let paths = || Paths::new(lattice, graph, obstacles, Turning::default());
     if asked("metric") {
-        all.extend(paths().metric_columns(options.radius.map(f64::from)));
+        all.extend(of_ways(paths().metric_columns(options.radius)));
     }
     if asked("angular") {
-        all.extend(paths().angular_columns(options.radius.map(f64::from)));
+        all.extend(of_ways(paths().angular_columns(options.radius)));
     }
     if asked("through") {
         all.push(through_vision_column(lattice, graph));
@@ -170,13 +216,6 @@ fn names_only(measures: &[String], names: &[&str]) -> bool {
 fn chosen(all: Vec<Column>, measures: &[String]) -> Result<Vec<Column>, Error> {
     let is_family =
         |m: &String| m.eq_ignore_ascii_case("all") || FAMILIES.iter().any(|f| m.eq_ignore_ascii_case(f.0));
-    let fits = |column: &str, m: &String| {
-        column.eq_ignore_ascii_case(m)
-            || (column.len() > m.len()
-                && column.is_char_boundary(m.len())
-                && column[..m.len()].eq_ignore_ascii_case(m)
-                && [" R", " CI95"].iter().any(|end| column[m.len()..].starts_with(end)))
-    };
     for m in measures.iter().filter(|m| !is_family(m)) {
         if !all.iter().any(|c| fits(&c.name, m)) {
             let of_family: Vec<&str> = glossary::ENTRIES
@@ -186,7 +225,7 @@ fn chosen(all: Vec<Column>, measures: &[String]) -> Result<Vec<Column>, Error> {
                 .filter(|n| family_of(m) == "graph" || family_of(n) == family_of(m))
                 .collect();
             let text = format!(
-                "--measures: found {m:?}, expected all, graph, isovist, metric, angular, through or one of {}; \
+                "--measures: found {m:?}, expected all, graph (or visual), isovist, metric, angular, through or one of {}; \
                  nothing was done",
                 of_family.join(", ")
             );
@@ -202,6 +241,13 @@ fn chosen(all: Vec<Column>, measures: &[String]) -> Result<Vec<Column>, Error> {
             })
     };
     Ok(all.into_iter().filter(wanted).collect())
+}
+
+/// Whether a column is of a measure: its own, within some radius, or the interval of its estimate.
+fn fits(column: &str, measure: &str) -> bool {
+    let Some((name, rest)) = column.split_at_checked(measure.len()) else { return false };
+    let is_radius = || rest.strip_prefix(" R").is_some_and(|radius| radius.parse::<f64>().is_ok());
+    name.eq_ignore_ascii_case(measure) && (rest.is_empty() || rest == " CI95" || is_radius())
 }
 
 /// How far from a step point its cell may be, spacings: as far as the cells beside the one that holds it.
@@ -328,7 +374,7 @@ mod tests {
         let obstacles = Obstacles { segments: vec![wall], blind: vec![] };
         let graph = visibility_graph(&lattice, &obstacles);
         let mut names = vec!["Degree".to_string(), "Depth".into(), "Entropy".into()];
-        for (radius, roots) in [(None, None), (Some(3), None), (None, Some(9))] {
+        for (radius, roots) in [(None, None), (Some(3.0), None), (None, Some(9))] {
             let options = CellOptions { radius, roots, ..CellOptions::default() };
             let made = all_columns((&lattice, &graph, &obstacles), None, &options, |_| true);
             names.extend(made.columns.into_iter().map(|c| c.name));
@@ -387,6 +433,52 @@ mod tests {
         assert!(measured.no_value("Visual Integration [HH]").contains("all roots at once"));
         assert_eq!(measured.no_value("Isovist Area"), glossary::no_value("Isovist Area"));
         assert_eq!(Measured::default().title("Visual Mean Depth"), "Visual Mean Depth");
+    }
+
+    /// A suffix of a radius is a number: "Visual" is not "Visual Relativised Entropy" within a radius.
+    #[test]
+    fn a_name_is_a_whole_name() {
+        for m in ["Visual Node Count", "visual node count", "Visual Node Count R3"] {
+            assert!(fits("Visual Node Count R3", m), "{m}");
+        }
+        assert!(fits("Metric Node Count R2.5", "metric node count"));
+        for (column, m) in [
+            ("Visual Relativised Entropy", "Visual"),
+            ("Visual Node Count R3", "Visual Node"),
+            ("Visual Mean Depth CI95", "Visual"),
+            ("Metric Node Count", "ä"),
+        ] {
+            assert!(!fits(column, m), "{column} {m}");
+        }
+        assert_eq!(by_family(&["VISUAL".into(), "visual mean depth".into()]), ["graph", "visual mean depth"]);
+    }
+
+    /// Who is alone has no mean of ways, and what a wall covers has nothing at all; counts are counts.
+    #[test]
+    fn cells_without_others_are_not_the_best_of_all() {
+        // The third column is walled in alone; the last cell is covered.
+        let lattice = Lattice {
+            spacing_um: 1_000_000,
+            origin_um: [0, 0],
+            cells: (0..4).map(|c| [c, 0]).collect(),
+            query: (0..4).collect(),
+            is_reference: vec![true; 4],
+        };
+        let wall = |x: i64| Segment { a: [x, -500_000], b: [x, 500_000] };
+        let obstacles = Obstacles { segments: vec![wall(1_500_000), wall(2_500_000)], blind: vec![3] };
+        let graph = visibility_graph(&lattice, &obstacles);
+        let options =
+            CellOptions { measures: vec!["metric".into(), "angular".into()], ..CellOptions::default() };
+        let asked = |family: &str| family == "metric" || family == "angular";
+        let mut columns = all_columns((&lattice, &graph, &obstacles), None, &options, asked).columns;
+        leave_out(&mut columns, &obstacles.blind);
+        assert_eq!(columns.len(), 7);
+        for column in &columns {
+            let is_count = column.name.contains(NODE_COUNT);
+            assert!(column.values[0] >= 0.0 && column.values[1] >= 0.0, "{column:?}");
+            assert_eq!(column.values[2], if is_count { 1.0 } else { UNDEFINED }, "{column:?}");
+            assert_eq!(column.values[3], UNDEFINED, "{column:?}");
+        }
     }
 
     #[test]

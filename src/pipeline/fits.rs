@@ -10,7 +10,7 @@ use crate::config::{KnownMove, Settings};
 use crate::moves::Parameter;
 use crate::overlay::result::MoveEntry;
 use crate::plan::markers::Kind;
-use crate::report::{Error, Place, Report};
+use crate::report::{Error, Place, Report, counted};
 
 /// Letters of a geometry's mark.
 const MARK_LETTERS: usize = 12;
@@ -138,7 +138,11 @@ fn refit(
     let mut out = Vec::new();
     for vector in vectors {
         if vector.len() != then.len() {
-            say(format!("{} numbers, and {} moves they belong to", vector.len(), then.len()));
+            say(format!(
+                "{}, and {} they belong to",
+                counted(vector.len() as u64, "number"),
+                counted(then.len() as u64, "move")
+            ));
             continue;
         }
         let mut fitted = base.moves.identity();

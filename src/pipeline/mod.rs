@@ -282,9 +282,11 @@ fn state_cut_off(study: &Study, input: &Input<'_>, report: &mut Report) {
     let cut_off = study.cut_off();
     if cut_off.areas > 0 {
         let text = format!(
-            "areas that no view joins to the largest one: {}, with {} cells in all; their measures are those of their own area. \
+            "areas that no view joins to the largest one: {}, with {} in all; their measures are those of their own area. \
              Cells that see no other at all: {}; measures that need another cell are −1 there",
-            cut_off.areas, cut_off.cells, cut_off.alone
+            cut_off.areas,
+            counted(cut_off.cells as u64, "cell"),
+            cut_off.alone
         );
         report.info("cut-off-areas", Place::file(input.file()), text);
     }

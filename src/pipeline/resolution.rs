@@ -9,11 +9,12 @@ use serde::{Deserialize, Serialize};
 
 use super::study::{self, Study};
 use super::{Event, Input, Outcome, Progress, show, spacing};
+use crate::analysis::lattice::floor_on_walls;
 use crate::config::Settings;
 use crate::overlay::chart::{Panel, resolution_png};
 use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::result::{self, ProblemEntry};
-use crate::report::{Cancel, Error, OutFile, Place, Report};
+use crate::report::{Cancel, Error, OutFile, Place, Report, counted};
 
 /// Value of the `schema` key.
 pub const SCHEMA: &str = "enfilade.resolution/1";
@@ -30,6 +31,13 @@ const JUMP: f64 = 0.15;
 
 /// A floor that changes by more than this between two lattices explains what changes with it.
 const FLOOR_CHANGE: f64 = 0.05;
+/// Cells of the floor whose centres lie on walls: by how much their share must differ between two lattices to explain
+/// what changes.
+const LOST_CHANGE: f64 = 0.05;
+/// What sets a lattice off walls that are drawn in whole centimetres, at any spacing in whole centimetres.
+const ODD_CENTRE: &str = "--lattice-centre 0.137,0.083";
+/// What the columns of the present layout are called.
+const PRESENT: &str = "the drawing as it is";
 
 /// What is studied.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +70,9 @@ pub struct Row {
     pub vertices: usize,
     /// Areas of the present layout that no view joins, cells that see no other left out.
     pub areas: usize,
+    /// Cells of the present layout's floor whose centres lie on a wall: they are not measured.
+    #[serde(default)]
+    pub on_walls: usize,
     /// Area seen from a vertex, m²: degree × spacing².
     pub visible_m2: Spread,
     /// Depth, steps.
@@ -81,6 +92,9 @@ pub struct ResolutionResult {
     pub rows: Vec<Row>,
     /// The tolerance used.
     pub tolerance: f64,
+    /// Layouts sampled; 0 where nothing moves.
+    #[serde(default)]
+    pub samples: usize,
     /// Coarsest spacing from which no measure changes by more than the tolerance; none where only the
     /// finest is left.
     pub critical_m: Option<f64>,
@@ -134,6 +148,7 @@ pub fn resolution(
         schema: SCHEMA.into(),
         input: show::input(&plan, input.path, input.sha256()),
         tolerance: options.tolerance,
+        samples: samples.len(),
         critical_m,
         jumps: jumps(&rows),
         problems: report.problems.iter().map(Into::into).collect(),
@@ -142,7 +157,7 @@ pub fn resolution(
     let files = vec![
         OutFile::new("resolution.json", result::to_json(&result)?),
         OutFile::new("resolution.csv", csv(&result.rows)),
-        OutFile::new("resolution.png", resolution_png(&panels(&result.rows), critical_m, DEFAULT_SIDE_PX)?),
+        OutFile::new("resolution.png", plot(&result)?),
     ];
     Ok(Outcome { result, files, report })
 }
@@ -163,9 +178,9 @@ fn series(base: &study::Understood, options: &Options, file: &str) -> Result<Vec
     out.dedup();
     if out.len() < 2 {
         let text = format!(
-            "resolution study: found {} usable spacings for {area_m2:.0} m², expected at least 2; nothing was done; \
+            "resolution study: found {} for {area_m2:.0} m², expected at least 2; nothing was done; \
              name them with --spacings",
-            out.len()
+            counted(out.len() as u64, "usable spacing")
         );
         return Err(Error::usage("spacings", Place::file(file), text));
     }
@@ -206,6 +221,7 @@ fn row(study: &Study, samples: &[Vec<f64>], cancel: &Cancel) -> Result<Row, Erro
         spacing_m: study.spacing_m,
         vertices: study.lattice.cells.len(),
         areas: study.cut_off().areas + 1,
+        on_walls: floor_on_walls(&study.lattice, &study.initial_obstacles().segments),
         visible_m2: spread(0),
         depth: spread(1),
         entropy: spread(2),
@@ -246,7 +262,9 @@ fn jumps(rows: &[Row]) -> Vec<String> {
             if change(a, b) > JUMP {
                 let [from, to] = [pair[0].spacing_m, pair[1].spacing_m];
                 let why = why_it_jumps(&pair[0], &pair[1]);
-                out.push(format!("{name} jumps from {a:.3} at {from} m to {b:.3} at {to} m: {why}"));
+                out.push(format!(
+                    "{PRESENT}: {name} jumps from {a:.3} at {from} m to {b:.3} at {to} m: {why}"
+                ));
             }
         }
     }
@@ -259,8 +277,20 @@ fn why_it_jumps(coarse: &Row, fine: &Row) -> String {
     if coarse.areas != fine.areas {
         return format!(
             "what no view joins is {} at the coarser and {} at the finer: one of them misses a passage, or a wall",
-            areas(coarse.areas),
-            areas(fine.areas)
+            counted(coarse.areas as u64, "area"),
+            counted(fine.areas as u64, "area")
+        );
+    }
+    let lost = |r: &Row| r.on_walls as f64 / (r.vertices + r.on_walls).max(1) as f64;
+    if (lost(coarse) - lost(fine)).abs() > LOST_CHANGE {
+        let most = if lost(coarse) > lost(fine) { coarse } else { fine };
+        return format!(
+            "at {} m {} of the floor lie with their centres on walls and are not measured, a share of {:.0} % (at the \
+             other spacing {:.0} %): lines of the lattice run along walls; {ODD_CENTRE} sets it off them",
+            most.spacing_m,
+            counted(most.on_walls as u64, "cell"),
+            100.0 * lost(most),
+            100.0 * lost(coarse).min(lost(fine))
         );
     }
     if change(floor(coarse), floor(fine)) > FLOOR_CHANGE {
@@ -273,22 +303,70 @@ fn why_it_jumps(coarse: &Row, fine: &Row) -> String {
     "cells of the coarser one are wide beside what stands in the way".into()
 }
 
-fn areas(count: usize) -> String {
-    if count == 1 { "1 area".into() } else { format!("{count} areas") }
+fn plot(result: &ResolutionResult) -> Result<Vec<u8>, Error> {
+    let legend = [PRESENT.to_owned(), format!("{}, with deviations", sampled_name(result.samples))];
+    let has_samples = result.samples > 0;
+    let legend = if has_samples { &legend[..] } else { &legend[..1] };
+    resolution_png(&panels(&result.rows, has_samples), legend, result.critical_m, DEFAULT_SIDE_PX)
 }
 
-fn panels(rows: &[Row]) -> Vec<Panel> {
+fn panels(rows: &[Row], has_samples: bool) -> Vec<Panel> {
     let names = ["Visible area (m²)", "Accessibility (depth, steps)", "Organisation (entropy, bits)"];
-    let panel = |(k, name): (usize, &str)| Panel {
-        name: name.into(),
-        points: rows
-            .iter()
-            .rev()
-            .map(|r| (r.spacing_m, r.spreads()[k]))
-            .map(|(s, v)| [s, v.mean, v.deviation])
-            .collect(),
+    let panel = |(k, name): (usize, &str)| {
+        let points = || rows.iter().rev().map(|r| (r.spacing_m, r.spreads()[k]));
+        Panel {
+            name: name.into(),
+            points: points().map(|(s, v)| [s, v.initial, 0.0]).collect(),
+            sampled: points().filter(|_| has_samples).map(|(s, v)| [s, v.mean, v.deviation]).collect(),
+        }
     };
     names.into_iter().enumerate().map(panel).collect()
+}
+
+fn sampled_name(samples: usize) -> String {
+    match samples {
+        1 => "1 layout moved at random".into(),
+        n => format!("mean of {n} layouts moved at random"),
+    }
+}
+
+/// The study in words, a line each: what it found of the drawing as it is, beside means over the sampled layouts.
+pub fn words(result: &ResolutionResult) -> Vec<String> {
+    const MEASURES: &str = "visible m²      depth    entropy";
+    let measures = |v: [f64; 3]| format!("{:>10.2}  {:>9.3}  {:>9.4}", v[0], v[1], v[2]);
+    let wide = MEASURES.chars().count();
+    let sampled = sampled_name(result.samples);
+    let has_samples = result.samples > 0;
+    let row = |lattice: &str, present: &str, sampled: &str| {
+        let beside = if has_samples { format!("    {sampled}") } else { String::new() };
+        format!("{lattice:>20}   {present:wide$}{beside}").trim_end().to_owned()
+    };
+    let mut out = vec![row("", PRESENT, &sampled), row("spacing m   vertices", MEASURES, MEASURES)];
+    for r in &result.rows {
+        let [present, means] =
+            [|s: Spread| s.initial, |s: Spread| s.mean].map(|of| measures(r.spreads().map(of)));
+        out.push(row(&format!("{:>9}  {:>9}", r.spacing_m, r.vertices), &present, &means));
+    }
+    out.extend(result.jumps.iter().cloned());
+    let of = |and: &str| match has_samples {
+        false => format!("of {PRESENT}"),
+        true => format!("of {PRESENT} {and} the {sampled}"),
+    };
+    let percent = 100.0 * result.tolerance;
+    out.push(match result.critical_m {
+        Some(s) => format!(
+            "from {s} m on, a finer lattice changes no measure {} by more than {percent} %",
+            of("or of")
+        ),
+        None if result.rows.len() < 2 => {
+            "fewer than two spacings could be studied: nothing was compared".into()
+        }
+        None => format!(
+            "no spacing studied is fine enough: measures {} still change by more than {percent} %",
+            of("or of")
+        ),
+    });
+    out
 }
 
 fn csv(rows: &[Row]) -> String {
@@ -317,6 +395,7 @@ mod tests {
             spacing_m,
             vertices: (8.0 / spacing_m / spacing_m) as usize,
             areas: 1,
+            on_walls: 0,
             visible_m2: spread(10.0),
             depth: spread(depth),
             entropy: spread(1.0),
@@ -347,6 +426,76 @@ mod tests {
             "{:?}",
             jumps(&rows)
         );
+    }
+
+    /// Half the lines of one lattice run along walls: that, and not the width of its cells, is why.
+    #[test]
+    fn lines_of_a_lattice_along_walls_are_blamed_for_what_they_cost() {
+        let rows = [at(1.0, 3.0), Row { on_walls: 16, ..at(0.5, 2.0) }, at(0.25, 3.0)];
+        let found = jumps(&rows);
+        for jump in &found {
+            assert!(
+                jump.contains("at 0.5 m 16 cells of the floor lie with their centres on walls"),
+                "{jump}"
+            );
+            assert!(jump.contains("a share of 33 %") && jump.ends_with("sets it off them"), "{jump}");
+            assert!(jump.contains("--lattice-centre"), "{jump}");
+        }
+        assert_eq!(found.len(), 2);
+    }
+
+    fn result(rows: Vec<Row>, samples: usize) -> ResolutionResult {
+        let input = result::Input {
+            path: "plan.dxf".into(),
+            sha256: String::new(),
+            format: String::new(),
+            unit: String::new(),
+            unit_reason: String::new(),
+            north_deg: 0.0,
+        };
+        ResolutionResult {
+            schema: SCHEMA.into(),
+            input,
+            critical_m: critical(&rows, TOLERANCE),
+            jumps: jumps(&rows),
+            rows,
+            tolerance: TOLERANCE,
+            samples,
+            problems: Vec::new(),
+        }
+    }
+
+    /// The table has what the sentences below it speak of, and both say which layouts they mean.
+    #[test]
+    fn present_values_and_means_are_told_apart() {
+        let row = |s: f64, depth: f64| {
+            let depth = Spread { initial: depth, mean: depth + 2.0, deviation: 0.1 };
+            Row { depth, ..at(s, 0.0) }
+        };
+        let rows = vec![row(2.0, 3.0), row(1.0, 2.0), row(0.5, 2.0)];
+        let told = words(&result(rows.clone(), 10));
+        assert_eq!(
+            told[..3].iter().map(String::as_str).collect::<Vec<_>>(),
+            [
+                "                       the drawing as it is                mean of 10 layouts moved at random",
+                "spacing m   vertices   visible m²      depth    entropy    visible m²      depth    entropy",
+                "        2          2        10.00      3.000     1.0000         10.00      5.000     1.0000",
+            ]
+        );
+        assert!(
+            told[5].starts_with("the drawing as it is: depth jumps from 3.000 at 2 m to 2.000"),
+            "{told:?}"
+        );
+        let last = told.last().unwrap();
+        assert!(
+            last.contains(
+                "no measure of the drawing as it is or of the mean of 10 layouts moved at random by more"
+            ),
+            "{last}"
+        );
+        let still = words(&result(rows, 0));
+        assert!(still[1].ends_with("entropy") && still[1].matches("depth").count() == 1, "{still:?}");
+        assert!(!still.concat().contains("random"), "{still:?}");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::moves::Parameter;
 use crate::moves::control::{Breach, Control, Link, Rules};
 use crate::overlay::measure::sentence_case;
 use crate::overlay::words::listed as listed_and;
-use crate::report::{Error, Place, Report};
+use crate::report::{Error, Place, Report, counted};
 
 /// The parameters under the rules of the settings.
 ///
@@ -34,7 +34,10 @@ pub fn control(base: &Understood, settings: &Settings) -> Result<Control, Error>
     };
     let count = base.moves.parameters.len();
     let control = match settings.warm.iter().find(|v| v.len() != count) {
-        Some(v) => Err(format!("warm: a layout of {} parameters, the drawing has {count}", v.len())),
+        Some(v) => Err(format!(
+            "warm: a layout of {}, the drawing has {count}",
+            counted(v.len() as u64, "parameter")
+        )),
         None => Control::new(&base.moves, &rules),
     };
     control.map_err(|why| {
@@ -194,7 +197,7 @@ pub fn broken(
         }
         Breach::Moves(moved) => {
             let most = settings.most_moves.unwrap_or_default();
-            format!("`most-moves {most}` ({moved} groups move)")
+            format!("`most-moves {most}` (moving: {})", counted(moved as u64, "group"))
         }
         Breach::Links(which) => {
             format!("what is linked (not along with the others: {})", listed(&study.base, &which))

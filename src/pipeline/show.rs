@@ -388,6 +388,7 @@ pub fn counts(study: &Study, edges: u64) -> Counts {
     Counts {
         vertices: lattice.cells.len() as u64,
         query: lattice.query.len() as u64,
+        covered: study.initial.seen.covered.len() as u64,
         reference: lattice.is_reference.iter().filter(|r| **r).count() as u64,
         edges,
         walls: study.all_pieces().len() as u64,

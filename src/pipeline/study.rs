@@ -5,10 +5,12 @@ mod behind;
 mod card;
 mod carrying;
 mod far;
+mod gaps;
 mod idle;
 mod jambs;
 pub(super) mod marked;
 mod parts;
+mod regions;
 mod seen;
 mod written;
 
@@ -43,13 +45,14 @@ use crate::plan::markers;
 use crate::plan::outline::SOLID_ACROSS_M;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
-use crate::plan::{Plan, PlanOptions, Region, Wall, box_of, own_layers, understand};
+use crate::plan::{Plan, PlanOptions, Wall, box_of, own_layers, understand};
 use crate::report::{Error, Place, Problem, Report, Severity};
 use jambs::keeping_doors;
 use marked::{
     side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves, taken_up,
 };
 use parts::{closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of};
+use regions::{add_regions, state_interior, state_unused_seeds};
 use seen::Scene;
 pub use seen::{Pair, Seen};
 
@@ -130,6 +133,7 @@ fn with_cause(error: Error, report: &Report) -> Error {
         (Error::Input(problem), Some(first)) if problem.code == "no-walls" => {
             let others = match causes.count() {
                 0 => String::new(),
+                1 => "; 1 more element cannot be read either".into(),
                 n => format!("; {n} more elements cannot be read either"),
             };
             let text = format!("no wall can be read: {}{others}; nothing was measured", first.text);
@@ -166,6 +170,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let mut plan = understood.map_err(|e| within_storey(with_cause(e, report), settings))?;
     add_regions(&mut plan, settings)?;
     building::add_spaces(drawing, &mut plan, settings)?;
+    state_unused_seeds(&plan, settings, report);
     let graph = Graph::new(&plan);
     let (axes, marked) = structure::axes(&plan, drawing);
     let bodies = structure::bodies(&plan, &axes);
@@ -198,7 +203,21 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
     let labels = labels::labels(&plan, drawing, &fittings);
-    Ok(Understood { plan, graph, axes, bodies, sight, fittings, left_out, labels, moves, interior, openings })
+    let base = Understood {
+        plan,
+        graph,
+        axes,
+        bodies,
+        sight,
+        fittings,
+        left_out,
+        labels,
+        moves,
+        interior,
+        openings,
+    };
+    gaps::state_closed(&base, report);
+    Ok(base)
 }
 
 /// What is known of a plan before its moves.
@@ -254,31 +273,6 @@ fn plan_options(settings: &Settings) -> PlanOptions {
         is_knee_level: settings.level == Level::Knee,
         picked: None,
     }
-}
-
-fn add_regions(plan: &mut Plan, settings: &Settings) -> Result<(), Error> {
-    let wrong = |text: String| {
-        Error::usage("region", Place::default(), format!("[[region]] {text}; nothing was done"))
-    };
-    for table in &settings.regions {
-        let ring: Vec<PointUm> =
-            table.points.iter().map(|p| plan.frame.um_from_file(DVec2::from(*p))).collect();
-        let name = table.pair.as_ref().map(|p| p.parse::<PairName>().map_err(&wrong)).transpose()?;
-        let list = match (table.kind.as_str(), name) {
-            ("query", None) => &mut plan.markers.query,
-            ("reference", None) => &mut plan.markers.reference,
-            ("query", Some(name)) => &mut plan.markers.pair(name.as_str()).query,
-            ("reference", Some(name)) => &mut plan.markers.pair(name.as_str()).reference,
-            ("keep", None) => &mut plan.markers.keep,
-            ("keep", Some(_)) => return Err(wrong("keep: what stays belongs to no pair".into())),
-            (other, _) => return Err(wrong(format!("kind {other:?}: expected query, reference or keep"))),
-        };
-        if ring.len() < 3 {
-            return Err(wrong(format!("{}: found {} points, expected at least 3", table.kind, ring.len())));
-        }
-        list.push(Region::Ring(ring));
-    }
-    Ok(())
 }
 
 fn moves(
@@ -436,6 +430,8 @@ impl Study {
         let centre_um = settings.lattice_centre_m.unwrap_or_default().map(|v| (v * UM_PER_M).round() as i64);
         let seeds_um: Vec<PointUm> =
             settings.seed_points.iter().map(|p| base.plan.frame.um_from_file(DVec2::from(*p))).collect();
+        let seed_names: Vec<String> =
+            settings.seed_points.iter().map(|p| format!("{},{}", p[0], p[1])).collect();
         let ground = Ground {
             file: &base.plan.file,
             spacing_um,
@@ -443,6 +439,7 @@ impl Study {
             query: &base.plan.markers.query,
             reference: &base.plan.markers.reference,
             seeds_um: &seeds_um,
+            seed_names: &seed_names,
             fixed: &fixed,
             movable: &movable,
             fixed_solids: &fixed_solids,
@@ -682,25 +679,6 @@ fn rooms(base: &Understood, initial: &penalties::Layout<'_>, report: &mut Report
     };
     report.info("rooms", Place::file(&base.plan.file), text);
     rooms
-}
-
-fn state_interior(base: &Understood, settings: &Settings, report: &mut Report) {
-    let Some(interior) = &base.interior else { return };
-    if base.plan.markers.needs_interior() && settings.seed_points.is_empty() && !interior.is_as_drawn() {
-        let wide = match interior.closing_m() {
-            0.0 => "its doors and windows".to_string(),
-            half => format!("gaps up to {} m wide", half * 2.0),
-        };
-        let open = match base.plan.outdoors.len() {
-            0 => String::new(),
-            n => format!(", {n} outlines on layers named after terraces, balconies or yards as outdoors"),
-        };
-        let text = format!(
-            "no region drawn and the outline is open: {wide} were taken as closed to find the interior{open}; \
-             EF-QUERY or --seed-point says it exactly"
-        );
-        report.info("interior-closed", Place::file(&base.plan.file), text);
-    }
 }
 
 /// The lattice centre moved by whole cells near the drawing, so that cell numbers stay small.

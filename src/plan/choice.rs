@@ -497,12 +497,12 @@ fn list(views: &[View], metres_per_unit: f64) -> String {
     let one = |v: &View| {
         let size = (v.extent[1] - v.extent[0]) * metres_per_unit;
         format!(
-            "{} {:?} {:.0} x {:.0} m, {} wall pieces, {}",
+            "{} {:?} {:.0} x {:.0} m, {}, {}",
             v.number,
             v.name,
             size.x,
             size.y,
-            v.wall_pieces,
+            counted(v.wall_pieces as u64, "wall piece"),
             v.kind.words()
         )
     };

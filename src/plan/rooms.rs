@@ -9,6 +9,7 @@ use super::Plan;
 use super::axes::{AxisGraph, FaceRef, Jamb, Opening, OpeningKind};
 use super::curve::control_points;
 use super::drawing::Shape;
+use crate::report::counted;
 
 /// Share of all wall pieces, by length, that outlines of rooms have in a drawing of rooms.
 const RINGS_SHARE: f64 = 0.8;
@@ -62,7 +63,8 @@ pub fn open_touching(plan: &Plan, axes: &mut AxisGraph) {
     let taken: Vec<DVec2> = axes.openings.iter().map(|o| o.centre).collect();
     found.retain(|o| taken.iter().all(|c| c.distance(o.centre) > WIDTH_M[0]));
     if !found.is_empty() {
-        axes.statements.push(format!("{} openings where outlines of rooms touch", found.len()));
+        axes.statements
+            .push(format!("{} where outlines of rooms touch", counted(found.len() as u64, "opening")));
     }
     axes.openings.extend(found);
 }

@@ -213,7 +213,10 @@ impl Witnesses {
             let mut leaves = self.leaves.clone();
             leaves.sort_by(f64::total_cmp);
             let middle = leaves[leaves.len() / 2] * unit.metres;
-            words.push(format!("{} door leaves of about {middle:.2} m", leaves.len()));
+            words.push(match leaves.len() {
+                1 => format!("1 door leaf of about {middle:.2} m"),
+                n => format!("{n} door leaves of about {middle:.2} m"),
+            });
         }
         words.join(", ")
     }

@@ -110,7 +110,10 @@ pub(super) async fn again(State(page): Page, Path(id): Path<String>, body: Strin
     let set = asked.so_far.map(|_| SO_FAR.to_owned()).or(asked.round.map(round_name));
     let known = home.map_or(0, |home| options_of(&home, set));
     if let Some(n) = asked.pin.iter().chain(&asked.like).find(|n| !(1..=known).contains(*n)) {
-        return refused(&format!("the round has {known} options, found number {n}; nothing was done"));
+        return refused(&format!(
+            "the round has {}, found number {n}; nothing was done",
+            counted(known as u64, "option")
+        ));
     }
     // As many vectors as are pinned: whether so many may be is the settings' matter.
     let pin = (!asked.pin.is_empty()).then(|| vec![Vec::new(); asked.pin.len()]);

@@ -67,7 +67,9 @@ fn charts() {
     let points = (0..20).map(|i| (i * 10, (i as f64).sqrt())).collect();
     let series = [Series { name: "best score".to_owned(), points }];
     compare("convergence.png", &convergence_png(&series, SIDE_PX).unwrap());
-    let points = vec![[0.5, 60.0, 1.0], [1.0, 58.0, 2.0], [2.0, 40.0, 6.0]];
-    let panels = [Panel { name: "Visibility (degree)".to_owned(), points }];
-    compare("resolution.png", &resolution_png(&panels, Some(1.0), SIDE_PX).unwrap());
+    let sampled = vec![[0.5, 60.0, 1.0], [1.0, 58.0, 2.0], [2.0, 40.0, 6.0]];
+    let points = vec![[0.5, 70.0, 0.0], [1.0, 69.0, 0.0], [2.0, 52.0, 0.0]];
+    let panels = [Panel { name: "Visibility (degree)".to_owned(), points, sampled }];
+    let legend = ["as it is", "sampled"].map(str::to_owned);
+    compare("resolution.png", &resolution_png(&panels, &legend, Some(1.0), SIDE_PX).unwrap());
 }

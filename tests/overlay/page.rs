@@ -15,6 +15,7 @@ fn the_page_carries_everything_and_loads_nothing() {
     assert!(!page.contains("<img src=x"), "a layer name became markup");
     assert!(page.contains("&lt;img src=x onerror=alert(1)&gt;"));
     assert!(page.contains("Zero in every layout: cut-off space."));
+    assert!(page.contains("900 cells of 1.33 m, 892 of them measured"), "eight stand under walls");
     for loads in ["http://", "https://", "url(", "<link", "@import", "src=\"//"] {
         assert!(!page.contains(loads), "the page loads something: {loads}");
     }

@@ -168,16 +168,21 @@ fn the_resolution_study_is_drawn() {
         points: [0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8]
             .map(|s: f64| [s, top * (1.0 - 0.05 * s * s), 0.02 * top * s])
             .to_vec(),
+        sampled: [0.25, 0.7, 2.8].map(|s: f64| [s, top * (0.9 - 0.04 * s * s), 0.02 * top * s]).to_vec(),
     };
+    let legend = ["the drawing as it is", "mean of 10 layouts moved at random"].map(str::to_owned);
     let panels = [
         panel("Visibility (degree)", 120.0),
         panel("Accessibility (tree depth)", 4.0),
         panel("Organisation (entropy)", 2.4),
     ];
-    let png = resolution_png(&panels, Some(0.7), 1600).unwrap();
+    let png = resolution_png(&panels, &legend, Some(0.7), 1600).unwrap();
     look("resolution.png", &png);
-    assert_ne!(png, resolution_png(&panels, None, 1600).unwrap());
+    assert_ne!(png, resolution_png(&panels, &legend, None, 1600).unwrap());
+    assert_ne!(png, resolution_png(&panels, &legend[..1], Some(0.7), 1600).unwrap(), "no legend");
+    let present = panels.clone().map(|p| Panel { sampled: Vec::new(), ..p });
+    assert_ne!(png, resolution_png(&present, &legend, Some(0.7), 1600).unwrap(), "no line of the samples");
     let many = vec![panels[0].clone(); enfilade::overlay::chart::MAX_PANELS + 1];
-    assert!(resolution_png(&many, None, 1600).is_err());
-    assert!(resolution_png(&[], None, 1600).is_ok());
+    assert!(resolution_png(&many, &legend, None, 1600).is_err());
+    assert!(resolution_png(&[], &legend, None, 1600).is_ok());
 }

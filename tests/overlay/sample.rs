@@ -296,7 +296,7 @@ fn result() -> RoundResult {
                 "penalty": "clearance 1, wall-length 1", "wall_layers": ["WALLS", "A-WALL*"]}"#,
         )
         .unwrap(),
-        counts: Counts { vertices: 900, query: 900, reference: 900, edges: 27_839, walls: 94 },
+        counts: Counts { vertices: 900, query: 900, covered: 8, reference: 900, edges: 27_839, walls: 94 },
         spacing_m: 1.3333,
         lattice_centre: [0.0, 0.0],
         moves: moves(),

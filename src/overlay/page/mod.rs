@@ -143,7 +143,7 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
         "{} cells of {} m, {} of them measured",
         fixed(counts.vertices as f64, 0),
         short(result.spacing_m),
-        fixed(counts.query as f64, 0)
+        fixed(counts.query.saturating_sub(counts.covered) as f64, 0)
     );
     // The time it took stands in result.json alone: the page is the same for the same seed.
     let searched = match result.evaluations {

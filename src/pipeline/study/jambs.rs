@@ -102,6 +102,7 @@ mod tests {
     use crate::config::{Partial, Settings};
     use crate::moves::narrowed::Doors;
     use crate::pipeline::study;
+    use crate::report::counted;
 
     /// Places between the bounds that are tried beside the bounds of any two.
     const TRIED: u64 = 100;
@@ -134,7 +135,11 @@ mod tests {
             let said =
                 report.problems.iter().find(|p| p.code == "default-moves").map_or("", |p| p.text.as_str());
             let stay = ["duplex", "archilogic", "gama"].iter().any(|n| name.contains(n));
-            assert_eq!(said.contains(&format!("{parameters} parameters are left")), stay, "{name}: {said}");
+            assert_eq!(
+                said.contains(&format!("left: {}", counted(parameters as u64, "parameter"))),
+                stay,
+                "{name}: {said}"
+            );
             let doors = Doors::new(&base.plan, &base.axes);
             for at in places(&base.moves) {
                 let found = doors.narrowed(&base.moves.apply(&base.plan, &base.graph, &at));

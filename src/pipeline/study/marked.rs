@@ -18,7 +18,7 @@ use crate::plan::graph::Graph;
 use crate::plan::layers::WallLayers;
 use crate::plan::markers::{self, Group, place_in};
 use crate::plan::{Plan, Region, box_of};
-use crate::report::{Error, Place, Report};
+use crate::report::{Error, Place, Report, counted};
 
 /// Whether anybody said in the drawing what moves or stays, so that it can be used or not: then nothing moves by default.
 pub(super) fn is_any(drawing: &Drawing, plan: &Plan) -> bool {
@@ -127,16 +127,20 @@ pub(super) fn state_left(
     let told = report.problems.iter_mut().rev().find(|p| p.code == "default-moves");
     let Some(told) = told.filter(|_| moves.parameters.len() < found) else { return };
     if held == 0 {
-        told.text +=
-            &format!("; some of them stay all the same, {} parameters are left", moves.parameters.len());
+        told.text += &format!(
+            "; some of them stay all the same, left: {}",
+            counted(moves.parameters.len() as u64, "parameter")
+        );
     } else if moves.parameters.is_empty() {
         told.text = format!(
             "nothing may move, the present layout is measured: no EF-MOVE, and EF-KEEP holds all {held} elements, walls \
              and doors that would move by default"
         );
     } else {
-        told.text +=
-            &format!("; it holds {held} of them here, {} parameters are left", moves.parameters.len());
+        told.text += &format!(
+            "; it holds {held} of them here, left: {}",
+            counted(moves.parameters.len() as u64, "parameter")
+        );
     }
 }
 

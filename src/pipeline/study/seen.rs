@@ -18,29 +18,54 @@ use crate::moves::Layout;
 use crate::plan::geometry::UM_PER_M;
 use crate::report::{Error, Place, Report};
 
-/// Most memory that making a visibility graph may take, bytes: 100,000 vertices fit that all see each other, and
+/// Most memory that a run may take for its visibility graph, bytes: 100,000 vertices fit that all see each other, and
 /// a million where few do. More would be taken from the machine until it stops.
-pub const GRAPH_BYTES_MAX: u64 = 6 << 30;
+pub const GRAPH_BYTES_MAX: u64 = 8 << 30;
+
+/// Share of [`GRAPH_BYTES_MAX`] that a spacing which is recommended may take.
+const ADVISED_SHARE: f64 = 0.8;
+/// By how much a spacing that would not do yet is widened.
+const WIDER: f64 = 1.1;
+/// Spacings tried for one to recommend.
+const TRIES: usize = 8;
 
 /// Refuses a lattice whose graph under what never moves would take more memory than [`GRAPH_BYTES_MAX`].
 fn refuse_dense(lattice: &Lattice, ground: &Ground<'_>) -> Result<(), Error> {
-    let fixed = Obstacles { segments: ground.fixed.to_vec(), blind: Vec::new() };
-    let Some(bytes) = bytes_beyond(lattice, &fixed, GRAPH_BYTES_MAX) else { return Ok(()) };
+    let Some(bytes) = bytes_of(lattice, ground, GRAPH_BYTES_MAX) else { return Ok(()) };
     let gib = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
-    let spacing_m = lattice.spacing_um as f64 / UM_PER_M;
-    // Vertices grow with the square of the fineness, and so does what each of them sees.
-    let wider = spacing_m * (bytes as f64 / GRAPH_BYTES_MAX as f64).powf(0.25);
-    let digit = 10f64.powf(wider.log10().floor() - 1.0);
     let text = format!(
-        "spacing {spacing_m} m gives {} vertices that see so many others that their visibility graph would take about \
+        "spacing {} m gives {} vertices that see so many others that with their visibility graph a run would take about \
          {:.1} GiB, expected at most {} GiB; nothing was measured; choose a larger --spacing (about {} m would do) or \
          smaller regions (EF-QUERY and EF-REFERENCE, --query)",
+        lattice.spacing_um as f64 / UM_PER_M,
         lattice.cells.len(),
         gib(bytes),
         gib(GRAPH_BYTES_MAX),
-        format!("{:.3}", (wider / digit).ceil() * digit).trim_end_matches('0').trim_end_matches('.')
+        format!("{:.3}", advised_m(bytes, ground)).trim_end_matches('0').trim_end_matches('.')
     );
     Err(Error::input("graph-bytes-max", Place::file(ground.file), text))
+}
+
+fn bytes_of(lattice: &Lattice, ground: &Ground<'_>, limit: u64) -> Option<u64> {
+    bytes_beyond(lattice, &Obstacles { segments: ground.fixed.to_vec(), blind: Vec::new() }, limit)
+}
+
+/// A spacing, metres, at which a run takes well less than [`GRAPH_BYTES_MAX`], where `bytes` are needed now.
+fn advised_m(bytes: u64, ground: &Ground<'_>) -> f64 {
+    let most = ADVISED_SHARE * GRAPH_BYTES_MAX as f64;
+    // Vertices grow with the square of the fineness, and so does what each of them sees, at most.
+    let mut wider = ground.spacing_um as f64 / UM_PER_M * (bytes as f64 / most).powf(0.25);
+    for _ in 0..TRIES {
+        let digit = 10f64.powf(wider.log10().floor() - 1.0);
+        wider = (wider / digit).ceil() * digit;
+        let spacing_um = (wider * UM_PER_M).round() as i64;
+        let coarser = lattice(&Ground { spacing_um, ..ground.clone() }, &mut Report::default());
+        if coarser.is_ok_and(|l| bytes_of(&l, ground, most as u64).is_none()) {
+            break;
+        }
+        wider *= WIDER;
+    }
+    wider
 }
 
 /// What a region of query has in one layout.
@@ -116,10 +141,7 @@ impl Scene {
             Some(roots) => Evaluator::sampled(Arc::clone(&lattice), ground.fixed, &moving, roots),
             None => Evaluator::new(Arc::clone(&lattice), ground.fixed, &moving),
         };
-        let mut all = moving;
-        all.segments.extend(ground.fixed);
-        let graph = visibility_graph(&lattice, &all);
-        let (edges, components) = (graph.edge_count(), graph.components());
+        let (edges, components) = (evaluator.initial_edges(), evaluator.initial_components().to_vec());
         Ok(Self { lattice, cells, components, evaluator, edges, asked })
     }
 
@@ -304,6 +326,7 @@ mod tests {
             query: &ring,
             reference: &ring,
             seeds_um: &[],
+            seed_names: &[],
             fixed: &[],
             movable: &[],
             fixed_solids: &[],
@@ -323,9 +346,12 @@ mod tests {
             "hall.dxf",
             "spacing 1 m gives 160000 vertices",
             &format!("GiB, expected at most {} GiB", GRAPH_BYTES_MAX >> 30),
-            "nothing was measured; choose a larger --spacing (about 1.2 m would do)",
+            "nothing was measured; choose a larger --spacing (about 1.3 m would do)",
         ] {
             assert!(said.contains(words), "{said}");
         }
+        let advised: f64 = said.split("(about ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+        let coarser = hall((400.0 / advised) as i64);
+        assert!(coarser.is_ok(), "what is recommended is taken");
     }
 }

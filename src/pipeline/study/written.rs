@@ -16,7 +16,7 @@ use crate::plan::curve::{control_points, trace_like};
 use crate::plan::drawing::Shape;
 use crate::plan::geometry::{PointUm, Segment};
 use crate::plan::{Plan, PlanOptions, understand};
-use crate::report::{Error, Place, Report};
+use crate::report::{Error, Place, Report, counted};
 
 impl Study {
     /// Measures a drawing that this study wrote of a layout, from its bytes and from scratch, on the study's
@@ -71,8 +71,8 @@ impl Study {
         let again = understand(&drawing, &options, &mut report)?;
         if again.walls.len() != plan.walls.len() {
             let text = format!(
-                "{} wall elements after writing, {} before; nothing was written",
-                again.walls.len(),
+                "{} after writing, {} before; nothing was written",
+                counted(again.walls.len() as u64, "wall element"),
                 plan.walls.len()
             );
             return Err(Error::input("written-walls", Place::file(&plan.file), text));

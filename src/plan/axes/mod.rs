@@ -476,13 +476,18 @@ impl AxisGraph {
         }
         if !self.closures.is_empty() {
             let limit = tolerances::ERROR_GAP_M;
-            said.push(format!("{} gaps of drawing error (up to {limit} m) closed", self.closures.len()));
+            let gaps = counted(self.closures.len() as u64, "gap");
+            said.push(format!("{gaps} of drawing error (up to {limit} m) closed"));
         }
         if !self.leftovers.is_empty() {
             let mut reasons: std::collections::BTreeMap<&str, usize> = std::collections::BTreeMap::new();
             self.leftovers.iter().for_each(|l| *reasons.entry(l.reason).or_default() += 1);
             let listed: Vec<String> = reasons.iter().map(|(why, n)| format!("{n} ({why})")).collect();
-            said.push(format!("{} wall pieces left out: {}", self.leftovers.len(), listed.join(", ")));
+            said.push(format!(
+                "{} left out: {}",
+                counted(self.leftovers.len() as u64, "wall piece"),
+                listed.join(", ")
+            ));
         }
         self.statements.extend(said);
     }
