@@ -624,6 +624,13 @@ fn outlines_of_rooms_go_with_their_walls() {
     let beside = [[4.1, 0.0], [9.0, 0.0], [9.0, 4.0], [4.1, 4.0]];
     let off = [[0.0, 0.5], [4.0, 0.5], [4.0, 4.0], [0.3, 3.9]];
     let free = [[1.0, 1.0], [4.0, 1.0], [2.0, 2.0]];
+    // A fill lies on the room's outline as well as on the walls.
+    let fill = |points: &[[f64; 2]]| {
+        let corners: String = points.iter().map(|[x, y]| format!("10|{x}|20|{y}|")).collect();
+        format!(
+            "0|HATCH|5|D0|8|COLOR|10|0.0|20|0.0|30|0.0|2|SOLID|70|1|71|1|91|1|92|2|72|0|73|1|93|4|{corners}97|1|330|B1|75|0|"
+        )
+    };
     let leader = "0|MULTILEADER|5|C0|8|NOTE|300|CONTEXT_DATA{|10|7|20|7|302|LEADER{|10|8|20|8|304|LEADER_LINE{|10|4|20|1|30|0|\
                   91|0|305|}|303|}|301|}|";
     let far = leader.replace("5|C0", "5|C1").replace("10|4|20|1", "10|5|20|1");
@@ -642,6 +649,7 @@ fn outlines_of_rooms_go_with_their_walls() {
         ring("B5", "EF-QUERY", &room),
         leader.into(),
         far,
+        fill(&beside),
     ];
     let bytes =
         format!("0|SECTION|2|ENTITIES|{}0|ENDSEC|0|EOF|", text.concat()).replace('|', "\n").into_bytes();
@@ -665,8 +673,9 @@ fn outlines_of_rooms_go_with_their_walls() {
     let moved = [
         ring("B0", "AREA-ASSIGN", &[[0.0, 0.0], [4.5, 0.0], [4.5, 4.0], [0.0, 4.0]]),
         ring("B1", "AREA-ASSIGN", &[[4.6, 0.0], [9.0, 0.0], [9.0, 4.0], [4.6, 4.0]]),
+        fill(&[[4.6, 0.0], [9.0, 0.0], [9.0, 4.0], [4.6, 4.0]]),
     ];
-    for record in text[8..].iter().chain(&moved) {
+    for record in text[8..14].iter().chain(&moved) {
         assert!(written.contains(&record.replace('|', "\n")), "{record}\n{written}");
     }
 }

@@ -45,33 +45,36 @@ pub(super) fn following(
     edits: &[Edit],
     held: &HashSet<usize>,
 ) -> Vec<Following> {
-    let moved = Ground::moved(drawing, edits);
+    let mut moved = Ground::moved(drawing, edits);
     if moved.nodes.is_empty() {
         return Vec::new();
     }
-    let edited: HashSet<usize> = edits.iter().map(Edit::record).collect();
+    let mut edited: HashSet<usize> = edits.iter().map(Edit::record).collect();
     let is_free = |record: &usize| !held.contains(record) && !edited.contains(record);
-    let is_area = |&record: &usize| {
+    let layer = |record: usize| {
         let layer = own_pairs(tokens, record).find(|(_, p)| p.code == 8);
-        let layer =
-            layer.map_or_else(String::new, |(_, p)| String::from_utf8_lossy(tokens.value(p)).into_owned());
-        let is_room = || is_closed_polyline(tokens, record) && role_by_name(&layer).0 == Role::Room;
-        !is_own(&layer) && (FILLS.contains(&tokens.name(record)) || is_room())
+        layer.map_or_else(String::new, |(_, p)| String::from_utf8_lossy(tokens.value(p)).into_owned())
     };
-    let others: HashSet<usize> = drawing
-        .entities
-        .iter()
-        .map(|e| e.source.record)
-        .filter(|r| !held.contains(r))
-        .chain(edited.clone())
-        .collect();
     let section = tokens.section(b"ENTITIES").unwrap_or(0..0);
-    let areas = section.filter(is_free).filter(is_area);
-    let of = |record: usize| {
-        let passed_over = if FILLS.contains(&tokens.name(record)) { &edited } else { &others };
-        Area::read(tokens, record)?.following(&moved, drawing, passed_over)
+    let is_fill = |record: &usize| FILLS.contains(&tokens.name(*record)) && !is_own(&layer(*record));
+    let is_room =
+        |record: &usize| is_closed_polyline(tokens, *record) && role_by_name(&layer(*record)).0 == Role::Room;
+    let fills: Vec<usize> = section.clone().filter(is_free).filter(is_fill).collect();
+    let rooms: Vec<usize> = section.filter(is_free).filter(is_room).collect();
+    let shown = drawing.entities.iter().map(|e| e.source.record);
+    let others: HashSet<usize> = shown.filter(|r| !held.contains(r)).chain(edited.clone()).collect();
+    let of = |record: usize, moved: &Ground, passed_over: &HashSet<usize>| {
+        Area::read(tokens, record)?.following(moved, drawing, passed_over)
     };
-    areas.filter_map(of).collect()
+    let mut out: Vec<Following> = rooms.into_iter().filter_map(|r| of(r, &moved, &others)).collect();
+    // What fills a room lies on its outline as well as on the walls.
+    for room in &out {
+        moved.add_ring(&room.corners);
+        edited.insert(room.edit.record());
+    }
+    out.extend(fills.into_iter().filter_map(|r| of(r, &moved, &edited)));
+    out.sort_by_key(|f| f.edit.record());
+    out
 }
 
 fn is_closed_polyline(tokens: &Tokens<'_>, record: usize) -> bool {
@@ -427,6 +430,11 @@ impl Ground {
         }
         let on = |f: &&Face| distance_to_segment(p, f.from) <= tolerance;
         self.faces.iter().filter(on).any(|f| distance_to_line(p, f.to) > tolerance)
+    }
+
+    /// Adds what goes along with the rest.
+    fn add_ring(&mut self, [before, after]: &[Vec<DVec2>; 2]) {
+        self.nodes.extend(before.iter().zip(after).map(|(&from, &to)| Node { from, to }));
     }
 
     fn bounds(&self) -> Option<[DVec2; 2]> {
