@@ -1,7 +1,9 @@
 //! Any bytes that are a drawing: writing back what was read changes nothing, moving it changes its own
 //! records alone, and what we add comes off again.
 
-use enfilade::formats::dxf::{Limits, ReadOptions, changed_records, patch, read, strip_own};
+use std::collections::HashSet;
+
+use enfilade::formats::dxf::{Limits, ReadOptions, changed_records, patch, read, strip_own, tied};
 use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Mark, RigidMotion, Shape};
 use enfilade::plan::own_layers::{MOVED, MOVED_RGB, NOTE, NOTE_RGB};
 use enfilade::report::Report;
@@ -44,6 +46,16 @@ pub fn check(bytes: &[u8]) -> bool {
         {
             assert!(a.source.record != b.source.record || a == b, "{b:?} changed without an edit: {a:?}");
         }
+    }
+    // Of the walls alone, so that some things stand.
+    let half: Vec<Edit> = edits.iter().take(edits.len().div_ceil(2)).cloned().collect();
+    for edits in [edits, half] {
+        let found = tied("fuzz.dxf", bytes, &drawing, &edits, &HashSet::new());
+        let found = found.unwrap_or_else(|error| panic!("what is tied to an edit cannot be found: {error}"));
+        let follow: Vec<Edit> =
+            edits.iter().cloned().chain(found.following.into_iter().map(|f| f.edit)).collect();
+        let written = patch("fuzz.dxf", bytes, &follow, &[]);
+        assert!(written.is_ok(), "what goes along cannot be written: {written:?}");
     }
     for insert in
         drawing.entities.iter().filter(|e| matches!(e.editable, Editable::WithInsert { .. })).take(3)
