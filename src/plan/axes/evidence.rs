@@ -6,7 +6,7 @@ use super::assembly::Spare;
 use super::carrier::Carrier;
 use super::near::Buckets;
 use super::spans::{self, Span};
-use super::tolerances::{BOTH_WAYS_RAD, ERROR_GAP_M, LEAF_M, SWING_MAX_RAD};
+use super::tolerances::{BOTH_WAYS_RAD, ERROR_GAP_M, LEAF_M, PASSAGE_MAX_M, SWING_MAX_RAD};
 use super::{Drawn, Mark, OpeningKind, Path, Role};
 use crate::plan::is_inside_ring;
 
@@ -74,6 +74,7 @@ impl<'a> Evidence<'a> {
             }
         }
         for m in self.bay(&around, &band) {
+            seen.window_spans.push(gap);
             seen.window.get_or_insert(self.drawn.marks[m as usize].word.clone());
             seen.marks.push(m);
         }
@@ -252,6 +253,8 @@ pub struct Seen {
     /// What parts of doors reach along the gap.
     door_spans: Vec<Span>,
     window: Option<String>,
+    /// What windows reach along the gap.
+    window_spans: Vec<Span>,
     panes: bool,
     /// Indices of [`Drawn::marks`] that belong to the opening.
     pub marks: Vec<u32>,
@@ -298,6 +301,9 @@ impl Seen {
         if mark.role == Role::Door && (inside || swing) {
             self.door_spans.extend(mark.paths.iter().filter_map(|p| band.reach_of(p)));
         }
+        if matches!(mark.role, Role::Window | Role::Glazing) && shows_window {
+            self.window_spans.extend(mark.paths.iter().filter_map(|p| band.reach_of(p)));
+        }
         match mark.role {
             Role::Door if inside || swing => self.door.get_or_insert(mark.word.clone()),
             Role::Window | Role::Glazing if shows_window => self.window.get_or_insert(mark.word.clone()),
@@ -315,9 +321,11 @@ impl Seen {
         let with = |what: &str, word: &str| {
             if word.is_empty() { what.to_string() } else { format!("{what}: {word}") }
         };
-        let reach_m: f64 =
-            spans::joined(self.door_spans.clone(), ERROR_GAP_M).into_iter().map(spans::length).sum();
-        if let Some(word) = self.door.as_ref().filter(|_| self.swing || reach_m >= DOOR_COVER * self.gap_m) {
+        let reach_m = |of: &Vec<Span>| -> f64 {
+            spans::joined(of.clone(), ERROR_GAP_M).into_iter().map(spans::length).sum()
+        };
+        let doors_m = reach_m(&self.door_spans);
+        if let Some(word) = self.door.as_ref().filter(|_| self.swing || doors_m >= DOOR_COVER * self.gap_m) {
             return (
                 OpeningKind::Door,
                 with(if self.swing { "door swing and layer or block" } else { "layer or block" }, word),
@@ -326,7 +334,9 @@ impl Seen {
         if self.swing {
             return (OpeningKind::Door, "door swing".into());
         }
-        if let Some(word) = &self.window {
+        // Beyond the end of a wide gap another wall may begin that has nothing to do with the window.
+        let is_filled = self.gap_m <= PASSAGE_MAX_M || reach_m(&self.window_spans) >= PANE_COVER * self.gap_m;
+        if let Some(word) = self.window.as_ref().filter(|_| is_filled) {
             return (OpeningKind::Window, with("layer or block", word));
         }
         if self.panes {

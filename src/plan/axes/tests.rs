@@ -327,3 +327,23 @@ fn a_free_curve_is_one_wall_however_its_faces_were_traced() {
         }
     }
 }
+
+/// A window that begins at a wall's end and turns away from its line does not reach as far as the next wall beyond.
+#[test]
+fn a_window_is_as_wide_as_its_glass() {
+    let found = |glass: [f64; 4]| {
+        let mut drawn = lines(&[
+            [0.0, 0.0, 4.0, 0.0],
+            [0.0, 0.2, 4.0, 0.2],
+            [4.0, 0.0, 4.0, 0.2],
+            [8.0, -3.0, 8.0, 3.0],
+            [8.2, -3.0, 8.2, 3.0],
+        ]);
+        let [a, b, c, d] = glass;
+        let paths = vec![Path::Line { a: DVec2::new(a, b), b: DVec2::new(c, d) }];
+        drawn.marks.push(Mark { paths, role: Role::Window, group: 0, word: "WINDOWS".into() });
+        AxisGraph::new(&drawn).openings.len()
+    };
+    assert_eq!(found([4.0, 0.1, 8.0, 0.1]), 1);
+    assert_eq!(found([4.0, 0.1, 4.4, 0.14]), 0);
+}
