@@ -679,3 +679,39 @@ fn outlines_of_rooms_go_with_their_walls() {
         assert!(written.contains(&record.replace('|', "\n")), "{record}\n{written}");
     }
 }
+
+/// A floor whose edge runs on past the end of a wall's face would turn askew with the one corner that lies on it: it stays and
+/// is named. With a corner at that end too, what crosses the opening would be askew.
+#[test]
+fn fills_that_run_on_past_a_face_stay() {
+    let line = |handle: &str, [x0, y0, x1, y1]: [f64; 4]| {
+        format!("0|LINE|5|{handle}|8|A-WALL|10|{x0}|20|{y0}|11|{x1}|21|{y1}|")
+    };
+    let fill = |handle: &str, points: &[[f64; 2]]| {
+        let corners: String = points.iter().map(|[x, y]| format!("10|{x}|20|{y}|")).collect();
+        let n = points.len();
+        format!(
+            "0|HATCH|5|{handle}|8|F|10|0.0|20|0.0|30|0.0|2|SOLID|70|1|71|1|91|1|92|2|72|0|73|1|93|{n}|{corners}97|0|75|0|"
+        )
+    };
+    let text = [
+        line("A0", [5.0, 0.0, 5.0, 6.5]),
+        line("A1", [5.1, 0.0, 5.1, 6.5]),
+        line("A2", [5.0, 6.5, 5.1, 6.5]),
+        line("A3", [0.0, 0.0, 9.0, 0.0]),
+        line("A4", [0.0, 8.0, 9.0, 8.0]),
+        line("A5", [0.0, 0.0, 0.0, 8.0]),
+        fill("B0", &[[0.0, 0.0], [5.0, 0.0], [5.0, 8.0], [0.0, 8.0]]),
+        fill("B1", &[[0.0, 0.0], [5.0, 0.0], [5.0, 6.5], [5.0, 8.0], [0.0, 8.0]]),
+        fill("B2", &[[5.0, 0.0], [5.1, 0.0], [5.1, 6.5], [5.0, 6.5]]),
+    ];
+    let bytes =
+        format!("0|SECTION|2|ENTITIES|{}0|ENDSEC|0|EOF|", text.concat()).replace('|', "\n").into_bytes();
+    let (read, _) = read_whole("plan.dxf", &bytes);
+    let record = |handle: &str| {
+        read.entities.iter().find(|e| e.source.handle.as_deref() == Some(handle)).unwrap().source.record
+    };
+    let found = tied_to(&bytes, &read, &["A0", "A1", "A2"].map(record), DVec2::X * 0.5);
+    let stale: Vec<&str> = found.stale.iter().filter_map(|s| s.handle.as_deref()).collect();
+    assert_eq!((stale, found.following.len()), (vec!["B0", "B1"], 1));
+}

@@ -260,7 +260,10 @@ impl Area {
                 let length = |points: &[DVec2]| points[a].distance(points[b]);
                 (length(&new) - length(&self.points)).abs() <= self.tolerance
             });
-            if !stays_round || !self.keeps_its_side(outline, &new) {
+            if !stays_round
+                || !self.keeps_its_side(outline, &new)
+                || !self.keeps_its_edges(grounds, outline, &new)
+            {
                 return None;
             }
         }
@@ -278,6 +281,31 @@ impl Area {
     /// Points by which the outlines are made: corners, and the centres of arcs.
     fn bound(&self) -> impl Iterator<Item = usize> {
         self.outlines.iter().flat_map(|o| o.corners.iter().copied().chain(o.arcs.iter().map(|a| a.centre)))
+    }
+
+    /// Whether every edge keeps its direction or turns with a face on which it lies whole, or all of the outline turns as one:
+    /// an edge that runs on past the end of a face would go astray.
+    fn keeps_its_edges(&self, grounds: &[&Ground], outline: &Outline, new: &[DVec2]) -> bool {
+        let corners = &outline.corners;
+        let (old, tolerance) = (&self.points, self.tolerance);
+        let as_far =
+            |i: usize, j: usize| (new[i].distance(new[j]) - old[i].distance(old[j])).abs() <= tolerance;
+        let edges = || (0..corners.len()).map(|k| (corners[k], corners[(k + 1) % corners.len()]));
+        if edges().all(|(i, j)| as_far(i, j)) && corners.iter().all(|&i| as_far(corners[0], i)) {
+            return true;
+        }
+        edges().all(|(i, j)| {
+            let along = (old[j] - old[i]).normalize_or_zero();
+            let step = new[j] - new[i];
+            let is_parallel = along.perp_dot(step).abs() <= tolerance && along.dot(step) >= -tolerance;
+            let on = |f: &Face| {
+                [i, j].iter().all(|&k| {
+                    distance_to_segment(old[k], f.from) <= tolerance
+                        && distance_to_line(new[k], f.to) <= tolerance
+                })
+            };
+            is_parallel || grounds.iter().flat_map(|g| &g.faces).any(on)
+        })
     }
 
     fn keeps_its_side(&self, outline: &Outline, new: &[DVec2]) -> bool {
