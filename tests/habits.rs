@@ -264,6 +264,25 @@ fn windows_in_walls_drawn_through_are_found() {
         check(&out).windows
     };
     assert_eq!(house(None), 0);
+    let radiator = |x: f64| {
+        let ring = [[x, 0.35], [x + 1.2, 0.35], [x + 1.2, 0.45], [x, 0.45], [x, 0.35]];
+        let sides = ring.windows(2).map(|w| line("A-WALL", [w[0][0], w[0][1], w[1][0], w[1][1]]));
+        sides.collect::<String>() + &line("A-WALL", [x, 0.4, x + 1.2, 0.4])
+    };
+    let mut heated = String::new();
+    for [x0, y0, x1, y1] in [[0.0, 0.0, 12.0, 8.0], [0.3, 0.3, 11.7, 7.7]] {
+        let ring = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]];
+        heated += &ring
+            .windows(2)
+            .map(|w| line("A-WALL", [w[0][0], w[0][1], w[1][0], w[1][1]]))
+            .collect::<String>();
+    }
+    let partition = [[5.0, 0.3], [5.15, 0.3], [5.15, 5.0], [5.0, 5.0], [5.0, 0.3]];
+    heated += &partition
+        .windows(2)
+        .map(|w| line("A-WALL", [w[0][0], w[0][1], w[1][0], w[1][1]]))
+        .collect::<String>();
+    assert_eq!(check(&(heated + &radiator(1.0) + &radiator(7.0))).windows, 0, "radiators are no windows");
     for apart in [0.04, 0.05, 0.06, 0.07, 0.1, 0.12] {
         assert_eq!(house(Some(apart)), 1, "{apart}");
     }

@@ -71,13 +71,31 @@ impl Body {
     }
 }
 
+/// Shortest wall on either side of a window in a wall that is drawn through: a box with lines in it is a radiator.
+const BESIDE_WINDOW_M: f64 = 0.2;
+
 /// The axis graph of a plan, and for every mark that it was understood from the index of its entity.
 pub fn axes(plan: &Plan, drawing: &Drawing) -> (AxisGraph, Vec<usize>) {
     let (drawn, marked) = drawn(plan, drawing);
     let mut axes = AxisGraph::new(&drawn);
     // Where wall lines run through and nothing shows a door or a window, there is no gap.
-    let has_panes = |o: &Opening| o.kind == OpeningKind::Window && !o.faces.is_empty();
-    axes.openings.retain(|o| o.through.is_empty() || !o.marks.is_empty() || has_panes(o));
+    let goes_on = |node: u32| {
+        let beyond = axes.edges.iter().filter(|e| e.nodes.contains(&node)).map(|e| {
+            let [a, b] = axes.ends(e);
+            a.distance(b)
+        });
+        beyond.fold(0.0, f64::max) >= BESIDE_WINDOW_M
+    };
+    let is_window = |o: &Opening| {
+        let is_between = o.jambs.iter().all(|j| j.edge.is_some() || j.node.is_some_and(goes_on));
+        // The wall's own faces are no panes.
+        let has_panes = o.faces.iter().any(|f| !o.through.contains(f));
+        o.kind == OpeningKind::Window && has_panes && is_between
+    };
+    let shows: Vec<bool> =
+        axes.openings.iter().map(|o| o.through.is_empty() || !o.marks.is_empty() || is_window(o)).collect();
+    let mut shows = shows.into_iter();
+    axes.openings.retain(|_| shows.next().unwrap_or(true));
     rooms::open_touching(plan, &mut axes);
     axes.count_again();
     (axes, marked)
