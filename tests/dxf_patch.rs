@@ -603,6 +603,10 @@ fn what_fills_a_wall_goes_with_it() {
     for record in expected {
         assert!(written.contains(&record.replace('|', "\n")), "{record}\n{written}");
     }
+    // A round column that moves alone takes its fill along.
+    let alone = tied("plan.dxf", &bytes, &read, &edits[4..5], &HashSet::new()).unwrap().following;
+    let to = [vec![DVec2::new(12.0, 2.0)], vec![DVec2::new(12.0, 3.0)]];
+    assert_eq!(alone.into_iter().map(|f| f.corners).collect::<Vec<_>>(), [to]);
     let unmoved: HashSet<usize> = found.following.iter().map(|f| f.edit.record()).take(1).collect();
     let held = tied("plan.dxf", &bytes, &read, &edits[..5], &unmoved).unwrap();
     assert_eq!(held.following.len(), 5);

@@ -244,46 +244,27 @@ fn a_column_of_lines_is_one_drawn_as_an_outline() {
 /// far apart, be it as far as a partition is thick.
 #[test]
 fn windows_in_walls_drawn_through_are_found() {
-    let house = |apart: Option<f64>| {
-        let mut out = String::new();
-        for [x0, y0, x1, y1] in [[0.0, 0.0, 10.0, 7.0], [0.3, 0.3, 9.7, 6.7]] {
-            let ring = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]];
-            out += &ring
-                .windows(2)
-                .map(|w| line("A-WALL", [w[0][0], w[0][1], w[1][0], w[1][1]]))
-                .collect::<String>();
-        }
-        out += &line("A-WALL", [3.94, 0.3, 3.94, 6.7]);
-        out += &line("A-WALL", [4.06, 0.3, 4.06, 6.7]);
-        for half in apart.map(|a| a / 2.0).into_iter() {
-            out += &line("A-WALL", [9.7, 2.5, 10.0, 2.5]);
-            out += &line("A-WALL", [9.7, 4.0, 10.0, 4.0]);
-            out += &line("A-WALL", [9.85 - half, 2.5, 9.85 - half, 4.0]);
-            out += &line("A-WALL", [9.85 + half, 2.5, 9.85 + half, 4.0]);
-        }
-        check(&out).windows
+    let outline = |rect: Rect| -> String {
+        let around = corners(rect);
+        (0..4)
+            .map(|k| [around[k], around[(k + 1) % 4]].concat().try_into().unwrap())
+            .map(|l| line("A-WALL", l))
+            .collect()
     };
-    assert_eq!(house(None), 0);
-    let radiator = |x: f64| {
-        let ring = [[x, 0.35], [x + 1.2, 0.35], [x + 1.2, 0.45], [x, 0.45], [x, 0.35]];
-        let sides = ring.windows(2).map(|w| line("A-WALL", [w[0][0], w[0][1], w[1][0], w[1][1]]));
-        sides.collect::<String>() + &line("A-WALL", [x, 0.4, x + 1.2, 0.4])
+    let house = |[w, h]: [f64; 2]| outline([0.0, 0.0, w, h]) + &outline([0.3, 0.3, w - 0.3, h - 0.3]);
+    let window = |apart: f64| {
+        let [inner, outer] = [9.85 - apart / 2.0, 9.85 + apart / 2.0];
+        let across = [2.5, 4.0].map(|y| [9.7, y, 10.0, y]);
+        let along = [inner, outer].map(|x| [x, 2.5, x, 4.0]);
+        across.into_iter().chain(along).map(|l| line("A-WALL", l)).collect::<String>()
     };
-    let mut heated = String::new();
-    for [x0, y0, x1, y1] in [[0.0, 0.0, 12.0, 8.0], [0.3, 0.3, 11.7, 7.7]] {
-        let ring = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]];
-        heated += &ring
-            .windows(2)
-            .map(|w| line("A-WALL", [w[0][0], w[0][1], w[1][0], w[1][1]]))
-            .collect::<String>();
-    }
-    let partition = [[5.0, 0.3], [5.15, 0.3], [5.15, 5.0], [5.0, 5.0], [5.0, 0.3]];
-    heated += &partition
-        .windows(2)
-        .map(|w| line("A-WALL", [w[0][0], w[0][1], w[1][0], w[1][1]]))
-        .collect::<String>();
-    assert_eq!(check(&(heated + &radiator(1.0) + &radiator(7.0))).windows, 0, "radiators are no windows");
+    let plain = house([10.0, 7.0]) + &outline([3.94, 0.3, 4.06, 6.7]);
+    assert_eq!(check(&plain).windows, 0);
     for apart in [0.04, 0.05, 0.06, 0.07, 0.1, 0.12] {
-        assert_eq!(house(Some(apart)), 1, "{apart}");
+        assert_eq!(check(&(plain.clone() + &window(apart))).windows, 1, "{apart}");
     }
+    // Radiators before a wall, as far from its face as a partition is thick.
+    let radiator = |x: f64| outline([x, 0.35, x + 1.2, 0.45]) + &line("A-WALL", [x, 0.4, x + 1.2, 0.4]);
+    let heated = house([12.0, 8.0]) + &outline([5.0, 0.3, 5.15, 5.0]) + &radiator(1.0) + &radiator(7.0);
+    assert_eq!(check(&heated).windows, 0);
 }

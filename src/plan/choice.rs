@@ -100,7 +100,7 @@ pub(super) fn choose_walls(
             taken.contains(e.layer.as_str()) && !hidden.entity(e)
         })
         .collect();
-    state_hidden(drawing, &layers, report);
+    state_hidden(drawing, &layers, &assumed, report);
     if !assumed.is_empty() {
         state_assumed(drawing, &layers, &assumed, report);
         clutter::leave_section(drawing, &mut walls, report);
@@ -218,7 +218,12 @@ fn hidden_walls(layers: &[LayerUse]) -> impl Iterator<Item = &LayerUse> {
 }
 
 /// Names the layers of walls that are left out because they are off or frozen: aloud where nothing else is named after walls.
-fn state_hidden(drawing: &Drawing, layers: &[LayerUse], report: &mut Report) {
+fn state_hidden(
+    drawing: &Drawing,
+    layers: &[LayerUse],
+    assumed: &BTreeMap<String, String>,
+    report: &mut Report,
+) {
     let hidden: Vec<String> = hidden_walls(layers)
         .map(|l| format!("{:?} ({})", l.name, counted(l.entities as u64, "element")))
         .collect();
@@ -231,16 +236,13 @@ fn state_hidden(drawing: &Drawing, layers: &[LayerUse], report: &mut Report) {
         hidden.len(),
         hidden.join(", ")
     );
-    if by_name_shown(layers) {
+    // Taken for its name, or by the user.
+    let is_chosen = |l: &LayerUse| l.role == "wall" && !assumed.contains_key(&l.name);
+    if layers.iter().any(is_chosen) {
         report.info("walls-hidden", Place::file(&drawing.file), text);
     } else {
         report.warn("walls-hidden", Place::file(&drawing.file), text);
     }
-}
-
-/// Whether a layer that is shown was taken for its name or by the user.
-fn by_name_shown(layers: &[LayerUse]) -> bool {
-    layers.iter().any(|l| l.role == "wall" && !l.why.starts_with(ASSUMED))
 }
 
 /// What is read of a sheet.

@@ -8,6 +8,7 @@ use glam::DVec2;
 use super::boundary::{At, Boundary, Piece, boundary, quad};
 use super::curves::is_upright;
 use super::fields::{Fields, VertexSlots, lwpolyline_vertices, own_pairs};
+use super::header::Header;
 use super::tokens::{Pair, Tokens};
 use crate::plan::curve::control_points;
 use crate::plan::distance_to_segment;
@@ -46,14 +47,15 @@ pub(super) fn following(
     held: &HashSet<usize>,
 ) -> Vec<Following> {
     let mut moved = Ground::moved(drawing, edits);
-    if moved.nodes.is_empty() {
+    if moved.bounds().is_none() {
         return Vec::new();
     }
+    let page = Header::read(tokens).page(tokens);
     let mut edited: HashSet<usize> = edits.iter().map(Edit::record).collect();
     let is_free = |record: &usize| !held.contains(record) && !edited.contains(record);
     let layer = |record: usize| {
         let layer = own_pairs(tokens, record).find(|(_, p)| p.code == 8);
-        layer.map_or_else(String::new, |(_, p)| String::from_utf8_lossy(tokens.value(p)).into_owned())
+        layer.map_or_else(String::new, |(_, p)| page.decode(tokens.value(p)))
     };
     let section = tokens.section(b"ENTITIES").unwrap_or(0..0);
     let is_fill = |record: &usize| FILLS.contains(&tokens.name(*record)) && !is_own(&layer(*record));
