@@ -31,6 +31,7 @@ pub mod own_layers;
 pub mod parallels;
 mod paving;
 mod plots;
+pub mod reading;
 pub mod roles;
 pub mod rooms;
 mod rounds;
@@ -206,6 +207,8 @@ pub struct Plan {
     pub obstacles: Vec<obstacles::Obstacle>,
     /// Ground that layers say is outdoors, rings in the drawing frame, micrometres: no interior.
     pub outdoors: Vec<Vec<PointUm>>,
+    /// What every entity was taken for, and how sure that is.
+    pub reading: reading::Reading,
     /// Where north is: degrees anticlockwise from up.
     pub north_deg: f64,
 }
@@ -296,6 +299,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         doors: doors(&drawing, &frame),
         obstacles,
         outdoors,
+        reading: reading::Reading::by_names(&drawing),
         north_deg: drawing.north_deg,
     })
 }

@@ -68,6 +68,25 @@ impl Role {
         }
     }
 
+    /// The role as `enfilade.check/2` names it.
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::Wall => "wall",
+            Self::LowWall => "railing",
+            Self::Glazing | Self::Window => "window",
+            Self::Column => "column",
+            Self::Door => "door",
+            Self::Stair => "stair",
+            Self::Furniture => "furniture",
+            Self::Text => "annotation",
+            Self::Dimension => "dimension",
+            Self::Hatch => "hatch",
+            Self::Grid => "grid",
+            Self::Site => "outside",
+            Self::Roof | Self::Foundation | Self::Room | Self::Unknown => "other",
+        }
+    }
+
     /// Whether it stops a person but not a look at eye level.
     pub fn is_low(self) -> bool {
         matches!(self, Self::LowWall | Self::Glazing)

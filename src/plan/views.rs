@@ -82,6 +82,8 @@ pub struct View {
     pub is_chosen: bool,
     /// What it was judged by, in plain words.
     pub why: String,
+    /// How sure kind and box are, 0 to 1.
+    pub confidence: f64,
 }
 
 /// What a mark of the user says, the one with the most say last.
@@ -576,7 +578,7 @@ fn views(drawing: &Drawing, boxes: &[[DVec2; 2]], metres_per_unit: f64) -> Vec<V
         let (kind, name) = title.unwrap_or((Title::Unknown, String::new()));
         let why = if name.is_empty() { "no title by it".into() } else { format!("titled {name:?}") };
         let (number, wall_pieces, column_pieces, is_chosen) = (0, 0, 0, false);
-        out.push(View { number, name, extent: *extent, wall_pieces, column_pieces, kind, is_chosen, why });
+        out.push(View { number, name, extent: *extent, wall_pieces, column_pieces, kind, is_chosen, why, confidence: 1.0 });
     }
     tell_first_floor(&mut out);
     out
@@ -671,6 +673,7 @@ mod tests {
             kind,
             is_chosen: false,
             why: String::new(),
+            confidence: 1.0,
         }
     }
 

@@ -1,0 +1,53 @@
+//! What a drawing is taken for: its unit, the role of every entity, and how sure that is.
+//!
+//! A [`Reading`] is decided once, before anything is understood, and never changed afterwards.
+
+use super::drawing::{Drawing, Unit};
+use super::roles::{Role, role_by_name};
+
+/// What an entity is taken for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sense {
+    /// Its role.
+    pub role: Role,
+    /// How sure that is, 0 to 1: of the entities with a confidence of 0.9 about 90 % are what they are taken for.
+    pub confidence: f32,
+}
+
+/// How sure the unit is, and why.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct UnitSense {
+    /// 0 to 1.
+    pub confidence: f64,
+    /// Codes of the evidence that spoke for it, the strongest first: `header`, `doors`, `walls`, `dimensions`, `areas`,
+    /// `size`, `user`.
+    pub reasons: Vec<&'static str>,
+    /// The next best unit and how likely it is.
+    pub runner_up: Option<(Unit, f64)>,
+}
+
+/// What a drawing is taken for. See the module page.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// The unit's confidence; the unit itself is [`super::Plan::unit`].
+    pub unit: UnitSense,
+    /// Of every entity of the drawing, in its order.
+    pub senses: Vec<Sense>,
+}
+
+impl Reading {
+    /// By the names of layers alone.
+    pub fn by_names(drawing: &Drawing) -> Self {
+        let sense = |layer: &str| {
+            let role = role_by_name(layer).0;
+            Sense { role, confidence: if role == Role::Unknown { 0.5 } else { 1.0 } }
+        };
+        let unit = UnitSense { confidence: 1.0, ..UnitSense::default() };
+        Self { unit, senses: drawing.entities.iter().map(|e| sense(&e.layer)).collect() }
+    }
+
+    /// The role of an entity, by its index in [`Drawing::entities`].
+    pub fn role(&self, entity: usize) -> Role {
+        self.senses.get(entity).map_or(Role::Unknown, |s| s.role)
+    }
+}
