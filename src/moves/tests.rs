@@ -51,8 +51,14 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
 impl Drawing {
     fn add(&mut self, layer: &str, shape: Shape) -> &mut Entity {
         let source = source(self.entities.len(), layer);
-        let entity =
-            Entity { source, layer: layer.into(), shape, editable: Editable::Free, blocks: Vec::new() };
+        let entity = Entity {
+            source,
+            layer: layer.into(),
+            shape,
+            editable: Editable::Free,
+            blocks: Vec::new(),
+            origin: Default::default(),
+        };
         self.entities.push(entity);
         self.entities.last_mut().unwrap()
     }

@@ -320,6 +320,7 @@ mod tests {
             shape: Shape::Line { a: at(0.0), b: at(4.0) },
             editable: Editable::Free,
             blocks: Vec::new(),
+            origin: Default::default(),
         }
     }
 

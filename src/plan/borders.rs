@@ -224,6 +224,7 @@ mod tests {
             shape: Shape::Line { a: DVec2::from(a), b: DVec2::from(b) },
             editable: Editable::Free,
             blocks: Vec::new(),
+            origin: Default::default(),
         }
     }
 

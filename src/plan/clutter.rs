@@ -233,6 +233,7 @@ mod tests {
             shape: Shape::Line { a: DVec2::new(i as f64 / 3.0, 0.1), b: DVec2::new(i as f64 / 3.0, 2.0) },
             editable: Editable::No("it stands in a block".into()),
             blocks: vec![block.into()],
+            origin: Default::default(),
         };
         let drawing = |shift: usize| {
             let view = (0..2 * ENTITIES_MIN).map(|i| line(i, "view"));

@@ -150,6 +150,30 @@ pub struct Entity {
     pub editable: Editable,
     /// Names of the blocks it was expanded from, outermost first; empty for a direct entity.
     pub blocks: Vec<String>,
+    /// The record that draws it, in the definition where a block shows it.
+    pub origin: Origin,
+}
+
+/// The record that draws an entity, and with which pen.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Origin {
+    /// Which group-0 record of the file it is, from 0.
+    pub record: usize,
+    /// Its handle as written (upper case), if it has one.
+    pub handle: Option<String>,
+    /// The pen by its own word.
+    pub pen: Pen,
+}
+
+/// A pen by the word of one record; what the record leaves to its layer is 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Pen {
+    /// Colour index plus one.
+    pub colour: u16,
+    /// Line weight in hundredths of a millimetre, plus one.
+    pub weight: u16,
+    /// Whether it names a type of line of its own that is not continuous.
+    pub is_dashed: bool,
 }
 
 impl Entity {

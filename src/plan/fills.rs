@@ -154,6 +154,7 @@ mod tests {
             shape,
             editable: Editable::Free,
             blocks: Vec::new(),
+            origin: Default::default(),
         }
     }
 

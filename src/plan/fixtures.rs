@@ -452,6 +452,7 @@ mod tests {
             shape: shape.clone(),
             editable: Editable::Free,
             blocks: Vec::new(),
+            origin: Default::default(),
         };
         let place = |p: DVec2| DVec2::from_angle(turn_rad).rotate(p) + DVec2::new(40.0, -7.0);
         let items = shapes.iter().enumerate().filter_map(|(i, s)| {

@@ -121,7 +121,14 @@ mod tests {
         let layer = "WALL".to_string();
         let source =
             SourceRef { record, handle: None, line: 10 * record, kind: "LINE".into(), layer: layer.clone() };
-        Entity { source, layer, shape, editable: Editable::Free, blocks: Vec::new() }
+        Entity {
+            source,
+            layer,
+            shape,
+            editable: Editable::Free,
+            blocks: Vec::new(),
+            origin: Default::default(),
+        }
     }
 
     /// A house of 10 m in millimetres with one shape more: which records are left, and what is said.

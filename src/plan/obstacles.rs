@@ -264,6 +264,7 @@ mod tests {
             shape: Shape::Line { a: DVec2::new(0.0, 0.28 * i as f64), b: DVec2::new(1.0, 0.28 * i as f64) },
             editable: Editable::Free,
             blocks: Vec::new(),
+            origin: Default::default(),
         };
         let drawing = Drawing::of((0..count).map(line).collect());
         let found = find(&drawing, &[], &[], 1.0, &Frame::new(1.0, [DVec2::ZERO, DVec2::splat(10.0)]));
@@ -279,6 +280,7 @@ mod tests {
             shape: Shape::Line { a: DVec2::from(a), b: DVec2::from(b) },
             editable: Editable::Free,
             blocks: Vec::new(),
+            origin: Default::default(),
         };
         let mut lines = Vec::new();
         for (x, y) in (0..6).flat_map(|x| (0..6).map(move |y| (f64::from(x), f64::from(y)))) {

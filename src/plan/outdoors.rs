@@ -89,6 +89,7 @@ mod tests {
             },
             editable: Editable::Free,
             blocks: Vec::new(),
+            origin: Default::default(),
         }
     }
 

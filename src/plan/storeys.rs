@@ -151,6 +151,7 @@ mod tests {
                 shape: Shape::Line { a, b },
                 editable: Editable::Free,
                 blocks: Vec::new(),
+                origin: Default::default(),
             }
         };
         let x = [0.0, beside];

@@ -260,6 +260,7 @@ impl Sheet {
                     None => Editable::Free,
                 },
                 blocks: insert.map(|(_, name)| name.to_string()).into_iter().collect(),
+                origin: Default::default(),
             });
         }
         Drawing {

@@ -490,7 +490,8 @@ impl Showing<'_> {
                     How::With { editable, .. } => editable.clone(),
                 };
                 let blocks = self.path.clone();
-                self.entities.push(Entity { source, layer, shape, editable, blocks });
+                let origin = reader.origin(item.record);
+                self.entities.push(Entity { source, layer, shape, editable, blocks, origin });
             }
             Body::Fill(shape) => {
                 let shape = mapped(shape, map, reader.five_mm);

@@ -40,7 +40,8 @@ impl Reader<'_, '_> {
             return;
         }
         let editable = Editable::No("it is drawn as a filled area, without a line".into());
-        self.fills.push(Entity { source, layer, shape, editable, blocks });
+        let origin = self.origin(source.record);
+        self.fills.push(Entity { source, layer, shape, editable, blocks, origin });
     }
 
     /// Corners 10, 11, 13, 12 in their order round the area.

@@ -42,7 +42,8 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         let layer = source.layer.clone();
         match item.body {
             Body::Shape(shape, editable) => {
-                entities.push(Entity { source, layer, shape, editable, blocks: Vec::new() });
+                let origin = reader.origin(item.record);
+                entities.push(Entity { source, layer, shape, editable, blocks: Vec::new(), origin });
             }
             Body::Text(at, text) => texts.push(Text { source, layer, at, text }),
             Body::Fill(shape) => reader.add_fill(source, layer, shape, Vec::new()),

@@ -9,7 +9,7 @@ use super::header::{Header, is_sane};
 use super::limits::Limits;
 use super::text::CodePage;
 use super::tokens::{Pair, Tokens, shown};
-use crate::plan::drawing::{Entity, Layer, SourceRef, Undrawn};
+use crate::plan::drawing::{Entity, Layer, Origin, Pen, SourceRef, Undrawn};
 use crate::report::{Error, Place, Report, Severity};
 
 /// One reading of one file.
@@ -252,6 +252,21 @@ impl<'a, 'r> Reader<'a, 'r> {
             kind: shown(self.tokens.name(record)),
             layer: self.layers.name(layer).to_owned(),
         }
+    }
+
+    /// The record that draws something, with its pen.
+    pub fn origin(&self, record: usize) -> Origin {
+        let fields = Fields::of(self.tokens, record);
+        let number = |code: i32| fields.pair(code).and_then(|p| self.tokens.integer(p));
+        // 256 and −1 leave it to the layer.
+        let said = |code: i32, range: std::ops::Range<i64>| {
+            number(code).filter(|n| range.contains(n)).map_or(0, |n| n as u16 + 1)
+        };
+        let line = fields.value(6).map_or(&b""[..], <[u8]>::trim_ascii);
+        let is_dashed =
+            ![&b""[..], b"BYLAYER", b"BYBLOCK", b"CONTINUOUS"].iter().any(|n| n.eq_ignore_ascii_case(line));
+        let pen = Pen { colour: said(62, 0..256), weight: said(370, 0..1000), is_dashed };
+        Origin { record, handle: handle_of(self.tokens, record), pen }
     }
 
     /// Reads the LAYER table.

@@ -454,6 +454,7 @@ fn show(
             shape: Shape::Polyline { vertices, closed },
             editable: editable.clone(),
             blocks: Vec::new(),
+            origin: Default::default(),
         });
     }
     let (path, shown) = (&body.shown.path(), first..out.len());

@@ -650,6 +650,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                     .as_ref()
                     .map_or_else(|| editable.clone(), |(bar, holes)| self.with_ends(bar, holes, ring)),
                 blocks: Vec::new(),
+                origin: Default::default(),
             });
         }
     }
