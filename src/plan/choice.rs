@@ -8,6 +8,7 @@ use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::layers::WallLayers;
 use super::own_layers;
+use super::reading::corrections::{Said, with_walls, without_others};
 use super::roles::{Role, role_by_name};
 use super::scores::{Score, wall_scores};
 use super::views::{MarkKind, STRAY, Sheet, SheetMark, View, far_off, split, strays};
@@ -68,10 +69,13 @@ fn elements(drawing: &Drawing) -> BTreeMap<&str, BTreeSet<usize>> {
 /// [`Error::Usage`] for a layer pattern that cannot be read.
 pub(super) fn choose_walls(
     drawing: &Drawing,
-    options: &PlanOptions,
+    (options, said): (&PlanOptions, &Said),
     report: &mut Report,
 ) -> Result<Chosen, Error> {
-    let by_name = WallLayers::new(&options.wall_layers)?;
+    let by_name = match options.corrections.as_drawn && options.wall_layers.is_empty() {
+        true => WallLayers::new(&["*".to_owned()])?,
+        false => WallLayers::new(&options.wall_layers)?,
+    };
     let by_name = if drawing.format == Format::Dxf { by_name } else { by_name.of_building() };
     let hidden = Hidden::new(drawing);
     let counts = counts(drawing);
@@ -107,7 +111,15 @@ pub(super) fn choose_walls(
         borders::leave_out(drawing, &mut walls, report);
         clutter::leave_out(drawing, &mut walls, report);
     }
+    correct(drawing, said, &mut walls);
     Ok(Chosen { walls, layers })
+}
+
+/// Makes `walls` (ascending) what the user says, as far as it is shown.
+pub(super) fn correct(drawing: &Drawing, said: &Said, walls: &mut Vec<usize>) {
+    let hidden = Hidden::new(drawing);
+    without_others(said, walls);
+    with_walls(said, walls, |i| !hidden.entity(&drawing.entities[i]));
 }
 
 fn counts(drawing: &Drawing) -> BTreeMap<&str, (usize, usize)> {
@@ -282,13 +294,16 @@ pub(super) fn choose_view(
     if views.len() < 2 {
         say_unused_view(drawing, &views, options, report);
         let far = strays(&walls, metres_per_unit);
-        let is_near = |i: &usize| takes_all || of_wall[*i] != STRAY && !far[*i];
+        let is_near = |i: &usize| {
+            takes_all || of_wall[*i] != STRAY && !far[*i] || options.corrections.insists_on(walls[*i])
+        };
         let near: Vec<usize> = (0..walls.len()).filter(is_near).map(|i| chosen.walls[i]).collect();
         state_strays(drawing, chosen.walls.len() - near.len(), report);
         return all_used(near, views);
     }
     match options.view.as_deref().map(str::trim) {
-        None => {}
+        None if !takes_all => {}
+        None => views.iter_mut().for_each(|v| v.is_chosen = true),
         Some(all) if all.eq_ignore_ascii_case("all") => {
             views.iter_mut().for_each(|v| v.is_chosen = true);
         }
@@ -334,7 +349,10 @@ fn sheet(
 
 /// Whether everything on the sheet is to be read.
 fn takes_all(options: &PlanOptions) -> bool {
-    options.view.as_deref().is_some_and(|v| v.trim().eq_ignore_ascii_case("all"))
+    match options.view.as_deref() {
+        Some(view) => view.trim().eq_ignore_ascii_case("all"),
+        None => options.corrections.as_drawn,
+    }
 }
 
 /// A storey is one plan, however many buildings stand on it; without the walls that stand where none of them is.
@@ -398,7 +416,7 @@ pub(super) fn state_columns_only(
     report: &mut Report,
 ) {
     let is_column = |e: &&Entity| role_by_name(&e.layer).0 == Role::Column;
-    if drawing.format == Format::Dxf && options.wall_layers.is_empty() && walls.iter().all(is_column) {
+    if drawing.format == Format::Dxf && options.is_our_choice() && walls.iter().all(is_column) {
         let text = "columns were found and no walls; --wall-layer NAME says which layer the walls are on, \
                     --view which drawing of the sheet is meant";
         report.warn("columns-only", Place::file(&drawing.file), text);
