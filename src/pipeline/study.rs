@@ -46,7 +46,7 @@ use crate::plan::outline::SOLID_ACROSS_M;
 use crate::plan::reading::corrections::Corrections;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
-use crate::plan::{Plan, PlanOptions, Wall, box_of, own_layers, understand};
+use crate::plan::{Plan, PlanOptions, Wall, box_of, own_layers, understand, view_box};
 use crate::report::{Error, Place, Problem, Report, Severity};
 use jambs::keeping_doors;
 use marked::{
@@ -166,6 +166,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         })?),
         None => None,
     };
+    let drawing = &*view_box::within(drawing, settings.view.as_deref());
     let options = PlanOptions { unit, ..plan_options(settings) };
     let understood = understand(drawing, &options, report);
     let mut plan = understood.map_err(|e| within_storey(with_cause(e, report), settings))?;

@@ -2,17 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use glam::DVec2;
-
-use super::curve::control_points;
-use super::drawing::{Drawing, Entity, Format, Shape};
+use super::drawing::{Drawing, Entity, Format};
 use super::layers::WallLayers;
 use super::own_layers;
 use super::reading::corrections::{Said, with_walls, without_others};
 use super::roles::{Role, role_by_name};
 use super::scores::{Score, wall_scores};
 use super::views::{MarkKind, STRAY, Sheet, SheetMark, View, far_off, split, strays};
-use super::{LayerUse, PlanOptions, borders, box_of, clutter, markers};
+use super::{LayerUse, PlanOptions, borders, clutter, markers, view_box};
 use crate::report::{Error, Place, Report, counted};
 
 /// The walls of all views, and what became of the layers.
@@ -290,6 +287,12 @@ pub(super) fn choose_view(
     if options.picked.is_some() {
         return all_used(chosen.walls.clone(), views);
     }
+    if let Some(stated) = view_box::stated(options.view.as_deref()) {
+        let beside = marks.iter().filter(|m| !view_box::meets(&stated, &m.mark.extent));
+        let unused_marks = beside.map(|m| m.record).collect();
+        let views = vec![view_box::view(stated, views.iter().map(|v| v.wall_pieces).sum())];
+        return Ok(Taken { walls: chosen.walls.clone(), views, unused_marks });
+    }
     let takes_all = takes_all(options);
     if views.len() < 2 {
         say_unused_view(drawing, &views, options, report);
@@ -444,19 +447,10 @@ fn marks(drawing: &Drawing, options: &PlanOptions) -> Vec<UserMark> {
             () if bare.eq_ignore_ascii_case(markers::KEEP) => MarkKind::Keep,
             () => MarkKind::Region,
         };
-        let extent = extent(e)?;
+        let extent = view_box::extent(e)?;
         Some(UserMark { mark: SheetMark { extent, kind }, layer: bare.to_owned(), record: e.source.record })
     };
     drawing.entities.iter().filter_map(of).collect()
-}
-
-/// The box of an entity, a circle's too.
-fn extent(e: &Entity) -> Option<[DVec2; 2]> {
-    let round = match e.shape {
-        Shape::Circle { centre, radius } => vec![centre - radius, centre + radius],
-        _ => Vec::new(),
-    };
-    box_of(control_points(&e.shape).into_iter().chain(round))
 }
 
 /// Names the drawings that are not read although something is marked on them.

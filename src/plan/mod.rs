@@ -42,6 +42,7 @@ mod stairs;
 mod storeys;
 pub mod structure;
 pub mod units;
+pub mod view_box;
 pub mod view_names;
 pub mod views;
 pub mod wide;
