@@ -307,7 +307,8 @@ impl Partial {
     /// [`Error::Usage`] with line and column.
     pub fn from_toml(name: &str, text: &str) -> Result<Self, Error> {
         let mut read: Self = toml::from_str(text).map_err(|e| {
-            let place = e.span().map_or_else(|| Place::file(name), |s| reading::place_in(name, text, s.start));
+            let place =
+                e.span().map_or_else(|| Place::file(name), |s| reading::place_in(name, text, s.start));
             Error::usage(
                 "settings",
                 place,

@@ -7,7 +7,9 @@ use crate::config::{ReadingTable, SelectorText};
 
 /// Corrections. Each changes what it names and nothing else.
 #[derive(Clone, Debug, Default, Args)]
-#[command(next_help_heading = "Corrections (SEL: handle:NAME, layer:NAME or block:NAME; * and ? may stand in NAME)")]
+#[command(
+    next_help_heading = "Corrections (SEL: handle:NAME, layer:NAME or block:NAME; * and ? may stand in NAME)"
+)]
 pub struct ReadingArgs {
     /// These are walls; repeatable, as all of these.
     #[arg(long, value_name = "SEL")]

@@ -44,9 +44,9 @@ impl FromStr for SelectorText {
         let is_glob = GlobBuilder::new(glob).backslash_escape(true).build().is_ok();
         match is_known && is_glob {
             true => Ok(Self(format!("{}:{}", kind.trim(), glob.trim()))),
-            false => {
-                Err(format!("found {text:?}, expected handle:NAME, layer:NAME or block:NAME; * and ? may stand in NAME"))
-            }
+            false => Err(format!(
+                "found {text:?}, expected handle:NAME, layer:NAME or block:NAME; * and ? may stand in NAME"
+            )),
         }
     }
 }
@@ -169,8 +169,9 @@ impl ReadingTable {
         ];
         let points = [("inside", &self.inside), ("outside", &self.outside)];
         let named = lists.into_iter().flat_map(|(key, list)| list.iter().map(move |s| (key, s.to_string())));
-        let placed =
-            points.into_iter().flat_map(|(key, list)| list.iter().map(move |[x, y]| (key, format!("{x},{y}"))));
+        let placed = points
+            .into_iter()
+            .flat_map(|(key, list)| list.iter().map(move |[x, y]| (key, format!("{x},{y}"))));
         named.chain(placed).collect()
     }
 }

@@ -463,6 +463,7 @@ impl Study {
             query: &base.plan.markers.query,
             reference: &base.plan.markers.reference,
             seeds_um: &seeds_um,
+            seeds_by_cell: settings.reading.as_drawn == Some(true),
             seed_names: &seed_names,
             fixed: &fixed,
             movable: &movable,

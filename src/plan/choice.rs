@@ -9,7 +9,7 @@ use super::reading::corrections::{Said, with_walls, without_others};
 use super::roles::{Role, role_by_name};
 use super::scores::{Score, wall_scores};
 use super::views::{MarkKind, STRAY, Sheet, SheetMark, View, far_off, split, strays};
-use super::{LayerUse, PlanOptions, borders, clutter, markers, view_box};
+use super::{LayerUse, PlanOptions, borders, clutter, dots, markers, view_box};
 use crate::report::{Error, Place, Report, counted};
 
 /// The walls of all views, and what became of the layers.
@@ -112,11 +112,12 @@ pub(super) fn choose_walls(
     Ok(Chosen { walls, layers })
 }
 
-/// Makes `walls` (ascending) what the user says, as far as it is shown.
+/// Makes `walls` (ascending) what the user says, as far as it is shown and has a size.
 pub(super) fn correct(drawing: &Drawing, said: &Said, walls: &mut Vec<usize>) {
     let hidden = Hidden::new(drawing);
     without_others(said, walls);
     with_walls(said, walls, |i| !hidden.entity(&drawing.entities[i]));
+    walls.retain(|i| !dots::is_dot(&drawing.entities[*i].shape));
 }
 
 fn counts(drawing: &Drawing) -> BTreeMap<&str, (usize, usize)> {

@@ -9,6 +9,7 @@ mod borders;
 mod choice;
 mod clutter;
 pub mod curve;
+mod dots;
 pub mod drawing;
 mod fills;
 pub mod fittings;
@@ -251,6 +252,7 @@ impl PlanOptions {
 pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report) -> Result<Plan, Error> {
     let drawing = fills::joined(drawing, options);
     let (said, as_drawn) = (options.corrections.said(&drawing), options.corrections.as_drawn);
+    dots::state(&drawing, report);
     let mut chosen = choice::choose_walls(&drawing, (options, &said), report)?;
     let (mut extent, mut unit) = sized(&drawing, options, &chosen, report)?;
     if plots::leave_out(&drawing, options, &mut chosen, unit.unit.metres, report) {
@@ -315,7 +317,8 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     }
     let findings = options.corrections.idle(&drawing);
     findings.iter().for_each(|f| f.tell(&drawing.file, report));
-    let reading = reading::Reading { findings, ..reading::Reading::by_names(&drawing).corrected(said, &picked) };
+    let reading =
+        reading::Reading { findings, ..reading::Reading::by_names(&drawing).corrected(said, &picked) };
     Ok(Plan {
         file: drawing.file.clone(),
         format: drawing.format,

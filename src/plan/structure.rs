@@ -12,6 +12,7 @@ use super::axes::{
 };
 use super::box_of;
 use super::curve::control_points;
+use super::dots;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::geometry::{PointUm, Segment, UM_PER_M};
 use super::graph::Handle;
@@ -122,7 +123,9 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
         out.faces.extend(faces);
     }
     let walls = DrawnWalls::new(plan, drawing);
-    let is_other = |(i, e): &(usize, &Entity)| !walls.contains(*i, e) && !own_layers::is_own(&e.layer);
+    let is_other = |(i, e): &(usize, &Entity)| {
+        !walls.contains(*i, e) && !own_layers::is_own(&e.layer) && !dots::is_dot(&e.shape)
+    };
     let others = drawing.entities.iter().enumerate().filter(is_other);
     let others: Vec<(usize, &Entity, Vec<Path>)> =
         others.map(|(i, e)| (i, e, swing_or(paths_of(&e.shape, place)))).collect();

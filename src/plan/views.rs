@@ -578,7 +578,17 @@ fn views(drawing: &Drawing, boxes: &[[DVec2; 2]], metres_per_unit: f64) -> Vec<V
         let (kind, name) = title.unwrap_or((Title::Unknown, String::new()));
         let why = if name.is_empty() { "no title by it".into() } else { format!("titled {name:?}") };
         let (number, wall_pieces, column_pieces, is_chosen) = (0, 0, 0, false);
-        out.push(View { number, name, extent: *extent, wall_pieces, column_pieces, kind, is_chosen, why, confidence: 1.0 });
+        out.push(View {
+            number,
+            name,
+            extent: *extent,
+            wall_pieces,
+            column_pieces,
+            kind,
+            is_chosen,
+            why,
+            confidence: 1.0,
+        });
     }
     tell_first_floor(&mut out);
     out

@@ -81,9 +81,13 @@ impl Selector {
         match self.by {
             By::Layer => [e.layer.as_str(), base_name(&e.layer)].iter().any(|n| self.pattern.is_match(n)),
             By::Block => e.blocks.iter().any(|b| self.pattern.is_match(b)),
-            By::Handle if self.is_glob() => e.source.handle.as_ref().is_some_and(|h| self.pattern.is_match(h)),
+            By::Handle if self.is_glob() => {
+                e.source.handle.as_ref().is_some_and(|h| self.pattern.is_match(h))
+            }
             // Identifiers of a building differ by case alone.
-            By::Handle => e.source.handle.as_ref().is_some_and(|h| *h == self.name || *h == self.name.to_uppercase()),
+            By::Handle => {
+                e.source.handle.as_ref().is_some_and(|h| *h == self.name || *h == self.name.to_uppercase())
+            }
         }
     }
 }
@@ -136,11 +140,17 @@ impl Finding {
     pub fn tell(&self, file: &str, report: &mut Report) {
         let (code, text) = match self {
             Self::Unmatched { selector, nearest } => {
-                let near = nearest.as_ref().map_or_else(String::new, |n| format!(" The nearest name is {n:?}."));
-                ("correction-unmatched", format!("Correction {selector} matches nothing. It was ignored.{near}"))
+                let near =
+                    nearest.as_ref().map_or_else(String::new, |n| format!(" The nearest name is {n:?}."));
+                (
+                    "correction-unmatched",
+                    format!("Correction {selector} matches nothing. It was ignored.{near}"),
+                )
             }
             Self::Hidden { selector } => {
-                let text = format!("All that correction {selector} names is off or frozen. Switch it on or thaw it.");
+                let text = format!(
+                    "All that correction {selector} names is off or frozen. Switch it on or thaw it."
+                );
                 ("correction-hidden", text)
             }
             Self::Open { at: [x, y] } => {
@@ -151,7 +161,8 @@ impl Finding {
                 ("correction-open", text)
             }
             Self::Overruled => {
-                let text = "Regions or seed points say what is measured. Inside and outside points were ignored.";
+                let text =
+                    "Regions or seed points say what is measured. Inside and outside points were ignored.";
                 ("correction-overruled", text.into())
             }
         };
