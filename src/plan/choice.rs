@@ -491,7 +491,10 @@ fn state_marks(
 /// Says that a view was asked for where there is but one plan, unless it is that one.
 fn say_unused_view(drawing: &Drawing, views: &[View], options: &PlanOptions, report: &mut Report) {
     let Some(word) = options.view.as_deref().map(str::trim) else { return };
-    let is_it = word == "1" || word.eq_ignore_ascii_case("all") || find(views, word).is_some();
+    let is_it = word == "1"
+        || view_box::stated(Some(word)).is_some()
+        || word.eq_ignore_ascii_case("all")
+        || find(views, word).is_some();
     if !is_it {
         let text = format!("view {word:?} was asked for, but this is one drawing alone; it is read");
         report.warn("view-unused", Place::file(&drawing.file), text);
