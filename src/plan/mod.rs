@@ -13,6 +13,7 @@ pub mod drawing;
 mod fills;
 pub mod fittings;
 mod fixtures;
+pub mod floor;
 pub mod frame;
 pub mod geometry;
 pub mod giants;
