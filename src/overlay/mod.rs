@@ -19,6 +19,7 @@ pub mod measure;
 pub mod page;
 pub mod palette;
 pub mod picture;
+pub mod reading;
 pub mod result;
 pub mod words;
 

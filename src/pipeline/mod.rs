@@ -5,6 +5,7 @@
 
 pub mod accept;
 mod aims;
+mod asked;
 mod backend;
 mod building;
 pub mod cells;
@@ -12,10 +13,12 @@ mod explain;
 mod fits;
 mod memory;
 mod page;
+mod reading;
 pub mod resolution;
 mod round;
 mod ruler;
 mod rules;
+mod sensed;
 mod show;
 mod spacing;
 mod storeys;
@@ -164,6 +167,8 @@ pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResu
     let drawing = opened.read(&study::read_options(settings), &mut report)?;
     let base = study::understood(&drawing, settings, &mut report)?;
     let mut result = show::check(&base, &report);
+    let sensed = sensed::Sensed::new(&base, settings);
+    result.reading = Some(reading::reading(&base, &drawing, &sensed));
     let mut files = vec![OutFile::new("check.png", check_picture(&base, &result)?)];
     (result.building, result.storeys) = storeys::check(&opened, settings, &base, &mut files, &mut report);
     files.push(OutFile::new("check.json", result::to_json(&result)?));

@@ -442,7 +442,7 @@ pub fn penalty_numbers(worth: &Worth) -> Numbers {
     out
 }
 
-/// `enfilade.check/1`.
+/// `enfilade.check/2` but for its reading.
 pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
     let plan = &base.plan;
     let marks = &plan.markers;
@@ -504,6 +504,7 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
         building: None,
         storeys: Vec::new(),
         problems: report.problems.iter().map(Into::into).collect(),
+        reading: None,
     }
 }
 

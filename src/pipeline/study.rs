@@ -20,6 +20,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use glam::DVec2;
 
 use super::aims;
+use super::sensed;
 use super::building::{self, NamedOpening};
 use super::spacing;
 use crate::analysis::evaluator::Scratch;
@@ -87,6 +88,25 @@ pub struct Understood {
     pub interior: Option<Interior>,
     /// Doors and windows, where the file calls them so.
     pub openings: Vec<NamedOpening>,
+    /// What closes doors and windows when it is asked what lies inside.
+    pub closings: Vec<Segment>,
+    /// For every wall of the plan the index of its entity; filled areas come behind what is drawn.
+    pub entities: Vec<usize>,
+    /// For every mark of the axes the index of its entity.
+    pub marked: Vec<usize>,
+}
+
+impl Understood {
+    /// All faces of its walls.
+    pub fn faces(&self) -> Vec<Segment> {
+        faces(&self.plan)
+    }
+}
+
+/// All faces of the walls of a plan.
+fn faces(plan: &Plan) -> Vec<Segment> {
+    let sided = |w: &'_ Wall| w.trace.segments().flat_map(|s| w.with_sides(s.2)).collect::<Vec<_>>();
+    plan.walls.iter().flat_map(sided).collect()
 }
 
 /// How the settings want a file read.
@@ -177,8 +197,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let mut sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
     sight.close(|wall| building::closes(&plan.walls[wall as usize]));
     let fittings = fittings::fittings(&plan, drawing, &axes, &marked);
-    let sided = |w: &'_ Wall| w.trace.segments().flat_map(|s| w.with_sides(s.2)).collect::<Vec<_>>();
-    let all: Vec<Segment> = plan.walls.iter().flat_map(sided).collect();
+    let all = faces(&plan);
     let mut closings = building::closings(drawing, &plan);
     closings.extend(opening_lines(&plan, &axes));
     let infill = structure::infill_lines(&plan, drawing, &axes);
@@ -203,6 +222,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
     let labels = labels::labels(&plan, drawing, &fittings);
+    let entities = sensed::entities_of_walls(&plan, drawing);
     let base = Understood {
         plan,
         graph,
@@ -215,6 +235,9 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         moves,
         interior,
         openings,
+        closings,
+        entities,
+        marked,
     };
     gaps::state_closed(&base, report);
     Ok(base)

@@ -2,6 +2,8 @@
 //!
 //! A [`Reading`] is decided once, before anything is understood, and never changed afterwards.
 
+pub mod questions;
+
 use super::drawing::{Drawing, Unit};
 use super::roles::{Role, role_by_name};
 
