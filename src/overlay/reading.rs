@@ -6,10 +6,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::result::ElementRef;
+use crate::report::counted;
 
 /// What a drawing is taken for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
+    /// How sure it is in all: as sure as the least sure of unit, drawing and walls.
+    pub confidence: f64,
     /// The unit and how sure it is.
     pub unit: UnitReading,
     /// The drawings of the sheet.
@@ -30,23 +33,50 @@ pub struct Reading {
     pub questions: Vec<QuestionEntry>,
 }
 
+/// What the first line of `check` says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Headline<'a> {
+    /// How sure the reading is in all, 0 to 1.
+    pub confidence: f64,
+    /// Name of the unit.
+    pub unit: &'a str,
+    /// Drawings that are read, walls and doors understood.
+    pub counts: [usize; 3],
+    /// As [`Reading::coverage`].
+    pub coverage: Option<f64>,
+}
+
+impl Headline<'_> {
+    /// How sure the reading is and what is not covered, in one sentence.
+    pub fn words(&self) -> String {
+        let unit = match self.unit {
+            "m" => "metres",
+            "mm" => "millimetres",
+            "cm" => "centimetres",
+            "in" => "inches",
+            "ft" => "feet",
+            other => other,
+        };
+        let [plans, walls, doors] = self.counts.map(|n| n as u64);
+        let counts = [counted(plans, "plan"), counted(walls, "wall"), counted(doors, "door")].join(", ");
+        let share = self.coverage.map_or(String::new(), |c| {
+            format!("; {:.0} % of the floor inside the outline is measured", c * 100.0)
+        });
+        format!("Read with {:.0} % confidence: {unit}, {counts}{share}.", self.confidence * 100.0)
+    }
+}
+
 impl Reading {
-    /// Mean confidence of what is taken as walls and columns; `None` without any.
-    pub fn walls_confidence(&self) -> Option<f64> {
-        let of_walls = self.entities.iter().filter(|e| matches!(e.role.as_str(), "wall" | "column"));
-        let (sum, count) = of_walls.fold((0.0, 0.0), |(sum, n), e| (sum + e.confidence, n + 1.0));
-        (count > 0.0).then(|| sum / count)
-    }
-
-    /// How sure the reading is in all: as sure as the least sure of unit, chosen views and walls.
-    pub fn confidence(&self) -> f64 {
-        let views = self.views.iter().filter(|v| v.chosen).map(|v| v.confidence);
-        views.chain(self.walls_confidence()).fold(self.unit.confidence, f64::min)
-    }
-
-    /// How many openings are of a kind.
-    pub fn count(&self, kind: &str) -> usize {
-        self.openings.iter().filter(|o| o.kind == kind).count()
+    /// The first line of `check`.
+    pub fn headline(&self) -> Headline<'_> {
+        let plans = self.views.iter().filter(|v| v.chosen).count();
+        let doors = self.openings.iter().filter(|o| o.kind == "door").count();
+        Headline {
+            confidence: self.confidence,
+            unit: &self.unit.name,
+            counts: [plans, self.walls.len(), doors],
+            coverage: self.coverage,
+        }
     }
 }
 

@@ -425,6 +425,9 @@ pub struct RoundResult {
     pub lineage: Vec<LineageEntry>,
     /// What was left out or assumed.
     pub problems: Vec<ProblemEntry>,
+    /// What a person should decide about how the drawing is read, least certain first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub questions: Vec<super::reading::QuestionEntry>,
 }
 
 impl RoundResult {

@@ -14,7 +14,11 @@ pub(super) fn entry(doubt: &Doubt, plan: &Plan) -> QuestionEntry {
     let question = &doubt.question;
     let answers = question.corrections().into_iter().map(|c| {
         let (key, value, option) = correction(&c, &at);
-        AnswerEntry { text: answer(question, &c, plan), correction: Map::from_iter([(key.to_owned(), value)]), option }
+        AnswerEntry {
+            text: answer(question, &c, plan),
+            correction: Map::from_iter([(key.to_owned(), value)]),
+            option,
+        }
     });
     let (about, text) = sentence(question, plan);
     QuestionEntry {
@@ -87,7 +91,8 @@ fn sentence(question: &Question, plan: &Plan) -> (&'static str, String) {
                 Witness::Wall => "thick",
                 Witness::Plan => "long",
             };
-            let [first, rest @ ..] = &units.iter().map(|u| metres(length * u.metres)).collect::<Vec<_>>()[..] else {
+            let [first, rest @ ..] = &units.iter().map(|u| metres(length * u.metres)).collect::<Vec<_>>()[..]
+            else {
                 return ("unit", String::new());
             };
             ("unit", format!("Is {thing} {first} {wide}, or {}?", rest.join(" or ")))
@@ -101,7 +106,12 @@ fn sentence(question: &Question, plan: &Plan) -> (&'static str, String) {
         }
         Question::Floor { at, area_m2 } => {
             let [x, y] = Places::new(plan).file(*at);
-            ("floor", format!("Is the floor round {x}, {y} inside the building? It has {area_m2:.0} m² and is not measured."))
+            (
+                "floor",
+                format!(
+                    "Is the floor round {x}, {y} inside the building? It has {area_m2:.0} m² and is not measured."
+                ),
+            )
         }
     }
 }
@@ -120,7 +130,9 @@ fn answer(question: &Question, c: &Correction, plan: &Plan) -> String {
         (_, Correction::Inside(_)) => "Inside: measure it".into(),
         (_, Correction::Outside(_)) => "Outside".into(),
         (_, Correction::Unit(unit)) => unit_text(*unit),
-        (_, Correction::View(number)) => view_text(*number, plan.views.get(number - 1).map_or("", |v| &v.name)),
+        (_, Correction::View(number)) => {
+            view_text(*number, plan.views.get(number - 1).map_or("", |v| &v.name))
+        }
     }
 }
 

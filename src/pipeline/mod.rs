@@ -11,6 +11,7 @@ mod building;
 pub mod cells;
 mod explain;
 mod fits;
+mod graph;
 mod memory;
 mod page;
 mod reading;
@@ -168,8 +169,13 @@ pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResu
     let base = study::understood(&drawing, settings, &mut report)?;
     let mut result = show::check(&base, &report);
     let sensed = sensed::Sensed::new(&base, settings);
-    result.reading = Some(reading::reading(&base, &drawing, &sensed));
-    let mut files = vec![OutFile::new("check.png", check_picture(&base, &result)?)];
+    let found = reading::reading(&base, &drawing, &sensed);
+    let png = check_picture(&base, &sensed)?;
+    let mut files = vec![OutFile::new("check.png", png)];
+    let graph = graph::graph(&base, &sensed, &reading::names(&base, &sensed));
+    files.push(OutFile::new("graph.json", result::to_json(&graph)?));
+    files.push(OutFile::new("graph.graphml", graph.to_graphml()));
+    result.reading = Some(found);
     (result.building, result.storeys) = storeys::check(&opened, settings, &base, &mut files, &mut report);
     files.push(OutFile::new("check.json", result::to_json(&result)?));
     Ok(Outcome { result, files, report })
@@ -190,16 +196,9 @@ fn state_unread(input: &Input<'_>, settings: &Settings, report: &mut Report) {
     }
 }
 
-fn check_picture(base: &study::Understood, result: &CheckResult) -> Result<Vec<u8>, Error> {
-    let subtitle = format!(
-        "{}, {}, {}, {}; unit {}",
-        counted(result.walls, "wall element"),
-        counted(result.doors, "door"),
-        counted(result.windows, "window"),
-        counted(result.moves.len() as u64, "move"),
-        result.unit.name
-    );
-    check_png(&show::check_picture(base), &result.file, &subtitle, DEFAULT_SIDE_PX)
+fn check_picture(base: &study::Understood, sensed: &sensed::Sensed) -> Result<Vec<u8>, Error> {
+    let picture = show::check_picture(base, sensed, &reading::names(base, sensed));
+    check_png(&picture, &base.plan.file, &reading::headline(base, sensed).words(), DEFAULT_SIDE_PX)
 }
 
 /// `enfilade analyse`: measures the present layout; the files of `analysis/`.
@@ -316,8 +315,8 @@ fn analysis_of(
     for (m, png) in jobs.iter().zip(pictures) {
         files.push(OutFile::new(format!("{}.png", m.file()), png?));
     }
-    let check = show::check(&study.base, &report);
-    files.push(OutFile::new("check.png", check_picture(&study.base, &check)?));
+    let sensed = sensed::Sensed::new(&study.base, settings);
+    files.push(OutFile::new("check.png", check_picture(&study.base, &sensed)?));
     Ok(Outcome { result, files, report })
 }
 

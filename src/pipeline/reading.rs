@@ -4,18 +4,19 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
+use super::asked;
 use super::sensed::{OpenGap, Sensed, length, of_entity};
 use super::show::element_of;
 use super::study::Understood;
-use super::asked;
 use crate::overlay::reading::{
-    AreaReading, EntityReading, OpeningReading, Reading, RoomReading, UnitReading, UnitRival, ViewReading, WallReading,
+    AreaReading, EntityReading, Headline, OpeningReading, Reading, RoomReading, UnitReading, UnitRival,
+    ViewReading, WallReading,
 };
 use crate::overlay::result::ElementRef;
 use crate::plan::axes::{Edge, OpeningKind};
 use crate::plan::curve::{bulge_arc, control_points};
 use crate::plan::drawing::{Drawing, Entity, Format};
-use crate::plan::floor::{Area, Beside, name_of_rooms};
+use crate::plan::floor::{Area, Beside, Floor, name_of_rooms};
 use crate::plan::geometry::PointUm;
 use crate::plan::own_layers;
 use crate::plan::reading::Sense;
@@ -33,9 +34,10 @@ const GRAIN_M: f64 = 1e-6;
 pub(super) fn reading(base: &Understood, drawing: &Drawing, sensed: &Sensed) -> Reading {
     let plan = &base.plan;
     let at = Places::new(plan);
-    let names = sensed.floor.as_ref().map_or_else(Vec::new, |f| name_of_rooms(&f.rooms, drawing, &plan.frame));
+    let names = names(base, sensed);
     let sense = &plan.reading.unit;
     Reading {
+        confidence: share(sensed.confidence),
         unit: UnitReading {
             metres: plan.unit.unit.metres,
             name: plan.unit.unit.name.into(),
@@ -55,6 +57,24 @@ pub(super) fn reading(base: &Understood, drawing: &Drawing, sensed: &Sensed) -> 
         interior: interior(plan, sensed, &at),
         coverage: coverage(plan, sensed),
         questions: sensed.doubts.iter().map(|d| asked::entry(d, plan)).collect(),
+    }
+}
+
+/// What the rooms are called.
+pub(super) fn names(base: &Understood, sensed: &Sensed) -> Vec<Option<String>> {
+    let named = |f: &Floor| name_of_rooms(&f.rooms, &base.texts, &base.plan.frame);
+    sensed.floor.as_ref().map_or_else(Vec::new, named)
+}
+
+/// The first line of `check`.
+pub(super) fn headline<'a>(base: &'a Understood, sensed: &Sensed) -> Headline<'a> {
+    let plans = base.plan.views.iter().filter(|v| v.is_chosen).count();
+    let doors = sensed.gaps.iter().filter(|g| g.kind == OpeningKind::Door).count();
+    Headline {
+        confidence: sensed.confidence,
+        unit: base.plan.unit.unit.name,
+        counts: [plans, base.axes.edges.len(), doors],
+        coverage: coverage(&base.plan, sensed),
     }
 }
 
@@ -179,7 +199,8 @@ fn entities(plan: &Plan, drawing: &Drawing) -> Vec<EntityReading> {
         shows.get_or_insert(fill);
     }
     if !is_dxf {
-        let of = |(tally, e): &(Tally, Option<&Entity>)| read_as(element(drawing.format, (*e)?), tally.most()?);
+        let of =
+            |(tally, e): &(Tally, Option<&Entity>)| read_as(element(drawing.format, (*e)?), tally.most()?);
         return tallies.values().filter_map(of).collect();
     }
     let mut out: Vec<EntityReading> = Vec::with_capacity(drawing.records.len());
@@ -270,7 +291,8 @@ fn rooms(sensed: &Sensed, names: &[Option<String>], at: &Places<'_>) -> Vec<Room
     let Some(floor) = &sensed.floor else { return Vec::new() };
     let leads = |room: usize| {
         let gaps = sensed.gaps.iter().zip(&floor.beside).enumerate();
-        let into = gaps.filter(move |(_, (g, b))| g.kind != OpeningKind::Window && b.contains(&Beside::Room(room)));
+        let into =
+            gaps.filter(move |(_, (g, b))| g.kind != OpeningKind::Window && b.contains(&Beside::Room(room)));
         into.map(|(k, _)| k).collect()
     };
     let of = |(k, room): (usize, &Area)| RoomReading {
@@ -300,7 +322,8 @@ fn coverage(plan: &Plan, sensed: &Sensed) -> Option<f64> {
     if plan.markers.query.is_empty() {
         return Some(share(floor.coverage));
     }
-    let all: f64 = floor.rooms.iter().map(|r| r.area_m2).chain(floor.left_out.iter().map(|l| l.area_m2)).sum();
+    let all: f64 =
+        floor.rooms.iter().map(|r| r.area_m2).chain(floor.left_out.iter().map(|l| l.area_m2)).sum();
     let drawn: f64 = plan.markers.query.iter().map(super::spacing::region_m2).sum();
     (all > 0.0).then(|| share((drawn / all).min(1.0)))
 }

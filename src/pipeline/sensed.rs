@@ -29,7 +29,7 @@ pub(super) fn entities_of_walls(plan: &Plan, drawing: &Drawing) -> Vec<usize> {
 }
 
 /// What nothing names and is taken as a wall for its looks.
-const UNNAMED_WALL: Sense = Sense { role: Role::Wall, confidence: 0.5 };
+const UNNAMED_WALL: Sense = Sense { role: Role::Wall, confidence: 0.6 };
 
 /// The sense of an entity of a drawing; what draws a wall of the plan and is taken for nothing is a wall.
 pub(super) fn of_entity(plan: &Plan, entity: usize, is_picked: bool) -> Sense {
@@ -72,6 +72,8 @@ pub(super) struct Sensed {
     pub gaps: Vec<OpenGap>,
     /// The floor; `None` where the walls have no outline.
     pub floor: Option<Floor>,
+    /// How sure it is in all: as sure as the least sure of unit, drawing and walls.
+    pub confidence: f64,
     /// What a person should decide, least certain first.
     pub doubts: Vec<Doubt>,
 }
@@ -83,7 +85,8 @@ impl Sensed {
         let gaps = gaps(base);
         let mut lines: Vec<Segment> = base.faces();
         lines.extend(&base.closings);
-        let made = || Some(Interior::new(&base.faces(), &base.closings, plan.human_scale)?.without(&plan.outdoors));
+        let made =
+            || Some(Interior::new(&base.faces(), &base.closings, plan.human_scale)?.without(&plan.outdoors));
         let all: Vec<Gap> = gaps.iter().map(|g| g.gap).collect();
         let floor = match &base.interior {
             Some(interior) => Some(Floor::new(interior, &lines, &all, plan.human_scale)),
@@ -102,7 +105,12 @@ impl Sensed {
             floor: !plan.markers.needs_interior() || !settings.seed_points.is_empty(),
         };
         let doubts = questions(plan, &base.axes, &walls, floor.as_ref(), settled);
-        Self { gaps, floor, doubts }
+        let length: f64 = walls.iter().map(|w| w.1).sum();
+        let sure: f64 = walls.iter().map(|(s, of)| f64::from(s.confidence) * of).sum();
+        let views = plan.views.iter().filter(|v| v.is_chosen).map(|v| v.confidence);
+        let walls = (length > 0.0).then(|| sure / length);
+        let confidence = views.chain(walls).fold(plan.reading.unit.confidence, f64::min);
+        Self { gaps, floor, confidence, doubts }
     }
 }
 
@@ -154,7 +162,8 @@ fn gaps(base: &Understood) -> Vec<OpenGap> {
 /// The longer axis of the box along the longest side of an outline, and how far the box reaches across.
 fn along(points: &[DVec2]) -> Option<([DVec2; 2], f64)> {
     let sides = points.windows(2).map(|w| w[1] - w[0]);
-    let direction = sides.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?.try_normalize()?;
+    let direction =
+        sides.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?.try_normalize()?;
     let turned = points.iter().map(|p| DVec2::new(direction.dot(*p), direction.perp_dot(*p)));
     let [lo, hi] = crate::plan::box_of(turned)?;
     let back = |q: DVec2| direction * q.x + direction.perp() * q.y;
@@ -176,7 +185,8 @@ fn edge_of(base: &Understood, opening: &Opening) -> Option<u32> {
         (b - a).normalize_or_zero().dot(along).abs()
     };
     let of_node = |node: u32| {
-        let edges = (0..axes.edges.len() as u32).filter(move |e| axes.edges[*e as usize].nodes.contains(&node));
+        let edges =
+            (0..axes.edges.len() as u32).filter(move |e| axes.edges[*e as usize].nodes.contains(&node));
         edges.max_by(|a, b| runs(*a).total_cmp(&runs(*b)))
     };
     let ending = opening.jambs.iter().filter_map(|j| of_node(j.node?));

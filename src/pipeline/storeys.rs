@@ -1,5 +1,6 @@
 //! The other storeys of a building: each checked and measured by itself, in a folder of its own.
 
+use super::sensed::Sensed;
 use super::study::Understood;
 use super::{Input, Study, analyse_storey, building, check_picture, show, study};
 use crate::config::Settings;
@@ -94,7 +95,7 @@ pub(super) fn check(
         let mut report = report.clone();
         let drawing = drawing.as_ref().map_err(Clone::clone)?;
         let base = study::understood(drawing, own, &mut report)?;
-        let png = check_picture(&base, &show::check(&base, &report))?;
+        let png = check_picture(&base, &Sensed::new(&base, own))?;
         Ok((png, base, report))
     });
     let mut made = made.into_iter();

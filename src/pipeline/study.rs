@@ -20,8 +20,8 @@ use std::sync::{Arc, Mutex, OnceLock};
 use glam::DVec2;
 
 use super::aims;
-use super::sensed;
 use super::building::{self, NamedOpening};
+use super::sensed;
 use super::spacing;
 use crate::analysis::evaluator::Scratch;
 use crate::analysis::lattice::{CellIndex, Ground};
@@ -34,7 +34,7 @@ use crate::penalties::{
 };
 use crate::plan::axes::{AxisGraph, Opening};
 use crate::plan::curve::{Trace, control_points, trace, trace_like};
-use crate::plan::drawing::{Drawing, Format, Shape};
+use crate::plan::drawing::{Drawing, Format, Shape, Text};
 use crate::plan::fittings::{self, Fitting};
 use crate::plan::frame::unit_by_name;
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
@@ -88,6 +88,8 @@ pub struct Understood {
     pub interior: Option<Interior>,
     /// Doors and windows, where the file calls them so.
     pub openings: Vec<NamedOpening>,
+    /// Texts of the drawing.
+    pub texts: Vec<Text>,
     /// What closes doors and windows when it is asked what lies inside.
     pub closings: Vec<Segment>,
     /// For every wall of the plan the index of its entity; filled areas come behind what is drawn.
@@ -235,6 +237,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         moves,
         interior,
         openings,
+        texts: drawing.texts.clone(),
         closings,
         entities,
         marked,

@@ -70,7 +70,12 @@ pub fn outlines(traced: &Traced<'_>, parts: usize) -> Vec<Rings> {
     };
     for (i, part) in traced.part.iter().enumerate().filter(|(_, part)| **part > 0) {
         let (c, r) = (i as i32 / rows, i as i32 % rows);
-        let sides = [([c, r], [c, r - 1]), ([c + 1, r], [c + 1, r]), ([c + 1, r + 1], [c, r + 1]), ([c, r + 1], [c - 1, r])];
+        let sides = [
+            ([c, r], [c, r - 1]),
+            ([c + 1, r], [c + 1, r]),
+            ([c + 1, r + 1], [c, r + 1]),
+            ([c, r + 1], [c - 1, r]),
+        ];
         for (towards, (from, beyond)) in sides.into_iter().enumerate() {
             let other = at(beyond[0], beyond[1]);
             if other.is_none_or(|j| traced.part[j] != *part) {
@@ -79,7 +84,10 @@ pub fn outlines(traced: &Traced<'_>, parts: usize) -> Vec<Rings> {
             }
         }
     }
-    steps.into_iter().map(|of_one| rings(of_one).iter().map(|ring| snapped(ring, traced.lines)).collect()).collect()
+    steps
+        .into_iter()
+        .map(|of_one| rings(of_one).iter().map(|ring| snapped(ring, traced.lines)).collect())
+        .collect()
 }
 
 /// Chains the sides of pixels; where four meet, the way keeps to its own pixel.
@@ -125,12 +133,15 @@ impl Side {
     }
 
     fn is_same(&self, other: &Self) -> bool {
-        self.along.perp_dot(other.along).abs() < SAME_SIN && self.along.dot(other.along) > 0.0 && self.off(other.at).abs() < SAME_PX
+        self.along.perp_dot(other.along).abs() < SAME_SIN
+            && self.along.dot(other.along) > 0.0
+            && self.off(other.at).abs() < SAME_PX
     }
 }
 
 fn snapped(ring: &[Step], lines: &[[DVec2; 2]]) -> Vec<DVec2> {
-    let points: Vec<DVec2> = ring.iter().map(|s| DVec2::new(f64::from(s.from[0]), f64::from(s.from[1]))).collect();
+    let points: Vec<DVec2> =
+        ring.iter().map(|s| DVec2::new(f64::from(s.from[0]), f64::from(s.from[1]))).collect();
     let corners = smoothed(&points);
     let plain: Vec<DVec2> = corners.iter().map(|k| points[*k]).collect();
     let mut sides: Vec<Side> = Vec::new();
@@ -157,7 +168,8 @@ fn snapped(ring: &[Step], lines: &[[DVec2; 2]]) -> Vec<DVec2> {
     if kept.len() < 3 {
         return plain;
     }
-    let out: Vec<DVec2> = (0..kept.len()).flat_map(|k| meeting(&kept[k], &kept[(k + 1) % kept.len()])).collect();
+    let out: Vec<DVec2> =
+        (0..kept.len()).flat_map(|k| meeting(&kept[k], &kept[(k + 1) % kept.len()])).collect();
     if (area(&out) - area(&plain)).abs() > OFF_PX * ring.len() as f64 { plain } else { out }
 }
 
@@ -175,7 +187,9 @@ fn side<'s>(traced: [DVec2; 2], steps: impl Iterator<Item = &'s Step>, lines: &[
             direction = -direction;
         }
         let side = Side { at: a, along: direction, traced, is_on_line: true };
-        let is_so = direction != DVec2::ZERO && direction.perp_dot(along).abs() <= askew && side.off(middle).abs() <= NEAR_PX;
+        let is_so = direction != DVec2::ZERO
+            && direction.perp_dot(along).abs() <= askew
+            && side.off(middle).abs() <= NEAR_PX;
         is_so.then_some(side)
     };
     let best = votes.iter().filter_map(|(line, n)| Some((on(*line)?, *n, *line)));
@@ -253,7 +267,8 @@ mod tests {
             let (c, r) = (i / rows, i % rows);
             (lo[0]..=hi[0]).contains(&c) && (lo[1]..=hi[1]).contains(&r)
         };
-        let part = |i: usize| u32::from(line[i] == 0 && is_in(i, [6, 7], [44, 35]) && !is_in(i, [20, 15], [26, 21]));
+        let part =
+            |i: usize| u32::from(line[i] == 0 && is_in(i, [6, 7], [44, 35]) && !is_in(i, [20, 15], [26, 21]));
         let part: Vec<u32> = (0..cols * rows).map(part).collect();
         let found = outlines(&Traced { rows, part: &part, line: &line, lines: &lines }, 1);
         let mut areas: Vec<f64> = found[0].iter().map(|r| area(r)).collect();

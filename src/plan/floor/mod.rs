@@ -51,15 +51,8 @@ pub struct Area {
     pub holes: Vec<Vec<PointUm>>,
     /// Area without holes, m² of the plan.
     pub area_m2: f64,
-}
-
-/// A part of the floor that is left out although it lies inside the building's outline.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LeftOut {
-    /// A point well inside it, drawing frame, micrometres.
+    /// A point well inside.
     pub at: PointUm,
-    /// Its size, m² of the plan.
-    pub area_m2: f64,
 }
 
 /// The floor of a plan. See the module page.
@@ -69,8 +62,8 @@ pub struct Floor {
     pub rooms: Vec<Area>,
     /// What every opening joins: its left and its right side, seen from its first to its second jamb.
     pub beside: Vec<[Beside; 2]>,
-    /// Floor left out, the largest part first.
-    pub left_out: Vec<LeftOut>,
+    /// Floor inside the building's outline that is left out, the largest part first.
+    pub left_out: Vec<Area>,
     /// Share of the floor inside the building's outline that is measured, 0 to 1.
     pub coverage: f64,
 }
@@ -79,29 +72,29 @@ impl Floor {
     /// Finds it. `walls`: everything that bounds floor, closings of openings too; lengths that mean a person's shrink
     /// with `human_scale`.
     pub fn new(interior: &Interior, walls: &[Segment], gaps: &[Gap], human_scale: f64) -> Self {
-        let grid = Grid { interior, pixel_m: interior.pixel_um() as f64 / UM_PER_M, rows: interior.rows(), human_scale };
+        let grid = Grid {
+            interior,
+            pixel_m: interior.pixel_um() as f64 / UM_PER_M,
+            rows: interior.rows(),
+            human_scale,
+        };
         let quads: Vec<Option<[DVec2; 4]>> = gaps.iter().map(|g| grid.quad(g)).collect();
         let faces = quads.iter().flatten().flat_map(|[a, b, c, d]| [[*a, *b], [*c, *d]]);
-        let lines: Vec<[DVec2; 2]> = walls.iter().map(|s| [grid.px(s.a), grid.px(s.b)]).chain(faces).collect();
+        let lines: Vec<[DVec2; 2]> =
+            walls.iter().map(|s| [grid.px(s.a), grid.px(s.b)]).chain(faces).collect();
         let mut line = vec![0; interior.len()];
         lines.iter().enumerate().for_each(|(k, l)| grid.draw(*l, k as u32 + 1, &mut line));
         let mut is_bound: Vec<bool> = (0..line.len()).map(|i| line[i] > 0 || interior.is_wall(i)).collect();
         quads.iter().flatten().for_each(|quad| grid.fill(quad, &mut is_bound));
-        let is_floor: Vec<bool> =
-            (0..line.len()).map(|i| !is_bound[i] && interior.is_floor(i)).collect();
+        let is_floor: Vec<bool> = (0..line.len()).map(|i| !is_bound[i] && interior.is_floor(i)).collect();
         let is_left: Vec<bool> = (0..line.len()).map(|i| !is_bound[i] && interior.is_left_out(i)).collect();
         let (part, found) = grid.parts(&is_floor);
-        let (left_part, left) = grid.parts(&is_left);
-        drop(left_part);
-        let mut left_out: Vec<LeftOut> = left
-            .iter()
-            .filter(|p| p.area_m2 >= LEFT_OUT_MIN_M2 * human_scale.powi(2) && p.reach_m >= ROOM_HALF_WIDTH_M * human_scale)
-            .map(|p| LeftOut { at: grid.um(p.deepest), area_m2: p.area_m2 })
-            .collect();
+        let (rooms, room_of) = grid.rooms(&part, &found, ROOM_MIN_M2, (&line, &lines));
+        let (part_left, left) = grid.parts(&is_left);
+        let (mut left_out, _) = grid.rooms(&part_left, &left, LEFT_OUT_MIN_M2, (&line, &lines));
         left_out.sort_by(|a, b| b.area_m2.total_cmp(&a.area_m2));
-        let measured: f64 = found.iter().map(|p| p.area_m2).sum();
-        let all = measured + left_out.iter().map(|l| l.area_m2).sum::<f64>();
-        let (rooms, room_of) = grid.rooms(&part, &found, &line, &lines);
+        let sum = |areas: &[Area]| areas.iter().map(|a| a.area_m2).sum::<f64>();
+        let (measured, all) = (sum(&rooms), sum(&rooms) + sum(&left_out));
         let beside = gaps.iter().map(|g| grid.beside(g, &part, &room_of)).collect();
         Self { rooms, beside, left_out, coverage: if all > 0.0 { measured / all } else { 0.0 } }
     }
@@ -151,7 +144,8 @@ impl Grid<'_> {
     /// The ground of an opening between the faces of its wall, pixels; `None` in a single line.
     fn quad(&self, gap: &Gap) -> Option<[DVec2; 4]> {
         let [a, b] = gap.jambs.map(|p| self.px(p));
-        let across = (b - a).normalize_or_zero().perp() * gap.thickness_um / self.interior.pixel_um() as f64 / 2.0;
+        let across =
+            (b - a).normalize_or_zero().perp() * gap.thickness_um / self.interior.pixel_um() as f64 / 2.0;
         (across.length() > 0.5).then(|| [a + across, b + across, b - across, a - across])
     }
 
@@ -207,16 +201,19 @@ impl Grid<'_> {
         &self,
         part: &[u32],
         found: &[Part],
-        line: &[u32],
-        lines: &[[DVec2; 2]],
+        least_m2: f64,
+        (line, lines): (&[u32], &[[DVec2; 2]]),
     ) -> (Vec<Area>, Vec<Option<usize>>) {
         let traced = contour::Traced { rows: self.rows, part, line, lines };
         let is_room = |p: &Part| {
-            p.area_m2 >= ROOM_MIN_M2 * self.human_scale.powi(2) && p.reach_m >= ROOM_HALF_WIDTH_M * self.human_scale
+            p.area_m2 >= least_m2 * self.human_scale.powi(2)
+                && p.reach_m >= ROOM_HALF_WIDTH_M * self.human_scale
         };
         let outlines = contour::outlines(&traced, found.len()).into_iter().enumerate();
-        let mut rooms: Vec<(usize, Area)> =
-            outlines.filter(|(k, _)| is_room(&found[*k])).map(|(k, rings)| (k, self.area(rings))).collect();
+        let mut rooms: Vec<(usize, Area)> = outlines
+            .filter(|(k, _)| is_room(&found[*k]))
+            .map(|(k, rings)| (k, self.area(rings, &found[k])))
+            .collect();
         let place = |a: &Area| {
             let top = a.outline.iter().map(|p| p[1]).max().unwrap_or(0);
             (-(top as f64 / UM_PER_M / self.human_scale).round() as i64, a.outline.iter().map(|p| p[0]).min())
@@ -227,14 +224,16 @@ impl Grid<'_> {
         (rooms.into_iter().map(|r| r.1).collect(), room_of)
     }
 
-    fn area(&self, mut rings: contour::Rings) -> Area {
+    fn area(&self, mut rings: contour::Rings, part: &Part) -> Area {
         let px_m2 = self.pixel_m.powi(2);
-        let outer = (0..rings.len()).max_by(|i, j| contour::area(&rings[*i]).total_cmp(&contour::area(&rings[*j])));
+        let outer =
+            (0..rings.len()).max_by(|i, j| contour::area(&rings[*i]).total_cmp(&contour::area(&rings[*j])));
         let outline = outer.map(|k| rings.swap_remove(k)).unwrap_or_default();
         rings.retain(|r| contour::area(r) < 0.0);
         let area = contour::area(&outline) + rings.iter().map(|r| contour::area(r)).sum::<f64>();
         let um = |ring: &Vec<DVec2>| ring.iter().map(|p| self.um(*p)).collect::<Vec<_>>();
-        Area { outline: um(&outline), holes: rings.iter().map(um).collect(), area_m2: area.max(0.0) * px_m2 }
+        let holes = rings.iter().map(um).collect();
+        Area { outline: um(&outline), holes, area_m2: area.max(0.0) * px_m2, at: self.um(part.deepest) }
     }
 
     fn beside(&self, gap: &Gap, part: &[u32], room_of: &[Option<usize>]) -> [Beside; 2] {

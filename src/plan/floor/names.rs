@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Area;
-use crate::plan::drawing::Drawing;
+use crate::plan::drawing::Text;
 use crate::plan::frame::Frame;
 use crate::plan::geometry::{PointUm, Side, side_of_ring};
 use crate::plan::own_layers;
@@ -15,13 +15,14 @@ const LETTERS_MIN: usize = 3;
 const SURPLUS: f64 = 0.5;
 
 /// For every room the text in it that names it, of the layer that names most rooms and little else.
-pub fn name_of_rooms(rooms: &[Area], drawing: &Drawing, frame: &Frame) -> Vec<Option<String>> {
+pub fn name_of_rooms(rooms: &[Area], texts: &[Text], frame: &Frame) -> Vec<Option<String>> {
     let mut layers: BTreeMap<&str, BTreeMap<usize, Vec<(f64, String)>>> = BTreeMap::new();
-    for text in drawing.texts.iter().filter(|t| !own_layers::is_own(&t.layer)) {
+    for text in texts.iter().filter(|t| !own_layers::is_own(&t.layer)) {
         let Some(name) = name_in(&text.text) else { continue };
         let at = frame.um_from_file(text.at);
         if let Some(room) = rooms.iter().position(|r| is_in(r, at)) {
-            let far = middle(&rooms[room]).map_or(f64::MAX, |m| ((m[0] - at[0]) as f64).hypot((m[1] - at[1]) as f64));
+            let far = middle(&rooms[room])
+                .map_or(f64::MAX, |m| ((m[0] - at[0]) as f64).hypot((m[1] - at[1]) as f64));
             layers.entry(&text.layer).or_default().entry(room).or_default().push((far, name));
         }
     }
@@ -31,9 +32,8 @@ pub fn name_of_rooms(rooms: &[Area], drawing: &Drawing, frame: &Frame) -> Vec<Op
     };
     let mut layers: Vec<_> = layers.into_values().collect();
     layers.sort_by(|a, b| claim(b).total_cmp(&claim(a)));
-    let nearest = |texts: &Vec<(f64, String)>| {
-        texts.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|t| t.1.clone())
-    };
+    let nearest =
+        |texts: &Vec<(f64, String)>| texts.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|t| t.1.clone());
     (0..rooms.len()).map(|room| layers.iter().find_map(|named| nearest(named.get(&room)?))).collect()
 }
 

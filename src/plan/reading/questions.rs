@@ -142,10 +142,11 @@ pub fn questions(
     let walls = (!settled.walls).then(|| doubtful_walls(plan, walls)).flatten();
     let floor = (!settled.floor).then(|| left_out(plan, floor?)).flatten();
     // How far below its threshold each is.
-    let mut found: Vec<(f64, Doubt)> = [(UNIT_SURE, unit), (VIEW_SURE, view), (WALLS_SURE, walls), (COVERAGE_SURE, floor)]
-        .into_iter()
-        .filter_map(|(sure, doubt)| doubt.map(|d| (d.confidence / sure, d)))
-        .collect();
+    let mut found: Vec<(f64, Doubt)> =
+        [(UNIT_SURE, unit), (VIEW_SURE, view), (WALLS_SURE, walls), (COVERAGE_SURE, floor)]
+            .into_iter()
+            .filter_map(|(sure, doubt)| doubt.map(|d| (d.confidence / sure, d)))
+            .collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     // In another unit nothing else is as it seems.
     found.sort_by_key(|(_, d)| !matches!(d.question, Question::Unit { .. }));
@@ -162,7 +163,8 @@ fn unit(plan: &Plan, axes: &AxisGraph) -> Option<Doubt> {
     let mut doors: Vec<f64> =
         axes.openings.iter().filter(|o| o.kind == OpeningKind::Door).map(|o| o.width_m).collect();
     doors.sort_by(f64::total_cmp);
-    let thickest = axes.thicknesses.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|t| t.0).filter(|t| *t > 0.0);
+    let thickest =
+        axes.thicknesses.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|t| t.0).filter(|t| *t > 0.0);
     let size = extent(plan)?;
     let (witness, length) = match (doors.get(doors.len() / 2), thickest) {
         (Some(width), _) => (Witness::Door, width * from_person),
@@ -172,7 +174,8 @@ fn unit(plan: &Plan, axes: &AxisGraph) -> Option<Doubt> {
     let mut units = vec![taken];
     units.extend(sense.runner_up.map(|r| r.0));
     if units.len() < 2 {
-        let fits = |u: &Unit| u.metres != taken.metres && (SIZE_M[0]..=SIZE_M[1]).contains(&(size * u.metres));
+        let fits =
+            |u: &Unit| u.metres != taken.metres && (SIZE_M[0]..=SIZE_M[1]).contains(&(size * u.metres));
         units.extend(UNITS.into_iter().filter(fits));
     }
     units.truncate(ANSWERS_MAX);
