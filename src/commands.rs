@@ -78,7 +78,8 @@ fn carry_out(command: Command, cancel: &Cancel) -> Result<u8, Error> {
 fn check(args: &CheckArgs) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
     let settings = settings_for(&args.file, args.common.partial(None))?.0;
-    let outcome = pipeline::check(&Input::new(&path, &bytes, 1), &settings)?;
+    let extras = pipeline::Extras { picture: args.preview.is_some(), graph: args.graph.is_some() };
+    let outcome = pipeline::check_with(&Input::new(&path, &bytes, 1), &settings, extras)?;
     let result = &outcome.result;
     let graph =
         args.graph.as_ref().and_then(|to| to.extension()).is_some_and(|e| e.eq_ignore_ascii_case("json"));

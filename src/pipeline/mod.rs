@@ -156,11 +156,32 @@ pub fn on_threads<T: Send>(
     pool.install(job)
 }
 
-/// `enfilade check`: what the program understands, and a picture of it.
+/// What [`check_with`] makes besides its result.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extras {
+    /// `check.png`, and `storey-N/check.png` of the other storeys.
+    pub picture: bool,
+    /// `graph.json` and `graph.graphml`.
+    pub graph: bool,
+}
+
+/// What the program understands, with picture and graph.
+///
+/// # Errors
+/// As [`check_with`].
+pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResult>, Error> {
+    check_with(input, settings, Extras { picture: true, graph: true })
+}
+
+/// `enfilade check`: what the program understands.
 ///
 /// # Errors
 /// [`Error::Input`] when the drawing cannot be read.
-pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResult>, Error> {
+pub fn check_with(
+    input: &Input<'_>,
+    settings: &Settings,
+    extras: Extras,
+) -> Result<Outcome<CheckResult>, Error> {
     let settings = &*building::on_storey_of_query(input, settings)?;
     let mut report = Report::default();
     state_unread(input, settings, &mut report);
@@ -169,15 +190,18 @@ pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResu
     let base = study::understood(&drawing, settings, &mut report)?;
     let mut result = show::check(&base, &report);
     let sensed = sensed::Sensed::new(&base, settings);
-    let found = reading::reading(&base, &drawing, &sensed);
-    let png = check_picture(&base, &sensed)?;
-    let mut files = vec![OutFile::new("check.png", png)];
-    let graph = graph::graph(&base, &sensed, &reading::names(&base, &sensed));
-    files.push(OutFile::new("graph.json", result::to_json(&graph)?));
-    files.push(OutFile::new("graph.graphml", graph.to_graphml()));
-    result.reading = Some(found);
-    (result.building, result.storeys) = storeys::check(&opened, settings, &base, &mut files, &mut report);
-    files.push(OutFile::new("check.json", result::to_json(&result)?));
+    result.reading = Some(reading::reading(&base, &drawing, &sensed));
+    let mut files = Vec::new();
+    if extras.picture {
+        files.push(OutFile::new("check.png", check_picture(&base, &sensed)?));
+    }
+    if extras.graph {
+        let graph = graph::graph(&base, &sensed, &reading::names(&base, &sensed));
+        files.push(OutFile::new("graph.json", result::to_json(&graph)?));
+        files.push(OutFile::new("graph.graphml", graph.to_graphml()));
+    }
+    let drawn = extras.picture.then_some(&mut files);
+    (result.building, result.storeys) = storeys::check(&opened, settings, &base, drawn, &mut report);
     Ok(Outcome { result, files, report })
 }
 

@@ -167,6 +167,9 @@ impl Grid<'_> {
 
     /// Connected parts of what is marked: the part of every pixel (0: none, else its index + 1), and the parts.
     fn parts(&self, marked: &[bool]) -> (Vec<u32>, Vec<Part>) {
+        if !marked.contains(&true) {
+            return (vec![0; marked.len()], Vec::new());
+        }
         let outside: Vec<bool> = marked.iter().map(|m| !m).collect();
         let depth = self.interior.distance_px(&outside);
         let (mut part, mut found) = (vec![0; marked.len()], Vec::new());

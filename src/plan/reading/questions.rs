@@ -224,3 +224,75 @@ fn left_out(plan: &Plan, floor: &Floor) -> Option<Doubt> {
     let question = Question::Floor { at: plan.frame.file_from_um(part.at), area_m2: part.area_m2 };
     Some(Doubt { confidence: floor.coverage, question })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::drawing::{Drawing, Editable, Entity, Shape, SourceRef};
+    use crate::plan::floor::Area;
+    use crate::plan::roles::Role;
+    use crate::plan::{PlanOptions, understand};
+    use crate::report::Report;
+
+    /// Two thick walls of 10 units, 0.2 apart, on a layer of walls and one without a name.
+    fn plan() -> Plan {
+        let line = |record: usize, y: f64, layer: &str| Entity {
+            source: SourceRef { record, handle: None, line: 0, kind: "LINE".into(), layer: layer.into() },
+            layer: layer.into(),
+            shape: Shape::Line { a: DVec2::new(0.0, y), b: DVec2::new(10.0, y) },
+            editable: Editable::Free,
+            blocks: Vec::new(),
+            origin: Default::default(),
+        };
+        let lines = [(0.0, "WALL"), (0.2, "WALL"), (6.0, "WALL-X"), (6.2, "WALL-X")];
+        let lines = lines.iter().enumerate().map(|(i, (y, layer))| line(i, *y, layer)).collect();
+        let options = PlanOptions { unit: Some(UNITS[0]), ..PlanOptions::default() };
+        understand(&Drawing::of(lines), &options, &mut Report::default()).unwrap()
+    }
+
+    fn asked(plan: &Plan, walls: [f32; 4], floor: Option<&Floor>, settled: Settled) -> Vec<Doubt> {
+        let walls = walls.map(|confidence| (Sense { role: Role::Wall, confidence }, 10.0));
+        let axes = AxisGraph { thicknesses: vec![(0.2, 20.0)], ..AxisGraph::default() };
+        questions(plan, &axes, &walls, floor, settled)
+    }
+
+    #[test]
+    fn what_is_sure_is_not_asked() {
+        assert_eq!(asked(&plan(), [0.9; 4], None, Settled::default()), []);
+    }
+
+    #[test]
+    fn an_unsure_unit_asks_how_thick_a_wall_is() {
+        let mut plan = plan();
+        plan.reading.unit.confidence = UNIT_SURE - 0.3;
+        plan.reading.unit.runner_up = Some((UNITS[3], 0.4));
+        let doubts = asked(&plan, [0.9; 4], None, Settled::default());
+        let [Doubt { question, .. }] = &doubts[..] else { panic!("{doubts:?}") };
+        assert!(
+            matches!(question, Question::Unit { witness: Witness::Wall, length, .. } if (length - 0.2).abs() < 1e-9)
+        );
+        assert_eq!(question.corrections(), [Correction::Unit(UNITS[0]), Correction::Unit(UNITS[3])]);
+        assert_eq!(asked(&plan, [0.9; 4], None, Settled { unit: true, ..Settled::default() }), []);
+    }
+
+    /// The layer with most in doubt; the unit stands first, for in another one nothing else is as it seems.
+    #[test]
+    fn doubtful_walls_and_floor_are_asked_by_how_doubtful_they_are() {
+        let mut plan = plan();
+        let doubtful = [0.4, 0.4, 0.1, 0.1];
+        let part = Area { at: [3_000_000, 4_000_000], area_m2: 60.0, ..Area::default() };
+        let floor = Floor { left_out: vec![part], coverage: 0.1, ..Floor::default() };
+        let doubts = asked(&plan, doubtful, Some(&floor), Settled::default());
+        let walls = Question::Walls { layer: "WALL-X".into(), count: 2 };
+        let floor_asked = Question::Floor { at: DVec2::new(3.0, 4.0), area_m2: 60.0 };
+        assert_eq!(doubts.iter().map(|d| &d.question).collect::<Vec<_>>(), [&floor_asked, &walls]);
+        let selector = "layer:WALL-X".to_owned();
+        assert_eq!(walls.corrections(), [Correction::Wall(selector.clone()), Correction::NotWall(selector)]);
+        plan.reading.unit.confidence = UNIT_SURE - 0.01;
+        let doubts = asked(&plan, doubtful, Some(&floor), Settled::default());
+        assert_eq!(doubts.len(), QUESTIONS_MAX);
+        assert!(matches!(doubts[0].question, Question::Unit { .. }));
+        let settled = Settled { unit: true, walls: true, floor: true, ..Settled::default() };
+        assert_eq!(asked(&plan, doubtful, Some(&floor), settled), []);
+    }
+}
