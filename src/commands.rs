@@ -16,7 +16,7 @@ use crate::cli::{
 };
 use crate::config::{Partial, Settings, settings_files};
 use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
-use crate::overlay::reading::QuestionEntry;
+use crate::overlay::reading::{Headline, QuestionEntry};
 use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
 use crate::overlay::words::headline;
 use crate::pipeline::accept::Origin;
@@ -99,7 +99,10 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
             if is_building { wall_pieces(result.walls) } else { counted(result.walls, "wall element") };
         let entities = if is_building { "elements" } else { "entities" };
         if let Some(reading) = &result.reading {
-            say(&reading.headline().words());
+            let is_drawn = result.regions.iter().any(|r| r.kind == "query");
+            let headline = reading.headline();
+            let coverage = headline.coverage.filter(|_| !is_drawn);
+            say(&Headline { coverage, ..headline }.words());
             ask(&reading.questions);
         }
         say(&format!("{}: {}, {walls} ({solid})", result.file, result.version));

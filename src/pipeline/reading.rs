@@ -74,7 +74,7 @@ pub(super) fn headline<'a>(base: &'a Understood, sensed: &Sensed) -> Headline<'a
         confidence: sensed.confidence,
         unit: base.plan.unit.unit.name,
         counts: [plans, base.axes.edges.len(), doors],
-        coverage: coverage(&base.plan, sensed),
+        coverage: coverage(&base.plan, sensed).filter(|_| base.plan.markers.query.is_empty()),
     }
 }
 
@@ -318,7 +318,7 @@ fn interior(plan: &Plan, sensed: &Sensed, at: &Places<'_>) -> Vec<AreaReading> {
 }
 
 fn coverage(plan: &Plan, sensed: &Sensed) -> Option<f64> {
-    let floor = sensed.floor.as_ref()?;
+    let floor = sensed.floor.as_ref().filter(|f| !f.rooms.is_empty() || !f.left_out.is_empty())?;
     if plan.markers.query.is_empty() {
         return Some(share(floor.coverage));
     }
