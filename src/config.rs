@@ -4,6 +4,7 @@
 //! folder; the first of them that names a key wins. Unknown keys are errors with line and column.
 
 mod beside;
+mod choices;
 mod control;
 mod files;
 mod measure;
@@ -20,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::report::{Error, Place, counted};
 pub use beside::{Beside, Twin};
+pub use choices::{Thresholds, Unsure};
 pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
 pub use files::{settings_files, unread_side_cars};
 pub use measure::{Measure, Source};
@@ -90,16 +92,6 @@ pub enum Method {
     Default,
     /// Algorithms 1 and 2 as published.
     Paper,
-}
-
-/// What happens where the thresholds leave no room for options that differ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Thresholds {
-    /// They stand as they were stated; the options may be alike, and the report says so.
-    Firm,
-    /// They are lowered together, step by step, until the options stand `distance` apart.
-    Yielding,
 }
 
 /// Colours of heat maps.
@@ -261,6 +253,7 @@ pub struct Partial {
     pub method: Option<Method>,
     pub objective: Option<String>,
     pub thresholds: Option<Thresholds>,
+    pub unsure: Option<Unsure>,
     pub score: Option<String>,
     pub penalty: Option<String>,
     pub distance: Option<f64>,
@@ -365,6 +358,7 @@ impl Partial {
             method: self.method.or(base.method),
             objective: self.objective.or(base.objective),
             thresholds: self.thresholds.or(base.thresholds),
+            unsure: self.unsure.or(base.unsure),
             score: self.score.or(base.score),
             penalty: self.penalty.or(base.penalty),
             distance: self.distance.or(base.distance),
@@ -441,6 +435,8 @@ pub struct Settings {
     pub objectives: Vec<ObjectiveSetting>,
     /// Whether their thresholds may be lowered; by default where nobody stated any.
     pub thresholds: Thresholds,
+    /// What happens where the reading of the drawing is unsure.
+    pub unsure: Unsure,
     /// Weights w_k of `score`.
     pub score: Vec<(Aim, f64)>,
     /// Weights v_j of the penalties.
@@ -597,6 +593,7 @@ impl Settings {
             mode: p.mode.unwrap_or_default(),
             method: p.method.unwrap_or_default(),
             objectives,
+            unsure: p.unsure.unwrap_or_default(),
             thresholds: p.thresholds.unwrap_or(if is_stated {
                 Thresholds::Firm
             } else {

@@ -12,6 +12,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # storey = "Level 1"                # of a building, or its number from the lowest; by default the one with most walls
 # query = "space:Gallery*"           # spaces of a building that are the region of query
 # accept-missing-eof = false        # read a DXF that ends without its end mark
+# unsure = "ask"                    # an unsure reading: ask and make no option; or "optimise"
 
 # How it is measured
 # spacing = 0.5                     # metres between cell centres; by default about 1500 cells

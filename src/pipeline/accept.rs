@@ -204,6 +204,7 @@ fn side_car(
         mode: Some(settings.mode),
         method: Some(settings.method),
         objective: (!is_default).then(|| settings.objective_text()),
+        unsure: Some(settings.unsure),
         thresholds: (!is_default).then_some(settings.thresholds),
         score: Some(settings.score_text()),
         penalty: Some(settings.penalty_text()),

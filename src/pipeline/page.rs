@@ -3,7 +3,7 @@
 use super::Input;
 use super::round::Found;
 use super::show::Map;
-use crate::config::{Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds};
+use crate::config::{Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure};
 use crate::overlay::page::{ArchivePoint, ReportInput, View, report_html};
 use crate::overlay::result::{RoundResult, Sense};
 use crate::report::OutFile;
@@ -105,6 +105,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     }
     add("objective", settings.objective_text());
     add("thresholds", if settings.thresholds == Thresholds::Yielding { "yielding" } else { "firm" }.into());
+    if settings.unsure == Unsure::Optimise {
+        add("unsure", "optimise".into());
+    }
     add("score", settings.score_text());
     add("penalty", settings.penalty_text());
     rules(settings).into_iter().for_each(|(key, text)| add(key, text));

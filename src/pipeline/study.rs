@@ -21,6 +21,7 @@ use glam::DVec2;
 
 use super::aims;
 use super::building::{self, NamedOpening};
+use super::sensed;
 use super::spacing;
 use crate::analysis::evaluator::Scratch;
 use crate::analysis::lattice::{CellIndex, Ground};
@@ -33,7 +34,7 @@ use crate::penalties::{
 };
 use crate::plan::axes::{AxisGraph, Opening};
 use crate::plan::curve::{Trace, control_points, trace, trace_like};
-use crate::plan::drawing::{Drawing, Format, Shape};
+use crate::plan::drawing::{Drawing, Format, Shape, Text};
 use crate::plan::fittings::{self, Fitting};
 use crate::plan::frame::unit_by_name;
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
@@ -88,6 +89,27 @@ pub struct Understood {
     pub interior: Option<Interior>,
     /// Doors and windows, where the file calls them so.
     pub openings: Vec<NamedOpening>,
+    /// Texts of the drawing.
+    pub texts: Vec<Text>,
+    /// What closes doors and windows when it is asked what lies inside.
+    pub closings: Vec<Segment>,
+    /// For every wall of the plan the index of its entity; filled areas come behind what is drawn.
+    pub entities: Vec<usize>,
+    /// For every mark of the axes the index of its entity.
+    pub marked: Vec<usize>,
+}
+
+impl Understood {
+    /// All faces of its walls.
+    pub fn faces(&self) -> Vec<Segment> {
+        faces(&self.plan)
+    }
+}
+
+/// All faces of the walls of a plan.
+fn faces(plan: &Plan) -> Vec<Segment> {
+    let sided = |w: &'_ Wall| w.trace.segments().flat_map(|s| w.with_sides(s.2)).collect::<Vec<_>>();
+    plan.walls.iter().flat_map(sided).collect()
 }
 
 /// How the settings want a file read.
@@ -180,8 +202,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let mut sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
     sight.close(|wall| building::closes(&plan.walls[wall as usize]));
     let fittings = fittings::fittings(&plan, drawing, &axes, &marked);
-    let sided = |w: &'_ Wall| w.trace.segments().flat_map(|s| w.with_sides(s.2)).collect::<Vec<_>>();
-    let all: Vec<Segment> = plan.walls.iter().flat_map(sided).collect();
+    let all = faces(&plan);
     let (mut closings, mut infill) = (Vec::new(), Vec::new());
     if !as_drawn {
         closings = building::closings(drawing, &plan);
@@ -210,6 +231,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
     let labels = labels::labels(&plan, drawing, &fittings);
+    let entities = sensed::entities_of_walls(&plan, drawing);
     let base = Understood {
         plan,
         graph,
@@ -222,6 +244,10 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         moves,
         interior,
         openings,
+        texts: drawing.texts.clone(),
+        closings,
+        entities,
+        marked,
     };
     gaps::state_closed(&base, report);
     Ok(base)

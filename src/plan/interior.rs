@@ -49,6 +49,8 @@ pub struct Interior {
     wall: Vec<bool>,
     inside: Vec<bool>,
     cavity: Vec<bool>,
+    /// What the widest closing encloses: the building's outline.
+    outline: Vec<bool>,
     outside_far: Vec<f32>,
     has_room: bool,
 }
@@ -71,6 +73,7 @@ impl Interior {
         let widest = closed.last().map_or(0.0, |e| count(&e.1));
         let is_enough = |inside: &[bool]| count(inside) >= ENOUGH * widest;
         let is_as_drawn = is_enough(&as_drawn);
+        let outline = closed.last().map_or_else(Vec::new, |e| e.1.clone());
         let (closing_m, inside) =
             if is_as_drawn { (0.0, as_drawn) } else { closed.into_iter().find(|e| is_enough(&e.1))? };
         let mut cavity = raster.cavities(&inside, &to_wall, CAVITY_HALF_WIDTH_M * human_scale);
@@ -89,6 +92,7 @@ impl Interior {
             wall: raster.wall,
             inside,
             cavity,
+            outline,
             outside_far,
             has_room,
         })
@@ -116,6 +120,7 @@ impl Interior {
                     |k: usize, i: usize| self.origin_um[k] + i as i64 * self.pixel_um + self.pixel_um / 2;
                 if side_of_ring(ring, [middle(0, c), middle(1, r)]) == Side::Inside {
                     self.inside[c * self.rows + r] = false;
+                    self.outline[c * self.rows + r] = false;
                 }
             }
         }
@@ -230,6 +235,56 @@ impl Interior {
     pub fn area_m2(&self) -> f64 {
         let pixels = self.inside.iter().zip(&self.cavity).filter(|(i, c)| **i && !**c).count();
         pixels as f64 * (self.pixel_um as f64 / UM_PER_M).powi(2)
+    }
+
+    /// Lower left corner of the raster, drawing frame, micrometres.
+    pub(super) fn origin_um(&self) -> PointUm {
+        self.origin_um
+    }
+
+    /// Side of a pixel, micrometres.
+    pub(super) fn pixel_um(&self) -> i64 {
+        self.pixel_um
+    }
+
+    /// Pixels of one column; pixel `c * rows + r` is the one at column `c` and row `r`.
+    pub(super) fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of pixels.
+    pub(super) fn len(&self) -> usize {
+        self.inside.len()
+    }
+
+    /// Whether a pixel lies on a wall or on what closes a gap in one.
+    pub(super) fn is_wall(&self, pixel: usize) -> bool {
+        self.wall[pixel]
+    }
+
+    /// Whether a pixel is measured floor.
+    pub(super) fn is_floor(&self, pixel: usize) -> bool {
+        self.inside[pixel] && !self.cavity[pixel] && !self.wall[pixel]
+    }
+
+    /// Whether a pixel lies within the building's outline and is not measured.
+    pub(super) fn is_left_out(&self, pixel: usize) -> bool {
+        self.outline[pixel] && !self.inside[pixel] && !self.wall[pixel]
+    }
+
+    /// Whether a pixel lies outside what is measured, and on no wall.
+    pub(super) fn is_outside(&self, pixel: usize) -> bool {
+        !self.inside[pixel] && !self.wall[pixel]
+    }
+
+    /// The pixels beside one.
+    pub(super) fn beside(&self, pixel: usize) -> impl Iterator<Item = usize> + use<> {
+        around(pixel, self.cols, self.rows).map(|(j, _)| j)
+    }
+
+    /// Distance of every pixel to the nearest marked one, pixels.
+    pub(super) fn distance_px(&self, marked: &[bool]) -> Vec<f32> {
+        distance_px(marked, self.cols, self.rows)
     }
 
     fn pixel(&self, p: PointUm) -> Option<usize> {

@@ -14,6 +14,7 @@ pub mod drawing;
 mod fills;
 pub mod fittings;
 mod fixtures;
+pub mod floor;
 pub mod frame;
 pub mod geometry;
 pub mod giants;

@@ -3,6 +3,7 @@
 //! A [`Reading`] is decided once, before anything is understood, and never changed afterwards.
 
 pub mod corrections;
+pub mod questions;
 
 use std::collections::BTreeSet;
 
