@@ -231,6 +231,26 @@ pub struct Undrawn {
     pub count: usize,
 }
 
+/// A straight dimension.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dimension {
+    /// What it measures, drawing units, > 0.
+    pub measured: f64,
+    /// What is written at it, formatting codes removed: `3,50`, `12'-6"`; empty where nothing is.
+    pub text: String,
+}
+
+/// What a drawing writes about lengths.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Written {
+    /// Its straight dimensions, file order.
+    pub dimensions: Vec<Dimension>,
+    /// Heights of the letters of its texts, drawing units, > 0, file order.
+    pub heights: Vec<f64>,
+    /// Whether the file says that it is metric or imperial, without a unit.
+    pub is_metric: Option<bool>,
+}
+
 /// What a file states of moves that the plan read of it cannot use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum IdleMarks {
@@ -281,6 +301,8 @@ pub struct Drawing {
     pub singles: BTreeMap<usize, Single>,
     /// What else is drawn, by layer and kind.
     pub undrawn: Vec<Undrawn>,
+    /// What is written about lengths.
+    pub written: Written,
     /// Where the file says that north is: degrees anticlockwise from the drawing's up; 0 where it says nothing.
     pub north_deg: f64,
 }
@@ -442,6 +464,7 @@ impl Drawing {
             widths: BTreeMap::new(),
             singles: BTreeMap::new(),
             undrawn: Vec::new(),
+            written: Written::default(),
             north_deg: 0.0,
         }
     }

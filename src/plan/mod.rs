@@ -240,9 +240,9 @@ pub struct PlanOptions {
 pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report) -> Result<Plan, Error> {
     let drawing = fills::joined(drawing, options);
     let mut chosen = choice::choose_walls(&drawing, options, report)?;
-    let (mut extent, mut unit) = sized(&drawing, options, &chosen, report)?;
+    let (mut extent, (mut unit, mut sense)) = sized(&drawing, options, &chosen, report)?;
     if plots::leave_out(&drawing, options, &mut chosen, unit.unit.metres, report) {
-        (extent, unit) = sized(&drawing, options, &chosen, report)?;
+        (extent, (unit, sense)) = sized(&drawing, options, &chosen, report)?;
     }
     let choice::Taken { walls: mut picked, views, unused_marks } =
         choice::choose_view(&drawing, options, &chosen, unit.unit.metres, report)?;
@@ -299,23 +299,23 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         doors: doors(&drawing, &frame),
         obstacles,
         outdoors,
-        reading: reading::Reading::by_names(&drawing),
+        reading: reading::Reading { unit: sense, ..reading::Reading::by_names(&drawing) },
         north_deg: drawing.north_deg,
     })
 }
 
-/// The box of the walls, drawing units, and the unit.
+/// The box of the walls, drawing units, and the unit with how sure it is.
 fn sized(
     drawing: &Drawing,
     options: &PlanOptions,
     chosen: &choice::Chosen,
     report: &Report,
-) -> Result<([DVec2; 2], UnitChoice), Error> {
+) -> Result<([DVec2; 2], (UnitChoice, reading::UnitSense)), Error> {
     let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
     let Some(extent) = extent_of(&walls) else { return Err(no_walls(drawing, chosen, report)) };
     let size = (extent[1] - extent[0]).max_element();
-    let unit = units::choose(drawing, options.unit, &walls, size);
-    match size * unit.unit.metres < WALLS_MIN_M {
+    let unit = units::choose(drawing, options.unit, &walls);
+    match size * unit.0.unit.metres < WALLS_MIN_M {
         true => Err(no_walls(drawing, chosen, report)),
         false => Ok((extent, unit)),
     }

@@ -28,7 +28,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         let text = "its sections, found no ENTITIES, expected one with the drawn entities; not read";
         return Err(Error::input("dxf-no-entities", Place::file(file), text));
     };
-    let items = reader.items(section)?;
+    let items = reader.items(section.clone())?;
     let undrawn = reader.take_undrawn();
     let mut blocks = Blocks::find(&reader)?;
     blocks.measure(&mut reader, &items)?;
@@ -50,6 +50,8 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
             Body::Insert(_) => {}
         }
     }
+    let mut written = reader.written(section, &blocks)?;
+    written.is_metric = header.measurement.map(|m| m != 0);
     reader.report_left_out();
     reader.finish_notes();
     Ok(Drawing {
@@ -70,6 +72,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         singles: Default::default(),
         north_deg: 0.0,
         undrawn,
+        written,
     })
 }
 

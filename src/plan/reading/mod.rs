@@ -2,6 +2,10 @@
 //!
 //! A [`Reading`] is decided once, before anything is understood, and never changed afterwards.
 
+pub mod clues;
+pub mod lengths;
+pub mod unit;
+
 use super::drawing::{Drawing, Unit};
 use super::roles::{Role, role_by_name};
 
@@ -19,8 +23,8 @@ pub struct Sense {
 pub struct UnitSense {
     /// 0 to 1.
     pub confidence: f64,
-    /// Codes of the evidence that spoke for it, the strongest first: `header`, `doors`, `walls`, `dimensions`, `areas`,
-    /// `size`, `user`.
+    /// Codes of the evidence that sets it apart from the next best, the strongest first: `user`, `heights` or those of
+    /// [`unit::CODES`].
     pub reasons: Vec<&'static str>,
     /// The next best unit and how likely it is.
     pub runner_up: Option<(Unit, f64)>,
