@@ -62,7 +62,7 @@ const PAIRS_SHARE: f64 = 0.25;
 
 /// How likely a unit is where nothing is known, and the share of drawings in it in which lengths are whole numbers.
 const USUAL: [(&str, f64, f64); 5] =
-    [("m", 0.3, 0.03), ("mm", 0.45, 0.6), ("cm", 0.16, 0.4), ("in", 0.06, 0.25), ("ft", 0.03, 0.1)];
+    [("m", 0.3, 0.03), ("mm", 0.43, 0.6), ("cm", 0.16, 0.4), ("in", 0.08, 0.25), ("ft", 0.03, 0.1)];
 
 /// The same of any other unit.
 const UNUSUAL: (f64, f64) = (0.002, 0.2);
