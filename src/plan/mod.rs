@@ -255,10 +255,10 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let (said, as_drawn) = (options.corrections.said(&drawing), options.corrections.as_drawn);
     dots::state(&drawing, report);
     let mut chosen = choice::choose_walls(&drawing, (options, &said), report)?;
-    let (mut extent, mut unit) = sized(&drawing, options, &chosen, report)?;
+    let (mut extent, (mut unit, mut sense)) = sized(&drawing, options, &chosen, report)?;
     if plots::leave_out(&drawing, options, &mut chosen, unit.unit.metres, report) {
         choice::correct(&drawing, &said, &mut chosen.walls);
-        (extent, unit) = sized(&drawing, options, &chosen, report)?;
+        (extent, (unit, sense)) = sized(&drawing, options, &chosen, report)?;
     }
     let choice::Taken { walls: mut picked, views, unused_marks } =
         choice::choose_view(&drawing, options, &chosen, unit.unit.metres, report)?;
@@ -318,8 +318,11 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     }
     let findings = options.corrections.idle(&drawing);
     findings.iter().for_each(|f| f.tell(&drawing.file, report));
-    let reading =
-        reading::Reading { findings, ..reading::Reading::by_names(&drawing).corrected(said, &picked) };
+    let reading = reading::Reading {
+        unit: sense,
+        findings,
+        ..reading::Reading::by_names(&drawing).corrected(said, &picked)
+    };
     Ok(Plan {
         file: drawing.file.clone(),
         format: drawing.format,
@@ -341,18 +344,18 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     })
 }
 
-/// The box of the walls, drawing units, and the unit.
+/// The box of the walls, drawing units, and the unit with how sure it is.
 fn sized(
     drawing: &Drawing,
     options: &PlanOptions,
     chosen: &choice::Chosen,
     report: &Report,
-) -> Result<([DVec2; 2], UnitChoice), Error> {
+) -> Result<([DVec2; 2], (UnitChoice, reading::UnitSense)), Error> {
     let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
     let Some(extent) = extent_of(&walls) else { return Err(no_walls(drawing, chosen, report)) };
     let size = (extent[1] - extent[0]).max_element();
-    let unit = units::choose(drawing, options.unit, &walls, size);
-    match size * unit.unit.metres < WALLS_MIN_M {
+    let unit = units::choose(drawing, options.unit, &walls);
+    match size * unit.0.unit.metres < WALLS_MIN_M {
         true => Err(no_walls(drawing, chosen, report)),
         false => Ok((extent, unit)),
     }

@@ -2,8 +2,11 @@
 //!
 //! A [`Reading`] is decided once, before anything is understood, and never changed afterwards.
 
+pub mod clues;
 pub mod corrections;
+pub mod lengths;
 pub mod questions;
+pub mod unit;
 
 use std::collections::BTreeSet;
 
@@ -25,8 +28,8 @@ pub struct Sense {
 pub struct UnitSense {
     /// 0 to 1.
     pub confidence: f64,
-    /// Codes of the evidence that spoke for it, the strongest first: `header`, `doors`, `walls`, `dimensions`, `areas`,
-    /// `size`, `user`.
+    /// Codes of the evidence that sets it apart from the next best, the strongest first: `user`, `heights` or those of
+    /// [`unit::CODES`].
     pub reasons: Vec<&'static str>,
     /// The next best unit and how likely it is.
     pub runner_up: Option<(Unit, f64)>,
