@@ -3,11 +3,8 @@
 //! Whoever holds a [`Plan`] need not think any more about: units, layers, blocks, codes of a format,
 //! coordinates far from zero, curves (they are traced to straight pieces), or shapes of no size.
 
-mod astray;
 pub mod axes;
-mod borders;
 mod choice;
-mod clutter;
 pub mod curve;
 pub mod drawing;
 mod fills;
@@ -17,7 +14,6 @@ pub mod frame;
 pub mod geometry;
 pub mod giants;
 pub mod graph;
-mod infill;
 pub mod interior;
 pub mod labels;
 pub mod layers;
@@ -30,7 +26,6 @@ pub mod outline;
 pub mod own_layers;
 pub mod parallels;
 mod paving;
-mod plots;
 pub mod reading;
 pub mod roles;
 pub mod rooms;
@@ -209,6 +204,8 @@ pub struct Plan {
     pub outdoors: Vec<Vec<PointUm>>,
     /// What every entity was taken for, and how sure that is.
     pub reading: reading::Reading,
+    /// The same of what is not ours, for [`PlanOptions::senses`].
+    pub senses: Vec<reading::Sense>,
     /// Where north is: degrees anticlockwise from up.
     pub north_deg: f64,
 }
@@ -230,6 +227,8 @@ pub struct PlanOptions {
     pub is_knee_level: bool,
     /// The walls by [`Plan::picked`] of an earlier reading; nothing is chosen then.
     pub picked: Option<Vec<usize>>,
+    /// What everything was taken for in an earlier reading ([`reading::Reading::kept`]).
+    pub senses: Option<Vec<reading::Sense>>,
 }
 
 /// Understands a drawing.
@@ -240,25 +239,19 @@ pub struct PlanOptions {
 pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report) -> Result<Plan, Error> {
     let drawing = fills::joined(drawing, options);
     let mut chosen = choice::choose_walls(&drawing, options, report)?;
-    let (mut extent, mut unit) = sized(&drawing, options, &chosen, report)?;
-    if plots::leave_out(&drawing, options, &mut chosen, unit.unit.metres, report) {
-        (extent, unit) = sized(&drawing, options, &chosen, report)?;
-    }
+    let (extent, unit) = sized(&drawing, options, &chosen, report)?;
+    let by_size = choice::entities(&drawing, &chosen.walls);
+    let longer = (extent[1] - extent[0]).max_element();
+    let scale = units::person_scale(&drawing, &by_size, longer, unit.unit);
+    let reading = match &options.senses {
+        Some(kept) => reading::Reading::again(&drawing, kept, reading::UnitSense::default()),
+        None => reading::Reading::new(&drawing, unit.unit.metres / scale),
+    };
+    choice::take_read(&drawing, options, &reading, &mut chosen);
     let choice::Taken { walls: mut picked, views, unused_marks } =
         choice::choose_view(&drawing, options, &chosen, unit.unit.metres, report)?;
-    infill::take(&drawing, options, &mut chosen, &mut picked, unit.unit.metres, report);
     let is_our_choice = options.picked.is_none() && options.wall_layers.is_empty();
-    let mut standing = Vec::new();
-    if is_our_choice && drawing.format == drawing::Format::Dxf {
-        let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
-        let extent = extent_of(&walls).unwrap_or(extent);
-        let scale = units::person_scale(&drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
-        // At an unknown scale nobody knows how thick a wall is.
-        if scale == 1.0 {
-            astray::take(&drawing, &mut chosen, &mut picked, unit.unit.metres, report);
-        }
-        standing = clutter::leave_out_fittings(&drawing, &mut picked, unit.unit.metres, scale, report);
-    }
+    let senses = reading.kept(&drawing);
     let drawing = fills::take(drawing, options, &mut chosen, &mut picked, unit.unit.metres, report)?;
     let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
     choice::state_columns_only(&drawing, options, &walls, report);
@@ -271,7 +264,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let human_scale = units::person_scale(&drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
     state_unit(&drawing, &unit, size_m, human_scale, report);
     let markers = markers::read(&drawing, options, &unused_marks, &frame, report);
-    let obstacles = obstacles::find(&drawing, &standing, &picked, unit.unit.metres / human_scale, &frame);
+    let obstacles = obstacles::find(&drawing, &reading, &picked, unit.unit.metres / human_scale, &frame);
     let is_wall = |i: usize| picked.binary_search(&i).is_ok();
     let outdoors = outdoors::find(&drawing, is_wall, &frame, human_scale);
     let is_locked = |e: &Entity| drawing.layers.iter().any(|l| l.is_locked && l.name == e.layer);
@@ -299,7 +292,8 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         doors: doors(&drawing, &frame),
         obstacles,
         outdoors,
-        reading: reading::Reading::by_names(&drawing),
+        reading,
+        senses,
         north_deg: drawing.north_deg,
     })
 }

@@ -32,7 +32,7 @@ const SWING_RAD: [f64; 2] = [0.5, 3.3];
 const TOUCHING_MAX: usize = 12;
 
 /// Roles whose names are told to the classifier.
-pub(super) const NAMED: [Role; 15] = [
+pub const NAMED: [Role; 15] = [
     Role::Wall,
     Role::LowWall,
     Role::Glazing,
@@ -77,7 +77,7 @@ struct Seen {
 }
 
 /// The features of all pieces, and who stands beside whom.
-pub(super) struct Features {
+pub struct Features {
     /// Values, row by row.
     pub rows: Vec<f32>,
     /// Values of one piece.
@@ -138,6 +138,11 @@ impl Features {
             partner,
             touching: seen.into_iter().map(|s| s.touching).collect(),
         }
+    }
+
+    /// The values of one piece.
+    pub fn row(&self, piece: usize) -> &[f32] {
+        &self.rows[piece * self.width..(piece + 1) * self.width]
     }
 
     /// Names of the features in their order.
@@ -396,7 +401,7 @@ fn components(scene: &Scene, seen: &[Seen]) -> (Vec<u32>, Vec<Component>) {
         }
         i
     }
-    let mut join = |root: &mut Vec<u32>, i: u32, j: u32| {
+    let join = |root: &mut Vec<u32>, i: u32, j: u32| {
         let (a, b) = (find(root, i), find(root, j));
         root[a.max(b) as usize] = a.min(b);
     };
