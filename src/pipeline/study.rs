@@ -283,10 +283,11 @@ fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<(Trace, bool)> {
     let is_hidden = |name: &str| drawing.layers.iter().any(|l| l.name == name && (l.is_off || l.is_frozen));
     let hidden: BTreeSet<&str> =
         drawing.layers.iter().map(|l| l.name.as_str()).filter(|n| is_hidden(n)).collect();
-    let foreign = drawing.entities.iter().filter(|e| !own_layers::is_own(&e.layer)).enumerate();
+    let all = drawing.entities.iter().enumerate();
+    let foreign = all.filter(|(_, e)| !own_layers::is_own(&e.layer)).enumerate();
     let free =
-        foreign.filter(|(k, e)| plan.picked.binary_search(k).is_err() && !hidden.contains(e.layer.as_str()));
-    let traces = free.map(|(_, e)| (trace(&e.shape, &plan.frame), structure::is_glass(e)));
+        foreign.filter(|(k, (_, e))| plan.picked.binary_search(k).is_err() && !hidden.contains(e.layer.as_str()));
+    let traces = free.map(|(_, (i, e))| (trace(&e.shape, &plan.frame), structure::is_glass(plan, i)));
     let is_within = |(t, _): &(Trace, bool)| {
         t.points.iter().all(|p| {
             let p = DVec2::new(p[0] as f64, p[1] as f64);
@@ -305,6 +306,7 @@ fn plan_options(settings: &Settings) -> PlanOptions {
         view: settings.view.clone(),
         is_knee_level: settings.level == Level::Knee,
         picked: None,
+        senses: None,
         corrections: corrections(settings),
     }
 }

@@ -9,7 +9,8 @@ use super::reading::corrections::{Said, with_walls, without_others};
 use super::roles::{Role, role_by_name};
 use super::scores::{Score, wall_scores};
 use super::views::{MarkKind, STRAY, Sheet, SheetMark, View, far_off, split, strays};
-use super::{LayerUse, PlanOptions, borders, clutter, dots, markers, view_box};
+use super::reading::Reading;
+use super::{LayerUse, PlanOptions, dots, markers, view_box};
 use crate::report::{Error, Place, Report, counted};
 
 /// The walls of all views, and what became of the layers.
@@ -102,12 +103,6 @@ pub(super) fn choose_walls(
         })
         .collect();
     state_hidden(drawing, &layers, &assumed, report);
-    if !assumed.is_empty() {
-        state_assumed(drawing, &layers, &assumed, report);
-        clutter::leave_section(drawing, &mut walls, report);
-        borders::leave_out(drawing, &mut walls, report);
-        clutter::leave_out(drawing, &mut walls, report);
-    }
     correct(drawing, said, &mut walls);
     Ok(Chosen { walls, layers })
 }
@@ -118,6 +113,49 @@ pub(super) fn correct(drawing: &Drawing, said: &Said, walls: &mut Vec<usize>) {
     without_others(said, walls);
     with_walls(said, walls, |i| !hidden.entity(&drawing.entities[i]));
     walls.retain(|i| !dots::is_dot(&drawing.entities[*i].shape));
+}
+
+/// Entities by their indices.
+pub(super) fn entities<'d>(drawing: &'d Drawing, indices: &[usize]) -> Vec<&'d Entity> {
+    indices.iter().map(|i| &drawing.entities[*i]).collect()
+}
+
+/// The walls by what everything was taken for, unless the user or an earlier reading chose them; where none was found,
+/// those by name stay.
+pub(super) fn take_read(drawing: &Drawing, options: &PlanOptions, reading: &Reading, chosen: &mut Chosen) {
+    if drawing.format != Format::Dxf || options.picked.is_some() || !options.wall_layers.is_empty() {
+        return;
+    }
+    let hidden = Hidden::new(drawing);
+    let is_wall = |i: &usize| {
+        let e = &drawing.entities[*i];
+        let stops = match reading.role(*i) {
+            Role::Wall | Role::Column => true,
+            Role::LowWall => options.is_knee_level,
+            _ => false,
+        };
+        stops && !own_layers::is_own(&e.layer) && !hidden.entity(e)
+    };
+    let walls: Vec<usize> = (0..drawing.entities.len()).filter(is_wall).collect();
+    if walls.is_empty() {
+        return;
+    }
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    walls.iter().for_each(|i| *counts.entry(&drawing.entities[*i].layer).or_default() += 1);
+    for layer in chosen.layers.iter_mut().filter(|l| matches!(l.role, "wall" | "low" | "ignored")) {
+        match counts.get(layer.name.as_str()) {
+            Some(n) => {
+                layer.role = "wall";
+                layer.why = format!("{n} of its {} elements look like walls", layer.entities);
+            }
+            None if layer.role == "wall" => {
+                layer.role = "ignored";
+                layer.why = "none of its elements looks like a wall; --wall-layer takes it in".into();
+            }
+            None => {}
+        }
+    }
+    chosen.walls = walls;
 }
 
 fn counts(drawing: &Drawing) -> BTreeMap<&str, (usize, usize)> {

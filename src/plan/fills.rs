@@ -5,7 +5,6 @@ use std::borrow::Cow;
 
 use glam::DVec2;
 
-use super::astray::is_column;
 use super::choice::{Chosen, Hidden};
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Shape};
@@ -18,6 +17,13 @@ const COLUMN_ACROSS_M: f64 = 1.5;
 
 /// A wall's line nearer than this to an area's side, along it, is drawn round it, metres.
 const ROUND_M: f64 = 0.03;
+
+/// Least ground of a column, square metres: frames and jambs have less.
+const COLUMN_M2: f64 = 0.04;
+/// Square of a column's outline as a multiple of its ground, at most: 16 for a square, more for what is long.
+const COLUMN_COMPACT: f64 = 18.0;
+/// A column is alike from both sides: opposite every corner lies another, metres.
+const OPPOSITE_M: f64 = 0.03;
 
 /// Most comparisons of areas with lines of walls; beyond them nothing is taken.
 const COMPARED_MAX: usize = 50_000_000;
@@ -139,6 +145,18 @@ fn runs_along([a, b]: [DVec2; 2], wall: &Piece, near: f64) -> bool {
     side.normalize_or_zero().perp_dot(along).abs() < 0.05
         && along.perp_dot(middle).abs() <= near
         && (0.0..=line.length()).contains(&middle.dot(along))
+}
+
+/// Whether an outline, in metres, is that of a column and of no leaf, frame or sector of a swing.
+fn is_column(ring: &[DVec2]) -> bool {
+    let sides = || (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]]);
+    let length: f64 = sides().map(|[a, b]| a.distance(b)).sum();
+    let ground = sides().map(|[a, b]| (a - ring[0]).perp_dot(b - ring[0]) / 2.0).sum::<f64>().abs();
+    let Some([lo, hi]) = box_of(ring.iter().copied()) else { return false };
+    let opposite = |p: &DVec2| lo + hi - *p;
+    ground >= COLUMN_M2
+        && length * length <= COLUMN_COMPACT * ground
+        && ring.iter().all(|p| ring.iter().any(|q| q.distance(opposite(p)) <= OPPOSITE_M))
 }
 
 #[cfg(test)]

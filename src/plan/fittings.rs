@@ -10,7 +10,7 @@ use super::curve::{self, control_points};
 use super::drawing::{Drawing, Editable, Entity, Shape, SourceRef};
 use super::geometry::PointUm;
 use super::graph::Handle;
-use super::roles::{Role, role_by_name};
+use super::roles::Role;
 use super::rounds::as_arc;
 use super::structure::{DrawnWalls, end_handles, face_handles};
 
@@ -83,7 +83,7 @@ pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usiz
             let together = of_block.map_or_else(|| vec![entity], Clone::clone);
             for i in together {
                 let e = &drawing.entities[i];
-                let is_loose = opening.kind == OpeningKind::Passage && !is_named(e);
+                let is_loose = opening.kind == OpeningKind::Passage && !matches!(plan.reading.role(i), Role::Door | Role::Window | Role::Glazing);
                 out.entry(i).or_insert_with(|| Fitting { is_loose, ..fitting(e, &jambs) });
             }
         }
@@ -106,12 +106,6 @@ fn hosted(plan: &Plan, drawing: &Drawing) -> BTreeMap<usize, Fitting> {
         Some((i, Fitting { host: Some(*host), ..fitting(e, &Default::default()) }))
     };
     told.filter_map(of).collect()
-}
-
-/// Whether the name of its layer or of a block around it says that it is a door, a window or glass.
-fn is_named(e: &Entity) -> bool {
-    let mut names = e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]);
-    names.any(|n| matches!(role_by_name(n).0, Role::Door | Role::Window | Role::Glazing))
 }
 
 fn fitting(e: &Entity, jambs: &[Vec<Handle>; 2]) -> Fitting {

@@ -3,11 +3,8 @@
 //! Whoever holds a [`Plan`] need not think any more about: units, layers, blocks, codes of a format,
 //! coordinates far from zero, curves (they are traced to straight pieces), or shapes of no size.
 
-mod astray;
 pub mod axes;
-mod borders;
 mod choice;
-mod clutter;
 pub mod curve;
 mod dots;
 pub mod drawing;
@@ -19,7 +16,6 @@ pub mod frame;
 pub mod geometry;
 pub mod giants;
 pub mod graph;
-mod infill;
 pub mod interior;
 pub mod labels;
 pub mod layers;
@@ -32,7 +28,6 @@ pub mod outline;
 pub mod own_layers;
 pub mod parallels;
 mod paving;
-mod plots;
 pub mod reading;
 pub mod roles;
 pub mod rooms;
@@ -213,6 +208,8 @@ pub struct Plan {
     pub outdoors: Vec<Vec<PointUm>>,
     /// What every entity was taken for, and how sure that is.
     pub reading: reading::Reading,
+    /// The same of what is not ours, for [`PlanOptions::senses`].
+    pub senses: Vec<reading::Sense>,
     /// Where north is: degrees anticlockwise from up.
     pub north_deg: f64,
 }
@@ -234,6 +231,8 @@ pub struct PlanOptions {
     pub is_knee_level: bool,
     /// The walls by [`Plan::picked`] of an earlier reading; nothing is chosen then.
     pub picked: Option<Vec<usize>>,
+    /// What everything was taken for in an earlier reading ([`reading::Reading::kept`]).
+    pub senses: Option<Vec<reading::Sense>>,
     /// What the user says of entities and of the floor.
     pub corrections: Corrections,
 }
@@ -255,27 +254,21 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let (said, as_drawn) = (options.corrections.said(&drawing), options.corrections.as_drawn);
     dots::state(&drawing, report);
     let mut chosen = choice::choose_walls(&drawing, (options, &said), report)?;
-    let (mut extent, (mut unit, mut sense)) = sized(&drawing, options, &chosen, report)?;
-    if plots::leave_out(&drawing, options, &mut chosen, unit.unit.metres, report) {
-        choice::correct(&drawing, &said, &mut chosen.walls);
-        (extent, (unit, sense)) = sized(&drawing, options, &chosen, report)?;
-    }
+    let (extent, (unit, sense)) = sized(&drawing, options, &chosen, report)?;
+    let by_size = choice::entities(&drawing, &chosen.walls);
+    let longer = (extent[1] - extent[0]).max_element();
+    let scale = units::person_scale(&drawing, &by_size, longer, unit.unit);
+    let reading = match &options.senses {
+        Some(kept) => reading::Reading::again(&drawing, kept),
+        None if as_drawn => reading::Reading::by_names(&drawing),
+        None => reading::Reading::new(&drawing, unit.unit.metres / scale),
+    };
+    choice::take_read(&drawing, options, &reading, &mut chosen);
+    choice::correct(&drawing, &said, &mut chosen.walls);
     let choice::Taken { walls: mut picked, views, unused_marks } =
         choice::choose_view(&drawing, options, &chosen, unit.unit.metres, report)?;
     let of_view = picked.clone();
-    infill::take(&drawing, options, &mut chosen, &mut picked, unit.unit.metres, report);
     let is_our_choice = options.is_our_choice();
-    let mut standing = Vec::new();
-    if is_our_choice && drawing.format == drawing::Format::Dxf {
-        let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
-        let extent = extent_of(&walls).unwrap_or(extent);
-        let scale = units::person_scale(&drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
-        // At an unknown scale nobody knows how thick a wall is.
-        if scale == 1.0 {
-            astray::take(&drawing, &mut chosen, &mut picked, unit.unit.metres, report);
-        }
-        standing = clutter::leave_out_fittings(&drawing, &mut picked, unit.unit.metres, scale, report);
-    }
     let drawing = fills::take(drawing, options, &mut chosen, &mut picked, unit.unit.metres, report)?;
     let said = options.corrections.said(&drawing);
     if options.picked.is_none() {
@@ -300,7 +293,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let (obstacles, outdoors) = match as_drawn {
         true => Default::default(),
         false => (
-            obstacles::find(&drawing, &standing, &picked, unit.unit.metres / human_scale, &frame),
+            obstacles::find(&drawing, &reading, &picked, unit.unit.metres / human_scale, &frame),
             outdoors::find(&drawing, is_wall, &frame, human_scale),
         ),
     };
@@ -318,11 +311,8 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     }
     let findings = options.corrections.idle(&drawing);
     findings.iter().for_each(|f| f.tell(&drawing.file, report));
-    let reading = reading::Reading {
-        unit: sense,
-        findings,
-        ..reading::Reading::by_names(&drawing).corrected(said, &picked)
-    };
+    let reading = reading::Reading { unit: sense, findings, ..reading.corrected(said, &picked) };
+    let senses = reading.kept(&drawing);
     Ok(Plan {
         file: drawing.file.clone(),
         format: drawing.format,
@@ -340,6 +330,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         obstacles,
         outdoors,
         reading,
+        senses,
         north_deg: drawing.north_deg,
     })
 }

@@ -15,7 +15,8 @@ use super::layers::words;
 use super::own_layers;
 use super::parallels::Straight;
 use super::paving;
-use super::roles::{Role, role_by_name};
+use super::reading::Reading;
+use super::roles::Role;
 use super::stairs;
 
 /// Words of layers and blocks of sanitary objects, lower case.
@@ -99,25 +100,24 @@ pub struct Obstacle {
     pub pieces: Vec<Segment>,
 }
 
-/// What stands in the way, what is fixed first. `standing`: entities that were found
-/// on the layers of walls; `walls`: those that are walls; `metres_per_unit`: of a person.
+/// What stands in the way, what is fixed first. `walls`: entities that are walls; `metres_per_unit`: of a person.
 pub(super) fn find(
     drawing: &Drawing,
-    standing: &[usize],
+    reading: &Reading,
     walls: &[usize],
     metres_per_unit: f64,
     frame: &Frame,
 ) -> Vec<Obstacle> {
     let hidden = Hidden::new(drawing);
     let is_wall: BTreeSet<usize> = walls.iter().copied().collect();
-    let mut found: BTreeSet<usize> = standing.iter().copied().collect();
+    let mut found: BTreeSet<usize> = BTreeSet::new();
     let mut lines: Vec<Straight> = Vec::new();
     let mut others: Vec<(usize, ObstacleKind)> = Vec::new();
     for (i, e) in drawing.entities.iter().enumerate() {
         if is_wall.contains(&i) || own_layers::is_own(&e.layer) || hidden.entity(e) {
             continue;
         }
-        match said(e) {
+        match said(e, reading.role(i)) {
             Said::Fixed => drop(found.insert(i)),
             Said::Other => {}
             Said::Door => others.push((i, ObstacleKind::Door)),
@@ -222,20 +222,16 @@ enum Said {
     Nothing,
 }
 
-fn said(e: &Entity) -> Said {
-    let names = || e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]);
-    if names().any(|n| words(n).iter().any(|w| SANITARY.contains(&w.as_str()))) {
+fn said(e: &Entity, role: Role) -> Said {
+    let mut names = e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]);
+    if names.any(|n| words(n).iter().any(|w| SANITARY.contains(&w.as_str()))) {
         return Said::Fixed;
     }
-    let roles: Vec<Role> = names().map(|n| role_by_name(n).0).collect();
-    if roles.contains(&Role::Stair) {
-        return Said::Fixed;
-    }
-    let is_door = |r: &Role| matches!(r, Role::Door | Role::Window);
-    match roles.iter().find(|r| !matches!(r, Role::Unknown | Role::Furniture) && !is_door(r)) {
-        Some(_) => Said::Other,
-        None if roles.iter().any(is_door) => Said::Door,
-        None => Said::Nothing,
+    match role {
+        Role::Stair => Said::Fixed,
+        Role::Door | Role::Window => Said::Door,
+        Role::Furniture | Role::Unknown => Said::Nothing,
+        _ => Said::Other,
     }
 }
 

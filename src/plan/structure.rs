@@ -19,29 +19,10 @@ use super::graph::Handle;
 use super::leaves;
 use super::parallels::Straight;
 use super::paving;
-use super::reading::corrections::Said;
 use super::roles::{self, role_by_name};
 use super::rooms;
 use super::rounds;
-use super::{layers, own_layers};
-
-/// Words of layers that hold doors and windows alike, lower case.
-const OPENING_WORDS: &[&str] = &[
-    "opening",
-    "openings",
-    "doorswindows",
-    "doorwindow",
-    "doorwindows",
-    "windowsdoors",
-    "windowdoor",
-    "windowdoors",
-    "header",
-    "infissi",
-    "serramenti",
-    "carpinteria",
-    "建具",
-    "sliding",
-];
+use super::own_layers;
 
 /// Radii of arcs that may be door swings, metres of a person.
 pub const SWING_RADIUS_M: [f64; 2] = [0.5, 1.6];
@@ -129,10 +110,10 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
     let others = drawing.entities.iter().enumerate().filter(is_other);
     let others: Vec<(usize, &Entity, Vec<Path>)> =
         others.map(|(i, e)| (i, e, swing_or(paths_of(&e.shape, place)))).collect();
-    let leaves = leaves_alone(&out.faces, &others, &plan.reading.said);
+    let leaves = leaves_alone(plan, &out.faces, &others);
     for (i, entity, paths) in others {
         let paths = leaves.get(&i).map_or(paths, |swing| vec![*swing]);
-        if let Some((role, word)) = mark_role(plan.reading.said.get(&i), entity, &paths) {
+        if let Some((role, word)) = mark_role(plan, i, entity, &paths) {
             let group = walls.fitting_block(entity).map_or(i, |record| drawing.entities.len() + record);
             out.marks.push(Mark { paths, role, group: group as u32, word });
             marked.push(i);
@@ -147,11 +128,7 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
 const OWN_SWING_M: f64 = 0.15;
 
 /// The swings of leaves that are drawn without them, by entity.
-fn leaves_alone(
-    faces: &[Face],
-    others: &[(usize, &Entity, Vec<Path>)],
-    said: &Said,
-) -> BTreeMap<usize, Path> {
+fn leaves_alone(plan: &Plan, faces: &[Face], others: &[(usize, &Entity, Vec<Path>)]) -> BTreeMap<usize, Path> {
     let lines = |p: &Path, thing: usize, is_wall: bool| -> Vec<leaves::Piece> {
         trace(p).windows(2).map(|w| leaves::Piece { ends: [w[0], w[1]], thing, is_wall }).collect()
     };
@@ -166,15 +143,14 @@ fn leaves_alone(
         }
         _ => false,
     };
-    let may_hang = others.iter().filter(|o| may_be_leaf(said.get(&o.0).copied(), &o.1.layer));
+    let may_hang = others.iter().filter(|o| may_be_leaf(plan.reading.role(o.0)));
     let swings = may_hang.filter_map(|(i, _, paths)| Some((*i, pieces.swing(paths, *i)?)));
     swings.filter(|(_, swing)| !drawn.iter().any(|p| is_like(p, swing))).collect()
 }
 
-/// Whether a leaf without its swing may lie on a layer, unless the user says what it is.
-fn may_be_leaf(said: Option<roles::Role>, layer: &str) -> bool {
-    let role = said.unwrap_or_else(|| role_by_name(layer).0);
-    matches!(role, roles::Role::Door | roles::Role::Wall | roles::Role::Unknown)
+/// Whether what was taken for this may be a leaf without its swing.
+fn may_be_leaf(role: roles::Role) -> bool {
+    matches!(role, roles::Role::Door | roles::Role::Unknown)
 }
 
 /// Which entities of a drawing the walls of its plan are.
@@ -278,8 +254,6 @@ pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Seg
     let Some([lo, hi]) = box_of(points) else { return Vec::new() };
     let hidden: BTreeSet<&str> =
         drawing.layers.iter().filter(|l| l.is_off || l.is_frozen).map(|l| l.name.as_str()).collect();
-    let of_layers = drawing.entities.iter().map(|e| e.layer.as_str());
-    let role_of: BTreeMap<&str, roles::Role> = of_layers.map(|l| (l, role_by_name(l).0)).collect();
     let walls = DrawnWalls::new(plan, drawing);
     let lies_within = |s: &[DVec2; 2], beyond: f64| {
         s.iter().all(|p| p.cmpge(lo - beyond).all() && p.cmple(hi + beyond).all())
@@ -288,9 +262,8 @@ pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Seg
     let mut out: Vec<[DVec2; 2]> = Vec::new();
     let shown = drawing.entities.iter().enumerate().filter(|(i, e)| !walls.contains(*i, e));
     for (i, e) in shown.filter(|(_, e)| !hidden.contains(e.layer.as_str())) {
-        let said = plan.reading.said.get(&i);
-        let role = said.copied().unwrap_or_else(|| role_of[e.layer.as_str()]);
-        let by_name = fills(role) || said.is_none() && e.blocks.iter().any(|b| fills(role_by_name(b).0));
+        let role = plan.reading.role(i);
+        let by_name = fills(role);
         let may_swing = by_name || matches!(role, roles::Role::Wall | roles::Role::Unknown);
         for path in swing_or(paths_of(&e.shape, place)) {
             match path {
@@ -356,12 +329,9 @@ fn lies_in([a, b]: &[DVec2; 2], opening: &Opening) -> bool {
         && along.perp_dot(p).abs() <= opening.thickness_m / 2.0 + SILL_M
 }
 
-/// Whether the name of an entity's layer or of a block around it says that it is a window or glass.
-pub fn is_glass(e: &Entity) -> bool {
-    let names = e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]);
-    let roles: Vec<roles::Role> = names.map(|n| role_by_name(n).0).collect();
-    let has = |role| roles.contains(&role);
-    (has(roles::Role::Window) || has(roles::Role::Glazing)) && !has(roles::Role::Door)
+/// Whether an entity, by its index, was taken for a window or glass.
+pub fn is_glass(plan: &Plan, i: usize) -> bool {
+    matches!(plan.reading.role(i), roles::Role::Window | roles::Role::Glazing)
 }
 
 /// The arc of a door's swing where chords trace one, else the pieces as they are.
@@ -378,38 +348,17 @@ fn is_swing(path: &Path) -> bool {
         if (SWING_RADIUS_M[0]..=SWING_RADIUS_M[1]).contains(radius) && (0.5..=SWING_MAX_RAD).contains(sweep_rad))
 }
 
-/// Whether a layer of doors holds windows too, by its name.
-pub(super) fn is_of_windows_too(name: &str) -> bool {
-    let is_window = |w: &str| role_by_name(w).0 == roles::Role::Window;
-    layers::words(name).iter().any(|w| OPENING_WORDS.contains(&w.as_str()) || is_window(w))
-}
-
-/// What an entity says about an opening: what the user says, else by the name of its block or layer, else by its shape if
-/// the name says nothing.
-pub(super) fn mark_role(
-    said: Option<&roles::Role>,
-    entity: &Entity,
-    paths: &[Path],
-) -> Option<(Role, String)> {
-    match said {
-        Some(roles::Role::Door) => return Some((Role::Door, entity.layer.clone())),
-        Some(roles::Role::Window) => return Some((Role::Window, entity.layer.clone())),
-        Some(roles::Role::Wall) => return None,
+/// What an entity says about an opening: by what it was taken for, else by its shape.
+pub(super) fn mark_role(plan: &Plan, i: usize, entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
+    let role = plan.reading.role(i);
+    match role {
+        roles::Role::Door => return Some((Role::Door, entity.layer.clone())),
+        roles::Role::Window | roles::Role::Glazing => return Some((Role::Window, entity.layer.clone())),
         _ => {}
-    }
-    let mut is_open = said.is_some();
-    for name in entity.blocks.iter().map(String::as_str).chain([entity.layer.as_str()]) {
-        match role_by_name(name).0 {
-            roles::Role::Door if is_of_windows_too(name) => return Some((Role::Unknown, name.to_string())),
-            roles::Role::Door => return Some((Role::Door, name.to_string())),
-            roles::Role::Window | roles::Role::Glazing => return Some((Role::Window, name.to_string())),
-            roles::Role::Unknown => is_open = true,
-            _ => {}
-        }
     }
     let tells = |p: &Path| match p {
         Path::Arc { .. } => is_swing(p),
-        Path::Line { .. } => is_open,
+        Path::Line { .. } => role == roles::Role::Unknown,
     };
     paths.iter().any(tells).then(|| (Role::Unknown, String::new()))
 }

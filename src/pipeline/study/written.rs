@@ -67,7 +67,8 @@ impl Study {
         let mut report = Report::default();
         let drawing = formats::read(&plan.file, bytes, &read_options(settings), &mut report)?;
         let picked = Some(plan.picked.clone());
-        let options = PlanOptions { unit: Some(plan.unit.unit), picked, ..plan_options(settings) };
+        let senses = Some(plan.senses.clone());
+        let options = PlanOptions { unit: Some(plan.unit.unit), picked, senses, ..plan_options(settings) };
         let again = understand(&drawing, &options, &mut report)?;
         if again.walls.len() != plan.walls.len() {
             let text = format!(

@@ -140,6 +140,11 @@ impl Features {
         }
     }
 
+    /// The values of one piece.
+    pub fn row(&self, piece: usize) -> &[f32] {
+        &self.rows[piece * self.width..(piece + 1) * self.width]
+    }
+
     /// Names of the features in their order.
     pub fn names() -> Vec<String> {
         let own = "length is_arc radius sweep skew nearest overlap ratio same_thing same_group across beyond regular \
@@ -396,7 +401,7 @@ fn components(scene: &Scene, seen: &[Seen]) -> (Vec<u32>, Vec<Component>) {
         }
         i
     }
-    let mut join = |root: &mut Vec<u32>, i: u32, j: u32| {
+    let join = |root: &mut Vec<u32>, i: u32, j: u32| {
         let (a, b) = (find(root, i), find(root, j));
         root[a.max(b) as usize] = a.min(b);
     };

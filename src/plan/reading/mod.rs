@@ -2,15 +2,20 @@
 //!
 //! A [`Reading`] is decided once, before anything is understood, and never changed afterwards.
 
+mod classify;
 pub mod clues;
 pub mod corrections;
+mod features;
 pub mod lengths;
 pub mod questions;
+mod scene;
+mod trees;
 pub mod unit;
 
 use std::collections::BTreeSet;
 
-use super::drawing::{Drawing, Unit};
+use super::drawing::{Drawing, Format, Unit};
+use super::own_layers;
 use super::roles::{Role, role_by_name};
 use corrections::{Finding, Said};
 
@@ -51,15 +56,28 @@ pub struct Reading {
 }
 
 impl Reading {
+    /// Decides what every entity is. `metres`: of a person, in a drawing unit. What is no drawing of lines says by its
+    /// classes what it is.
+    pub fn new(drawing: &Drawing, metres: f64) -> Self {
+        match drawing.format {
+            Format::Dxf => Self::of_classes(drawing, classify::classify(drawing, metres)),
+            _ => Self::by_names(drawing),
+        }
+    }
+
     /// By the names of layers alone.
     pub fn by_names(drawing: &Drawing) -> Self {
-        let sense = |layer: &str| {
+        Self::of_classes(drawing, vec![None; drawing.entities.len()])
+    }
+
+    fn of_classes(drawing: &Drawing, classes: Vec<Option<Sense>>) -> Self {
+        let by_name = |layer: &str| {
             let role = role_by_name(layer).0;
             Sense { role, confidence: if role == Role::Unknown { 0.5 } else { 1.0 } }
         };
-        let unit = UnitSense { confidence: 1.0, ..UnitSense::default() };
-        let senses = drawing.entities.iter().map(|e| sense(&e.layer)).collect();
-        Self { unit, senses, ..Self::default() }
+        let entities = drawing.entities.iter().zip(classes);
+        let senses = entities.map(|(e, class)| class.unwrap_or_else(|| by_name(&e.layer))).collect();
+        Self { senses, ..Self::default() }
     }
 
     /// The same with what the user says; `walls`: indices of the entities that are walls, in the plan's order.
@@ -79,5 +97,20 @@ impl Reading {
     /// The role of an entity, by its index in [`Drawing::entities`].
     pub fn role(&self, entity: usize) -> Role {
         self.senses.get(entity).map_or(Role::Unknown, |s| s.role)
+    }
+
+    /// The senses of what is not ours, in the order of [`super::Plan::picked`]: with them a changed copy is read alike.
+    pub fn kept(&self, drawing: &Drawing) -> Vec<Sense> {
+        let foreign = drawing.entities.iter().zip(&self.senses).filter(|(e, _)| !own_layers::is_own(&e.layer));
+        foreign.map(|(_, s)| *s).collect()
+    }
+
+    /// The reading of a changed copy of a drawing, from what was [`kept`](Self::kept) of it.
+    pub fn again(drawing: &Drawing, kept: &[Sense]) -> Self {
+        let mut next = kept.iter().copied();
+        let other = Sense { role: Role::Unknown, confidence: 1.0 };
+        let of = |layer: &str| if own_layers::is_own(layer) { other } else { next.next().unwrap_or(other) };
+        let senses = drawing.entities.iter().map(|e| e.layer.as_str()).map(of).collect();
+        Self { senses, ..Self::default() }
     }
 }
