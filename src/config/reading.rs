@@ -242,7 +242,7 @@ mod tests {
             Error::Usage(p) => (p.place.line, p.place.entity),
             other => panic!("{other}"),
         };
-        assert_eq!(at("[reading]\nwall = [\"layer:A\", \"B\"]\n"), (Some(2), "column 20".into()));
+        assert_eq!(at("[reading]\nwall = [\"layer:A\", \"B\"]\n"), (Some(2), "column 8".into()));
         assert_eq!(at("[reading]\n  walls = []\n"), (Some(2), "column 3".into()));
     }
 

@@ -79,7 +79,7 @@ pub(super) fn choose_walls(
     let counts = counts(drawing);
     let elements = elements(drawing);
     let assumed = assumed_layers(drawing, &counts, &by_name, &hidden);
-    let layers: Vec<LayerUse> = counts
+    let mut layers: Vec<LayerUse> = counts
         .iter()
         .map(|(name, (shapes, texts))| {
             let (role, why) = layer_use(name, options, &by_name, &hidden, &assumed);
@@ -87,6 +87,7 @@ pub(super) fn choose_walls(
             LayerUse { name: (*name).to_string(), entities, role, why }
         })
         .collect();
+    say_corrected(drawing, said, &mut layers);
     if let Some(picked) = &options.picked {
         let all: Vec<usize> = (0..drawing.entities.len())
             .filter(|i| !own_layers::is_own(&drawing.entities[*i].layer))
@@ -105,6 +106,21 @@ pub(super) fn choose_walls(
     state_hidden(drawing, &layers, &assumed, report);
     correct(drawing, said, &mut walls);
     Ok(Chosen { walls, layers })
+}
+
+/// Adds to the layers how many of their entities the user calls what.
+fn say_corrected(drawing: &Drawing, said: &Said, layers: &mut [LayerUse]) {
+    let mut counts: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    for (i, role) in said {
+        let what = if *role == Role::Unknown { "no walls" } else { role.words() };
+        *counts.entry((&drawing.entities[*i].layer, what)).or_default() += 1;
+    }
+    for ((layer, what), n) in counts {
+        layers
+            .iter_mut()
+            .filter(|l| l.name == layer)
+            .for_each(|l| l.why += &format!("; corrected: {n} {what}"));
+    }
 }
 
 /// Makes `walls` (ascending) what the user says, as far as it is shown and has a size.
