@@ -281,6 +281,7 @@ fn result() -> RoundResult {
         free: None,
     };
     RoundResult {
+        questions: Vec::new(),
         schema: RESULT_SCHEMA.to_owned(),
         input: Input {
             path: "Büro/hôtel-particulier-r03.dxf".to_owned(),
