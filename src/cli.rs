@@ -2,6 +2,7 @@
 
 mod choices;
 mod idle;
+mod reading;
 mod values;
 
 use std::io::Write as _;
@@ -13,6 +14,7 @@ use crate::commands::unsaid;
 use crate::config::Partial;
 use crate::pipeline::resolution;
 pub use choices::{BackendArg, ColoursArg, LevelArg, MethodArg, ModeArg, ThresholdsArg, UnsureArg};
+use reading::ReadingArgs;
 use values::{graph_file, point, radius, whole};
 
 /// From an architect's drawing to a diverse set of better layouts, and back.
@@ -128,8 +130,8 @@ pub struct Common {
     /// Layer of the region of reference instead of EF-REFERENCE.
     #[arg(long, value_name = "NAME")]
     pub reference_layer: Option<String>,
-    /// Which drawing of a sheet with several: its name or number as `check` lists them, or all.
-    #[arg(long, value_name = "NAME|N")]
+    /// Which drawing of a sheet with several: its name or number as `check` lists them, all, or a box in drawing units.
+    #[arg(long, value_name = "NAME|N|XMIN,YMIN,XMAX,YMAX", allow_hyphen_values = true)]
     pub view: Option<String>,
     /// Height of the sight lines.
     #[arg(long, value_enum)]
@@ -173,6 +175,9 @@ pub struct Common {
     /// How progress is said on standard error.
     #[arg(long, value_enum)]
     pub progress: Option<ProgressArg>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub reading: ReadingArgs,
 }
 
 /// `check`.
@@ -625,6 +630,7 @@ impl Common {
             storey: self.storey.clone(),
             query: self.query.clone(),
             accept_missing_eof: self.accept_missing_eof.then_some(true),
+            reading: self.reading.table(),
             seed: s.seed,
             evaluations: s.evaluations,
             seconds: s.seconds,

@@ -45,6 +45,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         north_deg: 0.0,
         undrawn: Vec::new(),
         records: Vec::new(),
+        written: Default::default(),
         fills: Vec::new(),
     }
 }

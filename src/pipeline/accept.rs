@@ -228,6 +228,7 @@ fn side_car(
         lineage: settings.lineage.iter().cloned().chain(std::iter::once(last)).collect(),
         pin_moves: Vec::new(),
         warm_moves: Vec::new(),
+        reading: settings.reading.clone(),
         watch: None,
         host: None,
     };

@@ -93,6 +93,7 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
         }
     }
     settings.wall_layers.iter().for_each(|l| add("wall-layer", l.clone()));
+    settings.reading.options().into_iter().for_each(|(key, value)| add(key, value));
     add("spacing", result.spacing_m.to_string());
     if let Some(c) = settings.lattice_centre_m {
         add("lattice-centre", format!("{},{}", c[0], c[1]));
@@ -115,6 +116,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     }
     if settings.accept_missing_eof {
         out.push_str(" --accept-missing-eof");
+    }
+    if settings.reading.as_drawn == Some(true) {
+        out.push_str(" --as-drawn");
     }
     if settings.only_marked {
         out.push_str(" --only-marked");

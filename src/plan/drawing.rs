@@ -244,6 +244,26 @@ pub struct Record {
     pub kind: String,
 }
 
+/// A straight dimension.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dimension {
+    /// What it measures, drawing units, > 0.
+    pub measured: f64,
+    /// What is written at it, formatting codes removed: `3,50`, `12'-6"`; empty where nothing is.
+    pub text: String,
+}
+
+/// What a drawing writes about lengths.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Written {
+    /// Its straight dimensions, file order.
+    pub dimensions: Vec<Dimension>,
+    /// Heights of the letters of its texts, drawing units, > 0, file order.
+    pub heights: Vec<f64>,
+    /// Whether the file says that it is metric or imperial, without a unit.
+    pub is_metric: Option<bool>,
+}
+
 /// What a file states of moves that the plan read of it cannot use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum IdleMarks {
@@ -297,6 +317,8 @@ pub struct Drawing {
     /// Records of model space and of the blocks it shows, ascending: shapes, texts, INSERTs, dimensions and the like.
     /// Empty for formats without such.
     pub records: Vec<Record>,
+    /// What is written about lengths.
+    pub written: Written,
     /// Where the file says that north is: degrees anticlockwise from the drawing's up; 0 where it says nothing.
     pub north_deg: f64,
 }
@@ -459,6 +481,7 @@ impl Drawing {
             singles: BTreeMap::new(),
             undrawn: Vec::new(),
             records: Vec::new(),
+            written: Written::default(),
             north_deg: 0.0,
         }
     }

@@ -124,14 +124,62 @@ impl Interior {
                 }
             }
         }
-        if self.inside.iter().filter(|i| **i).count() < before {
-            let outside: Vec<bool> = self.inside.iter().map(|i| !i).collect();
-            self.outside_far = distance_px(&outside, self.cols, self.rows);
-            self.has_room =
-                (0..self.inside.len()).any(|i| self.inside[i] && !self.cavity[i] && !self.wall[i]);
-            self.is_as_drawn = false;
-        }
+        if self.inside.iter().filter(|i| **i).count() < before { self.counted_again() } else { self }
+    }
+
+    /// The same after some of its pixels were taken in or out.
+    fn counted_again(mut self) -> Self {
+        let outside: Vec<bool> = self.inside.iter().map(|i| !i).collect();
+        self.outside_far = distance_px(&outside, self.cols, self.rows);
+        self.has_room = (0..self.inside.len()).any(|i| self.inside[i] && !self.cavity[i] && !self.wall[i]);
+        self.is_as_drawn = false;
         self
+    }
+
+    /// The same with the floor round some points, and without that round others, as far as walls and closed openings
+    /// (drawing frame, micrometres). Besides the points inside whose floor is open to the outside, by their index: they
+    /// change nothing. Gaps are closed as far as [`CLOSING_M`] needs for a point.
+    #[must_use]
+    pub fn corrected(
+        mut self,
+        inside: &[PointUm],
+        outside: &[PointUm],
+        human_scale: f64,
+    ) -> (Self, Vec<usize>) {
+        let raster = Raster {
+            origin_um: self.origin_um,
+            pixel_um: self.pixel_um,
+            cols: self.cols,
+            rows: self.rows,
+            wall: self.wall.clone(),
+        };
+        let to_wall = distance_px(&self.wall, self.cols, self.rows);
+        let closings = CLOSING_M.map(|c| raster.enclosed(&to_wall, c * human_scale));
+        let floor_at = |p: PointUm, of: &[bool]| -> Option<Vec<usize>> {
+            let start = self.pixel(p).filter(|i| of[*i] && !raster.wall[*i])?;
+            let mut is_seen = vec![false; of.len()];
+            is_seen[start] = true;
+            let (mut floor, mut next) = (vec![start], 0);
+            while next < floor.len() {
+                for (j, _) in around(floor[next], raster.cols, raster.rows) {
+                    if of[j] && !raster.wall[j] && !is_seen[j] {
+                        is_seen[j] = true;
+                        floor.push(j);
+                    }
+                }
+                next += 1;
+            }
+            Some(floor)
+        };
+        let left: Vec<usize> = outside.iter().filter_map(|p| floor_at(*p, &self.inside)).flatten().collect();
+        let floors: Vec<Option<Vec<usize>>> =
+            inside.iter().map(|p| closings.iter().find_map(|of| floor_at(*p, of))).collect();
+        let open = (0..inside.len()).filter(|i| floors[*i].is_none()).collect();
+        for i in floors.into_iter().flatten().flatten() {
+            (self.inside[i], self.cavity[i]) = (true, false);
+        }
+        left.into_iter().for_each(|i| self.inside[i] = false);
+        (self.counted_again(), open)
     }
 
     /// The same, where parts of the drawn walls stop no sight: doors and windows that are drawn through.

@@ -283,6 +283,7 @@ impl Sheet {
             north_deg: 0.0,
             undrawn: Vec::new(),
             records: Vec::new(),
+            written: Default::default(),
             fills: Vec::new(),
             texts: Vec::new(),
         }

@@ -32,6 +32,7 @@ mod reader;
 mod strip;
 mod text;
 mod tokens;
+mod written;
 
 pub use complete::{Completeness, is_complete};
 pub use limits::*;

@@ -28,7 +28,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         let text = "its sections, found no ENTITIES, expected one with the drawn entities; not read";
         return Err(Error::input("dxf-no-entities", Place::file(file), text));
     };
-    let items = reader.items(section)?;
+    let items = reader.items(section.clone())?;
     let undrawn = reader.take_undrawn();
     let mut blocks = Blocks::find(&reader)?;
     blocks.measure(&mut reader, &items)?;
@@ -53,6 +53,8 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
             Body::Insert(_) => {}
         }
     }
+    let mut written = reader.written(section, &blocks)?;
+    written.is_metric = header.measurement.map(|m| m != 0);
     reader.report_left_out();
     reader.finish_notes();
     reader.records.sort_unstable_by_key(|r| r.record);
@@ -75,6 +77,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         north_deg: 0.0,
         undrawn,
         records: reader.records,
+        written,
     })
 }
 

@@ -106,6 +106,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         north_deg: 0.0,
         undrawn: Vec::new(),
         records: Vec::new(),
+        written: Default::default(),
         fills: Vec::new(),
     })
 }
