@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use enfilade::config::{Partial, Settings, Unsure};
+use enfilade::config::{Partial, ReadingTable, Settings, Unsure};
 use enfilade::overlay::result::RoundResult;
 use enfilade::pipeline::{self, Input, Outcome};
 use enfilade::report::Cancel;
@@ -74,6 +74,12 @@ fn floor_left_out_is_asked_for_and_nothing_is_optimised_until_it_is_answered() {
     assert_eq!(keys, ["outside", "inside"]);
     let at = question.values["at"].as_array().unwrap();
     assert!((10.0..14.0).contains(&at[0].as_f64().unwrap()));
+    let point = [0, 1].map(|k| at[k].as_f64().unwrap());
+    let reading = ReadingTable { outside: vec![point], ..ReadingTable::default() };
+    let answered = Settings::new(Partial { reading, ..Partial::default() }).unwrap();
+    let outcome = pipeline::check(&Input::new("plan.dxf", text.as_bytes(), 1), &answered).unwrap();
+    let reading = outcome.result.reading.unwrap();
+    assert_eq!((reading.questions.len(), reading.coverage), (0, Some(1.0)));
     let gone_on = run(&text, Some(Unsure::Optimise));
     assert_eq!((codes(&gone_on), gone_on.result.questions.len()), (0, 1));
 }

@@ -101,8 +101,14 @@ impl Sensed {
         let settled = Settled {
             unit: settings.unit.is_some(),
             view: settings.view.is_some(),
-            walls: !settings.wall_layers.is_empty(),
-            floor: !plan.markers.needs_interior() || !settings.seed_points.is_empty(),
+            walls: !settings.wall_layers.is_empty()
+                || !settings.reading.wall.is_empty()
+                || !settings.reading.not_wall.is_empty()
+                || settings.reading.as_drawn == Some(true),
+            floor: !plan.markers.needs_interior()
+                || !settings.seed_points.is_empty()
+                || !settings.reading.inside.is_empty()
+                || !settings.reading.outside.is_empty(),
         };
         let doubts = questions(plan, &base.axes, &walls, floor.as_ref(), settled);
         let length: f64 = walls.iter().map(|w| w.1).sum();

@@ -172,13 +172,17 @@ impl Interior {
             Some(floor)
         };
         let left: Vec<usize> = outside.iter().filter_map(|p| floor_at(*p, &self.inside)).flatten().collect();
+        // What is left out already, the user says so too.
+        let beyond: Vec<bool> = self.outline.iter().zip(&self.inside).map(|(o, i)| *o && !i).collect();
+        let said: Vec<usize> = outside.iter().filter_map(|p| floor_at(*p, &beyond)).flatten().collect();
         let floors: Vec<Option<Vec<usize>>> =
             inside.iter().map(|p| closings.iter().find_map(|of| floor_at(*p, of))).collect();
         let open = (0..inside.len()).filter(|i| floors[*i].is_none()).collect();
         for i in floors.into_iter().flatten().flatten() {
             (self.inside[i], self.cavity[i]) = (true, false);
         }
-        left.into_iter().for_each(|i| self.inside[i] = false);
+        left.iter().for_each(|i| self.inside[*i] = false);
+        left.into_iter().chain(said).for_each(|i| self.outline[i] = false);
         (self.counted_again(), open)
     }
 

@@ -281,6 +281,7 @@ fn result() -> RoundResult {
         free: None,
     };
     RoundResult {
+        questions: Vec::new(),
         schema: RESULT_SCHEMA.to_owned(),
         questions: Vec::new(),
         input: Input {

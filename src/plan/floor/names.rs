@@ -14,9 +14,12 @@ const LETTERS_MIN: usize = 3;
 /// A layer with more texts in a room than one loses so much of its claim to name rooms, for each.
 const SURPLUS: f64 = 0.5;
 
+/// What the texts of one layer call the rooms, by room: names with their distances from its middle.
+type Named = BTreeMap<usize, Vec<(f64, String)>>;
+
 /// For every room the text in it that names it, of the layer that names most rooms and little else.
 pub fn name_of_rooms(rooms: &[Area], texts: &[Text], frame: &Frame) -> Vec<Option<String>> {
-    let mut layers: BTreeMap<&str, BTreeMap<usize, Vec<(f64, String)>>> = BTreeMap::new();
+    let mut layers: BTreeMap<&str, Named> = BTreeMap::new();
     for text in texts.iter().filter(|t| !own_layers::is_own(&t.layer)) {
         let Some(name) = name_in(&text.text) else { continue };
         let at = frame.um_from_file(text.at);
@@ -26,7 +29,7 @@ pub fn name_of_rooms(rooms: &[Area], texts: &[Text], frame: &Frame) -> Vec<Optio
             layers.entry(&text.layer).or_default().entry(room).or_default().push((far, name));
         }
     }
-    let claim = |named: &BTreeMap<usize, Vec<(f64, String)>>| {
+    let claim = |named: &Named| {
         let surplus: usize = named.values().map(|texts| texts.len() - 1).sum();
         named.len() as f64 - SURPLUS * surplus as f64
     };

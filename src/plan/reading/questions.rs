@@ -18,7 +18,7 @@ pub const VIEW_SURE: f64 = 0.6;
 /// See [`UNIT_SURE`]: mean confidence of what draws the walls, by length.
 pub const WALLS_SURE: f64 = 0.45;
 /// See [`UNIT_SURE`]: share of the floor inside the building's outline that is measured.
-pub const COVERAGE_SURE: f64 = 0.75;
+pub const COVERAGE_SURE: f64 = 0.78;
 
 /// Most questions at a time: those that decide most.
 const QUESTIONS_MAX: usize = 2;
