@@ -1,6 +1,8 @@
 //! The command line: with `idle` the only place that says clap.
 
+mod choices;
 mod idle;
+mod reading;
 mod values;
 
 use std::io::Write as _;
@@ -9,9 +11,11 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use crate::commands::unsaid;
-use crate::config::{Backend, Colours, Level, Method, Mode, Partial, Thresholds};
+use crate::config::Partial;
 use crate::pipeline::resolution;
-use values::{point, radius, whole};
+pub use choices::{BackendArg, ColoursArg, LevelArg, MethodArg, ModeArg, ThresholdsArg, UnsureArg};
+use reading::ReadingArgs;
+use values::{graph_file, point, radius, whole};
 
 /// From an architect's drawing to a diverse set of better layouts, and back.
 #[derive(Debug, Parser)]
@@ -126,8 +130,8 @@ pub struct Common {
     /// Layer of the region of reference instead of EF-REFERENCE.
     #[arg(long, value_name = "NAME")]
     pub reference_layer: Option<String>,
-    /// Which drawing of a sheet with several: its name or number as `check` lists them, or all.
-    #[arg(long, value_name = "NAME|N")]
+    /// Which drawing of a sheet with several: its name or number as `check` lists them, all, or a box in drawing units.
+    #[arg(long, value_name = "NAME|N|XMIN,YMIN,XMAX,YMAX", allow_hyphen_values = true)]
     pub view: Option<String>,
     /// Height of the sight lines.
     #[arg(long, value_enum)]
@@ -171,6 +175,9 @@ pub struct Common {
     /// How progress is said on standard error.
     #[arg(long, value_enum)]
     pub progress: Option<ProgressArg>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub reading: ReadingArgs,
 }
 
 /// `check`.
@@ -181,6 +188,9 @@ pub struct CheckArgs {
     /// Draw a picture of what was understood.
     #[arg(long, value_name = "OUT.png")]
     pub preview: Option<PathBuf>,
+    /// Write walls, openings and rooms as a graph: GraphML, or JSON where the name ends so.
+    #[arg(long, value_name = "OUT.graphml|OUT.json", value_parser = graph_file)]
+    pub graph: Option<PathBuf>,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,
@@ -274,6 +284,9 @@ pub struct SearchArgs {
     /// firm with --objective, else yielding].
     #[arg(long, value_enum)]
     pub thresholds: Option<ThresholdsArg>,
+    /// Where the reading of the drawing is unsure: ask and make no option, or optimise all the same [default: ask].
+    #[arg(long, value_enum)]
+    pub unsure: Option<UnsureArg>,
     /// Weights of the composite measure: "degree +1, depth -1, entropy +1".
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub score: Option<String>,
@@ -583,45 +596,6 @@ pub struct InitArgs {
     pub folder: PathBuf,
 }
 
-macro_rules! choice {
-    ($(#[$doc:meta])* $name:ident for $target:ident { $($variant:ident),+ }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, ValueEnum)]
-        #[allow(missing_docs)]
-        pub enum $name { $($variant),+ }
-        impl From<$name> for $target {
-            fn from(v: $name) -> Self {
-                match v { $($name::$variant => Self::$variant),+ }
-            }
-        }
-    };
-}
-
-choice!(
-    /// See [`Level`].
-    LevelArg for Level { Eye, Knee }
-);
-choice!(
-    /// See [`Backend`].
-    BackendArg for Backend { Auto, Cpu, Gpu }
-);
-choice!(
-    /// See [`Colours`].
-    ColoursArg for Colours { Safe, BlueToRed }
-);
-choice!(
-    /// See [`Mode`].
-    ModeArg for Mode { Diverse, Best }
-);
-choice!(
-    /// See [`Method`].
-    MethodArg for Method { Default, Paper }
-);
-choice!(
-    /// See [`Thresholds`].
-    ThresholdsArg for Thresholds { Firm, Yielding }
-);
-
 /// How progress is said.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ProgressArg {
@@ -656,6 +630,7 @@ impl Common {
             storey: self.storey.clone(),
             query: self.query.clone(),
             accept_missing_eof: self.accept_missing_eof.then_some(true),
+            reading: self.reading.table(),
             seed: s.seed,
             evaluations: s.evaluations,
             seconds: s.seconds,
@@ -665,6 +640,7 @@ impl Common {
             method: s.method.map(Into::into),
             objective: s.objective.clone(),
             thresholds: s.thresholds.map(Into::into),
+            unsure: s.unsure.map(Into::into),
             score: s.score.clone(),
             penalty: s.penalty.clone(),
             distance: s.distance,

@@ -16,6 +16,7 @@ use crate::cli::{
 };
 use crate::config::{Partial, Settings, settings_files};
 use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
+use crate::overlay::reading::{Headline, QuestionEntry};
 use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
 use crate::overlay::words::headline;
 use crate::pipeline::accept::Origin;
@@ -77,12 +78,16 @@ fn carry_out(command: Command, cancel: &Cancel) -> Result<u8, Error> {
 fn check(args: &CheckArgs) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
     let settings = settings_for(&args.file, args.common.partial(None))?.0;
-    let outcome = pipeline::check(&Input::new(&path, &bytes, 1), &settings)?;
+    let extras = pipeline::Extras { picture: args.preview.is_some(), graph: args.graph.is_some() };
+    let outcome = pipeline::check_with(&Input::new(&path, &bytes, 1), &settings, extras)?;
     let result = &outcome.result;
-    if let (Some(to), Some(png)) =
-        (&args.preview, outcome.files.iter().find(|f| f.path.as_os_str() == "check.png"))
-    {
-        write(to, &png.bytes)?;
+    let graph =
+        args.graph.as_ref().and_then(|to| to.extension()).is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    let graph = if graph { "graph.json" } else { "graph.graphml" };
+    for (to, name) in [(&args.preview, "check.png"), (&args.graph, graph)] {
+        if let (Some(to), Some(made)) = (to, outcome.files.iter().find(|f| f.path.as_os_str() == name)) {
+            write(to, &made.bytes)?;
+        }
     }
     if hand_json(&args.common, result)? {
         return Ok(exit_code(&outcome.report));
@@ -93,6 +98,13 @@ fn check(args: &CheckArgs) -> Result<u8, Error> {
         let walls =
             if is_building { wall_pieces(result.walls) } else { counted(result.walls, "wall element") };
         let entities = if is_building { "elements" } else { "entities" };
+        if let Some(reading) = &result.reading {
+            let is_drawn = result.regions.iter().any(|r| r.kind == "query");
+            let headline = reading.headline();
+            let coverage = headline.coverage.filter(|_| !is_drawn);
+            say(&Headline { coverage, ..headline }.words());
+            ask(&reading.questions);
+        }
         say(&format!("{}: {}, {walls} ({solid})", result.file, result.version));
         say(&format!("unit: {}", result.unit.reason));
         result.statements.iter().for_each(|s| say(s));
@@ -389,12 +401,28 @@ fn output_of(outcome: &Outcome<RoundResult>) -> JobOutput {
     let options = options_of(r);
     let summary = match r.candidates.first() {
         Some(first) => format!("{options}; the first: {}", headline(&first.words, &first.explanation)),
+        None if !r.questions.is_empty() => format!("{options}; {}", asked(&r.questions)),
         None => format!("{options}; {}", r.stopped_by),
     };
     JobOutput { files: outcome.files.clone(), is_degraded: outcome.report.is_degraded(), summary }
 }
 
+/// What a person should decide, in one line.
+fn asked(questions: &[QuestionEntry]) -> String {
+    questions.iter().map(|q| q.text.as_str()).collect::<Vec<_>>().join(" ")
+}
+
+/// Questions with their answers and the option that gives each.
+fn ask(questions: &[QuestionEntry]) {
+    for q in questions {
+        say(&format!("question: {}", q.text));
+        q.answers.iter().for_each(|a| say(&format!("  {} ({})", a.text, a.option)));
+    }
+}
+
 fn summary(result: &RoundResult, folder: &Path) {
+    ask(&result.questions);
+
     for (i, c) in result.candidates.iter().enumerate() {
         say(&format!("option {}{}: {}", i + 1, result.mark(i), c.words));
     }

@@ -4,24 +4,29 @@
 //! folder; the first of them that names a key wins. Unknown keys are errors with line and column.
 
 mod beside;
+mod choices;
 mod control;
+mod files;
 mod measure;
 mod pair;
+mod reading;
 #[cfg(test)]
 mod tests;
 mod watching;
 mod wording;
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use crate::report::{Error, Place, counted};
 pub use beside::{Beside, Twin};
+pub use choices::{Thresholds, Unsure};
 pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
+pub use files::{settings_files, unread_side_cars};
 pub use measure::{Measure, Source};
 pub use pair::{PAIR_NAME_BYTES, PairName};
+pub use reading::{ReadingTable, SelectorText, ViewText, for_folder};
 pub use watching::WatchTable;
 
 /// Members of the diverse set by default (paper: n = 5).
@@ -42,39 +47,6 @@ pub const EVALUATIONS_MAX: u64 = 100_000_000;
 pub const WRITE_EVERY_SECS: [f64; 2] = [1.0, 1e6];
 /// Most threads.
 pub const THREADS_MAX: usize = 1024;
-
-/// Files that may hold settings of a drawing, the nearest first: its side-car and its own folder's file.
-/// Commands and daemon both go by this.
-pub fn settings_files(drawing: &Path) -> [PathBuf; 2] {
-    [drawing.with_extension("enfilade.toml"), drawing.with_file_name("enfilade.toml")]
-}
-
-/// Names in a drawing's folder that are not read but were meant as its side-car, each with the name that is read.
-/// `found` are names of files as they lie there, in any order.
-pub fn unread_side_cars(drawing: &Path, found: &[String]) -> Vec<(String, String)> {
-    let name = |p: &Path| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let [own, folder] = settings_files(drawing).map(|p| name(&p));
-    let (whole, stem) =
-        (name(drawing), drawing.file_stem().unwrap_or_default().to_string_lossy().into_owned());
-    let meant = [
-        (own.clone(), &own),
-        (format!("{whole}.enfilade.toml"), &own),
-        (format!("{whole}.enfilade"), &own),
-        (format!("{own}.txt"), &own),
-        (format!("{stem}-enfilade.toml"), &own),
-        (format!("{stem}_enfilade.toml"), &own),
-        (folder.clone(), &folder),
-        (format!("{folder}.txt"), &folder),
-    ];
-    let reads = |n: &String| *n == own || *n == folder;
-    let near = |n: &&String| {
-        let right = meant.iter().find(|(m, _)| m.eq_ignore_ascii_case(n)).filter(|_| !reads(n));
-        right.map(|(_, right)| ((*n).clone(), (*right).clone()))
-    };
-    let mut out: Vec<(String, String)> = found.iter().filter_map(|n| near(&n)).collect();
-    out.sort();
-    out
-}
 
 /// At which height sight lines run (spec 1, openings).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -120,16 +92,6 @@ pub enum Method {
     Default,
     /// Algorithms 1 and 2 as published.
     Paper,
-}
-
-/// What happens where the thresholds leave no room for options that differ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Thresholds {
-    /// They stand as they were stated; the options may be alike, and the report says so.
-    Firm,
-    /// They are lowered together, step by step, until the options stand `distance` apart.
-    Yielding,
 }
 
 /// Colours of heat maps.
@@ -291,6 +253,7 @@ pub struct Partial {
     pub method: Option<Method>,
     pub objective: Option<String>,
     pub thresholds: Option<Thresholds>,
+    pub unsure: Option<Unsure>,
     pub score: Option<String>,
     pub penalty: Option<String>,
     pub distance: Option<f64>,
@@ -320,6 +283,9 @@ pub struct Partial {
     /// Those of `warm`.
     #[serde(rename = "warm-move", default)]
     pub warm_moves: Vec<KnownMove>,
+    /// Corrections; a unit and a view that stand there move to `unit` and `view`.
+    #[serde(default, skip_serializing_if = "ReadingTable::is_empty")]
+    pub reading: ReadingTable,
     #[serde(default)]
     pub watch: Option<WatchTable>,
     /// Belongs to the plugin that wrote it.
@@ -333,22 +299,17 @@ impl Partial {
     /// # Errors
     /// [`Error::Usage`] with line and column.
     pub fn from_toml(name: &str, text: &str) -> Result<Self, Error> {
-        let read: Self = toml::from_str(text).map_err(|e| {
-            let line = e.span().map(|s| text[..s.start.min(text.len())].matches('\n').count() + 1);
-            let column = e.span().map(|s| {
-                text[..s.start.min(text.len())].chars().rev().take_while(|c| *c != '\n').count() + 1
-            });
-            let place = Place {
-                file: name.into(),
-                line,
-                entity: column.map(|c| format!("column {c}")).unwrap_or_default(),
-            };
+        let mut read: Self = toml::from_str(text).map_err(|e| {
+            let place =
+                e.span().map_or_else(|| Place::file(name), |s| reading::place_in(name, text, s.start));
             Error::usage(
                 "settings",
                 place,
                 format!("{}; nothing of this file was used", wording::plain(e.message())),
             )
         })?;
+        read.unit = read.reading.unit.take().or(read.unit);
+        read.view = read.reading.view.take().map(|v| v.to_string()).or(read.view);
         read.is_sound_alone(name, text)?;
         Ok(read)
     }
@@ -397,6 +358,7 @@ impl Partial {
             method: self.method.or(base.method),
             objective: self.objective.or(base.objective),
             thresholds: self.thresholds.or(base.thresholds),
+            unsure: self.unsure.or(base.unsure),
             score: self.score.or(base.score),
             penalty: self.penalty.or(base.penalty),
             distance: self.distance.or(base.distance),
@@ -419,6 +381,7 @@ impl Partial {
             lineage: if self.lineage.is_empty() { base.lineage } else { self.lineage },
             pin_moves,
             warm_moves,
+            reading: self.reading.over(base.reading),
             watch: self.watch.or(base.watch),
             host: self.host.or(base.host),
         }
@@ -472,6 +435,8 @@ pub struct Settings {
     pub objectives: Vec<ObjectiveSetting>,
     /// Whether their thresholds may be lowered; by default where nobody stated any.
     pub thresholds: Thresholds,
+    /// What happens where the reading of the drawing is unsure.
+    pub unsure: Unsure,
     /// Weights w_k of `score`.
     pub score: Vec<(Aim, f64)>,
     /// Weights v_j of the penalties.
@@ -529,6 +494,9 @@ pub struct Settings {
     pub regions: Vec<RegionTable>,
     /// Earlier rounds of an accepted drawing.
     pub lineage: Vec<LineageTable>,
+    /// Corrections of how the drawing is read; without unit and view.
+    #[serde(default, skip_serializing_if = "ReadingTable::is_empty")]
+    pub reading: ReadingTable,
     /// What else is read of files beside the drawing.
     #[serde(skip)]
     pub beside: Beside,
@@ -592,8 +560,10 @@ impl Settings {
             return Err(bad("pin", &counted(pinned.len() as u64, "option"), &expected));
         }
         let points = p.seed_point.iter().flatten().chain(&p.lattice_centre);
+        let points = points.chain(&p.reading.inside).chain(&p.reading.outside);
         if let Some(v) = points.flatten().find(|v| !v.is_finite()) {
-            return Err(bad("seed-point, lattice-centre", &v.to_string(), "finite coordinates"));
+            let keys = "seed-point, lattice-centre, inside, outside";
+            return Err(bad(keys, &v.to_string(), "finite coordinates"));
         }
         if let Some(v) = p.lattice_centre.iter().flatten().find(|v| v.abs() > LATTICE_CENTRE_MAX_M) {
             return Err(bad("lattice-centre", &format!("{v:e}"), "metres, at most 1e9 from 0"));
@@ -623,6 +593,7 @@ impl Settings {
             mode: p.mode.unwrap_or_default(),
             method: p.method.unwrap_or_default(),
             objectives,
+            unsure: p.unsure.unwrap_or_default(),
             thresholds: p.thresholds.unwrap_or(if is_stated {
                 Thresholds::Firm
             } else {
@@ -656,6 +627,7 @@ impl Settings {
             moves: p.moves,
             regions: p.regions,
             lineage: p.lineage,
+            reading: p.reading,
         })
     }
 

@@ -12,6 +12,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # storey = "Level 1"                # of a building, or its number from the lowest; by default the one with most walls
 # query = "space:Gallery*"           # spaces of a building that are the region of query
 # accept-missing-eof = false        # read a DXF that ends without its end mark
+# unsure = "ask"                    # an unsure reading: ask and make no option; or "optimise"
 
 # How it is measured
 # spacing = 0.5                     # metres between cell centres; by default about 1500 cells
@@ -64,6 +65,13 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # nodes = [[12.5, 4.0], [13.4, 4.0]]   # wall ends, drawing units
 # handles = ["2F3"]                    # or whole entities
 # layers = ["A-WALL-MOVE"]             # or layers
+# [reading]                            # corrections; here of layers and blocks, in a drawing's own file of handles too
+# wall = ["layer:A-FULL*"]             # these are walls
+# not_wall = ["block:SINK-*"]          # these are none
+# door = ["layer:L7"]                  # these show doors
+# window = ["layer:L8"]                # these show windows
+# as_drawn = false                     # true: every line stops sight, nothing is interpreted
+# In a drawing's own file also: view = 1 or [0, 0, 20, 15], inside = [[4.0, 3.0]], outside = [[9.0, 3.0]]
 # [[region]]
 # kind = "query"                       # query, reference, keep
 # pair = "entrance"                    # of a named pair; without it, of the unnamed one

@@ -207,6 +207,15 @@ def is_swing(pts):
     rest = pts[1:]; rs = [math.dist(pts[0], p) for p in rest]
     return len(rest) >= 5 and .3 < rs[0] < 2 and max(rs) - min(rs) < .01
 
+def from_hinge(pts):
+    """The path of a swing from its hinge, wherever it was begun; other paths as they are."""
+    if len(pts) < 7 or is_swing(pts): return pts
+    ring = pts[:-1] if pts[0] == pts[-1] else pts
+    for i, h in enumerate(ring):
+        turned = [h] + ring[i + 1:] + ring[:i]
+        if is_swing(turned): return turned
+    return pts
+
 class Storey:
     def __init__(self, things):
         every = [p for k, c, s in things if c and k in WALL for pts, _ in s for p in pts]
@@ -217,7 +226,6 @@ class Storey:
         self.walls = unary_union([g.buffer(.001, join_style=2) for g in self.wall_polys])
         self.columns = [g for k, c, s in self.things if c and k == "IfcColumn" for g in poly(s)]
         solid = unary_union([self.walls] + self.columns)
-        self.footprint = footprint(self.things)
         self.windows, self.panes, self.doors, self.rest = [], [], [], []
         glass = [g for k, c, s in self.things if c and k == "IfcWindow" for g in poly(s)]
         for g in parts(unary_union([g.buffer(.06) for g in glass])):
@@ -226,10 +234,13 @@ class Storey:
             if o: self.windows.append(o)
             else: self.panes += parts(own)
         self.panes += [g for k, c, s in self.things if c and k in GLASS[1:] for g in poly(s)]
-        lines = [pts for k, _, s in self.things if k == "IfcDoor" for pts, _ in s]
+        lines = [from_hinge(pts) for k, _, s in self.things if k == "IfcDoor" for pts, _ in s]
         for g in parts(unary_union([LineString(p).buffer(.08) for p in lines])):
             own = [p for p in lines if g.intersects(LineString(p))]
             self.doors.append(self.door(own, solid))
+        self.doors = [d for d in self.doors if d["gap"] or any(not is_swing(p) for p in d["raw"])]  # swings alone are doors of other storeys
+        body = [solid] + self.panes + [Polygon(rect(*o)) for o in self.windows] + [Polygon(rect(*d["gap"])) if d["gap"] else unary_union([LineString(p) for p in d["raw"]]).envelope for d in self.doors]
+        self.footprint = [r for p in parts(unary_union([g.buffer(.4) for g in body])) for r in parts(Polygon(p.exterior).buffer(-.45)) if r.area > 8]
         for k, c, s in self.things:
             if k not in OPAQUE and k != "IfcDoor": self.rest.append((label(k), s, c))
         shut = [Polygon(rect(*o)).buffer(.02) for o in self.windows] + [Polygon(rect(*d["gap"])).buffer(.02) for d in self.doors if d["gap"]] + [g.buffer(.05) for g in self.panes]
@@ -363,6 +374,7 @@ class Sheet:
             elif kind in ("arc", "circle"): (x, y), r = data[:2]; pts += [(x - r, y - r), (x + r, y + r)]
             elif kind == "text": pts += [data[0], (data[0][0] + data[1] * .7 * len(data[2]), data[0][1] + data[1])]
             elif kind == "insert": pts.append(data[1])
+            elif kind == "dim": pts += data[:3]
             elif kind == "hatch": pts += [p[:2] for g in data[0] for p in g.exterior.coords]
         xs, ys = [p[0] for p in pts], [p[1] for p in pts]
         return min(xs), min(ys), max(xs), max(ys)
@@ -797,7 +809,7 @@ def draw_storey(s, st, mix):
         for g in st.footprint: s.pl("roof", g.buffer(.95, join_style=2).simplify(.1).exterior.coords, True, dash="DASHED")
     return truth, s.bounds(start)
 
-def vary(things_dir, out, seed, count, names, query=False):
+def vary(things_dir, out, seed, count, names):
     """The side for testing (EF-QUERY and truth.dxf) is drawn where OUT ends in `dev`; a second plan on the sheet only where it does not."""
     query = os.path.basename(out.rstrip("/")).endswith("dev"); ready = {}
     def storey(name):
@@ -806,7 +818,9 @@ def vary(things_dir, out, seed, count, names, query=False):
     for name in names:
         ready.clear()
         for n in range(count):
-            rng = random.Random(f"{seed}/{name}/{n}"); st = storey(name); mix = mixture(rng, st); hand = Hand(rng)
+            rng = random.Random(f"{seed}/{name}/{n}"); st = storey(name)
+            if not st.footprint or len(st.rooms) < 2 or not any(d["gap"] for d in st.doors): print(name, "has no rooms", flush=True); break
+            mix = mixture(rng, st); hand = Hand(rng)
             s = Sheet(rng, hand); s.zero = rng.random() < .6
             truth, where = draw_storey(s, st, mix)
             x0, y0, x1, y1 = st.box
@@ -827,7 +841,7 @@ def vary(things_dir, out, seed, count, names, query=False):
             u = rng.random(); said = code if u < .5 else 0 if u < .8 else rng.choice([c for c in (1, 2, 4, 5, 6) if c != code])
             turn = rng.choice((90., 180., 270., rng.uniform(0, 360), rng.uniform(0, 360), rng.uniform(-12, 12))) if rng.random() < .3 else 0.
             offset = (rng.uniform(-1, 1) * 60 * k, rng.uniform(-1, 1) * 60 * k)
-            if rng.random() < .25: offset = (rng.uniform(1e5, 6e5) * k, rng.uniform(1e5, 5e6) * k)
+            if rng.random() < .25: offset = tuple(min(rng.uniform(1e5, top) * k, 5e8 * rng.uniform(.5, 1)) for top in (6e5, 5e6))
             folder = f"{out}/{name}-{n}"; os.makedirs(folder, exist_ok=True)
             world = s.write(f"{folder}/plan.dxf", k, turn, offset, said, rng.choice(("R2000", "R2007", "R2010", "R2013")), st.footprint if query else ())
             json.dump({"mix": mix, "layers": hand.kind, "lang": hand.lang, "unit": unit, "insunits": said, "turn": turn, "zero": s.zero}, open(f"{folder}/mix.json", "w"))

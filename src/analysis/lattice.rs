@@ -35,6 +35,8 @@ pub struct Ground<'a> {
     pub reference: &'a [Region],
     /// Where a flood starts instead of the interior.
     pub seeds_um: &'a [PointUm],
+    /// Whether a flood starts from the cell that holds its seed, whatever is drawn between them, as depthmapX does.
+    pub seeds_by_cell: bool,
     /// What the user calls each seed: its coordinates as they were typed.
     pub seed_names: &'a [String],
     /// Sight-blocking pieces that cannot move.
@@ -571,6 +573,7 @@ mod tests {
             query: &[],
             reference: &[],
             seeds_um: &[],
+            seeds_by_cell: false,
             seed_names: &[],
             fixed,
             movable: &[],

@@ -20,6 +20,18 @@ pub(super) fn radius(text: &str) -> Result<f64, String> {
     found.ok_or_else(|| format!("found {text:?}, expected a number from 0"))
 }
 
+/// Where a graph goes: the ending says how it is written.
+pub(super) fn graph_file(text: &str) -> Result<std::path::PathBuf, String> {
+    let path = std::path::PathBuf::from(text);
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let is_known = matches!(ending.as_str(), "graphml" | "json");
+    if is_known {
+        Ok(path)
+    } else {
+        Err(format!("found {text:?}, expected a name that ends in .graphml or .json"))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::config::{Beside, Partial, Settings, Twin, settings_files, unread_side_cars};
+use crate::config::{Beside, Partial, Settings, Twin, for_folder, settings_files, unread_side_cars};
 use crate::formats;
 use crate::report::{Error, Place};
 use crate::watch::{bytes_of, is_scene};
@@ -143,6 +143,9 @@ pub(super) fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
     match std::fs::read_to_string(file) {
         Ok(text) => {
             let mut read = Partial::from_toml(&file.to_string_lossy(), &text)?;
+            if file.ends_with("enfilade.toml") {
+                for_folder(&file.to_string_lossy(), &text)?;
+            }
             let fallback = read.watch.as_mut().and_then(|w| w.fallback.as_mut());
             for folder in read.out.as_mut().into_iter().chain(fallback) {
                 *folder = below_of(file, folder)?;

@@ -106,6 +106,7 @@ fn outputs_of(command: &Command) -> Vec<Output<'_>> {
     match command {
         Command::Check(a) => {
             push(&mut out, "--preview", a.preview.as_deref(), false);
+            push(&mut out, "--graph", a.graph.as_deref(), false);
             push_common(&mut out, &a.common);
         }
         Command::Analyse(a) => {

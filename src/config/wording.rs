@@ -1,7 +1,11 @@
 //! What is wrong with a settings file, in the words of those who write one.
 
 /// The words of the reader of TOML and ours for them.
-const WORDS: [(&str, &str); 9] = [
+const WORDS: [(&str, &str); 10] = [
+    (
+        "data did not match any variant of untagged enum ViewText",
+        "expected a name, a number or a box, [xmin, ymin, xmax, ymax]",
+    ),
     ("invalid type: ", "found "),
     ("invalid value: ", "found "),
     ("missing field ", "missing key "),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::status::{SharedDisk, Standing, drawing_status, rfc3339};
 use super::{Done, JobEvent, JobOutput, JobRequest, Notice, RunJob};
@@ -74,11 +74,20 @@ pub(super) fn perform(
         }
     })?;
     cancel.check()?;
+    let open = open_questions(&output);
     let done = publish(&home, output, cancel, before)?;
     home.forget();
     let round = done.round.map(round_name);
-    desk.write("done", round.as_deref(), Some(&done.summary), None)?;
+    desk.write("done", round.as_deref(), Some(&done.summary), open.as_ref())?;
     Ok(done)
+}
+
+/// What of its result a person should decide, as `{questions: […]}`.
+fn open_questions(output: &JobOutput) -> Option<Value> {
+    let file = output.files.iter().find(|f| f.path.as_os_str() == "result.json")?;
+    let mut result: Value = serde_json::from_slice(&file.bytes).ok()?;
+    let questions = result.get_mut("questions").map(Value::take)?;
+    Some(json!({ "questions": questions }))
 }
 
 fn publish(

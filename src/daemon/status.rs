@@ -40,6 +40,9 @@ pub(super) fn drawing_status(
     for key in ["stage", "done", "total", "evaluations", "best", "eta_secs"] {
         out[key] = progress.and_then(|p| p.get(key)).cloned().unwrap_or(Value::Null);
     }
+    if let Some(questions) = progress.and_then(|p| p.get("questions")) {
+        out["questions"] = questions.clone();
+    }
     out["round"] = json!(standing.round);
     out["summary"] = json!(standing.summary);
     out["problems"] = json!(standing.problems);

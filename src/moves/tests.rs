@@ -44,6 +44,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         singles: Default::default(),
         north_deg: 0.0,
         undrawn: Vec::new(),
+        records: Vec::new(),
         written: Default::default(),
         fills: Vec::new(),
     }

@@ -52,6 +52,7 @@ fn present_look(kind: StrokeKind) -> Option<Look> {
         | StrokeKind::Opening
         | StrokeKind::Door
         | StrokeKind::Window
+        | StrokeKind::Doubtful
         | StrokeKind::Before => None,
     }
 }

@@ -95,6 +95,7 @@ fn unmeasured(x: i32, y: i32) -> Rgb {
 
 fn stroke_look(kind: StrokeKind, palette: Palette) -> Option<Look> {
     Some(match kind {
+        StrokeKind::Doubtful => return None,
         StrokeKind::Ignored => Look { opacity: 0.45, ..Look::solid(GREY, 0.4, 0.0) },
         StrokeKind::Opening | StrokeKind::Door | StrokeKind::Window => {
             Look { opacity: 0.7, ..Look::solid(INK, 0.4, 0.0).dashed(&[3.0, 3.0]) }

@@ -28,6 +28,8 @@ pub enum StrokeKind {
     Door,
     /// A window.
     Window,
+    /// A wall or column that may be none.
+    Doubtful,
     /// A wall, column or other solid that stays.
     Fixed,
     /// One that may move.
@@ -73,6 +75,19 @@ pub struct RegionOutline {
     pub kind: RegionKind,
 }
 
+/// A part of the floor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FloorShape {
+    /// Corners of its outline and of its holes, metres.
+    pub rings: Vec<Vec<[f64; 2]>>,
+    /// A point well inside.
+    pub at: [f64; 2],
+    /// What stands in it, in lines.
+    pub words: Vec<String>,
+    /// Whether it is measured; `None` where regions say what is.
+    pub is_measured: Option<bool>,
+}
+
 /// Everything of a plan that is shown.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlanPicture {
@@ -80,6 +95,8 @@ pub struct PlanPicture {
     pub strokes: Vec<Stroke>,
     /// Regions.
     pub regions: Vec<RegionOutline>,
+    /// The floor, room by room.
+    pub floor: Vec<FloorShape>,
     /// Lower left and upper right corner of what is shown. Pictures that are laid over each other
     /// share their bounds.
     pub bounds: [[f64; 2]; 2],
@@ -142,8 +159,8 @@ pub(super) fn draw_strokes(
     strokes: &[Stroke],
     look: impl Fn(StrokeKind) -> Option<Look>,
 ) {
-    use StrokeKind::{Before, Door, Fixed, Ignored, Movable, Moved, Opening, Window};
-    for kind in [Ignored, Opening, Window, Door, Fixed, Movable, Before, Moved] {
+    use StrokeKind::{Before, Door, Doubtful, Fixed, Ignored, Movable, Moved, Opening, Window};
+    for kind in [Ignored, Doubtful, Opening, Window, Door, Fixed, Movable, Before, Moved] {
         if let Some(look) = look(kind) {
             let of_kind = |s: &&Stroke| s.kind == kind;
             draw_alike(canvas, frame, strokes.iter().filter(of_kind), look);

@@ -18,7 +18,7 @@ pub const RESULT_SCHEMA: &str = "enfilade.result/1";
 /// `schema` of an [`AnalysisResult`].
 pub const ANALYSIS_SCHEMA: &str = "enfilade.analysis/1";
 /// `schema` of a [`CheckResult`].
-pub const CHECK_SCHEMA: &str = "enfilade.check/1";
+pub const CHECK_SCHEMA: &str = "enfilade.check/2";
 
 /// Named numbers in a fixed order, written as a JSON object: the means, the penalties.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -425,6 +425,9 @@ pub struct RoundResult {
     pub lineage: Vec<LineageEntry>,
     /// What was left out or assumed.
     pub problems: Vec<ProblemEntry>,
+    /// What a person should decide about how the drawing is read, least certain first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub questions: Vec<super::reading::QuestionEntry>,
 }
 
 impl RoundResult {
@@ -606,6 +609,9 @@ pub struct CheckResult {
     pub storeys: Vec<StoreyEntry>,
     /// What was left out or assumed.
     pub problems: Vec<ProblemEntry>,
+    /// What everything is taken for, of the storey that the result is about.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reading: Option<super::reading::Reading>,
 }
 
 /// Numbers and points in one line, everything else indented, and a final newline.

@@ -204,6 +204,7 @@ fn side_car(
         mode: Some(settings.mode),
         method: Some(settings.method),
         objective: (!is_default).then(|| settings.objective_text()),
+        unsure: Some(settings.unsure),
         thresholds: (!is_default).then_some(settings.thresholds),
         score: Some(settings.score_text()),
         penalty: Some(settings.penalty_text()),
@@ -227,6 +228,7 @@ fn side_car(
         lineage: settings.lineage.iter().cloned().chain(std::iter::once(last)).collect(),
         pin_moves: Vec::new(),
         warm_moves: Vec::new(),
+        reading: settings.reading.clone(),
         watch: None,
         host: None,
     };

@@ -5,17 +5,21 @@
 
 pub mod accept;
 mod aims;
+mod asked;
 mod backend;
 mod building;
 pub mod cells;
 mod explain;
 mod fits;
+mod graph;
 mod memory;
 mod page;
+mod reading;
 pub mod resolution;
 mod round;
 mod ruler;
 mod rules;
+mod sensed;
 mod show;
 mod spacing;
 mod storeys;
@@ -152,11 +156,32 @@ pub fn on_threads<T: Send>(
     pool.install(job)
 }
 
-/// `enfilade check`: what the program understands, and a picture of it.
+/// What [`check_with`] makes besides its result.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extras {
+    /// `check.png`, and `storey-N/check.png` of the other storeys.
+    pub picture: bool,
+    /// `graph.json` and `graph.graphml`.
+    pub graph: bool,
+}
+
+/// What the program understands, with picture and graph.
+///
+/// # Errors
+/// As [`check_with`].
+pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResult>, Error> {
+    check_with(input, settings, Extras { picture: true, graph: true })
+}
+
+/// `enfilade check`: what the program understands.
 ///
 /// # Errors
 /// [`Error::Input`] when the drawing cannot be read.
-pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResult>, Error> {
+pub fn check_with(
+    input: &Input<'_>,
+    settings: &Settings,
+    extras: Extras,
+) -> Result<Outcome<CheckResult>, Error> {
     let settings = &*building::on_storey_of_query(input, settings)?;
     let mut report = Report::default();
     state_unread(input, settings, &mut report);
@@ -164,9 +189,19 @@ pub fn check(input: &Input<'_>, settings: &Settings) -> Result<Outcome<CheckResu
     let drawing = opened.read(&study::read_options(settings), &mut report)?;
     let base = study::understood(&drawing, settings, &mut report)?;
     let mut result = show::check(&base, &report);
-    let mut files = vec![OutFile::new("check.png", check_picture(&base, &result)?)];
-    (result.building, result.storeys) = storeys::check(&opened, settings, &base, &mut files, &mut report);
-    files.push(OutFile::new("check.json", result::to_json(&result)?));
+    let sensed = sensed::Sensed::new(&base, settings);
+    result.reading = Some(reading::reading(&base, &drawing, &sensed));
+    let mut files = Vec::new();
+    if extras.picture {
+        files.push(OutFile::new("check.png", check_picture(&base, &sensed)?));
+    }
+    if extras.graph {
+        let graph = graph::graph(&base, &sensed, &reading::names(&base, &sensed));
+        files.push(OutFile::new("graph.json", result::to_json(&graph)?));
+        files.push(OutFile::new("graph.graphml", graph.to_graphml()));
+    }
+    let drawn = extras.picture.then_some(&mut files);
+    (result.building, result.storeys) = storeys::check(&opened, settings, &base, drawn, &mut report);
     Ok(Outcome { result, files, report })
 }
 
@@ -185,16 +220,9 @@ fn state_unread(input: &Input<'_>, settings: &Settings, report: &mut Report) {
     }
 }
 
-fn check_picture(base: &study::Understood, result: &CheckResult) -> Result<Vec<u8>, Error> {
-    let subtitle = format!(
-        "{}, {}, {}, {}; unit {}",
-        counted(result.walls, "wall element"),
-        counted(result.doors, "door"),
-        counted(result.windows, "window"),
-        counted(result.moves.len() as u64, "move"),
-        result.unit.name
-    );
-    check_png(&show::check_picture(base), &result.file, &subtitle, DEFAULT_SIDE_PX)
+fn check_picture(base: &study::Understood, sensed: &sensed::Sensed) -> Result<Vec<u8>, Error> {
+    let picture = show::check_picture(base, sensed, &reading::names(base, sensed));
+    check_png(&picture, &base.plan.file, &reading::headline(base, sensed).words(), DEFAULT_SIDE_PX)
 }
 
 /// `enfilade analyse`: measures the present layout; the files of `analysis/`.
@@ -311,8 +339,8 @@ fn analysis_of(
     for (m, png) in jobs.iter().zip(pictures) {
         files.push(OutFile::new(format!("{}.png", m.file()), png?));
     }
-    let check = show::check(&study.base, &report);
-    files.push(OutFile::new("check.png", check_picture(&study.base, &check)?));
+    let sensed = sensed::Sensed::new(&study.base, settings);
+    files.push(OutFile::new("check.png", check_picture(&study.base, &sensed)?));
     Ok(Outcome { result, files, report })
 }
 

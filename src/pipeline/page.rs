@@ -3,7 +3,7 @@
 use super::Input;
 use super::round::Found;
 use super::show::Map;
-use crate::config::{Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds};
+use crate::config::{Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure};
 use crate::overlay::page::{ArchivePoint, ReportInput, View, report_html};
 use crate::overlay::result::{RoundResult, Sense};
 use crate::report::OutFile;
@@ -93,6 +93,7 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
         }
     }
     settings.wall_layers.iter().for_each(|l| add("wall-layer", l.clone()));
+    settings.reading.options().into_iter().for_each(|(key, value)| add(key, value));
     add("spacing", result.spacing_m.to_string());
     if let Some(c) = settings.lattice_centre_m {
         add("lattice-centre", format!("{},{}", c[0], c[1]));
@@ -104,6 +105,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     }
     add("objective", settings.objective_text());
     add("thresholds", if settings.thresholds == Thresholds::Yielding { "yielding" } else { "firm" }.into());
+    if settings.unsure == Unsure::Optimise {
+        add("unsure", "optimise".into());
+    }
     add("score", settings.score_text());
     add("penalty", settings.penalty_text());
     rules(settings).into_iter().for_each(|(key, text)| add(key, text));
@@ -112,6 +116,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     }
     if settings.accept_missing_eof {
         out.push_str(" --accept-missing-eof");
+    }
+    if settings.reading.as_drawn == Some(true) {
+        out.push_str(" --as-drawn");
     }
     if settings.only_marked {
         out.push_str(" --only-marked");

@@ -17,13 +17,15 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::asked;
 use super::memory::Memory;
 use super::ruler::ruler;
+use super::sensed::Sensed;
 use super::show;
 use super::study::{Study, Worth};
 use super::{Event, Input, Outcome, Progress};
 use super::{fits, rules};
-use crate::config::{Aim, Method, Mode, Settings, Thresholds};
+use crate::config::{Aim, Method, Mode, Settings, Thresholds, Unsure};
 use crate::moves::Parameter;
 use crate::moves::control::{Control, LIKE_SHARE};
 use crate::overlay::result::{self, Candidate, Explanation, LineageEntry, MoveEntry, Numbers, RoundResult};
@@ -62,11 +64,17 @@ pub(super) fn run(
 ) -> Result<Outcome<RoundResult>, Error> {
     let settings = &fits::fitted(&study.base, settings, &mut report)?;
     rules::say_odd(&study.base, settings, &mut report)?;
-    let found = if study.base.moves.parameters.is_empty() {
+    let sensed = Sensed::new(&study.base, settings);
+    let is_asked = !sensed.doubts.is_empty() && settings.unsure == Unsure::Ask;
+    if is_asked {
+        let text = "The reading is unsure, so no option was made. Answer the questions, or run it with --unsure optimise.";
+        report.warn("unsure", Place::file(input.file()), text);
+    }
+    let found = if study.base.moves.parameters.is_empty() || is_asked {
         None
     } else {
         let mut so_far = |found: Found, at: Progress, show: &mut (dyn FnMut(Event) + Send)| {
-            let made = round(input, settings, study, report.clone(), Some(&found), started)?;
+            let made = round(input, settings, (study, &sensed), report.clone(), Some(&found), started)?;
             let progress = Progress { stage: "so-far".into(), ..at };
             show(Event::SoFar { files: made.files, progress });
             Ok(())
@@ -75,14 +83,14 @@ pub(super) fn run(
     };
     let total = Some(found.as_ref().map_or(0, |f| f.members.len() as u64));
     show(Event::Progress(Progress { stage: "write".into(), total, ..Default::default() }));
-    round(input, settings, study, report, found.as_ref(), started)
+    round(input, settings, (study, &sensed), report, found.as_ref(), started)
 }
 
 /// The files of a round from what was found.
 fn round(
     input: &Input<'_>,
     settings: &Settings,
-    study: &Study,
+    (study, sensed): (&Study, &Sensed),
     mut report: Report,
     found: Option<&Found>,
     started: Instant,
@@ -127,12 +135,16 @@ fn round(
         grid::say_gridded(&mut report, input.file(), settings, study, &made);
     }
     told::say_free_of_modules(&mut report, input.file(), study, settings);
-    let result = round_result(input, settings, study, &report, found, &made, started);
+    let mut result = round_result(input, settings, study, &report, found, &made, started);
+    result.questions = sensed.doubts.iter().map(|d| asked::entry(d, &study.base.plan)).collect();
+    if found.is_none() && !result.questions.is_empty() {
+        result.stopped_by = "questions are open: the present layout was measured".into();
+    }
     let mut files = files::pictures(input, settings, study, &made)?;
     files.extend(files::drawings(input, settings, study, &made, &result)?);
     files.push(OutFile::new("convergence.png", files::convergence(found)?));
     files.push(OutFile::new("diversity.png", files::diversity(study, &made)?));
-    let understood = super::check_picture(&study.base, &show::check(&study.base, &report))?;
+    let understood = super::check_picture(&study.base, sensed)?;
     let maps = show::maps(study);
     let page = super::page::page(input, settings, &result, (&files, &maps), &understood, found);
     files.push(OutFile::new("report.html", page));
@@ -338,6 +350,7 @@ fn round_result(
             .map_or("nothing may move: the present layout was measured".into(), |f| f.stopped_by.clone()),
         lineage: lineage(settings, &ruler(&study.base.plan, settings, study.spacing_m)),
         problems: report.problems.iter().map(Into::into).collect(),
+        questions: Vec::new(),
     }
 }
 

@@ -19,6 +19,10 @@ fn mark(markers: &Markers, metres: f64, settings: &Settings, spacing_m: f64) -> 
     hash.update(metres.to_le_bytes());
     hash.update(format!("{:?}", (settings.level, &settings.view, &settings.storey, &settings.query)));
     hash.update(format!("{:?}", (settings.lattice_centre_m, &settings.seed_points)));
+    let reading = &settings.reading;
+    if reading.as_drawn == Some(true) || !reading.inside.is_empty() || !reading.outside.is_empty() {
+        hash.update(format!("{:?}", (reading.as_drawn, &reading.inside, &reading.outside)));
+    }
     let mut add = |what: &str, regions: &[Region]| {
         hash.update(what.as_bytes());
         for region in regions {

@@ -4,19 +4,23 @@ use glam::DVec2;
 
 use super::aims::cell_values;
 use super::building;
+use super::sensed::{Sensed, of_entity};
 use super::study::{Seen, Study, Understood, Worth, divisor};
 use crate::analysis::measures::{Column, UNDEFINED};
 use crate::config::{Aggregate, Aim, Colours, Measure, PairName, Penalty, Settings};
 use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
 use crate::overlay::Palette;
-use crate::overlay::picture::{Cell, PlanPicture, RegionKind, RegionOutline, Stroke, StrokeKind, bounds_of};
+use crate::overlay::picture::{
+    Cell, FloorShape, PlanPicture, RegionKind, RegionOutline, Stroke, StrokeKind, bounds_of,
+};
 use crate::overlay::result::{
     self, Change, Counts, ElementRef, Input, LayerEntry, MoveEntry, MoveKind, Numbers, RegionEntry, UnitEntry,
 };
 use crate::plan::axes::{OpeningKind, THICKNESSES};
 use crate::plan::curve::{Trace, control_points};
 use crate::plan::drawing::{Addition, Format, Mark, Shape, SourceRef};
+use crate::plan::floor::Area;
 use crate::plan::geometry::{PointUm, Segment};
 use crate::plan::markers::{Kind, place_in};
 use crate::plan::{Plan, Region, Wall};
@@ -78,7 +82,8 @@ pub fn picture(base: &Understood) -> PlanPicture {
     let regions = regions(&base.plan);
     let points =
         strokes.iter().flat_map(|s| s.points.clone()).chain(regions.iter().flat_map(|r| r.points.clone()));
-    PlanPicture { bounds: bounds_of(points), strokes, regions, north_deg: base.plan.north_deg }
+    let north_deg = base.plan.north_deg;
+    PlanPicture { bounds: bounds_of(points), strokes, regions, north_deg, ..PlanPicture::default() }
 }
 
 /// How much of a piece that is stretched is shown as moving, from the end that moves; metres of a person.
@@ -136,9 +141,41 @@ fn stretched([a, b]: [DVec2; 2], human_scale: f64) -> Vec<Stroke> {
     vec![piece([a, to], StrokeKind::Movable), piece([to, b], StrokeKind::Fixed)]
 }
 
-/// The plan as understood: also its openings, and what was left out.
-pub fn check_picture(base: &Understood) -> PlanPicture {
+/// Walls less sure than this are shown as doubtful.
+const SURE: f32 = 0.6;
+
+/// The floor with what each room is called and how large it is.
+fn floor_shapes(base: &Understood, sensed: &Sensed, names: &[Option<String>]) -> Vec<FloorShape> {
+    let Some(floor) = &sensed.floor else { return Vec::new() };
+    let is_measured = base.plan.markers.query.is_empty().then_some(true);
+    let at = |p: &PointUm| base.plan.frame.plan_from_um(*p).to_array();
+    let shape = |area: &Area, words: Vec<String>, is_measured: Option<bool>| FloorShape {
+        rings: std::iter::once(&area.outline)
+            .chain(&area.holes)
+            .map(|r| r.iter().map(at).collect())
+            .collect(),
+        at: at(&area.at),
+        words,
+        is_measured,
+    };
+    let size = |area: &Area| format!("{:.1} m²", area.area_m2);
+    let room = |(k, area): (usize, &Area)| {
+        let name = names.get(k).cloned().flatten();
+        shape(area, name.into_iter().chain([size(area)]).collect(), is_measured)
+    };
+    let rooms = floor.rooms.iter().enumerate().map(room);
+    let left = floor.left_out.iter().filter(|_| is_measured.is_some());
+    rooms.chain(left.map(|a| shape(a, vec![size(a)], Some(false)))).collect()
+}
+
+/// The plan as understood: also its floor, its openings, what is doubtful and what was left out.
+pub fn check_picture(base: &Understood, sensed: &Sensed, names: &[Option<String>]) -> PlanPicture {
     let mut out = picture(base);
+    out.floor = floor_shapes(base, sensed, names);
+    let is_doubtful = |w: &usize| of_entity(&base.plan, base.entities[*w], true).confidence < SURE;
+    let doubtful = (0..base.plan.walls.len()).filter(is_doubtful).map(|w| &base.plan.walls[w]);
+    let doubtful: Vec<Stroke> =
+        doubtful.map(|w| stroke_of(&base.plan, &w.trace, false, StrokeKind::Doubtful)).collect();
     out.strokes = (0..base.plan.walls.len()).flat_map(|w| wall_strokes(base, w)).collect();
     out.strokes.extend(base.plan.walls.iter().flat_map(|w| wide_strokes(&base.plan, w)));
     let scale = base.plan.human_scale;
@@ -160,6 +197,7 @@ pub fn check_picture(base: &Understood) -> PlanPicture {
         stroke_of(&base.plan, &o.outline, false, kind)
     });
     out.strokes.extend(named);
+    out.strokes.extend(doubtful);
     out
 }
 
@@ -442,7 +480,7 @@ pub fn penalty_numbers(worth: &Worth) -> Numbers {
     out
 }
 
-/// `enfilade.check/1`.
+/// `enfilade.check/2` but for its reading.
 pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
     let plan = &base.plan;
     let marks = &plan.markers;
@@ -504,6 +542,7 @@ pub fn check(base: &Understood, report: &Report) -> result::CheckResult {
         building: None,
         storeys: Vec::new(),
         problems: report.problems.iter().map(Into::into).collect(),
+        reading: None,
     }
 }
 

@@ -1,5 +1,6 @@
 //! The other storeys of a building: each checked and measured by itself, in a folder of its own.
 
+use super::sensed::Sensed;
 use super::study::Understood;
 use super::{Input, Study, analyse_storey, building, check_picture, show, study};
 use crate::config::Settings;
@@ -75,12 +76,12 @@ fn failed(storey: &StoreyInfo, error: &Error) -> StoreyEntry {
     }
 }
 
-/// What a building has, and every storey where it has several; adds `storey-N/check.png`.
+/// What a building has, and every storey where it has several; adds `storey-N/check.png` to `files`.
 pub(super) fn check(
     opened: &Opened<'_>,
     settings: &Settings,
     shown: &Understood,
-    files: &mut Vec<OutFile>,
+    mut files: Option<&mut Vec<OutFile>>,
     report: &mut Report,
 ) -> (Option<BuildingEntry>, Vec<StoreyEntry>) {
     let (found, elements) = opened.building(&study::read_options(settings));
@@ -90,11 +91,12 @@ pub(super) fn check(
     let options: Vec<_> = others.clone().map(study::read_options).collect();
     let drawings = opened.read_all(&options);
     let others: Vec<_> = others.zip(&drawings).collect();
+    let is_drawn = files.is_some();
     let made = super::rayon_map(&others, |(own, (drawing, report))| {
         let mut report = report.clone();
         let drawing = drawing.as_ref().map_err(Clone::clone)?;
         let base = study::understood(drawing, own, &mut report)?;
-        let png = check_picture(&base, &show::check(&base, &report))?;
+        let png = is_drawn.then(|| check_picture(&base, &Sensed::new(&base, own))).transpose()?;
         Ok((png, base, report))
     });
     let mut made = made.into_iter();
@@ -106,7 +108,9 @@ pub(super) fn check(
         }
         out.push(match made.next() {
             Some(Ok((png, base, own))) => {
-                files.push(OutFile::new(format!("{folder}/check.png"), png));
+                if let (Some(files), Some(png)) = (&mut files, png) {
+                    files.push(OutFile::new(format!("{folder}/check.png"), png));
+                }
                 let problems = of_elements(storey, &own, report);
                 StoreyEntry { problems, ..entry(storey, &base, folder, Numbers::default()) }
             }

@@ -21,11 +21,12 @@ use glam::DVec2;
 
 use super::aims;
 use super::building::{self, NamedOpening};
+use super::sensed;
 use super::spacing;
 use crate::analysis::evaluator::Scratch;
 use crate::analysis::lattice::{CellIndex, Ground};
 use crate::analysis::{Lattice, Obstacles, Tally};
-use crate::config::{Aggregate, Aim, Level, Measure, PairName, Penalty, Settings};
+use crate::config::{Aggregate, Aim, Level, Measure, PairName, Penalty, SelectorText, Settings};
 use crate::formats::{self, ifc};
 use crate::moves::{Layout, Moves, defaults, say_kept};
 use crate::penalties::{
@@ -33,7 +34,7 @@ use crate::penalties::{
 };
 use crate::plan::axes::{AxisGraph, Opening};
 use crate::plan::curve::{Trace, control_points, trace, trace_like};
-use crate::plan::drawing::{Drawing, Format, Shape};
+use crate::plan::drawing::{Drawing, Format, Shape, Text};
 use crate::plan::fittings::{self, Fitting};
 use crate::plan::frame::unit_by_name;
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
@@ -43,16 +44,17 @@ use crate::plan::labels::{self, Label};
 use crate::plan::layers::WallLayers;
 use crate::plan::markers;
 use crate::plan::outline::SOLID_ACROSS_M;
+use crate::plan::reading::corrections::Corrections;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
-use crate::plan::{Plan, PlanOptions, Wall, box_of, own_layers, understand};
+use crate::plan::{Plan, PlanOptions, Wall, box_of, own_layers, understand, view_box};
 use crate::report::{Error, Place, Problem, Report, Severity};
 use jambs::keeping_doors;
 use marked::{
     side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves, taken_up,
 };
 use parts::{closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of};
-use regions::{add_regions, state_interior, state_unused_seeds};
+use regions::{add_regions, corrected, state_interior, state_unused_seeds};
 use seen::Scene;
 pub use seen::{Pair, Seen};
 
@@ -87,6 +89,27 @@ pub struct Understood {
     pub interior: Option<Interior>,
     /// Doors and windows, where the file calls them so.
     pub openings: Vec<NamedOpening>,
+    /// Texts of the drawing.
+    pub texts: Vec<Text>,
+    /// What closes doors and windows when it is asked what lies inside.
+    pub closings: Vec<Segment>,
+    /// For every wall of the plan the index of its entity; filled areas come behind what is drawn.
+    pub entities: Vec<usize>,
+    /// For every mark of the axes the index of its entity.
+    pub marked: Vec<usize>,
+}
+
+impl Understood {
+    /// All faces of its walls.
+    pub fn faces(&self) -> Vec<Segment> {
+        faces(&self.plan)
+    }
+}
+
+/// All faces of the walls of a plan.
+fn faces(plan: &Plan) -> Vec<Segment> {
+    let sided = |w: &'_ Wall| w.trace.segments().flat_map(|s| w.with_sides(s.2)).collect::<Vec<_>>();
+    plan.walls.iter().flat_map(sided).collect()
 }
 
 /// How the settings want a file read.
@@ -165,6 +188,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         })?),
         None => None,
     };
+    let drawing = &*view_box::within(drawing, settings.view.as_deref());
     let options = PlanOptions { unit, ..plan_options(settings) };
     let understood = understand(drawing, &options, report);
     let mut plan = understood.map_err(|e| within_storey(with_cause(e, report), settings))?;
@@ -172,17 +196,20 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     building::add_spaces(drawing, &mut plan, settings)?;
     state_unused_seeds(&plan, settings, report);
     let graph = Graph::new(&plan);
-    let (axes, marked) = structure::axes(&plan, drawing);
+    let as_drawn = settings.reading.as_drawn == Some(true);
+    let (axes, marked) = if as_drawn { Default::default() } else { structure::axes(&plan, drawing) };
     let bodies = structure::bodies(&plan, &axes);
     let mut sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
     sight.close(|wall| building::closes(&plan.walls[wall as usize]));
     let fittings = fittings::fittings(&plan, drawing, &axes, &marked);
-    let sided = |w: &'_ Wall| w.trace.segments().flat_map(|s| w.with_sides(s.2)).collect::<Vec<_>>();
-    let all: Vec<Segment> = plan.walls.iter().flat_map(sided).collect();
-    let mut closings = building::closings(drawing, &plan);
-    closings.extend(opening_lines(&plan, &axes));
-    let infill = structure::infill_lines(&plan, drawing, &axes);
-    closings.extend(&infill);
+    let all = faces(&plan);
+    let (mut closings, mut infill) = (Vec::new(), Vec::new());
+    if !as_drawn {
+        closings = building::closings(drawing, &plan);
+        closings.extend(opening_lines(&plan, &axes));
+        infill = structure::infill_lines(&plan, drawing, &axes);
+        closings.extend(&infill);
+    }
     let has_moves =
         !settings.moves.is_empty() || !settings.ignore_move_markers && marked::is_any(drawing, &plan);
     let needs_inside = plan.markers.needs_interior();
@@ -190,6 +217,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let interior = if needs_interior { Interior::new(&all, &closings, plan.human_scale) } else { None };
     let interior = interior.map(|i| i.without(&plan.outdoors));
     let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
+    let interior = corrected(interior, &mut plan, settings, report);
     let known = Known {
         plan: &plan,
         graph: &graph,
@@ -203,6 +231,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let openings = building::named_openings(drawing, &plan);
     let left_out = left_out(&plan, drawing);
     let labels = labels::labels(&plan, drawing, &fittings);
+    let entities = sensed::entities_of_walls(&plan, drawing);
     let base = Understood {
         plan,
         graph,
@@ -215,6 +244,10 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         moves,
         interior,
         openings,
+        texts: drawing.texts.clone(),
+        closings,
+        entities,
+        marked,
     };
     gaps::state_closed(&base, report);
     Ok(base)
@@ -272,6 +305,23 @@ fn plan_options(settings: &Settings) -> PlanOptions {
         view: settings.view.clone(),
         is_knee_level: settings.level == Level::Knee,
         picked: None,
+        corrections: corrections(settings),
+    }
+}
+
+/// What the settings correct; a selector that cannot be read was refused with the settings.
+fn corrections(settings: &Settings) -> Corrections {
+    let r = &settings.reading;
+    let list = |list: &[SelectorText]| list.iter().filter_map(|s| s.as_str().parse().ok()).collect();
+    let points = |list: &[[f64; 2]]| list.iter().copied().map(DVec2::from).collect();
+    Corrections {
+        wall: list(&r.wall),
+        not_wall: list(&r.not_wall),
+        door: list(&r.door),
+        window: list(&r.window),
+        inside: points(&r.inside),
+        outside: points(&r.outside),
+        as_drawn: r.as_drawn == Some(true),
     }
 }
 
@@ -313,7 +363,7 @@ fn moves(
         return Ok(Moves::default());
     }
     match interior {
-        Some(interior) if !settings.ignore_move_markers => {
+        Some(interior) if !settings.ignore_move_markers && settings.reading.as_drawn != Some(true) => {
             let groups = defaults::groups(plan, graph, axes, (interior, infill, fittings), report);
             let found = groups.iter().map(|(g, _)| g.clauses.len()).sum();
             let groups = carrying::whole_moves(plan, graph, axes, fittings, groups, report);
@@ -439,6 +489,7 @@ impl Study {
             query: &base.plan.markers.query,
             reference: &base.plan.markers.reference,
             seeds_um: &seeds_um,
+            seeds_by_cell: settings.reading.as_drawn == Some(true),
             seed_names: &seed_names,
             fixed: &fixed,
             movable: &movable,

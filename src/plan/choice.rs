@@ -2,16 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use glam::DVec2;
-
-use super::curve::control_points;
-use super::drawing::{Drawing, Entity, Format, Shape};
+use super::drawing::{Drawing, Entity, Format};
 use super::layers::WallLayers;
 use super::own_layers;
+use super::reading::corrections::{Said, with_walls, without_others};
 use super::roles::{Role, role_by_name};
 use super::scores::{Score, wall_scores};
 use super::views::{MarkKind, STRAY, Sheet, SheetMark, View, far_off, split, strays};
-use super::{LayerUse, PlanOptions, borders, box_of, clutter, markers};
+use super::{LayerUse, PlanOptions, borders, clutter, dots, markers, view_box};
 use crate::report::{Error, Place, Report, counted};
 
 /// The walls of all views, and what became of the layers.
@@ -68,10 +66,13 @@ fn elements(drawing: &Drawing) -> BTreeMap<&str, BTreeSet<usize>> {
 /// [`Error::Usage`] for a layer pattern that cannot be read.
 pub(super) fn choose_walls(
     drawing: &Drawing,
-    options: &PlanOptions,
+    (options, said): (&PlanOptions, &Said),
     report: &mut Report,
 ) -> Result<Chosen, Error> {
-    let by_name = WallLayers::new(&options.wall_layers)?;
+    let by_name = match options.corrections.as_drawn && options.wall_layers.is_empty() {
+        true => WallLayers::new(&["*".to_owned()])?,
+        false => WallLayers::new(&options.wall_layers)?,
+    };
     let by_name = if drawing.format == Format::Dxf { by_name } else { by_name.of_building() };
     let hidden = Hidden::new(drawing);
     let counts = counts(drawing);
@@ -107,7 +108,16 @@ pub(super) fn choose_walls(
         borders::leave_out(drawing, &mut walls, report);
         clutter::leave_out(drawing, &mut walls, report);
     }
+    correct(drawing, said, &mut walls);
     Ok(Chosen { walls, layers })
+}
+
+/// Makes `walls` (ascending) what the user says, as far as it is shown and has a size.
+pub(super) fn correct(drawing: &Drawing, said: &Said, walls: &mut Vec<usize>) {
+    let hidden = Hidden::new(drawing);
+    without_others(said, walls);
+    with_walls(said, walls, |i| !hidden.entity(&drawing.entities[i]));
+    walls.retain(|i| !dots::is_dot(&drawing.entities[*i].shape));
 }
 
 fn counts(drawing: &Drawing) -> BTreeMap<&str, (usize, usize)> {
@@ -278,17 +288,26 @@ pub(super) fn choose_view(
     if options.picked.is_some() {
         return all_used(chosen.walls.clone(), views);
     }
+    if let Some(stated) = view_box::stated(options.view.as_deref()) {
+        let beside = marks.iter().filter(|m| !view_box::meets(&stated, &m.mark.extent));
+        let unused_marks = beside.map(|m| m.record).collect();
+        let views = vec![view_box::view(stated, views.iter().map(|v| v.wall_pieces).sum())];
+        return Ok(Taken { walls: chosen.walls.clone(), views, unused_marks });
+    }
     let takes_all = takes_all(options);
     if views.len() < 2 {
         say_unused_view(drawing, &views, options, report);
         let far = strays(&walls, metres_per_unit);
-        let is_near = |i: &usize| takes_all || of_wall[*i] != STRAY && !far[*i];
+        let is_near = |i: &usize| {
+            takes_all || of_wall[*i] != STRAY && !far[*i] || options.corrections.insists_on(walls[*i])
+        };
         let near: Vec<usize> = (0..walls.len()).filter(is_near).map(|i| chosen.walls[i]).collect();
         state_strays(drawing, chosen.walls.len() - near.len(), report);
         return all_used(near, views);
     }
     match options.view.as_deref().map(str::trim) {
-        None => {}
+        None if !takes_all => {}
+        None => views.iter_mut().for_each(|v| v.is_chosen = true),
         Some(all) if all.eq_ignore_ascii_case("all") => {
             views.iter_mut().for_each(|v| v.is_chosen = true);
         }
@@ -334,7 +353,10 @@ fn sheet(
 
 /// Whether everything on the sheet is to be read.
 fn takes_all(options: &PlanOptions) -> bool {
-    options.view.as_deref().is_some_and(|v| v.trim().eq_ignore_ascii_case("all"))
+    match options.view.as_deref() {
+        Some(view) => view.trim().eq_ignore_ascii_case("all"),
+        None => options.corrections.as_drawn,
+    }
 }
 
 /// A storey is one plan, however many buildings stand on it; without the walls that stand where none of them is.
@@ -398,7 +420,7 @@ pub(super) fn state_columns_only(
     report: &mut Report,
 ) {
     let is_column = |e: &&Entity| role_by_name(&e.layer).0 == Role::Column;
-    if drawing.format == Format::Dxf && options.wall_layers.is_empty() && walls.iter().all(is_column) {
+    if drawing.format == Format::Dxf && options.is_our_choice() && walls.iter().all(is_column) {
         let text = "columns were found and no walls; --wall-layer NAME says which layer the walls are on, \
                     --view which drawing of the sheet is meant";
         report.warn("columns-only", Place::file(&drawing.file), text);
@@ -426,19 +448,10 @@ fn marks(drawing: &Drawing, options: &PlanOptions) -> Vec<UserMark> {
             () if bare.eq_ignore_ascii_case(markers::KEEP) => MarkKind::Keep,
             () => MarkKind::Region,
         };
-        let extent = extent(e)?;
+        let extent = view_box::extent(e)?;
         Some(UserMark { mark: SheetMark { extent, kind }, layer: bare.to_owned(), record: e.source.record })
     };
     drawing.entities.iter().filter_map(of).collect()
-}
-
-/// The box of an entity, a circle's too.
-fn extent(e: &Entity) -> Option<[DVec2; 2]> {
-    let round = match e.shape {
-        Shape::Circle { centre, radius } => vec![centre - radius, centre + radius],
-        _ => Vec::new(),
-    };
-    box_of(control_points(&e.shape).into_iter().chain(round))
 }
 
 /// Names the drawings that are not read although something is marked on them.
@@ -478,7 +491,10 @@ fn state_marks(
 /// Says that a view was asked for where there is but one plan, unless it is that one.
 fn say_unused_view(drawing: &Drawing, views: &[View], options: &PlanOptions, report: &mut Report) {
     let Some(word) = options.view.as_deref().map(str::trim) else { return };
-    let is_it = word == "1" || word.eq_ignore_ascii_case("all") || find(views, word).is_some();
+    let is_it = word == "1"
+        || view_box::stated(Some(word)).is_some()
+        || word.eq_ignore_ascii_case("all")
+        || find(views, word).is_some();
     if !is_it {
         let text = format!("view {word:?} was asked for, but this is one drawing alone; it is read");
         report.warn("view-unused", Place::file(&drawing.file), text);

@@ -163,6 +163,8 @@ pub struct Origin {
     pub handle: Option<String>,
     /// The pen by its own word.
     pub pen: Pen,
+    /// Records of the INSERTs that show it, outermost first, as many as [`Entity::blocks`].
+    pub inserts: Vec<usize>,
 }
 
 /// A pen by the word of one record; what the record leaves to its layer is 0.
@@ -229,6 +231,17 @@ pub struct Undrawn {
     pub is_on_paper: bool,
     /// How many.
     pub count: usize,
+}
+
+/// A record of a file that draws something.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Record {
+    /// As in [`SourceRef::record`].
+    pub record: usize,
+    /// Handle as written (upper case), if it has one.
+    pub handle: Option<String>,
+    /// Record name: `TEXT`, `INSERT`.
+    pub kind: String,
 }
 
 /// A straight dimension.
@@ -301,6 +314,9 @@ pub struct Drawing {
     pub singles: BTreeMap<usize, Single>,
     /// What else is drawn, by layer and kind.
     pub undrawn: Vec<Undrawn>,
+    /// Records of model space and of the blocks it shows, ascending: shapes, texts, INSERTs, dimensions and the like.
+    /// Empty for formats without such.
+    pub records: Vec<Record>,
     /// What is written about lengths.
     pub written: Written,
     /// Where the file says that north is: degrees anticlockwise from the drawing's up; 0 where it says nothing.
@@ -464,6 +480,7 @@ impl Drawing {
             widths: BTreeMap::new(),
             singles: BTreeMap::new(),
             undrawn: Vec::new(),
+            records: Vec::new(),
             written: Written::default(),
             north_deg: 0.0,
         }

@@ -47,7 +47,7 @@ pub(super) fn take<'a>(
     metres_per_unit: f64,
     report: &mut Report,
 ) -> Result<Cow<'a, Drawing>, Error> {
-    if options.picked.is_some() || drawing.fills.is_empty() {
+    if options.picked.is_some() || options.corrections.as_drawn || drawing.fills.is_empty() {
         return Ok(drawing);
     }
     let walls = pieces(picked.iter().map(|i| &drawing.entities[*i]));

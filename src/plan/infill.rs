@@ -32,7 +32,7 @@ pub(super) fn take(
     metres_per_unit: f64,
     report: &mut Report,
 ) {
-    let is_asked = options.picked.is_none() && options.wall_layers.is_empty();
+    let is_asked = options.is_our_choice();
     let is_column = |i: &usize| role_by_name(&drawing.entities[*i].layer).0 == Role::Column;
     if drawing.format != Format::Dxf || !is_asked || picked.is_empty() || !picked.iter().all(is_column) {
         return;

@@ -49,6 +49,8 @@ pub struct Interior {
     wall: Vec<bool>,
     inside: Vec<bool>,
     cavity: Vec<bool>,
+    /// What the widest closing encloses: the building's outline.
+    outline: Vec<bool>,
     outside_far: Vec<f32>,
     has_room: bool,
 }
@@ -71,6 +73,7 @@ impl Interior {
         let widest = closed.last().map_or(0.0, |e| count(&e.1));
         let is_enough = |inside: &[bool]| count(inside) >= ENOUGH * widest;
         let is_as_drawn = is_enough(&as_drawn);
+        let outline = closed.last().map_or_else(Vec::new, |e| e.1.clone());
         let (closing_m, inside) =
             if is_as_drawn { (0.0, as_drawn) } else { closed.into_iter().find(|e| is_enough(&e.1))? };
         let mut cavity = raster.cavities(&inside, &to_wall, CAVITY_HALF_WIDTH_M * human_scale);
@@ -89,6 +92,7 @@ impl Interior {
             wall: raster.wall,
             inside,
             cavity,
+            outline,
             outside_far,
             has_room,
         })
@@ -116,17 +120,66 @@ impl Interior {
                     |k: usize, i: usize| self.origin_um[k] + i as i64 * self.pixel_um + self.pixel_um / 2;
                 if side_of_ring(ring, [middle(0, c), middle(1, r)]) == Side::Inside {
                     self.inside[c * self.rows + r] = false;
+                    self.outline[c * self.rows + r] = false;
                 }
             }
         }
-        if self.inside.iter().filter(|i| **i).count() < before {
-            let outside: Vec<bool> = self.inside.iter().map(|i| !i).collect();
-            self.outside_far = distance_px(&outside, self.cols, self.rows);
-            self.has_room =
-                (0..self.inside.len()).any(|i| self.inside[i] && !self.cavity[i] && !self.wall[i]);
-            self.is_as_drawn = false;
-        }
+        if self.inside.iter().filter(|i| **i).count() < before { self.counted_again() } else { self }
+    }
+
+    /// The same after some of its pixels were taken in or out.
+    fn counted_again(mut self) -> Self {
+        let outside: Vec<bool> = self.inside.iter().map(|i| !i).collect();
+        self.outside_far = distance_px(&outside, self.cols, self.rows);
+        self.has_room = (0..self.inside.len()).any(|i| self.inside[i] && !self.cavity[i] && !self.wall[i]);
+        self.is_as_drawn = false;
         self
+    }
+
+    /// The same with the floor round some points, and without that round others, as far as walls and closed openings
+    /// (drawing frame, micrometres). Besides the points inside whose floor is open to the outside, by their index: they
+    /// change nothing. Gaps are closed as far as [`CLOSING_M`] needs for a point.
+    #[must_use]
+    pub fn corrected(
+        mut self,
+        inside: &[PointUm],
+        outside: &[PointUm],
+        human_scale: f64,
+    ) -> (Self, Vec<usize>) {
+        let raster = Raster {
+            origin_um: self.origin_um,
+            pixel_um: self.pixel_um,
+            cols: self.cols,
+            rows: self.rows,
+            wall: self.wall.clone(),
+        };
+        let to_wall = distance_px(&self.wall, self.cols, self.rows);
+        let closings = CLOSING_M.map(|c| raster.enclosed(&to_wall, c * human_scale));
+        let floor_at = |p: PointUm, of: &[bool]| -> Option<Vec<usize>> {
+            let start = self.pixel(p).filter(|i| of[*i] && !raster.wall[*i])?;
+            let mut is_seen = vec![false; of.len()];
+            is_seen[start] = true;
+            let (mut floor, mut next) = (vec![start], 0);
+            while next < floor.len() {
+                for (j, _) in around(floor[next], raster.cols, raster.rows) {
+                    if of[j] && !raster.wall[j] && !is_seen[j] {
+                        is_seen[j] = true;
+                        floor.push(j);
+                    }
+                }
+                next += 1;
+            }
+            Some(floor)
+        };
+        let left: Vec<usize> = outside.iter().filter_map(|p| floor_at(*p, &self.inside)).flatten().collect();
+        let floors: Vec<Option<Vec<usize>>> =
+            inside.iter().map(|p| closings.iter().find_map(|of| floor_at(*p, of))).collect();
+        let open = (0..inside.len()).filter(|i| floors[*i].is_none()).collect();
+        for i in floors.into_iter().flatten().flatten() {
+            (self.inside[i], self.cavity[i]) = (true, false);
+        }
+        left.into_iter().for_each(|i| self.inside[i] = false);
+        (self.counted_again(), open)
     }
 
     /// The same, where parts of the drawn walls stop no sight: doors and windows that are drawn through.
@@ -182,6 +235,56 @@ impl Interior {
     pub fn area_m2(&self) -> f64 {
         let pixels = self.inside.iter().zip(&self.cavity).filter(|(i, c)| **i && !**c).count();
         pixels as f64 * (self.pixel_um as f64 / UM_PER_M).powi(2)
+    }
+
+    /// Lower left corner of the raster, drawing frame, micrometres.
+    pub(super) fn origin_um(&self) -> PointUm {
+        self.origin_um
+    }
+
+    /// Side of a pixel, micrometres.
+    pub(super) fn pixel_um(&self) -> i64 {
+        self.pixel_um
+    }
+
+    /// Pixels of one column; pixel `c * rows + r` is the one at column `c` and row `r`.
+    pub(super) fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of pixels.
+    pub(super) fn len(&self) -> usize {
+        self.inside.len()
+    }
+
+    /// Whether a pixel lies on a wall or on what closes a gap in one.
+    pub(super) fn is_wall(&self, pixel: usize) -> bool {
+        self.wall[pixel]
+    }
+
+    /// Whether a pixel is measured floor.
+    pub(super) fn is_floor(&self, pixel: usize) -> bool {
+        self.inside[pixel] && !self.cavity[pixel] && !self.wall[pixel]
+    }
+
+    /// Whether a pixel lies within the building's outline and is not measured.
+    pub(super) fn is_left_out(&self, pixel: usize) -> bool {
+        self.outline[pixel] && !self.inside[pixel] && !self.wall[pixel]
+    }
+
+    /// Whether a pixel lies outside what is measured, and on no wall.
+    pub(super) fn is_outside(&self, pixel: usize) -> bool {
+        !self.inside[pixel] && !self.wall[pixel]
+    }
+
+    /// The pixels beside one.
+    pub(super) fn beside(&self, pixel: usize) -> impl Iterator<Item = usize> + use<> {
+        around(pixel, self.cols, self.rows).map(|(j, _)| j)
+    }
+
+    /// Distance of every pixel to the nearest marked one, pixels.
+    pub(super) fn distance_px(&self, marked: &[bool]) -> Vec<f32> {
+        distance_px(marked, self.cols, self.rows)
     }
 
     fn pixel(&self, p: PointUm) -> Option<usize> {

@@ -9,10 +9,12 @@ mod borders;
 mod choice;
 mod clutter;
 pub mod curve;
+mod dots;
 pub mod drawing;
 mod fills;
 pub mod fittings;
 mod fixtures;
+pub mod floor;
 pub mod frame;
 pub mod geometry;
 pub mod giants;
@@ -42,6 +44,7 @@ mod stairs;
 mod storeys;
 pub mod structure;
 pub mod units;
+pub mod view_box;
 pub mod view_names;
 pub mod views;
 pub mod wide;
@@ -56,6 +59,7 @@ use drawing::{Drawing, Editable, Entity, Shape, SourceRef, Unit};
 use frame::{BUILT_SIZE_M, Frame, PLAUSIBLE_SIZE_M, UnitChoice};
 use geometry::PointUm;
 use markers::Markers;
+use reading::corrections::{Corrections, with_walls, without_others};
 use views::View;
 
 /// One drawn wall element: a line, an outline, an arc, a column.
@@ -224,12 +228,21 @@ pub struct PlanOptions {
     pub query_layer: Option<String>,
     /// `--reference-layer` instead of `EF-REFERENCE`.
     pub reference_layer: Option<String>,
-    /// `--view`: name or number of a drawing on the sheet, or `all`.
+    /// `--view`: name or number of a drawing on the sheet, `all`, or a box round it.
     pub view: Option<String>,
     /// `--level knee`: low walls and glazing block too.
     pub is_knee_level: bool,
     /// The walls by [`Plan::picked`] of an earlier reading; nothing is chosen then.
     pub picked: Option<Vec<usize>>,
+    /// What the user says of entities and of the floor.
+    pub corrections: Corrections,
+}
+
+impl PlanOptions {
+    /// Whether a choice is ours: the user named no layers of walls, and nothing was chosen before.
+    fn is_our_choice(&self) -> bool {
+        self.picked.is_none() && self.wall_layers.is_empty() && !self.corrections.as_drawn
+    }
 }
 
 /// Understands a drawing.
@@ -239,15 +252,19 @@ pub struct PlanOptions {
 /// [`Error::Usage`] for a layer pattern that cannot be read, or a view that is not there.
 pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report) -> Result<Plan, Error> {
     let drawing = fills::joined(drawing, options);
-    let mut chosen = choice::choose_walls(&drawing, options, report)?;
+    let (said, as_drawn) = (options.corrections.said(&drawing), options.corrections.as_drawn);
+    dots::state(&drawing, report);
+    let mut chosen = choice::choose_walls(&drawing, (options, &said), report)?;
     let (mut extent, (mut unit, mut sense)) = sized(&drawing, options, &chosen, report)?;
     if plots::leave_out(&drawing, options, &mut chosen, unit.unit.metres, report) {
+        choice::correct(&drawing, &said, &mut chosen.walls);
         (extent, (unit, sense)) = sized(&drawing, options, &chosen, report)?;
     }
     let choice::Taken { walls: mut picked, views, unused_marks } =
         choice::choose_view(&drawing, options, &chosen, unit.unit.metres, report)?;
+    let of_view = picked.clone();
     infill::take(&drawing, options, &mut chosen, &mut picked, unit.unit.metres, report);
-    let is_our_choice = options.picked.is_none() && options.wall_layers.is_empty();
+    let is_our_choice = options.is_our_choice();
     let mut standing = Vec::new();
     if is_our_choice && drawing.format == drawing::Format::Dxf {
         let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
@@ -260,6 +277,11 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         standing = clutter::leave_out_fittings(&drawing, &mut picked, unit.unit.metres, scale, report);
     }
     let drawing = fills::take(drawing, options, &mut chosen, &mut picked, unit.unit.metres, report)?;
+    let said = options.corrections.said(&drawing);
+    if options.picked.is_none() {
+        without_others(&said, &mut picked);
+        with_walls(&said, &mut picked, |i| of_view.binary_search(&i).is_ok());
+    }
     let walls: Vec<&Entity> = picked.iter().map(|i| &drawing.entities[*i]).collect();
     choice::state_columns_only(&drawing, options, &walls, report);
     if is_our_choice && drawing.format == drawing::Format::Dxf {
@@ -268,21 +290,39 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let extent = extent_of(&walls).unwrap_or(extent);
     let frame = Frame::new(unit.unit.metres, extent);
     let size_m = (extent[1] - extent[0]).max_element() * unit.unit.metres;
-    let human_scale = units::person_scale(&drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit);
+    let human_scale = match as_drawn {
+        true => 1.0,
+        false => units::person_scale(&drawing, &walls, (extent[1] - extent[0]).max_element(), unit.unit),
+    };
     state_unit(&drawing, &unit, size_m, human_scale, report);
     let markers = markers::read(&drawing, options, &unused_marks, &frame, report);
-    let obstacles = obstacles::find(&drawing, &standing, &picked, unit.unit.metres / human_scale, &frame);
     let is_wall = |i: usize| picked.binary_search(&i).is_ok();
-    let outdoors = outdoors::find(&drawing, is_wall, &frame, human_scale);
+    let (obstacles, outdoors) = match as_drawn {
+        true => Default::default(),
+        false => (
+            obstacles::find(&drawing, &standing, &picked, unit.unit.metres / human_scale, &frame),
+            outdoors::find(&drawing, is_wall, &frame, human_scale),
+        ),
+    };
     let is_locked = |e: &Entity| drawing.layers.iter().any(|l| l.is_locked && l.name == e.layer);
     let entities = walls;
     let mut walls: Vec<Wall> = entities.iter().map(|e| wall_of(e, &frame, is_locked(e))).collect();
     walls.iter_mut().for_each(|w| w.single = drawing.singles.get(&w.source.record).copied());
     match drawing.format {
+        _ if as_drawn => {}
         drawing::Format::Dxf => outline::mark_solids(&mut walls, &markers),
         _ => outline::mark_bodies(&mut walls),
     }
-    wide::mark(&mut walls, &entities, &drawing, (&frame, human_scale), report);
+    if !as_drawn {
+        wide::mark(&mut walls, &entities, &drawing, (&frame, human_scale), report);
+    }
+    let findings = options.corrections.idle(&drawing);
+    findings.iter().for_each(|f| f.tell(&drawing.file, report));
+    let reading = reading::Reading {
+        unit: sense,
+        findings,
+        ..reading::Reading::by_names(&drawing).corrected(said, &picked)
+    };
     Ok(Plan {
         file: drawing.file.clone(),
         format: drawing.format,
@@ -299,7 +339,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         doors: doors(&drawing, &frame),
         obstacles,
         outdoors,
-        reading: reading::Reading { unit: sense, ..reading::Reading::by_names(&drawing) },
+        reading,
         north_deg: drawing.north_deg,
     })
 }

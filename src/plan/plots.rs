@@ -45,7 +45,7 @@ pub(super) fn leave_out(
     metres_per_unit: f64,
     report: &mut Report,
 ) -> bool {
-    if drawing.format != Format::Dxf || options.picked.is_some() || !options.wall_layers.is_empty() {
+    if drawing.format != Format::Dxf || !options.is_our_choice() {
         return false;
     }
     let mut left = chosen.walls.clone();
@@ -191,7 +191,7 @@ fn building(drawing: &Drawing, walls: &[usize], metres_per_unit: f64) -> Buildin
     let marks = (0..drawing.entities.len()).filter(is_other).filter_map(|i| {
         let e = &drawing.entities[i];
         let paths = swing_or(paths_of(&e.shape, place));
-        let (role, word) = mark_role(e, &paths)?;
+        let (role, word) = mark_role(None, e, &paths)?;
         Some(Mark { paths, role, group: i as u32, word })
     });
     let axes = AxisGraph::new(&Drawn { faces, marks: marks.collect() });

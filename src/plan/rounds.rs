@@ -117,9 +117,11 @@ impl End {
 
 fn ends_of(paths: &[Path]) -> Option<[End; 2]> {
     let points = chain(paths)?;
-    let n = points.len();
-    let end = |at: DVec2, before: DVec2| Some(End { at, out: (at - before).try_normalize()? });
-    Some([end(points[0], points[1])?, end(points[n - 1], points[n - 2])?])
+    let ([first, second, ..], [.., before, last]) = (points.as_slice(), points.as_slice()) else {
+        return None;
+    };
+    let end = |at: &DVec2, before: &DVec2| Some(End { at: *at, out: (at - before).try_normalize()? });
+    Some([end(first, second)?, end(last, before)?])
 }
 
 /// The pieces of a part from one of its ends to the other, each turned to run that way if it is straight.

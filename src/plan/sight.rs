@@ -38,7 +38,7 @@ impl Sight {
                 out.closed.push(segment(opening.jambs[0].at, opening.jambs[1].at));
                 continue;
             }
-            for face in &opening.faces {
+            for face in opening.faces.iter().filter(|f| !plan.reading.firm.contains(&f.0)) {
                 out.open.entry(*face).or_default().push([0.0, 1.0]);
             }
             for face in &opening.through {
@@ -46,7 +46,7 @@ impl Sight {
             }
         }
         if !is_knee {
-            for face in &axes.see_through {
+            for face in axes.see_through.iter().filter(|f| !plan.reading.firm.contains(&f.0)) {
                 out.open.entry(*face).or_default().push([0.0, 1.0]);
             }
         }

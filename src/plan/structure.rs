@@ -12,12 +12,14 @@ use super::axes::{
 };
 use super::box_of;
 use super::curve::control_points;
+use super::dots;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::geometry::{PointUm, Segment, UM_PER_M};
 use super::graph::Handle;
 use super::leaves;
 use super::parallels::Straight;
 use super::paving;
+use super::reading::corrections::Said;
 use super::roles::{self, role_by_name};
 use super::rooms;
 use super::rounds;
@@ -121,14 +123,16 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
         out.faces.extend(faces);
     }
     let walls = DrawnWalls::new(plan, drawing);
-    let is_other = |(i, e): &(usize, &Entity)| !walls.contains(*i, e) && !own_layers::is_own(&e.layer);
+    let is_other = |(i, e): &(usize, &Entity)| {
+        !walls.contains(*i, e) && !own_layers::is_own(&e.layer) && !dots::is_dot(&e.shape)
+    };
     let others = drawing.entities.iter().enumerate().filter(is_other);
     let others: Vec<(usize, &Entity, Vec<Path>)> =
         others.map(|(i, e)| (i, e, swing_or(paths_of(&e.shape, place)))).collect();
-    let leaves = leaves_alone(&out.faces, &others);
+    let leaves = leaves_alone(&out.faces, &others, &plan.reading.said);
     for (i, entity, paths) in others {
         let paths = leaves.get(&i).map_or(paths, |swing| vec![*swing]);
-        if let Some((role, word)) = mark_role(entity, &paths) {
+        if let Some((role, word)) = mark_role(plan.reading.said.get(&i), entity, &paths) {
             let group = walls.fitting_block(entity).map_or(i, |record| drawing.entities.len() + record);
             out.marks.push(Mark { paths, role, group: group as u32, word });
             marked.push(i);
@@ -143,7 +147,11 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
 const OWN_SWING_M: f64 = 0.15;
 
 /// The swings of leaves that are drawn without them, by entity.
-fn leaves_alone(faces: &[Face], others: &[(usize, &Entity, Vec<Path>)]) -> BTreeMap<usize, Path> {
+fn leaves_alone(
+    faces: &[Face],
+    others: &[(usize, &Entity, Vec<Path>)],
+    said: &Said,
+) -> BTreeMap<usize, Path> {
     let lines = |p: &Path, thing: usize, is_wall: bool| -> Vec<leaves::Piece> {
         trace(p).windows(2).map(|w| leaves::Piece { ends: [w[0], w[1]], thing, is_wall }).collect()
     };
@@ -158,14 +166,15 @@ fn leaves_alone(faces: &[Face], others: &[(usize, &Entity, Vec<Path>)]) -> BTree
         }
         _ => false,
     };
-    let may_hang = others.iter().filter(|o| may_be_leaf(&o.1.layer));
+    let may_hang = others.iter().filter(|o| may_be_leaf(said.get(&o.0).copied(), &o.1.layer));
     let swings = may_hang.filter_map(|(i, _, paths)| Some((*i, pieces.swing(paths, *i)?)));
     swings.filter(|(_, swing)| !drawn.iter().any(|p| is_like(p, swing))).collect()
 }
 
-/// Whether a leaf without its swing may lie on a layer.
-fn may_be_leaf(layer: &str) -> bool {
-    matches!(role_by_name(layer).0, roles::Role::Door | roles::Role::Wall | roles::Role::Unknown)
+/// Whether a leaf without its swing may lie on a layer, unless the user says what it is.
+fn may_be_leaf(said: Option<roles::Role>, layer: &str) -> bool {
+    let role = said.unwrap_or_else(|| role_by_name(layer).0);
+    matches!(role, roles::Role::Door | roles::Role::Wall | roles::Role::Unknown)
 }
 
 /// Which entities of a drawing the walls of its plan are.
@@ -277,10 +286,11 @@ pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Seg
     };
     let widest = BEYOND_WALLS_M.max(BEYOND_SHARE * (hi - lo).max_element());
     let mut out: Vec<[DVec2; 2]> = Vec::new();
-    let shown = drawing.entities.iter().enumerate().filter(|(i, e)| !walls.contains(*i, e)).map(|(_, e)| e);
-    for e in shown.filter(|e| !hidden.contains(e.layer.as_str())) {
-        let role = role_of[e.layer.as_str()];
-        let by_name = fills(role) || e.blocks.iter().any(|b| fills(role_by_name(b).0));
+    let shown = drawing.entities.iter().enumerate().filter(|(i, e)| !walls.contains(*i, e));
+    for (i, e) in shown.filter(|(_, e)| !hidden.contains(e.layer.as_str())) {
+        let said = plan.reading.said.get(&i);
+        let role = said.copied().unwrap_or_else(|| role_of[e.layer.as_str()]);
+        let by_name = fills(role) || said.is_none() && e.blocks.iter().any(|b| fills(role_by_name(b).0));
         let may_swing = by_name || matches!(role, roles::Role::Wall | roles::Role::Unknown);
         for path in swing_or(paths_of(&e.shape, place)) {
             match path {
@@ -374,10 +384,20 @@ pub(super) fn is_of_windows_too(name: &str) -> bool {
     layers::words(name).iter().any(|w| OPENING_WORDS.contains(&w.as_str()) || is_window(w))
 }
 
-/// What an entity says about an opening: by the name of its block or layer, else by its shape if the name
-/// says nothing.
-pub(super) fn mark_role(entity: &Entity, paths: &[Path]) -> Option<(Role, String)> {
-    let mut is_open = false;
+/// What an entity says about an opening: what the user says, else by the name of its block or layer, else by its shape if
+/// the name says nothing.
+pub(super) fn mark_role(
+    said: Option<&roles::Role>,
+    entity: &Entity,
+    paths: &[Path],
+) -> Option<(Role, String)> {
+    match said {
+        Some(roles::Role::Door) => return Some((Role::Door, entity.layer.clone())),
+        Some(roles::Role::Window) => return Some((Role::Window, entity.layer.clone())),
+        Some(roles::Role::Wall) => return None,
+        _ => {}
+    }
+    let mut is_open = said.is_some();
     for name in entity.blocks.iter().map(String::as_str).chain([entity.layer.as_str()]) {
         match role_by_name(name).0 {
             roles::Role::Door if is_of_windows_too(name) => return Some((Role::Unknown, name.to_string())),

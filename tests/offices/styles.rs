@@ -282,6 +282,7 @@ impl Sheet {
             singles: Default::default(),
             north_deg: 0.0,
             undrawn: Vec::new(),
+            records: Vec::new(),
             written: Default::default(),
             fills: Vec::new(),
             texts: Vec::new(),

@@ -59,7 +59,7 @@ proptest::proptest! {
         let kinds = [StrokeKind::Fixed, StrokeKind::Before, StrokeKind::Ignored];
         let strokes =
             kinds.map(|kind| enfilade::overlay::Stroke { points: points.clone(), closed, filled, kind });
-        let picture = PlanPicture { strokes: strokes.to_vec(), regions: Vec::new(), bounds, north_deg: 0.0 };
+        let picture = PlanPicture { strokes: strokes.to_vec(), bounds, ..PlanPicture::default() };
         let cells: Vec<Cell> = points.iter().map(|p| Cell { centre: *p, value: Some(value) }).collect();
         let drawn = heat_map_png(&heat(&picture, &cells, spacing_m), 160);
         let is_small = |v: &f64| v.abs() < 1e8;

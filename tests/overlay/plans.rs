@@ -61,7 +61,7 @@ pub fn hall(wide: f64, high: f64) -> PlanPicture {
         RegionOutline { points: ring(0.6, 0.15, 0.7, 0.85), kind: RegionKind::Move },
         RegionOutline { points: ring(0.46, 0.42, 0.54, 0.58), kind: RegionKind::Keep },
     ];
-    PlanPicture { strokes, regions, bounds: [[0.0, 0.0], [wide, high]], north_deg: 0.0 }
+    PlanPicture { strokes, regions, bounds: [[0.0, 0.0], [wide, high]], ..PlanPicture::default() }
 }
 
 /// About `count` cells over the hall; a fifth of them has no value.

@@ -64,7 +64,8 @@ impl Field {
         Ok(reached)
     }
 
-    /// The cell that a seed starts from: the nearest of the four round it that no wall parts from it.
+    /// The cell that a seed starts from: the nearest of the four round it that no wall parts from it, or of all four
+    /// ([`Ground::seeds_by_cell`]).
     fn start_of(&self, seed: PointUm, ground: &Ground<'_>) -> Result<(usize, usize), &'static str> {
         let walls = || ground.fixed.iter().chain(ground.movable);
         if walls().any(|w| segments_touch(Segment { a: seed, b: seed }, *w)) {
@@ -85,7 +86,8 @@ impl Field {
         };
         let is_free = |&(c, r): &(usize, usize)| {
             let way = Segment { a: seed, b: self.centre(c, r) };
-            self.flags[self.index(c, r)] & ON_WALL == 0 && !walls().any(|w| segments_touch(way, *w))
+            let is_parted = || !ground.seeds_by_cell && walls().any(|w| segments_touch(way, *w));
+            self.flags[self.index(c, r)] & ON_WALL == 0 && !is_parted()
         };
         let start = cells.filter(is_free).min_by_key(distance);
         start.ok_or("has a wall between itself and every cell beside it, at this spacing")

@@ -11,7 +11,7 @@ use super::fields::Fields;
 use super::opened::{How, Sheet, encloses, is_regular, own_editable};
 use super::reader::Reader;
 use crate::plan::curve::control_points;
-use crate::plan::drawing::{Editable, Entity, Shape, Text};
+use crate::plan::drawing::{Editable, Entity, Origin, Shape, Text};
 use crate::report::{Error, Severity};
 
 /// Flags (70) of a block that is nobody's own to change: anonymous, or of an external file.
@@ -224,8 +224,9 @@ impl Blocks {
             return Ok(());
         }
         let how = self.how(reader, item, insert, block, &DAffine2::IDENTITY);
-        let mut showing = Showing { entities: out.0, texts: out.1, path: Vec::new() };
-        let shown = Shown { insert, block, outer: DAffine2::IDENTITY, layer: item.layer, how };
+        let mut showing = Showing { entities: out.0, texts: out.1, path: Vec::new(), inserts: Vec::new() };
+        let record = item.record;
+        let shown = Shown { insert, record, block, outer: DAffine2::IDENTITY, layer: item.layer, how };
         self.unfold(reader, &shown, &mut showing);
         Ok(())
     }
@@ -394,6 +395,7 @@ impl Blocks {
             return;
         }
         showing.path.push(own.name.clone());
+        showing.inserts.push(shown.record);
         // Lent out, so that blocks within can be looked at.
         let items = std::mem::take(&mut own.items);
         let base = own.base;
@@ -415,22 +417,23 @@ impl Blocks {
                         How::Own => self.how(reader, item, inner, child, &map),
                         with => with.clone(),
                     };
-                    self.unfold(
-                        reader,
-                        &Shown { insert: inner, block: child, outer: map, layer, how },
-                        showing,
-                    );
+                    let record = item.record;
+                    let shown = Shown { insert: inner, record, block: child, outer: map, layer, how };
+                    self.unfold(reader, &shown, showing);
                 }
             }
         }
         self.list[block].items = items;
         showing.path.pop();
+        showing.inserts.pop();
     }
 }
 
 /// A block as one INSERT shows it.
 struct Shown<'i> {
     insert: &'i Insert,
+    /// The INSERT's record.
+    record: usize,
     block: usize,
     /// Coordinates of the INSERT's owner to those of model space.
     outer: DAffine2,
@@ -466,6 +469,8 @@ struct Showing<'o> {
     entities: &'o mut Vec<Entity>,
     texts: &'o mut Vec<Text>,
     path: Vec<String>,
+    /// Records of the INSERTs on the way.
+    inserts: Vec<usize>,
 }
 
 impl Showing<'_> {
@@ -490,13 +495,14 @@ impl Showing<'_> {
                     How::With { editable, .. } => editable.clone(),
                 };
                 let blocks = self.path.clone();
-                let origin = reader.origin(item.record);
+                let origin = Origin { inserts: self.inserts.clone(), ..reader.origin(item.record) };
                 self.entities.push(Entity { source, layer, shape, editable, blocks, origin });
             }
             Body::Fill(shape) => {
                 let shape = mapped(shape, map, reader.five_mm);
                 if reader.insane_point(&shape).is_none() {
-                    reader.add_fill(source, layer, shape, self.path.clone());
+                    let origin = Origin { inserts: self.inserts.clone(), ..reader.origin(item.record) };
+                    reader.add_fill((source, origin), layer, shape, self.path.clone());
                 }
             }
             Body::Text(at, text) => {

@@ -92,6 +92,9 @@ impl<'a> Reader<'a, '_> {
             self.check_handle(&fields);
             let is_on_paper = self.int(&fields, 67, 0)? != 0;
             let is_drawn = !is_on_paper && self.int(&fields, 60, 0)? == 0;
+            if is_drawn && !PARTS.contains(&name) {
+                self.keep_record(record);
+            }
             if is_drawn && name == b"MLINE" {
                 self.add_multiline(&fields, &mut out)?;
                 record = next;

@@ -6,7 +6,7 @@ use super::boundary::{Piece, boundary};
 use super::entity::Body;
 use super::fields::{Fields, own_pairs};
 use super::reader::Reader;
-use crate::plan::drawing::{Editable, Entity, Shape, SourceRef, Vertex};
+use crate::plan::drawing::{Editable, Entity, Origin, Shape, SourceRef, Vertex};
 use crate::plan::own_layers;
 
 /// Most corners of a filled area that is looked at: columns have fewer.
@@ -35,12 +35,17 @@ impl Reader<'_, '_> {
     }
 
     /// Keeps a filled area; none of our own layers, and no more than [`FILLS_MAX`].
-    pub(super) fn add_fill(&mut self, source: SourceRef, layer: String, shape: Shape, blocks: Vec<String>) {
+    pub(super) fn add_fill(
+        &mut self,
+        (source, origin): (SourceRef, Origin),
+        layer: String,
+        shape: Shape,
+        blocks: Vec<String>,
+    ) {
         if own_layers::is_own(&layer) || self.fills.len() >= FILLS_MAX {
             return;
         }
         let editable = Editable::No("it is drawn as a filled area, without a line".into());
-        let origin = self.origin(source.record);
         self.fills.push(Entity { source, layer, shape, editable, blocks, origin });
     }
 

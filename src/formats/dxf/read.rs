@@ -46,7 +46,10 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
                 entities.push(Entity { source, layer, shape, editable, blocks: Vec::new(), origin });
             }
             Body::Text(at, text) => texts.push(Text { source, layer, at, text }),
-            Body::Fill(shape) => reader.add_fill(source, layer, shape, Vec::new()),
+            Body::Fill(shape) => {
+                let origin = reader.origin(item.record);
+                reader.add_fill((source, origin), layer, shape, Vec::new());
+            }
             Body::Insert(_) => {}
         }
     }
@@ -54,6 +57,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     written.is_metric = header.measurement.map(|m| m != 0);
     reader.report_left_out();
     reader.finish_notes();
+    reader.records.sort_unstable_by_key(|r| r.record);
     Ok(Drawing {
         file: file.to_owned(),
         format: Format::Dxf,
@@ -72,6 +76,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         singles: Default::default(),
         north_deg: 0.0,
         undrawn,
+        records: reader.records,
         written,
     })
 }

@@ -9,7 +9,7 @@ use super::header::{Header, is_sane};
 use super::limits::Limits;
 use super::text::CodePage;
 use super::tokens::{Pair, Tokens, shown};
-use crate::plan::drawing::{Entity, Layer, Origin, Pen, SourceRef, Undrawn};
+use crate::plan::drawing::{Entity, Layer, Origin, Pen, Record, SourceRef, Undrawn};
 use crate::report::{Error, Place, Report, Severity};
 
 /// One reading of one file.
@@ -38,6 +38,8 @@ pub(super) struct Reader<'a, 'r> {
     pub left_out: BTreeMap<String, usize>,
     /// What is drawn and no line of the plan, by layer, kind and whether it stands on paper.
     pub undrawn: BTreeMap<(&'a [u8], &'a [u8], bool), usize>,
+    /// Records met so far that draw something, on no paper.
+    pub records: Vec<Record>,
     report: &'r mut Report,
     note_counts: BTreeMap<&'static str, usize>,
 }
@@ -96,6 +98,7 @@ impl<'a, 'r> Reader<'a, 'r> {
             widths: BTreeMap::new(),
             left_out: BTreeMap::new(),
             undrawn: BTreeMap::new(),
+            records: Vec::new(),
             report,
             note_counts: BTreeMap::new(),
         }
@@ -243,6 +246,12 @@ impl<'a, 'r> Reader<'a, 'r> {
         }
     }
 
+    /// Keeps a record that draws something.
+    pub fn keep_record(&mut self, record: usize) {
+        let (handle, kind) = (handle_of(self.tokens, record), shown(self.tokens.name(record)));
+        self.records.push(Record { record, handle, kind });
+    }
+
     /// The join to the file for a record.
     pub fn source(&self, record: usize, layer: u32) -> SourceRef {
         SourceRef {
@@ -266,7 +275,7 @@ impl<'a, 'r> Reader<'a, 'r> {
         let is_dashed =
             ![&b""[..], b"BYLAYER", b"BYBLOCK", b"CONTINUOUS"].iter().any(|n| n.eq_ignore_ascii_case(line));
         let pen = Pen { colour: said(62, 0..256), weight: said(370, 0..1000), is_dashed };
-        Origin { record, handle: handle_of(self.tokens, record), pen }
+        Origin { record, handle: handle_of(self.tokens, record), pen, inserts: Vec::new() }
     }
 
     /// Reads the LAYER table.

@@ -105,6 +105,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         singles: singles(&bodies),
         north_deg: 0.0,
         undrawn: Vec::new(),
+        records: Vec::new(),
         written: Default::default(),
         fills: Vec::new(),
     })

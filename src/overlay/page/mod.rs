@@ -82,6 +82,7 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
     cards::radios(&mut html, &fitted);
     html.raw("<main>\n");
     header(&mut html, input);
+    tables::questions(&mut html, input.result);
     cards::stage(&mut html, &fitted);
     cards::grid(&mut html, &fitted);
     tables::numbers(&mut html, input.result);
@@ -168,6 +169,11 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
 /// The outcome in one or two sentences.
 fn lead(result: &RoundResult) -> String {
     let Some(best) = result.candidates.first() else {
+        if !result.questions.is_empty() {
+            return "The present layout was measured. No option was made, because the reading of the drawing is unsure: \
+                    answer the questions below."
+                .into();
+        }
         if !result.moves.is_empty() && result.best.is_some() {
             return format!(
                 "No option was made, but the best layout found is better than the present one: `accept {} 0` takes it ({}).",

@@ -231,6 +231,22 @@ fn gauge(html: &mut Html, entry: &MoveEntry, value: Option<f64>) {
     html.open("b", &[("style", &mark)]).raw("</b></span></td>");
 }
 
+/// What a person should decide, each answer with the option that gives it.
+pub fn questions(html: &mut Html, result: &RoundResult) {
+    if result.questions.is_empty() {
+        return;
+    }
+    html.raw("<section class=\"questions\">\n<h2>Questions</h2>\n");
+    for q in &result.questions {
+        html.element("p", &[], &q.text).raw("<ul>\n");
+        for a in &q.answers {
+            html.raw("<li>").text(&a.text).raw(" ").element("code", &[], &a.option).raw("</li>\n");
+        }
+        html.raw("</ul>\n");
+    }
+    html.raw("</section>\n");
+}
+
 /// What was left out or assumed.
 pub fn problems(html: &mut Html, input: &ReportInput<'_>) {
     let result = input.result;

@@ -5,6 +5,8 @@ use glam::DVec2;
 use super::Understood;
 use crate::config::{PairName, Settings};
 use crate::plan::geometry::PointUm;
+use crate::plan::interior::Interior;
+use crate::plan::reading::corrections::Finding;
 use crate::plan::{Plan, Region};
 use crate::report::{Error, Place, Report, counted};
 
@@ -32,6 +34,36 @@ pub(super) fn add_regions(plan: &mut Plan, settings: &Settings) -> Result<(), Er
         list.push(Region::Ring(ring));
     }
     Ok(())
+}
+
+/// The interior as the user corrects it; what a correction cannot do goes to the plan's findings and the report.
+pub(super) fn corrected(
+    interior: Option<Interior>,
+    plan: &mut Plan,
+    settings: &Settings,
+    report: &mut Report,
+) -> Option<Interior> {
+    let (inside, outside) = (&settings.reading.inside, &settings.reading.outside);
+    if inside.is_empty() && outside.is_empty() {
+        return interior;
+    }
+    let mut findings = Vec::new();
+    if !plan.markers.needs_interior() || !settings.seed_points.is_empty() {
+        findings.push(Finding::Overruled);
+    }
+    let um = |list: &[[f64; 2]]| -> Vec<PointUm> {
+        list.iter().map(|p| plan.frame.um_from_file(DVec2::from(*p))).collect()
+    };
+    let corrected = interior.map(|i| i.corrected(&um(inside), &um(outside), plan.human_scale));
+    let (interior, open) = match corrected {
+        Some((interior, open)) => (Some(interior), open),
+        None if findings.is_empty() => (None, (0..inside.len()).collect()),
+        None => (None, Vec::new()),
+    };
+    findings.extend(open.into_iter().map(|i| Finding::Open { at: inside[i] }));
+    findings.iter().for_each(|f| f.tell(&plan.file, report));
+    plan.reading.findings.extend(findings);
+    interior
 }
 
 /// Says what was taken as closed where no region is drawn.

@@ -326,6 +326,7 @@ mod tests {
             query: &ring,
             reference: &ring,
             seeds_um: &[],
+            seeds_by_cell: false,
             seed_names: &[],
             fixed: &[],
             movable: &[],

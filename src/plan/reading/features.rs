@@ -32,7 +32,7 @@ const SWING_RAD: [f64; 2] = [0.5, 3.3];
 const TOUCHING_MAX: usize = 12;
 
 /// Roles whose names are told to the classifier.
-pub(super) const NAMED: [Role; 15] = [
+pub const NAMED: [Role; 15] = [
     Role::Wall,
     Role::LowWall,
     Role::Glazing,
@@ -77,7 +77,7 @@ struct Seen {
 }
 
 /// The features of all pieces, and who stands beside whom.
-pub(super) struct Features {
+pub struct Features {
     /// Values, row by row.
     pub rows: Vec<f32>,
     /// Values of one piece.

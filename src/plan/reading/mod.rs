@@ -3,11 +3,16 @@
 //! A [`Reading`] is decided once, before anything is understood, and never changed afterwards.
 
 pub mod clues;
+pub mod corrections;
 pub mod lengths;
+pub mod questions;
 pub mod unit;
+
+use std::collections::BTreeSet;
 
 use super::drawing::{Drawing, Unit};
 use super::roles::{Role, role_by_name};
+use corrections::{Finding, Said};
 
 /// What an entity is taken for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +42,12 @@ pub struct Reading {
     pub unit: UnitSense,
     /// Of every entity of the drawing, in its order.
     pub senses: Vec<Sense>,
+    /// Roles that the user states, by the index of the entity.
+    pub said: Said,
+    /// Walls, by their index in [`super::Plan::walls`], that the user calls so.
+    pub firm: BTreeSet<u32>,
+    /// What corrections could not do.
+    pub findings: Vec<Finding>,
 }
 
 impl Reading {
@@ -47,7 +58,22 @@ impl Reading {
             Sense { role, confidence: if role == Role::Unknown { 0.5 } else { 1.0 } }
         };
         let unit = UnitSense { confidence: 1.0, ..UnitSense::default() };
-        Self { unit, senses: drawing.entities.iter().map(|e| sense(&e.layer)).collect() }
+        let senses = drawing.entities.iter().map(|e| sense(&e.layer)).collect();
+        Self { unit, senses, ..Self::default() }
+    }
+
+    /// The same with what the user says; `walls`: indices of the entities that are walls, in the plan's order.
+    #[must_use]
+    pub fn corrected(mut self, said: Said, walls: &[usize]) -> Self {
+        for (i, role) in &said {
+            if let Some(sense) = self.senses.get_mut(*i) {
+                *sense = Sense { role: *role, confidence: 1.0 };
+            }
+        }
+        let is_firm = |(_, i): &(usize, &usize)| said.get(*i) == Some(&Role::Wall);
+        self.firm = walls.iter().enumerate().filter(is_firm).map(|(w, _)| w as u32).collect();
+        self.said = said;
+        self
     }
 
     /// The role of an entity, by its index in [`Drawing::entities`].

@@ -15,17 +15,17 @@ use crate::plan::roles::{Role, role_by_name};
 const CELLS_MAX: f64 = 1024.0;
 
 /// Side of a cell, metres: thicker than walls are, so that both faces lie in neighbouring cells.
-pub(super) const CELL_M: f64 = 0.7;
+pub const CELL_M: f64 = 0.7;
 
 /// Most pieces of one cell that are looked at; keeps hatches linear.
 const IN_CELL_MAX: usize = 48;
 
 /// No index.
-pub(super) const NONE: u32 = u32::MAX;
+pub const NONE: u32 = u32::MAX;
 
 /// An arc, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Arc {
+pub struct Arc {
     pub centre: DVec2,
     pub radius: f64,
     pub sweep_rad: f64,
@@ -33,7 +33,7 @@ pub(super) struct Arc {
 
 /// A straight piece or an arc of one entity, metres.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub struct Piece {
     pub thing: u32,
     pub a: DVec2,
     pub b: DVec2,
@@ -54,7 +54,7 @@ impl Piece {
 
 /// An entity that is shown.
 #[derive(Clone, Debug)]
-pub(super) struct Thing {
+pub struct Thing {
     /// Index in [`Drawing::entities`].
     pub entity: u32,
     pub pieces: Range<u32>,
@@ -76,7 +76,7 @@ pub(super) struct Thing {
 
 /// An INSERT of model space, or entities of one layer: what hangs together for another reason than its place.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Family {
+pub struct Family {
     pub things: u32,
     pub pieces: u32,
     pub arcs: u32,
@@ -92,7 +92,7 @@ pub(super) struct Family {
 }
 
 /// A drawing to be classified. See the module page.
-pub(super) struct Scene {
+pub struct Scene {
     pub things: Vec<Thing>,
     pub pieces: Vec<Piece>,
     pub groups: Vec<Family>,
@@ -324,7 +324,7 @@ fn ends_of_box(p: &Piece) -> [DVec2; 2] {
 }
 
 /// The box round points.
-pub(super) fn bounds(points: impl IntoIterator<Item = DVec2>) -> Option<[DVec2; 2]> {
+pub fn bounds(points: impl IntoIterator<Item = DVec2>) -> Option<[DVec2; 2]> {
     points.into_iter().fold(None, |b: Option<[DVec2; 2]>, p| Some(b.map_or([p, p], |[lo, hi]| [lo.min(p), hi.max(p)])))
 }
 
