@@ -32,6 +32,16 @@ impl Title {
         }
     }
 
+    /// The kind of drawing as `enfilade.check/2` names it; what has no title is taken for a plan.
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::GroundFloor | Self::Plan | Self::Services | Self::Unknown => "plan",
+            Self::Outside => "site",
+            Self::Beside => "legend",
+            Self::NoPlan => "elevation",
+        }
+    }
+
     /// In plain words.
     pub fn words(self) -> &'static str {
         match self {
@@ -349,6 +359,10 @@ pub fn title_of(text: &str) -> Option<Title> {
     }
     if is_section(&list) {
         return Some(Title::NoPlan);
+    }
+    // Kilograms.
+    if list.windows(2).any(|w| w[1] == "kg" && w[0].ends_with(|c: char| c.is_ascii_digit())) {
+        return None;
     }
     let words = format!(" {} ", list.join(" "));
     let has = |phrase: &str| {

@@ -162,6 +162,7 @@ pub fn split(
     let of_wall: Vec<usize> = walls.iter().map(|w| view_of(middle(&w.shape))).collect();
     let mut sheet = Sheet { views: views(drawing, &boxes, metres_per_unit), of_wall, of_mark: Vec::new() };
     count_walls(&mut sheet, walls);
+    hug(&mut sheet, walls);
     let boxes: Vec<[DVec2; 2]> = sheet.views.iter().map(|v| v.extent).collect();
     sheet.of_mark = marks.iter().map(|m| m.holder(&boxes)).collect();
     choose(&mut sheet, marks);
@@ -643,6 +644,16 @@ fn count_walls(sheet: &mut Sheet, walls: &[&Entity]) {
         if view.name.is_empty() {
             view.name = format!("drawing {}", i + 1);
         }
+    }
+}
+
+/// Takes as the box of every drawing that of its walls, without the cells round it and what is noted beside it. A drawing
+/// of few walls is more than these show.
+fn hug(sheet: &mut Sheet, walls: &[&Entity]) {
+    let of_wall = &sheet.of_wall;
+    for (i, view) in sheet.views.iter_mut().enumerate().filter(|(_, v)| v.wall_pieces >= OWN_PIECES) {
+        let own = walls.iter().zip(of_wall).filter(|(_, v)| **v == i).map(|(w, _)| *w);
+        view.extent = box_of(own.flat_map(|w| control_points(&w.shape))).unwrap_or(view.extent);
     }
 }
 
