@@ -11,7 +11,6 @@ import lightgbm as lgb
 
 CLASSES = ["wall", "window", "door", "stair", "furniture", "note", "other"]
 K = len(CLASSES)
-NONE = 0xFFFFFFFF
 WITHHELD = "all_"
 
 
@@ -31,27 +30,17 @@ def read(path):
         d.x = take("<f4", d.n * width).reshape(d.n, width); at += 4 * d.n * width
         d.y = take("u1", d.n); at += d.n
         d.length = take("<f4", d.n); at += 4 * d.n
-        for key in ("thing", "group", "layer", "block", "partner"):
-            setattr(d, key, take("<u4", d.n)); at += 4 * d.n
-        lists = []
-        touching = []
-        for i in range(d.n):
-            m, = struct.unpack_from("<I", data, at); at += 4
-            if m:
-                touching.append(np.frombuffer(data, "<u4", m, at)); at += 4 * m
-                lists.append(np.full(m, i, dtype=np.uint32))
-        d.to = np.concatenate(touching) if touching else np.zeros(0, np.uint32)
-        d.frm = np.concatenate(lists) if lists else np.zeros(0, np.uint32)
+        d.thing = take("<u4", d.n); at += 4 * d.n
+        d.layer = take("<u4", d.n); at += 4 * d.n
         yield d
 
 
 def mean_by(p, key, weight):
-    """Mean of p over the pieces with one key; their own where they have none."""
-    has = key != NONE
+    """Mean of p over the pieces with one key."""
     _, inverse = np.unique(key, return_inverse=True)
     top = np.zeros((inverse.max() + 1, K)); low = np.zeros(inverse.max() + 1)
     np.add.at(top, inverse, p * weight[:, None]); np.add.at(low, inverse, weight)
-    return np.where(has[:, None], (top / np.maximum(low, 1e-12)[:, None])[inverse], p)
+    return (top / np.maximum(low, 1e-12)[:, None])[inverse]
 
 
 def weights(d):

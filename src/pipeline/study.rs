@@ -285,8 +285,8 @@ fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<(Trace, bool)> {
         drawing.layers.iter().map(|l| l.name.as_str()).filter(|n| is_hidden(n)).collect();
     let all = drawing.entities.iter().enumerate();
     let foreign = all.filter(|(_, e)| !own_layers::is_own(&e.layer)).enumerate();
-    let free =
-        foreign.filter(|(k, (_, e))| plan.picked.binary_search(k).is_err() && !hidden.contains(e.layer.as_str()));
+    let free = foreign
+        .filter(|(k, (_, e))| plan.picked.binary_search(k).is_err() && !hidden.contains(e.layer.as_str()));
     let traces = free.map(|(_, (i, e))| (trace(&e.shape, &plan.frame), structure::is_glass(plan, i)));
     let is_within = |(t, _): &(Trace, bool)| {
         t.points.iter().all(|p| {

@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::drawing::{Drawing, Entity, Format};
 use super::layers::WallLayers;
 use super::own_layers;
+use super::reading::Reading;
 use super::reading::corrections::{Said, with_walls, without_others};
 use super::roles::{Role, role_by_name};
 use super::scores::{Score, wall_scores};
 use super::views::{MarkKind, STRAY, Sheet, SheetMark, View, far_off, split, strays};
-use super::reading::Reading;
 use super::{LayerUse, PlanOptions, dots, markers, view_box};
 use crate::report::{Error, Place, Report, counted};
 
@@ -258,22 +258,6 @@ fn assumed_layers(
 /// Classes of a building say outright what is a wall: none is taken for one by its looks.
 fn is_class(layer: &str) -> bool {
     layer.starts_with("Ifc")
-}
-
-fn state_assumed(
-    drawing: &Drawing,
-    layers: &[LayerUse],
-    assumed: &BTreeMap<String, String>,
-    report: &mut Report,
-) {
-    let names: Vec<String> = assumed.keys().map(|n| format!("{n:?}")).collect();
-    let layer = if names.len() == 1 { "layer" } else { "layers" };
-    let shown = if hidden_walls(layers).next().is_some() { " that is on and thawed" } else { "" };
-    let text = format!(
-        "no layer{shown} is named after walls; all lines of {layer} {} taken as walls; --wall-layer overrides it",
-        names.join(", ")
-    );
-    report.info("walls-assumed", Place::file(&drawing.file), text);
 }
 
 /// Layers of walls that are off or frozen, with something on them.

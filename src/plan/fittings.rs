@@ -83,7 +83,8 @@ pub fn fittings(plan: &Plan, drawing: &Drawing, axes: &AxisGraph, marked: &[usiz
             let together = of_block.map_or_else(|| vec![entity], Clone::clone);
             for i in together {
                 let e = &drawing.entities[i];
-                let is_loose = opening.kind == OpeningKind::Passage && !matches!(plan.reading.role(i), Role::Door | Role::Window | Role::Glazing);
+                let is_loose = opening.kind == OpeningKind::Passage
+                    && !matches!(plan.reading.role(i), Role::Door | Role::Window | Role::Glazing);
                 out.entry(i).or_insert_with(|| Fitting { is_loose, ..fitting(e, &jambs) });
             }
         }

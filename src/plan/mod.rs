@@ -10,7 +10,6 @@ mod dots;
 pub mod drawing;
 mod fills;
 pub mod fittings;
-mod fixtures;
 pub mod floor;
 pub mod frame;
 pub mod geometry;

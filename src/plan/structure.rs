@@ -17,12 +17,12 @@ use super::drawing::{Drawing, Entity, Format, Shape};
 use super::geometry::{PointUm, Segment, UM_PER_M};
 use super::graph::Handle;
 use super::leaves;
+use super::own_layers;
 use super::parallels::Straight;
 use super::paving;
 use super::roles::{self, role_by_name};
 use super::rooms;
 use super::rounds;
-use super::own_layers;
 
 /// Radii of arcs that may be door swings, metres of a person.
 pub const SWING_RADIUS_M: [f64; 2] = [0.5, 1.6];
@@ -128,7 +128,11 @@ pub fn drawn(plan: &Plan, drawing: &Drawing) -> (Drawn, Vec<usize>) {
 const OWN_SWING_M: f64 = 0.15;
 
 /// The swings of leaves that are drawn without them, by entity.
-fn leaves_alone(plan: &Plan, faces: &[Face], others: &[(usize, &Entity, Vec<Path>)]) -> BTreeMap<usize, Path> {
+fn leaves_alone(
+    plan: &Plan,
+    faces: &[Face],
+    others: &[(usize, &Entity, Vec<Path>)],
+) -> BTreeMap<usize, Path> {
     let lines = |p: &Path, thing: usize, is_wall: bool| -> Vec<leaves::Piece> {
         trace(p).windows(2).map(|w| leaves::Piece { ends: [w[0], w[1]], thing, is_wall }).collect()
     };

@@ -204,12 +204,6 @@ impl Drawn {
     }
 }
 
-/// The columns among drawn pieces: outlines, in order round them, and what draws them.
-pub(super) fn columns_of(drawn: &Drawn) -> Vec<(Vec<DVec2>, Vec<FaceRef>)> {
-    let (found, _) = columns::take(drawn, &mut AxisGraph::default());
-    found.into_iter().map(|c| (c.ring, c.faces)).collect()
-}
-
 /// The pieces of a shape; `place` turns the shape's points into metres of a person (a similarity).
 ///
 /// Pieces keep the shape's order, so that piece `k` of a polyline joins vertices `k` and `k + 1`.

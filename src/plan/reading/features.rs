@@ -28,7 +28,7 @@ const GAP_M: f64 = 3.0;
 const SWING_M: [f64; 2] = [0.35, 1.7];
 const SWING_RAD: [f64; 2] = [0.5, 3.3];
 
-/// Most neighbours that are kept for the second pass.
+/// Most neighbours that a piece hangs together with by itself; more hang together by theirs.
 const TOUCHING_MAX: usize = 12;
 
 /// Roles whose names are told to the classifier.
@@ -72,20 +72,15 @@ struct Seen {
     leaf: f64,
     crowd: u16,
     crowd_m: f64,
-    partner: u32,
     touching: Vec<u32>,
 }
 
-/// The features of all pieces, and who stands beside whom.
+/// The features of all pieces.
 pub struct Features {
     /// Values, row by row.
     pub rows: Vec<f32>,
     /// Values of one piece.
     pub width: usize,
-    /// The other face of each piece, or [`NONE`].
-    pub partner: Vec<u32>,
-    /// Pieces that each piece touches, in their order.
-    pub touching: Vec<Vec<u32>>,
 }
 
 /// Lines that hang together by their ends.
@@ -131,13 +126,7 @@ impl Features {
         };
         let rows: Vec<Vec<f32>> = (0..scene.pieces.len()).into_par_iter().map(row).collect();
         let width = rows.first().map_or(0, Vec::len);
-        let partner = seen.iter().map(|s| s.partner).collect();
-        Self {
-            rows: rows.concat(),
-            width,
-            partner,
-            touching: seen.into_iter().map(|s| s.touching).collect(),
-        }
+        Self { rows: rows.concat(), width }
     }
 
     /// The values of one piece.
@@ -153,7 +142,8 @@ impl Features {
                    thing_length share_of_thing is_circle arc_radius arc_sweep dashed_depth in_block block_long \
                    block_short block_pieces block_arcs block_copies block_length comp_pieces comp_long comp_short \
                    comp_share comp_arcs text_near text_digit texts_2m in_fill beside_min beside_next beside_max";
-        let family = "pieces share mean_length arcs paired aligned closed long free texts fills nearest regular";
+        let family =
+            "pieces share mean_length arcs paired aligned closed long free texts fills nearest regular";
         let mut out: Vec<String> = own.split_whitespace().map(Into::into).collect();
         for of in ["group", "layer"] {
             out.extend(family.split_whitespace().map(|f| format!("{of}_{f}")));
@@ -273,7 +263,8 @@ fn look(scene: &Scene, swings: &Swings, i: u32) -> Seen {
         if touches && touching.len() < TOUCHING_MAX {
             touching.push(j);
         }
-        let is_parallel = p.arc.is_none() && q.arc.is_none() && along.perp_dot(q.along()).abs() < PARALLEL_SIN;
+        let is_parallel =
+            p.arc.is_none() && q.arc.is_none() && along.perp_dot(q.along()).abs() < PARALLEL_SIN;
         if is_parallel {
             let offset = across.dot(q.middle() - p.a);
             let (s, t) = (along.dot(q.a - p.a), along.dot(q.b - p.a));
@@ -304,7 +295,6 @@ fn look(scene: &Scene, swings: &Swings, i: u32) -> Seen {
         leaf,
         crowd,
         crowd_m,
-        partner: NONE,
         touching,
     };
     if p.arc.is_none() {
@@ -334,7 +324,6 @@ fn add_parallels(scene: &Scene, p: &Piece, parallels: &mut [Parallel], seen: &mu
     }
     let is_wall = |x: &&Parallel| (WALL_M[0]..=WALL_M[1]).contains(&x.offset.abs());
     seen.covered = (parallels.iter().filter(is_wall).map(|x| x.overlap).sum::<f64>() / p.length).min(1.0);
-    seen.partner = parallels.iter().find(is_wall).unwrap_or(first).index;
 }
 
 /// Distance from a straight piece's inside; far beyond its ends.

@@ -9,6 +9,7 @@ mod features;
 pub mod lengths;
 pub mod questions;
 mod scene;
+pub mod training;
 mod trees;
 pub mod unit;
 
@@ -101,7 +102,8 @@ impl Reading {
 
     /// The senses of what is not ours, in the order of [`super::Plan::picked`]: with them a changed copy is read alike.
     pub fn kept(&self, drawing: &Drawing) -> Vec<Sense> {
-        let foreign = drawing.entities.iter().zip(&self.senses).filter(|(e, _)| !own_layers::is_own(&e.layer));
+        let foreign =
+            drawing.entities.iter().zip(&self.senses).filter(|(e, _)| !own_layers::is_own(&e.layer));
         foreign.map(|(_, s)| *s).collect()
     }
 

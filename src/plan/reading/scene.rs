@@ -139,8 +139,13 @@ impl Scene {
             drawing.entities.iter().flat_map(|e| [e.layer.as_str(), e.source.layer.as_str()]).collect();
         let hidden: HashMap<&str, bool> = names.into_iter().map(|n| (n, hidden(n))).collect();
         let is_shown = |e: &Entity| !own_layers::is_own(&e.layer) && !hidden[e.layer.as_str()];
-        let shown: Vec<(u32, &Entity)> =
-            drawing.entities.iter().enumerate().filter(|(_, e)| is_shown(e)).map(|(i, e)| (i as u32, e)).collect();
+        let shown: Vec<(u32, &Entity)> = drawing
+            .entities
+            .iter()
+            .enumerate()
+            .filter(|(_, e)| is_shown(e))
+            .map(|(i, e)| (i as u32, e))
+            .collect();
         let place = Place { origin: first_point(&shown)?, along: main_direction(&shown), metres };
         let mut out = Self {
             things: Vec::with_capacity(shown.len()),
@@ -152,12 +157,23 @@ impl Scene {
             length: 0.0,
             texts: Vec::new(),
             fills: Vec::new(),
-            grid: Grid { origin: DVec2::ZERO, cell: 1.0, cols: 0, rows: 0, starts: vec![0], pieces: Vec::new() },
+            grid: Grid {
+                origin: DVec2::ZERO,
+                cell: 1.0,
+                cols: 0,
+                rows: 0,
+                starts: vec![0],
+                pieces: Vec::new(),
+            },
         };
         let layers = out.add_things(&shown, &place);
         out.extent = bounds(out.things.iter().flat_map(|t| t.extent))?;
         out.length = out.pieces.iter().map(|p| p.length).sum();
-        out.texts = drawing.texts.iter().map(|t| (place.of(t.at), t.text.trim_start().starts_with(|c: char| c.is_ascii_digit()))).collect();
+        out.texts = drawing
+            .texts
+            .iter()
+            .map(|t| (place.of(t.at), t.text.trim_start().starts_with(|c: char| c.is_ascii_digit())))
+            .collect();
         for t in &drawing.texts {
             if let Some(l) = layers.get(t.layer.as_str()) {
                 out.layers[*l as usize].texts += 1;
@@ -231,7 +247,18 @@ impl Scene {
                 family.extent = bounds(family.extent.into_iter().flatten().chain(extent));
             }
             self.things.push(Thing {
-                entity: *entity, pieces, is_closed, is_circle, extent, length, area, arc, group, layer, block, depth,
+                entity: *entity,
+                pieces,
+                is_closed,
+                is_circle,
+                extent,
+                length,
+                area,
+                arc,
+                group,
+                layer,
+                block,
+                depth,
             });
         }
         for same in copies.into_values() {
@@ -278,8 +305,11 @@ impl Scene {
                 push(at(*start_rad), at(*end_rad), Some(arc));
             }
             Shape::Circle { centre, radius } => {
-                let arc =
-                    Arc { centre: place.of(*centre), radius: radius * place.metres, sweep_rad: std::f64::consts::TAU };
+                let arc = Arc {
+                    centre: place.of(*centre),
+                    radius: radius * place.metres,
+                    sweep_rad: std::f64::consts::TAU,
+                };
                 let a = arc.centre + DVec2::X * arc.radius;
                 push(a, a, Some(arc));
                 return true;
@@ -325,7 +355,9 @@ fn ends_of_box(p: &Piece) -> [DVec2; 2] {
 
 /// The box round points.
 pub fn bounds(points: impl IntoIterator<Item = DVec2>) -> Option<[DVec2; 2]> {
-    points.into_iter().fold(None, |b: Option<[DVec2; 2]>, p| Some(b.map_or([p, p], |[lo, hi]| [lo.min(p), hi.max(p)])))
+    points
+        .into_iter()
+        .fold(None, |b: Option<[DVec2; 2]>, p| Some(b.map_or([p, p], |[lo, hi]| [lo.min(p), hi.max(p)])))
 }
 
 fn first_point(shown: &[(u32, &Entity)]) -> Option<DVec2> {
@@ -377,7 +409,11 @@ fn chain_arc(pieces: &[Piece], is_closed: bool) -> Option<Arc> {
     let chords = match pieces {
         [first, inner @ .., last] if is_closed && inner.len() >= CHORDS_MIN => {
             // A sector: two radii and the arc between them.
-            if first.length > 3.0 * inner[0].length && last.length > 3.0 * inner[0].length { inner } else { pieces }
+            if first.length > 3.0 * inner[0].length && last.length > 3.0 * inner[0].length {
+                inner
+            } else {
+                pieces
+            }
         }
         [first, rest @ ..] if rest.len() >= CHORDS_MIN && first.length > 3.0 * rest[0].length => rest,
         [rest @ .., last] if rest.len() >= CHORDS_MIN && last.length > 3.0 * rest[0].length => rest,
@@ -415,8 +451,14 @@ impl Grid {
         let size = hi - lo;
         let cell = CELL_M.max(size.max_element() / CELLS_MAX);
         let count = |s: f64| (s / cell) as usize + 1;
-        let mut grid =
-            Self { origin: lo, cell, cols: count(size.x), rows: count(size.y), starts: Vec::new(), pieces: Vec::new() };
+        let mut grid = Self {
+            origin: lo,
+            cell,
+            cols: count(size.x),
+            rows: count(size.y),
+            starts: Vec::new(),
+            pieces: Vec::new(),
+        };
         let mut cells: Vec<(u32, u32)> = Vec::new();
         for (i, p) in pieces.iter().enumerate() {
             let first = cells.len();

@@ -38,7 +38,7 @@ pub struct Model {
 
 /// The model that comes with the program; `None` if its table cannot be read, which a test excludes.
 pub fn model() -> Option<&'static Model> {
-    static MODEL: LazyLock<Option<Model>> = LazyLock::new(|| match std::env::var("ENFILADE_MODEL").ok().and_then(|p| std::fs::read_to_string(p).ok()) { Some(t) => Model::parse(&t), None => Model::parse(TABLE) });
+    static MODEL: LazyLock<Option<Model>> = LazyLock::new(|| Model::parse(TABLE));
     MODEL.as_ref()
 }
 
@@ -100,7 +100,11 @@ impl Forest {
             let mut at = 0;
             while nodes[at].right != 0 {
                 let node = nodes[at];
-                at = if row[usize::from(node.feature)] <= node.value { at + 1 } else { usize::from(node.right) };
+                at = if row[usize::from(node.feature)] <= node.value {
+                    at + 1
+                } else {
+                    usize::from(node.right)
+                };
             }
             sums[tree % CLASSES] += f64::from(nodes[at].value);
         }
