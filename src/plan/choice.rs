@@ -136,10 +136,23 @@ pub(super) fn entities<'d>(drawing: &'d Drawing, indices: &[usize]) -> Vec<&'d E
     indices.iter().map(|i| &drawing.entities[*i]).collect()
 }
 
+/// What tells the unit before walls are known: those by name, else all that is shown.
+pub(super) fn for_size(drawing: &Drawing, options: &PlanOptions, chosen: &Chosen) -> Vec<usize> {
+    if drawing.format != Format::Dxf || !options.is_our_choice() || !chosen.walls.is_empty() {
+        return chosen.walls.clone();
+    }
+    let hidden = Hidden::new(drawing);
+    let is_shown = |i: &usize| {
+        let e = &drawing.entities[*i];
+        !own_layers::is_own(&e.layer) && !hidden.entity(e)
+    };
+    (0..drawing.entities.len()).filter(is_shown).collect()
+}
+
 /// The walls by what everything was taken for, unless the user or an earlier reading chose them; where none was found,
 /// those by name stay.
 pub(super) fn take_read(drawing: &Drawing, options: &PlanOptions, reading: &Reading, chosen: &mut Chosen) {
-    if drawing.format != Format::Dxf || options.picked.is_some() || !options.wall_layers.is_empty() {
+    if drawing.format != Format::Dxf || !options.is_our_choice() {
         return;
     }
     let hidden = Hidden::new(drawing);

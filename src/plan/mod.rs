@@ -253,8 +253,9 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let (said, as_drawn) = (options.corrections.said(&drawing), options.corrections.as_drawn);
     dots::state(&drawing, report);
     let mut chosen = choice::choose_walls(&drawing, (options, &said), report)?;
-    let (extent, (unit, sense)) = sized(&drawing, options, &chosen, report)?;
-    let by_size = choice::entities(&drawing, &chosen.walls);
+    let by_size = choice::for_size(&drawing, options, &chosen);
+    let by_size = choice::entities(&drawing, &by_size);
+    let (extent, (unit, sense)) = sized(&drawing, options, (&chosen, &by_size), report)?;
     let longer = (extent[1] - extent[0]).max_element();
     let scale = units::person_scale(&drawing, &by_size, longer, unit.unit);
     let reading = match &options.senses {
@@ -264,6 +265,9 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     };
     choice::take_read(&drawing, options, &reading, &mut chosen);
     choice::correct(&drawing, &said, &mut chosen.walls);
+    if chosen.walls.is_empty() {
+        return Err(no_walls(&drawing, &chosen, report));
+    }
     let choice::Taken { walls: mut picked, views, unused_marks } =
         choice::choose_view(&drawing, options, &chosen, unit.unit.metres, report)?;
     let of_view = picked.clone();
@@ -338,13 +342,12 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
 fn sized(
     drawing: &Drawing,
     options: &PlanOptions,
-    chosen: &choice::Chosen,
+    (chosen, walls): (&choice::Chosen, &[&Entity]),
     report: &Report,
 ) -> Result<([DVec2; 2], (UnitChoice, reading::UnitSense)), Error> {
-    let walls: Vec<&Entity> = chosen.walls.iter().map(|i| &drawing.entities[*i]).collect();
-    let Some(extent) = extent_of(&walls) else { return Err(no_walls(drawing, chosen, report)) };
+    let Some(extent) = extent_of(walls) else { return Err(no_walls(drawing, chosen, report)) };
     let size = (extent[1] - extent[0]).max_element();
-    let unit = units::choose(drawing, options.unit, &walls);
+    let unit = units::choose(drawing, options.unit, walls);
     match size * unit.0.unit.metres < WALLS_MIN_M {
         true => Err(no_walls(drawing, chosen, report)),
         false => Ok((extent, unit)),

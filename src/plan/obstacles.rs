@@ -263,7 +263,13 @@ mod tests {
             origin: Default::default(),
         };
         let drawing = Drawing::of((0..count).map(line).collect());
-        let found = find(&drawing, &[], &[], 1.0, &Frame::new(1.0, [DVec2::ZERO, DVec2::splat(10.0)]));
+        let found = find(
+            &drawing,
+            &Reading::by_names(&drawing),
+            &[],
+            1.0,
+            &Frame::new(1.0, [DVec2::ZERO, DVec2::splat(10.0)]),
+        );
         found.iter().filter(|o| o.kind == ObstacleKind::Fixed).map(|o| o.pieces.len()).sum()
     }
 
@@ -286,7 +292,8 @@ mod tests {
         let bench = entity([20.0, 0.0], [22.0, 0.0]);
         let count = |lines: Vec<Entity>| {
             let frame = Frame::new(1.0, [DVec2::ZERO, DVec2::splat(10.0)]);
-            find(&Drawing::of(lines), &[], &[], 1.0, &frame).len()
+            let drawing = Drawing::of(lines);
+            find(&drawing, &Reading::by_names(&drawing), &[], 1.0, &frame).len()
         };
         assert_eq!(count(lines.clone()), 0);
         lines.push(bench);

@@ -34,12 +34,8 @@ struct Side {
     length: f64,
 }
 
-/// Indices of the lines (metres) that draw grids, ascending.
-pub(super) fn find(lines: &[Straight]) -> Vec<usize> {
-    found(lines, false)
-}
-
-/// The same among lines that nobody calls walls: with all that is cut off of a grid's joints at both its ends.
+/// Indices of the lines (metres) that draw grids, among lines that nobody calls walls: with all that is cut off of a
+/// grid's joints at both its ends; ascending.
 pub(super) fn find_joints(lines: &[Straight]) -> Vec<usize> {
     found(lines, true)
 }
@@ -226,7 +222,7 @@ mod tests {
             lines.extend([line(0.5, 1.2, 4.5, 1.2), line(0.5, 1.36, 4.5, 1.36), line(0.5, 1.2, 0.5, 1.36)]);
             let turned = |p: DVec2| DVec2::from_angle(turn).rotate(p);
             lines.iter_mut().for_each(|l| (l.a, l.b) = (turned(l.a), turned(l.b)));
-            assert_eq!(find(&lines), (0..grid).collect::<Vec<_>>(), "{joint} {turn}");
+            assert_eq!(found(&lines, false), (0..grid).collect::<Vec<_>>(), "{joint} {turn}");
         }
     }
 
@@ -236,14 +232,14 @@ mod tests {
         let grid = lines.len();
         // Both lines of a joint, cut at both ends, and a pane beside it.
         lines.extend([1.99, 2.0, 2.3].map(|x| line(x, 2.2, x, 2.7)));
-        assert_eq!(find(&lines), (0..grid).collect::<Vec<_>>());
+        assert_eq!(found(&lines, false), (0..grid).collect::<Vec<_>>());
         assert_eq!(find_joints(&lines), (0..grid + 2).collect::<Vec<_>>());
     }
 
     #[test]
     fn rooms_and_cabins_are_no_grid() {
-        assert!(find(&cells(6, 5, 3.5, 0.15)).is_empty());
-        assert!(find(&cells(12, 1, 0.95, 0.02)).is_empty());
-        assert!(find(&cells(9, 2, 0.95, 0.02)).is_empty());
+        assert!(found(&cells(6, 5, 3.5, 0.15), false).is_empty());
+        assert!(found(&cells(12, 1, 0.95, 0.02), false).is_empty());
+        assert!(found(&cells(9, 2, 0.95, 0.02), false).is_empty());
     }
 }

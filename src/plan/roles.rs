@@ -203,6 +203,30 @@ fn beside_walls<'w>(words: &'w [String], wall: &str) -> Option<(Role, &'w String
     after.filter_map(|w| Some((role(w)?.0, w))).next()
 }
 
+/// Words of names that hold doors and windows alike, lower case.
+const OPENING_WORDS: &[&str] = &[
+    "opening",
+    "openings",
+    "doorswindows",
+    "doorwindow",
+    "doorwindows",
+    "windowsdoors",
+    "windowdoor",
+    "windowdoors",
+    "header",
+    "infissi",
+    "serramenti",
+    "carpinteria",
+    "建具",
+    "sliding",
+];
+
+/// Whether a name of doors is one of windows too.
+pub fn is_of_windows_too(name: &str) -> bool {
+    let is_window = |w: &str| role_by_name(w).0 == Role::Window;
+    words(name).iter().any(|w| OPENING_WORDS.contains(&w.as_str()) || is_window(w))
+}
+
 /// What a layer's name says it is for, and why. [`Role::Unknown`] where it says nothing.
 pub fn role_by_name(layer: &str) -> (Role, String) {
     if let Some((class, role)) = by_class(layer) {

@@ -1,13 +1,15 @@
 //! The class of every entity, by the votes of trees over the pieces that it draws.
 
+use std::collections::HashMap;
+
 use rayon::prelude::*;
 
 use super::Sense;
 use super::features::Features;
-use super::scene::Scene;
+use super::scene::{Scene, Thing};
 use super::trees::{CLASSES, Votes, model};
-use crate::plan::drawing::Drawing;
-use crate::plan::roles::{Role, role_by_name};
+use crate::plan::drawing::{Drawing, Entity};
+use crate::plan::roles::{Role, is_of_windows_too, role_by_name};
 
 /// What each entity is taken for, if `metres` are those of a drawing unit; `None` for an entity that is not looked at:
 /// hidden, or of no length.
@@ -20,30 +22,123 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
         model.forest.votes(&model.picks.iter().map(|k| row[*k]).collect::<Vec<f32>>())
     };
     let votes: Vec<Votes> = (0..scene.pieces.len()).into_par_iter().map(votes_of).collect();
-    for thing in &scene.things {
+    let votes_of = |thing: &Thing| {
         let mut sums = [0.0; CLASSES];
         for i in thing.pieces.start as usize..thing.pieces.end as usize {
             let share = scene.pieces[i].length / thing.length;
             sums.iter_mut().zip(&votes[i]).for_each(|(s, v)| *s += v * share);
         }
-        let e = &drawing.entities[thing.entity as usize];
-        out[thing.entity as usize] = Some(sense(&sums, role_by_name(&e.layer).0));
+        sums
+    };
+    let mut named = Names::default();
+    let votes: Vec<Votes> = scene.things.iter().map(votes_of).collect();
+    let mut walls = [0.0; 2];
+    for (thing, votes) in scene.things.iter().zip(&votes) {
+        let name = named.of(&drawing.entities[thing.entity as usize]);
+        let sense = sense(votes, name);
+        if class_of(sense.role) == WALL {
+            walls[usize::from(name.role != Role::Unknown)] += thing.length;
+        }
+        out[thing.entity as usize] = Some(sense);
+    }
+    if walls[1] >= NAMED_SHARE * (walls[0] + walls[1]) {
+        for (thing, votes) in scene.things.iter().zip(&votes) {
+            let is_named = named.of(&drawing.entities[thing.entity as usize]).role != Role::Unknown;
+            let is_doubtful = !is_named && likeliest(votes) == WALL && votes[WALL] < WALL_BESIDE_NAMED;
+            if is_doubtful {
+                let confidence = (1.0 - votes[WALL]) as f32;
+                out[thing.entity as usize] = Some(Sense { role: Role::Unknown, confidence });
+            }
+        }
     }
     out
 }
 
-/// The class with most votes, the first of equals; the name tells what kind of it.
-fn sense(votes: &Votes, named: Role) -> Sense {
-    let best = (0..CLASSES).max_by(|i, j| votes[*i].total_cmp(&votes[*j]).then(j.cmp(i))).unwrap_or(0);
-    let kinds: &[Role] = match best {
-        0 => &[Role::Wall, Role::Column, Role::LowWall],
-        1 => &[Role::Window, Role::Glazing],
-        2 => &[Role::Door],
-        3 => &[Role::Stair],
-        4 => &[Role::Furniture],
-        5 => &[Role::Text, Role::Dimension, Role::Hatch, Role::Grid],
-        _ => &[Role::Unknown, Role::Site, Role::Roof, Role::Foundation, Role::Room],
+/// A name is believed unless the trees are so sure of another class, and give its own no more than this. This and the
+/// next two were fitted to 46 drawings by 20 authors that the trees had not seen: mean F1 of walls by author 0.79 without
+/// the three, 0.86 with these, 0.87 with all.
+const OTHER_SURE: f64 = 0.8;
+/// See [`OTHER_SURE`].
+const OWN_LEAST: f64 = 0.2;
+/// Where so much of the length of the walls lies on layers that are named after walls, what no name calls anything is a
+/// wall from [`WALL_BESIDE_NAMED`] on.
+const NAMED_SHARE: f64 = 0.5;
+/// See [`NAMED_SHARE`].
+const WALL_BESIDE_NAMED: f64 = 0.9;
+
+/// Places of the classes in the table.
+const WALL: usize = 0;
+const WINDOW: usize = 1;
+const DOOR: usize = 2;
+
+/// What the names of an entity's blocks and layer say, the outermost block's first.
+#[derive(Clone, Copy)]
+struct Name {
+    role: Role,
+    /// Whether it names windows as well as doors.
+    is_both: bool,
+}
+
+/// What names say, looked up once each.
+#[derive(Default)]
+struct Names<'d> {
+    known: HashMap<&'d str, Name>,
+}
+
+impl<'d> Names<'d> {
+    fn of(&mut self, e: &'d Entity) -> Name {
+        let mut last = Name { role: Role::Unknown, is_both: false };
+        for name in e.blocks.iter().map(String::as_str).chain([e.layer.as_str()]) {
+            last = *self.known.entry(name).or_insert_with(|| {
+                let role = role_by_name(name).0;
+                Name { role, is_both: role == Role::Door && is_of_windows_too(name) }
+            });
+            if last.role != Role::Unknown {
+                break;
+            }
+        }
+        last
+    }
+}
+
+/// The class of a role; of one that says nothing none.
+fn class_of(role: Role) -> usize {
+    match role {
+        Role::Wall | Role::Column | Role::LowWall => WALL,
+        Role::Window | Role::Glazing => WINDOW,
+        Role::Door => DOOR,
+        Role::Stair => 3,
+        Role::Furniture => 4,
+        Role::Text | Role::Dimension | Role::Hatch | Role::Grid => 5,
+        Role::Site | Role::Roof | Role::Foundation | Role::Room => 6,
+        Role::Unknown => CLASSES,
+    }
+}
+
+/// The class with most votes, the first of equals.
+fn likeliest(votes: &Votes) -> usize {
+    (0..CLASSES).max_by(|i, j| votes[*i].total_cmp(&votes[*j]).then(j.cmp(i))).unwrap_or(WALL)
+}
+
+/// What the name says, unless the votes speak strongly against it; without a name what most votes say.
+fn sense(votes: &Votes, name: Name) -> Sense {
+    let best = likeliest(votes);
+    if let Some(own) = votes.get(class_of(name.role)) {
+        let own = if name.is_both { own + votes[WINDOW] } else { *own };
+        if votes[best] < OTHER_SURE || own >= OWN_LEAST {
+            let is_window = name.is_both && votes[WINDOW] > votes[DOOR];
+            let role = if is_window { Role::Window } else { name.role };
+            return Sense { role, confidence: own.max(1.0 - votes[best]) as f32 };
+        }
+    }
+    let role = match best {
+        WALL => Role::Wall,
+        WINDOW => Role::Window,
+        DOOR => Role::Door,
+        3 => Role::Stair,
+        4 => Role::Furniture,
+        5 => Role::Text,
+        _ => Role::Unknown,
     };
-    let role = kinds.iter().copied().find(|r| *r == named).unwrap_or(kinds[0]);
     Sense { role, confidence: votes[best] as f32 }
 }

@@ -75,12 +75,17 @@ struct Seen {
     touching: Vec<u32>,
 }
 
-/// The features of all pieces.
-pub struct Features {
-    /// Values, row by row.
-    pub rows: Vec<f32>,
-    /// Values of one piece.
-    pub width: usize,
+/// What the features of the pieces of a scene are made from.
+pub struct Features<'s> {
+    scene: &'s Scene,
+    seen: Vec<Seen>,
+    usual: f64,
+    component_of: Vec<u32>,
+    components: Vec<Component>,
+    groups: Vec<Shares>,
+    layers: Vec<Shares>,
+    beside: Beside,
+    near: Near<'s>,
 }
 
 /// Lines that hang together by their ends.
@@ -92,46 +97,48 @@ struct Component {
     extent: Option<[DVec2; 2]>,
 }
 
-impl Features {
-    /// Measures a scene.
-    pub fn new(scene: &Scene) -> Self {
+impl<'s> Features<'s> {
+    /// Looks at a scene.
+    pub fn new(scene: &'s Scene) -> Self {
         let swings = Swings::new(scene);
         let seen: Vec<Seen> =
             (0..scene.pieces.len()).into_par_iter().map(|i| look(scene, &swings, i as u32)).collect();
         let (component_of, components) = components(scene, &seen);
-        let usual = usual_gap(scene, &seen);
-        let groups = Shares::of(scene, &seen, scene.groups.len(), |t| t.group);
-        let layers = Shares::of(scene, &seen, scene.layers.len(), |t| t.layer);
-        let beside = Beside::new(scene, &seen);
-        let texts = Near::new(scene);
-        let row = |i: usize| -> Vec<f32> {
-            let p = &scene.pieces[i];
-            let thing = &scene.things[p.thing as usize];
-            let mut row = Row(Vec::with_capacity(128));
-            of_piece(&mut row, p, &seen[i], usual);
-            of_thing(&mut row, scene, thing, p);
-            of_component(&mut row, scene, &components[component_of[i] as usize]);
-            texts.add(&mut row, p);
-            beside.add(&mut row, p);
-            of_family(&mut row, scene, &scene.groups[thing.group as usize], &groups[thing.group as usize]);
-            of_family(&mut row, scene, &scene.layers[thing.layer as usize], &layers[thing.layer as usize]);
-            row.add(scene.pieces.len() as f64);
-            let size = scene.extent[1] - scene.extent[0];
-            row.add(size.max_element());
-            row.add(size.min_element());
-            row.add(scene.groups.len() as f64);
-            row.add(scene.layers.len() as f64);
-            of_names(&mut row, scene, thing);
-            row.0
-        };
-        let rows: Vec<Vec<f32>> = (0..scene.pieces.len()).into_par_iter().map(row).collect();
-        let width = rows.first().map_or(0, Vec::len);
-        Self { rows: rows.concat(), width }
+        Self {
+            scene,
+            usual: usual_gap(scene, &seen),
+            component_of,
+            components,
+            groups: Shares::of(scene, &seen, scene.groups.len(), |t| t.group),
+            layers: Shares::of(scene, &seen, scene.layers.len(), |t| t.layer),
+            beside: Beside::new(scene, &seen),
+            near: Near::new(scene),
+            seen,
+        }
     }
 
-    /// The values of one piece.
-    pub fn row(&self, piece: usize) -> &[f32] {
-        &self.rows[piece * self.width..(piece + 1) * self.width]
+    /// The features of one piece, in the order of [`Self::names`].
+    pub fn row(&self, piece: usize) -> Vec<f32> {
+        let scene = self.scene;
+        let p = &scene.pieces[piece];
+        let thing = &scene.things[p.thing as usize];
+        let (group, layer) = (thing.group as usize, thing.layer as usize);
+        let mut row = Row(Vec::with_capacity(128));
+        of_piece(&mut row, p, &self.seen[piece], self.usual);
+        of_thing(&mut row, scene, thing, p);
+        of_component(&mut row, scene, &self.components[self.component_of[piece] as usize]);
+        self.near.add(&mut row, p);
+        self.beside.add(&mut row, p);
+        of_family(&mut row, scene, &scene.groups[group], &self.groups[group]);
+        of_family(&mut row, scene, &scene.layers[layer], &self.layers[layer]);
+        let size = scene.extent[1] - scene.extent[0];
+        row.add(scene.pieces.len() as f64);
+        row.add(size.max_element());
+        row.add(size.min_element());
+        row.add(scene.groups.len() as f64);
+        row.add(scene.layers.len() as f64);
+        of_names(&mut row, scene, thing);
+        row.0
     }
 
     /// Names of the features in their order.

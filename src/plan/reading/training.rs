@@ -27,7 +27,7 @@ pub fn samples(drawing: &Drawing, metres: f64) -> Vec<Sample> {
             entity: thing.entity,
             layer: thing.layer,
             length_m: piece.length as f32,
-            features: features.row(i).to_vec(),
+            features: features.row(i),
         }
     };
     scene.pieces.iter().enumerate().map(sample).collect()
