@@ -167,7 +167,7 @@ fn a_door_slides_up_to_what_stands_at_its_wall() {
 fn what_reaches_far_beyond_an_opening_is_no_part_of_it() {
     let records = |x: [f64; 2], y: [f64; 2]| {
         let mut d = house_with_gap();
-        outline("TERRACE", x, y)(&mut d);
+        outline("GLAZING", x, y)(&mut d);
         let record = d.entities.len() - 1;
         let mut report = Report::default();
         let plan = understand(&d, &PlanOptions::default(), &mut report).unwrap();
@@ -185,9 +185,7 @@ fn an_element_stands_free_of_walls_and_things() {
         let mut d = drawing("m", 1.0);
         d.room(20.0, 10.0);
         d.line(10.0, 0.0, 10.0, 10.0);
-        for y in [4.0, 4.2] {
-            d.line(4.0, y, to, y);
-        }
+        outline("WALLS", [4.0, to], [4.0, 4.2])(&mut d);
         if let Some(x) = desk {
             outline("0", [x, x + 1.0], [3.0, 5.0])(&mut d);
         }
