@@ -9,6 +9,7 @@ mod gaps;
 mod idle;
 mod jambs;
 pub(super) mod marked;
+mod options;
 mod parts;
 mod regions;
 mod seen;
@@ -26,7 +27,7 @@ use super::spacing;
 use crate::analysis::evaluator::Scratch;
 use crate::analysis::lattice::{CellIndex, Ground};
 use crate::analysis::{Lattice, Obstacles, Tally};
-use crate::config::{Aggregate, Aim, Level, Measure, PairName, Penalty, SelectorText, Settings};
+use crate::config::{Aggregate, Aim, Level, Measure, PairName, Penalty, Settings};
 use crate::formats::{self, ifc};
 use crate::moves::{Layout, Moves, defaults, say_kept};
 use crate::penalties::{
@@ -44,7 +45,6 @@ use crate::plan::labels::{self, Label};
 use crate::plan::layers::WallLayers;
 use crate::plan::markers;
 use crate::plan::outline::SOLID_ACROSS_M;
-use crate::plan::reading::corrections::Corrections;
 use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Wall, box_of, own_layers, understand, view_box};
@@ -53,6 +53,7 @@ use jambs::keeping_doors;
 use marked::{
     side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves, taken_up,
 };
+use options::plan_options;
 use parts::{closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of};
 use regions::{add_regions, corrected, state_interior, state_unused_seeds};
 use seen::Scene;
@@ -295,36 +296,6 @@ fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<(Trace, bool)> {
         })
     };
     traces.filter(is_within).take(LEFT_OUT_MAX).collect()
-}
-
-fn plan_options(settings: &Settings) -> PlanOptions {
-    PlanOptions {
-        unit: None,
-        wall_layers: settings.wall_layers.clone(),
-        query_layer: settings.query_layer.clone(),
-        reference_layer: settings.reference_layer.clone(),
-        view: settings.view.clone(),
-        is_knee_level: settings.level == Level::Knee,
-        picked: None,
-        senses: None,
-        corrections: corrections(settings),
-    }
-}
-
-/// What the settings correct; a selector that cannot be read was refused with the settings.
-fn corrections(settings: &Settings) -> Corrections {
-    let r = &settings.reading;
-    let list = |list: &[SelectorText]| list.iter().filter_map(|s| s.as_str().parse().ok()).collect();
-    let points = |list: &[[f64; 2]]| list.iter().copied().map(DVec2::from).collect();
-    Corrections {
-        wall: list(&r.wall),
-        not_wall: list(&r.not_wall),
-        door: list(&r.door),
-        window: list(&r.window),
-        inside: points(&r.inside),
-        outside: points(&r.outside),
-        as_drawn: r.as_drawn == Some(true),
-    }
 }
 
 fn moves(

@@ -60,6 +60,11 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
 const OTHER_SURE: f64 = 0.8;
 /// See [`OTHER_SURE`].
 const OWN_LEAST: f64 = 0.2;
+/// Doors, stairs and furniture are often drawn on the layer of the walls: the trees are believed earlier there. None of
+/// those drawings is read otherwise by it.
+const BESIDE_WALLS: [usize; 3] = [DOOR, 3, 4];
+/// See [`BESIDE_WALLS`].
+const BESIDE_WALLS_SURE: f64 = 0.5;
 /// Where so much of the length of the walls lies on layers that are named after walls, what no name calls anything is a
 /// wall from [`WALL_BESIDE_NAMED`] on.
 const NAMED_SHARE: f64 = 0.5;
@@ -125,7 +130,10 @@ fn sense(votes: &Votes, name: Name) -> Sense {
     let best = likeliest(votes);
     if let Some(own) = votes.get(class_of(name.role)) {
         let own = if name.is_both { own + votes[WINDOW] } else { *own };
-        if votes[best] < OTHER_SURE || own >= OWN_LEAST {
+        let is_on_walls = class_of(name.role) == WALL && BESIDE_WALLS.contains(&best);
+        let is_other =
+            votes[best] >= OTHER_SURE && own < OWN_LEAST || is_on_walls && votes[best] >= BESIDE_WALLS_SURE;
+        if !is_other {
             let is_window = name.is_both && votes[WINDOW] > votes[DOOR];
             let role = if is_window { Role::Window } else { name.role };
             return Sense { role, confidence: own.max(1.0 - votes[best]) as f32 };
