@@ -114,4 +114,3 @@ fn doors_and_windows_in_a_block_are_found_as_loose_ones() {
         assert_eq!(fittings.len(), if is_free { 6 } else { 0 }, "{name}");
     }
 }
-

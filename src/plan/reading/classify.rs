@@ -24,9 +24,10 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
     let votes: Vec<Votes> = (0..scene.pieces.len()).into_par_iter().map(votes_of).collect();
     let votes_of = |thing: &Thing| {
         let mut sums = [0.0; CLASSES];
-        for i in thing.pieces.start as usize..thing.pieces.end as usize {
-            let share = scene.pieces[i].length / thing.length;
-            sums.iter_mut().zip(&votes[i]).for_each(|(s, v)| *s += v * share);
+        let own = thing.pieces.start as usize..thing.pieces.end as usize;
+        for (piece, votes) in scene.pieces[own.clone()].iter().zip(&votes[own]) {
+            let share = piece.length / thing.length;
+            sums.iter_mut().zip(votes).for_each(|(s, v)| *s += v * share);
         }
         sums
     };
@@ -60,9 +61,9 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
 const OTHER_SURE: f64 = 0.8;
 /// See [`OTHER_SURE`].
 const OWN_LEAST: f64 = 0.2;
-/// Doors, stairs and furniture are often drawn on the layer of the walls: the trees are believed earlier there. None of
-/// those drawings is read otherwise by it.
-const BESIDE_WALLS: [usize; 3] = [DOOR, 3, 4];
+/// Doors and stairs are often drawn on the layer of the walls: the trees are believed earlier there. None of those
+/// drawings is read otherwise by it. Furniture is not: what stands free on such a layer may be a partition.
+const BESIDE_WALLS: [usize; 2] = [DOOR, STAIR];
 /// See [`BESIDE_WALLS`].
 const BESIDE_WALLS_SURE: f64 = 0.5;
 /// Where so much of the length of the walls lies on layers that are named after walls, what no name calls anything is a
@@ -75,6 +76,8 @@ const WALL_BESIDE_NAMED: f64 = 0.9;
 const WALL: usize = 0;
 const WINDOW: usize = 1;
 const DOOR: usize = 2;
+const STAIR: usize = 3;
+const FURNITURE: usize = 4;
 
 /// What the names of an entity's blocks and layer say, the outermost block's first.
 #[derive(Clone, Copy)]
@@ -112,8 +115,8 @@ fn class_of(role: Role) -> usize {
         Role::Wall | Role::Column | Role::LowWall => WALL,
         Role::Window | Role::Glazing => WINDOW,
         Role::Door => DOOR,
-        Role::Stair => 3,
-        Role::Furniture => 4,
+        Role::Stair => STAIR,
+        Role::Furniture => FURNITURE,
         Role::Text | Role::Dimension | Role::Hatch | Role::Grid => 5,
         Role::Site | Role::Roof | Role::Foundation | Role::Room => 6,
         Role::Unknown => CLASSES,
@@ -131,8 +134,9 @@ fn sense(votes: &Votes, name: Name) -> Sense {
     if let Some(own) = votes.get(class_of(name.role)) {
         let own = if name.is_both { own + votes[WINDOW] } else { *own };
         let is_on_walls = class_of(name.role) == WALL && BESIDE_WALLS.contains(&best);
-        let is_other =
-            votes[best] >= OTHER_SURE && own < OWN_LEAST || is_on_walls && votes[best] >= BESIDE_WALLS_SURE;
+        let may_stand_free = class_of(name.role) == WALL && best == FURNITURE;
+        let is_other = votes[best] >= OTHER_SURE && own < OWN_LEAST && !may_stand_free
+            || is_on_walls && votes[best] >= BESIDE_WALLS_SURE;
         if !is_other {
             let is_window = name.is_both && votes[WINDOW] > votes[DOOR];
             let role = if is_window { Role::Window } else { name.role };
@@ -143,8 +147,8 @@ fn sense(votes: &Votes, name: Name) -> Sense {
         WALL => Role::Wall,
         WINDOW => Role::Window,
         DOOR => Role::Door,
-        3 => Role::Stair,
-        4 => Role::Furniture,
+        STAIR => Role::Stair,
+        FURNITURE => Role::Furniture,
         5 => Role::Text,
         _ => Role::Unknown,
     };
