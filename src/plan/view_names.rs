@@ -32,16 +32,6 @@ impl Title {
         }
     }
 
-    /// The kind of drawing as `enfilade.check/2` names it; what has no title is taken for a plan.
-    pub fn code(self) -> &'static str {
-        match self {
-            Self::GroundFloor | Self::Plan | Self::Services | Self::Unknown => "plan",
-            Self::Outside => "site",
-            Self::Beside => "legend",
-            Self::NoPlan => "elevation",
-        }
-    }
-
     /// In plain words.
     pub fn words(self) -> &'static str {
         match self {
