@@ -5,7 +5,7 @@
 
 mod corridor;
 
-use corridor::{Rect, SIZE, WINDOWS, corners, doors, drawing, leaf, line, panes, polyline, swings, walls};
+use corridor::{Rect, WINDOWS, corners, doors, drawing, leaf, line, panes, polyline, swings, walls};
 use enfilade::config::{Partial, Settings};
 use enfilade::formats::dxf::{ReadOptions, read};
 use enfilade::overlay::result::CheckResult;
@@ -115,30 +115,6 @@ fn leaves_without_swings_are_doors() {
             assert_eq!(understood(&result), WHOLE, "{door}");
             assert_eq!(result.moves.len(), 13, "{door}");
             assert_eq!(carried(&entities), 3 * WINDOWS.len() + doors().len(), "{door}");
-        }
-    }
-}
-
-/// A rectangle so far round the house.
-fn round(by: f64) -> [[f64; 2]; 4] {
-    corners([-by, -by, SIZE[0] + by, SIZE[1] + by])
-}
-
-/// One line round a building that touches nothing changes nothing of the building.
-#[test]
-fn a_line_round_the_house_is_no_wall() {
-    for wall in ["0"] {
-        let house = walls(wall) + &panes(wall) + &swings(wall);
-        let ring = |by: f64| polyline(wall, &round(by), true);
-        let side = |k: usize| -> Rect {
-            let ([x0, y0], [x1, y1]) = (round(2.0)[k], round(2.0)[(k + 1) % 4]);
-            [x0, y0, x1, y1]
-        };
-        let sides: String = (0..4).map(|k| line(wall, side(k))).collect();
-        for border in [ring(0.9), ring(1.0), ring(30.0), sides, ring(2.0) + &ring(2.5)] {
-            let result = check(&(house.clone() + &border));
-            assert_eq!(understood(&result), WHOLE);
-            assert_eq!(result.moves.len(), 13);
         }
     }
 }

@@ -232,7 +232,7 @@ fn a_full_sheet_falls_into_its_drawings() {
         + &title_block([29.0, -13.0]);
     let read = Read::of(&sheet, None);
     let kinds: Vec<Title> = read.plan.views.iter().map(|v| v.kind).collect();
-    let expected = [Title::GroundFloor, Title::Plan, Title::Beside, Title::NoPlan, Title::Beside];
+    let expected = [Title::GroundFloor, Title::Plan, Title::Beside, Title::Beside];
     assert_eq!(kinds, expected, "{:?}", read.names());
     assert_eq!((read.taken(), read.plan.walls.len()), (vec!["GROUND FLOOR PLAN"], WALLS.len()));
 }
@@ -312,33 +312,4 @@ fn regions_go_before_moves_and_these_before_what_stays() {
     assert_eq!((read.plan.views.len(), read.plan.walls.len()), (1, 2 * WALLS.len()));
     let read = Read::of(&floors(&over_both), Some("first floor plan"));
     assert_eq!((read.taken(), read.plan.walls.len()), (vec!["FIRST FLOOR PLAN"], WALLS.len()));
-}
-
-/// A border with a strip of titles is none of the building's walls, whatever the layer; where it may be a wall, that is told.
-#[test]
-fn a_border_with_a_strip_is_no_wall() {
-    let strip = |layer: &str| {
-        let across = [-5.0, 0.0, 5.0, 10.0].map(|y| [26.0, y, 30.0, y]);
-        ring(layer, [-10.0, -10.0, 30.0, 15.0])
-            + &lines(layer, [0.0, 0.0], &[[26.0, -10.0, 26.0, 15.0]])
-            + &lines(layer, [0.0, 0.0], &across)
-            + &text(layer, [26.2, -9.0], "A-101")
-    };
-    for [wall, glass, door] in
-        [["0", "0", "0"], ["A-WALL", "A-GLAZ", "A-DOOR"], ["A-WALL", "A-WIND", "A-DOOR"]]
-    {
-        let house = house_on([wall, glass, door], [0.0, 0.0], "");
-        let alone = Read::of(&house, None).plan.walls.len();
-        let within = |border: &str| {
-            let read = Read::of(&(house.clone() + border), None);
-            let told = ["plot-border", "border-or-wall"].map(|code| read.said(code).len());
-            (read.plan.walls.len() - alone, told)
-        };
-        assert_eq!(within(&strip(wall)), (0, [1, 0]), "{wall} {glass}");
-        let double = ring(wall, [-2.0, -2.0, 13.0, 9.0]) + &ring(wall, [-1.8, -1.8, 12.8, 8.8]);
-        assert_eq!(within(&double), (2, [0, 1]), "{wall} {glass}");
-        let margin = ring(wall, [-10.0, -8.0, 32.0, 21.7]) + &ring(wall, [-8.0, -7.5, 31.5, 21.2]);
-        assert_eq!(within(&margin).0, 0, "{wall} {glass}");
-        assert_eq!(within(&(strip(wall) + &lines(wall, [0.0, 0.0], &[[10.0, 3.0, 26.0, 3.0]]))).1, [0, 0]);
-    }
 }
