@@ -5,7 +5,7 @@ that its label says. Drawings of one author (or of one building) are named AUTHO
 judged was not trained on. An entity has the mean votes of its pieces. Names are withheld from half of the drawings in
 training; the sizes of whole drawings, which tell one drawing from another, from all.
 """
-import argparse, struct, sys
+import argparse, struct
 import numpy as np
 import lightgbm as lgb
 
