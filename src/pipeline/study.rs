@@ -15,7 +15,7 @@ mod regions;
 mod seen;
 mod written;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
 use glam::DVec2;
@@ -40,6 +40,7 @@ use crate::plan::fittings::{self, Fitting};
 use crate::plan::frame::unit_by_name;
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 use crate::plan::graph::Graph;
+use crate::plan::hidden::Hidden;
 use crate::plan::interior::Interior;
 use crate::plan::labels::{self, Label};
 use crate::plan::layers::WallLayers;
@@ -281,13 +282,11 @@ fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<(Trace, bool)> {
     let Some([lo, hi]) = box_of(points.map(|p| DVec2::new(p[0] as f64, p[1] as f64))) else {
         return Vec::new();
     };
-    let is_hidden = |name: &str| drawing.layers.iter().any(|l| l.name == name && (l.is_off || l.is_frozen));
-    let hidden: BTreeSet<&str> =
-        drawing.layers.iter().map(|l| l.name.as_str()).filter(|n| is_hidden(n)).collect();
+    let hidden = Hidden::new(drawing);
     let all = drawing.entities.iter().enumerate();
     let foreign = all.filter(|(_, e)| !own_layers::is_own(&e.layer)).enumerate();
     let free = foreign
-        .filter(|(k, (_, e))| plan.picked.binary_search(k).is_err() && !hidden.contains(e.layer.as_str()));
+        .filter(|(k, (_, e))| plan.picked.binary_search(k).is_err() && !hidden.entity(e));
     let traces = free.map(|(_, (i, e))| (trace(&e.shape, &plan.frame), structure::is_glass(plan, i)));
     let is_within = |(t, _): &(Trace, bool)| {
         t.points.iter().all(|p| {

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::drawing::{Drawing, Entity, Format};
+use super::hidden::Hidden;
 use super::layers::WallLayers;
 use super::own_layers;
 use super::reading::Reading;
@@ -23,32 +24,6 @@ pub(super) struct Chosen {
 
 /// What the reason of a layer begins with that is taken for its lines.
 const ASSUMED: &str = "no layer shown is named after walls";
-
-/// Layers that are off or frozen.
-pub(super) struct Hidden<'a> {
-    frozen: BTreeSet<&'a str>,
-    off: BTreeSet<&'a str>,
-}
-
-impl<'a> Hidden<'a> {
-    /// By the drawing's table.
-    pub fn new(drawing: &'a Drawing) -> Self {
-        let names = |pick: fn(&super::drawing::Layer) -> bool| {
-            drawing.layers.iter().filter(|l| pick(l)).map(|l| l.name.as_str()).collect()
-        };
-        Self { frozen: names(|l| l.is_frozen), off: names(|l| l.is_off) }
-    }
-
-    fn layer(&self, name: &str) -> bool {
-        self.frozen.contains(name) || self.off.contains(name)
-    }
-
-    /// As a CAD program shows it: off hides the entity's own layer; a frozen layer hides what is on it
-    /// and every block inserted on it.
-    pub fn entity(&self, e: &Entity) -> bool {
-        self.layer(&e.layer) || self.frozen.contains(e.source.layer.as_str())
-    }
-}
 
 /// Of a building the records on every layer: an element may show several outlines there, and its name.
 fn elements(drawing: &Drawing) -> BTreeMap<&str, BTreeSet<usize>> {

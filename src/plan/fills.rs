@@ -5,7 +5,8 @@ use std::borrow::Cow;
 
 use glam::DVec2;
 
-use super::choice::{Chosen, Hidden};
+use super::choice::Chosen;
+use super::hidden::Hidden;
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Shape};
 use super::parallels::{Piece, pieces};

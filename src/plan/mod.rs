@@ -15,6 +15,7 @@ pub mod frame;
 pub mod geometry;
 pub mod giants;
 pub mod graph;
+pub mod hidden;
 pub mod interior;
 pub mod labels;
 pub mod layers;

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::box_of;
-use super::choice::Hidden;
+use super::hidden::Hidden;
 use super::curve;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::frame::Frame;

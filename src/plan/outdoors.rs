@@ -1,10 +1,9 @@
 //! Ground that the drawing says is outdoors: outlines on layers named after terraces, balconies, courtyards.
 
-use std::collections::BTreeSet;
-
 use super::curve;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::frame::Frame;
+use super::hidden::Hidden;
 use super::geometry::{PointUm, UM_PER_M};
 use super::layers::{base_name, words};
 
@@ -30,11 +29,10 @@ pub(super) fn find(
     if drawing.format != Format::Dxf {
         return Vec::new();
     }
-    let hidden: BTreeSet<&str> =
-        drawing.layers.iter().filter(|l| l.is_off || l.is_frozen).map(|l| l.name.as_str()).collect();
+    let hidden = Hidden::new(drawing);
     let is_outline = |(i, e): &(usize, &Entity)| {
         let is_closed = matches!(e.shape, Shape::Polyline { closed: true, .. } | Shape::Circle { .. });
-        is_closed && !is_wall(*i) && is_outdoors(&e.layer) && !hidden.contains(e.layer.as_str())
+        is_closed && !is_wall(*i) && is_outdoors(&e.layer) && !hidden.entity(e)
     };
     let shown = drawing.entities.iter().enumerate().filter(is_outline);
     let rings = shown.map(|(_, e)| curve::trace(&e.shape, frame).points);

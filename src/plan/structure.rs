@@ -16,6 +16,7 @@ use super::dots;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::geometry::{PointUm, Segment, UM_PER_M};
 use super::graph::Handle;
+use super::hidden::Hidden;
 use super::leaves;
 use super::own_layers;
 use super::parallels::Straight;
@@ -79,9 +80,29 @@ pub fn axes(plan: &Plan, drawing: &Drawing) -> (AxisGraph, Vec<usize>) {
         axes.openings.iter().map(|o| o.through.is_empty() || !o.marks.is_empty() || is_window(o)).collect();
     let mut shows = shows.into_iter();
     axes.openings.retain(|_| shows.next().unwrap_or(true));
+    leave_uncut(plan, &mut axes);
     rooms::open_touching(plan, &mut axes);
     axes.count_again();
     (axes, marked)
+}
+
+/// Where most doors stand in gaps of their walls, a swing before a wall that runs on shows no door in it: it belongs to
+/// another storey. In other drawings walls are drawn through.
+fn leave_uncut(plan: &Plan, axes: &mut AxisGraph) {
+    let is_uncut = |o: &Opening| {
+        let [from, to] = o.jambs.map(|j| j.at);
+        let side = |f: &FaceRef| {
+            let piece = face_handles(plan, *f).first().map(|h| handle_at(plan, *h));
+            piece.map(|p| (to - from).perp_dot(p - from) > 0.0)
+        };
+        let sides: BTreeSet<bool> = o.through.iter().filter_map(side).collect();
+        o.kind == OpeningKind::Door && (sides.len() == 2 || o.thickness_m == 0.0 && !o.through.is_empty())
+    };
+    let in_gaps = |o: &&Opening| o.kind == OpeningKind::Door && o.through.is_empty();
+    let uncut = axes.openings.iter().filter(|o| is_uncut(o)).count();
+    if uncut < axes.openings.iter().filter(in_gaps).count() {
+        axes.openings.retain(|o| !is_uncut(o));
+    }
 }
 
 /// Ends of a polyline nearer than this are one: it is closed although it does not say so.
@@ -256,8 +277,7 @@ pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Seg
     let place = |p: DVec2| plan.frame.plan_from_file(p) / plan.human_scale;
     let points = plan.walls.iter().flat_map(|w| control_points(&w.shape)).map(place);
     let Some([lo, hi]) = box_of(points) else { return Vec::new() };
-    let hidden: BTreeSet<&str> =
-        drawing.layers.iter().filter(|l| l.is_off || l.is_frozen).map(|l| l.name.as_str()).collect();
+    let hidden = Hidden::new(drawing);
     let walls = DrawnWalls::new(plan, drawing);
     let lies_within = |s: &[DVec2; 2], beyond: f64| {
         s.iter().all(|p| p.cmpge(lo - beyond).all() && p.cmple(hi + beyond).all())
@@ -265,7 +285,7 @@ pub fn infill_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Seg
     let widest = BEYOND_WALLS_M.max(BEYOND_SHARE * (hi - lo).max_element());
     let mut out: Vec<[DVec2; 2]> = Vec::new();
     let shown = drawing.entities.iter().enumerate().filter(|(i, e)| !walls.contains(*i, e));
-    for (i, e) in shown.filter(|(_, e)| !hidden.contains(e.layer.as_str())) {
+    for (i, e) in shown.filter(|(_, e)| !hidden.entity(e)) {
         let role = plan.reading.role(i);
         let by_name = fills(role);
         let may_swing = by_name || matches!(role, roles::Role::Wall | roles::Role::Unknown);

@@ -54,7 +54,7 @@ pub(super) fn corrected(
     let um = |list: &[[f64; 2]]| -> Vec<PointUm> {
         list.iter().map(|p| plan.frame.um_from_file(DVec2::from(*p))).collect()
     };
-    let corrected = interior.map(|i| i.corrected(&um(inside), &um(outside), plan.human_scale));
+    let corrected = interior.map(|i| i.corrected(&um(inside), &um(outside)));
     let (interior, open) = match corrected {
         Some((interior, open)) => (Some(interior), open),
         None if findings.is_empty() => (None, (0..inside.len()).collect()),
@@ -70,9 +70,9 @@ pub(super) fn corrected(
 pub(super) fn state_interior(base: &Understood, settings: &Settings, report: &mut Report) {
     let Some(interior) = &base.interior else { return };
     if base.plan.markers.needs_interior() && settings.seed_points.is_empty() && !interior.is_as_drawn() {
-        let wide = match interior.closing_m() {
+        let wide = match interior.gap_m() {
             0.0 => "its doors and windows".to_string(),
-            half => format!("gaps up to {} m wide", half * 2.0),
+            gap => format!("gaps up to {gap:.1} m wide"),
         };
         let open = match base.plan.outdoors.len() {
             0 => String::new(),

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use glam::DVec2;
 
-use super::super::choice::Hidden;
+use super::super::hidden::Hidden;
 use super::super::drawing::{Drawing, Entity};
 use super::super::layers::base_name;
 use super::super::names::{Pattern, folded};

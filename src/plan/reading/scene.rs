@@ -6,8 +6,10 @@ use std::ops::Range;
 
 use glam::DVec2;
 
+use super::section;
 use crate::plan::curve::bulge_arc;
 use crate::plan::drawing::{Drawing, Entity, Pen, Shape};
+use crate::plan::hidden::Hidden;
 use crate::plan::own_layers;
 use crate::plan::roles::{Role, role_by_name};
 
@@ -134,16 +136,15 @@ impl Place {
 impl Scene {
     /// `metres`: those of a drawing unit. `None` where nothing is drawn.
     pub fn new(drawing: &Drawing, metres: f64) -> Option<Self> {
-        let hidden = |name: &str| drawing.layers.iter().any(|l| l.name == name && (l.is_off || l.is_frozen));
-        let names: std::collections::BTreeSet<&str> =
-            drawing.entities.iter().flat_map(|e| [e.layer.as_str(), e.source.layer.as_str()]).collect();
-        let hidden: HashMap<&str, bool> = names.into_iter().map(|n| (n, hidden(n))).collect();
-        let is_shown = |e: &Entity| !own_layers::is_own(&e.layer) && !hidden[e.layer.as_str()];
+        let (hidden, below) = (Hidden::new(drawing), section::seen_below(drawing));
+        let is_shown = |(i, e): &(usize, &Entity)| {
+            !own_layers::is_own(&e.layer) && !hidden.entity(e) && below.binary_search(i).is_err()
+        };
         let shown: Vec<(u32, &Entity)> = drawing
             .entities
             .iter()
             .enumerate()
-            .filter(|(_, e)| is_shown(e))
+            .filter(is_shown)
             .map(|(i, e)| (i as u32, e))
             .collect();
         let place = Place { origin: first_point(&shown)?, along: main_direction(&shown), metres };
