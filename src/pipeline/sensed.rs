@@ -12,7 +12,6 @@ use crate::plan::axes::{Opening, OpeningKind};
 use crate::plan::drawing::{Drawing, Entity};
 use crate::plan::floor::{Floor, Gap};
 use crate::plan::geometry::{PointUm, Segment};
-use crate::plan::interior::Interior;
 use crate::plan::own_layers;
 use crate::plan::reading::Sense;
 use crate::plan::reading::questions::{Doubt, Settled, questions};
@@ -85,13 +84,8 @@ impl Sensed {
         let gaps = gaps(base);
         let mut lines: Vec<Segment> = base.faces();
         lines.extend(&base.closings);
-        let made =
-            || Some(Interior::new(&base.faces(), &base.closings, plan.human_scale)?.without(&plan.outdoors));
         let all: Vec<Gap> = gaps.iter().map(|g| g.gap).collect();
-        let floor = match &base.interior {
-            Some(interior) => Some(Floor::new(interior, &lines, &all, plan.human_scale)),
-            None => made().map(|interior| Floor::new(&interior, &lines, &all, plan.human_scale)),
-        };
+        let floor = base.interior.as_ref().map(|i| Floor::new(i, &lines, &all, plan.human_scale));
         let length = |w: usize| -> f64 {
             let pieces = plan.walls[w].trace.segments();
             pieces.map(|(_, _, s)| ((s.b[0] - s.a[0]) as f64).hypot((s.b[1] - s.a[1]) as f64)).sum()

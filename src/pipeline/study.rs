@@ -212,14 +212,15 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
         infill = structure::infill_lines(&plan, drawing, &axes);
         closings.extend(&infill);
     }
-    let has_moves =
-        !settings.moves.is_empty() || !settings.ignore_move_markers && marked::is_any(drawing, &plan);
-    let needs_inside = plan.markers.needs_interior();
-    let needs_interior = !has_moves || (needs_inside && settings.seed_points.is_empty());
-    let interior = if needs_interior { Interior::new(&all, &closings, plan.human_scale) } else { None };
-    let interior = interior.map(|i| i.without(&plan.outdoors));
+    let interior = Interior::new(&all, &closings, plan.human_scale).map(|i| i.without(&plan.outdoors));
     let interior = interior.map(|i| if sight.has_open() { i.with_drawn_openings() } else { i });
     let interior = corrected(interior, &mut plan, settings, report);
+    if let Some(interior) = interior.as_ref().filter(|_| settings.seed_points.is_empty()) {
+        let is_marked = |p: PointUm| plan.markers.regions().any(|r| r.contains(p));
+        let is_beside = |p: PointUm| !interior.is_at_wall(p) && !interior.is_cavity(p);
+        let side = |p: PointUm| is_beside(p).then(|| interior.contains(p) || is_marked(p));
+        sight.end_outdoors(&closings, plan.human_scale, side);
+    }
     let known = Known {
         plan: &plan,
         graph: &graph,
@@ -285,8 +286,7 @@ fn left_out(plan: &Plan, drawing: &Drawing) -> Vec<(Trace, bool)> {
     let hidden = Hidden::new(drawing);
     let all = drawing.entities.iter().enumerate();
     let foreign = all.filter(|(_, e)| !own_layers::is_own(&e.layer)).enumerate();
-    let free = foreign
-        .filter(|(k, (_, e))| plan.picked.binary_search(k).is_err() && !hidden.entity(e));
+    let free = foreign.filter(|(k, (_, e))| plan.picked.binary_search(k).is_err() && !hidden.entity(e));
     let traces = free.map(|(_, (i, e))| (trace(&e.shape, &plan.frame), structure::is_glass(plan, i)));
     let is_within = |(t, _): &(Trace, bool)| {
         t.points.iter().all(|p| {
@@ -466,7 +466,7 @@ impl Study {
             fixed: &fixed,
             movable: &movable,
             fixed_solids: &fixed_solids,
-            interior: base.interior.as_ref(),
+            interior: base.interior.as_ref().filter(|_| base.plan.markers.needs_interior()),
             solid_across_um: (SOLID_ACROSS_M * base.plan.human_scale * UM_PER_M).round() as i64,
         };
         let main = Scene::new(&ground, &base, &identity, seen::asked(settings, None), drawn, report)?;

@@ -6,10 +6,9 @@ use super::drawing::{Drawing, Entity, Format};
 use super::hidden::Hidden;
 use super::layers::WallLayers;
 use super::own_layers;
-use super::reading::Reading;
 use super::reading::corrections::{Said, with_walls, without_others};
+use super::reading::{Reading, section};
 use super::roles::{Role, role_by_name};
-use super::scores::{Score, wall_scores};
 use super::views::{MarkKind, STRAY, Sheet, SheetMark, View, far_off, split, strays};
 use super::{LayerUse, PlanOptions, dots, markers, view_box};
 use crate::report::{Error, Place, Report, counted};
@@ -22,8 +21,8 @@ pub(super) struct Chosen {
     pub layers: Vec<LayerUse>,
 }
 
-/// What the reason of a layer begins with that is taken for its lines.
-const ASSUMED: &str = "no layer shown is named after walls";
+/// Why a layer is taken that no name says to be of walls.
+const ASSUMED: &str = "no layer shown is named after walls and this is the only one with lines";
 
 /// Of a building the records on every layer: an element may show several outlines there, and its name.
 fn elements(drawing: &Drawing) -> BTreeMap<&str, BTreeSet<usize>> {
@@ -53,11 +52,11 @@ pub(super) fn choose_walls(
     let hidden = Hidden::new(drawing);
     let counts = counts(drawing);
     let elements = elements(drawing);
-    let assumed = assumed_layers(drawing, &counts, &by_name, &hidden);
+    let only = only_layer(&counts, &by_name, &hidden);
     let mut layers: Vec<LayerUse> = counts
         .iter()
         .map(|(name, (shapes, texts))| {
-            let (role, why) = layer_use(name, options, &by_name, &hidden, &assumed);
+            let (role, why) = layer_use(name, options, &by_name, &hidden, only);
             let entities = elements.get(name).map_or(shapes + texts, BTreeSet::len);
             LayerUse { name: (*name).to_string(), entities, role, why }
         })
@@ -78,7 +77,7 @@ pub(super) fn choose_walls(
             taken.contains(e.layer.as_str()) && !hidden.entity(e)
         })
         .collect();
-    state_hidden(drawing, &layers, &assumed, report);
+    state_hidden(drawing, &layers, only, report);
     correct(drawing, said, &mut walls);
     Ok(Chosen { walls, layers })
 }
@@ -111,15 +110,15 @@ pub(super) fn entities<'d>(drawing: &'d Drawing, indices: &[usize]) -> Vec<&'d E
     indices.iter().map(|i| &drawing.entities[*i]).collect()
 }
 
-/// What tells the unit before walls are known: those by name, else all that is shown.
+/// What tells the unit before walls are known: all that is shown, unless the walls were chosen for us.
 pub(super) fn for_size(drawing: &Drawing, options: &PlanOptions, chosen: &Chosen) -> Vec<usize> {
-    if drawing.format != Format::Dxf || !options.is_our_choice() || !chosen.walls.is_empty() {
+    if drawing.format != Format::Dxf || !options.is_our_choice() {
         return chosen.walls.clone();
     }
-    let hidden = Hidden::new(drawing);
+    let (hidden, below) = (Hidden::new(drawing), section::seen_below(drawing));
     let is_shown = |i: &usize| {
         let e = &drawing.entities[*i];
-        !own_layers::is_own(&e.layer) && !hidden.entity(e)
+        !own_layers::is_own(&e.layer) && !hidden.entity(e) && below.binary_search(i).is_err()
     };
     (0..drawing.entities.len()).filter(is_shown).collect()
 }
@@ -178,7 +177,7 @@ fn layer_use(
     options: &PlanOptions,
     by_name: &WallLayers,
     hidden: &Hidden<'_>,
-    assumed: &BTreeMap<String, String>,
+    only: Option<&str>,
 ) -> (&'static str, String) {
     if options.query_layer.as_deref() == Some(name) {
         return ("marker", "--query-layer".into());
@@ -195,7 +194,7 @@ fn layer_use(
     if own_layers::is_own(name) {
         return ("own", "our result layer".into());
     }
-    if let Some(why) = by_name.reason(name).or_else(|| assumed.get(name).cloned()) {
+    if let Some(why) = by_name.reason(name).or_else(|| (only == Some(name)).then(|| ASSUMED.into())) {
         return match hidden.layer(name) {
             true => ("hidden", "named after walls, but off or frozen".into()),
             false => ("wall", why),
@@ -212,35 +211,19 @@ fn layer_use(
     }
 }
 
-/// Layers taken as walls without a name that says so, with the reason: the only one with lines, else
-/// those whose lines look like walls.
-fn assumed_layers(
-    drawing: &Drawing,
-    counts: &BTreeMap<&str, (usize, usize)>,
+/// The layer taken as walls without a name that says so: the only one with lines.
+fn only_layer<'a>(
+    counts: &BTreeMap<&'a str, (usize, usize)>,
     by_name: &WallLayers,
     hidden: &Hidden<'_>,
-) -> BTreeMap<String, String> {
-    let mut out = BTreeMap::new();
+) -> Option<&'a str> {
     if by_name.is_by_user() || counts.keys().any(|l| by_name.reason(l).is_some() && !hidden.layer(l)) {
-        return out;
+        return None;
     }
-    let drawn: Vec<&str> = counts
-        .iter()
-        .filter(|(l, (shapes, _))| *shapes > 0 && !own_layers::is_own(l) && !hidden.layer(l) && !is_class(l))
-        .map(|(l, _)| *l)
-        .collect();
-    if let [only] = drawn[..] {
-        out.insert(only.to_string(), format!("{ASSUMED} and this is the only one with lines"));
-        return out;
-    }
-    let open: Vec<&str> = drawn.into_iter().filter(|l| role_by_name(l).0 == Role::Unknown).collect();
-    let scores = wall_scores(drawing, &open);
-    let best = scores.values().map(Score::total).fold(0.0, f64::max);
-    for (layer, score) in scores.iter().filter(|(_, s)| s.is_taken(best)) {
-        let why = format!("{ASSUMED}; its lines look like walls: {}", score.words());
-        out.insert((*layer).to_string(), why);
-    }
-    out
+    let is_open = |l: &str| !own_layers::is_own(l) && !hidden.layer(l) && !is_class(l);
+    let mut drawn = counts.iter().filter(|(l, (shapes, _))| *shapes > 0 && is_open(l)).map(|(l, _)| *l);
+    let only = drawn.next();
+    only.filter(|_| drawn.next().is_none())
 }
 
 /// Classes of a building say outright what is a wall: none is taken for one by its looks.
@@ -254,12 +237,7 @@ fn hidden_walls(layers: &[LayerUse]) -> impl Iterator<Item = &LayerUse> {
 }
 
 /// Names the layers of walls that are left out because they are off or frozen: aloud where nothing else is named after walls.
-fn state_hidden(
-    drawing: &Drawing,
-    layers: &[LayerUse],
-    assumed: &BTreeMap<String, String>,
-    report: &mut Report,
-) {
+fn state_hidden(drawing: &Drawing, layers: &[LayerUse], only: Option<&str>, report: &mut Report) {
     let hidden: Vec<String> = hidden_walls(layers)
         .map(|l| format!("{:?} ({})", l.name, counted(l.entities as u64, "element")))
         .collect();
@@ -273,7 +251,7 @@ fn state_hidden(
         hidden.join(", ")
     );
     // Taken for its name, or by the user.
-    let is_chosen = |l: &LayerUse| l.role == "wall" && !assumed.contains_key(&l.name);
+    let is_chosen = |l: &LayerUse| l.role == "wall" && only != Some(l.name.as_str());
     if layers.iter().any(is_chosen) {
         report.info("walls-hidden", Place::file(&drawing.file), text);
     } else {

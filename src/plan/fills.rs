@@ -6,9 +6,9 @@ use std::borrow::Cow;
 use glam::DVec2;
 
 use super::choice::Chosen;
-use super::hidden::Hidden;
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Shape};
+use super::hidden::Hidden;
 use super::parallels::{Piece, pieces};
 use super::{PlanOptions, box_of, layers, own_layers};
 use crate::report::{Error, Place, Report};

@@ -154,10 +154,15 @@ impl Markers {
         std::iter::once(unnamed).chain(named).any(|regions| regions.iter().any(|r| r.is_empty()))
     }
 
+    /// Where is measured by the user's word.
+    pub fn regions(&self) -> impl Iterator<Item = &Region> {
+        let named = self.pairs.iter().flat_map(|p| p.query.iter().chain(&p.reference));
+        self.query.iter().chain(&self.reference).chain(named)
+    }
+
     /// Whether a mark lies inside the ring: such a ring is walls round a space.
     pub fn lies_in(&self, ring: &[PointUm]) -> bool {
-        let named = self.pairs.iter().flat_map(|p| p.query.iter().chain(&p.reference));
-        let regions = self.query.iter().chain(&self.reference).chain(&self.keep).chain(named);
+        let regions = self.regions().chain(&self.keep);
         let groups = self.groups.iter().map(|g| &g.outline);
         regions.chain(groups).any(|r| r.outline().iter().all(|p| side_of_ring(ring, *p) == Side::Inside))
     }

@@ -32,7 +32,6 @@ pub mod reading;
 pub mod roles;
 pub mod rooms;
 mod rounds;
-mod scores;
 pub mod sight;
 pub mod sizes;
 mod stairs;
@@ -254,21 +253,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let (said, as_drawn) = (options.corrections.said(&drawing), options.corrections.as_drawn);
     dots::state(&drawing, report);
     let mut chosen = choice::choose_walls(&drawing, (options, &said), report)?;
-    let by_size = choice::for_size(&drawing, options, &chosen);
-    let by_size = choice::entities(&drawing, &by_size);
-    let (extent, (unit, sense)) = sized(&drawing, options, (&chosen, &by_size), report)?;
-    let longer = (extent[1] - extent[0]).max_element();
-    let scale = units::person_scale(&drawing, &by_size, longer, unit.unit);
-    let reading = match &options.senses {
-        Some(kept) => reading::Reading::again(&drawing, kept),
-        None if as_drawn => reading::Reading::by_names(&drawing),
-        None => reading::Reading::new(&drawing, unit.unit.metres / scale),
-    };
-    choice::take_read(&drawing, options, &reading, &mut chosen);
-    choice::correct(&drawing, &said, &mut chosen.walls);
-    if chosen.walls.is_empty() {
-        return Err(no_walls(&drawing, &chosen, report));
-    }
+    let Read { extent, unit, sense, reading } = read(&drawing, (options, &said), &mut chosen, report)?;
     let choice::Taken { walls: mut picked, views, unused_marks } =
         choice::choose_view(&drawing, options, &chosen, unit.unit.metres, report)?;
     let of_view = picked.clone();
@@ -337,6 +322,59 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         senses,
         north_deg: drawing.north_deg,
     })
+}
+
+/// What a drawing was taken for, with its unit.
+struct Read {
+    /// The box of the walls, drawing units.
+    extent: [DVec2; 2],
+    unit: UnitChoice,
+    sense: reading::UnitSense,
+    reading: reading::Reading,
+}
+
+/// Most times that the walls are looked at in the unit that those found before ask for.
+const LOOKS_MAX: usize = 3;
+
+/// Unit and walls together: first the unit by all that is drawn, then the walls in it, until the walls ask for the unit
+/// that they were found in.
+fn read(
+    drawing: &Drawing,
+    (options, said): (&PlanOptions, &reading::corrections::Said),
+    chosen: &mut choice::Chosen,
+    report: &Report,
+) -> Result<Read, Error> {
+    let mut by_size = choice::for_size(drawing, options, chosen);
+    let mut before = None;
+    let mut out: Option<Read> = None;
+    for _ in 0..LOOKS_MAX {
+        let walls = choice::entities(drawing, &by_size);
+        let (extent, (unit, sense)) = sized(drawing, options, (chosen, &walls), report)?;
+        let longer = (extent[1] - extent[0]).max_element();
+        let scale = units::person_scale(drawing, &walls, longer, unit.unit);
+        let metres = unit.unit.metres / scale;
+        if let Some(found) = out.as_mut().filter(|_| before == Some(metres)) {
+            (found.extent, found.unit, found.sense) = (extent, unit, sense);
+            break;
+        }
+        before = Some(metres);
+        let reading = match &options.senses {
+            Some(kept) => reading::Reading::again(drawing, kept),
+            None if options.corrections.as_drawn => reading::Reading::by_names(drawing),
+            None => reading::Reading::new(drawing, metres),
+        };
+        choice::take_read(drawing, options, &reading, chosen);
+        choice::correct(drawing, said, &mut chosen.walls);
+        if chosen.walls.is_empty() {
+            return Err(no_walls(drawing, chosen, report));
+        }
+        out = Some(Read { extent, unit, sense, reading });
+        if by_size == chosen.walls {
+            break;
+        }
+        by_size.clone_from(&chosen.walls);
+    }
+    out.ok_or_else(|| no_walls(drawing, chosen, report))
 }
 
 /// The box of the walls, drawing units, and the unit with how sure it is.

@@ -6,11 +6,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::box_of;
-use super::hidden::Hidden;
 use super::curve;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::frame::Frame;
 use super::geometry::Segment;
+use super::hidden::Hidden;
 use super::layers::words;
 use super::own_layers;
 use super::parallels::Straight;

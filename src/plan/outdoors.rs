@@ -3,8 +3,8 @@
 use super::curve;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::frame::Frame;
-use super::hidden::Hidden;
 use super::geometry::{PointUm, UM_PER_M};
+use super::hidden::Hidden;
 use super::layers::{base_name, words};
 
 /// Words of layers that hold outlines of open air, lower case; those that begin with `*` may end a longer word.

@@ -1,6 +1,7 @@
 //! What of the drawn walls stops sight, and what stops it although nothing is drawn (spec 1, openings).
 //!
-//! Doors and passages are open at every level. Windows are open at eye level and stop sight at knee level.
+//! Doors and passages are open at every level. Windows are open at eye level and stop sight at knee level. Sight ends where
+//! the building does: nobody is seen out of one window and in at another unless the ground between them is measured.
 //! Gaps of drawing error are closed.
 
 use std::collections::BTreeMap;
@@ -11,10 +12,13 @@ use super::Plan;
 use super::axes::{AxisGraph, FaceRef, Opening, OpeningKind};
 use super::curve::control_points;
 use super::drawing::Shape;
-use super::geometry::Segment;
+use super::geometry::{PointUm, Segment, UM_PER_M};
 
 /// Open parts shorter than this are none, as a share of the piece.
 const SHARE_MIN: f64 = 1e-9;
+
+/// How far beside what closes a gap its two sides are looked for, metres of a person: the nearest that is no wall.
+const BESIDE_M: [f64; 3] = [0.3, 0.6, 0.9];
 
 /// Which parts of the drawn pieces stop sight.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,6 +27,8 @@ pub struct Sight {
     open: BTreeMap<FaceRef, Vec<[f64; 2]>>,
     /// What stops sight beside the drawn pieces, drawing frame, micrometres.
     pub closed: Vec<Segment>,
+    /// Where it ends because the building does, drawing frame, micrometres.
+    pub ends: Vec<Segment>,
 }
 
 impl Sight {
@@ -59,6 +65,29 @@ impl Sight {
     /// Whether any drawn piece is open.
     pub fn has_open(&self) -> bool {
         !self.open.is_empty()
+    }
+
+    /// Ends sight where the building ends: at doors, windows and what else closes its gaps, where what lies on one side of
+    /// them is measured and what lies on the other is not. `closings`: lines across them, drawing frame, micrometres.
+    pub fn end_outdoors(
+        &mut self,
+        closings: &[Segment],
+        human_scale: f64,
+        side: impl Fn(PointUm) -> Option<bool>,
+    ) {
+        let is_outer = |s: &&Segment| {
+            let [dx, dy] = [0, 1].map(|k| (s.b[k] - s.a[k]) as f64);
+            let length = dx.hypot(dy).max(1.0);
+            let beside = |sign: f64| {
+                BESIDE_M.iter().find_map(|m| {
+                    let out = sign * m * human_scale * UM_PER_M / length;
+                    let at = |k: usize, d: f64| i64::midpoint(s.a[k], s.b[k]) + (d * out).round() as i64;
+                    side([at(0, -dy), at(1, dx)])
+                })
+            };
+            matches!((beside(1.0), beside(-1.0)), (Some(true), Some(false)) | (Some(false), Some(true)))
+        };
+        self.ends.extend(closings.iter().filter(is_outer));
     }
 
     /// Lets whole walls stop sight: doors and glass that are named as walls.
@@ -125,7 +154,7 @@ mod tests {
 
     fn sight(spans: &[[f64; 2]]) -> Sight {
         let open = BTreeMap::from([((0, 0), united(spans))]);
-        Sight { open, closed: Vec::new() }
+        Sight { open, ..Sight::default() }
     }
 
     #[test]

@@ -70,13 +70,14 @@ pub(super) fn fixed_parts(base: &Understood, piece_moves: &[Vec<bool>]) -> (Vec<
 const CLOSED_REACH_M: f64 = 0.1;
 
 /// What stops sight although nothing is drawn, where no moving wall ends: a gap beside a moving wall is
-/// no slip any more once it moves.
+/// no slip any more once it moves. The building ends where it did.
 pub(super) fn closed_that_stay(base: &Understood) -> Vec<Segment> {
     let ends: Vec<DVec2> = base.moves.handles().map(|h| structure::handle_at(&base.plan, *h)).collect();
     let at = |p: PointUm| base.plan.frame.plan_from_um(p) / base.plan.human_scale;
     let stays =
         |s: &&Segment| [s.a, s.b].iter().all(|p| ends.iter().all(|e| e.distance(at(*p)) > CLOSED_REACH_M));
-    base.sight.closed.iter().filter(stays).copied().collect()
+    let closed = base.sight.closed.iter().filter(stays);
+    closed.chain(&base.sight.ends).copied().collect()
 }
 
 /// The pieces of a trace, each with the control point it starts from and whether it moves.

@@ -104,8 +104,9 @@ impl Interior {
             };
             let (cols, rows) = (bound(0, false)..=bound(0, true), bound(1, false)..=bound(1, true));
             for (c, r) in cols.flat_map(|c| rows.clone().map(move |r| (c, r))) {
-                let middle =
-                    |k: usize, i: usize| self.raster.origin_um[k] + i as i64 * self.raster.pixel_um + self.raster.pixel_um / 2;
+                let middle = |k: usize, i: usize| {
+                    self.raster.origin_um[k] + i as i64 * self.raster.pixel_um + self.raster.pixel_um / 2
+                };
                 if side_of_ring(ring, [middle(0, c), middle(1, r)]) == Side::Inside {
                     self.inside[c * self.raster.rows + r] = false;
                     self.outline[c * self.raster.rows + r] = false;
@@ -119,7 +120,8 @@ impl Interior {
     fn counted_again(mut self) -> Self {
         let outside: Vec<bool> = self.inside.iter().map(|i| !i).collect();
         self.outside_far = self.raster.distance(&outside);
-        self.has_room = (0..self.inside.len()).any(|i| self.inside[i] && !self.cavity[i] && !self.raster.wall[i]);
+        self.has_room =
+            (0..self.inside.len()).any(|i| self.inside[i] && !self.cavity[i] && !self.raster.wall[i]);
         self.is_as_drawn = false;
         self
     }
@@ -199,7 +201,9 @@ impl Interior {
 
     /// Distance to the nearest point outside the building, metres; 0 outside.
     pub fn depth_m(&self, p: PointUm) -> f64 {
-        self.raster.at(p).map_or(0.0, |i| f64::from(self.outside_far[i]) * self.raster.pixel_um as f64 / UM_PER_M)
+        self.raster
+            .at(p)
+            .map_or(0.0, |i| f64::from(self.outside_far[i]) * self.raster.pixel_um as f64 / UM_PER_M)
     }
 
     /// Whether anything but walls and the cavities in them is enclosed.
@@ -295,8 +299,10 @@ impl Raster {
         let is_beside = |i: usize| {
             let (c, r) = (i / self.rows, i % self.rows);
             let cols = c.saturating_sub(1)..=(c + 1).min(self.cols - 1);
-            cols.flat_map(|c| (r.saturating_sub(1)..=(r + 1).min(self.rows - 1)).map(move |r| c * self.rows + r))
-                .any(is_in)
+            cols.flat_map(|c| {
+                (r.saturating_sub(1)..=(r + 1).min(self.rows - 1)).map(move |r| c * self.rows + r)
+            })
+            .any(is_in)
         };
         (0..label.len()).map(|i| if self.wall[i] { is_beside(i) } else { is_in(i) }).collect()
     }
@@ -458,6 +464,58 @@ mod tests {
         // A closet as narrow behind walls of its own.
         let closet = [rectangle(300, 200, 130, 320), rectangle(285, 185, 160, 350)];
         assert!(!is_cavity(&[vec![outer, inner], closet.to_vec()].concat(), 360, 300));
+    }
+
+    /// A ring of walls 0.3 m thick, `w` by `h` centimetres, with a gap in its lower side.
+    fn with_gap(w: i64, h: i64, gap: i64) -> Vec<Segment> {
+        let mut out = Vec::new();
+        for d in [0, 30] {
+            let sides = rectangle(d, d, w - 2 * d, h - 2 * d);
+            let at = |x: i64| [x * M / 100, d * M / 100];
+            out.push(Segment { a: at(d), b: at((w - gap) / 2) });
+            out.push(Segment { a: at((w + gap) / 2), b: at(w - d) });
+            out.extend(&sides[1..]);
+        }
+        out
+    }
+
+    fn lies_inside(walls: &[Segment], [x, y]: [i64; 2]) -> bool {
+        Interior::new(walls, &[], 1.0).unwrap().contains([x * M / 100, y * M / 100])
+    }
+
+    /// A gap is one beside what it opens, however large the building is.
+    #[test]
+    fn a_gap_in_the_outline_opens_no_building() {
+        for scale in [1, 5, 30] {
+            for (gap, is_inside) in [(0, true), (90, true), (180, true), (420, false)] {
+                let walls = with_gap(600 * scale, 800 * scale, gap * scale);
+                assert_eq!(lies_inside(&walls, [300 * scale, 400 * scale]), is_inside, "{gap} times {scale}");
+            }
+        }
+    }
+
+    /// The ground before a building with two wings is outside, and so is what an angle of walls leaves open.
+    #[test]
+    fn courts_that_are_open_to_one_side_lie_outside() {
+        let bar = |x: i64, y: i64, w: i64, h: i64| {
+            [rectangle(x, y, w, h), rectangle(x + 30, y + 30, w - 60, h - 60)].concat()
+        };
+        let wings = [bar(0, 0, 800, 3000), bar(2800, 0, 800, 3000), bar(770, 2200, 2060, 800)].concat();
+        assert!(!lies_inside(&wings, [1800, 1000]) && lies_inside(&wings, [1800, 2600]));
+        assert!(!lies_inside(&wings[8..], [400, 400]));
+    }
+
+    /// What the user says of one place reaches to the next narrow one.
+    #[test]
+    fn a_place_is_taken_in_or_out_with_the_floor_round_it() {
+        let walls = with_gap(600, 800, 420);
+        let at = [3 * M, 4 * M];
+        let (taken_in, open) = Interior::new(&walls, &[], 1.0).unwrap().corrected(&[at], &[]);
+        assert!(taken_in.contains(at) && open.is_empty());
+        let (left_out, _) = taken_in.corrected(&[], &[at]);
+        assert!(!left_out.contains(at));
+        let (_, open) = left_out.corrected(&[[-M, -M]], &[]);
+        assert_eq!(open, [0], "no wall is near it");
     }
 
     /// A slot behind glass is open to the eye.

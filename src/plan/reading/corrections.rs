@@ -6,8 +6,8 @@ use std::str::FromStr;
 
 use glam::DVec2;
 
-use super::super::hidden::Hidden;
 use super::super::drawing::{Drawing, Entity};
+use super::super::hidden::Hidden;
 use super::super::layers::base_name;
 use super::super::names::{Pattern, folded};
 use super::super::own_layers::is_own;

@@ -9,7 +9,7 @@ mod features;
 pub mod lengths;
 pub mod questions;
 mod scene;
-mod section;
+pub(super) mod section;
 pub mod training;
 mod trees;
 pub mod unit;

@@ -140,13 +140,8 @@ impl Scene {
         let is_shown = |(i, e): &(usize, &Entity)| {
             !own_layers::is_own(&e.layer) && !hidden.entity(e) && below.binary_search(i).is_err()
         };
-        let shown: Vec<(u32, &Entity)> = drawing
-            .entities
-            .iter()
-            .enumerate()
-            .filter(is_shown)
-            .map(|(i, e)| (i as u32, e))
-            .collect();
+        let shown: Vec<(u32, &Entity)> =
+            drawing.entities.iter().enumerate().filter(is_shown).map(|(i, e)| (i as u32, e)).collect();
         let place = Place { origin: first_point(&shown)?, along: main_direction(&shown), metres };
         let mut out = Self {
             things: Vec::with_capacity(shown.len()),

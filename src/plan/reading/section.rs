@@ -34,7 +34,8 @@ pub fn seen_below(drawing: &Drawing) -> Vec<usize> {
     let larger = |section: &[usize], view: &[usize]| {
         section.len() >= LINES_MIN && section.len() as f64 <= SHARE_MAX * view.len() as f64
     };
-    let sections: Vec<&Vec<usize>> = blocks.values().filter(|b| b.iter().all(|i| line(i).is_some())).collect();
+    let sections: Vec<&Vec<usize>> =
+        blocks.values().filter(|b| b.iter().all(|i| line(i).is_some())).collect();
     let is_view = |view: &Vec<usize>| sections.iter().any(|s| larger(s, view) && lies_over(s, view));
     let mut below: Vec<usize> = blocks.values().filter(|v| is_view(v)).flatten().copied().collect();
     below.sort_unstable();
