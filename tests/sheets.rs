@@ -232,7 +232,7 @@ fn a_full_sheet_falls_into_its_drawings() {
         + &title_block([29.0, -13.0]);
     let read = Read::of(&sheet, None);
     let kinds: Vec<Title> = read.plan.views.iter().map(|v| v.kind).collect();
-    let expected = [Title::GroundFloor, Title::Plan, Title::Beside, Title::Beside];
+    let expected = [Title::GroundFloor, Title::Plan, Title::Beside, Title::NoPlan, Title::Beside];
     assert_eq!(kinds, expected, "{:?}", read.names());
     assert_eq!((read.taken(), read.plan.walls.len()), (vec!["GROUND FLOOR PLAN"], WALLS.len()));
 }

@@ -202,6 +202,9 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let (axes, marked) = if as_drawn { Default::default() } else { structure::axes(&plan, drawing) };
     let bodies = structure::bodies(&plan, &axes);
     let mut sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
+    if settings.level == Level::Knee {
+        sight.closed.extend(structure::glass_lines(&plan, drawing));
+    }
     sight.close(|wall| building::closes(&plan.walls[wall as usize]));
     let fittings = fittings::fittings(&plan, drawing, &axes, &marked);
     let all = faces(&plan);

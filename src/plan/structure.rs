@@ -11,7 +11,7 @@ use super::axes::{
     AxisGraph, Drawn, Edge, Face, FaceRef, Mark, NodeKind, Opening, OpeningKind, Path, Role, paths_of,
 };
 use super::box_of;
-use super::curve::control_points;
+use super::curve::{control_points, trace as trace_of};
 use super::dots;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::geometry::{PointUm, Segment, UM_PER_M};
@@ -351,6 +351,18 @@ fn lies_in([a, b]: &[DVec2; 2], opening: &Opening) -> bool {
     let p = a.midpoint(*b) - from;
     (-SILL_M..=from.distance(to) + SILL_M).contains(&p.dot(along))
         && along.perp_dot(p).abs() <= opening.thickness_m / 2.0 + SILL_M
+}
+
+/// The lines of windows and glass that are shown, drawing frame: they stop people, and sight at the height of a knee.
+pub fn glass_lines(plan: &Plan, drawing: &Drawing) -> Vec<Segment> {
+    let (hidden, walls) = (Hidden::new(drawing), DrawnWalls::new(plan, drawing));
+    let is_drawn = |(i, e): &(usize, &Entity)| {
+        is_glass(plan, *i) && !hidden.entity(e) && !walls.contains(*i, e) && drawing.format == Format::Dxf
+    };
+    let shown = drawing.entities.iter().enumerate().filter(is_drawn);
+    shown
+        .flat_map(|(_, e)| trace_of(&e.shape, &plan.frame).segments().map(|s| s.2).collect::<Vec<_>>())
+        .collect()
 }
 
 /// Whether an entity, by its index, was taken for a window or glass.

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, VecDeque};
 use super::raster::{LOOKS, Raster};
 
 /// Two parts are one where the way between them is at least this share as wide as the narrower of them.
-const NECK_SHARE: f64 = 0.8;
+const NECK_SHARE: f64 = 0.9;
 
 /// No label.
 pub const NONE: u32 = u32::MAX;
