@@ -24,7 +24,8 @@ const DRAWINGS: &[(&str, Option<f64>, &[&str], usize)] = &[
     (
         "roomsize_ground_floor_lhs",
         Some(1.0),
-        &["A-210 G - Existing Structure 4", "A-320G - Permanent Solid Partitions 12", "Layer 1 11"],
+        // Partitions of glass, on "Layer 1 11" and on the layer of doors, are not read.
+        &["A-210 G - Existing Structure 4", "A-320G - Permanent Solid Partitions 12"],
         1,
     ),
     ("roomsize_two_rooms", Some(1.0), &["A-210 G - Existing Structure 1"], 1),

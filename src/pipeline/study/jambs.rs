@@ -113,7 +113,7 @@ mod tests {
     fn default_moves_leave_no_door_narrower() {
         let Some(data) = fixtures::shared("data") else { return };
         let drawings = [
-            ("dxf/ensal.dxf", 24, "2 default moves end earlier (door-2, door-10), so"),
+            ("dxf/ensal.dxf", 25, "2 default moves end earlier (door-2, door-10), so"),
             ("ifc/ac11_institute_var2.ifc", 15, "wall-1, wall-4, wall-5, wall-9, wall-10, wall-11, …"),
             ("ifc/duplex_a.ifc", 9, "1 default move stays (wall-9), so"),
             ("ifc/archilogic_fl39.ifc", 24, "end earlier (wall-7, wall-10, wall-13), 1 stays (wall-12), so"),

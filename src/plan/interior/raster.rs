@@ -8,8 +8,10 @@ const PIXEL_MIN_M: f64 = 0.05;
 /// Pixels along the longer side.
 const PIXELS_ALONG: f64 = 900.0;
 
-/// Ground round the walls, metres of a person.
+/// Ground round the walls, metres of a person, and as a share of the longer side: as much as makes the outside wider than
+/// a gap that is narrower than half the building.
 const PAD_M: f64 = 2.0;
+const PAD_SHARE: f64 = 0.15;
 
 /// Pixel `c * rows + r` is the one at column `c` and row `r`.
 #[derive(Clone, Debug)]
@@ -39,7 +41,7 @@ impl Raster {
         }
         let long = (hi[0] - lo[0]).max(hi[1] - lo[1]) as f64;
         let pixel_um = (long / PIXELS_ALONG).max(PIXEL_MIN_M * human_scale * UM_PER_M).max(1.0) as i64;
-        let pad = (PAD_M * human_scale * UM_PER_M) as i64 / pixel_um + 3;
+        let pad = (PAD_M * human_scale * UM_PER_M).max(PAD_SHARE * long) as i64 / pixel_um + 3;
         let size = |k: usize| ((hi[k] - lo[k]) / pixel_um + 2 * pad + 1) as usize;
         let (cols, rows) = (size(0), size(1));
         let origin_um = [lo[0] - pad * pixel_um, lo[1] - pad * pixel_um];

@@ -32,12 +32,17 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
         sums
     };
     let mut named = Names::default();
-    let is_known = scene.pieces.len() >= PIECES_TRAINED;
+    let count = scene.pieces.len();
+    let kind = match () {
+        () if count < PIECES_TRAINED => Kind::Unknown,
+        () if count < PIECES_OF_PLANS => Kind::Sketch,
+        () => Kind::Plan,
+    };
     let votes: Vec<Votes> = scene.things.iter().map(votes_of).collect();
     let mut walls = [0.0; 2];
     for (thing, votes) in scene.things.iter().zip(&votes) {
         let name = named.of(&drawing.entities[thing.entity as usize]);
-        let sense = sense(votes, name, is_known);
+        let sense = sense(votes, name, kind);
         if class_of(sense.role) == WALL {
             walls[usize::from(name.role != Role::Unknown)] += thing.length;
         }
@@ -46,7 +51,9 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
     if walls[1] >= NAMED_SHARE * (walls[0] + walls[1]) {
         for (thing, votes) in scene.things.iter().zip(&votes) {
             let is_named = named.of(&drawing.entities[thing.entity as usize]).role != Role::Unknown;
-            let is_doubtful = !is_named && likeliest(votes) == WALL && votes[WALL] < WALL_BESIDE_NAMED;
+            let is_doubtful = !is_named
+                && likeliest(votes) == WALL
+                && (kind == Kind::Sketch || votes[WALL] < WALL_BESIDE_NAMED);
             if is_doubtful {
                 let confidence = (1.0 - votes[WALL]) as f32;
                 out[thing.entity as usize] = Some(Sense { role: Role::Unknown, confidence });
@@ -56,10 +63,23 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
     out
 }
 
+/// How much the trees know of drawings of a size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// They saw none.
+    Unknown,
+    /// They saw sketches.
+    Sketch,
+    /// They saw plans.
+    Plan,
+}
+
 /// A name is believed unless the trees are so sure of another class.
 const OTHER_SURE: f64 = 0.9;
 /// The smallest sketch of those that the trees were trained on has 5 pieces: of smaller drawings only names are believed.
 const PIECES_TRAINED: usize = 5;
+/// The same of plans, which have 81 and more: in smaller drawings names are believed wherever there are some.
+const PIECES_OF_PLANS: usize = 81;
 /// Doors and stairs are often drawn on the layer of the walls: the trees are believed earlier there. None of those
 /// drawings is read otherwise by it. Furniture is not: what stands free on such a layer may be a partition.
 const BESIDE_WALLS: [usize; 2] = [DOOR, STAIR];
@@ -129,7 +149,7 @@ fn likeliest(votes: &Votes) -> usize {
 
 /// What the name says, unless the votes speak strongly against it, in a drawing of a kind that the trees know; without a
 /// name what most votes say.
-fn sense(votes: &Votes, name: Name, is_known: bool) -> Sense {
+fn sense(votes: &Votes, name: Name, kind: Kind) -> Sense {
     let best = likeliest(votes);
     if let Some(own) = votes.get(class_of(name.role)) {
         let own = if name.is_both { own + votes[WINDOW] } else { *own };
@@ -137,14 +157,14 @@ fn sense(votes: &Votes, name: Name, is_known: bool) -> Sense {
         let may_stand_free = class_of(name.role) == WALL && best == FURNITURE;
         let is_other =
             votes[best] >= OTHER_SURE && !may_stand_free || is_on_walls && votes[best] >= BESIDE_WALLS_SURE;
-        if !(is_known && is_other) {
+        if !(kind == Kind::Plan && is_other) {
             let is_window = name.is_both && votes[WINDOW] > votes[DOOR];
             let role = if is_window { Role::Window } else { name.role };
             return Sense { role, confidence: own.max(1.0 - votes[best]) as f32 };
         }
     }
     let role = match best {
-        _ if !is_known => Role::Unknown,
+        _ if kind == Kind::Unknown => Role::Unknown,
         WALL => Role::Wall,
         WINDOW => Role::Window,
         DOOR => Role::Door,
