@@ -28,7 +28,7 @@ const DRAWINGS: &[(&str, Option<f64>, &[&str], usize)] = &[
         &["A-210 G - Existing Structure 4", "A-320G - Permanent Solid Partitions 12"],
         1,
     ),
-    ("roomsize_two_rooms", Some(1.0), &["A-210 G - Existing Structure 1"], 1),
+    ("roomsize_two_rooms", Some(1.0), &["A-210 G - Existing Structure 1", "A-325G - Internal Doors 3"], 1),
     ("olymp_librecad", Some(0.01), &["Wand (neu)"], 1),
     ("gama_house_librecad", Some(0.01), &["MURS", "Wall"], 1),
     ("barcelona_freecad_r12", Some(0.001), &["0"], 1),

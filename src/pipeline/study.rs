@@ -203,7 +203,7 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     let bodies = structure::bodies(&plan, &axes);
     let mut sight = Sight::new(&plan, &axes, settings.level == Level::Knee);
     if settings.level == Level::Knee {
-        sight.closed.extend(structure::glass_lines(&plan, drawing));
+        sight.closed.extend(structure::glass_lines(&plan, drawing, &axes));
     }
     sight.close(|wall| building::closes(&plan.walls[wall as usize]));
     let fittings = fittings::fittings(&plan, drawing, &axes, &marked);

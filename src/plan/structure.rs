@@ -354,15 +354,17 @@ fn lies_in([a, b]: &[DVec2; 2], opening: &Opening) -> bool {
 }
 
 /// The lines of windows and glass that are shown, drawing frame: they stop people, and sight at the height of a knee.
-pub fn glass_lines(plan: &Plan, drawing: &Drawing) -> Vec<Segment> {
+/// What stands in an understood opening is closed with it.
+pub fn glass_lines(plan: &Plan, drawing: &Drawing, axes: &AxisGraph) -> Vec<Segment> {
     let (hidden, walls) = (Hidden::new(drawing), DrawnWalls::new(plan, drawing));
     let is_drawn = |(i, e): &(usize, &Entity)| {
         is_glass(plan, *i) && !hidden.entity(e) && !walls.contains(*i, e) && drawing.format == Format::Dxf
     };
     let shown = drawing.entities.iter().enumerate().filter(is_drawn);
-    shown
-        .flat_map(|(_, e)| trace_of(&e.shape, &plan.frame).segments().map(|s| s.2).collect::<Vec<_>>())
-        .collect()
+    let lines =
+        shown.flat_map(|(_, e)| trace_of(&e.shape, &plan.frame).segments().map(|s| s.2).collect::<Vec<_>>());
+    let at = |p: PointUm| plan.frame.plan_from_um(p) / plan.human_scale;
+    lines.filter(|s| !axes.openings.iter().any(|o| lies_in(&[at(s.a), at(s.b)], o))).collect()
 }
 
 /// Whether an entity, by its index, was taken for a window or glass.

@@ -48,7 +48,7 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
         }
         out[thing.entity as usize] = Some(sense);
     }
-    if walls[1] >= NAMED_SHARE * (walls[0] + walls[1]) {
+    if walls[1] > 0.0 && (kind == Kind::Sketch || walls[1] >= NAMED_SHARE * (walls[0] + walls[1])) {
         for (thing, votes) in scene.things.iter().zip(&votes) {
             let is_named = named.of(&drawing.entities[thing.entity as usize]).role != Role::Unknown;
             let is_doubtful = !is_named
