@@ -33,8 +33,8 @@ const DRAWINGS: &[(&str, Option<f64>, &[&str], usize)] = &[
     ("gama_house_librecad", Some(0.01), &["MURS", "Wall"], 1),
     ("barcelona_freecad_r12", Some(0.001), &["0"], 1),
     ("potynobg_pianta_house", Some(1.0), &["PIANTA"], 1),
-    // Two storeys, and the elevations.
-    ("ono_jwcad_house_r12_sjis", Some(0.001), &["_0-2_", "_0-3_柱", "_0-9_壁__窓"], 3),
+    // Two storeys, and the elevations; the walls between posts, on "_0-2_", are not read.
+    ("ono_jwcad_house_r12_sjis", Some(0.001), &["_0-3_柱", "_0-9_壁__窓"], 3),
     ("ensal", Some(0.01), &["Walls"], 1),
     ("san_sebastian", None, &["Walls"], 1),
 ];

@@ -116,8 +116,8 @@ mod tests {
             ("dxf/ensal.dxf", 25, "2 default moves end earlier (door-2, door-10), so"),
             ("ifc/ac11_institute_var2.ifc", 15, "wall-1, wall-4, wall-5, wall-9, wall-10, wall-11, …"),
             ("ifc/duplex_a.ifc", 9, "1 default move stays (wall-9), so"),
-            ("ifc/archilogic_fl39.ifc", 24, "end earlier (wall-7, wall-12), 1 stays (wall-11), so"),
-            ("dxf/gama_house_librecad.dxf", 6, ""),
+            ("ifc/archilogic_fl39.ifc", 23, "end earlier (wall-7, wall-12), 1 stays (wall-11), so"),
+            ("dxf/gama_house_librecad.dxf", 5, ""),
         ];
         for (name, parameters, says) in drawings {
             let bytes = std::fs::read(data.join(name)).unwrap();
