@@ -95,6 +95,21 @@ impl Parts {
         let widest = cut.map(|(_, way)| way.half_width).fold(0.0, f32::max);
         (inside, widest)
     }
+
+    /// The pixels of some parts, and the walls round them.
+    pub fn spread(&self, raster: &Raster, of: &[bool]) -> Vec<bool> {
+        let label = &self.label;
+        let is_in = |i: usize| label[i] != NONE && of[label[i] as usize];
+        let is_beside = |i: usize| {
+            let (c, r) = (i / raster.rows, i % raster.rows);
+            let cols = c.saturating_sub(1)..=(c + 1).min(raster.cols - 1);
+            cols.flat_map(|c| {
+                (r.saturating_sub(1)..=(r + 1).min(raster.rows - 1)).map(move |r| c * raster.rows + r)
+            })
+            .any(is_in)
+        };
+        (0..label.len()).map(|i| if raster.wall[i] { is_beside(i) } else { is_in(i) }).collect()
+    }
 }
 
 /// Stands for a capacity that no cut can afford: larger than any plan.

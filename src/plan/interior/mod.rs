@@ -4,6 +4,7 @@
 //! ways out of it are narrow beside it. Real plans leave the entrance open, and glass fronts. Computed on a raster
 //! of its own, because a lattice may be far coarser than a door.
 
+mod cavity;
 mod cut;
 mod raster;
 
@@ -16,27 +17,8 @@ use raster::Raster;
 /// What is measured.
 const MEASURED: Terms = Terms { hidden_min: 0.72, way: 0.25 };
 
-/// What may belong to the building: floor that is inside by these alone is told as left out.
+/// What may belong to the building: floor that is inside by these alone counts as left out.
 const MAY_BE: Terms = Terms { hidden_min: 0.6, way: 0.1 };
-
-/// An enclosed part that is nowhere farther than this from a wall is a cavity inside a wall.
-pub const CAVITY_HALF_WIDTH_M: f64 = 0.3;
-
-/// A mass is nowhere farther than this from its outline: no room is so narrow that nothing says how it is entered.
-pub const MASS_HALF_WIDTH_M: f64 = 0.8;
-
-/// Half the width of a thick wall where it turns a corner: what is nowhere wider is a wall and no room.
-const CORNER_HALF_WIDTH_M: f64 = 0.36;
-
-/// Share of the lines round the rooms behind which there is a wall's thickness, from which on a plan draws its walls
-/// with two faces; in others a line is a wall, and what lines enclose is a room.
-const TWO_FACED: f64 = 0.6;
-
-/// Share of a mass's outline beyond which there is a room, or the outside, at once.
-const BARE: f64 = 0.9;
-
-/// Pixels that a line is thick at most, however it runs.
-const LINE_PX: usize = 3;
 
 /// The interior of a plan on a raster.
 #[derive(Clone, Debug)]
@@ -66,11 +48,11 @@ impl Interior {
         let parts = Parts::new(&raster, &to_wall);
         let (is_inside, widest) = parts.inside(MEASURED, &BTreeMap::new());
         let (may_be, _) = parts.inside(MAY_BE, &BTreeMap::new());
-        let inside = raster.spread(&parts.label, &is_inside);
-        let mut outline = raster.spread(&parts.label, &may_be);
+        let inside = parts.spread(&raster, &is_inside);
+        let mut outline = parts.spread(&raster, &may_be);
         outline.iter_mut().zip(&inside).for_each(|(o, i)| *o |= i);
         let is_as_drawn = (0..inside.len()).all(|i| raster.wall[i] || inside[i] != open[i]);
-        let mut cavity = raster.cavities(&inside, &to_wall, CAVITY_HALF_WIDTH_M * human_scale);
+        let mut cavity = raster.cavities(&inside, &to_wall, human_scale);
         cavity.iter_mut().zip(masses).for_each(|(c, is_mass)| *c |= is_mass);
         let gap_m = 2.0 * f64::from(widest) * raster.pixel_um as f64 / UM_PER_M;
         let out = Self {
@@ -91,7 +73,7 @@ impl Interior {
         self.is_as_drawn
     }
 
-    /// The same without the ground in some rings (drawing frame, micrometres), which is told to be outdoors.
+    /// The same without the ground in some rings (drawing frame, micrometres), which lies outdoors.
     #[must_use]
     pub fn without(mut self, rings: &[Vec<PointUm>]) -> Self {
         let before = self.inside.iter().filter(|i| **i).count();
@@ -137,7 +119,8 @@ impl Interior {
         let floor = |p: PointUm, is_inside: bool| {
             let part = part_at(p)?;
             let (said, _) = parts.inside(MEASURED, &BTreeMap::from([(part, is_inside)]));
-            Some(raster.flood(raster.at(p)?, |i| {
+            let mut seen = vec![false; before.len()];
+            Some(raster.flood(raster.at(p)?, &mut seen, |i| {
                 !raster.wall[i] && said[parts.label[i] as usize] == is_inside && (is_inside || before[i])
             }))
         };
@@ -265,162 +248,6 @@ impl Interior {
     /// Distance of every pixel to the nearest marked one, pixels.
     pub(super) fn distance_px(&self, marked: &[bool]) -> Vec<f32> {
         self.raster.distance(marked)
-    }
-}
-
-impl Raster {
-    /// The pixels that can be reached from one through such.
-    fn flood(&self, from: usize, is_free: impl Fn(usize) -> bool) -> Vec<usize> {
-        let mut is_seen = vec![false; self.wall.len()];
-        is_seen[from] = true;
-        let (mut found, mut next) = (vec![from], 0);
-        while next < found.len() {
-            for (j, _) in self.around(found[next]) {
-                if !is_seen[j] && is_free(j) {
-                    is_seen[j] = true;
-                    found.push(j);
-                }
-            }
-            next += 1;
-        }
-        found
-    }
-
-    /// Ground from which the border can be reached.
-    fn open_ground(&self) -> Vec<bool> {
-        let mut open = vec![false; self.wall.len()];
-        self.flood(0, |i| !self.wall[i]).into_iter().for_each(|i| open[i] = true);
-        open
-    }
-
-    /// The pixels of some parts, and the walls round them.
-    fn spread(&self, label: &[u32], of: &[bool]) -> Vec<bool> {
-        let is_in = |i: usize| label[i] != cut::NONE && of[label[i] as usize];
-        let is_beside = |i: usize| {
-            let (c, r) = (i / self.rows, i % self.rows);
-            let cols = c.saturating_sub(1)..=(c + 1).min(self.cols - 1);
-            cols.flat_map(|c| {
-                (r.saturating_sub(1)..=(r + 1).min(self.rows - 1)).map(move |r| c * self.rows + r)
-            })
-            .any(is_in)
-        };
-        (0..label.len()).map(|i| if self.wall[i] { is_beside(i) } else { is_in(i) }).collect()
-    }
-
-    /// Enclosed parts that are nowhere far from a wall.
-    fn cavities(&self, inside: &[bool], to_wall: &[f32], half_width_m: f64) -> Vec<bool> {
-        let reach = (half_width_m * UM_PER_M / self.pixel_um as f64) as f32;
-        let mut cavity = vec![false; inside.len()];
-        let mut seen = vec![false; inside.len()];
-        let open = |i: usize| inside[i] && !self.wall[i];
-        for start in 0..inside.len() {
-            if seen[start] || !open(start) {
-                continue;
-            }
-            let (mut part, mut next, mut widest) = (vec![start], 0, 0.0_f32);
-            seen[start] = true;
-            while next < part.len() {
-                let i = part[next];
-                next += 1;
-                widest = widest.max(to_wall[i]);
-                for (j, _) in self.around(i) {
-                    if !seen[j] && open(j) {
-                        seen[j] = true;
-                        part.push(j);
-                    }
-                }
-            }
-            if widest <= reach {
-                part.iter().for_each(|i| cavity[*i] = true);
-            }
-        }
-        cavity
-    }
-
-    /// Narrow parts that bare lines enclose in a plan whose walls have two faces: thick walls where they meet, piers,
-    /// chimneys. What lies beyond their outline is a room or the outside and not a wall's thickness.
-    fn masses(&self, human_scale: f64) -> Vec<bool> {
-        let (label, widest) = self.parts(&self.distance(&self.wall));
-        let reaches = |half_width_m: f64, part: u32| {
-            let reach = (half_width_m * human_scale * UM_PER_M / self.pixel_um as f64) as f32;
-            widest[part as usize] > reach
-        };
-        let is_wide = |part: u32| reaches(MASS_HALF_WIDTH_M, part);
-        let is_wall = |part: u32| !reaches(CORNER_HALF_WIDTH_M, part);
-        let mut outlines = vec![Outline::default(); widest.len()];
-        for i in (0..self.wall.len()).filter(|i| !self.wall[*i]) {
-            for (j, step) in self.around(i).filter(|(j, _)| self.wall[*j]) {
-                let beyond = self.beyond(j, step).map(|k| label[k]);
-                if beyond != Some(label[i]) {
-                    let outline = &mut outlines[label[i] as usize];
-                    outline.all += 1;
-                    outline.wide += u64::from(beyond.is_some_and(is_wide));
-                    outline.wall += u64::from(beyond.is_some_and(is_wall));
-                }
-            }
-        }
-        if !is_two_faced(&outlines, is_wide) {
-            return vec![false; self.wall.len()];
-        }
-        let is_mass = |part: u32| {
-            let outline = outlines[part as usize];
-            !is_wide(part) && outline.wide as f64 >= BARE * outline.all as f64
-        };
-        (0..self.wall.len()).map(|i| !self.wall[i] && is_mass(label[i])).collect()
-    }
-
-    /// The first pixel behind a line that a step leads onto; none where it is thicker than a line.
-    fn beyond(&self, onto: usize, step: isize) -> Option<usize> {
-        let at = |n: usize| onto.checked_add_signed(step * n as isize).filter(|i| *i < self.wall.len());
-        (1..=LINE_PX).map_while(at).find(|i| !self.wall[*i])
-    }
-
-    /// The part between lines that each pixel lies in, the outside first, and how far each reaches from the nearest line,
-    /// pixels.
-    fn parts(&self, to_wall: &[f32]) -> (Vec<u32>, Vec<f32>) {
-        let (mut label, mut widest) = (vec![u32::MAX; self.wall.len()], Vec::new());
-        for start in 0..label.len() {
-            if self.wall[start] || label[start] != u32::MAX {
-                continue;
-            }
-            let part = widest.len() as u32;
-            let (mut stack, mut far) = (vec![start], 0.0_f32);
-            label[start] = part;
-            while let Some(i) = stack.pop() {
-                far = far.max(to_wall[i]);
-                for (j, _) in self.around(i) {
-                    if !self.wall[j] && label[j] == u32::MAX {
-                        label[j] = part;
-                        stack.push(j);
-                    }
-                }
-            }
-            widest.push(far);
-        }
-        (label, widest)
-    }
-}
-
-/// What lies beyond the outline of a part between lines, pixels.
-#[derive(Clone, Copy, Debug, Default)]
-struct Outline {
-    /// Its length.
-    all: u64,
-    /// How much of it leads to what is as wide as a room.
-    wide: u64,
-    /// How much of it leads to what is as thin as a wall.
-    wall: u64,
-}
-
-/// Whether a plan draws its walls with two faces: rooms lead to their thickness. Where none is enclosed the outside
-/// tells, the first part.
-fn is_two_faced(outlines: &[Outline], is_wide: impl Fn(u32) -> bool) -> bool {
-    let rooms = outlines.iter().enumerate().skip(1).filter(|(part, _)| is_wide(*part as u32));
-    let [all, wide] = rooms.fold([0, 0], |[all, wide], (_, o)| [all + o.all, wide + o.wide]);
-    match outlines.first() {
-        _ if all > 0 => wide as f64 <= (1.0 - TWO_FACED) * all as f64,
-        Some(outside) => outside.wall as f64 >= TWO_FACED * outside.all.max(1) as f64,
-        None => false,
     }
 }
 

@@ -79,6 +79,29 @@ impl Raster {
         all.into_iter().filter(|a| a.0).map(move |(_, step)| (i.wrapping_add_signed(step), step))
     }
 
+    /// The pixels that can be reached from one through such as are free; those `seen` are passed over, and marked.
+    pub fn flood(&self, from: usize, seen: &mut [bool], is_free: impl Fn(usize) -> bool) -> Vec<usize> {
+        seen[from] = true;
+        let (mut found, mut next) = (vec![from], 0);
+        while next < found.len() {
+            for (j, _) in self.around(found[next]) {
+                if !seen[j] && is_free(j) {
+                    seen[j] = true;
+                    found.push(j);
+                }
+            }
+            next += 1;
+        }
+        found
+    }
+
+    /// Ground from which the border can be reached.
+    pub fn open_ground(&self) -> Vec<bool> {
+        let mut open = vec![false; self.wall.len()];
+        self.flood(0, &mut open, |i| !self.wall[i]);
+        open
+    }
+
     /// Whether a pixel lies at the border.
     pub fn is_border(&self, i: usize) -> bool {
         let (c, r) = (i / self.rows, i % self.rows);
