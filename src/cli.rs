@@ -312,6 +312,13 @@ pub struct SearchArgs {
     /// Move what is marked and nothing else, not even where nothing is marked.
     #[arg(long)]
     pub only_marked: bool,
+    /// Show an option if it surely gains this much in something that is asked for; 1% by default.
+    #[arg(long, value_name = "SHARE")]
+    pub least_gain: Option<String>,
+    /// The bare problem, for comparisons: one lattice, options by the distance of their parameters, nothing stripped,
+    /// rounded or confirmed.
+    #[arg(long)]
+    pub raw: bool,
 }
 
 /// `run`.
@@ -515,13 +522,18 @@ fn sections_of_commands(of: &clap::Command, out: &mut Vec<u8>) -> std::io::Resul
     Ok(())
 }
 
+/// The number of an option; 0 for `best`.
+fn option_number(text: &str) -> Result<usize, String> {
+    if text.eq_ignore_ascii_case("best") { Ok(0) } else { whole(text) }
+}
+
 /// `accept`.
 #[derive(Debug, Args)]
 pub struct AcceptArgs {
     /// The drawing the round was made from.
     pub file: PathBuf,
-    /// Candidate, from 1; 0: the best layout found, which need not be among them.
-    #[arg(value_parser = whole::<usize>)]
+    /// Option, from 1; `best` (or 0): the best layout found, with all its moves.
+    #[arg(value_name = "N|best", value_parser = option_number)]
     pub number: usize,
     /// Round to take it from; the newest by default.
     #[arg(long, value_name = "N", value_parser = whole::<u32>)]
@@ -649,6 +661,8 @@ impl Common {
             snap: s.snap.clone(),
             most_moves: s.most_moves,
             only_marked: s.only_marked.then_some(true),
+            least_gain: s.least_gain.clone(),
+            raw: s.raw.then_some(true),
             until_converged: s.until_converged.then_some(true),
             ..Partial::default()
         }

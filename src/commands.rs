@@ -16,8 +16,9 @@ use crate::cli::{
 };
 use crate::config::{Partial, Settings, settings_files};
 use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
+use crate::overlay::measure::{counts_cells, numbers_apart, parts, plain_name, wording};
 use crate::overlay::reading::{Headline, QuestionEntry};
-use crate::overlay::result::{RoundResult, StoreyEntry, to_json};
+use crate::overlay::result::{AnalysisResult, Interval, RoundResult, StoreyEntry, to_json};
 use crate::overlay::words::headline;
 use crate::pipeline::accept::Origin;
 use crate::pipeline::cells::CellOptions;
@@ -133,6 +134,14 @@ fn tidy(bound: f64) -> f64 {
     (bound * 1e6).round() / 1e6 + 0.0
 }
 
+/// `visibility 42.1 m² (41.5 to 42.7)`.
+fn estimate_words(result: &AnalysisResult, key: &str, of: &Interval) -> String {
+    let cell = if counts_cells(key) { result.spacing_m * result.spacing_m } else { 1.0 };
+    let unit = wording(parts(key).0).map_or("", |w| w.unit).trim_end_matches(" seen");
+    let [value, low, high] = numbers_apart([of.value, of.low, of.high].map(|v| v * cell));
+    format!("{} {value} {unit} ({low} to {high})", plain_name(key).to_lowercase())
+}
+
 fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
     let (settings, out) = settings_for(&args.file, args.common.partial(None))?;
@@ -181,6 +190,10 @@ fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
             mean("depth"),
             mean("entropy")
         ));
+        if !r.estimate.is_empty() {
+            let told: Vec<String> = r.estimate.iter().map(|(key, of)| estimate_words(r, key, of)).collect();
+            say(&format!("beyond this lattice (95 %): {}", told.join(", ")));
+        }
         if let Some(roots) = r.estimated_from_roots {
             let off = |key| r.mean_ci95.get(key).unwrap_or(f64::NAN);
             say(&format!(
@@ -426,8 +439,8 @@ fn summary(result: &RoundResult, folder: &Path) {
     for (i, c) in result.candidates.iter().enumerate() {
         say(&format!("option {}{}: {}", i + 1, result.mark(i), c.words));
     }
-    if result.best.as_ref().is_some_and(|b| b.option.is_none()) {
-        say("the best layout found is not one of the options: `accept FILE 0` takes it");
+    if let Some(best) = result.best.as_ref().filter(|b| b.option.is_none()) {
+        say(&format!("best layout found (`accept FILE best`): {}", best.words));
     }
     say(&format!(
         "{} measured in {:.1} s: {}; {}",

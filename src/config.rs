@@ -262,6 +262,8 @@ pub struct Partial {
     pub snap: Option<String>,
     pub most_moves: Option<usize>,
     pub only_marked: Option<bool>,
+    pub least_gain: Option<String>,
+    pub raw: Option<bool>,
     pub until_converged: Option<bool>,
     pub pin: Option<Vec<Vec<f64>>>,
     pub like: Option<Vec<f64>>,
@@ -367,6 +369,8 @@ impl Partial {
             snap: self.snap.or(base.snap),
             most_moves: self.most_moves.or(base.most_moves),
             only_marked: self.only_marked.or(base.only_marked),
+            least_gain: self.least_gain.or(base.least_gain),
+            raw: self.raw.or(base.raw),
             until_converged: self.until_converged.or(base.until_converged),
             pin: self.pin.or(base.pin),
             like: self.like.or(base.like),
@@ -457,6 +461,13 @@ pub struct Settings {
     pub most_moves: Option<usize>,
     /// Whether nothing moves where nothing is marked, instead of the default moves.
     pub only_marked: bool,
+    /// An option is shown if it surely gains at least so much in something that is asked for: a share of the present value.
+    #[serde(default = "control::least_gain_default")]
+    pub least_gain: f64,
+    /// The bare problem, for comparisons: the given lattice alone, options by the distance of their parameters, nothing
+    /// stripped, rounded or confirmed.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub raw: bool,
     /// Whether the search ends when about 95 % of what it would converge to is reached; evaluations and seconds are
     /// then the most that it may take.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -517,8 +528,8 @@ impl Settings {
         p.watch.as_ref().map_or(Ok(()), WatchTable::check)?;
         let score = score_terms(p.score.as_deref().unwrap_or("degree +1, depth -1, entropy +1"))?;
         let is_stated = p.objective.is_some();
-        let objectives =
-            objectives(p.objective.as_deref().unwrap_or("degree max 0.7, depth min 0.7, entropy max 0.7"))?;
+        let usual = if p.method == Some(Method::Paper) { OBJECTIVES_PAPER } else { OBJECTIVES_DEFAULT };
+        let objectives = objectives(p.objective.as_deref().unwrap_or(usual))?;
         let penalties = penalties(p.penalty.as_deref().unwrap_or("clearance 1, wall-length 1"))?;
         let in_range = |key: &str, v: Option<f64>, lo: f64, hi: f64| match v {
             Some(v) if !(lo..=hi).contains(&v) => {
@@ -610,6 +621,8 @@ impl Settings {
             snap: p.snap.filter(|t| !is_none(t)).map(|t| control::snap(&t)).transpose()?,
             most_moves: p.most_moves.map(|n| count("most-moves", n, 1, usize::MAX)).transpose()?,
             only_marked: p.only_marked.unwrap_or(false),
+            least_gain: p.least_gain.as_deref().map_or(Ok(control::LEAST_GAIN), control::share)?,
+            raw: p.raw.unwrap_or(false),
             until_converged: p.until_converged.unwrap_or(false),
             pinned,
             like: p.like,
@@ -659,6 +672,12 @@ impl Settings {
         self.objectives.iter().any(|o| o.measure.measure == Measure::Score)
     }
 }
+
+/// The objectives of the published method.
+const OBJECTIVES_PAPER: &str = "degree max 0.7, depth min 0.7, entropy max 0.7";
+/// Those of the default method, whose gains can be promised: tree depth is a maximum in whole steps, and entropy changes
+/// with the spacing.
+const OBJECTIVES_DEFAULT: &str = "degree max 0.7, mean-depth min 0.7";
 
 fn bad(key: &str, found: &str, expected: &str) -> Error {
     let text = format!("{key}: found {found}, expected {expected}; nothing was done");

@@ -72,8 +72,10 @@ fn the_same_seed_gives_the_same_bytes_on_one_and_two_threads() {
         "result.json",
         "report.html",
         "initial.dxf",
-        "candidate-5.dxf",
+        "candidate-2.dxf",
+        "best.dxf",
         "candidate-1-score.png",
+        "candidate-1-degree-change.png",
         "diversity.png",
         "convergence.png",
     ] {
@@ -174,7 +176,8 @@ fn an_accepted_option_keeps_a_unit_without_a_name() {
     let file = folder.path().join("gallery.dxf");
     std::fs::copy(sample("gallery.dxf"), &file).unwrap();
     let at = file.to_string_lossy().into_owned();
-    let options = ["--unit", "0.9144m", "--evaluations", "12", "--members", "1", "--spacing", "2", "-q"];
+    let options =
+        ["--unit", "0.9144m", "--evaluations", "12", "--members", "1", "--spacing", "2", "-q", "--raw"];
     let done = enfilade(&[&["run", &at], &options[..]].concat());
     assert!(matches!(done.status.code(), Some(0 | 1)), "{}", text(&done.stderr));
     assert_eq!(enfilade(&["accept", &at, "1"]).status.code(), Some(0));
@@ -193,7 +196,7 @@ fn an_accepted_scene_keeps_its_building() {
         std::fs::copy(sample(name), folder.path().join(name)).unwrap();
     }
     let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    let brief = ["--evaluations", "12", "--members", "1", "-q"];
+    let brief = ["--evaluations", "12", "--members", "1", "-q", "--raw"];
     let first = enfilade(&[&["run", &path("pavilion.glb"), "--storey", "2"], &brief[..]].concat());
     assert!(matches!(first.status.code(), Some(0 | 1)), "{}", text(&first.stderr));
     assert_eq!(enfilade(&["accept", &path("pavilion.glb"), "1"]).status.code(), Some(0));

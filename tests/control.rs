@@ -257,8 +257,10 @@ fn a_least_of_what_is_better_less_is_told() {
 fn few_moves_leave_less_room_between_options() {
     let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
     let wanted = |round: u32, more: &[&str]| {
-        let round =
-            desk.run(round, &[&["--distance", "0.8", "--objective", "degree max 0.5"][..], more].concat());
+        let round = desk.run(
+            round,
+            &[&["--raw", "--distance", "0.8", "--objective", "degree max 0.5"][..], more].concat(),
+        );
         let problems = json(&round.join("result.json"))["problems"].clone();
         let alike = problems.as_array().unwrap().iter().find(|p| p["code"] == "options-alike").cloned();
         alike.expect("so far apart no two options stand")["text"].as_str().unwrap().to_owned()
@@ -389,7 +391,8 @@ fn options_keep_firm_thresholds_as_they_are_stated() {
     let desk = Desk::new(&hall(["x -2 2; rotate -40 40", "x -2 2; rotate -40 40", "x -2 2; y -1 1"]));
     for seed in 1..=4 {
         let asked = "degree max 0.6, entropy min 0.4, depth-p90 min 0.3";
-        let at = desk.run(seed, &["--objective", asked, "--seed", &seed.to_string(), "--evaluations", "90"]);
+        let at = desk
+            .run(seed, &["--objective", asked, "--seed", &seed.to_string(), "--evaluations", "90", "--raw"]);
         let result = json(&at.join("result.json"));
         let options = result["candidates"].as_array().unwrap();
         assert!(!options.is_empty());

@@ -147,7 +147,7 @@ fn corridor(mark: [f64; 4], how: &str) -> Plan {
 /// every option that does says so.
 #[test]
 fn a_door_is_not_made_narrower_in_silence() {
-    let wish = ["--evaluations", "40", "--objective", "degree min 0.5"];
+    let wish = ["--evaluations", "40", "--objective", "degree min 0.5", "--raw"];
     let result = corridor([3.3, -0.1, 3.8, 4.1], "name part; x -1.5 1.8").run(&wish);
     let shorter = told(&result, "move-shortened");
     assert!(shorter.len() == 1 && shorter[0].contains("`x -1.5 m to 1.8 m` would take"), "{shorter:?}");

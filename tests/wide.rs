@@ -85,6 +85,7 @@ fn run(sheet: &Sheet) -> Outcome<RoundResult> {
         spacing: Some(0.5),
         evaluations: Some(20),
         only_marked: Some(true),
+        raw: Some(true),
         seed: Some(3),
         ..Partial::default()
     };

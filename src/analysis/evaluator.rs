@@ -53,17 +53,14 @@ impl Evaluator {
             broad = if dense.is_none() { Broad::new(&lattice, &under_fixed) } else { None };
         }
         let dense = dense.and_then(|mut d| d.set_initial(initial_moving, &mut scratch.dense).then_some(d));
-        let mut new = Self {
-            lattice,
-            fixed: fixed.to_vec(),
-            dense,
-            broad,
-            initial: Tally::default(),
-            initial_components: Vec::new(),
-            initial_edges: 0,
-            sample: None,
-            card: None,
-        };
+        let mut new = Self { dense, broad, ..Self::bare(lattice, fixed) };
+        new.begin(initial_moving, None);
+        new
+    }
+
+    /// An evaluator for few layouts, which are measured from scratch: to prepare takes as long as some dozens of them.
+    pub fn unprepared(lattice: Arc<Lattice>, fixed: &[Segment], initial_moving: &Obstacles) -> Self {
+        let mut new = Self::bare(lattice, fixed);
         new.begin(initial_moving, None);
         new
     }
@@ -75,7 +72,13 @@ impl Evaluator {
         initial_moving: &Obstacles,
         roots: (usize, u64),
     ) -> Self {
-        let mut new = Self {
+        let mut new = Self::bare(lattice, fixed);
+        new.begin(initial_moving, Some(roots));
+        new
+    }
+
+    fn bare(lattice: Arc<Lattice>, fixed: &[Segment]) -> Self {
+        Self {
             lattice,
             fixed: fixed.to_vec(),
             dense: None,
@@ -85,9 +88,7 @@ impl Evaluator {
             initial_edges: 0,
             sample: None,
             card: None,
-        };
-        new.begin(initial_moving, Some(roots));
-        new
+        }
     }
 
     /// Measures the initial layout.

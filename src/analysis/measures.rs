@@ -24,6 +24,20 @@ pub struct Means {
     pub entropy: f64,
 }
 
+impl Means {
+    /// The mean of each over several measurements, at least one.
+    pub fn mean(all: Vec<Self>) -> Self {
+        let n = all.len().max(1) as f64;
+        let mean = |of: fn(&Self) -> f64| all.iter().map(of).sum::<f64>() / n;
+        Self {
+            degree: mean(|m| m.degree),
+            degree_all: mean(|m| m.degree_all),
+            depth: mean(|m| m.depth),
+            entropy: mean(|m| m.entropy),
+        }
+    }
+}
+
 /// Means of a tally over the query vertices but the `covered`, summed in vertex order: those see nothing because a
 /// wall stands on them. All 0 without other vertices.
 pub fn means(tally: &Tally, covered: usize) -> Means {
@@ -241,6 +255,13 @@ pub fn global_columns_beside(graph: &Graph, query: &[u32], tally: &Tally) -> Vec
     transpose(GLOBAL_NAMES.map(String::from), &rows)
 }
 
+/// Mean level of the vertices reached, from the vertices per level 1..; 0 if there are none.
+pub fn mean_depth(levels: &[u32]) -> f64 {
+    let reached: u64 = levels.iter().map(|&n| u64::from(n)).sum();
+    let total: u64 = levels.iter().zip(1..).map(|(&n, l)| l * u64::from(n)).sum();
+    total as f64 / reached.max(1) as f64
+}
+
 /// One vertex from its level counts, in the order of [`global_columns`]: entropy, integration (HH, P-value,
 /// Tekl), mean depth, node count, relativised entropy; [`UNDEFINED`] where there is none.
 pub fn global_row(levels: &[u32]) -> [f64; 7] {
@@ -250,7 +271,7 @@ pub fn global_row(levels: &[u32]) -> [f64; 7] {
     if reached == 0 {
         return [UNDEFINED, UNDEFINED, UNDEFINED, UNDEFINED, UNDEFINED, n, UNDEFINED];
     }
-    let depth = total as f64 / reached as f64;
+    let depth = mean_depth(levels);
     let [hh, p, tekl] = integration(n, total as f64);
     [entropy_bits(levels), hh, p, tekl, depth, n, relativised_entropy(levels, depth)]
 }

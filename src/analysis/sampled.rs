@@ -108,7 +108,7 @@ fn variance_of_mean(n: f64, all: f64, spread: f64) -> Option<f64> {
 }
 
 /// Student's factor of a 95 % interval, by degrees of freedom.
-fn student(freedom: f64) -> f64 {
+pub fn student(freedom: f64) -> f64 {
     const FEW: [f64; 10] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228];
     let whole = freedom.max(1.0).floor();
     match FEW.get(whole as usize - 1) {

@@ -422,6 +422,22 @@ pub(super) fn snap(text: &str) -> Result<Snap, Error> {
     })
 }
 
+/// Gains smaller than this nobody would rebuild a wall for.
+pub(super) const LEAST_GAIN: f64 = 0.01;
+
+pub(super) fn least_gain_default() -> f64 {
+    LEAST_GAIN
+}
+
+/// `1%`, `1 %` or `0.01`.
+pub(super) fn share(text: &str) -> Result<f64, Error> {
+    let (number, unit) = text.trim().strip_suffix('%').map_or((text, 1.0), |n| (n, 0.01));
+    let share = number.trim().parse::<f64>().ok().map(|v| v * unit);
+    share
+        .filter(|v| (0.0..1.0).contains(v))
+        .ok_or_else(|| bad("least-gain", text, "a share such as 1% or 0.01"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -138,6 +138,17 @@ const NAMES: [(Measure, &str); 30] = [
 ];
 
 impl Measure {
+    /// By what power of the spacing a value must be multiplied to be the same on a finer lattice: what counts cells or
+    /// adds them up grows with their number, and sight lines over a cell with the square of it, over its width.
+    pub fn power_of_spacing(self) -> i32 {
+        match self {
+            Self::Degree | Self::Connectivity | Self::Reach => 2,
+            Self::FirstMoment | Self::SecondMoment | Self::AngularTotal => 2,
+            Self::ThroughVision => 3,
+            _ => 0,
+        }
+    }
+
     /// The three measures of the paper.
     pub const MEAN: [Self; 3] = [Self::Degree, Self::Depth, Self::Entropy];
 

@@ -4,7 +4,15 @@ use std::path::Path;
 #[test]
 fn defaults_are_valid_and_stated() {
     let s = Settings::new(Partial::default()).unwrap();
-    assert_eq!(s.objectives.len(), 3);
+    assert_eq!(s.objective_text(), "degree max 0.7, mean-depth min 0.7");
+    let paper = Partial { method: Some(Method::Paper), ..Partial::default() };
+    assert_eq!(Settings::new(paper).unwrap().objectives.len(), 3);
+    assert!((s.least_gain - 0.01).abs() < 1e-12);
+    for (text, share) in [("2 %", 0.02), ("0.5%", 0.005), ("0.03", 0.03), ("0", 0.0)] {
+        let s = Settings::new(Partial { least_gain: Some(text.into()), ..Partial::default() }).unwrap();
+        assert!((s.least_gain - share).abs() < 1e-12, "{text}");
+    }
+    assert!(Settings::new(Partial { least_gain: Some("much".into()), ..Partial::default() }).is_err());
     assert_eq!(
         s.score,
         [(Measure::Degree, 1.0), (Measure::Depth, -1.0), (Measure::Entropy, 1.0)]

@@ -128,11 +128,23 @@ fn draw_foot(canvas: &mut Canvas, frame: &Frame, map: &HeatMap<'_>) {
 fn draw_legend(canvas: &mut Canvas, frame: &Frame, map: &HeatMap<'_>, [x0, y0, x1, y1]: [f32; 4]) {
     let u = frame.unit_px;
     let span = (x1 - x0).max(1.0);
+    let few = few_values(map);
     canvas.block([x0, y0, x1, y1].map(|v| v.round() as i32), |x, _| {
-        map.palette.at(f64::from((x as f32 + 0.5 - x0) / span))
+        let at = f64::from((x as f32 + 0.5 - x0) / span);
+        match few.as_deref() {
+            Some(values) => {
+                let near = |v: &&f64| (map.scale.fraction(**v) - at).abs();
+                let nearest = values.iter().min_by(|a, b| near(a).total_cmp(&near(b)));
+                map.palette.at(nearest.map_or(at, |v| map.scale.fraction(*v)))
+            }
+            None => map.palette.at(at),
+        }
     });
-    let values =
-        if map.scale.hi > map.scale.lo { ticks(map.scale.lo, map.scale.hi, 5) } else { vec![map.scale.lo] };
+    let values = match &few {
+        Some(values) => values.clone(),
+        None if map.scale.hi > map.scale.lo => ticks(map.scale.lo, map.scale.hi, 5),
+        None => vec![map.scale.lo],
+    };
     let letters = (22.0 * u, Weight::Regular, INK);
     let mut free_from = f32::NEG_INFINITY;
     for (value, label) in values.iter().zip(tick_labels(&values)) {
@@ -147,6 +159,24 @@ fn draw_legend(canvas: &mut Canvas, frame: &Frame, map: &HeatMap<'_>, [x0, y0, x
     }
     canvas.text(map.unit, [x1 + 16.0 * u, y1 - 3.0 * u], Anchor::Left, (22.0 * u, Weight::Regular, GREY));
 }
+
+/// Whole values, where the cells have so few of them that shades between would stand for nothing.
+fn few_values(map: &HeatMap<'_>) -> Option<Vec<f64>> {
+    let mut out: Vec<f64> = Vec::new();
+    for value in map.cells.iter().filter_map(|c| c.value.filter(|v| v.is_finite())) {
+        if !out.contains(&value) {
+            out.push(value);
+        }
+        if out.len() > FEW_VALUES || value.fract() != 0.0 {
+            return None;
+        }
+    }
+    out.sort_by(f64::total_cmp);
+    (out.len() > 1).then_some(out)
+}
+
+/// See [`few_values`].
+const FEW_VALUES: usize = 6;
 
 fn keys_of<'a>(frame: &Frame, map: &HeatMap<'_>) -> Vec<Key<'a>> {
     let u = frame.unit_px;

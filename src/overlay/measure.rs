@@ -23,23 +23,23 @@ pub const WORDINGS: &[Wording] = &[
         key: "degree",
         plain: "Visibility",
         technical: "degree",
-        unit: "cells seen",
-        meaning: "How much of the region of reference can be seen from a spot, counted in cells. High: \
-                  open, overlooked, easy to find. Low: secluded.",
+        unit: "m² seen",
+        meaning: "The floor of the region of reference that can be seen from a spot. High: open, overlooked, easy to find. \
+                  Low: secluded.",
         more_less: ["more is seen", "less is seen"],
     },
     Wording {
         key: "degree_all",
         plain: "Visibility of all",
         technical: "degree, all cells",
-        unit: "cells seen",
+        unit: "m² seen",
         meaning: "How much of the whole plan that is measured can be seen from a spot, not of the region of \
                   reference alone.",
         more_less: ["", ""],
     },
     Wording {
         key: "depth",
-        plain: "Accessibility",
+        plain: "Most steps",
         technical: "tree depth",
         unit: "steps",
         meaning: "How many straight views one after the other it takes to reach the farthest corner \
@@ -48,7 +48,7 @@ pub const WORDINGS: &[Wording] = &[
     },
     Wording {
         key: "entropy",
-        plain: "Organisation",
+        plain: "Evenness",
         technical: "entropy",
         unit: "bits",
         meaning: "How evenly the space is spread over those steps. High: it opens up in even portions, \
@@ -118,18 +118,19 @@ pub const WORDINGS: &[Wording] = &[
     },
     Wording {
         key: "mean-depth",
-        plain: "Steps on average",
+        plain: "Steps",
         technical: "mean depth",
         unit: "steps",
-        meaning: "How many straight views one after the other it takes from a spot to the others, on average.",
+        meaning: "How many straight views one after the other it takes from a spot to the others, on average: one more than \
+                  the turns on the way.",
         more_less: ["more turns", "fewer turns"],
     },
     Wording {
         key: "reach",
         plain: "Reach",
         technical: "node count",
-        unit: "cells",
-        meaning: "How much of the plan can be reached from a spot at all, counted in cells.",
+        unit: "m²",
+        meaning: "How much of the plan can be reached from a spot at all.",
         more_less: ["more is reached", "less is reached"],
     },
     Wording {
@@ -176,8 +177,8 @@ pub const WORDINGS: &[Wording] = &[
         key: "connectivity",
         plain: "Visibility of everything",
         technical: "connectivity",
-        unit: "cells seen",
-        meaning: "How much of everything that is measured can be seen from a spot, counted in cells.",
+        unit: "m² seen",
+        meaning: "How much of everything that is measured can be seen from a spot.",
         more_less: ["more is seen", "less is seen"],
     },
     Wording {
@@ -346,8 +347,20 @@ pub fn is_told(key: &str) -> bool {
     wording(key).is_some_and(|w| w.more_less != ["", ""])
 }
 
+/// Whether a measure counts cells, which people are told as area.
+pub fn counts_cells(key: &str) -> bool {
+    let key = key.strip_suffix(CHANGE).unwrap_or(key);
+    matches!(parts(key).0, "degree" | "degree_all" | "connectivity" | "reach")
+}
+
+/// What ends the key of a map of how a measure changes.
+pub const CHANGE: &str = "-change";
+
 /// A name fit to show: the plain one, else the key with spaces and a capital.
 pub fn plain_name(key: &str) -> String {
+    if let Some(measure) = key.strip_suffix(CHANGE) {
+        return format!("Change of {}", plain_name(measure).to_lowercase());
+    }
     let (base, part) = parts(key);
     match wording(base) {
         Some(w) => format!("{}{part}", w.plain),
@@ -565,7 +578,7 @@ mod tests {
     fn names_become_readable() {
         assert_eq!(sentence_case("door-3"), "Door 3");
         assert_eq!(sentence_case("wall-3-4"), "Wall 3-4");
-        assert_eq!(plain_name("depth"), "Accessibility");
+        assert_eq!(plain_name("depth"), "Most steps");
         assert_eq!(plain_name("max_radial"), "Max radial");
         assert_eq!(plain_name("degree-p10@main-hall"), "Visibility, lowest 10 % (main hall)");
         assert_eq!(plain_name("degree-p90"), "Visibility, highest 10 %");

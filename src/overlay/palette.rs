@@ -13,6 +13,10 @@ pub enum Palette {
     BlueToRed,
     /// The same colour at both ends: for directions.
     Cyclic,
+    /// Brown (worse) by white (as it was) to green (better): for changes.
+    Change,
+    /// The same where less is better.
+    ChangeDown,
 }
 
 /// Viridis at eighths (van der Walt and Smith, matplotlib 2.0, CC0).
@@ -38,6 +42,17 @@ const BLUE_TO_RED: [Rgb; 7] = [
     [0xc8, 0x1a, 0x1f],
 ];
 
+/// Brown by white to green, which colour-blind readers tell apart (Brewer's BrBG).
+const CHANGE: [Rgb; 7] = [
+    [0x8c, 0x51, 0x0a],
+    [0xd8, 0xb3, 0x65],
+    [0xf6, 0xe8, 0xc3],
+    [0xf8, 0xf8, 0xf8],
+    [0xc7, 0xea, 0xe5],
+    [0x5a, 0xb4, 0xac],
+    [0x01, 0x66, 0x5e],
+];
+
 /// Light, blue, dark, red, light: four quarters of a turn that grey print tells apart by pairs.
 const CYCLIC: [Rgb; 9] = [
     [0xe6, 0xe0, 0xe8],
@@ -58,13 +73,15 @@ impl Palette {
             Self::Viridis => blend(&VIRIDIS, fraction),
             Self::BlueToRed => blend(&BLUE_TO_RED, fraction),
             Self::Cyclic => blend(&CYCLIC, fraction),
+            Self::Change => blend(&CHANGE, fraction),
+            Self::ChangeDown => blend(&CHANGE, 1.0 - fraction),
         }
     }
 
     /// A colour for what moved that stands out on every colour of the palette (with a white rim).
     pub fn accent(self) -> Rgb {
         match self {
-            Self::Viridis | Self::Cyclic => [0xd5, 0x00, 0x5f],
+            Self::Viridis | Self::Cyclic | Self::Change | Self::ChangeDown => [0xd5, 0x00, 0x5f],
             Self::BlueToRed => [0x8a, 0x00, 0xc8],
         }
     }
@@ -100,6 +117,12 @@ impl Scale {
             .filter(|v| v.is_finite())
             .fold(None, |r: Option<(f64, f64)>, v| Some(r.map_or((v, v), |(lo, hi)| (lo.min(v), hi.max(v)))));
         range.map_or(Self { lo: 0.0, hi: 1.0 }, |(lo, hi)| Self { lo, hi })
+    }
+
+    /// The range about 0 that holds all finite values.
+    pub fn of_changes(values: impl IntoIterator<Item = f64>) -> Self {
+        let most = values.into_iter().filter(|v| v.is_finite()).fold(0.0, |most: f64, v| most.max(v.abs()));
+        Self { lo: -most, hi: most }
     }
 
     /// Where a value lies between the ends, clamped; the middle if the ends coincide.

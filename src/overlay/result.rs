@@ -4,6 +4,7 @@
 //! the same. A number that does not exist (not finite) is `null`. Lengths are metres, areas square
 //! metres, angles radians, entropy bits; parameters are in the unit named by their move.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::de::{MapAccess, Visitor};
@@ -11,6 +12,7 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, Value};
 
+use super::measure::counts_cells;
 use crate::report;
 
 /// `schema` of a [`RoundResult`].
@@ -222,6 +224,34 @@ pub struct Change {
     pub follows: bool,
 }
 
+/// A value with its 95 % interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    /// The mean over lattices of the finer spacing.
+    pub value: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// A gain over the present layout, as a share of the present value (of a score the difference), more is better, measured on
+/// lattices that the search has not used.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Gain {
+    /// What was measured on the finest of them.
+    pub share: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Whether a gain is more or less of the measure.
+    pub sense: Sense,
+}
+
+/// Gains by the names that the measures have in `mean`.
+pub type Gains = BTreeMap<String, Gain>;
+
 /// One member of the diverse set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
@@ -235,6 +265,9 @@ pub struct Candidate {
     pub penalty: Numbers,
     /// The composite score, where one was asked for.
     pub score: Option<f64>,
+    /// Confirmed gains; empty where nothing was confirmed (`run --raw`).
+    #[serde(default, skip_serializing_if = "Gains::is_empty")]
+    pub gain: Gains,
     /// Whether every threshold is met.
     pub within_threshold: bool,
     /// What moved and what it gains, in plain words.
@@ -275,9 +308,12 @@ pub struct Part {
     pub lost: f64,
 }
 
-/// The best layout found, which need not be among the options.
+/// The best layout found, with all its moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Best {
+    /// File, relative to the round.
+    #[serde(default)]
+    pub file: String,
     /// `parameters[i]` belongs to `moves[i]`.
     pub parameters: Vec<f64>,
     /// Means of the measures.
@@ -286,8 +322,17 @@ pub struct Best {
     pub penalty: Numbers,
     /// The composite score.
     pub score: Option<f64>,
+    /// Confirmed gains; empty where nothing was confirmed.
+    #[serde(default, skip_serializing_if = "Gains::is_empty")]
+    pub gain: Gains,
+    /// What moved and what it gains, in plain words.
+    #[serde(default)]
+    pub words: String,
     /// Which option it is, from 1; `null` where it is none.
     pub option: Option<usize>,
+    /// Every element that stands otherwise.
+    #[serde(default)]
+    pub changes: Vec<Change>,
 }
 
 /// How far apart the members stand (`dn` of the spec).
@@ -297,6 +342,9 @@ pub struct Diversity {
     pub min_distance: Option<f64>,
     /// Mean distance over all pairs.
     pub mean_distance: Option<f64>,
+    /// How alike they are to the people in them: the median correlation of their maps of change (what is seen, steps), −1 to 1.
+    #[serde(default)]
+    pub likeness: Option<f64>,
 }
 
 /// Whether more or less of an objective is wanted.
@@ -382,6 +430,13 @@ impl From<&report::Problem> for ProblemEntry {
             place: p.place.to_string(),
             text: p.text.clone(),
         }
+    }
+}
+
+impl RoundResult {
+    /// A mean in the unit in which people are told it: cells as area, m².
+    pub fn told(&self, key: &str, mean: f64) -> f64 {
+        if counts_cells(key) { mean * self.spacing_m * self.spacing_m } else { mean }
     }
 }
 
@@ -471,6 +526,10 @@ pub struct AnalysisResult {
     /// Half the widths of the 95 % confidence intervals of the means that are estimated.
     #[serde(default, skip_serializing_if = "Numbers::is_empty")]
     pub mean_ci95: Numbers,
+    /// Means over several shifted lattices with their 95 % intervals, by the names in `mean`: what holds beyond the one
+    /// lattice of `mean`. Absent for floors of very many or very few cells, and with roots.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub estimate: BTreeMap<String, Interval>,
     /// Penalties of the layout.
     pub penalty: Numbers,
     /// Every storey of a building that has several.

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::measure::{
     fixed, is_told, number, parts as base, percent_change, plain_name, sentence_case, short, trimmed, wording,
 };
-use super::result::{Explanation, MoveEntry, MoveKind, Numbers, Part};
+use super::result::{Explanation, Gain, Gains, MoveEntry, MoveKind, Numbers, Part, Sense};
 
 /// Moves told one by one; the rest is counted.
 const MOVES_TOLD: usize = 4;
@@ -18,15 +18,9 @@ const EIGHTHS: [&str; 8] =
 /// for it, and how unlike the other layouts it is, a sentence each.
 ///
 /// `Door 3 slides 1.2 m east, Kiosk turns 12° anticlockwise; visibility +18 %, accessibility: depth
-/// −9 % (fewer turns), organisation +2 %. Putting Door 3 back costs 54 % of its gain over the present layout. …`
-pub fn words(
-    moves: &[MoveEntry],
-    parameters: &[f64],
-    initial: &Numbers,
-    now: &Numbers,
-    explanation: &Explanation,
-) -> String {
-    let first = note_lines(moves, parameters, initial, now, &explanation.parts).join("; ");
+/// −9 % (fewer turns), evenness +2 %. Putting Door 3 back costs 54 % of its gain over the present layout. …`
+pub fn words(moves: &[MoveEntry], parameters: &[f64], gains: &str, explanation: &Explanation) -> String {
+    let first = note_lines(moves, parameters, gains, &explanation.parts).join("; ");
     let sentences = std::iter::once(first).chain(explained(explanation));
     sentences.filter(|s| !s.is_empty()).map(|s| s + ".").collect::<Vec<_>>().join(" ")
 }
@@ -60,32 +54,14 @@ pub fn headline<'a>(words: &'a str, explanation: &Explanation) -> &'a str {
 }
 
 /// The same in lines: what moved, then what it gains.
-pub fn note_lines(
-    moves: &[MoveEntry],
-    parameters: &[f64],
-    initial: &Numbers,
-    now: &Numbers,
-    bringing: &[Part],
-) -> Vec<String> {
-    [moved(moves, parameters, bringing), gains(initial, now)].into_iter().filter(|l| !l.is_empty()).collect()
+pub fn note_lines(moves: &[MoveEntry], parameters: &[f64], gains: &str, bringing: &[Part]) -> Vec<String> {
+    let lines = [moved(moves, parameters, bringing), gains.to_owned()];
+    lines.into_iter().filter(|l| !l.is_empty()).collect()
 }
 
-/// Why the option is good, in lines: which moves bring the gain, what it gave up, how unlike it is.
+/// Why the option is good, in lines: what it breaks though it was pinned, which moves bring the gain.
 pub fn explained(explanation: &Explanation) -> Vec<String> {
-    let from_others = explanation.nearest.zip(explanation.from_nearest);
-    let alike = match from_others {
-        Some((option, far)) => format!(
-            "Stands {} from option {option}, the most alike, and {} from the present layout",
-            fixed(far, 2),
-            fixed(explanation.from_present, 2)
-        ),
-        None if explanation.from_present == 0.0 => String::new(),
-        None => format!("Stands {} from the present layout", fixed(explanation.from_present, 2)),
-    };
-    [breaks(explanation), parts(explanation), kept(explanation), alike]
-        .into_iter()
-        .filter(|l| !l.is_empty())
-        .collect()
+    [breaks(explanation), parts(explanation)].into_iter().filter(|l| !l.is_empty()).collect()
 }
 
 /// What a pinned option is kept in spite of; empty where it keeps everything.
@@ -121,33 +97,6 @@ pub fn parts(explanation: &Explanation) -> String {
     capitalised(&all.join("; "))
 }
 
-/// `Of the largest gains over the present layout that any layout measured has, it has 83 % in visibility, 95 % in
-/// depth; organisation is worse than at present`. A threshold is another share: of the best among the layouts
-/// inside the thresholds before it.
-fn kept(explanation: &Explanation) -> String {
-    let (gained, lost): (Vec<_>, Vec<_>) = explanation.kept.0.iter().partition(|k| k.1 >= 0.0);
-    let shares: Vec<String> =
-        gained.iter().map(|(key, share)| format!("{} in {}", percent(*share), told_name(key))).collect();
-    let worse: Vec<String> = lost.iter().map(|(key, _)| told_name(key)).collect();
-    let is = if worse.len() > 1 { "are" } else { "is" };
-    let all = [
-        if shares.is_empty() {
-            String::new()
-        } else {
-            format!(
-                "of the largest gains over the present layout that any layout measured has, it has {}",
-                shares.join(", ")
-            )
-        },
-        if worse.is_empty() {
-            String::new()
-        } else {
-            format!("{} {is} worse than at present", listed(&worse, "and"))
-        },
-    ];
-    capitalised(&all.into_iter().filter(|t| !t.is_empty()).collect::<Vec<_>>().join("; "))
-}
-
 /// `a, b or c`.
 pub fn listed(names: &[String], word: &str) -> String {
     match names {
@@ -161,12 +110,9 @@ fn capitalised(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// A measure in a sentence: accessibility is told by its steps, depth.
+/// A measure in a sentence.
 fn told_name(key: &str) -> String {
-    match base(key) {
-        ("depth", part) => format!("depth{part}"),
-        _ => plain_name(key).to_lowercase(),
-    }
+    plain_name(key).to_lowercase()
 }
 
 fn percent(share: f64) -> String {
@@ -190,6 +136,35 @@ pub fn moved(moves: &[MoveEntry], parameters: &[f64], bringing: &[Part]) -> Stri
     }
     if parts.is_empty() { "Nothing moves".to_owned() } else { parts.join(", ") }
 }
+
+/// What is surely gained, in the order of `initial`: `visibility +9 % (7 to 11 %), steps −4 % (3 to 5 %), evenness unchanged (−1 to 2 %)`.
+pub fn confirmed(initial: &Numbers, gains: &Gains) -> String {
+    let listed = initial.0.iter().map(|(key, _)| key).filter(|key| gains.contains_key(*key));
+    let others = gains.keys().filter(|key| initial.get(key).is_none());
+    let one = |key: &String| format!("{} {}", told_name(key), gain_words(key, &gains[key]));
+    listed.chain(others).map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// `+9 % (7 to 11 %)`: the change as the measure shows it, and what it surely is; `unchanged (−1 to 2 %)` where nobody can
+/// tell. A score's is a difference, without per cent.
+pub fn gain_words(key: &str, gain: &Gain) -> String {
+    let (times, digits, unit) = match key {
+        "score" => (1.0, 2, ""),
+        _ => (100.0, usize::from(gain.high - gain.low < TENTHS_BELOW), " %"),
+    };
+    let told = |share: f64| fixed(share * times, digits);
+    let turned = if gain.sense == Sense::Max { 1.0 } else { -1.0 };
+    let [low, high] = if turned > 0.0 { [gain.low, gain.high] } else { [-gain.high, -gain.low] };
+    let range = format!("({} to {}{unit})", told(low), told(high));
+    if gain.low <= 0.0 && gain.high >= 0.0 {
+        return format!("unchanged {range}");
+    }
+    let sign = if turned * gain.share > 0.0 { "+" } else { "" };
+    format!("{sign}{}{unit} {range}", told(turned * gain.share))
+}
+
+/// Per cents are told in tenths where the interval is narrower than this.
+const TENTHS_BELOW: f64 = 0.01;
 
 /// What the measures gain: `visibility +18 %, depth −9 % (fewer turns), …`.
 pub fn gains(initial: &Numbers, now: &Numbers) -> String {
@@ -402,8 +377,11 @@ mod tests {
     #[test]
     fn what_begins_at_nothing_is_told_as_it_is() {
         let of = |v: f64| Numbers::of([("degree-p10@exit", v), ("depth", 8.0)]);
-        assert_eq!(gains(&of(0.0), &of(2.0)), "visibility, lowest 10 % (exit) from 0 to 2.00, depth ±0 %");
-        assert_eq!(gains(&of(0.0), &of(0.0)), "depth ±0 %");
+        assert_eq!(
+            gains(&of(0.0), &of(2.0)),
+            "visibility, lowest 10 % (exit) from 0 to 2.00, most steps ±0 %"
+        );
+        assert_eq!(gains(&of(0.0), &of(0.0)), "most steps ±0 %");
     }
 
     #[test]
@@ -418,6 +396,25 @@ mod tests {
     }
 
     #[test]
+    fn gains_are_told_with_what_is_known_of_them() {
+        let gain = |share, low, high, sense| Gain { share, low, high, sense };
+        let cases = [
+            (gain(0.09, 0.07, 0.11, Sense::Max), "+9 % (7 to 11 %)"),
+            (gain(0.04, 0.032, 0.041, Sense::Min), "−4.0 % (−4.1 to −3.2 %)"),
+            (gain(0.004, -0.012, 0.02, Sense::Max), "unchanged (−1 to 2 %)"),
+            (gain(-0.05, -0.08, -0.02, Sense::Max), "−5 % (−8 to −2 %)"),
+            (gain(-0.05, -0.08, -0.02, Sense::Min), "+5 % (2 to 8 %)"),
+        ];
+        for (gain, words) in cases {
+            assert_eq!(gain_words("degree", &gain), words);
+        }
+        assert_eq!(gain_words("score", &cases[0].0), "+0.09 (0.07 to 0.11)");
+        let gains = Gains::from([("mean-depth".into(), cases[1].0), ("degree".into(), cases[0].0)]);
+        let initial = Numbers::of([("degree", 10.0), ("depth", 3.0), ("mean-depth", 2.0)]);
+        assert_eq!(confirmed(&initial, &gains), "visibility +9 % (7 to 11 %), steps −4.0 % (−4.1 to −3.2 %)");
+    }
+
+    #[test]
     fn a_door_and_a_kiosk() {
         let moves = [
             entry("door-3", MoveKind::X, [-2.0, 2.0], "m"),
@@ -427,9 +424,9 @@ mod tests {
         let initial = Numbers::of([("degree", 100.0), ("depth", 8.0), ("entropy", 2.5)]);
         let now = Numbers::of([("degree", 118.0), ("depth", 7.25), ("entropy", 2.5)]);
         assert_eq!(
-            words(&moves, &[1.2, -12.0, 350.0], &initial, &now, &Explanation::default()),
+            words(&moves, &[1.2, -12.0, 350.0], &gains(&initial, &now), &Explanation::default()),
             "Kiosk turns 12° clockwise and slides 35 cm north, Door 3 slides 1.2 m east; \
-             visibility +18 %, depth −9.4 % (fewer turns), organisation ±0 %."
+             visibility +18 %, most steps −9.4 % (fewer turns), evenness ±0 %."
         );
     }
 
@@ -457,7 +454,7 @@ mod tests {
     }
 
     #[test]
-    fn an_explanation_says_what_is_lost_kept_and_alike() {
+    fn an_explanation_says_what_is_lost() {
         let part =
             |name: &str, groups, lost| super::super::result::Part { name: name.to_owned(), groups, lost };
         let mut e = Explanation {
@@ -466,22 +463,14 @@ mod tests {
             from_present: 1.0,
             nearest: Some(2),
             from_nearest: Some(0.756),
-            kept: Numbers::of([("degree", 0.834), ("depth", 0.95), ("entropy", -21.05)]),
+            kept: Numbers::default(),
         };
         assert_eq!(
             explained(&e),
-            [
-                "Putting Door 3 back costs 54 % of its gain over the present layout, \
-                 putting Kiosk and what is linked with it back 31 %",
-                "Of the largest gains over the present layout that any layout measured has, it has 83 % in visibility, \
-                 95 % in depth; organisation is worse than at present",
-                "Stands 0.76 from option 2, the most alike, and 1.00 from the present layout",
-            ]
+            ["Putting Door 3 back costs 54 % of its gain over the present layout, \
+              putting Kiosk and what is linked with it back 31 %"]
         );
-        let told = words(&[], &[], &Numbers::default(), &Numbers::default(), &e);
-        for part in ["Putting Door 3 back", "Of the largest gains", "Stands 0.76 from option 2"] {
-            assert!(told.contains(part), "{told}");
-        }
+        assert!(words(&[], &[], "", &e).contains("Putting Door 3 back"));
         // What rounding left of a bound over rounds is no move.
         let turned =
             [entry("a", MoveKind::X, [-2.0, 2.0], "m"), entry("a", MoveKind::Rotate, [-15.0, 15.0], "deg")];
@@ -489,23 +478,16 @@ mod tests {
         assert_eq!(moved(&turned, &[1.2, 3.55e-15], &bring), "A slides 1.2 m east");
         // A name may hold what looks like the end of a sentence.
         let moves = [entry("St. Luke", MoveKind::X, [-2.0, 2.0], "m")];
-        let told = words(&moves, &[1.2], &Numbers::default(), &Numbers::default(), &e);
         assert_eq!(
-            headline(&told, &e),
-            note_lines(&moves, &[1.2], &Numbers::default(), &Numbers::default(), &[]).join("; ")
+            headline(&words(&moves, &[1.2], "", &e), &e),
+            note_lines(&moves, &[1.2], "", &[]).join("; ")
         );
         e.parts = vec![part("wall-2", 1, 1.7), part("door-4", 1, 1.2), part("door-1", 1, 0.08)];
-        e.kept = Numbers::of([("degree", -0.1), ("entropy", -0.2)]);
         assert_eq!(
-            explained(&e)[..2],
-            [
-                "Putting Wall 2 or Door 4 back makes it worse than the present layout; \
-                 putting Door 1 back costs 8 % of its gain over the present layout",
-                "Visibility and organisation are worse than at present",
-            ]
+            explained(&e),
+            ["Putting Wall 2 or Door 4 back makes it worse than the present layout; \
+              putting Door 1 back costs 8 % of its gain over the present layout"]
         );
-        e = Explanation { from_present: 0.5, ..Explanation::default() };
-        assert_eq!(explained(&e), ["Stands 0.50 from the present layout"]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What is asked of a layout: measures taken together in other ways than the mean, and hard limits.
 
 use super::study::{Seen, Study, Worth, divisor};
-use crate::analysis::measures::{UNDEFINED, global_row};
+use crate::analysis::measures::{UNDEFINED, entropy_bits, global_row, mean_depth};
 use crate::config::{Aggregate, Aim, Bound, Held, Limit, Measure, PairName, Penalty, Settings, Source};
 
 /// A limit passed by less than this share of it is kept: written coordinates are rounded to 1 µm.
@@ -64,25 +64,18 @@ pub fn is_of_trees(measure: Measure) -> bool {
 
 fn all_values(seen: &Seen, measure: Measure) -> Vec<f64> {
     let tally = &seen.tally;
-    let levels = |k: usize| {
+    let each = |of: &dyn Fn(&[u32]) -> f64| {
         let mut at = 0;
-        let mut next = |d: &u32| {
+        let next = |d: &u32| {
             let own = &tally.levels[at..at + *d as usize];
             at += *d as usize;
-            global_row(own)[k]
+            of(own)
         };
-        // Who sees nobody is 0 steps away, and the spread over no steps is 0 bits.
-        let is_zero = matches!(measure, Measure::Entropy | Measure::MeanDepth);
-        let defined = |v: f64| {
-            if v != UNDEFINED {
-                v
-            } else if is_zero {
-                0.0
-            } else {
-                f64::NAN
-            }
-        };
-        tally.depth.iter().map(|d| defined(next(d))).collect::<Vec<f64>>()
+        tally.depth.iter().map(next).collect::<Vec<f64>>()
+    };
+    let levels = |k: usize| {
+        let defined = |v: f64| if v == UNDEFINED { f64::NAN } else { v };
+        each(&|own| defined(global_row(own)[k]))
     };
     let isovist = |k: usize| seen.isovists.iter().map(|v| v[k]).collect();
     let counts = |list: &[u32]| list.iter().map(|v| f64::from(*v)).collect();
@@ -90,11 +83,12 @@ fn all_values(seen: &Seen, measure: Measure) -> Vec<f64> {
         Measure::Degree => counts(&tally.degree),
         Measure::Connectivity => counts(&tally.degree_all),
         Measure::Depth => counts(&tally.depth),
-        Measure::Entropy => levels(0),
+        // Who sees nobody is 0 steps away, and the spread over no steps is 0 bits.
+        Measure::Entropy => each(&entropy_bits),
         Measure::Integration => levels(1),
         Measure::IntegrationPValue => levels(2),
         Measure::IntegrationTekl => levels(3),
-        Measure::MeanDepth => levels(4),
+        Measure::MeanDepth => each(&mean_depth),
         Measure::Reach => levels(5).into_iter().map(|n| n - 1.0).collect(),
         Measure::RelativisedEntropy => levels(6),
         Measure::IsovistArea => isovist(0),

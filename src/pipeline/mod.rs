@@ -9,9 +9,11 @@ mod asked;
 mod backend;
 mod building;
 pub mod cells;
+mod estimate;
 mod explain;
 mod fits;
 mod graph;
+mod lattices;
 mod memory;
 mod page;
 mod reading;
@@ -34,10 +36,9 @@ use sha2::{Digest, Sha256};
 
 use crate::analysis::measures::Column;
 use crate::analysis::sampled::AREA_ROOTS;
-use crate::config::Settings;
+use crate::config::{PairName, Settings};
 use crate::formats::{self, Opened};
 use crate::overlay::heat_map::DEFAULT_SIDE_PX;
-use crate::overlay::measure::wording;
 use crate::overlay::result::{self, AnalysisResult, CheckResult};
 use crate::overlay::{HeatMap, Palette, PlanPicture, Scale, check_png, glossary, heat_map_png};
 use crate::report::{Cancel, Error, OutFile, Place, Report, counted};
@@ -249,6 +250,11 @@ pub fn analyse_from(
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
     let settings = &*building::on_storey_of_query(input, settings)?;
     let (mut outcome, study) = analyse_storey(input, settings, roots, cancel)?;
+    if roots.is_none() {
+        outcome.result.estimate = estimate::present(&study, settings);
+        outcome.files.retain(|f| f.path.as_os_str() != "analysis.json");
+        outcome.files.push(OutFile::new("analysis.json", result::to_json(&outcome.result)?));
+    }
     add_storeys(input, settings, &study, &mut outcome, cancel)?;
     Ok((outcome, study))
 }
@@ -334,7 +340,8 @@ fn analysis_of(
     let pictures = rayon_map(&jobs, |m| {
         let values = show::values(study, &study.initial, *m, settings);
         let scale = Scale::of(values.iter().copied().filter(|v| v.is_finite()));
-        heat_map(study, settings, &picture, &values, *m, scale, &format!("{}, as drawn", input.file()))
+        let look = MapLook { title: m.title(), unit: m.unit(), scale, palette: show::palette(settings) };
+        heat_map(study, &picture, (m.pair, &values), &look, &format!("{}, as drawn", input.file()))
     });
     for (m, png) in jobs.iter().zip(pictures) {
         files.push(OutFile::new(format!("{}.png", m.file()), png?));
@@ -354,6 +361,7 @@ fn analysis_result(input: &Input<'_>, study: &Study, report: &Report) -> Analysi
         mean: show::mean_numbers(study, &study.initial),
         estimated_from_roots: study.initial.seen.estimated.as_ref().map(|e| e.places.len() as u64),
         mean_ci95: show::mean_half_widths(study),
+        estimate: Default::default(),
         penalty: show::penalty_numbers(&study.initial),
         storeys: Vec::new(),
         problems: report.problems.iter().map(Into::into).collect(),
@@ -364,29 +372,32 @@ fn lattice_centre(study: &Study) -> [f64; 2] {
     study.lattice.origin_um.map(|v| v as f64 / 1e6)
 }
 
-/// One heat map of a layout's values.
+/// How values become a heat map.
+struct MapLook {
+    title: String,
+    unit: &'static str,
+    scale: Scale,
+    palette: Palette,
+}
+
+/// One heat map of a layout's values over the cells of a pair.
 fn heat_map(
     study: &Study,
-    settings: &Settings,
     picture: &PlanPicture,
-    values: &[f64],
-    map: show::Map,
-    scale: Scale,
+    (pair, values): (Option<PairName>, &[f64]),
+    look: &MapLook,
     subtitle: &str,
 ) -> Result<Vec<u8>, Error> {
-    let words = wording(map.measure.name());
-    let title = words.map_or(map.measure.name().to_string(), |w| format!("{} ({})", w.plain, w.technical));
-    let title = map.pair.map_or(title.clone(), |pair| format!("{title}: {pair}"));
     let map = HeatMap {
         picture,
-        cells: &show::cells(study, map.pair, values),
+        cells: &show::cells(study, pair, values),
         spacing_m: study.spacing_m,
-        scale,
-        title: &title,
+        scale: look.scale,
+        title: &look.title,
         subtitle,
-        unit: words.map_or("", |w| w.unit),
+        unit: look.unit,
         no_value: "not measured",
-        palette: show::palette(settings),
+        palette: look.palette,
     };
     heat_map_png(&map, DEFAULT_SIDE_PX)
 }

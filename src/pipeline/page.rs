@@ -4,6 +4,7 @@ use super::Input;
 use super::round::Found;
 use super::show::Map;
 use crate::config::{Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure};
+use crate::overlay::measure::CHANGE;
 use crate::overlay::page::{ArchivePoint, ReportInput, View, report_html};
 use crate::overlay::result::{RoundResult, Sense};
 use crate::report::OutFile;
@@ -21,7 +22,8 @@ pub(super) fn page(
     found: Option<&Found>,
 ) -> String {
     let png = |name: &str| files.iter().find(|f| f.path.as_os_str() == name).map(|f| f.bytes.as_slice());
-    let names: Vec<(String, String)> = maps.iter().map(|m| (m.key(), m.file())).collect();
+    let changed = |m: &Map| [(m.key(), m.file()), (m.key() + CHANGE, m.file() + CHANGE)];
+    let names: Vec<(String, String)> = maps.iter().flat_map(changed).collect();
     let views = |stem: &str| {
         let view = |(key, file)| Some(View { measure: key, png: png(&format!("{stem}-{file}.png"))? });
         names.iter().map(|(k, f)| (k.as_str(), f.as_str())).filter_map(view).collect::<Vec<_>>()
@@ -33,6 +35,7 @@ pub(super) fn page(
         round: input.round,
         present: views("initial"),
         candidates: stems.map(|s| views(&s)).collect(),
+        best: views("best"),
         diversity: png("diversity.png").filter(|_| !result.candidates.is_empty()),
         convergence: png("convergence.png").filter(|_| found.is_some()),
         understood: Some(understood),
@@ -114,6 +117,7 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     if let Some(most) = settings.most_moves {
         add("most-moves", most.to_string());
     }
+    add("least-gain", settings.least_gain.to_string());
     if settings.accept_missing_eof {
         out.push_str(" --accept-missing-eof");
     }
@@ -122,6 +126,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
     }
     if settings.only_marked {
         out.push_str(" --only-marked");
+    }
+    if settings.raw {
+        out.push_str(" --raw");
     }
     if settings.until_converged {
         out.push_str(" --until-converged");

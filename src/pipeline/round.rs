@@ -1,16 +1,19 @@
 //! One round: search, verify, write.
 
 mod budget;
+mod confirmed;
 mod doors;
 mod files;
 mod found;
-mod grid;
+mod ideas;
 mod joints;
 mod judged;
 mod leaving;
 mod made;
 mod named;
 mod overlaps;
+mod refined;
+mod stripped;
 mod told;
 
 use std::time::Instant;
@@ -22,19 +25,22 @@ use super::memory::Memory;
 use super::ruler::ruler;
 use super::sensed::Sensed;
 use super::show;
-use super::study::{Study, Worth};
+use super::study::{Study, Use, Worth};
 use super::{Event, Input, Outcome, Progress};
-use super::{fits, rules};
-use crate::config::{Aim, Method, Mode, Settings, Thresholds, Unsure};
+use super::{aims, fits, lattices, rules};
+use crate::config::{Aim, Held, Method, Mode, Settings, Thresholds, Unsure};
 use crate::moves::Parameter;
 use crate::moves::control::{Control, LIKE_SHARE};
-use crate::overlay::result::{self, Candidate, Explanation, LineageEntry, MoveEntry, Numbers, RoundResult};
+use crate::overlay::result::{
+    self, Best, Candidate, Diversity, Explanation, Gains, LineageEntry, MoveEntry, Numbers, RoundResult,
+};
 use crate::overlay::words;
 use crate::report::{Cancel, Error, OutFile, Place, Report};
 use crate::search::{self, Evaluation, Search};
 use budget::Allowance;
 pub(super) use found::Found;
 use found::found;
+use ideas::Experience;
 pub(super) use judged::hidden;
 use judged::{distances, evaluation, is_firm, nearest, objectives, pinned};
 use made::{Made, changes, make};
@@ -48,6 +54,25 @@ pub const BATCH: usize = 2;
 /// rounded to 1 µm, so that a turned wall never keeps its length exactly, and a drawing without any penalty
 /// would otherwise allow no turn at all. Results report what was measured.
 pub const PENALTY_FREE: f64 = 0.05;
+
+/// Objectives as the user and as the search know them.
+pub(super) type Aims = [(Aim, search::Objective)];
+
+/// What a search works with.
+pub(super) struct Brief<'a> {
+    /// On the lattice that is shown.
+    study: &'a Study,
+    /// On the lattices that are searched on; the same one where the problem is bare.
+    trial: &'a Study,
+    settings: &'a Settings,
+    control: &'a Control,
+    objectives: &'a Aims,
+}
+
+/// Whether a search is the bare problem: one lattice, options by the distance of their parameters.
+fn is_bare(settings: &Settings) -> bool {
+    settings.raw || settings.method == Method::Paper
+}
 
 /// How often progress is said at most.
 const PROGRESS_EVERY_MS: u128 = 50;
@@ -79,7 +104,19 @@ pub(super) fn run(
             show(Event::SoFar { files: made.files, progress });
             Ok(())
         };
-        Some(optimise(input, study, settings, started, show, cancel, &mut so_far)?)
+        let control = rules::control(&study.base, settings)?;
+        let objectives = objectives(settings);
+        // Too small a floor has no cells on wider lattices.
+        let trial = (!is_bare(settings))
+            .then(|| study.on_lattices(settings, &lattices::searched(study, settings), Use::Search).ok())
+            .flatten();
+        let trial = trial.map(|mut trial| {
+            trial.share_card(study);
+            trial
+        });
+        let trial = trial.as_ref().unwrap_or(study);
+        let brief = Brief { study, trial, settings, control: &control, objectives: &objectives };
+        Some(optimise(input, &brief, started, show, cancel, &mut so_far)?)
     };
     let total = Some(found.as_ref().map_or(0, |f| f.members.len() as u64));
     show(Event::Progress(Progress { stage: "write".into(), total, ..Default::default() }));
@@ -95,7 +132,8 @@ fn round(
     found: Option<&Found>,
     started: Instant,
 ) -> Result<Outcome<RoundResult>, Error> {
-    if let Some(why) = study.card_trouble() {
+    let card_trouble = found.and_then(|f| f.card_trouble.as_deref());
+    if let Some(why) = study.card_trouble().or(card_trouble) {
         let text = format!("{why}; the cores measured the rest, with the same result");
         report.warn("backend-gave-up", Place::file(input.file()), text);
     }
@@ -103,11 +141,13 @@ fn round(
     let made: Vec<Made> = members
         .par_iter()
         .enumerate()
-        .map(|(i, m)| make(input, settings, study, i, m))
+        .map(|(i, m)| make(input, settings, study, &format!("candidate-{}", i + 1), m))
         .collect::<Result<_, _>>()?;
     for m in &made {
         report.extend(m.report.clone());
     }
+    let best = found.and_then(|f| f.best.as_ref());
+    let best = best.map(|b| make(input, settings, study, "best", &b.member)).transpose()?;
     joints::say_opened(&mut report, input.file(), study, &made);
     doors::say_narrowed(&mut report, input.file(), study, &made);
     overlaps::say_overlaps(&mut report, input.file(), study, settings, &made);
@@ -130,18 +170,23 @@ fn round(
         are_pinned: pair.into_iter().all(|i| i < pinned(settings)),
         has_ended: found.is_none_or(|f| f.has_ended),
     });
-    told::say_alikeness(&mut report, input.file(), settings, share, nearest.as_ref());
-    if found.is_some_and(|f| f.has_ended) {
-        grid::say_gridded(&mut report, input.file(), settings, study, &made);
+    told::say_lowered(&mut report, input.file(), share);
+    let likeness = likeness(study, &made);
+    if is_bare(settings) {
+        told::say_alikeness(&mut report, input.file(), settings, nearest.as_ref());
+    } else {
+        let shared = told::shared_parts(found.map_or(&[][..], |f| &f.explanations));
+        told::say_likeness(&mut report, input.file(), likeness, &shared);
     }
     told::say_free_of_modules(&mut report, input.file(), study, settings);
-    let mut result = round_result(input, settings, study, &report, found, &made, started);
+    let mut result = round_result(input, settings, study, &report, found, (&made, best.as_ref()), started);
     result.questions = sensed.doubts.iter().map(|d| asked::entry(d, &study.base.plan)).collect();
     if found.is_none() && !result.questions.is_empty() {
         result.stopped_by = "questions are open: the present layout was measured".into();
     }
-    let mut files = files::pictures(input, settings, study, &made)?;
-    files.extend(files::drawings(input, settings, study, &made, &result)?);
+    let shown: Vec<&Made> = made.iter().chain(&best).collect();
+    let mut files = files::pictures(input, settings, study, &shown)?;
+    files.extend(files::drawings(input, settings, study, &shown, &result)?);
     files.push(OutFile::new("convergence.png", files::convergence(found)?));
     files.push(OutFile::new("diversity.png", files::diversity(study, &made)?));
     let understood = super::check_picture(&study.base, sensed)?;
@@ -162,16 +207,14 @@ type TakeSoFar<'a> =
 /// goes to `so_far` as often as the settings say.
 fn optimise(
     input: &Input<'_>,
-    study: &Study,
-    settings: &Settings,
+    brief: &Brief<'_>,
     started: Instant,
     show: &mut (dyn FnMut(Event) + Send),
     cancel: &Cancel,
     so_far: &mut TakeSoFar<'_>,
 ) -> Result<Found, Error> {
-    let objectives = objectives(settings);
-    let control = rules::control(&study.base, settings)?;
-    let seeds = rules::seeds(&control, settings);
+    let Brief { study, settings, control, objectives, .. } = *brief;
+    let seeds = rules::seeds(control, settings);
     let known = (1 + seeds.len()) as u64;
     let mut search = Search::new(search::Study {
         bounds: control.bounds(),
@@ -213,7 +256,7 @@ fn optimise(
             allowance.go_on(pace);
         }
         let told = recalled.unwrap_or_else(|| {
-            let told = measured(study, settings, &control, &objectives, &permitted);
+            let told = measured(brief, &permitted);
             memory.learn(&permitted, &told, allowance.pace());
             told
         });
@@ -225,38 +268,40 @@ fn optimise(
         }
         if said.elapsed().as_millis() >= PROGRESS_EVERY_MS {
             said = Instant::now();
-            show(Event::Progress(progress(&search, &control, begun)));
+            show(Event::Progress(progress(&search, control, begun)));
         }
         let is_due = settings.write_every_secs.is_some_and(|s| written.elapsed().as_secs_f64() >= s);
         if is_due && search.stop_reason().is_none() && !cancel.is_stopped() {
-            let found = found(study, settings, &control, &objectives, &search);
-            so_far(found, progress(&search, &control, begun), show)?;
+            let found = found(brief, &search);
+            so_far(found, progress(&search, control, begun), show)?;
             written = Instant::now();
         }
     }
     cancel.check()?;
-    Ok(found(study, settings, &control, &objectives, &search))
+    show(Event::Progress(Progress { stage: "confirm".into(), ..progress(&search, control, begun) }));
+    Ok(found(brief, &search))
 }
 
 /// Violation of what breaks a rule, as only a pinned option can: others are brought to what the rules allow.
 const RULE_BROKEN: f64 = 1.0;
 
 /// What vectors of free parameters are worth.
-fn measured(
-    study: &Study,
-    settings: &Settings,
-    control: &Control,
-    objectives: &[(Aim, search::Objective)],
-    vectors: &[Vec<f64>],
-) -> Vec<Evaluation> {
+fn measured(brief: &Brief<'_>, vectors: &[Vec<f64>]) -> Vec<Evaluation> {
+    let Brief { study, trial, settings, control, objectives } = *brief;
     let layouts: Vec<Vec<f64>> = vectors.iter().map(|p| control.expand(p)).collect();
-    let worths = study.measure_all(&layouts);
-    let of = |(worth, q): (&Worth, &Vec<f64>)| {
-        let found = evaluation(study, settings, objectives, worth);
-        let breach = if control.pinned_breaks(q) { RULE_BROKEN } else { 0.0 };
-        Evaluation { violation: found.violation + breach, ..found }
+    let worths = trial.measure_all(&layouts);
+    // A limit holds for the numbers that are shown.
+    let has_limits = settings.limits.iter().any(|l| matches!(l.held, Held::Aim(_)));
+    let here = (has_limits && !is_bare(settings)).then(|| study.measure_all(&layouts));
+    let missed_here = |i: usize| {
+        here.as_ref().map_or(0.0, |all| aims::missed(study, settings, &all[i]).iter().sum::<f64>())
     };
-    worths.par_iter().zip(vectors).map(of).collect()
+    let of = |(i, (worth, q)): (usize, (&Worth, &Vec<f64>))| {
+        let found = evaluation(trial, settings, objectives, worth);
+        let breach = if control.pinned_breaks(q) { RULE_BROKEN } else { 0.0 };
+        Evaluation { violation: found.violation + breach + missed_here(i), ..found }
+    };
+    worths.par_iter().zip(vectors).enumerate().map(of).collect()
 }
 
 fn progress(search: &Search, control: &Control, begun: Instant) -> Progress {
@@ -272,6 +317,16 @@ fn progress(search: &Search, control: &Control, begun: Instant) -> Progress {
         eta_secs: p.total.map(|t| t.saturating_sub(p.evaluations) as f64 / rate.max(1e-9)),
         folder: None,
     }
+}
+
+/// How alike the options are to the people in them: the median correlation of their maps of change.
+fn likeness(study: &Study, made: &[Made]) -> Option<f64> {
+    let maps: Vec<Experience> = made.iter().map(|m| Experience::of(study, &m.worth)).collect();
+    let after = |i: usize| maps[i + 1..].iter().map(move |b| (i, b));
+    let mut all: Vec<f64> = (0..maps.len()).flat_map(after).map(|(i, b)| maps[i].likeness(b)).collect();
+    all.sort_by(f64::total_cmp);
+    let (low, high) = (all.get((all.len().max(1) - 1) / 2)?, all.get(all.len() / 2)?);
+    Some((low + high) / 2.0)
 }
 
 /// How far apart options should stand, as a share of √n: where all stay near one, or few walls may move at once, the
@@ -313,7 +368,7 @@ fn round_result(
     study: &Study,
     report: &Report,
     found: Option<&Found>,
-    made: &[Made],
+    (made, best): (&[Made], Option<&Made>),
     started: Instant,
 ) -> RoundResult {
     let moves = show::move_entries(&study.base);
@@ -327,10 +382,26 @@ fn round_result(
     };
     let none = Explanation::default();
     let explanations = found.map_or(&[][..], |f| &f.explanations);
+    let gains = found.map_or(&[][..], |f| &f.gains);
     let of = |(i, m): (usize, &Made)| {
-        candidate(settings, study, &moves, &initial.mean, m, explanations.get(i).unwrap_or(&none))
+        let told = (explanations.get(i).unwrap_or(&none), gains.get(i).cloned().unwrap_or_default());
+        candidate(settings, study, &moves, &initial.mean, m, told)
     };
     let candidates = made.iter().enumerate().map(of).collect();
+    let best = found.and_then(|f| f.best.as_ref()).zip(best).map(|(found, made)| {
+        let of = candidate(settings, study, &moves, &initial.mean, made, (&none, found.gains.clone()));
+        Best {
+            file: of.file,
+            parameters: of.parameters,
+            mean: of.mean,
+            penalty: of.penalty,
+            score: of.score,
+            gain: of.gain,
+            words: of.words,
+            option: found.option,
+            changes: of.changes,
+        }
+    });
     RoundResult {
         schema: result::RESULT_SCHEMA.into(),
         input: show::input(&study.base.plan, input.path, input.sha256()),
@@ -342,8 +413,8 @@ fn round_result(
         moves,
         objectives: found.map_or(Vec::new(), |f| f.objectives.clone()),
         candidates,
-        best: found.and_then(|f| f.best.clone()),
-        diversity: distances(study, made),
+        best,
+        diversity: Diversity { likeness: likeness(study, made), ..distances(study, made) },
         evaluations: found.map_or(0, |f| f.evaluations),
         seconds: started.elapsed().as_secs_f64(),
         stopped_by: found
@@ -360,7 +431,7 @@ fn candidate(
     moves: &[MoveEntry],
     initial: &Numbers,
     made: &Made,
-    explanation: &Explanation,
+    (explanation, gain): (&Explanation, Gains),
 ) -> Candidate {
     let mean = show::mean_numbers(study, &made.worth);
     Candidate {
@@ -369,8 +440,7 @@ fn candidate(
         words: words::words(
             &words::by_north(moves, study.base.plan.north_deg),
             &made.member.parameters,
-            &told(study, initial),
-            &told(study, &mean),
+            &gains_words(study, initial, &mean, &gain),
             explanation,
         ) + &told::goes_along_words(&study.base, made)
             + &told::unseen_words(made)
@@ -381,8 +451,18 @@ fn candidate(
         mean,
         penalty: show::penalty_numbers(&made.worth),
         score: Some(study.score(&made.worth, settings)),
+        gain,
         within_threshold: made.member.within_threshold,
         changes: changes(study, made),
+    }
+}
+
+/// What is gained, in words: what was confirmed, else what was measured on the lattice shown.
+fn gains_words(study: &Study, initial: &Numbers, mean: &Numbers, gain: &Gains) -> String {
+    if gain.is_empty() {
+        words::gains(&told(study, initial), &told(study, mean))
+    } else {
+        words::confirmed(initial, gain)
     }
 }
 

@@ -183,7 +183,7 @@ pub fn broken(
     (parameters, worth): (&[f64], &Worth),
 ) -> Vec<String> {
     let mut all = broken_limits(study, settings, worth);
-    if worth.seen.tally.disconnected > 0 {
+    if worth.cut_off > 0.0 {
         all.push("that no space is cut off".into());
     }
     let of = |pair: Option<PairName>| pair.map_or_else(|| "reference".into(), |name| format!("{name}"));

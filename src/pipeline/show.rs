@@ -11,6 +11,7 @@ use crate::config::{Aggregate, Aim, Colours, Measure, PairName, Penalty, Setting
 use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
 use crate::overlay::Palette;
+use crate::overlay::measure::{counts_cells, wording};
 use crate::overlay::picture::{
     Cell, FloorShape, PlanPicture, RegionKind, RegionOutline, Stroke, StrokeKind, bounds_of,
 };
@@ -53,7 +54,7 @@ impl Map {
 /// The heat maps of a round: those of every round, what each named pair sees, and what else is asked for.
 pub fn maps(study: &Study) -> Vec<Map> {
     let mut out: Vec<Map> = SHOWN.map(|measure| Map { measure, pair: None }).to_vec();
-    let degrees = study.pairs.iter().map(|p| Map { measure: Measure::Degree, pair: Some(p.name) });
+    let degrees = study.pairs().iter().map(|p| Map { measure: Measure::Degree, pair: Some(p.name) });
     let asked = study.aims.iter().map(|a| Map { measure: a.measure, pair: a.pair });
     for map in degrees.chain(asked) {
         if !out.contains(&map) {
@@ -61,6 +62,26 @@ pub fn maps(study: &Study) -> Vec<Map> {
         }
     }
     out
+}
+
+impl Map {
+    /// What a legend says: the measure with its technical term and its pair.
+    pub fn title(self) -> String {
+        let words = wording(self.measure.name());
+        let title =
+            words.map_or(self.measure.name().to_string(), |w| format!("{} ({})", w.plain, w.technical));
+        self.pair.map_or(title.clone(), |pair| format!("{title}: {pair}"))
+    }
+
+    /// The unit in which people are told its values.
+    pub fn unit(self) -> &'static str {
+        wording(self.measure.name()).map_or("", |w| w.unit)
+    }
+
+    /// What its values are multiplied by to be in this unit: cells are told as area.
+    pub fn factor(self, study: &Study) -> f64 {
+        if counts_cells(self.measure.name()) { study.spacing_m * study.spacing_m } else { 1.0 }
+    }
 }
 
 /// Colours of the settings.
@@ -274,11 +295,13 @@ fn regions(plan: &Plan) -> Vec<RegionOutline> {
     out
 }
 
-/// Values of a map per query vertex of its pair. `Score`: Σ w_k (f_k(i) − F_k⁰)/|F_k⁰| over its terms of the
+/// Values of a map per query vertex of its pair, as people are told them. `Score`: Σ w_k (f_k(i) − F_k⁰)/|F_k⁰| over its terms of the
 /// unnamed pair, F⁰ the present mean.
 pub fn values(study: &Study, worth: &Worth, map: Map, settings: &Settings) -> Vec<f64> {
     if map.measure.is_of_cells() {
-        return cell_values(study.seen_of(worth, map.pair), map.measure);
+        let factor = map.factor(study);
+        let values = cell_values(study.seen_of(worth, map.pair), map.measure);
+        return values.into_iter().map(|v| v * factor).collect();
     }
     let mut out = vec![0.0; study.lattice.query.len()];
     for (aim, w) in settings.score.iter().filter(|(aim, _)| aim.pair.is_none()) {
@@ -292,7 +315,7 @@ pub fn values(study: &Study, worth: &Worth, map: Map, settings: &Settings) -> Ve
 
 /// All vertices of a pair as cells, those of its region of query with their values; plan frame.
 pub fn cells(study: &Study, pair: Option<PairName>, values: &[f64]) -> Vec<Cell> {
-    let named = study.pairs.iter().find(|p| Some(p.name) == pair);
+    let named = study.pairs().iter().find(|p| Some(p.name) == pair);
     let lattice = named.map_or(&*study.lattice, |p| p.lattice());
     let centre = |v: usize| study.base.plan.frame.plan_from_um(lattice.centre_um(v)).to_array();
     let mut out: Vec<Cell> =
@@ -442,7 +465,7 @@ pub fn mean_numbers(study: &Study, worth: &Worth) -> Numbers {
     };
     let mut out = Numbers(of(&worth.seen, "").to_vec());
     out.0.push(("degree_all".to_owned(), worth.seen.means.degree_all));
-    for (pair, seen) in study.pairs.iter().zip(&worth.pairs) {
+    for (pair, seen) in study.pairs().iter().zip(&worth.pairs) {
         out.0.extend(of(seen, &format!("@{}", pair.name)));
     }
     for (aim, v) in study.aims.iter().zip(&worth.aims) {
@@ -455,7 +478,7 @@ pub fn mean_numbers(study: &Study, worth: &Worth) -> Numbers {
 
 /// Half the widths of the 95 % intervals of the means that are estimated, by the name of the mean.
 pub fn mean_half_widths(study: &Study) -> Numbers {
-    let pairs = study.pairs.iter().zip(&study.initial.pairs).map(|(p, s)| (format!("@{}", p.name), s));
+    let pairs = study.pairs().iter().zip(&study.initial.pairs).map(|(p, s)| (format!("@{}", p.name), s));
     let all = std::iter::once((String::new(), &study.initial.seen)).chain(pairs);
     let of = |(name, seen): (String, &Seen)| {
         let [depth, entropy] = seen.estimated.as_ref()?.half_widths;

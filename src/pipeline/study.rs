@@ -8,7 +8,9 @@ mod far;
 mod gaps;
 mod idle;
 mod jambs;
+mod look;
 pub(super) mod marked;
+mod measuring;
 mod options;
 mod parts;
 mod regions;
@@ -19,22 +21,21 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
 use glam::DVec2;
+use rayon::prelude::*;
 
 use super::aims;
 use super::building::{self, NamedOpening};
 use super::sensed;
 use super::spacing;
-use crate::analysis::evaluator::Scratch;
+use crate::analysis::gpu::Gpu;
 use crate::analysis::lattice::{CellIndex, Ground};
-use crate::analysis::{Lattice, Obstacles, Tally};
+use crate::analysis::{Lattice, Obstacles};
 use crate::config::{Aggregate, Aim, Level, Measure, PairName, Penalty, Settings};
 use crate::formats::{self, ifc};
 use crate::moves::{Layout, Moves, defaults, say_kept};
-use crate::penalties::{
-    self, Alignment, Clearance, Overlap, Passage, RoomArea, WallLength, WallPiece, disconnection,
-};
+use crate::penalties::{self, Alignment, Clearance, Overlap, Passage, RoomArea, WallLength, WallPiece};
 use crate::plan::axes::{AxisGraph, Opening};
-use crate::plan::curve::{Trace, control_points, trace, trace_like};
+use crate::plan::curve::{Trace, control_points, trace};
 use crate::plan::drawing::{Drawing, Format, Shape, Text};
 use crate::plan::fittings::{self, Fitting};
 use crate::plan::frame::unit_by_name;
@@ -51,14 +52,17 @@ use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Wall, box_of, own_layers, understand, view_box};
 use crate::report::{Error, Place, Problem, Report, Severity};
 use jambs::keeping_doors;
+use look::Look;
+pub use look::{LatticeAt, Pair, Use};
 use marked::{
     side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves, taken_up,
 };
+use measuring::Bench;
 use options::plan_options;
 use parts::{closed_that_stay, cover_wide, fixed_parts, moving_segments, piece_moves, pieces_of};
 use regions::{add_regions, corrected, state_interior, state_unused_seeds};
 use seen::Scene;
-pub use seen::{Pair, Seen};
+pub use seen::Seen;
 
 /// Radius r of the clearance penalty (spec 5).
 pub const CLEARANCE_RADIUS_M: f64 = 0.5;
@@ -374,6 +378,8 @@ pub struct Worth {
     pub clearance_m2: f64,
     /// (Σ u_i / (|V_q||V|))².
     pub disconnection: f64,
+    /// Σ u_i / (|V_q||V|).
+    pub cut_off: f64,
 }
 
 impl Worth {
@@ -383,13 +389,14 @@ impl Worth {
     }
 }
 
-/// A study: one drawing with its lattice, ready to measure any layout of its moves.
+/// A study: one drawing with its lattices, ready to measure any layout of its moves. What a layout is worth is the mean
+/// over the lattices; what its cells have is known where there is one.
 pub struct Study {
     /// What was understood.
-    pub base: Understood,
-    /// The cells.
+    pub base: Arc<Understood>,
+    /// The cells of the first lattice.
     pub lattice: Arc<Lattice>,
-    /// Spacing of the cells, metres.
+    /// Spacing of these cells, metres.
     pub spacing_m: f64,
     /// How many roots of trees were asked for; none: every cell is one.
     pub roots: Option<usize>,
@@ -399,9 +406,9 @@ pub struct Study {
     pub edges: u64,
     /// What is measured beyond the three means.
     pub aims: Vec<Aim>,
-    /// The named pairs of regions.
-    pub pairs: Vec<Pair>,
-    main: Scene,
+    /// Never empty.
+    looks: Vec<Look>,
+    gpu: Option<Arc<Gpu>>,
     /// Why the graphics card gave up, if it did.
     card_trouble: OnceLock<String>,
     /// Memory of threads that do not measure at the moment.
@@ -417,13 +424,6 @@ pub struct Study {
     overlap: Overlap,
     passages: Vec<Passage>,
     rooms: Option<RoomArea>,
-}
-
-/// Reusable memory of one thread that measures.
-pub struct Bench {
-    scratch: Scratch,
-    pair_scratches: Vec<Scratch>,
-    pieces: Vec<WallPiece>,
 }
 
 impl Study {
@@ -445,22 +445,60 @@ impl Study {
         roots: Option<usize>,
         report: &mut Report,
     ) -> Result<Self, Error> {
-        let drawn = roots.map(|n| (n, settings.seed));
+        let spacing_m = spacing::choose_m(&base, settings);
+        let spacing_um = (spacing_m * UM_PER_M).round() as i64;
+        let centre_um = settings.lattice_centre_m.unwrap_or_default().map(|v| (v * UM_PER_M).round() as i64);
+        let at = LatticeAt { spacing_um, centre_um };
+        let study = Self::on(
+            Arc::new(base),
+            settings,
+            &[at],
+            (roots.map_or(Use::Search, |n| Use::Roots(n, settings.seed)), spacing_m),
+            report,
+        )?;
+        study.state_blind(report);
+        Ok(study)
+    }
+
+    /// The same study on other lattices; counts of cells are told in cells of this one's first lattice.
+    ///
+    /// # Errors
+    /// As [`Study::new`].
+    pub fn on_lattices(
+        &self,
+        settings: &Settings,
+        lattices: &[LatticeAt],
+        use_for: Use,
+    ) -> Result<Self, Error> {
+        let base = Arc::clone(&self.base);
+        Self::on(base, settings, lattices, (use_for, self.spacing_m), &mut Report::default())
+    }
+
+    /// Measures batches on the graphics card of another study, where that has one and it agrees with the cores here too.
+    pub fn share_card(&mut self, of: &Self) {
+        of.gpu.iter().for_each(|gpu| drop(self.attach(Arc::clone(gpu))));
+    }
+
+    /// What it is for, and the spacing in whose cells counts are told.
+    fn on(
+        base: Arc<Understood>,
+        settings: &Settings,
+        lattices: &[LatticeAt],
+        (use_for, unit_m): (Use, f64),
+        report: &mut Report,
+    ) -> Result<Self, Error> {
         let piece_moves = piece_moves(&base);
         let (fixed, fixed_solids) = fixed_parts(&base, &piece_moves);
         let identity = base.moves.apply(&base.plan, &base.graph, &base.moves.identity());
         let movable = moving_segments(&base, &identity, &piece_moves);
-        let spacing_m = spacing::choose_m(&base, settings);
-        let spacing_um = (spacing_m * UM_PER_M).round() as i64;
-        let centre_um = settings.lattice_centre_m.unwrap_or_default().map(|v| (v * UM_PER_M).round() as i64);
         let seeds_um: Vec<PointUm> =
             settings.seed_points.iter().map(|p| base.plan.frame.um_from_file(DVec2::from(*p))).collect();
         let seed_names: Vec<String> =
             settings.seed_points.iter().map(|p| format!("{},{}", p[0], p[1])).collect();
-        let ground = Ground {
+        let ground = |at: &LatticeAt| Ground {
             file: &base.plan.file,
-            spacing_um,
-            centre_um: near(centre_um, spacing_um, &base.plan),
+            spacing_um: at.spacing_um,
+            centre_um: near(at.centre_um, at.spacing_um, &base.plan),
             query: &base.plan.markers.query,
             reference: &base.plan.markers.reference,
             seeds_um: &seeds_um,
@@ -472,12 +510,20 @@ impl Study {
             interior: base.interior.as_ref().filter(|_| base.plan.markers.needs_interior()),
             solid_across_um: (SOLID_ACROSS_M * base.plan.human_scale * UM_PER_M).round() as i64,
         };
-        let main = Scene::new(&ground, &base, &identity, seen::asked(settings, None), drawn, report)?;
-        let under = blind(&base, &identity, &main.cells, &movable);
-        spacing::state(&base, settings, spacing_m, [main.lattice.cells.len(), under.len()], report);
+        let look = |at: &LatticeAt| {
+            let mut own = Report::default();
+            let look = Look::new(&ground(at), &base, &identity, settings, (use_for, unit_m), &mut own);
+            look.map(|look| (look, own))
+        };
+        let looks: Vec<(Look, Report)> = lattices.par_iter().map(look).collect::<Result<_, _>>()?;
+        let (looks, reports): (Vec<Look>, Vec<Report>) = looks.into_iter().unzip();
+        reports.into_iter().for_each(|own| report.extend(own));
+        let first = &looks[0];
+        let spacing_m = lattices[0].spacing_um as f64 / UM_PER_M;
+        let under = blind(&base, &identity, &first.main.cells, &movable);
+        spacing::state(&base, settings, spacing_m, [first.main.lattice.cells.len(), under.len()], report);
         state_interior(&base, settings, report);
-        let pairs = seen::pairs(&base, &ground, &identity, settings, drawn, report)?;
-        seen::state_asked(&base, &pairs, settings, report)?;
+        seen::state_asked(&base, &first.pairs, settings, report)?;
         let (pieces, piece_ranges) = pieces(&base, &identity, &piece_moves);
         let layout = penalties::Layout { pieces: &pieces };
         let mut study = Self {
@@ -494,32 +540,39 @@ impl Study {
             rooms: aims::asks_for_rooms(settings).then(|| rooms(&base, &layout, report)),
             aims: aims::aims(settings),
             initial: Worth::default(),
-            edges: main.edges,
-            lattice: Arc::clone(&main.lattice),
-            main,
-            pairs,
-            base,
+            edges: first.main.edges,
+            lattice: Arc::clone(&first.main.lattice),
+            looks,
+            gpu: None,
+            base: Arc::clone(&base),
             spacing_m,
-            roots,
+            roots: if let Use::Roots(n, _) = use_for { Some(n) } else { None },
             card_trouble: OnceLock::new(),
             benches: Mutex::default(),
             piece_moves,
             pieces,
             piece_ranges,
         };
-        let initial = |scene: &Scene| {
-            let obstacles = study.obstacles(&identity, &scene.cells);
-            let blind = obstacles.blind.clone();
-            scene.seen(scene.evaluator.initial().clone(), &blind, || obstacles)
+        let initial = |look: &Look| {
+            let of = |scene: &Scene| {
+                let obstacles = study.obstacles(&identity, &scene.cells);
+                let blind = obstacles.blind.clone();
+                scene.seen(scene.evaluator.initial().clone(), &blind, || obstacles)
+            };
+            (of(&look.main), look.pairs.iter().map(|p| of(&p.scene)).collect())
         };
-        let named = study.pairs.iter().map(|p| initial(&p.scene)).collect();
-        study.initial = study.worth(initial(&study.main), named, &study.pieces);
-        study.state_blind(report);
+        let seen = study.looks.par_iter().map(initial).collect();
+        study.initial = study.worth(seen, &study.pieces);
         Ok(study)
     }
 
+    /// The named pairs of regions, on the first lattice.
+    pub fn pairs(&self) -> &[Pair] {
+        &self.looks[0].pairs
+    }
+
     fn state_blind(&self, report: &mut Report) {
-        let named = self.pairs.iter().zip(&self.initial.pairs).map(|(p, s)| (format!("-{}", p.name), s));
+        let named = self.pairs().iter().zip(&self.initial.pairs).map(|(p, s)| (format!("-{}", p.name), s));
         let all = std::iter::once((String::new(), &self.initial.seen)).chain(named);
         for (name, _) in all.filter(|(_, seen)| seen.means.degree == 0.0) {
             let text = format!(
@@ -529,89 +582,6 @@ impl Study {
             );
             report.warn("query-sees-nothing", Place::file(&self.base.plan.file), text);
         }
-    }
-
-    /// Memory for one thread.
-    pub fn bench(&self) -> Bench {
-        Bench {
-            scratch: self.main.evaluator.scratch(),
-            pair_scratches: self.pairs.iter().map(|p| p.scene.evaluator.scratch()).collect(),
-            pieces: self.pieces.clone(),
-        }
-    }
-
-    /// Measures the layout of one parameter vector.
-    pub fn measure(&self, p: &[f64], bench: &mut Bench) -> Worth {
-        let layout = self.base.moves.apply(&self.base.plan, &self.base.graph, p);
-        self.measure_layout(&layout, bench)
-    }
-
-    /// Measures a layout of the moving walls.
-    pub fn measure_layout(&self, layout: &Layout, bench: &mut Bench) -> Worth {
-        let moving = self.moving(layout);
-        let tally = self.main.evaluator.evaluate(&moving, &mut bench.scratch);
-        self.worth_of(layout, tally, &moving, bench)
-    }
-
-    /// The worth of a layout whose tally over the unnamed regions is known.
-    fn worth_of(&self, layout: &Layout, tally: Tally, moving: &Obstacles, bench: &mut Bench) -> Worth {
-        self.place_all(layout, &mut bench.pieces);
-        let (seen, pairs) = self.all_seen(layout, tally, moving, &mut bench.pair_scratches);
-        self.worth(seen, pairs, &bench.pieces)
-    }
-
-    fn moving(&self, layout: &Layout) -> Obstacles {
-        let segments = moving_segments(&self.base, layout, &self.piece_moves);
-        Obstacles { blind: blind(&self.base, layout, &self.main.cells, &segments), segments }
-    }
-
-    fn place_all(&self, layout: &Layout, pieces: &mut [WallPiece]) {
-        for (moved, range) in layout.walls.iter().zip(&self.piece_ranges) {
-            let initial = &self.base.plan.walls[moved.wall as usize].trace;
-            let trace = trace_like(&moved.shape, initial, &self.base.plan.frame);
-            self.place(&mut pieces[range.0..range.1], &trace);
-        }
-    }
-
-    fn place(&self, pieces: &mut [WallPiece], trace: &Trace) {
-        for (piece, (_, _, s)) in pieces.iter_mut().zip(trace.segments()) {
-            piece.a = self.base.plan.frame.plan_from_um(s.a);
-            piece.b = self.base.plan.frame.plan_from_um(s.b);
-        }
-    }
-
-    fn worth(&self, seen: Seen, pairs: Vec<Seen>, pieces: &[WallPiece]) -> Worth {
-        let layout = penalties::Layout { pieces };
-        let clearance_m2 = self.clearance.measure_m2(&layout);
-        let passages_m: Vec<f64> = self.passages.iter().map(|p| p.measure_m(&layout)).collect();
-        let rooms_m2 = self.rooms.as_ref().map_or_else(Vec::new, |r| r.areas_m2(&layout));
-        let penalties = [
-            clearance_m2 * clearance_m2,
-            self.wall_length.measure_m(&layout),
-            self.alignment.measure_rad2(&layout),
-            self.overlap.measure_m(&layout),
-            passages_m.first().copied().unwrap_or(0.0),
-            self.rooms.as_ref().map_or(0.0, |r| r.lost_m2(&rooms_m2)),
-        ];
-        let disconnection =
-            disconnection(seen.tally.disconnected, self.lattice.query.len(), self.lattice.cells.len());
-        let mut worth = Worth {
-            seen,
-            pairs,
-            penalties,
-            wall_total_m: penalties::wall_length::total_m(&layout),
-            passages_m,
-            rooms_m2,
-            aims: Vec::new(),
-            clearance_m2,
-            disconnection,
-        };
-        let aim = |a: &Aim| {
-            let seen = self.seen_of(&worth, a.pair);
-            aims::together(aims::cell_values(seen, a.measure), a.aggregate)
-        };
-        worth.aims = self.aims.iter().map(aim).collect();
-        worth
     }
 
     /// Change of the room that has lost most, and of the one that has gained most, as shares of their areas.
@@ -633,6 +603,16 @@ impl Study {
         }
     }
 
+    /// What the present layout has of a measure, also of one that is not among the aims; of one lattice.
+    pub fn mean_of_cells(&self, aim: Aim) -> f64 {
+        let known = self.value(&self.initial, aim);
+        if !known.is_nan() {
+            return known;
+        }
+        let values = aims::cell_values(self.seen_of(&self.initial, aim.pair), aim.measure);
+        self.looks[0].told(aim.measure, aims::together(values, aim.aggregate))
+    }
+
     /// Σ v_j g_j.
     pub fn penalty(&self, worth: &Worth, settings: &Settings) -> f64 {
         settings.penalties.iter().map(|(p, v)| v * worth.penalty(*p)).sum()
@@ -650,7 +630,7 @@ impl Study {
     /// What blocks sight in the present layout.
     pub fn initial_obstacles(&self) -> Obstacles {
         let identity = self.base.moves.apply(&self.base.plan, &self.base.graph, &self.base.moves.identity());
-        self.obstacles(&identity, &self.main.cells)
+        self.obstacles(&identity, &self.looks[0].main.cells)
     }
 
     /// What blocks sight in a layout, all walls together, and which of some cells it covers.

@@ -252,6 +252,7 @@ fn an_accepted_candidate_is_a_clean_drawing() {
             "1",
             "--spacing",
             "1",
+            "--raw",
         ]);
         enfilade(&["accept", "1"]);
         let before = fs::read_to_string(&sample).unwrap();

@@ -99,6 +99,6 @@ fn a_missing_picture_leaves_the_others_under_their_tabs() {
     let page = report_html(&input);
     assert_eq!(page.matches("<p class=\"v v0 missing\">").count(), 1);
     let second = page.split("data-layout=\"1\"").nth(1).unwrap();
-    let alt = "class=\"v v1\" alt=\"Option 2: heat map of accessibility";
+    let alt = "class=\"v v1\" alt=\"Option 2: heat map of most steps";
     assert!(second.split("</article>").next().unwrap().contains(alt));
 }

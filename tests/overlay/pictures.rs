@@ -157,7 +157,7 @@ fn reference_drawings_look_right() {
     let paper = HeatMap { palette: Palette::BlueToRed, ..map };
     look("building-paper.png", &heat_map_png(&paper, 1600).unwrap());
     let (_, entropy) = plans::building("Visual Entropy").unwrap();
-    let map = HeatMap { title: "Organisation", unit: "bits", ..heat(&building, &entropy, 1.3333) };
+    let map = HeatMap { title: "Evenness", unit: "bits", ..heat(&building, &entropy, 1.3333) };
     look("building-entropy.png", &heat_map_png(&map, 1600).unwrap());
 }
 
@@ -174,7 +174,7 @@ fn the_resolution_study_is_drawn() {
     let panels = [
         panel("Visibility (degree)", 120.0),
         panel("Accessibility (tree depth)", 4.0),
-        panel("Organisation (entropy)", 2.4),
+        panel("Evenness (entropy)", 2.4),
     ];
     let png = resolution_png(&panels, &legend, Some(0.7), 1600).unwrap();
     look("resolution.png", &png);

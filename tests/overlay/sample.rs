@@ -3,7 +3,7 @@
 use enfilade::overlay::page::{ArchivePoint, ReportInput, View};
 use enfilade::overlay::picture::{Palette, PlanPicture, Scale, Stroke, StrokeKind};
 use enfilade::overlay::result::*;
-use enfilade::overlay::words::words;
+use enfilade::overlay::words::{confirmed, words};
 use enfilade::overlay::{Cell, HeatMap, Series, check_png, convergence_png, diversity_png, heat_map_png};
 use enfilade::report::{Place, Problem, Severity};
 
@@ -140,6 +140,7 @@ impl Sample {
             round: 3,
             present: views(&self.present),
             candidates: self.candidates.iter().map(|c| views(c)).collect(),
+            best: Vec::new(),
             diversity: Some(&self.diversity),
             convergence: Some(&self.convergence),
             understood: Some(&self.understood),
@@ -231,9 +232,16 @@ fn result() -> RoundResult {
             from_nearest: Some(0.87),
             kept: Numbers::of([("degree", 0.97 - 0.04 * f), ("depth", 0.81 + 0.03 * f)]),
         };
+        let gain = |share: f64, sense| Gain { share, low: share - 0.03, high: share + 0.03, sense };
+        let gain = Gains::from([
+            ("degree".to_owned(), gain(0.18 - 0.02 * f, Sense::Max)),
+            ("depth".to_owned(), gain(0.16 - 0.02 * f, Sense::Min)),
+            ("entropy".to_owned(), gain(-0.01 + 0.02 * f, Sense::Max)),
+        ]);
         Candidate {
             file: format!("candidate-{}.dxf", o + 1),
-            words: words(&moves(), &parameters, &initial.mean, &mean, &explanation),
+            words: words(&moves(), &parameters, &confirmed(&initial.mean, &gain), &explanation),
+            gain,
             explanation,
             parameters,
             mean,
@@ -308,7 +316,7 @@ fn result() -> RoundResult {
         ],
         candidates: (0..OPTIONS).map(candidate).collect(),
         best: None,
-        diversity: Diversity { min_distance: Some(1.576), mean_distance: Some(1.669) },
+        diversity: Diversity { min_distance: Some(1.576), mean_distance: Some(1.669), likeness: None },
         evaluations: 2000,
         seconds: 4.27,
         stopped_by: "evaluations".to_owned(),

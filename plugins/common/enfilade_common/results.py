@@ -5,7 +5,7 @@ import json
 import math
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Dict, List, Optional, Tuple
 
 from .job import Job
@@ -28,11 +28,14 @@ from .plane import (
 
 RESULT_SCHEMA = "enfilade.result/1"
 
+#: Per cents are told in tenths where the interval is narrower than this.
+TENTHS_BELOW = 0.01
+
 #: What moved must fit a wall again to this, mm.
 FIT_MM = 0.1
 
 #: A picture of each of these lies beside every option.
-PICTURES = ("degree", "depth", "entropy", "score")
+PICTURES = ("degree", "mean-depth", "depth", "entropy", "score")
 
 
 @dataclass
@@ -48,6 +51,24 @@ class Option:
     within_threshold: bool
     parameters: List[float]
     changes: List[Dict[str, Any]]
+    #: Confirmed gains by measure: ``share``, ``low``, ``high`` (more is better) and ``sense``; empty where none were.
+    gain: Dict[str, Dict[str, Any]] = field(default_factory=dict)
+
+    def change(self, measure: str) -> str:
+        """The confirmed change of a measure, as the program writes it: ``+9 % (7 to 11 %)``."""
+        gain = self.gain.get(measure)
+        if not gain:
+            return ""
+        low, share, high = (float(gain[k]) for k in ("low", "share", "high"))
+        # A score's is a difference.
+        times, unit = (1.0, "") if measure == "score" else (100.0, " %")
+        digits = 2 if measure == "score" else 1 if high - low < TENTHS_BELOW else 0
+        turned = 1 if gain["sense"] == "max" else -1
+        ends = sorted((turned * low, turned * high))
+        between = " to ".join(f"{times * v + 0.0:.{digits}f}".replace("-", "−") for v in ends)
+        if low <= 0 <= high:
+            return f"unchanged ({between}{unit})"
+        return f"{times * turned * share:+.{digits}f}{unit} ({between}{unit})".replace("-", "−")
 
     def picture(self, measure: str) -> str:
         return os.path.splitext(self.file)[0] + f"-{measure}.png"
@@ -62,6 +83,8 @@ class Round:
     sha256: str
     initial: Dict[str, float]
     options: List[Option]
+    #: The best layout found, number 0; none where it is one of the options, or nothing is better.
+    best: Optional[Option]
     problems: List[str]
     stopped_by: str
     spacing_m: float
@@ -129,7 +152,8 @@ def read(folder: str) -> Round:
 
 
 def _round(folder: str, data: Dict[str, Any]) -> Round:
-    options = [_option(folder, i, c) for i, c in enumerate(data["candidates"])]
+    options = [_option(folder, i + 1, c) for i, c in enumerate(data["candidates"])]
+    best = data.get("best")
     centre = data["lattice_centre"]
     return Round(
         folder=folder,
@@ -137,6 +161,7 @@ def _round(folder: str, data: Dict[str, Any]) -> Round:
         sha256=data["input"]["sha256"],
         initial=dict(data["initial"]["mean"]),
         options=options,
+        best=_option(folder, 0, best) if best and best.get("file") and best.get("option") is None else None,
         problems=[f"{p['place']}: {p['text']}" for p in data["problems"] if p["severity"] != "info"],
         stopped_by=data["stopped_by"],
         spacing_m=float(data["spacing_m"]),
@@ -144,18 +169,19 @@ def _round(folder: str, data: Dict[str, Any]) -> Round:
     )
 
 
-def _option(folder: str, index: int, data: Dict[str, Any]) -> Option:
+def _option(folder: str, number: int, data: Dict[str, Any]) -> Option:
     name = os.path.basename(data["file"])
     return Option(
-        number=index + 1,
+        number=number,
         file=os.path.join(folder, name),
         words=data["words"],
         mean=dict(data["mean"]),
         penalty=dict(data["penalty"]),
         score=data["score"],
-        within_threshold=bool(data["within_threshold"]),
+        within_threshold=bool(data.get("within_threshold", True)),
         parameters=[float(p) for p in data["parameters"]],
         changes=list(data["changes"]),
+        gain=dict(data.get("gain", {})),
     )
 
 

@@ -160,3 +160,19 @@ def test_heat_maps_are_read_from_an_option(house, tmp_path, real_program):
     xs = [p[0] for _, corners in cells for p in corners]
     assert len(cells) > 50 and -200 < min(xs) and max(xs) < 8200
     assert results.index_colour(1) == (1.0, 0.0, 0.0) and results.index_colour(170) == (0.0, 0.0, 1.0)
+
+
+def test_changes_are_told_as_the_program_tells_them() -> None:
+    def option(measure: str, share: float, low: float, high: float, sense: str) -> results.Option:
+        gain = {measure: {"share": share, "low": low, "high": high, "sense": sense}}
+        return results.Option(1, "", "", {}, {}, None, True, [], [], gain)
+
+    for change, words in (
+        (option("degree", 0.09, 0.07, 0.11, "max"), "+9 % (7 to 11 %)"),
+        (option("degree", 0.04, 0.032, 0.041, "min"), "−4.0 % (−4.1 to −3.2 %)"),
+        (option("degree", 0.004, -0.012, 0.02, "max"), "unchanged (−1 to 2 %)"),
+        (option("degree", -0.05, -0.08, -0.02, "min"), "+5 % (2 to 8 %)"),
+    ):
+        assert change.change("degree") == words
+        assert change.change("entropy") == ""
+    assert option("score", 0.09, 0.07, 0.11, "max").change("score") == "+0.09 (0.07 to 0.11)"

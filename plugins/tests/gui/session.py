@@ -183,7 +183,7 @@ class Answers:
             "status": p.status.text(),
             "page": p.pages.currentIndex(),
             "running": p.runner.is_running(),
-            "options": max(0, p.options.strip.count() - 1),
+            "options": len(p.round.options) if p.round else 0,
             "row": p.options.strip.currentRow(),
             "words": p.options.words.text(),
             "round": p.round.folder if p.round else "",

@@ -1,16 +1,17 @@
 //! The drawings: a stage with a before/after slider, and all layouts side by side.
 
 use super::super::html::Html;
-use super::super::measure::{number, percent_change, plain_name};
-use super::super::result::{Candidate, Sense};
-use super::super::words::{explained, listed};
+use super::super::measure::{CHANGE, number, parts, percent_change, plain_name, wording};
+use super::super::result::{Candidate, Gains, Numbers, Sense};
+use super::super::words::{explained, gain_words, listed};
 use super::{Fitted, View, is_by_score, names, option_name, wanted};
 
 /// The switches of the page: which measure is shown, which option is compared. They stand before
 /// everything they switch, so that style rules alone can react; their labels stand where they are used.
 pub fn radios(html: &mut Html, input: &Fitted<'_>) {
-    for (m, view) in input.present.iter().enumerate() {
-        radio(html, "measure", m, &format!("Show {}", plain_name(view.measure)));
+    let tabs = input.tabs();
+    for (m, measure) in tabs.iter().enumerate() {
+        radio(html, "measure", m, &format!("Show {}", plain_name(measure)));
     }
     if has_stage(input) {
         for o in 0..input.candidates.len() {
@@ -18,12 +19,12 @@ pub fn radios(html: &mut Html, input: &Fitted<'_>) {
         }
     }
     html.raw("<style>\n");
-    for m in 0..input.present.len() {
+    for m in 0..tabs.len() {
         let m = m.to_string();
         html.raw("#measure").text(&m).raw(":checked~main .v:not(.v").text(&m).raw("){display:none}\n");
     }
     for group in ["measure", "option"] {
-        let count = if group == "measure" { input.present.len() } else { input.candidates.len() };
+        let count = if group == "measure" { tabs.len() } else { input.candidates.len() };
         for i in 0..count {
             let id = format!("{group}{i}");
             html.raw("#").text(&id).raw(":checked~main .for-").text(&id);
@@ -55,8 +56,8 @@ fn radio(html: &mut Html, group: &'static str, i: usize, label: &str) {
 
 fn tabs(html: &mut Html, input: &Fitted<'_>) {
     html.raw("<div class=\"tabs\">\n");
-    for (m, view) in input.present.iter().enumerate() {
-        let (plain, technical) = names(view.measure);
+    for (m, measure) in input.tabs().into_iter().enumerate() {
+        let (plain, technical) = names(measure);
         let id = format!("measure{m}");
         html.open("label", &[("for", &id), ("class", &format!("for-{id}"))]).text(&plain);
         if !technical.is_empty() {
@@ -101,19 +102,31 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
     tabs(html, input);
     html.open("div", &[("class", if is_alone { "grid alone" } else { "grid" })]).raw("\n");
     let result = input.input.result;
-    open_card(html, "present", "Present layout", &input.present, &input.present);
+    let tabs = input.tabs();
+    open_card(html, "present", "Present layout", &tabs, &input.present);
     html.raw("<p class=\"words\">As drawn.</p>\n");
     measures(html, input, None);
     html.raw("</article>\n");
+    if let Some(best) = &result.best {
+        open_card(html, "best", "Best layout found", &tabs, &input.best);
+        html.element("p", &[("class", "words")], &prose(&best.words));
+        measures(html, input, Some((&best.mean, &best.gain)));
+        html.open("p", &[("class", "note")]);
+        html.element("a", &[("href", &best.file)], &best.file).close("p");
+        html.raw("</article>\n");
+    }
     for (o, candidate) in result.candidates.iter().enumerate() {
         let views = input.candidates.get(o).map_or(&[][..], |v| v);
-        open_card(html, &o.to_string(), &option_name(o), &input.present, views);
+        open_card(html, &o.to_string(), &option_name(o), &tabs, views);
         html.element("p", &[("class", "words")], &prose(&candidate.words));
         // What the words say already is not said again.
         let told = explained(&candidate.explanation);
         let rest = told.iter().filter(|l| !candidate.words.contains(*l)).map(|l| format!("{l}."));
         html.element("p", &[("class", "words")], &prose(&rest.collect::<Vec<_>>().join(" ")));
-        measures(html, input, Some(candidate));
+        measures(html, input, Some((&candidate.mean, &candidate.gain)));
+        if let Some(score) = candidate.score.filter(|_| is_by_score(result)) {
+            html.raw("<p class=\"note\">Score ").text(&number(score)).raw("</p>\n");
+        }
         if o < result.pinned_count() {
             html.raw("<p class=\"badge\">pinned</p>\n");
         }
@@ -126,19 +139,24 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
 }
 
 /// Opens the card of a layout with one picture a tab; a measure without a picture has an empty one.
-fn open_card(html: &mut Html, layout: &str, name: &str, tabs: &[View<'_>], views: &[View<'_>]) {
+fn open_card(html: &mut Html, layout: &str, name: &str, tabs: &[&str], views: &[View<'_>]) {
     html.open("article", &[("class", "card"), ("data-layout", layout)]);
     html.element("h3", &[], name).raw("<div class=\"views\">\n");
     for (m, tab) in tabs.iter().enumerate() {
         let class = format!("v v{m}");
-        let (plain, technical) = names(tab.measure);
-        match views.iter().find(|v| v.measure == tab.measure) {
+        let (plain, technical) = names(tab);
+        match views.iter().find(|v| v.measure == *tab) {
             Some(view) => {
                 let alt = format!("{name}: heat map of {} ({technical}) over the plan", plain.to_lowercase());
                 html.picture(view.png, &class, &alt);
             }
             None => {
-                html.element("p", &[("class", &format!("{class} missing"))], "no picture of this measure");
+                let why = if tab.ends_with(CHANGE) {
+                    "as drawn: nothing changes"
+                } else {
+                    "no picture of this measure"
+                };
+                html.element("p", &[("class", &format!("{class} missing"))], why);
             }
         }
     }
@@ -150,25 +168,42 @@ pub fn prose(words: &str) -> String {
     words.replace(" %", "\u{a0}%")
 }
 
-/// The measures that have pictures, with their change over the present layout.
-fn measures(html: &mut Html, input: &Fitted<'_>, candidate: Option<&Candidate>) {
+/// The measures that have pictures, with their change over the present layout: what was confirmed, where something was.
+fn measures(html: &mut Html, input: &Fitted<'_>, layout: Option<(&Numbers, &Gains)>) {
     let result = input.input.result;
     html.raw("<dl class=\"gains\">\n");
     for view in &input.present {
         let key = view.measure;
         let Some(from) = result.initial.mean.get(key) else { continue };
-        let Some(now) = candidate.map_or(Some(from), |c| c.mean.get(key)) else { continue };
-        html.raw("<div>").element("dt", &[], &plain_name(key)).raw("<dd>").text(&number(now));
-        if candidate.is_some() {
+        let Some(now) = layout.map_or(Some(from), |(mean, _)| mean.get(key)) else { continue };
+        html.raw("<div>").element("dt", &[], &plain_name(key)).raw("<dd>");
+        html.text(&number(result.told(key, now)));
+        let unit = wording(parts(key).0).map_or("", |w| w.unit).trim_end_matches(" seen");
+        html.text(if unit.is_empty() { "" } else { "\u{a0}" }).text(unit);
+        if let Some((_, gains)) = layout {
             html.raw(" ");
-            delta(html, from, now, wanted(result, key));
+            change(html, (from, now), gains, (key, wanted(result, key)));
         }
         html.raw("</dd></div>\n");
     }
-    if let Some(score) = candidate.and_then(|c| c.score).filter(|_| is_by_score(result)) {
-        html.raw("<div><dt>Score</dt><dd>").text(&number(score)).raw("</dd></div>\n");
-    }
     html.raw("</dl>\n");
+}
+
+/// The confirmed change of a measure, coloured only where it is sure; where others were confirmed and this one was not, the
+/// change that was measured, in no colour; where nothing was confirmed, as [`delta`].
+pub fn change(html: &mut Html, (from, to): (f64, f64), gains: &Gains, (key, sense): (&str, Option<Sense>)) {
+    match gains.get(key) {
+        Some(gain) => {
+            let class = match (gain.low > 0.0, gain.high < 0.0) {
+                (true, _) => "delta good up",
+                (_, true) => "delta bad down",
+                _ => "delta",
+            };
+            html.open("span", &[("class", class)]).text(&prose(&gain_words(key, gain))).raw("</span>");
+        }
+        None if gains.is_empty() => delta(html, from, to, sense),
+        None => delta(html, from, to, None),
+    }
 }
 
 /// A change with its sign, told apart by colour, filled or hollow arrow, and word whether it is wanted.

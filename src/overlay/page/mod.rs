@@ -14,7 +14,7 @@ pub use overview::{RoundCard, overview_html};
 use super::canvas::shrink_png;
 use super::html::Html;
 use super::measure::{WORDINGS, fixed, number, plain_name, sentence_case, short};
-use super::result::{RoundResult, Sense};
+use super::result::{Candidate, RoundResult, Sense};
 
 /// Pictures of a page take at most this many bytes; above it all are halved in size until they fit,
 /// so that the page can still be sent by mail.
@@ -56,6 +56,8 @@ pub struct ReportInput<'a> {
     pub present: Vec<View<'a>>,
     /// Pictures of the candidates, in the order of result.json.
     pub candidates: Vec<Vec<View<'a>>>,
+    /// Pictures of the best layout found.
+    pub best: Vec<View<'a>>,
     /// All options superimposed.
     pub diversity: Option<&'a [u8]>,
     /// How the search went on.
@@ -176,7 +178,7 @@ fn lead(result: &RoundResult) -> String {
         }
         if !result.moves.is_empty() && result.best.is_some() {
             return format!(
-                "No option was made, but the best layout found is better than the present one: `accept {} 0` takes it ({}).",
+                "No option was made, but the best layout found is better than the present one: `accept {} best` takes it ({}).",
                 file_name(&result.input.path),
                 result.stopped_by
             );
@@ -207,7 +209,7 @@ fn lead(result: &RoundResult) -> String {
     }
     let count = result.candidates.len();
     let kept = result.candidates.iter().filter(|c| c.within_threshold).count();
-    let gains = super::words::gains(&result.initial.mean, &best.mean);
+    let gains = gains_of(result, best);
     let is_lowered = result.problems.iter().any(|p| p.code == "thresholds-lowered");
     let lowered = if is_lowered { ", which were lowered so that the options differ" } else { "" };
     let all = match (kept, count) {
@@ -247,10 +249,19 @@ fn lead(result: &RoundResult) -> String {
         (n, Some(first)) => format!(
             "{kept} Of those that were not, option {} gains most in all: {}.",
             n + 1,
-            super::words::gains(&result.initial.mean, &first.mean)
+            gains_of(result, first)
         ),
     };
     format!("{options} for this plan. {gains}{all}{broken}")
+}
+
+/// What an option gains: what was confirmed, where something was.
+fn gains_of(result: &RoundResult, option: &Candidate) -> String {
+    if option.gain.is_empty() {
+        super::words::gains(&result.initial.mean, &option.mean)
+    } else {
+        super::words::confirmed(&result.initial.mean, &option.gain)
+    }
 }
 
 fn spelled(count: usize) -> String {
@@ -350,6 +361,9 @@ pub(super) fn option_name(i: usize) -> String {
 
 /// Name of a measure with its technical term: `Visibility`, `degree`.
 pub(super) fn names(key: &str) -> (String, String) {
+    if key.ends_with(super::measure::CHANGE) {
+        return (plain_name(key), String::new());
+    }
     let technical = super::measure::wording(super::measure::parts(key).0).map_or(key, |w| w.technical);
     let is_same = sentence_case(technical) == plain_name(key);
     let technical = if is_same { String::new() } else { technical.to_owned() };
@@ -360,6 +374,7 @@ pub(super) fn names(key: &str) -> (String, String) {
 struct Shrunk {
     present: Vec<Vec<u8>>,
     candidates: Vec<Vec<Vec<u8>>>,
+    best: Vec<Vec<u8>>,
     others: [Option<Vec<u8>>; 3],
 }
 
@@ -368,9 +383,23 @@ struct Fitted<'a> {
     input: &'a ReportInput<'a>,
     present: Vec<View<'a>>,
     candidates: Vec<Vec<View<'a>>>,
+    best: Vec<View<'a>>,
     diversity: Option<&'a [u8]>,
     convergence: Option<&'a [u8]>,
     understood: Option<&'a [u8]>,
+}
+
+impl Fitted<'_> {
+    /// The measures that have pictures: of the present layout, then those of changes alone.
+    fn tabs(&self) -> Vec<&str> {
+        let mut out: Vec<&str> = self.present.iter().map(|v| v.measure).collect();
+        for view in self.candidates.iter().flatten() {
+            if !out.contains(&view.measure) {
+                out.push(view.measure);
+            }
+        }
+        out
+    }
 }
 
 impl Shrunk {
@@ -381,6 +410,7 @@ impl Shrunk {
         let mut all = Self {
             present: own(&input.present),
             candidates: input.candidates.iter().map(|c| own(c)).collect(),
+            best: own(&input.best),
             others: [input.diversity, input.convergence, input.understood].map(|p| p.map(<[u8]>::to_vec)),
         };
         let mut may_shrink = true;
@@ -400,6 +430,7 @@ impl Shrunk {
         self.present
             .iter_mut()
             .chain(self.candidates.iter_mut().flatten())
+            .chain(&mut self.best)
             .chain(self.others.iter_mut().flatten())
     }
 
@@ -412,6 +443,7 @@ impl Shrunk {
             input,
             present: views(&input.present, &self.present),
             candidates: input.candidates.iter().zip(&self.candidates).map(|(v, p)| views(v, p)).collect(),
+            best: views(&input.best, &self.best),
             diversity,
             convergence,
             understood,
@@ -445,6 +477,7 @@ mod tests {
             round: 1,
             present: vec![view],
             candidates: vec![vec![view], vec![view]],
+            best: Vec::new(),
             diversity: None,
             convergence: None,
             understood: None,

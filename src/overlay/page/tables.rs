@@ -6,7 +6,7 @@ use super::super::html::Html;
 use super::super::measure::{number, parts, plain_name, sentence_case, short, wording};
 use super::super::result::{Candidate, MoveEntry, Objective, ProblemEntry, RoundResult, Sense};
 use super::super::words::{directions, parameter, range};
-use super::cards::delta;
+use super::cards::{change, delta};
 use super::{ReportInput, is_by_score, names, option_name, wanted};
 use crate::report::gathered;
 
@@ -32,7 +32,7 @@ pub fn numbers(html: &mut Html, result: &RoundResult) {
     }
     html.raw("</tr></thead>\n<tbody>\n<tr><th scope=\"row\">Present layout</th>");
     for key in &means {
-        cell(html, result.initial.mean.get(key), None, None);
+        cell(html, result.initial.mean.get(key).map(|v| result.told(key, v)), None, None);
     }
     if has_score {
         cell(html, present_score(result), None, None);
@@ -44,7 +44,13 @@ pub fn numbers(html: &mut Html, result: &RoundResult) {
     for (o, c) in result.candidates.iter().enumerate() {
         html.raw("<tr>").element("th", &[("scope", "row")], &option_name(o));
         for key in &means {
-            cell(html, c.mean.get(key), result.initial.mean.get(key), wanted(result, key));
+            let [now, from] = [&c.mean, &result.initial.mean].map(|mean| mean.get(key));
+            html.raw("<td>").text(&now.map_or_else(|| "–".into(), |v| number(result.told(key, v))));
+            if let (Some(now), Some(from)) = (now, from) {
+                html.raw(" ");
+                change(html, (from, now), &c.gain, (key, wanted(result, key)));
+            }
+            html.raw("</td>");
         }
         if has_score {
             cell(html, c.score, None, None);
@@ -98,7 +104,7 @@ pub fn thresholds(html: &mut Html, result: &RoundResult) {
     html.raw("</tr></thead>\n<tbody>\n");
     let is_firm = result.settings.get("thresholds").is_some_and(|t| t == "firm");
     for objective in &result.objectives {
-        threshold_row(html, objective, &result.candidates, is_firm);
+        threshold_row(html, result, objective, is_firm);
     }
     html.raw("</tbody>\n</table></div>\n<p class=\"note\">A threshold keeps a share of the way from the present layout to the best one found that keeps the objectives above it; options may differ freely as long as they stay on its good side.");
     if !is_firm {
@@ -107,7 +113,8 @@ pub fn thresholds(html: &mut Html, result: &RoundResult) {
     html.raw("</p>\n</section>\n");
 }
 
-fn threshold_row(html: &mut Html, objective: &Objective, candidates: &[Candidate], is_firm: bool) {
+fn threshold_row(html: &mut Html, result: &RoundResult, objective: &Objective, is_firm: bool) {
+    let number = |value: f64| number(result.told(&objective.name, value));
     let (plain, technical) = names(&objective.name);
     html.raw("<tr><th scope=\"row\">").text(&plain).raw(" <small>").text(&technical).raw("</small></th>");
     let (wanted, bound) = match objective.sense {
@@ -128,7 +135,7 @@ fn threshold_row(html: &mut Html, objective: &Objective, candidates: &[Candidate
         None => html.raw("<td>– <small>"),
     };
     html.text(&share_words(objective)).raw("</small></td>");
-    for candidate in candidates {
+    for candidate in &result.candidates {
         match is_met(objective, candidate) {
             Some(true) => html.raw("<td class=\"tick met\">✓<span class=\"sr\"> met</span></td>"),
             Some(false) => html.raw("<td class=\"tick missed\">✗<span class=\"sr\"> missed</span></td>"),
@@ -160,6 +167,12 @@ fn share_words(objective: &Objective) -> String {
 /// Whether a candidate keeps an objective's threshold; `None` if its value is not among its numbers.
 fn is_met(objective: &Objective, candidate: &Candidate) -> Option<bool> {
     let value = match objective.name.as_str() {
+        // Thresholds are of means over several lattices, `mean` is of one: what is not surely missed is met.
+        name if candidate.gain.contains_key(name) => {
+            let turned = if objective.sense == Sense::Max { 1.0 } else { -1.0 };
+            let present = if objective.initial == 0.0 { 1.0 } else { objective.initial.abs() };
+            objective.initial + turned * candidate.gain[name].high * present
+        }
         "score" => candidate.score?,
         name => candidate.mean.get(name).or_else(|| candidate.penalty.get(name))?,
     };

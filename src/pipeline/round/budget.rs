@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::super::memory::{Clock, Pace};
-use super::{BATCH, Settings, Study};
+use super::{BATCH, Settings, Study, is_bare};
 use crate::search::{Search, Stop};
 
 /// Evaluations of a study whose user names no budget: this many query–vertex pairs in all …
@@ -22,9 +22,14 @@ pub(super) fn stated(study: &Study, settings: &Settings) -> Option<u64> {
     (!settings.until_converged).then(|| settings.evaluations.unwrap_or_else(by_cost))
 }
 
+/// Share of the seconds stated that ranking, stripping and confirming take after the search.
+const AFTER_SEARCH: f64 = 0.35;
+
 /// What a search may still measure.
 pub(super) struct Allowance<'a> {
     settings: &'a Settings,
+    /// Seconds of those stated that the search has.
+    seconds: Option<f64>,
     clock: Clock,
     /// Evaluations thought to fit into the seconds stated.
     fit: u64,
@@ -35,7 +40,9 @@ pub(super) struct Allowance<'a> {
 impl<'a> Allowance<'a> {
     /// Of a search that first measures `known` layouts, in a round that began at `started`.
     pub(super) fn new(settings: &'a Settings, search: &mut Search, known: u64, started: Instant) -> Self {
-        let out = Self { settings, clock: Clock::new(started), fit: 0, least: known + BATCH as u64 };
+        let share = if is_bare(settings) { 1.0 } else { 1.0 - AFTER_SEARCH };
+        let seconds = settings.seconds.map(|s| s * share);
+        let out = Self { settings, seconds, clock: Clock::new(started), fit: 0, least: known + BATCH as u64 };
         if settings.until_converged {
             search.set_most(out.most());
         }
@@ -50,7 +57,7 @@ impl<'a> Allowance<'a> {
     /// of a batch that is remembered counts instead of the clock.
     pub(super) fn turn(&mut self, search: &mut Search, remembered: Option<Pace>) {
         let done = search.progress().evaluations;
-        if let Some(seconds) = self.settings.seconds {
+        if let Some(seconds) = self.seconds {
             if remembered.is_none() && done > 0 && self.clock.spent_secs() >= seconds {
                 search.finish(Stop::Time);
             }

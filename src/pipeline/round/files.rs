@@ -4,42 +4,70 @@ use std::collections::BTreeSet;
 
 use super::super::show::{self, Map};
 use super::super::study::{self, Study};
-use super::super::{Input, heat_map, rayon_map};
-use super::{Found, Made, told};
-use crate::config::Settings;
+use super::super::{Input, MapLook, heat_map, rayon_map};
+use super::{Found, Made, gains_words};
+use crate::config::{Measure, PairName, Settings};
 use crate::formats;
 use crate::overlay::additions::heat_layer;
 use crate::overlay::heat_map::DEFAULT_SIDE_PX;
-use crate::overlay::result::RoundResult;
+use crate::overlay::measure::{CHANGE, sentence_case};
+use crate::overlay::result::{Explanation, RoundResult};
 use crate::overlay::words::{by_north, explained, note_lines};
-use crate::overlay::{Scale, convergence_png, diversity_png, heat_additions, moved_additions};
+use crate::overlay::{Palette, Scale, convergence_png, diversity_png, heat_additions, moved_additions};
 use crate::plan::drawing::Addition;
-use crate::report::{Error, OutFile};
+use crate::report::{Error, OutFile, Place};
 
-/// Values of every shown measure for the present layout and every member, with one scale a measure.
+/// Values of one map for the present layout and every member, with one scale for all.
 struct Shown {
-    map: Map,
-    scale: Scale,
-    initial: Vec<f64>,
+    pair: Option<PairName>,
+    /// Part of a file's name.
+    file: String,
+    look: MapLook,
+    /// None of a map of changes: the present layout changes nothing.
+    initial: Option<Vec<f64>>,
     members: Vec<Vec<f64>>,
 }
 
-fn shown(settings: &Settings, study: &Study, made: &[Made]) -> Vec<Shown> {
+fn shown(settings: &Settings, study: &Study, made: &[&Made]) -> Vec<Shown> {
     let of = |map: Map| {
         let initial = show::values(study, &study.initial, map, settings);
         let members: Vec<Vec<f64>> =
             made.iter().map(|m| show::values(study, &m.worth, map, settings)).collect();
         let all = initial.iter().chain(members.iter().flatten()).copied();
-        Shown { map, scale: Scale::of(all.filter(|v| v.is_finite())), initial, members }
+        let scale = Scale::of(all.filter(|v| v.is_finite()));
+        let look = MapLook { title: map.title(), unit: map.unit(), scale, palette: show::palette(settings) };
+        let change = change(settings, map, &initial, &members);
+        let own = Shown { pair: map.pair, file: map.file(), look, initial: Some(initial), members };
+        std::iter::once(own).chain(change)
     };
-    show::maps(study).into_iter().map(of).collect()
+    show::maps(study).into_iter().flat_map(of).collect()
+}
+
+/// What becomes better where, and what worse: of what is asked for and of what is seen.
+fn change(settings: &Settings, map: Map, initial: &[f64], members: &[Vec<f64>]) -> Option<Shown> {
+    let asked =
+        settings.objectives.iter().find(|o| o.measure.measure == map.measure && o.measure.pair == map.pair);
+    let is_more_better = asked.map_or(true, |o| o.is_max);
+    let is_seen = map.measure == Measure::Degree && map.pair.is_none();
+    if !map.measure.is_of_cells() || members.is_empty() || asked.is_none() && !is_seen {
+        return None;
+    }
+    let less = |now: &Vec<f64>| now.iter().zip(initial).map(|(now, before)| now - before).collect();
+    let members: Vec<Vec<f64>> = members.iter().map(less).collect();
+    let look = MapLook {
+        title: format!("Change of {}", map.title().to_lowercase()),
+        unit: map.unit(),
+        scale: Scale::of_changes(members.iter().flatten().copied()),
+        palette: if is_more_better { Palette::Change } else { Palette::ChangeDown },
+    };
+    Some(Shown { pair: map.pair, file: map.file() + CHANGE, look, initial: None, members })
 }
 
 pub(super) fn pictures(
     input: &Input<'_>,
     settings: &Settings,
     study: &Study,
-    made: &[Made],
+    made: &[&Made],
 ) -> Result<Vec<OutFile>, Error> {
     let shown = shown(settings, study, made);
     let present = show::picture(&study.base);
@@ -49,17 +77,19 @@ pub(super) fn pictures(
     let files = rayon_map(&jobs, |(s, m)| {
         let of = &shown[*s];
         let (name, picture, values, subtitle) = match m.checked_sub(1) {
-            None => ("initial".to_string(), &present, &of.initial, format!("{}, as drawn", input.file())),
+            None => {
+                let values = of.initial.as_ref()?;
+                ("initial".to_string(), &present, values, format!("{}, as drawn", input.file()))
+            }
             Some(i) => {
-                let name = made[i].name.clone();
-                let subtitle = format!("{}, option {m}", input.file());
-                (name, &moved[i], &of.members[i], subtitle)
+                let subtitle = format!("{}, {}", input.file(), made[i].title());
+                (made[i].name.clone(), &moved[i], &of.members[i], subtitle)
             }
         };
-        let png = heat_map(study, settings, picture, values, of.map, of.scale, &subtitle)?;
-        Ok(OutFile::new(format!("{name}-{}.png", of.map.file()), png))
+        let png = heat_map(study, picture, (of.pair, values), &of.look, &subtitle);
+        Some(png.map(|png| OutFile::new(format!("{name}-{}.png", of.file), png)))
     });
-    files.into_iter().collect()
+    files.into_iter().flatten().collect()
 }
 
 /// `initial.dxf` and the candidates: the drawing's own bytes with the moves and our layers.
@@ -67,26 +97,21 @@ pub(super) fn drawings(
     input: &Input<'_>,
     settings: &Settings,
     study: &Study,
-    made: &[Made],
+    made: &[&Made],
     result: &RoundResult,
 ) -> Result<Vec<OutFile>, Error> {
     let mut shown = shown(settings, study, made);
     // Layer names are short in old versions: two maps may come to the same.
-    let layers: Vec<String> = shown.iter().map(|s| heat_layer(&s.map.file())).collect();
+    let layers: Vec<String> = shown.iter().map(|s| heat_layer(&s.file)).collect();
     let mut places = 0..;
     shown.retain(|_| places.next().is_some_and(|i: usize| !layers[..i].contains(&layers[i])));
     let bounds = show::picture(&study.base).bounds;
     let heat = |member: Option<usize>| -> Vec<Addition> {
         let of = |s: &Shown| {
-            let values = member.map_or(&s.initial, |i| &s.members[i]);
-            let layer = heat_layer(&s.map.file());
-            heat_additions(
-                &layer,
-                &show::cells(study, s.map.pair, values),
-                study.spacing_m,
-                s.scale,
-                show::palette(settings),
-            )
+            let values = member.map_or(s.initial.as_ref(), |i| s.members.get(i));
+            let Some(values) = values else { return Vec::new() };
+            let (cells, look) = (show::cells(study, s.pair, values), &s.look);
+            heat_additions(&heat_layer(&s.file), &cells, study.spacing_m, look.scale, look.palette)
         };
         shown.iter().flat_map(of).collect()
     };
@@ -98,16 +123,21 @@ pub(super) fn drawings(
             Some(i) => {
                 let m = &made[*i];
                 let (now, before) = show::moved_strokes(&study.base, &m.layout);
-                let candidate = &result.candidates[*i];
-                let mut lines = vec![format!("Option {} of {}", i + 1, input.file())];
+                let candidate = result.candidates.get(*i);
+                let none = Explanation::default();
+                let explanation = candidate.map_or(&none, |c| &c.explanation);
+                let best = result.best.as_ref().map(|b| (&b.mean, &b.gain));
+                let Some((mean, gain)) = candidate.map(|c| (&c.mean, &c.gain)).or(best) else {
+                    return Err(Error::usage("best", Place::file(input.file()), "no best layout".to_owned()));
+                };
+                let mut lines = vec![format!("{} of {}", sentence_case(&m.title()), input.file())];
                 lines.extend(note_lines(
                     &by_north(&result.moves, result.input.north_deg),
                     &m.member.parameters,
-                    &told(study, &result.initial.mean),
-                    &told(study, &candidate.mean),
-                    &candidate.explanation.parts,
+                    &gains_words(study, &result.initial.mean, mean, gain),
+                    &explanation.parts,
                 ));
-                lines.extend(explained(&candidate.explanation));
+                lines.extend(explained(explanation));
                 additions.extend(moved_additions(&now, &before, &lines, bounds));
                 (m.name.clone(), m.edits.clone())
             }

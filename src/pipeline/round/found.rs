@@ -3,14 +3,14 @@
 use rayon::prelude::*;
 
 use super::super::study::Study;
-use super::super::{explain, rules, show};
+use super::super::{explain, rules};
 use super::judged::{apart, evaluation, is_firm, moves_visibly, pinned};
-use super::{PENALTY_FREE, told};
-use crate::config::{Aim, Method, Mode, Settings};
-use crate::moves::control::Control;
+use super::refined::{Refined, refined};
+use super::{Aims, Brief, PENALTY_FREE, confirmed, is_bare, told};
+use crate::config::{Method, Mode, Settings};
 use crate::overlay::Series;
 use crate::overlay::measure::plain_name;
-use crate::overlay::result::{self, Best, Explanation, Objective, Sense as ShownSense};
+use crate::overlay::result::{self, Explanation, Gains, Objective, Sense as ShownSense};
 use crate::search::{self, Search};
 
 /// What a search found, in our terms.
@@ -18,13 +18,19 @@ pub(in crate::pipeline) struct Found {
     pub(in crate::pipeline) members: Vec<search::Member>,
     /// Of every member.
     pub(super) explanations: Vec<Explanation>,
+    /// Of every member; empty where nothing was confirmed.
+    pub(super) gains: Vec<Gains>,
     /// Members left out because they were almost the same as a better one.
     pub(super) alike: usize,
     /// Members left out because they were no better than the present layout.
     pub(super) unworthy: usize,
+    /// Why the graphics card gave up while it was searched, if it did.
+    pub(super) card_trouble: Option<String>,
     /// Whether what is left is no better either.
     pub(super) is_none_better: bool,
-    pub(super) best: Option<Best>,
+    /// Layouts left out because their gain was not confirmed.
+    pub(super) unconfirmed: usize,
+    pub(super) best: Option<FoundBest>,
     /// Why there is no option, where there is none.
     pub(super) no_option: Option<String>,
     pub(in crate::pipeline) objectives: Vec<Objective>,
@@ -39,16 +45,19 @@ pub(in crate::pipeline) struct Found {
     pub(in crate::pipeline) archive: Vec<Vec<f64>>,
 }
 
+/// The best layout of all.
+pub(super) struct FoundBest {
+    pub(super) member: search::Member,
+    pub(super) gains: Gains,
+    /// Which option it is, from 1.
+    pub(super) option: Option<usize>,
+}
+
 /// What a finished search found: options and best layout with all their parameters, explained.
-pub(super) fn found(
-    study: &Study,
-    settings: &Settings,
-    control: &Control,
-    objectives: &[(Aim, search::Objective)],
-    search: &Search,
-) -> Found {
+pub(super) fn found(brief: &Brief<'_>, search: &Search) -> Found {
+    let Brief { trial, settings, control, objectives, .. } = *brief;
     let outcome = search.outcome();
-    let initial = evaluation(study, settings, objectives, &study.initial);
+    let initial = evaluation(trial, settings, objectives, &trial.initial);
     let shown = objectives.iter().enumerate().map(|(i, (_, o))| Objective {
         name: o.name.clone(),
         sense: if o.sense == search::Sense::Maximise { ShownSense::Max } else { ShownSense::Min },
@@ -63,35 +72,44 @@ pub(super) fn found(
     let shown: Vec<Objective> = shown.collect();
     let goes_on = || "the search had not ended; this is the best so far".to_owned();
     let mut stopped_by = search.stop_reason().map_or_else(goes_on, |s| s.to_string());
-    let whole = |p: &[f64]| control.expand(p);
-    let mut members = outcome.members.clone();
-    let pinned = pinned(settings).min(members.len());
-    let mut at = 0..;
-    members.retain(|m| at.next().is_some_and(|i: usize| i < pinned) || m.violation == 0.0);
-    for m in &mut members {
-        m.parameters = whole(&m.parameters);
-    }
-    if settings.mode == Mode::Best && settings.method != Method::Paper && !members.is_empty() {
-        let best = best_in_all(settings, &outcome, &shown);
-        if outcome.members.iter().all(|m| m.parameters != best.parameters) {
-            members = vec![the_best(best, &whole)];
-        }
-    }
-    let found = members.len();
-    members = apart(study, members);
-    let alike = outcome.alike + found - members.len();
-    let unworthy = keep_better(study, settings, &shown, &mut members);
-    let is_none_better = unworthy > 0 && members.iter().all(|m| !is_better(settings, &shown, &m.values));
     let is_unmet = outcome.best.violation > 0.0;
     let best = best_in_all(settings, &outcome, &shown);
     let is_best_better = is_better(settings, &shown, &best.values);
+    let mut unworthy = 0;
+    let mut out = if is_bare(settings) || is_unmet {
+        let mut out = as_searched(brief, &outcome);
+        let found = out.members.len();
+        out.members = apart(brief.study, out.members);
+        out.alike = outcome.alike + found - out.members.len();
+        unworthy = keep_better(brief.study, settings, &shown, &mut out.members);
+        if !is_unmet && is_best_better {
+            out.best = Some((the_best(best, &|p| control.expand(p)), Gains::new()));
+        }
+        if settings.method == Method::Paper {
+            confirm(brief, &mut out);
+        }
+        out
+    } else if settings.mode == Mode::Best {
+        let best = the_best(best, &|p| control.expand(p));
+        let mut out =
+            Refined { members: vec![best.clone()], best: Some((best, Gains::new())), ..Refined::default() };
+        confirm(brief, &mut out);
+        if !out.gains.iter().all(|g| confirmed::is_confirmed(objectives, g, settings.least_gain)) {
+            out = Refined { unconfirmed: 1, ..Refined::default() };
+        }
+        out
+    } else {
+        refined(brief, &outcome, &shown)
+    };
+    let members = std::mem::take(&mut out.members);
+    let is_none_better = unworthy > 0 && members.iter().all(|m| !is_better(settings, &shown, &m.values));
     let no_option = (members.is_empty() || is_unmet).then(|| {
         if !is_unmet {
-            return told::nothing_returned(settings, outcome.evaluations, is_best_better);
+            return told::nothing_returned(brief, outcome.evaluations, is_best_better);
         }
-        let nearest = whole(&outcome.best.parameters);
-        let worth = study.measure(&nearest, &mut study.bench());
-        let missed = rules::missed_words(study, settings, control, (&nearest, &worth));
+        let nearest = control.expand(&outcome.best.parameters);
+        let worth = trial.measure(&nearest, &mut trial.bench());
+        let missed = rules::missed_words(trial, settings, control, (&nearest, &worth));
         let text = format!(
             "no layout of the {} measured keeps every hard limit; the one that comes nearest misses {missed}",
             outcome.evaluations
@@ -99,28 +117,23 @@ pub(super) fn found(
         stopped_by.push_str("; no layout keeps every hard limit");
         text
     });
-    let best = (!is_unmet && is_best_better).then(|| {
-        let mut parameters = whole(&best.parameters);
+    let best = out.best.map(|(mut member, gains)| {
         // Another layout that measures the same is no better: the best is among the options then.
-        let option = members.iter().position(|m| m.parameters == parameters);
-        let option = option.or_else(|| members.iter().position(|m| m.values == best.values));
+        let option = members.iter().position(|m| m.parameters == member.parameters);
+        let option = option.or_else(|| members.iter().position(|m| m.values == member.values));
         if let Some(i) = option {
-            parameters.clone_from(&members[i].parameters);
+            member.parameters.clone_from(&members[i].parameters);
         }
-        let worth = study.measure(&parameters, &mut study.bench());
-        Best {
-            option: option.map(|i| i + 1),
-            mean: show::mean_numbers(study, &worth),
-            penalty: show::penalty_numbers(&worth),
-            score: Some(study.score(&worth, settings)),
-            parameters,
-        }
+        FoundBest { member, gains, option: option.map(|i| i + 1) }
     });
     Found {
-        explanations: explanations(study, settings, control, objectives, &shown, &members),
+        explanations: explanations(brief, &shown, &members),
+        gains: out.gains,
         best,
-        alike,
+        alike: out.alike,
+        unconfirmed: out.unconfirmed,
         unworthy,
+        card_trouble: trial.card_trouble().map(str::to_owned),
         is_none_better,
         no_option,
         objectives: shown,
@@ -131,6 +144,28 @@ pub(super) fn found(
         series: series(&outcome, objectives),
         archive: outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values.clone()).collect(),
         members,
+    }
+}
+
+/// The options as the search itself chose them, those that break a limit only where they were pinned.
+fn as_searched(brief: &Brief<'_>, outcome: &search::Outcome<'_>) -> Refined {
+    let mut members = outcome.members.clone();
+    let pinned = pinned(brief.settings).min(members.len());
+    let mut at = 0..;
+    members.retain(|m| at.next().is_some_and(|i: usize| i < pinned) || m.violation == 0.0);
+    for m in &mut members {
+        m.parameters = brief.control.expand(&m.parameters);
+    }
+    Refined { members, ..Refined::default() }
+}
+
+/// Tells what options and best gain, as confirmed.
+fn confirm(brief: &Brief<'_>, out: &mut Refined) {
+    let layouts = out.members.iter().chain(out.best.iter().map(|b| &b.0));
+    let layouts: Vec<Vec<f64>> = layouts.map(|m| m.parameters.clone()).collect();
+    out.gains = confirmed::gains(brief.study, brief.settings, brief.objectives, &layouts);
+    if let Some(best) = &mut out.best {
+        best.1 = out.gains.pop().unwrap_or_default();
     }
 }
 
@@ -200,14 +235,8 @@ fn keep_better(
     unworthy
 }
 
-fn explanations(
-    study: &Study,
-    settings: &Settings,
-    control: &Control,
-    objectives: &[(Aim, search::Objective)],
-    shown: &[Objective],
-    members: &[search::Member],
-) -> Vec<Explanation> {
+fn explanations(brief: &Brief<'_>, shown: &[Objective], members: &[search::Member]) -> Vec<Explanation> {
+    let Brief { trial: study, settings, control, objectives, .. } = *brief;
     let options: Vec<Vec<f64>> = members.iter().map(|m| m.parameters.clone()).collect();
     let measured = |p: &[f64]| {
         let worth = study.measure(p, &mut study.bench());
@@ -237,7 +266,7 @@ fn best_of(outcome: &search::Outcome<'_>, objective: usize, sense: search::Sense
 
 /// The course of the search: the best value of every objective among the layouts that keep the hard limits,
 /// and, once options spread, how far the two most alike stand apart.
-fn series(outcome: &search::Outcome<'_>, objectives: &[(Aim, search::Objective)]) -> Vec<Series> {
+fn series(outcome: &search::Outcome<'_>, objectives: &Aims) -> Vec<Series> {
     let mut out: Vec<Series> = objectives
         .iter()
         .enumerate()

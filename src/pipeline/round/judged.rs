@@ -1,13 +1,12 @@
 //! What layouts are worth to the search, and which of those found are options.
 
-use super::super::study::{Study, Understood, Worth};
+use super::super::study::{Study, Worth};
 use super::super::{aims, explain};
-use super::{Made, PENALTY_FREE, edits_of};
+use super::ideas::Stance;
+use super::{Made, PENALTY_FREE};
 use crate::config::{Aim, Held, Measure, Method, Mode, PairName, Penalty, Settings, Thresholds};
 use crate::overlay::result::Diversity;
 use crate::overlay::words;
-use crate::plan::drawing::Edit;
-use crate::plan::geometry::{PointUm, Segment};
 use crate::search::{self, Evaluation, normalised_distance};
 
 /// Threshold of the implied penalty objective: no option has more of it than the present layout. To ask
@@ -46,11 +45,10 @@ pub(super) fn evaluation(
         Measure::Penalty => (study.penalty(worth, settings) - PENALTY_FREE).max(0.0),
         _ => study.value(worth, aim),
     };
-    let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
     let missed: f64 = aims::missed(study, settings, worth).iter().sum();
     Evaluation {
         values: objectives.iter().map(|(aim, _)| value(*aim)).collect(),
-        violation: worth.seen.tally.disconnected as f64 / pairs
+        violation: worth.cut_off
             + missed
             + crossing_m(study, worth)
             + hidden(study, settings, worth).len() as f64
@@ -130,29 +128,15 @@ pub(super) fn moves_visibly(study: &Study, parameters: &[f64]) -> bool {
 /// The options that differ in the drawing: what stands on the same lines to a millimetre, a screen turned by half
 /// a turn or two of one length exchanged, is one option.
 pub(super) fn apart(study: &Study, members: Vec<search::Member>) -> Vec<search::Member> {
-    let mut out: Vec<(_, search::Member)> = Vec::new();
+    let mut out: Vec<(Stance, search::Member)> = Vec::new();
     for m in members {
-        let lines = lines_mm(&study.base, &m.parameters);
-        if out.iter().all(|(other, _)| *other != lines) {
-            out.push((lines, m));
+        let base = &study.base;
+        let stance = Stance::of(study, &base.moves.apply(&base.plan, &base.graph, &m.parameters));
+        if out.iter().all(|(other, _)| !other.is(&stance)) {
+            out.push((stance, m));
         }
     }
     out.into_iter().map(|(_, m)| m).collect()
-}
-
-/// The pieces of all walls that may move, whole millimetres, in an order of their own, and what else is written.
-fn lines_mm(base: &Understood, parameters: &[f64]) -> (Vec<[PointUm; 2]>, Vec<Edit>) {
-    let layout = base.moves.apply(&base.plan, &base.graph, parameters);
-    let mm = |p: PointUm| p.map(|v| (v + 500).div_euclid(1000));
-    let of = |s: Segment| {
-        let [a, b] = [mm(s.a), mm(s.b)];
-        if a <= b { [a, b] } else { [b, a] }
-    };
-    let mut lines: Vec<_> =
-        layout.walls.iter().flat_map(|w| w.trace.segments().map(|(_, _, s)| of(s))).collect();
-    lines.sort_unstable();
-    let is_fitting = |e: &Edit| base.fittings.iter().any(|f| f.source.record == e.record());
-    (lines, edits_of(base, &layout).into_iter().filter(is_fitting).collect())
 }
 
 /// How far apart the options stand, every pair once.
@@ -169,7 +153,7 @@ pub(super) fn distances(study: &Study, made: &[Made]) -> Diversity {
     let all: Vec<f64> = pairs(study, made).into_iter().map(|(_, apart)| apart).collect();
     let min_distance = all.iter().copied().reduce(f64::min);
     let mean_distance = (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
-    Diversity { min_distance, mean_distance }
+    Diversity { min_distance, mean_distance, likeness: None }
 }
 
 /// The two options most alike, and how far apart they stand.

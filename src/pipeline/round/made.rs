@@ -35,12 +35,19 @@ pub(in crate::pipeline) struct Made {
     pub(super) name: String,
 }
 
+impl Made {
+    /// What people call it.
+    pub(super) fn title(&self) -> String {
+        self.name.strip_prefix("candidate-").map_or("best layout".to_owned(), |n| format!("option {n}"))
+    }
+}
+
 /// Patches the drawing, reads it again and measures from scratch: what is reported is what is written.
 pub(super) fn make(
     input: &Input<'_>,
     settings: &Settings,
     study: &Study,
-    index: usize,
+    name: &str,
     member: &search::Member,
 ) -> Result<Made, Error> {
     let layout = study.base.moves.apply(&study.base.plan, &study.base.graph, &member.parameters);
@@ -51,7 +58,7 @@ pub(super) fn make(
     let changed = formats::changes(input.file(), &input.bytes, &options, &edits)?;
     let bytes = formats::patch(input.file(), &input.bytes, &options, &edits, &[])?;
     let worth = study.measure_written(&bytes, &layout, settings)?;
-    let name = format!("candidate-{}", index + 1);
+    let name = name.to_owned();
     let mut report = Report::default();
     let records: Vec<usize> = edits.iter().map(Edit::record).collect();
     let unseen = changed.records.iter().flatten().filter(|c| c.outlines.is_some()).map(|c| c.of.record);

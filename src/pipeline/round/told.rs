@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::judged::{is_firm, pinned};
-use super::{Found, Made};
+use super::{Brief, Found, Made, is_bare};
 use crate::config::{Method, Mode, Settings, Snap};
 use crate::moves::carried::{Carried, carried};
 use crate::moves::{Layout, Parameter};
-use crate::overlay::measure::{fixed, number, numbers_apart, plain_name, sentence_case};
+use crate::overlay::measure::{fixed, number, numbers_apart, plain_name, sentence_case, trimmed};
 use crate::overlay::result::{Explanation, Objective, Sense};
 use crate::overlay::words::listed;
 use crate::pipeline::explain::LEAST_GAIN;
@@ -143,22 +143,47 @@ fn none_better(measured: &str, is_firm: bool) -> String {
     )
 }
 
-/// Why there is no option although layouts keep every hard limit: nothing measured is better, or what is better was not
-/// returned.
-pub(super) fn nothing_returned(settings: &Settings, evaluations: u64, is_best_better: bool) -> String {
+/// Why there is no option although layouts keep every hard limit: nothing that was measured surely gains enough, or the
+/// published method returned nothing that moves.
+pub(super) fn nothing_returned(brief: &Brief<'_>, evaluations: u64, is_best_better: bool) -> String {
+    let settings = brief.settings;
     let measured = counted(evaluations, "layout");
+    if !is_bare(settings) {
+        let least = trimmed(settings.least_gain * 100.0, 2);
+        return format!(
+            "No layout improves the present one by {least} % or more. {measured} measured; the best of them were measured \
+             again on other lattices. {}",
+            what_limits(brief)
+        );
+    }
     if !is_best_better {
         return none_better(&measured, is_firm(settings));
     }
     let method = if settings.method == Method::Paper { "the published method" } else { "the search" };
     format!(
         "{method} returned nothing that moves, though the best of the {measured} measured is better than the present one: \
-         candidate 0 of `accept` is that layout{}",
+         `accept FILE best` takes that layout{}",
         if settings.method == Method::Paper {
             "; the default method makes options of what it measures"
         } else {
             ""
         }
+    )
+}
+
+/// What limits the search: what may move, and what to allow next.
+fn what_limits(brief: &Brief<'_>) -> String {
+    let names = group_names(brief.study);
+    let walls = brief.study.base.plan.walls.len();
+    let moving = brief.study.base.moves.walls.len();
+    let who = match names.as_slice() {
+        few if few.len() <= GROUPS_TOLD => listed(few, "and"),
+        many => format!("{} groups", many.len()),
+    };
+    format!(
+        "Moving: {who} ({moving} of {walls} wall elements); all others are fixed{}. Draw EF-MOVE boxes round more walls, \
+         or give them wider bounds.",
+        rules_clause(brief.settings, names.len())
     )
 }
 
@@ -174,6 +199,13 @@ pub(super) fn say_options(
     if let Some(why) = &found.no_option {
         report.warn("no-option", place(), why.clone() + &limits_words(study, settings, found));
         return;
+    }
+    if found.unconfirmed > 0 {
+        let text = format!(
+            "Layouts left out because their gain was not confirmed on other lattices: {}.",
+            found.unconfirmed
+        );
+        report.info("options-unconfirmed", place(), text);
     }
     if found.is_none_better {
         let text = format!(
@@ -210,9 +242,13 @@ pub(super) fn say_options(
         }
         return;
     }
-    if found.alike > 0 {
+    if found.alike > 0 && made < settings.members {
         report.warn("options-left-out", place(), left_out_words(study, settings, made));
-    } else if found.unworthy == 0 && settings.mode == Mode::Diverse && made < settings.members {
+    } else if found.unworthy == 0
+        && found.unconfirmed == 0
+        && settings.mode == Mode::Diverse
+        && made < settings.members
+    {
         let kept = pinned(settings).min(made);
         let inside = found.members.iter().skip(kept).filter(|m| m.within_threshold).count();
         let text = format!(
@@ -283,23 +319,19 @@ pub(super) struct Nearest {
     pub(super) has_ended: bool,
 }
 
-/// Says where the options are more alike than wanted, and what was done about it.
-pub(super) fn say_alikeness(
-    report: &mut Report,
-    file: &str,
-    settings: &Settings,
-    share: f64,
-    nearest: Option<&Nearest>,
-) {
-    let place = Place::file(file);
+/// Says that thresholds were lowered so that options differ.
+pub(super) fn say_lowered(report: &mut Report, file: &str, share: f64) {
     if share < 1.0 {
         let text = format!(
-            "inside the thresholds the options were too alike; all thresholds were lowered to {:.0} % of what was \
-             asked (`limit` of an objective in result.json is what options keep); --thresholds firm keeps them",
+            "All thresholds were lowered to {:.0} % of what was asked, so that the options differ. `--thresholds firm` keeps them.",
             share * 100.0
         );
-        report.info("thresholds-lowered", place.clone(), text);
+        report.info("thresholds-lowered", Place::file(file), text);
     }
+}
+
+/// Says where options stand nearer to each other than was wanted, as vectors.
+pub(super) fn say_alikeness(report: &mut Report, file: &str, settings: &Settings, nearest: Option<&Nearest>) {
     if let Some(nearest) = nearest.filter(|n| n.distance < n.wanted) {
         let text = format!(
             "the two options most alike stand {:.3} apart, {:.3} was wanted: {}",
@@ -307,8 +339,32 @@ pub(super) fn say_alikeness(
             nearest.wanted,
             remedy(settings, nearest)
         );
-        report.info("options-alike", place, text);
+        report.info("options-alike", Place::file(file), text);
     }
+}
+
+/// Options whose maps of change correlate more than this, at the median, have the same idea in common.
+const ALIKE: f64 = 0.5;
+
+/// The moves that bring a part of the gain in every option.
+pub(super) fn shared_parts(explanations: &[Explanation]) -> Vec<String> {
+    let Some((first, others)) = explanations.split_first() else { return Vec::new() };
+    let is_shared = |name: &String| others.iter().all(|e| e.parts.iter().any(|p| p.name == *name));
+    first.parts.iter().map(|p| p.name.clone()).filter(is_shared).map(|n| sentence_case(&n)).collect()
+}
+
+/// Says where options are alike to the people in them, and which moves make them so.
+pub(super) fn say_likeness(report: &mut Report, file: &str, likeness: Option<f64>, shared: &[String]) {
+    let Some(likeness) = likeness.filter(|l| *l > ALIKE) else { return };
+    let why = match shared {
+        [] => String::new(),
+        names => format!(" Each of them gains by {}.", listed(names, "and")),
+    };
+    let text = format!(
+        "The options change much the same places: their maps correlate {likeness:.2}.{why} Lower thresholds or more EF-MOVE \
+         boxes make room for other ideas."
+    );
+    report.info("options-alike", Place::file(file), text);
 }
 
 /// Names what moves on no module although one was asked for.
@@ -486,7 +542,7 @@ mod tests {
         let told = |are_pinned: bool, has_ended: bool| {
             let nearest = Nearest { distance: 0.1, wanted: 0.5, are_pinned, has_ended };
             let mut report = Report::default();
-            say_alikeness(&mut report, "plan.dxf", &settings, 1.0, Some(&nearest));
+            say_alikeness(&mut report, "plan.dxf", &settings, Some(&nearest));
             report.problems[0].text.clone()
         };
         assert!(told(true, true).ends_with("both are pinned; the others keep their distance from them"));
@@ -494,14 +550,14 @@ mod tests {
         assert!(told(false, true).ends_with("give more different options"));
         let mut report = Report::default();
         let far = Nearest { distance: 0.6, wanted: 0.5, are_pinned: true, has_ended: true };
-        say_alikeness(&mut report, "plan.dxf", &settings, 1.0, Some(&far));
+        say_alikeness(&mut report, "plan.dxf", &settings, Some(&far));
         assert!(report.problems.is_empty());
     }
 
     #[test]
     fn none_better_says_what_better_would_be() {
         let settings = Settings::new(Partial::default()).unwrap();
-        let text = nothing_returned(&settings, 80, false);
+        let text = none_better(&counted(80, "layout"), is_firm(&settings));
         assert!(text.starts_with("none of the 80 layouts measured"), "{text}");
         assert!(
             text.contains("better than the present one to speak of (by 0.5 % or more in an objective"),

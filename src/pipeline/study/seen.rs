@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use super::look::{Look, Pair, Use};
 use super::{Study, Understood, blind};
 use crate::analysis::evaluator::{Evaluator, Scratch};
 use crate::analysis::isovist::query_isovists;
@@ -109,27 +110,13 @@ pub(super) struct Scene {
     asked: Vec<Measure>,
 }
 
-/// A named pair of regions.
-pub struct Pair {
-    /// Its name.
-    pub name: PairName,
-    pub(super) scene: Scene,
-}
-
-impl Pair {
-    /// Its cells.
-    pub fn lattice(&self) -> &Lattice {
-        &self.scene.lattice
-    }
-}
-
 impl Scene {
     pub fn new(
         ground: &Ground<'_>,
         base: &Understood,
         identity: &Layout,
         asked: Vec<Measure>,
-        roots: Option<(usize, u64)>,
+        use_for: Use,
         report: &mut Report,
     ) -> Result<Self, Error> {
         let lattice = Arc::new(lattice(ground, report)?);
@@ -137,9 +124,12 @@ impl Scene {
         let cells = CellIndex::new(&lattice);
         let segments = ground.movable.to_vec();
         let moving = Obstacles { blind: blind(base, identity, &cells, &segments), segments };
-        let evaluator = match roots {
-            Some(roots) => Evaluator::sampled(Arc::clone(&lattice), ground.fixed, &moving, roots),
-            None => Evaluator::new(Arc::clone(&lattice), ground.fixed, &moving),
+        let evaluator = match use_for {
+            Use::Roots(roots, seed) => {
+                Evaluator::sampled(Arc::clone(&lattice), ground.fixed, &moving, (roots, seed))
+            }
+            Use::Search => Evaluator::new(Arc::clone(&lattice), ground.fixed, &moving),
+            Use::Few => Evaluator::unprepared(Arc::clone(&lattice), ground.fixed, &moving),
         };
         let (edges, components) = (evaluator.initial_edges(), evaluator.initial_components().to_vec());
         Ok(Self { lattice, cells, components, evaluator, edges, asked })
@@ -198,13 +188,13 @@ impl Scene {
     }
 }
 
-/// The named pairs of a plan.
+/// The named pairs of a plan on a lattice.
 pub(super) fn pairs(
     base: &Understood,
     ground: &Ground<'_>,
     identity: &Layout,
     settings: &Settings,
-    roots: Option<(usize, u64)>,
+    use_for: Use,
     report: &mut Report,
 ) -> Result<Vec<Pair>, Error> {
     let markers = &base.plan.markers;
@@ -221,7 +211,7 @@ pub(super) fn pairs(
         let own = Ground { query, reference, ..ground.clone() };
         let asked = asked(settings, Some(name));
         // What there is to say of the interior was said of the unnamed pair.
-        let scene = Scene::new(&own, base, identity, asked, roots, &mut Report::default());
+        let scene = Scene::new(&own, base, identity, asked, use_for, &mut Report::default());
         let scene = scene.map_err(|e| {
             let text = format!("the regions named {name}: {e}");
             Error::input("pair", Place::file(&base.plan.file), text)
@@ -284,10 +274,11 @@ pub(super) fn state_asked(
 }
 
 impl Study {
-    /// What every pair sees in a layout, the unnamed first, whose tally is known; `moving` is what moves, with
-    /// the cells of the unnamed pair that it covers.
+    /// What every pair sees on a lattice in a layout, the unnamed first, whose tally is known; `moving` is what moves,
+    /// with the cells of the unnamed pair that it covers.
     pub(super) fn all_seen(
         &self,
+        look: &Look,
         layout: &Layout,
         tally: Tally,
         moving: &Obstacles,
@@ -299,13 +290,13 @@ impl Study {
             let tally = pair.scene.evaluator.evaluate(&moving, scratch);
             pair.scene.seen(tally, &moving.blind, || self.obstacles(layout, &pair.scene.cells))
         };
-        let pairs = self.pairs.iter().zip(scratches).map(of).collect();
-        (self.main.seen(tally, &moving.blind, || self.obstacles(layout, &self.main.cells)), pairs)
+        let pairs = look.pairs.iter().zip(scratches).map(of).collect();
+        (look.main.seen(tally, &moving.blind, || self.obstacles(layout, &look.main.cells)), pairs)
     }
 
     /// What a pair sees in a layout; the unnamed one for `None`.
     pub fn seen_of<'a>(&self, worth: &'a super::Worth, pair: Option<PairName>) -> &'a Seen {
-        let named = pair.and_then(|name| self.pairs.iter().position(|p| p.name == name));
+        let named = pair.and_then(|name| self.pairs().iter().position(|p| p.name == name));
         named.and_then(|i| worth.pairs.get(i)).unwrap_or(&worth.seen)
     }
 }

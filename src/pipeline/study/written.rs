@@ -58,8 +58,8 @@ impl Study {
             let tally = tally(&scene.lattice, &graph, Some(initial));
             scene.seen(tally, &obstacles.blind, || obstacles.clone())
         };
-        let pairs = self.pairs.iter().map(|p| seen(&p.scene)).collect();
-        Ok(self.worth(seen(&self.main), pairs, &pieces))
+        let of = |look: &super::Look| (seen(&look.main), look.pairs.iter().map(|p| seen(&p.scene)).collect());
+        Ok(self.worth(self.looks.iter().map(of).collect(), &pieces))
     }
 
     fn read_again(&self, bytes: &[u8], settings: &Settings) -> Result<Plan, Error> {

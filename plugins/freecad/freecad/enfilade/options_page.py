@@ -5,7 +5,15 @@ import os
 from .qt import QtCore, QtGui, QtWidgets
 from .wording import say
 
-MEASURES = (("degree", "visibility"), ("depth", "accessibility"), ("entropy", "organisation"), ("score", "score"))
+MEASURES = (
+    ("degree", "visibility"),
+    ("mean-depth", "steps"),
+    ("depth", "most steps"),
+    ("entropy", "evenness"),
+    ("score", "score"),
+)
+#: What counts cells is shown as area, m².
+AREAS = ("degree",)
 THUMB_PX = 150
 
 
@@ -15,7 +23,7 @@ class OptionsPage(QtWidgets.QWidget):
     def __init__(self, panel):
         super().__init__()
         self._panel = panel
-        self._round, self._shown = None, -1
+        self._round, self._shown, self._layouts = None, -1, []
         layout = QtWidgets.QVBoxLayout(self)
         layout.addLayout(self._choices())
         self.strip = QtWidgets.QListWidget()
@@ -93,8 +101,9 @@ class OptionsPage(QtWidgets.QWidget):
         """Fills the strip; pictures follow one at a time, so that the window stays awake."""
         self.clear()
         self._round = found
-        names = [say("Present"), *(say("Option {}", o.number) for o in found.options)]
-        for name, option in zip(names, [None, *found.options]):
+        self._layouts = [None, *found.options, *([found.best] if found.best else [])]
+        for option in self._layouts:
+            name = _name(option)
             item = QtWidgets.QListWidgetItem(name if option is None or option.within_threshold else name + " *")
             item.setSizeHint(QtCore.QSize(THUMB_PX + 12, THUMB_PX + 28))
             self.strip.addItem(item)
@@ -139,7 +148,7 @@ class OptionsPage(QtWidgets.QWidget):
         self._show_again()
 
     def _option(self, row: int):
-        return self._round.options[row - 1] if self._round is not None and row >= 1 else None
+        return self._layouts[row] if self._round is not None and row >= 1 else None
 
     def chosen(self):
         return self._option(self.strip.currentRow())
@@ -162,7 +171,7 @@ class OptionsPage(QtWidgets.QWidget):
         self._panel.preview(option, self._measure(), self.ghosts.isChecked())
 
     def _fill_numbers(self, option) -> None:
-        heads = [say("Measure"), say("Now"), say("Option {}", option.number) if option else "", say("Change")]
+        heads = [say("Measure"), say("Now"), _name(option) if option else "", say("Change")]
         self.numbers.setHorizontalHeaderLabels(heads)
         shown = [(m, say(w)) for m, w in MEASURES if m in self._round.initial]
         words_of = dict(MEASURES)
@@ -172,9 +181,13 @@ class OptionsPage(QtWidgets.QWidget):
                 shown.append((name, f"{say(words_of[measure])} · {pair}"))
         self.numbers.setRowCount(len(shown))
         for row, (measure, words) in enumerate(shown):
+            area = self._round.spacing_m**2 if measure.partition("@")[0] in AREAS else 1.0
             now = self._round.initial[measure]
             then = option.mean.get(measure) if option else None
-            cells = [words, _number(now), _number(then), _change(now, then)]
+            # What was confirmed, where the program confirmed anything: the same words as on its page.
+            change = option.change(measure) if option and option.gain else _change(now, then)
+            unit = " m²" if measure.partition("@")[0] in AREAS else ""
+            cells = [words, _number(now, area, unit), _number(then, area, unit), change]
             for column, text in enumerate(cells):
                 self.numbers.setItem(row, column, QtWidgets.QTableWidgetItem(text))
         self.numbers.resizeColumnsToContents()
@@ -189,8 +202,15 @@ class OptionsPage(QtWidgets.QWidget):
             self._panel.bring(option.file)
 
 
-def _number(value) -> str:
-    return "" if value is None else f"{value:.4g}"
+def _name(option) -> str:
+    """What the strip calls a layout; none is the present one."""
+    if option is None:
+        return say("Present")
+    return say("Option {}", option.number) if option.number else say("Best found")
+
+
+def _number(value, area=1.0, unit="") -> str:
+    return "" if value is None else f"{value * area:.3g}{unit}"
 
 
 def _change(now, then) -> str:

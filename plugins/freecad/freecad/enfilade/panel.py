@@ -294,7 +294,7 @@ class Panel(QtWidgets.QDockWidget):
         moved = list(dict.fromkeys(accept.accept(doc, self.job, self.round, option, remember)))
         self.clear_preview()
         self.refresh()
-        done = say("Accepted option {}: {} moved. Undo takes all of it back.", option.number, ", ".join(moved))
+        done = say("Accepted option {}: {} moved. Undo takes all of it back.", option.number or "best", ", ".join(moved))
         there = say("This was in the document '{}', which is not the one in front.", doc.Label)
         is_in_front = App.ActiveDocument is not None and App.ActiveDocument.Name == doc.Name
         self.tell(" ".join(w for w in (done, "" if is_in_front else there, around) if w))

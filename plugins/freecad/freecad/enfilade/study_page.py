@@ -14,8 +14,9 @@ from .wording import say
 #: Measure, and in words what more and what less of it means.
 WORDS = {
     "degree": ("See more (visibility)", "See less (visibility)"),
-    "depth": ("More turns (accessibility)", "Fewer turns (accessibility)"),
-    "entropy": ("Opens up evenly (organisation)", "Opens up unevenly (organisation)"),
+    "mean-depth": ("More steps (turns)", "Fewer steps (turns)"),
+    "depth": ("Farther corners (most steps)", "Nearer corners (most steps)"),
+    "entropy": ("Opens up evenly (evenness)", "Opens up unevenly (evenness)"),
 }
 
 

@@ -1,0 +1,271 @@
+//! From what a search measured to what is shown: the best ranked on more lattices, ideas that differ, each without the
+//! moves that bring nothing, and confirmed on lattices of their own.
+
+use super::Brief;
+use super::confirmed;
+use super::ideas::{Experience, SAME_MAPS, Stance};
+use super::judged::{evaluation, is_firm, moves_visibly, pinned};
+use super::stripped::Stripper;
+use crate::overlay::result::{Gains, Objective};
+use crate::pipeline::explain::{relative_gain, total_gain};
+use crate::pipeline::lattices;
+use crate::pipeline::study::{Study, Use, Worth};
+use crate::search::{Member, Outcome, Point, Sense, normalised_distance};
+
+/// Layouts whose experience is looked at, the best of all that keep the thresholds.
+const EXPERIENCED: usize = 200;
+/// The best of these, of which each is looked at without one move after the other.
+const TAKEN_APART: usize = 4;
+/// Share of the best gain, all objectives together, that an option keeps at least where nobody stated thresholds.
+const YIELDING_SHARE: f64 = 0.5;
+/// Layouts of these that are ranked again.
+const RANKED: usize = 32;
+/// Ideas taken beyond those wanted, for those that are not confirmed.
+const RESERVES: usize = 2;
+/// Share of an option's gain that moves may cost together which are taken back: a tenth is what a fifth wall must bring.
+const STRIPPED: f64 = 0.1;
+/// What the least change brings of the best layout's gain: half of it.
+const LEAST_CHANGE: f64 = 0.5;
+/// Points taken for their gain stand at least so far from each other, as a share of the largest distance.
+const APART: f64 = 0.05;
+
+/// See the module.
+#[derive(Default)]
+pub(super) struct Refined {
+    /// The options: pinned first, then the best first.
+    pub(super) members: Vec<Member>,
+    /// Of every option.
+    pub(super) gains: Vec<Gains>,
+    /// The best layout of all with its gains, all its moves as the search found them.
+    pub(super) best: Option<(Member, Gains)>,
+    /// Ideas left out since they are experienced as others are.
+    pub(super) alike: usize,
+    /// Ideas left out since their gain was not confirmed.
+    pub(super) unconfirmed: usize,
+}
+
+/// A layout with what people experience in it.
+struct Idea {
+    member: Member,
+    experience: Experience,
+    stance: Stance,
+}
+
+impl Idea {
+    fn of(brief: &Brief<'_>, member: Member, worth: &Worth) -> Self {
+        let base = &brief.study.base;
+        let layout = base.moves.apply(&base.plan, &base.graph, &member.parameters);
+        Self {
+            experience: Experience::of(brief.study, worth),
+            stance: Stance::of(brief.study, &layout),
+            member,
+        }
+    }
+
+    /// How alike two are: 1 where nobody could tell them apart.
+    fn likeness(&self, other: &Self) -> f64 {
+        let is_same = self.stance.overlays(&other.stance);
+        if is_same { 1.0 } else { self.experience.likeness(&other.experience) }
+    }
+}
+
+/// The options of a finished search.
+pub(super) fn refined(brief: &Brief<'_>, outcome: &Outcome<'_>, shown: &[Objective]) -> Refined {
+    let pins = pinned(brief.settings).min(outcome.members.len());
+    let whole = |m: &Member| Member { parameters: brief.control.expand(&m.parameters), ..m.clone() };
+    let kept: Vec<Member> = outcome.members[..pins].iter().map(whole).collect();
+    let stripper = Stripper { brief, shown, thresholds: &outcome.thresholds };
+    let ranked = ranked(brief, pool(brief, outcome, shown, &stripper));
+    let mut out = Refined::default();
+    let mut layouts: Vec<Member> = kept;
+    let best = ranked.first().cloned();
+    if let Some(best) = &best {
+        let wanted = brief.settings.members - pins + RESERVES;
+        let (ideas, alike) = unlike(brief, ranked, wanted);
+        out.alike = alike;
+        let (mut stripped, same) = without_alike(brief, stripped(&stripper, &ideas, STRIPPED));
+        out.alike += same;
+        let least = self::stripped(&stripper, std::slice::from_ref(best), LEAST_CHANGE);
+        stripped.splice(1.min(stripped.len())..1.min(stripped.len()), least);
+        layouts.extend(without_alike(brief, stripped).0);
+    }
+    let is_confirmed = |g: &Gains| confirmed::is_confirmed(brief.objectives, g, brief.settings.least_gain);
+    let reserves = layouts.split_off(layouts.len().min(brief.settings.members));
+    let options = layouts.len();
+    layouts.extend(best);
+    let mut all = with_gains(brief, layouts);
+    out.best = all.split_off(options).pop().filter(|b| is_confirmed(&b.1));
+    let mut free = all.split_off(pins);
+    let wanted = free.len();
+    free.retain(|(_, g)| is_confirmed(g));
+    out.unconfirmed = wanted - free.len();
+    if out.unconfirmed > 0 {
+        let instead = with_gains(brief, reserves).into_iter().filter(|(_, g)| is_confirmed(g));
+        free.extend(instead.take(out.unconfirmed));
+    }
+    free.sort_by(|a, b| {
+        confirmed::total(brief.objectives, &b.1).total_cmp(&confirmed::total(brief.objectives, &a.1))
+    });
+    all.extend(free);
+    (out.members, out.gains) = all.into_iter().unzip();
+    out
+}
+
+/// Layouts without the moves that bring nothing; as they were where a limit would be broken on the lattice shown.
+fn stripped(stripper: &Stripper<'_>, members: &[Member], cost: f64) -> Vec<Member> {
+    let Brief { study, settings, objectives, .. } = stripper.brief;
+    let all: Vec<Member> = members.iter().map(|m| stripper.strip(m, cost)).collect();
+    let vectors: Vec<Vec<f64>> = all.iter().map(|m| m.parameters.clone()).collect();
+    let worths = study.measure_all(&vectors);
+    let keeps = |worth: &Worth| evaluation(study, settings, objectives, worth).violation == 0.0;
+    let one = |((stripped, whole), worth): ((Member, &Member), Worth)| {
+        if keeps(&worth) { stripped } else { whole.clone() }
+    };
+    all.into_iter().zip(members).zip(worths).map(one).collect()
+}
+
+/// Layouts with what they surely gain.
+fn with_gains(brief: &Brief<'_>, layouts: Vec<Member>) -> Vec<(Member, Gains)> {
+    let vectors: Vec<Vec<f64>> = layouts.iter().map(|m| m.parameters.clone()).collect();
+    let gains = confirmed::gains(brief.study, brief.settings, brief.objectives, &vectors);
+    layouts.into_iter().zip(gains).collect()
+}
+
+/// Layouts worth ranking: those of the search's own choice, and of all that keep the thresholds by turns the best that is not
+/// near another and the one that is experienced least like all others.
+fn pool(
+    brief: &Brief<'_>,
+    outcome: &Outcome<'_>,
+    shown: &[Objective],
+    stripper: &Stripper<'_>,
+) -> Vec<Member> {
+    let bounds = brief.control.bounds();
+    let apart = APART * (bounds.len() as f64).sqrt();
+    let pins = pinned(brief.settings).min(outcome.members.len());
+    let gain = |p: &Point| total_gain(shown, &p.values);
+    // Nobody stated thresholds: half of the best gain is worth another idea.
+    let least = if is_firm(brief.settings) { f64::INFINITY } else { YIELDING_SHARE * gain(&outcome.best) };
+    let is_kept = |p: &&Point| p.violation == 0.0 && (stripper.keeps(&p.values) || gain(p) >= least);
+    let mut kept: Vec<Point> = outcome.archive.iter().filter(is_kept).cloned().collect();
+    kept.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+    kept.truncate(EXPERIENCED);
+    let without = without_one(brief, &kept[..kept.len().min(TAKEN_APART)]);
+    kept.extend(without.into_iter().filter(|p| is_kept(&p)));
+    let maps = experiences(brief, &kept);
+    let mut out: Vec<Member> = outcome.members[pins..].to_vec();
+    let distance = |p: &Point, to: &[f64]| normalised_distance(&bounds, &p.parameters, to);
+    let nearest = |p: &Point| out.iter().map(|o| distance(p, &o.parameters)).fold(f64::INFINITY, f64::min);
+    let mut distances: Vec<f64> = kept.iter().map(nearest).collect();
+    let mut likeness = vec![f64::NEG_INFINITY; kept.len()];
+    let mut turn = 0..;
+    while out.len() < RANKED {
+        let mut left = (0..kept.len()).filter(|i| distances[*i] > apart);
+        let next = if turn.next().is_some_and(|t: usize| t % 2 == 0) {
+            left.next()
+        } else {
+            left.min_by(|a, b| likeness[*a].total_cmp(&likeness[*b]))
+        };
+        let Some(next) = next else { break };
+        let Point { parameters, values, violation } = kept[next].clone();
+        for (i, p) in kept.iter().enumerate() {
+            distances[i] = distances[i].min(distance(p, &parameters));
+            likeness[i] = likeness[i].max(maps[i].likeness(&maps[next]));
+        }
+        let within_threshold = stripper.keeps(&values);
+        out.push(Member { parameters, values, violation, within_threshold });
+    }
+    let whole = |m: Member| Member { parameters: brief.control.expand(&m.parameters), ..m };
+    let all = out.into_iter().map(whole);
+    all.filter(|m| moves_visibly(brief.study, &m.parameters)).collect()
+}
+
+/// Layouts with one move of each taken back: what the best have in common hides other ideas.
+fn without_one(brief: &Brief<'_>, best: &[Point]) -> Vec<Point> {
+    let Brief { trial, settings, control, objectives, .. } = brief;
+    let start = control.start();
+    let mut free: Vec<Vec<f64>> = Vec::new();
+    for (point, (unit, _)) in best.iter().flat_map(|p| control.units().iter().map(move |u| (p, u))) {
+        let mut q = point.parameters.clone();
+        unit.iter().for_each(|&k| q[k] = start[k]);
+        let q = control.permit(&q);
+        if q != point.parameters && !free.contains(&q) {
+            free.push(q);
+        }
+    }
+    let vectors: Vec<Vec<f64>> = free.iter().map(|q| control.expand(q)).collect();
+    let worths = trial.measure_all(&vectors);
+    let point = |(parameters, worth): (Vec<f64>, &Worth)| {
+        let found = evaluation(trial, settings, objectives, worth);
+        Point { parameters, values: found.values, violation: found.violation }
+    };
+    free.into_iter().zip(&worths).map(point).collect()
+}
+
+/// What people experience in layouts, on one of the lattices that were searched on: a coarse look tells maps apart.
+fn experiences(brief: &Brief<'_>, points: &[Point]) -> Vec<Experience> {
+    let Brief { study, settings, control, .. } = brief;
+    let vectors: Vec<Vec<f64>> = points.iter().map(|p| control.expand(&p.parameters)).collect();
+    let coarse = study.on_lattices(settings, &lattices::searched(study, settings)[..1], Use::Search);
+    let on = coarse.as_ref().unwrap_or(study);
+    on.measure_all(&vectors).iter().map(|worth| Experience::of(on, worth)).collect()
+}
+
+/// Layouts by what they gain on lattices of their own, the best first; none that breaks a limit there or on the lattice shown.
+fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Member> {
+    let Brief { study, settings, objectives, .. } = brief;
+    let vectors: Vec<Vec<f64>> = pool.iter().map(|m| m.parameters.clone()).collect();
+    let others = study.on_lattices(settings, &lattices::ranked(study, settings), Use::Few);
+    let on = others.as_ref().unwrap_or(study);
+    let is_allowed = |on: &Study, worth: &Worth| evaluation(on, settings, objectives, worth).violation == 0.0;
+    let gain = |worth: &Worth| -> f64 {
+        let values = evaluation(on, settings, objectives, worth).values;
+        let present = evaluation(on, settings, objectives, &on.initial).values;
+        let all = objectives.iter().zip(values.into_iter().zip(present)).filter(|((_, o), _)| !o.is_penalty);
+        all.map(|((_, o), (now, present))| relative_gain(o.sense == Sense::Maximise, now, present)).sum()
+    };
+    let worths = on.measure_all(&vectors);
+    let here = study.measure_all(&vectors);
+    let judged = pool.into_iter().zip(worths).zip(here);
+    let judged = judged.filter(|((_, there), here)| is_allowed(on, there) && is_allowed(study, here));
+    let mut all: Vec<(f64, Member)> = judged.map(|((m, there), _)| (gain(&there), m)).collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.into_iter().map(|(_, m)| m).collect()
+}
+
+/// So many ideas, the first of all and then by turns the one least like those taken; and how many of the wanted are missing
+/// because what is left is like them.
+fn unlike(brief: &Brief<'_>, members: Vec<Member>, wanted: usize) -> (Vec<Member>, usize) {
+    let mut left = ideas(brief, members);
+    let mut taken: Vec<Idea> = Vec::new();
+    while taken.len() < wanted && !left.is_empty() {
+        let likeness = |idea: &Idea| taken.iter().map(|t| idea.likeness(t)).fold(-1.0, f64::max);
+        let all: Vec<f64> = left.iter().map(likeness).collect();
+        let Some(next) = (0..left.len()).min_by(|a, b| all[*a].total_cmp(&all[*b])) else { break };
+        if all[next] > SAME_MAPS {
+            break;
+        }
+        taken.push(left.remove(next));
+    }
+    let missing = if left.is_empty() { 0 } else { wanted - taken.len() };
+    (taken.into_iter().map(|i| i.member).collect(), missing)
+}
+
+/// The layouts without those that are like one before; and how many those are.
+fn without_alike(brief: &Brief<'_>, members: Vec<Member>) -> (Vec<Member>, usize) {
+    let before = members.len();
+    let mut out: Vec<Idea> = Vec::new();
+    for idea in ideas(brief, members) {
+        // A smaller change than another is an idea of its own, however alike what is seen.
+        if out.iter().all(|o| !o.stance.overlays(&idea.stance)) {
+            out.push(idea);
+        }
+    }
+    let left_out = before - out.len();
+    (out.into_iter().map(|i| i.member).collect(), left_out)
+}
+
+fn ideas(brief: &Brief<'_>, members: Vec<Member>) -> Vec<Idea> {
+    let vectors: Vec<Vec<f64>> = members.iter().map(|m| m.parameters.clone()).collect();
+    let worths = brief.study.measure_all(&vectors);
+    members.into_iter().zip(&worths).map(|(m, worth)| Idea::of(brief, m, worth)).collect()
+}

@@ -1,0 +1,152 @@
+//! An option without what brings nothing: moves whose return costs next to nothing go back, what remains goes to round
+//! lengths and angles.
+
+use super::Brief;
+use super::judged::evaluation;
+use crate::moves::Parameter;
+use crate::overlay::result::Objective;
+use crate::pipeline::explain::total_gain;
+use crate::plan::markers::Kind;
+use crate::search::Member;
+
+/// Lengths to which moves are rounded, metres: the coarse ones where they cost little, else the fine ones …
+const LENGTHS_M: [f64; 2] = [0.05, 0.01];
+/// … in drawings by the inch: 2 and 1 inches …
+const LENGTHS_INCHES_M: [f64; 2] = [0.0508, 0.0254];
+/// … and angles, degrees: right and half right angles are among the coarse ones.
+const ANGLES_DEG: [f64; 2] = [15.0, 1.0];
+
+/// Share of a gain that rounding may cost beside what stripping does.
+const ROUNDING_COST: f64 = 0.02;
+
+/// What layouts are held against while they are stripped.
+pub(super) struct Stripper<'a> {
+    pub(super) brief: &'a Brief<'a>,
+    /// With their values of the present layout.
+    pub(super) shown: &'a [Objective],
+    /// The thresholds of the search, as measured.
+    pub(super) thresholds: &'a [f64],
+}
+
+/// A layout on its way to fewer moves.
+#[derive(Clone)]
+struct State {
+    free: Vec<f64>,
+    member: Member,
+    gain: f64,
+}
+
+impl Stripper<'_> {
+    /// The layout with as few moves as keep its gain but for a share of it, none of them odd; it keeps the thresholds
+    /// that it kept.
+    pub(super) fn strip(&self, member: &Member, cost: f64) -> Member {
+        let free = self.brief.control.reduce(&member.parameters);
+        let begun = State { free, member: member.clone(), gain: total_gain(self.shown, &member.values) };
+        if begun.gain <= 0.0 {
+            return begun.member;
+        }
+        let least = begun.gain * (1.0 - cost);
+        let stripped = self.without_idle(begun, least);
+        let gain = stripped.gain;
+        self.rounded(stripped, least.min(gain * (1.0 - ROUNDING_COST))).member
+    }
+
+    /// Takes back what costs least first, as long as enough is left.
+    fn without_idle(&self, from: State, least: f64) -> State {
+        let start = self.brief.control.start();
+        let back = |free: &[f64], unit: &[usize]| {
+            let mut out = free.to_vec();
+            unit.iter().for_each(|&k| out[k] = start[k]);
+            out
+        };
+        let units = self.brief.control.units().iter().map(|u| &u.0);
+        let moved: Vec<&Vec<usize>> = units.filter(|u| u.iter().any(|&k| from.free[k] != start[k])).collect();
+        let tried = self.judged(&from, moved.iter().map(|u| back(&from.free, u)).collect());
+        let mut order: Vec<(f64, &Vec<usize>)> =
+            tried.iter().zip(&moved).filter_map(|(s, u)| Some((s.as_ref()?.gain, *u))).collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut now = from;
+        for (_, unit) in order {
+            let next = self.judged(&now, vec![back(&now.free, unit)]).pop().flatten();
+            // The last move stays: as drawn is no option.
+            let is_any = |s: &State| s.free.iter().zip(&start).any(|(v, s)| v != s);
+            if let Some(next) = next.filter(|s| s.gain >= least && is_any(s)) {
+                now = next;
+            }
+        }
+        now
+    }
+
+    /// Brings every move to round numbers, or takes it back, as long as enough is left.
+    fn rounded(&self, from: State, least: f64) -> State {
+        let start = self.brief.control.start();
+        let parameter = |k: usize| &self.brief.study.base.moves.parameters[self.brief.control.parameter(k)];
+        let round = |v: f64, k: usize, step: usize| {
+            module(parameter(k), step).map_or(v, |m| start[k] + ((v - start[k]) / m).round() * m)
+        };
+        let fine: Vec<f64> = from.free.iter().enumerate().map(|(k, v)| round(*v, k, 1)).collect();
+        let is_enough = |s: &State| s.gain >= least && s.free != start;
+        let rounded = self.judged(&from, vec![fine]).pop().flatten();
+        let mut now = rounded.filter(is_enough).unwrap_or(from);
+        for k in 0..start.len() {
+            for value in [start[k], round(now.free[k], k, 0)] {
+                if now.free[k] == start[k] || now.free[k] == value {
+                    continue;
+                }
+                let mut next = now.free.clone();
+                next[k] = value;
+                let next = self.judged(&now, vec![next]).pop().flatten();
+                if let Some(next) = next.filter(is_enough) {
+                    now = next;
+                    break;
+                }
+            }
+        }
+        now
+    }
+
+    /// Free parameters as the rules allow them, with what they are worth; none that breaks a limit, or a threshold that
+    /// was kept before.
+    fn judged(&self, before: &State, free: Vec<Vec<f64>>) -> Vec<Option<State>> {
+        let Brief { trial, settings, control, objectives, .. } = self.brief;
+        let bounds = control.bounds();
+        let within = |q: Vec<f64>| -> Vec<f64> {
+            let q: Vec<f64> = q.iter().zip(&bounds).map(|(v, [lo, hi])| v.clamp(*lo, *hi)).collect();
+            control.permit(&q)
+        };
+        let free: Vec<Vec<f64>> = free.into_iter().map(within).collect();
+        let layouts: Vec<Vec<f64>> = free.iter().map(|q| control.expand(q)).collect();
+        let worths = trial.measure_all(&layouts);
+        let state = |((worth, free), parameters)| {
+            let found = evaluation(trial, settings, objectives, &worth);
+            let within_threshold = self.keeps(&found.values);
+            let is_allowed = found.violation == 0.0 && (within_threshold || !before.member.within_threshold);
+            let gain = total_gain(self.shown, &found.values);
+            let member =
+                Member { parameters, values: found.values, violation: found.violation, within_threshold };
+            is_allowed.then_some(State { free, member, gain })
+        };
+        worths.into_iter().zip(free).zip(layouts).map(state).collect()
+    }
+
+    /// Whether values keep every threshold.
+    pub(super) fn keeps(&self, values: &[f64]) -> bool {
+        let sides = self.shown.iter().zip(values).zip(self.thresholds);
+        sides.into_iter().all(|((o, v), limit)| match o.sense {
+            crate::overlay::result::Sense::Max => v >= limit,
+            crate::overlay::result::Sense::Min => v <= limit,
+        })
+    }
+}
+
+/// What a parameter is rounded to, in its own unit: coarse (0) or fine (1); none for scales.
+fn module(parameter: &Parameter, step: usize) -> Option<f64> {
+    let clause = &parameter.clause;
+    let si = match clause.kind {
+        Kind::Scale(_) => return None,
+        Kind::Rotate(_) => ANGLES_DEG[step].to_radians(),
+        _ if matches!(clause.unit.as_str(), "in" | "ft") => LENGTHS_INCHES_M[step],
+        _ => LENGTHS_M[step],
+    };
+    Some(si / clause.si_per_unit)
+}
