@@ -105,8 +105,21 @@ fn fewer_options_than_wanted_are_a_request_left_out() {
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/maze.dxf");
     let drawing = desk.drawing().to_string_lossy().into_owned();
     std::fs::copy(sample, &drawing).unwrap();
+    let asked = "degree max 0.7, depth min 0.7, entropy max 0.7";
     for (members, code) in [("3", "options-left-out"), ("5", "few-options")] {
-        let done = enfilade(&["run", &drawing, "--evaluations", "40", "--members", members, "--raw"]);
+        let done = enfilade(&[
+            "run",
+            &drawing,
+            "--evaluations",
+            "40",
+            "--members",
+            members,
+            "--raw",
+            "--thresholds",
+            "yielding",
+            "--objective",
+            asked,
+        ]);
         assert_eq!(done.status.code(), Some(1), "{}", text(&done.stderr));
         let round = if members == "3" { "round-01" } else { "round-02" };
         let result = json(&desk.folder.path().join("plan.enfilade").join(round).join("result.json"));

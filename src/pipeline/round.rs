@@ -452,7 +452,7 @@ fn candidate(
         penalty: show::penalty_numbers(&made.worth),
         score: Some(study.score(&made.worth, settings)),
         gain,
-        within_threshold: made.member.within_threshold,
+        within_threshold: made.member.within_threshold && explanation.breaks.is_empty(),
         changes: changes(study, made),
     }
 }

@@ -18,12 +18,19 @@ const CONVERGING_MAX: u64 = 20_000;
 /// ends when it has converged.
 pub(super) fn stated(study: &Study, settings: &Settings) -> Option<u64> {
     let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
-    let by_cost = || (PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]) as u64;
+    let by_cost = || {
+        let all = (PAIRS_BUDGET / pairs).clamp(EVALUATIONS[0], EVALUATIONS[1]);
+        (all * search_share(settings)) as u64
+    };
     (!settings.until_converged).then(|| settings.evaluations.unwrap_or_else(by_cost))
 }
 
-/// Share of the seconds stated that ranking, stripping and confirming take after the search.
+/// Share of the time, and of the layouts where none is stated, that ranking, stripping and confirming take after the search.
 const AFTER_SEARCH: f64 = 0.35;
+
+fn search_share(settings: &Settings) -> f64 {
+    if is_bare(settings) { 1.0 } else { 1.0 - AFTER_SEARCH }
+}
 
 /// What a search may still measure.
 pub(super) struct Allowance<'a> {
@@ -40,8 +47,7 @@ pub(super) struct Allowance<'a> {
 impl<'a> Allowance<'a> {
     /// Of a search that first measures `known` layouts, in a round that began at `started`.
     pub(super) fn new(settings: &'a Settings, search: &mut Search, known: u64, started: Instant) -> Self {
-        let share = if is_bare(settings) { 1.0 } else { 1.0 - AFTER_SEARCH };
-        let seconds = settings.seconds.map(|s| s * share);
+        let seconds = settings.seconds.map(|s| s * search_share(settings));
         let out = Self { settings, seconds, clock: Clock::new(started), fit: 0, least: known + BATCH as u64 };
         if settings.until_converged {
             search.set_most(out.most());

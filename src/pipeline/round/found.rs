@@ -105,7 +105,8 @@ pub(super) fn found(brief: &Brief<'_>, search: &Search) -> Found {
     let is_none_better = unworthy > 0 && members.iter().all(|m| !is_better(settings, &shown, &m.values));
     let no_option = (members.is_empty() || is_unmet).then(|| {
         if !is_unmet {
-            return told::nothing_returned(brief, outcome.evaluations, is_best_better);
+            let nearest = control.expand(&best.parameters);
+            return told::nothing_returned(brief, outcome.evaluations, (&nearest, is_best_better));
         }
         let nearest = control.expand(&outcome.best.parameters);
         let worth = trial.measure(&nearest, &mut trial.bench());

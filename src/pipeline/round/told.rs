@@ -145,7 +145,11 @@ fn none_better(measured: &str, is_firm: bool) -> String {
 
 /// Why there is no option although layouts keep every hard limit: nothing that was measured surely gains enough, or the
 /// published method returned nothing that moves.
-pub(super) fn nothing_returned(brief: &Brief<'_>, evaluations: u64, is_best_better: bool) -> String {
+pub(super) fn nothing_returned(
+    brief: &Brief<'_>,
+    evaluations: u64,
+    (best, is_best_better): (&[f64], bool),
+) -> String {
     let settings = brief.settings;
     let measured = counted(evaluations, "layout");
     if !is_bare(settings) {
@@ -153,7 +157,7 @@ pub(super) fn nothing_returned(brief: &Brief<'_>, evaluations: u64, is_best_bett
         return format!(
             "No layout improves the present one by {least} % or more. {measured} measured; the best of them were measured \
              again on other lattices. {}",
-            what_limits(brief)
+            what_limits(brief, best)
         );
     }
     if !is_best_better {
@@ -172,7 +176,7 @@ pub(super) fn nothing_returned(brief: &Brief<'_>, evaluations: u64, is_best_bett
 }
 
 /// What limits the search: what may move, and what to allow next.
-fn what_limits(brief: &Brief<'_>) -> String {
+fn what_limits(brief: &Brief<'_>, best: &[f64]) -> String {
     let names = group_names(brief.study);
     let walls = brief.study.base.plan.walls.len();
     let moving = brief.study.base.moves.walls.len();
@@ -180,11 +184,36 @@ fn what_limits(brief: &Brief<'_>) -> String {
         few if few.len() <= GROUPS_TOLD => listed(few, "and"),
         many => format!("{} groups", many.len()),
     };
+    let bounds = at_bounds(brief.study, best);
+    let bounds = match bounds.as_slice() {
+        [] => String::new(),
+        few if few.len() <= GROUPS_TOLD => {
+            format!(" At their bounds in the best layout: {}.", listed(few, "and"))
+        }
+        many => format!(" At their bounds in the best layout: {} moves.", many.len()),
+    };
     format!(
-        "Moving: {who} ({moving} of {walls} wall elements); all others are fixed{}. Draw EF-MOVE boxes round more walls, \
+        "Moving: {who} ({moving} of {walls} wall elements); all others are fixed{}.{bounds} Draw EF-MOVE boxes round more walls, \
          or give them wider bounds.",
         rules_clause(brief.settings, names.len())
     )
+}
+
+/// A move this near to its bound, as a share of its range, stands at it.
+const AT_BOUND: f64 = 0.01;
+
+/// What moves in a layout as far as it may.
+fn at_bounds(study: &Study, layout: &[f64]) -> Vec<String> {
+    let moves = &study.base.moves;
+    let is_at = |(value, [lo, hi]): (&f64, &[f64; 2])| (value - lo).min(hi - value) <= AT_BOUND * (hi - lo);
+    let bounds = moves.bounds();
+    let held = layout.iter().zip(&bounds).map(is_at).zip(&moves.parameters);
+    let moved = layout.iter().zip(moves.identity()).map(|(value, still)| *value != still);
+    let names: BTreeSet<String> = (held.zip(moved))
+        .filter(|((is_at, _), is_moved)| *is_at && *is_moved)
+        .map(|((_, p), _)| sentence_case(&p.group_name))
+        .collect();
+    names.into_iter().collect()
 }
 
 /// Says why there are fewer options than wanted, where there are.
