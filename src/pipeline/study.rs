@@ -52,8 +52,8 @@ use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Wall, box_of, own_layers, understand, view_box};
 use crate::report::{Error, Place, Problem, Report, Severity};
 use jambs::keeping_doors;
-use look::Look;
 pub use look::{LatticeAt, Pair, Use};
+use look::{Look, SeenOn};
 use marked::{
     side_car_groups, state_left, state_passed_over, state_unread_marks, state_unread_moves, taken_up,
 };
@@ -559,7 +559,7 @@ impl Study {
                 let blind = obstacles.blind.clone();
                 scene.seen(scene.evaluator.initial().clone(), &blind, || obstacles)
             };
-            (of(&look.main), look.pairs.iter().map(|p| of(&p.scene)).collect())
+            SeenOn { main: of(&look.main), pairs: look.pairs.iter().map(|p| of(&p.scene)).collect() }
         };
         let seen = study.looks.par_iter().map(initial).collect();
         study.initial = study.worth(seen, &study.pieces);

@@ -47,7 +47,7 @@ fn shown(settings: &Settings, study: &Study, made: &[&Made]) -> Vec<Shown> {
 fn change(settings: &Settings, map: Map, initial: &[f64], members: &[Vec<f64>]) -> Option<Shown> {
     let asked =
         settings.objectives.iter().find(|o| o.measure.measure == map.measure && o.measure.pair == map.pair);
-    let is_more_better = asked.map_or(true, |o| o.is_max);
+    let is_more_better = asked.is_none_or(|o| o.is_max);
     let is_seen = map.measure == Measure::Degree && map.pair.is_none();
     if !map.measure.is_of_cells() || members.is_empty() || asked.is_none() && !is_seen {
         return None;

@@ -69,7 +69,7 @@ pub(super) fn found(brief: &Brief<'_>, search: &Search) -> Found {
         limit: outcome.reachable[i].map(|_| outcome.thresholds[i] + 0.0),
         free: o.is_penalty.then_some(PENALTY_FREE),
     });
-    let shown: Vec<Objective> = shown.collect();
+    let mut shown: Vec<Objective> = shown.collect();
     let goes_on = || "the search had not ended; this is the best so far".to_owned();
     let mut stopped_by = search.stop_reason().map_or_else(goes_on, |s| s.to_string());
     let is_unmet = outcome.best.violation > 0.0;
@@ -101,7 +101,12 @@ pub(super) fn found(brief: &Brief<'_>, search: &Search) -> Found {
     } else {
         refined(brief, &outcome, &shown)
     };
-    let members = std::mem::take(&mut out.members);
+    let mut members = std::mem::take(&mut out.members);
+    let mut threshold_share = outcome.threshold_share;
+    if !is_bare(settings) && !is_firm(settings) {
+        let pins = pinned(settings).min(members.len());
+        threshold_share *= lower(&mut shown, &mut members[pins..]);
+    }
     let is_none_better = unworthy > 0 && members.iter().all(|m| !is_better(settings, &shown, &m.values));
     let no_option = (members.is_empty() || is_unmet).then(|| {
         if !is_unmet {
@@ -138,7 +143,7 @@ pub(super) fn found(brief: &Brief<'_>, search: &Search) -> Found {
         is_none_better,
         no_option,
         objectives: shown,
-        threshold_share: outcome.threshold_share,
+        threshold_share,
         evaluations: outcome.evaluations,
         stopped_by,
         has_ended: search.stop_reason().is_some(),
@@ -146,6 +151,24 @@ pub(super) fn found(brief: &Brief<'_>, search: &Search) -> Found {
         archive: outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values.clone()).collect(),
         members,
     }
+}
+
+/// Lowers the limits of thresholds that nobody stated to what the options keep; what is left of the gains that they stood for,
+/// of the objective that gave up most.
+fn lower(shown: &mut [Objective], members: &mut [search::Member]) -> f64 {
+    let mut left: f64 = 1.0;
+    for (j, o) in shown.iter_mut().enumerate().filter(|(_, o)| o.name != "penalty") {
+        let Some(limit) = o.limit else { continue };
+        let values = members.iter().map(|m| m.values[j]);
+        let is_more_better = o.sense == ShownSense::Max;
+        let kept = values.fold(limit, |a, v| if is_more_better { a.min(v) } else { a.max(v) });
+        if kept != limit && limit != o.initial {
+            left = left.min(((kept - o.initial) / (limit - o.initial)).clamp(0.0, 1.0));
+        }
+        o.limit = Some(kept);
+    }
+    members.iter_mut().for_each(|m| m.within_threshold = true);
+    left
 }
 
 /// The options as the search itself chose them, those that break a limit only where they were pinned.

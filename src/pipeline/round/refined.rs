@@ -77,11 +77,11 @@ pub(super) fn refined(brief: &Brief<'_>, outcome: &Outcome<'_>, shown: &[Objecti
     let stripper = Stripper { brief, shown, thresholds: &outcome.thresholds };
     let ranked = ranked(brief, pool(brief, outcome, shown, &stripper));
     let mut out = Refined::default();
-    let mut layouts: Vec<Member> = kept;
+    let mut layouts = kept;
     let best = ranked.first().cloned();
     if let Some(best) = &best {
         let wanted = brief.settings.members - pins + RESERVES;
-        let (ideas, alike) = unlike(brief, ranked, wanted);
+        let (ideas, alike) = unlike(brief, &layouts, ranked, wanted);
         out.alike = alike;
         let (mut stripped, same) = without_alike(brief, stripped(&stripper, &ideas, STRIPPED));
         out.alike += same;
@@ -145,7 +145,10 @@ fn pool(
     let gain = |p: &Point| total_gain(shown, &p.values);
     // Nobody stated thresholds: half of the best gain is worth another idea.
     let least = if is_firm(brief.settings) { f64::INFINITY } else { YIELDING_SHARE * gain(&outcome.best) };
-    let is_kept = |p: &&Point| p.violation == 0.0 && (stripper.keeps(&p.values) || gain(p) >= least);
+    let is_kept = |p: &&Point| {
+        let is_worth = || stripper.keeps_penalty(&p.values) && gain(p) >= least;
+        p.violation == 0.0 && (stripper.keeps(&p.values) || is_worth())
+    };
     let mut kept: Vec<Point> = outcome.archive.iter().filter(is_kept).cloned().collect();
     kept.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
     kept.truncate(EXPERIENCED);
@@ -160,7 +163,7 @@ fn pool(
     let mut turn = 0..;
     while out.len() < RANKED {
         let mut left = (0..kept.len()).filter(|i| distances[*i] > apart);
-        let next = if turn.next().is_some_and(|t: usize| t % 2 == 0) {
+        let next = if turn.next().is_some_and(|t: usize| t.is_multiple_of(2)) {
             left.next()
         } else {
             left.min_by(|a, b| likeness[*a].total_cmp(&likeness[*b]))
@@ -232,22 +235,26 @@ fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Member> {
     all.into_iter().map(|(_, m)| m).collect()
 }
 
-/// So many ideas, the first of all and then by turns the one least like those taken; and how many of the wanted are missing
-/// because what is left is like them.
-fn unlike(brief: &Brief<'_>, members: Vec<Member>, wanted: usize) -> (Vec<Member>, usize) {
+/// So many ideas unlike those pinned: the first of all and then by turns the one least like those taken; and how many of the
+/// wanted are missing because what is left is like them.
+fn unlike(brief: &Brief<'_>, pinned: &[Member], members: Vec<Member>, wanted: usize) -> (Vec<Member>, usize) {
     let mut left = ideas(brief, members);
-    let mut taken: Vec<Idea> = Vec::new();
-    while taken.len() < wanted && !left.is_empty() {
-        let likeness = |idea: &Idea| taken.iter().map(|t| idea.likeness(t)).fold(-1.0, f64::max);
-        let all: Vec<f64> = left.iter().map(likeness).collect();
-        let Some(next) = (0..left.len()).min_by(|a, b| all[*a].total_cmp(&all[*b])) else { break };
+    let mut taken = ideas(brief, pinned.to_vec());
+    let likeness = |idea: &Idea, taken: &[Idea]| {
+        taken.iter().map(|t| idea.likeness(t)).fold(f64::NEG_INFINITY, f64::max)
+    };
+    left.retain(|idea| likeness(idea, &taken) <= SAME_MAPS);
+    while taken.len() < pinned.len() + wanted && !left.is_empty() {
+        let all: Vec<f64> = left.iter().map(|idea| likeness(idea, &taken)).collect();
+        let least_like = (0..left.len()).min_by(|a, b| all[*a].total_cmp(&all[*b]));
+        let next = if taken.len() == pinned.len() { 0 } else { least_like.unwrap_or(0) };
         if all[next] > SAME_MAPS {
             break;
         }
         taken.push(left.remove(next));
     }
-    let missing = if left.is_empty() { 0 } else { wanted - taken.len() };
-    (taken.into_iter().map(|i| i.member).collect(), missing)
+    let missing = if left.is_empty() { 0 } else { pinned.len() + wanted - taken.len() };
+    (taken.drain(pinned.len()..).map(|i| i.member).collect(), missing)
 }
 
 /// The layouts without those that are like one before; and how many those are.

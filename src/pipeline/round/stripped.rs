@@ -120,7 +120,9 @@ impl Stripper<'_> {
         let state = |((worth, free), parameters)| {
             let found = evaluation(trial, settings, objectives, &worth);
             let within_threshold = self.keeps(&found.values);
-            let is_allowed = found.violation == 0.0 && (within_threshold || !before.member.within_threshold);
+            let is_kept =
+                within_threshold || !before.member.within_threshold && self.keeps_penalty(&found.values);
+            let is_allowed = found.violation == 0.0 && is_kept;
             let gain = total_gain(self.shown, &found.values);
             let member =
                 Member { parameters, values: found.values, violation: found.violation, within_threshold };
@@ -131,8 +133,17 @@ impl Stripper<'_> {
 
     /// Whether values keep every threshold.
     pub(super) fn keeps(&self, values: &[f64]) -> bool {
+        self.keeps_of(values, |_| true)
+    }
+
+    /// Whether values have no more penalty than is allowed.
+    pub(super) fn keeps_penalty(&self, values: &[f64]) -> bool {
+        self.keeps_of(values, |o| o.name == "penalty")
+    }
+
+    fn keeps_of(&self, values: &[f64], is_asked: impl Fn(&Objective) -> bool) -> bool {
         let sides = self.shown.iter().zip(values).zip(self.thresholds);
-        sides.into_iter().all(|((o, v), limit)| match o.sense {
+        sides.into_iter().filter(|((o, _), _)| is_asked(o)).all(|((o, v), limit)| match o.sense {
             crate::overlay::result::Sense::Max => v >= limit,
             crate::overlay::result::Sense::Min => v <= limit,
         })

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{Bench, Seen, Study, Worth, moving_segments};
+use super::look::SeenOn;
+use super::{Bench, Study, Worth, moving_segments};
 use crate::analysis::gpu::Gpu;
 use crate::analysis::{Obstacles, Tally};
 use crate::moves::Layout;
@@ -54,7 +55,7 @@ impl Study {
             (layout, segments)
         };
         let layouts: Vec<(Layout, Vec<Segment>)> = ps.par_iter().map(laid_out).collect();
-        let mut seen: Vec<Vec<(Seen, Vec<Seen>)>> = vec![Vec::new(); ps.len()];
+        let mut seen: Vec<Vec<SeenOn>> = ps.iter().map(|_| Vec::new()).collect();
         for (k, look) in self.looks.iter().enumerate() {
             let moving: Vec<Obstacles> = layouts.par_iter().map(|(l, s)| self.moving(look, l, s)).collect();
             let tallies = look.main.evaluator.evaluate_on_card(&moving).unwrap_or(Ok(Vec::new()))?;
@@ -65,10 +66,10 @@ impl Study {
                 };
                 self.with_bench(work)
             };
-            let found: Vec<(Seen, Vec<Seen>)> = jobs.map(of).collect();
+            let found: Vec<SeenOn> = jobs.map(of).collect();
             seen.iter_mut().zip(found).for_each(|(all, one)| all.push(one));
         }
-        let worth = |((layout, _), seen): (&(Layout, Vec<Segment>), Vec<(Seen, Vec<Seen>)>)| {
+        let worth = |((layout, _), seen): (&(Layout, Vec<Segment>), Vec<SeenOn>)| {
             self.with_bench(|bench| {
                 self.place_all(layout, &mut bench.pieces);
                 self.worth(seen, &bench.pieces)

@@ -96,40 +96,49 @@ impl Look {
         Means {
             degree: self.told(Measure::Degree, m.degree),
             degree_all: self.told(Measure::Connectivity, m.degree_all),
-            ..m.clone()
+            ..*m
         }
     }
 }
 
+/// What is seen on one lattice.
+#[derive(Default)]
+pub(super) struct SeenOn {
+    /// By the unnamed pair of regions.
+    pub main: Seen,
+    /// By the named ones.
+    pub pairs: Vec<Seen>,
+}
+
 /// Takes in what is seen on every lattice: as it is where there is one, else its means.
-pub(super) fn take_means(study: &Study, seen: Vec<(Seen, Vec<Seen>)>, worth: &mut Worth) {
+pub(super) fn take_means(study: &Study, seen: Vec<SeenOn>, worth: &mut Worth) {
     let looks = &study.looks;
-    let share = |(look, (seen, _)): (&Look, &(Seen, Vec<Seen>))| {
+    let share = |(look, seen): (&Look, &SeenOn)| {
         let lattice = &look.main.lattice;
         let (query, all) = (lattice.query.len(), lattice.cells.len());
-        let lost = seen.tally.disconnected;
+        let lost = seen.main.tally.disconnected;
         [disconnection(lost, query, all), lost as f64 / (query as f64 * all as f64)]
     };
     let shares: Vec<[f64; 2]> = looks.iter().zip(&seen).map(share).collect();
     let n = looks.len() as f64;
     [worth.disconnection, worth.cut_off] = [0, 1].map(|k| shares.iter().map(|s| s[k]).sum::<f64>() / n);
-    let aim = |a: &Aim, look: &Look, (main, pairs): &(Seen, Vec<Seen>)| {
+    let aim = |a: &Aim, look: &Look, on: &SeenOn| {
         let named = a.pair.and_then(|name| study.pairs().iter().position(|p| p.name == name));
-        let of = named.and_then(|i| pairs.get(i)).unwrap_or(main);
+        let of = named.and_then(|i| on.pairs.get(i)).unwrap_or(&on.main);
         look.told(a.measure, aims::together(aims::cell_values(of, a.measure), a.aggregate))
     };
     let mean = |a: &Aim| looks.iter().zip(&seen).map(|(l, s)| aim(a, l, s)).sum::<f64>() / n;
     worth.aims = study.aims.iter().map(mean).collect();
     if let [look] = looks.as_slice() {
-        (worth.seen, worth.pairs) = seen.into_iter().next().unwrap_or_default();
+        SeenOn { main: worth.seen, pairs: worth.pairs } = seen.into_iter().next().unwrap_or_default();
         let all = std::iter::once(&mut worth.seen).chain(&mut worth.pairs);
         all.for_each(|seen| seen.means = look.told_means(&seen.means));
         return;
     }
-    let mean = |of: &dyn Fn(&(Seen, Vec<Seen>)) -> Means| {
+    let mean = |of: &dyn Fn(&SeenOn) -> Means| {
         let all = looks.iter().zip(&seen).map(|(look, seen)| look.told_means(&of(seen)));
         Seen { means: Means::mean(all.collect()), ..Seen::default() }
     };
-    worth.seen = mean(&|s| s.0.means.clone());
-    worth.pairs = (0..study.pairs().len()).map(|i| mean(&|s| s.1[i].means.clone())).collect();
+    worth.seen = mean(&|s| s.main.means);
+    worth.pairs = (0..study.pairs().len()).map(|i| mean(&|s| s.pairs[i].means)).collect();
 }

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::look::{self, Look, Scratches};
+use super::look::{self, Look, Scratches, SeenOn};
 use super::parts::moving_segments;
-use super::{Seen, Study, Worth, blind};
+use super::{Study, Worth, blind};
 use crate::analysis::Obstacles;
 use crate::moves::Layout;
 use crate::penalties::{self, WallPiece};
@@ -62,7 +62,7 @@ impl Study {
     }
 
     /// What a layout is worth whose unnamed and named pairs see that on every lattice.
-    pub(super) fn worth(&self, seen: Vec<(Seen, Vec<Seen>)>, pieces: &[WallPiece]) -> Worth {
+    pub(super) fn worth(&self, seen: Vec<SeenOn>, pieces: &[WallPiece]) -> Worth {
         let layout = penalties::Layout { pieces };
         let clearance_m2 = self.clearance.measure_m2(&layout);
         let passages_m: Vec<f64> = self.passages.iter().map(|p| p.measure_m(&layout)).collect();

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use super::look::{Look, Pair, Use};
+use super::look::{Look, Pair, SeenOn, Use};
 use super::{Study, Understood, blind};
 use crate::analysis::evaluator::{Evaluator, Scratch};
 use crate::analysis::isovist::query_isovists;
@@ -283,7 +283,7 @@ impl Study {
         tally: Tally,
         moving: &Obstacles,
         scratches: &mut [Scratch],
-    ) -> (Seen, Vec<Seen>) {
+    ) -> SeenOn {
         let of = |(pair, scratch): (&Pair, &mut Scratch)| {
             let blind = blind(&self.base, layout, &pair.scene.cells, &moving.segments);
             let moving = Obstacles { segments: moving.segments.clone(), blind };
@@ -291,7 +291,8 @@ impl Study {
             pair.scene.seen(tally, &moving.blind, || self.obstacles(layout, &pair.scene.cells))
         };
         let pairs = look.pairs.iter().zip(scratches).map(of).collect();
-        (look.main.seen(tally, &moving.blind, || self.obstacles(layout, &look.main.cells)), pairs)
+        let main = look.main.seen(tally, &moving.blind, || self.obstacles(layout, &look.main.cells));
+        SeenOn { main, pairs }
     }
 
     /// What a pair sees in a layout; the unnamed one for `None`.

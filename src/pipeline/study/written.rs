@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::look::SeenOn;
 use super::{
     Seen, Study, Worth, closed_that_stay, cover_bodies, cover_wide, pieces_of, plan_options, read_options,
 };
@@ -58,7 +59,10 @@ impl Study {
             let tally = tally(&scene.lattice, &graph, Some(initial));
             scene.seen(tally, &obstacles.blind, || obstacles.clone())
         };
-        let of = |look: &super::Look| (seen(&look.main), look.pairs.iter().map(|p| seen(&p.scene)).collect());
+        let of = |look: &super::Look| SeenOn {
+            main: seen(&look.main),
+            pairs: look.pairs.iter().map(|p| seen(&p.scene)).collect(),
+        };
         Ok(self.worth(self.looks.iter().map(of).collect(), &pieces))
     }
 
