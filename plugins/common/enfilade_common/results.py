@@ -83,12 +83,12 @@ class Round:
     sha256: str
     initial: Dict[str, float]
     options: List[Option]
-    #: The best layout found, number 0; none where it is one of the options, or nothing is better.
-    best: Optional[Option]
     problems: List[str]
     stopped_by: str
     spacing_m: float
     lattice_centre: Point
+    #: The best layout found, number 0; none where it is one of the options, or nothing is better.
+    best: Optional[Option] = None
 
     @property
     def report(self) -> str:
