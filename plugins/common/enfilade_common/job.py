@@ -179,7 +179,7 @@ def side_car(study: Study, plan: Plan, job: Job) -> Dict[str, Any]:
         "unit": "mm",
         "only-marked": True,
         "objective": wishes.objective_text(),
-        "thresholds": "yielding" if wishes.chosen() == default_objectives() else "firm",
+        "thresholds": "yielding" if wishes.chosen() == [o for o in default_objectives() if o.is_on] else "firm",
         "penalty": wishes.penalty_text(),
         "members": wishes.members,
         "seed": wishes.seed,

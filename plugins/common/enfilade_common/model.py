@@ -153,8 +153,8 @@ class Objective:
 
 
 def default_objectives() -> List[Objective]:
-    """Those whose gains the program can promise."""
-    return [Objective("degree", "max"), Objective("mean-depth", "min")]
+    """Those whose gains the program can promise, and evenness for who ticks it."""
+    return [Objective("degree", "max"), Objective("mean-depth", "min"), Objective("entropy", "max", is_on=False)]
 
 
 @dataclass

@@ -39,7 +39,7 @@ def test_03_a_region_loses_its_mark(window):
     label = window.ask("draw_rectangle", 200, 200, 3000, 3000)
     window.ask("select", label)
     window.press("EnfiladeRegion_query")
-    assert window.ask("regions") == ["query"]
+    assert window.ask("regions") == ["query"], status(window)
     window.press("EnfiladeUnmark")
     assert window.ask("regions") == [] and status(window) == f"Marks removed: {label}"
     window.ask("remove", [label])
