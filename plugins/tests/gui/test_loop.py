@@ -57,6 +57,7 @@ def written(study, label):
 
 
 def run_study(window):
+    """Runs a study of three options; how many were shown (fewer, where fewer ideas hold), and the longest pauses."""
     window.click(window.ask("tab", 1))
     window.ask("set", "EnfiladeEvaluations", 1500)
     window.ask("set", "EnfiladeMembers", 3)
@@ -70,8 +71,8 @@ def run_study(window):
             break
         longest.append(pause)
     ended = window.wait_for("panel", lambda p: p["options"], 20)
-    assert ended["options"] == 3 and len(longest) > 5, ended
-    return [max(of_all) for of_all in zip(*longest)]
+    assert 1 <= ended["options"] <= 3 and len(longest) > 5, ended
+    return ended["options"], [max(of_all) for of_all in zip(*longest)]
 
 
 def test_01_the_workbench_is_there(window):
@@ -119,7 +120,8 @@ def test_02b_regions_are_picked_and_drawn(window):
 
 def test_03_a_study_runs_without_blocking(window):
     before = window.ask("state")
-    longest, busiest = run_study(window)
+    shown, (longest, busiest) = run_study(window)
+    assert shown >= 2, "the tests below switch between two options"
     assert busiest < 0.1, f"the window's thread was busy for {busiest * 1000:.0f} ms at a time"
     window.shot("04-options")
     assert same(before, window.ask("state")), "nothing moves before accept"
@@ -176,13 +178,13 @@ def test_05_accept_undo_redo_accept_another(window):
 
 
 def test_06_a_second_round_starts_from_there(window):
-    run_study(window)
+    last, _ = run_study(window)
     panel = window.ask("panel")
     assert os.path.basename(panel["round"]) == "round-02"
-    window.click(window.ask("item", 3))
+    window.click(window.ask("item", last))
     window.press("EnfiladeAccept")
-    window.wait_for("panel", lambda p: "Accepted option 3" in p["status"], 20)
-    check_walls(window, 3)
+    window.wait_for("panel", lambda p: f"Accepted option {last}" in p["status"], 20)
+    check_walls(window, last)
     with open(os.path.join(panel["round"], "result.json")) as f:
         lineage = json.load(f)["lineage"]
     assert [entry["candidate"] for entry in lineage] == [2], "the round knows where it came from"
