@@ -178,7 +178,7 @@ impl Job {
         // Values of JSON with preserved order: the fields stand as declared.
         let settings = serde_json::to_string(&self.settings).unwrap_or_default();
         let name = self.name();
-        let mut parts = vec![env!("CARGO_PKG_VERSION"), &name, &self.sha256, &settings];
+        let mut parts = vec![crate::VERSION, &name, &self.sha256, &settings];
         parts.extend(self.beside.iter().flat_map(|f| [f.kind.name(), &f.name, &f.sha256]));
         sha256_hex(parts.join("\n").as_bytes())
     }

@@ -19,7 +19,7 @@ use values::{graph_file, point, radius, whole};
 
 /// From an architect's drawing to a diverse set of better layouts, and back.
 #[derive(Debug, Parser)]
-#[command(name = "enfilade", version, about, max_term_width = 100, arg_required_else_help = true)]
+#[command(name = "enfilade", version = crate::VERSION, about, max_term_width = 100, arg_required_else_help = true)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]

@@ -22,3 +22,6 @@ pub mod server;
 pub mod service;
 pub mod store;
 pub mod watch;
+
+/// Version of the program, with the commit that it was built from where that is known: `0.1.0 (1f2e3d4c5)`.
+pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), env!("ENFILADE_COMMIT_SUFFIX"));

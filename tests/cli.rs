@@ -449,13 +449,13 @@ fn every_measure_has_a_column_and_a_heat_map() {
     let head = table.lines().next().unwrap();
     assert_eq!(
         head,
-        "Ref,x,y,Isovist Area,Through vision,Visual Step Depth,Metric Step Shortest-Path Angle,\
+        "Ref,x,y,Isovist Area,Sight Lines Through,Visual Step Depth,Metric Step Shortest-Path Turn,\
          Metric Step Shortest-Path Length,Angular Step Depth,Degree,Depth,Entropy"
     );
     let here = table.lines().find(|l| l.contains(",2,2,")).unwrap();
     assert_eq!(here.split(',').nth(5), Some("0"), "the step point is 0 steps from itself: {here}");
     let made = PathBuf::from(&*out).join("gallery.enfilade/analysis");
-    for name in ["isovist-area", "through-vision", "visual-step-depth", "angular-step-depth"] {
+    for name in ["isovist-area", "sight-lines-through", "visual-step-depth", "angular-step-depth"] {
         assert!(made.join(format!("{name}.png")).is_file(), "{name}");
     }
     for (args, code, says) in [

@@ -365,7 +365,7 @@ fn every_measure_of_the_engine_can_be_an_objective() {
     for (column, name) in [
         ("Visual Integration [HH]", "integration"),
         ("Metric Mean Shortest-Path Distance", "metric-distance"),
-        ("Through vision", "through-vision"),
+        ("Sight Lines Through", "through-vision"),
         ("Visual Control", "control"),
         ("Visual Clustering Coefficient", "clustering"),
     ] {

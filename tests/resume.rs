@@ -189,6 +189,15 @@ fn undisturbed(path: &Path) -> BTreeMap<String, Vec<u8>> {
     round(&home, "round-01")
 }
 
+/// What two files say around their first difference.
+fn first_difference(got: Option<&Vec<u8>>, want: Option<&Vec<u8>>) -> [String; 2] {
+    let [got, want] = [got, want].map(|b| b.map_or(&[][..], Vec::as_slice));
+    let at = got.iter().zip(want).take_while(|(a, b)| a == b).count();
+    [got, want].map(|b| {
+        String::from_utf8_lossy(&b[at.saturating_sub(80).min(b.len())..(at + 80).min(b.len())]).into()
+    })
+}
+
 fn fill_and_free(root: &Path, whole_ms: u64) {
     let filler = root.join("filler.bin");
     let mut file = fs::File::create(&filler).unwrap();
@@ -255,7 +264,8 @@ fn what_is_left_after_chaos_is_what_one_run_writes() {
         let (got, want) = (round(&home, &name), undisturbed(&path));
         let others: Vec<&String> =
             got.keys().chain(want.keys()).filter(|f| got.get(*f) != want.get(*f)).collect();
-        assert!(others.is_empty(), "in {name} of {} are others: {others:?}", path.display());
+        let first = others.first().map(|f| first_difference(got.get(*f), want.get(*f)));
+        assert!(others.is_empty(), "in {name} of {} are others: {others:?}: {first:?}", path.display());
         let own = fs::read_dir(&home).unwrap().map(|e| e.unwrap().path());
         let inner =
             own.filter(|p| p.is_dir()).flat_map(|p| fs::read_dir(p).unwrap()).map(|e| e.unwrap().path());

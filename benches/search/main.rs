@@ -188,17 +188,32 @@ fn points(problem: &dyn Problem, outcome: &Outcome<'_>, evaluations: u64, seed: 
     .to_string()
 }
 
-/// Says what the problem is, then answers each line (a list of points) with a line (what each is worth:
-/// score, violation, parts).
+/// What is asked of a problem that is served.
+#[derive(serde::Deserialize)]
+#[serde(untagged)]
+enum Asked {
+    /// What points are worth.
+    Points(Vec<Vec<f64>>),
+    /// What is seen at points.
+    Maps { maps: Vec<Vec<f64>> },
+}
+
+/// Says what the problem is, then answers each line with a line: a list of points with what each is worth (score,
+/// violation, parts), `{"maps": points}` with what every vertex sees at each.
 fn serve(problem: &dyn Problem) {
     let mut out = std::io::stdout().lock();
     let head = json!({ "problem": problem.name(), "bounds": problem.bounds(), "start": problem.start() });
     writeln!(out, "{head}").unwrap();
     out.flush().unwrap();
     for line in std::io::stdin().lock().lines() {
-        let asked: Vec<Vec<f64>> = serde_json::from_str(&line.unwrap()).unwrap();
-        let told: Vec<_> = asked.iter().map(|p| problem.worth(p)).collect();
-        let told: Vec<_> = told.iter().map(|w| json!([w.score, w.violation, w.parts])).collect();
+        let worth = |p: &Vec<f64>| {
+            let w = problem.worth(p);
+            json!([w.score, w.violation, w.parts])
+        };
+        let told: Vec<serde_json::Value> = match serde_json::from_str(&line.unwrap()).unwrap() {
+            Asked::Points(points) => points.iter().map(worth).collect(),
+            Asked::Maps { maps } => maps.iter().map(|p| json!(problem.map(p))).collect(),
+        };
         writeln!(out, "{}", serde_json::Value::from(told)).unwrap();
         out.flush().unwrap();
     }

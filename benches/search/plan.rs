@@ -1,10 +1,10 @@
 //! Drawings as test problems: the program's own reader, moves, engine and penalties.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use enfilade::config::{Backend, Partial, Settings};
-use enfilade::pipeline::{self, Input, Study};
+use enfilade::pipeline::{self, Input, LatticeAt, Study, Use};
 use enfilade::report::Cancel;
 
 use super::problem::{Problem, Worth};
@@ -57,11 +57,22 @@ pub struct PlanProblem {
     bounds: Vec<[f64; 2]>,
     start: Vec<f64>,
     measure: Measure,
+    seen: Box<dyn Fn(&[f64]) -> Vec<f64> + Sync>,
 }
+
+/// Objective of a drawing that is named by its file.
+const ROBUST: &str = "degree +1, mean-depth -1";
+/// Shifted lattices over which it is measured, …
+const LATTICES: u32 = 4;
+/// … so much wider than the one that maps are of.
+const WIDER: f64 = std::f64::consts::SQRT_2;
 
 impl PlanProblem {
     /// Reads the drawing of that name; `None` where there is no such name.
     pub fn read(name: &str, shared: &Path) -> Option<Self> {
+        if name.ends_with(".dxf") {
+            return Some(Self::robust(name));
+        }
         let source = SOURCES.iter().find(|s| s.name == name)?;
         let samples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("samples");
         let folder = if source.is_reference { shared.join("reference") } else { samples };
@@ -78,11 +89,44 @@ impl PlanProblem {
         let (_, study) = pipeline::analyse(&input, &settings, &Cancel::default()).unwrap();
         let moves = &study.base.moves;
         let (bounds, start) = (moves.bounds(), moves.identity());
-        Some(Self { name: source.name, bounds, start, measure: measure(study, settings) })
+        let study = Arc::new(study);
+        Some(Self { name: source.name, bounds, start, seen: seen(&study), measure: measure(study, settings) })
+    }
+
+    /// A drawing at its default spacing, measured over several lattices.
+    fn robust(path: &str) -> Self {
+        let bytes = std::fs::read(path).unwrap();
+        let partial =
+            Partial { score: Some(ROBUST.into()), backend: Some(Backend::Cpu), ..Partial::default() };
+        let settings = Settings::new(partial).unwrap();
+        let (_, study) =
+            pipeline::analyse(&Input::new(path, &bytes, 1), &settings, &Cancel::default()).unwrap();
+        let spacing_um = (study.spacing_m * WIDER * 1e6).round() as i64;
+        let at = |i: u32| {
+            let turn = |k: u32| spacing_um * i64::from(k % LATTICES) / i64::from(LATTICES);
+            LatticeAt { spacing_um, centre_um: [turn(i), turn(3 * i)] }
+        };
+        let lattices: Vec<LatticeAt> = (0..LATTICES).map(at).collect();
+        let trial = study.on_lattices(&settings, &lattices, Use::Search).unwrap();
+        let moves = &study.base.moves;
+        let (bounds, start) = (moves.bounds(), moves.identity());
+        let seen = seen(&Arc::new(study));
+        Self { name: "drawing", bounds, start, seen, measure: measure(Arc::new(trial), settings) }
     }
 }
 
-fn measure(study: Study, settings: Settings) -> Measure {
+/// What every vertex sees.
+fn seen(study: &Arc<Study>) -> Box<dyn Fn(&[f64]) -> Vec<f64> + Sync> {
+    let study = Arc::clone(study);
+    Box::new(move |p| {
+        let seen = study.measure(p, &mut study.bench()).seen;
+        let mut map: Vec<f64> = seen.tally.degree.iter().map(|d| f64::from(*d)).collect();
+        seen.covered.iter().for_each(|&i| map[i as usize] = f64::NAN);
+        map
+    })
+}
+
+fn measure(study: Arc<Study>, settings: Settings) -> Measure {
     let idle = Mutex::new(vec![study.bench()]);
     let pairs = study.lattice.cells.len() as f64 * study.lattice.query.len() as f64;
     Box::new(move |p| {
@@ -111,5 +155,8 @@ impl Problem for PlanProblem {
     }
     fn worth(&self, p: &[f64]) -> Worth {
         (self.measure)(p)
+    }
+    fn map(&self, p: &[f64]) -> Vec<f64> {
+        (self.seen)(p)
     }
 }

@@ -6,6 +6,10 @@ pub trait Problem: Sync {
     fn bounds(&self) -> Vec<[f64; 2]>;
     fn start(&self) -> Vec<f64>;
     fn worth(&self, p: &[f64]) -> Worth;
+    /// What every vertex sees at a point, NaN where it is covered; empty for a problem that is not a plan.
+    fn map(&self, _p: &[f64]) -> Vec<f64> {
+        vec![]
+    }
 }
 
 /// What a point is worth.

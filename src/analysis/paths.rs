@@ -78,11 +78,11 @@ impl<'a> Paths<'a> {
         }
     }
 
-    /// `Metric Mean Shortest-Path Angle`, `… Distance`, `Metric Mean Straight-Line Distance` (metres),
+    /// `Metric Mean Shortest-Path Turn`, `… Distance`, `Metric Mean Straight-Line Distance` (metres),
     /// `Metric Node Count`; means include the vertex itself. Paths longer than `radius_m` do not count.
     pub fn metric_columns(&self, radius_m: Option<f64>) -> Vec<Column> {
         let names = [
-            "Metric Mean Shortest-Path Angle",
+            "Metric Mean Shortest-Path Turn",
             "Metric Mean Shortest-Path Distance",
             "Metric Mean Straight-Line Distance",
             "Metric Node Count",
@@ -141,7 +141,7 @@ impl<'a> Paths<'a> {
             if cost.is_finite() { value(slot, cost) } else { UNDEFINED }
         };
         let turned = |slot: u32, _: f64| f64::from(walk.angle[slot as usize]);
-        columns.push(column("Metric Step Shortest-Path Angle", &|v| defined(&walk, v, &turned)));
+        columns.push(column("Metric Step Shortest-Path Turn", &|v| defined(&walk, v, &turned)));
         let length = |_: u32, cost: f64| cost * self.spacing_m();
         columns.push(column("Metric Step Shortest-Path Length", &|v| defined(&walk, v, &length)));
         walk.angular(self, None, &roots, f64::INFINITY);
@@ -296,8 +296,9 @@ mod tests {
         columns.push(paths.step_columns(&[seed]).remove(0));
         assert_eq!(columns.len(), 8);
         for column in columns {
-            let k = header.iter().position(|h| *h == column.name).unwrap();
-            let limit = if column.name.ends_with("Shortest-Path Angle") { 3e-2 } else { 1e-6 };
+            let theirs = column.name.replace("Shortest-Path Turn", "Shortest-Path Angle");
+            let k = header.iter().position(|h| *h == theirs).unwrap();
+            let limit = if theirs != column.name { 3e-2 } else { 1e-6 };
             let (mut ours_sum, mut theirs_sum) = (0.0, 0.0);
             for (v, row) in rows.iter().enumerate() {
                 let (ours, theirs) = (column.values[v], row[k]);
@@ -324,7 +325,7 @@ mod tests {
         let value = |name: &str, v: usize| columns.iter().find(|c| c.name == name).unwrap().values[v];
         assert_eq!(value("Visual Step Depth", 4), 2.0);
         assert!((value("Metric Step Shortest-Path Length", 4) - 2.0 * 2f64.sqrt()).abs() < 1e-6);
-        assert!((value("Metric Step Shortest-Path Angle", 4) - 1.0).abs() < 1e-6);
+        assert!((value("Metric Step Shortest-Path Turn", 4) - 1.0).abs() < 1e-6);
         assert!((value("Angular Step Depth", 4) - 1.0).abs() < 1e-6);
         assert_eq!(value("Visual Step Depth", 2), UNDEFINED);
         let near = paths.metric_columns(Some(1.2));

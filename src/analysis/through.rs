@@ -6,9 +6,10 @@ use super::Lattice;
 use super::graph::Graph;
 use super::measures::Column;
 
-/// `Through vision`: for every vertex the sight lines between two other vertices that pass over it,
-/// each pair counted once. A line passes over one cell in each column (each row, if it is steeper than
-/// 45°) between its ends: the nearest one, of two equally near ones the upper (right).
+/// `Sight Lines Through`: for every vertex the sight lines between two other vertices that pass over it, each pair
+/// counted once. A line passes over one cell in each column (each row, if it is steeper than 45°) between its ends:
+/// the nearest one, or both of two equally near ones. depthmapX's `Through vision` counts every pair both ways, no
+/// diagonal lines, and where two cells are equally near either or both, as its sums are rounded.
 pub fn through_vision_column(lattice: &Lattice, graph: &Graph) -> Column {
     let n = graph.len();
     let one = |mut counts: Vec<u64>, v: usize| {
@@ -34,7 +35,7 @@ pub fn through_vision_column(lattice: &Lattice, graph: &Graph) -> Column {
         .into_par_iter()
         .map(|start| (start..(start + share).min(n)).fold(vec![0; n], one))
         .reduce(|| vec![0; n], add);
-    Column { name: "Through vision".into(), values: counts.into_iter().map(|c| c as f64).collect() }
+    Column { name: "Sight Lines Through".into(), values: counts.into_iter().map(|c| c as f64).collect() }
 }
 
 fn vertex_at(lattice: &Lattice, graph: &Graph, cell: [i32; 2]) -> Option<usize> {
@@ -44,13 +45,18 @@ fn vertex_at(lattice: &Lattice, graph: &Graph, cell: [i32; 2]) -> Option<usize> 
     graph.rank_at(cell).map(|rank| graph.tiles.vertex_of[rank] as usize)
 }
 
-/// Cells strictly between two, one a step along the longer side.
+/// Cells strictly between two, one a step along the longer side, or two where the line passes between them.
 fn for_each_between([a, b]: [[i32; 2]; 2], mut visit: impl FnMut([i32; 2])) {
     let run = [0, 1].map(|k| i64::from(b[k]) - i64::from(a[k]));
     let steps = run[0].abs().max(run[1].abs());
     for i in 1..steps {
-        let along = |k: usize| a[k] + (2 * i * run[k] + steps).div_euclid(2 * steps) as i32;
-        visit([along(0), along(1)]);
+        // Halves are rounded up, and down.
+        let up = [0, 1].map(|k| a[k] + (2 * i * run[k] + steps).div_euclid(2 * steps) as i32);
+        let down = [0, 1].map(|k| a[k] + (2 * i * run[k] + steps - 1).div_euclid(2 * steps) as i32);
+        visit(up);
+        if down != up {
+            visit(down);
+        }
     }
 }
 
@@ -67,14 +73,16 @@ mod tests {
     }
 
     #[test]
-    fn a_line_passes_over_one_cell_a_step_from_either_end() {
-        for b in [[5, 2], [-5, 2], [2, -7], [4, 4], [1, 0]] {
+    fn a_line_passes_over_one_cell_a_step_or_between_two() {
+        let ends =
+            [([5, 2], 4), ([-5, 2], 4), ([2, -7], 6), ([4, 4], 3), ([1, 0], 0), ([2, 1], 2), ([-6, 3], 8)];
+        for (b, cells) in ends {
             let (mut there, mut back) = (Vec::new(), Vec::new());
             for_each_between([[0, 0], b], |c| there.push(c));
             for_each_between([b, [0, 0]], |c| back.push(c));
-            back.reverse();
+            [&mut there, &mut back].into_iter().for_each(|c| c.sort_unstable());
             assert_eq!(there, back);
-            assert_eq!(there.len() as i32, b[0].abs().max(b[1].abs()) - 1);
+            assert_eq!(there.len(), cells, "{b:?}");
         }
     }
 }

@@ -88,7 +88,7 @@ fn options_of(args: &InstallArgs) -> Vec<OsString> {
 
 pub(super) fn doctor(folders: &[PathBuf]) -> Result<u8, Error> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    super::say(&format!("enfilade {}", env!("CARGO_PKG_VERSION")));
+    super::say(&format!("enfilade {}", crate::VERSION));
     super::say(&format!("cores: {cores}"));
     super::say(&format!("graphics card: {}", card_apart()));
     let mut is_well = true;

@@ -212,11 +212,11 @@ impl Measure {
             Self::FirstMoment => "Point First Moment",
             Self::SecondMoment => "Point Second Moment",
             Self::MetricDistance => "Metric Mean Shortest-Path Distance",
-            Self::MetricAngle => "Metric Mean Shortest-Path Angle",
+            Self::MetricAngle => "Metric Mean Shortest-Path Turn",
             Self::MetricStraight => "Metric Mean Straight-Line Distance",
             Self::AngularDepth => "Angular Mean Depth",
             Self::AngularTotal => "Angular Total Depth",
-            Self::ThroughVision => "Through vision",
+            Self::ThroughVision => "Sight Lines Through",
             _ => return None,
         })
     }

@@ -161,7 +161,7 @@ fn start(limits: &Limits, request: &JobRequest, name: &str) -> Result<Child, Err
 impl Request {
     fn of(limits: &Limits, request: &JobRequest) -> Self {
         Self {
-            version: env!("CARGO_PKG_VERSION").into(),
+            version: crate::VERSION.into(),
             sha256: request.sha256.clone(),
             round: request.round,
             asked: request.asked.clone(),
@@ -342,7 +342,7 @@ pub fn serve(
             format!("no request of a daemon: {e}; nothing was done"),
         )
     })?;
-    if head.version != env!("CARGO_PKG_VERSION") {
+    if head.version != crate::VERSION {
         let text = "the program was replaced while the daemon runs; start the daemon again";
         return answer(&Err(Error::environment("job-version", Place::default(), text)));
     }

@@ -187,7 +187,7 @@ fn config_key(drawing: &Path, settings_key: &str) -> String {
             (UNREADABLE, said.map(|s| s.map_or_else(|e| e, |p| format!("{:?}", p.deciding()))).join("\n"))
         }
     };
-    let mut text = format!("{}\n{settings_key}\n{said}\n", env!("CARGO_PKG_VERSION"));
+    let mut text = format!("{}\n{settings_key}\n{said}\n", crate::VERSION);
     for building in buildings_beside(drawing) {
         text.push_str(&format!(
             "{}\n",

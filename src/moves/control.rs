@@ -309,7 +309,7 @@ impl Control {
     }
 
     /// How many groups free parameters move.
-    fn moved_groups(&self, q: &[f64]) -> usize {
+    pub fn moved_groups(&self, q: &[f64]) -> usize {
         let start = self.start();
         let moves = |unit: &&(Vec<usize>, usize)| unit.0.iter().any(|&k| q[k] != start[k]);
         self.units.iter().filter(moves).map(|unit| unit.1).sum()

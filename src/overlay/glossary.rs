@@ -101,9 +101,9 @@ pub const ENTRIES: &[Entry] = &[
     ),
     entry("Isovist Perimeter", "m", "The length of the outline of the visible area."),
     entry(
-        "Metric Mean Shortest-Path Angle",
+        "Metric Mean Shortest-Path Turn",
         "right angles",
-        "How much one turns on the shortest way to a cell, on average; shortest as below.",
+        "How much one turns on the shortest way to a cell, on average; shortest as below. Where several ways are equally short, depthmapX's Metric Mean Shortest-Path Angle may be that of another: single cells differ by up to 3 %, whole plans by 0.1 %.",
     ),
     entry(
         "Metric Mean Shortest-Path Distance",
@@ -124,9 +124,9 @@ pub const ENTRIES: &[Entry] = &[
         "The least turns to all cells, added up: an upper bound, as the mean is.",
     ),
     entry(
-        "Through vision",
+        "Sight Lines Through",
         "lines",
-        "How many lines of sight between two other cells pass here: high where many look through, as in a doorway or an axis.",
+        "How many lines of sight between two other cells pass here: high where many look through, as in a doorway or an axis. depthmapX's Through vision counts each both ways and leaves diagonal lines out.",
     ),
     entry(
         "Visual Step Depth",
@@ -134,7 +134,7 @@ pub const ENTRIES: &[Entry] = &[
         "How many steps, each as far as one sees, it takes from the chosen points.",
     ),
     entry(
-        "Metric Step Shortest-Path Angle",
+        "Metric Step Shortest-Path Turn",
         "right angles",
         "How much one turns on the shortest way from the chosen points.",
     ),

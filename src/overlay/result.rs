@@ -445,6 +445,9 @@ impl RoundResult {
 pub struct RoundResult {
     /// [`RESULT_SCHEMA`].
     pub schema: String,
+    /// Of the program that wrote this, with its commit.
+    #[serde(default)]
+    pub version: String,
     /// What was read.
     pub input: Input,
     /// Everything that decides the outcome, seed included.
@@ -510,6 +513,9 @@ impl RoundResult {
 pub struct AnalysisResult {
     /// [`ANALYSIS_SCHEMA`].
     pub schema: String,
+    /// Of the program that wrote this, with its commit.
+    #[serde(default)]
+    pub version: String,
     /// What was read.
     pub input: Input,
     /// Lattice spacing, metres.

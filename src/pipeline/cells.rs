@@ -19,14 +19,14 @@ use crate::overlay::glossary;
 use crate::plan::geometry::{PointUm, Segment, segments_touch};
 use crate::report::{Error, Place, counted};
 
-/// depthmapX's `Ref`: `(column << 16) + row`, counted from the cell at or below the drawing's lower left
-/// corner.
+/// depthmapX's `Ref`: `(column << 16) + row`, counted from the cell nearest to the lower left corner of the walls,
+/// of two equally near ones the lower (left).
 fn references(study: &Study) -> Vec<i64> {
     let lattice = &study.lattice;
     let corner = |k: usize| {
         let walls = study.base.plan.walls.iter().flat_map(|w| w.trace.points.iter());
         let lo = walls.map(|p| p[k]).min().unwrap_or(lattice.origin_um[k]);
-        (lo - lattice.origin_um[k]).div_euclid(lattice.spacing_um)
+        nearest_cell(lo - lattice.origin_um[k], lattice.spacing_um)
     };
     let first = [corner(0), corner(1)];
     lattice
@@ -34,6 +34,11 @@ fn references(study: &Study) -> Vec<i64> {
         .iter()
         .map(|c| ((i64::from(c[0]) - first[0]) << 16) + (i64::from(c[1]) - first[1]))
         .collect()
+}
+
+/// The cell whose centre is nearest to a place, of two equally near ones the lower.
+fn nearest_cell(at_um: i64, spacing_um: i64) -> i64 {
+    -(spacing_um - 2 * at_um).div_euclid(2 * spacing_um)
 }
 
 /// What is measured per cell, beside Degree, Depth and Entropy.
@@ -58,7 +63,7 @@ const FAMILIES: [(&str, &str); 5] = [
     ("isovist", "isovist"),
     ("metric", "metric"),
     ("angular", "angular"),
-    ("through", "through"),
+    ("through", "sight lines"),
 ];
 
 /// Another name of the graph's family, after how most of its columns begin.
@@ -360,6 +365,16 @@ mod tests {
     use super::*;
 
     /// Every column that can be made has an entry in plain words, and every entry a column.
+    /// As depthmapX 0.8 counts, for plans that begin there.
+    #[test]
+    fn references_count_from_the_nearest_cell() {
+        let cells =
+            [(370, 1), (5_810, 12), (-7_610, -15), (-3_130, -6), (250, 0), (-250, -1), (750, 1), (0, 0)];
+        for (at_mm, cell) in cells {
+            assert_eq!(nearest_cell(at_mm * 1_000, 500_000), cell, "{at_mm} mm");
+        }
+    }
+
     #[test]
     fn every_measure_is_explained() {
         let cells: Vec<[i32; 2]> = (0..6).flat_map(|c| (0..4).map(move |r| [c, r])).collect();
@@ -488,7 +503,7 @@ mod tests {
         let kept = chosen(all(), &["visual mean depth".into()]).unwrap();
         assert_eq!(kept.len(), 2);
         let Err(Error::Usage(refused)) = chosen(all(), &["foo".into()]) else { panic!("foo is measured") };
-        for name in ["Visual Mean Depth", "Isovist Area", "Angular Mean Depth", "Through vision"] {
+        for name in ["Visual Mean Depth", "Isovist Area", "Angular Mean Depth", "Sight Lines Through"] {
             assert!(refused.text.contains(name), "{}", refused.text);
         }
     }

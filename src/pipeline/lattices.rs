@@ -12,8 +12,11 @@ use super::study::{LatticeAt, Study};
 use crate::config::Settings;
 use crate::plan::geometry::UM_PER_M;
 
-/// Lattices of a search, √2 times as wide as the one that is shown: together they cost what that one costs.
+/// Lattices of a search, √2 times as wide as the one that is shown: together they cost what that one costs. Where doors keep
+/// them from being so wide, fewer.
 const SEARCHED: u32 = 4;
+/// … but never fewer than these.
+const SEARCHED_LEAST: u32 = 2;
 /// Lattices on which the best layouts found are ranked.
 const RANKED: u32 = 8;
 /// Lattices on which gains are confirmed, coarse and fine: a fine one costs sixteen coarse ones and varies half as much.
@@ -34,7 +37,9 @@ enum Purpose {
 pub(super) fn searched(study: &Study, settings: &Settings) -> Vec<LatticeAt> {
     let door_m = DOOR_SPACING_M * study.base.plan.human_scale;
     let wide_m = (study.spacing_m * std::f64::consts::SQRT_2).min(door_m.max(study.spacing_m));
-    shifted(settings, Purpose::Search, wide_m, SEARCHED)
+    // What one costs grows with the square of its cells.
+    let afforded = (wide_m / study.spacing_m).powi(4).round() as u32;
+    shifted(settings, Purpose::Search, wide_m, afforded.clamp(SEARCHED_LEAST, SEARCHED))
 }
 
 /// A coarser spacing than the one shown, for telling its bias: lattices, and f / (c − f) of both.

@@ -193,7 +193,7 @@ fn check(key: &[u8; 32], at: &[f64], worth: &[u8]) -> [u8; CHECK_BYTES] {
 fn key(input: &Input<'_>, settings: &Settings) -> [u8; 32] {
     let mut hash = Sha256::new();
     let text = serde_json::to_string(settings).unwrap_or_default();
-    for part in [env!("CARGO_PKG_VERSION"), input.file(), input.sha256(), &text, &BATCH.to_string()] {
+    for part in [crate::VERSION, input.file(), input.sha256(), &text, &BATCH.to_string()] {
         hash.update(part);
         hash.update([0]);
     }

@@ -44,7 +44,7 @@ use crate::overlay::{HeatMap, Palette, PlanPicture, Scale, check_png, glossary, 
 use crate::report::{Cancel, Error, OutFile, Place, Report, counted};
 pub use fits::moves_of;
 pub use memory::Keep;
-pub use study::{Study, read_options};
+pub use study::{LatticeAt, Study, Use, read_options};
 
 /// A drawing to work on.
 #[derive(Clone, Debug)]
@@ -354,6 +354,7 @@ fn analysis_of(
 fn analysis_result(input: &Input<'_>, study: &Study, report: &Report) -> AnalysisResult {
     AnalysisResult {
         schema: result::ANALYSIS_SCHEMA.into(),
+        version: crate::VERSION.into(),
         input: show::input(&study.base.plan, input.path, input.sha256()),
         spacing_m: study.spacing_m,
         lattice_centre: lattice_centre(study),

@@ -42,7 +42,7 @@ pub(super) fn page(
         archive_axes,
         archive,
         command: &command(input, settings, result),
-        program: concat!("Enfilade ", env!("CARGO_PKG_VERSION")),
+        program: &format!("Enfilade {}", crate::VERSION),
     })
 }
 

@@ -3,6 +3,7 @@
 mod budget;
 mod confirmed;
 mod doors;
+mod elsewhere;
 mod files;
 mod found;
 mod ideas;
@@ -272,14 +273,15 @@ fn optimise(
         }
         let is_due = settings.write_every_secs.is_some_and(|s| written.elapsed().as_secs_f64() >= s);
         if is_due && search.stop_reason().is_none() && !cancel.is_stopped() {
-            let found = found(brief, &search);
+            let found = found(brief, &search, &[]);
             so_far(found, progress(&search, control, begun), show)?;
             written = Instant::now();
         }
     }
     cancel.check()?;
     show(Event::Progress(Progress { stage: "confirm".into(), ..progress(&search, control, begun) }));
-    Ok(found(brief, &search))
+    let others = elsewhere::elsewhere(brief, &search.outcome(), cancel)?;
+    Ok(found(brief, &search, &others))
 }
 
 /// Violation of what breaks a rule, as only a pinned option can: others are brought to what the rules allow.
@@ -404,6 +406,7 @@ fn round_result(
     });
     RoundResult {
         schema: result::RESULT_SCHEMA.into(),
+        version: crate::VERSION.into(),
         input: show::input(&study.base.plan, input.path, input.sha256()),
         settings: settings_map,
         counts: show::counts(study, study.edges),

@@ -291,6 +291,7 @@ fn result() -> RoundResult {
     RoundResult {
         questions: Vec::new(),
         schema: RESULT_SCHEMA.to_owned(),
+        version: "0.1.0".to_owned(),
         input: Input {
             path: "Büro/hôtel-particulier-r03.dxf".to_owned(),
             sha256: "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08".to_owned(),

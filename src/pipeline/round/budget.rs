@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::super::memory::{Clock, Pace};
-use super::{BATCH, Settings, Study, is_bare};
+use super::{BATCH, Settings, Study, elsewhere, is_bare};
 use crate::search::{Search, Stop};
 
 /// Evaluations of a study whose user names no budget: this many query–vertex pairs in all …
@@ -29,7 +29,8 @@ pub(super) fn stated(study: &Study, settings: &Settings) -> Option<u64> {
 const AFTER_SEARCH: f64 = 0.35;
 
 fn search_share(settings: &Settings) -> f64 {
-    if is_bare(settings) { 1.0 } else { 1.0 - AFTER_SEARCH }
+    let elsewhere = elsewhere::SEARCHES as f64 * elsewhere::SHARE;
+    if is_bare(settings) { 1.0 } else { (1.0 - AFTER_SEARCH) / (1.0 + elsewhere) }
 }
 
 /// What a search may still measure.

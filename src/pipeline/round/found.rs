@@ -53,23 +53,12 @@ pub(super) struct FoundBest {
     pub(super) option: Option<usize>,
 }
 
-/// What a finished search found: options and best layout with all their parameters, explained.
-pub(super) fn found(brief: &Brief<'_>, search: &Search) -> Found {
+/// What a search found, and `others` that were looked for beside it: options and best layout with all their parameters,
+/// explained.
+pub(super) fn found(brief: &Brief<'_>, search: &Search, others: &[search::Point]) -> Found {
     let Brief { trial, settings, control, objectives, .. } = *brief;
     let outcome = search.outcome();
-    let initial = evaluation(trial, settings, objectives, &trial.initial);
-    let shown = objectives.iter().enumerate().map(|(i, (_, o))| Objective {
-        name: o.name.clone(),
-        sense: if o.sense == search::Sense::Maximise { ShownSense::Max } else { ShownSense::Min },
-        threshold: o.threshold * outcome.threshold_share,
-        initial: initial.values[i],
-        best: best_of(&outcome, i, o.sense),
-        reachable: outcome.reachable[i],
-        // No −0, which would be written so.
-        limit: outcome.reachable[i].map(|_| outcome.thresholds[i] + 0.0),
-        free: o.is_penalty.then_some(PENALTY_FREE),
-    });
-    let mut shown: Vec<Objective> = shown.collect();
+    let mut shown = shown(brief, &outcome);
     let goes_on = || "the search had not ended; this is the best so far".to_owned();
     let mut stopped_by = search.stop_reason().map_or_else(goes_on, |s| s.to_string());
     let is_unmet = outcome.best.violation > 0.0;
@@ -99,7 +88,7 @@ pub(super) fn found(brief: &Brief<'_>, search: &Search) -> Found {
         }
         out
     } else {
-        refined(brief, &outcome, &shown)
+        refined(brief, &outcome, others, &shown)
     };
     let mut members = std::mem::take(&mut out.members);
     let mut threshold_share = outcome.threshold_share;
@@ -151,6 +140,24 @@ pub(super) fn found(brief: &Brief<'_>, search: &Search) -> Found {
         archive: outcome.archive.iter().filter(|p| p.violation == 0.0).map(|p| p.values.clone()).collect(),
         members,
     }
+}
+
+/// The objectives as results tell them.
+pub(super) fn shown(brief: &Brief<'_>, outcome: &search::Outcome<'_>) -> Vec<Objective> {
+    let Brief { trial, settings, objectives, .. } = *brief;
+    let initial = evaluation(trial, settings, objectives, &trial.initial);
+    let one = |(i, (_, o)): (usize, &(_, search::Objective))| Objective {
+        name: o.name.clone(),
+        sense: if o.sense == search::Sense::Maximise { ShownSense::Max } else { ShownSense::Min },
+        threshold: o.threshold * outcome.threshold_share,
+        initial: initial.values[i],
+        best: best_of(outcome, i, o.sense),
+        reachable: outcome.reachable[i],
+        // No −0, which would be written so.
+        limit: outcome.reachable[i].map(|_| outcome.thresholds[i] + 0.0),
+        free: o.is_penalty.then_some(PENALTY_FREE),
+    };
+    objectives.iter().enumerate().map(one).collect()
 }
 
 /// Lowers the limits of thresholds that nobody stated to what the options keep; what is left of the gains that they stood for,

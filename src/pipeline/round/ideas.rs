@@ -13,7 +13,7 @@ use crate::plan::geometry::{PointUm, UM_PER_M};
 pub(super) const SAME_PLACE_M: f64 = 0.1;
 
 /// Layouts whose maps of what is gained correlate more than this are one idea.
-pub(super) const SAME_MAPS: f64 = 0.9;
+pub(super) const SAME_MAPS: f64 = 0.8;
 
 /// What a layout changes at every cell that both it and the present layout leave free: what is seen, and steps.
 pub(super) struct Experience([Vec<f64>; 2]);

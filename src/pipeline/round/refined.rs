@@ -14,6 +14,8 @@ use crate::search::{Member, Outcome, Point, Sense, normalised_distance};
 
 /// Layouts whose experience is looked at, the best of all that keep the thresholds.
 const EXPERIENCED: usize = 200;
+/// The same of those looked for beside the search.
+const EXPERIENCED_BESIDE: usize = 50;
 /// The best of these, of which each is looked at without one move after the other.
 const TAKEN_APART: usize = 4;
 /// Share of the best gain, all objectives together, that an option keeps at least where nobody stated thresholds.
@@ -69,13 +71,19 @@ impl Idea {
     }
 }
 
-/// The options of a finished search.
-pub(super) fn refined(brief: &Brief<'_>, outcome: &Outcome<'_>, shown: &[Objective]) -> Refined {
+/// The options of a finished search, and of `others` that were looked for beside it.
+pub(super) fn refined(
+    brief: &Brief<'_>,
+    outcome: &Outcome<'_>,
+    others: &[Point],
+    shown: &[Objective],
+) -> Refined {
     let pins = pinned(brief.settings).min(outcome.members.len());
     let whole = |m: &Member| Member { parameters: brief.control.expand(&m.parameters), ..m.clone() };
     let kept: Vec<Member> = outcome.members[..pins].iter().map(whole).collect();
     let stripper = Stripper { brief, shown, thresholds: &outcome.thresholds };
-    let ranked = ranked(brief, pool(brief, outcome, shown, &stripper));
+    let ranked = ranked(brief, pool(brief, outcome, others, shown, &stripper));
+    let is_confirmed = |g: &Gains| confirmed::is_confirmed(brief.objectives, g, brief.settings.least_gain);
     let mut out = Refined::default();
     let mut layouts = kept;
     let best = ranked.first().cloned();
@@ -83,49 +91,94 @@ pub(super) fn refined(brief: &Brief<'_>, outcome: &Outcome<'_>, shown: &[Objecti
         let wanted = brief.settings.members - pins + RESERVES;
         let (ideas, alike) = unlike(brief, &layouts, ranked, wanted);
         out.alike = alike;
-        let (mut stripped, same) = without_alike(brief, stripped(&stripper, &ideas, STRIPPED));
-        out.alike += same;
-        let least = self::stripped(&stripper, std::slice::from_ref(best), LEAST_CHANGE);
-        stripped.splice(1.min(stripped.len())..1.min(stripped.len()), least);
-        layouts.extend(without_alike(brief, stripped).0);
+        let mut options =
+            Options { stripper: &stripper, left: ideas.into_iter(), taken: Vec::new(), alike: 0 };
+        let free = brief.settings.members - pins;
+        options.take((free - 1).max(1));
+        if free > 1 {
+            options.take_least(best);
+        }
+        options.take(free);
+        layouts.extend(options.members(0));
+        layouts.push(best.clone());
+        let mut all = with_gains(brief, layouts);
+        out.best = all.pop().filter(|b| is_confirmed(&b.1));
+        let mut shown = all.split_off(pins);
+        let wanted = shown.len();
+        shown.retain(|(_, g)| is_confirmed(g));
+        out.unconfirmed = wanted - shown.len();
+        options.take(wanted + out.unconfirmed);
+        let instead = with_gains(brief, options.members(wanted)).into_iter();
+        shown.extend(instead.filter(|(_, g)| is_confirmed(g)));
+        shown.sort_by(|a, b| {
+            confirmed::total(brief.objectives, &b.1).total_cmp(&confirmed::total(brief.objectives, &a.1))
+        });
+        out.alike += options.alike;
+        all.extend(shown);
+        (out.members, out.gains) = all.into_iter().unzip();
+    } else {
+        (out.members, out.gains) = with_gains(brief, layouts).into_iter().unzip();
     }
-    let is_confirmed = |g: &Gains| confirmed::is_confirmed(brief.objectives, g, brief.settings.least_gain);
-    let reserves = layouts.split_off(layouts.len().min(brief.settings.members));
-    let options = layouts.len();
-    layouts.extend(best);
-    let mut all = with_gains(brief, layouts);
-    out.best = all.split_off(options).pop().filter(|b| is_confirmed(&b.1));
-    let mut free = all.split_off(pins);
-    let wanted = free.len();
-    free.retain(|(_, g)| is_confirmed(g));
-    out.unconfirmed = wanted - free.len();
-    if out.unconfirmed > 0 {
-        let instead = with_gains(brief, reserves).into_iter().filter(|(_, g)| is_confirmed(g));
-        free.extend(instead.take(out.unconfirmed));
-    }
-    free.sort_by(|a, b| {
-        confirmed::total(brief.objectives, &b.1).total_cmp(&confirmed::total(brief.objectives, &a.1))
-    });
-    all.extend(free);
-    (out.members, out.gains) = all.into_iter().unzip();
     out
 }
 
-/// Layouts without the moves that bring nothing; as they were where a limit would be broken on the lattice shown.
-fn stripped(stripper: &Stripper<'_>, members: &[Member], cost: f64) -> Vec<Member> {
-    let Brief { study, settings, objectives, .. } = stripper.brief;
-    let all: Vec<Member> = members.iter().map(|m| stripper.strip(m, cost)).collect();
-    let vectors: Vec<Vec<f64>> = all.iter().map(|m| m.parameters.clone()).collect();
-    let worths = study.measure_all(&vectors);
-    let keeps = |worth: &Worth| evaluation(study, settings, objectives, worth).violation == 0.0;
-    let one = |((stripped, whole), worth): ((Member, &Member), Worth)| {
-        if keeps(&worth) { stripped } else { whole.clone() }
-    };
-    all.into_iter().zip(members).zip(worths).map(one).collect()
+/// Ideas on their way to options: each without the moves that bring nothing, and unlike those before.
+struct Options<'a, 'b> {
+    stripper: &'a Stripper<'b>,
+    left: std::vec::IntoIter<Member>,
+    taken: Vec<Idea>,
+    /// Ideas left out since they are like one before.
+    alike: usize,
+}
+
+impl Options<'_, '_> {
+    /// Takes ideas until there are so many, or none is left.
+    fn take(&mut self, wanted: usize) {
+        while self.taken.len() < wanted {
+            let Some(next) = self.left.next() else { return };
+            let idea = self.stripped(&next, STRIPPED);
+            if self.taken.iter().all(|t| t.likeness(&idea) <= SAME_MAPS) {
+                self.taken.push(idea);
+            } else {
+                self.alike += 1;
+            }
+        }
+    }
+
+    /// Takes the least change that brings half of what the best layout gains, behind the first. What moves less than
+    /// another is an idea of its own, however alike what is seen.
+    fn take_least(&mut self, best: &Member) {
+        let least = self.stripped(best, LEAST_CHANGE);
+        let control = self.stripper.brief.control;
+        let groups = |i: &Idea| control.moved_groups(&control.reduce(&i.member.parameters));
+        let is_no_less = |t: &Idea| t.likeness(&least) > SAME_MAPS && groups(&least) >= groups(t);
+        if !self.taken.iter().any(is_no_less) {
+            self.taken.insert(1.min(self.taken.len()), least);
+        }
+    }
+
+    /// A layout without the moves that bring nothing; as it was where a limit would be broken on the lattice shown.
+    fn stripped(&self, member: &Member, cost: f64) -> Idea {
+        let Brief { study, settings, objectives, .. } = self.stripper.brief;
+        let stripped = self.stripper.strip(member, cost);
+        let worth = study.measure(&stripped.parameters, &mut study.bench());
+        if evaluation(study, settings, objectives, &worth).violation == 0.0 {
+            return Idea::of(self.stripper.brief, stripped, &worth);
+        }
+        let worth = study.measure(&member.parameters, &mut study.bench());
+        Idea::of(self.stripper.brief, member.clone(), &worth)
+    }
+
+    fn members(&self, from: usize) -> Vec<Member> {
+        self.taken.iter().skip(from).map(|i| i.member.clone()).collect()
+    }
 }
 
 /// Layouts with what they surely gain.
 fn with_gains(brief: &Brief<'_>, layouts: Vec<Member>) -> Vec<(Member, Gains)> {
+    if layouts.is_empty() {
+        return Vec::new();
+    }
     let vectors: Vec<Vec<f64>> = layouts.iter().map(|m| m.parameters.clone()).collect();
     let gains = confirmed::gains(brief.study, brief.settings, brief.objectives, &vectors);
     layouts.into_iter().zip(gains).collect()
@@ -136,6 +189,7 @@ fn with_gains(brief: &Brief<'_>, layouts: Vec<Member>) -> Vec<(Member, Gains)> {
 fn pool(
     brief: &Brief<'_>,
     outcome: &Outcome<'_>,
+    others: &[Point],
     shown: &[Objective],
     stripper: &Stripper<'_>,
 ) -> Vec<Member> {
@@ -149,11 +203,17 @@ fn pool(
         let is_worth = || stripper.keeps_penalty(&p.values) && gain(p) >= least;
         p.violation == 0.0 && (stripper.keeps(&p.values) || is_worth())
     };
-    let mut kept: Vec<Point> = outcome.archive.iter().filter(is_kept).cloned().collect();
-    kept.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
-    kept.truncate(EXPERIENCED);
+    let best_of = |of: &[Point], most: usize| {
+        let mut kept: Vec<Point> = of.iter().filter(is_kept).cloned().collect();
+        kept.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+        kept.truncate(most);
+        kept
+    };
+    let mut kept = best_of(outcome.archive, EXPERIENCED);
     let without = without_one(brief, &kept[..kept.len().min(TAKEN_APART)]);
     kept.extend(without.into_iter().filter(|p| is_kept(&p)));
+    kept.extend(best_of(others, EXPERIENCED_BESIDE));
+    kept.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
     let maps = experiences(brief, &kept);
     let mut out: Vec<Member> = outcome.members[pins..].to_vec();
     let distance = |p: &Point, to: &[f64]| normalised_distance(&bounds, &p.parameters, to);
@@ -184,17 +244,27 @@ fn pool(
 
 /// Layouts with one move of each taken back: what the best have in common hides other ideas.
 fn without_one(brief: &Brief<'_>, best: &[Point]) -> Vec<Point> {
-    let Brief { trial, settings, control, objectives, .. } = brief;
-    let start = control.start();
-    let mut free: Vec<Vec<f64>> = Vec::new();
-    for (point, (unit, _)) in best.iter().flat_map(|p| control.units().iter().map(move |u| (p, u))) {
-        let mut q = point.parameters.clone();
-        unit.iter().for_each(|&k| q[k] = start[k]);
-        let q = control.permit(&q);
-        if q != point.parameters && !free.contains(&q) {
-            free.push(q);
+    let mut out: Vec<Point> = Vec::new();
+    for point in best {
+        for other in without_each(brief, point) {
+            if other != *point && !out.contains(&other) {
+                out.push(other);
+            }
         }
     }
+    out
+}
+
+/// A layout without the moves of each unit of the control, one after the other.
+pub(super) fn without_each(brief: &Brief<'_>, point: &Point) -> Vec<Point> {
+    let Brief { trial, settings, control, objectives, .. } = brief;
+    let start = control.start();
+    let back = |(unit, _): &(Vec<usize>, usize)| {
+        let mut free = point.parameters.clone();
+        unit.iter().for_each(|&k| free[k] = start[k]);
+        control.permit(&free)
+    };
+    let free: Vec<Vec<f64>> = control.units().iter().map(back).collect();
     let vectors: Vec<Vec<f64>> = free.iter().map(|q| control.expand(q)).collect();
     let worths = trial.measure_all(&vectors);
     let point = |(parameters, worth): (Vec<f64>, &Worth)| {
@@ -255,20 +325,6 @@ fn unlike(brief: &Brief<'_>, pinned: &[Member], members: Vec<Member>, wanted: us
     }
     let missing = if left.is_empty() { 0 } else { pinned.len() + wanted - taken.len() };
     (taken.drain(pinned.len()..).map(|i| i.member).collect(), missing)
-}
-
-/// The layouts without those that are like one before; and how many those are.
-fn without_alike(brief: &Brief<'_>, members: Vec<Member>) -> (Vec<Member>, usize) {
-    let before = members.len();
-    let mut out: Vec<Idea> = Vec::new();
-    for idea in ideas(brief, members) {
-        // A smaller change than another is an idea of its own, however alike what is seen.
-        if out.iter().all(|o| !o.stance.overlays(&idea.stance)) {
-            out.push(idea);
-        }
-    }
-    let left_out = before - out.len();
-    (out.into_iter().map(|i| i.member).collect(), left_out)
 }
 
 fn ideas(brief: &Brief<'_>, members: Vec<Member>) -> Vec<Idea> {

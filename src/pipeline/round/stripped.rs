@@ -9,12 +9,15 @@ use crate::pipeline::explain::total_gain;
 use crate::plan::markers::Kind;
 use crate::search::Member;
 
-/// Lengths to which moves are rounded, metres: the coarse ones where they cost little, else the fine ones …
-const LENGTHS_M: [f64; 2] = [0.05, 0.01];
-/// … in drawings by the inch: 2 and 1 inches …
-const LENGTHS_INCHES_M: [f64; 2] = [0.0508, 0.0254];
-/// … and angles, degrees: right and half right angles are among the coarse ones.
-const ANGLES_DEG: [f64; 2] = [15.0, 1.0];
+/// Lengths to which moves are rounded, metres: the coarse ones where they cost little, else the finest …
+const LENGTHS_M: [f64; 3] = [0.1, 0.05, 0.01];
+/// … in drawings by the inch: 4, 2 and 1 inches …
+const LENGTHS_INCHES_M: [f64; 3] = [0.1016, 0.0508, 0.0254];
+/// … and angles, degrees.
+const ANGLES_DEG: [f64; 3] = [90.0, 15.0, 1.0];
+
+/// The last of these.
+const FINEST: usize = 2;
 
 /// Share of a gain that rounding may cost beside what stripping does.
 const ROUNDING_COST: f64 = 0.02;
@@ -67,42 +70,46 @@ impl Stripper<'_> {
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut now = from;
         for (_, unit) in order {
-            let next = self.judged(&now, vec![back(&now.free, unit)]).pop().flatten();
-            // The last move stays: as drawn is no option.
-            let is_any = |s: &State| s.free.iter().zip(&start).any(|(v, s)| v != s);
-            if let Some(next) = next.filter(|s| s.gain >= least && is_any(s)) {
-                now = next;
-            }
+            now = self.if_enough(&now, back(&now.free, unit), least).unwrap_or(now);
         }
         now
     }
 
-    /// Brings every move to round numbers, or takes it back, as long as enough is left.
+    /// Brings every move to round numbers, or a part of it back, as long as enough is left.
     fn rounded(&self, from: State, least: f64) -> State {
-        let start = self.brief.control.start();
-        let parameter = |k: usize| &self.brief.study.base.moves.parameters[self.brief.control.parameter(k)];
-        let round = |v: f64, k: usize, step: usize| {
-            module(parameter(k), step).map_or(v, |m| start[k] + ((v - start[k]) / m).round() * m)
-        };
-        let fine: Vec<f64> = from.free.iter().enumerate().map(|(k, v)| round(*v, k, 1)).collect();
-        let is_enough = |s: &State| s.gain >= least && s.free != start;
-        let rounded = self.judged(&from, vec![fine]).pop().flatten();
-        let mut now = rounded.filter(is_enough).unwrap_or(from);
-        for k in 0..start.len() {
-            for value in [start[k], round(now.free[k], k, 0)] {
-                if now.free[k] == start[k] || now.free[k] == value {
-                    continue;
-                }
-                let mut next = now.free.clone();
-                next[k] = value;
-                let next = self.judged(&now, vec![next]).pop().flatten();
-                if let Some(next) = next.filter(is_enough) {
-                    now = next;
-                    break;
-                }
+        let control = self.brief.control;
+        let start = control.start();
+        let parameter = |k: usize| &self.brief.study.base.moves.parameters[control.parameter(k)];
+        let round = |free: &[f64], of: &[usize], step: usize| {
+            let mut out = free.to_vec();
+            for &k in of {
+                let module = module(parameter(k), step);
+                out[k] = module.map_or(free[k], |m| start[k] + ((free[k] - start[k]) / m).round() * m);
             }
+            out
+        };
+        let all: Vec<usize> = (0..start.len()).collect();
+        let mut now = self.if_enough(&from, round(&from.free, &all, FINEST), least).unwrap_or(from);
+        for (unit, _) in control.units() {
+            for &k in unit.iter().filter(|_| unit.len() > 1) {
+                let mut without = now.free.clone();
+                without[k] = start[k];
+                now = self.if_enough(&now, without, least).unwrap_or(now);
+            }
+            let coarser =
+                (0..FINEST).find_map(|step| self.if_enough(&now, round(&now.free, unit, step), least));
+            now = coarser.unwrap_or(now);
         }
         now
+    }
+
+    /// What free parameters are worth where they are others, still move something, and gain enough.
+    fn if_enough(&self, now: &State, free: Vec<f64>, least: f64) -> Option<State> {
+        if free == now.free {
+            return None;
+        }
+        let next = self.judged(now, vec![free]).pop().flatten();
+        next.filter(|s| s.gain >= least && s.free != self.brief.control.start())
     }
 
     /// Free parameters as the rules allow them, with what they are worth; none that breaks a limit, or a threshold that
@@ -150,7 +157,7 @@ impl Stripper<'_> {
     }
 }
 
-/// What a parameter is rounded to, in its own unit: coarse (0) or fine (1); none for scales.
+/// What a parameter is rounded to, in its own unit: from coarse (0) to fine (2); none for scales.
 fn module(parameter: &Parameter, step: usize) -> Option<f64> {
     let clause = &parameter.clause;
     let si = match clause.kind {

@@ -273,11 +273,7 @@ pub(super) fn say_options(
     }
     if found.alike > 0 && made < settings.members {
         report.warn("options-left-out", place(), left_out_words(study, settings, made));
-    } else if found.unworthy == 0
-        && found.unconfirmed == 0
-        && settings.mode == Mode::Diverse
-        && made < settings.members
-    {
+    } else if found.unworthy == 0 && settings.mode == Mode::Diverse && made < settings.members {
         let kept = pinned(settings).min(made);
         let inside = found.members.iter().skip(kept).filter(|m| m.within_threshold).count();
         let text = format!(
