@@ -28,6 +28,7 @@ use crate::progress::Display;
 use crate::report::{Cancel, Error, Place, Report, Severity, counted, gathered, one_line};
 use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, round_name};
+use crate::watch::MAX_DRAWING_BYTES;
 pub use beside::settings_for;
 use beside::{beside, read_settings, settings_partial};
 
@@ -158,7 +159,7 @@ fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
             pipeline::cells::measure_cells(&study, &cell_options(args, &settings))
         })?;
         if wants_pictures {
-            outcome.files.extend(pipeline::column_pictures(&input, &settings, &study, &measured)?);
+            pipeline::add_columns(&input, &settings, (&study, &measured), &mut outcome)?;
         }
         if let Some(to) = &args.cells {
             tables.push((to, pipeline::cells::cells_csv(&study, &measured.columns)));
@@ -601,16 +602,28 @@ fn init(args: &InitArgs) -> Result<u8, Error> {
 /// Reads a drawing; the path comes back as it is shown.
 fn open(file: &Path) -> Result<(String, Vec<u8>), Error> {
     let shown = file.to_string_lossy().into_owned();
-    let bytes = std::fs::read(file).map_err(|e| {
-        let place = Place::file(shown.clone());
-        match e.kind() {
-            std::io::ErrorKind::NotFound => {
-                Error::input("no-such-file", place, "there is no such file; nothing was done")
-            }
-            _ => Error::environment("unreadable", place, format!("{e}; nothing was done")),
+    let place = || Place::file(shown.clone());
+    let unreadable = |e: std::io::Error| match e.kind() {
+        std::io::ErrorKind::NotFound => {
+            Error::input("no-such-file", place(), "there is no such file; nothing was done")
         }
-    })?;
-    Ok((shown, bytes))
+        _ => Error::environment("unreadable", place(), format!("{e}; nothing was done")),
+    };
+    let found = std::fs::metadata(file).map_err(unreadable)?;
+    // Whoever opens a pipe waits for its other end.
+    if !found.is_file() {
+        let text = "found a folder, a pipe or a device, expected a file; nothing was done";
+        return Err(Error::input("no-file", place(), text));
+    }
+    if found.len() > MAX_DRAWING_BYTES {
+        let text = format!(
+            "found a file of {} MB, expected at most {} MB; nothing was done",
+            found.len() >> 20,
+            MAX_DRAWING_BYTES >> 20
+        );
+        return Err(Error::input("too-large", place(), text));
+    }
+    Ok((shown.clone(), std::fs::read(file).map_err(unreadable)?))
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {

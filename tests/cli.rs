@@ -439,7 +439,8 @@ fn every_measure_has_a_column_and_a_heat_map() {
     let folder = tempfile::tempdir().unwrap();
     let (out, csv) = (folder.path().join("out"), folder.path().join("cells.csv"));
     let (out, csv) = (out.to_string_lossy(), csv.to_string_lossy());
-    let gallery = sample("gallery.dxf");
+    let gallery = folder.path().join("gallery.dxf").to_string_lossy().into_owned();
+    std::fs::copy(sample("gallery.dxf"), &gallery).unwrap();
     let analyse = |more: &[&str]| {
         enfilade(&[&["analyse", &gallery, "--spacing", "1", "--out", &out, "--quiet"], more].concat())
     };
@@ -458,6 +459,16 @@ fn every_measure_has_a_column_and_a_heat_map() {
     for name in ["isovist-area", "sight-lines-through", "visual-step-depth", "angular-step-depth"] {
         assert!(made.join(format!("{name}.png")).is_file(), "{name}");
     }
+    let told = |said: &[u8]| serde_json::from_slice::<Value>(said).unwrap();
+    let columns = told(&analyse(&["--measures", "isovist", "--json", "-"]).stdout)["columns"].clone();
+    assert!(columns["Isovist Area"].as_f64().is_some_and(|area| area > 1.0), "{columns}");
+    // Another analysis of the same drawing takes nothing away, one of another drawing old pictures alone.
+    std::fs::write(made.join("mine.csv"), "1").unwrap();
+    analyse(&[]);
+    assert!(made.join("isovist-area.png").is_file() && made.join("mine.csv").is_file());
+    std::fs::copy(sample("maze.dxf"), &gallery).unwrap();
+    analyse(&[]);
+    assert!(!made.join("isovist-area.png").is_file() && made.join("mine.csv").is_file());
     for (args, code, says) in [
         (["--measures", "daylight"], 3, "expected all, graph"),
         (["--measures", "daylight"], 3, "Isovist Area, "),
@@ -468,6 +479,23 @@ fn every_measure_has_a_column_and_a_heat_map() {
         assert_eq!(refused.status.code(), Some(code));
         assert!(text(&refused.stderr).contains(says), "{}", text(&refused.stderr));
     }
+}
+
+/// Whoever opens a pipe waits for its other end; what is no file is named at once.
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_never_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe.dxf");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for path in [pipe.as_path(), folder.path()] {
+        let done = enfilade(&["check", &path.to_string_lossy()]);
+        assert!(text(&done.stderr).contains("expected a file"), "{}", text(&done.stderr));
+    }
+    let large = folder.path().join("large.dxf");
+    std::fs::File::create(&large).unwrap().set_len(enfilade::watch::MAX_DRAWING_BYTES + 1).unwrap();
+    let done = enfilade(&["check", &large.to_string_lossy()]);
+    assert!(text(&done.stderr).contains("expected at most 2048 MB"), "{}", text(&done.stderr));
 }
 
 /// An R12 drawing of lines, each with its layer.
@@ -749,8 +777,10 @@ fn the_building_beside_a_scene_is_found_in_any_dress() {
         [start.to_vec(), numbers.collect()].concat()
     };
     let n = data.len() as u32;
+    let mut crc = flate2::Crc::new();
+    crc.update(&data);
     // Stored as it is: version, flags, method, time, check, sizes, lengths of names.
-    let about = [(20, 2), (0, 2), (0, 2), (0, 4), (0, 4), (n, 4), (n, 4), (9, 2), (0, 2)];
+    let about = [(20, 2), (0, 2), (0, 2), (0, 4), (crc.sum(), 4), (n, 4), (n, 4), (9, 2), (0, 2)];
     let local = of(b"PK\x03\x04", &about);
     let entry =
         of(b"PK\x01\x02", &[&[(20, 2)], &about[..], &[(0, 2), (0, 2), (0, 2), (0, 4), (0, 4)]].concat());

@@ -50,6 +50,8 @@ const fn sample(name: &'static str, file: &'static str) -> Source {
 
 /// Measures one parameter vector.
 type Measure = Box<dyn Fn(&[f64]) -> Worth + Sync>;
+/// What every vertex sees with one parameter vector; not a number where a wall covers it.
+type Maps = Box<dyn Fn(&[f64]) -> Vec<f64> + Sync>;
 
 /// A drawing, read and ready to be measured.
 pub struct PlanProblem {
@@ -57,7 +59,7 @@ pub struct PlanProblem {
     bounds: Vec<[f64; 2]>,
     start: Vec<f64>,
     measure: Measure,
-    seen: Box<dyn Fn(&[f64]) -> Vec<f64> + Sync>,
+    seen: Maps,
 }
 
 /// Objective of a drawing that is named by its file.
@@ -96,8 +98,12 @@ impl PlanProblem {
     /// A drawing at its default spacing, measured over several lattices.
     fn robust(path: &str) -> Self {
         let bytes = std::fs::read(path).unwrap();
-        let partial =
-            Partial { score: Some(ROBUST.into()), backend: Some(Backend::Cpu), ..Partial::default() };
+        let partial = Partial {
+            score: Some(ROBUST.into()),
+            penalty: Some("none".into()),
+            backend: Some(Backend::Cpu),
+            ..Partial::default()
+        };
         let settings = Settings::new(partial).unwrap();
         let (_, study) =
             pipeline::analyse(&Input::new(path, &bytes, 1), &settings, &Cancel::default()).unwrap();
@@ -116,7 +122,7 @@ impl PlanProblem {
 }
 
 /// What every vertex sees.
-fn seen(study: &Arc<Study>) -> Box<dyn Fn(&[f64]) -> Vec<f64> + Sync> {
+fn seen(study: &Arc<Study>) -> Maps {
     let study = Arc::clone(study);
     Box::new(move |p| {
         let seen = study.measure(p, &mut study.bench()).seen;

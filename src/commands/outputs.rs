@@ -40,11 +40,27 @@ pub(super) fn judge(command: &Command) -> Result<(), Error> {
     }
     if let Command::Analyse(args) = command {
         judge_standard_output(args)?;
+        judge_tables(args)?;
     }
     if let Command::Watch(args) = command
         && let Some(log) = &args.log
     {
         judge_log(log, &args.looking.folders)?;
+    }
+    Ok(())
+}
+
+/// Tables are CSV: another ending would promise another format.
+fn judge_tables(args: &AnalyseArgs) -> Result<(), Error> {
+    for (name, to) in [("--cells", &args.cells), ("--edges", &args.edges)] {
+        let Some(to) = to.as_deref().filter(|to| !is_standard_output(to)) else { continue };
+        if !to.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
+            let text = format!(
+                "{name}: found {:?}, expected a name that ends in .csv; nothing was done",
+                to.display()
+            );
+            return Err(Error::usage("table-format", Place::default(), text));
+        }
     }
     Ok(())
 }
@@ -218,6 +234,7 @@ mod tests {
             ("check @/plan.dxf --json=@/a --preview @/a", "the file of --preview too"),
             ("analyse @/plan.dxf --out @/plan.dxf", "itself"),
             ("analyse @/plan.dxf --cells @/a.ifc", "name of a drawing"),
+            ("analyse @/plan.dxf --cells @/a.parquet", "ends in .csv"),
             ("analyse @/plan.dxf --edges @/enfilade.toml", "settings"),
             ("analyse @/plan.dxf --json=@/x.glb", "name of a drawing"),
             ("resolution @/plan.dxf --json=@/x.gltf", "name of a drawing"),

@@ -526,6 +526,9 @@ pub struct AnalysisResult {
     pub counts: Counts,
     /// Means over the query region.
     pub mean: Numbers,
+    /// Means over the query region of the columns that were asked for, by their names.
+    #[serde(default, skip_serializing_if = "Numbers::is_empty")]
+    pub columns: Numbers,
     /// From how many breadth-first trees depth and entropy are estimated, where not from all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimated_from_roots: Option<u64>,

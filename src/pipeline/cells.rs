@@ -16,6 +16,7 @@ use crate::analysis::through::through_vision_column;
 use crate::analysis::visibility::{Graph, visibility_graph};
 use crate::analysis::{Lattice, Obstacles, Tally};
 use crate::overlay::glossary;
+use crate::overlay::result::Numbers;
 use crate::plan::geometry::{PointUm, Segment, segments_touch};
 use crate::report::{Error, Place, counted};
 
@@ -292,6 +293,16 @@ fn seen_vertex(
     };
     let seen = near.into_iter().find(is_free).map(|(_, v)| v);
     seen.ok_or("no measured cell there without a wall between, expected a point that a cell beside it sees")
+}
+
+/// Means of columns over the region of query, without cells that have no value.
+pub(super) fn means(study: &Study, measured: &Measured) -> Numbers {
+    let mean = |column: &Column| {
+        let values = study.lattice.query.iter().map(|v| column.values[*v as usize]);
+        let known: Vec<f64> = values.filter(|v| v.is_finite() && *v != UNDEFINED).collect();
+        (!known.is_empty()).then(|| (column.name.clone(), known.iter().sum::<f64>() / known.len() as f64))
+    };
+    Numbers(measured.columns.iter().filter_map(mean).collect())
 }
 
 /// One line a vertex, without those that a wall that may move covers: `Ref,x,y` (drawing units), the columns, then

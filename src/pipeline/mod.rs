@@ -252,8 +252,7 @@ pub fn analyse_from(
     let (mut outcome, study) = analyse_storey(input, settings, roots, cancel)?;
     if roots.is_none() {
         outcome.result.estimate = estimate::present(&study, settings);
-        outcome.files.retain(|f| f.path.as_os_str() != "analysis.json");
-        outcome.files.push(OutFile::new("analysis.json", result::to_json(&outcome.result)?));
+        tell_anew(&mut outcome)?;
     }
     add_storeys(input, settings, &study, &mut outcome, cancel)?;
     Ok((outcome, study))
@@ -272,9 +271,30 @@ fn add_storeys(
     if outcome.result.storeys.is_empty() {
         return Ok(false);
     }
+    tell_anew(outcome)?;
+    Ok(true)
+}
+
+/// Writes the result of an analysis again, of which more is known now.
+fn tell_anew(outcome: &mut Outcome<AnalysisResult>) -> Result<(), Error> {
     outcome.files.retain(|f| f.path.as_os_str() != "analysis.json");
     outcome.files.push(OutFile::new("analysis.json", result::to_json(&outcome.result)?));
-    Ok(true)
+    Ok(())
+}
+
+/// Adds the columns that were asked for to an analysis: their means and a heat map of each.
+///
+/// # Errors
+/// Where a picture cannot be drawn.
+pub fn add_columns(
+    input: &Input<'_>,
+    settings: &Settings,
+    (study, measured): (&Study, &cells::Measured),
+    outcome: &mut Outcome<AnalysisResult>,
+) -> Result<(), Error> {
+    outcome.files.extend(column_pictures(input, settings, study, measured)?);
+    outcome.result.columns = cells::means(study, measured);
+    tell_anew(outcome)
 }
 
 /// Measures the storey that the settings name, or the one with most walls.
@@ -360,6 +380,7 @@ fn analysis_result(input: &Input<'_>, study: &Study, report: &Report) -> Analysi
         lattice_centre: lattice_centre(study),
         counts: show::counts(study, study.edges),
         mean: show::mean_numbers(study, &study.initial),
+        columns: Default::default(),
         estimated_from_roots: study.initial.seen.estimated.as_ref().map(|e| e.places.len() as u64),
         mean_ci95: show::mean_half_widths(study),
         estimate: Default::default(),
@@ -407,7 +428,7 @@ fn heat_map(
 ///
 /// # Errors
 /// When a picture cannot be made.
-pub fn column_pictures(
+fn column_pictures(
     input: &Input<'_>,
     settings: &Settings,
     study: &Study,

@@ -53,6 +53,7 @@ pub const FREE_SPACE_FLOOR: u64 = 16 << 20;
 const TEMP_PREFIX: &str = ".tmp-";
 const OLD_ANALYSIS: &str = ".old-analysis";
 const ANALYSIS: &str = "analysis";
+const ANALYSIS_JSON: &str = "analysis.json";
 /// Folder of the best of a search that goes on, or was stopped.
 pub const SO_FAR: &str = "so-far";
 const RESOLUTION: &str = "resolution";
@@ -215,12 +216,14 @@ impl Home {
         finished_rounds(&self.folder)
     }
 
-    /// Makes `files` the content of `analysis/`, whole or not at all. Equal content is left untouched.
+    /// Puts `files` into `analysis/`, all or none. What else lies there stays, as what another analysis was asked for; pictures
+    /// only where they are of the same drawing. Equal content is left untouched.
     ///
     /// # Errors
     /// As [`Home::stage`].
     pub fn publish_analysis(&self, files: &[OutFile]) -> Result<PathBuf, Error> {
-        self.publish_folder(ANALYSIS, files)
+        let kept = kept_beside(&self.folder.join(ANALYSIS), files);
+        self.publish_folder(ANALYSIS, &[files, &kept].concat())
     }
 
     /// Makes `files` the content of `so-far/`, whole or not at all: what a search that goes on has found.
@@ -682,6 +685,28 @@ fn check_names(files: &[OutFile]) -> Result<(), Error> {
         folded.push(name);
     }
     Ok(())
+}
+
+/// The files of an earlier analysis that one of `files` does not take the place of, as far as they still hold.
+fn kept_beside(folder: &Path, files: &[OutFile]) -> Vec<OutFile> {
+    let sha256 = |json: &[u8]| {
+        let value: serde_json::Value = serde_json::from_slice(json).ok()?;
+        Some(value["input"]["sha256"].as_str()?.to_owned())
+    };
+    let now = files.iter().find(|f| f.path == Path::new(ANALYSIS_JSON)).and_then(|f| sha256(&f.bytes));
+    let before = fs::read(folder.join(ANALYSIS_JSON)).ok().and_then(|bytes| sha256(&bytes));
+    let is_same_drawing = now.is_some() && now == before;
+    let kept = |entry: fs::DirEntry| {
+        let path = PathBuf::from(entry.file_name());
+        let is_picture = path.extension().is_some_and(|e| e == "png");
+        let is_left = files.iter().all(|f| f.path != path) && (is_same_drawing || !is_picture);
+        let is_file = entry.file_type().is_ok_and(|t| t.is_file());
+        (is_left && is_file)
+            .then(|| fs::read(entry.path()).ok().map(|bytes| OutFile::new(path, bytes)))
+            .flatten()
+    };
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    entries.filter_map(Result::ok).filter_map(kept).collect()
 }
 
 /// Whether `folder` holds these files with these bytes and no others.

@@ -193,7 +193,9 @@ fn schemas_and_other_files_are_told_apart() {
 
 /// A ZIP archive of one stored file that states any sizes.
 fn zip(name: &str, data: &[u8], packed: u32, unpacked: u32) -> Vec<u8> {
-    let sizes = [0u32.to_le_bytes(), packed.to_le_bytes(), unpacked.to_le_bytes()].concat();
+    let mut crc = flate2::Crc::new();
+    crc.update(data);
+    let sizes = [crc.sum().to_le_bytes(), packed.to_le_bytes(), unpacked.to_le_bytes()].concat();
     let names = [(name.len() as u16).to_le_bytes(), 0u16.to_le_bytes()].concat();
     let mut out =
         [b"PK\x03\x04".as_slice(), &[20, 0, 0, 0, 0, 0, 0, 0, 0, 0], &sizes, &names, name.as_bytes(), data]
@@ -228,6 +230,10 @@ fn archives_are_unpacked_within_limits() {
     let says = |packed: u32, unpacked: u32| {
         ifc::unzip("w.ifczip", &zip("w.ifc", text.as_bytes(), packed, unpacked)).unwrap_err().to_string()
     };
+    let mut flipped = zip("w.ifc", text.as_bytes(), n, n);
+    flipped[60] ^= 1;
+    let damaged = ifc::unzip("w.ifczip", &flipped).unwrap_err().to_string();
+    assert_says(&damaged, &["w.ifc is damaged", "checksum"]);
     assert_says(&says(n, (ifc::UNZIPPED_MAX + 1) as u32), &["expected at most 2147483648 bytes"]);
     assert_says(&says(n, n * (ifc::ZIP_RATIO_MAX as u32 + 1) + (1 << 20)), &["200 times"]);
     let other = ifc::unzip("w.ifczip", &zip("readme.txt", b"", 0, 0)).unwrap_err().to_string();

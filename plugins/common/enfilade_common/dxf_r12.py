@@ -15,7 +15,7 @@ LAYERS = (
     ("A-GLAZ", 4),
     ("EF-QUERY", 5),
     ("EF-REFERENCE", 3),
-    ("EF-MOVE", 1),
+    ("EF-NOTE", 1),
     ("EF-KEEP", 8),
 )
 

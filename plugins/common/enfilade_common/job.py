@@ -11,7 +11,7 @@ import os
 from dataclasses import asdict, dataclass
 from typing import Any, Dict, List, Optional, Tuple
 
-from . import __version__
+from . import APPLICATION, __version__
 from .dxf_r12 import Drawing
 from .model import Column, PluginError, Region, Study, Wall, default_objectives, geometry_hash
 from .moves import MoveTable, Plan, plan_of
@@ -22,9 +22,11 @@ from .toml_text import dumps
 STUDY_SCHEMA = "enfilade.study/1"
 HOST_SCHEMA = "enfilade.host/1"
 DRAWING_NAME = "plan.dxf"
+#: The program's folder beside the drawing.
+RESULTS = "plan.enfilade"
 
-#: Height of the words beside a mark, mm.
-TEXT_MM = 200.0
+#: Words for people stand here, mm high.
+NOTE_LAYER, TEXT_MM = "EF-NOTE", 200.0
 
 
 @dataclass
@@ -46,7 +48,23 @@ class Job:
 
     @property
     def results_folder(self) -> str:
-        return os.path.join(self.folder, "plan.enfilade")
+        return os.path.join(self.folder, RESULTS)
+
+    def labels(self) -> Dict[str, str]:
+        """Labels of what stands in the drawing, by its handle there."""
+        try:
+            with open(self.drawing, encoding="ascii", errors="replace") as f:
+                lines = [line.strip() for line in f]
+        except OSError:
+            return {}
+        names = {e.id: e.label for e in self.study.movables()}
+        names.update((o.id, o.label) for w in self.study.walls for o in w.openings)
+        out, handle = {}, ""
+        for (code, value), (_, following) in zip(zip(lines[0::2], lines[1::2]), zip(lines[2::2], lines[3::2])):
+            handle = value if code == "5" else handle
+            if (code, value) == ("1001", APPLICATION):
+                out[handle] = names.get(following.rsplit("/", 1)[0], "")
+        return out
 
 
 def write(study: Study, folder: str) -> Job:
@@ -151,7 +169,7 @@ def drawing_text(study: Study, plan: Plan) -> str:
     for element in study.movables():
         if element.keep:
             out.polyline("EF-KEEP", _round_element(plan, element))
-    _draw_moves(out, plan)
+    _note_moves(out, plan)
     return out.file_text()
 
 
@@ -159,17 +177,16 @@ def _round_element(plan: Plan, element) -> List:
     return widened([p for o in plan.outlines if o.owner == element.id for p in o.points], 5.0)
 
 
-def _draw_moves(out: Drawing, plan: Plan) -> None:
-    """The groups as people draw them; the side-car names the exact corners and wins."""
-    drawn: Dict[Tuple[str, Tuple[str, ...]], Tuple[MoveTable, List[str]]] = {}
+def _note_moves(out: Drawing, plan: Plan) -> None:
+    """What may move, in words for whoever opens the drawing. The side-car says it to the program: a mark of ours
+    drawn here as well would be a second word on the same thing."""
+    words: Dict[Tuple[str, ...], List[MoveTable]] = {}
     for table in plan.tables:
-        members = tuple(table.members) if table.followers or len(table.corners) > 4 else (table.name,)
-        words = drawn.setdefault((table.name, members), (table, []))[1]
-        words.append(table.clause.text())
-    for (name, _), (table, words) in drawn.items():
-        ring = widened([plan.outlines[i].points[c] for i, c in table.corners], 100.0)
-        out.polyline("EF-MOVE", ring)
-        out.text("EF-MOVE", centroid(ring), TEXT_MM, "; ".join([f"name {name}", *words]))
+        words.setdefault((table.name, *table.members), []).append(table)
+    for (name, *_), tables in words.items():
+        places = [plan.outlines[i].points[c] for i, c in sorted(tables[0].corners)]
+        said = "; ".join([name, *(t.clause.text() for t in tables)])
+        out.text(NOTE_LAYER, centroid(places), TEXT_MM, said)
 
 
 def side_car(study: Study, plan: Plan, job: Job) -> Dict[str, Any]:

@@ -29,7 +29,7 @@ class MoveTable:
     name: str
     clause: Clause
     corners: Set[Corner]
-    #: Ids of the elements that the user marked.
+    #: Ids of what the user marked: walls and columns, or one door or window.
     members: List[str]
     #: Ids of walls of which one end follows.
     followers: List[str] = field(default_factory=list)
@@ -94,7 +94,7 @@ def _door_tables(study: Study, outlines: List[Outline]) -> List[MoveTable]:
             for clause in opening.clauses:
                 along = Clause("along", clause.lower, clause.upper, _heading_deg(wall, opening))
                 if corners:
-                    out.append(MoveTable(opening.label, along, set(corners), [wall.id]))
+                    out.append(MoveTable(opening.label, along, set(corners), [opening.id]))
     return out
 
 
@@ -133,19 +133,32 @@ def _group_tables(study: Study, outlines: List[Outline], notes: List[str]) -> Li
     out = []
     near = Neighbours(study)
     for key, members in _groups(study, notes).items():
-        clauses = next((m.clauses for m in members if m.clauses), [])
+        marked = [m for m in members if m.clauses]
+        clauses = _common(marked)
         name = members[0].label if key.startswith("\0") else key
-        if not clauses:
+        if not marked:
             notes.append(f"The group '{name}' has no allowed move; it stays. Mark one of its walls to move.")
             continue
-        if any(m.clauses and m.clauses != clauses for m in members):
-            notes.append(f"The walls of group '{name}' are marked differently; those of '{members[0].label}' hold.")
+        if any(m.clauses != clauses for m in marked):
+            notes.append(f"The walls of group '{name}' are marked differently: it moves as far as all of them may.")
         ids = [m.id for m in members]
         body = {(i, c) for id in ids for i in by_owner.get(id, ()) for c in range(len(outlines[i].points))}
         for clause in clauses:
             table = MoveTable(name, clause, set(body), ids)
             _take_followers(near, table, members, outlines, by_owner, notes)
             out.append(table)
+    return out
+
+
+def _common(marked: List[Movable]) -> List[Clause]:
+    """What all of these may do, in the directions of the first."""
+    out = []
+    for clause in marked[0].clauses if marked else []:
+        own = [[c for c in m.clauses if c.kind == clause.kind] for m in marked]
+        if all(own):
+            lower, upper = max(c[0].lower for c in own), min(c[0].upper for c in own)
+            if lower < upper:
+                out.append(Clause(clause.kind, lower, upper, clause.direction_deg))
     return out
 
 

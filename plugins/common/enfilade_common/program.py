@@ -14,8 +14,13 @@ from typing import Any, Callable, Dict, List, Optional
 from .model import PluginError
 
 NAME = "enfilade"
-#: Oldest version that writes and reads what this plugin does.
+#: Oldest version that writes and reads what this plugin does. One with other numbers before the last point may not.
 VERSION_MIN = (0, 1, 0)
+#: The best so far is written after so many seconds of search, for a run that is stopped. Writing takes as long as
+#: confirming the options in the end does.
+KEPT_EVERY_SECS = 5
+#: The stage in which the best so far is written.
+SO_FAR = "so-far"
 #: How long a stopped program may take to put its things away before it is killed, seconds.
 STOP_SECS = 5.0
 #: How long it may take to say its version, seconds: the host's window waits.
@@ -26,13 +31,16 @@ MISSING = (
     "or in the environment variable ENFILADE."
 )
 
+#: The exit code of a run that the user stopped.
+STOPPED = 130
+
 #: What the exit codes of the program mean to a user.
 EXITS = {
     1: "Done, with something left out; the report says what.",
     2: "The drawing could not be used.",
     3: "The settings could not be used.",
     4: "The disk, a permission or a device failed.",
-    130: "Stopped.",
+    STOPPED: "Stopped.",
 }
 
 
@@ -52,7 +60,7 @@ def find(configured: str = "") -> str:
 
 
 def version(path: str) -> str:
-    """The program's version, checked."""
+    """The program's version with its commit, ``0.1.0 (1f2e3d4c5)``, checked."""
     try:
         said = subprocess.run(
             [path, "--version"],
@@ -68,17 +76,28 @@ def version(path: str) -> str:
         raise PluginError(f"{path} does not start: {e}.") from e
     text = said.stdout.decode("utf-8", "replace").strip()
     parts = re.search(r"(\d+)\.(\d+)\.(\d+)", text)
-    if not text.startswith(NAME) or parts is None:
-        raise PluginError(f"{path} is not Enfilade: asked for its version it says {text[:80]!r}.")
-    if tuple(int(p) for p in parts.groups()) < VERSION_MIN:
-        needed = ".".join(str(v) for v in VERSION_MIN)
-        raise PluginError(f"{text} is too old for this plugin, which needs {needed} or newer.")
-    return parts.group(0)
+    if not text.startswith(NAME + " ") or parts is None:
+        said_words = f"says {text[:80]!r}" if text else "says nothing"
+        raise PluginError(f"{path} is not Enfilade: asked for its version it {said_words}. Nothing was started.")
+    found, needed = tuple(int(p) for p in parts.groups()), ".".join(str(v) for v in VERSION_MIN)
+    if found < VERSION_MIN:
+        raise PluginError(f"{text} is too old for this plugin, which needs {needed} or newer. Nothing was started.")
+    if found[:2] > VERSION_MIN[:2]:
+        raise PluginError(f"{text} is too new for this plugin, which is made for {needed}: update the plugin. Nothing was started.")
+    return text[len(NAME) + 1 :]
 
 
-def arguments(drawing: str) -> List[str]:
-    """Arguments that run the job of a drawing; everything else stands in its side-car."""
-    return ["run", drawing, "--progress", "json"]
+def arguments(drawing: str, keeps_best: bool = False) -> List[str]:
+    """Arguments that run the job of a drawing; everything else stands in its side-car. ``keeps_best`` for hosts
+    that show the best so far of a run that is stopped."""
+    kept = ["--write-every", str(KEPT_EVERY_SECS)] if keeps_best else []
+    return ["run", drawing, *kept, "--progress", "json"]
+
+
+def cells_arguments(drawing: str, folder: str, level: str, spacing_m: float, centre) -> List[str]:
+    """Arguments that measure the cells of a drawing and print them as a table, on the cells of a round."""
+    grid = [f"--spacing={spacing_m!r}", f"--lattice-centre={centre[0]!r},{centre[1]!r}"]
+    return ["analyse", drawing, "--level", level, *grid, "--out", folder, "--cells", "-", "--quiet"]
 
 
 @dataclass
@@ -125,6 +144,9 @@ class Listener:
     def __init__(self) -> None:
         self._rest = b""
         self.words: List[str] = []
+        #: Evaluations so far, and where the best so far was written; empty before that.
+        self.evaluations = 0
+        self.so_far = ""
 
     def feed(self, data: bytes) -> List[Progress]:
         """Progress in the lines that are complete."""
@@ -139,7 +161,11 @@ class Listener:
         except ValueError:
             data = None
         if isinstance(data, dict):
-            return _progress(data)
+            progress = _progress(data)
+            if progress is not None:
+                self.evaluations = progress.evaluations or self.evaluations
+                self.so_far = str(data.get("folder") or "") if progress.stage == SO_FAR else self.so_far
+            return progress
         if text:
             self.words = (self.words + [text])[-50:]
         return None
@@ -149,7 +175,7 @@ class Listener:
         errors = [w for w in self.words if w.startswith("error")]
         said = errors or self.words[-1 if code < 0 else -3 :]
         head = EXITS.get(code, "" if code == 0 else f"The program ended with code {code}.")
-        return " ".join([head, *(said if code not in (0, 1, 130) else [])]).strip()
+        return " ".join([head, *(said if code not in (0, 1, STOPPED) else [])]).strip()
 
 
 def give_way(pid: int) -> None:

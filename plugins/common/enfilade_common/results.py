@@ -1,15 +1,17 @@
 """Reading a round: options with their numbers, and where every wall of the host stands in them."""
 
-import colorsys
+import csv
 import json
 import math
 import os
 import re
+import shutil
 from dataclasses import dataclass, field
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
-from .job import Job
+from .job import RESULTS, Job
 from .model import Column, Movable, Opening, PluginError, Wall, geometry_hash
+from .moves import Plan
 from .outlines import Outline
 from .plane import (
     Point,
@@ -34,8 +36,23 @@ TENTHS_BELOW = 0.01
 #: What moved must fit a wall again to this, mm.
 FIT_MM = 0.1
 
-#: A picture of each of these lies beside every option.
-PICTURES = ("degree", "mean-depth", "depth", "entropy", "score")
+#: The best so far of a stopped run, beside the job.
+STOPPED = "stopped"
+
+#: Columns of the table of cells, by measure.
+COLUMNS = {"degree": "Degree", "mean-depth": "Visual Mean Depth", "depth": "Depth", "entropy": "Entropy"}
+
+
+class Note(NamedTuple):
+    """Something that the program wants known: ``info`` or worse, where, in its words."""
+
+    severity: str
+    place: str
+    text: str
+
+    @property
+    def is_warning(self) -> bool:
+        return self.severity != "info"
 
 
 @dataclass
@@ -83,12 +100,19 @@ class Round:
     sha256: str
     initial: Dict[str, float]
     options: List[Option]
-    problems: List[str]
+    #: Warnings first.
+    notes: List[Note]
     stopped_by: str
     spacing_m: float
     lattice_centre: Point
     #: The best layout found, number 0; none where it is one of the options, or nothing is better.
     best: Optional[Option] = None
+    #: Name and kind of every move, in the order of the parameters.
+    moves: List[Tuple[str, str]] = field(default_factory=list)
+    #: Version of the program that wrote it.
+    version: str = ""
+    #: Whether it is the best so far of a run that was stopped.
+    is_so_far: bool = False
 
     @property
     def report(self) -> str:
@@ -121,14 +145,42 @@ def round_folders(results_folder: str) -> List[str]:
 
 
 def latest(job: Job) -> Round:
-    """The newest round of a job; refuses one of an earlier export."""
-    folders = round_folders(job.results_folder)
-    if not folders:
+    """The newest results of a job, finished or stopped; refuses those of an earlier export."""
+    folders = [*round_folders(job.results_folder)[-1:], os.path.join(job.folder, STOPPED)]
+    there = [f for f in folders if os.path.isdir(f)]
+    if not there:
         raise PluginError("There are no options yet: run the study first.")
-    found = read(folders[-1])
+    return _of(job, max(there, key=os.path.getmtime))
+
+
+def _of(job: Job, folder: str) -> Round:
+    found = read(folder)
     if found.sha256 != job.sha256:
         raise PluginError("The options belong to an earlier export of this document; run the study again.")
     return found
+
+
+def made_since(job: Job, before: List[str], version: str) -> Round:
+    """The round that a run of this ``version`` has written, when ``before`` were there."""
+    made = [f for f in round_folders(job.results_folder) if f not in before]
+    if not made:
+        raise PluginError("The program ended without writing any result.")
+    found = _of(job, made[-1])
+    if found.version != version:
+        wrote = found.version or "a version that does not say its name"
+        raise PluginError(f"Enfilade {version} was started, but the result is of {wrote}. It is not shown; run the study again.")
+    return found
+
+
+def keep_so_far(job: Job, folder: str) -> Round:
+    """Puts the best so far of a stopped run aside, where the next run does not write over it."""
+    kept = os.path.join(job.folder, STOPPED)
+    try:
+        shutil.rmtree(kept, ignore_errors=True)
+        shutil.copytree(folder, kept)
+    except (OSError, shutil.Error) as e:
+        raise PluginError(f"The best so far in {folder} cannot be kept: {e}.") from e
+    return _of(job, kept)
 
 
 def read(folder: str) -> Round:
@@ -155,17 +207,22 @@ def _round(folder: str, data: Dict[str, Any]) -> Round:
     options = [_option(folder, i + 1, c) for i, c in enumerate(data["candidates"])]
     best = data.get("best")
     centre = data["lattice_centre"]
+    notes = [Note(p["severity"], p["place"], p["text"]) for p in data["problems"]]
+    numbers = re.findall(r"\d+", os.path.basename(os.path.normpath(folder)))
     return Round(
         folder=folder,
-        number=int(re.findall(r"\d+", os.path.basename(os.path.normpath(folder)))[-1]),
+        number=int(numbers[-1]) if numbers else 1 + len(round_folders(os.path.join(os.path.dirname(folder), RESULTS))),
         sha256=data["input"]["sha256"],
         initial=dict(data["initial"]["mean"]),
         options=options,
         best=_option(folder, 0, best) if best and best.get("file") and best.get("option") is None else None,
-        problems=[f"{p['place']}: {p['text']}" for p in data["problems"] if p["severity"] != "info"],
+        notes=sorted(notes, key=lambda n: not n.is_warning),
         stopped_by=data["stopped_by"],
         spacing_m=float(data["spacing_m"]),
         lattice_centre=(float(centre[0]), float(centre[1])),
+        moves=[(m["name"], m["kind"]) for m in data.get("moves", [])],
+        version=str(data.get("version", "")),
+        is_so_far=not numbers,
     )
 
 
@@ -371,46 +428,95 @@ def lineage_entry(found: Round, option: Option, drawing: str) -> Dict[str, Any]:
     return {
         "drawing": drawing,
         "round": found.number,
+        **({"so-far": True} if found.is_so_far else {}),
         "candidate": option.number,
         "initial": finite(found.initial),
         "accepted": finite(option.mean),
     }
 
 
-def outlines_after(job: Job, option: Option) -> Dict[str, List[Point]]:
-    """Where the changed outlines stand in an option, by host id, mm: for a preview."""
-    outlines = {o.host_id: o for o in job.outlines}
-    rows = ((c["host_id"], c["to"]) for c in option.changes if c.get("host_id") in outlines)
-    return {id: outlines[id].unwritten(_millimetres(to)) for id, to in rows}
-
-
-def heat_cells(drawing: str, measure: str) -> List[Tuple[Tuple[float, float, float], List[Point]]]:
-    """Coloured areas of a measure in a written drawing: colour (0 to 1) and four corners, mm."""
-    layer = f"EF-HEAT-{measure.upper()}"
-    out = []
-    with open(drawing, encoding="utf-8", errors="replace") as f:
-        lines = [line.strip() for line in f]
-    entity: Dict[str, str] = {}
-    for code, value in zip(lines[0::2], lines[1::2]):
-        if code != "0":
-            entity[code] = value
-            continue
-        if entity.get("0") == "SOLID" and entity.get("8") == layer:
-            corners = [(float(entity[f"1{i}"]), float(entity[f"2{i}"])) for i in (0, 1, 3, 2)]
-            out.append((index_colour(int(entity["62"])), corners))
-        entity = {"0": value}
+def gone(plan: Plan, found: Round, option: Option) -> Dict[str, Dict[str, float]]:
+    """How far an option takes what was marked, by id and kind of move, mm or degrees."""
+    out: Dict[str, Dict[str, float]] = {}
+    tables = iter(plan.tables)
+    for move, value in zip(found.moves, option.parameters):
+        # The program leaves out moves that would do nothing.
+        table = next((t for t in tables if (t.name, t.clause.kind) == move), None)
+        if table is None:
+            raise PluginError(f"The option has a move of {move[0]!r} that this study never wrote; nothing was taken over.")
+        for id in table.members:
+            out.setdefault(id, {})[move[1]] = value
     return out
 
 
-def index_colour(index: int) -> Tuple[float, float, float]:
-    """Red, green, blue of an AutoCAD colour index."""
-    if index < 10:
-        # Red, yellow, green, cyan, blue, magenta, white: the bits of 1 to 7 in another order; then greys.
-        bits = {1: 0b100, 2: 0b110, 3: 0b010, 4: 0b011, 5: 0b001, 6: 0b101, 7: 0b111}.get(index)
-        return (0.5, 0.5, 0.5) if bits is None else (float(bits >> 2 & 1), float(bits >> 1 & 1), float(bits & 1))
-    if index >= 250:
-        grey = (index - 250) / 5 * 0.8 + 0.2
-        return (grey, grey, grey)
-    value = (1.0, 0.65, 0.5, 0.3, 0.15)[index % 10 // 2]
-    saturation = 0.5 if index % 2 else 1.0
-    return colorsys.hsv_to_rgb((index // 10 - 1) * 15 / 360, saturation, value)
+Line = List[Point]
+
+
+def moved_lines(before: List[Point], after: List[Point]) -> Tuple[List[Line], List[Line]]:
+    """Lines of an outline that go, and those that come. Of one that is only stretched these are its ends and the
+    difference; what stays where it is is neither."""
+    if all(distance(a, b) > FIT_MM for a, b in zip(before, after)):
+        return [before + before[:1]], [after + after[:1]]
+    gone_lines: List[Line] = []
+    new_lines: List[Line] = []
+    for i in range(len(before) if len(before) > 2 else 1):
+        old, new = ((ring[i], ring[(i + 1) % len(ring)]) for ring in (before, after))
+        lost, made = _differing(old, new)
+        gone_lines += lost
+        new_lines += made
+    return gone_lines, new_lines
+
+
+def _differing(old: Tuple[Point, Point], new: Tuple[Point, Point]) -> Tuple[List[Line], List[Line]]:
+    if old[0] == old[1] or any(_off(p, old) > FIT_MM for p in new):
+        return [list(old)], [list(new)]
+    u = direction(*old)
+    ends = [sorted(dot(minus(p, old[0]), u) for p in edge) for edge in (old, new)]
+    return tuple(_outside(old[0], u, ends[k], ends[1 - k]) for k in (0, 1))  # type: ignore[return-value]
+
+
+def _off(p: Point, edge: Tuple[Point, Point]) -> float:
+    return abs(cross(direction(*edge), minus(p, edge[0])))
+
+
+def _outside(start: Point, u: Point, mine: List[float], other: List[float]) -> List[Line]:
+    """Pieces of a stretch of a line that another stretch does not cover."""
+    pieces = [(mine[0], min(mine[1], other[0])), (max(mine[0], other[1]), mine[1])]
+    return [[plus(start, u, a), plus(start, u, b)] for a, b in pieces if b - a > FIT_MM]
+
+
+def ghosts(job: Job, option: Option) -> Tuple[List[Line], List[Line]]:
+    """Lines of an option that stand no more, and new ones, mm: for a preview."""
+    outlines = {o.host_id: o for o in job.outlines}
+    gone_lines: List[Line] = []
+    new_lines: List[Line] = []
+    for change in option.changes:
+        before, after = _millimetres(change["from"]), _millimetres(change["to"])
+        outline = outlines.get(change.get("host_id"))
+        if outline is not None:
+            before, after = outline.unwritten(before), outline.unwritten(after)
+        lost, made = moved_lines(before, after)
+        gone_lines += lost
+        new_lines += made
+    return gone_lines, new_lines
+
+
+@dataclass
+class Cells:
+    """What every cell of a layout measures: its middle, mm, and a value for each measure."""
+
+    places: List[Point]
+    values: Dict[str, List[float]]
+
+
+def read_cells(table: Iterable[str]) -> Cells:
+    """The program's table of cells; cells without a value in any measure are left out."""
+    rows = csv.reader(table)
+    heads = next(rows, [])
+    try:
+        x, y, *columns = (heads.index(name) for name in ("x", "y", *COLUMNS.values()))
+        kept = [row for row in rows if all(row[c] for c in columns)]
+        values = {m: [float(row[c]) for row in kept] for m, c in zip(COLUMNS, columns)}
+        return Cells([(float(row[x]), float(row[y])) for row in kept], values)
+    except (ValueError, IndexError) as e:
+        raise PluginError(f"The program's table of cells cannot be read ({e}).") from e

@@ -6,7 +6,7 @@ import pytest
 from conftest import wall
 from enfilade_common import job, results
 from enfilade_common.dxf_r12 import Drawing, escaped
-from enfilade_common.model import Objective, PluginError, Region, Study, default_objectives, pair_name
+from enfilade_common.model import Clause, Objective, PluginError, Region, Study, default_objectives, pair_name
 from enfilade_common.toml_text import dumps, string
 
 
@@ -30,7 +30,24 @@ def test_marks_stand_on_our_layers(house):
     house.regions = [Region("query", [(0, 0), (1, 0), (1, 1)]), Region("reference", [(0, 0), (2, 0), (2, 2)])]
     house.element("E").keep = True
     layers = {v for c, v in groups(job.drawing_text(house, job.plan_of(house))) if c == 8}
-    assert {"EF-QUERY", "EF-REFERENCE", "EF-KEEP", "EF-MOVE", "A-WALL", "A-COLS", "A-DOOR", "A-GLAZ"} <= layers
+    assert {"EF-QUERY", "EF-REFERENCE", "EF-KEEP", "EF-NOTE", "A-WALL", "A-COLS", "A-DOOR", "A-GLAZ"} <= layers
+    assert "EF-MOVE" not in layers, "what may move is said once, in the side-car"
+
+
+def test_the_program_has_nothing_to_say_about_our_own_marks(house, tmp_path, real_program):
+    """A wall and the door in it are marked: words of the one never lie in the other's place."""
+    partition = house.element("P1")
+    partition.clauses = [Clause("x", -500, 500), Clause("rotate", -10, 10)]
+    partition.openings[0].start, partition.openings[0].end = 2400, 3300
+    made = job.write(house, str(tmp_path))
+    said = subprocess.run([real_program, "check", made.drawing, "--json"], stdout=subprocess.PIPE, check=True)
+    problems = json.loads(said.stdout)["problems"]
+    assert [p for p in problems if "EF-" in p["text"] and p["code"] != "interior-closed"] == []
+
+
+def test_handles_of_the_drawing_tell_labels(house, tmp_path):
+    made = job.write(house, str(tmp_path))
+    assert set(made.labels().values()) == {"S", "E", "N", "W", "P1", "P2", "P3", "Säule", "Tür 1", "Door 2", "Fenster"}
 
 
 SQUARES = {

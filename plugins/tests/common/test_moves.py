@@ -54,6 +54,16 @@ def test_two_doors_in_one_wall_share_the_piece_between_them():
     assert all(distance(r[0], r[1]) >= 49.9 for r in rings)
 
 
+def test_a_group_moves_no_farther_than_each_of_its_walls_may():
+    walls = [wall("A", (0, 0), (1000, 0), group="g"), wall("B", (0, 1000), (1000, 1000), group="g")]
+    walls.append(wall("C", (0, 2000), (1000, 2000), group="g"))
+    walls[0].clauses = [Clause("x", -100, 400), Clause("rotate", -5, 5)]
+    walls[1].clauses = [Clause("x", -300, 200)]
+    (table,) = plan_of(Study("t", "d", walls)).tables
+    assert (table.clause.kind, table.clause.lower, table.clause.upper) == ("x", -100, 200)
+    assert table.members == ["A", "B", "C"]
+
+
 def test_walls_of_a_group_move_together_and_disagreement_is_said():
     walls = [wall("A", (0, 0), (1000, 0), group="g"), wall("B", (0, 1000), (1000, 1000), group="g")]
     walls[0].clauses = [Clause("x", -1, 1)]

@@ -34,11 +34,24 @@ def test_a_missing_program_says_what_helps(monkeypatch, tmp_path):
 
 
 def test_its_version_is_checked(program_that):
-    assert program.version(program_that("print('enfilade 0.1.7')")) == "0.1.7"
-    with pytest.raises(PluginError, match="too old"):
-        program.version(program_that("print('enfilade 0.0.9')"))
-    with pytest.raises(PluginError, match="is not Enfilade"):
-        program.version(program_that("print('something else 3.1.2')"))
+    assert program.version(program_that("print('enfilade 0.1.7 (1f2e3d4c5)')")) == "0.1.7 (1f2e3d4c5)"
+    for says, words in (
+        ("print('enfilade 0.0.9')", "too old"),
+        ("print('enfilade 0.2.0 (1f2e3d4c5)')", "too new .* update the plugin"),
+        ("print('something else 3.1.2')", "is not Enfilade: .* says 'something else 3.1.2'"),
+        ("print('enfilade')", "is not Enfilade"),
+        ("pass", "says nothing"),
+    ):
+        with pytest.raises(PluginError, match=words + ".* Nothing was started"):
+            program.version(program_that(says))
+
+
+def test_where_the_best_so_far_lies_is_heard():
+    listener = program.Listener()
+    listener.feed(b'{"stage":"optimise","evaluations":12}\n{"stage":"so-far","evaluations":40,"folder":"/x/so-far"}\n')
+    listener.feed(b'{"stage":"write","evaluations":0}\n')
+    assert (listener.evaluations, listener.so_far) == (40, "/x/so-far")
+    assert program.arguments("plan.dxf", keeps_best=True)[2:4] == ["--write-every", "5"]
 
 
 def test_progress_and_words_are_told_apart(program_that):

@@ -1,6 +1,7 @@
 import json
 import math
 import os
+import subprocess
 
 import pytest
 from conftest import wall
@@ -137,10 +138,17 @@ def test_the_program_gives_back_what_was_asked(house, tmp_path, real_program):
     plan = plan_of(house)
     for option in found.options:
         expected = applied(plan, option.parameters)
-        told = results.outlines_after(made, option)
+        told = {c["host_id"]: c["to"] for c in option.changes}
         for outline, ring in zip(plan.outlines, expected):
-            assert near(told.get(outline.host_id, outline.points), ring, 0.1), outline.host_id
+            corners = told.get(outline.host_id)
+            there = outline.unwritten([(1000 * x, 1000 * y) for x, y in corners]) if corners else outline.points
+            assert near(there, ring, 0.1), outline.host_id
         assert results.layout(made, option)
+        assert [v for by in results.gone(plan, found, option).values() for v in by.values()] == option.parameters
+        for measure in ("degree", "mean-depth"):
+            assert option.change(measure) in option.words, "panel, terminal and drawing say the same"
+    assert found.best is None or found.best.change("degree") in found.best.words
+    assert found.version == program.version(real_program)
 
 
 def test_an_older_round_is_not_taken_for_a_newer_export(house, tmp_path, real_program):
@@ -152,14 +160,102 @@ def test_an_older_round_is_not_taken_for_a_newer_export(house, tmp_path, real_pr
         results.latest(job.write(house, str(tmp_path)))
 
 
-def test_heat_maps_are_read_from_an_option(house, tmp_path, real_program):
+def test_the_cells_of_an_option_are_those_of_the_round(house, tmp_path, real_program):
     made = job.write(house, str(tmp_path))
     assert program.Run(real_program, made.drawing, lambda p: None, lambda code, words: None).wait(120)
-    option = results.latest(made).options[0]
-    cells = results.heat_cells(option.file, "degree")
-    xs = [p[0] for _, corners in cells for p in corners]
-    assert len(cells) > 50 and -200 < min(xs) and max(xs) < 8200
-    assert results.index_colour(1) == (1.0, 0.0, 0.0) and results.index_colour(170) == (0.0, 0.0, 1.0)
+    found = results.latest(made)
+    for drawing, mean in [("initial.dxf", found.initial)] + [(o.file, o.mean) for o in found.options]:
+        words = program.cells_arguments(
+            os.path.join(found.folder, drawing), str(tmp_path / "cells"), "eye", found.spacing_m, found.lattice_centre
+        )
+        said = subprocess.run([real_program, *words], stdout=subprocess.PIPE, check=True).stdout.decode()
+        cells = results.read_cells(said.splitlines())
+        for measure in ("degree", "mean-depth", "depth", "entropy"):
+            values = cells.values[measure]
+            assert sum(values) / len(values) == pytest.approx(mean[measure], rel=1e-9), (drawing, measure)
+        assert len(set(cells.values["degree"])) > 50, "values, not a dozen colours"
+        assert all(-200 < x < 8200 for x, _ in cells.places)
+
+
+def test_cells_without_a_value_are_left_out():
+    table = ["Ref,x,y,Degree,Visual Mean Depth,Depth,Entropy", "1,0,0,5,1.5,3,0.2", "2,1,0,1,,1,0"]
+    cells = results.read_cells(table)
+    assert (cells.places, cells.values["mean-depth"]) == ([(0.0, 0.0)], [1.5])
+    with pytest.raises(PluginError, match="cannot be read"):
+        results.read_cells([])
+
+
+def test_only_what_moved_is_outlined(house, tmp_path):
+    made, option = option_of(house, [700, 0, 0, 0, 0], tmp_path)
+    gone, new = results.ghosts(made, option)
+    ys = [y for line in [*gone, *new] for _, y in line]
+    assert 600 < min(ys) and max(ys) < 2300, "a door slides from 625 to 1325 mm: nothing else of its wall is drawn"
+    assert any(line == [(3950, 625), (3950, 1325)] for line in new), "wall where the door was"
+    made, option = option_of(house, [0, 300, 0, 0, 0], tmp_path)
+    gone, new = results.ghosts(made, option)
+    assert any(len(line) == 5 for line in new), "what moves as a whole is outlined as a whole"
+    assert all(x < 4500 for line in [*gone, *new] for x, _ in line), "of the wall that follows, its end alone"
+
+
+def test_what_was_gone_is_told_by_what_was_marked(house, tmp_path):
+    made, option = option_of(house, [700, -250, 200, 25, -120], tmp_path)
+    plan = plan_of(house)
+    moves = [(t.name, t.clause.kind) for t in plan.tables]
+    found = results.Round("", 1, "", {}, [], [], "", 1.0, (0, 0), moves=moves)
+    everything = {"D1": {"along": 700}, "P1": {"x": -250}, "P3": {"y": 200, "rotate": 25}, "C": {"x": -120}}
+    assert results.gone(plan, found, option) == everything
+    # What would do nothing is no move to the program.
+    del found.moves[2], option.parameters[2]
+    assert results.gone(plan, found, option) == {**everything, "P3": {"rotate": 25}}
+    found.moves[1] = ("stranger", "x")
+    with pytest.raises(PluginError, match="'stranger'"):
+        results.gone(plan, found, option)
+
+
+def round_in(folder, sha256, version="0.1.0 (a)", problems=()):
+    os.makedirs(folder)
+    data = {
+        "schema": "enfilade.result/1", "version": version, "input": {"sha256": sha256}, "initial": {"mean": {}},
+        "candidates": [], "moves": [], "problems": list(problems), "stopped_by": "", "spacing_m": 1, "lattice_centre": [0, 0],
+    }
+    with open(os.path.join(folder, "result.json"), "w") as f:
+        json.dump(data, f)
+
+
+def test_a_run_that_writes_nothing_or_another_version_is_no_result(house, tmp_path):
+    made = job.write(house, str(tmp_path))
+    first, second = (os.path.join(made.results_folder, n) for n in ("round-01", "round-02"))
+    round_in(first, made.sha256)
+    with pytest.raises(PluginError, match="without writing any result"):
+        results.made_since(made, [first], "0.1.0 (a)")
+    round_in(second, made.sha256, "0.1.0 (b)")
+    with pytest.raises(PluginError, match=r"Enfilade 0.1.0 \(a\) was started, but the result is of 0.1.0 \(b\)"):
+        results.made_since(made, [first], "0.1.0 (a)")
+    assert results.made_since(made, [first], "0.1.0 (b)").number == 2
+
+
+def test_the_best_so_far_is_put_aside_and_found_again(house, tmp_path):
+    made = job.write(house, str(tmp_path))
+    first, so_far = (os.path.join(made.results_folder, n) for n in ("round-01", "so-far"))
+    round_in(first, made.sha256)
+    round_in(so_far, made.sha256)
+    os.utime(first, (1, 1))
+    kept = results.keep_so_far(made, so_far)
+    assert kept.is_so_far and kept.number == 2 and kept.folder != so_far
+    assert results.latest(made).folder == kept.folder
+    entry = results.lineage_entry(kept, results.Option(1, "", "", {}, {}, None, True, [], []), "plan.dxf")
+    assert entry["so-far"] is True and entry["round"] == 2
+    os.utime(kept.folder, (0, 0))
+    assert results.latest(made).number == 1
+    with pytest.raises(PluginError, match="cannot be kept"):
+        results.keep_so_far(made, os.path.join(made.results_folder, "nothing"))
+
+
+def test_warnings_come_before_notes(tmp_path):
+    problems = [{"severity": s, "place": "p", "text": s} for s in ("info", "warning", "info")]
+    round_in(str(tmp_path / "round-01"), "", problems=problems)
+    notes = results.read(str(tmp_path / "round-01")).notes
+    assert [n.text for n in notes] == ["warning", "info", "info"] and [n.is_warning for n in notes] == [True, False, False]
 
 
 def test_changes_are_told_as_the_program_tells_them() -> None:

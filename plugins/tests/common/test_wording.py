@@ -24,11 +24,12 @@ def german():
 
 def test_what_is_said_is_translated():
     known = german()
+    calls = (n for _, tree in trees() for n in ast.walk(tree) if isinstance(n, ast.Call))
     said = {
-        call.args[0].value
-        for _, tree in trees()
-        for call in ast.walk(tree)
-        if isinstance(call, ast.Call) and getattr(call.func, "id", "") == "say" and isinstance(call.args[0], ast.Constant)
+        arg.value
+        for call in calls
+        for arg in {"say": call.args[:1], "count": call.args[1:]}.get(getattr(call.func, "id", ""), [])
+        if isinstance(arg, ast.Constant)
     }
     assert len(said) > 40 and sorted(said - known.keys()) == []
 

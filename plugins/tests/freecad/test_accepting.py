@@ -8,6 +8,8 @@ from enfilade_common.model import PluginError
 from enfilade_common.moves import applied, plan_of
 from enfilade_common.plane import distance
 
+Vector = App.Vector
+
 
 def state(doc):
     """Everything that stands somewhere, to a micrometre."""
@@ -33,7 +35,8 @@ def option_with(doc, wishes, folder, values):
         for o, ring in zip(plan.outlines, applied(plan, values))
         if ring != o.points
     ]
-    found = results.Round(str(folder), 1, made.sha256, {}, [], [], "", 1.0, (0, 0))
+    moves = [(t.name, t.clause.kind) for t in plan.tables]
+    found = results.Round(str(folder), 1, made.sha256, {}, [], [], "", 1.0, (0, 0), moves=moves)
     return made, found, results.Option(1, "candidate-1.dxf", "", {}, {}, None, True, values, changes)
 
 
@@ -241,3 +244,63 @@ def test_an_attached_sketch_moves_by_its_points(doc, wishes, tmp_path):
     doc.undo()
     doc.recompute()
     assert state(doc) == before
+
+
+def remaining(doc):
+    return {e.label: {c.kind: (c.lower, c.upper) for c in e.clauses} for e in document.read(doc).elements() if e.clauses}
+
+
+def test_what_remains_of_the_bounds_is_carried_on_the_wall(doc, wishes, tmp_path):
+    walls, door, _ = build_house(doc)
+    made, found, option = option_with(doc, wishes, tmp_path, MOVES)
+    accept.accept(doc, made, found, option)
+    after = remaining(doc)
+    assert after["P1"]["x"] == pytest.approx((-1420.5, 579.5)) and after["P3"]["rotate"] == pytest.approx((-50, 10))
+    assert marks.used(door, "along") == 800 and walls["P1"].EnfiladeXMax.Value == 1000, "the mark itself stays"
+    doc.undo()
+    assert remaining(doc)["P1"]["x"] == (-1000, 1000)
+    doc.redo()
+    assert remaining(doc) == after
+    marks.mark(walls["P1"], {"x": (-1000, 1000)})
+    assert remaining(doc)["P1"]["x"] == (-1000, 1000), "allowed anew"
+
+
+def test_after_any_number_of_rounds_a_wall_is_within_its_first_bounds(doc, wishes, tmp_path):
+    wall = wall_on(doc, "draft", (3000, 3000), (4000, 3000), label="free")
+    wall_on(doc, "draft", (0, 0), (8000, 0), label="S")
+    doc.recompute()
+    marks.mark(wall, {"x": (-500, 500), "along": (-200, 200), "rotate": (-15, 15)})
+    (first,) = (e for e in document.read(doc).elements() if e.label == "free")
+    middle = lambda w: [sum(p[k] for p in w.axis) / 2 for k in (0, 1)]  # noqa: E731
+    for number, share in enumerate((0.8, 1.0, 1.0, 1.0)):
+        study, _ = document.study(doc, wishes)
+        ends = {(t.name, t.clause.kind): share * t.clause.upper for t in plan_of(study).tables}
+        if not any(ends.values()):
+            break
+        made, found, option = option_with(doc, wishes, tmp_path / str(number), ends)
+        accept.accept(doc, made, found, option)
+    (last,) = (e for e in document.read(doc).elements() if e.label == "free")
+    x, y = (b - a for a, b in zip(middle(first), middle(last)))
+    assert (x, y) == (pytest.approx(700, abs=0.1), pytest.approx(0, abs=0.1)), "along is along the axis as it first lay"
+    turned = Vector(*last.axis[1], 0).sub(Vector(*last.axis[0], 0)).getAngle(V(1, 0, 0))
+    assert turned == pytest.approx(0.2617994, abs=1e-6)
+    study, _ = document.study(doc, wishes)
+    assert [(c.lower, c.upper) for c in study.walls[0].clauses] == [pytest.approx(b, abs=1e-6) for b in ((-1000, 0), (-400, 0), (-30, 0))]
+
+
+def test_rounds_of_the_program_do_not_drift(doc, wishes, tmp_path, run_study):
+    build_house(doc)
+    wishes.evaluations = 60
+    for _ in range(3):
+        made, found = run_study(doc, wishes, tmp_path)
+        layout = found.best or next(iter(found.options), None)
+        if layout is None:
+            break
+        accept.accept(doc, made, found, layout)
+    for element in document.read(doc).elements():
+        if element.label in ("P1", "P3", "Säule"):
+            obj = doc.getObject(element.name)
+            for kind, (low, high) in marks.bounds(obj).items():
+                assert low - 0.1 <= marks.used(obj, kind) <= high + 0.1, (element.label, kind)
+    x = next(e for e in document.read(doc).elements() if e.label == "P1").axis[0][0]
+    assert 3000 - 0.2 <= x <= 5000 + 0.2

@@ -91,6 +91,15 @@ def test_storeys_are_studied_one_at_a_time(doc):
     assert [e.label for e in document.read(doc, "1. Stock").elements()] == ["high"]
     marks.mark(high, {"x": (-1, 1)})
     assert [e.label for e in document.read(doc).elements()] == ["high"], "the storey with marks comes first"
+    door = door_in(high, (1000, 0), label="door", sill=3000)
+    region = Draft.make_rectangle(1000, 1000)
+    doc.recompute()
+    marks.mark(door, {"along": (-100, 100)})
+    marks.mark_region(region, "query")
+    assert document.marked(doc) == {"1. Stock": ["high", "door"], "": [region.Label]}
+    assert not any("other storeys" in n for n in document.read(doc, "1. Stock").notes), "regions outside count for all"
+    notes = document.read(doc, "Erdgeschoß").notes
+    assert "Marked on other storeys and not part of this study: 'high' (1. Stock), 'door' (1. Stock)." in notes
 
 
 def test_reading_changes_nothing(doc):

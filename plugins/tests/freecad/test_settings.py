@@ -6,10 +6,11 @@ import pytest
 from conftest import build_house
 from enfilade import document, importing, marks, settings, wording
 from enfilade_common.model import Objective, PluginError, Wishes
+from enfilade_common.results import Note
 
 
 def test_a_study_is_remembered_in_its_document(doc, tmp_path):
-    assert settings.wishes(doc) == Wishes()
+    assert settings.wishes(doc) == Wishes() and settings.storey(doc) is None
     chosen = Wishes([Objective("depth", "min", 0.4), Objective("degree", "max", is_on=False)], 3, 7, 900, 0.5, "knee")
     settings.remember(doc, chosen, "Erdgeschoß")
     settings.remember(doc, chosen, "Erdgeschoß")
@@ -159,6 +160,37 @@ def test_the_language_is_freecads():
         assert wording.say("Option {}", 2) == "Option 2"
     finally:
         general.SetString("Language", before)
+
+
+def test_notes_are_said_in_the_words_of_the_window():
+    for text, words in (
+        ("spacing 0.2 m: 1130 vertices are measured on 45 m²; --spacing overrides it",
+         "Cell size 0.2 m: 1130 cells are measured on 45 m²; 'Cell size' on page 2 overrides it."),
+        ("All thresholds were lowered to 82 % of what was asked, so that the options differ. `--thresholds firm` keeps them.",
+         "All thresholds were lowered to 82 % of what was asked, so that the options differ. Set a slider on page 2 to keep them."),
+        ("maps correlate 0.69. Lower thresholds or more EF-MOVE boxes make room for other ideas.",
+         "Maps correlate 0.69. Lower thresholds or more marks make room for other ideas."),
+        ("gaps were taken as closed to find the interior; EF-QUERY or --seed-point says it exactly",
+         "Gaps were taken as closed to find the interior; regions on page 1 say it exactly."),
+        ("only P may move; more --evaluations find more, and EF-MOVE boxes round more walls or wider bounds in them make room",
+         "Only P may move; more 'Layouts to measure' find more, and marks on more walls or wider bounds make room."),
+        ("more --evaluations, wider bounds or lower thresholds find more",
+         "More 'Layouts to measure', wider bounds or lower thresholds find more."),
+        ("unit: mm as --unit or the settings file says (the file: $INSUNITS 4, $MEASUREMENT 1)", "Unit: mm, as in the document."),
+    ):
+        assert wording.note_here(Note("info", "plan.dxf", text), {}) == Note("info", "", words)
+    placed = Note("warning", "plan.dxf:120 POLYLINE 3F layer A-WALL", "its joint opens in option 2")
+    assert wording.note_here(placed, {"3F": "P1"}).text == "'P1': its joint opens in option 2."
+    assert wording.here("One part of a door goes along (layer A-DOOR).") == "One part of a door goes along."
+
+
+def test_no_note_of_a_real_study_speaks_of_files_or_the_command_line(doc, wishes, tmp_path, run_study):
+    build_house(doc)
+    made, found = run_study(doc, wishes, tmp_path)
+    notes = [wording.note_here(n, made.labels()) for n in found.notes]
+    assert notes
+    for note in notes:
+        assert not any(w in note.text for w in ("EF-", "--", "plan.dxf", "[[", "layer A-")), note.text
 
 
 def test_a_candidate_becomes_a_document(doc, wishes, tmp_path, run_study):

@@ -187,8 +187,54 @@ class Answers:
             "row": p.options.strip.currentRow(),
             "words": p.options.words.text(),
             "round": p.round.folder if p.round else "",
-            "overlay": {n: not overlay[1].is_empty(n) for n in ("marks", "heat", "ghost")} if overlay else {},
+            "overlay": {n: not overlay[1].is_empty(n) for n in ("marks", "heat", "ghost", "best")} if overlay else {},
+            "document": App.getDocument(p.doc_name).Label if p.doc_name else "",
+            "front": App.ActiveDocument.Label,
+            "storey": p.head.storey(),
+            "stage": p.foot.stage.text(),
         }
+
+    def text(self, name):
+        """What a label or a button says; nothing where it is not shown."""
+        widget = window().findChild(QtWidgets.QWidget, name)
+        return widget.text() if widget.isVisible() else ""
+
+    def numbers(self):
+        """The table of the shown layout: what is measured, and the change of it."""
+        table = panel().options.numbers
+        return {table.item(r, 0).text(): table.item(r, 3).text() for r in range(table.rowCount())}
+
+    def is_on_screen(self, name):
+        """Whether all of a widget is seen without scrolling."""
+        widget = window().findChild(QtWidgets.QWidget, name)
+        corner = widget.mapToGlobal(QtCore.QPoint(0, 0))
+        box = QtCore.QRect(corner, widget.size())
+        return widget.isVisible() and not widget.visibleRegion().isEmpty() and (
+            widget.visibleRegion().boundingRect().size() == widget.size()
+            and QtCore.QRect(0, 0, 1600, 1000).contains(box)
+        )
+
+    def view_tab(self, label):
+        """Where the tab of a document's view is."""
+        area = window().findChild(QtWidgets.QMdiArea)
+        bar = area.findChild(QtWidgets.QTabBar)
+        index = next(i for i in range(bar.count()) if bar.tabText(i).startswith(label + " :"))
+        at = bar.mapToGlobal(bar.tabRect(index).center())
+        return [at.x(), at.y()]
+
+    def draft_line(self):
+        import Draft
+
+        made = Draft.make_line(V(500, 500, 0), V(3000, 500, 0))
+        App.ActiveDocument.recompute()
+        return made.Label
+
+    def heat_colours(self):
+        """How many colours the heat map of the document in front has."""
+        from pivy import coin
+
+        (material,) = (n for n in panel()._overlays[App.ActiveDocument.Name][1]._parts["heat"] if isinstance(n, coin.SoMaterial))
+        return len({tuple(round(v, 4) for v in c.getValue()) for c in material.diffuseColor})
 
     def set(self, name, value):
         widget = window().findChild(QtWidgets.QWidget, name)
@@ -212,6 +258,13 @@ class Answers:
 
     def marks(self):
         return {o.Label: o.EnfiladeId for o in App.ActiveDocument.Objects if getattr(o, "EnfiladeId", "")}
+
+    def used(self):
+        """How far marked objects have gone, by kind, with their first bounds."""
+        from freecad.enfilade import marks
+
+        marked = ((o, kind, ends) for o in App.ActiveDocument.Objects for kind, ends in marks.bounds(o).items())
+        return [[o.Label, kind, marks.used(o, kind), *ends] for o, kind, ends in marked if marks.used(o, kind)]
 
     def save_and_reload(self, path):
         App.ActiveDocument.saveAs(path)
@@ -277,16 +330,12 @@ class Answers:
         for label in labels:
             App.ActiveDocument.removeObject(App.ActiveDocument.getObjectsByLabel(label)[0].Name)
 
-    def best(self, parameters):
+    def best(self, value):
         """Plays the progress of a program that tells its best layout."""
-        from enfilade_common.program import Progress
-
         p = panel()
-        p._on_progress(Progress("optimise", 1, 2, 3, 0.5, None, parameters))
-        return not p.overlay(App.ActiveDocument).is_empty("ghost")
-
-    def tables(self):
-        return len(panel().job.plan.tables)
+        plan = p._written(p.document())[0].plan
+        p._show_best(plan, [value] * len(plan.tables))
+        return not p.overlay(App.ActiveDocument).is_empty("best")
 
     def clear_preview(self):
         panel().clear_preview()
@@ -319,12 +368,11 @@ class Answers:
         doc.UndoMode = 1
         return doc.Name
 
-    def house(self, label):
-        """A room with a partition, its door, and a free wall, in a document of its own."""
+    def house(self, label, beside=False):
+        """A room with a partition, its door, and a free wall, in a document of its own, or beside the others."""
         import Arch
 
-        # A click gives the window back to the document that was shown first.
-        for name in list(App.listDocuments()):
+        for name in [] if beside else list(App.listDocuments()):
             App.closeDocument(name)
         doc = App.newDocument(label)
         doc.UndoMode = 1
@@ -341,13 +389,17 @@ class Answers:
         doc.recompute()
         doc.recompute()
         doc.clearUndos()
+        self.top()
         return [doc.Name, doc.Label]
 
     def forget_status(self):
         panel().tell("")
 
-    def activate(self, name):
-        App.setActiveDocument(name)
+    def activate(self, label):
+        panel().bring_to_front(next(d for d in App.listDocuments().values() if label in (d.Label, d.Name)))
+
+    def clear_selection(self):
+        Gui.Selection.clearSelection()
 
     def close(self, name):
         App.closeDocument(name)
@@ -373,16 +425,16 @@ class Answers:
         panel().mark.rows[kind][0].setChecked(on)
 
     def choose_storey(self, index):
-        storeys = panel().study.storeys
-        storeys.setCurrentIndex(index)
-        return panel().study.storey()
+        panel().head.storeys.setCurrentIndex(index)
+        return panel().head.storey()
 
     def storeys_offered(self):
-        storeys = panel().study.storeys
+        storeys = panel().head.storeys
         return [storeys.itemText(i) for i in range(storeys.count())]
 
     def job_walls(self):
-        return [w.label for w in panel().job.study.walls]
+        p = panel()
+        return [w.label for w in (p._running or p).job.study.walls]
 
     def run_outside(self):
         """What a watching program does: another round of the same job."""

@@ -59,7 +59,95 @@ def test_04_storeys_drawn_later_are_offered(window):
     window.ask("remove", ["EG"])
 
 
-def test_05_accept_in_a_document_behind(window):
+def test_04b_marks_of_other_storeys_are_listed(window):
+    window.ask("house", "Haus")
+    window.ask("level", "EG", ["S", "E", "N", "W", "P"])
+    window.ask("level", "OG", ["Q"])
+    window.click(window.ask("tab", 0))
+    window.ask("choose_storey", window.ask("storeys_offered").index("EG"))
+    window.ask("select", "Q")
+    window.ask("tick", "x")
+    window.press("EnfiladeAllow")
+    assert "'Q' on another storey: the panel works on 'EG'. Nothing was done" in status(window)
+    assert window.ask("marks") == {}
+    window.ask("choose_storey", window.ask("storeys_offered").index("OG"))
+    window.press("EnfiladeAllow")
+    assert status(window) == "Marked: Q"
+    window.ask("choose_storey", window.ask("storeys_offered").index("EG"))
+    window.ask("select", "P")
+    window.press("EnfiladeAllow")
+    assert window.ask("text", "EnfiladeListed") == "Marked here: P\nOn other storeys, not studied here: 'Q' (OG)"
+    window.shot("16-storeys")
+    run_study(window)
+    assert sorted(window.ask("job_walls")) == ["E", "N", "P", "S", "W"]
+    assert "Marked on other storeys and not part of this study: 'Q' (OG)." in window.ask("text", "EnfiladeWarnings")
+
+
+def test_04c_what_cannot_be_marked_is_named(window):
+    window.ask("house", "Haus")
+    window.wait_for("panel", lambda p: p["document"] == "Haus" and p["storey"] is None, 10)
+    window.click(window.ask("tab", 0))
+    label = window.ask("draft_line")
+    window.ask("select", label)
+    window.ask("tick", "x")
+    window.press("EnfiladeAllow")
+    said = status(window)
+    assert said.startswith(f"'{label}': no wall, column, door or window, so it cannot move. A closed line can be a region")
+
+
+def test_05_two_documents_are_never_mixed(window):
+    _, first = window.ask("house", "Vorn")
+    window.wait_for("panel", lambda p: p["document"] == first, 10)
+    _, second = window.ask("house", "Hinten", True)
+    window.wait_for("panel", lambda p: p["front"] == second, 10)
+    window.wait_for("panel", lambda _: window.ask("text", "EnfiladeSwitch") == f"Switch to '{second}'", 10)
+    assert window.ask("panel")["document"] == first, "the panel stays with its document"
+
+    # Marked there, run from the other page, whatever view is in front by then.
+    window.click(window.ask("view_tab", first))
+    window.click(window.ask("tab", 0))
+    window.ask("activate", first)
+    window.click(window.ask("point", 4000, 4000))
+    window.ask("tick", "x")
+    window.press("EnfiladeAllow")
+    assert status(window) == "Marked: P", status(window)
+    window.click(window.ask("tab", 1))
+    window.click(window.ask("view_tab", second))
+    window.ask("set", "EnfiladeEvaluations", 150)
+    window.ask("forget_status")
+    window.press("EnfiladeRun")
+    panel = window.wait_for("panel", lambda p: p["running"] or p["options"], 20)
+    assert f"'{first}'" in panel["status"] and panel["front"] == first, panel
+    panel = window.wait_for("panel", lambda p: not p["running"], 90)
+    assert panel["options"] >= 1 and panel["document"] == first, panel
+    window.shot("17-two-documents")
+
+    # What is selected in the other document is not marked.
+    window.click(window.ask("view_tab", second))
+    window.ask("activate", second)
+    window.ask("clear_selection")
+    window.click(window.ask("point", 6000, 2000))
+    window.click(window.ask("tab", 0))
+    window.press("EnfiladeAllow")
+    assert status(window).startswith(f"'Q' is in the document '{second}', but the panel works on '{first}'. Nothing was done")
+    window.ask("activate", second)
+    assert window.ask("marks") == {}
+    window.wait_for("panel", lambda _: window.ask("text", "EnfiladeSwitch"), 10)
+    window.shot("18-refused-document")
+
+    # The offer is taken.
+    window.press("EnfiladeSwitch")
+    panel = window.wait_for("panel", lambda p: p["document"] == second, 10)
+    assert panel["options"] == 0 and panel["front"] == second
+    window.press("EnfiladeAllow")
+    assert status(window) == "Marked: Q", status(window)
+    run_study(window)
+    panel = window.ask("panel")
+    assert panel["options"] >= 1 and panel["document"] == second, panel
+    assert panel["status"].startswith(f"Done: {panel['options']} option")
+
+
+def test_05b_accept_in_a_document_behind(window):
     house, label = window.ask("house", "Vorn")
     window.click(window.ask("tab", 0))
     window.ask("select", "P")
@@ -76,10 +164,13 @@ def test_05_accept_in_a_document_behind(window):
     assert f"This was in the document '{label}', which is not the one in front." in said
     assert window.ask("undo_of", house) == undo + 1 and window.ask("undo_of", other) == 0
     window.ask("activate", other)
+    window.wait_for("panel", lambda _: window.ask("text", "EnfiladeSwitch"), 10)
+    window.press("EnfiladeSwitch")
     window.ask("run_command", "Enfilade_Look")
     panel = window.ask("panel")
     assert "There is no study of this document yet" in panel["status"] and panel["options"] == 0
     window.ask("close", other)
+    window.wait_for("panel", lambda p: p["document"] == label, 10)
 
 
 def test_06_look_shows_the_newest_round(window):

@@ -29,6 +29,7 @@ struct Entry {
     method: u16,
     packed: u64,
     unpacked: u64,
+    crc: u32,
     at: usize,
 }
 
@@ -85,6 +86,12 @@ pub fn unzip(file: &str, bytes: &[u8]) -> Result<Vec<u8>, Error> {
     if out.len() as u64 != entry.unpacked {
         return Err(fault(format!("{} unpacks to another size than stated", entry.name)));
     }
+    let mut crc = flate2::Crc::new();
+    crc.update(&out);
+    if crc.sum() != entry.crc {
+        let text = format!("{} is damaged: its checksum is not the one that the archive states", entry.name);
+        return Err(fault(text));
+    }
     Ok(out)
 }
 
@@ -114,6 +121,7 @@ fn entries(bytes: &[u8]) -> Option<Vec<Entry>> {
             method: number(bytes, at + 10, 2)? as u16,
             packed: number(bytes, at + 20, 4)?,
             unpacked: number(bytes, at + 24, 4)?,
+            crc: number(bytes, at + 16, 4)? as u32,
             at: number(bytes, at + 42, 4)? as usize,
         });
         at += 46 + name + extra + comment;

@@ -9,10 +9,11 @@ import FreeCAD as App
 from enfilade_common import results
 from enfilade_common.job import Job
 from enfilade_common.model import Column, PluginError, Wall, geometry_hash
+from enfilade_common.moves import plan_of
 from enfilade_common.plane import STILL, Rigid, distance
 from enfilade_common.results import Change
 
-from . import document, hosted
+from . import document, hosted, marks
 from .document import Found, Reading, Vector
 from .hosted import Going, placement
 
@@ -50,6 +51,7 @@ def accept(doc, job: Job, found: results.Round, option: results.Option, on_moved
         raise PluginError("The option moves what cannot be moved: " + "; ".join(locked) + ". Nothing was changed.")
     before = {e.id: geometry_hash(e) for e in reading.elements()}
     going, bodies = _going(reading, changes), _bodies(reading, changes)
+    gone = results.gone(job.plan or plan_of(job.study), found, option)
     with _one_step(doc, f"Enfilade: option {option.number}"):
         _move(doc, reading, changes)
         hosted.move(going)
@@ -57,6 +59,7 @@ def accept(doc, job: Job, found: results.Round, option: results.Option, on_moved
         hosted.settle(doc, going)
         _check(doc, job, before, changes)
         _check_bodies(bodies)
+        _take(reading, gone)
         if on_moved is not None:
             on_moved()
     return [f.element.label for f in _found(reading, changes)]
@@ -82,6 +85,18 @@ def _one_step(doc, name: str):
     finally:
         if active is not None:
             App.setActiveDocument(active.Name)
+
+
+def _take(reading: Reading, gone: Dict[str, Dict[str, float]]) -> None:
+    """Takes the way off what remains of the bounds; a wall of several pieces goes it once."""
+    by_object: Dict[str, tuple] = {}
+    for id, by in gone.items():
+        found = reading.found.get(id)
+        obj = found.object if found else reading.openings.get(id)
+        if obj is not None:
+            by_object[obj.Name] = (obj, by)
+    for obj, by in by_object.values():
+        marks.take(obj, by)
 
 
 def _found(reading: Reading, changes: List[Change]) -> List[Found]:

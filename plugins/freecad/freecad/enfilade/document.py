@@ -107,6 +107,32 @@ def storey_of(obj) -> str:
     return ""
 
 
+def storey_at(obj) -> str:
+    """Label of the storey on which a door or window stands with its wall, and anything else by itself."""
+    hosts = getattr(obj, "Hosts", None) or []
+    return storey_of(obj) or (storey_of(hosts[0]) if hosts else "")
+
+
+def marked(doc) -> Dict[str, List[str]]:
+    """Labels of all that is marked in a document, by the storey on which it stands."""
+    out: Dict[str, List[str]] = {}
+    for obj in doc.Objects:
+        if not is_link(obj) and (marks.is_marked(obj) or marks.region_kind(obj)):
+            out.setdefault(storey_at(obj), []).append(obj.Label)
+    return out
+
+
+def marked_elsewhere(doc, storey: str) -> List[str]:
+    """What is marked on other storeys: ``'P' (Upper floor)``. Regions outside any level count for all."""
+    regions = {o.Label for o in doc.Objects if not is_link(o) and marks.region_kind(o)}
+    return [
+        f"'{label}' ({at})" if at else f"'{label}'"
+        for at, labels in marked(doc).items()
+        for label in labels
+        if at != storey and (at or label not in regions)
+    ]
+
+
 def storeys(doc) -> List[str]:
     """Labels of the storeys that hold walls, lowest first; nothing is the label of walls outside any level."""
     heights: Dict[str, float] = {}
@@ -129,10 +155,13 @@ def read(doc, storey: Optional[str] = None, level: str = "eye") -> Reading:
     left out, at ``knee`` level it counts."""
     out = Reading(storeys=storeys(doc))
     if storey not in out.storeys:
-        storey = _default_storey(doc, out.storeys)
+        storey = default_storey(doc, out.storeys)
     out.storey = storey or ""
     ids = marks.ids(doc)
     many = len(out.storeys) > 1
+    elsewhere = marked_elsewhere(doc, out.storey) if many else []
+    if elsewhere:
+        out.notes.append(f"Marked on other storeys and not part of this study: {', '.join(elsewhere)}.")
     solids = []
     for obj in doc.Objects:
         region = "" if is_link(obj) else marks.region_kind(obj)
@@ -230,12 +259,11 @@ def study(doc, wishes, storey: Optional[str] = None, lineage=()) -> Tuple[Study,
     return made, reading
 
 
-def _default_storey(doc, labels: List[str]) -> Optional[str]:
+def default_storey(doc, labels: List[str]) -> Optional[str]:
+    """The storey with marks, else the lowest."""
     for obj in doc.Objects:
-        if not is_link(obj) and marks.clauses(obj, 0.0):
-            label = storey_of(obj)
-            if label in labels:
-                return label
+        if not is_link(obj) and marks.bounds(obj) and storey_at(obj) in labels:
+            return storey_at(obj)
     return labels[0] if labels else None
 
 
@@ -613,7 +641,8 @@ def _share_bases(out: Reading) -> None:
             continue
         first = next(f for f in shared if f.element.clauses)
         for f in shared:
-            f.element.group, f.element.clauses = first.element.group or first.object.Label, first.element.clauses
+            f.element.group = first.element.group or first.object.Label
+            f.element.clauses = f.element.clauses or first.element.clauses
 
 
 def lock(obj) -> str:

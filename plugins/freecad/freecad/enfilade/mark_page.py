@@ -3,7 +3,7 @@
 import FreeCAD as App
 import FreeCADGui as Gui
 
-from enfilade_common.model import PluginError, pair_name
+from enfilade_common.model import PluginError, number, pair_name
 
 from . import document, marks
 from .qt import QtCore, QtWidgets
@@ -12,6 +12,8 @@ from .wording import say
 ROWS = (("x", "east-west"), ("y", "north-south"), ("along", "along the wall"), ("rotate", "turn"))
 #: What a freshly ticked move allows: mm, degrees.
 USUAL = {"x": 500.0, "y": 500.0, "along": 500.0, "rotate": 15.0}
+#: So many names are listed.
+LISTED_MAX = 6
 REGIONS = (("query", "People are here"), ("reference", "They look at this"), ("keep", "Nothing moves here"))
 
 
@@ -28,19 +30,27 @@ class MarkPage(QtWidgets.QWidget):
         layout = QtWidgets.QVBoxLayout(self)
         self.selected = QtWidgets.QLabel()
         self.selected.setWordWrap(True)
+        self.selected.setAlignment(QtCore.Qt.AlignTop)
+        # As high as the longest words, so that no button jumps while something is selected.
+        self.selected.setMinimumHeight(3 * self.selected.fontMetrics().lineSpacing())
         layout.addWidget(self.selected)
         layout.addLayout(self._bounds())
         layout.addLayout(self._group())
         layout.addLayout(self._buttons())
         layout.addSpacing(12)
         layout.addLayout(self._regions())
+        layout.addSpacing(12)
+        self.listed = QtWidgets.QLabel()
+        self.listed.setObjectName("EnfiladeListed")
+        self.listed.setWordWrap(True)
+        layout.addWidget(self.listed)
         layout.addStretch(1)
 
     def _bounds(self):
         grid = QtWidgets.QGridLayout()
         for column, title in ((1, "from"), (2, "to")):
             grid.addWidget(QtWidgets.QLabel(say(title)), 0, column)
-        self.rows = {}
+        self.rows, self.left = {}, {}
         for row, (kind, title) in enumerate(ROWS, 1):
             tick = QtWidgets.QCheckBox(say(title))
             tick.setObjectName("EnfiladeAllow_" + kind)
@@ -61,6 +71,10 @@ class MarkPage(QtWidgets.QWidget):
             tick.toggled.connect(lambda on, k=kind: self._ticked(k, on))
             grid.addWidget(tick, row, 0)
             self.rows[kind] = (tick, *boxes)
+            self.left[kind] = QtWidgets.QLabel()
+            self.left[kind].setObjectName("EnfiladeLeft_" + kind)
+            self.left[kind].setToolTip(say("Press Allow to begin anew from here."))
+            grid.addWidget(self.left[kind], row, 3)
         return grid
 
     def _ticked(self, kind: str, on: bool) -> None:
@@ -114,10 +128,24 @@ class MarkPage(QtWidgets.QWidget):
 
     # -- what the user does
 
-    def chosen(self):
-        """Selected walls, columns, doors and windows; a selected axis stands for its wall."""
+    def selection(self):
+        """What is selected in the panel's document; refuses what is selected in another one."""
+        doc = self._panel.document()
+        objects = Gui.Selection.getSelection("*")
+        for obj in objects:
+            if obj.Document.Name != doc.Name:
+                there = say(
+                    "'{}' is in the document '{}', but the panel works on '{}'. Nothing was done: select there, or press "
+                    "\"Switch\" above.",
+                    *(obj.Label, obj.Document.Label, doc.Label),
+                )
+                raise PluginError(there)
+        return objects
+
+    def chosen(self, objects):
+        """Walls, columns, doors and windows of these; a selected axis stands for its wall."""
         out = []
-        for obj in Gui.Selection.getSelection():
+        for obj in objects:
             parents = [o for o in obj.InList if getattr(o, "Base", None) is obj]
             for o in [obj, *parents]:
                 if document.kind_of(o) in ("Wall", "Window") or document.is_column(o):
@@ -125,10 +153,22 @@ class MarkPage(QtWidgets.QWidget):
                         out.append(o)
         return out
 
+    def _on_this_storey(self, objects) -> None:
+        storey = self._panel.head.storey()
+        away = [o for o in objects if storey is not None and document.storey_at(o) != storey]
+        if away:
+            there = say(
+                "{} on another storey: the panel works on '{}'. Nothing was done: choose the storey above.",
+                *(", ".join(f"'{o.Label}'" for o in away), storey or say("outside any level")),
+            )
+            raise PluginError(there)
+
     def _allow(self) -> None:
-        objects = self.chosen()
+        selection = self.selection()
+        objects = self.chosen(selection)
         if not objects:
-            raise PluginError(say("Nothing selected. Select walls, columns, doors or windows in the view."))
+            raise PluginError(what_is_selected(selection, objects))
+        self._on_this_storey(objects)
         ticked = {k: (low.value(), high.value()) for k, (tick, low, high) in self.rows.items() if tick.isChecked()}
         has_moves = any(any(pair) for pair in ticked.values())
         if not (has_moves or self.group.text().strip() or self.keep.isChecked()):
@@ -156,10 +196,10 @@ class MarkPage(QtWidgets.QWidget):
         self._panel.tell(" ".join(w for w in (marked, only, locked) if w))
 
     def _unmark(self) -> None:
-        regions = [o for o in Gui.Selection.getSelection() if marks.region_kind(o)]
-        objects = [*self.chosen(), *regions]
+        selection = self.selection()
+        objects = [*self.chosen(selection), *(o for o in selection if marks.region_kind(o))]
         if not objects:
-            raise PluginError(say("Nothing selected. Select walls, columns, doors or windows in the view."))
+            raise PluginError(what_is_selected(selection, objects))
         doc = objects[0].Document
         doc.openTransaction("Enfilade: remove marks")
         for obj in objects:
@@ -169,10 +209,10 @@ class MarkPage(QtWidgets.QWidget):
         self._panel.tell(say("Marks removed: {}", ", ".join(o.Label for o in objects)))
 
     def _region(self, kind: str) -> None:
-        self._panel.document()
         pair_name(self.pair.text())
-        closed = [o for o in Gui.Selection.getSelection() if is_closed(o)]
+        closed = [o for o in self.selection() if is_closed(o)]
         if not closed:
+            self._panel.bring_to_front(self._panel.document())
             self._awaited_region = kind
             self._panel.tell(say("Draw a closed line now; it becomes the region."))
             Gui.runCommand("Draft_Wire")
@@ -209,23 +249,58 @@ class MarkPage(QtWidgets.QWidget):
         self._later.start(80)
 
     def refresh(self) -> None:
-        objects = self.chosen() if App.ActiveDocument is not None else []
-        labels = ", ".join(o.Label for o in objects[:6]) + (" …" if len(objects) > 6 else "")
-        empty = "Nothing selected. Select walls, columns, doors or windows in the view."
-        self.selected.setText(say("Selected: {}", labels) if objects else say(empty))
+        try:
+            selection, refused = self.selection(), ""
+        except PluginError as e:
+            selection, refused = [], str(e)
+        objects = self.chosen(selection)
+        self.selected.setText(refused or what_is_selected(selection, objects))
+        self._list_marked()
+        for label in self.left.values():
+            label.setText("")
         if not objects:
             return
         first = objects[0]
-        given = {c.kind: c for c in marks.clauses(first, 0.0)}
+        given, left = marks.bounds(first), {c.kind: c for c in marks.clauses(first, 0.0)}
         for kind, (tick, low, high) in self.rows.items():
             if marks.is_marked(first):
-                clause = given.get(kind)
-                low.setValue(clause.lower if clause else 0.0)
-                high.setValue(clause.upper if clause else 0.0)
-                tick.setChecked(clause is not None)
+                for box, value in zip((low, high), given.get(kind, (0.0, 0.0))):
+                    box.setValue(value)
+                tick.setChecked(kind in given)
+            if kind in left and marks.used(first, kind):
+                ends = (number(round(v, 1)) for v in (left[kind].lower, left[kind].upper))
+                self.left[kind].setText(say("left: {} to {}", *ends))
         if marks.is_marked(first):
             self.group.setText(marks.group(first))
             self.keep.setChecked(marks.keep(first))
+
+
+    def _list_marked(self) -> None:
+        """What is marked on the panel's storey, and what elsewhere."""
+        doc = App.listDocuments().get(self._panel.doc_name)
+        storey = self._panel.head.storey()
+        by_storey = document.marked(doc) if doc is not None else {}
+        here = [label for at, labels in by_storey.items() for label in labels if storey is None or at == storey]
+        away = document.marked_elsewhere(doc, storey) if doc is not None and storey is not None else []
+        lines = [say("Marked here: {}", shortened(here))] if here else []
+        lines += [say("On other storeys, not studied here: {}", shortened(away))] if away else []
+        self.listed.setText("\n".join(lines))
+
+
+def shortened(names) -> str:
+    return ", ".join(names[:LISTED_MAX]) + (" …" if len(names) > LISTED_MAX else "")
+
+
+def what_is_selected(selection, objects) -> str:
+    """Names what can be marked of a selection, or says what could."""
+    if objects:
+        return say("Selected: {}", shortened([o.Label for o in objects]))
+    if not selection:
+        return say("Nothing selected. Select walls, columns, doors or windows in the view.")
+    return say(
+        "{}: no wall, column, door or window, so it cannot move. A closed line can be a region: see below.",
+        shortened([f"'{o.Label}'" for o in selection]),
+    )
 
 
 def is_closed(obj) -> bool:

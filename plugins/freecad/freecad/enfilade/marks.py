@@ -1,7 +1,7 @@
 """Marks of the user's on objects: properties in the group "Enfilade", shown in the property editor."""
 
 import uuid
-from typing import Dict, List
+from typing import Dict, List, Tuple
 
 from enfilade_common.model import Clause
 
@@ -22,15 +22,35 @@ def _value(obj, name: str) -> float:
     return float(getattr(value, "Value", value))
 
 
+def bounds(obj) -> Dict[str, Tuple[float, float]]:
+    """Least and most of every move that an object was allowed, by kind, from where it stood then."""
+    given = {kind: (_value(obj, stem + "Min"), _value(obj, stem + "Max")) for kind, stem, _, _ in MOVES}
+    return {k: (min(low, 0.0), max(high, 0.0)) for k, (low, high) in given.items() if low or high}
+
+
+def used(obj, kind: str) -> float:
+    """How far accepted options have taken an object since it was allowed to move so."""
+    return _value(obj, next(stem for k, stem, _, _ in MOVES if k == kind) + "Used")
+
+
 def clauses(obj, heading_deg: float) -> List[Clause]:
-    """Allowed moves of an object, in the order of :data:`MOVES`. ``heading_deg`` is the axis' direction."""
+    """What remains of the allowed moves of an object, in the order of :data:`MOVES`. ``heading_deg`` is the axis'
+    direction; along it means along the axis as it lay when the move was allowed."""
     out = []
-    for kind, stem, _, _ in MOVES:
-        lower, upper = _value(obj, stem + "Min"), _value(obj, stem + "Max")
-        if lower or upper:
-            lower, upper = min(lower, 0.0), max(upper, 0.0)
-            out.append(Clause(kind, lower, upper, heading_deg if kind == "along" else 0.0))
+    for kind, (least, most) in bounds(obj).items():
+        done = used(obj, kind)
+        along = heading_deg - used(obj, "rotate") if kind == "along" else 0.0
+        out.append(Clause(kind, min(least - done, 0.0), max(most - done, 0.0), along))
     return out
+
+
+def take(obj, by: Dict[str, float]) -> None:
+    """Takes an accepted way off what remains of the bounds. Inside a transaction."""
+    for kind, stem, type, words in MOVES:
+        if by.get(kind) and kind in bounds(obj):
+            _add(obj, type, stem + "Used", f"Enfilade: how far it has gone of what was allowed, {words}")
+            setattr(obj, stem + "Used", used(obj, kind) + by[kind])
+            obj.setEditorMode(stem + "Used", 1)
 
 
 def group(obj) -> str:
@@ -52,7 +72,7 @@ def region_pair(obj) -> str:
 
 
 def is_marked(obj) -> bool:
-    return bool(clauses(obj, 0.0)) or keep(obj) or bool(group(obj))
+    return bool(bounds(obj)) or keep(obj) or bool(group(obj))
 
 
 def ids(doc) -> Dict[str, str]:
@@ -102,6 +122,8 @@ def mark(obj, bounds: Dict[str, tuple], group_name: str = "", is_kept: bool = Fa
         for end, value in (("Min", lower), ("Max", upper)):
             _add(obj, type, stem + end, f"Enfilade: least and most {words}; 0 and 0 keep it from moving so")
             setattr(obj, stem + end, float(value))
+        if hasattr(obj, stem + "Used"):
+            setattr(obj, stem + "Used", 0.0)
     _add(obj, "App::PropertyString", "EnfiladeGroup", "Enfilade: objects with one group name move together")
     obj.EnfiladeGroup = group_name
     _add(obj, "App::PropertyBool", "EnfiladeKeep", "Enfilade: stays as it stands, whatever else may move")

@@ -2,15 +2,15 @@
 
 import os
 
+from .overlay import RAMP
 from .qt import QtCore, QtGui, QtWidgets
-from .wording import say
+from .wording import count, here, say
 
 MEASURES = (
     ("degree", "visibility"),
     ("mean-depth", "steps"),
     ("depth", "most steps"),
     ("entropy", "evenness"),
-    ("score", "score"),
 )
 #: What counts cells is shown as area, m².
 AREAS = ("degree",)
@@ -53,9 +53,14 @@ class OptionsPage(QtWidgets.QWidget):
         self.numbers.verticalHeader().setVisible(False)
         self.numbers.setFixedHeight(150)
         layout.addWidget(self.numbers)
-        layout.addWidget(_legend())
+        self.legend = QtWidgets.QLabel()
+        self.legend.setObjectName("EnfiladeLegend")
+        self.legend.setTextFormat(QtCore.Qt.RichText)
+        layout.addWidget(self.legend)
         layout.addLayout(self._buttons())
+        layout.addWidget(self._notes())
         layout.addStretch(1)
+        self.clear()
 
     def _choices(self):
         row = QtWidgets.QHBoxLayout()
@@ -77,7 +82,6 @@ class OptionsPage(QtWidgets.QWidget):
         row = QtWidgets.QHBoxLayout()
         self.buttons = []
         for name, title, action in (
-            ("EnfiladeAccept", "Accept", self._panel.accept),
             ("EnfiladeReport", "Open report", self._open_report),
             ("EnfiladeImport", "Import as document", self._import),
         ):
@@ -89,21 +93,80 @@ class OptionsPage(QtWidgets.QWidget):
             self.buttons.append(button)
         return row
 
+    def _notes(self):
+        """Warnings, and below them what else there is to know, folded."""
+        box = QtWidgets.QWidget()
+        column = QtWidgets.QVBoxLayout(box)
+        column.setContentsMargins(0, 0, 0, 0)
+        self.warnings, self.infos = QtWidgets.QLabel(), QtWidgets.QLabel()
+        self.fold = QtWidgets.QToolButton()
+        self.fold.setObjectName("EnfiladeFold")
+        self.fold.setCheckable(True)
+        self.fold.setAutoRaise(True)
+        self.fold.setToolButtonStyle(QtCore.Qt.ToolButtonTextBesideIcon)
+        self.fold.toggled.connect(self._unfold)
+        for label, name in ((self.warnings, "EnfiladeWarnings"), (self.infos, "EnfiladeInfos")):
+            label.setObjectName(name)
+            label.setWordWrap(True)
+            label.setTextInteractionFlags(QtCore.Qt.TextSelectableByMouse)
+        for widget in (self.warnings, self.fold, self.infos):
+            column.addWidget(widget)
+        return box
+
+    def _unfold(self, is_open: bool) -> None:
+        self.fold.setArrowType(QtCore.Qt.DownArrow if is_open else QtCore.Qt.RightArrow)
+        self.infos.setVisible(is_open)
+
+    def _show_notes(self, notes) -> None:
+        warnings, infos = ([n.text for n in notes if n.is_warning is wanted] for wanted in (True, False))
+        self.warnings.setText("\n".join("⚠ " + text for text in warnings))
+        self.warnings.setVisible(bool(warnings))
+        self.infos.setText("\n".join("• " + text for text in infos))
+        self.fold.setText(count(len(infos), "{} note", "{} notes"))
+        self.fold.setVisible(bool(infos))
+        self.fold.setChecked(False)
+        self._unfold(False)
+
     def clear(self) -> None:
         self._round, self._shown = None, -1
         self.strip.clear()
         self.numbers.setRowCount(0)
         self.words.setText(say("Run the study to see options here."))
+        self.show_span("", (0.0, 0.0))
+        self._show_notes([])
+        self._panel.foot.offer(None)
         for button in self.buttons:
             button.setEnabled(False)
 
-    def show_round(self, found) -> None:
+    def layouts(self, found):
+        """What the strip shows of a round: nothing for the present layout, the options, the best where it is none."""
+        return [None, *found.options, *([found.best] if found.best else [])]
+
+    def measured(self, drawing: str) -> None:
+        """More cells are known: the colours may mean other values now."""
+        if self._round is not None:
+            self._show_again()
+
+    def show_span(self, measure: str, span) -> None:
+        """What the lines and colours of the view mean."""
+        name = measure.partition("@")[0]
+        area = self._round.spacing_m**2 if self._round is not None and name in AREAS else 1.0
+        unit = " m²" if name in AREAS else ""
+        least, most = (_number(v, area, unit) if measure else say(w) for v, w in zip(span, ("little", "much")))
+        ramp = "".join(f"<span style='background-color:{_hex(c)}'>&nbsp;&nbsp;</span>" for c in RAMP)
+        self.legend.setText(
+            f"<span style='color:#d90061'>━━</span> {say('new place')} &nbsp; ┅┅ {say('stands there now')} &nbsp; "
+            f"{least} {ramp} {most}"
+        )
+
+    def show_round(self, found, notes) -> None:
         """Fills the strip; pictures follow one at a time, so that the window stays awake."""
         self.clear()
         self._round = found
-        self._layouts = [None, *found.options, *([found.best] if found.best else [])]
+        self._layouts = self.layouts(found)
+        self._show_notes(notes)
         for option in self._layouts:
-            name = _name(option)
+            name = name_of(option)
             item = QtWidgets.QListWidgetItem(name if option is None or option.within_threshold else name + " *")
             item.setSizeHint(QtCore.QSize(THUMB_PX + 12, THUMB_PX + 28))
             self.strip.addItem(item)
@@ -134,8 +197,9 @@ class OptionsPage(QtWidgets.QWidget):
         return self.measure.itemData(self.measure.currentIndex()) or ""
 
     def _row_changed(self, _row) -> None:
-        for button in (self.buttons[0], self.buttons[2]):
-            button.setEnabled(self.chosen() is not None)
+        option = self.chosen()
+        self.buttons[1].setEnabled(option is not None)
+        self._panel.foot.offer(name_of(option) if option else None)
         self._show()
 
     def _show_again(self) -> None:
@@ -166,12 +230,12 @@ class OptionsPage(QtWidgets.QWidget):
             return
         self._shown = row
         option = self._option(row)
-        self.words.setText(option.words if option else say("Present"))
+        self.words.setText(here(option.words) if option else say("Present"))
         self._fill_numbers(option)
         self._panel.preview(option, self._measure(), self.ghosts.isChecked())
 
     def _fill_numbers(self, option) -> None:
-        heads = [say("Measure"), say("Now"), _name(option) if option else "", say("Change")]
+        heads = [say("Measure"), say("Now"), name_of(option) if option else "", say("Change")]
         self.numbers.setHorizontalHeaderLabels(heads)
         shown = [(m, say(w)) for m, w in MEASURES if m in self._round.initial]
         words_of = dict(MEASURES)
@@ -202,7 +266,7 @@ class OptionsPage(QtWidgets.QWidget):
             self._panel.bring(option.file)
 
 
-def _name(option) -> str:
+def name_of(option) -> str:
     """What the strip calls a layout; none is the present one."""
     if option is None:
         return say("Present")
@@ -217,18 +281,5 @@ def _change(now, then) -> str:
     return f"{100 * (then - now) / now:+.1f} %" if now and then is not None else ""
 
 
-def _legend():
-    """What the colours and lines of the view mean."""
-    ramp = "".join(f"<span style='background-color:{c}'>&nbsp;&nbsp;&nbsp;</span>" for c in RAMP)
-    text = (
-        f"<span style='color:#d90061'>━━</span> {say('new place')} &nbsp; ┅┅ {say('stands there now')} &nbsp; "
-        f"{say('little')} {ramp} {say('much')}"
-    )
-    label = QtWidgets.QLabel(text)
-    label.setObjectName("EnfiladeLegend")
-    label.setTextFormat(QtCore.Qt.RichText)
-    return label
-
-
-#: The program's colours from little to much.
-RAMP = ("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")
+def _hex(colour) -> str:
+    return "#" + "".join(f"{round(255 * c):02x}" for c in colour)

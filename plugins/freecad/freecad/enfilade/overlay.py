@@ -4,12 +4,13 @@ Everything hangs in one Coin node of the view; nothing can be picked, saved or u
 """
 
 import math
-from typing import List, Sequence, Tuple
+from typing import List, Tuple
 
 from pivy import coin
 
 from enfilade_common.moves import heading
 from enfilade_common.plane import Point
+from enfilade_common.results import Cells
 
 from . import document, marks
 
@@ -18,6 +19,12 @@ MOVED = (0.85, 0.0, 0.38)
 BEFORE = (0.1, 0.1, 0.12)
 BEST = (0.0, 0.45, 0.85)
 REGION_COLOURS = {"query": (0.1, 0.3, 0.9), "reference": (0.1, 0.6, 0.2), "keep": (0.5, 0.5, 0.5)}
+
+#: The program's colours from little to much, evenly spread.
+RAMP = tuple(
+    tuple(int(c[i : i + 2], 16) / 255 for i in (0, 2, 4))
+    for c in ("440154", "482878", "3e4989", "31688e", "26828e", "1f9e89", "35b779", "6ece58", "b5de2b", "fde725")
+)
 
 #: Above the floor and above the walls, mm, so that nothing flickers.
 CLEAR_MM = 15.0
@@ -39,7 +46,7 @@ class Overlay:
         self._root.addChild(picking)
         self._root.addChild(light)
         self._parts = {}
-        for name in ("marks", "heat", "ghost"):
+        for name in ("marks", "heat", "ghost", "best"):
             self._parts[name] = coin.SoSeparator()
             self._root.addChild(self._parts[name])
         self._scene.addChild(self._root)
@@ -74,33 +81,49 @@ class Overlay:
         top = max((o.Shape.BoundBox.ZMax for o, _ in lines), default=0.0) + CLEAR_MM
         _add_lines(part, [line for _, many in lines for line in many], top, ORANGE, 3)
 
-    def show_heat(self, cells: Sequence[Tuple[Tuple[float, float, float], List[Point]]], z: float) -> None:
-        """Coloured areas just above the floor."""
+    def show_heat(self, cells: Cells, measure: str, span: Tuple[float, float], size: float, z: float) -> None:
+        """A coloured square for every cell, ``size`` mm wide, just above the floor."""
         part = self._parts["heat"]
         part.removeAllChildren()
-        if not cells:
-            return
+        half, values = size / 2, cells.values[measure]
         material = coin.SoMaterial()
-        material.diffuseColor.setValues(0, len(cells), [list(c) for c, _ in cells])
+        material.diffuseColor.setValues(0, len(values), [list(colour(v, span)) for v in values])
         material.transparency.setValue(0.1)
         binding = coin.SoMaterialBinding()
         binding.value = coin.SoMaterialBinding.PER_FACE
         coordinates = coin.SoCoordinate3()
-        points = [[x, y, z + CLEAR_MM] for _, corners in cells for x, y in corners]
+        corners = ((-half, -half), (half, -half), (half, half), (-half, half))
+        points = [[x + dx, y + dy, z + CLEAR_MM] for x, y in cells.places for dx, dy in corners]
         coordinates.point.setValues(0, len(points), points)
         faces = coin.SoFaceSet()
-        faces.numVertices.setValues(0, len(cells), [4] * len(cells))
+        faces.numVertices.setValues(0, len(values), [4] * len(values))
         hints = coin.SoShapeHints()
         hints.vertexOrdering = coin.SoShapeHints.UNKNOWN_ORDERING
         for node in (hints, material, binding, coordinates, faces):
             part.addChild(node)
 
-    def show_ghosts(self, before, after, z: float, colour=MOVED) -> None:
-        """Where walls stand now (dashed) and where they would stand."""
+    def show_ghosts(self, before: List[List[Point]], after: List[List[Point]], z: float, colour) -> None:
+        """Lines that stand there now and would go (dashed), and lines that would come."""
         part = self._parts["ghost"]
         part.removeAllChildren()
-        _add_lines(part, [r + r[:1] for r in before], z + CLEAR_MM, BEFORE, 2, 0xF0F0)
-        _add_lines(part, [r + r[:1] for r in after], z + 2 * CLEAR_MM, colour, 4)
+        _add_lines(part, before, z + CLEAR_MM, BEFORE, 2, 0xF0F0)
+        _add_lines(part, after, z + 2 * CLEAR_MM, colour, 4)
+
+    def show_best(self, lines: List[List[Point]], z: float, colour) -> None:
+        """Lines of the best layout so far."""
+        part = self._parts["best"]
+        part.removeAllChildren()
+        _add_lines(part, lines, z + 3 * CLEAR_MM, colour, 3)
+
+
+def colour(value: float, span: Tuple[float, float]) -> Tuple[float, float, float]:
+    """Red, green, blue of a value between the least and the most."""
+    low, high = span
+    at = (value - low) / (high - low) * (len(RAMP) - 1) if high > low else 0.0
+    i = max(0, min(int(at), len(RAMP) - 2))
+    share = max(0.0, min(at - i, 1.0))
+    a, b = RAMP[i], RAMP[i + 1]
+    return (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2]))
 
 
 def _add_lines(part, lines, z: float, colour, width: int, pattern: int = 0xFFFF) -> None:

@@ -1,6 +1,7 @@
 """The panel: mark, study, options. Every action reports in one line at its foot; nothing is modal."""
 
 import os
+from dataclasses import dataclass
 from typing import List, Optional
 
 import FreeCAD as App
@@ -11,50 +12,67 @@ from enfilade_common.model import PluginError
 from enfilade_common.moves import applied, why_nothing_moves
 
 from . import accept, document, importing, settings
+from .frame import Foot, Head
+from .heat import HeatMaps
 from .mark_page import MarkPage
 from .options_page import OptionsPage
 from .overlay import BEST, MOVED, Overlay
 from .qt import QtCore, QtWidgets
 from .runner import Runner
 from .study_page import StudyPage
-from .wording import say
+from .wording import count, note_here, say
 
 NAME = "EnfiladePanel"
 MARK, STUDY, OPTIONS = range(3)
 
 
+@dataclass
+class Running:
+    """A run that goes on: its job, what was noted when it was written, what stood there before, the program."""
+
+    job: job.Job
+    said: List[str]
+    before: List[str]
+    version: str
+
+
 class Panel(QtWidgets.QDockWidget):
-    """Dock with three pages; owns the run and what is drawn over the views."""
+    """Dock with three pages; owns the run and what is drawn over the views. It works on one document, whichever is
+    in front: FreeCAD brings another view to the front when the mouse goes from a view to the panel."""
 
     def __init__(self, parent):
         super().__init__(say("Enfilade"), parent)
         self.setObjectName(NAME)
         self.runner = Runner(self)
+        self.heat = HeatMaps(self)
+        #: Name of the document that the panel works on.
+        self.doc_name = ""
+        #: What is shown: a round, the job it belongs to, what was noted when that was written.
         self.job: Optional[job.Job] = None
         self.round: Optional[results.Round] = None
-        #: Name of the document that job and round belong to.
-        self.doc_name = ""
-        #: What was noted when the study was written.
         self._said: List[str] = []
+        self._running: Optional[Running] = None
         self._overlays = {}
+        self.head, self.foot = Head(self), Foot(self)
+        self.status = self.foot.status
         self.pages = QtWidgets.QTabWidget()
         self.mark = MarkPage(self)
         self.study = StudyPage(self)
         self.options = OptionsPage(self)
         for page, title in ((self.mark, "1 Mark"), (self.study, "2 Study"), (self.options, "3 Options")):
             self.pages.addTab(_scrolling(page), say(title))
-        self.status = QtWidgets.QLabel("")
-        self.status.setObjectName("EnfiladeStatus")
-        self.status.setWordWrap(True)
-        self.status.setTextInteractionFlags(QtCore.Qt.TextSelectableByMouse)
         body = QtWidgets.QWidget()
         layout = QtWidgets.QVBoxLayout(body)
-        layout.addWidget(self.pages)
-        layout.addWidget(self.status)
+        layout.addWidget(self.head)
+        layout.addWidget(self.pages, 1)
+        layout.addWidget(self.foot)
         self.setWidget(body)
         self.setMinimumWidth(380)
+        self.pages.currentChanged.connect(lambda _: self.refresh())
         self.runner.progressed.connect(self._on_progress)
         self.runner.ended.connect(self._on_end)
+        self.heat.measured.connect(self.options.measured)
+        self.heat.failed.connect(lambda words: self.tell(f"{self.status.text()} {words}"))
         self._watcher = Watcher(self)
         self._later = QtCore.QTimer(self)
         self._later.setSingleShot(True)
@@ -64,10 +82,38 @@ class Panel(QtWidgets.QDockWidget):
     # -- what every page uses
 
     def document(self):
-        doc = App.ActiveDocument
+        """The document that the panel works on; the one in front where it has none yet."""
+        doc = App.listDocuments().get(self.doc_name)
+        if doc is None and App.ActiveDocument is not None:
+            doc = App.ActiveDocument
+            self._bind(doc)
         if doc is None:
             raise PluginError(say("Open or create a document first."))
         return doc
+
+    def _bind(self, doc) -> None:
+        self.doc_name = doc.Name
+        self._show_nothing()
+
+    def switch(self) -> None:
+        """Works on the document in front from now on."""
+        self._refuse_running()
+        self._bind(App.ActiveDocument)
+        self.refresh()
+        self.tell(say("The panel works on '{}' now.", App.ActiveDocument.Label))
+
+    def bring_to_front(self, doc) -> None:
+        """What is worked on is what is seen."""
+        App.setActiveDocument(doc.Name)
+        for window in Gui.getMainWindow().findChildren(QtWidgets.QMdiSubWindow):
+            shown = window.widget().windowTitle() if window.widget() is not None else ""
+            if shown.split(" : ")[0] == doc.Label:
+                window.mdiArea().setActiveSubWindow(window)
+                return
+
+    def _refuse_running(self) -> None:
+        if self.runner.is_running():
+            raise PluginError(say("A study is running; stop it first."))
 
     def tell(self, text: str) -> None:
         self.status.setText(text)
@@ -87,14 +133,23 @@ class Panel(QtWidgets.QDockWidget):
         self._later.start(150)
 
     def refresh(self) -> None:
-        """Shows marks and pages as the active document has them."""
-        doc = App.ActiveDocument
+        """Shows marks and pages as the document has them."""
+        try:
+            doc = self.document()
+        except PluginError:
+            doc = None
+        self.head.refresh(doc)
         self.mark.refresh()
         self.study.refresh(doc)
         if doc is not None:
             overlay = self.overlay(doc)
             if overlay is not None:
                 overlay.show_marks(doc)
+
+    def enterEvent(self, event):
+        """Levels and regions may have been drawn since the mouse was last here."""
+        self.refresh_later()
+        super().enterEvent(event)
 
     def overlay(self, doc) -> Optional[Overlay]:
         """Our node in the document's view."""
@@ -111,12 +166,11 @@ class Panel(QtWidgets.QDockWidget):
         """A document is closed: nothing of ours may outlive it."""
         self._overlays.pop(doc_name, None)
         if doc_name == self.doc_name:
-            if self.runner.is_running():
-                self.runner.stop()
-            self.job = self.round = None
+            self.runner.stop()
             self.doc_name = ""
-            self.options.clear()
+            self._show_nothing()
             self.tell(say("The document was closed."))
+        self.refresh_later()
 
     # -- run
 
@@ -124,47 +178,45 @@ class Panel(QtWidgets.QDockWidget):
         self.attempt(self._run)
 
     def _run(self) -> None:
-        if self.runner.is_running():
-            raise PluginError(say("A study is running; stop it first."))
+        self._refuse_running()
         doc = self.document()
-        path = program.find(settings.program_path())
-        program.version(path)
-        wishes, storey = self.study.wishes(), self.study.storey()
-        study, reading = document.study(doc, wishes, storey, settings.lineage(doc))
-        self.clear_preview()
-        self.round = None
-        self.options.clear()
-        self.job = job.write(study, settings.job_folder(doc))
-        self.doc_name = doc.Name
-        settings.remember(doc, wishes, storey or "")
-        self.pages.setCurrentIndex(STUDY)
-        self.study.begin()
-        self._said = [*settings.folder_notice(doc), *reading.notes, *self.job.notes]
-        self.tell(" ".join([say("Starting …"), *self._said]))
-        self.runner.start(path, self.job.drawing)
+        path = self._program()
+        version = program.version(path)
+        made, said = self._written(doc)
+        settings.remember(doc, made.study.wishes, self.head.storey() or "")
+        self.bring_to_front(doc)
+        self._running = Running(made, said, results.round_folders(made.results_folder), version)
+        self.foot.begin()
+        where = say("'{}', storey '{}'", doc.Label, made.study.storey) if made.study.storey else f"'{doc.Label}'"
+        self.tell(" ".join([say("Starting {} …", where), *said]))
+        self.runner.start(path, made.drawing)
+
+    def _written(self, doc):
+        """The job of the document as it stands, and what is to be noted of it."""
+        study, reading = document.study(doc, self.study.wishes(), self.head.storey(), settings.lineage(doc))
+        made = job.write(study, settings.job_folder(doc))
+        return made, [*settings.folder_notice(doc), *reading.notes, *made.notes]
 
     def stop(self) -> None:
         if self.runner.is_running():
-            self.tell(say("Stopping …"))
-            self.runner.stop()
+            waits = self.runner.stop()
+            kept = say("Stopping: the best so far is being kept. Press Stop again to end at once.")
+            self.tell(kept if waits else say("Stopping …"))
 
     def export(self) -> None:
         """Writes the drawing and its side-car without running anything."""
 
         def write():
-            if self.runner.is_running():
-                raise PluginError(say("A study is running; stop it first."))
-            doc = self.document()
-            study, reading = document.study(doc, self.study.wishes(), self.study.storey(), settings.lineage(doc))
-            made = job.write(study, settings.job_folder(doc))
-            self.tell(" ".join([say("Written to {}", made.drawing), *settings.folder_notice(doc), *reading.notes, *made.notes]))
+            self._refuse_running()
+            made, said = self._written(self.document())
+            self.tell(" ".join([say("Written to {}", made.drawing), *said]))
 
         self.attempt(write)
 
     def _on_progress(self, progress) -> None:
-        self.study.progress(progress)
-        if progress.best_parameters and self.job is not None and self.job.plan is not None:
-            self._show_best(self.job.plan, progress.best_parameters)
+        self.foot.progress(progress)
+        if progress.best_parameters and self._running is not None:
+            self._show_best(self._running.job.plan, progress.best_parameters)
 
     def _show_best(self, plan, parameters) -> None:
         """The best layout so far, as the program's progress tells it."""
@@ -172,31 +224,62 @@ class Panel(QtWidgets.QDockWidget):
         overlay = self.overlay(doc) if doc is not None else None
         if overlay is None or len(parameters) != len(plan.tables):
             return
-        after = [ring for o, ring in zip(plan.outlines, applied(plan, parameters)) if ring != o.points]
-        overlay.show_ghosts([], after, self.top(doc), BEST)
+        pairs = zip(plan.outlines, applied(plan, parameters))
+        lines = [line for o, ring in pairs for line in results.moved_lines(o.points, ring)[1]]
+        overlay.show_best(lines, self.top(doc), BEST)
 
     def _on_end(self, code: int, words: str) -> None:
-        self.study.end()
-        if self.doc_name not in App.listDocuments():
+        self.foot.end()
+        running, self._running = self._running, None
+        if running is None or self.doc_name not in App.listDocuments():
             return
-        self.clear_preview()
-        if code not in (0, 1):
+        for _, overlay in self._overlays.values():
+            overlay.clear("best")
+        if code in (0, 1):
+            self.attempt(self._finish, running)
+        elif code == program.STOPPED:
+            self.attempt(self._stopped, running)
+        else:
             self.tell(words)
-            return
-        self.attempt(self._load, words)
 
-    def _load(self, words: str) -> None:
-        self.round = results.latest(self.job)
-        self.options.show_round(self.round)
-        if not self.round.options:
-            still = "; ".join(why_nothing_moves(self.job.study))
-            none = say("No better layout was found within what may move.")
-            self.tell(say("Nothing may move: {}. The present layout was measured.", still) if still else none)
+    def _finish(self, running: Running) -> None:
+        found = results.made_since(running.job, running.before, running.version)
+        self._load(running.job, found, running.said)
+
+    def _stopped(self, running: Running) -> None:
+        """What a stopped run had found is shown; where it had found nothing, what was shown stays."""
+        folder = self.runner.so_far
+        found = results.keep_so_far(running.job, folder) if folder else None
+        if found is not None and found.options:
+            self._load(running.job, found, running.said)
             return
+        stays = say("The options shown are those of the run before.") if self.round is not None else ""
+        self.tell(" ".join(w for w in (say("Stopped. Nothing better had been found yet."), stays) if w))
+
+    def _program(self) -> str:
+        return program.find(settings.program_path())
+
+    def _load(self, made: job.Job, found: results.Round, said: List[str]) -> None:
+        """Shows a round with its notes."""
+        self.clear_preview()
+        self.job, self.round, self._said = made, found, said
+        drawings = [option.file if option else self._drawing(None) for option in self.options.layouts(found)]
+        self.attempt(lambda: self.heat.begin(self._program(), found, drawings, made.study.wishes.level))
+        labels = made.labels()
+        notes = [results.Note("warning", "", n) for n in dict.fromkeys(said)]
+        notes += [note_here(n, labels) for n in found.notes]
+        notes.sort(key=lambda n: not n.is_warning)
+        self.options.show_round(found, notes)
         self.pages.setCurrentIndex(OPTIONS)
-        done = say("Done: {} options.", len(self.round.options))
-        notes = dict.fromkeys([*self._said, *self.job.notes])
-        self.tell(" ".join([done, words, *notes, *self.round.problems[:3]]).strip())
+        if not found.options:
+            still = "; ".join(why_nothing_moves(made.study))
+            none = say("No better layout was found within what may move.")
+            done = say("Nothing may move: {}. The present layout was measured.", still) if still else none
+        elif found.is_so_far:
+            done = count(len(found.options), "Stopped. Best so far: {} option.", "Stopped. Best so far: {} options.")
+        else:
+            done = count(len(found.options), "Done: {} option.", "Done: {} options.")
+        self.tell(done)
 
     # -- look
 
@@ -204,15 +287,12 @@ class Panel(QtWidgets.QDockWidget):
         """Options of the newest run of this document, read again where it was made outside."""
 
         def load():
-            if self.runner.is_running():
-                raise PluginError(say("A study is running; stop it first."))
+            self._refuse_running()
             doc = self.document()
-            try:
-                self._look(doc)
-            except PluginError:
-                if self.doc_name != doc.Name:
-                    self._show_nothing()
-                raise
+            there = job.read(settings.job_folder(doc))
+            newest = results.latest(there)
+            if self.round is None or self.round.folder != newest.folder or self.job.sha256 != there.sha256:
+                self._load(there, newest, there.notes)
             self.pages.setCurrentIndex(OPTIONS)
 
         self.attempt(load)
@@ -220,33 +300,27 @@ class Panel(QtWidgets.QDockWidget):
     def _show_nothing(self) -> None:
         """What is shown of one document must not pass for another's."""
         self.job = self.round = None
-        self.doc_name = ""
+        self.heat.stop()
         self.clear_preview()
         self.options.clear()
-
-    def _look(self, doc) -> None:
-        there = job.read(settings.job_folder(doc))
-        newest = results.latest(there)
-        shown = self.round
-        if shown is not None and self.doc_name == doc.Name and shown.folder == newest.folder:
-            if self.job is not None and self.job.sha256 == there.sha256:
-                return
-        self.job, self.doc_name, self._said = there, doc.Name, []
-        self.clear_preview()
-        self._load("")
 
     def bring(self, path: str) -> None:
         """Opens a candidate as a document of its own."""
 
         def opened():
             made = importing.as_document(path)
-            self.tell(say("Opened as the document '{}': {} objects.", made.Label, len(made.Objects)))
+            objects = count(len(made.Objects), "{} object", "{} objects")
+            self.tell(say("Opened as the document '{}': {}.", made.Label, objects))
 
         self.attempt(opened)
 
     def clear_preview(self) -> None:
         for _, overlay in self._overlays.values():
-            overlay.clear("heat", "ghost")
+            overlay.clear("heat", "ghost", "best")
+
+    def _drawing(self, option: Optional[results.Option]) -> str:
+        """The file of an option, or of the present layout."""
+        return option.file if option else os.path.join(self.round.folder, "initial.dxf")
 
     def top(self, doc) -> float:
         return max((o.Shape.BoundBox.ZMax for o in self._walls(doc)), default=0.0)
@@ -255,7 +329,8 @@ class Panel(QtWidgets.QDockWidget):
         return min((o.Shape.BoundBox.ZMin for o in self._walls(doc)), default=0.0)
 
     def _walls(self, doc):
-        names = {w.name for w in self.job.study.walls}
+        made = self._running.job if self._running is not None else self.job
+        names = {w.name for w in made.study.walls}
         return [o for o in doc.Objects if o.Name in names and hasattr(o, "Shape") and not o.Shape.isNull()]
 
     def preview(self, option: Optional[results.Option], measure: str, with_ghosts: bool) -> None:
@@ -265,16 +340,13 @@ class Panel(QtWidgets.QDockWidget):
         if overlay is None or self.round is None:
             return
         overlay.clear("heat", "ghost")
-        drawing = option.file if option else os.path.join(self.round.folder, "initial.dxf")
-        if measure:
-            try:
-                overlay.show_heat(results.heat_cells(drawing, measure), self.floor(doc))
-            except (OSError, ValueError, KeyError) as e:
-                self.tell(f"{drawing}: {e}")
+        cells = self.heat.of(self._drawing(option)) if measure else None
+        if cells is not None:
+            span = self.heat.span(measure)
+            overlay.show_heat(cells, measure, span, self.round.spacing_m * 1000.0, self.floor(doc))
+            self.options.show_span(measure, span)
         if option is not None and with_ghosts:
-            after = results.outlines_after(self.job, option)
-            before = [o.points for o in self.job.outlines if o.host_id in after]
-            overlay.show_ghosts(before, list(after.values()), self.top(doc), MOVED)
+            overlay.show_ghosts(*results.ghosts(self.job, option), self.top(doc), MOVED)
 
     # -- accept
 
@@ -282,6 +354,7 @@ class Panel(QtWidgets.QDockWidget):
         self.attempt(self._accept)
 
     def _accept(self) -> None:
+        self._refuse_running()
         option = self.options.chosen()
         if self.round is None or option is None:
             raise PluginError(say("Choose an option first."))
@@ -294,7 +367,10 @@ class Panel(QtWidgets.QDockWidget):
         moved = list(dict.fromkeys(accept.accept(doc, self.job, self.round, option, remember)))
         self.clear_preview()
         self.refresh()
-        done = say("Accepted option {}: {} moved. Undo takes all of it back.", option.number or "best", ", ".join(moved))
+        names = ", ".join(moved)
+        done = say("Accepted option {}: {} moved. Undo takes all of it back.", option.number, names)
+        if not option.number:
+            done = say("Accepted the best found: {} moved. Undo takes all of it back.", names)
         there = say("This was in the document '{}', which is not the one in front.", doc.Label)
         is_in_front = App.ActiveDocument is not None and App.ActiveDocument.Name == doc.Name
         self.tell(" ".join(w for w in (done, "" if is_in_front else there, around) if w))
@@ -302,6 +378,7 @@ class Panel(QtWidgets.QDockWidget):
     def shut(self) -> None:
         """Takes everything of ours away."""
         self.runner.stop()
+        self.heat.stop()
         self._watcher.stop()
         for _, overlay in self._overlays.values():
             overlay.remove()
@@ -335,6 +412,9 @@ class Watcher:
         self._panel.refresh_later()
 
     def slotRedoDocument(self, doc):
+        self._panel.refresh_later()
+
+    def slotRelabelDocument(self, doc):
         self._panel.refresh_later()
 
     def slotActivateDocument(self, doc):

@@ -30,13 +30,28 @@ class Runner(QtCore.QObject):
         self._process.setStandardInputFile(QtCore.QProcess.nullDevice())
         process = self._process
         process.started.connect(lambda: program.give_way(int(process.processId())))
-        process.start(path, program.arguments(drawing))
+        process.start(path, program.arguments(drawing, keeps_best=True))
 
-    def stop(self) -> None:
-        """Asks the program to stop; kills it if it does not."""
+    @property
+    def so_far(self) -> str:
+        """Folder of the best so far of this run; empty before it was written."""
+        return self._listener.so_far if self._listener is not None else ""
+
+    def stop(self) -> bool:
+        """Asks the program to stop; kills it if it does not. Where something was measured and nothing kept yet,
+        waits for that first, and says so; asked again, it does not."""
         if self._process is None:
+            return False
+        waits = not self._is_stopped and bool(self._listener.evaluations) and not self.so_far
+        self._is_stopped = True
+        if not waits:
+            self._interrupt()
+        return waits
+
+    def _interrupt(self) -> None:
+        process = self._process
+        if not process.processId():
             return
-        process, self._is_stopped = self._process, True
         try:
             program.interrupt(int(process.processId()))
         except (OSError, ValueError):
@@ -52,6 +67,8 @@ class Runner(QtCore.QObject):
             return
         for progress in self._listener.feed(bytes(self._process.readAllStandardError())):
             self.progressed.emit(progress)
+            if self._is_stopped and progress.stage == program.SO_FAR:
+                self._interrupt()
 
     def _finished(self, code, status=None) -> None:
         if self._process is None:

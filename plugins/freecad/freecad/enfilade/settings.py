@@ -3,7 +3,7 @@
 import json
 import os
 from dataclasses import asdict
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Optional
 
 import FreeCAD as App
 
@@ -51,8 +51,10 @@ def _is_sound(found: Wishes) -> bool:
     return bool(found.objectives) and objectives and whole and budget and spacing
 
 
-def storey(doc) -> str:
-    return str(getattr(_study_object(doc), "EnfiladeStorey", "") or "")
+def storey(doc) -> Optional[str]:
+    """The storey last studied; nothing where none was."""
+    obj = _study_object(doc)
+    return None if obj is None else str(obj.EnfiladeStorey)
 
 
 def lineage(doc) -> List[Dict[str, Any]]:

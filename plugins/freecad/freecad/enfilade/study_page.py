@@ -1,9 +1,6 @@
-"""Page 2: what should get better, how long to search, the run itself."""
+"""Page 2: what should get better, how long to search."""
 
 from dataclasses import replace
-from typing import Optional
-
-import FreeCAD as App
 
 from enfilade_common.model import Objective, Wishes, default_objectives
 
@@ -52,7 +49,7 @@ class Wish(QtWidgets.QWidget):
 
 
 class StudyPage(QtWidgets.QWidget):
-    """Wishes and the run."""
+    """Wishes, and how to search."""
 
     def __init__(self, panel):
         super().__init__()
@@ -65,14 +62,6 @@ class StudyPage(QtWidgets.QWidget):
         self._list = QtWidgets.QVBoxLayout()
         layout.addLayout(self._list)
         layout.addLayout(self._form())
-        layout.addLayout(self._buttons())
-        self.bar = QtWidgets.QProgressBar()
-        self.bar.setObjectName("EnfiladeProgress")
-        self.bar.setVisible(False)
-        layout.addWidget(self.bar)
-        self.stage = QtWidgets.QLabel()
-        self.stage.setWordWrap(True)
-        layout.addWidget(self.stage)
         layout.addStretch(1)
         self._fill(Wishes())
 
@@ -92,7 +81,6 @@ class StudyPage(QtWidgets.QWidget):
         self.spacing.setSingleStep(0.1)
         self.spacing.setSuffix(" m")
         self.spacing.setSpecialValueText(say("automatic"))
-        self.storeys = QtWidgets.QComboBox()
         self.program = QtWidgets.QLineEdit(settings.program_path())
         self.program.setObjectName("EnfiladeProgram")
         self.program.setPlaceholderText(say("found by itself"))
@@ -103,25 +91,11 @@ class StudyPage(QtWidgets.QWidget):
             ("Layouts to measure", "EnfiladeEvaluations", self.evaluations),
             ("Sight lines", "EnfiladeLevel", self.level),
             ("Cell size", "EnfiladeSpacing", self.spacing),
-            ("Storey", "EnfiladeStorey", self.storeys),
             ("Program", "EnfiladeProgram", self.program),
         ):
             widget.setObjectName(name)
             form.addRow(say(title), widget)
         return form
-
-    def _buttons(self):
-        row = QtWidgets.QHBoxLayout()
-        self.run = QtWidgets.QPushButton(say("Run"))
-        self.run.setObjectName("EnfiladeRun")
-        self.run.clicked.connect(lambda _=False: self._panel.run())
-        self.stop = QtWidgets.QPushButton(say("Stop"))
-        self.stop.setObjectName("EnfiladeStop")
-        self.stop.setEnabled(False)
-        self.stop.clicked.connect(lambda _=False: self._panel.stop())
-        row.addWidget(self.run)
-        row.addWidget(self.stop)
-        return row
 
     def _fill(self, wishes: Wishes) -> None:
         while self._list.count():
@@ -180,58 +154,12 @@ class StudyPage(QtWidgets.QWidget):
             level=self.level.itemData(self.level.currentIndex()),
         )
 
-    def storey(self) -> Optional[str]:
-        """Label of the chosen storey; empty for walls outside any level, nothing where there is no choice."""
-        return self.storeys.itemData(self.storeys.currentIndex()) if self.storeys.count() > 1 else None
-
     def refresh(self, doc) -> None:
-        """Fills in what the active document remembers, once for each document, and its storeys."""
+        """Fills in what the panel's document remembers, once for each document."""
         key = doc.Name if doc is not None else None
         is_new = key != self._shown_for
         self._shown_for = key
         if is_new and doc is not None:
             self._fill(settings.wishes(doc))
-        if not (is_new or self.isVisible()):
-            return
-        self._list_pairs(document.pairs(doc) if doc is not None else [])
-        self._list_storeys(doc, settings.storey(doc) if is_new and doc is not None else self.storey())
-
-    def _list_storeys(self, doc, chosen: Optional[str]) -> None:
-        labels = document.storeys(doc) if doc is not None else []
-        if labels != [self.storeys.itemData(i) for i in range(self.storeys.count())]:
-            self.storeys.clear()
-            for label in labels:
-                self.storeys.addItem(label or say("outside any level"), label)
-        if chosen in labels:
-            self.storeys.setCurrentIndex(labels.index(chosen))
-
-    def showEvent(self, event):
-        """Levels may have been drawn since the page was last seen."""
-        self.refresh(App.ActiveDocument)
-        super().showEvent(event)
-
-    def enterEvent(self, event):
-        self.refresh(App.ActiveDocument)
-        super().enterEvent(event)
-
-    def begin(self) -> None:
-        self.bar.setRange(0, 0)
-        self.bar.setVisible(True)
-        self.run.setEnabled(False)
-        self.stop.setEnabled(True)
-
-    def progress(self, progress) -> None:
-        self.bar.setRange(0, progress.total or 0)
-        self.bar.setValue(progress.done)
-        words = [progress.stage, say("{} layouts measured", progress.evaluations)]
-        if progress.best is not None:
-            words.append(say("best so far {}", f"{progress.best:.4g}"))
-        if progress.eta_secs is not None:
-            words.append(say("about {} s left", f"{progress.eta_secs:.0f}"))
-        self.stage.setText(" · ".join(words))
-
-    def end(self) -> None:
-        self.bar.setVisible(False)
-        self.run.setEnabled(True)
-        self.stop.setEnabled(False)
-        self.stage.setText("")
+        if is_new or self.isVisible():
+            self._list_pairs(document.pairs(doc) if doc is not None else [])

@@ -1,6 +1,10 @@
 """What the workbench says, in English and German: English sentences are the keys."""
 
+import re
+
 import FreeCAD as App
+
+from enfilade_common.results import Note
 
 GERMAN = {
     "Enfilade": "Enfilade",
@@ -35,7 +39,6 @@ GERMAN = {
     "Farther corners (most steps)": "Fernere Ecken (meiste Schritte)",
     "Opens up evenly (evenness)": "Öffnet sich gleichmäßig (Gleichmaß)",
     "Opens up unevenly (evenness)": "Öffnet sich ungleichmäßig (Gleichmaß)",
-    "All together (score)": "Alles zusammen (Wertung)",
     "share of the possible gain that every option keeps": "Anteil des möglichen Gewinns, den jede Variante behält",
     "Options": "Varianten",
     "Seed": "Startzahl",
@@ -59,7 +62,6 @@ GERMAN = {
     "steps": "Schritte",
     "most steps": "meiste Schritte",
     "evenness": "Gleichmaß",
-    "score": "Wertung",
     "Ghost walls": "Geisterwände",
     "new place": "neuer Ort",
     "stands there now": "steht jetzt dort",
@@ -68,8 +70,6 @@ GERMAN = {
     "Accept": "Übernehmen",
     "Open report": "Bericht öffnen",
     "Import as document": "Als Dokument importieren",
-    "Accepted option {}: {} moved. Undo takes all of it back.": "Variante {} übernommen: {} bewegt. Rückgängig nimmt alles zurück.",
-    "Done: {} options.": "Fertig: {} Varianten.",
     "Nothing may move: {}. The present layout was measured.": "Nichts darf sich bewegen: {}. Der Bestand wurde gemessen.",
     "No better layout was found within what may move.": "Im Rahmen des Erlaubten wurde kein besserer Grundriss gefunden.",
     "This was in the document '{}', which is not the one in front.": "Das war im Dokument '{}', das nicht das vordere ist.",
@@ -78,14 +78,12 @@ GERMAN = {
     "Doors and windows only slide along the wall; {} was not marked.": "Türen und Fenster gleiten nur entlang der Wand; {} wurde nicht markiert.",
     "Marked, but they stay: {}": "Markiert, aber sie bleiben: {}",
     "Marks removed: {}": "Markierung entfernt: {}",
-    "Opened as the document '{}': {} objects.": "Geöffnet als Dokument '{}': {} Objekte.",
     "best so far {}": "bisher bester Wert {}",
-    "{} layouts measured": "{} Grundrisse gemessen",
     "about {} s left": "noch etwa {} s",
+    "about {} min left": "noch etwa {} min",
     "A study is running; stop it first.": "Eine Studie läuft; halten Sie sie zuerst an.",
     "Open or create a document first.": "Öffnen oder erstellen Sie zuerst ein Dokument.",
     "Stopping …": "Wird angehalten …",
-    "Starting …": "Startet …",
     "Tick how it may move, name its group, or tick that it must stay.": "Kreuzen Sie an, wie es sich bewegen darf, nennen Sie eine Gruppe, oder kreuzen Sie an, dass es bleiben muss.",
     "Marked: {}": "Markiert: {}",
     "Draw a closed line now; it becomes the region.": "Zeichnen Sie jetzt eine geschlossene Linie; sie wird zum Bereich.",
@@ -101,6 +99,36 @@ GERMAN = {
     "Export for the watched folder": "In den überwachten Ordner exportieren",
     "Drawings": "Zeichnungen",
     "Written to {}": "Geschrieben nach {}",
+    "Document": "Dokument",
+    "none": "keins",
+    "Switch to '{}'": "Zu '{}' wechseln",
+    "The panel works on '{}' now.": "Die Leiste arbeitet jetzt an '{}'.",
+    "'{}' is in the document '{}', but the panel works on '{}'. Nothing was done: select there, or press \"Switch\" above.": "'{}' liegt im Dokument '{}', die Leiste arbeitet aber an '{}'. Nichts wurde getan: Wählen Sie dort aus, oder drücken Sie oben \"wechseln\".",
+    "{} on another storey: the panel works on '{}'. Nothing was done: choose the storey above.": "{} auf einem anderen Geschoss: Die Leiste arbeitet an '{}'. Nichts wurde getan: Wählen Sie das Geschoss oben.",
+    "{}: no wall, column, door or window, so it cannot move. A closed line can be a region: see below.": "{}: keine Wand, Stütze, Tür oder Fenster, kann sich also nicht bewegen. Eine geschlossene Linie kann ein Bereich sein: siehe unten.",
+    "Marked here: {}": "Hier markiert: {}",
+    "On other storeys, not studied here: {}": "Auf anderen Geschossen, hier nicht untersucht: {}",
+    "left: {} to {}": "noch: {} bis {}",
+    "Press Allow to begin anew from here.": "\"Erlauben\" beginnt von hier aus neu.",
+    "'{}', storey '{}'": "'{}', Geschoss '{}'",
+    "Starting {} …": "Startet: {} …",
+    "Stopping: the best so far is being kept. Press Stop again to end at once.": "Wird angehalten: Das Beste bisher wird noch gesichert. Nochmals Anhalten beendet sofort.",
+    "Stopped. Nothing better had been found yet.": "Angehalten. Noch war nichts Besseres gefunden.",
+    "The options shown are those of the run before.": "Gezeigt werden die Varianten des Laufs davor.",
+    "Stopped. Best so far: {} option.": "Angehalten. Das Beste bisher: {} Variante.",
+    "Stopped. Best so far: {} options.": "Angehalten. Das Beste bisher: {} Varianten.",
+    "Done: {} option.": "Fertig: {} Variante.",
+    "Done: {} options.": "Fertig: {} Varianten.",
+    "{} layout measured": "{} Grundriss gemessen",
+    "{} layouts measured": "{} Grundrisse gemessen",
+    "{} object": "{} Objekt",
+    "{} objects": "{} Objekte",
+    "{} note": "{} Hinweis",
+    "{} notes": "{} Hinweise",
+    "Opened as the document '{}': {}.": "Geöffnet als Dokument '{}': {}.",
+    "Accept: {}": "Übernehmen: {}",
+    "Accepted option {}: {} moved. Undo takes all of it back.": "Variante {} übernommen: {} bewegt. Rückgängig nimmt alles zurück.",
+    "Accepted the best found: {} moved. Undo takes all of it back.": "Beste gefundene übernommen: {} bewegt. Rückgängig nimmt alles zurück.",
     "Measure": "Maß",
     "Now": "Jetzt",
     "Change": "Änderung",
@@ -116,3 +144,46 @@ def is_german() -> bool:
 def say(text: str, *values) -> str:
     """A sentence in the language of the program, with its values."""
     return (GERMAN.get(text, text) if is_german() else text).format(*values)
+
+
+def count(n: int, one: str, many: str) -> str:
+    """A sentence about ``n`` things."""
+    return say(one if n == 1 else many, n)
+
+
+#: What the program says of its files and its command line, and what it is called here.
+HERE = (
+    (r"^unit: mm\b.*", "Unit: mm, as in the document."),
+    (r"\bspacing (\S+ m): (\d+) vertices", r"Cell size \1: \2 cells"),
+    (r"\bvertices\b", "cells"),
+    (r"; --spacing overrides it", "; 'Cell size' on page 2 overrides it"),
+    (r"--spacing", "'Cell size'"),
+    (r"EF-QUERY or --seed-point says", "regions on page 1 say"),
+    (r"EF-MOVE boxes round more walls, or wider bounds in them,", "marks on more walls, or wider bounds,"),
+    (r"EF-MOVE boxes round more walls( or wider bounds in them)?", r"marks on more walls\1"),
+    (r"bounds in (EF-MOVE boxes|them)", "bounds"),
+    (r"EF-MOVE boxes", "marks"),
+    (r"EF-MOVE", "'Allow'"),
+    (r"EF-KEEP", "'Must stay'"),
+    (r"EF-QUERY", "'People are here'"),
+    (r"EF-REFERENCE", "'They look at this'"),
+    (r"more --evaluations", "more 'Layouts to measure'"),
+    (r"`--thresholds firm` keeps them", "Set a slider on page 2 to keep them"),
+    (r" \(layer A-[A-Z]+\)", ""),
+)
+
+
+def here(text: str) -> str:
+    """What the program says, in the words of this window."""
+    for pattern, words in HERE:
+        text = re.sub(pattern, words, text)
+    return text
+
+
+def note_here(note: Note, labels) -> Note:
+    """A note of the program in the words of this window: its place as the object's label, its text."""
+    text = here(note.text)
+    handle = re.search(r"(\S+) layer ", note.place)
+    label = labels.get(handle.group(1), "") if handle else ""
+    text = f"'{label}': {text}" if label else text[:1].upper() + text[1:]
+    return Note(note.severity, label, text if text.endswith(".") else text + ".")
