@@ -26,13 +26,6 @@ class SystemException(Exception):
     pass
 
 
-class Array:
-    """``Array[Byte](b"…")``."""
-
-    def __class_getitem__(cls, kind):
-        return list
-
-
 class List:
     """``List[ElementId]()``; holds nothing else, and a Python list is none."""
 

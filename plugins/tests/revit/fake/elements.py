@@ -11,6 +11,7 @@ from .failures import (
     InvalidOperationException,
     PlanViewPlane,
     ViewType,
+    StorageType,
     WallKind,
 )
 from .geometry import Arc, BoundingBoxXYZ, CurveLoop, GeometryElement, GeometryInstance, Line, PlanarFace, Solid, XYZ
@@ -63,6 +64,11 @@ class Parameter:
     @property
     def HasValue(self):
         return self._value is not None
+
+    @property
+    def StorageType(self):
+        kinds = {bool: StorageType.Integer, float: StorageType.Double, str: StorageType.String}
+        return kinds.get(type(self._value), StorageType.ElementId)
 
     def AsString(self):
         return self._value if isinstance(self._value, str) else None
@@ -353,6 +359,9 @@ class Wall(HostObject):
     def IsStackedWallMember(self):
         return self._live()["member_of"] is not None
 
+    def GetStackedWallMemberIds(self):
+        return [e.Id for e in self._document._elements.values() if e._s.get("member_of") == self._id]
+
     @property
     def Location(self):
         return LocationCurve(self)
@@ -508,7 +517,7 @@ class FamilyInstance(Instance):
             return GeometryElement([])
         ring, foot = (self._placed(s[k]) for k in ("ring", "foot"))
         holes = [self._placed(s["hole"])] if s["hole"] else []
-        return GeometryElement([GeometryInstance([prism([foot], s["z"], 0.1), prism([ring], s["z"], s["height"], holes)])])
+        return GeometryElement([GeometryInstance([prism([foot], s["z"], 0.1), prism([ring], s["z"] + 0.1, s["height"] - 0.1, holes)])])
 
     def _placed(self, ring):
         c, s, (x, y) = math.cos(self._s["angle"]), math.sin(self._s["angle"]), self._s["point"]

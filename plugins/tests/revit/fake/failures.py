@@ -111,6 +111,13 @@ class WallKind(enum.Enum):
     Unknown = -1
 
 
+class StorageType(enum.Enum):
+    Integer = 1
+    Double = 2
+    String = 3
+    ElementId = 4
+
+
 class ElementOnPhaseStatus(enum.Enum):
     Past = 1
     Existing = 2

@@ -1,100 +1,172 @@
 """Applying an option: the model's own walls, columns, doors and windows, as one entry of the undo list."""
 
-import math
-from typing import Dict, List, Tuple
+from dataclasses import dataclass, field
+from typing import Dict, List, Optional, Tuple
 
 from enfilade_common import results
 from enfilade_common.job import Job
-from enfilade_common.model import Column, Movable, PluginError, Wall
-from enfilade_common.plane import distance, fit_rigid
+from enfilade_common.model import PluginError
+from enfilade_common.plane import Rigid, STILL, centroid, direction, distance, dot, fit_rigid, left_of, minus
 
 from . import reading
-from .data import Point
+from .data import Point, RevitColumn, RevitInsert, RevitWall
 
 #: Moves below this are none, mm.
 NOTHING_MM = 0.01
 
+#: So often walls are put right; each time their neighbours may follow.
+ROUNDS = 3
+
+
+@dataclass
+class Target:
+    """Where an element is to stand. ``motion`` where it moves as a whole; ``ends`` of its location line."""
+
+    motion: Optional[Rigid] = None
+    ends: List[Point] = field(default_factory=list)
+    #: Places of the doors and windows of the wall.
+    inserts: Dict[int, Point] = field(default_factory=dict)
+
 
 def apply(host, job: Job, option: results.Option) -> List[str]:
     """Moves the model to an option of a job that we wrote; gives the labels of what moved."""
-    changes = results.layout(job, option)
+    changes = {c.id: c for c in results.layout(job, option)}
     if not changes:
         raise PluginError("This option leaves everything as it is.")
-    present, _ = reading.study(host, job.study.wishes)
-    edited = results.edited_since(job, list(present.movables()), changes)
+    host.bind(job.study.document)
+    walls = host.walls([int(w.id) for w in job.study.walls])
+    columns = host.columns([int(c.id) for c in job.study.columns])
+    present = [e for kind in reading.movables(walls, columns, []) for e in kind]
+    edited = results.edited_since(job, present, list(changes.values()))
     if edited:
         raise PluginError(
             "The model was changed since the study: " + ", ".join(edited) + ". Nothing was moved; export again."
         )
-    _refuse_locked(present, changes)
-    with host.transaction_group(f"Enfilade: option {option.number}"):
+    targets: Dict[int, Target] = {}
+    for found in [*walls, *columns]:
+        change = changes.get(str(found.element_id))
+        if change is not None:
+            targets[found.element_id] = _target(found, change)
+    _refuse_fixed(walls, columns, targets)
+    _carry_out(host, f"Enfilade: option {option.number}", walls, columns, targets)
+    return [e.label for e in present if e.id in changes]
+
+
+def _target(found, change: results.Change) -> Target:
+    target = Target(change.motion)
+    if not isinstance(found, RevitWall):
+        return target
+    target.ends = list(change.axis_after) if found.axis else _moved(change.motion or STILL, found.ends)
+    for insert in found.inserts:
+        motion = change.openings.get(str(insert.element_id), change.motion)
+        if insert.centre is not None and motion is not None:
+            target.inserts[insert.element_id] = motion(insert.centre)
+    return target
+
+
+def _moved(motion: Rigid, points: List[Point]) -> List[Point]:
+    return [motion(p) for p in points]
+
+
+def _refuse_fixed(walls: List[RevitWall], columns: List[RevitColumn], targets: Dict[int, Target]) -> None:
+    fixed = [(e.label, e.fixed) for e in [*walls, *columns] if e.element_id in targets]
+    for wall in walls:
+        places = targets[wall.element_id].inserts if wall.element_id in targets else {}
+        fixed += [(i.label, i.fixed) for i in wall.inserts if _is_off(i.centre, places.get(i.element_id), NOTHING_MM)]
+    said = [f"'{label}': {why}" for label, why in fixed if why]
+    if said:
+        raise PluginError("The option moves what cannot be moved: " + "; ".join(said) + ". Nothing was changed.")
+
+
+def _is_off(here: Optional[Point], there: Optional[Point], by: float) -> bool:
+    return here is not None and there is not None and distance(here, there) > by
+
+
+def _carry_out(
+    host, name: str, walls: List[RevitWall], columns: List[RevitColumn], targets: Dict[int, Target]
+) -> None:
+    """Moves elements and reads them again; all is rolled back unless everything stands where it should.
+
+    ``walls`` are all walls of the plan: those without a target are to stay, whatever Revit takes along.
+    """
+    wanted = {w.element_id: targets.get(w.element_id) or _staying(w) for w in walls}
+    with host.transaction_group(name):
         with host.transaction("Enfilade: walls and columns"):
-            for change in changes:
-                _move(host, _exported(job, change.id), change)
-        with host.transaction("Enfilade: doors and windows"):
-            _move_openings(host, job, changes)
-        _check(host, job, changes)
-    return [_exported(job, c.id).label for c in changes]
+            for element in [*walls, *columns]:
+                _move(host, element, targets.get(element.element_id))
+        _put_right(host, wanted)
+        _put_inserts_right(host, wanted)
+        _check(host, walls, wanted, columns, targets)
 
 
-def _refuse_locked(present, changes) -> None:
-    now = {e.id: e for e in present.movables()}
-    pinned = [f"'{now[c.id].label}': {now[c.id].locked}" for c in changes if now[c.id].locked]
-    if pinned:
-        raise PluginError("The option moves what cannot be moved: " + "; ".join(pinned) + ". Nothing was changed.")
+def _staying(wall: RevitWall) -> Target:
+    inserts = {i.element_id: i.centre for i in wall.inserts if i.centre is not None}
+    return Target(STILL, list(wall.ends), inserts)
 
 
-def _exported(job: Job, id: str) -> Movable:
-    element = job.study.element(id)
-    if element is None:
-        raise PluginError(f"Element {id} is not part of this study.")
-    return element
+def _move(host, element, target: Optional[Target]) -> None:
+    if target is None:
+        return
+    if target.motion is None:
+        host.set_wall_ends(element.element_id, *target.ends)
+    else:
+        about = centroid(element.ends if isinstance(element, RevitWall) else element.ring)
+        host.move(element.element_id, target.motion, about)
 
 
-def _move(host, element, change) -> None:
-    id = int(change.id)
-    if isinstance(element, Column) or element.rings:
-        host.move(id, change.motion.angle_rad, (change.motion.dx, change.motion.dy))
-    elif any(distance(a, b) > NOTHING_MM for a, b in zip(change.axis_before, change.axis_after)):
-        host.set_wall_line(id, change.axis_after[0], change.axis_after[-1])
+def _put_right(host, wanted: Dict[int, Target]) -> None:
+    """Revit lets joined walls follow. The option was measured with every wall in its own place."""
+    for _ in range(ROUNDS):
+        off = [w for w in host.walls(list(wanted)) if w.axis and _are_off(w.axis, wanted[w.element_id].ends)]
+        if not off:
+            return
+        with host.transaction("Enfilade: joined walls"):
+            for wall in off:
+                host.set_wall_ends(wall.element_id, *wanted[wall.element_id].ends)
 
 
-def _move_openings(host, job: Job, changes) -> None:
+def _are_off(here: List[Point], there: List[Point]) -> bool:
+    return len(here) != len(there) or any(distance(a, b) > results.FIT_MM for a, b in zip(here, there))
+
+
+def _put_inserts_right(host, wanted: Dict[int, Target]) -> None:
     """Revit carries inserts along with their wall; what is missing then is shifted along it."""
-    now = {i.element_id: i for i in host.inserts()}
-    for change in changes:
-        wall = _exported(job, change.id)
-        if not isinstance(wall, Wall):
-            continue
-        for opening in wall.openings:
-            motion, insert = change.openings.get(opening.id), now.get(int(opening.id))
-            if motion is None or insert is None:
-                continue
-            target = motion(wall.at((opening.start + opening.end) / 2))
-            shift = (target[0] - insert.centre[0], target[1] - insert.centre[1])
-            if math.hypot(*shift) > NOTHING_MM:
-                host.move(insert.element_id, 0.0, shift)
+    off: List[Tuple[RevitInsert, Point]] = []
+    for wall in host.walls(list(wanted)):
+        for insert in wall.inserts:
+            place = wanted[wall.element_id].inserts.get(insert.element_id)
+            if place is not None and _is_off(insert.centre, place, NOTHING_MM):
+                off.append((insert, place))
+    if off:
+        with host.transaction("Enfilade: doors and windows"):
+            for insert, place in off:
+                assert insert.centre is not None, "what is off has a place"
+                host.move(insert.element_id, Rigid(0.0, *minus(place, insert.centre)), insert.centre)
 
 
-def _check(host, job: Job, changes) -> None:
-    """Everything stands where the option says; else the whole group is rolled back."""
-    present, _ = reading.study(host, job.study.wishes)
-    now = {e.id: e for e in present.movables()}
-    for change in changes:
-        element = now.get(change.id)
-        if element is None:
-            raise PluginError("An element was lost while moving; nothing was changed.")
-        exported = _exported(job, change.id)
-        if isinstance(element, Column) and isinstance(exported, Column):
-            expected, here = [change.motion(p) for p in exported.ring], element.ring
-        elif isinstance(element, Wall):
-            expected, here = change.axis_after, element.axis
-        else:
-            raise PluginError(f"'{element.label}' became another kind of element; nothing was changed.")
-        if isinstance(element, Wall) and element.rings:
-            continue
-        if len(here) != len(expected) or any(distance(a, b) > results.FIT_MM for a, b in zip(here, expected)):
-            raise PluginError(f"'{element.label}' does not take its new place: Revit holds it; nothing was changed.")
+def _check(host, walls, wanted: Dict[int, Target], columns, targets: Dict[int, Target]) -> None:
+    """Everything stands where the option says, and all that is to stay stands where it stood."""
+    now = {w.element_id: w for w in host.walls(list(wanted))}
+    for before in walls:
+        wall, target = now.get(before.element_id), wanted[before.element_id]
+        if wall is None or _are_off(wall.ends, target.ends):
+            raise PluginError(f"'{before.label}' does not take its new place: Revit holds it; nothing was changed.")
+        here = {i.element_id: i.centre for i in wall.inserts}
+        for insert in before.inserts:
+            place = target.inserts.get(insert.element_id)
+            if place is not None and (
+                insert.element_id not in here or _is_off(here[insert.element_id], place, results.FIT_MM)
+            ):
+                raise PluginError(
+                    f"'{insert.label}' in '{before.label}' is not where the option says; nothing was changed."
+                )
+    standing = {c.element_id: c for c in host.columns([c.element_id for c in columns])}
+    for old in columns:
+        moved, column = targets.get(old.element_id, Target(STILL)), standing.get(old.element_id)
+        ring = _moved(moved.motion or STILL, old.ring)
+        # Revit may begin an outline at another corner.
+        if column is None or any(min(distance(p, q) for q in column.ring) > results.FIT_MM for p in ring):
+            raise PluginError(f"'{old.label}' does not take its new place: Revit holds it; nothing was changed.")
 
 
 def apply_drawing(host, option: results.Option) -> List[str]:
@@ -102,7 +174,34 @@ def apply_drawing(host, option: results.Option) -> List[str]:
 
     Every line of an element bears Revit's element id; an element moves where all of them move together.
     """
-    pairs: Dict[int, Tuple[List[Point], List[Point]]] = {}
+    lines = _lines_of(option)
+    walls, columns = host.walls(), host.columns()
+    found = {e.element_id: e for e in [*walls, *columns] if not e.left_out}
+    missing = [str(id) for id in lines if id not in found]
+    if missing:
+        raise PluginError(
+            f"Not in the plan of this view: {', '.join(missing)}. Open the view that was exported; nothing was changed."
+        )
+    targets: Dict[int, Target] = {}
+    for id, (before, after) in lines.items():
+        motion, residual = fit_rigid(before, after)
+        if residual > results.FIT_MM:
+            raise PluginError(f"'{found[id].label}' does not keep its shape in this option; nothing was changed.")
+        if not all(_is_within(found[id], p) for p in before):
+            raise PluginError(
+                f"'{found[id].label}' stands elsewhere in the drawing than in the model: the model was changed, or the"
+                " drawing has other coordinates. Export it again; nothing was changed."
+            )
+        targets[id] = _moving(found[id], motion)
+    standing = [w for w in walls if not w.left_out]
+    _refuse_fixed(standing, columns, targets)
+    _carry_out(host, f"Enfilade: option {option.number}", standing, [c for c in columns if not c.left_out], targets)
+    return [found[id].label for id in targets]
+
+
+def _lines_of(option: results.Option) -> Dict[int, Tuple[List[Point], List[Point]]]:
+    """Points of every element before and after, mm, by Revit's id."""
+    out: Dict[int, Tuple[List[Point], List[Point]]] = {}
     for change in option.changes:
         # Revit carries doors and windows along with their wall.
         if change.get("follows"):
@@ -110,20 +209,25 @@ def apply_drawing(host, option: results.Option) -> List[str]:
         id = change.get("host_id") or ""
         if not id.isdigit():
             raise PluginError(f"Option {option.number} moves an element without Revit's id; nothing was changed.")
-        before, after = pairs.setdefault(int(id), ([], []))
+        before, after = out.setdefault(int(id), ([], []))
         before.extend((x * 1000.0, y * 1000.0) for x, y in change["from"])
         after.extend((x * 1000.0, y * 1000.0) for x, y in change["to"])
-    motions = {}
-    for id, (before, after) in pairs.items():
-        motion, residual = fit_rigid(before, after)
-        if residual > results.FIT_MM:
-            raise PluginError(f"Element {id} does not keep its shape in this option; nothing was changed.")
-        motions[id] = motion
-    missing = [id for id in motions if not host.exists(id)]
-    if missing:
-        raise PluginError(f"Elements {missing} are not in this model any more; nothing was changed.")
-    with host.transaction_group(f"Enfilade: option {option.number}"):
-        with host.transaction("Enfilade: walls"):
-            for id, motion in motions.items():
-                host.move(id, motion.angle_rad, (motion.dx, motion.dy))
-    return [str(id) for id in motions]
+    return out
+
+
+def _moving(found, motion: Rigid) -> Target:
+    if not isinstance(found, RevitWall):
+        return Target(motion)
+    places = {i.element_id: motion(i.centre) for i in found.inserts if i.centre is not None}
+    return Target(motion, _moved(motion, found.ends), places)
+
+
+def _is_within(found, p: Point) -> bool:
+    """Whether a point of a drawing is one of an element, to the thickness of a wall."""
+    if isinstance(found, RevitWall) and found.axis:
+        u, thickness = direction(*found.axis), found.left + found.right
+        along, across = dot(minus(p, found.axis[0]), u), dot(minus(p, found.axis[0]), left_of(u))
+        reach = distance(*found.axis) + thickness
+        return -thickness <= along <= reach and -found.right - 1.0 <= across <= found.left + 1.0
+    points = [q for r in found.rings for q in r] if isinstance(found, RevitWall) else found.ring
+    return all(min(q[k] for q in points) - 1.0 <= p[k] <= max(q[k] for q in points) + 1.0 for k in (0, 1))

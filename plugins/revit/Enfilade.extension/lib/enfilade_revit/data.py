@@ -15,31 +15,41 @@ KEEP_PARAMETER = "Enfilade Keep"
 
 
 @dataclass
+class RevitInsert:
+    """What FindInserts finds in a wall: a door, a window, an opening, a wall of glass in the wall."""
+
+    element_id: int
+    label: str
+    host_id: int
+    #: Its insertion point or its middle; none where Revit gives none.
+    centre: Optional[Point]
+    width: float
+    is_window: bool
+    parameters: Dict[str, str] = field(default_factory=dict)
+    #: Why the wall is taken as closed there; empty for an opening.
+    closed: str = ""
+    fixed: str = ""
+
+
+@dataclass
 class RevitWall:
     """A wall of the view. ``axis`` is its location line; none where that is no straight line."""
 
     element_id: int
     label: str
-    axis: Optional[List[Point]]
+    axis: Optional[List[Point]] = None
     #: Distance of the left and right finish face from the location line, seen along it.
-    left: float
-    right: float
+    left: float = 0.0
+    right: float = 0.0
     rings: List[List[Point]] = field(default_factory=list)
     parameters: Dict[str, str] = field(default_factory=dict)
-    is_pinned: bool = False
-
-
-@dataclass
-class RevitInsert:
-    """A door or window in a wall: centre of its opening and clear width."""
-
-    element_id: int
-    label: str
-    host_id: int
-    centre: Point
-    width: float
-    is_window: bool
-    parameters: Dict[str, str] = field(default_factory=dict)
+    inserts: List[RevitInsert] = field(default_factory=list)
+    #: Ends of the location line, straight or not.
+    ends: List[Point] = field(default_factory=list)
+    #: Why it cannot be moved; empty where it can.
+    fixed: str = ""
+    #: Why it is no part of the plan; empty where it is.
+    left_out: str = ""
 
 
 @dataclass
@@ -48,7 +58,8 @@ class RevitColumn:
     label: str
     ring: List[Point]
     parameters: Dict[str, str] = field(default_factory=dict)
-    is_pinned: bool = False
+    fixed: str = ""
+    left_out: str = ""
 
 
 @dataclass

@@ -7,40 +7,63 @@ from typing import Dict, List, Optional, Tuple
 from enfilade_common.model import Clause, Column, Opening, PluginError, Region, Study, Wall, Wishes, pair_name
 from enfilade_common.plane import distance, direction, dot, minus
 
-from .data import GROUP_PARAMETER, KEEP_PARAMETER, LINE_STYLES, MOVES_PARAMETER, DetailLine, Point, RevitInsert
+from .data import (
+    GROUP_PARAMETER,
+    KEEP_PARAMETER,
+    LINE_STYLES,
+    MOVES_PARAMETER,
+    DetailLine,
+    Point,
+    RevitColumn,
+    RevitInsert,
+    RevitWall,
+)
 
 #: Ends of detail lines nearer than this meet, mm.
 MEET_MM = 2.0
+
+#: So many names stand in a sentence about what was left out.
+NAMED = 5
 
 _UNITS = {"": 1.0, "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
 
 
 def study(host, wishes: Wishes) -> Tuple[Study, List[str]]:
-    """The study of the active view, and sentences about what was left out."""
+    """The study of the host's view, and sentences about what was left out."""
     notes: List[str] = []
-    walls: List[Wall] = []
-    inserts: Dict[int, List[RevitInsert]] = {}
-    for insert in host.inserts():
-        inserts.setdefault(insert.host_id, []).append(insert)
-    for found in host.walls():
-        wall = _wall(found, notes)
-        if wall is None:
-            continue
-        for insert in inserts.get(found.element_id, ()):
-            _add_opening(wall, insert, notes)
-        walls.append(wall)
-    columns = [_column(c, notes) for c in host.columns()]
-    if not walls:
-        raise PluginError("The active view shows no wall. Open a floor plan and try again.")
-    made = Study("revit", host.document_id(), walls, columns, regions(host.detail_lines(), notes), wishes)
-    made.storey = host.level_name()
+    walls, columns = host.walls(), host.columns()
+    _tell_apart("Left out", [(e.label, e.left_out) for e in walls + columns if e.left_out], notes)
+    _tell_apart("Left out", [(name, "linked model") for name in host.links()], notes)
+    closed = [(i.label, i.closed) for w in walls if not w.left_out for i in w.inserts if i.closed]
+    _tell_apart("Taken as closed", closed, notes)
+    made = Study("revit", host.document_id(), *movables(walls, columns, notes))
+    if not made.walls:
+        raise PluginError("\n".join(["The view shows no wall of the plan. Open a floor plan and try again.", *notes]))
+    made.regions, made.wishes, made.storey = regions(host.detail_lines(), notes), wishes, host.level_name()
     return made, notes
 
 
-def _wall(found, notes: List[str]) -> Optional[Wall]:
+def movables(walls: List[RevitWall], columns: List[RevitColumn], notes: List[str]) -> Tuple[List[Wall], List[Column]]:
+    """What of Revit's walls and columns is part of a plan."""
+    made = [_wall(found, notes) for found in walls if not found.left_out]
+    standing = [_column(found, notes) for found in columns if not found.left_out]
+    return [wall for wall in made if wall is not None], standing
+
+
+def _tell_apart(head: str, found: List[Tuple[str, str]], notes: List[str]) -> None:
+    """One sentence for each reason, with the first names."""
+    by_reason: Dict[str, List[str]] = {}
+    for label, reason in found:
+        by_reason.setdefault(reason, []).append(f"'{label}'")
+    for reason, labels in by_reason.items():
+        more = f" and {len(labels) - NAMED} more" if len(labels) > NAMED else ""
+        notes.append(f"{head} ({reason}): {', '.join(labels[:NAMED])}{more}.")
+
+
+def _wall(found: RevitWall, notes: List[str]) -> Optional[Wall]:
     id = str(found.element_id)
     if found.axis is None and not found.rings:
-        notes.append(f"'{found.label}' has neither a straight location line nor an outline; it was left out.")
+        notes.append(f"Left out (neither a straight location line nor an outline): '{found.label}'.")
         return None
     if found.axis is None:
         points = [p for ring in found.rings for p in ring]
@@ -51,10 +74,13 @@ def _wall(found, notes: List[str]) -> Optional[Wall]:
         wall = Wall(id, found.label, list(found.axis), found.left, found.right)
     heading = direction(wall.axis[0], wall.axis[-1])
     _take_marks(wall, found, math.degrees(math.atan2(heading[1], heading[0])), notes)
+    for insert in found.inserts:
+        if not insert.closed and not wall.rings:
+            _add_opening(wall, insert, notes)
     return wall
 
 
-def _column(found, notes: List[str]) -> Column:
+def _column(found: RevitColumn, notes: List[str]) -> Column:
     column = Column(str(found.element_id), found.label, list(found.ring))
     _take_marks(column, found, 0.0, notes)
     return column
@@ -62,25 +88,26 @@ def _column(found, notes: List[str]) -> Column:
 
 def _take_marks(element, found, heading_deg: float, notes: List[str]) -> None:
     element.group = found.parameters.get(GROUP_PARAMETER, "").strip()
-    element.keep = found.parameters.get(KEEP_PARAMETER, "") in ("1", "Yes", "true")
+    element.keep = found.parameters.get(KEEP_PARAMETER, "") == "1"
     element.clauses = clauses(found.parameters.get(MOVES_PARAMETER, ""), heading_deg, found.label, notes)
-    if found.is_pinned and (element.clauses or element.group):
-        element.locked = "it is pinned in Revit"
+    element.locked = found.fixed
 
 
-def _add_opening(wall: Wall, insert, notes: List[str]) -> None:
-    if wall.rings:
-        return
+def _add_opening(wall: Wall, insert: RevitInsert, notes: List[str]) -> None:
     u = direction(wall.axis[0], wall.axis[-1])
+    assert insert.centre is not None, "an opening has a place"
     along = dot(minus(insert.centre, wall.axis[0]), u)
     start, end = along - insert.width / 2, along + insert.width / 2
     if start < 0.0 or end > wall.length():
-        notes.append(f"'{insert.label}' reaches beyond '{wall.label}' and is taken as closed.")
+        notes.append(f"Taken as closed (reaches beyond '{wall.label}'): '{insert.label}'.")
         return
     kind = "window" if insert.is_window else "door"
     opening = Opening(str(insert.element_id), insert.label, start, end, kind)
     marks = clauses(insert.parameters.get(MOVES_PARAMETER, ""), 0.0, insert.label, notes)
     opening.clauses = [c for c in marks if c.kind == "along"]
+    if insert.fixed and opening.clauses:
+        notes.append(f"'{insert.label}' is marked to move but stays: {insert.fixed}.")
+        opening.clauses = []
     wall.openings.append(opening)
 
 

@@ -1,4 +1,4 @@
-"""Revit's dialogs, as plain as they come with Windows. Never run in Revit; see the README."""
+"""Revit's dialogs, as plain as they come with Windows. Never run in Revit; see docs/hosts/revit.md."""
 
 import os
 
@@ -8,10 +8,12 @@ clr.AddReference("System.Windows.Forms")
 clr.AddReference("System.Drawing")
 
 from Autodesk.Revit.UI import TaskDialog  # noqa: E402
-from System.Diagnostics import Process  # type: ignore[import-untyped]  # noqa: E402
+from System.Diagnostics import Process, ProcessStartInfo  # type: ignore[import-untyped]  # noqa: E402
 from System.Drawing import Image, Size  # type: ignore[import-untyped]  # noqa: E402
+from System.IO import File, MemoryStream  # type: ignore[import-untyped]  # noqa: E402
 from System.Windows.Forms import (  # type: ignore[import-untyped]  # noqa: E402
     Button,
+    ColorDepth,
     DialogResult,
     DockStyle,
     FolderBrowserDialog,
@@ -43,16 +45,18 @@ class Window:
         box.Dock = DockStyle.Fill
         form.Controls.Add(box)
         form.Controls.Add(_confirm(form))
-        chosen = form.ShowDialog() == DialogResult.OK and box.SelectedIndex >= 0
-        return int(box.SelectedIndex) if chosen else None
+        chosen = int(box.SelectedIndex) if form.ShowDialog() == DialogResult.OK else -1
+        form.Dispose()
+        return chosen if chosen >= 0 else None
 
     def choose_picture(self, title, rows, report):
         """Options with pictures; ``rows`` are (name, words, picture). Index of the chosen one."""
         form, listing, images = _form(title, 1000, 640), ListView(), ImageList()
-        images.ImageSize = Size(240, 220)
-        for i, (name, words, picture) in enumerate(rows):
+        images.ImageSize, images.ColorDepth = Size(240, 220), ColorDepth.Depth32Bit
+        for name, words, picture in rows:
             if os.path.exists(picture):
-                images.Images.Add(Image.FromFile(picture))
+                # From memory: a picture read from its file would keep the file locked.
+                images.Images.Add(Image.FromStream(MemoryStream(File.ReadAllBytes(picture))))
                 listing.Items.Add(f"{name}: {words}", images.Images.Count - 1)
             else:
                 listing.Items.Add(f"{name}: {words}")
@@ -62,11 +66,19 @@ class Window:
         form.Controls.Add(_confirm(form))
         page = Button()
         page.Text, page.Dock = "Report", DockStyle.Bottom
-        page.Click += lambda sender, event: Process.Start(report)
+        page.Click += lambda sender, event: open_file(report)
         form.Controls.Add(page)
-        if form.ShowDialog() == DialogResult.OK and listing.SelectedIndices.Count == 1:
-            return int(listing.SelectedIndices[0])
-        return None
+        is_chosen = form.ShowDialog() == DialogResult.OK and listing.SelectedIndices.Count == 1
+        chosen = int(listing.SelectedIndices[0]) if is_chosen else None
+        form.Dispose()
+        return chosen
+
+
+def open_file(path):
+    """As a double click would. .NET 8 (Revit 2025) takes a page for a program unless the shell is asked for."""
+    wanted = ProcessStartInfo(path)
+    wanted.UseShellExecute = True
+    Process.Start(wanted)
 
 
 def _form(title, width, height):

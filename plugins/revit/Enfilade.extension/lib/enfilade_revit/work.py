@@ -1,18 +1,24 @@
 """What the buttons do: export, run, choose, apply. ``window`` talks to the user, ``host`` to Revit."""
 
 import os
+import re
 from typing import Optional
 
 from enfilade_common import job, program, results
 from enfilade_common.model import PluginError, Wishes
 
-from . import applying, reading
+from . import applying, reading, running
 
 
 def job_folder(host) -> str:
-    """Beside the model, or in the user's documents before it is saved."""
+    """Beside the model, or in the user's documents before it is saved; one for each storey."""
     folder = host.document_folder() or os.path.join(os.path.expanduser("~"), "Documents", "Enfilade")
-    return os.path.join(folder, f"{host.document_name()}-enfilade")
+    return os.path.join(folder, f"{_file_name(host.document_name())}-enfilade", _file_name(host.level_name()))
+
+
+def _file_name(text: str) -> str:
+    """A name that Windows takes for a folder."""
+    return re.sub(r'[<>:"/\\|?*\x00-\x1f]', "_", text).strip(" .") or "_"
 
 
 def guarded(window, action) -> None:
@@ -23,15 +29,31 @@ def guarded(window, action) -> None:
         window.tell("Enfilade", str(e))
 
 
+def add_parameters(host, window) -> None:
+    """Gives walls, columns, doors and windows the parameters that carry marks."""
+    added = host.add_parameters()
+    said = f"Added: {', '.join(added)}." if added else "The model has the parameters already."
+    window.tell(title(host), said)
+
+
+def title(host) -> str:
+    """Which document and storey a dialog is about."""
+    return f"Enfilade: {host.document_name()}, {host.level_name()}"
+
+
 def export_study(host, window, wishes: Optional[Wishes] = None) -> None:
-    """Writes the view as a job and runs it, on a thread; Revit stays free."""
+    """Writes the view as a job and starts the program on it; Revit stays free."""
+    folder = job_folder(host)
+    now = running.state(folder)
+    if now is not None and now.is_running:
+        raise PluginError(f"The study of this storey still runs: {now.words}. 'Candidates' can stop it.")
     study, notes = reading.study(host, wishes or Wishes())
-    made = job.write(study, job_folder(host))
     path = program.find()
-    program.version(path)
-    program.Run(path, made.drawing, lambda progress: None, lambda code, words: None)
-    lines = [f"Written to {made.drawing}; the study runs.", "Look at the options with 'Candidates' when it is done."]
-    window.tell("Enfilade", "\n".join([*lines, *notes, *made.notes]))
+    version = program.version(path)
+    made = job.write(study, folder)
+    running.start(made, path, version)
+    lines = [f"Written to {made.drawing}; the study runs.", "'Candidates' shows how far it is, then its options."]
+    window.tell(title(host), "\n".join([*lines, *notes, *made.notes]))
 
 
 def export_drawing(host, window) -> None:
@@ -39,12 +61,12 @@ def export_drawing(host, window) -> None:
     folder = window.choose_folder("Watched folder", host.document_folder())
     if not folder:
         return
-    kind = window.choose("Enfilade", "Which format?", ["DXF", "IFC"])
+    kind = window.choose(title(host), "Which format?", ["DXF", "IFC"])
     if kind is None:
         return
     write = host.export_dxf if kind == 0 else host.export_ifc
     write(folder, host.document_name())
-    window.tell("Enfilade", f"Written to {folder}.")
+    window.tell(title(host), f"Written to {folder}.")
 
 
 def describe_marks(host, window) -> None:
@@ -60,21 +82,28 @@ def describe_marks(host, window) -> None:
     lines += [f"Region: {r.kind}, {len(r.points)} corners" for r in study.regions]
     if not marked and not doors:
         lines.append("Nothing is marked; Enfilade then moves what stands free.")
-    window.tell("Enfilade", "\n".join([*lines, *notes]))
+    window.tell(title(host), "\n".join([*lines, *notes]))
 
 
 def _newest(host):
     made = job.read(job_folder(host))
-    return made, results.latest(made)
+    host.bind(made.study.document)
+    found = running.result(made)
+    if not found.options:
+        raise PluginError("No layout improves the present one, or nothing may move: the present layout was measured.")
+    return made, found
 
 
 def candidates(host, window) -> None:
-    """The options with their pictures."""
+    """How far the study is; then its options with their pictures."""
+    now = running.state(job_folder(host))
+    if now is not None and now.is_running:
+        if window.choose(title(host), f"The study runs: {now.words}", ["Let it run", "Stop it"]) == 1:
+            running.stop(job_folder(host))
+        return
     made, found = _newest(host)
-    if not found.options:
-        raise PluginError("Nothing may move: the present layout was measured.")
     rows = [(f"Option {o.number}", o.words, o.picture("degree")) for o in found.options]
-    chosen = window.choose_picture("Enfilade", rows, found.report)
+    chosen = window.choose_picture(title(host), rows, found.report)
     if chosen is not None:
         _apply(host, window, made, found.options[chosen])
 
@@ -82,14 +111,19 @@ def candidates(host, window) -> None:
 def apply_option(host, window) -> None:
     """An option by its number."""
     made, found = _newest(host)
-    chosen = window.choose("Enfilade", "Which option?", [f"{o.number}: {o.words}" for o in found.options])
+    chosen = window.choose(title(host), "Which option?", [f"{o.number}: {o.words}" for o in found.options])
     if chosen is not None:
         _apply(host, window, made, found.options[chosen])
 
 
 def _apply(host, window, made, option) -> None:
-    moved = applying.apply(host, made, option)
-    window.tell("Enfilade", f"Option {option.number}: {', '.join(moved)} moved. Undo takes all of it back.")
+    _tell_moved(host, window, option, applying.apply(host, made, option))
+
+
+def _tell_moved(host, window, option, moved) -> None:
+    lines = [f"Option {option.number}: {', '.join(moved)} moved. Undo takes all of it back."]
+    lines += [f"Revit warns: {warning}" for warning in dict.fromkeys(host.warnings)]
+    window.tell(title(host), "\n".join(lines))
 
 
 def apply_drawing(host, window) -> None:
@@ -98,7 +132,6 @@ def apply_drawing(host, window) -> None:
     if not folder:
         return
     found = results.read(folder)
-    chosen = window.choose("Enfilade", "Which option?", [f"{o.number}: {o.words}" for o in found.options])
+    chosen = window.choose(title(host), "Which option?", [f"{o.number}: {o.words}" for o in found.options])
     if chosen is not None:
-        moved = applying.apply_drawing(host, found.options[chosen])
-        window.tell("Enfilade", f"{len(moved)} elements moved. Undo takes all of it back.")
+        _tell_moved(host, window, found.options[chosen], applying.apply_drawing(host, found.options[chosen]))

@@ -6,5 +6,4 @@ from enfilade_revit.host import Host
 from enfilade_revit.window import Window
 
 window = Window()
-host = Host(__revit__.ActiveUIDocument)  # noqa: F821  (pyRevit gives it)
-work.guarded(window, lambda: work.export_study(host, window))
+work.guarded(window, lambda: work.export_study(Host(__revit__.ActiveUIDocument), window))  # noqa: F821  (pyRevit gives it)
