@@ -259,7 +259,7 @@ class View(Element):
             ElementOnPhaseStatus.Past,
         ):
             return False
-        return "z" not in s or self._reaches(s["z"], s["z"] + s["height"])
+        return s.get("z") is None or self._reaches(s["z"], s["z"] + s["height"])
 
     def _reaches(self, low, high):
         return True

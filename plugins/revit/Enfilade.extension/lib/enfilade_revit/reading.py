@@ -157,12 +157,12 @@ def regions(lines: List[DetailLine], notes: List[str]) -> List[Region]:
     for style in dict.fromkeys(line.style for line in lines):
         kind, pair = _region_of(style, notes)
         rest = [(line.a, line.b) for line in lines if kind and line.style == style]
+        rings = []
         while rest:
-            ring = _chain(rest)
-            if ring is None:
-                notes.append(f"Detail lines on {style} do not close; they were left out.")
-            else:
-                out.append(Region(kind, ring, pair=pair))
+            rings.append(_chain(rest))
+        out += [Region(kind, ring, pair=pair) for ring in rings if ring is not None]
+        if None in rings:
+            notes.append(f"Detail lines on {style} do not close; they were left out.")
     return out
 
 
