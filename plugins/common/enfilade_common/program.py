@@ -1,4 +1,4 @@
-"""The program: where it is, whether it fits, running it, listening to it, stopping it."""
+"""The program: where it is, whether it fits, what it is asked, listening to it, stopping it."""
 
 import json
 import os
@@ -7,9 +7,8 @@ import shutil
 import signal
 import subprocess
 import sys
-import threading
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Dict, List, Optional
 
 from .model import PluginError
 
@@ -193,68 +192,3 @@ def interrupt(pid: int) -> None:
         os.kill(pid, signal.CTRL_BREAK_EVENT)
     else:
         os.kill(pid, signal.SIGINT)
-
-
-class Run:
-    """A run on a thread of its own, for hosts without an event loop that starts processes.
-
-    ``on_progress`` and ``on_end(code, words)`` are called on that thread.
-    """
-
-    def __init__(
-        self,
-        path: str,
-        drawing: str,
-        on_progress: Callable[[Progress], None],
-        on_end: Callable[[int, str], None],
-    ) -> None:
-        flags = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0) | getattr(subprocess, "CREATE_NO_WINDOW", 0)
-        try:
-            self._process = subprocess.Popen(
-                [path, *arguments(drawing)],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.PIPE,
-                cwd=os.path.dirname(drawing) or None,
-                creationflags=flags,
-            )
-        except OSError as e:
-            raise PluginError(f"{path} does not start: {e.strerror or e}. Nothing was started.") from e
-        give_way(self._process.pid)
-        self._listener = Listener()
-        self._thread = threading.Thread(target=self._listen, args=(on_progress, on_end), daemon=True)
-        self._thread.start()
-
-    def _listen(self, on_progress, on_end) -> None:
-        stream = self._process.stderr
-        assert stream is not None, "the process was started with a pipe"
-        with stream:
-            for line in iter(stream.readline, b""):
-                for progress in self._listener.feed(line):
-                    on_progress(progress)
-        code = self._process.wait()
-        on_end(code, self._listener.outcome(code))
-
-    def is_running(self) -> bool:
-        return self._process.poll() is None
-
-    def cancel(self) -> None:
-        """Stops the run; returns at once. What does not stop in time is killed."""
-        if not self.is_running():
-            return
-        try:
-            interrupt(self._process.pid)
-        except OSError:
-            pass
-        threading.Thread(target=self._kill_late, daemon=True).start()
-
-    def _kill_late(self) -> None:
-        try:
-            self._process.wait(STOP_SECS)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-
-    def wait(self, secs: float) -> bool:
-        """Whether the run and its last call have ended within ``secs``."""
-        self._thread.join(secs)
-        return not self._thread.is_alive()

@@ -492,7 +492,7 @@ def ghosts(job: Job, option: Option) -> Tuple[List[Line], List[Line]]:
     new_lines: List[Line] = []
     for change in option.changes:
         before, after = _millimetres(change["from"]), _millimetres(change["to"])
-        outline = outlines.get(change.get("host_id"))
+        outline = outlines.get(str(change.get("host_id")))
         if outline is not None:
             before, after = outline.unwritten(before), outline.unwritten(after)
         lost, made = moved_lines(before, after)

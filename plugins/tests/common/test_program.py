@@ -1,16 +1,15 @@
-import os
-import signal
-import time
+import subprocess
 
 import pytest
 from enfilade_common import program
 from enfilade_common.model import PluginError
 
 
-def run_to_end(path, secs=30):
-    said, ended = [], []
-    run = program.Run(path, os.path.join(os.path.dirname(path), "plan.dxf"), said.append, lambda *a: ended.append(a))
-    return run, said, ended
+def run_to_end(path):
+    """What a run said of its progress, its code, and what a user is told."""
+    ended = subprocess.run([path, *program.arguments("plan.dxf")], stderr=subprocess.PIPE, timeout=30)
+    listener = program.Listener()
+    return listener.feed(ended.stderr), ended.returncode, listener.outcome(ended.returncode)
 
 
 def test_it_is_found_by_setting_then_environment_then_path(program_that, monkeypatch, tmp_path):
@@ -63,16 +62,14 @@ def test_progress_and_words_are_told_apart(program_that):
         sys.exit(1)
         """
     )
-    run, said, ended = run_to_end(path)
-    assert run.wait(30)
+    said, code, words = run_to_end(path)
     assert [(p.stage, p.share, p.best) for p in said] == [("optimise: degree", 0.3, 1.5), ("write", None, None)]
-    assert ended == [(1, "Done, with something left out; the report says what.")]
+    assert (code, words) == (1, "Done, with something left out; the report says what.")
 
 
 def test_an_error_is_told_in_the_programs_words(program_that):
-    run, _, ended = run_to_end(program_that("sys.stderr.write('error: plan.dxf:3: no walls\\n'); sys.exit(2)"))
-    assert run.wait(30)
-    assert ended == [(2, "The drawing could not be used. error: plan.dxf:3: no walls")]
+    _, code, words = run_to_end(program_that("sys.stderr.write('error: plan.dxf:3: no walls\\n'); sys.exit(2)"))
+    assert (code, words) == (2, "The drawing could not be used. error: plan.dxf:3: no walls")
 
 
 def test_lines_that_come_in_pieces():
@@ -82,35 +79,18 @@ def test_lines_that_come_in_pieces():
     assert progress.stage == "read" and listener.words == []
 
 
-def test_cancel_asks_first_and_kills_what_does_not_listen(program_that, monkeypatch):
+def test_a_program_is_asked_to_stop(program_that):
     polite = program_that(
         """
-        def stop(*a):
-            sys.exit(130)
-        signal.signal(signal.SIGINT, stop)
-        sys.stderr.write('{"stage":"read"}\\n'); sys.stderr.flush()
+        signal.signal(signal.SIGINT, lambda *a: sys.exit(130))
+        sys.stderr.write('x'); sys.stderr.flush()
         time.sleep(60)
         """
     )
-    deaf = program_that(
-        "signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
-        "sys.stderr.write('{\"stage\":\"read\"}\\n'); sys.stderr.flush()\ntime.sleep(60)", "deaf"
-    )
-    monkeypatch.setattr(program, "STOP_SECS", 0.5)
-    for path, code in ((polite, 130), (deaf, -signal.SIGKILL)):
-        run, said, ended = run_to_end(path)
-        while not said:
-            time.sleep(0.01)
-        before = time.monotonic()
-        run.cancel()
-        assert time.monotonic() - before < 0.1, "cancel does not wait"
-        assert run.wait(20) and ended[0][0] == code
-        run.cancel()
-
-
-def test_what_does_not_start_is_said(tmp_path):
-    with pytest.raises(PluginError, match="does not start"):
-        program.Run(str(tmp_path), str(tmp_path / "plan.dxf"), print, print)
+    with subprocess.Popen([polite], stderr=subprocess.PIPE) as run:
+        run.stderr.read(1)
+        program.interrupt(run.pid)
+        assert run.wait(20) == program.STOPPED
 
 
 def test_lines_that_are_no_progress_are_passed_over():
@@ -131,6 +111,5 @@ def test_a_program_that_hangs_when_asked_its_version(program_that, monkeypatch):
 
 def test_a_crash_is_told_with_its_last_words(program_that):
     body = "sys.stderr.write('one\\nlast words\\n'); sys.stderr.flush(); os.kill(os.getpid(), signal.SIGSEGV)"
-    run, _, ended = run_to_end(program_that(body))
-    assert run.wait(30)
-    assert ended == [(-11, "The program ended with code -11. last words")]
+    _, code, words = run_to_end(program_that(body))
+    assert (code, words) == (-11, "The program ended with code -11. last words")

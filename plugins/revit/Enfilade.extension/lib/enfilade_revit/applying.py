@@ -9,7 +9,7 @@ from enfilade_common.model import PluginError
 from enfilade_common.plane import Rigid, STILL, centroid, direction, distance, dot, fit_rigid, left_of, minus
 
 from . import reading
-from .data import Point, RevitColumn, RevitInsert, RevitWall
+from .data import Point, RevitColumn, RevitElement, RevitInsert, RevitWall
 
 #: Moves below this are none, mm.
 NOTHING_MM = 0.01
@@ -52,7 +52,7 @@ def apply(host, job: Job, option: results.Option) -> List[str]:
     return [e.label for e in present if e.id in changes]
 
 
-def _target(found, change: results.Change) -> Target:
+def _target(found: RevitElement, change: results.Change) -> Target:
     target = Target(change.motion)
     if not isinstance(found, RevitWall):
         return target
@@ -69,7 +69,8 @@ def _moved(motion: Rigid, points: List[Point]) -> List[Point]:
 
 
 def _refuse_fixed(walls: List[RevitWall], columns: List[RevitColumn], targets: Dict[int, Target]) -> None:
-    fixed = [(e.label, e.fixed) for e in [*walls, *columns] if e.element_id in targets]
+    elements: List[RevitElement] = [*walls, *columns]
+    fixed = [(e.label, e.fixed) for e in elements if e.element_id in targets]
     for wall in walls:
         places = targets[wall.element_id].inserts if wall.element_id in targets else {}
         fixed += [(i.label, i.fixed) for i in wall.inserts if _is_off(i.centre, places.get(i.element_id), NOTHING_MM)]
@@ -82,17 +83,16 @@ def _is_off(here: Optional[Point], there: Optional[Point], by: float) -> bool:
     return here is not None and there is not None and distance(here, there) > by
 
 
-def _carry_out(
-    host, name: str, walls: List[RevitWall], columns: List[RevitColumn], targets: Dict[int, Target]
-) -> None:
+def _carry_out(host, name: str, walls: List[RevitWall], columns: List[RevitColumn], targets: Dict[int, Target]) -> None:
     """Moves elements and reads them again; all is rolled back unless everything stands where it should.
 
     ``walls`` are all walls of the plan: those without a target are to stay, whatever Revit takes along.
     """
+    elements: List[RevitElement] = [*walls, *columns]
     wanted = {w.element_id: targets.get(w.element_id) or _staying(w) for w in walls}
     with host.transaction_group(name):
         with host.transaction("Enfilade: walls and columns"):
-            for element in [*walls, *columns]:
+            for element in elements:
                 _move(host, element, targets.get(element.element_id))
         _put_right(host, wanted)
         _put_inserts_right(host, wanted)
@@ -104,7 +104,7 @@ def _staying(wall: RevitWall) -> Target:
     return Target(STILL, list(wall.ends), inserts)
 
 
-def _move(host, element, target: Optional[Target]) -> None:
+def _move(host, element: RevitElement, target: Optional[Target]) -> None:
     if target is None:
         return
     if target.motion is None:
@@ -215,14 +215,14 @@ def _lines_of(option: results.Option) -> Dict[int, Tuple[List[Point], List[Point
     return out
 
 
-def _moving(found, motion: Rigid) -> Target:
+def _moving(found: RevitElement, motion: Rigid) -> Target:
     if not isinstance(found, RevitWall):
         return Target(motion)
     places = {i.element_id: motion(i.centre) for i in found.inserts if i.centre is not None}
     return Target(motion, _moved(motion, found.ends), places)
 
 
-def _is_within(found, p: Point) -> bool:
+def _is_within(found: RevitElement, p: Point) -> bool:
     """Whether a point of a drawing is one of an element, to the thickness of a wall."""
     if isinstance(found, RevitWall) and found.axis:
         u, thickness = direction(*found.axis), found.left + found.right

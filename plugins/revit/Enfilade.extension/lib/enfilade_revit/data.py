@@ -1,7 +1,7 @@
 """What passes between Revit and us: plain values, millimetres in the project's plan (x east, y north)."""
 
 from dataclasses import dataclass, field
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, List, Optional, Tuple, Union
 
 Point = Tuple[float, float]
 
@@ -60,6 +60,9 @@ class RevitColumn:
     parameters: Dict[str, str] = field(default_factory=dict)
     fixed: str = ""
     left_out: str = ""
+
+
+RevitElement = Union[RevitWall, RevitColumn]
 
 
 @dataclass

@@ -85,10 +85,11 @@ WIDTHS = (BuiltInParameter.DOOR_WIDTH, BuiltInParameter.FAMILY_ROUGH_WIDTH_PARAM
 LEVEL_FT, SILL_FT = 0.01, 0.4
 
 #: Our shared parameters, what they hold, and the names by which other models know them again.
+# The stubs put the classes inside ``SpecTypeId`` beside it.
 PARAMETERS = (
-    (MOVES_PARAMETER, SpecTypeId.String.Text, "4f0d1b55-8f0c-4b12-9d5e-5a3d6c1be001"),
-    (GROUP_PARAMETER, SpecTypeId.String.Text, "4f0d1b55-8f0c-4b12-9d5e-5a3d6c1be002"),
-    (KEEP_PARAMETER, SpecTypeId.Boolean.YesNo, "4f0d1b55-8f0c-4b12-9d5e-5a3d6c1be003"),
+    (MOVES_PARAMETER, SpecTypeId.String.Text, "4f0d1b55-8f0c-4b12-9d5e-5a3d6c1be001"),  # type: ignore[attr-defined]
+    (GROUP_PARAMETER, SpecTypeId.String.Text, "4f0d1b55-8f0c-4b12-9d5e-5a3d6c1be002"),  # type: ignore[attr-defined]
+    (KEEP_PARAMETER, SpecTypeId.Boolean.YesNo, "4f0d1b55-8f0c-4b12-9d5e-5a3d6c1be003"),  # type: ignore[attr-defined]
 )
 BOUND_TO = (
     BuiltInCategory.OST_Walls,
@@ -284,8 +285,8 @@ class Host:
         made = RevitInsert(id, f"{insert.Name} {id}", element_number(wall.Id), None, 0.0, False)
         made.fixed, made.closed = self._fixed(insert), self._left_out(insert)
         if isinstance(insert, Wall):
-            curve = insert.Location.Curve
             made.is_window = True
+            curve = insert.Location.Curve  # type: ignore[attr-defined]
             _span(made, [curve.GetEndPoint(0), curve.GetEndPoint(1)])
         elif isinstance(insert, Opening) and insert.IsRectBoundary:
             corners = list(insert.BoundaryRect)
