@@ -11,9 +11,6 @@ import subprocess
 from dataclasses import dataclass
 from typing import Any, Dict, List, Optional
 
-# .NET says whether a process still runs; in Python on Windows that takes its C interface.
-from System.Diagnostics import Process  # type: ignore[import-untyped]
-
 from enfilade_common import program, results
 from enfilade_common.job import Job
 from enfilade_common.model import PluginError
@@ -102,7 +99,10 @@ def _run(folder: str) -> Optional[Dict[str, Any]]:
 
 
 def _process(pid: int):
-    """.NET's process; nothing where there is none of that number, or none that we may look at."""
+    """.NET's process; nothing where there is none of that number, or none that we may look at. Python by itself
+    would have to ask Windows' C interface."""
+    from System.Diagnostics import Process  # type: ignore[import-untyped]
+
     try:
         found = Process.GetProcessById(pid)
         return None if found.HasExited else found
