@@ -371,7 +371,9 @@ class Wall(HostObject):
         if s["arc"]:
             (x, y), radius, begin, end = s["arc"]
             return Arc._of(XYZ(x, y, s["z"]), radius, begin, end)
-        return Line._of(XYZ(*s["zero"], s["z"]), XYZ(*s["heading"], 0), *s["ends"])
+        line = Line._of(XYZ(*s["zero"], s["z"]), XYZ(*s["heading"], 0), *s["ends"])
+        line._held = True
+        return line
 
     def _at(self, along, left=0.0):
         (x, y), (u, v) = self._s["zero"], self._s["heading"]

@@ -62,7 +62,7 @@ class Line(Curve):
     @staticmethod
     def _of(origin, direction, begin, end):
         line = Line.__new__(Line)
-        line._origin, line._direction, line._ends = origin, direction, (begin, end)
+        line._origin, line._direction, line._ends, line._held = origin, direction, (begin, end), False
         return line
 
     @staticmethod
@@ -85,8 +85,8 @@ class Line(Curve):
         return Line._of(self._origin, self._direction, *self._ends)
 
     def MakeBound(self, startParameter, endParameter):
-        if endParameter - startParameter < SHORTEST:
-            raise ArgumentException("The curve would be too short.")
+        if self._held or endParameter - startParameter < SHORTEST:
+            raise ArgumentException("The curve is read-only, or would be too short.")
         self._ends = (startParameter, endParameter)
 
     def GetEndPoint(self, index):

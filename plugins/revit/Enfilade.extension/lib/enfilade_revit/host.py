@@ -11,6 +11,7 @@ where its length changes: a new line in its place makes Revit work out anew wher
 import contextlib
 import math
 import os
+import shutil
 import tempfile
 import uuid
 from typing import Callable, Dict, Iterator, List, Optional, Tuple
@@ -426,7 +427,8 @@ class Host:
         for end in joined:
             WallUtils.DisallowWallJoinAtEnd(wall, end)
         self._bring_into_line(id, wall, a, b)
-        line = wall.Location.Curve
+        # A copy of its line, which keeps the zero point of the old one; the line itself may be read-only.
+        line = wall.Location.Curve.Clone()
         zero, heading = to_mm(line.Origin), direction(a, b)
         line.MakeBound(*(dot(minus(p, zero), heading) / FOOT_MM for p in (a, b)))
         wall.Location.Curve = line
@@ -472,15 +474,17 @@ class Host:
         """A group in a shared parameter file of our own; the user's file is set again afterwards."""
         application = self._doc.Application
         kept = application.SharedParametersFilename
-        with tempfile.TemporaryDirectory() as folder, _plainly():
-            path = os.path.join(folder, "Enfilade.txt")
-            with open(path, "w"):
-                pass
-            try:
+        folder = tempfile.mkdtemp()
+        path = os.path.join(folder, "Enfilade.txt")
+        with open(path, "w"):
+            pass
+        try:
+            with _plainly():
                 application.SharedParametersFilename = path
                 yield application.OpenSharedParameterFile().Groups.Create("Enfilade")
-            finally:
-                application.SharedParametersFilename = kept
+        finally:
+            application.SharedParametersFilename = kept
+            shutil.rmtree(folder, ignore_errors=True)
 
     # -- Revit's own exports
 
