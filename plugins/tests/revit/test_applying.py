@@ -269,6 +269,14 @@ def test_drawings_that_do_not_fit_the_model_are_refused(revit):
     refuses(option, "stands elsewhere in the drawing")
 
 
+def test_a_drawing_that_moves_what_is_fixed_is_refused(revit):
+    revit.at["Partition"]._s["pinned"] = True
+    before = everything(revit)
+    with pytest.raises(PluginError, match="'Partition .*': it is pinned in Revit. Nothing was changed"):
+        applying.apply_drawing(revit.host(), drawing_option(revit))
+    assert everything(revit) == before
+
+
 def test_a_curved_wall_of_a_drawing(revit):
     bow = revit.wall("Bow", arc=((10.0, 5.0), 3.0, 0.2, 1.0))
     points = [[v / MM / 1000 for v in p._p[:2]] for p in bow._curve().Tessellate()[::4]]
