@@ -11,7 +11,7 @@ from enfilade_revit import applying, reading
 from enfilade_revit.host import Host
 from fake import building, elements
 from fake.building import MM
-from fake.failures import BuiltInCategory, FailureSeverity
+from fake.failures import BuiltInCategory, FailureSeverity, PlanViewPlane
 
 
 def option_of(host, folder, values):
@@ -188,7 +188,8 @@ def test_an_option_that_moves_nothing(revit, tmp_path):
 def test_walls_are_read_through_the_view_of_the_study(revit, tmp_path):
     """Another view is open, in which nothing of it is shown: nothing counts as deleted."""
     made, option = option_of(revit.host(), tmp_path, MOVES)
-    other = revit.view("Furniture", hidden=[e._id for e in revit.at.values()])
+    deep = {**revit.plan._s["range"], PlanViewPlane.CutPlane: 9.5}
+    other = revit.view("Furniture", hidden=[e._id for e in revit.at.values()], range=deep)
     assert revit.host(other).walls() == []
     revit.plan._s["hidden"] = (revit.at["Screen"]._id,)
     applying.apply(revit.host(other), made, option)
@@ -219,6 +220,26 @@ def test_a_curved_wall_moves_as_a_whole(revit, tmp_path):
     after = [p for p in bow._curve().Tessellate()]
     assert distance(before[0]._p[:2], before[8]._p[:2]) == pytest.approx(distance(after[0]._p[:2], after[8]._p[:2]))
     assert distance(before[4]._p[:2], after[4]._p[:2]) == pytest.approx(50 * MM, rel=0.2)
+
+
+@pytest.mark.parametrize("is_drawing", [False, True])
+def test_what_stands_in_walls_that_stay_stays(revit, tmp_path, monkeypatch, is_drawing):
+    """Revit takes the window of a wall along that is to stay; and openings without a place of their own are no trouble."""
+    for name in ("Partition", "N"):
+        revit.opening("Bull's eye", revit.at[name], (4000, 5500) if name == "Partition" else (7000, 0), 300.0, rectangular=False)
+    made, option = option_of(revit.host(), tmp_path, {("Partition", "x"): 300.0})
+    carried = elements.Wall._carried
+
+    def dragging(wall, motion, turn):
+        carried(wall, motion, turn)
+        revit.at["Window"]._s["point"] = (6300 * MM, 0.0)
+
+    monkeypatch.setattr(elements.Wall, "_carried", dragging)
+    if is_drawing:
+        applying.apply_drawing(revit.host(), drawing_option(revit))
+    else:
+        applying.apply(revit.host(), made, option)
+    assert (6000, 0) == place(revit.at["Window"]) and [(4300, 0), (4300, 6000)] == ends(revit.at["Partition"])
 
 
 # -- drawings of Revit's own

@@ -130,7 +130,7 @@ class Transaction:
         return self._status
 
     def GetFailureHandlingOptions(self):
-        return self._options
+        return copy.copy(self._options)
 
     def SetFailureHandlingOptions(self, options):
         self._options = options

@@ -9,7 +9,7 @@ from enfilade_common.model import PluginError
 from enfilade_common.plane import Rigid, STILL, centroid, direction, distance, dot, fit_rigid, left_of, minus
 
 from . import reading
-from .data import Point, RevitColumn, RevitElement, RevitInsert, RevitWall
+from .data import Point, RevitColumn, RevitElement, RevitWall
 
 #: Moves below this are none, mm.
 NOTHING_MM = 0.01
@@ -93,8 +93,11 @@ def _carry_out(host, name: str, walls: List[RevitWall], columns: List[RevitColum
     with host.transaction_group(name):
         with host.transaction("Enfilade: walls and columns"):
             for element in elements:
-                _move(host, element, targets.get(element.element_id))
-        _put_right(host, wanted)
+                motion = targets.get(element.element_id, Target()).motion
+                if motion is not None:
+                    about = centroid(element.ends if isinstance(element, RevitWall) else element.ring)
+                    host.move(element.element_id, motion, about)
+        _put_ends_right(host, wanted)
         _put_inserts_right(host, wanted)
         _check(host, walls, wanted, columns, targets)
 
@@ -104,23 +107,14 @@ def _staying(wall: RevitWall) -> Target:
     return Target(STILL, list(wall.ends), inserts)
 
 
-def _move(host, element: RevitElement, target: Optional[Target]) -> None:
-    if target is None:
-        return
-    if target.motion is None:
-        host.set_wall_ends(element.element_id, *target.ends)
-    else:
-        about = centroid(element.ends if isinstance(element, RevitWall) else element.ring)
-        host.move(element.element_id, target.motion, about)
-
-
-def _put_right(host, wanted: Dict[int, Target]) -> None:
-    """Revit lets joined walls follow. The option was measured with every wall in its own place."""
+def _put_ends_right(host, wanted: Dict[int, Target]) -> None:
+    """Walls whose length changes get their ends; so do joined walls that Revit let follow, as the option was measured
+    with every wall in its own place."""
     for _ in range(ROUNDS):
         off = [w for w in host.walls(list(wanted)) if w.axis and _are_off(w.axis, wanted[w.element_id].ends)]
         if not off:
             return
-        with host.transaction("Enfilade: joined walls"):
+        with host.transaction("Enfilade: ends of walls"):
             for wall in off:
                 host.set_wall_ends(wall.element_id, *wanted[wall.element_id].ends)
 
@@ -131,17 +125,16 @@ def _are_off(here: List[Point], there: List[Point]) -> bool:
 
 def _put_inserts_right(host, wanted: Dict[int, Target]) -> None:
     """Revit carries inserts along with their wall; what is missing then is shifted along it."""
-    off: List[Tuple[RevitInsert, Point]] = []
+    off: List[Tuple[int, Point, Point]] = []
     for wall in host.walls(list(wanted)):
         for insert in wall.inserts:
             place = wanted[wall.element_id].inserts.get(insert.element_id)
-            if place is not None and _is_off(insert.centre, place, NOTHING_MM):
-                off.append((insert, place))
+            if place is not None and insert.centre is not None and distance(insert.centre, place) > NOTHING_MM:
+                off.append((insert.element_id, insert.centre, place))
     if off:
         with host.transaction("Enfilade: doors and windows"):
-            for insert, place in off:
-                assert insert.centre is not None, "what is off has a place"
-                host.move(insert.element_id, Rigid(0.0, *minus(place, insert.centre)), insert.centre)
+            for id, here, place in off:
+                host.move(id, Rigid(0.0, *minus(place, here)), here)
 
 
 def _check(host, walls, wanted: Dict[int, Target], columns, targets: Dict[int, Target]) -> None:
