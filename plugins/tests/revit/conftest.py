@@ -66,7 +66,8 @@ def revit(tmp_path):
     """The house of the common tests, open in Revit and saved in a folder."""
     model, model.at = building.house(path=str(tmp_path / "Haus Süd.rvt"))
     model.host = lambda view=None: Host(model.uidoc(view))
-    return model
+    yield model
+    assert model.doc._open == [] and model.doc._transaction is None and model.doc._group is None
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from enfilade_common.moves import applied, plan_of
 from enfilade_common.plane import distance
 from enfilade_revit import applying, reading
 from enfilade_revit.host import Host
-from fake import building, elements
+from fake import building, elements, walls
 from fake.building import MM
 from fake.failures import BuiltInCategory, FailureSeverity, PlanViewPlane
 
@@ -143,13 +143,13 @@ def test_a_door_that_does_not_follow_rolls_everything_back(revit, tmp_path):
 
 def test_a_door_that_is_lost_rolls_everything_back(revit, tmp_path, monkeypatch):
     made, option = option_of(revit.host(), tmp_path, MOVES)
-    carried = elements.Wall._carried
+    carried = walls.Wall._carried
 
     def losing(wall, motion, turn):
         carried(wall, motion, turn)
         wall._document._elements.pop(revit.at["Door"]._id, None)
 
-    monkeypatch.setattr(elements.Wall, "_carried", losing)
+    monkeypatch.setattr(walls.Wall, "_carried", losing)
     refused(revit, made, option, "'Door .*' in 'Partition .*' is not where the option says")
 
 
@@ -228,13 +228,13 @@ def test_what_stands_in_walls_that_stay_stays(revit, tmp_path, monkeypatch, is_d
     for name in ("Partition", "N"):
         revit.opening("Bull's eye", revit.at[name], (4000, 5500) if name == "Partition" else (7000, 0), 300.0, rectangular=False)
     made, option = option_of(revit.host(), tmp_path, {("Partition", "x"): 300.0})
-    carried = elements.Wall._carried
+    carried = walls.Wall._carried
 
     def dragging(wall, motion, turn):
         carried(wall, motion, turn)
         revit.at["Window"]._s["point"] = (6300 * MM, 0.0)
 
-    monkeypatch.setattr(elements.Wall, "_carried", dragging)
+    monkeypatch.setattr(walls.Wall, "_carried", dragging)
     if is_drawing:
         applying.apply_drawing(revit.host(), drawing_option(revit))
     else:

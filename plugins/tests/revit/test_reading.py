@@ -49,8 +49,10 @@ def test_line_styles_name_pairs(revit):
 def test_lines_of_another_view_and_open_ones_are_no_regions(revit):
     revit.lines("EF-QUERY", square(), view=revit.view("Another plan"))
     revit.lines("EF-KEEP", square())
-    line = next(e for e in revit.doc._elements.values() if isinstance(e, elements.DetailLine) and e._s["view"] == revit.plan._id)
-    del revit.doc._elements[line._id]
+    lines = [e for e in revit.doc._elements.values() if isinstance(e, elements.DetailLine)]
+    del revit.doc._elements[next(e._id for e in lines if e._s["view"] == revit.plan._id)]
+    elements.DetailLine(revit.doc, "Lines", ends=((0, 0), (1, 1)), style=None, view=revit.plan._id)
+    elements.Instance(revit.doc, "Filled region", kind=BuiltInCategory.OST_Lines)
     study, notes = studied(revit)
     assert study.regions == [] and notes == ["Detail lines on EF-KEEP do not close; they were left out."]
 
@@ -59,7 +61,8 @@ def test_marks_that_cannot_be_read_are_told():
     notes = []
     assert reading.clauses("x 5 9; up 1 2; rotate -5 5; along -1ft 1ft", 90.0, "W", notes)[1].direction_deg == 90.0
     assert reading.clauses("along 30 -1 1; name Screen; x 1 abc", 0.0, "W", notes)[0].direction_deg == 30.0
-    assert [n.split("'")[3] for n in notes] == ["x 5 9", "up 1 2", "x 1 abc"]
+    assert reading.clauses("x -1 1 2", 0.0, "W", notes) == []
+    assert [n.split("'")[3] for n in notes] == ["x 5 9", "up 1 2", "x 1 abc", "x -1 1 2"]
     assert reading.length_mm("-1.5m") == -1500 and reading.length_mm("2ft") == pytest.approx(609.6)
 
 
@@ -141,6 +144,7 @@ def test_what_is_pinned_or_in_a_group_stays(revit):
     locked = {e.label.split()[0]: e.locked for e in study.movables() if e.locked}
     assert locked == {"Screen": "it is in the group 'Bathroom'", "Column": "it is pinned in Revit"}
     assert notes == [f"'Door {revit.at['Door']._id}' is marked to move but stays: it is pinned in Revit."]
+    assert all(not o.clauses for w in study.walls for o in w.openings)
 
 
 def test_curtain_walls_links_and_families_in_place_are_left_out(revit):
@@ -186,10 +190,14 @@ def test_openings_come_from_the_wall_not_from_what_the_view_shows(revit):
 
 def test_all_that_opens_a_wall(revit):
     south = revit.at["S"]
+    far_door = revit.at["Door"]._id
     passage = revit.opening("Passage", south, (1000, 6000), 800.0)
     hatch = revit.opening("Hatch", south, (2500, 6000), 600.0, sill=3.0)
     round_ = revit.opening("Bull's eye", south, (3500, 6000), 600.0, rectangular=False)
     void = revit.insert("Void", south, (4500, 6000), BuiltInCategory.OST_GenericModel, 500.0)
+    edge = revit.insert("Edge", south, (4800, 6000), width=100.0, is_placed_by_line=True)
+    revit.insert("Shadow", south, (4900, 6000), width=100.0, shadow=True)
+    revit.insert("Leaf of a door", south, (4900, 6000), width=100.0, part_of=far_door)
     thin = revit.insert("No width", south, (5200, 6000), type=revit.plain_type._id)
     clerestory = revit.insert("Clerestory", south, (6000, 6000), BuiltInCategory.OST_Windows, 700.0, sill=6.0)
     far = revit.insert("Beyond", south, (7900, 6000), width=900.0)
@@ -199,7 +207,7 @@ def test_all_that_opens_a_wall(revit):
     assert found == {"Passage": (600, 1400, "door"), "Hatch": (2200, 2800, "window"), "Glass": (6500, 7300, "window")}
     assert glass._id not in ids(study) and passage._id and hatch._id
     assert notes == [
-        f"Taken as closed (neither rectangle nor door nor window): 'Bull's eye {round_._id}'.",
+        f"Taken as closed (neither rectangle nor door nor window): 'Bull's eye {round_._id}', 'Edge {edge._id}'.",
         f"Taken as closed (no door or window): 'Void {void._id}'.",
         f"Taken as closed (without a width): 'No width {thin._id}'.",
         f"Taken as closed (above the cut plane of this view): 'Clerestory {clerestory._id}'.",
@@ -244,4 +252,5 @@ def test_a_view_without_walls(tmp_path):
 def test_where_the_document_is(revit, tmp_path):
     host = revit.host()
     assert host.document_folder() == str(tmp_path) and host.document_name() == "Haus Süd"
-    assert Model(path=os.path.join(str(tmp_path), "gone", "a.rvt")).uidoc() and Host(Model().uidoc()).document_folder() == ""
+    for path in (os.path.join(str(tmp_path), "gone", "a.rvt"), ""):
+        assert Host(Model(path=path).uidoc()).document_folder() == ""

@@ -9,10 +9,11 @@ import time
 
 import pytest
 from conftest import LIB, ROOT
-from enfilade_common import job, program, results
+from enfilade_common import job, results
 from enfilade_common.model import PluginError, Wishes
 from enfilade_revit import reading, running, work
 from fake import dotnet
+from fake.failures import FailureSeverity
 
 
 @pytest.fixture
@@ -179,7 +180,7 @@ def test_the_buttons_from_marks_to_undo(revit, window, real_program, monkeypatch
     assert all(os.path.exists(picture) for _, _, picture in asked.rows), running.state(folder).words
     assert len(revit.doc._undo) == 1 and "Undo takes all of it back" in asked.said[-1]
     revit.doc._undo_last()
-    revit.doc._trouble = [(__import__("fake.failures").failures.FailureSeverity.Warning, "Walls overlap.")]
+    revit.doc._trouble = [(FailureSeverity.Warning, "Walls overlap.")]
     asked = window(0)
     work.apply_option(revit.host(), asked)
     assert len(revit.doc._undo) == 1 and asked.said[-1].endswith("Revit warns: Walls overlap.")
@@ -216,4 +217,4 @@ def test_an_option_of_a_drawing_by_its_folder(revit, window, monkeypatch, tmp_pa
     for _ in range(3):
         work.apply_drawing(revit.host(), said)
     assert said.said == [f"Option 1: Screen {id} moved. Undo takes all of it back."]
-    assert program.find and len(revit.doc._undo) == 1
+    assert len(revit.doc._undo) == 1

@@ -2,7 +2,7 @@
 
 import math
 
-from . import document, elements
+from . import document, elements, walls
 from .failures import BuiltInCategory, BuiltInParameter, PlanViewPlane, ViewType, WallKind
 
 MM = 1.0 / 304.8
@@ -51,17 +51,17 @@ class Model:
         state = {"zero": a, "heading": heading, "ends": (0.0, length), "joins": (True, True), "arc": None}
         state.update(offset=0.0, width=thickness * MM, z=LEVEL_FT, height=10.0, member_of=None, host=None)
         state.update(type=self.types[kind]._id, params=dict(marks or {}), **more)
-        return elements.Wall(self.doc, name, **state)
+        return walls.Wall(self.doc, name, **state)
 
     def insert(self, name, host, at, category=BuiltInCategory.OST_Doors, width=None, marks=None, sill=0.0, **more):
         numbers = {} if width is None else {BuiltInParameter.DOOR_WIDTH: width * MM}
         state = {"kind": category, "host": host._id, "point": feet([at])[0], "type": self.door_type._id, "height": 7.0}
         state.update(z=host._s["z"] + sill, numbers=numbers, params=dict(marks or {}), width=(width or 900) * MM)
-        return elements.FamilyInstance(self.doc, name, **{**state, **more})
+        return walls.FamilyInstance(self.doc, name, **{**state, **more})
 
     def opening(self, name, host, at, width, sill=0.0, **more):
         state = {"host": host._id, "point": feet([at])[0], "width": width * MM, "z": host._s["z"] + sill}
-        return elements.Opening(self.doc, name, **{**state, "height": 6.0, "rectangular": True, **more})
+        return walls.Opening(self.doc, name, **{**state, "height": 6.0, "rectangular": True, **more})
 
     def column(self, name, at, side=200.0, marks=None, hole=None, **more):
         def square(size):
@@ -70,7 +70,7 @@ class Model:
         state = {"kind": BuiltInCategory.OST_Columns, "host": None, "point": feet([at])[0], "angle": 0.0, "z": LEVEL_FT}
         state.update(ring=square(side), foot=square(2 * side), hole=square(hole) if hole else None, height=10.0)
         state.update(params=dict(marks or {}), type=self.plain_type._id)
-        return elements.FamilyInstance(self.doc, name, **{**state, **more})
+        return walls.FamilyInstance(self.doc, name, **{**state, **more})
 
     def lines(self, style, points, view=None):
         """Detail lines round a ring, in no order."""

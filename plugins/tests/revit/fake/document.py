@@ -33,6 +33,10 @@ class Document:
         #: Failures that every next transaction meets.
         self._trouble = []
         self._writes = True
+        #: Where walls stood that were moved since the model was regenerated.
+        self._stale = {}
+        #: Transactions and groups that are still open or not disposed of.
+        self._open = []
 
     def _add(self, element):
         self._last += 1
@@ -50,6 +54,7 @@ class Document:
         return dict(self._elements), {i: copy.deepcopy(e._s) for i, e in self._elements.items()}, dict(self._bindings)
 
     def _restore(self, kept):
+        self._stale = {}
         self._elements, self._bindings = dict(kept[0]), dict(kept[2])
         for id, state in kept[1].items():
             self._elements[id]._s = copy.deepcopy(state)
@@ -90,6 +95,7 @@ class Document:
 
     def Regenerate(self):
         self._modify()
+        self._stale = {}
 
     def Export(self, folder, name, *rest):
         """With views and their options, or with IFC's, which want an open transaction."""
@@ -119,6 +125,7 @@ class Transaction:
     def __init__(self, document, name):
         self._document, self._name = document, name
         self._options, self._status = FailureHandlingOptions(), TransactionStatus.Uninitialized
+        document._open.append(self)
 
     def Start(self):
         if self._document._transaction is not None:
@@ -166,16 +173,18 @@ class Transaction:
         return self._status
 
     def _end(self, status):
-        self._document._transaction, self._status = None, status
+        self._document._transaction, self._document._stale, self._status = None, {}, status
 
     def Dispose(self):
-        if self._status is TransactionStatus.Started:
-            self.RollBack()
+        """Revit rolls back what is still open, and writes a complaint into its journal."""
+        if self._status is not TransactionStatus.Started:
+            self._document._open.remove(self)
 
 
 class TransactionGroup:
     def __init__(self, document, transGroupName):
         self._document, self._name = document, transGroupName
+        document._open.append(self)
 
     def Start(self):
         self._document._group, self._kept = self, self._document._snapshot()
@@ -197,8 +206,8 @@ class TransactionGroup:
         self._document._group = None
 
     def Dispose(self):
-        if self._document._group is self:
-            self.RollBack()
+        if self._document._group is not self:
+            self._document._open.remove(self)
 
 
 class FilteredElementCollector:
@@ -413,7 +422,7 @@ class DXFExportOptions:
 
     @property
     def SharedCoords(self):
-        return self._values.get("SharedCoords", False)
+        return self._values.get("SharedCoords")
 
     @SharedCoords.setter
     def SharedCoords(self, sharedCoords):

@@ -3,12 +3,12 @@
 import sys
 import types
 
-from . import document, dotnet, elements, failures, forms, geometry
+from . import document, dotnet, elements, failures, forms, geometry, walls
 
 #: Namespaces and what of the fake stands in each.
 DB = {
     name: value
-    for module in (geometry, failures, elements, document)
+    for module in (geometry, failures, elements, walls, document)
     for name, value in vars(module).items()
     if isinstance(value, type) and value.__module__ == module.__name__ and not name.startswith("_")
 }
