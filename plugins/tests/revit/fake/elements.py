@@ -6,9 +6,7 @@ from .failures import (
     ElementOnPhaseStatus,
     InvalidObjectException,
     PlanViewPlane,
-    ViewType,
     StorageType,
-    WallKind,
 )
 from .geometry import BoundingBoxXYZ, Line, XYZ
 

@@ -2,7 +2,7 @@
 
 import math
 
-from .elements import Element, Instance, Location, id_of
+from .elements import Element, Instance, Location
 from .failures import BuiltInCategory, FailureSeverity, InvalidOperationException, WallKind
 from .geometry import Arc, CurveLoop, GeometryElement, GeometryInstance, Line, PlanarFace, Solid, XYZ, downward, prism
 

@@ -93,7 +93,8 @@ def _run(folder: str) -> Optional[Dict[str, Any]]:
     try:
         with open(os.path.join(folder, RUN), encoding="utf-8") as f:
             run = json.load(f)
-        return {"pid": int(run["pid"]), "begun": int(run["begun"]), "version": str(run["version"]), "before": run["before"]}
+        numbers = {"pid": int(run["pid"]), "begun": int(run["begun"])}
+        return {**numbers, "version": str(run["version"]), "before": [str(name) for name in run["before"]]}
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
