@@ -52,7 +52,9 @@ def test_the_button_says_what_it_added(revit, window):
 
 def test_exports_are_in_the_coordinates_in_which_elements_are_moved(revit, window, tmp_path):
     for kind in (0, 1):
-        work.export_drawing(revit.host(), window(str(tmp_path), kind))
+        asked = window(str(tmp_path), kind)
+        work.export_drawing(revit.host(), asked)
+        assert asked.said == [f"Written to {tmp_path}."]
     (_, name, views, dxf), (folder, _, _, ifc) = revit.doc._exports
     assert (name, folder) == ("Haus Süd", str(tmp_path)) and [v.Value for v in views] == [revit.plan._id]
     assert (dxf.LayerMapping, dxf.SharedCoords, dxf.TargetUnit.name) == ("AIA", False, "Millimeter")
