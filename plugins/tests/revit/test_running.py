@@ -153,6 +153,7 @@ def test_each_storey_and_model_has_a_folder_of_its_own(revit, window, program_th
     said = window()
     work.export_study(revit.host(), said)
     assert os.path.isfile(os.path.join(revit.host().document_folder(), "Haus Süd-enfilade", "Level 1", "plan.dxf"))
+    until(ended(work.job_folder(revit.host())))
     kept, revit.doc._guid = revit.doc._guid, "99999999-2222-3333-4444-555555555555"
     work.guarded(said, lambda: work.candidates(revit.host(), said))
     assert "The study is of another model than 'Haus Süd'" in said.said[-1], "before any option is shown"
