@@ -389,9 +389,12 @@ fn zipped(text: &[u8], claimed: Option<u32>) -> Vec<u8> {
     let packed = packer.finish().unwrap();
     let size = claimed.unwrap_or(text.len() as u32);
     let name = b"house.ifc";
+    let mut crc = flate2::Crc::new();
+    crc.update(text);
     // Version, flags, method 8, time, date, checksum; sizes; lengths of name and extra field.
     let fields = [
-        &[20, 0, 0, 0, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0][..],
+        &[20, 0, 0, 0, 8, 0, 0, 0, 0, 0][..],
+        &crc.sum().to_le_bytes(),
         &(packed.len() as u32).to_le_bytes(),
         &size.to_le_bytes(),
         &(name.len() as u16).to_le_bytes(),

@@ -687,7 +687,7 @@ fn check_names(files: &[OutFile]) -> Result<(), Error> {
     Ok(())
 }
 
-/// The files of an earlier analysis that one of `files` does not take the place of, as far as they still hold.
+/// The files of an earlier analysis that no one of `files` replaces, but for pictures of another drawing.
 fn kept_beside(folder: &Path, files: &[OutFile]) -> Vec<OutFile> {
     let sha256 = |json: &[u8]| {
         let value: serde_json::Value = serde_json::from_slice(json).ok()?;
@@ -695,17 +695,16 @@ fn kept_beside(folder: &Path, files: &[OutFile]) -> Vec<OutFile> {
     };
     let now = files.iter().find(|f| f.path == Path::new(ANALYSIS_JSON)).and_then(|f| sha256(&f.bytes));
     let before = fs::read(folder.join(ANALYSIS_JSON)).ok().and_then(|bytes| sha256(&bytes));
-    let is_same_drawing = now.is_some() && now == before;
+    let (Some(now), Some(before), Ok(entries)) = (now, before, fs::read_dir(folder)) else {
+        return Vec::new();
+    };
     let kept = |entry: fs::DirEntry| {
         let path = PathBuf::from(entry.file_name());
-        let is_picture = path.extension().is_some_and(|e| e == "png");
-        let is_left = files.iter().all(|f| f.path != path) && (is_same_drawing || !is_picture);
-        let is_file = entry.file_type().is_ok_and(|t| t.is_file());
-        (is_left && is_file)
-            .then(|| fs::read(entry.path()).ok().map(|bytes| OutFile::new(path, bytes)))
-            .flatten()
+        let holds = now == before || path.extension().is_none_or(|e| e != "png");
+        let is_left =
+            holds && entry.file_type().is_ok_and(|t| t.is_file()) && files.iter().all(|f| f.path != path);
+        is_left.then(|| fs::read(entry.path()).ok().map(|bytes| OutFile::new(path, bytes))).flatten()
     };
-    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     entries.filter_map(Result::ok).filter_map(kept).collect()
 }
 
