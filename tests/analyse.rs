@@ -202,3 +202,20 @@ fn what_may_move_changes_nothing_that_is_measured() {
         |csv: &str| -> Vec<String> { csv.lines().map(|l| l.split_once(',').unwrap().1.to_owned()).collect() };
     assert_eq!(degrees(&free.1), degrees(&held.1));
 }
+
+/// Whoever opens a pipe waits for its other end; what is no file is named at once.
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_never_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe.dxf");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for path in [pipe.as_path(), folder.path()] {
+        let done = enfilade(&["check", &path.to_string_lossy()]);
+        assert!(text(&done.stderr).contains("expected a file"), "{}", text(&done.stderr));
+    }
+    let large = folder.path().join("large.dxf");
+    std::fs::File::create(&large).unwrap().set_len(enfilade::watch::MAX_DRAWING_BYTES + 1).unwrap();
+    let done = enfilade(&["check", &large.to_string_lossy()]);
+    assert!(text(&done.stderr).contains("expected at most 2048 MB"), "{}", text(&done.stderr));
+}
