@@ -481,23 +481,6 @@ fn every_measure_has_a_column_and_a_heat_map() {
     }
 }
 
-/// Whoever opens a pipe waits for its other end; what is no file is named at once.
-#[cfg(unix)]
-#[test]
-fn what_is_no_file_is_never_waited_for() {
-    let folder = tempfile::tempdir().unwrap();
-    let pipe = folder.path().join("pipe.dxf");
-    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    for path in [pipe.as_path(), folder.path()] {
-        let done = enfilade(&["check", &path.to_string_lossy()]);
-        assert!(text(&done.stderr).contains("expected a file"), "{}", text(&done.stderr));
-    }
-    let large = folder.path().join("large.dxf");
-    std::fs::File::create(&large).unwrap().set_len(enfilade::watch::MAX_DRAWING_BYTES + 1).unwrap();
-    let done = enfilade(&["check", &large.to_string_lossy()]);
-    assert!(text(&done.stderr).contains("expected at most 2048 MB"), "{}", text(&done.stderr));
-}
-
 /// An R12 drawing of lines, each with its layer.
 fn drawing_of(lines: &[(&str, [f64; 4])]) -> String {
     let record = |(layer, [x, y, u, v]): &(&str, [f64; 4])| {
