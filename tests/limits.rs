@@ -92,7 +92,9 @@ fn no_command_waits_for_a_pipe() {
         path
     };
     fs::create_dir(folder.path().join("folder.dxf")).unwrap();
-    ["pipe.dxf", "pipe.gltf", "pipe.ifc"].map(pipe);
+    for name in ["pipe.dxf", "pipe.gltf", "pipe.ifc"] {
+        pipe(name);
+    }
     for name in ["pipe.dxf", "pipe.gltf", "pipe.ifc", "folder.dxf"] {
         for command in commands(name) {
             refusal(folder.path(), &command);

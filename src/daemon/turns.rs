@@ -85,8 +85,9 @@ pub(super) struct Busy {
 }
 
 impl Busy {
-    fn is_long(&self) -> bool {
-        self.takes.max(self.ran) > SHORT
+    /// Jobs at once share the processor: each may run so many times as long.
+    fn is_long(&self, room: &Room) -> bool {
+        self.takes > SHORT || self.ran > SHORT * u32::try_from(room.jobs).unwrap_or(u32::MAX)
     }
 }
 
@@ -96,7 +97,7 @@ pub(super) fn next(waiting: &[Wish], busy: &[Busy], room: &Room) -> Option<usize
         return None;
     }
     let fits = |i: &usize| room.holds(busy, waiting[*i].memory);
-    let longs = busy.iter().filter(|b| b.is_long()).count();
+    let longs = busy.iter().filter(|b| b.is_long(room)).count();
     let may_be_long = longs + 1 < room.jobs || room.jobs <= 1;
     let long = waiting.iter().position(Wish::is_long).filter(|_| may_be_long);
     if let Some(old) = long.filter(|i| waiting[*i].waited >= WAITED) {
@@ -116,7 +117,7 @@ pub(super) fn next(waiting: &[Wish], busy: &[Busy], room: &Room) -> Option<usize
 /// Which job ends, to begin again later, as all that run are long and something short waits for a place.
 pub(super) fn gives_way(waiting: &[Wish], busy: &[Busy], room: &Room) -> Option<usize> {
     let is_stuck = room.jobs > 1
-        && busy.iter().all(|b| b.is_long() && !b.is_ending)
+        && busy.iter().all(|b| b.is_long(room) && !b.is_ending)
         && waiting.iter().any(|w| !w.is_long())
         && next(waiting, busy, room).is_none();
     let youngest = (0..busy.len()).min_by_key(|i| busy[*i].ran);
@@ -194,7 +195,7 @@ mod tests {
             assert!(going.len() <= room.jobs);
             let held: u64 = going.iter().map(|g| g.memory).sum();
             assert!(room.memory.is_none_or(|all| held <= all) || going.len() == 1, "{held}");
-            let is_long = |g: &Going| busy(g, &sheets[g.sheet], known[g.sheet], now).is_long();
+            let is_long = |g: &Going| busy(g, &sheets[g.sheet], known[g.sheet], now).is_long(room);
             let weights: Vec<f64> = going.iter().map(|g| if is_long(g) { 0.1 } else { 1.0 }).collect();
             let sum: f64 = weights.iter().sum();
             for (g, w) in going.iter_mut().zip(&weights) {
@@ -304,7 +305,7 @@ mod tests {
     /// One job at a time is what one asked for: nothing gives way.
     #[test]
     fn one_at_a_time_ends_none() {
-        let busy = [Busy { ran: 2 * SHORT, ..Busy::default() }];
+        let busy = [Busy { ran: 3 * SHORT, ..Busy::default() }];
         assert_eq!(gives_way(&[Wish::default()], &busy, &room(1)), None);
         assert_eq!(gives_way(&[Wish::default()], &[busy[0]; 2], &room(2)), Some(0));
         let ending = Busy { is_ending: true, ..busy[0] };

@@ -138,10 +138,13 @@ impl Heart {
 
     /// How long the drawing takes, for the order of the next jobs.
     fn time(&mut self, running: &Running, outcome: &Outcome) {
-        let is_told = matches!(outcome, Outcome::Ended(Ok(_)))
-            || [GIVES_WAY, TOO_LONG, READING_TOO_LONG].contains(&running.why);
-        if is_told {
-            self.took.insert(running.what.drawing.clone(), running.since.elapsed());
+        let drawing = || running.what.drawing.clone();
+        if matches!(outcome, Outcome::Ended(Ok(_))) {
+            // Those beside it had their part of the processor.
+            let beside = u32::try_from(self.running.len()).unwrap_or(0);
+            self.took.insert(drawing(), running.since.elapsed() / (beside + 1));
+        } else if [GIVES_WAY, TOO_LONG, READING_TOO_LONG].contains(&running.why) {
+            self.took.insert(drawing(), running.since.elapsed());
         }
     }
 
