@@ -1,6 +1,6 @@
 //! The daemon left running: at rest with a thousand drawings, from a save to its job, many drawings at once.
 //!
-//! `cargo bench --bench daemon [-- idle | saves | drop]`; Linux, since processor time and memory are read from `/proc`.
+//! `cargo bench --bench daemon [-- idle | saves | drop | heavy]`; Linux, since processor time and memory are read from `/proc`.
 //! `idle` takes about 11 GB in the temporary folder while it runs (`TMPDIR` names another), `drop` half of it.
 //! Processor time is that of the daemon alone: jobs are processes of their own.
 
@@ -22,13 +22,17 @@ const IDLE_SECS: [u64; 2] = [30, 120];
 const SAVES: usize = 20;
 /// Drawings dropped at once.
 const DROPPED: usize = 500;
+/// Drawings at once, the heavy ones among them, and the lines of a heavy one.
+const MIXED: [usize; 3] = [20, 3, 20_000];
 /// Without a line of the daemon for so long the measurement ends.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 fn main() {
     let asked: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
     let is_asked = |name: &str| asked.is_empty() || asked.iter().any(|a| a == name);
-    for (name, measure) in [("saves", saves as fn()), ("drop", drop_at_once), ("idle", idle)] {
+    for (name, measure) in
+        [("saves", saves as fn()), ("drop", drop_at_once), ("heavy", among_heavy), ("idle", idle)]
+    {
         if is_asked(name) {
             measure();
         }
@@ -158,6 +162,41 @@ fn drop_at_once() {
         "{DROPPED} drawings at once: all done in {:.1} s; resident {before:.1} MB before, {early:.1} after {first}, {:.1} after all, {most:.1} at most",
         (ended - began).as_secs_f64(),
         watched.resident_mb()
+    );
+}
+
+/// So many lines without any order: no building, and long to understand.
+fn thicket(lines: usize) -> String {
+    let mut state = 1u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / f64::from(1u32 << 31) * 100.0
+    };
+    let mut line =
+        || format!("0\nLINE\n8\nA-WALL\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", next(), next(), next(), next());
+    let walls: String = (0..lines).map(|_| line()).collect();
+    format!("0\nSECTION\n2\nENTITIES\n{walls}0\nENDSEC\n0\nEOF\n")
+}
+
+/// How long small drawings take at once, and among heavy ones: about twice as long at most.
+fn among_heavy() {
+    let [all, heavy, lines] = MIXED;
+    let of_small = |heavy: usize| {
+        let watched = Watched::new(|root| fs::create_dir(root.join("plans")).unwrap(), &["--depth", "1"]);
+        let began = Instant::now();
+        for n in 0..heavy {
+            fs::write(watched.drawing(&format!("plans/heavy-{n}.dxf")), thicket(lines)).unwrap();
+        }
+        for n in 0..all - MIXED[1] {
+            fs::write(watched.drawing(&format!("plans/small-{n}.dxf")), hall(n)).unwrap();
+        }
+        let ended = watched.until(all - MIXED[1], |l| is_round(l) && l.contains("small-"));
+        (ended - began).as_secs_f64()
+    };
+    let [alone, among] = [0, heavy].map(of_small);
+    println!(
+        "{} small drawings: {alone:.1} s alone, {among:.1} s among {heavy} of {lines} lines each",
+        all - heavy
     );
 }
 

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use crate::commands::unsaid;
-use crate::config::Partial;
+use crate::config::{JOB_SECS, Partial};
 use crate::pipeline::resolution;
 pub use choices::{BackendArg, ColoursArg, LevelArg, MethodArg, ModeArg, ThresholdsArg, UnsureArg};
 use reading::ReadingArgs;
@@ -175,9 +175,21 @@ pub struct Common {
     /// How progress is said on standard error.
     #[arg(long, value_enum)]
     pub progress: Option<ProgressArg>,
+    /// A drawing that is read longer is given up (read-limit-secs of [watch], else 300).
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub read_limit_secs: Option<f64>,
+    /// The same for the whole job (job-limit-secs of [watch], else 3600 more than --seconds).
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub job_limit_secs: Option<f64>,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub reading: ReadingArgs,
+}
+
+/// A limit of time.
+fn seconds(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|s: &f64| *s > 0.0 && *s <= JOB_SECS[1]);
+    found.ok_or_else(|| format!("expected seconds above 0, at most {}", JOB_SECS[1]))
 }
 
 /// `check`.
@@ -626,6 +638,7 @@ impl Common {
         let none = SearchArgs::default();
         let s = search.unwrap_or(&none);
         Partial {
+            version: None,
             unit: self.unit.clone(),
             wall_layer: list(&self.wall_layer),
             query_layer: self.query_layer.clone(),

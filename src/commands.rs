@@ -3,6 +3,7 @@
 mod batching;
 mod beside;
 mod installing;
+mod limits;
 mod outputs;
 mod watching;
 
@@ -25,12 +26,13 @@ use crate::pipeline::cells::CellOptions;
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::plan::drawing::Format;
 use crate::progress::Display;
-use crate::report::{Cancel, Error, Place, Report, Severity, counted, gathered, one_line};
+use crate::report::{Cancel, Error, Place, Report, Severity, counted, gathered, one_line, short_numbers};
 use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, round_name};
 use crate::watch::MAX_DRAWING_BYTES;
 pub use beside::settings_for;
 use beside::{beside, read_settings, settings_partial};
+use limits::Clock;
 
 /// Runs one command line. The exit code of a finished command is 0, or 1 when something was left out.
 ///
@@ -57,10 +59,19 @@ pub fn unsaid(why: &str) -> Error {
 
 fn carry_out(command: Command, cancel: &Cancel) -> Result<u8, Error> {
     match command {
-        Command::Check(args) => check(&args),
-        Command::Analyse(args) => analyse(&args, cancel),
-        Command::Resolution(args) => resolution(&args, cancel),
-        Command::Run(args) => run(&args, cancel),
+        Command::Check(args) => {
+            timed(&args.file, &args.common, None, cancel, |clock, cancel| check(&args, clock, cancel))
+        }
+        Command::Analyse(args) => {
+            timed(&args.file, &args.common, None, cancel, |clock, cancel| analyse(&args, clock, cancel))
+        }
+        Command::Resolution(args) => {
+            timed(&args.file, &args.common, None, cancel, |clock, cancel| resolution(&args, clock, cancel))
+        }
+        Command::Run(args) => {
+            let seconds = args.search.seconds;
+            timed(&args.file, &args.common, seconds, cancel, |clock, cancel| run(&args, clock, cancel))
+        }
         Command::Watch(args) => watching::watch(&args, cancel),
         Command::JobChild { drawing, results } => watching::job_child(&drawing, &results),
         Command::Accept(args) => accept(&args),
@@ -77,11 +88,25 @@ fn carry_out(command: Command, cancel: &Cancel) -> Result<u8, Error> {
     }
 }
 
-fn check(args: &CheckArgs) -> Result<u8, Error> {
+/// A command on one drawing, within its limits of time.
+fn timed(
+    file: &Path,
+    common: &Common,
+    seconds: Option<f64>,
+    cancel: &Cancel,
+    command: impl FnOnce(&Clock, &Cancel) -> Result<u8, Error>,
+) -> Result<u8, Error> {
+    let clock = Clock::start(file, common, seconds)?;
+    clock.judge(command(&clock, &clock.within(cancel)))
+}
+
+fn check(args: &CheckArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
     let settings = settings_for(&args.file, args.common.partial(None))?.0;
     let extras = pipeline::Extras { picture: args.preview.is_some(), graph: args.graph.is_some() };
     let outcome = pipeline::check_with(&Input::new(&path, &bytes, 1), &settings, extras)?;
+    cancel.check()?;
+    clock.is_read();
     let result = &outcome.result;
     let graph =
         args.graph.as_ref().and_then(|to| to.extension()).is_some_and(|e| e.eq_ignore_ascii_case("json"));
@@ -143,14 +168,14 @@ fn estimate_words(result: &AnalysisResult, key: &str, of: &Interval) -> String {
     format!("{} {value} {unit} ({low} to {high})", plain_name(key).to_lowercase())
 }
 
-fn analyse(args: &AnalyseArgs, cancel: &Cancel) -> Result<u8, Error> {
+fn analyse(args: &AnalyseArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
     let (settings, out) = settings_for(&args.file, args.common.partial(None))?;
     let placing = Placing { out_dir: out, fallback_dir: None };
     let home = Home::open(Arc::new(SystemDisk), &absolute(&args.file), &placing)?;
     let input = Input::new(&path, &bytes, 1);
     let (mut outcome, study) = pipeline::on_threads(&settings, || {
-        pipeline::analyse_from(&input, &settings, roots_of(args), cancel)
+        pipeline::analyse_from(&input, &settings, roots_of(args), &mut || clock.is_read(), cancel)
     })?;
     let wants_pictures = !args.measures.is_empty() || !args.step_from.is_empty();
     let mut tables = Vec::new();
@@ -252,7 +277,7 @@ fn cell_options(args: &AnalyseArgs, settings: &Settings) -> CellOptions {
     }
 }
 
-fn resolution(args: &ResolutionArgs, cancel: &Cancel) -> Result<u8, Error> {
+fn resolution(args: &ResolutionArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
     let out_of = |what: &'static str, found: String, expected: &str| {
         let text = format!("--{what}: found {found}, expected {expected}; nothing was done");
         Err(Error::usage(what, Place::default(), text))
@@ -277,6 +302,7 @@ fn resolution(args: &ResolutionArgs, cancel: &Cancel) -> Result<u8, Error> {
     let mut display = Display::new(args.common.progress, args.common.quiet);
     let mut show = |event: Event| {
         if let Event::Progress(p) = event {
+            clock.is_read();
             display.show(&p);
         }
     };
@@ -298,7 +324,7 @@ fn tell_resolution(result: &resolution::ResolutionResult, folder: &Path) {
     say(&format!("plot and table: {}", folder.display()));
 }
 
-fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
+fn run(args: &RunArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
     let mut partial = args.common.partial(Some(&args.search));
     let asked = Asked { pin: args.pin.clone(), like: args.like, ..Asked::default() };
     if args.so_far && asked == Asked::default() {
@@ -323,6 +349,9 @@ fn run(args: &RunArgs, cancel: &Cancel) -> Result<u8, Error> {
     };
     let mut show = |notice: Notice| match notice {
         Notice::Progress { value, .. } => {
+            if value["stage"] != "read" {
+                clock.is_read();
+            }
             if let Ok(p) = serde_json::from_value(value) {
                 display.show(&p);
             }
@@ -555,7 +584,7 @@ fn round_result(folder: &Path, which: Which) -> Result<(Origin, RoundResult), Er
     };
     let at = folder.join(name).join("result.json");
     let place = || Place::file(at.to_string_lossy());
-    let json = std::fs::read(&at).map_err(|e| {
+    let json = store::read_own(&at).map_err(|e| {
         Error::usage(
             "no-round",
             place(),
@@ -675,7 +704,7 @@ fn exit_code(report: &Report) -> u8 {
 
 /// One line: line ends in names are shown, not obeyed.
 fn say(line: &str) {
-    print(&format!("{}\n", one_line(line.trim_end_matches('\n'))));
+    print(&format!("{}\n", one_line(&short_numbers(line.trim_end_matches('\n')))));
 }
 
 /// Standard output may be a closed pipe: that is no reason to fail. Anything else is kept for the end.

@@ -12,6 +12,7 @@ mod pair;
 mod reading;
 #[cfg(test)]
 mod tests;
+mod version;
 mod watching;
 mod wording;
 
@@ -27,7 +28,8 @@ pub use files::{settings_files, unread_side_cars};
 pub use measure::{Measure, Source};
 pub use pair::{PAIR_NAME_BYTES, PairName};
 pub use reading::{ReadingTable, SelectorText, ViewText, for_folder};
-pub use watching::WatchTable;
+pub use version::SETTINGS_VERSION;
+pub use watching::{JOB_SECS, WatchTable};
 
 /// Members of the diverse set by default (paper: n = 5).
 pub const MEMBERS_DEFAULT: usize = 5;
@@ -293,6 +295,9 @@ pub struct Partial {
     /// Belongs to the plugin that wrote it.
     #[serde(default)]
     pub host: Option<toml::Table>,
+    /// Version of the file; newer ones are refused.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub version: Option<u64>,
 }
 
 impl Partial {
@@ -301,6 +306,7 @@ impl Partial {
     /// # Errors
     /// [`Error::Usage`] with line and column.
     pub fn from_toml(name: &str, text: &str) -> Result<Self, Error> {
+        version::is_known(name, text)?;
         let mut read: Self = toml::from_str(text).map_err(|e| {
             let place =
                 e.span().map_or_else(|| Place::file(name), |s| reading::place_in(name, text, s.start));
@@ -310,6 +316,7 @@ impl Partial {
                 format!("{}; nothing of this file was used", wording::plain(e.message())),
             )
         })?;
+        read.version = None;
         read.unit = read.reading.unit.take().or(read.unit);
         read.view = read.reading.view.take().map(|v| v.to_string()).or(read.view);
         read.is_sound_alone(name, text)?;
@@ -339,6 +346,7 @@ impl Partial {
         let warm_moves = if self.warm.is_some() { self.warm_moves } else { base.warm_moves };
         let tables = |mine: Vec<_>, theirs| if mine.is_empty() { theirs } else { mine };
         Self {
+            version: None,
             unit: self.unit.or(base.unit),
             wall_layer: self.wall_layer.or(base.wall_layer),
             query_layer: self.query_layer.or(base.query_layer),

@@ -4,6 +4,7 @@
 //! goes on, and the [`Report`] is shown beside the result. Only a job that cannot go on at all
 //! returns an [`Error`]. These are the only error types of the house.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fmt;
 use std::path::PathBuf;
@@ -19,6 +20,33 @@ pub fn printable(text: &str) -> String {
     text.chars()
         .map(|c| if is_harmless(c) { c.to_string() } else { c.escape_default().to_string() })
         .collect()
+}
+
+/// Numbers with more digits than anybody reads, in short: `1.000e308`. A slip of the pen in a drawing has up to 309.
+pub fn short_numbers(text: &str) -> Cow<'_, str> {
+    const DIGITS_MAX: usize = 20;
+    let digits = |s: &str| s.bytes().take_while(u8::is_ascii_digit).count();
+    let mut out = String::new();
+    let (mut done, mut at) = (0, 0);
+    while let Some(next) = text[at..].find(|c: char| c.is_ascii_digit()) {
+        let from = at + next;
+        let whole = digits(&text[from..]);
+        let point = usize::from(text[from + whole..].starts_with('.'));
+        let parts = digits(text.get(from + whole + point..).unwrap_or_default());
+        let end = from + whole + if parts > 0 { point + parts } else { 0 };
+        if whole.max(parts) > DIGITS_MAX
+            && let Ok(number) = text[from..end].parse::<f64>()
+        {
+            out.push_str(&text[done..from]);
+            out.push_str(&format!("{number:.3e}"));
+            done = end;
+        }
+        at = end;
+    }
+    if done == 0 {
+        return Cow::Borrowed(text);
+    }
+    Cow::Owned(out + &text[done..])
 }
 
 /// A number of things in words: `1 layout`, `2 layouts`.
@@ -110,7 +138,7 @@ pub struct Problem {
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let place = self.place.to_string();
-        let text = printable(&self.text);
+        let text = printable(&short_numbers(&self.text));
         if place.is_empty() { f.write_str(&text) } else { write!(f, "{place}: {text}") }
     }
 }
@@ -122,7 +150,7 @@ impl Serialize for Problem {
         out.serialize_field("code", self.code)?;
         out.serialize_field("severity", &self.severity)?;
         out.serialize_field("place", &self.place.to_string())?;
-        out.serialize_field("text", &self.text)?;
+        out.serialize_field("text", &*short_numbers(&self.text))?;
         out.end()
     }
 }
@@ -246,7 +274,7 @@ impl Error {
 ///
 /// Long loops look at it at least every 50 ms.
 #[derive(Clone, Debug, Default)]
-pub struct Cancel(Arc<AtomicBool>);
+pub struct Cancel(Arc<AtomicBool>, Option<Arc<AtomicBool>>);
 
 impl Cancel {
     /// Asks to stop; cannot be taken back.
@@ -256,7 +284,12 @@ impl Cancel {
 
     /// Whether somebody asked to stop.
     pub fn is_stopped(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.0.load(Ordering::Relaxed) || self.1.as_ref().is_some_and(|other| other.load(Ordering::Relaxed))
+    }
+
+    /// A request that is made when either of the two is; to stop it stops `self` alone.
+    pub fn also(&self, other: &Cancel) -> Self {
+        Self(self.0.clone(), Some(other.0.clone()))
     }
 
     /// [`Error::Stopped`] when somebody asked to stop.
@@ -284,6 +317,20 @@ impl OutFile {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nobody_reads_309_digits() {
+        let far = format!("lies at {}, {}; 2 walls", 1e308, -12.5);
+        assert_eq!(short_numbers(&far), "lies at 1.000e308, -12.5; 2 walls");
+        assert_eq!(short_numbers(&format!("{}…{}", -1e300, 1.5e-300)), "-1.000e300…1.500e-300");
+        for text in
+            ["", "no number", "plan-2026.dxf:1842", "12345678901234567890", "3.", "0.1234567890123456", "é7"]
+        {
+            assert_eq!(short_numbers(text), text);
+        }
+        let problem = Problem { code: "c", severity: Severity::Info, place: Place::default(), text: far };
+        assert!(problem.to_string().len() < 60 && serde_json::to_string(&problem).unwrap().len() < 140);
+    }
 
     #[test]
     fn one_is_no_plural() {

@@ -90,8 +90,11 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 # ignore = ["*-backup.dxf"]
 # newest-first = false              # of many drawings waiting
 # fallback = "results"              # results go there where nothing may be written beside a drawing
-# job-limit-secs = 3600.0           # a job that runs longer is ended and reported
-# job-memory-mb = 4096              # the same for memory; without it, three quarters of the machine's
+# jobs = 2                          # drawings worked on at once; without it, by the cores, 2 to 4
+# memory-mb = 8192                  # memory for all jobs together; without it, nine tenths of the machine's
+# read-limit-secs = 300.0           # a drawing that is read longer is given up and reported
+# job-limit-secs = 3600.0           # the same for the whole job
+# job-memory-mb = 4096              # the same for the memory of one job; without it, three quarters of memory-mb
 "#;
 
 #[cfg(test)]

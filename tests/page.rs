@@ -19,7 +19,10 @@ struct Daemon {
     child: Child,
     folder: tempfile::TempDir,
     port: u16,
+    /// For programs.
     token: String,
+    /// What browsers sign with.
+    key: String,
 }
 
 impl Drop for Daemon {
@@ -41,11 +44,17 @@ fn start_with(drawing: &str, settings: &str) -> Daemon {
     fs::create_dir_all(plans.join(drawing).parent().unwrap()).unwrap();
     fs::copy(sample, plans.join(drawing)).unwrap();
     fs::write(plans.join("enfilade.toml"), settings).unwrap();
+    let (child, port, token, key) = spawn(folder.path());
+    Daemon { child, folder, port, token, key }
+}
+
+/// A daemon on `plans` in this home: its process, port, token and key.
+fn spawn(home: &Path) -> (Child, u16, String, String) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_enfilade"))
         .args(["watch", "--page", "--evaluations", "60", "--log"])
-        .arg(folder.path().join("watch.log"))
-        .arg(&plans)
-        .env("HOME", folder.path())
+        .arg(home.join("watch.log"))
+        .arg(home.join("plans"))
+        .env("HOME", home)
         .env_remove("XDG_STATE_HOME")
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
@@ -55,9 +64,26 @@ fn start_with(drawing: &str, settings: &str) -> Daemon {
     let link = lines.find_map(|l| l.unwrap().strip_prefix("page: ").map(str::to_owned)).unwrap();
     // Nobody may be left to write to.
     std::thread::spawn(move || lines.for_each(drop));
-    let (address, token) = link.split_once("/?token=").unwrap();
+    let (address, key) = link.split_once("/#key=").unwrap();
     let port = address.strip_prefix("http://127.0.0.1:").unwrap().parse().unwrap();
-    Daemon { child, folder, port, token: token.to_owned() }
+    let doors = fs::read_dir(home.join(".local/state/enfilade")).unwrap().map(|e| e.unwrap().path());
+    let door = doors.filter(|p| p.file_name().unwrap().to_str().unwrap().starts_with("page-"));
+    let read = |p: PathBuf| serde_json::from_slice::<Value>(&fs::read(p).unwrap()).unwrap();
+    let door = door.map(read).find(|d| d["key"] == key).unwrap();
+    (child, port, door["token"].as_str().unwrap().to_owned(), key.to_owned())
+}
+
+/// HMAC-SHA-256, hexadecimal, as a browser makes it.
+fn mac(key: &str, text: &str) -> String {
+    use sha2::{Digest, Sha256};
+    let pad = |with: u8| -> Vec<u8> {
+        let mut block = key.as_bytes().to_vec();
+        block.resize(64, 0);
+        block.iter().map(|b| b ^ with).collect()
+    };
+    let inner = Sha256::digest([pad(0x36), text.as_bytes().to_vec()].concat());
+    let outer = Sha256::digest([pad(0x5c), inner.to_vec()].concat());
+    outer.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 struct Answer {
@@ -94,6 +120,21 @@ impl Daemon {
         let host = format!("127.0.0.1:{}", self.port);
         let auth = format!("Bearer {}", self.token);
         self.raw(method, path, &[("Host", &host), ("Authorization", &auth), ("X-Enfilade", "1")], body)
+    }
+
+    /// The word of the running start, where it proves that it has `key`.
+    fn greet(&self, key: &str) -> Option<String> {
+        let nonce = "00112233445566778899aabbccddeeff";
+        let host = format!("127.0.0.1:{}", self.port);
+        let answer = self.raw("GET", &format!("/api/hello?nonce={nonce}"), &[("Host", &host)], "");
+        let said: Value = serde_json::from_slice(&answer.body).unwrap();
+        let start = said["start"].as_str().unwrap();
+        (said["proof"] == mac(key, &format!("page\n{start}\n{nonce}"))).then(|| start.to_owned())
+    }
+
+    /// A request as a browser signs it.
+    fn signed(&self, start: &str, nonce: &str, method: &str, path: &str) -> String {
+        format!("Enfilade {nonce}.{}", mac(&self.key, &format!("{method}\n{start}\n{nonce}\n{path}")))
     }
 
     fn json(&self, path: &str) -> Value {
@@ -305,25 +346,25 @@ fn strangers_get_nothing() {
     let status =
         |method: &str, path: &str, heads: &[(&str, &str)]| daemon.raw(method, path, heads, "").status;
     assert_eq!(status("GET", "/", &[("Host", "evil.test"), known]), 403);
-    assert_eq!(status("GET", "/", &[own]), 403);
-    // A browser that waits for the page gets words for a person, and nothing else of the daemon.
-    let html = ("Accept", "text/html,application/xhtml+xml;q=0.9,*/*;q=0.8");
-    for (path, heads, is_page) in [
-        ("/", vec![own, html], true),
-        ("/?token=0123", vec![own, html, ("Cookie", "enfilade-1=2")], true),
-        ("/", vec![own], false),
-        ("/", vec![own, ("Accept", "application/json")], false),
-        ("/", vec![("Host", "evil.test"), html], false),
-        ("/", vec![own, html, ("Origin", "http://evil.test")], false),
-        ("/api/log", vec![own, html], false),
+    // The page itself is the same for everybody: it holds nothing of the daemon's, and sets no cookie.
+    for (path, heads, wanted) in [
+        ("/", vec![own], 200),
+        ("/page.js", vec![own], 200),
+        ("/?token=0123", vec![own, ("Cookie", "enfilade-1=2")], 200),
+        ("/", vec![("Host", "evil.test")], 403),
+        ("/", vec![own, ("Origin", "http://evil.test")], 403),
+        ("/api/log", vec![own], 403),
+        ("/api/log", vec![own, known, ("Sec-Fetch-Site", "same-site")], 403),
+        ("/nowhere", vec![own], 403),
     ] {
         let answer = daemon.raw("GET", path, &heads, "");
         let said = String::from_utf8_lossy(&answer.body);
-        let kind = if is_page { "content-type: text/html" } else { "content-type: application/json" };
-        assert!(answer.status == 403 && answer.head.contains(kind), "{path} {heads:?}: {}", answer.head);
-        assert!(answer.head.contains("content-security-policy") && answer.head.contains("no-store"));
-        assert!(is_page == said.contains("The daemon was started again") && !said.contains(&daemon.token));
-        assert!(!is_page || said.contains("enfilade open"), "{said}");
+        assert_eq!(answer.status, wanted, "{path} {heads:?}: {}", answer.head);
+        assert!(answer.head.contains("content-security-policy: default-src 'self'"), "{}", answer.head);
+        assert!(answer.head.contains("no-store") && !answer.head.contains("set-cookie"), "{}", answer.head);
+        assert!(!answer.head.contains("access-control"), "{}", answer.head);
+        let secrets = [&daemon.token, &daemon.key, "gallery.dxf"];
+        assert!(secrets.iter().all(|secret| !said.contains(*secret)), "{path}");
     }
     assert_eq!(status("GET", "http://evil.test/api/drawings", &[own, known]), 403);
     assert_eq!(status("GET", "/api/log", &[own, ("Authorization", "Bearer no")]), 403);
@@ -362,14 +403,73 @@ fn strangers_get_nothing() {
         assert_eq!(status("GET", &path, &[own, known]), 404, "{path}");
     }
 
-    let welcome = daemon.raw("GET", &format!("/?token={}", daemon.token), &[own], "");
-    assert_eq!(welcome.status, 303);
-    assert!(welcome.head.contains("httponly; samesite=strict"), "{}", welcome.head);
-    assert!(!welcome.head.contains(&daemon.token), "the cookie is the token");
-    assert!(welcome.head.contains("content-security-policy: default-src 'self'"), "{}", welcome.head);
-    assert!(!welcome.head.contains("access-control"), "{}", welcome.head);
     assert_loopback_only(daemon.port);
     assert_door_is_closed(daemon.folder.path());
+}
+
+/// Whoever listens on another port of this machine, or on the page's own while the daemon is down, gets nothing that the
+/// daemon would take: no cookie, no token, and signatures that are good for one start, one address and, to order, once.
+#[test]
+fn what_other_servers_hear_opens_nothing() {
+    let mut daemon = start();
+    let id = daemon.until_done("gallery.dxf");
+    let host = format!("127.0.0.1:{}", daemon.port);
+    let (own, order) = (("Host", host.as_str()), ("X-Enfilade", "1"));
+    let start = daemon.greet(&daemon.key).unwrap();
+    assert!(daemon.greet(&"0".repeat(64)).is_none());
+    let accept = format!("/api/drawings/{id}/accept");
+    let heard = daemon.signed(&start, "0123456789abcdef", "POST", &accept);
+    let send = |daemon: &Daemon, head: &str| {
+        let body = r#"{"round": 1, "candidate": 1}"#;
+        let own = format!("127.0.0.1:{}", daemon.port);
+        let heads = [("Host", own.as_str()), order, ("Authorization", head)];
+        daemon.raw("POST", &accept, &heads, body).status
+    };
+    assert_eq!(send(&daemon, &heard), 200);
+    assert_eq!(send(&daemon, &heard), 403, "a replay");
+    let read = daemon.signed(&start, "0123456789abcdef", "GET", "/api/log");
+    assert_eq!(daemon.raw("GET", "/api/log", &[own, ("Authorization", &read)], "").status, 200);
+    let picture = format!("/api/drawings/{id}/round-01/initial-degree.png");
+    let address = format!("{picture}?mac={}", mac(&daemon.key, &format!("GET\n{start}\n\n{picture}")));
+    assert_eq!(daemon.raw("GET", &address, &[own], "").status, 200);
+    let report = format!("/api/drawings/{id}/round-01/report.html");
+    let mut shown = daemon.raw("GET", &report, &[own, ("Authorization", &read)], "");
+    assert_eq!(shown.status, 403);
+    shown = daemon.ask("GET", &report, "");
+    assert!(shown.status == 200 && shown.head.contains("sandbox allow-scripts"), "{}", shown.head);
+
+    // Down and up again: the same address and key, another start. Nothing that was heard before is good.
+    let unused = daemon.signed(&start, "fedcba9876543210", "POST", &accept);
+    let restart = |daemon: &mut Daemon| {
+        let (child, port, token, key) = spawn(daemon.folder.path());
+        daemon.child = child;
+        (port, token, key)
+    };
+    let end = |daemon: &mut Daemon| {
+        daemon.child.kill().unwrap();
+        daemon.child.wait().unwrap();
+    };
+    end(&mut daemon);
+    let (port, token, key) = restart(&mut daemon);
+    assert_eq!((port, &key), (daemon.port, &daemon.key), "the address and the login stay");
+    assert_ne!(token, daemon.token);
+    let own_host = format!("127.0.0.1:{port}");
+    assert_eq!(send(&daemon, &unused), 403, "a signature of another start");
+    let before = format!("Bearer {}", daemon.token);
+    assert_eq!(send(&daemon, &before), 403, "the token of another start");
+    assert_eq!(daemon.raw("GET", &address, &[("Host", &own_host)], "").status, 403);
+    assert_ne!(daemon.greet(&daemon.key).unwrap(), start);
+
+    // Somebody takes the port meanwhile, and hears what a page would send: the daemon gives it up with its key.
+    end(&mut daemon);
+    let stranger = std::net::TcpListener::bind(("127.0.0.1", port)).unwrap();
+    let (elsewhere, token, key) = restart(&mut daemon);
+    drop(stranger);
+    assert!(elsewhere != port && key != daemon.key);
+    let old = std::mem::replace(&mut daemon.key, key);
+    (daemon.port, daemon.token) = (elsewhere, token);
+    assert!(daemon.greet(&old).is_none(), "the key of the port that was taken is no more");
+    assert!(daemon.greet(&daemon.key).is_some());
 }
 
 /// Pages of ended daemons are forgotten at the next start, also where somebody else listens on their port by now; that
@@ -386,7 +486,8 @@ fn pages_of_ended_daemons_are_forgotten() {
     ended.child.wait().unwrap();
     let dead = doors(&ended).pop_first().unwrap();
     fs::copy(state(&ended).join(&dead), state(&daemon).join("page-dead.json")).unwrap();
-    let stranger = json!({"address": format!("http://127.0.0.1:{}/", daemon.port), "token": "x", "pid": 1});
+    let address = format!("http://127.0.0.1:{}/", daemon.port);
+    let stranger = json!({"address": address, "token": "x", "key": "0", "pid": 1});
     fs::write(state(&daemon).join("page-stranger.json"), stranger.to_string()).unwrap();
     assert_eq!(doors(&daemon).len(), 3);
     let other = daemon.folder.path().join("other");
@@ -409,7 +510,7 @@ fn pages_of_ended_daemons_are_forgotten() {
     let refused = by_user(&["watch", "--page"], &daemon.plans()).output().unwrap();
     assert_eq!(refused.status.code(), Some(4), "{refused:?}");
     let open = by_user(&["open", "--print"], &daemon.plans()).output().unwrap();
-    assert!(String::from_utf8_lossy(&open.stdout).contains(&daemon.token), "{open:?}");
+    assert!(String::from_utf8_lossy(&open.stdout).contains(&daemon.key), "{open:?}");
     let gone = by_user(&["open", "--print"], &other).output().unwrap();
     assert!(String::from_utf8_lossy(&gone.stderr).contains("no page of a daemon"), "{gone:?}");
 }
@@ -613,7 +714,7 @@ fn modules() -> Option<std::ffi::OsString> {
 fn browse(daemon: &Daemon, modules: std::ffi::OsString, script: &str, told: &str) {
     let out = Command::new("node")
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page").join(script))
-        .arg(format!("http://127.0.0.1:{}/?token={}", daemon.port, daemon.token))
+        .arg(format!("http://127.0.0.1:{}/#key={}", daemon.port, daemon.key))
         .arg(told)
         .env("HOME", daemon.folder.path())
         .env_remove("XDG_STATE_HOME")
@@ -644,6 +745,21 @@ fn a_browser_keeps_what_is_looked_at_when_another_drawing_goes() {
     daemon.until_done("gallery.dxf");
     daemon.until("the other", || daemon.drawing("other.dxf").filter(|d| d["state"] == "failed"));
     browse(&daemon, modules, "another.mjs", other.to_str().unwrap());
+}
+
+/// Ten tabs at once: each is told the news, and each finds the daemon again once it was started anew.
+#[test]
+fn a_browser_has_as_many_tabs_as_it_likes() {
+    let Some(modules) = modules() else { return };
+    let daemon = start();
+    daemon.until_done("gallery.dxf");
+    let again = json!({
+        "pid": daemon.child.id(),
+        "program": env!("CARGO_BIN_EXE_enfilade"),
+        "args": ["watch", "--page", daemon.plans().display().to_string()],
+        "drawing": daemon.plans().join("gallery.dxf"),
+    });
+    browse(&daemon, modules, "tabs.mjs", &again.to_string());
 }
 
 /// Chromium with every action of the page, and axe.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::batch::{self, Finished, Job};
 use crate::cli::{JobsArgs, RunJobArgs};
 use crate::config::{Beside, Partial, Settings};
-use crate::daemon::{Asked, JobEvent, JobRequest};
+use crate::daemon::{Asked, JobEvent, JobRequest, Share};
 use crate::formats::{self, StoreyInfo};
 use crate::pipeline;
 use crate::progress::Display;
@@ -154,6 +154,9 @@ fn done(args: &RunJobArgs, cancel: &Cancel) -> Result<Finished, Error> {
         drawing: job.drawing.clone(),
         bytes: Arc::new(job.bytes()?),
         sha256: job.sha256.clone(),
+        content: String::new(),
+        config: String::new(),
+        share: Share::default(),
         round: 1,
         asked: Asked::default(),
         earlier: Arc::new(home.memory()),

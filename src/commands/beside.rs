@@ -9,6 +9,9 @@ use crate::formats;
 use crate::report::{Error, Place};
 use crate::watch::{bytes_of, is_scene};
 
+/// Largest file of settings that is read.
+const SETTINGS_BYTES_MAX: u64 = 16 << 20;
+
 /// Settings of a drawing: the command line, its side-car, its folder's file, the defaults; and where the
 /// results go.
 ///
@@ -36,7 +39,7 @@ fn files_beside(drawing: &Path) -> Vec<String> {
 
 /// What is read of files beside a drawing.
 pub(super) fn beside(drawing: &Path) -> Beside {
-    let scene = if is_scene(drawing) { std::fs::read(drawing).unwrap_or_default() } else { Vec::new() };
+    let scene = is_scene(drawing).then(|| bytes_of(drawing)).flatten().unwrap_or_default();
     let named = formats::gltf::outer_files(&scene);
     let mut left = formats::gltf::PICTURES_MAX;
     let mut picture = |name: String| {
@@ -139,6 +142,15 @@ pub(super) fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
     if std::fs::metadata(file).is_ok_and(|found| !found.is_file()) {
         let text = "found no file of that name but a folder, a pipe or a device; nothing was done";
         return Err(Error::environment("settings-unreadable", place(), text));
+    }
+    let size = std::fs::metadata(file).map_or(0, |found| found.len());
+    if size > SETTINGS_BYTES_MAX {
+        let text = format!(
+            "found {} MB, expected at most {} MB (SETTINGS_BYTES_MAX); nothing was done",
+            size >> 20,
+            SETTINGS_BYTES_MAX >> 20
+        );
+        return Err(Error::usage("settings-too-large", place(), text));
     }
     match std::fs::read_to_string(file) {
         Ok(text) => {

@@ -42,7 +42,7 @@ pub(super) fn open(args: &OpenArgs) -> Result<u8, Error> {
     let (program, first) = BROWSER;
     let started = Command::new(program)
         .args(first)
-        .arg(door.link())
+        .arg(door.write_opener()?)
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .status();
@@ -50,7 +50,7 @@ pub(super) fn open(args: &OpenArgs) -> Result<u8, Error> {
         let text = format!("no browser could be started by {program}; --print says the address");
         return Err(Error::environment("browser", Place::default(), text));
     }
-    super::say(&door.address);
+    super::say(&format!("{} (a browser that shows nothing: --print says the address)", door.address));
     Ok(0)
 }
 

@@ -17,14 +17,16 @@ use crate::daemon::{self, JobEvent, JobRequest, Notice, RunJob, WatchSettings};
 use crate::formats;
 use crate::overlay::result::to_json;
 use crate::report::{Cancel, Error, Place, Problem, Severity};
-use crate::server::{Door, Page, Taken};
+use crate::server::{Door, Login, Page, Taken};
 use crate::service::Folders;
 use crate::store::{Disk as _, Log, SystemDisk};
 use crate::watch::{Completeness, canonical_roots};
 
-/// A job may use this share of the machine's memory unless the settings say otherwise.
+/// All jobs together may use this share of the machine's memory unless the settings say otherwise.
 #[cfg(target_os = "linux")]
-const MEMORY_SHARE: f64 = 0.75;
+const MEMORY_SHARE: f64 = 0.9;
+/// Jobs at once: as many as cores, within these.
+const JOBS: [usize; 2] = [2, 4];
 
 pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
     let partial = args.common.partial(Some(&args.search));
@@ -32,7 +34,7 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
     canonical_roots(&args.looking.folders, args.looking.force)?;
     let mut said = Said::of(&args.looking.folders)?;
     let settings = watch_settings(args, &partial, said.clone());
-    let limits = Arc::new(Mutex::new(limits(&partial, &said.table, &settings)?));
+    let limits = Arc::new(Mutex::new(limits(&partial, &settings)?));
     let held = Arc::clone(&limits);
     let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
         let limits = held.lock().unwrap_or_else(PoisonError::into_inner).clone();
@@ -44,8 +46,7 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
             return Ok(None);
         }
         let settings = watch_settings(args, &partial, now.clone());
-        *limits.lock().unwrap_or_else(PoisonError::into_inner) =
-            self::limits(&partial, &now.table, &settings)?;
+        *limits.lock().unwrap_or_else(PoisonError::into_inner) = self::limits(&partial, &settings)?;
         said = now;
         Ok(Some(settings))
     };
@@ -59,7 +60,8 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
         };
         accept_option(drawing, results, which, number).map(|a| a.next)
     };
-    let page = args.page.map(|port| Page::open(port, orders, Box::new(accepted))).transpose()?;
+    let page =
+        args.page.map(|port| Page::open(port, login_of(args), orders, Box::new(accepted))).transpose()?;
     if page.is_some() {
         Door::sweep();
     }
@@ -102,9 +104,15 @@ pub(super) fn watch(args: &WatchArgs, cancel: &Cancel) -> Result<u8, Error> {
     }
 }
 
+/// Port and key that the page of the first folder had before.
+fn login_of(args: &WatchArgs) -> Option<Login> {
+    args.looking.folders.first().and_then(|root| Login::of(root))
+}
+
 /// Says where the page is, once the folder is ours: a daemon that is turned away must not hide the page of the other.
 fn announce(page: &Page, root: &Path, is_first: bool) {
-    if let Err(error) = page.door().write(root) {
+    let written = page.door().write(root).and_then(|()| page.login().write(root));
+    if let Err(error) = written {
         eprintln!("warning: {error}; `enfilade open` will not find the page");
     }
     if is_first {
@@ -205,7 +213,12 @@ fn watch_settings(args: &WatchArgs, partial: &Partial, said: Said) -> WatchSetti
         records_dir: Folders::of_user().ok().map(|own| own.state),
         newest_first: table.newest_first.unwrap_or(base.newest_first),
         force: args.looking.force,
+        jobs: table.jobs.unwrap_or_else(|| cores().clamp(JOBS[0], JOBS[1])),
+        memory_bytes: table.memory_mb.map(megabytes).or_else(memory_share),
+        job_memory_bytes: table.job_memory_mb.map(megabytes),
+        read_limit_secs: table.read_limit_secs.unwrap_or(base.read_limit_secs),
         job_limit_secs: table.job_limit_secs.unwrap_or(base.job_limit_secs),
+        content_key: formats::timeless,
         settings_key: format!("{:?} {out:?}", partial.clone().deciding()),
         end_mark,
         extensions: formats::ENDINGS.map(String::from).to_vec(),
@@ -223,7 +236,7 @@ fn end_mark(path: &Path, bytes: &[u8]) -> Completeness {
 }
 
 /// How a job's process is started, and what it may use.
-fn limits(partial: &Partial, table: &WatchTable, settings: &WatchSettings) -> Result<Limits, Error> {
+fn limits(partial: &Partial, settings: &WatchSettings) -> Result<Limits, Error> {
     let fail = |e: &dyn std::fmt::Display| Error::environment("job-start", Place::default(), e.to_string());
     // On Linux the program that runs, even where a newer one lies at its path by now.
     let program = if cfg!(target_os = "linux") {
@@ -231,14 +244,21 @@ fn limits(partial: &Partial, table: &WatchTable, settings: &WatchSettings) -> Re
     } else {
         std::env::current_exe().map_err(|e| fail(&e))?
     };
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
     Ok(Limits {
         program: program.into(),
         args: ["job-child", "--"].map(OsString::from).to_vec(),
         options: serde_json::to_value(partial).map_err(|e| fail(&e))?,
-        memory_bytes: table.job_memory_mb.map(|mb| mb.saturating_mul(1 << 20)).or_else(memory_share),
-        cpu_secs: Some((settings.job_limit_secs * cores as f64).ceil() as u64),
+        memory_bytes: settings.job_memory_bytes.or(settings.memory_bytes),
+        cpu_secs: Some((settings.job_limit_secs * cores() as f64).ceil() as u64),
     })
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+fn megabytes(mb: u64) -> u64 {
+    mb.saturating_mul(1 << 20)
 }
 
 #[cfg(target_os = "linux")]
@@ -316,7 +336,9 @@ fn status_lines(status: &Value, is_running: bool) -> Vec<String> {
         out.push(format!("{}: out of reach; waiting for it", text(&root["root"])));
     }
     let running = if is_running { "running" } else { "was running when watching ended; begun again with it" };
-    out.extend(status["running"].as_str().map(|d| format!("{d}: {running}")));
+    let runs = status["all_running"].as_array().cloned();
+    let runs = runs.unwrap_or_else(|| vec![status["running"].clone()]);
+    out.extend(runs.iter().filter_map(Value::as_str).map(|d| format!("{d}: {running}")));
     out.extend(list("waiting").iter().map(|d| format!("{}: waiting", text(d))));
     out.extend(beyond(status, "waiting").map(|n| format!("and {n} more waiting")));
     let stopped = list("cancelled").into_iter().map(|d| {

@@ -11,6 +11,8 @@ pub const WAIT_SECS: [f64; 2] = [0.0, 1e6];
 pub const LOOK_SECS: [f64; 2] = [0.1, 1e6];
 /// Range of the time a job may take, seconds.
 pub const JOB_SECS: [f64; 2] = [1.0, 1e6];
+/// Most jobs at the same time.
+pub const JOBS_MAX: usize = 64;
 /// Least memory of a job, MB: with less not even the program starts.
 pub const JOB_MEMORY_MIN_MB: u64 = 32;
 /// Most levels of folders below a root.
@@ -33,6 +35,9 @@ pub struct WatchTable {
     pub newest_first: Option<bool>,
     /// Results go below this folder where the place beside the drawing cannot be written.
     pub fallback: Option<String>,
+    pub jobs: Option<usize>,
+    pub memory_mb: Option<u64>,
+    pub read_limit_secs: Option<f64>,
     pub job_limit_secs: Option<f64>,
     pub job_memory_mb: Option<u64>,
 }
@@ -50,6 +55,7 @@ impl WatchTable {
             ("max-wait-secs", self.max_wait_secs, WAIT_SECS),
             ("rescan-secs", self.rescan_secs, LOOK_SECS),
             ("poll-secs", self.poll_secs, LOOK_SECS),
+            ("read-limit-secs", self.read_limit_secs, JOB_SECS),
             ("job-limit-secs", self.job_limit_secs, JOB_SECS),
         ];
         for (key, found, [lo, hi]) in secs {
@@ -60,10 +66,15 @@ impl WatchTable {
         if let Some(v) = self.depth.filter(|v| *v > DEPTH_MAX) {
             return Err(bad("depth", &v.to_string(), &format!("levels from 0 to {DEPTH_MAX}")));
         }
-        match self.job_memory_mb.filter(|v| *v < JOB_MEMORY_MIN_MB) {
-            Some(v) => Err(bad("job-memory-mb", &v.to_string(), &format!("{JOB_MEMORY_MIN_MB} or more"))),
-            None => Ok(()),
+        if let Some(v) = self.jobs.filter(|v| !(1..=JOBS_MAX).contains(v)) {
+            return Err(bad("jobs", &v.to_string(), &format!("jobs at once, from 1 to {JOBS_MAX}")));
         }
+        for (key, found) in [("memory-mb", self.memory_mb), ("job-memory-mb", self.job_memory_mb)] {
+            if let Some(v) = found.filter(|v| *v < JOB_MEMORY_MIN_MB) {
+                return Err(bad(key, &v.to_string(), &format!("{JOB_MEMORY_MIN_MB} or more")));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -94,6 +105,7 @@ mod tests {
             ("max-wait-secs", WAIT_SECS),
             ("rescan-secs", LOOK_SECS),
             ("poll-secs", LOOK_SECS),
+            ("read-limit-secs", JOB_SECS),
             ("job-limit-secs", JOB_SECS),
         ] {
             let wrong = [lo - 0.01, hi + 1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
@@ -101,6 +113,9 @@ mod tests {
             [lo, hi].into_iter().for_each(|v| assert_eq!(said(key, &format!("{v:?}")), None, "{key} = {v}"));
         }
         is_refused("depth", &(DEPTH_MAX + 1).to_string());
+        is_refused("jobs", "0");
+        is_refused("jobs", &(JOBS_MAX + 1).to_string());
+        is_refused("memory-mb", &(JOB_MEMORY_MIN_MB - 1).to_string());
         is_refused("job-memory-mb", &(JOB_MEMORY_MIN_MB - 1).to_string());
         assert_eq!(said("depth", &DEPTH_MAX.to_string()), None);
         assert_eq!(said("job-memory-mb", &JOB_MEMORY_MIN_MB.to_string()), None);

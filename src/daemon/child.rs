@@ -17,9 +17,12 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Asked, JobEvent, JobOutput, JobRequest, OutFile, RunJob};
+use super::turns::SHORT;
+use super::{Asked, JobEvent, JobOutput, JobRequest, OutFile, RunJob, Share};
 use crate::report::{Cancel, Error, Place, Problem, Severity};
 
+/// Code of a job that needs more memory than it may have.
+pub(super) const OUT_OF_MEMORY: &str = "job-out-of-memory";
 /// Code of a job whose process was ended from outside.
 pub(super) const JOB_KILLED: &str = "job-killed";
 
@@ -31,6 +34,9 @@ const ENDING: Duration = Duration::from_secs(5);
 const WORDS_BYTES_MAX: usize = 8 << 10;
 /// Most bytes of one line of a frame.
 const LINE_BYTES_MAX: u64 = 64 << 20;
+/// How far a long job stands back: beside an ordinary one it has about a tenth of the processor.
+#[cfg(target_os = "linux")]
+const LONG_NICE: i32 = 10;
 /// Most bytes of one frame.
 const FRAME_BYTES_MAX: u64 = 4 << 30;
 
@@ -49,6 +55,13 @@ pub struct Limits {
     pub cpu_secs: Option<u64>,
 }
 
+impl Limits {
+    /// Memory of this job, bytes.
+    fn memory_of(&self, request: &JobRequest) -> Option<u64> {
+        request.share.memory_bytes.or(self.memory_bytes)
+    }
+}
+
 /// What a child is asked.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct Request {
@@ -60,6 +73,7 @@ pub struct Request {
     pub options: Value,
     memory_bytes: Option<u64>,
     cpu_secs: Option<u64>,
+    is_long: bool,
     bytes: u64,
     earlier: u64,
 }
@@ -129,7 +143,12 @@ pub fn run(
     let words = words.join().unwrap_or_default();
     match outcome? {
         Some(output) => Ok(output),
-        None => Err(end_of(&name, limits, its_end, &String::from_utf8_lossy(&words))),
+        None => Err(end_of(
+            &name,
+            (limits.memory_of(request), limits.cpu_secs),
+            its_end,
+            &String::from_utf8_lossy(&words),
+        )),
     }
 }
 
@@ -166,8 +185,9 @@ impl Request {
             round: request.round,
             asked: request.asked.clone(),
             options: limits.options.clone(),
-            memory_bytes: limits.memory_bytes,
+            memory_bytes: limits.memory_of(request),
             cpu_secs: limits.cpu_secs,
+            is_long: request.share.is_long,
             bytes: request.bytes.len() as u64,
             earlier: request.earlier.len() as u64,
         }
@@ -254,7 +274,12 @@ fn last_words(mut from: impl Read) -> Vec<u8> {
 }
 
 /// Why a process ended without an answer; `status` is that of its own end, `None` where it had to be ended.
-fn end_of(name: &str, limits: &Limits, status: Option<io::Result<ExitStatus>>, words: &str) -> Error {
+fn end_of(
+    name: &str,
+    (memory_bytes, cpu_secs): (Option<u64>, Option<u64>),
+    status: Option<io::Result<ExitStatus>>,
+    words: &str,
+) -> Error {
     let last = words.lines().rev().find(|l| !l.trim().is_empty()).unwrap_or("without a word").trim();
     let Some(status) = status else {
         let text = "the job's process gave no answer that is understood and was ended";
@@ -266,10 +291,10 @@ fn end_of(name: &str, limits: &Limits, status: Option<io::Result<ExitStatus>>, w
     }
     let how = status.map_or_else(|e| e.to_string(), |s| s.to_string());
     let (code, text) = if words.contains("memory allocation of") {
-        let limit = limits.memory_bytes.map_or("what there is".into(), |b| format!("{} MB", b >> 20));
-        ("job-out-of-memory", format!("the job needs more memory than {limit} (job-memory-mb) and was ended"))
+        let limit = memory_bytes.map_or("what there is".into(), |b| format!("{} MB", b >> 20));
+        (OUT_OF_MEMORY, format!("the job needs more memory than {limit} (job-memory-mb) and was ended"))
     } else if is_out_of_time(&how) {
-        let limit = limits.cpu_secs.unwrap_or_default();
+        let limit = cpu_secs.unwrap_or_default();
         (
             "job-too-long",
             format!(
@@ -347,6 +372,7 @@ pub fn serve(
         return answer(&Err(Error::environment("job-version", Place::default(), text)));
     }
     limit(&head);
+    stand_back(if head.is_long { Duration::ZERO } else { SHORT });
     thread::spawn(move || {
         let _ = io::copy(&mut from, &mut io::sink());
         std::process::exit(i32::from(Error::Stopped.exit_code()));
@@ -380,6 +406,9 @@ fn read_request(
         drawing: drawing.into(),
         bytes: Arc::new(bytes),
         sha256: head.sha256.clone(),
+        content: String::new(),
+        config: String::new(),
+        share: Share { memory_bytes: head.memory_bytes, is_long: head.is_long },
         round: head.round,
         asked: head.asked.clone(),
         earlier: Arc::new(earlier),
@@ -441,6 +470,31 @@ fn limit(head: &Request) {
 #[cfg(not(unix))]
 fn limit(_: &Request) {}
 
+/// After so long the job leaves the processor to shorter ones. Linux keeps a priority for each thread; those that begin
+/// later have that of the one that began them.
+#[cfg(target_os = "linux")]
+fn stand_back(after: Duration) {
+    use rustix::process::{Pid, setpriority_process};
+    let now = || {
+        let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+        let ids = threads.filter_map(|t| t.file_name().to_str()?.parse().ok().and_then(Pid::from_raw));
+        // A thread that has just ended needs none.
+        ids.for_each(|id| {
+            let _ = setpriority_process(Some(id), LONG_NICE);
+        });
+    };
+    if after.is_zero() {
+        return now();
+    }
+    thread::spawn(move || {
+        thread::sleep(after);
+        now();
+    });
+}
+
+#[cfg(not(target_os = "linux"))]
+fn stand_back(_: Duration) {}
+
 #[cfg(unix)]
 #[cfg(test)]
 mod tests {
@@ -457,6 +511,9 @@ mod tests {
             drawing: "/plans/-plan.dxf".into(),
             bytes: Arc::new(vec![7; 100_000]),
             sha256: "ab".into(),
+            content: String::new(),
+            config: String::new(),
+            share: Share::default(),
             round: 3,
             asked: Asked {
                 objective: Some("degree max".into()),

@@ -10,13 +10,13 @@ use std::time::{Instant, SystemTime};
 
 use super::job::{self, Told};
 use super::status::{SharedDisk, rfc3339};
-use super::{Asked, Done, JobRequest, RunJob, WatchSettings};
+use super::{Asked, Done, JobRequest, RunJob, Share, WatchSettings};
 use crate::config::{Partial, settings_files};
 use crate::formats::gltf::outer_files;
 use crate::report::{Cancel, Error};
 use crate::store::{Journal, Placing, Step, Written};
 use crate::watch::{
-    Action, Checked, Event, Eyes, Identity, Seen, Stat, bytes_of, has_data_beside, identity_of,
+    Action, Checked, ContentKey, Event, Eyes, Identity, Seen, Stat, bytes_of, has_data_beside, identity_of,
     is_building_of, is_out_of_files, is_output_name, is_scene, read_settled, read_whole, sha256_hex, stat_of,
 };
 
@@ -31,7 +31,7 @@ pub(super) enum Message {
 /// What the looker found.
 pub(super) enum Looked {
     Seen(PathBuf, Seen),
-    Checked(PathBuf, Checked, String),
+    Checked(PathBuf, Checked, Content),
     Scanned(PathBuf, Option<Vec<(PathBuf, Stat)>>),
     Root(PathBuf, Option<Identity>),
     /// The root could not be looked into for want of files that may be open, in the system's words.
@@ -44,15 +44,43 @@ pub(super) enum Outcome {
     Changed,
 }
 
+/// A content of a drawing, and what else decides its results.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Content {
+    /// SHA-256 of the bytes.
+    pub sha256: String,
+    /// The same without the time at which they were written: what the content is known by.
+    pub key: String,
+    /// See [`config_key`].
+    pub config: String,
+    pub bytes: u64,
+}
+
+impl Content {
+    /// Whether a job of the one is a job of the other.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.key == other.key && self.config == other.config
+    }
+}
+
 /// One drawing content to be worked on.
 #[derive(Clone, Debug)]
 pub(super) struct Waiting {
     pub drawing: PathBuf,
-    pub sha256: String,
-    pub config: String,
+    pub of: Content,
     pub asked: Asked,
+    pub since: Instant,
     pub not_before: Option<Instant>,
     pub failures: u32,
+    /// Whether an ordinary share of the memory was too little.
+    pub is_hungry: bool,
+}
+
+impl Waiting {
+    pub fn new(drawing: PathBuf, of: Content, asked: Asked) -> Self {
+        let since = Instant::now();
+        Self { drawing, of, asked, since, not_before: None, failures: 0, is_hungry: false }
+    }
 }
 
 pub(super) struct Task {
@@ -62,6 +90,8 @@ pub(super) struct Task {
     pub placing: Placing,
     pub cancel: Cancel,
     pub journal: Arc<Mutex<Journal>>,
+    pub share: Share,
+    pub content_key: ContentKey,
 }
 
 /// Sends the system's reports on without ever blocking it; a full inbox means that all is looked at.
@@ -84,15 +114,19 @@ pub(super) fn start_looker(
     send: SyncSender<Message>,
 ) -> Sender<Action> {
     let (to_looker, tasks) = mpsc::channel::<Action>();
-    let (end_mark, settings_key) = (settings.end_mark, settings.settings_key.clone());
+    let (judge, settings_key) = ((settings.end_mark, settings.content_key), settings.settings_key.clone());
     thread::spawn(move || {
         for task in tasks {
             let answer = match task {
                 Action::Look(path) => Looked::Seen(path.clone(), stat_of(&path)),
                 Action::Check(path) => {
-                    let checked = read_settled(&path, end_mark);
-                    let key = config_key(&path, &settings_key);
-                    Looked::Checked(path, checked, key)
+                    let (checked, key) = read_settled(&path, judge.0, judge.1);
+                    let (sha256, bytes) = match &checked {
+                        Checked::Read { sha256, stat, .. } => (sha256.clone(), stat.size),
+                        _ => Default::default(),
+                    };
+                    let config = config_key(&path, &settings_key);
+                    Looked::Checked(path, checked, Content { sha256, key, config, bytes })
                 }
                 Action::Scan(root) => Looked::Scanned(root.clone(), eyes.scan(&root)),
                 Action::LookRoot(root) => look_at_root(root),
@@ -121,29 +155,27 @@ fn look_at_root(root: PathBuf) -> Looked {
     }
 }
 
-/// The thread that runs the jobs, one after the other. It ends with its sender.
-pub(super) fn start_worker(disk: SharedDisk, run: Arc<RunJob>, send: SyncSender<Message>) -> Sender<Task> {
-    let (to_worker, tasks) = mpsc::channel::<Task>();
+/// Runs a job on a thread of its own.
+pub(super) fn start_job(disk: SharedDisk, task: Task, run: Arc<RunJob>, send: SyncSender<Message>) {
     thread::spawn(move || {
-        for task in tasks {
-            let outcome = work(disk.clone(), &task, &*run, &send);
-            if send.send(Message::Ended(task.id, outcome)).is_err() {
-                break;
-            }
-        }
+        let outcome = work(disk, &task, &*run, &send);
+        // Nobody hears of a job that was left behind.
+        let _ = send.send(Message::Ended(task.id, outcome));
     });
-    to_worker
 }
 
 fn work(disk: SharedDisk, task: &Task, run: &RunJob, send: &SyncSender<Message>) -> Outcome {
     let Ok((bytes, _)) = read_whole(&task.what.drawing) else { return Outcome::Changed };
-    if sha256_hex(&bytes) != task.what.sha256 {
+    if (task.content_key)(&task.what.drawing, &bytes) != task.what.of.key {
         return Outcome::Changed;
     }
     let request = JobRequest {
         drawing: task.what.drawing.clone(),
+        sha256: sha256_hex(&bytes),
         bytes: Arc::new(bytes),
-        sha256: task.what.sha256.clone(),
+        content: task.what.of.key.clone(),
+        config: task.what.of.config.clone(),
+        share: task.share,
         round: 0,
         asked: task.what.asked.clone(),
         earlier: Arc::default(),
@@ -151,8 +183,8 @@ fn work(disk: SharedDisk, task: &Task, run: &RunJob, send: &SyncSender<Message>)
     };
     let note = |step: &Step| {
         let time = rfc3339(SystemTime::now());
-        let (sha256, config) = (&task.what.sha256, &task.what.config);
-        open_journal(&task.journal).append(&task.below, sha256, config, &time, step)
+        let of = &task.what.of;
+        open_journal(&task.journal).append(&task.below, &of.key, &of.config, &time, step)
     };
     let mut tell = |told| drop(send.send(Message::Told(task.id, told)));
     let mut before = |folder: &Path, written: &[Written]| {

@@ -1,5 +1,5 @@
-//! The daemon's loop: it decides and never waits. A looker thread touches the watched folders, a worker
-//! thread runs the jobs; both answer by messages, so that a slow disk or job never delays a stop.
+//! The daemon's loop: it decides and never waits. A looker thread touches the watched folders, each job runs on a
+//! thread of its own; they answer by messages, so that a slow disk or job never delays a stop.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
@@ -15,27 +15,25 @@ mod orders;
 mod overview;
 mod renewal;
 mod room;
+mod running;
 mod state;
 mod words;
 
+use running::Running;
 use state::{State, is_waited_for};
-use words::{how_watched, hung, killed_too_often, retry_pause, shown, taken, told_to_end, too_long};
+use words::{how_watched, shown, taken};
 
-use super::child::JOB_KILLED;
-use super::hands::{
-    Looked, Message, Outcome, Task, Waiting, is_unreadable, open_journal, reporter, start_looker,
-    start_worker,
-};
+use super::hands::{Content, Looked, Message, Waiting, is_unreadable, open_journal, reporter, start_looker};
 use super::status::{
     SharedDisk, Standing, UNFINISHED, UNFINISHED_OR_FAILED, content_of_results, rfc3339, settle, settle_gone,
     settle_stopped, write_standing,
 };
-use super::{Asked, Done, Notice, Order, Reread, RunJob, WatchSettings};
+use super::{Asked, Notice, Order, Reread, RunJob, WatchSettings};
 use crate::config::settings_files;
 use crate::report::{Cancel, Error, Place, Problem, Severity};
 use crate::store::{
     Ended, FOLDER_OWNED, Journal, Placing, Records, Step, SystemDisk, host_name, present_folder,
-    refuse_nested, round_name, write_json,
+    refuse_nested, write_json,
 };
 use crate::watch::{
     Action, Event, Eyes, Now, Settle, builtin_ignores, has_data_beside, is_building_of, is_data,
@@ -54,12 +52,8 @@ const BUSY_TICK: Duration = Duration::from_millis(50);
 const IDLE_TICK: Duration = Duration::from_millis(120);
 /// The running job gets this long to notice a stop before the daemon leaves without it.
 const STOP_PATIENCE: Duration = Duration::from_millis(120);
-/// A job that was told to stop and did not is left to itself after this long (hazard 23).
-const HANG_PATIENCE: Duration = Duration::from_secs(5);
 /// The overview is not rewritten more often.
 const OVERVIEW_PAUSE: Duration = Duration::from_secs(1);
-/// A job whose process is killed from outside is tried so often in all.
-const KILLS_MAX: u32 = 3;
 /// Why a job was given up, as the user reads it.
 const NEWER_SAVE: &str = "a newer save, or other settings, take its place";
 const NEWER_CONTENT: &str =
@@ -71,19 +65,8 @@ pub(crate) const CANCELLED_BEFORE: &str =
 const TOO_MANY_WAIT: &str = "too much waits already; ask again when some of it is done";
 const NOTHING_WHOLE: &str = "no whole file lies there to work on";
 const DAEMON_ENDS: &str = "the daemon ends; the next start goes on with it";
-const TOO_LONG: &str = "it ran too long";
 /// Failures and left-alone files listed in the overview.
 const MAX_LISTED: usize = 200;
-
-struct Running {
-    id: u64,
-    what: Waiting,
-    cancel: Cancel,
-    since: Instant,
-    stopped: Option<Instant>,
-    /// Why it was told to stop.
-    why: &'static str,
-}
 
 struct Root {
     path: PathBuf,
@@ -105,12 +88,15 @@ pub(super) struct Heart {
     run: Arc<RunJob>,
     settle: Settle,
     roots: Vec<Root>,
-    keys: BTreeMap<PathBuf, String>,
-    /// SHA-256 of the last complete content of each drawing, and the key of its settings.
-    contents: BTreeMap<PathBuf, (String, String)>,
+    /// What was read last of each drawing, until it is known to be ready.
+    keys: BTreeMap<PathBuf, Content>,
+    /// The last complete content of each drawing.
+    contents: BTreeMap<PathBuf, Content>,
+    /// How long the last job of each drawing took that came to an end, or has taken at least.
+    took: BTreeMap<PathBuf, Duration>,
     orders: Receiver<Order>,
     queue: VecDeque<Waiting>,
-    running: Option<Running>,
+    running: Vec<Running>,
     failed: BTreeMap<PathBuf, Problem>,
     /// Given up by the user, until their next job.
     cancelled: BTreeSet<PathBuf>,
@@ -123,7 +109,6 @@ pub(super) struct Heart {
     looker: u64,
     /// Whether a root's own settings have changed since they were read.
     is_settings_stale: bool,
-    to_worker: Sender<Task>,
     start: Instant,
     since: String,
     last_beat: Instant,
@@ -152,7 +137,6 @@ impl Heart {
         let eyes = Eyes::new(roots, &is_network, settings, report)?;
         let to_looker = start_looker(eyes, settings, 0, send.clone());
         let disk: SharedDisk = Arc::new(SystemDisk);
-        let to_worker = start_worker(disk.clone(), run.clone(), send.clone());
         let mut heart = Self {
             settle: Settle::new(roots, &is_network, settings)?,
             settings: settings.clone(),
@@ -162,9 +146,10 @@ impl Heart {
             roots: Vec::new(),
             keys: BTreeMap::new(),
             contents: BTreeMap::new(),
+            took: BTreeMap::new(),
             orders,
             queue: VecDeque::new(),
-            running: None,
+            running: Vec::new(),
             failed: BTreeMap::new(),
             cancelled: BTreeSet::new(),
             next_id: 0,
@@ -174,7 +159,6 @@ impl Heart {
             to_looker,
             looker: 0,
             is_settings_stale: false,
-            to_worker,
             start: Instant::now(),
             since: rfc3339(SystemTime::now()),
             last_beat: Instant::now(),
@@ -187,8 +171,9 @@ impl Heart {
         for (path, reason) in roots.iter().zip(reasons) {
             let state = match heart.take(path, stop) {
                 Ok(mut state) => {
-                    let unrecorded = state.unrecorded.take();
-                    heart.first_words.extend(unrecorded.map(|problem| (path.clone(), problem)));
+                    let words =
+                        state.unrecorded.take().into_iter().chain(open_journal(&state.journal).unread());
+                    heart.first_words.extend(words.map(|problem| (path.clone(), problem)));
                     Some(state)
                 }
                 // One folder that cannot be written holds up no other, and a full disk passes; every heartbeat tries again.
@@ -227,7 +212,7 @@ impl Heart {
             show(Notice::Problem { path, problem });
         }
         while !stop.is_stopped() {
-            let is_busy = self.running.is_some() || self.settle.pending_count() > 0;
+            let is_busy = !self.running.is_empty() || self.settle.pending_count() > 0;
             match self.inbox.recv_timeout(if is_busy { BUSY_TICK } else { IDLE_TICK }) {
                 Ok(message) => self.take_in(message, show),
                 Err(RecvTimeoutError::Timeout) => {}
@@ -265,7 +250,7 @@ impl Heart {
             self.obey(order, show);
         }
         self.watch_running(show);
-        self.start_next(show);
+        self.start_waiting(show);
         self.give_sign_of_life(show, stop)?;
         self.write_overview(false);
         Ok(())
@@ -285,13 +270,15 @@ impl Heart {
                 self.settle.on_check(now, &path, checked);
             }
             Message::Told(id, told) => {
-                if let Some(running) = self.running.as_ref().filter(|r| r.id == id) {
+                if let Some(running) = self.running.iter_mut().find(|r| r.id == id) {
+                    running.is_reading &= told.is_reading();
                     let notice = told.notice(&running.what.drawing);
                     self.tell(notice, show);
                 }
             }
             Message::Ended(id, outcome) => {
-                if let Some(running) = self.running.take_if(|r| r.id == id) {
+                if let Some(i) = self.running.iter().position(|r| r.id == id) {
+                    let running = self.running.remove(i);
                     self.ended(running, outcome, show);
                 }
             }
@@ -418,7 +405,7 @@ impl Heart {
         self.failed.remove(&drawing);
         self.is_overview_stale = true;
         self.look_again_at_scenes(&drawing);
-        let config = self.keys.remove(&drawing).unwrap_or_default();
+        let of = self.keys.remove(&drawing).unwrap_or_default();
         let below = self.below(&drawing);
         let Some(journal) = self.journal_of(&drawing) else {
             let later = self.start.elapsed() + Duration::from_secs_f64(self.settings.heartbeat_secs);
@@ -428,34 +415,29 @@ impl Heart {
             let why = "copy of a result of ours; give it another name to work on it".into();
             return show(Notice::Ignored { path: drawing, why });
         }
-        let before = self.contents.insert(drawing.clone(), (sha256.clone(), config.clone()));
-        let is_it = |w: &Waiting| w.drawing == drawing && w.sha256 == sha256 && w.config == config;
+        self.rebuild(&drawing, &of, show);
+        let before = self.contents.insert(drawing.clone(), of.clone());
+        let is_it = |w: &Waiting| w.drawing == drawing && w.of.is_same(&of);
         if self.queue.iter().any(|w| is_it(w) && w.not_before.is_none()) {
             return;
         }
         self.drop_waiting(&drawing, NEWER_CONTENT, show);
-        if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
-            let is_same_content = running.what.sha256 == sha256 && !running.cancel.is_stopped();
-            if is_same_content && running.what.config == config {
+        if let Some(running) = self.running_of(&drawing) {
+            let is_same_content = running.what.of.key == of.key && !running.cancel.is_stopped();
+            if is_same_content && running.what.of.config == of.config {
                 return;
             }
             // Settings that cannot be read, half saved perhaps, fail in their turn and end nothing.
-            if !(is_same_content && is_unreadable(&config)) {
+            if !(is_same_content && is_unreadable(&of.config)) {
                 running.stop(NEWER_SAVE);
             }
-        } else if let Some(end) = open_journal(&journal).end_of(&below, &sha256, &config)
-            && !self.has_results_of_another(&drawing, &sha256)
+        } else if let Some(end) = open_journal(&journal).end_of(&below, &of.key, &of.config)
+            && !self.has_results_of_another(&drawing, &of)
         {
-            let is_mended = before.is_some_and(|(_, config)| is_unreadable(&config));
+            let is_mended = before.is_some_and(|b| is_unreadable(&b.config));
             return self.ended_before(drawing, end, is_mended, show);
         }
-        let asked = Asked::default();
-        let waiting = Waiting { drawing, sha256, config, asked, not_before: None, failures: 0 };
-        self.enqueue(waiting, show);
-    }
-
-    fn is_running(&self, drawing: &Path) -> bool {
-        self.running.as_ref().is_some_and(|r| r.what.drawing == drawing)
+        self.enqueue(Waiting::new(drawing, of, Asked::default()), show);
     }
 
     /// A building is read with the scenes of its name: they are taken up again when it comes, changes or goes.
@@ -470,7 +452,7 @@ impl Heart {
         self.look_again_at_scenes(drawing);
         self.drop_waiting(drawing, REMOVED, show);
         self.forget(drawing);
-        if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
+        if let Some(running) = self.running_of(drawing) {
             running.stop(REMOVED);
         }
         settle_gone(&*self.disk, drawing, &self.placing_of(drawing), REMOVED);
@@ -484,162 +466,6 @@ impl Heart {
         self.keys.remove(drawing);
         self.contents.remove(drawing);
         self.is_overview_stale = true;
-    }
-
-    fn start_next(&mut self, show: &mut dyn FnMut(Notice)) {
-        if self.running.is_some() {
-            return;
-        }
-        let now = Instant::now();
-        // Those of a root that is away wait for it: each would fail with a line of its own.
-        let is_there = |w: &Waiting| self.root_of(&w.drawing).is_some_and(|r| !r.is_offline);
-        let can_start = |w: &Waiting| {
-            w.not_before.is_none_or(|t| t <= now) && is_there(w) && self.journal_of(&w.drawing).is_some()
-        };
-        let Some(index) = self.queue.iter().position(can_start) else { return };
-        let Some(what) = self.queue.remove(index) else { return };
-        let Some(journal) = self.journal_of(&what.drawing) else { return };
-        // Why it failed before is over; what is told from here on is of the file while it is worked on.
-        self.failed.remove(&what.drawing);
-        self.cancelled.remove(&what.drawing);
-        self.note(&what, &Step::Started, show);
-        self.next_id += 1;
-        let (id, cancel) = (self.next_id, Cancel::default());
-        let (below, placing) = (self.below(&what.drawing), self.placing_of(&what.drawing));
-        let started = Notice::Started(what.drawing.clone());
-        show(if self.waits_for_room(&what) { Notice::Again(Box::new(started)) } else { started });
-        let task = Task { id, what: what.clone(), below, placing, cancel: cancel.clone(), journal };
-        let _ = self.to_worker.send(task);
-        self.running = Some(Running { id, what, cancel, since: now, stopped: None, why: "" });
-        self.is_overview_stale = true;
-    }
-
-    fn ended(&mut self, running: Running, outcome: Outcome, show: &mut dyn FnMut(Notice)) {
-        self.is_overview_stale = true;
-        let what = running.what;
-        match outcome {
-            Outcome::Ended(Ok(done)) => {
-                if let Some(root) = self.root_of_mut(&what.drawing) {
-                    root.done_count += 1;
-                }
-                let drawing = what.drawing.clone();
-                self.has_room(&drawing, running.since, show);
-                show(Notice::Done { drawing, done: done.clone() });
-                self.say_what_it_is_of(&what, &done, show);
-            }
-            Outcome::Changed => {
-                let why = match running.why {
-                    "" if what.asked != Asked::default() => NEWER_CONTENT,
-                    "" => NEWER_SAVE,
-                    why => why,
-                };
-                self.stopped(&what, why, show);
-                self.settle.again(self.start.elapsed(), &what.drawing);
-            }
-            Outcome::Ended(Err(_)) if running.why == TOO_LONG => {
-                let error = too_long(&what.drawing, self.settings.job_limit_secs);
-                self.failed_for_good(what, error, show);
-            }
-            // Whatever a job that was told to end fails of by then, it is not tried again.
-            Outcome::Ended(Err(_)) if !running.why.is_empty() => self.stopped(&what, running.why, show),
-            Outcome::Ended(Err(Error::Stopped)) => {
-                self.retry(what.clone(), told_to_end(&what.drawing), show);
-            }
-            Outcome::Ended(Err(Error::Environment(problem)))
-                if problem.code == JOB_KILLED && what.failures + 1 >= KILLS_MAX =>
-            {
-                self.failed_for_good(what, killed_too_often(problem, KILLS_MAX), show);
-            }
-            Outcome::Ended(Err(Error::Environment(problem))) => self.retry(what, problem, show),
-            Outcome::Ended(Err(error)) => self.failed_for_good(what, error, show),
-        }
-    }
-
-    /// A file that was overwritten while its job ran, and is not whole since: the results are of what lay there before.
-    fn say_what_it_is_of(&mut self, what: &Waiting, done: &Done, show: &mut dyn FnMut(Notice)) {
-        let Some(unfinished) = self.failed.get(&what.drawing) else { return };
-        let text = format!(
-            "the results are of the content before, which no longer lies there: the file {}",
-            unfinished.text
-        );
-        let problem = Problem {
-            code: "results-of-earlier-content",
-            severity: Severity::Warning,
-            place: shown(&what.drawing),
-            text,
-        };
-        let round = done.round.map(round_name);
-        let problems = [problem.clone()];
-        let standing = Standing {
-            state: "done",
-            sha256: &what.sha256,
-            round: round.as_deref(),
-            summary: Some(&done.summary),
-            problems: &problems,
-        };
-        write_standing(&*self.disk, &what.drawing, &self.placing_of(&what.drawing), &standing);
-        show(Notice::Problem { path: what.drawing.clone(), problem });
-    }
-
-    fn stopped(&mut self, what: &Waiting, why: &'static str, show: &mut dyn FnMut(Notice)) {
-        let is_cancelled = why == BY_THE_USER;
-        self.note(what, if is_cancelled { &Step::Cancelled } else { &Step::Stopped }, show);
-        let newer = self.queue.iter().find(|w| w.drawing == what.drawing);
-        let (state, sha256) = newer.map_or(("stopped", &what.sha256), |w| ("waiting", &w.sha256));
-        let standing = Standing { state, sha256, summary: Some(why), ..Standing::default() };
-        let placing = self.placing_of(&what.drawing);
-        if what.drawing.exists() {
-            write_standing(&*self.disk, &what.drawing, &placing, &standing);
-        } else {
-            settle_gone(&*self.disk, &what.drawing, &placing, why);
-        }
-        if is_cancelled && newer.is_none() && self.contents.contains_key(&what.drawing) {
-            self.cancelled.insert(what.drawing.clone());
-        }
-        show(Notice::Stopped { drawing: what.drawing.clone(), why });
-    }
-
-    fn failed_for_good(&mut self, what: Waiting, error: Error, show: &mut dyn FnMut(Notice)) {
-        let Some(problem) = error.problem().cloned() else { return };
-        self.note(&what, &Step::Failed(problem.clone()), show);
-        self.write_failure("failed", &what, &problem);
-        show(Notice::Failed { drawing: what.drawing, problem, retry_secs: None });
-    }
-
-    /// Disk and permission may come back: the job waits, ever longer, and is tried again.
-    fn retry(&mut self, mut what: Waiting, problem: Problem, show: &mut dyn FnMut(Notice)) {
-        let pause = retry_pause(self.settings.retry_secs, what.failures);
-        self.write_failure("waiting", &what, &problem);
-        self.tell(Notice::Failed { drawing: what.drawing.clone(), problem, retry_secs: Some(pause) }, show);
-        if self.queue.iter().all(|w| w.drawing != what.drawing) {
-            what.failures += 1;
-            what.not_before = Some(Instant::now() + Duration::from_secs_f64(pause));
-            self.queue.push_back(what);
-        }
-    }
-
-    fn write_failure(&mut self, state: &str, what: &Waiting, problem: &Problem) {
-        self.fail(&what.drawing, problem);
-        let problems = [problem.clone()];
-        let standing = Standing { state, sha256: &what.sha256, problems: &problems, ..Standing::default() };
-        write_standing(&*self.disk, &what.drawing, &self.placing_of(&what.drawing), &standing);
-    }
-
-    /// A job that runs too long is stopped; one that does not even stop is left to itself, and a new
-    /// worker takes the next drawing.
-    fn watch_running(&mut self, show: &mut dyn FnMut(Notice)) {
-        let limit = Duration::from_secs_f64(self.settings.job_limit_secs);
-        let Some(running) = &mut self.running else { return };
-        if running.stopped.is_none() && running.since.elapsed() >= limit {
-            running.stop(TOO_LONG);
-        }
-        if running.stopped.is_some_and(|t| t.elapsed() >= HANG_PATIENCE)
-            && let Some(running) = self.running.take()
-        {
-            self.to_worker = start_worker(self.disk.clone(), self.run.clone(), self.send.clone());
-            let error = hung(&running.what.drawing);
-            self.failed_for_good(running.what, error, show);
-        }
     }
 
     fn give_sign_of_life(&mut self, show: &mut dyn FnMut(Notice), stop: &Cancel) -> Result<(), Error> {
@@ -666,20 +492,18 @@ impl Heart {
         Ok(())
     }
 
-    /// Ends: the running job is stopped; nothing is published any more.
+    /// Ends: the running jobs are stopped; nothing is published any more.
     fn leave(&mut self, show: &mut dyn FnMut(Notice)) {
-        if let Some(running) = &mut self.running {
-            running.stop(DAEMON_ENDS);
-        }
+        self.running.iter_mut().for_each(|running| running.stop(DAEMON_ENDS));
         let until = Instant::now() + STOP_PATIENCE;
-        while self.running.is_some() {
+        while !self.running.is_empty() {
             match self.inbox.recv_timeout(until.saturating_duration_since(Instant::now())) {
                 Ok(message @ Message::Ended(..)) => self.take_in(message, show),
                 Ok(_) => {}
                 Err(_) => break,
             }
         }
-        if let Some(running) = self.running.take() {
+        for running in std::mem::take(&mut self.running) {
             self.stopped(&running.what, running.why, show);
         }
         self.write_overview(true);
@@ -738,13 +562,13 @@ impl Heart {
     /// Nothing of a round with wishes of its own, which is not asked for again after a kill, and nothing of settings
     /// that cannot be read: what ended before with those of before stays so once they are mended.
     fn note(&mut self, what: &Waiting, step: &Step, show: &mut dyn FnMut(Notice)) {
-        if what.asked != Asked::default() || is_unreadable(&what.config) {
+        if what.asked != Asked::default() || is_unreadable(&what.of.config) {
             return;
         }
         let Some(journal) = self.journal_of(&what.drawing) else { return };
         let time = rfc3339(SystemTime::now());
         let below = self.below(&what.drawing);
-        let outcome = open_journal(&journal).append(&below, &what.sha256, &what.config, &time, step);
+        let outcome = open_journal(&journal).append(&below, &what.of.key, &what.of.config, &time, step);
         if let Err(error) = outcome
             && let Some(problem) = error.problem()
         {
@@ -758,16 +582,6 @@ impl Root {
         self.ignored_count += 1;
         if self.ignored.len() < MAX_LISTED {
             self.ignored.insert(file.into(), why.into());
-        }
-    }
-}
-
-impl Running {
-    /// The first reason holds.
-    fn stop(&mut self, why: &'static str) {
-        self.cancel.stop();
-        if self.stopped.is_none() {
-            (self.stopped, self.why) = (Some(Instant::now()), why);
         }
     }
 }

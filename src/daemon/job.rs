@@ -24,6 +24,15 @@ pub(super) enum Told {
 }
 
 impl Told {
+    /// Whether the drawing may not be understood yet when this is told.
+    pub(super) fn is_reading(&self) -> bool {
+        match self {
+            Self::Progress(value) => value["stage"] == "read",
+            Self::Problem(_) => true,
+            Self::Analysis(_) => false,
+        }
+    }
+
     pub(super) fn notice(self, drawing: &Path) -> Notice {
         let drawing = drawing.to_path_buf();
         match self {
@@ -171,7 +180,9 @@ impl Desk<'_> {
         summary: Option<&str>,
         progress: Option<&Value>,
     ) -> Result<(), Error> {
-        let standing = Standing { state, sha256: &self.request.sha256, round, summary, problems: &[] };
+        let (sha256, content) = (&*self.request.sha256, &*self.request.content);
+        let config = &*self.request.config;
+        let standing = Standing { state, sha256, content, config, round, summary, problems: &[] };
         let status = drawing_status(&self.request.drawing, &self.since, &standing, progress);
         self.home.write_status(&status)
     }

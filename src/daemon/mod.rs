@@ -1,4 +1,4 @@
-//! The daemon: finished saves become jobs, one after the other, and jobs become whole result folders.
+//! The daemon: finished saves become jobs, a few at a time, and jobs become whole result folders.
 //!
 //! The job itself is given by the caller ([`RunJob`]); everything about folders, order, cancelling,
 //! publishing and telling is here. [`watch()`] runs until stopped, [`run_once`] does the same job for one
@@ -9,6 +9,7 @@ mod hands;
 mod heart;
 mod job;
 mod status;
+mod turns;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -37,6 +38,12 @@ pub struct JobRequest {
     pub bytes: Arc<Vec<u8>>,
     /// SHA-256 of the bytes, lower-case hexadecimal.
     pub sha256: String,
+    /// What the content is known by: see [`WatchSettings::content_key`]; empty: by `sha256`.
+    pub content: String,
+    /// Digest of what else decides its results; empty: nobody asks.
+    pub config: String,
+    /// What it may take of the machine.
+    pub share: Share,
     /// Number of the round that the job makes; known once the job runs, 0 before.
     pub round: u32,
     /// What is asked of this round alone.
@@ -45,6 +52,15 @@ pub struct JobRequest {
     pub earlier: Arc<Vec<u8>>,
     /// Its result folder; known once the job runs, empty before.
     pub results: PathBuf,
+}
+
+/// What a job may take of the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Share {
+    /// Memory, bytes; `None`: as the caller of the job says.
+    pub memory_bytes: Option<u64>,
+    /// Whether it gives way to others from the start, as it is known to take long.
+    pub is_long: bool,
 }
 
 /// What a user asks of one round; where it says nothing, the settings hold.
@@ -259,7 +275,7 @@ impl fmt::Display for Notice {
     }
 }
 
-/// Watches folders until `stop`: every finished save of a drawing becomes a job, one at a time.
+/// Watches folders until `stop`: every finished save of a drawing becomes a job, `settings.jobs` at a time.
 ///
 /// A newer save of the same drawing cancels its running job; its last results stay until the new ones
 /// are whole. A failing or panicking job is reported and the next one taken up.
@@ -317,6 +333,9 @@ pub fn run_once(
         drawing: path.clone(),
         bytes: Arc::new(bytes),
         sha256,
+        content: String::new(),
+        config: String::new(),
+        share: Share::default(),
         round: 0,
         asked: Asked::default(),
         earlier: Arc::default(),

@@ -17,6 +17,10 @@ use crate::store::{
 pub(super) struct Standing<'a> {
     pub state: &'a str,
     pub sha256: &'a str,
+    /// What the content is known by where that is not its `sha256`.
+    pub content: &'a str,
+    /// Digest of what else decided its results.
+    pub config: &'a str,
     pub round: Option<&'a str>,
     pub summary: Option<&'a str>,
     pub problems: &'a [Problem],
@@ -42,6 +46,12 @@ pub(super) fn drawing_status(
     }
     if let Some(questions) = progress.and_then(|p| p.get("questions")) {
         out["questions"] = questions.clone();
+    }
+    if !standing.content.is_empty() && standing.content != standing.sha256 {
+        out["content"] = json!(standing.content);
+    }
+    if !standing.config.is_empty() {
+        out["config"] = json!(standing.config);
     }
     out["round"] = json!(standing.round);
     out["summary"] = json!(standing.summary);
@@ -102,10 +112,22 @@ fn status_in(folder: &Path) -> Value {
     status.and_then(|s| serde_json::from_slice(&s).ok()).unwrap_or_default()
 }
 
-/// Of which content the newest results in a result folder are, by its SHA-256; `None` where none is known.
+/// Of which content the newest results in a result folder are, by what it is known by; `None` where none is known.
 pub(super) fn content_of_results(folder: &Path) -> Option<String> {
     let status: Value = serde_json::from_slice(&read_own(&folder.join("status.json")).ok()?).ok()?;
-    (status["state"] == "done").then(|| status["sha256"].as_str().map(str::to_owned))?
+    let key = status["content"].as_str().or(status["sha256"].as_str());
+    (status["state"] == "done").then(|| key.map(str::to_owned))?
+}
+
+/// What the results beside a drawing say of this content and these settings: a sentence, and the newest round. The
+/// round's own result has the content.
+pub(super) fn result_of(folder: &Path, sha256: &str, config: &str) -> Option<(String, PathBuf)> {
+    let status = status_in(folder);
+    let is_it = status["state"] == "done" && status["config"] == config && !config.is_empty();
+    let newest = finished_rounds(folder).last().filter(|_| is_it).map(|n| folder.join(round_name(*n)))?;
+    let result: Value = serde_json::from_slice(&read_own(&newest.join("result.json")).ok()?).ok()?;
+    let summary = status["summary"].as_str().unwrap_or_default().to_owned();
+    (result["input"]["sha256"] == sha256).then_some((summary, newest))
 }
 
 /// Writes how a job without results ended.

@@ -6,6 +6,7 @@ mod endings;
 mod owners;
 mod refusals;
 mod renewal;
+mod together;
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -6,6 +6,7 @@ pub mod gltf;
 pub mod ifc;
 mod region;
 mod splice;
+mod stamp;
 mod storeys;
 
 use std::borrow::Cow;
@@ -18,6 +19,7 @@ use crate::plan::drawing::{Addition, Drawing, Edit, Format, Unit};
 use crate::plan::giants;
 use crate::report::{Error, Place, Report};
 pub use dxf::{ChangedRecord, Completeness};
+pub use stamp::timeless;
 pub use storeys::*;
 
 /// How to read a drawing of any format.

@@ -428,7 +428,7 @@ impl From<&report::Problem> for ProblemEntry {
             code: p.code.to_owned(),
             severity: severity.to_owned(),
             place: p.place.to_string(),
-            text: p.text.clone(),
+            text: report::short_numbers(&p.text).into_owned(),
         }
     }
 }

@@ -12,7 +12,7 @@ use super::fits;
 use super::round::{edits_of, tied};
 use super::ruler::ruler;
 use super::study::{self, Understood, marked};
-use crate::config::{Beside, KnownMove, LineageTable, NONE, Partial, Settings, Thresholds};
+use crate::config::{Beside, KnownMove, LineageTable, NONE, Partial, SETTINGS_VERSION, Settings, Thresholds};
 use crate::formats;
 use crate::moves::{Layout, NodeGroup, Parameter, enclosed};
 use crate::overlay::result::{Numbers, RoundResult};
@@ -184,6 +184,7 @@ fn side_car(
     let links: Vec<String> = settings.links.iter().map(ToString::to_string).collect();
     let none = || NONE.to_owned();
     let said = Partial {
+        version: Some(SETTINGS_VERSION),
         unit: Some(unit_words(base.plan.unit.unit)),
         wall_layer: some(&settings.wall_layers),
         query_layer: settings.query_layer.clone(),

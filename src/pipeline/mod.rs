@@ -235,10 +235,11 @@ pub fn analyse(
     settings: &Settings,
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
-    analyse_from(input, settings, None, cancel)
+    analyse_from(input, settings, None, &mut || {}, cancel)
 }
 
 /// [`analyse`] with breadth-first trees of about so many roots: what is told of depth and entropy is estimated.
+/// `understood` is called once the drawing is, before it is measured.
 ///
 /// # Errors
 /// As [`analyse`].
@@ -246,10 +247,11 @@ pub fn analyse_from(
     input: &Input<'_>,
     settings: &Settings,
     roots: Option<usize>,
+    understood: &mut (dyn FnMut() + Send),
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
     let settings = &*building::on_storey_of_query(input, settings)?;
-    let (mut outcome, study) = analyse_storey(input, settings, roots, cancel)?;
+    let (mut outcome, study) = analyse_storey(input, settings, roots, understood, cancel)?;
     if roots.is_none() {
         outcome.result.estimate = estimate::present(&study, settings);
         tell_anew(&mut outcome)?;
@@ -302,11 +304,13 @@ fn analyse_storey(
     input: &Input<'_>,
     settings: &Settings,
     roots: Option<usize>,
+    understood: &mut (dyn FnMut() + Send),
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
     let mut report = Report::default();
     state_unread(input, settings, &mut report);
     let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
+    understood();
     cancel.check()?;
     let mut study = Study::from_roots(base, settings, roots, &mut report)?;
     match roots {
@@ -477,7 +481,8 @@ pub fn run(
 ) -> Result<Outcome<result::RoundResult>, Error> {
     show(Event::Progress(Progress { stage: "read".into(), ..Default::default() }));
     let settings = &*building::on_storey_of_query(input, settings)?;
-    let (mut analysis, study) = analyse_storey(input, settings, None, cancel)?;
+    let mut understood = || show(Event::Progress(Progress { stage: "measure".into(), ..Default::default() }));
+    let (mut analysis, study) = analyse_storey(input, settings, None, &mut understood, cancel)?;
     show(Event::Analysis(analysis.files.clone()));
     if add_storeys(input, settings, &study, &mut analysis, cancel)? {
         show(Event::Analysis(analysis.files));

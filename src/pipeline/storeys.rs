@@ -154,7 +154,7 @@ pub(super) fn analyse(
             out.push(entry(storey, &shown.base, ".", show::mean_numbers(shown, &shown.initial)));
             continue;
         }
-        out.push(match analyse_storey(input, own, shown.roots, cancel) {
+        out.push(match analyse_storey(input, own, shown.roots, &mut || {}, cancel) {
             Ok((outcome, study)) => {
                 let inside =
                     |f: OutFile| OutFile { path: format!("{folder}/{}", f.path.display()).into(), ..f };

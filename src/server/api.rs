@@ -3,8 +3,8 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use axum::extract::{Path, State};
-use axum::http::{StatusCode, header};
+use axum::extract::{Path, RawQuery, State};
+use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
@@ -26,6 +26,15 @@ struct Accepted {
     round: Option<u32>,
     so_far: Option<u64>,
     candidate: usize,
+}
+
+/// Proves to a browser that has the key that this page has it too, and says by which word this start is signed for.
+pub(super) async fn hello(State(page): Page, RawQuery(query): RawQuery) -> Response {
+    let query = query.unwrap_or_default();
+    match page.access.greet(query.strip_prefix("nonce=").unwrap_or_default()) {
+        Some((start, proof)) => answer(&json!({"start": start, "proof": proof})),
+        None => refused("expected a nonce of 16 to 64 hexadecimal digits"),
+    }
 }
 
 pub(super) async fn drawings(State(page): Page) -> Response {
@@ -59,6 +68,12 @@ pub(super) async fn file(
     let Ok(Some(bytes)) = read else { return not_found() };
     let (kind, is_download) = files::kind(&name);
     let mut response = ([(header::CONTENT_TYPE, kind)], bytes).into_response();
+    if kind == files::REPORT {
+        // In an origin of its own, without a way to anywhere.
+        let policy = "sandbox allow-scripts; default-src 'none'; img-src data:; style-src 'unsafe-inline'; \
+                      script-src 'unsafe-inline'; frame-ancestors 'none'; form-action 'none'; base-uri 'none'";
+        response.headers_mut().insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(policy));
+    }
     if is_download && let Ok(value) = format!("attachment; filename*=UTF-8''{}", percent(&name)).parse() {
         response.headers_mut().insert(header::CONTENT_DISPOSITION, value);
     }

@@ -52,9 +52,13 @@ fn entries(folder: &Path, folders: bool) -> Vec<(String, PathBuf)> {
     named.filter(|(name, _)| !name.starts_with('.')).collect()
 }
 
-/// The media type by the ending; what could run in a browser is handed out as a download.
+/// The media type of a round's report: it is shown in an origin of its own.
+pub(super) const REPORT: &str = "text/html; charset=utf-8";
+
+/// The media type by the ending; what else could run in a browser is handed out as a download.
 pub(super) fn kind(name: &str) -> (&'static str, bool) {
     match name.rsplit('.').next().unwrap_or_default() {
+        _ if name == "report.html" => (REPORT, false),
         "png" => ("image/png", false),
         "json" => ("application/json", false),
         _ => ("application/octet-stream", true),

@@ -1,33 +1,40 @@
 //! Who may ask what: host, origin, token and header of every request.
 //!
-//! Loopback is no boundary: any page in the user's browser can send requests here. So the `Host` must be ours
-//! (against DNS rebinding), a foreign `Origin` is refused, everything needs the token of this start, and what
-//! changes something needs a header that no form can send.
+//! Loopback is no boundary: any page in the user's browser can send requests here, and any user of the machine. So the
+//! `Host` must be ours (against DNS rebinding), a foreign `Origin` is refused, what says anything of the daemon needs
+//! the token of this start or a signature by the key of the page, and what changes something needs a header that no
+//! form can send. There is no cookie: a browser would send it to every port of this machine.
 
-use std::sync::Arc;
+use std::collections::HashSet;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use axum::body::{Body, to_bytes};
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::middleware::Next;
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 
 use super::connections::{BODY_TIME_MAX, Known};
+use super::login::{is_nonce, proof, signature};
 use super::{BODY_BYTES_MAX, Shared};
 
 /// Header of every request that changes something.
 pub const ORDER_HEADER: &str = "x-enfilade";
 
-/// Why a request without the token of this start is refused.
-const NO_TOKEN: &str = "no valid token: open the page with `enfilade open`";
+/// Why a request that nobody signed is refused.
+const UNKNOWN: &str = "no valid token or signature: open the page with `enfilade open`";
+/// Orders of one start; more are refused, as each is taken once.
+const ORDERS_MAX: usize = 100_000;
 
 /// What this start of the page accepts.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Access {
     port: u16,
     token: String,
-    /// Value of the cookie that the token is exchanged for.
-    session: String,
+    key: String,
+    start: String,
+    /// Nonces of the orders that were taken: each is taken once.
+    taken: Mutex<HashSet<String>>,
 }
 
 /// How a request is answered before anything else.
@@ -39,14 +46,14 @@ pub enum Verdict {
     Refuse(&'static str),
     /// It goes on as of a method that no route takes: the answer is 405, with those that the address takes, or 404.
     NoRoute,
-    /// The token in the address is exchanged for a cookie, and vanishes from the address.
-    Welcome,
+    /// It goes on, whoever asks: it says nothing of the daemon.
+    Public,
 }
 
 impl Access {
-    /// `token` goes into the address once and into the `Authorization` of programs, `session` into the cookie.
-    pub fn new(port: u16, token: String, session: String) -> Self {
-        Self { port, token, session }
+    /// `token` is for the programs of this user, `key` for browsers; `start` tells this start from others.
+    pub fn new(port: u16, token: String, key: String, start: String) -> Self {
+        Self { port, token, key, start, taken: Mutex::default() }
     }
 
     /// See [`Access::new`].
@@ -54,14 +61,19 @@ impl Access {
         &self.token
     }
 
-    /// Browsers keep cookies by host, not by port: its name has the port.
-    fn cookie_name(&self) -> String {
-        format!("enfilade-{}", self.port)
+    /// See [`Access::new`].
+    pub(super) fn key(&self) -> &str {
+        &self.key
     }
 
+    /// The word of this start, and the proof that the page has the key.
+    pub(super) fn greet(&self, nonce: &str) -> Option<(&str, String)> {
+        is_nonce(nonce).then(|| (self.start.as_str(), proof(&self.key, &self.start, nonce)))
+    }
+
+    /// By its number alone: under a name another program could listen too.
     fn is_own_host(&self, host: &str) -> bool {
-        let is_own = |name: &&str| host.eq_ignore_ascii_case(&format!("{name}:{}", self.port));
-        ["127.0.0.1", "localhost", "[::1]"].iter().any(is_own)
+        host == format!("127.0.0.1:{}", self.port)
     }
 
     /// Judges a request by its head.
@@ -80,34 +92,79 @@ impl Access {
         if text("origin").is_some_and(|o| !is_own_origin(o)) {
             return Verdict::Refuse("foreign origin");
         }
+        // Other ports of this machine are the same site, and none of ours.
+        if text("sec-fetch-site").is_some_and(|s| !matches!(s, "same-origin" | "none")) && is_of_api(uri) {
+            return Verdict::Refuse("asked for by another page");
+        }
         let is_read = matches!(*method, Method::GET | Method::HEAD);
-        let offered = uri.query().unwrap_or_default().split('&').find_map(|p| p.strip_prefix("token="));
-        if is_read && uri.path() == "/" && offered.is_some_and(|t| is_equal(t, &self.token)) {
-            return Verdict::Welcome;
+        if is_read && (!is_of_api(uri) || uri.path() == HELLO) {
+            return Verdict::Public;
         }
-        if !self.is_known(text("authorization"), headers) {
-            return Verdict::Refuse(NO_TOKEN);
-        }
+        let nonce = match self.who(method, uri, text("authorization")) {
+            Who::Program => None,
+            Who::Browser(nonce) => nonce,
+            Who::Nobody => return Verdict::Refuse(UNKNOWN),
+        };
         if !is_read && *method != Method::POST {
             return Verdict::NoRoute;
         }
         if !is_read && text(ORDER_HEADER) != Some("1") {
             return Verdict::Refuse("the header X-Enfilade: 1 is missing");
         }
+        if !is_read && nonce.is_some_and(|nonce| !self.is_first(nonce)) {
+            return Verdict::Refuse("this order was taken before; nothing was done");
+        }
         Verdict::Pass
     }
 
-    fn is_known(&self, authorization: Option<&str>, headers: &HeaderMap) -> bool {
-        let bearer =
-            authorization.and_then(|a| a.split_once(' ')).filter(|(s, _)| s.eq_ignore_ascii_case("bearer"));
-        if let Some((_, token)) = bearer {
-            return is_equal(token.trim_start_matches(' '), &self.token);
+    /// Whoever shows the token, or has signed: a header, or, of what only reads, the address.
+    fn who(&self, method: &Method, uri: &Uri, authorization: Option<&str>) -> Who {
+        let Some((scheme, word)) = authorization.and_then(|a| a.split_once(' ')) else {
+            let signed = uri.query().and_then(|q| q.strip_prefix("mac="));
+            let is_signed = |mac| is_equal(mac, &self.signed("GET", "", uri.path()));
+            let is_read = matches!(*method, Method::GET | Method::HEAD);
+            return if is_read && signed.is_some_and(is_signed) { Who::Browser(None) } else { Who::Nobody };
+        };
+        let word = word.trim_start_matches(' ');
+        if scheme.eq_ignore_ascii_case("bearer") && is_equal(word, &self.token) {
+            return Who::Program;
         }
-        let name = self.cookie_name();
-        let cookies = headers.get_all(header::COOKIE).iter().filter_map(|v| v.to_str().ok());
-        let pairs = cookies.flat_map(|c| c.split(';')).filter_map(|c| c.trim().split_once('='));
-        pairs.filter(|(n, _)| *n == name).any(|(_, value)| is_equal(value, &self.session))
+        let signed = word.split_once('.').filter(|(nonce, _)| is_nonce(nonce));
+        let Some((nonce, mac)) = signed.filter(|_| scheme.eq_ignore_ascii_case("enfilade")) else {
+            return Who::Nobody;
+        };
+        let address = uri.path_and_query().map_or("/", |a| a.as_str());
+        if is_equal(mac, &self.signed(method.as_str(), nonce, address)) {
+            return Who::Browser(Some(nonce.to_owned()));
+        }
+        Who::Nobody
     }
+
+    fn signed(&self, method: &str, nonce: &str, address: &str) -> String {
+        signature(&self.key, &self.start, method, nonce, address)
+    }
+
+    /// Whether the order of this nonce is new.
+    fn is_first(&self, nonce: String) -> bool {
+        let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        taken.len() < ORDERS_MAX && taken.insert(nonce)
+    }
+}
+
+/// Who asks.
+enum Who {
+    Program,
+    /// With the nonce of the request, where it has one.
+    Browser(Option<String>),
+    Nobody,
+}
+
+/// Where the page proves that it has the key.
+pub(super) const HELLO: &str = "/api/hello";
+
+/// Whether an address says something of the daemon; what is not there does too.
+fn is_of_api(uri: &Uri) -> bool {
+    !super::ASSETS.iter().any(|(path, _, _)| *path == uri.path())
 }
 
 /// Compares secrets in a time that does not tell where they differ.
@@ -118,7 +175,6 @@ fn is_equal(a: &str, b: &str) -> bool {
 /// Judges, and puts the headers on every answer that keep foreign text from becoming code.
 pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
     let access = &shared.access;
-    let is_page = asks_for_the_page(&request);
     let mut response = match access.judge(request.method(), request.uri(), request.headers()) {
         Verdict::Pass => {
             request.extensions().get::<Known>().iter().for_each(|known| known.set());
@@ -127,33 +183,18 @@ pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, n
                 Err(refusal) => refusal,
             }
         }
+        Verdict::Public => next.run(request).await,
         Verdict::NoRoute => next.run(unroutable(request)).await,
-        Verdict::Refuse(NO_TOKEN) if is_page => super::locked().await,
         Verdict::Refuse(why) => super::api::said(StatusCode::FORBIDDEN, why),
-        Verdict::Welcome => {
-            let cookie =
-                format!("{}={}; Path=/; HttpOnly; SameSite=Strict", access.cookie_name(), access.session);
-            (StatusCode::SEE_OTHER, [(header::LOCATION, "/".to_owned()), (header::SET_COOKIE, cookie)])
-                .into_response()
-        }
     };
     let headers = response.headers_mut();
     let policy = "default-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-    headers.insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(policy));
+    headers.entry(header::CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(policy));
     headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
     headers.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
     headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
     headers.insert("cross-origin-resource-policy", HeaderValue::from_static("same-origin"));
     response
-}
-
-/// Whether somebody looks at the answer, and waits for the page itself.
-fn asks_for_the_page(request: &Request) -> bool {
-    let accepted = request.headers().get_all(header::ACCEPT).iter().filter_map(|v| v.to_str().ok());
-    let mut kinds = accepted.flat_map(|v| v.split(',')).filter_map(|k| k.split(';').next());
-    *request.method() == Method::GET
-        && request.uri().path() == "/"
-        && kinds.any(|k| k.trim().eq_ignore_ascii_case("text/html"))
 }
 
 /// The request under a method that no route can take, now or ever: it needs no header of orders, as it changes nothing.
@@ -197,8 +238,11 @@ async fn whole(request: Request) -> Result<Request, Response> {
 mod tests {
     use super::*;
 
-    fn judge(method: &str, uri: &str, heads: &[(&str, &str)]) -> Verdict {
-        let access = Access::new(4711, "t".repeat(64), "s".repeat(64));
+    fn access() -> Access {
+        Access::new(4711, "t".repeat(64), "k".repeat(64), "5".repeat(32))
+    }
+
+    fn judge_by(access: &Access, method: &str, uri: &str, heads: &[(&str, &str)]) -> Verdict {
         let mut headers = HeaderMap::new();
         for (name, value) in heads {
             let name = header::HeaderName::from_bytes(name.as_bytes()).unwrap();
@@ -207,34 +251,42 @@ mod tests {
         access.judge(&method.parse().unwrap(), &uri.parse().unwrap(), &headers)
     }
 
+    fn judge(method: &str, uri: &str, heads: &[(&str, &str)]) -> Verdict {
+        judge_by(&access(), method, uri, heads)
+    }
+
     /// Rules 1–4 of the page, one row a case.
     #[test]
     fn only_our_own_requests_pass() {
-        let (t, s) = ("t".repeat(64), "s".repeat(64));
-        let (bearer, cookie) = (format!("Bearer {t}"), format!("a=b; enfilade-4711={s}"));
+        let t = "t".repeat(64);
+        let bearer = format!("Bearer {t}");
         let own = ("host", "127.0.0.1:4711");
         let auth = ("authorization", bearer.as_str());
         let order = (ORDER_HEADER, "1");
         let pass = |m, u, h: &[(&str, &str)]| judge(m, u, h) == Verdict::Pass;
         assert!(pass("GET", "/api/drawings", &[own, auth]));
-        assert!(pass("GET", "/api/drawings", &[("host", "localhost:4711"), ("cookie", &cookie)]));
-        // Names of hosts and of schemes know no case (RFC 9110, 4.2.3 and 11.1).
+        // Names of schemes know no case (RFC 9110, 11.1).
         let lower = format!("bearer {t}");
-        assert!(pass("GET", "/api/drawings", &[("host", "LocalHost:4711"), ("authorization", &lower)]));
+        assert!(pass("GET", "/api/drawings", &[own, ("authorization", &lower)]));
         assert!(!pass("GET", "/api/drawings", &[own, ("authorization", &format!("Basic {t}"))]));
         assert!(pass("POST", "/api/x", &[own, auth, order, ("origin", "http://127.0.0.1:4711")]));
         for host in
-            ["evil.test", "evil.test:4711", "127.0.0.1", "127.0.0.1:80", "localhost.evil.test:4711", ""]
+            ["evil.test", "evil.test:4711", "127.0.0.1", "127.0.0.1:80", "localhost:4711", "[::1]:4711", ""]
         {
-            assert!(!pass("GET", "/", &[("host", host), auth]), "{host}");
+            assert!(!pass("GET", "/api/x", &[("host", host), auth]), "{host}");
+            assert!(matches!(judge("GET", "/", &[("host", host)]), Verdict::Refuse(_)), "{host}");
         }
-        assert!(!pass("GET", "/", &[own, ("host", "evil.test"), auth]));
+        assert!(!pass("GET", "/api/x", &[own, ("host", "evil.test"), auth]));
         for origin in ["http://evil.test", "null", "https://127.0.0.1:4711", "http://127.0.0.1:4712"] {
             assert!(!pass("POST", "/api/x", &[own, auth, order, ("origin", origin)]), "{origin}");
         }
-        assert!(pass("GET", "http://localhost:4711/api/x", &[own, auth]));
+        for site in ["cross-site", "same-site"] {
+            assert!(!pass("GET", "/api/x", &[own, auth, ("sec-fetch-site", site)]), "{site}");
+        }
+        assert!(pass("GET", "/api/x", &[own, auth, ("sec-fetch-site", "same-origin")]));
+        assert!(pass("GET", "http://127.0.0.1:4711/api/x", &[own, auth]));
         for address in ["http://evil.test/api/x", "http://127.0.0.1:80/api/x", "http://a@127.0.0.1:4711/"] {
-            assert!(!pass("GET", address, &[own, auth]), "{address}");
+            assert!(matches!(judge("GET", address, &[own, auth]), Verdict::Refuse(_)), "{address}");
         }
         assert!(!pass("POST", "/api/x", &[own, auth]));
         for method in ["DELETE", "PUT", "PATCH", "OPTIONS", "TRACE", "BREW"] {
@@ -244,14 +296,55 @@ mod tests {
             let foreign = [own, auth, ("origin", "http://evil.test")];
             assert!(matches!(judge(method, "/api/x", &foreign), Verdict::Refuse(_)), "{method}");
         }
-        assert!(!pass("GET", "/api/drawings", &[own]));
+        for address in ["/api/drawings", "/api/events", "/elsewhere"] {
+            assert!(matches!(judge("GET", address, &[own]), Verdict::Refuse(_)), "{address}");
+        }
         assert!(!pass("GET", "/api/drawings", &[own, ("authorization", "Bearer ttt")]));
-        assert!(!pass("GET", "/api/drawings", &[own, ("cookie", "enfilade-4711=no; enfilade-4712=s")]));
-        // The cookie's value is no token and the token no cookie.
         assert!(!pass("GET", "/api/drawings", &[own, ("cookie", &format!("enfilade-4711={t}"))]));
-        assert_eq!(judge("GET", &format!("/?token={t}"), &[own]), Verdict::Welcome);
-        assert_ne!(judge("GET", &format!("/?token={s}"), &[own]), Verdict::Welcome);
-        assert_ne!(judge("POST", &format!("/?token={t}"), &[own]), Verdict::Welcome);
-        assert_ne!(judge("GET", &format!("/?token={t}"), &[("host", "evil.test")]), Verdict::Welcome);
+        let offered = format!("/api/drawings?token={t}");
+        assert!(!pass("GET", &offered, &[own]));
+        // The page without anything of the daemon is for everybody here; the key is no token.
+        assert_eq!(judge("GET", "/", &[own]), Verdict::Public);
+        assert_eq!(judge("GET", "/api/hello?nonce=0", &[own]), Verdict::Public);
+        let key = format!("Bearer {}", "k".repeat(64));
+        assert!(!pass("GET", "/api/drawings", &[own, ("authorization", &key)]));
+    }
+
+    /// A signature is good for one address, one method, one start and, where it orders, once.
+    #[test]
+    fn signatures_are_of_one_request() {
+        let access = access();
+        let (own, order) = (("host", "127.0.0.1:4711"), (ORDER_HEADER, "1"));
+        let (key, start, nonce) = ("k".repeat(64), "5".repeat(32), "0123456789abcdef");
+        let head = |key: &str, start: &str, method: &str, address: &str| {
+            format!("Enfilade {nonce}.{}", signature(key, start, method, nonce, address))
+        };
+        let pass = |method: &str, address: &str, head: &str| {
+            judge_by(&access, method, address, &[own, order, ("authorization", head)]) == Verdict::Pass
+        };
+        let good = head(&key, &start, "GET", "/api/log");
+        assert!(pass("GET", "/api/log", &good) && pass("GET", "/api/log", &good));
+        assert!(!pass("GET", "/api/drawings", &good) && !pass("POST", "/api/log", &good));
+        assert!(!pass("GET", "/api/log", &head(&"K".repeat(64), &start, "GET", "/api/log")));
+        assert!(!pass("GET", "/api/log", &head(&key, &"6".repeat(32), "GET", "/api/log")), "another start");
+        let accept = head(&key, &start, "POST", "/api/drawings/a/accept");
+        assert!(pass("POST", "/api/drawings/a/accept", &accept));
+        assert!(!pass("POST", "/api/drawings/a/accept", &accept), "a replay");
+        // Of an address, for pictures: it reads, and orders nothing.
+        let signed = |path: &str| format!("{path}?mac={}", signature(&key, &start, "GET", "", path));
+        let by_address =
+            |method: &str, address: &str| judge_by(&access, method, address, &[own, order]) == Verdict::Pass;
+        assert!(by_address("GET", &signed("/api/drawings/a/round-01/a.png")));
+        assert!(!by_address("POST", &signed("/api/drawings/a/accept")));
+        let other = signed("/api/drawings/a/round-01/a.png").replace("a.png", "b.png");
+        assert!(!by_address("GET", &other));
+        // What the page proves is no signature of a request.
+        let (word, proof) = access.greet(nonce).unwrap();
+        assert_eq!((word, proof), (start.as_str(), proof_of(&key, &start, nonce)));
+        assert_eq!(access.greet("GET\n5"), None);
+    }
+
+    fn proof_of(key: &str, start: &str, nonce: &str) -> String {
+        super::proof(key, start, nonce)
     }
 }

@@ -1,6 +1,6 @@
 //! The local page and its interface: what the daemon does, options side by side, a few orders.
 //!
-//! Loopback only, and even there nobody is trusted: see `guard`. Requests name drawings by ids and files by
+//! Loopback only, and even there nobody is trusted: see `guard` and `login`. Requests name drawings by ids and files by
 //! the names that lie in a round; no path ever comes from outside. All assets are in the program.
 
 mod api;
@@ -8,6 +8,7 @@ mod board;
 mod connections;
 mod files;
 mod guard;
+mod login;
 
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
@@ -17,7 +18,7 @@ use std::thread;
 use std::time::Duration;
 
 use axum::Router;
-use axum::extract::{DefaultBodyLimit, State};
+use axum::extract::DefaultBodyLimit;
 use axum::http::{StatusCode, header};
 use axum::middleware;
 use axum::response::{IntoResponse, Response};
@@ -27,10 +28,12 @@ use serde::{Deserialize, Serialize};
 pub use board::Board;
 pub use connections::{BODY_TIME_MAX, CONNECTIONS_MAX, HEAD_BYTES_MAX, HEAD_TIME_MAX};
 pub use guard::Access;
+pub use login::Login;
 
 use crate::daemon::{Notice, Order};
 use crate::report::{Error, Place};
-use crate::store::{Disk as _, SystemDisk, write_secret};
+use crate::store::{Disk as _, SystemDisk, read_own, write_secret};
+use guard::HELLO;
 
 /// Bytes of a token before they are written in hexadecimal.
 const TOKEN_BYTES: usize = 32;
@@ -58,6 +61,7 @@ pub type Accept = dyn Fn(&Path, &Path, Taken, usize) -> Result<PathBuf, Error> +
 pub struct Page {
     shared: Arc<Shared>,
     address: SocketAddr,
+    login: Login,
 }
 
 /// What the threads of daemon and page share.
@@ -73,26 +77,38 @@ struct Shared {
 pub struct Door {
     /// `http://127.0.0.1:PORT/`.
     pub address: String,
-    /// What its interface asks for: `Authorization: Bearer TOKEN`.
+    /// What its interface asks programs for: `Authorization: Bearer TOKEN`.
     pub token: String,
+    /// What browsers sign with.
+    pub key: String,
     /// Process of the daemon.
     pub pid: u32,
 }
 
 impl Page {
-    /// Opens the page on `port` of this machine alone; 0: any free one.
+    /// Opens the page on `port` of this machine alone; 0: the one remembered in `login`, else any free one. A
+    /// remembered port that somebody has taken meanwhile is given up with its key.
     ///
     /// # Errors
     /// [`Error::Environment`] where the port is taken or the system gives no random numbers.
-    pub fn open(port: u16, orders: mpsc::Sender<Order>, accept: Box<Accept>) -> Result<Self, Error> {
+    pub fn open(
+        port: u16,
+        login: Option<Login>,
+        orders: mpsc::Sender<Order>,
+        accept: Box<Accept>,
+    ) -> Result<Self, Error> {
         let fail =
             |what: &str, e: String| Error::environment("page", Place::default(), format!("{what}: {e}"));
-        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|e| {
+        let bind = |port: u16| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
+        let remembered = login.as_ref().filter(|_| port == 0).and_then(|login| bind(login.port).ok());
+        let listener = remembered.map_or_else(|| bind(port), Ok).map_err(|e| {
             fail(&format!("port {port} of this machine, choose another with --page"), e.to_string())
         })?;
         let address = listener.local_addr().map_err(|e| fail("port", e.to_string()))?;
         listener.set_nonblocking(true).map_err(|e| fail("port", e.to_string()))?;
-        let access = Access::new(address.port(), secret()?, secret()?);
+        let login = login.filter(|login| login.port == address.port());
+        let login = login.map_or_else(|| Login::new(address.port()), Ok)?;
+        let access = Access::new(address.port(), secret()?, login.key.clone(), secret()?);
         let shared = Arc::new(Shared { board: Board::default(), access, orders, accept });
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_all()
@@ -109,7 +125,7 @@ impl Page {
                 });
             })
             .map_err(|e| fail("starting", e.to_string()))?;
-        Ok(Self { shared, address })
+        Ok(Self { shared, address, login })
     }
 
     /// Shows a notice of the daemon on the page.
@@ -117,9 +133,14 @@ impl Page {
         self.shared.board.take(notice);
     }
 
-    /// Address with the token, to be opened once.
+    /// Address with the key, to be opened once in a browser; what follows the `#` is not sent.
     pub fn link(&self) -> String {
         self.door().link()
+    }
+
+    /// Port and key, to be remembered.
+    pub fn login(&self) -> &Login {
+        &self.login
     }
 
     /// How others find the page.
@@ -127,15 +148,16 @@ impl Page {
         Door {
             address: format!("http://{}/", self.address),
             token: self.shared.access.token().into(),
+            key: self.shared.access.key().into(),
             pid: std::process::id(),
         }
     }
 }
 
 impl Door {
-    /// Address with the token, to be opened once.
+    /// Address with the key, to be opened once in a browser; what follows the `#` is not sent.
     pub fn link(&self) -> String {
-        format!("{}?token={}", self.address, self.token)
+        format!("{}#key={}", self.address, self.key)
     }
 
     /// Leaves word where the page of this watched folder is.
@@ -146,6 +168,22 @@ impl Door {
         let text = serde_json::to_string(self)
             .map_err(|e| Error::environment("page", Place::default(), e.to_string()))?;
         write_secret(&door_file(root)?, text.as_bytes())
+    }
+
+    /// Writes a file of the user's alone that leads a browser to the page, and says where it is: what stands on a
+    /// command line all users of the machine can read.
+    ///
+    /// # Errors
+    /// From the disk.
+    pub fn write_opener(&self) -> Result<PathBuf, Error> {
+        let file = crate::service::Folders::of_user()?.state.join("open.html");
+        let text = format!(
+            "<!doctype html><meta charset=\"utf-8\"><title>Enfilade</title>\
+             <meta http-equiv=\"refresh\" content=\"0; url={0}\"><a href=\"{0}\">Enfilade</a>\n",
+            self.link()
+        );
+        write_secret(&file, text.as_bytes())?;
+        Ok(file)
     }
 
     /// The page of a watched folder, if its daemon still answers.
@@ -168,10 +206,10 @@ impl Door {
     }
 
     fn read(file: &Path) -> Option<Self> {
-        serde_json::from_slice(&std::fs::read(file).ok()?).ok()
+        serde_json::from_slice(&read_own(file).ok()?).ok()
     }
 
-    /// Asks who listens there: by now it may be somebody else, to whom this token means nothing.
+    /// Asks who listens there: by now it may be somebody else, who has not the key and learns nothing of it.
     fn life(&self) -> Life {
         let address = self.address.strip_prefix("http://").and_then(|a| a.strip_suffix('/')?.parse().ok());
         let Some(address) = address.filter(|a: &SocketAddr| a.ip().is_loopback()) else { return Life::Ended };
@@ -180,26 +218,33 @@ impl Door {
             Err(e) if e.kind() == ErrorKind::ConnectionRefused => return Life::Ended,
             Err(_) => return Life::Unknown,
         };
-        let ask = format!(
-            "GET /page.css HTTP/1.1\r\nHost: {address}\r\nAuthorization: Bearer {}\r\nConnection: close\r\n\r\n",
-            self.token
-        );
-        let mut answer = [0; ALIVE.len()];
+        let Ok(nonce) = secret() else { return Life::Unknown };
+        let ask =
+            format!("GET {HELLO}?nonce={nonce} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
+        let mut answer = String::new();
         let asked = stream
             .set_read_timeout(Some(PROBE_TIME))
             .and_then(|()| stream.set_write_timeout(Some(PROBE_TIME)))
             .and_then(|()| stream.write_all(ask.as_bytes()))
-            .and_then(|()| stream.read_exact(&mut answer));
+            .and_then(|()| stream.take(ANSWER_BYTES_MAX).read_to_string(&mut answer));
         match asked {
-            Ok(()) if &answer == ALIVE => Life::Lives,
-            Ok(()) => Life::Ended,
+            Ok(_) if is_proved(&answer, &self.key, &nonce) => Life::Lives,
+            Ok(_) => Life::Ended,
             Err(_) => Life::Unknown,
         }
     }
 }
 
-/// How a page answers its own token.
-const ALIVE: &[u8; 12] = b"HTTP/1.1 200";
+/// Most bytes of an answer to a greeting.
+const ANSWER_BYTES_MAX: u64 = 4096;
+
+/// Whether whoever gave the answer has the key.
+fn is_proved(answer: &str, key: &str, nonce: &str) -> bool {
+    let body = answer.split_once("\r\n\r\n").map_or("", |(_, body)| body);
+    let said: serde_json::Value = serde_json::from_str(body).unwrap_or_default();
+    let start = said["start"].as_str().unwrap_or_default();
+    said["proof"].as_str().is_some_and(|p| p == login::proof(key, start, nonce))
+}
 
 /// Whether the daemon of a page still runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -213,14 +258,14 @@ enum Life {
 
 /// In the user's own state folder: watched folders may be shared with others.
 fn door_file(root: &Path) -> Result<PathBuf, Error> {
+    own_file(root, DOOR_NAME)
+}
+
+/// A file of the user's own about a watched folder, by what its name begins and ends with.
+fn own_file(root: &Path, (begin, end): (&str, &str)) -> Result<PathBuf, Error> {
     let root = std::fs::canonicalize(root).unwrap_or_else(|_| root.into());
     let digest = crate::watch::sha256_hex(root.as_os_str().as_encoded_bytes());
-    Ok(crate::service::Folders::of_user()?.state.join(format!(
-        "{}{}{}",
-        DOOR_NAME.0,
-        &digest[..16],
-        DOOR_NAME.1
-    )))
+    Ok(crate::service::Folders::of_user()?.state.join(format!("{begin}{}{end}", &digest[..16])))
 }
 
 /// A new secret, hexadecimal.
@@ -232,15 +277,13 @@ fn secret() -> Result<String, Error> {
 }
 
 fn router(shared: Arc<Shared>) -> Router {
-    Router::new()
-        .route("/", get(index))
-        .route("/page.css", get(|| asset("text/css; charset=utf-8", include_str!("page/page.css"))))
-        .route("/page.js", get(|| asset("text/javascript; charset=utf-8", include_str!("page/page.js"))))
-        .route(
-            "/options.js",
-            get(|| asset("text/javascript; charset=utf-8", include_str!("page/options.js"))),
-        )
-        .route("/plots.js", get(|| asset("text/javascript; charset=utf-8", include_str!("page/plots.js"))))
+    let with_asset = |router: Router<Arc<Shared>>, (path, kind, text): (&'static str, _, _)| {
+        router.route(path, get(move || asset(kind, text)))
+    };
+    ASSETS
+        .into_iter()
+        .fold(Router::new(), with_asset)
+        .route(HELLO, get(api::hello))
         .route("/api/drawings", get(api::drawings))
         .route("/api/drawings/{id}", get(api::drawing))
         .route("/api/drawings/{id}/{set}", get(api::set))
@@ -257,15 +300,18 @@ fn router(shared: Arc<Shared>) -> Router {
         .with_state(shared)
 }
 
-async fn index(State(_): State<Arc<Shared>>) -> Response {
-    asset("text/html; charset=utf-8", include_str!("page/index.html")).await
-}
-
-/// For a browser without the token, as after another start of the daemon: it holds nothing of the daemon's.
-async fn locked() -> Response {
-    let page = asset("text/html; charset=utf-8", include_str!("page/locked.html")).await;
-    (StatusCode::FORBIDDEN, page).into_response()
-}
+/// What everybody on this machine may read: it holds nothing of the daemon's. Address, media type and text.
+const ASSETS: [(&str, &str, &str); 7] = [
+    ("/", HTML, include_str!("page/index.html")),
+    ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
+    ("/page.js", SCRIPT, include_str!("page/page.js")),
+    ("/login.js", SCRIPT, include_str!("page/login.js")),
+    ("/news.js", SCRIPT, include_str!("page/news.js")),
+    ("/options.js", SCRIPT, include_str!("page/options.js")),
+    ("/plots.js", SCRIPT, include_str!("page/plots.js")),
+];
+const HTML: &str = "text/html; charset=utf-8";
+const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 async fn asset(kind: &'static str, text: &'static str) -> Response {
     (StatusCode::OK, [(header::CONTENT_TYPE, kind)], text).into_response()

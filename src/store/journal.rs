@@ -1,4 +1,5 @@
-//! What was made from which content, across crashes: one JSON object a line, only ever appended.
+//! What was made from which content, across crashes: one JSON object a line, only ever appended. Each line says by
+//! which version of the journal it was written; what this program does not know is named and not obeyed.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -11,6 +12,14 @@ use crate::report::{Error, Place, Problem, Severity};
 
 /// A journal longer than this is rewritten at the next start with what still counts.
 const COMPACT_BYTES: usize = 1 << 20;
+/// Kinds of what is not known that are named.
+const UNKNOWN_MAX: usize = 8;
+
+/// Version of what is written. Lines without one are of the first.
+pub const JOURNAL_VERSION: u64 = 2;
+/// The events that are known.
+const EVENTS: [&str; 8] =
+    ["outputs", "queued", "started", "publishing", "finished", "failed", "stopped", "cancelled"];
 
 /// One step in the life of a job.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +52,8 @@ pub struct Journal {
     last: BTreeMap<PathBuf, Last>,
     outputs: BTreeSet<String>,
     is_torn: bool,
+    /// What was not understood, each kind once, with its number.
+    unknown: BTreeMap<String, usize>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -81,17 +92,54 @@ impl Journal {
             Err(e) => return Err(disk_error("reading", &path, &e)),
         };
         let is_torn = text.last().is_some_and(|b| *b != b'\n');
-        let mut journal = Self { disk, path, last: BTreeMap::new(), outputs: BTreeSet::new(), is_torn };
+        let (last, outputs, unknown) = Default::default();
+        let mut journal = Self { disk, path, last, outputs, is_torn, unknown };
         for line in text.split(|b| *b == b'\n') {
             if let Ok(value) = serde_json::from_slice::<Value>(line) {
-                journal.replay(&value);
+                journal.read(&value);
             }
         }
         journal.settle_published();
-        if text.len() > COMPACT_BYTES {
+        if text.len() > COMPACT_BYTES && journal.unknown.is_empty() {
             journal.compact()?;
         }
         Ok(journal)
+    }
+
+    /// Obeys a line, or counts it where it is of a later version or an event that is not known.
+    fn read(&mut self, line: &Value) {
+        let (version, event) = (line["v"].as_u64().unwrap_or(1), line["event"].as_str().unwrap_or_default());
+        let why = if version > JOURNAL_VERSION {
+            format!("version {version}")
+        } else if EVENTS.contains(&event) {
+            return self.replay(line);
+        } else {
+            format!("event {:?}", event.chars().take(40).collect::<String>())
+        };
+        // However many kinds there are, a few are named.
+        if self.unknown.len() < UNKNOWN_MAX || self.unknown.contains_key(&why) {
+            *self.unknown.entry(why).or_default() += 1;
+        }
+    }
+
+    /// What was not understood when the journal was read.
+    pub fn unread(&self) -> Option<Problem> {
+        if self.unknown.is_empty() {
+            return None;
+        }
+        let named: Vec<String> = self.unknown.iter().map(|(why, n)| format!("{why} ({n} lines)")).collect();
+        let text = format!(
+            "found {}, expected events of version {JOURNAL_VERSION}; these lines were left as they are, and their \
+             drawings may be done again",
+            named.join(", ")
+        );
+        let place = Place::file(self.path.display().to_string());
+        Some(Problem { code: "journal-unknown", severity: Severity::Warning, place, text })
+    }
+
+    /// Whether anything is known of a drawing.
+    pub fn knows(&self, drawing: &Path) -> bool {
+        self.last.contains_key(drawing)
     }
 
     fn replay(&mut self, line: &Value) {
@@ -122,10 +170,11 @@ impl Journal {
     }
 
     fn compact(&mut self) -> Result<(), Error> {
-        let mut text = format!("{}\n", json!({"event": "outputs", "outputs": self.outputs}));
+        let mut text =
+            format!("{}\n", json!({"v": JOURNAL_VERSION, "event": "outputs", "outputs": self.outputs}));
         for (drawing, l) in &self.last {
             let mut line = json!({
-                "event": l.event, "drawing": path_to_json(drawing), "sha256": l.sha256, "config": l.config,
+                "v": JOURNAL_VERSION, "event": l.event, "drawing": path_to_json(drawing), "sha256": l.sha256, "config": l.config,
             });
             if l.event == "failed" {
                 line["problem"] = json!({"place": l.place, "text": l.words});
@@ -164,7 +213,7 @@ impl Journal {
             Step::Cancelled => ("cancelled", json!({})),
         };
         let mut line = json!({
-            "time": time, "event": event, "drawing": path_to_json(drawing), "sha256": sha256, "config": config,
+            "v": JOURNAL_VERSION, "time": time, "event": event, "drawing": path_to_json(drawing), "sha256": sha256, "config": config,
         });
         if let (Some(line), Value::Object(more)) = (line.as_object_mut(), more) {
             line.extend(more);
@@ -225,4 +274,42 @@ fn path_from_json(value: &Value) -> Option<PathBuf> {
     let hex = value.get("hex")?.as_str()?;
     let pairs = (0..hex.len() / 2).map(|i| u8::from_str_radix(hex.get(2 * i..2 * i + 2)?, 16).ok());
     Some(path_from_bytes(&pairs.collect::<Option<Vec<u8>>>()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+    use crate::store::SystemDisk;
+
+    const TIME: &str = "2026-01-01T00:00:00Z";
+
+    /// What a later program wrote is named and not obeyed, and stays where it is.
+    #[test]
+    fn unknown_events_are_named_and_not_obeyed() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("journal.jsonl");
+        let (a, b) = (Path::new("a.dxf"), Path::new("b.dxf"));
+        let mut journal = Journal::open(Arc::new(SystemDisk), dir.path()).unwrap();
+        journal.append(a, "s", "c", TIME, &Step::Finished(String::new())).unwrap();
+        assert_eq!(journal.unread(), None);
+        let mut text = fs::read_to_string(&path).unwrap();
+        assert!(text.contains("\"v\":2"), "{text}");
+        text.push_str(
+            "{\"v\":2,\"event\":\"postponed\",\"drawing\":\"a.dxf\",\"sha256\":\"s\",\"config\":\"c\"}\n",
+        );
+        text.push_str(
+            "{\"v\":3,\"event\":\"finished\",\"drawing\":\"b.dxf\",\"sha256\":\"s\",\"config\":\"c\"}\n",
+        );
+        // The first version had none.
+        text.push_str("{\"event\":\"finished\",\"drawing\":\"old.dxf\",\"sha256\":\"s\",\"config\":\"c\"}\n");
+        fs::write(&path, &text).unwrap();
+        let journal = Journal::open(Arc::new(SystemDisk), dir.path()).unwrap();
+        let said = journal.unread().unwrap();
+        assert!(said.text.contains("postponed") && said.text.contains("version 3"), "{said}");
+        assert!(journal.end_of(a, "s", "c").is_some() && journal.end_of(b, "s", "c").is_none());
+        assert!(journal.end_of(Path::new("old.dxf"), "s", "c").is_some());
+        assert_eq!(fs::read_to_string(&path).unwrap(), text);
+    }
 }

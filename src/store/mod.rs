@@ -9,6 +9,7 @@ mod elsewhere;
 mod journal;
 mod log;
 mod owner;
+mod there;
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, TryLockError};
@@ -30,6 +31,7 @@ pub use owner::{
 
 pub use crate::report::OutFile;
 use crate::report::{Error, Place};
+use there::{has_bytes, holds_exactly, kept_beside};
 
 /// Code of the problem that a disk has no room.
 pub const DISK_FULL: &str = "disk-full";
@@ -60,8 +62,8 @@ const RESOLUTION: &str = "resolution";
 const CLAIM: &str = ".drawing";
 /// What a job remembers of itself until it is done.
 const MEMORY: &str = ".search";
-/// More than this is no memory of ours.
-const MEMORY_BYTES_MAX: u64 = 1 << 30;
+/// More than this is no file of ours.
+const OWN_BYTES_MAX: u64 = 1 << 30;
 
 /// What was written: where, and the SHA-256 of its bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -267,7 +269,7 @@ impl Home {
     /// What an earlier job remembered before it was killed; empty where nothing is.
     pub fn memory(&self) -> Vec<u8> {
         let path = self.folder.join(MEMORY);
-        let is_ours = fs::symlink_metadata(&path).is_ok_and(|m| m.is_file() && m.len() <= MEMORY_BYTES_MAX);
+        let is_ours = fs::symlink_metadata(&path).is_ok_and(|m| m.is_file() && m.len() <= OWN_BYTES_MAX);
         is_ours.then(|| fs::read(&path).ok()).flatten().unwrap_or_default()
     }
 
@@ -506,7 +508,7 @@ pub fn replace_file(disk: &dyn Disk, path: &Path, bytes: &[u8]) -> Result<(), Er
         let outcome = File::options().write(true).open(path).and_then(|mut f| f.write_all(bytes));
         return outcome.map_err(|e| disk_error("writing", path, &e));
     }
-    if fs::read(path).is_ok_and(|old| old == bytes) {
+    if has_bytes(path, bytes) {
         return Ok(());
     }
     let temp = path.with_file_name(format!("{TEMP_PREFIX}{}", unique()));
@@ -594,7 +596,7 @@ pub fn write_revision(disk: &dyn Disk, drawing: &Path, bytes: &[u8]) -> Result<R
         name.push(extension);
         let path = drawing.with_file_name(name);
         // The bytes are looked at last each time: somebody may accept the same at this moment.
-        let is_there = |path: &Path| fs::read(path).is_ok_and(|there| there == bytes);
+        let is_there = |path: &Path| has_bytes(path, bytes);
         let is_taken = is_taken(&path, &stem);
         if is_there(&path) {
             return Ok(Revision { path, is_new: false });
@@ -687,46 +689,6 @@ fn check_names(files: &[OutFile]) -> Result<(), Error> {
     Ok(())
 }
 
-/// The files of an earlier analysis that no one of `files` replaces, but for pictures of another drawing.
-fn kept_beside(folder: &Path, files: &[OutFile]) -> Vec<OutFile> {
-    let sha256 = |json: &[u8]| {
-        let value: serde_json::Value = serde_json::from_slice(json).ok()?;
-        Some(value["input"]["sha256"].as_str()?.to_owned())
-    };
-    let now = files.iter().find(|f| f.path == Path::new(ANALYSIS_JSON)).and_then(|f| sha256(&f.bytes));
-    let before = fs::read(folder.join(ANALYSIS_JSON)).ok().and_then(|bytes| sha256(&bytes));
-    let (Some(now), Some(before), Ok(entries)) = (now, before, fs::read_dir(folder)) else {
-        return Vec::new();
-    };
-    let kept = |entry: fs::DirEntry| {
-        let path = PathBuf::from(entry.file_name());
-        let holds = now == before || path.extension().is_none_or(|e| e != "png");
-        let is_left =
-            holds && entry.file_type().is_ok_and(|t| t.is_file()) && files.iter().all(|f| f.path != path);
-        is_left.then(|| fs::read(entry.path()).ok().map(|bytes| OutFile::new(path, bytes))).flatten()
-    };
-    entries.filter_map(Result::ok).filter_map(kept).collect()
-}
-
-/// Whether `folder` holds these files with these bytes and no others.
-fn holds_exactly(folder: &Path, files: &[OutFile]) -> bool {
-    let is_equal = |f: &OutFile| {
-        let path = folder.join(&f.path);
-        fs::metadata(&path).is_ok_and(|m| m.is_file() && m.len() == f.bytes.len() as u64)
-            && fs::read(&path).is_ok_and(|old| old == f.bytes)
-    };
-    count_files(folder) == Some(files.len()) && files.iter().all(is_equal)
-}
-
-fn count_files(folder: &Path) -> Option<usize> {
-    let mut count = 0;
-    for entry in fs::read_dir(folder).ok()? {
-        let entry = entry.ok()?;
-        count += if entry.file_type().ok()?.is_dir() { count_files(&entry.path())? } else { 1 };
-    }
-    Some(count)
-}
-
 fn written_of(file: &OutFile) -> Written {
     Written { path: file.path.clone(), sha256: sha256_hex(&file.bytes) }
 }
@@ -764,8 +726,13 @@ fn refuse_planted(path: &Path) -> Result<(), Error> {
 /// # Errors
 /// The system's; `InvalidInput` for what is no file.
 pub fn read_own(path: &Path) -> io::Result<Vec<u8>> {
-    if !fs::metadata(path)?.is_file() {
+    let found = fs::metadata(path)?;
+    if !found.is_file() {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "found no file, expected one"));
+    }
+    if found.len() > OWN_BYTES_MAX {
+        let text = format!("found {} MB, expected at most {} MB", found.len() >> 20, OWN_BYTES_MAX >> 20);
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, text));
     }
     fs::read(path)
 }

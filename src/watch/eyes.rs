@@ -16,8 +16,8 @@ use notify::{Config, ErrorKind, RecommendedWatcher, RecursiveMode, Watcher};
 use sha2::{Digest, Sha256};
 
 use super::{
-    Checked, Completeness, EndMark, Event, Identity, Kind, MAX_SCANNED_FILES, Names, Seen, Stat, Verdict,
-    WatchSettings,
+    Checked, Completeness, ContentKey, EndMark, Event, Identity, Kind, MAX_DRAWING_BYTES, MAX_SCANNED_FILES,
+    Names, Seen, Stat, Verdict, WatchSettings,
 };
 use crate::report::Error;
 
@@ -351,10 +351,19 @@ pub fn read_whole(path: &Path) -> Result<(Vec<u8>, Stat), Checked> {
     if !followed.is_file() {
         return Err(Checked::Unreadable("it is no file".into()));
     }
+    if followed.len() > MAX_DRAWING_BYTES {
+        let text = format!(
+            "it has {} MB, expected at most {} MB (MAX_DRAWING_BYTES)",
+            followed.len() >> 20,
+            MAX_DRAWING_BYTES >> 20
+        );
+        return Err(Checked::Unreadable(text));
+    }
     let mut file = open_at_once(path).map_err(refuse)?;
     let before = stat_from(&file.metadata().map_err(refuse)?);
     let mut bytes = Vec::with_capacity(before.size as usize);
-    file.read_to_end(&mut bytes).map_err(refuse)?;
+    // A file that grows meanwhile is read again later, never without end.
+    file.by_ref().take(before.size + 1).read_to_end(&mut bytes).map_err(refuse)?;
     let after = stat_from(&file.metadata().map_err(refuse)?);
     let named = stat_from(&fs::metadata(path).map_err(refuse)?);
     let is_same = before == after && bytes.len() as u64 == after.size && named == after;
@@ -386,15 +395,17 @@ fn is_held_by_writer(error: &io::Error) -> bool {
     cfg!(windows) && matches!(error.raw_os_error(), Some(ERROR_SHARING_VIOLATION | ERROR_LOCK_VIOLATION))
 }
 
-/// Reads a quiet file and judges its completeness. A panic of the judge counts as incomplete.
-pub fn read_settled(path: &Path, end_mark: EndMark) -> Checked {
+/// Reads a quiet file and judges its completeness; with what its content is known by, empty where there is none. A panic
+/// of the judge counts as incomplete.
+pub fn read_settled(path: &Path, end_mark: EndMark, content_key: ContentKey) -> (Checked, String) {
     match read_whole(path) {
-        Err(checked) => checked,
+        Err(checked) => (checked, String::new()),
         Ok((bytes, stat)) => {
             let judge = std::panic::AssertUnwindSafe(|| end_mark(path, &bytes));
             let completeness = std::panic::catch_unwind(judge)
                 .unwrap_or_else(|_| Completeness::Incomplete("its end could not be judged".into()));
-            Checked::Read { stat, sha256: sha256_hex(&bytes), completeness }
+            let key = content_key(path, &bytes);
+            (Checked::Read { stat, sha256: sha256_hex(&bytes), completeness }, key)
         }
     }
 }

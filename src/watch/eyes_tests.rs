@@ -2,6 +2,10 @@ use super::*;
 use std::sync::mpsc;
 use std::time::Duration;
 
+fn key(_: &Path, bytes: &[u8]) -> String {
+    sha256_hex(bytes)
+}
+
 fn eyes(root: &Path, depth: usize) -> (Eyes, mpsc::Receiver<Event>) {
     let (send, receive) = mpsc::channel();
     let settings = WatchSettings { depth, ..WatchSettings::default() };
@@ -134,13 +138,13 @@ fn refusals_name_the_limit() {
 fn a_read_is_whole_or_refused() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.dxf");
-    assert_eq!(read_settled(&path, |_, _| Completeness::Complete), Checked::Gone);
+    assert_eq!(read_settled(&path, |_, _| Completeness::Complete, key).0, Checked::Gone);
     fs::write(&path, b"abc").unwrap();
     let Seen::There(stat) = stat_of(&path) else { panic!() };
     let sha256 = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad".to_owned();
     let completeness = Completeness::Complete;
     assert_eq!(
-        read_settled(&path, |_, _| Completeness::Complete),
+        read_settled(&path, |_, _| Completeness::Complete, key).0,
         Checked::Read { stat, sha256, completeness }
     );
 }
@@ -163,7 +167,7 @@ fn a_panicking_judge_means_incomplete() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.dxf");
     fs::write(&path, b"abc").unwrap();
-    let checked = read_settled(&path, |_, _| panic!("judge"));
+    let checked = read_settled(&path, |_, _| panic!("judge"), key).0;
     assert!(
         matches!(checked, Checked::Read { completeness: Completeness::Incomplete(_), .. }),
         "{checked:?}"
@@ -198,7 +202,7 @@ fn odd_dates_are_taken_as_they_are() {
         fs::File::options().write(true).open(&path).unwrap().set_modified(date).unwrap();
         let Seen::There(stat) = stat_of(&path) else { panic!() };
         assert_eq!(stat.mtime_ns, nanos_since_epoch(date));
-        assert!(matches!(read_settled(&path, |_, _| Completeness::Complete), Checked::Read { .. }));
+        assert!(matches!(read_settled(&path, |_, _| Completeness::Complete, key).0, Checked::Read { .. }));
     }
 }
 

@@ -38,6 +38,10 @@ pub const RESCAN_SECS: f64 = 60.0;
 pub const POLL_SECS: f64 = 2.0;
 /// Longest pause between two looks at a file that stays unfinished.
 pub const MAX_BACKOFF_SECS: f64 = 600.0;
+/// How long a drawing may be read before it is measured, seconds.
+pub const READ_LIMIT_SECS: f64 = 300.0;
+/// How long a job may take in all, seconds.
+pub const JOB_LIMIT_SECS: f64 = 3600.0;
 /// Larger drawings are refused by name of this limit (hazard 24).
 pub const MAX_DRAWING_BYTES: u64 = 2 << 30;
 /// Files looked at in one scan of a root; more is a folder nobody meant to watch (hazard 29).
@@ -60,6 +64,9 @@ pub enum Completeness {
 
 /// Judges the bytes of a file by the end mark of its format; given by the caller, who knows formats.
 pub type EndMark = fn(&Path, &[u8]) -> Completeness;
+
+/// What the content of a file is known by: a digest of its bytes without the time at which they were written.
+pub type ContentKey = fn(&Path, &[u8]) -> String;
 
 /// How folders are watched and where results go.
 #[derive(Clone, Debug)]
@@ -98,6 +105,14 @@ pub struct WatchSettings {
     /// What else decides a result (the command line's settings): part of the key of a job, so that
     /// changed settings run a known drawing again.
     pub settings_key: String,
+    /// Jobs at the same time; 0 counts as 1.
+    pub jobs: usize,
+    /// Memory for all jobs together, bytes; `None`: what the machine has.
+    pub memory_bytes: Option<u64>,
+    /// Memory for one job at most, bytes; `None`: most of that for all.
+    pub job_memory_bytes: Option<u64>,
+    /// A job that is still reading its drawing after so long is stopped and reported.
+    pub read_limit_secs: f64,
     /// A job that runs longer is stopped and reported, so that it cannot block the others (hazard 23).
     pub job_limit_secs: f64,
     /// Interval of the sign of life in `owner.json`; three missed ones free a folder (hazard 21).
@@ -106,6 +121,8 @@ pub struct WatchSettings {
     pub retry_secs: f64,
     /// Tells whole files from half-written ones.
     pub end_mark: EndMark,
+    /// Tells new contents from those that were only written again.
+    pub content_key: ContentKey,
 }
 
 impl Default for WatchSettings {
@@ -127,10 +144,15 @@ impl Default for WatchSettings {
             force: false,
             newest_first: false,
             settings_key: String::new(),
-            job_limit_secs: 3600.0,
+            jobs: 1,
+            memory_bytes: None,
+            job_memory_bytes: None,
+            read_limit_secs: READ_LIMIT_SECS,
+            job_limit_secs: JOB_LIMIT_SECS,
             heartbeat_secs: 10.0,
             retry_secs: 10.0,
             end_mark: |_, _| Completeness::NoEndMark,
+            content_key: |_, bytes| sha256_hex(bytes),
         }
     }
 }

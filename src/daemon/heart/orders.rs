@@ -7,14 +7,13 @@ impl Heart {
         match order {
             Order::Cancel(drawing) => self.cancel(drawing, show),
             Order::Again { drawing, asked } => {
-                let Some((sha256, config)) = self.contents.get(&drawing).cloned() else {
+                let Some(of) = self.contents.get(&drawing).cloned() else {
                     return show(Notice::Stopped { drawing, why: NOTHING_WHOLE });
                 };
                 // What was asked before in other words is done too, in its turn.
                 let is_other = |w: &Waiting| w.asked != Asked::default() && w.asked != asked;
                 self.queue.retain(|w| w.drawing != drawing || is_other(w));
-                let waiting = Waiting { drawing, sha256, config, asked, not_before: None, failures: 0 };
-                self.enqueue(waiting, show);
+                self.enqueue(Waiting::new(drawing, of, asked), show);
             }
         }
     }
@@ -26,7 +25,7 @@ impl Heart {
         for waiting in Vec::from(own) {
             self.stopped(&waiting, BY_THE_USER, show);
         }
-        if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
+        if let Some(running) = self.running_of(&drawing) {
             running.stop(BY_THE_USER);
         }
         self.is_overview_stale = true;
@@ -55,8 +54,8 @@ impl Heart {
         self.cancelled.remove(&drawing);
         self.is_overview_stale = true;
         self.note(&waiting, &Step::Queued, show);
-        if self.running.is_some() && !self.is_running(&drawing) {
-            let standing = Standing { state: "waiting", sha256: &waiting.sha256, ..Standing::default() };
+        if !self.running.is_empty() && !self.is_running(&drawing) {
+            let standing = Standing { state: "waiting", sha256: &waiting.of.sha256, ..Standing::default() };
             write_standing(&*self.disk, &drawing, &self.placing_of(&drawing), &standing);
         }
         if self.settings.newest_first {

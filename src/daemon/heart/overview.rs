@@ -6,6 +6,8 @@ impl Heart {
     pub(super) fn overview(&self, root: &Root, is_leaving: bool) -> Value {
         let name = |p: &Path| p.display().to_string();
         let is_own = |p: &Path| p.starts_with(&root.path);
+        let running: Vec<String> =
+            self.running.iter().map(|r| &*r.what.drawing).filter(|p| is_own(p)).map(name).collect();
         let waiting: Vec<&Path> = self.queue.iter().map(|w| &*w.drawing).filter(|p| is_own(p)).collect();
         let cancelled: Vec<&PathBuf> = self.cancelled.iter().filter(|p| is_own(p)).collect();
         let failed: Vec<_> = self.failed.iter().filter(|(p, _)| is_own(p)).collect();
@@ -30,7 +32,8 @@ impl Heart {
             "pid": std::process::id(),
             "since": self.since,
             "roots": roots,
-            "running": self.running.as_ref().map(|r| &*r.what.drawing).filter(|p| is_own(p)).map(name),
+            "running": running.first(),
+            "all_running": running,
             "waiting": waiting.iter().take(MAX_LISTED).map(|p| name(p)).collect::<Vec<_>>(),
             "waiting_count": waiting.len(),
             "settling_count": self.settle.pending_count(),

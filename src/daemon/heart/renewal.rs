@@ -69,7 +69,7 @@ impl Heart {
             }
             self.drop_waiting(&drawing, LEFT_ALONE, show);
             self.forget(&drawing);
-            if let Some(running) = self.running.as_mut().filter(|r| r.what.drawing == drawing) {
+            if let Some(running) = self.running_of(&drawing) {
                 running.stop(LEFT_ALONE);
             }
         }

@@ -3,6 +3,13 @@
 /// Largest file taken: spans are 32-bit, and memory is about twice the file.
 pub const MAX_FILE_BYTES: usize = 1 << 30;
 
+/// Most records taken (entities, and what else a group code 0 begins). A record takes half a kilobyte of memory, and the
+/// largest plan seen has a tenth of them.
+pub const MAX_RECORDS: usize = 2_000_000;
+
+/// Most pairs of group code and value taken.
+pub const MAX_PAIRS: usize = 50_000_000;
+
 /// Longest line taken. Real ones reach a few hundred kB (embedded texts); a longer one is no DXF.
 pub const MAX_LINE_BYTES: usize = 64 << 20;
 
@@ -33,6 +40,10 @@ pub const MAX_CURVE_PIECES: usize = 2048;
 pub struct Limits {
     /// See [`MAX_FILE_BYTES`].
     pub max_file_bytes: usize,
+    /// See [`MAX_RECORDS`].
+    pub max_records: usize,
+    /// See [`MAX_PAIRS`].
+    pub max_pairs: usize,
     /// See [`MAX_LINE_BYTES`].
     pub max_line_bytes: usize,
     /// See [`MAX_EXPANDED_SEGMENTS`].
@@ -53,6 +64,8 @@ impl Default for Limits {
     fn default() -> Self {
         Self {
             max_file_bytes: MAX_FILE_BYTES,
+            max_records: MAX_RECORDS,
+            max_pairs: MAX_PAIRS,
             max_line_bytes: MAX_LINE_BYTES,
             max_expanded_segments: MAX_EXPANDED_SEGMENTS,
             max_block_depth: MAX_BLOCK_DEPTH,

@@ -180,6 +180,14 @@ pub(super) fn fault_error(file: &str, bytes: &[u8], fault: Fault, options: &Read
                 options.limits.max_line_bytes
             ),
         ),
+        Fault::TooMany { what, most, limit } => Error::input(
+            "dxf-too-many",
+            Place::file(file),
+            format!(
+                "its {what}, found more than {most}, expected at most {most} ({limit}); not read. Export the plan alone, \
+                 without hatches and symbols that are drawn line by line"
+            ),
+        ),
         Fault::TooBig => Error::input(
             "dxf-file-too-big",
             Place::file(file),

@@ -102,6 +102,8 @@ pub(super) enum Fault {
     LongLine { pair: usize, bytes: usize },
     /// The file is longer than the limit.
     TooBig,
+    /// It has more records, or pairs, than the limit of that name.
+    TooMany { what: &'static str, most: usize, limit: &'static str },
 }
 
 /// Trims blanks and control characters of both ends.
@@ -126,10 +128,10 @@ pub(super) fn tokenize<'a>(bytes: &'a [u8], limits: &Limits) -> Result<Tokens<'a
     }
     let form = form_of(bytes);
     let mut tokens = Tokens { bytes, pairs: Vec::new(), records: Vec::new(), form, has_eof: false, end: 0 };
-    tokens.pairs.reserve(bytes.len() / 14);
+    tokens.pairs.reserve((bytes.len() / 14).min(limits.max_pairs));
     match form {
         Form::Ascii => tokens.scan_ascii(limits)?,
-        Form::Binary { wide } => tokens.scan_binary(wide)?,
+        Form::Binary { wide } => tokens.scan_binary(wide, limits)?,
     }
     Ok(tokens)
 }
@@ -209,6 +211,7 @@ impl<'a> Tokens<'a> {
                 return Err(Fault::LongLine { pair, bytes: end - value_start });
             }
             pos = next;
+            self.within(limits)?;
             if self.push(code, value_start, end, next) {
                 break;
             }
@@ -216,7 +219,7 @@ impl<'a> Tokens<'a> {
         Ok(())
     }
 
-    fn scan_binary(&mut self, wide: bool) -> Result<(), Fault> {
+    fn scan_binary(&mut self, wide: bool, limits: &Limits) -> Result<(), Fault> {
         let bytes = self.bytes;
         let mut pos = BINARY_SENTINEL.len();
         while pos < bytes.len() {
@@ -235,9 +238,26 @@ impl<'a> Tokens<'a> {
                 return Err(cut);
             };
             pos = next;
+            self.within(limits)?;
             if self.push(code, value.start, value.end, next) {
                 break;
             }
+        }
+        Ok(())
+    }
+
+    /// Whether one more may be added.
+    fn within(&self, limits: &Limits) -> Result<(), Fault> {
+        let (records, pairs) = (limits.max_records, limits.max_pairs);
+        if self.records.len() >= records {
+            return Err(Fault::TooMany { what: "records", most: records, limit: "MAX_RECORDS" });
+        }
+        if self.pairs.len() >= pairs {
+            return Err(Fault::TooMany {
+                what: "pairs of group code and value",
+                most: pairs,
+                limit: "MAX_PAIRS",
+            });
         }
         Ok(())
     }
@@ -425,5 +445,20 @@ mod tests {
         let file = |code: i32| format!("{code}\n1\n0\nEOF\n");
         assert!(tokenize(file(MAX_GROUP_CODE).as_bytes(), &Limits::default()).is_ok());
         assert!(tokenize(file(MAX_GROUP_CODE + 1).as_bytes(), &Limits::default()).is_err());
+    }
+
+    /// However many there are, the memory for them is bounded by limits that are named.
+    #[test]
+    fn too_many_records_and_pairs_are_refused() {
+        let text = "0\nLINE\n10\n1\n".repeat(10) + "0\nEOF\n";
+        let limits = |max_records, max_pairs| Limits { max_records, max_pairs, ..Limits::default() };
+        let limit = |limits: Limits| match tokenize(text.as_bytes(), &limits) {
+            Err(Fault::TooMany { limit, .. }) => limit,
+            _ => "",
+        };
+        assert_eq!(
+            (limit(limits(11, 21)), limit(limits(10, 21)), limit(limits(11, 20))),
+            ("", "MAX_RECORDS", "MAX_PAIRS")
+        );
     }
 }

@@ -1,5 +1,7 @@
 //! What is too much for an IFC file, each with its reason.
 
+use super::step::Fault;
+
 /// Parentheses inside one instance: the schemas nest four deep, a file of parentheses alone would fill the stack.
 pub const NESTING_MAX: usize = 48;
 
@@ -33,3 +35,26 @@ pub const INSTANCE_MAX: u64 = u64::MAX / 4 - 1;
 
 /// What is said of a larger one.
 pub(super) const LARGE_ID: &str = "a number after `#` of 19 digits or more, expected at most 4611686018427387902; export the file with smaller numbers";
+
+/// Most instances taken: each takes a hundred bytes, and the largest building seen has a tenth of them.
+const INSTANCES_MAX: usize = 20_000_000;
+
+/// Whether so many instances are taken, at a byte.
+pub(super) fn within(count: usize, at: usize) -> Result<(), Fault> {
+    if count <= INSTANCES_MAX {
+        return Ok(());
+    }
+    let text = format!("found more than {INSTANCES_MAX} instances, expected at most so many (INSTANCES_MAX)");
+    Err(Fault { at, text })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_many_instances_are_refused_by_the_name_of_the_limit() {
+        assert_eq!(within(INSTANCES_MAX, 0), Ok(()));
+        assert!(within(INSTANCES_MAX + 1, 7).unwrap_err().text.contains("INSTANCES_MAX"));
+    }
+}

@@ -8,7 +8,7 @@ use std::ops::Range;
 use memchr::{memchr, memchr_iter, memchr2, memchr3};
 use rayon::prelude::*;
 
-use super::limits::{INSTANCE_BYTES_MAX, INSTANCE_MAX, LARGE_ID, NESTING_MAX};
+use super::limits::{INSTANCE_BYTES_MAX, INSTANCE_MAX, LARGE_ID, NESTING_MAX, within};
 use super::plain;
 
 /// Parts of a large file that are taken apart at once: the same on every machine.
@@ -247,6 +247,7 @@ impl<'a> Step<'a> {
                 Ordering::Less => break,
             };
             self.instances.extend(part.instances);
+            within(self.instances.len(), scan.at)?;
             self.broken.extend(part.broken);
             scan.at = part.end?;
         }

@@ -1,4 +1,5 @@
 // Options side by side: a slider over heat maps, parallel coordinates and a scatter to filter, pin, more like one, accept.
+import { lead } from "/login.js";
 import { $, ask, el, plain, say } from "/page.js";
 import { Parallel, Scatter, onNewLook } from "/plots.js";
 
@@ -46,12 +47,12 @@ function canvas(label) {
 
 function pair(d, set, number, measure) {
   const at = (name) => `/api/drawings/${d.id}/${set}/${name}-${encodeURIComponent(measure)}.png`;
-  const after = el("img", { src: at(`candidate-${number}`), alt: `Option ${number}: heat map of ${measure}` });
+  const after = lead(el("img", { alt: `Option ${number}: heat map of ${measure}` }), "src", at(`candidate-${number}`));
   const cut = el("input", { type: "range", min: 0, max: 100, value: 50, "aria-label": "How much of the option is shown over the present layout, per cent" });
   const show = () => { after.style.clipPath = `inset(0 0 0 ${100 - cut.value}%)`; };
   cut.addEventListener("input", show);
   show();
-  return el("div", {}, el("div", { class: "pair" }, el("img", { src: at("initial"), alt: `Present layout: heat map of ${measure}` }), after), cut,
+  return el("div", {}, el("div", { class: "pair" }, lead(el("img", { alt: `Present layout: heat map of ${measure}` }), "src", at("initial")), after), cut,
     el("p", { class: "quiet ends" }, el("span", {}, "present layout"), el("span", {}, `option ${number}`)));
 }
 
@@ -252,7 +253,7 @@ async function round(place, d, set) {
           el("button", { id: `pin-${i}`, disabled: isHeld, "aria-pressed": String(pinned.has(c)), onclick: () => pin(c) }, `Pin ${i + 1}`),
           el("button", { id: `like-${i}`, disabled: isHeld, onclick: () => like(i) }, `More like ${i + 1}`),
           el("button", { id: `accept-${i}`, disabled: isHeld, onclick: () => accept(i) }, `Accept ${i + 1}`),
-          el("a", { href: `/api/drawings/${d.id}/${set}/${encodeURIComponent(c.file)}` }, `File ${i + 1}`))),
+          lead(el("a", {}, `File ${i + 1}`), "href", `/api/drawings/${d.id}/${set}/${encodeURIComponent(c.file)}`))),
         ...columns.slice(0, TABLE_COLUMNS).map((k) => el("td", {}, Number.isFinite(k.of(c)) ? k.of(c).toPrecision(4) : "–")));
     }));
     if (focus) $(focus)?.focus();

@@ -1,4 +1,6 @@
 // What the daemon does, live. All names come from files: they become text, never markup.
+import { Locked, arrive, lead, signed } from "/login.js";
+import { listen } from "/news.js";
 import { keeping, newer, showOptions } from "/options.js";
 
 export const $ = (id) => document.getElementById(id);
@@ -29,7 +31,7 @@ class Refusal extends Error {}
 addEventListener("unhandledrejection", (e) => { if (e.reason instanceof Refusal) e.preventDefault(); });
 
 const [LIVE, AWAY, LOCKED] = ["live", "the daemon is out of reach; trying again",
-  "the daemon was started again: `enfilade open` shows its page"];
+  "this browser is not known to the daemon: `enfilade open DIR` shows its page"];
 function link(text) {
   if ($("link").textContent !== text) $("link").textContent = text;
 }
@@ -51,11 +53,12 @@ export async function ask(path, body) {
     say(why);
     throw new Refusal(why);
   };
-  const answer = await fetch("/api/" + path, options).catch(() => fail(silence(isOrder)));
-  if (answer.status === 403) {
+  const locked = () => {
     link(LOCKED);
     fail((isOrder ? "nothing was done: " : "") + LOCKED);
-  }
+  };
+  const answer = await signed("/api/" + path, options).catch((e) => (e instanceof Locked ? locked() : fail(silence(isOrder))));
+  if (answer.status === 403) locked();
   const text = await answer.text().catch(() => fail(silence(isOrder)));
   if (!answer.ok) fail(text.startsWith("{") ? JSON.parse(text).error : text);
   return JSON.parse(text);
@@ -63,7 +66,7 @@ export async function ask(path, body) {
 
 const STATES = { waiting: "waits", running: "being worked on", done: "done", failed: "failed", stopped: "stopped" };
 /** Stages in words; the others are words already. While files are written nothing is counted. */
-const STAGES = { read: "reading", write: "writing the results", "so-far": "writing the best so far" };
+const STAGES = { read: "reading", measure: "measuring the present layout", write: "writing the results", "so-far": "writing the best so far" };
 /** The card of a running job is not made anew more often. */
 const PAUSE_MS = 500;
 const drawings = new Map();
@@ -199,15 +202,26 @@ async function open(id) {
   (again && !again.disabled ? again : $("title")).focus({ preventScroll: true });
 }
 
+/** The report of the newest round, and the picture of what was understood. */
+function papers(d) {
+  const leads = [];
+  const to = (path, words) => leads.push(lead(el("a", { target: "_blank", rel: "noopener" }, words), "href", `/api/drawings/${d.id}/${path}`));
+  const newest = d.sets.findLast((s) => s.startsWith("round-"));
+  if (newest) to(`${newest}/report.html`, `Report of round ${Number(newest.slice(6))}`);
+  if (d.sets.includes("analysis")) to("analysis/check.png", "What was understood");
+  return leads.length ? el("p", { class: "bar", id: "papers" }, ...leads) : "";
+}
+
 /** What is known of a drawing, below its state: options, or the present layout. */
 async function below(main, d) {
+  main.append(papers(d));
   const found = d.sets.filter((s) => s.startsWith("round-") || s === "so-far");
   if (found.length) await showOptions(main, d, found);
   else if (d.sets.includes("analysis")) {
     main.append(el("h3", {}, "The present layout"));
     const maps = (await ask(`drawings/${d.id}/analysis`)).filter((n) => n.endsWith(".png") && n !== "check.png");
     main.append(el("div", { class: "maps" }, ...maps.map((n) => el("figure", {},
-      el("img", { src: `/api/drawings/${d.id}/analysis/${encodeURIComponent(n)}`, alt: `Heat map of ${n.slice(0, -4)}, as drawn` }),
+      lead(el("img", { alt: `Heat map of ${n.slice(0, -4)}, as drawn` }), "src", `/api/drawings/${d.id}/analysis/${encodeURIComponent(n)}`),
       el("figcaption", {}, n.slice(0, -4))))));
   }
 }
@@ -268,8 +282,16 @@ async function load() {
   folders(found);
   $("log").replaceChildren(...log.reverse().map(logLine));
   list();
-  const id = location.hash.slice(1);
-  if (id) await open(id);
+  await open(location.hash.slice(1) || busiest());
+}
+
+/** Where nothing is chosen, what is worked on is shown, else what waits, else the only drawing. */
+function busiest() {
+  const all = [...drawings.values()];
+  const first = all.find((d) => d.state === "running") ?? all.find((d) => d.state === "waiting");
+  const id = (first ?? (all.length === 1 ? all[0] : null))?.id ?? "";
+  if (id) history.replaceState(null, "", "#" + id);
+  return id;
 }
 
 const stale = new Set();
@@ -296,37 +318,33 @@ function renew() {
   }
 }
 
-/** Browsers try again by themselves unless they were refused: then the page does, after this long. */
-const RETRY_MS = 5_000;
-function listen() {
-  const news = new EventSource("/api/events");
-  news.onopen = () => {
+function hear(news) {
+  const { kind, drawing, line, id } = news;
+  if (kind === "live") {
     link(LIVE);
-    load();
-  };
-  news.onerror = async () => {
-    if ($("link").textContent !== LOCKED) link(AWAY);
-    if (news.readyState !== EventSource.CLOSED) return;
-    setTimeout(listen, RETRY_MS);
-    const answer = await fetch("/api/log").catch(() => null);
-    if (answer) link(answer.status === 403 ? LOCKED : AWAY);
-  };
-  news.onmessage = (message) => {
-    const { kind, drawing, line, id } = JSON.parse(message.data);
-    if (kind === "reload") return load();
-    if (kind === "folders") return soonFolders();
-    if (kind === "gone") return gone(id);
-    if (kind === "log") {
-      $("log").prepend(logLine(line));
-      while ($("log").childElementCount > 500) $("log").lastElementChild.remove();
-      return;
-    }
-    const before = drawings.get(drawing.id)?.state;
-    drawings.set(drawing.id, drawing);
-    soon(drawing.id);
-    refresh(drawing, before);
-  };
+    return load();
+  }
+  if (kind === "away") return link(AWAY);
+  if (kind === "locked") return link(LOCKED);
+  if (kind === "reload") return load();
+  if (kind === "folders") return soonFolders();
+  if (kind === "gone") return gone(id);
+  if (kind === "log") {
+    $("log").prepend(logLine(line));
+    while ($("log").childElementCount > 500) $("log").lastElementChild.remove();
+    return;
+  }
+  const before = drawings.get(drawing.id)?.state;
+  drawings.set(drawing.id, drawing);
+  soon(drawing.id);
+  if (!shown && drawing.state === "running") open(busiest());
+  else refresh(drawing, before);
 }
 
-addEventListener("hashchange", () => open(location.hash.slice(1)).finally(toTitle));
-listen();
+addEventListener("hashchange", () => {
+  // A link that was opened again brings the key of a daemon that has another by now.
+  if (location.hash.startsWith("#key=")) arrive().then(load);
+  else open(location.hash.slice(1)).finally(toTitle);
+});
+await arrive();
+listen(hear);

@@ -1,0 +1,80 @@
+// How the page and its daemon know each other. The key comes once behind the # of the link, is kept where no script can
+// read it, and is never sent: requests are signed with it, and the daemon proves that it has it too.
+
+const KEY = /^#key=([0-9a-f]{64})$/;
+/** The daemon has not our key, or we have none: `enfilade open` brings it. */
+export class Locked extends Error {}
+
+const bytes = (text) => new TextEncoder().encode(text);
+const hex = (data) => Array.from(new Uint8Array(data), (b) => b.toString(16).padStart(2, "0")).join("");
+const fresh = () => hex(crypto.getRandomValues(new Uint8Array(16)));
+
+/** A place of this address alone, its port included; without one, as in some private windows, the key lasts as long as the page. */
+function shelf(mode, work) {
+  return new Promise((done, fail) => {
+    const opening = indexedDB.open("enfilade", 1);
+    opening.onupgradeneeded = () => opening.result.createObjectStore("keys");
+    opening.onerror = () => fail(opening.error);
+    opening.onsuccess = () => {
+      const asked = work(opening.result.transaction("keys", mode).objectStore("keys"));
+      asked.onsuccess = () => { opening.result.close(); done(asked.result); };
+      asked.onerror = () => fail(asked.error);
+    };
+  });
+}
+
+let key = null;
+/** The word by which this start of the daemon is signed for. */
+let start = null;
+
+async function take(text) {
+  key = await crypto.subtle.importKey("raw", bytes(text), { name: "HMAC", hash: "SHA-256" }, false, ["sign", "verify"]);
+  start = null;
+  await shelf("readwrite", (keys) => keys.put(key, "page")).catch(() => null);
+}
+
+/** Takes the key out of the address, before anything else is asked. */
+export async function arrive() {
+  const found = KEY.exec(location.hash);
+  if (!found) return;
+  history.replaceState(null, "", location.pathname);
+  await take(found[1]);
+}
+
+const mac = async (text) => hex(await crypto.subtle.sign("HMAC", key, bytes(text)));
+
+/** Greets the daemon. Who has taken its port in the meantime cannot answer, and is told nothing. */
+export async function greet() {
+  // Another tab may have got a newer key.
+  key = (await shelf("readonly", (keys) => keys.get("page")).catch(() => null)) ?? key;
+  if (!key) throw new Locked();
+  const nonce = fresh();
+  const answer = await fetch(`/api/hello?nonce=${nonce}`);
+  const said = answer.ok ? await answer.json().catch(() => ({})) : {};
+  if (said.proof !== await mac(`page\n${said.start}\n${nonce}`)) throw new Locked();
+  start = said.start;
+}
+
+/** A signed request. A daemon that was started again is greeted first. */
+export async function signed(address, options = {}) {
+  for (let turn = 0; ; turn += 1) {
+    if (!start || turn) await greet();
+    const nonce = fresh();
+    const sign = await mac(`${options.method ?? "GET"}\n${start}\n${nonce}\n${address}`);
+    const headers = { ...options.headers, Authorization: `Enfilade ${nonce}.${sign}` };
+    const answer = await fetch(address, { ...options, headers });
+    if (answer.status !== 403 || turn) return answer;
+  }
+}
+
+/** An address for a picture or a link, good for this one file and this start. */
+export async function addressOf(path) {
+  if (!start) await greet();
+  return `${path}?mac=${await mac(`GET\n${start}\n\n${path}`)}`;
+}
+
+/** Sets the address of an element once it is signed. */
+export function lead(element, attribute, path) {
+  addressOf(path).then((address) => element.setAttribute(attribute, address)).catch(() => null);
+  return element;
+}
