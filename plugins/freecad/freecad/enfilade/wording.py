@@ -12,6 +12,8 @@ GERMAN = {
     "2 Study": "2 Studie",
     "3 Options": "3 Varianten",
     "Nothing selected. Select walls, columns, doors or windows in the view.": "Nichts ausgewählt. Wählen Sie Wände, Stützen, Türen oder Fenster in der Ansicht.",
+    "Nothing selected. Select all lines of a wall in the view.": "Nichts ausgewählt. Wählen Sie alle Linien einer Wand in der Ansicht.",
+    "Marked: {}. They move together, as '{}'.": "Markiert: {}. Sie bewegen sich gemeinsam, als '{}'.",
     "Selected: {}": "Ausgewählt: {}",
     "east-west": "Ost-West",
     "north-south": "Nord-Süd",
