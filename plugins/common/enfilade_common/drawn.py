@@ -10,8 +10,8 @@ from .plane import STILL, Point, Rigid, fit_rigid
 
 #: Lines of a preview keep this near to a curve: degrees of an arc.
 STEP_DEG = 10.0
-#: Half the side of the mark round a point that stays, drawing units.
-HELD = 5.0
+#: Half the side of the mark round a point that stays, as a share of the plan.
+HELD = 1.0 / 4000.0
 
 
 def draw(out: Drawing, study: Study) -> Dict[str, str]:
@@ -21,10 +21,12 @@ def draw(out: Drawing, study: Study) -> Dict[str, str]:
         for i, stroke in enumerate(drawn.strokes):
             id = f"{drawn.id}/{i}"
             handles[id] = _draw(out, drawn.layer, stroke, (id, drawn.label))
+    every = [p for drawn in study.drawn for p in drawn.points()]
+    by = HELD * max((max(p[k] for p in every) - min(p[k] for p in every) for k in (0, 1) if every), default=0.0)
     for drawn in study.drawn:
         if drawn.keep or drawn.locked or drawn.is_stiff and not (drawn.clauses or drawn.group):
             for x, y in dict.fromkeys(drawn.points()):
-                out.polyline("EF-KEEP", [(x + HELD * sx, y + HELD * sy) for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+                out.polyline("EF-KEEP", [(x + by * sx, y + by * sy) for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
     return handles
 
 

@@ -22,10 +22,10 @@ LAYERS = (
 
 class Drawing:
     """Entities in the order in which they are added, each of which gives its handle; ``file_text()`` gives the file.
-    ``digits`` behind the point are written."""
+    ``digits`` behind the point are written; ``is_mm`` says in the file that its unit is mm."""
 
-    def __init__(self, digits: int = 3) -> None:
-        self._digits = digits
+    def __init__(self, digits: int = 3, is_mm: bool = True) -> None:
+        self._digits, self._is_mm = digits, is_mm
         self._entities: List[str] = []
         self._points: List[Point] = []
         self._layers = dict(LAYERS)
@@ -91,7 +91,7 @@ class Drawing:
     def _header(self) -> List[str]:
         xs, ys = [p[0] for p in self._points] or [0.0], [p[1] for p in self._points] or [0.0]
         out = ["0", "SECTION", "2", "HEADER", "9", "$ACADVER", "1", "AC1009"]
-        out += ["9", "$INSUNITS", "70", "4", "9", "$MEASUREMENT", "70", "1", "9", "$HANDLING", "70", "1"]
+        out += ["9", "$INSUNITS", "70", "4" if self._is_mm else "0", "9", "$MEASUREMENT", "70", "1", "9", "$HANDLING", "70", "1"]
         out += ["9", "$HANDSEED", "5", f"{self._handle + 1:X}"]
         for name, x, y in (("$EXTMIN", min(xs), min(ys)), ("$EXTMAX", max(xs), max(ys))):
             out += ["9", name, *self._point((x, y), 0)]

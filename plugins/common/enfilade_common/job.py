@@ -159,7 +159,8 @@ def _outline(data: Dict[str, Any]) -> Outline:
 def drawing_text(study: Study, plan: Plan) -> Tuple[str, Dict[str, str]]:
     """The study as a DXF: faces on ``A-WALL`` and ``A-COLS`` with ids, openings, or the strokes of a 2D plan, whose
     handles it gives too; our marker layers."""
-    out = Drawing(STROKE_DIGITS if study.drawn else WALL_DIGITS)
+    # FreeCAD takes the numbers of a DXF without a unit for mm, so that it does not know the unit of a 2D plan.
+    out = Drawing(STROKE_DIGITS, is_mm=False) if study.drawn else Drawing(WALL_DIGITS)
     handles = drawn.draw(out, study)
     columns = {c.id for c in study.columns}
     labels = {e.id: e.label for e in study.movables()}
@@ -201,9 +202,9 @@ def side_car(study: Study, plan: Plan, job: Job, handles: Dict[str, str]) -> Dic
     wishes = study.wishes
     by_corners = [{"name": t.name, "moves": t.clause.text(), "nodes": t.nodes(plan.outlines)} for t in plan.tables]
     out: Dict[str, Any] = {
-        # In which unit a 2D plan is drawn is read from it. Who marked lines in it wants to see options, also where
-        # that reading is unsure; the program's questions are shown.
-        "unit": None if study.drawn else "mm",
+        # Who marked lines of a 2D plan wants to see options, also where its reading is unsure; the program's questions
+        # are shown.
+        "unit": (wishes.unit or None) if study.drawn else "mm",
         "unsure": "optimise" if study.drawn else None,
         "only-marked": True,
         "objective": wishes.objective_text(),

@@ -14,6 +14,9 @@ KINDS = ("x", "y", "along", "rotate")
 #: Longest name of a pair of regions, bytes of UTF-8; the program's own limit.
 PAIR_NAME_BYTES = 40
 
+#: Units of a drawing, in metres.
+UNITS = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "ft": 0.3048}
+
 #: What an objective can measure, in the order of the panel.
 MEASURES = ("degree", "mean-depth", "depth", "entropy", "score")
 
@@ -202,6 +205,8 @@ class Wishes:
     spacing_m: Optional[float] = None
     #: ``eye``: windows are seen through; ``knee``: they block.
     level: str = "eye"
+    #: Unit in which a 2D plan is drawn; empty: the program finds out.
+    unit: str = ""
     clearance: float = 1.0
     wall_length: float = 1.0
 

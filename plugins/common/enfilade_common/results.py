@@ -11,7 +11,7 @@ from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from . import drawn
 from .job import RESULTS, Job
-from .model import Column, Drawn, Movable, Opening, PluginError, Wall, geometry_hash
+from .model import Column, Drawn, Movable, Opening, PluginError, UNITS, Wall, geometry_hash
 from .moves import Plan
 from .outlines import Outline
 from .plane import (
@@ -36,9 +36,6 @@ TENTHS_BELOW = 0.01
 
 #: What moved must fit a wall again to this, mm.
 FIT_MM = 0.1
-
-#: Units of a drawing, in metres.
-UNITS = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 
 #: The best so far of a stopped run, beside the job.
 STOPPED = "stopped"

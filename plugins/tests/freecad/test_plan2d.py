@@ -128,7 +128,7 @@ def test_a_line_edited_since_is_refused(doc, tmp_path, run_study):
     doc.recompute()
     before = places(doc)
     option = found.options[0]
-    assert written.study.drawn[0] and "P1l" in [written.study.element(c.id).label for c in results.layout(written, option)]
+    assert "P1l" in [written.study.element(c.id).label for c in results.layout(written, option)]
     with pytest.raises(PluginError, match="'P1l' was edited"):
         accept.accept(doc, written, found, option)
     assert places(doc) == before
@@ -148,6 +148,23 @@ def test_curves_and_what_others_decide_stay(doc, tmp_path):
     assert again.study == written.study and made
     text = open(written.drawing).read()
     assert text.count("\nARC\n") == 1 and text.count("\nEF-KEEP\n") >= 4
+
+
+def test_a_plan_drawn_in_metres_keeps_its_scale(doc, tmp_path, run_study):
+    """FreeCAD takes metres for millimetres: bounds are those of the building, lines move in their own unit."""
+    made = draw(doc, "shapes")
+    for obj in made.values():
+        if obj.TypeId == "Part::Feature":
+            obj.Shape = obj.Shape.scaled(0.001)
+    made["swing"].Radius, made["swing"].Placement.Base = 0.9, V(4, 0.7, 0)
+    doc.recompute()
+    written, found = run_study(doc, Wishes(members=1, evaluations=80, unit="m"), tmp_path)
+    assert found.unit == "m" and found.per_metre == pytest.approx(1)
+    option = found.options[0]
+    shift = option.parameters[[m[0] for m in found.moves].index("P")]
+    assert 1 < abs(shift) <= 500
+    accept.accept(doc, written, found, option)
+    assert made["P1l"].Shape.BoundBox.Center.x == pytest.approx(3.95 + shift / 1000, abs=1e-4)
 
 
 def imported(doc, name, grouped=False):

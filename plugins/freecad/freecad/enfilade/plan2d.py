@@ -63,7 +63,9 @@ def element(obj, id: str) -> Drawn:
     made.clauses, made.group, made.keep = marks.clauses(obj, heading_deg(obj)), marks.group(obj), marks.keep(obj)
     made.locked = document.lock(obj)
     curves = any(e.Curve.TypeId not in ("Part::GeomLine", "Part::GeomCircle") for e in obj.Shape.Edges)
-    made.is_stiff = curves or not (is_plain_wire(obj) or obj.TypeId in ("Part::Feature", "Part::Line") and not obj.OutList)
+    can_stretch = is_plain_wire(obj) or obj.TypeId in ("Part::Feature", "Part::Line")
+    # An arc or a circle only ever moves as a whole.
+    made.is_stiff = curves or not can_stretch and any(s.kind == "lines" for s in made.strokes)
     return made
 
 
