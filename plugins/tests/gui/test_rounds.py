@@ -109,7 +109,7 @@ def test_02_a_plan_of_draft_lines(window):
     window.click(window.ask("tab", 0))
     window.press("EnfiladeAllow")
     assert status(window) == "Nothing selected. Select all lines of a wall in the view."
-    places = [(x, y) for y in (475, 3675) for x in (3950, 4050)] + [(4000, 700), (4000, 1600)]
+    places = [(x, y) for y in (475, 3675) for x in (3850, 4150)] + [(4000, 700), (4000, 1600)]
     mark_lines(window, window.ask("labels_at", places), "x")
     window.shot("22-lines-marked")
     panel = run_study(window)
