@@ -21,9 +21,11 @@ LAYERS = (
 
 
 class Drawing:
-    """Entities in the order in which they are added; ``text()`` gives the file."""
+    """Entities in the order in which they are added, each of which gives its handle; ``file_text()`` gives the file.
+    ``digits`` behind the point are written; ``is_mm`` says in the file that its unit is mm."""
 
-    def __init__(self) -> None:
+    def __init__(self, digits: int = 3, is_mm: bool = True) -> None:
+        self._digits, self._is_mm = digits, is_mm
         self._entities: List[str] = []
         self._points: List[Point] = []
         self._layers = dict(LAYERS)
@@ -36,26 +38,49 @@ class Drawing:
         self._layers.setdefault(layer, colour)
         return ["0", kind, "5", f"{self._handle:X}", "8", escaped(layer)]
 
-    def polyline(self, layer: str, points: Sequence[Point], closed: bool = True, ids: Iterable[str] = ()) -> None:
+    def polyline(self, layer: str, points: Sequence[Point], closed: bool = True, ids: Iterable[str] = ()) -> str:
         """A polyline; ``ids`` become its XDATA strings."""
         out = self._begin("POLYLINE", layer)
+        handle = out[3]
         out += ["66", "1", "70", "1" if closed else "0", "10", "0.0", "20", "0.0", "30", "0.0", *_xdata(ids)]
         for p in points:
-            out += self._begin("VERTEX", layer) + _point(p, 0)
+            out += self._begin("VERTEX", layer) + self._point(p, 0)
         out += self._begin("SEQEND", layer)
         self._add(out, points)
+        return handle
 
-    def line(self, layer: str, a: Point, b: Point, ids: Iterable[str] = ()) -> None:
-        self._add(self._begin("LINE", layer) + _point(a, 0) + _point(b, 1) + _xdata(ids), (a, b))
+    def line(self, layer: str, a: Point, b: Point, ids: Iterable[str] = ()) -> str:
+        return self._add(self._begin("LINE", layer) + self._point(a, 0) + self._point(b, 1) + _xdata(ids), (a, b))
+
+    def circle(self, layer: str, centre: Point, radius: float, ids: Iterable[str] = ()) -> str:
+        out = self._begin("CIRCLE", layer) + self._point(centre, 0) + ["40", self._real(radius)]
+        return self._add(out + _xdata(ids), (centre,))
+
+    def arc(self, layer: str, centre: Point, radius: float, angles_deg: Point, ids: Iterable[str] = ()) -> str:
+        """An arc between two angles, anticlockwise."""
+        out = self._begin("ARC", layer) + self._point(centre, 0) + ["40", self._real(radius)]
+        out += [v for code, angle in zip(("50", "51"), angles_deg) for v in (code, f"{angle:.9f}")]
+        return self._add(out + _xdata(ids), (centre,))
 
     def text(self, layer: str, at: Point, height: float, words: str) -> None:
         """A line of text, anchored at its lower left."""
-        out = self._begin("TEXT", layer) + _point(at, 0) + ["40", number(height), "1", escaped(words)]
+        out = self._begin("TEXT", layer) + self._point(at, 0) + ["40", number(height), "1", escaped(words)]
         self._add(out, (at,))
 
-    def _add(self, groups: List[str], points: Iterable[Point]) -> None:
+    def _add(self, groups: List[str], points: Iterable[Point]) -> str:
         self._entities += groups
         self._points += list(points)
+        return groups[3]
+
+    def _point(self, p: Point, index: int) -> List[str]:
+        """Group codes 10/20/30 (or 11/21/31) of a point."""
+        return [f"1{index}", self._real(p[0]), f"2{index}", self._real(p[1]), f"3{index}", "0.0"]
+
+    def _real(self, value: float) -> str:
+        """At least one decimal as R12 readers expect."""
+        text = f"{value:.{self._digits}f}".rstrip("0")
+        text = text + "0" if text.endswith(".") else text
+        return "0.0" if text == "-0.0" else text
 
     def file_text(self) -> str:
         """The whole file, line ends as on the drawing boards of R12: CR LF."""
@@ -66,10 +91,10 @@ class Drawing:
     def _header(self) -> List[str]:
         xs, ys = [p[0] for p in self._points] or [0.0], [p[1] for p in self._points] or [0.0]
         out = ["0", "SECTION", "2", "HEADER", "9", "$ACADVER", "1", "AC1009"]
-        out += ["9", "$INSUNITS", "70", "4", "9", "$MEASUREMENT", "70", "1", "9", "$HANDLING", "70", "1"]
+        out += ["9", "$INSUNITS", "70", "4" if self._is_mm else "0", "9", "$MEASUREMENT", "70", "1", "9", "$HANDLING", "70", "1"]
         out += ["9", "$HANDSEED", "5", f"{self._handle + 1:X}"]
         for name, x, y in (("$EXTMIN", min(xs), min(ys)), ("$EXTMAX", max(xs), max(ys))):
-            out += ["9", name, *_point((x, y), 0)]
+            out += ["9", name, *self._point((x, y), 0)]
         return [*out, "0", "ENDSEC"]
 
 
@@ -85,16 +110,6 @@ def _tables(layers: Dict[str, int]) -> List[str]:
     for name in ("ACAD", APPLICATION):
         out += ["0", "APPID", "2", name, "70", "0"]
     return [*out, "0", "ENDTAB", "0", "ENDSEC"]
-
-
-def _point(p: Point, index: int) -> List[str]:
-    """Group codes 10/20/30 (or 11/21/31) of a point, at least one decimal as R12 readers expect."""
-
-    def real(v: float) -> str:
-        text = number(v)
-        return text if "." in text else text + ".0"
-
-    return [f"1{index}", real(p[0]), f"2{index}", real(p[1]), f"3{index}", "0.0"]
 
 
 def _xdata(ids: Iterable[str]) -> List[str]:

@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Dict, List, Optional, Tuple
 
 from . import APPLICATION, __version__
+from . import drawn
 from .dxf_r12 import Drawing
 from .model import Column, PluginError, Region, Study, Wall, default_objectives, geometry_hash
 from .moves import MoveTable, Plan, plan_of
@@ -24,6 +25,9 @@ HOST_SCHEMA = "enfilade.host/1"
 DRAWING_NAME = "plan.dxf"
 #: The program's folder beside the drawing.
 RESULTS = "plan.enfilade"
+
+#: Digits behind the point of a coordinate: of walls in mm, of a 2D plan in whatever unit it is.
+WALL_DIGITS, STROKE_DIGITS = 3, 7
 
 #: Words for people stand here, mm high.
 NOTE_LAYER, TEXT_MM = "EF-NOTE", 200.0
@@ -71,7 +75,8 @@ def write(study: Study, folder: str) -> Job:
     """Writes a study as a job. The drawing comes last, so that a watching daemon sees all of it."""
     check(study)
     plan = plan_of(study)
-    drawing = drawing_text(study, plan).encode("ascii")
+    text, handles = drawing_text(study, plan)
+    drawing = text.encode("ascii")
     job = Job(
         folder=folder,
         study=study,
@@ -83,7 +88,7 @@ def write(study: Study, folder: str) -> Job:
     )
     try:
         os.makedirs(folder, exist_ok=True)
-        settings, kept = dumps(side_car(study, plan, job)), json.dumps(_study_file(job))
+        settings, kept = dumps(side_car(study, plan, job, handles)), json.dumps(_study_file(job))
         _replace_all(
             (os.path.join(folder, "plan.enfilade.toml"), settings.encode("utf-8")),
             (os.path.join(folder, "plan.study.json"), kept.encode("utf-8")),
@@ -96,7 +101,7 @@ def write(study: Study, folder: str) -> Job:
 
 def check(study: Study) -> None:
     """Refuses a study that no program could measure."""
-    if not study.walls:
+    if not (study.walls or study.drawn):
         raise PluginError("There is no wall to measure: draw walls first, or choose the storey that has them.")
     seen = set()
     for element in study.movables():
@@ -148,15 +153,18 @@ def _study_file(job: Job) -> Dict[str, Any]:
 def _outline(data: Dict[str, Any]) -> Outline:
     stations = data["stations"] and tuple(Station(**s) for s in data["stations"])
     points = [(float(x), float(y)) for x, y in data["points"]]
-    return Outline(data["owner"], data["piece"], points, stations or None, data["first"])
+    return Outline(data["owner"], data["piece"], points, stations or None, data["first"], bool(data.get("is_open")))
 
 
-def drawing_text(study: Study, plan: Plan) -> str:
-    """The study as a DXF: faces on ``A-WALL`` and ``A-COLS`` with ids, openings, our marker layers."""
-    out = Drawing()
+def drawing_text(study: Study, plan: Plan) -> Tuple[str, Dict[str, str]]:
+    """The study as a DXF: faces on ``A-WALL`` and ``A-COLS`` with ids, openings, or the strokes of a 2D plan, whose
+    handles it gives too; our marker layers."""
+    # FreeCAD takes the numbers of a DXF without a unit for mm, so that it does not know the unit of a 2D plan.
+    out = Drawing(STROKE_DIGITS, is_mm=False) if study.drawn else Drawing(WALL_DIGITS)
+    handles = drawn.draw(out, study)
     columns = {c.id for c in study.columns}
     labels = {e.id: e.label for e in study.movables()}
-    for outline in plan.outlines:
+    for outline in () if study.drawn else plan.outlines:
         layer = "A-COLS" if outline.owner in columns else "A-WALL"
         ids = (outline.host_id, labels[outline.owner])
         out.polyline(layer, outline.written(), outline.is_closed, ids)
@@ -166,11 +174,11 @@ def drawing_text(study: Study, plan: Plan) -> str:
             out.line(layer, wall.at(o.start), wall.at(o.end), (o.id, o.label))
     for region in study.regions:
         out.polyline(region.layer(), region.points)
-    for element in study.movables():
+    for element in (*study.walls, *study.columns):
         if element.keep:
             out.polyline("EF-KEEP", _round_element(plan, element))
     _note_moves(out, plan)
-    return out.file_text()
+    return out.file_text(), handles
 
 
 def _round_element(plan: Plan, element) -> List:
@@ -189,11 +197,15 @@ def _note_moves(out: Drawing, plan: Plan) -> None:
         out.text(NOTE_LAYER, centroid(places), TEXT_MM, said)
 
 
-def side_car(study: Study, plan: Plan, job: Job) -> Dict[str, Any]:
-    """Settings, moves by exact corners, and the ``[host]`` table."""
+def side_car(study: Study, plan: Plan, job: Job, handles: Dict[str, str]) -> Dict[str, Any]:
+    """Settings, moves by exact corners or, of a 2D plan, by whole entities, and the ``[host]`` table."""
     wishes = study.wishes
+    by_corners = [{"name": t.name, "moves": t.clause.text(), "nodes": t.nodes(plan.outlines)} for t in plan.tables]
     out: Dict[str, Any] = {
-        "unit": "mm",
+        # Who marked lines of a 2D plan wants to see options, also where its reading is unsure; the program's questions
+        # are shown.
+        "unit": (wishes.unit or None) if study.drawn else "mm",
+        "unsure": "optimise" if study.drawn else None,
         "only-marked": True,
         "objective": wishes.objective_text(),
         "thresholds": "yielding" if wishes.chosen() == [o for o in default_objectives() if o.is_on] else "firm",
@@ -203,9 +215,7 @@ def side_car(study: Study, plan: Plan, job: Job) -> Dict[str, Any]:
         "level": wishes.level,
         "evaluations": wishes.evaluations,
         "spacing": wishes.spacing_m,
-        "move": [
-            {"name": t.name, "moves": t.clause.text(), "nodes": t.nodes(plan.outlines)} for t in plan.tables
-        ],
+        "move": drawn.move_tables(plan, handles) if study.drawn else by_corners,
         "lineage": study.lineage,
         "host": {
             "schema": HOST_SCHEMA,

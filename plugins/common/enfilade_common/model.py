@@ -14,6 +14,9 @@ KINDS = ("x", "y", "along", "rotate")
 #: Longest name of a pair of regions, bytes of UTF-8; the program's own limit.
 PAIR_NAME_BYTES = 40
 
+#: Units of a drawing, in metres.
+UNITS = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254, "ft": 0.3048}
+
 #: What an objective can measure, in the order of the panel.
 MEASURES = ("degree", "mean-depth", "depth", "entropy", "score")
 
@@ -110,6 +113,38 @@ class Column:
 
 
 @dataclass
+class Stroke:
+    """One thing drawn in a 2D plan: ``lines`` through points, an ``arc`` or a ``circle``. The points are what the
+    program tells of it too: corners; an arc's ends, anticlockwise; a circle's centre."""
+
+    kind: str
+    points: List[Point]
+    closed: bool = False
+    centre: Point = (0.0, 0.0)
+    radius: float = 0.0
+
+
+@dataclass
+class Drawn:
+    """An object of a 2D plan, by its strokes. Which of them are walls is for the program to read."""
+
+    id: str
+    label: str
+    strokes: List[Stroke]
+    layer: str = "0"
+    name: str = ""
+    clauses: List[Clause] = field(default_factory=list)
+    group: str = ""
+    keep: bool = False
+    locked: str = ""
+    #: Whether it moves as a whole or not at all, so that no end of it can follow another.
+    is_stiff: bool = False
+
+    def points(self) -> List[Point]:
+        return [p for s in self.strokes for p in s.points]
+
+
+@dataclass
 class Region:
     """A closed polygon: ``query`` (where people stand), ``reference`` (what they see) or ``keep``."""
 
@@ -170,6 +205,8 @@ class Wishes:
     spacing_m: Optional[float] = None
     #: ``eye``: windows are seen through; ``knee``: they block.
     level: str = "eye"
+    #: Unit in which a 2D plan is drawn; empty: the program finds out.
+    unit: str = ""
     clearance: float = 1.0
     wall_length: float = 1.0
 
@@ -184,7 +221,7 @@ class Wishes:
         return f"clearance {number(self.clearance)}, wall-length {number(self.wall_length)}"
 
 
-Movable = Union[Wall, Column]
+Movable = Union[Wall, Column, Drawn]
 
 
 @dataclass
@@ -195,6 +232,8 @@ class Study:
     document: str
     walls: List[Wall] = field(default_factory=list)
     columns: List[Column] = field(default_factory=list)
+    #: Of a 2D plan, in place of walls and columns.
+    drawn: List[Drawn] = field(default_factory=list)
     regions: List[Region] = field(default_factory=list)
     wishes: Wishes = field(default_factory=Wishes)
     storey: str = ""
@@ -204,6 +243,7 @@ class Study:
     def movables(self) -> Iterator[Movable]:
         yield from self.walls
         yield from self.columns
+        yield from self.drawn
 
     def pairs(self) -> List[str]:
         """Names of the pairs of regions, each once, in the order in which they are drawn."""
@@ -222,7 +262,8 @@ class Study:
         regions = [Region(**dict(r, points=_points(r["points"]))) for r in data["regions"]]
         wishes = dict(data["wishes"])
         wishes["objectives"] = [Objective(**o) for o in wishes["objectives"]]
-        rest = dict(data, walls=walls, columns=columns, regions=regions, wishes=Wishes(**wishes))
+        drawn = [_drawn(d) for d in data.get("drawn", [])]
+        rest = dict(data, walls=walls, columns=columns, drawn=drawn, regions=regions, wishes=Wishes(**wishes))
         return cls(**rest)
 
 
@@ -241,6 +282,11 @@ def _wall(data: Dict[str, Any]) -> Wall:
     return Wall(**rest)
 
 
+def _drawn(data: Dict[str, Any]) -> Drawn:
+    strokes = [Stroke(**dict(s, points=_points(s["points"]), centre=_points([s["centre"]])[0])) for s in data["strokes"]]
+    return Drawn(**dict(data, strokes=strokes, clauses=_clauses(data)))
+
+
 def number(value: float) -> str:
     """Shortest text that reads back to a micrometre: ``250``, ``-0.5``, ``1234.567``."""
     text = f"{value:.3f}".rstrip("0").rstrip(".")
@@ -256,8 +302,13 @@ def geometry_hash(element: Movable) -> str:
     def rounded(points: List[Point]) -> List[List[float]]:
         return [[round(x, 2) + 0.0, round(y, 2) + 0.0] for x, y in points]
 
+    def finely(points: List[Point]) -> List[List[float]]:
+        return [[round(x, 5) + 0.0, round(y, 5) + 0.0] for x, y in points]
+
     if isinstance(element, Column):
         data: Any = ["column", rounded(element.ring)]
+    elif isinstance(element, Drawn):
+        data = [[s.kind, s.closed, finely(s.points), finely([s.centre]), round(s.radius, 5)] for s in element.strokes]
     else:
         openings = sorted([o.id, round(o.start, 2) + 0.0, round(o.end, 2) + 0.0] for o in element.openings)
         rings = [rounded(r) for r in element.rings]

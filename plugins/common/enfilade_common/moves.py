@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Dict, List, Set, Tuple
 
-from .model import Clause, Column, Movable, Opening, Study, Wall, number
+from .model import Clause, Column, Drawn, Movable, Opening, Study, Wall, number
 from .outlines import CELL_MM, Outline, begin_outside, keep_apart, study_outlines
 from .plane import Point, Rigid, centroid, cross, direction, distance, distance_to_segment, dot, plus, turn_about
 
@@ -53,9 +53,10 @@ def plan_of(study: Study) -> Plan:
     outlines = study_outlines(study)
     notes: List[str] = []
     tables = _door_tables(study, outlines) + _group_tables(study, outlines, notes)
-    _clamp(study, tables, outlines, notes)
-    keep_apart(outlines, _moves_of(tables, outlines))
-    begin_outside(outlines)
+    if not study.drawn:
+        _clamp(study, tables, outlines, notes)
+        keep_apart(outlines, _moves_of(tables, outlines))
+        begin_outside(outlines)
     return Plan(outlines, tables, notes)
 
 
@@ -67,7 +68,8 @@ def why_nothing_moves(study: Study) -> List[str]:
     marked = [e for e in study.movables() if e.clauses or e.group]
     if not marked:
         where = f" on the storey '{study.storey}'" if study.storey else ""
-        return [f"no wall, column, door or window{where} is marked"]
+        what = "line" if study.drawn else "wall, column, door or window"
+        return [f"no {what}{where} is marked"]
     return [note.rstrip(".") for note in plan.notes[:5]]
 
 
@@ -139,15 +141,20 @@ def _group_tables(study: Study, outlines: List[Outline], notes: List[str]) -> Li
         if not marked:
             notes.append(f"The group '{name}' has no allowed move; it stays. Mark one of its walls to move.")
             continue
-        if any(m.clauses != clauses for m in marked):
+        if any(_ways(m.clauses) != _ways(clauses) for m in marked):
             notes.append(f"The walls of group '{name}' are marked differently: it moves as far as all of them may.")
         ids = [m.id for m in members]
         body = {(i, c) for id in ids for i in by_owner.get(id, ()) for c in range(len(outlines[i].points))}
         for clause in clauses:
             table = MoveTable(name, clause, set(body), ids)
-            _take_followers(near, table, members, outlines, by_owner, notes)
+            if not study.drawn:
+                _take_followers(near, table, members, outlines, by_owner, notes)
             out.append(table)
     return out
+
+
+def _ways(clauses: List[Clause]) -> List[Tuple[str, float, float]]:
+    return [(c.kind, c.lower, c.upper) for c in clauses]
 
 
 def _common(marked: List[Movable]) -> List[Clause]:

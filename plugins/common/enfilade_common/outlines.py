@@ -40,6 +40,8 @@ class Outline:
     stations: Optional[Tuple[Station, Station]] = None
     #: Which corner is written first.
     first: int = 0
+    #: A chain of lines that does not end where it began, an arc.
+    is_open: bool = False
 
     def written(self, points: Optional[List[Point]] = None) -> List[Point]:
         """The corners (or ``points`` in their place) in the order of the file."""
@@ -64,7 +66,7 @@ class Outline:
     @property
     def is_closed(self) -> bool:
         """Whether it is a ring; a wall without thickness is drawn as its axis."""
-        return len(self.points) > 2
+        return len(self.points) > 2 and not self.is_open
 
     def end_of(self, corner: int) -> int:
         """Which end of a quad a corner belongs to."""
@@ -78,6 +80,9 @@ def study_outlines(study: Study) -> List[Outline]:
         out.extend(wall_outlines(wall, windows_are_gaps(study)))
     for column in study.columns:
         out.append(Outline(column.id, 0, snapped(column.ring)))
+    for drawn in study.drawn:
+        for i, stroke in enumerate(drawn.strokes):
+            out.append(Outline(drawn.id, i, list(stroke.points), is_open=not stroke.closed))
     return out
 
 

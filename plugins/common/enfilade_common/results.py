@@ -9,8 +9,9 @@ import shutil
 from dataclasses import dataclass, field
 from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
+from . import drawn
 from .job import RESULTS, Job
-from .model import Column, Movable, Opening, PluginError, Wall, geometry_hash
+from .model import Column, Drawn, Movable, Opening, PluginError, UNITS, Wall, geometry_hash
 from .moves import Plan
 from .outlines import Outline
 from .plane import (
@@ -70,6 +71,8 @@ class Option:
     changes: List[Dict[str, Any]]
     #: Confirmed gains by measure: ``share``, ``low``, ``high`` (more is better) and ``sense``; empty where none were.
     gain: Dict[str, Dict[str, Any]] = field(default_factory=dict)
+    #: Units of the drawing in a metre.
+    per_metre: float = 1000.0
 
     def change(self, measure: str) -> str:
         """The confirmed change of a measure, as the program writes it: ``+9 % (7 to 11 %)``."""
@@ -113,6 +116,9 @@ class Round:
     version: str = ""
     #: Whether it is the best so far of a run that was stopped.
     is_so_far: bool = False
+    #: The unit of the drawing, and how many are in a metre.
+    unit: str = "mm"
+    per_metre: float = 1000.0
 
     @property
     def report(self) -> str:
@@ -204,10 +210,13 @@ def read(folder: str) -> Round:
 
 
 def _round(folder: str, data: Dict[str, Any]) -> Round:
-    options = [_option(folder, i + 1, c) for i, c in enumerate(data["candidates"])]
+    unit = str(data["input"].get("unit", "mm"))
+    per_metre = 1.0 / UNITS[unit]
+    options = [_option(folder, i + 1, c, per_metre) for i, c in enumerate(data["candidates"])]
     best = data.get("best")
     centre = data["lattice_centre"]
     notes = [Note(p["severity"], p["place"], p["text"]) for p in data["problems"]]
+    notes += [Note("warning", "", q["text"]) for q in data.get("questions") or []]
     numbers = re.findall(r"\d+", os.path.basename(os.path.normpath(folder)))
     return Round(
         folder=folder,
@@ -215,7 +224,7 @@ def _round(folder: str, data: Dict[str, Any]) -> Round:
         sha256=data["input"]["sha256"],
         initial=dict(data["initial"]["mean"]),
         options=options,
-        best=_option(folder, 0, best) if best and best.get("file") and best.get("option") is None else None,
+        best=_option(folder, 0, best, per_metre) if best and best.get("file") and best.get("option") is None else None,
         notes=sorted(notes, key=lambda n: not n.is_warning),
         stopped_by=data["stopped_by"],
         spacing_m=float(data["spacing_m"]),
@@ -223,10 +232,12 @@ def _round(folder: str, data: Dict[str, Any]) -> Round:
         moves=[(m["name"], m["kind"]) for m in data.get("moves", [])],
         version=str(data.get("version", "")),
         is_so_far=not numbers,
+        unit=unit,
+        per_metre=per_metre,
     )
 
 
-def _option(folder: str, number: int, data: Dict[str, Any]) -> Option:
+def _option(folder: str, number: int, data: Dict[str, Any], per_metre: float) -> Option:
     name = os.path.basename(data["file"])
     return Option(
         number=number,
@@ -238,6 +249,7 @@ def _option(folder: str, number: int, data: Dict[str, Any]) -> Option:
         within_threshold=bool(data.get("within_threshold", True)),
         parameters=[float(p) for p in data["parameters"]],
         changes=list(data["changes"]),
+        per_metre=per_metre,
         gain=dict(data.get("gain", {})),
     )
 
@@ -246,30 +258,44 @@ def layout(job: Job, option: Option) -> List[Change]:
     """Where every changed element of the host stands in an option, in drawing order."""
     outlines = {o.host_id: o for o in job.outlines}
     after: Dict[str, List[Point]] = {}
+    within = FIT_MM * option.per_metre / 1000.0
     for change in option.changes:
-        # Doors and windows go with their wall, here as in the drawing.
-        if change.get("follows"):
+        # The host's doors and windows go with their wall by themselves; those of a 2D plan are lines like others.
+        if change.get("follows") and not job.study.drawn:
             continue
         id = str(change.get("host_id"))
         outline = outlines.get(id)
         if outline is None:
             raise PluginError(f"Option {option.number} moves an element {id!r} that this study never wrote.")
-        before, to = (outline.unwritten(_millimetres(change[k])) for k in ("from", "to"))
+        before, to = (outline.unwritten(_in_drawing(change[k], option)) for k in ("from", "to"))
         if len(before) != len(outline.points) or len(to) != len(before):
             raise PluginError(f"Option {option.number} gives {id} another shape; nothing was taken over.")
-        if any(distance(a, b) > FIT_MM for a, b in zip(before, outline.points)):
+        if any(distance(a, b) > within for a, b in zip(before, outline.points)):
             raise PluginError(f"Option {option.number} was made for {id} at another place; run the study again.")
         after[id] = to
+    by_owner: Dict[str, List[Outline]] = {}
+    for outline in job.outlines:
+        by_owner.setdefault(outline.owner, []).append(outline)
     out = []
     for element in job.study.movables():
-        mine = [o for o in job.outlines if o.owner == element.id]
+        mine = by_owner.get(element.id, [])
         if any(o.host_id in after for o in mine):
-            out.append(change_of(element, mine, [after.get(o.host_id, o.points) for o in mine]))
+            rings = [after.get(o.host_id, o.points) for o in mine]
+            is_drawn = isinstance(element, Drawn)
+            out.append(_drawn_change(element, rings, within) if is_drawn else change_of(element, mine, rings))
     return out
 
 
-def _millimetres(points: Any) -> List[Point]:
-    return [(float(x) * 1000.0, float(y) * 1000.0) for x, y in points]
+def _in_drawing(points: Any, option: Option) -> List[Point]:
+    return [(float(x) * option.per_metre, float(y) * option.per_metre) for x, y in points]
+
+
+def _drawn_change(element: Drawn, after: List[List[Point]], within: float) -> Change:
+    if not drawn.keeps_shape(element, after, within):
+        raise PluginError(f"'{element.label}' does not keep its shape in this option; nothing was taken over.")
+    before, to = element.points(), [p for points in after for p in points]
+    motion, residual = fit_rigid(before, to)
+    return Change(element.id, motion if residual <= within / 2 else None, before, to, {})
 
 
 def change_of(element: Movable, outlines: List[Outline], after: List[List[Point]]) -> Change:
@@ -452,50 +478,60 @@ def gone(plan: Plan, found: Round, option: Option) -> Dict[str, Dict[str, float]
 Line = List[Point]
 
 
-def moved_lines(before: List[Point], after: List[Point]) -> Tuple[List[Line], List[Line]]:
+def moved_lines(
+    before: List[Point], after: List[Point], is_closed: bool = True, within: float = FIT_MM
+) -> Tuple[List[Line], List[Line]]:
     """Lines of an outline that go, and those that come. Of one that is only stretched these are its ends and the
     difference; what stays where it is is neither."""
-    if all(distance(a, b) > FIT_MM for a, b in zip(before, after)):
-        return [before + before[:1]], [after + after[:1]]
+    back = 1 if is_closed else 0
+    if all(distance(a, b) > within for a, b in zip(before, after)):
+        return [before + before[:back]], [after + after[:back]]
     gone_lines: List[Line] = []
     new_lines: List[Line] = []
-    for i in range(len(before) if len(before) > 2 else 1):
+    for i in range(len(before) - 1 if len(before) <= 2 or not is_closed else len(before)):
         old, new = ((ring[i], ring[(i + 1) % len(ring)]) for ring in (before, after))
-        lost, made = _differing(old, new)
+        lost, made = _differing(old, new, within)
         gone_lines += lost
         new_lines += made
     return gone_lines, new_lines
 
 
-def _differing(old: Tuple[Point, Point], new: Tuple[Point, Point]) -> Tuple[List[Line], List[Line]]:
-    if old[0] == old[1] or any(_off(p, old) > FIT_MM for p in new):
+def _differing(old: Tuple[Point, Point], new: Tuple[Point, Point], within: float) -> Tuple[List[Line], List[Line]]:
+    if old[0] == old[1] or any(_off(p, old) > within for p in new):
         return [list(old)], [list(new)]
     u = direction(*old)
     ends = [sorted(dot(minus(p, old[0]), u) for p in edge) for edge in (old, new)]
-    return tuple(_outside(old[0], u, ends[k], ends[1 - k]) for k in (0, 1))  # type: ignore[return-value]
+    lost, made = (_outside(old[0], u, ends[k], ends[1 - k], within) for k in (0, 1))
+    return lost, made
 
 
 def _off(p: Point, edge: Tuple[Point, Point]) -> float:
     return abs(cross(direction(*edge), minus(p, edge[0])))
 
 
-def _outside(start: Point, u: Point, mine: List[float], other: List[float]) -> List[Line]:
+def _outside(start: Point, u: Point, mine: List[float], other: List[float], within: float) -> List[Line]:
     """Pieces of a stretch of a line that another stretch does not cover."""
     pieces = [(mine[0], min(mine[1], other[0])), (max(mine[0], other[1]), mine[1])]
-    return [[plus(start, u, a), plus(start, u, b)] for a, b in pieces if b - a > FIT_MM]
+    return [[plus(start, u, a), plus(start, u, b)] for a, b in pieces if b - a > within]
 
 
 def ghosts(job: Job, option: Option) -> Tuple[List[Line], List[Line]]:
-    """Lines of an option that stand no more, and new ones, mm: for a preview."""
+    """Lines of an option that stand no more, and new ones, in units of the drawing: for a preview."""
     outlines = {o.host_id: o for o in job.outlines}
+    strokes = {f"{d.id}/{i}": s for d in job.study.drawn for i, s in enumerate(d.strokes)}
     gone_lines: List[Line] = []
     new_lines: List[Line] = []
     for change in option.changes:
-        before, after = _millimetres(change["from"]), _millimetres(change["to"])
-        outline = outlines.get(str(change.get("host_id")))
-        if outline is not None:
+        before, after = _in_drawing(change["from"], option), _in_drawing(change["to"], option)
+        id = str(change.get("host_id"))
+        outline, stroke = outlines.get(id), strokes.get(id)
+        if stroke is not None and stroke.kind != "lines":
+            lost, made = [drawn.traced(stroke)], [drawn.traced(stroke, drawn.motion_of(stroke, after))]
+        elif outline is not None:
             before, after = outline.unwritten(before), outline.unwritten(after)
-        lost, made = moved_lines(before, after)
+            lost, made = moved_lines(before, after, outline.is_closed, FIT_MM * option.per_metre / 1000.0)
+        else:
+            lost, made = moved_lines(before, after)
         gone_lines += lost
         new_lines += made
     return gone_lines, new_lines

@@ -17,7 +17,7 @@ def groups(text):
 
 
 def test_ids_stand_in_the_drawing_as_extended_data(house):
-    text = job.drawing_text(house, job.plan_of(house))
+    text, _ = job.drawing_text(house, job.plan_of(house))
     pairs = groups(text)
     ids = [v for i, (c, v) in enumerate(pairs) if c == 1000 and pairs[i - 1] == (1001, "ENFILADE")]
     assert ids[0] == "S/0" and "P1/1" in ids and "C/0" in ids
@@ -29,7 +29,7 @@ def test_ids_stand_in_the_drawing_as_extended_data(house):
 def test_marks_stand_on_our_layers(house):
     house.regions = [Region("query", [(0, 0), (1, 0), (1, 1)]), Region("reference", [(0, 0), (2, 0), (2, 2)])]
     house.element("E").keep = True
-    layers = {v for c, v in groups(job.drawing_text(house, job.plan_of(house))) if c == 8}
+    layers = {v for c, v in groups(job.drawing_text(house, job.plan_of(house))[0]) if c == 8}
     assert {"EF-QUERY", "EF-REFERENCE", "EF-KEEP", "EF-NOTE", "A-WALL", "A-COLS", "A-DOOR", "A-GLAZ"} <= layers
     assert "EF-MOVE" not in layers, "what may move is said once, in the side-car"
 

@@ -168,7 +168,7 @@ def test_the_cells_of_an_option_are_those_of_the_round(house, tmp_path, real_pro
     found = results.latest(made)
     for drawing, mean in [("initial.dxf", found.initial)] + [(o.file, o.mean) for o in found.options]:
         words = program.cells_arguments(
-            os.path.join(found.folder, drawing), str(tmp_path / "cells"), "eye", found.spacing_m, found.lattice_centre
+            os.path.join(found.folder, drawing), str(tmp_path / "cells"), "eye", found.unit, found.spacing_m, found.lattice_centre
         )
         said = subprocess.run([real_program, *words], stdout=subprocess.PIPE, check=True).stdout.decode()
         cells = results.read_cells(said.splitlines())

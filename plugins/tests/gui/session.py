@@ -392,6 +392,89 @@ class Answers:
         self.top()
         return [doc.Name, doc.Label]
 
+    def furnished(self, label):
+        """The house with windows in two outer walls and a front door."""
+        import Arch
+
+        self.house(label)
+        doc = App.ActiveDocument
+        sizes = dict(h1=50, h2=50, h3=0, w1=100, w2=50, o1=0, o2=50)
+        upright = App.Rotation(V(1, 0, 0), 90)
+        for name, preset, host, at, width, height in (
+            ("Haustür", "Simple door", "S", V(5500, 0, 0), 1000, 2100),
+            ("Fenster 1", "Open 1-pane", "S", V(1500, 0, 900), 1200, 1200),
+            ("Fenster 2", "Open 1-pane", "N", V(2000, 6000, 900), 1500, 1200),
+        ):
+            made = Arch.makeWindowPreset(preset, width=width, height=height, placement=App.Placement(at, upright), **sizes)
+            made.Hosts, made.Label = [doc.getObjectsByLabel(host)[0]], name
+        doc.recompute()
+        doc.recompute()
+        doc.clearUndos()
+
+    def empty(self):
+        """A place in the view where nothing stands."""
+        box = App.BoundBox()
+        for o in App.ActiveDocument.Objects:
+            if hasattr(o, "Shape") and not o.Shape.isNull():
+                box.add(o.Shape.BoundBox)
+        return self.point(box.Center.x, box.YMax + box.YLength / 10, box.ZMax)
+
+    def plan(self, label):
+        """A 2D plan of Draft lines: a room with a partition with a gap, and a free screen, in a document of its own."""
+        import Draft
+
+        for name in list(App.listDocuments()):
+            App.closeDocument(name)
+        doc = App.newDocument(label)
+        doc.UndoMode = 1
+        outer = [V(*p, 0) for p in ((0, 0), (8000, 0), (8000, 6000), (0, 6000))]
+        Draft.make_wire(outer, closed=True, face=False)
+        left = [(3850, 5750), (250, 5750), (250, 250), (3850, 250)]
+        right = [(4150, 250), (7750, 250), (7750, 5750), (4150, 5750)]
+        lines = [*zip(left, left[1:]), *zip(right, right[1:])]
+        for y0, y1, end in ((250, 700, 700), (1600, 5750, 1600)):
+            lines += [((x, y0), (x, y1)) for x in (3850, 4150)] + [((3850, end), (4150, end))]
+        ring = [(5500, 2500), (5700, 2500), (5700, 4500), (5500, 4500), (5500, 2500)]
+        for a, b in [*lines, *zip(ring, ring[1:])]:
+            Draft.make_line(V(*a, 0), V(*b, 0))
+        doc.recompute()
+        doc.clearUndos()
+        self.top()
+        Gui.Selection.clearSelection()
+
+    def imported(self, path):
+        """A DXF as FreeCAD's own importer brings it, in a document of its own."""
+        import importDXF
+
+        for name in list(App.listDocuments()):
+            App.closeDocument(name)
+        doc = App.newDocument("Imported")
+        doc.UndoMode = 1
+        importDXF.insert(path, doc.Name)
+        doc.recompute()
+        doc.clearUndos()
+        self.top()
+
+    def middle(self, label):
+        """Where the middle of an object's first line is on the screen."""
+        edge = App.ActiveDocument.getObjectsByLabel(label)[0].Shape.Edges[0]
+        at = edge.valueAt((edge.FirstParameter + edge.LastParameter) / 2)
+        return self.point(at.x, at.y, at.z)
+
+    def labels_at(self, places):
+        """Labels of the lines whose middles these are."""
+        out = []
+        for x, y in places:
+            at = V(x, y, 0)
+            lines = [o for o in App.ActiveDocument.Objects if hasattr(o, "Shape") and len(o.Shape.Edges) == 1]
+            out.append(min(lines, key=lambda o: (o.Shape.CenterOfMass - at).Length).Label)
+        return out
+
+    def ends(self):
+        """Corners of all that is drawn, to a micrometre, by label."""
+        drawn = (o for o in App.ActiveDocument.Objects if hasattr(o, "Shape"))
+        return {o.Label: [[round(c, 3) + 0.0 for c in v.Point] for v in o.Shape.Vertexes] for o in drawn}
+
     def forget_status(self):
         panel().tell("")
 

@@ -267,6 +267,20 @@ def test_08_save_and_reload_keep_ids(window):
     assert window.ask("marks") == marks and same(window.ask("state"), walls)
 
 
+def program_that(window, name, version, body):
+    """Sets the program to one that says this version and does this; without a name to the real one again."""
+    path = os.path.join(window.folder, name) if name else ""
+    if path:
+        with open(path, "w") as f:
+            f.write(f'#!/bin/sh\nif [ "$1" = --version ]; then echo "{version}"; exit 0; fi\n{body}\n')
+        os.chmod(path, 0o755)
+    window.click(window.ask("tab", 1))
+    window.ask("set", "EnfiladeProgram", path)
+    window.press("EnfiladeProgram")
+    window.key("End")
+    window.key("Return")
+
+
 def test_09_a_stopped_run_keeps_the_best_so_far(window):
     allow_anew(window)
     run_study(window)
@@ -284,25 +298,15 @@ def test_09_a_stopped_run_keeps_the_best_so_far(window):
     assert panel["status"].startswith("Stopped. Best so far: "), panel
     assert panel["page"] == 2 and not panel["overlay"]["best"]
     window.shot("12b-stopped")
+    program_that(window, "slow", "enfilade 0.1.0", "exec sleep 60")
     window.press("EnfiladeRun")
     window.wait_for("panel", lambda p: p["running"], 20)
     window.press("EnfiladeStop")
-    window.press("EnfiladeStop")
     again = window.wait_for("panel", lambda p: not p["running"], 20)
     assert again["options"] == panel["options"] and "those of the run before" in again["status"], again
+    program_that(window, "", "", "")
     window.press("EnfiladeAccept")
     window.wait_for("panel", lambda p: p["status"].startswith("Accepted "), 20)
-
-
-def program_that(window, name, version, body):
-    path = os.path.join(window.folder, name)
-    with open(path, "w") as f:
-        f.write(f'#!/bin/sh\nif [ "$1" = --version ]; then echo "{version}"; exit 0; fi\n{body}\n')
-    os.chmod(path, 0o755)
-    window.ask("set", "EnfiladeProgram", path)
-    window.press("EnfiladeProgram")
-    window.key("End")
-    window.key("Return")
 
 
 def test_09b_a_program_that_is_not_what_it_says_is_an_error(window):

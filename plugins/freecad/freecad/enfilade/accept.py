@@ -8,12 +8,12 @@ import FreeCAD as App
 
 from enfilade_common import results
 from enfilade_common.job import Job
-from enfilade_common.model import Column, PluginError, Wall, geometry_hash
+from enfilade_common.model import Column, Drawn, PluginError, Wall, geometry_hash
 from enfilade_common.moves import plan_of
 from enfilade_common.plane import STILL, Rigid, distance
 from enfilade_common.results import Change
 
-from . import document, hosted, marks
+from . import document, hosted, marks, plan2d
 from .document import Found, Reading, Vector
 from .hosted import Going, placement
 
@@ -57,7 +57,7 @@ def accept(doc, job: Job, found: results.Round, option: results.Option, on_moved
         hosted.move(going)
         doc.recompute()
         hosted.settle(doc, going)
-        _check(doc, job, before, changes)
+        _check(doc, job, before, changes, STAND_MM * min(1.0, option.per_metre / 1000.0))
         _check_bodies(bodies)
         _take(reading, gone)
         if on_moved is not None:
@@ -174,6 +174,10 @@ def _move(doc, reading: Reading, changes: List[Change]) -> None:
         by_object.setdefault(reading.found[change.id].object.Name, []).append(change)
     for name, mine in by_object.items():
         obj = doc.getObject(name)
+        element = reading.found[mine[0].id].element
+        if isinstance(element, Drawn):
+            plan2d.move(obj, element, mine[0])
+            continue
         base = getattr(obj, "Base", None)
         mover = base if base is not None else obj
         if mover.Name not in done:
@@ -255,7 +259,7 @@ def _stretch_bare(wall, change: Change) -> None:
     wall.Placement = App.Placement(Vector((ax + bx) / 2, (ay + by) / 2, place.Base.z), place.Rotation)
 
 
-def _check(doc, job: Job, before: Dict[str, str], changes: List[Change]) -> None:
+def _check(doc, job: Job, before: Dict[str, str], changes: List[Change], within: float) -> None:
     """Everything stands where the option says, and nothing else moved; else the transaction is given up."""
     now = {e.id: e for e in _read(doc, job).elements()}
     moved = {c.id: c for c in changes}
@@ -268,7 +272,7 @@ def _check(doc, job: Job, before: Dict[str, str], changes: List[Change]) -> None
             if geometry_hash(element) != hash:
                 raise PluginError(f"'{element.label}' would move along without being asked; nothing was changed.")
             continue
-        if not _stands(element, job.study.element(id), moved[id]):
+        if not _stands(element, job.study.element(id), moved[id], within):
             held = f"'{element.label}' does not take its new place: something holds it"
             raise PluginError(held + "; nothing was changed.")
 
@@ -292,10 +296,12 @@ def _check_bodies(bodies: List[Going]) -> None:
             raise PluginError(held + "; nothing was changed.")
 
 
-def _stands(element, exported, change: Change) -> bool:
+def _stands(element, exported, change: Change, within: float) -> bool:
     def near(points, targets) -> bool:
-        return len(points) == len(targets) and all(distance(p, q) <= STAND_MM for p, q in zip(points, targets))
+        return len(points) == len(targets) and all(distance(p, q) <= within for p, q in zip(points, targets))
 
+    if isinstance(element, Drawn):
+        return near(element.points(), change.axis_after)
     if isinstance(element, Column):
         return near(element.ring, [change.motion(p) for p in exported.ring])
     if element.rings:

@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 import FreeCAD as App
 
-from enfilade_common.model import Column, Movable, Opening, PluginError, Region, Study, Wall, pair_name
+from enfilade_common.model import Column, Drawn, Movable, Opening, PluginError, Region, Study, Wall, pair_name
 from enfilade_common.outlines import wall_outlines
 from enfilade_common.plane import (
     Point,
@@ -21,7 +21,7 @@ from enfilade_common.plane import (
     minus,
 )
 
-from . import hosted, marks
+from . import hosted, marks, plan2d
 
 #: Height of the sight lines above the foot of a wall, mm.
 EYE_MM = 1500.0
@@ -134,13 +134,14 @@ def marked_elsewhere(doc, storey: str) -> List[str]:
 
 
 def storeys(doc) -> List[str]:
-    """Labels of the storeys that hold walls, lowest first; nothing is the label of walls outside any level."""
+    """Labels of the storeys that hold walls, or the lines of a 2D plan, lowest first; nothing is the label of what
+    stands outside any level."""
     heights: Dict[str, float] = {}
-    for obj in doc.Objects:
-        if kind_of(obj) == "Wall" and _is_solid(obj):
-            label = storey_of(obj)
-            foot = _shape(obj).BoundBox.ZMin
-            heights[label] = min(foot, heights.get(label, foot))
+    walls = [o for o in doc.Objects if kind_of(o) == "Wall" and is_solid(o)]
+    for obj in walls or plan2d.lines(doc):
+        label = storey_of(obj)
+        foot = _shape(obj).BoundBox.ZMin
+        heights[label] = min(foot, heights.get(label, foot))
     return sorted(heights, key=lambda s: heights[s])
 
 
@@ -171,7 +172,7 @@ def read(doc, storey: Optional[str] = None, level: str = "eye") -> Reading:
         kind = _kind_in_plan(out, obj)
         if not kind or many and storey_of(obj) != storey:
             continue
-        if not _is_solid(obj):
+        if not is_solid(obj):
             out.notes.append(f"'{obj.Label}' has no shape and was left out; recompute the document.")
         elif not _is_upright(obj):
             out.notes.append(f"'{obj.Label}' stands in a tilted part and was left out.")
@@ -185,6 +186,9 @@ def read(doc, storey: Optional[str] = None, level: str = "eye") -> Reading:
             continue
         add = _add_link if is_link(obj) else _add_wall if kind == "Wall" else _add_column
         add(out, obj, ids[obj.Name])
+    if not out.found and plan2d.is_plan(doc):
+        plan2d.add_all(out, doc, storey, many, ids)
+        return out
     _add_openings(out, doc, ids)
     _add_parts(out)
     _share_bases(out)
@@ -205,7 +209,7 @@ def _kind_in_plan(out: Reading, obj) -> str:
     if shown is None or shown is obj:
         return ""
     is_one = not getattr(obj, "ElementCount", 0)
-    kind = "Wall" if kind_of(shown) == "Wall" else "Column" if _is_solid(shown) and is_column(shown) else ""
+    kind = "Wall" if kind_of(shown) == "Wall" else "Column" if is_solid(shown) and is_column(shown) else ""
     inside = [o for o in getattr(shown, "OutListRecursive", []) if kind_of(o) == "Wall"]
     if not (kind and is_one) and (kind or hasattr(shown, "Group") and inside):
         out.notes.append(f"The link '{obj.Label}' shows walls a second time; these were left out.")
@@ -247,14 +251,15 @@ def study(doc, wishes, storey: Optional[str] = None, lineage=()) -> Tuple[Study,
         document=str(getattr(doc, "Uid", "") or doc.Name),
         walls=[e for e in elements if isinstance(e, Wall)],
         columns=[e for e in elements if isinstance(e, Column)],
+        drawn=[e for e in elements if isinstance(e, Drawn)],
         regions=reading.regions,
         wishes=wishes,
         storey=reading.storey,
         lineage=list(lineage),
     )
-    if not made.walls:
+    if not (made.walls or made.drawn):
         raise PluginError(
-            "There is no wall to measure in this document: draw walls with the Arch (BIM) workbench first."
+            "There is nothing to measure in this document: draw walls with the Arch (BIM) workbench, or a plan of lines."
         )
     return made, reading
 
@@ -267,17 +272,22 @@ def default_storey(doc, labels: List[str]) -> Optional[str]:
     return labels[0] if labels else None
 
 
-def _is_solid(obj) -> bool:
+def is_solid(obj) -> bool:
     shape = getattr(obj, "Shape", None)
     return shape is not None and not shape.isNull() and bool(shape.Faces)
 
 
-def _add_openings(out: Reading, doc, ids: Dict[str, str]) -> None:
-    """Doors and windows in the walls of their hosts, and in the walls joined to these."""
+def _walls_by_object(out: Reading) -> Dict[str, List[Wall]]:
     by_object: Dict[str, List[Wall]] = {}
     for found in out.found.values():
         if isinstance(found.element, Wall):
             by_object.setdefault(found.object.Name, []).append(found.element)
+    return by_object
+
+
+def _add_openings(out: Reading, doc, ids: Dict[str, str]) -> None:
+    """Doors and windows in the walls of their hosts, and in the walls joined to these."""
+    by_object = _walls_by_object(out)
     for obj in doc.Objects:
         if kind_of(obj) != "Window":
             continue
@@ -291,10 +301,7 @@ def _add_parts(out: Reading) -> None:
     """Niches and additions of walls go with them, but for walls and columns, which stand for themselves, and
     roofs, under which walls end wherever they stand."""
     own = {f.object.Name for f in out.found.values()}
-    by_object: Dict[str, List[Wall]] = {}
-    for found in out.found.values():
-        if isinstance(found.element, Wall):
-            by_object.setdefault(found.object.Name, []).append(found.element)
+    by_object = _walls_by_object(out)
     for name, walls in by_object.items():
         host = out.found[walls[0].id].object
         for part in [*(getattr(host, "Subtractions", None) or []), *(getattr(host, "Additions", None) or [])]:

@@ -65,7 +65,7 @@ class HeatMaps(QtCore.QObject):
         process.errorOccurred.connect(lambda error: self._failed(process, error))
         found = self._found
         grid = (found.spacing_m, found.lattice_centre)
-        process.start(self._path, program.cells_arguments(drawing, self._folder.name, self._level, *grid))
+        process.start(self._path, program.cells_arguments(drawing, self._folder.name, self._level, found.unit, *grid))
 
     def _finished(self, process, drawing: str) -> None:
         if process is not self._process:

@@ -5,7 +5,7 @@ import FreeCADGui as Gui
 
 from enfilade_common.model import PluginError, number, pair_name
 
-from . import document, marks
+from . import document, marks, plan2d
 from .qt import QtCore, QtWidgets
 from .wording import say
 
@@ -143,7 +143,9 @@ class MarkPage(QtWidgets.QWidget):
         return objects
 
     def chosen(self, objects):
-        """Walls, columns, doors and windows of these; a selected axis stands for its wall."""
+        """Walls, columns, doors and windows of these, or lines of a 2D plan; a selected axis stands for its wall."""
+        if objects and plan2d.is_plan(objects[0].Document):
+            return [o for o in objects if plan2d.is_line(o)]
         out = []
         for obj in objects:
             parents = [o for o in obj.InList if getattr(o, "Base", None) is obj]
@@ -167,7 +169,7 @@ class MarkPage(QtWidgets.QWidget):
         selection = self.selection()
         objects = self.chosen(selection)
         if not objects:
-            raise PluginError(what_is_selected(selection, objects))
+            raise PluginError(what_is_selected(selection, objects, plan2d.is_plan(self._panel.document())))
         self._on_this_storey(objects)
         ticked = {k: (low.value(), high.value()) for k, (tick, low, high) in self.rows.items() if tick.isChecked()}
         has_moves = any(any(pair) for pair in ticked.values())
@@ -180,6 +182,11 @@ class MarkPage(QtWidgets.QWidget):
         if has_moves and not any(any(pair) for pair in along.values()):
             # A door moves in its wall only; in any other direction it would seem marked and stay.
             stays, doors = doors, []
+        group = self.group.text().strip()
+        are_lines = len(rest) > 1 and all(plan2d.is_line(o) for o in rest)
+        if are_lines and has_moves and not group:
+            # A wall of a 2D plan is several lines.
+            group = rest[0].Label
         fixed = ", ".join(f"'{o.Label}'" for o in stays)
         only = say("Doors and windows only slide along the wall; {} was not marked.", fixed) if stays else ""
         if not rest and not doors:
@@ -187,10 +194,13 @@ class MarkPage(QtWidgets.QWidget):
         doc = objects[0].Document
         doc.openTransaction("Enfilade: mark")
         for some, bounds in ((rest, ticked), (doors, along)):
-            marks.mark_all(some, bounds, self.group.text().strip(), self.keep.isChecked())
+            marks.mark_all(some, bounds, group, self.keep.isChecked())
         doc.commitTransaction()
+        self.group.setModified(False)
         self._panel.refresh()
-        marked = say("Marked: {}", ", ".join(o.Label for o in [*rest, *doors]))
+        names = shortened([o.Label for o in [*rest, *doors]])
+        together = say("Marked: {}. They move together, as '{}'.", names, group)
+        marked = together if are_lines and has_moves else say("Marked: {}", names)
         held = [f"'{o.Label}': {document.lock(o)}." for o in rest if has_moves and document.lock(o)]
         locked = say("Marked, but they stay: {}", " ".join(held)) if held else ""
         self._panel.tell(" ".join(w for w in (marked, only, locked) if w))
@@ -199,7 +209,7 @@ class MarkPage(QtWidgets.QWidget):
         selection = self.selection()
         objects = [*self.chosen(selection), *(o for o in selection if marks.region_kind(o))]
         if not objects:
-            raise PluginError(what_is_selected(selection, objects))
+            raise PluginError(what_is_selected(selection, objects, plan2d.is_plan(self._panel.document())))
         doc = objects[0].Document
         doc.openTransaction("Enfilade: remove marks")
         for obj in objects:
@@ -254,7 +264,9 @@ class MarkPage(QtWidgets.QWidget):
         except PluginError as e:
             selection, refused = [], str(e)
         objects = self.chosen(selection)
-        self.selected.setText(refused or what_is_selected(selection, objects))
+        doc = App.listDocuments().get(self._panel.doc_name)
+        is_plan = doc is not None and not selection and plan2d.is_plan(doc)
+        self.selected.setText(refused or what_is_selected(selection, objects, is_plan))
         self._list_marked()
         for label in self.left.values():
             label.setText("")
@@ -273,7 +285,9 @@ class MarkPage(QtWidgets.QWidget):
         if marks.is_marked(first):
             self.group.setText(marks.group(first))
             self.keep.setChecked(marks.keep(first))
-
+        elif not self.group.isModified():
+            # What was shown of the last one does not name this one's group.
+            self.group.setText("")
 
     def _list_marked(self) -> None:
         """What is marked on the panel's storey, and what elsewhere."""
@@ -291,10 +305,12 @@ def shortened(names) -> str:
     return ", ".join(names[:LISTED_MAX]) + (" …" if len(names) > LISTED_MAX else "")
 
 
-def what_is_selected(selection, objects) -> str:
+def what_is_selected(selection, objects, is_plan: bool = False) -> str:
     """Names what can be marked of a selection, or says what could."""
     if objects:
         return say("Selected: {}", shortened([o.Label for o in objects]))
+    if not selection and is_plan:
+        return say("Nothing selected. Select all lines of a wall in the view.")
     if not selection:
         return say("Nothing selected. Select walls, columns, doors or windows in the view.")
     return say(

@@ -12,7 +12,7 @@ from enfilade_common.moves import heading
 from enfilade_common.plane import Point
 from enfilade_common.results import Cells
 
-from . import document, marks
+from . import document, marks, plan2d
 
 ORANGE = (1.0, 0.45, 0.0)
 MOVED = (0.85, 0.0, 0.38)
@@ -67,7 +67,7 @@ class Overlay:
         """Arrows and arcs of every marked object, outlines of regions."""
         part = self._parts["marks"]
         part.removeAllChildren()
-        lines = []
+        lines, groups = [], set()
         for obj in doc.Objects:
             if document.is_link(obj):
                 continue
@@ -77,7 +77,10 @@ class Overlay:
                 rings = [document._ring(w) for w in obj.Shape.Wires if w.isClosed()]
                 _add_lines(part, [r + r[:1] for r in rings], z, REGION_COLOURS[region], 3)
             elif hasattr(obj, "EnfiladeId") and getattr(obj, "Shape", None) is not None:
-                lines.append((obj, arrows(obj)))
+                # Lines of one group are mostly one wall: its arrows once.
+                group = marks.group(obj) if plan2d.is_line(obj) else ""
+                lines.append((obj, [] if group and group in groups else arrows(obj)))
+                groups.add(group)
         top = max((o.Shape.BoundBox.ZMax for o, _ in lines), default=0.0) + CLEAR_MM
         _add_lines(part, [line for _, many in lines for line in many], top, ORANGE, 3)
 
@@ -169,7 +172,7 @@ def _direction_deg(obj) -> float:
     hosts = getattr(obj, "Hosts", None) or []
     wall = hosts[0] if hosts else obj
     if document.kind_of(wall) != "Wall":
-        return 0.0
+        return plan2d.heading_deg(obj) if plan2d.is_line(obj) else 0.0
     chains = document.axes(wall)
     if not chains:
         return 0.0

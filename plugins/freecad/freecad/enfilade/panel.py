@@ -330,7 +330,7 @@ class Panel(QtWidgets.QDockWidget):
 
     def _walls(self, doc):
         made = self._running.job if self._running is not None else self.job
-        names = {w.name for w in made.study.walls}
+        names = {e.name for e in made.study.movables()}
         return [o for o in doc.Objects if o.Name in names and hasattr(o, "Shape") and not o.Shape.isNull()]
 
     def preview(self, option: Optional[results.Option], measure: str, with_ghosts: bool) -> None:
@@ -343,7 +343,7 @@ class Panel(QtWidgets.QDockWidget):
         cells = self.heat.of(self._drawing(option)) if measure else None
         if cells is not None:
             span = self.heat.span(measure)
-            overlay.show_heat(cells, measure, span, self.round.spacing_m * 1000.0, self.floor(doc))
+            overlay.show_heat(cells, measure, span, self.round.spacing_m * self.round.per_metre, self.floor(doc))
             self.options.show_span(measure, span)
         if option is not None and with_ghosts:
             overlay.show_ghosts(*results.ghosts(self.job, option), self.top(doc), MOVED)

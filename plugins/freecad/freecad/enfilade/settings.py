@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Optional
 
 import FreeCAD as App
 
-from enfilade_common.model import MEASURES, Objective, Wishes
+from enfilade_common.model import MEASURES, UNITS, Objective, Wishes
 
 from .wording import say
 
@@ -48,7 +48,8 @@ def _is_sound(found: Wishes) -> bool:
     whole = all(is_number(v, int) for v in (found.members, found.seed))
     budget = found.evaluations is None or is_number(found.evaluations, int)
     spacing = found.spacing_m is None or is_number(found.spacing_m, int, float)
-    return bool(found.objectives) and objectives and whole and budget and spacing
+    is_unit = found.unit in ("", *UNITS)
+    return bool(found.objectives) and objectives and whole and budget and spacing and is_unit
 
 
 def storey(doc) -> Optional[str]:

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from enfilade_common.model import Objective, Wishes, default_objectives
+from enfilade_common.model import UNITS, Objective, Wishes, default_objectives
 
 from . import document, settings
 from .qt import QtCore, QtWidgets
@@ -81,6 +81,11 @@ class StudyPage(QtWidgets.QWidget):
         self.spacing.setSingleStep(0.1)
         self.spacing.setSuffix(" m")
         self.spacing.setSpecialValueText(say("automatic"))
+        self.unit = QtWidgets.QComboBox()
+        self.unit.setToolTip(say("Of a plan of lines. FreeCAD takes what is drawn without a unit for millimetres."))
+        self.unit.addItem(say("automatic"), "")
+        for unit in UNITS:
+            self.unit.addItem(unit, unit)
         self.program = QtWidgets.QLineEdit(settings.program_path())
         self.program.setObjectName("EnfiladeProgram")
         self.program.setPlaceholderText(say("found by itself"))
@@ -91,6 +96,7 @@ class StudyPage(QtWidgets.QWidget):
             ("Layouts to measure", "EnfiladeEvaluations", self.evaluations),
             ("Sight lines", "EnfiladeLevel", self.level),
             ("Cell size", "EnfiladeSpacing", self.spacing),
+            ("Drawn in", "EnfiladeUnit", self.unit),
             ("Program", "EnfiladeProgram", self.program),
         ):
             widget.setObjectName(name)
@@ -109,6 +115,7 @@ class StudyPage(QtWidgets.QWidget):
         self.evaluations.setValue(wishes.evaluations or 0)
         self.level.setCurrentIndex(0 if wishes.level == "eye" else 1)
         self.spacing.setValue(wishes.spacing_m or 0.0)
+        self.unit.setCurrentIndex(self.unit.findData(wishes.unit))
 
     def _add(self, wish: Wish) -> None:
         row = QtWidgets.QWidget()
@@ -152,6 +159,7 @@ class StudyPage(QtWidgets.QWidget):
             evaluations=self.evaluations.value() or None,
             spacing_m=self.spacing.value() or None,
             level=self.level.itemData(self.level.currentIndex()),
+            unit=self.unit.itemData(self.unit.currentIndex()),
         )
 
     def refresh(self, doc) -> None:

@@ -12,6 +12,8 @@ GERMAN = {
     "2 Study": "2 Studie",
     "3 Options": "3 Varianten",
     "Nothing selected. Select walls, columns, doors or windows in the view.": "Nichts ausgewählt. Wählen Sie Wände, Stützen, Türen oder Fenster in der Ansicht.",
+    "Nothing selected. Select all lines of a wall in the view.": "Nichts ausgewählt. Wählen Sie alle Linien einer Wand in der Ansicht.",
+    "Marked: {}. They move together, as '{}'.": "Markiert: {}. Sie bewegen sich gemeinsam, als '{}'.",
     "Selected: {}": "Ausgewählt: {}",
     "east-west": "Ost-West",
     "north-south": "Nord-Süd",
@@ -48,6 +50,8 @@ GERMAN = {
     "at eye level": "in Augenhöhe",
     "at knee level": "in Kniehöhe",
     "Cell size": "Zellengröße",
+    "Drawn in": "Gezeichnet in",
+    "Of a plan of lines. FreeCAD takes what is drawn without a unit for millimetres.": "Bei einem Plan aus Linien. FreeCAD hält Gezeichnetes ohne Einheit für Millimeter.",
     "Storey": "Geschoss",
     "Program": "Programm",
     "found by itself": "wird selbst gefunden",
@@ -153,7 +157,11 @@ def count(n: int, one: str, many: str) -> str:
 
 #: What the program says of its files and its command line, and what it is called here.
 HERE = (
-    (r"^unit: mm\b.*", "Unit: mm, as in the document."),
+    (r"^unit: mm as --unit.*", "Unit: mm, as in the document."),
+    (r"^unit: (\w+) as --unit.*", r"Unit: \1, as page 2 says."),
+    (r" \((no )?\$INSUNITS[^)]*\)", ""),
+    (r"; --unit overrides it( \(.*\))?", "; 'Drawn in' on page 2 overrides it"),
+    (r"--unit", "'Drawn in'"),
     (r"\bspacing (\S+ m): (\d+) vertices", r"Cell size \1: \2 cells"),
     (r"\bvertices\b", "cells"),
     (r"; --spacing overrides it", "; 'Cell size' on page 2 overrides it"),
