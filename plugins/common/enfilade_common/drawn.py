@@ -36,7 +36,7 @@ def _draw(out: Drawing, layer: str, stroke: Stroke, ids) -> str:
     if stroke.kind == "arc":
         return out.arc(layer, stroke.centre, stroke.radius, angles_deg(stroke), ids)
     if len(stroke.points) == 2:
-        return out.line(layer, *stroke.points, ids)
+        return out.line(layer, stroke.points[0], stroke.points[1], ids)
     return out.polyline(layer, stroke.points, stroke.closed, ids)
 
 

@@ -174,7 +174,7 @@ def drawing_text(study: Study, plan: Plan) -> Tuple[str, Dict[str, str]]:
             out.line(layer, wall.at(o.start), wall.at(o.end), (o.id, o.label))
     for region in study.regions:
         out.polyline(region.layer(), region.points)
-    for element in (*study.walls, *study.columns):
+    for element in study.built():
         if element.keep:
             out.polyline("EF-KEEP", _round_element(plan, element))
     _note_moves(out, plan)

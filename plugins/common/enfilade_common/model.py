@@ -221,6 +221,8 @@ class Wishes:
         return f"clearance {number(self.clearance)}, wall-length {number(self.wall_length)}"
 
 
+#: What has faces and a place on the floor.
+Built = Union[Wall, Column]
 Movable = Union[Wall, Column, Drawn]
 
 
@@ -240,9 +242,12 @@ class Study:
     #: ``[[lineage]]`` tables of earlier rounds, oldest first.
     lineage: List[Dict[str, Any]] = field(default_factory=list)
 
-    def movables(self) -> Iterator[Movable]:
+    def built(self) -> Iterator[Built]:
         yield from self.walls
         yield from self.columns
+
+    def movables(self) -> Iterator[Movable]:
+        yield from self.built()
         yield from self.drawn
 
     def pairs(self) -> List[str]:

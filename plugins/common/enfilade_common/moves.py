@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Dict, List, Set, Tuple
 
-from .model import Clause, Column, Drawn, Movable, Opening, Study, Wall, number
+from .model import Built, Clause, Column, Drawn, Movable, Opening, Study, Wall, number
 from .outlines import CELL_MM, Outline, begin_outside, keep_apart, study_outlines
 from .plane import Point, Rigid, centroid, cross, direction, distance, distance_to_segment, dot, plus, turn_about
 
@@ -188,7 +188,7 @@ def wall_ends(wall: Wall) -> List[Tuple[int, Point, Point]]:
     return [(0, a, direction(b, a)), (len(wall.axis) - 1, z, direction(y, z))]
 
 
-def touches(point: Point, wall: Movable) -> bool:
+def touches(point: Point, wall: Built) -> bool:
     """Whether a wall end lies on or in another wall, by its axis and thickness."""
     if isinstance(wall, Column) or wall.rings:
         rings = [wall.ring] if isinstance(wall, Column) else wall.rings
@@ -210,7 +210,7 @@ class Neighbours:
             for cell in _cells(box):
                 self._cells.setdefault(cell, []).append(i)
 
-    def of(self, members: List[Movable]) -> List[Wall]:
+    def of(self, members: List[Built]) -> List[Wall]:
         """Walls whose box meets that of a member, the members left out, in drawing order."""
         own = {m.id for m in members}
         found: Set[int] = set()
@@ -280,7 +280,7 @@ def _end_corners(wall: Wall, index: int, outlines, by_owner) -> Set[Corner]:
     }
 
 
-def _box(element: Movable):
+def _box(element: Built):
     points = list(element.ring) if isinstance(element, Column) else list(element.axis)
     points += [] if isinstance(element, Column) else [p for r in element.rings for p in r]
     by = 0.0 if isinstance(element, Column) else max(element.left, element.right)

@@ -7,11 +7,11 @@ import os
 import re
 import shutil
 from dataclasses import dataclass, field
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from . import drawn
 from .job import RESULTS, Job
-from .model import Column, Drawn, Movable, Opening, PluginError, UNITS, Wall, geometry_hash
+from .model import Built, Column, Drawn, Movable, Opening, PluginError, UNITS, Wall, geometry_hash
 from .moves import Plan
 from .outlines import Outline
 from .plane import (
@@ -281,8 +281,10 @@ def layout(job: Job, option: Option) -> List[Change]:
         mine = by_owner.get(element.id, [])
         if any(o.host_id in after for o in mine):
             rings = [after.get(o.host_id, o.points) for o in mine]
-            is_drawn = isinstance(element, Drawn)
-            out.append(_drawn_change(element, rings, within) if is_drawn else change_of(element, mine, rings))
+            if isinstance(element, Drawn):
+                out.append(_drawn_change(element, rings, within))
+            else:
+                out.append(change_of(element, mine, rings))
     return out
 
 
@@ -298,7 +300,7 @@ def _drawn_change(element: Drawn, after: List[List[Point]], within: float) -> Ch
     return Change(element.id, motion if residual <= within / 2 else None, before, to, {})
 
 
-def change_of(element: Movable, outlines: List[Outline], after: List[List[Point]]) -> Change:
+def change_of(element: Built, outlines: List[Outline], after: List[List[Point]]) -> Change:
     """Takes moved outlines back to a motion of the element or of its axis."""
     before_all = [p for o in outlines for p in o.points]
     after_all = [p for ring in after for p in ring]
@@ -408,7 +410,7 @@ def _segment_at(wall: Wall, along: float) -> int:
     return len(points) - 2
 
 
-def edited_since(job: Job, present: List[Movable], changes: List[Change]) -> List[str]:
+def edited_since(job: Job, present: Sequence[Movable], changes: List[Change]) -> List[str]:
     """What happened since the export to the elements of ``changes`` that no longer stand as exported: ``'P' was
     edited``, ``'Q' was deleted``."""
     now = {e.id: e for e in present}
@@ -429,7 +431,7 @@ def _named(element: Movable, exported: Optional[Movable]) -> str:
     return f"'{element.label}' (then '{exported.label}')"
 
 
-def changed_around(job: Job, present: List[Movable], changes: List[Change]) -> List[str]:
+def changed_around(job: Job, present: Sequence[Movable], changes: List[Change]) -> List[str]:
     """What happened since the export to the rest of the plan, and to the heights of what moves."""
     now, moved = {e.id: e for e in present}, {c.id for c in changes}
     out = []
