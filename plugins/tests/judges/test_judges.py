@@ -25,7 +25,7 @@ def drawing(tmp_path):
     column = Column("c", "Säule", [(1900, 1900), (2100, 1900), (2100, 2100), (1900, 2100)])
     square = [(300, 300), (7700, 300), (7700, 5700), (300, 5700)]
     regions = [Region(kind, square) for kind in ("query", "reference")]
-    return job.write(Study("test", "doc", walls, [column], regions), str(tmp_path))
+    return job.write(Study("test", "doc", walls, [column], regions=regions), str(tmp_path))
 
 
 def test_ezdxf_finds_no_fault_and_reads_the_ids(drawing):
