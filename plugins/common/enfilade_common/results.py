@@ -85,10 +85,11 @@ class Option:
         digits = 2 if measure == "score" else 1 if high - low < TENTHS_BELOW else 0
         turned = 1 if gain["sense"] == "max" else -1
         ends = sorted((turned * low, turned * high))
-        between = " to ".join(f"{times * v + 0.0:.{digits}f}".replace("-", "−") for v in ends)
+        between = " to ".join(_fixed(times * v, digits) for v in ends)
         if low <= 0 <= high:
             return f"unchanged ({between}{unit})"
-        return f"{times * turned * share:+.{digits}f}{unit} ({between}{unit})".replace("-", "−")
+        sign = "+" if turned * share > 0 else ""
+        return f"{sign}{_fixed(times * turned * share, digits)}{unit} ({between}{unit})"
 
     def picture(self, measure: str) -> str:
         return os.path.splitext(self.file)[0] + f"-{measure}.png"
@@ -138,6 +139,12 @@ class Change:
     axis_after: List[Point]
     #: Motion of every opening of the wall.
     openings: Dict[str, Rigid]
+
+
+def _fixed(value: float, digits: int) -> str:
+    """As the program writes it: a zero has no sign."""
+    text = f"{abs(value):.{digits}f}"
+    return "−" + text if value < 0 and float(text) else text
 
 
 def round_folders(results_folder: str) -> List[str]:

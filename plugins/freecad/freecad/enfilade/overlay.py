@@ -63,8 +63,9 @@ class Overlay:
     def is_empty(self, name: str) -> bool:
         return self._parts[name].getNumChildren() == 0
 
-    def show_marks(self, doc) -> None:
-        """Arrows and arcs of every marked object, outlines of regions."""
+    def show_marks(self, doc, scale: float) -> None:
+        """Arrows and arcs of every marked object, outlines of regions; ``scale`` are units of the document in a mm of
+        the building."""
         part = self._parts["marks"]
         part.removeAllChildren()
         lines, groups = [], set()
@@ -79,7 +80,7 @@ class Overlay:
             elif hasattr(obj, "EnfiladeId") and getattr(obj, "Shape", None) is not None:
                 # Lines of one group are mostly one wall: its arrows once.
                 group = marks.group(obj) if plan2d.is_line(obj) else ""
-                lines.append((obj, [] if group and group in groups else arrows(obj)))
+                lines.append((obj, [] if group and group in groups else arrows(obj, scale)))
                 groups.add(group)
         top = max((o.Shape.BoundBox.ZMax for o, _ in lines), default=0.0) + CLEAR_MM
         _add_lines(part, [line for _, many in lines for line in many], top, ORANGE, 3)
@@ -148,7 +149,7 @@ def _add_lines(part, lines, z: float, colour, width: int, pattern: int = 0xFFFF)
     part.addChild(group)
 
 
-def arrows(obj) -> List[List[Point]]:
+def arrows(obj, scale: float = 1.0) -> List[List[Point]]:
     """Lines that show the allowed moves of an object from its middle."""
     if obj.Shape.isNull():
         return []
@@ -158,12 +159,13 @@ def arrows(obj) -> List[List[Point]]:
     for clause in marks.clauses(obj, _direction_deg(obj)):
         if clause.kind == "rotate":
             for end in (clause.lower, clause.upper):
-                out += _arc(middle, end)
+                out += _arc(middle, end, scale)
             continue
         u = heading(clause)
         for value in (clause.lower, clause.upper):
             if value:
-                out += _arrow(middle, (middle[0] + u[0] * value, middle[1] + u[1] * value))
+                way = value * scale
+                out += _arrow(middle, (middle[0] + u[0] * way, middle[1] + u[1] * way), scale)
     return out
 
 
@@ -180,18 +182,19 @@ def _direction_deg(obj) -> float:
     return math.degrees(math.atan2(by - ay, bx - ax))
 
 
-def _arrow(a: Point, b: Point) -> List[List[Point]]:
+def _arrow(a: Point, b: Point, scale: float) -> List[List[Point]]:
     angle = math.atan2(b[1] - a[1], b[0] - a[0])
-    size = min(HEAD_MM, math.dist(a, b))
+    size = min(HEAD_MM * scale, math.dist(a, b))
     wings = [(b[0] - size * math.cos(angle + s), b[1] - size * math.sin(angle + s)) for s in (-0.45, 0.45)]
     return [[a, b], [wings[0], b, wings[1]]]
 
 
-def _arc(middle: Point, end_deg: float) -> List[List[Point]]:
+def _arc(middle: Point, end_deg: float, scale: float) -> List[List[Point]]:
     """An arc from the east towards ``end_deg`` with an arrow head."""
     if not end_deg:
         return []
     count = max(2, int(abs(end_deg) / 5) + 1)
     angles = [math.radians(end_deg * i / count) for i in range(count + 1)]
-    points = [(middle[0] + ARC_MM * math.cos(a), middle[1] + ARC_MM * math.sin(a)) for a in angles]
-    return [points, *_arrow(points[-2], points[-1])[1:]]
+    size = ARC_MM * scale
+    points = [(middle[0] + size * math.cos(a), middle[1] + size * math.sin(a)) for a in angles]
+    return [points, *_arrow(points[-2], points[-1], scale)[1:]]

@@ -8,10 +8,10 @@ import FreeCAD as App
 import FreeCADGui as Gui
 
 from enfilade_common import job, program, results
-from enfilade_common.model import PluginError
+from enfilade_common.model import UNITS, PluginError
 from enfilade_common.moves import applied, why_nothing_moves
 
-from . import accept, document, importing, settings
+from . import accept, document, importing, plan2d, settings
 from .frame import Foot, Head
 from .heat import HeatMaps
 from .mark_page import MarkPage
@@ -144,7 +144,7 @@ class Panel(QtWidgets.QDockWidget):
         if doc is not None:
             overlay = self.overlay(doc)
             if overlay is not None:
-                overlay.show_marks(doc)
+                overlay.show_marks(doc, self._scale(doc))
 
     def enterEvent(self, event):
         """Levels and regions may have been drawn since the mouse was last here."""
@@ -224,9 +224,17 @@ class Panel(QtWidgets.QDockWidget):
         overlay = self.overlay(doc) if doc is not None else None
         if overlay is None or len(parameters) != len(plan.tables):
             return
-        pairs = zip(plan.outlines, applied(plan, parameters))
+        scale = self._scale(doc)
+        ways = [p if t.clause.kind == "rotate" else p * scale for t, p in zip(plan.tables, parameters)]
+        pairs = zip(plan.outlines, applied(plan, ways))
         lines = [line for o, ring in pairs for line in results.moved_lines(o.points, ring)[1]]
         overlay.show_best(lines, self.top(doc), BEST)
+
+    def _scale(self, doc) -> float:
+        """Units of the document in a mm of the building: of a 2D plan what page 2 or the last round says."""
+        said = self.study.wishes().unit if plan2d.is_plan(doc) else "mm"
+        known = self.round.per_metre if self.round is not None and not said else 1000.0
+        return (1.0 / UNITS[said] if said else known) / 1000.0
 
     def _on_end(self, code: int, words: str) -> None:
         self.foot.end()

@@ -23,7 +23,7 @@ OURS = ("EF-", "EF_")
 
 def is_plan(doc) -> bool:
     """Whether a document has lines and no walls."""
-    return not any(document.kind_of(o) == "Wall" and document.is_solid(o) for o in doc.Objects) and bool(lines(doc))
+    return not any(document.kind_of(o) == "Wall" and document.is_solid(o) for o in doc.Objects) and any(is_line(o) for o in doc.Objects)
 
 
 def lines(doc) -> List:
