@@ -101,7 +101,7 @@ try {
   await page.keyboard.press("ArrowRight");
   assert.notEqual(await clip(), before);
   await page.select("#measure", "2");
-  await page.waitForFunction(() => [...document.querySelectorAll(".pair img")].every((i) => i.src.endsWith("-depth.png") && i.complete && i.naturalWidth > 0));
+  await page.waitForFunction(() => [...document.querySelectorAll(".pair img")].every((i) => i.src.split("?")[0].endsWith("-depth.png") && i.complete && i.naturalWidth > 0));
 
   // Choose, pin, filter, scatter.
   await press("#show-1");
