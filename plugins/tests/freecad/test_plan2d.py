@@ -91,6 +91,7 @@ def test_lines_are_read_like_a_drawing_and_moved_themselves(doc, tmp_path, run_s
     accept.accept(doc, written, found, found.options[0])
     assert made["W0"].Shape.BoundBox.XMax == pytest.approx(3950 + shift, abs=0.1)
     assert made["W0"].Shape.BoundBox.XMin == pytest.approx(250, abs=0.1)
+    assert made["swing"].Placement.Base.x == pytest.approx(4000 + shift, abs=0.1), "the door's swing goes with its wall"
     assert marks.used(made["P0l"], "x") == pytest.approx(shift)
 
 

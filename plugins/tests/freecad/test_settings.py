@@ -178,6 +178,7 @@ def test_notes_are_said_in_the_words_of_the_window():
          "More 'Layouts to measure', wider bounds or lower thresholds find more."),
         ("unit: mm assumed ($INSUNITS 0, $MEASUREMENT 1): then the walls are 7.8 m long; --unit overrides it",
          "Unit: mm assumed: then the walls are 7.8 m long; 'Drawn in' on page 2 overrides it."),
+        ('[[move]] "Q" names no wall of the drawing; nothing moves here', "No line of 'Q' is read as a wall; nothing moves here."),
         ("the drawing is 3.8 m long when read in cm; --unit overrides it (--unit 25m: one drawing unit is 25 m)",
          "The drawing is 3.8 m long when read in cm; 'Drawn in' on page 2 overrides it."),
         ("unit: mm as --unit or the settings file says (the file: $INSUNITS 4, $MEASUREMENT 1)", "Unit: mm, as in the document."),

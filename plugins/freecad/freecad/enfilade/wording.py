@@ -157,6 +157,8 @@ def count(n: int, one: str, many: str) -> str:
 
 #: What the program says of its files and its command line, and what it is called here.
 HERE = (
+    (r"\[\[move\]\] \"([^\"]*)\" names no wall of the drawing", r"no line of '\1' is read as a wall"),
+    (r"\[\[move\]\] \"([^\"]*)\"", r"'\1'"),
     (r"^unit: mm as --unit.*", "Unit: mm, as in the document."),
     (r"^unit: (\w+) as --unit.*", r"Unit: \1, as page 2 says."),
     (r" \((no )?\$INSUNITS[^)]*\)", ""),
