@@ -288,6 +288,9 @@ fn a_round_made_elsewhere_is_what_one_run_writes() {
     let daemon = soaked(&root);
     until("a round", || here.join("plan.enfilade/round-01").exists());
     fs::rename(&here, &there).unwrap();
+    // What is only moved is known by its results; what is saved there is a new round.
+    let drawn = fs::read_to_string(there.join("plan.dxf")).unwrap();
+    fs::write(there.join("plan.dxf"), format!("999\nsaved elsewhere\n{drawn}")).unwrap();
     until("a round elsewhere", || there.join("plan.enfilade/round-02").exists());
     fs::rename(&there, &here).unwrap();
     kill(daemon);
