@@ -234,13 +234,13 @@ class Study:
     document: str
     walls: List[Wall] = field(default_factory=list)
     columns: List[Column] = field(default_factory=list)
-    #: Of a 2D plan, in place of walls and columns.
-    drawn: List[Drawn] = field(default_factory=list)
     regions: List[Region] = field(default_factory=list)
     wishes: Wishes = field(default_factory=Wishes)
     storey: str = ""
     #: ``[[lineage]]`` tables of earlier rounds, oldest first.
     lineage: List[Dict[str, Any]] = field(default_factory=list)
+    #: Of a 2D plan, in place of walls and columns.
+    drawn: List[Drawn] = field(default_factory=list)
 
     def built(self) -> Iterator[Built]:
         yield from self.walls

@@ -189,4 +189,4 @@ def test_07_nothing_is_exported_during_a_run(window):
     window.ask("run_command", "Enfilade_Export")
     assert status(window) == "A study is running; stop it first."
     window.press("EnfiladeStop")
-    window.wait_for("panel", lambda p: not p["running"], 20)
+    window.wait_for("panel", lambda p: not p["running"], 60)

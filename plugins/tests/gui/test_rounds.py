@@ -80,8 +80,10 @@ def test_01_a_house_from_the_first_mark_to_the_second_round(window):
     assert status(window) == "Marked: Tür"
 
     # Stopped, and what it had found is shown and can be accepted.
+    stop = window.ask("find", "EnfiladeStop")
     press_run(window, 5_000_000)
     window.wait_for("panel", lambda p: p["overlay"].get("best"), 60)
+    assert window.ask("find", "EnfiladeStop") == stop, "no button jumps away from the mouse"
     window.press("EnfiladeStop")
     panel = window.wait_for("panel", lambda p: not p["running"], 90)
     assert panel["status"].startswith("Stopped. Best so far: ") and panel["options"] >= 1, panel

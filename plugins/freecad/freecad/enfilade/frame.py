@@ -83,7 +83,6 @@ class Foot(QtWidgets.QWidget):
             button.clicked.connect(lambda _=False, a=action: a())
             row.addWidget(button)
         row.setStretch(2, 1)
-        layout.addLayout(row)
         self.bar = QtWidgets.QProgressBar()
         self.bar.setObjectName("EnfiladeProgress")
         layout.addWidget(self.bar)
@@ -95,6 +94,8 @@ class Foot(QtWidgets.QWidget):
         self.status.setWordWrap(True)
         self.status.setTextInteractionFlags(QtCore.Qt.TextSelectableByMouse)
         layout.addWidget(self.status)
+        # Below all that grows, so that no button jumps away from the mouse while a run tells how far it is.
+        layout.addLayout(row)
         self.offer(None)
         self.end()
 
