@@ -747,7 +747,7 @@ fn a_browser_keeps_what_is_looked_at_when_another_drawing_goes() {
     browse(&daemon, modules, "another.mjs", other.to_str().unwrap());
 }
 
-/// Ten tabs at once: each is told the news, and each finds the daemon again once it was started anew.
+/// Ten tabs at once: each gets the news, and each finds the daemon again once it was started anew.
 #[test]
 fn a_browser_has_as_many_tabs_as_it_likes() {
     let Some(modules) = modules() else { return };

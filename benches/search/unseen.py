@@ -6,7 +6,7 @@ the people in them.
     python benches/search/unseen.py ENFILADE BENCH [--seeds 10] [--evaluations 1000]
 
 All look for more to see and fewer steps (`degree +1, mean-depth -1`, each relative to the present layout), measured as the mean of
-four shifted lattices by the same engine. `run` is told 70 % of the evaluations: the rest is about what it measures besides, on
+four shifted lattices by the same engine. `run` gets 70 % of the evaluations: the rest is about what it measures besides, on
 searches without the moves that hide others and to take back moves that bring nothing. The others spend all on the search;
 their options are five of the points they evaluated, far apart in their parameters. An option of any method has at least
 half of the best score that any of them found in the plan. Difference of options: 1 − median correlation, over all pairs,

@@ -111,7 +111,7 @@ fn watch(limits: &Limits, heard: &mpsc::Receiver<()>, cancel: &Cancel, hit: &Mut
 fn late(limits: &Limits, code: &'static str, what: &str, limit: Duration, key: &str) -> Error {
     let text = format!(
         "{what} took longer than the limit of {} s (--{key}, or {key} in [watch] of enfilade.toml) and was ended; \
-         nothing was written",
+         its results are not complete",
         limit.as_secs_f64()
     );
     Error::input(code, Place::file(limits.file.to_string_lossy()), text)

@@ -24,7 +24,7 @@ pub(super) enum Told {
 }
 
 impl Told {
-    /// Whether the drawing may not be understood yet when this is told.
+    /// Whether the drawing may not be understood yet when this event comes.
     pub(super) fn is_reading(&self) -> bool {
         match self {
             Self::Progress(value) => value["stage"] == "read",

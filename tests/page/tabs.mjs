@@ -1,4 +1,4 @@
-// More tabs than a browser opens connections: each is told the news, also when the one that listens goes, and each finds
+// More tabs than a browser opens connections: each gets the news, also when the one that listens goes, and each finds
 // the daemon again by itself.
 import assert from "node:assert";
 import { spawn } from "node:child_process";

@@ -1,4 +1,4 @@
-//! The jobs that run: which begin, how each ends, and what is told of that.
+//! The jobs that run: which begin, how each ends, and what the user hears of it.
 
 use super::super::child::{JOB_KILLED, OUT_OF_MEMORY};
 use super::super::hands::{Outcome, Task, start_job};
@@ -108,7 +108,7 @@ impl Heart {
 
     fn begin(&mut self, what: Waiting, wish: Wish, show: &mut dyn FnMut(Notice)) {
         let Some(journal) = self.journal_of(&what.drawing) else { return };
-        // Why it failed before is over; what is told from here on is of the file while it is worked on.
+        // Why it failed before is over; messages from here on are about the file as it is now.
         self.failed.remove(&what.drawing);
         self.cancelled.remove(&what.drawing);
         self.note(&what, &Step::Started, show);

@@ -24,7 +24,7 @@ fn whole(request: &JobRequest) -> JobOutput {
     JobOutput { files, is_degraded: false, summary: "1 option".into() }
 }
 
-/// A heavy drawing holds up no other, and each has its own place in what is told.
+/// A heavy drawing holds up no other, and the status shows each of them.
 #[test]
 fn a_heavy_drawing_blocks_no_other() {
     let gate = Cancel::default();

@@ -43,7 +43,7 @@ export async function arrive() {
 
 const mac = async (text) => hex(await crypto.subtle.sign("HMAC", key, bytes(text)));
 
-/** Greets the daemon. Who has taken its port in the meantime cannot answer, and is told nothing. */
+/** Greets the daemon. A stranger on its port cannot answer and hears nothing. */
 export async function greet() {
   // Another tab may have got a newer key.
   key = (await shelf("readonly", (keys) => keys.get("page")).catch(() => null)) ?? key;
