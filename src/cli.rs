@@ -350,6 +350,9 @@ pub struct RunArgs {
     /// --pin and --like name options of the best so far of a stopped search, not of the newest round.
     #[arg(long)]
     pub so_far: bool,
+    /// Say every move in words, why each option is better, and all notes.
+    #[arg(long, short, conflicts_with = "quiet")]
+    pub verbose: bool,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,

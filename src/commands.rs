@@ -5,6 +5,7 @@ mod beside;
 mod installing;
 mod limits;
 mod outputs;
+mod telling;
 mod watching;
 
 use std::io::Write;
@@ -364,10 +365,15 @@ fn run(args: &RunArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
     let done = done?;
     let finished = finished.lock().unwrap_or_else(PoisonError::into_inner).take();
     if let Some((result, report)) = finished {
-        if !hand_json(&args.common, &result)? && !args.common.quiet {
-            summary(&result, &done.folder);
+        let is_json = hand_json(&args.common, &result)?;
+        if !is_json && !args.common.quiet {
+            telling::summary(&result, &args.file, &done.folder, args.verbose);
         }
-        tell(&args.common, &report);
+        let (shown, left) = telling::shown(&report, args.verbose || is_json);
+        tell(&args.common, &shown);
+        if left > 0 && !args.common.quiet {
+            eprintln!("{} more: --verbose shows them", counted(left as u64, "note"));
+        }
     }
     Ok(u8::from(done.is_degraded))
 }
@@ -461,26 +467,6 @@ fn ask(questions: &[QuestionEntry]) {
         say(&format!("question: {}", q.text));
         q.answers.iter().for_each(|a| say(&format!("  {} ({})", a.text, a.option)));
     }
-}
-
-fn summary(result: &RoundResult, folder: &Path) {
-    ask(&result.questions);
-
-    for (i, c) in result.candidates.iter().enumerate() {
-        say(&format!("option {}{}: {}", i + 1, result.mark(i), c.words));
-    }
-    if let Some(best) = result.best.as_ref().filter(|b| b.option.is_none()) {
-        say(&format!("best layout found (`accept FILE best`): {}", best.words));
-    }
-    say(&format!(
-        "{} measured in {:.1} s: {}; {}",
-        counted(result.evaluations, "layout"),
-        result.seconds,
-        result.stopped_by,
-        options_of(result)
-    ));
-    let what = if result.candidates.is_empty() { "the present layout" } else { "compare them" };
-    say(&format!("{what}: {}", folder.join("report.html").display()));
 }
 
 fn accept(args: &AcceptArgs) -> Result<u8, Error> {

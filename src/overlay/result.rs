@@ -253,7 +253,7 @@ pub struct Gain {
 pub type Gains = BTreeMap<String, Gain>;
 
 /// One member of the diverse set.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
     /// File, relative to the round.
     pub file: String,
@@ -309,7 +309,7 @@ pub struct Part {
 }
 
 /// The best layout found, with all its moves.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Best {
     /// File, relative to the round.
     #[serde(default)]

@@ -137,6 +137,13 @@ pub fn moved(moves: &[MoveEntry], parameters: &[f64], bringing: &[Part]) -> Stri
     if parts.is_empty() { "Nothing moves".to_owned() } else { parts.join(", ") }
 }
 
+/// Names of the groups that move, the largest moves (as a share of their range) first.
+pub fn movers(moves: &[MoveEntry], parameters: &[f64]) -> Vec<String> {
+    let mut groups = grouped(moves, parameters, &[]);
+    groups.sort_by(|a, b| b.share.total_cmp(&a.share));
+    groups.into_iter().map(|g| g.name).collect()
+}
+
 /// What is surely gained, in the order of `initial`: `visibility +9 % (7 to 11 %), steps −4 % (3 to 5 %), evenness unchanged (−1 to 2 %)`.
 pub fn confirmed(initial: &Numbers, gains: &Gains) -> String {
     let listed = initial.0.iter().map(|(key, _)| key).filter(|key| gains.contains_key(*key));

@@ -1,0 +1,210 @@
+//! What a round says on the terminal: what was read, a table of options, what to do next.
+
+use std::path::Path;
+
+use super::{ask, counted, say};
+use crate::overlay::measure::{percent_change, plain_name, trimmed};
+use crate::overlay::result::{Gains, MoveEntry, Numbers, RoundResult};
+use crate::overlay::words::{gain_words, movers};
+use crate::report::{Report, Severity};
+
+/// Movers named in a line of the table; the rest is counted.
+const MOVERS_NAMED: usize = 4;
+/// Notes that stand in the short summary too: they qualify what the table says.
+const QUALIFYING: [&str; 1] = ["thresholds-lowered"];
+
+/// The summary of a round, `folder` being where its files are.
+pub(super) fn summary(result: &RoundResult, drawing: &Path, folder: &Path, is_verbose: bool) {
+    ask(&result.questions);
+    say(&read_line(result, drawing));
+    say(&format!(
+        "{} measured in {:.1} s; {}",
+        counted(result.evaluations, "layout"),
+        result.seconds,
+        result.stopped_by
+    ));
+    let rows = table(result);
+    if rows.len() > 1 {
+        say("");
+        aligned(&rows).iter().for_each(|line| say(line));
+        say("");
+    }
+    if is_verbose {
+        let options = result.candidates.iter().enumerate();
+        options.for_each(|(i, c)| say(&format!("option {}{}: {}", i + 1, result.mark(i), c.words)));
+        result.best.iter().filter(|b| b.option.is_none()).for_each(|b| say(&format!("best: {}", b.words)));
+    }
+    let what = if result.candidates.is_empty() { "The present layout" } else { "Compare them" };
+    say(&format!("{what}: {}", folder.join("report.html").display()));
+    let first = match (&result.best, result.candidates.is_empty()) {
+        (_, false) => "1",
+        (Some(_), true) => "best",
+        _ => return,
+    };
+    say(&format!("Take one: enfilade accept {} {first}", drawing.display()));
+}
+
+/// The findings that the short summary shows, and how many notes it leaves out.
+pub(super) fn shown(report: &Report, is_verbose: bool) -> (Report, usize) {
+    let is_shown = |code: &str, severity: Severity| {
+        is_verbose || severity > Severity::Info || QUALIFYING.contains(&code)
+    };
+    let mut out = report.clone();
+    out.problems.retain(|p| is_shown(p.code, p.severity));
+    let left = report.problems.len() - out.problems.len();
+    (out, left)
+}
+
+/// `gallery.dxf: unit m, 204 m² measured, 18 walls, 7 may move`.
+fn read_line(result: &RoundResult, drawing: &Path) -> String {
+    let mut names: Vec<&str> = result.moves.iter().map(|m| m.name.as_str()).collect();
+    names.dedup();
+    let area_m2 = result.counts.vertices as f64 * result.spacing_m * result.spacing_m;
+    format!(
+        "{}: unit {}, {} m² measured, {}, {} may move",
+        drawing.file_name().unwrap_or_default().to_string_lossy(),
+        result.input.unit,
+        trimmed(area_m2, 0),
+        counted(result.counts.walls, "wall"),
+        counted(names.len() as u64, "group"),
+    )
+}
+
+/// A heading and a line for every option; the best layout found has one where it is no option.
+fn table(result: &RoundResult) -> Vec<Vec<String>> {
+    let keys = keys(result);
+    let heading = keys.iter().map(|k| plain_name(k));
+    let mut out = vec![
+        std::iter::once(String::new()).chain(heading).chain(["What moves".to_owned()]).collect::<Vec<_>>(),
+    ];
+    let mut line = |name: String, parameters: &[f64], gain: &Gains, mean: &Numbers| {
+        let cell = |key: &String| match gain.get(key) {
+            Some(gain) => gain_words(key, gain),
+            None => change(&result.initial.mean, mean, key),
+        };
+        let cells = keys.iter().map(cell);
+        let movers = movers_of(&result.moves, parameters);
+        out.push(std::iter::once(name).chain(cells).chain([movers]).collect());
+    };
+    for (i, c) in result.candidates.iter().enumerate() {
+        line(format!("{}{}", i + 1, result.mark(i)), &c.parameters, &c.gain, &c.mean);
+    }
+    if let Some(best) = result.best.as_ref().filter(|b| b.option.is_none()) {
+        line("best".to_owned(), &best.parameters, &best.gain, &best.mean);
+    }
+    out
+}
+
+/// The measures in the order in which the present layout has them: those with confirmed gains, else the objectives.
+fn keys(result: &RoundResult) -> Vec<String> {
+    let gains = result.candidates.iter().map(|c| &c.gain).chain(result.best.iter().map(|b| &b.gain));
+    let confirmed: std::collections::BTreeSet<&String> = gains.flat_map(Gains::keys).collect();
+    if confirmed.is_empty() {
+        let is_mean = |name: &&str| result.initial.mean.get(name).is_some();
+        return result
+            .objectives
+            .iter()
+            .map(|o| o.name.as_str())
+            .filter(is_mean)
+            .map(str::to_owned)
+            .collect();
+    }
+    let known = result.initial.mean.0.iter().map(|(key, _)| key).filter(|key| confirmed.contains(key));
+    let others = confirmed.iter().copied().filter(|key| result.initial.mean.get(key).is_none());
+    known.chain(others).cloned().collect()
+}
+
+fn change(initial: &Numbers, now: &Numbers, key: &str) -> String {
+    let change = initial.get(key).zip(now.get(key)).and_then(|(from, to)| percent_change(from, to));
+    change.unwrap_or_else(|| "–".to_owned())
+}
+
+/// `Screen 1, Door west and 3 more`, the largest moves first.
+fn movers_of(moves: &[MoveEntry], parameters: &[f64]) -> String {
+    let names = movers(moves, parameters);
+    let named = names.iter().take(MOVERS_NAMED).cloned().collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(MOVERS_NAMED) {
+        0 => named,
+        more => format!("{named} and {more} more"),
+    }
+}
+
+/// Rows with their columns under one another.
+fn aligned(rows: &[Vec<String>]) -> Vec<String> {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or_default();
+    let width = |k: usize| rows.iter().filter_map(|r| r.get(k)).map(|c| c.chars().count()).max();
+    let widths: Vec<usize> = (0..columns).filter_map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}"));
+        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+    };
+    rows.iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::overlay::result::{Best, Candidate, Gain, MoveKind, Sense};
+    use crate::report::Place;
+
+    fn moved(name: &str) -> MoveEntry {
+        MoveEntry {
+            name: name.into(),
+            kind: MoveKind::X,
+            lower: -1.0,
+            upper: 1.0,
+            unit: "m".into(),
+            direction_deg: None,
+            elements: Vec::new(),
+            geometry: String::new(),
+        }
+    }
+
+    #[test]
+    fn options_stand_in_a_table_with_their_confirmed_gains() {
+        let gain = |share: f64, sense| Gain { share, low: share - 0.02, high: share + 0.02, sense };
+        let gains = Gains::from([
+            ("mean-depth".to_owned(), gain(0.06, Sense::Min)),
+            ("degree".to_owned(), gain(0.34, Sense::Max)),
+        ]);
+        let result = RoundResult {
+            initial: crate::overlay::result::Layout {
+                mean: Numbers::of([("degree", 400.0), ("depth", 3.0), ("mean-depth", 2.0)]),
+                ..Default::default()
+            },
+            moves: ["a", "b", "c", "d", "e", "f"].map(moved).to_vec(),
+            candidates: vec![Candidate {
+                parameters: vec![0.1, 0.0, 0.4, 0.3, 0.5, 0.2],
+                gain: gains.clone(),
+                within_threshold: true,
+                ..Default::default()
+            }],
+            best: Some(Best {
+                parameters: vec![0.0, 0.5, 0.0, 0.0, 0.0, 0.0],
+                gain: gains,
+                ..Default::default()
+            }),
+            ..Default::default()
+        };
+        assert_eq!(
+            aligned(&table(&result)),
+            [
+                "      Visibility          Steps              What moves",
+                "1     +34 % (32 to 36 %)  −6 % (−8 to −4 %)  E, C, D, F and 1 more",
+                "best  +34 % (32 to 36 %)  −6 % (−8 to −4 %)  B",
+            ]
+        );
+    }
+
+    #[test]
+    fn notes_wait_for_verbose_but_for_those_that_qualify_the_table() {
+        let mut report = Report::default();
+        report.info("spacing", Place::default(), "spacing 0.4 m");
+        report.info("thresholds-lowered", Place::default(), "lowered");
+        report.warn("fewer", Place::default(), "3 options instead of 5");
+        let codes = |r: &Report| r.problems.iter().map(|p| p.code).collect::<Vec<_>>();
+        let (short, left) = shown(&report, false);
+        assert_eq!((codes(&short), left), (vec!["thresholds-lowered", "fewer"], 1));
+        assert_eq!(shown(&report, true), (report, 0));
+    }
+}
