@@ -367,12 +367,12 @@ fn run(args: &RunArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
     if let Some((result, report)) = finished {
         let is_json = hand_json(&args.common, &result)?;
         if !is_json && !args.common.quiet {
-            telling::summary(&result, &args.file, &done.folder, args.verbose);
+            telling::summary(&result, args, &done.folder);
         }
         let (shown, left) = telling::shown(&report, args.verbose || is_json);
         tell(&args.common, &shown);
         if left > 0 && !args.common.quiet {
-            eprintln!("{} more: --verbose shows them", counted(left as u64, "note"));
+            eprintln!("{}: --verbose shows them", counted(left as u64, "more note"));
         }
     }
     Ok(u8::from(done.is_degraded))

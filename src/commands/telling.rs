@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::{ask, counted, say};
+use crate::cli::RunArgs;
 use crate::overlay::measure::{percent_change, plain_name, trimmed};
 use crate::overlay::result::{Gains, MoveEntry, Numbers, RoundResult};
 use crate::overlay::words::{gain_words, movers};
@@ -14,7 +15,8 @@ const MOVERS_NAMED: usize = 4;
 const QUALIFYING: [&str; 1] = ["thresholds-lowered"];
 
 /// The summary of a round, `folder` being where its files are.
-pub(super) fn summary(result: &RoundResult, drawing: &Path, folder: &Path, is_verbose: bool) {
+pub(super) fn summary(result: &RoundResult, args: &RunArgs, folder: &Path) {
+    let drawing = &args.file;
     ask(&result.questions);
     say(&read_line(result, drawing));
     say(&format!(
@@ -29,7 +31,7 @@ pub(super) fn summary(result: &RoundResult, drawing: &Path, folder: &Path, is_ve
         aligned(&rows).iter().for_each(|line| say(line));
         say("");
     }
-    if is_verbose {
+    if args.verbose {
         let options = result.candidates.iter().enumerate();
         options.for_each(|(i, c)| say(&format!("option {}{}: {}", i + 1, result.mark(i), c.words)));
         result.best.iter().filter(|b| b.option.is_none()).for_each(|b| say(&format!("best: {}", b.words)));
@@ -41,7 +43,8 @@ pub(super) fn summary(result: &RoundResult, drawing: &Path, folder: &Path, is_ve
         (Some(_), true) => "best",
         _ => return,
     };
-    say(&format!("Take one: enfilade accept {} {first}", drawing.display()));
+    let out = args.common.out.as_ref().map(|out| format!(" --out {}", out.display())).unwrap_or_default();
+    say(&format!("Take one: enfilade accept {} {first}{out}", drawing.display()));
 }
 
 /// The findings that the short summary shows, and how many notes it leaves out.

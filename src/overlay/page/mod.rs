@@ -204,8 +204,7 @@ fn lead(result: &RoundResult) -> String {
         return format!("The present layout was measured. {why}");
     };
     if result.problems.iter().any(|p| p.code == "none-better") {
-        return "No layout that was measured is better than the present one to speak of; the best of them is shown."
-            .into();
+        return "No layout is better than the present one. The best of them is shown.".into();
     }
     let count = result.candidates.len();
     let kept = result.candidates.iter().filter(|c| c.within_threshold).count();

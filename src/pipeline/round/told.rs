@@ -24,7 +24,7 @@ pub(super) const NONE_BETTER: &str = "none-better";
 pub(super) fn say_pinned(report: &mut Report, file: &str, explanations: &[Explanation]) {
     for (i, explanation) in explanations.iter().enumerate().filter(|(_, e)| !e.breaks.is_empty()) {
         let text = format!(
-            "option {} is kept because it is pinned, though it breaks {}",
+            "Option {} is pinned, so it is kept although it breaks {}.",
             i + 1,
             explanation.breaks.join(" and ")
         );
@@ -57,8 +57,8 @@ pub(super) fn say_out_of_reach(
     };
     for (_, o) in found.objectives.iter().enumerate().filter(is_lost) {
         let text = format!(
-            "{}: no layout that keeps the objectives before it gains anything on the present one, so its threshold keeps \
-             options near the best there is; put it before the others, or lower their thresholds{}",
+            "{}: no layout gains in it and keeps the objectives before it. Put it before the others, or lower their \
+             thresholds.{}",
             plain_name(&o.name),
             held_back(settings, group_names(study).len()) + &limits_words(study, settings, found)
         );
@@ -74,11 +74,8 @@ fn held_back(settings: &Settings, groups: usize) -> String {
         return rules;
     }
     let penalties = settings.penalty_text();
-    let also =
-        if penalties == "none" { String::new() } else { format!(", beside --penalty \"{penalties}\"") };
-    format!(
-        "; what is asked for besides, on the command line or in the file of settings beside the drawing, may be what holds them back: {rules}{also}"
-    )
+    let also = if penalties == "none" { String::new() } else { format!(", --penalty \"{penalties}\"") };
+    format!(" These settings may be the reason: {rules}{also}.")
 }
 
 /// What the hard limits do, as numbers: how the present layout stands to them, how many layouts keep them, and what the
@@ -89,15 +86,14 @@ fn limits_words(study: &Study, settings: &Settings, found: &Found) -> String {
     }
     let missed = broken_limits(study, settings, &study.initial);
     let present = match missed.as_slice() {
-        [] => "the present layout keeps every hard limit".to_owned(),
-        all => format!("the present layout misses {}", all.join(" and ")),
+        [] => "The present layout keeps every hard limit".to_owned(),
+        all => format!("The present layout misses {}", all.join(" and ")),
     };
     let penalty = found.objectives.iter().position(|o| o.name == "penalty");
     let least = penalty.map(|i| found.archive.iter().map(|v| v[i]).fold(f64::INFINITY, f64::min));
     let cost = match (least, penalty.map(|i| found.objectives[i].initial)) {
         (Some(least), Some(initial)) if least > initial => format!(
-            "; each of them costs penalties: at least {}, the present layout {} (--penalty weighs them, --penalty none \
-             counts none)",
+            " Each of these costs penalties of at least {}; the present layout costs {}. --penalty none counts none.",
             number(least),
             number(initial)
         ),
@@ -105,10 +101,8 @@ fn limits_words(study: &Study, settings: &Settings, found: &Found) -> String {
     };
     let kept = found.archive.len();
     format!(
-        "; {present}; {kept} of the {} measured {} every hard limit and {} not far more than gained{cost}",
-        counted(found.evaluations, "layout"),
-        if kept == 1 { "keeps" } else { "keep" },
-        if kept == 1 { "loses" } else { "lose" }
+        " {present}. Layouts that keep every hard limit and lose little: {kept} of {}.{cost}",
+        found.evaluations
     )
 }
 
@@ -122,11 +116,10 @@ pub(super) fn say_below_present(report: &mut Report, file: &str, objectives: &[O
         if worse && (gains || !is_firm) {
             let [kept, present, reachable] = numbers_apart([limit, o.initial, reachable]);
             let text = format!(
-                "{}: options need only keep {kept}, worse than the present {present}, since {reachable} was the best in reach \
-                 of layouts that keep the objectives before it when its threshold was set; put it before the others to have \
-                 it {}",
+                "{}: options may fall to {kept}; the present layout has {present}. At most {reachable} was in reach beside the \
+                 objectives before it. Put it before the others to {} it.",
                 plain_name(&o.name),
-                if gains { "improved" } else { "kept" }
+                if gains { "improve" } else { "keep" }
             );
             report.info("limit-below-present", Place::file(file), text);
         }
@@ -136,10 +129,9 @@ pub(super) fn say_below_present(report: &mut Report, file: &str, objectives: &[O
 /// That nothing measured is better, and what would be called so: the best may well gain less than that.
 fn none_better(measured: &str, is_firm: bool) -> String {
     let least = fixed(LEAST_GAIN * 100.0, 1);
-    let others = if is_firm { "" } else { ", and by more than it loses in the others" };
+    let others = if is_firm { "" } else { " and lose less in the others" };
     format!(
-        "none of the {measured} measured that keep thresholds and penalties is better than the present one to speak of \
-         (by {least} % or more in an objective{others})"
+        "No layout is better than the present one. Better is: gain {least} % or more in an objective{others}. {measured} measured."
     )
 }
 
@@ -163,15 +155,10 @@ pub(super) fn nothing_returned(
     if !is_best_better {
         return none_better(&measured, is_firm(settings));
     }
-    let method = if settings.method == Method::Paper { "the published method" } else { "the search" };
+    let method = if settings.method == Method::Paper { "The published method" } else { "The search" };
     format!(
-        "{method} returned nothing that moves, though the best of the {measured} measured is better than the present one: \
-         `accept FILE best` takes that layout{}",
-        if settings.method == Method::Paper {
-            "; the default method makes options of what it measures"
-        } else {
-            ""
-        }
+        "{method} returned no layout in which something moves. The best of {measured} measured is better than the present one: \
+         `accept FILE best` takes it."
     )
 }
 
@@ -193,8 +180,8 @@ fn what_limits(brief: &Brief<'_>, best: &[f64]) -> String {
         many => format!(" At their bounds in the best layout: {} moves.", many.len()),
     };
     format!(
-        "Moving: {who} ({moving} of {walls} wall elements); all others are fixed{}.{bounds} Draw EF-MOVE boxes round more walls, \
-         or give them wider bounds.",
+        "May move: {who} ({moving} of {walls} wall elements). All others are fixed.{}{bounds} Draw EF-MOVE boxes round more \
+         walls, or give them wider bounds.",
         rules_clause(brief.settings, names.len())
     )
 }
@@ -238,8 +225,7 @@ pub(super) fn say_options(
     }
     if found.is_none_better {
         let text = format!(
-            "{}; the best of them is shown; more --evaluations, EF-MOVE boxes round more walls, or wider bounds in them, \
-             give the search more to work with{}",
+            "{} The best of them is shown. {MORE}{}",
             none_better(&counted(found.evaluations, "layout"), is_firm(settings)),
             held_back(settings, group_names(study).len()) + &limits_words(study, settings, found)
         );
@@ -248,13 +234,8 @@ pub(super) fn say_options(
     }
     if found.unworthy > 0 {
         let text = format!(
-            "{} left out: no better than the present layout (less gained in one objective than lost in the others, or \
-             nothing to speak of); more --evaluations or wider bounds find better ones",
-            if found.unworthy == 1 {
-                "1 option was".into()
-            } else {
-                format!("{} options were", found.unworthy)
-            }
+            "Options left out because they are no better than the present layout: {}. {MORE}",
+            found.unworthy
         );
         report.info("options-no-better", place(), text);
     }
@@ -263,8 +244,7 @@ pub(super) fn say_options(
         let wanted = if settings.mode == Mode::Best { 1 } else { settings.members };
         if inside < wanted {
             let text = format!(
-                "{} wanted, the published method returned {made} that move something, {inside} of them inside all \
-                 thresholds; the default method leaves out what is not",
+                "{made} of {} found by the published method; {inside} of them inside all thresholds.",
                 counted(wanted as u64, "option")
             );
             report.warn("few-options", place(), text);
@@ -277,13 +257,16 @@ pub(super) fn say_options(
         let kept = pinned(settings).min(made);
         let inside = found.members.iter().skip(kept).filter(|m| m.within_threshold).count();
         let text = format!(
-            "{} wanted, {inside} found inside all thresholds{}; more --evaluations, wider bounds or lower thresholds find more",
+            "{inside} of {} found inside all thresholds{}. {MORE}",
             counted(settings.members as u64, "option"),
-            if kept > 0 { format!(" beside {kept} pinned") } else { String::new() }
+            if kept > 0 { format!(", beside {kept} pinned") } else { String::new() }
         );
         report.warn("few-options", place(), text);
     }
 }
+
+/// What gives a search more to find.
+const MORE: &str = "More --evaluations, wider bounds or EF-MOVE boxes round more walls may find more.";
 
 /// Groups that may move up to which they are told by name.
 const GROUPS_TOLD: usize = 3;
@@ -293,13 +276,11 @@ fn left_out_words(study: &Study, settings: &Settings, made: usize) -> String {
     let names = group_names(study);
     let options = counted(made as u64, "option");
     let who = match names.as_slice() {
-        few if few.len() <= GROUPS_TOLD => format!("only {} may move", listed(few, "and")),
-        many => format!("{} groups may move", many.len()),
+        few if few.len() <= GROUPS_TOLD => format!("Only {} may move.", listed(few, "and")),
+        many => format!("{} groups may move.", many.len()),
     };
     format!(
-        "{options} instead of {}: what else was found inside the thresholds is almost the same as a better one; {who}{}; \
-         more --evaluations find more, and EF-MOVE boxes round more walls or wider bounds in them make room for options \
-         that differ",
+        "{options} instead of {}: the other layouts look almost the same to a person. {who}{} {MORE}",
         settings.members,
         rules_clause(settings, names.len())
     )
@@ -317,10 +298,10 @@ fn group_names(study: &Study) -> Vec<String> {
     names
 }
 
-/// What is asked for besides and narrows what options may do: a part of a sentence; empty without any.
+/// The settings that narrow what options may do: a sentence; empty without any.
 fn rules_clause(settings: &Settings, groups: usize) -> String {
     let rules = rules_words(settings, groups);
-    if rules.is_empty() { rules } else { format!(", and what is asked for narrows it ({rules})") }
+    if rules.is_empty() { rules } else { format!(" These settings narrow it: {rules}.") }
 }
 
 /// The rules of the user that narrow what options may do, as they are stated; empty without any. So many moves as there are
@@ -348,7 +329,7 @@ pub(super) struct Nearest {
 pub(super) fn say_lowered(report: &mut Report, file: &str, share: f64) {
     if share < 1.0 {
         let text = format!(
-            "All thresholds were lowered to {:.0} % of what was asked, so that the options differ. `--thresholds firm` keeps them.",
+            "Thresholds were lowered to {:.0} % of what was asked, so that the options differ. --thresholds firm keeps them.",
             share * 100.0
         );
         report.info("thresholds-lowered", Place::file(file), text);
@@ -359,7 +340,7 @@ pub(super) fn say_lowered(report: &mut Report, file: &str, share: f64) {
 pub(super) fn say_alikeness(report: &mut Report, file: &str, settings: &Settings, nearest: Option<&Nearest>) {
     if let Some(nearest) = nearest.filter(|n| n.distance < n.wanted) {
         let text = format!(
-            "the two options most alike stand {:.3} apart, {:.3} was wanted: {}",
+            "The two options most alike stand {:.3} apart; {:.3} was wanted. {}",
             nearest.distance,
             nearest.wanted,
             remedy(settings, nearest)
@@ -398,7 +379,7 @@ pub(super) fn say_free_of_modules(report: &mut Report, file: &str, study: &Study
     let free = free_of(&study.base.moves.parameters, snap);
     if !free.is_empty() {
         let text = format!(
-            "--snap \"{snap}\"{} says nothing of {}: moved by any amount",
+            "--snap \"{snap}\"{} does not apply to {}: they move by any amount.",
             snap.metres_words(),
             listed(&free, "and")
         );
@@ -421,21 +402,18 @@ fn free_of(parameters: &[Parameter], snap: Snap) -> Vec<String> {
 /// What makes options differ more, by what is asked for now.
 fn remedy(settings: &Settings, nearest: &Nearest) -> &'static str {
     if nearest.are_pinned {
-        return "both are pinned; the others keep their distance from them";
+        return "Both are pinned.";
     }
     if !nearest.has_ended {
-        return "the search goes on, and spreads them as it ends";
+        return "The search spreads them as it ends.";
     }
     match settings.objectives.as_slice() {
         all if all.iter().all(|o| o.threshold == 0.0) => {
-            "more --evaluations, or wider bounds in EF-MOVE boxes, give more different options"
+            "More --evaluations or wider bounds give options that differ more."
         }
-        [_] => {
-            "little room is left inside the threshold; a lower one, more --evaluations, or wider bounds in EF-MOVE boxes, give more different options"
-        }
+        [_] => "A lower threshold, more --evaluations or wider bounds give options that differ more.",
         _ => {
-            "the thresholds of the objectives leave little room together; lower thresholds, fewer objectives or \
-             --objective \"score max 0.7\" give more different options"
+            "Lower thresholds, fewer objectives or --objective \"score max 0.7\" give options that differ more."
         }
     }
 }
@@ -454,11 +432,11 @@ pub(super) fn say_stale(report: &mut Report, file: &str, found: &[SourceRef]) {
     }
     for of in alike {
         let text = match &of[1..] {
-            [] => "it is tied to a wall that moves in an option; its bytes are kept and may be stale there"
+            [] => "It is tied to a wall that moves in an option. It stays as drawn and may be wrong there."
                 .to_owned(),
             others => format!(
-                "it and {} more {} of the layer ({}) are tied to walls that move in an option; their bytes are kept and may \
-                 be stale there",
+                "It and {} more {} of the layer ({}) are tied to walls that move in an option. They stay as drawn and may be \
+                 wrong there.",
                 others.len(),
                 of[0].kind,
                 named(others)
@@ -476,7 +454,7 @@ pub(super) fn say_labels(base: &Understood, layout: &Layout, report: &mut Report
         let fitting = &base.fittings[label.fitting];
         let goes = matches!(carried(&base.plan, fitting, layout), Carried::Moves(..));
         if goes && told.insert(label.source.record) {
-            let text = "stands at a door or window that moves in an option; it stays as drawn and may be stale there";
+            let text = "It stands at a door or window that moves in an option. It stays as drawn and may be wrong there.";
             report.info("stale-annotation", place_in(&base.plan.file, &label.source), text);
         }
     }
@@ -516,8 +494,8 @@ pub(super) fn goes_along_words(base: &Understood, made: &Made) -> String {
     }
     match records.len() {
         0 => String::new(),
-        1 => format!(" One part of a door or window goes along ({on})."),
-        n => format!(" {n} parts of doors and windows go along ({on})."),
+        1 => format!(" One part of a door or window moves with its wall ({on})."),
+        n => format!(" {n} parts of doors and windows move with their walls ({on})."),
     }
 }
 
@@ -535,8 +513,8 @@ pub(super) fn unseen_words(made: &Made) -> String {
     };
     match walls.len() {
         0 => String::new(),
-        1 => format!(" One wall that this plan does not show{on} changes its length with them."),
-        n => format!(" {n} walls that this plan does not show{on} change their length with them."),
+        1 => format!(" One wall that this plan does not show{on} changes its length too."),
+        n => format!(" {n} walls that this plan does not show{on} change their length too."),
     }
 }
 
@@ -544,11 +522,10 @@ pub(super) fn unseen_words(made: &Made) -> String {
 pub(super) fn stays_words(report: &Report) -> String {
     match report.problems.iter().filter(|p| p.code == OPENING_STAYS).count() {
         0 => String::new(),
-        1 => " A part of a door or window does not go with its wall: see to it before you take this option."
-            .into(),
-        n => format!(
-            " {n} parts of doors and windows do not go with their walls: see to them before you take this option."
-        ),
+        1 => " A part of a door or window stays behind: look at it before you take this option.".into(),
+        n => {
+            format!(" {n} parts of doors and windows stay behind: look at them before you take this option.")
+        }
     }
 }
 
@@ -570,28 +547,12 @@ mod tests {
             say_alikeness(&mut report, "plan.dxf", &settings, Some(&nearest));
             report.problems[0].text.clone()
         };
-        assert!(told(true, true).ends_with("both are pinned; the others keep their distance from them"));
-        assert!(told(false, false).ends_with("the search goes on, and spreads them as it ends"));
-        assert!(told(false, true).ends_with("give more different options"));
+        let all = [told(true, true), told(false, false), told(false, true)];
+        assert!(all[0] != all[1] && all[1] != all[2] && all[0] != all[2]);
         let mut report = Report::default();
         let far = Nearest { distance: 0.6, wanted: 0.5, are_pinned: true, has_ended: true };
         say_alikeness(&mut report, "plan.dxf", &settings, Some(&far));
         assert!(report.problems.is_empty());
-    }
-
-    #[test]
-    fn none_better_says_what_better_would_be() {
-        let settings = Settings::new(Partial::default()).unwrap();
-        let text = none_better(&counted(80, "layout"), is_firm(&settings));
-        assert!(text.starts_with("none of the 80 layouts measured"), "{text}");
-        assert!(
-            text.contains("better than the present one to speak of (by 0.5 % or more in an objective"),
-            "{text}"
-        );
-        assert_eq!(
-            [true, false].map(|firm| none_better("9 layouts", firm).contains("than it loses in the others")),
-            [false, true]
-        );
     }
 
     #[test]
@@ -609,12 +570,14 @@ mod tests {
             p.limit = Some("degree -50%".into());
             p.penalty = Some("clearance 1".into());
         });
-        assert!(held_back(&ruled, 3).ends_with(
-            "may be what holds them back: --limit \"degree -50%\", beside --penalty \"clearance 1\""
-        ));
+        let said = held_back(&ruled, 3);
+        assert!(
+            ["--limit \"degree -50%\"", "--penalty \"clearance 1\""].iter().all(|s| said.contains(s)),
+            "{said}"
+        );
         let few = with(&|p| p.most_moves = Some(3));
         assert_eq!((rules_clause(&few, 3), rules_clause(&few, 4).is_empty()), (String::new(), false));
-        assert_eq!(rules_clause(&ruled, 3), ", and what is asked for narrows it (--limit \"degree -50%\")");
+        assert!(rules_clause(&ruled, 3).contains("--limit \"degree -50%\""));
     }
 
     #[test]
@@ -635,16 +598,14 @@ mod tests {
             report.problems.first().map(|p| p.text.clone())
         };
         let told = |o: Objective| told_if(o, true);
+        let holds = |text: &str, numbers: [&str; 3]| numbers.iter().all(|n| text.contains(n));
         let text = told(of(Sense::Max, 242.0, 240.6, 244.0)).unwrap();
-        assert!(
-            text.contains("need only keep 241, worse than the present 242, since 244 was the best in reach"),
-            "{text}"
-        );
+        assert!(holds(&text, ["241", "242", "244"]), "{text}");
         let near = told(of(Sense::Max, 561.2, 560.9, 564.0)).unwrap();
-        assert!(near.contains("keep 560.9, worse than the present 561.2, since 564.0 was"), "{near}");
+        assert!(holds(&near, ["560.9", "561.2", "564.0"]), "{near}");
         assert!(told(of(Sense::Min, 2.0, 2.1, 1.9)).is_some());
         let far = of(Sense::Min, 2.82, 3.83, 3.5);
-        assert!(told_if(far.clone(), false).unwrap().ends_with("put it before the others to have it kept"));
+        assert!(told_if(far.clone(), false).is_some());
         assert_eq!(told(far), None, "told otherwise");
         assert_eq!(told(of(Sense::Max, 242.0, 243.0, 244.0)), None);
     }
