@@ -4,13 +4,11 @@ use std::path::Path;
 
 use super::{ask, counted, say};
 use crate::cli::RunArgs;
-use crate::overlay::measure::{percent_change, plain_name, trimmed};
-use crate::overlay::result::{Gains, MoveEntry, Numbers, RoundResult};
-use crate::overlay::words::{gain_words, movers};
+use crate::overlay::measure::{plain_name, trimmed};
+use crate::overlay::options::{OptionLine, option_lines, told_measures};
+use crate::overlay::result::RoundResult;
 use crate::report::{Report, Severity};
 
-/// Movers named in a line of the table; the rest is counted.
-const MOVERS_NAMED: usize = 4;
 /// Notes that stand in the short summary too: they qualify what the table says.
 const QUALIFYING: [&str; 1] = ["thresholds-lowered"];
 
@@ -75,61 +73,16 @@ fn read_line(result: &RoundResult, drawing: &Path) -> String {
 
 /// A heading and a line for every option; the best layout found has one where it is no option.
 fn table(result: &RoundResult) -> Vec<Vec<String>> {
-    let keys = keys(result);
+    let keys = told_measures(result);
     let heading = keys.iter().map(|k| plain_name(k));
-    let mut out = vec![
-        std::iter::once(String::new()).chain(heading).chain(["What moves".to_owned()]).collect::<Vec<_>>(),
-    ];
-    let mut line = |name: String, parameters: &[f64], gain: &Gains, mean: &Numbers| {
-        let cell = |key: &String| match gain.get(key) {
-            Some(gain) => gain_words(key, gain),
-            None => change(&result.initial.mean, mean, key),
-        };
-        let cells = keys.iter().map(cell);
-        let movers = movers_of(&result.moves, parameters);
-        out.push(std::iter::once(name).chain(cells).chain([movers]).collect());
+    let heading = std::iter::once(String::new()).chain(heading);
+    let line = |line: OptionLine<'_>| {
+        let gained: Vec<String> = keys.iter().map(|key| line.gained(result, key)).collect();
+        let rebuilt = format!("{} m", trimmed(line.rebuilt_m, 1));
+        std::iter::once(line.name).chain(gained).chain([rebuilt, line.movers]).collect()
     };
-    for (i, c) in result.candidates.iter().enumerate() {
-        line(format!("{}{}", i + 1, result.mark(i)), &c.parameters, &c.gain, &c.mean);
-    }
-    if let Some(best) = result.best.as_ref().filter(|b| b.option.is_none()) {
-        line("best".to_owned(), &best.parameters, &best.gain, &best.mean);
-    }
-    out
-}
-
-/// The measures in the order in which the present layout has them: those with confirmed gains, else the objectives.
-fn keys(result: &RoundResult) -> Vec<String> {
-    let gains = result.candidates.iter().map(|c| &c.gain).chain(result.best.iter().map(|b| &b.gain));
-    let confirmed: std::collections::BTreeSet<&String> = gains.flat_map(Gains::keys).collect();
-    if confirmed.is_empty() {
-        let is_mean = |name: &&str| result.initial.mean.get(name).is_some();
-        return result
-            .objectives
-            .iter()
-            .map(|o| o.name.as_str())
-            .filter(is_mean)
-            .map(str::to_owned)
-            .collect();
-    }
-    let known = result.initial.mean.0.iter().map(|(key, _)| key).filter(|key| confirmed.contains(key));
-    let others = confirmed.iter().copied().filter(|key| result.initial.mean.get(key).is_none());
-    known.chain(others).cloned().collect()
-}
-
-fn change(initial: &Numbers, now: &Numbers, key: &str) -> String {
-    let change = initial.get(key).zip(now.get(key)).and_then(|(from, to)| percent_change(from, to));
-    change.unwrap_or_else(|| "–".to_owned())
-}
-
-/// `Screen 1, Door west and 3 more`, the largest moves first.
-fn movers_of(moves: &[MoveEntry], parameters: &[f64]) -> String {
-    let names = movers(moves, parameters);
-    let named = names.iter().take(MOVERS_NAMED).cloned().collect::<Vec<_>>().join(", ");
-    match names.len().saturating_sub(MOVERS_NAMED) {
-        0 => named,
-        more => format!("{named} and {more} more"),
-    }
+    let heading = heading.chain(["Rebuilt".to_owned(), "What moves".to_owned()]).collect();
+    std::iter::once(heading).chain(option_lines(result).into_iter().map(line)).collect()
 }
 
 /// Rows with their columns under one another.
@@ -147,7 +100,7 @@ fn aligned(rows: &[Vec<String>]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::overlay::result::{Best, Candidate, Gain, MoveKind, Sense};
+    use crate::overlay::result::{Best, Candidate, Gain, Gains, MoveEntry, MoveKind, Numbers, Sense};
     use crate::report::Place;
 
     fn moved(name: &str) -> MoveEntry {
@@ -192,9 +145,9 @@ mod tests {
         assert_eq!(
             aligned(&table(&result)),
             [
-                "      Visibility          Steps              What moves",
-                "1     +34 % (32 to 36 %)  −6 % (−8 to −4 %)  E, C, D, F and 1 more",
-                "best  +34 % (32 to 36 %)  −6 % (−8 to −4 %)  B",
+                "      Visibility          Steps              Rebuilt  What moves",
+                "1     +34 % (32 to 36 %)  −6 % (−8 to −4 %)  0 m      E, C, D, F and 1 more",
+                "best  +34 % (32 to 36 %)  −6 % (−8 to −4 %)  0 m      B",
             ]
         );
     }

@@ -17,6 +17,7 @@ pub mod graph;
 pub mod heat_map;
 mod html;
 pub mod measure;
+pub mod options;
 pub mod page;
 pub mod palette;
 pub mod picture;

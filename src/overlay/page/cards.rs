@@ -3,7 +3,7 @@
 use super::super::html::Html;
 use super::super::measure::{CHANGE, number, parts, percent_change, plain_name, wording};
 use super::super::result::{Candidate, Gains, Numbers, Sense};
-use super::super::words::{explained, gain_words, listed};
+use super::super::words::{gain_words, listed};
 use super::{Fitted, View, is_by_score, names, option_name, wanted};
 
 /// The switches of the page: which measure is shown, which option is compared. They stand before
@@ -109,7 +109,7 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
     html.raw("</article>\n");
     if let Some(best) = &result.best {
         open_card(html, "best", "Best layout found", &tabs, &input.best);
-        html.element("p", &[("class", "words")], &prose(&best.words));
+        details(html, &prose(&best.words));
         measures(html, input, Some((&best.mean, &best.gain)));
         html.open("p", &[("class", "note")]);
         html.element("a", &[("href", &best.file)], &best.file).close("p");
@@ -118,11 +118,7 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
     for (o, candidate) in result.candidates.iter().enumerate() {
         let views = input.candidates.get(o).map_or(&[][..], |v| v);
         open_card(html, &o.to_string(), &option_name(o), &tabs, views);
-        html.element("p", &[("class", "words")], &prose(&candidate.words));
-        // What the words say already is not said again.
-        let told = explained(&candidate.explanation);
-        let rest = told.iter().filter(|l| !candidate.words.contains(*l)).map(|l| format!("{l}."));
-        html.element("p", &[("class", "words")], &prose(&rest.collect::<Vec<_>>().join(" ")));
+        details(html, &prose(&candidate.words));
         measures(html, input, Some((&candidate.mean, &candidate.gain)));
         if let Some(score) = candidate.score.filter(|_| is_by_score(result)) {
             html.raw("<p class=\"note\">Score ").text(&number(score)).raw("</p>\n");
@@ -138,9 +134,16 @@ pub fn grid(html: &mut Html, input: &Fitted<'_>) {
     html.raw("</div>\n</section>\n");
 }
 
+/// What moves and why that is better, folded.
+fn details(html: &mut Html, words: &str) {
+    html.raw("<details><summary>What moves, and why it is better</summary>");
+    html.element("p", &[("class", "words")], words).raw("</details>\n");
+}
+
 /// Opens the card of a layout with one picture a tab; a measure without a picture has an empty one.
 fn open_card(html: &mut Html, layout: &str, name: &str, tabs: &[&str], views: &[View<'_>]) {
-    html.open("article", &[("class", "card"), ("data-layout", layout)]);
+    let id = format!("card-{layout}");
+    html.open("article", &[("class", "card"), ("id", &id), ("data-layout", layout)]);
     html.element("h3", &[], name).raw("<div class=\"views\">\n");
     for (m, tab) in tabs.iter().enumerate() {
         let class = format!("v v{m}");
@@ -195,8 +198,8 @@ pub fn change(html: &mut Html, (from, to): (f64, f64), gains: &Gains, (key, sens
     match gains.get(key) {
         Some(gain) => {
             let class = match (gain.low > 0.0, gain.high < 0.0) {
-                (true, _) => "delta good up",
-                (_, true) => "delta bad down",
+                (true, _) => "delta good",
+                (_, true) => "delta bad",
                 _ => "delta",
             };
             html.open("span", &[("class", class)]).text(&prose(&gain_words(key, gain))).raw("</span>");
@@ -206,7 +209,7 @@ pub fn change(html: &mut Html, (from, to): (f64, f64), gains: &Gains, (key, sens
     }
 }
 
-/// A change with its sign, told apart by colour, filled or hollow arrow, and word whether it is wanted.
+/// A change with its sign, told apart by colour, arrow and word whether it is wanted.
 pub fn delta(html: &mut Html, from: f64, to: f64, sense: Option<Sense>) {
     let text = percent_change(from, to).unwrap_or_else(|| match number(to - from).as_str() {
         "0" => "±0".to_owned(),
@@ -219,12 +222,10 @@ pub fn delta(html: &mut Html, from: f64, to: f64, sense: Option<Sense>) {
         Some(Sense::Min) => Some(to < from),
         None => None,
     };
-    let class = match (better, to > from) {
-        (Some(true), true) => "delta good up",
-        (Some(true), false) => "delta good down",
-        (Some(false), true) => "delta bad up",
-        (Some(false), false) => "delta bad down",
-        (None, _) => "delta",
+    let class = match better {
+        Some(true) => "delta good",
+        Some(false) => "delta bad",
+        None => "delta",
     };
     html.open("span", &[("class", class)]).text(&text);
     match better {

@@ -85,6 +85,7 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
     html.raw("<main>\n");
     header(&mut html, input);
     tables::questions(&mut html, input.result);
+    tables::options(&mut html, input.result);
     cards::stage(&mut html, &fitted);
     cards::grid(&mut html, &fitted);
     tables::numbers(&mut html, input.result);
