@@ -340,8 +340,50 @@ fn every_command_measure_and_module_has_its_row() {
     }
 }
 
+/// What a message is made with; its code follows.
+const MAKERS: &[&str] = &[
+    ".info(",
+    ".warn(",
+    ".note(",
+    ".add(",
+    "Error::input(",
+    "Error::usage(",
+    "Error::environment(",
+    "code: ",
+];
+
+/// Codes of messages that a source file makes, but for its tests.
+fn codes(source: &str) -> Vec<&str> {
+    let product = source.split("#[cfg(test)]").next().unwrap_or_default();
+    let after = MAKERS.iter().flat_map(|maker| product.split(maker).skip(1));
+    let quoted = after.filter_map(|rest| rest.trim_start().strip_prefix('"')?.split_once("\","));
+    let is_code = |c: &str| c.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-');
+    quoted.map(|(code, _)| code).filter(|c| is_code(c)).collect()
+}
+
+/// A message that the page does not explain leaves its reader alone.
+#[test]
+fn every_code_is_explained() {
+    let page = read("docs/codes.md").text;
+    let cells = page.lines().filter_map(|l| l.strip_prefix("| ")?.split_once(" | ")).map(|(cell, _)| cell);
+    let explained: BTreeSet<&str> = cells.flat_map(|cell| cell.split('`').skip(1).step_by(2)).collect();
+    let mut faults = vec![];
+    for path in files("src", ".rs").iter().filter(|p| !p.ends_with("tests.rs") && !p.contains("/tests/")) {
+        let source = read(path).text;
+        let unexplained = codes(&source).into_iter().filter(|c| !explained.contains(c));
+        faults.extend(unexplained.map(|c| format!("docs/codes.md: {c} of {path}")));
+    }
+    assert_none(&faults);
+}
+
 mod the_rules_find_faults {
     use super::*;
+
+    #[test]
+    fn codes() {
+        let source = "r.warn(\n \"a-b\", p); e(Error::usage(\"c\", x)); add(\"No\", 1)\n#[cfg(test)]\nr.info(\"d\", p)";
+        assert_eq!(super::codes(source), ["a-b", "c"]);
+    }
 
     #[test]
     fn sentences() {
