@@ -64,12 +64,12 @@ fn files(folder: &str, ending: &str) -> Vec<String> {
     found
 }
 
-/// The pages of the project at its root and in the book.
+/// The pages of the project at its root, in the book and beside the plugins and samples.
 fn pages() -> Vec<Page> {
     let at_root =
         ["README.md", "ARCHITECTURE.md", "BENCHMARKS.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md"];
-    let book = files("docs", ".md");
-    at_root.into_iter().map(read).chain(book.iter().map(|p| read(p))).collect()
+    let below = ["docs", "plugins", "samples"].into_iter().flat_map(|folder| files(folder, ".md"));
+    at_root.into_iter().map(String::from).chain(below).map(|p| read(&p)).collect()
 }
 
 fn assert_none(faults: &[String]) {
@@ -223,9 +223,8 @@ fn the_readme_is_one_screen() {
 
 #[test]
 fn links_lead_somewhere() {
-    let others = ["plugins/README.md", "plugins/dask/README.md", "samples/README.md"].map(read);
     let mut faults = vec![];
-    for page in pages().into_iter().chain(others) {
+    for page in pages() {
         let folder = Path::new(&page.path).parent().expect("a folder").to_owned();
         for (file, heading) in links(&page.text) {
             let target = if file.is_empty() { page.path.clone().into() } else { folder.join(&file) };
@@ -247,7 +246,7 @@ fn links_lead_somewhere() {
 fn commands_are_what_the_program_takes() {
     let mut faults = vec![];
     let mut count = 0;
-    for page in pages().iter().chain(&[read("plugins/dask/README.md"), read("samples/README.md")]) {
+    for page in pages() {
         for line in commands(&page.text) {
             count += 1;
             let is_asked = |k| matches!(k, ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
@@ -286,6 +285,30 @@ fn the_commands_of_the_readme_work() {
         assert!(folder.path().join(name).is_file(), "{name}");
     }
     assert!(folder.path().join("plan-r02.dxf").is_file());
+}
+
+/// What a page shows of the quick commands works as it stands, on a sample.
+#[test]
+fn quick_commands_run_on_the_samples() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let samples = folder.path().join("samples");
+    fs::create_dir(&samples).expect("a folder");
+    for path in files("samples", "") {
+        fs::copy(root().join(&path), folder.path().join(&path)).expect(&path);
+    }
+    fs::copy(samples.join("library.dxf"), folder.path().join("plan.dxf")).expect("a plan");
+    let quick = ["check", "init", "man", "completions"];
+    let lines = pages().into_iter().flat_map(|page| {
+        let shown: Vec<String> = parted(&page.text).0.into_iter().map(|l| l.trim().to_owned()).collect();
+        shown.into_iter().filter(|l| quick.iter().any(|q| l.starts_with(&format!("enfilade {q}"))))
+    });
+    let lines: BTreeSet<String> = lines.collect();
+    assert!(lines.len() >= 6, "{lines:?}");
+    for line in lines {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_enfilade"));
+        let output = command.args(&words(&line)[1..]).current_dir(folder.path()).output().expect("it runs");
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    }
 }
 
 #[test]
