@@ -387,6 +387,8 @@ impl Finder<'_> {
     /// Straight pieces of bars that end at a node.
     fn pieces(&self, node: u32) -> Vec<Piece> {
         let mut out: Vec<Piece> = Vec::new();
+        // Lines drawn over one another are looked at once.
+        let mut seen: BTreeSet<(usize, [u64; 2])> = BTreeSet::new();
         for (w, c) in &self.graph.handles[node as usize] {
             let n = self.graph.control_nodes[*w as usize].len() as u32;
             for part in [*c, (c + n - 1) % n] {
@@ -394,6 +396,9 @@ impl Finder<'_> {
                 let [p, q] = face_handles(self.plan, (*w, part))[..] else { continue };
                 let direction = (handle_at(self.plan, q) - handle_at(self.plan, p)).normalize_or_zero();
                 if direction == DVec2::ZERO || ![p, q].contains(&(*w, *c)) {
+                    continue;
+                }
+                if !seen.insert((*bar, direction.to_array().map(f64::to_bits))) {
                     continue;
                 }
                 let piece = Piece {

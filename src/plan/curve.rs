@@ -62,6 +62,22 @@ pub fn control_points(shape: &Shape) -> Vec<DVec2> {
     }
 }
 
+/// One of [`control_points`], by its number; a number beyond the last counts as the last.
+pub fn control_point(shape: &Shape, control: u32) -> DVec2 {
+    match shape {
+        Shape::Line { a, b } => {
+            if control == 0 {
+                *a
+            } else {
+                *b
+            }
+        }
+        Shape::Polyline { vertices, .. } => vertices[(control as usize).min(vertices.len() - 1)].at,
+        Shape::Arc { .. } => control_points(shape)[(control as usize).min(1)],
+        Shape::Circle { centre, .. } => *centre,
+    }
+}
+
 /// A shape as straight pieces within [`CHORD_ERROR_M`].
 pub fn trace(shape: &Shape, frame: &Frame) -> Trace {
     let mut out = Trace { points: Vec::new(), control: Vec::new(), is_closed: false };

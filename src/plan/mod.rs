@@ -5,6 +5,7 @@
 
 pub mod axes;
 mod choice;
+mod crowd;
 pub mod curve;
 mod dots;
 pub mod drawing;
@@ -246,7 +247,7 @@ impl PlanOptions {
 /// Understands a drawing.
 ///
 /// # Errors
-/// [`Error::Input`] when no layer carries walls (the message lists the layers there are);
+/// [`Error::Input`] when no layer carries walls (the message lists the layers there are), or their lines cross too often;
 /// [`Error::Usage`] for a layer pattern that cannot be read, or a view that is not there.
 pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report) -> Result<Plan, Error> {
     let drawing = fills::joined(drawing, options);
@@ -289,6 +290,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     let is_locked = |e: &Entity| drawing.layers.iter().any(|l| l.is_locked && l.name == e.layer);
     let entities = walls;
     let mut walls: Vec<Wall> = entities.iter().map(|e| wall_of(e, &frame, is_locked(e))).collect();
+    crowd::refuse(&walls, &drawing.file)?;
     walls.iter_mut().for_each(|w| w.single = drawing.singles.get(&w.source.record).copied());
     match drawing.format {
         _ if as_drawn => {}

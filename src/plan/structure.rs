@@ -11,7 +11,7 @@ use super::axes::{
     AxisGraph, Drawn, Edge, Face, FaceRef, Mark, NodeKind, Opening, OpeningKind, Path, Role, paths_of,
 };
 use super::box_of;
-use super::curve::{control_points, trace as trace_of};
+use super::curve::{control_point, control_points, trace as trace_of};
 use super::dots;
 use super::drawing::{Drawing, Entity, Format, Shape};
 use super::geometry::{PointUm, Segment, UM_PER_M};
@@ -568,7 +568,7 @@ pub fn thick_walls(axes: &AxisGraph) -> BTreeMap<FaceRef, u32> {
 
 /// Where a control point stands, metres of a person.
 pub fn handle_at(plan: &Plan, (wall, control): Handle) -> DVec2 {
-    let p = control_points(&plan.walls[wall as usize].shape)[control as usize];
+    let p = control_point(&plan.walls[wall as usize].shape, control);
     plan.frame.plan_from_file(p) / plan.human_scale
 }
 

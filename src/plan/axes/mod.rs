@@ -105,7 +105,7 @@ impl Path {
 }
 
 /// What an entity was drawn as, as far as layers and blocks say it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     /// A wall of full height.
     Wall,

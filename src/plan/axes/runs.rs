@@ -1,5 +1,7 @@
 //! Runs: drawn pieces on one line or circle that touch or overlap, taken as one face.
 
+use std::collections::HashMap;
+
 use glam::DVec2;
 
 use super::carrier::Carrier;
@@ -15,6 +17,16 @@ pub struct Loose {
     pub faces: Vec<u32>,
     pub carrier: Carrier,
     pub span: Span,
+}
+
+impl Loose {
+    /// Equal for pieces that are drawn in the same place, and may be one face.
+    fn key(&self, drawn: &Drawn) -> (bool, Role, [[u64; 2]; 3]) {
+        let [from, to] = self.span.map(|s| self.carrier.at(s));
+        let middle = self.carrier.at((self.span[0] + self.span[1]) / 2.0);
+        let bits = [from, to, middle].map(|p| (p + 0.0).to_array().map(f64::to_bits));
+        (self.carrier.is_line(), drawn.faces[self.faces[0] as usize].role, bits)
+    }
 }
 
 /// One face of a wall, however many pieces it was drawn with.
@@ -48,10 +60,20 @@ pub fn merge(drawn: &Drawn, loose: Vec<Loose>, out: &mut AxisGraph) -> Vec<Run> 
     pieces.sort_by(|a, b| spans::length(b.span).total_cmp(&spans::length(a.span)));
     let mut groups = Groups::new(pieces.len());
     let mut buckets = Buckets::new(1.0);
+    // What is drawn several times is looked at once.
+    let mut first: HashMap<_, usize> = HashMap::new();
+    let mut once: Vec<usize> = Vec::new();
     for (i, p) in pieces.iter().enumerate() {
-        buckets.add(i as u32, &p.carrier.points(p.span));
+        let known = *first.entry(p.key(drawn)).or_insert(i);
+        if known == i {
+            buckets.add(i as u32, &p.carrier.points(p.span));
+            once.push(i);
+        } else {
+            groups.join(known, i);
+        }
     }
-    for (i, p) in pieces.iter().enumerate() {
+    for i in once {
+        let p = &pieces[i];
         let reach = DVec2::splat(ERROR_GAP_M);
         for end in [p.carrier.at(p.span[0]), p.carrier.at(p.span[1])] {
             for j in buckets.near(end - reach, end + reach) {

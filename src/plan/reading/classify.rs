@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::Sense;
 use super::features::Features;
 use super::scene::{Scene, Thing};
-use super::trees::{CLASSES, Votes, model};
+use super::trees::{CLASSES, TOGETHER, Votes, model};
 use crate::plan::drawing::{Drawing, Entity};
 use crate::plan::roles::{Role, is_of_windows_too, role_by_name};
 
@@ -17,11 +17,16 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
     let mut out = vec![None; drawing.entities.len()];
     let Some((scene, model)) = Scene::new(drawing, metres).zip(model()) else { return out };
     let features = Features::new(&scene);
-    let votes_of = |i: usize| {
-        let row = features.row(i);
-        model.forest.votes(&model.picks.iter().map(|k| row[*k]).collect::<Vec<f32>>())
+    let count = scene.pieces.len();
+    let votes_of = |block: usize| {
+        let mut rows = Vec::with_capacity(TOGETHER * model.picks.len());
+        for i in block * TOGETHER..count.min((block + 1) * TOGETHER) {
+            let row = features.row(i);
+            rows.extend(model.picks.iter().map(|k| row[*k]));
+        }
+        model.forest.votes(&rows)
     };
-    let votes: Vec<Votes> = (0..scene.pieces.len()).into_par_iter().map(votes_of).collect();
+    let votes: Vec<Votes> = (0..count.div_ceil(TOGETHER)).into_par_iter().flat_map_iter(votes_of).collect();
     let votes_of = |thing: &Thing| {
         let mut sums = [0.0; CLASSES];
         let own = thing.pieces.start as usize..thing.pieces.end as usize;
@@ -32,7 +37,6 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
         sums
     };
     let mut named = Names::default();
-    let count = scene.pieces.len();
     let kind = match () {
         () if count < PIECES_TRAINED => Kind::Unknown,
         () if count < PIECES_OF_PLANS => Kind::Sketch,

@@ -41,12 +41,13 @@ pub struct Piece {
     pub b: DVec2,
     pub length: f64,
     pub arc: Option<Arc>,
+    along: DVec2,
 }
 
 impl Piece {
     /// Its direction; zero of a circle.
     pub fn along(&self) -> DVec2 {
-        (self.b - self.a).normalize_or_zero()
+        self.along
     }
 
     pub fn middle(&self) -> DVec2 {
@@ -270,7 +271,7 @@ impl Scene {
         let mut push = |a: DVec2, b: DVec2, arc: Option<Arc>| {
             let length = arc.map_or_else(|| a.distance(b), |arc| arc.radius * arc.sweep_rad);
             if length > 0.0 && length.is_finite() {
-                self.pieces.push(Piece { thing, a, b, length, arc });
+                self.pieces.push(Piece { thing, a, b, length, arc, along: (b - a).normalize_or_zero() });
             }
         };
         match shape {

@@ -11,20 +11,24 @@ pub const CLASSES: usize = 7;
 /// Values of one piece, one a class.
 pub type Votes = [f64; CLASSES];
 
-/// A node: a split, or a leaf where `right` is 0.
+/// A node: a split, or a leaf, which leads to itself.
 #[derive(Clone, Copy)]
 struct Node {
     feature: u16,
-    /// Where a value above the threshold goes; one up to it goes on to the next node.
-    right: u16,
+    /// Where a value up to the threshold goes, and where one above it.
+    next: [u16; 2],
     /// Threshold, or the leaf's value.
     value: f32,
 }
 
+/// Rows that go through a tree together: their ways do not wait for one another.
+pub const TOGETHER: usize = 16;
+
 /// Trees of the classes in turn.
 pub struct Forest {
     nodes: Vec<Node>,
-    starts: Vec<u32>,
+    /// Where each tree begins, and how many splits its longest way has.
+    starts: Vec<(u32, u16)>,
     features: usize,
 }
 
@@ -61,23 +65,27 @@ impl Forest {
         let (trees, features) = (number("trees")?, number("features")?);
         let mut out = Self { nodes: Vec::new(), starts: Vec::with_capacity(trees), features };
         for line in lines.take(trees) {
-            out.starts.push(u32::try_from(out.nodes.len()).ok()?);
-            out.add(line)?;
+            let start = u32::try_from(out.nodes.len()).ok()?;
+            let depth = out.add(line)?;
+            out.starts.push((start, depth));
         }
         (out.starts.len() == trees && trees.is_multiple_of(CLASSES)).then_some(out)
     }
 
-    /// Adds a tree in pre-order.
-    fn add(&mut self, line: &str) -> Option<()> {
+    /// Adds a tree in pre-order; how many splits its longest way has.
+    fn add(&mut self, line: &str) -> Option<u16> {
         let first = self.nodes.len();
-        // Splits whose right side is still to come.
-        let mut open: Vec<usize> = Vec::new();
+        // Splits whose right side is still to come, with how many are above that side.
+        let mut open: Vec<(usize, u16)> = Vec::new();
+        let (mut above, mut deepest) = (0, 0);
         for word in line.split(' ') {
-            let at = self.nodes.len();
+            let at = u16::try_from(self.nodes.len() - first).ok()?;
             if let Some(value) = word.strip_prefix('=') {
-                self.nodes.push(Node { feature: 0, right: 0, value: value.parse().ok()? });
-                if let Some(split) = open.pop() {
-                    self.nodes[split].right = u16::try_from(at + 1 - first).ok()?;
+                self.nodes.push(Node { feature: 0, next: [at, at], value: value.parse().ok()? });
+                deepest = deepest.max(above);
+                if let Some((split, beside)) = open.pop() {
+                    self.nodes[split].next[1] = at.checked_add(1)?;
+                    above = beside;
                 }
             } else {
                 let (feature, threshold) = word.split_once(':')?;
@@ -85,34 +93,54 @@ impl Forest {
                 if usize::from(feature) >= self.features {
                     return None;
                 }
-                self.nodes.push(Node { feature, right: 0, value: threshold.parse().ok()? });
-                open.push(at);
+                let next = at.checked_add(1)?;
+                self.nodes.push(Node { feature, next: [next, 0], value: threshold.parse().ok()? });
+                above += 1;
+                open.push((self.nodes.len() - 1, above));
             }
         }
-        open.is_empty().then_some(())
+        open.is_empty().then_some(deepest)
     }
 
-    /// How likely each class is, 0 to 1, together 1. `row`: the features, as many as the table says.
-    pub fn votes(&self, row: &[f32]) -> Votes {
-        let mut sums = [0.0; CLASSES];
-        for (tree, start) in self.starts.iter().enumerate() {
-            let nodes = &self.nodes[*start as usize..];
-            let mut at = 0;
-            while nodes[at].right != 0 {
-                let node = nodes[at];
-                at = if row[usize::from(node.feature)] <= node.value {
-                    at + 1
-                } else {
-                    usize::from(node.right)
-                };
-            }
-            sums[tree % CLASSES] += f64::from(nodes[at].value);
+    /// How likely each class is, 0 to 1, together 1, for some rows one after the other: the features of each, as many as
+    /// the table says.
+    pub fn votes(&self, rows: &[f32]) -> Vec<Votes> {
+        let mut out = Vec::with_capacity(rows.len() / self.features.max(1));
+        let mut block = vec![0.0; self.features * TOGETHER];
+        for rows in rows.chunks(self.features * TOGETHER) {
+            block[..rows.len()].copy_from_slice(rows);
+            out.extend(self.sums(&block).into_iter().take(rows.len() / self.features).map(shares));
         }
-        let most = sums.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let parts = sums.map(|s| exp(s - most));
-        let all: f64 = parts.iter().sum();
-        parts.map(|p| p / all)
+        out
     }
+
+    /// Sums of the leaves of each class for [`TOGETHER`] rows.
+    fn sums(&self, rows: &[f32]) -> [Votes; TOGETHER] {
+        let mut sums = [[0.0; CLASSES]; TOGETHER];
+        for (tree, (start, depth)) in self.starts.iter().enumerate() {
+            let nodes = &self.nodes[*start as usize..];
+            let mut at = [0; TOGETHER];
+            for _ in 0..*depth {
+                for (row, at) in rows.chunks_exact(self.features).zip(&mut at) {
+                    let node = nodes[usize::from(*at)];
+                    let is_left = row[usize::from(node.feature)] <= node.value;
+                    *at = node.next[usize::from(!is_left)];
+                }
+            }
+            for (sums, at) in sums.iter_mut().zip(at) {
+                sums[tree % CLASSES] += f64::from(nodes[usize::from(at)].value);
+            }
+        }
+        sums
+    }
+}
+
+/// Sums as shares of one.
+fn shares(sums: Votes) -> Votes {
+    let most = sums.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let parts = sums.map(|s| exp(s - most));
+    let all: f64 = parts.iter().sum();
+    parts.map(|p| p / all)
 }
 
 /// e^x for x ≤ 0 by additions and multiplications alone: the same bits on every machine. Off by less than 1e-7.
@@ -134,7 +162,7 @@ mod tests {
         let model = model().unwrap();
         let known = super::super::features::Features::names().len();
         assert!(model.picks.iter().all(|p| *p < known));
-        let votes = model.forest.votes(&vec![0.0; model.picks.len()]);
+        let votes = model.forest.votes(&vec![0.0; model.picks.len()])[0];
         assert!((votes.iter().sum::<f64>() - 1.0).abs() < 1e-12 && votes.iter().all(|v| *v >= 0.0));
     }
 
@@ -144,12 +172,8 @@ mod tests {
         let lines = format!("trees 7 features 2\n{}", [tree; 7].join("\n"));
         let forest = Forest::parse(&mut lines.lines()).unwrap();
         let leaf = |row: [f32; 2]| {
-            let mut at = 0;
-            while forest.nodes[at].right != 0 {
-                let n = forest.nodes[at];
-                at = if row[usize::from(n.feature)] <= n.value { at + 1 } else { usize::from(n.right) };
-            }
-            forest.nodes[at].value
+            let rows = [row; TOGETHER].concat();
+            forest.sums(&rows)[TOGETHER - 1][0]
         };
         assert_eq!([leaf([1.5, 0.0]), leaf([1.5, 0.1]), leaf([1.6, 0.0])], [1.0, 2.0, 3.0]);
         assert!(Forest::parse(&mut "trees 7 features 2\n0:1 =1".lines()).is_none());
