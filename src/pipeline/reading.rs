@@ -80,7 +80,7 @@ pub(super) fn headline<'a>(base: &'a Understood, sensed: &Sensed) -> Headline<'a
 
 /// A share rounded as far as it is known.
 pub(super) fn share(value: f64) -> f64 {
-    (value * 1e3).round() / 1e3
+    (value * 1e3).round() / 1e3 + 0.0
 }
 
 /// Places in drawing units, rounded.

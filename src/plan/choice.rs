@@ -320,6 +320,9 @@ pub(super) fn choose_view(
             views.iter_mut().for_each(|v| v.is_chosen = v.number == found);
         }
     }
+    if options.view.is_some() {
+        views.iter_mut().for_each(|v| v.confidence = f64::from(u8::from(v.is_chosen)));
+    }
     state_views(drawing, &views, metres_per_unit, report);
     let walls = chosen.walls.iter().zip(&of_wall);
     let is_taken = |v: usize| takes_all || views.get(v).is_some_and(|v| v.is_chosen);
@@ -397,6 +400,7 @@ fn of_building(
     let marks = marks(drawing, options);
     let mut views = sheet(drawing, (options, chosen), &walls, &marks, metres_per_unit).views;
     views.truncate(1);
+    views.iter_mut().for_each(|v| v.confidence = 1.0);
     say_unused_view(drawing, &views, options, report);
     (taken, views)
 }

@@ -5,7 +5,7 @@ use super::drawing::{Drawing, Entity, Format, Unit};
 use super::frame::{BUILT_SIZE_M, SMALL_PLAN_M, UNITS, UnitChoice, human_scale, two_digits};
 use super::reading::UnitSense;
 use super::reading::clues::Clues;
-use super::reading::unit::{self, Said, sense, weigh};
+use super::reading::unit::{self, Said, sense, sense_of, weigh};
 
 /// Thicknesses of walls, metres: a board to old masonry.
 const THICK_M: [f64; 2] = [0.06, 0.65];
@@ -130,7 +130,12 @@ pub fn choose(drawing: &Drawing, user: Option<Unit>, walls: &[&Entity]) -> (Unit
         if unit != likeliest {
             let name = likeliest.name;
             reason += &format!("; in {name} {}: --unit {name} reads it so", words(&seen, likeliest));
-            return (UnitChoice { unit, reason, is_assumed: false }, sure("header"));
+            // An IFC's unit was held against the heights of its walls; a scene has its from the standard, not from its author.
+            let found = match drawing.format {
+                Format::Ifc => sure("header"),
+                _ => sense_of(&weighed, unit),
+            };
+            return (UnitChoice { unit, reason, is_assumed: false }, found);
         }
         return (UnitChoice { unit, reason, is_assumed: false }, found);
     }

@@ -96,7 +96,7 @@ impl Floor {
         let sum = |areas: &[Area]| areas.iter().map(|a| a.area_m2).sum::<f64>();
         let (measured, all) = (sum(&rooms), sum(&rooms) + sum(&left_out));
         let beside = gaps.iter().map(|g| grid.beside(g, &part, &room_of)).collect();
-        Self { rooms, beside, left_out, coverage: if all > 0.0 { measured / all } else { 0.0 } }
+        Self { rooms, beside, left_out, coverage: if all > 0.0 { measured / all + 0.0 } else { 0.0 } }
     }
 }
 

@@ -128,6 +128,13 @@ pub fn sense(weighed: &[Weighed]) -> UnitSense {
     }
 }
 
+/// How sure a unit is that is taken although another one is likelier.
+pub fn sense_of(weighed: &[Weighed], taken: Unit) -> UnitSense {
+    let confidence = weighed.iter().find(|w| w.unit == taken).map_or(0.0, |w| w.probability);
+    let runner_up = weighed.first().map(|w| (w.unit, w.probability));
+    UnitSense { confidence, reasons: vec![CODES[0]], runner_up }
+}
+
 /// What sets two units apart by less is no reason.
 const REASON_MIN: f64 = 0.5;
 
