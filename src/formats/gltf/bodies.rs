@@ -9,6 +9,7 @@ use super::meshes::Why;
 use super::scene::{File, Shown};
 use super::{ReadOptions, marks, values};
 use crate::plan::layers::WallLayers;
+use crate::plan::outline::SOLID_HALF_WIDTH_M;
 use crate::report::{Place, Report};
 
 /// Layer of everything where no name says what is a wall.
@@ -51,6 +52,27 @@ pub(super) struct Body<'f> {
     /// Its highest point.
     pub high: f64,
 }
+
+impl Body<'_> {
+    /// Whether it fills a room: as high as one, and wider than what is solid in a plan. Programs that make scenes of an IFC
+    /// write the bodies of its spaces among the others.
+    fn is_room(&self) -> bool {
+        let origin = self.triangles.first().map_or(DVec3::ZERO, |t| t[0]);
+        let (mut volume, mut surface) = (0.0, 0.0);
+        for [a, b, c] in self.triangles.iter().map(|t| t.map(|p| p - origin)) {
+            volume += a.dot(b.cross(c)) / 6.0;
+            surface += (b - a).cross(c - a).length() / 2.0;
+        }
+        // As of an upright prism: its ground by half of what goes round it is how wide a long one is.
+        let high = self.high - self.low;
+        let ground = volume.abs() / high;
+        let round = (surface - 2.0 * ground) / high;
+        high >= ROOM_HIGH_M && 2.0 * ground > 2.0 * SOLID_HALF_WIDTH_M * round
+    }
+}
+
+/// No room is lower, metres.
+const ROOM_HIGH_M: f64 = 2.0;
 
 /// What a scene shows, and which nodes show nothing though they have a mesh.
 pub(super) struct Bodies<'f> {
@@ -350,7 +372,8 @@ fn choose_layers(scene: &File<'_>, bodies: &mut [Body<'_>], options: &ReadOption
     }
     let is_id = |b: &&Body<'_>| b.shown.names(scene).any(is_global_id);
     let ids = bodies.iter().filter(is_id).count();
-    let lacking = if 2 * ids > bodies.len() && options.known().classes.is_empty() {
+    let is_of_ifc = 2 * ids > bodies.len();
+    let lacking = if is_of_ifc && options.known().classes.is_empty() {
         format!(
             "; {ids} of {} nodes are named by GlobalIds of an IFC and by nothing else: with that .ifc beside it under the same \
              name walls, doors, windows, spaces and storeys are known, without it none of them",
@@ -372,7 +395,7 @@ fn choose_layers(scene: &File<'_>, bodies: &mut [Body<'_>], options: &ReadOption
     for body in bodies {
         let path = body.shown.path();
         let is_region = |key| marks::region(scene, &path, key).is_some();
-        let is_room = ["query", "reference"].into_iter().any(is_region);
+        let is_room = ["query", "reference"].into_iter().any(is_region) || is_of_ifc && body.is_room();
         body.layer = if is_room { SPACE_LAYER } else { SCENE_LAYER }.into();
     }
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use glam::{DAffine2, DAffine3, DMat2, DMat3, DVec2, DVec3};
 
-use super::bodies::{Bodies, Body, SCENE_LAYER, SPACE_LAYER, bodies, z_up};
+use super::bodies::{Bodies, Body, SCENE_LAYER, SPACE_LAYER, bodies, is_global_id, z_up};
 use super::pieces::{of_record, record};
 use super::scene::{File, Shown};
 use super::{ReadOptions, marks, twin, upright, values};
@@ -272,13 +272,14 @@ fn space_names(
         let name = name.strip_prefix("IfcSpace/").unwrap_or(name);
         let known = body.shown.names(scene).rev().find_map(|n| options.known().spaces.get(n));
         let known = known.or_else(|| options.space_of_name(name));
-        let mut names = vec![name];
+        let is_told = known.is_some() || !is_global_id(name);
+        let mut names: Vec<&str> = is_told.then_some(name).into_iter().collect();
         names.extend(known.iter().flat_map(|k| &k.names).map(String::as_str));
         let zones: Vec<&str> = known.iter().flat_map(|k| &k.zones).map(String::as_str).collect();
         for (layer, names) in [(SPACE_LAYER, names), (ZONE_LAYER, zones)] {
             let mut seen = BTreeSet::new();
             let names: Vec<&str> = names.into_iter().filter(|n| seen.insert(*n)).collect();
-            if layer == SPACE_LAYER || !names.is_empty() {
+            if !names.is_empty() {
                 let (source, text) = (own.source.clone(), names.join("\n"));
                 out.push(Text { source, layer: layer.into(), at: lo.midpoint(hi), text });
             }
