@@ -7,7 +7,9 @@
 use std::path::PathBuf;
 use std::process::Command;
 
+use enfilade::config::{Partial, Settings};
 use enfilade::formats::dxf;
+use enfilade::pipeline::{self, Extras, Input};
 use enfilade::plan::axes::{AxisGraph, Drawn, Path};
 use enfilade::plan::drawing::Drawing;
 use enfilade::plan::{Plan, PlanOptions, structure, understand};
@@ -134,4 +136,35 @@ fn a_round_wall_alone_encloses_no_room() {
         Command::new(env!("CARGO_BIN_EXE_enfilade")).arg("analyse").arg(&drawing).output().expect("it runs");
     let said = String::from_utf8_lossy(&done.stderr);
     assert!(done.status.code() == Some(2) && said.contains("the walls enclose no room"), "{said}");
+}
+
+/// How large the measured floor is as a person adds it up in the picture of `check`, m².
+const FLOORS: &[(&str, f64)] = &[
+    ("barcelona_freecad_r12", 240.0),
+    ("ceco_villa_plan", 140.0),
+    ("ensal", 3_700.0),
+    ("gama_house_librecad", 67.0),
+    ("giraffe360_residential", 65.0),
+    ("pms_building001_floor3_aia", 490.0),
+    ("potynobg_pianta_house", 83.0),
+    ("roomsize_ground_floor_lhs", 540.0),
+    ("roomsize_two_rooms", 26.0),
+    ("us_house_bishop", 180.0),
+];
+
+/// Floors may differ from [`FLOORS`] by this share: a deck, a niche.
+const FLOOR_OFF: f64 = 0.08;
+
+#[test]
+fn floors_of_real_drawings() {
+    let Some(shared) = std::env::var_os("ENFILADE_SHARED").map(PathBuf::from) else { return };
+    let settings = Settings::new(Partial::default()).expect("settings");
+    for (name, floor_m2) in FLOORS {
+        let file = format!("{name}.dxf");
+        let bytes = std::fs::read(shared.join("data/dxf").join(&file)).expect("the drawing is there");
+        let done = pipeline::check_with(&Input::new(&file, &bytes, 1), &settings, Extras::default());
+        let reading = done.expect("it is read").result.reading.expect("a reading");
+        let found: f64 = reading.rooms.iter().map(|r| r.area_m2).sum();
+        assert!((found / floor_m2 - 1.0).abs() <= FLOOR_OFF, "{name}: {found:.0} m², expected {floor_m2}");
+    }
 }
