@@ -205,7 +205,8 @@ fn waits_again(_: &File) -> io::Result<()> {
     Ok(())
 }
 
-#[cfg(all(test, unix))]
+#[cfg(unix)]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::store::{Disk as _, SystemDisk, disk_error, replace_file};
