@@ -20,7 +20,7 @@ use crate::config::{Beside, Partial, Settings};
 use crate::overlay::result::{RoundResult, to_json};
 use crate::pipeline::Outcome;
 use crate::report::{Error, OutFile, Place};
-use crate::store::{Home, SystemDisk, read_own};
+use crate::store::{Home, SystemDisk, read_named};
 pub use beside::{FileBeside, Kind};
 
 /// `schema` of a [`Job`].
@@ -199,11 +199,13 @@ impl Job {
             Some(text) => BASE64
                 .decode(text)
                 .map_err(|e| Error::input("job", place(), format!("content is no base64: {e}")))?,
-            None => read_own(&self.drawing).map_err(|e| match e.kind() {
+            None => read_named(&self.drawing).map_err(|e| match e.kind() {
                 std::io::ErrorKind::NotFound => {
                     Error::input("no-such-file", place(), "there is no such file")
                 }
-                std::io::ErrorKind::InvalidInput => Error::input("no-file", place(), e.to_string()),
+                std::io::ErrorKind::InvalidInput => {
+                    Error::input("no-file", place(), "found no file, or one too large, expected a drawing")
+                }
                 _ => Error::environment("unreadable", place(), format!("cannot be read: {e}")),
             })?,
         };

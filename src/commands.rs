@@ -568,7 +568,12 @@ fn round_result(folder: &Path, which: Which) -> Result<(Origin, RoundResult), Er
             return Err(Error::usage("no-round", Place::file(folder.to_string_lossy()), text));
         }
     };
-    let at = folder.join(name).join("result.json");
+    let set = folder.join(name);
+    if std::fs::symlink_metadata(&set).is_ok_and(|found| found.is_symlink()) {
+        let text = format!("is a link, so there is no {origin}; nothing was written");
+        return Err(Error::usage("no-round", Place::file(set.to_string_lossy()), text));
+    }
+    let at = set.join("result.json");
     let place = || Place::file(at.to_string_lossy());
     let json = store::read_own(&at).map_err(|e| {
         Error::usage(

@@ -5,173 +5,18 @@
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::path::Path;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use enfilade::server::{BODY_BYTES_MAX, BODY_TIME_MAX, CONNECTIONS_MAX, HEAD_BYTES_MAX, HEAD_TIME_MAX};
 use rand::{RngExt, SeedableRng};
 use serde_json::{Value, json};
 
-const PATIENCE: Duration = Duration::from_secs(300);
+#[path = "page/daemon.rs"]
+mod daemon;
 
-struct Daemon {
-    child: Child,
-    folder: tempfile::TempDir,
-    port: u16,
-    /// For programs.
-    token: String,
-    /// What browsers sign with.
-    key: String,
-}
-
-impl Drop for Daemon {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-fn start() -> Daemon {
-    start_with("gallery.dxf", "")
-}
-
-/// A folder with one drawing, the folder's settings and its own home, watched.
-fn start_with(drawing: &str, settings: &str) -> Daemon {
-    let folder = tempfile::tempdir().unwrap();
-    let plans = folder.path().join("plans");
-    let sample = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("samples/gallery.dxf");
-    fs::create_dir_all(plans.join(drawing).parent().unwrap()).unwrap();
-    fs::copy(sample, plans.join(drawing)).unwrap();
-    fs::write(plans.join("enfilade.toml"), settings).unwrap();
-    let (child, port, token, key) = spawn(folder.path());
-    Daemon { child, folder, port, token, key }
-}
-
-/// A daemon on `plans` in this home: its process, port, token and key.
-fn spawn(home: &Path) -> (Child, u16, String, String) {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_enfilade"))
-        .args(["watch", "--page", "--evaluations", "60", "--log"])
-        .arg(home.join("watch.log"))
-        .arg(home.join("plans"))
-        .env("HOME", home)
-        .env_remove("XDG_STATE_HOME")
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
-    let link = lines.find_map(|l| l.unwrap().strip_prefix("page: ").map(str::to_owned)).unwrap();
-    // Nobody may be left to write to.
-    std::thread::spawn(move || lines.for_each(drop));
-    let (address, key) = link.split_once("/#key=").unwrap();
-    let port = address.strip_prefix("http://127.0.0.1:").unwrap().parse().unwrap();
-    let doors = fs::read_dir(home.join(".local/state/enfilade")).unwrap().map(|e| e.unwrap().path());
-    let door = doors.filter(|p| p.file_name().unwrap().to_str().unwrap().starts_with("page-"));
-    let read = |p: PathBuf| serde_json::from_slice::<Value>(&fs::read(p).unwrap()).unwrap();
-    let door = door.map(read).find(|d| d["key"] == key).unwrap();
-    (child, port, door["token"].as_str().unwrap().to_owned(), key.to_owned())
-}
-
-/// HMAC-SHA-256, hexadecimal, as a browser makes it.
-fn mac(key: &str, text: &str) -> String {
-    use sha2::{Digest, Sha256};
-    let pad = |with: u8| -> Vec<u8> {
-        let mut block = key.as_bytes().to_vec();
-        block.resize(64, 0);
-        block.iter().map(|b| b ^ with).collect()
-    };
-    let inner = Sha256::digest([pad(0x36), text.as_bytes().to_vec()].concat());
-    let outer = Sha256::digest([pad(0x5c), inner.to_vec()].concat());
-    outer.iter().map(|b| format!("{b:02x}")).collect()
-}
-
-struct Answer {
-    status: u16,
-    head: String,
-    body: Vec<u8>,
-}
-
-impl Daemon {
-    fn plans(&self) -> PathBuf {
-        self.folder.path().join("plans")
-    }
-
-    /// One request as it stands, with the heads given.
-    fn raw(&self, method: &str, path: &str, heads: &[(&str, &str)], body: impl AsRef<[u8]>) -> Answer {
-        let body = body.as_ref();
-        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
-        let heads: String = heads.iter().map(|(n, v)| format!("{n}: {v}\r\n")).collect();
-        let length = body.len();
-        let head = format!(
-            "{method} {path} HTTP/1.1\r\n{heads}Connection: close\r\nContent-Length: {length}\r\n\r\n"
-        );
-        stream.write_all(&[head.as_bytes(), body].concat()).unwrap();
-        let mut bytes = Vec::new();
-        stream.read_to_end(&mut bytes).unwrap();
-        let split = bytes.windows(4).position(|w| w == b"\r\n\r\n").unwrap();
-        let head = String::from_utf8(bytes[..split].to_vec()).unwrap().to_lowercase();
-        let status = head.split(' ').nth(1).unwrap().parse().unwrap();
-        Answer { status, head, body: bytes[split + 4..].to_vec() }
-    }
-
-    fn ask(&self, method: &str, path: &str, body: impl AsRef<[u8]>) -> Answer {
-        let host = format!("127.0.0.1:{}", self.port);
-        let auth = format!("Bearer {}", self.token);
-        self.raw(method, path, &[("Host", &host), ("Authorization", &auth), ("X-Enfilade", "1")], body)
-    }
-
-    /// The word of the running start, where it proves that it has `key`.
-    fn greet(&self, key: &str) -> Option<String> {
-        let nonce = "00112233445566778899aabbccddeeff";
-        let host = format!("127.0.0.1:{}", self.port);
-        let answer = self.raw("GET", &format!("/api/hello?nonce={nonce}"), &[("Host", &host)], "");
-        let said: Value = serde_json::from_slice(&answer.body).unwrap();
-        let start = said["start"].as_str().unwrap();
-        (said["proof"] == mac(key, &format!("page\n{start}\n{nonce}"))).then(|| start.to_owned())
-    }
-
-    /// A request as a browser signs it.
-    fn signed(&self, start: &str, nonce: &str, method: &str, path: &str) -> String {
-        format!("Enfilade {nonce}.{}", mac(&self.key, &format!("{method}\n{start}\n{nonce}\n{path}")))
-    }
-
-    fn json(&self, path: &str) -> Value {
-        let answer = self.ask("GET", path, "");
-        assert_eq!(answer.status, 200, "{path}: {}", answer.head);
-        serde_json::from_slice(&answer.body).unwrap()
-    }
-
-    fn until<T>(&self, what: &str, mut look: impl FnMut() -> Option<T>) -> T {
-        let start = Instant::now();
-        loop {
-            if let Some(found) = look() {
-                return found;
-            }
-            assert!(start.elapsed() < PATIENCE, "{what} did not come: {}", self.json("/api/drawings"));
-            std::thread::sleep(Duration::from_millis(100));
-        }
-    }
-
-    fn drawing(&self, name: &str) -> Option<Value> {
-        let all = self.json("/api/drawings");
-        all["drawings"].as_array().unwrap().iter().find(|d| d["name"] == name).cloned()
-    }
-
-    /// The settings of a round of the gallery.
-    fn round_settings(&self, round: &str) -> Value {
-        let path = self.plans().join("gallery.enfilade").join(round).join("result.json");
-        let result: Value = serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
-        result["settings"].clone()
-    }
-
-    fn until_done(&self, name: &str) -> String {
-        self.until(name, || {
-            self.drawing(name).filter(|d| d["state"] == "done").map(|d| d["id"].as_str().unwrap().to_owned())
-        })
-    }
-}
+use daemon::{Daemon, mac, spawn, start, start_with};
 
 /// Every order of the page by its interface, from the first round to the accepted option.
 #[test]
@@ -390,6 +235,22 @@ fn strangers_get_nothing() {
         plans.join("gallery.enfilade/round-01/planted.png"),
     )
     .unwrap();
+    // A picture that would fill the memory, and a round that is a link to another.
+    let home = plans.join("gallery.enfilade");
+    fs::File::create(home.join("round-01/sparse.png")).unwrap().set_len(2 << 30).unwrap();
+    let sparse = daemon.ask("GET", &format!("/api/drawings/{id}/round-01/sparse.png"), "");
+    let said = String::from_utf8_lossy(&sparse.body);
+    assert!(sparse.status == 413 && said.contains("256 MB"), "{said}");
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("round-01", home.join("round-08")).unwrap();
+        assert_eq!(status("GET", &format!("/api/drawings/{id}/round-08/result.json"), &[own, known]), 404);
+        let accepted =
+            daemon.ask("POST", &format!("/api/drawings/{id}/accept"), r#"{"round": 8, "candidate": 1}"#);
+        let said = String::from_utf8_lossy(&accepted.body);
+        assert!(accepted.status == 400 && said.contains("is a link"), "{said}");
+        assert!(!plans.join("gallery-r02.dxf").exists());
+    }
     for path in [
         format!("/api/drawings/{id}/round-01/planted.png"),
         format!("/api/drawings/{id}/round-01/..%2f..%2f..%2fsecret"),
@@ -469,6 +330,15 @@ fn what_other_servers_hear_opens_nothing() {
     let old = std::mem::replace(&mut daemon.key, key);
     (daemon.port, daemon.token) = (elsewhere, token);
     assert!(daemon.greet(&old).is_none(), "the key of the port that was taken is no more");
+    assert!(daemon.greet(&daemon.key).is_some());
+
+    // The same where the stranger has it at the other address of this machine, where browsers ask first.
+    end(&mut daemon);
+    let Ok(stranger) = std::net::TcpListener::bind(("::1", daemon.port)) else { return };
+    let (elsewhere, token, key) = restart(&mut daemon);
+    drop(stranger);
+    assert!(elsewhere != daemon.port && key != daemon.key);
+    (daemon.port, daemon.token, daemon.key) = (elsewhere, token, key);
     assert!(daemon.greet(&daemon.key).is_some());
 }
 
@@ -637,15 +507,22 @@ fn the_interface_survives_anything() {
     assert_eq!(daemon.ask("GET", "/api/drawings", "").status, 200);
 }
 
-/// The listening socket of that port has the address of this machine alone.
+/// The listening sockets of that port have the addresses of this machine alone: nobody else can have the other one, which
+/// browsers ask first for a name of this machine.
 fn assert_loopback_only(port: u16) {
-    let Ok(table) = fs::read_to_string("/proc/net/tcp") else { return };
     let port = format!(":{port:04X}");
-    let listens = table.lines().filter_map(|l| {
-        let words: Vec<&str> = l.split_whitespace().collect();
-        (words.get(3) == Some(&"0A") && words[1].ends_with(&port)).then(|| words[1].to_owned())
-    });
-    assert_eq!(listens.collect::<Vec<_>>(), [format!("0100007F{port}")]);
+    for (table, own) in
+        [("/proc/net/tcp", "0100007F"), ("/proc/net/tcp6", "00000000000000000000000001000000")]
+    {
+        let Ok(table) = fs::read_to_string(table) else { continue };
+        let listens = table.lines().filter_map(|l| {
+            let words: Vec<&str> = l.split_whitespace().collect();
+            (words.get(3) == Some(&"0A") && words[1].ends_with(&port)).then(|| words[1].to_owned())
+        });
+        let wanted = std::net::TcpListener::bind(("::1", 0)).is_ok() || own.len() == 8;
+        let wanted: Vec<String> = wanted.then(|| format!("{own}{port}")).into_iter().collect();
+        assert_eq!(listens.collect::<Vec<_>>(), wanted);
+    }
 }
 
 /// The token lies in a file of the user's alone, outside the watched folder.
@@ -664,7 +541,7 @@ fn assert_door_is_closed(home: &Path) {
         .env_remove("XDG_STATE_HOME")
         .output()
         .unwrap();
-    assert!(String::from_utf8_lossy(&open.stdout).starts_with("http://127.0.0.1:"), "{open:?}");
+    assert!(String::from_utf8_lossy(&open.stdout).starts_with("http://"), "{open:?}");
 }
 
 /// A round with the first one's pictures and ten thousand options.
@@ -760,6 +637,21 @@ fn a_browser_has_as_many_tabs_as_it_likes() {
         "drawing": daemon.plans().join("gallery.dxf"),
     });
     browse(&daemon, modules, "tabs.mjs", &again.to_string());
+}
+
+/// Whoever had the port while the daemon was down left a worker and a page that lasts: no link leads there, and a link
+/// with another key takes nobody's key away.
+#[test]
+fn a_browser_is_led_where_nobody_was_before() {
+    let Some(modules) = modules() else { return };
+    let daemon = start();
+    daemon.until_done("gallery.dxf");
+    let told = json!({
+        "pid": daemon.child.id(),
+        "program": env!("CARGO_BIN_EXE_enfilade"),
+        "folder": daemon.plans().display().to_string(),
+    });
+    browse(&daemon, modules, "addresses.mjs", &told.to_string());
 }
 
 /// Chromium with every action of the page, and axe.

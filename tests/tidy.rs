@@ -580,7 +580,7 @@ mod the_rules_find_faults {
 #[test]
 fn hazards_and_rules_of_safety_have_their_tests() {
     assert_rows_name_tests("docs/watching.md", 30);
-    assert_rows_name_tests("docs/safety.md", 18);
+    assert_rows_name_tests("docs/safety.md", 19);
 }
 
 fn assert_rows_name_tests(file: &str, count: usize) {

@@ -178,15 +178,28 @@ pub(super) fn read_settings(file: &Path) -> Result<Option<Partial>, Error> {
 /// where else this user's programs write.
 fn below_of(file: &Path, folder: &str) -> Result<String, Error> {
     use std::path::Component::{CurDir, Normal};
-    if !Path::new(folder).components().all(|c| matches!(c, Normal(_) | CurDir)) {
+    let own = file.parent().unwrap_or(Path::new(""));
+    let is_below = Path::new(folder).components().all(|c| matches!(c, Normal(_) | CurDir));
+    if !is_below || leads_out(own, Path::new(folder)) {
         let text = format!(
-            "found results to go to `{folder}`, expected a folder below that of this file; any other is named on the \
-             command line (--out, --fallback); nothing was done"
+            "found results to go to `{folder}`, expected a folder below that of this file, also by its links; any \
+             other is named on the command line (--out, --fallback); nothing was done"
         );
         return Err(Error::usage("settings-outside", Place::file(file.to_string_lossy()), text));
     }
-    let own = file.parent().filter(|p| !p.as_os_str().is_empty());
-    Ok(own.map_or_else(|| folder.into(), |own| own.join(folder).to_string_lossy().into_owned()))
+    Ok(own.join(folder).to_string_lossy().into_owned())
+}
+
+/// Whether a link on the way from a folder to one below it leads out of the first, or to what is not there yet.
+fn leads_out(own: &Path, below: &Path) -> bool {
+    let here = if own.as_os_str().is_empty() { Path::new(".") } else { own };
+    let real = std::fs::canonicalize(here).ok();
+    let is_out = |at: PathBuf| {
+        let is_link = std::fs::symlink_metadata(&at).is_ok_and(|m| m.is_symlink());
+        let leads_to = || std::fs::canonicalize(&at).ok();
+        is_link && !real.as_ref().zip(leads_to()).is_some_and(|(own, to)| to.starts_with(own))
+    };
+    below.ancestors().filter(|part| !part.as_os_str().is_empty()).any(|part| is_out(own.join(part)))
 }
 
 #[cfg(test)]
@@ -199,6 +212,27 @@ mod tests {
         let below = |folder| below_of(Path::new("/shared/enfilade.toml"), folder);
         assert_eq!(below("results/./a").unwrap(), "/shared/results/./a");
         for folder in ["../results", "/results", "a/../../results", ".."] {
+            assert_eq!(below(folder).unwrap_err().problem().unwrap().code, "settings-outside", "{folder}");
+        }
+    }
+
+    /// A link is no way round that: what it leads to is judged.
+    #[cfg(unix)]
+    #[test]
+    fn settings_name_no_folder_elsewhere_by_a_link() {
+        use std::os::unix::fs::symlink;
+        let [shared, elsewhere] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+        let at = |name: &str| shared.path().join(name);
+        std::fs::create_dir(at("results")).unwrap();
+        symlink("results", at("inside")).unwrap();
+        symlink(elsewhere.path(), at("out")).unwrap();
+        symlink(elsewhere.path().join("new"), at("dangling")).unwrap();
+        symlink(elsewhere.path(), at("results/deep")).unwrap();
+        let below = |folder| below_of(&at("enfilade.toml"), folder);
+        for folder in ["results", "inside", "inside/new", "new/deeper", "./results"] {
+            assert!(below(folder).is_ok(), "{folder}");
+        }
+        for folder in ["out", "out/new", "dangling", "results/deep/a", "inside/deep"] {
             assert_eq!(below(folder).unwrap_err().problem().unwrap().code, "settings-outside", "{folder}");
         }
     }

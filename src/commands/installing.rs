@@ -36,7 +36,7 @@ pub(super) fn open(args: &OpenArgs) -> Result<u8, Error> {
         return Err(Error::usage("no-page", Place::file(args.folder.display().to_string()), text));
     };
     if args.print {
-        super::say(&door.link());
+        super::say(&door.link()?);
         return Ok(0);
     }
     let (program, first) = BROWSER;

@@ -116,7 +116,10 @@ fn announce(page: &Page, root: &Path, is_first: bool) {
         eprintln!("warning: {error}; `enfilade open` will not find the page");
     }
     if is_first {
-        say(&format!("page: {}", page.link()));
+        match page.link() {
+            Ok(link) => say(&format!("page: {link}")),
+            Err(error) => eprintln!("warning: {error}"),
+        }
     }
 }
 

@@ -1,8 +1,10 @@
 //! The interface behind the page. `docs/api.md` says it in words.
 
 use std::convert::Infallible;
+use std::io::Read as _;
 use std::sync::Arc;
 
+use axum::body::Body;
 use axum::extract::{Path, RawQuery, State};
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::sse::{Event, KeepAlive, Sse};
@@ -10,7 +12,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use tokio_stream::StreamExt as _;
-use tokio_stream::wrappers::BroadcastStream;
+use tokio_stream::wrappers::{BroadcastStream, ReceiverStream};
 
 use super::{Shared, Taken, files};
 use crate::config::{Partial, Settings};
@@ -64,10 +66,18 @@ pub(super) async fn file(
 ) -> Response {
     let Some((_, Some(home))) = page.board.paths(&id) else { return not_found() };
     let wanted = name.clone();
-    let read = tokio::task::spawn_blocking(move || files::read(&home, &set, &wanted)).await;
-    let Ok(Some(bytes)) = read else { return not_found() };
+    let found = tokio::task::spawn_blocking(move || files::open(&home, &set, &wanted)).await;
+    let (file, length) = match found {
+        Ok(files::Found::File(found)) => found,
+        Ok(files::Found::TooLarge) => {
+            let why = format!("the file has more than {} MB, and was not read", files::FILE_BYTES_MAX >> 20);
+            return said(StatusCode::PAYLOAD_TOO_LARGE, &why);
+        }
+        _ => return not_found(),
+    };
     let (kind, is_download) = files::kind(&name);
-    let mut response = ([(header::CONTENT_TYPE, kind)], bytes).into_response();
+    let head = [(header::CONTENT_TYPE, kind.to_owned()), (header::CONTENT_LENGTH, length.to_string())];
+    let mut response = (head, pieces(file, length)).into_response();
     if kind == files::REPORT {
         // In an origin of its own, without a way to anywhere.
         let policy = "sandbox allow-scripts; default-src 'none'; img-src data:; style-src 'unsafe-inline'; \
@@ -78,6 +88,27 @@ pub(super) async fn file(
         response.headers_mut().insert(header::CONTENT_DISPOSITION, value);
     }
     response
+}
+
+/// Bytes of a file that are in memory at once for one who reads it, twice.
+const PIECE_BYTES: usize = 256 << 10;
+
+/// A file as it is read: no more of it is in memory than is being sent.
+fn pieces(file: std::fs::File, length: u64) -> Body {
+    let (send, pieces) = tokio::sync::mpsc::channel(1);
+    tokio::task::spawn_blocking(move || {
+        let mut rest = file.take(length);
+        loop {
+            let mut piece = Vec::new();
+            let read = rest.by_ref().take(PIECE_BYTES as u64).read_to_end(&mut piece).map(|_| piece);
+            let is_last = read.as_ref().map_or(true, Vec::is_empty);
+            // Whoever listened may be gone.
+            if is_last && read.is_ok() || send.blocking_send(read).is_err() || is_last {
+                return;
+            }
+        }
+    });
+    Body::from_stream(ReceiverStream::new(pieces))
 }
 
 pub(super) async fn log(State(page): Page) -> Response {

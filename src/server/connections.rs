@@ -1,7 +1,9 @@
 //! Connections to the page: so many at once and no longer than it takes, since anybody on this machine may open them.
 
+use std::future::poll_fn;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::task::Poll;
 use std::time::Duration;
 
 use axum::{Extension, Router};
@@ -66,12 +68,21 @@ fn first_to_go(is_known: impl Iterator<Item = bool>) -> Option<usize> {
     is_known.into_iter().position(|known| !known)
 }
 
+/// The next connection of any of them.
+async fn next(listeners: &[TcpListener]) -> std::io::Result<TcpStream> {
+    let accepted = poll_fn(|cx| {
+        let first = listeners.iter().map(|l| l.poll_accept(cx)).find(Poll::is_ready);
+        first.unwrap_or(Poll::Pending)
+    });
+    accepted.await.map(|(stream, _)| stream)
+}
+
 /// Serves until the process ends.
-pub(super) async fn serve(listener: TcpListener, app: Router) {
+pub(super) async fn serve(listeners: &[TcpListener], app: Router) {
     let most = connections_max(files_allowed());
     let mut open: Vec<Open> = Vec::new();
     loop {
-        let accepted = listener.accept().await;
+        let accepted = next(listeners).await;
         open.retain(|c| !c.task.is_finished());
         if accepted.is_err() || open.len() >= most {
             match first_to_go(open.iter().map(|c| c.known.is_set())) {
@@ -82,7 +93,7 @@ pub(super) async fn serve(listener: TcpListener, app: Router) {
             }
         }
         match accepted {
-            Ok((stream, _)) => {
+            Ok(stream) => {
                 let known = Known::default();
                 let task = tokio::spawn(answer(stream, app.clone(), known.clone())).abort_handle();
                 open.push(Open { known, task });

@@ -1,9 +1,10 @@
 //! Files of results, found by looking through their folder: a name from outside never becomes a path.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use crate::store::SO_FAR;
+use crate::store::{SO_FAR, open_to_read};
 
 /// Sets of results there: `analysis`, `round-01` …, `so-far`, rounds in the order of their numbers. Links are left out.
 pub(super) fn sets(home: &Path) -> Vec<String> {
@@ -28,14 +29,41 @@ pub(super) fn names(home: &Path, set: &str) -> Option<Vec<String>> {
     Some(names)
 }
 
-/// Bytes of a file of a set; `None` for everything that is not a plain file lying there.
-pub(super) fn read(home: &Path, set: &str, name: &str) -> Option<Vec<u8>> {
+/// Largest file that is handed out or read, bytes: pictures, reports and drawings of a round stay far below.
+pub(super) const FILE_BYTES_MAX: u64 = 256 << 20;
+
+/// What lies under a name.
+#[derive(Debug)]
+pub(super) enum Found<T> {
+    /// A file; what was asked of it.
+    File(T),
+    /// A file of more than [`FILE_BYTES_MAX`].
+    TooLarge,
+    /// Everything that is not a plain file lying there.
+    Nothing,
+}
+
+/// A file of a set, open, with its length.
+pub(super) fn open(home: &Path, set: &str, name: &str) -> Found<(File, u64)> {
     if !sets(home).iter().any(|s| s == set) {
-        return None;
+        return Found::Nothing;
     }
     let folder = home.join(set);
-    let (_, path) = entries(&folder, false).into_iter().find(|(n, _)| n == name)?;
-    fs::read(path).ok()
+    let path = entries(&folder, false).into_iter().find(|(n, _)| n == name).map(|(_, path)| path);
+    let file = path.and_then(|path| open_to_read(&path).ok());
+    match file.and_then(|file| Some((file.metadata().ok()?.len(), file))) {
+        Some((length, _)) if length > FILE_BYTES_MAX => Found::TooLarge,
+        Some((length, file)) => Found::File((file, length)),
+        None => Found::Nothing,
+    }
+}
+
+/// Bytes of a file of a set; `None` for everything that is not a plain file lying there, or a large one.
+pub(super) fn read(home: &Path, set: &str, name: &str) -> Option<Vec<u8>> {
+    let Found::File((file, length)) = open(home, set, name) else { return None };
+    let mut bytes = Vec::new();
+    file.take(length).read_to_end(&mut bytes).ok()?;
+    Some(bytes)
 }
 
 /// Folders, or plain files, of a folder that is no link itself; links in it are left out.
@@ -99,6 +127,21 @@ mod tests {
         ] {
             assert_eq!(read(&home, set, name), None, "{set} {name}");
         }
+    }
+
+    /// Whoever may write to a shared folder must not fill the memory of this user's machine.
+    #[test]
+    fn a_file_too_large_is_not_read() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir(dir.path().join("round-01")).unwrap();
+        for (name, bytes) in [("result.json", FILE_BYTES_MAX + 1), ("a.png", 2 << 30), ("b.png", 10)] {
+            File::create(dir.path().join("round-01").join(name)).unwrap().set_len(bytes).unwrap();
+        }
+        let found = |name| open(dir.path(), "round-01", name);
+        assert!(matches!(found("a.png"), Found::TooLarge) && matches!(found("result.json"), Found::TooLarge));
+        assert!(matches!(found("b.png"), Found::File((_, 10))) && matches!(found("c.png"), Found::Nothing));
+        assert_eq!(read(dir.path(), "round-01", "result.json"), None);
+        assert_eq!(read(dir.path(), "round-01", "b.png"), Some(vec![0; 10]));
     }
 
     #[cfg(unix)]

@@ -71,9 +71,10 @@ impl Access {
         is_nonce(nonce).then(|| (self.start.as_str(), proof(&self.key, &self.start, nonce)))
     }
 
-    /// By its number alone: under a name another program could listen too.
+    /// By its number, or by a name that browsers lead to this machine themselves, whoever asks: no web site can have it.
     fn is_own_host(&self, host: &str) -> bool {
-        host == format!("127.0.0.1:{}", self.port)
+        let Some(name) = host.strip_suffix(&format!(":{}", self.port)) else { return false };
+        name == "127.0.0.1" || name.strip_suffix(".localhost").is_some_and(is_own_name)
     }
 
     /// Judges a request by its head.
@@ -151,6 +152,11 @@ impl Access {
     }
 }
 
+/// Whether a name can be one of [`new_name`](super::new_name).
+fn is_own_name(name: &str) -> bool {
+    name.len() == super::NAME_DIGITS && name.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'))
+}
+
 /// Who asks.
 enum Who {
     Program,
@@ -188,7 +194,7 @@ pub(super) async fn check(State(shared): State<Arc<Shared>>, request: Request, n
         Verdict::Refuse(why) => super::api::said(StatusCode::FORBIDDEN, why),
     };
     let headers = response.headers_mut();
-    let policy = "default-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+    let policy = "default-src 'self'; img-src 'self' data:; object-src 'none'; worker-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
     headers.entry(header::CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(policy));
     headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
     headers.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
@@ -270,14 +276,37 @@ mod tests {
         assert!(pass("GET", "/api/drawings", &[own, ("authorization", &lower)]));
         assert!(!pass("GET", "/api/drawings", &[own, ("authorization", &format!("Basic {t}"))]));
         assert!(pass("POST", "/api/x", &[own, auth, order, ("origin", "http://127.0.0.1:4711")]));
-        for host in
-            ["evil.test", "evil.test:4711", "127.0.0.1", "127.0.0.1:80", "localhost:4711", "[::1]:4711", ""]
-        {
+        let named = ("host", "0123456789abcdef.localhost:4711");
+        let origin = ("origin", "http://0123456789abcdef.localhost:4711");
+        assert!(pass("POST", "/api/x", &[named, auth, order, origin]));
+        for host in [
+            "evil.test",
+            "evil.test:4711",
+            "127.0.0.1",
+            "127.0.0.1:80",
+            "localhost:4711",
+            ".localhost:4711",
+            "evil.localhost:4711",
+            "0123456789ABCDEF.localhost:4711",
+            "0123456789abcdef.localhost",
+            "0123456789abcdef.localhost:80",
+            "0123456789abcdef.localhost.evil.test:4711",
+            "a.0123456789abcdef.localhost:4711",
+            "0123456789abcdef.evil.test:4711",
+            "[::1]:4711",
+            "",
+        ] {
             assert!(!pass("GET", "/api/x", &[("host", host), auth]), "{host}");
             assert!(matches!(judge("GET", "/", &[("host", host)]), Verdict::Refuse(_)), "{host}");
         }
         assert!(!pass("GET", "/api/x", &[own, ("host", "evil.test"), auth]));
-        for origin in ["http://evil.test", "null", "https://127.0.0.1:4711", "http://127.0.0.1:4712"] {
+        for origin in [
+            "http://evil.test",
+            "null",
+            "https://127.0.0.1:4711",
+            "http://127.0.0.1:4712",
+            "http://evil.localhost:4711",
+        ] {
             assert!(!pass("POST", "/api/x", &[own, auth, order, ("origin", origin)]), "{origin}");
         }
         for site in ["cross-site", "same-site"] {

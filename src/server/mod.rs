@@ -11,7 +11,7 @@ mod guard;
 mod login;
 
 use std::io::{ErrorKind, Read as _, Write as _};
-use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, mpsc};
 use std::thread;
@@ -99,13 +99,14 @@ impl Page {
     ) -> Result<Self, Error> {
         let fail =
             |what: &str, e: String| Error::environment("page", Place::default(), format!("{what}: {e}"));
-        let bind = |port: u16| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
         let remembered = login.as_ref().filter(|_| port == 0).and_then(|login| bind(login.port).ok());
-        let listener = remembered.map_or_else(|| bind(port), Ok).map_err(|e| {
+        let listeners = remembered.map_or_else(|| bind(port), Ok).map_err(|e| {
             fail(&format!("port {port} of this machine, choose another with --page"), e.to_string())
         })?;
-        let address = listener.local_addr().map_err(|e| fail("port", e.to_string()))?;
-        listener.set_nonblocking(true).map_err(|e| fail("port", e.to_string()))?;
+        let address = listeners[0].local_addr().map_err(|e| fail("port", e.to_string()))?;
+        for listener in &listeners {
+            listener.set_nonblocking(true).map_err(|e| fail("port", e.to_string()))?;
+        }
         let login = login.filter(|login| login.port == address.port());
         let login = login.map_or_else(|| Login::new(address.port()), Ok)?;
         let access = Access::new(address.port(), secret()?, login.key.clone(), secret()?);
@@ -119,8 +120,9 @@ impl Page {
             .name("page".into())
             .spawn(move || {
                 runtime.block_on(async move {
-                    if let Ok(listener) = tokio::net::TcpListener::from_std(listener) {
-                        connections::serve(listener, app).await;
+                    let listeners = listeners.into_iter().map(tokio::net::TcpListener::from_std);
+                    if let Ok(listeners) = listeners.collect::<Result<Vec<_>, _>>() {
+                        connections::serve(&listeners, app).await;
                     }
                 });
             })
@@ -133,8 +135,11 @@ impl Page {
         self.shared.board.take(notice);
     }
 
-    /// Address with the key, to be opened once in a browser; what follows the `#` is not sent.
-    pub fn link(&self) -> String {
+    /// As [`Door::link`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn link(&self) -> Result<String, Error> {
         self.door().link()
     }
 
@@ -155,9 +160,15 @@ impl Page {
 }
 
 impl Door {
-    /// Address with the key, to be opened once in a browser; what follows the `#` is not sent.
-    pub fn link(&self) -> String {
-        format!("{}#key={}", self.address, self.key)
+    /// An address with the key, to be opened once in a browser; what follows the `#` is not sent. Its name is another each
+    /// time: whoever had the port while the daemon was down may have left a worker or a copy of a page of theirs under the
+    /// names before, and the browser would give them the key.
+    ///
+    /// # Errors
+    /// [`Error::Environment`] where the system gives no random numbers.
+    pub fn link(&self) -> Result<String, Error> {
+        let name = new_name()?;
+        Ok(format!("{}#key={}", self.address.replace("127.0.0.1", &name), self.key))
     }
 
     /// Leaves word where the page of this watched folder is.
@@ -180,7 +191,7 @@ impl Door {
         let text = format!(
             "<!doctype html><meta charset=\"utf-8\"><title>Enfilade</title>\
              <meta http-equiv=\"refresh\" content=\"0; url={0}\"><a href=\"{0}\">Enfilade</a>\n",
-            self.link()
+            self.link()?
         );
         write_secret(&file, text.as_bytes())?;
         Ok(file)
@@ -267,6 +278,43 @@ fn own_file(root: &Path, (begin, end): (&str, &str)) -> Result<PathBuf, Error> {
     let digest = crate::watch::sha256_hex(root.as_os_str().as_encoded_bytes());
     Ok(crate::service::Folders::of_user()?.state.join(format!("{begin}{}{end}", &digest[..16])))
 }
+
+/// Hexadecimal digits of the name of an address.
+const NAME_DIGITS: usize = 16;
+
+/// A name that browsers lead to this machine (RFC 6761, 6.3), and that none of them has heard before.
+#[cfg(not(target_os = "macos"))]
+fn new_name() -> Result<String, Error> {
+    Ok(format!("{}.localhost", &secret()?[..NAME_DIGITS]))
+}
+
+/// Safari asks the system for such names, and the system does not know them.
+#[cfg(target_os = "macos")]
+fn new_name() -> Result<String, Error> {
+    Ok("127.0.0.1".into())
+}
+
+/// Takes a port of this machine, 0: any, on both of its addresses: a browser asks that of IPv6 first. Where there is no
+/// IPv6, nobody else has its address either.
+fn bind(port: u16) -> std::io::Result<Vec<TcpListener>> {
+    let mut tries = if port == 0 { FREE_TRIES } else { 1 };
+    loop {
+        tries -= 1;
+        let first = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
+        match TcpListener::bind((Ipv6Addr::LOCALHOST, first.local_addr()?.port())) {
+            Ok(second) => return Ok(vec![first, second]),
+            Err(e) if matches!(e.kind(), ErrorKind::AddrInUse | ErrorKind::PermissionDenied) => {
+                if tries == 0 {
+                    return Err(e);
+                }
+            }
+            Err(_) => return Ok(vec![first]),
+        }
+    }
+}
+
+/// Free ports that are tried: of some the other address is taken.
+const FREE_TRIES: usize = 16;
 
 /// A new secret, hexadecimal.
 fn secret() -> Result<String, Error> {

@@ -4,6 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
 
+use super::own::open_own;
+
 /// What the store asks of a disk. Implementations: [`SystemDisk`], and in tests one that fails or
 /// stops at the k-th call.
 pub trait Disk: Send + Sync {
@@ -22,7 +24,7 @@ pub trait Disk: Send + Sync {
     /// # Errors
     /// The system's.
     fn write_new(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
-    /// Appends to a file, made if missing, and makes that durable if asked.
+    /// Appends to a file of ours, made if missing, and makes that durable if asked; never through a link or into a pipe.
     ///
     /// # Errors
     /// The system's.
@@ -82,18 +84,18 @@ impl Disk for SystemDisk {
     }
 
     fn append(&self, path: &Path, bytes: &[u8], is_durable: bool) -> io::Result<()> {
-        let mut file = File::options().append(true).create(true).open(path)?;
+        let mut file = open_own(path, File::options().append(true).create(true))?;
         file.write_all(bytes)?;
         if is_durable { file.sync_data() } else { Ok(()) }
     }
 
     fn sync(&self, path: &Path) -> io::Result<()> {
-        let meta = fs::metadata(path)?;
+        let meta = fs::symlink_metadata(path)?;
         if meta.is_dir() {
             return sync_folder(path);
         }
         // Windows flushes only through handles that may write.
-        File::options().read(true).write(true).open(path)?.sync_all()
+        open_own(path, File::options().read(true).write(true))?.sync_all()
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
+use super::own::refuse_link;
 use super::{Disk, disk_error, path_from_bytes, read_own, replace_file};
 use crate::report::{Error, Place, Problem, Severity};
 
@@ -220,6 +221,8 @@ impl Journal {
         }
         self.replay(&line);
         let is_durable = !matches!(step, Step::Queued | Step::Started | Step::Stopped);
+        // The folder may have become a link since.
+        self.path.parent().map_or(Ok(()), refuse_link)?;
         let lead = if std::mem::take(&mut self.is_torn) { "\n" } else { "" };
         let written = self.disk.append(&self.path, format!("{lead}{line}\n").as_bytes(), is_durable);
         written.map_err(|e| {
@@ -284,6 +287,32 @@ mod tests {
     use crate::store::SystemDisk;
 
     const TIME: &str = "2026-01-01T00:00:00Z";
+
+    /// A link in the journal's place, also one that is planted while it is written, or in its folder's, leads nowhere.
+    #[cfg(unix)]
+    #[test]
+    fn no_journal_is_kept_through_a_link() {
+        use std::os::unix::fs::symlink;
+        let dir = tempfile::tempdir().unwrap();
+        let [folder, aside, drawing] = [".enfilade", "aside", "plan.dxf"].map(|n| dir.path().join(n));
+        fs::create_dir(&folder).unwrap();
+        fs::write(&drawing, "a drawing").unwrap();
+        let path = folder.join("journal.jsonl");
+        let mut journal = Journal::open(Arc::new(SystemDisk), &folder).unwrap();
+        let note = |journal: &mut Journal| journal.append(Path::new("a.dxf"), "s", "c", TIME, &Step::Queued);
+        note(&mut journal).unwrap();
+        fs::remove_file(&path).unwrap();
+        symlink(&drawing, &path).unwrap();
+        let code = |error: Error| error.problem().unwrap().code;
+        assert_eq!(code(note(&mut journal).unwrap_err()), "output-is-link");
+        assert_eq!(code(Journal::open(Arc::new(SystemDisk), &folder).err().unwrap()), "output-is-link");
+        fs::remove_file(&path).unwrap();
+        fs::rename(&folder, &aside).unwrap();
+        symlink(&aside, &folder).unwrap();
+        assert_eq!(code(note(&mut journal).unwrap_err()), "output-is-link");
+        assert_eq!(fs::read_dir(&aside).unwrap().count(), 0);
+        assert_eq!(fs::read(&drawing).unwrap(), b"a drawing");
+    }
 
     /// What a later program wrote is named and not obeyed, and stays where it is.
     #[test]

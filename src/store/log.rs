@@ -73,7 +73,7 @@ const TIME_OF_LINE: &[u8] = b"0000-00-00T00:00:00Z ";
 
 /// What lies there and is no log of ours is never written to: it may be a drawing.
 fn refuse_other(path: &Path) -> Result<(), Error> {
-    let Ok(found) = std::fs::metadata(path) else { return Ok(()) };
+    let Ok(found) = std::fs::symlink_metadata(path) else { return Ok(()) };
     let is_other = found.is_file() && found.len() > 0 && !begins_with_a_time(path);
     if is_other || (!found.is_file() && !found.is_dir()) {
         let text = "--log: found something that is no log of this program, expected one or no file; nothing was done";
@@ -124,6 +124,14 @@ mod tests {
                 Err(e) => assert!(!is_ours && e.problem().unwrap().code == "not-a-log", "{text:?}: {e}"),
             }
             assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        }
+        // Whatever a link leads to is somebody's.
+        #[cfg(unix)]
+        {
+            fs::write(&path, "").unwrap();
+            let linked = dir.path().join("linked.log");
+            std::os::unix::fs::symlink(&path, &linked).unwrap();
+            assert_eq!(Log::open(&linked).err().unwrap().problem().unwrap().code, "not-a-log");
         }
     }
 

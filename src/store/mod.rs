@@ -8,6 +8,7 @@ mod disk;
 mod elsewhere;
 mod journal;
 mod log;
+mod own;
 mod owner;
 mod there;
 
@@ -29,8 +30,11 @@ pub use owner::{
     FOLDER_OWNED, Lease, LeaseVerdict, Ownership, host_name, is_held, judge_lease, read_lease, refuse_nested,
 };
 
+pub use own::{open_to_read, read_named, read_own};
+
 pub use crate::report::OutFile;
 use crate::report::{Error, Place};
+use own::{open_own, planted_of, refuse_link, refuse_planted, write_into};
 use there::{has_bytes, holds_exactly, kept_beside};
 
 /// Code of the problem that a disk has no room.
@@ -62,8 +66,6 @@ const RESOLUTION: &str = "resolution";
 const CLAIM: &str = ".drawing";
 /// What a job remembers of itself until it is done.
 const MEMORY: &str = ".search";
-/// More than this is no file of ours.
-const OWN_BYTES_MAX: u64 = 1 << 30;
 
 /// What was written: where, and the SHA-256 of its bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -119,8 +121,7 @@ impl Home {
 
     fn lock(disk: Arc<dyn Disk>, folder: PathBuf, meant: &Path) -> Result<Self, Error> {
         let path = folder.join(".lock");
-        refuse_planted(&path)?;
-        let open = File::options().create(true).truncate(false).write(true).open(&path);
+        let open = open_own(&path, File::options().create(true).truncate(false).write(true));
         let lock = open.map_err(|e| disk_error("locking", &path, &e))?;
         match lock.try_lock() {
             Ok(()) => {}
@@ -180,6 +181,7 @@ impl Home {
     /// `bad-output-name` for a path that leaves the folder or appears twice; `disk-full`,
     /// `no-permission` and the like from the disk, which is left without a trace of the set.
     pub fn stage(&self, files: &[OutFile]) -> Result<Staged<'_>, Error> {
+        self.stays()?;
         check_names(files)?;
         self.check_space(files)?;
         let temp = self.folder.join(format!("{TEMP_PREFIX}{}", unique()));
@@ -268,9 +270,7 @@ impl Home {
 
     /// What an earlier job remembered before it was killed; empty where nothing is.
     pub fn memory(&self) -> Vec<u8> {
-        let path = self.folder.join(MEMORY);
-        let is_ours = fs::symlink_metadata(&path).is_ok_and(|m| m.is_file() && m.len() <= OWN_BYTES_MAX);
-        is_ours.then(|| fs::read(&path).ok()).flatten().unwrap_or_default()
+        read_own(&self.folder.join(MEMORY)).unwrap_or_default()
     }
 
     /// Keeps what a job wants to find again should it be killed: in place of the old, or after it.
@@ -279,6 +279,7 @@ impl Home {
     /// As [`replace_file`].
     pub fn remember(&self, bytes: &[u8], is_anew: bool) -> Result<(), Error> {
         let path = self.folder.join(MEMORY);
+        self.stays()?;
         refuse_planted(&path)?;
         if is_anew {
             return replace_file(&*self.disk, &path, bytes);
@@ -300,7 +301,13 @@ impl Home {
     /// # Errors
     /// As [`write_json`].
     pub fn write_status(&self, status: &Value) -> Result<(), Error> {
+        self.stays()?;
         write_json(&*self.disk, &self.folder.join("status.json"), status)
+    }
+
+    /// Refuses a link that took the folder's place while this runs.
+    fn stays(&self) -> Result<(), Error> {
+        refuse_link(&self.folder)
     }
 }
 
@@ -505,8 +512,7 @@ fn path_from_bytes(bytes: &[u8]) -> PathBuf {
 pub fn replace_file(disk: &dyn Disk, path: &Path, bytes: &[u8]) -> Result<(), Error> {
     refuse_link(path)?;
     if fs::symlink_metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
-        let outcome = File::options().write(true).open(path).and_then(|mut f| f.write_all(bytes));
-        return outcome.map_err(|e| disk_error("writing", path, &e));
+        return write_into(path, bytes).map_err(|e| disk_error("writing", path, &e));
     }
     if has_bytes(path, bytes) {
         return Ok(());
@@ -703,40 +709,6 @@ fn unique() -> String {
     format!("{}-{}", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed))
 }
 
-fn refuse_link(path: &Path) -> Result<(), Error> {
-    if fs::symlink_metadata(path).is_ok_and(|m| m.is_symlink()) {
-        let text = "is a link; results are never written through links: remove it";
-        return Err(Error::environment(OUTPUT_IS_LINK, shown(path), text));
-    }
-    Ok(())
-}
-
-/// As [`refuse_link`], for files that are ours alone: whoever opens a pipe waits for its other end.
-fn refuse_planted(path: &Path) -> Result<(), Error> {
-    refuse_link(path)?;
-    if fs::symlink_metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
-        let text = "is a pipe or a device in the place of a file of ours, and was not opened: remove it";
-        return Err(Error::environment("output-is-special", shown(path), text));
-    }
-    Ok(())
-}
-
-/// Reads a file of ours; anything else of its name, as a planted pipe, is not waited for.
-///
-/// # Errors
-/// The system's; `InvalidInput` for what is no file.
-pub fn read_own(path: &Path) -> io::Result<Vec<u8>> {
-    let found = fs::metadata(path)?;
-    if !found.is_file() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "found no file, expected one"));
-    }
-    if found.len() > OWN_BYTES_MAX {
-        let text = format!("found {} MB, expected at most {} MB", found.len() >> 20, OWN_BYTES_MAX >> 20);
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, text));
-    }
-    fs::read(path)
-}
-
 fn shown(path: &Path) -> Place {
     Place::file(path.display().to_string())
 }
@@ -752,6 +724,9 @@ pub fn disk_error(doing: &str, path: &Path, error: &io::Error) -> Error {
 
 /// The same of a file that can lie nowhere else, or elsewhere by what `or_elsewhere` says.
 fn disk_error_here(doing: &str, path: &Path, error: &io::Error, or_elsewhere: &str) -> Error {
+    if let Some(planted) = planted_of(error) {
+        return Error::environment(planted.code(), shown(path), planted.to_string());
+    }
     use io::ErrorKind as K;
     let (code, remedy, or_elsewhere) = match error.kind() {
         K::StorageFull | K::QuotaExceeded | K::FileTooLarge => (DISK_FULL, "free some space", or_elsewhere),

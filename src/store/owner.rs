@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Disk, Records, disk_error, read_own, refuse_planted, replace_file, shown};
+use super::own::{open_own, refuse_planted};
+use super::{Disk, Records, disk_error, read_own, replace_file, shown};
 use crate::report::{Cancel, Error};
 
 /// A lease whose beat stands still for this many heartbeats is stale.
@@ -134,9 +135,8 @@ impl Drop for Ownership {
 /// The lock file, and whether it could be locked; where locks are unknown the lease alone decides.
 fn lock(folder: &Path, owner: &Path) -> Result<(File, bool), Error> {
     let path = folder.join("lock");
-    refuse_planted(&path)?;
     refuse_planted(owner)?;
-    let open = File::options().create(true).truncate(false).write(true).open(&path);
+    let open = open_own(&path, File::options().create(true).truncate(false).write(true));
     let file = open.map_err(|e| disk_error("locking", &path, &e))?;
     match file.try_lock() {
         Ok(()) => Ok((file, true)),
@@ -179,11 +179,9 @@ fn nested(root: &Path, how: &str, folder: &Path, lease: &Lease) -> Error {
 /// Whether a process of this machine, this one included, holds the lock of a state folder.
 pub fn is_held(folder: &Path) -> bool {
     let path = folder.join("lock");
-    if !fs::metadata(&path).is_ok_and(|m| m.is_file()) {
-        return false;
-    }
     // One that may only be read can be locked all the same.
-    match File::options().write(true).open(&path).or_else(|_| File::open(&path)) {
+    let open = open_own(&path, File::options().write(true));
+    match open.or_else(|_| open_own(&path, File::options().read(true))) {
         Ok(lock) => matches!(lock.try_lock(), Err(TryLockError::WouldBlock)),
         Err(_) => false,
     }

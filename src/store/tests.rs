@@ -561,7 +561,7 @@ fn too_large_a_memory_is_none_of_ours() {
     home.remember(b"kept", true).unwrap();
     assert_eq!(home.memory(), b"kept");
     let file = File::options().write(true).open(home.folder().join(MEMORY)).unwrap();
-    file.set_len(OWN_BYTES_MAX + 1).unwrap();
+    file.set_len(own::OWN_BYTES_MAX + 1).unwrap();
     assert!(home.memory().is_empty());
 }
 

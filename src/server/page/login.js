@@ -27,32 +27,47 @@ let key = null;
 /** The word by which this start of the daemon is signed for. */
 let start = null;
 
-async function take(text) {
-  key = await crypto.subtle.importKey("raw", bytes(text), { name: "HMAC", hash: "SHA-256" }, false, ["sign", "verify"]);
-  start = null;
-  await shelf("readwrite", (keys) => keys.put(key, "page")).catch(() => null);
-}
+/** The key of a link that was followed: it takes the place of the other once the daemon has proved that it has it. */
+let offered = null;
+
+const keyOf = (text) =>
+  crypto.subtle.importKey("raw", bytes(text), { name: "HMAC", hash: "SHA-256" }, false, ["sign", "verify"]);
 
 /** Takes the key out of the address, before anything else is asked. */
 export async function arrive() {
   const found = KEY.exec(location.hash);
   if (!found) return;
   history.replaceState(null, "", location.pathname);
-  await take(found[1]);
+  [offered, start] = [await keyOf(found[1]), null];
+  await greet().catch(() => null);
 }
 
-const mac = async (text) => hex(await crypto.subtle.sign("HMAC", key, bytes(text)));
+const mac = async (text, by = key) => hex(await crypto.subtle.sign("HMAC", by, bytes(text)));
+
+/** The page has no service workers: one that is there was left by a stranger who had the port, and hears all. */
+async function alone() {
+  const workers = navigator.serviceWorker;
+  const left = await workers?.getRegistrations().catch(() => []) ?? [];
+  await Promise.all(left.map((worker) => worker.unregister()));
+  if (workers?.controller) throw new Locked();
+}
 
 /** Greets the daemon. A stranger on its port cannot answer and hears nothing. */
 export async function greet() {
+  await alone();
   // Another tab may have got a newer key.
-  key = (await shelf("readonly", (keys) => keys.get("page")).catch(() => null)) ?? key;
-  if (!key) throw new Locked();
+  const kept = (await shelf("readonly", (keys) => keys.get("page")).catch(() => null)) ?? key;
+  if (!offered && !kept) throw new Locked();
   const nonce = fresh();
   const answer = await fetch(`/api/hello?nonce=${nonce}`);
   const said = answer.ok ? await answer.json().catch(() => ({})) : {};
-  if (said.proof !== await mac(`page\n${said.start}\n${nonce}`)) throw new Locked();
+  const isProved = async (by) => by && said.proof === await mac(`page\n${said.start}\n${nonce}`, by);
+  const isOffered = await isProved(offered);
+  if (!isOffered && !await isProved(kept)) throw new Locked();
+  key = isOffered ? offered : kept;
   start = said.start;
+  offered = null;
+  if (isOffered) await shelf("readwrite", (keys) => keys.put(key, "page")).catch(() => null);
 }
 
 /** A signed request. A daemon that was started again is greeted first. */

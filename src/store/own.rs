@@ -1,0 +1,256 @@
+//! Files of ours in folders that others may write to: somebody may have planted a link, a pipe or a device in their place,
+//! also while the program runs. Such a thing is never opened through, waited for or read without end.
+
+use std::fmt;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read as _, Write as _};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use super::{OUTPUT_IS_LINK, shown};
+use crate::report::Error;
+
+/// More than this is no file of ours.
+pub(super) const OWN_BYTES_MAX: u64 = 1 << 30;
+/// How long whoever reads a pipe may take to come.
+const READER_TIME: Duration = Duration::from_secs(5);
+/// Pause between two looks for that reader.
+const LOOK_PAUSE: Duration = Duration::from_millis(20);
+
+/// What lies in the place of a file of ours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Planted {
+    /// It leads elsewhere.
+    Link,
+    /// A pipe or a device.
+    Special,
+    /// A pipe that nobody reads, where the user wants one to be written into.
+    Unread,
+    /// More bytes than a file of ours ever has.
+    Large(u64),
+}
+
+impl Planted {
+    /// Code of the problem.
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::Link => OUTPUT_IS_LINK,
+            Self::Special | Self::Unread => "output-is-special",
+            Self::Large(_) => "output-too-large",
+        }
+    }
+}
+
+impl fmt::Display for Planted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Link => {
+                f.write_str("is a link; results are never written or read through links: remove it")
+            }
+            Self::Special => f.write_str(
+                "is a pipe or a device in the place of a file of ours, and was not opened: remove it",
+            ),
+            Self::Unread => f.write_str("is a pipe without a reader: start its reader first, or name a file"),
+            Self::Large(bytes) => write!(
+                f,
+                "has {} MB, a file of ours at most {} MB, and was not read: move it away",
+                bytes >> 20,
+                OWN_BYTES_MAX >> 20
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Planted {}
+
+impl From<Planted> for io::Error {
+    fn from(planted: Planted) -> Self {
+        Self::new(io::ErrorKind::InvalidInput, planted)
+    }
+}
+
+/// What an error says of a planted thing, if it is of one.
+pub(super) fn planted_of(error: &io::Error) -> Option<Planted> {
+    error.get_ref().and_then(|e| e.downcast_ref()).copied()
+}
+
+/// What lies there in the place of a file of ours; `None`: a file, a folder or nothing.
+fn planted(path: &Path) -> Option<Planted> {
+    let kind = fs::symlink_metadata(path).ok()?.file_type();
+    if kind.is_symlink() {
+        return Some(Planted::Link);
+    }
+    (!kind.is_file() && !kind.is_dir()).then_some(Planted::Special)
+}
+
+/// Refuses a link: whatever is written there would be written elsewhere.
+///
+/// # Errors
+/// `output-is-link`.
+pub(super) fn refuse_link(path: &Path) -> Result<(), Error> {
+    refuse(path, planted(path).filter(|p| *p == Planted::Link))
+}
+
+/// As [`refuse_link`], for files that are ours alone: whoever opens a pipe waits for its other end.
+///
+/// # Errors
+/// `output-is-link`, `output-is-special`.
+pub(super) fn refuse_planted(path: &Path) -> Result<(), Error> {
+    refuse(path, planted(path))
+}
+
+fn refuse(path: &Path, planted: Option<Planted>) -> Result<(), Error> {
+    planted.map_or(Ok(()), |p| Err(Error::environment(p.code(), shown(path), p.to_string())))
+}
+
+/// Opens a file of ours, or makes it as `options` say: one that was planted a moment ago is not opened either.
+///
+/// # Errors
+/// The system's; a [`Planted`] for what is no file.
+pub(super) fn open_own(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+    if let Some(planted) = planted(path) {
+        return Err(planted.into());
+    }
+    at_once(options, true);
+    // Links and pipes without a reader are errors of the system by now.
+    let file = options.open(path).map_err(|e| planted(path).map_or(e, io::Error::from))?;
+    let kind = file.metadata()?.file_type();
+    if kind.is_file() || kind.is_dir() { Ok(file) } else { Err(Planted::Special.into()) }
+}
+
+/// Opening waits for nobody, and follows no link where it is asked so.
+#[cfg(unix)]
+fn at_once(options: &mut OpenOptions, no_link: bool) {
+    use rustix::fs::OFlags;
+    use std::os::unix::fs::OpenOptionsExt as _;
+    let flags = if no_link { OFlags::NONBLOCK | OFlags::NOFOLLOW } else { OFlags::NONBLOCK };
+    options.custom_flags(flags.bits() as i32);
+}
+
+#[cfg(not(unix))]
+fn at_once(_: &mut OpenOptions, _: bool) {}
+
+/// Opens a file of ours for reading.
+///
+/// # Errors
+/// The system's; `InvalidInput` for a link, a pipe or a device.
+pub fn open_to_read(path: &Path) -> io::Result<File> {
+    open_own(path, File::options().read(true))
+}
+
+/// Reads a file of ours; anything else of its name, as a planted link or pipe, is neither followed nor waited for.
+///
+/// # Errors
+/// The system's; `InvalidInput` for what is no file of ours.
+pub fn read_own(path: &Path) -> io::Result<Vec<u8>> {
+    whole(open_to_read(path)?)
+}
+
+/// As [`read_own`] of a file that the user names: whoever names a link means what it leads to.
+///
+/// # Errors
+/// As [`read_own`].
+pub fn read_named(path: &Path) -> io::Result<Vec<u8>> {
+    read_own(&fs::canonicalize(path)?)
+}
+
+fn whole(file: File) -> io::Result<Vec<u8>> {
+    let size = file.metadata()?.len();
+    if size > OWN_BYTES_MAX {
+        return Err(Planted::Large(size).into());
+    }
+    let mut bytes = Vec::with_capacity(usize::try_from(size).unwrap_or_default());
+    file.take(OWN_BYTES_MAX).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Writes into a pipe or a device that the user named; a pipe's reader is waited for, but not for ever.
+///
+/// # Errors
+/// The system's; a [`Planted`] for a pipe that nobody reads.
+pub(super) fn write_into(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut options = File::options();
+    at_once(options.write(true), false);
+    let since = Instant::now();
+    let mut file = loop {
+        match options.open(path) {
+            Err(e) if is_unread(&e) && since.elapsed() < READER_TIME => std::thread::sleep(LOOK_PAUSE),
+            Err(e) if is_unread(&e) => return Err(Planted::Unread.into()),
+            other => break other?,
+        }
+    };
+    waits_again(&file)?;
+    file.write_all(bytes)
+}
+
+#[cfg(unix)]
+fn is_unread(error: &io::Error) -> bool {
+    error.raw_os_error() == Some(rustix::io::Errno::NXIO.raw_os_error())
+}
+
+#[cfg(not(unix))]
+fn is_unread(_: &io::Error) -> bool {
+    false
+}
+
+/// Writing may wait for a slow reader.
+#[cfg(unix)]
+fn waits_again(file: &File) -> io::Result<()> {
+    use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
+    Ok(fcntl_setfl(file, fcntl_getfl(file)? - OFlags::NONBLOCK)?)
+}
+
+#[cfg(not(unix))]
+fn waits_again(_: &File) -> io::Result<()> {
+    Ok(())
+}
+
+#[cfg(unix)]
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::{Disk as _, SystemDisk, disk_error, replace_file};
+
+    fn pipe(path: &Path) {
+        assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
+    }
+
+    /// Whatever lies in the place of a file of ours, what is behind it stays, nobody waits, and the words help.
+    #[test]
+    fn nothing_is_opened_through_what_was_planted() {
+        let dir = tempfile::tempdir().unwrap();
+        let [drawing, link, dangling, fifo, large] =
+            ["plan.dxf", "link", "dangling", "fifo", "large"].map(|name| dir.path().join(name));
+        fs::write(&drawing, "a drawing").unwrap();
+        std::os::unix::fs::symlink(&drawing, &link).unwrap();
+        std::os::unix::fs::symlink(dir.path().join("new"), &dangling).unwrap();
+        pipe(&fifo);
+        File::create(&large).unwrap().set_len(3 << 30).unwrap();
+        let said = |path: &Path, error: io::Error| disk_error("reading", path, &error).to_string();
+        for (path, word) in [(&link, "is a link"), (&dangling, "is a link"), (&fifo, "is a pipe")] {
+            let read = said(path, read_own(path).unwrap_err());
+            let added = said(path, SystemDisk.append(path, b"line\n", true).unwrap_err());
+            let synced = said(path, SystemDisk.sync(path).unwrap_err());
+            for text in [read, added, synced] {
+                assert!(text.contains(word) && text.contains("remove it"), "{text}");
+                assert!(!text.contains("look at the disk"), "{text}");
+            }
+        }
+        let text = said(&large, read_own(&large).unwrap_err());
+        assert!(text.contains("3072 MB") && text.contains("move it away"), "{text}");
+        assert_eq!(fs::read(&drawing).unwrap(), b"a drawing");
+        assert!(!dir.path().join("new").exists());
+        assert_eq!(read_named(&link).unwrap(), b"a drawing");
+    }
+
+    /// A pipe that the user named and nobody reads is told, not waited for.
+    #[test]
+    fn a_pipe_without_a_reader_is_told() {
+        let dir = tempfile::tempdir().unwrap();
+        let fifo = dir.path().join("fifo");
+        pipe(&fifo);
+        let error = replace_file(&SystemDisk, &fifo, b"table").unwrap_err();
+        assert!(error.to_string().contains("without a reader"), "{error}");
+        assert_eq!(error.exit_code(), 4);
+    }
+}
