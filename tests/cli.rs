@@ -320,6 +320,23 @@ fn a_full_standard_output_is_said() {
     }
 }
 
+/// A standard error that takes nothing changes no outcome.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_error_ends_nothing() {
+    let plan = sample("gallery.dxf");
+    for (args, code) in [
+        (vec!["check", &plan], 0),
+        (vec!["check", "/nowhere/plan.dxf"], 2),
+        (vec!["check", &plan, "--json=/nowhere/plan.enfilade.toml"], 3),
+    ] {
+        let full = || std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_enfilade")).args(&args).stderr(full()).output().unwrap();
+        assert_eq!(output.status.code(), Some(code), "{args:?}");
+    }
+}
+
 /// A folder that takes no state of the daemon's is found by whoever asks, and has one daemon.
 #[test]
 fn a_daemon_with_its_state_elsewhere_is_found() {

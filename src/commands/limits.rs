@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use super::beside::settings_partial;
 use crate::cli::Common;
 use crate::config::Partial;
-use crate::report::{Cancel, Error, Place};
+use crate::report::{Cancel, Error, Place, complain};
 use crate::watch::{JOB_LIMIT_SECS, READ_LIMIT_SECS};
 
 /// A command that was told to end has so long to do it; then its process ends.
@@ -103,7 +103,7 @@ fn watch(limits: &Limits, heard: &mpsc::Receiver<()>, cancel: &Cancel, hit: &Mut
     let told = Instant::now();
     while let Ok(()) = heard.recv_timeout(PATIENCE.saturating_sub(told.elapsed())) {}
     if told.elapsed() >= PATIENCE {
-        eprintln!("error: {late}");
+        complain(format_args!("error: {late}"));
         std::process::exit(i32::from(late.exit_code()));
     }
 }
