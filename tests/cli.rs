@@ -337,6 +337,17 @@ fn a_full_standard_error_ends_nothing() {
     }
 }
 
+/// A budget that no clock can hold is refused like any other out of range.
+#[test]
+fn seconds_out_of_range_are_refused() {
+    for seconds in ["nan", "inf", "1e20", "1e300", "-1", "0"] {
+        let done = enfilade(&["run", &sample("gallery.dxf"), "--seconds", seconds]);
+        let said = text(&done.stderr);
+        assert_eq!(done.status.code(), Some(3), "{seconds}: {said}");
+        assert!(said.contains("0.1 to 1000000"), "{seconds}: {said}");
+    }
+}
+
 /// A folder that takes no state of the daemon's is found by whoever asks, and has one daemon.
 #[test]
 fn a_daemon_with_its_state_elsewhere_is_found() {
