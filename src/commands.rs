@@ -20,7 +20,7 @@ use crate::config::{Partial, Settings, settings_files};
 use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
 use crate::overlay::measure::{counts_cells, numbers_apart, parts, plain_name, wording};
 use crate::overlay::reading::{Headline, QuestionEntry};
-use crate::overlay::result::{AnalysisResult, Interval, RoundResult, StoreyEntry, to_json};
+use crate::overlay::result::{AnalysisResult, Interval, RESULT_SCHEMA, RoundResult, StoreyEntry, to_json};
 use crate::overlay::words::headline;
 use crate::pipeline::accept::Origin;
 use crate::pipeline::cells::CellOptions;
@@ -584,6 +584,11 @@ fn round_result(folder: &Path, which: Which) -> Result<(Origin, RoundResult), Er
     })?;
     let result: RoundResult = serde_json::from_slice(&json)
         .map_err(|e| Error::input("result", place(), format!("{e}; nothing was written")))?;
+    if result.schema != RESULT_SCHEMA {
+        let text =
+            format!("found schema {:?}, expected {RESULT_SCHEMA:?}; nothing was written", result.schema);
+        return Err(Error::input("result", place(), text));
+    }
     if let Which::SoFar(Some(seen)) = which
         && seen != result.evaluations
     {
