@@ -13,6 +13,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use crate::commands::unsaid;
 use crate::config::{JOB_SECS, Partial};
 use crate::pipeline::resolution;
+use crate::report::complain;
 pub use choices::{BackendArg, ColoursArg, LevelArg, MethodArg, ModeArg, ThresholdsArg, UnsureArg};
 use reading::ReadingArgs;
 use values::{graph_file, point, radius, whole};
@@ -33,7 +34,7 @@ pub struct Cli {
 pub fn parse() -> Result<Cli, u8> {
     let matches = grammar().try_get_matches().map_err(|e| end_of(&e))?;
     idle::judge(&matches).map_err(|error| {
-        eprintln!("error: {error}");
+        complain(format_args!("error: {error}"));
         error.exit_code()
     })?;
     Cli::from_arg_matches(&matches).map_err(|e| end_of(&e))
@@ -49,7 +50,7 @@ fn end_of(e: &clap::Error) -> u8 {
         // A closed pipe is no reason to fail.
         Err(fault) if fault.kind() != std::io::ErrorKind::BrokenPipe => {
             let error = unsaid(&fault.to_string());
-            eprintln!("error: {error}");
+            complain(format_args!("error: {error}"));
             error.exit_code()
         }
         _ => 0,

@@ -20,14 +20,16 @@ use crate::config::{Partial, Settings, settings_files};
 use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
 use crate::overlay::measure::{counts_cells, numbers_apart, parts, plain_name, wording};
 use crate::overlay::reading::{Headline, QuestionEntry};
-use crate::overlay::result::{AnalysisResult, Interval, RoundResult, StoreyEntry, to_json};
+use crate::overlay::result::{AnalysisResult, Interval, RESULT_SCHEMA, RoundResult, StoreyEntry, to_json};
 use crate::overlay::words::headline;
 use crate::pipeline::accept::Origin;
 use crate::pipeline::cells::CellOptions;
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::plan::drawing::Format;
 use crate::progress::Display;
-use crate::report::{Cancel, Error, Place, Report, Severity, counted, gathered, one_line, short_numbers};
+use crate::report::{
+    Cancel, Error, Place, Report, Severity, complain, counted, gathered, one_line, short_numbers,
+};
 use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, round_name};
 use crate::watch::MAX_DRAWING_BYTES;
@@ -357,7 +359,7 @@ fn run(args: &RunArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
                 display.show(&p);
             }
         }
-        Notice::Problem { problem, .. } => eprintln!("warning: {problem}"),
+        Notice::Problem { problem, .. } => complain(format_args!("warning: {problem}")),
         _ => {}
     };
     let done = daemon::run_once(&args.file, &watch, &job, &mut show, cancel);
@@ -372,7 +374,7 @@ fn run(args: &RunArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
         let (shown, left) = telling::shown(&report, args.verbose || is_json);
         tell(&args.common, &shown);
         if left > 0 && !args.common.quiet {
-            eprintln!("{}: --verbose shows them", counted(left as u64, "more note"));
+            complain(format_args!("{}: --verbose shows them", counted(left as u64, "more note")));
         }
     }
     Ok(u8::from(done.is_degraded))
@@ -587,6 +589,11 @@ fn round_result(folder: &Path, which: Which) -> Result<(Origin, RoundResult), Er
     })?;
     let result: RoundResult = serde_json::from_slice(&json)
         .map_err(|e| Error::input("result", place(), format!("{e}; nothing was written")))?;
+    if result.schema != RESULT_SCHEMA {
+        let text =
+            format!("found schema {:?}, expected {RESULT_SCHEMA:?}; nothing was written", result.schema);
+        return Err(Error::input("result", place(), text));
+    }
     if let Which::SoFar(Some(seen)) = which
         && seen != result.evaluations
     {
@@ -682,9 +689,13 @@ fn tell(common: &Common, report: &Report) {
             Severity::Warning => "warning",
             Severity::Error => "error",
         };
-        eprintln!("{word}: {p}");
+        complain(format_args!("{word}: {p}"));
         if !others.is_empty() {
-            eprintln!("{word}: {}: {} more like the last; --json names each", p.place.file, others.len());
+            complain(format_args!(
+                "{word}: {}: {} more like the last; --json names each",
+                p.place.file,
+                others.len()
+            ));
         }
     }
 }

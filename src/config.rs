@@ -24,7 +24,7 @@ use crate::report::{Error, Place, counted};
 pub use beside::{Beside, Twin};
 pub use choices::{Thresholds, Unsure};
 pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
-pub use files::{settings_files, unread_side_cars};
+pub use files::{is_settings, settings_files, unread_side_cars};
 pub use measure::{Measure, Source};
 pub use pair::{PAIR_NAME_BYTES, PairName};
 pub use reading::{ReadingTable, SelectorText, ViewText, for_folder};

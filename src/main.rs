@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use enfilade::cli;
 use enfilade::commands::execute;
-use enfilade::report::{Cancel, Error};
+use enfilade::report::{Cancel, Error, complain};
 
 /// A job that does not look at the stop request in this time is left behind: everything it stores
 /// appears whole or not at all.
@@ -23,23 +23,23 @@ fn main() -> ExitCode {
     let handler = ctrlc::set_handler(move || {
         on_stop.stop();
         std::thread::sleep(STOP_GRACE);
-        eprintln!("{STOPPED}");
+        complain(STOPPED);
         std::process::exit(i32::from(Error::Stopped.exit_code()));
     });
     if let Err(e) = handler {
-        eprintln!("note: Ctrl-C cannot be handled: {e}");
+        complain(format_args!("note: Ctrl-C cannot be handled: {e}"));
     }
     if let Err(e) = refuse_too_large_files_by_error() {
-        eprintln!("note: a limit on the size of files will end the program without a word: {e}");
+        complain(format_args!("note: a limit on the size of files will end the program without a word: {e}"));
     }
     match execute(cli, &cancel) {
         Ok(code) => ExitCode::from(code),
         Err(Error::Stopped) => {
-            eprintln!("{STOPPED}");
+            complain(STOPPED);
             ExitCode::from(Error::Stopped.exit_code())
         }
         Err(e) => {
-            eprintln!("error: {e}");
+            complain(format_args!("error: {e}"));
             ExitCode::from(e.exit_code())
         }
     }

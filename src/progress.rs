@@ -6,6 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::ProgressArg;
 use crate::pipeline::Progress;
+use crate::report::complain;
 
 /// Says how far a job is, on standard error.
 pub struct Display {
@@ -27,7 +28,7 @@ impl Display {
             ProgressArg::None => {}
             ProgressArg::Json => {
                 if let Ok(line) = serde_json::to_string(p) {
-                    eprintln!("{line}");
+                    complain(line);
                 }
             }
             ProgressArg::Bar => self.show_bar(p),

@@ -7,6 +7,7 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fmt;
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,6 +21,11 @@ pub fn printable(text: &str) -> String {
     text.chars()
         .map(|c| if is_harmless(c) { c.to_string() } else { c.escape_default().to_string() })
         .collect()
+}
+
+/// One line on standard error. Where that takes nothing, nobody is left to be told.
+pub fn complain(line: impl fmt::Display) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
 /// Numbers with more digits than anybody reads, in short: `1.000e308`. A slip of the pen in a drawing has up to 309.

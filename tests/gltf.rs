@@ -10,7 +10,7 @@ use std::sync::Arc;
 use base64::Engine;
 use enfilade::formats::{self, Completeness, ReadOptions};
 use enfilade::plan::drawing::{Addition, Drawing, Edit, Entity, Mark, RigidMotion, Shape, Unit};
-use enfilade::report::{Error, Report};
+use enfilade::report::{Error, Report, Severity};
 use glam::DVec2;
 use proptest::prelude::*;
 
@@ -668,12 +668,21 @@ fn a_triangle_in_every_way_of_writing_it() {
         r#""bufferView":1,"count":36"#,
         4,
     );
-    let quantised = scene(
+    let unsaid = scene(
         &[&shorts[..], &indices].concat(),
         r#"{"buffer":0,"byteLength":64,"byteStride":8},{"buffer":0,"byteOffset":64,"byteLength":36}"#,
         r#""bufferView":0,"componentType":5123,"count":8"#,
         r#""bufferView":1,"count":36"#,
         4,
+    );
+    let quantised =
+        unsaid.replacen(r#"{"asset""#, r#"{"extensionsUsed":["KHR_mesh_quantization"],"asset""#, 1);
+    let (drawing, report) = read_as("house.gltf", unsaid.as_bytes());
+    let said = format!("{report:?}");
+    assert!(drawing.is_ok_and(|d| d.entities.is_empty()), "{said}");
+    assert!(
+        said.contains("has positions of component type 5123, expected 5126, or KHR_mesh_quantization"),
+        "{said}"
     );
     let all: Vec<u8> = (0..8).collect();
     let sparse = scene(
@@ -699,6 +708,30 @@ fn a_triangle_in_every_way_of_writing_it() {
         corners.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
         let expected = [(0.0, -1.0), (0.0, 0.0), (2.0, -1.0), (2.0, 0.0)].map(DVec2::from);
         assert!(corners.iter().zip(expected).all(|(a, b)| (*a - b).length() < 1e-12), "{name}: {corners:?}");
+    }
+}
+
+/// Data beyond the stated bounds counts, and whoever believes the bounds sees something else: that is a warning.
+#[test]
+fn bounds_that_are_not_those_of_the_data_are_told() {
+    let said = |max: serde_json::Value| {
+        let bytes = with_json(PAVILION, |json| {
+            for accessor in json["accessors"].as_array_mut().unwrap() {
+                if accessor["type"] == "VEC3" && accessor.get("max").is_some() {
+                    accessor["max"] = max.clone();
+                }
+            }
+        });
+        let (drawing, report) = read_as("house.glb", &bytes);
+        drawing.unwrap();
+        report
+    };
+    for max in [serde_json::json!([0, 0, 0]), serde_json::json!([1e30, 1e30, 1e30])] {
+        let report = said(max);
+        let found = report.problems.iter().any(|p| {
+            p.code == "gltf-value" && p.severity == Severity::Warning && p.text.contains("/accessors/")
+        });
+        assert!(found, "{report:?}");
     }
 }
 

@@ -281,6 +281,42 @@ fn a_round_without_options_can_be_asked_for_them() {
     }
 }
 
+/// A save that only changes the time stamp leaves the options of the round; a wall that moved does not. A result that was
+/// written by somebody else is believed within the bounds of the moves alone.
+#[test]
+fn what_is_accepted_fits_the_drawing() {
+    let desk = Desk::new(&hall(["x -2 2", "x -2 2", "x -2 2"]));
+    let stamped = |time: &str| {
+        let drawn = hall(["x -2 2", "x -2 2", "x -2 2"]).text();
+        format!("0\nSECTION\n2\nHEADER\n9\n$TDUPDATE\n40\n{time}\n0\nENDSEC\n{drawn}")
+    };
+    std::fs::write(desk.drawing(), stamped("2460000.5")).unwrap();
+    let result = desk.run(1, &["--objective", "degree max 0.3"]).join("result.json");
+    let drawing = desk.drawing().to_string_lossy().into_owned();
+    let next = desk.folder.path().join("plan-r02.dxf");
+    let whole = std::fs::read_to_string(&result).unwrap();
+    let mut odd = json(&result);
+    odd["candidates"][0]["parameters"][0] = 1e6.into();
+    let far = odd.to_string();
+    let other = whole.replacen("enfilade.result/1", "enfilade.result/9", 1);
+    for (written, says) in [(&far, "expected -2 to 2"), (&other, "expected \"enfilade.result/1\"")] {
+        std::fs::write(&result, written).unwrap();
+        let done = enfilade(&["accept", &drawing, "1"]);
+        let said = text(&done.stderr);
+        assert_eq!(done.status.code(), Some(2), "{said}");
+        assert!(said.contains(says) && said.contains("nothing was written") && !next.exists(), "{said}");
+    }
+    std::fs::write(&result, &whole).unwrap();
+    std::fs::write(desk.drawing(), stamped("2460001.25").replace("A-WALL", "A-WALL-NEW")).unwrap();
+    let done = enfilade(&["accept", &drawing, "1"]);
+    assert_eq!(done.status.code(), Some(2), "{}", text(&done.stderr));
+    assert!(text(&done.stderr).contains("has changed since round 1"), "{}", text(&done.stderr));
+    std::fs::write(desk.drawing(), stamped("2460001.25")).unwrap();
+    let done = enfilade(&["accept", &drawing, "1"]);
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    assert!(std::fs::read_to_string(next).unwrap().contains("2460001.25"));
+}
+
 /// What a stopped search leaves in so-far/ can be accepted, pinned and liked.
 #[test]
 fn the_best_so_far_can_be_taken() {

@@ -12,7 +12,7 @@ use crate::daemon::{Asked, JobEvent, JobRequest, Share};
 use crate::formats::{self, StoreyInfo};
 use crate::pipeline;
 use crate::progress::Display;
-use crate::report::{Cancel, Error, Place, Report};
+use crate::report::{Cancel, Error, Place, Report, complain};
 use crate::store;
 
 /// Try again later: the exit code of `sysexits.h` that batch systems know.
@@ -131,7 +131,7 @@ pub(super) fn run_job(args: &RunJobArgs, cancel: &Cancel) -> Result<u8, Error> {
         Err(Error::Usage(problem)) => Err(Error::Input(problem)),
         // A link in the place of results stays until somebody removes it: no further try mends that.
         Err(Error::Environment(problem)) if problem.code != store::OUTPUT_IS_LINK => {
-            eprintln!("error: {problem}");
+            complain(format_args!("error: {problem}"));
             Ok(TRY_AGAIN)
         }
         Err(other) => Err(other),

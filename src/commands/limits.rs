@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use super::beside::settings_partial;
 use crate::cli::Common;
-use crate::config::Partial;
-use crate::report::{Cancel, Error, Place};
+use crate::config::{Partial, Settings};
+use crate::report::{Cancel, Error, Place, complain};
 use crate::watch::{JOB_LIMIT_SECS, READ_LIMIT_SECS};
 
 /// A command that was told to end has so long to do it; then its process ends.
@@ -35,8 +35,9 @@ impl Clock {
     /// Begins to watch; `seconds`: the budget of a search.
     ///
     /// # Errors
-    /// Of the drawing's settings.
+    /// Of the drawing's settings, and of `seconds` as the settings have them.
     pub(super) fn start(file: &Path, common: &Common, seconds: Option<f64>) -> Result<Self, Error> {
+        Settings::new(Partial { seconds, ..Partial::default() })?;
         let said = settings_partial(file, Partial::default())?.watch.unwrap_or_default();
         let read = common.read_limit_secs.or(said.read_limit_secs).unwrap_or(READ_LIMIT_SECS);
         let job = common.job_limit_secs.or(said.job_limit_secs);
@@ -103,7 +104,7 @@ fn watch(limits: &Limits, heard: &mpsc::Receiver<()>, cancel: &Cancel, hit: &Mut
     let told = Instant::now();
     while let Ok(()) = heard.recv_timeout(PATIENCE.saturating_sub(told.elapsed())) {}
     if told.elapsed() >= PATIENCE {
-        eprintln!("error: {late}");
+        complain(format_args!("error: {late}"));
         std::process::exit(i32::from(late.exit_code()));
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::is_standard_output;
 use crate::cli::{AnalyseArgs, Command, Common, ServiceCommand};
-use crate::config::settings_files;
+use crate::config::{is_settings, settings_files};
 use crate::formats::{self, ENDINGS};
 use crate::report::{Error, Place, Report};
 use crate::watch::{bytes_of, is_data};
@@ -178,6 +178,9 @@ fn fault(output: &Output<'_>, inputs: &[PathBuf]) -> Option<String> {
     if inputs.iter().any(|input| is_same(input, output.path)) {
         return Some("the drawing itself, or its settings".into());
     }
+    if is_settings(output.path) {
+        return Some("the name of a drawing's settings".into());
+    }
     let ending = output.path.extension().unwrap_or_default();
     if ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
         return Some(format!("the name of a drawing (.{})", ending.to_string_lossy()));
@@ -228,6 +231,12 @@ mod tests {
             ("check @/plan.dxf --preview @/new.DXF", "name of a drawing"),
             ("check @/plan.dxf --json=@/drawing.txt", "a drawing there"),
             ("check @/plan.dxf --json=@/plan.enfilade.toml", "settings"),
+            ("check @/plan.dxf --json=@/other.enfilade.toml", "name of a drawing's settings"),
+            ("check @/plan.dxf --preview @/x.Enfilade.toml", "name of a drawing's settings"),
+            ("check @/plan.dxf --json=@/sub/enfilade.toml", "name of a drawing's settings"),
+            ("analyse @/plan.dxf --json=@/other-enfilade.toml.txt", "name of a drawing's settings"),
+            ("jobs @/plan.dxf -o @/other.enfilade.toml", "name of a drawing's settings"),
+            ("check @/plan.dxf --json=@/notenfilade.toml", ""),
             ("check @/plan.dxf --json=@/a --preview @/a", "the file of --preview too"),
             ("analyse @/plan.dxf --out @/plan.dxf", "itself"),
             ("analyse @/plan.dxf --cells @/a.ifc", "name of a drawing"),

@@ -16,7 +16,7 @@ use crate::daemon::child::{self, Limits};
 use crate::daemon::{self, JobEvent, JobRequest, Notice, RunJob, WatchSettings};
 use crate::formats;
 use crate::overlay::result::to_json;
-use crate::report::{Cancel, Error, Place, Problem, Severity};
+use crate::report::{Cancel, Error, Place, Problem, Severity, complain};
 use crate::server::{Door, Login, Page, Taken};
 use crate::service::Folders;
 use crate::store::{Disk as _, Log, SystemDisk};
@@ -113,7 +113,7 @@ fn login_of(args: &WatchArgs) -> Option<Login> {
 fn announce(page: &Page, root: &Path, is_first: bool) {
     let written = page.door().write(root).and_then(|()| page.login().write(root));
     if let Err(error) = written {
-        eprintln!("warning: {error}; `enfilade open` will not find the page");
+        complain(format_args!("warning: {error}; `enfilade open` will not find the page"));
     }
     if is_first {
         match page.link() {
@@ -142,13 +142,13 @@ fn is_for_the_page_alone(notice: &Notice) -> bool {
 
 fn show_notice(notice: &Notice, quiet: bool, json: bool) {
     match notice {
-        Notice::Progress { value, .. } if json => eprintln!("{value}"),
+        Notice::Progress { value, .. } if json => complain(value),
         _ if is_for_the_page_alone(notice) => {}
         Notice::Problem { problem, .. } if problem.severity == Severity::Info && !quiet => {
-            eprintln!("note: {notice}");
+            complain(format_args!("note: {notice}"));
         }
         Notice::Problem { problem, .. } if problem.severity == Severity::Info => {}
-        Notice::Failed { .. } | Notice::Problem { .. } => eprintln!("warning: {notice}"),
+        Notice::Failed { .. } | Notice::Problem { .. } => complain(format_args!("warning: {notice}")),
         _ if quiet => {}
         _ => say(&notice.to_string()),
     }

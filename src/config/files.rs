@@ -8,6 +8,14 @@ pub fn settings_files(drawing: &Path) -> [PathBuf; 2] {
     [drawing.with_extension("enfilade.toml"), drawing.with_file_name("enfilade.toml")]
 }
 
+/// Whether a file of that name is the settings of some drawing, or was meant as such.
+pub fn is_settings(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let name = name.strip_suffix(".txt").unwrap_or(&name);
+    let Some(before) = name.strip_suffix("enfilade.toml") else { return false };
+    before.is_empty() || before.ends_with(['.', '-', '_'])
+}
+
 /// Names in a drawing's folder that are not read but were meant as its side-car, each with the name that is read.
 /// `found` are names of files as they lie there, in any order.
 pub fn unread_side_cars(drawing: &Path, found: &[String]) -> Vec<(String, String)> {

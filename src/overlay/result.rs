@@ -80,6 +80,9 @@ pub struct Input {
     pub path: String,
     /// Digest of the bytes, lower-case hexadecimal.
     pub sha256: String,
+    /// Digest of the drawing without the time at which it was written: another save of it has the same.
+    #[serde(default)]
+    pub content: String,
     /// `dxf`, `ifc`, `gltf`, `glb`.
     pub format: String,
     /// Name of the length unit used.

@@ -52,7 +52,7 @@ impl std::fmt::Display for Origin {
 ///
 /// # Errors
 /// [`Error::Usage`] when there is no such candidate; [`Error::Input`] when the drawing is not the one the
-/// round was made from.
+/// round was made from, or a parameter lies outside its bounds.
 pub fn accept(
     input: &Input<'_>,
     beside: Beside,
@@ -83,7 +83,8 @@ pub fn accept(
         };
         return Err(Error::usage("candidate", place(), text));
     };
-    if input.sha256() != result.input.sha256 {
+    let is_saved_again = || !result.input.content.is_empty() && input.content() == result.input.content;
+    if input.sha256() != result.input.sha256 && !is_saved_again() {
         let text = format!(
             "the drawing has changed since {origin} was made; nothing was written; run it again and accept from the new round"
         );
@@ -108,6 +109,10 @@ pub fn accept(
         );
         return Err(Error::input("parameters", place(), text));
     }
+    judge_parameters(&base, parameters).map_err(|(name, text)| {
+        let text = format!("{origin}: {text}; nothing was written");
+        Error::input("parameters", place().entity(name), text)
+    })?;
     let layout = base.moves.apply(&base.plan, &base.graph, parameters);
     let options = study::read_options(&settings);
     let mut edits = edits_of(&base, &layout);
@@ -135,6 +140,20 @@ pub fn accept(
          # start afresh from the markers.\n{text}"
     );
     Ok(Accepted { drawing, side_car })
+}
+
+/// Each parameter lies within the bounds of its move, within rounding; else the name of the group and what is wrong.
+fn judge_parameters(base: &Understood, parameters: &[f64]) -> Result<(), (String, String)> {
+    const SLACK: f64 = 1e-9;
+    for (p, value) in base.moves.parameters.iter().zip(parameters) {
+        let Clause { lower, upper, unit, .. } = &p.clause;
+        let slack = SLACK * lower.abs().max(upper.abs());
+        if !(lower - slack..=upper + slack).contains(value) {
+            let text = format!("found parameter {value} {unit}, expected {lower} to {upper}");
+            return Err((p.group_name.clone(), text));
+        }
+    }
+    Ok(())
 }
 
 /// The moves of the new drawing with its side-car: what the numbers of `warm` belong to.

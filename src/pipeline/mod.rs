@@ -75,6 +75,11 @@ impl<'a> Input<'a> {
         self.sha256.get_or_init(of)
     }
 
+    /// Digest of the file without the time at which it was written: see [`formats::timeless`].
+    pub fn content(&self) -> String {
+        formats::timeless(std::path::Path::new(self.path), self.whole)
+    }
+
     /// With what an earlier start of the same job handed out.
     pub fn going_on_from(self, earlier: &'a [u8]) -> Self {
         Self { earlier, ..self }
@@ -379,7 +384,7 @@ fn analysis_result(input: &Input<'_>, study: &Study, report: &Report) -> Analysi
     AnalysisResult {
         schema: result::ANALYSIS_SCHEMA.into(),
         version: crate::VERSION.into(),
-        input: show::input(&study.base.plan, input.path, input.sha256()),
+        input: show::input(&study.base.plan, input),
         spacing_m: study.spacing_m,
         lattice_centre: lattice_centre(study),
         counts: show::counts(study, study.edges),

@@ -153,7 +153,7 @@ pub fn resolution(
     let critical_m = critical(&rows, options.tolerance);
     let result = ResolutionResult {
         schema: SCHEMA.into(),
-        input: show::input(&plan, input.path, input.sha256()),
+        input: show::input(&plan, input),
         tolerance: options.tolerance,
         samples: samples.len(),
         critical_m,
@@ -480,6 +480,7 @@ mod tests {
         let input = result::Input {
             path: "plan.dxf".into(),
             sha256: String::new(),
+            content: String::new(),
             format: String::new(),
             unit: String::new(),
             unit_reason: String::new(),

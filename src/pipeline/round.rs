@@ -407,7 +407,7 @@ fn round_result(
     RoundResult {
         schema: result::RESULT_SCHEMA.into(),
         version: crate::VERSION.into(),
-        input: show::input(&study.base.plan, input.path, input.sha256()),
+        input: show::input(&study.base.plan, input),
         settings: settings_map,
         counts: show::counts(study, study.edges),
         spacing_m: study.spacing_m,

@@ -432,10 +432,11 @@ pub fn changes(base: &Understood, layout: &Layout) -> Vec<Change> {
 }
 
 /// `input` of result.json.
-pub fn input(plan: &Plan, path: &str, sha256: &str) -> Input {
+pub fn input(plan: &Plan, read: &super::Input<'_>) -> Input {
     Input {
-        path: path.into(),
-        sha256: sha256.into(),
+        path: read.path.into(),
+        sha256: read.sha256().into(),
+        content: read.content(),
         format: plan.format.name().into(),
         unit: plan.unit.unit.name.into(),
         unit_reason: plan.unit.reason.clone(),

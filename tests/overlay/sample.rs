@@ -295,6 +295,7 @@ fn result() -> RoundResult {
         input: Input {
             path: "Büro/hôtel-particulier-r03.dxf".to_owned(),
             sha256: "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08".to_owned(),
+            content: String::new(),
             format: "dxf".to_owned(),
             unit: "m".to_owned(),
             unit_reason: "$INSUNITS 6".to_owned(),

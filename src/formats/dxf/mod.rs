@@ -43,6 +43,7 @@ pub use read::read;
 pub use strip::strip_own;
 
 pub(super) use header::release_of;
+pub(super) use tokens::BINARY_SENTINEL;
 
 use crate::plan::drawing::Unit;
 

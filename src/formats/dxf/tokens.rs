@@ -9,7 +9,7 @@ use super::limits::Limits;
 use crate::report::Place;
 
 /// First 22 bytes of a binary DXF.
-pub(super) const BINARY_SENTINEL: &[u8] = b"AutoCAD Binary DXF\r\n\x1a\0";
+pub(in crate::formats) const BINARY_SENTINEL: &[u8] = b"AutoCAD Binary DXF\r\n\x1a\0";
 
 /// UTF-8 byte order mark.
 pub(super) const BOM: &[u8] = b"\xef\xbb\xbf";

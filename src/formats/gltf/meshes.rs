@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
-use super::json::Json;
+use super::json::{Json, Value};
 use super::limits::TRIANGLES_MAX;
+use super::primitives::{FLOAT, WHOLE};
 use super::scene::File;
 
 /// What keeps a mesh from being read: JSON pointer and reason.
@@ -62,8 +63,23 @@ impl File<'_> {
         self.json.list("accessors").get(accessor).is_some_and(|a| a.index("bufferView").is_some())
     }
 
+    /// Whether the file says that its positions may be whole numbers.
+    fn is_quantised(&self) -> bool {
+        let lists = ["extensionsRequired", "extensionsUsed"].into_iter();
+        let mut names = lists.flat_map(|key| self.json.list(key));
+        names.any(|name| matches!(&name.value, Value::Text(t) if t == "KHR_mesh_quantization"))
+    }
+
     /// Corners of an accessor of positions.
     pub fn points(&self, accessor: usize) -> Result<Vec<DVec3>, Why> {
+        let kind = self.json.list("accessors").get(accessor).and_then(|a| a.index("componentType"));
+        let is_allowed = |k: usize| k == FLOAT || WHOLE.contains(&k) && self.is_quantised();
+        if let Some(kind) = kind.filter(|k| !is_allowed(*k)) {
+            let whole =
+                if WHOLE.contains(&kind) { ", or KHR_mesh_quantization in extensionsUsed" } else { "" };
+            let why = format!("has positions of component type {kind}, expected {FLOAT}{whole}");
+            return Err((format!("/accessors/{accessor}"), why));
+        }
         let flat = self.numbers(accessor, 3, true)?;
         if flat.iter().any(|v| !v.is_finite()) {
             return Err((format!("/accessors/{accessor}"), "has coordinates that are no numbers".into()));
@@ -99,7 +115,7 @@ impl File<'_> {
         let kind = found.index("componentType").unwrap_or(0);
         let normalised = match found.get("normalized").map(|n| &n.value) {
             None => false,
-            Some(super::json::Value::Bool(b)) => *b && may_be_normalised,
+            Some(Value::Bool(b)) => *b && may_be_normalised,
             Some(_) => return Err(why("has a `normalized` that is neither true nor false")),
         };
         let mut out = match stated(found, "bufferView").map_err(|text| why(&text))? {

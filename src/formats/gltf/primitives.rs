@@ -10,10 +10,10 @@ use super::meshes::{FAN, TRIANGLES};
 use super::scene::{File, Shown};
 
 /// Component types of whole numbers that may be normalised; of what is normalised.
-const WHOLE: [usize; 4] = [5120, 5121, 5122, 5123];
+pub(super) const WHOLE: [usize; 4] = [5120, 5121, 5122, 5123];
 
 /// Component type of floats.
-const FLOAT: usize = 5126;
+pub(super) const FLOAT: usize = 5126;
 
 /// How far stated bounds may be from the data by rounding, a share of the largest coordinate.
 const BOUND_SLACK: f64 = 1e-5;
@@ -63,7 +63,6 @@ fn of_primitive(scene: &File<'_>, pointer: &str, primitive: &Json) -> Vec<(Strin
         }
         _ => {}
     }
-    let is_normalised = |a: &Json| a.get("normalized").is_some_and(|n| n.value == Value::Bool(true));
     if let Some((i, a)) = position.filter(|(_, a)| is_normalised(a)) {
         let kind = a.index("componentType").unwrap_or(0);
         if !WHOLE.contains(&kind) {
@@ -79,14 +78,18 @@ fn of_primitive(scene: &File<'_>, pointer: &str, primitive: &Json) -> Vec<(Strin
             format!("/accessors/{i}: found `normalized` on indices, expected plain numbers; read as such");
         out.push((text, true));
     }
-    out.extend(position.and_then(|(i, a)| bounds(scene, i, a)).map(|text| (text, true)));
+    out.extend(position.and_then(|(i, a)| bounds(scene, i, a)).map(|text| (text, false)));
     out
+}
+
+fn is_normalised(accessor: &Json) -> bool {
+    accessor.get("normalized").is_some_and(|n| n.value == Value::Bool(true))
 }
 
 /// What is said of stated bounds that are not those of the data.
 fn bounds(scene: &File<'_>, index: usize, accessor: &Json) -> Option<String> {
     let stated = ["min", "max"].map(|key| accessor.numbers(key).filter(|v| v.len() == 3));
-    if accessor.index("componentType") != Some(FLOAT) || stated == [None, None] {
+    if is_normalised(accessor) || stated == [None, None] {
         return None;
     }
     let points = scene.points(index).ok().filter(|p| !p.is_empty())?;
