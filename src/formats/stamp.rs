@@ -229,7 +229,8 @@ mod tests {
     /// A name that only looks like that of a stamp hides nothing that follows it.
     #[test]
     fn what_is_named_like_a_stamp_counts() {
-        let table: [(&str, fn(&str) -> String); 5] = [
+        type Made = fn(&str) -> String;
+        let table: [(&str, Made); 5] = [
             ("a.gltf", |x| format!("{{\"nodes\":[{{\"name\":\"asset\",\"extras\":{{\"x\":{x}}}}}]}}")),
             ("a.gltf", |x| {
                 format!("{{\"nodes\":[{{\"asset\":{{\"x\":{x}}}}}],\"asset\":{{\"generator\":\"a\"}}}}")

@@ -101,9 +101,12 @@ fn pieces(file: std::fs::File, length: u64) -> Body {
         loop {
             let mut piece = Vec::new();
             let read = rest.by_ref().take(PIECE_BYTES as u64).read_to_end(&mut piece).map(|_| piece);
-            let is_last = read.as_ref().map_or(true, Vec::is_empty);
+            let has_failed = read.is_err();
+            if read.as_ref().is_ok_and(Vec::is_empty) {
+                return;
+            }
             // Whoever listened may be gone.
-            if is_last && read.is_ok() || send.blocking_send(read).is_err() || is_last {
+            if send.blocking_send(read).is_err() || has_failed {
                 return;
             }
         }
