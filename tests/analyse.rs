@@ -109,7 +109,7 @@ fn closed_gaps_are_told() {
         text(&done.stderr) + &text(&done.stdout)
     };
     let place = "1 gap between walls in line, up to 0.032 m wide, taken as drawing error and closed for sight: at 6,4.01 ";
-    for args in [&["analyse"][..], &["run", "--evaluations", "20"], &["check"]] {
+    for args in [&["analyse"][..], &["run", "--evaluations", "20", "--verbose"], &["check"]] {
         let said = told(0.02, args);
         assert!(said.contains(place), "{args:?}: {said}");
     }

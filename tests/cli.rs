@@ -320,34 +320,6 @@ fn a_full_standard_output_is_said() {
     }
 }
 
-/// A standard error that takes nothing changes no outcome.
-#[cfg(target_os = "linux")]
-#[test]
-fn a_full_standard_error_ends_nothing() {
-    let plan = sample("gallery.dxf");
-    for (args, code) in [
-        (vec!["check", &plan], 0),
-        (vec!["check", "/nowhere/plan.dxf"], 2),
-        (vec!["check", &plan, "--json=/nowhere/plan.enfilade.toml"], 3),
-    ] {
-        let full = || std::fs::File::options().write(true).open("/dev/full").unwrap();
-        let output =
-            Command::new(env!("CARGO_BIN_EXE_enfilade")).args(&args).stderr(full()).output().unwrap();
-        assert_eq!(output.status.code(), Some(code), "{args:?}");
-    }
-}
-
-/// A budget that no clock can hold is refused like any other out of range.
-#[test]
-fn seconds_out_of_range_are_refused() {
-    for seconds in ["nan", "inf", "1e20", "1e300", "-1", "0"] {
-        let done = enfilade(&["run", &sample("gallery.dxf"), "--seconds", seconds]);
-        let said = text(&done.stderr);
-        assert_eq!(done.status.code(), Some(3), "{seconds}: {said}");
-        assert!(said.contains("0.1 to 1000000"), "{seconds}: {said}");
-    }
-}
-
 /// A folder that takes no state of the daemon's is found by whoever asks, and has one daemon.
 #[test]
 fn a_daemon_with_its_state_elsewhere_is_found() {

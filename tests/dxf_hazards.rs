@@ -102,7 +102,7 @@ fn entities_that_cannot_be_trusted_are_left_out_by_name() {
         ("18 zero scale", "0|INSERT|5|2F4|8|W|2|B|10|0|20|0|41|0".into(), "dxf-zero-scale Warning plan.dxf:39 INSERT 2F4 layer W: its scale, found 0, expected another factor; left out".into()),
         ("18 scale of almost nothing", "0|INSERT|5|2F4|8|W|2|B|10|0|20|0|41|1e-12".into(), "dxf-zero-scale Warning plan.dxf:39 INSERT 2F4 layer W: its scale, found 0.000000000001, expected another factor; left out".into()),
         ("18 tilted", "0|INSERT|5|2F4|8|W|2|B|10|0|20|0|210|1|220|0|230|0".into(), "dxf-tilted-insert Warning plan.dxf:39 INSERT 2F4 layer W: its extrusion, found [1, 0, 0], expected up or down; left out".into()),
-        ("20 no vertices", "0|LWPOLYLINE|5|2F4|8|W|90|4|70|1".into(), "dxf-vertex-count Warning plan.dxf:39 LWPOLYLINE 2F4 layer W: its vertices, found 0, expected 1 to 5000000; left out of the plan".into()),
+        ("20 no vertices", "0|LWPOLYLINE|5|2F4|8|W|90|4|70|1".into(), "dxf-vertex-count Warning plan.dxf:39 LWPOLYLINE 2F4 layer W: its vertices, found 0, expected 1 to 100000; left out of the plan".into()),
         ("21 bulge", "0|LWPOLYLINE|5|2F4|8|W|90|2|70|0|10|0|20|0|42|1e9|10|1|20|0".into(), format!("dxf-bad-bulge Warning plan.dxf:39 LWPOLYLINE 2F4 layer W: group 42, found a bulge of 1000000000, expected at most 1e6; {kept}")),
         ("20 vertices stated", "0|LWPOLYLINE|5|2F4|8|W|90|7|70|0|10|0|20|0|10|1|20|0".into(), "dxf-vertices-stated Info plan.dxf:39 LWPOLYLINE 2F4 layer W: group 90, found 7, expected 2, the number of its vertices; read with those that are there".into()),
         ("23 degree 0", spline("71|0|40|0|40|1|10|0|20|0"), format!("dxf-bad-spline Warning plan.dxf:39 SPLINE 2F4 layer W: its degree is not between 1 and 25; {kept}")),

@@ -144,3 +144,31 @@ fn files_beyond_a_limit_are_refused() {
         assert!(said.contains("MAX_RECORDS"), "{said}");
     }
 }
+
+/// A standard error that takes nothing changes no outcome.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_error_ends_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = sample(folder.path()).to_string_lossy().into_owned();
+    for (args, code) in [
+        (vec!["check", &plan], 0),
+        (vec!["check", "/nowhere/plan.dxf"], 2),
+        (vec!["check", &plan, "--json=/nowhere/plan.enfilade.toml"], 3),
+    ] {
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_enfilade")).args(&args).stderr(full).output().unwrap();
+        assert_eq!(output.status.code(), Some(code), "{args:?}");
+    }
+}
+
+/// A budget that no clock can hold is refused like any other out of range.
+#[test]
+fn seconds_out_of_range_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = sample(folder.path()).to_string_lossy().into_owned();
+    for seconds in ["nan", "inf", "1e20", "1e300", "-1", "0"] {
+        let said = refusal(folder.path(), &["run", &plan, "--seconds", seconds]);
+        assert!(said.contains("0.1 to 1000000"), "{seconds}: {said}");
+    }
+}

@@ -252,7 +252,7 @@ mod tests {
             ("jobs @/plan.dxf -o @/../new.ifczip", "name of a drawing"),
             ("run-job {} --out @/new.dxf", "name of a drawing"),
             ("watch @ --log @/plan.dxf", "name of a drawing"),
-            ("watch @ --log @/enfilade.toml", "watched there"),
+            ("watch @ --log @/enfilade.toml", "settings"),
             ("watch @ --log @/scene.bin", "watched there"),
             ("watch @ --fallback @/new.dxf", "name of a drawing"),
             ("service install --out @/new.dxf @", "name of a drawing"),

@@ -72,7 +72,9 @@ pub fn control_point(shape: &Shape, control: u32) -> DVec2 {
                 *b
             }
         }
-        Shape::Polyline { vertices, .. } => vertices[(control as usize).min(vertices.len() - 1)].at,
+        Shape::Polyline { vertices, .. } => {
+            vertices.get(control as usize).or(vertices.last()).map_or(DVec2::ZERO, |v| v.at)
+        }
         Shape::Arc { .. } => control_points(shape)[(control as usize).min(1)],
         Shape::Circle { centre, .. } => *centre,
     }

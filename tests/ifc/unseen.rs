@@ -88,7 +88,7 @@ fn an_unseen_wall_follows_by_the_end_that_stands_at_the_wall() {
             "{by} {was:?} {is:?}"
         );
         assert!(option.words.contains("layer IfcDoor; 1 of them not shown in this plan"), "{}", option.words);
-        let unseen = " One wall that this plan does not show (storey Lower) changes its length with them.";
+        let unseen = " One wall that this plan does not show (storey Lower) changes its length too.";
         assert!(option.words.contains(unseen), "{}", option.words);
     }
 }

@@ -329,7 +329,7 @@ pub(super) struct Nearest {
 pub(super) fn say_lowered(report: &mut Report, file: &str, share: f64) {
     if share < 1.0 {
         let text = format!(
-            "Thresholds were lowered to {:.0} % of what was asked, so that the options differ. --thresholds firm keeps them.",
+            "Thresholds were lowered to {:.0} % of what was asked, so that the options differ. `--thresholds firm` keeps them.",
             share * 100.0
         );
         report.info("thresholds-lowered", Place::file(file), text);

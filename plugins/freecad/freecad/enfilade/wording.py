@@ -177,7 +177,7 @@ HERE = (
     (r"EF-KEEP", "'Must stay'"),
     (r"EF-QUERY", "'People are here'"),
     (r"EF-REFERENCE", "'They look at this'"),
-    (r"more --evaluations", "more 'Layouts to measure'"),
+    (r"\b([Mm])ore --evaluations", r"\1ore 'Layouts to measure'"),
     (r"`--thresholds firm` keeps them", "Set a slider on page 2 to keep them"),
     (r" \(layer A-[A-Z]+\)", ""),
 )
