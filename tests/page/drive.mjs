@@ -226,17 +226,19 @@ try {
   assert.deepEqual(sent.at(-1), { round: 1, pin: [1], like: 3 });
   await page.waitForFunction(() => document.querySelector("#round option")?.value === "round-02", { timeout: 240000 });
   await idle();
-  await unfold();
   await press("#pin-0");
   const threshold = (value) => page.$eval("details.card fieldset input[max='1']", (i, v) => { i.value = v; i.dispatchEvent(new Event("input")); }, value);
   // A threshold that is no share is refused, and none at all is not taken for another.
   const orders = sent.length;
   for (const [wrong, found] of [["", "found nothing"], ["2", "found 2"], ["-1", "found -1"]]) {
+    // What a round that came meanwhile has drawn is folded.
+    await unfold();
     await threshold(wrong);
     await press("#again-with");
     await said(`${found}, expected a share from 0 to 1; nothing was done`);
   }
   assert.equal(sent.length, orders);
+  await unfold();
   await threshold("0.5");
   await press("#again-with");
   await said("0.5");
