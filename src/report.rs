@@ -23,7 +23,7 @@ pub fn printable(text: &str) -> String {
         .collect()
 }
 
-/// One line on standard error. Where that takes nothing, nobody is left to be told.
+/// One line on standard error. Where that takes nothing, the command goes on.
 pub fn complain(line: impl fmt::Display) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }

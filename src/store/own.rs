@@ -243,7 +243,7 @@ mod tests {
         assert_eq!(read_named(&link).unwrap(), b"a drawing");
     }
 
-    /// A pipe that the user named and nobody reads is told, not waited for.
+    /// A pipe that the user named and nobody reads is an error, and never waited for.
     #[test]
     fn a_pipe_without_a_reader_is_told() {
         let dir = tempfile::tempdir().unwrap();
