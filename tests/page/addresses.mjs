@@ -3,17 +3,11 @@
 import assert from "node:assert";
 import { execFileSync, spawn } from "node:child_process";
 import { createServer } from "node:http";
-import { createRequire } from "node:module";
+import { launch } from "./browser.mjs";
 
-const puppeteer = createRequire(process.env.NODE_PATH + "/")("puppeteer-core");
 const [link, told] = process.argv.slice(2);
 const daemon = JSON.parse(told);
-const browser = await puppeteer.launch({
-  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  headless: true,
-  args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync"],
-});
+const browser = await launch();
 const port = new URL(link).port;
 const before = ["127.0.0.1", "0123456789abcdef.localhost"].map((name) => `http://${name}:${port}/`);
 const PAGE = "<!doctype html><title>stolen</title><script>navigator.serviceWorker.register('/worker.js')</script>";

@@ -3,17 +3,11 @@
 import assert from "node:assert";
 import { spawn } from "node:child_process";
 import { copyFileSync } from "node:fs";
-import { createRequire } from "node:module";
+import { launch } from "./browser.mjs";
 
-const puppeteer = createRequire(process.env.NODE_PATH + "/")("puppeteer-core");
 const [link, told] = process.argv.slice(2);
 const daemon = JSON.parse(told);
-const browser = await puppeteer.launch({
-  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  headless: true,
-  args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync"],
-});
+const browser = await launch();
 const faults = [];
 let second = null;
 const TABS = 10;
