@@ -1,16 +1,10 @@
 // Another drawing goes while one is looked at: the list changes, and nothing else.
 import assert from "node:assert";
 import { rmSync } from "node:fs";
-import { createRequire } from "node:module";
+import { launch } from "./browser.mjs";
 
-const puppeteer = createRequire(process.env.NODE_PATH + "/")("puppeteer-core");
 const [link, drawing] = process.argv.slice(2);
-const browser = await puppeteer.launch({
-  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  headless: true,
-  args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync"],
-});
+const browser = await launch();
 const faults = [];
 try {
   const page = await browser.newPage();

@@ -2,10 +2,9 @@
 import assert from "node:assert";
 import { spawn } from "node:child_process";
 import { createRequire } from "node:module";
+import { launch } from "./browser.mjs";
 
-const load = createRequire(process.env.NODE_PATH + "/");
-const puppeteer = load("puppeteer-core");
-const axe = load.resolve("axe-core/axe.min.js");
+const axe = createRequire(process.env.NODE_PATH + "/").resolve("axe-core/axe.min.js");
 const link = process.argv[2];
 /** The daemon: its process, and how it is started again on the same port. */
 const daemon = JSON.parse(process.argv[3]);
@@ -13,13 +12,7 @@ let second = null;
 /** A folder for pictures of every view, to be looked at. */
 const shots = process.env.ENFILADE_LOOK;
 
-
-const browser = await puppeteer.launch({
-  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  headless: true,
-  args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync"],
-});
+const browser = await launch();
 const faults = [];
 const page = await browser.newPage();
 page.on("pageerror", (e) => faults.push(`script: ${e.message}`));
