@@ -325,6 +325,9 @@ pub struct SearchArgs {
     /// Move what is marked and nothing else, not even where nothing is marked.
     #[arg(long)]
     pub only_marked: bool,
+    /// What options may do that none does otherwise: structure, open-joints, crossings, narrow-ways, things, any-step.
+    #[arg(long, value_name = "LIST")]
+    pub allow: Option<String>,
     /// Show an option if it surely gains this much in something that is asked for; 1% by default.
     #[arg(long, value_name = "SHARE")]
     pub least_gain: Option<String>,
@@ -678,6 +681,7 @@ impl Common {
             snap: s.snap.clone(),
             most_moves: s.most_moves,
             only_marked: s.only_marked.then_some(true),
+            allow: s.allow.clone(),
             least_gain: s.least_gain.clone(),
             raw: s.raw.then_some(true),
             until_converged: s.until_converged.then_some(true),

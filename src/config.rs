@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::report::{Error, Place, counted};
 pub use beside::{Beside, Twin};
-pub use choices::{Thresholds, Unsure};
+pub use choices::{Allow, Thresholds, Unsure};
 pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
 pub use files::{is_settings, settings_files, unread_side_cars};
 pub use measure::{Measure, Source};
@@ -264,6 +264,7 @@ pub struct Partial {
     pub snap: Option<String>,
     pub most_moves: Option<usize>,
     pub only_marked: Option<bool>,
+    pub allow: Option<String>,
     pub least_gain: Option<String>,
     pub raw: Option<bool>,
     pub until_converged: Option<bool>,
@@ -377,6 +378,7 @@ impl Partial {
             snap: self.snap.or(base.snap),
             most_moves: self.most_moves.or(base.most_moves),
             only_marked: self.only_marked.or(base.only_marked),
+            allow: self.allow.or(base.allow),
             least_gain: self.least_gain.or(base.least_gain),
             raw: self.raw.or(base.raw),
             until_converged: self.until_converged.or(base.until_converged),
@@ -469,6 +471,9 @@ pub struct Settings {
     pub most_moves: Option<usize>,
     /// Whether nothing moves where nothing is marked, instead of the default moves.
     pub only_marked: bool,
+    /// What options may do that none does otherwise.
+    #[serde(default)]
+    pub allow: Allow,
     /// An option is shown if it surely gains at least so much in something that is asked for: a share of the present value.
     #[serde(default = "control::least_gain_default")]
     pub least_gain: f64,
@@ -629,6 +634,7 @@ impl Settings {
             snap: p.snap.filter(|t| !is_none(t)).map(|t| control::snap(&t)).transpose()?,
             most_moves: p.most_moves.map(|n| count("most-moves", n, 1, usize::MAX)).transpose()?,
             only_marked: p.only_marked.unwrap_or(false),
+            allow: p.allow.as_deref().map_or(Ok(Allow::default()), control::allow)?,
             least_gain: p.least_gain.as_deref().map_or(Ok(control::LEAST_GAIN), control::share)?,
             raw: p.raw.unwrap_or(false),
             until_converged: p.until_converged.unwrap_or(false),

@@ -7,6 +7,7 @@ pub mod carried;
 pub mod control;
 pub mod defaults;
 mod doorways;
+mod furniture;
 pub mod idle;
 pub mod jambs;
 mod joined;
@@ -15,6 +16,7 @@ pub mod narrowed;
 pub mod opened;
 mod partitions;
 mod sides;
+pub mod struck;
 mod things;
 
 use std::collections::{BTreeMap, BTreeSet};

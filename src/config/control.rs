@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Measure, PairName, Penalty, bad, clauses};
+use super::{Allow, Measure, PairName, Penalty, bad, clauses};
 use crate::report::Error;
 
 /// How the values of the cells become one number.
@@ -420,6 +420,12 @@ pub(super) fn snap(text: &str) -> Result<Snap, Error> {
             "`0.1 m`, `brick` (0.125 m), `module` (0.1 m), `5 deg`, or a length and an angle, each above 0 with its unit",
         )
     })
+}
+
+/// Words of `--allow`.
+pub(super) fn allow(text: &str) -> Result<Allow, Error> {
+    let expected = "structure, open-joints, crossings, narrow-ways, things, any-step, or none";
+    text.parse().map_err(|word: String| bad("allow", &format!("{word:?}"), expected))
 }
 
 /// Gains smaller than this nobody would rebuild a wall for.

@@ -25,7 +25,7 @@ use crate::plan::structure::{end_handles, face_handles, handle_at};
 use crate::plan::{Plan, Region, box_of, distance_to_segment};
 
 /// Thickest wall that is a partition; thicker ones carry.
-const PARTITION_THICKNESS_MAX_M: f64 = 0.3;
+pub(super) const PARTITION_THICKNESS_MAX_M: f64 = 0.3;
 
 /// A wall that is so many times as thick as the drawing's inner walls mostly are carries too, if it is thicker than
 /// [`CARRYING_MIN_M`].
@@ -72,6 +72,8 @@ pub(super) enum Stays {
     Outer,
     /// Too thick for a partition: it carries.
     Thick,
+    /// The drawing says that it carries, holds fire up or parts dwellings.
+    Structure,
     /// It ends at no wall along which it could slide.
     Unheld,
     /// A joint of it would open or bend.
@@ -92,6 +94,7 @@ impl Stays {
         match self {
             Self::Outer => "outer",
             Self::Thick => "thick enough to carry",
+            Self::Structure => "of the structure (--allow structure frees them)",
             Self::Unheld => "without a wall to slide along",
             Self::Joined => "whose joints would open or bend",
             Self::Unwritable => "that cannot be changed (locked, in a block, or a multiline)",
@@ -280,6 +283,9 @@ impl<'a> Axial<'a> {
         let [a, b] = opening.jambs.map(|j| j.node);
         let along = (opening.jambs[1].at - opening.jambs[0].at).try_normalize()?;
         let (first, second) = (self.wall_at(a?, -along)?, self.wall_at(b?, along)?);
+        if self.is_structure(first) || self.is_structure(second) {
+            return None;
+        }
         let mut handles: BTreeSet<Handle> =
             jambs_of(self.plan, self.axes, opening).concat().into_iter().collect();
         handles.extend(opening.faces.iter().flat_map(|f| face_handles(self.plan, *f)));
@@ -321,6 +327,13 @@ impl<'a> Axial<'a> {
         joins.map(|(_, e)| e.thickness_m / 2.0).fold(0.0, f64::max)
     }
 
+    /// Whether a drawn line of a wall is part of the structure.
+    fn is_structure(&self, edge: &Edge) -> bool {
+        let carries =
+            |f: &FaceRef| self.plan.bearing.contains_key(&self.plan.walls[f.0 as usize].source.record);
+        edge.left.iter().chain(&edge.right).any(carries)
+    }
+
     fn length(&self, edge: &Edge) -> f64 {
         let [a, b] = self.axes.ends(edge);
         a.distance(b)
@@ -335,6 +348,9 @@ impl<'a> Axial<'a> {
         let length = chain.to - chain.from;
         if chain.thickness > self.carrying_m {
             return Err(Stays::Thick);
+        }
+        if chain.edges.iter().any(|e| self.is_structure(&self.axes.edges[*e as usize])) {
+            return Err(Stays::Structure);
         }
         if !self.is_inner(chain) {
             return Err(Stays::Outer);

@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use super::axial::{Axial, Sliding, Stays, told, upright, whole_mm};
 use super::doorways::Doorways;
+use super::furniture::{self, Element};
 use super::things::Things;
 use crate::plan::axes::{AxisGraph, Jamb, NodeKind, OpeningKind};
 use crate::plan::drawing::{Editable, SourceRef};
@@ -21,6 +22,8 @@ use crate::report::{Place, Report, counted};
 pub const SHIFT_M: f64 = 1.0;
 /// How far a free-standing element turns.
 pub const TURN_DEG: f64 = 15.0;
+/// The same in a plan of right angles, where nothing stands askew.
+const RIGHT_DEG: f64 = 90.0;
 /// How far a door gap slides along its wall.
 pub const SLIDE_M: f64 = 0.5;
 /// Widths of a gap that counts as a door.
@@ -47,8 +50,8 @@ const CROSSING_COS: f64 = 0.02;
 const WALL_REST_M: f64 = 0.1;
 /// A door that could slide less than this stays.
 pub(super) const SLIDE_MIN_M: f64 = 0.1;
-/// Most parameters made by default: more than that, and no small budget finds good layouts.
-pub const PARAMETERS_MAX: usize = 30;
+/// Most groups made by default: more than that nobody tells apart, and no small budget finds good layouts.
+pub const GROUPS_MAX: usize = 12;
 /// Most wall pieces looked at pairwise for doors and neighbours.
 pub const PIECES_MAX: usize = 20_000;
 /// Most squares in the boxes of all wall pieces that are looked at for neighbours: beyond, looking takes seconds.
@@ -98,6 +101,7 @@ pub fn groups(
     let neighbours = Neighbours::new(&pieces);
     let mut at_openings = walls_at_openings(axes);
     at_openings.extend(walls_at_infill(plan, infill, &pieces, &neighbours));
+    at_openings.extend(carrying(plan));
     let held = Held { walls: at_openings, columns: columns(axes) };
     let things = Things::new(plan, fittings);
     let (elements, posts) = elements(plan, graph, axes, interior, &held, &pieces, &neighbours);
@@ -117,17 +121,16 @@ pub fn groups(
     let sliding = walls.len();
     let (mut taken, mut doorways) = (Taken::default(), Doorways::new(plan, graph, axes, &things));
     let mut out: Vec<(Group, Vec<u32>)> = Vec::new();
-    let mut parameters = 0;
-    for (group, nodes) in elements.into_iter().chain(walls).chain(named(doors, "door")) {
-        if parameters + group.clauses.len() > PARAMETERS_MAX || !taken.is_free(&group, &nodes) {
+    for (group, nodes) in by_turns([elements, walls, named(doors, "door")]) {
+        if out.len() == GROUPS_MAX || !taken.is_free(&group, &nodes) {
             continue;
         }
         if let Some(group) = doorways.shortened(&group, &nodes) {
             taken.take(&group, &nodes);
-            parameters += group.clauses.len();
             out.push((group, nodes));
         }
     }
+    let parameters: usize = out.iter().map(|g| g.0.clauses.len()).sum();
     let standing = match posts {
         0 => String::new(),
         1 => format!("; 1 post up to {} m stays", (POST_MAX_M * plan.human_scale * 1e4).round() / 1e4),
@@ -136,8 +139,8 @@ pub fn groups(
     let text = match found {
         (0, 0) if sliding == 0 => nothing_moves(&stays) + &standing,
         (e, d) => format!(
-            "no EF-MOVE: {} (±{} m, ±{TURN_DEG}°) and {} (±{} m along their wall){} \
-             were found, {} of them with {} may move (at most {PARAMETERS_MAX}), none through another \
+            "no EF-MOVE: {} (±{} m) and {} (±{} m along their wall){} \
+             were found, {} of them with {} may move (at most {GROUPS_MAX}), none through another \
              wall{}{standing}; EF-MOVE says it better, EF-KEEP holds things still",
             counted(e as u64, "free-standing element"),
             SHIFT_M * plan.human_scale,
@@ -155,6 +158,13 @@ pub fn groups(
     };
     report.info("default-moves", place, text);
     out
+}
+
+/// The groups of several lists: the first of each, then the second of each.
+fn by_turns(lists: [Vec<(Group, Vec<u32>)>; 3]) -> Vec<(Group, Vec<u32>)> {
+    let mut lists = lists.map(Vec::into_iter);
+    let most = lists.iter().map(ExactSizeIterator::len).max().unwrap_or(0);
+    (0..most).flat_map(|_| lists.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>()).collect()
 }
 
 /// What to do where nothing moves by default, and why nothing does.
@@ -310,6 +320,11 @@ impl Held {
     }
 }
 
+/// Walls of the structure.
+fn carrying(plan: &Plan) -> impl Iterator<Item = u32> {
+    (0u32..).zip(&plan.walls).filter(|(_, w)| plan.bearing.contains_key(&w.source.record)).map(|(i, _)| i)
+}
+
 /// The walls that draw each column.
 fn columns(axes: &AxisGraph) -> Vec<BTreeSet<u32>> {
     let columns = axes.nodes.iter().filter(|n| matches!(n.kind, NodeKind::Column(_)));
@@ -397,8 +412,9 @@ fn elements(
     }
     let all = box_of(pieces.iter().flat_map(|p| [p.a, p.b])).unwrap_or_default();
     let longest = (all[1] - all[0]).max_element();
-    let mut found: Vec<(f64, Group, Vec<u32>)> = Vec::new();
+    let mut found: Vec<Element> = Vec::new();
     let mut posts = 0;
+    let is_orthogonal = furniture::is_orthogonal(plan);
     for walls in clusters.values() {
         let points = || walls.iter().flat_map(|w| &plan.walls[*w as usize].trace.points);
         let [lo, hi] = box_of(points().map(|p| plan.frame.plan_from_um(*p))).unwrap_or_default();
@@ -432,18 +448,17 @@ fn elements(
         // What cannot turn still shifts: no turn is asked of it, as of what is round.
         let is_stiff = walls.iter().any(|w| matches!(editable(w), Editable::WithInsert { turnable: false }));
         let is_round = nodes.len() == 1 || is_stiff;
-        let group = group(
-            &plan.walls[walls[0] as usize].source,
-            [lo, hi],
-            plan,
-            element_clauses(is_round, plan.human_scale),
-        );
-        found.push(((hi - lo).length(), group, nodes));
+        let turn_deg = (!is_round).then_some(if is_orthogonal { RIGHT_DEG } else { TURN_DEG });
+        let source = plan.walls[walls[0] as usize].source.clone();
+        found.push(Element { bounds: [lo, hi], nodes, turn_deg, source });
     }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.2.cmp(&b.2)));
-    let named = found.into_iter().enumerate().map(|(i, (_, mut group, nodes))| {
+    let mut found = furniture::in_rows(found, plan.human_scale);
+    let size = |e: &Element| (e.bounds[1] - e.bounds[0]).length();
+    found.sort_by(|a, b| size(b).total_cmp(&size(a)).then_with(|| a.nodes.cmp(&b.nodes)));
+    let named = found.into_iter().enumerate().map(|(i, e)| {
+        let mut group = group(&e.source, e.bounds, plan, element_clauses(e.turn_deg, plan.human_scale));
         group.name = format!("element-{}", i + 1);
-        (group, nodes)
+        (group, e.nodes)
     });
     (named.collect(), posts)
 }
@@ -466,21 +481,17 @@ fn stands_free(walls: &[u32], axes: &AxisGraph, pieces: &[Piece], neighbours: &N
     })
 }
 
-fn element_clauses(is_round: bool, scale: f64) -> Vec<Clause> {
+fn element_clauses(turn_deg: Option<f64>, scale: f64) -> Vec<Clause> {
     let far = SHIFT_M * scale;
     let metres = |kind| Clause { kind, lower: -far, upper: far, unit: "m".into(), si_per_unit: 1.0 };
-    let turn = Clause {
+    let turn = |far: f64| Clause {
         kind: Kind::Rotate(None),
-        lower: -TURN_DEG,
-        upper: TURN_DEG,
+        lower: -far,
+        upper: far,
         unit: "deg".into(),
         si_per_unit: 1f64.to_radians(),
     };
-    let mut out = vec![metres(Kind::X), metres(Kind::Y)];
-    if !is_round {
-        out.push(turn);
-    }
-    out
+    [metres(Kind::X), metres(Kind::Y)].into_iter().chain(turn_deg.map(turn)).collect()
 }
 
 fn group(source: &SourceRef, [lo, hi]: [DVec2; 2], plan: &Plan, clauses: Vec<Clause>) -> Group {
@@ -530,7 +541,10 @@ fn simple_doors(
     let is_whole = |e: &End| {
         let walls = || e.nodes.iter().flat_map(|n| &graph.handles[*n as usize]).map(|h| h.0);
         let is_face = e.nodes.len() == 1 && (walls().any(|w| faces.contains(&w)) || has_twin(e, &all));
-        !is_face && walls().all(|w| plan.walls[w as usize].editable == Editable::Free)
+        let may_move = |w: &crate::plan::Wall| {
+            w.editable == Editable::Free && !plan.bearing.contains_key(&w.source.record)
+        };
+        !is_face && walls().all(|w| may_move(&plan.walls[w as usize]))
     };
     let ends: Vec<&End> = all.iter().filter(|e| is_whole(e)).collect();
     let mut found: Vec<Sliding> = Vec::new();

@@ -1,18 +1,23 @@
-//! Joints of a building that a layout opens: what stood at a wall and does not follow it.
+//! Joints that a layout opens: what stood at a wall and does not follow it.
 
-use std::collections::BTreeMap;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
 use super::joined::JOINT_M;
-use super::{Layout, MovedWall};
+use super::struck::box_of;
+use super::{Layout, MovedWall, Moves};
 use crate::plan::curve::Trace;
 use crate::plan::drawing::{Format, RigidMotion};
-use crate::plan::geometry::{PointUm, Side, segments_touch, side_of_ring};
+use crate::plan::geometry::{PointUm, Side, UM_PER_M, segments_touch, side_of_ring};
 use crate::plan::{Plan, distance_to_segment};
 
 /// A joint counts as opened where its walls part by more than this, metres: less is rounding and mitres.
 pub const OPEN_M: f64 = 0.01;
+
+/// Lines of a drawing that are nearer meet, metres.
+const MEETING_M: f64 = 0.002;
 
 /// A joint that no longer holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,52 +32,155 @@ pub struct Opened {
     pub is_through: bool,
 }
 
-/// The outlines of one record as drawn and in a layout.
-#[derive(Default)]
-struct Body {
-    is_moved: bool,
-    drawn: Vec<Trace>,
-    now: Vec<Trace>,
+/// What a record is drawn with: its walls, and what closes its openings.
+#[derive(Clone, Debug, Default)]
+struct Member {
+    walls: Vec<u32>,
+    plugs: Vec<usize>,
 }
 
-/// The joints that a layout opens, each once, by the records of their walls. In a DXF all that meets in a point moves with
-/// it: nothing is told there.
-pub fn opened(plan: &Plan, layout: &Layout) -> Vec<Opened> {
-    if plan.format == Format::Dxf {
-        return Vec::new();
+/// A corner of one of two records that stands at the other.
+#[derive(Clone, Debug)]
+struct Contact {
+    /// Whose corner it is, of the two.
+    of: usize,
+    /// Which of its outlines, and which point of that.
+    at: (usize, usize),
+    was_m: f64,
+}
+
+/// Two records that are joined as drawn, of which one may move.
+#[derive(Clone, Debug)]
+struct Joint {
+    records: [usize; 2],
+    contacts: Vec<Contact>,
+}
+
+/// The joints of a plan that a move could open.
+#[derive(Clone, Debug, Default)]
+pub struct Joints {
+    members: BTreeMap<usize, Member>,
+    joints: Vec<Joint>,
+}
+
+/// Outlines of records as they stand.
+type Outlines<'a> = BTreeMap<usize, Vec<Cow<'a, Trace>>>;
+
+impl Joints {
+    /// Those at the walls that may move.
+    pub fn new(plan: &Plan, moves: &Moves) -> Self {
+        let mut members: BTreeMap<usize, Member> = BTreeMap::new();
+        for (w, wall) in plan.walls.iter().enumerate() {
+            members.entry(wall.source.record).or_default().walls.push(w as u32);
+        }
+        for (p, plug) in plan.plugs.iter().enumerate() {
+            if let Some(member) = members.get_mut(&plug.host) {
+                member.plugs.push(p);
+            }
+        }
+        let moving: BTreeSet<usize> =
+            moves.walls.iter().map(|w| plan.walls[*w as usize].source.record).collect();
+        let drawn: Outlines<'_> = members.iter().map(|(r, m)| (*r, m.outlines(plan, None))).collect();
+        let boxes: BTreeMap<usize, [PointUm; 2]> = drawn
+            .iter()
+            .filter_map(|(r, outlines)| {
+                Some((*r, box_of(outlines.iter().flat_map(|t| t.points.iter().copied()))?))
+            })
+            .collect();
+        // Lines of a drawing meet in their points; the faces of a thin wall are no joint.
+        let near_m = if plan.format == Format::Dxf { MEETING_M } else { JOINT_M };
+        let near_um = (near_m * UM_PER_M) as i64;
+        let mut joints = Vec::new();
+        for (record, own) in moving.iter().filter_map(|r| Some((*r, boxes.get(r)?))) {
+            for (other, at) in
+                boxes.iter().filter(|(o, _)| **o != record && !(moving.contains(o) && **o < record))
+            {
+                let is_near =
+                    (0..2).all(|k| own[0][k] - near_um <= at[1][k] && at[0][k] - near_um <= own[1][k]);
+                let records = [record, *other];
+                let contacts = if is_near { contacts(plan, records, &drawn, near_m) } else { Vec::new() };
+                if !contacts.is_empty() {
+                    joints.push(Joint { records, contacts });
+                }
+            }
+        }
+        let joined: BTreeSet<usize> = joints.iter().flat_map(|j| j.records).collect();
+        members.retain(|record, _| joined.contains(record));
+        Self { members, joints }
     }
-    let bodies = bodies(plan, layout);
+
+    /// The joints that a layout opens, each once.
+    pub fn opened(&self, plan: &Plan, layout: &Layout) -> Vec<Opened> {
+        let changed: BTreeMap<u32, &MovedWall> =
+            layout.walls.iter().filter(|w| w.is_changed).map(|w| (w.wall, w)).collect();
+        let moved: BTreeSet<usize> = changed.keys().map(|w| plan.walls[*w as usize].source.record).collect();
+        let is_moved = |j: &&Joint| j.records.iter().any(|r| moved.contains(r));
+        let mut now: Outlines<'_> = Outlines::new();
+        for record in self.joints.iter().filter(is_moved).flat_map(|j| j.records) {
+            let Some(member) = self.members.get(&record) else { continue };
+            now.entry(record).or_insert_with(|| member.outlines(plan, Some(&changed)));
+        }
+        self.joints.iter().filter(is_moved).filter_map(|j| j.opened(plan, &now)).collect()
+    }
+
+    /// By how much a layout opens joints, metres in all.
+    pub fn opened_m(&self, plan: &Plan, layout: &Layout) -> f64 {
+        self.opened(plan, layout).iter().map(|o| o.by_m).sum()
+    }
+}
+
+impl Member {
+    fn outlines<'a>(
+        &self,
+        plan: &'a Plan,
+        changed: Option<&BTreeMap<u32, &'a MovedWall>>,
+    ) -> Vec<Cow<'a, Trace>> {
+        let moved = |w: &u32| changed.and_then(|c| c.get(w).copied());
+        let motion = self.walls.iter().filter_map(moved).find_map(|m| m.motion);
+        let wall = |w: &u32| Cow::Borrowed(moved(w).map_or(&plan.walls[*w as usize].trace, |m| &m.trace));
+        let plug = |p: &usize| {
+            let drawn = &plan.plugs[*p].outline;
+            motion.as_ref().map_or(Cow::Borrowed(drawn), |m| Cow::Owned(after(plan, drawn, m)))
+        };
+        self.walls.iter().map(wall).chain(self.plugs.iter().map(plug)).collect()
+    }
+}
+
+/// The corners of either record that stand at the other as drawn.
+fn contacts(plan: &Plan, records: [usize; 2], drawn: &Outlines<'_>, near_m: f64) -> Vec<Contact> {
+    let sides = records.map(|r| drawn.get(&r).map_or(&[][..], Vec::as_slice));
     let mut out = Vec::new();
-    for (record, body) in bodies.iter().filter(|b| b.1.is_moved) {
-        for (other, at) in bodies.iter().filter(|o| o.0 != record && !(o.1.is_moved && o.0 < record)) {
-            out.extend(between(plan, (*record, body), (*other, at)));
+    for (of, (own, other)) in [(sides[0], sides[1]), (sides[1], sides[0])].into_iter().enumerate() {
+        for (i, outline) in own.iter().enumerate() {
+            for (j, p) in outline.points.iter().enumerate() {
+                let was_m = distance(plan, *p, other);
+                if was_m <= near_m {
+                    out.push(Contact { of, at: (i, j), was_m });
+                }
+            }
         }
     }
     out
 }
 
-fn bodies(plan: &Plan, layout: &Layout) -> BTreeMap<usize, Body> {
-    let changed: BTreeMap<u32, &MovedWall> =
-        layout.walls.iter().filter(|w| w.is_changed).map(|w| (w.wall, w)).collect();
-    let mut out: BTreeMap<usize, Body> = BTreeMap::new();
-    let mut motions: BTreeMap<usize, RigidMotion> = BTreeMap::new();
-    for (w, wall) in plan.walls.iter().enumerate() {
-        let body = out.entry(wall.source.record).or_default();
-        let moved = changed.get(&(w as u32));
-        body.is_moved |= moved.is_some();
-        body.drawn.push(wall.trace.clone());
-        body.now.push(moved.map_or_else(|| wall.trace.clone(), |m| m.trace.clone()));
-        if let Some(motion) = moved.and_then(|m| m.motion) {
-            motions.insert(wall.source.record, motion);
+impl Joint {
+    /// By how much it is open now, if it is.
+    fn opened(&self, plan: &Plan, now: &Outlines<'_>) -> Option<Opened> {
+        let [own, other] = self.records.map(|r| now.get(&r).map_or(&[][..], Vec::as_slice));
+        let mut best: Option<f64> = None;
+        for c in &self.contacts {
+            let (from, to) = if c.of == 0 { (own, other) } else { (other, own) };
+            let p = from.get(c.at.0)?.points.get(c.at.1)?;
+            let is = distance(plan, *p, to);
+            if is <= JOINT_M.max(c.was_m + OPEN_M) {
+                return None;
+            }
+            best = Some(best.map_or(is, |b| b.min(is)));
         }
+        let [record, other_record] = self.records;
+        let is_through = gap(plan, own, other) <= JOINT_M;
+        best.map(|by_m| Opened { record, other: other_record, by_m, is_through })
     }
-    for plug in &plan.plugs {
-        let Some(body) = out.get_mut(&plug.host) else { continue };
-        body.drawn.push(plug.outline.clone());
-        let motion = motions.get(&plug.host);
-        body.now.push(motion.map_or_else(|| plug.outline.clone(), |m| after(plan, &plug.outline, m)));
-    }
-    out
 }
 
 /// A trace after a rigid motion in drawing units.
@@ -82,52 +190,30 @@ fn after(plan: &Plan, trace: &Trace, motion: &RigidMotion) -> Trace {
     Trace { points: trace.points.iter().map(go).collect(), ..trace.clone() }
 }
 
-/// The joint between two records, if they had one and it is open now.
-fn between(plan: &Plan, (record, body): (usize, &Body), (other, at): (usize, &Body)) -> Option<Opened> {
-    let mut best: Option<f64> = None;
-    for (from, to) in [(body, at), (at, body)] {
-        for (drawn, now) in from.drawn.iter().zip(&from.now) {
-            for (p, q) in drawn.points.iter().zip(&now.points) {
-                let was = distance(plan, *p, &to.drawn);
-                if was > JOINT_M {
-                    continue;
-                }
-                let is = distance(plan, *q, &to.now);
-                if is <= JOINT_M.max(was + OPEN_M) {
-                    return None;
-                }
-                best = Some(best.map_or(is, |b| b.min(is)));
-            }
-        }
-    }
-    best.map(|by_m| Opened { record, other, by_m, is_through: gap(plan, body, at) <= JOINT_M })
-}
-
 /// How near two records come to each other now: 0 where one reaches into the other.
-fn gap(plan: &Plan, a: &Body, b: &Body) -> f64 {
+fn gap(plan: &Plan, a: &[Cow<'_, Trace>], b: &[Cow<'_, Trace>]) -> f64 {
     let touch = a
-        .now
         .iter()
         .flat_map(|t| t.segments())
-        .any(|(.., s)| b.now.iter().flat_map(|t| t.segments()).any(|(.., o)| segments_touch(s, o)));
+        .any(|(.., s)| b.iter().flat_map(|t| t.segments()).any(|(.., o)| segments_touch(s, o)));
     if touch {
         return 0.0;
     }
-    let nearest = |from: &Body, to: &Body| {
-        let points = from.now.iter().flat_map(|t| &t.points);
-        points.map(|p| distance(plan, *p, &to.now)).fold(f64::INFINITY, f64::min)
+    let nearest = |from: &[Cow<'_, Trace>], to: &[Cow<'_, Trace>]| {
+        let points = from.iter().flat_map(|t| &t.points);
+        points.map(|p| distance(plan, *p, to)).fold(f64::INFINITY, f64::min)
     };
     nearest(a, b).min(nearest(b, a))
 }
 
 /// How far a point is from the outlines of one record, metres; 0 within it, an outline within another being a hole.
-fn distance(plan: &Plan, p: PointUm, outlines: &[Trace]) -> f64 {
+fn distance(plan: &Plan, p: PointUm, outlines: &[Cow<'_, Trace>]) -> f64 {
     let at = |p: PointUm| plan.frame.plan_from_um(p);
-    let holds = |t: &&Trace| t.is_closed && side_of_ring(&t.points, p) == Side::Inside;
+    let holds = |t: &&Cow<'_, Trace>| t.is_closed && side_of_ring(&t.points, p) == Side::Inside;
     if outlines.iter().filter(holds).count() % 2 == 1 {
         return 0.0;
     }
-    let to = |t: &Trace| {
+    let to = |t: &Cow<'_, Trace>| {
         let ways = t.segments().map(|(.., s)| distance_to_segment(at(p), [at(s.a), at(s.b)]));
         ways.fold(f64::INFINITY, f64::min)
     };

@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 use glam::DVec2;
 
 use super::abutting::Standing;
+use super::axial::PARTITION_THICKNESS_MAX_M;
 use super::defaults::{SLIDE_MIN_M, TOUCH_M};
 use super::joined::{ByRecord, Followed, Follower, direction_of, ends, room_beside};
 use crate::plan::geometry::{PointUm, Segment, segments_touch};
@@ -59,10 +60,11 @@ struct Found {
 /// Groups of one clause each, the longest partition first.
 pub(super) fn partitions(plan: &Plan, graph: &Graph, interior: &Interior) -> Vec<(Group, Vec<u32>)> {
     let mut found: Vec<Found> = Vec::new();
+    let takes_structure = |e: &Element| e.followers.iter().any(|f| plan.bearing.contains_key(&f.record));
     let (drawn, by_record) = (Drawn::new(plan), ByRecord::new(plan));
     for element in elements(plan, &by_record) {
         let (from, to) = way(plan, interior, (&drawn, &by_record), &element);
-        if to - from < SLIDE_MIN_M * plan.human_scale {
+        if to - from < SLIDE_MIN_M * plan.human_scale || takes_structure(&element) {
             continue;
         }
         let mut nodes: Vec<u32> =
@@ -194,7 +196,7 @@ fn elements(plan: &Plan, by_record: &ByRecord<'_>) -> Vec<Element> {
         })
         .collect();
     let found = movable.into_iter().filter_map(|(record, walls)| {
-        let element = element(plan, by_record, walls)?;
+        let element = element(plan, by_record, walls).filter(|_| !plan.bearing.contains_key(&record))?;
         let own = Followed::new(by_record, record);
         let followers = own.map_or_else(Vec::new, |w| followers(&w, &ends, record, element.along.perp()));
         Some(Element { followers, ..element })
@@ -226,7 +228,8 @@ fn element(plan: &Plan, by_record: &ByRecord<'_>, walls: Vec<u32>) -> Option<Ele
     let points = walls.iter().flat_map(|w| &plan.walls[*w as usize].trace.points).chain(plugs);
     let [lo, hi] = box_of(points.map(|p| local(plan.frame.plan_from_um(*p))))?;
     let is_slender = (hi.x - lo.x) >= SLENDER * (hi.y - lo.y);
-    is_slender.then_some(Element { walls, followers: Vec::new(), along, lo, hi })
+    let is_thin = hi.y - lo.y <= PARTITION_THICKNESS_MAX_M * plan.human_scale + 1e-6;
+    (is_slender && is_thin).then_some(Element { walls, followers: Vec::new(), along, lo, hi })
 }
 
 /// How far an element can slide backwards and forwards with its ends on the walls they abut.

@@ -9,9 +9,11 @@ use glam::DVec2;
 
 mod beside;
 
+use super::axial::PARTITION_THICKNESS_MAX_M;
 use super::control::{Control, Rules};
-use super::defaults::{self, PARAMETERS_MAX, PIECES_MAX, SHIFT_M, SLIDE_M, WALL_THICKNESS_MAX_M};
+use super::defaults::{self, GROUPS_MAX, PIECES_MAX, SHIFT_M, SLIDE_M, WALL_THICKNESS_MAX_M};
 use super::{Layout, MOVE_MIN_M, Moves, NodeGroup};
+use crate::plan::bearing::Bearing;
 use crate::plan::curve;
 use crate::plan::drawing::{
     Drawing, Editable, Entity, Format, IdleMarks, Shape, SourceRef, Text, Unit, Vertex,
@@ -40,6 +42,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         marked: Vec::new(),
         idle_marks: IdleMarks::None,
         hosts: Default::default(),
+        bearing: Default::default(),
         widths: Default::default(),
         singles: Default::default(),
         north_deg: 0.0,
@@ -328,7 +331,7 @@ fn default_moves_are_few() {
         let x = 5.0 + 4.5 * f64::from(i);
         d.line(x, 40.0, x, 42.0);
     }
-    assert_eq!(by_default(&d).2.parameters.len(), PARAMETERS_MAX);
+    assert_eq!(by_default(&d).2.groups.len(), GROUPS_MAX);
     for i in 0..=PIECES_MAX {
         d.line(50.0, 50.0, 50.0 + i as f64 * 1e-4, 51.0);
     }
@@ -652,6 +655,22 @@ fn bounds_of(plan: &Plan, moves: &Moves, record: usize) -> Option<[f64; 2]> {
     let is_own = |g: &NodeGroup| plan.walls[g.handles[0].0 as usize].source.record == record;
     let group = moves.groups.iter().position(is_own)?;
     moves.bounds().get(moves.parameters.iter().position(|p| p.group == group)?).copied()
+}
+
+#[test]
+fn what_carries_stays_by_default() {
+    let slides = |thickness: f64, bearing: Option<usize>| {
+        let mut d =
+            building(&[(1, [8.0, 8.0 + thickness], [0.0, 10.0]), (2, [8.0 + thickness, 12.0], [4.0, 4.2])]);
+        d.bearing.extend(bearing.map(|record| (record, Bearing::Stated)));
+        let (plan, _, moves) = by_default(&d);
+        bounds_of(&plan, &moves, 1)
+    };
+    assert_eq!(slides(0.2, None), Some([-0.6, 0.6]));
+    assert!(slides(PARTITION_THICKNESS_MAX_M, None).is_some());
+    assert_eq!(slides(PARTITION_THICKNESS_MAX_M + 0.05, None), None);
+    assert_eq!(slides(0.2, Some(1)), None);
+    assert_eq!(slides(0.2, Some(2)), None, "it would take an end of the structure along");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::measure::number;
+use super::measure::{fixed, number};
 use super::palette::{Palette, Rgb, Scale};
 use super::picture::{Cell, Stroke, bounds_of};
 use crate::plan::drawing::{Addition, Mark};
@@ -23,6 +23,8 @@ pub const MAX_HEAT_COLOURS: usize = 16;
 const NOTE_HEIGHT_SHARE: f64 = 0.011;
 /// Letter height bounds, metres.
 const NOTE_HEIGHT_M: [f64; 2] = [0.05, 5.0];
+/// Barbs of an arrow as a share of its length, if they are not as large as letters.
+const ARROW_HEAD_SHARE: f64 = 0.3;
 /// Cells farther than this from the first are left out: no lattice of a drawing is that wide, and
 /// numbers stay whole.
 const MAX_LATTICE_INDEX: f64 = 1e9;
@@ -142,6 +144,30 @@ pub fn moved_additions(
     let whole = bounds_of(everything.chain(bounds));
     out.extend(note(note_lines, bounds, whole));
     out
+}
+
+/// Arrows from where things stood to where they stand, each with its length in metres. `bounds` is the box of the plan,
+/// metres.
+pub fn arrow_additions(arrows: &[[DVec2; 2]], bounds: [[f64; 2]; 2]) -> Vec<Addition> {
+    let height = letter_height(bounds);
+    let of = |[from, to]: &[DVec2; 2]| {
+        let along = (*to - *from).normalize_or_zero();
+        let barb = (from.distance(*to) * ARROW_HEAD_SHARE).min(height);
+        let side = |s: f64| *to - (along + along.perp() * s) * barb;
+        let points = vec![*from, *to, side(0.5), *to, side(-0.5)];
+        let shaft = Mark::Path { points, closed: false };
+        let text = plain(&format!("{} m", fixed(from.distance(*to), 2)));
+        let beside = from.midpoint(*to) + along.perp().abs() * (height * 0.5);
+        [
+            Addition { layer: MOVED_LAYER.to_owned(), rgb: MOVED_RGB, mark: shaft },
+            Addition {
+                layer: NOTE_LAYER.to_owned(),
+                rgb: NOTE_RGB,
+                mark: Mark::Text { at: beside, height, text },
+            },
+        ]
+    };
+    arrows.iter().flat_map(of).collect()
 }
 
 fn note(lines: &[String], bounds: [[f64; 2]; 2], whole: [[f64; 2]; 2]) -> Option<Addition> {

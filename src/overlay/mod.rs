@@ -25,7 +25,7 @@ pub mod reading;
 pub mod result;
 pub mod words;
 
-pub use additions::{heat_additions, heat_legend, moved_additions};
+pub use additions::{arrow_additions, heat_additions, heat_legend, moved_additions};
 pub use chart::{Panel, Series, convergence_png, resolution_png};
 pub use check::check_png;
 pub use diversity::diversity_png;

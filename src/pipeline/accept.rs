@@ -234,6 +234,7 @@ fn side_car(
         snap: Some(settings.snap.map_or_else(none, |s| s.to_string())),
         most_moves: settings.most_moves,
         only_marked: Some(settings.only_marked),
+        allow: Some(settings.allow.to_string()),
         least_gain: Some(settings.least_gain.to_string()),
         raw: Some(settings.raw),
         until_converged: Some(settings.until_converged),

@@ -26,6 +26,7 @@ mod show;
 mod spacing;
 mod storeys;
 mod study;
+mod traces;
 
 use std::borrow::Cow;
 use std::sync::OnceLock;

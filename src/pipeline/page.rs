@@ -3,7 +3,7 @@
 use super::Input;
 use super::round::Found;
 use super::show::Map;
-use crate::config::{Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure};
+use crate::config::{Allow, Backend, Colours, Level, Method, Mode, NONE, Settings, Thresholds, Unsure};
 use crate::overlay::measure::CHANGE;
 use crate::overlay::page::{ArchivePoint, ReportInput, View, report_html};
 use crate::overlay::result::{RoundResult, Sense};
@@ -118,6 +118,9 @@ fn command(input: &Input<'_>, settings: &Settings, result: &RoundResult) -> Stri
         add("most-moves", most.to_string());
     }
     add("least-gain", settings.least_gain.to_string());
+    if settings.allow != Allow::default() {
+        add("allow", settings.allow.to_string());
+    }
     if settings.accept_missing_eof {
         out.push_str(" --accept-missing-eof");
     }

@@ -14,6 +14,7 @@ mod made;
 mod named;
 mod overlaps;
 mod refined;
+mod sound;
 mod stripped;
 mod told;
 
@@ -61,6 +62,8 @@ pub(super) type Aims = [(Aim, search::Objective)];
 
 /// What a search works with.
 pub(super) struct Brief<'a> {
+    /// The drawing.
+    input: &'a Input<'a>,
     /// On the lattice that is shown.
     study: &'a Study,
     /// On the lattices that are searched on; the same one where the problem is bare.
@@ -116,7 +119,7 @@ pub(super) fn run(
             trial
         });
         let trial = trial.as_ref().unwrap_or(study);
-        let brief = Brief { study, trial, settings, control: &control, objectives: &objectives };
+        let brief = Brief { input, study, trial, settings, control: &control, objectives: &objectives };
         Some(optimise(input, &brief, started, show, cancel, &mut so_far)?)
     };
     let total = Some(found.as_ref().map_or(0, |f| f.members.len() as u64));
@@ -289,7 +292,7 @@ const RULE_BROKEN: f64 = 1.0;
 
 /// What vectors of free parameters are worth.
 fn measured(brief: &Brief<'_>, vectors: &[Vec<f64>]) -> Vec<Evaluation> {
-    let Brief { study, trial, settings, control, objectives } = *brief;
+    let Brief { study, trial, settings, control, objectives, .. } = *brief;
     let layouts: Vec<Vec<f64>> = vectors.iter().map(|p| control.expand(p)).collect();
     let worths = trial.measure_all(&layouts);
     // A limit holds for the numbers that are shown.

@@ -2,12 +2,21 @@
 
 use super::aims;
 use super::study::{Study, Understood, Worth};
-use crate::config::{Aim, Bound, Follow, Held, Limit, Measure, PairName, Penalty, Settings};
+use crate::config::{Aim, Bound, Follow, Held, Limit, Measure, Method, PairName, Penalty, Settings, Snap};
 use crate::moves::Parameter;
 use crate::moves::control::{Breach, Control, Link, Rules};
+use crate::moves::defaults::TURN_DEG;
 use crate::overlay::measure::sentence_case;
 use crate::overlay::words::listed as listed_and;
+use crate::plan::markers::Kind;
 use crate::report::{Error, Place, Report, counted};
+
+/// Steps of default moves, metres of a person: five centimetres, two inches where the drawing is by the inch.
+const STEP_M: f64 = 0.05;
+const STEP_INCHES_M: f64 = 0.0508;
+
+/// The turn by which what stood straight stands straight again.
+const RIGHT_DEG: f64 = 90.0;
 
 /// The parameters under the rules of the settings.
 ///
@@ -23,7 +32,7 @@ pub fn control(base: &Understood, settings: &Settings) -> Result<Control, Error>
         },
         is_row: l.follow == Follow::Equal,
     };
-    let snap = settings.snap.unwrap_or_default();
+    let snap = steps(base, settings);
     let rules = Rules {
         links: settings.links.iter().filter(|l| !is_idle(base, l)).map(link).collect(),
         length_m: snap.length_m,
@@ -45,6 +54,22 @@ pub fn control(base: &Understood, settings: &Settings) -> Result<Control, Error>
     })
 }
 
+/// The modules that moves keep to: the user's, else of default moves what an architect draws by.
+pub fn steps(base: &Understood, settings: &Settings) -> Snap {
+    let is_ours = base.moves.are_default && settings.snap.is_none() && !settings.raw;
+    if !is_ours || settings.method == Method::Paper || settings.allow.any_step {
+        return settings.snap.unwrap_or_default();
+    }
+    let is_by_inches = matches!(base.plan.unit.unit.name, "in" | "ft");
+    let step_m = if is_by_inches { STEP_INCHES_M } else { STEP_M } * base.plan.human_scale;
+    let turns = base.moves.parameters.iter().filter(|p| matches!(p.clause.kind, Kind::Rotate(_)));
+    // What turns askew turns less far; what turns by right angles may have a door on one of its ways.
+    let is_right = turns.map(|p| p.clause.upper.max(-p.clause.lower)).fold(0.0, f64::max) > TURN_DEG;
+    let mut snap = Snap::default();
+    (snap.length_m, snap.angle_deg) = (Some(step_m), is_right.then_some(RIGHT_DEG));
+    snap
+}
+
 /// Whether nothing that a link names moves: every group was left out as a whole.
 fn is_idle(base: &Understood, link: &crate::config::Link) -> bool {
     let among = |list: &[Parameter], name: &String| list.iter().any(|p| p.group_name == *name);
@@ -58,7 +83,7 @@ fn is_idle(base: &Understood, link: &crate::config::Link) -> bool {
 pub fn say_odd(base: &Understood, settings: &Settings, report: &mut Report) -> Result<(), Error> {
     let place = || Place::file(&base.plan.file);
     let stuck = control(base, settings)?.without_a_step();
-    if !stuck.is_empty() {
+    if !stuck.is_empty() && settings.snap.is_some() {
         let snap = settings.snap.map_or(String::new(), |s| format!("{s}{}", s.metres_words()));
         let text = format!(
             "snap {snap}: no step of the module fits within the bounds of {}; they stay as drawn",
@@ -186,6 +211,7 @@ pub fn broken(
     if worth.cut_off > 0.0 {
         all.push("that no space is cut off".into());
     }
+    all.extend(worth.faults.words());
     let of = |pair: Option<PairName>| pair.map_or_else(|| "reference".into(), |name| format!("{name}"));
     let hidden = super::round::hidden(study, settings, worth).into_iter();
     all.extend(hidden.map(|pair| format!("that something of the region {} is seen", of(pair))));

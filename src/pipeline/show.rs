@@ -19,6 +19,7 @@ use crate::overlay::result::{
     self, Change, Counts, ElementRef, Input, LayerEntry, MoveEntry, MoveKind, Numbers, RegionEntry, UnitEntry,
 };
 use crate::plan::axes::{OpeningKind, THICKNESSES};
+use crate::plan::bearing;
 use crate::plan::curve::{Trace, control_points};
 use crate::plan::drawing::{Addition, Format, Mark, Shape, SourceRef};
 use crate::plan::floor::Area;
@@ -248,34 +249,12 @@ fn statements(base: &Understood) -> Vec<String> {
         _ if s.starts_with(THICKNESSES) => base.axes.thickness_words(base.plan.human_scale),
         _ => s.clone(),
     };
-    base.axes.statements.iter().map(told).collect()
+    let structure = bearing::words(&base.plan.bearing);
+    base.axes.statements.iter().map(told).chain(structure).collect()
 }
 
-/// The plan with the moving walls where a layout has them, and where they stood.
-pub fn moved_picture(base: &Understood, layout: &Layout) -> PlanPicture {
-    let mut out = picture(base);
-    for moved in layout.walls.iter().filter(|w| w.is_changed) {
-        let wall = moved.wall as usize;
-        out.strokes[wall].kind = StrokeKind::Before;
-        let solid = base.plan.walls[wall].is_solid;
-        out.strokes.push(stroke_of(&base.plan, &moved.trace, solid, StrokeKind::Moved));
-    }
-    out
-}
-
-/// Strokes of the changed walls of a layout: where they stand now, and where they stood.
-pub fn moved_strokes(base: &Understood, layout: &Layout) -> (Vec<Stroke>, Vec<Stroke>) {
-    let changed = layout.walls.iter().filter(|w| w.is_changed);
-    changed
-        .map(|m| {
-            let wall = &base.plan.walls[m.wall as usize];
-            let now = stroke_of(&base.plan, &m.trace, wall.is_solid, StrokeKind::Moved);
-            (now, stroke_of(&base.plan, &wall.trace, wall.is_solid, StrokeKind::Before))
-        })
-        .unzip()
-}
-
-fn stroke_of(plan: &Plan, trace: &Trace, solid: bool, kind: StrokeKind) -> Stroke {
+/// A trace as it is shown.
+pub(super) fn stroke_of(plan: &Plan, trace: &Trace, solid: bool, kind: StrokeKind) -> Stroke {
     let points = trace.points.iter().map(|p| plan.frame.plan_from_um(*p).to_array()).collect();
     Stroke { points, closed: trace.is_closed, filled: solid, kind }
 }

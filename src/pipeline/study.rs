@@ -5,6 +5,7 @@ mod behind;
 mod card;
 mod carrying;
 mod far;
+mod faults;
 mod gaps;
 mod idle;
 mod jambs;
@@ -51,6 +52,8 @@ use crate::plan::sight::Sight;
 use crate::plan::structure::{self, Body};
 use crate::plan::{Plan, PlanOptions, Wall, box_of, own_layers, understand, view_box};
 use crate::report::{Error, Place, Problem, Report, Severity};
+pub use faults::Faults;
+use faults::Guards;
 use jambs::keeping_doors;
 pub use look::{LatticeAt, Pair, Use};
 use look::{Look, SeenOn};
@@ -201,6 +204,9 @@ pub fn understood(drawing: &Drawing, settings: &Settings, report: &mut Report) -
     add_regions(&mut plan, settings)?;
     building::add_spaces(drawing, &mut plan, settings)?;
     state_unused_seeds(&plan, settings, report);
+    if settings.allow.structure {
+        plan.bearing.clear();
+    }
     let graph = Graph::new(&plan);
     let as_drawn = settings.reading.as_drawn == Some(true);
     let (axes, marked) = if as_drawn { Default::default() } else { structure::axes(&plan, drawing) };
@@ -347,6 +353,7 @@ fn moves(
             let found = groups.iter().map(|(g, _)| g.clauses.len()).sum();
             let groups = carrying::whole_moves(plan, graph, axes, fittings, groups, report);
             let groups = keeping_doors(groups, (plan, graph, axes), report);
+            let groups = carrying::without_structure(plan, graph, axes, groups, report);
             let mut moves = Moves::new(plan, graph, axes, &groups, report);
             moves.are_default = true;
             state_left(&moves, (&groups, found), (plan, graph), report);
@@ -376,6 +383,8 @@ pub struct Worth {
     pub aims: Vec<f64>,
     /// clr, m².
     pub clearance_m2: f64,
+    /// What a builder would refuse.
+    pub faults: Faults,
     /// (Σ u_i / (|V_q||V|))².
     pub disconnection: f64,
     /// Σ u_i / (|V_q||V|).
@@ -418,6 +427,7 @@ pub struct Study {
     pieces: Vec<WallPiece>,
     /// For every moving wall the range of its pieces in `pieces`.
     piece_ranges: Vec<(usize, usize)>,
+    guards: Guards,
     clearance: Clearance,
     wall_length: WallLength,
     alignment: Alignment,
@@ -538,6 +548,7 @@ impl Study {
                 })
                 .collect(),
             rooms: aims::asks_for_rooms(settings).then(|| rooms(&base, &layout, report)),
+            guards: Guards::default(),
             aims: aims::aims(settings),
             initial: Worth::default(),
             edges: first.main.edges,
@@ -553,6 +564,7 @@ impl Study {
             pieces,
             piece_ranges,
         };
+        study.guards = Guards::new(&study, settings);
         let initial = |look: &Look| {
             let of = |scene: &Scene| {
                 let obstacles = study.obstacles(&identity, &scene.cells);
@@ -562,7 +574,7 @@ impl Study {
             SeenOn { main: of(&look.main), pairs: look.pairs.iter().map(|p| of(&p.scene)).collect() }
         };
         let seen = study.looks.par_iter().map(initial).collect();
-        study.initial = study.worth(seen, &study.pieces);
+        study.initial = study.worth(seen, &study.pieces, &identity);
         Ok(study)
     }
 

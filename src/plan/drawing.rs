@@ -307,6 +307,8 @@ pub struct Drawing {
     pub idle_marks: IdleMarks,
     /// Records of doors and windows of which the file says in which record's wall they sit.
     pub hosts: BTreeMap<usize, usize>,
+    /// Records that carry, hold fire up or part dwellings as far as the file says it or shows it.
+    pub bearing: BTreeMap<usize, super::bearing::Bearing>,
     /// Records of polylines that are drawn in one width all along, with that width in the units of the model space or
     /// the block they stand in, > 0.
     pub widths: BTreeMap<usize, f64>,
@@ -477,6 +479,7 @@ impl Drawing {
             marked: Vec::new(),
             idle_marks: IdleMarks::None,
             hosts: BTreeMap::new(),
+            bearing: BTreeMap::new(),
             widths: BTreeMap::new(),
             singles: BTreeMap::new(),
             undrawn: Vec::new(),

@@ -4,6 +4,7 @@
 //! coordinates far from zero, curves (they are traced to straight pieces), or shapes of no size.
 
 pub mod axes;
+pub mod bearing;
 mod choice;
 mod crowd;
 pub mod curve;
@@ -202,6 +203,8 @@ pub struct Plan {
     pub plugs: Vec<Plug>,
     /// The doors of a building, where the file calls them so.
     pub doors: Vec<NamedDoor>,
+    /// Records of walls that stay unless somebody says otherwise, and why; empty where they may move as well.
+    pub bearing: BTreeMap<usize, bearing::Bearing>,
     /// What stands in the rooms: what slides must not run into it.
     pub obstacles: Vec<obstacles::Obstacle>,
     /// Ground that layers say is outdoors, rings in the drawing frame, micrometres: no interior.
@@ -318,12 +321,20 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         human_scale,
         plugs: plugs(&drawing, &frame),
         doors: doors(&drawing, &frame),
+        bearing: walls_of(bearing::find(&drawing), &entities),
         obstacles,
         outdoors,
         reading,
         senses,
         north_deg: drawing.north_deg,
     })
+}
+
+/// Those of some records that are walls of the plan.
+fn walls_of<T>(mut of: BTreeMap<usize, T>, walls: &[&Entity]) -> BTreeMap<usize, T> {
+    let records: std::collections::BTreeSet<usize> = walls.iter().map(|w| w.source.record).collect();
+    of.retain(|record, _| records.contains(record));
+    of
 }
 
 /// What a drawing was taken for, with its unit.

@@ -278,6 +278,7 @@ impl Sheet {
             marked: Vec::new(),
             idle_marks: IdleMarks::None,
             hosts: Default::default(),
+            bearing: Default::default(),
             widths: Default::default(),
             singles: Default::default(),
             north_deg: 0.0,

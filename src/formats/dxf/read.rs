@@ -72,6 +72,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         marked: Vec::new(),
         idle_marks: IdleMarks::None,
         hosts: Default::default(),
+        bearing: Default::default(),
         widths: reader.widths,
         singles: Default::default(),
         north_deg: 0.0,

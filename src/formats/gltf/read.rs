@@ -101,6 +101,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         marked,
         idle_marks,
         hosts: hosts(&scene, &bodies, options),
+        bearing: Default::default(),
         widths: Default::default(),
         singles: singles(&bodies),
         north_deg: 0.0,

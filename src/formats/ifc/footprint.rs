@@ -19,6 +19,9 @@ const OPEN_M: f64 = 0.01;
 /// What is this near to an outline is on it, metres: coordinates of a plan are whole micrometres.
 const OUTLINE_M: f64 = 1e-6;
 
+/// Points across a box by which it is asked how much of what lies in it lies in others.
+const SPREAD: u32 = 24;
+
 /// What an element covers half way up its body, world, file units.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Footprint {
@@ -91,6 +94,43 @@ impl Footprint {
         Some(Self { rings, extent })
     }
 
+    /// Of a body at several heights, each for itself: what has no height at which it shows all of its ground.
+    pub fn slices(b: &Building<'_, '_>, product: &Product, count: u32) -> Vec<Self> {
+        let Some(world) = product.placement.map_or(Some(DAffine3::IDENTITY), |p| b.geo.placement(p).ok())
+        else {
+            return Vec::new();
+        };
+        let Some(items) = product.shape.and_then(|s| body_items(b.step, s).ok()) else { return Vec::new() };
+        let reach = items.iter().filter_map(|i| b.geo.reach(*i, &world, 0).ok());
+        let Some([low, high]) = reach.reduce(|s, r| [s[0].min(r[0]), s[1].max(r[1])]) else {
+            return Vec::new();
+        };
+        let at = |k: u32| low + (high - low) * (f64::from(k) + 0.5) / f64::from(count);
+        let slice = |k: u32| {
+            let cut = b.geo.cut_items(&items, &world, at(k));
+            Self::new(cut.region.rings().map(|r| r.iter().map(|p| DVec2::from(*p)).collect()).collect())
+        };
+        (0..count).filter_map(slice).collect()
+    }
+
+    /// The least distance of the corners of either to the other.
+    pub fn gap(&self, other: &Self) -> f64 {
+        let to = |a: &Self, b: &Self| a.corners().map(|p| b.distance(p)).fold(f64::INFINITY, f64::min);
+        to(self, other).min(to(other, self))
+    }
+
+    /// The share of its ground that lies in any of some others, by points spread over it.
+    pub fn share_in(&self, others: &[&Self]) -> f64 {
+        let [lo, hi] = self.extent;
+        let at = |i: u32, j: u32| {
+            lo + (hi - lo) * (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / f64::from(SPREAD)
+        };
+        let all = (0..SPREAD).flat_map(|i| (0..SPREAD).map(move |j| at(i, j)));
+        let own: Vec<DVec2> = all.filter(|p| self.distance(*p) == 0.0).collect();
+        let within = own.iter().filter(|p| others.iter().any(|o| o.distance(**p) == 0.0)).count();
+        within as f64 / own.len().max(1) as f64
+    }
+
     /// What an end of a wall passes over, its corners in order.
     pub fn swept(end: &[DVec2], by: DVec2) -> Option<Self> {
         Self::new(vec![end.iter().copied().chain(end.iter().rev().map(|p| p + by)).collect()])
@@ -98,8 +138,12 @@ impl Footprint {
 
     /// Whether the boxes round both are no further apart than walls that stand at each other.
     pub fn is_near(&self, other: &Self, metres: f64) -> bool {
-        let margin = DVec2::splat(JOINT_M / metres);
-        let [lo, hi] = self.extent;
+        self.is_near_by(other, JOINT_M / metres)
+    }
+
+    /// Whether the boxes round both are no further apart than a margin.
+    pub fn is_near_by(&self, other: &Self, margin: f64) -> bool {
+        let ([lo, hi], margin) = (self.extent, DVec2::splat(margin));
         (other.extent[0] - margin).cmple(hi).all() && (other.extent[1] + margin).cmpge(lo).all()
     }
 

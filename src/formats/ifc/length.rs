@@ -1,8 +1,8 @@
 //! Walls that change their length: which can, and what of the file says how long they are.
 //!
 //! Certain is a wall whose body is one upright extrusion of a rectangle or a closed polyline with two long sides along
-//! the wall, and that has nothing but this body and, if any, a straight axis of two points; either line may be indexed. Its placement stays, and so
-//! do the openings that stand in its frame.
+//! the wall, and that has nothing but this body and, if any, a straight axis of two points; either line may be indexed. Roofs
+//! and floors may cut it, and a box may be stated round it. Its placement stays, and so do the openings that stand in its frame.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -19,6 +19,12 @@ const SAME_WAY_SIN: f64 = 1e-6;
 
 /// Places nearer than this are one, metres.
 const SAME_PLACE_M: f64 = 1e-6;
+
+/// Most cuts through one wall.
+const CUTS_MAX: usize = 16;
+
+/// A plane whose normal rises less stands upright.
+const SLOPE_MIN: f64 = 0.1;
 
 /// Without an axis a wall is at least this many times as long as thick.
 const SLENDER: f64 = 3.0;
@@ -68,6 +74,8 @@ pub(super) struct Bar {
 struct Body {
     shape: u64,
     body: u64,
+    /// What cuts the extrusion, the outermost first.
+    cuts: Vec<u64>,
     solid: u64,
     profile: u64,
     /// From the wall's own frame to the profile's plane.
@@ -76,6 +84,8 @@ struct Body {
     corners: Option<[Vec<usize>; 2]>,
     /// Representation and polyline of the axis; its first point is at the wall's first end.
     axis: Option<(u64, u64)>,
+    /// Representation and box round the wall.
+    bounds: Option<(u64, u64)>,
     /// The world's direction along in the wall's own frame.
     along: DVec3,
 }
@@ -98,7 +108,7 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
     }
     let placement = args.get(5).and_then(Arg::id).ok_or("it has no placement")?;
     let world = b.geo.placement(placement)?;
-    let (mut body, mut axis) = (None, None);
+    let (mut body, mut axis, mut bounds) = (None, None, None);
     for representation in b.geo.args(shape)?.get(2).map(Arg::ids).unwrap_or_default() {
         let of = b.geo.args(representation)?;
         let name = of.get(1).and_then(|a| b.step.text(a)).unwrap_or_default();
@@ -106,6 +116,9 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
         match (name.as_str(), items.as_slice()) {
             ("Body", [item]) if body.is_none() => body = Some((representation, *item)),
             ("Axis", [item]) if axis.is_none() => axis = Some((representation, *item)),
+            (_, [item]) if bounds.is_none() && b.step.keyword(*item) == "IFCBOUNDINGBOX" => {
+                bounds = Some((representation, *item));
+            }
             ("Body" | "Axis", [_]) => return Err(format!("it has more than one representation {name:?}")),
             ("Body" | "Axis", items) => {
                 return Err(format!("its representation {name:?} has {} items instead of one", items.len()));
@@ -113,7 +126,8 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
             _ => return Err(format!("it has a representation {name:?} beside axis and body")),
         }
     }
-    let (body, solid) = body.ok_or("it has no body")?;
+    let (body, item) = body.ok_or("it has no body")?;
+    let (cuts, solid) = uncut(b, item, &world)?;
     if b.step.keyword(solid) != "IFCEXTRUDEDAREASOLID" {
         return Err(format!("{} is no plain extrusion", b.geo.named(solid)));
     }
@@ -126,6 +140,10 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
     }
     let ends = axis.map(|(_, line)| axis_ends(b, line)).transpose()?;
     let outline = outline(b, profile, &position, ends)?;
+    let inner_along = position.matrix3 * outline.along.extend(0.0);
+    if bounds.is_some() && inner_along.x.abs().min(inner_along.y.abs()) > SAME_WAY_SIN {
+        return Err("the box round it stands askew to it".into());
+    }
     let m = world * position;
     let along = (m.matrix3 * outline.along.extend(0.0)).truncate();
     let shift = m.translation.truncate().dot(along);
@@ -136,14 +154,48 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
         body: Body {
             shape,
             body,
+            cuts,
             solid,
             profile,
             to_profile: position.inverse(),
             corners: outline.corners,
             axis,
-            along: position.matrix3 * outline.along.extend(0.0),
+            bounds,
+            along: inner_along,
         },
     })
+}
+
+/// The solid that roofs and floors are taken from, and what takes them. A plane that stands upright would cut the end of
+/// the wall where that no longer is, and one that is bounded reaches no farther than drawn.
+fn uncut(b: &Building<'_, '_>, item: u64, world: &DAffine3) -> Result<(Vec<u64>, u64), Why> {
+    let (mut cuts, mut at) = (Vec::new(), item);
+    while matches!(&*b.step.keyword(at), "IFCBOOLEANCLIPPINGRESULT" | "IFCBOOLEANRESULT") {
+        let args = b.geo.args(at)?;
+        let tool = b.geo.reference(&args, 2, at)?;
+        if cuts.len() == CUTS_MAX
+            || !args.first().is_some_and(|op| op.is("DIFFERENCE"))
+            || !is_slope(b, tool, world)?
+        {
+            return Err(format!("{} cuts it in a way that would not go along", b.geo.named(tool)));
+        }
+        cuts.push(at);
+        at = b.geo.reference(&args, 1, at)?;
+    }
+    Ok((cuts, at))
+}
+
+/// Whether what cuts a wall is a plane without end that is far from upright.
+fn is_slope(b: &Building<'_, '_>, tool: u64, world: &DAffine3) -> Result<bool, Why> {
+    if b.step.keyword(tool) != "IFCHALFSPACESOLID" {
+        return Ok(false);
+    }
+    let plane = b.geo.reference(&b.geo.args(tool)?, 0, tool)?;
+    if b.step.keyword(plane) != "IFCPLANE" {
+        return Ok(false);
+    }
+    let at = *world * b.geo.axis_placement(b.geo.reference(&b.geo.args(plane)?, 0, plane)?)?;
+    Ok(at.matrix3.z_axis.normalize_or_zero().z.abs() > SLOPE_MIN)
 }
 
 /// Whether a frame stands upright or on its head: a profile lies flat in it, whichever side of it is up.
@@ -327,6 +379,13 @@ impl Bar {
                 let slot = list_of(b, axis, 3)?.into_iter().next().ok_or("its axis is gone")?.0;
                 let node = Node { id: axis, changes: vec![(slot, Change::Instance(line))] };
                 shape.push((i, Change::Instance(node)));
+            } else if let Some((box_of, item)) = own.bounds.filter(|a| a.0 == representation) {
+                let slot = list_of(b, box_of, 3)?.into_iter().next().ok_or("its box is gone")?.0;
+                let node = Node {
+                    id: box_of,
+                    changes: vec![(slot, Change::Instance(self.bounds_change(b, item, by)?))],
+                };
+                shape.push((i, Change::Instance(node)));
             }
         }
         let slot = b.geo.args(id)?.get(6).map(|a| a.span.clone()).ok_or("it has no shape")?;
@@ -348,9 +407,33 @@ impl Bar {
             None => self.rectangle_change(b, by, (inner[0] + inner[1]) / 2.0)?,
         };
         let slot = b.geo.args(own.solid)?.first().map(|a| a.span.clone()).ok_or("its outline is gone")?;
-        let solid = Node { id: own.solid, changes: vec![(slot, Change::Instance(profile))] };
+        let mut solid = Node { id: own.solid, changes: vec![(slot, Change::Instance(profile))] };
+        for cut in own.cuts.iter().rev() {
+            let slot = b.geo.args(*cut)?.get(1).map(|a| a.span.clone()).ok_or("its body is gone")?;
+            solid = Node { id: *cut, changes: vec![(slot, Change::Instance(solid))] };
+        }
         let slot = list_of(b, own.body, 3)?.into_iter().next().ok_or("its body is gone")?.0;
         Ok(Node { id: own.body, changes: vec![(slot, Change::Instance(solid))] })
+    }
+
+    /// The box grows where the wall does.
+    fn bounds_change(&self, b: &Building<'_, '_>, item: u64, by: [f64; 2]) -> Result<Node, Why> {
+        let along = self.body.along;
+        let axis = if along.x.abs() > along.y.abs() { 0 } else { 1 };
+        // How far the lower side of the box goes, and by how much it grows.
+        let lower = if along[axis] > 0.0 { by[0] } else { -by[1] };
+        let args = b.geo.args(item)?;
+        let side = args.get(1 + axis).ok_or("its box is incomplete")?;
+        let length = side.number().ok_or("its box has no size")? + by[1] - by[0];
+        let mut changes = vec![(side.span.clone(), Change::Text(real(length)))];
+        if lower != 0.0 {
+            let corner = args.first().ok_or("its box is incomplete")?;
+            let point = corner.id().ok_or("its box has no corner")?;
+            let mut shift = DVec3::ZERO;
+            shift[axis] = lower;
+            changes.insert(0, (corner.span.clone(), Change::Instance(moved_point(b, point, shift)?)));
+        }
+        Ok(Node { id: item, changes })
     }
 
     /// A rectangle grows on both sides of its middle, so that goes half the way.

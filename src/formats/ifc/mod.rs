@@ -24,6 +24,7 @@ mod plain;
 mod profile;
 mod read;
 mod step;
+mod structure;
 mod text;
 mod units;
 mod unseen;

@@ -365,6 +365,19 @@ impl Model {
         out
     }
 
+    /// What an element, or else its type, states as a property of `Pset_WallCommon`; of a flag `T` or `F`.
+    pub fn wall_common(&self, step: &Step<'_>, id: u64, key: &str) -> Option<String> {
+        let sets = [&self.properties, &self.of_types].into_iter().filter_map(|of| of.get(&id)).flatten();
+        let all = sets.flat_map(|set| properties_of(step, *set, |name| name == "Pset_WallCommon"));
+        let value = |property: u64| {
+            let args = step.args(property);
+            let is_it = args.first().and_then(|a| step.text(a)).is_some_and(|name| name.trim() == key);
+            let value = args.get(2).filter(|_| is_it && step.keyword(property) == ONE_VALUE)?;
+            Some(step.text(value).unwrap_or_else(|| enum_text(value)))
+        };
+        all.into_iter().find_map(value)
+    }
+
     /// Properties of `Pset_Enfilade` on an element or its type that are of another kind than one value, by name, with that
     /// kind.
     pub fn odd_marks(&self, step: &Step<'_>, id: u64) -> Vec<(String, String)> {
@@ -383,10 +396,14 @@ const ONE_VALUE: &str = "IFCPROPERTYSINGLEVALUE";
 
 /// The properties of a set, if it is ours.
 fn own_properties(step: &Step<'_>, set: u64) -> Vec<u64> {
+    properties_of(step, set, super::marks::is_ours)
+}
+
+/// The properties of a set that has a name as wanted.
+fn properties_of(step: &Step<'_>, set: u64, is_wanted: impl Fn(&str) -> bool) -> Vec<u64> {
     let args = step.args(set);
     let name = args.get(2).and_then(|a| step.text(a)).unwrap_or_default();
-    let is_ours = super::marks::is_ours(&name);
-    args.get(4).filter(|_| is_ours).map(Arg::ids).unwrap_or_default()
+    args.get(4).filter(|_| is_wanted(&name)).map(Arg::ids).unwrap_or_default()
 }
 
 fn enum_text(arg: &Arg) -> String {
@@ -399,7 +416,7 @@ fn enum_text(arg: &Arg) -> String {
 }
 
 /// The one and the many of a relation.
-fn pairs(step: &Step<'_>, keyword: &str, one: usize, many: usize) -> Vec<(u64, Vec<u64>)> {
+pub(super) fn pairs(step: &Step<'_>, keyword: &str, one: usize, many: usize) -> Vec<(u64, Vec<u64>)> {
     let of = |i| {
         let args: Vec<Arg> = step.args_of(i);
         let many = args.get(many)?;

@@ -704,6 +704,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             fills: Vec::new(),
             marked: self.marked,
             idle_marks: self.idle_marks,
+            bearing: super::structure::of_storey(self.b, self.storey, self.cut),
             widths: Default::default(),
             singles: Default::default(),
             undrawn: Vec::new(),

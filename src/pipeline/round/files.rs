@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::super::show::{self, Map};
 use super::super::study::{self, Study};
+use super::super::traces::{self, Traces};
 use super::super::{Input, MapLook, heat_map, rayon_map};
 use super::{Found, Made, gains_words};
 use crate::config::{Measure, PairName, Settings};
@@ -13,7 +14,9 @@ use crate::overlay::heat_map::DEFAULT_SIDE_PX;
 use crate::overlay::measure::{CHANGE, sentence_case};
 use crate::overlay::result::{Explanation, RoundResult};
 use crate::overlay::words::{by_north, explained, note_lines};
-use crate::overlay::{Palette, Scale, convergence_png, diversity_png, heat_additions, moved_additions};
+use crate::overlay::{
+    Palette, Scale, arrow_additions, convergence_png, diversity_png, heat_additions, moved_additions,
+};
 use crate::plan::drawing::Addition;
 use crate::report::{Error, OutFile, Place};
 
@@ -71,7 +74,7 @@ pub(super) fn pictures(
 ) -> Result<Vec<OutFile>, Error> {
     let shown = shown(settings, study, made);
     let present = show::picture(&study.base);
-    let moved: Vec<_> = made.iter().map(|m| show::moved_picture(&study.base, &m.layout)).collect();
+    let moved: Vec<_> = made.iter().map(|m| traces::moved_picture(&study.base, &m.layout)).collect();
     let jobs: Vec<(usize, usize)> =
         (0..shown.len()).flat_map(|s| (0..=made.len()).map(move |m| (s, m))).collect();
     let files = rayon_map(&jobs, |(s, m)| {
@@ -122,7 +125,7 @@ pub(super) fn drawings(
             None => ("initial".to_string(), Vec::new()),
             Some(i) => {
                 let m = &made[*i];
-                let (now, before) = show::moved_strokes(&study.base, &m.layout);
+                let traces = traces::of(&study.base, &m.layout);
                 let candidate = result.candidates.get(*i);
                 let none = Explanation::default();
                 let explanation = candidate.map_or(&none, |c| &c.explanation);
@@ -138,7 +141,9 @@ pub(super) fn drawings(
                     &explanation.parts,
                 ));
                 lines.extend(explained(explanation));
-                additions.extend(moved_additions(&now, &before, &lines, bounds));
+                let Traces { now, before, arrows } = &traces;
+                additions.extend(moved_additions(now, before, &lines, bounds));
+                additions.extend(arrow_additions(arrows, bounds));
                 (m.name.clone(), m.edits.clone())
             }
         };
@@ -165,7 +170,7 @@ pub(super) fn convergence(found: Option<&Found>) -> Result<Vec<u8>, Error> {
 }
 
 pub(super) fn diversity(study: &Study, made: &[Made]) -> Result<Vec<u8>, Error> {
-    let strokes: Vec<_> = made.iter().map(|m| show::moved_strokes(&study.base, &m.layout).0).collect();
+    let strokes: Vec<_> = made.iter().map(|m| traces::of(&study.base, &m.layout).now).collect();
     let labels: Vec<String> = (1..=made.len()).map(|i| format!("option {i}")).collect();
     diversity_png(&show::picture(&study.base), &strokes, &labels, DEFAULT_SIDE_PX)
 }

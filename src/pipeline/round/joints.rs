@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{Made, named};
 use crate::formats::ifc::{Parting, UnseenJoint};
-use crate::moves::opened::{Opened, opened};
+use crate::moves::opened::{Joints, Opened};
 use crate::pipeline::study::Study;
 use crate::plan::Plan;
 use crate::report::{Place, Report};
@@ -15,9 +15,10 @@ const TOLD: usize = 12;
 /// Names every joint of a building that an option opens, with the options and by how much at most.
 pub(super) fn say_opened(report: &mut Report, file: &str, study: &Study, made: &[Made]) {
     let plan = &study.base.plan;
+    let joints = Joints::new(plan, &study.base.moves);
     let mut found: BTreeMap<(usize, usize), (Opened, Vec<usize>)> = BTreeMap::new();
     for (i, m) in made.iter().enumerate() {
-        for joint in opened(plan, &m.layout) {
+        for joint in joints.opened(plan, &m.layout) {
             let (worst, options) =
                 found.entry((joint.record, joint.other)).or_insert_with(|| (joint, Vec::new()));
             if joint.by_m > worst.by_m {

@@ -50,7 +50,8 @@ pub(super) fn evaluation(
         values: objectives.iter().map(|(aim, _)| value(*aim)).collect(),
         violation: worth.cut_off
             + missed
-            + crossing_m(study, worth)
+            + crossing_m(study, settings, worth)
+            + worth.faults.sum()
             + hidden(study, settings, worth).len() as f64
             + loss(study, settings, objectives, worth),
         at: None,
@@ -80,8 +81,8 @@ pub(in super::super) fn hidden(study: &Study, settings: &Settings, worth: &Worth
 pub(super) const CROSSING_FREE_M: f64 = 0.02;
 
 /// By how much walls run through each other only now, metres, where nobody said what moves: such an option is none.
-fn crossing_m(study: &Study, worth: &Worth) -> f64 {
-    if !study.base.moves.are_default {
+fn crossing_m(study: &Study, settings: &Settings, worth: &Worth) -> f64 {
+    if !study.base.moves.are_default || settings.allow.crossings {
         return 0.0;
     }
     (worth.penalty(Penalty::Overlap) - CROSSING_FREE_M).max(0.0)

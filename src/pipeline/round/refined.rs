@@ -5,6 +5,7 @@ use super::Brief;
 use super::confirmed;
 use super::ideas::{Experience, SAME_MAPS, Stance};
 use super::judged::{evaluation, is_firm, moves_visibly, pinned};
+use super::sound::is_sound;
 use super::stripped::Stripper;
 use crate::overlay::result::{Gains, Objective};
 use crate::pipeline::explain::{relative_gain, total_gain};
@@ -83,7 +84,10 @@ pub(super) fn refined(
     let kept: Vec<Member> = outcome.members[..pins].iter().map(whole).collect();
     let stripper = Stripper { brief, shown, thresholds: &outcome.thresholds };
     let ranked = ranked(brief, pool(brief, outcome, others, shown, &stripper));
-    let is_confirmed = |g: &Gains| confirmed::is_confirmed(brief.objectives, g, brief.settings.least_gain);
+    let is_confirmed = |(m, g): &(Member, Gains)| {
+        confirmed::is_confirmed(brief.objectives, g, brief.settings.least_gain)
+            && is_sound(brief, &m.parameters)
+    };
     let mut out = Refined::default();
     let mut layouts = kept;
     let best = ranked.first().cloned();
@@ -102,14 +106,14 @@ pub(super) fn refined(
         layouts.extend(options.members(0));
         layouts.push(best.clone());
         let mut all = with_gains(brief, layouts);
-        out.best = all.pop().filter(|b| is_confirmed(&b.1));
+        out.best = all.pop().filter(is_confirmed);
         let mut shown = all.split_off(pins);
         let wanted = shown.len();
-        shown.retain(|(_, g)| is_confirmed(g));
+        shown.retain(is_confirmed);
         out.unconfirmed = wanted - shown.len();
         options.take(wanted + out.unconfirmed);
         let instead = with_gains(brief, options.members(wanted)).into_iter();
-        shown.extend(instead.filter(|(_, g)| is_confirmed(g)));
+        shown.extend(instead.filter(is_confirmed));
         shown.sort_by(|a, b| {
             confirmed::total(brief.objectives, &b.1).total_cmp(&confirmed::total(brief.objectives, &a.1))
         });
@@ -299,7 +303,9 @@ fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Member> {
     let worths = on.measure_all(&vectors);
     let here = study.measure_all(&vectors);
     let judged = pool.into_iter().zip(worths).zip(here);
-    let judged = judged.filter(|((_, there), here)| is_allowed(on, there) && is_allowed(study, here));
+    let judged = judged.filter(|((m, there), here)| {
+        is_allowed(on, there) && is_allowed(study, here) && is_sound(brief, &m.parameters)
+    });
     let mut all: Vec<(f64, Member)> = judged.map(|((m, there), _)| (gain(&there), m)).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     all.into_iter().map(|(_, m)| m).collect()

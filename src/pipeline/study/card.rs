@@ -72,7 +72,7 @@ impl Study {
         let worth = |((layout, _), seen): (&(Layout, Vec<Segment>), Vec<SeenOn>)| {
             self.with_bench(|bench| {
                 self.place_all(layout, &mut bench.pieces);
-                self.worth(seen, &bench.pieces)
+                self.worth(seen, &bench.pieces, layout)
             })
         };
         Ok(layouts.par_iter().zip(seen).map(worth).collect())

@@ -6,6 +6,7 @@ use crate::moves::Moves;
 use crate::moves::carried::{Carried, carried};
 use crate::plan::Plan;
 use crate::plan::axes::AxisGraph;
+use crate::plan::drawing::Format;
 use crate::plan::fittings::Fitting;
 use crate::plan::graph::{Graph, Handle};
 use crate::plan::markers::Group;
@@ -70,6 +71,31 @@ pub(super) fn whole_moves(
         state_staying(&stay, why, plan, report);
     }
     move_whole
+}
+
+/// The groups that change no wall of the structure, not even by taking its end along; the others stay and are named. In a
+/// drawing of lines a wall is many, and a line of one that carries may end at another: there the axes have decided.
+pub(super) fn without_structure(
+    plan: &Plan,
+    graph: &Graph,
+    axes: &AxisGraph,
+    groups: Vec<(Group, Vec<u32>)>,
+    report: &mut Report,
+) -> Vec<(Group, Vec<u32>)> {
+    if plan.format == Format::Dxf || plan.bearing.is_empty() {
+        return groups;
+    }
+    let changes_structure = |group: &(Group, Vec<u32>)| {
+        let alone = Moves::new(plan, graph, axes, std::slice::from_ref(group), &mut Report::default());
+        let records = alone.walls.iter().map(|w| plan.walls[*w as usize].source.record);
+        records.into_iter().any(|r| plan.bearing.contains_key(&r))
+    };
+    let (stay, move_on): (Vec<_>, Vec<_>) = groups.into_iter().partition(changes_structure);
+    if !stay.is_empty() {
+        let stay: Vec<Group> = stay.into_iter().map(|g| g.0).collect();
+        state_staying(&stay, "a wall that carries would change with them", plan, report);
+    }
+    move_on
 }
 
 fn state_staying(stay: &[Group], why: &str, plan: &Plan, report: &mut Report) {

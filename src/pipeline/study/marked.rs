@@ -156,7 +156,23 @@ pub(super) fn taken_up<'a>(
     let moves = ending_at_jambs(moves, groups.clone(), (plan, graph, axes), report);
     let moves = without_idle(moves, groups.clone(), (plan, graph), settings, report);
     state_left_behind(&moves, groups, (plan, graph), fittings, report);
+    state_structure(&moves, plan, report);
     moves
+}
+
+/// Names the walls of the structure that marks move all the same.
+fn state_structure(moves: &Moves, plan: &Plan, report: &mut Report) {
+    let mut told: BTreeSet<usize> = BTreeSet::new();
+    for wall in moves.walls.iter().map(|w| &plan.walls[*w as usize]) {
+        let record = wall.source.record;
+        if let Some(bearing) = plan.bearing.get(&record).filter(|_| told.insert(record)) {
+            let text = format!(
+                "a mark moves it or its end, and it is one of the walls {}: by default it stays",
+                bearing.words()
+            );
+            report.info("structure-moves", place_in(&plan.file, &wall.source), text);
+        }
+    }
 }
 
 /// Side-car nodes are found again within this distance.

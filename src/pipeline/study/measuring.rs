@@ -35,7 +35,7 @@ impl Study {
         });
         let seen = seen.collect();
         self.place_all(&layout, &mut bench.pieces);
-        self.worth(seen, &bench.pieces)
+        self.worth(seen, &bench.pieces, &layout)
     }
 
     /// What moves in a layout, with the cells of a lattice that it covers.
@@ -62,7 +62,7 @@ impl Study {
     }
 
     /// What a layout is worth whose unnamed and named pairs see that on every lattice.
-    pub(super) fn worth(&self, seen: Vec<SeenOn>, pieces: &[WallPiece]) -> Worth {
+    pub(super) fn worth(&self, seen: Vec<SeenOn>, pieces: &[WallPiece], moved: &Layout) -> Worth {
         let layout = penalties::Layout { pieces };
         let clearance_m2 = self.clearance.measure_m2(&layout);
         let passages_m: Vec<f64> = self.passages.iter().map(|p| p.measure_m(&layout)).collect();
@@ -81,6 +81,7 @@ impl Study {
             passages_m,
             rooms_m2,
             clearance_m2,
+            faults: self.guards.faults(&self.base, moved, &layout),
             ..Worth::default()
         };
         look::take_means(self, seen, &mut worth);

@@ -12,7 +12,7 @@ use crate::analysis::lattice::CellIndex;
 use crate::analysis::visibility::visibility_graph;
 use crate::config::Settings;
 use crate::formats;
-use crate::moves::Layout;
+use crate::moves::{Layout, MovedWall};
 use crate::plan::curve::{control_points, trace_like};
 use crate::plan::drawing::Shape;
 use crate::plan::geometry::{PointUm, Segment};
@@ -63,7 +63,12 @@ impl Study {
             main: seen(&look.main),
             pairs: look.pairs.iter().map(|p| seen(&p.scene)).collect(),
         };
-        Ok(self.worth(self.looks.iter().map(of).collect(), &pieces))
+        let written = |moved: &MovedWall| MovedWall {
+            trace: again.walls[moved.wall as usize].trace.clone(),
+            ..moved.clone()
+        };
+        let written = Layout { walls: layout.walls.iter().map(written).collect() };
+        Ok(self.worth(self.looks.iter().map(of).collect(), &pieces, &written))
     }
 
     fn read_again(&self, bytes: &[u8], settings: &Settings) -> Result<Plan, Error> {
