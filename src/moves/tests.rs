@@ -43,6 +43,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         idle_marks: IdleMarks::None,
         hosts: Default::default(),
         bearing: Default::default(),
+        things: Vec::new(),
         widths: Default::default(),
         singles: Default::default(),
         north_deg: 0.0,

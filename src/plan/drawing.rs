@@ -309,6 +309,8 @@ pub struct Drawing {
     pub hosts: BTreeMap<usize, usize>,
     /// Records that carry, hold fire up or part dwellings as far as the file says it or shows it.
     pub bearing: BTreeMap<usize, super::bearing::Bearing>,
+    /// What stands on the floor of a building and is no line of its plan, since the cut passes over it: record and outline.
+    pub things: Vec<(usize, Vec<DVec2>)>,
     /// Records of polylines that are drawn in one width all along, with that width in the units of the model space or
     /// the block they stand in, > 0.
     pub widths: BTreeMap<usize, f64>,
@@ -480,6 +482,7 @@ impl Drawing {
             idle_marks: IdleMarks::None,
             hosts: BTreeMap::new(),
             bearing: BTreeMap::new(),
+            things: Vec::new(),
             widths: BTreeMap::new(),
             singles: BTreeMap::new(),
             undrawn: Vec::new(),

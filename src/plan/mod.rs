@@ -290,6 +290,9 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
             outdoors::find(&drawing, is_wall, &frame, human_scale),
         ),
     };
+    let mut obstacles = obstacles;
+    let records: std::collections::BTreeSet<usize> = walls.iter().map(|w| w.source.record).collect();
+    obstacles.extend(obstacles::known(&drawing, &frame, |record| records.contains(&record)));
     let is_locked = |e: &Entity| drawing.layers.iter().any(|l| l.is_locked && l.name == e.layer);
     let entities = walls;
     let mut walls: Vec<Wall> = entities.iter().map(|e| wall_of(e, &frame, is_locked(e))).collect();

@@ -100,6 +100,21 @@ pub struct Obstacle {
     pub pieces: Vec<Segment>,
 }
 
+/// Outlines that a building's reader knows of, but for those of walls: fixed.
+pub(super) fn known(drawing: &Drawing, frame: &Frame, is_wall: impl Fn(usize) -> bool) -> Vec<Obstacle> {
+    let side = |ring: &[DVec2], i: usize| {
+        let [a, b] = [ring[i], ring[(i + 1) % ring.len()]].map(|p| frame.um_from_file(p));
+        Segment { a, b }
+    };
+    let things = drawing.things.iter().filter(|(record, ring)| ring.len() > 1 && !is_wall(*record));
+    let thing = |(record, ring): &(usize, Vec<DVec2>)| Obstacle {
+        record: *record,
+        kind: ObstacleKind::Fixed,
+        pieces: (0..ring.len()).map(|i| side(ring, i)).collect(),
+    };
+    things.map(thing).collect()
+}
+
 /// What stands in the way, what is fixed first. `walls`: entities that are walls; `metres_per_unit`: of a person.
 pub(super) fn find(
     drawing: &Drawing,

@@ -279,6 +279,7 @@ impl Sheet {
             idle_marks: IdleMarks::None,
             hosts: Default::default(),
             bearing: Default::default(),
+            things: Vec::new(),
             widths: Default::default(),
             singles: Default::default(),
             north_deg: 0.0,

@@ -73,6 +73,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         idle_marks: IdleMarks::None,
         hosts: Default::default(),
         bearing: Default::default(),
+        things: Vec::new(),
         widths: reader.widths,
         singles: Default::default(),
         north_deg: 0.0,

@@ -102,6 +102,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         idle_marks,
         hosts: hosts(&scene, &bodies, options),
         bearing: Default::default(),
+        things: Vec::new(),
         widths: Default::default(),
         singles: singles(&bodies),
         north_deg: 0.0,

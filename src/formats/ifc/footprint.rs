@@ -113,6 +113,11 @@ impl Footprint {
         (0..count).filter_map(slice).collect()
     }
 
+    /// Its rings.
+    pub fn into_rings(self) -> Vec<Vec<DVec2>> {
+        self.rings
+    }
+
     /// The least distance of the corners of either to the other.
     pub fn gap(&self, other: &Self) -> f64 {
         let to = |a: &Self, b: &Self| a.corners().map(|p| b.distance(p)).fold(f64::INFINITY, f64::min);

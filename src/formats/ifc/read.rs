@@ -705,6 +705,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             marked: self.marked,
             idle_marks: self.idle_marks,
             bearing: super::structure::of_storey(self.b, self.storey, self.cut),
+            things: super::structure::things(self.b, [self.floor, self.cut]),
             widths: Default::default(),
             singles: Default::default(),
             undrawn: Vec::new(),

@@ -2,6 +2,9 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use glam::{DAffine3, DVec2};
+use rayon::prelude::*;
+
 use super::footprint::{Footprint, StandingWall};
 use super::model::{Product, pairs, product};
 use super::read::Building;
@@ -21,6 +24,16 @@ const COLUMN_M: f64 = 0.05;
 
 /// Heights at which stairs and lifts are cut: a flight shows one tread at each.
 const SLICES: u32 = 9;
+
+/// Heights at which things are cut.
+const THING_SLICES: u32 = 3;
+
+/// What is fixed to the floor and no shape of the plan.
+const FIXTURES: [(&str, &str); 3] = [
+    ("IFCFLOWTERMINAL", "IfcFlowTerminal"),
+    ("IFCSANITARYTERMINAL", "IfcSanitaryTerminal"),
+    ("IFCTRANSPORTELEMENT", "IfcTransportElement"),
+];
 
 /// Levels of materials: usage, set, layer, material.
 const MATERIAL_DEPTH: u32 = 4;
@@ -77,6 +90,31 @@ fn materials(b: &Building<'_, '_>, id: u64, depth: u32, names: &mut Vec<String>)
     if depth < MATERIAL_DEPTH {
         below.for_each(|id| materials(b, id, depth + 1, names));
     }
+}
+
+/// What stands on the floor below the cut and stops no sight: furniture, stairs, lifts, fixtures, by outlines at a few
+/// heights. `between`: the heights of floor and cut, file units.
+pub(super) fn things(b: &Building<'_, '_>, between: [f64; 2]) -> Vec<(usize, Vec<DVec2>)> {
+    let is_thing =
+        |p: &&Product| ["IfcFurn", "IfcSystemFurn", "IfcStair"].iter().any(|c| p.class.starts_with(c));
+    let mut all: Vec<Product> = b.model.products.iter().filter(is_thing).cloned().collect();
+    for (keyword, class) in FIXTURES {
+        all.extend(b.step.all(keyword).map(|i| product(b.step, i.id, class)));
+    }
+    let one = |p: &Product| {
+        let is_here = height_of(b, p).is_some_and(|[low, high]| low < between[1] && high > between[0]);
+        let slices = if is_here { Footprint::slices(b, p, THING_SLICES) } else { Vec::new() };
+        slices.into_iter().flat_map(Footprint::into_rings).map(|r| (p.id as usize, r)).collect::<Vec<_>>()
+    };
+    all.par_iter().flat_map_iter(one).collect()
+}
+
+/// Lowest and highest point of a product that need not be among those of the model.
+fn height_of(b: &Building<'_, '_>, p: &Product) -> Option<[f64; 2]> {
+    let world = p.placement.map_or(Some(DAffine3::IDENTITY), |m| b.geo.placement(m).ok())?;
+    let items = super::model::body_items(b.step, p.shape?).ok()?;
+    let reach = items.iter().filter_map(|i| b.geo.reach(*i, &world, 0).ok());
+    reach.reduce(|s, r| [s[0].min(r[0]), s[1].max(r[1])])
 }
 
 /// What stands round the walls of a storey.
@@ -139,10 +177,5 @@ impl<'b> Around<'b> {
 /// Whether a stair or a lift begins below a height, and ends no more than a storey below it.
 fn is_near_height(b: &Building<'_, '_>, p: &Product, cut: f64) -> bool {
     const STOREY_M: f64 = 2.0;
-    let Some(world) = p.placement.map_or(Some(glam::DAffine3::IDENTITY), |m| b.geo.placement(m).ok()) else {
-        return false;
-    };
-    let items = p.shape.and_then(|s| super::model::body_items(b.step, s).ok()).unwrap_or_default();
-    let mut reach = items.iter().filter_map(|i| b.geo.reach(*i, &world, 0).ok());
-    reach.any(|[low, high]| low <= cut && high >= cut - STOREY_M / b.geo.metres)
+    height_of(b, p).is_some_and(|[low, high]| low <= cut && high >= cut - STOREY_M / b.geo.metres)
 }

@@ -303,7 +303,7 @@ fn two_default_moves_do_not_meet_in_a_door() {
     assert_eq!((way_of(&made, "wall-1"), way_of(&made, "door-1")), ([-0.6, 0.6], [-0.45, 0.5]));
     let door = way_of(&now, "door-1");
     assert!((door[0] + 0.34).abs() < 0.0015 && door[1] == 0.5 && out.is_empty(), "{door:?}");
-    assert_eq!(made[..2], now[..2]);
+    assert!(made.iter().zip(&now).all(|(m, n)| m == n || m.0 == "door-1"), "{made:?} {now:?}");
     // What cannot come together keeps its way.
     let (made, now, _) = kept_as_drawn(&door_beside_a_sliding_wall(3.5, 2.0));
     assert_eq!(made, now);
