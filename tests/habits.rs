@@ -8,6 +8,7 @@ mod corridor;
 use corridor::{Rect, WINDOWS, corners, doors, drawing, leaf, line, panes, polyline, swings, walls};
 use enfilade::config::{Partial, Settings};
 use enfilade::formats::dxf::{ReadOptions, read};
+use enfilade::moves::defaults::GROUPS_MAX;
 use enfilade::overlay::result::CheckResult;
 use enfilade::pipeline::{self, Input, Outcome};
 use enfilade::plan::{PlanOptions, fittings, structure, understand};
@@ -34,7 +35,7 @@ fn understood(result: &CheckResult) -> &str {
 fn the_house_as_it_should_be() {
     let result = check(&(walls("A-WALL") + &panes("A-GLAZ") + &swings("A-DOOR")));
     assert_eq!(understood(&result), WHOLE);
-    assert_eq!(result.moves.len(), 13);
+    assert_eq!(result.moves.len(), GROUPS_MAX);
 }
 
 /// All that lies on the layer of the walls is smaller than what can be measured.
@@ -66,7 +67,7 @@ fn windows_drawn_as_rectangles_are_all_found() {
         for windows in [rings, sides] {
             let result = check(&(walls("A-WALL") + &windows + &swings("A-DOOR")));
             assert_eq!(understood(&result), WHOLE, "{share:?}");
-            assert_eq!(result.moves.len(), 13);
+            assert_eq!(result.moves.len(), GROUPS_MAX);
         }
     }
 }
@@ -120,7 +121,7 @@ fn leaves_without_swings_are_doors() {
             let entities = house.clone() + &leaves;
             let result = check(&entities);
             assert_eq!(understood(&result), WHOLE, "{door}");
-            assert_eq!(result.moves.len(), 13, "{door}");
+            assert_eq!(result.moves.len(), GROUPS_MAX, "{door}");
             let doors = doors().len();
             assert_eq!(carried(&entities, doors), (3 * WINDOWS.len(), doors), "{door}");
         }
@@ -146,7 +147,7 @@ fn slips_of_the_hand_hold_no_door_back() {
     let entities = house + &panes("A-GLAZ") + &swings("A-DOOR");
     let result = check(&entities);
     assert_eq!(understood(&result), WHOLE);
-    assert_eq!(result.moves.len(), 13);
+    assert_eq!(result.moves.len(), GROUPS_MAX);
     let problems = try_check(&entities).unwrap().report.problems;
     assert!(problems.iter().all(|p| p.code != "default-moves-stay"), "{problems:?}");
 }

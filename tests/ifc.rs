@@ -14,6 +14,8 @@ mod sample;
 
 #[path = "ifc/rings.rs"]
 mod rings;
+#[path = "ifc/rooms.rs"]
+mod rooms;
 #[path = "ifc/storeys.rs"]
 mod storeys;
 #[path = "ifc/told.rs"]

@@ -13,6 +13,7 @@ options of a drawing:
   doors     doors that a wall now stands in or before, or that have left their wall
   narrow    ways between a moved wall and another wall that are below 0.9 m only now
   things    columns, stairs, furniture and fixtures that a wall stands in only now
+  rooms     rooms of a building that a wall stands in only now: their outline did not follow
 """
 
 import argparse
@@ -29,13 +30,14 @@ import shapely
 import shapely.ops
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon, box
 
-FAULTS = ("open", "through", "bearing", "doors", "narrow", "things")
+FAULTS = ("open", "through", "bearing", "doors", "narrow", "things", "rooms")
 JOINT_M = 0.02   # what is nearer is joined
 OPEN_M = 0.01    # a joint that parts by more is open
 THROUGH_M = 0.02  # what stands out on the far side
 PASSAGE_M = 0.9
 BEFORE_DOOR_M = 0.6
 AREA_M2 = 0.01
+ROOM_M2 = 0.02
 
 
 def run(exe, *args):
@@ -70,7 +72,7 @@ def ground_of(points, triangles):
     return shapely.union_all(polygons, grid_size=1e-5).buffer(0) if len(polygons) else Polygon()
 
 
-KINDS_IFC = {"IfcWall": "wall", "IfcColumn": "thing", "IfcDoor": "door", "IfcStair": "thing", "IfcStairFlight": "thing",
+KINDS_IFC = {"IfcSpace": "room", "IfcWall": "wall", "IfcColumn": "thing", "IfcDoor": "door", "IfcStair": "thing", "IfcStairFlight": "thing",
              "IfcFurnishingElement": "thing", "IfcFlowTerminal": "thing", "IfcRamp": "thing", "IfcTransportElement": "thing"}
 
 
@@ -239,6 +241,10 @@ def bodies_judged(old, new):
                 more = c.ground.intersection(d.ground).area - a.ground.intersection(b.ground).area
                 if more > AREA_M2:
                     faults["things"].append((k, o, round(more, 3)))
+            if kinds == {"wall", "room"}:
+                more = c.ground.intersection(d.ground).area - a.ground.intersection(b.ground).area
+                if more > ROOM_M2:
+                    faults["rooms"].append((k, o, round(more, 3)))
             if kinds == {"wall"} and now < PASSAGE_M - 1e-3 <= was and now > 0:
                 faults["narrow"].append((k, o, round(now, 3)))
             if kinds == {"wall", "door"}:

@@ -262,6 +262,8 @@ pub struct Changed {
 pub struct Changes {
     /// For every edit what differs.
     pub records: Vec<Vec<Changed>>,
+    /// Rooms of a building that moved walls bound.
+    pub rooms: Vec<ifc::BoundedRoom>,
     /// Joints of walls that the plan does not show.
     pub unseen: Vec<ifc::UnseenJoint>,
 }
@@ -284,14 +286,14 @@ pub fn changes(file: &str, bytes: &[u8], options: &ReadOptions, edits: &[Edit]) 
                 Changed { of, filler: p.filler, outlines: p.outlines, storey: p.storey }
             };
             let records = found.moved.into_iter().map(|list| list.into_iter().map(named).collect());
-            return Ok(Changes { records: records.collect(), unseen: found.unseen });
+            return Ok(Changes { records: records.collect(), rooms: found.rooms, unseen: found.unseen });
         }
         Format::Gltf | Format::Glb => {
             let of = |e: &Edit| ChangedRecord { record: e.record(), handle: Some(gltf::path_of(e.record())) };
             edits.iter().map(|e| vec![plain(of(e))]).collect()
         }
     };
-    Ok(Changes { records, unseen: Vec::new() })
+    Ok(Changes { records, ..Changes::default() })
 }
 
 /// Ids of elements in the program that wrote the file.

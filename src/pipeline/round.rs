@@ -1,5 +1,6 @@
 //! One round: search, verify, write.
 
+mod bounded;
 mod budget;
 mod confirmed;
 mod doors;
@@ -17,6 +18,7 @@ mod refined;
 mod sound;
 mod stripped;
 mod told;
+mod withheld;
 
 use std::time::Instant;
 

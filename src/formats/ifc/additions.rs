@@ -9,10 +9,11 @@ use super::ReadOptions;
 use super::geo::is_upright;
 use super::patch::real;
 use super::read::Building;
+use super::rooms::Room;
 use super::step::Arg;
 use super::text::encode;
 use crate::plan::drawing::{Addition, Edit, Mark, RigidMotion};
-use crate::report::{Error, Report};
+use crate::report::{Error, Report, counted};
 
 /// Additions lie this far above the floor, so that the floor does not hide them.
 const LIFT_M: f64 = 0.02;
@@ -25,7 +26,7 @@ pub(super) fn text(
     building: &Building<'_, '_>,
     options: &ReadOptions,
     next: u64,
-    edits: &[Edit],
+    (edits, rooms): (&[Edit], &[Room]),
     own: &[Addition],
 ) -> Result<Vec<u8>, Error> {
     let storey = building.storey(options.storey.as_deref(), options.sight, &mut Report::default())?;
@@ -63,7 +64,30 @@ pub(super) fn text(
     for (id, values) in told.into_iter().filter(|t| !t.1.is_empty()) {
         writer.properties(id, &values);
     }
+    for room in rooms {
+        writer.properties(room.id, &of_room(room));
+    }
     Ok(writer.out)
+}
+
+/// Whether the outline of a room follows its walls, and which of its figures do not.
+fn of_room(room: &Room) -> Vec<(&'static str, String)> {
+    let text = |words: &str| format!("IFCTEXT({})", encode(words));
+    let mut out = vec![(
+        "Outline",
+        match &room.outlines {
+            Ok(_) => text("follows its walls"),
+            Err(why) => text(&format!("as drawn: {why}")),
+        },
+    )];
+    let mut stale = room.quantities.clone();
+    if room.boundaries > 0 {
+        stale.push(counted(room.boundaries as u64, "boundary surface"));
+    }
+    if !stale.is_empty() {
+        out.push(("Stale", text(&stale.join(", "))));
+    }
+    out
 }
 
 /// An owner history to share, `$` where the file has none.

@@ -113,6 +113,18 @@ impl Footprint {
         (0..count).filter_map(slice).collect()
     }
 
+    /// Whether a side of it runs in a direction, up to a small sine of the angle.
+    pub fn has_face_along(&self, along: DVec2, sin: f64) -> bool {
+        let runs =
+            self.rings.iter().flat_map(|r| r.iter().zip(r.iter().cycle().skip(1))).map(|(a, b)| *b - *a);
+        runs.filter(|run| *run != DVec2::ZERO).any(|run| run.normalize().perp_dot(along).abs() <= sin)
+    }
+
+    /// Its rings.
+    pub fn rings(&self) -> &[Vec<DVec2>] {
+        &self.rings
+    }
+
     /// Its rings.
     pub fn into_rings(self) -> Vec<Vec<DVec2>> {
         self.rings
@@ -175,7 +187,7 @@ impl Footprint {
     }
 
     /// How far a point is from it; 0 within it.
-    fn distance(&self, p: DVec2) -> f64 {
+    pub fn distance(&self, p: DVec2) -> f64 {
         let crosses = |[a, b]: &[DVec2; 2]| {
             (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
         };

@@ -18,7 +18,7 @@ use super::step::{Arg, Value};
 const SAME_WAY_SIN: f64 = 1e-6;
 
 /// Places nearer than this are one, metres.
-const SAME_PLACE_M: f64 = 1e-6;
+pub(super) const SAME_PLACE_M: f64 = 1e-6;
 
 /// Most cuts through one wall.
 const CUTS_MAX: usize = 16;
@@ -199,7 +199,7 @@ fn is_slope(b: &Building<'_, '_>, tool: u64, world: &DAffine3) -> Result<bool, W
 }
 
 /// Whether a frame stands upright or on its head: a profile lies flat in it, whichever side of it is up.
-fn is_plumb(m: &DAffine3) -> bool {
+pub(super) fn is_plumb(m: &DAffine3) -> bool {
     m.matrix3.z_axis.normalize_or_zero().truncate().length() < UPRIGHT
 }
 
@@ -212,7 +212,7 @@ fn axis_ends(b: &Building<'_, '_>, line: u64) -> Result<[DVec2; 2], Why> {
 }
 
 /// The points of a polyline or of an indexed curve of straight pieces, one after the other; `None` for another curve.
-fn line_points(b: &Building<'_, '_>, line: u64) -> Result<Option<Vec<DVec2>>, Why> {
+pub(super) fn line_points(b: &Building<'_, '_>, line: u64) -> Result<Option<Vec<DVec2>>, Why> {
     match &*b.step.keyword(line) {
         "IFCPOLYLINE" => {
             let points = b.geo.first_ids(line)?;
@@ -375,7 +375,7 @@ impl Bar {
                 shape.push((i, Change::Instance(self.body_change(b, by)?)));
             } else if let Some((axis, line)) = own.axis.filter(|a| a.0 == representation) {
                 let shift = [0, 1].map(|k| own.along * by[k]);
-                let line = moved_line(b, line, &[vec![0], vec![1]], shift)?;
+                let line = moved_line(b, line, &[vec![0], vec![1]], &shift)?;
                 let slot = list_of(b, axis, 3)?.into_iter().next().ok_or("its axis is gone")?.0;
                 let node = Node { id: axis, changes: vec![(slot, Change::Instance(line))] };
                 shape.push((i, Change::Instance(node)));
@@ -401,7 +401,7 @@ impl Bar {
                 let line = b.geo.args(own.profile)?;
                 let slot = line.get(2).ok_or("its outline is gone")?;
                 let id = slot.id().ok_or("its outline is gone")?;
-                let line = moved_line(b, id, corners, inner)?;
+                let line = moved_line(b, id, corners, &inner)?;
                 Node { id: own.profile, changes: vec![(slot.span.clone(), Change::Instance(line))] }
             }
             None => self.rectangle_change(b, by, (inner[0] + inner[1]) / 2.0)?,
@@ -450,11 +450,7 @@ impl Bar {
         let shift = middle.truncate();
         if shift != DVec2::ZERO {
             let id = position.id().ok_or("its rectangle has no position of its own")?;
-            let slot = b.geo.args(id)?.first().map(|a| (a.span.clone(), a.id()));
-            let (slot, point) = slot.ok_or("its rectangle has no position of its own")?;
-            let point = point.ok_or("its rectangle has no position of its own")?;
-            let point = moved_point(b, point, shift.extend(0.0))?;
-            let node = Node { id, changes: vec![(slot, Change::Instance(point))] };
+            let node = moved_axes(b, id, shift.extend(0.0))?;
             changes.push((position.span.clone(), Change::Instance(node)));
         }
         Ok(Node { id: profile, changes })
@@ -462,35 +458,35 @@ impl Bar {
 }
 
 /// The instances that the list at one place of the arguments names, each with its span.
-fn list_of(b: &Building<'_, '_>, id: u64, at: usize) -> Result<Vec<(Range<usize>, u64)>, Why> {
+pub(super) fn list_of(b: &Building<'_, '_>, id: u64, at: usize) -> Result<Vec<(Range<usize>, u64)>, Why> {
     let args = b.geo.args(id)?;
     let list = args.get(at).map(Arg::list).unwrap_or_default();
     Ok(list.iter().filter_map(|a| Some((a.span.clone(), a.id()?))).collect())
 }
 
-/// A polyline or indexed curve with the points that go with either end.
-fn moved_line(b: &Building<'_, '_>, line: u64, ends: &[Vec<usize>; 2], by: [DVec3; 2]) -> Result<Node, Why> {
+/// A polyline or indexed curve with groups of its corners shifted, each by its own way.
+pub(super) fn moved_line(
+    b: &Building<'_, '_>,
+    line: u64,
+    corners: &[Vec<usize>],
+    by: &[DVec3],
+) -> Result<Node, Why> {
     if b.step.keyword(line) == "IFCINDEXEDPOLYCURVE" {
-        return moved_indexed(b, line, ends, by);
+        return moved_indexed(b, line, corners, by);
     }
     let list = list_of(b, line, 0)?;
     let mut out = Vec::new();
-    for (corners, by) in ends.iter().zip(by) {
-        for corner in corners.iter().filter(|_| by != DVec3::ZERO) {
+    for (places, by) in corners.iter().zip(by) {
+        for corner in places.iter().filter(|_| *by != DVec3::ZERO) {
             let (slot, point) = list.get(*corner).ok_or("a corner of its outline is gone")?;
-            out.push((slot.clone(), Change::Instance(moved_point(b, *point, by)?)));
+            out.push((slot.clone(), Change::Instance(moved_point(b, *point, *by)?)));
         }
     }
     Ok(Node { id: line, changes: out })
 }
 
 /// The same of an indexed curve: coordinates change in its list of points.
-fn moved_indexed(
-    b: &Building<'_, '_>,
-    line: u64,
-    ends: &[Vec<usize>; 2],
-    by: [DVec3; 2],
-) -> Result<Node, Why> {
+fn moved_indexed(b: &Building<'_, '_>, line: u64, corners: &[Vec<usize>], by: &[DVec3]) -> Result<Node, Why> {
     let gone = || "a corner of its outline is gone";
     let args = b.geo.args(line)?;
     let (slot, id) = args.first().and_then(|a| Some((a.span.clone(), a.id()?))).ok_or_else(gone)?;
@@ -499,16 +495,23 @@ fn moved_indexed(
     let list = b.geo.args(id)?;
     let rows = list.first().map(Arg::list).unwrap_or_default();
     let mut changes: Vec<(Range<usize>, Change)> = Vec::new();
-    for (corners, by) in ends.iter().zip(by) {
+    for (corners, by) in corners.iter().zip(by) {
         // A closed curve names its first point once more.
         let places: BTreeSet<usize> = corners.iter().filter_map(|c| order.get(*c).copied()).collect();
         for place in places {
             let (old, row) = points.get(place).zip(rows.get(place)).ok_or_else(gone)?;
-            changes.extend(moved_coordinates(*old, row, by));
+            changes.extend(moved_coordinates(*old, row, *by));
         }
     }
     let node = Node { id, changes };
     Ok(Node { id: line, changes: vec![(slot, Change::Instance(node))] })
+}
+
+/// An axis placement with its point shifted.
+pub(super) fn moved_axes(b: &Building<'_, '_>, id: u64, by: DVec3) -> Result<Node, Why> {
+    let slot = b.geo.args(id)?.first().and_then(|a| Some((a.span.clone(), a.id()?)));
+    let (slot, point) = slot.ok_or("its rectangle has no position of its own")?;
+    Ok(Node { id, changes: vec![(slot, Change::Instance(moved_point(b, point, by)?))] })
 }
 
 /// A point with the coordinates that differ after a shift.

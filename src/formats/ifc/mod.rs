@@ -23,6 +23,7 @@ mod patch;
 mod plain;
 mod profile;
 mod read;
+mod rooms;
 mod step;
 mod structure;
 mod text;
@@ -106,12 +107,31 @@ pub struct MovedProduct {
     pub storey: Option<String>,
 }
 
+/// A room that a moved wall bounds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoundedRoom {
+    /// Its instance.
+    pub id: u64,
+    /// Its `GlobalId`.
+    pub global_id: String,
+    /// Its name.
+    pub name: String,
+    /// Its outline as drawn and afterwards, file units; or why it stays as drawn.
+    pub outlines: Result<[Vec<DVec2>; 2], String>,
+    /// Stated areas and volumes that stay as they are.
+    pub quantities: Vec<String>,
+    /// How many of its space boundaries lie on walls that change; they stay as they are.
+    pub boundaries: usize,
+}
+
 /// What edits change beside what they name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Effects {
     /// For every edit the products it moves, the edited one first. Of several edits of one wall the first names the
     /// unseen walls that go along.
     pub moved: Vec<Vec<MovedProduct>>,
+    /// Rooms that moved walls bound.
+    pub rooms: Vec<BoundedRoom>,
     /// Joints with walls that are not in the plan and stay.
     pub unseen: Vec<UnseenJoint>,
 }
@@ -269,12 +289,13 @@ pub fn patch(
     for edit in edits {
         mover.edit(edit)?;
     }
+    let rooms = mover.rooms();
     let next = mover.next_id();
     let (mut splices, mut added) = (mover.splices, mover.added);
     let end = line_end(bytes);
     let text = match own {
         [] => Vec::new(),
-        _ => additions::text(&building, options, next, edits, own)?,
+        _ => additions::text(&building, options, next, (edits, &rooms), own)?,
     };
     if !text.is_empty() {
         added.extend([OWN_MARK, end].concat());
@@ -307,7 +328,19 @@ pub fn effects(file: &str, bytes: &[u8], options: &ReadOptions, edits: &[Edit]) 
         let tails = found.tails.into_iter().map(|t| named(t.id, Some(t.outlines)));
         moved.push(found.products.into_iter().map(|id| named(id, None)).chain(tails).collect());
     }
-    Ok(Effects { moved, unseen: unseen::left(&building, options, edits) })
+    let bounded = |room: rooms::Room| BoundedRoom {
+        id: room.id,
+        global_id: step.args(room.id).first().and_then(|a| step.text(a)).unwrap_or_default(),
+        name: building
+            .model
+            .product(room.id)
+            .map_or_else(String::new, |p| building.space_names(p).names.join(" ")),
+        outlines: room.outlines,
+        quantities: room.quantities,
+        boundaries: room.boundaries,
+    };
+    let rooms = mover.rooms().into_iter().map(bounded).collect();
+    Ok(Effects { moved, rooms, unseen: unseen::left(&building, options, edits) })
 }
 
 /// How many elements of a kind a whole file has, subtypes counted in.

@@ -9,6 +9,7 @@ use super::ReadOptions;
 use super::geo::Why;
 use super::length::{self, Change, Node};
 use super::read::Building;
+use super::rooms::{self, Room};
 use super::step::{Arg, Step};
 use super::unseen::{Tail, Tails, taken};
 use crate::formats::splice::Splice;
@@ -59,6 +60,8 @@ pub(super) struct Mover<'b, 's, 'a> {
     copies: Vec<(Node, u64)>,
     /// Unseen walls that go along.
     tails: Tails,
+    /// Rooms that moved walls bound.
+    rooms: Vec<Room>,
     /// Changes of existing bytes.
     pub splices: Vec<Splice>,
     /// New instances, each with its line end.
@@ -70,11 +73,13 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
     pub fn new(b: &'b Building<'s, 'a>, options: &ReadOptions, edits: &[Edit]) -> Self {
         let longer = edits.iter().filter(|e| matches!(e, Edit::Ends { .. })).map(|e| e.record() as u64);
         let tails = taken(b, options, edits).tails;
-        let longer = longer.chain(tails.values().flatten().map(|t| t.id));
+        let rooms = rooms::bounded(b, edits, &tails);
+        let longer = longer.chain(tails.values().flatten().map(|t| t.id)).chain(rooms.iter().map(|r| r.id));
         Self {
             b,
             users: users(b.step, longer),
             tails,
+            rooms,
             next: b.step.largest_id() + 1,
             done: HashSet::new(),
             changed: HashSet::new(),
@@ -129,6 +134,21 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         let mut tails = self.tails.remove(&id).unwrap_or_default();
         tails.retain(|t| self.lengthen(t.id, t.by).is_ok());
         Ok(Moved { products: follows, tails })
+    }
+
+    /// Takes along the rooms that the moved walls bound, after all edits.
+    pub fn rooms(&mut self) -> Vec<Room> {
+        let mut rooms = std::mem::take(&mut self.rooms);
+        for room in &mut rooms {
+            if let Some(why) = refusal(self.b, room.id).filter(|_| room.shape.is_some()) {
+                (room.outlines, room.shape) = (Err(why), None);
+                room.stated.clear();
+            }
+            self.copies.clear();
+            room.shape.iter().for_each(|shape| self.in_place_below(shape));
+            self.splices.extend(room.stated.iter().map(|(at, text)| Splice::new(at.clone(), text.as_str())));
+        }
+        rooms
     }
 
     /// Moves the ends of a wall along its axis.

@@ -3,11 +3,11 @@
 use super::super::study::{Study, Worth};
 use super::super::{aims, explain};
 use super::ideas::Stance;
-use super::{Made, PENALTY_FREE};
+use super::{Aims, Made, PENALTY_FREE};
 use crate::config::{Aim, Held, Measure, Method, Mode, PairName, Penalty, Settings, Thresholds};
 use crate::overlay::result::Diversity;
 use crate::overlay::words;
-use crate::search::{self, Evaluation, normalised_distance};
+use crate::search::{self, Evaluation, Sense, normalised_distance};
 
 /// Threshold of the implied penalty objective: no option has more of it than the present layout. To ask
 /// for less would pin every option to the few places where the penalty is least.
@@ -56,6 +56,15 @@ pub(super) fn evaluation(
             + loss(study, settings, objectives, worth),
         at: None,
     }
+}
+
+/// What a layout gains over the present one on the lattice of a study: the sum of its relative gains in all objectives.
+pub(super) fn gained(study: &Study, settings: &Settings, objectives: &Aims, worth: &Worth) -> f64 {
+    let of = |worth: &Worth| evaluation(study, settings, objectives, worth).values;
+    let all = objectives.iter().zip(of(worth).into_iter().zip(of(&study.initial)));
+    let aims = all.filter(|((_, o), _)| !o.is_penalty);
+    aims.map(|((_, o), (now, present))| explain::relative_gain(o.sense == Sense::Maximise, now, present))
+        .sum()
 }
 
 /// The pairs of regions of objectives, of the score where it is one, and of limits, of which nothing is seen any more, though it is at present; the unnamed one is

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::super::study::{self, Study, Understood, Worth};
 use super::super::{Input, show};
-use super::told;
+use super::{bounded, told};
 use crate::config::Settings;
 use crate::formats::{self, gltf};
 use crate::moves::Layout;
@@ -62,10 +62,12 @@ pub(super) fn make(
     let mut report = Report::default();
     let records: Vec<usize> = edits.iter().map(Edit::record).collect();
     let unseen = changed.records.iter().flatten().filter(|c| c.outlines.is_some()).map(|c| c.of.record);
-    let named: Vec<usize> = records.iter().copied().chain(unseen).collect();
+    let rooms = changed.rooms.iter().map(|r| r.id as usize);
+    let named: Vec<usize> = records.iter().copied().chain(unseen).chain(rooms).collect();
     let ids = formats::host_ids(input.file(), &input.bytes, &named);
     let host_ids = named.iter().zip(ids).filter_map(|(r, id)| Some((*r as u64, id?))).collect();
     told::say_stale(&mut report, input.file(), &tied.stale);
+    bounded::say(&mut report, input.file(), &changed.rooms);
     state_left_behind(&study.base, &layout, &mut report);
     let searched = study.measure(&member.parameters, &mut study.bench());
     let differs = worth.differences(&searched);
@@ -171,6 +173,7 @@ pub(super) fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
     }
     out.extend(unseen_changes(study, made));
     out.extend(following_changes(study, made));
+    out.extend(bounded::changes(study, made));
     out
 }
 
@@ -188,7 +191,7 @@ fn following_changes(study: &Study, made: &Made) -> Vec<result::Change> {
 }
 
 /// Points of a file in metres of the drawing frame.
-fn metres(plan: &Plan, points: &[DVec2]) -> Vec<[f64; 2]> {
+pub(super) fn metres(plan: &Plan, points: &[DVec2]) -> Vec<[f64; 2]> {
     points.iter().map(|p| plan.frame.um_from_file(*p).map(|v| v as f64 / UM_PER_M)).collect()
 }
 

@@ -4,14 +4,14 @@
 use super::Brief;
 use super::confirmed;
 use super::ideas::{Experience, SAME_MAPS, Stance};
-use super::judged::{evaluation, is_firm, moves_visibly, pinned};
+use super::judged::{evaluation, gained, is_firm, moves_visibly, pinned};
 use super::sound::is_sound;
 use super::stripped::Stripper;
 use crate::overlay::result::{Gains, Objective};
-use crate::pipeline::explain::{relative_gain, total_gain};
+use crate::pipeline::explain::total_gain;
 use crate::pipeline::lattices;
 use crate::pipeline::study::{Study, Use, Worth};
-use crate::search::{Member, Outcome, Point, Sense, normalised_distance};
+use crate::search::{Member, Outcome, Point, normalised_distance};
 
 /// Layouts whose experience is looked at, the best of all that keep the thresholds.
 const EXPERIENCED: usize = 200;
@@ -294,19 +294,14 @@ fn ranked(brief: &Brief<'_>, pool: Vec<Member>) -> Vec<Member> {
     let others = study.on_lattices(settings, &lattices::ranked(study, settings), Use::Few);
     let on = others.as_ref().unwrap_or(study);
     let is_allowed = |on: &Study, worth: &Worth| evaluation(on, settings, objectives, worth).violation == 0.0;
-    let gain = |worth: &Worth| -> f64 {
-        let values = evaluation(on, settings, objectives, worth).values;
-        let present = evaluation(on, settings, objectives, &on.initial).values;
-        let all = objectives.iter().zip(values.into_iter().zip(present)).filter(|((_, o), _)| !o.is_penalty);
-        all.map(|((_, o), (now, present))| relative_gain(o.sense == Sense::Maximise, now, present)).sum()
-    };
     let worths = on.measure_all(&vectors);
     let here = study.measure_all(&vectors);
     let judged = pool.into_iter().zip(worths).zip(here);
     let judged = judged.filter(|((m, there), here)| {
         is_allowed(on, there) && is_allowed(study, here) && is_sound(brief, &m.parameters)
     });
-    let mut all: Vec<(f64, Member)> = judged.map(|((m, there), _)| (gain(&there), m)).collect();
+    let mut all: Vec<(f64, Member)> =
+        judged.map(|((m, there), _)| (gained(on, settings, objectives, &there), m)).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     all.into_iter().map(|(_, m)| m).collect()
 }

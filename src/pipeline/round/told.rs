@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::judged::{is_firm, pinned};
-use super::{Brief, Found, Made, is_bare};
+use super::{Brief, Found, Made, is_bare, withheld};
 use crate::config::{Method, Mode, Settings, Snap};
 use crate::moves::carried::{Carried, carried};
 use crate::moves::{Layout, Parameter};
@@ -180,9 +180,10 @@ fn what_limits(brief: &Brief<'_>, best: &[f64]) -> String {
         many => format!(" At their bounds in the best layout: {} moves.", many.len()),
     };
     format!(
-        "May move: {who} ({moving} of {walls} wall elements). All others are fixed.{}{bounds} Draw EF-MOVE boxes round more \
+        "May move: {who} ({moving} of {walls} wall elements). All others are fixed.{}{bounds}{} Draw EF-MOVE boxes round more \
          walls, or give them wider bounds.",
-        rules_clause(brief.settings, names.len())
+        rules_clause(brief.settings, names.len()),
+        withheld::words(brief)
     )
 }
 

@@ -10,6 +10,7 @@ use glam::DVec2;
 
 use super::geometry::{PointUm, Segment, UM_PER_M};
 use super::interior::Interior;
+pub use contour::area as ring_area;
 pub use names::name_of_rooms;
 
 /// What is smaller than this is no room, m² of a person; or nowhere farther than this from what bounds it, metres.
