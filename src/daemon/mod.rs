@@ -26,7 +26,7 @@ pub(crate) use heart::{BY_THE_USER, CANCELLED_BEFORE};
 pub use status::{rfc3339, status};
 
 use crate::report::{Cancel, Error, Place, Problem, one_line, printable};
-use crate::store::{Placing, SystemDisk};
+use crate::store::{Placing, SystemDisk, led_beside};
 use crate::watch::{self, Checked};
 
 /// One drawing to be worked on.
@@ -325,7 +325,7 @@ pub fn run_once(
     show: &mut dyn FnMut(Notice),
     stop: &Cancel,
 ) -> Result<Done, Error> {
-    let path = std::path::absolute(drawing).unwrap_or_else(|_| drawing.into());
+    let path = led_beside(&std::path::absolute(drawing).unwrap_or_else(|_| drawing.into()));
     let bytes = read_now(&path)?;
     let sha256 = watch::sha256_hex(&bytes);
     let placing = Placing { out_dir: settings.out_dir.clone(), fallback_dir: settings.fallback_dir.clone() };
