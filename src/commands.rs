@@ -10,6 +10,7 @@ mod watching;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
 use std::time::Instant;
 
@@ -49,6 +50,14 @@ pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
         Some(why) if code <= 1 => Err(unsaid(why)),
         _ => Ok(code),
     }
+}
+
+/// Whether a search runs that leaves its best so far when it is stopped.
+static KEEPS_BEST: AtomicBool = AtomicBool::new(false);
+
+/// Whether whoever stops this process should wait until the best so far is written.
+pub fn keeps_best() -> bool {
+    KEEPS_BEST.load(Ordering::Relaxed)
 }
 
 /// Why standard output did not take all that was said.
@@ -355,6 +364,12 @@ fn run(args: &RunArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
             if value["stage"] != "read" {
                 clock.is_read();
             }
+            if value["stage"].as_str().is_some_and(|stage| stage.starts_with("optimise")) {
+                KEEPS_BEST.store(true, Ordering::Relaxed);
+            }
+            if let Some(folder) = value["folder"].as_str().filter(|_| cancel.is_stopped()) {
+                complain(format_args!("the best so far: {folder}"));
+            }
             if let Ok(p) = serde_json::from_value(value) {
                 display.show(&p);
             }
@@ -423,7 +438,7 @@ fn round(
         let worker = scope.spawn(move || {
             pipeline::on_threads(settings, || {
                 let input = Input::new(shown, &request.bytes, u64::from(request.round));
-                let input = input.going_on_from(&request.earlier);
+                let input = input.going_on_from(&request.earlier).keeping_best(request.keeps_best);
                 // Nobody hears any more once the job was given up.
                 let mut show = |event: Event| drop(say.send(event));
                 pipeline::run(&input, settings, started, &mut show, cancel)

@@ -250,6 +250,7 @@ fn pipes_and_links_hold_up_nobody() {
             pipe(&root.join(name));
         }
         std::os::unix::fs::symlink("/etc/passwd", root.join("link.dxf")).unwrap();
+        fs::create_dir_all(root.join("folder.dxf")).unwrap();
         fs::write(root.join("scene.gltf"), "{\"buffers\":[{\"uri\":\"scene.bin\"}]} EOF\n").unwrap();
     };
     let daemon = Daemon::start(settings, plant, |request, _, _| Ok(echo(request)));
@@ -258,7 +259,15 @@ fn pipes_and_links_hold_up_nobody() {
     daemon.await_round("scene", 1);
     pipe(&daemon.path("late.dxf"));
     daemon.await_said("late.dxf", 1);
-    for (name, why) in [("pipe.dxf", "pipe"), ("link.dxf", "links are not followed"), ("late.dxf", "pipe")] {
+    fs::create_dir(daemon.path("new.dxf")).unwrap();
+    daemon.await_said("new.dxf", 1);
+    for (name, why) in [
+        ("pipe.dxf", "pipe"),
+        ("link.dxf", "links are not followed"),
+        ("late.dxf", "pipe"),
+        ("folder.dxf", "a folder and no drawing"),
+        ("new.dxf", "a folder and no drawing"),
+    ] {
         let said = daemon.said.lock().unwrap().clone();
         let is_named = |s: &&String| s.starts_with("Ignored") && s.contains(name) && s.contains(why);
         assert_eq!(said.iter().filter(is_named).count(), 1, "{name}: {said:#?}");
