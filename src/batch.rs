@@ -20,7 +20,7 @@ use crate::config::{Beside, Partial, Settings};
 use crate::overlay::result::{RoundResult, to_json};
 use crate::pipeline::Outcome;
 use crate::report::{Error, OutFile, Place};
-use crate::store::{Home, SystemDisk, read_named};
+use crate::store::{Home, SystemDisk, led_to, read_named};
 pub use beside::{FileBeside, Kind};
 
 /// `schema` of a [`Job`].
@@ -222,7 +222,7 @@ impl Job {
     /// # Errors
     /// `drawing-busy` while another process works on the same job; else from the disk.
     pub fn home(&self) -> Result<Home, Error> {
-        Home::at(Arc::new(SystemDisk), &self.out.join(&self.id))
+        Home::at(Arc::new(SystemDisk), &led_to(&self.out).join(&self.id))
     }
 
     /// What an earlier run of the same job left, if it did and every file is there as it was written.

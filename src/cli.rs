@@ -2,6 +2,7 @@
 
 mod choices;
 mod idle;
+mod manual;
 mod reading;
 mod values;
 
@@ -15,8 +16,9 @@ use crate::config::{JOB_SECS, Partial};
 use crate::pipeline::resolution;
 use crate::report::complain;
 pub use choices::{BackendArg, ColoursArg, LevelArg, MethodArg, ModeArg, ThresholdsArg, UnsureArg};
+pub use manual::man;
 use reading::ReadingArgs;
-use values::{graph_file, point, radius, whole};
+use values::{graph_file, json_file, levels, picture_file, point, radius, whole};
 
 /// From an architect's drawing to a diverse set of better layouts, and back.
 #[derive(Debug, Parser)]
@@ -59,7 +61,8 @@ fn end_of(e: &clap::Error) -> u8 {
 
 /// What the command line may say. A negative number is a value, if one out of range, and not an option.
 fn grammar() -> clap::Command {
-    idle::hidden(Cli::command()).mut_subcommands(|c| c.allow_negative_numbers(true))
+    let command = idle::hidden(Cli::command()).after_help(manual::exit_codes());
+    command.mut_subcommands(|c| c.allow_negative_numbers(true))
 }
 
 /// The commands.
@@ -168,7 +171,7 @@ pub struct Common {
     #[arg(long)]
     pub accept_missing_eof: bool,
     /// The result as JSON; - or nothing for standard output.
-    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-", value_parser = json_file)]
     pub json: Option<PathBuf>,
     /// Say nothing but errors.
     #[arg(long, short)]
@@ -199,7 +202,7 @@ pub struct CheckArgs {
     /// The drawing.
     pub file: PathBuf,
     /// Draw a picture of what was understood.
-    #[arg(long, value_name = "OUT.png")]
+    #[arg(long, value_name = "OUT.png", value_parser = picture_file)]
     pub preview: Option<PathBuf>,
     /// Write walls, openings and rooms as a graph: GraphML, or JSON where the name ends so.
     #[arg(long, value_name = "OUT.graphml|OUT.json", value_parser = graph_file)]
@@ -372,7 +375,7 @@ pub struct LookingArgs {
     #[arg(long)]
     pub poll: bool,
     /// Also look into folders below, this many levels deep.
-    #[arg(long, value_name = "LEVELS", value_parser = whole::<usize>)]
+    #[arg(long, value_name = "LEVELS", value_parser = levels)]
     pub depth: Option<usize>,
     /// Names to leave alone, * and ? may stand in them; repeatable.
     #[arg(long, value_name = "GLOB")]
@@ -473,72 +476,6 @@ pub fn completions(shell: ShellArg) -> String {
     let mut out = Vec::new();
     clap_complete::generate(shell, &mut idle::left_out(Cli::command()), "enfilade", &mut out);
     String::from_utf8_lossy(&out).into_owned()
-}
-
-/// The manual page: the program, and a section for each of its commands.
-///
-/// # Errors
-/// Only where memory does not take them.
-pub fn man() -> std::io::Result<String> {
-    let mut command = idle::hidden(Cli::command());
-    command.build();
-    let page = clap_mangen::Man::new(command.clone());
-    let mut out = Vec::new();
-    page.render_title(&mut out)?;
-    page.render_name_section(&mut out)?;
-    page.render_synopsis_section(&mut out)?;
-    page.render_description_section(&mut out)?;
-    page.render_options_section(&mut out)?;
-    sections_of_commands(&command, &mut out)?;
-    list_section("\"EXIT STATUS\"", &EXIT_STATUS, &mut out)?;
-    list_section("FILES", &FILES, &mut out)?;
-    page.render_version_section(&mut out)?;
-    Ok(String::from_utf8_lossy(&out).into_owned())
-}
-
-/// What the manual says besides of exit codes.
-const EXIT_STATUS: [(&str, &str); 7] = [
-    ("0", "Done."),
-    ("1", r"Done, with something left out: it says what. Of \fBdoctor\fR: something is wrong."),
-    ("2", "Bad input."),
-    ("3", "Bad usage or settings."),
-    ("4", "The environment failed: disk, permission, device."),
-    ("75", r"Try again later (\fBrun\-job\fR)."),
-    ("130", "Stopped by the user."),
-];
-/// What it says of files.
-const FILES: [(&str, &str); 4] = [
-    (
-        "enfilade.toml",
-        r"Settings of the drawings in its folder and of its daemon; \fBinit\fR writes one, all of it comments.",
-    ),
-    ("NAME.enfilade.toml", "Settings of the drawing NAME beside it; they go before those of the folder."),
-    (
-        "NAME.enfilade/",
-        r"Results of the drawing NAME: analysis/, round\-01/ and so on, so\-far/ of a search that goes on or was stopped.",
-    ),
-    (r"\&.enfilade/", "State of a watched folder."),
-];
-
-fn list_section(title: &str, rows: &[(&str, &str)], out: &mut Vec<u8>) -> std::io::Result<()> {
-    writeln!(out, ".SH {title}")?;
-    rows.iter().try_for_each(|(name, text)| writeln!(out, ".TP\n{name}\n{text}"))
-}
-
-/// Of each command that is shown what a page of its own would say; there is none, so nothing refers to one.
-fn sections_of_commands(of: &clap::Command, out: &mut Vec<u8>) -> std::io::Result<()> {
-    for command in of.get_subcommands().filter(|c| !c.is_hide_set() && c.get_name() != "help") {
-        let (name, page) =
-            (command.get_bin_name().unwrap_or_default(), clap_mangen::Man::new(command.clone()));
-        let mut text = Vec::new();
-        page.render_synopsis_section(&mut text)?;
-        page.render_description_section(&mut text)?;
-        page.render_options_section(&mut text)?;
-        let text = String::from_utf8_lossy(&text).replace("\n.SH ", "\n.SS ");
-        writeln!(out, ".SH \"{}\"\n{text}", name.to_uppercase())?;
-        sections_of_commands(command, out)?;
-    }
-    Ok(())
 }
 
 /// The number of an option; 0 for `best`.
@@ -693,40 +630,6 @@ impl Common {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::{Error, Place};
-
-    /// One page that refers to no other, with every command that is shown and none that is not.
-    #[test]
-    fn the_manual_is_one_page() {
-        let page = man().unwrap();
-        assert_eq!(page.lines().filter(|l| l.starts_with(".TH")).count(), 1);
-        assert!(!page.contains("(1)") && !page.contains("job-child") && !page.contains("JOB-CHILD"));
-        let sections: Vec<&str> = page.lines().filter_map(|l| l.strip_prefix(".SH ")).collect();
-        let commands = Cli::command();
-        for command in commands.get_subcommands().filter(|c| !c.is_hide_set()) {
-            let name = format!("\"ENFILADE {}\"", command.get_name().to_uppercase());
-            assert!(sections.contains(&name.as_str()), "{name}: {sections:?}");
-        }
-        assert!(sections.contains(&"\"ENFILADE SERVICE INSTALL\""), "{sections:?}");
-        assert!(page.contains(".SS OPTIONS") && page.contains(r"\-\-fallback"), "options of the commands");
-    }
-
-    #[test]
-    fn the_manual_has_exit_codes_and_files() {
-        let page = man().unwrap();
-        let section = |name: &str| {
-            let rest = page.split_once(&format!(".SH {name}\n")).map(|(_, rest)| rest).unwrap();
-            rest.split("\n.SH ").next().unwrap().to_owned()
-        };
-        let errors = [Error::input, Error::usage, Error::environment].map(|e| e("c", Place::default(), ""));
-        let own = errors.iter().chain(&[Error::Stopped]).map(|e| e.exit_code().to_string());
-        for code in own.chain(["0", "1", "75"].map(String::from)) {
-            assert!(section("\"EXIT STATUS\"").contains(&format!(".TP\n{code}\n")), "{code}");
-        }
-        for file in ["enfilade.toml", "NAME.enfilade.toml", "NAME.enfilade/"] {
-            assert!(section("FILES").contains(&format!(".TP\n{file}\n")), "{file}");
-        }
-    }
 
     /// What a command refuses stands neither in its help nor in the manual.
     #[test]

@@ -10,6 +10,7 @@ mod watching;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
 use std::time::Instant;
 
@@ -31,7 +32,7 @@ use crate::report::{
     Cancel, Error, Place, Report, Severity, complain, counted, gathered, one_line, short_numbers,
 };
 use crate::sample_settings;
-use crate::store::{self, Home, Placing, SystemDisk, round_name};
+use crate::store::{self, Home, Placing, SystemDisk, led_beside, round_name};
 use crate::watch::MAX_DRAWING_BYTES;
 pub use beside::settings_for;
 use beside::{beside, read_settings, settings_partial};
@@ -49,6 +50,14 @@ pub fn execute(cli: Cli, cancel: &Cancel) -> Result<u8, Error> {
         Some(why) if code <= 1 => Err(unsaid(why)),
         _ => Ok(code),
     }
+}
+
+/// Whether a search runs that leaves its best so far when it is stopped.
+static KEEPS_BEST: AtomicBool = AtomicBool::new(false);
+
+/// Whether whoever stops this process should wait until the best so far is written.
+pub fn keeps_best() -> bool {
+    KEEPS_BEST.load(Ordering::Relaxed)
 }
 
 /// Why standard output did not take all that was said.
@@ -174,8 +183,8 @@ fn estimate_words(result: &AnalysisResult, key: &str, of: &Interval) -> String {
 fn analyse(args: &AnalyseArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
     let (settings, out) = settings_for(&args.file, args.common.partial(None))?;
-    let placing = Placing { out_dir: out, fallback_dir: None };
-    let home = Home::open(Arc::new(SystemDisk), &absolute(&args.file), &placing)?;
+    let placing = Placing { out_dir: out.as_deref().map(named_folder), fallback_dir: None };
+    let home = Home::open(Arc::new(SystemDisk), &led_beside(&absolute(&args.file)), &placing)?;
     let input = Input::new(&path, &bytes, 1);
     let (mut outcome, study) = pipeline::on_threads(&settings, || {
         pipeline::analyse_from(&input, &settings, roots_of(args), &mut || clock.is_read(), cancel)
@@ -294,8 +303,8 @@ fn resolution(args: &ResolutionArgs, clock: &Clock, cancel: &Cancel) -> Result<u
     let (path, bytes) = open(&args.file)?;
     let search = SearchArgs { seed: args.seed, ..SearchArgs::default() };
     let (settings, out) = settings_for(&args.file, args.common.partial(Some(&search)))?;
-    let placing = Placing { out_dir: out, fallback_dir: None };
-    let home = Home::open(Arc::new(SystemDisk), &absolute(&args.file), &placing)?;
+    let placing = Placing { out_dir: out.as_deref().map(named_folder), fallback_dir: None };
+    let home = Home::open(Arc::new(SystemDisk), &led_beside(&absolute(&args.file)), &placing)?;
     let input = Input::new(&path, &bytes, 1);
     let options = resolution::Options {
         spacings_m: args.spacings.clone(),
@@ -339,7 +348,7 @@ fn run(args: &RunArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
         hold(&mut partial, &results_of(&args.file, args.common.out.clone())?, &asked, which)?;
     }
     let (settings, out) = settings_for(&args.file, partial)?;
-    let watch = WatchSettings { out_dir: out, ..WatchSettings::default() };
+    let watch = WatchSettings { out_dir: out.as_deref().map(named_folder), ..WatchSettings::default() };
     let mut display = Display::new(args.common.progress, args.common.quiet);
     let finished: Arc<Mutex<Option<(RoundResult, Report)>>> = Arc::default();
     let keep = Arc::clone(&finished);
@@ -354,6 +363,12 @@ fn run(args: &RunArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
         Notice::Progress { value, .. } => {
             if value["stage"] != "read" {
                 clock.is_read();
+            }
+            if value["stage"].as_str().is_some_and(|stage| stage.starts_with("optimise")) {
+                KEEPS_BEST.store(true, Ordering::Relaxed);
+            }
+            if let Some(folder) = value["folder"].as_str().filter(|_| cancel.is_stopped()) {
+                complain(format_args!("the best so far: {folder}"));
             }
             if let Ok(p) = serde_json::from_value(value) {
                 display.show(&p);
@@ -423,7 +438,7 @@ fn round(
         let worker = scope.spawn(move || {
             pipeline::on_threads(settings, || {
                 let input = Input::new(shown, &request.bytes, u64::from(request.round));
-                let input = input.going_on_from(&request.earlier);
+                let input = input.going_on_from(&request.earlier).keeping_best(request.keeps_best);
                 // Nobody hears any more once the job was given up.
                 let mut show = |event: Event| drop(say.send(event));
                 pipeline::run(&input, settings, started, &mut show, cancel)
@@ -474,7 +489,8 @@ fn ask(questions: &[QuestionEntry]) {
 fn accept(args: &AcceptArgs) -> Result<u8, Error> {
     let asked = if args.so_far { Which::SoFar(None) } else { args.round.map_or(Which::Newest, Which::Round) };
     let results = results_of(&args.file, args.out.clone())?;
-    let Accepted { of, next, side_car, is_new } = accept_option(&args.file, &results, asked, args.number)?;
+    let Accepted { of, next, side_car, is_new } =
+        accept_option(&led_beside(&args.file), &results, asked, args.number)?;
     let what = if args.number == 0 { "the best layout".into() } else { format!("option {}", args.number) };
     if !is_new {
         say(&format!("{what} of {of} was accepted before, as {}; nothing was written", next.display()));
@@ -499,8 +515,9 @@ struct Accepted {
 fn results_of(file: &Path, out: Option<PathBuf>) -> Result<PathBuf, Error> {
     let said = settings_partial(file, Partial::default())?;
     let fallback_dir = said.watch.and_then(|w| w.fallback).map(PathBuf::from);
-    let placing = Placing { out_dir: out.or(said.out.map(PathBuf::from)), fallback_dir };
-    store::present_folder(&absolute(file), &placing).ok_or_else(|| {
+    let out_dir = out.or(said.out.map(PathBuf::from)).as_deref().map(named_folder);
+    let placing = Placing { out_dir, fallback_dir: fallback_dir.as_deref().map(named_folder) };
+    store::present_folder(&led_beside(&absolute(file)), &placing).ok_or_else(|| {
         let place = Place::file(file.to_string_lossy());
         Error::usage("no-round", place, "no round yet; `enfilade run` makes one")
     })
@@ -621,7 +638,7 @@ fn option_of(result: &RoundResult, origin: Origin, number: usize) -> Result<Vec<
 
 fn init(args: &InitArgs) -> Result<u8, Error> {
     let to = args.folder.join("enfilade.toml");
-    store::write_new(&SystemDisk, &to, sample_settings::TEXT.as_bytes())?;
+    store::write_new(&SystemDisk, &led_beside(&to), sample_settings::TEXT.as_bytes())?;
     say(&format!("{} written; every line in it is a comment until you change it", to.display()));
     Ok(0)
 }
@@ -654,7 +671,12 @@ fn open(file: &Path) -> Result<(String, Vec<u8>), Error> {
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    store::replace_file(&SystemDisk, &absolute(path), bytes)
+    store::replace_file(&SystemDisk, &led_beside(&absolute(path)), bytes)
+}
+
+/// Where a folder lies that the user names, or the settings.
+fn named_folder(folder: &Path) -> PathBuf {
+    store::led_to(&absolute(folder))
 }
 
 fn absolute(path: &Path) -> PathBuf {

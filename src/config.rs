@@ -29,7 +29,7 @@ pub use measure::{Measure, Source};
 pub use pair::{PAIR_NAME_BYTES, PairName};
 pub use reading::{ReadingTable, SelectorText, ViewText, for_folder};
 pub use version::SETTINGS_VERSION;
-pub use watching::{JOB_SECS, WatchTable};
+pub use watching::{DEPTH_MAX, JOB_SECS, WatchTable};
 
 /// Members of the diverse set by default (paper: n = 5).
 pub const MEMBERS_DEFAULT: usize = 5;
@@ -311,11 +311,11 @@ impl Partial {
         let mut read: Self = toml::from_str(text).map_err(|e| {
             let place =
                 e.span().map_or_else(|| Place::file(name), |s| reading::place_in(name, text, s.start));
-            Error::usage(
-                "settings",
-                place,
-                format!("{}; nothing of this file was used", wording::plain(e.message())),
-            )
+            let said = wording::plain(e.message());
+            let key =
+                e.span().filter(|_| said == "duplicate key").and_then(|s| wording::key_at(text, s.start));
+            let said = key.map_or(said, |key| format!("`{key}` is set twice, expected once"));
+            Error::usage("settings", place, format!("{said}; nothing of this file was used"))
         })?;
         read.version = None;
         read.unit = read.reading.unit.take().or(read.unit);

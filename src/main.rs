@@ -1,15 +1,21 @@
 //! Parses the command line, calls, and turns the outcome into an exit code.
 
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use enfilade::cli;
-use enfilade::commands::execute;
+use enfilade::commands::{execute, keeps_best};
 use enfilade::report::{Cancel, Error, complain};
 
 /// A job that does not look at the stop request in this time is left behind: everything it stores
 /// appears whole or not at all.
 const STOP_GRACE: Duration = Duration::from_millis(150);
+
+/// The same of a search whose best so far is written meanwhile.
+const KEEP_GRACE: Duration = Duration::from_secs(60);
+
+/// Signals this close are one.
+const SAME_PRESS: Duration = Duration::from_millis(300);
 
 const STOPPED: &str = "stopped; nothing half-written was left";
 
@@ -20,11 +26,18 @@ fn main() -> ExitCode {
     };
     let cancel = Cancel::default();
     let on_stop = cancel.clone();
+    let mut asked: Option<Instant> = None;
     let handler = ctrlc::set_handler(move || {
         on_stop.stop();
-        std::thread::sleep(STOP_GRACE);
-        complain(STOPPED);
-        std::process::exit(i32::from(Error::Stopped.exit_code()));
+        match asked.replace(Instant::now()) {
+            // Some programs send the signal to a process and to its group.
+            Some(before) if before.elapsed() < SAME_PRESS => {}
+            None if keeps_best() => {
+                complain("stopping; the best so far is written first; Ctrl-C once more ends at once");
+                std::thread::spawn(|| end_after(KEEP_GRACE));
+            }
+            _ => end_after(STOP_GRACE),
+        }
     });
     if let Err(e) = handler {
         complain(format_args!("note: Ctrl-C cannot be handled: {e}"));
@@ -43,6 +56,13 @@ fn main() -> ExitCode {
             ExitCode::from(e.exit_code())
         }
     }
+}
+
+/// Ends the process, unless it has ended by then.
+fn end_after(grace: Duration) {
+    std::thread::sleep(grace);
+    complain(STOPPED);
+    std::process::exit(i32::from(Error::Stopped.exit_code()));
 }
 
 /// By default the system ends a program that writes beyond `ulimit -f`; with the signal taken the write fails

@@ -224,10 +224,13 @@ pub fn gathered<'a, T, K: Eq + std::hash::Hash>(
     out
 }
 
+/// Codes of what a limit of time or memory ended: another limit may do, with the same drawing.
+pub const LIMITS: [&str; 3] = ["reading-too-long", "job-too-long", "job-out-of-memory"];
+
 /// Why a job cannot go on. The variant decides the exit code.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum Error {
-    /// The drawing cannot be used (exit code 2).
+    /// The drawing cannot be used (exit code 2), or took more than a limit of time or memory (5).
     #[error("{0}")]
     Input(Problem),
     /// Wrong options or configuration (exit code 3).
@@ -268,6 +271,7 @@ impl Error {
     /// Process exit code (`0` and `1` belong to finished jobs).
     pub fn exit_code(&self) -> u8 {
         match self {
+            Self::Input(p) if LIMITS.contains(&p.code) => 5,
             Self::Input(_) => 2,
             Self::Usage(_) => 3,
             Self::Environment(_) => 4,

@@ -14,7 +14,7 @@ use service_manager::{
 };
 
 use crate::report::{Error, Place};
-use crate::store::{Disk as _, SystemDisk};
+use crate::store::{Disk as _, SystemDisk, led_to};
 
 /// Name of the service.
 const NAME: &str = "enfilade";
@@ -46,7 +46,7 @@ impl Folders {
         Ok(Self {
             config: dirs.config_dir().into(),
             cache: dirs.cache_dir().into(),
-            state: dirs.state_dir().unwrap_or(dirs.data_local_dir()).into(),
+            state: led_to(dirs.state_dir().unwrap_or(dirs.data_local_dir())),
         })
     }
 

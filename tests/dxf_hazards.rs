@@ -214,7 +214,7 @@ fn blocks_unfold_within_their_budget() {
         .map(|i| block(&format!("K{i}"), &insert(&format!("K{}", i + 1))))
         .chain([block("K5000", line)])
         .collect();
-    let budget = "expected at most 5000000 in all; the INSERT is left out of the plan, kept in the file";
+    let budget = "expected at most 1000000 in all; the INSERT is left out of the plan, kept in the file";
     let cases: Vec<(&str, String, String, String)> = vec![
         ("12", doubling.join("|"), insert("D0"), format!("dxf-expansion-budget: block D0 shown 1 x 1 times would draw 1073741824 pieces, {budget}")),
         ("13", block("A", line), insert("A") + "|70|32767|71|32767|44|1|45|1", format!("dxf-expansion-budget: block A shown 32767 x 32767 times would draw 1073676289 pieces, {budget}")),
@@ -246,6 +246,7 @@ fn each_limit_trips() {
     let line = "0|LINE|8|0|10|0|20|0|11|1|21|0";
     let array = drawing(&block("A", line), &(insert("A") + "|70|3|71|2|44|1|45|1"));
     let nested = drawing(&format!("{}|{}", block("A", &insert("B")), block("B", line)), &insert("A"));
+    let twice = drawing("", &[line; 3].join("|"));
     let four = drawing("", "0|LWPOLYLINE|8|W|10|0|20|0|10|1|20|0|10|2|20|0|42|3|10|3|20|0");
     let bad = drawing("", &["0|CIRCLE|8|W|10|0|20|0|40|0"; 5].join("|"));
     let base = Limits::default();
@@ -255,6 +256,8 @@ fn each_limit_trips() {
         ("file", &wall, Limits { max_file_bytes: wall.len() - 1, ..base }, "dxf-file-too-big"),
         ("line", &wall, Limits { max_line_bytes: 7, ..base }, "dxf-line-too-long"),
         ("segments", &array, Limits { max_expanded_segments: 5, ..base }, "dxf-expansion-budget"),
+        ("entities", &twice, Limits { max_entities: 1, ..base }, "dxf-too-many"),
+        ("entities of blocks", &array, Limits { max_entities: 5, ..base }, "dxf-too-many"),
         ("depth", &nested, Limits { max_block_depth: 1, ..base }, "dxf-block-depth"),
         ("vertices", &four, Limits { max_vertices: 3, ..base }, "dxf-vertex-count"),
         ("coordinate", &wall, Limits { max_coordinate_m: 0.004, ..base }, "dxf-bad-coordinate"),

@@ -8,7 +8,7 @@ use std::time::SystemTime;
 use serde_json::Value;
 
 use super::{
-    Which, absolute, accept_option, hold, output_of, print, read_settings, round, say, settings_for,
+    Which, accept_option, hold, named_folder, output_of, print, read_settings, round, say, settings_for,
 };
 use crate::cli::{ProgressArg, StatusArgs, WatchArgs};
 use crate::config::{Partial, Settings, WatchTable};
@@ -19,7 +19,7 @@ use crate::overlay::result::to_json;
 use crate::report::{Cancel, Error, Place, Problem, Severity, complain};
 use crate::server::{Door, Login, Page, Taken};
 use crate::service::Folders;
-use crate::store::{Disk as _, Log, SystemDisk};
+use crate::store::{Disk as _, Log, SystemDisk, led_beside};
 use crate::watch::{Completeness, canonical_roots};
 
 /// All jobs together may use this share of the machine's memory unless the settings say otherwise.
@@ -125,7 +125,8 @@ fn announce(page: &Page, root: &Path, is_first: bool) {
 
 /// The log that the service writes lies in a folder of the program, which is made with all above it.
 fn open_log(path: &Path) -> Result<Log, Error> {
-    if let Some(own) = Folders::of_user().ok().filter(|f| f.log() == path) {
+    let path = &led_beside(path);
+    if let Some(own) = Folders::of_user().ok().filter(|f| f.log() == *path) {
         let place = || Place::file(own.state.to_string_lossy());
         let made = SystemDisk.create_folders(&own.state);
         made.map_err(|e| Error::environment("folder", place(), format!("making failed: {e}")))?;
@@ -206,13 +207,13 @@ fn watch_settings(args: &WatchArgs, partial: &Partial, said: Said) -> WatchSetti
         poll: args.looking.poll || table.poll.unwrap_or(base.poll),
         depth: args.looking.depth.or(table.depth).unwrap_or(base.depth),
         ignore: ignore.collect(),
-        out_dir: out.as_deref().map(|o| absolute(Path::new(o))),
+        out_dir: out.as_deref().map(|o| named_folder(Path::new(o))),
         fallback_dir: args
             .looking
             .fallback
             .clone()
             .or(table.fallback.map(PathBuf::from))
-            .map(|folder| absolute(&folder)),
+            .map(|folder| named_folder(&folder)),
         records_dir: Folders::of_user().ok().map(|own| own.state),
         newest_first: table.newest_first.unwrap_or(base.newest_first),
         force: args.looking.force,

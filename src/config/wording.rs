@@ -40,6 +40,13 @@ fn is_of_a_value(message: &str) -> bool {
     ["invalid boolean", "invalid float", "must be quoted"].iter().any(|said| message.contains(said))
 }
 
+/// The key at which a text of settings goes wrong, as it is written there.
+pub(super) fn key_at(text: &str, at: usize) -> Option<&str> {
+    let rest = text.get(at..)?.trim_start_matches(['[', ' ']);
+    let key = &rest[..rest.find(['=', ']', '\n', '\r']).unwrap_or(rest.len())].trim();
+    (!key.is_empty()).then_some(*key)
+}
+
 fn unknown_field(message: &str) -> Option<(&str, Vec<&str>)> {
     let mut quoted = message.strip_prefix("unknown field ")?.split('`').skip(1).step_by(2);
     Some((quoted.next()?, quoted.collect()))

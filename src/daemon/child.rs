@@ -413,6 +413,7 @@ fn read_request(
         asked: head.asked.clone(),
         earlier: Arc::new(earlier),
         results: results.into(),
+        keeps_best: false,
     };
     Ok((head, request))
 }
@@ -524,6 +525,7 @@ mod tests {
             },
             earlier: Arc::new(b"earlier".to_vec()),
             results: "/plans/-plan.enfilade".into(),
+            keeps_best: false,
         }
     }
 

@@ -154,7 +154,7 @@ impl Desk<'_> {
                     self.cancel.stop();
                 }
             },
-            JobEvent::SoFar { .. } if self.cancel.is_stopped() => {}
+            JobEvent::SoFar { .. } if self.cancel.is_stopped() && !self.request.keeps_best => {}
             JobEvent::SoFar { files, mut progress } => match self.home.publish_so_far(&files) {
                 Ok(folder) => {
                     progress["folder"] = folder.to_string_lossy().into();

@@ -26,7 +26,7 @@ pub(crate) use heart::{BY_THE_USER, CANCELLED_BEFORE};
 pub use status::{rfc3339, status};
 
 use crate::report::{Cancel, Error, Place, Problem, one_line, printable};
-use crate::store::{Placing, SystemDisk};
+use crate::store::{Placing, SystemDisk, led_beside};
 use crate::watch::{self, Checked};
 
 /// One drawing to be worked on.
@@ -52,6 +52,8 @@ pub struct JobRequest {
     pub earlier: Arc<Vec<u8>>,
     /// Its result folder; known once the job runs, empty before.
     pub results: PathBuf,
+    /// Whether a search that is stopped leaves its best so far.
+    pub keeps_best: bool,
 }
 
 /// What a job may take of the machine.
@@ -325,7 +327,7 @@ pub fn run_once(
     show: &mut dyn FnMut(Notice),
     stop: &Cancel,
 ) -> Result<Done, Error> {
-    let path = std::path::absolute(drawing).unwrap_or_else(|_| drawing.into());
+    let path = led_beside(&std::path::absolute(drawing).unwrap_or_else(|_| drawing.into()));
     let bytes = read_now(&path)?;
     let sha256 = watch::sha256_hex(&bytes);
     let placing = Placing { out_dir: settings.out_dir.clone(), fallback_dir: settings.fallback_dir.clone() };
@@ -340,6 +342,7 @@ pub fn run_once(
         asked: Asked::default(),
         earlier: Arc::default(),
         results: PathBuf::new(),
+        keeps_best: true,
     };
     show(Notice::Started(path.clone()));
     let mut tell = |told: job::Told| show(told.notice(&path));

@@ -126,7 +126,12 @@ pub(super) fn run(
     };
     let total = Some(found.as_ref().map_or(0, |f| f.members.len() as u64));
     show(Event::Progress(Progress { stage: "write".into(), total, ..Default::default() }));
-    round(input, settings, (study, &sensed), report, found.as_ref(), started)
+    let made = round(input, settings, (study, &sensed), report, found.as_ref(), started)?;
+    if cancel.is_stopped() && input.keeps_best {
+        let progress = Progress { stage: "so-far".into(), ..Default::default() };
+        show(Event::SoFar { files: made.files.clone(), progress });
+    }
+    Ok(made)
 }
 
 /// The files of a round from what was found.
@@ -283,10 +288,16 @@ fn optimise(
             written = Instant::now();
         }
     }
-    cancel.check()?;
-    show(Event::Progress(Progress { stage: "confirm".into(), ..progress(&search, control, begun) }));
-    let others = elsewhere::elsewhere(brief, &search.outcome(), cancel)?;
-    Ok(found(brief, &search, &others))
+    let mut confirmed = || {
+        cancel.check()?;
+        show(Event::Progress(Progress { stage: "confirm".into(), ..progress(&search, control, begun) }));
+        elsewhere::elsewhere(brief, &search.outcome(), cancel)
+    };
+    let others = confirmed();
+    if matches!(others, Err(Error::Stopped)) && input.keeps_best {
+        so_far(found(brief, &search, &[]), progress(&search, control, begun), show)?;
+    }
+    Ok(found(brief, &search, &others?))
 }
 
 /// Violation of what breaks a rule, as only a pinned option can: others are brought to what the rules allow.

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::own::open_own;
+use super::own::{on_its_way, open_own};
 
 /// What the store asks of a disk. Implementations: [`SystemDisk`], and in tests one that fails or
 /// stops at the k-th call.
@@ -66,20 +66,23 @@ pub trait Disk: Send + Sync {
     fn free_bytes(&self, path: &Path) -> io::Result<u64>;
 }
 
-/// The real disk.
+/// The real disk. Each change is judged when it is made: a link on the way, planted since the start, is not followed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SystemDisk;
 
 impl Disk for SystemDisk {
     fn create_folder(&self, path: &Path) -> io::Result<()> {
+        on_its_way(path)?;
         fs::create_dir(path)
     }
 
     fn create_folders(&self, path: &Path) -> io::Result<()> {
+        on_its_way(&path.join("new"))?;
         fs::create_dir_all(path)
     }
 
     fn write_new(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        on_its_way(path)?;
         File::options().write(true).create_new(true).open(path)?.write_all(bytes)
     }
 
@@ -90,6 +93,7 @@ impl Disk for SystemDisk {
     }
 
     fn sync(&self, path: &Path) -> io::Result<()> {
+        on_its_way(path)?;
         let meta = fs::symlink_metadata(path)?;
         if meta.is_dir() {
             return sync_folder(path);
@@ -99,10 +103,12 @@ impl Disk for SystemDisk {
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        both_on_their_way(from, to)?;
         fs::rename(from, to)
     }
 
     fn rename_new(&self, from: &Path, to: &Path) -> io::Result<()> {
+        both_on_their_way(from, to)?;
         match rename_no_replace(from, to) {
             Err(e) if e.kind() == io::ErrorKind::Unsupported => rename_carefully(from, to),
             other => other,
@@ -110,20 +116,28 @@ impl Disk for SystemDisk {
     }
 
     fn exchange(&self, a: &Path, b: &Path) -> io::Result<()> {
+        both_on_their_way(a, b)?;
         exchange(a, b)
     }
 
     fn remove_folder(&self, path: &Path) -> io::Result<()> {
+        on_its_way(path)?;
         fs::remove_dir_all(path)
     }
 
     fn remove_file(&self, path: &Path) -> io::Result<()> {
+        on_its_way(path)?;
         fs::remove_file(path)
     }
 
     fn free_bytes(&self, path: &Path) -> io::Result<u64> {
         fs4::available_space(path)
     }
+}
+
+fn both_on_their_way(from: &Path, to: &Path) -> io::Result<()> {
+    on_its_way(from)?;
+    on_its_way(to)
 }
 
 /// For file systems without the system call: a file gets its new name as a second link, which fails

@@ -130,8 +130,8 @@ impl Journal {
         }
         let named: Vec<String> = self.unknown.iter().map(|(why, n)| format!("{why} ({n} lines)")).collect();
         let text = format!(
-            "found {}, expected events of version {JOURNAL_VERSION}; these lines were left as they are, and their \
-             drawings may be done again",
+            "found {}, expected events of version {JOURNAL_VERSION}; these lines were left as they are. Drawings with \
+             results beside them are not done again",
             named.join(", ")
         );
         let place = Place::file(self.path.display().to_string());

@@ -30,7 +30,7 @@ pub use owner::{
     FOLDER_OWNED, Lease, LeaseVerdict, Ownership, host_name, is_held, judge_lease, read_lease, refuse_nested,
 };
 
-pub use own::{open_to_read, read_named, read_own};
+pub use own::{led_beside, led_to, open_to_read, read_named, read_own};
 
 pub use crate::report::OutFile;
 use crate::report::{Error, Place};

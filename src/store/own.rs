@@ -4,7 +4,7 @@
 use std::fmt;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read as _, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::{OUTPUT_IS_LINK, shown};
@@ -18,10 +18,12 @@ const READER_TIME: Duration = Duration::from_secs(5);
 const LOOK_PAUSE: Duration = Duration::from_millis(20);
 
 /// What lies in the place of a file of ours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Planted {
     /// It leads elsewhere.
     Link,
+    /// It lies behind this link.
+    Behind(PathBuf),
     /// A pipe or a device.
     Special,
     /// A pipe that nobody reads, where the user wants one to be written into.
@@ -32,9 +34,9 @@ pub(super) enum Planted {
 
 impl Planted {
     /// Code of the problem.
-    pub fn code(self) -> &'static str {
+    pub fn code(&self) -> &'static str {
         match self {
-            Self::Link => OUTPUT_IS_LINK,
+            Self::Link | Self::Behind(_) => OUTPUT_IS_LINK,
             Self::Special | Self::Unread => "output-is-special",
             Self::Large(_) => "output-too-large",
         }
@@ -47,6 +49,12 @@ impl fmt::Display for Planted {
             Self::Link => {
                 f.write_str("is a link; results are never written or read through links: remove it")
             }
+            Self::Behind(link) => write!(
+                f,
+                "lies behind the link {}, which was not there at the start; results are never written or read \
+                 through links: remove it, or start again if it is yours",
+                link.display()
+            ),
             Self::Special => f.write_str(
                 "is a pipe or a device in the place of a file of ours, and was not opened: remove it",
             ),
@@ -71,7 +79,45 @@ impl From<Planted> for io::Error {
 
 /// What an error says of a planted thing, if it is of one.
 pub(super) fn planted_of(error: &io::Error) -> Option<Planted> {
-    error.get_ref().and_then(|e| e.downcast_ref()).copied()
+    error.get_ref().and_then(|e| e.downcast_ref()).cloned()
+}
+
+/// Refuses a path that a link on its way leads elsewhere. What the user names is resolved once, by [`led_to`]; a link
+/// that is met later was planted.
+///
+/// # Errors
+/// [`Planted::Behind`].
+pub(super) fn on_its_way(path: &Path) -> io::Result<()> {
+    first_link(path).map_or(Ok(()), |link| Err(Planted::Behind(link).into()))
+}
+
+/// The first link on the way to a path. In the system's topmost folder only the system makes links.
+fn first_link(path: &Path) -> Option<PathBuf> {
+    let is_link = |at: &&Path| fs::symlink_metadata(at).is_ok_and(|m| m.is_symlink());
+    let is_of_system = |at: &Path| cfg!(unix) && at.parent() == Some(Path::new("/"));
+    path.ancestors().skip(1).filter(|at| !is_of_system(at)).filter(is_link).last().map(Path::to_path_buf)
+}
+
+/// Where a folder that the user names lies at this moment, its links followed; where there are none, as it is named.
+/// From then on, nothing is written behind a link of that way.
+pub fn led_to(folder: &Path) -> PathBuf {
+    let is_led = first_link(folder).is_some() || fs::symlink_metadata(folder).is_ok_and(|m| m.is_symlink());
+    if !is_led {
+        return folder.into();
+    }
+    let real = |at: &Path| {
+        let rest = folder.strip_prefix(at).ok().filter(|rest| !rest.as_os_str().is_empty());
+        fs::canonicalize(at).ok().map(|to| rest.map_or(to.clone(), |rest| to.join(rest)))
+    };
+    folder.ancestors().find_map(real).unwrap_or_else(|| folder.into())
+}
+
+/// As [`led_to`] of a file: its folder's links are followed, the file itself stays as it is named.
+pub fn led_beside(file: &Path) -> PathBuf {
+    match (file.parent(), file.file_name()) {
+        (Some(folder), Some(name)) => led_to(folder).join(name),
+        _ => file.into(),
+    }
 }
 
 /// What lies there in the place of a file of ours; `None`: a file, a folder or nothing.
@@ -88,7 +134,8 @@ fn planted(path: &Path) -> Option<Planted> {
 /// # Errors
 /// `output-is-link`.
 pub(super) fn refuse_link(path: &Path) -> Result<(), Error> {
-    refuse(path, planted(path).filter(|p| *p == Planted::Link))
+    let behind = first_link(path).map(Planted::Behind);
+    refuse(path, behind.or_else(|| planted(path).filter(|p| *p == Planted::Link)))
 }
 
 /// As [`refuse_link`], for files that are ours alone: whoever opens a pipe waits for its other end.
@@ -96,6 +143,7 @@ pub(super) fn refuse_link(path: &Path) -> Result<(), Error> {
 /// # Errors
 /// `output-is-link`, `output-is-special`.
 pub(super) fn refuse_planted(path: &Path) -> Result<(), Error> {
+    refuse_link(path)?;
     refuse(path, planted(path))
 }
 
@@ -108,6 +156,7 @@ fn refuse(path: &Path, planted: Option<Planted>) -> Result<(), Error> {
 /// # Errors
 /// The system's; a [`Planted`] for what is no file.
 pub(super) fn open_own(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+    on_its_way(path)?;
     if let Some(planted) = planted(path) {
         return Err(planted.into());
     }
@@ -241,6 +290,54 @@ mod tests {
         assert_eq!(fs::read(&drawing).unwrap(), b"a drawing");
         assert!(!dir.path().join("new").exists());
         assert_eq!(read_named(&link).unwrap(), b"a drawing");
+    }
+
+    /// No change of the disk is made behind a link on the way, whatever it is; where the user names one, it is
+    /// followed once.
+    #[test]
+    fn nothing_changes_behind_a_link_on_the_way() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| fs::canonicalize(dir.path()).unwrap().join(name);
+        fs::create_dir_all(at("elsewhere/old")).unwrap();
+        fs::write(at("elsewhere/file"), "theirs").unwrap();
+        fs::write(at("mine"), "mine").unwrap();
+        std::os::unix::fs::symlink(at("elsewhere"), at("link")).unwrap();
+        std::os::unix::fs::symlink(at("nowhere"), at("dangling")).unwrap();
+        let (to, disk) = (|name: &str| at("link").join(name), SystemDisk);
+        let tried: [(&str, io::Result<()>); 13] = [
+            ("create_folder", disk.create_folder(&to("new"))),
+            ("create_folders", disk.create_folders(&to("new/deep"))),
+            ("create_folders of a link", disk.create_folders(&at("link"))),
+            ("write_new", disk.write_new(&to("new"), b"x")),
+            ("append", disk.append(&to("file"), b"x", true)),
+            ("sync", disk.sync(&to("file"))),
+            ("rename", disk.rename(&at("mine"), &to("file"))),
+            ("rename from", disk.rename(&to("file"), &at("got"))),
+            ("rename_new", disk.rename_new(&at("mine"), &to("new"))),
+            ("exchange", disk.exchange(&at("mine"), &to("file"))),
+            ("remove_folder", disk.remove_folder(&to("old"))),
+            ("remove_file", disk.remove_file(&to("file"))),
+            ("read", read_own(&to("file")).map(drop)),
+        ];
+        for (what, outcome) in tried {
+            let Err(error) = outcome else { panic!("{what} was done") };
+            let said = disk_error("writing", &to("file"), &error).to_string();
+            assert!(said.contains("behind the link") && said.contains("remove it"), "{what}: {said}");
+        }
+        assert_eq!(fs::read(at("elsewhere/file")).unwrap(), b"theirs");
+        assert_eq!(fs::read_dir(at("elsewhere")).unwrap().count(), 2);
+        assert!(replace_file(&disk, &to("new"), b"x").is_err());
+        for (named, real) in [
+            (at("link"), at("elsewhere")),
+            (to("a/b"), at("elsewhere/a/b")),
+            (at("new/deep"), at("new/deep")),
+            (at("dangling/a"), at("dangling/a")),
+        ] {
+            assert_eq!(led_to(&named), real);
+        }
+        assert_eq!(led_beside(&to("plan.dxf")), at("elsewhere/plan.dxf"));
+        assert_eq!(led_beside(Path::new("plan.dxf")), Path::new("plan.dxf"));
+        assert!(replace_file(&disk, &led_beside(&to("new")), b"x").is_ok());
     }
 
     /// A pipe that the user named and nobody reads is an error, and never waited for.

@@ -230,8 +230,12 @@ fn list(root: &Path, names: &Names, limit: usize) -> Option<Listing> {
         for entry in entries.flatten() {
             let path = entry.path();
             let Ok(kind) = entry.file_type() else { continue };
-            if kind.is_dir() {
-                todo.extend(names.folder_reason(&path).is_none().then_some(path));
+            let is_folder = kind.is_dir();
+            if is_folder && names.folder_reason(&path).is_none() {
+                todo.push(path.clone());
+            }
+            if is_folder && names.verdict(&path) != Verdict::Take {
+                // A folder counts only where it bears a drawing's name.
             } else if !kind.is_file() && names.verdict(&path) != Verdict::Take {
                 // Links, pipes and devices count only where they bear a drawing's name.
             } else if out.files.len() >= limit {

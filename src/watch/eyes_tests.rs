@@ -40,15 +40,21 @@ fn scan_lists_files_not_results_nor_links() {
     {
         std::os::unix::fs::symlink(target, root.join(link)).unwrap();
     }
+    fs::create_dir(root.join("folder.dxf")).unwrap();
+    fs::write(root.join("folder.dxf/in.dxf"), b"").unwrap();
     let (mut eyes, _events) = eyes(&root, 1);
     let found = eyes.scan(&root).unwrap();
     let of = |wanted: Kind| -> Vec<PathBuf> {
         found.iter().filter(|(_, s)| s.kind == wanted).map(|(p, _)| p.clone()).collect()
     };
-    assert_eq!(of(Kind::File), [root.join("plan.dxf"), root.join("sub/s.dxf")]);
+    assert_eq!(
+        of(Kind::File),
+        [root.join("folder.dxf/in.dxf"), root.join("plan.dxf"), root.join("sub/s.dxf")]
+    );
+    assert_eq!(of(Kind::Folder), [root.join("folder.dxf")], "it bears a drawing's name");
     if cfg!(unix) {
         assert_eq!(of(Kind::Link), [root.join("d.dxf"), root.join("p.dxf")]);
-        assert_eq!(found.len(), 4, "{found:?}");
+        assert_eq!(found.len(), 6, "{found:?}");
     }
     assert_eq!(eyes.scan(Path::new("/nowhere")), None);
 }

@@ -95,6 +95,7 @@ const FOLDER_SCAN_SECS: f64 = 0.2;
 const A_LINK: &str =
     "a link, and links are not followed; put the drawing itself here, or watch the folder where it lies";
 const A_PIPE: &str = "a pipe, socket or device and no file; it is never opened";
+const A_FOLDER: &str = "a folder and no drawing; --depth looks at what lies in it";
 
 #[derive(Debug)]
 struct Root {
@@ -318,7 +319,12 @@ impl Settle {
             Kind::Link => return self.no_file(path, A_LINK, i),
             Kind::Other => return self.no_file(path, A_PIPE, i),
             Kind::Folder => {
-                self.pending.remove(path);
+                // A scan lists one with a drawing's name each time: its files are looked for once.
+                let is_known = self.ignored.contains(path);
+                self.no_file(path, A_FOLDER, i);
+                if is_known {
+                    return;
+                }
                 let soon = now + Duration::from_secs_f64(FOLDER_SCAN_SECS);
                 self.roots[i].next_scan = self.roots[i].next_scan.min(soon);
                 return;

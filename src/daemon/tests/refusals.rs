@@ -26,6 +26,50 @@ fn a_refusing_disk_is_said_once() {
     assert_eq!(daemon.status("plan")["state"], "waiting");
 }
 
+/// A link that takes the place of a folder for results after the start leads nothing elsewhere: neither where results
+/// go below it, nor in the midst of a job. Once it is gone, all goes on.
+#[cfg(unix)]
+#[test]
+fn links_planted_after_the_start_are_refused() {
+    use std::os::unix::fs::symlink;
+    let elsewhere = tempfile::tempdir().unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    let out = fs::canonicalize(dir.path()).unwrap().join("results");
+    fs::create_dir(&out).unwrap();
+    let (target, place) = (elsewhere.path().to_path_buf(), out.clone());
+    let settings = WatchSettings { depth: 1, retry_secs: 0.5, out_dir: Some(out.clone()), ..settings() };
+    let daemon = Daemon::start(
+        settings,
+        |root| fs::create_dir(root.join("sub")).unwrap(),
+        move |request, _, _| {
+            if request.bytes.starts_with(b"meanwhile") && !place.is_symlink() && target.exists() {
+                fs::rename(&place, place.with_file_name("aside")).unwrap();
+                symlink(&target, &place).unwrap();
+            }
+            Ok(echo(request))
+        },
+    );
+    let nothing_there = || fs::read_dir(elsewhere.path()).unwrap().next().is_none();
+    daemon.save("before.dxf", "a");
+    daemon.await_true("the first", || out.join("before.enfilade/round-01").exists());
+    symlink(elsewhere.path(), out.join("sub")).unwrap();
+    daemon.save("sub/below.dxf", "b");
+    daemon.await_said("output-is-link", 1);
+    assert!(nothing_there());
+    fs::remove_file(out.join("sub")).unwrap();
+    daemon.await_true("below", || out.join("sub/below.enfilade/round-01").exists());
+    daemon.save("planted.dxf", "meanwhile");
+    daemon.await_true("the link", || out.is_symlink());
+    let refused = daemon.count_said("output-is-link");
+    daemon.await_said("output-is-link", refused + 1);
+    daemon.rest();
+    assert!(nothing_there());
+    fs::remove_file(&out).unwrap();
+    fs::rename(out.with_file_name("aside"), &out).unwrap();
+    fs::remove_dir(elsewhere.path()).unwrap();
+    daemon.await_true("planted", || out.join("planted.enfilade/round-01").exists());
+}
+
 /// Hazards 19 and 20: want of disk or permission passes.
 #[test]
 fn environment_failures_are_tried_again() {
@@ -206,6 +250,7 @@ fn pipes_and_links_hold_up_nobody() {
             pipe(&root.join(name));
         }
         std::os::unix::fs::symlink("/etc/passwd", root.join("link.dxf")).unwrap();
+        fs::create_dir_all(root.join("folder.dxf")).unwrap();
         fs::write(root.join("scene.gltf"), "{\"buffers\":[{\"uri\":\"scene.bin\"}]} EOF\n").unwrap();
     };
     let daemon = Daemon::start(settings, plant, |request, _, _| Ok(echo(request)));
@@ -214,7 +259,15 @@ fn pipes_and_links_hold_up_nobody() {
     daemon.await_round("scene", 1);
     pipe(&daemon.path("late.dxf"));
     daemon.await_said("late.dxf", 1);
-    for (name, why) in [("pipe.dxf", "pipe"), ("link.dxf", "links are not followed"), ("late.dxf", "pipe")] {
+    fs::create_dir(daemon.path("new.dxf")).unwrap();
+    daemon.await_said("new.dxf", 1);
+    for (name, why) in [
+        ("pipe.dxf", "pipe"),
+        ("link.dxf", "links are not followed"),
+        ("late.dxf", "pipe"),
+        ("folder.dxf", "a folder and no drawing"),
+        ("new.dxf", "a folder and no drawing"),
+    ] {
         let said = daemon.said.lock().unwrap().clone();
         let is_named = |s: &&String| s.starts_with("Ignored") && s.contains(name) && s.contains(why);
         assert_eq!(said.iter().filter(is_named).count(), 1, "{name}: {said:#?}");

@@ -14,8 +14,12 @@ pub const MAX_PAIRS: usize = 50_000_000;
 pub const MAX_LINE_BYTES: usize = 64 << 20;
 
 /// Most drawn pieces that INSERTs may unfold to, all of them together: stops 2^30 doubling blocks and
-/// 32767 × 32767 arrays, and is ten times the largest plan seen.
-pub const MAX_EXPANDED_SEGMENTS: u64 = 5_000_000;
+/// 32767 × 32767 arrays, and is twice the largest plan seen. A piece takes up to a kilobyte of memory.
+pub const MAX_EXPANDED_SEGMENTS: u64 = 1_000_000;
+
+/// Most entities taken, those of blocks as often as they are shown. Each takes a kilobyte of memory until it is
+/// understood; the largest plan seen has fewer, and more are not understood within the limit of time.
+pub const MAX_ENTITIES: usize = 500_000;
 
 /// Deepest nesting of blocks; real drawings reach 5.
 pub const MAX_BLOCK_DEPTH: usize = 100;
@@ -49,6 +53,8 @@ pub struct Limits {
     pub max_line_bytes: usize,
     /// See [`MAX_EXPANDED_SEGMENTS`].
     pub max_expanded_segments: u64,
+    /// See [`MAX_ENTITIES`].
+    pub max_entities: usize,
     /// See [`MAX_BLOCK_DEPTH`].
     pub max_block_depth: usize,
     /// See [`MAX_VERTICES`].
@@ -69,6 +75,7 @@ impl Default for Limits {
             max_pairs: MAX_PAIRS,
             max_line_bytes: MAX_LINE_BYTES,
             max_expanded_segments: MAX_EXPANDED_SEGMENTS,
+            max_entities: MAX_ENTITIES,
             max_block_depth: MAX_BLOCK_DEPTH,
             max_vertices: MAX_VERTICES,
             max_coordinate_m: MAX_COORDINATE_M,

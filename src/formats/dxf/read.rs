@@ -32,8 +32,10 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
     let undrawn = reader.take_undrawn();
     let mut blocks = Blocks::find(&reader)?;
     blocks.measure(&mut reader, &items)?;
-    let (mut entities, mut texts) = (Vec::with_capacity(items.len()), Vec::new());
+    let (mut entities, mut texts) =
+        (Vec::with_capacity(items.len().min(options.limits.max_entities)), Vec::new());
     for item in items {
+        refuse_many(file, entities.len() + reader.fills.len(), options)?;
         if let Body::Insert(_) = item.body {
             blocks.show(&mut reader, &item, (&mut entities, &mut texts))?;
             continue;
@@ -53,6 +55,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
             Body::Insert(_) => {}
         }
     }
+    refuse_many(file, entities.len() + reader.fills.len(), options)?;
     let mut written = reader.written(section, &blocks)?;
     written.is_metric = header.measurement.map(|m| m != 0);
     reader.report_left_out();
@@ -182,14 +185,7 @@ pub(super) fn fault_error(file: &str, bytes: &[u8], fault: Fault, options: &Read
                 options.limits.max_line_bytes
             ),
         ),
-        Fault::TooMany { what, most, limit } => Error::input(
-            "dxf-too-many",
-            Place::file(file),
-            format!(
-                "its {what}, found more than {most}, expected at most {most} ({limit}); not read. Export the plan alone, \
-                 without hatches and symbols that are drawn line by line"
-            ),
-        ),
+        Fault::TooMany { what, most, limit } => too_many(file, what, most, limit),
         Fault::TooBig => Error::input(
             "dxf-file-too-big",
             Place::file(file),
@@ -200,6 +196,21 @@ pub(super) fn fault_error(file: &str, bytes: &[u8], fault: Fault, options: &Read
             ),
         ),
     }
+}
+
+/// Refuses more entities than the limit before the next is added.
+fn refuse_many(file: &str, count: usize, options: &ReadOptions) -> Result<(), Error> {
+    let most = options.limits.max_entities;
+    let what = "entities, those of blocks as often as they are shown";
+    if count > most { Err(too_many(file, what, most, "MAX_ENTITIES")) } else { Ok(()) }
+}
+
+fn too_many(file: &str, what: &str, most: usize, limit: &str) -> Error {
+    let text = format!(
+        "its {what}, found more than {most}, expected at most {most} ({limit}); not read. Export the plan alone, \
+         without hatches and symbols that are drawn line by line"
+    );
+    Error::input("dxf-too-many", Place::file(file), text)
 }
 
 /// Geometry that may be a wall and that this reader does not draw.

@@ -160,6 +160,7 @@ impl<'a> Opened<'a> {
     /// # Errors
     /// [`Error::Usage`] where the storey is not there.
     pub fn read(&self, options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
+        say_more(self.file, &self.step, report);
         read::read_storey(&Building::new(self.file, &self.step, options.unit), options, report)
     }
 
@@ -172,6 +173,7 @@ impl<'a> Opened<'a> {
         let building = Building::new(self.file, &self.step, first.unit);
         let one = |o: &ReadOptions| {
             let mut report = Report::default();
+            say_more(self.file, &self.step, &mut report);
             (read::read_storey(&building, o, &mut report), report)
         };
         options.par_iter().map(one).collect()
@@ -232,6 +234,25 @@ fn open<'a>(file: &str, bytes: &'a [u8]) -> Result<Step<'a>, Error> {
         return Err(Error::input("ifc-schema", Place::file(file), text));
     }
     Ok(step)
+}
+
+/// The mark that ends a file.
+const END: &[u8] = b"END-ISO-10303-21";
+
+/// Says that something follows the end, as a second file does.
+fn say_more(file: &str, step: &Step<'_>, report: &mut Report) {
+    let tail = &step.bytes[step.data_end..];
+    let Some(mark) = tail.windows(END.len()).position(|w| w.eq_ignore_ascii_case(END)) else { return };
+    let after = &tail[mark + END.len()..];
+    let more = after.iter().position(|b| *b == b';').map_or(after, |at| &after[at + 1..]).trim_ascii();
+    if more.iter().any(|b| *b != 0) {
+        let place = Place::line(file, line_of(step.bytes, step.data_end + mark));
+        let text = format!(
+            "after END-ISO-10303-21;, found {} more bytes, expected none; not read, kept in every output",
+            more.len()
+        );
+        report.warn("ifc-bytes-after-end", place, text);
+    }
 }
 
 fn fault_error(file: &str, bytes: &[u8], fault: &Fault) -> Error {

@@ -456,9 +456,10 @@ impl Grid {
             starts: Vec::new(),
             pieces: Vec::new(),
         };
+        // What nobody looks at is not kept: lines across all of a large drawing lie in a thousand cells each.
+        let mut held = vec![(NONE, 0); grid.cols * grid.rows];
         let mut cells: Vec<(u32, u32)> = Vec::new();
         for (i, p) in pieces.iter().enumerate() {
-            let first = cells.len();
             let steps = (p.length / (cell * 0.5)).ceil().max(1.0) as usize;
             let (from, sweep) = match p.arc {
                 Some(arc) => (p.a - arc.centre, arc.sweep_rad),
@@ -471,14 +472,15 @@ impl Grid {
                     Some(arc) => arc.centre + DVec2::from_angle(sweep * t).rotate(from),
                 };
                 let [c, r] = grid.cell_of(at);
-                let cell = (c * grid.rows + r) as u32;
-                if cells[first..].last().is_none_or(|l| l.0 != cell) {
-                    cells.push((cell, i as u32));
+                let cell = c * grid.rows + r;
+                let (last, count) = &mut held[cell];
+                if *last != i as u32 && *count < IN_CELL_MAX {
+                    (*last, *count) = (i as u32, *count + 1);
+                    cells.push((cell as u32, i as u32));
                 }
             }
         }
         cells.sort_unstable();
-        cells.dedup();
         grid.starts = vec![0; grid.cols * grid.rows + 1];
         for (cell, _) in &cells {
             grid.starts[*cell as usize + 1] += 1;
@@ -498,7 +500,26 @@ impl Grid {
 
     fn in_cell(&self, c: usize, r: usize) -> &[u32] {
         let i = c * self.rows + r;
-        let all = &self.pieces[self.starts[i] as usize..self.starts[i + 1] as usize];
-        &all[..all.len().min(IN_CELL_MAX)]
+        &self.pieces[self.starts[i] as usize..self.starts[i + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lines across all of a large drawing, drawn over one another, took a gigabyte that nobody looked at.
+    #[test]
+    fn no_cell_keeps_more_than_is_looked_at() {
+        let piece = |i: u32| {
+            let (a, b) = (DVec2::new(0.0, f64::from(i % 7)), DVec2::new(500.0, f64::from(i % 5)));
+            Piece { thing: i, a, b, length: a.distance(b), arc: None, along: DVec2::X }
+        };
+        let pieces: Vec<Piece> = (0..2000).map(piece).collect();
+        let grid = Grid::new(&pieces, [DVec2::ZERO, DVec2::new(500.0, 7.0)]);
+        assert!(grid.pieces.len() <= grid.cols * grid.rows * IN_CELL_MAX);
+        let first = grid.in_cell(0, 0);
+        assert!(first.len() == IN_CELL_MAX && first.is_sorted_by(|a, b| a < b), "{first:?}");
+        assert_eq!(first.last(), Some(&((IN_CELL_MAX as u32 - 1) * 7)), "the first that lie there");
     }
 }
