@@ -57,21 +57,17 @@ pub(super) struct Room {
     pub stated: Vec<(Range<usize>, String)>,
 }
 
-/// How a place on a wall goes.
+/// How a place on a wall goes: along the wall where that becomes longer or shorter, and then with the wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Way {
-    /// With the wall, lengthened before.
-    With(RigidMotion),
-    /// Along the wall, an end of it.
-    By(DVec2),
+struct Way {
+    along: DVec2,
+    motion: Option<RigidMotion>,
 }
 
 impl Way {
     fn of(self, p: DVec2) -> DVec2 {
-        match self {
-            Self::With(m) => DVec2::from_angle(m.turn_rad).rotate(p) + m.shift,
-            Self::By(by) => p + by,
-        }
+        let p = p + self.along;
+        self.motion.map_or(p, |m| DVec2::from_angle(m.turn_rad).rotate(p) + m.shift)
     }
 }
 
@@ -87,22 +83,20 @@ struct Wall<'b> {
 impl Wall<'_> {
     /// How a side at a place of the wall goes; `None` where it stays there.
     fn way(&self, along_side: DVec2, at: DVec2, near: f64) -> Option<Way> {
-        if let Some(motion) = self.motion {
-            return Some(Way::With(motion));
-        }
-        let (along, ends, by) = self.ends.as_ref()?;
-        if along.dot(along_side).abs() > PARALLEL_SIN {
-            return None;
-        }
-        let is_at = |k: usize| ends[k].iter().any(|p| (at - *p).dot(*along).abs() <= near);
-        (0..2).find(|k| by[*k] != 0.0 && is_at(*k)).map(|k| Way::By(*along * by[k]))
+        let end = self.ends.as_ref().and_then(|(along, ends, by)| {
+            let is_at = |k: &usize| ends[*k].iter().any(|p| (at - *p).dot(*along).abs() <= near);
+            let is_across = along.dot(along_side).abs() <= PARALLEL_SIN;
+            (0..2).filter(|k| is_across && by[*k] != 0.0).find(is_at).map(|k| *along * by[k])
+        });
+        let way = Way { along: end.unwrap_or_default(), motion: self.motion };
+        (end.is_some() || self.motion.is_some()).then_some(way)
     }
 }
 
 /// The walls that edits change, and those that go along.
 fn walls<'b>(b: &'b Building<'_, '_>, edits: &[Edit], tails: &Tails) -> Vec<Wall<'b>> {
     let mut found: BTreeMap<u64, (Option<RigidMotion>, [f64; 2])> = BTreeMap::new();
-    for edit in edits {
+    for edit in edits.iter().filter(|e| !e.is_still()) {
         let one = found.entry(edit.record() as u64).or_default();
         match edit {
             Edit::Insert { motion, .. } => one.0 = Some(*motion),
