@@ -1,6 +1,7 @@
 //! Thread-CPU times of the spatial engine, beside a plain pairwise-and-queue baseline in the same run.
 //!
-//! `cargo bench --bench engine [-- FILTER]`. Plans come from `../shared/reference` (or the folder named
+//! `cargo bench --bench engine [-- FILTER]`; `-- stars` compares stars with waves, `-- million` takes a million
+//! vertices. Plans come from `../shared/reference` (or the folder named
 //! by ENFILADE_SHARED) where it is there, otherwise from the generator below.
 //!
 //! Where ENFILADE_PEER names a command, it measures the same plans in the same run (name the plans: a peer
@@ -62,6 +63,9 @@ fn main() {
             polygon_and_path_row(name, metres, spacing_um);
         }
     }
+    if filter.iter().any(|f| f == "stars") {
+        star_rows();
+    }
     if filter.iter().any(|f| f == "million") {
         million_row();
     }
@@ -93,6 +97,44 @@ fn polygon_and_path_row(name: &str, metres: i64, spacing_um: i64) {
     } else {
         println!();
         peer_row(&obstacles.segments, spacing_um, n, &[("isovist", isovist_secs)]);
+    }
+}
+
+/// Depths of all as they are computed, and by waves alone, in turns on one thread; the least of three. Values are equal,
+/// or it ends.
+fn star_rows() {
+    let b =
+        |metres: i64| shared_walls(&format!("bench/b{metres}_r12.dxf")).unwrap_or_else(|| building(metres));
+    let plans = [
+        ("rooms 170", rooms(170), 1_333_300),
+        ("rooms 200", rooms(200), 1_333_300),
+        ("b133 at 0.8", b(133), 800_000),
+        ("b67 at 0.4", b(67), 400_000),
+        ("city 140", city(140), 1_000_000),
+        ("b267", b(267), 1_333_300),
+        ("rooms 421", rooms(421), 1_333_300),
+        ("b421 generated", building(421), 1_333_300),
+        ("b133 at 0.4", b(133), 400_000),
+        ("city 300", city(300), 1_000_000),
+    ];
+    let one = pool(1);
+    for (name, walls, spacing_um) in plans {
+        let lattice = flood(&walls, spacing_um, [2_000_000, 2_000_000]);
+        let obstacles = Obstacles { segments: walls, blind: vec![] };
+        let graph = one.install(|| visibility_graph(&lattice, &obstacles));
+        let n = graph.len();
+        let (mut waves_secs, mut secs) = (f64::INFINITY, f64::INFINITY);
+        for _ in 0..if n < 50_000 { 3 } else { 1 } {
+            let (by_waves, waves) = median(&one, 1, || forest::levels_by_waves(&graph, &lattice.query));
+            let (by_any, tally) = median(&one, 1, || forest::tally(&lattice, &graph, None));
+            assert!(waves.concat() == tally.levels, "{name}: stars and waves disagree");
+            (waves_secs, secs) = (waves_secs.min(by_waves), secs.min(by_any));
+        }
+        println!(
+            "stars: {name:<16}{n:>8} vertices, degree {:>8.1}: waves {waves_secs:.4} now {secs:.4}, {:.2} times as fast",
+            2.0 * graph.edge_count() as f64 / n as f64,
+            waves_secs / secs
+        );
     }
 }
 
@@ -511,11 +553,8 @@ fn flood(walls: &[Segment], spacing_um: i64, seed_um: [i64; 2]) -> Lattice {
 
 /// A square building of rooms with doors: halves split across until the rooms are small.
 fn building(metres: i64) -> Vec<Segment> {
-    let m = 1_000_000;
-    let side = metres * m;
-    let corners = [[0, 0], [side, 0], [side, side], [0, side]];
-    let mut walls: Vec<Segment> =
-        (0..4).map(|i| Segment { a: corners[i], b: corners[(i + 1) % 4] }).collect();
+    let mut walls = outline(metres);
+    let side = metres * 1_000_000;
     split([0, 0], [side, side], 1, &mut walls);
     walls
 }
@@ -542,6 +581,64 @@ fn split(lo: [i64; 2], hi: [i64; 2], seed: u64, walls: &mut Vec<Segment>) {
     high_lo[k] = at;
     split(lo, low_hi, seed * 2 + 1, walls);
     split(high_lo, hi, seed * 2 + 2, walls);
+}
+
+/// A square building of rooms of 6 to 13 metres, with a door in every wall and another for each 60 metres.
+fn rooms(metres: i64) -> Vec<Segment> {
+    let mut walls = outline(metres);
+    let side = metres * 1_000_000;
+    part([0, 0], [side, side], 1, &mut walls);
+    walls
+}
+
+fn part(lo: [i64; 2], hi: [i64; 2], seed: u64, walls: &mut Vec<Segment>) {
+    let m = 1_000_000;
+    let k = usize::from(hi[1] - lo[1] > hi[0] - lo[0]);
+    let length = hi[k] - lo[k];
+    if length < 13 * m {
+        return;
+    }
+    let at = lo[k] + length / 2 + (mix(seed) % (length / 4) as u64) as i64 - length / 8;
+    let point = |along: i64| if k == 0 { [at, along] } else { [along, at] };
+    let across = hi[1 - k] - lo[1 - k];
+    let doors = 1 + across / (60 * m);
+    let mut from = lo[1 - k];
+    for i in 0..doors {
+        let free = (across / doors - 4 * m) as u64;
+        let door = lo[1 - k] + across * i / doors + 2 * m + (mix(seed + 7 + i as u64) % free) as i64;
+        walls.push(Segment { a: point(from), b: point(door) });
+        from = door + 3 * m / 2;
+    }
+    walls.push(Segment { a: point(from), b: point(hi[1 - k]) });
+    let (mut low_hi, mut high_lo) = (hi, lo);
+    low_hi[k] = at;
+    high_lo[k] = at;
+    part(lo, low_hi, seed * 2 + 1, walls);
+    part(high_lo, hi, seed * 2 + 2, walls);
+}
+
+/// Houses of 8 to 16 metres every 25 metres, a quarter of them left out.
+fn city(metres: i64) -> Vec<Segment> {
+    let m = 1_000_000;
+    let mut walls = outline(metres);
+    for x in (25..metres - 16).step_by(25) {
+        for y in (25..metres - 16).step_by(25) {
+            let seed = mix((x * 7_919 + y) as u64);
+            let size = [seed >> 8, seed >> 32].map(|s| 8 * m + (s % 8_000_000) as i64);
+            let [a, b] = [[x * m + 17, y * m + 31], [x * m + 17 + size[0], y * m + 31 + size[1]]];
+            if !seed.is_multiple_of(4) {
+                let ring = [a, [b[0], a[1]], b, [a[0], b[1]], a];
+                walls.extend(ring.windows(2).map(|w| Segment { a: w[0], b: w[1] }));
+            }
+        }
+    }
+    walls
+}
+
+fn outline(metres: i64) -> Vec<Segment> {
+    let side = metres * 1_000_000;
+    let corners = [[0, 0], [side, 0], [side, side], [0, side]];
+    (0..4).map(|i| Segment { a: corners[i], b: corners[(i + 1) % 4] }).collect()
 }
 
 /// splitmix64.

@@ -120,3 +120,38 @@ pub fn plans() -> impl Strategy<Value = (Lattice, Obstacles)> {
         })
     })
 }
+
+/// A square of cells with some holes, and straight walls that leave ways round them.
+pub fn mazes(side: i64) -> impl Strategy<Value = (Lattice, Obstacles)> {
+    let post = (0..side, 0..side, 0..2u8, 1i64..9);
+    prop::collection::vec(post, 0..(2 * side) as usize).prop_map(move |posts| {
+        let wall = |(x, y, k, l): (i64, i64, u8, i64)| {
+            let (a, l) = ([x * 10 + 5, y * 10 + 5], l * 10);
+            Segment { a, b: if k == 0 { [a[0] + l, a[1]] } else { [a[0], a[1] + l] } }
+        };
+        let side = side as i32;
+        let cells = (0..side).flat_map(|c| (0..side - 1).map(move |r| [c, r]));
+        let lattice = lattice(10, [0, 0], cells.filter(|c| c[0] * c[1] % 17 != 5).collect());
+        (lattice, Obstacles { segments: posts.into_iter().map(wall).collect(), blind: vec![3] })
+    })
+}
+
+/// Rooms of 8 by 7 cells, so many each way, with a door of one cell in every wall but some.
+pub fn rooms(columns: i64, rows: i64) -> (Lattice, Obstacles) {
+    let mut segments = Vec::new();
+    for column in 0..columns {
+        for row in 0..rows {
+            let (left, low) = (column * 80 - 5, row * 70 - 5);
+            let door = 10 * ((column * 5 + row * 3) % 6 + 1);
+            let is_closed = (column * 7 + row * 4) % 9 == 8;
+            let gap = if is_closed { 0 } else { 10 };
+            segments.push(Segment { a: [left, low], b: [left + door, low] });
+            segments.push(Segment { a: [left + door + gap, low], b: [left + 80, low] });
+            segments.push(Segment { a: [left, low], b: [left, low + door] });
+            segments.push(Segment { a: [left, low + door + 10], b: [left, low + 70] });
+        }
+    }
+    let (width, height) = (columns as i32 * 8, rows as i32 * 7);
+    let cells = (0..width).flat_map(|c| (0..height).map(move |r| [c, r])).collect();
+    (lattice(10, [0, 0], cells), Obstacles { segments, blind: vec![] })
+}

@@ -9,15 +9,19 @@ use super::graph::Graph;
 use super::lanes::LANES;
 use super::lanes::Path;
 use super::relays::Relays;
+use super::stars;
 use super::wave::Wave;
 use super::{Lattice, Tally};
 
-/// Vertices on level 1, 2, … of the breadth-first tree of each root, up to `max_level`.
+/// Vertices on level 1, 2, … of the breadth-first tree of each root (distinct), up to `max_level`: by stars where
+/// they are faster, otherwise by waves.
 pub(super) fn level_counts(graph: &Graph, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
-    level_counts_by(Path::best(), graph, roots, max_level)
+    let by_stars = if max_level == u32::MAX { stars::level_counts(graph, roots) } else { None };
+    by_stars.unwrap_or_else(|| by_waves(Path::best(), graph, roots, max_level))
 }
 
-fn level_counts_by(path: Path, graph: &Graph, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
+/// [`level_counts`] by waves.
+pub(super) fn by_waves(path: Path, graph: &Graph, roots: &[u32], max_level: u32) -> Vec<Vec<u32>> {
     let relays = Relays::new(graph);
     let order = walking_order(graph, roots);
     // One wave a thread, whatever way the batches are handed out.
@@ -38,6 +42,11 @@ fn level_counts_by(path: Path, graph: &Graph, roots: &[u32], max_level: u32) -> 
         levels[i as usize] = counts;
     }
     levels
+}
+
+/// Vertices on level 1, 2, … of the tree of each root, by waves whatever the plan: to compare with.
+pub fn levels_by_waves(graph: &Graph, roots: &[u32]) -> Vec<Vec<u32>> {
+    by_waves(Path::best(), graph, roots, u32::MAX)
 }
 
 /// How many of the roots reach each rank on level 1, 2, …, level by level.
@@ -209,29 +218,16 @@ mod tests {
         counts
     }
 
-    fn mazes() -> impl Strategy<Value = Graph> {
-        let post = (0i64..30, 0i64..30, 0..2u8, 1i64..9);
-        prop::collection::vec(post, 0..60).prop_map(|posts| {
-            let wall = |(x, y, k, l): (i64, i64, u8, i64)| {
-                let (a, l) = ([x * 10 + 5, y * 10 + 5], l * 10);
-                Segment { a, b: if k == 0 { [a[0] + l, a[1]] } else { [a[0], a[1] + l] } }
-            };
-            let cells = (0..30).flat_map(|c| (0..29).map(move |r| [c, r])).filter(|c| c[0] * c[1] % 17 != 5);
-            let lattice = fixtures::lattice(10, [0, 0], cells.collect());
-            let obstacles = Obstacles { segments: posts.into_iter().map(wall).collect(), blind: vec![3] };
-            visibility::visibility_graph(&lattice, &obstacles)
-        })
-    }
-
     proptest! {
         #![proptest_config(ProptestConfig { cases: 8, ..ProptestConfig::default() })]
 
         #[test]
-        fn every_path_walks_like_a_queue(graph in mazes(), cut in 1u32..5) {
+        fn every_path_walks_like_a_queue((lattice, obstacles) in fixtures::mazes(30), cut in 1u32..5) {
+            let graph = visibility::visibility_graph(&lattice, &obstacles);
             let all: Vec<u32> = (0..graph.len() as u32).collect();
             let expected: Vec<_> = all.iter().map(|&v| by_queue(&graph, v)).collect();
             for path in Path::available() {
-                prop_assert_eq!(&level_counts_by(path, &graph, &all, u32::MAX), &expected);
+                prop_assert_eq!(&by_waves(path, &graph, &all, u32::MAX), &expected);
             }
             let some: Vec<u32> = all.iter().copied().filter(|v| v % 3 == 1).rev().collect();
             let near = level_counts(&graph, &some, cut);

@@ -34,6 +34,8 @@ pub(super) trait Vector: Copy {
     fn is_zero(self) -> bool;
     /// The bits of a word under the ones of a mask, next to each other from bit 0 on.
     fn gather(word: u64, mask: u64) -> u64;
+    /// Bit `i`: whether row `i` has a bit of a mask.
+    fn meeting(rows: &[u64; 64], mask: u64) -> u64;
 
     fn zero() -> Self {
         Self::load(&Lanes([0; 8]))
@@ -171,6 +173,14 @@ impl Vector for Portable {
         }
         gathered
     }
+    #[inline(always)]
+    fn meeting(rows: &[u64; 64], mask: u64) -> u64 {
+        let mut meeting = 0;
+        for (i, row) in rows.iter().enumerate() {
+            meeting |= u64::from(row & mask != 0) << i;
+        }
+        meeting
+    }
 }
 
 /// The instruction sets of x86-64 that are worth a path of their own.
@@ -220,6 +230,20 @@ pub(super) mod x86 {
         #[inline(always)]
         fn gather(word: u64, mask: u64) -> u64 {
             unsafe { _pext_u64(word, mask) }
+        }
+        #[inline(always)]
+        fn meeting(rows: &[u64; 64], mask: u64) -> u64 {
+            let mut meeting = 0;
+            for (i, eight) in rows.as_chunks::<8>().0.iter().enumerate() {
+                let met = unsafe {
+                    _mm512_test_epi64_mask(
+                        _mm512_loadu_si512(eight.as_ptr().cast()),
+                        _mm512_set1_epi64(mask as i64),
+                    )
+                };
+                meeting |= u64::from(met) << (8 * i);
+            }
+            meeting
         }
         #[inline(always)]
         fn add(self, b: Self, c: Self) -> (Self, Self) {
@@ -301,6 +325,21 @@ pub(super) mod x86 {
         #[inline(always)]
         fn gather(word: u64, mask: u64) -> u64 {
             unsafe { _pext_u64(word, mask) }
+        }
+        #[inline(always)]
+        fn meeting(rows: &[u64; 64], mask: u64) -> u64 {
+            let mut missing = 0;
+            for (i, four) in rows.as_chunks::<4>().0.iter().enumerate() {
+                let none = unsafe {
+                    let both = _mm256_and_si256(
+                        _mm256_loadu_si256(four.as_ptr().cast()),
+                        _mm256_set1_epi64x(mask as i64),
+                    );
+                    _mm256_movemask_pd(_mm256_castsi256_pd(_mm256_cmpeq_epi64(both, _mm256_setzero_si256())))
+                };
+                missing |= (none as u64) << (4 * i);
+            }
+            !missing
         }
     }
 }

@@ -22,6 +22,7 @@ pub mod measures;
 pub mod paths;
 mod relays;
 pub mod sampled;
+mod stars;
 mod strips;
 pub mod through;
 mod tiles;
