@@ -96,14 +96,20 @@ pub const LOCAL_NAMES: [&str; 6] = [
 
 /// Connectivity, point moments (metres, square metres), clustering coefficient, control, controllability.
 pub fn local_columns(lattice: &Lattice, graph: &Graph) -> Vec<Column> {
+    local_columns_of(lattice, graph, |_| true)
+}
+
+/// Those of [`local_columns`] that are wanted by name; what only others need is not computed.
+pub fn local_columns_of(lattice: &Lattice, graph: &Graph, wanted: impl Fn(&str) -> bool) -> Vec<Column> {
+    let [connectivity, first, second, clustering, control, controllability] = LOCAL_NAMES.map(&wanted);
     let all: Vec<u32> = (0..graph.len() as u32).collect();
-    let levels = level_counts(graph, &all, 2);
-    let common = common_neighbours(graph);
+    let levels = if controllability { level_counts(graph, &all, 2) } else { Vec::new() };
+    let common = if clustering || controllability { common_neighbours(graph) } else { Vec::new() };
     let near = |v: u32| {
-        let (shared, met) = common[graph.tiles.rank_of[v as usize] as usize];
+        let (shared, met) = common.get(graph.tiles.rank_of[v as usize] as usize).copied().unwrap_or_default();
         // Seen from some neighbour: the vertex itself, neighbours with a neighbour in common, two steps away.
-        let reached = 1 + met + levels[v as usize].get(1).copied().unwrap_or(0);
-        (shared, reached)
+        let beyond = levels.get(v as usize).and_then(|levels| levels.get(1)).copied().unwrap_or(0);
+        (shared, 1 + met + beyond)
     };
     let mut share = vec![0.0; graph.tiles.count() * 64];
     for (&(tile, bit), &degree) in graph.tiles.slot_of.iter().zip(&graph.degree) {
@@ -111,8 +117,13 @@ pub fn local_columns(lattice: &Lattice, graph: &Graph) -> Vec<Column> {
     }
     let spacing_m = lattice.spacing_um as f64 / UM_PER_M;
     let row = |&v: &u32| local_row(graph, &share, spacing_m, v, near(v));
-    let rows: Vec<[f64; 6]> = all.par_iter().map(row).collect();
-    transpose(LOCAL_NAMES.map(String::from), &rows)
+    let degree = |&v: &u32| [f64::from(graph.degree(v)), 0.0, 0.0, 0.0, 0.0, 0.0];
+    let is_degree_alone = connectivity && !(first || second || clustering || control || controllability);
+    let rows: Vec<[f64; 6]> =
+        if is_degree_alone { all.iter().map(degree).collect() } else { all.par_iter().map(row).collect() };
+    let mut columns = transpose(LOCAL_NAMES.map(String::from), &rows);
+    columns.retain(|column| wanted(&column.name));
+    columns
 }
 
 /// By rank: neighbours in common with its neighbours, summed over them, and the neighbours that have any.

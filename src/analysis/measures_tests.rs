@@ -78,6 +78,10 @@ proptest! {
             .map(|v| (0..graph.len() as u32).filter(|&u| graph.sees(u, v)).collect())
             .collect();
         let columns = local_columns(&lattice, &graph);
+        for column in &columns {
+            let alone = local_columns_of(&lattice, &graph, |name| name == column.name);
+            prop_assert_eq!(&alone, std::slice::from_ref(column));
+        }
         for (v, own) in near.iter().enumerate() {
             let d = own.len() as f64;
             let among = own.iter().map(|&u| near[u as usize].intersection(own).count()).sum::<usize>() as f64;

@@ -8,7 +8,7 @@ use super::study::Study;
 use crate::analysis::isovist::isovist_columns;
 use crate::analysis::measures::{
     Column, GLOBAL_NAMES, LOCAL_NAMES, UNDEFINED, entropy_bits, global_columns, global_columns_beside,
-    local_columns,
+    local_columns_of,
 };
 use crate::analysis::paths::{Paths, Turning};
 use crate::analysis::sampled::{is_estimated, sampled_columns};
@@ -22,7 +22,7 @@ use crate::report::{Error, Place, counted};
 
 /// depthmapX's `Ref`: `(column << 16) + row`, counted from the cell nearest to the lower left corner of the walls,
 /// of two equally near ones the lower (left).
-fn references(study: &Study) -> Vec<i64> {
+pub(super) fn references(study: &Study) -> Vec<i64> {
     let lattice = &study.lattice;
     let corner = |k: usize| {
         let walls = study.base.plan.walls.iter().flat_map(|w| w.trace.points.iter());
@@ -183,7 +183,9 @@ fn all_columns(
 ) -> Measured {
     let (mut all, mut drawn) = (Vec::new(), None);
     if asked("graph") && !names_only(&options.measures, &GLOBAL_NAMES) {
-        all.extend(local_columns(lattice, graph));
+        let are_named = names_only(&options.measures, &[LOCAL_NAMES.as_slice(), &GLOBAL_NAMES].concat());
+        let named = |name: &str| options.measures.iter().any(|m| m.eq_ignore_ascii_case(name));
+        all.extend(local_columns_of(lattice, graph, |name| !are_named || named(name)));
     }
     if asked("graph") && !names_only(&options.measures, &LOCAL_NAMES) {
         all.extend(match (options.roots, known, options.radius) {
