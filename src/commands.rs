@@ -24,7 +24,8 @@ use crate::overlay::reading::{Headline, QuestionEntry};
 use crate::overlay::result::{AnalysisResult, Interval, RESULT_SCHEMA, RoundResult, StoreyEntry, to_json};
 use crate::overlay::words::headline;
 use crate::pipeline::accept::Origin;
-use crate::pipeline::cells::CellOptions;
+use crate::pipeline::cells::{CellOptions, cells_csv, edges_csv};
+use crate::pipeline::geojson::{cells_geojson, edges_geojson};
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::plan::drawing::Format;
 use crate::progress::Display;
@@ -199,11 +200,15 @@ fn analyse(args: &AnalyseArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Err
             pipeline::add_columns(&input, &settings, (&study, &measured), &mut outcome)?;
         }
         if let Some(to) = &args.cells {
-            tables.push((to, pipeline::cells::cells_csv(&study, &measured.columns)));
+            let columns = &measured.columns;
+            let is_geojson = outputs::is_geojson(to);
+            let table = if is_geojson { cells_geojson(&study, columns) } else { cells_csv(&study, columns) };
+            tables.push((to, table));
         }
     }
     if let Some(to) = &args.edges {
-        tables.push((to, pipeline::cells::edges_csv(&study)));
+        let is_geojson = outputs::is_geojson(to);
+        tables.push((to, if is_geojson { edges_geojson(&study) } else { edges_csv(&study) }));
     }
     cancel.check()?;
     let folder = home.publish_analysis(&outcome.files)?;

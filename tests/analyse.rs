@@ -50,6 +50,43 @@ fn tables_stay_where_they_are_sent() {
     assert!(!Path::new("-").exists());
 }
 
+/// A name in `.geojson` has the same values as the CSV, on squares of the spacing round the same centres.
+#[test]
+fn tables_go_into_a_gis() {
+    let folder = tempfile::tempdir().unwrap();
+    let [out, csv, cells, edges] = ["", "c.csv", "c.geojson", "e.geojson"]
+        .map(|name| folder.path().join(name).to_string_lossy().into_owned());
+    let gallery = sample("gallery.dxf");
+    let measured = ["analyse", &gallery, "--spacing", "1", "--out", &out, "--measures", "connectivity"];
+    for tables in [&["--cells", &csv][..], &["--cells", &cells, "--edges", &edges]] {
+        let done = enfilade(&[&measured[..], tables].concat());
+        assert!(done.status.success(), "{}", text(&done.stderr));
+    }
+    let table = std::fs::read_to_string(&csv).unwrap();
+    let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    assert_eq!(names, ["Ref", "x", "y", "Connectivity", "Degree", "Depth", "Entropy"]);
+    let map = json(Path::new(&cells));
+    let features = map["features"].as_array().unwrap();
+    assert_eq!(features.len(), table.lines().count() - 1);
+    let unit_m = map["metres_per_unit"].as_f64().unwrap();
+    let mut degrees = 0.0;
+    for (line, feature) in table.lines().skip(1).zip(features) {
+        let values: Vec<Option<f64>> = line.split(',').map(|v| v.parse().ok()).collect();
+        for (name, value) in names.iter().zip(&values) {
+            assert_eq!(feature["properties"][name].as_f64(), *value, "{name}");
+        }
+        let corner = |i: usize, k: usize| feature["geometry"]["coordinates"][0][i][k].as_f64().unwrap();
+        for k in 0..2 {
+            let middle = f64::midpoint(corner(0, k), corner(2, k));
+            assert!((middle - values[1 + k].unwrap()).abs() < 1e-9 / unit_m);
+            assert!((corner(2, k) - corner(0, k) - 1.0 / unit_m).abs() < 1e-9 / unit_m);
+        }
+        degrees += values[3].unwrap();
+    }
+    let pairs = json(Path::new(&edges))["features"].as_array().unwrap().len();
+    assert_eq!(pairs as f64 * 2.0, degrees);
+}
+
 /// What is estimated says so: on standard output, in the result, with its interval beside it.
 #[test]
 fn estimates_are_called_estimates() {

@@ -50,13 +50,18 @@ pub(super) fn judge(command: &Command) -> Result<(), Error> {
     Ok(())
 }
 
-/// Tables are CSV: another ending would promise another format.
+/// Whether a table's name promises GeoJSON.
+pub(super) fn is_geojson(to: &Path) -> bool {
+    to.extension().is_some_and(|e| e.eq_ignore_ascii_case("geojson"))
+}
+
+/// Tables are CSV or GeoJSON: another ending would promise another format.
 fn judge_tables(args: &AnalyseArgs) -> Result<(), Error> {
     for (name, to) in [("--cells", &args.cells), ("--edges", &args.edges)] {
         let Some(to) = to.as_deref().filter(|to| !is_standard_output(to)) else { continue };
-        if !to.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
+        if !is_geojson(to) && !to.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
             let text = format!(
-                "{name}: found {:?}, expected a name that ends in .csv; nothing was done",
+                "{name}: found {:?}, expected a name that ends in .csv or .geojson; nothing was done",
                 to.display()
             );
             return Err(Error::usage("table-format", Place::default(), text));
@@ -241,6 +246,7 @@ mod tests {
             ("analyse @/plan.dxf --out @/plan.dxf", "itself"),
             ("analyse @/plan.dxf --cells @/a.ifc", "name of a drawing"),
             ("analyse @/plan.dxf --cells @/a.parquet", "ends in .csv"),
+            ("analyse @/plan.dxf --cells @/a.geojson", ""),
             ("analyse @/plan.dxf --edges @/enfilade.toml", "settings"),
             ("analyse @/plan.dxf --json=@/x.glb", "name of a drawing"),
             ("resolution @/plan.dxf --json=@/x.gltf", "name of a drawing"),

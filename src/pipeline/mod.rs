@@ -12,6 +12,7 @@ pub mod cells;
 mod estimate;
 mod explain;
 mod fits;
+pub mod geojson;
 mod graph;
 mod lattices;
 mod memory;
