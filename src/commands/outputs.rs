@@ -226,33 +226,33 @@ mod tests {
     fn no_output_takes_the_place_of_a_drawing_or_of_settings() {
         let dir = tempfile::tempdir().unwrap();
         let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/gallery.dxf");
-        for name in ["plan.dxf", "drawing.txt"] {
+        for name in ["plan.dxf", "drawing.txt", "drawing.json"] {
             std::fs::copy(&sample, dir.path().join(name)).unwrap();
         }
         std::fs::write(dir.path().join("notes.txt"), "no drawing").unwrap();
         std::fs::create_dir(dir.path().join("results.dxf")).unwrap();
         let table = [
-            ("check @/plan.dxf --preview @/plan.dxf", "itself"),
-            ("check @/plan.dxf --preview @/new.DXF", "name of a drawing"),
-            ("check @/plan.dxf --json=@/drawing.txt", "a drawing there"),
-            ("check @/plan.dxf --json=@/plan.enfilade.toml", "settings"),
-            ("check @/plan.dxf --json=@/other.enfilade.toml", "name of a drawing's settings"),
-            ("check @/plan.dxf --preview @/x.Enfilade.toml", "name of a drawing's settings"),
-            ("check @/plan.dxf --json=@/sub/enfilade.toml", "name of a drawing's settings"),
-            ("analyse @/plan.dxf --json=@/other-enfilade.toml.txt", "name of a drawing's settings"),
+            ("check @/plan.dxf --preview @/plan.dxf", "ends in .png"),
+            ("check @/plan.dxf --preview @/new.DXF", "ends in .png"),
+            ("check @/plan.dxf --json=@/drawing.txt", "ends in .json"),
+            ("check @/plan.dxf --json=@/plan.enfilade.toml", "ends in .json"),
+            ("check @/plan.dxf --json=@/other.enfilade.toml", "ends in .json"),
+            ("check @/plan.dxf --preview @/x.Enfilade.toml", "ends in .png"),
+            ("check @/plan.dxf --json=@/sub/enfilade.toml", "ends in .json"),
+            ("analyse @/plan.dxf --json=@/other-enfilade.toml.txt", "ends in .json"),
             ("jobs @/plan.dxf -o @/other.enfilade.toml", "name of a drawing's settings"),
-            ("check @/plan.dxf --json=@/notenfilade.toml", ""),
-            ("check @/plan.dxf --json=@/a --preview @/a", "the file of --preview too"),
+            ("check @/plan.dxf --json=@/notenfilade.toml", "ends in .json"),
+            ("check @/plan.dxf --json=@/a --preview @/a", "ends in .png"),
             ("analyse @/plan.dxf --out @/plan.dxf", "itself"),
             ("analyse @/plan.dxf --cells @/a.ifc", "name of a drawing"),
             ("analyse @/plan.dxf --cells @/a.parquet", "ends in .csv"),
             ("analyse @/plan.dxf --cells @/a.geojson", ""),
             ("analyse @/plan.dxf --edges @/enfilade.toml", "settings"),
-            ("analyse @/plan.dxf --json=@/x.glb", "name of a drawing"),
-            ("resolution @/plan.dxf --json=@/x.gltf", "name of a drawing"),
+            ("analyse @/plan.dxf --json=@/x.glb", "ends in .json"),
+            ("resolution @/plan.dxf --json=@/x.gltf", "ends in .json"),
             ("analyse @/plan.dxf --cells - --json=-", "--cells, --json: found standard output"),
             ("analyse @/plan.dxf --cells - --edges @/e.csv", ""),
-            ("run @/plan.dxf --json=@/plan.dxf", "itself"),
+            ("run @/plan.dxf --json=@/plan.dxf", "ends in .json"),
             ("run @/plan.dxf --out @/new.dxf", "name of a drawing"),
             ("jobs @/plan.dxf -o @/plan.dxf", "itself"),
             ("jobs @/plan.dxf -o @/../new.ifczip", "name of a drawing"),
@@ -262,8 +262,13 @@ mod tests {
             ("watch @ --log @/scene.bin", "watched there"),
             ("watch @ --fallback @/new.dxf", "name of a drawing"),
             ("service install --out @/new.dxf @", "name of a drawing"),
-            ("check @/plan.dxf --preview @/notes.txt --json=-", ""),
-            ("check @/plan.dxf --json=@/a --preview @/b", ""),
+            ("check @/plan.dxf --preview @/notes.txt --json=-", "ends in .png"),
+            ("check @/plan.dxf --json=@/a --preview @/b.png", ""),
+            ("check @/plan.dxf --json=@/drawing.json", "a drawing there"),
+            ("check @/plan.dxf --json=@/a.json --graph @/a.json", "the file of --graph too"),
+            ("jobs @/plan.dxf -o @/plan.enfilade.toml", "itself, or its settings"),
+            ("jobs @/plan.dxf -o @/sub/enfilade.toml", "name of a drawing's settings"),
+            ("jobs @/plan.dxf -o @/notenfilade.toml", ""),
             ("run @/plan.dxf --out @/results.dxf", ""),
             ("jobs @/plan.dxf -o -", ""),
             ("watch @ --log @/watch.log", ""),
@@ -272,8 +277,14 @@ mod tests {
         for (line, said) in table {
             let line = line.replace('@', &dir.path().to_string_lossy());
             let words = std::iter::once("enfilade").chain(line.split(' '));
-            let judged = judge(&Cli::try_parse_from(words).unwrap().command);
-            match judged {
+            let cli = match Cli::try_parse_from(words) {
+                Ok(cli) => cli,
+                Err(e) => {
+                    assert!(said.starts_with("ends in") && e.to_string().contains(said), "{line}: {e}");
+                    continue;
+                }
+            };
+            match judge(&cli.command) {
                 Ok(()) => assert_eq!(said, "", "{line}"),
                 Err(Error::Usage(p)) => {
                     let is_ending = said == "ends in .csv";
