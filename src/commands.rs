@@ -3,6 +3,7 @@
 mod batching;
 mod beside;
 mod installing;
+pub mod library;
 mod limits;
 mod outputs;
 mod telling;
@@ -18,13 +19,13 @@ use crate::cli::{
     AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ResolutionArgs, RunArgs, SearchArgs,
 };
 use crate::config::{Partial, Settings, settings_files};
-use crate::daemon::{self, Asked, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
+use crate::daemon::{self, Asked, Done, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
 use crate::overlay::measure::{counts_cells, numbers_apart, parts, plain_name, wording};
 use crate::overlay::reading::{Headline, QuestionEntry};
 use crate::overlay::result::{AnalysisResult, Interval, RESULT_SCHEMA, RoundResult, StoreyEntry, to_json};
 use crate::overlay::words::headline;
 use crate::pipeline::accept::Origin;
-use crate::pipeline::cells::{CellOptions, cells_csv, edges_csv};
+use crate::pipeline::cells::{CellOptions, cells, cells_csv, edges_csv};
 use crate::pipeline::geojson::{cells_geojson, edges_geojson};
 use crate::pipeline::{self, Event, Input, Outcome, resolution};
 use crate::plan::drawing::Format;
@@ -200,9 +201,9 @@ fn analyse(args: &AnalyseArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Err
             pipeline::add_columns(&input, &settings, (&study, &measured), &mut outcome)?;
         }
         if let Some(to) = &args.cells {
-            let columns = &measured.columns;
-            let is_geojson = outputs::is_geojson(to);
-            let table = if is_geojson { cells_geojson(&study, columns) } else { cells_csv(&study, columns) };
+            let cells = cells(&study, measured.columns);
+            let write = if outputs::is_geojson(to) { cells_geojson } else { cells_csv };
+            let table = write(&study, &cells);
             tables.push((to, table));
         }
     }
@@ -353,17 +354,7 @@ fn run(args: &RunArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
         hold(&mut partial, &results_of(&args.file, args.common.out.clone())?, &asked, which)?;
     }
     let (settings, out) = settings_for(&args.file, partial)?;
-    let watch = WatchSettings { out_dir: out.as_deref().map(named_folder), ..WatchSettings::default() };
     let mut display = Display::new(args.common.progress, args.common.quiet);
-    let finished: Arc<Mutex<Option<(RoundResult, Report)>>> = Arc::default();
-    let keep = Arc::clone(&finished);
-    let shown = args.file.to_string_lossy().into_owned();
-    let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
-        let outcome = round(&shown, request, &settings, tell, cancel)?;
-        let output = output_of(&outcome);
-        *keep.lock().unwrap_or_else(PoisonError::into_inner) = Some((outcome.result, outcome.report));
-        Ok(output)
-    };
     let mut show = |notice: Notice| match notice {
         Notice::Progress { value, .. } => {
             if value["stage"] != "read" {
@@ -382,10 +373,9 @@ fn run(args: &RunArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
         Notice::Problem { problem, .. } => complain(format_args!("warning: {problem}")),
         _ => {}
     };
-    let done = daemon::run_once(&args.file, &watch, &job, &mut show, cancel);
+    let made = one_round(&args.file, settings, out, &mut show, cancel);
     display.finish();
-    let done = done?;
-    let finished = finished.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let (done, finished) = made?;
     if let Some((result, report)) = finished {
         let is_json = hand_json(&args.common, &result)?;
         if !is_json && !args.common.quiet {
@@ -398,6 +388,29 @@ fn run(args: &RunArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
         }
     }
     Ok(u8::from(done.is_degraded))
+}
+
+/// The next round of a drawing, published in its result folder below `out`, or beside it.
+fn one_round(
+    file: &Path,
+    settings: Settings,
+    out: Option<PathBuf>,
+    show: &mut dyn FnMut(Notice),
+    cancel: &Cancel,
+) -> Result<(Done, Option<(RoundResult, Report)>), Error> {
+    let watch = WatchSettings { out_dir: out.as_deref().map(named_folder), ..WatchSettings::default() };
+    let finished: Arc<Mutex<Option<(RoundResult, Report)>>> = Arc::default();
+    let keep = Arc::clone(&finished);
+    let shown = file.to_string_lossy().into_owned();
+    let job = move |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+        let outcome = round(&shown, request, &settings, tell, cancel)?;
+        let output = output_of(&outcome);
+        *keep.lock().unwrap_or_else(PoisonError::into_inner) = Some((outcome.result, outcome.report));
+        Ok(output)
+    };
+    let done = daemon::run_once(file, &watch, &job, show, cancel)?;
+    let finished = finished.lock().unwrap_or_else(PoisonError::into_inner).take();
+    Ok((done, finished))
 }
 
 /// Puts the options that a round is to keep, or to find more of, into its settings.

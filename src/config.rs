@@ -8,6 +8,7 @@ mod choices;
 mod control;
 mod files;
 mod measure;
+mod named;
 mod pair;
 mod reading;
 #[cfg(test)]

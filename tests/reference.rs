@@ -132,10 +132,8 @@ fn depthmapx_cell_by_cell() {
         csv.lines().map(|l| l.split(',').map(str::to_string).collect()).collect()
     };
     let theirs = rows(&std::fs::read_to_string(reference("depthmapx-n900/cells.csv").unwrap()).unwrap());
-    let ours = rows(&pipeline::cells::cells_csv(
-        &study,
-        &pipeline::cells::measure_cells(&study, &pipeline::cells::CellOptions::default()).unwrap().columns,
-    ));
+    let measured = pipeline::cells::measure_cells(&study, &pipeline::cells::CellOptions::default()).unwrap();
+    let ours = rows(&pipeline::cells::cells_csv(&study, &pipeline::cells::cells(&study, measured.columns)));
     assert_eq!(ours.len(), theirs.len());
     let column = |table: &[Vec<String>], name: &str| table[0].iter().position(|n| n == name).unwrap();
     let by_ref: HashMap<&str, &Vec<String>> = theirs[1..].iter().map(|r| (r[0].as_str(), r)).collect();

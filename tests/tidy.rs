@@ -162,7 +162,7 @@ fn relative(path: &Path) -> String {
 
 fn sources() -> Vec<Source> {
     let mut found = vec![];
-    for folder in ["src", "tests", "examples", "benches", "fuzz"] {
+    for folder in ["src", "tests", "examples", "benches", "fuzz", "plugins"] {
         files(&root().join(folder), &[".rs"], &mut found);
     }
     let read = |p: &PathBuf| Source::new(relative(p), fs::read_to_string(p).expect("source"));

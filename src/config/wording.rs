@@ -26,13 +26,18 @@ const SUGGESTED_EDITS: usize = 3;
 /// A message of the reader of TOML as a person would say it; an unknown key gets the nearest known one.
 pub(super) fn plain(message: &str) -> String {
     if let Some((unknown, known)) = unknown_field(message) {
-        let near = known.iter().map(|k| (strsim::damerau_levenshtein(unknown, k), *k)).min();
-        let near = near.filter(|(edits, _)| *edits <= SUGGESTED_EDITS);
-        let meant = near.map_or_else(String::new, |(_, k)| format!("did you mean `{k}`? "));
-        return format!("unknown key `{unknown}`; {meant}known are {}", known.join(", "));
+        return unknown_key(unknown, &known);
     }
     let text = WORDS.iter().fold(message.to_owned(), |text, (theirs, ours)| text.replace(theirs, ours));
     if is_of_a_value(message) { format!("{text}; {VALUES}") } else { text }
+}
+
+/// What there is instead of a key that is not known, the nearest first.
+pub(super) fn unknown_key(unknown: &str, known: &[&str]) -> String {
+    let near = known.iter().map(|k| (strsim::damerau_levenshtein(unknown, k), *k)).min();
+    let near = near.filter(|(edits, _)| *edits <= SUGGESTED_EDITS);
+    let meant = near.map_or_else(String::new, |(_, k)| format!("did you mean `{k}`? "));
+    format!("unknown key `{unknown}`; {meant}known are {}", known.join(", "))
 }
 
 /// Whether a value could not even be told: a text without quotes is taken for the beginning of a boolean or a number.

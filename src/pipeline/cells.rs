@@ -17,7 +17,7 @@ use crate::analysis::visibility::{Graph, visibility_graph};
 use crate::analysis::{Lattice, Obstacles, Tally};
 use crate::overlay::glossary;
 use crate::overlay::result::Numbers;
-use crate::plan::geometry::{PointUm, Segment, segments_touch};
+use crate::plan::geometry::{PointUm, Segment, UM_PER_M, segments_touch};
 use crate::report::{Error, Place, counted};
 
 /// depthmapX's `Ref`: `(column << 16) + row`, counted from the cell nearest to the lower left corner of the walls,
@@ -307,11 +307,60 @@ pub(super) fn means(study: &Study, measured: &Measured) -> Numbers {
     Numbers(measured.columns.iter().filter_map(mean).collect())
 }
 
-/// One line a vertex, without those that a wall that may move covers: `Ref,x,y` (drawing units), the columns, then
-/// Degree, Depth, Entropy (empty outside the region of query; Depth and Entropy also where no tree was walked because
-/// they are estimated). Values depthmapX leaves undefined are −1.
-pub fn cells_csv(study: &Study, columns: &[Column]) -> String {
-    let mut own = vec![None; study.lattice.cells.len()];
+/// Every vertex but those that a wall which may move covers, with its values: a table by columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cells {
+    /// Which vertices of the lattice they are, ascending.
+    pub vertex: Vec<u32>,
+    /// depthmapX's `Ref`.
+    pub reference: Vec<i64>,
+    /// Centres, whole micrometres, drawing frame.
+    pub centre_um: Vec<PointUm>,
+    /// The columns, then Degree, Depth, Entropy (not a number outside the region of query; Depth and Entropy also where
+    /// no tree was walked because they are estimated). Values depthmapX leaves undefined are [`UNDEFINED`].
+    pub columns: Vec<Column>,
+}
+
+impl Cells {
+    /// The x and the y of every cell, by columns: metres of the drawing frame, or drawing units as `--cells` writes them.
+    pub fn places(&self, study: &Study, in_metres: bool) -> [Vec<f64>; 2] {
+        let frame = study.base.plan.frame;
+        let at = |um: &PointUm| match in_metres {
+            true => um.map(|v| v as f64 / UM_PER_M),
+            false => frame.file_from_um(*um).to_array(),
+        };
+        let of = |k: usize| self.centre_um.iter().map(|um| at(um)[k]).collect();
+        [of(0), of(1)]
+    }
+
+    /// Puts another value where a measure has none.
+    pub fn undefined_as(&mut self, none: f64) {
+        let values = self.columns.iter_mut().flat_map(|c| &mut c.values);
+        values.filter(|v| **v == UNDEFINED).for_each(|v| *v = none);
+    }
+}
+
+/// The table of the present layout with these columns, whose values are by vertex.
+pub fn cells(study: &Study, mut columns: Vec<Column>) -> Cells {
+    columns.extend(own_columns(study));
+    let blind = study.initial_obstacles().blind;
+    let is_floor = |v: u32| blind.binary_search(&v).is_err();
+    let vertex: Vec<u32> = (0..study.lattice.cells.len() as u32).filter(|v| is_floor(*v)).collect();
+    let mut reference = references(study);
+    if !blind.is_empty() {
+        for column in &mut columns {
+            column.values = vertex.iter().map(|v| column.values[*v as usize]).collect();
+        }
+        reference = vertex.iter().map(|v| reference[*v as usize]).collect();
+    }
+    let centre_um = vertex.iter().map(|v| study.lattice.centre_um(*v as usize)).collect();
+    Cells { vertex, reference, centre_um, columns }
+}
+
+/// Degree, Depth and Entropy by vertex.
+fn own_columns(study: &Study) -> [Column; 3] {
+    let mut own =
+        ALWAYS.map(|name| Column { name: name.into(), values: vec![f64::NAN; study.lattice.cells.len()] });
     let tally = &study.initial.seen.tally;
     let places = study.initial.seen.estimated.as_ref().map(|e| &e.places);
     let mut at = 0;
@@ -322,27 +371,53 @@ pub fn cells_csv(study: &Study, columns: &[Column]) -> String {
         if study.initial.seen.covered.binary_search(&(i as u32)).is_ok() {
             continue;
         }
-        let is_walked = places.is_none_or(|p| p.binary_search(&(i as u32)).is_ok());
-        own[*v as usize] = Some((tally.degree[i], is_walked.then(|| (depth, entropy_bits(levels)))));
-    }
-    let mut out = String::from("Ref,x,y,");
-    for column in columns {
-        let _ = write!(out, "{},", column.name);
-    }
-    out.push_str("Degree,Depth,Entropy\n");
-    let blind = study.initial_obstacles().blind;
-    let is_floor = |(v, _): &(usize, _)| blind.binary_search(&(*v as u32)).is_err();
-    for (v, reference) in references(study).into_iter().enumerate().filter(is_floor) {
-        let at = study.base.plan.frame.file_from_um(study.lattice.centre_um(v));
-        let _ = write!(out, "{reference},{},{}", at.x, at.y);
-        for column in columns {
-            let _ = write!(out, ",{}", column.values[v]);
+        own[0].values[*v as usize] = f64::from(tally.degree[i]);
+        if places.is_none_or(|p| p.binary_search(&(i as u32)).is_ok()) {
+            own[1].values[*v as usize] = f64::from(depth);
+            own[2].values[*v as usize] = entropy_bits(levels);
         }
-        let _ = match own[v] {
-            Some((degree, Some((depth, entropy)))) => writeln!(out, ",{degree},{depth},{entropy}"),
-            Some((degree, None)) => writeln!(out, ",{degree},,"),
-            None => writeln!(out, ",,,"),
-        };
+    }
+    own
+}
+
+/// One line a cell: `Ref,x,y` (drawing units) and the columns, empty where one is not a number.
+pub fn cells_csv(study: &Study, cells: &Cells) -> String {
+    let mut out = String::from("Ref,x,y");
+    for column in &cells.columns {
+        let _ = write!(out, ",{}", column.name);
+    }
+    out.push('\n');
+    let [xs, ys] = cells.places(study, false);
+    for (row, reference) in cells.reference.iter().enumerate() {
+        let _ = write!(out, "{reference},{},{}", xs[row], ys[row]);
+        for value in cells.columns.iter().map(|c| c.values[row]) {
+            let _ = if value.is_nan() { write!(out, ",") } else { write!(out, ",{value}") };
+        }
+        out.push('\n');
+    }
+    out
+}
+
+/// Who sees whom among the rows of [`Cells`], as compressed sparse rows; nobody sees oneself.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Views {
+    /// Where the entries of each row begin, and behind the last where they end.
+    pub start: Vec<i64>,
+    /// Rows that are seen, ascending within each row.
+    pub seen: Vec<i32>,
+}
+
+/// The visibility graph of the present layout.
+pub fn views(study: &Study, cells: &Cells) -> Views {
+    let graph = graph(study);
+    let mut row_of = vec![-1; graph.len()];
+    cells.vertex.iter().zip(0..).for_each(|(v, row)| row_of[*v as usize] = row);
+    let mut out = Views { start: vec![0], seen: Vec::with_capacity(2 * graph.edge_count() as usize) };
+    for v in &cells.vertex {
+        let from = out.seen.len();
+        graph.for_each_neighbour(*v, |u| out.seen.push(row_of[u as usize]));
+        out.seen[from..].sort_unstable();
+        out.start.push(out.seen.len() as i64);
     }
     out
 }

@@ -6,13 +6,12 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
-use super::cells::{cells_csv, edges_csv, references};
+use super::cells::{Cells, cells_csv, edges_csv, references};
 use super::study::Study;
-use crate::analysis::measures::Column;
 use crate::plan::geometry::UM_PER_M;
 
 /// [`cells_csv`] with every cell as a square of the spacing.
-pub fn cells_geojson(study: &Study, columns: &[Column]) -> String {
+pub fn cells_geojson(study: &Study, cells: &Cells) -> String {
     let half = study.lattice.spacing_um as f64 / UM_PER_M / study.base.plan.frame.metres_per_unit / 2.0;
     let square = |row: &[&str]| {
         let [x, y] = [1, 2].map(|k: usize| row.get(k).and_then(|v| v.parse().ok()).unwrap_or(0.0));
@@ -20,7 +19,7 @@ pub fn cells_geojson(study: &Study, columns: &[Column]) -> String {
         let ring = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]].map(corner);
         format!(r#"{{"type":"Polygon","coordinates":[[{}]]}}"#, ring.join(","))
     };
-    collection(study, &cells_csv(study, columns), square)
+    collection(study, &cells_csv(study, cells), square)
 }
 
 /// [`edges_csv`] with every pair as a line between its centres.

@@ -36,7 +36,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::analysis::measures::Column;
+use crate::analysis::measures::{Column, UNDEFINED};
 use crate::analysis::sampled::AREA_ROOTS;
 use crate::config::{PairName, Settings};
 use crate::formats::{self, Opened};
@@ -329,6 +329,34 @@ fn analyse_storey(
     understood: &mut (dyn FnMut() + Send),
     cancel: &Cancel,
 ) -> Result<(Outcome<AnalysisResult>, Study), Error> {
+    let (study, report) = measure_storey(input, settings, roots, understood, cancel)?;
+    let outcome = analysis_of(input, settings, &study, report)?;
+    Ok((outcome, study))
+}
+
+/// Reads a drawing and measures its present layout as [`analyse_from`] does, and draws nothing: for whoever asks for
+/// values alone. Of a building with several storeys the one that is analysed.
+///
+/// # Errors
+/// As [`analyse`].
+pub fn measure(
+    input: &Input<'_>,
+    settings: &Settings,
+    roots: Option<usize>,
+    understood: &mut (dyn FnMut() + Send),
+    cancel: &Cancel,
+) -> Result<(Study, Report), Error> {
+    measure_storey(input, &*building::on_storey_of_query(input, settings)?, roots, understood, cancel)
+}
+
+/// A study of the storey, and what there is to say of it.
+fn measure_storey(
+    input: &Input<'_>,
+    settings: &Settings,
+    roots: Option<usize>,
+    understood: &mut (dyn FnMut() + Send),
+    cancel: &Cancel,
+) -> Result<(Study, Report), Error> {
     let mut report = Report::default();
     state_unread(input, settings, &mut report);
     let base = study::read(input.file(), &input.bytes, settings, &mut report)?;
@@ -344,8 +372,12 @@ fn analyse_storey(
     }
     state_cut_off(&study, input, &mut report);
     cancel.check()?;
-    let outcome = analysis_of(input, settings, &study, report)?;
-    Ok((outcome, study))
+    Ok((study, report))
+}
+
+/// The plan of a study as it is shown: strokes and regions, plan frame.
+pub fn picture(study: &Study) -> PlanPicture {
+    show::picture(&study.base)
 }
 
 fn state_estimated(study: &Study, asked: usize, input: &Input<'_>, report: &mut Report) {
@@ -450,6 +482,27 @@ fn heat_map(
     heat_map_png(&map, DEFAULT_SIDE_PX)
 }
 
+/// How a column is shown as a heat map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColumnLook {
+    /// What one unit of it is; empty for plain numbers.
+    pub unit: &'static str,
+    /// Range of the colours.
+    pub scale: Scale,
+    /// Colours.
+    pub palette: Palette,
+}
+
+/// How a column of this name and with these values is shown; directions have a full turn of colours.
+pub fn column_look(name: &str, values: &[f64], settings: &Settings) -> ColumnLook {
+    let unit = glossary::entry_of(name).map_or("", |e| e.unit);
+    if unit == glossary::DEGREES {
+        return ColumnLook { unit, scale: Scale { lo: 0.0, hi: 360.0 }, palette: Palette::Cyclic };
+    }
+    let known = values.iter().copied().filter(|v| *v != UNDEFINED);
+    ColumnLook { unit, scale: Scale::of(known), palette: show::palette(settings) }
+}
+
 /// A heat map of each column over the present layout: files of `analysis/`, named after the columns.
 ///
 /// # Errors
@@ -463,20 +516,17 @@ fn column_pictures(
     let picture = show::picture(&study.base);
     let subtitle = format!("{}, as drawn", input.file());
     let one = |column: &Column| {
-        let cells = show::column_cells(study, column);
-        let unit = glossary::entry_of(&column.name).map_or("", |e| e.unit);
-        let is_angle = unit == glossary::DEGREES;
-        let full_turn = Scale { lo: 0.0, hi: 360.0 };
+        let look = column_look(&column.name, &column.values, settings);
         let map = HeatMap {
             picture: &picture,
-            scale: if is_angle { full_turn } else { Scale::of(cells.iter().filter_map(|c| c.value)) },
-            cells: &cells,
+            scale: look.scale,
+            cells: &show::column_cells(study, column),
             spacing_m: study.spacing_m,
             title: &measured.title(&column.name),
             subtitle: &subtitle,
-            unit,
+            unit: look.unit,
             no_value: measured.no_value(&column.name),
-            palette: if is_angle { Palette::Cyclic } else { show::palette(settings) },
+            palette: look.palette,
         };
         Ok(OutFile::new(format!("{}.png", show::slug(&column.name)), heat_map_png(&map, DEFAULT_SIDE_PX)?))
     };
