@@ -185,7 +185,7 @@ except KeyboardInterrupt:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for another process")
 @pytest.mark.parametrize(
-    ("method", "settings"), [("optimise", "{'evaluations': 10**8}"), ("analyse", "{'measures': 'all', 'spacing': 0.06}")]
+    ("method", "settings"), [("optimise", "{'evaluations': 10**8}"), ("analyse", "{'measures': 'all', 'spacing': 0.1}")]
 )
 def test_ctrl_c_stops_at_once(method, settings, sample):
     path = sample("office.dxf")
