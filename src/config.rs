@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::report::{Error, Place, counted};
 pub use beside::{Beside, Twin};
-pub use choices::{Allow, Thresholds, Unsure};
+pub use choices::{Allow, Colours, Thresholds, Unsure};
 pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
 pub use files::{is_settings, settings_files, unread_side_cars};
 pub use measure::{Measure, Source};
@@ -95,17 +95,6 @@ pub enum Method {
     Default,
     /// Algorithms 1 and 2 as published.
     Paper,
-}
-
-/// Colours of heat maps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Colours {
-    /// Safe for colour-blind eyes.
-    #[default]
-    Safe,
-    /// The paper's blue to red.
-    BlueToRed,
 }
 
 /// One objective with its threshold (spec 7).

@@ -92,3 +92,14 @@ impl TryFrom<String> for Allow {
         text.parse()
     }
 }
+
+/// Colours of heat maps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Colours {
+    /// Safe for colour-blind eyes.
+    #[default]
+    Safe,
+    /// The paper's blue to red.
+    BlueToRed,
+}

@@ -380,7 +380,7 @@ fn own_columns(study: &Study) -> [Column; 3] {
     own
 }
 
-/// One line a cell: `Ref,x,y` (drawing units) and the columns, empty where one is not a number.
+/// One line a cell: `Ref,x,y` (drawing units) and the columns; Degree, Depth and Entropy empty where they are not known.
 pub fn cells_csv(study: &Study, cells: &Cells) -> String {
     let mut out = String::from("Ref,x,y");
     for column in &cells.columns {
@@ -390,8 +390,9 @@ pub fn cells_csv(study: &Study, cells: &Cells) -> String {
     let [xs, ys] = cells.places(study, false);
     for (row, reference) in cells.reference.iter().enumerate() {
         let _ = write!(out, "{reference},{},{}", xs[row], ys[row]);
-        for value in cells.columns.iter().map(|c| c.values[row]) {
-            let _ = if value.is_nan() { write!(out, ",") } else { write!(out, ",{value}") };
+        for (k, value) in cells.columns.iter().map(|c| c.values[row]).enumerate() {
+            let is_empty = value.is_nan() && k + ALWAYS.len() >= cells.columns.len();
+            let _ = if is_empty { write!(out, ",") } else { write!(out, ",{value}") };
         }
         out.push('\n');
     }

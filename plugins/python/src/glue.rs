@@ -113,7 +113,7 @@ fn tell(py: Python<'_>, progress: &Bound<'_, PyAny>, p: &Progress) -> PyResult<(
 
 fn failed() -> Error {
     let text = "the program failed; what it said stands on standard error; please report it with the drawing";
-    Error::environment("internal", Place::default(), text)
+    Error::environment("job-panicked", Place::default(), text)
 }
 
 /// A drawing that was opened.

@@ -26,7 +26,8 @@ def test_a_plan_says_what_it_is(sample, enfilade_says):
     text = repr(plan)
     for part in ("gallery.dxf", f": {plan.unit}, ", f"{plan.area_m2:.1f} m²", f"{plan.walls} walls", " % confidence"):
         assert part in text, text
-    assert 50 < plan.area_m2 < 1000
+    cells = plan.analyse(measures="Connectivity")
+    assert plan.area_m2 == pytest.approx(cells["Degree"].count() * cells.attrs["spacing_m"] ** 2, rel=0.2)
 
 
 def test_a_missing_file_is_named(tmp_path):
@@ -79,7 +80,7 @@ def test_settings_of_numpy_and_of_reading_hold(sample):
 def test_options_are_those_of_the_program(sample, enfilade_says, tmp_path):
     path = sample("gallery.dxf")
     stages = []
-    asked = {"evaluations": 300, "seed": 3, "members": 2}
+    asked = {"evaluations": 150, "seed": 3, "members": 2}
     found = enfilade.read(path).optimise(out=tmp_path / "here", progress=stages.append, **asked)
     options = [f"--{name}={value}" for name, value in asked.items()]
     enfilade_says("run", path, "--out", tmp_path / "there", *options)
@@ -100,7 +101,7 @@ def test_options_are_those_of_the_program(sample, enfilade_says, tmp_path):
 
 
 def test_a_pinned_option_stays(sample):
-    plan = enfilade.read(sample("gallery.dxf"), evaluations=200, seed=1)
+    plan = enfilade.read(sample("gallery.dxf"), evaluations=100, seed=1)
     first = plan.optimise().options[0]
     second = plan.optimise(pin=[1])
     assert second.number == 2
@@ -184,7 +185,7 @@ except KeyboardInterrupt:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for another process")
 @pytest.mark.parametrize(
-    ("method", "settings"), [("optimise", "{'evaluations': 10**8}"), ("analyse", "{'measures': 'all', 'spacing': 0.06}")]
+    ("method", "settings"), [("optimise", "{'evaluations': 10**8}"), ("analyse", "{'measures': 'all', 'spacing': 0.1}")]
 )
 def test_ctrl_c_stops_at_once(method, settings, sample):
     path = sample("office.dxf")
@@ -193,11 +194,10 @@ def test_ctrl_c_stops_at_once(method, settings, sample):
     time.sleep(0.3)
     asked = time.monotonic()
     child.send_signal(signal.SIGINT)
-    said = [line for line in child.stdout if line != "works\n"]
-    took = time.monotonic() - asked
-    assert said[0] == "stopped\n" and said[1].startswith("Plan("), said
-    # A second of grace, and what a busy machine takes to end the process.
-    assert took < 5 and child.wait(30) == 0
+    said = next(line for line in child.stdout if line != "works\n")
+    # A second of grace; the rest is for a busy machine.
+    assert said == "stopped\n" and time.monotonic() - asked < 3
+    assert child.stdout.read().startswith("Plan(") and child.wait(60) == 0
     assert not list(path.parent.rglob("round-*"))
 
 

@@ -11,7 +11,8 @@ import pytest
 
 def table_of(text):
     """The program's table; −1 is its word for no value."""
-    table = pd.read_csv(io.StringIO(text), index_col="Ref", float_precision="round_trip").astype(float)
+    # Python reads a number to its last bit; the reader of tables may not.
+    table = pd.read_csv(io.StringIO(text), dtype=str).astype({"Ref": int}).set_index("Ref").astype(float)
     columns = [c for c in table if c not in ("x", "y")]
     table[columns] = table[columns].replace(-1.0, np.nan)
     return table
@@ -23,7 +24,7 @@ def table_of(text):
         ("gallery.dxf", ["--measures", "all"], {"measures": "all"}),
         ("gallery.dxf", ["--measures", "graph", "--radius", "2"], {"measures": ["graph"], "radius": 2}),
         ("office.dxf", ["--roots", "50", "--seed-point", "1,1"], {"roots": 50, "seed_point": (1, 1)}),
-        ("library.dxf", ["--step-from", "2000,2000"], {"step_from": [(2000, 2000)]}),
+        ("library.dxf", ["--step-from", "1200,1100"], {"step_from": [(1200, 1100)]}),
         ("pavilion.ifc", ["--spacing", "0.4"], {"spacing": 0.4}),
     ],
 )
