@@ -30,11 +30,13 @@ const PARALLEL_SIN: f64 = 0.01;
 /// Places along a side at which it is asked on which wall it lies.
 const PLACES: u32 = 40;
 
-/// A side of which less lies on walls that move stays; one of which more does goes with them. Between, nobody can tell.
+/// A side of which less lies on walls that move stays: it ends at their faces.
 const STAYS_SHARE: f64 = 0.1;
+
+/// A side of which more lies on them goes with them. Between the two nobody can tell, and the room stays.
 const GOES_SHARE: f64 = 0.9;
 
-/// A side that would become shorter is none any more, metres.
+/// A side that would become shorter than this would be gone, metres.
 const SIDE_MIN_M: f64 = 0.05;
 
 /// A stated quantity that differs by a smaller share from that of the outline is the outline's.
@@ -113,7 +115,7 @@ fn walls<'b>(b: &'b Building<'_, '_>, edits: &[Edit], tails: &Tails) -> Vec<Wall
     found.into_iter().filter_map(wall).collect()
 }
 
-/// The rooms that the walls bound which edits change.
+/// The rooms that the walls bound which edits change. `tails`: the walls that go along.
 pub(super) fn bounded(b: &Building<'_, '_>, edits: &[Edit], tails: &Tails) -> Vec<Room> {
     let walls = walls(b, edits, tails);
     if walls.is_empty() {
@@ -139,13 +141,12 @@ fn sides(ring: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> + '_ {
 /// How a side of a room goes; `None` where it stays.
 fn way([a, b]: [DVec2; 2], walls: &[&Wall<'_>], near: f64) -> Result<Option<Way>, Why> {
     let Some(along) = (b - a).try_normalize() else { return Ok(None) };
+    let beside: Vec<_> = walls.iter().filter(|w| w.at.at.has_face_along(along, PARALLEL_SIN)).collect();
     let mut shares: Vec<(Way, u32)> = Vec::new();
     for k in 0..PLACES {
         let at = a.lerp(b, (f64::from(k) + 0.5) / f64::from(PLACES));
-        let on = walls
-            .iter()
-            .filter(|w| w.at.at.has_face_along(along, PARALLEL_SIN) && w.at.at.distance(at) <= near);
-        let Some(way) = on.filter_map(|w| w.way(along, at, near)).next() else { continue };
+        let mut on = beside.iter().filter(|w| w.at.at.distance(at) <= near);
+        let Some(way) = on.find_map(|w| w.way(along, at, near)) else { continue };
         match shares.iter_mut().find(|s| s.0 == way) {
             Some(share) => share.1 += 1,
             None => shares.push((way, 1)),

@@ -44,7 +44,7 @@ pub(super) fn say(report: &mut Report, file: &str, rooms: &[BoundedRoom]) {
             names.push("…");
         }
         let text = format!(
-            "The outlines of {} rooms follow their walls in an option ({}). Their space boundaries and other stated figures \
+            "Rooms whose outlines follow their walls in an option: {} ({}). Their space boundaries and other stated figures \
              stay as they are. Pset_Enfilade_Result of each room lists them. Compute them anew in your program.",
             stale.len(),
             names.join(", ")

@@ -11,8 +11,8 @@ const TRIED_AT: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
 
 /// What of the rules keeps moves from options, with the word that permits it; empty where nothing does.
 ///
-/// Each move is tried alone on the lattice shown. Counted are those that gain what an option must and break nothing but
-/// these rules.
+/// Each move is tried alone on the lattice shown. Counted are those that gain what an option must and break just one of
+/// these rules and nothing else: the word that permits it is then enough.
 pub(super) fn words(brief: &Brief<'_>) -> String {
     let Brief { study, settings, objectives, control, .. } = brief;
     if !study.base.moves.are_default {
@@ -39,7 +39,9 @@ pub(super) fn words(brief: &Brief<'_>) -> String {
         let crosses = evaluation(study, settings, objectives, &lawful).violation > 0.0;
         let Faults { opened_m, narrowed_m, struck } = worth.faults;
         let broken = [opened_m > 0.0, crosses, narrowed_m > 0.0, struck > 0];
-        held.iter_mut().zip(broken).for_each(|(n, is_broken)| *n += usize::from(is_broken));
+        if let [rule] = (0..broken.len()).filter(|i| broken[*i]).collect::<Vec<_>>()[..] {
+            held[rule] += 1;
+        }
     }
     let whys = [
         ("open a joint", "open-joints"),
@@ -50,16 +52,13 @@ pub(super) fn words(brief: &Brief<'_>) -> String {
     let mut out = String::new();
     for ((why, word), n) in whys.into_iter().zip(held).filter(|(_, n)| *n > 0) {
         out += &format!(
-            " {} that may gain enough would {why}: `--allow {word}` permits it.",
+            " {} that may gain enough would {why}. `--allow {word}` permits that.",
             counted(n as u64, "single move")
         );
     }
     let structure = study.base.plan.bearing.len();
     if structure > 0 {
-        out += &format!(
-            " {} of the structure stay: `--allow structure` frees them.",
-            counted(structure as u64, "wall")
-        );
+        out += &format!(" Walls of the structure that stay: {structure}. `--allow structure` frees them.");
     }
     out
 }
