@@ -367,7 +367,12 @@ fn read(
         let walls = choice::entities(drawing, &by_size);
         let (extent, (unit, sense)) = sized(drawing, options, (chosen, &walls), report)?;
         let longer = (extent[1] - extent[0]).max_element();
-        let scale = units::person_scale(drawing, &walls, longer, unit.unit);
+        let is_whole = longer * unit.unit.metres >= frame::SMALL_PLAN_M;
+        // Lines of frames and furniture lie nearer to one another than the faces of walls: only walls tell a scale.
+        let scale = match out.is_none() && is_whole {
+            true => 1.0,
+            false => units::person_scale(drawing, &walls, longer, unit.unit),
+        };
         let metres = unit.unit.metres / scale;
         if let Some(found) = out.as_mut().filter(|_| before == Some(metres)) {
             (found.extent, found.unit, found.sense) = (extent, unit, sense);

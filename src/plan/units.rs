@@ -79,6 +79,8 @@ pub fn person_scale(drawing: &Drawing, walls: &[&Entity], extent_units: f64, uni
     let thickness_m = seen.middle_gap().filter(|_| has_thickness).map(|t| t * unit.metres);
     match thickness_m {
         Some(t) if is_in(t, THICK_M) => 1.0,
+        // Walls in layers are drawn with lines nearer to one another than faces are.
+        Some(_) if size_m >= SMALL_PLAN_M && unit::doors(&seen, unit.metres) > 0.0 => 1.0,
         Some(t) if t > 0.0 && t < THIN_M && size_m >= SMALL_PLAN_M => two_digits(t / USUAL_WALL_M),
         _ => human_scale(size_m),
     }

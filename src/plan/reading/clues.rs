@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::lengths::{Length, area_m2, is_imperial, length};
+use super::scene::chord_arc;
 use crate::plan::box_of;
 use crate::plan::curve::{bulge_arc, sweep_rad};
 use crate::plan::drawing::{Drawing, Entity, Shape};
@@ -315,9 +316,15 @@ fn arcs_of(e: &Entity) -> Vec<(DVec2, f64)> {
         Shape::Arc { centre, radius, start_rad, end_rad } if is_swing(sweep_rad(*start_rad, *end_rad)) => {
             vec![(*centre, *radius)]
         }
-        Shape::Polyline { vertices, .. } => {
+        Shape::Polyline { vertices, closed } => {
             let arcs = vertices.windows(2).filter_map(|v| bulge_arc(v[0].at, v[1].at, v[0].bulge));
-            arcs.filter(|arc| is_swing(arc.3)).map(|(centre, radius, ..)| (centre, radius)).collect()
+            if vertices.iter().any(|v| v.bulge != 0.0) {
+                return arcs.filter(|arc| is_swing(arc.3)).map(|(centre, radius, ..)| (centre, radius)).collect();
+            }
+            let again = vertices.first().filter(|_| *closed);
+            let corners: Vec<DVec2> = vertices.iter().chain(again).map(|v| v.at).collect();
+            let chords = chord_arc(&corners, *closed).filter(|arc| is_swing(arc.sweep_rad));
+            chords.map(|arc| (arc.centre, arc.radius)).into_iter().collect()
         }
         _ => Vec::new(),
     }

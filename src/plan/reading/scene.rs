@@ -228,7 +228,12 @@ impl Scene {
             let length = own.iter().map(|p| p.length).sum();
             let arc = match own {
                 [only] => only.arc,
-                many => chain_arc(many, is_closed),
+                many if many.iter().any(|p| p.arc.is_some()) => None,
+                [first, ..] => {
+                    let corners: Vec<DVec2> = [first.a].into_iter().chain(own.iter().map(|p| p.b)).collect();
+                    chord_arc(&corners, is_closed)
+                }
+                [] => None,
             };
             let area = if is_closed { ring_area(own) } else { 0.0 };
             let is_circle = matches!(e.shape, Shape::Circle { .. });
@@ -401,25 +406,20 @@ fn main_direction(shown: &[(u32, &Entity)]) -> DVec2 {
 /// Fewest chords that are an arc.
 const CHORDS_MIN: usize = 5;
 
-/// The arc that a row of chords traces, a leaf at either end left aside.
-fn chain_arc(pieces: &[Piece], is_closed: bool) -> Option<Arc> {
-    let chords = match pieces {
-        [first, inner @ .., last] if is_closed && inner.len() >= CHORDS_MIN => {
-            // A sector: two radii and the arc between them.
-            if first.length > 3.0 * inner[0].length && last.length > 3.0 * inner[0].length {
-                inner
-            } else {
-                pieces
-            }
-        }
-        [first, rest @ ..] if rest.len() >= CHORDS_MIN && first.length > 3.0 * rest[0].length => rest,
-        [rest @ .., last] if rest.len() >= CHORDS_MIN && last.length > 3.0 * rest[0].length => rest,
-        _ => pieces,
+/// The arc that the chords of a line trace through its corners, a leaf at either end left aside.
+pub fn chord_arc(corners: &[DVec2], is_closed: bool) -> Option<Arc> {
+    let lengths: Vec<f64> = corners.windows(2).map(|w| w[0].distance(w[1])).collect();
+    let (n, long) = (lengths.len(), |k: usize, chord: usize| lengths[k] > 3.0 * lengths[chord]);
+    let chords = match n {
+        // A sector: two radii and the arc between them.
+        _ if is_closed && n >= CHORDS_MIN + 2 && long(0, 1) && long(n - 1, 1) => 1..n - 1,
+        _ if n > CHORDS_MIN && long(0, 1) => 1..n,
+        _ if n > CHORDS_MIN && long(n - 1, 0) => 0..n - 1,
+        _ if n >= CHORDS_MIN => 0..n,
+        _ => return None,
     };
-    if chords.len() < CHORDS_MIN || chords.iter().any(|c| c.arc.is_some()) {
-        return None;
-    }
-    let (a, m, b) = (chords[0].a, chords[chords.len() / 2].a, chords[chords.len() - 1].b);
+    let on = &corners[chords.start..=chords.end];
+    let (a, m, b) = (on[0], on[chords.len() / 2], on[chords.len() - 1]);
     let (u, v) = (m - a, b - a);
     let cross = 2.0 * u.perp_dot(v);
     if cross == 0.0 {
@@ -428,11 +428,9 @@ fn chain_arc(pieces: &[Piece], is_closed: bool) -> Option<Arc> {
     let (uu, vv) = (u.length_squared(), v.length_squared());
     let centre = a + DVec2::new(v.y * uu - u.y * vv, u.x * vv - v.x * uu) / cross;
     let radius = a.distance(centre);
-    let is_on = |p: DVec2| (p.distance(centre) - radius).abs() <= 0.02 * radius;
-    let length: f64 = chords.iter().map(|c| c.length).sum();
-    let sweep_rad = length / radius;
-    (radius.is_finite() && sweep_rad < 6.0 && chords.iter().all(|c| is_on(c.a) && is_on(c.b)))
-        .then_some(Arc { centre, radius, sweep_rad })
+    let sweep_rad = lengths[chords].iter().sum::<f64>() / radius;
+    let is_on = |p: &DVec2| (p.distance(centre) - radius).abs() <= 0.02 * radius;
+    (radius.is_finite() && sweep_rad < 6.0 && on.iter().all(is_on)).then_some(Arc { centre, radius, sweep_rad })
 }
 
 fn ring_area(pieces: &[Piece]) -> f64 {

@@ -142,7 +142,7 @@ const REASON_MIN: f64 = 0.5;
 fn terms(clues: &Clues, said: Said, unit: Unit) -> [f64; CODES.len()] {
     let plain = terms_at(clues, said, unit, 1.0);
     let is_paper = (PAPER_M..SMALL_PLAN_M).contains(&(clues.extent * unit.metres))
-        && said.declared.is_none_or(|d| d.name == unit.name);
+        && said.declared.is_some_and(|d| d.name == unit.name);
     if !is_paper || clues.leaves().is_empty() {
         return plain;
     }
@@ -241,7 +241,8 @@ fn walls(clues: &Clues, metres: f64) -> f64 {
     pooled(clues.gaps.iter().map(|g| (of(g), g.length)), clues.gaps.len() as f64 / 4.0)
 }
 
-fn doors(clues: &Clues, metres: f64) -> f64 {
+/// How much likelier doors are in it than something else as large, a logarithm.
+pub fn doors(clues: &Clues, metres: f64) -> f64 {
     let with_leaf = clues.swings.iter().any(|(s, _)| s.has_leaf);
     let used = clues.swings.iter().filter(|(s, _)| s.has_leaf == with_leaf);
     let used: Vec<(f64, f64)> =
