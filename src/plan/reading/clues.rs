@@ -319,7 +319,10 @@ fn arcs_of(e: &Entity) -> Vec<(DVec2, f64)> {
         Shape::Polyline { vertices, closed } => {
             let arcs = vertices.windows(2).filter_map(|v| bulge_arc(v[0].at, v[1].at, v[0].bulge));
             if vertices.iter().any(|v| v.bulge != 0.0) {
-                return arcs.filter(|arc| is_swing(arc.3)).map(|(centre, radius, ..)| (centre, radius)).collect();
+                return arcs
+                    .filter(|arc| is_swing(arc.3))
+                    .map(|(centre, radius, ..)| (centre, radius))
+                    .collect();
             }
             let again = vertices.first().filter(|_| *closed);
             let corners: Vec<DVec2> = vertices.iter().chain(again).map(|v| v.at).collect();

@@ -430,7 +430,11 @@ pub fn chord_arc(corners: &[DVec2], is_closed: bool) -> Option<Arc> {
     let radius = a.distance(centre);
     let sweep_rad = lengths[chords].iter().sum::<f64>() / radius;
     let is_on = |p: &DVec2| (p.distance(centre) - radius).abs() <= 0.02 * radius;
-    (radius.is_finite() && sweep_rad < 6.0 && on.iter().all(is_on)).then_some(Arc { centre, radius, sweep_rad })
+    (radius.is_finite() && sweep_rad < 6.0 && on.iter().all(is_on)).then_some(Arc {
+        centre,
+        radius,
+        sweep_rad,
+    })
 }
 
 fn ring_area(pieces: &[Piece]) -> f64 {
