@@ -174,7 +174,7 @@ pub struct Pen {
     pub colour: u16,
     /// Line weight in hundredths of a millimetre, plus one.
     pub weight: u16,
-    /// Whether it names a type of line of its own that is not continuous.
+    /// Whether its type of line, or its layer's, has gaps.
     pub is_dashed: bool,
 }
 

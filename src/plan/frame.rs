@@ -16,8 +16,8 @@ pub const PLAUSIBLE_SIZE_M: [f64; 2] = [SMALL_PLAN_M, 2_000.0];
 pub const BUILT_SIZE_M: [f64; 2] = [1.0, 2_000.0];
 
 /// Plans smaller than this (longer side) are taken as drawn at an unknown scale: what is measured in
-/// human sizes (doors, wall thickness, default moves) shrinks with them.
-pub const SMALL_PLAN_M: f64 = 8.0;
+/// human sizes (doors, wall thickness, default moves) shrinks with them. The smallest houses are as long.
+pub const SMALL_PLAN_M: f64 = 5.0;
 
 /// The size that a plan of unknown scale is taken to stand for.
 const USUAL_PLAN_M: f64 = 40.0;

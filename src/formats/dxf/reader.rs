@@ -1,6 +1,6 @@
 //! What all parts of the reader share: the tokens, the decoded names, and where findings go.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glam::{DVec2, DVec3};
 
@@ -28,6 +28,8 @@ pub(super) struct Reader<'a, 'r> {
     pub max_coordinate: f64,
     /// The layers met so far.
     pub layers: Layers<'a>,
+    /// Names of the types of line that have gaps or not, and of the layers whose lines have, in capitals.
+    dashed: Dashed,
     /// First record of each handle among the entities.
     pub handles: HashMap<&'a [u8], usize>,
     /// Filled areas met so far.
@@ -42,6 +44,31 @@ pub(super) struct Reader<'a, 'r> {
     pub records: Vec<Record>,
     report: &'r mut Report,
     note_counts: BTreeMap<&'static str, usize>,
+}
+
+/// What draws lines with gaps, in capitals.
+#[derive(Default)]
+struct Dashed {
+    /// Whether a type of line has gaps.
+    types: HashMap<Vec<u8>, bool>,
+    /// Layers whose lines have gaps unless they say otherwise.
+    layers: HashSet<Vec<u8>>,
+}
+
+impl Dashed {
+    /// Whether a type of line has gaps, on a layer if it leaves it to that. One that the file does not describe has.
+    fn draws(&self, line: Option<&[u8]>, layer: Option<&[u8]>) -> bool {
+        let line = capitals(line.unwrap_or_default());
+        match line.as_slice() {
+            b"" | b"BYLAYER" => layer.is_some_and(|l| self.layers.contains(&capitals(l))),
+            b"BYBLOCK" | b"CONTINUOUS" => false,
+            name => self.types.get(name).copied().unwrap_or(true),
+        }
+    }
+}
+
+fn capitals(name: &[u8]) -> Vec<u8> {
+    name.trim_ascii().to_ascii_uppercase()
 }
 
 /// Layers by name; names differ by more than case.
@@ -93,6 +120,7 @@ impl<'a, 'r> Reader<'a, 'r> {
             five_mm: unit.map(|unit| super::curves::CURVE_TOLERANCE_M / unit.metres),
             max_coordinate: header.max_coordinate(options.unit, options.limits.max_coordinate_m),
             layers: Layers::default(),
+            dashed: Dashed::default(),
             handles: HashMap::new(),
             fills: Vec::new(),
             widths: BTreeMap::new(),
@@ -271,9 +299,7 @@ impl<'a, 'r> Reader<'a, 'r> {
         let said = |code: i32, range: std::ops::Range<i64>| {
             number(code).filter(|n| range.contains(n)).map_or(0, |n| n as u16 + 1)
         };
-        let line = fields.value(6).map_or(&b""[..], <[u8]>::trim_ascii);
-        let is_dashed =
-            ![&b""[..], b"BYLAYER", b"BYBLOCK", b"CONTINUOUS"].iter().any(|n| n.eq_ignore_ascii_case(line));
+        let is_dashed = self.dashed.draws(fields.value(6), fields.value(8));
         let pen = Pen { colour: said(62, 0..256), weight: said(370, 0..1000), is_dashed };
         Origin { record, handle: handle_of(self.tokens, record), pen, inserts: Vec::new() }
     }
@@ -281,12 +307,19 @@ impl<'a, 'r> Reader<'a, 'r> {
     /// Reads the LAYER table.
     pub fn read_layers(&mut self) {
         let Some(tables) = self.tokens.section(b"TABLES") else { return };
-        for record in tables {
-            if self.tokens.name(record) != b"LAYER" {
-                continue;
+        for record in tables.clone().filter(|r| self.tokens.name(*r) == b"LTYPE") {
+            let fields = Fields::of(self.tokens, record);
+            let pieces = fields.pair(73).and_then(|p| self.tokens.integer(p)).unwrap_or(0);
+            if let Some(name) = fields.value(2) {
+                self.dashed.types.insert(capitals(name), pieces > 0);
             }
+        }
+        for record in tables.filter(|r| self.tokens.name(*r) == b"LAYER") {
             let fields = Fields::of(self.tokens, record);
             let Some(name) = fields.value(2) else { continue };
+            if self.dashed.draws(fields.value(6), None) {
+                self.dashed.layers.insert(capitals(name));
+            }
             let index = self.layers.index(name, self.page) as usize;
             let int = |code| fields.pair(code).and_then(|p| self.tokens.integer(p)).unwrap_or(0);
             let layer = &mut self.layers.list[index];

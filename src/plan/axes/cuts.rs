@@ -117,6 +117,7 @@ fn between_jambs(
 /// Where a swing closes onto a wall, or a window lies in one.
 fn at_marks(axes: &[Axis], evidence: &Evidence<'_>, near: &Buckets, gaps: &mut [Vec<Span>]) {
     let meeting = swings::meeting(evidence.drawn);
+    let mut doors: Vec<Vec<Side>> = vec![Vec::new(); axes.len()];
     for (m, mark) in evidence.drawn.marks.iter().enumerate() {
         for path in &mark.paths {
             let around = near.along(&trace(path), LEAF_M[0]);
@@ -139,9 +140,35 @@ fn at_marks(axes: &[Axis], evidence: &Evidence<'_>, near: &Buckets, gaps: &mut [
                 if let Some(gap) = pane_gap(axis, mark, path).filter(|g| is_within(*g, axis.span)) {
                     gaps[*a as usize].push(gap);
                 }
+                doors[*a as usize]
+                    .extend(door_side(axis, mark, path).filter(|d| is_within(d.gap, axis.span)));
             }
         }
     }
+    for (sides, gaps) in doors.iter().zip(gaps) {
+        let is_across = |a: &Side, b: &Side| (0..2).all(|k| (a.gap[k] - b.gap[k]).abs() <= ERROR_GAP_M);
+        let left = sides.iter().filter(|s| s.is_left);
+        gaps.extend(left.filter(|l| sides.iter().any(|r| !r.is_left && is_across(l, r))).map(|l| l.gap));
+    }
+}
+
+/// A line of a door along the face of a wall.
+#[derive(Clone, Copy)]
+struct Side {
+    gap: Span,
+    is_left: bool,
+}
+
+/// Along which face of a wall a line of a door lies: a box over the wall has one along both.
+fn door_side(axis: &Axis, mark: &Mark, path: &Path) -> Option<Side> {
+    if mark.role != Role::Door || !matches!(path, Path::Line { .. }) || !axis.carrier.is_line() {
+        return None;
+    }
+    let (carrier, span) = Carrier::of(path);
+    let [a, b] = path.ends().map(|e| axis.carrier.offset_of(e));
+    let is_on_face = |offset: f64| (offset.abs() - axis.thickness / 2.0).abs() <= ERROR_GAP_M;
+    let gap = axis.carrier.span_of(&carrier, span);
+    (is_on_face(a) && is_on_face(b) && a * b > 0.0).then_some(Side { gap, is_left: a > 0.0 })
 }
 
 /// Whether a wall ends at a swing's hinge and looks to where its leaf closes or opens: there is a gap.

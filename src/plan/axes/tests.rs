@@ -96,6 +96,21 @@ fn lines_across_a_wall_are_jambs_only_with_a_window_between_them() {
     assert!(opening.centre.distance(DVec2::new(2.6, 0.1)) < 1e-6);
 }
 
+/// A door drawn as a box over a wall that goes on below it; a leaf that stands open along one face is none.
+#[test]
+fn a_box_of_a_door_over_a_wall_is_an_opening() {
+    let along = |y: f64| mark(Path::Line { a: DVec2::new(2.0, y), b: DVec2::new(2.9, y) }, Role::Door);
+    let found = |marks: Vec<Mark>| {
+        let mut drawn = lines(&[[0.0, 0.0, 6.0, 0.0], [0.0, 0.2, 6.0, 0.2]]);
+        drawn.marks = marks;
+        let graph = AxisGraph::new(&drawn);
+        graph.openings.iter().map(|o| (o.kind, (o.width_m * 100.0).round())).collect::<Vec<_>>()
+    };
+    assert_eq!(found(vec![along(-0.02), along(0.22)]), [(OpeningKind::Door, 90.0)]);
+    assert_eq!(found(vec![along(0.22), along(0.25)]), []);
+    assert_eq!(found(vec![along(0.02), along(0.4)]), []);
+}
+
 /// Glass that hangs together from one jamb to the other before the wall is a bay window, in one piece or in several; what
 /// ends at one jamb alone, or lies before the gap without reaching it, is none.
 #[test]

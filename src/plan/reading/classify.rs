@@ -64,7 +64,22 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
             }
         }
     }
+    without_dashed(&scene, drawing, &mut out);
     out
+}
+
+/// What is drawn with gaps lies above or below, or is to go, and is no wall: unless most of the walls are drawn so.
+fn without_dashed(scene: &Scene, drawing: &Drawing, senses: &mut [Option<Sense>]) {
+    let walls =
+        scene.things.iter().filter(|t| senses[t.entity as usize].is_some_and(|s| s.role == Role::Wall));
+    let (dashed, drawn): (Vec<&Thing>, Vec<&Thing>) =
+        walls.partition(|t| drawing.entities[t.entity as usize].origin.pen.is_dashed);
+    let length = |of: &[&Thing]| of.iter().map(|t| t.length).sum::<f64>();
+    if length(&dashed) < length(&drawn) {
+        for thing in dashed {
+            senses[thing.entity as usize] = Some(Sense { role: Role::Unknown, confidence: 0.5 });
+        }
+    }
 }
 
 /// How much the trees know of drawings of a size.
