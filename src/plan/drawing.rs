@@ -163,6 +163,8 @@ pub struct Origin {
     pub handle: Option<String>,
     /// The pen by its own word.
     pub pen: Pen,
+    /// Whether its type of line, or its layer's, has gaps.
+    pub has_gaps: bool,
     /// Records of the INSERTs that show it, outermost first, as many as [`Entity::blocks`].
     pub inserts: Vec<usize>,
 }
@@ -174,8 +176,8 @@ pub struct Pen {
     pub colour: u16,
     /// Line weight in hundredths of a millimetre, plus one.
     pub weight: u16,
-    /// Whether its type of line, or its layer's, has gaps.
-    pub is_dashed: bool,
+    /// Whether it names a type of line of its own that is not continuous.
+    pub is_own_line: bool,
 }
 
 impl Entity {

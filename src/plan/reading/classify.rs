@@ -73,7 +73,7 @@ fn without_dashed(scene: &Scene, drawing: &Drawing, senses: &mut [Option<Sense>]
     let walls =
         scene.things.iter().filter(|t| senses[t.entity as usize].is_some_and(|s| s.role == Role::Wall));
     let (dashed, drawn): (Vec<&Thing>, Vec<&Thing>) =
-        walls.partition(|t| drawing.entities[t.entity as usize].origin.pen.is_dashed);
+        walls.partition(|t| drawing.entities[t.entity as usize].origin.has_gaps);
     let length = |of: &[&Thing]| of.iter().map(|t| t.length).sum::<f64>();
     if length(&dashed) < length(&drawn) {
         for thing in dashed {
