@@ -436,13 +436,14 @@ fn say_stuck(plan: &Plan, stuck: &Stuck, report: &mut Report) {
 pub fn say_kept(plan: &Plan, graph: &Graph, group: &Group, nodes: &[u32], report: &mut Report) {
     let kept = nodes.iter().filter(|n| is_kept(plan, graph, **n)).count();
     let place = || place_in(&plan.file, &group.source);
+    let kept_region = plan.format.marking().kept_region;
     if kept > 0 && kept == nodes.len() {
         let text =
-            format!("group {:?}: all its wall ends lie inside EF-KEEP; nothing moves here", group.name);
+            format!("group {:?}: all its wall ends lie inside {kept_region}; nothing moves here", group.name);
         report.warn("move-kept", place(), text);
     } else if kept > 0 {
         let text = format!(
-            "group {:?}: {kept} of its {} wall ends lie inside EF-KEEP and stay",
+            "group {:?}: {kept} of its {} wall ends lie inside {kept_region} and stay",
             group.name,
             nodes.len()
         );

@@ -217,3 +217,41 @@ fn no_default_move_makes_a_door_narrower() {
     assert!(!result["candidates"].as_array().unwrap().is_empty());
     assert!(told(&result, "options-door").is_empty());
 }
+
+/// A round of a sample of which no mark is left; `mark`: what its marks are called.
+fn unmarked(name: &str, mark: &[u8]) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let samples = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("samples");
+    let mut bytes = std::fs::read(samples.join(name)).unwrap();
+    let places: Vec<usize> = (0..bytes.len()).filter(|i| bytes[*i..].starts_with(mark)).collect();
+    assert!(!places.is_empty(), "{name} has marks");
+    places.into_iter().for_each(|at| bytes[at..at + mark.len()].fill(b'U'));
+    std::fs::write(folder.path().join(name), bytes).unwrap();
+    let few = ["--evaluations", "12", "--members", "12", "--spacing", "0.5", "-q"];
+    let mut run = Command::new(env!("CARGO_BIN_EXE_enfilade"));
+    let done = run.arg("run").arg(folder.path().join(name)).args(few).output().unwrap();
+    let stem = name.split('.').next().unwrap();
+    let result = folder.path().join(format!("{stem}.enfilade/round-01/result.json"));
+    let words = String::from_utf8_lossy(&done.stderr).into_owned();
+    serde_json::from_slice(&std::fs::read(result).expect(&words)).unwrap()
+}
+
+/// What is said of moves is in the words of the user's own program.
+#[test]
+fn each_program_is_told_in_its_own_words() {
+    for (name, mark, moves, keeps) in [
+        ("office.dxf", "EF-MOVE", "EF-MOVE", "EF-KEEP"),
+        ("pavilion.ifc", "Pset_Enfilade", "Pset_Enfilade", "Keep in Pset_Enfilade"),
+        ("pavilion.glb", "enfilade", "extras.enfilade", "keep in extras.enfilade"),
+    ] {
+        let result = unmarked(name, mark.as_bytes());
+        let by_default = told(&result, "default-moves");
+        let says = format!("; {moves} says it better, {keeps} holds");
+        assert!(by_default.iter().any(|t| t.contains(&says)), "{by_default:?}");
+        let why = ["few-options", "options-left-out", "no-option"].map(|code| told(&result, code)).concat();
+        assert!(why.iter().any(|t| t.contains(moves)), "{name}: {why:?}");
+        let all = result["problems"].to_string();
+        let is_of_layers = all.contains("EF-MOVE") || all.contains("EF-KEEP");
+        assert!(name.ends_with("dxf") || !is_of_layers, "{all}");
+    }
+}

@@ -15,6 +15,7 @@ use crate::plan::geometry::{PointUm, Segment, UM_PER_M, segments_touch};
 use crate::plan::graph::Graph;
 use crate::plan::interior::Interior;
 use crate::plan::markers::{Clause, Group, Kind};
+use crate::plan::marking::Marking;
 use crate::plan::{Plan, Region, box_of, distance_to_segment};
 use crate::report::{Place, Report, counted};
 
@@ -79,11 +80,12 @@ pub fn groups(
     report: &mut Report,
 ) -> Vec<(Group, Vec<u32>)> {
     let pieces = pieces(plan, graph);
-    let place = Place::file(&plan.file);
+    let (place, words) = (Place::file(&plan.file), plan.format.marking());
     if pieces.len() > PIECES_MAX {
         let text = format!(
-            "{} wall pieces, expected at most {PIECES_MAX} for default moves; draw EF-MOVE to say what may move",
-            pieces.len()
+            "{} wall pieces, expected at most {PIECES_MAX} for default moves; to say what may move, {}",
+            pieces.len(),
+            words.order
         );
         report.info("default-moves", place, text);
         return Vec::new();
@@ -92,8 +94,9 @@ pub fn groups(
     if squares > SQUARES_MAX {
         let text = format!(
             "the wall pieces reach over {squares:.0e} squares of {} m, expected at most {SQUARES_MAX:.0e} for default moves; \
-             draw EF-MOVE to say what may move",
-            Neighbours::SIZE_M
+             to say what may move, {}",
+            Neighbours::SIZE_M,
+            words.order
         );
         report.info("default-moves", place, text);
         return Vec::new();
@@ -137,11 +140,12 @@ pub fn groups(
         n => format!("; {n} posts up to {} m stay", (POST_MAX_M * plan.human_scale * 1e4).round() / 1e4),
     };
     let text = match found {
-        (0, 0) if sliding == 0 => nothing_moves(&stays) + &standing,
+        (0, 0) if sliding == 0 => nothing_moves(words, &stays) + &standing,
         (e, d) => format!(
-            "no EF-MOVE: {} (±{} m) and {} (±{} m along their wall){} \
+            "no {}: {} (±{} m) and {} (±{} m along their wall){} \
              were found, {} of them with {} may move (at most {GROUPS_MAX}), none through another \
-             wall{}{standing}; EF-MOVE says it better, EF-KEEP holds things still",
+             wall{}{standing}; {} says it better, {} holds things still",
+            words.moves,
             counted(e as u64, "free-standing element"),
             SHIFT_M * plan.human_scale,
             counted(d as u64, "door gap"),
@@ -153,7 +157,9 @@ pub fn groups(
             },
             out.len(),
             counted(parameters as u64, "parameter"),
-            doorways.words()
+            doorways.words(),
+            words.moves,
+            words.keeps
         ),
     };
     report.info("default-moves", place, text);
@@ -168,15 +174,15 @@ fn by_turns(lists: [Vec<(Group, Vec<u32>)>; 3]) -> Vec<(Group, Vec<u32>)> {
 }
 
 /// What to do where nothing moves by default, and why nothing does.
-fn nothing_moves(stays: &[Stays]) -> String {
+fn nothing_moves(words: &Marking, stays: &[Stays]) -> String {
     let why = match told(stays) {
         none if none.is_empty() => "no thick straight wall was found".to_string(),
         told => told,
     };
     format!(
-        "nothing may move, the present layout is measured: draw a closed polyline on layer EF-MOVE round the wall ends \
-         that may move, with a text inside it such as `x -1m 1m; y -1m 1m` (no EF-MOVE in the drawing, no free-standing \
-         element or door gap in it; {why})"
+        "nothing may move, the present layout is measured: {} (no {} in the drawing, no free-standing element or door gap in \
+         it; {why})",
+        words.order, words.moves
     )
 }
 

@@ -187,7 +187,8 @@ fn round(
         told::say_alikeness(&mut report, input.file(), settings, nearest.as_ref());
     } else {
         let shared = told::shared_parts(found.map_or(&[][..], |f| &f.explanations));
-        told::say_likeness(&mut report, input.file(), likeness, &shared);
+        let of = (input.file(), study.base.plan.format);
+        told::say_likeness(&mut report, of, likeness, &shared);
     }
     told::say_free_of_modules(&mut report, input.file(), study, settings);
     let mut result = round_result(input, settings, study, &report, found, (&made, best.as_ref()), started);

@@ -329,7 +329,7 @@ fn moves(
         let stated = building::marked_moves(drawing);
         let (groups, records) = side_car_groups(drawing, plan, graph, (&stated, false), report)?;
         if groups.is_empty() {
-            state_unread_marks(marked::marks_of(drawing.format), plan, report);
+            state_unread_marks(drawing.format.marking().moves, plan, report);
         }
         let moves = Moves::of_records(plan, graph, axes, (&groups, &records), report);
         return Ok(taken_up(moves, groups.iter().map(|g| &g.0), all, settings, report));

@@ -32,6 +32,11 @@ impl Format {
         }
     }
 
+    /// The format of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::Dxf, Self::Ifc, Self::Gltf, Self::Glb].into_iter().find(|f| f.name() == name)
+    }
+
     /// Why what [`Editable::WithInsert`] says is not turnable does not turn.
     pub fn why_no_turn(self) -> &'static str {
         match self {

@@ -23,6 +23,7 @@ pub mod labels;
 pub mod layers;
 mod leaves;
 pub mod markers;
+pub mod marking;
 pub mod names;
 pub mod obstacles;
 mod outdoors;

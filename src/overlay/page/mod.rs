@@ -15,6 +15,7 @@ use super::canvas::shrink_png;
 use super::html::Html;
 use super::measure::{WORDINGS, fixed, number, plain_name, sentence_case, short};
 use super::result::{Candidate, RoundResult, Sense};
+use crate::plan::drawing::Format;
 
 /// Pictures of a page take at most this many bytes; above it all are halved in size until they fit,
 /// so that the page can still be sent by mail.
@@ -191,16 +192,17 @@ fn lead(result: &RoundResult) -> String {
             );
         }
         let said = |code: &str| result.problems.iter().any(|p| p.code == code);
+        let words = Format::named(&result.input.format).unwrap_or(Format::Dxf).marking();
         let why = if said("moves-unread") {
             "Nothing moves, because no mark of what may move can be used as it stands: what is wrong with each stands \
              below. Correct them, or take them away and walls move by default."
+                .into()
         } else if said("moves-elsewhere") {
-            "Nothing moves on this storey, because what may move is said of other storeys alone."
+            "Nothing moves on this storey, because what may move is said of other storeys alone.".into()
         } else if said("move-kept") {
-            "Nothing moves, because EF-KEEP holds what may."
+            format!("Nothing moves, because {} holds what may.", words.kept_region)
         } else {
-            "Nothing in the drawing may move yet: draw a closed line on the layer EF-MOVE round the ends of a wall and put \
-             a text in it such as “x -1.5m 2m”, then save."
+            format!("Nothing in the drawing may move yet: {}, then save.", words.order)
         };
         return format!("The present layout was measured. {why}");
     };

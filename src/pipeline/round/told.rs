@@ -13,7 +13,7 @@ use crate::overlay::words::listed;
 use crate::pipeline::explain::LEAST_GAIN;
 use crate::pipeline::rules::broken_limits;
 use crate::pipeline::study::{Study, Understood};
-use crate::plan::drawing::SourceRef;
+use crate::plan::drawing::{Format, SourceRef};
 use crate::plan::markers::{Kind, place_in};
 use crate::report::{Place, Report, counted};
 
@@ -180,10 +180,11 @@ fn what_limits(brief: &Brief<'_>, best: &[f64]) -> String {
         many => format!(" At their bounds in the best layout: {} moves.", many.len()),
     };
     format!(
-        "May move: {who} ({moving} of {walls} wall elements). All others are fixed.{}{bounds}{} Draw EF-MOVE boxes round more \
-         walls, or give them wider bounds.",
+        "May move: {who} ({moving} of {walls} wall elements). All others are fixed.{}{bounds}{} Add {}, or \
+         give wider bounds.",
         rules_clause(brief.settings, names.len()),
-        withheld::words(brief)
+        withheld::words(brief),
+        brief.study.base.plan.format.marking().more
     )
 }
 
@@ -226,8 +227,9 @@ pub(super) fn say_options(
     }
     if found.is_none_better {
         let text = format!(
-            "{} The best of them is shown. {MORE}{}",
+            "{} The best of them is shown. {}{}",
             none_better(&counted(found.evaluations, "layout"), is_firm(settings)),
+            more_words(study),
             held_back(settings, group_names(study).len()) + &limits_words(study, settings, found)
         );
         report.warn(NONE_BETTER, place(), text);
@@ -235,8 +237,9 @@ pub(super) fn say_options(
     }
     if found.unworthy > 0 {
         let text = format!(
-            "Options left out because they are no better than the present layout: {}. {MORE}",
-            found.unworthy
+            "Options left out because they are no better than the present layout: {}. {}",
+            found.unworthy,
+            more_words(study)
         );
         report.info("options-no-better", place(), text);
     }
@@ -258,16 +261,20 @@ pub(super) fn say_options(
         let kept = pinned(settings).min(made);
         let inside = found.members.iter().skip(kept).filter(|m| m.within_threshold).count();
         let text = format!(
-            "{inside} of {} found inside all thresholds{}. {MORE}",
+            "{inside} of {} found inside all thresholds{}. {}",
             counted(settings.members as u64, "option"),
-            if kept > 0 { format!(", beside {kept} pinned") } else { String::new() }
+            if kept > 0 { format!(", beside {kept} pinned") } else { String::new() },
+            more_words(study)
         );
         report.warn("few-options", place(), text);
     }
 }
 
 /// What gives a search more to find.
-const MORE: &str = "More --evaluations, wider bounds or EF-MOVE boxes round more walls may find more.";
+fn more_words(study: &Study) -> String {
+    let more = study.base.plan.format.marking().more;
+    format!("More --evaluations, wider bounds or {more} may find more.")
+}
 
 /// Groups that may move up to which they are told by name.
 const GROUPS_TOLD: usize = 3;
@@ -281,9 +288,10 @@ fn left_out_words(study: &Study, settings: &Settings, made: usize) -> String {
         many => format!("{} groups may move.", many.len()),
     };
     format!(
-        "{options} instead of {}: the other layouts look almost the same to a person. {who}{} {MORE}",
+        "{options} instead of {}: the other layouts look almost the same to a person. {who}{} {}",
         settings.members,
-        rules_clause(settings, names.len())
+        rules_clause(settings, names.len()),
+        more_words(study)
     )
 }
 
@@ -361,15 +369,21 @@ pub(super) fn shared_parts(explanations: &[Explanation]) -> Vec<String> {
 }
 
 /// Says where options are alike to the people in them, and which moves make them so.
-pub(super) fn say_likeness(report: &mut Report, file: &str, likeness: Option<f64>, shared: &[String]) {
+pub(super) fn say_likeness(
+    report: &mut Report,
+    (file, format): (&str, Format),
+    likeness: Option<f64>,
+    shared: &[String],
+) {
     let Some(likeness) = likeness.filter(|l| *l > ALIKE) else { return };
     let why = match shared {
         [] => String::new(),
         names => format!(" Each of them gains by {}.", listed(names, "and")),
     };
     let text = format!(
-        "The options change much the same places: their maps correlate {likeness:.2}.{why} Lower thresholds or more EF-MOVE \
-         boxes make room for other ideas."
+        "The options change much the same places: their maps correlate {likeness:.2}.{why} Lower thresholds, wider bounds \
+         or {} make room for other ideas.",
+        format.marking().more
     );
     report.info("options-alike", Place::file(file), text);
 }

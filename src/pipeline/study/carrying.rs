@@ -15,9 +15,6 @@ use crate::report::{Place, Report};
 /// Most groups whose bounds are tried in every combination.
 const GROUPS_TRIED: usize = 4;
 
-/// Why what is partly held stays.
-const HELD: &str = "EF-KEEP holds a part of them, and the doors and windows beside them would not go along";
-
 /// Names that are told one by one.
 const TOLD: usize = 6;
 
@@ -66,10 +63,14 @@ pub(super) fn whole_moves(
         }
     }
     let [held, torn] = stay;
-    let whys = [(held, HELD), (torn, "a door or window beside them could not go along")];
-    for (stay, why) in whys.into_iter().filter(|(stay, _)| !stay.is_empty()) {
-        state_staying(&stay, why, plan, report);
-    }
+    let words = plan.format.marking();
+    let why = format!(
+        "{} holds a part of them, and the doors and windows beside them would not go along",
+        words.kept_region
+    );
+    state_staying(&held, (&why, &format!("without that {} they move", words.keeps)), plan, report);
+    let why = "a door or window beside them could not go along";
+    state_staying(&torn, (why, &marks_win(plan)), plan, report);
     move_whole
 }
 
@@ -91,20 +92,24 @@ pub(super) fn without_structure(
         records.into_iter().any(|r| plan.bearing.contains_key(&r))
     };
     let (stay, move_on): (Vec<_>, Vec<_>) = groups.into_iter().partition(changes_structure);
-    if !stay.is_empty() {
-        let stay: Vec<Group> = stay.into_iter().map(|g| g.0).collect();
-        state_staying(&stay, "a wall that carries would change with them", plan, report);
-    }
+    let stay: Vec<Group> = stay.into_iter().map(|g| g.0).collect();
+    let why = "a wall that carries would change with them";
+    state_staying(&stay, (why, &marks_win(plan)), plan, report);
     move_on
 }
 
-fn state_staying(stay: &[Group], why: &str, plan: &Plan, report: &mut Report) {
+/// What moves all the same what stays by default.
+fn marks_win(plan: &Plan) -> String {
+    format!("{} moves them all the same", plan.format.marking().moves)
+}
+
+/// Names groups that stay, if any: why, and what would make them move.
+fn state_staying(stay: &[Group], (why, instead): (&str, &str), plan: &Plan, report: &mut Report) {
+    if stay.is_empty() {
+        return;
+    }
     let names: Vec<&str> = stay.iter().take(TOLD).map(|g| g.name.as_str()).collect();
     let more = if stay.len() > TOLD { ", …" } else { "" };
-    let instead = match why {
-        HELD => "without that EF-KEEP they move",
-        _ => "EF-MOVE moves them all the same",
-    };
     let text = format!(
         "{} of the walls and doors that could move by default stay, because {why} ({}{more}); {instead}",
         stay.len(),

@@ -37,11 +37,11 @@ pub(super) fn state_unread_marks(marks: &str, plan: &Plan, report: &mut Report) 
 /// The same where not even one could be taken up; where all that is marked stands on other storeys, that is no fault.
 pub(super) fn state_unread_moves(drawing: &Drawing, plan: &Plan, report: &mut Report) {
     if plan.markers.is_move_drawn || drawing.idle_marks != IdleMarks::Elsewhere {
-        return state_unread_marks(marks_of(drawing.format), plan, report);
+        return state_unread_marks(drawing.format.marking().moves, plan, report);
     }
     let text = format!(
         "nothing moves on this storey, the present layout is measured: what may move is said by {} of other storeys",
-        marks_of(drawing.format)
+        drawing.format.marking().moves
     );
     report.info("moves-elsewhere", Place::file(&plan.file), text);
 }
@@ -64,7 +64,7 @@ pub(super) fn state_idle_keeps(drawing: &Drawing, plan: &Plan, report: &mut Repo
 pub(super) fn state_passed_over(drawing: &Drawing, plan: &Plan, moves: &[MoveTable], report: &mut Report) {
     state_edited(plan, moves, report);
     if is_any(drawing, plan) {
-        let marks = marks_of(drawing.format);
+        let marks = drawing.format.marking().moves;
         let text = format!(
             "{marks} is passed over here: the [[move]] tables of the file of settings beside the drawing say what may move, and how \
              far; change them there, or delete them, and ignore-move-markers with them, to have {marks} read again"
@@ -111,7 +111,7 @@ pub fn marker_words(plan: &Plan, group: &Group) -> String {
     format!("`{}`{round}", clauses.join("; "))
 }
 
-/// Says so where `EF-KEEP` holds what would move by default, and how many of the parameters `found` are left where anything
+/// Says so where a region of what stays holds what would move by default, and how many of the parameters `found` are left where anything
 /// stays.
 pub(super) fn state_left(
     moves: &Moves,
@@ -126,6 +126,7 @@ pub(super) fn state_left(
     let held = groups.iter().filter(|(_, nodes)| nodes.iter().all(is_kept)).count();
     let told = report.problems.iter_mut().rev().find(|p| p.code == "default-moves");
     let Some(told) = told.filter(|_| moves.parameters.len() < found) else { return };
+    let words = plan.format.marking();
     if held == 0 {
         told.text += &format!(
             "; some of them stay all the same, left: {}",
@@ -133,12 +134,14 @@ pub(super) fn state_left(
         );
     } else if moves.parameters.is_empty() {
         told.text = format!(
-            "nothing may move, the present layout is measured: no EF-MOVE, and EF-KEEP holds all {held} elements, walls \
-             and doors that would move by default"
+            "nothing may move, the present layout is measured: no {}, and {} holds all {held} elements, walls and doors that \
+             would move by default",
+            words.moves, words.kept_region
         );
     } else {
         told.text += &format!(
-            "; it holds {held} of them here, left: {}",
+            "; {} holds {held} of them here, left: {}",
+            words.kept_region,
             counted(moves.parameters.len() as u64, "parameter")
         );
     }
@@ -248,15 +251,6 @@ pub(super) fn side_car_groups(
     Ok(out)
 }
 
-/// What marks of what may move are called in a format.
-pub(super) fn marks_of(format: Format) -> &'static str {
-    match format {
-        Format::Dxf => markers::MOVE,
-        Format::Ifc => "Pset_Enfilade",
-        Format::Gltf | Format::Glb => "extras.enfilade",
-    }
-}
-
 /// Says something of every element that states a move, at its place.
 fn say_of_marks(
     drawing: &Drawing,
@@ -264,7 +258,7 @@ fn say_of_marks(
     (code, why): (&'static str, &str),
     report: &mut Report,
 ) {
-    let states = marks_of(drawing.format);
+    let states = drawing.format.marking().moves;
     let is_of_it = |h: &Option<String>| table.handles.contains(h.as_ref().unwrap_or(&String::new()));
     for mark in drawing.marked.iter().filter(|m| m.text == table.moves && is_of_it(&m.source.handle)) {
         let text = format!("Move of {states}: {why}");
