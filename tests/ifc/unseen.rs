@@ -411,15 +411,22 @@ fn ends_follow_whatever_says_how_long_a_wall_is() {
     }
 }
 
-/// The wall of an assembly keeps its length, for that reason.
+/// The wall of an assembly keeps its length, for that reason, unless all of it are walls.
 #[test]
 fn a_part_of_an_assembly_is_called_so() {
-    let whole = "#9150=IFCELEMENTASSEMBLY('W000000000000000009150',$,$,$,$,$,$,$,$,$);\n\
-                 #9151=IFCRELAGGREGATES('R000000000000000000015',$,$,$,#9150,(#9100));\n";
-    let options = ReadOptions { storey: Some("Lower".into()), ..ReadOptions::default() };
-    let (_, report) = read_with(spurred(3.1, 1.0, ".ATSTART.", whole).as_bytes(), &options);
-    let told = report.problems.iter().find(|p| p.code == "ifc-length").unwrap();
-    assert!(told.text.contains("it is a part of #9150 IFCELEMENTASSEMBLY"), "{told}");
+    let told = |parts: &str| {
+        let whole = format!(
+            "#9150=IFCELEMENTASSEMBLY('W000000000000000009150',$,$,$,$,$,$,$,$,$);\n\
+             #9151=IFCRELAGGREGATES('R000000000000000000015',$,$,$,#9150,({parts}));\n\
+             #9152=IFCMEMBER('W000000000000000009152',$,$,$,$,$,$,$);\n"
+        );
+        let options = ReadOptions { storey: Some("Lower".into()), ..ReadOptions::default() };
+        let (_, report) = read_with(spurred(3.1, 1.0, ".ATSTART.", &whole).as_bytes(), &options);
+        report.problems.iter().find(|p| p.code == "ifc-length").map(ToString::to_string)
+    };
+    let why = told("#9100,#9152").unwrap();
+    assert!(why.contains("it is a part of #9150 IFCELEMENTASSEMBLY"), "{why}");
+    assert_eq!(told("#9100,#9000"), None);
 }
 
 /// A wall stays for the reason that holds it, beside one that can do no more than shift.

@@ -199,7 +199,7 @@ impl Geo<'_, '_> {
     }
 
     /// Plane faces of a body with corners; of one made of loops those that reach between two heights.
-    fn faces(
+    pub(super) fn faces(
         &self,
         id: u64,
         keyword: &str,

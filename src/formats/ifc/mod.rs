@@ -3,7 +3,7 @@
 //! The file stays bytes. [`read`] cuts every wall and column at the height of the eyes (or knees) above the
 //! floor of one storey: the cut is the outline that blocks sight, less the openings of doors and windows.
 //! [`patch`] gives moved elements, with all that hangs on them, other placements, and walls that change their length
-//! another profile and axis; what others use of these is copied first. Everything else stays as it is.
+//! other points of their ends; what others use of these is copied first. Everything else stays as it is.
 //!
 //! [`SourceRef::record`] is the instance number, [`SourceRef::handle`] the `GlobalId`, the layer the class.
 //! Coordinates are the world's, in the file's unit of length. IFC2X3, IFC4 and IFC4X3; `.ifczip` too.
@@ -23,6 +23,7 @@ mod patch;
 mod plain;
 mod profile;
 mod read;
+mod reshape;
 mod rooms;
 mod step;
 mod structure;

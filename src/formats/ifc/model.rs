@@ -109,8 +109,10 @@ pub(super) struct Model {
     pub storeys: Vec<Storey>,
     /// Elements that are parts of themselves, each with the ring: `#12>#14>#12`.
     pub part_rings: Vec<(u64, String)>,
-    /// Shapes with parts that have aspects of their own.
-    pub aspects: HashSet<u64>,
+    /// Shape → representations that show parts of it by themselves.
+    pub aspects: HashMap<u64, Vec<u64>>,
+    /// The same the other way round.
+    pub aspect_of: HashMap<u64, u64>,
     /// `GlobalId`s of several products.
     pub twice: BTreeSet<String>,
     /// Instance → place in `products`.
@@ -187,8 +189,10 @@ impl Model {
                 many.iter().for_each(|m| self.zones.entry(*m).or_default().push(zone));
             }
         }
-        let shape_of = |i| step.args_of(i).get(4).and_then(Arg::id);
-        self.aspects = step.all("IFCSHAPEASPECT").filter_map(shape_of).collect();
+        for (shape, parts) in pairs(step, "IFCSHAPEASPECT", 4, 0) {
+            self.aspect_of.extend(parts.iter().map(|part| (*part, shape)));
+            self.aspects.entry(shape).or_default().extend(parts);
+        }
         for (material, many) in pairs(step, "IFCRELASSOCIATESMATERIAL", 5, 4) {
             self.materials.extend(many.iter().map(|m| (*m, material)));
         }

@@ -1,14 +1,15 @@
 //! Moves to bytes: placements and profiles are spliced, and copied first where others use them.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::ReadOptions;
 use super::geo::Why;
-use super::length::{self, Change, Node};
+use super::length;
 use super::read::Building;
+use super::reshape::{Change, Node};
 use super::rooms::{self, Room};
 use super::step::{Arg, Step};
 use super::unseen::{Tail, Tails, taken};
@@ -58,6 +59,8 @@ pub(super) struct Mover<'b, 's, 'a> {
     /// Instances changed in place below a wall that changes its length, and those copied for it.
     changed: HashSet<u64>,
     copies: Vec<(Node, u64)>,
+    /// The shape that changes.
+    shape: Option<u64>,
     /// Unseen walls that go along.
     tails: Tails,
     /// Rooms that moved walls bound.
@@ -74,7 +77,8 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         let longer = edits.iter().filter(|e| matches!(e, Edit::Ends { .. })).map(|e| e.record() as u64);
         let tails = taken(b, options, edits).tails;
         let rooms = rooms::bounded(b, edits, &tails);
-        let longer = longer.chain(tails.values().flatten().map(|t| t.id)).chain(rooms.iter().map(|r| r.id));
+        let longer = longer.chain(tails.values().flatten().map(|t| t.id));
+        let longer = longer.flat_map(|id| length::grows(b, id)).chain(rooms.iter().map(|r| r.id));
         Self {
             b,
             users: users(b.step, longer),
@@ -84,6 +88,7 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
             done: HashSet::new(),
             changed: HashSet::new(),
             copies: Vec::new(),
+            shape: None,
             splices: Vec::new(),
             added: Vec::new(),
         }
@@ -113,7 +118,7 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
             Edit::Insert { motion, .. } => motion,
             Edit::Ends { by, .. } => {
                 self.lengthen(id, *by).map_err(|why| self.fault(id, &why))?;
-                return Ok(Moved { products: vec![id], tails: Vec::new() });
+                return Ok(Moved { products: length::grows(self.b, id), tails: Vec::new() });
             }
             Edit::Shape { .. } | Edit::Points { .. } => {
                 return Err(self.fault(id, "an element of a building moves as a whole"));
@@ -144,8 +149,7 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
                 (room.outlines, room.shape) = (Err(why), None);
                 room.stated.clear();
             }
-            self.copies.clear();
-            room.shape.iter().for_each(|shape| self.in_place_below(shape));
+            room.shape.iter().for_each(|shape| self.below(shape));
             self.splices.extend(room.stated.iter().map(|(at, text)| Splice::new(at.clone(), text.as_str())));
         }
         rooms
@@ -160,20 +164,65 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         if bar.inner[1] + by[1] <= bar.inner[0] + by[0] {
             return Err("nothing would be left of it".into());
         }
-        let change = bar.change(self.b, id, by)?;
-        self.copies.clear();
-        self.in_place_below(&change);
+        let changes = bar.change(self.b, id, by)?;
+        changes.iter().for_each(|change| self.below(change));
         Ok(())
     }
 
+    /// Changes what lies below a product, each instance once.
+    fn below(&mut self, product: &Node) {
+        self.copies.clear();
+        self.shape = product.changes.iter().find_map(|(_, c)| c.instance()).map(|n| n.id);
+        let own = self.own(product);
+        self.in_place_below(product, &own);
+    }
+
+    /// The instances below a product that are used nowhere else, in one way: the others are copied. Of several products that
+    /// change the last keeps what they shared: nothing is left that nobody uses, as rules of the schema forbid of shapes and
+    /// representations.
+    fn own(&self, product: &Node) -> HashSet<u64> {
+        let (mut ways, mut slots, mut names) = (BTreeMap::new(), HashMap::new(), HashMap::new());
+        let mut open = vec![product];
+        while let Some(node) = open.pop() {
+            for arg in self.b.step.args(node.id) {
+                for id in arg.id().map_or_else(|| arg.ids(), |id| vec![id]) {
+                    *names.entry((node.id, id)).or_insert(0) += 1;
+                }
+            }
+            for child in node.changes.iter().filter_map(|(_, c)| c.instance()) {
+                *slots.entry((node.id, child.id)).or_insert(0) += 1;
+                let known: &mut Vec<&Node> = ways.entry(child.id).or_default();
+                if !known.contains(&child) {
+                    known.push(child);
+                    open.push(child);
+                }
+            }
+        }
+        let mut own: HashSet<u64> = ways.iter().filter(|(_, w)| w.len() == 1).map(|(id, _)| *id).collect();
+        loop {
+            let is_shared = |id: &u64| {
+                let users = self.users.get(id).map(Vec::as_slice).unwrap_or_default();
+                users.iter().filter(|u| !self.is_label(**u)).any(|u| {
+                    let is_within = *u == product.id || own.contains(u);
+                    !is_within || slots.get(&(*u, *id)) != names.get(&(*u, *id))
+                })
+            };
+            let shared: Vec<u64> = own.iter().copied().filter(is_shared).collect();
+            if shared.is_empty() {
+                return own;
+            }
+            own.retain(|id| !shared.contains(id));
+        }
+    }
+
     /// Changes an instance where it stands; what it refers to as well, or copies of that.
-    fn in_place_below(&mut self, node: &Node) {
+    fn in_place_below(&mut self, node: &Node, own: &HashSet<u64>) {
         for (span, change) in &node.changes {
             match change {
                 Change::Text(text) => self.splices.push(Splice::new(span.clone(), text.as_str())),
-                Change::Instance(child) if self.is_own(child.id, node.id) => {
+                Change::Instance(child) if own.contains(&child.id) => {
                     if self.changed.insert(child.id) {
-                        self.in_place_below(child);
+                        self.in_place_below(child, own);
                     }
                 }
                 Change::Instance(child) => {
@@ -205,14 +254,35 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         let mut labels = self.users.get(&node.id).cloned().unwrap_or_default();
         labels.retain(|l| self.is_label(*l));
         for label in labels {
-            let at = if self.b.step.keyword(label) == "IFCSTYLEDITEM" { 0 } else { 2 };
+            let keyword = self.b.step.keyword(label);
+            let at = match &*keyword {
+                "IFCSHAPEREPRESENTATION" => {
+                    self.show_instead(label, [node.id, copy]);
+                    continue;
+                }
+                "IFCPRESENTATIONLAYERASSIGNMENT" | "IFCPRESENTATIONLAYERWITHSTYLE" => 2,
+                "IFCSHAPEASPECT" => 4,
+                _ => 0,
+            };
             if let Some(slot) = self.b.step.args(label).get(at) {
-                let one = if at == 0 { format!("#{copy}") } else { format!("(#{copy})") };
+                let one = if at == 2 { format!("(#{copy})") } else { format!("#{copy}") };
                 let text = self.written_with(label, vec![(slot.span.clone(), one)]);
                 self.add(&text);
             }
         }
         copy
+    }
+
+    /// A part of the shape that changes shows a copy from now on.
+    fn show_instead(&mut self, aspect: u64, [old, copy]: [u64; 2]) {
+        if self.b.model.aspect_of.get(&aspect).copied() != self.shape {
+            return;
+        }
+        for item in self.b.step.args(aspect).get(3).map(Arg::list).unwrap_or_default() {
+            if item.id() == Some(old) {
+                self.splices.push(Splice::new(item.span.clone(), format!("#{copy}")));
+            }
+        }
     }
 
     /// An instance's text after `#12=`, with other arguments.
@@ -229,16 +299,9 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         String::from_utf8_lossy(&out).into_owned()
     }
 
-    /// Whether an instance says of others only how they look.
+    /// Whether an instance says of others only how they look, or of which part of a shape they are.
     fn is_label(&self, id: u64) -> bool {
-        LABELS.contains(&&*self.b.step.keyword(id))
-    }
-
-    /// Whether one instance alone is made with this one. Of several that change the last keeps what they shared: nothing
-    /// is left that nobody uses, as rules of the schema forbid of shapes and representations.
-    fn is_own(&self, id: u64, by: u64) -> bool {
-        let users = self.users.get(&id).map(Vec::as_slice).unwrap_or_default();
-        users.iter().filter(|u| !self.is_label(**u)).eq([&by])
+        LABELS.contains(&&*self.b.step.keyword(id)) || self.b.model.aspect_of.contains_key(&id)
     }
 
     /// An instance uses a copy from now on.
@@ -248,7 +311,8 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
 
     /// What a copy has in common with its original has one user more.
     fn use_also(&mut self, node: &Node, copy: u64) {
-        let replaced: HashSet<u64> = node.changes.iter().filter_map(|(_, c)| c.instance()).collect();
+        let replaced: HashSet<u64> =
+            node.changes.iter().filter_map(|(_, c)| c.instance()).map(|n| n.id).collect();
         for used in self.b.step.args(node.id) {
             for id in used.id().map_or_else(|| used.ids(), |id| vec![id]) {
                 if !replaced.contains(&id) {
@@ -449,12 +513,17 @@ fn moved_axes(base: &DAffine3, own: &DAffine3, motion: &RigidMotion) -> DAffine3
     DAffine3::from_mat3_translation(matrix, at)
 }
 
-/// Instances that name others to say how these look.
-const LABELS: [&str; 3] =
-    ["IFCSTYLEDITEM", "IFCPRESENTATIONLAYERASSIGNMENT", "IFCPRESENTATIONLAYERWITHSTYLE"];
+/// Instances that name others to say how these look, or what their parts are.
+const LABELS: [&str; 5] = [
+    "IFCSHAPEASPECT",
+    "IFCSTYLEDITEM",
+    "IFCINDEXEDCOLOURMAP",
+    "IFCPRESENTATIONLAYERASSIGNMENT",
+    "IFCPRESENTATIONLAYERWITHSTYLE",
+];
 
-/// References from a product to the coordinates of its profile.
-const SHAPE_DEPTH: usize = 8;
+/// References from a shape to the coordinates of its body, under as many cuts as one may have.
+const SHAPE_DEPTH: usize = 8 + super::limits::BODY_DEPTH_MAX;
 
 /// Who refers to placements, their axes, points and directions, and to what the shapes of `longer` are made of.
 fn users(step: &Step<'_>, longer: impl Iterator<Item = u64>) -> HashMap<u64, Vec<u64>> {

@@ -1,23 +1,25 @@
 //! Rooms that a moved wall bounds: each side of a room's outline that lies on such a wall goes with it, and the corners
 //! between are where the sides then meet.
 //!
-//! Certain is a room whose body is one upright extrusion of a rectangle or a closed polyline and that has no other shape. Every other
-//! one stays as drawn, with the reason. Areas, volumes and girths that the file states follow where they were those of
+//! Certain is a room of which every point stands on its outline, and whose shape can follow ([`super::reshape`]). Every
+//! other one stays as drawn, with the reason. Areas, volumes and girths that the file states follow where they were those of
 //! the outline as drawn; other quantities and the boundaries of the room are named.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use glam::{DAffine3, DVec2, DVec3};
+use glam::DVec2;
 
 use super::footprint::{Footprint, StandingWall, reach};
 use super::geo::Why;
-use super::length::{self, Change, Node, list_of};
-use super::model::{Product, body_items};
+use super::length;
+use super::model::Product;
 use super::patch::real;
 use super::read::Building;
+use super::reshape::{Node, Reshape};
 use super::step::Arg;
 use super::unseen::Tails;
+use crate::plan::distance_to_segment;
 use crate::plan::drawing::{Edit, RigidMotion};
 use crate::plan::floor::ring_area;
 
@@ -129,7 +131,7 @@ pub(super) fn bounded(b: &Building<'_, '_>, edits: &[Edit], tails: &Tails) -> Ve
             walls.iter().filter(shares_height).filter(|w| w.at.at.is_near_by(&at, near)).collect();
         let is_bounded =
             at.rings().iter().flat_map(|r| sides(r)).any(|s| !matches!(way(s, &beside, near), Ok(None)));
-        is_bounded.then(|| room(b, p, &beside))
+        is_bounded.then(|| room(b, p, &at, &beside))
     };
     b.model.products.iter().filter(|p| p.class == "IfcSpace").filter_map(one).collect()
 }
@@ -160,151 +162,58 @@ fn way([a, b]: [DVec2; 2], walls: &[&Wall<'_>], near: f64) -> Result<Option<Way>
     }
 }
 
-/// The instances that say what a room covers.
-struct Outline {
-    shape: u64,
-    body: u64,
-    solid: u64,
-    profile: u64,
-    /// From the plane of the profile to the world.
-    to_world: DAffine3,
-    /// Its corners in that plane; the last is not the first once more.
-    ring: Vec<DVec2>,
-    /// Its height, file units.
-    depth: f64,
-}
+/// What a room covers as drawn and afterwards, in the world's plan: each ring, the outer one first.
+type Grounds = Vec<[Vec<DVec2>; 2]>;
 
-fn outline(b: &Building<'_, '_>, p: &Product) -> Result<Outline, Why> {
-    let shape = p.shape.ok_or("it has no shape")?;
-    let [(_, body)] = list_of(b, shape, 2)?[..] else {
-        return Err("it has more than one shape".into());
-    };
-    let [solid] = body_items(b.step, shape)?[..] else {
-        return Err("its body is not one solid".into());
-    };
-    if b.step.keyword(solid) != "IFCEXTRUDEDAREASOLID" {
-        return Err(format!("{} is no plain extrusion", b.geo.named(solid)));
-    }
-    let args = b.geo.args(solid)?;
-    let profile = b.geo.reference(&args, 0, solid)?;
-    let position =
-        args.get(1).and_then(Arg::id).map_or(Ok(DAffine3::IDENTITY), |at| b.geo.axis_placement(at))?;
-    let world = p.placement.map_or(Ok(DAffine3::IDENTITY), |at| b.geo.placement(at))?;
-    let up = b.geo.direction(b.geo.reference(&args, 2, solid)?)?;
-    if !length::is_plumb(&world) || !length::is_plumb(&position) || up.truncate().length() > PARALLEL_SIN {
-        return Err("it does not stand upright".into());
-    }
-    let mut ring = match &*b.step.keyword(profile) {
-        "IFCRECTANGLEPROFILEDEF" => b
-            .geo
-            .profile(profile)?
-            .rings()
-            .next()
-            .cloned()
-            .unwrap_or_default()
-            .into_iter()
-            .map(DVec2::from)
-            .collect(),
-        "IFCARBITRARYCLOSEDPROFILEDEF" => {
-            let line = b.geo.reference(&b.geo.args(profile)?, 2, profile)?;
-            length::line_points(b, line)?.ok_or_else(|| format!("{} is no polyline", b.geo.named(line)))?
-        }
-        _ => return Err(format!("{} is neither a rectangle nor a polyline", b.geo.named(profile))),
-    };
-    if ring.len() > 1 && ring[0].distance(ring[ring.len() - 1]) <= length::SAME_PLACE_M / b.geo.metres {
-        ring.pop();
-    }
-    let depth = args.get(3).and_then(Arg::number).ok_or("its body has no height")?;
-    Ok(Outline { shape, body, solid, profile, to_world: world * position, ring, depth })
-}
+/// A place this near to a corner of a room is that corner, metres.
+const AT_CORNER_M: f64 = 1e-6;
 
-impl Outline {
-    fn world(&self) -> Vec<DVec2> {
-        self.ring.iter().map(|p| self.to_world.transform_point3(p.extend(0.0)).truncate()).collect()
-    }
+/// Coordinates that differ less are one, metres.
+const ROUNDING_M: f64 = 1e-9;
 
-    /// What changes below the space where its corners go to other places of the world.
-    fn change(&self, b: &Building<'_, '_>, id: u64, to: &[DVec2]) -> Result<Node, Why> {
-        let back = self.to_world.matrix3.transpose();
-        let by: Vec<DVec3> = self.world().iter().zip(to).map(|(p, q)| back * (*q - *p).extend(0.0)).collect();
-        let profile = if b.step.keyword(self.profile) == "IFCRECTANGLEPROFILEDEF" {
-            self.rectangle(b, &by)?
-        } else {
-            let slot = b.geo.args(self.profile)?.get(2).map(|a| (a.span.clone(), a.id()));
-            let (slot, line) = slot.ok_or("its outline is gone")?;
-            let line = line.ok_or("its outline is gone")?;
-            let again = length::line_points(b, line)?.is_some_and(|all| all.len() > self.ring.len());
-            let places = |i: usize| if i == 0 && again { vec![0, self.ring.len()] } else { vec![i] };
-            let corners: Vec<Vec<usize>> = (0..self.ring.len()).map(places).collect();
-            let line = length::moved_line(b, line, &corners, &by)?;
-            Node { id: self.profile, changes: vec![(slot, Change::Instance(line))] }
-        };
-        let slot = b.geo.args(self.solid)?.first().map(|a| a.span.clone()).ok_or("its outline is gone")?;
-        let solid = Node { id: self.solid, changes: vec![(slot, Change::Instance(profile))] };
-        let slot = list_of(b, self.body, 3)?.into_iter().next().ok_or("its body is gone")?.0;
-        let body = Node { id: self.body, changes: vec![(slot, Change::Instance(solid))] };
-        let slot = list_of(b, self.shape, 2)?.into_iter().next().ok_or("its body is gone")?.0;
-        let shape = Node { id: self.shape, changes: vec![(slot, Change::Instance(body))] };
-        let slot = b.geo.args(id)?.get(6).map(|a| a.span.clone()).ok_or("it has no shape")?;
-        Ok(Node { id, changes: vec![(slot, Change::Instance(shape))] })
-    }
+/// A point of a room's body this near to its outline stands on it, metres.
+const ON_OUTLINE_M: f64 = 1e-3;
 
-    /// The rectangle round the corners after their shifts, where they still are one.
-    fn rectangle(&self, b: &Building<'_, '_>, by: &[DVec3]) -> Result<Node, Why> {
-        let args = b.geo.args(self.profile)?;
-        let position = args.get(2).ok_or("its rectangle is incomplete")?;
-        let own = position.id().map_or(Ok(DAffine3::IDENTITY), |p| b.geo.axis_placement(p))?;
-        let back = own.inverse();
-        let extent = |ring: &[DVec2]| {
-            let all = ring.iter().map(|p| back.transform_point3(p.extend(0.0)).truncate());
-            crate::plan::box_of(all).ok_or("its rectangle has no size")
-        };
-        let now: Vec<DVec2> = self.ring.iter().zip(by).map(|(p, by)| p + by.truncate()).collect();
-        let ([lo, hi], [was_lo, was_hi]) = (extent(&now)?, extent(&self.ring)?);
-        let near = length::SAME_PLACE_M / b.geo.metres;
-        let is_corner = |p: &DVec2| {
-            let q = back.transform_point3(p.extend(0.0)).truncate();
-            (0..2).all(|k| (q[k] - lo[k]).abs().min((q[k] - hi[k]).abs()) <= near)
-        };
-        if !now.iter().all(is_corner) {
-            return Err("its outline would be no rectangle any more".into());
-        }
-        let mut changes = Vec::new();
-        for k in 0..2 {
-            let grows = (hi - lo)[k] - (was_hi - was_lo)[k];
-            if grows.abs() > near {
-                let side = args.get(3 + k).ok_or("its rectangle is incomplete")?;
-                let was = side.number().ok_or("its rectangle has no size")?;
-                changes.push((side.span.clone(), Change::Text(real(was + grows))));
-            }
-        }
-        let shift = own.matrix3 * ((lo + hi) / 2.0 - (was_lo + was_hi) / 2.0).extend(0.0);
-        if shift.length() > near {
-            let id = position.id().ok_or("its rectangle has no position of its own")?;
-            changes.insert(0, (position.span.clone(), Change::Instance(length::moved_axes(b, id, shift)?)));
-        }
-        Ok(Node { id: self.profile, changes })
-    }
-}
-
-fn room(b: &Building<'_, '_>, p: &Product, walls: &[&Wall<'_>]) -> Room {
+fn room(b: &Building<'_, '_>, p: &Product, at: &Footprint, walls: &[&Wall<'_>]) -> Room {
     let boundaries = boundaries(b, p.id, walls);
-    let followed = outline(b, p).and_then(|o| {
-        let was = o.world();
-        let now = followed(&was, walls, b.geo.metres)?;
-        let shape = o.change(b, p.id, &now)?;
-        Ok(([was, now], o.depth, shape))
+    let changed = grounds(at, walls, b.geo.metres).and_then(|grounds| {
+        let all = [0, 1].map(|k| grounds.iter().flat_map(|g| g[k].iter().copied()).collect::<Vec<_>>());
+        let go = |p: DVec2| shift(&grounds, p, b.geo.metres);
+        let shape = Reshape { b, go: &go, grounds: [&all[0], &all[1]] }.product(p.id)?;
+        Ok((grounds, shape))
     });
-    match followed {
-        Ok((outlines, depth, shape)) => {
-            let (stated, quantities) = quantities(b, p.id, Some((&outlines, depth)));
+    match changed {
+        Ok((grounds, shape)) => {
+            let (stated, quantities) = quantities(b, p.id, &grounds);
+            let outlines = grounds.into_iter().next().unwrap_or_default();
             Room { id: p.id, outlines: Ok(outlines), quantities, boundaries, shape: Some(shape), stated }
         }
         Err(why) => {
-            let (stated, quantities) = quantities(b, p.id, None);
+            let (stated, quantities) = quantities(b, p.id, &[]);
             Room { id: p.id, outlines: Err(why), quantities, boundaries, shape: None, stated }
         }
     }
+}
+
+fn grounds(at: &Footprint, walls: &[&Wall<'_>], metres: f64) -> Result<Grounds, Why> {
+    let mut rings: Vec<&Vec<DVec2>> = at.rings().iter().collect();
+    rings.sort_by(|a, b| ring_area(b).abs().total_cmp(&ring_area(a).abs()));
+    rings.into_iter().map(|ring| Ok([ring.clone(), followed(ring, walls, metres)?])).collect()
+}
+
+/// How a point of a room's body goes: with the side of the outline on which it stands.
+fn shift(grounds: &[[Vec<DVec2>; 2]], p: DVec2, metres: f64) -> Result<DVec2, Why> {
+    let sides = grounds.iter().flat_map(|[was, now]| sides(was).zip(sides(now)));
+    let far = |([a, b], _): &([DVec2; 2], [DVec2; 2])| distance_to_segment(p, [*a, *b]);
+    let nearest = sides.min_by(|s, o| far(s).total_cmp(&far(o)));
+    let on = nearest.filter(|s| far(s) * metres <= ON_OUTLINE_M);
+    let ([a, b], [to_a, to_b]) = on.ok_or("a part of it stands within its outline")?;
+    let is_at = |corner: DVec2| p.distance(corner) * metres <= AT_CORNER_M;
+    Ok(match (is_at(a), is_at(b)) {
+        (true, _) => to_a - a,
+        (_, true) => to_b - b,
+        _ => (to_a - a).lerp(to_b - b, (p - a).dot(b - a) / (b - a).length_squared()),
+    })
 }
 
 /// The corners of a room after its sides went.
@@ -324,7 +233,7 @@ fn followed(ring: &[DVec2], walls: &[&Wall<'_>], metres: f64) -> Result<Vec<DVec
         if turn.abs() <= PARALLEL_SIN * along.length() * across.length() {
             return Err("its outline would need one more corner".to_owned());
         }
-        Ok(p[0] + along * (between.perp_dot(across) / turn))
+        Ok(settled(p[0] + along * (between.perp_dot(across) / turn), ring[i], metres))
     };
     let now: Vec<DVec2> = (0..n).map(corner).collect::<Result<_, _>>()?;
     let keeps = |(old, new): ([DVec2; 2], [DVec2; 2])| {
@@ -333,6 +242,13 @@ fn followed(ring: &[DVec2], walls: &[&Wall<'_>], metres: f64) -> Result<Vec<DVec
     };
     let are_kept = sides(ring).zip(sides(&now)).all(keeps);
     are_kept.then_some(now).ok_or_else(|| "a side of it would be gone".into())
+}
+
+/// A place with what of it is as drawn, but for rounding.
+fn settled(p: DVec2, drawn: DVec2, metres: f64) -> DVec2 {
+    DVec2::from_array(
+        [0, 1].map(|k| if (p[k] - drawn[k]).abs() * metres <= ROUNDING_M { drawn[k] } else { p[k] }),
+    )
 }
 
 /// How many of a room's boundaries lie on walls that change.
@@ -346,38 +262,41 @@ fn boundaries(b: &Building<'_, '_>, id: u64, walls: &[&Wall<'_>]) -> usize {
     all.filter(|i| is_here(&b.step.args_of(i))).count()
 }
 
-/// The stated quantities of a room that follow its outline, and the names of those that do not.
+/// The stated quantities of a room that follow its outline, and the names of those that do not. `grounds`: nothing of a room
+/// that stays.
 fn quantities(
     b: &Building<'_, '_>,
     id: u64,
-    outlines: Option<(&[Vec<DVec2>; 2], f64)>,
+    grounds: &[[Vec<DVec2>; 2]],
 ) -> (Vec<(Range<usize>, String)>, Vec<String>) {
-    let girth = |ring: &[DVec2]| sides(ring).map(|[p, q]| p.distance(q)).sum::<f64>();
-    let area = |ring: &[DVec2]| ring_area(ring).abs();
+    let depth = reach(b, id).map_or(0.0, |[low, high]| high - low);
+    let girth = |ring: &Vec<DVec2>| sides(ring).map(|[p, q]| p.distance(q)).sum::<f64>();
+    let area = |ring: &Vec<DVec2>| ring_area(ring).abs();
+    // With what stands within it, and without.
+    let whole = |of: &dyn Fn(&Vec<DVec2>) -> f64| grounds.first().map(|g| [of(&g[0]), of(&g[1])]);
+    let in_all = |of: &dyn Fn(&Vec<DVec2>) -> f64, sign: f64| {
+        let sum = |k: usize| grounds.iter().skip(1).map(|g| sign * of(&g[k])).sum::<f64>();
+        whole(of).map(|[was, now]| [was + sum(0), now + sum(1)])
+    };
+    let girths = [whole(&girth), in_all(&girth, 1.0)];
+    let areas = [whole(&area), in_all(&area, -1.0)];
     let (mut stated, mut stay) = (Vec::new(), Vec::new());
     let sets = b.model.properties.get(&id).into_iter().flatten();
     for quantity in sets.flat_map(|s| b.step.args(*s).get(5).map(Arg::ids).unwrap_or_default()) {
         let args = b.step.args(quantity);
-        let power = match &*b.step.keyword(quantity) {
-            "IFCQUANTITYLENGTH" => 1,
-            "IFCQUANTITYAREA" => 2,
-            "IFCQUANTITYVOLUME" => 3,
+        let (power, of, by) = match &*b.step.keyword(quantity) {
+            "IFCQUANTITYLENGTH" => (1, girths, 1.0),
+            "IFCQUANTITYAREA" => (2, areas, 1.0),
+            "IFCQUANTITYVOLUME" => (3, areas, depth),
             _ => continue,
         };
         let Some((value, slot)) = args.get(3).and_then(|a| Some((a.number()?, a.span.clone()))) else {
             continue;
         };
         let name = args.first().and_then(|a| b.step.text(a)).unwrap_or_default();
-        let ratio = outlines.and_then(|([was, now], depth)| {
-            let of = |ring: &[DVec2]| match power {
-                1 => girth(ring),
-                2 => area(ring),
-                _ => area(ring) * depth,
-            };
-            is_same(value, of(was), b.geo.metres.powi(power)).then(|| of(now) / of(was))
-        });
-        match ratio {
-            Some(ratio) => stated.push((slot, real(value * ratio))),
+        let is_of = |was: f64| is_same(value, was * by, b.geo.metres.powi(power));
+        match of.into_iter().flatten().find(|[was, _]| is_of(*was)) {
+            Some([was, now]) => stated.push((slot, real(value * (now / was)))),
             // A length that is no girth is a height.
             None if power > 1 => stay.push(name),
             None => {}

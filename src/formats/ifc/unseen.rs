@@ -335,5 +335,5 @@ fn unseen(b: &Building<'_, '_>, id: u64, cut: f64) -> Option<Bar> {
         return None;
     }
     let is_seen = is_cut(b.standing().get(&id)?.reach, cut);
-    length::bar(b, id).ok().filter(|bar| !is_seen && bar.has_axis())
+    length::bar(b, id).ok().filter(|bar| !is_seen && bar.has_axis)
 }
