@@ -92,13 +92,20 @@ fn gain(coarse: &Sampled, fine: &Sampled, is_more_better: bool) -> Gain {
     Gain { share, low, high, sense: if is_more_better { ShownSense::Max } else { ShownSense::Min } }
 }
 
-/// Whether a layout may be shown: something that is asked for is gained for sure, by `least` or more, and nothing that is
-/// asked for is lost for sure, unless its threshold is 0.
-pub(super) fn is_confirmed(objectives: &Aims, gains: &Gains, least: f64) -> bool {
+/// The most that a layout surely gains in something that is asked for; none if it surely loses something that is asked
+/// for, unless that objective's threshold is 0. Without end if nothing is asked for.
+pub(super) fn sure_gain(objectives: &Aims, gains: &Gains) -> Option<f64> {
     let asked = || objectives.iter().filter(|(_, o)| !o.is_penalty);
-    let is_gained = asked().any(|(_, o)| gains.get(&o.name).is_some_and(|g| g.low >= least));
+    if asked().next().is_none() {
+        return Some(f64::INFINITY);
+    }
     let is_lost = asked().any(|(_, o)| o.threshold > 0.0 && gains.get(&o.name).is_some_and(|g| g.high < 0.0));
-    asked().next().is_none() || is_gained && !is_lost
+    asked().filter_map(|(_, o)| Some(gains.get(&o.name)?.low)).reduce(f64::max).filter(|_| !is_lost)
+}
+
+/// Whether a layout may be shown: it surely gains `least` or more.
+pub(super) fn is_confirmed(objectives: &Aims, gains: &Gains, least: f64) -> bool {
+    sure_gain(objectives, gains).is_some_and(|g| g >= least)
 }
 
 /// What is gained in all objectives together.

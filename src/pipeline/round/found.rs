@@ -100,7 +100,12 @@ pub(super) fn found(brief: &Brief<'_>, search: &Search, others: &[search::Point]
     let no_option = (members.is_empty() || is_unmet).then(|| {
         if !is_unmet {
             let nearest = control.expand(&best.parameters);
-            return told::nothing_returned(brief, outcome.evaluations, (&nearest, is_best_better));
+            return told::nothing_returned(
+                brief,
+                outcome.evaluations,
+                (&nearest, is_best_better),
+                out.sure_gain,
+            );
         }
         let nearest = control.expand(&outcome.best.parameters);
         let worth = trial.measure(&nearest, &mut trial.bench());

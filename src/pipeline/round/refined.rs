@@ -45,6 +45,8 @@ pub(super) struct Refined {
     pub(super) alike: usize,
     /// Ideas left out since their gain was not confirmed.
     pub(super) unconfirmed: usize,
+    /// The most that any idea surely gains, a share.
+    pub(super) sure_gain: f64,
 }
 
 /// A layout with what people experience in it.
@@ -84,10 +86,11 @@ pub(super) fn refined(
     let kept: Vec<Member> = outcome.members[..pins].iter().map(whole).collect();
     let stripper = Stripper { brief, shown, thresholds: &outcome.thresholds };
     let ranked = ranked(brief, pool(brief, outcome, others, shown, &stripper));
-    let is_confirmed = |(m, g): &(Member, Gains)| {
-        confirmed::is_confirmed(brief.objectives, g, brief.settings.least_gain)
-            && is_sound(brief, &m.parameters)
+    let sure_gain = |(m, g): &(Member, Gains)| {
+        confirmed::sure_gain(brief.objectives, g).filter(|_| is_sound(brief, &m.parameters))
     };
+    let is_confirmed =
+        |found: &(Member, Gains)| sure_gain(found).is_some_and(|g| g >= brief.settings.least_gain);
     let mut out = Refined::default();
     let mut layouts = kept;
     let best = ranked.first().cloned();
@@ -106,6 +109,7 @@ pub(super) fn refined(
         layouts.extend(options.members(0));
         layouts.push(best.clone());
         let mut all = with_gains(brief, layouts);
+        out.sure_gain = all[pins..].iter().filter_map(sure_gain).fold(0.0, f64::max);
         out.best = all.pop().filter(is_confirmed);
         let mut shown = all.split_off(pins);
         let wanted = shown.len();

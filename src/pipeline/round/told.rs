@@ -141,6 +141,7 @@ pub(super) fn nothing_returned(
     brief: &Brief<'_>,
     evaluations: u64,
     (best, is_best_better): (&[f64], bool),
+    sure_gain: f64,
 ) -> String {
     let settings = brief.settings;
     let measured = counted(evaluations, "layout");
@@ -148,7 +149,8 @@ pub(super) fn nothing_returned(
         let least = trimmed(settings.least_gain * 100.0, 2);
         return format!(
             "No layout improves the present one by {least} % or more. {measured} measured; the best of them were measured \
-             again on other lattices. {}",
+             again on other lattices.{} {}",
+            smaller_gain(sure_gain),
             what_limits(brief, best)
         );
     }
@@ -160,6 +162,16 @@ pub(super) fn nothing_returned(
         "{method} returned no layout in which something moves. The best of {measured} measured is better than the present one: \
          `accept FILE best` takes it."
     )
+}
+
+/// How to see layouts that gain less, where one surely gains something, in tenths of a per cent.
+fn smaller_gain(share: f64) -> String {
+    match (share * 1000.0).floor() / 10.0 {
+        percent if percent > 0.0 && percent.is_finite() => {
+            format!(" One surely gains {percent} %: `--least-gain {percent}%` shows what gains as much.")
+        }
+        _ => String::new(),
+    }
 }
 
 /// What limits the search: what may move, and what to allow next.
@@ -552,6 +564,15 @@ mod tests {
     use super::*;
     use crate::config::Partial;
     use crate::plan::markers::Clause;
+
+    #[test]
+    fn a_gain_too_small_to_be_shown_is_said_with_what_shows_it() {
+        assert!(smaller_gain(0.00578).contains("gains 0.5 %: `--least-gain 0.5%`"));
+        assert_eq!(
+            (smaller_gain(0.0009), smaller_gain(0.0), smaller_gain(f64::INFINITY)),
+            Default::default()
+        );
+    }
 
     #[test]
     fn what_is_alike_is_told_with_what_can_be_done_about_it() {
