@@ -308,16 +308,16 @@ fn what_is_held_by_keep_is_said_to_be_held() {
     );
 }
 
-/// What is drawn with gaps on the layer of the walls lies above or is to go, by the line's own type or its layer's; a type
-/// that only bears another name has none. Where all walls are drawn so they are walls.
+/// What is drawn with gaps lies above or is to go, by the line's own type or its layer's; a type that only bears another
+/// name has none. Where all walls are drawn so, or a whole layer named after them, they are walls.
 #[test]
 fn lines_with_gaps_are_no_walls() {
     let tables = |layer: &str| {
         let types = [("HIDDEN", 2), ("Style 1", 0)];
         let types = types.map(|(name, pieces)| format!("0|LTYPE|2|{name}|70|0|73|{pieces}|40|1.0|")).concat();
         format!(
-            "0|SECTION|2|TABLES|0|TABLE|2|LTYPE|{types}0|ENDTAB|0|TABLE|2|LAYER|0|LAYER|2|WALL UP|70|0|6|HIDDEN|\
-             0|LAYER|2|WALL|70|0|6|{layer}|0|ENDTAB|0|ENDSEC|0|SECTION|2|ENTITIES|"
+            "0|SECTION|2|TABLES|0|TABLE|2|LTYPE|{types}0|ENDTAB|0|TABLE|2|LAYER|0|LAYER|2|UPPER|70|0|6|HIDDEN|\
+             0|LAYER|2|INNER WALLS|70|0|6|HIDDEN|0|LAYER|2|WALL|70|0|6|{layer}|0|ENDTAB|0|ENDSEC|0|SECTION|2|ENTITIES|"
         )
         .replace('|', "\n")
     };
@@ -331,6 +331,7 @@ fn lines_with_gaps_are_no_walls() {
     assert_eq!(walls("CONTINUOUS", across.clone()), 7);
     assert_eq!(walls("CONTINUOUS", of_type("HIDDEN")), 6);
     assert_eq!(walls("CONTINUOUS", of_type("Style 1")), 7);
-    assert_eq!(walls("CONTINUOUS", line("WALL UP", [0.0, 2.0, 10.0, 2.0])), 6);
+    assert_eq!(walls("CONTINUOUS", line("UPPER", [0.0, 2.0, 10.0, 2.0])), 6);
+    assert_eq!(walls("CONTINUOUS", line("INNER WALLS", [0.0, 2.0, 10.0, 2.0])), 7);
     assert_eq!(walls("HIDDEN", across), 7);
 }

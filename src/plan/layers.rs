@@ -101,6 +101,24 @@ pub(super) fn words(name: &str) -> Vec<String> {
     out
 }
 
+/// Whether a word of a name is a listed one, both lower case. One that begins with `*` may end a longer word, and one of a
+/// script that writes without blanks may stand anywhere in one.
+pub(super) fn is_word(word: &str, listed: &str) -> bool {
+    match listed.strip_prefix('*') {
+        Some(end) => word.ends_with(end),
+        None => word == listed || (is_joined(listed) && word.contains(listed)),
+    }
+}
+
+/// Whether others join on to a word without a blank: Han characters, and kana or Hangul from two letters on.
+pub(super) fn is_joined(word: &str) -> bool {
+    let is_han = |c: char| ('\u{4e00}'..='\u{9fff}').contains(&c);
+    let is_syllable =
+        |c: char| ('\u{3040}'..='\u{30ff}').contains(&c) || ('\u{ac00}'..='\u{d7a3}').contains(&c);
+    word.chars().all(|c| is_han(c) || is_syllable(c))
+        && (word.chars().any(is_han) || word.chars().nth(1).is_some())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

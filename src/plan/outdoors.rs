@@ -5,7 +5,7 @@ use super::drawing::{Drawing, Entity, Format, Shape};
 use super::frame::Frame;
 use super::geometry::{PointUm, UM_PER_M};
 use super::hidden::Hidden;
-use super::layers::{base_name, words};
+use super::layers::{base_name, is_word, words};
 
 /// Words of layers that hold outlines of open air, lower case; those that begin with `*` may end a longer word.
 const WORDS: &str = "terrace terraces *terrasse terrasses *terrassen terraza terrazas terrazza terrazze terraco terraço \
@@ -42,12 +42,7 @@ pub(super) fn find(
 
 /// Whether the name of a layer says that what is drawn on it lies in the open air.
 fn is_outdoors(layer: &str) -> bool {
-    let says = |word: &String| {
-        WORDS.split_whitespace().any(|known| match known.strip_prefix('*') {
-            Some(end) => word.ends_with(end),
-            None => word == known,
-        })
-    };
+    let says = |word: &String| WORDS.split_whitespace().any(|known| is_word(word, known));
     words(base_name(layer)).iter().any(says)
 }
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-use super::layers::{base_name, words};
+use super::layers::{base_name, is_joined, is_word, words};
 
 /// What the entities of a layer stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -94,77 +94,80 @@ impl Role {
 }
 
 /// Words that decide, lower case, in the order of their say: the first role with a word in the name
-/// wins (`A-WALL-PATT` is a hatch). One word a token of the name; `*` at either end stands for any
-/// letters, because German, Dutch and the Nordic languages join words.
+/// wins (`A-WALL-PATT` is a hatch). Names are compared by [`is_word`]: German, Dutch and the Nordic languages join words, and
+/// so do Chinese, Japanese and Korean; of words of these that lie within each other the longest counts.
 const WORDS: &[(Role, &str)] = &[
     (
         Role::Text,
         "text texts txt texte texto textos testo testi anno annotation iden note notes tag tags label labels \
-         beschriftung notiz tekst tekster teksty yazi текст тексты 文字 文本 ttlb titleblock titolo rahmen plankopf \
+         beschriftung notiz tekst tekster teksty yazi текст тексты 文字 文本 注释 说明 索引 图框 図枠 注記 문자 글자 텍스트 ttlb titleblock titolo rahmen plankopf \
          cartouche cajetin",
     ),
     (
         Role::Dimension,
         "dim dims dimension dimensions bemassung bemaßung vermassung vermaßung masse maße cotes cote cotation cota \
-         cotas quote quota quotatura maten maat maatvoering mått wymiary kóty koty ölçü olcu размер размеры 寸法 标注",
+         cotas quote quota quotatura maten maat maatvoering mått wymiary kóty koty ölçü olcu размер размеры 寸法 尺寸 标注 치수",
     ),
     (
         Role::Hatch,
         "hatch hatching patt pattern fill texture schraffur schraffuren hachure hachures sombreado rayado \
-         campitura campiture retino hachura arcering skravering kreskowanie tarama штриховка ハッチ 填充",
+         campitura campiture retino hachura arcering skravering kreskowanie tarama штриховка ハッチ 填充 해치",
     ),
-    (Role::Wall, "壁 外壁 内壁 間仕切 墙 墙体 牆 外墙 内墙 *壁"),
-    (Role::Column, "柱 柱子"),
+    (Role::Wall, "壁 間仕切 墙 牆 隔断 隔斷 벽 벽체 내벽 외벽"),
+    (Role::Column, "柱 기둥"),
     (
         Role::Grid,
-        "grid grids axis axes achse achsen raster axe ejes eje assi asse eixo eixos griglia trame stramien \
-         akser osie osi aks оси ось グリッド 通り芯 基準線 中心線 轴线 轴网 construction hilfslinie hilfslinien",
+        "grid grids axis axes dote achse achsen raster axe ejes eje assi asse eixo eixos griglia trame stramien \
+         akser osie osi aks оси ось グリッド 通り芯 基準線 中心線 壁芯 壁心 柱芯 柱网 轴 軸 중심선 기준선 그리드 construction hilfslinie hilfslinien",
     ),
-    (Role::Glazing, "glaz glazing curtain vitrage vetrata curtainwall glasfassade *glaswand vidrio 幕墙"),
+    (
+        Role::Glazing,
+        "glaz glazing curtain curtwall vitrage vetrata curtainwall glasfassade *glaswand vidrio 幕墙 玻璃 ガラス 유리",
+    ),
     (
         Role::Door,
         "door doors opening openings doorswindows doorwindow doorwindows windowsdoors windowdoor windowdoors tür türen tuer tueren tuere porte portes puerta puertas porta portas \
          infissi serramenti carpinteria deur deuren dör dörrar dør dører ovi ovet drzwi dveře dvere kapi kapı \
-         дверь двери ドア 扉 建具 门 門 header sliding *tür *türen *tuer",
+         дверь двери ドア 扉 建具 门 門 문 방문 출입문 도어 header sliding *tür *türen *tuer",
     ),
     (
         Role::Window,
         "window windows fenster fenêtre fenêtres fenetre fenetres ventana ventanas finestra finestre janela \
          janelas esquadrias raam ramen kozijn kozijnen fönster vindu vinduer vindue ikkuna okno okna pencere \
-         окно окна *fenster",
+         окно окна 窗 窓 サッシ 창 창문 창호 *fenster",
     ),
     (
         Role::Roof,
         "roof roofs clng ceiling ceilings projection dach dächer decke decken toiture toit plafond techo \
-         cubierta tetto copertura soffitto telhado forro dak tak tag dach střecha çatı крыша 屋根 天井 屋顶 beam \
+         cubierta tetto copertura soffitto telhado forro dak tak tag dach střecha çatı крыша 屋根 天井 屋顶 天花 吊顶 梁 지붕 천장 beam \
          beams träger unterzug querbalken stahlträger stahltraeger above overhead",
     ),
     (
         Role::Foundation,
         "foundation foundations fndn footing footings footer stem slab fundament fundamente cimentacion \
-         cimientos fondazioni fondation fondations fundação 基礎 基础",
+         cimientos fondazioni fondation fondations fundação 基礎 基础 楼板 기초",
     ),
     (
         Role::Stair,
         "stair stairs strs ramp treppe treppen escalier escaliers escalera escaleras scala scale escada \
-         escadas trap trappen trappa trapp schody schodiště merdiven лестница лестницы 階段 楼梯",
+         escadas trap trappen trappa trapp schody schodiště merdiven лестница лестницы 階段 楼梯 台阶 踏步 계단",
     ),
     (
         Role::Furniture,
-        "furn furniture furnitures furnishing equipment eqpm fixture fixtures flor plumbing plfx casework case \
+        "furn furniture furnitures furnishing equipment eqpm fixture fixtures flor plumbing plfx lvtry casework case \
          shelves shelf couch benches table tables möbel moebel moebel möblierung mobilier meubles mobiliario muebles \
-         mobili arredo arredi mobília mobilia meubilair inredning møbler kalusteet meble nábytek mobilya мебель 家具",
+         mobili arredo arredi mobília mobilia meubilair inredning møbler kalusteet meble nábytek mobilya мебель 家具 什器 洁具 厨具 设备 設備 衛生 가구 위생기구",
     ),
     (
         Role::Site,
         "site topography topo topographie terrain gelände gelaende plants plant garden landscape tree trees \
-         vegetation vegetacion verde terreno lageplan umgebung arbres jardin 外構 敷地 nivel",
+         vegetation vegetacion verde terreno lageplan umgebung arbres jardin 外構 敷地 植栽 绿化 景观 道路 nivel",
     ),
     (
         Role::Room,
-        "virtual room rooms raum räume area areas offices toilets piece pieces habitacion vano locali sala salas",
+        "virtual room rooms raum räume area areas offices toilets piece pieces habitacion vano locali sala salas 面积 面積 室名 房间 部屋 실명 면적",
     ),
-    (Role::Hatch, "demo demolition abbruch demolition demolizioni wallpaper"),
+    (Role::Hatch, "demo demolished demolition abbruch demolizioni old removed wallpaper 拆除"),
     (
         Role::Wall,
         "wall walls partition partitions wand wände wande waende mauer mauern mauerwerk mur murs cloison \
@@ -181,12 +184,27 @@ const WORDS: &[(Role, &str)] = &[
 ];
 
 /// Words that make a wall a low one when they stand beside a wall word; alone where [`LOW_ALONE`].
-const LOW: &[&str] =
-    &["low", "half", "niedrig", "bas", "bajo", "basso", "baixo", "lav", "laag", "parapet", "腰"];
+const LOW: &[&str] = &[
+    "low", "half", "niedrig", "bas", "bajo", "basso", "baixo", "lav", "laag", "parapet", "腰", "半高", "矮",
+];
 
 /// Words that name low walls by themselves.
-const LOW_ALONE: &[&str] =
-    &["parapet", "parapets", "brüstung", "brüstungen", "muret", "murets", "murete", "muretto", "腰壁"];
+const LOW_ALONE: &[&str] = &[
+    "parapet",
+    "parapets",
+    "brüstung",
+    "brüstungen",
+    "muret",
+    "murets",
+    "murete",
+    "muretto",
+    "腰壁",
+    "栏杆",
+    "栏板",
+    "女儿墙",
+    "手摺",
+    "난간",
+];
 
 /// What a layer of walls holds besides walls, by a word after the one for walls: minor groups of the AIA and NCS lists,
 /// in full as well (`A-WALL-CNTR`, `WALL CENTERLINE`).
@@ -218,13 +236,16 @@ const OPENING_WORDS: &[&str] = &[
     "serramenti",
     "carpinteria",
     "建具",
+    "门窗",
+    "門窗",
+    "창호",
     "sliding",
 ];
 
 /// Whether a name of doors is one of windows too.
 pub fn is_of_windows_too(name: &str) -> bool {
     let is_window = |w: &str| role_by_name(w).0 == Role::Window;
-    words(name).iter().any(|w| OPENING_WORDS.contains(&w.as_str()) || is_window(w))
+    words(name).iter().any(|w| OPENING_WORDS.iter().any(|listed| is_word(w, listed)) || is_window(w))
 }
 
 /// What a layer's name says it is for, and why. [`Role::Unknown`] where it says nothing.
@@ -234,7 +255,7 @@ pub fn role_by_name(layer: &str) -> (Role, String) {
     }
     let name = base_name(layer);
     let words = words(name);
-    let has = |list: &[&str]| words.iter().find(|w| list.contains(&w.as_str()));
+    let has = |list: &[&str]| words.iter().find(|w| list.iter().any(|listed| is_word(w, listed)));
     if let Some(word) = has(LOW_ALONE) {
         return (Role::LowWall, format!("its name has the word {word:?} (low walls)"));
     }
@@ -295,8 +316,16 @@ fn rank(word: &str) -> Option<usize> {
         let all = lines.flat_map(|(i, (_, list))| list.split_ascii_whitespace().map(move |w| (w, i)));
         all.filter_map(|(w, i)| Some((w.strip_prefix('*')?, i))).collect()
     });
+    static JOINED: LazyLock<Vec<(&str, usize)>> =
+        LazyLock::new(|| WHOLE.iter().filter(|(w, _)| is_joined(w)).map(|(w, i)| (*w, *i)).collect());
     let end = ENDS.iter().filter(|(end, _)| word.ends_with(end)).map(|e| e.1).min();
-    WHOLE.get(word).copied().into_iter().chain(end).min()
+    let within: Vec<&(&str, usize)> = match word.is_ascii() {
+        true => Vec::new(),
+        false => JOINED.iter().filter(|(w, _)| word.contains(w)).collect(),
+    };
+    let is_part = |w: &str| within.iter().any(|(longer, _)| longer.len() > w.len() && longer.contains(w));
+    let joined = within.iter().filter(|(w, _)| !is_part(w)).map(|w| w.1);
+    WHOLE.get(word).copied().into_iter().chain(end).chain(joined).min()
 }
 
 /// CI/SfB element codes as BS 1192 and ISO 13567 layers carry them: `A-210-M`, `A22-…`, `A-G21---E`.
@@ -343,6 +372,17 @@ mod tests {
             ("Стены", Wall),
             ("_0-9_壁__窓", Wall),
             ("墙体", Wall),
+            ("内墙线", Wall),
+            ("BS-半高隔断", LowWall),
+            ("幕墙", Glazing),
+            ("窗线", Window),
+            ("门线", Door),
+            ("门墙窗标注", Dimension),
+            ("柱网", Grid),
+            ("使用面积线", Room),
+            ("창문", Window),
+            ("창고", Unknown),
+            ("문자", Text),
             ("A-210 G - Existing Structure 4", Wall),
             ("A-320G - Permanent Solid Partitions 12", Wall),
             ("I-321G - Virtual Partition 18", Room),

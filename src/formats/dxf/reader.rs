@@ -56,12 +56,13 @@ struct Dashed {
 }
 
 impl Dashed {
-    /// Whether a type of line has gaps, on a layer if it leaves it to that. One that the file does not describe has.
-    fn draws(&self, line: &[u8], layer: Option<&[u8]>) -> bool {
+    /// Whether a type of line is another than the usual ones, and whether it has gaps, on a layer if it leaves it to
+    /// that. One that the file does not describe has.
+    fn draws(&self, line: &[u8], layer: Option<&[u8]>) -> [bool; 2] {
         match line {
-            b"" | b"BYLAYER" => layer.is_some_and(|l| self.layers.contains(&capitals(l))),
-            b"BYBLOCK" | b"CONTINUOUS" => false,
-            name => self.types.get(name).copied().unwrap_or(true),
+            b"" | b"BYLAYER" => [false, layer.is_some_and(|l| self.layers.contains(&capitals(l)))],
+            b"BYBLOCK" | b"CONTINUOUS" => [false; 2],
+            name => [true, self.types.get(name).copied().unwrap_or(true)],
         }
     }
 }
@@ -299,8 +300,7 @@ impl<'a, 'r> Reader<'a, 'r> {
             number(code).filter(|n| range.contains(n)).map_or(0, |n| n as u16 + 1)
         };
         let line = capitals(fields.value(6).unwrap_or_default());
-        let is_own_line = ![&b""[..], b"BYLAYER", b"BYBLOCK", b"CONTINUOUS"].contains(&line.as_slice());
-        let has_gaps = self.dashed.draws(&line, fields.value(8));
+        let [is_own_line, has_gaps] = self.dashed.draws(&line, fields.value(8));
         let pen = Pen { colour: said(62, 0..256), weight: said(370, 0..1000), is_own_line };
         Origin { record, handle: handle_of(self.tokens, record), pen, has_gaps, inserts: Vec::new() }
     }
@@ -318,7 +318,7 @@ impl<'a, 'r> Reader<'a, 'r> {
         for record in tables.filter(|r| self.tokens.name(*r) == b"LAYER") {
             let fields = Fields::of(self.tokens, record);
             let Some(name) = fields.value(2) else { continue };
-            if self.dashed.draws(&capitals(fields.value(6).unwrap_or_default()), None) {
+            if self.dashed.draws(&capitals(fields.value(6).unwrap_or_default()), None)[1] {
                 self.dashed.layers.insert(capitals(name));
             }
             let index = self.layers.index(name, self.page) as usize;

@@ -544,7 +544,7 @@ pub(super) fn list_of(b: &Building<'_, '_>, id: u64, at: usize) -> Result<Vec<(R
 /// The coordinates of a list that differ after a shift.
 fn moved_coordinates(old: DVec3, row: &Arg, by: DVec3) -> Changes {
     let slots = row.list();
-    // A shift across the axis as small as rounding leaves it is none.
+    // A shift across the axis that is as small as rounding leaves does not count.
     let noise = UPRIGHT * by.length();
     let is_moved = |i: &usize| by[*i].abs() > noise;
     let change = |i: usize| (slots[i].span.clone(), Change::Text(real(old[i] + by[i])));

@@ -39,13 +39,14 @@ pub(super) struct Refined {
     pub(super) members: Vec<Member>,
     /// Of every option.
     pub(super) gains: Vec<Gains>,
-    /// The best layout of all with its gains, all its moves as the search found them.
+    /// The best layout of all with its gains, all its moves as the search found them; another where that one gains nothing
+    /// for sure.
     pub(super) best: Option<(Member, Gains)>,
     /// Ideas left out since they are experienced as others are.
     pub(super) alike: usize,
     /// Ideas left out since their gain was not confirmed.
     pub(super) unconfirmed: usize,
-    /// The most that any idea surely gains, a share.
+    /// What the best layout surely gains, a share.
     pub(super) sure_gain: f64,
 }
 
@@ -109,8 +110,12 @@ pub(super) fn refined(
         layouts.extend(options.members(0));
         layouts.push(best.clone());
         let mut all = with_gains(brief, layouts);
-        out.sure_gain = all[pins..].iter().filter_map(sure_gain).fold(0.0, f64::max);
-        out.best = all.pop().filter(is_confirmed);
+        let gains = |found: &(Member, Gains)| sure_gain(found).filter(|g| *g >= confirmed::TOLD_MIN);
+        let of_all = all[pins..].iter().filter(|f| gains(f).is_some());
+        let total = |found: &(Member, Gains)| confirmed::total(brief.objectives, &found.1);
+        let surest = of_all.max_by(|a, b| total(a).total_cmp(&total(b))).cloned();
+        out.best = all.pop().filter(is_confirmed).or(surest);
+        out.sure_gain = out.best.as_ref().and_then(gains).unwrap_or_default();
         let mut shown = all.split_off(pins);
         let wanted = shown.len();
         shown.retain(is_confirmed);

@@ -96,7 +96,7 @@ fn lines_across_a_wall_are_jambs_only_with_a_window_between_them() {
     assert!(opening.centre.distance(DVec2::new(2.6, 0.1)) < 1e-6);
 }
 
-/// A door drawn as a box over a wall that goes on below it; a leaf that stands open along one face is none.
+/// A door drawn as a box over a wall that goes on below it; a leaf that stands open along one face is no opening.
 #[test]
 fn a_box_of_a_door_over_a_wall_is_an_opening() {
     let along = |y: f64| mark(Path::Line { a: DVec2::new(2.0, y), b: DVec2::new(2.9, y) }, Role::Door);

@@ -64,16 +64,24 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
             }
         }
     }
-    without_dashed(&scene, drawing, &mut out);
+    without_dashed(&scene, drawing, &mut named, &mut out);
     out
 }
 
-/// What is drawn with gaps lies above or below, or is to go, and is no wall: unless most of the walls are drawn so.
-fn without_dashed(scene: &Scene, drawing: &Drawing, senses: &mut [Option<Sense>]) {
+/// What is drawn with gaps lies above or below, or is to go, and is no wall: unless most of the walls are drawn so, or a whole
+/// layer that is named after walls is.
+fn without_dashed<'d>(
+    scene: &Scene,
+    drawing: &'d Drawing,
+    named: &mut Names<'d>,
+    senses: &mut [Option<Sense>],
+) {
     let walls =
         scene.things.iter().filter(|t| senses[t.entity as usize].is_some_and(|s| s.role == Role::Wall));
-    let (dashed, drawn): (Vec<&Thing>, Vec<&Thing>) =
-        walls.partition(|t| drawing.entities[t.entity as usize].origin.has_gaps);
+    let (dashed, drawn): (Vec<&Thing>, Vec<&Thing>) = walls.partition(|t| {
+        let e = &drawing.entities[t.entity as usize];
+        e.origin.has_gaps && (e.origin.pen.is_own_line || class_of(named.of(e).role) != WALL)
+    });
     let length = |of: &[&Thing]| of.iter().map(|t| t.length).sum::<f64>();
     if length(&dashed) < length(&drawn) {
         for thing in dashed {
