@@ -162,13 +162,19 @@ pub fn gain_words(key: &str, gain: &Gain) -> String {
     let told = |share: f64| fixed(share * times, digits);
     let turned = if gain.sense == Sense::Max { 1.0 } else { -1.0 };
     let [low, high] = if turned > 0.0 { [gain.low, gain.high] } else { [-gain.high, -gain.low] };
-    let range = format!("({} to {}{unit})", told(low), told(high));
+    // Rounding makes the interval wider, never narrower.
+    let step = 10_f64.powi(digits as i32) * times;
+    let low = told(((low * step + NOISE).floor()) / step);
+    let range = format!("({low} to {}{unit})", told((high * step - NOISE).ceil() / step));
     if gain.low <= 0.0 && gain.high >= 0.0 {
         return format!("unchanged {range}");
     }
     let sign = if turned * gain.share > 0.0 { "+" } else { "" };
     format!("{sign}{}{unit} {range}", told(turned * gain.share))
 }
+
+/// Steps of what is told that differ by less are one: what computing in binary leaves.
+const NOISE: f64 = 1e-6;
 
 /// Per cents are told in tenths where the interval is narrower than this.
 const TENTHS_BELOW: f64 = 0.01;
@@ -408,7 +414,7 @@ mod tests {
         let cases = [
             (gain(0.09, 0.07, 0.11, Sense::Max), "+9 % (7 to 11 %)"),
             (gain(0.04, 0.032, 0.041, Sense::Min), "−4.0 % (−4.1 to −3.2 %)"),
-            (gain(0.004, -0.012, 0.02, Sense::Max), "unchanged (−1 to 2 %)"),
+            (gain(0.004, -0.012, 0.02, Sense::Max), "unchanged (−2 to 2 %)"),
             (gain(-0.05, -0.08, -0.02, Sense::Max), "−5 % (−8 to −2 %)"),
             (gain(-0.05, -0.08, -0.02, Sense::Min), "+5 % (2 to 8 %)"),
         ];

@@ -85,7 +85,10 @@ class Option:
         digits = 2 if measure == "score" else 1 if high - low < TENTHS_BELOW else 0
         turned = 1 if gain["sense"] == "max" else -1
         ends = sorted((turned * low, turned * high))
-        between = " to ".join(_fixed(times * v, digits) for v in ends)
+        # Rounding makes the interval wider, never narrower.
+        step = times * 10**digits
+        steps = (math.floor(ends[0] * step + 1e-6), math.ceil(ends[1] * step - 1e-6))
+        between = " to ".join(_fixed(v / 10**digits, digits) for v in steps)
         if low <= 0 <= high:
             return f"unchanged ({between}{unit})"
         sign = "+" if turned * share > 0 else ""
