@@ -456,7 +456,7 @@ fn round(
         let worker = scope.spawn(move || {
             pipeline::on_threads(settings, || {
                 let input = Input::new(shown, &request.bytes, u64::from(request.round));
-                let input = input.going_on_from(&request.earlier).keeping_best(request.keeps_best);
+                let input = input.going_on_from(&request.earlier);
                 // Nobody hears any more once the job was given up.
                 let mut show = |event: Event| drop(say.send(event));
                 pipeline::run(&input, settings, started, &mut show, cancel)

@@ -5,14 +5,11 @@ use std::time::{Duration, Instant};
 
 use enfilade::cli;
 use enfilade::commands::{execute, keeps_best};
-use enfilade::report::{Cancel, Error, complain};
+use enfilade::report::{Cancel, Error, KEEP_GRACE, complain};
 
 /// A job that does not look at the stop request in this time is left behind: everything it stores
 /// appears whole or not at all.
 const STOP_GRACE: Duration = Duration::from_millis(150);
-
-/// The same of a search whose best so far is written meanwhile.
-const KEEP_GRACE: Duration = Duration::from_secs(60);
 
 /// Signals this close are one.
 const SAME_PRESS: Duration = Duration::from_millis(300);
@@ -28,7 +25,7 @@ fn main() -> ExitCode {
     let on_stop = cancel.clone();
     let mut asked: Option<Instant> = None;
     let handler = ctrlc::set_handler(move || {
-        on_stop.stop();
+        on_stop.stop_keeping();
         match asked.replace(Instant::now()) {
             // Some programs send the signal to a process and to its group.
             Some(before) if before.elapsed() < SAME_PRESS => {}

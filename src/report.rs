@@ -10,7 +10,8 @@ use std::fmt;
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::time::Duration;
 
 use serde::{Serialize, Serializer};
 
@@ -280,21 +281,42 @@ impl Error {
     }
 }
 
+/// How long one who stops a search waits for the best that it found so far.
+pub const KEEP_GRACE: Duration = Duration::from_secs(60);
+
 /// A request to stop, shared between the one who asks and the one who works.
 ///
 /// Long loops look at it at least every 50 ms.
 #[derive(Clone, Debug, Default)]
-pub struct Cancel(Arc<AtomicBool>, Option<Arc<AtomicBool>>);
+pub struct Cancel(Arc<AtomicU8>, Option<Arc<AtomicU8>>);
 
 impl Cancel {
-    /// Asks to stop; cannot be taken back.
+    const KEEP: u8 = 1;
+    const STOP: u8 = 2;
+
+    /// Asks to stop at once; cannot be taken back.
     pub fn stop(&self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.0.fetch_max(Self::STOP, Ordering::Relaxed);
+    }
+
+    /// Asks to stop, and for the best that was found so far; [`Self::stop`] may follow.
+    pub fn stop_keeping(&self) {
+        self.0.fetch_max(Self::KEEP, Ordering::Relaxed);
+    }
+
+    fn asked(&self) -> u8 {
+        let of = |asked: &Arc<AtomicU8>| asked.load(Ordering::Relaxed);
+        of(&self.0).max(self.1.as_ref().map_or(0, of))
     }
 
     /// Whether somebody asked to stop.
     pub fn is_stopped(&self) -> bool {
-        self.0.load(Ordering::Relaxed) || self.1.as_ref().is_some_and(|other| other.load(Ordering::Relaxed))
+        self.asked() > 0
+    }
+
+    /// Whether who asked to stop waits for the best that was found so far.
+    pub fn keeps_best(&self) -> bool {
+        self.asked() == Self::KEEP
     }
 
     /// A request that is made when either of the two is; to stop it stops `self` alone.

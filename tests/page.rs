@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 #[path = "page/daemon.rs"]
 mod daemon;
 
-use daemon::{Daemon, mac, spawn, start, start_with};
+use daemon::{Daemon, mac, spawn, start, start_searching, start_with};
 
 /// Every order of the page by its interface, from the first round to the accepted option.
 #[test]
@@ -121,6 +121,35 @@ fn the_interface_shows_and_obeys() {
     });
     let log = fs::read_to_string(daemon.folder.path().join("watch.log")).unwrap();
     assert!(log.contains("gallery.dxf started"), "{log}");
+}
+
+/// Who cancels a search gets the best that it found by then, as on the command line; a restart leaves it so.
+#[test]
+fn a_cancelled_search_leaves_its_best() {
+    const LAYOUTS: u32 = 10_000_000;
+    let mut daemon = start_searching("gallery.dxf", "", LAYOUTS);
+    let searching = |d: &Value| d["progress"]["stage"].as_str().is_some_and(|s| s.starts_with("optimise"));
+    let begun = daemon.until("the search", || {
+        daemon
+            .drawing("gallery.dxf")
+            .filter(|d| searching(d) && d["progress"]["evaluations"].as_u64() > Some(50))
+    });
+    let id = begun["id"].as_str().unwrap().to_owned();
+    let at = |rest: &str| format!("/api/drawings/{id}{rest}");
+    assert_eq!(daemon.json(&at(""))["sets"], json!(["analysis"]));
+    assert_eq!(daemon.ask("POST", &at("/cancel"), "").status, 202);
+    let stopped = |daemon: &Daemon| daemon.drawing("gallery.dxf").filter(|d| d["state"] == "stopped");
+    let end = daemon.until("its end", || stopped(&daemon));
+    assert_eq!(end["summary"], "cancelled; its best so far is kept");
+    assert_eq!(daemon.json(&at(""))["sets"], json!(["analysis", "so-far"]));
+    let result = daemon.json(&at("/so-far/result.json"));
+    assert!(!result["candidates"].as_array().unwrap().is_empty(), "{result}");
+    daemon.restart(LAYOUTS);
+    let end = daemon.until("the word on it", || stopped(&daemon));
+    assert!(end["summary"].as_str().unwrap().starts_with("cancelled before"), "{end}");
+    let order = json!({"so_far": result["evaluations"], "candidate": 1}).to_string();
+    assert_eq!(daemon.ask("POST", &at("/accept"), &order).status, 200);
+    assert!(daemon.plans().join("gallery-r02.dxf").is_file());
 }
 
 /// Results in a folder of their own, below it those of folders below: found again by whoever asks for a round.

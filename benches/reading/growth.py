@@ -33,7 +33,7 @@ class Sheet:
         self.out.append(f"0\n{kind}\n5\n{self.count + 256:X}\n8\n{layer}\n{pairs}\n")
 
     def line(self, layer, x, y, u, v):
-        self.add("LINE", layer, (10, f"{x:.5g}"), (20, f"{y:.5g}"), (11, f"{u:.5g}"), (21, f"{v:.5g}"))
+        self.add("LINE", layer, (10, f"{x:.7g}"), (20, f"{y:.7g}"), (11, f"{u:.7g}"), (21, f"{v:.7g}"))
 
     def room(self, x, y):
         """The south and the west wall of a room of 5 by 4 m with two faces, a door in each, and its leaf."""
@@ -116,6 +116,14 @@ def winding(layer):
     return more
 
 
+def apart(sheet, rng):
+    """Pairs of lines all over a wide field: thousands of drawings, most of one wall."""
+    for k in range(200_000):
+        x, y, w = rng.uniform(0, 4472), rng.uniform(30, 4502), rng.uniform(2, 6)
+        for d in (0.0, 0.2):
+            sheet.line("A-WALL", *((x, y + d, x + w, y + d) if k % 2 else (x + d, y, x + d, y + w)))
+
+
 def layers(sheet, rng):
     for k in range(50_000):
         x, y = 1 + 18 * rng.random(), 1 + 10 * rng.random()
@@ -148,6 +156,7 @@ CASES = {
     "entities-1000000": (furnished(43, 42, 1_000_000), 10.0, 2000),
     "polyline-walls": (with_house(winding("A-WALL")), 5.0, 500),
     "polyline-site": (with_house(winding("C-TOPO")), 5.0, 500),
+    "apart-200000": (with_house(apart), 20.0, 1000),
     "layers-50000": (with_house(layers), 5.0, 500),
     "duplicates-8000": (with_house(duplicates), 5.0, 500),
     "random-20000": (with_house(at_random), 5.0, 500),

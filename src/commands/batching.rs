@@ -161,7 +161,6 @@ fn done(args: &RunJobArgs, cancel: &Cancel) -> Result<Finished, Error> {
         asked: Asked::default(),
         earlier: Arc::new(home.memory()),
         results: home.folder().into(),
-        keeps_best: false,
     };
     let mut display = Display::new(args.progress, false);
     let mut tell = |event: JobEvent| match event {

@@ -100,7 +100,7 @@ fn watch(limits: &Limits, heard: &mpsc::Receiver<()>, cancel: &Cancel, hit: &Mut
         },
     };
     *hit.lock().unwrap_or_else(PoisonError::into_inner) = Some(late.clone());
-    cancel.stop();
+    cancel.stop_keeping();
     let told = Instant::now();
     while let Ok(()) = heard.recv_timeout(PATIENCE.saturating_sub(told.elapsed())) {}
     if told.elapsed() >= PATIENCE {

@@ -2,7 +2,7 @@
 //! its reason, and the next drawing is taken up (hazard 23).
 //!
 //! The parent writes one [`Request`] to the child's standard input and leaves it open: its end, with the parent's,
-//! is the child's end. The child answers on standard output in frames: a line of JSON, then the bytes it announces.
+//! is the child's end; one more byte asks for the best so far. The child answers on standard output in frames: a line of JSON, then the bytes it announces.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -19,7 +19,7 @@ use serde_json::Value;
 
 use super::turns::SHORT;
 use super::{Asked, JobEvent, JobOutput, JobRequest, OutFile, RunJob, Share};
-use crate::report::{Cancel, Error, Place, Problem, Severity};
+use crate::report::{Cancel, Error, KEEP_GRACE, Place, Problem, Severity};
 
 /// Code of a job that needs more memory than it may have.
 pub(super) const OUT_OF_MEMORY: &str = "job-out-of-memory";
@@ -115,6 +115,7 @@ pub fn run(
     let (stdin, stdout, stderr) = (child.stdin.take(), child.stdout.take(), child.stderr.take());
     let head = Request::of(limits, request);
     let (bytes, earlier) = (request.bytes.clone(), request.earlier.clone());
+    let (ask, asked) = mpsc::channel::<()>();
     // Held open until the job has ended: see the module.
     let writer = thread::spawn(move || {
         let mut stdin = stdin?;
@@ -122,7 +123,7 @@ pub fn run(
         // A child that died does not read; its end says why.
         let parts: [&[u8]; 4] = [&line, b"\n", &bytes, &earlier];
         parts.iter().try_for_each(|p| stdin.write_all(p)).and_then(|()| stdin.flush()).ok()?;
-        Some(stdin)
+        asked.iter().try_for_each(|()| stdin.write_all(b"\n").and_then(|()| stdin.flush())).ok()
     });
     let (send, frames) = mpsc::sync_channel(16);
     let reader = thread::spawn(move || {
@@ -133,12 +134,13 @@ pub fn run(
         Some(())
     });
     let words = thread::spawn(move || stderr.map_or_else(Vec::new, last_words));
-    let outcome = attend(&frames, tell, cancel);
+    let outcome = attend(&frames, &ask, tell, cancel);
     drop(frames);
     // It has answered, or nobody wants an answer any more, or no answer can come: then its own end has the reason.
     let its_end = if matches!(outcome, Ok(None)) { own_end(&mut child, ENDING) } else { None };
     let _ = child.kill();
     let _ = child.wait();
+    drop(ask);
     let _ = (writer.join(), reader.join());
     let words = words.join().unwrap_or_default();
     match outcome? {
@@ -196,14 +198,23 @@ impl Request {
 
 type Parcel = (Frame, Vec<Vec<u8>>);
 
-/// Hands on what the child tells, until it has answered (`Some`), has ended without (`None`), or is to stop.
+/// Hands on what the child tells, until it has answered (`Some`), has ended without (`None`), or is to stop. One that is
+/// stopped for its best is asked for it, and has [`KEEP_GRACE`].
 fn attend(
     frames: &mpsc::Receiver<Parcel>,
+    ask: &mpsc::Sender<()>,
     tell: &mut dyn FnMut(JobEvent),
     cancel: &Cancel,
 ) -> Result<Option<JobOutput>, Error> {
+    let mut asked: Option<Instant> = None;
     loop {
-        cancel.check()?;
+        if cancel.is_stopped() {
+            let is_waited_for = cancel.keeps_best() && asked.is_none_or(|t| t.elapsed() < KEEP_GRACE);
+            if !is_waited_for || asked.is_none() && ask.send(()).is_err() {
+                return Err(Error::Stopped);
+            }
+            asked.get_or_insert_with(Instant::now);
+        }
         let (frame, mut parts) = match frames.recv_timeout(LOOK) {
             Ok(parcel) => parcel,
             Err(RecvTimeoutError::Timeout) => continue,
@@ -373,8 +384,13 @@ pub fn serve(
     }
     limit(&head);
     stand_back(if head.is_long { Duration::ZERO } else { SHORT });
+    let cancel = Cancel::default();
+    let on_stop = cancel.clone();
     thread::spawn(move || {
-        let _ = io::copy(&mut from, &mut io::sink());
+        let mut word = [0];
+        while from.read(&mut word).is_ok_and(|n| n > 0) {
+            on_stop.stop_keeping();
+        }
         std::process::exit(i32::from(Error::Stopped.exit_code()));
     });
     let mut tell = |event: JobEvent| {
@@ -389,7 +405,7 @@ pub fn serve(
             }
         };
     };
-    answer(&prepare(head.options).and_then(|job| job(&request, &mut tell, &Cancel::default())))
+    answer(&prepare(head.options).and_then(|job| job(&request, &mut tell, &cancel)))
 }
 
 fn read_request(
@@ -413,7 +429,6 @@ fn read_request(
         asked: head.asked.clone(),
         earlier: Arc::new(earlier),
         results: results.into(),
-        keeps_best: false,
     };
     Ok((head, request))
 }
@@ -525,7 +540,6 @@ mod tests {
             },
             earlier: Arc::new(b"earlier".to_vec()),
             results: "/plans/-plan.enfilade".into(),
-            keeps_best: false,
         }
     }
 
@@ -550,6 +564,39 @@ mod tests {
         let JobEvent::Analysis(files) = &told[1] else { panic!("{told:?}") };
         assert_eq!(files, &[OutFile::new("a.png", "abc"), OutFile::new("b.png", "")]);
         assert!(matches!(&told[2], JobEvent::Keep { bytes, is_anew: true } if bytes == b"xy"));
+    }
+
+    /// One who asks for the best so far gets it before the child's end; one who does not wait gets nothing.
+    #[test]
+    fn a_child_that_is_stopped_may_leave_its_best() {
+        let mut asked = serde_json::to_vec(&Request::of(&shell(""), &request())).unwrap();
+        asked.extend([b"\n", &request().bytes[..], &request().earlier[..]].concat());
+        let script = format!(
+            r#"echo '{{"kind":"progress","value":{{}}}}'; head -c {} >/dev/null; head -c 1 >/dev/null
+            printf '{{"kind":"sofar","files":[["a.dxf",3]],"progress":{{}}}}\nabc'
+            echo '{{"kind":"failed","exit_code":5,"problem":null}}'; exec sleep 60"#,
+            asked.len()
+        );
+        for is_kept in [true, false] {
+            let (cancel, mut told) = (Cancel::default(), Vec::new());
+            let stop = |event| {
+                if is_kept {
+                    cancel.stop_keeping()
+                } else {
+                    cancel.stop()
+                }
+                told.push(event);
+            };
+            let mut stop = stop;
+            let end = run(&shell(&script), &request(), &mut stop, &cancel);
+            assert!(matches!(end, Err(Error::Stopped)), "{end:?}");
+            let files = told
+                .iter()
+                .filter_map(|e| if let JobEvent::SoFar { files, .. } = e { Some(files) } else { None });
+            let found: Vec<_> = files.collect();
+            assert_eq!(found.len(), usize::from(is_kept));
+            assert!(found.iter().all(|f| **f == [OutFile::new("a.dxf", "abc")]));
+        }
     }
 
     /// A child that talks without end is heard no further than the limits.

@@ -180,7 +180,6 @@ fn work(disk: SharedDisk, task: &Task, run: &RunJob, send: &SyncSender<Message>)
         asked: task.what.asked.clone(),
         earlier: Arc::default(),
         results: PathBuf::new(),
-        keeps_best: false,
     };
     let note = |step: &Step| {
         let time = rfc3339(SystemTime::now());

@@ -30,7 +30,7 @@ use super::status::{
 };
 use super::{Asked, Notice, Order, Reread, RunJob, WatchSettings};
 use crate::config::settings_files;
-use crate::report::{Cancel, Error, Place, Problem, Severity};
+use crate::report::{Cancel, Error, KEEP_GRACE, Place, Problem, Severity};
 use crate::store::{
     Ended, FOLDER_OWNED, Journal, Placing, Records, Step, SystemDisk, host_name, present_folder,
     refuse_nested, write_json,
@@ -60,6 +60,7 @@ const NEWER_CONTENT: &str =
     "the drawing or its settings changed, and what was asked for is of the options before; ask for it again";
 const REMOVED: &str = "the drawing was removed or has another name";
 pub(crate) const BY_THE_USER: &str = "cancelled";
+const BY_THE_USER_KEPT: &str = "cancelled; its best so far is kept";
 pub(crate) const CANCELLED_BEFORE: &str =
     "cancelled before; a change of it or of its settings, or another round asked for, takes it up";
 const TOO_MANY_WAIT: &str = "too much waits already; ask again when some of it is done";
@@ -272,6 +273,8 @@ impl Heart {
             Message::Told(id, told) => {
                 if let Some(running) = self.running.iter_mut().find(|r| r.id == id) {
                     running.is_reading &= told.is_reading();
+                    running.is_searching |= told.is_searching();
+                    running.has_best |= told.is_best();
                     let notice = told.notice(&running.what.drawing);
                     self.tell(notice, show);
                 }
@@ -423,7 +426,8 @@ impl Heart {
         }
         self.drop_waiting(&drawing, NEWER_CONTENT, show);
         if let Some(running) = self.running_of(&drawing) {
-            let is_same_content = running.what.of.key == of.key && !running.cancel.is_stopped();
+            let is_going = !running.cancel.is_stopped() || running.why == BY_THE_USER;
+            let is_same_content = running.what.of.key == of.key && is_going;
             if is_same_content && running.what.of.config == of.config {
                 return;
             }

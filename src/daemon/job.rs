@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use super::status::{SharedDisk, Standing, drawing_status, rfc3339};
 use super::{Done, JobEvent, JobOutput, JobRequest, Notice, RunJob};
 use crate::report::{Cancel, Error, Place, Problem};
-use crate::store::{Home, Placing, Written, round_name};
+use crate::store::{Home, Placing, SO_FAR, Written, round_name};
 
 /// `status.json` is not rewritten more often while a job runs.
 const STATUS_PAUSE: Duration = Duration::from_millis(500);
@@ -33,6 +33,17 @@ impl Told {
         }
     }
 
+    /// Whether the search goes on, so that there is a best so far.
+    pub(super) fn is_searching(&self) -> bool {
+        let stage = |value: &Value| value["stage"].as_str().is_some_and(|s| s.starts_with("optimise"));
+        matches!(self, Self::Progress(value) if stage(value))
+    }
+
+    /// Whether the best so far lies there now.
+    pub(super) fn is_best(&self) -> bool {
+        matches!(self, Self::Progress(value) if value["stage"] == SO_FAR)
+    }
+
     pub(super) fn notice(self, drawing: &Path) -> Notice {
         let drawing = drawing.to_path_buf();
         match self {
@@ -46,8 +57,8 @@ impl Told {
 /// Called with the folder that is about to appear and what is in it, before it appears.
 pub(super) type BeforePublish<'a> = dyn FnMut(&Path, &[Written]) -> Result<(), Error> + 'a;
 
-/// Runs a job and publishes its results. A panic becomes a failed job. Nothing is published after
-/// `cancel`; results of earlier jobs stay as they are.
+/// Runs a job and publishes its results. A panic becomes a failed job. After `cancel` nothing is published but the best so
+/// far, where it is waited for; results of earlier jobs stay as they are.
 pub(super) fn perform(
     disk: SharedDisk,
     request: &JobRequest,
@@ -82,7 +93,13 @@ pub(super) fn perform(
             home.forget();
         }
     })?;
-    cancel.check()?;
+    if cancel.is_stopped() {
+        // It had ended by itself before it heard of it.
+        if cancel.keeps_best() {
+            desk.take(JobEvent::SoFar { files: output.files, progress: json!({ "stage": SO_FAR }) });
+        }
+        return Err(Error::Stopped);
+    }
     let open = open_questions(&output);
     let done = publish(&home, output, cancel, before)?;
     home.forget();
@@ -154,7 +171,7 @@ impl Desk<'_> {
                     self.cancel.stop();
                 }
             },
-            JobEvent::SoFar { .. } if self.cancel.is_stopped() && !self.request.keeps_best => {}
+            JobEvent::SoFar { .. } if self.cancel.is_stopped() && !self.cancel.keeps_best() => {}
             JobEvent::SoFar { files, mut progress } => match self.home.publish_so_far(&files) {
                 Ok(folder) => {
                     progress["folder"] = folder.to_string_lossy().into();

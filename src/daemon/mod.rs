@@ -52,8 +52,6 @@ pub struct JobRequest {
     pub earlier: Arc<Vec<u8>>,
     /// Its result folder; known once the job runs, empty before.
     pub results: PathBuf,
-    /// Whether a search that is stopped leaves its best so far.
-    pub keeps_best: bool,
 }
 
 /// What a job may take of the machine.
@@ -342,7 +340,6 @@ pub fn run_once(
         asked: Asked::default(),
         earlier: Arc::default(),
         results: PathBuf::new(),
-        keeps_best: true,
     };
     show(Notice::Started(path.clone()));
     let mut tell = |told: job::Told| show(told.notice(&path));

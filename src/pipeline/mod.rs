@@ -62,23 +62,13 @@ pub struct Input<'a> {
     pub round: u64,
     /// What an earlier start of the same job handed out as [`Event::Keep`], in order; empty: nothing.
     pub earlier: &'a [u8],
-    /// Whether a search that is stopped hands out its best so far before it ends.
-    pub keeps_best: bool,
 }
 
 impl<'a> Input<'a> {
     /// Takes a file's bytes.
     pub fn new(path: &'a str, bytes: &'a [u8], round: u64) -> Self {
         let plain = formats::plain(path, bytes);
-        Self {
-            path,
-            bytes: plain,
-            whole: bytes,
-            sha256: OnceLock::new(),
-            round,
-            earlier: &[],
-            keeps_best: false,
-        }
+        Self { path, bytes: plain, whole: bytes, sha256: OnceLock::new(), round, earlier: &[] }
     }
 
     /// Digest of the file as it lies on disk, lower-case hexadecimal; made when first asked for.
@@ -95,11 +85,6 @@ impl<'a> Input<'a> {
     /// With what an earlier start of the same job handed out.
     pub fn going_on_from(self, earlier: &'a [u8]) -> Self {
         Self { earlier, ..self }
-    }
-
-    /// So that a search that is stopped hands out its best so far before it ends.
-    pub fn keeping_best(self, keeps_best: bool) -> Self {
-        Self { keeps_best, ..self }
     }
 
     /// Name to show.

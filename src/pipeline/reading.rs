@@ -14,7 +14,8 @@ use crate::overlay::reading::{
 };
 use crate::overlay::result::ElementRef;
 use crate::plan::axes::{Edge, OpeningKind};
-use crate::plan::curve::{bulge_arc, control_points};
+use crate::plan::by_place::Entities;
+use crate::plan::curve::bulge_arc;
 use crate::plan::drawing::{Drawing, Entity, Format};
 use crate::plan::floor::{Area, Beside, Floor, name_of_rooms};
 use crate::plan::geometry::PointUm;
@@ -22,7 +23,7 @@ use crate::plan::own_layers;
 use crate::plan::reading::Sense;
 use crate::plan::roles::Role;
 use crate::plan::view_names::Title;
-use crate::plan::{Plan, Region, box_of};
+use crate::plan::{Plan, Region};
 
 /// Chords of a curved wall's axis turn by at most this, radians.
 const CHORD_RAD: f64 = 0.2;
@@ -114,12 +115,9 @@ impl<'a> Places<'a> {
 }
 
 fn views(plan: &Plan, drawing: &Drawing, at: &Places<'_>) -> Vec<ViewReading> {
+    let drawn = Entities::new(drawing.entities.iter().filter(|e| !own_layers::is_own(&e.layer)));
     let of = |v: &crate::plan::views::View| {
-        let [lo, hi] = v.extent;
-        let is_in = |p: &DVec2| p.cmpge(lo).all() && p.cmple(hi).all();
-        let shown = drawing.entities.iter().filter(|e| !own_layers::is_own(&e.layer));
-        let drawn = box_of(shown.flat_map(|e| control_points(&e.shape)).filter(is_in));
-        let [lo, hi] = drawn.unwrap_or([lo, hi]).map(|p| at.file(p));
+        let [lo, hi] = drawn.tight(&v.extent).map(|p| at.file(p));
         ViewReading {
             name: v.name.clone(),
             kind: kind_of(v.kind).into(),

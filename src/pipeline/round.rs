@@ -126,12 +126,7 @@ pub(super) fn run(
     };
     let total = Some(found.as_ref().map_or(0, |f| f.members.len() as u64));
     show(Event::Progress(Progress { stage: "write".into(), total, ..Default::default() }));
-    let made = round(input, settings, (study, &sensed), report, found.as_ref(), started)?;
-    if cancel.is_stopped() && input.keeps_best {
-        let progress = Progress { stage: "so-far".into(), ..Default::default() };
-        show(Event::SoFar { files: made.files.clone(), progress });
-    }
-    Ok(made)
+    round(input, settings, (study, &sensed), report, found.as_ref(), started)
 }
 
 /// The files of a round from what was found.
@@ -295,7 +290,7 @@ fn optimise(
         elsewhere::elsewhere(brief, &search.outcome(), cancel)
     };
     let others = confirmed();
-    if matches!(others, Err(Error::Stopped)) && input.keeps_best {
+    if matches!(others, Err(Error::Stopped)) && cancel.keeps_best() {
         so_far(found(brief, &search, &[]), progress(&search, control, begun), show)?;
     }
     Ok(found(brief, &search, &others?))

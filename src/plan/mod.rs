@@ -5,6 +5,7 @@
 
 pub mod axes;
 pub mod bearing;
+pub mod by_place;
 mod choice;
 mod crowd;
 pub mod curve;
@@ -26,6 +27,7 @@ pub mod markers;
 pub mod marking;
 pub mod names;
 pub mod obstacles;
+mod on_sheet;
 mod outdoors;
 pub mod outline;
 pub mod own_layers;

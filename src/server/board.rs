@@ -269,7 +269,7 @@ impl State {
                 e.is_ordered = false;
                 e.set("stopped");
                 e.summary = (*why).into();
-                e.is_queued &= *why != BY_THE_USER;
+                e.is_queued &= !why.starts_with(BY_THE_USER);
                 e.wait_if_queued();
             }),
             Notice::Again(told) => self.note(told),

@@ -34,20 +34,38 @@ pub fn start() -> Daemon {
 
 /// A folder with one drawing, the folder's settings and its own home, watched.
 pub fn start_with(drawing: &str, settings: &str) -> Daemon {
+    start_searching(drawing, settings, 60)
+}
+
+/// The same with searches of so many layouts.
+pub fn start_searching(drawing: &str, settings: &str, evaluations: u32) -> Daemon {
     let folder = tempfile::tempdir().unwrap();
     let plans = folder.path().join("plans");
     let sample = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("samples/gallery.dxf");
     fs::create_dir_all(plans.join(drawing).parent().unwrap()).unwrap();
     fs::copy(sample, plans.join(drawing)).unwrap();
     fs::write(plans.join("enfilade.toml"), settings).unwrap();
-    let (child, port, token, key) = spawn(folder.path());
+    let (child, port, token, key) = spawn_searching(folder.path(), evaluations);
     Daemon { child, folder, port, token, key }
+}
+
+impl Daemon {
+    /// Killed, and started anew on the same folder, with searches of so many layouts.
+    pub fn restart(&mut self, evaluations: u32) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+        (self.child, self.port, self.token, self.key) = spawn_searching(self.folder.path(), evaluations);
+    }
 }
 
 /// A daemon on `plans` in this home: its process, port, token and key.
 pub fn spawn(home: &Path) -> (Child, u16, String, String) {
+    spawn_searching(home, 60)
+}
+
+fn spawn_searching(home: &Path, evaluations: u32) -> (Child, u16, String, String) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_enfilade"))
-        .args(["watch", "--page", "--evaluations", "60", "--log"])
+        .args(["watch", "--page", "--evaluations", &evaluations.to_string(), "--log"])
         .arg(home.join("watch.log"))
         .arg(home.join("plans"))
         .env("HOME", home)

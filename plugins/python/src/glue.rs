@@ -92,7 +92,7 @@ fn beside<T: Send + 'static>(
             Err(RecvTimeoutError::Disconnected) => Err(raised(py, &failed())),
         };
         if let Err(error) = found.and_then(|()| py.check_signals()) {
-            cancel.stop();
+            cancel.stop_keeping();
             let until = Instant::now() + STOP_GRACE;
             let left = || until.saturating_duration_since(Instant::now());
             while !left().is_zero() && matches!(next(py, &heard, left()), Ok(Said::Progress(_))) {}

@@ -18,7 +18,7 @@ impl Heart {
         }
     }
 
-    /// Gives up what runs and all that waits; each is told.
+    /// Gives up what runs, but for the best that it found so far, and all that waits; each is told.
     fn cancel(&mut self, drawing: PathBuf, show: &mut dyn FnMut(Notice)) {
         let (own, others) = std::mem::take(&mut self.queue).into_iter().partition(|w| w.drawing == drawing);
         self.queue = others;
@@ -26,7 +26,10 @@ impl Heart {
             self.stopped(&waiting, BY_THE_USER, show);
         }
         if let Some(running) = self.running_of(&drawing) {
-            running.stop(BY_THE_USER);
+            running.stop_keeping(BY_THE_USER);
+            // Also where the daemon is killed before the best so far is written.
+            let what = running.what.clone();
+            self.note(&what, &Step::Cancelled, show);
         }
         self.is_overview_stale = true;
     }

@@ -24,6 +24,10 @@ pub(super) struct Running {
     since: Instant,
     /// Whether its drawing is not understood yet.
     pub(super) is_reading: bool,
+    /// Whether its search has begun.
+    pub(super) is_searching: bool,
+    /// Whether its best so far lies there.
+    pub(super) has_best: bool,
     share: Share,
     stopped: Option<Instant>,
     /// Why it was told to stop.
@@ -34,6 +38,15 @@ impl Running {
     /// The first reason holds.
     pub(super) fn stop(&mut self, why: &'static str) {
         self.cancel.stop();
+        self.stop_keeping(why);
+    }
+
+    /// The same, and the best so far of a search is waited for; asked for again, it is waited for no longer.
+    pub(super) fn stop_keeping(&mut self, why: &'static str) {
+        if self.cancel.is_stopped() || !self.is_searching {
+            self.cancel.stop();
+        }
+        self.cancel.stop_keeping();
         if self.stopped.is_none() {
             (self.stopped, self.why) = (Some(Instant::now()), why);
         }
@@ -129,6 +142,8 @@ impl Heart {
             cancel,
             since,
             is_reading: true,
+            is_searching: false,
+            has_best: false,
             share,
             stopped: None,
             why: "",
@@ -167,6 +182,8 @@ impl Heart {
     pub(super) fn ended(&mut self, running: Running, outcome: Outcome, show: &mut dyn FnMut(Notice)) {
         self.is_overview_stale = true;
         self.time(&running, &outcome);
+        let is_kept = running.why == BY_THE_USER && running.has_best;
+        let why = if is_kept { BY_THE_USER_KEPT } else { running.why };
         let what = running.what;
         match outcome {
             Outcome::Ended(Ok(done)) => {
@@ -179,7 +196,7 @@ impl Heart {
                 self.say_what_it_is_of(&what, &done, show);
             }
             Outcome::Changed => {
-                let why = match running.why {
+                let why = match why {
                     "" if what.asked != Asked::default() => NEWER_CONTENT,
                     "" => NEWER_SAVE,
                     why => why,
@@ -202,7 +219,7 @@ impl Heart {
                 self.go_on_later(Waiting { is_hungry: true, ..what }, MORE_MEMORY, show);
             }
             // Whatever a job that was told to end fails of by then, it is not tried again.
-            Outcome::Ended(Err(_)) if !running.why.is_empty() => self.stopped(&what, running.why, show),
+            Outcome::Ended(Err(_)) if !why.is_empty() => self.stopped(&what, why, show),
             Outcome::Ended(Err(Error::Stopped)) => {
                 self.retry(what.clone(), told_to_end(&what.drawing), show);
             }
@@ -245,7 +262,7 @@ impl Heart {
     }
 
     pub(super) fn stopped(&mut self, what: &Waiting, why: &'static str, show: &mut dyn FnMut(Notice)) {
-        let is_cancelled = why == BY_THE_USER;
+        let is_cancelled = [BY_THE_USER, BY_THE_USER_KEPT].contains(&why);
         self.note(what, if is_cancelled { &Step::Cancelled } else { &Step::Stopped }, show);
         let newer = self.queue.iter().find(|w| w.drawing == what.drawing);
         let (state, sha256) = newer.map_or(("stopped", &what.of.sha256), |w| ("waiting", &w.of.sha256));
@@ -301,7 +318,10 @@ impl Heart {
                 running.stop(READING_TOO_LONG);
             }
         }
-        let is_deaf = |r: &Running| r.stopped.is_some_and(|t| t.elapsed() >= HANG_PATIENCE);
+        let is_deaf = |r: &Running| {
+            let patience = HANG_PATIENCE + if r.cancel.keeps_best() { KEEP_GRACE } else { Duration::ZERO };
+            r.stopped.is_some_and(|t| t.elapsed() >= patience)
+        };
         while let Some(i) = self.running.iter().position(is_deaf) {
             let running = self.running.remove(i);
             let error = hung(&running.what.drawing);

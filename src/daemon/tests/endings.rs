@@ -123,6 +123,55 @@ fn what_is_cancelled_stays_so() {
     assert!(watch_until("Started").contains("Queued"));
 }
 
+/// Who cancels waits for the best so far; a newer save does not, nor who cancels again.
+#[test]
+fn a_cancelled_search_leaves_its_best() {
+    // Finds its best only once it is asked for it, and then never ends by itself.
+    let run = |request: &JobRequest, tell: &mut dyn FnMut(JobEvent), cancel: &Cancel| {
+        if !request.bytes.starts_with(b"slow and none") {
+            tell(JobEvent::Progress(serde_json::json!({ "stage": "optimise" })));
+        }
+        let stopped = slow(request, cancel);
+        if cancel.keeps_best() {
+            let files = vec![OutFile::new("best.dxf", request.bytes.to_vec())];
+            tell(JobEvent::SoFar { files, progress: serde_json::json!({ "stage": "so-far" }) });
+        }
+        while cancel.keeps_best() && request.bytes.starts_with(b"slow and on") {
+            thread::sleep(Duration::from_millis(5));
+        }
+        stopped
+    };
+    let daemon = Daemon::start(settings(), |_| {}, run);
+    let drawing = daemon.path("plan.dxf");
+    let cancel = || daemon.orders.send(Order::Cancel(drawing.clone())).unwrap();
+    let best = daemon.path("plan.enfilade/so-far/best.dxf");
+    for (n, text) in ["slow and none", "slow", "slow and on", "slow and on again"].into_iter().enumerate() {
+        daemon.save("plan.dxf", text);
+        daemon.await_said("Started(", n + 1);
+        daemon.await_said("optimise", n);
+        cancel();
+        match n {
+            0 => daemon.await_said("why: \"cancelled\"", 1),
+            1 => daemon.await_said("its best so far is kept", 1),
+            _ => {
+                daemon.await_true("the best", || fs::read_to_string(&best).is_ok_and(|t| t.starts_with(text)))
+            }
+        }
+        match n {
+            0 => assert!(!best.exists()),
+            1 => assert_eq!(
+                daemon.await_state("plan", "stopped")["summary"],
+                "cancelled; its best so far is kept"
+            ),
+            2 => daemon.save("plan.dxf", "slow and on again"),
+            _ => cancel(),
+        }
+    }
+    daemon.await_said("its best so far is kept", 3);
+    daemon.rest();
+    assert_eq!((daemon.jobs(), daemon.count_said("Failed {"), daemon.count_said("Done {")), (4, 0, 0));
+}
+
 /// What was cancelled and is asked for again waits, and is no longer called cancelled.
 #[test]
 fn what_waits_is_not_called_cancelled() {

@@ -152,10 +152,10 @@ export function newer(d) {
 }
 
 /** Shows the newest round, or another that was chosen since it came, and a choice of the others; the best so far of a
- * search where there is no round. */
+ * search that was stopped, or where there is no round. */
 export async function showOptions(main, d, sets) {
   const rounds = [...sets.filter((s) => s === SO_FAR), ...sets.filter((s) => s !== SO_FAR)];
-  const newest = rounds.at(-1);
+  const newest = d.state === "stopped" && sets.includes(SO_FAR) ? SO_FAR : rounds.at(-1);
   const before = roundOf.get(d.id);
   const set = before?.newest === newest && rounds.includes(before.set) ? before.set : newest;
   const again = el("button", { id: "newer", hidden: true, onclick: () => show(SO_FAR) }, "Show what was found since");

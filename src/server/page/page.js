@@ -163,7 +163,7 @@ function standing(d) {
   }
   if (d.curve) out.append(curve(d.curve) ?? "");
   out.append(el("div", { class: "bar" },
-    el("button", { id: "cancel", disabled: !isBusy, onclick: () => ask(`drawings/${d.id}/cancel`, {}).then(() => say("cancelling")) }, "Cancel"),
+    el("button", { id: "cancel", disabled: !isBusy, onclick: () => ask(`drawings/${d.id}/cancel`, {}).then(() => say("cancelling; what was found so far is written first")) }, "Cancel"),
     el("button", { id: "again", disabled: isBusy, onclick: () => another(d.id) }, "Another round")));
   return out;
 }
