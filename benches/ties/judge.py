@@ -36,6 +36,9 @@ OPEN_M = 0.01    # a joint that parts by more is open
 THROUGH_M = 0.02  # what stands out on the far side
 PASSAGE_M = 0.9
 BEFORE_DOOR_M = 0.6
+DOOR_M = 0.3     # a door's leaf may stand so far from the faces of its wall
+STEP_M = 0.05    # along a wall it is asked so often how wide the way to another one is
+TOUCH_M = 1e-3   # a wall that a line crosses by less does not stand across it
 AREA_M2 = 0.01
 ROOM_M2 = 0.02
 
@@ -245,8 +248,10 @@ def bodies_judged(old, new):
                 more = c.ground.intersection(d.ground).area - a.ground.intersection(b.ground).area
                 if more > ROOM_M2:
                     faults["rooms"].append((k, o, round(more, 3)))
-            if kinds == {"wall"} and now < PASSAGE_M - 1e-3 <= was and now > 0:
-                faults["narrow"].append((k, o, round(now, 3)))
+            if kinds == {"wall"} and 0 < now < PASSAGE_M - 1e-3 <= was:
+                free = narrowest(c.ground, d.ground, standing(new, between(tree, both, c.ground, d.ground) - {k, o}, c, d))
+                if free < PASSAGE_M - 1e-3:
+                    faults["narrow"].append((k, o, round(free, 3)))
             if kinds == {"wall", "door"}:
                 (w, d0), (w1, d1) = ((a, b), (c, d)) if a.kind == "wall" else ((b, a), (d, c))
                 held = d0.ground.intersection(w.ground).area
@@ -257,6 +262,39 @@ def bodies_judged(old, new):
                     if after - before > AREA_M2:
                         faults["doors"].append((k, o, round(after - before, 3)))
     return faults, len(moved)
+
+
+def between(tree, both, a, b):
+    """What is near enough to stand between two walls that are no further apart than a way."""
+    return {both[i % len(both)] for i in tree.query(a.buffer(PASSAGE_M).intersection(b.buffer(PASSAGE_M)))}
+
+
+def standing(bodies, keys, a, b):
+    """The ground of walls as high as two others; where a door is in them one goes through."""
+    of = [bodies[k] for k in keys if bodies[k].meets(a) and bodies[k].meets(b)]
+    walls = shapely.union_all([o.ground for o in of if o.kind == "wall"])
+    return walls.difference(shapely.union_all([o.ground.buffer(DOOR_M) for o in of if o.kind == "door"]))
+
+
+def narrowest(a, b, walls):
+    """How wide the narrowest way between two grounds is across which no wall stands; beyond a passage it is infinite.
+
+    >>> a, b = box(0, 0, 1, 0.2), box(1.5, 0.5, 1.7, 3)
+    >>> round(narrowest(a, b, Polygon()), 3)
+    0.583
+    >>> narrowest(a, b, box(-1, 0.2, 3, 0.5))
+    inf
+    >>> 0.6 < narrowest(a, b, box(1.2, 0.1, 1.3, 0.42)) < 0.9
+    True
+    """
+    found = math.inf
+    for of, to in ((a, b), (b, a)):
+        near = shapely.segmentize(of.boundary.intersection(to.buffer(PASSAGE_M)), STEP_M)
+        for at in shapely.points(shapely.get_coordinates(near)):
+            link = shapely.shortest_line(at, to)
+            if link.length < found and link.intersection(walls).length < TOUCH_M:
+                found = link.length
+    return found
 
 
 def way(door):

@@ -264,6 +264,8 @@ pub struct Changes {
     pub records: Vec<Vec<Changed>>,
     /// Rooms of a building that moved walls bound.
     pub rooms: Vec<ifc::BoundedRoom>,
+    /// Figures of walls that change their length.
+    pub figures: Vec<ifc::StaleFigures>,
     /// Joints of walls that the plan does not show.
     pub unseen: Vec<ifc::UnseenJoint>,
 }
@@ -286,7 +288,8 @@ pub fn changes(file: &str, bytes: &[u8], options: &ReadOptions, edits: &[Edit]) 
                 Changed { of, filler: p.filler, outlines: p.outlines, storey: p.storey }
             };
             let records = found.moved.into_iter().map(|list| list.into_iter().map(named).collect());
-            return Ok(Changes { records: records.collect(), rooms: found.rooms, unseen: found.unseen });
+            let (rooms, figures, unseen) = (found.rooms, found.figures, found.unseen);
+            return Ok(Changes { records: records.collect(), rooms, figures, unseen });
         }
         Format::Gltf | Format::Glb => {
             let of = |e: &Edit| ChangedRecord { record: e.record(), handle: Some(gltf::path_of(e.record())) };

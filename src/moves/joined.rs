@@ -135,7 +135,7 @@ pub(super) struct Ends {
 impl Ends {
     /// A shape, moved already, with the corners of its ends shifted along the wall.
     pub fn lengthened(&self, wall: &Wall, motion: Option<&RigidMotion>, moved: Shape) -> Shape {
-        let Editable::Wall { ends } = &wall.editable else { return moved };
+        let Editable::Wall { ends, .. } = &wall.editable else { return moved };
         let along = DVec2::from_angle(motion.map_or(0.0, |m| m.turn_rad)).rotate(self.along);
         let mut points = control_points(&moved);
         for (end, by) in ends.iter().zip(self.by) {
@@ -238,7 +238,7 @@ impl Joined {
 
 /// How much room the ends of one outline have, metres.
 struct Rooms {
-    /// From each end to the nearest corner that is of neither end.
+    /// From each end to the nearest corner that is of neither end, of the outline or of what stays of the body.
     ends: [Option<f64>; 2],
     /// From the first end to the second, where one outline has both.
     whole: Option<f64>,
@@ -246,7 +246,9 @@ struct Rooms {
 
 /// The room along a wall's axis in one of its outlines.
 fn rooms(plan: &Plan, wall: &Wall, along: DVec2) -> Rooms {
-    let Editable::Wall { ends } = &wall.editable else { return Rooms { ends: [None; 2], whole: None } };
+    let Editable::Wall { ends, free } = &wall.editable else {
+        return Rooms { ends: [None; 2], whole: None };
+    };
     let place = |p: &DVec2| plan.frame.plan_from_file(*p).dot(along);
     let places: Vec<f64> = control_points(&wall.shape).iter().map(place).collect();
     let of = |list: &[u32]| -> Vec<f64> { list.iter().map(|c| places[*c as usize]).collect() };
@@ -259,7 +261,10 @@ fn rooms(plan: &Plan, wall: &Wall, along: DVec2) -> Rooms {
         let top = low.iter().copied().reduce(f64::max)?;
         Some(high.iter().copied().reduce(f64::min)? - top)
     };
-    Rooms { ends: [gap(&first, &between), gap(&between, &second)], whole: gap(&first, &second) }
+    let seen = [gap(&first, &between), gap(&between, &second)];
+    let free_m = free.map(|way| way * plan.frame.metres_per_unit);
+    let ends = [0, 1].map(|k| Some(seen[k].unwrap_or(f64::INFINITY).min(free_m[k])));
+    Rooms { ends, whole: gap(&first, &second) }
 }
 
 /// How far into its own wall an end goes at most.
@@ -310,7 +315,7 @@ pub(super) fn ends(plan: &Plan) -> Vec<Follower> {
         let along = along(plan, &walls);
         let mut ends: [Vec<Handle>; 2] = Default::default();
         for w in walls {
-            let Editable::Wall { ends: own } = &plan.walls[w as usize].editable else { continue };
+            let Editable::Wall { ends: own, .. } = &plan.walls[w as usize].editable else { continue };
             for (list, corners) in ends.iter_mut().zip(own) {
                 list.extend(corners.iter().map(|c| (w, *c)));
             }
@@ -328,7 +333,7 @@ pub(super) fn ends(plan: &Plan) -> Vec<Follower> {
 fn along(plan: &Plan, walls: &[u32]) -> Option<DVec2> {
     let mut best = DVec2::ZERO;
     for wall in walls.iter().map(|w| &plan.walls[*w as usize]) {
-        let Editable::Wall { ends: [first, second] } = &wall.editable else { continue };
+        let Editable::Wall { ends: [first, second], .. } = &wall.editable else { continue };
         let points = control_points(&wall.shape);
         for i in 0..points.len() {
             let j = (i + 1) % points.len();

@@ -508,7 +508,7 @@ fn joined() -> Drawing {
         d.ring("WALLS", corners);
         let e = d.entities.last_mut().unwrap();
         e.source.record = record;
-        e.editable = Editable::Wall { ends: ends.map(<[u32]>::to_vec) };
+        e.editable = Editable::Wall { ends: ends.map(<[u32]>::to_vec), free: [f64::INFINITY; 2] };
     };
     let block = |x: [f64; 2], y: [f64; 2]| [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]];
     bar(1, &block([8.0, 8.2], [0.0, 10.0]), [&[0, 1], &[2, 3]]);
@@ -584,7 +584,7 @@ fn a_joint_follows_the_face_it_stands_on() {
         d.ring("WALLS", corners);
         let e = d.entities.last_mut().unwrap();
         e.source.record = record;
-        e.editable = Editable::Wall { ends: ends.map(<[u32]>::to_vec) };
+        e.editable = Editable::Wall { ends: ends.map(<[u32]>::to_vec), free: [f64::INFINITY; 2] };
     };
     let beyond = |y: f64| [on(y)[0] + 0.4, y];
     bar(1, &[on(0.0), beyond(0.0), beyond(10.0), on(10.0)], [&[0, 1], &[2, 3]]);
@@ -646,7 +646,7 @@ fn building(walls: &[(usize, [f64; 2], [f64; 2])]) -> Drawing {
         let e = d.entities.last_mut().unwrap();
         e.source.record = *record;
         let ends = if is_upright { [vec![0, 1], vec![2, 3]] } else { [vec![0, 3], vec![1, 2]] };
-        e.editable = Editable::Wall { ends };
+        e.editable = Editable::Wall { ends, free: [f64::INFINITY; 2] };
     }
     d
 }

@@ -114,7 +114,7 @@ pub enum Shape {
 }
 
 /// How an entity may be written back.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Editable {
     /// Its own coordinates can be spliced, vertex by vertex.
     Free,
@@ -130,6 +130,9 @@ pub enum Editable {
         /// Control points of this shape that go with the first end, and with the second; empty where it does not
         /// reach that end.
         ends: [Vec<u32>; 2],
+        /// How far each end may go into the wall before it passes a part of its body that stays, at whatever height,
+        /// drawing units.
+        free: [f64; 2],
     },
     /// It cannot be written back; the reason in plain words.
     No(String),

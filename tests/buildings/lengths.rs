@@ -92,7 +92,7 @@ fn expected(drawing: &Drawing, record: usize, along: DVec2, by: [f64; 2]) -> Vec
     let mut out = Vec::new();
     for e in drawing.entities.iter().filter(|e| e.source.record == record) {
         let Shape::Polyline { vertices, .. } = &e.shape else { continue };
-        let Editable::Wall { ends } = &e.editable else { panic!("{:?}", e.editable) };
+        let Editable::Wall { ends, .. } = &e.editable else { panic!("{:?}", e.editable) };
         out.extend(vertices.iter().enumerate().map(|(c, v)| {
             let way = (0..2).filter(|k| ends[*k].contains(&(c as u32))).map(|k| by[k]).sum::<f64>();
             v.at + along * way
@@ -461,6 +461,64 @@ fn coverings_and_parts_grow_with_their_wall() {
     }
 }
 
+/// A wall with a pocket for a beam near its second end, which the cut at the height of the eyes does not show.
+#[test]
+fn no_end_passes_a_part_of_the_body_that_stays() {
+    let body = "#33=IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#90);\n\
+                #90=IFCPOLYLINE((#91,#92,#93,#94,#95,#96,#97,#98,#91));\n\
+                #91=IFCCARTESIANPOINT((0.,0.));\n#92=IFCCARTESIANPOINT((4.,0.));\n\
+                #93=IFCCARTESIANPOINT((4.,3.));\n#94=IFCCARTESIANPOINT((3.5,3.));\n\
+                #95=IFCCARTESIANPOINT((3.5,2.5));\n#96=IFCCARTESIANPOINT((3.2,2.5));\n\
+                #97=IFCCARTESIANPOINT((3.2,3.));\n#98=IFCCARTESIANPOINT((0.,3.));\n\
+                #99=IFCAXIS2PLACEMENT3D(#100,#101,#102);\n#100=IFCCARTESIANPOINT((0.,0.1,0.));\n\
+                #101=IFCDIRECTION((0.,-1.,0.));\n#102=IFCDIRECTION((1.,0.,0.));\n";
+    let text = wall(body).replace("(#33,#4,#12,3.)", "(#33,#99,#12,0.2)");
+    let drawing = read(&text);
+    let wall = drawing.entities.iter().find(|e| e.source.record == 10).unwrap();
+    let Editable::Wall { free, .. } = wall.editable else { panic!("{:?}", wall.editable) };
+    assert!((free[0] - 3.2).abs() < 1e-9 && (free[1] - 0.5).abs() < 1e-9, "{free:?}");
+    let lengthened = |by: [f64; 2]| {
+        let edits = [Edit::Ends { record: 10, by }];
+        ifc::patch("w.ifc", text.as_bytes(), &ReadOptions::default(), &edits, &[])
+    };
+    assert!(lengthened([0.0, 2.0]).is_ok() && lengthened([0.0, -0.4]).is_ok());
+    let refused = lengthened([0.0, -0.6]).unwrap_err().to_string();
+    assert!(refused.contains("a part of its body that stays"), "{refused}");
+}
+
+/// What hangs on a door's wall goes once, whichever of several edits comes first.
+#[test]
+fn what_a_wall_carries_goes_once() {
+    let text = wall(RECTANGLE);
+    let motion = RigidMotion { turn_rad: 0.0, shift: DVec2::new(0.3, 0.1) };
+    let one = |record| Edit::Insert { record, motion };
+    let alone = read(&patched(&text, &[one(10)], &[])).entities;
+    for edits in [[one(10), one(60)], [one(60), one(10)]] {
+        assert_eq!(read(&patched(&text, &edits, &[])).entities, alone);
+    }
+}
+
+/// Figures that another length makes wrong are named, and how thick and high the wall is remains true.
+#[test]
+fn figures_of_another_length_are_named() {
+    let stated = "#90=IFCQUANTITYLENGTH('Length',$,$,4.);\n#91=IFCQUANTITYLENGTH('Width',$,$,0.2);\n\
+                  #92=IFCQUANTITYLENGTH('Height',$,$,3.);\n#93=IFCQUANTITYAREA('NetSideArea',$,$,10.);\n\
+                  #94=IFCELEMENTQUANTITY('000000000000000000000T',$,'Base',$,$,(#90,#91,#92,#93));\n\
+                  #95=IFCRELDEFINESBYPROPERTIES('000000000000000000000U',$,$,$,(#10),#94);\n";
+    let text = wall(&[RECTANGLE, stated].concat());
+    let named = |edits: &[Edit]| {
+        let effects = ifc::effects("w.ifc", text.as_bytes(), &ReadOptions::default(), edits).unwrap();
+        effects.figures.into_iter().map(|f| (f.id, f.names.join(", "))).collect::<Vec<_>>()
+    };
+    let longer = [Edit::Ends { record: 10, by: [0.0, 0.75] }];
+    assert_eq!(named(&longer), [(10, "Length, NetSideArea".to_owned())]);
+    let motion = RigidMotion { turn_rad: 0.0, shift: DVec2::new(0.3, 0.1) };
+    assert!(named(&[Edit::Insert { record: 10, motion }]).is_empty());
+    let title = Mark::Text { at: DVec2::ZERO, height: 0.2, text: "t".into() };
+    let own = Addition { layer: "EF-NOTE".into(), rgb: [0; 3], mark: title };
+    assert!(patched(&text, &longer, &[own]).contains("'Stale',$,IFCTEXT('Length, NetSideArea')"));
+}
+
 #[test]
 fn no_slope_of_a_roof_is_bent() {
     for body in of_faces([3.0, 2.0]) {
@@ -477,7 +535,7 @@ fn an_end_that_an_opening_reaches_stays() {
     let text = wall(RECTANGLE).replace("((1.5,0.,0.5))", "((0.5,0.,0.5))");
     let drawing = read(&text);
     let wall = drawing.entities.iter().find(|e| e.source.record == 10).unwrap();
-    let Editable::Wall { ends } = &wall.editable else { panic!("{:?}", wall.editable) };
+    let Editable::Wall { ends, .. } = &wall.editable else { panic!("{:?}", wall.editable) };
     assert!(ends[0].is_empty() && ends[1].len() == 2, "{ends:?}");
     assert_eq!(drawing.hosts.get(&60), Some(&10), "the file says in which wall the window sits");
 }
@@ -514,6 +572,14 @@ fn walls_of_another_height_go_along() {
     let start = |p: &DVec2| (p - DVec2::new(2.28, 3.54)).dot(along) < 1.0;
     let shorter: Vec<DVec2> = drawn.iter().map(|p| if start(p) { p + along * 0.36 } else { *p }).collect();
     assert_at(&after(&text, &[by(0.0, shift)]), &shorter);
+    // What covers it goes along, and is named.
+    let covering = "#90=IFCRELCOVERSBLDGELEMENTS('000000000000000000000R',$,$,$,#70,(#91));\n\
+                    #91=IFCCOVERING('000000000000000000000S',$,'C',$,$,#71,#92,$,$);\n\
+                    #92=IFCPRODUCTDEFINITIONSHAPE($,$,(#76));\n";
+    let covered = text.replace("#60=", &format!("{covering}#60="));
+    let effects = ifc::effects("w.ifc", covered.as_bytes(), &ReadOptions::default(), &[by(0.0, shift)]);
+    let ids: Vec<u64> = effects.unwrap().moved[0].iter().map(|p| p.id).collect();
+    assert_eq!(ids, [10, 50, 60, 91, 70]);
     // Named with the wall that takes it, and every other instance stays.
     let effects = ifc::effects("w.ifc", text.as_bytes(), &ReadOptions::default(), &[by(0.0, shift)]).unwrap();
     assert!(effects.unseen.is_empty(), "the joint holds: {effects:?}");

@@ -113,3 +113,35 @@ fn a_room_that_would_be_gone_stays() {
     assert!(found[1].outlines.as_ref().unwrap_err().contains("would be gone"), "{found:?}");
     assert!(found[0].outlines.is_ok());
 }
+
+/// Two rooms that state one area: the one that follows states its own, and the other one nothing new.
+#[test]
+fn a_figure_that_rooms_share_stays_that_of_the_other_room() {
+    let both = "#9324=IFCELEMENTQUANTITY('R000000000000000000324',$,'Base',$,$,(#9220,#9223));\n\
+                #9325=IFCRELDEFINESBYPROPERTIES('R000000000000000000325',$,$,$,(#9300),#9324);\n";
+    let text = with_instances(&parted(), both);
+    let stated = |written: &str, set: u64| -> Vec<f64> {
+        let line = |id: &str| written.lines().find(|l| l.starts_with(&format!("#{id}="))).unwrap().to_owned();
+        let set = line(&set.to_string());
+        let ids = set.rsplit('(').next().unwrap().trim_end_matches("));").split(',');
+        let value =
+            |id: &str| line(id.trim_start_matches('#')).rsplit(',').next().map(str::to_owned).unwrap();
+        ids.map(|id| value(id).trim_end_matches(");").parse().unwrap()).collect()
+    };
+    let patched = |text: &str| {
+        let edits = moved(0.0, DVec2::new(0.5, 0.0));
+        let bytes = formats::patch("house.ifc", text.as_bytes(), &lower(), &edits, &[]).unwrap();
+        String::from_utf8(bytes).unwrap()
+    };
+    let near = |found: &[f64], wanted: &[f64]| found.iter().zip(wanted).all(|(p, q)| (p - q).abs() < 1e-9);
+    let written = patched(&text);
+    let (west, east) = (stated(&written, 9224), stated(&written, 9324));
+    assert!(near(&west, &[3.3 * 5.8, 46.0, 2.7, 3.3 * 5.8 * 2.7]), "{west:?}");
+    assert!(near(&east, &[2.3 * 5.8, 2.3 * 5.8 * 2.7]), "{east:?}");
+    // A set that both have stays, and its figures are named.
+    let one = text.replace("(#9300),#9324", "(#9300),#9224");
+    assert!(near(&stated(&patched(&one), 9224), &[16.24, 46.0, 2.7, 43.848]));
+    for room in &rooms(&one, &moved(0.0, DVec2::new(0.5, 0.0)))[..2] {
+        assert_eq!(room.quantities, ["NetFloorArea", "NetWallArea", "NetVolume"]);
+    }
+}

@@ -7,6 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::ReadOptions;
 use super::geo::is_upright;
+use super::length::Figures;
 use super::patch::real;
 use super::read::Building;
 use super::rooms::Room;
@@ -26,7 +27,7 @@ pub(super) fn text(
     building: &Building<'_, '_>,
     options: &ReadOptions,
     next: u64,
-    (edits, rooms): (&[Edit], &[Room]),
+    (edits, rooms, figures): (&[Edit], &[Room], &Figures),
     own: &[Addition],
 ) -> Result<Vec<u8>, Error> {
     let storey = building.storey(options.storey.as_deref(), options.sight, &mut Report::default())?;
@@ -60,6 +61,9 @@ pub(super) fn text(
             Edit::Ends { by, .. } => lengthened(*by),
             Edit::Shape { .. } | Edit::Points { .. } => Vec::new(),
         });
+    }
+    for (id, names) in figures {
+        told.entry(*id).or_default().push(("Stale", format!("IFCTEXT({})", encode(&names.join(", ")))));
     }
     for (id, values) in told.into_iter().filter(|t| !t.1.is_empty()) {
         writer.properties(id, &values);

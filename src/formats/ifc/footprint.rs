@@ -223,8 +223,13 @@ impl Footprint {
         of.take(1).sum()
     }
 
+    /// How long its sides are.
+    pub fn runs(&self) -> impl Iterator<Item = f64> {
+        self.sides().map(|[a, b]| a.distance(b))
+    }
+
     /// How thick it is: the least it measures across one of its sides.
-    fn width(&self) -> f64 {
+    pub fn width(&self) -> f64 {
         let across = |[a, b]: [DVec2; 2]| {
             let normal = (b - a).try_normalize()?.perp();
             let places = self.corners().map(|p| p.dot(normal));

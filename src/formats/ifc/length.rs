@@ -3,13 +3,16 @@
 //! Certain is a wall whose ground has two long sides along it and whose shape can follow both ends ([`super::reshape`]). Its
 //! placement stays, and so do the openings that stand in its frame.
 
+use std::cell::Cell;
+
 use glam::{DAffine3, DVec2};
 
-use super::footprint::Footprint;
+use super::footprint::{Footprint, reach};
 use super::geo::{Why, plan_point};
 use super::model::body_items;
 use super::read::Building;
 use super::reshape::{Node, Reshape, SLOPE_MIN, is_plumb, is_straight, list_of};
+use super::rooms::{Stated, is_same};
 use super::step::Arg;
 
 /// Directions whose sine is smaller are one.
@@ -38,6 +41,8 @@ pub(super) struct Bar {
     pub ends: [Vec<DVec2>; 2],
     /// Whether an axis says which of its ends is the first.
     pub has_axis: bool,
+    /// How far each end may go into the wall before it passes a point of the shape that stays, file units.
+    pub free: [f64; 2],
 }
 
 /// Whether a wall can change its length, and how.
@@ -53,8 +58,10 @@ pub(super) fn bar(b: &Building<'_, '_>, id: u64) -> Result<Bar, Why> {
     let world = b.geo.placement(args.get(5).and_then(Arg::id).ok_or("it has no placement")?)?;
     let axis = axis(b, shape, &world)?;
     let rings = ground(b, id, shape, &world)?;
-    let bar = outline(&rings, axis, b.geo.metres)?;
-    bar.change(b, id, TRIED_M.map(|way| way / b.geo.metres))?;
+    let mut bar = outline(&rings, axis, b.geo.metres)?;
+    let by = TRIED_M.map(|way| way / b.geo.metres);
+    bar.change(b, id, by)?;
+    bar.free = bar.free_ways(b, id, by)?;
     Ok(bar)
 }
 
@@ -73,6 +80,30 @@ pub(super) fn grows(b: &Building<'_, '_>, id: u64) -> Vec<u64> {
     let has_shape = |of: &u64| *of == id || b.step.args(*of).get(6).and_then(Arg::id).is_some();
     out.retain(has_shape);
     out
+}
+
+/// Stated figures by element.
+pub(super) type Figures = Vec<(u64, Vec<String>)>;
+
+/// The lengths, areas and volumes that the file states of what grows with a wall and that another length makes wrong: all
+/// but how high and how thick it is. They stay as stated.
+pub(super) fn figures(b: &Building<'_, '_>, id: u64) -> Figures {
+    let of = |id: u64| {
+        let at = Footprint::of(b, id);
+        let high = reach(b, id).map(|[low, high]| high - low);
+        let stays: Vec<f64> = at.iter().map(Footprint::width).chain(high).collect();
+        let long = at.iter().flat_map(Footprint::runs).fold(0.0, f64::max);
+        let is_stale = |s: &Stated| {
+            let is = |own: f64| is_same(s.value, own, b.geo.metres);
+            s.power > 1 || is(long) || !stays.iter().any(|v| is(*v))
+        };
+        let sets = b.model.quantity_sets(b.step, id).into_iter();
+        let all = sets.flat_map(|set| b.step.args(set).get(5).map(Arg::ids).unwrap_or_default());
+        let names: Vec<String> =
+            all.filter_map(|q| Stated::of(b, q)).filter(is_stale).map(|s| s.name).collect();
+        (!names.is_empty()).then_some((id, names))
+    };
+    grows(b, id).into_iter().filter_map(of).collect()
 }
 
 /// From where to where the straight axis of a wall runs, in the world's plan.
@@ -166,7 +197,7 @@ fn outline(rings: &[Vec<DVec2>], axis: Option<DVec2>, metres: f64) -> Result<Bar
     if low - top <= near || axis.is_none() && !is_slender(&rings.concat(), along) {
         return Err("it is too short to tell its ends from its sides".into());
     }
-    Ok(Bar { along, inner: [top, low], ends, has_axis: axis.is_some() })
+    Ok(Bar { along, inner: [top, low], ends, has_axis: axis.is_some(), free: [f64::INFINITY; 2] })
 }
 
 fn longer(a: &DVec2, b: &DVec2) -> std::cmp::Ordering {
@@ -226,24 +257,60 @@ fn sides(ring: &[DVec2], along: DVec2, near: f64) -> Option<[Vec<usize>; 2]> {
 }
 
 impl Bar {
-    /// How a point goes where the ends go `by` along the wall.
-    fn shift(&self, p: DVec2, by: [f64; 2], near: f64) -> DVec2 {
+    /// The end that a point is at.
+    fn end_of(&self, p: DVec2, near: f64) -> Option<usize> {
         match p.dot(self.along) {
-            at if at <= self.inner[0] + near => self.along * by[0],
-            at if at >= self.inner[1] - near => self.along * by[1],
-            _ => DVec2::ZERO,
+            at if at <= self.inner[0] + near => Some(0),
+            at if at >= self.inner[1] - near => Some(1),
+            _ => None,
         }
+    }
+
+    /// Whether its ends can go `by` along it, file units, and pass nothing of the wall that stays.
+    pub fn can_go(&self, by: [f64; 2]) -> bool {
+        by[0] < self.free[0] && -by[1] < self.free[1]
     }
 
     /// What changes below the wall's instance and those that grow with it where its ends go `by` along it, file units.
     pub fn change(&self, b: &Building<'_, '_>, id: u64, by: [f64; 2]) -> Result<Vec<Node>, Why> {
+        if !self.can_go(by) {
+            return Err("an end of it would pass a part of its body that stays".into());
+        }
+        self.reshaped(b, by, &|_| {}, |shape| grows(b, id).into_iter().map(|id| shape.product(id)).collect())
+    }
+
+    /// How far each end may go into the wall before it passes a point of its body that stays.
+    fn free_ways(&self, b: &Building<'_, '_>, id: u64, by: [f64; 2]) -> Result<[f64; 2], Why> {
+        let stays = Cell::new([f64::INFINITY, f64::NEG_INFINITY]);
+        let see = |p: DVec2| {
+            let at = p.dot(self.along);
+            stays.update(|[low, high]| [low.min(at), high.max(at)]);
+        };
+        self.reshaped(b, by, &see, |shape| shape.body(id))?;
+        let [low, high] = stays.get();
+        Ok([low - self.inner[0], self.inner[1] - high])
+    }
+
+    /// What becomes of shapes where the ends go; `stays` sees the points that do not.
+    fn reshaped<T>(
+        &self,
+        b: &Building<'_, '_>,
+        by: [f64; 2],
+        stays: &dyn Fn(DVec2),
+        of: impl Fn(&Reshape<'_, '_, '_, '_>) -> Result<T, Why>,
+    ) -> Result<T, Why> {
         let near = IN_LINE_M / b.geo.metres;
         let grounds = [[0.0; 2], by].map(|by| {
             let end = |k: usize| self.ends[k].iter().map(move |p| *p + self.along * by[k]);
             end(0).chain(end(1)).collect::<Vec<_>>()
         });
-        let go = |p: DVec2| Ok(self.shift(p, by, near));
-        let reshape = Reshape { b, go: &go, grounds: [&grounds[0], &grounds[1]] };
-        grows(b, id).into_iter().map(|id| reshape.product(id)).collect()
+        let go = |p: DVec2| {
+            let end = self.end_of(p, near);
+            if end.is_none() {
+                stays(p);
+            }
+            Ok(end.map_or(DVec2::ZERO, |end| self.along * by[end]))
+        };
+        of(&Reshape { b, go: &go, grounds: [&grounds[0], &grounds[1]] })
     }
 }

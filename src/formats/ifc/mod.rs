@@ -125,6 +125,17 @@ pub struct BoundedRoom {
     pub boundaries: usize,
 }
 
+/// Figures that the file states of an element that becomes longer or shorter, and that stay as they are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StaleFigures {
+    /// Its instance.
+    pub id: u64,
+    /// Its `GlobalId`.
+    pub global_id: String,
+    /// What they are called.
+    pub names: Vec<String>,
+}
+
 /// What edits change beside what they name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Effects {
@@ -133,6 +144,8 @@ pub struct Effects {
     pub moved: Vec<Vec<MovedProduct>>,
     /// Rooms that moved walls bound.
     pub rooms: Vec<BoundedRoom>,
+    /// Figures of walls that change their length.
+    pub figures: Vec<StaleFigures>,
     /// Joints with walls that are not in the plan and stay.
     pub unseen: Vec<UnseenJoint>,
 }
@@ -308,8 +321,9 @@ pub fn patch(
     let step = open(file, bytes)?;
     let building = Building::new(file, &step, options.unit);
     let mut mover = patch::Mover::new(&building, options, edits);
+    let mut figures = Vec::new();
     for edit in edits {
-        mover.edit(edit)?;
+        figures.extend(mover.edit(edit)?.figures);
     }
     let rooms = mover.rooms();
     let next = mover.next_id();
@@ -317,7 +331,7 @@ pub fn patch(
     let end = line_end(bytes);
     let text = match own {
         [] => Vec::new(),
-        _ => additions::text(&building, options, next, (edits, &rooms), own)?,
+        _ => additions::text(&building, options, next, (edits, &rooms, &figures), own)?,
     };
     if !text.is_empty() {
         added.extend([OWN_MARK, end].concat());
@@ -344,11 +358,18 @@ pub fn effects(file: &str, bytes: &[u8], options: &ReadOptions, edits: &[Edit]) 
         let storey = outlines.as_ref().and_then(|_| building.storey_name(id));
         MovedProduct { id, global_id, filler, outlines, storey }
     };
-    let mut moved = Vec::new();
+    let (mut moved, mut figures) = (Vec::new(), Vec::new());
     for edit in edits {
         let found = mover.edit(edit)?;
+        figures.extend(found.figures.into_iter().map(|(id, names)| StaleFigures {
+            id,
+            global_id: named(id, None).global_id,
+            names,
+        }));
+        let on_tails = found.tails.iter().flat_map(|t| length::grows(&building, t.id).into_iter().skip(1));
+        let whole: Vec<u64> = found.products.iter().copied().chain(on_tails).collect();
         let tails = found.tails.into_iter().map(|t| named(t.id, Some(t.outlines)));
-        moved.push(found.products.into_iter().map(|id| named(id, None)).chain(tails).collect());
+        moved.push(whole.into_iter().map(|id| named(id, None)).chain(tails).collect());
     }
     let bounded = |room: rooms::Room| BoundedRoom {
         id: room.id,
@@ -362,7 +383,7 @@ pub fn effects(file: &str, bytes: &[u8], options: &ReadOptions, edits: &[Edit]) 
         boundaries: room.boundaries,
     };
     let rooms = mover.rooms().into_iter().map(bounded).collect();
-    Ok(Effects { moved, rooms, unseen: unseen::left(&building, options, edits) })
+    Ok(Effects { moved, rooms, figures, unseen: unseen::left(&building, options, edits) })
 }
 
 /// How many elements of a kind a whole file has, subtypes counted in.

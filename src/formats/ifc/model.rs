@@ -254,6 +254,17 @@ impl Model {
         }
     }
 
+    /// The sets of quantities of an element, each once.
+    pub fn quantity_sets(&self, step: &Step<'_>, id: u64) -> BTreeSet<u64> {
+        let sets = self.properties.get(&id).into_iter().flatten().copied();
+        sets.filter(|set| step.keyword(*set) == "IFCELEMENTQUANTITY").collect()
+    }
+
+    /// Whether several elements have a property set.
+    pub fn is_shared_set(&self, set: u64) -> bool {
+        self.properties.values().chain(self.of_types.values()).filter(|sets| sets.contains(&set)).count() > 1
+    }
+
     /// Whether an instance gathers spaces.
     pub fn is_zone(&self, id: u64) -> bool {
         self.zones.values().any(|zones| zones.contains(&id))

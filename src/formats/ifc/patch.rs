@@ -48,6 +48,8 @@ pub(super) struct Moved {
     pub products: Vec<u64>,
     /// Unseen walls that it takes along.
     pub tails: Vec<Tail>,
+    /// Stated figures that stay, though their element changes its length.
+    pub figures: length::Figures,
 }
 
 /// Splices of existing bytes, new instances, and what moved.
@@ -56,6 +58,8 @@ pub(super) struct Mover<'b, 's, 'a> {
     users: HashMap<u64, Vec<u64>>,
     next: u64,
     done: HashSet<u64>,
+    /// What other edits carry: it goes with them, whichever comes first.
+    carried: HashSet<u64>,
     /// Instances changed in place below a wall that changes its length, and those copied for it.
     changed: HashSet<u64>,
     copies: Vec<(Node, u64)>,
@@ -79,13 +83,16 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         let rooms = rooms::bounded(b, edits, &tails);
         let longer = longer.chain(tails.values().flatten().map(|t| t.id));
         let longer = longer.flat_map(|id| length::grows(b, id)).chain(rooms.iter().map(|r| r.id));
+        let stated = rooms.iter().flat_map(|r| &r.stated).flat_map(|set| &set.changes);
+        let stated = stated.filter_map(|(_, change)| Some(change.instance()?.id));
         Self {
             b,
-            users: users(b.step, longer),
+            users: users(b.step, longer, stated),
             tails,
             rooms,
             next: b.step.largest_id() + 1,
             done: HashSet::new(),
+            carried: edits.iter().filter_map(moved_whole).flat_map(|id| carried(b, id)).collect(),
             changed: HashSet::new(),
             copies: Vec::new(),
             shape: None,
@@ -118,7 +125,8 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
             Edit::Insert { motion, .. } => motion,
             Edit::Ends { by, .. } => {
                 self.lengthen(id, *by).map_err(|why| self.fault(id, &why))?;
-                return Ok(Moved { products: length::grows(self.b, id), tails: Vec::new() });
+                let (products, figures) = (length::grows(self.b, id), length::figures(self.b, id));
+                return Ok(Moved { products, figures, ..Moved::default() });
             }
             Edit::Shape { .. } | Edit::Points { .. } => {
                 return Err(self.fault(id, "an element of a building moves as a whole"));
@@ -130,7 +138,8 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         let follows = self.b.model.follows(id);
         let set: HashSet<u64> = follows.iter().copied().collect();
         let mut here: HashSet<u64> = HashSet::new();
-        for follower in &follows {
+        let goes_itself = !self.carried.contains(&id);
+        for follower in follows.iter().filter(|_| goes_itself) {
             if self.done.insert(*follower) {
                 self.product(*follower, motion, &set, &mut here)
                     .map_err(|why| self.fault(*follower, &why))?;
@@ -138,7 +147,8 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         }
         let mut tails = self.tails.remove(&id).unwrap_or_default();
         tails.retain(|t| self.lengthen(t.id, t.by).is_ok());
-        Ok(Moved { products: follows, tails })
+        let figures = tails.iter().flat_map(|t| length::figures(self.b, t.id)).collect();
+        Ok(Moved { products: follows, tails, figures })
     }
 
     /// Takes along the rooms that the moved walls bound, after all edits.
@@ -150,7 +160,7 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
                 room.stated.clear();
             }
             room.shape.iter().for_each(|shape| self.below(shape));
-            self.splices.extend(room.stated.iter().map(|(at, text)| Splice::new(at.clone(), text.as_str())));
+            room.stated.iter().for_each(|set| self.below(set));
         }
         rooms
     }
@@ -491,6 +501,18 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
     }
 }
 
+/// What an edit moves as a whole.
+fn moved_whole(edit: &Edit) -> Option<u64> {
+    matches!(edit, Edit::Insert { .. }).then_some(edit.record() as u64)
+}
+
+/// What goes with an element; nothing that the element goes with as well.
+fn carried(b: &Building<'_, '_>, id: u64) -> Vec<u64> {
+    let mut all = b.model.follows(id);
+    all.retain(|of| !b.model.follows(*of).contains(&id));
+    all
+}
+
 /// A relative placement after a motion of the world.
 fn moved_axes(base: &DAffine3, own: &DAffine3, motion: &RigidMotion) -> DAffine3 {
     let to_base = base.matrix3.inverse();
@@ -525,9 +547,13 @@ const LABELS: [&str; 5] = [
 /// References from a shape to the coordinates of its body, under as many cuts as one may have.
 const SHAPE_DEPTH: usize = 8 + super::limits::BODY_DEPTH_MAX;
 
-/// Who refers to placements, their axes, points and directions, and to what the shapes of `longer` are made of.
-fn users(step: &Step<'_>, longer: impl Iterator<Item = u64>) -> HashMap<u64, Vec<u64>> {
-    let mut wanted: HashMap<u64, Vec<u64>> = HashMap::new();
+/// Who refers to placements, their axes, points and directions, to what the shapes of `longer` are made of, and to `others`.
+fn users(
+    step: &Step<'_>,
+    longer: impl Iterator<Item = u64>,
+    others: impl Iterator<Item = u64>,
+) -> HashMap<u64, Vec<u64>> {
+    let mut wanted: HashMap<u64, Vec<u64>> = others.map(|id| (id, Vec::new())).collect();
     for product in longer {
         let mut level: Vec<u64> = step.args(product).get(6).and_then(Arg::id).into_iter().collect();
         for _ in 0..SHAPE_DEPTH {

@@ -667,7 +667,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             let corners = ring.iter().enumerate().filter(|(_, p)| !is_open && is_at(end, DVec2::from(**p)));
             corners.map(|(c, _)| c as u32).collect()
         });
-        Editable::Wall { ends }
+        Editable::Wall { ends, free: bar.free }
     }
 
     fn editable(&self, p: &Product) -> Editable {

@@ -10,6 +10,7 @@ use glam::{DAffine3, DVec2, DVec3};
 
 use super::geo::{UPRIGHT, Why};
 use super::limits::BODY_DEPTH_MAX;
+use super::model::body_items;
 use super::patch::real;
 use super::read::Building;
 use super::step::{Arg, Value};
@@ -87,6 +88,15 @@ impl Reshape<'_, '_, '_, '_> {
         })?;
         let shape = Node { id: shape, changes: representations };
         Ok(Node { id, changes: vec![(slot.span.clone(), Change::Instance(shape))] })
+    }
+
+    /// Goes through the points of a product's body alone.
+    pub fn body(&self, id: u64) -> Result<(), Why> {
+        let args = self.b.geo.args(id)?;
+        let shape = args.get(6).and_then(Arg::id).ok_or("it has no shape")?;
+        let placement = args.get(5).and_then(Arg::id);
+        let world = placement.map_or(Ok(DAffine3::IDENTITY), |p| self.b.geo.placement(p))?;
+        body_items(self.b.step, shape)?.into_iter().try_for_each(|item| self.item(item, &world, 0).map(drop))
     }
 
     /// Refuses a shape of which parts are shown by items of their own.

@@ -16,7 +16,7 @@ use super::length;
 use super::model::Product;
 use super::patch::real;
 use super::read::Building;
-use super::reshape::{Node, Reshape};
+use super::reshape::{Change, Node, Reshape, list_of};
 use super::step::Arg;
 use super::unseen::Tails;
 use crate::plan::distance_to_segment;
@@ -57,8 +57,8 @@ pub(super) struct Room {
     pub boundaries: usize,
     /// What changes below the space; nothing where it stays.
     pub shape: Option<Node>,
-    /// Stated quantities that follow: where, and the new value.
-    pub stated: Vec<(Range<usize>, String)>,
+    /// Sets of quantities of which some follow.
+    pub stated: Vec<Node>,
 }
 
 /// How a place on a wall goes: along the wall where that becomes longer or shorter, and then with the wall.
@@ -262,13 +262,9 @@ fn boundaries(b: &Building<'_, '_>, id: u64, walls: &[&Wall<'_>]) -> usize {
     all.filter(|i| is_here(&b.step.args_of(i))).count()
 }
 
-/// The stated quantities of a room that follow its outline, and the names of those that do not. `grounds`: nothing of a room
-/// that stays.
-fn quantities(
-    b: &Building<'_, '_>,
-    id: u64,
-    grounds: &[[Vec<DVec2>; 2]],
-) -> (Vec<(Range<usize>, String)>, Vec<String>) {
+/// The sets of a room with the stated quantities that follow its outline, and the names of those that do not. `grounds`:
+/// nothing of a room that stays.
+fn quantities(b: &Building<'_, '_>, id: u64, grounds: &[[Vec<DVec2>; 2]]) -> (Vec<Node>, Vec<String>) {
     let depth = reach(b, id).map_or(0.0, |[low, high]| high - low);
     let girth = |ring: &Vec<DVec2>| sides(ring).map(|[p, q]| p.distance(q)).sum::<f64>();
     let area = |ring: &Vec<DVec2>| ring_area(ring).abs();
@@ -280,32 +276,62 @@ fn quantities(
     };
     let girths = [whole(&girth), in_all(&girth, 1.0)];
     let areas = [whole(&area), in_all(&area, -1.0)];
-    let (mut stated, mut stay) = (Vec::new(), Vec::new());
-    let sets = b.model.properties.get(&id).into_iter().flatten();
-    for quantity in sets.flat_map(|s| b.step.args(*s).get(5).map(Arg::ids).unwrap_or_default()) {
-        let args = b.step.args(quantity);
-        let (power, of, by) = match &*b.step.keyword(quantity) {
-            "IFCQUANTITYLENGTH" => (1, girths, 1.0),
-            "IFCQUANTITYAREA" => (2, areas, 1.0),
-            "IFCQUANTITYVOLUME" => (3, areas, depth),
-            _ => continue,
-        };
-        let Some((value, slot)) = args.get(3).and_then(|a| Some((a.number()?, a.span.clone()))) else {
-            continue;
-        };
-        let name = args.first().and_then(|a| b.step.text(a)).unwrap_or_default();
-        let is_of = |was: f64| is_same(value, was * by, b.geo.metres.powi(power));
-        match of.into_iter().flatten().find(|[was, _]| is_of(*was)) {
-            Some([was, now]) => stated.push((slot, real(value * (now / was)))),
-            // A length that is no girth is a height.
-            None if power > 1 => stay.push(name),
-            None => {}
+    let (mut follow, mut stay) = (Vec::new(), Vec::new());
+    for set in b.model.quantity_sets(b.step, id) {
+        let mut changes = Vec::new();
+        for (at, quantity) in list_of(b, set, 5).unwrap_or_default() {
+            let Some(stated) = Stated::of(b, quantity) else { continue };
+            let (of, by) = match stated.power {
+                1 => (girths, 1.0),
+                2 => (areas, 1.0),
+                _ => (areas, depth),
+            };
+            let is_of = |was: f64| is_same(stated.value, was * by, b.geo.metres.powi(stated.power));
+            match of.into_iter().flatten().find(|[was, _]| is_of(*was)) {
+                Some([was, now]) if !b.model.is_shared_set(set) => {
+                    let text = Change::Text(real(stated.value * (now / was)));
+                    let changed = Node { id: quantity, changes: vec![(stated.slot, text)] };
+                    changes.push((at, Change::Instance(changed)));
+                }
+                // A length that is no girth is a height.
+                None if stated.power == 1 => {}
+                _ => stay.push(stated.name),
+            }
         }
+        follow.extend((!changes.is_empty()).then_some(Node { id: set, changes }));
     }
-    (stated, stay)
+    (follow, stay)
+}
+
+/// A length, an area or a volume that the file states.
+pub(super) struct Stated {
+    /// Of the length: 1, 2 or 3.
+    pub power: i32,
+    /// In the file's units.
+    pub value: f64,
+    /// Where the value stands.
+    pub slot: Range<usize>,
+    /// What it is called.
+    pub name: String,
+}
+
+impl Stated {
+    /// What a quantity states, if it is one of these.
+    pub fn of(b: &Building<'_, '_>, quantity: u64) -> Option<Self> {
+        let power = match &*b.step.keyword(quantity) {
+            "IFCQUANTITYLENGTH" => 1,
+            "IFCQUANTITYAREA" => 2,
+            "IFCQUANTITYVOLUME" => 3,
+            _ => return None,
+        };
+        let args = b.step.args(quantity);
+        let (value, slot) = args.get(3).and_then(|a| Some((a.number()?, a.span.clone())))?;
+        let name = args.first().and_then(|a| b.step.text(a)).unwrap_or_default();
+        Some(Self { power, value, slot, name })
+    }
 }
 
 /// Whether a stated value is one of the outline's, in units of the file or in metres.
-fn is_same(stated: f64, own: f64, metres: f64) -> bool {
+pub(super) fn is_same(stated: f64, own: f64, metres: f64) -> bool {
     [1.0, metres].iter().any(|unit| (stated - own * unit).abs() <= SAME_SHARE * own * unit)
 }

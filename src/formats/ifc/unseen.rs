@@ -173,7 +173,7 @@ pub(super) fn taken(b: &Building<'_, '_>, options: &ReadOptions, edits: &[Edit])
             one.takers.insert(wall);
         }
     }
-    found.retain(|_, c| c.by() != [0.0; 2] && c.rest() * b.geo.metres >= REST_M);
+    found.retain(|_, c| c.by() != [0.0; 2] && c.rest() * b.geo.metres >= REST_M && c.bar.can_go(c.by()));
     leave_kept(b, &mut found);
     leave_barred(b, &edited, &mut found);
     let mut out = Taken::default();

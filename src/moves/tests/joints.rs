@@ -10,7 +10,8 @@ use crate::report::Severity;
 /// A partition at x = 8 between two walls, and a wall that stands at its east side at y = 5.
 fn beside(has_opening: bool) -> Drawing {
     let mut d = building(&[(1, [8.0, 8.2], [0.0, 10.0]), (2, [9.4, 12.0], [5.0, 5.2])]);
-    d.entities.last_mut().unwrap().editable = Editable::Wall { ends: [vec![], vec![1, 2]] };
+    d.entities.last_mut().unwrap().editable =
+        Editable::Wall { ends: [vec![], vec![1, 2]], free: [f64::INFINITY; 2] };
     if has_opening {
         d.ring(OPENING_LAYER, &[[8.2, 5.0], [9.4, 5.0], [9.4, 5.2], [8.2, 5.2]]);
         d.entities.last_mut().unwrap().source.record = 2;

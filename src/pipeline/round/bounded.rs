@@ -2,6 +2,7 @@
 
 use super::Made;
 use super::made::metres;
+use crate::formats::Changes;
 use crate::formats::ifc::BoundedRoom;
 use crate::overlay::result;
 use crate::pipeline::show;
@@ -23,8 +24,10 @@ pub(super) fn changes(study: &Study, made: &Made) -> Vec<result::Change> {
     made.changed.rooms.iter().filter_map(of).collect()
 }
 
-/// Says which rooms stay as drawn, and which of their figures and boundaries stay as stated.
-pub(super) fn say(report: &mut Report, file: &str, rooms: &[BoundedRoom]) {
+/// Says which rooms stay as drawn, which of their figures and boundaries stay as stated, and which of walls.
+pub(super) fn say(report: &mut Report, file: &str, changed: &Changes) {
+    say_walls(report, file, changed);
+    let rooms = &changed.rooms;
     for room in rooms {
         if let Err(why) = &room.outlines {
             let text = format!(
@@ -51,6 +54,26 @@ pub(super) fn say(report: &mut Report, file: &str, rooms: &[BoundedRoom]) {
         );
         report.info("room-figures-stay", place(file, first), text);
     }
+}
+
+fn say_walls(report: &mut Report, file: &str, changed: &Changes) {
+    let Some(first) = changed.figures.first() else { return };
+    let mut names: Vec<&str> = changed.figures.iter().flat_map(|f| &f.names).map(String::as_str).collect();
+    names.sort_unstable();
+    names.dedup();
+    let count = changed.figures.len();
+    let text = format!(
+        "{} in an option a length that the file does not state: {} stay as they are. Pset_Enfilade_Result of each lists \
+         them. Compute them anew in your program.",
+        if count == 1 {
+            "One element of a wall has".into()
+        } else {
+            format!("{count} elements of walls have")
+        },
+        names.join(", ")
+    );
+    let place = Place { file: file.into(), line: None, entity: first.global_id.clone() };
+    report.info("wall-figures-stay", place, text);
 }
 
 fn place(file: &str, room: &BoundedRoom) -> Place {

@@ -67,7 +67,7 @@ pub(super) fn make(
     let ids = formats::host_ids(input.file(), &input.bytes, &named);
     let host_ids = named.iter().zip(ids).filter_map(|(r, id)| Some((*r as u64, id?))).collect();
     told::say_stale(&mut report, input.file(), &tied.stale);
-    bounded::say(&mut report, input.file(), &changed.rooms);
+    bounded::say(&mut report, input.file(), &changed);
     state_left_behind(&study.base, &layout, &mut report);
     let searched = study.measure(&member.parameters, &mut study.bench());
     let differs = worth.differences(&searched);
