@@ -23,6 +23,18 @@ impl Html {
         self
     }
 
+    /// Words of a message: what stands between backticks is what somebody types.
+    pub fn words(&mut self, text: &str) -> &mut Self {
+        let is_paired = text.matches('`').count().is_multiple_of(2);
+        for (i, part) in text.split(|c| c == '`' && is_paired).enumerate() {
+            match i % 2 {
+                0 => self.text(part),
+                _ => self.raw("<code>").text(part).raw("</code>"),
+            };
+        }
+        self
+    }
+
     /// `<tag …>`.
     pub fn open(&mut self, tag: &'static str, attributes: Attributes<'_>) -> &mut Self {
         self.0.push('<');
@@ -92,6 +104,17 @@ pub fn png_size(png: &[u8]) -> Option<[u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_somebody_types_is_code() {
+        let of = |text: &str| {
+            let mut html = Html::default();
+            html.words(text);
+            html.into_string()
+        };
+        assert_eq!(of("`accept <a>` takes it"), "<code>accept &lt;a&gt;</code> takes it");
+        assert_eq!(of("a file `named so"), "a file `named so");
+    }
 
     #[test]
     fn nothing_from_a_drawing_becomes_markup() {

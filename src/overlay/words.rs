@@ -153,11 +153,13 @@ pub fn confirmed(initial: &Numbers, gains: &Gains) -> String {
 }
 
 /// `+9 % (7 to 11 %)`: the change as the measure shows it, and what it surely is; `unchanged (−1 to 2 %)` where nobody can
-/// tell. A score's is a difference, without per cent.
+/// tell. A score's is a difference, without per cent. In tenths where the interval is narrow, or would seem to reach 0.
 pub fn gain_words(key: &str, gain: &Gain) -> String {
+    let is_unsure = gain.low <= 0.0 && gain.high >= 0.0;
+    let is_near_none = !is_unsure && gain.low.abs().min(gain.high.abs()) < TENTHS_BELOW;
     let (times, digits, unit) = match key {
         "score" => (1.0, 2, ""),
-        _ => (100.0, usize::from(gain.high - gain.low < TENTHS_BELOW), " %"),
+        _ => (100.0, usize::from(gain.high - gain.low < TENTHS_BELOW || is_near_none), " %"),
     };
     let told = |share: f64| fixed(share * times, digits);
     let turned = if gain.sense == Sense::Max { 1.0 } else { -1.0 };
@@ -166,7 +168,7 @@ pub fn gain_words(key: &str, gain: &Gain) -> String {
     let step = 10_f64.powi(digits as i32) * times;
     let low = told(((low * step + NOISE).floor()) / step);
     let range = format!("({low} to {}{unit})", told((high * step - NOISE).ceil() / step));
-    if gain.low <= 0.0 && gain.high >= 0.0 {
+    if is_unsure {
         return format!("unchanged {range}");
     }
     let sign = if turned * gain.share > 0.0 { "+" } else { "" };
@@ -415,6 +417,7 @@ mod tests {
             (gain(0.09, 0.07, 0.11, Sense::Max), "+9 % (7 to 11 %)"),
             (gain(0.04, 0.032, 0.041, Sense::Min), "−4.0 % (−4.1 to −3.2 %)"),
             (gain(0.004, -0.012, 0.02, Sense::Max), "unchanged (−2 to 2 %)"),
+            (gain(0.0139, 0.0056, 0.0221, Sense::Max), "+1.4 % (0.5 to 2.3 %)"),
             (gain(-0.05, -0.08, -0.02, Sense::Max), "−5 % (−8 to −2 %)"),
             (gain(-0.05, -0.08, -0.02, Sense::Min), "+5 % (2 to 8 %)"),
         ];

@@ -82,14 +82,16 @@ class Option:
         low, share, high = (float(gain[k]) for k in ("low", "share", "high"))
         # A score's is a difference.
         times, unit = (1.0, "") if measure == "score" else (100.0, " %")
-        digits = 2 if measure == "score" else 1 if high - low < TENTHS_BELOW else 0
+        is_unsure = low <= 0 <= high
+        is_near_none = not is_unsure and min(abs(low), abs(high)) < TENTHS_BELOW
+        digits = 2 if measure == "score" else 1 if high - low < TENTHS_BELOW or is_near_none else 0
         turned = 1 if gain["sense"] == "max" else -1
         ends = sorted((turned * low, turned * high))
         # Rounding makes the interval wider, never narrower.
         step = times * 10**digits
         steps = (math.floor(ends[0] * step + 1e-6), math.ceil(ends[1] * step - 1e-6))
         between = " to ".join(_fixed(v / 10**digits, digits) for v in steps)
-        if low <= 0 <= high:
+        if is_unsure:
             return f"unchanged ({between}{unit})"
         sign = "+" if turned * share > 0 else ""
         return f"{sign}{_fixed(times * turned * share, digits)}{unit} ({between}{unit})"

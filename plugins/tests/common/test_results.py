@@ -270,7 +270,7 @@ def test_changes_are_told_as_the_program_tells_them() -> None:
         (option("degree", 0.04, 0.032, 0.041, "min"), "−4.0 % (−4.1 to −3.2 %)"),
         (option("degree", 0.004, -0.012, 0.02, "max"), "unchanged (−2 to 2 %)"),
         (option("degree", -0.05, -0.08, -0.02, "min"), "+5 % (2 to 8 %)"),
-        (option("degree", 0.01, 0.001, 0.02, "min"), "−1 % (−2 to 0 %)"),
+        (option("degree", 0.01, 0.001, 0.02, "min"), "−1.0 % (−2.0 to −0.1 %)"),
         (option("degree", 0.0, -0.0001, 0.0, "max"), "unchanged (−0.1 to 0.0 %)"),
     ):
         assert change.change("degree") == words

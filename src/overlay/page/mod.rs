@@ -141,7 +141,7 @@ fn header(html: &mut Html, input: &ReportInput<'_>) {
     let result = input.result;
     html.raw("<header>\n<p class=\"eyebrow\">Enfilade <span>·</span> round ").text(&input.round.to_string());
     html.raw("</p>\n").element("h1", &[], drawing_name(&result.input.path));
-    html.element("p", &[("class", "lead")], &cards::prose(&lead(result)));
+    html.open("p", &[("class", "lead")]).words(&cards::prose(&lead(result))).close("p");
     html.raw("<dl class=\"facts\">\n");
     let counts = &result.counts;
     let cells = format!(
@@ -180,7 +180,7 @@ fn lead(result: &RoundResult) -> String {
         }
         if !result.moves.is_empty() && result.best.is_some() {
             return format!(
-                "No option was made, but the best layout found is better than the present one: `accept {} best` takes it ({}).",
+                "No layout gains enough to be an option. The best found is better than the present one: `accept {} best` takes it ({}).",
                 file_name(&result.input.path),
                 result.stopped_by
             );

@@ -308,7 +308,7 @@ pub fn problems(html: &mut Html, input: &ReportInput<'_>) {
         let of_severity = result.problems.iter().filter(|p| kind_of(p) == severity);
         for (p, others) in gathered(of_severity, |p| (&p.code, &p.text)) {
             html.open("tr", &[("class", severity)]).element("th", &[("scope", "row")], word_of(severity));
-            html.raw("<td class=\"word\">").text(&p.text);
+            html.raw("<td class=\"word\">").words(&p.text);
             if !p.place.is_empty() {
                 html.raw("<code>").text(&p.place).raw("</code>");
             }
