@@ -205,7 +205,7 @@ impl Heart {
                 self.settle.again(self.start.elapsed(), &what.drawing);
             }
             Outcome::Ended(Err(_)) if running.why == TOO_LONG => {
-                let error = too_long(&what.drawing, self.settings.job_limit_secs);
+                let error = too_long(&what.drawing, self.settings.job_limit_secs, running.has_best);
                 self.failed_for_good(what, error, show);
             }
             Outcome::Ended(Err(_)) if running.why == READING_TOO_LONG => {
@@ -313,7 +313,7 @@ impl Heart {
         let reading = Duration::from_secs_f64(self.settings.read_limit_secs);
         for running in self.running.iter_mut().filter(|r| r.stopped.is_none()) {
             if running.since.elapsed() >= limit {
-                running.stop(TOO_LONG);
+                running.stop_keeping(TOO_LONG);
             } else if running.is_reading && running.since.elapsed() >= reading {
                 running.stop(READING_TOO_LONG);
             }

@@ -30,9 +30,10 @@ pub(super) fn shown(drawing: &Path) -> Place {
     Place::file(drawing.file_name().unwrap_or_default().to_string_lossy())
 }
 
-pub(super) fn too_long(drawing: &Path, limit_secs: f64) -> Error {
+pub(super) fn too_long(drawing: &Path, limit_secs: f64, has_best: bool) -> Error {
+    let best = if has_best { "; its best so far is kept" } else { "" };
     let text =
-        format!("the job ran longer than the limit of {limit_secs} s (job-limit-secs) and was stopped");
+        format!("the job ran longer than the limit of {limit_secs} s (job-limit-secs) and was stopped{best}");
     Error::input("job-too-long", shown(drawing), text)
 }
 
