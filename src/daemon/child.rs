@@ -2,7 +2,8 @@
 //! its reason, and the next drawing is taken up (hazard 23).
 //!
 //! The parent writes one [`Request`] to the child's standard input and leaves it open: its end, with the parent's,
-//! is the child's end; one more byte asks for the best so far. The child answers on standard output in frames: a line of JSON, then the bytes it announces.
+//! is the child's end; one more byte asks for the best so far. The child answers on standard output in frames: a line
+//! of JSON, then the bytes it announces.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;

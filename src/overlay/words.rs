@@ -175,7 +175,7 @@ pub fn gain_words(key: &str, gain: &Gain) -> String {
     format!("{sign}{}{unit} {range}", told(turned * gain.share))
 }
 
-/// Steps of what is told that differ by less are one: what computing in binary leaves.
+/// Steps of the last digit that differ by less are one: binary computing leaves as much.
 const NOISE: f64 = 1e-6;
 
 /// Per cents are told in tenths where the interval is narrower than this.

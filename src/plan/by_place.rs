@@ -1,4 +1,4 @@
-//! Where boxes lie, so that those at one place are found without a look at all others.
+//! Boxes: how two lie to each other, and which lie at a place, found without a look at all others.
 
 use glam::DVec2;
 
@@ -71,7 +71,7 @@ impl<'d> Entities<'d> {
         self.by_place.touching(extent).into_iter().map(|i| self.all[i])
     }
 
-    /// The box of their points in a box; itself where there is none.
+    /// The box of their points in a box; without points the box itself.
     pub fn tight(&self, extent: &[DVec2; 2]) -> [DVec2; 2] {
         let inside = self.touching(extent).flat_map(|e| control_points(&e.shape)).filter(is_in(extent));
         box_of(inside).unwrap_or(*extent)
@@ -82,6 +82,26 @@ impl<'d> Entities<'d> {
 pub fn is_in([lo, hi]: &[DVec2; 2]) -> impl Fn(&DVec2) -> bool + use<> {
     let (lo, hi) = (*lo, *hi);
     move |p| p.cmpge(lo).all() && p.cmple(hi).all()
+}
+
+/// How much ground a box takes.
+pub fn area([lo, hi]: &[DVec2; 2]) -> f64 {
+    (hi - lo).element_product()
+}
+
+/// The box round two.
+pub fn union(a: &[DVec2; 2], b: &[DVec2; 2]) -> [DVec2; 2] {
+    [a[0].min(b[0]), a[1].max(b[1])]
+}
+
+/// Distance of two boxes, 0 where they overlap.
+pub fn gap(a: &[DVec2; 2], b: &[DVec2; 2]) -> f64 {
+    (a[0] - b[1]).max(b[0] - a[1]).max(DVec2::ZERO).length()
+}
+
+/// A box with more round it.
+pub fn wider([lo, hi]: &[DVec2; 2], by: f64) -> [DVec2; 2] {
+    [*lo - by, *hi + by]
 }
 
 /// Adds a part, which begins at `from`, and its halves across its longer side.

@@ -4,13 +4,12 @@ use std::ops::RangeInclusive;
 
 use glam::DVec2;
 
-use super::by_place::{ByPlace, Entities, is_in};
+use super::by_place::{ByPlace, Entities, area, gap, is_in, wider};
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Shape, Text};
 use super::parallels::{Piece, pieces};
 use super::roles::{Role, role_by_name};
 use super::view_names::{Title, is_of_title_block, title_of};
-use super::views::{area, gap};
 use super::{box_of, distance_to_segment};
 
 /// Titles are looked for this far around a drawing, metres.
@@ -147,11 +146,6 @@ impl<'d> OnSheet<'d> {
 /// The middle of a shape's box.
 pub fn middle(shape: &Shape) -> DVec2 {
     box_of(control_points(shape).into_iter()).map_or(DVec2::ZERO, |b| (b[0] + b[1]) / 2.0)
-}
-
-/// A box with more round it.
-pub fn wider([lo, hi]: &[DVec2; 2], by: f64) -> [DVec2; 2] {
-    [*lo - by, *hi + by]
 }
 
 fn first_line(text: &Text) -> String {

@@ -4,10 +4,11 @@ use std::borrow::Cow;
 
 use glam::DVec2;
 
+use super::by_place::gap;
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity, Layer, Shape};
 use super::own_layers::is_own;
-use super::views::{View, gap};
+use super::views::View;
 use super::{box_of, view_names::Title};
 
 /// The layer, switched off, of what lies outside the box.

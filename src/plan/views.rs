@@ -9,10 +9,10 @@ use std::ops::Range;
 use glam::DVec2;
 
 use super::box_of;
-use super::by_place::{ByPlace, is_in};
+use super::by_place::{ByPlace, area, gap, is_in, union, wider};
 use super::curve::control_points;
 use super::drawing::{Drawing, Entity};
-use super::on_sheet::{OnSheet, middle, wider};
+use super::on_sheet::{OnSheet, middle};
 use super::parallels::{Piece, pieces};
 use super::roles::{Role, role_by_name};
 use super::view_names::{Title, is_first_floor};
@@ -478,21 +478,6 @@ fn apart(on_sheet: &OnSheet<'_>, parts: &[Part]) -> Vec<bool> {
     // What is left must be a drawing.
     let has_rest = parts.iter().zip(&out).any(|(p, apart)| !apart && p.wall_pieces > 0);
     if has_rest { out } else { vec![false; parts.len()] }
-}
-
-/// How much ground a box takes.
-pub(super) fn area([lo, hi]: &[DVec2; 2]) -> f64 {
-    (hi - lo).element_product()
-}
-
-/// The box round two.
-fn union(a: &[DVec2; 2], b: &[DVec2; 2]) -> [DVec2; 2] {
-    [a[0].min(b[0]), a[1].max(b[1])]
-}
-
-/// Distance of two boxes, 0 where they overlap.
-pub(super) fn gap(a: &[DVec2; 2], b: &[DVec2; 2]) -> f64 {
-    (a[0] - b[1]).max(b[0] - a[1]).max(DVec2::ZERO).length()
 }
 
 fn nearest(boxes: &[[DVec2; 2]], p: DVec2) -> usize {

@@ -18,7 +18,7 @@ impl Heart {
         }
     }
 
-    /// Gives up what runs, but for the best that it found so far, and all that waits; each is told.
+    /// Gives up what runs, but for the best that it found so far, and all that waits, and says so of each.
     fn cancel(&mut self, drawing: PathBuf, show: &mut dyn FnMut(Notice)) {
         let (own, others) = std::mem::take(&mut self.queue).into_iter().partition(|w| w.drawing == drawing);
         self.queue = others;

@@ -92,8 +92,8 @@ fn gain(coarse: &Sampled, fine: &Sampled, is_more_better: bool) -> Gain {
     Gain { share, low, high, sense: if is_more_better { ShownSense::Max } else { ShownSense::Min } }
 }
 
-/// Least sure gain of a best layout that is told, a share: gains are told in tenths of a per cent.
-pub(super) const TOLD_MIN: f64 = 0.001;
+/// Least sure gain of a best layout that is shown, a share: messages give gains in tenths of a per cent.
+pub(super) const BEST_MIN: f64 = 0.001;
 
 /// The most that a layout surely gains in something that is asked for; none if it surely loses something that is asked
 /// for, unless that objective's threshold is 0. Without end if nothing is asked for.

@@ -100,11 +100,12 @@ pub(super) fn found(brief: &Brief<'_>, search: &Search, others: &[search::Point]
     let no_option = (members.is_empty() || is_unmet).then(|| {
         if !is_unmet {
             let nearest = control.expand(&best.parameters);
+            let sure_gain = out.best.as_ref().and_then(|(_, g)| confirmed::sure_gain(objectives, g));
             return told::nothing_returned(
                 brief,
                 outcome.evaluations,
                 (&nearest, is_best_better),
-                out.sure_gain,
+                sure_gain.unwrap_or_default(),
             );
         }
         let nearest = control.expand(&outcome.best.parameters);

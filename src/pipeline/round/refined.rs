@@ -46,8 +46,6 @@ pub(super) struct Refined {
     pub(super) alike: usize,
     /// Ideas left out since their gain was not confirmed.
     pub(super) unconfirmed: usize,
-    /// What the best layout surely gains, a share.
-    pub(super) sure_gain: f64,
 }
 
 /// A layout with what people experience in it.
@@ -110,12 +108,10 @@ pub(super) fn refined(
         layouts.extend(options.members(0));
         layouts.push(best.clone());
         let mut all = with_gains(brief, layouts);
-        let gains = |found: &(Member, Gains)| sure_gain(found).filter(|g| *g >= confirmed::TOLD_MIN);
-        let of_all = all[pins..].iter().filter(|f| gains(f).is_some());
+        let of_all = all[pins..].iter().filter(|f| sure_gain(f).is_some_and(|g| g >= confirmed::BEST_MIN));
         let total = |found: &(Member, Gains)| confirmed::total(brief.objectives, &found.1);
         let surest = of_all.max_by(|a, b| total(a).total_cmp(&total(b))).cloned();
         out.best = all.pop().filter(is_confirmed).or(surest);
-        out.sure_gain = out.best.as_ref().and_then(gains).unwrap_or_default();
         let mut shown = all.split_off(pins);
         let wanted = shown.len();
         shown.retain(is_confirmed);
