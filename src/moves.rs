@@ -16,6 +16,8 @@ pub mod narrowed;
 pub mod opened;
 mod partitions;
 mod sides;
+mod sliding;
+mod slotted;
 pub mod struck;
 mod things;
 
@@ -55,8 +57,18 @@ pub struct Parameter {
 pub struct NodeGroup {
     /// Nodes of the graph, ascending.
     pub nodes: Vec<u32>,
-    /// Their control points that can be written back, ascending.
+    /// Their control points that can be written back, ascending; none where an opening slides.
     pub handles: Vec<Handle>,
+    /// The openings that slide along their walls: their places in [`Plan::slots`].
+    pub slots: Vec<usize>,
+}
+
+impl NodeGroup {
+    /// The control points that go as the group does.
+    pub fn corners<'p>(&'p self, plan: &'p Plan) -> impl Iterator<Item = &'p Handle> {
+        let sides = self.slots.iter().flat_map(|s| plan.slots[*s].jambs.iter().flatten());
+        self.handles.iter().chain(sides)
+    }
 }
 
 /// All parameters of a study.
@@ -97,8 +109,26 @@ pub struct MovedWall {
     pub motion: Option<RigidMotion>,
     /// How far both ends go along the wall's own axis besides, drawing units, where its length changes.
     pub ends: Option<[f64; 2]>,
+    /// Its openings that slide, and how far.
+    pub slid: Vec<Slid>,
     /// Whether anything differs from the drawing.
     pub is_changed: bool,
+}
+
+/// An opening that stands elsewhere along its wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slid {
+    /// Its place in [`Plan::slots`].
+    pub slot: usize,
+    /// How far it goes, drawing units.
+    pub shift: DVec2,
+}
+
+/// The motion of what slides along a wall and then goes with it.
+fn after_sliding(wall: Option<RigidMotion>, slid: Option<DVec2>) -> Option<RigidMotion> {
+    let Some(slid) = slid else { return wall };
+    let wall = wall.unwrap_or(RigidMotion { turn_rad: 0.0, shift: DVec2::ZERO });
+    Some(RigidMotion { shift: DVec2::from_angle(wall.turn_rad).rotate(slid) + wall.shift, ..wall })
 }
 
 /// The moving walls of one parameter vector; all other walls stand as drawn.
@@ -106,6 +136,25 @@ pub struct MovedWall {
 pub struct Layout {
     /// In the order of [`Moves::walls`].
     pub walls: Vec<MovedWall>,
+}
+
+impl MovedWall {
+    /// Whether the wall itself changes, and not only where its openings stand.
+    pub fn is_rebuilt(&self) -> bool {
+        self.is_changed && (self.slid.is_empty() || self.motion.is_some() || self.ends.is_some())
+    }
+}
+
+impl Layout {
+    /// Whether a record closes an opening that slides.
+    pub fn slides(&self, plan: &Plan, record: usize) -> bool {
+        self.walls.iter().flat_map(|w| &w.slid).any(|s| plan.slots[s.slot].closing.record == record)
+    }
+
+    /// How far an opening slides, drawing units.
+    pub fn slid(&self, slot: usize) -> Option<DVec2> {
+        self.walls.iter().flat_map(|w| &w.slid).find(|s| s.slot == slot).map(|s| s.shift)
+    }
 }
 
 /// The nodes within the outline of a marker.
@@ -251,8 +300,8 @@ impl Moves {
     pub fn apply(&self, plan: &Plan, graph: &Graph, p: &[f64]) -> Layout {
         let placed = self.placed(plan, graph, p);
         let wall = |w: &u32| {
-            let ends = self.joined.ends_of(plan, *w, &placed.lengths);
-            moved_wall(plan, *w, &placed.at[w], placed.motions.get(w), ends)
+            let along = self.joined.along_of(plan, *w, &placed.lengths);
+            moved_wall(plan, *w, &placed.at[w], placed.motions.get(w), along)
         };
         Layout { walls: self.walls.iter().map(wall).collect() }
     }
@@ -314,6 +363,9 @@ impl Moves {
 
     /// Whether a step takes nothing as far as a move is.
     fn is_none(&self, group: &NodeGroup, step: &Step, at: &BTreeMap<u32, Vec<DVec2>>) -> bool {
+        if !group.slots.is_empty() {
+            return step.shift.length() < self.least_m;
+        }
         let mut points = group.handles.iter().filter_map(|(w, c)| at.get(w).map(|p| p[*c as usize]));
         points.all(|p| step.apply(p).distance(p) < self.least_m)
     }
@@ -357,10 +409,12 @@ fn held(
     let mut out = Vec::new();
     for (i, (marker, nodes)) in groups.iter().enumerate() {
         let nodes: Vec<u32> = nodes.iter().copied().filter(|n| !is_kept(plan, graph, *n)).collect();
-        let shown = shown_by(plan, graph, &nodes, records.get(i).and_then(Option::as_ref));
+        let only = records.get(i).and_then(Option::as_ref);
+        let slots = slotted::slots_of(plan, marker, only);
+        let shown = shown_by(plan, graph, &nodes, only).into_iter().filter(|_| slots.is_empty()).collect();
         let handles = writable_handles(plan, graph, marker, shown, report);
-        if !handles.is_empty() {
-            out.push((i, NodeGroup { nodes, handles }));
+        if !handles.is_empty() || !slots.is_empty() {
+            out.push((i, NodeGroup { nodes, handles, slots }));
         }
     }
     out
@@ -383,6 +437,11 @@ fn usable(
 ) -> Vec<Marked> {
     let mut out = groups.to_vec();
     for (i, (marker, nodes)) in out.iter_mut().enumerate() {
+        let slots = slotted::slots_of(plan, marker, records.get(i).and_then(Option::as_ref));
+        if !slots.is_empty() {
+            *marker = slotted::within_walls(plan, marker, &slots, report);
+            continue;
+        }
         let free: Vec<u32> = nodes.iter().copied().filter(|n| !is_kept(plan, graph, *n)).collect();
         let handles = shown_by(plan, graph, &free, records.get(i).and_then(Option::as_ref));
         let walls: BTreeSet<u32> = handles.iter().map(|h| h.0).collect();
@@ -563,7 +622,7 @@ fn moved_wall(
     w: u32,
     at: &[DVec2],
     motion: Option<&RigidMotion>,
-    ends: Option<joined::Ends>,
+    along: joined::Along,
 ) -> MovedWall {
     let wall = &plan.walls[w as usize];
     let frame = &plan.frame;
@@ -579,10 +638,11 @@ fn moved_wall(
         Some(m) => held_shape(wall.single.as_ref(), rigid_shape(plan, &wall.shape, m)),
         None => (with_points(&wall.shape, &points), None),
     };
-    let shape = ends.as_ref().map_or(shape.clone(), |e| e.lengthened(wall, motion.as_ref(), shape));
+    let shape = along.applied(plan, w, motion.as_ref(), shape);
     let is_changed = shape != wall.shape;
     let trace = if is_changed { curve::trace(&shape, frame) } else { wall.trace.clone() };
-    MovedWall { wall: w, shape, trace, motion, ends: ends.map(|e| e.by), is_changed }
+    let ends = along.ends.map(|e| e.by);
+    MovedWall { wall: w, shape, trace, motion, ends, slid: along.slid, is_changed }
 }
 
 /// A moved shape as the file holds it.

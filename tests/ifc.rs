@@ -16,6 +16,8 @@ mod sample;
 mod rings;
 #[path = "ifc/rooms.rs"]
 mod rooms;
+#[path = "ifc/slots.rs"]
+mod slots;
 #[path = "ifc/storeys.rs"]
 mod storeys;
 #[path = "ifc/told.rs"]
@@ -749,52 +751,4 @@ fn a_part_of_itself_is_shown_and_named() {
     assert_eq!(drawing.unwrap().entities.len(), whole - 1);
     let said = format!("its part #{b}: ");
     assert!(report.problems.iter().any(|p| p.text.starts_with(&said)), "{report:?}");
-}
-
-#[test]
-fn marks_that_contradict_each_other_are_told() {
-    let text = pavilion();
-    let [a, b] = ["screen-1", "screen-2"].map(|n| named(&text, n));
-    let space = text.split('\n').find(|l| l.contains("=IFCSPACE(")).unwrap();
-    let space: usize = space[1..].split('=').next().unwrap().parse().unwrap();
-    let set = |id: usize, values: &[(&str, &str)], of: &[usize]| {
-        let property = |(i, (name, value)): (usize, &(&str, &str))| {
-            format!("#{}=IFCPROPERTYSINGLEVALUE('{name}',$,{value},$);\n", id + 2 + i)
-        };
-        let own: String = values.iter().enumerate().map(property).collect();
-        let list = |ids: Vec<usize>| ids.iter().map(|i| format!("#{i}")).collect::<Vec<_>>().join(",");
-        let properties = list((0..values.len()).map(|i| id + 2 + i).collect());
-        let of = list(of.to_vec());
-        format!(
-            "{own}#{id}=IFCPROPERTYSET('S{id}',$,'Pset_Enfilade',$,({properties}));\n\
-             #{}=IFCRELDEFINESBYPROPERTIES('D{id}',$,$,$,({of}),#{id});\n",
-            id + 1
-        )
-    };
-    let told = |added: &str| -> Vec<String> {
-        let (drawing, report) = read_with(with_instances(&text, added).as_bytes(), &ReadOptions::default());
-        drawing.unwrap();
-        report.problems.into_iter().filter(|p| p.code == "ifc-marks").map(|p| p.to_string()).collect()
-    };
-    assert_eq!(told(""), Vec::<String>::new());
-    let label = |v: &str| format!("IFCLABEL('{v}')");
-    let shared = set(90000, &[("Move", &label("x -2 2"))], &[a, b]);
-    let twice = told(&shared);
-    assert_eq!(twice.len(), 2, "{twice:?}");
-    assert!(
-        twice[0].contains("states move twice") && twice[0].contains("\"x -2 2\" in #90000; the last counts")
-    );
-    let kept = told(&set(90000, &[("Keep", "IFCBOOLEAN(.T.)")], &[a, b]));
-    assert!(kept.len() == 2 && kept[0].contains("both Move and Keep; it stays"), "{kept:?}");
-    assert_eq!(told(&set(90000, &[("Keep", "IFCBOOLEAN(.F.)")], &[a])), Vec::<String>::new());
-    let idle = told(&set(90000, &[("Query", "IFCBOOLEAN(.T.)")], &[a]));
-    assert!(idle.len() == 1 && idle[0].contains("states query of an IfcWall"), "{idle:?}");
-    let idle = told(&set(90000, &[("Move", &label("x -2 2"))], &[space]));
-    assert!(idle.len() == 1 && idle[0].contains("states move of an IfcSpace"), "{idle:?}");
-    let both =
-        |id: usize, way: &str, of: usize| set(id, &[("Name", &label("both")), ("Move", &label(way))], &[of]);
-    let named = told(&(both(90000, "x -2 2", a) + &both(90010, "y -1 1", b)));
-    assert!(named.iter().any(|t| t.contains("are both named \"both\"")), "{named:?}");
-    let alike = told(&(both(90000, "x -2 2", a) + &both(90010, "x -2 2", b)));
-    assert!(!alike.iter().any(|t| t.contains("are both named")), "{alike:?}");
 }

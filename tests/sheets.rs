@@ -162,6 +162,29 @@ fn floor_m2(entities: &str, view: Option<&str>) -> f64 {
     done.0.result.counts.vertices as f64 / 16.0
 }
 
+/// A flight on the layer of the walls, cut by a line: it is no wall, and the walls round it are.
+#[test]
+fn treads_on_the_layer_of_the_walls_are_no_walls() {
+    let right = [1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.2, 0.9];
+    let treads: Vec<[f64; 4]> = right
+        .iter()
+        .zip(0..)
+        .map(|(x, i)| (x, 2.0 + 0.28 * f64::from(i)))
+        .map(|(x, y)| [0.3, y, *x, y])
+        .collect();
+    let arrow = [[0.9, 1.9, 0.9, 3.8], [0.9, 3.8, 0.8, 3.6], [0.9, 3.8, 1.0, 3.6]];
+    let stair = lines("A-WALL", [0.0, 0.0], &treads) + &lines("A-WALL", [0.0, 0.0], &arrow);
+    let understood = |entities: &str| {
+        let settings = Settings::new(Partial::default()).unwrap();
+        let text = drawing(entities);
+        let done = pipeline::check(&Input::new("plan.dxf", text.as_bytes(), 1), &settings).unwrap();
+        let stairs = done.result.reading.unwrap().entities.iter().filter(|e| e.role == "stair").count();
+        (done.result.walls_understood, stairs)
+    };
+    let (walls, _) = understood(&house([0.0, 0.0], ""));
+    assert_eq!(understood(&(house([0.0, 0.0], "") + &stair)), (walls, treads.len() + arrow.len()));
+}
+
 /// What its title calls an elevation or a legend is no floor of the plan near it, however few lines draw it.
 #[test]
 fn what_is_titled_otherwise_is_no_floor() {

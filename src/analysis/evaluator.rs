@@ -157,11 +157,6 @@ impl Evaluator {
         Ok(())
     }
 
-    /// Whether batches go to a graphics card.
-    pub fn has_card(&self) -> bool {
-        self.card.is_some()
-    }
-
     /// The same bits as [`evaluate`](Self::evaluate) of each layout, all at once on the graphics card; none
     /// without one.
     ///

@@ -5,6 +5,8 @@
 //! direction: it is stretched and stays where it is. How far is bounded by the pieces that grow short, by
 //! the next joint, and by what stands in the way.
 
+mod slots;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
@@ -12,17 +14,18 @@ use glam::DVec2;
 use super::defaults::{DOOR_WIDTH_M, Neighbours, Piece, SLIDE_M, SLIDE_MIN_M};
 use super::mitre::CROSSING_MIN_RAD;
 use super::partitions::PARTITION_SLIDE_M;
+use super::sliding::{Sliding, upright, whole_mm};
 use super::things::{AT_WALL_M, Things};
+use crate::plan::Plan;
 use crate::plan::axes::{AxisGraph, Edge, FaceRef, Jamb, NodeKind, Opening, OpeningKind};
 use crate::plan::curve::control_points;
 use crate::plan::drawing::{Editable, Shape};
 use crate::plan::fittings::jambs_of;
 use crate::plan::graph::{Graph, Handle};
 use crate::plan::interior::Interior;
-use crate::plan::markers::{Clause, Group, Kind};
 use crate::plan::obstacles::ObstacleKind;
 use crate::plan::structure::{end_handles, face_handles, handle_at};
-use crate::plan::{Plan, Region, box_of, distance_to_segment};
+use crate::plan::{box_of, distance_to_segment};
 
 /// Thickest wall that is a partition; thicker ones carry.
 pub(super) const PARTITION_THICKNESS_MAX_M: f64 = 0.3;
@@ -61,6 +64,9 @@ const AT_COLUMN_M: f64 = 0.05;
 
 /// What lies this far between a wall's faces stands in it.
 const IN_WALL_M: f64 = 0.005;
+
+/// How far from the middle of a door its two sides are looked at.
+const BESIDE_DOOR_M: f64 = 0.8;
 
 /// How far inside both sides of a wall must lie to be interior.
 const INSIDE_M: f64 = 0.3;
@@ -111,39 +117,6 @@ pub(super) fn told(stays: &[Stays]) -> String {
     stays.iter().for_each(|s| *counts.entry(*s).or_default() += 1);
     let parts: Vec<String> = counts.iter().map(|(s, n)| format!("{n} {}", s.words())).collect();
     if parts.is_empty() { String::new() } else { format!("straight walls: {}", parts.join(", ")) }
-}
-
-/// A set of nodes that may slide.
-pub(super) struct Sliding {
-    /// Nodes of the graph, ascending.
-    pub nodes: Vec<u32>,
-    /// Direction, unit vector, plan frame.
-    pub direction: DVec2,
-    /// Bounds, metres of the plan.
-    pub way: [f64; 2],
-    /// Where it is, metres of a person.
-    pub at: DVec2,
-    /// Length of the wall or width of the door, metres of a person.
-    pub size: f64,
-}
-
-impl Sliding {
-    /// As a group of one clause.
-    pub fn group(&self, plan: &Plan, graph: &Graph, name: String) -> (Group, Vec<u32>) {
-        let d = self.direction;
-        let kind = if d.y.abs() < 1e-6 {
-            Kind::X
-        } else if d.x.abs() < 1e-6 {
-            Kind::Y
-        } else {
-            Kind::Along(d.to_angle())
-        };
-        let [lower, upper] = self.way;
-        let clause = Clause { kind, lower, upper, unit: "m".into(), si_per_unit: 1.0 };
-        let first = graph.handles[self.nodes[0] as usize][0].0;
-        let source = plan.walls[first as usize].source.clone();
-        (Group { name, outline: Region::Ring(Vec::new()), clauses: vec![clause], source }, self.nodes.clone())
-    }
 }
 
 /// All that is needed to find what slides.
@@ -271,7 +244,7 @@ impl<'a> Axial<'a> {
     pub fn doors(&self) -> Vec<Sliding> {
         let doors = self.axes.openings.iter().filter(|o| o.kind != OpeningKind::Window);
         let wide = doors.filter(|o| (DOOR_WIDTH_M[0]..=DOOR_WIDTH_M[1]).contains(&o.width_m));
-        let mut out: Vec<Sliding> = wide.filter_map(|o| self.door(o)).collect();
+        let mut out: Vec<Sliding> = wide.filter_map(|o| self.door(o)).chain(self.slots()).collect();
         out.sort_by(|a, b| a.at.x.total_cmp(&b.at.x).then(a.at.y.total_cmp(&b.at.y)));
         out
     }
@@ -290,11 +263,12 @@ impl<'a> Axial<'a> {
             jambs_of(self.plan, self.axes, opening).concat().into_iter().collect();
         handles.extend(opening.faces.iter().flat_map(|f| face_handles(self.plan, *f)));
         let is_inside =
-            [-1.0, 1.0].iter().all(|s| self.is_inside(opening.centre + along.perp() * (*s * 0.8)));
+            [-1.0, 1.0].iter().all(|s| self.is_inside(opening.centre + along.perp() * (*s * BESIDE_DOOR_M)));
         if self.things.tears(opening) {
             return None;
         }
-        let room = self.things.room_along(opening, &handles, SLIDE_M);
+        let at = opening.jambs.map(|j| j.at);
+        let room = self.things.room_along(at, opening.thickness_m, &handles, SLIDE_M);
         let nodes = self.nodes(&handles)?;
         let along = self.along_stretched(&nodes, along);
         let [lo, hi] = self.stretch(&nodes, along, &BTreeSet::new())?;
@@ -307,7 +281,7 @@ impl<'a> Axial<'a> {
             let way = if is_turned { [-hi, -lo] } else { [lo, hi] };
             // No −0: it would be told so.
             let way = way.map(|v| v * self.plan.human_scale + 0.0);
-            Sliding { nodes, direction, way, at: opening.centre, size: opening.width_m }
+            Sliding { nodes, direction, way, at: opening.centre, size: opening.width_m, slot: None }
         })
     }
 
@@ -390,6 +364,7 @@ impl<'a> Axial<'a> {
             way: way.map(|v| v * self.plan.human_scale),
             at: chain.world(f64::midpoint(chain.from, chain.to), 0.0),
             size: length,
+            slot: None,
         })
     }
 
@@ -769,15 +744,4 @@ pub(super) fn clipped(p: DVec2, q: DVec2, from: f64, to: f64) -> Option<[f64; 2]
         |x: f64| if q.x - p.x < 1e-12 { p } else { p.lerp(q, ((x - p.x) / (q.x - p.x)).clamp(0.0, 1.0)) };
     let (a, b) = if q.x - p.x < 1e-12 { (p, q) } else { (at(from), at(to)) };
     Some([a.y.min(b.y), a.y.max(b.y)])
-}
-
-/// A way in whole millimetres, metres; never longer by more than a nanometre, which is how exactly it is known.
-pub(super) fn whole_mm(way: f64) -> f64 {
-    (way * 1e3 + 1e-6).floor() / 1e3
-}
-
-/// The direction that points right or up, and whether it was turned.
-pub(super) fn upright(d: DVec2) -> (DVec2, bool) {
-    let is_turned = d.x < -1e-9 || (d.x.abs() <= 1e-9 && d.y < 0.0);
-    (if is_turned { -d } else { d }, is_turned)
 }

@@ -71,7 +71,8 @@ fn with_host(plan: &Plan, fitting: &Fitting, layout: &Layout, host: u32) -> Carr
             .filter(|w| w.is_changed)
             .map_or(Carried::Stays, |w| again_on(fitting, &plan.walls[host as usize], w));
     }
-    let moved = moved.and_then(|w| w.motion);
+    let slot = plan.slots.iter().position(|s| s.closing.record == fitting.source.record);
+    let moved = super::after_sliding(moved.and_then(|w| w.motion), slot.and_then(|s| layout.slid(s)));
     match (moved, &fitting.editable) {
         (None, _) => Carried::Stays,
         (Some(_), Editable::No(why)) => Carried::Stale(why.clone()),

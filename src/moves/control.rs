@@ -581,7 +581,7 @@ mod tests {
             for clause in [clause(Kind::X, [-reach, 1.0]), clause(Kind::Rotate(None), [-0.2, 0.3])] {
                 moves.parameters.push(Parameter { group_name: name.into(), group, clause });
             }
-            moves.groups.push(NodeGroup { nodes: vec![], handles: vec![] });
+            moves.groups.push(NodeGroup { nodes: vec![], handles: vec![], slots: vec![] });
         }
         moves
     }

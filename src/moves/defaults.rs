@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::axial::{Axial, Sliding, Stays, told, upright, whole_mm};
+use super::axial::{Axial, Stays, told};
 use super::doorways::Doorways;
 use super::furniture::{self, Element};
+use super::sliding::{Sliding, upright, whole_mm};
 use super::things::Things;
 use crate::plan::axes::{AxisGraph, Jamb, NodeKind, OpeningKind};
 use crate::plan::drawing::{Editable, SourceRef};
@@ -586,7 +587,7 @@ fn simple_doors(
             let way = if is_turned { [-forth, back] } else { [-back, forth] };
             let way = way.map(|v| v * plan.human_scale + 0.0);
             let size = e.at.distance(f.at);
-            found.push(Sliding { nodes, direction, way, at: middle, size });
+            found.push(Sliding { nodes, direction, way, at: middle, size, slot: None });
         }
     }
     found.sort_by(|a, b| a.at.x.total_cmp(&b.at.x).then(a.at.y.total_cmp(&b.at.y)));

@@ -10,6 +10,7 @@ use glam::DVec2;
 
 use super::axial::clipped;
 use super::defaults::{DOOR_WIDTH_M, SLIDE_MIN_M};
+use super::joined::Goer;
 use super::sides::Side;
 use super::things::{AT_WALL_M, Piece, Things, gap};
 use super::{Layout, Moves};
@@ -47,8 +48,8 @@ const TURN_MIN_DEG: f64 = 1.0;
 enum Hangs {
     /// Its two jambs.
     Jambs([Side; 2]),
-    /// The wall that the file says it sits in.
-    Wall(u32),
+    /// The wall that the file says it sits in, and its opening where that can slide.
+    Wall(u32, Option<usize>),
     /// Nothing that is known.
     Free,
 }
@@ -100,14 +101,14 @@ impl Doorway {
     /// Whether the file says that it sits in this wall.
     pub fn is_own_wall(&self, plan: &Plan, wall: u32) -> bool {
         let record = |w: u32| plan.walls[w as usize].source.record;
-        matches!(self.hangs, Hangs::Wall(host) if record(host) == record(wall))
+        matches!(self.hangs, Hangs::Wall(host, _) if record(host) == record(wall))
     }
 
     /// The walls that end at its jambs, or on which they stand.
     pub fn jamb_walls(&self) -> impl Iterator<Item = u32> + '_ {
         let jambs = match &self.hangs {
             Hangs::Jambs(jambs) => jambs.as_slice(),
-            Hangs::Wall(_) | Hangs::Free => &[],
+            Hangs::Wall(..) | Hangs::Free => &[],
         };
         jambs.iter().flat_map(Side::walls)
     }
@@ -117,10 +118,10 @@ impl Doorway {
         let jambs = match &self.hangs {
             Hangs::Jambs(jambs) => jambs,
             Hangs::Free => return self.at,
-            Hangs::Wall(host) => {
-                let Some(m) = layout.walls.iter().find(|m| m.wall == *host).and_then(|m| m.motion) else {
-                    return self.at;
-                };
+            Hangs::Wall(host, slot) => {
+                let motion = layout.walls.iter().find(|m| m.wall == *host).and_then(|m| m.motion);
+                let motion = super::after_sliding(motion, slot.and_then(|s| layout.slid(s)));
+                let Some(m) = motion else { return self.at };
                 let (turn, scale) = (DVec2::from_angle(m.turn_rad), plan.human_scale);
                 return self.at.map(|p| {
                     let moved = turn.rotate(plan.frame.file_from_plan(p * scale)) + m.shift;
@@ -144,6 +145,8 @@ struct Taken {
     doors: BTreeSet<usize>,
     /// Its walls.
     walls: BTreeSet<u32>,
+    /// What it takes along walls, with the bounds of its parameter.
+    goers: Vec<(Goer, [f64; 2])>,
     /// Its pieces at all places tried, with their walls, and their box.
     pieces: Vec<(u32, Piece)>,
     hull: [DVec2; 2],
@@ -189,13 +192,17 @@ impl<'a> Doorways<'a> {
         if self.doors.is_empty() && (self.things.is_empty() || !is_element) {
             return Some(group.clone());
         }
-        let alone = Moves::new(
-            self.plan,
-            self.graph,
-            self.axes,
-            &[(group.clone(), nodes.to_vec())],
-            &mut Report::default(),
-        );
+        let mut alone = self.alone(group, nodes);
+        let goers =
+            alone.parameters.first().map_or_else(Vec::new, |p| alone.joined.goers(self.plan, &p.clause));
+        let shorter = self.within_walls(group, &goers);
+        if shorter.clauses != group.clauses {
+            if !shorter.clauses.iter().all(|c| is_worth_moving(c, self.plan.human_scale)) {
+                self.told[1] += 1;
+                return None;
+            }
+            alone = self.alone(&shorter, nodes);
+        }
         let grid = Grid::new(&alone);
         let trial = Trial::new(self, &alone, &grid);
         // What slides was kept off things when it was found.
@@ -216,16 +223,38 @@ impl<'a> Doorways<'a> {
                 .collect();
             grid.shrink(&bad, &mut lo, &mut hi);
         }
-        let out = grid.bounded(group, &lo, &hi, self.plan.human_scale);
+        let out = grid.bounded(&shorter, &lo, &hi, self.plan.human_scale);
         let is_shorter = out.as_ref().is_some_and(|g| g.clauses != group.clauses);
         self.told[0] += usize::from(is_shorter);
         self.told[1] += usize::from(out.is_none());
-        if out.is_some() {
-            let taken = self
+        if let Some(found) = &out {
+            let mut taken = self
                 .taken(&trial, &grid.points(&lo, &hi).iter().map(|at| grid.values(at)).collect::<Vec<_>>());
+            let bounds = found.clauses.first().map(|c| [c.lower, c.upper]).unwrap_or_default();
+            taken.goers = goers.into_iter().map(|g| (g, bounds)).collect();
             self.taken.push(taken);
         }
         out
+    }
+
+    /// The group with its way shortened so that enough is left of each wall between its ends and its openings, wherever the
+    /// groups taken so far take those.
+    fn within_walls(&self, group: &Group, goers: &[Goer]) -> Group {
+        let mut out = group.clone();
+        let [clause] = out.clauses.as_mut_slice() else { return out };
+        for own in goers {
+            for (other, theirs) in self.taken.iter().flat_map(|t| &t.goers) {
+                let kept = own.kept_from([clause.lower, clause.upper], other, *theirs);
+                [clause.lower, clause.upper] = kept.map(|v| v + 0.0);
+            }
+        }
+        out
+    }
+
+    /// Of one group alone.
+    fn alone(&self, group: &Group, nodes: &[u32]) -> Moves {
+        let groups = [(group.clone(), nodes.to_vec())];
+        Moves::new(self.plan, self.graph, self.axes, &groups, &mut Report::default())
     }
 
     /// What was shortened, in plain words after a comma; empty for nothing.
@@ -301,6 +330,7 @@ impl<'a> Doorways<'a> {
         Taken {
             doors: trial.along.iter().copied().collect(),
             walls: trial.moves.walls.iter().copied().collect(),
+            goers: Vec::new(),
             pieces,
             hull,
         }
@@ -327,7 +357,10 @@ impl<'m> Trial<'m> {
         let handles: BTreeSet<&Handle> = moves.handles().collect();
         let is_along = |d: &Doorway| match &d.hangs {
             Hangs::Jambs(jambs) => jambs.iter().any(|j| j.ends_in(&handles)),
-            Hangs::Wall(host) => moves.groups.iter().flat_map(|g| &g.handles).any(|h| h.0 == *host),
+            Hangs::Wall(host, slot) => {
+                let is_own = |g: &super::NodeGroup| slot.is_some_and(|s| g.slots.contains(&s));
+                moves.groups.iter().any(|g| is_own(g) || g.handles.iter().any(|h| h.0 == *host))
+            }
             Hangs::Free => false,
         };
         let (along, rest): (Vec<usize>, Vec<usize>) =
@@ -495,7 +528,7 @@ fn named_doors(plan: &Plan) -> Vec<Doorway> {
         Some(Doorway {
             at: [lo.x, hi.x].map(|x| along * x + along.perp() * y),
             hangs: match plan.walls.iter().position(|w| is_host(&w)) {
-                Some(wall) => Hangs::Wall(wall as u32),
+                Some(wall) => Hangs::Wall(wall as u32, d.slot),
                 None => Hangs::Free,
             },
             half: size.y / 2.0,

@@ -7,12 +7,12 @@ use glam::DVec2;
 
 use super::bars::Moving;
 use super::mitre::{CROSSING_MIN_RAD, Refusal};
-use super::with_points;
+use super::{Slid, with_points};
 use crate::plan::curve::control_points;
 use crate::plan::drawing::{Editable, RigidMotion, Shape};
 use crate::plan::geometry::{PointUm, Segment, UM_PER_M};
 use crate::plan::graph::{Graph, Handle};
-use crate::plan::markers::Kind;
+use crate::plan::markers::{Clause, Kind};
 use crate::plan::{Plan, Plug, Wall};
 
 /// An end of a wall this near to another wall is joined to it.
@@ -22,7 +22,7 @@ pub(super) const JOINT_M: f64 = 0.02;
 const SIDE_SIN: f64 = 0.02;
 
 /// What must remain of a wall between two joints, and between a joint and the next opening.
-const REST_M: f64 = 0.1;
+pub(super) const REST_M: f64 = 0.1;
 
 /// An end that goes less far than this share of a shift stays.
 const STILL: f64 = 1e-6;
@@ -132,14 +132,31 @@ pub(super) struct Ends {
     along: DVec2,
 }
 
-impl Ends {
-    /// A shape, moved already, with the corners of its ends shifted along the wall.
-    pub fn lengthened(&self, wall: &Wall, motion: Option<&RigidMotion>, moved: Shape) -> Shape {
-        let Editable::Wall { ends, .. } = &wall.editable else { return moved };
-        let along = DVec2::from_angle(motion.map_or(0.0, |m| m.turn_rad)).rotate(self.along);
+/// What goes along one wall: its ends, and openings in it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Along {
+    /// Its ends, where its length changes.
+    pub ends: Option<Ends>,
+    /// Its openings that slide.
+    pub slid: Vec<Slid>,
+}
+
+impl Along {
+    /// A shape of the wall, moved already, with the corners of its ends and its openings shifted along it.
+    pub fn applied(&self, plan: &Plan, wall: u32, motion: Option<&RigidMotion>, moved: Shape) -> Shape {
+        if self.ends.is_none() && self.slid.is_empty() {
+            return moved;
+        }
+        let turn = DVec2::from_angle(motion.map_or(0.0, |m| m.turn_rad));
         let mut points = control_points(&moved);
-        for (end, by) in ends.iter().zip(self.by) {
-            end.iter().for_each(|c| points[*c as usize] += along * by);
+        if let (Some(e), Editable::Wall { ends, .. }) = (self.ends, &plan.walls[wall as usize].editable) {
+            for (end, by) in ends.iter().zip(e.by) {
+                end.iter().for_each(|c| points[*c as usize] += turn.rotate(e.along) * by);
+            }
+        }
+        for s in &self.slid {
+            let own = plan.slots[s.slot].jambs.iter().flatten().filter(|h| h.0 == wall);
+            own.for_each(|h| points[h.1 as usize] += turn.rotate(s.shift));
         }
         with_points(&moved, &points)
     }
@@ -187,6 +204,7 @@ impl Joined {
                 }
             }
         }
+        out.followers.extend((0..moving.groups.len()).flat_map(|g| sides_of(plan, moving, g)));
         let parted = || super::abutting::parted(plan, &by_record, &out.followers, moving);
         match out.too_short(plan, moving).or_else(parted) {
             Some(refusal) => Err(refusal),
@@ -204,12 +222,36 @@ impl Joined {
         self.followers.iter().flat_map(|f| &f.handles)
     }
 
-    /// What the ends of a wall do, where its length changes.
-    pub fn ends_of(&self, plan: &Plan, wall: u32, lengths: &Lengths) -> Option<Ends> {
-        let record = plan.walls[wall as usize].source.record;
-        let by = lengths.get(&record)?.map(|m| m / plan.frame.metres_per_unit);
-        let along = self.followers.iter().find(|f| f.record == record)?.along;
-        (by != [0.0; 2]).then_some(Ends { by, along })
+    /// What goes along walls by a shift that is one parameter's.
+    pub fn goers(&self, plan: &Plan, clause: &Clause) -> Vec<Goer> {
+        let Some(direction) = direction_of(clause.kind) else { return Vec::new() };
+        let goer = |f: &Follower| {
+            let slot = plan.slots.iter().find(|s| s.source.record == f.record);
+            Goer {
+                host: slot.map_or(f.record, |s| s.host),
+                corners: f.corners(plan).into_iter().map(|p| plan.frame.plan_from_um(p)).collect(),
+                along: f.along,
+                per_unit: f.way(direction * clause.si_per_unit),
+                is_side: slot.is_some(),
+            }
+        };
+        self.followers.iter().map(goer).collect()
+    }
+
+    /// What the ends of a wall and its openings do.
+    pub fn along_of(&self, plan: &Plan, wall: u32, lengths: &Lengths) -> Along {
+        let (record, per_m) = (plan.walls[wall as usize].source.record, 1.0 / plan.frame.metres_per_unit);
+        let of = |record: usize| {
+            let by = lengths.get(&record)?.map(|m| m * per_m);
+            let along = self.followers.iter().find(|f| f.record == record)?.along;
+            (by != [0.0; 2]).then_some(Ends { by, along })
+        };
+        let own = plan.slots.iter().enumerate().filter(|(_, s)| s.host == record);
+        let slid = own.filter_map(|(slot, s)| {
+            let Ends { by, along } = of(s.source.record)?;
+            Some(Slid { slot, shift: along * by[0] })
+        });
+        Along { ends: of(record), slid: slid.collect() }
     }
 
     /// The last group of those that together leave too little of a wall.
@@ -233,6 +275,56 @@ impl Joined {
             }
         }
         None
+    }
+}
+
+/// Both sides of the openings that a group slides; they go as it does.
+fn sides_of(plan: &Plan, moving: Moving<'_>, group: usize) -> impl Iterator<Item = Follower> {
+    let slots = moving.groups[group].slots.iter().map(|s| &plan.slots[*s]);
+    slots.flat_map(move |s| {
+        (0..2).map(move |end| Follower {
+            group,
+            record: s.source.record,
+            end,
+            handles: s.jambs[end].clone(),
+            along: s.along,
+            normal: s.along,
+        })
+    })
+}
+
+/// A corner set that one parameter takes along a wall: an end of the wall, or a side of an opening in it.
+#[derive(Clone, Debug)]
+pub(super) struct Goer {
+    /// Record of the wall.
+    host: usize,
+    corners: Vec<DVec2>,
+    along: DVec2,
+    /// How far it goes along the wall for one unit of its parameter, metres.
+    per_unit: f64,
+    is_side: bool,
+}
+
+impl Goer {
+    /// Within what bounds its parameter keeps enough of the wall between it and another one, whose parameter has some
+    /// bounds of its own.
+    pub fn kept_from(&self, [lower, upper]: [f64; 2], other: &Self, theirs: [f64; 2]) -> [f64; 2] {
+        let places = |g: &Self| {
+            let of = g.corners.iter().map(|p| p.dot(self.along));
+            of.fold([f64::MAX, f64::MIN], |[l, h], v| [l.min(v), h.max(v)])
+        };
+        if self.host != other.host || !(self.is_side || other.is_side) {
+            return [lower, upper];
+        }
+        let ([low, high], [other_low, other_high]) = (places(self), places(other));
+        let is_before = other_low > high;
+        let (gap, toward) = if is_before { (other_low - high, 1.0) } else { (low - other_high, -1.0) };
+        let comes = -toward * other.per_unit * other.along.dot(self.along).signum();
+        let comes = theirs.map(|v| v * comes).into_iter().fold(0.0, f64::max);
+        let room = (gap - REST_M - comes).max(0.0);
+        let per_unit = self.per_unit * toward;
+        let within = |v: f64| if v * per_unit > room { room / per_unit } else { v };
+        [within(lower), within(upper)]
     }
 }
 

@@ -9,9 +9,10 @@ use super::joined::JOINT_M;
 use super::struck::box_of;
 use super::{Layout, MovedWall, Moves};
 use crate::plan::curve::Trace;
+use crate::plan::distance_to_segment;
 use crate::plan::drawing::{Format, RigidMotion};
 use crate::plan::geometry::{PointUm, Side, UM_PER_M, segments_touch, side_of_ring};
-use crate::plan::{Plan, distance_to_segment};
+use crate::plan::{Plan, Plug};
 
 /// A joint counts as opened where its walls part by more than this, metres: less is rounding and mitres.
 pub const OPEN_M: f64 = 0.01;
@@ -137,10 +138,20 @@ impl Member {
     ) -> Vec<Cow<'a, Trace>> {
         let moved = |w: &u32| changed.and_then(|c| c.get(w).copied());
         let motion = self.walls.iter().filter_map(moved).find_map(|m| m.motion);
+        let slid = |slot: usize| {
+            self.walls
+                .iter()
+                .filter_map(moved)
+                .flat_map(|m| &m.slid)
+                .find(|s| s.slot == slot)
+                .map(|s| s.shift)
+        };
         let wall = |w: &u32| Cow::Borrowed(moved(w).map_or(&plan.walls[*w as usize].trace, |m| &m.trace));
         let plug = |p: &usize| {
-            let drawn = &plan.plugs[*p].outline;
-            motion.as_ref().map_or(Cow::Borrowed(drawn), |m| Cow::Owned(after(plan, drawn, m)))
+            let Plug { outline: drawn, slot, .. } = &plan.plugs[*p];
+            super::after_sliding(motion, slot.and_then(slid))
+                .as_ref()
+                .map_or(Cow::Borrowed(drawn), |m| Cow::Owned(after(plan, drawn, m)))
         };
         self.walls.iter().map(wall).chain(self.plugs.iter().map(plug)).collect()
     }

@@ -2,6 +2,7 @@
 
 mod doors;
 mod joints;
+mod slots;
 
 use std::collections::BTreeSet;
 
@@ -42,6 +43,7 @@ fn drawing(unit: &'static str, metres: f64) -> Drawing {
         marked: Vec::new(),
         idle_marks: IdleMarks::None,
         hosts: Default::default(),
+        slots: Vec::new(),
         bearing: Default::default(),
         things: Vec::new(),
         widths: Default::default(),
@@ -623,7 +625,9 @@ fn partitions_slide_by_default_with_the_walls_that_end_at_them() {
     let mut d = joined();
     let (plan, _, moves) = by_default(&d);
     let slides = |plan: &Plan, moves: &Moves, record: usize| -> Option<[f64; 2]> {
-        let is_own = |g: &NodeGroup| plan.walls[g.handles[0].0 as usize].source.record == record;
+        let is_own = |g: &NodeGroup| {
+            g.handles.first().is_some_and(|h| plan.walls[h.0 as usize].source.record == record)
+        };
         let group = moves.groups.iter().position(is_own)?;
         moves.bounds().get(moves.parameters.iter().position(|p| p.group == group)?).copied()
     };

@@ -17,8 +17,8 @@ pub(super) const AT_WALL_M: f64 = 0.05;
 /// What ends this near to a door's gap is part of the door.
 const AT_DOOR_M: f64 = 0.1;
 
-/// A door does not slide to where a thing stands nearer to its wall than this.
-const BEFORE_DOOR_M: f64 = 0.3;
+/// A door does not slide to where a thing stands nearer to its wall than this: a person stops there to open it.
+const BEFORE_DOOR_M: f64 = 0.6;
 
 /// A straight piece, metres of a person.
 pub(super) type Piece = [DVec2; 2];
@@ -87,7 +87,7 @@ impl<'a> Things<'a> {
         let reach = reach_m(opening);
         let around = [opening.centre - reach, opening.centre + reach];
         let (wide, half) = (opening.width_m / 2.0 + AT_DOOR_M, opening.thickness_m / 2.0 + AT_DOOR_M);
-        let local = place(opening);
+        let local = place(opening.centre, opening.jambs.map(|j| j.at));
         self.near(around).filter(|t| !self.is_fitted(t)).any(|t| {
             let is_near = t.pieces.iter().flatten().all(|p| p.distance(opening.centre) <= reach);
             let is_in = |[p, q]: &Piece| {
@@ -97,18 +97,18 @@ impl<'a> Things<'a> {
         })
     }
 
-    /// How far a door may slide back and forth until its jambs come to something that stands at its wall.
-    pub fn room_along(&self, opening: &Opening, jambs: &BTreeSet<Handle>, most: f64) -> [f64; 2] {
-        let reach = opening.width_m / 2.0 + most;
-        let beside = opening.thickness_m / 2.0 + BEFORE_DOOR_M;
-        let local = place(opening);
+    /// How far a door between two jambs in a wall of some thickness may slide back and forth until they come to something
+    /// that stands at its wall.
+    pub fn room_along(&self, at: Piece, thickness_m: f64, jambs: &BTreeSet<Handle>, most: f64) -> [f64; 2] {
+        let (centre, half) = (at[0].midpoint(at[1]), at[0].distance(at[1]) / 2.0);
+        let (reach, beside) = (half + most, thickness_m / 2.0 + BEFORE_DOOR_M);
+        let local = place(centre, at);
         let mut way = [-most, most];
-        let around = [opening.centre - reach - beside, opening.centre + reach + beside];
+        let around = [centre - reach - beside, centre + reach + beside];
         for thing in self.near(around).filter(|t| !self.goes_along(t, jambs)) {
             for [p, q] in &thing.pieces {
                 let [p, q] = [local(*p), local(*q)].map(|p| DVec2::new(p.y, p.x));
                 let Some([lo, hi]) = clipped(p, q, -beside, beside) else { continue };
-                let half = opening.width_m / 2.0;
                 if hi > half {
                     way[1] = way[1].min((lo - half).max(0.0));
                 }
@@ -122,9 +122,8 @@ impl<'a> Things<'a> {
 }
 
 /// From metres of a person to those along and across an opening, from its middle.
-fn place(opening: &Opening) -> impl Fn(DVec2) -> DVec2 {
-    let along = (opening.jambs[1].at - opening.jambs[0].at).normalize_or_zero();
-    let centre = opening.centre;
+fn place(centre: DVec2, [a, b]: Piece) -> impl Fn(DVec2) -> DVec2 {
+    let along = (b - a).normalize_or_zero();
     move |p| DVec2::new((p - centre).dot(along), along.perp_dot(p - centre))
 }
 

@@ -351,6 +351,10 @@ fn handles(base: &Understood, group: usize) -> Option<Vec<String>> {
     if base.plan.format == Format::Dxf {
         return None;
     }
+    let slots = &base.moves.groups[group].slots;
+    if !slots.is_empty() {
+        return slots.iter().map(|s| base.plan.slots[*s].source.handle.clone()).collect();
+    }
     let own: BTreeSet<usize> =
         base.moves.groups[group].handles.iter().map(|h| walls[h.0 as usize].source.record).collect();
     let named = walls.iter().filter(|w| own.contains(&w.source.record)).map(|w| w.source.handle.clone());

@@ -18,14 +18,17 @@ use crate::overlay::picture::{
 use crate::overlay::result::{
     self, Change, Counts, ElementRef, Input, LayerEntry, MoveEntry, MoveKind, Numbers, RegionEntry, UnitEntry,
 };
+use crate::plan::Region;
 use crate::plan::axes::{OpeningKind, THICKNESSES};
 use crate::plan::bearing;
-use crate::plan::curve::{Trace, control_points};
-use crate::plan::drawing::{Addition, Format, Mark, Shape, SourceRef};
+use crate::plan::curve::Trace;
+use crate::plan::curve::control_points;
+use crate::plan::drawing::{Addition, Format, Mark, Shape, SourceRef, Vertex};
 use crate::plan::floor::Area;
 use crate::plan::geometry::{PointUm, Segment};
-use crate::plan::markers::{Kind, place_in};
-use crate::plan::{Plan, Region, Wall};
+use crate::plan::markers::Kind;
+use crate::plan::markers::place_in;
+use crate::plan::{Plan, Wall};
 use crate::report::{Report, counted};
 
 /// The measures of which heat maps are always made, in the order in which they are shown.
@@ -356,9 +359,10 @@ pub fn move_entries(base: &Understood) -> Vec<MoveEntry> {
         let group = &base.moves.groups[p.group];
         let mut walls: Vec<u32> = group.handles.iter().map(|h| h.0).collect();
         walls.dedup();
+        let walls = walls.into_iter().map(|w| &base.plan.walls[w as usize].source);
         let mut elements: Vec<ElementRef> = Vec::new();
-        for w in walls {
-            let e = element(base.plan.format, &base.plan.walls[w as usize].source);
+        for source in walls.chain(group.slots.iter().map(|s| &base.plan.slots[*s].source)) {
+            let e = element(base.plan.format, source);
             if !elements.contains(&e) {
                 elements.push(e);
             }
@@ -398,16 +402,25 @@ pub fn changes(base: &Understood, layout: &Layout) -> Vec<Change> {
         to: metres(to),
         follows,
     };
-    let changed = layout.walls.iter().filter(|w| w.is_changed);
+    let changed = layout.walls.iter().filter(|w| w.is_rebuilt());
     let walls = changed.map(|m| {
         let wall = &base.plan.walls[m.wall as usize];
         change(&wall.source, &wall.shape, &m.shape, false)
     });
-    let fittings = base.fittings.iter().filter_map(|f| match carried(&base.plan, f, layout) {
+    let slid = (0..base.plan.slots.len()).filter_map(|slot| {
+        let (s, shift) = (&base.plan.slots[slot], layout.slid(slot)?);
+        let ring = |shift: DVec2| {
+            let vertices = s.outline.iter().map(|p| Vertex { at: *p + shift, bulge: 0.0 }).collect();
+            Shape::Polyline { vertices, closed: true }
+        };
+        Some(change(&s.source, &ring(DVec2::ZERO), &ring(shift), false))
+    });
+    let fittings = base.fittings.iter().filter(|f| !layout.slides(&base.plan, f.source.record));
+    let fittings = fittings.filter_map(|f| match carried(&base.plan, f, layout) {
         Carried::Moves(shape, _) => Some(change(&f.source, &f.shape, &shape, true)),
         Carried::Stays | Carried::Stale(_) => None,
     });
-    walls.chain(fittings).collect()
+    walls.chain(slid).chain(fittings).collect()
 }
 
 /// `input` of result.json.

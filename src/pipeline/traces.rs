@@ -117,8 +117,7 @@ fn arrows(base: &Understood, layout: &Layout) -> Vec<[DVec2; 2]> {
     let place = |p: DVec2| base.plan.frame.plan_from_file(p);
     let of = |group: &crate::moves::NodeGroup| {
         let both: Vec<[DVec2; 2]> = group
-            .handles
-            .iter()
+            .corners(&base.plan)
             .filter_map(|(w, c)| {
                 let now = *control_points(&at.get(w)?.shape).get(*c as usize)?;
                 let drawn = *control_points(&base.plan.walls[*w as usize].shape).get(*c as usize)?;

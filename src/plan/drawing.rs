@@ -145,6 +145,26 @@ impl Editable {
     }
 }
 
+/// An opening that can slide along its wall, with all that fills it: the wall itself stays as the file has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slot {
+    /// The opening.
+    pub source: SourceRef,
+    /// [`SourceRef::record`] of its wall.
+    pub host: usize,
+    /// What fills it, else its wall: as which it is shown closed.
+    pub closing: SourceRef,
+    /// What closes it, drawing units.
+    pub outline: Vec<DVec2>,
+    /// Corners of the wall's outlines at its first and its second side, drawing units.
+    pub jambs: [Vec<DVec2>; 2],
+    /// Unit vector along the wall, from the first side to the second.
+    pub along: DVec2,
+    /// How far it may go back (≤ 0) and forth (≥ 0) until a side of it meets a corner of the wall at any height of it,
+    /// drawing units.
+    pub free: [f64; 2],
+}
+
 /// One drawn entity of model space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entity {
@@ -317,6 +337,8 @@ pub struct Drawing {
     pub idle_marks: IdleMarks,
     /// Records of doors and windows of which the file says in which record's wall they sit.
     pub hosts: BTreeMap<usize, usize>,
+    /// Openings that can slide along their walls.
+    pub slots: Vec<Slot>,
     /// Records that carry, hold fire up or part dwellings as far as the file says it or shows it.
     pub bearing: BTreeMap<usize, super::bearing::Bearing>,
     /// What stands on the floor of a building and is no line of its plan, since the cut passes over it: record and outline.
@@ -491,6 +513,7 @@ impl Drawing {
             marked: Vec::new(),
             idle_marks: IdleMarks::None,
             hosts: BTreeMap::new(),
+            slots: Vec::new(),
             bearing: BTreeMap::new(),
             things: Vec::new(),
             widths: BTreeMap::new(),

@@ -39,6 +39,7 @@ pub mod rooms;
 mod rounds;
 pub mod sight;
 pub mod sizes;
+pub mod slots;
 mod stairs;
 mod storeys;
 pub mod structure;
@@ -87,6 +88,8 @@ pub struct Plug {
     pub host: usize,
     /// Its outline.
     pub outline: Trace,
+    /// The opening that it goes with, where that can slide: its place in [`Plan::slots`].
+    pub slot: Option<usize>,
 }
 
 /// Layer of the doors of a building.
@@ -102,6 +105,8 @@ pub struct NamedDoor {
     pub host: Option<usize>,
     /// What it closes.
     pub outline: Trace,
+    /// The opening that it goes with, where that can slide: its place in [`Plan::slots`].
+    pub slot: Option<usize>,
 }
 
 /// A region drawn by the user, drawing frame.
@@ -206,6 +211,8 @@ pub struct Plan {
     pub plugs: Vec<Plug>,
     /// The doors of a building, where the file calls them so.
     pub doors: Vec<NamedDoor>,
+    /// Openings that can slide along their walls.
+    pub slots: Vec<slots::Slot>,
     /// Records of walls that stay unless somebody says otherwise, and why; empty where they may move as well.
     pub bearing: BTreeMap<usize, bearing::Bearing>,
     /// What stands in the rooms: what slides must not run into it.
@@ -309,6 +316,7 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
     if !as_drawn {
         wide::mark(&mut walls, &entities, &drawing, (&frame, human_scale), report);
     }
+    let slots = slots::of(&drawing, &walls, &frame);
     let findings = options.corrections.idle(&drawing);
     findings.iter().for_each(|f| f.tell(&drawing.file, report));
     let reading = reading::Reading { unit: sense, findings, ..reading.corrected(said, &picked) };
@@ -325,8 +333,9 @@ pub fn understand(drawing: &Drawing, options: &PlanOptions, report: &mut Report)
         layers: chosen.layers,
         views,
         human_scale,
-        plugs: plugs(&drawing, &frame),
-        doors: doors(&drawing, &frame),
+        plugs: plugs(&drawing, &slots, &frame),
+        doors: doors(&drawing, &slots, &frame),
+        slots,
         bearing: walls_of(bearing::find(&drawing), &entities),
         obstacles,
         outdoors,
@@ -418,21 +427,22 @@ fn sized(
 }
 
 /// What closes the openings of walls that the file names. An opening that nothing fills is shown under its wall.
-fn plugs(drawing: &Drawing, frame: &Frame) -> Vec<Plug> {
+fn plugs(drawing: &Drawing, slots: &[slots::Slot], frame: &Frame) -> Vec<Plug> {
     let of = |e: &Entity| {
         let unfilled = || (e.layer == OPENING_LAYER).then_some(e.source.record);
         let host = drawing.hosts.get(&e.source.record).copied().or_else(unfilled)?;
-        Some(Plug { host, outline: curve::trace(&e.shape, frame) })
+        Some(Plug { host, outline: curve::trace(&e.shape, frame), slot: slots::closed_by(slots, e) })
     };
     drawing.entities.iter().filter_map(of).collect()
 }
 
 /// The doors that the file calls so.
-fn doors(drawing: &Drawing, frame: &Frame) -> Vec<NamedDoor> {
+fn doors(drawing: &Drawing, slots: &[slots::Slot], frame: &Frame) -> Vec<NamedDoor> {
     let doors = drawing.entities.iter().filter(|e| e.layer == DOOR_LAYER);
     let of = |e: &Entity| NamedDoor {
         host: drawing.hosts.get(&e.source.record).copied(),
         outline: curve::trace(&e.shape, frame),
+        slot: slots::closed_by(slots, e),
     };
     doors.map(of).collect()
 }

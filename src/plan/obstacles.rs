@@ -16,8 +16,7 @@ use super::own_layers;
 use super::parallels::Straight;
 use super::paving;
 use super::reading::Reading;
-use super::roles::Role;
-use super::stairs;
+use crate::plan::roles::Role;
 
 /// Words of layers and blocks of sanitary objects, lower case.
 const SANITARY: &[&str] = &[
@@ -56,7 +55,7 @@ const SANITARY: &[&str] = &[
     "衛生",
 ];
 
-/// Most lines among which treads are looked for.
+/// Most lines among which joints of a floor and crosses are looked for.
 const LINES_MAX: usize = 20_000;
 
 /// Most pieces kept.
@@ -141,9 +140,6 @@ pub(super) fn find(
                 others.push((i, ObstacleKind::Standing));
             }
         }
-    }
-    if lines.len() <= LINES_MAX {
-        found.extend(stairs::find(&lines).into_iter().map(|l| lines[l].entity));
     }
     // The joints of a floor stand in nobody's way.
     if lines.len() <= LINES_MAX {
@@ -266,7 +262,7 @@ mod tests {
     use super::*;
     use crate::plan::drawing::{Editable, SourceRef};
 
-    /// Pieces found among `count` equal lines on a layer, 0.28 m apart.
+    /// Fixed pieces found among `count` lines on a layer.
     fn pieces(layer: &str, count: usize) -> usize {
         let source = SourceRef { record: 0, handle: None, line: 0, kind: "LINE".into(), layer: layer.into() };
         let line = |i: usize| Entity {
@@ -316,10 +312,8 @@ mod tests {
     }
 
     #[test]
-    fn treads_are_looked_for_among_so_many_lines_and_so_many_pieces_are_kept() {
-        assert_eq!(pieces("level 0", 12), 12, "a flight");
-        assert_eq!(pieces("level 0", LINES_MAX), LINES_MAX, "a long one");
-        assert_eq!(pieces("level 0", LINES_MAX + 1), 0, "too many to look through");
+    fn so_many_pieces_are_kept() {
+        assert_eq!(pieces("WC", 12), 12);
         assert_eq!(pieces("WC", PIECES_MAX + 9), PIECES_MAX);
     }
 }

@@ -84,15 +84,8 @@ pub fn pieces<'a>(entities: impl Iterator<Item = &'a Entity>) -> Vec<Piece> {
     out
 }
 
-/// For each piece the distance to the nearest parallel piece beside it, drawing units.
-///
-/// `least`: distances up to this are the same line drawn twice.
-pub fn nearest_parallels(pieces: &[Piece], least: f64) -> Vec<Option<f64>> {
-    parallels(pieces, least, 1).into_iter().map(|d| d.into_iter().reduce(f64::min)).collect()
-}
-
 /// For each piece the distances to the first `count` parallel pieces on either side of it, drawing units;
-/// those of one line drawn in parts count once.
+/// those of one line drawn in parts count once. Up to `least` two are the same line drawn twice.
 pub fn parallels(pieces: &[Piece], least: f64, count: usize) -> Vec<Vec<f64>> {
     let mut out = vec![Vec::new(); pieces.len()];
     let Some(origin) = pieces.first().map(|p| p.a) else { return out };
@@ -172,10 +165,11 @@ mod tests {
             line(0.0, 3.0, 5.0, 3.0),
             line(9.0, 0.1, 12.0, 0.1),
         ];
-        let found = nearest_parallels(&pieces, 0.001);
-        for (i, distance) in found[..3].iter().enumerate() {
-            assert!((distance.unwrap() - 0.2).abs() < 1e-9, "{i}");
+        let found = parallels(&pieces, 0.001, 1);
+        let nearest = |i: usize| found[i].iter().copied().fold(f64::INFINITY, f64::min);
+        for i in 0..3 {
+            assert!((nearest(i) - 0.2).abs() < 1e-9, "{i}");
         }
-        assert!(found[3].unwrap() > 2.7 && found[4].is_none());
+        assert!(nearest(3) > 2.7 && nearest(3) < 3.1 && found[4].is_empty());
     }
 }

@@ -17,8 +17,11 @@ const GOING_SHARE: f64 = 0.06;
 /// Shortest tread, metres.
 const TREAD_MIN_M: f64 = 0.6;
 
-/// How much lengths and middles of treads that follow each other differ, as a share of their length.
+/// How far apart the ends of treads that follow each other on a string lie, as a share of their length.
 const LIKE_SHARE: f64 = 0.1;
+
+/// Where a flight is cut a tread is at least so much of the one before.
+const CUT_SHARE: f64 = 0.5;
 
 /// Treads that make a flight by themselves: more equal distances than thick walls side by side have.
 const TREADS_MIN: usize = 5;
@@ -47,6 +50,9 @@ const WALL_M: [f64; 2] = [0.03, 0.65];
 /// Most treads looked ahead for the next one; keeps hatches near-linear.
 const LOOK_MAX: usize = 64;
 
+/// Among more lines no stairs are looked for.
+const LINES_MAX: usize = 20_000;
+
 /// Treads in a row.
 struct Flight {
     /// Indices into the lines.
@@ -58,6 +64,9 @@ struct Flight {
 
 /// Indices of the lines (metres) that draw stairs, ascending.
 pub(super) fn find(lines: &[Straight]) -> Vec<usize> {
+    if lines.len() > LINES_MAX {
+        return Vec::new();
+    }
     let chains = chains(lines);
     let (mut flights, short): (Vec<Flight>, Vec<Flight>) =
         chains.into_iter().partition(|f| f.treads.len() >= TREADS_MIN);
@@ -66,8 +75,15 @@ pub(super) fn find(lines: &[Straight]) -> Vec<usize> {
     flights.extend(beside);
     let mut is_stair = vec![false; lines.len()];
     flights.iter().flat_map(|f| &f.treads).for_each(|t| is_stair[*t] = true);
-    let inside: Vec<usize> = flights.iter().flat_map(|f| within(lines, f, &flights, &is_stair)).collect();
-    inside.into_iter().for_each(|i| is_stair[i] = true);
+    flights.iter_mut().for_each(|f| end_at_walls(lines, f, &mut is_stair));
+    // What is known as part of the stair is no second face of a line beside it.
+    loop {
+        let inside: Vec<usize> = flights.iter().flat_map(|f| within(lines, f, &flights, &is_stair)).collect();
+        if inside.is_empty() {
+            break;
+        }
+        inside.into_iter().for_each(|i| is_stair[i] = true);
+    }
     (0..lines.len()).filter(|i| is_stair[*i]).collect()
 }
 
@@ -102,9 +118,15 @@ impl Rung {
         Self { index, offset: along.perp().dot(middle), middle: along.dot(middle), length: line.length() }
     }
 
+    /// Whether another may follow it: both end on one string, and a line where the flight is cut shortens no tread to
+    /// less than [`CUT_SHARE`] of the one before.
     fn is_like(&self, other: &Self) -> bool {
-        let slack = LIKE_SHARE * self.length.max(other.length);
-        (self.length - other.length).abs() <= slack && (self.middle - other.middle).abs() <= slack
+        let (short, long) = (self.length.min(other.length), self.length.max(other.length));
+        let slack = LIKE_SHARE * long;
+        let apart = |end: f64| {
+            (self.middle + end * self.length / 2.0 - other.middle - end * other.length / 2.0).abs() <= slack
+        };
+        short >= CUT_SHARE * long && (apart(-1.0) || apart(1.0))
     }
 }
 
@@ -138,6 +160,20 @@ fn rows(rungs: &[Rung], along: DVec2) -> Vec<Flight> {
         }
     }
     out
+}
+
+/// A flight fills its well, so the wall at its end stands where the next tread would: it has a second face behind it.
+fn end_at_walls(lines: &[Straight], flight: &mut Flight, is_stair: &mut [bool]) {
+    // Of a wall that stands behind the last tread the face beside it has one of its own, and nearer. A jamb is no face.
+    let is_wall = |t: &usize| {
+        let behind = face_beside(lines, *t, is_stair, lines[*t].length() / 2.0);
+        behind
+            .is_some_and(|(face, d)| face_beside(lines, face, is_stair, 0.0).is_none_or(|(_, own)| own >= d))
+    };
+    let (first, last) =
+        (flight.treads.first().is_some_and(is_wall), flight.treads.last().is_some_and(is_wall));
+    let walls = [first.then(|| flight.treads.remove(0)), last.then(|| flight.treads.pop()).flatten()];
+    walls.into_iter().flatten().for_each(|t| is_stair[t] = false);
 }
 
 /// The box of a flight along and across its treads, as seen in the frame of `along`.
@@ -174,26 +210,31 @@ fn within(lines: &[Straight], flight: &Flight, all: &[Flight], is_stair: &[bool]
             is_inside(line, -TOUCH_M) || line.length() >= PART_MIN_M && is_inside(line, flight.going / 2.0);
         let is_long = line.length() >= PART_MIN_M;
         !is_stair[*i]
-            && (is_part && !has_second_face(lines, *i, is_stair)
+            && (is_part && face_beside(lines, *i, is_stair, 0.0).is_none()
                 || is_long && (is_string(lines, line, &near) || crossed(lines, line, &near) >= CROSSED_MIN))
     };
     (0..lines.len()).filter(is_more).collect()
 }
 
-/// Whether another line that is no tread runs beside a line at a wall's thickness.
-fn has_second_face(lines: &[Straight], i: usize, is_stair: &[bool]) -> bool {
+/// The nearest line that is no tread, is longer than `least`, and runs beside a line at a wall's thickness, and how far
+/// from it.
+fn face_beside(lines: &[Straight], i: usize, is_stair: &[bool], least: f64) -> Option<(usize, f64)> {
     let line = &lines[i];
     let (length, u) = (line.length(), (line.b - line.a).normalize_or_zero());
-    lines.iter().enumerate().any(|(j, other)| {
+    let face = |(j, other): (usize, &Straight)| {
         let v = (other.b - other.a).normalize_or_zero();
         let (s, t) = ((other.a - line.a).dot(u), (other.b - line.a).dot(u));
         let shared = s.max(t).min(length) - s.min(t).max(0.0);
-        j != i
+        let apart = u.perp_dot(other.a - line.a).abs();
+        let is_face = j != i
             && !is_stair[j]
+            && other.length() > least
             && u.perp_dot(v).abs() < 4.0 * PARALLEL_RAD
-            && (WALL_M[0]..=WALL_M[1]).contains(&u.perp_dot(other.a - line.a).abs())
-            && shared > 0.5 * length.min(other.length())
-    })
+            && (WALL_M[0]..=WALL_M[1]).contains(&apart)
+            && shared > 0.5 * length.min(other.length());
+        is_face.then_some((j, apart))
+    };
+    lines.iter().enumerate().filter_map(face).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// How many treads a line runs through.

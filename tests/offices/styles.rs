@@ -278,6 +278,7 @@ impl Sheet {
             marked: Vec::new(),
             idle_marks: IdleMarks::None,
             hosts: Default::default(),
+            slots: Vec::new(),
             bearing: Default::default(),
             things: Vec::new(),
             widths: Default::default(),

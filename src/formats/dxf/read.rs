@@ -75,6 +75,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         marked: Vec::new(),
         idle_marks: IdleMarks::None,
         hosts: Default::default(),
+        slots: Vec::new(),
         bearing: Default::default(),
         things: Vec::new(),
         widths: reader.widths,

@@ -101,6 +101,7 @@ pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report
         marked,
         idle_marks,
         hosts: hosts(&scene, &bodies, options),
+        slots: Vec::new(),
         bearing: Default::default(),
         things: Vec::new(),
         widths: Default::default(),

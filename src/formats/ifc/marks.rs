@@ -40,11 +40,11 @@ pub(super) fn is_yes(value: &str) -> Option<bool> {
 /// What marks are for, by the class of their element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
-    /// `Move` and `Keep`: walls, and what may be named as one.
+    /// `Move` and `Keep`: walls and what may be named as one, and doors, which also hold the wall that they sit in.
     Moves,
     /// `Query`, `Reference` and `Keep`: spaces.
     Region,
-    /// `Keep`: doors and windows hold the wall that they sit in.
+    /// `Keep`: windows hold the wall that they sit in.
     Keeps,
     /// None.
     Nothing,
@@ -55,7 +55,7 @@ impl Use {
     pub fn of(class: &str) -> Self {
         match class {
             "IfcSpace" => Self::Region,
-            "IfcDoor" | "IfcWindow" => Self::Keeps,
+            "IfcWindow" => Self::Keeps,
             _ => Self::Moves,
         }
     }

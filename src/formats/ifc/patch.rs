@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::ReadOptions;
 use super::geo::Why;
@@ -60,6 +60,8 @@ pub(super) struct Mover<'b, 's, 'a> {
     done: HashSet<u64>,
     /// What other edits carry: it goes with them, whichever comes first.
     carried: HashSet<u64>,
+    /// What goes with openings that slide.
+    slides: HashMap<u64, (u64, DVec2)>,
     /// Instances changed in place below a wall that changes its length, and those copied for it.
     changed: HashSet<u64>,
     copies: Vec<(Node, u64)>,
@@ -93,6 +95,7 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
             next: b.step.largest_id() + 1,
             done: HashSet::new(),
             carried: edits.iter().filter_map(moved_whole).flat_map(|id| carried(b, id)).collect(),
+            slides: slides(b, edits),
             changed: HashSet::new(),
             copies: Vec::new(),
             shape: None,
@@ -139,10 +142,14 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         let set: HashSet<u64> = follows.iter().copied().collect();
         let mut here: HashSet<u64> = HashSet::new();
         let goes_itself = !self.carried.contains(&id);
+        let mut slid = Slid::default();
         for follower in follows.iter().filter(|_| goes_itself) {
             if self.done.insert(*follower) {
-                self.product(*follower, motion, &set, &mut here)
-                    .map_err(|why| self.fault(*follower, &why))?;
+                let gone = match self.slides.get(follower).filter(|s| s.0 != id).copied() {
+                    Some(own) => self.sliding(*follower, motion, own, (&here, &mut slid)),
+                    None => self.product(*follower, motion, &set, &mut here),
+                };
+                gone.map_err(|why| self.fault(*follower, &why))?;
             }
         }
         let mut tails = self.tails.remove(&id).unwrap_or_default();
@@ -372,6 +379,26 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         Ok(())
     }
 
+    /// Moves what goes with an opening that slides in a wall that moves: first along the wall, then with it.
+    fn sliding(
+        &mut self,
+        id: u64,
+        wall: &RigidMotion,
+        (opening, shift): (u64, DVec2),
+        (here, slid): (&HashSet<u64>, &mut Slid),
+    ) -> Result<(), Why> {
+        let placement = self.b.step.args(id).get(5).and_then(Arg::id);
+        let is_on_wall = placement.map_or(Ok(false), |p| self.has_moved(p, here))?;
+        let motion = match is_on_wall {
+            true => RigidMotion { turn_rad: 0.0, shift },
+            false => {
+                RigidMotion { shift: DVec2::from_angle(wall.turn_rad).rotate(shift) + wall.shift, ..*wall }
+            }
+        };
+        let set: HashSet<u64> = self.b.model.follows(opening).into_iter().collect();
+        self.product(id, &motion, &set, slid.entry(opening).or_default())
+    }
+
     /// Whether a placement stands on one that was moved already.
     fn has_moved(&self, placement: u64, here: &HashSet<u64>) -> Result<bool, Why> {
         let mut at = Some(placement);
@@ -499,6 +526,22 @@ impl<'b, 's, 'a> Mover<'b, 's, 'a> {
         self.added.extend_from_slice(super::line_end(self.b.step.bytes));
         id
     }
+}
+
+/// By opening that slides in a wall that moves: placements of its own that were moved.
+type Slid = HashMap<u64, HashSet<u64>>;
+
+/// Of all that goes with openings that have an edit of their own: the opening, and how far it slides.
+fn slides(b: &Building<'_, '_>, edits: &[Edit]) -> HashMap<u64, (u64, DVec2)> {
+    let mut out = HashMap::new();
+    for edit in edits {
+        let Edit::Insert { record, motion } = edit else { continue };
+        let opening = *record as u64;
+        if b.model.openings.values().flatten().any(|id| *id == opening) {
+            out.extend(b.model.follows(opening).into_iter().map(|id| (id, (opening, motion.shift))));
+        }
+    }
+    out
 }
 
 /// What an edit moves as a whole.

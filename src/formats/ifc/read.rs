@@ -1,6 +1,8 @@
 //! One storey of a building as a plan: every element cut at the height of the eyes.
 
+mod heights;
 mod north;
+mod slots;
 mod told;
 
 use std::collections::{BTreeMap, HashSet};
@@ -21,11 +23,14 @@ use crate::formats::region::{Region, Rule};
 use crate::formats::storeys::{is_over, refuse_without_own, state_shared_name};
 use crate::formats::{SpaceNames, listed, main_storey, no_storey, storey_at};
 use crate::plan::drawing::{
-    Drawing, Editable, Entity, Format, IdleMarks, Layer, MarkedMove, Shape, SourceRef, Text, Unit, Vertex,
+    Drawing, Editable, Entity, Format, IdleMarks, Layer, MarkedMove, Shape, Slot, SourceRef, Text, Unit,
+    Vertex,
 };
-use crate::plan::sizes::{Sizes, Verdict};
+use crate::plan::sizes::Verdict;
 use crate::plan::units::by_heights;
 use crate::report::{Error, Place, Report};
+pub(super) use heights::heights;
+use heights::{sizes, wall_spans};
 use north::{north_deg, state_north};
 use told::Standing;
 
@@ -43,12 +48,6 @@ const SLIVER_M: f64 = 0.01;
 
 /// Corners of a cut this near to an end of the wall belong to it.
 const END_M: f64 = 1e-5;
-
-/// Elements of a kind by whose sizes a stated unit is judged: the middle of so many is that of all.
-const SIZED_MAX: usize = 200;
-
-/// Where a door states its width (`OverallWidth`).
-const DOOR_WIDTH: usize = 9;
 
 /// A file ready to be cut.
 pub(super) struct Building<'s, 'a> {
@@ -121,7 +120,7 @@ impl<'s, 'a> Building<'s, 'a> {
         let id = self.model.storeys[storey].id;
         let own =
             self.model.products.iter().filter(|p| told::is_wall(p) && self.model.storey_of(p.id) == Some(id));
-        own.map(|p| self.high(p)).try_fold(f64::NEG_INFINITY, |top, high| Some(top.max(high?)))
+        own.map(|p| self.reach(p).map(|r| r[1])).try_fold(f64::NEG_INFINITY, |top, high| Some(top.max(high?)))
     }
 
     /// Whether what the building's elements measure can be in the unit that the file states; else takes the one in which
@@ -138,12 +137,13 @@ impl<'s, 'a> Building<'s, 'a> {
         }
     }
 
-    /// The highest point of an element's body; none where a part of it cannot be read.
-    fn high(&self, p: &Product) -> Option<f64> {
+    /// Lowest and highest point of an element's body; none where a part of it cannot be read.
+    fn reach(&self, p: &Product) -> Option<[f64; 2]> {
         let world = p.placement.map_or(Ok(DAffine3::IDENTITY), |m| self.geo.placement(m)).ok()?;
         let items = body_items(self.step, p.shape?).ok()?;
-        let high = |item: &u64| self.geo.reach(*item, &world, 0).ok().map(|r| r[1]).filter(|z| z.is_finite());
-        items.iter().map(high).try_fold(f64::NEG_INFINITY, |top, z| Some(top.max(z?)))
+        let reach = |item: &u64| self.geo.reach(*item, &world, 0).ok().filter(|r| r[1].is_finite());
+        let all = items.iter().map(reach).collect::<Option<Vec<_>>>()?;
+        all.into_iter().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
     /// `house.ifc:12 #4711 IfcWall 2O2F…`.
@@ -300,6 +300,8 @@ struct Reader<'b, 's, 'a> {
     plugged: HashSet<u64>,
     /// The element shown now where it can change its length, and the corners of what closes its openings, world.
     bar: Option<(length::Bar, Vec<DVec2>)>,
+    /// Openings that can slide.
+    slots: Vec<Slot>,
     /// Walls that keep their length, and why.
     stiff: Vec<(u64, Why)>,
     /// Walls and columns of other storeys of which a part cannot be read.
@@ -315,12 +317,24 @@ struct ElementCut<'p> {
     missing: Vec<Why>,
     /// What stands for a body that cannot be read, and why.
     instead: Option<Why>,
-    /// What closes its openings without blocking sight: of which product, on which layer.
-    closings: Vec<(&'p Product, &'static str, Region)>,
+    /// What closes its openings without blocking sight.
+    closings: Vec<Closing<'p>>,
     /// Doors and windows that stand in one of its openings.
     plugged: Vec<u64>,
     /// Of a wall, how it changes its length, or why it does not.
     bar: Option<Result<length::Bar, Why>>,
+    /// Its openings that can slide.
+    slots: Vec<Slot>,
+}
+
+/// What closes an opening.
+struct Closing<'p> {
+    /// Whose it is.
+    of: &'p Product,
+    layer: &'static str,
+    region: Region,
+    /// The opening; none for glass of a curtain wall.
+    opening: Option<u64>,
 }
 
 /// A product's frame: how its own plane lies in the world, and at which height of it to cut.
@@ -348,6 +362,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             below: HashSet::new(),
             plugged: HashSet::new(),
             bar: None,
+            slots: Vec::new(),
             stiff: Vec::new(),
             elsewhere: Vec::new(),
         }
@@ -377,9 +392,10 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
     }
 
     fn show(&mut self, p: &Product, cut: ElementCut<'_>, report: &mut Report) {
-        for (of, class, region) in &cut.closings {
-            self.emit(of, class, region);
+        for closing in &cut.closings {
+            self.emit(closing.of, closing.layer, &closing.region);
         }
+        self.slots.extend(cut.slots);
         self.plugged.extend(cut.plugged);
         for why in cut.missing {
             self.state_missing(p, &why, report);
@@ -394,7 +410,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             let why = format!("its cut has {size} corners, expected at most {OUTLINE_POINTS_MAX}");
             self.state_missing(p, &why, report);
         } else {
-            let holes = || cut.closings.iter().flat_map(|(_, _, r)| r.points()).collect();
+            let holes = || cut.closings.iter().flat_map(|c| c.region.points()).collect();
             match cut.bar {
                 Some(Ok(bar)) => self.bar = Some((bar, holes())),
                 Some(Err(why)) => self.stiff.push((p.id, why)),
@@ -454,7 +470,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
                 }
             };
             if is_glass {
-                out.closings.push((p, "IfcWindow", cut))
+                out.closings.push(Closing { of: p, layer: "IfcWindow", region: cut, opening: None })
             } else {
                 region = region.combine(&cut, Rule::Union)
             }
@@ -467,10 +483,12 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
         if !region.is_within_reach() {
             return Err("it lies beyond all buildings".into());
         }
-        out.closings.retain(|(_, _, region)| region.is_within_reach());
+        out.closings.retain(|c| c.region.is_within_reach());
         let is_wall = p.class.starts_with("IfcWall") && !region.is_empty();
         let bar = is_wall.then(|| length::bar(self.b, p.id));
-        Ok(ElementCut { region, bar, ..out })
+        let slots = bar.iter().flatten().flat_map(|bar| self.slots(p, bar.along, &region, &out.closings));
+        let slots = slots.collect();
+        Ok(ElementCut { region, bar, slots, ..out })
     }
 
     fn part(&self, id: u64) -> Result<Region, Why> {
@@ -526,7 +544,12 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             }
             out.region = std::mem::take(&mut out.region).combine(&hole, Rule::Difference);
             let world = plug.map(|q| plan_point(&frame.world, q));
-            out.closings.push((filler.unwrap_or(p), class, world));
+            out.closings.push(Closing {
+                of: filler.unwrap_or(p),
+                layer: class,
+                region: world,
+                opening: Some(*opening),
+            });
         }
     }
 
@@ -587,6 +610,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
 
     fn space(&mut self, p: &Product, region: &Region) {
         let Some([lo, hi]) = region.extent() else { return };
+        self.keep_reached(region);
         self.emit(p, "IfcSpace", region);
         let SpaceNames { names, zones: of_zones } = self.b.space_names(p);
         for (layer, names) in [("IfcSpace", names), (ZONE_LAYER, of_zones)] {
@@ -700,6 +724,7 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             layers,
             entities: self.entities,
             hosts,
+            slots: self.slots,
             texts: self.texts,
             fills: Vec::new(),
             marked: self.marked,
@@ -714,60 +739,4 @@ impl<'b, 's, 'a> Reader<'b, 's, 'a> {
             north_deg: north_deg(self.b),
         }
     }
-}
-
-/// Heights of a storey's floor and of its cut, file units.
-pub(super) fn heights(b: &Building<'_, '_>, storey: Option<&Storey>, sight: Sight) -> (f64, f64) {
-    let above = sight.above_m() / b.geo.metres;
-    let floor = storey.map_or_else(|| lowest(b, above), |s| s.floor);
-    (floor, floor + above)
-}
-
-/// The floor of a building without storeys: of all heights at which walls start, the one above which most
-/// walls are cut.
-fn lowest(b: &Building<'_, '_>, above: f64) -> f64 {
-    let spans = wall_spans(b, usize::MAX);
-    let sorted = |k: usize| {
-        let mut values: Vec<f64> = spans.iter().filter(|s| s[0] < s[1]).map(|s| s[k]).collect();
-        values.sort_by(f64::total_cmp);
-        values
-    };
-    let (lows, highs) = (sorted(0), sorted(1));
-    let cut = |floor: f64| {
-        let z = floor + above;
-        lows.partition_point(|v| *v < z) - highs.partition_point(|v| *v <= z)
-    };
-    let floors = spans.iter().map(|s| s[0]);
-    floors.max_by(|a, b| cut(*a).cmp(&cut(*b)).then(b.total_cmp(a))).unwrap_or(0.0)
-}
-
-/// What elements measure, file units.
-fn sizes(b: &Building<'_, '_>) -> Sizes {
-    let walls = b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")).take(SIZED_MAX);
-    let thickness = |p: &Product| layer_reach(b.step, &b.model, p.id).map(|[left, right]| right - left);
-    let doors = b.model.fillers.iter().filter(|p| p.class == "IfcDoor").take(SIZED_MAX);
-    let width = |p: &Product| b.step.args(p.id).get(DOOR_WIDTH)?.number();
-    Sizes {
-        wall_heights: wall_spans(b, SIZED_MAX).iter().map(|s| s[1] - s[0]).collect(),
-        door_widths: doors.filter_map(width).collect(),
-        storey_heights: b.model.storeys.windows(2).map(|s| s[1].floor - s[0].floor).collect(),
-        thicknesses: walls.filter_map(thickness).collect(),
-        scene: None,
-    }
-}
-
-/// Lowest and highest point of the first walls with a body, file units.
-fn wall_spans(b: &Building<'_, '_>, most: usize) -> Vec<[f64; 2]> {
-    let mut spans: Vec<[f64; 2]> = Vec::new();
-    for p in b.model.products.iter().filter(|p| p.class.starts_with("IfcWall")).take(most) {
-        let world = p.placement.map_or(Ok(DAffine3::IDENTITY), |m| b.geo.placement(m));
-        let items = p.shape.and_then(|s| body_items(b.step, s).ok());
-        if let (Ok(world), Some(items)) = (world, items) {
-            let reach = items.iter().filter_map(|i| b.geo.reach(*i, &world, 0).ok());
-            let span =
-                reach.fold([f64::INFINITY, f64::NEG_INFINITY], |s, r| [s[0].min(r[0]), s[1].max(r[1])]);
-            spans.extend(Some(span).filter(|s| s[0].is_finite()));
-        }
-    }
-    spans
 }

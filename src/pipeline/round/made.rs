@@ -13,7 +13,7 @@ use crate::moves::Layout;
 use crate::moves::carried::{Carried, carried};
 use crate::overlay::result::{self, ElementRef};
 use crate::plan::Plan;
-use crate::plan::drawing::Edit;
+use crate::plan::drawing::{Edit, RigidMotion};
 use crate::plan::geometry::UM_PER_M;
 use crate::plan::markers::place_in;
 use crate::report::{Error, Place, Report};
@@ -95,7 +95,11 @@ pub(in crate::pipeline) fn edits_of(base: &Understood, layout: &Layout) -> Vec<E
             continue;
         }
         let motion = moved.motion.map(|motion| Edit::Insert { record, motion });
-        for edit in motion.into_iter().chain(moved.ends.map(|by| Edit::Ends { record, by })) {
+        let slid = moved.slid.iter().map(|s| Edit::Insert {
+            record: base.plan.slots[s.slot].source.record,
+            motion: RigidMotion { turn_rad: 0.0, shift: s.shift },
+        });
+        for edit in motion.into_iter().chain(moved.ends.map(|by| Edit::Ends { record, by })).chain(slid) {
             if !out.contains(&edit) {
                 out.push(edit);
             }

@@ -501,13 +501,15 @@ fn named(records: &[&SourceRef]) -> String {
 /// What goes along with the walls of an option, by layer, also what the plan does not show of a building; empty for
 /// nothing.
 pub(super) fn goes_along_words(base: &Understood, made: &Made) -> String {
-    let goes =
-        base.fittings.iter().filter(|f| matches!(carried(&base.plan, f, &made.layout), Carried::Moves(..)));
+    // A door that slides was told as such.
+    let follows = |record: usize| !made.layout.slides(&base.plan, record);
+    let goes = base.fittings.iter().filter(|f| follows(f.source.record));
+    let goes = goes.filter(|f| matches!(carried(&base.plan, f, &made.layout), Carried::Moves(..)));
     let mut records: BTreeMap<usize, &str> =
         goes.map(|f| (f.source.record, f.source.layer.as_str())).collect();
     let shown = records.len();
     let changed = made.changed.records.iter().flatten();
-    for (record, class) in changed.filter_map(|c| Some((c.of.record, c.filler?))) {
+    for (record, class) in changed.filter_map(|c| Some((c.of.record, c.filler?))).filter(|c| follows(c.0)) {
         records.entry(record).or_insert(class);
     }
     let layers: BTreeSet<&str> = records.values().copied().collect();

@@ -11,13 +11,17 @@ use super::jambs::ending_at_jambs;
 use crate::config::{MoveTable, Settings};
 use crate::formats::ifc::KEEPS;
 use crate::moves::Moves;
+use crate::plan::Plan;
+use crate::plan::Region;
 use crate::plan::axes::AxisGraph;
+use crate::plan::box_of;
 use crate::plan::drawing::{Drawing, Editable, Format, IdleMarks};
 use crate::plan::fittings::Fitting;
 use crate::plan::graph::Graph;
 use crate::plan::layers::WallLayers;
-use crate::plan::markers::{self, Group, place_in};
-use crate::plan::{Plan, Region, box_of};
+use crate::plan::markers::place_in;
+use crate::plan::markers::{self, Group};
+use crate::plan::slots::Slot;
 use crate::report::{Error, Place, Report, counted};
 
 /// Whether anybody said in the drawing what moves or stays, so that it can be used or not: then nothing moves by default.
@@ -51,8 +55,9 @@ pub(super) fn state_idle_keeps(drawing: &Drawing, plan: &Plan, report: &mut Repo
     let mut seen: BTreeSet<usize> = plan.walls.iter().map(|w| w.source.record).collect();
     for e in &drawing.entities {
         let is_kept = matches!(&e.editable, Editable::No(why) if why == KEEPS) && e.layer == e.source.kind;
-        let is_wall = ["Wall", "Column"].iter().any(|k| e.source.kind.contains(k));
-        if is_kept && !is_wall && seen.insert(e.source.record) {
+        // What stands in a wall keeps the wall.
+        let is_of_walls = ["Wall", "Column", "Door", "Window"].iter().any(|k| e.source.kind.contains(k));
+        if is_kept && !is_of_walls && seen.insert(e.source.record) {
             let text = "Keep of Pset_Enfilade: it is no wall of this plan, expected a wall, a column or a space; it would \
                         not move anyway";
             report.warn("ifc-marks", place_in(&drawing.file, &e.source), text);
@@ -219,6 +224,12 @@ pub(super) fn side_car_groups(
                 records.insert(wall.source.record);
             }
         }
+        // Where the table names walls, their openings go with them.
+        let is_named = |s: &&Slot| records.is_empty() && s.is_named(|h| table.handles.contains(h));
+        let slots: Vec<&Slot> = plan.slots.iter().filter(is_named).collect();
+        let sides = slots.iter().flat_map(|s| s.jambs.iter().flatten());
+        nodes.extend(sides.map(|(w, c)| graph.control_nodes[*w as usize][*c as usize]));
+        records.extend(slots.iter().map(|s| s.source.record));
         nodes.sort_unstable();
         nodes.dedup();
         let clauses = match markers::read_clauses(&table.moves, drawing, &plan.frame) {
@@ -237,14 +248,15 @@ pub(super) fn side_car_groups(
                 let text = format!("[[move]] {name:?} names no wall of the drawing; nothing moves here");
                 report.warn("move-empty", Place::file(&plan.file), text);
             } else {
-                let text = "it is no wall of this plan, expected a wall or a column; nothing moves by it";
+                let text = "it is no wall of this plan, nor a door whose wall is alike on both sides of it; nothing moves by it";
                 say_of_marks(drawing, table, ("move-empty", text), report);
             }
             continue;
         };
         let first = graph.handles[*first as usize][0].0;
         let own = plan.walls.iter().find(|w| records.contains(&w.source.record));
-        let source = own.unwrap_or(&plan.walls[first as usize]).source.clone();
+        let wall = || &own.unwrap_or(&plan.walls[first as usize]).source;
+        let source = slots.first().map_or_else(wall, |s| &s.source).clone();
         out.0.push((Group { name, outline: Region::Ring(Vec::new()), clauses, source }, nodes));
         out.1.push(Some(records).filter(|_| !is_dxf && table.nodes.is_empty()));
     }

@@ -9,7 +9,9 @@ use super::features::Features;
 use super::scene::{Scene, Thing};
 use super::trees::{CLASSES, TOGETHER, Votes, model};
 use crate::plan::drawing::{Drawing, Entity};
+use crate::plan::parallels::Straight;
 use crate::plan::roles::{Role, is_of_windows_too, role_by_name};
+use crate::plan::stairs;
 
 /// What each entity is taken for, if `metres` are those of a drawing unit; `None` for an entity that is not looked at:
 /// hidden, or of no length.
@@ -65,7 +67,35 @@ pub fn classify(drawing: &Drawing, metres: f64) -> Vec<Option<Sense>> {
         }
     }
     without_dashed(&scene, drawing, &mut named, &mut out);
+    with_flights(&scene, &mut out);
     out
+}
+
+/// In the labelled corpus every line found so that is labelled as a wall draws steps on the layer of the walls, but for at
+/// most one. Fewer drawings than a finer figure would need.
+const FLIGHT_SURE: f32 = 0.99;
+/// What draws treads for more than this share of its length is part of a stair.
+const TREADS_SHARE: f64 = 0.5;
+
+/// Stairs are known by the row that their treads stand in, whatever layer they lie on: nobody builds walls in such rows.
+fn with_flights(scene: &Scene, senses: &mut [Option<Sense>]) {
+    let may_be = |thing: &Thing| {
+        let role = senses[thing.entity as usize].map(|s| s.role);
+        matches!(role, Some(Role::Wall | Role::LowWall | Role::Stair | Role::Furniture | Role::Unknown))
+    };
+    let of = |(i, thing): (usize, &Thing)| {
+        let own = &scene.pieces[thing.pieces.start as usize..thing.pieces.end as usize];
+        own.iter().filter(|p| p.arc.is_none()).map(move |p| Straight { entity: i, a: p.a, b: p.b })
+    };
+    let lines: Vec<Straight> =
+        scene.things.iter().enumerate().filter(|(_, t)| may_be(t)).flat_map(of).collect();
+    let mut found = vec![0.0; scene.things.len()];
+    stairs::find(&lines).into_iter().for_each(|l| found[lines[l].entity] += lines[l].length());
+    for (thing, found) in scene.things.iter().zip(found) {
+        if found > TREADS_SHARE * thing.length {
+            senses[thing.entity as usize] = Some(Sense { role: Role::Stair, confidence: FLIGHT_SURE });
+        }
+    }
 }
 
 /// What is drawn with gaps lies above or below, or is to go, and is no wall: unless most of the walls are drawn so, or a whole
