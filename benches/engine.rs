@@ -24,11 +24,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use enfilade::analysis::evaluator::Evaluator;
-use enfilade::analysis::paths::{Paths, Turning};
-use enfilade::analysis::visibility::{Graph, visibility_graph};
-use enfilade::analysis::{Lattice, Obstacles, forest, isovist, measures, sampled};
-use enfilade::plan::geometry::{Segment, segments_touch};
+use enfilade_engine::evaluator::Evaluator;
+use enfilade_engine::geometry::{Segment, segments_touch};
+use enfilade_engine::paths::{Paths, Turning};
+use enfilade_engine::visibility::{Graph, visibility_graph};
+use enfilade_engine::{Lattice, Obstacles, forest, isovist, measures, sampled};
 use rayon::prelude::*;
 use rustix::time::{ClockId, clock_gettime};
 
@@ -273,7 +273,7 @@ fn baseline_row(
     lattice: &Lattice,
     obstacles: &Obstacles,
     graph: &Graph,
-    tally: &enfilade::analysis::Tally,
+    tally: &enfilade_engine::Tally,
     ours: f64,
 ) {
     let (secs, (lists, levels)) = median(&pool(1), 1, || {
@@ -437,7 +437,7 @@ impl Gallery {
 }
 
 fn inside(ring: &Ring, p: [i64; 2]) -> bool {
-    enfilade::plan::geometry::side_of_ring(ring, p) != enfilade::plan::geometry::Side::Outside
+    enfilade_engine::geometry::side_of_ring(ring, p) != enfilade_engine::geometry::Side::Outside
 }
 
 /// Runs on the pool's thread and takes the median of its CPU time.

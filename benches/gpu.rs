@@ -8,13 +8,13 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use enfilade::analysis::evaluator::Evaluator;
-use enfilade::analysis::forest::tally;
-use enfilade::analysis::gpu::Gpu;
-use enfilade::analysis::gpu::forest::CardForest;
-use enfilade::analysis::visibility::visibility_graph;
-use enfilade::analysis::{Lattice, Obstacles};
-use enfilade::plan::geometry::Segment;
+use enfilade_engine::evaluator::Evaluator;
+use enfilade_engine::forest::tally;
+use enfilade_engine::geometry::Segment;
+use enfilade_engine::gpu::Gpu;
+use enfilade_engine::gpu::forest::CardForest;
+use enfilade_engine::visibility::visibility_graph;
+use enfilade_engine::{Lattice, Obstacles};
 
 fn main() {
     let software = std::env::args().any(|a| a == "software");

@@ -4,8 +4,8 @@
 
 use std::hint::black_box;
 
-use enfilade::penalties::clearance::RADIUS_M;
-use enfilade::penalties::{Alignment, Clearance, Layout, Overlap, WallLength, WallPiece};
+use enfilade_penalties::clearance::RADIUS_M;
+use enfilade_penalties::{Alignment, Clearance, Layout, Overlap, WallLength, WallPiece};
 use glam::{DVec2, dvec2};
 use rustix::time::{ClockId, clock_gettime};
 

@@ -8,10 +8,10 @@
 use std::fmt::Write;
 use std::time::Instant;
 
-use enfilade::formats::dxf::{ReadOptions, read};
-use enfilade::plan::graph::Graph;
-use enfilade::plan::{PlanOptions, structure, understand};
-use enfilade::report::Report;
+use enfilade_cad::dxf::{ReadOptions, read};
+use enfilade_plan::graph::Graph;
+use enfilade_plan::{PlanOptions, structure, understand};
+use enfilade_report::Report;
 
 /// Size of the made drawing.
 const BYTES: usize = 46_000_000;
@@ -52,7 +52,7 @@ fn quickest_of(name: &str, bytes: &[u8]) -> [f64; 2] {
     let understanding = quickest(|| {
         if let Ok(plan) = understand(&drawing, &PlanOptions::default(), &mut Report::default()) {
             let (axes, marked) = structure::axes(&plan, &drawing);
-            let fittings = enfilade::plan::fittings::fittings(&plan, &drawing, &axes, &marked);
+            let fittings = enfilade_plan::fittings::fittings(&plan, &drawing, &axes, &marked);
             assert!(Graph::new(&plan).len > 0 && fittings.len() <= drawing.entities.len());
         }
     });

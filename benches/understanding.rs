@@ -9,7 +9,7 @@ mod offices;
 
 use std::time::Instant;
 
-use enfilade::plan::axes::{AxisGraph, Drawn, Face};
+use enfilade_plan::axes::{AxisGraph, Drawn, Face};
 use offices::score::{Score, explain, has_right_unit, score};
 use offices::styles::{LAYERS, Office, STYLES, Style, UNITS, draw, drawn};
 

@@ -1,9 +1,9 @@
 //! The cuts of a building as JSON, metres: `cargo run --release --example cuts -- FILE [STOREY]`. What
 //! `scripts/compare-cuts` holds against IfcOpenShell's geometry.
 
-use enfilade::formats::{self, ReadOptions};
-use enfilade::plan::drawing::Shape;
-use enfilade::report::Report;
+use enfilade_cad::ReadOptions;
+use enfilade_cad::drawing::Shape;
+use enfilade_report::Report;
 use serde_json::json;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = args.next().ok_or("expected a file")?;
     let bytes = std::fs::read(&file)?;
     let base = ReadOptions::default();
-    let all = formats::storeys(&file, &bytes, &base);
+    let all = enfilade_cad::storeys(&file, &bytes, &base);
     let wanted: Vec<Option<String>> = match args.next() {
         Some(name) => vec![Some(name)],
         None if all.is_empty() => vec![None],
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut report = Report::default();
         let options = ReadOptions { storey: name.clone(), ..base.clone() };
         let floor_m = all.iter().find(|s| Some(&s.name) == name.as_ref()).map(|s| s.floor_m);
-        let drawing = match formats::read(&file, &bytes, &options, &mut report) {
+        let drawing = match enfilade_cad::read(&file, &bytes, &options, &mut report) {
             Ok(drawing) => drawing,
             // A storey without walls at its cut shows none.
             Err(e) if e.problem().is_some_and(|p| p.code == "no-walls") => {

@@ -6,9 +6,9 @@
 use std::error::Error;
 use std::fs;
 
-use enfilade::formats::dxf::{self, ReadOptions};
-use enfilade::plan::reading::training::{feature_names, samples};
-use enfilade::report::Report;
+use enfilade_cad::dxf::{self, ReadOptions};
+use enfilade_plan::reading::training::{feature_names, samples};
+use enfilade_report::Report;
 
 /// Place of a label among the classes of the trainer; 255 for what is not known.
 fn class(label: &str) -> u8 {

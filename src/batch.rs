@@ -16,12 +16,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-use crate::config::{Beside, Partial, Settings};
-use crate::overlay::result::{RoundResult, to_json};
-use crate::pipeline::Outcome;
-use crate::report::{Error, OutFile, Place};
 use crate::store::{Home, SystemDisk, led_to, read_named};
 pub use beside::{FileBeside, Kind};
+use enfilade_config::{Beside, Partial, Settings};
+use enfilade_overlay::result::{RoundResult, to_json};
+use enfilade_pipeline::Outcome;
+use enfilade_report::{Error, OutFile, Place};
 
 /// `schema` of a [`Job`].
 pub const JOB_SCHEMA: &str = "enfilade.job/1";
@@ -178,7 +178,7 @@ impl Job {
         // Values of JSON with preserved order: the fields stand as declared.
         let settings = serde_json::to_string(&self.settings).unwrap_or_default();
         let name = self.name();
-        let mut parts = vec![crate::VERSION, &name, &self.sha256, &settings];
+        let mut parts = vec![enfilade_config::VERSION, &name, &self.sha256, &settings];
         parts.extend(self.beside.iter().flat_map(|f| [f.kind.name(), &f.name, &f.sha256]));
         sha256_hex(parts.join("\n").as_bytes())
     }

@@ -12,17 +12,17 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use crate::commands::unsaid;
-use crate::config::{JOB_SECS, Partial};
-use crate::pipeline::resolution;
-use crate::report::complain;
 pub use choices::{BackendArg, ColoursArg, LevelArg, MethodArg, ModeArg, ThresholdsArg, UnsureArg};
+use enfilade_config::{JOB_SECS, Partial};
+use enfilade_pipeline::resolution;
+use enfilade_report::complain;
 pub use manual::man;
 use reading::ReadingArgs;
 use values::{graph_file, json_file, levels, picture_file, point, radius, whole};
 
 /// From an architect's drawing to a diverse set of better layouts, and back.
 #[derive(Debug, Parser)]
-#[command(name = "enfilade", version = crate::VERSION, about, max_term_width = 100, arg_required_else_help = true)]
+#[command(name = "enfilade", version = enfilade_config::VERSION, about, max_term_width = 100, arg_required_else_help = true)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]

@@ -18,26 +18,26 @@ use std::time::Instant;
 use crate::cli::{
     AcceptArgs, AnalyseArgs, CheckArgs, Cli, Command, Common, InitArgs, ResolutionArgs, RunArgs, SearchArgs,
 };
-use crate::config::{Partial, Settings, settings_files};
 use crate::daemon::{self, Asked, Done, JobEvent, JobOutput, JobRequest, Notice, WatchSettings};
-use crate::overlay::measure::{counts_cells, numbers_apart, parts, plain_name, wording};
-use crate::overlay::reading::{Headline, QuestionEntry};
-use crate::overlay::result::{AnalysisResult, Interval, RESULT_SCHEMA, RoundResult, StoreyEntry, to_json};
-use crate::overlay::words::headline;
-use crate::pipeline::accept::Origin;
-use crate::pipeline::cells::{CellOptions, cells, cells_csv, edges_csv};
-use crate::pipeline::geojson::{cells_geojson, edges_geojson};
-use crate::pipeline::{self, Event, Input, Outcome, resolution};
-use crate::plan::drawing::Format;
 use crate::progress::Display;
-use crate::report::{
-    Cancel, Error, Place, Report, Severity, complain, counted, gathered, one_line, short_numbers,
-};
 use crate::sample_settings;
 use crate::store::{self, Home, Placing, SystemDisk, led_beside, round_name};
 use crate::watch::MAX_DRAWING_BYTES;
 pub use beside::settings_for;
 use beside::{beside, read_settings, settings_partial};
+use enfilade_cad::drawing::Format;
+use enfilade_config::{Partial, Settings, settings_files};
+use enfilade_overlay::measure::{counts_cells, numbers_apart, parts, plain_name, wording};
+use enfilade_overlay::reading::{Headline, QuestionEntry};
+use enfilade_overlay::result::{AnalysisResult, Interval, RESULT_SCHEMA, RoundResult, StoreyEntry, to_json};
+use enfilade_overlay::words::headline;
+use enfilade_pipeline::accept::Origin;
+use enfilade_pipeline::cells::{CellOptions, cells, cells_csv, edges_csv};
+use enfilade_pipeline::geojson::{cells_geojson, edges_geojson};
+use enfilade_pipeline::{Event, Input, Outcome, resolution};
+use enfilade_report::{
+    Cancel, Error, Place, Report, Severity, complain, counted, gathered, one_line, short_numbers,
+};
 use limits::Clock;
 
 /// Runs one command line. The exit code of a finished command is 0, or 1 when something was left out.
@@ -117,8 +117,8 @@ fn timed(
 fn check(args: &CheckArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Error> {
     let (path, bytes) = open(&args.file)?;
     let settings = settings_for(&args.file, args.common.partial(None))?.0;
-    let extras = pipeline::Extras { picture: args.preview.is_some(), graph: args.graph.is_some() };
-    let outcome = pipeline::check_with(&Input::new(&path, &bytes, 1), &settings, extras)?;
+    let extras = enfilade_pipeline::Extras { picture: args.preview.is_some(), graph: args.graph.is_some() };
+    let outcome = enfilade_pipeline::check_with(&Input::new(&path, &bytes, 1), &settings, extras)?;
     cancel.check()?;
     clock.is_read();
     let result = &outcome.result;
@@ -188,17 +188,17 @@ fn analyse(args: &AnalyseArgs, clock: &Clock, cancel: &Cancel) -> Result<u8, Err
     let placing = Placing { out_dir: out.as_deref().map(named_folder), fallback_dir: None };
     let home = Home::open(Arc::new(SystemDisk), &led_beside(&absolute(&args.file)), &placing)?;
     let input = Input::new(&path, &bytes, 1);
-    let (mut outcome, study) = pipeline::on_threads(&settings, || {
-        pipeline::analyse_from(&input, &settings, roots_of(args), &mut || clock.is_read(), cancel)
+    let (mut outcome, study) = enfilade_pipeline::on_threads(&settings, || {
+        enfilade_pipeline::analyse_from(&input, &settings, roots_of(args), &mut || clock.is_read(), cancel)
     })?;
     let wants_pictures = !args.measures.is_empty() || !args.step_from.is_empty();
     let mut tables = Vec::new();
     if args.cells.is_some() || wants_pictures {
-        let measured = pipeline::on_threads(&settings, || {
-            pipeline::cells::measure_cells(&study, &cell_options(args, &settings))
+        let measured = enfilade_pipeline::on_threads(&settings, || {
+            enfilade_pipeline::cells::measure_cells(&study, &cell_options(args, &settings))
         })?;
         if wants_pictures {
-            pipeline::add_columns(&input, &settings, (&study, &measured), &mut outcome)?;
+            enfilade_pipeline::add_columns(&input, &settings, (&study, &measured), &mut outcome)?;
         }
         if let Some(to) = &args.cells {
             let cells = cells(&study, measured.columns);
@@ -324,7 +324,7 @@ fn resolution(args: &ResolutionArgs, clock: &Clock, cancel: &Cancel) -> Result<u
             display.show(&p);
         }
     };
-    let outcome = pipeline::on_threads(&settings, || {
+    let outcome = enfilade_pipeline::on_threads(&settings, || {
         resolution::resolution(&input, &settings, &options, &mut show, cancel)
     });
     display.finish();
@@ -430,7 +430,7 @@ fn hold(partial: &mut Partial, results: &Path, asked: &Asked, which: Which) -> R
     let pinned: Vec<Vec<f64>> = once.map(|(_, n)| of(n)).collect::<Result<_, _>>()?;
     partial.pin = Some(pinned).filter(|p| !p.is_empty());
     partial.like = asked.like.as_ref().map(of).transpose()?;
-    partial.pin_moves = pipeline::moves_of(&result.moves);
+    partial.pin_moves = enfilade_pipeline::moves_of(&result.moves);
     Ok(())
 }
 
@@ -454,12 +454,12 @@ fn round(
     let (say, heard) = mpsc::channel();
     std::thread::scope(|scope| {
         let worker = scope.spawn(move || {
-            pipeline::on_threads(settings, || {
+            enfilade_pipeline::on_threads(settings, || {
                 let input = Input::new(shown, &request.bytes, u64::from(request.round));
                 let input = input.going_on_from(&request.earlier);
                 // Nobody hears any more once the job was given up.
                 let mut show = |event: Event| drop(say.send(event));
-                pipeline::run(&input, settings, started, &mut show, cancel)
+                enfilade_pipeline::run(&input, settings, started, &mut show, cancel)
             })
         });
         for event in heard {
@@ -545,8 +545,13 @@ fn results_of(file: &Path, out: Option<PathBuf>) -> Result<PathBuf, Error> {
 fn accept_option(file: &Path, results: &Path, which: Which, number: usize) -> Result<Accepted, Error> {
     let (path, bytes) = open(file)?;
     let (origin, result) = round_result(results, which)?;
-    let accepted =
-        pipeline::accept::accept(&Input::new(&path, &bytes, 1), beside(file), &result, origin, number)?;
+    let accepted = enfilade_pipeline::accept::accept(
+        &Input::new(&path, &bytes, 1),
+        beside(file),
+        &result,
+        origin,
+        number,
+    )?;
     let store::Revision { path: next, is_new } =
         store::write_revision(&SystemDisk, &absolute(file), &accepted.drawing)
             .map_err(|e| not_beside(e, results))?;

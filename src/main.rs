@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use enfilade::cli;
 use enfilade::commands::{execute, keeps_best};
-use enfilade::report::{Cancel, Error, KEEP_GRACE, complain};
+use enfilade_report::{Cancel, Error, KEEP_GRACE, complain};
 
 /// A job that does not look at the stop request in this time is left behind: everything it stores
 /// appears whole or not at all.

@@ -5,8 +5,8 @@ use std::io::IsTerminal;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::ProgressArg;
-use crate::pipeline::Progress;
-use crate::report::complain;
+use enfilade_pipeline::Progress;
+use enfilade_report::complain;
 
 /// Says how far a job is, on standard error.
 pub struct Display {

@@ -100,7 +100,7 @@ pub const TEXT: &str = r#"# Settings of the drawings in this folder. A file `<dr
 
 #[cfg(test)]
 mod tests {
-    use crate::config::{Partial, Settings};
+    use enfilade_config::{Partial, Settings};
 
     #[test]
     fn every_commented_key_is_a_key() {

@@ -13,8 +13,8 @@ use service_manager::{
     ServiceStatus, ServiceStatusCtx, ServiceStopCtx, ServiceUninstallCtx, TypedServiceManager,
 };
 
-use crate::report::{Error, Place};
 use crate::store::{Disk as _, SystemDisk, led_to};
+use enfilade_report::{Error, Place};
 
 /// Name of the service.
 const NAME: &str = "enfilade";

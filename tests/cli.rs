@@ -718,7 +718,7 @@ fn a_scene_whose_data_lie_beside_it_takes_them_along() {
         assert!(text(&enfilade(&["check", &at]).stderr).contains("names \"walls 1.bin\""));
         std::fs::remove_file(&bin).unwrap();
     }
-    let most = enfilade::formats::gltf::OUTER_MAX;
+    let most = enfilade_cad::gltf::OUTER_MAX;
     std::fs::File::create(&bin).unwrap().set_len(most + 1).unwrap();
     assert!(
         text(&enfilade(&["check", &at]).stderr).contains(&format!("a file of at most {most} bytes beside"))
@@ -729,7 +729,7 @@ fn a_scene_whose_data_lie_beside_it_takes_them_along() {
         std::fs::write(folder.path().join(name), picture).unwrap();
     }
     let huge = std::fs::File::create(folder.path().join("textures/huge.png")).unwrap();
-    huge.set_len(enfilade::formats::gltf::PICTURES_MAX + 1).unwrap();
+    huge.set_len(enfilade_cad::gltf::PICTURES_MAX + 1).unwrap();
     let lost = text(&enfilade(&["check", &at]).stderr);
     for (image, why) in
         [(1, "lies elsewhere"), (3, "is not there or too large"), (4, "is not there or too large")]

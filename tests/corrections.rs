@@ -6,11 +6,11 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use enfilade::batch::Job;
-use enfilade::config::{Partial, Settings};
-use enfilade::pipeline::{self, Input, Study};
-use enfilade::plan::axes::OpeningKind;
-use enfilade::plan::reading::corrections::Finding;
-use enfilade::report::{Cancel, Error};
+use enfilade_config::{Partial, Settings};
+use enfilade_pipeline::{Input, Study};
+use enfilade_plan::axes::OpeningKind;
+use enfilade_plan::reading::corrections::Finding;
+use enfilade_report::{Cancel, Error};
 
 /// Lines `(handle, layer, [x0, y0, x1, y1])` in metres, and what else stands among the entities.
 fn drawing(lines: &[(&str, &str, [f64; 4])], more: &str) -> String {
@@ -40,7 +40,7 @@ fn settings(toml: &str) -> Settings {
 
 fn studied(text: &str, toml: &str) -> Result<Study, Error> {
     let input = Input::new("plan.dxf", text.as_bytes(), 1);
-    Ok(pipeline::analyse(&input, &settings(toml), &Cancel::default())?.1)
+    Ok(enfilade_pipeline::analyse(&input, &settings(toml), &Cancel::default())?.1)
 }
 
 fn study(text: &str, corrections: &str) -> Study {
@@ -200,7 +200,7 @@ fn as_drawn_counts_the_cells_of_depthmapx() {
         let as_drawn = Partial::from_toml("a", "[reading]\nunit = \"m\"\nas_drawn = true").unwrap();
         let settings = Settings::new(said.over(as_drawn)).unwrap();
         let input = Input::new("gallery.dxf", &bytes, 1);
-        let study = pipeline::analyse(&input, &settings, &Cancel::default()).unwrap().1;
+        let study = enfilade_pipeline::analyse(&input, &settings, &Cancel::default()).unwrap().1;
         assert_eq!(study.lattice.cells.len(), 4332, "{seed:?}");
     }
 }
@@ -223,7 +223,8 @@ fn shapes_of_no_size_are_ignored_on_every_layer() {
         for (k, odd) in odd.iter().enumerate() {
             let text = drawing(&hall(0.0), odd);
             let input = Input::new("plan.dxf", text.as_bytes(), 1);
-            let (done, study) = pipeline::analyse(&input, &settings(""), &Cancel::default()).unwrap();
+            let (done, study) =
+                enfilade_pipeline::analyse(&input, &settings(""), &Cancel::default()).unwrap();
             assert_eq!((walls(&study), study.edges), (walls(&plain), plain.edges), "{layer} {k}");
             let said: Vec<&str> =
                 done.report.problems.iter().map(|p| p.code).filter(|c| *c == "dots").collect();

@@ -13,8 +13,8 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use enfilade::daemon::{JobEvent, JobOutput, JobRequest, Notice, OutFile, RunJob, WatchSettings, watch};
-use enfilade::report::{Cancel, Error};
 use enfilade::watch::Completeness;
+use enfilade_report::{Cancel, Error};
 use rand::{RngExt, SeedableRng};
 
 /// Names the folder to watch; without it the child's test does nothing.

@@ -11,7 +11,7 @@ use std::process::Command;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 use enfilade::cli::Cli;
-use enfilade::config::Measure;
+use enfilade_config::Measure;
 
 /// Most words of a sentence.
 const WORDS_MAX: usize = 25;

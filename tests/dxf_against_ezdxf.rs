@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-use enfilade::plan::drawing::{Drawing, Shape};
+use enfilade_cad::drawing::{Drawing, Shape};
 use glam::{DVec2, IVec2};
 use support::{corpus, read_whole, shared};
 

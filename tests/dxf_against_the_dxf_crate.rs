@@ -8,7 +8,7 @@ mod support;
 use std::collections::BTreeMap;
 
 use dxf::entities::EntityType;
-use enfilade::plan::drawing::Shape;
+use enfilade_cad::drawing::Shape;
 use glam::DVec2;
 use support::{corpus, read_whole};
 

@@ -5,10 +5,10 @@
 #[path = "dxf_support/mod.rs"]
 mod support;
 
-use enfilade::formats::dxf::{changed_records, patch};
-use enfilade::plan::curve::control_points;
-use enfilade::plan::drawing::{Drawing, Edit, Editable, Entity, RigidMotion, Shape};
-use enfilade::report::Severity;
+use enfilade_cad::curve::control_points;
+use enfilade_cad::drawing::{Drawing, Edit, Editable, Entity, RigidMotion, Shape};
+use enfilade_cad::dxf::{changed_records, patch};
+use enfilade_report::Severity;
 use glam::DVec2;
 use proptest::prelude::*;
 use support::{moved_shape, read_whole};

@@ -5,8 +5,8 @@
 #[path = "dxf_support/mod.rs"]
 mod support;
 
-use enfilade::formats::dxf::{Completeness, changed_records, is_complete, patch, strip_own};
-use enfilade::plan::drawing::{Edit, Editable, RigidMotion};
+use enfilade_cad::drawing::{Edit, Editable, RigidMotion};
+use enfilade_cad::dxf::{Completeness, changed_records, is_complete, patch, strip_own};
 use glam::DVec2;
 use support::{additions_for, corpus, edits_of, read_whole};
 

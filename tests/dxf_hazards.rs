@@ -2,11 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
 
-use enfilade::formats::dxf::{
+use enfilade_cad::drawing::{Drawing, Edit, Editable, Shape};
+use enfilade_cad::dxf::{
     Completeness, Limits, MAX_BLOCK_DEPTH, MAX_EXPANDED_SEGMENTS, ReadOptions, is_complete, patch, read,
 };
-use enfilade::plan::drawing::{Drawing, Edit, Editable, Shape};
-use enfilade::report::{Error, Report};
+use enfilade_report::{Error, Report};
 use glam::DVec2;
 
 /// Lines joined by LF, written here with `|` between them.

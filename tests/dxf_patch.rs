@@ -7,11 +7,9 @@ mod support;
 
 use std::collections::HashSet;
 
-use enfilade::formats::dxf::{
-    Completeness, Tied, changed_records, host_ids, is_complete, patch, strip_own, tied,
-};
-use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape, Vertex};
-use enfilade::plan::own_layers::is_result;
+use enfilade_cad::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape, Vertex};
+use enfilade_cad::dxf::{Completeness, Tied, changed_records, host_ids, is_complete, patch, strip_own, tied};
+use enfilade_cad::own_layers::is_result;
 use glam::DVec2;
 use proptest::prelude::*;
 use support::{additions_for, edits_of, moved_shape, read_whole};

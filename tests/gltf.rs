@@ -8,9 +8,9 @@ mod pieces;
 use std::sync::Arc;
 
 use base64::Engine;
-use enfilade::formats::{self, Completeness, ReadOptions};
-use enfilade::plan::drawing::{Addition, Drawing, Edit, Entity, Mark, RigidMotion, Shape, Unit};
-use enfilade::report::{Error, Report, Severity};
+use enfilade_cad::drawing::{Addition, Drawing, Edit, Entity, Mark, RigidMotion, Shape, Unit};
+use enfilade_cad::{Completeness, ReadOptions};
+use enfilade_report::{Error, Report, Severity};
 use glam::DVec2;
 use proptest::prelude::*;
 
@@ -18,7 +18,7 @@ const PAVILION: &[u8] = include_bytes!("../samples/pavilion.glb");
 
 fn read_as(file: &str, bytes: &[u8]) -> (Result<Drawing, Error>, Report) {
     let mut report = Report::default();
-    (formats::read(file, bytes, &ReadOptions::default(), &mut report), report)
+    (enfilade_cad::read(file, bytes, &ReadOptions::default(), &mut report), report)
 }
 
 fn read(bytes: &[u8]) -> Drawing {
@@ -26,7 +26,7 @@ fn read(bytes: &[u8]) -> Drawing {
 }
 
 fn patch(bytes: &[u8], edits: &[Edit], own: &[Addition]) -> Result<Vec<u8>, Error> {
-    formats::patch("house.glb", bytes, &ReadOptions::default(), edits, own)
+    enfilade_cad::patch("house.glb", bytes, &ReadOptions::default(), edits, own)
 }
 
 fn points(e: &Entity) -> Vec<DVec2> {
@@ -84,20 +84,20 @@ fn classes_and_storeys_come_from_the_ifc_beside_it() {
     }
     let text = base64::engine::general_purpose::STANDARD.encode(&data);
     let json = json.replace("\"buffers\":[{", &format!("\"buffers\":[{{\"uri\":\"data:;base64,{text}\","));
-    let known = Arc::new(formats::ifc::inventory(twin, None));
+    let known = Arc::new(enfilade_cad::ifc::inventory(twin, None));
     let options = |storey: Option<&str>| ReadOptions {
         twin: Some(Arc::clone(&known)),
         storey: storey.map(str::to_string),
         ..ReadOptions::default()
     };
     let read = |storey| {
-        formats::read("house.gltf", json.as_bytes(), &options(storey), &mut Report::default()).unwrap()
+        enfilade_cad::read("house.gltf", json.as_bytes(), &options(storey), &mut Report::default()).unwrap()
     };
     let count = |d: &Drawing| d.entities.iter().filter(|e| e.layer == "IfcWall").count();
     assert_eq!(count(&read(None)), 21);
     assert_eq!(count(&read(Some("Upper floor"))), 16);
     let mut report = Report::default();
-    let _ = formats::read("house.gltf", json.as_bytes(), &options(None), &mut report);
+    let _ = enfilade_cad::read("house.gltf", json.as_bytes(), &options(None), &mut report);
     let marks = report.problems.iter().find(|p| p.code == "gltf-ifc-marks").map(|p| p.text.clone());
     let bearing =
         twin.split(|b| *b == b';').filter(|i| i.windows(16).any(|w| w == b"'Pset_Enfilade',")).count();
@@ -113,13 +113,13 @@ fn classes_and_storeys_come_from_the_ifc_beside_it() {
         (twin.to_vec().replace_ids(), "it is of another building"),
     ] {
         let mut report = Report::default();
-        let beside = Arc::new(formats::ifc::inventory(&beside, None));
+        let beside = Arc::new(enfilade_cad::ifc::inventory(&beside, None));
         let other = ReadOptions { twin: Some(beside), ..ReadOptions::default() };
-        let _ = formats::read("house.gltf", json.as_bytes(), &other, &mut report);
+        let _ = enfilade_cad::read("house.gltf", json.as_bytes(), &other, &mut report);
         let said = report.problems.iter().find(|p| p.code == "gltf-ifc").map(|p| p.text.clone());
         assert!(said.as_ref().is_some_and(|s| s.contains(why)), "{said:?}");
     }
-    let names = formats::storeys("house.gltf", json.as_bytes(), &options(None));
+    let names = enfilade_cad::storeys("house.gltf", json.as_bytes(), &options(None));
     assert_eq!(names.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(), ["Ground floor", "Upper floor"]);
 }
 
@@ -171,12 +171,12 @@ fn a_node_is_told_on_its_own_storey() {
         }
         for storey in ["groundfloor", "upperfloor"] {
             let options = ReadOptions {
-                twin: Some(Arc::new(formats::ifc::inventory(twin, None))),
+                twin: Some(Arc::new(enfilade_cad::ifc::inventory(twin, None))),
                 storey: Some(storey.into()),
                 ..ReadOptions::default()
             };
             let mut report = Report::default();
-            formats::read("house.gltf", text.as_bytes(), &options, &mut report).unwrap();
+            enfilade_cad::read("house.gltf", text.as_bytes(), &options, &mut report).unwrap();
             let told = |code: &str| {
                 let of = report.problems.iter().filter(|p| p.to_string().contains(global_id));
                 of.filter(|p| p.code == code).count()
@@ -192,22 +192,22 @@ fn a_node_is_told_on_its_own_storey() {
 #[test]
 fn the_ifc_beside_it_says_in_which_wall_a_door_sits() {
     let [door, wall] = ["IfcWall/screen-1", "IfcWall/hall"];
-    let options = formats::gltf::ReadOptions {
-        twin: Some(Arc::new(formats::ifc::Inventory {
+    let options = enfilade_cad::gltf::ReadOptions {
+        twin: Some(Arc::new(enfilade_cad::ifc::Inventory {
             classes: [(door.into(), "IfcDoor".into()), (wall.into(), "IfcWall".into())].into(),
             hosts: [(door.into(), wall.into()), ("IfcWall/hall".into(), "IfcWall/nowhere".into())].into(),
             ..Default::default()
         })),
         ..Default::default()
     };
-    let drawing = formats::gltf::read("house.glb", PAVILION, &options, &mut Report::default()).unwrap();
+    let drawing = enfilade_cad::gltf::read("house.glb", PAVILION, &options, &mut Report::default()).unwrap();
     assert_eq!(drawing.hosts, [(node(door), node(wall))].into());
 }
 
 /// The hosts of a building by name, as a scene beside it needs them.
 #[test]
 fn a_building_tells_hosts_by_name() {
-    let told = formats::ifc::inventory(include_bytes!("../samples/pavilion.ifc"), None);
+    let told = enfilade_cad::ifc::inventory(include_bytes!("../samples/pavilion.ifc"), None);
     assert!(!told.hosts.is_empty());
     for (filler, wall) in &told.hosts {
         assert!(["IfcDoor", "IfcWindow"].contains(&told.classes[filler].as_str()), "{filler}");
@@ -290,7 +290,7 @@ fn additions_are_nodes_of_ours_and_are_not_read_as_walls() {
     assert_eq!(json["buffers"].as_array().unwrap().len(), 1);
     assert_eq!(json["buffers"][0]["byteLength"], data.len());
     let text =
-        formats::patch("house.gltf", embedded().as_bytes(), &ReadOptions::default(), &[], &own).unwrap();
+        enfilade_cad::patch("house.gltf", embedded().as_bytes(), &ReadOptions::default(), &[], &own).unwrap();
     let json: serde_json::Value = serde_json::from_slice(&text).unwrap();
     assert!(json["buffers"].as_array().unwrap().iter().all(|b| b["uri"].is_string()));
 }
@@ -380,7 +380,7 @@ fn walls_that_share_a_mesh_move_one_by_one() {
         let most = if motion.turn_rad == 0.0 { 8 * 3 } else { 8 * 6 };
         assert!((16..=most).contains(&words), "{words} numbers changed");
         assert_eq!(
-            formats::changes("house.glb", &bytes, &ReadOptions::default(), &edit).unwrap().records[0][0]
+            enfilade_cad::changes("house.glb", &bytes, &ReadOptions::default(), &edit).unwrap().records[0][0]
                 .of
                 .handle
                 .as_deref(),
@@ -519,7 +519,7 @@ fn nodes_that_hang_twice_do_not_add_up() {
     let (few, said) = of(3);
     assert!(!said && few > read(PAVILION).entities.len());
     let (many, said) = of(20);
-    assert!(said && many < 2 * formats::gltf::REPEATS_MAX, "{many}");
+    assert!(said && many < 2 * enfilade_cad::gltf::REPEATS_MAX, "{many}");
 }
 
 /// A bad text: what is changed in the sample, what must be said, whether the whole file is refused.
@@ -555,7 +555,7 @@ fn hazards() -> Vec<(&'static str, String, &'static str, bool)> {
     out.extend([
         (
             "43 data as text without end",
-            other(&format!("data:;base64,{}", "A".repeat(formats::gltf::DATA_MAX + 1))),
+            other(&format!("data:;base64,{}", "A".repeat(enfilade_cad::gltf::DATA_MAX + 1))),
             "/buffers/0: data URIs of more than 67108864 characters; export as GLB",
             true,
         ),
@@ -595,20 +595,21 @@ fn bad_inputs_are_named_and_the_rest_is_read() {
 fn data_in_a_file_beside_the_scene_is_read_and_stays_there() {
     let (json, data) = parts();
     let json = json.replace("\"buffers\":[{", "\"buffers\":[{\"uri\":\"A..B%201.bin\",");
-    assert_eq!(formats::gltf::outer_files(json.as_bytes()).data, ["A..B 1.bin".to_string()].into());
+    assert_eq!(enfilade_cad::gltf::outer_files(json.as_bytes()).data, ["A..B 1.bin".to_string()].into());
     let options = |data: &[u8]| ReadOptions {
         buffers: [("A..B 1.bin".to_string(), data.into())].into(),
         ..ReadOptions::default()
     };
-    let read_with =
-        |text: &[u8], data: &[u8]| formats::read("house.gltf", text, &options(data), &mut Report::default());
+    let read_with = |text: &[u8], data: &[u8]| {
+        enfilade_cad::read("house.gltf", text, &options(data), &mut Report::default())
+    };
     assert_eq!(read_with(json.as_bytes(), &data).unwrap().entities, read(PAVILION).entities);
     let short = read_with(json.as_bytes(), &data[..100]).unwrap_err().to_string();
     assert!(short.contains("/buffers/0: found 100 bytes, expected"), "{short}");
     let record = node("IfcWall/cloakroom");
     let motion = RigidMotion { turn_rad: 0.0, shift: DVec2::new(0.25, 0.5) };
     let edits = [Edit::Insert { record, motion }];
-    let bytes = formats::patch("house.gltf", json.as_bytes(), &options(&data), &edits, &[]).unwrap();
+    let bytes = enfilade_cad::patch("house.gltf", json.as_bytes(), &options(&data), &edits, &[]).unwrap();
     assert_eq!(String::from_utf8(bytes).unwrap(), json.replace("[0.3,0,-7.5]", "[0.55,0,-8]"));
 }
 
@@ -631,9 +632,9 @@ fn containers_that_lie_are_refused() {
     );
     assert!(with(&|b| b[16..20].copy_from_slice(b"BIN\0")).contains("the first chunk is not JSON"));
     for cut in (0..PAVILION.len()).step_by(301) {
-        assert_ne!(formats::is_complete("house.glb", &PAVILION[..cut]), Completeness::Whole, "{cut}");
+        assert_ne!(enfilade_cad::is_complete("house.glb", &PAVILION[..cut]), Completeness::Whole, "{cut}");
     }
-    assert_eq!(formats::is_complete("house.glb", PAVILION), Completeness::Whole);
+    assert_eq!(enfilade_cad::is_complete("house.glb", PAVILION), Completeness::Whole);
 }
 
 #[test]
@@ -767,7 +768,7 @@ proptest! {
             let (once, twice) = (read_as(file, &bytes), read_as(file, &bytes));
             prop_assert_eq!(once.0.ok(), twice.0.ok());
             prop_assert_eq!(once.1, twice.1);
-            prop_assert_eq!(formats::patch(file, &bytes, &ReadOptions::default(), &[], &[]).unwrap(), bytes);
+            prop_assert_eq!(enfilade_cad::patch(file, &bytes, &ReadOptions::default(), &[], &[]).unwrap(), bytes);
         }
     }
 }
@@ -792,7 +793,7 @@ fn heights_of_a_scene_are_in_the_unit_of_its_plan() {
     assert_eq!(rounded(&found, 1e-3), expected);
     let unit = Some(Unit { name: "mm", metres: 1e-3 });
     let options = ReadOptions { unit, ..ReadOptions::default() };
-    let said = formats::read("house.glb", &large, &options, &mut Report::default()).unwrap();
+    let said = enfilade_cad::read("house.glb", &large, &options, &mut Report::default()).unwrap();
     assert_eq!((said.unit_by_heights, rounded(&said, 1e-3)), (None, expected));
     assert_eq!(read(PAVILION).unit_by_heights, None);
 }

@@ -6,18 +6,18 @@
 mod corridor;
 
 use corridor::{Rect, WINDOWS, corners, doors, drawing, leaf, line, panes, polyline, swings, walls};
-use enfilade::config::{Partial, Settings};
-use enfilade::formats::dxf::{ReadOptions, read};
-use enfilade::moves::defaults::GROUPS_MAX;
-use enfilade::overlay::result::CheckResult;
-use enfilade::pipeline::{self, Input, Outcome};
-use enfilade::plan::{PlanOptions, fittings, structure, understand};
-use enfilade::report::Error;
-use enfilade::report::{Cancel, Report};
+use enfilade_cad::dxf::{ReadOptions, read};
+use enfilade_config::{Partial, Settings};
+use enfilade_moves::defaults::GROUPS_MAX;
+use enfilade_overlay::result::CheckResult;
+use enfilade_pipeline::{Input, Outcome};
+use enfilade_plan::{PlanOptions, fittings, structure, understand};
+use enfilade_report::Error;
+use enfilade_report::{Cancel, Report};
 
 fn try_check(entities: &str) -> Result<Outcome<CheckResult>, Error> {
     let settings = Settings::new(Partial::default()).unwrap();
-    pipeline::check(&Input::new("plan.dxf", drawing(entities).as_bytes(), 1), &settings)
+    enfilade_pipeline::check(&Input::new("plan.dxf", drawing(entities).as_bytes(), 1), &settings)
 }
 
 fn check(entities: &str) -> CheckResult {
@@ -172,7 +172,8 @@ fn a_column_of_lines_is_one_drawn_as_an_outline() {
         [house.clone(), house + &region].map(|entities| {
             let text = drawing(&entities);
             let input = Input::new("plan.dxf", text.as_bytes(), 1);
-            let done = pipeline::analyse(&input, &settings(Partial::default()), &Cancel::default()).unwrap();
+            let done = enfilade_pipeline::analyse(&input, &settings(Partial::default()), &Cancel::default())
+                .unwrap();
             let search = settings(Partial {
                 evaluations: Some(15),
                 seed: Some(1),
@@ -181,7 +182,8 @@ fn a_column_of_lines_is_one_drawn_as_an_outline() {
                 ..Partial::default()
             });
             let now = std::time::Instant::now();
-            let found = pipeline::run(&input, &search, now, &mut |_| (), &Cancel::default()).unwrap();
+            let found =
+                enfilade_pipeline::run(&input, &search, now, &mut |_| (), &Cancel::default()).unwrap();
             let parameters: Vec<_> = found.result.candidates.iter().map(|c| c.parameters.clone()).collect();
             (done.0.result.mean, parameters)
         })

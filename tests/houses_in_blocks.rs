@@ -2,11 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing helper fails the test")]
 
-use enfilade::formats::dxf::{ReadOptions, read};
-use enfilade::plan::axes::OpeningKind;
-use enfilade::plan::drawing::{Drawing, Editable};
-use enfilade::plan::{Plan, PlanOptions, fittings, structure, understand};
-use enfilade::report::Report;
+use enfilade_cad::drawing::{Drawing, Editable};
+use enfilade_cad::dxf::{ReadOptions, read};
+use enfilade_plan::axes::OpeningKind;
+use enfilade_plan::{Plan, PlanOptions, fittings, structure, understand};
+use enfilade_report::Report;
 
 /// Faces of outer walls with a door and a window, of a partition with a door, and of a wall that stands free, metres.
 const WALLS: [[f64; 4]; 28] = [

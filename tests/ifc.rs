@@ -27,17 +27,17 @@ mod unseen;
 
 use std::io::Write;
 
-use enfilade::config::{Partial, Settings};
-use enfilade::formats::{self, Completeness, ReadOptions, ifc};
-use enfilade::pipeline::{self, Input};
-use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape, Unit};
-use enfilade::report::{Cancel, Error, Report};
+use enfilade_cad::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape, Unit};
+use enfilade_cad::{Completeness, ReadOptions, ifc};
+use enfilade_config::{Partial, Settings};
+use enfilade_pipeline::Input;
+use enfilade_report::{Cancel, Error, Report};
 use glam::DVec2;
 use proptest::prelude::*;
 
 fn read_with(bytes: &[u8], options: &ReadOptions) -> (Result<Drawing, Error>, Report) {
     let mut report = Report::default();
-    (formats::read("house.ifc", bytes, options, &mut report), report)
+    (enfilade_cad::read("house.ifc", bytes, options, &mut report), report)
 }
 
 fn read(bytes: &[u8]) -> Drawing {
@@ -45,7 +45,7 @@ fn read(bytes: &[u8]) -> Drawing {
 }
 
 fn patch(bytes: &[u8], edits: &[Edit], own: &[Addition]) -> Result<Vec<u8>, Error> {
-    formats::patch("house.ifc", bytes, &ReadOptions::default(), edits, own)
+    enfilade_cad::patch("house.ifc", bytes, &ReadOptions::default(), edits, own)
 }
 
 fn points(e: &Entity) -> Vec<DVec2> {
@@ -80,7 +80,7 @@ fn an_end_within_an_instance_is_none() {
     let data = &whole[..whole.rfind("ENDSEC;").unwrap()];
     let odd = format!("{data}#900000=IFCTEXT('a;\nENDSEC;\n#900001=('b\nEND-ISO-10303-21;\n");
     let read = |text: &str| {
-        formats::read("house.ifc", text.as_bytes(), &ReadOptions::default(), &mut Report::default())
+        enfilade_cad::read("house.ifc", text.as_bytes(), &ReadOptions::default(), &mut Report::default())
     };
     assert!(read(whole).is_ok());
     let error = read(&odd).unwrap_err();
@@ -107,7 +107,7 @@ fn the_ground_floor_of_the_sample() {
     );
     let marked: Vec<&str> = drawing.marked.iter().map(|m| m.name.as_str()).collect();
     assert_eq!(marked, ["cloakroom", "screen-1", "screen-2", "screen-3", "screen-4"]);
-    let tags = formats::host_ids("house.ifc", text.as_bytes(), &[named(&text, "screen-1")]);
+    let tags = enfilade_cad::host_ids("house.ifc", text.as_bytes(), &[named(&text, "screen-1")]);
     assert!(tags[0].as_ref().is_some_and(|t| t.starts_with('1')), "{tags:?}");
 }
 
@@ -116,7 +116,7 @@ fn a_building_is_counted_by_the_classes_of_its_file() {
     let text = pavilion();
     let count = |class: &str| text.matches(&format!("={class}(")).count() as u64;
     let (storeys, elements) =
-        formats::Opened::new("house.ifc", text.as_bytes()).unwrap().building(&ReadOptions::default());
+        enfilade_cad::Opened::new("house.ifc", text.as_bytes()).unwrap().building(&ReadOptions::default());
     let expected = ifc::Elements {
         storeys: 2,
         walls: count("IFCWALL") + count("IFCWALLSTANDARDCASE"),
@@ -128,7 +128,7 @@ fn a_building_is_counted_by_the_classes_of_its_file() {
     assert_eq!((storeys.len(), elements), (2, Some(expected)));
     assert!(expected.walls > 0 && expected.doors > 0 && expected.windows > 0 && expected.columns > 0);
     assert_eq!(
-        formats::Opened::new("plan.dxf", b"").unwrap().building(&ReadOptions::default()),
+        enfilade_cad::Opened::new("plan.dxf", b"").unwrap().building(&ReadOptions::default()),
         (Vec::new(), None)
     );
 }
@@ -138,7 +138,7 @@ fn storeys_read_together_are_those_read_apart() {
     let text = pavilion();
     let of = |name: &str| ReadOptions { storey: Some(name.into()), ..ReadOptions::default() };
     let options = [of("Upper floor"), of("Ground floor"), of("attic")];
-    let together = formats::Opened::new("house.ifc", text.as_bytes()).unwrap().read_all(&options);
+    let together = enfilade_cad::Opened::new("house.ifc", text.as_bytes()).unwrap().read_all(&options);
     assert_eq!(together.len(), options.len());
     for (options, (drawing, report)) in options.iter().zip(together) {
         let (apart, own) = read_with(text.as_bytes(), options);
@@ -164,7 +164,7 @@ fn storeys_by_name_and_at_the_height_of_the_knees() {
     let drawing = read_with(text.as_bytes(), &knee).0.unwrap();
     assert_eq!((on(&drawing, "IfcWindow").len(), on(&drawing, "IfcDoor").len()), (0, 4));
     let names: Vec<String> =
-        formats::storeys("house.ifc", text.as_bytes(), &knee).into_iter().map(|s| s.name).collect();
+        enfilade_cad::storeys("house.ifc", text.as_bytes(), &knee).into_iter().map(|s| s.name).collect();
     assert_eq!(names, ["Ground floor", "Upper floor"]);
 }
 
@@ -188,8 +188,9 @@ fn doors_follow_their_wall_wherever_they_are_placed() {
         }
         assert_eq!(moved, 3, "two pieces of the wall and its door");
         let edits = [shift(wall, 1.0, 0.0)];
-        let products =
-            formats::changes("house.ifc", text.as_bytes(), &ReadOptions::default(), &edits).unwrap().records;
+        let products = enfilade_cad::changes("house.ifc", text.as_bytes(), &ReadOptions::default(), &edits)
+            .unwrap()
+            .records;
         assert_eq!(products[0].len(), 3, "wall, opening, door: {products:?}");
         assert!(products[0].iter().all(|p| p.of.handle.as_ref().is_some_and(|h| h.len() == 22)));
     }
@@ -543,10 +544,10 @@ fn a_file_cut_anywhere_is_not_whole() {
     let text = pavilion();
     let end = text.trim_end().len();
     for cut in (0..end).step_by(97).chain(end - 20..end) {
-        let found = formats::is_complete("house.ifc", &text.as_bytes()[..cut]);
+        let found = enfilade_cad::is_complete("house.ifc", &text.as_bytes()[..cut]);
         assert_ne!(found, Completeness::Whole, "cut at byte {cut}");
     }
-    assert_eq!(formats::is_complete("house.ifc", text.as_bytes()), Completeness::Whole);
+    assert_eq!(enfilade_cad::is_complete("house.ifc", text.as_bytes()), Completeness::Whole);
 }
 
 proptest! {
@@ -604,7 +605,7 @@ fn a_missing_endsec_does_not_lose_what_is_added() {
         mark: Mark::Text { at: DVec2::ZERO, height: 1.0, text: "ours".into() },
     };
     let options = ReadOptions::default();
-    let written = formats::patch("house.ifc", open.as_bytes(), &options, &[], &[note]).unwrap();
+    let written = enfilade_cad::patch("house.ifc", open.as_bytes(), &options, &[], &[note]).unwrap();
     assert!(written.trim_ascii_end().ends_with(b"END-ISO-10303-21;") && written.len() > open.len());
     assert!(!read_with(&written, &options).0.unwrap().entities.is_empty());
 }
@@ -683,7 +684,7 @@ fn heights_are_in_the_unit_of_the_plan() {
         let (drawing, report) = read_with(text.as_bytes(), &options);
         assert_eq!(shapes(&drawing.unwrap(), 1e-3), whole);
         assert!(report.problems.iter().any(|p| p.text.contains("cut 1.50 m above")), "{report:?}");
-        let floors = formats::storeys("house.ifc", text.as_bytes(), &options);
+        let floors = enfilade_cad::storeys("house.ifc", text.as_bytes(), &options);
         assert_eq!(floors.iter().map(|s| s.floor_m).collect::<Vec<_>>(), [0.0, 3.2]);
     }
 }

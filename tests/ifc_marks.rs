@@ -2,15 +2,15 @@
 
 #![allow(clippy::unwrap_used)]
 
-use enfilade::config::{Partial, Settings};
-use enfilade::pipeline::{self, Input};
+use enfilade_config::{Partial, Settings};
+use enfilade_pipeline::Input;
 
 #[test]
 fn a_mark_that_cannot_be_read_holds_its_wall_alone() {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/samples/pavilion.ifc")).unwrap();
     let check = |text: &str| {
         let settings = Settings::new(Partial::default()).unwrap();
-        pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap()
+        enfilade_pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap()
     };
     let groups = check(&text).result.moves.len();
     let line = text.lines().find(|l| l.contains("IFCPROPERTYSINGLEVALUE('Move'")).unwrap();

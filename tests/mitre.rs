@@ -4,14 +4,14 @@
 
 use std::fmt::Write;
 
-use enfilade::formats::dxf::{ReadOptions, patch, read};
-use enfilade::moves::{MOVE_MIN_M, Moves};
-use enfilade::plan::axes::AxisGraph;
-use enfilade::plan::curve::control_points;
-use enfilade::plan::drawing::{Drawing, Edit};
-use enfilade::plan::graph::Graph;
-use enfilade::plan::{Plan, PlanOptions, structure, understand};
-use enfilade::report::Report;
+use enfilade_cad::curve::control_points;
+use enfilade_cad::drawing::{Drawing, Edit};
+use enfilade_cad::dxf::{ReadOptions, patch, read};
+use enfilade_moves::{MOVE_MIN_M, Moves};
+use enfilade_plan::axes::AxisGraph;
+use enfilade_plan::graph::Graph;
+use enfilade_plan::{Plan, PlanOptions, structure, understand};
+use enfilade_report::Report;
 use glam::DVec2;
 use proptest::prelude::*;
 

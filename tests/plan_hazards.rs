@@ -6,14 +6,14 @@
 use std::fmt::Write;
 use std::time::Instant;
 
-use enfilade::config::{Partial, Settings};
-use enfilade::formats::dxf::{ReadOptions, patch, read};
-use enfilade::pipeline::{self, Input};
-use enfilade::plan::axes::AxisGraph;
-use enfilade::plan::drawing::{Edit, Shape};
-use enfilade::plan::interior::Interior;
-use enfilade::plan::{Plan, PlanOptions, structure, understand};
-use enfilade::report::{Cancel, Error, Report};
+use enfilade_cad::drawing::{Edit, Shape};
+use enfilade_cad::dxf::{ReadOptions, patch, read};
+use enfilade_config::{Partial, Settings};
+use enfilade_engine::interior::Interior;
+use enfilade_pipeline::Input;
+use enfilade_plan::axes::AxisGraph;
+use enfilade_plan::{Plan, PlanOptions, structure, understand};
+use enfilade_report::{Cancel, Error, Report};
 use glam::DVec2;
 
 /// A drawing of lines `(layer, [x0, y0, x1, y1])`; `header` and `layers` in lines joined by `|`.
@@ -134,7 +134,7 @@ fn marks_that_cannot_be_read_let_nothing_move() {
             text = text.replacen("0\nENDSEC\n0\nEOF\n", &end, 1);
         }
         let settings = Settings::new(Partial::default()).unwrap();
-        let done = pipeline::check(&Input::new("plan.dxf", text.as_bytes(), 1), &settings).unwrap();
+        let done = enfilade_pipeline::check(&Input::new("plan.dxf", text.as_bytes(), 1), &settings).unwrap();
         assert_eq!(!done.result.moves.is_empty(), moves, "{mark}: {:?}", done.report);
         let codes: Vec<&str> = done.report.problems.iter().map(|p| p.code).collect();
         assert_eq!(codes.contains(&"moves-unread"), !moves, "{mark}: {codes:?}");
@@ -170,7 +170,7 @@ fn layers_are_taken_as_a_cad_user_expects() {
     ];
     assert_eq!(roles, expected);
     let locked = plan.walls.iter().all(|w| {
-        w.editable == enfilade::plan::drawing::Editable::No("its layer \"house$0$A-WALL\" is locked".into())
+        w.editable == enfilade_cad::drawing::Editable::No("its layer \"house$0$A-WALL\" is locked".into())
     });
     assert!(locked && plan.walls.len() == 4);
     let options =
@@ -320,7 +320,7 @@ fn units_are_decided_by_what_is_drawn() {
         assert_eq!(plan.unwrap().unit.unit.name, name);
         assert_eq!(problems, [said]);
     }
-    let options = PlanOptions { unit: enfilade::plan::frame::unit_by_name("cm"), ..PlanOptions::default() };
+    let options = PlanOptions { unit: enfilade_cad::units::unit_by_name("cm"), ..PlanOptions::default() };
     let (plan, problems) = plan_of(house(&header(4), 1000.0).as_bytes(), &options);
     assert_eq!(plan.unwrap().unit.unit.name, "cm");
     assert_eq!(
@@ -405,7 +405,8 @@ fn annotation_of_a_moved_wall_is_named() {
     let partial = Partial { spacing: Some(1.0), evaluations: Some(5), ..Partial::default() };
     let settings = Settings::new(partial).unwrap();
     let input = Input::new("plan.dxf", text.as_bytes(), 1);
-    let done = pipeline::run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default()).unwrap();
+    let done =
+        enfilade_pipeline::run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default()).unwrap();
     let line = |handle: &str| {
         let at = text.find(&format!("\n5\n{handle}\n")).unwrap();
         // The record begins with its 0, two lines above the handle's code.

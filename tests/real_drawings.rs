@@ -7,13 +7,13 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use enfilade::config::{Partial, Settings};
-use enfilade::formats::dxf;
-use enfilade::pipeline::{self, Extras, Input};
-use enfilade::plan::axes::{AxisGraph, Drawn, Path};
-use enfilade::plan::drawing::Drawing;
-use enfilade::plan::{Plan, PlanOptions, structure, understand};
-use enfilade::report::Report;
+use enfilade_cad::drawing::Drawing;
+use enfilade_cad::dxf;
+use enfilade_config::{Partial, Settings};
+use enfilade_pipeline::{Extras, Input};
+use enfilade_plan::axes::{AxisGraph, Drawn, Path};
+use enfilade_plan::{Plan, PlanOptions, structure, understand};
+use enfilade_report::Report;
 use glam::DVec2;
 
 /// File, metres in a unit where it is known, layers of the walls, drawings on the sheet.
@@ -162,7 +162,7 @@ fn floors_of_real_drawings() {
     for (name, floor_m2) in FLOORS {
         let file = format!("{name}.dxf");
         let bytes = std::fs::read(shared.join("data/dxf").join(&file)).expect("the drawing is there");
-        let done = pipeline::check_with(&Input::new(&file, &bytes, 1), &settings, Extras::default());
+        let done = enfilade_pipeline::check_with(&Input::new(&file, &bytes, 1), &settings, Extras::default());
         let reading = done.expect("it is read").result.reading.expect("a reading");
         let found: f64 = reading.rooms.iter().map(|r| r.area_m2).sum();
         assert!((found / floor_m2 - 1.0).abs() <= FLOOR_OFF, "{name}: {found:.0} m², expected {floor_m2}");

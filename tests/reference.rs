@@ -5,9 +5,9 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use enfilade::config::{Partial, Settings};
-use enfilade::pipeline::{self, Input, Study};
-use enfilade::report::Cancel;
+use enfilade_config::{Partial, Settings};
+use enfilade_pipeline::{Input, Study};
+use enfilade_report::Cancel;
 use serde_json::Value;
 
 fn reference(file: &str) -> Option<PathBuf> {
@@ -25,7 +25,7 @@ fn study(file: &str, partial: Partial) -> Option<Study> {
     let bytes = std::fs::read(reference(file)?).unwrap();
     let settings = Settings::new(partial).unwrap();
     let input = Input::new(file, &bytes, 1);
-    Some(pipeline::analyse(&input, &settings, &Cancel::default()).unwrap().1)
+    Some(enfilade_pipeline::analyse(&input, &settings, &Cancel::default()).unwrap().1)
 }
 
 fn expected(file: &str) -> Option<Value> {
@@ -132,8 +132,13 @@ fn depthmapx_cell_by_cell() {
         csv.lines().map(|l| l.split(',').map(str::to_string).collect()).collect()
     };
     let theirs = rows(&std::fs::read_to_string(reference("depthmapx-n900/cells.csv").unwrap()).unwrap());
-    let measured = pipeline::cells::measure_cells(&study, &pipeline::cells::CellOptions::default()).unwrap();
-    let ours = rows(&pipeline::cells::cells_csv(&study, &pipeline::cells::cells(&study, measured.columns)));
+    let measured =
+        enfilade_pipeline::cells::measure_cells(&study, &enfilade_pipeline::cells::CellOptions::default())
+            .unwrap();
+    let ours = rows(&enfilade_pipeline::cells::cells_csv(
+        &study,
+        &enfilade_pipeline::cells::cells(&study, measured.columns),
+    ));
     assert_eq!(ours.len(), theirs.len());
     let column = |table: &[Vec<String>], name: &str| table[0].iter().position(|n| n == name).unwrap();
     let by_ref: HashMap<&str, &Vec<String>> = theirs[1..].iter().map(|r| (r[0].as_str(), r)).collect();
@@ -166,7 +171,7 @@ fn depthmapx_cell_by_cell() {
         pairs
     };
     let edges = std::fs::read_to_string(reference("depthmapx-n900/edges.csv").unwrap()).unwrap();
-    let ours = sorted(&pipeline::cells::edges_csv(&study));
+    let ours = sorted(&enfilade_pipeline::cells::edges_csv(&study));
     assert_eq!(ours.len(), 27_839);
     assert!(ours == sorted(&edges));
 }
@@ -178,7 +183,7 @@ fn plans_without_a_unit_are_read_in_metres() {
         let Some(path) = reference(file) else { return };
         let bytes = std::fs::read(path).unwrap();
         let settings = Settings::new(Partial::default()).unwrap();
-        let done = pipeline::check(&Input::new(file, &bytes, 1), &settings).unwrap();
+        let done = enfilade_pipeline::check(&Input::new(file, &bytes, 1), &settings).unwrap();
         let reason = done.result.unit.reason;
         assert!(reason.starts_with("m assumed"), "{file}: {reason}");
     }

@@ -14,9 +14,9 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use enfilade::config::{Backend, Partial, Settings};
-use enfilade::pipeline::{self, Event, Input};
-use enfilade::report::Cancel;
+use enfilade_config::{Backend, Partial, Settings};
+use enfilade_pipeline::{Event, Input};
+use enfilade_report::Cancel;
 use rand::{RngExt, SeedableRng};
 use serde_json::Value;
 
@@ -318,7 +318,7 @@ fn a_killed_search_under_a_budget_of_seconds_goes_on() {
             }
         };
         let outcome =
-            pipeline::run(&input, &settings, Instant::now(), &mut show, &Cancel::default()).unwrap();
+            enfilade_pipeline::run(&input, &settings, Instant::now(), &mut show, &Cancel::default()).unwrap();
         let found = outcome.result.candidates.iter().map(|c| c.parameters.clone()).collect::<Vec<_>>();
         (kept, found)
     };

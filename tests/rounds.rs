@@ -5,9 +5,9 @@
 use std::path::Path;
 use std::time::Instant;
 
-use enfilade::config::{Partial, Settings};
-use enfilade::pipeline::{self, Event, Input};
-use enfilade::report::{Cancel, OutFile};
+use enfilade_config::{Partial, Settings};
+use enfilade_pipeline::{Event, Input};
+use enfilade_report::{Cancel, OutFile};
 use serde_json::Value;
 
 mod desk;
@@ -433,7 +433,8 @@ fn what_is_found_so_far_is_a_whole_round_and_disturbs_nothing() {
                 so_far.push((files, progress.evaluations));
             }
         };
-        let done = pipeline::run(&input, &settings, Instant::now(), &mut show, &Cancel::default()).unwrap();
+        let done =
+            enfilade_pipeline::run(&input, &settings, Instant::now(), &mut show, &Cancel::default()).unwrap();
         (so_far, done)
     };
     let (written, done) = run(Some(0.0));

@@ -4,12 +4,12 @@
 
 use std::fmt::Write;
 
-use enfilade::config::{Partial, Settings};
-use enfilade::formats::dxf::{ReadOptions, read};
-use enfilade::pipeline::{self, Input};
-use enfilade::plan::view_names::Title;
-use enfilade::plan::{Plan, PlanOptions, understand};
-use enfilade::report::{Cancel, Report};
+use enfilade_cad::dxf::{ReadOptions, read};
+use enfilade_config::{Partial, Settings};
+use enfilade_pipeline::Input;
+use enfilade_plan::view_names::Title;
+use enfilade_plan::{Plan, PlanOptions, understand};
+use enfilade_report::{Cancel, Report};
 
 /// A drawing in metres with `entities`, in lines joined by `|`.
 fn drawing(entities: &str) -> String {
@@ -158,7 +158,7 @@ fn floor_m2(entities: &str, view: Option<&str>) -> f64 {
         Settings::new(Partial { spacing: Some(0.25), view: view.map(Into::into), ..Partial::default() });
     let text = drawing(entities);
     let input = Input::new("plan.dxf", text.as_bytes(), 1);
-    let done = pipeline::analyse(&input, &settings.unwrap(), &Cancel::default()).unwrap();
+    let done = enfilade_pipeline::analyse(&input, &settings.unwrap(), &Cancel::default()).unwrap();
     done.0.result.counts.vertices as f64 / 16.0
 }
 
@@ -177,7 +177,7 @@ fn treads_on_the_layer_of_the_walls_are_no_walls() {
     let understood = |entities: &str| {
         let settings = Settings::new(Partial::default()).unwrap();
         let text = drawing(entities);
-        let done = pipeline::check(&Input::new("plan.dxf", text.as_bytes(), 1), &settings).unwrap();
+        let done = enfilade_pipeline::check(&Input::new("plan.dxf", text.as_bytes(), 1), &settings).unwrap();
         let stairs = done.result.reading.unwrap().entities.iter().filter(|e| e.role == "stair").count();
         (done.result.walls_understood, stairs)
     };
@@ -307,7 +307,7 @@ fn marks_on_two_floors_mix_none() {
         assert_eq!(read.plan.walls.len(), floors * WALLS.len(), "{view:?}");
         assert_eq!(read.said("marks-elsewhere").len(), 2 - floors, "{view:?}");
         let problems = &read.report.problems;
-        let warned = problems.iter().filter(|p| p.severity == enfilade::report::Severity::Warning);
+        let warned = problems.iter().filter(|p| p.severity == enfilade_report::Severity::Warning);
         assert_eq!(warned.count() > 0, warns, "{view:?} {problems:?}");
     }
     let told = Read::of(&floors(&both), None).said("marks-elsewhere");

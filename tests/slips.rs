@@ -7,9 +7,9 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-use enfilade::config::{Partial, Settings};
-use enfilade::pipeline::{self, Input};
-use enfilade::report::Cancel;
+use enfilade_config::{Partial, Settings};
+use enfilade_pipeline::Input;
+use enfilade_report::Cancel;
 use rand::{RngExt, SeedableRng};
 
 /// A layer of every role: those of the sample, and names that are believed.
@@ -93,18 +93,18 @@ fn survive(slips: &[(&str, &str)], evaluations: u64) -> Result<usize, String> {
         spacing: Some(0.5),
         seed: Some(1),
         least_gain: Some("0".into()),
-        unsure: Some(enfilade::config::Unsure::Optimise),
+        unsure: Some(enfilade_config::Unsure::Optimise),
         raw: Some(true),
         ..Partial::default()
     };
     let settings = Settings::new(partial).unwrap();
     let work = || {
         let input = Input::new("plan.dxf", text.as_bytes(), 1);
-        let done = pipeline::run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default());
+        let done = enfilade_pipeline::run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default());
         let Ok(done) = done else { return 0 };
         let options = done.files.iter().filter(|f| f.path.extension().is_some_and(|e| e == "dxf"));
-        let read_again = |f: &enfilade::report::OutFile| {
-            pipeline::check(&Input::new("option.dxf", &f.bytes, 1), &settings)
+        let read_again = |f: &enfilade_report::OutFile| {
+            enfilade_pipeline::check(&Input::new("option.dxf", &f.bytes, 1), &settings)
                 .expect("an option is read again");
         };
         options.map(read_again).count()

@@ -5,13 +5,13 @@
 use std::fmt::Write;
 use std::time::Instant;
 
-use enfilade::config::{Partial, Settings};
-use enfilade::formats::dxf::{ReadOptions, patch, read, strip_own};
-use enfilade::overlay::result::{CheckResult, MoveEntry};
-use enfilade::pipeline::{self, Input};
-use enfilade::plan::drawing::{Addition, Mark};
-use enfilade::plan::own_layers::{BEFORE, BEFORE_RGB, MOVED, MOVED_RGB, NOTE, NOTE_RGB};
-use enfilade::report::{Cancel, Report};
+use enfilade_cad::drawing::{Addition, Mark};
+use enfilade_cad::dxf::{ReadOptions, patch, read, strip_own};
+use enfilade_cad::own_layers::{BEFORE, BEFORE_RGB, MOVED, MOVED_RGB, NOTE, NOTE_RGB};
+use enfilade_config::{Partial, Settings};
+use enfilade_overlay::result::{CheckResult, MoveEntry};
+use enfilade_pipeline::Input;
+use enfilade_report::{Cancel, Report};
 use glam::DVec2;
 
 /// A drawing in metres with `entities`, in lines joined by `|`.
@@ -45,9 +45,9 @@ fn room() -> String {
     walls.into_iter().chain(free).map(|w| line("WALL", w)).collect()
 }
 
-fn check(file: &str) -> pipeline::Outcome<CheckResult> {
+fn check(file: &str) -> enfilade_pipeline::Outcome<CheckResult> {
     let settings = Settings::new(Partial::default()).unwrap();
-    pipeline::check(&Input::new("plan.dxf", file.as_bytes(), 1), &settings).unwrap()
+    enfilade_pipeline::check(&Input::new("plan.dxf", file.as_bytes(), 1), &settings).unwrap()
 }
 
 fn said(report: &Report, code: &str) -> Vec<String> {
@@ -152,7 +152,7 @@ fn a_block_that_includes_itself_is_the_reason() {
     let inside = |other: &str| line("WALL", [0.0, 0.0, 5.0, 0.0]) + &insert(other, [0.0, 0.0]);
     let file = with_blocks(&(block("A", &inside("B")) + &block("B", &inside("A"))), &insert("A", [0.0, 0.0]));
     let settings = Settings::new(Partial::default()).unwrap();
-    let error = pipeline::check(&Input::new("plan.dxf", file.as_bytes(), 1), &settings).unwrap_err();
+    let error = enfilade_pipeline::check(&Input::new("plan.dxf", file.as_bytes(), 1), &settings).unwrap_err();
     assert_eq!(
         error.to_string(),
         "plan.dxf:101 INSERT layer WALL: a block includes itself: A > B > A; the INSERT is left out; besides it no \
@@ -235,7 +235,8 @@ fn texts_at_a_door_that_moves_are_named() {
     let partial = Partial { spacing: Some(0.5), evaluations: Some(40), ..Partial::default() };
     let settings = Settings::new(partial).unwrap();
     let input = Input::new("plan.dxf", file.as_bytes(), 1);
-    let done = pipeline::run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default()).unwrap();
+    let done =
+        enfilade_pipeline::run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default()).unwrap();
     let told = said(&done.report, "stale-annotation");
     assert!(matches!(&told[..], [one] if one.contains("TEXT layer TEXT: ")), "{told:?} {:?}", done.report);
 }
@@ -280,7 +281,9 @@ fn walls_beyond_the_limit_are_said_to_be_too_far() {
     let far = [[3e12, 0.0, 3e12, 8.0], [3e12, 8.0, 3.1e12, 8.0]];
     let file = drawing(&far.into_iter().map(|w| line("WALL", w)).collect::<String>());
     let settings = Settings::new(Partial::default()).unwrap();
-    let e = pipeline::check(&Input::new("plan.dxf", file.as_bytes(), 1), &settings).unwrap_err().to_string();
+    let e = enfilade_pipeline::check(&Input::new("plan.dxf", file.as_bytes(), 1), &settings)
+        .unwrap_err()
+        .to_string();
     assert!(e.starts_with("plan.dxf:19 LINE layer WALL: its coordinates, found 3000000000000 0"), "{e}");
     assert!(e.contains("and so are others") && e.ends_with("move the drawing near its zero point"), "{e}");
 }

@@ -4,7 +4,7 @@
 
 mod offices;
 
-use enfilade::plan::axes::AxisGraph;
+use enfilade_plan::axes::AxisGraph;
 use offices::plans::Kind;
 use offices::score::{explain, has_right_unit, score};
 use offices::styles::{LAYERS, Office, STYLES, Style, UNITS, draw, drawn};

@@ -5,10 +5,10 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use enfilade::config::{Partial, ReadingTable, Settings, Unsure};
-use enfilade::overlay::result::RoundResult;
-use enfilade::pipeline::{self, Input, Outcome};
-use enfilade::report::Cancel;
+use enfilade_config::{Partial, ReadingTable, Settings, Unsure};
+use enfilade_overlay::result::RoundResult;
+use enfilade_pipeline::{Input, Outcome};
+use enfilade_report::Cancel;
 
 /// Lines on a layer of walls, metres.
 fn dxf(lines: &[[f64; 4]], texts: &[([f64; 2], &str)]) -> String {
@@ -44,13 +44,15 @@ fn settings(unsure: Option<Unsure>) -> Settings {
 
 fn run(text: &str, unsure: Option<Unsure>) -> Outcome<RoundResult> {
     let input = Input::new("plan.dxf", text.as_bytes(), 1);
-    pipeline::run(&input, &settings(unsure), Instant::now(), &mut |_| {}, &Cancel::default()).unwrap()
+    enfilade_pipeline::run(&input, &settings(unsure), Instant::now(), &mut |_| {}, &Cancel::default())
+        .unwrap()
 }
 
 #[test]
 fn rooms_have_their_names_and_their_areas_on_the_drawn_lines() {
     let text = hall_and_porch(0.0);
-    let outcome = pipeline::check(&Input::new("plan.dxf", text.as_bytes(), 1), &settings(None)).unwrap();
+    let outcome =
+        enfilade_pipeline::check(&Input::new("plan.dxf", text.as_bytes(), 1), &settings(None)).unwrap();
     let reading = outcome.result.reading.unwrap();
     let rooms: Vec<(&str, f64)> = reading.rooms.iter().map(|r| (r.name.as_str(), r.area_m2)).collect();
     assert_eq!(rooms, [("Hall", 100.0), ("", 54.0)]);
@@ -77,7 +79,7 @@ fn floor_left_out_is_asked_for_and_nothing_is_optimised_until_it_is_answered() {
     let point = [0, 1].map(|k| at[k].as_f64().unwrap());
     let reading = ReadingTable { outside: vec![point], ..ReadingTable::default() };
     let answered = Settings::new(Partial { reading, ..Partial::default() }).unwrap();
-    let outcome = pipeline::check(&Input::new("plan.dxf", text.as_bytes(), 1), &answered).unwrap();
+    let outcome = enfilade_pipeline::check(&Input::new("plan.dxf", text.as_bytes(), 1), &answered).unwrap();
     let reading = outcome.result.reading.unwrap();
     assert_eq!((reading.questions.len(), reading.coverage), (0, Some(1.0)));
     let gone_on = run(&text, Some(Unsure::Optimise));
@@ -96,9 +98,10 @@ fn the_graph_says_which_opening_joins_which_rooms() {
         [4.0, 2.5, 4.0, 4.0],
     ];
     let text = dxf(&walls, &[([1.0, 2.0], "West"), ([6.0, 2.0], "East")]);
-    let outcome = pipeline::check(&Input::new("plan.dxf", text.as_bytes(), 1), &settings(None)).unwrap();
+    let outcome =
+        enfilade_pipeline::check(&Input::new("plan.dxf", text.as_bytes(), 1), &settings(None)).unwrap();
     let file = |name: &str| outcome.files.iter().find(|f| f.path.as_os_str() == name).unwrap();
-    let graph: enfilade::overlay::graph::PlanGraph =
+    let graph: enfilade_overlay::graph::PlanGraph =
         serde_json::from_slice(&file("graph.json").bytes).unwrap();
     assert_eq!(graph.rooms.iter().map(|r| r.name.as_str()).collect::<Vec<_>>(), ["outside", "West", "East"]);
     let [opening] = &graph.openings[..] else { panic!("{:?}", graph.openings) };

@@ -5,12 +5,12 @@
 use std::fmt::Write;
 use std::time::Instant;
 
-use enfilade::config::{Partial, Settings};
-use enfilade::formats::dxf::{ReadOptions, read};
-use enfilade::overlay::result::RoundResult;
-use enfilade::pipeline::{self, Input, Outcome};
-use enfilade::plan::{Plan, PlanOptions, understand, wide};
-use enfilade::report::{Cancel, Report};
+use enfilade_cad::dxf::{ReadOptions, read};
+use enfilade_config::{Partial, Settings};
+use enfilade_overlay::result::RoundResult;
+use enfilade_pipeline::{Input, Outcome};
+use enfilade_plan::{Plan, PlanOptions, understand, wide};
+use enfilade_report::{Cancel, Report};
 use serde_json::Value;
 
 /// How a polyline's width is written.
@@ -92,7 +92,7 @@ fn run(sheet: &Sheet) -> Outcome<RoundResult> {
     let text = sheet.dxf();
     let input = Input::new("plan.dxf", text.as_bytes(), 1);
     let settings = Settings::new(partial).unwrap();
-    pipeline::run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default()).unwrap()
+    enfilade_pipeline::run(&input, &settings, Instant::now(), &mut |_| {}, &Cancel::default()).unwrap()
 }
 
 fn vertices(done: &Outcome<RoundResult>) -> u64 {

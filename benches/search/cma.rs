@@ -1,6 +1,6 @@
 //! CMA-ES alone: evaluations until a cost of 1e-8, as pycma's `fmin` counts them.
 
-use enfilade::search::{Cma, Domain};
+use enfilade_search::{Cma, Domain};
 
 const DIMS: usize = 10;
 const START: f64 = 2.0;

@@ -18,7 +18,7 @@ use std::io::{BufRead, Write};
 use std::path::PathBuf;
 use std::time::Instant;
 
-use enfilade::search::{
+use enfilade_search::{
     Evaluation, Method, Mode, Objective, Outcome, Search, Sense, Study, Tuning, normalised_distance,
 };
 use problem::{Hills, Problem, Steps};

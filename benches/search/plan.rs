@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use enfilade::config::{Backend, Partial, Settings};
-use enfilade::pipeline::{self, Input, LatticeAt, Study, Use};
-use enfilade::report::Cancel;
+use enfilade_config::{Backend, Partial, Settings};
+use enfilade_pipeline::{Input, LatticeAt, Study, Use};
+use enfilade_report::Cancel;
 
 use super::problem::{Problem, Worth};
 
@@ -88,7 +88,7 @@ impl PlanProblem {
         };
         let settings = Settings::new(partial).unwrap();
         let input = Input::new(source.file, &bytes, 1);
-        let (_, study) = pipeline::analyse(&input, &settings, &Cancel::default()).unwrap();
+        let (_, study) = enfilade_pipeline::analyse(&input, &settings, &Cancel::default()).unwrap();
         let moves = &study.base.moves;
         let (bounds, start) = (moves.bounds(), moves.identity());
         let study = Arc::new(study);
@@ -106,7 +106,7 @@ impl PlanProblem {
         };
         let settings = Settings::new(partial).unwrap();
         let (_, study) =
-            pipeline::analyse(&Input::new(path, &bytes, 1), &settings, &Cancel::default()).unwrap();
+            enfilade_pipeline::analyse(&Input::new(path, &bytes, 1), &settings, &Cancel::default()).unwrap();
         let spacing_um = (study.spacing_m * WIDER * 1e6).round() as i64;
         let at = |i: u32| {
             let turn = |k: u32| spacing_um * i64::from(k % LATTICES) / i64::from(LATTICES);

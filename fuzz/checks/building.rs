@@ -1,8 +1,8 @@
 //! What holds of any bytes read as a building, whatever the format.
 
-use enfilade::formats::{ReadOptions, changes, is_complete, patch, plain, read, storeys};
-use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape};
-use enfilade::report::Report;
+use enfilade_cad::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape};
+use enfilade_cad::{ReadOptions, changes, is_complete, patch, plain, read, storeys};
+use enfilade_report::Report;
 use glam::DVec2;
 
 /// Reads it twice: the same answer, every shape finite, and no edit no change.

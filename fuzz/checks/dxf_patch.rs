@@ -3,10 +3,10 @@
 
 use std::collections::HashSet;
 
-use enfilade::formats::dxf::{Limits, ReadOptions, changed_records, patch, read, strip_own, tied};
-use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Mark, RigidMotion, Shape};
-use enfilade::plan::own_layers::{MOVED, MOVED_RGB, NOTE, NOTE_RGB};
-use enfilade::report::Report;
+use enfilade_cad::drawing::{Addition, Drawing, Edit, Editable, Mark, RigidMotion, Shape};
+use enfilade_cad::dxf::{Limits, ReadOptions, changed_records, patch, read, strip_own, tied};
+use enfilade_cad::own_layers::{MOVED, MOVED_RGB, NOTE, NOTE_RGB};
+use enfilade_report::Report;
 use glam::DVec2;
 
 fn drawing_of(bytes: &[u8]) -> Option<Drawing> {

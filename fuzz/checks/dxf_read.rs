@@ -1,8 +1,8 @@
 //! Any bytes: no panic, the same answer twice, every shape finite, every record in the file.
 
-use enfilade::formats::dxf::{Limits, ReadOptions, is_complete, read};
-use enfilade::plan::drawing::Shape;
-use enfilade::report::Report;
+use enfilade_cad::drawing::Shape;
+use enfilade_cad::dxf::{Limits, ReadOptions, is_complete, read};
+use enfilade_report::Report;
 
 /// Panics where the bytes show a fault; whether they could be read.
 pub fn check(bytes: &[u8]) -> bool {

@@ -1,8 +1,8 @@
 //! Any bytes as glTF or GLB: no panic, the same answer twice, no edit no change, what may move can be moved, and
 //! what we add shows nothing new.
 
-use enfilade::formats::{ReadOptions, read};
-use enfilade::report::Report;
+use enfilade_cad::{ReadOptions, read};
+use enfilade_report::Report;
 
 use crate::building;
 

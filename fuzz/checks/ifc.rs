@@ -1,7 +1,7 @@
 //! Any bytes as IFC: no panic, the same answer twice, no edit no change, what may move can be moved, and what we
 //! add comes off again.
 
-use enfilade::formats::{ifc, plain};
+use enfilade_cad::{ifc, plain};
 
 use crate::building;
 

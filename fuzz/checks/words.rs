@@ -2,8 +2,8 @@
 //! is understood the same way when it is written again.
 
 use enfilade::batch::{Job, seeds};
-use enfilade::config::{Partial, Settings};
-use enfilade::overlay::result::{RoundResult, to_json};
+use enfilade_config::{Partial, Settings};
+use enfilade_overlay::result::{RoundResult, to_json};
 
 /// Panics where the bytes show a fault; whether they could be read.
 pub fn check(bytes: &[u8]) -> bool {

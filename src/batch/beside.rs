@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD as BASE64;
 use serde::{Deserialize, Serialize};
 
 use super::sha256_hex;
-use crate::config::{Beside, Twin};
+use enfilade_config::{Beside, Twin};
 
 /// What a file beside a scene is to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

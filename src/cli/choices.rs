@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 
-use crate::config::{Backend, Colours, Level, Method, Mode, Thresholds, Unsure};
+use enfilade_config::{Backend, Colours, Level, Method, Mode, Thresholds, Unsure};
 
 macro_rules! choice {
     ($(#[$doc:meta])* $name:ident for $target:ident { $($variant:ident),+ }) => {

@@ -3,7 +3,7 @@
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 
-use crate::report::{Error, Place};
+use enfilade_report::{Error, Place};
 
 /// A command, an option of its own or shared that it would do nothing with, and what serves instead.
 struct Idle {

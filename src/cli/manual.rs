@@ -84,7 +84,7 @@ fn sections_of_commands(of: &clap::Command, out: &mut Vec<u8>) -> std::io::Resul
 mod tests {
     use super::*;
     use crate::cli::grammar;
-    use crate::report::{Error, LIMITS, Place};
+    use enfilade_report::{Error, LIMITS, Place};
 
     /// One page that refers to no other, with every command that is shown and none that is not.
     #[test]

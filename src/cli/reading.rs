@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::values::point;
-use crate::config::{ReadingTable, SelectorText};
+use enfilade_config::{ReadingTable, SelectorText};
 
 /// Corrections. Each changes what it names and nothing else.
 #[derive(Clone, Debug, Default, Args)]

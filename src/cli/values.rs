@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use crate::config::DEPTH_MAX;
+use enfilade_config::DEPTH_MAX;
 
 /// A number of things.
 pub(super) fn whole<T: std::str::FromStr>(text: &str) -> Result<T, String> {

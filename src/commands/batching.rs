@@ -7,13 +7,12 @@ use std::sync::Arc;
 
 use crate::batch::{self, Finished, Job};
 use crate::cli::{JobsArgs, RunJobArgs};
-use crate::config::{Beside, Partial, Settings};
 use crate::daemon::{Asked, JobEvent, JobRequest, Share};
-use crate::formats::{self, StoreyInfo};
-use crate::pipeline;
 use crate::progress::Display;
-use crate::report::{Cancel, Error, Place, Report, complain};
 use crate::store;
+use enfilade_cad::StoreyInfo;
+use enfilade_config::{Beside, Partial, Settings};
+use enfilade_report::{Cancel, Error, Place, Report, complain};
 
 /// Try again later: the exit code of `sysexits.h` that batch systems know.
 const TRY_AGAIN: u8 = 75;
@@ -59,10 +58,10 @@ fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> R
         None => vec![settings.storey.clone()],
         Some("all") => {
             let found = building()?;
-            let cut_m = pipeline::read_options(&Settings::new(settings.clone())?).cut_m();
-            let is_own = |i: &usize| formats::shown_instead(&found, *i, cut_m).is_none();
+            let cut_m = enfilade_pipeline::read_options(&Settings::new(settings.clone())?).cut_m();
+            let is_own = |i: &usize| enfilade_cad::shown_instead(&found, *i, cut_m).is_none();
             let walled = (0..found.len()).filter(|i| found[*i].walls > 0).filter(is_own);
-            let found: Vec<String> = walled.map(|i| formats::storey_key(&found, i)).collect();
+            let found: Vec<String> = walled.map(|i| enfilade_cad::storey_key(&found, i)).collect();
             if found.is_empty() { vec![None] } else { found.into_iter().map(Some).collect() }
         }
         Some(list) => named_storeys(&shown, &building()?, list)?.into_iter().map(Some).collect(),
@@ -81,15 +80,16 @@ fn jobs_of(args: &JobsArgs, file: &Path, seeds: Option<&[u64]>, out: &Path) -> R
 /// Files of other endings are listed only if they are drawings: a list of jobs is none.
 fn is_drawing(file: &Path, shown: &str, bytes: &[u8]) -> Result<(), Error> {
     let ending = file.extension().unwrap_or_default();
-    if formats::ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
+    if enfilade_cad::ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
         return Ok(());
     }
-    let read = formats::read(shown, bytes, &formats::ReadOptions::default(), &mut Report::default());
+    let read =
+        enfilade_cad::read(shown, bytes, &enfilade_cad::ReadOptions::default(), &mut Report::default());
     read.map(drop).map_err(|_| {
         let text = format!(
             "is no drawing, found the ending {:?}, expected one of {}; nothing was done",
             ending.to_string_lossy(),
-            formats::ENDINGS.join(", ")
+            enfilade_cad::ENDINGS.join(", ")
         );
         Error::input("no-drawing", Place::file(shown), text)
     })
@@ -103,15 +103,15 @@ fn storeys_of(
     beside: &Beside,
 ) -> Result<Vec<StoreyInfo>, Error> {
     let settings = Settings { beside: beside.clone(), ..Settings::new(settings.clone())? };
-    Ok(formats::storeys(shown, bytes, &pipeline::read_options(&settings)))
+    Ok(enfilade_cad::storeys(shown, bytes, &enfilade_pipeline::read_options(&settings)))
 }
 
 /// The storeys of a list as the building writes them, by number where names are shared; it must have each.
 fn named_storeys(shown: &str, there: &[StoreyInfo], list: &str) -> Result<Vec<String>, Error> {
     let find = |name: &str| {
-        let found = formats::storey_at(there.iter().map(|s| s.name.as_str()), name);
-        found.map(|i| formats::storey_key(there, i)).ok_or_else(|| {
-            let why = formats::no_storey(there, name, "none");
+        let found = enfilade_cad::storey_at(there.iter().map(|s| s.name.as_str()), name);
+        found.map(|i| enfilade_cad::storey_key(there, i)).ok_or_else(|| {
+            let why = enfilade_cad::no_storey(there, name, "none");
             Error::usage("storeys", Place::file(shown), format!("--storeys \"{name}\": {why}"))
         })
     };

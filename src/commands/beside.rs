@@ -4,10 +4,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::config::{Beside, Partial, Settings, Twin, for_folder, settings_files, unread_side_cars};
-use crate::formats;
-use crate::report::{Error, Place};
 use crate::watch::{bytes_of, is_scene};
+use enfilade_config::{Beside, Partial, Settings, Twin, for_folder, settings_files, unread_side_cars};
+use enfilade_report::{Error, Place};
 
 /// Largest file of settings that is read.
 const SETTINGS_BYTES_MAX: u64 = 16 << 20;
@@ -40,14 +39,14 @@ fn files_beside(drawing: &Path) -> Vec<String> {
 /// What is read of files beside a drawing.
 pub(super) fn beside(drawing: &Path) -> Beside {
     let scene = is_scene(drawing).then(|| bytes_of(drawing)).flatten().unwrap_or_default();
-    let named = formats::gltf::outer_files(&scene);
-    let mut left = formats::gltf::PICTURES_MAX;
+    let named = enfilade_cad::gltf::outer_files(&scene);
+    let mut left = enfilade_cad::gltf::PICTURES_MAX;
     let mut picture = |name: String| {
         let data = data_beside(drawing, &name, left)?;
         left -= data.len() as u64;
         Some((name, data))
     };
-    let most = formats::gltf::OUTER_MAX;
+    let most = enfilade_cad::gltf::OUTER_MAX;
     Beside {
         twin: twin(drawing),
         buffers: named
@@ -92,7 +91,8 @@ fn building_like(file: &Path) -> Option<Vec<u8>> {
     let bytes =
         std::iter::once(plain).chain(found.into_iter().map(|f| f.1)).find_map(|path| bytes_of(&path))?;
     // What cannot be unpacked goes on as it is, to be told where it is read.
-    let unpacked = formats::ifc::is_zip(&bytes).then(|| formats::ifc::unzip("", &bytes).ok()).flatten();
+    let unpacked =
+        enfilade_cad::ifc::is_zip(&bytes).then(|| enfilade_cad::ifc::unzip("", &bytes).ok()).flatten();
     Some(unpacked.unwrap_or(bytes))
 }
 

@@ -4,14 +4,14 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use crate::analysis::gpu::Gpu;
 use crate::cli::{self, InstallArgs, OpenArgs, ServiceArgs, ServiceCommand, ShellArg};
-use crate::formats::ENDINGS;
-use crate::report::{Error, Place};
 use crate::server::Door;
 use crate::service::{self, Folders};
 use crate::store::{Disk, SystemDisk};
 use crate::watch::{canonical_roots, network_reason};
+use enfilade_cad::ENDINGS;
+use enfilade_engine::gpu::Gpu;
+use enfilade_report::{Error, Place};
 
 /// What opens an address in the user's browser, and its first arguments.
 const BROWSER: (&str, &[&str]) = if cfg!(windows) {
@@ -88,7 +88,7 @@ fn options_of(args: &InstallArgs) -> Vec<OsString> {
 
 pub(super) fn doctor(folders: &[PathBuf]) -> Result<u8, Error> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    super::say(&format!("enfilade {}", crate::VERSION));
+    super::say(&format!("enfilade {}", enfilade_config::VERSION));
     super::say(&format!("cores: {cores}"));
     super::say(&format!("graphics card: {}", card_apart()));
     let mut is_well = true;
@@ -222,7 +222,7 @@ fn full(folder: &Path) -> Option<String> {
 /// Results lie beside the drawings, unless the settings name another folder for them.
 fn unwritable(folder: &Path) -> Option<String> {
     let settings = super::read_settings(&folder.join("enfilade.toml")).ok().flatten();
-    let names_a_place = |s: &crate::config::Partial| {
+    let names_a_place = |s: &enfilade_config::Partial| {
         s.out.is_some() || s.watch.as_ref().is_some_and(|w| w.fallback.is_some())
     };
     if may_write(folder) || settings.is_some_and(|s| names_a_place(&s)) {

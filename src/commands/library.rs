@@ -6,12 +6,12 @@
 use std::path::{Path, PathBuf};
 
 use super::{Accepted, Which, accept_option, hold, one_round, open, results_of, settings_for};
-use crate::config::{Partial, Settings};
 use crate::daemon::{Asked, Notice};
-use crate::overlay::result::{CheckResult, RoundResult};
-use crate::pipeline::cells::{self, CellOptions, Cells, Measured};
-use crate::pipeline::{self, Extras, Input, Outcome, Progress, Study};
-use crate::report::{Cancel, Error, Place, Report};
+use enfilade_config::{Partial, Settings};
+use enfilade_overlay::result::{CheckResult, RoundResult};
+use enfilade_pipeline::cells::{self, CellOptions, Cells, Measured};
+use enfilade_pipeline::{Extras, Input, Outcome, Progress, Study};
+use enfilade_report::{Cancel, Error, Place, Report};
 
 /// A drawing with what its caller said of it.
 #[derive(Clone, Debug)]
@@ -71,14 +71,16 @@ impl Drawing {
     pub fn check(&self) -> Result<Outcome<CheckResult>, Error> {
         let settings = settings_for(&self.file, self.said.clone())?.0;
         let extras = Extras { picture: false, graph: true };
-        pipeline::on_threads(&settings, || pipeline::check_with(&self.input(), &settings, extras))
+        enfilade_pipeline::on_threads(&settings, || {
+            enfilade_pipeline::check_with(&self.input(), &settings, extras)
+        })
     }
 
     /// Measures the present layout. `more` goes before what was said at first; with `roots` depth and entropy are
     /// estimated from about so many cells. `tell` hears of each stage: `read`, `measure`.
     ///
     /// # Errors
-    /// As [`pipeline::analyse`]; [`Error::Usage`] for fewer than two roots.
+    /// As [`enfilade_pipeline::analyse`]; [`Error::Usage`] for fewer than two roots.
     pub fn measure(
         &self,
         more: Partial,
@@ -92,8 +94,8 @@ impl Drawing {
         let settings = settings_for(&self.file, more.over(self.said.clone()))?.0;
         let mut stage = |name: &str| tell(Progress { stage: name.into(), ..Progress::default() });
         stage("read");
-        let (study, report) = pipeline::on_threads(&settings, || {
-            pipeline::measure(&self.input(), &settings, roots, &mut || stage("measure"), cancel)
+        let (study, report) = enfilade_pipeline::on_threads(&settings, || {
+            enfilade_pipeline::measure(&self.input(), &settings, roots, &mut || stage("measure"), cancel)
         })?;
         Ok(Present { study, settings, report })
     }
@@ -101,7 +103,7 @@ impl Drawing {
     /// Makes the next round and writes it into the result folder. `tell` hears how far it is.
     ///
     /// # Errors
-    /// As [`pipeline::run`]; [`Error::Usage`] for an option to pin that there is none of, [`Error::Environment`] where
+    /// As [`enfilade_pipeline::run`]; [`Error::Usage`] for an option to pin that there is none of, [`Error::Environment`] where
     /// results cannot be written.
     pub fn optimise(
         &self,
@@ -157,7 +159,7 @@ impl Present {
         }
         let options = CellOptions { roots: self.study.roots, seed: self.settings.seed, ..options };
         let Measured { columns, .. } =
-            pipeline::on_threads(&self.settings, || cells::measure_cells(&self.study, &options))?;
+            enfilade_pipeline::on_threads(&self.settings, || cells::measure_cells(&self.study, &options))?;
         Ok(cells::cells(&self.study, columns))
     }
 
@@ -166,7 +168,7 @@ impl Present {
     /// # Errors
     /// [`Error::Environment`] when the threads cannot be started.
     pub fn views(&self) -> Result<(Cells, cells::Views), Error> {
-        pipeline::on_threads(&self.settings, || {
+        enfilade_pipeline::on_threads(&self.settings, || {
             let all = cells::cells(&self.study, Vec::new());
             let views = cells::views(&self.study, &all);
             Ok((all, views))

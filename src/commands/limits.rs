@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 
 use super::beside::settings_partial;
 use crate::cli::Common;
-use crate::config::{Partial, Settings};
-use crate::report::{Cancel, Error, Place, complain};
 use crate::watch::{JOB_LIMIT_SECS, READ_LIMIT_SECS};
+use enfilade_config::{Partial, Settings};
+use enfilade_report::{Cancel, Error, Place, complain};
 
 /// A command that was told to end has so long to do it; then its process ends.
 const PATIENCE: Duration = Duration::from_secs(5);

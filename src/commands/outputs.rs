@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::is_standard_output;
 use crate::cli::{AnalyseArgs, Command, Common, ServiceCommand};
-use crate::config::{is_settings, settings_files};
-use crate::formats::{self, ENDINGS};
-use crate::report::{Error, Place, Report};
 use crate::watch::{bytes_of, is_data};
+use enfilade_cad::ENDINGS;
+use enfilade_config::{is_settings, settings_files};
+use enfilade_report::{Error, Place, Report};
 
 /// What the user names to be written.
 struct Output<'a> {
@@ -197,7 +197,7 @@ fn fault(output: &Output<'_>, inputs: &[PathBuf]) -> Option<String> {
 fn is_drawing(path: &Path) -> bool {
     let Some(bytes) = bytes_of(path) else { return false };
     let shown = path.to_string_lossy();
-    formats::read(&shown, &bytes, &formats::ReadOptions::default(), &mut Report::default()).is_ok()
+    enfilade_cad::read(&shown, &bytes, &enfilade_cad::ReadOptions::default(), &mut Report::default()).is_ok()
 }
 
 fn is_same(a: &Path, b: &Path) -> bool {

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use super::{ask, counted, say};
 use crate::cli::RunArgs;
-use crate::overlay::measure::{plain_name, trimmed};
-use crate::overlay::options::{OptionLine, option_lines, told_measures};
-use crate::overlay::result::RoundResult;
-use crate::report::{Report, Severity};
+use enfilade_overlay::measure::{plain_name, trimmed};
+use enfilade_overlay::options::{OptionLine, option_lines, told_measures};
+use enfilade_overlay::result::RoundResult;
+use enfilade_report::{Report, Severity};
 
 /// Notes that stand in the short summary too: they qualify what the table says.
 const QUALIFYING: [&str; 1] = ["thresholds-lowered"];
@@ -100,8 +100,8 @@ fn aligned(rows: &[Vec<String>]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::overlay::result::{Best, Candidate, Gain, Gains, MoveEntry, MoveKind, Numbers, Sense};
-    use crate::report::Place;
+    use enfilade_overlay::result::{Best, Candidate, Gain, Gains, MoveEntry, MoveKind, Numbers, Sense};
+    use enfilade_report::Place;
 
     fn moved(name: &str) -> MoveEntry {
         MoveEntry {
@@ -124,7 +124,7 @@ mod tests {
             ("degree".to_owned(), gain(0.34, Sense::Max)),
         ]);
         let result = RoundResult {
-            initial: crate::overlay::result::Layout {
+            initial: enfilade_overlay::result::Layout {
                 mean: Numbers::of([("degree", 400.0), ("depth", 3.0), ("mean-depth", 2.0)]),
                 ..Default::default()
             },

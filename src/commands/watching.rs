@@ -11,16 +11,15 @@ use super::{
     Which, accept_option, hold, named_folder, output_of, print, read_settings, round, say, settings_for,
 };
 use crate::cli::{ProgressArg, StatusArgs, WatchArgs};
-use crate::config::{Partial, Settings, WatchTable};
 use crate::daemon::child::{self, Limits};
 use crate::daemon::{self, JobEvent, JobRequest, Notice, RunJob, WatchSettings};
-use crate::formats;
-use crate::overlay::result::to_json;
-use crate::report::{Cancel, Error, Place, Problem, Severity, complain};
 use crate::server::{Door, Login, Page, Taken};
 use crate::service::Folders;
 use crate::store::{Disk as _, Log, SystemDisk, led_beside};
 use crate::watch::{Completeness, canonical_roots};
+use enfilade_config::{Partial, Settings, WatchTable};
+use enfilade_overlay::result::to_json;
+use enfilade_report::{Cancel, Error, Place, Problem, Severity, complain};
 
 /// All jobs together may use this share of the machine's memory unless the settings say otherwise.
 #[cfg(target_os = "linux")]
@@ -222,20 +221,20 @@ fn watch_settings(args: &WatchArgs, partial: &Partial, said: Said) -> WatchSetti
         job_memory_bytes: table.job_memory_mb.map(megabytes),
         read_limit_secs: table.read_limit_secs.unwrap_or(base.read_limit_secs),
         job_limit_secs: table.job_limit_secs.unwrap_or(base.job_limit_secs),
-        content_key: formats::timeless,
+        content_key: enfilade_cad::timeless,
         settings_key: format!("{:?} {out:?}", partial.clone().deciding()),
         end_mark,
-        extensions: formats::ENDINGS.map(String::from).to_vec(),
+        extensions: enfilade_cad::ENDINGS.map(String::from).to_vec(),
         ..base
     }
 }
 
 /// The end mark of a drawing's format, for the watcher.
 fn end_mark(path: &Path, bytes: &[u8]) -> Completeness {
-    match formats::is_complete(&path.to_string_lossy(), bytes) {
-        formats::Completeness::Whole => Completeness::Complete,
-        formats::Completeness::Incomplete(why) => Completeness::Incomplete(why),
-        formats::Completeness::Empty => Completeness::Incomplete("it is empty".into()),
+    match enfilade_cad::is_complete(&path.to_string_lossy(), bytes) {
+        enfilade_cad::Completeness::Whole => Completeness::Complete,
+        enfilade_cad::Completeness::Incomplete(why) => Completeness::Incomplete(why),
+        enfilade_cad::Completeness::Empty => Completeness::Incomplete("it is empty".into()),
     }
 }
 

@@ -20,7 +20,7 @@ use serde_json::Value;
 
 use super::turns::SHORT;
 use super::{Asked, JobEvent, JobOutput, JobRequest, OutFile, RunJob, Share};
-use crate::report::{Cancel, Error, KEEP_GRACE, Place, Problem, Severity};
+use enfilade_report::{Cancel, Error, KEEP_GRACE, Place, Problem, Severity};
 
 /// Code of a job that needs more memory than it may have.
 pub(super) const OUT_OF_MEMORY: &str = "job-out-of-memory";
@@ -183,7 +183,7 @@ fn start(limits: &Limits, request: &JobRequest, name: &str) -> Result<Child, Err
 impl Request {
     fn of(limits: &Limits, request: &JobRequest) -> Self {
         Self {
-            version: crate::VERSION.into(),
+            version: enfilade_config::VERSION.into(),
             sha256: request.sha256.clone(),
             round: request.round,
             asked: request.asked.clone(),
@@ -379,7 +379,7 @@ pub fn serve(
             format!("no request of a daemon: {e}; nothing was done"),
         )
     })?;
-    if head.version != crate::VERSION {
+    if head.version != enfilade_config::VERSION {
         let text = "the program was replaced while the daemon runs; start the daemon again";
         return answer(&Err(Error::environment("job-version", Place::default(), text)));
     }

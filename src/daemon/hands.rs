@@ -11,14 +11,14 @@ use std::time::{Instant, SystemTime};
 use super::job::{self, Told};
 use super::status::{SharedDisk, rfc3339};
 use super::{Asked, Done, JobRequest, RunJob, Share, WatchSettings};
-use crate::config::{Partial, settings_files};
-use crate::formats::gltf::outer_files;
-use crate::report::{Cancel, Error};
 use crate::store::{Journal, Placing, Step, Written};
 use crate::watch::{
     Action, Checked, ContentKey, Event, Eyes, Identity, Seen, Stat, bytes_of, has_data_beside, identity_of,
     is_building_of, is_out_of_files, is_output_name, is_scene, read_settled, read_whole, sha256_hex, stat_of,
 };
+use enfilade_cad::gltf::outer_files;
+use enfilade_config::{Partial, settings_files};
+use enfilade_report::{Cancel, Error};
 
 pub(super) enum Message {
     Event(Event),
@@ -219,7 +219,7 @@ fn config_key(drawing: &Path, settings_key: &str) -> String {
             (UNREADABLE, said.map(|s| s.map_or_else(|e| e, |p| format!("{:?}", p.deciding()))).join("\n"))
         }
     };
-    let mut text = format!("{}\n{settings_key}\n{said}\n", crate::VERSION);
+    let mut text = format!("{}\n{settings_key}\n{said}\n", enfilade_config::VERSION);
     for building in buildings_beside(drawing) {
         text.push_str(&format!(
             "{}\n",

@@ -29,8 +29,6 @@ use super::status::{
     settle_stopped, write_standing,
 };
 use super::{Asked, Notice, Order, Reread, RunJob, WatchSettings};
-use crate::config::settings_files;
-use crate::report::{Cancel, Error, KEEP_GRACE, Place, Problem, Severity};
 use crate::store::{
     Ended, FOLDER_OWNED, Journal, Placing, Records, Step, SystemDisk, host_name, present_folder,
     refuse_nested, write_json,
@@ -39,6 +37,8 @@ use crate::watch::{
     Action, Event, Eyes, Now, Settle, builtin_ignores, has_data_beside, is_building_of, is_data,
     is_output_name, network_reason,
 };
+use enfilade_config::settings_files;
+use enfilade_report::{Cancel, Error, KEEP_GRACE, Place, Problem, Severity};
 
 /// Reports of the system waiting to be read; more mean "look at everything" (hazards 8 and 15).
 /// The room for them is taken at once, so it is part of what an idle daemon holds.

@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 
 use super::status::{SharedDisk, Standing, drawing_status, rfc3339};
 use super::{Done, JobEvent, JobOutput, JobRequest, Notice, RunJob};
-use crate::report::{Cancel, Error, Place, Problem};
 use crate::store::{Home, Placing, SO_FAR, Written, round_name};
+use enfilade_report::{Cancel, Error, Place, Problem};
 
 /// `status.json` is not rewritten more often while a job runs.
 const STATUS_PAUSE: Duration = Duration::from_millis(500);

@@ -25,9 +25,9 @@ pub use crate::watch::WatchSettings;
 pub(crate) use heart::{BY_THE_USER, CANCELLED_BEFORE};
 pub use status::{rfc3339, status};
 
-use crate::report::{Cancel, Error, Place, Problem, one_line, printable};
 use crate::store::{Placing, SystemDisk, led_beside};
 use crate::watch::{self, Checked};
+use enfilade_report::{Cancel, Error, Place, Problem, one_line, printable};
 
 /// One drawing to be worked on.
 #[derive(Clone, Debug)]

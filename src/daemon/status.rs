@@ -6,11 +6,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
-use crate::report::{Error, Problem};
 use crate::store::{
     Disk, Placing, Records, SystemDisk, find_folder, finished_rounds, is_held, present_folder, read_lease,
     read_own, round_name, write_json,
 };
+use enfilade_report::{Error, Problem};
 
 /// What the status of a drawing says besides its progress.
 #[derive(Clone, Debug, Default)]

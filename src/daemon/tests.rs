@@ -16,8 +16,8 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use super::*;
-use crate::report::Severity;
 use crate::watch::Completeness;
+use enfilade_report::Severity;
 
 const PATIENCE: Duration = Duration::from_secs(60);
 

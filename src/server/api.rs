@@ -15,10 +15,10 @@ use tokio_stream::StreamExt as _;
 use tokio_stream::wrappers::{BroadcastStream, ReceiverStream};
 
 use super::{Shared, Taken, files};
-use crate::config::{Partial, Settings};
 use crate::daemon::{Asked, Order};
-use crate::report::{Error, counted};
 use crate::store::{SO_FAR, round_name};
+use enfilade_config::{Partial, Settings};
+use enfilade_report::{Error, counted};
 
 type Page = State<Arc<Shared>>;
 

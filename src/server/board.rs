@@ -9,9 +9,9 @@ use serde_json::{Value, json};
 use tokio::sync::broadcast;
 
 use crate::daemon::{BY_THE_USER, CANCELLED_BEFORE, Notice, rfc3339};
-use crate::report::one_line;
 use crate::store::SO_FAR;
 use crate::watch::builtin_ignores;
+use enfilade_report::one_line;
 
 /// Lines of the log that are kept.
 pub const LOG_LINES_MAX: usize = 500;
@@ -371,7 +371,7 @@ impl Entry {
 mod tests {
     use super::*;
     use crate::daemon::Done;
-    use crate::report::{Place, Problem, Severity};
+    use enfilade_report::{Place, Problem, Severity};
 
     #[test]
     fn names_are_shown_and_not_obeyed() {

@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::secret;
-use crate::report::{Error, Place};
 use crate::store::{read_own, write_secret};
+use enfilade_report::{Error, Place};
 
 /// Bytes of a block of SHA-256.
 const BLOCK: usize = 64;

@@ -31,8 +31,8 @@ pub use guard::Access;
 pub use login::Login;
 
 use crate::daemon::{Notice, Order};
-use crate::report::{Error, Place};
 use crate::store::{Disk as _, SystemDisk, read_own, write_secret};
+use enfilade_report::{Error, Place};
 use guard::HELLO;
 
 /// Bytes of a token before they are written in hexadecimal.

@@ -11,7 +11,7 @@ use super::{
     Disk, OR_OWN_STATE, STATE_FOLDER, disk_error_here, path_from_bytes, read_own, replace_file, sha256_hex,
     shown,
 };
-use crate::report::{Cancel, Error, Problem};
+use enfilade_report::{Cancel, Error, Problem};
 
 /// How the name of a record begins.
 const RECORD_PREFIX: &str = "watched-";

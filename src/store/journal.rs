@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::own::refuse_link;
 use super::{Disk, disk_error, path_from_bytes, read_own, replace_file};
-use crate::report::{Error, Place, Problem, Severity};
+use enfilade_report::{Error, Place, Problem, Severity};
 
 /// A journal longer than this is rewritten at the next start with what still counts.
 const COMPACT_BYTES: usize = 1 << 20;

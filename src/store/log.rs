@@ -5,7 +5,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use super::{Disk, SystemDisk, disk_error_here};
-use crate::report::{Error, Place, printable};
+use enfilade_report::{Error, Place, printable};
 
 /// Size from which a log is put aside, bytes.
 pub const LOG_BYTES_MAX: u64 = 2 << 20;

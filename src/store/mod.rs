@@ -32,8 +32,8 @@ pub use owner::{
 
 pub use own::{led_beside, led_to, open_to_read, read_named, read_own};
 
-pub use crate::report::OutFile;
-use crate::report::{Error, Place};
+pub use enfilade_report::OutFile;
+use enfilade_report::{Error, Place};
 use own::{open_own, planted_of, refuse_link, refuse_planted, write_into};
 use there::{has_bytes, holds_exactly, kept_beside};
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::{OUTPUT_IS_LINK, shown};
-use crate::report::Error;
+use enfilade_report::Error;
 
 /// More than this is no file of ours.
 pub(super) const OWN_BYTES_MAX: u64 = 1 << 30;

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::own::{open_own, refuse_planted};
 use super::{Disk, Records, disk_error, read_own, replace_file, shown};
-use crate::report::{Cancel, Error};
+use enfilade_report::{Cancel, Error};
 
 /// A lease whose beat stands still for this many heartbeats is stale.
 pub const MISSED_BEATS: u32 = 3;

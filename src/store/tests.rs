@@ -3,7 +3,7 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use super::*;
-use crate::report::{Cancel, Problem, Severity};
+use enfilade_report::{Cancel, Problem, Severity};
 
 /// A disk whose k-th call fails, once or for ever after ("the process was killed there").
 struct FaultyDisk {

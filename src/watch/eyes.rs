@@ -19,7 +19,7 @@ use super::{
     Checked, Completeness, ContentKey, EndMark, Event, Identity, Kind, MAX_DRAWING_BYTES, MAX_SCANNED_FILES,
     Names, Seen, Stat, Verdict, WatchSettings,
 };
-use crate::report::Error;
+use enfilade_report::Error;
 
 /// Whether each folder is watched by itself.
 const WATCHES_SINGLE_FOLDERS: bool = cfg!(target_os = "linux");

@@ -20,7 +20,7 @@ pub use names::{
 };
 pub use settle::{Action, Event, Now, Settle};
 
-use crate::report::{Error, Place};
+use enfilade_report::{Error, Place};
 
 /// Seconds without a change after which a local file counts as written (hazard 1).
 pub const QUIET_SECS: f64 = 0.7;

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use globset::{GlobBuilder, GlobMatcher};
 
-use crate::report::{Error, Place};
+use enfilade_report::{Error, Place};
 
 /// Suffix of the folders that hold our results.
 pub const OUTPUT_SUFFIX: &str = ".enfilade";

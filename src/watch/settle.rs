@@ -13,7 +13,7 @@ use super::{
     MAX_SCANNED_FILES, Names, QUIET_UNMARKED_SECS, ROOT_LOOK_SECS, Seen, Stat, Verdict, WatchSettings,
     is_data,
 };
-use crate::report::{Error, Place, Problem, Severity};
+use enfilade_report::{Error, Place, Problem, Severity};
 
 /// Two readings of time, so that a sleep of the machine shows as a difference between them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

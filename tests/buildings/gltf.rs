@@ -2,11 +2,11 @@
 
 mod marks;
 
-use enfilade::config::{Partial, Settings};
-use enfilade::formats::gltf::{self, ReadOptions};
-use enfilade::pipeline::{self, Input};
-use enfilade::plan::drawing::{Drawing, Edit, Editable, RigidMotion, Shape};
-use enfilade::report::{Cancel, Report};
+use enfilade_cad::drawing::{Drawing, Edit, Editable, RigidMotion, Shape};
+use enfilade_cad::gltf::{self, ReadOptions};
+use enfilade_config::{Partial, Settings};
+use enfilade_pipeline::Input;
+use enfilade_report::{Cancel, Report};
 use glam::DVec2;
 use serde_json::{Value, json};
 
@@ -270,7 +270,7 @@ fn what_hangs_below_scaled_nodes_turns_unless_it_would_be_skewed() {
     let text = json.to_string();
     let settings = Settings::new(Partial::default()).unwrap();
     let input = Input::new("h.gltf", text.as_bytes(), 1);
-    let told = pipeline::analyse(&input, &settings, &Cancel::default()).unwrap().0.report;
+    let told = enfilade_pipeline::analyse(&input, &settings, &Cancel::default()).unwrap().0.report;
     let told: Vec<String> = told.problems.iter().map(ToString::to_string).collect();
     assert_says(&told.join("\n"), &["would turn it, but its node hangs below one that scales unevenly"]);
     assert!(!told.iter().any(|t| t.contains("INSERT")), "{told:?}");

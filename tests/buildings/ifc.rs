@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use enfilade::formats::ifc::{self, ReadOptions};
-use enfilade::plan::drawing::{Drawing, Edit, Editable, RigidMotion, Shape};
-use enfilade::report::{Error, Report};
+use enfilade_cad::drawing::{Drawing, Edit, Editable, RigidMotion, Shape};
+use enfilade_cad::ifc::{self, ReadOptions};
+use enfilade_report::{Error, Report};
 use glam::DVec2;
 
 use crate::building;
@@ -278,7 +278,7 @@ fn a_moved_wall_takes_its_door_and_the_room_beside_it_along_and_nothing_else_cha
         ifc::read("house.ifc", after.as_bytes(), &ReadOptions::default(), &mut Report::default()).unwrap();
     let door = |d: &Drawing| -> usize {
         let doors: Vec<_> = d.entities.iter().filter(|e| e.layer == "IfcDoor").collect();
-        let inner = |e: &&&enfilade::plan::drawing::Entity| match &e.shape {
+        let inner = |e: &&&enfilade_cad::drawing::Entity| match &e.shape {
             Shape::Polyline { vertices, .. } => vertices.iter().all(|v| v.at.y > 1000.0),
             _ => false,
         };

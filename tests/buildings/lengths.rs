@@ -1,8 +1,8 @@
 //! IFC walls that change their length: by profile and axis, in place or in copies, with their openings where they were.
 
-use enfilade::formats::ifc::{self, ReadOptions};
-use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Mark, RigidMotion, Shape};
-use enfilade::report::Report;
+use enfilade_cad::drawing::{Addition, Drawing, Edit, Editable, Mark, RigidMotion, Shape};
+use enfilade_cad::ifc::{self, ReadOptions};
+use enfilade_report::Report;
 use glam::DVec2;
 
 /// Lines of a file with one storey; walls hang at #7. `#33` to `#35`: a rectangle of 4 by 0.2 m round its middle.

@@ -8,9 +8,9 @@ mod ifc;
 mod lengths;
 mod pavilion;
 
-use enfilade::config::{Partial, RegionTable, Settings};
-use enfilade::pipeline::{self, Input, Study};
-use enfilade::report::Cancel;
+use enfilade_config::{Partial, RegionTable, Settings};
+use enfilade_pipeline::{Input, Study};
+use enfilade_report::Cancel;
 
 /// Measures the hall of a building; `unit` is one metre in the file's unit.
 fn hall(file: &str, bytes: &[u8], unit: f64) -> Study {
@@ -25,7 +25,7 @@ fn hall(file: &str, bytes: &[u8], unit: f64) -> Study {
     };
     let settings = Settings::new(partial).unwrap();
     let input = Input::new(file, bytes, 1);
-    pipeline::analyse(&input, &settings, &Cancel::default()).unwrap().1
+    enfilade_pipeline::analyse(&input, &settings, &Cancel::default()).unwrap().1
 }
 
 #[test]

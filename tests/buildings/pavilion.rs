@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use enfilade::config::{Beside, Partial, Settings, Twin};
-use enfilade::formats::{self, ReadOptions};
-use enfilade::overlay::result::{AnalysisResult, CheckResult};
-use enfilade::pipeline::{self, Input, Outcome};
-use enfilade::report::{Cancel, Error, Report};
+use enfilade_cad::ReadOptions;
+use enfilade_config::{Beside, Partial, Settings, Twin};
+use enfilade_overlay::result::{AnalysisResult, CheckResult};
+use enfilade_pipeline::{Input, Outcome};
+use enfilade_report::{Cancel, Error, Report};
 use serde_json::{Value, json};
 
 const IFC: &str = include_str!("../../samples/pavilion.ifc");
@@ -36,7 +36,7 @@ fn check(
 ) -> Result<Outcome<CheckResult>, Error> {
     let beside = Beside { twin: twin.map(Twin::from), ..Beside::default() };
     let settings = Settings { beside, ..Settings::new(partial).unwrap() };
-    pipeline::check(&Input::new(file, bytes, 1), &settings)
+    enfilade_pipeline::check(&Input::new(file, bytes, 1), &settings)
 }
 
 fn told(report: &Report, code: &str) -> Vec<String> {
@@ -171,11 +171,11 @@ fn an_ifc_of_another_building_gives_no_storeys() {
         }
     });
     let options = ReadOptions {
-        twin: Some(Arc::new(formats::ifc::inventory(IFC.as_bytes(), None))),
+        twin: Some(Arc::new(enfilade_cad::ifc::inventory(IFC.as_bytes(), None))),
         ..ReadOptions::default()
     };
-    assert!(formats::storeys("p.glb", &glb, &options).is_empty());
-    assert_eq!(formats::storeys("p.glb", GLB, &options).len(), 2);
+    assert!(enfilade_cad::storeys("p.glb", &glb, &options).is_empty());
+    assert_eq!(enfilade_cad::storeys("p.glb", GLB, &options).len(), 2);
     let done = check("p.glb", &glb, Partial::default(), Some(IFC.as_bytes())).unwrap();
     assert!(done.result.storeys.is_empty() && done.result.building.is_none(), "{:?}", done.result.storeys);
     assert_eq!(told(&done.report, "gltf-ifc").len(), 1);
@@ -242,10 +242,11 @@ fn only_a_stated_name_joins_moves() {
 fn the_ifc_beside_a_scene_is_read_once() {
     let beside = Beside { twin: Some(Twin::from(IFC.as_bytes())), ..Beside::default() };
     let settings = Settings { beside, ..Settings::new(Partial::default()).unwrap() };
-    let [first, again] = [&settings, &settings.clone()].map(|s| pipeline::read_options(s).twin.unwrap());
+    let [first, again] =
+        [&settings, &settings.clone()].map(|s| enfilade_pipeline::read_options(s).twin.unwrap());
     assert!(Arc::ptr_eq(&first, &again), "read again");
-    assert_eq!(*first, formats::ifc::inventory(IFC.as_bytes(), None));
-    let done = pipeline::check(&Input::new("p.glb", GLB, 1), &settings).unwrap();
+    assert_eq!(*first, enfilade_cad::ifc::inventory(IFC.as_bytes(), None));
+    let done = enfilade_pipeline::check(&Input::new("p.glb", GLB, 1), &settings).unwrap();
     assert_eq!(done.result.storeys.len(), 2);
     assert!(Arc::strong_count(&first) > 2, "the settings keep what was read");
 }
@@ -261,7 +262,7 @@ fn measured(file: &str, bytes: &[u8], storey: Option<&str>) -> AnalysisResult {
     let beside =
         Beside { twin: file.ends_with("glb").then(|| Twin::from(IFC.as_bytes())), ..Beside::default() };
     let settings = Settings { beside, ..Settings::new(partial).unwrap() };
-    pipeline::analyse(&Input::new(file, bytes, 1), &settings, &Cancel::default()).unwrap().0.result
+    enfilade_pipeline::analyse(&Input::new(file, bytes, 1), &settings, &Cancel::default()).unwrap().0.result
 }
 
 /// The three files of the sample show one building: every storey measures the same in each of them.

@@ -8,10 +8,10 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use enfilade::formats::dxf::{ReadOptions, read};
-use enfilade::plan::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape, Vertex};
-use enfilade::plan::own_layers::{BEFORE_RGB, MOVED_RGB, NOTE_RGB};
-use enfilade::report::Report;
+use enfilade_cad::drawing::{Addition, Drawing, Edit, Editable, Entity, Mark, RigidMotion, Shape, Vertex};
+use enfilade_cad::dxf::{ReadOptions, read};
+use enfilade_cad::own_layers::{BEFORE_RGB, MOVED_RGB, NOTE_RGB};
+use enfilade_report::Report;
 use glam::DVec2;
 
 /// The folder of shared material, by `ENFILADE_SHARED` or beside the repository.

@@ -1,10 +1,10 @@
 //! Walls that share a mesh: what of them moves as one, and that they are written as they were searched.
 
-use enfilade::config::{MoveTable, Partial, RegionTable, Settings};
-use enfilade::formats::{self, ReadOptions};
-use enfilade::pipeline::{self, Input};
-use enfilade::plan::drawing::{Edit, RigidMotion, Shape};
-use enfilade::report::{Cancel, Report};
+use enfilade_cad::ReadOptions;
+use enfilade_cad::drawing::{Edit, RigidMotion, Shape};
+use enfilade_config::{MoveTable, Partial, RegionTable, Settings};
+use enfilade_pipeline::Input;
+use enfilade_report::{Cancel, Report};
 use glam::DVec2;
 
 use super::{patch, points, read, u32_at, walls_of_one_mesh, with_json};
@@ -61,18 +61,18 @@ fn what_is_searched_is_what_is_written() {
     };
     let settings = Settings::new(partial).unwrap();
     let input = Input::new("house.glb", &bytes, 1);
-    let (_, study) = pipeline::analyse(&input, &settings, &Cancel::default()).unwrap();
+    let (_, study) = enfilade_pipeline::analyse(&input, &settings, &Cancel::default()).unwrap();
     let (base, mut rounded) = (&study.base, 0);
     for p in [[13.377_7, -8.123_4, 0.0], [0.111_111, 17.3, 0.0], [7.654_321, 2.345_678, 33.3]] {
         let layout = base.moves.apply(&base.plan, &base.graph, &p);
         assert_eq!(layout.walls.iter().filter(|w| w.is_changed).count(), 3);
-        let edit = |w: &enfilade::moves::MovedWall| Edit::Insert {
+        let edit = |w: &enfilade_moves::MovedWall| Edit::Insert {
             record: base.plan.walls[w.wall as usize].source.record,
             motion: w.motion.unwrap(),
         };
         let edits: Vec<Edit> = layout.walls.iter().map(edit).collect();
         let moved = patch(&bytes, &edits, &[]).unwrap();
-        let after = formats::read("house.glb", &moved, &ReadOptions::default(), &mut Report::default());
+        let after = enfilade_cad::read("house.glb", &moved, &ReadOptions::default(), &mut Report::default());
         for (wall, e) in layout.walls.iter().zip(&after.unwrap().entities) {
             let (Shape::Polyline { vertices, .. }, RigidMotion { turn_rad, shift }) =
                 (&base.plan.walls[wall.wall as usize].shape, wall.motion.unwrap())

@@ -29,7 +29,8 @@ fn bodies_that_double_at_every_level_are_left_out() {
 fn a_ring_of_placements_above_the_storey_is_told_as_such() {
     let text = pavilion().replace("#12=IFCLOCALPLACEMENT($,#11);", "#12=IFCLOCALPLACEMENT(#17,#11);");
     let settings = Settings::new(Partial::default()).unwrap();
-    let error = pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap_err();
+    let error =
+        enfilade_pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap_err();
     assert_eq!(error.problem().map(|p| p.code), Some("no-walls"), "{error}");
     let said = error.to_string();
     assert!(said.contains("placements are relative to each other in a ring: #17>#12>#17"), "{said}");

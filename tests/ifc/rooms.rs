@@ -1,6 +1,6 @@
 //! Rooms beside a wall that moves: outlines and stated areas follow, and what does not is named.
 
-use enfilade::formats::ifc::BoundedRoom;
+use enfilade_cad::ifc::BoundedRoom;
 
 use super::told::house;
 use super::*;
@@ -53,7 +53,7 @@ fn moved(turn_rad: f64, shift: DVec2) -> [Edit; 1] {
 }
 
 fn rooms(text: &str, edits: &[Edit]) -> Vec<BoundedRoom> {
-    formats::changes("house.ifc", text.as_bytes(), &lower(), edits).unwrap().rooms
+    enfilade_cad::changes("house.ifc", text.as_bytes(), &lower(), edits).unwrap().rooms
 }
 
 fn lower() -> ReadOptions {
@@ -77,7 +77,7 @@ fn is_near(found: &[DVec2], wanted: &[[f64; 2]]) -> bool {
 fn rooms_follow_the_wall_between_them() {
     let text = parted();
     let edits = moved(0.0, DVec2::new(0.5, 0.0));
-    let written = formats::patch("house.ifc", text.as_bytes(), &lower(), &edits, &[]).unwrap();
+    let written = enfilade_cad::patch("house.ifc", text.as_bytes(), &lower(), &edits, &[]).unwrap();
     let [west, east] = [WEST, EAST].map(|r| ring(&written, r));
     assert!(is_near(&west, &[[0.1, 0.1], [0.1, 5.9], [3.4, 0.1], [3.4, 5.9]]), "{west:?}");
     assert!(is_near(&east, &[[3.6, 0.1], [3.6, 5.9], [5.9, 0.1], [5.9, 5.9]]), "{east:?}");
@@ -130,7 +130,7 @@ fn a_figure_that_rooms_share_stays_that_of_the_other_room() {
     };
     let patched = |text: &str| {
         let edits = moved(0.0, DVec2::new(0.5, 0.0));
-        let bytes = formats::patch("house.ifc", text.as_bytes(), &lower(), &edits, &[]).unwrap();
+        let bytes = enfilade_cad::patch("house.ifc", text.as_bytes(), &lower(), &edits, &[]).unwrap();
         String::from_utf8(bytes).unwrap()
     };
     let near = |found: &[f64], wanted: &[f64]| found.iter().zip(wanted).all(|(p, q)| (p - q).abs() < 1e-9);

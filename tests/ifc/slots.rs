@@ -1,6 +1,6 @@
 //! Openings that slide along their walls, with the doors in them.
 
-use enfilade::plan::drawing::Slot;
+use enfilade_cad::drawing::Slot;
 
 use super::*;
 
@@ -90,7 +90,7 @@ fn a_door_slides_alone_and_with_its_wall_however_it_is_placed() {
         }
         let edits = [shift(slot.source.record, 1.0, 0.0)];
         let changed =
-            formats::changes("house.ifc", text.as_bytes(), &ReadOptions::default(), &edits).unwrap();
+            enfilade_cad::changes("house.ifc", text.as_bytes(), &ReadOptions::default(), &edits).unwrap();
         assert_eq!(changed.records[0].len(), 2, "opening and door: {changed:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! Storeys by what somebody can type, spaces wherever they are, units that cannot be, and what bears no `Tag`.
 
 use super::*;
-use enfilade::formats::storey_at;
+use enfilade_cad::storey_at;
 
 /// The sample with an umlaut and doubled blanks in the name of its ground floor, as STEP writes it.
 fn sharp() -> String {
@@ -68,7 +68,8 @@ fn a_space_is_found_without_its_blanks_and_accents() {
     let area = |text: &str, query: &str| {
         let input = Input::new("house.ifc", text.as_bytes(), 1);
         let partial = Partial { query: Some(query.into()), ..Partial::default() };
-        let done = pipeline::check(&input, &Settings::new(partial).unwrap()).map_err(|e| e.to_string())?;
+        let done =
+            enfilade_pipeline::check(&input, &Settings::new(partial).unwrap()).map_err(|e| e.to_string())?;
         Ok::<Vec<f64>, String>(
             done.result.regions.iter().filter(|r| r.kind == "query").map(|r| r.area_m2).collect(),
         )
@@ -97,7 +98,7 @@ fn a_space_of_another_storey_is_found() {
     let check = |query: &str, storey: Option<&str>| {
         let partial =
             Partial { query: Some(query.into()), storey: storey.map(Into::into), ..Partial::default() };
-        pipeline::check(&input, &Settings::new(partial).unwrap())
+        enfilade_pipeline::check(&input, &Settings::new(partial).unwrap())
     };
     let regions = |query: &str, storey| {
         let done = check(query, storey).unwrap();
@@ -170,7 +171,7 @@ fn an_element_without_a_tag_is_known_by_its_global_id() {
     let id = named(&text, "screen-1");
     let bare = text.replacen("'screen-1',$,$,#385,#396,'1056',$)", "'screen-1',$,$,#385,#396,$,$)", 1);
     assert_ne!(bare, text);
-    let ids = |text: &str| formats::host_ids("house.ifc", text.as_bytes(), &[id, 1]);
+    let ids = |text: &str| enfilade_cad::host_ids("house.ifc", text.as_bytes(), &[id, 1]);
     assert_eq!(ids(&text), [Some("1056".to_string()), None]);
     assert_eq!(ids(&bare), [Some("0PavilionOfEnfilade057".to_string()), None]);
 }
@@ -212,7 +213,7 @@ fn a_curtain_wall_named_as_a_wall_shows_its_panes() {
             wall_layer: Some(layers.iter().map(ToString::to_string).collect()),
             ..Partial::default()
         };
-        pipeline::check(&input, &Settings::new(partial).unwrap()).unwrap().result.walls
+        enfilade_pipeline::check(&input, &Settings::new(partial).unwrap()).unwrap().result.walls
     };
     assert_eq!(walls(&["IfcWall", "ifccurtain*"]), walls(&["IfcWall"]) + 2);
 }
@@ -256,7 +257,7 @@ fn true_north_is_read_of_the_model() {
 /// The regions of query and reference of the sample share much of their floor.
 #[test]
 fn the_floor_that_is_measured_counts_once() {
-    let done = pipeline::analyse(
+    let done = enfilade_pipeline::analyse(
         &Input::new("house.ifc", pavilion().as_bytes(), 1),
         &Settings::new(Partial::default()).unwrap(),
         &Cancel::default(),

@@ -88,9 +88,9 @@ const WAYS: [Broken; 6] = [
     Broken { data: "#$8=IFCCENTERLINEPROFILEDEF(.AREA.,$,#13,0.2);", says: "is a profile that is not read" },
 ];
 
-fn check(text: &str) -> pipeline::Outcome<enfilade::overlay::result::CheckResult> {
+fn check(text: &str) -> enfilade_pipeline::Outcome<enfilade_overlay::result::CheckResult> {
     let input = Input::new("house.ifc", text.as_bytes(), 1);
-    pipeline::check(&input, &Settings::new(Partial::default()).unwrap()).unwrap()
+    enfilade_pipeline::check(&input, &Settings::new(Partial::default()).unwrap()).unwrap()
 }
 
 /// A wall that is taken from its axis is told where it stands, on the storey that is shown or on another, and nowhere else.
@@ -102,7 +102,7 @@ fn a_wall_taken_from_its_axis_is_told_on_its_own_storey() {
             let text = house(&[(wall, way)]);
             let line = text.lines().position(|l| l.starts_with(&format!("#{wall}="))).unwrap() + 1;
             let done = check(&text);
-            let of = |problems: &[enfilade::overlay::result::ProblemEntry]| -> Vec<String> {
+            let of = |problems: &[enfilade_overlay::result::ProblemEntry]| -> Vec<String> {
                 let told = problems.iter().filter(|p| p.code == "ifc-axis" && p.text.contains(way.says));
                 told.map(|p| format!("{} {} {}", p.severity, p.place, p.text)).collect()
             };

@@ -1,6 +1,6 @@
 //! Walls of other storeys at a wall that moves: they go along where they stand at it, and what opens is told.
 
-use enfilade::overlay::result::{ElementRef, RoundResult};
+use enfilade_overlay::result::{ElementRef, RoundResult};
 
 use super::told::house;
 use super::*;
@@ -41,7 +41,7 @@ fn spurred(from: f64, way: f64, stated: &str, opening: &str) -> String {
     with_instances(&house(&[]), &data)
 }
 
-fn run(text: &str) -> pipeline::Outcome<RoundResult> {
+fn run(text: &str) -> enfilade_pipeline::Outcome<RoundResult> {
     let with = Partial {
         storey: Some("Upper".into()),
         evaluations: Some(20),
@@ -54,10 +54,10 @@ fn run(text: &str) -> pipeline::Outcome<RoundResult> {
     };
     let silent = &mut |_| ();
     let (input, settings) = (Input::new("house.ifc", text.as_bytes(), 1), Settings::new(with).unwrap());
-    pipeline::run(&input, &settings, std::time::Instant::now(), silent, &Cancel::default()).unwrap()
+    enfilade_pipeline::run(&input, &settings, std::time::Instant::now(), silent, &Cancel::default()).unwrap()
 }
 
-fn told(done: &pipeline::Outcome<RoundResult>) -> Vec<String> {
+fn told(done: &enfilade_pipeline::Outcome<RoundResult>) -> Vec<String> {
     let opened = done.report.problems.iter().filter(|p| p.code == "joint-opens");
     opened.map(ToString::to_string).collect()
 }
@@ -272,7 +272,7 @@ fn a_wish_to_move_that_the_plan_does_not_show_is_told_and_holds_the_others() {
         ),
     ] {
         let settings = Settings::new(with.clone()).unwrap();
-        let done = pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap();
+        let done = enfilade_pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap();
         let told: Vec<String> =
             done.report.problems.iter().filter(|p| p.code == code).map(ToString::to_string).collect();
         let line = text.lines().position(|l| l.starts_with("#9200=")).unwrap() + 1;
@@ -289,7 +289,7 @@ fn a_wish_to_move_that_the_plan_does_not_show_is_told_and_holds_the_others() {
     // What is marked elsewhere for looking alone holds nothing.
     let asks = marked_unseen(50, "IFCPROPERTYSINGLEVALUE('Quary'");
     let settings = Settings::new(low.clone()).unwrap();
-    let done = pipeline::check(
+    let done = enfilade_pipeline::check(
         &Input::new("house.ifc", asks.replace("x -0.5m 0.5m", "hall").as_bytes(), 1),
         &settings,
     );
@@ -306,7 +306,8 @@ fn a_partner_that_the_plan_does_not_show_is_named() {
     let text = text.replace("(#9000),#9123", "(#9000,#9200),#9123").replace("(#9122));", "(#9122,#9240));");
     let with = Partial { storey: Some("Upper".into()), ..Partial::default() };
     let done =
-        pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap()).unwrap();
+        enfilade_pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap())
+            .unwrap();
     let told: Vec<String> =
         done.report.problems.iter().filter(|p| p.code == "ifc-marks").map(ToString::to_string).collect();
     assert!(told.len() == 1 && told[0].contains("#9200 IfcWall"), "{told:?}");
@@ -330,9 +331,11 @@ fn marks_of_a_type_hold_for_its_elements() {
         let text: String =
             text.lines().filter(|l| !l.starts_with("#9124=")).map(|l| format!("{l}\n")).collect();
         let with = Partial { storey: Some("Upper".into()), ..Partial::default() };
-        let done =
-            pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap())
-                .unwrap();
+        let done = enfilade_pipeline::check(
+            &Input::new("house.ifc", text.as_bytes(), 1),
+            &Settings::new(with).unwrap(),
+        )
+        .unwrap();
         let moves: Vec<(String, f64)> = done.result.moves.iter().map(|m| (m.name.clone(), m.lower)).collect();
         assert_eq!(moves.len(), 1, "{moves:?} {:?}", done.report);
         assert_eq!(moves[0].1, lower);
@@ -350,7 +353,8 @@ fn a_mark_that_keeps_what_is_no_wall_is_told() {
     let text = text.replace("#9200=IFCWALL(", "#9200=IFCMEMBER(");
     let with = Partial { storey: Some("Lower".into()), ..Partial::default() };
     let done =
-        pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap()).unwrap();
+        enfilade_pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap())
+            .unwrap();
     let told = done.report.problems.iter().filter(|p| p.code == "ifc-marks").map(ToString::to_string);
     let told: Vec<String> = told.collect();
     assert!(
@@ -439,7 +443,7 @@ fn what_stays_says_what_holds_it() {
         (standing_at(3.0, 4.1), 9200, "is joined to a wall that may shift, but it moves only as a whole"),
     ] {
         let text = spurred(3.1, 1.0, ".ATSTART.", &added);
-        let done = pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap();
+        let done = enfilade_pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &settings).unwrap();
         let line = text.lines().position(|l| l.starts_with(&format!("#{wall}="))).unwrap() + 1;
         let told = done.report.problems.iter().filter(|p| p.code == "joint-stays").map(ToString::to_string);
         let told: Vec<String> = told.collect();
@@ -448,12 +452,13 @@ fn what_stays_says_what_holds_it() {
     }
 }
 
-fn checked(text: &str) -> pipeline::Outcome<enfilade::overlay::result::CheckResult> {
+fn checked(text: &str) -> enfilade_pipeline::Outcome<enfilade_overlay::result::CheckResult> {
     let with = Partial { storey: Some("Upper".into()), ..Partial::default() };
-    pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap()).unwrap()
+    enfilade_pipeline::check(&Input::new("house.ifc", text.as_bytes(), 1), &Settings::new(with).unwrap())
+        .unwrap()
 }
 
-fn said(problems: &[enfilade::report::Problem], code: &str) -> Vec<String> {
+fn said(problems: &[enfilade_report::Problem], code: &str) -> Vec<String> {
     problems.iter().filter(|p| p.code == code).map(ToString::to_string).collect()
 }
 

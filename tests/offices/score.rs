@@ -1,9 +1,9 @@
 //! How much of a plan was understood.
 
-use enfilade::plan::axes::{AxisGraph, NodeKind, OpeningKind};
-use enfilade::plan::drawing::Drawing;
-use enfilade::plan::{PlanOptions, understand};
-use enfilade::report::Report;
+use enfilade_cad::drawing::Drawing;
+use enfilade_plan::axes::{AxisGraph, NodeKind, OpeningKind};
+use enfilade_plan::{PlanOptions, understand};
+use enfilade_report::Report;
 use glam::DVec2;
 
 use super::plans::{Arc, Column, Kind, Plan};
@@ -208,7 +208,7 @@ fn openings(plan: &Plan, found: &AxisGraph) -> Count {
             Kind::Window => OpeningKind::Window,
             Kind::Passage => OpeningKind::Passage,
         };
-        let is_it = |o: &&enfilade::plan::axes::Opening| {
+        let is_it = |o: &&enfilade_plan::axes::Opening| {
             o.kind == kind
                 && o.centre.distance(way.at(0.5)) < OPENING_M
                 && (o.width_m - way.length()).abs() < OPENING_M

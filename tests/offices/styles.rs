@@ -1,9 +1,9 @@
 //! How offices draw: a plan to a drawing.
 
-use enfilade::plan::axes::{Drawn, Face, Mark, Role, paths_of};
-use enfilade::plan::drawing::{
+use enfilade_cad::drawing::{
     Drawing, Editable, Entity, Format, IdleMarks, Layer, Shape, SourceRef, Unit, Vertex,
 };
+use enfilade_plan::axes::{Drawn, Face, Mark, Role, paths_of};
 use glam::DVec2;
 
 use super::Dice;

@@ -1,7 +1,7 @@
 //! The report page and result.json.
 
-use enfilade::overlay::result::{RoundResult, to_json};
-use enfilade::overlay::{RoundCard, overview_html, report_html};
+use enfilade_overlay::result::{RoundResult, to_json};
+use enfilade_overlay::{RoundCard, overview_html, report_html};
 
 use super::plans::look;
 use super::sample;

@@ -1,7 +1,7 @@
 //! Heat maps and diagrams.
 
-use enfilade::overlay::picture::{Palette, PlanPicture, Scale, StrokeKind};
-use enfilade::overlay::{
+use enfilade_overlay::picture::{Palette, PlanPicture, Scale, StrokeKind};
+use enfilade_overlay::{
     Cell, HeatMap, Panel, Series, check_png, convergence_png, diversity_png, heat_map_png, resolution_png,
 };
 
@@ -58,7 +58,7 @@ proptest::proptest! {
     ) {
         let kinds = [StrokeKind::Fixed, StrokeKind::Before, StrokeKind::Ignored];
         let strokes =
-            kinds.map(|kind| enfilade::overlay::Stroke { points: points.clone(), closed, filled, kind });
+            kinds.map(|kind| enfilade_overlay::Stroke { points: points.clone(), closed, filled, kind });
         let picture = PlanPicture { strokes: strokes.to_vec(), bounds, ..PlanPicture::default() };
         let cells: Vec<Cell> = points.iter().map(|p| Cell { centre: *p, value: Some(value) }).collect();
         let drawn = heat_map_png(&heat(&picture, &cells, spacing_m), 160);
@@ -67,7 +67,7 @@ proptest::proptest! {
             proptest::prop_assert!(drawn.is_ok());
         }
         let _ = check_png(&picture, "odd", "", 160);
-        let _ = enfilade::overlay::heat_additions("X", &cells, spacing_m, Scale::of([value]), Palette::Viridis);
+        let _ = enfilade_overlay::heat_additions("X", &cells, spacing_m, Scale::of([value]), Palette::Viridis);
     }
 }
 
@@ -124,7 +124,7 @@ fn options_differ_in_the_diversity_picture() {
     look("diversity.png", &png);
     let (_, _, rgb) = pixels(&png);
     for i in 0..5 {
-        let colour = enfilade::overlay::palette::option_style(i).0;
+        let colour = enfilade_overlay::palette::option_style(i).0;
         assert!(rgb.iter().filter(|p| **p == colour).count() > 100, "option {i}");
     }
 }
@@ -182,7 +182,7 @@ fn the_resolution_study_is_drawn() {
     assert_ne!(png, resolution_png(&panels, &legend[..1], Some(0.7), 1600).unwrap(), "no legend");
     let present = panels.clone().map(|p| Panel { sampled: Vec::new(), ..p });
     assert_ne!(png, resolution_png(&present, &legend, Some(0.7), 1600).unwrap(), "no line of the samples");
-    let many = vec![panels[0].clone(); enfilade::overlay::chart::MAX_PANELS + 1];
+    let many = vec![panels[0].clone(); enfilade_overlay::chart::MAX_PANELS + 1];
     assert!(resolution_png(&many, &legend, None, 1600).is_err());
     assert!(resolution_png(&[], &legend, None, 1600).is_ok());
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use enfilade::overlay::picture::{Cell, PlanPicture, RegionKind, RegionOutline, Stroke, StrokeKind};
+use enfilade_overlay::picture::{Cell, PlanPicture, RegionKind, RegionOutline, Stroke, StrokeKind};
 
 /// The folder with reference drawings, if this machine has it.
 pub fn shared() -> Option<PathBuf> {

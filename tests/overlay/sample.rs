@@ -1,11 +1,11 @@
 //! A round made up to be shown: five options of a building, three rounds, hostile names.
 
-use enfilade::overlay::page::{ArchivePoint, ReportInput, View};
-use enfilade::overlay::picture::{Palette, PlanPicture, Scale, Stroke, StrokeKind};
-use enfilade::overlay::result::*;
-use enfilade::overlay::words::{confirmed, words};
-use enfilade::overlay::{Cell, HeatMap, Series, check_png, convergence_png, diversity_png, heat_map_png};
-use enfilade::report::{Place, Problem, Severity};
+use enfilade_overlay::page::{ArchivePoint, ReportInput, View};
+use enfilade_overlay::picture::{Palette, PlanPicture, Scale, Stroke, StrokeKind};
+use enfilade_overlay::result::*;
+use enfilade_overlay::words::{confirmed, words};
+use enfilade_overlay::{Cell, HeatMap, Series, check_png, convergence_png, diversity_png, heat_map_png};
+use enfilade_report::{Place, Problem, Severity};
 
 use super::plans;
 
@@ -75,7 +75,7 @@ fn heat(
     scale: Scale,
 ) -> Vec<u8> {
     let (key, _, unit) = MEASURES[m];
-    let title = enfilade::overlay::measure::plain_name(key);
+    let title = enfilade_overlay::measure::plain_name(key);
     let subtitle = format!("hôtel-particulier.dxf · {layout}");
     let map = HeatMap {
         picture,

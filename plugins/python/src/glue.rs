@@ -15,11 +15,12 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use enfilade::commands::library;
-use enfilade::config::Partial;
 use enfilade::daemon::Asked;
-use enfilade::overlay::StrokeKind;
-use enfilade::pipeline::{self, Progress, cells::CellOptions};
-use enfilade::report::{Cancel, Error, Place, Problem};
+use enfilade_config::Partial;
+use enfilade_overlay::StrokeKind;
+use enfilade_pipeline::Progress;
+use enfilade_pipeline::cells::CellOptions;
+use enfilade_report::{Cancel, Error, Place, Problem};
 
 /// How often Ctrl-C is looked for while the program works.
 const SIGNAL_PAUSE: Duration = Duration::from_millis(50);
@@ -227,7 +228,7 @@ impl Present {
             Ok((cells, centres))
         })?;
         let columns = cells.columns.into_iter().map(|column| {
-            let look = pipeline::column_look(&column.name, &column.values, &self.0.settings);
+            let look = enfilade_pipeline::column_look(&column.name, &column.values, &self.0.settings);
             let at = |k: usize| look.palette.at(k as f64 / (COLOURS - 1) as f64);
             let colours: Vec<u8> = (0..COLOURS).flat_map(at).collect();
             let scale = [look.scale.lo, look.scale.hi];
@@ -251,9 +252,9 @@ impl Present {
     /// Walls: corners in metres of the drawing, whether closed, whether filled, whether they may move.
     fn walls(&self) -> Vec<(Vec<[f64; 2]>, bool, bool, bool)> {
         let frame = self.0.study.base.plan.frame;
-        let strokes = pipeline::picture(&self.0.study).strokes.into_iter();
+        let strokes = enfilade_pipeline::picture(&self.0.study).strokes.into_iter();
         let metres = |p: [f64; 2]| frame.drawing_m_from_plan(p.into());
-        let one = |s: enfilade::overlay::Stroke| {
+        let one = |s: enfilade_overlay::Stroke| {
             let points = s.points.into_iter().map(metres).collect();
             (points, s.closed, s.filled, s.kind == StrokeKind::Movable)
         };
@@ -264,7 +265,7 @@ impl Present {
 /// Enfilade for Python; see the package `enfilade`.
 #[pymodule]
 fn _enfilade(m: &Bound<'_, PyModule>) -> PyResult<()> {
-    m.add("VERSION", enfilade::VERSION)?;
+    m.add("VERSION", enfilade_config::VERSION)?;
     m.add_class::<Drawing>()?;
     m.add_class::<Present>()
 }

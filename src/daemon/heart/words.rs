@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use super::super::WatchSettings;
 use super::super::child::JOB_KILLED;
-use crate::report::{Error, Place, Problem, Severity};
 use crate::store::read_lease;
+use enfilade_report::{Error, Place, Problem, Severity};
 
 /// Longest pause before a job that failed for want of disk or permission is tried again.
 const MAX_RETRY_SECS: f64 = 600.0;

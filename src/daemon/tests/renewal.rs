@@ -1,7 +1,7 @@
 //! Settings of the daemon that change while it runs.
 
 use super::*;
-use crate::config::Partial;
+use enfilade_config::Partial;
 
 /// What the root's own file says, on top of the short times of these tests.
 fn read(root: &Path) -> Result<Option<WatchSettings>, Error> {

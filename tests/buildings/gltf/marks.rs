@@ -1,9 +1,9 @@
 //! Marks of a scene that are not used: they are named, and nothing moves by default where one says what moves or stays.
 
-use enfilade::config::{Partial, Settings};
-use enfilade::pipeline::{self, Input};
-use enfilade::plan::drawing::IdleMarks;
-use enfilade::report::Cancel;
+use enfilade_cad::drawing::IdleMarks;
+use enfilade_config::{Partial, Settings};
+use enfilade_pipeline::Input;
+use enfilade_report::Cancel;
 use serde_json::{Value, json};
 
 use super::{assert_says, file, read};
@@ -81,7 +81,7 @@ fn told(change: impl Fn(&mut Value)) -> Vec<String> {
     let settings = Settings::new(Partial { spacing: Some(0.8), ..Partial::default() }).unwrap();
     let text = json.to_string();
     let input = Input::new("house.gltf", text.as_bytes(), 1);
-    let (outcome, _) = pipeline::analyse(&input, &settings, &Cancel::default()).unwrap();
+    let (outcome, _) = enfilade_pipeline::analyse(&input, &settings, &Cancel::default()).unwrap();
     outcome.report.problems.iter().map(|p| p.code.to_string()).collect()
 }
 

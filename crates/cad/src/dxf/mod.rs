@@ -1,0 +1,59 @@
+//! DXF: bytes to a drawing, and edits to bytes.
+//!
+//! The file stays bytes. [`read`] groups them into code/value pairs and interprets what a plan needs;
+//! [`patch`] splices changed values and our own additions into the same bytes. Whatever is not understood
+//! – code pages, comments, XDATA, unknown objects, bytes after EOF – stays as it is because nobody writes
+//! it again. ASCII R10 to R2018 and binary DXF; blocks are unfolded, curves that no plan can hold become
+//! polylines within 5 mm.
+//!
+//! Records are counted as the group-0 pairs of the file from 0 ([`SourceRef::record`]); a binary file has no lines, so
+//! its places are bytes.
+//!
+//! [`SourceRef::record`]: crate::drawing::SourceRef::record
+
+mod additions;
+mod blocks;
+mod boundary;
+mod colour;
+mod complete;
+mod curves;
+mod entity;
+mod fields;
+mod fill;
+mod header;
+mod limits;
+mod links;
+mod multiline;
+mod opened;
+mod patch;
+mod poche;
+mod read;
+mod reader;
+mod strip;
+mod text;
+mod tokens;
+mod written;
+
+pub use complete::{Completeness, is_complete};
+pub use limits::*;
+pub use links::{Tied, host_ids, tied};
+pub use patch::{ChangedRecord, changed_records, patch};
+pub use poche::Following;
+pub use read::read;
+pub use strip::strip_own;
+
+pub(super) use header::release_of;
+pub(super) use tokens::BINARY_SENTINEL;
+
+use crate::drawing::Unit;
+
+/// How to read a drawing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Takes files of programs that never write `0/EOF`; off, because a cut file looks the same.
+    pub accept_missing_eof: bool,
+    /// The unit the user stated, if any; only limits and tolerances use it, coordinates stay as drawn.
+    pub unit: Option<Unit>,
+    /// Limits, named one by one in [`Limits`].
+    pub limits: Limits,
+}

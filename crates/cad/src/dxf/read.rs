@@ -1,0 +1,257 @@
+//! A file's bytes to a [`Drawing`].
+
+use super::ReadOptions;
+use super::blocks::Blocks;
+use super::complete::{Completeness, foreign, is_complete};
+use super::entity::Body;
+use super::header::Header;
+use super::reader::Reader;
+use super::tokens::{Fault, Form, Tokens, tokenize};
+use crate::drawing::{Drawing, Entity, Format, IdleMarks, Text};
+use enfilade_report::{Error, Place, Report, Severity};
+
+/// Reads a drawing.
+///
+/// `file` is the name to show in places. Entities come out in file order, blocks unfolded, in drawing
+/// units. What is odd but harmless goes to `report`; entities that cannot be trusted are left out there
+/// by name and stay in the file.
+///
+/// # Errors
+/// [`Error::Input`] where the bytes are no whole DXF: empty, cut off, another format, UTF-16, a group
+/// code or number that cannot be read, a limit of [`Limits`](super::Limits) passed.
+pub fn read(file: &str, bytes: &[u8], options: &ReadOptions, report: &mut Report) -> Result<Drawing, Error> {
+    let tokens = checked_tokens(file, bytes, options, report)?;
+    let header = Header::read(&tokens);
+    let mut reader = Reader::new(file, &tokens, &header, options, report);
+    reader.read_layers();
+    let Some(section) = tokens.section(b"ENTITIES") else {
+        let text = "its sections, found no ENTITIES, expected one with the drawn entities; not read";
+        return Err(Error::input("dxf-no-entities", Place::file(file), text));
+    };
+    let items = reader.items(section.clone())?;
+    let undrawn = reader.take_undrawn();
+    let mut blocks = Blocks::find(&reader)?;
+    blocks.measure(&mut reader, &items)?;
+    let (mut entities, mut texts) =
+        (Vec::with_capacity(items.len().min(options.limits.max_entities)), Vec::new());
+    for item in items {
+        refuse_many(file, entities.len() + reader.fills.len(), options)?;
+        if let Body::Insert(_) = item.body {
+            blocks.show(&mut reader, &item, (&mut entities, &mut texts))?;
+            continue;
+        }
+        let source = reader.source(item.record, item.layer);
+        let layer = source.layer.clone();
+        match item.body {
+            Body::Shape(shape, editable) => {
+                let origin = reader.origin(item.record);
+                entities.push(Entity { source, layer, shape, editable, blocks: Vec::new(), origin });
+            }
+            Body::Text(at, text) => texts.push(Text { source, layer, at, text }),
+            Body::Fill(shape) => {
+                let origin = reader.origin(item.record);
+                reader.add_fill((source, origin), layer, shape, Vec::new());
+            }
+            Body::Insert(_) => {}
+        }
+    }
+    refuse_many(file, entities.len() + reader.fills.len(), options)?;
+    let mut written = reader.written(section, &blocks)?;
+    written.is_metric = header.measurement.map(|m| m != 0);
+    reader.report_left_out();
+    reader.finish_notes();
+    reader.records.sort_unstable_by_key(|r| r.record);
+    Ok(Drawing {
+        file: file.to_owned(),
+        format: Format::Dxf,
+        version: header.version_words(),
+        declared_unit: header.unit(),
+        declared_unit_words: header.unit_words(),
+        unit_by_heights: None,
+        layers: reader.layers.list,
+        entities,
+        fills: reader.fills,
+        texts,
+        marked: Vec::new(),
+        idle_marks: IdleMarks::None,
+        hosts: Default::default(),
+        slots: Vec::new(),
+        bearing: Default::default(),
+        things: Vec::new(),
+        widths: reader.widths,
+        singles: Default::default(),
+        north_deg: 0.0,
+        undrawn,
+        records: reader.records,
+        written,
+    })
+}
+
+/// The pairs of a file that is whole, or the reason it is not taken.
+fn checked_tokens<'a>(
+    file: &str,
+    bytes: &'a [u8],
+    options: &ReadOptions,
+    report: &mut Report,
+) -> Result<Tokens<'a>, Error> {
+    if let Some((code, text)) = foreign(bytes) {
+        return Err(Error::input(code, Place::file(file), text));
+    }
+    match is_complete(bytes) {
+        Completeness::Whole => {}
+        Completeness::Empty => {
+            let found = match bytes.len() {
+                0 => "0 bytes".to_owned(),
+                n => format!("{n} bytes, all of them blanks"),
+            };
+            let text = format!("the file is empty, found {found}, expected a DXF drawing; nothing was read");
+            return Err(Error::input("dxf-empty", Place::file(file), text));
+        }
+        Completeness::Incomplete(reason) if !options.accept_missing_eof => {
+            return Err(Error::input("dxf-incomplete", end_of(file, bytes), incomplete_words(&reason)));
+        }
+        Completeness::Incomplete(_) => {}
+    }
+    let tokens =
+        tokenize(bytes, &options.limits).map_err(|fault| fault_error(file, bytes, fault, options))?;
+    if !tokens.has_eof {
+        if !options.accept_missing_eof {
+            let reason = "no 0/EOF where a group code stands";
+            return Err(Error::input("dxf-incomplete", end_of(file, bytes), incomplete_words(reason)));
+        }
+        let place = tokens.place(file, tokens.pairs.len());
+        let text =
+            "its end, found no 0/EOF, expected one; read nevertheless because accept_missing_eof is set";
+        report.warn("dxf-missing-eof", place, text);
+    }
+    let tail = &bytes[tokens.end..];
+    if tokens.has_eof && tail.iter().any(|b| !b.is_ascii_whitespace() && *b != 0x1a) {
+        let place = tokens.place(file, tokens.pairs.len());
+        let text = format!(
+            "after 0/EOF, found {} more bytes, expected none; not read, kept in every output",
+            tail.len()
+        );
+        report.warn("dxf-bytes-after-eof", place, text);
+    }
+    Ok(tokens)
+}
+
+fn incomplete_words(reason: &str) -> String {
+    format!(
+        "the drawing is incomplete: {reason}, expected 0/EOF at the end; not read. Save or export it again; if \
+         its program never writes EOF, say --accept-missing-eof or set accept-missing-eof = true"
+    )
+}
+
+/// The last line of a file that holds anything; of a binary one its end.
+fn end_of(file: &str, bytes: &[u8]) -> Place {
+    if super::tokens::form_of(bytes) != Form::Ascii || super::tokens::BINARY_SENTINEL.starts_with(bytes) {
+        return Place::file(file).entity(format!("byte {}", bytes.len()));
+    }
+    Place::line(file, super::tokens::lines_of(bytes.trim_ascii_end()))
+}
+
+/// A tokeniser's complaint with its place.
+pub(super) fn fault_error(file: &str, bytes: &[u8], fault: Fault, options: &ReadOptions) -> Error {
+    let is_ascii = super::tokens::form_of(bytes) == Form::Ascii;
+    let place = |pair: usize, byte: usize, line: usize| {
+        let entity = if is_ascii { String::new() } else { format!("byte {byte}") };
+        Place { file: file.into(), line: is_ascii.then_some(2 * pair + line), entity }
+    };
+    match fault {
+        // A value too few or too many shifts codes and values, which shows here at the latest.
+        Fault::GroupCode { pair, byte, text } if text == "EOF" => {
+            fault_error(file, bytes, Fault::OddLines { pair, byte }, options)
+        }
+        Fault::GroupCode { pair, byte, text } => Error::input(
+            "dxf-group-code",
+            place(pair, byte, 1),
+            format!(
+                "the group code, found `{text}`, expected a whole number from -5 to 1071; the file was not read, \
+                 because nothing after this line is sure. A text of several lines or a hand edit does this: export \
+                 the drawing again"
+            ),
+        ),
+        Fault::OddLines { pair, byte } => Error::input(
+            "dxf-odd-lines",
+            place(pair, byte, 1),
+            "the last line, found an odd number of lines, expected pairs of group code and value; not read. Save or \
+             export the drawing again",
+        ),
+        Fault::LongLine { pair, bytes } => Error::input(
+            "dxf-line-too-long",
+            place(pair, 0, 2),
+            format!(
+                "a value, found {bytes} bytes in one line, expected at most {} (MAX_LINE_BYTES); not read",
+                options.limits.max_line_bytes
+            ),
+        ),
+        Fault::TooMany { what, most, limit } => too_many(file, what, most, limit),
+        Fault::TooBig => Error::input(
+            "dxf-file-too-big",
+            Place::file(file),
+            format!(
+                "its size, found {} bytes, expected at most {} (MAX_FILE_BYTES); not read",
+                bytes.len(),
+                options.limits.max_file_bytes
+            ),
+        ),
+    }
+}
+
+/// Refuses more entities than the limit before the next is added.
+fn refuse_many(file: &str, count: usize, options: &ReadOptions) -> Result<(), Error> {
+    let most = options.limits.max_entities;
+    let what = "entities, those of blocks as often as they are shown";
+    if count > most { Err(too_many(file, what, most, "MAX_ENTITIES")) } else { Ok(()) }
+}
+
+fn too_many(file: &str, what: &str, most: usize, limit: &str) -> Error {
+    let text = format!(
+        "its {what}, found more than {most}, expected at most {most} ({limit}); not read. Export the plan alone, \
+         without hatches and symbols that are drawn line by line"
+    );
+    Error::input("dxf-too-many", Place::file(file), text)
+}
+
+/// Geometry that may be a wall and that this reader does not draw.
+const SOLID_KINDS: [&str; 8] =
+    ["3DFACE", "3DSOLID", "BODY", "REGION", "MESH", "SURFACE", "EXTRUDEDSURFACE", "PLANESURFACE"];
+
+/// Whether a record is an object of a vertical product, which only that product can draw.
+fn is_proxy(kind: &str) -> bool {
+    ["ACAD_PROXY_ENTITY", "AEC_", "AECC_", "AECB_", "TCH_", "TDB"].iter().any(|name| kind.starts_with(name))
+}
+
+impl Reader<'_, '_> {
+    /// Reports the kinds of records that were not drawn.
+    fn report_left_out(&mut self) {
+        let kinds = std::mem::take(&mut self.left_out);
+        let listed = |pick: &dyn Fn(&str) -> bool| {
+            let words = kinds.iter().filter(|(kind, _)| pick(kind)).map(|(kind, n)| format!("{kind} ({n})"));
+            words.collect::<Vec<_>>().join(", ")
+        };
+        let is_solid = |kind: &str| SOLID_KINDS.contains(&kind);
+        let groups: [(&'static str, Severity, String, &str); 3] = [
+            (
+                "dxf-proxy",
+                Severity::Warning,
+                listed(&is_proxy),
+                "objects that only their own program can draw; left out of the plan, kept in the file. If walls \
+                 are among them, export with AECTOACAD or as plain DXF",
+            ),
+            ("dxf-solid", Severity::Warning, listed(&is_solid), "left out of the plan, kept in the file"),
+            (
+                "dxf-kinds-left-out",
+                Severity::Info,
+                listed(&|kind| !is_proxy(kind) && !is_solid(kind)),
+                "not lines of a plan; not used, kept in the file",
+            ),
+        ];
+        for (code, severity, words, what) in groups {
+            if !words.is_empty() {
+                self.note_file(code, severity, format!("{words}: {what}"));
+            }
+        }
+    }
+}

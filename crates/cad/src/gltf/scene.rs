@@ -1,0 +1,480 @@
+//! A file taken apart: JSON, binary data, nodes with their place in the world.
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::{Arc, OnceLock};
+
+use base64::Engine;
+use glam::{DAffine3, DMat4, DQuat, DVec3};
+
+use super::json::{Json, parse};
+use super::limits::{DATA_MAX, DEPTH_MAX, NODES_MAX, OUTER_MAX, REPEATS_MAX};
+use crate::own_layers;
+use enfilade_report::{Error, Place};
+
+/// A chunk of a GLB file: its kind and where its data stands.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Chunk {
+    /// `JSON`, `BIN\0` or another.
+    pub kind: [u8; 4],
+    /// Its data.
+    pub span: std::ops::Range<usize>,
+}
+
+/// Data of a buffer, or why there is none.
+pub(super) type Data<'a> = Result<Cow<'a, [u8]>, String>;
+
+/// A file as read.
+#[derive(Clone, Debug)]
+pub(super) struct File<'a> {
+    /// Name to show.
+    pub name: &'a str,
+    /// The whole file.
+    pub bytes: &'a [u8],
+    /// Chunks; empty for a `.gltf`.
+    pub chunks: Vec<Chunk>,
+    /// The JSON; spans count from the start of its text.
+    pub json: Json,
+    /// Data of every buffer, or why there is none.
+    pub buffers: Vec<Data<'a>>,
+    /// Who uses what, counted when it is first asked for.
+    uses: OnceLock<Uses>,
+}
+
+/// How often meshes are shown, and by how many meshes vertex data is used.
+#[derive(Clone, Debug, Default)]
+struct Uses {
+    nodes_of_mesh: HashMap<usize, usize>,
+    meshes_of_accessor: HashMap<usize, usize>,
+}
+
+/// Vertex data that moves with a piece of a mesh.
+pub(super) const VERTEX_DATA: [&str; 3] = ["POSITION", "NORMAL", "TANGENT"];
+
+/// A node shown in the scene.
+#[derive(Clone, Debug)]
+pub(super) struct Shown {
+    /// Its index.
+    pub node: usize,
+    /// World transform of its parent, Y up.
+    pub parent: DAffine3,
+    /// Its own world transform, Y up.
+    pub world: DAffine3,
+    /// The ways of all that is shown, and where its own ends: what hangs on one node shares the way to it.
+    ways: Arc<Vec<Link>>,
+    at: usize,
+}
+
+/// One node on the way from a root.
+#[derive(Clone, Debug)]
+struct Link {
+    node: usize,
+    /// The link of what it hangs on.
+    above: Option<usize>,
+    /// Whether it, or what it hangs on, is ours by its name.
+    is_own: bool,
+}
+
+impl Shown {
+    /// Nodes from the root, itself last.
+    pub fn path(&self) -> Vec<usize> {
+        let mut next = Some(self.at);
+        let up = std::iter::from_fn(|| {
+            let link = &self.ways[next?];
+            next = link.above;
+            Some(link.node)
+        });
+        let mut out: Vec<usize> = up.collect();
+        out.reverse();
+        out
+    }
+
+    /// Whether it, or what it hangs on, is ours by its name.
+    pub fn is_own(&self) -> bool {
+        self.ways[self.at].is_own
+    }
+
+    /// Names from the root, its own last; empty where a node has none.
+    pub fn names<'j>(&'j self, scene: &'j File<'_>) -> impl DoubleEndedIterator<Item = &'j str> {
+        let nodes = scene.json.list("nodes");
+        self.path().into_iter().map(move |n| nodes[n].text("name").unwrap_or_default())
+    }
+}
+
+/// A node that is still to be looked at.
+struct Open {
+    node: usize,
+    parent: DAffine3,
+    /// The link of what it hangs on.
+    above: Option<usize>,
+    /// Nodes above it.
+    depth: usize,
+}
+
+impl Open {
+    fn root(node: usize) -> Self {
+        Self { node, parent: DAffine3::IDENTITY, above: None, depth: 0 }
+    }
+}
+
+/// Members of the root that are lists; ours are put behind what is in them.
+const LISTS: [&str; 9] = [
+    "accessors",
+    "bufferViews",
+    "buffers",
+    "extensionsRequired",
+    "extensionsUsed",
+    "materials",
+    "meshes",
+    "nodes",
+    "scenes",
+];
+
+/// The container of glTF 2.0; that of 1.0 is laid out otherwise.
+const GLB_VERSION: usize = 2;
+
+/// What helps where a file is of another version.
+const AGAIN: &str = "export it again as glTF 2.0";
+
+/// Compressions that are not unpacked.
+const PACKED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+
+impl<'a> File<'a> {
+    /// Takes a file apart; `beside`: files of data that lie beside it.
+    pub fn open(
+        name: &'a str,
+        bytes: &'a [u8],
+        beside: &'a BTreeMap<String, Arc<[u8]>>,
+    ) -> Result<Self, Error> {
+        let chunks = chunks(name, bytes)?;
+        let span = match chunks.first() {
+            Some(c) if c.kind == *b"JSON" => c.span.clone(),
+            Some(_) => {
+                return Err(fault(name, "gltf-glb", "", "the first chunk is not JSON, expected it first"));
+            }
+            None => 0..bytes.len(),
+        };
+        let json = parse(&bytes[span.clone()]).map_err(|(at, text)| {
+            fault(name, "gltf-json", "", &format!("byte {}: found {text}", span.start + at))
+        })?;
+        let mut out = Self { name, bytes, chunks, json, buffers: Vec::new(), uses: OnceLock::new() };
+        out.check()?;
+        out.buffers = out.read_buffers(beside)?;
+        Ok(out)
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        let version = self.json.get("asset").and_then(|a| a.text("version")).unwrap_or_default();
+        if !version.starts_with("2.") && self.odd_version().is_none() {
+            let text = format!("found version {version:?}, expected glTF 2.0; {AGAIN}");
+            return Err(fault(self.name, "gltf-version", "/asset/version", &text));
+        }
+        let scenes = self
+            .json
+            .list("scenes")
+            .iter()
+            .enumerate()
+            .map(|(i, s)| (format!("/scenes/{i}/nodes"), s.get("nodes")));
+        let of_root = LISTS.iter().map(|key| (format!("/{key}"), self.json.get(key)));
+        for (pointer, value) in of_root.chain(scenes) {
+            if value.is_some_and(|v| !matches!(v.value, super::json::Value::Array(_))) {
+                return Err(fault(self.name, "gltf-json", &pointer, "found something else, expected a list"));
+            }
+        }
+        let required = self.json.list("extensionsRequired");
+        for (i, e) in required.iter().enumerate() {
+            if let super::json::Value::Text(name) = &e.value
+                && PACKED.contains(&name.as_str())
+            {
+                let text = format!("the meshes are packed by {name}; export again without compression");
+                return Err(fault(self.name, "gltf-packed", &format!("/extensionsRequired/{i}"), &text));
+            }
+        }
+        Ok(())
+    }
+
+    /// A version that is no version, in a file laid out as 2.0 is (lists where 1.0 has objects).
+    pub fn odd_version(&self) -> Option<&str> {
+        let version = self.json.get("asset").and_then(|a| a.text("version"))?;
+        let is_number = version.chars().next().is_some_and(|c| c.is_ascii_digit());
+        let is_laid_out = !self.json.list("nodes").is_empty() && !self.json.list("accessors").is_empty();
+        (!is_number && is_laid_out).then_some(version)
+    }
+
+    fn read_buffers(&self, beside: &'a BTreeMap<String, Arc<[u8]>>) -> Result<Vec<Data<'a>>, Error> {
+        let mut out = Vec::new();
+        let mut total = 0usize;
+        for (i, buffer) in self.json.list("buffers").iter().enumerate() {
+            let pointer = format!("/buffers/{i}");
+            let stated = buffer.index("byteLength").unwrap_or(0);
+            let data: Data<'a> = match buffer.text("uri") {
+                None => {
+                    let bin = self.chunks.iter().find(|c| c.kind == *b"BIN\0").filter(|_| i == 0);
+                    bin.map(|c| Cow::Borrowed(&self.bytes[c.span.clone()]))
+                        .ok_or_else(|| "has no data".into())
+                }
+                Some(uri) => match uri.strip_prefix("data:").and_then(|u| u.split_once(";base64,")) {
+                    Some((_, text)) => {
+                        total = total.saturating_add(text.len());
+                        if total > DATA_MAX {
+                            let text = format!("data URIs of more than {DATA_MAX} characters; export as GLB");
+                            return Err(fault(self.name, "gltf-data", &pointer, &text));
+                        }
+                        let data = base64::engine::general_purpose::STANDARD.decode(text);
+                        let data = data.map_err(|e| {
+                            fault(self.name, "gltf-data", &pointer, &format!("its data URI is damaged: {e}"))
+                        })?;
+                        Ok(Cow::Owned(data))
+                    }
+                    None => outer(uri, beside),
+                },
+            };
+            if let Ok(data) = data.as_ref()
+                && data.len() < stated
+            {
+                let text = format!("found {} bytes, expected {stated}; the file is not finished", data.len());
+                return Err(fault(self.name, "gltf-incomplete", &pointer, &text));
+            }
+            out.push(data);
+        }
+        Ok(out)
+    }
+
+    /// Nodes of the shown scene in the order of the file; what hangs in a ring is left out and named.
+    pub fn shown(&self) -> (Vec<Shown>, Vec<String>) {
+        let nodes = self.json.list("nodes");
+        let scene = self.json.index("scene").unwrap_or(0);
+        let roots: Vec<usize> = match self.json.list("scenes").get(scene) {
+            Some(s) => s.list("nodes").iter().filter_map(index).collect(),
+            None => {
+                let children: HashSet<usize> =
+                    nodes.iter().flat_map(|p| p.list("children").iter().filter_map(index)).collect();
+                (0..nodes.len()).filter(|n| !children.contains(n)).collect()
+            }
+        };
+        let (mut out, mut odd): (Vec<(usize, DAffine3, DAffine3)>, _) = (Vec::new(), Vec::new());
+        let (mut seen, mut repeats) = (vec![false; nodes.len()], 0);
+        let mut ways: Vec<Link> = Vec::new();
+        let mut open: Vec<Open> = roots.into_iter().rev().map(Open::root).collect();
+        // The way to what is looked at, and which nodes are on it.
+        let (mut path, mut is_on_path): (Vec<usize>, Vec<bool>) = (Vec::new(), vec![false; nodes.len()]);
+        while let Some(Open { node: n, parent, above, depth }) = open.pop() {
+            let Some(node) = nodes.get(n) else {
+                odd.push(format!("/nodes/{n} does not exist; left out"));
+                continue;
+            };
+            if depth > DEPTH_MAX {
+                odd.push(format!(
+                    "nodes hang deeper than {DEPTH_MAX} in each other; {} is left out",
+                    self.named(n)
+                ));
+                continue;
+            }
+            path.drain(depth..).for_each(|left| is_on_path[left] = false);
+            if is_on_path[n] {
+                let ring: Vec<String> =
+                    path.iter().skip_while(|p| **p != n).chain([&n]).map(ToString::to_string).collect();
+                odd.push(format!("nodes are children of each other in a ring: {}; left out", ring.join(">")));
+                continue;
+            }
+            repeats += usize::from(std::mem::replace(&mut seen[n], true));
+            if repeats > REPEATS_MAX {
+                odd.push(format!(
+                    "/nodes/{n} and others hang in several nodes each, shown {REPEATS_MAX} times more than there are, \
+                     expected one; the rest is left out"
+                ));
+                break;
+            }
+            if out.len() >= NODES_MAX {
+                odd.push(format!("more than {NODES_MAX} nodes are shown; the rest is left out"));
+                break;
+            }
+            let world = parent * local(node);
+            path.push(n);
+            is_on_path[n] = true;
+            let at = ways.len();
+            let is_own = own_layers::is_own(node.text("name").unwrap_or_default())
+                || above.is_some_and(|link: usize| ways[link].is_own);
+            ways.push(Link { node: n, above, is_own });
+            let children = node.list("children").iter().filter_map(index).rev();
+            open.extend(children.map(|child| Open {
+                node: child,
+                parent: world,
+                above: Some(at),
+                depth: depth + 1,
+            }));
+            out.push((n, parent, world));
+        }
+        let ways = Arc::new(ways);
+        let of = |(at, (node, parent, world))| Shown { node, parent, world, ways: Arc::clone(&ways), at };
+        let mut out: Vec<Shown> = out.into_iter().enumerate().map(of).collect();
+        out.sort_by_key(|s| s.node);
+        (out, odd)
+    }
+
+    fn uses(&self) -> &Uses {
+        self.uses.get_or_init(|| {
+            let mut out = Uses::default();
+            for mesh in self.json.list("nodes").iter().filter_map(|n| n.index("mesh")) {
+                *out.nodes_of_mesh.entry(mesh).or_default() += 1;
+            }
+            for mesh in self.json.list("meshes") {
+                let of = |p: &Json| p.get("attributes").map(|a| VERTEX_DATA.map(|n| a.index(n)));
+                let used = mesh.list("primitives").iter().filter_map(of).flatten().flatten();
+                for accessor in used.collect::<HashSet<usize>>() {
+                    *out.meshes_of_accessor.entry(accessor).or_default() += 1;
+                }
+            }
+            out
+        })
+    }
+
+    /// How many nodes show a mesh.
+    pub fn nodes_of_mesh(&self, mesh: usize) -> usize {
+        self.uses().nodes_of_mesh.get(&mesh).copied().unwrap_or(0)
+    }
+
+    /// How many meshes use an accessor for vertex data.
+    pub fn meshes_of_accessor(&self, accessor: usize) -> usize {
+        self.uses().meshes_of_accessor.get(&accessor).copied().unwrap_or(0)
+    }
+
+    /// A node as messages name it: `/nodes/3 IfcWall/south`.
+    pub fn named(&self, node: usize) -> String {
+        let name = self.json.list("nodes").get(node).and_then(|n| n.text("name")).unwrap_or_default();
+        format!("/nodes/{node} {name}").trim_end().to_string()
+    }
+}
+
+fn index(json: &Json) -> Option<usize> {
+    json.as_index()
+}
+
+/// A node's own transform.
+pub(super) fn local(node: &Json) -> DAffine3 {
+    if let Some(m) = node.numbers("matrix").filter(|m| m.len() == 16) {
+        let mut columns = [0.0; 16];
+        columns.copy_from_slice(&m);
+        return DAffine3::from_mat4(DMat4::from_cols_array(&columns));
+    }
+    let (scale, rotation, translation) = parts(node);
+    DAffine3::from_scale_rotation_translation(scale, rotation, translation)
+}
+
+/// Scale, rotation and translation of a node without a matrix.
+pub(super) fn parts(node: &Json) -> (DVec3, DQuat, DVec3) {
+    let vector = |key: &str, default: DVec3| match node.numbers(key).as_deref() {
+        Some([x, y, z]) => DVec3::new(*x, *y, *z),
+        _ => default,
+    };
+    let rotation = match node.numbers("rotation").as_deref() {
+        Some([x, y, z, w]) => DQuat::from_xyzw(*x, *y, *z, *w),
+        _ => DQuat::IDENTITY,
+    };
+    let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
+    (vector("scale", DVec3::ONE), rotation, vector("translation", DVec3::ZERO))
+}
+
+/// The data of a buffer in a file of its own.
+fn outer<'a>(uri: &str, beside: &'a BTreeMap<String, Arc<[u8]>>) -> Data<'a> {
+    let name = super::outer::name_of(uri)?;
+    let found = beside.get(&name).map(|data| Cow::Borrowed(&**data));
+    found.ok_or_else(|| {
+        format!("names {name:?}, expected a file of at most {OUTER_MAX} bytes beside the drawing; put it there, or export as .glb")
+    })
+}
+
+/// A problem at a JSON pointer.
+pub(super) fn fault(file: &str, code: &'static str, pointer: &str, text: &str) -> Error {
+    Error::input(code, Place::file(file).entity(pointer), format!("{text}; nothing was done"))
+}
+
+/// Whether bytes are a GLB.
+pub fn is_glb(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"glTF")
+}
+
+/// The JSON of a scene, if its first chunk is there.
+pub(super) fn json_of(bytes: &[u8]) -> Option<&[u8]> {
+    if !is_glb(bytes) {
+        return Some(bytes);
+    }
+    let first = chunks("", bytes).ok()?.into_iter().next().filter(|c| c.kind == *b"JSON")?;
+    bytes.get(first.span)
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> Option<usize> {
+    let four: [u8; 4] = bytes.get(at..at + 4)?.try_into().ok()?;
+    Some(u32::from_le_bytes(four) as usize)
+}
+
+/// Length that a GLB states, if its header is there.
+pub(super) fn stated_length(bytes: &[u8]) -> Option<usize> {
+    u32_at(bytes, 8)
+}
+
+fn chunks(name: &str, bytes: &[u8]) -> Result<Vec<Chunk>, Error> {
+    if !is_glb(bytes) {
+        return Ok(Vec::new());
+    }
+    if let Some(version) = u32_at(bytes, 4).filter(|v| *v != GLB_VERSION) {
+        let text = format!("byte 4: found version {version} of GLB, expected glTF 2.0; {AGAIN}");
+        return Err(fault(name, "gltf-version", "", &text));
+    }
+    let stated = stated_length(bytes).unwrap_or(0);
+    if stated != bytes.len() {
+        let text = format!(
+            "the header states {stated} bytes, found {}; the file is damaged or not finished",
+            bytes.len()
+        );
+        return Err(fault(name, "gltf-incomplete", "", &text));
+    }
+    let (mut at, mut out) = (12, Vec::new());
+    while at < bytes.len() {
+        let cut = || fault(name, "gltf-glb", "", &format!("byte {at}: a chunk is cut off"));
+        let len = u32_at(bytes, at).ok_or_else(cut)?;
+        let kind: [u8; 4] = bytes.get(at + 4..at + 8).and_then(|k| k.try_into().ok()).ok_or_else(cut)?;
+        let end = (at + 8).checked_add(len).filter(|e| *e <= bytes.len()).ok_or_else(cut)?;
+        out.push(Chunk { kind, span: at + 8..end });
+        at = end;
+    }
+    if out.is_empty() {
+        return Err(fault(name, "gltf-glb", "", "no chunk, expected JSON"));
+    }
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown_of(nodes: &str) -> (Vec<Shown>, Vec<String>) {
+        let text = format!(r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{nodes}]}}"#);
+        File::open("a.gltf", text.as_bytes(), &BTreeMap::new()).unwrap().shown()
+    }
+
+    /// Every node of a deep chain is kept once, whatever hangs on it, and knows its way.
+    #[test]
+    fn ways_take_as_much_as_there_are_nodes() {
+        let chain: Vec<String> = (1..=DEPTH_MAX).map(|i| format!(r#"{{"children":[{i}]}}"#)).collect();
+        let (shown, odd) = shown_of(&format!("{},{{}}", chain.join(",")));
+        assert_eq!((shown.len(), odd), (DEPTH_MAX + 1, Vec::new()));
+        assert!(shown.iter().all(|s| Arc::ptr_eq(&s.ways, &shown[0].ways)));
+        assert_eq!(shown[0].ways.len(), DEPTH_MAX + 1);
+        assert_eq!(shown[DEPTH_MAX].path(), (0..=DEPTH_MAX).collect::<Vec<usize>>());
+        let (shown, odd) = shown_of(&format!("{},{{\"children\":[0]}}", chain[..3].join(",")));
+        assert_eq!((shown.len(), odd.len()), (4, 1));
+        assert!(odd[0].contains("in a ring: 0>1>2>3>0"), "{odd:?}");
+    }
+
+    /// What hangs in two nodes has two ways, and is ours where either is.
+    #[test]
+    fn a_node_has_a_way_for_each_that_it_hangs_on() {
+        let (shown, _) =
+            shown_of(r#"{"children":[1,2]},{"children":[3]},{"name":"EF-MOVE","children":[3]},{"name":"a"}"#);
+        let of: Vec<(Vec<usize>, bool)> = shown.iter().map(|s| (s.path(), s.is_own())).collect();
+        let ways = [vec![0], vec![0, 1], vec![0, 2], vec![0, 1, 3], vec![0, 2, 3]];
+        assert_eq!(of.iter().map(|o| o.0.clone()).collect::<Vec<_>>(), ways);
+        assert_eq!(of.iter().map(|o| o.1).collect::<Vec<_>>(), [false, false, true, false, true]);
+    }
+}

@@ -1,0 +1,144 @@
+//! Layers of ours: the user's marks, what results are drawn on, and names that were meant to be marks.
+
+use super::layers::base_name;
+
+/// Region of query.
+pub const QUERY: &str = "EF-QUERY";
+/// Region of reference.
+pub const REFERENCE: &str = "EF-REFERENCE";
+/// Groups that may move.
+pub const MOVE: &str = "EF-MOVE";
+/// Words that clauses of moves begin with.
+pub const CLAUSES: [&str; 6] = ["x", "y", "along", "rotate", "scale", "name"];
+/// What must stay.
+pub const KEEP: &str = "EF-KEEP";
+
+/// Moved elements are traced here.
+pub const MOVED: &str = "EF-MOVED";
+/// Where they stood.
+pub const BEFORE: &str = "EF-BEFORE";
+/// What moved and what it gains.
+pub const NOTE: &str = "EF-NOTE";
+/// Layers of coloured cells start so.
+pub const HEAT_PREFIX: &str = "EF-HEAT-";
+
+/// Colour of moved elements.
+pub const MOVED_RGB: [u8; 3] = [0xd5, 0x00, 0x5f];
+/// Colour of where they stood.
+pub const BEFORE_RGB: [u8; 3] = [0x8c, 0x90, 0x98];
+/// Colour of words.
+pub const NOTE_RGB: [u8; 3] = [0x00, 0x50, 0x82];
+
+/// Shortest beginning of a mark's name that counts as it.
+const BEGINNING_MIN: usize = 3;
+
+/// A layer's name as marks are known by it: without the prefix of a bound or attached reference, without blanks
+/// around it.
+pub fn bare(layer: &str) -> &str {
+    base_name(layer).trim()
+}
+
+/// The pair that a layer's name says, lower case: `EF-QUERY-Entrance` is the region of query of `entrance`.
+/// CAD programs that allow it may write `EF-QUERY:Entrance`.
+pub fn pair_of(layer: &str, kind: &str) -> Option<String> {
+    let (head, rest) = layer.split_at_checked(kind.len())?;
+    let name = rest.strip_prefix(['-', ':', '_'])?.trim();
+    let folded = name.to_lowercase().replace(char::is_whitespace, "-");
+    (head.eq_ignore_ascii_case(kind) && !folded.is_empty()).then_some(folded)
+}
+
+/// The last name that the clauses of a move give: `name WORD`.
+pub fn name_in(text: &str) -> Option<String> {
+    let clauses = text.split([';', '\n']).map(|c| c.split_whitespace().collect::<Vec<_>>());
+    let mut named = clauses.filter(|words| words.len() > 1 && words[0].eq_ignore_ascii_case("name"));
+    named.next_back().map(|words| words[1..].join(" "))
+}
+
+/// Whether results are drawn on a layer (the user's marks are not).
+pub fn is_result(layer: &str) -> bool {
+    let begins = layer.get(..HEAT_PREFIX.len()).is_some_and(|p| p.eq_ignore_ascii_case(HEAT_PREFIX));
+    begins || [MOVED, BEFORE, NOTE].iter().any(|l| l.eq_ignore_ascii_case(layer))
+}
+
+/// Whether a layer holds marks of the user's.
+pub fn is_marker(layer: &str) -> bool {
+    let name = bare(layer);
+    [QUERY, REFERENCE, MOVE, KEEP].iter().any(|m| m.eq_ignore_ascii_case(name))
+        || [QUERY, REFERENCE].iter().any(|m| pair_of(name, m).is_some())
+}
+
+/// Whether a layer is one of ours: marks, results, and what was meant to be marks.
+pub fn is_own(layer: &str) -> bool {
+    let name = bare(layer);
+    let begins = name.get(..2).is_some_and(|p| p.eq_ignore_ascii_case("EF"));
+    begins && (is_marker(name) || is_result(name) || meant(name).is_some())
+}
+
+/// The layer of marks that a name was meant to be: `EF_MOVE`, `EF MOVE`, `EF-MOVE-1`, `EF-MOV` are meant as `EF-MOVE`.
+/// None for a name that is read, and for one of results.
+pub fn meant(layer: &str) -> Option<&'static str> {
+    let name = bare(layer);
+    if !name.get(..2)?.eq_ignore_ascii_case("EF") || is_marker(name) || is_result(name) {
+        return None;
+    }
+    let letters = |s: &str| s.chars().filter(|c| c.is_alphanumeric()).collect::<String>().to_lowercase();
+    let rest = letters(&name[2..]);
+    let is_near = |kind: &&&str| {
+        let kind = letters(&kind[2..]);
+        let is_beginning = rest.chars().count() >= BEGINNING_MIN && kind.starts_with(&rest);
+        rest.starts_with(&kind) || is_beginning || is_one_slip(&rest, &kind)
+    };
+    [MOVE, KEEP, QUERY, REFERENCE].iter().find(is_near).copied()
+}
+
+/// Whether two words differ by one letter: another, one too many, one too few, or two exchanged.
+fn is_one_slip(a: &str, b: &str) -> bool {
+    let [a, b]: [Vec<char>; 2] = [a, b].map(|s| s.chars().collect());
+    let same = a.iter().zip(&b).take_while(|(x, y)| x == y).count();
+    let ends = |i: usize, j: usize| a.get(i..).is_some_and(|rest| b.get(j..) == Some(rest));
+    let exchanged = a.len() > same + 1
+        && b.len() > same + 1
+        && [a[same], a[same + 1]] == [b[same + 1], b[same]]
+        && ends(same + 2, same + 2);
+    a != b && (ends(same + 1, same + 1) || ends(same + 1, same) || ends(same, same + 1) || exchanged)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_were_meant_to_be_marks() {
+        let cases = [
+            ("EF_MOVE", Some(MOVE)),
+            ("EF MOVE", Some(MOVE)),
+            ("EFMOVE", Some(MOVE)),
+            ("EF-MOVE-1", Some(MOVE)),
+            ("xref$0$EF_MOVE", Some(MOVE)),
+            ("EF-MOEV", Some(MOVE)),
+            ("ef-quer", Some(QUERY)),
+            ("EF-KEEPS", Some(KEEP)),
+            ("EF-REF", Some(REFERENCE)),
+            ("EF-QUERYING", Some(QUERY)),
+            ("EF-MOVE", None),
+            (" ef-move ", None),
+            ("xref$0$EF-MOVE", None),
+            ("EF-QUERY_2", None),
+            ("EF-MOVED", None),
+            ("EF-FURN", None),
+            ("EF-NOTE-MY", None),
+            ("EF", None),
+            ("EFFLUENT", None),
+            ("REMOVE", None),
+        ];
+        for (layer, expected) in cases {
+            assert_eq!(meant(layer), expected, "{layer}");
+        }
+        for layer in ["EF-FURN", "EF-NOTE-MY", "EF-open", "EFFLUENT", "é"] {
+            assert!(!is_own(layer), "{layer}");
+        }
+        for layer in ["EF-NOTE", "ef-heat-degree", "xref$0$EF-MOVE", "EF_KEEP", "ef-query:hall"] {
+            assert!(is_own(layer), "{layer}");
+        }
+    }
+}

@@ -1,0 +1,790 @@
+//! Settings: plain validated data, every number with its unit, one table of defaults.
+//!
+//! The same keys stand on the command line, in `<drawing>.enfilade.toml` and in `enfilade.toml` of the
+//! folder; the first of them that names a key wins. Unknown keys are errors with line and column.
+
+mod beside;
+mod choices;
+mod control;
+mod files;
+mod measure;
+mod named;
+mod pair;
+mod reading;
+#[cfg(test)]
+mod tests;
+mod version;
+mod watching;
+mod wording;
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+pub use beside::{Beside, Twin};
+pub use choices::{Allow, Colours, Thresholds, Unsure};
+pub use control::{Aggregate, Aim, Bound, Follow, Held, Limit, Link, Snap};
+use enfilade_report::{Error, Place, counted};
+pub use files::{is_settings, settings_files, unread_side_cars};
+pub use measure::{Measure, Source};
+pub use pair::{PAIR_NAME_BYTES, PairName};
+pub use reading::{ReadingTable, SelectorText, ViewText, for_folder};
+pub use version::{SETTINGS_VERSION, VERSION};
+pub use watching::{DEPTH_MAX, JOB_SECS, WatchTable};
+
+/// Members of the diverse set by default (paper: n = 5).
+pub const MEMBERS_DEFAULT: usize = 5;
+/// Most members of one set: the architect looks at every one.
+pub const MEMBERS_MAX: usize = 50;
+/// Threshold z of every default objective.
+pub const THRESHOLD_DEFAULT: f64 = 0.7;
+/// Smallest distance of two members as a fraction of √n_p (spec 6).
+pub const D_MIN_DEFAULT: f64 = 0.2;
+/// Spacings that can be asked for, metres.
+pub const SPACING_M: [f64; 2] = [0.001, 1000.0];
+/// Farthest centre of a cell, metres: as far as coordinates of drawings go.
+pub const LATTICE_CENTRE_MAX_M: f64 = 1e9;
+/// Most evaluations of one study.
+pub const EVALUATIONS_MAX: u64 = 100_000_000;
+/// How often what was found so far may be written, seconds: a round takes about one to write.
+pub const WRITE_EVERY_SECS: [f64; 2] = [1.0, 1e6];
+/// Most threads.
+pub const THREADS_MAX: usize = 1024;
+
+/// At which height sight lines run (spec 1, openings).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Level {
+    /// Windows are seen through.
+    #[default]
+    Eye,
+    /// Windows block.
+    Knee,
+}
+
+/// What computes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Backend {
+    /// The fastest there is.
+    #[default]
+    Auto,
+    /// All cores.
+    Cpu,
+    /// The graphics card.
+    Gpu,
+}
+
+/// A diverse set, or the one best layout.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// Several layouts, all good, really different.
+    #[default]
+    Diverse,
+    /// The single optimum.
+    Best,
+}
+
+/// How the search goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Ours.
+    #[default]
+    Default,
+    /// Algorithms 1 and 2 as published.
+    Paper,
+}
+
+/// One objective with its threshold (spec 7).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ObjectiveSetting {
+    /// What is measured.
+    pub measure: Aim,
+    /// Whether more is better.
+    pub is_max: bool,
+    /// z in [0, 1].
+    pub threshold: f64,
+}
+
+/// A penalty of spec 5.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Penalty {
+    /// clr², m⁴.
+    Clearance,
+    /// |S(new) − S(initial)|, m.
+    WallLength,
+    /// Mean squared angle to the main directions, rad².
+    Alignment,
+    /// Walls that cross now and did not.
+    Overlap,
+    /// Passages that have become too narrow, m.
+    Passage,
+    /// Floor that rooms have lost, m².
+    RoomArea,
+}
+
+impl Penalty {
+    /// Every penalty.
+    pub const ALL: [Self; 6] =
+        [Self::Clearance, Self::WallLength, Self::Alignment, Self::Overlap, Self::Passage, Self::RoomArea];
+
+    /// Name as in settings and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clearance => "clearance",
+            Self::WallLength => "wall-length",
+            Self::Alignment => "alignment",
+            Self::Overlap => "overlap",
+            Self::Passage => "passage",
+            Self::RoomArea => "room-area",
+        }
+    }
+}
+
+/// A group of nodes named in a side-car.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct MoveTable {
+    /// Name shown in results.
+    #[serde(default)]
+    pub name: Option<String>,
+    /// `x -1 1; rotate -15 15`, as in a marker's text.
+    pub moves: String,
+    /// Wall ends, drawing units.
+    #[serde(default)]
+    pub nodes: Vec<[f64; 2]>,
+    /// Handles of whole entities.
+    #[serde(default)]
+    pub handles: Vec<String>,
+    /// Layers (globs) whose wall entities belong to the group.
+    #[serde(default)]
+    pub layers: Vec<String>,
+    /// What the group's marker in the drawing says that `moves` replaces, as `accept` found it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub marker: Option<String>,
+}
+
+/// A region named in a side-car.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct RegionTable {
+    /// `query`, `reference` or `keep`.
+    pub kind: String,
+    /// The pair that a region of query or of reference belongs to; none: the unnamed one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pair: Option<String>,
+    /// Corners of a closed polygon, drawing units.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// A move that the numbers of a layout belong to, as result.json names it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct KnownMove {
+    /// Name of the group.
+    pub name: String,
+    /// `x`, `y`, `along`, `rotate` or `scale`.
+    pub kind: String,
+    /// Unit of the number.
+    pub unit: String,
+    /// Direction of `along`, degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction_deg: Option<f64>,
+    /// Mark of the corners it moves.
+    pub geometry: String,
+}
+
+/// Where an accepted drawing came from: one earlier round.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct LineageTable {
+    /// Name of the drawing measured in that round.
+    pub drawing: String,
+    /// Round number; of the best so far of a stopped search the number that its round would have had.
+    pub round: u32,
+    /// Whether it was no finished round but the best so far.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub so_far: bool,
+    /// Candidate that was accepted, from 1; 0: the best layout.
+    pub candidate: u32,
+    /// Mark of spacing and regions: values of others are not compared. Empty where it is not known.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub ruler: String,
+    /// Means of the present layout of that round.
+    pub initial: BTreeMap<String, f64>,
+    /// Means of the accepted candidate.
+    pub accepted: BTreeMap<String, f64>,
+}
+
+/// What one source of settings says; everything may be missing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[allow(missing_docs)] // the keys are those of the command line, explained there and in `enfilade init`
+pub struct Partial {
+    pub unit: Option<String>,
+    pub wall_layer: Option<Vec<String>>,
+    pub query_layer: Option<String>,
+    pub reference_layer: Option<String>,
+    pub view: Option<String>,
+    pub level: Option<Level>,
+    pub spacing: Option<f64>,
+    pub lattice_centre: Option<[f64; 2]>,
+    pub seed_point: Option<Vec<[f64; 2]>>,
+    pub backend: Option<Backend>,
+    pub threads: Option<usize>,
+    pub out: Option<String>,
+    pub seed: Option<u64>,
+    pub evaluations: Option<u64>,
+    pub seconds: Option<f64>,
+    pub write_every: Option<f64>,
+    pub members: Option<usize>,
+    pub mode: Option<Mode>,
+    pub method: Option<Method>,
+    pub objective: Option<String>,
+    pub thresholds: Option<Thresholds>,
+    pub unsure: Option<Unsure>,
+    pub score: Option<String>,
+    pub penalty: Option<String>,
+    pub distance: Option<f64>,
+    pub limit: Option<String>,
+    pub link: Option<Vec<String>>,
+    pub snap: Option<String>,
+    pub most_moves: Option<usize>,
+    pub only_marked: Option<bool>,
+    pub allow: Option<String>,
+    pub least_gain: Option<String>,
+    pub raw: Option<bool>,
+    pub until_converged: Option<bool>,
+    pub pin: Option<Vec<Vec<f64>>>,
+    pub like: Option<Vec<f64>>,
+    pub warm: Option<Vec<Vec<f64>>>,
+    pub colours: Option<Colours>,
+    pub storey: Option<String>,
+    pub query: Option<String>,
+    pub accept_missing_eof: Option<bool>,
+    pub ignore_move_markers: Option<bool>,
+    #[serde(rename = "move", default)]
+    pub moves: Vec<MoveTable>,
+    #[serde(rename = "region", default)]
+    pub regions: Vec<RegionTable>,
+    #[serde(default)]
+    pub lineage: Vec<LineageTable>,
+    /// The moves that the numbers of `pin` and `like` belong to.
+    #[serde(rename = "pin-move", default)]
+    pub pin_moves: Vec<KnownMove>,
+    /// Those of `warm`.
+    #[serde(rename = "warm-move", default)]
+    pub warm_moves: Vec<KnownMove>,
+    /// Corrections; a unit and a view that stand there move to `unit` and `view`.
+    #[serde(default, skip_serializing_if = "ReadingTable::is_empty")]
+    pub reading: ReadingTable,
+    #[serde(default)]
+    pub watch: Option<WatchTable>,
+    /// Belongs to the plugin that wrote it.
+    #[serde(default)]
+    pub host: Option<toml::Table>,
+    /// Version of the file; newer ones are refused.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub version: Option<u64>,
+}
+
+impl Partial {
+    /// Reads a settings file. `name` is shown in errors.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with line and column.
+    pub fn from_toml(name: &str, text: &str) -> Result<Self, Error> {
+        version::is_known(name, text)?;
+        let mut read: Self = toml::from_str(text).map_err(|e| {
+            let place =
+                e.span().map_or_else(|| Place::file(name), |s| reading::place_in(name, text, s.start));
+            let said = wording::plain(e.message());
+            let key =
+                e.span().filter(|_| said == "duplicate key").and_then(|s| wording::key_at(text, s.start));
+            let said = key.map_or(said, |key| format!("`{key}` is set twice, expected once"));
+            Error::usage("settings", place, format!("{said}; nothing of this file was used"))
+        })?;
+        read.version = None;
+        read.unit = read.reading.unit.take().or(read.unit);
+        read.view = read.reading.view.take().map(|v| v.to_string()).or(read.view);
+        read.is_sound_alone(name, text)?;
+        Ok(read)
+    }
+
+    /// What no other source can mend, with its place. How many options are pinned is right or wrong only
+    /// beside the members wanted, which another source may say.
+    fn is_sound_alone(&self, name: &str, text: &str) -> Result<(), Error> {
+        let Err(Error::Usage(problem)) = Settings::new(Self { pin: None, ..self.clone() }) else {
+            return Ok(());
+        };
+        let line = problem.text.split(':').next().and_then(|key| wording::line_of_key(text, key));
+        Err(Error::usage("settings", Place { line, ..Place::file(name) }, problem.text))
+    }
+
+    /// What decides a result: without what tells only where, how fast and by whom it is made.
+    pub fn deciding(self) -> Self {
+        Self { threads: None, backend: None, out: None, write_every: None, watch: None, host: None, ..self }
+    }
+
+    /// This source, with `base` where it says nothing.
+    pub fn over(self, base: Self) -> Self {
+        // Moves go with the numbers that belong to them.
+        let pin_moves =
+            if self.pin.is_some() || self.like.is_some() { self.pin_moves } else { base.pin_moves };
+        let warm_moves = if self.warm.is_some() { self.warm_moves } else { base.warm_moves };
+        let tables = |mine: Vec<_>, theirs| if mine.is_empty() { theirs } else { mine };
+        Self {
+            version: None,
+            unit: self.unit.or(base.unit),
+            wall_layer: self.wall_layer.or(base.wall_layer),
+            query_layer: self.query_layer.or(base.query_layer),
+            reference_layer: self.reference_layer.or(base.reference_layer),
+            view: self.view.or(base.view),
+            level: self.level.or(base.level),
+            spacing: self.spacing.or(base.spacing),
+            lattice_centre: self.lattice_centre.or(base.lattice_centre),
+            seed_point: self.seed_point.or(base.seed_point),
+            backend: self.backend.or(base.backend),
+            threads: self.threads.or(base.threads),
+            out: self.out.or(base.out),
+            seed: self.seed.or(base.seed),
+            evaluations: self.evaluations.or(base.evaluations),
+            seconds: self.seconds.or(base.seconds),
+            write_every: self.write_every.or(base.write_every),
+            members: self.members.or(base.members),
+            mode: self.mode.or(base.mode),
+            method: self.method.or(base.method),
+            objective: self.objective.or(base.objective),
+            thresholds: self.thresholds.or(base.thresholds),
+            unsure: self.unsure.or(base.unsure),
+            score: self.score.or(base.score),
+            penalty: self.penalty.or(base.penalty),
+            distance: self.distance.or(base.distance),
+            limit: self.limit.or(base.limit),
+            link: self.link.or(base.link),
+            snap: self.snap.or(base.snap),
+            most_moves: self.most_moves.or(base.most_moves),
+            only_marked: self.only_marked.or(base.only_marked),
+            allow: self.allow.or(base.allow),
+            least_gain: self.least_gain.or(base.least_gain),
+            raw: self.raw.or(base.raw),
+            until_converged: self.until_converged.or(base.until_converged),
+            pin: self.pin.or(base.pin),
+            like: self.like.or(base.like),
+            warm: self.warm.or(base.warm),
+            colours: self.colours.or(base.colours),
+            storey: self.storey.or(base.storey),
+            query: self.query.or(base.query),
+            accept_missing_eof: self.accept_missing_eof.or(base.accept_missing_eof),
+            ignore_move_markers: self.ignore_move_markers.or(base.ignore_move_markers),
+            moves: tables(self.moves, base.moves),
+            regions: if self.regions.is_empty() { base.regions } else { self.regions },
+            lineage: if self.lineage.is_empty() { base.lineage } else { self.lineage },
+            pin_moves,
+            warm_moves,
+            reading: self.reading.over(base.reading),
+            watch: self.watch.or(base.watch),
+            host: self.host.or(base.host),
+        }
+    }
+}
+
+/// Validated settings of one job. Everything that decides the outcome, seed included.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Unit that overrides the file.
+    pub unit: Option<String>,
+    /// Layers that carry walls (globs); empty: by their names.
+    pub wall_layers: Vec<String>,
+    /// Layer of the region of query.
+    pub query_layer: Option<String>,
+    /// Layer of the region of reference.
+    pub reference_layer: Option<String>,
+    /// Name or number of the drawing on the sheet, or `all`; `None`: the best plan.
+    #[serde(default)]
+    pub view: Option<String>,
+    /// Height of the sight lines.
+    pub level: Level,
+    /// Spacing of the lattice; `None`: by the vertex budget.
+    pub spacing_m: Option<f64>,
+    /// A cell centre, drawing frame; `None`: the drawing's zero point.
+    pub lattice_centre_m: Option<[f64; 2]>,
+    /// Where a flood starts, drawing units.
+    pub seed_points: Vec<[f64; 2]>,
+    /// What computes. Never decides the outcome.
+    #[serde(skip)]
+    pub backend: Backend,
+    /// Threads; `None`: all cores. Never decides the outcome.
+    #[serde(skip)]
+    pub threads: Option<usize>,
+    /// Seed of the search.
+    pub seed: u64,
+    /// Budget in evaluations; `None`: by the size of the study.
+    pub evaluations: Option<u64>,
+    /// Budget in seconds; with it the outcome depends on the machine.
+    pub seconds: Option<f64>,
+    /// What was found so far is written this often, seconds; `None`: at the end alone. Never decides the outcome.
+    #[serde(skip)]
+    pub write_every_secs: Option<f64>,
+    /// Members of the diverse set.
+    pub members: usize,
+    /// A set or one optimum.
+    pub mode: Mode,
+    /// How the search goes.
+    pub method: Method,
+    /// Objectives in order, without diversity.
+    pub objectives: Vec<ObjectiveSetting>,
+    /// Whether their thresholds may be lowered; by default where nobody stated any.
+    pub thresholds: Thresholds,
+    /// What happens where the reading of the drawing is unsure.
+    pub unsure: Unsure,
+    /// Weights w_k of `score`.
+    pub score: Vec<(Aim, f64)>,
+    /// Weights v_j of the penalties.
+    pub penalties: Vec<(Penalty, f64)>,
+    /// d_min as a fraction of √n_p.
+    pub distance: f64,
+    /// Hard limits: no option passes them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub limits: Vec<Limit>,
+    /// Groups that move together.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub links: Vec<Link>,
+    /// Modules of shifts and turns.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub snap: Option<Snap>,
+    /// Most groups that an option may move.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub most_moves: Option<usize>,
+    /// Whether nothing moves where nothing is marked, instead of the default moves.
+    pub only_marked: bool,
+    /// What options may do that none does otherwise.
+    #[serde(default)]
+    pub allow: Allow,
+    /// An option is shown if it surely gains at least so much in something that is asked for: a share of the present value.
+    #[serde(default = "control::least_gain_default")]
+    pub least_gain: f64,
+    /// The bare problem, for comparisons: the given lattice alone, options by the distance of their parameters, nothing
+    /// stripped, rounded or confirmed.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub raw: bool,
+    /// Whether the search ends when about 95 % of what it would converge to is reached; evaluations and seconds are
+    /// then the most that it may take.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub until_converged: bool,
+    /// Parameters of options that stay; the others are found unlike them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pinned: Vec<Vec<f64>>,
+    /// Parameters of the option near which all are found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub like: Option<Vec<f64>>,
+    /// Parameters of layouts worth knowing before the search begins.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warm: Vec<Vec<f64>>,
+    /// The moves that the numbers of `pinned` and `like` belong to; empty: those of the drawing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pin_moves: Vec<KnownMove>,
+    /// Those of `warm`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warm_moves: Vec<KnownMove>,
+    /// Colours of heat maps.
+    pub colours: Colours,
+    /// Storey of a building; `None`: the one with most walls.
+    #[serde(default)]
+    pub storey: Option<String>,
+    /// Spaces that are the region of query: `space:NAME*` or `zone:NAME*`.
+    #[serde(default)]
+    pub query: Option<String>,
+    /// Whether a DXF without its end mark is read.
+    pub accept_missing_eof: bool,
+    /// Whether `EF-MOVE` in the drawing is left unread (the side-car names the moves).
+    pub ignore_move_markers: bool,
+    /// Groups named in the side-car.
+    pub moves: Vec<MoveTable>,
+    /// Regions named in the side-car.
+    pub regions: Vec<RegionTable>,
+    /// Earlier rounds of an accepted drawing.
+    pub lineage: Vec<LineageTable>,
+    /// Corrections of how the drawing is read; without unit and view.
+    #[serde(default, skip_serializing_if = "ReadingTable::is_empty")]
+    pub reading: ReadingTable,
+    /// What else is read of files beside the drawing.
+    #[serde(skip)]
+    pub beside: Beside,
+    /// Files beside the drawing that were meant as its settings and are not read: name found, name that is read.
+    #[serde(skip)]
+    pub unread: Vec<(String, String)>,
+    /// Why `storey` was taken, where nobody named it.
+    #[serde(skip)]
+    pub storey_taken: Option<String>,
+}
+
+impl Settings {
+    /// Validates; fills in the defaults.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] naming the key, what was found and what is expected.
+    pub fn new(p: Partial) -> Result<Self, Error> {
+        p.watch.as_ref().map_or(Ok(()), WatchTable::check)?;
+        let score = score_terms(p.score.as_deref().unwrap_or("degree +1, depth -1, entropy +1"))?;
+        let is_stated = p.objective.is_some();
+        let usual = if p.method == Some(Method::Paper) { OBJECTIVES_PAPER } else { OBJECTIVES_DEFAULT };
+        let objectives = objectives(p.objective.as_deref().unwrap_or(usual))?;
+        let penalties = penalties(p.penalty.as_deref().unwrap_or("clearance 1, wall-length 1"))?;
+        let in_range = |key: &str, v: Option<f64>, lo: f64, hi: f64| match v {
+            Some(v) if !(lo..=hi).contains(&v) => {
+                Err(bad(key, &v.to_string(), &format!("a number from {lo} to {hi}")))
+            }
+            _ => Ok(v),
+        };
+        let count = |key: &str, v: usize, lo: usize, hi: usize| match v {
+            v if (lo..=hi).contains(&v) => Ok(v),
+            v if hi == usize::MAX => Err(bad(key, &v.to_string(), &format!("a number of {lo} or more"))),
+            v => Err(bad(key, &v.to_string(), &format!("a number from {lo} to {hi}"))),
+        };
+        if let Some(v) = p.evaluations.filter(|v| !(1..=EVALUATIONS_MAX).contains(v)) {
+            return Err(bad("evaluations", &v.to_string(), &format!("a number from 1 to {EVALUATIONS_MAX}")));
+        }
+        let vectors = p.pin.iter().chain(&p.warm).flatten().chain(&p.like);
+        if let Some(v) = vectors.flatten().find(|v| !v.is_finite()) {
+            return Err(bad("pin, like, warm", &v.to_string(), "finite parameters"));
+        }
+        let members = count("members", p.members.unwrap_or(MEMBERS_DEFAULT), 1, MEMBERS_MAX)?;
+        let mut pinned: Vec<Vec<f64>> = Vec::new();
+        for one in p.pin.into_iter().flatten() {
+            // A layout pinned twice is one option; empty ones stand for options not looked up yet.
+            if one.is_empty() || !pinned.contains(&one) {
+                pinned.push(one);
+            }
+        }
+        if !pinned.is_empty() && pinned.len() >= members {
+            let expected = format!("fewer than the {members} members wanted");
+            return Err(bad("pin", &counted(pinned.len() as u64, "option"), &expected));
+        }
+        let one_or_paper = match (p.mode.unwrap_or_default(), p.method.unwrap_or_default()) {
+            (Mode::Best, _) => Some("mode best, which gives one layout"),
+            (_, Method::Paper) => Some("method paper, whose algorithms keep none"),
+            _ => None,
+        };
+        if let Some(what) = one_or_paper.filter(|_| !pinned.is_empty()) {
+            let expected = format!("none with {what}");
+            return Err(bad("pin", &counted(pinned.len() as u64, "option"), &expected));
+        }
+        let points = p.seed_point.iter().flatten().chain(&p.lattice_centre);
+        let points = points.chain(&p.reading.inside).chain(&p.reading.outside);
+        if let Some(v) = points.flatten().find(|v| !v.is_finite()) {
+            let keys = "seed-point, lattice-centre, inside, outside";
+            return Err(bad(keys, &v.to_string(), "finite coordinates"));
+        }
+        if let Some(v) = p.lattice_centre.iter().flatten().find(|v| v.abs() > LATTICE_CENTRE_MAX_M) {
+            return Err(bad("lattice-centre", &format!("{v:e}"), "metres, at most 1e9 from 0"));
+        }
+        Ok(Self {
+            unit: p.unit,
+            wall_layers: p.wall_layer.unwrap_or_default(),
+            query_layer: p.query_layer,
+            reference_layer: p.reference_layer,
+            view: p.view,
+            level: p.level.unwrap_or_default(),
+            spacing_m: in_range("spacing", p.spacing, SPACING_M[0], SPACING_M[1])?,
+            lattice_centre_m: p.lattice_centre,
+            seed_points: p.seed_point.unwrap_or_default(),
+            backend: p.backend.unwrap_or_default(),
+            threads: p.threads.map(|t| count("threads", t, 1, THREADS_MAX)).transpose()?,
+            seed: seed(p.seed.unwrap_or(1))?,
+            evaluations: p.evaluations,
+            seconds: in_range("seconds", p.seconds, 0.1, 1e6)?,
+            write_every_secs: in_range(
+                "write-every",
+                p.write_every,
+                WRITE_EVERY_SECS[0],
+                WRITE_EVERY_SECS[1],
+            )?,
+            members,
+            mode: p.mode.unwrap_or_default(),
+            method: p.method.unwrap_or_default(),
+            objectives,
+            unsure: p.unsure.unwrap_or_default(),
+            thresholds: p.thresholds.unwrap_or(if is_stated {
+                Thresholds::Firm
+            } else {
+                Thresholds::Yielding
+            }),
+            score,
+            penalties,
+            distance: in_range("distance", Some(p.distance.unwrap_or(D_MIN_DEFAULT)), 0.0, 1.0)?
+                .unwrap_or(D_MIN_DEFAULT),
+            limits: control::limits(p.limit.as_deref().filter(|t| !is_none(t)).unwrap_or_default())?,
+            links: control::links(
+                p.link.as_deref().filter(|l| !l.iter().all(|t| is_none(t))).unwrap_or_default(),
+            )?,
+            snap: p.snap.filter(|t| !is_none(t)).map(|t| control::snap(&t)).transpose()?,
+            most_moves: p.most_moves.map(|n| count("most-moves", n, 1, usize::MAX)).transpose()?,
+            only_marked: p.only_marked.unwrap_or(false),
+            allow: p.allow.as_deref().map_or(Ok(Allow::default()), control::allow)?,
+            least_gain: p.least_gain.as_deref().map_or(Ok(control::LEAST_GAIN), control::share)?,
+            raw: p.raw.unwrap_or(false),
+            until_converged: p.until_converged.unwrap_or(false),
+            pinned,
+            like: p.like,
+            warm: p.warm.unwrap_or_default(),
+            pin_moves: p.pin_moves,
+            warm_moves: p.warm_moves,
+            colours: p.colours.unwrap_or_default(),
+            storey: p.storey,
+            query: p.query,
+            accept_missing_eof: p.accept_missing_eof.unwrap_or(false),
+            beside: Beside::default(),
+            unread: Vec::new(),
+            storey_taken: None,
+            ignore_move_markers: p.ignore_move_markers.unwrap_or(false),
+            moves: p.moves,
+            regions: p.regions,
+            lineage: p.lineage,
+            reading: p.reading,
+        })
+    }
+
+    /// The objectives as `--objective` would say them.
+    pub fn objective_text(&self) -> String {
+        let sense = |is_max| if is_max { "max" } else { "min" };
+        let clause = |o: &ObjectiveSetting| format!("{} {} {}", o.measure, sense(o.is_max), o.threshold);
+        self.objectives.iter().map(clause).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The weights as `--score` would say them.
+    pub fn score_text(&self) -> String {
+        self.score.iter().map(|(m, w)| format!("{m} {w:+}")).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The weights as `--penalty` would say them.
+    pub fn penalty_text(&self) -> String {
+        let terms: Vec<String> = self.penalties.iter().map(|(p, v)| format!("{} {v}", p.name())).collect();
+        if terms.is_empty() { "none".into() } else { terms.join(", ") }
+    }
+
+    /// The hard limits as `--limit` would say them; empty where there are none.
+    pub fn limit_text(&self) -> String {
+        self.limits.iter().map(Limit::to_string).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Whether `score` takes the place of the objectives and the separate penalty.
+    pub fn is_by_score(&self) -> bool {
+        self.objectives.iter().any(|o| o.measure.measure == Measure::Score)
+    }
+}
+
+/// The objectives of the published method.
+const OBJECTIVES_PAPER: &str = "degree max 0.7, depth min 0.7, entropy max 0.7";
+/// Those of the default method, whose gains can be promised: tree depth is a maximum in whole steps, and entropy changes
+/// with the spacing.
+const OBJECTIVES_DEFAULT: &str = "degree max 0.7, mean-depth min 0.7";
+
+fn bad(key: &str, found: &str, expected: &str) -> Error {
+    let text = format!("{key}: found {found}, expected {expected}; nothing was done");
+    Error::usage("settings", Place::default(), text)
+}
+
+fn objectives(text: &str) -> Result<Vec<ObjectiveSetting>, Error> {
+    let expected = format!(
+        "`MEASURE max|min THRESHOLD`, separated by commas; MEASURE is one of {}; with -min, -max or -p1 to -p99 behind \
+         it for other than the mean, and @NAME for the regions of a named pair; THRESHOLD from 0 to 1",
+        Measure::all_names()
+    );
+    let mut out: Vec<ObjectiveSetting> = Vec::new();
+    for clause in clauses(text) {
+        let words: Vec<&str> = clause.split_whitespace().collect();
+        let measure = words.first().and_then(|w| w.parse::<Aim>().ok());
+        let sense = words.get(1).map(|s| s.to_lowercase());
+        let threshold = words.get(2).map_or(Some(THRESHOLD_DEFAULT), |t| t.parse().ok());
+        match (measure, sense.as_deref(), threshold) {
+            (Some(measure), Some(sense @ ("max" | "min")), Some(threshold))
+                if words.len() <= 3 && (0.0..=1.0).contains(&threshold) =>
+            {
+                out.push(ObjectiveSetting { measure, is_max: sense == "max", threshold });
+            }
+            (Some(_), Some("max" | "min"), Some(wrong)) if words.len() <= 3 => {
+                let found = format!("the threshold {wrong} in {clause:?}");
+                return Err(bad("objective", &found, "a share from 0 to 1 of the gain that is reachable"));
+            }
+            _ => return Err(bad("objective", &format!("{clause:?}"), &expected)),
+        }
+    }
+    let twice = (0..out.len()).find(|i| out[..*i].iter().any(|o| o.measure == out[*i].measure));
+    if out.is_empty() || twice.is_some() {
+        return Err(bad("objective", &format!("{text:?}"), "at least one measure, each once"));
+    }
+    if out.iter().any(|o| o.measure.measure == Measure::Score) && out.len() > 1 {
+        return Err(bad("objective", &format!("{text:?}"), "`score` alone: it holds the others"));
+    }
+    Ok(out)
+}
+
+fn score_terms(text: &str) -> Result<Vec<(Aim, f64)>, Error> {
+    if text.trim().is_empty() {
+        return Err(bad("score", "nothing", "measures with weights: `degree +1, depth -1`"));
+    }
+    let mut out = Vec::new();
+    for clause in clauses(text) {
+        let term = clause.split_once(char::is_whitespace).and_then(|(name, weight)| {
+            let measure = name.parse::<Aim>().ok().filter(|a| a.measure.is_of_cells())?;
+            Some((measure, weight.trim().parse::<f64>().ok().filter(|w| w.is_finite())?))
+        });
+        match term {
+            Some((m, w)) if out.iter().all(|(o, _)| *o != m) => out.push((m, w)),
+            _ => {
+                return Err(bad(
+                    "score",
+                    &format!("{clause:?}"),
+                    "`degree +1, depth -1, degree@entrance +1`, each once",
+                ));
+            }
+        }
+    }
+    Ok(out)
+}
+
+fn penalties(text: &str) -> Result<Vec<(Penalty, f64)>, Error> {
+    let names = Penalty::ALL.map(Penalty::name).join(", ");
+    let mut out = Vec::new();
+    for clause in clauses(text).filter(|c| *c != "none") {
+        let term = clause.split_once(char::is_whitespace).and_then(|(name, weight)| {
+            let penalty = Penalty::ALL.into_iter().find(|p| p.name() == name)?;
+            Some((penalty, weight.trim().parse::<f64>().ok().filter(|w| w.is_finite() && *w >= 0.0)?))
+        });
+        match term {
+            Some((p, w)) if out.iter().all(|(o, _)| *o != p) => out.push((p, w)),
+            _ => {
+                let expected =
+                    format!("`NAME WEIGHT` with a weight of 0 or more, each once; names: {names}; or `none`");
+                return Err(bad("penalty", &format!("{clause:?}"), &expected));
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// Largest seed: the largest whole number of a settings file, in which `accept` writes it down.
+pub const SEED_MAX: u64 = i64::MAX as u64;
+
+fn seed(value: u64) -> Result<u64, Error> {
+    match value {
+        0..=SEED_MAX => Ok(value),
+        _ => Err(bad("seed", &value.to_string(), &format!("at most {SEED_MAX}"))),
+    }
+}
+
+/// What lifts a rule taken over from a source farther off.
+pub const NONE: &str = "none";
+
+/// Whether a rule is stated as lifted.
+fn is_none(text: &str) -> bool {
+    matches!(text.trim(), "" | NONE)
+}
+
+fn clauses(text: &str) -> impl Iterator<Item = &str> {
+    text.split(',').map(str::trim).filter(|c| !c.is_empty())
+}

@@ -1,0 +1,267 @@
+//! Evaluation of many layouts of one plan: what never moves is prepared once.
+
+use std::sync::Arc;
+
+use crate::geometry::Segment;
+
+use super::dense::{Broad, Dense, DenseScratch};
+use super::forest::{Initial, tally_of};
+use super::gpu::Gpu;
+use super::gpu::forest::CardForest;
+use super::graph::Graph;
+use super::sampled::Sample;
+use super::visibility::{visibility_graph, visibility_graph_serial};
+use super::{Lattice, Obstacles, Tally};
+
+/// Evaluates layouts that share a lattice and the walls that do not move; share it between threads
+/// and give each thread a [`Scratch`].
+///
+/// Lattices whose box holds up to 4,096 cells are evaluated on dense rows prepared for the fixed walls, larger ones
+/// on their visibility graph under these; those of more than about 20,000 vertices, and coordinates beyond about
+/// 10⁹ m, from scratch.
+pub struct Evaluator {
+    lattice: Arc<Lattice>,
+    fixed: Vec<Segment>,
+    dense: Option<Dense>,
+    /// Where there is no `dense`.
+    broad: Option<Broad>,
+    initial: Tally,
+    initial_components: Vec<u32>,
+    initial_edges: u64,
+    /// Whose trees alone are walked; none: everyone's.
+    sample: Option<Sample>,
+    card: Option<CardForest>,
+}
+
+/// Buffers of one thread.
+pub struct Scratch {
+    obstacles: Obstacles,
+    dense: DenseScratch,
+}
+
+impl Evaluator {
+    /// `fixed` blocks sight in every layout; `initial_moving` is the rest of the initial layout,
+    /// against which cut-off vertices are counted.
+    pub fn new(lattice: Arc<Lattice>, fixed: &[Segment], initial_moving: &Obstacles) -> Self {
+        let mut scratch = Scratch { obstacles: Obstacles::default(), dense: DenseScratch::default() };
+        let (mut dense, mut broad) = (None, None);
+        // What nothing is prepared for needs no graph, which may be large.
+        if Broad::fits(&lattice) {
+            let under_fixed = Obstacles { segments: fixed.to_vec(), blind: Vec::new() };
+            let under_fixed = visibility_graph_serial(&lattice, &under_fixed);
+            dense = Dense::new(&lattice, &under_fixed);
+            broad = if dense.is_none() { Broad::new(&lattice, &under_fixed) } else { None };
+        }
+        let dense = dense.and_then(|mut d| d.set_initial(initial_moving, &mut scratch.dense).then_some(d));
+        let mut new = Self { dense, broad, ..Self::bare(lattice, fixed) };
+        new.begin(initial_moving, None);
+        new
+    }
+
+    /// An evaluator for few layouts, which are measured from scratch: to prepare takes as long as some dozens of them.
+    pub fn unprepared(lattice: Arc<Lattice>, fixed: &[Segment], initial_moving: &Obstacles) -> Self {
+        let mut new = Self::bare(lattice, fixed);
+        new.begin(initial_moving, None);
+        new
+    }
+
+    /// An evaluator for a look at the initial layout alone: trees of about so many roots, drawn by a seed.
+    pub fn sampled(
+        lattice: Arc<Lattice>,
+        fixed: &[Segment],
+        initial_moving: &Obstacles,
+        roots: (usize, u64),
+    ) -> Self {
+        let mut new = Self::bare(lattice, fixed);
+        new.begin(initial_moving, Some(roots));
+        new
+    }
+
+    fn bare(lattice: Arc<Lattice>, fixed: &[Segment]) -> Self {
+        Self {
+            lattice,
+            fixed: fixed.to_vec(),
+            dense: None,
+            broad: None,
+            initial: Tally::default(),
+            initial_components: Vec::new(),
+            initial_edges: 0,
+            sample: None,
+            card: None,
+        }
+    }
+
+    /// Measures the initial layout.
+    fn begin(&mut self, moving: &Obstacles, roots: Option<(usize, u64)>) {
+        let mut scratch = self.scratch();
+        self.fill(moving, &mut scratch);
+        let graph = visibility_graph(&self.lattice, &scratch.obstacles);
+        self.initial_components = graph.components();
+        self.initial_edges = graph.edge_count();
+        let draw =
+            |(roots, seed)| Sample::draw(&self.lattice, &self.initial_components, &moving.blind, roots, seed);
+        self.sample = roots.map(draw);
+        self.initial = self.tally(&graph, moving);
+    }
+
+    fn tally(&self, graph: &Graph, moving: &Obstacles) -> Tally {
+        let initial = Initial { components: &self.initial_components, covered: &moving.blind };
+        let places = self.sample.as_ref().map(|s| s.places.as_slice());
+        tally_of(&self.lattice, graph, places, Some(initial))
+    }
+
+    /// Edges of the initial layout's visibility graph, each pair once.
+    pub fn initial_edges(&self) -> u64 {
+        self.initial_edges
+    }
+
+    /// Component of every vertex in the initial layout.
+    pub fn initial_components(&self) -> &[u32] {
+        &self.initial_components
+    }
+
+    /// Buffers for one thread.
+    pub fn scratch(&self) -> Scratch {
+        Scratch { obstacles: Obstacles::default(), dense: DenseScratch::default() }
+    }
+
+    /// Whose trees are walked, where not everyone's are.
+    pub fn sample(&self) -> Option<&Sample> {
+        self.sample.as_ref()
+    }
+
+    /// The initial layout.
+    pub fn initial(&self) -> &Tally {
+        &self.initial
+    }
+
+    /// The same bits as [`tally`](super::forest::tally) of the whole layout's visibility graph; single-threaded.
+    pub fn evaluate(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
+        let dense = self.dense.as_ref().and_then(|d| d.evaluate(moving, &mut scratch.dense));
+        dense.unwrap_or_else(|| self.evaluate_whole(moving, scratch))
+    }
+
+    /// Measures batches of up to `layouts` on a graphics card from now on, once it has measured the initial
+    /// layout as the cores did.
+    ///
+    /// # Errors
+    /// Why the card cannot, in words for the report; the cores go on.
+    pub fn attach(&mut self, gpu: Arc<Gpu>, initial_moving: &Obstacles, layouts: u32) -> Result<(), String> {
+        let components = Some(self.initial_components.as_slice());
+        let card = CardForest::new(gpu, Arc::clone(&self.lattice), &self.fixed, components, layouts)?;
+        let found = card.tallies(std::slice::from_ref(initial_moving))?;
+        if found != [self.initial.clone()] {
+            return Err(format!("{} measures the present layout differently", card.gpu().name()));
+        }
+        self.card = Some(card);
+        Ok(())
+    }
+
+    /// The same bits as [`evaluate`](Self::evaluate) of each layout, all at once on the graphics card; none
+    /// without one.
+    ///
+    /// # Errors
+    /// Why the card failed; the cores can still do it.
+    pub fn evaluate_on_card(&self, layouts: &[Obstacles]) -> Option<Result<Vec<Tally>, String>> {
+        self.card.as_ref().map(|card| card.tallies(layouts))
+    }
+
+    fn evaluate_whole(&self, moving: &Obstacles, scratch: &mut Scratch) -> Tally {
+        let shaded = self.broad.as_ref().and_then(|broad| broad.graph(moving, &mut scratch.dense));
+        let graph = shaded.unwrap_or_else(|| {
+            self.fill(moving, scratch);
+            visibility_graph_serial(&self.lattice, &scratch.obstacles)
+        });
+        self.tally(&graph, moving)
+    }
+
+    fn fill(&self, moving: &Obstacles, scratch: &mut Scratch) {
+        let all = &mut scratch.obstacles;
+        all.segments.clear();
+        all.segments.extend_from_slice(&self.fixed);
+        all.segments.extend_from_slice(&moving.segments);
+        all.blind.clone_from(&moving.blind);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::fixtures;
+    use super::super::lanes::Path;
+    use super::*;
+
+    /// Wall ends on halves of a cell of 12 µm, now and then a micrometre beside them.
+    fn segments(most: usize) -> impl Strategy<Value = Vec<Segment>> {
+        let ordinate =
+            (-3i64..54, 0..8u8, -1i64..2).prop_map(|(k, odd, off)| k * 6 + if odd == 0 { off } else { 0 });
+        let point = [ordinate.clone(), ordinate];
+        let segment = (point.clone(), point, 0..4u8).prop_map(|(a, b, kind)| match kind {
+            0 => Segment { a, b: [b[0], a[1]] },
+            1 => Segment { a, b: [a[0], b[1]] },
+            2 => Segment { a, b: [a[0] + (b[1] - a[1]), b[1]] },
+            _ => Segment { a, b },
+        });
+        prop::collection::vec(segment, 0..most)
+    }
+
+    fn stretched(s: Segment, by: i64) -> Segment {
+        let [a, b] = [s.a, s.b].map(|p| [p[0] * by, p[1]]);
+        Segment { a, b }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+        /// Dense rows against the sweep and the waves with every instruction set, on tall and wide grids of one to
+        /// four cache lines a row, lines of one and of two words.
+        #[test]
+        fn evaluates_as_from_scratch(
+            fixed in segments(8),
+            initial in segments(4),
+            layouts in prop::collection::vec((segments(6), prop::collection::vec(0u32..40, 0..3)), 3),
+            size in prop_oneof![3 => (6i32..28, 7i32..28), 1 => (60i32..80, 7i32..9)],
+            holes in any::<u64>(),
+        ) {
+            let wide = |of: Vec<Segment>| of.into_iter().map(|s| stretched(s, if size.0 > 28 { 3 } else { 1 })).collect();
+            let [fixed, initial]: [Vec<Segment>; 2] = [fixed, initial].map(wide);
+            let keep = |c: i32, r: i32| holes.rotate_left((c * 5 + r * 11) as u32 & 63) & 7 != 0;
+            let cells = (0..size.0).flat_map(|c| (0..size.1).map(move |r| [c, r]));
+            let mut lattice = fixtures::lattice(12, [0, 0], cells.filter(|c| keep(c[0], c[1]) || c[0] < 7).collect());
+            lattice.query.retain(|v| v % 3 != 1);
+            lattice.is_reference.iter_mut().enumerate().for_each(|(v, r)| *r = v % 5 != 2);
+            let lattice = Arc::new(lattice);
+            let initial = Obstacles { segments: initial, blind: vec![] };
+            let mut evaluator = Evaluator::new(lattice, &fixed, &initial);
+            prop_assert!(evaluator.dense.is_some());
+            let mut scratch = evaluator.scratch();
+            prop_assert_eq!(&evaluator.evaluate(&initial, &mut scratch), evaluator.initial());
+            for (segments, blind) in layouts {
+                let moving = Obstacles { segments: wide(segments), blind };
+                let whole = evaluator.evaluate_whole(&moving, &mut evaluator.scratch());
+                for path in Path::available() {
+                    evaluator.dense.iter_mut().for_each(|dense| dense.path = path);
+                    prop_assert_eq!(&evaluator.evaluate(&moving, &mut scratch), &whole, "{:?}", path);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn beyond_the_limits_it_evaluates_from_scratch() {
+        let cells: Vec<[i32; 2]> = (0..65).flat_map(|c| (0..65).map(move |r| [c, r])).collect();
+        let lattice = Arc::new(fixtures::lattice(10, [0, 0], cells));
+        let wall = |x: i64| Obstacles { segments: vec![Segment { a: [x, -5], b: [x, 655] }], blind: vec![] };
+        let evaluator = Evaluator::new(lattice.clone(), &[], &wall(55));
+        assert!(evaluator.dense.is_none());
+        let tally = evaluator.evaluate(&wall(66), &mut evaluator.scratch());
+        assert_eq!(tally.degree.len(), lattice.cells.len());
+        let small = Arc::new(fixtures::lattice(10, [0, 0], vec![[0, 0], [3, 0], [0, 4]]));
+        let evaluator = Evaluator::new(small, &[], &wall(55));
+        let far =
+            Obstacles { segments: vec![Segment { a: [-(1 << 60), 5], b: [1 << 60, 5] }], blind: vec![] };
+        let tally = evaluator.evaluate(&far, &mut evaluator.scratch());
+        assert_eq!((tally.depth, tally.disconnected), (vec![1, 0, 1], 4));
+    }
+}

@@ -1,0 +1,94 @@
+//! Visibility-graph analysis: the lattice, who sees whom, the breadth-first forest, the measures.
+//!
+//! Works on whole micrometres and cell numbers only; knows no walls, files or optimisers.
+
+pub mod lattice;
+
+pub use region::Region;
+
+use geometry::{PointUm, Segment};
+
+mod bit_rows;
+mod corners;
+mod dense;
+pub mod evaluator;
+#[cfg(test)]
+pub(crate) mod fixtures;
+pub mod forest;
+pub mod geometry;
+#[cfg(feature = "gpu")]
+pub mod gpu;
+#[cfg(not(feature = "gpu"))]
+#[path = "no_gpu.rs"]
+pub mod gpu;
+mod graph;
+mod halves;
+pub mod interior;
+pub mod isovist;
+mod lanes;
+pub mod measures;
+pub mod paths;
+mod refusal;
+mod region;
+mod relays;
+pub mod sampled;
+mod stars;
+mod strips;
+pub mod through;
+mod tiles;
+pub mod visibility;
+mod walk;
+mod wave;
+
+/// The cells of a study: a square lattice, the vertices `V = V_q ∪ V_r` on it, and both regions.
+///
+/// Cell `[col, row]` has its centre at `origin_um + [col, row] * spacing_um`. Vertices are sorted by
+/// column, then row (depthmapX's `Ref` order); all other arrays index into `cells`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Lattice {
+    /// Distance between neighbouring centres, > 0, micrometres.
+    pub spacing_um: i64,
+    /// Centre of cell `[0, 0]`.
+    pub origin_um: PointUm,
+    /// Column and row of every vertex.
+    pub cells: Vec<[i32; 2]>,
+    /// Vertices of the region of query, ascending.
+    pub query: Vec<u32>,
+    /// Whether each vertex lies in the region of reference.
+    pub is_reference: Vec<bool>,
+}
+
+impl Lattice {
+    /// Centre of vertex `v`.
+    pub fn centre_um(&self, v: usize) -> PointUm {
+        let [c, r] = self.cells[v];
+        [
+            self.origin_um[0] + i64::from(c) * self.spacing_um,
+            self.origin_um[1] + i64::from(r) * self.spacing_um,
+        ]
+    }
+}
+
+/// What one layout does to the query region; everything an objective needs, as integers.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Neighbours within `V_r`, per query vertex.
+    pub degree: Vec<u32>,
+    /// All neighbours, per query vertex.
+    pub degree_all: Vec<u32>,
+    /// Last level that is not empty, per query vertex (0: isolated).
+    pub depth: Vec<u32>,
+    /// Vertices per level 1.. of each query vertex, concatenated; `depth[i]` entries belong to `i`.
+    pub levels: Vec<u32>,
+    /// Σ over query vertices of the vertices reached in the initial layout and not now.
+    pub disconnected: u64,
+}
+
+/// Sight-blocking input of one layout.
+#[derive(Clone, Debug, Default)]
+pub struct Obstacles {
+    /// Segments that block sight, touch counts.
+    pub segments: Vec<Segment>,
+    /// Vertices that see nothing because a solid covers them or a wall that moves stands on them.
+    pub blind: Vec<u32>,
+}

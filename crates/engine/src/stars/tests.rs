@@ -1,0 +1,86 @@
+//! Stars against waves.
+
+use proptest::prelude::*;
+
+use super::super::forest::by_waves;
+use super::super::{Obstacles, fixtures, visibility};
+use super::*;
+use crate::geometry::Segment;
+
+fn ways() -> Vec<Way> {
+    let lanes = |path| [64, 512].map(|lanes| (path, lanes));
+    let all = Path::available().into_iter().flat_map(lanes);
+    all.flat_map(|(path, lanes)| [true, false].map(|by_halls| Way { path, lanes, by_halls, lanes_min: 1 }))
+        .collect()
+}
+
+/// Every way has the levels of waves; without halls it may leave the graph to them.
+fn check(graph: &Graph, roots: &[u32]) -> Result<(), TestCaseError> {
+    let waves = by_waves(Path::Portable, graph, roots, u32::MAX);
+    for way in ways() {
+        match level_counts_by(way, graph, roots) {
+            Some(stars) => prop_assert!(stars == waves, "{:?}", way),
+            None => prop_assert!(!way.by_halls, "{:?}", way),
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    #[test]
+    fn degenerate_plans_have_the_levels_of_waves((lattice, obstacles) in fixtures::plans()) {
+        let graph = visibility::visibility_graph(&lattice, &obstacles);
+        check(&graph, &lattice.query)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 8, ..ProptestConfig::default() })]
+
+    #[test]
+    fn mazes_have_the_levels_of_waves((lattice, obstacles) in fixtures::mazes(45)) {
+        let graph = visibility::visibility_graph(&lattice, &obstacles);
+        check(&graph, &lattice.query)?;
+        let some: Vec<u32> = lattice.query.iter().copied().filter(|v| v % 7 < 3).rev().collect();
+        check(&graph, &some)?;
+    }
+}
+
+/// Rooms of 8 by 7 cells with doors, where far tiles rest; every way, any number of threads.
+#[test]
+fn rooms_have_the_levels_of_waves() {
+    let (lattice, obstacles) = fixtures::rooms(16, 5);
+    let graph = visibility::visibility_graph(&lattice, &obstacles);
+    let waves = by_waves(Path::Portable, &graph, &lattice.query, u32::MAX);
+    let deepest = waves.iter().map(Vec::len).max();
+    assert!(deepest >= Some(8), "{deepest:?}");
+    for way in ways() {
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let stars = pool.install(|| level_counts_by(way, &graph, &lattice.query));
+            assert!(stars.as_ref() == Some(&waves), "{way:?}");
+        }
+    }
+}
+
+/// A winding corridor there and back: cells of one square lie more than 64 steps apart, and stars without halls must
+/// leave it to the waves.
+#[test]
+fn a_corridor_there_and_back_has_the_levels_of_waves() {
+    let cells: Vec<[i32; 2]> = (0..300).flat_map(|c| (0..8).map(move |r| [c, r])).collect();
+    let between = Segment { a: [-5, 35], b: [2_960, 35] };
+    let wall = |i: i64| {
+        let (low, high) = if i % 2 == 0 { (-1, 25) } else { (5, 34) };
+        [0, 40].map(|up| Segment { a: [i * 10 + 5, low + up], b: [i * 10 + 5, high + up] })
+    };
+    let segments = (0..295).flat_map(wall).chain([between]).collect();
+    let lattice = fixtures::lattice(10, [0, 0], cells);
+    let graph = visibility::visibility_graph(&lattice, &Obstacles { segments, blind: vec![7] });
+    let waves = by_waves(Path::best(), &graph, &lattice.query, u32::MAX);
+    assert!(waves[0].len() > 128, "{}", waves[0].len());
+    let way = |by_halls| Way { path: Path::best(), lanes: 64, by_halls, lanes_min: 1 };
+    assert!(level_counts_by(way(false), &graph, &lattice.query).is_none());
+    assert!(level_counts_by(way(true), &graph, &lattice.query) == Some(waves));
+}

@@ -1,0 +1,193 @@
+//! Minimum passage width: walls that move must not narrow a way between walls below it.
+
+use super::pairs::{Aabb, BoxGrid, sweep};
+use super::{Layout, Meeting, TOUCH_M, WallPiece, distance_to_m, meeting, through_m};
+use enfilade_cad::plane::is_inside_ring;
+use glam::DVec2;
+
+/// Metres by which passages have become too narrow, over all pairs of walls of which one may move.
+///
+/// A passage is the shortest line between two walls where no third wall stands across it. It is too
+/// narrow by what its width lacks to the wanted width; where it was narrower than that before, to the
+/// width it had: what the drawing has is nobody's fault, and the two faces of one wall are no passage.
+/// Two walls that come to touch close the passage, which `disconnection` judges.
+#[derive(Clone, Debug)]
+pub struct Passage {
+    width_m: f64,
+    within: Option<Vec<Vec<DVec2>>>,
+    initial: Vec<WallPiece>,
+    moving: Vec<usize>,
+    fixed: Vec<usize>,
+    fixed_grid: BoxGrid,
+}
+
+impl Passage {
+    /// For a wanted width, metres, > 0; `within`: outlines, metres, plan frame, in one of which a passage must lie or
+    /// reach to count.
+    pub fn new(initial: &Layout<'_>, width_m: f64, within: Option<Vec<Vec<DVec2>>>) -> Self {
+        let pieces = initial.pieces;
+        let (moving, fixed): (Vec<_>, Vec<_>) = (0..pieces.len()).partition(|&i| pieces[i].is_moving);
+        let boxes = fixed.iter().map(|&i| Aabb::of_segment(pieces[i].ends(), width_m)).collect();
+        Self { width_m, within, initial: pieces.to_vec(), moving, fixed, fixed_grid: BoxGrid::new(boxes) }
+    }
+
+    /// The penalty, metres, ≥ 0. `now` lists the pieces of the initial layout in the same order.
+    pub fn measure_m(&self, now: &Layout<'_>) -> f64 {
+        let boxes: Vec<Aabb> =
+            self.moving.iter().map(|&i| Aabb::of_segment(now.pieces[i].ends(), 0.0)).collect();
+        let wide: Vec<Aabb> =
+            self.moving.iter().map(|&i| Aabb::of_segment(now.pieces[i].ends(), self.width_m / 2.0)).collect();
+        let mut sum_m = 0.0;
+        for (k, aabb) in boxes.iter().enumerate() {
+            self.fixed_grid
+                .visit(aabb, |f| sum_m += self.missing_m(now.pieces, self.moving[k], self.fixed[f]));
+        }
+        sweep(&wide, |i, j| sum_m += self.missing_m(now.pieces, self.moving[i], self.moving[j]));
+        sum_m
+    }
+
+    fn missing_m(&self, now: &[WallPiece], i: usize, j: usize) -> f64 {
+        let (p, q) = (&now[i], &now[j]);
+        let is_one = p.nodes.iter().any(|n| q.nodes.contains(n)) || p.solid.is_some() && p.solid == q.solid;
+        let Meeting::Apart(gap_m) = meeting(p.ends(), q.ends()) else { return 0.0 };
+        if is_one || gap_m >= self.width_m {
+            return 0.0;
+        }
+        let was_m = match meeting(self.initial[i].ends(), self.initial[j].ends()) {
+            Meeting::Apart(was_m) => was_m,
+            _ => 0.0,
+        };
+        let missing_m = was_m.min(self.width_m) - gap_m;
+        if missing_m > TOUCH_M && self.counts(p.ends(), q.ends()) && self.is_free(now, i, j) {
+            missing_m
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether the narrow stretch between two walls lies in the outlines or reaches into one.
+    fn counts(&self, p: [DVec2; 2], q: [DVec2; 2]) -> bool {
+        let Some(outlines) = &self.within else { return true };
+        let stretch = self.stretch(p, q);
+        let reaches = |ring: &Vec<DVec2>| {
+            let meets = |s: [DVec2; 2]| sides(ring).any(|r| !matches!(meeting(s, r), Meeting::Apart(_)));
+            sides(&stretch).any(meets)
+                || is_inside_ring(ring, stretch[0])
+                || is_inside_ring(&stretch, ring[0])
+        };
+        outlines.iter().filter(|ring| !ring.is_empty()).any(reaches)
+    }
+
+    /// Where two walls stand nearer than the wanted width, as the ring of the shortest lines from their ends.
+    fn stretch(&self, p: [DVec2; 2], q: [DVec2; 2]) -> [DVec2; 4] {
+        let from = [(p[0], q), (p[1], q), (q[0], p), (q[1], p)].map(|(x, s)| (x, nearest(x, s)));
+        let lines = [from[0], from[1], (from[2].1, from[2].0), (from[3].1, from[3].0)];
+        let along = |line: &(DVec2, DVec2)| line.0.dot(p[1] - p[0]);
+        let narrow = lines.into_iter().filter(|l| l.0.distance(l.1) < self.width_m);
+        let mut narrow: Vec<(DVec2, DVec2)> = narrow.collect();
+        narrow.sort_by(|a, b| along(a).total_cmp(&along(b)));
+        let shortest = shortest(p, q);
+        let first = narrow.first().copied().unwrap_or((shortest[0], shortest[1]));
+        let last = narrow.last().copied().unwrap_or(first);
+        [first.0, last.0, last.1, first.1]
+    }
+
+    /// Whether no third wall stands across the shortest line between two.
+    fn is_free(&self, now: &[WallPiece], i: usize, j: usize) -> bool {
+        let line = shortest(now[i].ends(), now[j].ends());
+        let stands_across = |k: usize| k != i && k != j && through_m(line, now[k].ends()).is_some();
+        let mut free = !self.moving.iter().any(|&k| stands_across(k));
+        if free {
+            self.fixed_grid.visit(&Aabb::of_segment(line, 0.0), |f| free &= !stands_across(self.fixed[f]));
+        }
+        free
+    }
+}
+
+/// The shortest line between two segments that do not meet: one of its ends is an end of a segment.
+fn shortest(p: [DVec2; 2], q: [DVec2; 2]) -> [DVec2; 2] {
+    let lines = [(p[0], q), (p[1], q), (q[0], p), (q[1], p)];
+    let shorter =
+        lines.iter().reduce(|a, b| if distance_to_m(b.1, b.0) < distance_to_m(a.1, a.0) { b } else { a });
+    shorter.map_or([p[0], q[0]], |(x, s)| [*x, nearest(*x, *s)])
+}
+
+/// The point of a segment that is nearest to `x`.
+fn nearest(x: DVec2, s: [DVec2; 2]) -> DVec2 {
+    let along = s[1] - s[0];
+    let square = along.length_squared();
+    let t = if square > 0.0 { ((x - s[0]).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
+    s[0] + along * t
+}
+
+/// The sides of a ring that is not closed by a repeated point.
+fn sides(ring: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> {
+    (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wall(a: [f64; 2], b: [f64; 2], node: u32, is_moving: bool) -> WallPiece {
+        WallPiece { a: a.into(), b: b.into(), nodes: [node, node + 1], is_moving, solid: None, bar: None }
+    }
+
+    /// A fixed wall up to (0, 0), and a moving one that goes on from (x, 0).
+    fn door(x: f64) -> Vec<WallPiece> {
+        vec![wall([-3.0, 0.0], [0.0, 0.0], 0, false), wall([x, 0.0], [4.0, 0.0], 2, true)]
+    }
+
+    fn missing(initial: &[WallPiece], now: &[WallPiece]) -> f64 {
+        Passage::new(&Layout { pieces: initial }, 0.9, None).measure_m(&Layout { pieces: now })
+    }
+
+    #[test]
+    fn a_door_counts_what_it_lacks() {
+        assert!((missing(&door(1.0), &door(0.7)) - 0.2).abs() < 1e-12);
+        assert_eq!(missing(&door(1.0), &door(0.9)), 0.0);
+        assert_eq!(missing(&door(1.0), &door(0.0)), 0.0, "closed is no narrow passage");
+        assert_eq!(missing(&door(0.7), &door(0.7)), 0.0, "as drawn");
+        assert_eq!(missing(&door(0.7), &door(0.8)), 0.0, "wider than drawn");
+        assert!((missing(&door(0.7), &door(0.6)) - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn where_a_place_is_named_passages_elsewhere_do_not_count() {
+        let missing = |place: [f64; 4]| {
+            let [x0, y0, x1, y1] = place;
+            let ring = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(DVec2::from).to_vec();
+            let (initial, now) = (door(1.0), door(0.7));
+            let passage = Passage::new(&Layout { pieces: &initial }, 0.9, Some(vec![ring]));
+            passage.measure_m(&Layout { pieces: &now })
+        };
+        for (place, counts) in [
+            ([-1.0, -1.0, 2.0, 1.0], true),
+            ([0.3, -1.0, 0.4, 1.0], true),
+            ([0.6, -1.0, 2.0, 1.0], true),
+            ([0.8, -1.0, 2.0, 1.0], false),
+            ([-1.0, 0.5, 2.0, 1.0], false),
+        ] {
+            assert_eq!(missing(place) > 0.19, counts, "{place:?}");
+        }
+        // Along two walls side by side the passage is as long as they are.
+        let corridor =
+            |x: f64| vec![wall([0.0, 0.0], [0.0, 9.0], 0, false), wall([x, 9.0], [x, 0.0], 2, true)];
+        for (y, counts) in [(0.2, true), (4.0, true), (8.5, true), (9.5, false)] {
+            let ring = vec![DVec2::new(0.3, y), DVec2::new(0.4, y), DVec2::new(0.4, y + 0.1)];
+            let passage = Passage::new(&Layout { pieces: &corridor(1.0) }, 0.9, Some(vec![ring]));
+            assert_eq!(passage.measure_m(&Layout { pieces: &corridor(0.7) }) > 0.19, counts, "{y}");
+        }
+    }
+
+    #[test]
+    fn behind_a_third_wall_there_is_no_passage() {
+        let with = |x: f64| {
+            let mut all = door(x);
+            all.push(wall([0.3, -1.0], [0.3, 1.0], 4, false));
+            all
+        };
+        // The third wall leaves 0.4 m to the moving end, not the 0.7 m to the fixed one.
+        assert!((missing(&with(1.2), &with(0.7)) - 0.5).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,199 @@
+//! Leaves of doors drawn without their swings: a line, or a slip as thin as a leaf, that hangs at the jamb of a gap in a
+//! wall's face, is as long as that gap is wide, and ends free.
+
+use std::f64::consts::PI;
+
+use glam::DVec2;
+
+use super::axes::Path;
+use super::axes::near::Buckets;
+use enfilade_cad::plane::distance_to_segment;
+
+/// Widths of leaves, metres of a person.
+const LEAF_M: [f64; 2] = [0.55, 1.3];
+
+/// Thickest leaf, metres.
+const THICK_M: f64 = 0.07;
+
+/// Ends nearer than this meet, metres: what a frame or a slip of the hand leaves between them.
+const AT_M: f64 = 0.03;
+
+/// A leaf is as long as its gap is wide, but for what the frame takes, metres.
+const WIDTH_M: f64 = 0.06;
+
+/// How far a leaf stands open, radians.
+const OPEN_RAD: [f64; 2] = [0.4, 2.0];
+
+/// The face goes on beyond the gap in one line: the cosine.
+const ALONG_COS: f64 = 0.985;
+
+/// Shortest piece of face that tells where a gap begins, metres.
+const FACE_MIN_M: f64 = 0.05;
+
+/// How much of a gap beside its jambs is not looked at, metres.
+const FRAME_M: f64 = 0.06;
+
+/// A straight piece.
+#[derive(Clone, Copy)]
+pub(super) struct Piece {
+    pub ends: [DVec2; 2],
+    /// The number of the thing that draws it.
+    pub thing: usize,
+    /// Whether it may be the face of a wall.
+    pub is_wall: bool,
+}
+
+/// Straight pieces by place.
+pub(super) struct Pieces {
+    all: Vec<Piece>,
+    near: Buckets,
+}
+
+impl Pieces {
+    /// Files them.
+    pub fn new(pieces: impl Iterator<Item = Piece>) -> Self {
+        let mut out = Self { all: Vec::new(), near: Buckets::new(0.5) };
+        for piece in pieces.filter(|p| p.ends.iter().all(|e| e.is_finite())) {
+            out.near.add(out.all.len() as u32, &piece.ends);
+            out.all.push(piece);
+        }
+        out
+    }
+
+    /// Those near a box that another thing draws.
+    fn others(&self, lo: DVec2, hi: DVec2, own: usize) -> impl Iterator<Item = Piece> + '_ {
+        let near = self.near.near(lo, hi).into_iter().map(|i| self.all[i as usize]);
+        near.filter(move |p| p.thing != own)
+    }
+
+    /// Those of them that are walls.
+    fn walls(&self, lo: DVec2, hi: DVec2, own: usize) -> impl Iterator<Item = [DVec2; 2]> + '_ {
+        self.others(lo, hi, own).filter(|p| p.is_wall).map(|p| p.ends)
+    }
+
+    /// The swing of the leaf that a thing draws, from where it stands open to where it closes.
+    pub fn swing(&self, paths: &[Path], own: usize) -> Option<Path> {
+        let sides = sides(paths);
+        let ways = sides.iter().flat_map(|[a, b]| [[*a, *b], [*b, *a]]);
+        ways.into_iter().find_map(|[hinge, end]| {
+            let length = hinge.distance(end);
+            let is_free =
+                !self.others(end - AT_M, end + AT_M, own).any(|p| distance_to_segment(end, p.ends) <= AT_M);
+            let tip = if is_free { self.tip(hinge, end, own)? } else { return None };
+            let turn = (end - hinge).angle_to(tip - hinge);
+            let start = if turn > 0.0 { end - hinge } else { tip - hinge };
+            let (start_rad, sweep_rad) = (start.to_angle(), turn.abs());
+            Some(Path::Arc { centre: hinge, radius: length, start_rad, sweep_rad })
+        })
+    }
+
+    /// Where a leaf closes: at the other jamb of the gap that begins at its hinge.
+    fn tip(&self, hinge: DVec2, end: DVec2, own: usize) -> Option<DVec2> {
+        let length = hinge.distance(end);
+        let jambs = self.walls(hinge - AT_M, hinge + AT_M, own);
+        let outs = jambs.filter_map(|s| out_of(s, hinge, AT_M));
+        outs.into_iter().find_map(|out| {
+            let open = out.angle_to(end - hinge).abs();
+            let at = hinge + out * length;
+            let faces = self.walls(at - WIDTH_M, at + WIDTH_M, own);
+            let goes_on = faces.filter_map(|s| out_of(s, at, WIDTH_M)).any(|back| back.dot(out) < -ALONG_COS);
+            let is_leaf = (OPEN_RAD[0]..=OPEN_RAD[1]).contains(&open) && goes_on;
+            (is_leaf && self.is_clear(hinge + out * FRAME_M, at - out * FRAME_M, own)).then_some(at)
+        })
+    }
+
+    fn is_clear(&self, a: DVec2, b: DVec2, own: usize) -> bool {
+        let parts = |[p, q]: [DVec2; 2], [c, d]: [DVec2; 2]| {
+            (d - c).perp_dot(p - c).signum() * (d - c).perp_dot(q - c).signum() < 0.0
+        };
+        // What lies along the gap is its wall's face.
+        let runs_along =
+            |[c, d]: [DVec2; 2]| [c, d].iter().all(|p| (b - a).normalize().perp_dot(*p - a).abs() <= AT_M);
+        let mut others = self.walls(a.min(b), a.max(b), own).filter(|s| !runs_along(*s));
+        !others.any(|s| parts([a, b], s) && parts(s, [a, b]))
+    }
+}
+
+/// The direction in which a piece ends at a place, out of the piece; none for what is too short to tell.
+fn out_of([a, b]: [DVec2; 2], at: DVec2, reach: f64) -> Option<DVec2> {
+    let (far, near) = if a.distance(at) < b.distance(at) { (b, a) } else { (a, b) };
+    (near.distance(at) <= reach && far.distance(near) >= FACE_MIN_M).then(|| (near - far).normalize())
+}
+
+/// The long sides of what may be a leaf: one line, or a slip of four.
+fn sides(paths: &[Path]) -> Vec<[DVec2; 2]> {
+    let lines: Vec<[DVec2; 2]> = paths.iter().map(Path::ends).collect();
+    let is_long = |s: &[DVec2; 2]| (LEAF_M[0]..=LEAF_M[1]).contains(&s[0].distance(s[1]));
+    let is_straight = paths.iter().all(|p| matches!(p, Path::Line { .. }));
+    match lines[..] {
+        _ if !is_straight => Vec::new(),
+        [one] => [one].into_iter().filter(is_long).collect(),
+        [a, b, c, d] => {
+            let [p, q] =
+                if a[0].distance(a[1]) > b[0].distance(b[1]) { [[a, c], [b, d]] } else { [[b, d], [a, c]] };
+            let is_slip = p.iter().all(is_long)
+                && q.iter().all(|s| s[0].distance(s[1]) <= THICK_M)
+                && (p[0][1] - p[0][0]).angle_to(p[1][0] - p[1][1]).abs() < PI / 36.0;
+            if is_slip { p.to_vec() } else { Vec::new() }
+        }
+        _ => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The two faces of a wall along x with a gap of 0.9 m, and what is given beside them, number 9 last.
+    fn closes(leaf: &[[f64; 4]], others: &[[f64; 4]]) -> Option<[i64; 2]> {
+        let piece = |[x0, y0, x1, y1]: [f64; 4], thing: usize| Piece {
+            ends: [DVec2::new(x0, y0), DVec2::new(x1, y1)],
+            thing,
+            is_wall: thing == 0,
+        };
+        let wall = [[0.0, 0.0, 2.0, 0.0], [2.9, 0.0, 5.0, 0.0], [0.0, 0.1, 2.0, 0.1], [2.9, 0.1, 5.0, 0.1]];
+        let caps = [[2.0, 0.0, 2.0, 0.1], [2.9, 0.0, 2.9, 0.1]];
+        let fixed = wall.into_iter().chain(caps).chain(others.iter().copied()).map(|s| piece(s, 0));
+        let own = leaf.iter().map(|s| piece(*s, 9));
+        let paths: Vec<Path> = own.clone().map(|p| Path::Line { a: p.ends[0], b: p.ends[1] }).collect();
+        let Path::Arc { centre, sweep_rad, .. } = Pieces::new(fixed.chain(own)).swing(&paths, 9)? else {
+            return None;
+        };
+        Some([(centre.x * 10.0).round() as i64, sweep_rad.to_degrees().round() as i64])
+    }
+
+    #[test]
+    fn a_leaf_is_as_long_as_the_gap_it_hangs_at() {
+        let slanting = 0.9 * std::f64::consts::FRAC_1_SQRT_2;
+        for (leaf, expected) in [
+            ([2.0, 0.1, 2.0, 1.0], Some([20, 90])),
+            ([2.9, 1.0, 2.9, 0.1], Some([29, 90])),
+            ([2.0, 0.0, 2.0 + slanting, -slanting], Some([20, 45])),
+            ([2.0, 0.1, 2.0, 1.0 + WIDTH_M + 0.02], None),
+            ([2.0, 0.1, 2.0, 0.9 - WIDTH_M], None),
+            ([2.0, 0.1, 2.89, 0.2], None),
+            ([1.5, 0.1, 1.5, 1.0], None),
+        ] {
+            assert_eq!(closes(&[leaf], &[]), expected, "{leaf:?}");
+        }
+        let slip = |t: f64| {
+            [
+                [2.0, 0.1, 2.0, 1.0],
+                [2.0, 1.0, 2.0 + t, 1.0],
+                [2.0 + t, 1.0, 2.0 + t, 0.1],
+                [2.0 + t, 0.1, 2.0, 0.1],
+            ]
+        };
+        assert_eq!(closes(&slip(0.04), &[]), Some([20, 90]));
+        assert_eq!(closes(&slip(0.1), &[]), None);
+    }
+
+    #[test]
+    fn what_ends_at_something_or_hangs_at_no_gap_is_no_leaf() {
+        let leaf = [2.0, 0.1, 2.0, 1.0];
+        // The face of a wall that goes on; a wall in the gap.
+        assert_eq!(closes(&[leaf], &[[2.0, 1.0, 2.1, 1.0]]), None);
+        assert_eq!(closes(&[leaf], &[[2.4, -1.0, 2.4, 1.0]]), None);
+        assert_eq!(closes(&[leaf], &[[5.0, 0.0, 5.0, 1.0]]), Some([20, 90]));
+    }
+}

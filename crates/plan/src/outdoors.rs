@@ -1,0 +1,108 @@
+//! Ground that the drawing says is outdoors: outlines on layers named after terraces, balconies, courtyards.
+
+use super::curve;
+use super::frame::Frame;
+use super::hidden::Hidden;
+use enfilade_cad::drawing::{Drawing, Entity, Format, Shape};
+use enfilade_cad::layers::{base_name, is_word, words};
+use enfilade_engine::geometry::{PointUm, UM_PER_M};
+
+/// Words of layers that hold outlines of open air, lower case; those that begin with `*` may end a longer word.
+const WORDS: &str = "terrace terraces *terrasse terrasses *terrassen terraza terrazas terrazza terrazze terraco terraço \
+                     terras taras balcony balconies *balkon balkone balkons balcon balcons balcones balcone balconi \
+                     varanda varandas patio patios courtyard courtyards innenhof hof cour cortile garden *garten jardin \
+                     jardín giardino porch porches yard テラス バルコニー 庭 阳台 露台 терраса балкон";
+
+/// Smaller outlines are pots, tables and names, m² of a person.
+const AREA_MIN_M2: f64 = 2.0;
+
+/// Most outlines that are looked at.
+const RINGS_MAX: usize = 500;
+
+/// The closed outlines on such layers that are shown and no walls, drawing frame, micrometres.
+pub(super) fn find(
+    drawing: &Drawing,
+    is_wall: impl Fn(usize) -> bool,
+    frame: &Frame,
+    human_scale: f64,
+) -> Vec<Vec<PointUm>> {
+    if drawing.format != Format::Dxf {
+        return Vec::new();
+    }
+    let hidden = Hidden::new(drawing);
+    let is_outline = |(i, e): &(usize, &Entity)| {
+        let is_closed = matches!(e.shape, Shape::Polyline { closed: true, .. } | Shape::Circle { .. });
+        is_closed && !is_wall(*i) && is_outdoors(&e.layer) && !hidden.entity(e)
+    };
+    let shown = drawing.entities.iter().enumerate().filter(is_outline);
+    let rings = shown.map(|(_, e)| curve::trace(&e.shape, frame).points);
+    let least = AREA_MIN_M2 * (human_scale * UM_PER_M).powi(2);
+    rings.filter(|ring| ring.len() > 2 && area(ring) >= least).take(RINGS_MAX).collect()
+}
+
+/// Whether the name of a layer says that what is drawn on it lies in the open air.
+fn is_outdoors(layer: &str) -> bool {
+    let says = |word: &String| WORDS.split_whitespace().any(|known| is_word(word, known));
+    words(base_name(layer)).iter().any(says)
+}
+
+fn area(ring: &[PointUm]) -> f64 {
+    let next = ring.iter().cycle().skip(1);
+    let at = |p: &PointUm| [0, 1].map(|k| (p[k] - ring[0][k]) as f64);
+    let twice: f64 =
+        ring.iter().zip(next).map(|(p, q)| (at(p), at(q))).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum();
+    twice.abs() / 2.0
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use enfilade_cad::drawing::{Editable, SourceRef, Vertex};
+
+    const METRES: Frame = Frame { metres_per_unit: 1.0, origin_um: [0, 0] };
+
+    /// A square on a layer of terraces.
+    fn square(side: f64) -> Entity {
+        let corners = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]];
+        let source = SourceRef {
+            record: 0,
+            handle: None,
+            line: 0,
+            kind: "LWPOLYLINE".into(),
+            layer: "Terrace".into(),
+        };
+        Entity {
+            source,
+            layer: "Terrace".into(),
+            shape: Shape::Polyline {
+                vertices: corners.map(|p| Vertex { at: DVec2::from(p), bulge: 0.0 }).to_vec(),
+                closed: true,
+            },
+            editable: Editable::Free,
+            blocks: Vec::new(),
+            origin: Default::default(),
+        }
+    }
+
+    #[test]
+    fn pots_are_no_terraces_and_more_outlines_than_the_limit_are_not_looked_at() {
+        let least = AREA_MIN_M2.sqrt();
+        let drawing = Drawing::of(vec![square(0.99 * least), square(1.01 * least), square(9.0)]);
+        assert_eq!(find(&drawing, |i| i == 2, &METRES, 1.0).len(), 1);
+        assert_eq!(find(&drawing, |_| false, &METRES, 1.0).len(), 2);
+        let many = Drawing::of(vec![square(3.0); RINGS_MAX + 1]);
+        assert_eq!(find(&many, |_| false, &METRES, 1.0).len(), RINGS_MAX);
+    }
+
+    #[test]
+    fn layers_of_open_air_are_known_by_their_names() {
+        for name in ["Terrace", "A-BALKON", "Dachterrasse", "x$0$PATIO", "BALCONI", "Garten", "阳台"] {
+            assert!(is_outdoors(name), "{name}");
+        }
+        for name in ["Walls", "Decke", "Entrance", "Hofmann", "Yardstick", "0"] {
+            assert!(!is_outdoors(name), "{name}");
+        }
+    }
+}
