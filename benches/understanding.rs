@@ -4,7 +4,7 @@
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
-#[path = "../tests/offices/mod.rs"]
+#[path = "../crates/plan/tests/reading/offices/mod.rs"]
 mod offices;
 
 use std::time::Instant;

@@ -1,0 +1,3 @@
+//! What moves takes with it.
+
+mod mitre;

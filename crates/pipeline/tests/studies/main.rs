@@ -1,0 +1,15 @@
+//! Whole studies, from bytes to what is written.
+
+mod buildings;
+mod gltf;
+mod habits;
+mod ifc;
+mod ifc_marks;
+mod parsers;
+mod plan_hazards;
+mod reference;
+mod sheets;
+mod slips;
+mod strangers;
+mod unsure;
+mod wide;

@@ -1,0 +1,5 @@
+//! Drawings understood as plans.
+
+mod houses_in_blocks;
+mod offices;
+mod understanding;

@@ -1,0 +1,5 @@
+//! Rules of the house, the documents, the samples.
+
+mod documents;
+mod samples;
+mod tidy;

@@ -1,0 +1,16 @@
+//! The program as its users meet it: command line, daemon, page.
+
+mod analyse;
+mod chaos;
+mod cli;
+mod control;
+mod corrections;
+mod daemon;
+mod desk;
+mod jobs;
+mod limits;
+mod page;
+mod real_drawings;
+mod resume;
+mod rounds;
+mod told_moves;
