@@ -4,7 +4,7 @@
 use enfilade_cad::{ReadOptions, read};
 use enfilade_report::Report;
 
-use crate::building;
+use super::building;
 
 const FILE: &str = "fuzz.gltf";
 

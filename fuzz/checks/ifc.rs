@@ -3,7 +3,7 @@
 
 use enfilade_cad::{ifc, plain};
 
-use crate::building;
+use super::building;
 
 const FILE: &str = "fuzz.ifc";
 

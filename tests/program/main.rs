@@ -10,6 +10,7 @@ mod desk;
 mod jobs;
 mod limits;
 mod page;
+mod parsers;
 mod real_drawings;
 mod resume;
 mod rounds;

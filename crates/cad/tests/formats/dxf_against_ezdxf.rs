@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::support::{corpus, read_whole, shared};
 use enfilade_cad::drawing::{Drawing, Shape};

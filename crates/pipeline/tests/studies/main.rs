@@ -5,7 +5,6 @@ mod gltf;
 mod habits;
 mod ifc;
 mod ifc_marks;
-mod parsers;
 mod plan_hazards;
 mod reference;
 mod sheets;

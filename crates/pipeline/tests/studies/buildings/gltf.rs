@@ -10,7 +10,7 @@ use enfilade_report::{Cancel, Report};
 use glam::DVec2;
 use serde_json::{Value, json};
 
-use crate::building;
+use crate::buildings::building;
 
 /// One wall of 4 by 0.2 by 3 m as JSON with its data inside, changed by `change`.
 fn file(change: impl FnOnce(&mut Value)) -> String {

@@ -7,7 +7,7 @@ use enfilade_cad::ifc::{self, ReadOptions};
 use enfilade_report::{Error, Report};
 use glam::DVec2;
 
-use crate::building;
+use crate::buildings::building;
 
 /// One wall of 4 by 0.2 m; `data` adds to the instances or replaces those of the same number.
 fn file(data: &str) -> String {

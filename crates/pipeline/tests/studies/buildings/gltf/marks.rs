@@ -7,7 +7,7 @@ use enfilade_report::Cancel;
 use serde_json::{Value, json};
 
 use super::{assert_says, file, read};
-use crate::building;
+use crate::buildings::building;
 
 /// A scene whose marks are none of moves, or say what stays and can be read, is as without them.
 #[test]

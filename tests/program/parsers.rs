@@ -4,23 +4,22 @@
 
 use std::fs;
 use std::panic::catch_unwind;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-#[path = "../../../../fuzz/checks/building.rs"]
+#[path = "../../fuzz/checks/building.rs"]
 mod building;
-#[path = "../../../../fuzz/checks/dxf_patch.rs"]
+#[path = "../../fuzz/checks/dxf_patch.rs"]
 mod dxf_patch;
-#[path = "../../../../fuzz/checks/dxf_read.rs"]
+#[path = "../../fuzz/checks/dxf_read.rs"]
 mod dxf_read;
-#[path = "../../../../fuzz/checks/gltf.rs"]
+#[path = "../../fuzz/checks/gltf.rs"]
 mod gltf;
-#[path = "../../../../fuzz/checks/ifc.rs"]
+#[path = "../../fuzz/checks/ifc.rs"]
 mod ifc;
-#[path = "../../../../fuzz/checks/words.rs"]
+#[path = "../../fuzz/checks/words.rs"]
 mod words;
 
 /// How long each parser is tried.
