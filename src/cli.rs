@@ -72,6 +72,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Measure the present layout; heat maps go to plan.enfilade/analysis/.
     Analyse(AnalyseArgs),
+    /// Say what one building work would bring: every opening, door, wider door, removal, at its best place.
+    Works(WorksArgs),
     /// Measure over a series of lattice spacings, the drawing as it is and layouts moved at random: how fine the lattice
     /// must be.
     Resolution(ResolutionArgs),
@@ -238,6 +240,22 @@ pub struct AnalyseArgs {
     /// Every pair of cells that see each other as CSV or GeoJSON; - is standard output, as CSV.
     #[arg(long, value_name = "OUT.csv|OUT.geojson")]
     pub edges: Option<PathBuf>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub common: Common,
+}
+
+/// `works`.
+#[derive(Debug, Args)]
+pub struct WorksArgs {
+    /// The drawing.
+    pub file: PathBuf,
+    /// Draw the plan with each wall in the colour of the best that an opening there would bring.
+    #[arg(long, value_name = "OUT.png", value_parser = picture_file)]
+    pub preview: Option<PathBuf>,
+    /// How many works to list, each pair of rooms once.
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<usize>)]
+    pub most: usize,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub common: Common,

@@ -8,6 +8,7 @@ mod limits;
 mod outputs;
 mod telling;
 mod watching;
+mod works;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -78,6 +79,9 @@ fn carry_out(command: Command, cancel: &Cancel) -> Result<u8, Error> {
         }
         Command::Analyse(args) => {
             timed(&args.file, &args.common, None, cancel, |clock, cancel| analyse(&args, clock, cancel))
+        }
+        Command::Works(args) => {
+            timed(&args.file, &args.common, None, cancel, |clock, cancel| works::works(&args, clock, cancel))
         }
         Command::Resolution(args) => {
             timed(&args.file, &args.common, None, cancel, |clock, cancel| resolution(&args, clock, cancel))

@@ -106,6 +106,7 @@ fn inputs_of(command: &Command) -> Vec<&Path> {
         Command::Check(a) => vec![&a.file],
         Command::Analyse(a) => vec![&a.file],
         Command::Resolution(a) => vec![&a.file],
+        Command::Works(a) => vec![&a.file],
         Command::Run(a) => vec![&a.file],
         Command::Accept(a) => vec![&a.file],
         Command::Jobs(a) => a.files.iter().map(PathBuf::as_path).collect(),
@@ -136,6 +137,10 @@ fn outputs_of(command: &Command) -> Vec<Output<'_>> {
             push_common(&mut out, &a.common);
         }
         Command::Resolution(a) => push_common(&mut out, &a.common),
+        Command::Works(a) => {
+            push(&mut out, "--preview", a.preview.as_deref(), false);
+            push_common(&mut out, &a.common);
+        }
         Command::Run(a) => push_common(&mut out, &a.common),
         Command::Jobs(a) => {
             push(&mut out, "--output", a.output.as_deref(), false);

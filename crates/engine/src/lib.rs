@@ -21,7 +21,7 @@ pub mod gpu;
 #[cfg(not(feature = "gpu"))]
 #[path = "no_gpu.rs"]
 pub mod gpu;
-mod graph;
+pub mod graph;
 mod halves;
 pub mod interior;
 pub mod isovist;

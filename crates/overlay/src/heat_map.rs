@@ -114,7 +114,7 @@ fn region_look(kind: RegionKind) -> Option<Look> {
     }
 }
 
-fn draw_foot(canvas: &mut Canvas, frame: &Frame, map: &HeatMap<'_>) {
+pub(super) fn draw_foot(canvas: &mut Canvas, frame: &Frame, map: &HeatMap<'_>) {
     let u = frame.unit_px;
     let [top, left, right] = frame.foot();
     let wide = (430.0 * u).min((right - left) * 0.42);

@@ -24,6 +24,7 @@ pub mod picture;
 pub mod reading;
 pub mod result;
 pub mod words;
+pub mod works;
 
 pub use additions::{arrow_additions, heat_additions, heat_legend, moved_additions};
 pub use chart::{Panel, Series, convergence_png, resolution_png};

@@ -28,6 +28,7 @@ mod spacing;
 mod storeys;
 mod study;
 mod traces;
+pub mod works;
 
 use std::borrow::Cow;
 use std::sync::OnceLock;

@@ -1,0 +1,314 @@
+//! `enfilade works`: every building work measured, ranked, the best confirmed.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::estimate::{Sampled, interval};
+use super::lattices;
+use super::reading::names;
+use super::sensed::Sensed;
+use super::show;
+use super::study::{LatticeAt, Study, Use};
+use super::{Input, Outcome, measure};
+use enfilade_config::Settings;
+use enfilade_engine::forest::tally;
+use enfilade_engine::geometry::{Segment, UM_PER_M};
+use enfilade_engine::graph::Graph;
+use enfilade_engine::measures::mean_depth;
+use enfilade_engine::visibility::visibility_graph;
+use enfilade_engine::{Lattice, Obstacles};
+use enfilade_overlay::heat_map::DEFAULT_SIDE_PX;
+use enfilade_overlay::result::{self, Interval};
+use enfilade_overlay::works::{
+    BestEntry, ColouredWall, Effort, RoomEntry, STEPS, VISIBILITY, WORKS_SCHEMA, WorkEntry, WorkGain,
+    WorksResult, works_png,
+};
+use enfilade_plan::Plan;
+use enfilade_report::{Cancel, Error, OutFile};
+use enfilade_works::counts::Present;
+use enfilade_works::rooms::rooms_of;
+use enfilade_works::walls::{Wall, walls};
+use enfilade_works::{Change, Room, Site, Work, WorkKind, works};
+
+/// Works of which steps are counted too: by trees of all cells.
+const WITH_STEPS: usize = 24;
+/// Works that are confirmed on other lattices: those that somebody reads first.
+const CONFIRMED: usize = 6;
+/// Works that are listed at most, allowed and forbidden each: more than anybody reads.
+const LISTED: usize = 200;
+/// How much further the mean of a gain may lie than two lattices show: extrapolation from one spacing to half of it.
+const REACH: f64 = 1.0;
+/// Lattices of either spacing with which somebody else would measure again.
+const AGAIN: f64 = 2.0;
+
+/// Measures all works of a drawing. Files: `works.json`, `works.png`.
+///
+/// # Errors
+/// As [`measure`]; [`Error::Stopped`].
+pub fn works_of(
+    input: &Input<'_>,
+    settings: &Settings,
+    cancel: &Cancel,
+) -> Result<(Outcome<WorksResult>, Study), Error> {
+    let (study, report) = measure(input, settings, None, &mut || {}, cancel)?;
+    let (result, files) = of_study(input, settings, &study, cancel)?;
+    Ok((Outcome { result, files, report }, study))
+}
+
+/// The works of a study, and their files.
+///
+/// # Errors
+/// [`Error::Stopped`]; where the picture cannot be drawn.
+pub fn of_study(
+    input: &Input<'_>,
+    settings: &Settings,
+    study: &Study,
+    cancel: &Cancel,
+) -> Result<(WorksResult, Vec<OutFile>), Error> {
+    let base = &study.base;
+    let sensed = Sensed::new(base, settings);
+    let rooms = rooms(study, settings, &sensed);
+    let walls = walls(&base.plan, &base.axes);
+    let is_kept: Vec<bool> = walls.iter().map(|w| is_kept(&base.plan, w)).collect();
+    let obstacles = study.initial_obstacles();
+    let graph = visibility_graph(&study.lattice, &obstacles);
+    let room_of = rooms_of(&study.lattice, &rooms);
+    let is_query = is_query(&study.lattice);
+    let present = Present {
+        plan: &base.plan,
+        lattice: &study.lattice,
+        obstacles: &obstacles,
+        graph: &graph,
+        rooms: &rooms,
+        room_of: &room_of,
+        is_query: &is_query,
+    };
+    let site = Site { present, axes: &base.axes, walls: &walls, is_kept: &is_kept };
+    let is_stopped = || cancel.check().is_err();
+    let found = works(&site, &is_stopped);
+    cancel.check()?;
+    let listed = listed(&found.works);
+    let entries = entries(study, settings, &site, &listed);
+    cancel.check()?;
+    let single =
+        entries.iter().find(|e| e.is_allowed && e.gain.get(VISIBILITY).is_some_and(|g| g.share > 0.0));
+    let result = WorksResult {
+        schema: WORKS_SCHEMA.into(),
+        version: enfilade_config::VERSION.into(),
+        input: show::input(&base.plan, input),
+        spacing_m: study.spacing_m,
+        cells: study.lattice.cells.len(),
+        rooms: room_entries(&base.plan, &rooms),
+        best: BestEntry { single: single.map(|e| e.id), tried: found.tried, legal: found.legal },
+        works: entries,
+    };
+    let mut files = vec![OutFile::new("works.json", result::to_json(&result)?)];
+    files.push(OutFile::new("works.png", picture(study, &site, &found.works, input)?));
+    Ok((result, files))
+}
+
+/// The rooms with what they are for.
+fn rooms(study: &Study, _settings: &Settings, sensed: &Sensed) -> Vec<Room> {
+    let names = names(&study.base, sensed);
+    let areas = sensed.floor.iter().flat_map(|f| f.rooms.clone());
+    let room = |(i, area)| Room {
+        area,
+        name: names.get(i).cloned().flatten().unwrap_or_default(),
+        kind: String::new(),
+        is_private: false,
+        dwelling: None,
+    };
+    areas.enumerate().map(room).collect()
+}
+
+fn room_entries(plan: &Plan, rooms: &[Room]) -> Vec<RoomEntry> {
+    let m = |v: i64| (v as f64 / UM_PER_M * 1e3).round() / 1e3;
+    let entry = |(i, room): (usize, &Room)| RoomEntry {
+        id: i + 1,
+        name: room.name.clone(),
+        kind: room.kind.clone(),
+        is_private: room.is_private,
+        dwelling: room.dwelling.map(|d| d + 1),
+        area_m2: (room.area.area_m2 * 100.0).round() / 100.0,
+        at: room.area.at.map(m),
+    };
+    let _ = plan;
+    rooms.iter().enumerate().map(entry).collect()
+}
+
+/// Whether a mark keeps a wall: its middle lies in one.
+fn is_kept(plan: &Plan, wall: &Wall) -> bool {
+    let middle = plan.frame.um_from_plan(wall.point(wall.length_m / 2.0, 0.0));
+    plan.markers.keep.iter().any(|r| r.contains(middle))
+}
+
+fn is_query(lattice: &Lattice) -> Vec<bool> {
+    let mut out = vec![false; lattice.cells.len()];
+    lattice.query.iter().for_each(|v| out[*v as usize] = true);
+    out
+}
+
+/// The works to tell of: the best of either sort, in their order.
+fn listed(all: &[Work]) -> Vec<&Work> {
+    let mut left = [LISTED; 2];
+    let take = |w: &&Work| {
+        let left = &mut left[usize::from(w.forbidden_by.is_empty())];
+        let is_taken = *left > 0;
+        *left = left.saturating_sub(1);
+        is_taken
+    };
+    all.iter().filter(take).collect()
+}
+
+fn entries(study: &Study, settings: &Settings, site: &Site<'_>, works: &[&Work]) -> Vec<WorkEntry> {
+    let present = &site.present;
+    let degrees = present.degrees().max(1) as f64;
+    let steps_now = steps(present.lattice, present.graph);
+    let confirmed = confirmed(study, settings, works);
+    // The best of either sort have their steps counted.
+    let mut seen = [0usize; 2];
+    let with_steps: Vec<bool> = works
+        .iter()
+        .map(|w| {
+            let n = &mut seen[usize::from(w.forbidden_by.is_empty())];
+            *n += 1;
+            *n <= WITH_STEPS
+        })
+        .collect();
+    let one = |(i, work): (usize, &&Work)| {
+        let mut gain = BTreeMap::new();
+        let share = work.gained as f64 / degrees;
+        let sure = confirmed.get(&i).copied().map_or(WorkGain { share, low: None, high: None }, |c| c.into());
+        gain.insert(VISIBILITY.to_owned(), sure);
+        if with_steps[i] {
+            let steps = steps(present.lattice, &present.changed(&work.change));
+            if let (Some(now), Some(then)) = (steps_now, steps) {
+                let share = (now - then) / now;
+                gain.insert(STEPS.to_owned(), WorkGain { share, low: None, high: None });
+            }
+        }
+        entry(study, site, i, work, gain)
+    };
+    works.par_iter().enumerate().map(one).collect()
+}
+
+fn entry(
+    study: &Study,
+    site: &Site<'_>,
+    index: usize,
+    work: &Work,
+    gain: BTreeMap<String, WorkGain>,
+) -> WorkEntry {
+    let plan = &study.base.plan;
+    let mm = |v: f64| (v * 1e3).round() / 1e3 + 0.0;
+    let sources = work.walls.iter().flat_map(|w| &site.walls[w.0].records);
+    let mut wall: Vec<result::ElementRef> = Vec::new();
+    for record in sources {
+        let source = plan.walls.iter().map(|w| &w.source).find(|s| s.record == *record);
+        let element = source.map(|s| show::element(plan.format, s));
+        wall.extend(element.filter(|e| !wall.contains(e)));
+    }
+    let mut forbidden_by: Vec<String> = work.forbidden_by.iter().map(|r| r.code().to_owned()).collect();
+    forbidden_by.dedup();
+    WorkEntry {
+        id: index + 1,
+        kind: work.kind.name().into(),
+        wall,
+        stretch: work.stretch.map(|p| plan.frame.drawing_m_from_plan(p).map(mm)),
+        width_m: mm(work.width_m),
+        rooms: work.rooms.map(|r| r.map(|r| r.0 + 1)),
+        gain,
+        effort: Effort { demolished_m: mm(work.demolished_m), built_m: mm(work.built_m) },
+        is_allowed: work.forbidden_by.is_empty(),
+        forbidden_by,
+    }
+}
+
+/// Mean number of steps from a cell to all that it reaches, over the cells of query; `None` without trees.
+fn steps(lattice: &Lattice, graph: &Graph) -> Option<f64> {
+    let tally = tally(lattice, graph, None);
+    let (mut sum, mut count, mut at) = (0.0, 0usize, 0);
+    for &depth in &tally.depth {
+        let levels = &tally.levels[at..at + depth as usize];
+        at += depth as usize;
+        if !levels.is_empty() {
+            sum += mean_depth(levels);
+            count += 1;
+        }
+    }
+    (count > 0 && sum > 0.0).then(|| sum / count as f64)
+}
+
+/// Gains in visibility with their intervals, by the place in the list: the best allowed and the best forbidden, each pair
+/// of rooms once.
+fn confirmed(study: &Study, settings: &Settings, works: &[&Work]) -> BTreeMap<usize, Interval> {
+    let mut chosen: Vec<usize> = Vec::new();
+    for is_allowed in [true, false] {
+        let mut pairs = Vec::new();
+        for (i, w) in works.iter().enumerate() {
+            let mut pair = w.rooms;
+            pair.sort_unstable();
+            let is_small = !matches!(w.kind, WorkKind::Glaze | WorkKind::Remove);
+            let is_new = !pairs.contains(&pair) && is_small;
+            let most = if is_allowed { CONFIRMED } else { CONFIRMED / 2 };
+            if w.forbidden_by.is_empty() == is_allowed && w.gained > 0 && is_new && pairs.len() < most {
+                pairs.push(pair);
+                chosen.push(i);
+            }
+        }
+    }
+    let changes: Vec<&Change> = chosen.iter().map(|i| &works[*i].change).collect();
+    let [coarse, fine] = lattices::confirming(study, settings).map(|at| {
+        let all = at.par_iter().filter_map(|at| on_one(study, settings, *at, &changes));
+        all.collect::<Vec<Vec<f64>>>()
+    });
+    let of = |(k, i): (usize, usize)| {
+        let values = |of: &[Vec<f64>]| Sampled::of(of.iter().map(|l| l[k]).collect());
+        Some((i, interval(&values(&coarse)?, &values(&fine)?, REACH, AGAIN)))
+    };
+    chosen.into_iter().enumerate().filter_map(of).collect()
+}
+
+/// The gain in visibility of each change on one lattice; none where it has no cells.
+fn on_one(study: &Study, settings: &Settings, at: LatticeAt, changes: &[&Change]) -> Option<Vec<f64>> {
+    let on = study.on_lattices(settings, &[at], Use::Few).ok()?;
+    let obstacles = on.initial_obstacles();
+    let degrees = |segments: Vec<Segment>| {
+        let obstacles = Obstacles { segments, blind: obstacles.blind.clone() };
+        let graph = visibility_graph(&on.lattice, &obstacles);
+        let mut sum = 0u64;
+        for &v in &on.lattice.query {
+            graph.for_each_neighbour(v, |u| sum += u64::from(on.lattice.is_reference[u as usize]));
+        }
+        sum as f64
+    };
+    let now = degrees(obstacles.segments.clone());
+    let gain = |c: &&Change| (degrees(c.apply(&obstacles.segments)) - now) / now.max(1.0);
+    Some(changes.iter().map(gain).collect())
+}
+
+/// Every wall in the colour of the best opening in it.
+fn picture(study: &Study, site: &Site<'_>, works: &[Work], input: &Input<'_>) -> Result<Vec<u8>, Error> {
+    let degrees = site.present.degrees().max(1) as f64;
+    let mut best: BTreeMap<usize, (bool, i64)> = BTreeMap::new();
+    for work in works.iter().filter(|w| matches!(w.kind, WorkKind::Open)) {
+        for w in &work.walls {
+            let here = (work.forbidden_by.is_empty(), work.gained);
+            let known = best.entry(w.0).or_insert(here);
+            *known = (*known).max(here);
+        }
+    }
+    let coloured = |(w, (is_allowed, gained)): (&usize, &(bool, i64))| {
+        let wall = &site.walls[*w];
+        ColouredWall {
+            ends: [0.0, wall.length_m].map(|t| wall.point(t, 0.0).to_array()),
+            thickness_m: wall.thickness_m,
+            share: *gained as f64 / degrees,
+            is_allowed: *is_allowed,
+        }
+    };
+    let walls: Vec<ColouredWall> = best.iter().map(coloured).collect();
+    let title = ("What an opening would bring", input.file());
+    works_png(&show::picture(&study.base), &walls, title, DEFAULT_SIDE_PX)
+}

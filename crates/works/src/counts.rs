@@ -1,0 +1,197 @@
+//! What every opening in a wall would bring, by one look through the wall.
+//!
+//! The wall is thought away between two of its places. Who then sees whom and did not before sees through it: the line of
+//! sight crosses its two faces at two places. An opening joins the two if and only if both places lie between its jambs.
+//! So the gain of all openings in the wall, of any place and width, is counted from one list of such pairs: complete, at
+//! the cost of one visibility graph a wall.
+
+use enfilade_engine::geometry::PointUm;
+use enfilade_engine::graph::Graph;
+use enfilade_engine::visibility::visibility_graph;
+use enfilade_engine::{Lattice, Obstacles};
+use enfilade_plan::Plan;
+
+use crate::change::Change;
+use crate::rooms::{Room, RoomId};
+use crate::walls::Wall;
+
+/// Steps of places along a wall, metres of a person (`docs/works.md`).
+pub const STEP_M: f64 = 0.1;
+
+/// Two vertices that see each other through a wall, and where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Through {
+    /// The part of the wall's axis between the two faces that the line of sight crosses, metres along the wall.
+    pub span_m: [f64; 2],
+    /// How many ordered pairs of a vertex of query and one of reference this is: 1 or 2, or 0.
+    pub weight: u32,
+    /// Whether more of a private room is seen from elsewhere.
+    pub is_private: bool,
+}
+
+/// The present layout as it is seen.
+#[derive(Clone, Copy)]
+pub struct Present<'a> {
+    /// Its plan.
+    pub plan: &'a Plan,
+    /// Its cells.
+    pub lattice: &'a Lattice,
+    /// What stops sight.
+    pub obstacles: &'a Obstacles,
+    /// Who sees whom.
+    pub graph: &'a Graph,
+    /// Its rooms.
+    pub rooms: &'a [Room],
+    /// The room of every vertex.
+    pub room_of: &'a [Option<RoomId>],
+    /// Whether each vertex is one of query.
+    pub is_query: &'a [bool],
+}
+
+impl Present<'_> {
+    /// The pairs of the lattice that see each other over what visible pairs there are: the present sum of degrees.
+    pub fn degrees(&self) -> u64 {
+        let mut sum = 0;
+        for &v in &self.lattice.query {
+            self.graph.for_each_neighbour(v, |u| sum += u64::from(self.lattice.is_reference[u as usize]));
+        }
+        sum
+    }
+
+    /// How many ordered pairs show a private room to somebody who is not in it.
+    pub fn shown_private(&self) -> u64 {
+        let mut sum = 0;
+        for u in 0..self.lattice.cells.len() as u32 {
+            self.graph.for_each_neighbour(u, |v| sum += u64::from(self.shows_private(u, v)));
+        }
+        sum
+    }
+
+    /// Whether a view between two vertices shows a private room to somebody who is not in it.
+    fn shows_private(&self, u: u32, v: u32) -> bool {
+        let [a, b] = [u, v].map(|x| self.room_of[x as usize]);
+        let is_private = |r: Option<RoomId>| r.is_some_and(|r| self.rooms[r.0].is_private);
+        a != b && (is_private(a) || is_private(b))
+    }
+
+    fn weight(&self, u: u32, v: u32) -> u32 {
+        let sees = |a: u32, b: u32| self.is_query[a as usize] && self.lattice.is_reference[b as usize];
+        u32::from(sees(u, v)) + u32::from(sees(v, u))
+    }
+
+    /// The graph after a change.
+    pub fn changed(&self, change: &Change) -> Graph {
+        let obstacles = Obstacles {
+            segments: change.apply(&self.obstacles.segments),
+            blind: self.obstacles.blind.clone(),
+        };
+        visibility_graph(self.lattice, &obstacles)
+    }
+
+    /// Everybody who sees somebody through a stretch of a wall once it is gone, and does not see him now.
+    pub fn through(&self, wall: &Wall, stretch_m: [f64; 2]) -> Vec<Through> {
+        let gone = Change { demolished: vec![wall.quad(self.plan, stretch_m)], built: Vec::new() };
+        let graph = self.changed(&gone);
+        let mut out = Vec::new();
+        for u in 0..self.lattice.cells.len() as u32 {
+            if graph.degree(u) == self.graph.degree(u) {
+                continue;
+            }
+            graph.for_each_neighbour(u, |v| {
+                if u < v && !self.graph.sees(u, v) {
+                    let [a, b] = [u, v].map(|x| self.lattice.centre_um(x as usize));
+                    let span_m = crossing(self.plan, wall, a, b);
+                    let (weight, is_private) = (self.weight(u, v), self.shows_private(u, v));
+                    out.push(Through { span_m, weight, is_private });
+                }
+            });
+        }
+        out
+    }
+}
+
+/// Where a line crosses the two faces of a wall, metres along its axis, ascending.
+fn crossing(plan: &Plan, wall: &Wall, a: PointUm, b: PointUm) -> [f64; 2] {
+    let [a, b] = [a, b].map(|p| {
+        let d = plan.frame.plan_from_um(p) - wall.at;
+        [d.dot(wall.along), wall.along.perp_dot(d)]
+    });
+    let half = wall.thickness_m / 2.0;
+    let at = |v: f64| {
+        let share = ((v - a[1]) / (b[1] - a[1])).clamp(0.0, 1.0);
+        a[0] + (b[0] - a[0]) * share
+    };
+    if a[1] == b[1] {
+        return [a[0].min(b[0]), a[0].max(b[0])];
+    }
+    let [s, t] = [at(-half), at(half)];
+    [s.min(t), s.max(t)]
+}
+
+/// What all openings of one width in a wall would bring, by their first jamb.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Counts {
+    /// Pairs gained, ordered, for each place.
+    pub gained: Vec<u64>,
+    /// Those that show a private room.
+    pub private: Vec<u64>,
+}
+
+/// Counts for openings of a width whose first jamb stands at `from_m + k · step_m`, for `places` places. An opening joins
+/// what crosses strictly between its jambs: a line that touches a jamb does not pass.
+pub fn counts(through: &[Through], from_m: f64, step_m: f64, places: usize, width_m: f64) -> Counts {
+    // Rises where places begin to join a pair, falls behind the last.
+    let mut rise = vec![[0i64; 2]; places + 1];
+    for t in through.iter().filter(|t| t.weight > 0 || t.is_private) {
+        // from + k step < span[0] and span[1] < from + k step + width.
+        let last = ((t.span_m[0] - from_m) / step_m).ceil() as i64 - 1;
+        let first = ((t.span_m[1] - width_m - from_m) / step_m).floor() as i64 + 1;
+        let (first, last) = (first.max(0), last.min(places as i64 - 1));
+        if first <= last {
+            let by = [i64::from(t.weight), i64::from(t.is_private) * i64::from(t.weight.max(1))];
+            for k in 0..2 {
+                rise[first as usize][k] += by[k];
+                rise[last as usize + 1][k] -= by[k];
+            }
+        }
+    }
+    let mut sum = [0i64; 2];
+    let (mut gained, mut private) = (Vec::with_capacity(places), Vec::with_capacity(places));
+    for r in &rise[..places] {
+        sum = [sum[0] + r[0], sum[1] + r[1]];
+        gained.push(sum[0].max(0) as u64);
+        private.push(sum[1].max(0) as u64);
+    }
+    Counts { gained, private }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Each place counted for itself gives the same.
+        #[test]
+        fn all_places_at_once_as_one_by_one(
+            pairs in prop::collection::vec((0.0f64..6.0, 0.0f64..2.0, 0u32..3, any::<bool>()), 0..60),
+            width in 1usize..30,
+        ) {
+            let through: Vec<Through> = pairs
+                .iter()
+                .map(|&(s, d, weight, is_private)| Through { span_m: [s, s + d], weight, is_private })
+                .collect();
+            let width = width as f64 * 0.1;
+            let all = counts(&through, 0.35, 0.1, 40, width);
+            for k in 0..40 {
+                let (from, to) = (0.35 + k as f64 * 0.1, 0.35 + k as f64 * 0.1 + width);
+                let joins = |t: &&Through| from < t.span_m[0] - 1e-9 && t.span_m[1] + 1e-9 < to;
+                let least: u64 = through.iter().filter(joins).map(|t| u64::from(t.weight)).sum();
+                let nearly = |t: &&Through| from < t.span_m[0] + 1e-9 && t.span_m[1] - 1e-9 < to;
+                let most: u64 = through.iter().filter(nearly).map(|t| u64::from(t.weight)).sum();
+                prop_assert!((least..=most).contains(&all.gained[k]), "{least} {most} {}", all.gained[k]);
+            }
+        }
+    }
+}
