@@ -18,6 +18,9 @@ use crate::walls::Wall;
 /// Steps of places along a wall, metres of a person (`docs/works.md`).
 pub const STEP_M: f64 = 0.1;
 
+/// A line of sight nearer than this to a jamb touches it, metres: jambs stand on whole micrometres.
+const TOUCH_M: f64 = 1e-7;
+
 /// Two vertices that see each other through a wall, and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Through {
@@ -144,8 +147,8 @@ pub fn counts(through: &[Through], from_m: f64, step_m: f64, places: usize, widt
     let mut rise = vec![[0i64; 2]; places + 1];
     for t in through.iter().filter(|t| t.weight > 0 || t.is_private) {
         // from + k step < span[0] and span[1] < from + k step + width.
-        let last = ((t.span_m[0] - from_m) / step_m).ceil() as i64 - 1;
-        let first = ((t.span_m[1] - width_m - from_m) / step_m).floor() as i64 + 1;
+        let last = ((t.span_m[0] - TOUCH_M - from_m) / step_m).ceil() as i64 - 1;
+        let first = ((t.span_m[1] + TOUCH_M - width_m - from_m) / step_m).floor() as i64 + 1;
         let (first, last) = (first.max(0), last.min(places as i64 - 1));
         if first <= last {
             let by = [i64::from(t.weight), i64::from(t.is_private) * i64::from(t.weight.max(1))];
@@ -186,9 +189,9 @@ mod tests {
             let all = counts(&through, 0.35, 0.1, 40, width);
             for k in 0..40 {
                 let (from, to) = (0.35 + k as f64 * 0.1, 0.35 + k as f64 * 0.1 + width);
-                let joins = |t: &&Through| from < t.span_m[0] - 1e-9 && t.span_m[1] + 1e-9 < to;
+                let joins = |t: &&Through| from < t.span_m[0] - 2e-7 && t.span_m[1] + 2e-7 < to;
                 let least: u64 = through.iter().filter(joins).map(|t| u64::from(t.weight)).sum();
-                let nearly = |t: &&Through| from < t.span_m[0] + 1e-9 && t.span_m[1] - 1e-9 < to;
+                let nearly = |t: &&Through| from < t.span_m[0] && t.span_m[1] < to + 1e-9;
                 let most: u64 = through.iter().filter(nearly).map(|t| u64::from(t.weight)).sum();
                 prop_assert!((least..=most).contains(&all.gained[k]), "{least} {most} {}", all.gained[k]);
             }
