@@ -23,6 +23,16 @@ pub enum Sense {
     Min,
 }
 
+impl Sense {
+    /// The value turned so that more is better (its own inverse).
+    pub fn gain(self, value: f64) -> f64 {
+        match self {
+            Self::Max => value,
+            Self::Min => -value,
+        }
+    }
+}
+
 /// What is wanted of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
